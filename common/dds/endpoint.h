@@ -1,0 +1,76 @@
+#pragma once
+
+#include <dds/dds.h>
+
+#include <functional>
+#include <string>
+
+#include "common/dds/participant.h"
+#include "common/dds/wire.h"
+
+namespace palpate::dds {
+
+/// Quality of service by role; the table with reasons is in endpoint.cpp.
+enum class Qos {
+  kLoop,     ///< best effort, volatile, keep last (a few): HapticPose, Wrench
+  kSession,  ///< reliable, transient-local, keep last 1 per instance: requests and states
+  kStream,   ///< best effort, volatile, keep last 1: ToolState, LoopStatistics
+};
+
+/// Writer of T (an idlc type, see wire.h) on one topic.  Move-only; deletes its entities.
+template <class T>
+class Writer {
+ public:
+  Writer(const Participant& participant, const std::string& topic, Qos qos);
+  Writer() = default;
+  ~Writer();
+  Writer(Writer&& other) noexcept;
+  Writer& operator=(Writer&& other) noexcept;
+
+  /// Real-time where the topic is a loop topic: one dds_write, no allocation of ours.
+  /// Returns false where DDS refuses (out of chunks, say); never throws.
+  bool Write(const T& sample) noexcept;
+  int matched_readers() const noexcept;
+  bool uses_shared_memory() const noexcept;
+  explicit operator bool() const { return writer_ > 0; }
+
+ private:
+  dds_entity_t topic_ = 0;
+  dds_entity_t writer_ = 0;
+};
+
+/// Reader of T.  With a callback, samples are handed over in DDS's own receiving thread as they
+/// arrive (half the round trip of a waitset); else Take() polls.
+template <class T>
+class Reader {
+ public:
+  /// Called once per valid sample, oldest first, in the receiving thread: no blocking, no throw.
+  using Callback = std::function<void(const T&)>;
+
+  Reader(const Participant& participant, const std::string& topic, Qos qos,
+         Callback on_sample = nullptr);
+  Reader() = default;
+  /// Returns only when no callback runs any more.
+  ~Reader();
+  Reader(Reader&& other) noexcept;
+  Reader& operator=(Reader&& other) noexcept;
+
+  /// Takes the oldest sample not yet taken; false where there is none.
+  bool Take(T& sample) noexcept;
+  int matched_writers() const noexcept;
+  bool uses_shared_memory() const noexcept;
+  explicit operator bool() const { return reader_ > 0; }
+
+ private:
+  struct State;  // the callback, at an address that outlives moves
+  dds_entity_t topic_ = 0;
+  dds_entity_t reader_ = 0;
+  State* state_ = nullptr;
+};
+
+/// True once a writer of the topic has been discovered in the participant's domain: only then may a
+/// reader over shared memory be made (each sample from an undiscovered writer leaks a chunk, and
+/// after 257 the reader is dead for ever).
+bool WriterDiscovered(const Participant& participant, const std::string& topic);
+
+}  // namespace palpate::dds

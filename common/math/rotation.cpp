@@ -1,0 +1,60 @@
+#include "common/math/rotation.h"
+
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+/// atan(t) for 0 <= t <= 1: two half-angle steps bring t below 0.2, where the series to t^23 is
+/// exact to rounding.
+double AtanUnit(double t) noexcept {
+  t = t / (1.0 + std::sqrt(1.0 + t * t));
+  t = t / (1.0 + std::sqrt(1.0 + t * t));
+  const double s = t * t;
+  double sum = 0.0;
+  for (int k = 23; k >= 1; k -= 2) sum = 1.0 / k - s * sum;
+  return 4.0 * t * sum;
+}
+
+/// Angle of the vector (c, s), both >= 0 and not both 0, in [0, pi/2].
+double AngleFirstQuadrant(double s, double c) noexcept {
+  constexpr double kHalfPi = 1.57079632679489661923;
+  return s <= c ? AtanUnit(s / c) : kHalfPi - AtanUnit(c / s);
+}
+
+}  // namespace
+
+Quat RotationExp(const Vec3& phi) noexcept {
+  // Half the angle is halved until it is small, the series taken, and the quaternion squared back.
+  Vec3 h = 0.5 * phi;
+  int doublings = 0;
+  while (h.squaredNorm() > 0.0625 && doublings < 64) {
+    h *= 0.5;
+    ++doublings;
+  }
+  const double x = h.squaredNorm();  // (theta/2)^2 <= 1/16
+  // sin(sqrt x)/sqrt x and cos(sqrt x), to x^8 / 17!.
+  double sinc = 0.0;
+  double cosine = 0.0;
+  for (int k = 8; k >= 1; --k) {
+    sinc = (1.0 + sinc) * (-x / ((2.0 * k) * (2.0 * k + 1.0)));
+    cosine = (1.0 + cosine) * (-x / ((2.0 * k - 1.0) * (2.0 * k)));
+  }
+  Quat q(1.0 + cosine, (1.0 + sinc) * h.x(), (1.0 + sinc) * h.y(), (1.0 + sinc) * h.z());
+  for (; doublings > 0; --doublings) q = q * q;
+  const double inverse_norm = 1.0 / std::sqrt(q.squaredNorm());
+  return Quat(q.w() * inverse_norm, q.x() * inverse_norm, q.y() * inverse_norm,
+              q.z() * inverse_norm);
+}
+
+Vec3 RotationLog(const Quat& q) noexcept {
+  const double sign = q.w() < 0.0 ? -1.0 : 1.0;
+  const double s = std::sqrt(q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
+  const double c = sign * q.w();
+  // angle / s -> 2 / c as s -> 0; the ratio is well conditioned down to the smallest s.
+  if (!(s > 1e-150)) return (2.0 * sign) * q.vec();
+  const double scale = 2.0 * sign * AngleFirstQuadrant(s, c) / s;
+  return scale * q.vec();
+}
+
+}  // namespace palpate

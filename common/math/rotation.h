@@ -1,0 +1,19 @@
+#pragma once
+
+#include "common/math/pose.h"
+
+namespace palpate {
+
+// Exponential and logarithm of SO(3) from +, -, *, / and sqrt alone.  libm's sin, cos and atan2
+// differ in the last bit between processors (glibc picks an FMA variant at run time); these do not,
+// so a recorded session replays to the same bits anywhere.
+// Errors: none; finite in, finite out.  Real-time: no allocation, lock, log or clock.
+
+/// Unit quaternion of the rotation vector phi [rad], any length.  Accurate to 4 ulp.
+Quat RotationExp(const Vec3& phi) noexcept;
+
+/// Rotation vector of a unit quaternion, |phi| <= pi.  q and -q give the same vector (the shorter
+/// way round), except at exactly half a turn, where both are shortest and the sign of q decides.
+Vec3 RotationLog(const Quat& q) noexcept;
+
+}  // namespace palpate

@@ -1,0 +1,166 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "common/math/pose.h"
+#include "scenes/sphere_tree.h"
+
+namespace palpate {
+
+/// Why a step is not what was asked for: a bitfield, because several can be true at once.
+/// None of them stops the loop; each is counted and published.
+enum StepFault : std::uint32_t {
+  kFaultNone = 0,
+  /// The pose was not finite or its quaternion had no length.  The graphic tool stays where it was
+  /// and the wrench is zero.  Remedy: mend the device driver.
+  kFaultBadPose = 1u << 0,
+  /// The target lay further than all sub-steps of one cycle reach.  The graphic tool is on its way;
+  /// the wrench is that of the contacts met so far, zero in free space.  No remedy needed.
+  kFaultTargetFar = 1u << 1,
+  /// More pairs within reach than rows fit: the tightest were kept.  Remedy: fewer leaves, or a
+  /// larger StepParameters::max_rows.
+  kFaultRowsFull = 1u << 2,
+  /// The rows contradict each other (a jam): all were relaxed by the same least amount.
+  kFaultJammed = 1u << 3,
+  /// The QP did not end within its iterations; the graphic tool stays where it was, and the wrench
+  /// is the spring's from there.  Should never happen: keep the dump (`palpate-bench qp --dump`).
+  kFaultUnsolved = 1u << 4,
+  // Set by the servo loop (server/session), not by the step:
+  kFaultPoseStale = 1u << 8,      ///< no fresh pose: the wrench decays to zero
+  kFaultPoseRejected = 1u << 9,   ///< the pose was out of sequence or faster than a hand
+  kFaultNotStarted = 1u << 10,    ///< the tool starts inside an object, or no pose came yet
+};
+
+/// A tree placed in the world.  The tree must outlive the call that takes it, no longer.
+struct PlacedTree {
+  const SphereTree* tree = nullptr;
+  Pose X_WB;
+};
+
+/// Constants of the step.  Zero means "derived", by the rule in the comment.
+struct StepParameters {
+  double stiffness = 1000.0;         ///< k_t [N/m], chapter 2.3
+  double torsional_stiffness = 1.0;  ///< k_r [N m/rad]
+  /// Bound on |v| of one sub-step [m]: the chapter's 0.5 m/s for 1 ms.
+  double max_translation = 0.5e-3;
+  /// Bound on |phi| of one sub-step [rad].  0: sqrt(2 e / L) with e = max_truncation and L the
+  /// tool's longest lever arm, so that linearising a rotation is never off by more than e.
+  double max_rotation = 0.0;
+  double max_truncation = 0.5e-6;  ///< [m]
+  int max_substeps = 16;           ///< per cycle; a count, never a clock
+  int max_rows = 16384;
+};
+
+class ObjectForest;  // the scene's objects, in W, as one tree: sphere_tree_query.h
+class ToolTree;      // the tool's tree, its spheres enlarged by what a sub-step can move them
+
+/// What a step needs to know and never changes: one tool against the objects of a scene.
+/// Built when a scene loads; shared by threads.
+class HapticModel {
+ public:
+  /// Throws Error where a tree is empty or not finite.
+  static std::shared_ptr<const ObjectForest> MakeObjects(std::span<const PlacedTree> objects);
+  HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectForest> objects,
+              const StepParameters& parameters);
+  ~HapticModel();
+  HapticModel(HapticModel&&) noexcept;
+
+  const StepParameters& parameters() const { return parameters_; }  ///< derived values filled in
+  const ToolTree& tool() const { return *tool_; }
+  const ObjectForest& objects() const { return *objects_; }
+  /// 3 where the tool is a single sphere (no contact can turn it), else 6.
+  int degrees_of_freedom() const;
+  /// Characteristic length sqrt(k_r / k_t) [m] that makes a rotation a length.
+  double rotation_length() const { return rotation_length_; }
+
+ private:
+  StepParameters parameters_;
+  double rotation_length_ = 0.0;
+  std::unique_ptr<const ToolTree> tool_;
+  std::shared_ptr<const ObjectForest> objects_;
+};
+
+/// A pair of leaves, tool's and object's; the forest numbers the leaves of all objects together.
+struct LeafPair {
+  std::int32_t tool = -1;
+  std::int32_t object = -1;
+  bool operator==(const LeafPair&) const = default;
+};
+
+/// What one step hands to the next: all the memory that the physics has.  Copying it and stepping
+/// again with the same pose gives the same bits.
+struct StepState {
+  Pose X_WG;                             ///< graphic tool
+  std::array<LeafPair, 6> active_pairs;  ///< rows that held it last, the solver's first guess
+  int active = 0;
+};
+
+/// A row of the linearised non-penetration constraint (chapter 2.17) that carries force:
+/// row . [v; phi] >= offset, v of the tool's centroid and phi in W.
+struct ActiveRow {
+  LeafPair pair;
+  Vec3 normal = Vec3::Zero();         ///< n, from object to tool, in W
+  Vec3 lever_cross_normal = Vec3::Zero();  ///< l x n [m], l from the centroid to the leaf's centre
+  Vec3 contact_W = Vec3::Zero();      ///< contact point on the tool's sphere, in W [m]
+  double offset = 0.0;                ///< -gap [m] at X_WG
+  double force = 0.0;                 ///< multiplier >= 0 [N]
+};
+
+/// Result of one step.  force and torque act on the hand, at the tool's centroid, in W.
+struct StepReport {
+  Wrench wrench;
+  Pose X_WG;
+  std::array<ActiveRow, 6> active;  ///< the first `contacts` are set
+  int contacts = 0;
+  std::uint32_t faults = kFaultNone;
+  // Counters and measures of this step.
+  int substeps = 0;
+  int predicted_pairs = 0;    ///< rows of the last sub-step
+  int qp_iterations = 0;      ///< of all sub-steps
+  double truncation = 0.0;    ///< bound on the linearisation error, 1/2 |phi|^2 lever [m], worst
+};
+
+/// Times of the step's stages, for benchmarks: [ns], summed over sub-steps.
+struct StageTimes {
+  std::int64_t prediction = 0, rows = 0, solve = 0, response = 0;
+};
+
+/// Buffers that a step needs, allocated once.  One per thread that steps, of any number of tools of
+/// one model; holds no state from step to step.
+class StepWorkspace {
+ public:
+  explicit StepWorkspace(const HapticModel& model);
+  ~StepWorkspace();
+  StepWorkspace(StepWorkspace&&) noexcept;
+  struct Buffers;
+  Buffers& buffers() { return *buffers_; }
+
+ private:
+  std::unique_ptr<Buffers> buffers_;
+};
+
+/// The haptic step, once per millisecond and tool: finds the pose of the graphic tool nearest to the
+/// haptic tool's without entering an object, and the wrench of the spring between the two.
+/// Chapter 2.3 and 2.4; ARCHITECTURE.md says where the project departs from it.
+/// @param X_WH  haptic tool, of the tool tree's frame.  Non-finite poses set kFaultBadPose.
+/// @param times null in the servo loop; where given, the stages are timed (the result is the same).
+/// Real-time: no allocation, lock, log; a clock only where `times` is given.
+/// Deterministic: equal inputs, equal bits, whatever the build type, SIMD level or thread.
+StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& state,
+                      StepWorkspace& workspace, StageTimes* times = nullptr) noexcept;
+
+/// Where the graphic tool may start for a haptic pose: at X_WH itself if that is free, else at a free
+/// pose near it.
+/// @field depth  distance from X_WH to X_WG [m]; 0 where X_WH is free.
+struct StartPose {
+  Pose X_WG;
+  double depth = 0.0;
+};
+
+/// Resolves a start in penetration.  Not real-time (milliseconds): called before forces begin.
+StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace);
+
+}  // namespace palpate
