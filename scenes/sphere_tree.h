@@ -6,20 +6,9 @@
 #include <vector>
 
 #include "common/math/pose.h"
+#include "scenes/sphere_packet.h"
 
 namespace palpate {
-
-inline constexpr int kTreeArity = 8;
-
-/// Eight sibling nodes as a structure of arrays: one SIMD register per coordinate.  Lanes without a
-/// node hold NaN in every float, so that no comparison with them is ever true, and -1 as child.
-struct alignas(32) SpherePacket {
-  float x[kTreeArity];       ///< node centres, tree frame [m]
-  float y[kTreeArity];
-  float z[kTreeArity];
-  float radius[kTreeArity];  ///< [m], rounded up: the node holds all *leaf spheres* below it
-  std::int32_t child[kTreeArity];  ///< packet index in the next level; in the last level, leaf index
-};
 
 /// Sphere tree of one mesh (chapter 2.2.3).  Every leaf lies at the same depth, and packets are
 /// stored level by level; level 0 is one packet.  Immutable once built; plain data.
@@ -28,7 +17,9 @@ struct SphereTree {
   std::vector<double> leaf_x, leaf_y, leaf_z, leaf_radius;
 
   std::vector<SpherePacket> packets;
-  std::vector<std::int32_t> level_begin;  ///< levels + 1 entries; level l is [begin[l], begin[l+1])
+  /// levels + 1 entries; level l is packets[begin[l] .. begin[l+1]), and a child index counts from
+  /// the beginning of the next level.
+  std::vector<std::int32_t> level_begin;
 
   // Triangles of the source mesh that leaf i stands for: leaf_triangle[leaf_triangle_begin[i] ..
   // leaf_triangle_begin[i+1]).  Every triangle belongs to at least one leaf.
