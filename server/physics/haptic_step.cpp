@@ -90,6 +90,26 @@ Optimum Solve(const HapticModel& model, const Kernels& kernels, const Target& ta
   return optimum;
 }
 
+/// Greatest part, at most 1, of a step that stays inside the bounds that the prediction covers.
+/// With 3 degrees of freedom a rotation moves no sphere and needs no bound.
+double PartWithinBounds(const HapticModel& model, const Vec3& v, const Vec3& phi) {
+  const StepParameters& parameters = model.parameters();
+  const double length = v.norm();
+  double part = 1.0;
+  if (length > parameters.max_translation) part = parameters.max_translation / length;
+  if (model.degrees_of_freedom() == 6) {
+    const double angle = phi.norm();
+    if (angle * part > parameters.max_rotation) part = parameters.max_rotation / angle;
+  }
+  return part;
+}
+
+/// A step that falls short of the optimum aims at this share of the bounds: what is left is for
+/// rows that the last rotation's truncation error left violated.  Those must be made good in full,
+/// or the errors of many short steps would add up; so the short step is a QP of its own, not a
+/// scaled one.
+constexpr double kBoundShare = 0.98;
+
 void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpResult& qp,
                     const Vec3& p_W, const Quat& q_WG, StepReport& report) {
   report.contacts = qp.active;
@@ -127,7 +147,9 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   Vec3 p_G = state.X_WG.p + q_G * reference;
 
   bool arrived = false;
-  for (; report.substeps < parameters.max_substeps && !arrived; ++report.substeps) {
+  for (; report.substeps < parameters.max_substeps && !arrived &&
+         (report.faults & kFaultUnsolved) == 0;
+       ++report.substeps) {
     const Target target = TargetOf(p_G, q_G, p_H, q_H);
     const Mat3 R_WG = q_G.toRotationMatrix();
     buffers.prediction.Predict(model, kernels, R_WG, p_G, rows, times);
@@ -153,14 +175,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
           report.active[static_cast<std::size_t>(i)].pair;
     }
 
-    // The whole step where it stays inside the bounds that the prediction covers, else as much of
-    // it as does: every row holds at 0 and at the optimum, so it holds between them too. With 3
-    // degrees of freedom a rotation moves no sphere and needs no bound.
-    const double v = optimum.v.norm();
-    const double phi = model.degrees_of_freedom() == 6 ? optimum.phi.norm() : 0.0;
-    double part = 1.0;
-    if (v > parameters.max_translation) part = parameters.max_translation / v;
-    if (phi * part > parameters.max_rotation) part = parameters.max_rotation / phi;
+    const double part = PartWithinBounds(model, optimum.v, optimum.phi);
     arrived = part == 1.0;
 
     if (optimum.qp.active == 0) {
@@ -179,11 +194,22 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
       if (model.degrees_of_freedom() == 3) report.wrench.torque.setZero();
     }
     if (optimum.qp.active != 0 || !arrived) {
-      const double turned = part * phi;
+      Vec3 v = optimum.v, phi = optimum.phi;
+      if (!arrived) {
+        const Target nearer{kBoundShare * part * v, kBoundShare * part * phi};
+        const Optimum partial = Solve(model, kernels, nearer, rows, state);
+        report.qp_iterations += partial.qp.iterations;
+        if (partial.qp.status == QpStatus::kIterationLimit) report.faults |= kFaultUnsolved;
+        const double clip = partial.qp.status == QpStatus::kIterationLimit
+                                ? 0.0
+                                : PartWithinBounds(model, partial.v, partial.phi);
+        v = clip * partial.v;
+        phi = clip * partial.phi;
+      }
       report.truncation =
-          std::max(report.truncation, 0.5 * turned * turned * model.tool().max_lever());
-      p_G += part * optimum.v;
-      q_G = (RotationExp(part * optimum.phi) * q_G).normalized();
+          std::max(report.truncation, 0.5 * phi.squaredNorm() * model.tool().max_lever());
+      p_G += v;
+      q_G = (RotationExp(phi) * q_G).normalized();
     }
     clock.Lap(&StageTimes::response);
   }

@@ -1,0 +1,97 @@
+#include <cmath>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "common/math/rotation.h"
+#include "tests/support/step_bench.h"
+
+namespace palpate {
+namespace {
+
+using test::At;
+using test::Bench;
+using test::Floor;
+using test::Random;
+using test::RandomBalls;
+
+/// Hash of every bit of a run of poses and wrenches (FNV-1a, 64 bits).
+class BitHash {
+ public:
+  void Add(const StepReport& report) {
+    AddBytes(report.wrench.force.data(), 3 * sizeof(double));
+    AddBytes(report.wrench.torque.data(), 3 * sizeof(double));
+    AddBytes(report.X_WG.p.data(), 3 * sizeof(double));
+    AddBytes(report.X_WG.q.coeffs().data(), 4 * sizeof(double));
+    AddBytes(&report.faults, sizeof(report.faults));
+  }
+  std::uint64_t value() const { return hash_; }
+
+ private:
+  void AddBytes(const void* data, std::size_t n) {
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < n; ++i) hash_ = (hash_ ^ bytes[i]) * 0x100000001b3ull;
+  }
+  std::uint64_t hash_ = 0xcbf29ce484222325ull;
+};
+
+std::uint64_t GoldenRun() {
+  Random random(59);
+  Bench bench(RandomBalls(random, 150, 0.02, 0.004), RandomBalls(random, 400, 0.05, 0.004));
+  bench.state().X_WG = At(0.0, 0.0, 0.12);
+  BitHash hash;
+  Pose X = At(0.0, 0.0, 0.12), goal = X;
+  for (int i = 0; i < 4000; ++i) {
+    if (i % 250 == 0) {
+      goal.p = random.InCube(0.05);
+      goal.q = random.Rotation();
+    }
+    X.p += 0.02 * (goal.p - X.p);
+    X.q = RotationExp(0.02 * RotationLog(goal.q * X.q.conjugate())) * X.q;
+    hash.Add(bench.Step(X));
+  }
+  return hash.value();
+}
+
+// Debug and Release builds, every SIMD level and every machine give this.  A change of the physics
+// changes it, knowingly; nothing else may.
+constexpr std::uint64_t kGoldenHash = 4062244545822743440u;
+
+TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
+  const Kernels* level[3];
+  const int levels = AvailableKernels(level);
+  const Kernels& chosen = ActiveKernels();
+  for (int k = 0; k < levels; ++k) {
+    UseKernels(*level[k]);
+    EXPECT_EQ(GoldenRun(), kGoldenHash) << level[k]->name;
+  }
+  UseKernels(chosen);
+}
+
+TEST(HapticStepDeterminism, GivesTheGoldenBitsInEveryThread) {
+  std::uint64_t hash[2] = {0, 0};
+  std::thread other([&] { hash[1] = GoldenRun(); });
+  hash[0] = GoldenRun();
+  other.join();
+  EXPECT_EQ(hash[0], kGoldenHash);
+  EXPECT_EQ(hash[1], kGoldenHash);
+}
+
+TEST(HapticStepDeterminism, GivesTheSameBitsFromACopiedState) {
+  Random random(60);
+  Bench bench(RandomBalls(random, 100, 0.02, 0.004), Floor(0.05, 0.004, 0.004));
+  bench.state().X_WG = At(0.0, 0.0, 0.05);
+  StepWorkspace second(bench.model());
+  for (int i = 0; i < 2000; ++i) {
+    Pose X = At(0.0, 1e-3 * std::sin(0.01 * i), 0.05 - 3e-5 * i);
+    X.q = RotationExp(Vec3(1e-3 * i, 0.0, 0.0));
+    StepState copy = bench.state();
+    BitHash a, b;
+    b.Add(HapticStep(bench.model(), X, copy, second));
+    a.Add(bench.Step(X));
+    ASSERT_EQ(a.value(), b.value()) << i;
+  }
+}
+
+}  // namespace
+}  // namespace palpate
