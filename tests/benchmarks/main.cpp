@@ -1,0 +1,25 @@
+#include <cstdio>
+
+#include "common/error.h"
+#include "tests/benchmarks/commands.h"
+
+int main(int argc, char** argv) {
+  CLI::App app("Measurements of Palpate: each command prints a table, and JSON with --json FILE.",
+               "palpate-bench");
+  app.set_version_flag("--version", std::string("palpate-bench ") + PALPATE_VERSION);
+  app.require_subcommand(1);
+  palpate::bench::AddCycle(app);
+  palpate::bench::AddQp(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const palpate::UsageError& error) {
+    std::fprintf(stderr, "palpate-bench: %s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "palpate-bench: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
