@@ -195,8 +195,12 @@ JsonNode JsonNode::Parse(std::string_view text, const std::string& file) {
   return JsonNode(std::move(document), root, "");
 }
 
+std::string JsonNode::Where() const {
+  return document_->file + ":" + std::to_string(value_->line) + (path_.empty() ? "" : ": ") + path_;
+}
+
 void JsonNode::Fail(const std::string& message) const {
-  FailAt(document_->file, value_->line, (path_.empty() ? "" : path_ + ": ") + message);
+  throw Error(Where() + ": " + message);
 }
 
 const Value& JsonNode::Expect(int kind, const char* what) const {

@@ -42,6 +42,7 @@ class JsonNode {
   /// "quaternion_wxyz": [..]}, each optional; other fields are left to the caller's AllowOnly.
   Pose ReadPose() const;
 
+  std::string Where() const;  ///< "file:line: field"
   /// Throws Error "file:line: field: message".
   [[noreturn]] void Fail(const std::string& message) const;
 
