@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "common/math/pose.h"
+
+namespace palpate {
+
+struct Ball {
+  Vec3 centre = Vec3::Zero();
+  double radius = 0.0;
+};
+
+/// Smallest ball that holds all the given balls, to rounding; the list must not be empty.  Grows a
+/// basis of at most four balls by the one that sticks out most, as an LP-type problem (Fischer &
+/// Gärtner, Int. J. Comput. Geom. Appl. 14 (2004) 341-378).
+Ball EnclosingBall(const std::vector<Ball>& balls);
+
+/// Which of many balls is nearest to a point.  Set-up only: not real-time.
+class BallQuery {
+ public:
+  explicit BallQuery(std::vector<Ball> balls);
+
+  struct Hit {
+    std::uint32_t ball = 0;
+    double distance = std::numeric_limits<double>::infinity();  ///< to its surface, < 0 inside
+  };
+  Hit Nearest(const Vec3& p) const;
+
+ private:
+  struct Node {
+    Vec3 min, max;        ///< box of the centres
+    double radius = 0.0;  ///< largest
+    std::int32_t child = -1;
+    std::uint32_t begin = 0, end = 0;
+  };
+  void Build(std::int32_t node);
+  double Bound(const Node& node, const Vec3& p) const;
+
+  std::vector<Ball> balls_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace palpate

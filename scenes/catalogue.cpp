@@ -1,0 +1,143 @@
+#include "scenes/catalogue.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <utility>
+
+#include "common/error.h"
+#include "scenes/json_file.h"
+#include "scenes/mesh_import.h"
+#include "scenes/mesh_report.h"
+#include "scenes/model_files.h"
+#include "scenes/scene_file.h"
+#include "scenes/shapes.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path CatalogueFolder() {
+  if (const char* folder = std::getenv("PALPATE_CATALOGUE")) return folder;
+  const fs::path installed = fs::path(ProgramFolder()) / "../share/palpate/catalogue";
+  std::error_code ignored;
+  return fs::is_directory(installed, ignored) ? installed : fs::path(PALPATE_CATALOGUE_SOURCE);
+}
+
+/// Says which body a complaint is about.
+template <class Work>
+auto About(const std::string& where, Work work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    throw Error(where + ": " + error.what());
+  }
+}
+
+TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir) {
+  switch (source.kind) {
+    case MeshSource::Kind::kBox:
+      return MakeBox(source.size);
+    case MeshSource::Kind::kEllipsoid:
+      return MakeEllipsoid(source.size, source.triangles);
+    case MeshSource::Kind::kSphere:
+      return MakeSphere(source.size.x(), source.triangles);
+    default:
+      break;
+  }
+  const std::string file =
+      source.kind == MeshSource::Kind::kModel ? FindModel(source.what, models_dir) : source.what;
+  TriangleMesh mesh = ImportMesh(file);
+  const MeshReport report = InspectMesh(mesh);
+  if (!report.refusal.empty()) throw Error(file + ": " + report.refusal);
+  PlaceMesh(source.placement, mesh);
+  return mesh;
+}
+
+Body Compile(const BodyDescription& description, const LoadOptions& options) {
+  Body body;
+  body.name = description.name;
+  body.X_WB = description.X_WB;
+  body.mesh = MakeMesh(description.mesh, options.models_dir);
+  if (description.mesh.kind == MeshSource::Kind::kSphere && description.leaves == 1) {
+    body.tree = SingleSphereTree(body.mesh, {Vec3::Zero(), description.mesh.size.x()});
+    return body;
+  }
+  body.tree =
+      BuildSphereTree(body.mesh, description.leaves, [&](std::string_view stage, double fraction) {
+        if (!options.progress) return;
+        options.progress(body.name + ": " + std::string(stage), fraction);
+      });
+  return body;
+}
+
+bool SameGeometry(const BodyDescription& a, const BodyDescription& b) {
+  const MeshSource& m = a.mesh;
+  const MeshSource& n = b.mesh;
+  return a.leaves == b.leaves && m.kind == n.kind && m.what == n.what && m.size == n.size &&
+         m.triangles == n.triangles && m.placement.metres_per_unit == n.placement.metres_per_unit &&
+         m.placement.longest_side == n.placement.longest_side &&
+         m.placement.origin == n.placement.origin;
+}
+
+Scene Compile(const SceneDescription& description, const LoadOptions& options) {
+  Scene scene;
+  scene.name = description.name;
+  scene.coupling = description.coupling;
+  std::vector<std::pair<const BodyDescription*, Body>> done;
+  const auto compile = [&](const BodyDescription& body) {
+    for (const auto& [other, compiled] : done) {
+      if (!SameGeometry(body, *other)) continue;
+      Body copy = compiled;  // two bunnies are built once
+      copy.name = body.name;
+      copy.X_WB = body.X_WB;
+      return copy;
+    }
+    done.emplace_back(&body, About(body.mesh.where, [&] { return Compile(body, options); }));
+    return done.back().second;
+  };
+  for (const BodyDescription& tool : description.tools) scene.tools.push_back(compile(tool));
+  for (const BodyDescription& object : description.objects) {
+    scene.objects.push_back(compile(object));
+  }
+  return scene;
+}
+
+}  // namespace
+
+std::vector<std::string> CatalogueNames() {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(CatalogueFolder(), ignored)) {
+    if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string FindSceneFile(const std::string& name_or_path) {
+  if (name_or_path.find('/') != std::string::npos || fs::path(name_or_path).has_extension()) {
+    return name_or_path;
+  }
+  const fs::path file = CatalogueFolder() / (name_or_path + ".json");
+  std::error_code ignored;
+  if (fs::exists(file, ignored)) return file.string();
+  const std::vector<std::string> names = CatalogueNames();
+  std::string message = "there is no scene \"" + name_or_path + "\"";
+  const std::string_view guess = NearestWord(name_or_path, {names.begin(), names.end()});
+  if (!guess.empty()) message.append("; did you mean \"").append(guess).append("\"?");
+  message += " (in " + CatalogueFolder().string() + ":";
+  for (const std::string& name : names) message += " " + name;
+  throw Error(message + "; a path needs a / or ends with .json)");
+}
+
+Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
+  const std::string file = FindSceneFile(name_or_path);
+  const std::string text = ReadWholeFile(file);
+  const SceneDescription description = ParseScene(text, file);
+  return Compile(description, options);
+}
+
+}  // namespace palpate

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "scenes/scene.h"
+#include "scenes/sphere_tree_builder.h"
+
+namespace palpate {
+
+struct LoadOptions {
+  std::string models_dir;  ///< looked in first for models; empty: model_files.h
+  std::string cache_dir;   ///< empty: $XDG_CACHE_HOME/palpate, else ~/.cache/palpate
+  bool use_cache = true;
+  Progress progress;  ///< stages are "body: stage"; only while something is built
+  /// Told what went wrong and was mended, such as a broken cache file.  Default: to standard error.
+  std::function<void(const std::string&)> warn;
+};
+
+/// Loads a scene by its catalogue name ("bunny-bunny"), or from a scene file (.json) or a bundle
+/// (.palpate).  What must be built is kept in the cache.  Throws Error.
+Scene LoadScene(const std::string& name_or_path, const LoadOptions& options = {});
+
+/// The scene file that a name stands for: NAME.json in $PALPATE_CATALOGUE, else in
+/// ../share/palpate/catalogue from the program, else in the source folder.
+std::string FindSceneFile(const std::string& name_or_path);
+
+/// Names of the catalogue's scenes, sorted.
+std::vector<std::string> CatalogueNames();
+
+}  // namespace palpate

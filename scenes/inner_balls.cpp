@@ -1,0 +1,107 @@
+#include "scenes/inner_balls.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+constexpr double kLatticePoints = 20000.0;  // in the bounding box; what Fill tries to cover
+constexpr double kFilled = 0.5;             // of the spacing: smaller voids count as filled
+
+/// How far the surface lies from the ball at half the spacing from where it should touch.
+double Gap(const Ball& ball, const SurfaceSample& s, double spacing) {
+  const double distance = (s.point - ball.centre).norm();
+  return std::sqrt(distance * distance + 0.25 * spacing * spacing) - ball.radius;
+}
+
+}  // namespace
+
+InnerBalls::InnerBalls(const TriangleMesh&, const MeshReport& report, const MeshQuery& query,
+                       double spacing)
+    : report_(report), query_(query), spacing_(spacing) {
+  const Vec3 extent = report.box_max - report.box_min;
+  largest_ = 0.5 * extent.minCoeff();
+  // An open sheet has no inside: its balls lie behind it, as flat as their spacing needs.
+  if (!report.closed()) largest_ = std::max(largest_, 2.0 * spacing);
+}
+
+Ball InnerBalls::Shrink(const Vec3& point, const Vec3& outward, double depth) const {
+  // The ball of radius r - depth round point - r * outward: at first as large as can be, then as
+  // large as the surface point that stuck in furthest allows, until none sticks in.
+  double r = largest_ + depth;
+  Vec3 centre = point - r * outward;
+  for (int i = 0; i < 50; ++i) {
+    const MeshQuery::Hit hit = query_.Nearest(centre, (r - depth) * (1.0 - 1e-9));
+    if (hit.triangle == MeshQuery::kNone) break;
+    const Vec3 d = hit.point - point;
+    const double below = -outward.dot(d) - depth;
+    if (!(below > 0.0)) break;
+    const double smaller = (d.squaredNorm() - depth * depth) / (2.0 * below);
+    if (!(smaller < r)) break;
+    r = smaller;
+    centre = point - r * outward;
+  }
+  return {centre, query_.Nearest(centre).distance};
+}
+
+Ball InnerBalls::Tangent(const SurfaceSample& s) const {
+  // Next to an edge between two facets of a smooth surface, a ball that touches its facet exactly
+  // is tiny.  Lying a little deeper or leaning with the smooth normal, it may be far larger.
+  Ball best = Shrink(s.point, s.outward, 0.0);
+  double best_gap = Gap(best, s, spacing_);
+  Vec3 smooth = query_.SmoothNormal(s.triangle, s.point);
+  if (smooth.dot(s.outward) < 0.0) smooth = -smooth;
+  for (const Vec3& outward : {s.outward, smooth}) {
+    for (const double depth : {0.003, 0.01, 0.03}) {
+      const Ball ball = Shrink(s.point, outward, depth * spacing_);
+      const double gap = Gap(ball, s, spacing_);
+      if (gap < best_gap) {
+        best_gap = gap;
+        best = ball;
+      }
+    }
+  }
+  return best;
+}
+
+std::vector<Ball> InnerBalls::Fill(const std::vector<Ball>& balls, std::size_t count) const {
+  struct Point {
+    Vec3 at;
+    double bare;  ///< distance to the nearest ball
+  };
+  std::vector<Point> points;
+  const BallQuery covered(balls);
+  const Vec3 extent = report_.box_max - report_.box_min;
+  const double step = std::cbrt(extent.cwiseMax(0.01 * extent.maxCoeff()).prod() / kLatticePoints);
+  for (double x = 0.5 * step; x < extent.x(); x += step) {
+    for (double y = 0.5 * step; y < extent.y(); y += step) {
+      for (double z = 0.5 * step; z < extent.z(); z += step) {
+        const Vec3 p = report_.box_min + Vec3(x, y, z);
+        if (query_.Inside(p) == report_.inside_out()) continue;
+        points.push_back({p, covered.Nearest(p).distance});
+      }
+    }
+  }
+  std::vector<Ball> added;
+  while (added.size() < count && !points.empty()) {
+    const Point worst =
+        *std::max_element(points.begin(), points.end(),
+                          [](const Point& a, const Point& b) { return a.bare < b.bare; });
+    if (!balls.empty() && worst.bare < kFilled * spacing_) break;
+    const MeshQuery::Hit hit = query_.Nearest(worst.at);
+    Ball ball{worst.at, hit.distance};
+    if (hit.distance > 0.0) {
+      const Ball grown = Shrink(hit.point, (hit.point - worst.at) / hit.distance, 0.0);
+      if (grown.radius > ball.radius) ball = grown;
+    }
+    if (!(ball.radius > 0.0)) break;
+    added.push_back(ball);
+    for (Point& p : points) p.bare = std::min(p.bare, (p.at - ball.centre).norm() - ball.radius);
+    // With no ball yet, any point is infinitely bare: one ball is the most that can be told.
+    std::erase_if(points, [](const Point& p) { return p.bare <= 0.0; });
+  }
+  return added;
+}
+
+}  // namespace palpate

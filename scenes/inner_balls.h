@@ -1,0 +1,38 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "scenes/ball.h"
+#include "scenes/mesh_query.h"
+#include "scenes/mesh_report.h"
+#include "scenes/surface_samples.h"
+
+namespace palpate {
+
+/// Large balls that lie inside a mesh and touch it.  Set-up only.
+class InnerBalls {
+ public:
+  /// @param spacing  distance between neighbouring balls' touching points [m], which decides how
+  ///                 a ball that touches exactly is weighed against a flatter one a little deeper.
+  InnerBalls(const TriangleMesh& mesh, const MeshReport& report, const MeshQuery& query,
+             double spacing);
+
+  /// The ball that covers the surface round a sample best.  Shrinking ball (Ma, Bae & Choi, Vis.
+  /// Comput. 28 (2012) 7-19), against the triangles themselves instead of a point cloud.
+  Ball Tangent(const SurfaceSample& sample) const;
+
+  /// Balls to add to `balls` until every point well inside lies in one, at most `count`, the most
+  /// useful first: each is the maximal inner ball through the point furthest from all others.
+  std::vector<Ball> Fill(const std::vector<Ball>& balls, std::size_t count) const;
+
+ private:
+  Ball Shrink(const Vec3& point, const Vec3& outward, double depth) const;
+
+  const MeshReport& report_;
+  const MeshQuery& query_;
+  double spacing_;
+  double largest_;  ///< no inner ball of a closed mesh is larger [m]
+};
+
+}  // namespace palpate

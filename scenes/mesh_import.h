@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "scenes/scene.h"
+
+namespace palpate {
+
+/// Reads a mesh in the file's own unit and frame: OBJ, STL, PLY, 3DS, glTF (.gltf, .glb), each also
+/// gzipped (.gz), except for glTF whose data stand in a second file.  Polygons become triangles,
+/// a file's many parts one mesh, and corners at the same place one vertex.
+/// Throws Error with the reason and a remedy.  The mesh is not judged yet: see mesh_report.h.
+TriangleMesh ImportMesh(const std::string& file);
+
+/// How a mesh comes from its file's unit and frame into the scene's, in metres.
+struct MeshPlacement {
+  enum class Origin {
+    kFile,       ///< as in the file
+    kBoxCentre,  ///< centre of the bounding box
+    kCentroid,   ///< centre of the solid's volume; of the surface where the mesh is open
+  };
+  double metres_per_unit = 1.0;        ///< not used where longest_side is given
+  std::optional<double> longest_side;  ///< of the bounding box, after scaling [m]
+  Origin origin = Origin::kBoxCentre;
+};
+
+/// Scales and centres.  The mesh must have an extent (mesh_report.h).
+void PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh);
+
+}  // namespace palpate

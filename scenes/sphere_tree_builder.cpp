@@ -1,0 +1,174 @@
+#include "scenes/sphere_tree_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <utility>
+#include <vector>
+
+#include "common/error.h"
+#include "scenes/inner_balls.h"
+#include "scenes/mesh_query.h"
+#include "scenes/mesh_report.h"
+#include "scenes/sphere_hierarchy.h"
+#include "scenes/surface_samples.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kCandidatesPerLeaf = 5;  // Yuksel's advice
+constexpr std::size_t kFewestCandidates = 2000;
+constexpr double kEvenShare = 0.8;    // of the leaves: touching points spread evenly
+constexpr double kInsideShare = 0.1;  // at most
+
+/// Surface samples and how far each lies from the nearest ball, kept as balls are added.
+class Bareness {
+ public:
+  Bareness(const std::vector<SurfaceSample>& samples, const std::vector<LeafBall>& leaves)
+      : samples_(samples), distance_(samples.size()) {
+    std::vector<Ball> balls;
+    for (const LeafBall& leaf : leaves) balls.push_back(leaf.ball);
+    const BallQuery query(std::move(balls));
+    // The samples as degenerate triangles would do for a box tree, but a sort along one axis is
+    // enough: a ball reaches few of them.
+    for (std::uint32_t i = 0; i < samples.size(); ++i) {
+      distance_[i] = query.Nearest(samples[i].point).distance;
+      largest_ = std::max(largest_, distance_[i]);
+      along_.push_back({samples[i].point.x(), i});
+    }
+    std::sort(along_.begin(), along_.end());
+  }
+
+  double operator[](std::uint32_t sample) const { return distance_[sample]; }
+
+  void Add(const Ball& ball) {
+    const double reach = ball.radius + largest_;
+    auto it = std::lower_bound(along_.begin(), along_.end(),
+                               std::pair<double, std::uint32_t>(ball.centre.x() - reach, 0u));
+    for (; it != along_.end() && it->first <= ball.centre.x() + reach; ++it) {
+      const double d = (samples_[it->second].point - ball.centre).norm() - ball.radius;
+      distance_[it->second] = std::min(distance_[it->second], d);
+    }
+  }
+
+ private:
+  const std::vector<SurfaceSample>& samples_;
+  std::vector<double> distance_;
+  double largest_ = 0.0;
+  std::vector<std::pair<double, std::uint32_t>> along_;
+};
+
+/// Adds `count` tangent balls where the surface is barest.
+void CoverBarest(const std::vector<SurfaceSample>& samples, const InnerBalls& inner, double spacing,
+                 std::size_t count, std::vector<LeafBall>& leaves) {
+  Bareness bare(samples, leaves);
+  std::priority_queue<std::pair<double, std::uint32_t>> worst;
+  for (std::uint32_t i = 0; i < samples.size(); ++i) worst.push({bare[i], i});
+  std::vector<Ball> known(samples.size());
+  while (count > 0) {
+    const auto [score, i] = worst.top();
+    worst.pop();
+    if (known[i].radius == 0.0) known[i] = inner.Tangent(samples[i]);
+    // A ball in a sharp edge is as small as its distance from the edge, and covers little.
+    const double now = bare[i] * std::min(1.0, known[i].radius / spacing);
+    if (now < score && !(worst.empty() || now >= worst.top().first)) {
+      worst.push({now, i});
+      continue;
+    }
+    leaves.push_back({known[i], samples[i].point});
+    bare.Add(known[i]);
+    worst.push({0.0, i});  // last resort, should all samples be taken
+    --count;
+  }
+}
+
+/// Gives every leaf the triangles that it stands for: those that lie nearest to it, told by points
+/// all over the surface, of which every triangle has at least one.
+void ShareOutTriangles(const TriangleMesh& mesh, const std::vector<SurfaceSample>& samples,
+                       SphereTree& tree) {
+  std::vector<Ball> balls;
+  for (std::size_t i = 0; i < tree.leaves(); ++i) {
+    balls.push_back({{tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]}, tree.leaf_radius[i]});
+  }
+  const BallQuery query(std::move(balls));
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  // leaf, triangle
+  pairs.reserve(samples.size() + mesh.triangles.size());
+  for (const SurfaceSample& s : samples) pairs.push_back({query.Nearest(s.point).ball, s.triangle});
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [i, j, k] = mesh.triangles[t];
+    const Vec3 middle = (mesh.vertices[i] + mesh.vertices[j] + mesh.vertices[k]) / 3.0;
+    pairs.push_back({query.Nearest(middle).ball, t});
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  tree.leaf_triangle_begin.assign(tree.leaves() + 1, 0);
+  for (const auto& [leaf, triangle] : pairs) {
+    ++tree.leaf_triangle_begin[leaf + 1];
+    tree.leaf_triangle.push_back(triangle);
+  }
+  for (std::size_t i = 0; i < tree.leaves(); ++i) {
+    tree.leaf_triangle_begin[i + 1] += tree.leaf_triangle_begin[i];
+  }
+}
+
+MeshReport RequireRenderable(const TriangleMesh& mesh) {
+  MeshReport report = InspectMesh(mesh);
+  if (!report.refusal.empty()) throw Error(report.refusal);
+  return report;
+}
+
+}  // namespace
+
+SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Progress& progress) {
+  if (count == 0) throw Error("a sphere tree of 0 leaves is not possible; ask for at least 1");
+  const auto tell = [&](std::string_view stage, double fraction) {
+    if (progress) progress(stage, fraction);
+  };
+  tell("inspecting", 0.0);
+  const MeshReport report = RequireRenderable(mesh);
+  const MeshQuery query(mesh);
+
+  tell("scattering samples", 0.05);
+  const std::vector<SurfaceSample> samples =
+      ScatterSamples(mesh, report, query, std::max(kCandidatesPerLeaf * count, kFewestCandidates));
+  const auto even = static_cast<std::size_t>(kEvenShare * static_cast<double>(count));
+  const double spacing = 2.0 * PoissonRadius(report.area, std::max<std::size_t>(even, 1));
+  const InnerBalls inner(mesh, report, query, spacing);
+
+  tell("touching balls", 0.1);
+  std::vector<LeafBall> leaves;
+  if (even > 0) {
+    for (std::uint32_t i : ThinOut(samples, even, report.area)) {
+      leaves.push_back({inner.Tangent(samples[i]), samples[i].point});
+      if (leaves.size() % 256 == 0) tell("touching balls", 0.1 + 0.4 * leaves.size() / even);
+    }
+  }
+
+  tell("filling the inside", 0.5);
+  std::vector<Ball> balls;
+  for (const LeafBall& leaf : leaves) balls.push_back(leaf.ball);
+  const auto inside = static_cast<std::size_t>(std::ceil(kInsideShare * double(count)));
+  for (const Ball& ball : inner.Fill(balls, std::min(inside, count - leaves.size()))) {
+    leaves.push_back({ball, query.Nearest(ball.centre).point});
+  }
+
+  tell("covering the barest places", 0.6);
+  CoverBarest(samples, inner, spacing, count - leaves.size(), leaves);
+
+  tell("arranging the tree", 0.8);
+  SphereTree tree = ArrangeLeaves(leaves).tree;
+  tell("sharing out triangles", 0.9);
+  ShareOutTriangles(mesh, samples, tree);
+  tree.centroid = report.centroid;
+  tell("done", 1.0);
+  return tree;
+}
+
+SphereTree SingleSphereTree(const TriangleMesh& mesh, const Ball& ball) {
+  SphereTree tree = ArrangeLeaves({{ball, ball.centre}}).tree;
+  ShareOutTriangles(mesh, {}, tree);
+  tree.centroid = ball.centre;
+  return tree;
+}
+
+}  // namespace palpate
