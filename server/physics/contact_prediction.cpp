@@ -8,10 +8,11 @@ ContactPrediction::ContactPrediction(const HapticModel& model)
     : query_(model.tool(), model.objects()) {}
 
 void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
-                                const Vec3& p_W, ContactRows& rows, StageTimes* times) noexcept {
+                                const Vec3& p_W, const StepBounds& bounds, ContactRows& rows,
+                                StageTimes* times) noexcept {
   rows.Clear();
   StageClock clock(times);
-  query_.Run(kernels, R_WG, p_W, [&](const NodePair* pairs, int count) {
+  query_.Run(kernels, R_WG, p_W, bounds, [&](const NodePair* pairs, int count) {
     clock.Lap(&StageTimes::prediction);
     rows.Add(kernels, model.tool().leaves().data(), model.objects().leaves().data(), R_WG, p_W,
              pairs, count);

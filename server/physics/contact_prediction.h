@@ -7,9 +7,9 @@ namespace palpate {
 
 /// Contact constraint prediction (CCP, chapter 2.3.4): the rows that the next sub-step has to
 /// respect. The chapter enlarges every sphere of the graphic tool by one delta, from the hand's
-/// speed.  Here sphere i grows by delta_i = max_translation + max_rotation * |l_i|, and the
-/// sub-step is held inside those two bounds: no pair that is left out can then collide in it,
-/// whatever the hand does.
+/// speed.  Here sphere i grows by delta_i = bounds.translation + bounds.rotation * |l_i|, and the
+/// sub-step is held inside those bounds: no pair that is left out can collide in it, however far
+/// off the hand is.
 class ContactPrediction {
  public:
   ContactPrediction(const HapticModel& model);
@@ -17,7 +17,7 @@ class ContactPrediction {
   /// Fills `rows` for the graphic tool at R_WG with its reference point at p_W.
   /// Where `times` is given, adds to its prediction and rows stages.  Real-time.
   void Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
-               ContactRows& rows, StageTimes* times) noexcept;
+               const StepBounds& bounds, ContactRows& rows, StageTimes* times) noexcept;
 
  private:
   PairQuery query_;

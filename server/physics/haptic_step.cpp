@@ -39,8 +39,8 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectFor
     parameters_.max_rotation = std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), 0.1);
   }
   tool_ =
-      std::make_unique<const ToolTree>(tool, parameters_.max_translation, parameters_.max_rotation,
-                                       objects_->center().norm() + objects_->radius());
+      std::make_unique<const ToolTree>(
+      tool, objects_->center().norm() + objects_->radius());
 }
 
 HapticModel::~HapticModel() = default;
@@ -90,17 +90,33 @@ Optimum Solve(const HapticModel& model, const Kernels& kernels, const Target& ta
   return optimum;
 }
 
+/// Bounds of a cycle's first sub-step: what the hand moved, and half as much again.  A step nearest
+/// to the hand's moves no further than the hand does while the same contacts hold; where it does (a
+/// ledge ends, a jump), the sub-steps after it have wider bounds.  Tight bounds mean few rows.
+StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) {
+  const StepParameters& parameters = model.parameters();
+  const double rho = model.rotation_length();
+  const double v = hand_step.v.norm(), phi = hand_step.phi.norm();
+  return {std::min(1.5 * (v + 0.5 * rho * phi) + 0.04 * parameters.max_translation,
+                   parameters.max_translation),
+          std::min(1.5 * (phi + 0.5 * v / rho) + 0.04 * parameters.max_rotation,
+                   parameters.max_rotation)};
+}
+
+StepBounds Wider(const HapticModel& model, const StepBounds& bounds) {
+  const StepParameters& parameters = model.parameters();
+  return {std::min(4.0 * bounds.translation, parameters.max_translation),
+          std::min(4.0 * bounds.rotation, parameters.max_rotation)};
+}
+
 /// Greatest part, at most 1, of a step that stays inside the bounds that the prediction covers.
 /// With 3 degrees of freedom a rotation moves no sphere and needs no bound.
-double PartWithinBounds(const HapticModel& model, const Vec3& v, const Vec3& phi) {
-  const StepParameters& parameters = model.parameters();
-  const double length = v.norm();
+double PartWithin(const StepBounds& bounds, int degrees_of_freedom, const Vec3& v,
+                  const Vec3& phi) {
+  const double length = v.norm(), angle = phi.norm();
   double part = 1.0;
-  if (length > parameters.max_translation) part = parameters.max_translation / length;
-  if (model.degrees_of_freedom() == 6) {
-    const double angle = phi.norm();
-    if (angle * part > parameters.max_rotation) part = parameters.max_rotation / angle;
-  }
+  if (length > bounds.translation) part = bounds.translation / length;
+  if (degrees_of_freedom == 6 && angle * part > bounds.rotation) part = bounds.rotation / angle;
   return part;
 }
 
@@ -146,13 +162,15 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   Quat q_G = state.X_WG.q;
   Vec3 p_G = state.X_WG.p + q_G * reference;
 
+  StepBounds bounds = FirstBounds(model, TargetOf(state.X_WH * reference, state.X_WH.q, p_H, q_H));
+  state.X_WH = {X_WH.p, q_H};
   bool arrived = false;
   for (; report.substeps < parameters.max_substeps && !arrived &&
          (report.faults & kFaultUnsolved) == 0;
        ++report.substeps) {
     const Target target = TargetOf(p_G, q_G, p_H, q_H);
     const Mat3 R_WG = q_G.toRotationMatrix();
-    buffers.prediction.Predict(model, kernels, R_WG, p_G, rows, times);
+    buffers.prediction.Predict(model, kernels, R_WG, p_G, bounds, rows, times);
     StageClock clock(times);
     report.predicted_pairs = rows.count();
     if (rows.overflowed()) report.faults |= kFaultRowsFull;
@@ -175,7 +193,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
           report.active[static_cast<std::size_t>(i)].pair;
     }
 
-    const double part = PartWithinBounds(model, optimum.v, optimum.phi);
+    const double part = PartWithin(bounds, model.degrees_of_freedom(), optimum.v, optimum.phi);
     arrived = part == 1.0;
 
     if (optimum.qp.active == 0) {
@@ -200,9 +218,10 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
         const Optimum partial = Solve(model, kernels, nearer, rows, state);
         report.qp_iterations += partial.qp.iterations;
         if (partial.qp.status == QpStatus::kIterationLimit) report.faults |= kFaultUnsolved;
-        const double clip = partial.qp.status == QpStatus::kIterationLimit
-                                ? 0.0
-                                : PartWithinBounds(model, partial.v, partial.phi);
+        const double clip =
+            partial.qp.status == QpStatus::kIterationLimit
+                ? 0.0
+                : PartWithin(bounds, model.degrees_of_freedom(), partial.v, partial.phi);
         v = clip * partial.v;
         phi = clip * partial.phi;
       }
@@ -211,6 +230,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
       p_G += v;
       q_G = (RotationExp(phi) * q_G).normalized();
     }
+    bounds = Wider(model, bounds);
     clock.Lap(&StageTimes::response);
   }
   if (!arrived && (report.faults & kFaultUnsolved) == 0) report.faults |= kFaultTargetFar;

@@ -45,18 +45,18 @@ struct PlacedTree {
 struct StepParameters {
   double stiffness = 1000.0;         ///< k_t [N/m], chapter 2.3
   double torsional_stiffness = 1.0;  ///< k_r [N m/rad]
-  /// Bound on |v| of one sub-step [m]: the chapter's 0.5 m/s for 1 ms.
+  /// Greatest bound on |v| of one sub-step [m]: the chapter's 0.5 m/s for 1 ms.
   double max_translation = 0.5e-3;
-  /// Bound on |phi| of one sub-step [rad].  0: sqrt(2 e / L) with e = max_truncation and L the
-  /// tool's longest lever arm, so that linearising a rotation is never off by more than e.
+  /// Greatest bound on |phi| of one sub-step [rad].  0: sqrt(2 e / L) with e = max_truncation and L
+  /// the tool's longest lever arm, so that linearising a rotation is never off by more than e.
   double max_rotation = 0.0;
   double max_truncation = 0.5e-6;  ///< [m]
-  int max_substeps = 16;           ///< per cycle; a count, never a clock
+  int max_substeps = 8;            ///< per cycle; a count, never a clock
   int max_rows = 16384;
 };
 
 class ObjectForest;  // the scene's objects, in W, as one tree: sphere_tree_query.h
-class ToolTree;      // the tool's tree, its spheres enlarged by what a sub-step can move them
+class ToolTree;      // the tool's tree, about its centroid
 
 /// What a step needs to know and never changes: one tool against the objects of a scene.
 /// Built when a scene loads; shared by threads.
@@ -91,6 +91,7 @@ using LeafPair = NodePair;
 /// again with the same pose gives the same bits.
 struct StepState {
   Pose X_WG;                             ///< graphic tool
+  Pose X_WH;                             ///< haptic tool: how far the hand moved sets the bounds
   std::array<LeafPair, 7> active_pairs;  ///< rows that held it last, the solver's first guess
   int active = 0;
 };

@@ -23,6 +23,12 @@ SpherePacket EmptyPacket() {
   return packet;
 }
 
+ToolPacket EmptyToolPacket() {
+  ToolPacket packet{EmptyPacket(), {}};
+  for (float& lever : packet.lever) lever = std::numeric_limits<float>::quiet_NaN();
+  return packet;
+}
+
 struct Ball {
   Vec3 center;
   double radius;
@@ -86,6 +92,16 @@ const SpherePacket& UniversalPacket() {
     p.x[0] = p.y[0] = p.z[0] = 0.0f;
     p.radius[0] = std::numeric_limits<float>::infinity();
     p.child[0] = 0;
+    return p;
+  }();
+  return packet;
+}
+
+const ToolPacket& UniversalToolPacket() {
+  static const ToolPacket packet = [] {
+    ToolPacket p = EmptyToolPacket();
+    p.sphere = UniversalPacket();
+    p.lever[0] = 0.0f;
     return p;
   }();
   return packet;
@@ -194,8 +210,7 @@ double ToolTree::MaxLeverOf(const SphereTree& tree) {
   return lever;
 }
 
-ToolTree::ToolTree(const SphereTree& tree, double max_translation, double max_rotation,
-                   double world_extent)
+ToolTree::ToolTree(const SphereTree& tree, double world_extent)
     : reference_(ReferenceOf(tree)), max_lever_(MaxLeverOf(tree)) {
   CheckTree(tree);
   for (std::size_t i = 0; i < tree.leaves(); ++i) {
@@ -207,7 +222,7 @@ ToolTree::ToolTree(const SphereTree& tree, double max_translation, double max_ro
   // objects.
   const double rounding = 2e-6 * (world_extent + 2.0 * reach_);
   // The longest lever below each node, from the leaves up.
-  levels_.packets.assign(tree.packets.size(), EmptyPacket());
+  levels_.packets.assign(tree.packets.size(), EmptyToolPacket());
   levels_.level_begin = tree.level_begin;
   std::vector<double> below;
   for (int l = tree.levels() - 1; l >= 0; --l) {
@@ -215,7 +230,7 @@ ToolTree::ToolTree(const SphereTree& tree, double max_translation, double max_ro
     std::vector<double> here;
     for (std::size_t i = 0; i < tree.level(l).size(); ++i) {
       const SpherePacket& in = tree.level(l)[i];
-      SpherePacket& out = levels_.packets[static_cast<std::size_t>(tree.level_begin[l]) + i];
+      ToolPacket& out = levels_.packets[static_cast<std::size_t>(tree.level_begin[l]) + i];
       double longest = 0.0;
       for (int lane = 0; lane < kTreeArity; ++lane) {
         if (in.child[lane] < 0) continue;
@@ -224,8 +239,10 @@ ToolTree::ToolTree(const SphereTree& tree, double max_translation, double max_ro
             last ? Ball{LeafCentre(tree, child), tree.leaf_radius[child]} : LaneBall(in, lane);
         ball.center -= reference_;
         const double lever = last ? ball.center.norm() : below[child];
-        ball.radius += max_translation + max_rotation * lever + rounding;
-        SetLane(out, lane, ball, in.child[lane]);
+        ball.radius += rounding;
+        SetLane(out.sphere, lane, ball, in.child[lane]);
+        out.lever[lane] = std::nextafter(static_cast<float>(lever * (1.0 + kRelativeMargin)),
+                                         std::numeric_limits<float>::infinity());
         longest = std::max(longest, lever);
       }
       here.push_back(longest);
@@ -235,8 +252,8 @@ ToolTree::ToolTree(const SphereTree& tree, double max_translation, double max_ro
 }
 
 PairQuery::PairQuery(const ToolTree& tool, const ObjectForest& objects) {
-  const PacketLevels& t = tool.levels();
-  const PacketLevels& o = objects.levels();
+  const PacketLevels<ToolPacket>& t = tool.levels();
+  const PacketLevels<SpherePacket>& o = objects.levels();
   const int depth = std::max(t.levels(), o.levels());
   const int t_pad = depth - t.levels(), o_pad = depth - o.levels();
   world_.resize(t.packets.size() + 1);
@@ -246,7 +263,7 @@ PairQuery::PairQuery(const ToolTree& tool, const ObjectForest& objects) {
     const std::size_t t_begin =
         l < t_pad ? t.packets.size() : static_cast<std::size_t>(t.level_begin[l - t_pad]);
     LevelView view{};
-    view.tool = l < t_pad ? &UniversalPacket() : t.packets.data() + t_begin;
+    view.tool = l < t_pad ? &UniversalToolPacket() : t.packets.data() + t_begin;
     view.tool_world = world_.data() + t_begin;
     view.tool_stamp = stamps_.data() + t_begin;
     view.object = l < o_pad ? &UniversalPacket() : o.packets.data() + o.level_begin[l - o_pad];

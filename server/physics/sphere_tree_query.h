@@ -12,8 +12,9 @@
 namespace palpate {
 
 /// Levels of packets, stored one after the other; a child index counts within the next level.
+template <class Packet>
 struct PacketLevels {
-  std::vector<SpherePacket> packets;
+  std::vector<Packet> packets;
   std::vector<std::int32_t> level_begin;  ///< levels + 1 entries
   int levels() const { return static_cast<int>(level_begin.size()) - 1; }
 };
@@ -24,7 +25,7 @@ class ObjectForest {
  public:
   explicit ObjectForest(std::span<const PlacedTree> objects);
 
-  const PacketLevels& levels() const { return levels_; }
+  const PacketLevels<SpherePacket>& levels() const { return levels_; }
   const std::vector<LeafSphere>& leaves() const { return leaves_; }  ///< in W
   int leaf_count() const { return static_cast<int>(leaves_.size()); }
   /// Index of the object that a leaf belongs to.
@@ -33,23 +34,28 @@ class ObjectForest {
   double radius() const { return radius_; }
 
  private:
-  PacketLevels levels_;
+  PacketLevels<SpherePacket> levels_;
   std::vector<LeafSphere> leaves_;
   std::vector<int> first_leaf_;
   Vec3 center_ = Vec3::Zero();
   double radius_ = 0.0;
 };
 
-/// The tool's tree, relative to its centroid, each sphere enlarged by how far a sub-step can move
-/// it: max_translation + max_rotation * lever (contact constraint prediction, chapter 2.3.4, with a
-/// bound per sphere).  Immutable.
+/// How far one sub-step may take the graphic tool: |v| <= translation [m], |phi| <= rotation [rad].
+struct StepBounds {
+  double translation;
+  double rotation;
+};
+
+/// The tool's tree, relative to its reference point, with the longest lever arm below each node.
+/// Immutable.
 class ToolTree {
  public:
-  ToolTree(const SphereTree& tree, double max_translation, double max_rotation,
-           double world_extent);
+  /// `world_extent`: how far the objects reach from W's origin [m], for the rounding margin.
+  ToolTree(const SphereTree& tree, double world_extent);
 
-  const PacketLevels& levels() const { return levels_; }             ///< enlarged
-  const std::vector<LeafSphere>& leaves() const { return leaves_; }  ///< true radii
+  const PacketLevels<ToolPacket>& levels() const { return levels_; }
+  const std::vector<LeafSphere>& leaves() const { return leaves_; }
   int leaf_count() const { return static_cast<int>(leaves_.size()); }
   /// Reference point of the step, in the tool's frame: the centroid; the centre of a single sphere.
   const Vec3& reference() const { return reference_; }
@@ -61,14 +67,15 @@ class ToolTree {
   static double MaxLeverOf(const SphereTree& tree);
 
  private:
-  PacketLevels levels_;
+  PacketLevels<ToolPacket> levels_;
   std::vector<LeafSphere> leaves_;
   Vec3 reference_;
   double max_lever_ = 0.0;
   double reach_ = 0.0;
 };
 
-/// Finds every pair of leaves that a sub-step could bring together.
+/// Finds every pair of leaves that a sub-step within given bounds could bring together: those whose
+/// gap is at most bounds.translation + bounds.rotation * lever of the tool's leaf.
 /// Walks both trees level by level and, so that no list can overflow, a chunk of pairs at a time
 /// depth first.  The order of the pairs depends on the trees alone.
 class PairQuery {
@@ -76,10 +83,11 @@ class PairQuery {
   PairQuery(const ToolTree& tool, const ObjectForest& objects);
 
   /// Calls sink(const NodePair* leaves, int count) for batches of at most kMaxBatch leaf pairs.
-  /// Complete: holds every pair with a gap of at most its enlargement (float rounding is covered by
-  /// a margin, so a few more may come).  Real-time: no allocation.
+  /// Complete; float rounding is covered by a margin, so a few more pairs may come.
+  /// Real-time: no allocation.
   template <class Sink>
-  void Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W, Sink&& sink) noexcept;
+  void Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W, const StepBounds& bounds,
+           Sink&& sink) noexcept;
 
   static constexpr int kChunk = 256;
   static constexpr int kMaxBatch = kChunk * kTreeArity * kTreeArity;
@@ -90,20 +98,23 @@ class PairQuery {
                Sink& sink) noexcept;
 
   std::vector<LevelView> views_;
-  std::vector<WorldCentres> world_;
+  std::vector<WorldPacket> world_;
   std::vector<std::uint32_t> stamps_;
   std::vector<NodePair> lists_;  ///< kMaxBatch per level
-  QueryTransform transform_{};
+  QueryPose pose_{};
   std::uint32_t now_ = 0;
 };
 
 template <class Sink>
 void PairQuery::Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
-                    Sink&& sink) noexcept {
+                    const StepBounds& bounds, Sink&& sink) noexcept {
   for (int r = 0; r < 3; ++r) {
-    transform_.p[r] = static_cast<float>(p_W[r]);
-    for (int c = 0; c < 3; ++c) transform_.R[3 * r + c] = static_cast<float>(R_WG(r, c));
+    pose_.p[r] = static_cast<float>(p_W[r]);
+    for (int c = 0; c < 3; ++c) pose_.R[3 * r + c] = static_cast<float>(R_WG(r, c));
   }
+  // The margin of the radii covers the rounding of these two.
+  pose_.max_translation = static_cast<float>(bounds.translation);
+  pose_.max_rotation = static_cast<float>(bounds.rotation);
   if (++now_ == 0) {  // wrapped after 2^32 queries: forget all stamps
     std::fill(stamps_.begin(), stamps_.end(), 0u);
     now_ = 1;
@@ -118,7 +129,7 @@ void PairQuery::Descend(const Kernels& kernels, int level, const NodePair* pairs
   NodePair* out = lists_.data() + static_cast<std::size_t>(level) * kMaxBatch;
   for (int i = 0; i < count; i += kChunk) {
     const int chunk = std::min(kChunk, count - i);
-    const int found = kernels.expand_pairs(views_[level], transform_, now_, pairs + i, chunk, out);
+    const int found = kernels.expand_pairs(views_[level], pose_, now_, pairs + i, chunk, out);
     if (found == 0) continue;
     if (level + 1 == static_cast<int>(views_.size())) {
       sink(out, found);

@@ -13,8 +13,8 @@ namespace {
 double LeastGap(const HapticModel& model, const Pose& X_WT, StepWorkspace& workspace) {
   StepBuffers& buffers = workspace.buffers();
   const Vec3 p = X_WT * model.tool().reference();
-  buffers.prediction.Predict(model, ActiveKernels(), X_WT.q.toRotationMatrix(), p, buffers.rows,
-                             nullptr);
+  buffers.prediction.Predict(model, ActiveKernels(), X_WT.q.toRotationMatrix(), p,
+                             {model.parameters().max_translation, 0.0}, buffers.rows, nullptr);
   double least = 1.0;
   for (int i = 0; i < buffers.rows.count(); ++i) least = std::min(least, buffers.rows.gap(i));
   return least;

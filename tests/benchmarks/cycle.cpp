@@ -1,8 +1,8 @@
 // palpate-bench cycle: the time of one haptic step, and what it is right by.
-#include <spdlog/fmt/fmt.h>
-
 #include <chrono>
 #include <optional>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
 #include "server/physics/simd/kernels.h"
@@ -63,8 +63,8 @@ void Run(const Options& options) {
   if (options.contact != "spheres" || options.friction != "off") {
     throw UsageError("cycle: this version has --contact spheres and --friction off only");
   }
-  std::vector<Pose> poses = options.poses.empty() ? ScriptPoses(options.scene, options.steps)
-                                                  : ReadPoses(options.poses);
+  std::vector<Pose> poses =
+      options.poses.empty() ? ScriptPoses(options.scene, options.steps) : ReadPoses(options.poses);
   if (options.steps && !options.poses.empty() &&
       poses.size() > static_cast<std::size_t>(*options.steps)) {
     poses.resize(static_cast<std::size_t>(*options.steps));
@@ -75,7 +75,7 @@ void Run(const Options& options) {
   BestOf step, stage[4];
   std::vector<StepReport> reports;
   for (int r = 0; r < options.repeats; ++r) {
-    fmt::print(stderr, "\r{}: repeat {} of {} ...", options.scene, r + 1, options.repeats);
+    Progress(fmt::format("{}: repeat {} of {} ...", options.scene, r + 1, options.repeats));
     step.Add(TimedPass(run, r == 0 ? &reports : nullptr));
     StagedPass(run, stage);
   }
@@ -100,13 +100,13 @@ void Run(const Options& options) {
     }
     if (i % static_cast<std::size_t>(options.check_every) == 0) {
       if (i % 500 == 0) {
-        fmt::print(stderr, "\r{}: checking step {} of {} ...   ", options.scene, i, steps);
+        Progress(fmt::format("{}: checking step {} of {} ...", options.scene, i, steps));
       }
       penetration.push_back(1e6 * oracle.At(report.X_WG).depth);
       conventional.push_back(static_cast<double>(oracle.At(run.poses()[i]).pairs));
     }
   }
-  fmt::print(stderr, "\r{:60}\r", "");
+  Progress("");
 
   const Percentiles best = PercentilesOf(step.best()), raw = PercentilesOf(step.all());
   const char* stage_name[4] = {"prediction", "rows", "solve", "response"};
@@ -145,7 +145,8 @@ void Run(const Options& options) {
   json["jump"] = {{"force_N_max", force_jump}, {"torque_Nm_max", torque_jump}};
   json["steps_jammed"] = jammed;
   json["steps_target_far"] = far;
-  table.Line("QPs unsolved", fmt::format("{} (jammed steps {}, target far {})", unsolved, jammed, far));
+  table.Line("QPs unsolved",
+             fmt::format("{} (jammed steps {}, target far {})", unsolved, jammed, far));
   table.Line("greatest jump", fmt::format("{:.3f} N, {:.4f} N m", force_jump, torque_jump));
   table.Print();
   if (!options.json.empty()) WriteJson(options.json, json);
@@ -156,15 +157,19 @@ void Run(const Options& options) {
 void AddCycle(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "cycle", "Time of one haptic step over a scene's path, with penetration by brute force.\n"
-               "Example: palpate-bench cycle --scene bunny-bunny --steps 20000 --repeats 5");
+      "cycle",
+      "Time of one haptic step over a scene's path, with penetration by brute force.\n"
+      "Example: palpate-bench cycle --scene bunny-bunny --steps 20000 --repeats 5");
   command->add_option("--scene", options->scene, "Catalogue name or scene file")
       ->capture_default_str();
-  command->add_option("--poses", options->poses,
-                      "Haptic poses instead of the scene's script: CSV x,y,z,qw,qx,qy,qz, a row a ms");
+  command->add_option(
+      "--poses", options->poses,
+      "Haptic poses instead of the scene's script: CSV x,y,z,qw,qx,qy,qz, a row a ms");
   command->add_option("--steps", options->steps, "Steps (default: the whole path)")
       ->check(CLI::PositiveNumber);
-  command->add_option("--repeats", options->repeats, "Identical runs; 'best' is the least of each step")
+  command
+      ->add_option("--repeats", options->repeats,
+                   "Identical runs; 'best' is the least of each step")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--contact", options->contact, "spheres")
@@ -174,8 +179,9 @@ void AddCycle(CLI::App& app) {
       ->check(CLI::IsMember({"off", "chapter", "coulomb"}))
       ->capture_default_str();
   command->add_option("--models", options->models, "Folder of models that are not packaged");
-  command->add_option("--check-every", options->check_every,
-                      "Check penetration at every n-th step only")
+  command
+      ->add_option("--check-every", options->check_every,
+                   "Check penetration at every n-th step only")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");

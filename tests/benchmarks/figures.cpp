@@ -1,12 +1,13 @@
 #include "tests/benchmarks/figures.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
 
 #include "common/error.h"
 
@@ -36,7 +37,8 @@ void BestOf::Add(const std::vector<double>& run) {
 void Table::Row(const std::string& name, const std::string& unit, const Percentiles& p) {
   const auto number = [](double v) {
     const double a = std::abs(v);
-    return fmt::format(a >= 1000.0 ? "{:.0f}" : a >= 10.0 ? "{:.1f}" : "{:.3f}", v);
+    const int digits = a >= 1000.0 ? 0 : a >= 10.0 ? 1 : 3;
+    return fmt::format("{:.{}f}", v, digits);
   };
   lines_.push_back(fmt::format("  {:<22} {:>10} {:>10} {:>10} {:>10}  {}", name, number(p.p50),
                                number(p.p99), number(p.p999), number(p.max), unit));
@@ -52,6 +54,11 @@ void Table::Print() const {
   for (const std::string& line : lines_) out += line + "\n";
   // Beside a JSON object on stdout, the table belongs on stderr.
   std::fputs(out.c_str(), stderr);
+}
+
+void Progress(const std::string& line) {
+  static const bool terminal = isatty(STDERR_FILENO) != 0;
+  if (terminal) fmt::print(stderr, "\r{:<70}\r{}", "", line);
 }
 
 void WriteJson(const std::string& file, const nlohmann::ordered_json& json) {

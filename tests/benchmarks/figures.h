@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cstddef>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include <nlohmann/json.hpp>
 
 namespace palpate::bench {
 
@@ -37,6 +38,9 @@ class Table {
   std::string title_;
   std::vector<std::string> lines_;
 };
+
+/// One line of progress on stderr, overwritten by the next; nothing where stderr is no terminal.
+void Progress(const std::string& line);
 
 /// Writes one JSON object to a file, or to stdout for "-".  Throws Error where it cannot.
 void WriteJson(const std::string& file, const nlohmann::ordered_json& json);

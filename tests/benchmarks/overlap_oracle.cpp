@@ -45,8 +45,8 @@ std::vector<OverlapOracle::Cell> OverlapOracle::IntoCells(std::vector<Ball>& bal
 OverlapOracle::OverlapOracle(const SphereTree& tool, const std::vector<Body>& objects) {
   const auto add = [](const SphereTree& tree, const Pose& X, std::vector<Ball>& balls) {
     for (std::size_t i = 0; i < tree.leaves(); ++i) {
-      balls.push_back({X * Vec3(tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]),
-                       tree.leaf_radius[i]});
+      balls.push_back(
+          {X * Vec3(tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]), tree.leaf_radius[i]});
     }
   };
   add(tool, Pose{}, tool_);

@@ -8,9 +8,10 @@
 
 namespace palpate::bench {
 
-/// Deepest overlap of a tool's leaf balls with the objects', at any pose, to the last bit of double.
-/// Shares nothing with the sphere trees or the query that it checks: balls are kept in the cells of a
-/// plain grid, cells whose boxes are apart are passed over, and within the rest every pair is tried.
+/// Deepest overlap of a tool's leaf balls with the objects', at any pose, to the last bit of
+/// double. Shares nothing with the sphere trees or the query that it checks: balls are kept in the
+/// cells of a plain grid, cells whose boxes are apart are passed over, and within the rest every
+/// pair is tried.
 class OverlapOracle {
  public:
   OverlapOracle(const SphereTree& tool, const std::vector<Body>& objects);

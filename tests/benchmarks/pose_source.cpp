@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
 #include "common/error.h"
@@ -46,7 +47,8 @@ std::vector<Pose> ReadPoses(const std::string& file) {
 }
 
 std::vector<Pose> ScriptPoses(const std::string& scene, std::optional<int> steps) {
-  const PoseScript script = PoseScript::Load(ScenePath(scene));
+  const auto file = std::filesystem::path(FindSceneFile(scene)).replace_extension(".path.json");
+  const PoseScript script = PoseScript::Load(file.string());
   const int once = static_cast<int>(std::ceil(script.duration() * 1000.0));
   const int count = steps.value_or(once + 1);
   std::vector<Pose> poses;

@@ -8,8 +8,8 @@
 
 namespace palpate::bench {
 
-/// Haptic poses, one a millisecond, from a file of rows `x,y,z,qw,qx,qy,qz` (m and a unit quaternion,
-/// in W; an optional first line of names).  Throws Error with file and line.
+/// Haptic poses, one a millisecond, from a file of rows `x,y,z,qw,qx,qy,qz` (m and a unit
+/// quaternion, in W; an optional first line of names).  Throws Error with file and line.
 std::vector<Pose> ReadPoses(const std::string& file);
 
 /// The scene's own script (`<scene>.path.json` beside it), sampled once a millisecond.

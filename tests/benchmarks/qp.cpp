@@ -1,12 +1,12 @@
 // palpate-bench qp: the solver alone, on the problems of a scene's path or of a file.
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <optional>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
 #include "server/physics/contact_prediction.h"
@@ -97,7 +97,8 @@ std::vector<Problem> ReadProblems(const std::string& file) {
   return problems;
 }
 
-/// The problem of each step of a scene's path, with the rows that the step before had active.
+/// The problem of each step of a scene's path, with as many rows as the widest bounds give, and the
+/// rows that the step before had active.
 std::vector<Problem> ProblemsOf(const Options& options) {
   SceneRun run(options.scene, options.models, ScriptPoses(options.scene, options.steps));
   const HapticModel& model = run.model();
@@ -107,12 +108,14 @@ std::vector<Problem> ProblemsOf(const Options& options) {
   }
   ContactPrediction prediction(model);
   ContactRows rows(model.parameters().max_rows, PairQuery::kMaxBatch, 6, model.rotation_length());
+  const StepBounds widest{model.parameters().max_translation, model.parameters().max_rotation};
   StepState state = run.Start();
   std::vector<Problem> problems;
   for (const Pose& X_WH : run.poses()) {
     const Vec3& c = model.tool().reference();
     const Vec3 p_G = state.X_WG * c;
-    prediction.Predict(model, ActiveKernels(), state.X_WG.q.toRotationMatrix(), p_G, rows, nullptr);
+    prediction.Predict(model, ActiveKernels(), state.X_WG.q.toRotationMatrix(), p_G, widest, rows,
+                       nullptr);
     const Target target = TargetOf(p_G, state.X_WG.q, X_WH * c, X_WH.q);
     const QpRows view = rows.view();
     if (view.count >= std::max(1, options.min_rows) && view.count <= options.max_rows) {
@@ -141,7 +144,8 @@ class Columns {
  public:
   explicit Columns(const Problem& problem) {
     const int m = problem.rows();
-    const int padded = std::max(16, (m + 15) & ~15) + 8;  // as ContactRows: not a power of two apart
+    const int padded =
+        std::max(16, (m + 15) & ~15) + 8;  // as ContactRows: not a power of two apart
     storage_.resize(static_cast<std::size_t>(7 * padded + 8));
     const auto address = reinterpret_cast<std::uintptr_t>(storage_.data());
     double* base = storage_.data() + (64 - address % 64) % 64 / sizeof(double);
@@ -165,8 +169,8 @@ class Columns {
   QpRows rows_{};
 };
 
-/// Largest violation of the optimality conditions, in the units of the problem, each recomputed from
-/// the file's own numbers.
+/// Largest violation of the optimality conditions, in the units of the problem, each recomputed
+/// from the file's own numbers.
 double KktResidual(const Problem& problem, const QpResult& result) {
   double worst = 0.0, sum = 0.0;
   double gradient[6];
@@ -286,14 +290,16 @@ void Run(const Options& options) {
 void AddQp(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "qp", "Time and optimality of the QP alone: of a scene's path, or of a file.\n"
-            "Example: palpate-bench qp --scene bunny-bunny --min-rows 200 --max-rows 500");
+      "qp",
+      "Time and optimality of the QP alone: of a scene's path, or of a file.\n"
+      "Example: palpate-bench qp --scene bunny-bunny --min-rows 200 --max-rows 500");
   command->add_option("--scene", options->scene, "Take the problems of this scene's path");
   command->add_option("--dump", options->dump, "Write them to FILE instead of solving them");
   command->add_option("--load", options->load, "Take the problems of FILE (format: PQP1)");
   command->add_option("--steps", options->steps, "Steps of the path (default: all)")
       ->check(CLI::PositiveNumber);
-  command->add_option("--min-rows", options->min_rows, "Only problems with at least this many rows");
+  command->add_option("--min-rows", options->min_rows,
+                      "Only problems with at least this many rows");
   command->add_option("--max-rows", options->max_rows, "Only problems with at most this many rows");
   command->add_option("--repeats", options->repeats, "Identical runs; 'best' is the least of each")
       ->check(CLI::PositiveNumber)

@@ -14,8 +14,7 @@ Scene Load(const std::string& scene, const std::string& models_dir) {
 
 }  // namespace
 
-SceneRun::SceneRun(const std::string& scene, const std::string& models_dir,
-                   std::vector<Pose> poses)
+SceneRun::SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses)
     : scene_(Load(scene, models_dir)), poses_(std::move(poses)) {
   model_ = std::make_unique<HapticModel>(MakeModel(scene_, tool(), MakeObjects(scene_)));
   workspace_ = std::make_unique<StepWorkspace>(*model_);
@@ -28,6 +27,8 @@ int SceneRun::object_spheres() const {
   return static_cast<int>(spheres);
 }
 
-StepState SceneRun::Start() const { return start_; }
+StepState SceneRun::Start() const {
+  return start_;
+}
 
 }  // namespace palpate::bench

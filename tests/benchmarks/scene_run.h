@@ -9,7 +9,8 @@
 
 namespace palpate::bench {
 
-/// A scene's first tool, its model, and poses for it: what every measurement of the step starts from.
+/// A scene's first tool, its model, and poses for it: what every measurement of the step starts
+/// from.
 class SceneRun {
  public:
   /// `models_dir` as LoadScene takes it.  Says what it loads on stderr.

@@ -232,7 +232,7 @@ TEST(HapticStep, SaysWhenRowsDoNotFit) {
   Bench bench(RandomBalls(random, 200, 0.01, 0.004), Floor(0.05, 0.002, 0.004), parameters);
   bench.state().X_WG = At(0.0, 0.0, 0.03);
   std::uint32_t faults = 0;
-  for (int i = 0; i < 300; ++i) faults |= bench.Step(At(0.0, 0.0, 0.03 - 1e-4 * i)).faults;
+  for (int i = 0; i < 100; ++i) faults |= bench.Step(At(0.0, 0.0, 0.03 - 5e-4 * i)).faults;
   EXPECT_NE(faults & kFaultRowsFull, 0u);
 }
 

@@ -24,7 +24,7 @@ TEST(Kernels, GiveTheSameBitsAtEverySimdLevel) {
   const SphereTree object_tree = MakeTree(RandomBalls(random, 700, 0.05, 0.003));
   const PlacedTree placed{&object_tree, {Vec3(0.01, 0.0, -0.01), random.Rotation()}};
   const ObjectForest forest(std::span(&placed, 1));
-  const ToolTree tool(tool_tree, 0.5e-3, 4e-3, forest.radius());
+  const ToolTree tool(tool_tree, forest.radius());
   for (int trial = 0; trial < 20; ++trial) {
     const Mat3 R = random.Rotation().toRotationMatrix();
     const Vec3 p = random.InCube(0.06);
@@ -36,7 +36,7 @@ TEST(Kernels, GiveTheSameBitsAtEverySimdLevel) {
     ScanResult scan[3];
     for (int k = 0; k < levels; ++k) {
       PairQuery query(tool, forest);
-      query.Run(*level[k], R, p, [&](const NodePair* found, int count) {
+      query.Run(*level[k], R, p, {0.5e-3, 4e-3}, [&](const NodePair* found, int count) {
         pairs[k].insert(pairs[k].end(), found, found + count);
         rows[k].Add(*level[k], tool.leaves().data(), forest.leaves().data(), R, p, found, count);
       });

@@ -50,10 +50,11 @@ void CheckAgainstAllPairs(const ToolTree& tool, const ObjectForest& objects, Ran
     const Oracle oracle = AllPairs(tool, objects, R, p);
     std::set<std::pair<int, int>> found;
     int given = 0;
-    query.Run(ActiveKernels(), R, p, [&](const NodePair* pairs, int count) {
-      for (int i = 0; i < count; ++i) found.insert({pairs[i].tool, pairs[i].object});
-      given += count;
-    });
+    query.Run(ActiveKernels(), R, p, {kTranslation, kRotation},
+              [&](const NodePair* pairs, int count) {
+                for (int i = 0; i < count; ++i) found.insert({pairs[i].tool, pairs[i].object});
+                given += count;
+              });
     ASSERT_EQ(static_cast<int>(found.size()), given) << "a pair came twice";
     for (const auto& pair : oracle.must) ASSERT_TRUE(found.contains(pair)) << trial;
     for (const auto& pair : found) ASSERT_TRUE(oracle.may.contains(pair)) << trial;
@@ -70,8 +71,7 @@ TEST(PairQuery, FindsEveryPairThatAllPairsFinds) {
     const SphereTree object_tree = MakeTree(RandomBalls(random, object_leaves, 0.05, 0.004));
     const PlacedTree placed{&object_tree, {random.InCube(0.1), random.Rotation()}};
     const ObjectForest forest(std::span(&placed, 1));
-    const ToolTree tool(tool_tree, kTranslation, kRotation,
-                        forest.center().norm() + forest.radius());
+    const ToolTree tool(tool_tree, forest.center().norm() + forest.radius());
     CheckAgainstAllPairs(tool, forest, random, tool_leaves * object_leaves == 1 ? 0.005 : 0.05, 20);
   }
 }
@@ -88,7 +88,7 @@ TEST(PairQuery, FindsPairsAmongManyObjectsOfDifferentDepth) {
   }
   const ObjectForest forest(placed);
   const SphereTree tool_tree = MakeTree(RandomBalls(random, 200, 0.02, 0.002));
-  const ToolTree tool(tool_tree, kTranslation, kRotation, forest.center().norm() + forest.radius());
+  const ToolTree tool(tool_tree, forest.center().norm() + forest.radius());
   CheckAgainstAllPairs(tool, forest, random, 0.05, 30);
   // Leaves are numbered object by object.
   int first = 0;
@@ -106,7 +106,7 @@ TEST(PairQuery, FindsPairsInScenesFromAMillimetreToTenMetres) {
     const SphereTree object_tree = MakeTree(RandomBalls(random, 400, 0.05 * scale, 0.003 * scale));
     const PlacedTree placed{&object_tree, {}};
     const ObjectForest forest(std::span(&placed, 1));
-    const ToolTree tool(tool_tree, kTranslation, kRotation, forest.radius());
+    const ToolTree tool(tool_tree, forest.radius());
     CheckAgainstAllPairs(tool, forest, random, 0.05 * scale, 20);
   }
 }
@@ -117,10 +117,10 @@ TEST(PairQuery, HandlesMorePairsThanOneBatchHolds) {
   const SphereTree tree = MakeTree(heap);
   const PlacedTree placed{&tree, {}};
   const ObjectForest forest(std::span(&placed, 1));
-  const ToolTree tool(tree, kTranslation, kRotation, forest.radius());
+  const ToolTree tool(tree, forest.radius());
   PairQuery query(tool, forest);
   int given = 0;
-  query.Run(ActiveKernels(), Mat3::Identity(), Vec3::Zero(),
+  query.Run(ActiveKernels(), Mat3::Identity(), Vec3::Zero(), {kTranslation, kRotation},
             [&](const NodePair*, int count) { given += count; });
   EXPECT_EQ(given, 300 * 300);
 }

@@ -20,21 +20,30 @@ struct alignas(32) LeafSphere {
   double x, y, z, radius;
 };
 
-/// Centres of a tool packet in W, made once per sub-step when the packet is first visited.
-struct alignas(32) WorldCentres {
-  float x[kTreeArity], y[kTreeArity], z[kTreeArity];
+/// A packet of the tool's tree, and how much each sphere grows with the rotation that is allowed
+/// for.
+struct alignas(32) ToolPacket {
+  SpherePacket sphere;
+  float lever[kTreeArity];  ///< longest lever arm of a leaf below [m]
 };
 
-/// Rotation and centroid of the graphic tool, in the precision of the query.
-struct QueryTransform {
-  float R[9];  ///< R_WG, row by row
-  float p[3];  ///< centroid in W [m]
+/// The spheres of a tool packet in W, enlarged; made once per sub-step, when first visited.
+struct alignas(32) WorldPacket {
+  float x[kTreeArity], y[kTreeArity], z[kTreeArity], radius[kTreeArity];
 };
 
-/// One level of the tool's and of the forest's tree, for ExpandPairs.
+/// Where the graphic tool is and how far it may go, in the precision of the query.
+struct QueryPose {
+  float R[9];             ///< R_WG, row by row
+  float p[3];             ///< centroid in W [m]
+  float max_translation;  ///< every tool sphere grows by max_translation + max_rotation * lever
+  float max_rotation;
+};
+
+/// One level of the tool's and of the forest's tree, for expand_pairs.
 struct LevelView {
-  const SpherePacket* tool;
-  WorldCentres* tool_world;  ///< valid where stamp equals `now`
+  const ToolPacket* tool;
+  WorldPacket* tool_world;  ///< valid where stamp equals `now`
   std::uint32_t* tool_stamp;
   const SpherePacket* object;
 };
@@ -54,14 +63,14 @@ struct ScanResult {
   alignas(64) double row[16];
 };
 
-/// The four inner loops, compiled once per instruction set; all give the same bits.
+/// The inner loops, compiled once per instruction set; all give the same bits.
 struct Kernels {
   const char* name;
 
   /// Tests every child sphere of the tool packet against every one of the object packet for each of
   /// `count` pairs; writes the children's pairs that touch.  out holds 64 * count.  Returns how
   /// many.
-  int (*expand_pairs)(const LevelView& level, const QueryTransform& X_WG, std::uint32_t now,
+  int (*expand_pairs)(const LevelView& level, const QueryPose& pose, std::uint32_t now,
                       const NodePair* in, int count, NodePair* out);
 
   /// Linearised non-penetration (chapter 2.10-2.17) of `count` leaf pairs, appended at row `first`.

@@ -5,7 +5,8 @@
 namespace palpate {
 namespace {
 
-void TransformPacket(const SpherePacket& packet, const QueryTransform& X, WorldCentres& out) {
+void TransformPacket(const ToolPacket& tool, const QueryPose& X, WorldPacket& out) {
+  const SpherePacket& packet = tool.sphere;
   const F16 x = LoadTwice(packet.x), y = LoadTwice(packet.y), z = LoadTwice(packet.z);
   const auto row = [&](int i) {
     return Fma(Set1(X.R[3 * i + 2]), z,
@@ -14,13 +15,15 @@ void TransformPacket(const SpherePacket& packet, const QueryTransform& X, WorldC
   StoreFirst8(out.x, row(0));
   StoreFirst8(out.y, row(1));
   StoreFirst8(out.z, row(2));
+  const F16 reach = Fma(Set1(X.max_rotation), LoadTwice(tool.lever), Set1(X.max_translation));
+  StoreFirst8(out.radius, LoadTwice(packet.radius) + reach);
 }
 
 /// Bit 8 i + j: tool sphere i touches object sphere j.
-std::uint64_t TestPackets(const WorldCentres& tool, const float* tool_radius,
-                          const SpherePacket& object) {
+[[gnu::always_inline]] inline std::uint64_t TestPackets(const WorldPacket& tool,
+                                                        const SpherePacket& object) {
   const F16 tx = LoadTwice(tool.x), ty = LoadTwice(tool.y), tz = LoadTwice(tool.z);
-  const F16 tr = LoadTwice(tool_radius);
+  const F16 tr = LoadTwice(tool.radius);
   const F16 ox = LoadTwice(object.x), oy = LoadTwice(object.y), oz = LoadTwice(object.z);
   const F16 radius = LoadTwice(object.radius);
   const auto two = [&]<int k>() -> std::uint64_t {
@@ -35,22 +38,22 @@ std::uint64_t TestPackets(const WorldCentres& tool, const float* tool_radius,
          two.template operator()<2>() | two.template operator()<3>();
 }
 
-int ExpandPairs(const LevelView& level, const QueryTransform& X_WG, std::uint32_t now,
+int ExpandPairs(const LevelView& level, const QueryPose& pose, std::uint32_t now,
                 const NodePair* in, int count, NodePair* out) {
   NodePair* end = out;
   for (int i = 0; i < count; ++i) {
     const std::int32_t t = in[i].tool;
-    const SpherePacket& tool = level.tool[t];
+    const ToolPacket& tool = level.tool[t];
     const SpherePacket& object = level.object[in[i].object];
     if (level.tool_stamp[t] != now) {
       level.tool_stamp[t] = now;
-      TransformPacket(tool, X_WG, level.tool_world[t]);
+      TransformPacket(tool, pose, level.tool_world[t]);
     }
-    std::uint64_t touching = TestPackets(level.tool_world[t], tool.radius, object);
+    std::uint64_t touching = TestPackets(level.tool_world[t], object);
     while (touching != 0) {
       const int bit = __builtin_ctzll(touching);
       touching &= touching - 1;
-      *end++ = {tool.child[bit >> 3], object.child[bit & 7]};
+      *end++ = {tool.sphere.child[bit >> 3], object.child[bit & 7]};
     }
   }
   return static_cast<int>(end - out);
