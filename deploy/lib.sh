@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # What the scripts share; sourced, after which the current folder is the repository's root and
 # an error ends the script.
 set -euo pipefail
