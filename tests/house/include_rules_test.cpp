@@ -124,7 +124,7 @@ TEST(IncludeRules, HoldInEverySourceFile) {
   const std::set<std::string> known(files.begin(), files.end());
   int checked = 0;
   for (const std::string& file : files) {
-    if (!file.ends_with(".h") && !file.ends_with(".cpp") && !file.ends_with(".c") &&
+    if (!file.ends_with(".h") && !file.ends_with(".cpp") && !file.ends_with(".inl") &&
         !file.ends_with(".idl") && !file.ends_with(".fbs")) {
       continue;
     }
