@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # What the scripts share; sourced, after which the current folder is the repository's root and
 # an error ends the script.
 set -euo pipefail
@@ -41,3 +42,47 @@ build() {
     quietly "building $preset" "$log" cmake --build --preset "$preset" --target "$@"
   fi
 }
+
+# --- processes that run beside a script ---
+
+# start LOG COMMAND...: in the background, out of the terminal's reach (Ctrl-C goes to this script,
+# which ends things in order), and ended by the kernel should this script be killed.
+start() {
+  local log=$1
+  shift
+  : >"$log"  # at once: nobody may find the last run's lines
+  setsid setpriv --pdeathsig TERM "$@" >"$log" 2>&1 </dev/null &
+}
+
+# stop PID NAME: asks, waits 5 s, insists; takes away the socket that a killed process leaves.
+stop() {
+  local pid=$1 name=$2
+  [[ -n $pid ]] || return 0
+  kill -TERM "$pid" 2>/dev/null || true
+  for ((i = 0; i < 100; i++)); do
+    kill -0 "$pid" 2>/dev/null || break
+    sleep 0.05
+  done
+  if kill -KILL "$pid" 2>/dev/null; then say "$name did not end within 5 s and was killed"; fi
+  wait "$pid" 2>/dev/null || true
+  rm -f "/tmp/iceoryx_rt_${pid}_"*
+}
+
+# await_line REGEX LOG PID SECONDS: until the log has such a line; false where the process ends or
+# the time is over.
+await_line() {
+  local deadline=$((SECONDS + $4))
+  until grep -qE "$1" "$2"; do
+    kill -0 "$3" 2>/dev/null && ((SECONDS < deadline)) || return 1
+    sleep 0.05
+  done
+}
+
+fail_with_log() {
+  say "$1. The end of $2:"
+  tail -n 25 "$2" | sed 's/^/    /'
+  exit 1
+}
+
+# RouDi holds this lock as long as it lives.
+roudi_runs() { [[ -e /tmp/iox-unique-roudi.lock ]] && ! flock -n /tmp/iox-unique-roudi.lock true; }

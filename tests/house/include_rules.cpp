@@ -1,0 +1,173 @@
+#include "tests/house/include_rules.h"
+
+#include <algorithm>
+#include <optional>
+#include <regex>
+#include <sstream>
+
+#include "tests/house/source_tree.h"
+
+namespace palpate::house {
+namespace {
+
+using Paths = std::vector<std::string>;
+
+/// What the files of a folder (or one file) may include; the longest path that fits a file counts.
+struct Rule {
+  std::string who;
+  Paths project;    ///< folders and files of the project
+  Paths not_these;  ///< taken out of `project`
+  Paths libraries;  ///< by the names in kLibraries
+};
+
+// tests/ has no rule: a test may look at anything.
+const std::vector<Rule> kRules = {
+    // Types that travel depend on nothing.
+    {"idl", {}, {}, {}},
+    {"common", {"common"}, {"common/dds"}, {"Eigen", "spdlog"}},
+    // The one place that knows Cyclone DDS: everybody else sees typed readers and writers.
+    {"common/dds", {"common", "idl"}, {}, {"Eigen", "spdlog", "Cyclone DDS"}},
+    {"scenes",
+     {"common", "scenes", "idl/scene_generated.h"},
+     {"common/dds"},
+     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "FlatBuffers", "xxHash", "libpng", "nanoflann"}},
+    // assimp's headers and its many formats stay behind one door; zlib for meshes that come as .gz.
+    {"scenes/mesh_import.cpp",
+     {"common", "scenes"},
+     {"common/dds"},
+     {"Eigen", "spdlog", "assimp", "zlib"}},
+    // A pure function of tree, state and pose: no transport, no log, no files.
+    {"server/physics",
+     {"common", "server/physics", "scenes/sphere_tree.h", "scenes/sphere_packet.h"},
+     {"common/dds"},
+     {"Eigen"}},
+    {"server/session", {"common", "server/physics", "server/session"}, {}, {"Eigen", "spdlog"}},
+    {"server", {"common", "scenes", "server"}, {}, {"Eigen", "spdlog", "CLI11"}},
+    // A device knows no server and no wire.
+    {"devices", {"common", "devices", "scenes/pose_script.h"}, {"common/dds"}, {"Eigen", "spdlog"}},
+    {"devices/openhaptics",
+     {"common", "devices"},
+     {"common/dds"},
+     {"Eigen", "spdlog", "OpenHaptics"}},
+    {"devices/spacemouse", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog", "spacenav"}},
+    // Never the server or another client; own folder added below.
+    {"client", {"common", "scenes", "devices"}, {}, {"Eigen", "spdlog", "CLI11", "nlohmann-json"}},
+};
+
+// Library headers by how they begin.  A new library is a decision: it is entered here and in a
+// rule.
+const std::vector<std::pair<std::string, std::string>> kLibraries = {
+    {"Eigen/", "Eigen"},
+    {"spdlog/", "spdlog"},
+    {"CLI/", "CLI11"},
+    {"dds/", "Cyclone DDS"},
+    {"iceoryx", "iceoryx"},
+    {"assimp/", "assimp"},
+    {"nlohmann/", "nlohmann-json"},
+    {"flatbuffers/", "FlatBuffers"},
+    {"xxhash.h", "xxHash"},
+    {"png.h", "libpng"},
+    {"zlib.h", "zlib"},
+    {"nanoflann.hpp", "nanoflann"},
+    {"HD/", "OpenHaptics"},
+    {"HDU/", "OpenHaptics"},
+    {"HL/", "OpenHaptics"},
+    {"spnav.h", "spacenav"},
+    {"gtest/", "GoogleTest"},
+    {"gmock/", "GoogleTest"},
+    {"benchmark/", "benchmark"},
+};
+
+// Slow to compile: in .cpp files only.
+const Paths kNotInHeaders = {"CLI11", "assimp", "nlohmann-json", "spdlog"};
+
+/// Headers of the C++ library have no dot; those of C and POSIX have no folder or a system one.
+bool IsSystemHeader(const std::string& header) {
+  static const std::regex kSystem(
+      R"([a-z_0-9]+|(sys|linux|netinet|arpa|net)/[a-z_0-9]+\.h|)"
+      R"((cpuid|cxxabi|dirent|dlfcn|errno|execinfo|fcntl|features|getopt|immintrin|malloc|poll|)"
+      R"(pthread|sched|semaphore|signal|spawn|stdio|stdlib|string|termios|time|unistd|x86intrin)\.h)");
+  return std::regex_match(header, kSystem);
+}
+
+std::optional<std::string> LibraryOf(const std::string& header) {
+  for (const auto& [begin, library] : kLibraries) {
+    if (header.starts_with(begin)) return library;
+  }
+  return std::nullopt;
+}
+
+const Rule* RuleFor(const std::string& path) {
+  const Rule* best = nullptr;
+  for (const Rule& rule : kRules) {
+    if (IsBelow(path, rule.who) && (!best || rule.who.size() > best->who.size())) best = &rule;
+  }
+  return best;
+}
+
+bool Allows(const Rule& rule, const std::string& path, const std::string& include) {
+  const auto holds = [&](const std::string& folder) { return IsBelow(include, folder); };
+  if (std::any_of(rule.not_these.begin(), rule.not_these.end(), holds)) return false;
+  if (std::any_of(rule.project.begin(), rule.project.end(), holds)) return true;
+  // client/station/main.cpp may include client/station/..., and no other client.
+  const std::size_t own_end = path.find('/', std::string("client/").size());
+  return rule.who == "client" && own_end != std::string::npos && holds(path.substr(0, own_end));
+}
+
+std::string Join(const Paths& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text.empty() ? "nothing" : text;
+}
+
+/// idlc and flatc make idl/x.h and idl/x_generated.h while building.
+bool IsGenerated(const std::string& include,
+                 const std::function<bool(const std::string&)>& exists) {
+  static const std::regex kIdl(R"((idl/[a-z_]+)\.h)"), kFlat(R"((idl/[a-z_]+)_generated\.h)");
+  std::smatch match;
+  return (std::regex_match(include, match, kFlat) && exists(match[1].str() + ".fbs")) ||
+         (std::regex_match(include, match, kIdl) && exists(match[1].str() + ".idl"));
+}
+
+}  // namespace
+
+std::vector<std::string> IncludeViolations(const std::string& path, const std::string& text,
+                                           const std::function<bool(const std::string&)>& exists) {
+  // C and C++ write #include, IDL as well, FlatBuffers `include "x";`.
+  static const std::regex kInclude(R"re(^\s*#?\s*include\s*([<"])([^>"]+)[>"])re");
+  std::vector<std::string> violations;
+  const Rule* rule = RuleFor(path);
+  std::istringstream lines(text);
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    std::smatch match;
+    if (!std::regex_search(line, match, kInclude)) continue;
+    const std::string include = match[2];
+    const auto violation = [&](const std::string& what) {
+      violations.push_back(path + ":" + std::to_string(number) + ": " + include + ": " + what);
+    };
+
+    if (match[1] == "\"") {
+      if (!exists(include) && !IsGenerated(include, exists)) {
+        violation("no such file: includes are spelled from the root, libraries in <>");
+      } else if (rule && !Allows(*rule, path, include)) {
+        violation(rule->who + " may include of the project: " + Join(rule->project) +
+                  (rule->not_these.empty() ? "" : ", but not " + Join(rule->not_these)));
+      }
+    } else if (const auto library = LibraryOf(include)) {
+      const auto is_it = [&](const std::string& name) { return name == *library; };
+      if (rule && std::none_of(rule->libraries.begin(), rule->libraries.end(), is_it)) {
+        violation(rule->who + " may use of the libraries: " + Join(rule->libraries));
+      } else if (rule && path.ends_with(".h") &&
+                 std::any_of(kNotInHeaders.begin(), kNotInHeaders.end(), is_it)) {
+        violation(*library + " is slow to compile: include it in .cpp files only");
+      }
+    } else if (!IsSystemHeader(include)) {
+      violation("unknown library: enter it in tests/house/include_rules.cpp");
+    }
+  }
+  return violations;
+}
+
+}  // namespace palpate::house

@@ -1,0 +1,142 @@
+#include "tests/house/include_rules.h"
+
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/house/source_tree.h"
+
+namespace palpate::house {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// A small project that has what the includes below name.
+std::vector<std::string> Check(const std::string& path, const std::string& text) {
+  static const std::set<std::string> kFiles = {"common/math/pose.h",
+                                               "common/dds/endpoint.h",
+                                               "client/load/load.h",
+                                               "client/station/table.h",
+                                               "idl/haptics.idl",
+                                               "idl/scene.fbs",
+                                               "scenes/scene.h",
+                                               "scenes/sphere_tree.h",
+                                               "server/physics/haptic_step.h",
+                                               "server/session/servo_loop.h"};
+  return IncludeViolations(path, text, [](const std::string& f) { return kFiles.contains(f); });
+}
+
+TEST(IncludeRules, LetPhysicsSeeSphereTreeMathAndEigen) {
+  EXPECT_THAT(Check("server/physics/a.cpp",
+                    "#include <Eigen/Core>\n#include <vector>\n#include <immintrin.h>\n"
+                    "#include \"common/math/pose.h\"\n#include \"scenes/sphere_tree.h\"\n"
+                    "#include \"server/physics/haptic_step.h\"\n"),
+              IsEmpty());
+}
+
+TEST(IncludeRules, KeepPhysicsFromTheRestAndNameFileAndLine) {
+  EXPECT_THAT(Check("server/physics/a.cpp", "\n#include \"scenes/scene.h\"\n"),
+              ElementsAre(HasSubstr("server/physics/a.cpp:2: scenes/scene.h: ")));
+  EXPECT_THAT(Check("server/physics/a.h", "#include \"server/session/servo_loop.h\"\n"),
+              ElementsAre(HasSubstr("servo_loop.h")));
+  EXPECT_THAT(Check("server/physics/a.h", "#include \"common/dds/endpoint.h\"\n"),
+              ElementsAre(HasSubstr("but not common/dds")));
+  EXPECT_THAT(Check("server/physics/a.cpp", "#include <spdlog/spdlog.h>\n"),
+              ElementsAre(HasSubstr("may use of the libraries: Eigen")));
+  EXPECT_THAT(Check("server/physics/a.cpp", "  #  include <dds/dds.h>\n"),
+              ElementsAre(HasSubstr("dds/dds.h")));
+}
+
+TEST(IncludeRules, LetSessionsUsePhysicsButNoScenes) {
+  EXPECT_THAT(Check("server/session/a.cpp", "#include \"server/physics/haptic_step.h\"\n"),
+              IsEmpty());
+  EXPECT_THAT(Check("server/session/a.cpp", "#include \"scenes/scene.h\"\n"),
+              ElementsAre(HasSubstr("scenes/scene.h")));
+}
+
+TEST(IncludeRules, LetTheTypesThatTravelIncludeNothing) {
+  EXPECT_THAT(Check("idl/session.idl", "#include \"idl/haptics.idl\"\n"),
+              ElementsAre(HasSubstr("of the project: nothing")));
+  EXPECT_THAT(Check("idl/other.fbs", "include \"idl/scene.fbs\";\n"),
+              ElementsAre(HasSubstr("of the project: nothing")));
+}
+
+TEST(IncludeRules, KeepDdsInItsFolder) {
+  EXPECT_THAT(Check("common/dds/a.cpp", "#include <dds/dds.h>\n#include \"idl/haptics.h\"\n"),
+              IsEmpty());
+  EXPECT_THAT(Check("common/math/a.cpp", "#include <dds/dds.h>\n"),
+              ElementsAre(HasSubstr("dds/dds.h")));
+  EXPECT_THAT(Check("common/math/a.cpp", "#include \"common/dds/endpoint.h\"\n"),
+              ElementsAre(HasSubstr("but not common/dds")));
+}
+
+TEST(IncludeRules, KeepAssimpToTheMeshImport) {
+  EXPECT_THAT(Check("scenes/mesh_import.cpp", "#include <assimp/scene.h>\n"), IsEmpty());
+  EXPECT_THAT(Check("scenes/mesh_query.cpp", "#include <assimp/scene.h>\n"),
+              ElementsAre(HasSubstr("assimp/scene.h")));
+}
+
+TEST(IncludeRules, KeepAVendorsAbiInItsFolder) {
+  EXPECT_THAT(Check("devices/openhaptics/a.cpp", "#include <HD/hd.h>\n"), IsEmpty());
+  EXPECT_THAT(Check("devices/simulated/a.cpp", "#include <HD/hd.h>\n"),
+              ElementsAre(HasSubstr("HD/hd.h")));
+  EXPECT_THAT(Check("client/station/a.cpp", "#include <HD/hd.h>\n"),
+              ElementsAre(HasSubstr("HD/hd.h")));
+}
+
+TEST(IncludeRules, KeepClientsFromTheServerAndFromEachOther) {
+  EXPECT_THAT(Check("client/station/a.cpp", "#include \"client/station/table.h\"\n"), IsEmpty());
+  EXPECT_THAT(Check("client/station/a.cpp", "#include \"client/load/load.h\"\n"),
+              ElementsAre(HasSubstr("client/load/load.h")));
+  EXPECT_THAT(Check("client/station/a.cpp", "#include \"server/physics/haptic_step.h\"\n"),
+              ElementsAre(HasSubstr("haptic_step.h")));
+}
+
+TEST(IncludeRules, AskForTheSpellingFromTheRoot) {
+  EXPECT_THAT(Check("scenes/a.cpp", "#include \"scene.h\"\n"),
+              ElementsAre(HasSubstr("spelled from the root")));
+  EXPECT_THAT(Check("tests/scenes/a.cpp", "#include \"../scenes/scene.h\"\n"),
+              ElementsAre(HasSubstr("spelled from the root")));
+}
+
+TEST(IncludeRules, KnowWhatIdlcAndFlatcGenerate) {
+  EXPECT_THAT(Check("scenes/a.cpp", "#include \"idl/scene_generated.h\"\n"), IsEmpty());
+  EXPECT_THAT(Check("common/dds/wire.h", "#include \"idl/missing.h\"\n"),
+              ElementsAre(HasSubstr("no such file")));
+}
+
+TEST(IncludeRules, KeepSlowHeadersOutOfHeadersAndUnknownLibrariesOutOfTheHouse) {
+  EXPECT_THAT(Check("scenes/a.cpp", "#include <nlohmann/json.hpp>\n"), IsEmpty());
+  EXPECT_THAT(Check("scenes/a.h", "#include <nlohmann/json.hpp>\n"),
+              ElementsAre(HasSubstr(".cpp files only")));
+  EXPECT_THAT(Check("scenes/a.cpp", "#include <boost/optional.hpp>\n"),
+              ElementsAre(HasSubstr("unknown library")));
+  EXPECT_THAT(Check("tests/scenes/a.cpp", "#include <boost/optional.hpp>\n"),
+              ElementsAre(HasSubstr("unknown library")));
+}
+
+TEST(IncludeRules, HoldInEverySourceFile) {
+  const std::string root = PALPATE_SOURCE_DIR;
+  const std::vector<std::string> files = SourceFiles(root);
+  const std::set<std::string> known(files.begin(), files.end());
+  int checked = 0;
+  for (const std::string& file : files) {
+    if (!file.ends_with(".h") && !file.ends_with(".cpp") && !file.ends_with(".inl") &&
+        !file.ends_with(".idl") && !file.ends_with(".fbs")) {
+      continue;
+    }
+    ++checked;
+    for (const std::string& violation :
+         IncludeViolations(file, ReadFile(root + "/" + file),
+                           [&](const std::string& f) { return known.contains(f); })) {
+      ADD_FAILURE() << violation;
+    }
+  }
+  EXPECT_GT(checked, 10) << "git lists too few source files below " << root;
+}
+
+}  // namespace
+}  // namespace palpate::house

@@ -1,0 +1,79 @@
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/house/source_tree.h"
+
+// What every program and script owes its user.
+namespace palpate::house {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// The programs of the build, as CMake lists them: "palpate-server,palpate-station".
+std::vector<std::string> Programs() {
+  std::vector<std::string> programs;
+  std::string rest = PALPATE_PROGRAMS;
+  while (!rest.empty()) {
+    const std::size_t end = rest.find(',');
+    programs.push_back(rest.substr(0, end));
+    rest = end == std::string::npos ? "" : rest.substr(end + 1);
+  }
+  return programs;
+}
+
+std::string PathOf(const std::string& program) {
+  return std::string(PALPATE_BIN_DIR) + "/" + program;
+}
+
+TEST(Programs, AreBuiltUnderTheProjectsName) {
+  EXPECT_FALSE(Programs().empty());
+  for (const std::string& program : Programs()) EXPECT_THAT(program, HasSubstr("palpate-"));
+}
+
+TEST(Programs, TeachWithHelpThatHasAnExample) {
+  for (const std::string& program : Programs()) {
+    const Output help = RunCommand({PathOf(program), "--help"});
+    EXPECT_EQ(help.exit_code, 0) << program;
+    for (const std::string word : {"--help", "--version", "--domain", "--log-level"}) {
+      EXPECT_THAT(help.text, HasSubstr(word)) << program;
+    }
+    EXPECT_THAT(help.text, HasSubstr("xample")) << program;
+    EXPECT_THAT(help.text, HasSubstr(program)) << program << ": the example names no program";
+  }
+}
+
+TEST(Programs, TellTheirVersion) {
+  for (const std::string& program : Programs()) {
+    const Output version = RunCommand({PathOf(program), "--version"});
+    EXPECT_EQ(version.exit_code, 0) << program;
+    EXPECT_THAT(version.text, HasSubstr(PALPATE_VERSION)) << program;
+  }
+}
+
+TEST(Programs, EndWithTwoWhereTheCommandLineIsWrong) {
+  for (const std::string& program : Programs()) {
+    const Output output = RunCommand({PathOf(program), "--no-such-option"});
+    EXPECT_EQ(output.exit_code, 2) << program << ": " << output.text;
+    EXPECT_THAT(output.text, HasSubstr("--help")) << program << ": says not where to look";
+  }
+}
+
+TEST(Scripts, TeachAndRefuseLikeThePrograms) {
+  for (const std::string script :
+       {"deploy/demo", "deploy/setup", "deploy/container/run", "tests/run"}) {
+    const std::string path = std::string(PALPATE_SOURCE_DIR) + "/" + script;
+    const Output help = RunCommand({path, "--help"});
+    EXPECT_EQ(help.exit_code, 0) << script;
+    EXPECT_THAT(help.text, HasSubstr("usage: " + script)) << script;
+    const Output wrong = RunCommand({path, "--no-such-option"});
+    EXPECT_EQ(wrong.exit_code, 2) << script;
+    EXPECT_THAT(wrong.text, HasSubstr("no-such-option")) << script;
+  }
+}
+
+}  // namespace
+}  // namespace palpate::house

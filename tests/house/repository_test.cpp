@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <filesystem>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/house/source_tree.h"
+
+// What must stay true of the repository as a whole.
+namespace palpate::house {
+namespace {
+
+const std::string kRoot = PALPATE_SOURCE_DIR;
+
+/// First line that holds the regular expression, as "line: text"; empty where there is none.
+std::string FirstMatch(const std::string& text, const std::string& regex) {
+  std::smatch match;
+  if (!std::regex_search(text, match, std::regex(regex))) return "";
+  const auto line = 1 + std::count(text.begin(), match[0].first, '\n');
+  return std::to_string(line) + ": " + match[0].str();
+}
+
+// Written in two halves, so that this file does not hold what it looks for.
+const std::string kLeftForLater = std::string("\\b(TO") + "DO|FIX" + "ME|XX" + "X|HA" + "CK)\\b";
+const std::string kSomebodysFolder = std::string("/(home|Us") + "ers)/[a-z]";
+const std::string kRegistryHost = std::string("(registry\\.npm") + "js|deb\\.deb" + "ian|docker" +
+                                  "\\.io|gh" + "cr\\.io|qu" + "ay\\.io|pypi\\.or" + "g)";
+
+bool IsText(const std::string& file) {
+  static const std::set<std::string> kBinary = {".png", ".jpg", ".stl", ".ply", ".3ds", ".glb"};
+  return !kBinary.contains(std::filesystem::path(file).extension());
+}
+
+TEST(FirstMatch, FindsWhatIsNotAllowedAndNothingElse) {
+  EXPECT_EQ(FirstMatch(std::string("a\n// TO") + "DO: b", kLeftForLater),
+            std::string("2: TO") + "DO");
+  EXPECT_EQ(FirstMatch("a\n// todos are fine", kLeftForLater), "");
+  EXPECT_EQ(FirstMatch(std::string("cd /ho") + "me/eve", kSomebodysFolder),
+            std::string("1: /ho") + "me/e");
+  EXPECT_EQ(FirstMatch("the user's home/cache", kSomebodysFolder), "");
+  EXPECT_NE(FirstMatch(std::string("https://registry.npm") + "js.org/a", kRegistryHost), "");
+}
+
+TEST(Repository, HasAtItsTopOnlyWhatBelongsThere) {
+  const std::set<std::string> allowed = {
+      ".ci",    ".clang-format",  ".clang-tidy",       ".gitignore",      "CHANGELOG.md", "client",
+      "common", "CMakeLists.txt", "CMakePresets.json", "CONTRIBUTING.md", "deploy",       "devices",
+      "idl",    "LICENSE",        "README.md",         "scenes",          "server",       "tests"};
+  std::set<std::string> top;
+  for (const std::string& file : SourceFiles(kRoot)) top.insert(file.substr(0, file.find('/')));
+  EXPECT_EQ(top, allowed);
+}
+
+TEST(Repository, ShowsOnePosesWayThroughSixFilesThatExist) {
+  const std::vector<std::string> path = {"idl/haptics.idl",
+                                         "server/transport/station_link.cpp",
+                                         "server/session/servo_loop.cpp",
+                                         "server/physics/haptic_step.cpp",
+                                         "server/physics/contact_prediction.cpp",
+                                         "server/physics/response.cpp"};
+  for (const std::string& file : path) {
+    EXPECT_TRUE(std::filesystem::is_regular_file(kRoot + "/" + file)) << file << " is missing";
+  }
+  for (const std::string document : {"README.md", "server/ARCHITECTURE.md"}) {
+    const std::string text = ReadFile(kRoot + "/" + document);
+    std::size_t at = 0;
+    for (const std::string& file : path) {
+      const std::size_t next = text.find(file, at);
+      EXPECT_NE(next, std::string::npos) << document << " does not name " << file << " in its turn";
+      if (next != std::string::npos) at = next;
+    }
+  }
+}
+
+TEST(Repository, LinksOnlyToFilesThatExist) {
+  static const std::regex kLink(R"(\]\(([^)#:\s]+)(#[^)]*)?\))");
+  for (const std::string& file : SourceFiles(kRoot)) {
+    if (!file.ends_with(".md")) continue;
+    const std::string text = ReadFile(kRoot + "/" + file);
+    for (std::sregex_iterator it(text.begin(), text.end(), kLink), end; it != end; ++it) {
+      const std::string target = (*it)[1];
+      const auto path = std::filesystem::path(kRoot) / std::filesystem::path(file).parent_path();
+      EXPECT_TRUE(std::filesystem::exists(path / target)) << file << " links to " << target;
+    }
+  }
+}
+
+TEST(Repository, LeavesNothingForLaterAndNamesNoPlaceOfItsMakers) {
+  for (const std::string& file : SourceFiles(kRoot)) {
+    if (!IsText(file)) continue;
+    const std::string text = ReadFile(kRoot + "/" + file);
+    EXPECT_EQ(FirstMatch(text, kLeftForLater), "") << file;
+    EXPECT_EQ(FirstMatch(text, kSomebodysFolder), "") << file;
+    EXPECT_EQ(FirstMatch(text, kRegistryHost), "") << file;
+  }
+}
+
+TEST(Repository, IsFormattedAsItsClangFormatFileSays) {
+  std::vector<std::string> words = {"clang-format", "--dry-run", "-Werror"};
+  for (const std::string& file : SourceFiles(kRoot)) {
+    if (file.ends_with(".h") || file.ends_with(".cpp")) words.push_back(kRoot + "/" + file);
+  }
+  if (RunCommand({"sh", "-c", "command -v clang-format"}).exit_code != 0) {
+    GTEST_SKIP() << "clang-format is missing: deploy/setup --for tests installs it";
+  }
+  const Output output = RunCommand(words);
+  EXPECT_EQ(output.exit_code, 0) << output.text;
+}
+
+}  // namespace
+}  // namespace palpate::house

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace palpate::house {
+
+/// Files that git tracks or would track, relative to the root, sorted.  Throws Error where git is
+/// missing or the root is no repository.
+std::vector<std::string> SourceFiles(const std::string& root);
+
+/// Throws Error where the file cannot be read.
+std::string ReadFile(const std::string& file);
+
+/// What a command writes to stdout and stderr together, and its exit code.  The words are passed as
+/// they are: no shell reads them.  Throws Error where it cannot be started.
+struct Output {
+  std::string text;
+  int exit_code = 0;
+};
+Output RunCommand(const std::vector<std::string>& words);
+
+/// True where the path is the folder (or file) itself, or in it.
+bool IsBelow(const std::string& path, const std::string& folder);
+
+}  // namespace palpate::house
