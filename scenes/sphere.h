@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-struct Ball {
+struct Sphere {
   Vec3 centre = Vec3::Zero();
   double radius = 0.0;
 };
@@ -16,12 +16,12 @@ struct Ball {
 /// Smallest ball that holds all the given balls, to rounding; the list must not be empty.  Grows a
 /// basis of at most four balls by the one that sticks out most, as an LP-type problem (Fischer &
 /// Gärtner, Int. J. Comput. Geom. Appl. 14 (2004) 341-378).
-Ball EnclosingBall(const std::vector<Ball>& balls);
+Sphere EnclosingSphere(const std::vector<Sphere>& balls);
 
 /// Which of many balls is nearest to a point.  Set-up only: not real-time.
-class BallQuery {
+class SphereQuery {
  public:
-  explicit BallQuery(std::vector<Ball> balls);
+  explicit SphereQuery(std::vector<Sphere> balls);
 
   struct Hit {
     std::uint32_t ball = 0;
@@ -39,7 +39,7 @@ class BallQuery {
   void Build(std::int32_t node);
   double Bound(const Node& node, const Vec3& p) const;
 
-  std::vector<Ball> balls_;
+  std::vector<Sphere> balls_;
   std::vector<std::uint32_t> order_;
   std::vector<Node> nodes_;
 };

@@ -15,10 +15,11 @@ using Feature = Eigen::Matrix<double, 7, 1>;  ///< centre, touching point, radiu
 
 class Arranger {
  public:
-  explicit Arranger(const std::vector<LeafBall>& leaves) : leaves_(leaves), order_(leaves.size()) {
+  explicit Arranger(const std::vector<LeafSphere>& leaves)
+      : leaves_(leaves), order_(leaves.size()) {
     std::iota(order_.begin(), order_.end(), 0u);
     features_.reserve(leaves.size());
-    for (const LeafBall& l : leaves) {
+    for (const LeafSphere& l : leaves) {
       Feature f;
       f << l.ball.centre, l.touch, l.ball.radius;
       features_.push_back(f);
@@ -45,7 +46,7 @@ class Arranger {
       packets = std::move(below);
     }
     for (std::uint32_t i : order_) {
-      const Ball& ball = leaves_[i].ball;
+      const Sphere& ball = leaves_[i].ball;
       tree.leaf_x.push_back(ball.centre.x());
       tree.leaf_y.push_back(ball.centre.y());
       tree.leaf_z.push_back(ball.centre.z());
@@ -125,14 +126,14 @@ class Arranger {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
     Vec3 high = -low;
     for (It i = begin; i != end; ++i) {
-      const Ball& b = leaves_[*i].ball;
+      const Sphere& b = leaves_[*i].ball;
       low = low.cwiseMin((b.centre.array() - b.radius).matrix());
       high = high.cwiseMax((b.centre.array() + b.radius).matrix());
     }
     const Vec3 centre = 0.5 * (low + high);
     double radius = 0.0;
     for (It i = begin; i != end; ++i) {
-      const Ball& b = leaves_[*i].ball;
+      const Sphere& b = leaves_[*i].ball;
       radius = std::max(radius, (b.centre - centre).norm() + b.radius);
     }
     return static_cast<double>(end - begin) * radius;
@@ -145,17 +146,17 @@ class Arranger {
       packet.x[lane] = packet.y[lane] = packet.z[lane] = packet.radius[lane] = nan;
       packet.child[lane] = -1;
       if (lane >= static_cast<int>(lanes.size())) continue;
-      std::vector<Ball> balls;
+      std::vector<Sphere> balls;
       for (std::size_t i = lanes[lane].first; i < lanes[lane].second; ++i) {
         balls.push_back(leaves_[order_[i]].ball);
       }
-      const Vec3 centre = EnclosingBall(balls).centre;
+      const Vec3 centre = EnclosingSphere(balls).centre;
       packet.x[lane] = static_cast<float>(centre.x());
       packet.y[lane] = static_cast<float>(centre.y());
       packet.z[lane] = static_cast<float>(centre.z());
       const Vec3 rounded(packet.x[lane], packet.y[lane], packet.z[lane]);
       double radius = 0.0;
-      for (const Ball& ball : balls) {
+      for (const Sphere& ball : balls) {
         radius = std::max(radius, (ball.centre - rounded).norm() + ball.radius);
       }
       radius *= 1.0 + 1e-15;  // the norm itself was rounded
@@ -169,14 +170,14 @@ class Arranger {
     return packet;
   }
 
-  const std::vector<LeafBall>& leaves_;
+  const std::vector<LeafSphere>& leaves_;
   std::vector<Feature> features_;
   std::vector<std::uint32_t> order_;
 };
 
 }  // namespace
 
-SphereHierarchy ArrangeLeaves(const std::vector<LeafBall>& leaves) {
+SphereHierarchy ArrangeLeaves(const std::vector<LeafSphere>& leaves) {
   return Arranger(leaves).Run();
 }
 
