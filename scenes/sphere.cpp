@@ -163,31 +163,53 @@ double SphereQuery::Bound(const Node& node, const Vec3& p) const {
   return (node.min - p).cwiseMax(p - node.max).cwiseMax(0.0).norm() - node.radius;
 }
 
-SphereQuery::Hit SphereQuery::Nearest(const Vec3& p) const {
-  Hit hit;
-  if (balls_.empty()) return hit;
-  std::pair<double, std::int32_t> stack[64];
+template <class Visit>
+void SphereQuery::Walk(const Vec3& p, Visit visit) const {
+  if (balls_.empty()) return;
+  std::pair<double, std::int32_t> stack[64];  // the tree halves its balls: never so deep
   int top = 0;
+  double within = std::numeric_limits<double>::infinity();
   stack[top++] = {Bound(nodes_[0], p), 0};
   while (top > 0) {
     const auto [bound, index] = stack[--top];
-    if (!(bound < hit.distance)) continue;
+    if (!(bound < within)) continue;
     const Node& node = nodes_[index];
     if (node.child < 0) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
         const Sphere& ball = balls_[order_[i]];
         const double distance = (p - ball.centre).norm() - ball.radius;
-        if (distance < hit.distance) hit = {order_[i], distance};
+        if (distance < within) within = visit(order_[i], distance);
       }
       continue;
     }
     std::pair<double, std::int32_t> near{Bound(nodes_[node.child], p), node.child};
     std::pair<double, std::int32_t> far{Bound(nodes_[node.child + 1], p), node.child + 1};
     if (far.first < near.first) std::swap(near, far);
-    if (far.first < hit.distance) stack[top++] = far;
-    if (near.first < hit.distance) stack[top++] = near;
+    if (far.first < within) stack[top++] = far;
+    if (near.first < within) stack[top++] = near;
   }
+}
+
+SphereQuery::Hit SphereQuery::Nearest(const Vec3& p) const {
+  Hit hit;
+  Walk(p, [&](std::uint32_t ball, double distance) {
+    hit = {ball, distance};
+    return distance;
+  });
   return hit;
+}
+
+std::vector<std::uint32_t> SphereQuery::NearestFew(const Vec3& p, std::size_t count) const {
+  std::vector<std::pair<double, std::uint32_t>> few;  // sorted
+  Walk(p, [&](std::uint32_t ball, double distance) {
+    const std::pair entry{distance, ball};
+    few.insert(std::upper_bound(few.begin(), few.end(), entry), entry);
+    if (few.size() > count) few.pop_back();
+    return few.size() < count ? std::numeric_limits<double>::infinity() : few.back().first;
+  });
+  std::vector<std::uint32_t> balls;
+  for (const auto& [distance, ball] : few) balls.push_back(ball);
+  return balls;
 }
 
 }  // namespace palpate

@@ -28,6 +28,8 @@ class SphereQuery {
     double distance = std::numeric_limits<double>::infinity();  ///< to its surface, < 0 inside
   };
   Hit Nearest(const Vec3& p) const;
+  /// The `count` nearest, nearest first; fewer where there are not as many.
+  std::vector<std::uint32_t> NearestFew(const Vec3& p, std::size_t count) const;
 
  private:
   struct Node {
@@ -37,6 +39,9 @@ class SphereQuery {
     std::uint32_t begin = 0, end = 0;
   };
   void Build(std::int32_t node);
+  /// Shows visit(ball, distance) every ball nearer than what it returned last.
+  template <class Visit>
+  void Walk(const Vec3& p, Visit visit) const;
   double Bound(const Node& node, const Vec3& p) const;
 
   std::vector<Sphere> balls_;

@@ -7,12 +7,6 @@
 
 namespace palpate {
 
-/// A leaf before it has its place in the tree.
-struct LeafSphere {
-  Sphere ball;
-  Vec3 touch;  ///< where it touches the surface; leaves of one node should lie close in this, too
-};
-
 struct SphereHierarchy {
   SphereTree tree;                   ///< without triangles and centroid
   std::vector<std::uint32_t> order;  ///< leaf i of the tree is leaves[order[i]] of the input
@@ -20,6 +14,6 @@ struct SphereHierarchy {
 
 /// Arranges leaves under packets of eight.  All packets are full but the last of each level; the
 /// ball of a node is the smallest round its leaves, rounded up to float.
-SphereHierarchy ArrangeLeaves(const std::vector<LeafSphere>& leaves);
+SphereHierarchy ArrangeLeaves(const std::vector<Sphere>& leaves);
 
 }  // namespace palpate
