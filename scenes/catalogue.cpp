@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <iomanip>
 #include <iostream>
+#include <map>
+#include <sstream>
 #include <utility>
 
 #include "common/error.h"
@@ -11,6 +14,7 @@
 #include "scenes/mesh_import.h"
 #include "scenes/mesh_report.h"
 #include "scenes/model_files.h"
+#include "scenes/scene_bundle.h"
 #include "scenes/scene_file.h"
 #include "scenes/shapes.h"
 
@@ -36,6 +40,16 @@ auto About(const std::string& where, Work work) {
   }
 }
 
+bool IsImported(const MeshSource& source) {
+  return source.kind == MeshSource::Kind::kModel || source.kind == MeshSource::Kind::kFile;
+}
+
+std::string MeshFile(const MeshSource& source, const std::string& models_dir) {
+  if (source.kind == MeshSource::Kind::kFile) return source.what;
+  return About(source.where, [&] { return FindModel(source.what, models_dir); });
+}
+
+/// Complaints name the scene file's line.
 TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir) {
   switch (source.kind) {
     case MeshSource::Kind::kBox:
@@ -47,13 +61,14 @@ TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir) {
     default:
       break;
   }
-  const std::string file =
-      source.kind == MeshSource::Kind::kModel ? FindModel(source.what, models_dir) : source.what;
-  TriangleMesh mesh = ImportMesh(file);
-  const MeshReport report = InspectMesh(mesh);
-  if (!report.refusal.empty()) throw Error(file + ": " + report.refusal);
-  PlaceMesh(source.placement, mesh);
-  return mesh;
+  const std::string file = MeshFile(source, models_dir);
+  return About(source.where, [&] {
+    TriangleMesh mesh = ImportMesh(file);
+    const MeshReport report = InspectMesh(mesh);
+    if (!report.refusal.empty()) throw Error(file + ": " + report.refusal);
+    PlaceMesh(source.placement, mesh);
+    return mesh;
+  });
 }
 
 Body Compile(const BodyDescription& description, const LoadOptions& options) {
@@ -71,6 +86,39 @@ Body Compile(const BodyDescription& description, const LoadOptions& options) {
         options.progress(body.name + ": " + std::string(stage), fraction);
       });
   return body;
+}
+
+std::span<const std::uint8_t> Bytes(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+/// Empty where there is no home either: nothing is cached then.
+std::string DefaultCacheFolder() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache != '\0') {
+    return (fs::path(cache) / "palpate").string();
+  }
+  const char* home = std::getenv("HOME");
+  return home == nullptr ? "" : (fs::path(home) / ".cache/palpate").string();
+}
+
+/// Hash of all that decides what a compiled scene holds.
+std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
+                    const std::string& models_dir) {
+  std::uint64_t key = HashBytes(text, kSphereTreeBuilderVersion);
+  key = HashBytes(scene.name, key);
+  std::map<std::string, std::uint64_t> hashes;  // of each mesh file once
+  for (const auto* bodies : {&scene.tools, &scene.objects}) {
+    for (const BodyDescription& body : *bodies) {
+      if (!IsImported(body.mesh)) continue;
+      const std::string file = MeshFile(body.mesh, models_dir);
+      const auto [it, fresh] = hashes.try_emplace(file, 0);
+      if (fresh) {
+        it->second = About(body.mesh.where, [&] { return HashBytes(ReadWholeFile(file), 0); });
+      }
+      key = HashBytes(std::to_string(it->second), key);
+    }
+  }
+  return key;
 }
 
 bool SameGeometry(const BodyDescription& a, const BodyDescription& b) {
@@ -95,7 +143,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
       copy.X_WB = body.X_WB;
       return copy;
     }
-    done.emplace_back(&body, About(body.mesh.where, [&] { return Compile(body, options); }));
+    done.emplace_back(&body, Compile(body, options));
     return done.back().second;
   };
   for (const BodyDescription& tool : description.tools) scene.tools.push_back(compile(tool));
@@ -136,8 +184,37 @@ std::string FindSceneFile(const std::string& name_or_path) {
 Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   const std::string file = FindSceneFile(name_or_path);
   const std::string text = ReadWholeFile(file);
+  if (LooksLikeBundle(text)) return UnpackScene(Bytes(text), file);
   const SceneDescription description = ParseScene(text, file);
-  return Compile(description, options);
+  if (!options.use_cache) return Compile(description, options);
+
+  const std::string folder = options.cache_dir.empty() ? DefaultCacheFolder() : options.cache_dir;
+  const std::uint64_t key = KeyOf(description, text, options.models_dir);
+  std::ostringstream name;
+  name << description.name << '-' << std::hex << std::setw(16) << std::setfill('0') << key
+       << ".palpate";
+  const std::string cached = (fs::path(folder) / name.str()).string();
+  const auto warn = [&](const std::string& what) {
+    options.warn ? options.warn(what) : void(std::cerr << "warning: " << what << '\n');
+  };
+  std::error_code ignored;
+  if (!folder.empty() && fs::exists(cached, ignored)) {
+    try {
+      const std::string bundle = ReadWholeFile(cached);
+      if (ContentKey(Bytes(bundle), cached) != key) throw Error(cached + ": is of another scene");
+      return UnpackScene(Bytes(bundle), cached);
+    } catch (const Error& error) {
+      warn(std::string(error.what()) + " (a cached scene: it is being rebuilt)");
+    }
+  }
+  Scene scene = Compile(description, options);
+  if (folder.empty()) return scene;
+  try {
+    WriteFileAtomically(cached, PackScene(scene, key));
+  } catch (const Error& error) {
+    warn(std::string(error.what()) + " (the scene is used without being cached)");
+  }
+  return scene;
 }
 
 }  // namespace palpate

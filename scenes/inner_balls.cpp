@@ -6,11 +6,16 @@
 namespace palpate {
 namespace {
 
+// Largest radius of a touching ball, in spacings: half-way to its neighbour such a ball lies 1/40
+// of the spacing below a flat surface.  Larger ones are hardly flatter, but each comes near so many
+// more balls of the other body that on the bunny (22,332 leaves) the haptic step had twice as many
+// pairs of packets to test, for a surface covered 7 % better on average.
+constexpr double kLargestTouching = 5.0;
 constexpr double kLatticePoints = 20000.0;  // in the bounding box; what Fill tries to cover
 constexpr double kFilled = 0.5;             // of the spacing: smaller voids count as filled
 
 /// How far the surface lies from the ball at half the spacing from where it should touch.
-double Gap(const Ball& ball, const SurfaceSample& s, double spacing) {
+double Gap(const Sphere& ball, const SurfaceSample& s, double spacing) {
   const double distance = (s.point - ball.centre).norm();
   return std::sqrt(distance * distance + 0.25 * spacing * spacing) - ball.radius;
 }
@@ -24,12 +29,14 @@ InnerBalls::InnerBalls(const TriangleMesh&, const MeshReport& report, const Mesh
   largest_ = 0.5 * extent.minCoeff();
   // An open sheet has no inside: its balls lie behind it, as flat as their spacing needs.
   if (!report.closed()) largest_ = std::max(largest_, 2.0 * spacing);
+  largest_touching_ = std::min(largest_, kLargestTouching * spacing);
 }
 
-Ball InnerBalls::Shrink(const Vec3& point, const Vec3& outward, double depth) const {
+Sphere InnerBalls::Shrink(const Vec3& point, const Vec3& outward, double depth,
+                          double largest) const {
   // The ball of radius r - depth round point - r * outward: at first as large as can be, then as
   // large as the surface point that stuck in furthest allows, until none sticks in.
-  double r = largest_ + depth;
+  double r = largest + depth;
   Vec3 centre = point - r * outward;
   for (int i = 0; i < 50; ++i) {
     const MeshQuery::Hit hit = query_.Nearest(centre, (r - depth) * (1.0 - 1e-9));
@@ -45,16 +52,16 @@ Ball InnerBalls::Shrink(const Vec3& point, const Vec3& outward, double depth) co
   return {centre, query_.Nearest(centre).distance};
 }
 
-Ball InnerBalls::Tangent(const SurfaceSample& s) const {
+Sphere InnerBalls::Tangent(const SurfaceSample& s) const {
   // Next to an edge between two facets of a smooth surface, a ball that touches its facet exactly
   // is tiny.  Lying a little deeper or leaning with the smooth normal, it may be far larger.
-  Ball best = Shrink(s.point, s.outward, 0.0);
+  Sphere best = Shrink(s.point, s.outward, 0.0, largest_touching_);
   double best_gap = Gap(best, s, spacing_);
   Vec3 smooth = query_.SmoothNormal(s.triangle, s.point);
   if (smooth.dot(s.outward) < 0.0) smooth = -smooth;
   for (const Vec3& outward : {s.outward, smooth}) {
     for (const double depth : {0.003, 0.01, 0.03}) {
-      const Ball ball = Shrink(s.point, outward, depth * spacing_);
+      const Sphere ball = Shrink(s.point, outward, depth * spacing_, largest_touching_);
       const double gap = Gap(ball, s, spacing_);
       if (gap < best_gap) {
         best_gap = gap;
@@ -62,16 +69,20 @@ Ball InnerBalls::Tangent(const SurfaceSample& s) const {
       }
     }
   }
+  // Where the surface folds over itself, a facet faces the wrong way: its ball would lie outside.
+  if (report_.closed() && query_.Inside(best.centre) == report_.inside_out()) {
+    return {s.point, 0.0};
+  }
   return best;
 }
 
-std::vector<Ball> InnerBalls::Fill(const std::vector<Ball>& balls, std::size_t count) const {
+std::vector<Sphere> InnerBalls::Fill(const std::vector<Sphere>& balls, std::size_t count) const {
   struct Point {
     Vec3 at;
     double bare;  ///< distance to the nearest ball
   };
   std::vector<Point> points;
-  const BallQuery covered(balls);
+  const SphereQuery covered(balls);
   const Vec3 extent = report_.box_max - report_.box_min;
   const double step = std::cbrt(extent.cwiseMax(0.01 * extent.maxCoeff()).prod() / kLatticePoints);
   for (double x = 0.5 * step; x < extent.x(); x += step) {
@@ -83,16 +94,16 @@ std::vector<Ball> InnerBalls::Fill(const std::vector<Ball>& balls, std::size_t c
       }
     }
   }
-  std::vector<Ball> added;
+  std::vector<Sphere> added;
   while (added.size() < count && !points.empty()) {
     const Point worst =
         *std::max_element(points.begin(), points.end(),
                           [](const Point& a, const Point& b) { return a.bare < b.bare; });
     if (!balls.empty() && worst.bare < kFilled * spacing_) break;
     const MeshQuery::Hit hit = query_.Nearest(worst.at);
-    Ball ball{worst.at, hit.distance};
+    Sphere ball{worst.at, hit.distance};
     if (hit.distance > 0.0) {
-      const Ball grown = Shrink(hit.point, (hit.point - worst.at) / hit.distance, 0.0);
+      const Sphere grown = Shrink(hit.point, (hit.point - worst.at) / hit.distance, 0.0, largest_);
       if (grown.radius > ball.radius) ball = grown;
     }
     if (!(ball.radius > 0.0)) break;

@@ -3,9 +3,9 @@
 #include <functional>
 #include <vector>
 
-#include "scenes/ball.h"
 #include "scenes/mesh_query.h"
 #include "scenes/mesh_report.h"
+#include "scenes/sphere.h"
 #include "scenes/surface_samples.h"
 
 namespace palpate {
@@ -20,19 +20,22 @@ class InnerBalls {
 
   /// The ball that covers the surface round a sample best.  Shrinking ball (Ma, Bae & Choi, Vis.
   /// Comput. 28 (2012) 7-19), against the triangles themselves instead of a point cloud.
-  Ball Tangent(const SurfaceSample& sample) const;
+  /// Radius 0 where there is none inside.
+  Sphere Tangent(const SurfaceSample& sample) const;
 
   /// Balls to add to `balls` until every point well inside lies in one, at most `count`, the most
   /// useful first: each is the maximal inner ball through the point furthest from all others.
-  std::vector<Ball> Fill(const std::vector<Ball>& balls, std::size_t count) const;
+  std::vector<Sphere> Fill(const std::vector<Sphere>& balls, std::size_t count) const;
 
  private:
-  Ball Shrink(const Vec3& point, const Vec3& outward, double depth) const;
+  /// The largest inner ball of at most `largest` that touches at `point`, or lies `depth` deeper.
+  Sphere Shrink(const Vec3& point, const Vec3& outward, double depth, double largest) const;
 
   const MeshReport& report_;
   const MeshQuery& query_;
   double spacing_;
-  double largest_;  ///< no inner ball of a closed mesh is larger [m]
+  double largest_;           ///< no inner ball of a closed mesh is larger [m]
+  double largest_touching_;  ///< of Tangent [m]
 };
 
 }  // namespace palpate

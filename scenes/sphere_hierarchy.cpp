@@ -4,57 +4,75 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
 namespace palpate {
 namespace {
 
-using Range = std::pair<std::size_t, std::size_t>;
-using Feature = Eigen::Matrix<double, 7, 1>;  ///< centre, touching point, radius
+using Range = std::pair<std::size_t, std::size_t>;  ///< of positions in the order of the leaves
 
+constexpr int kRefinements = 20;  // rounds; most groups settle sooner
+constexpr int kNeighbourRounds = 5;
+constexpr int kNeighbours = 8;          // groups that a group trades leaves with
+constexpr std::size_t kTradedAll = 64;  // groups up to this size trade beyond their parent
+
+/// Balls that lie close in their *centres* make tight nodes, wherever they touch the surface: on
+/// both sides of an ear the maximal inner balls are nearly the same.
 class Arranger {
  public:
-  explicit Arranger(const std::vector<LeafBall>& leaves) : leaves_(leaves), order_(leaves.size()) {
+  explicit Arranger(const std::vector<Sphere>& leaves) : leaves_(leaves), order_(leaves.size()) {
     std::iota(order_.begin(), order_.end(), 0u);
-    features_.reserve(leaves.size());
-    for (const LeafBall& l : leaves) {
-      Feature f;
-      f << l.ball.centre, l.touch, l.ball.radius;
-      features_.push_back(f);
-    }
   }
 
   SphereHierarchy Run() {
-    std::size_t capacity = kTreeArity;  // leaves below one packet of the present level
-    while (capacity < leaves_.size()) capacity *= kTreeArity;
-    SphereTree tree;
-    tree.level_begin.push_back(0);
-    std::vector<Range> packets{{0, leaves_.size()}};
-    for (;; capacity /= kTreeArity) {
+    std::size_t unit = 1;  // leaves below one lane of the present level
+    while (unit * kTreeArity < leaves_.size()) unit *= kTreeArity;
+    std::vector<std::vector<std::vector<Range>>> levels;  // of packets, of lanes
+    std::vector<Range> ranges{{0, leaves_.size()}};
+    for (;; unit /= kTreeArity) {
       std::vector<Range> below;
-      for (const Range& range : packets) {
-        std::vector<Range> lanes;
-        Split(range, capacity / kTreeArity, lanes);
-        const bool last = capacity == kTreeArity;
-        tree.packets.push_back(MakePacket(lanes, last ? range.first : below.size()));
+      auto& packets = levels.emplace_back();
+      for (const Range& range : ranges) {
+        std::vector<Range>& lanes = packets.emplace_back();
+        Split(range, unit, lanes);
+        if (unit > 1) TradeAmong(lanes);
         below.insert(below.end(), lanes.begin(), lanes.end());
       }
+      if (unit == 1) break;
+      if (unit <= kTradedAll) TradeWithNeighbours(below);
+      ranges = std::move(below);
+    }
+    SphereTree tree;
+    tree.level_begin.push_back(0);
+    for (const auto& packets : levels) {
+      std::size_t child = 0;
+      for (const std::vector<Range>& lanes : packets) {
+        tree.packets.push_back(MakePacket(lanes, child));
+        child += lanes.size();
+      }
       tree.level_begin.push_back(static_cast<std::int32_t>(tree.packets.size()));
-      if (capacity == kTreeArity) break;
-      packets = std::move(below);
     }
     for (std::uint32_t i : order_) {
-      const Ball& ball = leaves_[i].ball;
-      tree.leaf_x.push_back(ball.centre.x());
-      tree.leaf_y.push_back(ball.centre.y());
-      tree.leaf_z.push_back(ball.centre.z());
-      tree.leaf_radius.push_back(ball.radius);
+      tree.leaf_x.push_back(leaves_[i].centre.x());
+      tree.leaf_y.push_back(leaves_[i].centre.y());
+      tree.leaf_z.push_back(leaves_[i].centre.z());
+      tree.leaf_radius.push_back(leaves_[i].radius);
     }
     return {std::move(tree), std::move(order_)};
   }
 
  private:
+  const Vec3& Centre(std::size_t position) const { return leaves_[order_[position]].centre; }
+
+  Vec3 Mean(Range range) const {
+    Vec3 mean = Vec3::Zero();
+    for (std::size_t i = range.first; i < range.second; ++i) mean += Centre(i);
+    return mean / static_cast<double>(range.second - range.first);
+  }
+
   /// Orders a range into lanes of `unit` leaves, the last one with the rest.
   void Split(Range range, std::size_t unit, std::vector<Range>& lanes) {
     const std::size_t size = range.second - range.first;
@@ -63,79 +81,115 @@ class Arranger {
       lanes.push_back(range);
       return;
     }
-    const std::size_t left = (groups / 2 + (groups > 2 && groups % 2)) * unit;
-    const std::size_t middle = range.first + left;
+    const std::size_t middle = range.first + (groups + 1) / 2 * unit;
     Part(range, middle);
     Split({range.first, middle}, unit, lanes);
     Split({middle, range.second}, unit, lanes);
   }
 
-  /// Parts a range in two along the direction that gives the tightest balls.
+  /// Parts a range in two, across the direction that gives the tighter balls.
   void Part(Range range, std::size_t middle) {
     const auto begin = order_.begin() + range.first;
     const auto end = order_.begin() + range.second;
     std::vector<std::uint32_t> best;
     double best_cost = std::numeric_limits<double>::infinity();
-    std::vector<std::uint32_t> trial;
-    for (const Feature& direction : Directions(range)) {
-      for (const double sign : {1.0, -1.0}) {
-        trial.assign(begin, end);
-        std::nth_element(trial.begin(), trial.begin() + (middle - range.first), trial.end(),
-                         [&](std::uint32_t a, std::uint32_t b) {
-                           const double x = sign * features_[a].dot(direction);
-                           const double y = sign * features_[b].dot(direction);
-                           return x < y || (x == y && a < b);
-                         });
-        const auto cut = trial.begin() + (middle - range.first);
-        const double cost = Cost(trial.begin(), cut) + Cost(cut, trial.end());
-        if (cost < best_cost) {
-          best_cost = cost;
-          best = trial;
-        }
-        if (2 * (middle - range.first) == range.second - range.first) break;  // equal parts
+    for (const Vec3& direction : Directions(range)) {
+      std::vector<std::uint32_t> trial(begin, end);
+      const auto cut = trial.begin() + (middle - range.first);
+      std::nth_element(trial.begin(), cut, trial.end(), [&](std::uint32_t a, std::uint32_t b) {
+        const double x = leaves_[a].centre.dot(direction);
+        const double y = leaves_[b].centre.dot(direction);
+        return x < y || (x == y && a < b);
+      });
+      const double cost = Cost({trial.begin(), cut}) + Cost({cut, trial.end()});
+      if (cost < best_cost) {
+        best_cost = cost;
+        best = std::move(trial);
       }
     }
     std::copy(best.begin(), best.end(), begin);
   }
 
-  std::vector<Feature> Directions(Range range) const {
-    Feature mean = Feature::Zero();
-    for (std::size_t i = range.first; i < range.second; ++i) mean += features_[order_[i]];
-    mean /= static_cast<double>(range.second - range.first);
-    Eigen::Matrix<double, 7, 7> covariance = Eigen::Matrix<double, 7, 7>::Zero();
+  /// Principal axes, both ways: the smaller part may lie at either end.
+  std::vector<Vec3> Directions(Range range) const {
+    const Vec3 mean = Mean(range);
+    Mat3 covariance = Mat3::Zero();
     for (std::size_t i = range.first; i < range.second; ++i) {
-      const Feature d = features_[order_[i]] - mean;
+      const Vec3 d = Centre(i) - mean;
       covariance += d * d.transpose();
     }
-    std::vector<Feature> directions;
-    for (const int block : {0, 3}) {
-      const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance.block<3, 3>(block, block));
-      for (int k = 2; k >= 0; --k) {
-        Feature f = Feature::Zero();
-        f.segment<3>(block) = solver.eigenvectors().col(k);
-        directions.push_back(f);
-      }
+    const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance);
+    std::vector<Vec3> directions;
+    for (int k = 2; k >= 0; --k) {
+      directions.push_back(solver.eigenvectors().col(k));
+      directions.push_back(-solver.eigenvectors().col(k));
     }
-    directions.push_back(Feature::Unit(6));
     return directions;
   }
 
-  template <class It>
-  double Cost(It begin, It end) const {
+  /// Leaves times the radius of a ball round them.
+  double Cost(std::span<const std::uint32_t> group) const {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
     Vec3 high = -low;
-    for (It i = begin; i != end; ++i) {
-      const Ball& b = leaves_[*i].ball;
-      low = low.cwiseMin((b.centre.array() - b.radius).matrix());
-      high = high.cwiseMax((b.centre.array() + b.radius).matrix());
+    for (std::uint32_t i : group) {
+      low = low.cwiseMin((leaves_[i].centre.array() - leaves_[i].radius).matrix());
+      high = high.cwiseMax((leaves_[i].centre.array() + leaves_[i].radius).matrix());
     }
     const Vec3 centre = 0.5 * (low + high);
     double radius = 0.0;
-    for (It i = begin; i != end; ++i) {
-      const Ball& b = leaves_[*i].ball;
-      radius = std::max(radius, (b.centre - centre).norm() + b.radius);
+    for (std::uint32_t i : group) {
+      radius = std::max(radius, (leaves_[i].centre - centre).norm() + leaves_[i].radius);
     }
-    return static_cast<double>(end - begin) * radius;
+    return static_cast<double>(group.size()) * radius;
+  }
+
+  /// Two groups trade leaves, as many one way as the other, while that brings their centres closer
+  /// together (k-means with fixed sizes).  Returns whether any changed hands.
+  bool Trade(Range a, Range b) {
+    const Vec3 mean_a = Mean(a);
+    const Vec3 mean_b = Mean(b);
+    const auto eager = [&](Range from, const Vec3& here, const Vec3& there) {
+      std::vector<std::pair<double, std::size_t>> gains;  // negative: best first
+      for (std::size_t i = from.first; i < from.second; ++i) {
+        gains.emplace_back((Centre(i) - there).squaredNorm() - (Centre(i) - here).squaredNorm(), i);
+      }
+      std::sort(gains.begin(), gains.end());
+      return gains;
+    };
+    const auto from_a = eager(a, mean_a, mean_b);
+    const auto from_b = eager(b, mean_b, mean_a);
+    const double enough = -1e-9 * (mean_a - mean_b).squaredNorm();
+    std::size_t traded = 0;
+    while (traded < std::min(from_a.size(), from_b.size()) &&
+           from_a[traded].first + from_b[traded].first < enough) {
+      std::swap(order_[from_a[traded].second], order_[from_b[traded].second]);
+      ++traded;
+    }
+    return traded > 0;
+  }
+
+  void TradeAmong(const std::vector<Range>& groups) {
+    bool any = true;
+    for (int round = 0; round < kRefinements && any; ++round) {
+      any = false;
+      for (std::size_t g = 0; g < groups.size(); ++g) {
+        for (std::size_t h = g + 1; h < groups.size(); ++h) any |= Trade(groups[g], groups[h]);
+      }
+    }
+  }
+
+  /// The same across parents: where two parents meet, their children need not be cut.
+  void TradeWithNeighbours(const std::vector<Range>& groups) {
+    for (int round = 0; round < kNeighbourRounds; ++round) {
+      std::vector<Sphere> means;
+      for (const Range& range : groups) means.push_back({Mean(range), 0.0});
+      const SphereQuery query(means);
+      for (std::uint32_t g = 0; g < groups.size(); ++g) {
+        for (std::uint32_t h : query.NearestFew(means[g].centre, kNeighbours + 1)) {
+          if (h != g) Trade(groups[g], groups[h]);
+        }
+      }
+    }
   }
 
   SpherePacket MakePacket(const std::vector<Range>& lanes, std::size_t first_child) const {
@@ -145,17 +199,17 @@ class Arranger {
       packet.x[lane] = packet.y[lane] = packet.z[lane] = packet.radius[lane] = nan;
       packet.child[lane] = -1;
       if (lane >= static_cast<int>(lanes.size())) continue;
-      std::vector<Ball> balls;
+      std::vector<Sphere> balls;
       for (std::size_t i = lanes[lane].first; i < lanes[lane].second; ++i) {
-        balls.push_back(leaves_[order_[i]].ball);
+        balls.push_back(leaves_[order_[i]]);
       }
-      const Vec3 centre = EnclosingBall(balls).centre;
+      const Vec3 centre = EnclosingSphere(balls).centre;
       packet.x[lane] = static_cast<float>(centre.x());
       packet.y[lane] = static_cast<float>(centre.y());
       packet.z[lane] = static_cast<float>(centre.z());
       const Vec3 rounded(packet.x[lane], packet.y[lane], packet.z[lane]);
       double radius = 0.0;
-      for (const Ball& ball : balls) {
+      for (const Sphere& ball : balls) {
         radius = std::max(radius, (ball.centre - rounded).norm() + ball.radius);
       }
       radius *= 1.0 + 1e-15;  // the norm itself was rounded
@@ -169,14 +223,13 @@ class Arranger {
     return packet;
   }
 
-  const std::vector<LeafBall>& leaves_;
-  std::vector<Feature> features_;
+  const std::vector<Sphere>& leaves_;
   std::vector<std::uint32_t> order_;
 };
 
 }  // namespace
 
-SphereHierarchy ArrangeLeaves(const std::vector<LeafBall>& leaves) {
+SphereHierarchy ArrangeLeaves(const std::vector<Sphere>& leaves) {
   return Arranger(leaves).Run();
 }
 

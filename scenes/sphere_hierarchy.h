@@ -2,16 +2,10 @@
 
 #include <vector>
 
-#include "scenes/ball.h"
+#include "scenes/sphere.h"
 #include "scenes/sphere_tree.h"
 
 namespace palpate {
-
-/// A leaf before it has its place in the tree.
-struct LeafBall {
-  Ball ball;
-  Vec3 touch;  ///< where it touches the surface; leaves of one node should lie close in this, too
-};
 
 struct SphereHierarchy {
   SphereTree tree;                   ///< without triangles and centroid
@@ -20,6 +14,6 @@ struct SphereHierarchy {
 
 /// Arranges leaves under packets of eight.  All packets are full but the last of each level; the
 /// ball of a node is the smallest round its leaves, rounded up to float.
-SphereHierarchy ArrangeLeaves(const std::vector<LeafBall>& leaves);
+SphereHierarchy ArrangeLeaves(const std::vector<Sphere>& leaves);
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <queue>
 #include <utility>
 #include <vector>
@@ -24,11 +25,9 @@ constexpr double kInsideShare = 0.1;  // at most
 /// Surface samples and how far each lies from the nearest ball, kept as balls are added.
 class Bareness {
  public:
-  Bareness(const std::vector<SurfaceSample>& samples, const std::vector<LeafBall>& leaves)
+  Bareness(const std::vector<SurfaceSample>& samples, const std::vector<Sphere>& leaves)
       : samples_(samples), distance_(samples.size()) {
-    std::vector<Ball> balls;
-    for (const LeafBall& leaf : leaves) balls.push_back(leaf.ball);
-    const BallQuery query(std::move(balls));
+    const SphereQuery query(leaves);
     // The samples as degenerate triangles would do for a box tree, but a sort along one axis is
     // enough: a ball reaches few of them.
     for (std::uint32_t i = 0; i < samples.size(); ++i) {
@@ -41,7 +40,7 @@ class Bareness {
 
   double operator[](std::uint32_t sample) const { return distance_[sample]; }
 
-  void Add(const Ball& ball) {
+  void Add(const Sphere& ball) {
     const double reach = ball.radius + largest_;
     auto it = std::lower_bound(along_.begin(), along_.end(),
                                std::pair<double, std::uint32_t>(ball.centre.x() - reach, 0u));
@@ -60,23 +59,23 @@ class Bareness {
 
 /// Adds `count` tangent balls where the surface is barest.
 void CoverBarest(const std::vector<SurfaceSample>& samples, const InnerBalls& inner, double spacing,
-                 std::size_t count, std::vector<LeafBall>& leaves) {
+                 std::size_t count, std::vector<Sphere>& leaves) {
   Bareness bare(samples, leaves);
   std::priority_queue<std::pair<double, std::uint32_t>> worst;
   for (std::uint32_t i = 0; i < samples.size(); ++i) worst.push({bare[i], i});
-  std::vector<Ball> known(samples.size());
+  std::vector<std::optional<Sphere>> known(samples.size());
   while (count > 0) {
     const auto [score, i] = worst.top();
     worst.pop();
-    if (known[i].radius == 0.0) known[i] = inner.Tangent(samples[i]);
+    if (!known[i]) known[i] = inner.Tangent(samples[i]);
     // A ball in a sharp edge is as small as its distance from the edge, and covers little.
-    const double now = bare[i] * std::min(1.0, known[i].radius / spacing);
+    const double now = bare[i] * std::min(1.0, known[i]->radius / spacing);
     if (now < score && !(worst.empty() || now >= worst.top().first)) {
       worst.push({now, i});
       continue;
     }
-    leaves.push_back({known[i], samples[i].point});
-    bare.Add(known[i]);
+    leaves.push_back(*known[i]);
+    bare.Add(*known[i]);
     worst.push({0.0, i});  // last resort, should all samples be taken
     --count;
   }
@@ -86,11 +85,11 @@ void CoverBarest(const std::vector<SurfaceSample>& samples, const InnerBalls& in
 /// all over the surface, of which every triangle has at least one.
 void ShareOutTriangles(const TriangleMesh& mesh, const std::vector<SurfaceSample>& samples,
                        SphereTree& tree) {
-  std::vector<Ball> balls;
+  std::vector<Sphere> balls;
   for (std::size_t i = 0; i < tree.leaves(); ++i) {
     balls.push_back({{tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]}, tree.leaf_radius[i]});
   }
-  const BallQuery query(std::move(balls));
+  const SphereQuery query(std::move(balls));
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  // leaf, triangle
   pairs.reserve(samples.size() + mesh.triangles.size());
   for (const SurfaceSample& s : samples) pairs.push_back({query.Nearest(s.point).ball, s.triangle});
@@ -136,21 +135,19 @@ SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Pr
   const InnerBalls inner(mesh, report, query, spacing);
 
   tell("touching balls", 0.1);
-  std::vector<LeafBall> leaves;
+  std::vector<Sphere> leaves;
   if (even > 0) {
     for (std::uint32_t i : ThinOut(samples, even, report.area)) {
-      leaves.push_back({inner.Tangent(samples[i]), samples[i].point});
+      const Sphere ball = inner.Tangent(samples[i]);
+      if (ball.radius > 0.0) leaves.push_back(ball);
       if (leaves.size() % 256 == 0) tell("touching balls", 0.1 + 0.4 * leaves.size() / even);
     }
   }
 
   tell("filling the inside", 0.5);
-  std::vector<Ball> balls;
-  for (const LeafBall& leaf : leaves) balls.push_back(leaf.ball);
   const auto inside = static_cast<std::size_t>(std::ceil(kInsideShare * double(count)));
-  for (const Ball& ball : inner.Fill(balls, std::min(inside, count - leaves.size()))) {
-    leaves.push_back({ball, query.Nearest(ball.centre).point});
-  }
+  const std::vector<Sphere> fill = inner.Fill(leaves, std::min(inside, count - leaves.size()));
+  leaves.insert(leaves.end(), fill.begin(), fill.end());
 
   tell("covering the barest places", 0.6);
   CoverBarest(samples, inner, spacing, count - leaves.size(), leaves);
@@ -164,8 +161,8 @@ SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Pr
   return tree;
 }
 
-SphereTree SingleSphereTree(const TriangleMesh& mesh, const Ball& ball) {
-  SphereTree tree = ArrangeLeaves({{ball, ball.centre}}).tree;
+SphereTree SingleSphereTree(const TriangleMesh& mesh, const Sphere& ball) {
+  SphereTree tree = ArrangeLeaves({ball}).tree;
   ShareOutTriangles(mesh, {}, tree);
   tree.centroid = ball.centre;
   return tree;

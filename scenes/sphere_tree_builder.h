@@ -5,8 +5,8 @@
 #include <functional>
 #include <string_view>
 
-#include "scenes/ball.h"
 #include "scenes/scene.h"
+#include "scenes/sphere.h"
 #include "scenes/sphere_tree.h"
 
 namespace palpate {
@@ -26,6 +26,6 @@ SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t leaves,
                            const Progress& progress = {});
 
 /// Tree of one leaf that is exactly `ball`: a spherical tool.
-SphereTree SingleSphereTree(const TriangleMesh& mesh, const Ball& ball);
+SphereTree SingleSphereTree(const TriangleMesh& mesh, const Sphere& ball);
 
 }  // namespace palpate

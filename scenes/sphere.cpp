@@ -1,4 +1,4 @@
-#include "scenes/ball.h"
+#include "scenes/sphere.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,10 @@
 namespace palpate {
 namespace {
 
-/// Ball through whose surface all `count` balls touch from inside, its centre in the affine hull of
-/// theirs; a negative radius where there is none.
-Ball TangentBall(const Ball* const* b, int count) {
-  const Ball none{Vec3::Zero(), -1.0};
+/// Sphere through whose surface all `count` balls touch from inside, its centre in the affine hull
+/// of theirs; a negative radius where there is none.
+Sphere TangentSphere(const Sphere* const* b, int count) {
+  const Sphere none{Vec3::Zero(), -1.0};
   if (count == 1) return *b[0];
   // |c - c_i| = R - r_i.  With y = c - c_0 and s = R - r_0, subtracting the first equation leaves
   // 2 d_i . y = |d_i|^2 + 2 s e_i - e_i^2, d_i = c_i - c_0, e_i = r_i - r_0: y is linear in s.
@@ -57,22 +57,23 @@ Ball TangentBall(const Ball* const* b, int count) {
   return none;
 }
 
-double Reach(const Ball& from, const Ball& ball) {
+double Reach(const Sphere& from, const Sphere& ball) {
   return (ball.centre - from.centre).norm() + ball.radius;
 }
 
 }  // namespace
 
-Ball EnclosingBall(const std::vector<Ball>& balls) {
-  const Ball* basis[5];
+Sphere EnclosingSphere(const std::vector<Sphere>& balls) {
+  const Sphere* basis[5];
   int size = 1;
-  basis[0] = &*std::max_element(balls.begin(), balls.end(),
-                                [](const Ball& a, const Ball& b) { return a.radius < b.radius; });
-  Ball best = *basis[0];
+  basis[0] = &*std::max_element(balls.begin(), balls.end(), [](const Sphere& a, const Sphere& b) {
+    return a.radius < b.radius;
+  });
+  Sphere best = *basis[0];
   for (int round = 0; round < 100; ++round) {
-    const Ball* furthest = nullptr;
+    const Sphere* furthest = nullptr;
     double reach = best.radius * (1.0 + 1e-12);
-    for (const Ball& ball : balls) {
+    for (const Sphere& ball : balls) {
       if (const double r = Reach(best, ball); r > reach) {
         reach = r;
         furthest = &ball;
@@ -81,18 +82,18 @@ Ball EnclosingBall(const std::vector<Ball>& balls) {
     if (furthest == nullptr) return best;
     // The new basis holds the ball that stuck out: try it with every part of the old one.
     basis[size] = furthest;
-    Ball found{Vec3::Zero(), std::numeric_limits<double>::infinity()};
-    const Ball* found_basis[5] = {};
+    Sphere found{Vec3::Zero(), std::numeric_limits<double>::infinity()};
+    const Sphere* found_basis[5] = {};
     int found_size = 0;
     for (int mask = 0; mask < (1 << size); ++mask) {
-      const Ball* part[5];
+      const Sphere* part[5];
       int count = 0;
       part[count++] = furthest;
       for (int i = 0; i < size; ++i) {
         if (mask >> i & 1) part[count++] = basis[i];
       }
       if (count > 4) continue;
-      const Ball ball = TangentBall(part, count);
+      const Sphere ball = TangentSphere(part, count);
       if (!(ball.radius >= 0.0) || !(ball.radius < found.radius)) continue;
       bool holds = true;
       for (int i = 0; i < size && holds; ++i) {
@@ -108,11 +109,11 @@ Ball EnclosingBall(const std::vector<Ball>& balls) {
     size = found_size;
     std::copy(found_basis, found_basis + found_size, basis);
   }
-  for (const Ball& ball : balls) best.radius = std::max(best.radius, Reach(best, ball));
+  for (const Sphere& ball : balls) best.radius = std::max(best.radius, Reach(best, ball));
   return best;
 }
 
-BallQuery::BallQuery(std::vector<Ball> balls) : balls_(std::move(balls)) {
+SphereQuery::SphereQuery(std::vector<Sphere> balls) : balls_(std::move(balls)) {
   order_.resize(balls_.size());
   std::iota(order_.begin(), order_.end(), 0u);
   nodes_.reserve(balls_.size() + 1);
@@ -121,13 +122,13 @@ BallQuery::BallQuery(std::vector<Ball> balls) : balls_(std::move(balls)) {
   Build(0);
 }
 
-void BallQuery::Build(std::int32_t index) {
+void SphereQuery::Build(std::int32_t index) {
   Node node = nodes_[index];
   node.min = Vec3::Constant(std::numeric_limits<double>::infinity());
   node.max = -node.min;
   double smallest = std::numeric_limits<double>::infinity();
   for (std::uint32_t i = node.begin; i < node.end; ++i) {
-    const Ball& ball = balls_[order_[i]];
+    const Sphere& ball = balls_[order_[i]];
     node.min = node.min.cwiseMin(ball.centre);
     node.max = node.max.cwiseMax(ball.centre);
     node.radius = std::max(node.radius, ball.radius);
@@ -158,35 +159,57 @@ void BallQuery::Build(std::int32_t index) {
   }
 }
 
-double BallQuery::Bound(const Node& node, const Vec3& p) const {
+double SphereQuery::Bound(const Node& node, const Vec3& p) const {
   return (node.min - p).cwiseMax(p - node.max).cwiseMax(0.0).norm() - node.radius;
 }
 
-BallQuery::Hit BallQuery::Nearest(const Vec3& p) const {
-  Hit hit;
-  if (balls_.empty()) return hit;
-  std::pair<double, std::int32_t> stack[64];
+template <class Visit>
+void SphereQuery::Walk(const Vec3& p, Visit visit) const {
+  if (balls_.empty()) return;
+  std::pair<double, std::int32_t> stack[64];  // the tree halves its balls: never so deep
   int top = 0;
+  double within = std::numeric_limits<double>::infinity();
   stack[top++] = {Bound(nodes_[0], p), 0};
   while (top > 0) {
     const auto [bound, index] = stack[--top];
-    if (!(bound < hit.distance)) continue;
+    if (!(bound < within)) continue;
     const Node& node = nodes_[index];
     if (node.child < 0) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        const Ball& ball = balls_[order_[i]];
+        const Sphere& ball = balls_[order_[i]];
         const double distance = (p - ball.centre).norm() - ball.radius;
-        if (distance < hit.distance) hit = {order_[i], distance};
+        if (distance < within) within = visit(order_[i], distance);
       }
       continue;
     }
     std::pair<double, std::int32_t> near{Bound(nodes_[node.child], p), node.child};
     std::pair<double, std::int32_t> far{Bound(nodes_[node.child + 1], p), node.child + 1};
     if (far.first < near.first) std::swap(near, far);
-    if (far.first < hit.distance) stack[top++] = far;
-    if (near.first < hit.distance) stack[top++] = near;
+    if (far.first < within) stack[top++] = far;
+    if (near.first < within) stack[top++] = near;
   }
+}
+
+SphereQuery::Hit SphereQuery::Nearest(const Vec3& p) const {
+  Hit hit;
+  Walk(p, [&](std::uint32_t ball, double distance) {
+    hit = {ball, distance};
+    return distance;
+  });
   return hit;
+}
+
+std::vector<std::uint32_t> SphereQuery::NearestFew(const Vec3& p, std::size_t count) const {
+  std::vector<std::pair<double, std::uint32_t>> few;  // sorted
+  Walk(p, [&](std::uint32_t ball, double distance) {
+    const std::pair entry{distance, ball};
+    few.insert(std::upper_bound(few.begin(), few.end(), entry), entry);
+    if (few.size() > count) few.pop_back();
+    return few.size() < count ? std::numeric_limits<double>::infinity() : few.back().first;
+  });
+  std::vector<std::uint32_t> balls;
+  for (const auto& [distance, ball] : few) balls.push_back(ball);
+  return balls;
 }
 
 }  // namespace palpate
