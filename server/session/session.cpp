@@ -7,6 +7,7 @@ namespace palpate {
 namespace {
 
 constexpr std::int64_t kTryAgain_ns = 50'000'000;
+constexpr double kNews_m = 2e-3;  // what a person at the device can follow
 
 std::string InsideText(double depth_m) {
   return "the tool is " + std::to_string(std::lround(1e3 * depth_m)) +
@@ -47,7 +48,7 @@ bool Session::TryStart(std::int64_t now_ns) {
   const StartPose start = ResolveStart(tool_->model, snapshot_.X_WH, *start_workspace_);
   if (!(start.depth <= kMaxStartDepth_m)) {
     phase_ = palpate_SESSION_ACQUIRING;
-    const bool news = reason_.empty() || std::abs(start.depth - start_depth_) > 0.5e-3;
+    const bool news = reason_.empty() || std::abs(start.depth - start_depth_) > kNews_m;
     start_depth_ = start.depth;
     reason_ = InsideText(start.depth);
     return news;

@@ -115,7 +115,6 @@ void Server::UpdateLinks(std::int64_t now_ns) {
     Station& station = stations_[name];
     if (!station.link) {
       station.link = std::make_unique<StationLink>(loop_domain_, session);
-      station.reported_ns = now_ns;
     }
     station.link->Update(now_ns);
   }
@@ -148,6 +147,7 @@ void Server::PublishToolState(Session& session) {
 
 void Server::ReportStatistics(Station& station, std::int64_t now_ns) {
   if (!station.report_wanted) {
+    if (!station.link->session().snapshot().has_pose) station.reported_ns = now_ns;
     if (now_ns - station.reported_ns < kSecond_ns) return;
     station.link->session().loop().RequestCounters();
     station.report_wanted = true;
