@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <spdlog/spdlog.h>
 
 #include "common/dds/topics.h"
 #include "common/error.h"
@@ -15,6 +16,7 @@
 #include "common/stop_signal.h"
 #include "common/time/steady_clock.h"
 #include "scenes/catalogue.h"
+#include "server/session/scene_model.h"
 #include "server/transport/server.h"
 #include "server/transport/server_lock.h"
 
@@ -35,15 +37,10 @@ struct Options {
 
 /// What stations can drive in a scene.  The scene itself (its meshes) is not kept.
 void AddTools(const Scene& scene, std::vector<std::shared_ptr<const ServedTool>>& tools) {
-  std::vector<PlacedTree> placed;
-  for (const Body& object : scene.objects) placed.push_back({&object.tree, object.X_WB});
-  const auto objects = HapticModel::MakeObjects(placed);
-  StepParameters parameters;
-  parameters.stiffness = scene.coupling.stiffness;
-  parameters.torsional_stiffness = scene.coupling.torsional_stiffness;
+  const auto objects = MakeObjects(scene);
   for (const Body& tool : scene.tools) {
-    tools.push_back(std::make_shared<const ServedTool>(ServedTool{
-        scene.name, tool.name, HapticModel(tool.tree, objects, parameters), tool.tree.centroid}));
+    tools.push_back(std::make_shared<const ServedTool>(
+        ServedTool{scene.name, tool.name, MakeModel(scene, tool, objects), tool.tree.centroid}));
   }
 }
 
@@ -55,7 +52,8 @@ int Serve(const Options& options) {
   const RealtimeMode mode = ParseRealtimeMode(options.realtime);
 
   LoadOptions load;
-  load.models = options.models;
+  load.models_dir = options.models;
+  load.warn = [](const std::string& text) { spdlog::warn("{}", text); };
   std::vector<std::shared_ptr<const ServedTool>> tools;
   std::string names;
   for (const std::string& name : options.scenes) {

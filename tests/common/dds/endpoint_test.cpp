@@ -152,7 +152,7 @@ TEST(RouDiLoopTopic, SurvivesAWriterThatBeginsBeforeItIsDiscovered) {
 TEST(RouDiLoopTopic, HearsEachOfAHundredRunsOfAStation) {
   RouDi roudi;
   const Participant participant = Participant::Loop(kDomain, kShm);
-  const std::string station = "s" + std::to_string(getpid());
+  const std::string station = std::string("s").append(std::to_string(getpid()));
   for (std::uint64_t run = 1; run <= 100; ++run) {
     const std::string topic = PoseTopic(station, run);
     Writer<wire::HapticPose> writer(participant, topic, Qos::kLoop);
