@@ -8,7 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/dds/topics.h"
-#include "server/session/fault_text.h"
+#include "common/step_fault.h"
 
 namespace palpate {
 namespace {
@@ -67,7 +67,7 @@ std::string StatisticsLine(const wire::LoopStatistics& s) {
       "late %4" PRIu64 " lost %4" PRIu64 " rejected %4" PRIu64 "  contacts %" PRIu32 "  faults %s",
       s.station, s.scene, s.rate_hz, s.step_us_p50, s.step_us_p99, s.step_us_p999, s.step_us_max,
       s.late, s.lost, s.rejected_nonfinite + s.rejected_sequence + s.rejected_speed, s.contacts,
-      FaultText(s.faults).c_str());
+      FaultWords(s.faults).c_str());
   return line;
 }
 
