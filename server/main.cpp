@@ -49,7 +49,12 @@ int Serve(const Options& options) {
   const ServerLock lock(options.domain);
   const dds::TransportChoice transport =
       dds::ChooseTransport(dds::ParseTransport(options.transport));
-  const RealtimeMode mode = ParseRealtimeMode(options.realtime);
+
+  // The receiving threads, which are the servo loops, inherit what this thread has just now.
+  const RealtimeReport realtime =
+      EnterRealtime({.mode = ParseRealtimeMode(options.realtime), .cpu = options.cpu});
+  dds::Participant loop_domain = dds::Participant::Loop(options.domain, transport);
+  LeaveRealtime();
 
   LoadOptions load;
   load.models_dir = options.models;
@@ -61,11 +66,6 @@ int Serve(const Options& options) {
     AddTools(scene, tools);
     names += (names.empty() ? "" : ", ") + scene.name;
   }
-
-  // The receiving threads, which are the servo loops, inherit what this thread has right now.
-  const RealtimeReport realtime = EnterRealtime({.mode = mode, .cpu = options.cpu});
-  dds::Participant loop_domain = dds::Participant::Loop(options.domain, transport);
-  LeaveRealtime();
 
   Server server(std::move(loop_domain), dds::Participant::Service(options.domain), std::move(tools),
                 [](const std::string& line) {

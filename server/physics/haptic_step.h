@@ -8,6 +8,7 @@
 #include "common/math/pose.h"
 #include "common/step_fault.h"
 #include "scenes/sphere_tree.h"
+#include "server/physics/simd/kernels.h"
 
 namespace palpate {
 
@@ -61,17 +62,13 @@ class HapticModel {
 };
 
 /// A pair of leaves, tool's and object's; the forest numbers the leaves of all objects together.
-struct LeafPair {
-  std::int32_t tool = -1;
-  std::int32_t object = -1;
-  bool operator==(const LeafPair&) const = default;
-};
+using LeafPair = NodePair;
 
 /// What one step hands to the next: all the memory that the physics has.  Copying it and stepping
 /// again with the same pose gives the same bits.
 struct StepState {
   Pose X_WG;                             ///< graphic tool
-  std::array<LeafPair, 6> active_pairs;  ///< rows that held it last, the solver's first guess
+  std::array<LeafPair, 7> active_pairs;  ///< rows that held it last, the solver's first guess
   int active = 0;
 };
 
@@ -79,25 +76,25 @@ struct StepState {
 /// row . [v; phi] >= offset, v of the tool's centroid and phi in W.
 struct ActiveRow {
   LeafPair pair;
-  Vec3 normal = Vec3::Zero();         ///< n, from object to tool, in W
+  Vec3 normal = Vec3::Zero();              ///< n, from object to tool, in W
   Vec3 lever_cross_normal = Vec3::Zero();  ///< l x n [m], l from the centroid to the leaf's centre
-  Vec3 contact_W = Vec3::Zero();      ///< contact point on the tool's sphere, in W [m]
-  double offset = 0.0;                ///< -gap [m] at X_WG
-  double force = 0.0;                 ///< multiplier >= 0 [N]
+  Vec3 contact_W = Vec3::Zero();           ///< contact point on the tool's sphere, in W [m]
+  double offset = 0.0;                     ///< -gap [m] at X_WG
+  double force = 0.0;                      ///< multiplier >= 0 [N]
 };
 
 /// Result of one step.  force and torque act on the hand, at the tool's centroid, in W.
 struct StepReport {
   Wrench wrench;
   Pose X_WG;
-  std::array<ActiveRow, 6> active;  ///< the first `contacts` are set
+  std::array<ActiveRow, 7> active;  ///< the first `contacts` are set; six, seven in a jam
   int contacts = 0;
   std::uint32_t faults = kFaultNone;
   // Counters and measures of this step.
   int substeps = 0;
-  int predicted_pairs = 0;    ///< rows of the last sub-step
-  int qp_iterations = 0;      ///< of all sub-steps
-  double truncation = 0.0;    ///< bound on the linearisation error, 1/2 |phi|^2 lever [m], worst
+  int predicted_pairs = 0;  ///< rows of the last sub-step
+  int qp_iterations = 0;    ///< of all sub-steps
+  double truncation = 0.0;  ///< bound on the linearisation error, 1/2 |phi|^2 lever [m], worst
 };
 
 /// Times of the step's stages, for benchmarks: [ns], summed over sub-steps.
@@ -119,8 +116,8 @@ class StepWorkspace {
   std::unique_ptr<Buffers> buffers_;
 };
 
-/// The haptic step, once per millisecond and tool: finds the pose of the graphic tool nearest to the
-/// haptic tool's without entering an object, and the wrench of the spring between the two.
+/// The haptic step, once per millisecond and tool: finds the pose of the graphic tool nearest to
+/// the haptic tool's without entering an object, and the wrench of the spring between the two.
 /// Chapter 2.3 and 2.4; ARCHITECTURE.md says where the project departs from it.
 /// @param X_WH  haptic tool, of the tool tree's frame.  Non-finite poses set kFaultBadPose.
 /// @param times null in the servo loop; where given, the stages are timed (the result is the same).
@@ -129,8 +126,8 @@ class StepWorkspace {
 StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& state,
                       StepWorkspace& workspace, StageTimes* times = nullptr) noexcept;
 
-/// Where the graphic tool may start for a haptic pose: at X_WH itself if that is free, else at a free
-/// pose near it.
+/// Where the graphic tool may start for a haptic pose: at X_WH itself if that is free, else at a
+/// free pose near it.
 /// @field depth  distance from X_WH to X_WG [m]; 0 where X_WH is free.
 struct StartPose {
   Pose X_WG;

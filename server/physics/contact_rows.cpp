@@ -1,0 +1,105 @@
+#include "server/physics/contact_rows.h"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <numeric>
+
+namespace palpate {
+
+namespace {
+constexpr std::align_val_t kCacheLine{64};
+}
+
+void ContactRows::AlignedDelete::operator()(double* p) const {
+  ::operator delete[](p, kCacheLine);
+}
+
+ContactRows::ContactRows(int max_rows, int max_batch, int degrees_of_freedom, double rho)
+    : max_rows_(max_rows), degrees_of_freedom_(degrees_of_freedom), rho_(rho) {
+  const std::size_t capacity =
+      (static_cast<std::size_t>(max_rows) + static_cast<std::size_t>(max_batch) + 31) & ~15ul;
+  // Columns start a cache line apart from a power of two, or all seven would share a cache set.
+  const std::size_t stride = capacity + 8;
+  storage_.reset(new (kCacheLine) double[7 * stride]());
+  pairs_.resize(capacity);
+  order_.resize(capacity);
+  for (std::size_t c = 0; c < 6; ++c) columns_.a[c] = storage_.get() + c * stride;
+  columns_.b = storage_.get() + 6 * stride;
+  columns_.pair = pairs_.data();
+}
+
+void ContactRows::Add(const Kernels& kernels, const LeafSphere* tool, const LeafSphere* object,
+                      const Mat3& R_WG, const Vec3& p_W, const NodePair* pairs,
+                      int count) noexcept {
+  const double R[9] = {R_WG(0, 0), R_WG(0, 1), R_WG(0, 2), R_WG(1, 0), R_WG(1, 1),
+                       R_WG(1, 2), R_WG(2, 0), R_WG(2, 1), R_WG(2, 2)};
+  const auto build = degrees_of_freedom_ == 6 ? kernels.build_rows_6 : kernels.build_rows_3;
+  build(tool, object, R, p_W.data(), 1.0 / rho_, pairs, count, count_, columns_);
+  count_ += count;
+  if (count_ > max_rows_) KeepTightest();
+}
+
+void ContactRows::KeepTightest() noexcept {
+  overflowed_ = true;
+  std::iota(order_.begin(), order_.begin() + count_, 0);
+  const double* b = columns_.b;
+  std::nth_element(
+      order_.begin(), order_.begin() + max_rows_, order_.begin() + count_,
+      [b](std::int32_t i, std::int32_t j) { return b[i] != b[j] ? b[i] > b[j] : i < j; });
+  std::sort(order_.begin(), order_.begin() + max_rows_);
+  for (int i = 0; i < max_rows_; ++i) {
+    const std::int32_t from = order_[static_cast<std::size_t>(i)];
+    for (int c = 0; c < degrees_of_freedom_; ++c) columns_.a[c][i] = columns_.a[c][from];
+    columns_.b[i] = columns_.b[from];
+    columns_.pair[i] = columns_.pair[from];
+  }
+  count_ = max_rows_;
+}
+
+void ContactRows::Finish() noexcept {
+  for (int i = count_; i % 16 != 0; ++i) {
+    for (int c = 0; c < degrees_of_freedom_; ++c) columns_.a[c][i] = 0.0;
+    columns_.b[i] = -1e300;
+  }
+}
+
+QpRows ContactRows::view() const {
+  QpRows rows{};
+  std::copy(columns_.a, columns_.a + 6, rows.a);
+  rows.b = columns_.b;
+  rows.count = count_;
+  return rows;
+}
+
+Vec3 ContactRows::lever_cross_normal(int row) const {
+  if (degrees_of_freedom_ == 3) return Vec3::Zero();
+  return rho_ * Vec3(columns_.a[3][row], columns_.a[4][row], columns_.a[5][row]);
+}
+
+int ContactRows::Find(const LeafPair* pairs, int count, int* row) const noexcept {
+  // Pairs compare as 64-bit integers, so that the loop is one the compiler makes wide.
+  std::uint64_t wanted[kMaxActiveRows];
+  int found_at[kMaxActiveRows];
+  for (int k = 0; k < count; ++k) {
+    std::memcpy(&wanted[k], &pairs[k], sizeof(wanted[k]));
+    found_at[k] = -1;
+  }
+  for (int k = 0; k < count; ++k) {
+    for (int i = 0; i < count_; ++i) {
+      std::uint64_t key;
+      std::memcpy(&key, &columns_.pair[i], sizeof(key));
+      if (key == wanted[k]) {
+        found_at[k] = i;
+        break;
+      }
+    }
+  }
+  int found = 0;
+  for (int k = 0; k < count; ++k) {
+    if (found_at[k] >= 0) row[found++] = found_at[k];
+  }
+  return found;
+}
+
+}  // namespace palpate

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "server/physics/haptic_step.h"
+#include "server/physics/qp_solver.h"
+#include "server/physics/simd/kernels.h"
+
+namespace palpate {
+
+/// The linearised non-penetration constraints of one sub-step (chapter 2.10-2.17), in distance
+/// form: gap g = |c_T - c_O| - (r_T + r_O), n = (c_T - c_O) / |c_T - c_O|, and the row
+///   [n; (l x n) / rho] . x >= -g   for   x = [v; rho phi],
+/// l the leaf's lever arm about the reference point, rho = sqrt(k_r / k_t), which makes the
+/// objective |x - x_h|^2.  For translation the half-space lies inside the true free space; a
+/// rotation adds at most 1/2 |phi|^2 |l| of penetration.
+class ContactRows {
+ public:
+  /// Storage for max_rows rows, and for one batch more of `max_batch`.
+  ContactRows(int max_rows, int max_batch, int degrees_of_freedom, double rho);
+
+  void Clear() noexcept {
+    count_ = 0;
+    overflowed_ = false;
+  }
+  /// Adds the rows of leaf pairs.  Where they are more than max_rows, the tightest are kept: those
+  /// with the smallest gap, of equal gaps those that came first, which also keep their order.
+  void Add(const Kernels& kernels, const LeafSphere* tool, const LeafSphere* object,
+           const Mat3& R_WG, const Vec3& p_W, const NodePair* pairs, int count) noexcept;
+  /// Fills up to a multiple of 16 with rows that always hold.  To be called after the last Add.
+  void Finish() noexcept;
+
+  int count() const { return count_; }
+  bool overflowed() const { return overflowed_; }
+  QpRows view() const;
+  NodePair pair(int row) const { return columns_.pair[row]; }
+  /// Gap of a row [m].
+  double gap(int row) const { return -columns_.b[row]; }
+  Vec3 normal(int row) const {
+    return {columns_.a[0][row], columns_.a[1][row], columns_.a[2][row]};
+  }
+  /// l x n [m]; zero where there are 3 degrees of freedom.
+  Vec3 lever_cross_normal(int row) const;
+  /// Index of the row of each pair, or left out; returns how many were found, in the pairs' order.
+  int Find(const LeafPair* pairs, int count, int* row) const noexcept;
+
+ private:
+  void KeepTightest() noexcept;
+
+  int max_rows_;
+  int degrees_of_freedom_;
+  double rho_;
+  struct AlignedDelete {
+    void operator()(double* p) const;
+  };
+  std::unique_ptr<double[], AlignedDelete> storage_;
+  std::vector<NodePair> pairs_;
+  std::vector<std::int32_t> order_;
+  RowColumns columns_{};
+  int count_ = 0;
+  bool overflowed_ = false;
+};
+
+}  // namespace palpate

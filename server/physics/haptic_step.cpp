@@ -1,0 +1,227 @@
+#include "server/physics/haptic_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.h"
+#include "common/math/rotation.h"
+#include "server/physics/contact_prediction.h"
+#include "server/physics/contact_rows.h"
+#include "server/physics/qp_solver.h"
+#include "server/physics/response.h"
+#include "server/physics/stage_clock.h"
+#include "server/physics/step_buffers.h"
+
+namespace palpate {
+
+std::shared_ptr<const ObjectForest> HapticModel::MakeObjects(std::span<const PlacedTree> objects) {
+  return std::make_shared<const ObjectForest>(objects);
+}
+
+HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectForest> objects,
+                         const StepParameters& parameters)
+    : parameters_(parameters), objects_(std::move(objects)) {
+  const auto positive = [](double value, const char* name) {
+    if (!(value > 0.0) || !std::isfinite(value)) {
+      throw Error(std::string("step parameters: ") + name + " is " + std::to_string(value) +
+                  "; give a positive number");
+    }
+  };
+  positive(parameters_.stiffness, "stiffness");
+  positive(parameters_.torsional_stiffness, "torsional_stiffness");
+  positive(parameters_.max_translation, "max_translation");
+  positive(parameters_.max_truncation, "max_truncation");
+  positive(parameters_.max_substeps, "max_substeps");
+  positive(parameters_.max_rows, "max_rows");
+  rotation_length_ = std::sqrt(parameters_.torsional_stiffness / parameters_.stiffness);
+  if (parameters_.max_rotation <= 0.0) {
+    const double lever = std::max(ToolTree::MaxLeverOf(tool), 1e-6);
+    parameters_.max_rotation = std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), 0.1);
+  }
+  tool_ =
+      std::make_unique<const ToolTree>(tool, parameters_.max_translation, parameters_.max_rotation,
+                                       objects_->center().norm() + objects_->radius());
+}
+
+HapticModel::~HapticModel() = default;
+HapticModel::HapticModel(HapticModel&&) noexcept = default;
+
+int HapticModel::degrees_of_freedom() const {
+  return tool_->leaf_count() == 1 ? 3 : 6;
+}
+
+StepWorkspace::StepWorkspace(const HapticModel& model)
+    : buffers_(std::make_unique<Buffers>(model)) {}
+StepWorkspace::~StepWorkspace() = default;
+StepWorkspace::StepWorkspace(StepWorkspace&&) noexcept = default;
+
+namespace {
+
+bool IsFinite(const Pose& X) {
+  return std::isfinite(X.p.x() + X.p.y() + X.p.z()) && std::isfinite(X.q.squaredNorm());
+}
+
+/// The step in x = [v; rho phi] that the QP gives, unpacked.
+struct Optimum {
+  Vec3 v;
+  Vec3 phi;
+  QpResult qp;
+};
+
+/// Nearest step to the target that respects the rows.  With 3 degrees of freedom the rotation is
+/// the hand's: no contact can turn a sphere about its centre.
+Optimum Solve(const HapticModel& model, const Kernels& kernels, const Target& target,
+              const ContactRows& rows, const StepState& state) {
+  Optimum optimum;
+  const double rho = model.rotation_length();
+  int guess[kMaxActiveRows];
+  const int guesses = rows.Find(state.active_pairs.data(), state.active, guess);
+  const double t[6] = {target.v.x(),         target.v.y(),         target.v.z(),
+                       rho * target.phi.x(), rho * target.phi.y(), rho * target.phi.z()};
+  if (model.degrees_of_freedom() == 6) {
+    optimum.qp = SolveNearestPoint<6>(kernels, t, rows.view(), guess, guesses);
+    const double* x = optimum.qp.x;
+    optimum.phi = Vec3(x[3], x[4], x[5]) / rho;
+  } else {
+    optimum.qp = SolveNearestPoint<3>(kernels, t, rows.view(), guess, guesses);
+    optimum.phi = target.phi;
+  }
+  optimum.v = Vec3(optimum.qp.x[0], optimum.qp.x[1], optimum.qp.x[2]);
+  return optimum;
+}
+
+/// Greatest part, at most 1, of a step that stays inside the bounds that the prediction covers.
+/// With 3 degrees of freedom a rotation moves no sphere and needs no bound.
+double PartWithinBounds(const HapticModel& model, const Vec3& v, const Vec3& phi) {
+  const StepParameters& parameters = model.parameters();
+  const double length = v.norm();
+  double part = 1.0;
+  if (length > parameters.max_translation) part = parameters.max_translation / length;
+  if (model.degrees_of_freedom() == 6) {
+    const double angle = phi.norm();
+    if (angle * part > parameters.max_rotation) part = parameters.max_rotation / angle;
+  }
+  return part;
+}
+
+/// A step that falls short of the optimum aims at this share of the bounds: what is left is for
+/// rows that the last rotation's truncation error left violated.  Those must be made good in full,
+/// or the errors of many short steps would add up; so the short step is a QP of its own, not a
+/// scaled one.
+constexpr double kBoundShare = 0.98;
+
+void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpResult& qp,
+                    const Vec3& p_W, const Quat& q_WG, StepReport& report) {
+  report.contacts = qp.active;
+  for (int i = 0; i < qp.active; ++i) {
+    ActiveRow& row = report.active[static_cast<std::size_t>(i)];
+    row.pair = rows.pair(qp.row[i]);
+    row.normal = rows.normal(qp.row[i]);
+    row.lever_cross_normal = rows.lever_cross_normal(qp.row[i]);
+    row.offset = -rows.gap(qp.row[i]);
+    row.force = model.parameters().stiffness * qp.multiplier[i];
+    const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(row.pair.tool)];
+    row.contact_W = p_W + q_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * row.normal;
+  }
+}
+
+}  // namespace
+
+StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& state,
+                      StepWorkspace& workspace, StageTimes* times) noexcept {
+  StepReport report;
+  report.X_WG = state.X_WG;
+  const double norm2 = X_WH.q.squaredNorm();
+  if (!IsFinite(X_WH) || !(norm2 > 1e-12)) {
+    report.faults = kFaultBadPose;
+    return report;
+  }
+  StepBuffers& buffers = workspace.buffers();
+  ContactRows& rows = buffers.rows;
+  const Kernels& kernels = ActiveKernels();
+  const StepParameters& parameters = model.parameters();
+  const Vec3& reference = model.tool().reference();
+  const Quat q_H(X_WH.q.coeffs() / std::sqrt(norm2));
+  const Vec3 p_H = X_WH.p + q_H * reference;
+  Quat q_G = state.X_WG.q;
+  Vec3 p_G = state.X_WG.p + q_G * reference;
+
+  bool arrived = false;
+  for (; report.substeps < parameters.max_substeps && !arrived &&
+         (report.faults & kFaultUnsolved) == 0;
+       ++report.substeps) {
+    const Target target = TargetOf(p_G, q_G, p_H, q_H);
+    const Mat3 R_WG = q_G.toRotationMatrix();
+    buffers.prediction.Predict(model, kernels, R_WG, p_G, rows, times);
+    StageClock clock(times);
+    report.predicted_pairs = rows.count();
+    if (rows.overflowed()) report.faults |= kFaultRowsFull;
+
+    const Optimum optimum = Solve(model, kernels, target, rows, state);
+    report.qp_iterations += optimum.qp.iterations;
+    clock.Lap(&StageTimes::solve);
+
+    if (optimum.qp.status == QpStatus::kIterationLimit) {
+      report.faults |= kFaultUnsolved;
+      report.wrench = SpringWrench(target, Vec3::Zero(), Vec3::Zero(), parameters.stiffness,
+                                   parameters.torsional_stiffness);
+      break;
+    }
+    if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
+    ReportContacts(model, rows, optimum.qp, p_G, q_G, report);
+    state.active = optimum.qp.active;
+    for (int i = 0; i < state.active; ++i) {
+      state.active_pairs[static_cast<std::size_t>(i)] =
+          report.active[static_cast<std::size_t>(i)].pair;
+    }
+
+    const double part = PartWithinBounds(model, optimum.v, optimum.phi);
+    arrived = part == 1.0;
+
+    if (optimum.qp.active == 0) {
+      // Nothing holds the tool: no force, and it is where the hand is once it can get there.
+      report.wrench = Wrench{};
+      if (arrived) {
+        p_G = p_H;
+        q_G = q_H;
+      }
+    } else {
+      // The spring's wrench at the optimum.  Where the sub-step falls short of it the graphic tool
+      // is still on its way, and its distance from the hand is no contact: that part gives no
+      // force.
+      report.wrench = SpringWrench(target, optimum.v, optimum.phi, parameters.stiffness,
+                                   parameters.torsional_stiffness);
+      if (model.degrees_of_freedom() == 3) report.wrench.torque.setZero();
+    }
+    if (optimum.qp.active != 0 || !arrived) {
+      Vec3 v = optimum.v, phi = optimum.phi;
+      if (!arrived) {
+        const Target nearer{kBoundShare * part * v, kBoundShare * part * phi};
+        const Optimum partial = Solve(model, kernels, nearer, rows, state);
+        report.qp_iterations += partial.qp.iterations;
+        if (partial.qp.status == QpStatus::kIterationLimit) report.faults |= kFaultUnsolved;
+        const double clip = partial.qp.status == QpStatus::kIterationLimit
+                                ? 0.0
+                                : PartWithinBounds(model, partial.v, partial.phi);
+        v = clip * partial.v;
+        phi = clip * partial.phi;
+      }
+      report.truncation =
+          std::max(report.truncation, 0.5 * phi.squaredNorm() * model.tool().max_lever());
+      p_G += v;
+      q_G = (RotationExp(phi) * q_G).normalized();
+    }
+    clock.Lap(&StageTimes::response);
+  }
+  if (!arrived && (report.faults & kFaultUnsolved) == 0) report.faults |= kFaultTargetFar;
+
+  if (arrived && report.contacts == 0) {
+    state.X_WG = {X_WH.p, q_H};
+  } else {
+    state.X_WG = {p_G - q_G * reference, q_G};
+  }
+  report.X_WG = state.X_WG;
+  return report;
+}
+
+}  // namespace palpate

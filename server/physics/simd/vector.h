@@ -1,0 +1,299 @@
+#pragma once
+
+#include <cstdint>
+
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+
+// Sixteen floats or eight doubles at once, on whatever the including file is compiled for: AVX-512,
+// AVX2 with FMA, or plain C++.  Every operation is the IEEE operation lane by lane, a fused
+// multiply-add only where Fma is written, so all three give the same bits.
+//
+// Everything has internal linkage, and no header with inline functions of its own is included: a
+// COMDAT compiled for AVX-512 must never be the one that the linker keeps for an older processor.
+namespace palpate {
+namespace {
+
+#if defined(__AVX512F__)
+
+struct F16 {
+  __m512 v;
+};
+inline F16 operator-(F16 a, F16 b) {
+  return {_mm512_sub_ps(a.v, b.v)};
+}
+inline F16 operator+(F16 a, F16 b) {
+  return {_mm512_add_ps(a.v, b.v)};
+}
+inline F16 operator*(F16 a, F16 b) {
+  return {_mm512_mul_ps(a.v, b.v)};
+}
+inline F16 Fma(F16 a, F16 b, F16 c) {
+  return {_mm512_fmadd_ps(a.v, b.v, c.v)};
+}
+inline F16 Set1(float a) {
+  return {_mm512_set1_ps(a)};
+}
+/// p[0..7] twice.
+inline F16 LoadTwice(const float* p) {
+  return {_mm512_broadcast_f32x8(_mm256_load_ps(p))};
+}
+inline void StoreFirst8(float* p, F16 a) {
+  _mm256_store_ps(p, _mm512_castps512_ps256(a.v));
+}
+/// p[2k] eight times, then p[2k + 1] eight times.
+template <int k>
+inline F16 SpreadPair(F16 twice) {
+  const __m512i index =
+      _mm512_set_epi32(2 * k + 1, 2 * k + 1, 2 * k + 1, 2 * k + 1, 2 * k + 1, 2 * k + 1, 2 * k + 1,
+                       2 * k + 1, 2 * k, 2 * k, 2 * k, 2 * k, 2 * k, 2 * k, 2 * k, 2 * k);
+  return {_mm512_permutexvar_ps(index, twice.v)};
+}
+inline std::uint32_t LessEqual(F16 a, F16 b) {
+  return _mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ);
+}
+
+struct D8 {
+  __m512d v;
+};
+/// p is aligned to 64 bytes; Store's need not be.
+inline D8 Load(const double* p) {
+  return {_mm512_load_pd(p)};
+}
+inline void Store(double* p, D8 a) {
+  _mm512_storeu_pd(p, a.v);
+}
+inline D8 Set1(double a) {
+  return {_mm512_set1_pd(a)};
+}
+inline D8 operator-(D8 a, D8 b) {
+  return {_mm512_sub_pd(a.v, b.v)};
+}
+inline D8 operator+(D8 a, D8 b) {
+  return {_mm512_add_pd(a.v, b.v)};
+}
+inline D8 operator*(D8 a, D8 b) {
+  return {_mm512_mul_pd(a.v, b.v)};
+}
+inline D8 operator/(D8 a, D8 b) {
+  return {_mm512_div_pd(a.v, b.v)};
+}
+inline D8 Fma(D8 a, D8 b, D8 c) {
+  return {_mm512_fmadd_pd(a.v, b.v, c.v)};
+}
+/// c - a * b, rounded once.
+inline D8 Fnma(D8 a, D8 b, D8 c) {
+  return {_mm512_fnmadd_pd(a.v, b.v, c.v)};
+}
+inline D8 Sqrt(D8 a) {
+  return {_mm512_sqrt_pd(a.v)};
+}
+/// Lane by lane: a < b ? x : y.
+inline D8 SelectLess(D8 a, D8 b, D8 x, D8 y) {
+  return {_mm512_mask_blend_pd(_mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ), y.v, x.v)};
+}
+/// Eight records of four doubles each, to four vectors of one field each.
+inline void LoadTransposed(const double* const record[8], D8 field[4]) {
+  const auto pair = [&](int i) {
+    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(record[i])),
+                              _mm256_load_pd(record[i + 4]), 1);
+  };
+  const __m512d r0 = pair(0), r1 = pair(1), r2 = pair(2), r3 = pair(3);
+  // Within each 256-bit half, a 4 x 4 transpose; halves hold lanes 0-3 and 4-7.
+  const __m512d t0 = _mm512_unpacklo_pd(r0, r1), t1 = _mm512_unpackhi_pd(r0, r1);
+  const __m512d t2 = _mm512_unpacklo_pd(r2, r3), t3 = _mm512_unpackhi_pd(r2, r3);
+  const __m512i low = _mm512_set_epi64(13, 12, 5, 4, 9, 8, 1, 0);
+  const __m512i high = _mm512_set_epi64(15, 14, 7, 6, 11, 10, 3, 2);
+  field[0] = {_mm512_permutex2var_pd(t0, low, t2)};
+  field[1] = {_mm512_permutex2var_pd(t1, low, t3)};
+  field[2] = {_mm512_permutex2var_pd(t0, high, t2)};
+  field[3] = {_mm512_permutex2var_pd(t1, high, t3)};
+}
+
+#elif defined(__AVX2__)
+
+struct F16 {
+  __m256 a, b;
+};
+inline F16 operator-(F16 x, F16 y) {
+  return {_mm256_sub_ps(x.a, y.a), _mm256_sub_ps(x.b, y.b)};
+}
+inline F16 operator+(F16 x, F16 y) {
+  return {_mm256_add_ps(x.a, y.a), _mm256_add_ps(x.b, y.b)};
+}
+inline F16 operator*(F16 x, F16 y) {
+  return {_mm256_mul_ps(x.a, y.a), _mm256_mul_ps(x.b, y.b)};
+}
+inline F16 Fma(F16 x, F16 y, F16 z) {
+  return {_mm256_fmadd_ps(x.a, y.a, z.a), _mm256_fmadd_ps(x.b, y.b, z.b)};
+}
+inline F16 Set1(float x) {
+  return {_mm256_set1_ps(x), _mm256_set1_ps(x)};
+}
+inline F16 LoadTwice(const float* p) {
+  const __m256 v = _mm256_load_ps(p);
+  return {v, v};
+}
+inline void StoreFirst8(float* p, F16 x) {
+  _mm256_store_ps(p, x.a);
+}
+template <int k>
+inline F16 SpreadPair(F16 twice) {
+  return {_mm256_permutevar8x32_ps(twice.a, _mm256_set1_epi32(2 * k)),
+          _mm256_permutevar8x32_ps(twice.a, _mm256_set1_epi32(2 * k + 1))};
+}
+inline std::uint32_t LessEqual(F16 x, F16 y) {
+  const auto bits = [](__m256 u, __m256 w) {
+    return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_cmp_ps(u, w, _CMP_LE_OQ)));
+  };
+  return bits(x.a, y.a) | bits(x.b, y.b) << 8;
+}
+
+struct D8 {
+  __m256d a, b;
+};
+inline D8 Load(const double* p) {
+  return {_mm256_load_pd(p), _mm256_load_pd(p + 4)};
+}
+inline void Store(double* p, D8 x) {
+  _mm256_storeu_pd(p, x.a);
+  _mm256_storeu_pd(p + 4, x.b);
+}
+inline D8 Set1(double x) {
+  return {_mm256_set1_pd(x), _mm256_set1_pd(x)};
+}
+inline D8 operator-(D8 x, D8 y) {
+  return {_mm256_sub_pd(x.a, y.a), _mm256_sub_pd(x.b, y.b)};
+}
+inline D8 operator+(D8 x, D8 y) {
+  return {_mm256_add_pd(x.a, y.a), _mm256_add_pd(x.b, y.b)};
+}
+inline D8 operator*(D8 x, D8 y) {
+  return {_mm256_mul_pd(x.a, y.a), _mm256_mul_pd(x.b, y.b)};
+}
+inline D8 operator/(D8 x, D8 y) {
+  return {_mm256_div_pd(x.a, y.a), _mm256_div_pd(x.b, y.b)};
+}
+inline D8 Fma(D8 x, D8 y, D8 z) {
+  return {_mm256_fmadd_pd(x.a, y.a, z.a), _mm256_fmadd_pd(x.b, y.b, z.b)};
+}
+inline D8 Fnma(D8 x, D8 y, D8 z) {
+  return {_mm256_fnmadd_pd(x.a, y.a, z.a), _mm256_fnmadd_pd(x.b, y.b, z.b)};
+}
+inline D8 Sqrt(D8 x) {
+  return {_mm256_sqrt_pd(x.a), _mm256_sqrt_pd(x.b)};
+}
+inline D8 SelectLess(D8 x, D8 y, D8 u, D8 w) {
+  return {_mm256_blendv_pd(w.a, u.a, _mm256_cmp_pd(x.a, y.a, _CMP_LT_OQ)),
+          _mm256_blendv_pd(w.b, u.b, _mm256_cmp_pd(x.b, y.b, _CMP_LT_OQ))};
+}
+inline void LoadTransposed(const double* const record[8], D8 field[4]) {
+  const auto half = [&](int first, __m256d out[4]) {
+    const __m256d r0 = _mm256_load_pd(record[first]), r1 = _mm256_load_pd(record[first + 1]);
+    const __m256d r2 = _mm256_load_pd(record[first + 2]), r3 = _mm256_load_pd(record[first + 3]);
+    const __m256d t0 = _mm256_unpacklo_pd(r0, r1), t1 = _mm256_unpackhi_pd(r0, r1);
+    const __m256d t2 = _mm256_unpacklo_pd(r2, r3), t3 = _mm256_unpackhi_pd(r2, r3);
+    out[0] = _mm256_permute2f128_pd(t0, t2, 0x20);
+    out[1] = _mm256_permute2f128_pd(t1, t3, 0x20);
+    out[2] = _mm256_permute2f128_pd(t0, t2, 0x31);
+    out[3] = _mm256_permute2f128_pd(t1, t3, 0x31);
+  };
+  __m256d low[4], high[4];
+  half(0, low);
+  half(4, high);
+  for (int f = 0; f < 4; ++f) field[f] = {low[f], high[f]};
+}
+
+#else
+
+struct F16 {
+  float v[16];
+};
+template <class Op>
+inline F16 EachFloat(Op op) {
+  F16 r;
+  for (int i = 0; i < 16; ++i) r.v[i] = op(i);
+  return r;
+}
+inline F16 operator-(const F16& a, const F16& b) {
+  return EachFloat([&](int i) { return a.v[i] - b.v[i]; });
+}
+inline F16 operator+(const F16& a, const F16& b) {
+  return EachFloat([&](int i) { return a.v[i] + b.v[i]; });
+}
+inline F16 operator*(const F16& a, const F16& b) {
+  return EachFloat([&](int i) { return a.v[i] * b.v[i]; });
+}
+inline F16 Fma(const F16& a, const F16& b, const F16& c) {
+  return EachFloat([&](int i) { return __builtin_fmaf(a.v[i], b.v[i], c.v[i]); });
+}
+inline F16 Set1(float a) {
+  return EachFloat([&](int) { return a; });
+}
+inline F16 LoadTwice(const float* p) {
+  return EachFloat([&](int i) { return p[i & 7]; });
+}
+inline void StoreFirst8(float* p, const F16& a) {
+  for (int i = 0; i < 8; ++i) p[i] = a.v[i];
+}
+template <int k>
+inline F16 SpreadPair(const F16& twice) {
+  return EachFloat([&](int i) { return twice.v[2 * k + (i >> 3)]; });
+}
+inline std::uint32_t LessEqual(const F16& a, const F16& b) {
+  std::uint32_t bits = 0;
+  for (int i = 0; i < 16; ++i) bits |= static_cast<std::uint32_t>(a.v[i] <= b.v[i]) << i;
+  return bits;
+}
+
+struct D8 {
+  double v[8];
+};
+template <class Op>
+inline D8 EachDouble(Op op) {
+  D8 r;
+  for (int i = 0; i < 8; ++i) r.v[i] = op(i);
+  return r;
+}
+inline D8 Load(const double* p) {
+  return EachDouble([&](int i) { return p[i]; });
+}
+inline void Store(double* p, const D8& a) {
+  for (int i = 0; i < 8; ++i) p[i] = a.v[i];
+}
+inline D8 Set1(double a) {
+  return EachDouble([&](int) { return a; });
+}
+inline D8 operator-(const D8& a, const D8& b) {
+  return EachDouble([&](int i) { return a.v[i] - b.v[i]; });
+}
+inline D8 operator+(const D8& a, const D8& b) {
+  return EachDouble([&](int i) { return a.v[i] + b.v[i]; });
+}
+inline D8 operator*(const D8& a, const D8& b) {
+  return EachDouble([&](int i) { return a.v[i] * b.v[i]; });
+}
+inline D8 operator/(const D8& a, const D8& b) {
+  return EachDouble([&](int i) { return a.v[i] / b.v[i]; });
+}
+inline D8 Fma(const D8& a, const D8& b, const D8& c) {
+  return EachDouble([&](int i) { return __builtin_fma(a.v[i], b.v[i], c.v[i]); });
+}
+inline D8 Fnma(const D8& a, const D8& b, const D8& c) {
+  return EachDouble([&](int i) { return __builtin_fma(-a.v[i], b.v[i], c.v[i]); });
+}
+inline D8 Sqrt(const D8& a) {
+  return EachDouble([&](int i) { return __builtin_sqrt(a.v[i]); });
+}
+inline D8 SelectLess(const D8& a, const D8& b, const D8& x, const D8& y) {
+  return EachDouble([&](int i) { return a.v[i] < b.v[i] ? x.v[i] : y.v[i]; });
+}
+inline void LoadTransposed(const double* const record[8], D8 field[4]) {
+  for (int f = 0; f < 4; ++f) field[f] = EachDouble([&](int i) { return record[i][f]; });
+}
+
+#endif
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "scenes/sphere_tree.h"
+#include "server/physics/haptic_step.h"
+#include "server/physics/simd/kernels.h"
+
+namespace palpate {
+
+/// Levels of packets, stored one after the other; a child index counts within the next level.
+struct PacketLevels {
+  std::vector<SpherePacket> packets;
+  std::vector<std::int32_t> level_begin;  ///< levels + 1 entries
+  int levels() const { return static_cast<int>(level_begin.size()) - 1; }
+};
+
+/// All objects of a scene as one tree in W: a few levels over the objects, then their own trees.
+/// Immutable.
+class ObjectForest {
+ public:
+  explicit ObjectForest(std::span<const PlacedTree> objects);
+
+  const PacketLevels& levels() const { return levels_; }
+  const std::vector<LeafSphere>& leaves() const { return leaves_; }  ///< in W
+  int leaf_count() const { return static_cast<int>(leaves_.size()); }
+  /// Index of the object that a leaf belongs to.
+  int ObjectOf(int leaf) const;
+  const Vec3& center() const { return center_; }  ///< of a ball around everything [m]
+  double radius() const { return radius_; }
+
+ private:
+  PacketLevels levels_;
+  std::vector<LeafSphere> leaves_;
+  std::vector<int> first_leaf_;
+  Vec3 center_ = Vec3::Zero();
+  double radius_ = 0.0;
+};
+
+/// The tool's tree, relative to its centroid, each sphere enlarged by how far a sub-step can move
+/// it: max_translation + max_rotation * lever (contact constraint prediction, chapter 2.3.4, with a
+/// bound per sphere).  Immutable.
+class ToolTree {
+ public:
+  ToolTree(const SphereTree& tree, double max_translation, double max_rotation,
+           double world_extent);
+
+  const PacketLevels& levels() const { return levels_; }             ///< enlarged
+  const std::vector<LeafSphere>& leaves() const { return leaves_; }  ///< true radii
+  int leaf_count() const { return static_cast<int>(leaves_.size()); }
+  /// Reference point of the step, in the tool's frame: the centroid; the centre of a single sphere.
+  const Vec3& reference() const { return reference_; }
+  double max_lever() const { return max_lever_; }
+  /// Distance from the reference point to the farthest point of any leaf [m].
+  double reach() const { return reach_; }
+
+  static Vec3 ReferenceOf(const SphereTree& tree);
+  static double MaxLeverOf(const SphereTree& tree);
+
+ private:
+  PacketLevels levels_;
+  std::vector<LeafSphere> leaves_;
+  Vec3 reference_;
+  double max_lever_ = 0.0;
+  double reach_ = 0.0;
+};
+
+/// Finds every pair of leaves that a sub-step could bring together.
+/// Walks both trees level by level and, so that no list can overflow, a chunk of pairs at a time
+/// depth first.  The order of the pairs depends on the trees alone.
+class PairQuery {
+ public:
+  PairQuery(const ToolTree& tool, const ObjectForest& objects);
+
+  /// Calls sink(const NodePair* leaves, int count) for batches of at most kMaxBatch leaf pairs.
+  /// Complete: holds every pair with a gap of at most its enlargement (float rounding is covered by
+  /// a margin, so a few more may come).  Real-time: no allocation.
+  template <class Sink>
+  void Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W, Sink&& sink) noexcept;
+
+  static constexpr int kChunk = 256;
+  static constexpr int kMaxBatch = kChunk * kTreeArity * kTreeArity;
+
+ private:
+  template <class Sink>
+  void Descend(const Kernels& kernels, int level, const NodePair* pairs, int count,
+               Sink& sink) noexcept;
+
+  std::vector<LevelView> views_;
+  std::vector<WorldCentres> world_;
+  std::vector<std::uint32_t> stamps_;
+  std::vector<NodePair> lists_;  ///< kMaxBatch per level
+  QueryTransform transform_{};
+  std::uint32_t now_ = 0;
+};
+
+template <class Sink>
+void PairQuery::Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
+                    Sink&& sink) noexcept {
+  for (int r = 0; r < 3; ++r) {
+    transform_.p[r] = static_cast<float>(p_W[r]);
+    for (int c = 0; c < 3; ++c) transform_.R[3 * r + c] = static_cast<float>(R_WG(r, c));
+  }
+  if (++now_ == 0) {  // wrapped after 2^32 queries: forget all stamps
+    std::fill(stamps_.begin(), stamps_.end(), 0u);
+    now_ = 1;
+  }
+  const NodePair root{0, 0};
+  Descend(kernels, 0, &root, 1, sink);
+}
+
+template <class Sink>
+void PairQuery::Descend(const Kernels& kernels, int level, const NodePair* pairs, int count,
+                        Sink& sink) noexcept {
+  NodePair* out = lists_.data() + static_cast<std::size_t>(level) * kMaxBatch;
+  for (int i = 0; i < count; i += kChunk) {
+    const int chunk = std::min(kChunk, count - i);
+    const int found = kernels.expand_pairs(views_[level], transform_, now_, pairs + i, chunk, out);
+    if (found == 0) continue;
+    if (level + 1 == static_cast<int>(views_.size())) {
+      sink(out, found);
+    } else {
+      Descend(kernels, level + 1, out, found, sink);
+    }
+  }
+}
+
+}  // namespace palpate

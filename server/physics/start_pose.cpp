@@ -1,0 +1,69 @@
+#include <algorithm>
+#include <cmath>
+
+#include "server/physics/haptic_step.h"
+#include "server/physics/sphere_tree_query.h"
+#include "server/physics/step_buffers.h"
+
+namespace palpate {
+namespace {
+
+/// Least gap between tool and objects at a pose, of the pairs within reach of a sub-step; positive
+/// where nothing is.
+double LeastGap(const HapticModel& model, const Pose& X_WT, StepWorkspace& workspace) {
+  StepBuffers& buffers = workspace.buffers();
+  const Vec3 p = X_WT * model.tool().reference();
+  buffers.prediction.Predict(model, ActiveKernels(), X_WT.q.toRotationMatrix(), p, buffers.rows,
+                             nullptr);
+  double least = 1.0;
+  for (int i = 0; i < buffers.rows.count(); ++i) least = std::min(least, buffers.rows.gap(i));
+  return least;
+}
+
+/// Shortest way out along `direction`, to within a sub-step's length: walks outward until free.
+double WayOut(const HapticModel& model, const Pose& X_WH, const Vec3& direction, double longest,
+              StepWorkspace& workspace) {
+  const double stride = 2.0 * model.parameters().max_translation;
+  for (double s = stride; s < longest; s += stride) {
+    Pose X = X_WH;
+    X.p += s * direction;
+    if (LeastGap(model, X, workspace) >= 0.0) return s;
+  }
+  return longest;
+}
+
+}  // namespace
+
+StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace) {
+  Pose X_start{X_WH.p, X_WH.q.normalized()};
+  if (LeastGap(model, X_start, workspace) >= 0.0) return {X_start, 0.0};
+
+  // Out along the 26 directions of a cube's faces, edges and corners, whichever is shortest; every
+  // object ends within `shortest`, so there is always a way.
+  const Vec3 from_centre = X_start * model.tool().reference() - model.objects().center();
+  double shortest = from_centre.norm() + model.objects().radius() + model.tool().reach();
+  Vec3 way = Vec3::UnitZ();
+  for (int i = 0; i < 27; ++i) {
+    const Vec3 d(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    if (d.squaredNorm() == 0.0) continue;
+    const double out = WayOut(model, X_start, d.normalized(), shortest, workspace);
+    if (out < shortest) {
+      shortest = out;
+      way = d.normalized();
+    }
+  }
+  // Then back as near as contact lets it: the step itself walks there and cannot enter an object.
+  StepState state;
+  state.X_WG = X_start;
+  state.X_WG.p += shortest * way;
+  constexpr int kLongestWalk = 5000;
+  for (int i = 0; i < kLongestWalk; ++i) {
+    const Vec3 before = state.X_WG.p;
+    const StepReport report = HapticStep(model, X_start, state, workspace);
+    if ((report.faults & kFaultTargetFar) == 0 && (report.X_WG.p - before).norm() < 1e-7) break;
+  }
+  const Vec3& c = model.tool().reference();
+  return {state.X_WG, (state.X_WG * c - X_start * c).norm()};
+}
+
+}  // namespace palpate

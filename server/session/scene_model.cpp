@@ -1,0 +1,21 @@
+#include "server/session/scene_model.h"
+
+#include <vector>
+
+namespace palpate {
+
+std::shared_ptr<const ObjectForest> MakeObjects(const Scene& scene) {
+  std::vector<PlacedTree> placed;
+  for (const Body& object : scene.objects) placed.push_back({&object.tree, object.X_WB});
+  return HapticModel::MakeObjects(placed);
+}
+
+HapticModel MakeModel(const Scene& scene, const Body& tool,
+                      std::shared_ptr<const ObjectForest> objects) {
+  StepParameters parameters;
+  parameters.stiffness = scene.coupling.stiffness;
+  parameters.torsional_stiffness = scene.coupling.torsional_stiffness;
+  return HapticModel(tool.tree, std::move(objects), parameters);
+}
+
+}  // namespace palpate

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <memory>
+
+#include "scenes/scene.h"
+#include "server/physics/haptic_step.h"
+
+namespace palpate {
+
+/// All objects of a scene, as the step wants them; shared by the models of the scene's tools.
+std::shared_ptr<const ObjectForest> MakeObjects(const Scene& scene);
+
+/// The model of one of the scene's tools.
+HapticModel MakeModel(const Scene& scene, const Body& tool,
+                      std::shared_ptr<const ObjectForest> objects);
+
+}  // namespace palpate
