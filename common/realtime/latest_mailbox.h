@@ -12,7 +12,7 @@ namespace palpate {
 /// Real-time: wait-free on both sides, no allocation.
 template <class T>
 class LatestMailbox {
-  static_assert(std::is_trivially_copy_assignable_v<T>);
+  static_assert(std::is_trivially_destructible_v<T>, "a value that owns memory would allocate");
 
  public:
   void Write(const T& value) noexcept {

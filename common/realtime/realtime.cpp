@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cstring>
 
-#include <malloc.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -90,8 +89,6 @@ RealtimeReport EnterRealtime(const RealtimeOptions& options) {
 
     report.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0;
     if (!report.memory_locked) Add(missing, WhyNoLock(errno));
-    mallopt(M_TRIM_THRESHOLD, -1);
-    mallopt(M_MMAP_MAX, 0);
     PrefaultStack();
   }
   if (options.mode == RealtimeMode::kRequire && !missing.empty()) {

@@ -33,7 +33,7 @@ class Histogram {
     std::uint64_t seen = 0;
     for (std::size_t i = 0; i < kBuckets; ++i) {
       seen += bucket_[i];
-      if (seen >= rank) return LastValue(i) < max_ ? LastValue(i) : max_;
+      if (seen >= rank) return i + 1 < kBuckets && LastValue(i) < max_ ? LastValue(i) : max_;
     }
     return max_;
   }

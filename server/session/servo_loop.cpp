@@ -1,0 +1,173 @@
+#include "server/session/servo_loop.h"
+
+#include <cmath>
+
+#include "common/math/rotation.h"
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kMaxCoordinate_m = 100.0;
+constexpr double kMaxSpeed_m_s = 5.0;  // a hand's fastest strokes stay below
+constexpr double kMaxTurn_rad_s = 100.0;
+constexpr int kJumpAgreement = 5;        // samples
+constexpr double kGainUp = 1.0 / 200.0;  // per sample: 200 ms from none to full force
+constexpr double kGainDown = 1.0 / 20.0;
+constexpr double kUnitTolerance = 1e-6;  // of |q|^2; what single-precision drivers give
+constexpr double kWrenchValid_s = 0.02;
+constexpr std::int64_t kLate_ns = 2'000'000;
+
+bool IsFinite(const Pose& X) noexcept {
+  // A sum of finite terms may overflow, but bounded ones cannot: comparisons with NaN are false.
+  return (X.p.array().abs() <= kMaxCoordinate_m).all() && (X.q.coeffs().array().abs() <= 2.0).all();
+}
+
+/// True where a hand can be at A and, at a later time, at B.
+bool Reachable(const Pose& A, std::int64_t A_ns, const Pose& B, std::int64_t B_ns) noexcept {
+  // Unsigned, because a broken clock's difference may not fit a signed number.
+  const double dt = 1e-9 * static_cast<double>(static_cast<std::uint64_t>(B_ns) -
+                                               static_cast<std::uint64_t>(A_ns));
+  const Vec3 turn = RotationLog(B.q * A.q.conjugate());
+  return (B.p - A.p).squaredNorm() <= kMaxSpeed_m_s * kMaxSpeed_m_s * dt * dt &&
+         turn.squaredNorm() <= kMaxTurn_rad_s * kMaxTurn_rad_s * dt * dt;
+}
+
+void Clear(wire::Wrench& answer) noexcept {
+  answer = wire::Wrench{};
+  answer.valid_s = kWrenchValid_s;
+}
+
+void SetScaled(const Wrench& full, double gain, wire::Wrench& answer) noexcept {
+  wire::FromVec3(gain * full.force, answer.force_N);
+  wire::FromVec3(gain * full.torque, answer.torque_Nm);
+}
+
+}  // namespace
+
+ServoLoop::ServoLoop(const HapticModel& model) : model_(model), workspace_(model) {}
+
+bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexcept {
+  const std::int64_t taken_ns = SteadyNanoseconds();
+  ++counters_.poses;
+  if (!InSequence(pose)) {
+    ++counters_.rejected_sequence;
+    return false;
+  }
+  heard_.fetch_add(1, std::memory_order_relaxed);
+  if (start_.Read(state_.X_WG)) {
+    state_.active = 0;
+    started_ = true;
+    gain_ = 0.0;
+  }
+
+  Clear(answer);
+  answer.pose_sequence = pose.pose_sequence;
+  answer.pose_time_ns = pose.sample_time_ns;
+  if (const std::uint32_t fault = UsePose(pose); fault != kFaultNone) {
+    Hold(fault, answer);
+  } else if (!started_) {
+    state_.X_WG = X_WH_;
+    answer.faults = kFaultNotStarted;
+  } else {
+    Step(answer);
+  }
+  wire::FromPose(state_.X_WG, answer.graphic_position_m, answer.graphic_orientation_wxyz);
+  Report(answer, taken_ns);
+  return true;
+}
+
+bool ServoLoop::InSequence(const wire::HapticPose& pose) noexcept {
+  if (heard_any_) {
+    if (pose.pose_sequence <= last_sequence_ || pose.sample_time_ns <= last_time_ns_) return false;
+    counters_.lost += pose.pose_sequence - last_sequence_ - 1;
+  }
+  heard_any_ = true;
+  last_sequence_ = pose.pose_sequence;
+  last_time_ns_ = pose.sample_time_ns;
+  return true;
+}
+
+std::uint32_t ServoLoop::UsePose(const wire::HapticPose& pose) noexcept {
+  Pose X_WH = wire::ToPose(pose);
+  const double norm2 = X_WH.q.squaredNorm();
+  if (!IsFinite(X_WH) || !(norm2 >= 0.25)) {
+    ++counters_.rejected_nonfinite;
+    return kFaultBadPose;
+  }
+  if (std::abs(norm2 - 1.0) > kUnitTolerance) ++counters_.renormalised;
+  X_WH.q.coeffs() /= std::sqrt(norm2);
+
+  const std::int64_t time_ns = pose.sample_time_ns;
+  if (has_pose_ && !Reachable(X_WH_, X_WH_time_ns_, X_WH, time_ns)) {
+    const bool agrees = jump_agreed_ > 0 && Reachable(X_WJ_, X_WJ_time_ns_, X_WH, time_ns);
+    jump_agreed_ = agrees ? jump_agreed_ + 1 : 1;
+    X_WJ_ = X_WH;
+    X_WJ_time_ns_ = time_ns;
+    if (jump_agreed_ < kJumpAgreement) {
+      ++counters_.rejected_speed;
+      return kFaultPoseRejected;
+    }
+    gain_ = 0.0;
+  }
+  jump_agreed_ = 0;
+  has_pose_ = true;
+  X_WH_ = X_WH;
+  X_WH_time_ns_ = time_ns;
+  return kFaultNone;
+}
+
+void ServoLoop::Step(wire::Wrench& answer) noexcept {
+  const StepReport report = HapticStep(model_, X_WH_, state_, workspace_);
+  ++counters_.steps;
+  if (report.faults != kFaultNone) ++counters_.faulted_steps;
+  gain_ = gain_ + kGainUp < 1.0 ? gain_ + kGainUp : 1.0;
+  full_ = report.wrench;
+  SetScaled(full_, gain_, answer);
+  answer.faults = report.faults;
+  answer.contacts = static_cast<std::uint32_t>(report.contacts);
+  // A station computes the full force from the rows: none are given while less is due.
+  if (gain_ < 1.0) return;
+  answer.rows = answer.contacts;
+  answer.region_m = model_.parameters().max_translation;
+  answer.region_rad = model_.parameters().max_rotation;
+  for (int i = 0; i < report.contacts; ++i) {
+    const ActiveRow& active = report.active[i];
+    for (int k = 0; k < 3; ++k) {
+      answer.row[i][k] = active.normal[k];
+      answer.row[i][3 + k] = active.lever_cross_normal[k];
+    }
+    answer.row_offset_m[i] = active.offset;
+    answer.row_force_N[i] = active.force;
+  }
+}
+
+void ServoLoop::Hold(std::uint32_t fault, wire::Wrench& answer) noexcept {
+  gain_ = gain_ > kGainDown ? gain_ - kGainDown : 0.0;
+  SetScaled(full_, gain_, answer);
+  answer.faults = started_ ? fault : fault | kFaultNotStarted;
+}
+
+void ServoLoop::Report(wire::Wrench& answer, std::int64_t taken_ns) noexcept {
+  snapshots_.Write({.pose_sequence = answer.pose_sequence,
+                    .X_WH = X_WH_,
+                    .X_WG = state_.X_WG,
+                    .wrench = wire::ToWrench(answer),
+                    .contacts = answer.contacts,
+                    .faults = answer.faults,
+                    .has_pose = has_pose_});
+
+  counters_.faults |= answer.faults;
+  if (last_taken_ns_ != 0 && taken_ns - last_taken_ns_ > kLate_ns) ++counters_.late;
+  last_taken_ns_ = taken_ns;
+  const std::int64_t step_ns = SteadyNanoseconds() - taken_ns;
+  answer.step_time_s = 1e-9 * static_cast<double>(step_ns);
+  counters_.step.Add(step_ns);
+  if (counters_wanted_.load(std::memory_order_relaxed)) {
+    counters_wanted_.store(false, std::memory_order_relaxed);
+    reports_.Write(counters_);
+    counters_ = LoopCounters{};
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "common/dds/wire.h"
+#include "common/realtime/latest_mailbox.h"
+#include "common/stats/histogram.h"
+#include "server/physics/haptic_step.h"
+
+namespace palpate {
+
+/// What the loop counts between two reports; faults of poses and of steps alike.
+struct LoopCounters {
+  Histogram step;  ///< take to write [ns]
+  std::uint64_t poses = 0;
+  std::uint64_t steps = 0;
+  std::uint64_t late = 0;  ///< came more than 2 ms after the one before
+  std::uint64_t lost = 0;  ///< gaps in the sequence
+  std::uint64_t rejected_nonfinite = 0;
+  std::uint64_t rejected_sequence = 0;
+  std::uint64_t rejected_speed = 0;
+  std::uint64_t renormalised = 0;
+  std::uint64_t faulted_steps = 0;
+  std::uint32_t faults = kFaultNone;  ///< every bit seen
+};
+
+/// What the loop last did, for viewers and for the session's start.
+struct LoopSnapshot {
+  std::uint64_t pose_sequence = 0;
+  Pose X_WH;
+  Pose X_WG;
+  Wrench wrench;  ///< as sent: on the hand, at the tool's centroid, in W
+  std::uint32_t contacts = 0;
+  std::uint32_t faults = kFaultNone;
+  bool has_pose = false;  ///< false until a pose was fit to be used
+};
+
+/// The servo loop of one session: turns each pose into a wrench, on the pose's arrival.
+///
+/// A pose is used where it is finite and within 100 m, its quaternion has a length, its sequence
+/// and time grow, and the hand did not move faster than 5 m/s or 100 rad/s since the last one used.
+/// A pose that repeats or comes late gets no answer.  Any other that is not used holds the graphic
+/// tool, and the force fades by a twentieth with each.  What looks like a jump is believed once
+/// five samples in a row agree on it, so that a hand which really is elsewhere is followed; the
+/// force then starts from zero.  The way back to full force takes 200 samples.  Samples count, not
+/// clocks: equal inputs give equal bits.
+///
+/// Thread contract: OnPose in the servo thread; all else in one other thread (the service thread).
+class ServoLoop {
+ public:
+  /// Allocates what the steps need.
+  explicit ServoLoop(const HapticModel& model);
+
+  /// Answers a pose.  False where there is nothing to send.
+  /// Real-time: no allocation, lock, log; the clock only feeds the statistics.
+  bool OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexcept;
+
+  /// Puts the graphic tool there and lets forces begin, with the next pose.
+  void Start(const Pose& X_WG) { start_.Write(X_WG); }
+  /// The latest step, where one was made since the last call.
+  bool ReadSnapshot(LoopSnapshot& snapshot) { return snapshots_.Read(snapshot); }
+  /// Poses heard that were not mere repeats: stands still where the station is silent.
+  std::uint64_t heard() const { return heard_.load(std::memory_order_relaxed); }
+  /// Asks for the counters since the last report; they come with the next pose.
+  void RequestCounters() { counters_wanted_.store(true, std::memory_order_relaxed); }
+  bool ReadCounters(LoopCounters& counters) { return reports_.Read(counters); }
+
+ private:
+  bool InSequence(const wire::HapticPose& pose) noexcept;
+  /// Sets X_WH_ where the pose can be used; else returns the fault.
+  std::uint32_t UsePose(const wire::HapticPose& pose) noexcept;
+  void Step(wire::Wrench& answer) noexcept;
+  void Hold(std::uint32_t fault, wire::Wrench& answer) noexcept;
+  void Report(wire::Wrench& answer, std::int64_t taken_ns) noexcept;
+
+  const HapticModel& model_;
+  StepWorkspace workspace_;
+  StepState state_;
+  bool started_ = false;
+  double gain_ = 0.0;  // 0 to 1: the part of the wrench that is sent
+  Wrench full_;        // the last step's wrench, unscaled
+
+  bool heard_any_ = false;
+  std::uint64_t last_sequence_ = 0;
+  std::int64_t last_time_ns_ = 0;
+
+  // The last pose used, and the jump that is being considered.
+  bool has_pose_ = false;
+  Pose X_WH_;
+  std::int64_t X_WH_time_ns_ = 0;
+  Pose X_WJ_;
+  std::int64_t X_WJ_time_ns_ = 0;
+  int jump_agreed_ = 0;
+
+  std::int64_t last_taken_ns_ = 0;
+  LoopCounters counters_;
+  std::atomic<std::uint64_t> heard_{0};
+  std::atomic<bool> counters_wanted_{false};
+  LatestMailbox<Pose> start_;
+  LatestMailbox<LoopSnapshot> snapshots_;
+  LatestMailbox<LoopCounters> reports_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,69 @@
+#include "server/session/session.h"
+
+#include <cmath>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+constexpr std::int64_t kTryAgain_ns = 50'000'000;
+constexpr double kNews_m = 2e-3;  // what a person at the device can follow
+
+std::string InsideText(double depth_m) {
+  return "the tool is " + std::to_string(std::lround(1e3 * depth_m)) +
+         " mm inside an object; move the hand back until it is free, and forces begin";
+}
+
+}  // namespace
+
+Session::Session(std::string station, std::uint64_t run, std::shared_ptr<const ServedTool> tool,
+                 std::int64_t now_ns)
+    : station_(std::move(station)),
+      run_(run),
+      tool_(std::move(tool)),
+      loop_(tool_->model),
+      start_workspace_(std::in_place, tool_->model),
+      heard_ns_(now_ns) {}
+
+bool Session::Update(std::int64_t now_ns) {
+  if (ended()) return false;
+  loop_.ReadSnapshot(snapshot_);
+  if (const std::uint64_t heard = loop_.heard(); heard != heard_) {
+    heard_ = heard;
+    heard_ns_ = now_ns;
+  }
+  const std::int64_t patience_ns = heard_ == 0 ? kFirstPose_ns : kSilence_ns;
+  if (now_ns - heard_ns_ > patience_ns) {
+    End(heard_ == 0 ? "no pose came within 5 s of the request"
+                    : "no pose came for more than 100 ms; ask again to go on");
+    return true;
+  }
+  if (phase_ == palpate_SESSION_ACTIVE || !snapshot_.has_pose) return false;
+  if (phase_ == palpate_SESSION_ACQUIRING && now_ns - tried_ns_ < kTryAgain_ns) return false;
+  return TryStart(now_ns);
+}
+
+bool Session::TryStart(std::int64_t now_ns) {
+  tried_ns_ = now_ns;
+  const StartPose start = ResolveStart(tool_->model, snapshot_.X_WH, *start_workspace_);
+  if (!(start.depth <= kMaxStartDepth_m)) {
+    phase_ = palpate_SESSION_ACQUIRING;
+    const bool news = reason_.empty() || std::abs(start.depth - start_depth_) > kNews_m;
+    start_depth_ = start.depth;
+    reason_ = InsideText(start.depth);
+    return news;
+  }
+  loop_.Start(start.X_WG);
+  start_workspace_.reset();
+  start_depth_ = start.depth;
+  phase_ = palpate_SESSION_ACTIVE;
+  reason_.clear();
+  return true;
+}
+
+void Session::End(std::string reason) {
+  phase_ = palpate_SESSION_ENDED;
+  reason_ = std::move(reason);
+}
+
+}  // namespace palpate

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/dds/wire.h"
+#include "server/physics/haptic_step.h"
+#include "server/session/servo_loop.h"
+
+namespace palpate {
+
+/// A tool that a station can drive.  Immutable, shared.
+struct ServedTool {
+  std::string scene;
+  std::string tool;
+  HapticModel model;
+  Vec3 reference = Vec3::Zero();  ///< the tool's centroid, in its own frame [m]
+};
+
+/// One station driving one tool: waiting for poses -> acquiring (only where the tool starts inside
+/// an object) -> active -> ended.
+///
+/// Thread contract: all of it in the service thread, but for loop().OnPose, which is the servo
+/// thread's.  Time is given, so that tests need no clock.
+class Session {
+ public:
+  static constexpr std::int64_t kFirstPose_ns = 5'000'000'000;  ///< a station has this to begin
+  static constexpr std::int64_t kSilence_ns = 100'000'000;      ///< ... and may pause for this
+  static constexpr double kMaxStartDepth_m = 0.010;
+
+  Session(std::string station, std::uint64_t run, std::shared_ptr<const ServedTool> tool,
+          std::int64_t now_ns);
+
+  /// Looks after the session; to be called every few milliseconds.  True where phase, depth or
+  /// reason changed.
+  bool Update(std::int64_t now_ns);
+  void End(std::string reason);
+
+  ServoLoop& loop() { return loop_; }
+  const std::string& station() const { return station_; }
+  std::uint64_t run() const { return run_; }
+  const ServedTool& tool() const { return *tool_; }
+  wire::SessionPhase phase() const { return phase_; }
+  bool ended() const { return phase_ == palpate_SESSION_ENDED; }
+  const std::string& reason() const { return reason_; }
+  double start_depth() const { return start_depth_; }
+  /// What the loop did last, as of the last Update; has_pose is false before the first pose.
+  const LoopSnapshot& snapshot() const { return snapshot_; }
+
+ private:
+  bool TryStart(std::int64_t now_ns);
+
+  std::string station_;
+  std::uint64_t run_;
+  std::shared_ptr<const ServedTool> tool_;
+  ServoLoop loop_;
+  std::optional<StepWorkspace> start_workspace_;  // only until the session is active
+  wire::SessionPhase phase_ = palpate_SESSION_WAITING;
+  std::string reason_;
+  double start_depth_ = 0.0;
+  LoopSnapshot snapshot_;
+  std::uint64_t heard_ = 0;
+  std::int64_t heard_ns_;
+  std::int64_t tried_ns_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,156 @@
+#include "server/session/session_table.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/dds/topics.h"
+
+namespace palpate {
+namespace {
+
+void AddName(std::string& list, const std::string& name) {
+  if (!list.empty()) list += ", ";
+  list += name;
+}
+
+}  // namespace
+
+SessionTable::SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools,
+                           std::uint64_t server_run)
+    : tools_(std::move(tools)), server_run_(server_run) {}
+
+void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now_ns) {
+  if (!dds::IsStationName(request.station)) {
+    return Refuse(request, std::string("'") + request.station +
+                               "' is no name for a station; give 1 to 32 letters, digits or '_'");
+  }
+  waiting_.erase(request.station);
+  const auto held = sessions_.find(request.station);
+  if (held == sessions_.end()) {
+    if (!request.leave) Admit(request, now_ns);
+  } else if (request.leave) {
+    if (held->second->run() == request.run) held->second->End("the station left");
+  } else if (held->second->run() != request.run) {
+    if (held->second->phase() == palpate_SESSION_WAITING) {
+      held->second->End("the station started again");
+    }
+    waiting_[request.station] = {request, now_ns};
+  } else if (held->second->tool().scene == request.scene &&
+             (request.tool[0] == '\0' || held->second->tool().tool == request.tool)) {
+    Publish(*held->second);  // asked again: tell again
+  } else {
+    Refuse(request, "this run already drives '" + held->second->tool().tool + "' of scene '" +
+                        held->second->tool().scene + "'; leave that first");
+  }
+}
+
+void SessionTable::Update(std::int64_t now_ns) {
+  for (auto it = sessions_.begin(); it != sessions_.end();) {
+    Session& session = *it->second;
+    if (session.Update(now_ns) || session.ended()) Publish(session);
+    it = session.ended() ? sessions_.erase(it) : std::next(it);
+  }
+  for (auto it = waiting_.begin(); it != waiting_.end();) {
+    const Waiting waiting = it->second;
+    const bool free = !sessions_.contains(it->first);
+    if (!free && now_ns - waiting.since_ns <= kTakeOver_ns) {
+      ++it;
+      continue;
+    }
+    it = waiting_.erase(it);
+    if (free) {
+      Admit(waiting.request, now_ns);
+    } else {
+      Refuse(waiting.request, std::string("a station named '") + waiting.request.station +
+                                  "' is connected and sends poses; give another --id");
+    }
+  }
+}
+
+void SessionTable::EndAll(const std::string& reason) {
+  for (auto& [station, session] : sessions_) {
+    session->End(reason);
+    Publish(*session);
+  }
+  sessions_.clear();
+  waiting_.clear();
+}
+
+std::vector<wire::SessionState> SessionTable::TakeChanges() {
+  return std::exchange(changes_, {});
+}
+
+std::shared_ptr<const ServedTool> SessionTable::Find(const wire::SessionRequest& request,
+                                                     std::string& refusal) const {
+  std::string scenes;
+  std::string tools;
+  std::string last_scene;
+  std::vector<std::shared_ptr<const ServedTool>> candidates;
+  for (const auto& tool : tools_) {
+    if (tool->scene != last_scene) AddName(scenes, tool->scene);
+    last_scene = tool->scene;
+    if (tool->scene != request.scene) continue;
+    AddName(tools, tool->tool);
+    if (request.tool[0] == '\0' || tool->tool == request.tool) candidates.push_back(tool);
+  }
+  if (candidates.size() == 1) return candidates.front();
+  const std::string scene = std::string("scene '") + request.scene + "'";
+  if (tools.empty()) {
+    refusal = scene + " is not served here; give --scene with one of: " + scenes;
+  } else if (candidates.empty()) {
+    refusal = std::string("tool '") + request.tool + "' is not in " + scene +
+              "; give --tool with one of: " + tools;
+  } else {
+    refusal = scene + " has several tools; give --tool with one of: " + tools;
+  }
+  return nullptr;
+}
+
+void SessionTable::Admit(const wire::SessionRequest& request, std::int64_t now_ns) {
+  std::string refusal;
+  std::shared_ptr<const ServedTool> tool = Find(request, refusal);
+  if (!tool) return Refuse(request, refusal);
+  const auto holder = std::ranges::find_if(
+      sessions_, [&](const auto& entry) { return &entry.second->tool() == tool.get(); });
+  if (holder != sessions_.end()) {
+    return Refuse(request, "tool '" + tool->tool + "' of scene '" + tool->scene +
+                               "' is driven by station '" + holder->first +
+                               "'; end that station, or drive another tool");
+  }
+  if (sessions_.size() >= kMaxStations) {
+    return Refuse(request, "this server holds " + std::to_string(kMaxStations) +
+                               " stations, its most; end one of them");
+  }
+  const auto session =
+      std::make_shared<Session>(request.station, request.run, std::move(tool), now_ns);
+  sessions_[request.station] = session;
+  Publish(*session);
+}
+
+void SessionTable::Refuse(const wire::SessionRequest& request, const std::string& reason) {
+  wire::SessionState state{};
+  wire::FromText(request.station, state.station);
+  state.run = request.run;
+  state.server_run = server_run_;
+  state.phase = palpate_SESSION_REFUSED;
+  wire::FromText(request.scene, state.scene);
+  wire::FromText(request.tool, state.tool);
+  wire::FromText(reason, state.reason);
+  changes_.push_back(state);
+}
+
+void SessionTable::Publish(const Session& session) {
+  wire::SessionState state{};
+  wire::FromText(session.station(), state.station);
+  state.run = session.run();
+  state.server_run = server_run_;
+  state.phase = session.phase();
+  wire::FromText(session.tool().scene, state.scene);
+  wire::FromText(session.tool().tool, state.tool);
+  wire::FromText(session.reason(), state.reason);
+  state.start_depth_m = session.start_depth();
+  wire::FromVec3(session.tool().reference, state.tool_reference_m);
+  changes_.push_back(state);
+}
+
+}  // namespace palpate

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/dds/wire.h"
+#include "server/session/session.h"
+
+namespace palpate {
+
+/// Who drives what: admits stations, refuses them with a reason, ends their sessions.  A tool is
+/// driven by one station at a time.  Knows no transport: requests come in, states go out.
+///
+/// Thread contract: service thread.
+class SessionTable {
+ public:
+  static constexpr std::size_t kMaxStations = 16;  ///< what the shared-memory pools are sized for
+  /// How long a request under a name in use waits for the former run to prove dead (a station that
+  /// was killed and started again) before it is refused.
+  static constexpr std::int64_t kTakeOver_ns = 3 * Session::kSilence_ns;
+
+  SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools, std::uint64_t server_run);
+
+  void Request(const wire::SessionRequest& request, std::int64_t now_ns);
+  /// Looks after all sessions; ended ones leave the table.
+  void Update(std::int64_t now_ns);
+  /// Ends every session: the server stops.
+  void EndAll(const std::string& reason);
+
+  /// Sessions that have not ended.
+  const std::map<std::string, std::shared_ptr<Session>>& sessions() const { return sessions_; }
+  /// States to publish since the last call, oldest first.
+  std::vector<wire::SessionState> TakeChanges();
+
+ private:
+  struct Waiting {
+    wire::SessionRequest request;
+    std::int64_t since_ns;
+  };
+
+  /// The tool that the request means; null, with the reason, where it cannot be had.
+  std::shared_ptr<const ServedTool> Find(const wire::SessionRequest& request,
+                                         std::string& refusal) const;
+  void Admit(const wire::SessionRequest& request, std::int64_t now_ns);
+  void Refuse(const wire::SessionRequest& request, const std::string& reason);
+  void Publish(const Session& session);
+
+  std::vector<std::shared_ptr<const ServedTool>> tools_;
+  std::uint64_t server_run_;
+  std::map<std::string, std::shared_ptr<Session>> sessions_;  // by station
+  std::map<std::string, Waiting> waiting_;                    // by station
+  std::vector<wire::SessionState> changes_;
+};
+
+}  // namespace palpate

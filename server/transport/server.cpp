@@ -1,0 +1,166 @@
+#include "server/transport/server.h"
+
+#include <cinttypes>
+#include <cstdio>
+#include <random>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "common/dds/topics.h"
+#include "common/step_fault.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+std::uint64_t RandomRun() {
+  std::random_device random;
+  return static_cast<std::uint64_t>(random()) << 32 | random();
+}
+
+const char* PhaseText(wire::SessionPhase phase) {
+  switch (phase) {
+    case palpate_SESSION_WAITING:
+      return "waits for poses";
+    case palpate_SESSION_ACQUIRING:
+      return "starts inside an object";
+    case palpate_SESSION_ACTIVE:
+      return "active";
+    case palpate_SESSION_REFUSED:
+      return "refused";
+    default:
+      return "ended";
+  }
+}
+
+wire::LoopStatistics MakeStatistics(const Session& session, const LoopCounters& counters,
+                                    double period_s) {
+  wire::LoopStatistics s{};
+  wire::FromText(session.station(), s.station);
+  wire::FromText(session.tool().scene, s.scene);
+  s.period_s = period_s;
+  s.steps = counters.steps;
+  s.rate_hz = static_cast<double>(counters.poses) / period_s;
+  s.step_us_p50 = 1e-3 * static_cast<double>(counters.step.Quantile(0.5));
+  s.step_us_p99 = 1e-3 * static_cast<double>(counters.step.Quantile(0.99));
+  s.step_us_p999 = 1e-3 * static_cast<double>(counters.step.Quantile(0.999));
+  s.step_us_max = 1e-3 * static_cast<double>(counters.step.max());
+  s.late = counters.late;
+  s.lost = counters.lost;
+  s.rejected_nonfinite = counters.rejected_nonfinite;
+  s.rejected_sequence = counters.rejected_sequence;
+  s.rejected_speed = counters.rejected_speed;
+  s.renormalised = counters.renormalised;
+  s.faulted_steps = counters.faulted_steps;
+  s.contacts = session.snapshot().contacts;
+  s.faults = counters.faults;
+  return s;
+}
+
+std::string StatisticsLine(const wire::LoopStatistics& s) {
+  char line[320];
+  std::snprintf(
+      line, sizeof line,
+      "%-12s %-14s %7.1f Hz  step us p50 %6.1f p99 %6.1f p99.9 %6.1f max %8.1f  "
+      "late %4" PRIu64 " lost %4" PRIu64 " rejected %4" PRIu64 "  contacts %" PRIu32 "  faults %s",
+      s.station, s.scene, s.rate_hz, s.step_us_p50, s.step_us_p99, s.step_us_p999, s.step_us_max,
+      s.late, s.lost, s.rejected_nonfinite + s.rejected_sequence + s.rejected_speed, s.contacts,
+      FaultWords(s.faults).c_str());
+  return line;
+}
+
+}  // namespace
+
+Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
+               std::vector<std::shared_ptr<const ServedTool>> tools,
+               std::function<void(const std::string&)> print_line)
+    : loop_domain_(std::move(loop_domain)),
+      service_domain_(std::move(service_domain)),
+      table_(std::move(tools), RandomRun()),
+      print_line_(std::move(print_line)),
+      requests_(service_domain_, dds::kSessionRequestTopic, dds::Qos::kSession),
+      states_(service_domain_, dds::kSessionStateTopic, dds::Qos::kSession),
+      tool_states_(service_domain_, dds::kToolStateTopic, dds::Qos::kStream),
+      statistics_(service_domain_, dds::kLoopStatisticsTopic, dds::Qos::kStream) {}
+
+Server::~Server() {
+  stations_.clear();
+  table_.EndAll("the server stops");
+  PublishChanges();
+}
+
+void Server::Poll(std::int64_t now_ns) {
+  wire::SessionRequest request;
+  while (requests_.Take(request)) table_.Request(request, now_ns);
+  table_.Update(now_ns);
+  UpdateLinks(now_ns);
+  PublishChanges();
+  const bool tool_states_due = now_ns - tool_states_ns_ >= kSecond_ns / 60;
+  if (tool_states_due) tool_states_ns_ = now_ns;
+  for (auto& [name, station] : stations_) {
+    if (tool_states_due) PublishToolState(station.link->session());
+    ReportStatistics(station, now_ns);
+  }
+}
+
+void Server::UpdateLinks(std::int64_t now_ns) {
+  std::erase_if(stations_, [&](const auto& entry) {
+    const auto session = table_.sessions().find(entry.first);
+    return session == table_.sessions().end() ||
+           session->second.get() != &entry.second.link->session();
+  });
+  for (const auto& [name, session] : table_.sessions()) {
+    Station& station = stations_[name];
+    if (!station.link) {
+      station.link = std::make_unique<StationLink>(loop_domain_, session);
+    }
+    station.link->Update(now_ns);
+  }
+}
+
+void Server::PublishChanges() {
+  for (const wire::SessionState& state : table_.TakeChanges()) {
+    spdlog::info("station {}: {}{}{}", state.station, PhaseText(state.phase),
+                 state.reason[0] != '\0' ? ": " : "", state.reason);
+    states_.Write(state);
+  }
+}
+
+void Server::PublishToolState(Session& session) {
+  const LoopSnapshot& snapshot = session.snapshot();
+  if (!snapshot.has_pose) return;
+  wire::ToolState state{};
+  wire::FromText(session.station(), state.station);
+  wire::FromText(session.tool().scene, state.scene);
+  wire::FromText(session.tool().tool, state.tool);
+  state.pose_sequence = snapshot.pose_sequence;
+  wire::FromPose(snapshot.X_WH, state.haptic_position_m, state.haptic_orientation_wxyz);
+  wire::FromPose(snapshot.X_WG, state.graphic_position_m, state.graphic_orientation_wxyz);
+  wire::FromVec3(snapshot.wrench.force, state.force_N);
+  wire::FromVec3(snapshot.wrench.torque, state.torque_Nm);
+  state.contacts = snapshot.contacts;
+  state.faults = snapshot.faults;
+  tool_states_.Write(state);
+}
+
+void Server::ReportStatistics(Station& station, std::int64_t now_ns) {
+  if (!station.report_wanted) {
+    if (!station.link->session().snapshot().has_pose) station.reported_ns = now_ns;
+    if (now_ns - station.reported_ns < kSecond_ns) return;
+    station.link->session().loop().RequestCounters();
+    station.report_wanted = true;
+    return;
+  }
+  LoopCounters counters;
+  if (!station.link->session().loop().ReadCounters(counters)) return;
+  const wire::LoopStatistics statistics = MakeStatistics(
+      station.link->session(), counters, 1e-9 * static_cast<double>(now_ns - station.reported_ns));
+  station.reported_ns = now_ns;
+  station.report_wanted = false;
+  statistics_.Write(statistics);
+  if (print_line_) print_line_(StatisticsLine(statistics));
+}
+
+}  // namespace palpate

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/dds/endpoint.h"
+#include "server/session/session_table.h"
+#include "server/transport/station_link.h"
+
+namespace palpate {
+
+/// The server without its command line: requests in, states out, a link for each session, tool
+/// states at 60 Hz and statistics once a second.  All of that in the one thread that calls Poll, so
+/// that nothing here needs a lock; the servo loops run in DDS's receiving threads and are met only
+/// through mailboxes.
+class Server {
+ public:
+  /// @param print_line  takes a line of text per station and second; may be empty.
+  Server(dds::Participant loop_domain, dds::Participant service_domain,
+         std::vector<std::shared_ptr<const ServedTool>> tools,
+         std::function<void(const std::string&)> print_line);
+  /// Ends every session and tells the stations so.
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  /// To be called every 5 ms or so.
+  void Poll(std::int64_t now_ns);
+  const SessionTable& table() const { return table_; }
+
+ private:
+  struct Station {
+    std::unique_ptr<StationLink> link;
+    std::int64_t reported_ns = 0;
+    bool report_wanted = false;
+  };
+
+  void PublishChanges();
+  void UpdateLinks(std::int64_t now_ns);
+  void PublishToolState(Session& session);
+  void ReportStatistics(Station& station, std::int64_t now_ns);
+
+  dds::Participant loop_domain_;
+  dds::Participant service_domain_;
+  SessionTable table_;
+  std::function<void(const std::string&)> print_line_;
+  dds::Reader<wire::SessionRequest> requests_;
+  dds::Writer<wire::SessionState> states_;
+  dds::Writer<wire::ToolState> tool_states_;
+  dds::Writer<wire::LoopStatistics> statistics_;
+  std::map<std::string, Station> stations_;
+  std::int64_t tool_states_ns_ = 0;
+};
+
+}  // namespace palpate

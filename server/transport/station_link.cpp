@@ -1,0 +1,43 @@
+#include "server/transport/station_link.h"
+
+#include <utility>
+
+#include "common/dds/topics.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::int64_t kTimeToMatch_ns = 50'000'000;
+
+}  // namespace
+
+StationLink::StationLink(const dds::Participant& loop_domain, std::shared_ptr<Session> session)
+    : loop_domain_(loop_domain),
+      session_(std::move(session)),
+      pose_topic_(dds::PoseTopic(session_->station(), session_->run())),
+      wrench_writer_(loop_domain, dds::WrenchTopic(session_->station(), session_->run()),
+                     dds::Qos::kLoop) {}
+
+void StationLink::Update(std::int64_t now_ns) {
+  if (!pose_reader_ && dds::WriterDiscovered(loop_domain_, pose_topic_)) {
+    pose_reader_ =
+        dds::Reader<wire::HapticPose>(loop_domain_, pose_topic_, dds::Qos::kLoop,
+                                      [this](const wire::HapticPose& pose) { OnPose(pose); });
+  }
+  if (open_.load(std::memory_order_relaxed)) return;
+  if (wrench_writer_.matched_readers() == 0) {
+    matched_ns_ = 0;
+  } else if (matched_ns_ == 0) {
+    matched_ns_ = now_ns;
+  } else if (now_ns - matched_ns_ >= kTimeToMatch_ns) {
+    open_.store(true, std::memory_order_relaxed);
+  }
+}
+
+void StationLink::OnPose(const wire::HapticPose& pose) noexcept {
+  if (session_->loop().OnPose(pose, answer_) && open_.load(std::memory_order_relaxed)) {
+    wrench_writer_.Write(answer_);
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "common/dds/endpoint.h"
+#include "server/session/session.h"
+
+namespace palpate {
+
+/// A session's two loop topics.  Poses in, wrenches out, in DDS's receiving thread, which is
+/// thereby the servo thread.  The reader is made once the station's writer is discovered, and
+/// wrenches are sent once the station's reader is matched and has had time to match us: over shared
+/// memory a sample that is early leaks a chunk.
+///
+/// Thread contract: service thread.  The destructor returns when no pose is being answered any
+/// more.
+class StationLink {
+ public:
+  StationLink(const dds::Participant& loop_domain, std::shared_ptr<Session> session);
+  StationLink(const StationLink&) = delete;
+  StationLink& operator=(const StationLink&) = delete;
+
+  /// Takes the next of those steps where it is time.
+  void Update(std::int64_t now_ns);
+  Session& session() { return *session_; }
+  bool uses_shared_memory() const { return pose_reader_.uses_shared_memory(); }
+
+ private:
+  void OnPose(const wire::HapticPose& pose) noexcept;
+
+  const dds::Participant& loop_domain_;
+  std::shared_ptr<Session> session_;
+  std::string pose_topic_;
+  std::int64_t matched_ns_ = 0;
+  std::atomic<bool> open_{false};
+  wire::Wrench answer_{};
+  dds::Writer<wire::Wrench> wrench_writer_;
+  dds::Reader<wire::HapticPose> pose_reader_;  // last: the first to go
+};
+
+}  // namespace palpate

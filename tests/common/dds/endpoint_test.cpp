@@ -1,0 +1,290 @@
+#include "common/dds/endpoint.h"
+
+#include <atomic>
+#include <chrono>
+#include <cstring>
+#include <thread>
+#include <vector>
+
+#include <dds/ddsi/ddsi_serdata.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "common/dds/topics.h"
+#include "tests/common/dds/peer.h"
+#include "tests/common/dds/roudi.h"
+
+namespace palpate::dds {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr int kDomain = 91;
+constexpr int kForeignDomain = 92;
+const TransportChoice kUdp{Transport::kUdp, ""};
+const TransportChoice kShm{Transport::kSharedMemory, ""};
+
+/// A topic that no test of another process uses.
+std::string OwnTopic(const std::string& name) {
+  return "test/" + std::to_string(getpid()) + "/" + name;
+}
+
+template <class Condition>
+bool Eventually(Condition condition) {
+  for (int i = 0; i < 10'000; ++i) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  return false;
+}
+
+struct Taken {
+  std::vector<wire::HapticPose> poses;
+  int through_shared_memory = 0;
+};
+
+/// Takes what there is as DDS received it, where a sample still tells the way that it came.
+void TakeRaw(const Reader<wire::HapticPose>& reader, Taken& taken) {
+  ddsi_serdata* data[1] = {nullptr};
+  dds_sample_info_t info;
+  while (dds_takecdr(reader.handle(), data, 1, &info, DDS_ANY_STATE) == 1) {
+    if (info.valid_data) {
+      taken.through_shared_memory += data[0]->iox_chunk != nullptr;
+      wire::HapticPose pose;
+      ddsi_serdata_to_sample(data[0], &pose, nullptr, nullptr);
+      taken.poses.push_back(pose);
+    }
+    ddsi_serdata_unref(data[0]);
+  }
+}
+
+Taken TakeWhileRunning(const Reader<wire::HapticPose>& reader, Peer& peer) {
+  Taken taken;
+  while (peer.running()) {
+    TakeRaw(reader, taken);
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  TakeRaw(reader, taken);
+  return taken;
+}
+
+/// Each sample as the peer made it, each at most once and in order.
+void ExpectWhole(const std::vector<wire::HapticPose>& poses) {
+  std::uint64_t last = 0;
+  for (const wire::HapticPose& pose : poses) {
+    EXPECT_GT(pose.pose_sequence, last);
+    last = pose.pose_sequence;
+    const double i = static_cast<double>(last);
+    EXPECT_EQ(pose.sample_time_ns, static_cast<std::int64_t>(last));
+    EXPECT_THAT(pose.position_m, testing::Each(i));
+    EXPECT_THAT(pose.orientation_wxyz, testing::Each(i));
+    EXPECT_EQ(pose.device_status, last);
+  }
+}
+
+TEST(LoopTopicOverUdp, BringsWholeSamplesAndNoneThroughSharedMemory) {
+  const Participant participant = Participant::Loop(kDomain, kUdp);
+  const std::string topic = OwnTopic("udp");
+  const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
+  EXPECT_FALSE(reader.uses_shared_memory());
+  Peer peer("udp", kDomain, topic, 300, "matched");
+  const Taken taken = TakeWhileRunning(reader, peer);
+  EXPECT_GT(taken.poses.size(), 150u);
+  ExpectWhole(taken.poses);
+  EXPECT_EQ(taken.through_shared_memory, 0);
+}
+
+TEST(RouDiLoopTopic, BringsEverySampleThroughSharedMemory) {
+  RouDi roudi;
+  const Participant participant = Participant::Loop(kDomain, kShm);
+  const std::string topic = OwnTopic("shm");
+  const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
+  EXPECT_TRUE(reader.uses_shared_memory());
+  Peer peer("shm", kDomain, topic, 300, "matched");
+  const Taken taken = TakeWhileRunning(reader, peer);
+  EXPECT_GT(taken.poses.size(), 150u);
+  ExpectWhole(taken.poses);
+  EXPECT_EQ(taken.through_shared_memory, static_cast<int>(taken.poses.size()));
+}
+
+TEST(RouDiLoopTopic, HandsEachSampleToTheCallbackOnce) {
+  RouDi roudi;
+  const Participant participant = Participant::Loop(kDomain, kShm);
+  const std::string topic = OwnTopic("callback");
+  std::vector<wire::HapticPose> poses;
+  Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop,
+                                  [&](const wire::HapticPose& pose) { poses.push_back(pose); });
+  Peer("shm", kDomain, topic, 300, "matched").Wait();
+  reader = Reader<wire::HapticPose>();  // no callback runs any more
+  EXPECT_GT(poses.size(), 150u);
+  ExpectWhole(poses);
+}
+
+TEST(RouDiLoopTopic, IsNotReachedNorWornOutByAnotherDomainsWriter) {
+  RouDi roudi;
+  const Participant participant = Participant::Loop(kDomain, kShm);
+  const std::string topic = OwnTopic("foreign");
+  const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
+  Peer foreign("shm", kForeignDomain, topic, 600, "at-once");
+  EXPECT_EQ(TakeWhileRunning(reader, foreign).poses.size(), 0u);
+
+  // 257 leaked chunks would have killed the reader for ever.
+  Peer own("shm", kDomain, topic, 300, "matched");
+  EXPECT_GT(TakeWhileRunning(reader, own).poses.size(), 150u);
+}
+
+TEST(RouDiLoopTopic, SurvivesAWriterThatBeginsBeforeItIsDiscovered) {
+  RouDi roudi;
+  const Participant participant = Participant::Loop(kDomain, kShm);
+  const std::string topic = OwnTopic("early");
+  Peer peer("shm", kDomain, topic, 2000, "at-once");
+  ASSERT_TRUE(Eventually([&] { return WriterDiscovered(participant, topic); }));
+  // More than 256 samples go by before the reader is made, and the rest must reach it.
+  std::this_thread::sleep_for(milliseconds(400));
+  const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
+  const Taken taken = TakeWhileRunning(reader, peer);
+  ASSERT_GT(taken.poses.size(), 300u);
+  EXPECT_GE(taken.poses.back().pose_sequence, 1990u);
+  EXPECT_EQ(taken.through_shared_memory, static_cast<int>(taken.poses.size()));
+}
+
+TEST(RouDiLoopTopic, HearsEachOfAHundredRunsOfAStation) {
+  RouDi roudi;
+  const Participant participant = Participant::Loop(kDomain, kShm);
+  const std::string station = std::string("s").append(std::to_string(getpid()));
+  for (std::uint64_t run = 1; run <= 100; ++run) {
+    const std::string topic = PoseTopic(station, run);
+    Writer<wire::HapticPose> writer(participant, topic, Qos::kLoop);
+    ASSERT_TRUE(WriterDiscovered(participant, topic));
+    Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
+    ASSERT_TRUE(Eventually([&] { return writer.matched_readers() == 1; }));
+    for (int i = 1; i <= 10; ++i) {
+      wire::HapticPose pose{};
+      pose.pose_sequence = i;
+      ASSERT_TRUE(writer.Write(pose));
+      ASSERT_TRUE(Eventually([&] { return reader.Take(pose); })) << "run " << run;
+      EXPECT_EQ(pose.pose_sequence, static_cast<std::uint64_t>(i));
+    }
+  }
+}
+
+TEST(WriterDiscovered, ForgetsAWriterThatIsGone) {
+  const Participant participant = Participant::Loop(kDomain, kUdp);
+  const std::string topic = OwnTopic("gone");
+  EXPECT_FALSE(WriterDiscovered(participant, topic));
+  {
+    const Writer<wire::HapticPose> writer(participant, topic, Qos::kLoop);
+    EXPECT_TRUE(WriterDiscovered(participant, topic));
+    EXPECT_FALSE(WriterDiscovered(participant, topic + "2"));
+  }
+  EXPECT_FALSE(WriterDiscovered(participant, topic));
+}
+
+TEST(WriterDiscovered, SeesAnotherProcess) {
+  const Participant participant = Participant::Loop(kDomain, kUdp);
+  const std::string topic = OwnTopic("other_process");
+  Peer peer("udp", kDomain, topic, 300, "at-once");
+  EXPECT_TRUE(Eventually([&] { return WriterDiscovered(participant, topic); }));
+  EXPECT_EQ(peer.Wait(), 0);
+  EXPECT_TRUE(Eventually([&] { return !WriterDiscovered(participant, topic); }));
+}
+
+TEST(SessionTopic, TellsALateComerWhatHoldsNow) {
+  const Participant server = Participant::Service(kDomain);
+  Writer<wire::SessionState> writer(server, OwnTopic("state"), Qos::kSession);
+  for (const char* station : {"left", "right"}) {
+    for (const auto phase : {palpate_SESSION_WAITING, palpate_SESSION_ACTIVE}) {
+      wire::SessionState state{};
+      wire::FromText(station, state.station);
+      state.phase = phase;
+      ASSERT_TRUE(writer.Write(state));
+    }
+  }
+  const Participant viewer = Participant::Service(kDomain);
+  Reader<wire::SessionState> reader(viewer, OwnTopic("state"), Qos::kSession);
+  std::vector<std::string> heard;
+  EXPECT_TRUE(Eventually([&] {
+    wire::SessionState state;
+    while (reader.Take(state)) {
+      EXPECT_EQ(state.phase, palpate_SESSION_ACTIVE);  // the latest alone
+      heard.push_back(state.station);
+    }
+    return heard.size() == 2;
+  }));
+  EXPECT_THAT(heard, testing::UnorderedElementsAre("left", "right"));
+}
+
+TEST(Reader, WaitsForItsCallbackWhenDestroyed) {
+  const Participant participant = Participant::Loop(kDomain, kUdp);
+  const std::string topic = OwnTopic("wait");
+  std::atomic<bool> begun{false};
+  std::atomic<bool> ended{false};
+  Writer<wire::HapticPose> writer(participant, topic, Qos::kLoop);
+  {
+    const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop,
+                                          [&](const wire::HapticPose&) {
+                                            begun = true;
+                                            std::this_thread::sleep_for(milliseconds(100));
+                                            ended = true;
+                                          });
+    ASSERT_TRUE(Eventually([&] { return writer.matched_readers() == 1; }));
+    // In another thread, because a writer delivers to readers of its own process itself.
+    std::thread write([&] { writer.Write(wire::HapticPose{}); });
+    ASSERT_TRUE(Eventually([&] { return begun.load(); }));
+    write.detach();
+  }
+  EXPECT_TRUE(ended);
+  std::this_thread::sleep_for(milliseconds(50));
+}
+
+template <class T>
+void ExpectCdrIsTheStruct(T sample) {
+  // Every byte different from its neighbours, so that a swap or a gap shows.  Any bits will do.
+  auto* bytes = reinterpret_cast<unsigned char*>(&sample);
+  for (std::size_t i = 0; i < sizeof sample; ++i) bytes[i] = static_cast<unsigned char>(i * 37 + 1);
+  const Participant participant = Participant::Loop(kDomain, kUdp);
+  const std::string topic = OwnTopic("cdr");
+  Writer<T> writer(participant, topic, Qos::kLoop);
+  const Reader<T> reader(participant, topic, Qos::kLoop);
+  ASSERT_TRUE(Eventually([&] { return writer.matched_readers() == 1; }));
+  ASSERT_TRUE(writer.Write(sample));
+  ddsi_serdata* data[1] = {nullptr};
+  dds_sample_info_t info;
+  ASSERT_TRUE(
+      Eventually([&] { return dds_takecdr(reader.handle(), data, 1, &info, DDS_ANY_STATE) == 1; }));
+  std::vector<unsigned char> cdr(ddsi_serdata_size(data[0]));
+  ASSERT_EQ(cdr.size(), 4 + sizeof sample);
+  ddsi_serdata_to_ser(data[0], 0, cdr.size(), cdr.data());
+  ddsi_serdata_unref(data[0]);
+  EXPECT_THAT(std::vector(cdr.begin(), cdr.begin() + 4), testing::ElementsAre(0, 1, 0, 0));
+  EXPECT_EQ(std::memcmp(cdr.data() + 4, &sample, sizeof sample), 0);
+}
+
+TEST(Wire, HapticPoseInCdrIsItsCStruct) {
+  ExpectCdrIsTheStruct(wire::HapticPose{});
+}
+
+TEST(Wire, WrenchInCdrIsItsCStruct) {
+  ExpectCdrIsTheStruct(wire::Wrench{});
+}
+
+TEST(Wire, ConvertsPosesThereAndBack) {
+  const Pose X{Vec3(1, 2, 3), Quat(0.5, -0.5, 0.5, -0.5)};
+  wire::HapticPose sample{};
+  wire::FromPose(X, sample.position_m, sample.orientation_wxyz);
+  EXPECT_THAT(sample.orientation_wxyz, testing::ElementsAre(0.5, -0.5, 0.5, -0.5));
+  EXPECT_EQ(wire::ToPose(sample).p, X.p);
+  EXPECT_EQ(wire::ToPose(sample).q.coeffs(), X.q.coeffs());
+}
+
+TEST(Wire, CutsTextToItsField) {
+  char field[5];
+  wire::FromText("longer than that", field);
+  EXPECT_STREQ(field, "long");
+  wire::FromText("", field);
+  EXPECT_THAT(field, testing::Each('\0'));
+}
+
+}  // namespace
+}  // namespace palpate::dds

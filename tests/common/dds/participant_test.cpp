@@ -1,0 +1,85 @@
+#include "common/dds/participant.h"
+
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/dds/endpoint.h"
+#include "common/error.h"
+#include "tests/common/dds/roudi.h"
+
+namespace palpate::dds {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kDomain = 90;
+const TransportChoice kUdp{Transport::kUdp, ""};
+
+TEST(ParseTransport, KnowsThreeNames) {
+  EXPECT_EQ(ParseTransport("auto"), Transport::kAuto);
+  EXPECT_EQ(ParseTransport("shm"), Transport::kSharedMemory);
+  EXPECT_EQ(ParseTransport("udp"), Transport::kUdp);
+  EXPECT_THROW(ParseTransport("tcp"), UsageError);
+}
+
+TEST(ChooseTransport, TakesUdpWhereItIsAskedFor) {
+  EXPECT_EQ(ChooseTransport(Transport::kUdp).transport, Transport::kUdp);
+}
+
+TEST(RouDiChoice, TakesSharedMemoryWhereRouDiAnswersAndNotWhereItsSocketIsStale) {
+  RouDi roudi;
+  EXPECT_EQ(ChooseTransport(Transport::kAuto).transport, Transport::kSharedMemory);
+  EXPECT_EQ(ChooseTransport(Transport::kSharedMemory).transport, Transport::kSharedMemory);
+
+  roudi.Kill();
+  EXPECT_FALSE(RouDiAnswers());
+  const TransportChoice choice = ChooseTransport(Transport::kAuto);
+  EXPECT_EQ(choice.transport, Transport::kUdp);
+  EXPECT_THAT(choice.reason, HasSubstr("no RouDi: start 'iox-roudi -c"));
+  try {
+    ChooseTransport(Transport::kSharedMemory);
+    FAIL() << "shared memory without RouDi";
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("--transport shm: no RouDi"));
+    EXPECT_THAT(e.what(), HasSubstr("iox-roudi -c deploy/cyclonedds/roudi.toml"));
+  }
+}
+
+TEST(Participant, IsNotConfiguredByTheEnvironment) {
+  setenv("CYCLONEDDS_URI", "<CycloneDDS><nonsense/></CycloneDDS>", 1);
+  EXPECT_NO_THROW(Participant::Service(kDomain));
+  unsetenv("CYCLONEDDS_URI");
+}
+
+TEST(Participant, SharesItsDomainWithinAProcessAndFreesItWithTheLast) {
+  for (int i = 0; i < 3; ++i) {
+    const Participant first = Participant::Loop(kDomain, kUdp);
+    Participant second = Participant::Loop(kDomain, kUdp);
+    const Participant third = std::move(second);
+    EXPECT_NE(first.handle(), third.handle());
+  }
+}
+
+TEST(Participant, RefusesADomainThatIsOpenWithAnotherTransport) {
+  const Participant udp = Participant::Loop(kDomain, kUdp);
+  try {
+    Participant::Loop(kDomain, {Transport::kSharedMemory, ""});
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("another transport"));
+  }
+}
+
+TEST(Participant, KeepsLoopAndServiceDomainsApart) {
+  const Participant loop = Participant::Loop(kDomain, kUdp);
+  const Participant service = Participant::Service(kDomain);
+  const Writer<wire::ToolState> writer(loop, "a/topic", Qos::kStream);
+  EXPECT_TRUE(WriterDiscovered(loop, "a/topic"));
+  EXPECT_FALSE(WriterDiscovered(service, "a/topic"));
+  EXPECT_FALSE(service.shared_memory());
+}
+
+}  // namespace
+}  // namespace palpate::dds

@@ -1,0 +1,72 @@
+#include "tests/common/dds/roudi.h"
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <string>
+#include <thread>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "common/dds/participant.h"
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+// $1: pool file.  Prints iox-roudi's process id, then waits for the end of its input.
+constexpr const char* kGuardian = R"(
+exec 3>&1 1>/dev/null 2>&1
+iox-roudi -c "$1" &
+echo $! >&3
+exec 3>&-
+read -r end
+kill -TERM $!
+wait $!
+)";
+
+}  // namespace
+
+RouDi::RouDi() {
+  const int lock = open("/tmp/palpate-roudi.lock", O_RDWR | O_CREAT, 0666);
+  if (lock < 0 || flock(lock, LOCK_EX) != 0) throw Error("/tmp/palpate-roudi.lock: cannot lock");
+  int to_guardian[2];
+  int from_guardian[2];
+  if (pipe(to_guardian) != 0 || pipe(from_guardian) != 0) throw Error("no pipe");
+  fcntl(to_guardian[1], F_SETFD, FD_CLOEXEC);
+  if (fork() == 0) {
+    dup2(to_guardian[0], STDIN_FILENO);
+    dup2(from_guardian[1], STDOUT_FILENO);
+    close(to_guardian[0]);
+    close(from_guardian[0]);
+    close(from_guardian[1]);
+    setsid();  // a Ctrl-C at the test must not end RouDi before its clients
+    execlp("sh", "sh", "-c", kGuardian, "sh", PALPATE_SOURCE_DIR "/deploy/cyclonedds/roudi.toml",
+           nullptr);
+    _exit(127);
+  }
+  // The guardian holds the lock from now on, until RouDi has ended.
+  close(lock);
+  close(to_guardian[0]);
+  close(from_guardian[1]);
+  char text[32] = {};
+  if (read(from_guardian[0], text, sizeof text - 1) > 0) pid_ = std::stoi(text);
+  close(from_guardian[0]);
+  for (int i = 0; i < 500; ++i) {
+    if (dds::RouDiAnswers()) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  throw Error("iox-roudi does not come up; is the package 'iceoryx' installed?");
+}
+
+void RouDi::Kill() {
+  kill(pid_, SIGKILL);
+  for (int i = 0; i < 500 && dds::RouDiAnswers(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+}  // namespace palpate

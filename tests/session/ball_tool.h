@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "common/dds/wire.h"
+#include "server/session/session.h"
+#include "tests/support/test_trees.h"
+
+namespace palpate::test {
+
+inline constexpr double kBallRadius = 0.050;
+inline constexpr double kToolRadius = 0.005;
+/// Where the tool's centre is when it touches the ball from above [m].
+inline constexpr double kTouch = kBallRadius + kToolRadius;
+inline constexpr double kStiffness = 1000.0;
+
+/// A ball of 50 mm at the origin, felt with a ball of 5 mm: pressed straight down to height z, the
+/// hand feels kStiffness * (kTouch - z) upward.
+inline std::shared_ptr<const ServedTool> BallTool(const std::string& scene = "ball",
+                                                  const std::string& tool = "probe") {
+  const Ball ball{Vec3::Zero(), kBallRadius};
+  const Ball probe{Vec3::Zero(), kToolRadius};
+  const SphereTree object = MakeTree({&ball, 1});
+  const PlacedTree placed{&object, Pose{}};
+  StepParameters parameters;
+  parameters.stiffness = kStiffness;
+  return std::make_shared<const ServedTool>(ServedTool{
+      scene, tool,
+      HapticModel(MakeTree({&probe, 1}), HapticModel::MakeObjects({&placed, 1}), parameters),
+      Vec3(0.1, 0.2, 0.3)});
+}
+
+/// A station's poses, one a millisecond.
+class Hand {
+ public:
+  /// Straight above the ball's centre.
+  wire::HapticPose At(double z) { return At(Vec3(0, 0, z)); }
+  wire::HapticPose At(const Vec3& p) {
+    wire::HapticPose pose{};
+    pose.pose_sequence = ++sequence;
+    pose.sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sequence);
+    wire::FromPose({p, Quat::Identity()}, pose.position_m, pose.orientation_wxyz);
+    return pose;
+  }
+  std::uint64_t sequence = 0;
+};
+
+}  // namespace palpate::test

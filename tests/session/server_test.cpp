@@ -1,0 +1,254 @@
+#include "server/transport/server.h"
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "common/dds/topics.h"
+#include "common/error.h"
+#include "common/time/steady_clock.h"
+#include "server/transport/server_lock.h"
+#include "tests/session/ball_tool.h"
+
+namespace palpate::test {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+// Of its own, because a server answers every station of its domain.
+const int kDomain = 40 + getpid() % 60;
+const dds::TransportChoice kUdp{dds::Transport::kUdp, ""};
+
+/// A server and stations in one process, over UDP.
+class ServerTest : public testing::Test {
+ protected:
+  ServerTest() { Restart(); }
+  void Restart() {
+    server_.reset();
+    server_ = std::make_unique<Server>(
+        dds::Participant::Loop(kDomain, kUdp), dds::Participant::Service(kDomain),
+        std::vector{BallTool("one"), BallTool("two", "left"), BallTool("two", "right")},
+        [this](const std::string& line) { lines_.push_back(line); });
+  }
+
+  /// Serves until the condition holds; false after 20 s.
+  template <class Condition>
+  bool ServeUntil(Condition condition) {
+    for (int i = 0; i < 10'000; ++i) {
+      if (server_) server_->Poll(SteadyNanoseconds());
+      if (condition()) return true;
+      std::this_thread::sleep_for(milliseconds(2));
+    }
+    return false;
+  }
+
+  /// A station that follows the rules of common/dds/topics.h and endpoint.h.
+  struct Station {
+    Station(ServerTest& test, const std::string& station_name, std::uint64_t station_run)
+        : loop(test.loop_),
+          service(test.service_),
+          name(station_name),
+          run(station_run),
+          requests(service, dds::kSessionRequestTopic, dds::Qos::kSession),
+          states(service, dds::kSessionStateTopic, dds::Qos::kSession),
+          poses(loop, dds::PoseTopic(name, run), dds::Qos::kLoop) {}
+
+    void Ask(const std::string& scene, const std::string& tool = "", bool leave = false) {
+      wire::SessionRequest request{};
+      wire::FromText(name, request.station);
+      request.run = run;
+      wire::FromText(scene, request.scene);
+      wire::FromText(tool, request.tool);
+      request.leave = leave;
+      requests.Write(request);
+    }
+    /// The server's latest word.
+    const wire::SessionState& State() {
+      wire::SessionState sample;
+      while (states.Take(sample)) {
+        if (name == sample.station && sample.run == run) state = sample;
+      }
+      return state;
+    }
+    /// Makes the wrench reader once it may be made; true once poses can be sent.
+    bool Ready() {
+      if (!wrenches && dds::WriterDiscovered(loop, dds::WrenchTopic(name, run))) {
+        wrenches = dds::Reader<wire::Wrench>(loop, dds::WrenchTopic(name, run), dds::Qos::kLoop,
+                                             [this](const wire::Wrench& wrench) {
+                                               force_N = wrench.force_N[2];
+                                               answered = wrench.pose_sequence;
+                                             });
+      }
+      return wrenches && poses.matched_readers() == 1;
+    }
+    void Send(double z) {
+      State();
+      if (Ready()) poses.Write(hand.At(z));
+    }
+
+    const dds::Participant& loop;
+    const dds::Participant& service;
+    std::string name;
+    std::uint64_t run;
+    dds::Writer<wire::SessionRequest> requests;
+    dds::Reader<wire::SessionState> states;
+    dds::Writer<wire::HapticPose> poses;
+    std::atomic<double> force_N{0.0};
+    std::atomic<std::uint64_t> answered{0};
+    wire::SessionState state{};
+    Hand hand;
+    dds::Reader<wire::Wrench> wrenches;
+  };
+
+  dds::Participant loop_ = dds::Participant::Loop(kDomain, kUdp);
+  dds::Participant service_ = dds::Participant::Service(kDomain);
+  std::vector<std::string> lines_;
+  std::unique_ptr<Server> server_;
+};
+
+TEST_F(ServerTest, AnswersPosesWithTheForceOfTheContact) {
+  Station station(*this, "a", 1);
+  station.Ask("one");
+  EXPECT_TRUE(ServeUntil([&] {
+    station.Send(kTouch - 0.004);
+    return station.force_N > 4.0 - 1e-4;
+  }));
+  EXPECT_NEAR(station.force_N, 4.0, 1e-4);
+  EXPECT_EQ(station.State().phase, palpate_SESSION_ACTIVE);
+}
+
+TEST_F(ServerTest, ServesSeveralStationsAndScenesAtOnce) {
+  Station a(*this, "a", 1);
+  Station b(*this, "b", 1);
+  Station c(*this, "c", 1);
+  a.Ask("one");
+  b.Ask("two", "left");
+  c.Ask("two", "right");
+  EXPECT_TRUE(ServeUntil([&] {
+    a.Send(kTouch - 0.001);
+    b.Send(kTouch - 0.002);
+    c.Send(kTouch - 0.003);
+    return a.force_N > 1.0 - 1e-4 && b.force_N > 2.0 - 1e-4 && c.force_N > 3.0 - 1e-4;
+  }));
+}
+
+TEST_F(ServerTest, RefusesADrivenToolUntilItIsFree) {
+  Station holder(*this, "holder", 1);
+  holder.Ask("one");
+  EXPECT_TRUE(ServeUntil([&] {
+    holder.Send(0.2);
+    return holder.State().phase == palpate_SESSION_ACTIVE;
+  }));
+  Station other(*this, "other", 1);
+  other.Ask("one");
+  EXPECT_TRUE(ServeUntil([&] {
+    holder.Send(0.2);
+    return other.State().phase == palpate_SESSION_REFUSED;
+  }));
+  EXPECT_THAT(other.state.reason, HasSubstr("driven by station 'holder'"));
+  holder.Ask("one", "", true);
+  EXPECT_TRUE(ServeUntil([&] { return holder.State().phase == palpate_SESSION_ENDED; }));
+  other.Ask("one");
+  EXPECT_TRUE(ServeUntil([&] {
+    other.Send(0.2);
+    return other.State().phase == palpate_SESSION_ACTIVE;
+  }));
+}
+
+TEST_F(ServerTest, LosesASilentStationAndTakesItBack) {
+  Station station(*this, "a", 1);
+  for (int time = 0; time < 3; ++time) {
+    station.Ask("one");
+    EXPECT_TRUE(ServeUntil([&] {
+      station.Send(0.2);
+      return station.State().phase == palpate_SESSION_ACTIVE;
+    }));
+    EXPECT_TRUE(ServeUntil([&] { return station.State().phase == palpate_SESSION_ENDED; }));
+    EXPECT_TRUE(server_->table().sessions().empty());
+    EXPECT_TRUE(ServeUntil([&] { return station.poses.matched_readers() == 0; }))
+        << "the reader goes with the session";
+  }
+}
+
+TEST_F(ServerTest, TakesARunningStationWhenItIsRestarted) {
+  Station station(*this, "a", 1);
+  station.Ask("one");
+  EXPECT_TRUE(ServeUntil([&] {
+    station.Send(0.2);
+    return station.State().phase == palpate_SESSION_ACTIVE;
+  }));
+  const std::uint64_t first_server = station.state.server_run;
+  server_.reset();
+  EXPECT_TRUE(ServeUntil([&] { return station.State().phase == palpate_SESSION_ENDED; }));
+  EXPECT_STREQ(station.state.reason, "the server stops");
+  Restart();
+  const std::uint64_t answered = station.answered;
+  EXPECT_TRUE(ServeUntil([&] {
+    station.Send(0.2);
+    return station.State().phase == palpate_SESSION_ACTIVE && station.answered > answered;
+  }));
+  EXPECT_NE(station.state.server_run, first_server);
+}
+
+TEST_F(ServerTest, PublishesToolStatesAndStatisticsAndPrintsALine) {
+  const dds::Participant viewer = dds::Participant::Service(kDomain);
+  dds::Reader<wire::ToolState> tools(viewer, dds::kToolStateTopic, dds::Qos::kStream);
+  dds::Reader<wire::LoopStatistics> statistics(viewer, dds::kLoopStatisticsTopic,
+                                               dds::Qos::kStream);
+  Station station(*this, "a", 1);
+  station.Ask("two", "right");
+  wire::LoopStatistics figures{};
+  wire::ToolState tool{};
+  EXPECT_TRUE(ServeUntil([&] {
+    station.Send(kTouch - 0.002);
+    wire::LoopStatistics figure;
+    while (statistics.Take(figure)) {
+      if (std::string("a") == figure.station) figures = figure;
+    }
+    wire::ToolState state;
+    while (tools.Take(state)) {
+      if (std::string("a") == state.station) tool = state;
+    }
+    return figures.contacts == 1 && tool.force_N[2] > 2.0 - 1e-4;
+  }));
+  EXPECT_STREQ(tool.scene, "two");
+  EXPECT_STREQ(tool.tool, "right");
+  EXPECT_NEAR(tool.haptic_position_m[2], kTouch - 0.002, 1e-12);
+  EXPECT_NEAR(tool.graphic_position_m[2], kTouch, 1e-6);
+  EXPECT_GT(figures.steps, 0u);
+  EXPECT_NEAR(figures.rate_hz * figures.period_s, static_cast<double>(figures.steps), 100.0);
+  EXPECT_GT(figures.step_us_p50, 0.0);
+  EXPECT_LE(figures.step_us_p50, figures.step_us_p99);
+  EXPECT_LE(figures.step_us_p99, figures.step_us_max);
+  ASSERT_FALSE(lines_.empty());
+  EXPECT_THAT(lines_.back(), StartsWith("a "));
+  EXPECT_THAT(lines_.back(), HasSubstr(" Hz "));
+}
+
+TEST(ServerLock, RefusesASecondServerOfADomainAndNamesTheFirst) {
+  const ServerLock first(kDomain);
+  try {
+    const ServerLock second(kDomain);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("domain " + std::to_string(kDomain) +
+                                    " is in use by another palpate-server (pid " +
+                                    std::to_string(getpid()) + ")"));
+    EXPECT_THAT(e.what(), HasSubstr("--domain"));
+  }
+  const ServerLock elsewhere(kDomain + 1);
+}
+
+TEST(ServerLock, IsFreeOnceItsHolderIsGone) {
+  { const ServerLock first(kDomain); }
+  EXPECT_NO_THROW(ServerLock{kDomain});
+}
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,214 @@
+#include "server/session/session_table.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/session/ball_tool.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::uint64_t kServerRun = 99;
+
+wire::SessionRequest MakeRequest(const std::string& station, std::uint64_t run,
+                                 const std::string& scene, const std::string& tool = "") {
+  wire::SessionRequest request{};
+  wire::FromText(station, request.station);
+  request.run = run;
+  wire::FromText(scene, request.scene);
+  wire::FromText(tool, request.tool);
+  return request;
+}
+
+class SessionTableTest : public testing::Test {
+ protected:
+  /// The last state that the request led to.
+  wire::SessionState Ask(const wire::SessionRequest& request) {
+    table_.Request(request, now_);
+    return LastChange();
+  }
+  wire::SessionState LastChange() {
+    const auto changes = table_.TakeChanges();
+    if (changes.empty()) return wire::SessionState{};
+    EXPECT_EQ(changes.back().server_run, kServerRun);
+    return changes.back();
+  }
+  bool Holds(const std::string& station, std::uint64_t run) const {
+    const auto it = table_.sessions().find(station);
+    return it != table_.sessions().end() && it->second->run() == run;
+  }
+  /// Lets time pass while the named stations send a pose a millisecond.
+  void Pass(int milliseconds, const std::vector<std::string>& sending) {
+    for (int i = 0; i < milliseconds; ++i) {
+      for (const std::string& station : sending) {
+        const auto it = table_.sessions().find(station);
+        if (it == table_.sessions().end()) continue;
+        wire::Wrench answer{};
+        it->second->loop().OnPose(hand_.At(0.2), answer);
+      }
+      table_.Update(now_ += kMs);
+    }
+  }
+
+  std::int64_t now_ = 1000 * kMs;
+  Hand hand_;
+  SessionTable table_{{BallTool("one", "probe"), BallTool("two", "left"), BallTool("two", "right")},
+                      kServerRun};
+};
+
+TEST_F(SessionTableTest, AdmitsAStationToTheOnlyToolOfAScene) {
+  const wire::SessionState state = Ask(MakeRequest("a", 5, "one"));
+  EXPECT_EQ(state.phase, palpate_SESSION_WAITING);
+  EXPECT_STREQ(state.station, "a");
+  EXPECT_EQ(state.run, 5u);
+  EXPECT_STREQ(state.tool, "probe");
+  EXPECT_EQ(wire::ToVec3(state.tool_reference_m), Vec3(0.1, 0.2, 0.3));
+}
+
+TEST_F(SessionTableTest, HoldsStationsInSeveralScenesAndTools) {
+  EXPECT_EQ(Ask(MakeRequest("a", 1, "one")).phase, palpate_SESSION_WAITING);
+  EXPECT_EQ(Ask(MakeRequest("b", 1, "two", "left")).phase, palpate_SESSION_WAITING);
+  EXPECT_EQ(Ask(MakeRequest("c", 1, "two", "right")).phase, palpate_SESSION_WAITING);
+  EXPECT_EQ(table_.sessions().size(), 3u);
+}
+
+TEST_F(SessionTableTest, RefusesAToolThatAnotherDrivesAndSaysWho) {
+  Ask(MakeRequest("a", 1, "two", "left"));
+  const wire::SessionState state = Ask(MakeRequest("b", 1, "two", "left"));
+  EXPECT_EQ(state.phase, palpate_SESSION_REFUSED);
+  EXPECT_THAT(state.reason, HasSubstr("'left' of scene 'two' is driven by station 'a'"));
+  EXPECT_TRUE(Holds("a", 1));
+  EXPECT_FALSE(Holds("b", 1));
+}
+
+TEST_F(SessionTableTest, RefusesAnUnknownSceneAndListsWhatThereIs) {
+  const wire::SessionState state = Ask(MakeRequest("a", 1, "three"));
+  EXPECT_EQ(state.phase, palpate_SESSION_REFUSED);
+  EXPECT_THAT(state.reason, HasSubstr("'three' is not served here"));
+  EXPECT_THAT(state.reason, HasSubstr("one, two"));
+}
+
+TEST_F(SessionTableTest, RefusesAnUnknownToolAndListsWhatThereIs) {
+  const wire::SessionState state = Ask(MakeRequest("a", 1, "two", "middle"));
+  EXPECT_THAT(state.reason, HasSubstr("tool 'middle' is not in scene 'two'"));
+  EXPECT_THAT(state.reason, HasSubstr("left, right"));
+}
+
+TEST_F(SessionTableTest, RefusesToChooseBetweenTools) {
+  EXPECT_THAT(Ask(MakeRequest("a", 1, "two")).reason, HasSubstr("several tools"));
+}
+
+TEST_F(SessionTableTest, RefusesANameThatNoTopicCanCarry) {
+  EXPECT_THAT(Ask(MakeRequest("a/b", 1, "one")).reason, HasSubstr("no name for a station"));
+  EXPECT_THAT(Ask(MakeRequest("", 1, "one")).reason, HasSubstr("no name for a station"));
+}
+
+TEST_F(SessionTableTest, FreesTheToolWhenItsStationLeaves) {
+  wire::SessionRequest request = MakeRequest("a", 1, "one");
+  Ask(request);
+  request.leave = true;
+  table_.Request(request, now_);
+  table_.Update(now_);
+  EXPECT_EQ(LastChange().phase, palpate_SESSION_ENDED);
+  EXPECT_THAT(table_.sessions(), IsEmpty());
+  EXPECT_EQ(Ask(MakeRequest("b", 1, "one")).phase, palpate_SESSION_WAITING);
+}
+
+TEST_F(SessionTableTest, IsNotMovedByALeaveOfAnotherRun) {
+  Ask(MakeRequest("a", 1, "one"));
+  wire::SessionRequest request = MakeRequest("a", 2, "one");
+  request.leave = true;
+  table_.Request(request, now_);
+  table_.Update(now_);
+  EXPECT_TRUE(Holds("a", 1));
+}
+
+TEST_F(SessionTableTest, FreesTheToolWhenItsStationFallsSilent) {
+  Ask(MakeRequest("a", 1, "one"));
+  Pass(50, {"a"});
+  EXPECT_EQ(LastChange().phase, palpate_SESSION_ACTIVE);
+  Pass(150, {});
+  const wire::SessionState state = LastChange();
+  EXPECT_EQ(state.phase, palpate_SESSION_ENDED);
+  EXPECT_EQ(state.run, 1u);
+  EXPECT_EQ(Ask(MakeRequest("b", 1, "one")).phase, palpate_SESSION_WAITING);
+}
+
+TEST_F(SessionTableTest, TakesASilentStationBackUnderTheSameRun) {
+  Ask(MakeRequest("a", 1, "one"));
+  Pass(50, {"a"});
+  Pass(150, {});
+  LastChange();
+  EXPECT_EQ(Ask(MakeRequest("a", 1, "one")).phase, palpate_SESSION_WAITING);
+}
+
+TEST_F(SessionTableTest, TakesARestartedStationOnceItsFormerRunIsSilent) {
+  Ask(MakeRequest("a", 1, "one"));
+  Pass(50, {"a"});
+  LastChange();
+  table_.Request(MakeRequest("a", 2, "one"), now_);
+  EXPECT_TRUE(Holds("a", 1));
+  Pass(150, {});
+  EXPECT_TRUE(Holds("a", 2));
+  EXPECT_EQ(LastChange().run, 2u);
+}
+
+TEST_F(SessionTableTest, RefusesASecondStationUnderTheNameOfOneThatLives) {
+  Ask(MakeRequest("a", 1, "one"));
+  Pass(50, {"a"});
+  table_.Request(MakeRequest("a", 2, "two", "left"), now_);
+  Pass(400, {"a"});
+  const wire::SessionState state = LastChange();
+  EXPECT_EQ(state.phase, palpate_SESSION_REFUSED);
+  EXPECT_EQ(state.run, 2u);
+  EXPECT_THAT(state.reason, HasSubstr("another --id"));
+  EXPECT_TRUE(Holds("a", 1));
+}
+
+TEST_F(SessionTableTest, ReplacesARunThatNeverSentAPoseAtOnce) {
+  Ask(MakeRequest("a", 1, "one"));
+  table_.Request(MakeRequest("a", 2, "one"), now_);
+  table_.Update(now_);
+  EXPECT_TRUE(Holds("a", 2));
+}
+
+TEST_F(SessionTableTest, TellsAgainWhereARunAsksAgain) {
+  Ask(MakeRequest("a", 1, "one"));
+  Pass(50, {"a"});
+  LastChange();
+  EXPECT_EQ(Ask(MakeRequest("a", 1, "one")).phase, palpate_SESSION_ACTIVE);
+  EXPECT_TRUE(Holds("a", 1));
+}
+
+TEST_F(SessionTableTest, HoldsSixteenStationsAndNoMore) {
+  std::vector<std::shared_ptr<const ServedTool>> tools;
+  for (int i = 0; i < 17; ++i) tools.push_back(BallTool("many", "tool" + std::to_string(i)));
+  SessionTable table(std::move(tools), kServerRun);
+  for (int i = 0; i < 17; ++i) {
+    const std::string number = std::to_string(i);
+    table.Request(MakeRequest("s" + number, 1, "many", "tool" + number), now_);
+  }
+  EXPECT_EQ(table.sessions().size(), 16u);
+  const auto changes = table.TakeChanges();
+  EXPECT_EQ(changes.back().phase, palpate_SESSION_REFUSED);
+  EXPECT_THAT(changes.back().reason, HasSubstr("16 stations"));
+}
+
+TEST_F(SessionTableTest, TellsEveryStationWhenTheServerStops) {
+  Ask(MakeRequest("a", 1, "one"));
+  Ask(MakeRequest("b", 1, "two", "left"));
+  table_.EndAll("the server stops");
+  const auto changes = table_.TakeChanges();
+  ASSERT_EQ(changes.size(), 2u);
+  for (const wire::SessionState& state : changes) {
+    EXPECT_EQ(state.phase, palpate_SESSION_ENDED);
+    EXPECT_STREQ(state.reason, "the server stops");
+  }
+}
+
+}  // namespace
+}  // namespace palpate::test
