@@ -1,9 +1,9 @@
 #pragma once
 
-#include <dds/dds.h>
-
 #include <functional>
 #include <string>
+
+#include <dds/dds.h>
 
 #include "common/dds/participant.h"
 #include "common/dds/wire.h"
@@ -17,10 +17,12 @@ enum class Qos {
   kStream,   ///< best effort, volatile, keep last 1: ToolState, LoopStatistics
 };
 
-/// Writer of T (an idlc type, see wire.h) on one topic.  Move-only; deletes its entities.
+/// Writer of T (a type of common/dds/wire.h) on one topic.  Move-only; deletes its entities.
+/// The participant must outlive it.
 template <class T>
 class Writer {
  public:
+  /// Throws Error (topic, DDS's reason).
   Writer(const Participant& participant, const std::string& topic, Qos qos);
   Writer() = default;
   ~Writer();
@@ -32,6 +34,7 @@ class Writer {
   bool Write(const T& sample) noexcept;
   int matched_readers() const noexcept;
   bool uses_shared_memory() const noexcept;
+  dds_entity_t handle() const { return writer_; }
   explicit operator bool() const { return writer_ > 0; }
 
  private:
@@ -47,10 +50,11 @@ class Reader {
   /// Called once per valid sample, oldest first, in the receiving thread: no blocking, no throw.
   using Callback = std::function<void(const T&)>;
 
+  /// Throws Error (topic, DDS's reason).
   Reader(const Participant& participant, const std::string& topic, Qos qos,
          Callback on_sample = nullptr);
   Reader() = default;
-  /// Returns only when no callback runs any more.
+  /// Returns only when no callback runs any more; hence not to be destroyed in a callback.
   ~Reader();
   Reader(Reader&& other) noexcept;
   Reader& operator=(Reader&& other) noexcept;
@@ -59,6 +63,7 @@ class Reader {
   bool Take(T& sample) noexcept;
   int matched_writers() const noexcept;
   bool uses_shared_memory() const noexcept;
+  dds_entity_t handle() const { return reader_; }
   explicit operator bool() const { return reader_ > 0; }
 
  private:
@@ -70,7 +75,7 @@ class Reader {
 
 /// True once a writer of the topic has been discovered in the participant's domain: only then may a
 /// reader over shared memory be made (each sample from an undiscovered writer leaks a chunk, and
-/// after 257 the reader is dead for ever).
+/// after 257 the reader is dead for ever).  Not real-time.
 bool WriterDiscovered(const Participant& participant, const std::string& topic);
 
 }  // namespace palpate::dds

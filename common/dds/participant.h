@@ -1,8 +1,9 @@
 #pragma once
 
-#include <dds/dds.h>
-
+#include <memory>
 #include <string>
+
+#include <dds/dds.h>
 
 namespace palpate::dds {
 
@@ -23,15 +24,24 @@ struct TransportChoice {
   std::string reason;
 };
 
+/// True where a live RouDi listens at its socket; a socket left by a killed one does not count.
+bool RouDiAnswers();
+
 /// Looks for RouDi first: without it dds_create_participant would block for 60 s and abort.
 /// Throws Error where shared memory is asked for and RouDi does not answer, with the remedy.
 TransportChoice ChooseTransport(Transport wanted);
 
-/// One DDS domain of this process, configured from code (never by CYCLONEDDS_URI), and a participant
-/// in it.  Two are made: the loop domain (shared memory where chosen; HapticPose and Wrench alone)
-/// and the service domain (UDP; everything else).
+/// A participant in one DDS domain, which is configured from code (never by CYCLONEDDS_URI).  Two
+/// are made: the loop domain (shared memory where chosen; HapticPose and Wrench alone) and the
+/// service domain (UDP; everything else).  Participants of one process share a domain; it ends with
+/// the last of them.  Both domains stay on this host: they know the interface `lo` alone.
+/// Not to be made by several threads at once.
 class Participant {
  public:
+  /// The threads that receive samples are made here and inherit the caller's scheduling class,
+  /// priority and CPU affinity (common/realtime): they are the servo loop.
+  /// Throws Error where the domain cannot be made, or is open in this process with another
+  /// transport.
   static Participant Loop(int domain, const TransportChoice& choice);
   static Participant Service(int domain);
   ~Participant();
@@ -39,14 +49,14 @@ class Participant {
   Participant& operator=(Participant&& other) noexcept;
 
   dds_entity_t handle() const { return participant_; }
-  bool shared_memory() const { return shared_memory_; }
+  bool shared_memory() const;
 
  private:
-  Participant(dds_entity_t domain, dds_entity_t participant, bool shared_memory)
-      : domain_(domain), participant_(participant), shared_memory_(shared_memory) {}
-  dds_entity_t domain_ = 0;
+  class Domain;
+  static Participant Make(int domain_id, bool shared_memory);
+  Participant(std::shared_ptr<const Domain> domain, dds_entity_t participant);
+  std::shared_ptr<const Domain> domain_;
   dds_entity_t participant_ = 0;
-  bool shared_memory_ = false;
 };
 
 }  // namespace palpate::dds

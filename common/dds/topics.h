@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace palpate::dds {
@@ -7,18 +8,27 @@ namespace palpate::dds {
 // Every topic's name, in one place.
 // Loop topics are per station: over shared memory Cyclone DDS 0.10.2 matches neither partitions nor
 // QoS, counts history depth per reader and mixes up integer keys; names are what it gets right.
-inline std::string PoseTopic(const std::string& station) { return "palpate/" + station + "/pose"; }
-inline std::string WrenchTopic(const std::string& station) {
-  return "palpate/" + station + "/wrench";
-}
+// They are also per *run* (SessionRequest.run, which pairs one station process with one server
+// process: a station that meets another server_run, or an ended session, draws a new run and asks
+// again).  So neither side's reader ever hears a writer that it has not discovered, such as that of
+// a station restarted under the same name: each such sample would leak a chunk for ever.
+std::string PoseTopic(const std::string& station, std::uint64_t run);
+std::string WrenchTopic(const std::string& station, std::uint64_t run);
 inline constexpr const char* kSessionRequestTopic = "palpate/session_request";
 inline constexpr const char* kSessionStateTopic = "palpate/session_state";
 inline constexpr const char* kToolStateTopic = "palpate/tool_state";
 inline constexpr const char* kLoopStatisticsTopic = "palpate/loop_statistics";
 
+/// True for what a station may be called: [A-Za-z0-9_]{1,32}.
+bool IsStationName(const std::string& name);
+
 /// `--domain N` (0 to 114) names a pair of DDS domains.
 inline constexpr int kMaxDomain = 114;
-inline int LoopDomainId(int domain) { return 2 * domain; }
-inline int ServiceDomainId(int domain) { return 2 * domain + 1; }
+inline int LoopDomainId(int domain) {
+  return 2 * domain;
+}
+inline int ServiceDomainId(int domain) {
+  return 2 * domain + 1;
+}
 
 }  // namespace palpate::dds

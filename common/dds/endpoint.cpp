@@ -1,0 +1,215 @@
+#include "common/dds/endpoint.h"
+
+#include <memory>
+#include <utility>
+
+#include <dds/ddsc/dds_loan_api.h>
+
+#include "common/error.h"
+
+namespace palpate::dds {
+namespace {
+
+struct QosDelete {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+using QosPtr = std::unique_ptr<dds_qos_t, QosDelete>;
+
+/// role      reliability   durability       history      why
+/// kLoop     best effort   volatile         keep last 8  late is as bad as lost; eight, because
+/// over
+///                                                       shared memory a burst must fit the queue
+/// kSession  reliable      transient-local  keep last 1  who comes later learns what holds now
+/// kStream   best effort   volatile         keep last 1  a viewer wants the newest, and must never
+///                                                       be able to slow the writer
+/// Nothing is keep-all (a writer would block, and shared memory is off for it), and no deadline is
+/// finite (that too turns shared memory off).  Writers do not dispose what they leave behind: the
+/// last SessionState says ENDED in words.
+QosPtr MakeQos(Qos role) {
+  QosPtr qos(dds_create_qos());
+  if (role == Qos::kSession) {
+    dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
+    dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+    dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, 1, DDS_LENGTH_UNLIMITED,
+                                DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
+    dds_qset_writer_data_lifecycle(qos.get(), false);
+  } else {
+    dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+    dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
+  }
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, role == Qos::kLoop ? 8 : 1);
+  return qos;
+}
+
+template <class T>
+dds_entity_t MakeTopic(const Participant& participant, const std::string& name) {
+  const dds_entity_t topic = dds_create_topic(participant.handle(), &wire::Descriptor<T>(),
+                                              name.c_str(), nullptr, nullptr);
+  if (topic < 0) throw Error("DDS topic '" + name + "': " + dds_strretcode(topic));
+  return topic;
+}
+
+dds_entity_t Made(dds_entity_t endpoint, dds_entity_t topic, const char* what,
+                  const std::string& name) {
+  if (endpoint > 0) return endpoint;
+  dds_delete(topic);
+  throw Error(std::string("DDS ") + what + " of topic '" + name + "': " + dds_strretcode(endpoint));
+}
+
+void Delete(dds_entity_t endpoint, dds_entity_t topic) {
+  if (endpoint > 0) dds_delete(endpoint);
+  if (topic > 0) dds_delete(topic);
+}
+
+template <class T>
+bool TakeValid(dds_entity_t reader, T& sample) noexcept {
+  void* samples[1] = {&sample};
+  dds_sample_info_t info;
+  while (dds_take(reader, samples, &info, 1, 1) == 1) {
+    if (info.valid_data) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+template <class T>
+Writer<T>::Writer(const Participant& participant, const std::string& topic, Qos qos)
+    : topic_(MakeTopic<T>(participant, topic)) {
+  writer_ = Made(dds_create_writer(participant.handle(), topic_, MakeQos(qos).get(), nullptr),
+                 topic_, "writer", topic);
+}
+
+template <class T>
+Writer<T>::~Writer() {
+  Delete(writer_, topic_);
+}
+
+template <class T>
+Writer<T>::Writer(Writer&& other) noexcept
+    : topic_(std::exchange(other.topic_, 0)), writer_(std::exchange(other.writer_, 0)) {}
+
+template <class T>
+Writer<T>& Writer<T>::operator=(Writer&& other) noexcept {
+  std::swap(topic_, other.topic_);
+  std::swap(writer_, other.writer_);
+  return *this;
+}
+
+template <class T>
+bool Writer<T>::Write(const T& sample) noexcept {
+  return dds_write(writer_, &sample) == DDS_RETCODE_OK;
+}
+
+template <class T>
+int Writer<T>::matched_readers() const noexcept {
+  dds_publication_matched_status_t status{};
+  return dds_get_publication_matched_status(writer_, &status) == DDS_RETCODE_OK
+             ? static_cast<int>(status.current_count)
+             : 0;
+}
+
+template <class T>
+bool Writer<T>::uses_shared_memory() const noexcept {
+  return dds_is_shared_memory_available(writer_);
+}
+
+template <class T>
+struct Reader<T>::State {
+  Callback on_sample;
+  T sample;
+
+  static void OnDataAvailable(dds_entity_t reader, void* arg) {
+    auto* state = static_cast<State*>(arg);
+    while (TakeValid(reader, state->sample)) state->on_sample(state->sample);
+  }
+};
+
+template <class T>
+Reader<T>::Reader(const Participant& participant, const std::string& topic, Qos qos,
+                  Callback on_sample)
+    : topic_(MakeTopic<T>(participant, topic)) {
+  std::unique_ptr<State> state;
+  std::unique_ptr<dds_listener_t, decltype(&dds_delete_listener)> listener(nullptr,
+                                                                           dds_delete_listener);
+  if (on_sample) {
+    state.reset(new State{std::move(on_sample), T{}});
+    listener.reset(dds_create_listener(state.get()));
+    dds_lset_data_available(listener.get(), &State::OnDataAvailable);
+  }
+  reader_ =
+      Made(dds_create_reader(participant.handle(), topic_, MakeQos(qos).get(), listener.get()),
+           topic_, "reader", topic);
+  state_ = state.release();
+}
+
+template <class T>
+Reader<T>::~Reader() {
+  Delete(reader_, topic_);
+  delete state_;
+}
+
+template <class T>
+Reader<T>::Reader(Reader&& other) noexcept
+    : topic_(std::exchange(other.topic_, 0)),
+      reader_(std::exchange(other.reader_, 0)),
+      state_(std::exchange(other.state_, nullptr)) {}
+
+template <class T>
+Reader<T>& Reader<T>::operator=(Reader&& other) noexcept {
+  std::swap(topic_, other.topic_);
+  std::swap(reader_, other.reader_);
+  std::swap(state_, other.state_);
+  return *this;
+}
+
+template <class T>
+bool Reader<T>::Take(T& sample) noexcept {
+  return TakeValid(reader_, sample);
+}
+
+template <class T>
+int Reader<T>::matched_writers() const noexcept {
+  dds_subscription_matched_status_t status{};
+  return dds_get_subscription_matched_status(reader_, &status) == DDS_RETCODE_OK
+             ? static_cast<int>(status.current_count)
+             : 0;
+}
+
+template <class T>
+bool Reader<T>::uses_shared_memory() const noexcept {
+  return dds_is_shared_memory_available(reader_);
+}
+
+bool WriterDiscovered(const Participant& participant, const std::string& topic) {
+  const dds_entity_t reader =
+      dds_create_reader(participant.handle(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr);
+  if (reader < 0) return false;
+  bool found = false;
+  void* samples[1] = {nullptr};
+  dds_sample_info_t info;
+  while (!found && dds_take(reader, samples, &info, 1, 1) == 1) {
+    const auto* endpoint = static_cast<const dds_builtintopic_endpoint_t*>(samples[0]);
+    found = info.valid_data && info.instance_state == DDS_ALIVE_INSTANCE_STATE &&
+            topic == endpoint->topic_name;
+    dds_return_loan(reader, samples, 1);
+    samples[0] = nullptr;
+  }
+  dds_delete(reader);
+  return found;
+}
+
+template class Writer<wire::HapticPose>;
+template class Writer<wire::Wrench>;
+template class Writer<wire::SessionRequest>;
+template class Writer<wire::SessionState>;
+template class Writer<wire::ToolState>;
+template class Writer<wire::LoopStatistics>;
+template class Reader<wire::HapticPose>;
+template class Reader<wire::Wrench>;
+template class Reader<wire::SessionRequest>;
+template class Reader<wire::SessionState>;
+template class Reader<wire::ToolState>;
+template class Reader<wire::LoopStatistics>;
+
+}  // namespace palpate::dds

@@ -1,0 +1,161 @@
+#include "common/dds/participant.h"
+
+#include <cstring>
+#include <map>
+#include <utility>
+
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "common/dds/topics.h"
+#include "common/error.h"
+
+namespace palpate::dds {
+namespace {
+
+constexpr const char* kRouDiSocket = "/tmp/roudi";  // iceoryx 2.0: IPC channel "roudi"
+constexpr const char* kStartRouDi = "iox-roudi -c deploy/cyclonedds/roudi.toml";
+
+/// Why each line is there:
+/// - `lo` has no MULTICAST flag, so discovery over it must be told that it may; only discovery uses
+///   multicast (`spdp`), data goes to each reader by itself.
+/// - A participant index gives fixed ports, so that a crowded domain is an error at start.
+/// - Shared memory does not know domains: without a prefix per domain, another domain's writer on
+///   the same topic fills our reader until it dies.
+/// - The locator says "same machine"; by default it is made of a network interface's address, and
+///   two containers that share memory would then get every sample twice.
+std::string DomainConfig(int domain_id, bool shared_memory) {
+  std::string xml =
+      "<CycloneDDS><Domain id=\"any\">"
+      "<General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces>"
+      "<AllowMulticast>spdp</AllowMulticast></General>"
+      "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
+      "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex></Discovery>"
+      "<Tracing><Verbosity>severe</Verbosity><OutputFile>stderr</OutputFile></Tracing>";
+  xml += shared_memory ? "<SharedMemory><Enable>true</Enable><LogLevel>warn</LogLevel>"
+                         "<Prefix>palpate_" +
+                             std::to_string(domain_id) +
+                             "</Prefix>"
+                             "<Locator>70:61:6c:70:61:74:65:00:00:00:00:00:00:00:00:01</Locator>"
+                             "</SharedMemory>"
+                       : "<SharedMemory><Enable>false</Enable></SharedMemory>";
+  return xml + "</Domain></CycloneDDS>";
+}
+
+}  // namespace
+
+Transport ParseTransport(const std::string& text) {
+  if (text == "auto") return Transport::kAuto;
+  if (text == "shm") return Transport::kSharedMemory;
+  if (text == "udp") return Transport::kUdp;
+  throw UsageError("--transport: '" + text + "' is not known; give auto, shm or udp");
+}
+
+const char* ToString(Transport transport) {
+  switch (transport) {
+    case Transport::kSharedMemory:
+      return "shared memory";
+    case Transport::kUdp:
+      return "UDP";
+    default:
+      return "auto";
+  }
+}
+
+bool RouDiAnswers() {
+  const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return false;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strcpy(address.sun_path, kRouDiSocket);
+  // A datagram socket that nobody holds open any more refuses the connection.
+  const bool answers = connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+  close(fd);
+  return answers;
+}
+
+TransportChoice ChooseTransport(Transport wanted) {
+  if (wanted == Transport::kUdp) return {Transport::kUdp, "UDP (as asked)"};
+  if (RouDiAnswers()) return {Transport::kSharedMemory, "shared memory (RouDi answers)"};
+  if (wanted == Transport::kSharedMemory) {
+    throw Error(std::string("--transport shm: no RouDi listens at ") + kRouDiSocket +
+                "; start it with '" + kStartRouDi +
+                "' (same user and same /tmp), or give --transport auto or udp");
+  }
+  return {Transport::kUdp,
+          std::string("UDP (no RouDi: start '") + kStartRouDi + "' first for shared memory)"};
+}
+
+/// A domain entity; one per process and id, because DDS allows no second.
+class Participant::Domain {
+ public:
+  Domain(int id, bool shared_memory) : shared_memory_(shared_memory) {
+    entity_ =
+        dds_create_domain(static_cast<dds_domainid_t>(id), DomainConfig(id, shared_memory).c_str());
+    if (entity_ < 0) {
+      throw Error(
+          "DDS domain " + std::to_string(id) + " cannot be made (" + dds_strretcode(entity_) +
+          "): its UDP ports are taken, or there is no interface 'lo'; give another --domain");
+    }
+  }
+  ~Domain() { dds_delete(entity_); }
+  Domain(const Domain&) = delete;
+  Domain& operator=(const Domain&) = delete;
+
+  bool shared_memory() const { return shared_memory_; }
+
+ private:
+  bool shared_memory_;
+  dds_entity_t entity_ = 0;
+};
+
+Participant Participant::Make(int domain_id, bool shared_memory) {
+  static std::map<int, std::weak_ptr<const Domain>> open;
+  std::shared_ptr<const Domain> domain = open[domain_id].lock();
+  if (!domain) {
+    domain = std::make_shared<const Domain>(domain_id, shared_memory);
+    open[domain_id] = domain;
+  } else if (domain->shared_memory() != shared_memory) {
+    throw Error("DDS domain " + std::to_string(domain_id) +
+                " is already open in this process with another transport");
+  }
+  const dds_entity_t participant =
+      dds_create_participant(static_cast<dds_domainid_t>(domain_id), nullptr, nullptr);
+  if (participant < 0) {
+    throw Error("DDS domain " + std::to_string(domain_id) + ": no participant (" +
+                dds_strretcode(participant) +
+                "): too many processes use this domain; give another --domain");
+  }
+  return {std::move(domain), participant};
+}
+
+Participant Participant::Loop(int domain, const TransportChoice& choice) {
+  return Make(LoopDomainId(domain), choice.transport == Transport::kSharedMemory);
+}
+
+Participant Participant::Service(int domain) {
+  return Make(ServiceDomainId(domain), false);
+}
+
+Participant::Participant(std::shared_ptr<const Domain> domain, dds_entity_t participant)
+    : domain_(std::move(domain)), participant_(participant) {}
+
+Participant::~Participant() {
+  if (participant_ > 0) dds_delete(participant_);
+}
+
+Participant::Participant(Participant&& other) noexcept
+    : domain_(std::move(other.domain_)), participant_(std::exchange(other.participant_, 0)) {}
+
+Participant& Participant::operator=(Participant&& other) noexcept {
+  std::swap(domain_, other.domain_);
+  std::swap(participant_, other.participant_);
+  return *this;
+}
+
+bool Participant::shared_memory() const {
+  return domain_ && domain_->shared_memory();
+}
+
+}  // namespace palpate::dds

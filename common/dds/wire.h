@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include <dds/dds.h>
+
+#include "common/math/pose.h"
+#include "idl/haptics.h"
+#include "idl/session.h"
+#include "idl/teaching.h"
+
+/// The structs that travel, as idlc makes them of idl/*.idl, under the project's names.
+namespace palpate::wire {
+
+using HapticPose = palpate_HapticPose;
+using Wrench = palpate_Wrench;
+using SessionPhase = palpate_SessionPhase;
+using SessionRequest = palpate_SessionRequest;
+using SessionState = palpate_SessionState;
+using ToolState = palpate_ToolState;
+using LoopStatistics = palpate_LoopStatistics;
+
+/// Topic descriptor of a wire type.
+template <class T>
+const dds_topic_descriptor_t& Descriptor();
+template <>
+inline const dds_topic_descriptor_t& Descriptor<HapticPose>() {
+  return palpate_HapticPose_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<Wrench>() {
+  return palpate_Wrench_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<SessionRequest>() {
+  return palpate_SessionRequest_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<SessionState>() {
+  return palpate_SessionState_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<ToolState>() {
+  return palpate_ToolState_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<LoopStatistics>() {
+  return palpate_LoopStatistics_desc;
+}
+
+// Loop types have no padding, so that the C struct is the CDR payload byte for byte (a test
+// compares them) and shared memory carries it as it is.
+static_assert(sizeof(HapticPose) == 2 * 8 + 13 * 8 + 2 * 4);
+static_assert(offsetof(HapticPose, position_m) == 16 && offsetof(HapticPose, buttons) == 120);
+static_assert(sizeof(Wrench) == 2 * 8 + 13 * 8 + 36 * 8 + 12 * 8 + 4 * 8 + 4 * 4);
+static_assert(offsetof(Wrench, row) == 120 && offsetof(Wrench, rows) == 536);
+
+// Conversions between wire arrays and common/math.  Real-time: plain copies.
+
+inline Vec3 ToVec3(const double (&a)[3]) noexcept {
+  return {a[0], a[1], a[2]};
+}
+inline void FromVec3(const Vec3& v, double (&a)[3]) noexcept {
+  a[0] = v.x();
+  a[1] = v.y();
+  a[2] = v.z();
+}
+/// The quaternion is copied, not normalised: the servo loop checks it.
+inline Pose ToPose(const double (&p)[3], const double (&wxyz)[4]) noexcept {
+  return {ToVec3(p), Quat(wxyz[0], wxyz[1], wxyz[2], wxyz[3])};
+}
+inline void FromPose(const Pose& X, double (&p)[3], double (&wxyz)[4]) noexcept {
+  FromVec3(X.p, p);
+  wxyz[0] = X.q.w();
+  wxyz[1] = X.q.x();
+  wxyz[2] = X.q.y();
+  wxyz[3] = X.q.z();
+}
+inline Pose ToPose(const HapticPose& s) noexcept {
+  return ToPose(s.position_m, s.orientation_wxyz);
+}
+inline Twist ToTwist(const HapticPose& s) noexcept {
+  return {ToVec3(s.linear_velocity_m_s), ToVec3(s.angular_velocity_rad_s)};
+}
+inline palpate::Wrench ToWrench(const Wrench& s) noexcept {
+  return {ToVec3(s.force_N), ToVec3(s.torque_Nm)};
+}
+
+/// Copies text into a bounded string, cut to its size.
+template <std::size_t N>
+void FromText(std::string_view text, char (&field)[N]) noexcept {
+  const std::size_t n = text.copy(field, N - 1);
+  for (std::size_t i = n; i < N; ++i) field[i] = '\0';
+}
+
+}  // namespace palpate::wire

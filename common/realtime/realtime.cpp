@@ -1,0 +1,117 @@
+#include "common/realtime/realtime.h"
+
+#include <cerrno>
+#include <cstring>
+
+#include <malloc.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+// Where this thread could run before it was pinned.
+thread_local cpu_set_t cores_before;
+thread_local bool pinned_before = false;
+
+std::string LimitText(__rlimit_resource_t resource) {
+  rlimit limit{};
+  getrlimit(resource, &limit);
+  return limit.rlim_cur == RLIM_INFINITY ? "unlimited" : std::to_string(limit.rlim_cur);
+}
+
+std::string WhyNoFifo(int priority, int error) {
+  if (error != EPERM) return std::string("no SCHED_FIFO (") + std::strerror(error) + ")";
+  return "no SCHED_FIFO " + std::to_string(priority) + " (ulimit -r is " +
+         LimitText(RLIMIT_RTPRIO) +
+         " and CAP_SYS_NICE or the cgroup's cpu.rt_runtime_us is missing: put '* - rtprio 95' "
+         "in "
+         "/etc/security/limits.d and log in again, or 'setcap cap_sys_nice,cap_ipc_lock+ep' on the "
+         "program; in a container --cap-add SYS_NICE --ulimit rtprio=95)";
+}
+
+std::string WhyNoLock(int error) {
+  return std::string("memory not locked (") + std::strerror(error) + ", ulimit -l is " +
+         LimitText(RLIMIT_MEMLOCK) +
+         ": put '* - memlock unlimited' in /etc/security/limits.d and log in again, or give "
+         "CAP_IPC_LOCK)";
+}
+
+/// Touches the stack, page by page, so that no page fault waits there for the loop.
+[[gnu::noinline]] void PrefaultStack() {
+  volatile char stack[256 * 1024];
+  for (std::size_t i = 0; i < sizeof stack; i += 4096) stack[i] = 0;
+}
+
+void Add(std::string& list, const std::string& item) {
+  if (!list.empty()) list += ", ";
+  list += item;
+}
+
+}  // namespace
+
+RealtimeMode ParseRealtimeMode(const std::string& text) {
+  if (text == "require") return RealtimeMode::kRequire;
+  if (text == "prefer") return RealtimeMode::kPrefer;
+  if (text == "off") return RealtimeMode::kOff;
+  throw UsageError("--realtime: '" + text + "' is not known; give require, prefer or off");
+}
+
+RealtimeReport EnterRealtime(const RealtimeOptions& options) {
+  RealtimeReport report;
+  std::string missing;
+
+  if (options.cpu >= 0) {
+    cpu_set_t allowed;
+    cpu_set_t wanted;
+    CPU_ZERO(&allowed);
+    CPU_ZERO(&wanted);
+    sched_getaffinity(0, sizeof allowed, &allowed);
+    if (options.cpu >= CPU_SETSIZE || !CPU_ISSET(options.cpu, &allowed)) {
+      throw UsageError("--cpu " + std::to_string(options.cpu) +
+                       ": this process may not run there; 'taskset -p $$' shows where it may");
+    }
+    CPU_SET(options.cpu, &wanted);
+    report.pinned = sched_setaffinity(0, sizeof wanted, &wanted) == 0;
+    cores_before = allowed;
+    pinned_before = report.pinned;
+  }
+
+  if (options.mode != RealtimeMode::kOff) {
+    sched_param parameters{};
+    parameters.sched_priority = options.priority;
+    const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+    report.fifo = error == 0;
+    if (error != 0) Add(missing, WhyNoFifo(options.priority, error));
+
+    report.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0;
+    if (!report.memory_locked) Add(missing, WhyNoLock(errno));
+    mallopt(M_TRIM_THRESHOLD, -1);
+    mallopt(M_MMAP_MAX, 0);
+    PrefaultStack();
+  }
+  if (options.mode == RealtimeMode::kRequire && !missing.empty()) {
+    LeaveRealtime();
+    throw Error("--realtime require: " + missing + ", or give --realtime prefer");
+  }
+
+  if (report.fifo) Add(report.summary, "SCHED_FIFO " + std::to_string(options.priority));
+  if (report.memory_locked) Add(report.summary, "memory locked");
+  if (report.pinned) Add(report.summary, "core " + std::to_string(options.cpu));
+  if (!missing.empty()) Add(report.summary, missing);
+  if (report.summary.empty()) report.summary = "not real-time (as asked)";
+  return report;
+}
+
+void LeaveRealtime() {
+  sched_param parameters{};
+  pthread_setschedparam(pthread_self(), SCHED_OTHER, &parameters);
+  if (pinned_before) sched_setaffinity(0, sizeof cores_before, &cores_before);
+  pinned_before = false;
+}
+
+}  // namespace palpate
