@@ -6,6 +6,7 @@
 
 #include "common/math/rotation.h"
 #include "tests/devices/limiter_support.h"
+#include "tests/support/allocation_counter.h"
 
 namespace palpate {
 namespace {
@@ -207,6 +208,18 @@ TEST(SimulatedPhantom, RollsWithLessTorqueThanItYaws) {
   SimulatedPhantom yawed = Free(Frictionless());
   yawed.Apply(PassThrough({Vec3::Zero(), Vec3(0.5, 0, 0)}));
   EXPECT_NEAR(yawed.velocity().w.x(), 0.5 * 1e-3 / inertia, 1e-2);
+}
+
+TEST(SimulatedPhantom, AllocatesNothingInTheLoop) {
+  SimulatedPhantom phantom(PhantomPremium30Info(), PhantomPremium30Dynamics(), HandAt({}), {});
+  const LimitedWrench push = PassThrough({Vec3(0.3, -0.2, 0.1), Vec3(0.01, 0, 0)});
+  const std::uint64_t before = test::AllocationsOfThisThread();
+  for (int i = 0; i < 100; ++i) {
+    phantom.Read();
+    phantom.Apply(push);
+    phantom.activity();
+  }
+  EXPECT_EQ(test::AllocationsOfThisThread(), before);
 }
 
 TEST(SimulatedPhantom, RepeatsToTheBit) {

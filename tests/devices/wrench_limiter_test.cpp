@@ -9,6 +9,7 @@
 
 #include "common/error.h"
 #include "devices/simulated/phantom_premium_3_0.h"
+#include "tests/support/allocation_counter.h"
 
 namespace palpate {
 namespace {
@@ -253,6 +254,13 @@ TEST(WrenchLimiter, GivesTheSameBitsForTheSameInputs) {
     ASSERT_EQ(l.force, r.force);
     ASSERT_EQ(l.torque, r.torque);
   }
+}
+
+TEST(WrenchLimiter, AllocatesNothing) {
+  WrenchLimiter limiter = Running(Force(1.0));
+  const std::uint64_t before = test::AllocationsOfThisThread();
+  for (int i = 0; i < 100; ++i) limiter.Limit(Force(kNan, 1e308, i), i * kTick, kTick);
+  EXPECT_EQ(test::AllocationsOfThisThread(), before);
 }
 
 TEST(WrenchLimiter, RefusesLimitsThatCannotBeKept) {
