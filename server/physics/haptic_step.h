@@ -6,33 +6,10 @@
 #include <span>
 
 #include "common/math/pose.h"
+#include "common/step_fault.h"
 #include "scenes/sphere_tree.h"
 
 namespace palpate {
-
-/// Why a step is not what was asked for: a bitfield, because several can be true at once.
-/// None of them stops the loop; each is counted and published.
-enum StepFault : std::uint32_t {
-  kFaultNone = 0,
-  /// The pose was not finite or its quaternion had no length.  The graphic tool stays where it was
-  /// and the wrench is zero.  Remedy: mend the device driver.
-  kFaultBadPose = 1u << 0,
-  /// The target lay further than all sub-steps of one cycle reach.  The graphic tool is on its way;
-  /// the wrench is that of the contacts met so far, zero in free space.  No remedy needed.
-  kFaultTargetFar = 1u << 1,
-  /// More pairs within reach than rows fit: the tightest were kept.  Remedy: fewer leaves, or a
-  /// larger StepParameters::max_rows.
-  kFaultRowsFull = 1u << 2,
-  /// The rows contradict each other (a jam): all were relaxed by the same least amount.
-  kFaultJammed = 1u << 3,
-  /// The QP did not end within its iterations; the graphic tool stays where it was, and the wrench
-  /// is the spring's from there.  Should never happen: keep the dump (`palpate-bench qp --dump`).
-  kFaultUnsolved = 1u << 4,
-  // Set by the servo loop (server/session), not by the step:
-  kFaultPoseStale = 1u << 8,      ///< no fresh pose: the wrench decays to zero
-  kFaultPoseRejected = 1u << 9,   ///< the pose was out of sequence or faster than a hand
-  kFaultNotStarted = 1u << 10,    ///< the tool starts inside an object, or no pose came yet
-};
 
 /// A tree placed in the world.  The tree must outlive the call that takes it, no longer.
 struct PlacedTree {
