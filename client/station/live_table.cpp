@@ -9,6 +9,11 @@
 namespace palpate {
 namespace {
 
+constexpr const char* kDim = "2";
+constexpr const char* kRed = "31";
+constexpr const char* kGreen = "32";
+constexpr const char* kYellow = "33";
+constexpr const char* kCyan = "36";
 constexpr int kBarCells = 30;
 constexpr std::size_t kHistoryCells = 60;  // 15 s at four a second
 
@@ -38,7 +43,7 @@ std::string FaultsAndFading(const StationSnapshot& snapshot) {
 }
 
 /// A time in microseconds, "-" where none was measured.
-std::string Microseconds(double value, const StationSnapshot& snapshot, int decimals) {
+std::string Micros(double value, const StationSnapshot& snapshot, int decimals) {
   return snapshot.replies == 0 ? "-" : Text("%.*f", decimals, value);
 }
 
@@ -69,13 +74,12 @@ std::string Sparkline(const std::vector<double>& values, double scale) {
 std::string LiveTable::Line(const StationView& view) {
   const StationSnapshot& s = view.snapshot;
   std::string line = Text(
-      "%7.1f s  %5.0f Hz  round trip %s/%s us  step %s us  %2u contacts  %6.2f N  %6.3f N m  late "
+      "%7.1f s  %5.0f Hz  round trip %s/%s us  step %s us  contacts %u  %6.2f N  %6.3f N m  late "
       "%llu  lost %llu  %s",
-      view.seconds, s.rate_hz, Microseconds(s.round_trip_us_p50, s, 0).c_str(),
-      Microseconds(s.round_trip_us_p99, s, 0).c_str(),
-      Microseconds(s.server_step_us_p50, s, 1).c_str(), s.contacts, s.force_N, s.torque_Nm,
-      static_cast<unsigned long long>(s.late), static_cast<unsigned long long>(s.lost),
-      view.phase.c_str());
+      view.seconds, s.rate_hz, Micros(s.round_trip_us_p50, s, 0).c_str(),
+      Micros(s.round_trip_us_p99, s, 0).c_str(), Micros(s.server_step_us_p50, s, 1).c_str(),
+      s.contacts, s.force_N, s.torque_Nm, static_cast<unsigned long long>(s.late),
+      static_cast<unsigned long long>(s.lost), view.phase.c_str());
   if (*s.activity) line += Text("  %s", s.activity);
   if (s.faults != 0 || s.fading) line += "  " + FaultsAndFading(s);
   return line;
@@ -88,27 +92,34 @@ std::vector<std::string> LiveTable::Lines(const StationView& view) {
   history_.push_back(s.peak_force_N);
   if (history_.size() > kHistoryCells) history_.erase(history_.begin());
 
-  std::vector<std::string> lines;
-  lines.push_back(Text("  %-12s %7.1f s     session  %-14s  hand  %s", "time", view.seconds,
-                       view.phase.c_str(), *s.activity ? s.activity : "-"));
-  lines.push_back(Text("  %-12s %7.0f Hz    late %llu   lost %llu   fades %llu", "rate", s.rate_hz,
-                       static_cast<unsigned long long>(s.late),
-                       static_cast<unsigned long long>(s.lost),
-                       static_cast<unsigned long long>(s.fades)));
-  lines.push_back(Text("  %-12s %7s µs    p99 %s µs", "round trip",
-                       Microseconds(s.round_trip_us_p50, s, 0).c_str(),
-                       Microseconds(s.round_trip_us_p99, s, 0).c_str()));
-  lines.push_back(Text("  %-12s %7s µs    %u contact%s", "server step",
-                       Microseconds(s.server_step_us_p50, s, 1).c_str(), s.contacts,
-                       s.contacts == 1 ? "" : "s"));
-  lines.push_back(Text("  %-12s %7.2f N     ", "force", s.force_N) +
-                  Bar(s.force_N, force_scale_N_, kBarCells) + Text(" %g N", force_scale_N_));
-  lines.push_back(Text("  %-12s %7.3f N m   ", "torque", s.torque_Nm) +
-                  Bar(s.torque_Nm, torque_scale_Nm_, kBarCells) +
-                  Text(" %g N m", torque_scale_Nm_));
-  lines.push_back(Text("  %-12s ", "last 15 s") + Sparkline(history_, force_scale_N_));
-  lines.push_back(Text("  %-12s %s", "faults", FaultsAndFading(s).c_str()));
-  return lines;
+  const auto label = [this](const char* name) {
+    return "  " + Painted(kDim, Text("%-12s ", name));
+  };
+  const auto bar = [this](double value, double scale) {
+    return Painted(kCyan, Bar(value, scale, kBarCells));
+  };
+  const auto count = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
+  const bool well = view.phase == "active" && !s.fading;
+  return {
+      label("time") + Text("%7.1f s     session  ", view.seconds) +
+          Painted(well ? kGreen : kYellow, Text("%-14s", view.phase.c_str())) +
+          Text("  hand  %s", *s.activity ? s.activity : "-"),
+      label("rate") + Text("%7.0f Hz    late %llu   lost %llu   fades %llu", s.rate_hz,
+                           count(s.late), count(s.lost), count(s.fades)),
+      label("round trip") + Text("%7s µs    p99 %s µs", Micros(s.round_trip_us_p50, s, 0).c_str(),
+                                 Micros(s.round_trip_us_p99, s, 0).c_str()),
+      label("server step") + Text("%7s µs", Micros(s.server_step_us_p50, s, 1).c_str()),
+      label("contacts") + (s.replies == 0 ? Text("%7s", "-") : Text("%7u", s.contacts)),
+      label("force") + Text("%7.2f N      ", s.force_N) + bar(s.force_N, force_scale_N_) +
+          Text(" %g N", force_scale_N_),
+      label("torque") + Text("%7.3f N m    ", s.torque_Nm) + bar(s.torque_Nm, torque_scale_Nm_) +
+          Text(" %g N m", torque_scale_Nm_),
+      label("last 15 s") + Painted(kCyan, Sparkline(history_, force_scale_N_)),
+      label("faults") + Painted(s.faults == 0 && !s.fading ? kGreen : kRed, FaultsAndFading(s))};
+}
+
+std::string LiveTable::Painted(const char* code, const std::string& text) const {
+  return colour_ ? std::string("\x1b[") + code + "m" + text + "\x1b[0m" : text;
 }
 
 void LiveTable::Show(const StationView& view) {

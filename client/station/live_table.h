@@ -21,7 +21,9 @@ class LiveTable {
  public:
   enum class Style { kInPlace, kLines, kSilent };
 
-  LiveTable(std::FILE* out, Style style) : out_(out), style_(style) {}
+  /// @param colour  in the table; lines have none.
+  LiveTable(std::FILE* out, Style style, bool colour = false)
+      : out_(out), style_(style), colour_(colour) {}
   /// Leaves the last table standing.
   ~LiveTable() = default;
 
@@ -34,12 +36,15 @@ class LiveTable {
 
   /// One line: time, rate, round trip and so on, in fixed columns.
   static std::string Line(const StationView& view);
-  /// The table's lines, without a terminal's control codes.
+  /// The table's lines, without the codes that move the cursor.
   std::vector<std::string> Lines(const StationView& view);
 
  private:
+  std::string Painted(const char* code, const std::string& text) const;
+
   std::FILE* out_;
   Style style_;
+  bool colour_;
   std::size_t drawn_ = 0;  // lines on the screen
   // Full scales of the bars: they grow with what was seen.
   double force_scale_N_ = 1.0;

@@ -175,7 +175,8 @@ void SessionLink::PollMatching(std::int64_t now_ns) {
   phase_ = Phase::kLinked;
   phase_since_ns_ = silent_since_ns_ = now_ns;
   silence_said_ = false;
-  if (links_++ > 0) say_("the server is back: session resumed, forces ramp in");
+  say_(links_++ == 0 ? "session: tool '" + tool_ + "' of scene '" + options_.scene + "'"
+                     : "session resumed: forces ramp in");
 }
 
 void SessionLink::PollLinked(std::int64_t now_ns) {

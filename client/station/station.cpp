@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
 
 #include <spdlog/spdlog.h>
@@ -11,6 +13,7 @@
 #include "client/station/servo_thread.h"
 #include "client/station/station_core.h"
 #include "client/station/summary.h"
+#include "common/error.h"
 #include "common/time/steady_clock.h"
 #include "devices/device_factory.h"
 #include "scenes/catalogue.h"
@@ -20,12 +23,19 @@ namespace {
 
 constexpr std::chrono::milliseconds kPoll{10};
 
+/// The script that stands beside the scene's file.
+std::string ScriptOf(const std::string& scene) {
+  std::filesystem::path file = FindSceneFile(scene);
+  file.replace_extension(".path.json");
+  if (std::filesystem::exists(file)) return file.string();
+  throw Error("scene '" + scene + "' has no script of its own (looked for " + file.string() +
+              "); give one with --script");
+}
+
 std::unique_ptr<Device> OpenDevice(const StationOptions& options) {
   DeviceOptions device{options.link.device, std::nullopt, options.loop};
   if (DeviceNeedsScript(device.name)) {
-    const std::string file = options.script.empty()
-                                 ? FindInCatalogue(options.link.scene + ".path.json")
-                                 : options.script;
+    const std::string file = options.script.empty() ? ScriptOf(options.link.scene) : options.script;
     device.script = PoseScript::Load(file);
   }
   return MakeDevice(device);
@@ -64,7 +74,7 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   const bool forces = options.enable_forces || device->info().simulated;
   core.EnableForces(forces);
 
-  LiveTable table(stdout, StyleOf(options));
+  LiveTable table(stdout, StyleOf(options), std::getenv("NO_COLOR") == nullptr);
   ReplyRing replies;
   std::unique_ptr<ServoThread> servo;
   SessionLink link(

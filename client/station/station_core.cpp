@@ -52,6 +52,7 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
                                   : std::numeric_limits<double>::infinity();
   const double dt_s = last_act_ns_ > 0 ? 1e-9 * static_cast<double>(now_ns - last_act_ns_) : 0.0;
   last_act_ns_ = now_ns;
+  if (period_began_ns_ == 0) period_began_ns_ = now_ns;
   const Wrench wanted = ShiftToHandle(newest_.wrench, sample_.X_WH.q, tool_reference_);
   const LimitedWrench limited = limiter_.Limit(wanted, age_s, dt_s);
   device_.Apply(limited);
@@ -73,7 +74,7 @@ StationSnapshot StationCore::TakeSnapshot(std::int64_t now_ns) noexcept {
   StationSnapshot snapshot;
   snapshot.time_ns = now_ns;
   const double period_s = 1e-9 * static_cast<double>(now_ns - period_began_ns_);
-  if (period_began_ns_ > 0 && period_s > 0.0) {
+  if (period_s > 0.0) {
     snapshot.rate_hz = static_cast<double>(totals_.ticks - ticks_before_) / period_s;
   }
   const auto microseconds = [](std::uint64_t ns) { return 1e-3 * static_cast<double>(ns); };

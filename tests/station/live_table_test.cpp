@@ -31,7 +31,7 @@ StationView View() {
 
 TEST(LiveTable, TellsAMomentInALine) {
   const std::string line = LiveTable::Line(View());
-  for (const char* part : {"12.4 s", "1000 Hz", "27/64 us", "3.1 us", "4 contacts", "1.42 N",
+  for (const char* part : {"12.4 s", "1000 Hz", "27/64 us", "3.1 us", "contacts 4", "1.42 N",
                            "0.031 N m", "late 2", "lost 1", "active", "slide"}) {
     EXPECT_THAT(line, HasSubstr(part));
   }
@@ -71,7 +71,7 @@ TEST(LiveTable, DrawsOverItsFormerSelf) {
   std::rewind(file);
   ASSERT_EQ(std::fread(text.data(), 1, text.size(), file), text.size());
   std::fclose(file);
-  EXPECT_EQ(text.find("\x1b[8A"), static_cast<std::size_t>(once));
+  EXPECT_EQ(text.find("\x1b[9A"), static_cast<std::size_t>(once));
 }
 
 TEST(Bar, FillsItsShareToAnEighthOfACell) {
