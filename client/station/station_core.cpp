@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "common/step_fault.h"
+
 namespace palpate {
 
 Wrench ShiftToHandle(const Wrench& wrench, const Quat& q_WH, const Vec3& p_HT) noexcept {
@@ -42,7 +44,7 @@ void StationCore::Take(std::int64_t now_ns, const Reply& reply) noexcept {
   period_step_.Add(step);
   totals_.contact_replies += reply.contacts > 0;
   totals_.max_contacts = std::max(totals_.max_contacts, reply.contacts);
-  totals_.faults |= reply.faults;
+  totals_.faults |= reply.faults & ~kFaultNotStarted;  // every session begins with that one
   period_faults_ |= reply.faults;
 }
 

@@ -191,6 +191,15 @@ TEST(StationCore, CountsWhatWasLateLostAndInContact) {
   EXPECT_EQ(totals.round_trip.max(), 1'500'000u);
 }
 
+TEST(StationCore, RemembersFaultsButForTheOneThatEverySessionBeginsWith) {
+  Bench bench;
+  Reply reply = bench.ReplyTo(bench.core.Sense(bench.now, true), kMs / 20);
+  reply.faults = kFaultNotStarted | kFaultJammed;
+  bench.core.Take(bench.now, reply);
+  EXPECT_EQ(bench.core.TakeSnapshot(bench.now).faults, kFaultNotStarted | kFaultJammed);
+  EXPECT_EQ(bench.core.totals().faults, kFaultJammed);
+}
+
 TEST(StationCore, ShowsAPeriodAndThenBeginsANewOne) {
   Bench bench;
   bench.core.TakeSnapshot(bench.now);
