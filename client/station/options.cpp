@@ -1,0 +1,94 @@
+#include "client/station/options.h"
+
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+
+#include "common/dds/topics.h"
+#include "common/error.h"
+#include "devices/device_factory.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kAbout =
+    "Drives a haptic device in a scene that a palpate-server holds: a pose out and a wrench back, "
+    "a\n"
+    "thousand times a second.  Shows live what happens, and a summary at the end.\n";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  palpate-server --scene bunny-bunny &\n"
+    "  palpate-station --device simulated --scene bunny-bunny --id hand --loop\n"
+    "      a simulated arm and hand feel the bunny until Ctrl-C\n"
+    "  palpate-station --device scripted --scene cube --id probe --for 10 --json run.json\n"
+    "      the scene's script, played exactly for 10 s, with figures for a program\n"
+    "\n"
+    "Forces reach a real device only with --enable-forces.  They fade to zero within 30 ms when "
+    "the\n"
+    "server stops answering, and ramp in again when it is back.\n"
+    "Exit status: 0 done, 1 failed or refused, 2 wrong usage.";
+
+}  // namespace
+
+std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
+  StationOptions options;
+  std::string transport = "auto";
+  std::string realtime = "prefer";
+  double seconds = 0.0;
+  bool table = false;
+
+  CLI::App app(kAbout, "palpate-station");
+  app.footer(kExamples);
+  app.set_version_flag("--version", "palpate-station " PALPATE_VERSION);
+  app.add_option("--device", options.link.device, "the device: " + DeviceNames())->required();
+  app.add_option("--scene", options.link.scene, "scene, as the server names it")->required();
+  app.add_option("--tool", options.link.tool, "tool of the scene; not needed where it has but one");
+  app.add_option("--id", options.link.station, "name of this station: 1 to 32 letters, digits or _")
+      ->required();
+  app.add_option("--script", options.script,
+                 "poses that the simulated hand follows (JSON); default: the scene's own");
+  app.add_flag("--loop", options.loop, "follow the script again and again; else its end is held");
+  app.add_flag("--enable-forces", options.enable_forces,
+               "let forces out to a real device (simulated ones need no leave)");
+  CLI::Option* for_option =
+      app.add_option("--for", seconds, "end after so many seconds; default: at Ctrl-C")
+          ->check(CLI::PositiveNumber);
+  app.add_option("--transport", transport, "of poses and wrenches: auto, shm or udp")
+      ->capture_default_str();
+  app.add_option("--domain", options.link.domain, "which server: the same number as there")
+      ->check(CLI::Range(0, dds::kMaxDomain))
+      ->capture_default_str();
+  app.add_option("--wait", options.link.patience_s, "seconds to wait for a server's first answer")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--realtime", realtime, "scheduling of the loop: require, prefer or off")
+      ->capture_default_str();
+  app.add_option("--cpu", options.link.realtime.cpu, "core for the loop; default: any");
+  app.add_flag("--table,!--no-table", table,
+               "a live table, or a line a second; default: a table on a terminal");
+  app.add_option("--json", options.json, "write the summary as JSON to this file; - is stdout");
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
+      ->capture_default_str();
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& wanted) {
+    app.exit(wanted);  // prints the help or the version
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(std::string(error.what()) + "; 'palpate-station --help' shows how");
+  }
+
+  if (!dds::IsStationName(options.link.station)) {
+    throw UsageError("--id '" + options.link.station + "': give 1 to 32 letters, digits or _");
+  }
+  if (app.count("--table") > 0) options.table = table;
+  if (*for_option) options.seconds = seconds;
+  options.link.transport = dds::ParseTransport(transport);
+  options.link.realtime.mode = ParseRealtimeMode(realtime);
+  DeviceNeedsScript(options.link.device);  // refuses what this version does not have
+  return options;
+}
+
+}  // namespace palpate

@@ -1,0 +1,93 @@
+#include "client/station/servo_thread.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include <time.h>
+
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+void SleepUntil(std::int64_t time_ns) noexcept {
+  timespec at{};
+  at.tv_sec = time_ns / 1'000'000'000;
+  at.tv_nsec = time_ns % 1'000'000'000;
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr) != 0) {
+  }
+}
+
+wire::HapticPose ToWire(const OutgoingPose& pose) noexcept {
+  wire::HapticPose sample{};
+  sample.pose_sequence = pose.sequence;
+  sample.sample_time_ns = pose.sample_time_ns;
+  wire::FromPose(pose.sample.X_WH, sample.position_m, sample.orientation_wxyz);
+  wire::FromVec3(pose.sample.V_WH.v, sample.linear_velocity_m_s);
+  wire::FromVec3(pose.sample.V_WH.w, sample.angular_velocity_rad_s);
+  sample.buttons = pose.sample.buttons;
+  sample.device_status = pose.sample.status;
+  return sample;
+}
+
+}  // namespace
+
+ServoThread::ServoThread(StationCore& core, ReplyRing& replies, double snapshot_period_s)
+    : core_(core),
+      replies_(replies),
+      ticks_per_snapshot_(static_cast<std::uint64_t>(std::max(1.0, snapshot_period_s * 1e3))),
+      thread_([this] { Run(); }) {}
+
+ServoThread::~ServoThread() {
+  Stop();
+}
+
+void ServoThread::Stop() {
+  if (!thread_.joinable()) return;
+  stop_.store(true);
+  started_.store(true);
+  started_.notify_one();
+  thread_.join();
+}
+
+void ServoThread::SetPath(PosePath* path) {
+  const bool replaced = path_.exchange(path) != nullptr;
+  if (path != nullptr && !started_.exchange(true)) started_.notify_one();
+  if (!replaced || !thread_.joinable()) return;
+  // The tick that runs now may still hold the former path; the one after the next does not.
+  const std::uint64_t quiet = ticks_.load() + 2;
+  while (ticks_.load() < quiet) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+void ServoThread::Tick(std::int64_t now_ns) noexcept {
+  PosePath* const path = path_.load(std::memory_order_acquire);
+  const OutgoingPose pose = core_.Sense(now_ns, path != nullptr);
+  if (path) {
+    core_.SetToolReference(path->tool_reference);
+    path->writer.Write(ToWire(pose));  // where DDS refuses it, the pose is lost and counted as such
+  }
+  Reply reply;
+  while (replies_.Pop(reply)) core_.Take(now_ns, reply);
+  core_.Act(now_ns);
+  newest_reply_ns_.store(core_.newest_reply_ns(), std::memory_order_relaxed);
+}
+
+void ServoThread::Run() noexcept {
+  started_.wait(false);
+  std::int64_t next_ns = SteadyNanoseconds();
+  while (!stop_.load(std::memory_order_relaxed)) {
+    next_ns += kTick_ns;
+    SleepUntil(next_ns);
+    const std::int64_t now_ns = SteadyNanoseconds();
+    if (now_ns - next_ns > kTick_ns) {  // held up: go on from here, without a burst
+      const auto missed = static_cast<std::uint64_t>((now_ns - next_ns) / kTick_ns);
+      missed_ticks_.fetch_add(missed, std::memory_order_relaxed);
+      next_ns = now_ns;
+    }
+    Tick(now_ns);
+    const std::uint64_t ticks = ticks_.fetch_add(1, std::memory_order_release) + 1;
+    if (ticks % ticks_per_snapshot_ == 0) snapshots_.Write(core_.TakeSnapshot(now_ns));
+  }
+}
+
+}  // namespace palpate

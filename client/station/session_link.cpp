@@ -1,0 +1,234 @@
+#include "client/station/session_link.h"
+
+#include <chrono>
+#include <random>
+#include <thread>
+#include <utility>
+
+#include "common/dds/topics.h"
+#include "common/error.h"
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+/// From the match to the first sample: the other end may learn of it a little later, and over
+/// shared memory a sample from a writer that a reader does not know yet leaks a chunk.
+constexpr std::int64_t kSettle_ns = 100'000'000;
+/// A match that does not come about is tried anew, under a new run.
+constexpr std::int64_t kMatchPatience_ns = 5 * kSecond_ns;
+constexpr std::int64_t kSilence_ns = kSecond_ns;
+/// Readers that may stay deaf in one run before the transport is to blame.
+constexpr int kReadersPerRun = 3;
+/// A server that refuses a station which it served before may still hold its former session.
+constexpr std::int64_t kRefusalPatience_ns = 10 * kSecond_ns;
+
+std::uint64_t RandomRun() {
+  std::random_device device;
+  const std::uint64_t run = (std::uint64_t{device()} << 32) | device();
+  return run != 0 ? run : 1;
+}
+
+}  // namespace
+
+SessionLink::SessionLink(LinkOptions options, ReplyRing& replies,
+                         const std::function<ServoThread&()>& make_servo_thread, Say say)
+    : options_(std::move(options)),
+      replies_(replies),
+      say_(std::move(say)),
+      choice_(dds::ChooseTransport(options_.transport)) {
+  // What is made in here inherits the real-time rights: DDS's receiving threads, and the loop.
+  realtime_ = EnterRealtime(options_.realtime);
+  loop_.emplace(dds::Participant::Loop(options_.domain, choice_));
+  servo_ = &make_servo_thread();
+  LeaveRealtime();
+
+  service_.emplace(dds::Participant::Service(options_.domain));
+  requests_ = {*service_, dds::kSessionRequestTopic, dds::Qos::kSession};
+  states_ = {*service_, dds::kSessionStateTopic, dds::Qos::kSession};
+  Ask(SteadyNanoseconds());
+}
+
+SessionLink::~SessionLink() {
+  Close();
+  const bool held =
+      state_ && state_->phase != palpate_SESSION_REFUSED && state_->phase != palpate_SESSION_ENDED;
+  WriteRequest(true);
+  if (!held) return;
+  for (int i = 0; i < 30 && state_->phase != palpate_SESSION_ENDED; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    TakeStates();
+  }
+}
+
+void SessionLink::WriteRequest(bool leave) {
+  wire::SessionRequest request{};
+  wire::FromText(options_.station, request.station);
+  request.run = run_;
+  wire::FromText(options_.scene, request.scene);
+  wire::FromText(options_.tool, request.tool);
+  wire::FromText(options_.device, request.device);
+  request.leave = leave;
+  requests_.Write(request);
+}
+
+void SessionLink::Close() {
+  servo_->SetPath(nullptr);
+  wrenches_ = {};
+  path_.reset();
+}
+
+void SessionLink::Ask(std::int64_t now_ns) {
+  Close();
+  run_ = RandomRun();
+  server_run_ = 0;
+  server_restarted_ = false;
+  state_.reset();
+  readers_made_ = 0;
+  matched_since_ns_ = 0;
+  phase_ = Phase::kAsking;
+  phase_since_ns_ = now_ns;
+  WriteRequest(false);
+}
+
+void SessionLink::TakeStates() {
+  wire::SessionState state;
+  while (states_.Take(state)) {
+    if (options_.station != state.station) continue;
+    if (state.run == run_) state_ = state;
+    if (server_run_ != 0 && state.server_run != server_run_) server_restarted_ = true;
+  }
+}
+
+void SessionLink::Poll(std::int64_t now_ns) {
+  TakeStates();
+  switch (phase_) {
+    case Phase::kAsking:
+      return PollAsking(now_ns);
+    case Phase::kMatching:
+      return PollMatching(now_ns);
+    case Phase::kLinked:
+      return PollLinked(now_ns);
+  }
+}
+
+void SessionLink::PollAsking(std::int64_t now_ns) {
+  if (!state_) {
+    if (links_ == 0 &&
+        now_ns - phase_since_ns_ > static_cast<std::int64_t>(1e9 * options_.patience_s)) {
+      throw Error("no server answers in domain " + std::to_string(options_.domain) +
+                  "; start 'palpate-server --scene " + options_.scene + " --domain " +
+                  std::to_string(options_.domain) + "', or give the --domain of one that runs");
+    }
+    return;
+  }
+  if (state_->phase == palpate_SESSION_REFUSED) {
+    if (refused_since_ns_ == 0) refused_since_ns_ = now_ns;
+    if (links_ == 0 || now_ns - refused_since_ns_ > kRefusalPatience_ns) {
+      throw Error(std::string("the server refuses the session: ") + state_->reason);
+    }
+    if (now_ns - phase_since_ns_ > kSecond_ns) Ask(now_ns);
+    return;
+  }
+  if (state_->phase == palpate_SESSION_ENDED) return Ask(now_ns);
+  refused_since_ns_ = 0;
+  server_run_ = state_->server_run;
+  tool_ = state_->tool;
+  path_ = std::make_unique<PosePath>();
+  path_->tool_reference = wire::ToVec3(state_->tool_reference_m);
+  path_->writer = {*loop_, dds::PoseTopic(options_.station, run_), dds::Qos::kLoop};
+  phase_ = Phase::kMatching;
+  phase_since_ns_ = now_ns;
+}
+
+void SessionLink::MakeReader() {
+  wrenches_ = {};  // the former one first: two readers would hold chunks of the same writer
+  wrenches_ = {*loop_, dds::WrenchTopic(options_.station, run_), dds::Qos::kLoop,
+               [this](const wire::Wrench& sample) noexcept {
+                 Reply reply;
+                 reply.pose_sequence = sample.pose_sequence;
+                 reply.pose_time_ns = sample.pose_time_ns;
+                 reply.received_ns = SteadyNanoseconds();
+                 reply.wrench = wire::ToWrench(sample);
+                 reply.step_time_s = sample.step_time_s;
+                 reply.contacts = sample.contacts;
+                 reply.faults = sample.faults;
+                 replies_.Push(reply);
+               }};
+  ++readers_made_;
+}
+
+void SessionLink::PollMatching(std::int64_t now_ns) {
+  if (server_restarted_ || state_->phase == palpate_SESSION_ENDED ||
+      state_->phase == palpate_SESSION_REFUSED || now_ns - phase_since_ns_ > kMatchPatience_ns) {
+    return Ask(now_ns);
+  }
+  if (!wrenches_ && dds::WriterDiscovered(*loop_, dds::WrenchTopic(options_.station, run_))) {
+    MakeReader();
+  }
+  if (!wrenches_ || path_->writer.matched_readers() == 0) return;
+  if (matched_since_ns_ == 0) matched_since_ns_ = now_ns;
+  if (now_ns - matched_since_ns_ < kSettle_ns) return;
+
+  servo_->SetPath(path_.get());
+  phase_ = Phase::kLinked;
+  phase_since_ns_ = silent_since_ns_ = now_ns;
+  silence_said_ = false;
+  say_(links_++ == 0 ? "session: tool '" + tool_ + "' of scene '" + options_.scene + "'"
+                     : "session resumed: forces ramp in");
+}
+
+void SessionLink::PollLinked(std::int64_t now_ns) {
+  if (server_restarted_) {
+    say_("the server was restarted: asking for the session again");
+    return Ask(now_ns);
+  }
+  if (state_->phase == palpate_SESSION_ENDED) {
+    say_(std::string("the server ended the session (") + state_->reason + "): asking again");
+    return Ask(now_ns);
+  }
+  if (servo_->newest_reply_ns() > silent_since_ns_) {
+    silent_since_ns_ = servo_->newest_reply_ns();
+    silence_said_ = false;
+  }
+  if (now_ns - silent_since_ns_ > kSilence_ns) OnSilence(now_ns);
+}
+
+void SessionLink::OnSilence(std::int64_t now_ns) {
+  silent_since_ns_ = now_ns;
+  if (!silence_said_) say_("no replies for 1 s: forces are zero until they come again");
+  silence_said_ = true;
+  if (wrenches_.matched_writers() == 0)
+    return;  // nobody there: its successor will find our request
+  if (readers_made_ < kReadersPerRun) return MakeReader();
+  const bool never_heard = servo_->newest_reply_ns() < phase_since_ns_;
+  if (never_heard && options_.transport == dds::Transport::kAuto && loop_->shared_memory()) {
+    Close();
+    loop_.reset();
+    choice_ = {dds::Transport::kUdp,
+               "UDP (matched over shared memory, yet nothing comes: was RouDi restarted? Restart "
+               "RouDi, server and stations together)"};
+    EnterRealtime(options_.realtime);
+    loop_.emplace(dds::Participant::Loop(options_.domain, choice_));
+    LeaveRealtime();
+    say_("transport: " + choice_.reason);
+  }
+  Ask(now_ns);
+}
+
+std::string SessionLink::PhaseText() const {
+  if (phase_ == Phase::kAsking) return links_ > 0 ? "asking again" : "asking";
+  if (phase_ == Phase::kMatching) return "matching";
+  if (silence_said_) return "no replies";
+  switch (state_->phase) {
+    case palpate_SESSION_ACQUIRING:
+      return "tool starts inside";
+    case palpate_SESSION_ACTIVE:
+      return "active";
+    default:
+      return "waiting";
+  }
+}
+
+}  // namespace palpate

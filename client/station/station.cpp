@@ -1,0 +1,125 @@
+#include "client/station/station.h"
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "client/station/live_table.h"
+#include "client/station/servo_thread.h"
+#include "client/station/station_core.h"
+#include "client/station/summary.h"
+#include "common/error.h"
+#include "common/time/steady_clock.h"
+#include "devices/device_factory.h"
+#include "scenes/catalogue.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::chrono::milliseconds kPoll{10};
+
+/// The script that stands beside the scene's file.
+std::string ScriptOf(const std::string& scene) {
+  std::filesystem::path file = FindSceneFile(scene);
+  file.replace_extension(".path.json");
+  if (std::filesystem::exists(file)) return file.string();
+  throw Error("scene '" + scene + "' has no script of its own (looked for " + file.string() +
+              "); give one with --script");
+}
+
+std::unique_ptr<Device> OpenDevice(const StationOptions& options) {
+  DeviceOptions device{options.link.device, std::nullopt, options.loop};
+  if (DeviceNeedsScript(device.name)) {
+    const std::string file = options.script.empty() ? ScriptOf(options.link.scene) : options.script;
+    device.script = PoseScript::Load(file);
+  }
+  return MakeDevice(device);
+}
+
+LiveTable::Style StyleOf(const StationOptions& options) {
+  if (options.json == "-") return LiveTable::Style::kSilent;  // stdout is the program's then
+  const bool table = options.table.value_or(isatty(STDOUT_FILENO) == 1);
+  return table ? LiveTable::Style::kInPlace : LiveTable::Style::kLines;
+}
+
+StationSummary Summarise(const StationOptions& options, const Device& device,
+                         const StationCore& core, const SessionLink& link, const ServoThread& servo,
+                         double seconds) {
+  StationSummary summary;
+  summary.station = options.link.station;
+  summary.device = device.info().model;
+  summary.scene = options.link.scene;
+  summary.tool = link.tool();
+  summary.transport = dds::ToString(link.transport().transport);
+  summary.seconds = seconds;
+  summary.totals = core.totals();
+  summary.lost = core.lost();
+  summary.missed_ticks = servo.missed_ticks();
+  summary.linked_ticks_s = 1e-3 * static_cast<double>(summary.totals.ticks + summary.missed_ticks);
+  summary.reconnects = link.reconnects();
+  summary.limiter = core.limiter().counts();
+  return summary;
+}
+
+}  // namespace
+
+void RunStation(const StationOptions& options, StopSignal& stop) {
+  const std::unique_ptr<Device> device = OpenDevice(options);
+  StationCore core(*device);
+  const bool forces = options.enable_forces || device->info().simulated;
+  core.EnableForces(forces);
+
+  LiveTable table(stdout, StyleOf(options), std::getenv("NO_COLOR") == nullptr);
+  ReplyRing replies;
+  std::unique_ptr<ServoThread> servo;
+  SessionLink link(
+      options.link, replies,
+      [&]() -> ServoThread& {
+        servo = std::make_unique<ServoThread>(core, replies, table.period_s());
+        return *servo;
+      },
+      [&](const std::string& event) {
+        table.Erase();
+        spdlog::info(event);
+      });
+  spdlog::info("device: {}", device->info().model);
+  spdlog::info("transport: {}", link.transport().reason);
+  spdlog::info("real-time: {}", link.realtime().summary);
+  if (!forces) spdlog::info("forces are off; --enable-forces lets them out");
+
+  // The time given is that of the loop: it begins when poses do.
+  std::int64_t began_ns = 0;
+  StationView view;
+  std::string phase;
+  const auto seconds = [&] {
+    return began_ns == 0 ? 0.0 : 1e-9 * static_cast<double>(SteadyNanoseconds() - began_ns);
+  };
+  while (!stop.WaitFor(kPoll)) {
+    link.Poll(SteadyNanoseconds());
+    if (began_ns == 0 && servo->started()) began_ns = SteadyNanoseconds();
+    if (options.seconds && seconds() >= *options.seconds) break;
+    if (std::string now = link.PhaseText(); now != phase) {
+      phase = std::move(now);
+      spdlog::debug("session: {}", phase);
+    }
+    if (servo->ReadSnapshot(view.snapshot)) {
+      view.seconds = seconds();
+      view.phase = phase;
+      table.Show(view);
+    }
+  }
+
+  const double ran_s = seconds();
+  servo->Stop();
+  const StationSummary summary = Summarise(options, *device, core, link, *servo, ran_s);
+  if (options.json != "-") std::fputs(("\n" + ToText(summary)).c_str(), stdout);
+  if (!options.json.empty()) WriteJson(summary, options.json);
+  std::fflush(stdout);
+}
+
+}  // namespace palpate

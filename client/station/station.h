@@ -1,0 +1,11 @@
+#pragma once
+
+#include "client/station/options.h"
+#include "common/stop_signal.h"
+
+namespace palpate {
+
+/// Runs a station until its time is over or a signal comes, and prints its summary.  Throws Error.
+void RunStation(const StationOptions& options, StopSignal& stop);
+
+}  // namespace palpate

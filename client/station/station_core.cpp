@@ -1,0 +1,109 @@
+#include "client/station/station_core.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "common/step_fault.h"
+
+namespace palpate {
+
+Wrench ShiftToHandle(const Wrench& wrench, const Quat& q_WH, const Vec3& p_HT) noexcept {
+  return {wrench.force, wrench.torque + (q_WH * p_HT).cross(wrench.force)};
+}
+
+StationCore::StationCore(Device& device)
+    : device_(device), limiter_(WrenchLimits::Of(device.info())) {}
+
+OutgoingPose StationCore::Sense(std::int64_t now_ns, bool sending) noexcept {
+  sample_ = device_.Read();
+  if (limiter_.enabled()) sample_.status |= kDeviceForcesEnabled;
+  if (sending) {
+    ++sequence_;
+    ++totals_.sent;
+  }
+  return {sequence_, now_ns, sample_};
+}
+
+void StationCore::Take(std::int64_t now_ns, const Reply& reply) noexcept {
+  // Only a pose that was sent can be answered, and only forwards: what else arrives is not ours.
+  if (reply.pose_sequence <= newest_.pose_sequence || reply.pose_sequence > sequence_ ||
+      reply.pose_time_ns > now_ns) {
+    ++totals_.strays;
+    return;
+  }
+  newest_ = reply;
+  has_reply_ = true;
+  ++totals_.replies;
+  const std::int64_t round_trip = reply.received_ns - reply.pose_time_ns;
+  totals_.late += round_trip > kLate_ns;
+  totals_.round_trip.Add(round_trip);
+  period_round_trip_.Add(round_trip);
+  const double step_s = reply.step_time_s > 0.0 ? std::min(reply.step_time_s, 1.0) : 0.0;
+  const auto step = static_cast<std::int64_t>(1e9 * step_s);
+  totals_.server_step.Add(step);
+  period_step_.Add(step);
+  totals_.contact_replies += reply.contacts > 0;
+  totals_.max_contacts = std::max(totals_.max_contacts, reply.contacts);
+  totals_.faults |= reply.faults & ~kFaultNotStarted;  // every session begins with that one
+  period_faults_ |= reply.faults;
+}
+
+void StationCore::Act(std::int64_t now_ns) noexcept {
+  limiter_.Enable(forces_wanted_ && !(sample_.status & kDeviceFault));
+  const double age_s = has_reply_ ? 1e-9 * static_cast<double>(now_ns - newest_.pose_time_ns)
+                                  : std::numeric_limits<double>::infinity();
+  const double dt_s = last_act_ns_ > 0 ? 1e-9 * static_cast<double>(now_ns - last_act_ns_) : 0.0;
+  last_act_ns_ = now_ns;
+  if (period_began_ns_ == 0) period_began_ns_ = now_ns;
+  const Wrench wanted = ShiftToHandle(newest_.wrench, sample_.X_WH.q, tool_reference_);
+  const LimitedWrench limited = limiter_.Limit(wanted, age_s, dt_s);
+  device_.Apply(limited);
+
+  ++totals_.ticks;
+  applied_ = limited.wrench();
+  const double force = applied_.force.norm();
+  totals_.max_force_N = std::max(totals_.max_force_N, force);
+  totals_.max_torque_Nm = std::max(totals_.max_torque_Nm, applied_.torque.norm());
+  period_peak_force_ = std::max(period_peak_force_, force);
+}
+
+std::uint64_t StationCore::lost() const noexcept {
+  // Up to the newest pose that was answered: each younger one may still be on its way.
+  return newest_.pose_sequence - totals_.replies;
+}
+
+StationSnapshot StationCore::TakeSnapshot(std::int64_t now_ns) noexcept {
+  StationSnapshot snapshot;
+  snapshot.time_ns = now_ns;
+  const double period_s = 1e-9 * static_cast<double>(now_ns - period_began_ns_);
+  if (period_s > 0.0) {
+    snapshot.rate_hz = static_cast<double>(totals_.ticks - ticks_before_) / period_s;
+  }
+  const auto microseconds = [](std::uint64_t ns) { return 1e-3 * static_cast<double>(ns); };
+  snapshot.round_trip_us_p50 = microseconds(period_round_trip_.Quantile(0.5));
+  snapshot.round_trip_us_p99 = microseconds(period_round_trip_.Quantile(0.99));
+  snapshot.server_step_us_p50 = microseconds(period_step_.Quantile(0.5));
+  snapshot.replies = totals_.replies - replies_before_;
+  snapshot.contacts = newest_.contacts;
+  snapshot.faults = period_faults_;
+  snapshot.force_N = applied_.force.norm();
+  snapshot.torque_Nm = applied_.torque.norm();
+  snapshot.peak_force_N = period_peak_force_;
+  snapshot.sent = totals_.sent;
+  snapshot.late = totals_.late;
+  snapshot.lost = lost();
+  snapshot.fades = limiter_.counts().fades;
+  snapshot.fading = limiter_.fading();
+  snapshot.activity = device_.activity();
+
+  period_began_ns_ = now_ns;
+  ticks_before_ = totals_.ticks;
+  replies_before_ = totals_.replies;
+  period_round_trip_.Clear();
+  period_step_.Clear();
+  period_faults_ = 0;
+  period_peak_force_ = 0.0;
+  return snapshot;
+}
+
+}  // namespace palpate

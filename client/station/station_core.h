@@ -1,0 +1,125 @@
+#pragma once
+
+#include <cstdint>
+
+#include "common/math/pose.h"
+#include "common/stats/histogram.h"
+#include "devices/device.h"
+#include "devices/wrench_limiter.h"
+
+namespace palpate {
+
+/// A server's answer to a pose, without DDS: what the loop needs of wire::Wrench.
+struct Reply {
+  std::uint64_t pose_sequence = 0;  ///< the pose that it answers
+  std::int64_t pose_time_ns = 0;    ///< when that was sampled, by this station's clock
+  std::int64_t received_ns = 0;     ///< by the same clock
+  Wrench wrench;                    ///< on the hand, at the tool's reference point, in W
+  double step_time_s = 0.0;         ///< the server's, from take to write
+  std::uint32_t contacts = 0;
+  std::uint32_t faults = 0;
+};
+
+/// A pose to send.
+struct OutgoingPose {
+  std::uint64_t sequence = 0;
+  std::int64_t sample_time_ns = 0;
+  DeviceSample sample;
+};
+
+/// What a station has seen so far.
+struct StationTotals {
+  std::uint64_t ticks = 0;
+  std::uint64_t sent = 0;
+  std::uint64_t replies = 0;
+  std::uint64_t strays =
+      0;  ///< replies to nothing that was asked, and replies out of order: not used
+  std::uint64_t late = 0;  ///< replies that took more than 1 ms
+  std::uint64_t contact_replies = 0;
+  std::uint32_t max_contacts = 0;
+  std::uint32_t faults = 0;  ///< every bit seen
+  double max_force_N = 0.0;  ///< given to the device
+  double max_torque_Nm = 0.0;
+  Histogram round_trip;   ///< pose out to wrench in [ns]
+  Histogram server_step;  ///< [ns]
+};
+
+/// What a display shows of a moment; figures "of the period" cover the time since the last one.
+struct StationSnapshot {
+  std::int64_t time_ns = 0;
+  double rate_hz = 0.0;            ///< ticks, of the period
+  double round_trip_us_p50 = 0.0;  ///< of the period; zero where no reply came
+  double round_trip_us_p99 = 0.0;
+  double server_step_us_p50 = 0.0;
+  std::uint64_t replies = 0;   ///< of the period
+  std::uint32_t contacts = 0;  ///< of the latest reply
+  std::uint32_t faults = 0;    ///< every bit of the period
+  double force_N = 0.0;        ///< given to the device at the end of the period
+  double torque_Nm = 0.0;
+  double peak_force_N = 0.0;  ///< of the period
+  std::uint64_t sent = 0;     ///< from here on: in all
+  std::uint64_t late = 0;
+  std::uint64_t lost = 0;  ///< poses without an answer, but for those still on their way
+  std::uint64_t fades = 0;
+  bool fading = false;
+  const char* activity = "";  ///< Device::activity
+};
+
+/// The station's servo loop without its clock and its transport: reads the device, gives the pose
+/// to send, takes the replies, and drives the device through the limiter.  Time comes in as an
+/// argument, so a dying server is a unit test.
+/// Thread contract: one thread.
+/// Real-time: no method allocates, locks, logs or reads a clock.
+class StationCore {
+ public:
+  static constexpr std::int64_t kLate_ns = 1'000'000;
+
+  /// The device must outlive the core.  Throws Error where the device has no limits.
+  explicit StationCore(Device& device);
+
+  void EnableForces(bool on) noexcept { forces_wanted_ = on; }
+  /// Where the tool's wrench acts, in the tool's frame [m] (SessionState.tool_reference_m).
+  void SetToolReference(const Vec3& p_HT) noexcept { tool_reference_ = p_HT; }
+
+  /// First half of a tick: reads the device.  Where `sending`, the pose gets the next number.
+  OutgoingPose Sense(std::int64_t now_ns, bool sending) noexcept;
+  /// Takes one of the replies that came since the last tick, oldest first.
+  void Take(std::int64_t now_ns, const Reply& reply) noexcept;
+  /// Second half: drives the device by the newest reply.
+  void Act(std::int64_t now_ns) noexcept;
+
+  StationSnapshot TakeSnapshot(std::int64_t now_ns) noexcept;
+  const StationTotals& totals() const noexcept { return totals_; }
+  const WrenchLimiter& limiter() const noexcept { return limiter_; }
+  std::uint64_t lost() const noexcept;
+  /// When the pose of the newest reply was sampled; 0 before the first.
+  std::int64_t newest_reply_ns() const noexcept { return newest_.pose_time_ns; }
+
+ private:
+  Device& device_;
+  WrenchLimiter limiter_;
+  bool forces_wanted_ = false;
+  Vec3 tool_reference_ = Vec3::Zero();
+  DeviceSample sample_;
+  Reply newest_;
+  bool has_reply_ = false;
+  std::uint64_t sequence_ = 0;
+  std::int64_t last_act_ns_ = 0;
+  Wrench applied_;
+  StationTotals totals_;
+
+  // Of the period.
+  std::int64_t period_began_ns_ = 0;
+  std::uint64_t ticks_before_ = 0;
+  std::uint64_t replies_before_ = 0;
+  Histogram period_round_trip_;
+  Histogram period_step_;
+  std::uint32_t period_faults_ = 0;
+  double period_peak_force_ = 0.0;
+};
+
+/// The same wrench at the handle's origin: tau_H = tau + (R c) x F.
+/// @param q_WH  rotation of the tool.   @param p_HT  where `wrench` acts, in the tool's frame [m].
+Wrench ShiftToHandle(const Wrench& wrench, const Quat& q_WH, const Vec3& p_HT) noexcept;
+
+}  // namespace palpate

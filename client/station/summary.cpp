@@ -1,0 +1,128 @@
+#include "client/station/summary.h"
+
+#include <cstdarg>
+#include <cstdio>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include "common/error.h"
+#include "common/step_fault.h"
+
+namespace palpate {
+namespace {
+
+[[gnu::format(printf, 1, 2)]] std::string Text(const char* format, ...) {
+  char text[256];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+double Microseconds(std::uint64_t ns) {
+  return 1e-3 * static_cast<double>(ns);
+}
+
+double Fraction(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+double Rate(const StationSummary& s) {
+  return s.linked_ticks_s > 0.0 ? static_cast<double>(s.totals.ticks) / s.linked_ticks_s : 0.0;
+}
+
+std::string Percentiles(const Histogram& histogram) {
+  if (histogram.count() == 0) return "-";
+  return Text("p50 %.1f   p99 %.1f   p99.9 %.1f   max %.1f us",
+              Microseconds(histogram.Quantile(0.5)), Microseconds(histogram.Quantile(0.99)),
+              Microseconds(histogram.Quantile(0.999)), Microseconds(histogram.max()));
+}
+
+nlohmann::json JsonPercentiles(const Histogram& histogram) {
+  return {{"p50", Microseconds(histogram.Quantile(0.5))},
+          {"p99", Microseconds(histogram.Quantile(0.99))},
+          {"p999", Microseconds(histogram.Quantile(0.999))},
+          {"max", Microseconds(histogram.max())}};
+}
+
+unsigned long long Number(std::uint64_t n) {
+  return n;
+}
+
+}  // namespace
+
+std::string ToText(const StationSummary& s) {
+  const StationTotals& t = s.totals;
+  std::string text = Text("%.1f s as '%s' in scene %s (tool %s), %s, over %s\n", s.seconds,
+                          s.station.c_str(), s.scene.c_str(), s.tool.empty() ? "-" : s.tool.c_str(),
+                          s.device.c_str(), s.transport.c_str());
+  text += Text("  rate         %.1f Hz, %llu poses sent, %llu ticks missed\n", Rate(s),
+               Number(t.sent), Number(s.missed_ticks));
+  text += "  round trip   " + Percentiles(t.round_trip) + "\n";
+  text += "  server step  " + Percentiles(t.server_step) + "\n";
+  text += Text("  late         %llu (%.2f %% over 1 ms), lost %llu\n", Number(t.late),
+               100.0 * Fraction(t.late, t.replies), Number(s.lost));
+  text += Text("  force        at most %.2f N, torque at most %.3f N m\n", t.max_force_N,
+               t.max_torque_Nm);
+  text += Text("  contacts     at most %u, %.0f %% of the time in contact\n", t.max_contacts,
+               100.0 * Fraction(t.contact_replies, t.replies));
+  text += "  faults       " + FaultWords(t.faults) + "\n";
+  text +=
+      Text("  limiter      %llu fades, %llu clamped, %llu slewed, %llu not finite; %d reconnects\n",
+           Number(s.limiter.fades), Number(s.limiter.clamped), Number(s.limiter.slewed),
+           Number(s.limiter.nonfinite), s.reconnects);
+  return text;
+}
+
+std::string ToJson(const StationSummary& s) {
+  const StationTotals& t = s.totals;
+  const nlohmann::json json = {{"station", s.station},
+                               {"device", s.device},
+                               {"scene", s.scene},
+                               {"tool", s.tool},
+                               {"transport", s.transport},
+                               {"seconds", s.seconds},
+                               {"rate_hz", Rate(s)},
+                               {"poses", t.sent},
+                               {"replies", t.replies},
+                               {"missed_ticks", s.missed_ticks},
+                               {"rtt_us", JsonPercentiles(t.round_trip)},
+                               {"server_step_us", JsonPercentiles(t.server_step)},
+                               {"late", t.late},
+                               {"late_fraction", Fraction(t.late, t.replies)},
+                               {"lost", s.lost},
+                               {"strays", t.strays},
+                               {"force_N_max", t.max_force_N},
+                               {"torque_Nm_max", t.max_torque_Nm},
+                               {"contacts_max", t.max_contacts},
+                               {"contact_fraction", Fraction(t.contact_replies, t.replies)},
+                               {"faults", t.faults},
+                               {"fault_words", FaultWords(t.faults)},
+                               {"reconnects", s.reconnects},
+                               {"limiter",
+                                {{"calls", s.limiter.calls},
+                                 {"nonfinite", s.limiter.nonfinite},
+                                 {"clamped", s.limiter.clamped},
+                                 {"slewed", s.limiter.slewed},
+                                 {"faded", s.limiter.faded},
+                                 {"fades", s.limiter.fades},
+                                 {"disabled", s.limiter.disabled}}}};
+  return json.dump(2) + "\n";
+}
+
+void WriteJson(const StationSummary& summary, const std::string& file) {
+  const std::string json = ToJson(summary);
+  if (file == "-") {
+    std::fputs(json.c_str(), stdout);
+    return;
+  }
+  std::ofstream out(file);
+  if (!(out << json) || !out.flush()) {
+    throw Error("--json " + file +
+                ": cannot be written; give a file in a folder that exists, or -");
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "devices/device.h"
+#include "scenes/pose_script.h"
+
+namespace palpate {
+
+struct DeviceOptions {
+  std::string name;                  ///< as after --device
+  std::optional<PoseScript> script;  ///< what the hand of a simulated or scripted device does
+  bool loop = false;                 ///< again and again
+};
+
+/// Names that MakeDevice takes, separated by ", ": for help and messages.
+std::string DeviceNames();
+
+/// True where the device needs a script.  Throws UsageError as MakeDevice does.
+bool DeviceNeedsScript(const std::string& name);
+
+/// Throws UsageError for a name that is unknown or not built into this version, and Error where
+/// the script is missing.
+std::unique_ptr<Device> MakeDevice(const DeviceOptions& options);
+
+}  // namespace palpate

@@ -1,0 +1,120 @@
+#include "devices/simulated/simulated_phantom.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/math/rotation.h"
+#include "devices/wrench_limiter.h"
+
+namespace palpate {
+namespace {
+
+/// Share of a new encoder difference in the velocity estimate: a first-order low-pass of 100 Hz.
+constexpr double kVelocityShare = 0.386;  // 1 - 1 / (1 + 2 pi 100 Hz 1 ms)
+
+double Quantise(double value, double step) noexcept {
+  return step > 0.0 ? std::round(value / step) * step : value;
+}
+
+/// Momentum p after dry friction of impulse at most `limit` and after viscous drag: friction takes
+/// momentum away until there is none, and never turns it round.
+Vec3 Brake(const Vec3& p, double limit, double drag_factor) noexcept {
+  const double size = p.norm();
+  if (size <= limit) return Vec3::Zero();
+  return p * ((1.0 - limit / size) / (1.0 + drag_factor));
+}
+
+Vec3 Saturate(const Vec3& v, double bound) noexcept {
+  const double size = v.norm();
+  return size > bound ? Vec3(v * (bound / size)) : v;
+}
+
+}  // namespace
+
+SimulatedPhantom::SimulatedPhantom(DeviceInfo info, const HandleDynamics& dynamics,
+                                   std::optional<SimulatedHand> hand, const Pose& X_WH)
+    : info_(std::move(info)),
+      dynamics_(dynamics),
+      hand_(std::move(hand)),
+      mass_(dynamics.mass_kg + (hand_ ? hand_->impedance().mass_kg : 0.0)),
+      inertia_(dynamics.inertia_kg_m2 + (hand_ ? hand_->impedance().inertia_kg_m2 : 0.0)),
+      X_WH_(X_WH) {
+  encoded_ = Encoded();
+}
+
+Pose SimulatedPhantom::Encoded() const noexcept {
+  Pose read;
+  for (int i = 0; i < 3; ++i) read.p[i] = Quantise(X_WH_.p[i], info_.position_resolution_m);
+  // A quaternion's component changes by half the angle.  Rounding it has no singular direction, as
+  // gimbal angles or a rotation vector would have.
+  const double step = 0.5 * info_.rotation_resolution_rad;
+  const Quat& q = X_WH_.q;
+  read.q = Quat(Quantise(q.w(), step), Quantise(q.x(), step), Quantise(q.y(), step),
+                Quantise(q.z(), step))
+               .normalized();
+  return read;
+}
+
+DeviceSample SimulatedPhantom::Read() noexcept {
+  return {encoded_, estimated_V_, 0, kDeviceOk};
+}
+
+const char* SimulatedPhantom::activity() const noexcept {
+  return hand_ ? hand_->script().LabelAt(time()) : "";
+}
+
+double SimulatedPhantom::kinetic_energy_J() const noexcept {
+  return 0.5 * mass_ * V_WH_.v.squaredNorm() + 0.5 * inertia_ * V_WH_.w.squaredNorm();
+}
+
+Wrench SimulatedPhantom::MotorWrench(const Wrench& commanded) const noexcept {
+  const Vec3 roll_axis = X_WH_.q * Vec3::UnitZ();
+  const double roll = commanded.torque.dot(roll_axis);
+  const Vec3 yaw_pitch = commanded.torque - roll * roll_axis;
+  return {Saturate(commanded.force, info_.max_force_N),
+          Saturate(yaw_pitch, info_.max_torque_Nm) +
+              std::clamp(roll, -dynamics_.max_roll_torque_Nm, dynamics_.max_roll_torque_Nm) *
+                  roll_axis};
+}
+
+void SimulatedPhantom::Substep(const Wrench& motor, double t, double h) noexcept {
+  Wrench on_handle = motor;
+  if (hand_) {
+    const Wrench hand = hand_->WrenchOn(X_WH_, V_WH_, t);
+    on_handle.force += hand.force;
+    on_handle.torque += hand.torque;
+  }
+  V_WH_.v = Brake(mass_ * V_WH_.v + h * on_handle.force, h * dynamics_.coulomb_force_N,
+                  h * dynamics_.viscous_N_s_m / mass_) /
+            mass_;
+  // A ball's inertia: no gyroscopic torque.  No tensor of the real gimbal is published.
+  V_WH_.w = Brake(inertia_ * V_WH_.w + h * on_handle.torque, h * dynamics_.coulomb_torque_Nm,
+                  h * dynamics_.viscous_Nm_s / inertia_) /
+            inertia_;
+  X_WH_.p += h * V_WH_.v;
+  X_WH_.q = (RotationExp(h * V_WH_.w) * X_WH_.q).normalized();
+  // The workspace ends at stops that give nothing back.
+  for (int i = 0; i < 3; ++i) {
+    const double half = 0.5 * info_.workspace_m[i];
+    if (std::abs(X_WH_.p[i]) <= half) continue;
+    X_WH_.p[i] = std::copysign(half, X_WH_.p[i]);
+    if (V_WH_.v[i] * X_WH_.p[i] > 0.0) V_WH_.v[i] = 0.0;
+  }
+}
+
+void SimulatedPhantom::Apply(const LimitedWrench& wrench) noexcept {
+  const Wrench motor = MotorWrench(wrench.wrench());
+  constexpr double h = kTick_s / kSubsteps;
+  for (int i = 0; i < kSubsteps; ++i) Substep(motor, time() + i * h, h);
+  ++ticks_;
+
+  const Pose now = Encoded();
+  const Vec3 v = (now.p - encoded_.p) / kTick_s;
+  const Vec3 w = RotationLog(now.q * encoded_.q.conjugate()) / kTick_s;
+  estimated_V_.v += kVelocityShare * (v - estimated_V_.v);
+  estimated_V_.w += kVelocityShare * (w - estimated_V_.w);
+  encoded_ = now;
+}
+
+}  // namespace palpate

@@ -1,0 +1,50 @@
+#include "devices/script_player.h"
+
+#include <algorithm>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "common/math/rotation.h"
+
+namespace palpate {
+namespace {
+
+PoseScript OneWay() {
+  Pose there;
+  there.p = Vec3(0.2, 0.1, 0.0);
+  there.q = RotationExp(Vec3(0.0, 0.0, 1.0));
+  return PoseScript({{0.0, Pose{}, "go"}, {1.0, there, "stay"}});
+}
+
+TEST(ScriptPlayer, HoldsTheLastPoseWhenPlayedOnce) {
+  const ScriptPlayer player(OneWay(), false);
+  EXPECT_EQ(player.At(100.0).p, Vec3(0.2, 0.1, 0.0));
+  EXPECT_EQ(player.VelocityAt(100.0).v, Vec3::Zero());
+  EXPECT_STREQ(player.LabelAt(100.0), "stay");
+}
+
+TEST(ScriptPlayer, RepeatsWithoutAJump) {
+  const ScriptPlayer player(OneWay(), true);
+  double fastest = 0.0, fastest_turn = 0.0;
+  for (int ms = 1; ms < 20000; ++ms) {
+    const Pose before = player.At((ms - 1) * 1e-3);
+    const Pose now = player.At(ms * 1e-3);
+    fastest = std::max(fastest, (now.p - before.p).norm() / 1e-3);
+    fastest_turn = std::max(fastest_turn, RotationLog(now.q * before.q.conjugate()).norm() / 1e-3);
+  }
+  EXPECT_LT(fastest, 0.5);  // the outward way: 0.22 m in 1 s, times 1.875
+  EXPECT_LT(fastest_turn, 3.0);
+  EXPECT_STREQ(player.LabelAt(1.5), "return");
+}
+
+TEST(ScriptPlayer, GivesTheVelocityOfItsPoses) {
+  // Minimum jerk: in the middle of 1 s the speed is 1.875 times the mean, in place and in turn.
+  const ScriptPlayer player(OneWay(), false);
+  const Twist middle = player.VelocityAt(0.5);
+  EXPECT_NEAR(middle.v.x(), 1.875 * 0.2, 1e-5);
+  EXPECT_NEAR(middle.w.z(), 1.875 * 1.0, 1e-5);
+}
+
+}  // namespace
+}  // namespace palpate

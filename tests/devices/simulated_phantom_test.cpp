@@ -1,0 +1,244 @@
+#include "devices/simulated/simulated_phantom.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "common/math/rotation.h"
+#include "tests/devices/limiter_support.h"
+#include "tests/support/allocation_counter.h"
+
+namespace palpate {
+namespace {
+
+SimulatedPhantom Free(const HandleDynamics& dynamics = PhantomPremium30Dynamics(),
+                      const Pose& X_WH = {}) {
+  return SimulatedPhantom(PhantomPremium30Info(), dynamics, std::nullopt, X_WH);
+}
+
+HandleDynamics Frictionless() {
+  HandleDynamics dynamics = PhantomPremium30Dynamics();
+  dynamics.coulomb_force_N = dynamics.viscous_N_s_m = 0.0;
+  dynamics.coulomb_torque_Nm = dynamics.viscous_Nm_s = 0.0;
+  return dynamics;
+}
+
+SimulatedHand HandAt(const Pose& where) {
+  return SimulatedHand(
+      ScriptPlayer(PoseScript({{0.0, where, "hold"}, {1.0, where, "hold"}}), false),
+      HandImpedance{});
+}
+
+TEST(SimulatedPhantom, AcceleratesAsForceLessFrictionOverMass) {
+  HandleDynamics dynamics = PhantomPremium30Dynamics();
+  dynamics.viscous_N_s_m = 0.0;
+  SimulatedPhantom phantom = Free(dynamics);
+  const double force = 0.5;
+  const LimitedWrench push = PassThrough({Vec3(force, 0, 0), Vec3::Zero()});
+  for (int i = 0; i < 200; ++i) phantom.Apply(push);
+  const double t = 0.2;
+  const double a = (force - dynamics.coulomb_force_N) / dynamics.mass_kg;
+  EXPECT_NEAR(phantom.velocity().v.x(), a * t, 1e-9);
+  // x = a t^2 / 2; semi-implicit Euler is ahead by a t h / 2.
+  const double h = SimulatedPhantom::kTick_s / SimulatedPhantom::kSubsteps;
+  EXPECT_NEAR(phantom.pose().p.x(), 0.5 * a * t * t + 0.5 * a * t * h, 1e-9);
+}
+
+TEST(SimulatedPhantom, ReachesTheTerminalVelocityOfItsViscousFriction) {
+  HandleDynamics dynamics = Frictionless();
+  dynamics.viscous_N_s_m = 5.0;
+  SimulatedPhantom phantom = Free(dynamics);
+  const LimitedWrench push = PassThrough({Vec3(1.0, 0, 0), Vec3::Zero()});
+  for (int i = 0; i < 1000; ++i) phantom.Apply(push);
+  EXPECT_NEAR(phantom.velocity().v.x(), 1.0 / 5.0, 1e-9);
+}
+
+TEST(SimulatedPhantom, SticksWhileTheForceIsBelowDryFriction) {
+  SimulatedPhantom phantom = Free();
+  const LimitedWrench push = PassThrough({Vec3(0.19, 0, 0), Vec3(0.0039, 0, 0)});
+  for (int i = 0; i < 1000; ++i) phantom.Apply(push);
+  EXPECT_EQ(phantom.pose().p, Vec3::Zero());
+  EXPECT_EQ(phantom.pose().q.vec(), Vec3::Zero());
+}
+
+TEST(SimulatedPhantom, TurnsAsTorqueOverInertia) {
+  SimulatedPhantom phantom = Free(Frictionless());
+  const double torque = 0.01;
+  const LimitedWrench turn = PassThrough({Vec3::Zero(), Vec3(0, torque, 0)});
+  for (int i = 0; i < 100; ++i) phantom.Apply(turn);
+  const double a = torque / PhantomPremium30Dynamics().inertia_kg_m2;
+  EXPECT_NEAR(phantom.velocity().w.y(), a * 0.1, 1e-9);
+  const double h = SimulatedPhantom::kTick_s / SimulatedPhantom::kSubsteps;
+  EXPECT_NEAR(RotationLog(phantom.pose().q).y(), 0.5 * a * 0.01 + 0.5 * a * 0.1 * h, 1e-9);
+}
+
+TEST(SimulatedPhantom, RestsWhereTheHandsSpringBalancesTheForce) {
+  HandleDynamics dynamics = Frictionless();
+  const HandImpedance impedance;
+  SimulatedPhantom phantom(PhantomPremium30Info(), dynamics, HandAt({}), {});
+  const LimitedWrench push = PassThrough({Vec3(0, 0, 2.0), Vec3(0.1, 0, 0)});
+  for (int i = 0; i < 4000; ++i) phantom.Apply(push);
+  EXPECT_NEAR(phantom.pose().p.z(), 2.0 / impedance.stiffness_N_m, 1e-7);
+  EXPECT_NEAR(RotationLog(phantom.pose().q).x(), 0.1 / impedance.stiffness_Nm_rad, 1e-7);
+}
+
+TEST(SimulatedPhantom, DryFrictionLeavesItWithinItsBandOfTheBalance) {
+  const HandImpedance impedance;
+  const HandleDynamics dynamics = PhantomPremium30Dynamics();
+  SimulatedPhantom phantom(PhantomPremium30Info(), dynamics, HandAt({}), {});
+  const LimitedWrench push = PassThrough({Vec3(0, 0, 2.0), Vec3::Zero()});
+  for (int i = 0; i < 4000; ++i) phantom.Apply(push);
+  EXPECT_EQ(phantom.velocity().v, Vec3::Zero());
+  EXPECT_LE(std::abs(impedance.stiffness_N_m * phantom.pose().p.z() - 2.0),
+            dynamics.coulomb_force_N + 1e-9);
+}
+
+TEST(SimulatedPhantom, SwingsAtTheFrequencyOfHandAndHandleTogether) {
+  HandImpedance impedance;
+  impedance.damping_N_s_m = 0.0;
+  const HandleDynamics dynamics = Frictionless();
+  const Pose rest;
+  Pose off;
+  off.p.x() = 0.01;
+  SimulatedHand hand(ScriptPlayer(PoseScript({{0.0, rest, ""}, {1.0, rest, ""}}), false),
+                     impedance);
+  SimulatedPhantom phantom(PhantomPremium30Info(), dynamics, hand, off);
+  const LimitedWrench nothing = PassThrough({});
+  int crossings = 0;
+  double first = 0.0, last = 0.0, before = off.p.x();
+  for (int i = 0; i < 5000; ++i) {
+    phantom.Apply(nothing);
+    const double x = phantom.pose().p.x();
+    if ((x > 0) != (before > 0)) {
+      const double when = phantom.time() - 1e-3 * x / (x - before);
+      if (crossings++ == 0) first = when;
+      last = when;
+    }
+    before = x;
+  }
+  const double period = 2.0 * (last - first) / (crossings - 1);
+  const double mass = dynamics.mass_kg + impedance.mass_kg;
+  EXPECT_NEAR(period, 2.0 * M_PI * std::sqrt(mass / impedance.stiffness_N_m), 1e-5);
+}
+
+TEST(SimulatedPhantom, LosesEnergyWhenNothingDrivesIt) {
+  SimulatedPhantom phantom = Free();
+  const LimitedWrench push = PassThrough({Vec3(5, -3, 1), Vec3(0.1, 0.05, -0.1)});
+  for (int i = 0; i < 50; ++i) phantom.Apply(push);
+  const LimitedWrench nothing = PassThrough({});
+  double energy = phantom.kinetic_energy_J();
+  ASSERT_GT(energy, 0.0);
+  for (int i = 0; i < 5000; ++i) {
+    phantom.Apply(nothing);
+    ASSERT_LE(phantom.kinetic_energy_J(), energy);
+    energy = phantom.kinetic_energy_J();
+  }
+  EXPECT_EQ(energy, 0.0);
+}
+
+TEST(SimulatedPhantom, ComesToRestInAHandThatHoldsStill) {
+  Pose off;
+  off.p = Vec3(0.02, -0.01, 0.03);
+  off.q = RotationExp(Vec3(0.3, 0.2, -0.4));
+  SimulatedPhantom phantom(PhantomPremium30Info(), PhantomPremium30Dynamics(), HandAt({}), off);
+  const LimitedWrench nothing = PassThrough({});
+  const HandImpedance k;
+  const auto energy = [&] {
+    return phantom.kinetic_energy_J() + 0.5 * k.stiffness_N_m * phantom.pose().p.squaredNorm() +
+           0.5 * k.stiffness_Nm_rad * RotationLog(phantom.pose().q).squaredNorm();
+  };
+  double last = energy();
+  for (int i = 0; i < 5000; ++i) {
+    phantom.Apply(nothing);
+    ASSERT_LE(energy(), last * (1 + 1e-6)) << i;  // Euler's own ripple
+    last = energy();
+  }
+  EXPECT_EQ(phantom.kinetic_energy_J(), 0.0);
+}
+
+TEST(SimulatedPhantom, ReadsOnlyWhatItsEncodersResolve) {
+  const DeviceInfo info = PhantomPremium30Info();
+  Pose at;
+  at.p = Vec3(0.0123456789, -0.0987654321, 0.05);
+  at.q = RotationExp(Vec3(0.7, -1.1, 2.0));
+  SimulatedPhantom phantom = Free(PhantomPremium30Dynamics(), at);
+  const Pose read = phantom.Read().X_WH;
+  for (int i = 0; i < 3; ++i) {
+    const double counts = read.p[i] / info.position_resolution_m;
+    EXPECT_NEAR(counts, std::round(counts), 1e-6);
+    EXPECT_LE(std::abs(read.p[i] - at.p[i]), 0.5 * info.position_resolution_m + 1e-12);
+  }
+  EXPECT_NE(read.p, at.p);
+  const double turned = RotationLog(read.q * at.q.conjugate()).norm();
+  EXPECT_GT(turned, 0.0);
+  EXPECT_LE(turned, 2.0 * info.rotation_resolution_rad);
+  EXPECT_NEAR(read.q.norm(), 1.0, 1e-15);
+}
+
+TEST(SimulatedPhantom, EstimatesItsVelocityFromTheEncoders) {
+  SimulatedPhantom phantom = Free(Frictionless());
+  const LimitedWrench push = PassThrough({Vec3(1.0, 0, 0), Vec3::Zero()});
+  for (int i = 0; i < 20; ++i) phantom.Apply(push);
+  const LimitedWrench nothing = PassThrough({});
+  for (int i = 0; i < 50; ++i) phantom.Apply(nothing);
+  const double truth = phantom.velocity().v.x();
+  // One count in a millisecond is 20 mm/s; the filter leaves less than that.
+  EXPECT_NEAR(phantom.Read().V_WH.v.x(), truth, 0.02);
+}
+
+TEST(SimulatedPhantom, StopsAtTheEndOfItsWorkspace) {
+  SimulatedPhantom phantom = Free();
+  const LimitedWrench push = PassThrough({Vec3(0, 0, 20), Vec3::Zero()});
+  for (int i = 0; i < 1000; ++i) phantom.Apply(push);
+  EXPECT_EQ(phantom.pose().p.z(), 0.5 * phantom.info().workspace_m.z());
+  EXPECT_EQ(phantom.velocity().v.z(), 0.0);
+}
+
+TEST(SimulatedPhantom, GivesNoMoreForceThanItsMotorsHave) {
+  SimulatedPhantom phantom = Free(Frictionless());
+  phantom.Apply(PassThrough({Vec3(500, 0, 0), Vec3::Zero()}));
+  EXPECT_NEAR(phantom.velocity().v.x(), 22.0 * 1e-3 / 0.159, 1e-9);
+}
+
+TEST(SimulatedPhantom, RollsWithLessTorqueThanItYaws) {
+  const double inertia = PhantomPremium30Dynamics().inertia_kg_m2;
+  SimulatedPhantom rolled = Free(Frictionless());
+  rolled.Apply(PassThrough({Vec3::Zero(), Vec3(0, 0, 5)}));
+  EXPECT_NEAR(rolled.velocity().w.z(), 0.170 * 1e-3 / inertia, 1e-9);
+  SimulatedPhantom yawed = Free(Frictionless());
+  yawed.Apply(PassThrough({Vec3::Zero(), Vec3(0.5, 0, 0)}));
+  EXPECT_NEAR(yawed.velocity().w.x(), 0.5 * 1e-3 / inertia, 1e-2);
+}
+
+TEST(SimulatedPhantom, AllocatesNothingInTheLoop) {
+  SimulatedPhantom phantom(PhantomPremium30Info(), PhantomPremium30Dynamics(), HandAt({}), {});
+  const LimitedWrench push = PassThrough({Vec3(0.3, -0.2, 0.1), Vec3(0.01, 0, 0)});
+  const std::uint64_t before = test::AllocationsOfThisThread();
+  for (int i = 0; i < 100; ++i) {
+    phantom.Read();
+    phantom.Apply(push);
+    phantom.activity();
+  }
+  EXPECT_EQ(test::AllocationsOfThisThread(), before);
+}
+
+TEST(SimulatedPhantom, RepeatsToTheBit) {
+  Pose there;
+  there.p = Vec3(0.05, 0.02, -0.03);
+  there.q = RotationExp(Vec3(0.5, -0.2, 0.9));
+  const auto run = [&] {
+    SimulatedHand hand(ScriptPlayer(PoseScript({{0.0, Pose{}, "go"}, {1.0, there, "stay"}}), true),
+                       HandImpedance{});
+    SimulatedPhantom phantom(PhantomPremium30Info(), PhantomPremium30Dynamics(), hand, {});
+    const LimitedWrench push = PassThrough({Vec3(0.3, -0.2, 0.1), Vec3(0.01, 0, 0)});
+    for (int i = 0; i < 3000; ++i) phantom.Apply(push);
+    return phantom.pose();
+  };
+  const Pose a = run();
+  const Pose b = run();
+  EXPECT_EQ(a.p, b.p);
+  EXPECT_EQ(a.q.coeffs(), b.q.coeffs());
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,121 @@
+#include "client/station/options.h"
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+
+std::optional<StationOptions> Parse(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "palpate-station");
+  return ParseOptions(static_cast<int>(arguments.size()), arguments.data());
+}
+
+std::string Complaint(const std::vector<const char*>& arguments) {
+  try {
+    Parse(arguments);
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// Runs the program; its exit status and what it printed.
+struct Outcome {
+  int status;
+  std::string text;
+};
+Outcome RunProgram(const std::string& arguments) {
+  const std::string command =
+      std::string(PALPATE_BIN_DIR) + "/palpate-station " + arguments + " 2>&1";
+  Outcome outcome{-1, ""};
+  std::FILE* pipe = popen(command.c_str(), "r");
+  char buffer[4096];
+  for (std::size_t n; (n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) {
+    outcome.text.append(buffer, n);
+  }
+  outcome.status = WEXITSTATUS(pclose(pipe));
+  return outcome;
+}
+
+TEST(StationOptions, ReadsWhatItIsGiven) {
+  const auto options =
+      Parse({"--device", "scripted",   "--scene",    "cube",        "--tool", "sphere",   "--id",
+             "probe_1",  "--for",      "2.5",        "--transport", "udp",    "--domain", "7",
+             "--loop",   "--no-table", "--realtime", "off",         "--json", "-"});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->link.device, "scripted");
+  EXPECT_EQ(options->link.scene, "cube");
+  EXPECT_EQ(options->link.tool, "sphere");
+  EXPECT_EQ(options->link.station, "probe_1");
+  EXPECT_EQ(options->seconds, 2.5);
+  EXPECT_EQ(options->link.transport, dds::Transport::kUdp);
+  EXPECT_EQ(options->link.domain, 7);
+  EXPECT_TRUE(options->loop);
+  EXPECT_FALSE(options->enable_forces);
+  EXPECT_EQ(options->table, false);
+  EXPECT_EQ(options->link.realtime.mode, RealtimeMode::kOff);
+  EXPECT_EQ(options->json, "-");
+}
+
+TEST(StationOptions, LeavesTheTableToTheTerminal) {
+  const auto options = Parse({"--device", "simulated", "--scene", "cube", "--id", "a"});
+  ASSERT_TRUE(options);
+  EXPECT_FALSE(options->table.has_value());
+  EXPECT_FALSE(options->seconds.has_value());
+}
+
+TEST(StationOptions, NamesTheArgumentThatIsWrong) {
+  const std::vector<const char*> good = {"--device", "simulated", "--scene", "cube", "--id", "a"};
+  const auto with = [&good](std::vector<const char*> more) {
+    more.insert(more.begin(), good.begin(), good.end());
+    return Complaint(more);
+  };
+  EXPECT_THAT(Complaint({"--scene", "cube", "--id", "a"}), HasSubstr("--device"));
+  EXPECT_THAT(Complaint({"--device", "simulated", "--id", "a"}), HasSubstr("--scene"));
+  EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube"}), HasSubstr("--id"));
+  EXPECT_THAT(Complaint({"--device", "mouse", "--scene", "cube", "--id", "a"}),
+              HasSubstr("not built into this version; have: simulated, scripted"));
+  EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube", "--id", "a b"}),
+              HasSubstr("--id 'a b'"));
+  EXPECT_THAT(with({"--transport", "pigeon"}), HasSubstr("--transport"));
+  EXPECT_THAT(with({"--domain", "200"}), HasSubstr("--domain"));
+  EXPECT_THAT(with({"--for", "-1"}), HasSubstr("--for"));
+  EXPECT_THAT(with({"--realtime", "perhaps"}), HasSubstr("--realtime"));
+  EXPECT_THAT(with({"--frobnicate"}), HasSubstr("--frobnicate"));
+}
+
+TEST(PalpateStation, ExitsWithTwoForWrongUsage) {
+  const Outcome outcome = RunProgram("--device simulated --scene cube");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.text, HasSubstr("--id"));
+  EXPECT_EQ(RunProgram("--device simulated --scene cube --id a --log-level loud").status, 2);
+}
+
+TEST(PalpateStation, ExitsWithOneWhereItFails) {
+  const Outcome no_script =
+      RunProgram("--device simulated --scene cube --id a --script /nowhere/path.json");
+  EXPECT_EQ(no_script.status, 1);
+  EXPECT_THAT(no_script.text, HasSubstr("/nowhere/path.json"));
+}
+
+TEST(PalpateStation, HelpsWithAnExample) {
+  const Outcome help = RunProgram("--help");
+  EXPECT_EQ(help.status, 0);
+  EXPECT_THAT(help.text, HasSubstr("palpate-server --scene bunny-bunny"));
+  const Outcome version = RunProgram("--version");
+  EXPECT_EQ(version.status, 0);
+  EXPECT_THAT(version.text, HasSubstr("palpate-station 0."));
+}
+
+}  // namespace
+}  // namespace palpate

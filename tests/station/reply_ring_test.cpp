@@ -1,0 +1,65 @@
+#include "client/station/reply_ring.h"
+
+#include <thread>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+Reply Numbered(std::uint64_t n) {
+  Reply reply;
+  reply.pose_sequence = n;
+  reply.wrench.force = Vec3::Constant(static_cast<double>(n));
+  return reply;
+}
+
+TEST(ReplyRing, GivesRepliesInTheirOrder) {
+  ReplyRing ring;
+  Reply reply;
+  EXPECT_FALSE(ring.Pop(reply));
+  for (std::uint64_t n = 1; n <= 3; ++n) EXPECT_TRUE(ring.Push(Numbered(n)));
+  for (std::uint64_t n = 1; n <= 3; ++n) {
+    ASSERT_TRUE(ring.Pop(reply));
+    EXPECT_EQ(reply.pose_sequence, n);
+  }
+  EXPECT_FALSE(ring.Pop(reply));
+}
+
+TEST(ReplyRing, RefusesWhatDoesNotFit) {
+  ReplyRing ring;
+  for (std::size_t n = 0; n < ReplyRing::kCapacity; ++n) EXPECT_TRUE(ring.Push(Numbered(n)));
+  EXPECT_FALSE(ring.Push(Numbered(0)));
+  Reply reply;
+  EXPECT_TRUE(ring.Pop(reply));
+  EXPECT_TRUE(ring.Push(Numbered(1)));
+}
+
+TEST(ReplyRing, CarriesWholeRepliesBetweenTwoThreads) {
+  constexpr std::uint64_t kReplies = 100'000;
+  ReplyRing ring;
+  std::thread producer([&ring] {
+    for (std::uint64_t n = 1; n <= kReplies;) {
+      if (ring.Push(Numbered(n))) {
+        ++n;
+      } else {
+        std::this_thread::yield();
+      }
+    }
+  });
+  std::uint64_t wrong = 0;
+  for (std::uint64_t n = 1; n <= kReplies;) {
+    Reply reply;
+    if (!ring.Pop(reply)) {
+      std::this_thread::yield();
+      continue;
+    }
+    wrong += reply.pose_sequence != n || reply.wrench.force.z() != static_cast<double>(n);
+    ++n;
+  }
+  producer.join();
+  EXPECT_EQ(wrong, 0u);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,169 @@
+#include "client/station/session_link.h"
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "common/time/steady_clock.h"
+#include "tests/station/fake_server.h"
+#include "tests/station/still_device.h"
+
+namespace palpate {
+namespace {
+
+using test::FakeServer;
+
+constexpr int kDomain = 101;
+const dds::TransportChoice kUdp{dds::Transport::kUdp, "UDP (as asked)"};
+
+/// A whole station but for main: a device pressed 2 mm into the fake server's floor.
+struct Station {
+  test::StillDevice device;
+  std::unique_ptr<StationCore> core;
+  ReplyRing replies;
+  std::unique_ptr<ServoThread> servo;
+  std::vector<std::string> said;
+  std::unique_ptr<SessionLink> link;
+  StationSnapshot snapshot;
+
+  explicit Station(double patience_s = 10.0) {
+    device.sample.X_WH.p = Vec3(0, 0, -0.002);
+    core = std::make_unique<StationCore>(device);
+    core->EnableForces(true);
+    LinkOptions options;
+    options.station = "hand";
+    options.scene = "floor";
+    options.domain = kDomain;
+    options.transport = dds::Transport::kUdp;
+    options.realtime.mode = RealtimeMode::kOff;
+    options.patience_s = patience_s;
+    link = std::make_unique<SessionLink>(
+        options, replies,
+        [this]() -> ServoThread& {
+          servo = std::make_unique<ServoThread>(*core, replies, 0.01);
+          return *servo;
+        },
+        [this](const std::string& event) { said.push_back(event); });
+  }
+  ~Station() {
+    link.reset();
+    servo->Stop();
+  }
+
+  /// Polls until it is so; false where that takes more than the time, which is generous because the
+  /// machine may be busy.
+  bool Until(const std::function<bool()>& so, double seconds = 20.0) {
+    const std::int64_t end = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
+    while (SteadyNanoseconds() < end) {
+      link->Poll(SteadyNanoseconds());
+      while (servo->ReadSnapshot(snapshot)) {
+      }
+      if (so()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  }
+  bool UntilForce(double newton) {
+    return Until([=, this] { return std::abs(snapshot.force_N - newton) < 1e-9; });
+  }
+};
+
+TEST(SessionLink, FeelsTheFloor) {
+  FakeServer server(kDomain, kUdp);
+  Station station;
+  ASSERT_TRUE(station.UntilForce(2.0));
+  EXPECT_EQ(station.link->phase(), SessionLink::Phase::kLinked);
+  EXPECT_EQ(station.link->PhaseText(), "active");
+  EXPECT_EQ(station.link->tool(), "sphere");
+  EXPECT_EQ(station.link->reconnects(), 0);
+}
+
+TEST(SessionLink, LosesNoPoseAtTheStart) {
+  FakeServer server(kDomain, kUdp);
+  Station station;
+  ASSERT_TRUE(station.Until([&] { return server.poses() > 100; }));
+  EXPECT_EQ(server.last_sequence(), server.poses() + server.gaps());
+}
+
+TEST(SessionLink, SaysWhyTheServerRefuses) {
+  FakeServer server(kDomain, kUdp);
+  server.Refuse("scene 'floor' is not served here; give --scene with one of: cube");
+  Station station;
+  try {
+    station.Until([] { return false; });
+    FAIL() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(),
+                 "the server refuses the session: scene 'floor' is not served here; give --scene "
+                 "with one of: cube");
+  }
+}
+
+TEST(SessionLink, SaysWhenNoServerAnswers) {
+  Station station(0.2);
+  try {
+    station.Until([] { return false; });
+    FAIL() << "waited for ever";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("no server answers in domain 101"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("palpate-server --scene floor"), std::string::npos);
+  }
+}
+
+TEST(SessionLink, WaitsForAServerThatStartsLater) {
+  Station station;
+  EXPECT_FALSE(
+      station.Until([&] { return station.link->phase() != SessionLink::Phase::kAsking; }, 0.3));
+  FakeServer server(kDomain, kUdp);
+  EXPECT_TRUE(station.UntilForce(2.0));
+}
+
+TEST(SessionLink, FadesWhenTheServerDiesAndResumesByItselfWithItsSuccessor) {
+  auto server = std::make_unique<FakeServer>(kDomain, kUdp);
+  Station station;
+  ASSERT_TRUE(station.UntilForce(2.0));
+  server.reset();
+  ASSERT_TRUE(station.UntilForce(0.0));
+  server = std::make_unique<FakeServer>(kDomain, kUdp);
+  ASSERT_TRUE(station.UntilForce(2.0));
+  EXPECT_EQ(station.link->reconnects(), 1);
+}
+
+TEST(SessionLink, AsksAgainWhenTheServerEndsTheSession) {
+  FakeServer server(kDomain, kUdp);
+  Station station;
+  ASSERT_TRUE(station.UntilForce(2.0));
+  server.EndSession();
+  ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == 1; }));
+  ASSERT_TRUE(station.UntilForce(2.0));
+  EXPECT_EQ(server.sessions(), 2);
+}
+
+TEST(SessionLink, RebuildsItsReaderAndThenItsSessionWhenMatchedButDeaf) {
+  FakeServer server(kDomain, kUdp);
+  Station station;
+  ASSERT_TRUE(station.UntilForce(2.0));
+  server.Mute(true);
+  ASSERT_TRUE(station.Until([&] { return server.sessions() > 1; }));
+  EXPECT_EQ(station.snapshot.force_N, 0.0);
+  server.Mute(false);
+  EXPECT_TRUE(station.UntilForce(2.0));
+}
+
+TEST(SessionLink, ReleasesTheSessionAtItsEnd) {
+  FakeServer server(kDomain, kUdp);
+  {
+    Station station;
+    ASSERT_TRUE(station.UntilForce(2.0));
+  }
+  EXPECT_TRUE(server.left());
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,229 @@
+#include "client/station/station_core.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "common/math/rotation.h"
+#include "common/step_fault.h"
+#include "tests/station/still_device.h"
+#include "tests/support/allocation_counter.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+/// A core with a device and a clock of its own, and a server that answers or does not.
+struct Bench {
+  test::StillDevice device;
+  StationCore core{device};
+  std::int64_t now = 1'000'000 * kMs;
+  Wrench wrench{Vec3(0, 0, 2.0), Vec3::Zero()};
+
+  Bench() { core.EnableForces(true); }
+
+  /// One tick; the reply to its pose arrives `delay` later, before the next tick is over.
+  void Tick(bool answered, std::int64_t delay = kMs / 20) {
+    now += kMs;
+    const OutgoingPose pose = core.Sense(now, true);
+    if (answered) core.Take(now + delay, ReplyTo(pose, delay));
+    core.Act(now);
+  }
+  Reply ReplyTo(const OutgoingPose& pose, std::int64_t delay) const {
+    Reply reply;
+    reply.pose_sequence = pose.sequence;
+    reply.pose_time_ns = pose.sample_time_ns;
+    reply.received_ns = pose.sample_time_ns + delay;
+    reply.wrench = wrench;
+    reply.step_time_s = 3e-6;
+    reply.contacts = 1;
+    return reply;
+  }
+  double force() const { return device.applied.force.z(); }
+};
+
+TEST(StationCore, RendersTheServersForceOnceItHasRampedIn) {
+  Bench bench;
+  bench.Tick(true);
+  EXPECT_LT(bench.force(), 0.1);
+  for (int i = 0; i < 400; ++i) bench.Tick(true);
+  EXPECT_EQ(bench.force(), 2.0);
+}
+
+TEST(StationCore, KeepsForcesOffUntilTheyAreEnabled) {
+  Bench bench;
+  bench.core.EnableForces(false);
+  for (int i = 0; i < 400; ++i) bench.Tick(true);
+  EXPECT_EQ(bench.force(), 0.0);
+  EXPECT_FALSE(bench.core.Sense(bench.now, false).sample.status & kDeviceForcesEnabled);
+  bench.core.EnableForces(true);
+  for (int i = 0; i < 400; ++i) bench.Tick(true);
+  EXPECT_EQ(bench.force(), 2.0);
+  EXPECT_TRUE(bench.core.Sense(bench.now, false).sample.status & kDeviceForcesEnabled);
+}
+
+TEST(StationCore, FadesToZeroWithinThirtyMillisecondsOfTheServersDeath) {
+  Bench bench;
+  for (int i = 0; i < 400; ++i) bench.Tick(true);
+  double last = bench.force();
+  for (int ms = 1; ms <= 100; ++ms) {
+    bench.Tick(false);
+    EXPECT_LE(bench.force(), last);
+    EXPECT_GE(bench.force(), last - 0.16);  // smooth: the steepest part of the fade, 7.5 % a ms
+    if (ms <= 10) {
+      EXPECT_EQ(bench.force(), 2.0) << ms;
+    }
+    if (ms >= 30) {
+      EXPECT_EQ(bench.force(), 0.0) << ms;
+    }
+    last = bench.force();
+  }
+  EXPECT_EQ(bench.core.limiter().counts().fades, 1u);
+  EXPECT_EQ(bench.device.applications, 500);  // the device is served all the while
+}
+
+TEST(StationCore, RampsInWhenARestartedServerAnswers) {
+  Bench bench;
+  for (int i = 0; i < 400; ++i) bench.Tick(true);
+  for (int i = 0; i < 3000; ++i) bench.Tick(false);
+  bench.wrench.force.z() = 5.0;  // it computes another force
+  double last = 0.0;
+  for (int i = 0; i < 250; ++i) {
+    bench.Tick(true);
+    EXPECT_LE(bench.force() - last, 0.1);  // 5 N over 200 ms, and the slew of the change itself
+    last = bench.force();
+  }
+  EXPECT_EQ(last, 5.0);
+  EXPECT_EQ(bench.core.lost(), 3000u);
+}
+
+TEST(StationCore, AgesAReplyFromThePoseThatItAnswers) {
+  Bench bench;
+  for (int i = 0; i < 400; ++i) bench.Tick(true);
+  // The server answers each tick, but with the pose of a second ago: as good as dead.
+  std::vector<OutgoingPose> poses;
+  for (int i = 0; i < 1100; ++i) {
+    bench.now += kMs;
+    poses.push_back(bench.core.Sense(bench.now, true));
+    if (i >= 1000) bench.core.Take(bench.now, bench.ReplyTo(poses[i - 1000], 1000 * kMs));
+    bench.core.Act(bench.now);
+  }
+  EXPECT_EQ(bench.force(), 0.0);
+  EXPECT_EQ(bench.core.totals().late, 100u);
+}
+
+TEST(StationCore, IgnoresRepliesThatItCannotHaveAskedFor) {
+  Bench bench;
+  for (int i = 0; i < 400; ++i) bench.Tick(true);
+  Reply evil;
+  evil.wrench.force = Vec3(100, 0, 0);
+  evil.pose_time_ns = bench.now;
+  evil.pose_sequence = 1'000'000;  // of no pose that was sent
+  bench.core.Take(bench.now, evil);
+  evil.pose_sequence = 400;  // answered already
+  bench.core.Take(bench.now, evil);
+  evil.pose_sequence = 399;  // out of order
+  bench.core.Take(bench.now, evil);
+  const OutgoingPose pose = bench.core.Sense(bench.now + kMs, true);
+  evil.pose_sequence = pose.sequence;
+  evil.pose_time_ns = bench.now + 2000 * kMs;  // from the future: it would never grow old
+  bench.core.Take(bench.now + kMs, evil);
+  EXPECT_EQ(bench.core.totals().strays, 4u);
+  bench.core.Act(bench.now + kMs);
+  EXPECT_EQ(bench.device.applied.force, Vec3(0, 0, 2.0));
+}
+
+TEST(StationCore, NumbersOnlyThePosesThatItSends) {
+  Bench bench;
+  EXPECT_EQ(bench.core.Sense(bench.now, true).sequence, 1u);
+  EXPECT_EQ(bench.core.Sense(bench.now, false).sequence, 1u);
+  EXPECT_EQ(bench.core.Sense(bench.now, true).sequence, 2u);
+  EXPECT_EQ(bench.core.totals().sent, 2u);
+}
+
+TEST(StationCore, ShiftsTheWrenchFromTheToolsCentroidToTheHandle) {
+  Bench bench;
+  bench.device.sample.X_WH.q = RotationExp(Vec3(0, 0, M_PI / 2));  // x of the tool is y of W
+  bench.core.SetToolReference(Vec3(0.1, 0, 0));
+  bench.wrench = {Vec3(0, 0, 2.0), Vec3(0.01, 0, 0)};
+  for (int i = 0; i < 400; ++i) bench.Tick(true);
+  EXPECT_EQ(bench.device.applied.force, Vec3(0, 0, 2.0));
+  // c = 0.1 y; c x F = 0.2 N m about x.
+  EXPECT_NEAR((bench.device.applied.torque - Vec3(0.21, 0, 0)).norm(), 0.0, 1e-12);
+}
+
+TEST(StationCore, TurnsANonFiniteReplyIntoNoForce) {
+  Bench bench;
+  for (int i = 0; i < 400; ++i) bench.Tick(true);
+  bench.wrench.force.x() = std::numeric_limits<double>::quiet_NaN();
+  for (int i = 0; i < 20; ++i) {
+    bench.Tick(true);
+    ASSERT_TRUE(bench.device.applied.force.allFinite());
+    ASSERT_TRUE(bench.device.applied.torque.allFinite());
+  }
+  EXPECT_EQ(bench.force(), 0.0);
+  EXPECT_EQ(bench.core.limiter().counts().nonfinite, 20u);
+}
+
+TEST(StationCore, LetsNoForceIntoADeviceThatReportsAFault) {
+  Bench bench;
+  for (int i = 0; i < 400; ++i) bench.Tick(true);
+  bench.device.sample.status = kDeviceFault;
+  for (int i = 0; i < 60; ++i) bench.Tick(true);
+  EXPECT_EQ(bench.force(), 0.0);
+}
+
+TEST(StationCore, CountsWhatWasLateLostAndInContact) {
+  Bench bench;
+  for (int i = 0; i < 10; ++i) bench.Tick(true);
+  for (int i = 0; i < 3; ++i) bench.Tick(true, 3 * kMs / 2);
+  for (int i = 0; i < 4; ++i) bench.Tick(false);
+  EXPECT_EQ(bench.core.lost(), 0u);  // they may still come
+  bench.Tick(true);
+  const StationTotals& totals = bench.core.totals();
+  EXPECT_EQ(totals.sent, 18u);
+  EXPECT_EQ(totals.replies, 14u);
+  EXPECT_EQ(totals.late, 3u);
+  EXPECT_EQ(bench.core.lost(), 4u);
+  EXPECT_EQ(totals.contact_replies, 14u);
+  EXPECT_EQ(totals.round_trip.count(), 14u);
+  EXPECT_EQ(totals.round_trip.max(), 1'500'000u);
+}
+
+TEST(StationCore, RemembersFaultsButForTheOneThatEverySessionBeginsWith) {
+  Bench bench;
+  Reply reply = bench.ReplyTo(bench.core.Sense(bench.now, true), kMs / 20);
+  reply.faults = kFaultNotStarted | kFaultJammed;
+  bench.core.Take(bench.now, reply);
+  EXPECT_EQ(bench.core.TakeSnapshot(bench.now).faults, kFaultNotStarted | kFaultJammed);
+  EXPECT_EQ(bench.core.totals().faults, kFaultJammed);
+}
+
+TEST(StationCore, ShowsAPeriodAndThenBeginsANewOne) {
+  Bench bench;
+  bench.core.TakeSnapshot(bench.now);
+  for (int i = 0; i < 250; ++i) bench.Tick(true);
+  const StationSnapshot snapshot = bench.core.TakeSnapshot(bench.now);
+  EXPECT_NEAR(snapshot.rate_hz, 1000.0, 1e-6);
+  EXPECT_NEAR(snapshot.round_trip_us_p50, 50.0, 50.0 / 32);
+  EXPECT_NEAR(snapshot.server_step_us_p50, 3.0, 3.0 / 32);
+  EXPECT_EQ(snapshot.replies, 250u);
+  EXPECT_EQ(snapshot.contacts, 1u);
+  EXPECT_GT(snapshot.force_N, 1.9);
+  const StationSnapshot next = bench.core.TakeSnapshot(bench.now + kMs);
+  EXPECT_EQ(next.replies, 0u);
+  EXPECT_EQ(next.round_trip_us_p50, 0.0);
+  EXPECT_EQ(next.peak_force_N, 0.0);
+}
+
+TEST(StationCore, AllocatesNothing) {
+  Bench bench;
+  const std::uint64_t before = test::AllocationsOfThisThread();
+  for (int i = 0; i < 500; ++i) bench.Tick(i % 3 != 0);
+  bench.core.TakeSnapshot(bench.now);
+  EXPECT_EQ(test::AllocationsOfThisThread(), before);
+}
+
+}  // namespace
+}  // namespace palpate
