@@ -40,7 +40,7 @@ void AddTools(const Scene& scene, std::vector<std::shared_ptr<const ServedTool>>
   const auto objects = MakeObjects(scene);
   for (const Body& tool : scene.tools) {
     tools.push_back(std::make_shared<const ServedTool>(
-        ServedTool{scene.name, tool.name, MakeModel(scene, tool, objects), tool.tree.centroid}));
+        ServedTool{scene.name, tool.name, MakeModel(scene, tool, objects)}));
   }
 }
 

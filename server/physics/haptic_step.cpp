@@ -46,6 +46,10 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectFor
 HapticModel::~HapticModel() = default;
 HapticModel::HapticModel(HapticModel&&) noexcept = default;
 
+const Vec3& HapticModel::reference() const {
+  return tool_->reference();
+}
+
 int HapticModel::degrees_of_freedom() const {
   return tool_->leaf_count() == 1 ? 3 : 6;
 }

@@ -51,6 +51,8 @@ class HapticModel {
   const ObjectForest& objects() const { return *objects_; }
   /// 3 where the tool is a single sphere (no contact can turn it), else 6.
   int degrees_of_freedom() const;
+  /// Point that the step and the wrench refer to, in the tool's frame [m]: the centroid.
+  const Vec3& reference() const;
   /// Characteristic length sqrt(k_r / k_t) [m] that makes a rotation a length.
   double rotation_length() const { return rotation_length_; }
 

@@ -16,7 +16,6 @@ struct ServedTool {
   std::string scene;
   std::string tool;
   HapticModel model;
-  Vec3 reference = Vec3::Zero();  ///< the tool's centroid, in its own frame [m]
 };
 
 /// One station driving one tool: waiting for poses -> acquiring (only where the tool starts inside

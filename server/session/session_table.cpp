@@ -149,7 +149,7 @@ void SessionTable::Publish(const Session& session) {
   wire::FromText(session.tool().tool, state.tool);
   wire::FromText(session.reason(), state.reason);
   state.start_depth_m = session.start_depth();
-  wire::FromVec3(session.tool().reference, state.tool_reference_m);
+  wire::FromVec3(session.tool().model.reference(), state.tool_reference_m);
   changes_.push_back(state);
 }
 

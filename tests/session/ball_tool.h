@@ -17,19 +17,20 @@ inline constexpr double kTouch = kBallRadius + kToolRadius;
 inline constexpr double kStiffness = 1000.0;
 
 /// A ball of 50 mm at the origin, felt with a ball of 5 mm: pressed straight down to height z, the
-/// hand feels kStiffness * (kTouch - z) upward.
+/// hand feels kStiffness * (kTouch - z) upward.  p_TC: where the probe's centre is in its own
+/// frame.
 inline std::shared_ptr<const ServedTool> BallTool(const std::string& scene = "ball",
-                                                  const std::string& tool = "probe") {
+                                                  const std::string& tool = "probe",
+                                                  const Vec3& p_TC = Vec3::Zero()) {
   const Ball ball{Vec3::Zero(), kBallRadius};
-  const Ball probe{Vec3::Zero(), kToolRadius};
+  const Ball probe{p_TC, kToolRadius};
   const SphereTree object = MakeTree({&ball, 1});
   const PlacedTree placed{&object, Pose{}};
   StepParameters parameters;
   parameters.stiffness = kStiffness;
   return std::make_shared<const ServedTool>(ServedTool{
       scene, tool,
-      HapticModel(MakeTree({&probe, 1}), HapticModel::MakeObjects({&placed, 1}), parameters),
-      Vec3(0.1, 0.2, 0.3)});
+      HapticModel(MakeTree({&probe, 1}), HapticModel::MakeObjects({&placed, 1}), parameters)});
 }
 
 /// A station's poses, one a millisecond.

@@ -56,7 +56,8 @@ class SessionTableTest : public testing::Test {
 
   std::int64_t now_ = 1000 * kMs;
   Hand hand_;
-  SessionTable table_{{BallTool("one", "probe"), BallTool("two", "left"), BallTool("two", "right")},
+  SessionTable table_{{BallTool("one", "probe", Vec3(0.1, 0.2, 0.3)), BallTool("two", "left"),
+                       BallTool("two", "right")},
                       kServerRun};
 };
 
