@@ -167,7 +167,11 @@ void SessionLink::MakeReader() {
 
 void SessionLink::PollMatching(std::int64_t now_ns) {
   if (server_restarted_ || state_->phase == palpate_SESSION_ENDED ||
-      state_->phase == palpate_SESSION_REFUSED || now_ns - phase_since_ns_ > kMatchPatience_ns) {
+      state_->phase == palpate_SESSION_REFUSED) {
+    return Ask(now_ns);
+  }
+  if (now_ns - phase_since_ns_ > kMatchPatience_ns) {
+    say_("the server accepted 5 s ago and is not found in the loop's domain: asking again");
     return Ask(now_ns);
   }
   if (!wrenches_ && dds::WriterDiscovered(*loop_, dds::WrenchTopic(options_.station, run_))) {
