@@ -59,7 +59,19 @@ void ServoThread::SetPath(PosePath* path) {
   while (ticks_.load() < quiet) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-void ServoThread::Tick(std::int64_t now_ns) noexcept {
+void ServoThread::AwaitTick() noexcept {
+  next_ns_ += kTick_ns;
+  SleepUntil(next_ns_);
+  const std::int64_t late_ns = SteadyNanoseconds() - next_ns_;
+  if (late_ns <= kTick_ns) return;
+  // Held up: goes on from here, without a burst.
+  const std::int64_t missed = late_ns / kTick_ns;
+  missed_ticks_.fetch_add(static_cast<std::uint64_t>(missed), std::memory_order_relaxed);
+  next_ns_ += missed * kTick_ns;
+}
+
+void ServoThread::Tick() noexcept {
+  const std::int64_t now_ns = SteadyNanoseconds();
   PosePath* const path = path_.load(std::memory_order_acquire);
   const OutgoingPose pose = core_.Sense(now_ns, path != nullptr);
   if (path) {
@@ -67,26 +79,25 @@ void ServoThread::Tick(std::int64_t now_ns) noexcept {
     path->writer.Write(ToWire(pose));  // where DDS refuses it, the pose is lost and counted as such
   }
   Reply reply;
-  while (replies_.Pop(reply)) core_.Take(now_ns, reply);
+  while (replies_.Pop(reply)) core_.Take(SteadyNanoseconds(), reply);
   core_.Act(now_ns);
   newest_reply_ns_.store(core_.newest_reply_ns(), std::memory_order_relaxed);
+  const std::uint64_t ticks = ticks_.fetch_add(1, std::memory_order_release) + 1;
+  if (ticks % ticks_per_snapshot_ == 0) snapshots_.Write(core_.TakeSnapshot(now_ns));
 }
 
 void ServoThread::Run() noexcept {
   started_.wait(false);
-  std::int64_t next_ns = SteadyNanoseconds();
+  next_ns_ = SteadyNanoseconds();
   while (!stop_.load(std::memory_order_relaxed)) {
-    next_ns += kTick_ns;
-    SleepUntil(next_ns);
-    const std::int64_t now_ns = SteadyNanoseconds();
-    if (now_ns - next_ns > kTick_ns) {  // held up: go on from here, without a burst
-      const auto missed = static_cast<std::uint64_t>((now_ns - next_ns) / kTick_ns);
-      missed_ticks_.fetch_add(missed, std::memory_order_relaxed);
-      next_ns = now_ns;
-    }
-    Tick(now_ns);
-    const std::uint64_t ticks = ticks_.fetch_add(1, std::memory_order_release) + 1;
-    if (ticks % ticks_per_snapshot_ == 0) snapshots_.Write(core_.TakeSnapshot(now_ns));
+    AwaitTick();
+    Tick();
+  }
+  // A device keeps what it was told last: that is to be nothing.
+  core_.EnableForces(false);
+  while (core_.renders_force()) {
+    AwaitTick();
+    Tick();
   }
 }
 

@@ -35,6 +35,7 @@ class ServoThread {
   /// Sends poses there from the next tick on; null: nowhere.  Returns when the former path is no
   /// longer in use.
   void SetPath(PosePath* path);
+  /// Takes the force out of the device, by the limiter's ramp, and ends the thread.
   void Stop();
 
   bool ReadSnapshot(StationSnapshot& snapshot) { return snapshots_.Read(snapshot); }
@@ -46,12 +47,14 @@ class ServoThread {
 
  private:
   void Run() noexcept;
-  void Tick(std::int64_t now_ns) noexcept;
+  void AwaitTick() noexcept;
+  void Tick() noexcept;
 
   StationCore& core_;
   ReplyRing& replies_;
   const std::uint64_t ticks_per_snapshot_;
   LatestMailbox<StationSnapshot> snapshots_;
+  std::int64_t next_ns_ = 0;
   std::atomic<PosePath*> path_{nullptr};
   std::atomic<bool> started_{false};
   std::atomic<bool> stop_{false};

@@ -137,7 +137,13 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
   tool_ = state_->tool;
   path_ = std::make_unique<PosePath>();
   path_->tool_reference = wire::ToVec3(state_->tool_reference_m);
-  path_->writer = {*loop_, dds::PoseTopic(options_.station, run_), dds::Qos::kLoop};
+  if (!Try(
+          [&] {
+            path_->writer = {*loop_, dds::PoseTopic(options_.station, run_), dds::Qos::kLoop};
+          },
+          now_ns)) {
+    return;
+  }
   phase_ = Phase::kMatching;
   phase_since_ns_ = now_ns;
 }
@@ -161,11 +167,15 @@ void SessionLink::MakeReader() {
 
 void SessionLink::PollMatching(std::int64_t now_ns) {
   if (server_restarted_ || state_->phase == palpate_SESSION_ENDED ||
-      state_->phase == palpate_SESSION_REFUSED || now_ns - phase_since_ns_ > kMatchPatience_ns) {
+      state_->phase == palpate_SESSION_REFUSED) {
+    return Ask(now_ns);
+  }
+  if (now_ns - phase_since_ns_ > kMatchPatience_ns) {
+    say_("the server accepted 5 s ago and is not found in the loop's domain: asking again");
     return Ask(now_ns);
   }
   if (!wrenches_ && dds::WriterDiscovered(*loop_, dds::WrenchTopic(options_.station, run_))) {
-    MakeReader();
+    if (!Try([this] { MakeReader(); }, now_ns)) return;
   }
   if (!wrenches_ || path_->writer.matched_readers() == 0) return;
   if (matched_since_ns_ == 0) matched_since_ns_ = now_ns;
@@ -201,19 +211,40 @@ void SessionLink::OnSilence(std::int64_t now_ns) {
   silence_said_ = true;
   if (wrenches_.matched_writers() == 0)
     return;  // nobody there: its successor will find our request
-  if (readers_made_ < kReadersPerRun) return MakeReader();
-  const bool never_heard = servo_->newest_reply_ns() < phase_since_ns_;
-  if (never_heard && options_.transport == dds::Transport::kAuto && loop_->shared_memory()) {
-    Close();
-    loop_.reset();
-    choice_ = {dds::Transport::kUdp,
-               "UDP (matched over shared memory, yet nothing comes: was RouDi restarted? Restart "
-               "RouDi, server and stations together)"};
-    EnterRealtime(options_.realtime);
-    loop_.emplace(dds::Participant::Loop(options_.domain, choice_));
-    LeaveRealtime();
-    say_("transport: " + choice_.reason);
+  if (readers_made_ < kReadersPerRun) {
+    Try([this] { MakeReader(); }, now_ns);
+    return;
   }
+  const bool never_heard = servo_->newest_reply_ns() < phase_since_ns_;
+  if (never_heard && MayFallBack()) {
+    return FallBackToUdp("matched over shared memory, yet nothing comes", now_ns);
+  }
+  Ask(now_ns);
+}
+
+bool SessionLink::MayFallBack() const {
+  return options_.transport == dds::Transport::kAuto && loop_->shared_memory();
+}
+
+bool SessionLink::Try(const std::function<void()>& make_endpoints, std::int64_t now_ns) {
+  try {
+    make_endpoints();
+    return true;
+  } catch (const Error& error) {
+    if (!MayFallBack()) throw;
+    FallBackToUdp(error.what(), now_ns);
+    return false;
+  }
+}
+
+void SessionLink::FallBackToUdp(const std::string& why, std::int64_t now_ns) {
+  Close();
+  loop_.reset();
+  choice_ = {dds::Transport::kUdp, "UDP (" + why + ")"};
+  EnterRealtime(options_.realtime);
+  loop_.emplace(dds::Participant::Loop(options_.domain, choice_));
+  LeaveRealtime();
+  say_("transport: " + choice_.reason);
   Ask(now_ns);
 }
 

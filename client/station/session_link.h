@@ -68,6 +68,10 @@ class SessionLink {
   void PollMatching(std::int64_t now_ns);
   void PollLinked(std::int64_t now_ns);
   void OnSilence(std::int64_t now_ns);
+  /// Makes endpoints; false where shared memory failed and UDP was taken instead, asked for anew.
+  bool Try(const std::function<void()>& make_endpoints, std::int64_t now_ns);
+  bool MayFallBack() const;
+  void FallBackToUdp(const std::string& why, std::int64_t now_ns);
   void Close();
   void MakeReader();
   void WriteRequest(bool leave);

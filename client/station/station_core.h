@@ -92,6 +92,10 @@ class StationCore {
   const StationTotals& totals() const noexcept { return totals_; }
   const WrenchLimiter& limiter() const noexcept { return limiter_; }
   std::uint64_t lost() const noexcept;
+  /// True unless the device was last told to render nothing at all.
+  bool renders_force() const noexcept {
+    return !applied_.force.isZero(0.0) || !applied_.torque.isZero(0.0);
+  }
   /// When the pose of the newest reply was sampled; 0 before the first.
   std::int64_t newest_reply_ns() const noexcept { return newest_.pose_time_ns; }
 

@@ -55,9 +55,9 @@ unsigned long long Number(std::uint64_t n) {
 
 std::string ToText(const StationSummary& s) {
   const StationTotals& t = s.totals;
-  std::string text = Text("%.1f s as '%s' in scene %s (tool %s), %s, over %s\n", s.seconds,
-                          s.station.c_str(), s.scene.c_str(), s.tool.empty() ? "-" : s.tool.c_str(),
-                          s.device.c_str(), s.transport.c_str());
+  std::string text = Text("%.1f s as '%s', %s\n", s.seconds, s.station.c_str(), s.device.c_str());
+  text += Text("  scene        %s, tool %s, over %s\n", s.scene.c_str(),
+               s.tool.empty() ? "-" : s.tool.c_str(), s.transport.c_str());
   text += Text("  rate         %.1f Hz, %llu poses sent, %llu ticks missed\n", Rate(s),
                Number(t.sent), Number(s.missed_ticks));
   text += "  round trip   " + Percentiles(t.round_trip) + "\n";

@@ -43,6 +43,7 @@ QosPtr MakeQos(Qos role) {
 
 template <class T>
 dds_entity_t MakeTopic(const Participant& participant, const std::string& name) {
+  participant.RequireRouDi();
   const dds_entity_t topic = dds_create_topic(participant.handle(), &wire::Descriptor<T>(),
                                               name.c_str(), nullptr, nullptr);
   if (topic < 0) throw Error("DDS topic '" + name + "': " + dds_strretcode(topic));

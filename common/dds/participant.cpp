@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -42,6 +43,22 @@ std::string DomainConfig(int domain_id, bool shared_memory) {
                        : "<SharedMemory><Enable>false</Enable></SharedMemory>";
   return xml + "</Domain></CycloneDDS>";
 }
+
+/// Tells one RouDi from the next: each makes its socket anew.
+struct RouDiIdentity {
+  ino_t inode = 0;
+  timespec made{};
+
+  static RouDiIdentity Current() {
+    struct stat socket {};
+    if (stat(kRouDiSocket, &socket) != 0) return {};
+    return {socket.st_ino, socket.st_ctim};
+  }
+  bool operator==(const RouDiIdentity& other) const {
+    return inode == other.inode && made.tv_sec == other.made.tv_sec &&
+           made.tv_nsec == other.made.tv_nsec;
+  }
+};
 
 }  // namespace
 
@@ -90,7 +107,8 @@ TransportChoice ChooseTransport(Transport wanted) {
 /// A domain entity; one per process and id, because DDS allows no second.
 class Participant::Domain {
  public:
-  Domain(int id, bool shared_memory) : shared_memory_(shared_memory) {
+  Domain(int id, bool shared_memory)
+      : shared_memory_(shared_memory), roudi_(RouDiIdentity::Current()) {
     entity_ =
         dds_create_domain(static_cast<dds_domainid_t>(id), DomainConfig(id, shared_memory).c_str());
     if (entity_ < 0) {
@@ -104,9 +122,11 @@ class Participant::Domain {
   Domain& operator=(const Domain&) = delete;
 
   bool shared_memory() const { return shared_memory_; }
+  bool roudi_lives() const { return RouDiAnswers() && roudi_ == RouDiIdentity::Current(); }
 
  private:
   bool shared_memory_;
+  RouDiIdentity roudi_;
   dds_entity_t entity_ = 0;
 };
 
@@ -152,6 +172,13 @@ Participant& Participant::operator=(Participant&& other) noexcept {
   std::swap(domain_, other.domain_);
   std::swap(participant_, other.participant_);
   return *this;
+}
+
+void Participant::RequireRouDi() const {
+  if (!shared_memory() || domain_->roudi_lives()) return;
+  throw Error(
+      "RouDi was stopped or restarted since this program connected to it, and shared memory cannot "
+      "be had without the same RouDi: restart RouDi, server and stations together");
 }
 
 bool Participant::shared_memory() const {

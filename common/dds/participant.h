@@ -50,6 +50,10 @@ class Participant {
 
   dds_entity_t handle() const { return participant_; }
   bool shared_memory() const;
+  /// Throws Error (remedy) where this participant uses shared memory and the RouDi that it was made
+  /// under has gone or was replaced: iceoryx aborts a process that asks it for one more endpoint.
+  /// Readers and writers ask this before they are made; those that exist go on working.
+  void RequireRouDi() const;
 
  private:
   class Domain;

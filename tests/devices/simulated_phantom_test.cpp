@@ -1,5 +1,6 @@
 #include "devices/simulated/simulated_phantom.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -208,6 +209,35 @@ TEST(SimulatedPhantom, RollsWithLessTorqueThanItYaws) {
   SimulatedPhantom yawed = Free(Frictionless());
   yawed.Apply(PassThrough({Vec3::Zero(), Vec3(0.5, 0, 0)}));
   EXPECT_NEAR(yawed.velocity().w.x(), 0.5 * 1e-3 / inertia, 1e-2);
+}
+
+/// The loop as a station closes it: force from the pose of a millisecond ago, through the limiter.
+TEST(SimulatedPhantom, RestsAgainstAWallWithoutALimitCycle) {
+  const double wall = 1000.0, torsion = 1.0;  // the coupling of the chapter's experiments
+  const HandImpedance impedance;
+  Pose wanted;  // 20 mm inside, turned by 0.3 rad against it
+  wanted.p.z() = -0.020;
+  wanted.q = RotationExp(Vec3(0.3, 0, 0));
+  SimulatedPhantom phantom(PhantomPremium30Info(), PhantomPremium30Dynamics(), HandAt(wanted), {});
+  WrenchLimiter limiter(WrenchLimits::Of(phantom.info()));
+  limiter.Enable(true);
+  Wrench reply;
+  double fastest = 0.0;
+  for (int i = 0; i < 6000; ++i) {
+    const Pose read = phantom.Read().X_WH;
+    phantom.Apply(limiter.Limit(reply, 1e-3, 1e-3));
+    reply.force = Vec3(0, 0, read.p.z() < 0.0 ? -wall * read.p.z() : 0.0);
+    reply.torque = -torsion * RotationLog(read.q);
+    if (i >= 5000) fastest = std::max(fastest, phantom.velocity().v.norm());
+  }
+  EXPECT_EQ(fastest, 0.0);  // dry friction holds it: at rest to the last bit
+  EXPECT_EQ(phantom.velocity().w, Vec3::Zero());
+  // Two springs in series, within the band of dry friction.
+  const double force = 0.020 * impedance.stiffness_N_m * wall / (impedance.stiffness_N_m + wall);
+  EXPECT_NEAR(reply.force.z(), force, PhantomPremium30Dynamics().coulomb_force_N);
+  const double torque =
+      0.3 * impedance.stiffness_Nm_rad * torsion / (impedance.stiffness_Nm_rad + torsion);
+  EXPECT_NEAR(-reply.torque.x(), torque, 2.0 * PhantomPremium30Dynamics().coulomb_torque_Nm);
 }
 
 TEST(SimulatedPhantom, AllocatesNothingInTheLoop) {

@@ -106,6 +106,9 @@ TEST(PalpateStation, ExitsWithOneWhereItFails) {
       RunProgram("--device simulated --scene cube --id a --script /nowhere/path.json");
   EXPECT_EQ(no_script.status, 1);
   EXPECT_THAT(no_script.text, HasSubstr("/nowhere/path.json"));
+  const Outcome no_scene = RunProgram("--device simulated --scene no-such-scene --id a");
+  EXPECT_EQ(no_scene.status, 1);
+  EXPECT_THAT(no_scene.text, HasSubstr("no-such-scene"));
 }
 
 TEST(PalpateStation, HelpsWithAnExample) {

@@ -1,0 +1,73 @@
+#include "client/station/servo_thread.h"
+
+#include <chrono>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "common/time/steady_clock.h"
+#include "tests/station/still_device.h"
+
+namespace palpate {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// A thread whose poses go nowhere, and a test that plays the server.
+struct Bench {
+  test::StillDevice device;
+  StationCore core{device};
+  ReplyRing replies;
+  ServoThread servo{core, replies, 0.01};
+  PosePath path;
+  StationSnapshot snapshot;
+
+  Bench() { core.EnableForces(true); }
+
+  /// Answers poses with 2 N for that time.
+  void Answer(milliseconds time) {
+    const std::int64_t end = SteadyNanoseconds() + std::chrono::nanoseconds(time).count();
+    while (SteadyNanoseconds() < end) {
+      while (servo.ReadSnapshot(snapshot)) {
+      }
+      Reply reply;
+      reply.pose_sequence = snapshot.sent;
+      reply.pose_time_ns = reply.received_ns = SteadyNanoseconds();
+      reply.wrench.force = Vec3(0, 0, 2.0);
+      replies.Push(reply);
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  }
+};
+
+TEST(ServoThread, RestsUntilThereIsAPath) {
+  Bench bench;
+  std::this_thread::sleep_for(milliseconds(20));
+  EXPECT_FALSE(bench.servo.started());
+  bench.servo.Stop();
+  EXPECT_EQ(bench.core.totals().ticks, 0u);
+}
+
+TEST(ServoThread, ServesTheDeviceWithAPathAndWithout) {
+  Bench bench;
+  bench.servo.SetPath(&bench.path);
+  std::this_thread::sleep_for(milliseconds(50));
+  bench.servo.SetPath(nullptr);
+  std::this_thread::sleep_for(milliseconds(50));
+  bench.servo.Stop();
+  EXPECT_GT(bench.core.totals().sent, 0u);
+  EXPECT_GT(bench.core.totals().ticks, bench.core.totals().sent);
+}
+
+TEST(ServoThread, TakesTheForceOutOfTheDeviceBeforeItEnds) {
+  Bench bench;
+  bench.servo.SetPath(&bench.path);
+  for (int i = 0; i < 50 && bench.snapshot.force_N < 1.0; ++i) bench.Answer(milliseconds(100));
+  ASSERT_GE(bench.snapshot.force_N, 1.0);
+  bench.servo.Stop();
+  EXPECT_FALSE(bench.core.renders_force());
+  EXPECT_EQ(bench.device.applied.force, Vec3::Zero());
+}
+
+}  // namespace
+}  // namespace palpate
