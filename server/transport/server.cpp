@@ -97,6 +97,7 @@ void Server::Poll(std::int64_t now_ns) {
   table_.Update(now_ns);
   UpdateLinks(now_ns);
   PublishChanges();
+  CheckSharedMemory(now_ns);
   const bool tool_states_due = now_ns - tool_states_ns_ >= kSecond_ns / 60;
   if (tool_states_due) tool_states_ns_ = now_ns;
   for (auto& [name, station] : stations_) {
@@ -125,6 +126,17 @@ void Server::PublishChanges() {
     spdlog::info("station {}: {}{}{}", state.station, PhaseText(state.phase),
                  state.reason[0] != '\0' ? ": " : "", state.reason);
     states_.Write(state);
+  }
+}
+
+void Server::CheckSharedMemory(std::int64_t now_ns) {
+  if (memory_lost_ || now_ns - memory_checked_ns_ < kSecond_ns) return;
+  memory_checked_ns_ = now_ns;
+  memory_lost_ = loop_domain_.shared_memory_lost();
+  if (memory_lost_) {
+    spdlog::warn(
+        "RouDi has gone: sessions go on, new ones use UDP; for shared memory restart RouDi, server "
+        "and stations together");
   }
 }
 
