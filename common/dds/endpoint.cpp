@@ -25,7 +25,7 @@ using QosPtr = std::unique_ptr<dds_qos_t, QosDelete>;
 /// Nothing is keep-all (a writer would block, and shared memory is off for it), and no deadline is
 /// finite (that too turns shared memory off).  Writers do not dispose what they leave behind: the
 /// last SessionState says ENDED in words.
-QosPtr MakeQos(Qos role) {
+QosPtr MakeQos(const Participant& participant, Qos role) {
   QosPtr qos(dds_create_qos());
   if (role == Qos::kSession) {
     dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
@@ -38,12 +38,14 @@ QosPtr MakeQos(Qos role) {
     dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
   }
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, role == Qos::kLoop ? 8 : 1);
+  // Not to hear endpoints of the own process is what iceoryx cannot do: Cyclone DDS then keeps this
+  // one off shared memory.
+  if (participant.shared_memory_lost()) dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PROCESS);
   return qos;
 }
 
 template <class T>
 dds_entity_t MakeTopic(const Participant& participant, const std::string& name) {
-  participant.RequireRouDi();
   const dds_entity_t topic = dds_create_topic(participant.handle(), &wire::Descriptor<T>(),
                                               name.c_str(), nullptr, nullptr);
   if (topic < 0) throw Error("DDS topic '" + name + "': " + dds_strretcode(topic));
@@ -77,8 +79,9 @@ bool TakeValid(dds_entity_t reader, T& sample) noexcept {
 template <class T>
 Writer<T>::Writer(const Participant& participant, const std::string& topic, Qos qos)
     : topic_(MakeTopic<T>(participant, topic)) {
-  writer_ = Made(dds_create_writer(participant.handle(), topic_, MakeQos(qos).get(), nullptr),
-                 topic_, "writer", topic);
+  writer_ = Made(
+      dds_create_writer(participant.handle(), topic_, MakeQos(participant, qos).get(), nullptr),
+      topic_, "writer", topic);
 }
 
 template <class T>
@@ -138,9 +141,9 @@ Reader<T>::Reader(const Participant& participant, const std::string& topic, Qos 
     listener.reset(dds_create_listener(state.get()));
     dds_lset_data_available(listener.get(), &State::OnDataAvailable);
   }
-  reader_ =
-      Made(dds_create_reader(participant.handle(), topic_, MakeQos(qos).get(), listener.get()),
-           topic_, "reader", topic);
+  reader_ = Made(dds_create_reader(participant.handle(), topic_, MakeQos(participant, qos).get(),
+                                   listener.get()),
+                 topic_, "reader", topic);
   state_ = state.release();
 }
 

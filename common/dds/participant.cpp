@@ -1,5 +1,6 @@
 #include "common/dds/participant.h"
 
+#include <cstdint>
 #include <cstring>
 #include <map>
 #include <utility>
@@ -17,6 +18,20 @@ namespace {
 
 constexpr const char* kRouDiSocket = "/tmp/roudi";  // iceoryx 2.0: IPC channel "roudi"
 constexpr const char* kStartRouDi = "iox-roudi -c deploy/cyclonedds/roudi.toml";
+
+/// Tells one RouDi from the next: each makes its socket anew.
+struct SocketIdentity {
+  ino_t inode = 0;
+  std::int64_t made_ns = 0;
+  bool operator==(const SocketIdentity&) const = default;
+};
+
+SocketIdentity RouDiIdentity() {
+  struct stat status {};
+  if (stat(kRouDiSocket, &status) != 0) return {};
+  return {status.st_ino,
+          status.st_ctim.tv_sec * std::int64_t{1'000'000'000} + status.st_ctim.tv_nsec};
+}
 
 /// Why each line is there:
 /// - `lo` has no MULTICAST flag, so discovery over it must be told that it may; only discovery uses
@@ -43,22 +58,6 @@ std::string DomainConfig(int domain_id, bool shared_memory) {
                        : "<SharedMemory><Enable>false</Enable></SharedMemory>";
   return xml + "</Domain></CycloneDDS>";
 }
-
-/// Tells one RouDi from the next: each makes its socket anew.
-struct RouDiIdentity {
-  ino_t inode = 0;
-  timespec made{};
-
-  static RouDiIdentity Current() {
-    struct stat socket {};
-    if (stat(kRouDiSocket, &socket) != 0) return {};
-    return {socket.st_ino, socket.st_ctim};
-  }
-  bool operator==(const RouDiIdentity& other) const {
-    return inode == other.inode && made.tv_sec == other.made.tv_sec &&
-           made.tv_nsec == other.made.tv_nsec;
-  }
-};
 
 }  // namespace
 
@@ -107,8 +106,7 @@ TransportChoice ChooseTransport(Transport wanted) {
 /// A domain entity; one per process and id, because DDS allows no second.
 class Participant::Domain {
  public:
-  Domain(int id, bool shared_memory)
-      : shared_memory_(shared_memory), roudi_(RouDiIdentity::Current()) {
+  Domain(int id, bool shared_memory) : shared_memory_(shared_memory), roudi_(RouDiIdentity()) {
     entity_ =
         dds_create_domain(static_cast<dds_domainid_t>(id), DomainConfig(id, shared_memory).c_str());
     if (entity_ < 0) {
@@ -122,11 +120,13 @@ class Participant::Domain {
   Domain& operator=(const Domain&) = delete;
 
   bool shared_memory() const { return shared_memory_; }
-  bool roudi_lives() const { return RouDiAnswers() && roudi_ == RouDiIdentity::Current(); }
+  bool shared_memory_lost() const {
+    return shared_memory_ && !(RouDiAnswers() && RouDiIdentity() == roudi_);
+  }
 
  private:
   bool shared_memory_;
-  RouDiIdentity roudi_;
+  SocketIdentity roudi_;
   dds_entity_t entity_ = 0;
 };
 
@@ -174,15 +174,12 @@ Participant& Participant::operator=(Participant&& other) noexcept {
   return *this;
 }
 
-void Participant::RequireRouDi() const {
-  if (!shared_memory() || domain_->roudi_lives()) return;
-  throw Error(
-      "RouDi was stopped or restarted since this program connected to it, and shared memory cannot "
-      "be had without the same RouDi: restart RouDi, server and stations together");
-}
-
 bool Participant::shared_memory() const {
   return domain_ && domain_->shared_memory();
+}
+
+bool Participant::shared_memory_lost() const {
+  return domain_ && domain_->shared_memory_lost();
 }
 
 }  // namespace palpate::dds

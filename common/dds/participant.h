@@ -49,11 +49,12 @@ class Participant {
   Participant& operator=(Participant&& other) noexcept;
 
   dds_entity_t handle() const { return participant_; }
+  /// What the domain was made with.
   bool shared_memory() const;
-  /// Throws Error (remedy) where this participant uses shared memory and the RouDi that it was made
-  /// under has gone or was replaced: iceoryx aborts a process that asks it for one more endpoint.
-  /// Readers and writers ask this before they are made; those that exist go on working.
-  void RequireRouDi() const;
+  /// True where that was shared memory and its RouDi has gone, or another has taken its place: what
+  /// is open goes on, but a new endpoint over shared memory would abort the process.  Writers and
+  /// readers made from then on use UDP.
+  bool shared_memory_lost() const;
 
  private:
   class Domain;

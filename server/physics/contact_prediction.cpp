@@ -1,5 +1,7 @@
 #include "server/physics/contact_prediction.h"
 
+#include <algorithm>
+
 #include "server/physics/stage_clock.h"
 
 namespace palpate {
@@ -17,9 +19,27 @@ void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
     rows.Add(kernels, model.tool().leaves().data(), model.objects().leaves().data(), R_WG, p_W,
              pairs, count);
     clock.Lap(&StageTimes::rows);
+    return true;
   });
   rows.Finish();
   clock.Lap(&StageTimes::prediction);
+}
+
+bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
+                                 const Vec3& p_W, ContactRows& rows) noexcept {
+  bool overlaps = false;
+  query_.Run(kernels, R_WG, p_W, {0.0, 0.0}, [&](const NodePair* pairs, int count) {
+    // A few pairs at a time: deep inside, the first one tells.
+    constexpr int kFew = 64;
+    for (int i = 0; i < count && !overlaps; i += kFew) {
+      rows.Clear();
+      rows.Add(kernels, model.tool().leaves().data(), model.objects().leaves().data(), R_WG, p_W,
+               pairs + i, std::min(kFew, count - i));
+      for (int r = 0; r < rows.count() && !overlaps; ++r) overlaps = rows.gap(r) < 0.0;
+    }
+    return !overlaps;
+  });
+  return overlaps;
 }
 
 }  // namespace palpate

@@ -82,7 +82,8 @@ class PairQuery {
  public:
   PairQuery(const ToolTree& tool, const ObjectForest& objects);
 
-  /// Calls sink(const NodePair* leaves, int count) for batches of at most kMaxBatch leaf pairs.
+  /// Calls sink(const NodePair* leaves, int count) for batches of at most kMaxBatch leaf pairs, for as
+  /// long as it returns true.
   /// Complete; float rounding is covered by a margin, so a few more pairs may come.
   /// Real-time: no allocation.
   template <class Sink>
@@ -94,7 +95,7 @@ class PairQuery {
 
  private:
   template <class Sink>
-  void Descend(const Kernels& kernels, int level, const NodePair* pairs, int count,
+  bool Descend(const Kernels& kernels, int level, const NodePair* pairs, int count,
                Sink& sink) noexcept;
 
   std::vector<LevelView> views_;
@@ -124,7 +125,7 @@ void PairQuery::Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
 }
 
 template <class Sink>
-void PairQuery::Descend(const Kernels& kernels, int level, const NodePair* pairs, int count,
+bool PairQuery::Descend(const Kernels& kernels, int level, const NodePair* pairs, int count,
                         Sink& sink) noexcept {
   NodePair* out = lists_.data() + static_cast<std::size_t>(level) * kMaxBatch;
   for (int i = 0; i < count; i += kChunk) {
@@ -132,11 +133,12 @@ void PairQuery::Descend(const Kernels& kernels, int level, const NodePair* pairs
     const int found = kernels.expand_pairs(views_[level], pose_, now_, pairs + i, chunk, out);
     if (found == 0) continue;
     if (level + 1 == static_cast<int>(views_.size())) {
-      sink(out, found);
-    } else {
-      Descend(kernels, level + 1, out, found, sink);
+      if (!sink(out, found)) return false;
+    } else if (!Descend(kernels, level + 1, out, found, sink)) {
+      return false;
     }
   }
+  return true;
 }
 
 }  // namespace palpate

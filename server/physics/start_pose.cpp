@@ -8,16 +8,10 @@
 namespace palpate {
 namespace {
 
-/// Least gap between tool and objects at a pose, of the pairs within reach of a sub-step; positive
-/// where nothing is.
-double LeastGap(const HapticModel& model, const Pose& X_WT, StepWorkspace& workspace) {
+bool IsFree(const HapticModel& model, const Pose& X_WT, StepWorkspace& workspace) {
   StepBuffers& buffers = workspace.buffers();
-  const Vec3 p = X_WT * model.tool().reference();
-  buffers.prediction.Predict(model, ActiveKernels(), X_WT.q.toRotationMatrix(), p,
-                             {model.parameters().max_translation, 0.0}, buffers.rows, nullptr);
-  double least = 1.0;
-  for (int i = 0; i < buffers.rows.count(); ++i) least = std::min(least, buffers.rows.gap(i));
-  return least;
+  return !buffers.prediction.Overlaps(model, ActiveKernels(), X_WT.q.toRotationMatrix(),
+                                      X_WT * model.reference(), buffers.rows);
 }
 
 /// Shortest way out along `direction`, to within a sub-step's length: walks outward until free.
@@ -27,7 +21,7 @@ double WayOut(const HapticModel& model, const Pose& X_WH, const Vec3& direction,
   for (double s = stride; s < longest; s += stride) {
     Pose X = X_WH;
     X.p += s * direction;
-    if (LeastGap(model, X, workspace) >= 0.0) return s;
+    if (IsFree(model, X, workspace)) return s;
   }
   return longest;
 }
@@ -36,11 +30,11 @@ double WayOut(const HapticModel& model, const Pose& X_WH, const Vec3& direction,
 
 StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace) {
   Pose X_start{X_WH.p, X_WH.q.normalized()};
-  if (LeastGap(model, X_start, workspace) >= 0.0) return {X_start, 0.0};
+  if (IsFree(model, X_start, workspace)) return {X_start, 0.0};
 
   // Out along the 26 directions of a cube's faces, edges and corners, whichever is shortest; every
   // object ends within `shortest`, so there is always a way.
-  const Vec3 from_centre = X_start * model.tool().reference() - model.objects().center();
+  const Vec3 from_centre = X_start * model.reference() - model.objects().center();
   double shortest = from_centre.norm() + model.objects().radius() + model.tool().reach();
   Vec3 way = Vec3::UnitZ();
   for (int i = 0; i < 27; ++i) {
@@ -62,7 +56,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
     const StepReport report = HapticStep(model, X_start, state, workspace);
     if ((report.faults & kFaultTargetFar) == 0 && (report.X_WG.p - before).norm() < 1e-7) break;
   }
-  const Vec3& c = model.tool().reference();
+  const Vec3& c = model.reference();
   return {state.X_WG, (state.X_WG * c - X_start * c).norm()};
 }
 

@@ -1,5 +1,6 @@
 #include "server/transport/server.h"
 
+#include <algorithm>
 #include <cinttypes>
 #include <cstdio>
 #include <random>
@@ -14,6 +15,7 @@ namespace palpate {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kFrame_ns = kSecond_ns / 60;
 
 std::uint64_t RandomRun() {
   std::random_device random;
@@ -97,8 +99,10 @@ void Server::Poll(std::int64_t now_ns) {
   table_.Update(now_ns);
   UpdateLinks(now_ns);
   PublishChanges();
-  const bool tool_states_due = now_ns - tool_states_ns_ >= kSecond_ns / 60;
-  if (tool_states_due) tool_states_ns_ = now_ns;
+  CheckSharedMemory(now_ns);
+  // Steps of a sixtieth, or else polls of 5 ms would make it fifty a second.
+  const bool tool_states_due = now_ns - tool_states_ns_ >= kFrame_ns;
+  if (tool_states_due) tool_states_ns_ = std::max(tool_states_ns_ + kFrame_ns, now_ns - kFrame_ns);
   for (auto& [name, station] : stations_) {
     if (tool_states_due) PublishToolState(station.link->session());
     ReportStatistics(station, now_ns);
@@ -125,6 +129,17 @@ void Server::PublishChanges() {
     spdlog::info("station {}: {}{}{}", state.station, PhaseText(state.phase),
                  state.reason[0] != '\0' ? ": " : "", state.reason);
     states_.Write(state);
+  }
+}
+
+void Server::CheckSharedMemory(std::int64_t now_ns) {
+  if (memory_lost_ || now_ns - memory_checked_ns_ < kSecond_ns) return;
+  memory_checked_ns_ = now_ns;
+  memory_lost_ = loop_domain_.shared_memory_lost();
+  if (memory_lost_) {
+    spdlog::warn(
+        "RouDi has gone: sessions go on, new ones use UDP; for shared memory restart RouDi, server "
+        "and stations together");
   }
 }
 

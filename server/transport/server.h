@@ -40,6 +40,7 @@ class Server {
   };
 
   void PublishChanges();
+  void CheckSharedMemory(std::int64_t now_ns);
   void UpdateLinks(std::int64_t now_ns);
   void PublishToolState(Session& session);
   void ReportStatistics(Station& station, std::int64_t now_ns);
@@ -54,6 +55,8 @@ class Server {
   dds::Writer<wire::LoopStatistics> statistics_;
   std::map<std::string, Station> stations_;
   std::int64_t tool_states_ns_ = 0;
+  std::int64_t memory_checked_ns_ = 0;
+  bool memory_lost_ = false;
 };
 
 }  // namespace palpate

@@ -39,6 +39,7 @@ TEST(Kernels, GiveTheSameBitsAtEverySimdLevel) {
       query.Run(*level[k], R, p, {0.5e-3, 4e-3}, [&](const NodePair* found, int count) {
         pairs[k].insert(pairs[k].end(), found, found + count);
         rows[k].Add(*level[k], tool.leaves().data(), forest.leaves().data(), R, p, found, count);
+        return true;
       });
       rows[k].Finish();
       if (rows[k].count() > 0) {

@@ -121,7 +121,10 @@ TEST(PairQuery, HandlesMorePairsThanOneBatchHolds) {
   PairQuery query(tool, forest);
   int given = 0;
   query.Run(ActiveKernels(), Mat3::Identity(), Vec3::Zero(), {kTranslation, kRotation},
-            [&](const NodePair*, int count) { given += count; });
+            [&](const NodePair*, int count) {
+              given += count;
+              return true;
+            });
   EXPECT_EQ(given, 300 * 300);
 }
 

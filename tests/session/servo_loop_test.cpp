@@ -1,8 +1,10 @@
 #include "server/session/servo_loop.h"
 
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -307,6 +309,34 @@ TEST_F(ServoLoopTest, ReportsCountersOnceForEachRequest) {
   EXPECT_EQ(counters.step.count(), 251u);
   EXPECT_FALSE(loop_.ReadCounters(counters));
   EXPECT_EQ(Counters().poses, 1u);
+}
+
+TEST_F(ServoLoopTest, IsStartedAndWatchedFromAnotherThread) {
+  std::atomic<bool> done{false};
+  std::thread servo([&] {
+    wire::Wrench answer{};
+    for (int i = 0; i < 5000; ++i) loop_.OnPose(hand_.At(kPressed), answer);
+    done = true;
+  });
+  LoopSnapshot snapshot;
+  LoopCounters counters;
+  std::uint64_t sequence = 0;
+  std::uint64_t poses = 0;
+  while (!done) {
+    loop_.Start({Vec3(0, 0, kTouch), Quat::Identity()});
+    loop_.RequestCounters();
+    if (loop_.ReadSnapshot(snapshot)) {
+      EXPECT_GT(snapshot.pose_sequence, sequence);
+      EXPECT_EQ(snapshot.X_WH.p, Vec3(0, 0, kPressed));
+      sequence = snapshot.pose_sequence;
+    }
+    if (loop_.ReadCounters(counters)) poses += counters.poses;
+    std::this_thread::yield();
+  }
+  servo.join();
+  EXPECT_LE(loop_.heard(), 5000u);
+  EXPECT_LE(poses, 5000u);
+  EXPECT_GT(sequence, 0u);
 }
 
 TEST_F(ServoLoopTest, ShowsViewersItsLastStep) {

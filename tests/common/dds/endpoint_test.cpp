@@ -169,6 +169,22 @@ TEST(RouDiLoopTopic, HearsEachOfAHundredRunsOfAStation) {
   }
 }
 
+TEST(RouDiLoopTopic, GoesOverUdpWhereRouDiHasGoneSinceTheDomainWasMade) {
+  RouDi roudi;
+  const Participant participant = Participant::Loop(kDomain, kShm);
+  EXPECT_FALSE(participant.shared_memory_lost());
+  roudi.Kill();
+  EXPECT_TRUE(participant.shared_memory_lost());
+  // Over shared memory, making it would abort this process.
+  const std::string topic = OwnTopic("orphan");
+  const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
+  EXPECT_FALSE(reader.uses_shared_memory());
+  Peer peer("udp", kDomain, topic, 300, "matched");
+  const Taken taken = TakeWhileRunning(reader, peer);
+  EXPECT_GT(taken.poses.size(), 150u);
+  ExpectWhole(taken.poses);
+}
+
 TEST(WriterDiscovered, ForgetsAWriterThatIsGone) {
   const Participant participant = Participant::Loop(kDomain, kUdp);
   const std::string topic = OwnTopic("gone");

@@ -1,11 +1,17 @@
 #include "common/dds/participant.h"
 
+#include <cstdint>
 #include <cstdlib>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "common/dds/endpoint.h"
+#include "common/dds/topics.h"
 #include "common/error.h"
 #include "tests/common/dds/roudi.h"
 
@@ -45,6 +51,29 @@ TEST(RouDiChoice, TakesSharedMemoryWhereRouDiAnswersAndNotWhereItsSocketIsStale)
     EXPECT_THAT(e.what(), HasSubstr("--transport shm: no RouDi"));
     EXPECT_THAT(e.what(), HasSubstr("iox-roudi -c deploy/cyclonedds/roudi.toml"));
   }
+}
+
+TEST(Participant, SaysThatADomainsPortsAreTaken) {
+  constexpr int kCrowded = 89;
+  std::vector<int> sockets;
+  for (int index = 0; index <= 100; ++index) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    // The port of a participant's discovery: RTPS 2.3, 9.6.1.1.
+    address.sin_port =
+        htons(static_cast<std::uint16_t>(7400 + 250 * ServiceDomainId(kCrowded) + 10 + 2 * index));
+    sockets.push_back(socket(AF_INET, SOCK_DGRAM, 0));
+    EXPECT_EQ(bind(sockets.back(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  }
+  try {
+    Participant::Service(kCrowded);
+    ADD_FAILURE() << "made without a port";
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("ports"));
+    EXPECT_THAT(e.what(), HasSubstr("--domain"));
+  }
+  for (const int socket : sockets) close(socket);
+  EXPECT_NO_THROW(Participant::Service(kCrowded)) << "and leaves nothing behind";
 }
 
 TEST(Participant, IsNotConfiguredByTheEnvironment) {

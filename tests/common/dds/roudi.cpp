@@ -17,6 +17,17 @@
 namespace palpate {
 namespace {
 
+constexpr const char* kLock = "/tmp/palpate-roudi-tests.lock";
+
+/// Waits up to 10 s.
+bool Eventually(bool (*condition)()) {
+  for (int i = 0; i < 1000; ++i) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
 // $1: pool file.  Prints iox-roudi's process id, then waits for the end of its input.
 constexpr const char* kGuardian = R"(
 exec 3>&1 1>/dev/null 2>&1
@@ -31,8 +42,11 @@ wait $!
 }  // namespace
 
 RouDi::RouDi() {
-  const int lock = open("/tmp/palpate-roudi.lock", O_RDWR | O_CREAT, 0666);
-  if (lock < 0 || flock(lock, LOCK_EX) != 0) throw Error("/tmp/palpate-roudi.lock: cannot lock");
+  const int lock = open(kLock, O_RDWR | O_CREAT, 0666);
+  if (lock < 0 || flock(lock, LOCK_EX) != 0) throw Error(std::string(kLock) + ": cannot lock");
+  if (!Eventually([] { return !dds::RouDiAnswers(); })) {
+    throw Error("another iox-roudi runs on this machine; stop it first");
+  }
   int to_guardian[2];
   int from_guardian[2];
   if (pipe(to_guardian) != 0 || pipe(from_guardian) != 0) throw Error("no pipe");
@@ -55,18 +69,14 @@ RouDi::RouDi() {
   char text[32] = {};
   if (read(from_guardian[0], text, sizeof text - 1) > 0) pid_ = std::stoi(text);
   close(from_guardian[0]);
-  for (int i = 0; i < 500; ++i) {
-    if (dds::RouDiAnswers()) return;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  if (!Eventually(dds::RouDiAnswers)) {
+    throw Error("iox-roudi does not come up; is the package 'iceoryx' installed?");
   }
-  throw Error("iox-roudi does not come up; is the package 'iceoryx' installed?");
 }
 
 void RouDi::Kill() {
   kill(pid_, SIGKILL);
-  for (int i = 0; i < 500 && dds::RouDiAnswers(); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+  Eventually([] { return !dds::RouDiAnswers(); });
 }
 
 }  // namespace palpate
