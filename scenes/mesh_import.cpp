@@ -44,6 +44,16 @@ std::string Unpack(const std::string& file) {
   }
 }
 
+/// "ply" for "dragon.PLY.gz".
+std::string FormatOf(const std::string& file) {
+  std::filesystem::path path(file);
+  if (path.extension() == ".gz") path.replace_extension();
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension.empty() ? extension : extension.substr(1);
+}
+
 /// Vertices at the same place become one; the order of first use stays.
 void Weld(TriangleMesh& mesh) {
   std::vector<std::uint32_t> order(mesh.vertices.size());
@@ -80,6 +90,11 @@ void Weld(TriangleMesh& mesh) {
 
 }  // namespace
 
+bool IsMeshFile(const std::string& file) {
+  static constexpr std::array kKnown{"obj", "stl", "ply", "3ds", "gltf", "glb"};
+  return std::find(kKnown.begin(), kKnown.end(), FormatOf(file)) != kKnown.end();
+}
+
 TriangleMesh ImportMesh(const std::string& file) {
   namespace fs = std::filesystem;
   std::error_code ignored;
@@ -89,21 +104,15 @@ TriangleMesh ImportMesh(const std::string& file) {
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const unsigned flags =
       aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_PreTransformVertices;
-  fs::path path(file);
-  const bool packed = path.extension() == ".gz";
-  if (packed) path.replace_extension();
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  static constexpr std::array kKnown{".obj", ".stl", ".ply", ".3ds", ".gltf", ".glb"};
-  if (std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end()) {
-    throw Error(file + ": the format \"" + extension +
+  const std::string format = FormatOf(file);
+  if (!IsMeshFile(file)) {
+    throw Error(file + ": the format \"" + format +
                 "\" is not known; convert it to OBJ, STL, PLY, 3DS or glTF");
   }
   const aiScene* scene = nullptr;
-  if (packed) {
+  if (fs::path(file).extension() == ".gz") {
     const std::string text = Unpack(file);
-    scene = importer.ReadFileFromMemory(text.data(), text.size(), flags, extension.c_str() + 1);
+    scene = importer.ReadFileFromMemory(text.data(), text.size(), flags, format.c_str());
   } else {
     ReadWholeFile(file);  // for its message, which says why; assimp's does not
     scene = importer.ReadFile(file, flags);

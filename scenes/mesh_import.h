@@ -13,6 +13,9 @@ namespace palpate {
 /// Throws Error with the reason and a remedy.  The mesh is not judged yet: see mesh_report.h.
 TriangleMesh ImportMesh(const std::string& file);
 
+/// True where the name ends as a mesh file's does.
+bool IsMeshFile(const std::string& file);
+
 /// How a mesh comes from its file's unit and frame into the scene's, in metres.
 struct MeshPlacement {
   enum class Origin {

@@ -15,7 +15,7 @@ namespace palpate {
 using Progress = std::function<void(std::string_view stage, double fraction)>;
 
 /// Changes with every change of what the builder makes, so that older cached scenes are built anew.
-inline constexpr std::uint32_t kSphereTreeBuilderVersion = 1;
+inline constexpr std::uint32_t kSphereTreeBuilderVersion = 2;
 
 /// Sphere tree of exactly `leaves` leaves over a mesh, every leaf inside it (chapter 2.2.3): most
 /// touch the surface at points spread evenly over it, some fill what these leave free inside, and

@@ -1,0 +1,241 @@
+// palpate-scene: mesh -> sphere tree -> scene bundle, and what there is to know about one.
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "common/log.h"
+#include "scenes/catalogue.h"
+#include "scenes/coverage.h"
+#include "scenes/mesh_import.h"
+#include "scenes/mesh_report.h"
+#include "scenes/picture.h"
+#include "scenes/scene_bundle.h"
+
+namespace palpate {
+namespace {
+
+struct Arguments {
+  std::string scene;  ///< name, scene file, bundle; for check also a mesh
+  std::string output;
+  std::string models;
+  std::string cache;
+  std::string log_level = "info";
+  std::optional<int> level;
+  bool rebuild = false;
+  int domain = 0;
+};
+
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Progress on one line of standard error: rewritten on a terminal, one line a stage elsewhere.
+class ProgressLine {
+ public:
+  ~ProgressLine() { Clear(); }
+
+  void operator()(std::string_view stage, double fraction) {
+    const bool terminal = isatty(STDERR_FILENO) != 0;
+    if (!terminal && stage == stage_) return;
+    stage_ = stage;
+    std::fprintf(stderr, terminal ? "\r\033[K%3.0f %%  %s" : "%3.0f %%  %s\n", 100.0 * fraction,
+                 stage_.c_str());
+    shown_ = terminal;
+  }
+
+  void Clear() {
+    if (shown_) std::fputs("\r\033[K", stderr);
+    shown_ = false;
+  }
+
+ private:
+  std::string stage_;
+  bool shown_ = false;
+};
+
+Scene Load(const Arguments& arguments) {
+  ProgressLine progress;
+  LoadOptions options;
+  options.models_dir = arguments.models;
+  options.cache_dir = arguments.cache;
+  options.use_cache = !arguments.rebuild;
+  options.progress = [&](std::string_view stage, double fraction) { progress(stage, fraction); };
+  options.warn = [&](const std::string& text) {
+    progress.Clear();
+    std::cerr << "warning: " << text << '\n';
+  };
+  return LoadScene(arguments.scene, options);
+}
+
+void PrintTree(const SphereTree& tree) {
+  for (int l = 0; l < tree.levels(); ++l) {
+    std::size_t nodes = 0;
+    double smallest = 1e300;
+    double largest = 0.0;
+    for (const SpherePacket& packet : tree.level(l)) {
+      for (int lane = 0; lane < kTreeArity; ++lane) {
+        if (packet.child[lane] < 0) continue;
+        ++nodes;
+        smallest = std::min(smallest, double(packet.radius[lane]));
+        largest = std::max(largest, double(packet.radius[lane]));
+      }
+    }
+    const std::size_t packets = tree.level(l).size();
+    std::printf(
+        "    level %d  %6zu spheres in %5zu packets (%3.0f %% full)  radius %.2f to %.2f mm\n",
+        l + 1, nodes, packets, 100.0 * double(nodes) / double(kTreeArity * packets), 1e3 * smallest,
+        1e3 * largest);
+  }
+}
+
+void PrintBody(const char* kind, const Body& body) {
+  const Vec3& p = body.X_WB.p;
+  std::printf("  %s %s: %zu leaves in %d levels, %zu triangles, %zu vertices, at (%g, %g, %g) mm\n",
+              kind, body.name.c_str(), body.tree.leaves(), body.tree.levels(),
+              body.mesh.triangles.size(), body.mesh.vertices.size(), 1e3 * p.x(), 1e3 * p.y(),
+              1e3 * p.z());
+}
+
+void Build(const Arguments& arguments) {
+  const auto start = std::chrono::steady_clock::now();
+  const Scene scene = Load(arguments);
+  const double seconds = SecondsSince(start);
+  std::printf("%s: ready in %.2f s\n", scene.name.c_str(), seconds);
+  for (const Body& body : scene.tools) PrintBody("tool", body);
+  for (const Body& body : scene.objects) PrintBody("object", body);
+  if (arguments.output.empty()) return;
+  const std::vector<std::uint8_t> bytes = PackScene(scene);
+  WriteFileAtomically(arguments.output, bytes);
+  std::printf("wrote %s (%.1f MB)\n", arguments.output.c_str(), 1e-6 * double(bytes.size()));
+}
+
+void Info(const Arguments& arguments) {
+  const Scene scene = Load(arguments);
+  const std::vector<std::uint8_t> bytes = PackScene(scene);
+  const std::string_view view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::printf("%s: %zu bytes, XXH64 %016llx, coupling %g N/m and %g N m/rad\n", scene.name.c_str(),
+              bytes.size(), static_cast<unsigned long long>(HashBytes(view, 0)),
+              scene.coupling.stiffness, scene.coupling.torsional_stiffness);
+  for (const auto& [kind, bodies] : {std::pair{"tool", &scene.tools}, {"object", &scene.objects}}) {
+    for (const Body& body : *bodies) {
+      PrintBody(kind, body);
+      PrintTree(body.tree);
+    }
+  }
+}
+
+void PrintReport(const MeshReport& r) {
+  const auto yes = [](bool b) { return b ? "yes" : "no"; };
+  const Vec3 size = r.box_max - r.box_min;
+  std::printf("    %zu triangles, %zu vertices, %zu component%s, box %g x %g x %g\n", r.triangles,
+              r.vertices, r.components, r.components == 1 ? "" : "s", size.x(), size.y(), size.z());
+  std::printf("    closed %s, manifold %s, oriented %s; degenerate %zu, duplicate %zu triangles\n",
+              yes(r.closed()), yes(r.manifold()), yes(r.oriented()), r.degenerate_triangles,
+              r.duplicate_triangles);
+  for (const std::string& remark : r.remarks) std::printf("    note: %s\n", remark.c_str());
+}
+
+void PrintSpread(const char* name, const Spread& s) {
+  std::printf("    %s mean %.1f  p99 %.1f  max %.1f um\n", name, 1e6 * s.mean, 1e6 * s.p99,
+              1e6 * s.max);
+}
+
+void Check(const Arguments& arguments) {
+  if (IsMeshFile(arguments.scene)) {
+    const MeshReport report = InspectMesh(ImportMesh(arguments.scene));
+    std::printf("%s (lengths in the file's unit)\n", arguments.scene.c_str());
+    PrintReport(report);
+    if (!report.refusal.empty()) throw Error(arguments.scene + ": " + report.refusal);
+    return;
+  }
+  const Scene scene = Load(arguments);
+  for (const auto& [kind, bodies] : {std::pair{"tool", &scene.tools}, {"object", &scene.objects}}) {
+    for (const Body& body : *bodies) {
+      PrintBody(kind, body);
+      PrintReport(InspectMesh(body.mesh));
+      const Coverage coverage = MeasureCoverage(body.mesh, body.tree);
+      PrintSpread("outside  ", coverage.outside);
+      PrintSpread("uncovered", coverage.uncovered);
+    }
+  }
+}
+
+void Render(const Arguments& arguments) {
+  DrawScene(Load(arguments), arguments.level, arguments.output);
+  std::printf("wrote %s\n", arguments.output.c_str());
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app(
+      "Compiles scenes: reads meshes, builds sphere trees over them, and keeps the result as a\n"
+      "bundle that the server loads at once.  NAME is a scene of the catalogue, a scene file "
+      "(.json)\n"
+      "or a bundle (.palpate).\n\n"
+      "Example:\n"
+      "  palpate-scene build bunny-bunny -o bunny.palpate\n"
+      "  palpate-scene render bunny.palpate -o bunny.png",
+      "palpate-scene");
+  Arguments arguments;
+  app.set_version_flag("--version", "palpate-scene " PALPATE_VERSION);
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.add_option("--models", arguments.models, "Folder to look in first for model files");
+  app.add_option("--cache", arguments.cache, "Cache folder (default: ~/.cache/palpate)");
+  app.add_option("--log-level", arguments.log_level, "trace, debug, info, warn, error or off");
+  app.add_option("--domain", arguments.domain,
+                 "Understood as by the other programs; this one talks to none");
+
+  std::string names;
+  for (const std::string& name : CatalogueNames()) names += (names.empty() ? "" : ", ") + name;
+  const auto add = [&](const char* command, const char* help, const std::string& scene_help) {
+    CLI::App* sub = app.add_subcommand(command, help);
+    sub->add_option("NAME", arguments.scene, scene_help)->required();
+    sub->add_flag("--rebuild", arguments.rebuild, "Build anew and leave the cache alone");
+    return sub;
+  };
+  const std::string scene_help = "Scene: a file, or one of " + names;
+  CLI::App* build = add("build", "Builds a scene into the cache, and into a bundle", scene_help);
+  build->add_option("-o,--output", arguments.output, "Bundle to write (.palpate)");
+  CLI::App* info = add("info", "Prints bodies, levels, sizes and the hash", scene_help);
+  CLI::App* check = add("check", "Judges meshes, and how well the spheres cover them",
+                        scene_help + "; or a mesh file");
+  CLI::App* render = add("render", "Draws mesh and spheres of every level as a PNG", scene_help);
+  render->add_option("-o,--output", arguments.output, "Picture to write (.png)")->required();
+  render->add_option("--level", arguments.level, "Only this level, from 1");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    SetUpLog("palpate-scene", arguments.log_level);
+    if (build->parsed()) Build(arguments);
+    if (info->parsed()) Info(arguments);
+    if (check->parsed()) Check(arguments);
+    if (render->parsed()) Render(arguments);
+    return 0;
+  } catch (const UsageError& error) {
+    std::cerr << "palpate-scene: " << error.what() << '\n';
+    return 2;
+  } catch (const std::exception& error) {
+    std::cerr << "palpate-scene: " << error.what() << '\n';
+    return 1;
+  }
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  return palpate::Main(argc, argv);
+}
