@@ -38,9 +38,7 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectFor
     const double lever = std::max(ToolTree::MaxLeverOf(tool), 1e-6);
     parameters_.max_rotation = std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), 0.1);
   }
-  tool_ =
-      std::make_unique<const ToolTree>(
-      tool, objects_->center().norm() + objects_->radius());
+  tool_ = std::make_unique<const ToolTree>(tool, objects_->center().norm() + objects_->radius());
 }
 
 HapticModel::~HapticModel() = default;

@@ -54,6 +54,7 @@ void CheckAgainstAllPairs(const ToolTree& tool, const ObjectForest& objects, Ran
               [&](const NodePair* pairs, int count) {
                 for (int i = 0; i < count; ++i) found.insert({pairs[i].tool, pairs[i].object});
                 given += count;
+                return true;
               });
     ASSERT_EQ(static_cast<int>(found.size()), given) << "a pair came twice";
     for (const auto& pair : oracle.must) ASSERT_TRUE(found.contains(pair)) << trial;
