@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::int64_t kTryAgain_ns = 50'000'000;
+constexpr std::int64_t kTryAgain_ns = 100'000'000;  // resolving takes up to as long
 constexpr double kNews_m = 2e-3;  // what a person at the device can follow
 
 std::string InsideText(double depth_m) {
