@@ -13,7 +13,7 @@ namespace palpate {
 class PoseScript {
  public:
   struct Key {
-    double t = 0.0;     ///< [s], strictly increasing, the first 0
+    double t = 0.0;  ///< [s], strictly increasing, the first 0
     Pose X_WH;
     std::string label;  ///< what the hand does from here on: "approach", "slide", ...
   };

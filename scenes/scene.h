@@ -12,7 +12,7 @@ namespace palpate {
 
 /// Triangle mesh in metres.  Faces are counter-clockwise seen from outside.
 struct TriangleMesh {
-  std::vector<Vec3> vertices;                          ///< mesh frame [m]
+  std::vector<Vec3> vertices;  ///< mesh frame [m]
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
@@ -26,8 +26,8 @@ struct Body {
 
 /// The virtual coupling between haptic and graphic tool (chapter 2.3: G, eqs. 2.20-2.24).
 struct Coupling {
-  double stiffness = 1000.0;          ///< k_t [N/m]
-  double torsional_stiffness = 1.0;   ///< k_r [N m/rad]
+  double stiffness = 1000.0;         ///< k_t [N/m]
+  double torsional_stiffness = 1.0;  ///< k_r [N m/rad]
 };
 
 /// A scene, compiled: what the server loads and the wire carries (scene_bundle.h).  Immutable.
