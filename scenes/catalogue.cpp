@@ -12,6 +12,7 @@
 #include "common/error.h"
 #include "scenes/json_file.h"
 #include "scenes/mesh_import.h"
+#include "scenes/mesh_orient.h"
 #include "scenes/mesh_report.h"
 #include "scenes/model_files.h"
 #include "scenes/scene_bundle.h"
@@ -66,6 +67,7 @@ TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir) {
     TriangleMesh mesh = ImportMesh(file);
     const MeshReport report = InspectMesh(mesh);
     if (!report.refusal.empty()) throw Error(file + ": " + report.refusal);
+    OrientTriangles(mesh);
     PlaceMesh(source.placement, mesh);
     return mesh;
   });

@@ -30,7 +30,7 @@ Coverage MeasureCoverage(const TriangleMesh& mesh, const SphereTree& tree, std::
   for (std::size_t i = 0; i < tree.leaves(); ++i) {
     const Sphere ball{{tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]}, tree.leaf_radius[i]};
     const double depth = query.Nearest(ball.centre).distance;
-    const bool inside = query.Inside(ball.centre) != report.inside_out();
+    const bool inside = query.Inside(ball.centre);
     outside.push_back(std::max(0.0, ball.radius + (inside ? -depth : depth)));
     balls.push_back(ball);
   }

@@ -22,8 +22,7 @@ double Gap(const Sphere& ball, const SurfaceSample& s, double spacing) {
 
 }  // namespace
 
-InnerBalls::InnerBalls(const TriangleMesh&, const MeshReport& report, const MeshQuery& query,
-                       double spacing)
+InnerBalls::InnerBalls(const MeshReport& report, const MeshQuery& query, double spacing)
     : report_(report), query_(query), spacing_(spacing) {
   const Vec3 extent = report.box_max - report.box_min;
   largest_ = 0.5 * extent.minCoeff();
@@ -36,7 +35,7 @@ Sphere InnerBalls::Shrink(const Vec3& point, const Vec3& outward, double depth,
                           double largest) const {
   // The ball of radius r - depth round point - r * outward: at first as large as can be, then as
   // large as the surface point that stuck in furthest allows, until none sticks in.
-  double r = largest + depth;
+  double r = largest;
   Vec3 centre = point - r * outward;
   for (int i = 0; i < 50; ++i) {
     const MeshQuery::Hit hit = query_.Nearest(centre, (r - depth) * (1.0 - 1e-9));
@@ -70,7 +69,7 @@ Sphere InnerBalls::Tangent(const SurfaceSample& s) const {
     }
   }
   // Where the surface folds over itself, a facet faces the wrong way: its ball would lie outside.
-  if (report_.closed() && query_.Inside(best.centre) == report_.inside_out()) {
+  if (report_.closed() && !query_.Inside(best.centre)) {
     return {s.point, 0.0};
   }
   return best;
@@ -79,7 +78,7 @@ Sphere InnerBalls::Tangent(const SurfaceSample& s) const {
 std::vector<Sphere> InnerBalls::Fill(const std::vector<Sphere>& balls, std::size_t count) const {
   struct Point {
     Vec3 at;
-    double bare;  ///< distance to the nearest ball
+    double bare;  ///< distance to the nearest ball; where there is none yet, to the surface
   };
   std::vector<Point> points;
   const SphereQuery covered(balls);
@@ -89,8 +88,9 @@ std::vector<Sphere> InnerBalls::Fill(const std::vector<Sphere>& balls, std::size
     for (double y = 0.5 * step; y < extent.y(); y += step) {
       for (double z = 0.5 * step; z < extent.z(); z += step) {
         const Vec3 p = report_.box_min + Vec3(x, y, z);
-        if (query_.Inside(p) == report_.inside_out()) continue;
-        points.push_back({p, covered.Nearest(p).distance});
+        if (!query_.Inside(p)) continue;
+        points.push_back(
+            {p, balls.empty() ? query_.Nearest(p).distance : covered.Nearest(p).distance});
       }
     }
   }
@@ -109,7 +109,6 @@ std::vector<Sphere> InnerBalls::Fill(const std::vector<Sphere>& balls, std::size
     if (!(ball.radius > 0.0)) break;
     added.push_back(ball);
     for (Point& p : points) p.bare = std::min(p.bare, (p.at - ball.centre).norm() - ball.radius);
-    // With no ball yet, any point is infinitely bare: one ball is the most that can be told.
     std::erase_if(points, [](const Point& p) { return p.bare <= 0.0; });
   }
   return added;

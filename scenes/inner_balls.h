@@ -15,8 +15,7 @@ class InnerBalls {
  public:
   /// @param spacing  distance between neighbouring balls' touching points [m], which decides how
   ///                 a ball that touches exactly is weighed against a flatter one a little deeper.
-  InnerBalls(const TriangleMesh& mesh, const MeshReport& report, const MeshQuery& query,
-             double spacing);
+  InnerBalls(const MeshReport& report, const MeshQuery& query, double spacing);
 
   /// The ball that covers the surface round a sample best.  Shrinking ball (Ma, Bae & Choi, Vis.
   /// Comput. 28 (2012) 7-19), against the triangles themselves instead of a point cloud.

@@ -31,7 +31,7 @@ class MeshQuery {
   Hit Nearest(const Vec3& p, double within = std::numeric_limits<double>::infinity()) const;
   /// How often the surface winds round p: 1 inside and 0 outside a closed mesh, between them near
   /// the holes of an open one (Jacobson et al., SIGGRAPH 2013; far triangles as dipoles after
-  /// Barill et al., SIGGRAPH 2018, first order, within about 0.02).
+  /// Barill et al., SIGGRAPH 2018, first order, within about 0.03).
   double WindingNumber(const Vec3& p) const;
   bool Inside(const Vec3& p) const { return WindingNumber(p) > 0.5; }
 

@@ -80,11 +80,12 @@ void Judge(MeshReport& r) {
   }
   if (!r.oriented()) {
     r.remarks.push_back(Count(r.inconsistent_edges, "edge joins", "edges join") +
-                        " triangles that wind against each other: sides are decided by winding "
-                        "number; recalculate the normals in a mesh editor");
+                        " triangles that wind against each other: the fewer of them are turned; "
+                        "recalculate the normals in a mesh editor");
   }
   if (r.inside_out()) {
-    r.remarks.push_back("the mesh is inside out: it is turned; flip its normals in a mesh editor");
+    r.remarks.push_back(
+        "the mesh is inside out: all of it is turned; flip its normals in a mesh editor");
   }
   if (r.degenerate_triangles > 0) {
     r.remarks.push_back(Count(r.degenerate_triangles, "triangle has", "triangles have") +

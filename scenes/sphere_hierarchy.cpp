@@ -19,6 +19,13 @@ constexpr int kNeighbourRounds = 5;
 constexpr int kNeighbours = 8;          // groups that a group trades leaves with
 constexpr std::size_t kTradedAll = 64;  // groups up to this size trade beyond their parent
 
+/// GCC 12's vectoriser takes double -> float -> double for nothing done, and so loses the rounding
+/// that the node's radius must allow for; not through a volatile.
+float RoundToFloat(double value) {
+  const volatile float rounded = static_cast<float>(value);
+  return rounded;
+}
+
 /// Balls that lie close in their *centres* make tight nodes, wherever they touch the surface: on
 /// both sides of an ear the maximal inner balls are nearly the same.
 class Arranger {
@@ -204,16 +211,16 @@ class Arranger {
         balls.push_back(leaves_[order_[i]]);
       }
       const Vec3 centre = EnclosingSphere(balls).centre;
-      packet.x[lane] = static_cast<float>(centre.x());
-      packet.y[lane] = static_cast<float>(centre.y());
-      packet.z[lane] = static_cast<float>(centre.z());
+      packet.x[lane] = RoundToFloat(centre.x());
+      packet.y[lane] = RoundToFloat(centre.y());
+      packet.z[lane] = RoundToFloat(centre.z());
       const Vec3 rounded(packet.x[lane], packet.y[lane], packet.z[lane]);
       double radius = 0.0;
       for (const Sphere& ball : balls) {
         radius = std::max(radius, (ball.centre - rounded).norm() + ball.radius);
       }
       radius *= 1.0 + 1e-15;  // the norm itself was rounded
-      packet.radius[lane] = static_cast<float>(radius);
+      packet.radius[lane] = RoundToFloat(radius);
       if (packet.radius[lane] < radius) {
         packet.radius[lane] =
             std::nextafter(packet.radius[lane], std::numeric_limits<float>::infinity());

@@ -132,7 +132,7 @@ SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Pr
       ScatterSamples(mesh, report, query, std::max(kCandidatesPerLeaf * count, kFewestCandidates));
   const auto even = static_cast<std::size_t>(kEvenShare * static_cast<double>(count));
   const double spacing = 2.0 * PoissonRadius(report.area, std::max<std::size_t>(even, 1));
-  const InnerBalls inner(mesh, report, query, spacing);
+  const InnerBalls inner(report, query, spacing);
 
   tell("touching balls", 0.1);
   std::vector<Sphere> leaves;

@@ -15,13 +15,14 @@ namespace palpate {
 using Progress = std::function<void(std::string_view stage, double fraction)>;
 
 /// Changes with every change of what the builder makes, so that older cached scenes are built anew.
-inline constexpr std::uint32_t kSphereTreeBuilderVersion = 2;
+inline constexpr std::uint32_t kSphereTreeBuilderVersion = 3;
 
 /// Sphere tree of exactly `leaves` leaves over a mesh, every leaf inside it (chapter 2.2.3): most
 /// touch the surface at points spread evenly over it, some fill what these leave free inside, and
 /// the rest goes where the surface lies furthest from all others.
-/// Deterministic: equal inputs, equal bits.  One thread; the bunny with 22,332 leaves takes
-/// seconds. Throws Error where InspectMesh refuses the mesh or leaves is 0.
+/// @param mesh  may be open or not manifold, but must be oriented (mesh_orient.h).
+/// Deterministic: equal inputs, equal bits.  One thread; 22,332 leaves of the bunny take seconds.
+/// Throws Error where InspectMesh refuses the mesh or leaves is 0.
 SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t leaves,
                            const Progress& progress = {});
 

@@ -23,14 +23,9 @@ class Random {
   std::uint64_t state_ = 0;
 };
 
-enum class Side { kAsWound, kTurned, kInside };
-
-/// Which side of the surface is solid, by the winding number a little to either side.
-Side FindSide(const MeshQuery& query, const SurfaceSample& s, double step) {
-  const bool below = query.Inside(s.point - step * s.outward);
-  const bool above = query.Inside(s.point + step * s.outward);
-  if (below && above) return Side::kInside;
-  return above ? Side::kTurned : Side::kAsWound;
+/// A wall has solid on both sides, by the winding number a little to either side.
+bool IsWall(const MeshQuery& query, const SurfaceSample& s, double step) {
+  return query.Inside(s.point - step * s.outward) && query.Inside(s.point + step * s.outward);
 }
 
 }  // namespace
@@ -49,8 +44,7 @@ std::vector<SurfaceSample> ScatterSamples(const TriangleMesh& mesh, const MeshRe
     total += 0.5 * (mesh.vertices[j] - a).cross(mesh.vertices[k] - a).norm();
     area_to[t] = total;
   }
-  const bool trust_winding = report.solid() && report.components == 1;
-  const double sign = report.inside_out() ? -1.0 : 1.0;
+  const bool no_walls = report.solid() && report.components == 1;
   const double step = 0.05 * PoissonRadius(report.area, count);
   Random random;
   std::vector<SurfaceSample> samples;
@@ -67,11 +61,9 @@ std::vector<SurfaceSample> ScatterSamples(const TriangleMesh& mesh, const MeshRe
     s.triangle = static_cast<std::uint32_t>(t);
     s.point =
         (1.0 - root) * mesh.vertices[a] + (root - v) * mesh.vertices[b] + v * mesh.vertices[c];
-    s.outward = sign * query.FaceNormal(s.triangle);
+    s.outward = query.FaceNormal(s.triangle);
     if (s.outward.isZero()) continue;
-    const Side side = trust_winding ? Side::kAsWound : FindSide(query, s, step);
-    if (side == Side::kTurned) s.outward = -s.outward;
-    (side == Side::kInside ? walls : samples).push_back(s);
+    (!no_walls && IsWall(query, s, step) ? walls : samples).push_back(s);
   }
   return samples.empty() ? walls : samples;
 }

@@ -17,8 +17,8 @@ struct SurfaceSample {
 };
 
 /// About `count` samples spread at random with equal density over the surface, the same ones in
-/// every run.  Walls inside the solid get none; in meshes that are not clean solids the winding
-/// number tells the sides.
+/// every run.  Walls inside the
+/// solid, which the winding number tells, get none.
 std::vector<SurfaceSample> ScatterSamples(const TriangleMesh& mesh, const MeshReport& report,
                                           const MeshQuery& query, std::size_t count);
 

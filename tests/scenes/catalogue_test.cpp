@@ -1,0 +1,217 @@
+#include "scenes/catalogue.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/json_file.h"
+#include "scenes/mesh_report.h"
+#include "scenes/scene_bundle.h"
+#include "scenes/scene_file.h"
+#include "tests/scenes/support.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using test::ComplaintOf;
+using test::FreshFolder;
+using test::WriteFile;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::IsSupersetOf;
+
+/// Sets an environment variable for as long as it lives.
+class Environment {
+ public:
+  Environment(const char* name, const std::string& value) : name_(name) {
+    if (const char* old = std::getenv(name)) old_ = old;
+    setenv(name, value.c_str(), 1);
+  }
+  ~Environment() { old_.empty() ? unsetenv(name_) : setenv(name_, old_.c_str(), 1); }
+
+ private:
+  const char* name_;
+  std::string old_;
+};
+
+std::string SceneText(int leaves) {
+  return R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
+  "objects": [{"name": "box", "mesh": {"file": "box.obj", "unit": "mm"},
+               "leaves": )" +
+         std::to_string(leaves) + "}]}";
+}
+
+constexpr char kTetrahedron[] =
+    "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+/// A scene in a folder of its own, loaded with a cache of its own.
+struct Fixture {
+  Fixture() : folder(FreshFolder()), scene(WriteFile(folder + "/s.json", SceneText(20))) {
+    WriteFile(folder + "/box.obj", kTetrahedron);
+    options.cache_dir = folder + "/cache";
+    options.warn = [this](const std::string& text) { warnings.push_back(text); };
+    options.progress = [this](std::string_view, double) { built = true; };
+  }
+  Scene Load() {
+    built = false;
+    return LoadScene(scene, options);
+  }
+  std::vector<std::string> Cached() const {
+    std::vector<std::string> files;
+    for (const auto& entry : fs::directory_iterator(options.cache_dir)) {
+      files.push_back(entry.path().string());
+    }
+    return files;
+  }
+  std::string folder, scene;
+  LoadOptions options;
+  std::vector<std::string> warnings;
+  bool built = false;
+};
+
+TEST(Catalogue, HoldsTheScenesThatTheProjectPromises) {
+  EXPECT_THAT(CatalogueNames(), IsSupersetOf({"cube", "ellipsoid", "bunny-bunny", "bunny-bunny-22k",
+                                              "dragon-buddha", "dragon-dragon"}));
+  for (const std::string& name : CatalogueNames()) {
+    const std::string file = FindSceneFile(name);
+    const SceneDescription scene = ParseScene(ReadWholeFile(file), file);
+    EXPECT_EQ(scene.name, name);
+    EXPECT_EQ(scene.coupling.stiffness, 1000.0);
+    EXPECT_EQ(scene.coupling.torsional_stiffness, 1.0);
+  }
+}
+
+TEST(Catalogue, CubeAndEllipsoidAreThoseOfTheAccuracyExperiment) {
+  LoadOptions options;
+  options.use_cache = false;
+  const Scene cube = LoadScene("cube", options);
+  ASSERT_EQ(cube.tools[0].tree.leaves(), 1u);
+  EXPECT_EQ(cube.tools[0].tree.leaf_radius[0], 0.005);
+  const MeshReport box = InspectMesh(cube.objects[0].mesh);
+  EXPECT_NEAR((box.box_max - Vec3::Constant(0.025)).norm(), 0.0, 1e-15);
+  const Scene ellipsoid = LoadScene("ellipsoid", options);
+  for (const Vec3& v : ellipsoid.objects[0].mesh.vertices) {
+    EXPECT_NEAR(v.cwiseQuotient(Vec3(0.04, 0.025, 0.03)).norm(), 1.0, 1e-12);
+  }
+}
+
+TEST(Catalogue, BunnyIsScaledAndCentredAsPromised) {
+  if (!fs::exists("/usr/share/glmark2/models/bunny.obj")) {
+    GTEST_SKIP() << "the bunny is missing: install glmark2-data";
+  }
+  const std::string folder = FreshFolder();
+  WriteFile(folder + "/b.json", R"({
+    "tools": [{"name": "b", "mesh": {"model": "bunny", "longest_side_m": 0.15}, "leaves": 64}],
+    "objects": [{"name": "c", "mesh": {"model": "bunny", "longest_side_m": 0.15}, "leaves": 64}]})");
+  LoadOptions options;
+  options.use_cache = false;
+  const Scene scene = LoadScene(folder + "/b.json", options);
+  const MeshReport r = InspectMesh(scene.objects[0].mesh);
+  EXPECT_NEAR((r.box_max - r.box_min).maxCoeff(), 0.15, 1e-12);
+  EXPECT_NEAR((r.box_max + r.box_min).norm(), 0.0, 1e-12);
+  EXPECT_TRUE(r.solid());
+  EXPECT_EQ(scene.objects[0].X_WB.p, Vec3(0, 0, 0));
+  EXPECT_EQ(scene.tools[0].tree.leaf_x, scene.objects[0].tree.leaf_x);
+}
+
+TEST(LoadScene, BuildsOnceAndThenReadsTheSameFromTheCache) {
+  Fixture f;
+  const Scene first = f.Load();
+  EXPECT_TRUE(f.built);
+  const Scene second = f.Load();
+  EXPECT_FALSE(f.built);
+  EXPECT_EQ(PackScene(first), PackScene(second));
+  EXPECT_EQ(first.objects[0].tree.leaves(), 20u);
+  EXPECT_THAT(f.warnings, IsEmpty());
+}
+
+TEST(LoadScene, BuildsAnewWhenTheSceneOrAMeshChanges) {
+  Fixture f;
+  f.Load();
+  WriteFile(f.scene, SceneText(21));
+  EXPECT_EQ(f.Load().objects[0].tree.leaves(), 21u);
+  EXPECT_TRUE(f.built);
+  std::string mesh = kTetrahedron;
+  mesh[2] = '1';
+  WriteFile(f.folder + "/box.obj", mesh);
+  f.Load();
+  EXPECT_TRUE(f.built);
+  EXPECT_EQ(f.Cached().size(), 3u);
+}
+
+TEST(LoadScene, MendsABrokenCacheAndSaysSo) {
+  Fixture f;
+  f.Load();
+  ASSERT_EQ(f.Cached().size(), 1u);
+  const std::string cached = f.Cached()[0];
+  const std::string good = ReadWholeFile(cached);
+  std::string flipped = good;
+  flipped[good.size() / 2] ^= 1;
+  for (const std::string& bad :
+       {flipped, good.substr(0, good.size() / 2), std::string("junk"), std::string()}) {
+    WriteFile(cached, bad);
+    f.warnings.clear();
+    EXPECT_EQ(f.Load().objects[0].tree.leaves(), 20u);
+    EXPECT_TRUE(f.built);
+    EXPECT_THAT(f.warnings, ElementsAre(HasSubstr("it is being rebuilt")));
+    EXPECT_EQ(ReadWholeFile(cached), good);
+  }
+}
+
+TEST(LoadScene, GoesOnWithoutACacheThatCannotBeWritten) {
+  Fixture f;
+  f.options.cache_dir = WriteFile(f.folder + "/a-file", "x");
+  EXPECT_EQ(f.Load().objects[0].tree.leaves(), 20u);
+  EXPECT_THAT(f.warnings, ElementsAre(HasSubstr("without being cached")));
+}
+
+TEST(LoadScene, KeepsItsCacheWhereTheUsersCacheIs) {
+  Fixture f;
+  f.options.cache_dir.clear();
+  const Environment cache("XDG_CACHE_HOME", f.folder + "/xdg");
+  f.Load();
+  EXPECT_TRUE(fs::is_directory(f.folder + "/xdg/palpate"));
+}
+
+TEST(LoadScene, TakesABundle) {
+  Fixture f;
+  const std::string bundle = f.folder + "/s.palpate";
+  WriteFileAtomically(bundle, PackScene(f.Load()));
+  EXPECT_EQ(PackScene(LoadScene(bundle)), PackScene(f.Load()));
+  fs::resize_file(bundle, 100);
+  EXPECT_THAT(ComplaintOf([&] { LoadScene(bundle); }), HasSubstr("s.palpate: is cut short"));
+}
+
+TEST(LoadScene, LooksInTheCatalogueThatTheEnvironmentNames) {
+  Fixture f;
+  const Environment catalogue("PALPATE_CATALOGUE", f.folder);
+  EXPECT_EQ(LoadScene("s", f.options).name, "s");
+  EXPECT_THAT(CatalogueNames(), ElementsAre("s"));
+}
+
+TEST(LoadScene, NamesTheSceneThatOneMayHaveMeant) {
+  EXPECT_THAT(ComplaintOf([] { LoadScene("buny-bunny"); }),
+              HasSubstr("there is no scene \"buny-bunny\"; did you mean \"bunny-bunny\"?"));
+  EXPECT_THAT(ComplaintOf([] { LoadScene("./none.json"); }),
+              HasSubstr("./none.json: No such file or directory"));
+}
+
+TEST(LoadScene, NamesLineAndFileOfAMeshThatIsMissingOrBroken) {
+  Fixture f;
+  fs::remove(f.folder + "/box.obj");
+  EXPECT_THAT(ComplaintOf([&] { f.Load(); }), HasSubstr("s.json:2: objects[0].mesh: "));
+  EXPECT_THAT(ComplaintOf([&] { f.Load(); }), HasSubstr("box.obj: No such file"));
+  WriteFile(f.folder + "/box.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  EXPECT_THAT(ComplaintOf([&] { f.Load(); }), HasSubstr("the mesh has no extent"));
+  WriteFile(f.folder + "/box.obj", "nonsense");
+  EXPECT_THAT(ComplaintOf([&] { f.Load(); }), HasSubstr("box.obj: cannot be read"));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,168 @@
+#include "scenes/mesh_import.h"
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include <assimp/Exporter.hpp>
+#include <assimp/scene.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include "scenes/json_file.h"
+#include "scenes/mesh_report.h"
+#include "tests/scenes/support.h"
+
+namespace palpate {
+namespace {
+
+using test::ComplaintOf;
+using test::FreshFolder;
+using test::WriteFile;
+using testing::HasSubstr;
+
+/// A box of 1 x 2 x 3, written by assimp in one of its formats.
+std::string ExportBox(const std::string& format, const std::string& file) {
+  const TriangleMesh box = MakeBox(Vec3(1, 2, 3));
+  aiScene scene;  // owns what follows
+  scene.mRootNode = new aiNode("root");
+  scene.mNumMaterials = 1;
+  scene.mMaterials = new aiMaterial* [1] { new aiMaterial };
+  scene.mNumMeshes = 1;
+  scene.mMeshes = new aiMesh* [1] { new aiMesh };
+  scene.mRootNode->mNumMeshes = 1;
+  scene.mRootNode->mMeshes = new unsigned[1]{0};
+  aiMesh& mesh = *scene.mMeshes[0];
+  mesh.mPrimitiveTypes = aiPrimitiveType_TRIANGLE;
+  mesh.mNumVertices = box.vertices.size();
+  mesh.mVertices = new aiVector3D[box.vertices.size()];
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+    const Vec3& v = box.vertices[i];
+    mesh.mVertices[i] = aiVector3D(v.x(), v.y(), v.z());
+  }
+  mesh.mNumFaces = box.triangles.size();
+  mesh.mFaces = new aiFace[box.triangles.size()];
+  for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+    mesh.mFaces[i].mNumIndices = 3;
+    mesh.mFaces[i].mIndices =
+        new unsigned[3]{box.triangles[i][0], box.triangles[i][1], box.triangles[i][2]};
+  }
+  Assimp::Exporter exporter;
+  if (exporter.Export(&scene, format, file) != aiReturn_SUCCESS) {
+    throw Error(format + ": " + exporter.GetErrorString());
+  }
+  return file;
+}
+
+void ExpectTheBox(const TriangleMesh& mesh) {
+  const MeshReport r = InspectMesh(mesh);
+  EXPECT_EQ(r.triangles, 12u);
+  EXPECT_EQ(r.vertices, 8u);  // welded, whatever the format split
+  EXPECT_TRUE(r.solid());
+  EXPECT_NEAR(r.volume, 6.0, 1e-6);
+  Vec3 size = r.box_max - r.box_min;
+  std::sort(size.begin(), size.end());  // assimp writes 3DS with y and z exchanged
+  EXPECT_NEAR((size - Vec3(1, 2, 3)).norm(), 0.0, 1e-6);
+}
+
+class EveryFormat : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+TEST_P(EveryFormat, GivesTheSameBox) {
+  const auto [format, name] = GetParam();
+  ExpectTheBox(ImportMesh(ExportBox(format, FreshFolder().append("/").append(name))));
+}
+
+INSTANTIATE_TEST_SUITE_P(MeshImport, EveryFormat,
+                         testing::Values(std::pair{"obj", "box.obj"}, std::pair{"stl", "box.stl"},
+                                         std::pair{"stlb", "binary.STL"},
+                                         std::pair{"ply", "box.ply"}, std::pair{"plyb", "b.ply"},
+                                         std::pair{"3ds", "box.3ds"},
+                                         std::pair{"gltf2", "box.gltf"},
+                                         std::pair{"glb2", "box.glb"}));
+
+std::string Gzip(const std::string& file) {
+  const std::string text = ReadWholeFile(file);
+  const std::string packed = file + ".gz";
+  gzFile gz = gzopen(packed.c_str(), "wb");
+  gzwrite(gz, text.data(), text.size());
+  gzclose(gz);
+  return packed;
+}
+
+TEST(MeshImport, UnpacksGzippedFiles) {
+  ExpectTheBox(ImportMesh(Gzip(ExportBox("ply", FreshFolder() + "/box.ply"))));
+}
+
+TEST(MeshImport, CutsPolygonsIntoTriangles) {
+  const std::string file =
+      WriteFile(FreshFolder() + "/square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  const TriangleMesh mesh = ImportMesh(file);
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_NEAR(InspectMesh(mesh).area, 1.0, 1e-6);
+}
+
+TEST(MeshImport, SaysWhyAFileIsNoMesh) {
+  const std::string folder = FreshFolder();
+  const auto complaint = [](const std::string& file) {
+    return ComplaintOf([&] { ImportMesh(file); });
+  };
+  EXPECT_THAT(complaint(folder + "/none.obj"), HasSubstr("none.obj: there is no such file"));
+  EXPECT_THAT(complaint(folder), HasSubstr("the format \"\" is not known"));
+  EXPECT_THAT(complaint(WriteFile(folder + "/a.step", "x")),
+              HasSubstr("the format \"step\" is not known; convert it to OBJ"));
+  EXPECT_THAT(complaint(WriteFile(folder + "/a.ply", "not a ply")), HasSubstr("cannot be read ("));
+  EXPECT_THAT(complaint(WriteFile(folder + "/a.glb", "not a glb")), HasSubstr("cannot be read ("));
+  EXPECT_THAT(complaint(WriteFile(folder + "/empty.stl", "")), HasSubstr("empty.stl: "));
+}
+
+TEST(MeshImport, RefusesAGzippedFileThatIsCutShort) {
+  const std::string packed = Gzip(ExportBox("ply", FreshFolder() + "/box.ply"));
+  std::filesystem::resize_file(packed, std::filesystem::file_size(packed) / 2);
+  EXPECT_THAT(ComplaintOf([&] { ImportMesh(packed); }), HasSubstr("is damaged ("));
+}
+
+TEST(MeshImport, LeavesNonFiniteNumbersForTheReportToRefuse) {
+  const std::string file = ExportBox("stlb", FreshFolder() + "/box.stl");
+  std::string bytes = ReadWholeFile(file);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(bytes.data() + 84 + 12, &nan, sizeof nan);  // first corner of the first triangle
+  WriteFile(file, bytes);
+  EXPECT_THAT(ComplaintOf([&] {
+                const MeshReport r = InspectMesh(ImportMesh(file));
+                if (!r.refusal.empty()) throw Error(r.refusal);
+              }),
+              testing::Not(HasSubstr("no complaint")));
+}
+
+TEST(PlaceMesh, ScalesByUnitOrLongestSideAndMovesTheOrigin) {
+  const auto placed = [](const MeshPlacement& placement) {
+    TriangleMesh box = MakeBox(Vec3(10, 20, 40));
+    for (Vec3& v : box.vertices) v += Vec3(5, 10, 20);
+    PlaceMesh(placement, box);
+    return InspectMesh(box);
+  };
+  MeshPlacement placement;
+  placement.metres_per_unit = 0.001;
+  placement.origin = MeshPlacement::Origin::kFile;
+  EXPECT_NEAR((placed(placement).box_max - Vec3(0.01, 0.02, 0.04)).norm(), 0.0, 1e-15);
+  EXPECT_NEAR(placed(placement).box_min.norm(), 0.0, 1e-15);
+  placement.origin = MeshPlacement::Origin::kBoxCentre;
+  EXPECT_NEAR((placed(placement).box_max - Vec3(0.005, 0.01, 0.02)).norm(), 0.0, 1e-15);
+  placement.longest_side = 0.15;
+  EXPECT_NEAR((placed(placement).box_max - Vec3(0.01875, 0.0375, 0.075)).norm(), 0.0, 1e-15);
+}
+
+TEST(PlaceMesh, CanPutTheOriginAtTheSolidsCentroid) {
+  TriangleMesh tetrahedron;  // centroid a quarter up, box centre a half
+  tetrahedron.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+  tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  MeshPlacement placement;
+  placement.origin = MeshPlacement::Origin::kCentroid;
+  PlaceMesh(placement, tetrahedron);
+  EXPECT_NEAR((tetrahedron.vertices[0] + Vec3::Constant(0.25)).norm(), 0.0, 1e-15);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,185 @@
+#include "scenes/scene_bundle.h"
+
+#include <cstring>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/json_file.h"
+#include "scenes/sphere_tree_builder.h"
+#include "tests/scenes/support.h"
+
+namespace palpate {
+namespace {
+
+using test::ComplaintOf;
+using testing::AnyOf;
+using testing::HasSubstr;
+
+Scene SmallScene() {
+  Scene scene;
+  scene.name = "small";
+  Body ball{"ball", MakeSphere(0.005, 20), {}, {}};
+  ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), 0.005});
+  ball.X_WB.p = Vec3(0, 0.1, 0);
+  Body box{"box", MakeBox(Vec3(0.1, 0.2, 0.3)), {}, {}};
+  box.tree = BuildSphereTree(box.mesh, 20);
+  box.X_WB.q = Quat(0.6, 0, 0.8, 0);
+  scene.tools = {ball};
+  scene.objects = {box, box};
+  scene.objects[1].name = "other";
+  scene.coupling = {500, 0.25};
+  return scene;
+}
+
+std::string Complaint(std::span<const std::uint8_t> bytes) {
+  return ComplaintOf([&] { UnpackScene(bytes, "s.palpate"); });
+}
+
+TEST(SceneBundle, GivesBackTheScene) {
+  const Scene scene = SmallScene();
+  const auto bytes = PackScene(scene, 7);
+  EXPECT_EQ(ContentKey(bytes, "s"), 7u);
+  const Scene back = UnpackScene(bytes, "s");
+  EXPECT_EQ(back.name, "small");
+  EXPECT_EQ(back.coupling.stiffness, 500);
+  EXPECT_EQ(back.coupling.torsional_stiffness, 0.25);
+  ASSERT_EQ(back.tools.size(), 1u);
+  ASSERT_EQ(back.objects.size(), 2u);
+  EXPECT_EQ(back.objects[1].name, "other");
+  for (const auto& [a, b] : {std::pair{&scene.tools[0], &back.tools[0]},
+                             {&scene.objects[0], &back.objects[0]},
+                             {&scene.objects[1], &back.objects[1]}}) {
+    EXPECT_EQ(a->name, b->name);
+    EXPECT_EQ(a->X_WB.p, b->X_WB.p);
+    EXPECT_EQ(a->X_WB.q.coeffs(), b->X_WB.q.coeffs());
+    EXPECT_EQ(a->mesh.vertices, b->mesh.vertices);
+    EXPECT_EQ(a->mesh.triangles, b->mesh.triangles);
+    EXPECT_EQ(a->tree.leaf_x, b->tree.leaf_x);
+    EXPECT_EQ(a->tree.leaf_y, b->tree.leaf_y);
+    EXPECT_EQ(a->tree.leaf_z, b->tree.leaf_z);
+    EXPECT_EQ(a->tree.leaf_radius, b->tree.leaf_radius);
+    EXPECT_EQ(a->tree.level_begin, b->tree.level_begin);
+    EXPECT_EQ(a->tree.leaf_triangle_begin, b->tree.leaf_triangle_begin);
+    EXPECT_EQ(a->tree.leaf_triangle, b->tree.leaf_triangle);
+    EXPECT_EQ(a->tree.centroid, b->tree.centroid);
+    ASSERT_EQ(a->tree.packets.size(), b->tree.packets.size());
+    for (std::size_t p = 0; p < a->tree.packets.size(); ++p) {
+      EXPECT_EQ(std::memcmp(&a->tree.packets[p], &b->tree.packets[p], sizeof(SpherePacket)), 0);
+    }
+  }
+  EXPECT_EQ(PackScene(back, 7), bytes);
+}
+
+TEST(SceneBundle, KeepsGeometryThatBodiesShareOnce) {
+  Scene one = SmallScene();
+  one.objects.pop_back();
+  EXPECT_LT(PackScene(SmallScene()).size(), PackScene(one).size() + 300);
+}
+
+TEST(SceneBundle, ReadsBytesThatAreNotAligned) {
+  const auto bytes = PackScene(SmallScene());
+  for (std::size_t offset = 1; offset < 8; ++offset) {
+    std::vector<std::uint8_t> moved(offset, 0);
+    moved.insert(moved.end(), bytes.begin(), bytes.end());
+    EXPECT_EQ(UnpackScene(std::span(moved).subspan(offset), "s").name, "small");
+  }
+}
+
+TEST(SceneBundle, RefusesEveryBeginningOfItself) {
+  const auto bytes = PackScene(SmallScene());
+  for (std::size_t size = 0; size < bytes.size(); size += size < 100 ? 1 : 97) {
+    // A copy of its own, so that a sanitizer sees a read beyond it.
+    const std::vector<std::uint8_t> part(bytes.begin(), bytes.begin() + size);
+    EXPECT_THAT(Complaint(part), HasSubstr(size == 0 ? "is not a Palpate scene" : "is cut short"));
+  }
+}
+
+TEST(SceneBundle, RefusesWhatIsLongerThanItSays) {
+  auto bytes = PackScene(SmallScene());
+  bytes.push_back(0);
+  EXPECT_THAT(Complaint(bytes), HasSubstr("is longer than it says"));
+}
+
+TEST(SceneBundle, RefusesEveryFlippedBit) {
+  const auto good = PackScene(SmallScene());
+  for (std::size_t bit = 0; bit < 8 * good.size(); bit += bit < 8 * 40 ? 1 : 61) {
+    auto bytes = good;
+    bytes[bit / 8] ^= std::uint8_t(1u << bit % 8);
+    const std::string complaint = Complaint(bytes);
+    if (bit < 64) {
+      EXPECT_THAT(complaint, HasSubstr("is not a Palpate scene bundle"));
+    } else if (bit < 96) {
+      EXPECT_THAT(complaint, HasSubstr("bundle version"));
+    } else {
+      EXPECT_THAT(complaint,
+                  AnyOf(HasSubstr("is damaged"), HasSubstr("cut short"), HasSubstr("longer")));
+    }
+  }
+}
+
+TEST(SceneBundle, RefusesForeignFilesAndOtherVersions) {
+  const std::string foreign = "solid box\nfacet normal 0 0 1\n";
+  EXPECT_THAT(Complaint({reinterpret_cast<const std::uint8_t*>(foreign.data()), foreign.size()}),
+              HasSubstr("s.palpate: is not a Palpate scene bundle; make one with"));
+  EXPECT_FALSE(LooksLikeBundle(foreign));
+  auto bytes = PackScene(SmallScene());
+  EXPECT_TRUE(LooksLikeBundle({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+  bytes[8] = 99;
+  EXPECT_THAT(Complaint(bytes),
+              HasSubstr("has bundle version 99, this program reads 1; build it again"));
+}
+
+TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
+  using Mend = void (*)(Body&);
+  const std::pair<Mend, const char*> cases[] = {
+      {[](Body& b) { b.mesh.triangles[0][1] = 99; }, "a triangle names no vertex"},
+      {[](Body& b) { b.mesh.vertices[0].x() = NAN; }, "a vertex is not finite"},
+      {[](Body& b) { b.tree.leaf_x.pop_back(); }, "the leaves' counts differ"},
+      {[](Body& b) { b.tree.leaf_radius[3] = -1; }, "a leaf is not a ball"},
+      {[](Body& b) { b.tree.leaf_triangle[0] = 12; }, "a leaf names no triangle"},
+      {[](Body& b) { b.tree.leaf_triangle_begin[1] = 9999; }, "do not add up"},
+      {[](Body& b) { b.tree.level_begin[1] = 2; }, "the levels do not add up"},
+      {[](Body& b) { b.tree.level_begin.pop_back(); }, "the levels do not add up"},
+      {[](Body& b) { b.tree.packets[0].child[1] = 7; }, "children are out of order"},
+      {[](Body& b) { b.tree.packets[0].child[0] = -1; }, "an empty lane is not empty"},
+      {[](Body& b) { b.tree.packets.back().radius[0] = NAN; }, "a node is not a ball"},
+      {[](Body& b) { b.tree.centroid.x() = INFINITY; }, "the centroid is not finite"},
+      {[](Body& b) { b.X_WB.q.w() = 5; }, "a body's pose is none"},
+  };
+  for (const auto& [mend, why] : cases) {
+    Scene scene = SmallScene();
+    mend(scene.objects[0]);
+    const std::string complaint = Complaint(PackScene(scene));
+    EXPECT_THAT(complaint, HasSubstr("contradicts itself (")) << why;
+    EXPECT_THAT(complaint, HasSubstr(why));
+  }
+  Scene scene = SmallScene();
+  scene.coupling.stiffness = 0;
+  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("the coupling is not positive"));
+}
+
+TEST(WriteFileAtomically, ReplacesAFileAndLeavesNothingElse) {
+  const std::string folder = test::FreshFolder();
+  const std::string file = folder + "/new/deep/file";
+  const std::uint8_t bytes[] = {'o', 'n', 'e'};
+  WriteFileAtomically(file, bytes);
+  WriteFileAtomically(file, std::span(bytes).first(2));
+  EXPECT_EQ(ReadWholeFile(file), "on");
+  const std::filesystem::directory_iterator all(folder + "/new/deep");
+  EXPECT_EQ(std::distance(begin(all), end(all)), 1);
+}
+
+TEST(WriteFileAtomically, SaysWhereItCannotWrite) {
+  const std::string folder = test::FreshFolder();
+  const std::uint8_t bytes[] = {1};
+  test::WriteFile(folder + "/file", "x");
+  EXPECT_THAT(ComplaintOf([&] { WriteFileAtomically(folder + "/file/below", bytes); }),
+              HasSubstr("file/below: cannot be written; check the rights"));
+  EXPECT_THAT(ComplaintOf([&] { WriteFileAtomically(folder, bytes); }),
+              HasSubstr("cannot be written"));
+}
+
+}  // namespace
+}  // namespace palpate
