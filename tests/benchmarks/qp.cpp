@@ -139,33 +139,39 @@ std::vector<Problem> ProblemsOf(const Options& options) {
   return problems;
 }
 
-/// The problems by columns, as the step hands them to the solver.
+/// One problem by columns, in storage that every problem uses in turn: when the solver begins, the
+/// rows have just been written, as those of a step have.
 class Columns {
  public:
-  explicit Columns(const Problem& problem) {
-    const int m = problem.rows();
-    const int padded =
-        std::max(16, (m + 15) & ~15) + 8;  // as ContactRows: not a power of two apart
-    storage_.resize(static_cast<std::size_t>(7 * padded + 8));
+  explicit Columns(int max_rows)
+      : stride_(static_cast<std::size_t>((max_rows + 15) & ~15) + 8),  // as ContactRows
+        storage_(7 * stride_ + 8) {
     const auto address = reinterpret_cast<std::uintptr_t>(storage_.data());
-    double* base = storage_.data() + (64 - address % 64) % 64 / sizeof(double);
-    for (int c = 0; c < 6; ++c) {
-      double* column = base + c * padded;
-      for (int r = 0; r < m; ++r) column[r] = problem.A[static_cast<std::size_t>(6 * r + c)];
-      rows_.a[c] = column;
-    }
-    double* b = base + 6 * padded;
-    std::fill(b, b + padded, -1e300);
-    std::copy(problem.b.begin(), problem.b.end(), b);
-    rows_.b = b;
-    rows_.count = m;
+    base_ = storage_.data() + (64 - address % 64) % 64 / sizeof(double);
+    for (std::size_t c = 0; c < 6; ++c) rows_.a[c] = base_ + c * stride_;
+    rows_.b = base_ + 6 * stride_;
   }
-  Columns(Columns&&) = default;
-  Columns(const Columns&) = delete;
-  const QpRows& rows() const { return rows_; }
+
+  const QpRows& Write(const Problem& problem) {
+    const int m = problem.rows();
+    for (int r = 0; r < m; ++r) {
+      for (int c = 0; c < 6; ++c) At(c)[r] = problem.A[static_cast<std::size_t>(6 * r + c)];
+      At(6)[r] = problem.b[static_cast<std::size_t>(r)];
+    }
+    for (int r = m; r % 16 != 0; ++r) {
+      for (int c = 0; c < 6; ++c) At(c)[r] = 0.0;
+      At(6)[r] = -1e300;
+    }
+    rows_.count = m;
+    return rows_;
+  }
 
  private:
+  double* At(int column) { return base_ + static_cast<std::size_t>(column) * stride_; }
+
+  std::size_t stride_;
   std::vector<double> storage_;
+  double* base_;
   QpRows rows_{};
 };
 
@@ -204,14 +210,15 @@ void Measure(const Options& options, std::vector<Problem>& problems, bool warm_f
     throw Error("qp: no problem has between " + std::to_string(options.min_rows) + " and " +
                 std::to_string(options.max_rows) + " rows; widen --min-rows and --max-rows");
   }
-  std::vector<Columns> columns;
+  int most_rows = 0;
+  for (const Problem& problem : problems) most_rows = std::max(most_rows, problem.rows());
+  Columns columns(most_rows);
   std::vector<double> row_counts, iterations;
   double residual = 0.0;
   int unsolved = 0, relaxed = 0;
   for (Problem& problem : problems) {
-    columns.emplace_back(problem);
-    const QpResult result =
-        SolveNearestPoint<6>(ActiveKernels(), problem.target, columns.back().rows(), nullptr, 0);
+    const QpRows& rows = columns.Write(problem);
+    const QpResult result = SolveNearestPoint<6>(ActiveKernels(), problem.target, rows, nullptr, 0);
     residual = std::max(residual, KktResidual(problem, result));
     unsolved += result.status == QpStatus::kIterationLimit;
     relaxed += result.status == QpStatus::kRelaxed;
@@ -219,8 +226,8 @@ void Measure(const Options& options, std::vector<Problem>& problems, bool warm_f
     iterations.push_back(result.iterations);
     if (!warm_from_step) problem.guess.assign(result.row, result.row + result.active);
     const QpResult warm =
-        SolveNearestPoint<6>(ActiveKernels(), problem.target, columns.back().rows(),
-                             problem.guess.data(), static_cast<int>(problem.guess.size()));
+        SolveNearestPoint<6>(ActiveKernels(), problem.target, rows, problem.guess.data(),
+                             static_cast<int>(problem.guess.size()));
     residual = std::max(residual, KktResidual(problem, warm));
   }
   BestOf cold_us, warm_us;
@@ -230,10 +237,11 @@ void Measure(const Options& options, std::vector<Problem>& problems, bool warm_f
       std::vector<double> us;
       for (std::size_t i = 0; i < problems.size(); ++i) {
         const Problem& problem = problems[i];
+        const QpRows& rows = columns.Write(problem);
         const auto begin = std::chrono::steady_clock::now();
-        const QpResult result = SolveNearestPoint<6>(
-            ActiveKernels(), problem.target, columns[i].rows(), problem.guess.data(),
-            warm ? static_cast<int>(problem.guess.size()) : 0);
+        const QpResult result =
+            SolveNearestPoint<6>(ActiveKernels(), problem.target, rows, problem.guess.data(),
+                                 warm ? static_cast<int>(problem.guess.size()) : 0);
         const auto end = std::chrono::steady_clock::now();
         sink += result.x[0];
         us.push_back(std::chrono::duration<double, std::micro>(end - begin).count());

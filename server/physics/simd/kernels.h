@@ -56,11 +56,30 @@ struct RowColumns {
   NodePair* pair;  ///< leaves
 };
 
-/// Sixteen rows that hold least, one per lane of the scan: lane i is the least a_r . x - b_r over
-/// the rows r = i (mod 16), the first of equals.
-struct ScanResult {
-  alignas(64) double value[16];
-  alignas(64) double row[16];
+/// Rows a_i . x >= b_i by columns, see RowColumns; `count` is what they hold, and storage goes on
+/// to the next multiple of 16 with rows that always hold (a = 0, b = -1e300).
+struct QpRows {
+  const double* a[6];
+  const double* b;
+  int count;
+};
+
+enum class QpStatus {
+  kSolved,
+  kRelaxed,         ///< rows contradict each other; solved with one slack common to all rows
+  kIterationLimit,  ///< did not end; the result is the best point so far
+};
+
+inline constexpr int kMaxActiveRows = 7;  ///< six unknowns, and the slack of a relaxed problem
+
+struct QpResult {
+  double x[6];
+  double slack = 0.0;  ///< least common violation of the rows [unit of b]; 0 unless kRelaxed
+  int active = 0;
+  int row[kMaxActiveRows];
+  double multiplier[kMaxActiveRows];  ///< >= 0
+  int iterations = 0;                 ///< rows taken up or dropped
+  QpStatus status = QpStatus::kSolved;
 };
 
 /// The inner loops, compiled once per instruction set; all give the same bits.
@@ -82,11 +101,9 @@ struct Kernels {
                        const double* p, double inverse_rho, const NodePair* pairs, int count,
                        int first, const RowColumns& rows);
 
-  /// `count` is a multiple of 16 and at least 16: the caller pads with rows that always hold.
-  void (*scan_rows_6)(const double* const* a, const double* b, int count, const double* x,
-                      ScanResult& result);
-  void (*scan_rows_3)(const double* const* a, const double* b, int count, const double* x,
-                      ScanResult& result);
+  /// Nearest point of a polyhedron, see SolveNearestPoint in qp_solver.h.
+  QpResult (*solve_6)(const double* t, const QpRows& rows, const int* guess, int guesses);
+  QpResult (*solve_3)(const double* t, const QpRows& rows, const int* guess, int guesses);
 };
 
 extern const Kernels kScalarKernels;

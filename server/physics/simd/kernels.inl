@@ -1,4 +1,5 @@
 // The inner loops, included once by each kernels_*.cpp, which sets the instruction set.
+#include "server/physics/simd/dual_active_set.inl"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/simd/vector.h"
 
@@ -101,37 +102,8 @@ void BuildRows(const LeafSphere* tool, const LeafSphere* object, const double* R
   }
 }
 
-template <int N>
-void ScanRows(const double* const* a, const double* b, int count, const double* x,
-              ScanResult& result) {
-  D8 xs[N];
-  for (int c = 0; c < N; ++c) xs[c] = Set1(x[c]);
-  alignas(64) const double lane[8] = {0, 1, 2, 3, 4, 5, 6, 7};
-  D8 row0 = Load(lane), row1 = row0 + Set1(8.0);
-  D8 best0 = Set1(1e300), best1 = best0, best_row0 = row0, best_row1 = row1;
-  const D8 sixteen = Set1(16.0);
-  const auto slack = [&](int i) {
-    D8 s = Set1(0.0) - Load(b + i);
-    for (int c = 0; c < N; ++c) s = Fma(Load(a[c] + i), xs[c], s);
-    return s;
-  };
-  for (int i = 0; i < count; i += 16) {
-    const D8 s0 = slack(i), s1 = slack(i + 8);
-    best_row0 = SelectLess(s0, best0, row0, best_row0);
-    best0 = SelectLess(s0, best0, s0, best0);
-    best_row1 = SelectLess(s1, best1, row1, best_row1);
-    best1 = SelectLess(s1, best1, s1, best1);
-    row0 = row0 + sixteen;
-    row1 = row1 + sixteen;
-  }
-  Store(result.value, best0);
-  Store(result.value + 8, best1);
-  Store(result.row, best_row0);
-  Store(result.row + 8, best_row1);
-}
-
 constexpr Kernels MakeKernels(const char* name) {
-  return {name, ExpandPairs, BuildRows<6>, BuildRows<3>, ScanRows<6>, ScanRows<3>};
+  return {name, ExpandPairs, BuildRows<6>, BuildRows<3>, Solve<6>, Solve<3>};
 }
 
 }  // namespace

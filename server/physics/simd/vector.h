@@ -93,6 +93,10 @@ inline D8 Sqrt(D8 a) {
 inline D8 SelectLess(D8 a, D8 b, D8 x, D8 y) {
   return {_mm512_mask_blend_pd(_mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ), y.v, x.v)};
 }
+/// Bit i: lane i of a is less than that of b.
+inline std::uint32_t Less(D8 a, D8 b) {
+  return _mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ);
+}
 /// Eight records of four doubles each, to four vectors of one field each.
 inline void LoadTransposed(const double* const record[8], D8 field[4]) {
   const auto pair = [&](int i) {
@@ -187,6 +191,10 @@ inline D8 Sqrt(D8 x) {
 inline D8 SelectLess(D8 x, D8 y, D8 u, D8 w) {
   return {_mm256_blendv_pd(w.a, u.a, _mm256_cmp_pd(x.a, y.a, _CMP_LT_OQ)),
           _mm256_blendv_pd(w.b, u.b, _mm256_cmp_pd(x.b, y.b, _CMP_LT_OQ))};
+}
+inline std::uint32_t Less(D8 x, D8 y) {
+  return static_cast<std::uint32_t>(_mm256_movemask_pd(_mm256_cmp_pd(x.a, y.a, _CMP_LT_OQ)) |
+                                    _mm256_movemask_pd(_mm256_cmp_pd(x.b, y.b, _CMP_LT_OQ)) << 4);
 }
 inline void LoadTransposed(const double* const record[8], D8 field[4]) {
   const auto half = [&](int first, __m256d out[4]) {
@@ -288,6 +296,11 @@ inline D8 Sqrt(const D8& a) {
 }
 inline D8 SelectLess(const D8& a, const D8& b, const D8& x, const D8& y) {
   return EachDouble([&](int i) { return a.v[i] < b.v[i] ? x.v[i] : y.v[i]; });
+}
+inline std::uint32_t Less(const D8& a, const D8& b) {
+  std::uint32_t bits = 0;
+  for (int i = 0; i < 8; ++i) bits |= static_cast<std::uint32_t>(a.v[i] < b.v[i]) << i;
+  return bits;
 }
 inline void LoadTransposed(const double* const record[8], D8 field[4]) {
   for (int f = 0; f < 4; ++f) field[f] = EachDouble([&](int i) { return record[i][f]; });

@@ -1,0 +1,379 @@
+// The QP solver of qp_solver.h, one of the loops that each kernels_*.cpp compiles for its
+// instruction set.  Every vector here is one of eight doubles, used in the same order at every
+// level.
+#include "server/physics/simd/kernels.h"
+#include "server/physics/simd/vector.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kIterationLimit = 400;
+/// A row whose part outside the span of the active ones is shorter than this lies inside it.
+constexpr double kDependent = 1e-9;
+/// A projection that leaves less of |a|^2 than this is done again.
+constexpr double kCancelled = 1e-2;
+/// Ratio test: an r_j below this is rounding.
+constexpr double kRatioZero = 1e-13;
+constexpr double kInfinity = __builtin_huge_val();
+/// Square root of kJamCompliance = 1e-5 (qp_solver.h).
+constexpr double kSlackEntry = 3.1622776601683795e-3;
+
+/// Eight doubles in memory, of which a few are used and the others are zero.
+struct alignas(64) Lanes {
+  double v[8] = {};
+  D8 Get() const { return Load(v); }
+  void Set(D8 a) { Store(v, a); }
+  double& operator[](int i) { return v[i]; }
+  double operator[](int i) const { return v[i]; }
+};
+
+/// Goldfarb and Idnani's method on D = N unknowns, or N + 1 where a common slack relaxes the rows:
+/// then every row has one more entry, sqrt(c), and x[N] is eta / sqrt(c).
+///
+/// The active rows, as columns A (D x k), are kept as A = Q S with Q orthonormal; of S only the
+/// inverse M (k x k) is stored.  S need not be a triangle (theirs is): what the method asks of it,
+/// multipliers of a direction, is a product with M, and products go eight lanes at a time.
+template <int N, bool kWithSlack>
+class DualActiveSet {
+ public:
+  DualActiveSet(const double* t, const QpRows& rows) : rows_(rows) {
+    double largest = 0.0;
+    for (int i = 0; i < N; ++i) {
+      t_[i] = t[i];
+      const double size = t[i] < 0.0 ? -t[i] : t[i];
+      if (size > largest) largest = size;
+    }
+    x_ = t_;
+    tolerance_ = 1e-12 * (1.0 + largest);
+  }
+
+  /// False where the rows contradict each other.
+  bool Solve(const int* guess, int guesses, QpResult& result) {
+    if (guesses > 0) Guess(guess, guesses);
+    bool feasible = true;
+    double slack = 0.0;
+    int row = -1;
+    while (NextViolated(row, slack)) {
+      if (iterations_ >= kIterationLimit) {
+        result.status = QpStatus::kIterationLimit;
+        break;
+      }
+      feasible = TakeUp(row, slack);
+      if (!feasible) break;
+    }
+    if (feasible && active_ > 0) Polish();
+    for (int i = 0; i < N; ++i) result.x[i] = x_[i];
+    result.slack = kWithSlack ? kSlackEntry * x_[D - 1] : 0.0;
+    result.active = active_;
+    for (int j = 0; j < active_; ++j) {
+      result.row[j] = row_[j];
+      result.multiplier[j] = u_[j] > 0.0 ? u_[j] : 0.0;
+    }
+    result.iterations += iterations_;
+    return feasible;
+  }
+
+ private:
+  static constexpr int D = N + (kWithSlack ? 1 : 0);
+
+  void LoadRow(int i, Lanes& a) const {
+    for (int c = 0; c < N; ++c) a[c] = rows_.a[c][i];
+    if constexpr (kWithSlack) a[N] = kSlackEntry;
+  }
+
+  double SlackOf(int i) const {
+    double s = -rows_.b[i];
+    for (int c = 0; c < N; ++c) s += rows_.a[c][i] * x_[c];
+    if constexpr (kWithSlack) s += kSlackEntry * x_[N];
+    return s;
+  }
+
+  /// Step 1: the most violated row.  A pass over all rows leaves sixteen candidates, one per lane;
+  /// those are used up before the next pass, for any violated row will do.
+  bool NextViolated(int& row, double& slack) {
+    if (candidates_ != 0 && FromCandidates(row, slack)) return true;
+    if (rows_.count == 0) return false;
+    Scan();
+    return candidates_ != 0 && FromCandidates(row, slack);
+  }
+
+  /// The row that holds least in each of sixteen lanes, the first of equals, where it is violated.
+  void Scan() {
+    D8 xs[N];
+    for (int c = 0; c < N; ++c) xs[c] = Set1(x_[c]);
+    const D8 shift = Set1(kWithSlack ? kSlackEntry * x_[D - 1] : 0.0);
+    const auto slack = [&](int i) {
+      D8 s = shift - Load(rows_.b + i);
+      for (int c = 0; c < N; ++c) s = Fma(Load(rows_.a[c] + i), xs[c], s);
+      return s;
+    };
+    D8 row = Set1(0.0), best0 = Set1(-tolerance_), best1 = best0;
+    D8 best_row0 = Set1(-1.0), best_row1 = best_row0;
+    const D8 sixteen = Set1(16.0);
+    for (int i = 0; i < rows_.count; i += 16) {
+      const D8 s0 = slack(i), s1 = slack(i + 8);
+      best_row0 = SelectLess(s0, best0, row, best_row0);
+      best0 = SelectLess(s0, best0, s0, best0);
+      best_row1 = SelectLess(s1, best1, row, best_row1);
+      best1 = SelectLess(s1, best1, s1, best1);
+      row = row + sixteen;
+    }
+    const D8 none = Set1(-tolerance_);
+    const std::uint32_t violated = Less(best0, none) | Less(best1, none) << 8;
+    candidates_ = violated;
+    if (violated == 0) return;
+    Lanes first[2];
+    first[0].Set(best_row0);
+    first[1].Set(best_row1);
+    for (std::uint32_t left = violated; left != 0; left &= left - 1) {
+      const int lane = __builtin_ctz(left);
+      const int row_of_lane = static_cast<int>(first[lane >> 3][lane & 7]) + lane;
+      candidate_row_[lane] = row_of_lane;
+      for (int c = 0; c < N; ++c) candidate_a_[c][lane] = rows_.a[c][row_of_lane];
+      candidate_b_[lane] = rows_.b[row_of_lane];
+    }
+  }
+
+  /// The most violated candidate; those that hold by now are forgotten.
+  bool FromCandidates(int& row, double& slack) {
+    const D8 shift = Set1(kWithSlack ? kSlackEntry * x_[D - 1] : 0.0);
+    const D8 none = Set1(-tolerance_);
+    Lanes value[2];
+    std::uint32_t violated = 0;
+    for (int half = 0; half < 2; ++half) {
+      D8 s = shift - Load(candidate_b_ + 8 * half);
+      for (int c = 0; c < N; ++c) s = Fma(Load(candidate_a_[c] + 8 * half), Set1(x_[c]), s);
+      value[half].Set(s);
+      violated |= Less(s, none) << (8 * half);
+    }
+    candidates_ &= violated;
+    if (candidates_ == 0) return false;
+    int worst = __builtin_ctz(candidates_);
+    slack = value[worst >> 3][worst & 7];
+    for (std::uint32_t left = candidates_ & (candidates_ - 1); left != 0; left &= left - 1) {
+      const int lane = __builtin_ctz(left);
+      const double s = value[lane >> 3][lane & 7];
+      if (s < slack) {
+        slack = s;
+        worst = lane;
+      }
+    }
+    row = candidate_row_[worst];
+    candidates_ &= ~(1u << worst);
+    return true;
+  }
+
+  static double SumOfSquares(const Lanes& a) {
+    double even = a[0] * a[0], odd = a[1] * a[1];
+    for (int c = 2; c < D; c += 2) even += a[c] * a[c];
+    for (int c = 3; c < D; c += 2) odd += a[c] * a[c];
+    return even + odd;
+  }
+
+  /// Sum of weight[i] * vector[i] over i < n, even and odd ones apart: two short chains of
+  /// additions take half the time of a long one.
+  static D8 Combine(const Lanes& weight, const Lanes* vector, int n) {
+    D8 even = Set1(0.0), odd = even;
+    int i = 0;
+    for (; i + 1 < n; i += 2) {
+      even = Fma(Set1(weight[i]), vector[i].Get(), even);
+      odd = Fma(Set1(weight[i + 1]), vector[i + 1].Get(), odd);
+    }
+    if (i < n) even = Fma(Set1(weight[i]), vector[i].Get(), even);
+    return even + odd;
+  }
+
+  /// z := z - Q Q^T z, d := d + Q^T z.
+  void ProjectOnce(Lanes& d, Lanes& z) const {
+    const D8 dot = Combine(z, Q_rows_, D);
+    Lanes part;
+    part.Set(dot);
+    z.Set(z.Get() - Combine(part, Q_, active_));
+    d.Set(d.Get() + dot);
+  }
+
+  /// d = Q^T a and z = a - Q d.  Orthogonalised a second time where the first cancelled much
+  /// ("twice is enough", Giraud & Langou 2005).  Returns |z|^2, 0 where a lies in the span of the
+  /// active rows.
+  double Project(const Lanes& a, Lanes& d, Lanes& z) const {
+    z = a;
+    const double aa = SumOfSquares(a);
+    if (active_ == 0) return aa;
+    ProjectOnce(d, z);
+    double zz = SumOfSquares(z);
+    if (zz < kCancelled * aa) {
+      ProjectOnce(d, z);
+      zz = SumOfSquares(z);
+    }
+    return active_ < D && zz > kDependent * kDependent * aa ? zz : 0.0;
+  }
+
+  /// M y.
+  D8 Multipliers(const Lanes& y) const { return Combine(y, M_, active_); }
+
+  /// Q grows by z / |z|; S by the column (d, |z|), so M by (-M d, 1) / |z|.
+  void Append(int row, const Lanes& z, double zz, D8 r, double multiplier) {
+    const double inverse = 1.0 / __builtin_sqrt(zz);
+    Q_[active_].Set(Set1(inverse) * z.Get());
+    for (int c = 0; c < D; ++c) Q_rows_[c][active_] = Q_[active_][c];
+    M_[active_].Set(Set1(-inverse) * r);
+    M_[active_][active_] = inverse;
+    row_[active_] = row;
+    u_[active_] = multiplier;
+    ++active_;
+  }
+
+  /// Takes active row l out.  Row l of M, w, is the direction within the span that the other rows
+  /// are orthogonal to; a reflection turns it into the last basis vector, which then goes.
+  void Drop(int l) {
+    const int last = active_ - 1;
+    Lanes v;
+    double ww = 0.0;
+    for (int j = 0; j <= last; ++j) {
+      v[j] = M_[j][l];
+      ww += v[j] * v[j];
+    }
+    const double length = __builtin_sqrt(ww);
+    v[last] += v[last] < 0.0 ? -length : length;
+    double vv = 0.0;
+    for (int j = 0; j <= last; ++j) vv += v[j] * v[j];
+    const double beta = 2.0 / vv;
+    D8 Mv = Set1(0.0), Qv = Mv;
+    for (int j = 0; j <= last; ++j) {
+      Mv = Fma(Set1(v[j]), M_[j].Get(), Mv);
+      Qv = Fma(Set1(v[j]), Q_[j].Get(), Qv);
+    }
+    for (int j = 0; j < last; ++j) {
+      const D8 scale = Set1(beta * v[j]);
+      M_[j].Set(Fnma(scale, Mv, M_[j].Get()));
+      Q_[j].Set(Fnma(scale, Qv, Q_[j].Get()));
+      for (int i = l; i < last; ++i) M_[j][i] = M_[j][i + 1];
+      M_[j][last] = 0.0;
+      for (int c = 0; c < D; ++c) Q_rows_[c][j] = Q_[j][c];
+    }
+    for (int c = 0; c < D; ++c) Q_rows_[c][last] = 0.0;
+    for (int j = l; j < last; ++j) {
+      row_[j] = row_[j + 1];
+      u_[j] = u_[j + 1];
+    }
+    u_[last] = 0.0;
+    active_ = last;
+  }
+
+  /// Step 2: moves until the row holds with equality, dropping active rows whose multiplier comes
+  /// to zero on the way.  False where it cannot be made to hold.
+  bool TakeUp(int row, double slack) {
+    Lanes a;
+    LoadRow(row, a);
+    double multiplier = 0.0;
+    for (;;) {
+      ++iterations_;
+      Lanes d, z, r;
+      const double zz = Project(a, d, z);
+      const D8 Md = Multipliers(d);
+      r.Set(Md);
+      // Least u_j / r_j, compared without dividing.
+      int leaving = -1;
+      for (int j = 0; j < active_; ++j) {
+        if (r[j] > kRatioZero && (leaving < 0 || u_[j] * r[leaving] < u_[leaving] * r[j])) {
+          leaving = j;
+        }
+      }
+      const double dual_step = leaving < 0 ? kInfinity : u_[leaving] / r[leaving];
+      const bool reachable = zz > 0.0;
+      if (!reachable && leaving < 0) return false;
+      const double full_step = reachable ? -slack / zz : kInfinity;
+      const double step = full_step < dual_step ? full_step : dual_step;
+      u_.Set(Fnma(Set1(step), Md, u_.Get()));
+      multiplier += step;
+      if (reachable) {
+        x_.Set(Fma(Set1(step), z.Get(), x_.Get()));
+        slack += step * zz;
+      }
+      if (full_step <= dual_step) {
+        Append(row, z, zz, Md, multiplier);
+        return true;
+      }
+      Drop(leaving);
+      if (iterations_ >= kIterationLimit) return true;  // the caller stops at the limit
+    }
+  }
+
+  /// Adds to x and u what makes the active rows hold with equality, from where x is now:
+  /// A^T x = b means Q^T dx = M^T (b - A^T x), and du = M Q^T dx.
+  void Equalise() {
+    Lanes residual, y;
+    for (int j = 0; j < active_; ++j) residual[j] = -SlackOf(row_[j]);
+    for (int j = 0; j < active_; ++j) {
+      double dot = 0.0;
+      for (int i = 0; i < active_; ++i) dot += M_[j][i] * residual[i];
+      y[j] = dot;
+    }
+    x_.Set(x_.Get() + Combine(y, Q_, active_));
+    u_.Set(u_.Get() + Multipliers(y));
+  }
+
+  /// Start from last time's active rows: any subset whose multipliers are not negative is as good a
+  /// start as the empty one.
+  void Guess(const int* guess, int guesses) {
+    for (int i = 0; i < guesses && active_ < D; ++i) {
+      Lanes a, d, z;
+      LoadRow(guess[i], a);
+      const double zz = Project(a, d, z);
+      if (zz > 0.0) Append(guess[i], z, zz, Multipliers(d), 0.0);
+    }
+    while (active_ > 0) {
+      x_ = t_;
+      u_ = Lanes();
+      Equalise();
+      int worst = 0;
+      for (int j = 1; j < active_; ++j) {
+        if (u_[j] < u_[worst]) worst = j;
+      }
+      if (u_[worst] >= 0.0) return;
+      ++iterations_;
+      Drop(worst);
+    }
+    x_ = t_;
+  }
+
+  /// Removes the rounding that the steps have gathered: the multipliers anew from the gradient,
+  /// then what the active rows still miss.
+  void Polish() {
+    Lanes y;
+    Lanes moved;
+    moved.Set(x_.Get() - t_.Get());
+    y.Set(Combine(moved, Q_rows_, D));
+    u_.Set(Multipliers(y));
+    x_.Set(t_.Get() + Combine(y, Q_, active_));
+    Equalise();
+  }
+
+  const QpRows& rows_;
+  Lanes t_, x_, u_;
+  Lanes Q_[7];       ///< Q_[j]: j-th basis vector
+  Lanes Q_rows_[7];  ///< the same by rows: lane j of Q_rows_[c] is Q_[j][c]
+  Lanes M_[7];       ///< M_[j]: j-th column of S^-1
+  int row_[7];
+  int active_ = 0;
+  int iterations_ = 0;
+  std::uint32_t candidates_ = 0;  ///< bit per lane
+  int candidate_row_[16];
+  alignas(64) double candidate_a_[N][16] = {};
+  alignas(64) double candidate_b_[16] = {};
+  double tolerance_;
+};
+
+template <int N>
+QpResult Solve(const double* t, const QpRows& rows, const int* guess, int guesses) {
+  QpResult result;
+  if (DualActiveSet<N, false>(t, rows).Solve(guess, guesses, result)) return result;
+  result.status = QpStatus::kRelaxed;
+  if (!DualActiveSet<N, true>(t, rows).Solve(nullptr, 0, result)) {
+    result.status = QpStatus::kIterationLimit;  // cannot be: a slack satisfies any rows
+  }
+  return result;
+}
+
+}  // namespace
+}  // namespace palpate
