@@ -107,14 +107,14 @@ TEST(ServerProgram, IsReadyAndStopsOnASignal) {
 
 TEST(ServerProgram, RefusesADomainInUse) {
   const ServerLock lock(kDomain);
-  Program program({"--scene", "cube"});
+  Program program({"--scene", "cube", "--transport", "udp"});
   EXPECT_THAT(program.Rest(), HasSubstr("is in use by another palpate-server (pid " +
                                         std::to_string(getpid()) + "); stop that one"));
   EXPECT_EQ(program.Exit(), 1);
 }
 
 TEST(ServerProgram, NamesTheScenesThatThereAreWhereOneIsUnknown) {
-  Program program({"--scene", "no-such-scene"});
+  Program program({"--scene", "no-such-scene", "--transport", "udp"});
   const std::string text = program.Rest();
   EXPECT_THAT(text, HasSubstr("no-such-scene"));
   EXPECT_THAT(text, HasSubstr("bunny-bunny"));
@@ -147,14 +147,15 @@ TEST_P(ServerProgramUsage, ExitsWithTwoWhereTheCommandLineIsWrong) {
 
 INSTANTIATE_TEST_SUITE_P(
     Wrong, ServerProgramUsage,
-    testing::Values(std::vector<std::string>{"--transport", "udp"},
-                    std::vector<std::string>{"--scene", "cube", "--transport", "tcp"},
-                    std::vector<std::string>{"--scene", "cube", "--realtime", "maybe"},
-                    std::vector<std::string>{"--scene", "cube", "--cpu", "4096"},
-                    std::vector<std::string>{"--scene", "cube", "--cpu", "-2"},
-                    std::vector<std::string>{"--scene", "cube", "--log-level", "loud"},
-                    std::vector<std::string>{"--scene", "cube", "--domain", "1000"},
-                    std::vector<std::string>{"--scene", "cube", "--nonsense"}));
+    testing::Values(
+        std::vector<std::string>{"--transport", "udp"},
+        std::vector<std::string>{"--scene", "cube", "--transport", "tcp"},
+        std::vector<std::string>{"--scene", "cube", "--transport", "udp", "--realtime", "maybe"},
+        std::vector<std::string>{"--scene", "cube", "--transport", "udp", "--cpu", "4096"},
+        std::vector<std::string>{"--scene", "cube", "--cpu", "-2"},
+        std::vector<std::string>{"--scene", "cube", "--log-level", "loud"},
+        std::vector<std::string>{"--scene", "cube", "--domain", "1000"},
+        std::vector<std::string>{"--scene", "cube", "--nonsense"}));
 
 }  // namespace
 }  // namespace palpate::test

@@ -28,21 +28,26 @@ bool Eventually(bool (*condition)()) {
   return false;
 }
 
-// $1: pool file.  Prints iox-roudi's process id, then waits for the end of its input.
+// $1: pool file.  Prints iox-roudi's process id, then waits for the end of its input.  RouDi 2.0.3
+// can wait for ever for a client that dies while it stops, hence the kill.  9 is the lock.
 constexpr const char* kGuardian = R"(
 exec 3>&1 1>/dev/null 2>&1
 iox-roudi -c "$1" &
-echo $! >&3
+roudi=$!
+echo $roudi >&3
 exec 3>&-
 read -r end
-kill -TERM $!
-wait $!
+kill -TERM $roudi
+(sleep 3; kill -KILL $roudi) 9>&- &
+killer=$!
+wait $roudi
+kill $killer
 )";
 
 }  // namespace
 
 RouDi::RouDi() {
-  const int lock = open(kLock, O_RDWR | O_CREAT, 0666);
+  const int lock = open(kLock, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (lock < 0 || flock(lock, LOCK_EX) != 0) throw Error(std::string(kLock) + ": cannot lock");
   if (!Eventually([] { return !dds::RouDiAnswers(); })) {
     throw Error("another iox-roudi runs on this machine; stop it first");
@@ -57,6 +62,7 @@ RouDi::RouDi() {
     close(to_guardian[0]);
     close(from_guardian[0]);
     close(from_guardian[1]);
+    dup2(lock, 9);
     setsid();  // a Ctrl-C at the test must not end RouDi before its clients
     execlp("sh", "sh", "-c", kGuardian, "sh", PALPATE_SOURCE_DIR "/deploy/cyclonedds/roudi.toml",
            nullptr);
