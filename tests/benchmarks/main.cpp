@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("palpate-bench ") + PALPATE_VERSION);
   app.require_subcommand(1);
   palpate::bench::AddCycle(app);
+  palpate::bench::AddLoop(app);
   palpate::bench::AddQp(app);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,400 @@
+// palpate-bench loop: pose out to wrench in through the real server, beside a bare echo of the same
+// samples over the same transport.
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <memory>
+#include <optional>
+#include <random>
+#include <thread>
+
+#include <spdlog/fmt/fmt.h>
+#include <time.h>
+
+#include "common/dds/endpoint.h"
+#include "common/dds/participant.h"
+#include "common/dds/topics.h"
+#include "common/error.h"
+#include "common/realtime/realtime.h"
+#include "common/stop_signal.h"
+#include "common/time/steady_clock.h"
+#include "tests/benchmarks/commands.h"
+#include "tests/benchmarks/figures.h"
+#include "tests/benchmarks/pose_source.h"
+#include "tests/common/dds/roudi.h"
+#include "tests/support/program.h"
+
+namespace palpate::bench {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::int64_t kTick_ns = 1'000'000;
+constexpr double kLate_us = 1000.0;
+constexpr int kBlock = 500;           // ticks in a row to the same peer
+constexpr int kKeepAlive = 25;        // the other one gets a pose every so many: the server ends a
+                                      // session that is silent for 100 ms
+constexpr int kWarmUpBlocks = 2;      // one each: not counted
+constexpr milliseconds kSettle{100};  // as stations do: TRANSPORT, chunk leak of early samples
+constexpr const char* kServed = "bench";
+constexpr const char* kEchoed = "bench_echo";
+
+struct Options {
+  std::string transport = "shm";
+  double seconds = 20.0;
+  std::string scene = "cube";
+  std::string realtime = "prefer";
+  int domain = dds::kMaxDomain;
+  std::string json;
+};
+
+struct EchoOptions {
+  std::string transport;
+  std::string realtime;
+  int domain = 0;
+  std::uint64_t run = 0;
+};
+
+dds::Participant LoopDomain(int domain, const std::string& transport, const std::string& realtime) {
+  const dds::TransportChoice choice = dds::ChooseTransport(dds::ParseTransport(transport));
+  EnterRealtime({.mode = ParseRealtimeMode(realtime)});
+  dds::Participant participant = dds::Participant::Loop(domain, choice);
+  LeaveRealtime();
+  return participant;
+}
+
+template <class Condition>
+void Await(const std::string& what, Condition condition) {
+  for (int i = 0; i < 10'000; ++i) {
+    if (condition()) return;
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  throw Error("loop: " + what + " did not come within 10 s");
+}
+
+std::uint64_t RandomRun() {
+  std::random_device random;
+  return static_cast<std::uint64_t>(random()) << 32 | random();
+}
+
+/// A station's two loop topics with one peer, and the time that each answer took.
+class Path {
+ public:
+  Path(const dds::Participant& participant, std::string station, std::size_t most)
+      : participant_(participant), station_(std::move(station)), round_trip_us_(most, -1.0) {
+    step_us_.resize(most, 0.0);
+    counted_.resize(most, false);
+  }
+
+  /// Meets the peer's endpoints of that run.
+  void Open(std::uint64_t run) {
+    wrenches_ = {};
+    const std::uint64_t asked_before = sequence_;
+    const std::string wrench_topic = dds::WrenchTopic(station_, run);
+    poses_ = {participant_, dds::PoseTopic(station_, run), dds::Qos::kLoop};
+    Await("the writer of " + wrench_topic,
+          [&] { return dds::WriterDiscovered(participant_, wrench_topic); });
+    wrenches_ = {participant_, wrench_topic, dds::Qos::kLoop,
+                 [this](const wire::Wrench& wrench) { OnWrench(wrench); }};
+    Await("a reader of poses", [&] { return poses_.matched_readers() > 0; });
+    std::this_thread::sleep_for(kSettle);
+    // The peer answers once it has waited in its turn; until then poses keep it awake.
+    Await("the first answer of " + station_, [&] {
+      Send({}, false);
+      return answered_.load() > asked_before;
+    });
+  }
+
+  void Send(const std::optional<Pose>& pose, bool counted) {
+    if (sequence_ + 1 >= counted_.size()) return;
+    if (pose) wire::FromPose(*pose, sample_.position_m, sample_.orientation_wxyz);
+    sample_.pose_sequence = ++sequence_;
+    counted_[sequence_] = counted;
+    sample_.sample_time_ns = SteadyNanoseconds();
+    poses_.Write(sample_);
+  }
+
+  bool uses_shared_memory() const {
+    return poses_.uses_shared_memory() && wrenches_.uses_shared_memory();
+  }
+
+  struct Figures {
+    std::vector<double> round_trip_us, step_us;
+    std::size_t lost = 0;
+    double late_fraction = 0.0;
+  };
+  /// Of the poses that were counted.  To be called when no answer is on its way.
+  Figures Evaluate() {
+    wrenches_ = {};
+    Figures figures;
+    std::size_t late = 0, counted = 0;
+    for (std::size_t i = 1; i <= sequence_; ++i) {
+      if (!counted_[i]) continue;
+      ++counted;
+      if (round_trip_us_[i] < 0.0) {
+        ++figures.lost;
+        continue;
+      }
+      late += round_trip_us_[i] > kLate_us;
+      figures.round_trip_us.push_back(round_trip_us_[i]);
+      figures.step_us.push_back(step_us_[i]);
+    }
+    if (counted > 0) {
+      figures.late_fraction =
+          static_cast<double>(late + figures.lost) / static_cast<double>(counted);
+    }
+    return figures;
+  }
+
+ private:
+  /// In DDS's receiving thread.
+  void OnWrench(const wire::Wrench& wrench) noexcept {
+    const std::int64_t now_ns = SteadyNanoseconds();
+    const std::uint64_t i = wrench.pose_sequence;
+    if (i >= round_trip_us_.size()) return;
+    round_trip_us_[i] = 1e-3 * static_cast<double>(now_ns - wrench.pose_time_ns);
+    step_us_[i] = 1e6 * wrench.step_time_s;
+    answered_.store(i);
+  }
+
+  const dds::Participant& participant_;
+  std::string station_;
+  wire::HapticPose sample_{};
+  std::uint64_t sequence_ = 0;
+  std::atomic<std::uint64_t> answered_{0};
+  std::vector<double> round_trip_us_, step_us_;  // by sequence
+  std::vector<bool> counted_;
+  dds::Writer<wire::HapticPose> poses_;
+  dds::Reader<wire::Wrench> wrenches_;
+};
+
+/// The session with the server that the poses go through.
+class ServerSession {
+ public:
+  ServerSession(int domain, std::string scene, Path& path)
+      : service_(dds::Participant::Service(domain)),
+        requests_(service_, dds::kSessionRequestTopic, dds::Qos::kSession),
+        states_(service_, dds::kSessionStateTopic, dds::Qos::kSession),
+        scene_(std::move(scene)),
+        path_(path) {}
+
+  void Begin() {
+    wire::SessionRequest request{};
+    wire::FromText(kServed, request.station);
+    request.run = run_ = RandomRun();
+    wire::FromText(scene_, request.scene);
+    wire::FromText("palpate-bench loop", request.device);
+    requests_.Write(request);
+    Await("the server's answer", [&] { return Holds(); });
+    path_.Open(run_);
+  }
+
+  /// False before it has begun, and after the server has ended it (this machine may have stood
+  /// still for longer than the server's patience).
+  bool Holds() {
+    wire::SessionState state;
+    while (states_.Take(state)) {
+      if (state.run == run_) state_ = state;
+    }
+    if (state_.run == run_ && state_.phase == palpate_SESSION_REFUSED) {
+      throw Error(std::string("loop: the server refuses: ") + state_.reason);
+    }
+    return state_.run == run_ && state_.phase != palpate_SESSION_ENDED;
+  }
+
+ private:
+  dds::Participant service_;
+  dds::Writer<wire::SessionRequest> requests_;
+  dds::Reader<wire::SessionState> states_;
+  std::string scene_;
+  Path& path_;
+  std::uint64_t run_ = 0;
+  wire::SessionState state_{};
+};
+
+void SleepUntil(std::int64_t time_ns) {
+  const timespec until{time_ns / 1'000'000'000, time_ns % 1'000'000'000};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) != 0) {
+  }
+}
+
+/// Forth and back over the scene's path, without a jump.
+class Hand {
+ public:
+  explicit Hand(std::vector<Pose> poses) : poses_(std::move(poses)) {}
+  const Pose& Next() {
+    const std::size_t n = poses_.size(), i = at_++ % (2 * n);
+    return poses_[i < n ? i : 2 * n - 1 - i];
+  }
+
+ private:
+  std::vector<Pose> poses_;
+  std::size_t at_ = 0;
+};
+
+std::unique_ptr<RouDi> RouDiWhereNoneRuns(const std::string& transport) {
+  if (transport != "shm" || dds::RouDiAnswers()) return nullptr;
+  Progress("starting iox-roudi ...");
+  return std::make_unique<RouDi>();
+}
+
+void Run(const Options& options) {
+  const std::unique_ptr<RouDi> roudi = RouDiWhereNoneRuns(options.transport);
+  const std::string bin = test::OwnFolder();
+  const std::string domain = std::to_string(options.domain);
+  const std::uint64_t echo_run = RandomRun();
+  test::Program server(bin + "/palpate-server",
+                       {"--scene", options.scene, "--transport", options.transport, "--realtime",
+                        options.realtime, "--domain", domain, "--log-level", "warn"});
+  test::Program echo(bin + "/palpate-bench",
+                     {"echo", "--transport", options.transport, "--realtime", options.realtime,
+                      "--domain", domain, "--run", std::to_string(echo_run)});
+  Progress("waiting for the server ...");
+  if (!server.Says("ready: ", 120.0)) {
+    throw Error("loop: the server does not start:\n" + server.Output());
+  }
+
+  dds::Participant loop = LoopDomain(options.domain, options.transport, options.realtime);
+  const int blocks = kWarmUpBlocks + std::max(2, static_cast<int>(options.seconds * 1000 / kBlock));
+  const auto most = static_cast<std::size_t>(blocks) * kBlock + 100'000;
+  Path served(loop, kServed, most), echoed(loop, kEchoed, most);
+  ServerSession session(options.domain, options.scene, served);
+  Hand hand(ScriptPoses(options.scene, std::nullopt));
+  served.Send(hand.Next(), false);  // nobody hears it; it sets the pose that the first ones repeat
+  echoed.Open(echo_run);            // first: the server would not wait for it
+  session.Begin();
+
+  EnterRealtime({.mode = ParseRealtimeMode(options.realtime)});
+  int restarts = 0;
+  for (int block = 0; block < blocks; ++block) {
+    Progress(fmt::format("{} of {} s ...", block * kBlock / 1000, blocks * kBlock / 1000));
+    server.Output();
+    if (!server.Runs()) throw Error("loop: the server has ended:\n" + server.Output());
+    if (!session.Holds()) {
+      ++restarts;
+      session.Begin();
+    }
+    const bool to_server = block % 2 == 0, counted = block >= kWarmUpBlocks;
+    std::int64_t next_ns = SteadyNanoseconds();
+    for (int i = 0; i < kBlock; ++i) {
+      SleepUntil(next_ns += kTick_ns);
+      const Pose& pose = hand.Next();
+      (to_server ? served : echoed).Send(pose, counted);
+      if (i % kKeepAlive == 0) {
+        SleepUntil(next_ns + kTick_ns / 2);
+        (to_server ? echoed : served).Send(pose, false);
+      }
+    }
+  }
+  LeaveRealtime();
+  std::this_thread::sleep_for(kSettle);  // for the last answers
+
+  if (options.transport == "shm" && !(served.uses_shared_memory() && echoed.uses_shared_memory())) {
+    throw Error("loop: the samples did not go through shared memory; is RouDi still there?");
+  }
+  const Path::Figures with = served.Evaluate(), bare = echoed.Evaluate();
+  for (test::Program* program : {&server, &echo}) {
+    program->Signal(SIGTERM);
+    program->Exit();
+  }
+  Progress("");
+
+  const Percentiles rtt = PercentilesOf(with.round_trip_us);
+  const Percentiles bare_rtt = PercentilesOf(bare.round_trip_us);
+  const Percentiles step = PercentilesOf(with.step_us);
+  if (with.round_trip_us.empty() || bare.round_trip_us.empty()) {
+    throw Error("loop: no answers came");
+  }
+  const double ratio_p50 = rtt.p50 / bare_rtt.p50, ratio_p99 = rtt.p99 / bare_rtt.p99;
+  Table table(fmt::format("pose out to wrench in: {}, {}, {} s at 1 kHz, real-time {}",
+                          options.scene, options.transport, options.seconds, options.realtime));
+  table.Row("through the server", "us", rtt);
+  table.Row("bare echo", "us", bare_rtt);
+  table.Row("server's step", "us", step);
+  table.Line("ratio", fmt::format("p50 {:.3f}, p99 {:.3f}", ratio_p50, ratio_p99));
+  table.Line("later than 1 ms",
+             fmt::format("{:.5f} ({} lost), bare {:.5f} ({} lost)", with.late_fraction, with.lost,
+                         bare.late_fraction, bare.lost));
+  if (restarts > 0) table.Line("sessions begun anew", std::to_string(restarts));
+  table.Print();
+  if (options.json.empty()) return;
+  WriteJson(options.json, {{"transport", options.transport},
+                           {"scene", options.scene},
+                           {"seconds", options.seconds},
+                           {"realtime", options.realtime},
+                           {"rtt_us", ToJson(rtt)},
+                           {"late_fraction", with.late_fraction},
+                           {"bare_rtt_us", ToJson(bare_rtt)},
+                           {"bare_late_fraction", bare.late_fraction},
+                           {"ratio_p50", ratio_p50},
+                           {"ratio_p99", ratio_p99},
+                           {"server_step_us", ToJson(step)},
+                           {"lost", with.lost},
+                           {"bare_lost", bare.lost},
+                           {"sessions_begun_anew", restarts}});
+}
+
+/// The other process of the bare echo: what a server is without sessions and physics.
+void Echo(const EchoOptions& options) {
+  StopSignal stop;
+  const dds::Participant loop = LoopDomain(options.domain, options.transport, options.realtime);
+  dds::Writer<wire::Wrench> wrenches(loop, dds::WrenchTopic(kEchoed, options.run), dds::Qos::kLoop);
+  const std::string pose_topic = dds::PoseTopic(kEchoed, options.run);
+  while (!dds::WriterDiscovered(loop, pose_topic)) {
+    if (stop.WaitFor(milliseconds(5))) return;
+  }
+  std::atomic<bool> open{false};
+  wire::Wrench wrench{};
+  const dds::Reader<wire::HapticPose> poses(loop, pose_topic, dds::Qos::kLoop,
+                                            [&](const wire::HapticPose& pose) {
+                                              wrench.pose_sequence = pose.pose_sequence;
+                                              wrench.pose_time_ns = pose.sample_time_ns;
+                                              if (open.load()) wrenches.Write(wrench);
+                                            });
+  while (wrenches.matched_readers() == 0) {
+    if (stop.WaitFor(milliseconds(5))) return;
+  }
+  std::this_thread::sleep_for(kSettle);
+  open = true;
+  while (!stop.WaitFor(std::chrono::seconds(1))) {
+  }
+}
+
+}  // namespace
+
+void AddLoop(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "loop",
+      "Pose out to wrench in through palpate-server, beside a bare echo over the same transport,\n"
+      "alternating in one run.  Starts the server, and iox-roudi where shared memory needs one.\n"
+      "Example: palpate-bench loop --transport shm --seconds 20");
+  const auto common = [](CLI::App& to, std::string& transport, std::string& realtime, int& domain) {
+    to.add_option("--transport", transport, "shm or udp")
+        ->check(CLI::IsMember({"shm", "udp"}))
+        ->capture_default_str();
+    to.add_option("--realtime", realtime, "Of server, echo and this: require, prefer or off")
+        ->check(CLI::IsMember({"require", "prefer", "off"}))
+        ->capture_default_str();
+    to.add_option("--domain", domain, "A domain that nothing else uses")
+        ->check(CLI::Range(0, dds::kMaxDomain))
+        ->capture_default_str();
+  };
+  common(*command, options->transport, options->realtime, options->domain);
+  command->add_option("--seconds", options->seconds, "Server and echo together")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--scene", options->scene, "Catalogue name or scene file")
+      ->capture_default_str();
+  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
+  command->callback([options] { Run(*options); });
+
+  auto echo = std::make_shared<EchoOptions>();
+  CLI::App* peer = app.add_subcommand("echo", "The other end of loop's bare echo")->group("");
+  common(*peer, echo->transport, echo->realtime, echo->domain);
+  peer->add_option("--run", echo->run)->required();
+  peer->callback([echo] { Echo(*echo); });
+}
+
+}  // namespace palpate::bench
