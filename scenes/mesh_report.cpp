@@ -75,7 +75,7 @@ void Judge(MeshReport& r) {
   }
   if (!r.manifold()) {
     r.remarks.push_back(Count(r.non_manifold_edges, "edge has", "edges have") +
-                        " more than two triangles: inner walls take up spheres; remove them in a "
+                        " more than two triangles: spheres stop at inner walls; remove them in a "
                         "mesh editor");
   }
   if (!r.oriented()) {

@@ -145,6 +145,14 @@ TEST(SphereTreeBuilder, GivesTheSameBytesAgain) {
   EXPECT_EQ(BytesOf(mesh, BuildSphereTree(mesh, 777)), BytesOf(mesh, BuildSphereTree(mesh, 777)));
 }
 
+TEST(SphereTreeBuilder, GivesTheSameBytesInEveryBuild) {
+  // A new value needs a new kSphereTreeBuilderVersion, so that cached scenes are built anew.
+  const TriangleMesh mesh = MakeBox(Vec3(0.05, 0.04, 0.03));
+  const auto bytes = BytesOf(mesh, BuildSphereTree(mesh, 100));
+  EXPECT_EQ(HashBytes({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, 0),
+            0x675c98c19a0f2570u);
+}
+
 TEST(SphereTreeBuilder, TakesMeshesThatAreOpenDoubledOrPartlyDegenerate) {
   const TriangleMesh sphere = MakeSphere(0.03, 1280);
   TriangleMesh open = sphere;
