@@ -161,7 +161,11 @@ std::vector<std::string> CatalogueNames() {
   std::vector<std::string> names;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(CatalogueFolder(), ignored)) {
-    if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+    const fs::path name = entry.path().stem();
+    // NAME.path.json is the hand's script for NAME.
+    if (entry.path().extension() == ".json" && name.extension() != ".path") {
+      names.push_back(name.string());
+    }
   }
   std::sort(names.begin(), names.end());
   return names;

@@ -34,8 +34,8 @@ struct RealtimeReport {
 
 /// Makes the calling thread, and every thread that it creates from now on, real-time: SCHED_FIFO,
 /// pinned to options.cpu.  Locks the process's memory: pages stay once touched (so that a thread's
-/// untouched stack costs nothing), and 256 kB of this stack are touched.  With kRequire throws Error
-/// (limit, remedy) where a part is refused; kOff only pins; a core that does not exist is a
+/// untouched stack costs nothing), and 256 kB of this stack are touched.  With kRequire throws
+/// Error (limit, remedy) where a part is refused; kOff only pins; a core that does not exist is a
 /// UsageError in any mode.
 RealtimeReport EnterRealtime(const RealtimeOptions& options);
 

@@ -7,7 +7,7 @@ namespace palpate {
 namespace {
 
 constexpr std::int64_t kTryAgain_ns = 100'000'000;  // resolving takes up to as long
-constexpr double kNews_m = 2e-3;  // what a person at the device can follow
+constexpr double kNews_m = 2e-3;                    // what a person at the device can follow
 
 std::string InsideText(double depth_m) {
   return "the tool is " + std::to_string(std::lround(1e3 * depth_m)) +

@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include "common/error.h"
+#include "common/log.h"
 #include "tests/benchmarks/commands.h"
 
 int main(int argc, char** argv) {
@@ -8,6 +9,13 @@ int main(int argc, char** argv) {
                "palpate-bench");
   app.set_version_flag("--version", std::string("palpate-bench ") + PALPATE_VERSION);
   app.require_subcommand(1);
+  app.fallthrough();
+  int domain = 0;
+  std::string log_level = "info";
+  app.add_option("--domain", domain,
+                 "Understood as by the other programs; cycle and qp talk to none");
+  app.add_option("--log-level", log_level, "trace, debug, info, warn, error or off");
+  app.parse_complete_callback([&] { palpate::SetUpLog("palpate-bench", log_level); });
   palpate::bench::AddCycle(app);
   palpate::bench::AddLoop(app);
   palpate::bench::AddQp(app);

@@ -10,6 +10,7 @@
 
 #include "scenes/json_file.h"
 #include "scenes/mesh_report.h"
+#include "scenes/pose_script.h"
 #include "scenes/scene_bundle.h"
 #include "scenes/scene_file.h"
 #include "tests/scenes/support.h"
@@ -211,6 +212,21 @@ TEST(LoadScene, NamesLineAndFileOfAMeshThatIsMissingOrBroken) {
   EXPECT_THAT(ComplaintOf([&] { f.Load(); }), HasSubstr("the mesh has no extent"));
   WriteFile(f.folder + "/box.obj", "nonsense");
   EXPECT_THAT(ComplaintOf([&] { f.Load(); }), HasSubstr("box.obj: cannot be read"));
+}
+
+TEST(Catalogue, HasAHandScriptForEveryScene) {
+  for (const std::string& name : CatalogueNames()) {
+    const PoseScript script =
+        PoseScript::Load(fs::path(FindSceneFile(name)).replace_extension(".path.json"));
+    EXPECT_GE(script.duration(), 10.0) << name;
+    // As a hand moves: chapter 2.3.4 counts with half a metre a second at most.
+    double fastest = 0.0;
+    for (double t = 0.001; t < script.duration(); t += 0.001) {
+      fastest = std::max(fastest, (script.At(t).p - script.At(t - 0.001).p).norm() / 0.001);
+    }
+    EXPECT_GT(fastest, 0.01) << name;
+    EXPECT_LT(fastest, 0.3) << name;
+  }
 }
 
 }  // namespace
