@@ -234,7 +234,7 @@ class Hand {
 };
 
 std::unique_ptr<RouDi> RouDiWhereNoneRuns(const std::string& transport) {
-  if (transport != "shm" || dds::RouDiAnswers()) return nullptr;
+  if (transport != "shm" || RouDi::AnotherRuns()) return nullptr;
   Progress("starting iox-roudi ...");
   return std::make_unique<RouDi>();
 }

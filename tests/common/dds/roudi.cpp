@@ -85,4 +85,12 @@ void RouDi::Kill() {
   Eventually([] { return !dds::RouDiAnswers(); });
 }
 
+bool RouDi::AnotherRuns() {
+  const int lock = open(kLock, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (lock < 0 || flock(lock, LOCK_EX) != 0) throw Error(std::string(kLock) + ": cannot lock");
+  const bool answers = dds::RouDiAnswers();
+  close(lock);
+  return answers;
+}
+
 }  // namespace palpate

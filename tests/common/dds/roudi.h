@@ -15,6 +15,9 @@ class RouDi {
   RouDi(const RouDi&) = delete;
   RouDi& operator=(const RouDi&) = delete;
 
+  /// True where one runs that this class did not start; waits until those that it did have ended.
+  static bool AnotherRuns();
+
   /// Kills it as a crash would: its socket stays behind.
   void Kill();
 

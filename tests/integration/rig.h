@@ -1,0 +1,170 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "client/station/servo_thread.h"
+#include "client/station/session_link.h"
+#include "client/station/station_core.h"
+#include "common/dds/topics.h"
+#include "common/time/steady_clock.h"
+#include "devices/device.h"
+#include "devices/wrench_limiter.h"
+#include "tests/support/program.h"
+
+// The real palpate-server with scene `cube`, and what drives it.  Bounds on time are bounds of
+// safety (a force that must be gone), wide enough for a busy machine.
+namespace palpate::test {
+
+inline const int kDomain = 10 + getpid() % 25;
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+/// A limiter fades within 30 ms; the rest is the machine's.
+constexpr std::int64_t kForceGone_ns = kSecond_ns / 5;
+/// Stiffness of 1 N/mm, 1 mm deep.
+constexpr double kDepth_m = 0.001;
+constexpr double kForce_N = 1.0;
+
+template <class Condition>
+bool Eventually(Condition condition, double seconds = 20.0) {
+  const std::int64_t end = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
+  while (!condition()) {
+    if (SteadyNanoseconds() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+/// palpate-server, that says when it is ready.
+class ServerProgram : public Program {
+ public:
+  explicit ServerProgram(const std::string& transport)
+      : Program(PALPATE_BIN_DIR "/palpate-server",
+                {"--scene", "cube", "--realtime", "off", "--transport", transport, "--domain",
+                 std::to_string(kDomain)}) {}
+  bool Ready() { return Says("ready: ", 60.0) && Says("\n"); }
+};
+
+/// palpate-station with a ball that is pressed on the cube.
+class StationProgram : public Program {
+ public:
+  StationProgram(const std::string& id, const std::string& transport,
+                 std::vector<std::string> more = {})
+      : Program(PALPATE_BIN_DIR "/palpate-station", Arguments(id, transport, std::move(more))) {}
+
+ private:
+  static std::vector<std::string> Arguments(const std::string& id, const std::string& transport,
+                                            std::vector<std::string> more) {
+    std::vector<std::string> arguments{"--device",
+                                       "scripted",
+                                       "--scene",
+                                       "cube",
+                                       "--id",
+                                       id,
+                                       "--script",
+                                       PALPATE_SOURCE_DIR "/tests/integration/press.json",
+                                       "--no-table",
+                                       "--realtime",
+                                       "off",
+                                       "--transport",
+                                       transport,
+                                       "--domain",
+                                       std::to_string(kDomain)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+};
+
+/// A device that is held 1 mm deep in the cube's top face, and remembers when it rendered what.
+class HeldDevice final : public Device {
+ public:
+  HeldDevice() {
+    info_.model = "held";
+    info_.max_force_N = 22.0;
+    info_.max_torque_Nm = 0.515;
+    sample_.X_WH.p = Vec3(0.0, 0.030 - kDepth_m, 0.0);
+  }
+  const DeviceInfo& info() const override { return info_; }
+  DeviceSample Read() noexcept override { return sample_; }
+  void Apply(const LimitedWrench& wrench) noexcept override {
+    const double force = wrench.wrench().force.norm();
+    const std::int64_t now_ns = SteadyNanoseconds();
+    if (force > 0.0) last_force_ns = now_ns;
+    if (force < 0.1 * kForce_N) last_weak_ns = now_ns;
+    if (force < 0.9 * kForce_N) last_rising_ns = now_ns;
+    force_N = force;
+  }
+
+  std::atomic<double> force_N{0.0};
+  std::atomic<std::int64_t> last_force_ns{0};   ///< more than none
+  std::atomic<std::int64_t> last_weak_ns{0};    ///< less than a tenth
+  std::atomic<std::int64_t> last_rising_ns{0};  ///< less than nine tenths
+
+ private:
+  DeviceInfo info_;
+  DeviceSample sample_;
+};
+
+/// A whole palpate-station but for main, in this process, so that each millisecond of its force can
+/// be seen.
+class HeldStation {
+ public:
+  explicit HeldStation(dds::Transport transport) {
+    core_.EnableForces(true);
+    LinkOptions options;
+    options.station = "held";
+    options.scene = "cube";
+    options.domain = kDomain;
+    options.transport = transport;
+    options.realtime.mode = RealtimeMode::kOff;
+    link_ = std::make_unique<SessionLink>(
+        options, replies_,
+        [this]() -> ServoThread& {
+          servo_ = std::make_unique<ServoThread>(core_, replies_, 0.01);
+          return *servo_;
+        },
+        [](const std::string&) {});
+  }
+  ~HeldStation() {
+    link_.reset();
+    servo_->Stop();
+  }
+
+  /// Polls as main does, until it is so.
+  template <class Condition>
+  bool Until(Condition condition, double seconds = 20.0) {
+    return Eventually(
+        [&] {
+          link_->Poll(SteadyNanoseconds());
+          return condition();
+        },
+        seconds);
+  }
+  bool UntilForce() {
+    return Until([this] { return std::abs(device.force_N - kForce_N) < 0.05 * kForce_N; });
+  }
+  void For(double seconds) {
+    Until([] { return false; }, seconds);
+  }
+  SessionLink& link() { return *link_; }
+
+  HeldDevice device;
+
+ private:
+  StationCore core_{device};
+  ReplyRing replies_;
+  std::unique_ptr<ServoThread> servo_;
+  std::unique_ptr<SessionLink> link_;
+};
+
+}  // namespace palpate::test

@@ -1,0 +1,63 @@
+// The programs without RouDi, the keeper of shared memory, and with one that dies.
+#include "tests/common/dds/roudi.h"
+
+#include <csignal>
+
+#include <gmock/gmock.h>
+
+#include "tests/integration/rig.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kRemedy = "start it with 'iox-roudi -c deploy/cyclonedds/roudi.toml'";
+constexpr const char* kFallback = "UDP (no RouDi: start 'iox-roudi -c";
+
+TEST(WithoutRouDi, SharedMemoryIsRefusedWithTheRemedyAndAutoTakesUdpAndSaysSo) {
+  RouDi roudi;
+  roudi.Kill();  // so that nobody else's runs meanwhile
+
+  ServerProgram insisting_server("shm");
+  EXPECT_EQ(insisting_server.Exit(), 1);
+  EXPECT_THAT(insisting_server.Output(), HasSubstr(kRemedy));
+  StationProgram insisting_station("hand", "shm");
+  EXPECT_EQ(insisting_station.Exit(), 1);
+  EXPECT_THAT(insisting_station.Output(), HasSubstr(kRemedy));
+
+  ServerProgram server("auto");
+  ASSERT_TRUE(server.Ready()) << server.Output();
+  EXPECT_THAT(server.Output(), HasSubstr(kFallback));
+  StationProgram station("hand", "auto", {"--for", "1"});
+  EXPECT_EQ(station.Exit(), 0);
+  EXPECT_THAT(station.Output(), HasSubstr(kFallback));
+  EXPECT_TRUE(server.Says("station hand: active")) << server.Output();
+}
+
+TEST(KilledRouDi, CrashesNeitherServerNorStationAndTheNextSessionUsesUdp) {
+  RouDi roudi;
+  ServerProgram server("auto");
+  ASSERT_TRUE(server.Ready()) << server.Output();
+  {
+    HeldStation station(dds::Transport::kAuto);
+    ASSERT_TRUE(station.UntilForce());
+    EXPECT_EQ(station.link().transport().transport, dds::Transport::kSharedMemory);
+    roudi.Kill();
+    station.For(1.5);
+    // What is open goes on; should it not, then without a force.
+    const double force_N = station.device.force_N;
+    EXPECT_TRUE(force_N == 0.0 || std::abs(force_N - kForce_N) < 0.2 * kForce_N) << force_N;
+    EXPECT_TRUE(server.Says("RouDi has gone", 5.0)) << server.Output();
+  }
+  ASSERT_TRUE(server.Runs()) << server.Output();
+  StationProgram next("next", "auto", {"--for", "1"});
+  EXPECT_EQ(next.Exit(), 0) << next.Output();
+  EXPECT_THAT(next.Output(), HasSubstr(kFallback));
+  EXPECT_TRUE(server.Says("station next: active")) << server.Output();
+  server.Signal(SIGTERM);
+  EXPECT_EQ(server.Exit(), 0) << server.Output();
+}
+
+}  // namespace
+}  // namespace palpate::test
