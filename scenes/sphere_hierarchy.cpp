@@ -9,6 +9,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "common/math/float_rounding.h"
+
 namespace palpate {
 namespace {
 
@@ -18,13 +20,6 @@ constexpr int kRefinements = 20;  // rounds; most groups settle sooner
 constexpr int kNeighbourRounds = 5;
 constexpr int kNeighbours = 8;          // groups that a group trades leaves with
 constexpr std::size_t kTradedAll = 64;  // groups up to this size trade beyond their parent
-
-/// GCC 12's vectoriser takes double -> float -> double for nothing done, and so loses the rounding
-/// that the node's radius must allow for; not through a volatile.
-float RoundToFloat(double value) {
-  const volatile float rounded = static_cast<float>(value);
-  return rounded;
-}
 
 /// Balls that lie close in their *centres* make tight nodes, wherever they touch the surface: on
 /// both sides of an ear the maximal inner balls are nearly the same.

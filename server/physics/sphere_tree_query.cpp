@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "common/error.h"
+#include "common/math/float_rounding.h"
 
 namespace palpate {
 namespace {
@@ -38,13 +39,13 @@ struct Ball {
 /// by the test's margin, and rounded up.
 void SetLane(SpherePacket& packet, int lane, const Ball& ball, std::int32_t child) {
   const Vec3& c = ball.center;
-  packet.x[lane] = static_cast<float>(c.x());
-  packet.y[lane] = static_cast<float>(c.y());
-  packet.z[lane] = static_cast<float>(c.z());
+  packet.x[lane] = RoundToFloat(c.x());
+  packet.y[lane] = RoundToFloat(c.y());
+  packet.z[lane] = RoundToFloat(c.z());
   const Vec3 rounded(packet.x[lane], packet.y[lane], packet.z[lane]);
   const double radius = (ball.radius + (rounded - c).norm()) * (1.0 + kRelativeMargin);
   packet.radius[lane] =
-      std::nextafter(static_cast<float>(radius), std::numeric_limits<float>::infinity());
+      std::nextafter(RoundToFloat(radius), std::numeric_limits<float>::infinity());
   packet.child[lane] = child;
 }
 
@@ -241,7 +242,7 @@ ToolTree::ToolTree(const SphereTree& tree, double world_extent)
         const double lever = last ? ball.center.norm() : below[child];
         ball.radius += rounding;
         SetLane(out.sphere, lane, ball, in.child[lane]);
-        out.lever[lane] = std::nextafter(static_cast<float>(lever * (1.0 + kRelativeMargin)),
+        out.lever[lane] = std::nextafter(RoundToFloat(lever * (1.0 + kRelativeMargin)),
                                          std::numeric_limits<float>::infinity());
         longest = std::max(longest, lever);
       }
