@@ -107,8 +107,8 @@ StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) {
 
 StepBounds Wider(const HapticModel& model, const StepBounds& bounds) {
   const StepParameters& parameters = model.parameters();
-  return {std::min(4.0 * bounds.translation, parameters.max_translation),
-          std::min(4.0 * bounds.rotation, parameters.max_rotation)};
+  return {std::min(8.0 * bounds.translation, parameters.max_translation),
+          std::min(8.0 * bounds.rotation, parameters.max_rotation)};
 }
 
 /// Greatest part, at most 1, of a step that stays inside the bounds that the prediction covers.

@@ -49,6 +49,11 @@ void SetLane(SpherePacket& packet, int lane, const Ball& ball, std::int32_t chil
   packet.child[lane] = child;
 }
 
+float LeverUp(double lever) {
+  return std::nextafter(RoundToFloat(lever * (1.0 + kRelativeMargin)),
+                        std::numeric_limits<float>::infinity());
+}
+
 Ball LaneBall(const SpherePacket& packet, int lane) {
   return {Vec3(packet.x[lane], packet.y[lane], packet.z[lane]), packet.radius[lane]};
 }
@@ -83,29 +88,6 @@ void CheckTree(const SphereTree& tree) {
 
 Vec3 LeafCentre(const SphereTree& tree, std::size_t i) {
   return {tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]};
-}
-
-/// A node that everything touches, whose only child is packet 0: stands above the shorter of the
-/// two trees, so that both always descend together.
-const SpherePacket& UniversalPacket() {
-  static const SpherePacket packet = [] {
-    SpherePacket p = EmptyPacket();
-    p.x[0] = p.y[0] = p.z[0] = 0.0f;
-    p.radius[0] = std::numeric_limits<float>::infinity();
-    p.child[0] = 0;
-    return p;
-  }();
-  return packet;
-}
-
-const ToolPacket& UniversalToolPacket() {
-  static const ToolPacket packet = [] {
-    ToolPacket p = EmptyToolPacket();
-    p.sphere = UniversalPacket();
-    p.lever[0] = 0.0f;
-    return p;
-  }();
-  return packet;
 }
 
 }  // namespace
@@ -191,6 +173,8 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects) {
   const Ball all = Around(roots);
   center_ = all.center;
   radius_ = all.radius;
+  above_ = EmptyPacket();
+  SetLane(above_, 0, all, 0);
 }
 
 int ObjectForest::ObjectOf(int leaf) const {
@@ -242,14 +226,16 @@ ToolTree::ToolTree(const SphereTree& tree, double world_extent)
         const double lever = last ? ball.center.norm() : below[child];
         ball.radius += rounding;
         SetLane(out.sphere, lane, ball, in.child[lane]);
-        out.lever[lane] = std::nextafter(RoundToFloat(lever * (1.0 + kRelativeMargin)),
-                                         std::numeric_limits<float>::infinity());
+        out.lever[lane] = LeverUp(lever);
         longest = std::max(longest, lever);
       }
       here.push_back(longest);
     }
     below = std::move(here);
   }
+  above_ = EmptyToolPacket();
+  SetLane(above_.sphere, 0, {Vec3::Zero(), reach_ + rounding}, 0);
+  above_.lever[0] = LeverUp(max_lever_);
 }
 
 PairQuery::PairQuery(const ToolTree& tool, const ObjectForest& objects) {
@@ -264,10 +250,10 @@ PairQuery::PairQuery(const ToolTree& tool, const ObjectForest& objects) {
     const std::size_t t_begin =
         l < t_pad ? t.packets.size() : static_cast<std::size_t>(t.level_begin[l - t_pad]);
     LevelView view{};
-    view.tool = l < t_pad ? &UniversalToolPacket() : t.packets.data() + t_begin;
+    view.tool = l < t_pad ? &tool.above() : t.packets.data() + t_begin;
     view.tool_world = world_.data() + t_begin;
     view.tool_stamp = stamps_.data() + t_begin;
-    view.object = l < o_pad ? &UniversalPacket() : o.packets.data() + o.level_begin[l - o_pad];
+    view.object = l < o_pad ? &objects.above() : o.packets.data() + o.level_begin[l - o_pad];
     views_.push_back(view);
   }
 }

@@ -30,6 +30,9 @@ class ObjectForest {
   int leaf_count() const { return static_cast<int>(leaves_.size()); }
   /// Index of the object that a leaf belongs to.
   int ObjectOf(int leaf) const;
+  /// One lane around everything, whose only child is packet 0: stands above this tree where the
+  /// tool's is deeper, so that both always descend together.
+  const SpherePacket& above() const { return above_; }
   const Vec3& center() const { return center_; }  ///< of a ball around everything [m]
   double radius() const { return radius_; }
 
@@ -37,6 +40,7 @@ class ObjectForest {
   PacketLevels<SpherePacket> levels_;
   std::vector<LeafSphere> leaves_;
   std::vector<int> first_leaf_;
+  SpherePacket above_;
   Vec3 center_ = Vec3::Zero();
   double radius_ = 0.0;
 };
@@ -59,6 +63,8 @@ class ToolTree {
   int leaf_count() const { return static_cast<int>(leaves_.size()); }
   /// Reference point of the step, in the tool's frame: the centroid; the centre of a single sphere.
   const Vec3& reference() const { return reference_; }
+  /// One lane around all leaves, as ObjectForest::above.
+  const ToolPacket& above() const { return above_; }
   double max_lever() const { return max_lever_; }
   /// Distance from the reference point to the farthest point of any leaf [m].
   double reach() const { return reach_; }
@@ -69,6 +75,7 @@ class ToolTree {
  private:
   PacketLevels<ToolPacket> levels_;
   std::vector<LeafSphere> leaves_;
+  ToolPacket above_;
   Vec3 reference_;
   double max_lever_ = 0.0;
   double reach_ = 0.0;
