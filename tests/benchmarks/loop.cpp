@@ -270,7 +270,9 @@ void Run(const Options& options) {
   for (int block = 0; block < blocks; ++block) {
     Progress(fmt::format("{} of {} s ...", block * kBlock / 1000, blocks * kBlock / 1000));
     server.Output();
-    if (!server.Runs()) throw Error("loop: the server has ended:\n" + server.Output());
+    for (test::Program* program : {&server, &echo}) {
+      if (!program->Runs()) throw Error("loop: its other end has ended:\n" + program->Output());
+    }
     if (!session.Holds()) {
       ++restarts;
       session.Begin();
