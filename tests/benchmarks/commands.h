@@ -6,7 +6,8 @@ namespace palpate::bench {
 
 // Each adds its command to palpate-bench; the callback runs when the command was given.
 void AddCycle(CLI::App& app);
-void AddLoop(CLI::App& app);
+/// `domain` is read when the command runs.
+void AddLoop(CLI::App& app, const int& domain);
 void AddQp(CLI::App& app);
 
 }  // namespace palpate::bench

@@ -365,38 +365,41 @@ void Echo(const EchoOptions& options) {
 
 }  // namespace
 
-void AddLoop(CLI::App& app) {
+void AddLoop(CLI::App& app, const int& domain) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
       "loop",
       "Pose out to wrench in through palpate-server, beside a bare echo over the same transport,\n"
       "alternating in one run.  Starts the server, and iox-roudi where shared memory needs one.\n"
       "Example: palpate-bench loop --transport shm --seconds 20");
-  const auto common = [](CLI::App& to, std::string& transport, std::string& realtime, int& domain) {
+  const auto common = [](CLI::App& to, std::string& transport, std::string& realtime) {
     to.add_option("--transport", transport, "shm or udp")
         ->check(CLI::IsMember({"shm", "udp"}))
         ->capture_default_str();
     to.add_option("--realtime", realtime, "Of server, echo and this: require, prefer or off")
         ->check(CLI::IsMember({"require", "prefer", "off"}))
         ->capture_default_str();
-    to.add_option("--domain", domain, "A domain that nothing else uses")
-        ->check(CLI::Range(0, dds::kMaxDomain))
-        ->capture_default_str();
   };
-  common(*command, options->transport, options->realtime, options->domain);
+  common(*command, options->transport, options->realtime);
   command->add_option("--seconds", options->seconds, "Server and echo together")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--scene", options->scene, "Catalogue name or scene file")
       ->capture_default_str();
   command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->callback([options] { Run(*options); });
+  command->callback([options, &domain] {
+    options->domain = domain;
+    Run(*options);
+  });
 
   auto echo = std::make_shared<EchoOptions>();
   CLI::App* peer = app.add_subcommand("echo", "The other end of loop's bare echo")->group("");
-  common(*peer, echo->transport, echo->realtime, echo->domain);
+  common(*peer, echo->transport, echo->realtime);
   peer->add_option("--run", echo->run)->required();
-  peer->callback([echo] { Echo(*echo); });
+  peer->callback([echo, &domain] {
+    echo->domain = domain;
+    Echo(*echo);
+  });
 }
 
 }  // namespace palpate::bench

@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/log.h"
 #include "tests/benchmarks/commands.h"
@@ -10,14 +11,15 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("palpate-bench ") + PALPATE_VERSION);
   app.require_subcommand(1);
   app.fallthrough();
-  int domain = 0;
+  int domain = palpate::dds::kMaxDomain;
   std::string log_level = "info";
-  app.add_option("--domain", domain,
-                 "Understood as by the other programs; cycle and qp talk to none");
+  app.add_option("--domain", domain, "DDS domain of loop: one that nothing else uses")
+      ->check(CLI::Range(0, palpate::dds::kMaxDomain))
+      ->capture_default_str();
   app.add_option("--log-level", log_level, "trace, debug, info, warn, error or off");
   app.parse_complete_callback([&] { palpate::SetUpLog("palpate-bench", log_level); });
   palpate::bench::AddCycle(app);
-  palpate::bench::AddLoop(app);
+  palpate::bench::AddLoop(app, domain);
   palpate::bench::AddQp(app);
   try {
     app.parse(argc, argv);
