@@ -7,27 +7,27 @@
 
 namespace palpate::bench {
 
-std::vector<OverlapOracle::Cell> OverlapOracle::IntoCells(std::vector<Ball>& balls) {
+std::vector<OverlapOracle::Ball> OverlapOracle::IntoCells(std::vector<Ball>& balls,
+                                                          double per_cell) {
   Vec3 low = balls.front().center, high = low;
   for (const Ball& ball : balls) {
     low = low.cwiseMin(ball.center);
     high = high.cwiseMax(ball.center);
   }
-  // About a dozen balls a cell, were they spread over the box; big and small balls apart, so that
-  // one big ball does not make a cell reach far.
-  const double size =
-      std::max(1e-9, (high - low).maxCoeff()) / std::cbrt(static_cast<double>(balls.size()));
+  const double size = std::max(1e-9, (high - low).maxCoeff()) *
+                      std::cbrt(per_cell / static_cast<double>(balls.size()));
+  // Big and small balls apart, so that one big ball does not make a cell reach far.
   std::map<std::array<int, 4>, std::vector<Ball>> grid;
   for (const Ball& ball : balls) {
-    const Vec3 i = (ball.center - low) / (1.5 * size);
+    const Vec3 i = (ball.center - low) / size;
     grid[{static_cast<int>(i.x()), static_cast<int>(i.y()), static_cast<int>(i.z()),
-          static_cast<int>(std::floor(2.0 * std::log2(ball.radius)))}]
+          static_cast<int>(std::floor(std::log2(ball.radius)))}]
         .push_back(ball);
   }
-  std::vector<Cell> cells;
+  std::vector<Ball> cells;
   balls.clear();
   for (const auto& [index, members] : grid) {
-    Cell cell{Vec3::Zero(), 0.0, static_cast<int>(balls.size()), 0};
+    Ball cell{Vec3::Zero(), 0.0, static_cast<int>(balls.size()), 0};
     for (const Ball& ball : members) {
       cell.center += ball.center / static_cast<double>(members.size());
     }
@@ -42,6 +42,15 @@ std::vector<OverlapOracle::Cell> OverlapOracle::IntoCells(std::vector<Ball>& bal
   return cells;
 }
 
+OverlapOracle::Side OverlapOracle::Sort(std::vector<Ball> leaves) {
+  Side side;
+  side.leaves = std::move(leaves);
+  // A mesh fills a small part of its box, so a cell holds more than its share.
+  side.cells = IntoCells(side.leaves, 1.0);
+  side.groups = IntoCells(side.cells, 2.0);
+  return side;
+}
+
 OverlapOracle::OverlapOracle(const SphereTree& tool, const std::vector<Body>& objects) {
   const auto add = [](const SphereTree& tree, const Pose& X, std::vector<Ball>& balls) {
     for (std::size_t i = 0; i < tree.leaves(); ++i) {
@@ -49,38 +58,46 @@ OverlapOracle::OverlapOracle(const SphereTree& tool, const std::vector<Body>& ob
           {X * Vec3(tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]), tree.leaf_radius[i]});
     }
   };
-  add(tool, Pose{}, tool_);
-  for (const Body& object : objects) add(object.tree, object.X_WB, objects_);
-  tool_cells_ = IntoCells(tool_);
-  object_cells_ = IntoCells(objects_);
+  std::vector<Ball> balls;
+  add(tool, Pose{}, balls);
+  tool_ = Sort(std::move(balls));
+  balls.clear();
+  for (const Body& object : objects) add(object.tree, object.X_WB, balls);
+  objects_ = Sort(std::move(balls));
 }
 
 OverlapOracle::Overlap OverlapOracle::At(const Pose& X_WT) const {
   Overlap overlap;
   const Mat3 R = X_WT.q.toRotationMatrix();
-  std::vector<Ball> moved;
-  for (const Cell& cell : tool_cells_) {
-    const Vec3 center = R * cell.center + X_WT.p;
-    moved.clear();
-    for (const Cell& other : object_cells_) {
-      const double reach = cell.radius + other.radius;
-      if ((center - other.center).squaredNorm() > reach * reach) continue;
-      if (moved.empty()) {
-        for (int i = cell.begin; i < cell.end; ++i) {
-          const Ball& ball = tool_[static_cast<std::size_t>(i)];
-          moved.push_back({R * ball.center + X_WT.p, ball.radius});
-        }
-      }
-      for (const Ball& ball : moved) {
-        for (int j = other.begin; j < other.end; ++j) {
-          const Ball& object = objects_[static_cast<std::size_t>(j)];
-          const double sum = ball.radius + object.radius;
-          const double distance2 = (ball.center - object.center).squaredNorm();
-          if (distance2 >= sum * sum) continue;
-          overlap.depth = std::max(overlap.depth, sum - std::sqrt(distance2));
-          ++overlap.pairs;
-        }
-      }
+  const auto move = [&](const Ball& ball) { return Vec3(R * ball.center + X_WT.p); };
+  const auto touch = [](const Vec3& center, const Ball& ball, const Ball& other) {
+    const double reach = ball.radius + other.radius;
+    return (center - other.center).squaredNorm() < reach * reach;
+  };
+  const auto each = [](const std::vector<Ball>& balls, const Ball& of, auto&& visit) {
+    for (int i = of.begin; i < of.end; ++i) visit(balls[static_cast<std::size_t>(i)]);
+  };
+  for (const Ball& group : tool_.groups) {
+    const Vec3 group_center = move(group);
+    for (const Ball& other_group : objects_.groups) {
+      if (!touch(group_center, group, other_group)) continue;
+      each(tool_.cells, group, [&](const Ball& cell) {
+        const Vec3 cell_center = move(cell);
+        if (!touch(cell_center, cell, other_group)) return;
+        each(objects_.cells, other_group, [&](const Ball& other_cell) {
+          if (!touch(cell_center, cell, other_cell)) return;
+          each(tool_.leaves, cell, [&](const Ball& leaf) {
+            const Vec3 leaf_center = move(leaf);
+            if (!touch(leaf_center, leaf, other_cell)) return;
+            each(objects_.leaves, other_cell, [&](const Ball& other) {
+              if (!touch(leaf_center, leaf, other)) return;
+              overlap.depth = std::max(
+                  overlap.depth, leaf.radius + other.radius - (leaf_center - other.center).norm());
+              ++overlap.pairs;
+            });
+          });
+        });
+      });
     }
   }
   return overlap;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "common/math/pose.h"
@@ -9,9 +8,9 @@
 namespace palpate::bench {
 
 /// Deepest overlap of a tool's leaf balls with the objects', at any pose, to the last bit of
-/// double. Shares nothing with the sphere trees or the query that it checks: balls are kept in the
-/// cells of a plain grid, cells whose boxes are apart are passed over, and within the rest every
-/// pair is tried.
+/// double. Shares nothing with the sphere trees or the query that it checks: balls are sorted into
+/// the cells of a plain grid, and cells into those of a coarser one; what is apart is passed over,
+/// and within the rest every pair is tried.
 class OverlapOracle {
  public:
   OverlapOracle(const SphereTree& tool, const std::vector<Body>& objects);
@@ -23,19 +22,19 @@ class OverlapOracle {
   Overlap At(const Pose& X_WT) const;
 
  private:
+  /// A ball, or a ball around the members [begin, end) of the next finer list.
   struct Ball {
     Vec3 center;
     double radius;
+    int begin = 0, end = 0;
   };
-  struct Cell {
-    Vec3 center;
-    double radius;  ///< of a ball around the cell's balls
-    int begin, end;
+  struct Side {
+    std::vector<Ball> leaves, cells, groups;
   };
-  static std::vector<Cell> IntoCells(std::vector<Ball>& balls);
+  static std::vector<Ball> IntoCells(std::vector<Ball>& balls, double per_cell);
+  static Side Sort(std::vector<Ball> leaves);
 
-  std::vector<Ball> tool_, objects_;
-  std::vector<Cell> tool_cells_, object_cells_;
+  Side tool_, objects_;
 };
 
 }  // namespace palpate::bench
