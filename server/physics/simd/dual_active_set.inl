@@ -132,32 +132,42 @@ class DualActiveSet {
       for (int c = 0; c < N; ++c) candidate_a_[c][lane] = rows_.a[c][row_of_lane];
       candidate_b_[lane] = rows_.b[row_of_lane];
     }
+    for (int half = 0; half < 2; ++half) {
+      D8 aa = Set1(kWithSlack ? kSlackEntry * kSlackEntry : 1e-300);
+      for (int c = 0; c < N; ++c) {
+        const D8 a = Load(candidate_a_[c] + 8 * half);
+        aa = Fma(a, a, aa);
+      }
+      Store(candidate_inverse_norm_ + 8 * half, Set1(1.0) / Sqrt(aa));
+    }
   }
 
-  /// The most violated candidate; those that hold by now are forgotten.
+  /// The candidate whose half-space is farthest off; those that hold by now are forgotten.
   bool FromCandidates(int& row, double& slack) {
     const D8 shift = Set1(kWithSlack ? kSlackEntry * x_[D - 1] : 0.0);
     const D8 none = Set1(-tolerance_);
-    Lanes value[2];
+    Lanes value[2], distance[2];
     std::uint32_t violated = 0;
     for (int half = 0; half < 2; ++half) {
       D8 s = shift - Load(candidate_b_ + 8 * half);
       for (int c = 0; c < N; ++c) s = Fma(Load(candidate_a_[c] + 8 * half), Set1(x_[c]), s);
       value[half].Set(s);
+      distance[half].Set(s * Load(candidate_inverse_norm_ + 8 * half));
       violated |= Less(s, none) << (8 * half);
     }
     candidates_ &= violated;
     if (candidates_ == 0) return false;
     int worst = __builtin_ctz(candidates_);
-    slack = value[worst >> 3][worst & 7];
+    double farthest = distance[worst >> 3][worst & 7];
     for (std::uint32_t left = candidates_ & (candidates_ - 1); left != 0; left &= left - 1) {
       const int lane = __builtin_ctz(left);
-      const double s = value[lane >> 3][lane & 7];
-      if (s < slack) {
-        slack = s;
+      const double s = distance[lane >> 3][lane & 7];
+      if (s < farthest) {
+        farthest = s;
         worst = lane;
       }
     }
+    slack = value[worst >> 3][worst & 7];
     row = candidate_row_[worst];
     candidates_ &= ~(1u << worst);
     return true;
@@ -361,6 +371,7 @@ class DualActiveSet {
   int candidate_row_[16];
   alignas(64) double candidate_a_[N][16] = {};
   alignas(64) double candidate_b_[16] = {};
+  alignas(64) double candidate_inverse_norm_[16];
   double tolerance_;
 };
 
