@@ -92,16 +92,16 @@ Optimum Solve(const HapticModel& model, const Kernels& kernels, const Target& ta
   return optimum;
 }
 
-/// Bounds of a cycle's first sub-step: what the hand moved, and half as much again.  A step nearest
+/// Bounds of a cycle's first sub-step: twice what the hand moved, and a little.  A step nearest
 /// to the hand's moves no further than the hand does while the same contacts hold; where it does (a
 /// ledge ends, a jump), the sub-steps after it have wider bounds.  Tight bounds mean few rows.
 StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) {
   const StepParameters& parameters = model.parameters();
   const double rho = model.rotation_length();
   const double v = hand_step.v.norm(), phi = hand_step.phi.norm();
-  return {std::min(1.5 * (v + 0.5 * rho * phi) + 0.04 * parameters.max_translation,
+  return {std::min(2.0 * (v + 0.5 * rho * phi) + 0.04 * parameters.max_translation,
                    parameters.max_translation),
-          std::min(1.5 * (phi + 0.5 * v / rho) + 0.04 * parameters.max_rotation,
+          std::min(2.0 * (phi + 0.5 * v / rho) + 0.04 * parameters.max_rotation,
                    parameters.max_rotation)};
 }
 

@@ -113,9 +113,9 @@ class DualActiveSet {
     for (int i = 0; i < rows_.count; i += 16) {
       const D8 s0 = slack(i), s1 = slack(i + 8);
       best_row0 = SelectLess(s0, best0, row, best_row0);
-      best0 = SelectLess(s0, best0, s0, best0);
+      best0 = Min(s0, best0);
       best_row1 = SelectLess(s1, best1, row, best_row1);
-      best1 = SelectLess(s1, best1, s1, best1);
+      best1 = Min(s1, best1);
       row = row + sixteen;
     }
     const D8 none = Set1(-tolerance_);

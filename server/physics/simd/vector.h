@@ -93,6 +93,10 @@ inline D8 Sqrt(D8 a) {
 inline D8 SelectLess(D8 a, D8 b, D8 x, D8 y) {
   return {_mm512_mask_blend_pd(_mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ), y.v, x.v)};
 }
+/// Lane by lane: a < b ? a : b.  Quicker than SelectLess by the length of a comparison.
+inline D8 Min(D8 a, D8 b) {
+  return {_mm512_min_pd(a.v, b.v)};
+}
 /// Bit i: lane i of a is less than that of b.
 inline std::uint32_t Less(D8 a, D8 b) {
   return _mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ);
@@ -191,6 +195,9 @@ inline D8 Sqrt(D8 x) {
 inline D8 SelectLess(D8 x, D8 y, D8 u, D8 w) {
   return {_mm256_blendv_pd(w.a, u.a, _mm256_cmp_pd(x.a, y.a, _CMP_LT_OQ)),
           _mm256_blendv_pd(w.b, u.b, _mm256_cmp_pd(x.b, y.b, _CMP_LT_OQ))};
+}
+inline D8 Min(D8 x, D8 y) {
+  return {_mm256_min_pd(x.a, y.a), _mm256_min_pd(x.b, y.b)};
 }
 inline std::uint32_t Less(D8 x, D8 y) {
   return static_cast<std::uint32_t>(_mm256_movemask_pd(_mm256_cmp_pd(x.a, y.a, _CMP_LT_OQ)) |
@@ -296,6 +303,9 @@ inline D8 Sqrt(const D8& a) {
 }
 inline D8 SelectLess(const D8& a, const D8& b, const D8& x, const D8& y) {
   return EachDouble([&](int i) { return a.v[i] < b.v[i] ? x.v[i] : y.v[i]; });
+}
+inline D8 Min(const D8& a, const D8& b) {
+  return EachDouble([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
 }
 inline std::uint32_t Less(const D8& a, const D8& b) {
   std::uint32_t bits = 0;
