@@ -128,15 +128,18 @@ double PartWithin(const StepBounds& bounds, int degrees_of_freedom, const Vec3& 
 /// scaled one.
 constexpr double kBoundShare = 0.98;
 
+/// The active rows as seen from where the sub-step [v; phi] has taken the tool, (p_W, q_WG): what
+/// they still allow from there, and where they touch it.
 void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpResult& qp,
-                    const Vec3& p_W, const Quat& q_WG, StepReport& report) {
+                    const Vec3& v, const Vec3& phi, const Vec3& p_W, const Quat& q_WG,
+                    StepReport& report) {
   report.contacts = qp.active;
   for (int i = 0; i < qp.active; ++i) {
     ActiveRow& row = report.active[static_cast<std::size_t>(i)];
     row.pair = rows.pair(qp.row[i]);
     row.normal = rows.normal(qp.row[i]);
     row.lever_cross_normal = rows.lever_cross_normal(qp.row[i]);
-    row.offset = -rows.gap(qp.row[i]);
+    row.offset = -rows.gap(qp.row[i]) - row.normal.dot(v) - row.lever_cross_normal.dot(phi);
     row.force = model.parameters().stiffness * qp.multiplier[i];
     const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(row.pair.tool)];
     row.contact_W = p_W + q_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * row.normal;
@@ -188,11 +191,9 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
       break;
     }
     if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
-    ReportContacts(model, rows, optimum.qp, p_G, q_G, report);
     state.active = optimum.qp.active;
     for (int i = 0; i < state.active; ++i) {
-      state.active_pairs[static_cast<std::size_t>(i)] =
-          report.active[static_cast<std::size_t>(i)].pair;
+      state.active_pairs[static_cast<std::size_t>(i)] = rows.pair(optimum.qp.row[i]);
     }
 
     const double part = PartWithin(bounds, model.degrees_of_freedom(), optimum.v, optimum.phi);
@@ -213,8 +214,8 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
                                    parameters.torsional_stiffness);
       if (model.degrees_of_freedom() == 3) report.wrench.torque.setZero();
     }
+    Vec3 v = optimum.v, phi = optimum.phi;
     if (optimum.qp.active != 0 || !arrived) {
-      Vec3 v = optimum.v, phi = optimum.phi;
       if (!arrived) {
         const Target nearer{kBoundShare * part * v, kBoundShare * part * phi};
         const Optimum partial = Solve(model, kernels, nearer, rows, state);
@@ -232,6 +233,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
       p_G += v;
       q_G = (RotationExp(phi) * q_G).normalized();
     }
+    ReportContacts(model, rows, optimum.qp, v, phi, p_G, q_G, report);
     bounds = Wider(model, bounds);
     clock.Lap(&StageTimes::response);
   }

@@ -120,6 +120,35 @@ TEST(HapticStep, ForcesOfTheContactsAddUpToTheWrench) {
   EXPECT_GT(loaded, 500);
 }
 
+TEST(HapticStep, ReportsContactsAsTheyAreAtTheReportedPose) {
+  Random random(61);
+  Bench bench(RandomBalls(random, 100, 0.02, 0.004), Floor(0.06, 0.004, 0.004));
+  bench.state().X_WG = At(0.0, 0.0, 0.05);
+  int contacts = 0;
+  for (int i = 0; i < 3000; ++i) {
+    Pose X = At(2e-5 * i - 0.03, 5e-3 * std::sin(i * 1e-2), 0.05 - 1.5e-5 * i);
+    X.q = RotationExp(Vec3(2e-4 * i, 1e-4 * i, 0.0));
+    const StepReport report = bench.Step(X);
+    for (int c = 0; c < report.contacts; ++c) {
+      const ActiveRow& row = report.active[static_cast<std::size_t>(c)];
+      const auto tool = static_cast<std::size_t>(row.pair.tool);
+      const auto object = static_cast<std::size_t>(row.pair.object);
+      const LeafSphere& t = bench.model().tool().leaves()[tool];
+      const LeafSphere& o = bench.model().objects().leaves()[object];
+      const Vec3 c_T = report.X_WG * (bench.model().reference() + Vec3(t.x, t.y, t.z));
+      const double gap = (c_T - Vec3(o.x, o.y, o.z)).norm() - t.radius - o.radius;
+      // Exact but for the linearisation: the normal turns by step / distance.
+      ASSERT_NEAR(row.offset, -gap, 5e-5) << i;
+      ASSERT_LT((row.contact_W - c_T).norm(), t.radius * (1.0 + 1e-12)) << i;
+      if ((report.faults & kFaultTargetFar) == 0) {
+        ASSERT_NEAR(row.offset, 0.0, 1e-9) << i;
+      }
+      ++contacts;
+    }
+  }
+  EXPECT_GT(contacts, 1000);
+}
+
 TEST(HapticStep, NeverEntersAnObjectWhateverTheHandDoes) {
   Random random(54);
   Bench bench(RandomBalls(random, 60, 0.02, 0.004), RandomBalls(random, 200, 0.05, 0.005));
