@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -16,12 +17,44 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
+/// What a part of a body is made of: properties of the leaves of its sphere tree (chapter 2.2.3).
+/// Only objects' count; a tool has none of its own.
+struct Material {
+  /// Row stiffness of a leaf's contact [N/m]; infinite: rigid.
+  double stiffness = std::numeric_limits<double>::infinity();
+  double static_friction = 0.0;   ///< mu_s
+  double dynamic_friction = 0.0;  ///< mu_d <= mu_s
+  /// Scraping work [J] after which a leaf is gone; infinite: it stays.
+  double hardness = std::numeric_limits<double>::infinity();
+};
+
 /// A rigid body of the scene: its mesh and its sphere tree share one frame B.
 struct Body {
   std::string name;
   TriangleMesh mesh;  ///< frame B [m]
   SphereTree tree;    ///< frame B [m]
-  Pose X_WB;          ///< objects: where they stand.  Tools: where the tool starts.
+  /// Material of each leaf, as an index into `materials`; empty: all are of materials[0].
+  std::vector<std::uint8_t> leaf_material;
+  std::vector<Material> materials{Material{}};
+  Pose X_WB;  ///< objects: where they stand.  Tools: where the tool starts.
+};
+
+enum class ContactModel : std::uint8_t {
+  kSpheres,  ///< the chapter's: the leaves of tool and objects must not overlap
+  kSurface,  ///< the meshes must not
+};
+enum class FrictionModel : std::uint8_t {
+  kOff,
+  kChapter,  ///< 2.25-2.34, for reproduction
+  kCoulomb,  ///< the frictional step
+};
+
+/// What the step of a scene is composed of when the scene loads; what is off costs nothing.
+struct Features {
+  ContactModel contact = ContactModel::kSurface;
+  FrictionModel friction = FrictionModel::kOff;
+  bool compliance = false;  ///< finite Material::stiffness counts
+  bool removal = false;     ///< finite Material::hardness counts
 };
 
 /// The virtual coupling between haptic and graphic tool (chapter 2.3: G, eqs. 2.20-2.24).
@@ -36,6 +69,7 @@ struct Scene {
   std::vector<Body> tools;    ///< moved by hands, one station each
   std::vector<Body> objects;  ///< fixed in W
   Coupling coupling;
+  Features features;
 };
 
 }  // namespace palpate

@@ -19,7 +19,7 @@ std::shared_ptr<const ObjectForest> HapticModel::MakeObjects(std::span<const Pla
 }
 
 HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectForest> objects,
-                         const StepParameters& parameters)
+                         const StepParameters& parameters, const TriangleMesh* /*tool_mesh*/)
     : parameters_(parameters), objects_(std::move(objects)) {
   const auto positive = [](double value, const char* name) {
     if (!(value > 0.0) || !std::isfinite(value)) {

@@ -7,15 +7,19 @@
 
 #include "common/math/pose.h"
 #include "common/step_fault.h"
+#include "scenes/scene.h"
 #include "scenes/sphere_tree.h"
 #include "server/physics/simd/kernels.h"
 
 namespace palpate {
 
-/// A tree placed in the world.  The tree must outlive the call that takes it, no longer.
+/// A body placed in the world.  What it points to must outlive the call that takes it, no longer.
 struct PlacedTree {
   const SphereTree* tree = nullptr;
   Pose X_WB;
+  const TriangleMesh* mesh = nullptr;           ///< needed for ContactModel::kSurface only
+  std::span<const std::uint8_t> leaf_material;  ///< as in Body
+  std::span<const Material> materials;          ///< empty: all leaves are of Material{}
 };
 
 /// Constants of the step.  Zero means "derived", by the rule in the comment.
@@ -30,6 +34,7 @@ struct StepParameters {
   double max_truncation = 0.5e-6;  ///< [m]
   int max_substeps = 8;            ///< per cycle; a count, never a clock
   int max_rows = 16384;
+  Features features{.contact = ContactModel::kSpheres};
 };
 
 class ObjectForest;  // the scene's objects, in W, as one tree: sphere_tree_query.h
@@ -41,8 +46,9 @@ class HapticModel {
  public:
   /// Throws Error where a tree is empty or not finite.
   static std::shared_ptr<const ObjectForest> MakeObjects(std::span<const PlacedTree> objects);
+  /// `tool_mesh`: needed for ContactModel::kSurface only.
   HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectForest> objects,
-              const StepParameters& parameters);
+              const StepParameters& parameters, const TriangleMesh* tool_mesh = nullptr);
   ~HapticModel();
   HapticModel(HapticModel&&) noexcept;
 

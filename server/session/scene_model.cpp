@@ -6,7 +6,10 @@ namespace palpate {
 
 std::shared_ptr<const ObjectForest> MakeObjects(const Scene& scene) {
   std::vector<PlacedTree> placed;
-  for (const Body& object : scene.objects) placed.push_back({&object.tree, object.X_WB});
+  for (const Body& object : scene.objects) {
+    placed.push_back(
+        {&object.tree, object.X_WB, &object.mesh, object.leaf_material, object.materials});
+  }
   return HapticModel::MakeObjects(placed);
 }
 
@@ -15,7 +18,8 @@ HapticModel MakeModel(const Scene& scene, const Body& tool,
   StepParameters parameters;
   parameters.stiffness = scene.coupling.stiffness;
   parameters.torsional_stiffness = scene.coupling.torsional_stiffness;
-  return HapticModel(tool.tree, std::move(objects), parameters);
+  parameters.features = scene.features;
+  return HapticModel(tool.tree, std::move(objects), parameters, &tool.mesh);
 }
 
 }  // namespace palpate

@@ -10,7 +10,8 @@ namespace palpate {
 /// All objects of a scene, as the step wants them; shared by the models of the scene's tools.
 std::shared_ptr<const ObjectForest> MakeObjects(const Scene& scene);
 
-/// The model of one of the scene's tools.
+/// The model of one of the scene's tools, with the scene's features.  For other features, change
+/// those of a copy of the scene first.
 HapticModel MakeModel(const Scene& scene, const Body& tool,
                       std::shared_ptr<const ObjectForest> objects);
 
