@@ -113,6 +113,7 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects) {
       const Vec3 c = object.X_WB * LeafCentre(tree, i);
       leaves_.push_back({c.x(), c.y(), c.z(), tree.leaf_radius[i]});
     }
+    AddMaterials(object);
     const int chain = deepest - tree.levels();
     std::vector<Ball> top;
     for (int l = 0; l < tree.levels(); ++l) {
@@ -175,6 +176,28 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects) {
   radius_ = all.radius;
   above_ = EmptyPacket();
   SetLane(above_, 0, all, 0);
+}
+
+void ObjectForest::AddMaterials(const PlacedTree& object) {
+  const std::size_t first = materials_.size();
+  if (object.materials.empty()) {
+    materials_.push_back(Material{});
+  } else {
+    materials_.insert(materials_.end(), object.materials.begin(), object.materials.end());
+  }
+  const std::size_t leaves = object.tree->leaves();
+  if (!object.leaf_material.empty() && object.leaf_material.size() != leaves) {
+    throw Error("materials: " + std::to_string(object.leaf_material.size()) + " are given for " +
+                std::to_string(leaves) + " leaves; give one a leaf, or none");
+  }
+  for (std::size_t i = 0; i < leaves; ++i) {
+    const std::size_t own = object.leaf_material.empty() ? 0 : object.leaf_material[i];
+    if (first + own >= materials_.size()) {
+      throw Error("materials: leaf " + std::to_string(i) + " is of material " +
+                  std::to_string(own) + ", which is not in the list");
+    }
+    leaf_material_.push_back(static_cast<std::uint32_t>(first + own));
+  }
 }
 
 int ObjectForest::ObjectOf(int leaf) const {

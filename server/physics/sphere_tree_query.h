@@ -30,6 +30,9 @@ class ObjectForest {
   int leaf_count() const { return static_cast<int>(leaves_.size()); }
   /// Index of the object that a leaf belongs to.
   int ObjectOf(int leaf) const;
+  const Material& MaterialOf(int leaf) const {
+    return materials_[leaf_material_[static_cast<std::size_t>(leaf)]];
+  }
   /// One lane around everything, whose only child is packet 0: stands above this tree where the
   /// tool's is deeper, so that both always descend together.
   const SpherePacket& above() const { return above_; }
@@ -37,9 +40,13 @@ class ObjectForest {
   double radius() const { return radius_; }
 
  private:
+  void AddMaterials(const PlacedTree& object);
+
   PacketLevels<SpherePacket> levels_;
   std::vector<LeafSphere> leaves_;
   std::vector<int> first_leaf_;
+  std::vector<Material> materials_;
+  std::vector<std::uint32_t> leaf_material_;  ///< index into materials_, of each leaf
   SpherePacket above_;
   Vec3 center_ = Vec3::Zero();
   double radius_ = 0.0;
