@@ -42,6 +42,7 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectFor
   positive(parameters_.max_truncation, "max_truncation");
   positive(parameters_.max_substeps, "max_substeps");
   positive(parameters_.max_rows, "max_rows");
+  positive(parameters_.max_tested, "max_tested");
   rotation_length_ = std::sqrt(parameters_.torsional_stiffness / parameters_.stiffness);
   const bool surface = parameters_.features.contact == ContactModel::kSurface;
   if (surface) parameters_.max_translation = std::min(parameters_.max_translation, kSurfaceBound);
@@ -203,8 +204,9 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   StepBounds bounds = FirstBounds(model, TargetOf(state.X_WH * reference, state.X_WH.q, p_H, q_H));
   state.X_WH = {X_WH.p, q_H};
   bool arrived = false;
+  const std::int64_t last_test = buffers.prediction.tested() + parameters.max_tested;
   for (; report.substeps < parameters.max_substeps && !arrived &&
-         (report.faults & kFaultUnsolved) == 0;
+         buffers.prediction.tested() < last_test && (report.faults & kFaultUnsolved) == 0;
        ++report.substeps) {
     const Target target = TargetOf(p_G, q_G, p_H, q_H);
     const Mat3 R_WG = q_G.toRotationMatrix();

@@ -35,6 +35,9 @@ struct StepParameters {
   double max_truncation = 0.5e-6;  ///< [m]
   int max_substeps = 8;            ///< per cycle; a count, never a clock
   int max_rows = 16384;
+  /// Sub-steps end for this cycle once they have tested so many packet pairs: what a snap over a
+  /// ledge costs at most, and the next cycle goes on.  A count, never a clock.
+  int max_tested = 4000;
   Features features{.contact = ContactModel::kSpheres};
 };
 
