@@ -72,6 +72,20 @@ class HapticModel {
 /// A pair of leaves, tool's and object's; the forest numbers the leaves of all objects together.
 using LeafPair = NodePair;
 
+/// What friction remembers from step to step.
+struct FrictionState {
+  /// Cycles since a contact last slipped, up to kStillCycles (friction.h), where mu_s holds.  A tool
+  /// that comes to a surface has not slipped.
+  int still = 1 << 20;
+  int resets = 0;          ///< FrictionModel::kChapter: consecutive steps that 2.34 has reset
+  bool suspended = false;  ///< no friction: for the walk to a start pose
+  // The forces that the solver starts from, in metres (times k_t: newtons): coulomb.
+  int contacts = 0;
+  std::array<LeafPair, 7> pair;
+  std::array<double, 7> normal_force;
+  std::array<Vec3, 7> force;  ///< in W
+};
+
 /// What one step hands to the next: all the memory that the physics has.  Copying it and stepping
 /// again with the same pose gives the same bits.
 struct StepState {
@@ -79,6 +93,7 @@ struct StepState {
   Pose X_WH;                             ///< haptic tool: how far the hand moved sets the bounds
   std::array<LeafPair, 7> active_pairs;  ///< rows that held it last, the solver's first guess
   int active = 0;
+  FrictionState friction;
 };
 
 /// A row of the linearised non-penetration constraint (chapter 2.17) that carries force:
@@ -90,6 +105,7 @@ struct ActiveRow {
   Vec3 contact_W = Vec3::Zero();           ///< contact point on the tool's sphere, in W [m]
   double offset = 0.0;                     ///< -gap [m] at X_WG
   double force = 0.0;                      ///< multiplier >= 0 [N]
+  Vec3 friction = Vec3::Zero();            ///< on the tool, perpendicular to the normal, in W [N]
 };
 
 /// Result of one step.  force and torque act on the hand, at the tool's centroid, in W.
@@ -103,6 +119,9 @@ struct StepReport {
   int substeps = 0;
   int predicted_pairs = 0;  ///< rows of the last sub-step
   int qp_iterations = 0;    ///< of all sub-steps
+  int friction_iterations = 0;  ///< Newton steps, of all sub-steps
+  int friction_unsolved = 0;    ///< sub-steps whose friction did not converge
+  int friction_resets = 0;      ///< chapter 2.34: consecutive steps reset, this one included
   double truncation = 0.0;  ///< bound on the linearisation error, 1/2 |phi|^2 lever [m], worst
 };
 
