@@ -17,42 +17,25 @@ ContactPlace PlaceOf(const HapticModel& model, const LeafPair& pair, const Vec3&
 
 namespace {
 
-/// c of the augmented Lagrangian, as a ratio to k_t.  Each Newton step divides what rows and
-/// sticking contacts still miss by about this; its square must not reach 1 / epsilon.
+/// Stiffness against what rows and sticking contacts still miss, as a ratio to k_t.  Each step
+/// divides that by about as much; its square must not reach 1 / epsilon.
 constexpr double kPenalty = 1e5;
-/// The same where it only decides whether a contact presses and slips: about the inverse of how far
-/// a unit force moves a contact, which is where Newton's method jumps about least.
+/// Leap: the same where it only decides whether a contact presses and slips.  About the inverse of
+/// how far a unit force moves a contact, which makes a single contact's first guess right.
 constexpr double kTrial = 1.0;
-constexpr int kNewtonSteps = 30;  ///< per set of contacts and of coefficients
-constexpr int kRounds = 6;        ///< of QP over all rows and Newton over the contacts
-/// Relative to the size of the problem: what the forces still miss of their laws; the QP's optimum
-/// against Newton's.
-constexpr double kConverged = 1e-10, kAgreed = 1e-9;
-
-/// x := H^-1 x by elimination with row exchanges.
-template <int N>
-void SolveLinear(double (&H)[N][N], double (&x)[N]) {
-  for (int k = 0; k < N; ++k) {
-    int pivot = k;
-    for (int i = k + 1; i < N; ++i) {
-      if (std::fabs(H[i][k]) > std::fabs(H[pivot][k])) pivot = i;
-    }
-    if (pivot != k) {
-      std::swap(H[pivot], H[k]);
-      std::swap(x[pivot], x[k]);
-    }
-    const double inverse = 1.0 / H[k][k];
-    for (int i = k + 1; i < N; ++i) {
-      const double part = H[i][k] * inverse;
-      for (int j = k + 1; j < N; ++j) H[i][j] -= part * H[k][j];
-      x[i] -= part * x[k];
-    }
-  }
-  for (int k = N - 1; k >= 0; --k) {
-    for (int j = k + 1; j < N; ++j) x[k] -= H[k][j] * x[j];
-    x[k] /= H[k][k];
-  }
-}
+constexpr int kLeapSteps = 20;
+/// Walk: penalties from 1 to this, tenfold each time, and updates of the forces.
+constexpr double kWalkPenalty = 1e4;
+constexpr int kWalkUpdates = 40, kWalkSteps = 30, kShorter = 6;
+/// Relative to the size of the problem: what the forces may miss of their laws.
+constexpr double kLeapt = 1e-10, kWalked = 1e-7;
+/// Relative to that size: the QP's optimum against Newton's.
+constexpr double kAgreed = 1e-9;
+/// Relative to that size: the slip above which a contact is sliding.  One at its limit that others
+/// hold is not.
+constexpr double kSlid = 1e-6;
+constexpr int kRounds = 6;  ///< of the QP over all rows and Newton's method over the contacts
+constexpr int kDraws = 8;   ///< of forces into their cones
 
 template <int N>
 double Dot(const double (&a)[N], const double (&b)[N]) {
@@ -61,8 +44,55 @@ double Dot(const double (&a)[N], const double (&b)[N]) {
   return sum;
 }
 
-/// The contacts of a sub-step and Newton's method over them.  Lengths in metres; forces too (over
-/// k_t).
+/// H x = g, for the linear part of a step: forces a (base + k b . x) are added one by one to the
+/// identity.
+template <int N>
+class LinearSystem {
+ public:
+  explicit LinearSystem(const double (&g)[N]) {
+    for (int r = 0; r < N; ++r) {
+      g_[r] = g[r];
+      for (int c = 0; c < N; ++c) H_[r][c] = r == c ? 1.0 : 0.0;
+    }
+  }
+  void Add(const double (&a)[N], double base, double k, const double (&b)[N]) {
+    for (int r = 0; r < N; ++r) {
+      g_[r] -= base * a[r];
+      const double part = k * a[r];
+      for (int c = 0; c < N; ++c) H_[r][c] += part * b[c];
+    }
+  }
+  /// By elimination with row exchanges.
+  void Solve(double (&x)[N]) {
+    for (int k = 0; k < N; ++k) {
+      int pivot = k;
+      for (int i = k + 1; i < N; ++i) {
+        if (std::fabs(H_[i][k]) > std::fabs(H_[pivot][k])) pivot = i;
+      }
+      if (pivot != k) {
+        std::swap(H_[pivot], H_[k]);
+        std::swap(g_[pivot], g_[k]);
+      }
+      const double inverse = 1.0 / H_[k][k];
+      for (int i = k + 1; i < N; ++i) {
+        const double part = H_[i][k] * inverse;
+        for (int j = k + 1; j < N; ++j) H_[i][j] -= part * H_[k][j];
+        g_[i] -= part * g_[k];
+      }
+    }
+    for (int k = N - 1; k >= 0; --k) {
+      double sum = g_[k];
+      for (int j = k + 1; j < N; ++j) sum -= H_[k][j] * x[j];
+      x[k] = sum / H_[k][k];
+    }
+  }
+
+ private:
+  double H_[N][N], g_[N];
+};
+
+/// The contacts of a sub-step, and two methods that find their forces.  Lengths in metres; forces
+/// too, over k_t.
 template <int N>
 class FrictionalContacts {
  public:
@@ -72,22 +102,20 @@ class FrictionalContacts {
     double tt = 0.0, moved = 0.0;
     for (int c = 0; c < N; ++c) {
       t_[c] = t[c];
-      x_[c] = qp.x[c];
       tt += t[c] * t[c];
       moved += (t[c] - qp.x[c]) * (t[c] - qp.x[c]);
     }
     size_ = std::sqrt(tt) + std::sqrt(moved);
   }
 
-  int count() const { return count_; }
-  const double* x() const { return x_; }
-
-  /// False where there is no room, or it is there already.
-  bool Add(int row, double lambda, const Vec3& force) {
+  /// False where the row is there already, or where there is no room.
+  /// @param frictionless, lambda, force  of its optimum; where Newton's method starts.
+  bool Add(int row, double frictionless, double lambda, const Vec3& force) {
     for (int i = 0; i < count_; ++i) {
       if (contact_[i].row == row) return false;
     }
-    if (count_ == kMaxActiveRows && !DropIdle()) return false;
+    if (count_ == kMaxActiveRows) Drop([](const Contact& c) { return c.lambda == 0.0; }, 1);
+    if (count_ == kMaxActiveRows) return false;
     Contact& contact = contact_[count_++];
     contact.row = row;
     contact.normal = rows_.normal(row);
@@ -98,15 +126,14 @@ class FrictionalContacts {
     contact.sliding = !still_;
     // Any basis of the tangential plane, free of cancellation.
     const Vec3& n = contact.normal;
-    const Vec3 t1 = (std::fabs(n.x()) < 0.7 ? Vec3(0.0, -n.z(), n.y()) : Vec3(-n.z(), 0.0, n.x()))
-                        .normalized();
-    contact.tangent[0] = t1;
-    contact.tangent[1] = n.cross(t1);
-    const double rho = model_.rotation_length();
-    const auto fill = [&](const Vec3& direction, const Vec3& turn, double* out) {
+    contact.tangent[0] =
+        (std::fabs(n.x()) < 0.7 ? Vec3(0.0, -n.z(), n.y()) : Vec3(-n.z(), 0.0, n.x())).normalized();
+    contact.tangent[1] = n.cross(contact.tangent[0]);
+    const double per_rho = 1.0 / model_.rotation_length();
+    const auto fill = [per_rho](const Vec3& direction, const Vec3& turn, double* out) {
       for (int c = 0; c < 3; ++c) {
         out[c] = direction[c];
-        if constexpr (N == 6) out[3 + c] = turn[c] / rho;
+        if constexpr (N == 6) out[3 + c] = turn[c] * per_rho;
       }
     };
     fill(n, rows_.lever_cross_normal(row), contact.a);
@@ -115,18 +142,23 @@ class FrictionalContacts {
       contact.force[k] = contact.tangent[k].dot(force);
     }
     contact.b = -rows_.gap(row) - slack_;
+    contact.frictionless = frictionless;
     contact.lambda = lambda;
+    contact.slips = false;
     return true;
   }
 
-  /// The frictional optimum over the contacts alone.  False where it does not converge.
+  /// The frictional optimum over these contacts alone.  False where it was not found.
   bool Solve(StepReport& report) {
-    bool converged = Converge(report);
-    while (converged && LetSlip()) converged = Converge(report);
-    return converged;
+    do {
+      if (Leap(report)) continue;
+      ++report.friction_lowered;
+      if (!Walk(report)) return false;
+    } while (LetSlip());
+    return true;
   }
 
-  /// t less the friction: the QP's target.
+  /// t less the friction: the target of the QP over all rows.
   void ShiftedTarget(double* t) const {
     for (int c = 0; c < N; ++c) {
       t[c] = t_[c];
@@ -143,21 +175,45 @@ class FrictionalContacts {
     return most <= kAgreed * size_;
   }
 
-  bool slips() const {
+  /// Takes the normal forces of the QP and draws friction into its cones.  True where that changed
+  /// anything, so that the QP has to be solved again.
+  bool DrawIn(const QpResult& qp) {
+    bool drawn = false;
     for (int i = 0; i < count_; ++i) {
-      if (contact_[i].slips && contact_[i].mu_s > 0.0) return true;
+      Contact& contact = contact_[i];
+      contact.lambda = 0.0;
+      for (int j = 0; j < qp.active; ++j) {
+        if (qp.row[j] == contact.row) contact.lambda = qp.multiplier[j];
+      }
+      const double limit = contact.mu() * contact.lambda;
+      const double length = contact.friction();
+      if (length <= limit + kLeapt * size_) continue;
+      const double part = limit / length;
+      contact.force[0] *= part;
+      contact.force[1] *= part;
+      drawn = true;
     }
-    return false;
+    Drop([](const Contact& c) { return c.lambda == 0.0; }, count_);
+    for (int j = 0; j < qp.active; ++j) Add(qp.row[j], 0.0, qp.multiplier[j], Vec3::Zero());
+    return drawn;
   }
 
-  /// Mean over the sticking contacts of what a rotation's second order would make them creep.
+  bool slides() const {
+    return std::any_of(contact_, contact_ + count_,
+                       [this](const Contact& c) { return Slides(c) && c.mu_s > 0.0; });
+  }
+
+  /// A sticking point stays where it is when the tool turns about it by a finite angle, not just to
+  /// first order: what v has to make good for that, as the mean over the points that stick.
+  /// Without it, a stylus that trembles about its tip would creep by the second order, always the
+  /// same way.
   Vec3 Creep(const Vec3& phi) const {
     Vec3 sum = Vec3::Zero();
     int sticking = 0;
     const Quat turn = RotationExp(phi);
     for (int i = 0; i < count_; ++i) {
       const Contact& contact = contact_[i];
-      if (contact.slips || !(contact.lambda > 0.0) || !(contact.mu_s > 0.0)) continue;
+      if (Slides(contact) || contact.lambda == 0.0 || contact.mu_s == 0.0) continue;
       const Vec3 rest = turn * contact.lever - contact.lever - phi.cross(contact.lever);
       sum += rest - rest.dot(contact.normal) * contact.normal;
       ++sticking;
@@ -165,177 +221,262 @@ class FrictionalContacts {
     return sticking == 0 ? sum : Vec3(sum / sticking);
   }
 
-  /// Takes the normal forces of the QP, where Newton's method has not found them.
-  void TakeNormalForces(const QpResult& qp) {
-    for (int i = 0; i < count_; ++i) {
-      contact_[i].lambda = 0.0;
-      for (int j = 0; j < qp.active; ++j) {
-        if (qp.row[j] == contact_[i].row) contact_[i].lambda = qp.multiplier[j];
-      }
-    }
-  }
-
   /// The contacts that carry force.
   void Write(FrictionState& state, QpResult& qp, FrictionForces& forces) const {
     qp.active = 0;
     for (int i = 0; i < count_; ++i) {
       const Contact& contact = contact_[i];
-      if (contact.lambda == 0.0 && contact.force[0] == 0.0 && contact.force[1] == 0.0) continue;
-      const auto k = static_cast<std::size_t>(qp.active);
+      if (contact.lambda == 0.0 && contact.friction() == 0.0) continue;
+      const auto k = static_cast<std::size_t>(qp.active++);
       qp.row[k] = contact.row;
-      qp.multiplier[k] = contact.lambda;
+      qp.multiplier[k] = std::max(0.0, contact.lambda);  // may miss 0 by rounding
       forces[k] = -contact.force[0] * contact.tangent[0] - contact.force[1] * contact.tangent[1];
       state.pair[k] = rows_.pair(contact.row);
-      state.normal_force[k] = contact.lambda;
+      state.normal_force[k] = qp.multiplier[k];
       state.force[k] = -forces[k];
-      ++qp.active;
     }
     state.contacts = qp.active;
   }
 
  private:
-  /// f: force against the tool's slip, along the two tangents.
+  /// Its row a . x >= b with multiplier lambda, and its slip (s[0] . x, s[1] . x) along two
+  /// tangents, which `force` opposes.
   struct Contact {
     int row;
-    bool sliding;  ///< mu_d
-    bool slips;    ///< its friction is at its limit
-    double mu_s, mu_d, b;
-    double a[N], s[2][N];
-    bool pressed;
-    double lambda, force[2];
-    // Where it slips: direction of u, limit / |u|, and the linear law of the force across u.
-    double direction[2], ratio, across[N], base, stiffness;
     Vec3 normal, lever, tangent[2];
+    double a[N], s[2][N], b;
+    double mu_s, mu_d;
+    bool sliding;         ///< mu_d counts
+    double frictionless;  ///< lambda without friction
+    double lambda, force[2];
+    bool slips;  ///< friction is at its limit
+    // Of one step:
+    bool presses;
+    double limit;                ///< of friction
+    double direction[2], ratio;  ///< where it slips: unit vector along u, and limit / |u|
+    double across[N], base, stiffness;
     double mu() const { return sliding ? mu_d : mu_s; }
+    double friction() const { return std::sqrt(force[0] * force[0] + force[1] * force[1]); }
+    /// Row of the slip along (d0, d1).
+    void Slip(double d0, double d1, double (&out)[N]) const {
+      for (int c = 0; c < N; ++c) out[c] = d0 * s[0][c] + d1 * s[1][c];
+    }
   };
 
-  bool DropIdle() {
-    for (int i = 0; i < count_; ++i) {
-      if (contact_[i].lambda > 0.0) continue;
-      for (int j = i; j + 1 < count_; ++j) contact_[j] = contact_[j + 1];
-      --count_;
-      return true;
-    }
-    return false;
+  bool Slides(const Contact& contact) const {
+    if (!contact.slips || contact.lambda == 0.0) return false;
+    const double s0 = Dot(contact.s[0], x_), s1 = Dot(contact.s[1], x_);
+    return std::sqrt(s0 * s0 + s1 * s1) > kSlid * size_;
   }
 
-  /// x that the forces balance: t + A^T lambda - S^T f.
-  void Balance() {
-    for (int c = 0; c < N; ++c) {
-      x_[c] = t_[c];
-      for (int i = 0; i < count_; ++i) {
-        const Contact& contact = contact_[i];
-        x_[c] += contact.a[c] * contact.lambda - contact.s[0][c] * contact.force[0] -
-                 contact.s[1][c] * contact.force[1];
+  /// Takes out the first `most` contacts that `is` picks.
+  template <class Pick>
+  void Drop(Pick is, int most) {
+    int kept = 0;
+    for (int i = 0; i < count_; ++i) {
+      if (most > 0 && is(contact_[i])) {
+        --most;
+      } else {
+        contact_[kept++] = contact_[i];
       }
     }
+    count_ = kept;
   }
 
-  /// What a contact's forces should be at x: lambda = max(0, lambda + kTrial (b - a x)), and f = the
-  /// point of the disk of radius mu lambda nearest to f + kTrial S x.  Returns by how much they are
-  /// not.
-  double Judge(Contact& contact) const {
-    const double pressed = contact.lambda + kTrial * (contact.b - Dot(contact.a, x_));
-    contact.pressed = pressed > 0.0;
-    const double lambda = contact.pressed ? pressed : 0.0;
-    const double limit = contact.mu() * lambda;
-    const double u0 = contact.force[0] + kTrial * Dot(contact.s[0], x_);
-    const double u1 = contact.force[1] + kTrial * Dot(contact.s[1], x_);
+  /// u in the disk of the contact's limit: sets slips, direction and ratio.
+  static void IntoDisk(Contact& contact, double& u0, double& u1) {
     const double length = std::sqrt(u0 * u0 + u1 * u1);
-    contact.slips = length > limit;
-    double f0 = u0, f1 = u1;
-    if (contact.slips) {
-      contact.direction[0] = u0 / length;
-      contact.direction[1] = u1 / length;
-      contact.ratio = limit / length;
-      f0 = limit * contact.direction[0];
-      f1 = limit * contact.direction[1];
-    }
+    contact.slips = length > contact.limit;
+    if (!contact.slips) return;
+    contact.direction[0] = u0 / length;
+    contact.direction[1] = u1 / length;
+    contact.ratio = contact.limit / length;
+    u0 *= contact.ratio;
+    u1 *= contact.ratio;
+  }
+
+  // Leap: Newton's method for the laws
+  //   lambda = max(0, lambda + kTrial (b - a x)),
+  //   f = the point of the disk of radius mu lambda nearest to f + kTrial S x,
+  // with x = t + A^T lambda - S^T f.  That is Coulomb's law with the true lambda, but no
+  // minimisation: it ends in a few steps or, seldom, not at all.
+
+  /// What a contact does by its law at x; returns by how much its forces miss it.
+  double Judge(Contact& contact) const {
+    const double pressure = contact.lambda + kTrial * (contact.b - Dot(contact.a, x_));
+    contact.presses = pressure > 0.0;
+    const double lambda = contact.presses ? pressure : 0.0;
+    contact.limit = contact.mu() * lambda;
+    double f0 = contact.force[0] + kTrial * Dot(contact.s[0], x_);
+    double f1 = contact.force[1] + kTrial * Dot(contact.s[1], x_);
+    IntoDisk(contact, f0, f1);
     return std::max({std::fabs(lambda - contact.lambda), std::fabs(f0 - contact.force[0]),
                      std::fabs(f1 - contact.force[1])});
   }
 
-  /// One step: x and the forces of the linear problem that is left when every contact stays what it
-  /// was judged to be.
-  void NewtonStep() {
-    double H[N][N], x[N];
-    for (int r = 0; r < N; ++r) {
-      x[r] = t_[r];
-      for (int c = 0; c < N; ++c) H[r][c] = r == c ? 1.0 : 0.0;
-    }
-    // A force `column` * (base + scale * row . x) on the left-hand side.
-    const auto add = [&](const double* column, double base, double scale, const double* row) {
-      for (int r = 0; r < N; ++r) {
-        x[r] -= base * column[r];
-        const double part = scale * column[r];
-        for (int c = 0; c < N; ++c) H[r][c] += part * row[c];
-      }
-    };
+  /// x and the forces where every contact goes on doing what it was judged to do.  A contact that
+  /// slips pushes back by mu lambda along u, and turns its force as Newton's step for the disk
+  /// says.
+  void LeapStep() {
+    LinearSystem<N> system(t_);
     for (int i = 0; i < count_; ++i) {
       Contact& contact = contact_[i];
+      const double pressure = contact.lambda + kPenalty * contact.b;
       if (!contact.slips) {
-        add(contact.s[0], contact.force[0], kPenalty, contact.s[0]);
-        add(contact.s[1], contact.force[1], kPenalty, contact.s[1]);
-        if (contact.pressed) {
-          add(contact.a, -(contact.lambda + kPenalty * contact.b), kPenalty, contact.a);
+        for (int k = 0; k < 2; ++k) {
+          system.Add(contact.s[k], contact.force[k], kPenalty, contact.s[k]);
         }
-        continue;
+        if (contact.presses) system.Add(contact.a, -pressure, kPenalty, contact.a);
+      } else if (contact.presses) {
+        const double* d = contact.direction;
+        double push[N];
+        contact.Slip(-contact.mu() * d[0], -contact.mu() * d[1], push);
+        for (int c = 0; c < N; ++c) push[c] += contact.a[c];
+        system.Add(push, -pressure, kPenalty, contact.a);
+
+        contact.Slip(-d[1], d[0], contact.across);
+        const double left = std::max(1.0 - contact.ratio, contact.ratio * kTrial / kPenalty);
+        contact.stiffness = contact.ratio * kTrial / left;
+        const double f = d[0] * contact.force[1] - d[1] * contact.force[0];
+        contact.base = f - f / left - contact.stiffness * Dot(contact.across, x_);
+        system.Add(contact.across, contact.base, contact.stiffness, contact.across);
       }
-      if (!contact.pressed) continue;
-      const double mu = contact.mu();
-      double push[N];
-      for (int c = 0; c < N; ++c) {
-        contact.across[c] =
-            contact.direction[0] * contact.s[1][c] - contact.direction[1] * contact.s[0][c];
-        push[c] = contact.a[c] - mu * (contact.direction[0] * contact.s[0][c] +
-                                       contact.direction[1] * contact.s[1][c]);
-      }
-      add(push, -(contact.lambda + kPenalty * contact.b), kPenalty, contact.a);
-      // Newton's step of f = limit u / |u| across u, u = f + kTrial S x: what turns the force.
-      const double left = std::max(1.0 - contact.ratio, contact.ratio * kTrial / kPenalty);
-      contact.stiffness = contact.ratio * kTrial / left;
-      const double f = contact.direction[0] * contact.force[1] - contact.direction[1] * contact.force[0];
-      contact.base = f - f / left - contact.stiffness * Dot(contact.across, x_);
-      add(contact.across, contact.base, contact.stiffness, contact.across);
     }
-    SolveLinear(H, x);
-    std::copy(x, x + N, x_);
+    system.Solve(x_);
     for (int i = 0; i < count_; ++i) {
       Contact& contact = contact_[i];
       contact.lambda =
-          contact.pressed ? contact.lambda + kPenalty * (contact.b - Dot(contact.a, x)) : 0.0;
+          contact.presses ? contact.lambda + kPenalty * (contact.b - Dot(contact.a, x_)) : 0.0;
       if (!contact.slips) {
-        contact.force[0] += kPenalty * Dot(contact.s[0], x);
-        contact.force[1] += kPenalty * Dot(contact.s[1], x);
-      } else if (contact.pressed) {
+        for (int k = 0; k < 2; ++k) contact.force[k] += kPenalty * Dot(contact.s[k], x_);
+      } else if (contact.presses) {
+        const double* d = contact.direction;
         const double along = contact.mu() * contact.lambda;
-        const double across = contact.base + contact.stiffness * Dot(contact.across, x);
-        contact.force[0] = contact.direction[0] * along - contact.direction[1] * across;
-        contact.force[1] = contact.direction[1] * along + contact.direction[0] * across;
+        const double across = contact.base + contact.stiffness * Dot(contact.across, x_);
+        contact.force[0] = d[0] * along - d[1] * across;
+        contact.force[1] = d[1] * along + d[0] * across;
       } else {
         contact.force[0] = contact.force[1] = 0.0;
       }
     }
   }
 
-  bool Converge(StepReport& report) {
+  /// x that the forces balance.
+  void Balance() {
+    ShiftedTarget(x_);
+    for (int i = 0; i < count_; ++i) {
+      for (int c = 0; c < N; ++c) x_[c] += contact_[i].a[c] * contact_[i].lambda;
+    }
+  }
+
+  bool Leap(StepReport& report) {
     Balance();
     for (int step = 0;; ++step) {
       double most = 0.0;
       for (int i = 0; i < count_; ++i) most = std::max(most, Judge(contact_[i]));
-      if (most <= kConverged * size_) return true;
-      if (step == kNewtonSteps) return false;
+      if (most <= kLeapt * size_) return true;
+      if (step == kLeapSteps) return false;
       ++report.friction_iterations;
-      NewtonStep();
+      LeapStep();
     }
   }
 
-  /// Gives mu_d to the contacts that mu_s does not hold; false where there is none.
+  // Walk: where Leap fails, and where there may be nothing to find (a tool wedged deeper than its
+  // friction lets it out: the normal forces grow without end).  Limits from the frictionless
+  // lambda, as METHOD has them, make the problem convex and the augmented Lagrangian's minimum sure
+  // to be found; they are lowered, never raised, until each lies in its cone.
+
+  /// Forces at x for the penalty c into `at`, whose laws are the contacts', and the gradient g.
+  void Gradient(const double (&x)[N], double c, Contact* at, double (&g)[N]) const {
+    for (int r = 0; r < N; ++r) g[r] = x[r] - t_[r];
+    for (int i = 0; i < count_; ++i) {
+      const Contact& contact = contact_[i];
+      Contact& now = at[i];
+      now.lambda = std::max(0.0, contact.lambda + c * (contact.b - Dot(contact.a, x)));
+      for (int k = 0; k < 2; ++k) now.force[k] = contact.force[k] + c * Dot(contact.s[k], x);
+      IntoDisk(now, now.force[0], now.force[1]);
+      for (int r = 0; r < N; ++r) {
+        g[r] += contact.s[0][r] * now.force[0] + contact.s[1][r] * now.force[1] -
+                contact.a[r] * now.lambda;
+      }
+    }
+  }
+
+  /// Newton's method; a step that overshoots is shortened by the secant of its slope, which in a
+  /// convex function leads down always.
+  bool Minimise(double c, Contact* at, StepReport& report) {
+    double g[N], d[N], next[N], next_g[N];
+    Gradient(x_, c, at, g);
+    for (int step = 0; step < kWalkSteps; ++step) {
+      double most = 0.0;
+      for (int r = 0; r < N; ++r) most = std::max(most, std::fabs(g[r]));
+      if (most <= kLeapt * size_) return true;
+      ++report.friction_iterations;
+      for (int r = 0; r < N; ++r) d[r] = -g[r];
+      LinearSystem<N> system(d);
+      for (int i = 0; i < count_; ++i) {
+        const Contact& now = at[i];
+        if (now.lambda > 0.0) system.Add(now.a, 0.0, c, now.a);
+        if (now.slips) {
+          double across[N];
+          now.Slip(-now.direction[1], now.direction[0], across);
+          system.Add(across, 0.0, c * now.ratio, across);
+        } else {
+          for (int k = 0; k < 2; ++k) system.Add(now.s[k], 0.0, c, now.s[k]);
+        }
+      }
+      system.Solve(d);
+      const double slope = Dot(g, d);
+      double part = 1.0;
+      for (int shorter = 0;; ++shorter) {
+        for (int r = 0; r < N; ++r) next[r] = x_[r] + part * d[r];
+        Gradient(next, c, at, next_g);
+        const double next_slope = Dot(next_g, d);
+        if (next_slope <= -0.5 * slope || shorter == kShorter) break;
+        part *= std::max(0.1, slope / (slope - next_slope));
+      }
+      std::copy(next, next + N, x_);
+      std::copy(next_g, next_g + N, g);
+    }
+    return false;
+  }
+
+  bool Walk(StepReport& report) {
+    for (int i = 0; i < count_; ++i) {
+      Contact& contact = contact_[i];
+      contact.lambda = contact.frictionless;
+      contact.limit = contact.mu() * contact.lambda;
+      contact.force[0] = contact.force[1] = 0.0;
+    }
+    Balance();
+    Contact at[kMaxActiveRows];
+    double c = 1.0;
+    for (int update = 0; update < kWalkUpdates; ++update) {
+      std::copy(contact_, contact_ + count_, at);
+      const bool balanced = Minimise(c, at, report);
+      double most = 0.0;
+      for (int i = 0; i < count_; ++i) {
+        Contact& contact = contact_[i];
+        const double moved = std::max({std::fabs(at[i].lambda - contact.lambda),
+                                       std::fabs(at[i].force[0] - contact.force[0]),
+                                       std::fabs(at[i].force[1] - contact.force[1])});
+        contact = at[i];
+        const double limit = contact.mu() * contact.lambda;
+        most = std::max({most, moved / c, contact.limit - limit});
+        contact.limit = std::min(contact.limit, limit);
+      }
+      if (balanced && most <= kWalked * size_) return true;
+      c = std::min(10.0 * c, kWalkPenalty);
+    }
+    return false;
+  }
+
+  /// Gives mu_d to the contacts that mu_s does not hold; false where that changes nothing.
   bool LetSlip() {
     bool any = false;
     for (int i = 0; i < count_; ++i) {
       Contact& contact = contact_[i];
-      if (!contact.slips || contact.sliding || !(contact.lambda > 0.0)) continue;
+      if (contact.sliding || !Slides(contact)) continue;
       contact.sliding = true;
       any = any || contact.mu_d != contact.mu_s;
     }
@@ -353,54 +494,63 @@ class FrictionalContacts {
   Contact contact_[kMaxActiveRows];
 };
 
+/// The contacts of the frictionless optimum, with the forces that they had last.
 template <int N>
-void Solve(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const double* t,
+void AddActive(const ContactRows& rows, const QpResult& qp, const FrictionState& state,
+               FrictionalContacts<N>& contacts) {
+  for (int i = 0; i < qp.active; ++i) {
+    const auto last = state.pair.begin() + state.contacts;
+    const auto found = std::find(state.pair.begin(), last, rows.pair(qp.row[i]));
+    const auto k = static_cast<std::size_t>(found - state.pair.begin());
+    if (found == last) {
+      contacts.Add(qp.row[i], qp.multiplier[i], qp.multiplier[i], Vec3::Zero());
+    } else {
+      contacts.Add(qp.row[i], qp.multiplier[i], state.normal_force[k], state.force[k]);
+    }
+  }
+}
+
+/// False where the frictionless optimum stays.
+template <int N>
+bool Solve(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const double* t,
            const ContactRows& rows, FrictionState& state, QpResult& qp, FrictionForces& forces,
            StepReport& report) {
   FrictionalContacts<N> contacts(model, R_WG, rows, t, qp, state.still >= kStillCycles);
-  for (int i = 0; i < qp.active; ++i) {
-    const LeafPair pair = rows.pair(qp.row[i]);
-    int last = 0;
-    while (last < state.contacts && !(state.pair[static_cast<std::size_t>(last)] == pair)) ++last;
-    const auto k = static_cast<std::size_t>(last);
-    if (last < state.contacts) {
-      contacts.Add(qp.row[i], state.normal_force[k], state.force[k]);
-    } else {
-      contacts.Add(qp.row[i], qp.multiplier[i], Vec3::Zero());
-    }
-  }
-  bool solved = false;
+  AddActive(rows, qp, state, contacts);
   QpResult shifted;
-  for (int round = 0; round < kRounds; ++round) {
-    const bool converged = contacts.Solve(report);
-    double target[6];
+  const auto solve_shifted = [&] {
+    double target[N];
     contacts.ShiftedTarget(target);
     shifted = SolveNearestPoint<N>(kernels, target, rows.view(), qp.row, qp.active);
     report.qp_iterations += shifted.iterations;
-    if (shifted.status == QpStatus::kIterationLimit) break;
-    solved = converged && contacts.Agrees(shifted.x);
-    if (solved) break;
-    bool added = false;
+    return shifted.status != QpStatus::kIterationLimit;
+  };
+  bool solved = false, added = true;
+  for (int round = 0; round < kRounds && added && !solved; ++round) {
+    const bool found = contacts.Solve(report);
+    if (!solve_shifted()) return false;
+    added = false;
     for (int i = 0; i < shifted.active; ++i) {
-      added |= contacts.Add(shifted.row[i], 0.0, Vec3::Zero());
+      added |= contacts.Add(shifted.row[i], 0.0, 0.0, Vec3::Zero());
     }
-    if (!added) break;
+    // Where the QP rests on these contacts alone, it has found the same x.
+    solved = found && (!added || contacts.Agrees(shifted.x));
   }
   report.friction_unsolved += !solved;
-  if (shifted.status == QpStatus::kIterationLimit) {
-    for (Vec3& force : forces) force.setZero();
-    state.contacts = 0;
-    return;
+  for (int draw = 0; !solved && contacts.DrawIn(shifted); ++draw) {
+    if (draw == kDraws || !solve_shifted()) return false;
   }
-  if (!solved) contacts.TakeNormalForces(shifted);
-  if (contacts.slips()) state.still = 0;
+  if (contacts.slides()) state.still = 0;
   std::copy(shifted.x, shifted.x + N, qp.x);
   contacts.Write(state, qp, forces);
   if constexpr (N == 6) {
-    const double rho = model.rotation_length();
-    const Vec3 creep = contacts.Creep(Vec3(qp.x[3], qp.x[4], qp.x[5]) / rho);
-    for (int c = 0; c < 3; ++c) qp.x[c] -= creep[c];
+    const Vec3 phi = Vec3(qp.x[3], qp.x[4], qp.x[5]) / model.rotation_length();
+    if (phi.norm() <= model.parameters().max_rotation) {
+      const Vec3 creep = contacts.Creep(phi);
+      for (int c = 0; c < 3; ++c) qp.x[c] -= creep[c];
+    }
   }
+  return true;
 }
 
 }  // namespace
@@ -413,10 +563,10 @@ void AddCoulombFriction(const HapticModel& model, const Kernels& kernels, const 
   const double rho = model.rotation_length();
   const double t[6] = {target.v.x(),         target.v.y(),         target.v.z(),
                        rho * target.phi.x(), rho * target.phi.y(), rho * target.phi.z()};
-  if (model.degrees_of_freedom() == 6) {
-    Solve<6>(model, kernels, R_WG, t, rows, state, qp, forces, report);
-  } else {
-    Solve<3>(model, kernels, R_WG, t, rows, state, qp, forces, report);
+  const auto solve = model.degrees_of_freedom() == 6 ? Solve<6> : Solve<3>;
+  if (!solve(model, kernels, R_WG, t, rows, state, qp, forces, report)) {
+    for (Vec3& force : forces) force.setZero();
+    state.contacts = 0;
   }
 }
 

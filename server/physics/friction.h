@@ -36,14 +36,14 @@ using FrictionForces = std::array<Vec3, kMaxActiveRows>;
 /// S_i x = (1 - n n^T)(v + phi x l_i) the slip of contact i, l_i the lever of the point where it
 /// touches, and lambda_i the multiplier of its row at this same x, so that every force lies in its
 /// own cone: |f_i| <= mu_i lambda_i, and f_i = -mu_i lambda_i S_i x / |S_i x| where it slips.
-/// (With lambda from the frictionless solve, as METHOD has it, a contact that friction unloads would
-/// go on rubbing, and a lever that friction turns would not rub enough.)
+/// (With lambda from the frictionless solve, as METHOD has it, a contact that friction unloads
+/// would go on rubbing, and a lever that friction turns would not rub enough.)
 ///
-/// mu_i is mu_s while the tool sticks, mu_d while it slides: one state for the whole tool, because a
-/// rigid body that slips anywhere slips everywhere but on an axis; it needs no matching of contacts,
-/// whose pairs change as the tool slides.  A cycle that begins stuck gives mu_d to each contact that
-/// mu_s does not hold and solves again; if any slipped, all are sliding from the next sub-step on,
-/// until kStillCycles cycles have passed without slip.
+/// mu_i is mu_s while the tool sticks, mu_d while it slides: one state for the whole tool, because
+/// a rigid body that slips anywhere slips everywhere but on an axis; it needs no matching of
+/// contacts, whose pairs change as the tool slides.  A cycle that begins stuck gives mu_d to each
+/// contact that mu_s does not hold and solves again; if any slipped, all are sliding from the next
+/// sub-step on, until kStillCycles cycles have passed without slip.
 ///
 /// Method: augmented Lagrangian (Alart & Curnier, Comput. Methods Appl. Mech. Engrg. 92 (1991)
 /// 353-375) with a semi-smooth Newton method in the 3 or 6 unknowns x.  Its friction forces then
@@ -52,7 +52,8 @@ using FrictionForces = std::array<Vec3, kMaxActiveRows>;
 ///
 /// @param first_substep  of its cycle: cycles are counted there.
 /// @param phi  rotation of the sub-step; an input where there are 3 degrees of freedom.
-/// @param qp   in: the frictionless optimum, with an active row.  Out: the frictional one; its active
+/// @param qp   in: the frictionless optimum, with an active row.  Out: the frictional one; its
+/// active
 ///             rows are all that carry force.
 /// @param forces  out, of those rows.
 /// Where it does not converge, that is counted in the report, and the best iterate is taken: rows

@@ -74,8 +74,8 @@ using LeafPair = NodePair;
 
 /// What friction remembers from step to step.
 struct FrictionState {
-  /// Cycles since a contact last slipped, up to kStillCycles (friction.h), where mu_s holds.  A tool
-  /// that comes to a surface has not slipped.
+  /// Cycles since a contact last slipped, up to kStillCycles (friction.h), where mu_s holds.  A
+  /// tool that comes to a surface has not slipped.
   int still = 1 << 20;
   int resets = 0;          ///< FrictionModel::kChapter: consecutive steps that 2.34 has reset
   bool suspended = false;  ///< no friction: for the walk to a start pose
@@ -117,12 +117,13 @@ struct StepReport {
   std::uint32_t faults = kFaultNone;
   // Counters and measures of this step.
   int substeps = 0;
-  int predicted_pairs = 0;  ///< rows of the last sub-step
-  int qp_iterations = 0;    ///< of all sub-steps
+  int predicted_pairs = 0;      ///< rows of the last sub-step
+  int qp_iterations = 0;        ///< of all sub-steps
   int friction_iterations = 0;  ///< Newton steps, of all sub-steps
+  int friction_lowered = 0;     ///< times that friction took lower limits than Coulomb's
   int friction_unsolved = 0;    ///< sub-steps whose friction did not converge
   int friction_resets = 0;      ///< chapter 2.34: consecutive steps reset, this one included
-  double truncation = 0.0;  ///< bound on the linearisation error, 1/2 |phi|^2 lever [m], worst
+  double truncation = 0.0;      ///< bound on the linearisation error, 1/2 |phi|^2 lever [m], worst
 };
 
 /// Times of the step's stages, for benchmarks: [ns], summed over sub-steps.
