@@ -128,10 +128,13 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
   answer.contacts = static_cast<std::uint32_t>(report.contacts);
   // A station computes the full force from the rows: none are given while less is due.
   if (gain_ < 1.0) return;
-  answer.rows = answer.contacts;
+  // A jam has a seventh row, which the others imply but for its slack.
+  constexpr int kRows = static_cast<int>(std::extent_v<decltype(answer.row_offset_m)>);
+  const int rows = std::min(report.contacts, kRows);
+  answer.rows = static_cast<std::uint32_t>(rows);
   answer.region_m = model_.parameters().max_translation;
   answer.region_rad = model_.parameters().max_rotation;
-  for (int i = 0; i < report.contacts; ++i) {
+  for (int i = 0; i < rows; ++i) {
     const ActiveRow& active = report.active[i];
     for (int k = 0; k < 3; ++k) {
       answer.row[i][k] = active.normal[k];
