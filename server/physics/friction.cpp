@@ -23,10 +23,10 @@ constexpr double kPenalty = 1e5;
 /// Leap: the same where it only decides whether a contact presses and slips.  About the inverse of
 /// how far a unit force moves a contact, which makes a single contact's first guess right.
 constexpr double kTrial = 1.0;
-constexpr int kLeapSteps = 20;
+constexpr int kLeapSteps = 24, kHalvings = 3;
 /// Walk: penalties from 1 to this, tenfold each time, and updates of the forces.
 constexpr double kWalkPenalty = 1e4;
-constexpr int kWalkUpdates = 40, kWalkSteps = 30, kShorter = 6;
+constexpr int kWalkRaises = 15, kWalkUpdates = 40, kWalkSteps = 30, kShorter = 6;
 /// Relative to the size of the problem: what the forces may miss of their laws.
 constexpr double kLeapt = 1e-10, kWalked = 1e-7;
 /// Relative to that size: the QP's optimum against Newton's.
@@ -34,6 +34,8 @@ constexpr double kAgreed = 1e-9;
 /// Relative to that size: the slip above which a contact is sliding.  One at its limit that others
 /// hold is not.
 constexpr double kSlid = 1e-6;
+/// Newton steps of a cycle after which Walk gives up.
+constexpr int kCycleSteps = 160;
 constexpr int kRounds = 6;  ///< of the QP over all rows and Newton's method over the contacts
 constexpr int kDraws = 8;   ///< of forces into their cones
 
@@ -167,6 +169,15 @@ class FrictionalContacts {
         t[c] -= contact.s[0][c] * contact.force[0] + contact.s[1][c] * contact.force[1];
       }
     }
+  }
+
+  /// The rows that carry force; returns how many.
+  int Pressed(int* row) const {
+    int pressed = 0;
+    for (int i = 0; i < count_; ++i) {
+      if (contact_[i].lambda > 0.0) row[pressed++] = contact_[i].row;
+    }
+    return pressed;
   }
 
   bool Agrees(const double* x) const {
@@ -369,22 +380,47 @@ class FrictionalContacts {
     }
   }
 
+  double JudgeAll() {
+    double most = 0.0;
+    for (int i = 0; i < count_; ++i) most = std::max(most, Judge(contact_[i]));
+    return most;
+  }
+
+  /// A step that misses the laws by more than each of the last three did is halved: x and forces go
+  /// together, so that they stay in balance.
   bool Leap(StepReport& report) {
     Balance();
-    for (int step = 0;; ++step) {
-      double most = 0.0;
-      for (int i = 0; i < count_; ++i) most = std::max(most, Judge(contact_[i]));
-      if (most <= kLeapt * size_) return true;
+    double missed = JudgeAll(), before[3] = {};
+    for (int step = 0; missed > kLeapt * size_; ++step) {
       if (step == kLeapSteps) return false;
       ++report.friction_iterations;
+      before[step % 3] = missed;
+      const double bound = std::max({before[0], before[1], before[2]});
+      double old_x[N], old_lambda[kMaxActiveRows], old_force[kMaxActiveRows][2];
+      std::copy(x_, x_ + N, old_x);
+      for (int i = 0; i < count_; ++i) {
+        old_lambda[i] = contact_[i].lambda;
+        std::copy(contact_[i].force, contact_[i].force + 2, old_force[i]);
+      }
       LeapStep();
+      for (int halving = 0; (missed = JudgeAll()) >= bound && halving < kHalvings; ++halving) {
+        const auto halve = [](double& value, double old) { value = 0.5 * (value + old); };
+        for (int c = 0; c < N; ++c) halve(x_[c], old_x[c]);
+        for (int i = 0; i < count_; ++i) {
+          halve(contact_[i].lambda, old_lambda[i]);
+          for (int k = 0; k < 2; ++k) halve(contact_[i].force[k], old_force[i][k]);
+        }
+      }
     }
+    return true;
   }
 
   // Walk: where Leap fails, and where there may be nothing to find (a tool wedged deeper than its
-  // friction lets it out: the normal forces grow without end).  Limits from the frictionless
-  // lambda, as METHOD has them, make the problem convex and the augmented Lagrangian's minimum sure
-  // to be found; they are lowered, never raised, until each lies in its cone.
+  // friction lets it out: the normal forces grow without end).  With limits that are held the
+  // problem is convex and the augmented Lagrangian's minimum sure to be found; the limits are those
+  // of the frictionless lambda first, as METHOD has them, then follow the lambda that they give (no
+  // contact's above the whole load's), and in the end are lowered only, until each lies in its
+  // cone.
 
   /// Forces at x for the penalty c into `at`, whose laws are the contacts', and the gradient g.
   void Gradient(const double (&x)[N], double c, Contact* at, double (&g)[N]) const {
@@ -442,8 +478,10 @@ class FrictionalContacts {
   }
 
   bool Walk(StepReport& report) {
+    double load = 0.0;
     for (int i = 0; i < count_; ++i) {
       Contact& contact = contact_[i];
+      load += contact.frictionless;
       contact.lambda = contact.frictionless;
       contact.limit = contact.mu() * contact.lambda;
       contact.force[0] = contact.force[1] = 0.0;
@@ -462,10 +500,13 @@ class FrictionalContacts {
                                        std::fabs(at[i].force[1] - contact.force[1])});
         contact = at[i];
         const double limit = contact.mu() * contact.lambda;
-        most = std::max({most, moved / c, contact.limit - limit});
-        contact.limit = std::min(contact.limit, limit);
+        const double highest = update < kWalkRaises ? contact.mu() * load : contact.limit;
+        const double next = std::min(limit, highest);
+        most = std::max({most, moved / c, std::fabs(next - contact.limit)});
+        contact.limit = next;
       }
       if (balanced && most <= kWalked * size_) return true;
+      if (report.friction_iterations >= kCycleSteps) return false;
       c = std::min(10.0 * c, kWalkPenalty);
     }
     return false;
@@ -494,10 +535,12 @@ class FrictionalContacts {
   Contact contact_[kMaxActiveRows];
 };
 
-/// The contacts of the frictionless optimum, with the forces that they had last.
+/// The contacts of the frictionless optimum and those of the last sub-step, with the forces that
+/// they had in it.
 template <int N>
-void AddActive(const ContactRows& rows, const QpResult& qp, const FrictionState& state,
-               FrictionalContacts<N>& contacts) {
+void AddContacts(const ContactRows& rows, const QpResult& qp, const FrictionState& state,
+                 FrictionalContacts<N>& contacts) {
+  bool known[kMaxActiveRows] = {};
   for (int i = 0; i < qp.active; ++i) {
     const auto last = state.pair.begin() + state.contacts;
     const auto found = std::find(state.pair.begin(), last, rows.pair(qp.row[i]));
@@ -506,6 +549,14 @@ void AddActive(const ContactRows& rows, const QpResult& qp, const FrictionState&
       contacts.Add(qp.row[i], qp.multiplier[i], qp.multiplier[i], Vec3::Zero());
     } else {
       contacts.Add(qp.row[i], qp.multiplier[i], state.normal_force[k], state.force[k]);
+      known[k] = true;
+    }
+  }
+  for (int i = 0; i < state.contacts; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    int row;
+    if (!known[k] && rows.Find(&state.pair[k], 1, &row) == 1) {
+      contacts.Add(row, 0.0, state.normal_force[k], state.force[k]);
     }
   }
 }
@@ -516,12 +567,14 @@ bool Solve(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, c
            const ContactRows& rows, FrictionState& state, QpResult& qp, FrictionForces& forces,
            StepReport& report) {
   FrictionalContacts<N> contacts(model, R_WG, rows, t, qp, state.still >= kStillCycles);
-  AddActive(rows, qp, state, contacts);
+  AddContacts(rows, qp, state, contacts);
   QpResult shifted;
   const auto solve_shifted = [&] {
     double target[N];
+    int guess[kMaxActiveRows];
     contacts.ShiftedTarget(target);
-    shifted = SolveNearestPoint<N>(kernels, target, rows.view(), qp.row, qp.active);
+    const int guesses = contacts.Pressed(guess);
+    shifted = SolveNearestPoint<N>(kernels, target, rows.view(), guess, guesses);
     report.qp_iterations += shifted.iterations;
     return shifted.status != QpStatus::kIterationLimit;
   };
