@@ -270,6 +270,10 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   } else {
     state.X_WG = {p_G - q_G * reference, q_G};
   }
+  if (parameters.features.friction == FrictionModel::kChapter && arrived &&
+      !state.friction.suspended) {
+    AddChapterFriction(model, report.X_WG, state, report);
+  }
   report.X_WG = state.X_WG;
   return report;
 }

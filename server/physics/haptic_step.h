@@ -105,7 +105,8 @@ struct ActiveRow {
   Vec3 contact_W = Vec3::Zero();           ///< contact point on the tool's sphere, in W [m]
   double offset = 0.0;                     ///< -gap [m] at X_WG
   double force = 0.0;                      ///< multiplier >= 0 [N]
-  Vec3 friction = Vec3::Zero();            ///< on the tool, perpendicular to the normal, in W [N]
+  /// On the tool, in W [N]; kCoulomb: perpendicular to the normal, at most mu * force.
+  Vec3 friction = Vec3::Zero();
 };
 
 /// Result of one step.  force and torque act on the hand, at the tool's centroid, in W.
