@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
+#include "server/physics/step_buffers.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/step_bench.h"
 
@@ -326,6 +327,152 @@ TEST(Friction, KeepsEveryForceInItsConeAndTheToolOutsideInRandomScenes) {
   EXPECT_GT(contacts, 50000);
   EXPECT_LT(deepest, 2e-6);
   EXPECT_LT(unsolved, contacts / 50);
+}
+
+/// The frictional problem of a sub-step, for oracles: minimise 1/2 |x - t|^2 + sum limit |S x|
+/// where a . x >= b.
+struct Problem {
+  using Vec6 = Eigen::Matrix<double, 6, 1>;
+  Vec6 t = Vec6::Zero();
+  std::vector<Vec6> a;
+  std::vector<double> b;
+  struct Rub {
+    Eigen::Matrix<double, 3, 6> S;
+    double limit;
+  };
+  std::vector<Rub> rubs;
+
+  double Cost(const Vec6& x) const {
+    double cost = 0.5 * (x - t).squaredNorm();
+    for (const Rub& rub : rubs) cost += rub.limit * (rub.S * x).norm();
+    return cost;
+  }
+  double Violation(const Vec6& x) const {
+    double most = 0.0;
+    for (std::size_t j = 0; j < a.size(); ++j) most = std::max(most, b[j] - a[j].dot(x));
+    return most;
+  }
+  /// A bound that the cost of no allowed x falls below, by plain coordinate ascent of the dual: any
+  /// lambda >= 0 and |f| <= limit give one.
+  double LowerBound(int sweeps) const {
+    std::vector<double> lambda(a.size(), 0.0);
+    std::vector<Vec3> f(rubs.size(), Vec3::Zero());
+    Vec6 x = t;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      double moved = 0.0;
+      for (std::size_t j = 0; j < a.size(); ++j) {
+        const double step = std::max(-lambda[j], (b[j] - a[j].dot(x)) / a[j].squaredNorm());
+        lambda[j] += step;
+        x += step * a[j];
+        moved = std::max(moved, std::fabs(step));
+      }
+      for (std::size_t i = 0; i < rubs.size(); ++i) {
+        const auto& S = rubs[i].S;
+        Vec3 next = f[i] + S * x / (S * S.transpose()).trace();
+        if (next.norm() > rubs[i].limit) next *= rubs[i].limit / next.norm();
+        x -= S.transpose() * (next - f[i]);
+        moved = std::max(moved, (next - f[i]).norm());
+        f[i] = next;
+      }
+      if (moved < 1e-16) break;
+    }
+    Vec6 d = Vec6::Zero();  // A^T lambda - S^T f, without what x has gathered of rounding
+    for (std::size_t j = 0; j < a.size(); ++j) d += lambda[j] * a[j];
+    for (std::size_t i = 0; i < rubs.size(); ++i) d -= rubs[i].S.transpose() * f[i];
+    double bound = -0.5 * d.squaredNorm();
+    for (std::size_t j = 0; j < a.size(); ++j) bound += lambda[j] * (b[j] - a[j].dot(t));
+    for (std::size_t i = 0; i < rubs.size(); ++i) bound += f[i].dot(rubs[i].S * t);
+    return bound;
+  }
+};
+
+TEST(Friction, MinimisesAsABruteForceSolverDoes) {
+  const double mu = 0.5;
+  int problems = 0, skipped = 0, contacts = 0;
+  double worst = 0.0, worst_lower = 0.0;
+  for (int scene = 0; scene < 12; ++scene) {
+    Random random(static_cast<std::uint64_t>(80 + scene));
+    Bench bench(RandomBalls(random, scene % 3 == 0 ? 1 : 40, 0.02, 0.004),
+                RandomBalls(random, 150, 0.05, 0.005), Rubbing(FrictionModel::kCoulomb),
+                Rough(mu, mu));
+    bench.state().X_WG = At(0.0, 0.0, 0.15);
+    const HapticModel& model = bench.model();
+    const bool turns = model.degrees_of_freedom() == 6;
+    const double rho = model.rotation_length();
+    int step = 0;
+    Wander(bench, random, 2000, [&](const StepReport& report) {
+      if (++step % 50 != 0 || report.contacts == 0) return;
+      const Pose& X = bench.state().X_WG;
+      const Mat3 R_WG = X.q.toRotationMatrix();
+      ContactRows& rows = bench.workspace().buffers().rows;
+      bench.workspace().buffers().prediction.Predict(
+          model, ActiveKernels(), R_WG, X * model.reference(), {1e-3, 2e-2}, rows, nullptr);
+      // Towards the contacts, but not straight.
+      Target target{-2e-3 * report.wrench.force.normalized() + random.InCube(2e-3),
+                    random.InCube(0.05)};
+      Problem problem;
+      problem.t << target.v, turns ? Vec3(rho * target.phi) : Vec3::Zero();
+      for (int j = 0; j < rows.count(); ++j) {
+        problem.a.emplace_back();
+        problem.a.back() << rows.normal(j), rows.lever_cross_normal(j) / rho;
+        problem.b.push_back(-rows.gap(j));
+      }
+      QpResult qp =
+          turns ? SolveNearestPoint<6>(ActiveKernels(), problem.t.data(), rows.view(), nullptr, 0)
+                : SolveNearestPoint<3>(ActiveKernels(), problem.t.data(), rows.view(), nullptr, 0);
+      if (qp.status != QpStatus::kSolved || qp.active == 0) return;
+      FrictionState state;
+      FrictionForces forces;
+      StepReport counts;
+      AddCoulombFriction(model, ActiveKernels(), R_WG, target, rows, true, state, qp, forces,
+                         counts);
+      Problem::Vec6 x = Problem::Vec6::Zero();
+      for (int c = 0; c < model.degrees_of_freedom(); ++c) x[c] = qp.x[c];
+      if (counts.friction_lowered + counts.friction_unsolved > 0 ||
+          (turns && x.tail<3>().norm() / rho < model.parameters().max_rotation)) {
+        ++skipped;  // no minimum of Coulomb's was found; or Creep has been made good
+        return;
+      }
+      for (int i = 0; i < qp.active; ++i) {
+        const Vec3 n = rows.normal(qp.row[i]);
+        const LeafSphere& leaf =
+            model.tool().leaves()[static_cast<std::size_t>(rows.pair(qp.row[i]).tool)];
+        const Vec3 l = R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * n;
+        const Mat3 tangential = Mat3::Identity() - n * n.transpose();
+        Mat3 minus_l_cross;
+        minus_l_cross << 0.0, l.z(), -l.y(), -l.z(), 0.0, l.x(), l.y(), -l.x(), 0.0;
+        Problem::Rub rub;
+        rub.S << tangential, turns ? Mat3(tangential * minus_l_cross / rho) : Mat3::Zero();
+        rub.limit = mu * qp.multiplier[i];
+        problem.rubs.push_back(rub);
+      }
+      const double size = problem.t.norm();
+      ASSERT_LE(problem.Violation(x), 1e-11 * size);
+      // The distance to the minimiser is at most sqrt(2 (cost - minimum)): the cost is strongly
+      // convex.
+      double excess = problem.Cost(x) - problem.LowerBound(30000);
+      if (excess > 1e-10 * size * size) excess = problem.Cost(x) - problem.LowerBound(3000000);
+      ASSERT_GE(excess, -1e-12 * size * size);
+      worst = std::max(worst, std::sqrt(2.0 * std::max(0.0, excess)) / size);
+      // And no step that is allowed leads lower.
+      for (int k = 0; k < 500; ++k) {
+        Problem::Vec6 y = x;
+        const double length = size * std::pow(10.0, random.Uniform(-6.0, 0.0));
+        y.head<3>() += length * random.InCube(1.0);
+        if (turns) y.tail<3>() += length * random.InCube(1.0);
+        if (problem.Violation(y) > 0.0) continue;
+        worst_lower = std::max(worst_lower, (problem.Cost(x) - problem.Cost(y)) / (size * size));
+      }
+      ++problems;
+      contacts += qp.active;
+    });
+  }
+  EXPECT_GT(problems, 100);
+  EXPECT_GT(2 * contacts, 3 * problems);
+  // What sticks slips by 1e-11 of the size, which costs as much, and the square root makes it 1e-5.
+  EXPECT_LT(worst, 2e-5);
+  EXPECT_LT(skipped, problems / 5);
+  EXPECT_LT(worst_lower, 1e-12);
 }
 
 TEST_P(FrictionTool, FollowsTheChaptersRuleWithItsResets) {
