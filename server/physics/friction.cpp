@@ -9,11 +9,11 @@
 
 namespace palpate {
 
-ContactPlace PlaceOf(const HapticModel& model, const LeafPair& pair, const Vec3& normal,
+ContactPlace PlaceOf(const HapticModel& model, const ContactRows& rows, int row,
                      const Mat3& R_WG) noexcept {
+  const LeafPair pair = rows.pair(row);
   const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(pair.tool)];
-  return {R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * normal,
-          &model.objects().MaterialOf(pair.object)};
+  return {R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * rows.normal(row), pair.object};
 }
 
 namespace {
@@ -122,10 +122,11 @@ class FrictionalContacts {
     Contact& contact = contact_[count_++];
     contact.row = row;
     contact.normal = rows_.normal(row);
-    const ContactPlace place = PlaceOf(model_, rows_.pair(row), contact.normal, R_WG_);
+    const ContactPlace place = PlaceOf(model_, rows_, row, R_WG_);
+    const Material& material = model_.objects().MaterialOf(place.object_leaf);
     contact.lever = place.lever;
-    contact.mu_s = place.material->static_friction;
-    contact.mu_d = place.material->dynamic_friction;
+    contact.mu_s = material.static_friction;
+    contact.mu_d = material.dynamic_friction;
     contact.sliding = !still_;
     // Any basis of the tangential plane, free of cancellation.
     const Vec3& n = contact.normal;
@@ -642,12 +643,11 @@ void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepStat
                         StepReport& report) noexcept {
   const int contacts = report.contacts;
   const Pose X_WG = state.X_WG;
-  const Mat3 R_WG = X_WG.q.toRotationMatrix();
   Vec3 point = Vec3::Zero();  // 2.26
   double mu_s = 0.0, mu_d = 0.0, pressed = 0.0;
   for (int i = 0; i < contacts; ++i) {
     const ActiveRow& row = report.active[static_cast<std::size_t>(i)];
-    const Material& material = *PlaceOf(model, row.pair, row.normal, R_WG).material;
+    const Material& material = model.objects().MaterialOf(row.object_leaf);
     point += row.contact_W / contacts;
     mu_s += material.static_friction / contacts;
     mu_d += material.dynamic_friction / contacts;

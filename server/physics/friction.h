@@ -9,17 +9,17 @@
 
 namespace palpate {
 
-/// What friction needs of a contact beyond its row.
-/// @field lever     from the tool's reference point to the point where it touches, in W [m].
-/// @field material  of the object there.
+/// What friction and reports need of a contact beyond its row.
+/// @field lever        from the tool's reference point to the point where it touches, in W [m].
+/// @field object_leaf  of the forest: whose material counts.
 struct ContactPlace {
   Vec3 lever;
-  const Material* material;
+  std::int32_t object_leaf;
 };
 
-/// Where a row of the tool at orientation R_WG touches, and what: the one place that knows what the
-/// pair of a row means.
-ContactPlace PlaceOf(const HapticModel& model, const LeafPair& pair, const Vec3& normal,
+/// Where a row touches, with the tool at orientation R_WG: the one place that knows what the pair
+/// of a row means.
+ContactPlace PlaceOf(const HapticModel& model, const ContactRows& rows, int row,
                      const Mat3& R_WG) noexcept;
 
 /// Cycles without slip after which a contact holds with mu_s again.  Static friction needs a time

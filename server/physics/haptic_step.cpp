@@ -167,7 +167,9 @@ void ReportContacts(const HapticModel& model, const ContactRows& rows, const Opt
     if (optimum.rubs) {
       row.friction = model.parameters().stiffness * optimum.friction[static_cast<std::size_t>(i)];
     }
-    row.contact_W = p_W + PlaceOf(model, row.pair, row.normal, R_WG).lever;
+    const ContactPlace place = PlaceOf(model, rows, qp.row[i], R_WG);
+    row.contact_W = p_W + place.lever;
+    row.object_leaf = place.object_leaf;
   }
 }
 

@@ -100,6 +100,7 @@ struct StepState {
 /// row . [v; phi] >= offset, v of the tool's centroid and phi in W.
 struct ActiveRow {
   LeafPair pair;
+  std::int32_t object_leaf = -1;           ///< of the forest: whose material counts
   Vec3 normal = Vec3::Zero();              ///< n, from object to tool, in W
   Vec3 lever_cross_normal = Vec3::Zero();  ///< l x n [m], l from the centroid to the leaf's centre
   Vec3 contact_W = Vec3::Zero();           ///< contact point on the tool's sphere, in W [m]
