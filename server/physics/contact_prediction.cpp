@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/physics/soft_rows.h"
 #include "server/physics/stage_clock.h"
 
 namespace palpate {
@@ -27,6 +28,7 @@ void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
 
 bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
                                  const Vec3& p_W, ContactRows& rows) noexcept {
+  const SoftLeaves* soft = model.soft_leaves();
   bool overlaps = false;
   query_.Run(kernels, R_WG, p_W, {0.0, 0.0}, [&](const NodePair* pairs, int count) {
     // A few pairs at a time: deep inside, the first one tells.
@@ -35,7 +37,10 @@ bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernel
       rows.Clear();
       rows.Add(kernels, model.tool().leaves().data(), model.objects().leaves().data(), R_WG, p_W,
                pairs + i, std::min(kFew, count - i));
-      for (int r = 0; r < rows.count() && !overlaps; ++r) overlaps = rows.gap(r) < 0.0;
+      for (int r = 0; r < rows.count() && !overlaps; ++r) {
+        const double depth = soft != nullptr ? soft->of(rows.pair(r)).depth : 0.0;
+        overlaps = rows.gap(r) + depth < 0.0;
+      }
     }
     return !overlaps;
   });

@@ -19,7 +19,7 @@ class ContactPrediction {
   void Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
                const StepBounds& bounds, ContactRows& rows, StageTimes* times) noexcept;
 
-  /// True where any two leaves overlap.  `rows` is scratch.  Real-time.
+  /// True where any two leaves overlap, of soft ones their cores.  `rows` is scratch.  Real-time.
   bool Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
                 ContactRows& rows) noexcept;
 

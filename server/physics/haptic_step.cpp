@@ -9,6 +9,7 @@
 #include "server/physics/contact_rows.h"
 #include "server/physics/qp_solver.h"
 #include "server/physics/response.h"
+#include "server/physics/soft_rows.h"
 #include "server/physics/stage_clock.h"
 #include "server/physics/step_buffers.h"
 
@@ -39,6 +40,9 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectFor
     parameters_.max_rotation = std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), 0.1);
   }
   tool_ = std::make_unique<const ToolTree>(tool, objects_->center().norm() + objects_->radius());
+  if (parameters_.features.compliance) {
+    soft_ = SoftLeaves::Make(*objects_, parameters_.stiffness);
+  }
 }
 
 HapticModel::~HapticModel() = default;
@@ -70,22 +74,28 @@ struct Optimum {
   QpResult qp;
 };
 
-/// Nearest step to the target that respects the rows.  With 3 degrees of freedom the rotation is
-/// the hand's: no contact can turn a sphere about its centre.
+/// Nearest step to the target that respects the rows; where `soft` is given, soft rows yield as
+/// their stiffness says.  With 3 degrees of freedom the rotation is the hand's: no contact can turn
+/// a sphere about its centre.
 Optimum Solve(const HapticModel& model, const Kernels& kernels, const Target& target,
-              const ContactRows& rows, const StepState& state) {
+              const ContactRows& rows, const QpRows& rigid, const SoftRows* soft,
+              const StepState& state) {
   Optimum optimum;
   const double rho = model.rotation_length();
   int guess[kMaxActiveRows];
   const int guesses = rows.Find(state.active_pairs.data(), state.active, guess);
   const double t[6] = {target.v.x(),         target.v.y(),         target.v.z(),
                        rho * target.phi.x(), rho * target.phi.y(), rho * target.phi.z()};
+  const auto solve = [&]<int N>() {
+    return soft != nullptr ? SolveCompliant<N>(kernels, t, soft->view(rows), guess, guesses)
+                           : SolveNearestPoint<N>(kernels, t, rigid, guess, guesses);
+  };
   if (model.degrees_of_freedom() == 6) {
-    optimum.qp = SolveNearestPoint<6>(kernels, t, rows.view(), guess, guesses);
+    optimum.qp = solve.operator()<6>();
     const double* x = optimum.qp.x;
     optimum.phi = Vec3(x[3], x[4], x[5]) / rho;
   } else {
-    optimum.qp = SolveNearestPoint<3>(kernels, t, rows.view(), guess, guesses);
+    optimum.qp = solve.operator()<3>();
     optimum.phi = target.phi;
   }
   optimum.v = Vec3(optimum.qp.x[0], optimum.qp.x[1], optimum.qp.x[2]);
@@ -128,21 +138,33 @@ double PartWithin(const StepBounds& bounds, int degrees_of_freedom, const Vec3& 
 /// scaled one.
 constexpr double kBoundShare = 0.98;
 
-/// The active rows as seen from where the sub-step [v; phi] has taken the tool, (p_W, q_WG): what
-/// they still allow from there, and where they touch it.
-void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpResult& qp,
-                    const Vec3& v, const Vec3& phi, const Vec3& p_W, const Quat& q_WG,
-                    StepReport& report) {
-  report.contacts = qp.active;
-  for (int i = 0; i < qp.active; ++i) {
-    ActiveRow& row = report.active[static_cast<std::size_t>(i)];
-    row.pair = rows.pair(qp.row[i]);
-    row.normal = rows.normal(qp.row[i]);
-    row.lever_cross_normal = rows.lever_cross_normal(qp.row[i]);
-    row.offset = -rows.gap(qp.row[i]) - row.normal.dot(v) - row.lever_cross_normal.dot(phi);
-    row.force = model.parameters().stiffness * qp.multiplier[i];
+/// The contacts as seen from where the sub-step [v; phi] has taken the tool, (p_W, q_WG): what
+/// their rows still allow from there, and where they touch it.
+void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpRows& rigid,
+                    const QpResult& qp, const SoftRows* soft, const SoftContacts& yielding, const Vec3& v,
+                    const Vec3& phi, const Vec3& p_W, const Quat& q_WG, StepReport& report) {
+  const double k_t = model.parameters().stiffness;
+  report.contacts = 0;
+  report.soft_contacts = yielding.count;
+  report.soft_wrench = {k_t * yielding.force, k_t * yielding.torque};
+  const auto add = [&](int i, double offset, double force) {
+    ActiveRow& row = report.active[static_cast<std::size_t>(report.contacts++)];
+    row = ActiveRow{};
+    row.pair = rows.pair(i);
+    row.normal = rows.normal(i);
+    row.lever_cross_normal = rows.lever_cross_normal(i);
+    row.offset = offset - row.normal.dot(v) - row.lever_cross_normal.dot(phi);
+    row.force = force;
     const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(row.pair.tool)];
     row.contact_W = p_W + q_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * row.normal;
+    return &row;
+  };
+  for (int k = 0; k < qp.active; ++k) {
+    add(qp.row[k], rigid.b[qp.row[k]], k_t * qp.multiplier[k]);
+  }
+  for (int k = 0; k < yielding.listed && report.contacts < kMaxActiveRows; ++k) {
+    const int i = yielding.row[k];
+    add(i, -rows.gap(i), k_t * yielding.push[k])->stiffness = k_t * soft->weight(i);
   }
 }
 
@@ -180,7 +202,19 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     report.predicted_pairs = rows.count();
     if (rows.overflowed()) report.faults |= kFaultRowsFull;
 
-    const Optimum optimum = Solve(model, kernels, target, rows, state);
+    // Soft rows first yield; `rigid` is what no step may violate.
+    const SoftRows* soft = nullptr;
+    QpRows rigid = rows.view();
+    if (buffers.soft) {
+      buffers.soft->Set(*model.soft_leaves(), rows);
+      if (buffers.soft->any()) {
+        soft = &*buffers.soft;
+        rigid = soft->rigid(rows);
+      }
+    }
+    const Optimum optimum = Solve(model, kernels, target, rows, rigid, soft, state);
+    SoftContacts yielding;
+    if (soft != nullptr) yielding = soft->ContactsAt(rows, optimum.v, optimum.phi);
     report.qp_iterations += optimum.qp.iterations;
     clock.Lap(&StageTimes::solve);
 
@@ -199,7 +233,8 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     const double part = PartWithin(bounds, model.degrees_of_freedom(), optimum.v, optimum.phi);
     arrived = part == 1.0;
 
-    if (optimum.qp.active == 0) {
+    const bool held = optimum.qp.active != 0 || yielding.count != 0;
+    if (!held) {
       // Nothing holds the tool: no force, and it is where the hand is once it can get there.
       report.wrench = Wrench{};
       if (arrived) {
@@ -215,10 +250,11 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
       if (model.degrees_of_freedom() == 3) report.wrench.torque.setZero();
     }
     Vec3 v = optimum.v, phi = optimum.phi;
-    if (optimum.qp.active != 0 || !arrived) {
+    if (held || !arrived) {
       if (!arrived) {
         const Target nearer{kBoundShare * part * v, kBoundShare * part * phi};
-        const Optimum partial = Solve(model, kernels, nearer, rows, state);
+        // The way to where the soft rows balance the spring: they have no part in it.
+        const Optimum partial = Solve(model, kernels, nearer, rows, rigid, nullptr, state);
         report.qp_iterations += partial.qp.iterations;
         if (partial.qp.status == QpStatus::kIterationLimit) report.faults |= kFaultUnsolved;
         const double clip =
@@ -233,7 +269,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
       p_G += v;
       q_G = (RotationExp(phi) * q_G).normalized();
     }
-    ReportContacts(model, rows, optimum.qp, v, phi, p_G, q_G, report);
+    ReportContacts(model, rows, rigid, optimum.qp, soft, yielding, v, phi, p_G, q_G, report);
     bounds = Wider(model, bounds);
     clock.Lap(&StageTimes::response);
   }

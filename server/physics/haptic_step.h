@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -39,6 +40,7 @@ struct StepParameters {
 
 class ObjectForest;  // the scene's objects, in W, as one tree: sphere_tree_query.h
 class ToolTree;      // the tool's tree, about its centroid
+class SoftLeaves;    // what finite stiffness means to the step: soft_rows.h
 
 /// What a step needs to know and never changes: one tool against the objects of a scene.
 /// Built when a scene loads; shared by threads.
@@ -55,6 +57,8 @@ class HapticModel {
   const StepParameters& parameters() const { return parameters_; }  ///< derived values filled in
   const ToolTree& tool() const { return *tool_; }
   const ObjectForest& objects() const { return *objects_; }
+  /// Null unless the features name compliance and some leaf is soft.
+  const SoftLeaves* soft_leaves() const { return soft_.get(); }
   /// 3 where the tool is a single sphere (no contact can turn it), else 6.
   int degrees_of_freedom() const;
   /// Point that the step and the wrench refer to, in the tool's frame [m]: the centroid.
@@ -67,6 +71,7 @@ class HapticModel {
   double rotation_length_ = 0.0;
   std::unique_ptr<const ToolTree> tool_;
   std::shared_ptr<const ObjectForest> objects_;
+  std::unique_ptr<const SoftLeaves> soft_;
 };
 
 /// A pair of leaves, tool's and object's; the forest numbers the leaves of all objects together.
@@ -90,14 +95,20 @@ struct ActiveRow {
   Vec3 contact_W = Vec3::Zero();           ///< contact point on the tool's sphere, in W [m]
   double offset = 0.0;                     ///< -gap [m] at X_WG
   double force = 0.0;                      ///< multiplier >= 0 [N]
+  /// Of a soft contact [N/m]: force = stiffness * offset, and the row may be violated.
+  double stiffness = std::numeric_limits<double>::infinity();
 };
 
 /// Result of one step.  force and torque act on the hand, at the tool's centroid, in W.
 struct StepReport {
   Wrench wrench;
   Pose X_WG;
-  std::array<ActiveRow, 7> active;  ///< the first `contacts` are set; six, seven in a jam
+  /// The first `contacts` are set: rigid ones, at most six, seven in a jam; then soft ones, as many
+  /// as fit, those of the greatest force.  A soft leaf entered to its rigid core is both.
+  std::array<ActiveRow, 7> active;
   int contacts = 0;
+  int soft_contacts = 0;  ///< all of them, listed or not
+  Wrench soft_wrench;     ///< sum of all soft contacts on the tool, at its centroid, in W
   std::uint32_t faults = kFaultNone;
   // Counters and measures of this step.
   int substeps = 0;

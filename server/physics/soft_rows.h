@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "server/physics/contact_rows.h"
+#include "server/physics/haptic_step.h"
+
+namespace palpate {
+
+/// How far a soft leaf lets itself be entered, as a share of its radius: inside is a rigid core
+/// with the same centre.  The force goes on without a jump where the core is met, only its slope
+/// changes; the normal cannot flip, for no ball gets past the centre of another.
+inline constexpr double kSoftShare = 0.5;
+
+/// The object leaf that a row belongs to.
+inline std::int32_t ObjectLeafOf(const LeafPair& pair) {
+  return pair.object;
+}
+
+/// What a leaf's finite stiffness means to the step.  Immutable.
+class SoftLeaves {
+ public:
+  struct Leaf {
+    double weight = 0.0;  ///< stiffness over that of the coupling: 1 / c; 0 where it is rigid
+    double depth = 0.0;   ///< of the rigid core below the leaf's surface [m]
+  };
+  /// Null where no leaf is soft.  Throws Error where a stiffness is not positive.
+  static std::unique_ptr<const SoftLeaves> Make(const ObjectForest& objects,
+                                                double coupling_stiffness);
+  const Leaf& of(const LeafPair& pair) const {
+    return leaves_[static_cast<std::size_t>(ObjectLeafOf(pair))];
+  }
+
+ private:
+  std::vector<Leaf> leaves_;
+};
+
+/// The soft rows that push at a step's optimum.
+struct SoftContacts {
+  int count = 0;         ///< all of them
+  Vec3 force = Vec3::Zero();   ///< their sum on the tool, over the coupling's stiffness [m]
+  Vec3 torque = Vec3::Zero();  ///< ... about the reference point [m^2]
+  int listed = 0;        ///< those of the greatest force, greatest first, of equals the first row
+  int row[kMaxActiveRows];
+  double push[kMaxActiveRows];  ///< force over the coupling's stiffness [m]
+};
+
+/// The compliance of the rows of one sub-step, column by column beside ContactRows.
+class SoftRows {
+ public:
+  explicit SoftRows(int rows);
+
+  /// Looks up the rows' leaves.  To be called after ContactRows::Finish.
+  void Set(const SoftLeaves& leaves, const ContactRows& rows) noexcept;
+  /// True where any of the rows is soft.
+  bool any() const { return any_; }
+  /// The rows as the solver wants them; `rows` as in Set.
+  CompliantRows view(const ContactRows& rows) const;
+  /// Those that push when the tool takes the step [v; phi].
+  SoftContacts ContactsAt(const ContactRows& rows, const Vec3& v, const Vec3& phi) const noexcept;
+  /// Weight of a row, 0 where it is rigid.
+  double weight(int row) const { return weight_[row]; }
+  /// The rows that no step may violate: rigid ones, and the cores of soft ones.
+  QpRows rigid(const ContactRows& rows) const;
+
+ private:
+  struct AlignedDelete {
+    void operator()(double* p) const;
+  };
+  std::unique_ptr<double[], AlignedDelete> storage_;
+  double* weight_;
+  double* rigid_b_;
+  double* transformed_[6];
+  bool any_ = false;
+};
+
+}  // namespace palpate
