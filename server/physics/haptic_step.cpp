@@ -56,6 +56,10 @@ int HapticModel::degrees_of_freedom() const {
   return tool_->leaf_count() == 1 ? 3 : 6;
 }
 
+StepState::StepState(const HapticModel& model) {
+  if (model.parameters().features.removal) wear = LeafWear(model.objects());
+}
+
 StepWorkspace::StepWorkspace(const HapticModel& model)
     : buffers_(std::make_unique<Buffers>(model)) {}
 StepWorkspace::~StepWorkspace() = default;
@@ -141,8 +145,9 @@ constexpr double kBoundShare = 0.98;
 /// The contacts as seen from where the sub-step [v; phi] has taken the tool, (p_W, q_WG): what
 /// their rows still allow from there, and where they touch it.
 void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpRows& rigid,
-                    const QpResult& qp, const SoftRows* soft, const SoftContacts& yielding, const Vec3& v,
-                    const Vec3& phi, const Vec3& p_W, const Quat& q_WG, StepReport& report) {
+                    const QpResult& qp, const SoftRows* soft, const SoftContacts& yielding,
+                    const Vec3& v, const Vec3& phi, const Vec3& p_W, const Quat& q_WG,
+                    StepReport& report) {
   const double k_t = model.parameters().stiffness;
   report.contacts = 0;
   report.soft_contacts = yielding.count;
@@ -197,7 +202,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
        ++report.substeps) {
     const Target target = TargetOf(p_G, q_G, p_H, q_H);
     const Mat3 R_WG = q_G.toRotationMatrix();
-    buffers.prediction.Predict(model, kernels, R_WG, p_G, bounds, rows, times);
+    buffers.prediction.Predict(model, kernels, R_WG, p_G, bounds, state.wear, rows, times);
     StageClock clock(times);
     report.predicted_pairs = rows.count();
     if (rows.overflowed()) report.faults |= kFaultRowsFull;
@@ -280,7 +285,9 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   } else {
     state.X_WG = {p_G - q_G * reference, q_G};
   }
+  const Pose X_before = report.X_WG;
   report.X_WG = state.X_WG;
+  if (arrived && parameters.features.removal) WearContacts(model, X_before, state.wear, report);
   return report;
 }
 

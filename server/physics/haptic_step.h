@@ -10,6 +10,7 @@
 #include "common/step_fault.h"
 #include "scenes/scene.h"
 #include "scenes/sphere_tree.h"
+#include "server/physics/leaf_wear.h"
 #include "server/physics/simd/kernels.h"
 
 namespace palpate {
@@ -74,16 +75,19 @@ class HapticModel {
   std::unique_ptr<const SoftLeaves> soft_;
 };
 
-/// A pair of leaves, tool's and object's; the forest numbers the leaves of all objects together.
-using LeafPair = NodePair;
-
 /// What one step hands to the next: all the memory that the physics has.  Copying it and stepping
 /// again with the same pose gives the same bits.
 struct StepState {
+  StepState() = default;
+  /// Allocates where the model's features name removal: objects are whole.  A state made without
+  /// its model wears nothing.
+  explicit StepState(const HapticModel& model);
+
   Pose X_WG;                             ///< graphic tool
   Pose X_WH;                             ///< haptic tool: how far the hand moved sets the bounds
   std::array<LeafPair, 7> active_pairs;  ///< rows that held it last, the solver's first guess
   int active = 0;
+  LeafWear wear;
 };
 
 /// A row of the linearised non-penetration constraint (chapter 2.17) that carries force:
@@ -109,6 +113,9 @@ struct StepReport {
   int contacts = 0;
   int soft_contacts = 0;  ///< all of them, listed or not
   Wrench soft_wrench;     ///< sum of all soft contacts on the tool, at its centroid, in W
+  /// Object leaves that vanish with this step, in the order of their contacts.
+  std::array<std::int32_t, 7> removed;
+  int removals = 0;
   std::uint32_t faults = kFaultNone;
   // Counters and measures of this step.
   int substeps = 0;
@@ -155,6 +162,8 @@ struct StartPose {
 };
 
 /// Resolves a start in penetration.  Not real-time (milliseconds): called before forces begin.
-StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace);
+/// @param wear  what has gone; null: nothing has.
+StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,
+                       const LeafWear* wear = nullptr);
 
 }  // namespace palpate

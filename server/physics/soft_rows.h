@@ -14,11 +14,6 @@ namespace palpate {
 /// changes; the normal cannot flip, for no ball gets past the centre of another.
 inline constexpr double kSoftShare = 0.5;
 
-/// The object leaf that a row belongs to.
-inline std::int32_t ObjectLeafOf(const LeafPair& pair) {
-  return pair.object;
-}
-
 /// What a leaf's finite stiffness means to the step.  Immutable.
 class SoftLeaves {
  public:
@@ -39,10 +34,10 @@ class SoftLeaves {
 
 /// The soft rows that push at a step's optimum.
 struct SoftContacts {
-  int count = 0;         ///< all of them
+  int count = 0;               ///< all of them
   Vec3 force = Vec3::Zero();   ///< their sum on the tool, over the coupling's stiffness [m]
   Vec3 torque = Vec3::Zero();  ///< ... about the reference point [m^2]
-  int listed = 0;        ///< those of the greatest force, greatest first, of equals the first row
+  int listed = 0;  ///< those of the greatest force, greatest first, of equals the first row
   int row[kMaxActiveRows];
   double push[kMaxActiveRows];  ///< force over the coupling's stiffness [m]
 };

@@ -96,9 +96,9 @@ class PairQuery {
  public:
   PairQuery(const ToolTree& tool, const ObjectForest& objects);
 
-  /// Calls sink(const NodePair* leaves, int count) for batches of at most kMaxBatch leaf pairs, for
-  /// as long as it returns true. Complete; float rounding is covered by a margin, so a few more
-  /// pairs may come. Real-time: no allocation.
+  /// Calls sink(NodePair* leaves, int count) for batches of at most kMaxBatch leaf pairs, which it
+  /// may overwrite, for as long as it returns true. Complete; float rounding is covered by a
+  /// margin, so a few more pairs may come. Real-time: no allocation.
   template <class Sink>
   void Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W, const StepBounds& bounds,
            Sink&& sink) noexcept;

@@ -34,6 +34,7 @@ class Bench {
         object_tree_(MakeTree(object_)),
         paint_(std::move(paint)),
         model_(tool_tree_, Objects(), parameters),
+        state_(model_),
         workspace_(model_) {}
 
   StepReport Step(const Pose& X_WH) { return HapticStep(model_, X_WH, state_, workspace_); }
@@ -61,8 +62,8 @@ class Bench {
   std::shared_ptr<const ObjectForest> Objects() {
     std::vector<std::uint8_t> leaf_material;
     for (std::size_t i = 0; i < object_tree_.leaves(); ++i) {
-      leaf_material.push_back(static_cast<std::uint8_t>(paint_.of(
-          {object_tree_.leaf_x[i], object_tree_.leaf_y[i], object_tree_.leaf_z[i]})));
+      leaf_material.push_back(static_cast<std::uint8_t>(
+          paint_.of({object_tree_.leaf_x[i], object_tree_.leaf_y[i], object_tree_.leaf_z[i]})));
     }
     const PlacedTree placed{&object_tree_, {}, nullptr, leaf_material, paint_.materials};
     return HapticModel::MakeObjects(std::span(&placed, 1));
