@@ -22,7 +22,7 @@ class LeafWear {
   /// All leaves whole.  Allocates; nothing after it does.
   explicit LeafWear(const ObjectForest& objects);
 
-  bool any_gone() const { return gone_count_ != 0; }
+  std::size_t leaf_count() const { return left_.size(); }  ///< 0 where nothing wears
   int gone_count() const { return gone_count_; }
   bool gone(int leaf) const {
     const auto i = static_cast<std::size_t>(leaf);

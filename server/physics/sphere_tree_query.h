@@ -30,6 +30,8 @@ class ObjectForest {
   int leaf_count() const { return static_cast<int>(leaves_.size()); }
   /// Index of the object that a leaf belongs to.
   int ObjectOf(int leaf) const;
+  /// Where the leaves of an object begin.
+  int FirstLeafOf(int object) const { return first_leaf_[static_cast<std::size_t>(object)]; }
   const Material& MaterialOf(int leaf) const {
     return materials_[leaf_material_[static_cast<std::size_t>(leaf)]];
   }
