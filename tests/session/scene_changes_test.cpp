@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/session/scene_model.h"
 #include "server/session/session_table.h"
 #include "tests/session/ball_tool.h"
+#include "tests/session/crust.h"
 #include "tests/support/allocation_counter.h"
 
 namespace palpate::test {
@@ -18,50 +18,6 @@ using testing::IsEmpty;
 
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::uint64_t kServerRun = 99;
-
-/// A floor of balls that a joule's hundredth scrapes off, felt with two ball tools.  Leaf i stands
-/// for triangle i, and leaf 0 for 300 more.
-Scene Crust() {
-  Scene scene;
-  scene.name = "crust";
-  scene.features.contact = ContactModel::kSpheres;
-  scene.features.removal = true;
-  Body floor;
-  floor.name = "floor";
-  floor.tree = MakeTree(Floor(0.02, 0.002, 0.002));
-  floor.materials = {Material{.hardness = 2e-3}};
-  const auto leaves = static_cast<std::uint32_t>(floor.tree.leaves());
-  floor.mesh.triangles.resize(leaves + 300);
-  floor.tree.leaf_triangle_begin = {0};
-  for (std::uint32_t leaf = 0; leaf < leaves; ++leaf) {
-    floor.tree.leaf_triangle.push_back(leaf);
-    for (std::uint32_t i = 0; leaf == 0 && i < 300; ++i) {
-      floor.tree.leaf_triangle.push_back(leaves + i);
-    }
-    floor.tree.leaf_triangle_begin.push_back(
-        static_cast<std::uint32_t>(floor.tree.leaf_triangle.size()));
-  }
-  scene.objects = {floor};
-  for (const char* name : {"left", "right"}) {
-    Body tool;
-    tool.name = name;
-    const Ball ball{Vec3::Zero(), 0.003};
-    tool.tree = MakeTree({&ball, 1});
-    scene.tools.push_back(tool);
-  }
-  return scene;
-}
-
-std::vector<std::shared_ptr<const ServedTool>> Tools(const Scene& scene) {
-  const auto whole = std::make_shared<const SceneRemains>(scene);
-  const auto objects = MakeObjects(scene);
-  std::vector<std::shared_ptr<const ServedTool>> tools;
-  for (const Body& tool : scene.tools) {
-    tools.push_back(std::make_shared<const ServedTool>(
-        ServedTool{scene.name, tool.name, MakeModel(scene, tool, objects), whole}));
-  }
-  return tools;
-}
 
 wire::SessionRequest RequestOf(const std::string& station, const std::string& tool) {
   wire::SessionRequest request{};
@@ -103,7 +59,7 @@ class SceneChangesTest : public testing::Test {
 
   std::int64_t now_ = 1000 * kMs;
   Scene scene_ = Crust();
-  std::vector<std::shared_ptr<const ServedTool>> tools_ = Tools(scene_);
+  std::vector<std::shared_ptr<const ServedTool>> tools_ = ToolsOf(scene_);
   SessionTable table_{tools_, kServerRun};
   std::map<std::string, Hand> hands_;
   std::map<std::string, int> strokes_;
@@ -249,7 +205,7 @@ TEST_F(SceneChangesTest, AllocateNothingInTheLoop) {
 TEST(SceneChanges, AreNoneWhereRemovalIsNotDeclared) {
   Scene scene = Crust();
   scene.features.removal = false;
-  const auto tools = Tools(scene);
+  const auto tools = ToolsOf(scene);
   ServoLoop loop(tools[0]->model);
   loop.Start({Vec3(0, 0, 0.01), Quat::Identity()});
   Hand hand;
