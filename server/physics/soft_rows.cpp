@@ -19,7 +19,8 @@ std::unique_ptr<const SoftLeaves> SoftLeaves::Make(const ObjectForest& objects,
   bool any = false;
   soft->leaves_.resize(static_cast<std::size_t>(objects.leaf_count()));
   for (int i = 0; i < objects.leaf_count(); ++i) {
-    const double stiffness = objects.MaterialOf(i).stiffness;
+    const Material& material = objects.MaterialOf(i);
+    const double stiffness = material.stiffness;
     if (!(stiffness > 0.0)) {
       throw Error("materials: stiffness " + std::to_string(stiffness) + " N/m of object " +
                   std::to_string(objects.ObjectOf(i)) +
@@ -28,7 +29,7 @@ std::unique_ptr<const SoftLeaves> SoftLeaves::Make(const ObjectForest& objects,
     if (std::isinf(stiffness)) continue;
     const auto leaf = static_cast<std::size_t>(i);
     soft->leaves_[leaf] = {stiffness / coupling_stiffness,
-                           kSoftShare * objects.leaves()[leaf].radius};
+                           CoreDepth(material, objects.leaves()[leaf].radius)};
     any = true;
   }
   if (!any) return nullptr;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -14,12 +15,18 @@ namespace palpate {
 /// changes; the normal cannot flip, for no ball gets past the centre of another.
 inline constexpr double kSoftShare = 0.5;
 
+/// Depth of that core below the leaf's surface [m]; 0 where the material is rigid.
+inline double CoreDepth(const Material& material, double leaf_radius) {
+  return material.stiffness < std::numeric_limits<double>::infinity() ? kSoftShare * leaf_radius
+                                                                      : 0.0;
+}
+
 /// What a leaf's finite stiffness means to the step.  Immutable.
 class SoftLeaves {
  public:
   struct Leaf {
     double weight = 0.0;  ///< stiffness over that of the coupling: 1 / c; 0 where it is rigid
-    double depth = 0.0;   ///< of the rigid core below the leaf's surface [m]
+    double depth = 0.0;   ///< CoreDepth [m]
   };
   /// Null where no leaf is soft.  Throws Error where a stiffness is not positive.
   static std::unique_ptr<const SoftLeaves> Make(const ObjectForest& objects,

@@ -12,6 +12,7 @@ namespace {
 using test::At;
 using test::Bench;
 using test::Floor;
+using test::Paint;
 using test::Random;
 using test::RandomBalls;
 
@@ -24,6 +25,7 @@ class BitHash {
     AddBytes(report.X_WG.p.data(), 3 * sizeof(double));
     AddBytes(report.X_WG.q.coeffs().data(), 4 * sizeof(double));
     AddBytes(&report.faults, sizeof(report.faults));
+    AddBytes(report.removed.data(), static_cast<std::size_t>(report.removals) * sizeof(int));
   }
   std::uint64_t value() const { return hash_; }
 
@@ -35,9 +37,10 @@ class BitHash {
   std::uint64_t hash_ = 0xcbf29ce484222325ull;
 };
 
-std::uint64_t GoldenRun() {
+std::uint64_t Run(const StepParameters& parameters, const Paint& paint) {
   Random random(59);
-  Bench bench(RandomBalls(random, 150, 0.02, 0.004), RandomBalls(random, 400, 0.05, 0.004));
+  Bench bench(RandomBalls(random, 150, 0.02, 0.004), RandomBalls(random, 400, 0.05, 0.004),
+              parameters, paint);
   bench.state().X_WG = At(0.0, 0.0, 0.12);
   BitHash hash;
   Pose X = At(0.0, 0.0, 0.12), goal = X;
@@ -53,9 +56,24 @@ std::uint64_t GoldenRun() {
   return hash.value();
 }
 
+std::uint64_t GoldenRun() {
+  return Run({}, {});
+}
+
+/// The same with a soft half, rigid and wearing quarters, and all that counts.
+std::uint64_t GoldenRunOfMaterials() {
+  StepParameters parameters;
+  parameters.features.compliance = parameters.features.removal = true;
+  return Run(parameters, {{Material{.stiffness = 200.0}, Material{}, Material{.hardness = 5e-3}},
+                          [](const Vec3& c) { return c.x() < 0.0   ? 0
+                                                     : c.y() < 0.0 ? 1
+                                                                   : 2; }});
+}
+
 // Debug and Release builds, every SIMD level and every machine give this.  A change of the physics
 // changes it, knowingly; nothing else may.
 constexpr std::uint64_t kGoldenHash = 6161116608468802286u;
+constexpr std::uint64_t kGoldenHashOfMaterials = 2090707826429145623u;
 
 TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
   const Kernels* level[3];
@@ -64,6 +82,7 @@ TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
   for (int k = 0; k < levels; ++k) {
     UseKernels(*level[k]);
     EXPECT_EQ(GoldenRun(), kGoldenHash) << level[k]->name;
+    EXPECT_EQ(GoldenRunOfMaterials(), kGoldenHashOfMaterials) << level[k]->name;
   }
   UseKernels(chosen);
 }
