@@ -82,7 +82,7 @@ struct Optimum {
 /// their stiffness says.  With 3 degrees of freedom the rotation is the hand's: no contact can turn
 /// a sphere about its centre.
 Optimum Solve(const HapticModel& model, const Kernels& kernels, const Target& target,
-              const ContactRows& rows, const QpRows& rigid, const SoftRows* soft,
+              const ContactRows& rows, const QpRows& rigid, SoftRows* soft,
               const StepState& state) {
   Optimum optimum;
   const double rho = model.rotation_length();
@@ -208,7 +208,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     if (rows.overflowed()) report.faults |= kFaultRowsFull;
 
     // Soft rows first yield; `rigid` is what no step may violate.
-    const SoftRows* soft = nullptr;
+    SoftRows* soft = nullptr;
     QpRows rigid = rows.view();
     if (buffers.soft) {
       buffers.soft->Set(*model.soft_leaves(), rows);
@@ -219,7 +219,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     }
     const Optimum optimum = Solve(model, kernels, target, rows, rigid, soft, state);
     SoftContacts yielding;
-    if (soft != nullptr) yielding = soft->ContactsAt(rows, optimum.v, optimum.phi);
+    if (soft != nullptr) yielding = soft->Contacts(rows);
     report.qp_iterations += optimum.qp.iterations;
     clock.Lap(&StageTimes::solve);
 

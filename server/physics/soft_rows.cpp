@@ -40,13 +40,14 @@ void SoftRows::AlignedDelete::operator()(double* p) const {
   ::operator delete[](p, kCacheLine);
 }
 
-SoftRows::SoftRows(int rows) {
+SoftRows::SoftRows(int rows, double rho) : rho_(rho) {
   // Whole batches of 16, and columns a cache line apart from a power of two (ContactRows).
   const std::size_t stride = ((static_cast<std::size_t>(rows) + 31) & ~15ul) + 8;
-  storage_.reset(new (kCacheLine) double[8 * stride]());
+  storage_.reset(new (kCacheLine) double[9 * stride]());
   weight_ = storage_.get();
   rigid_b_ = weight_ + stride;
   for (std::size_t c = 0; c < 6; ++c) transformed_[c] = weight_ + (2 + c) * stride;
+  push_ = weight_ + 8 * stride;
 }
 
 void SoftRows::Set(const SoftLeaves& leaves, const ContactRows& rows) noexcept {
@@ -70,28 +71,28 @@ QpRows SoftRows::rigid(const ContactRows& rows) const {
   return rigid;
 }
 
-CompliantRows SoftRows::view(const ContactRows& rows) const {
+CompliantRows SoftRows::view(const ContactRows& rows) {
   CompliantRows view{};
   view.rigid = rigid(rows);
   view.soft_b = rows.view().b;
   view.weight = weight_;
   std::copy(transformed_, transformed_ + 6, view.transformed);
+  view.push = push_;
+  view.pull = pull_;
+  view.pushing = &pushing_;
   return view;
 }
 
-SoftContacts SoftRows::ContactsAt(const ContactRows& rows, const Vec3& v,
-                                  const Vec3& phi) const noexcept {
+SoftContacts SoftRows::Contacts(const ContactRows& rows) const noexcept {
   SoftContacts contacts;
-  const int count = rows.count();
+  contacts.count = pushing_;
+  contacts.force = Vec3(pull_[0], pull_[1], pull_[2]);
+  contacts.torque = rho_ * Vec3(pull_[3], pull_[4], pull_[5]);
+  const int count = pushing_ == 0 ? 0 : rows.count();
+  double least = 0.0;  // what a row must exceed to be listed
   for (int i = 0; i < count; ++i) {
-    if (weight_[i] == 0.0) continue;
-    const Vec3 n = rows.normal(i), arm = rows.lever_cross_normal(i);
-    const double push = weight_[i] * (-rows.gap(i) - n.dot(v) - arm.dot(phi));
-    if (!(push > 0.0)) continue;
-    ++contacts.count;
-    contacts.force += push * n;
-    contacts.torque += push * arm;
-    if (contacts.listed == kMaxActiveRows && !(push > contacts.push[kMaxActiveRows - 1])) continue;
+    const double push = push_[i];
+    if (!(push > least)) continue;
     int at = contacts.listed < kMaxActiveRows ? contacts.listed++ : kMaxActiveRows - 1;
     for (; at > 0 && push > contacts.push[at - 1]; --at) {
       contacts.push[at] = contacts.push[at - 1];
@@ -99,6 +100,7 @@ SoftContacts SoftRows::ContactsAt(const ContactRows& rows, const Vec3& v,
     }
     contacts.push[at] = push;
     contacts.row[at] = i;
+    if (contacts.listed == kMaxActiveRows) least = contacts.push[kMaxActiveRows - 1];
   }
   return contacts;
 }

@@ -52,16 +52,17 @@ struct SoftContacts {
 /// The compliance of the rows of one sub-step, column by column beside ContactRows.
 class SoftRows {
  public:
-  explicit SoftRows(int rows);
+  /// @param rho  of ContactRows [m].
+  SoftRows(int rows, double rho);
 
   /// Looks up the rows' leaves.  To be called after ContactRows::Finish.
   void Set(const SoftLeaves& leaves, const ContactRows& rows) noexcept;
   /// True where any of the rows is soft.
   bool any() const { return any_; }
   /// The rows as the solver wants them; `rows` as in Set.
-  CompliantRows view(const ContactRows& rows) const;
-  /// Those that push when the tool takes the step [v; phi].
-  SoftContacts ContactsAt(const ContactRows& rows, const Vec3& v, const Vec3& phi) const noexcept;
+  CompliantRows view(const ContactRows& rows);
+  /// Those that push at the optimum which the solver found last.
+  SoftContacts Contacts(const ContactRows& rows) const noexcept;
   /// Weight of a row, 0 where it is rigid.
   double weight(int row) const { return weight_[row]; }
   /// The rows that no step may violate: rigid ones, and the cores of soft ones.
@@ -75,6 +76,10 @@ class SoftRows {
   double* weight_;
   double* rigid_b_;
   double* transformed_[6];
+  double* push_;
+  double pull_[6];
+  int pushing_ = 0;
+  double rho_;
   bool any_ = false;
 };
 

@@ -15,7 +15,9 @@ struct StepWorkspace::Buffers {
       : prediction(model),
         rows(model.parameters().max_rows, PairQuery::kMaxBatch, model.degrees_of_freedom(),
              model.rotation_length()) {
-    if (model.soft_leaves() != nullptr) soft.emplace(model.parameters().max_rows);
+    if (model.soft_leaves() != nullptr) {
+      soft.emplace(model.parameters().max_rows, model.rotation_length());
+    }
   }
   ContactPrediction prediction;
   ContactRows rows;

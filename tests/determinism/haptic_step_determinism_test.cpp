@@ -60,11 +60,11 @@ std::uint64_t GoldenRun() {
   return Run({}, {});
 }
 
-/// The same with a soft half, rigid and wearing quarters, and all that counts.
+/// The same with soft, rigid and wearing slices of 2 mm, and all that counts.
 std::uint64_t GoldenRunOfMaterials() {
   StepParameters parameters;
   parameters.features.compliance = parameters.features.removal = true;
-  return Run(parameters, {{Material{.stiffness = 200.0}, Material{}, Material{.hardness = 5e-3}},
+  return Run(parameters, {{Material{.stiffness = 200.0}, Material{}, Material{.hardness = 5e-5}},
                           [](const Vec3& c) { return c.x() < 0.0   ? 0
                                                      : c.y() < 0.0 ? 1
                                                                    : 2; }});

@@ -259,12 +259,14 @@ struct CompliantProblem {
   Vec weight;
   Vec depth;
   std::vector<double> columns;
+  double pull[6];
+  int pushing = 0;
 
   QpResult Solve(std::vector<int> guess = {}, const Kernels& kernels = ActiveKernels()) {
     const int m = static_cast<int>(weight.size());
     const int padded = std::max(16, (m + 15) & ~15);
     const QpRows rows = problem.Rows();
-    columns.assign(static_cast<std::size_t>(8 * padded + 8), 0.0);
+    columns.assign(static_cast<std::size_t>(9 * padded + 8), 0.0);
     auto address = reinterpret_cast<std::uintptr_t>(columns.data());
     double* base = columns.data() + (64 - address % 64) % 64 / sizeof(double);
     CompliantRows compliant{};
@@ -277,6 +279,9 @@ struct CompliantProblem {
       base[padded + i] = i < m ? weight[i] : 0.0;
     }
     for (int c = 0; c < 6; ++c) compliant.transformed[c] = base + (2 + c) * padded;
+    compliant.push = base + 8 * padded;
+    compliant.pull = pull;
+    compliant.pushing = &pushing;
     const int n = static_cast<int>(guess.size());
     return problem.t.size() == 6
                ? SolveCompliant<6>(kernels, problem.t.data(), compliant, guess.data(), n)
@@ -308,9 +313,16 @@ struct CompliantProblem {
     Vec gradient = x - problem.t;
     double worst = 0.0, sum = 0.0;
     const auto core = [&](int i) { return problem.b[i] - (weight[i] > 0.0 ? depth[i] : 0.0); };
+    const Vec told = Eigen::Map<const Vec>(pull, problem.t.size());
+    Vec sum_of_pushes = Vec::Zero(problem.t.size());
+    int pushes = 0;
     for (int i = 0; i < weight.size(); ++i) {
       const double gap = problem.A.row(i).dot(x) - problem.b[i];
-      if (gap < 0.0) gradient += weight[i] * gap * problem.A.row(i).transpose();
+      if (gap < 0.0) {
+        gradient += weight[i] * gap * problem.A.row(i).transpose();
+        sum_of_pushes -= weight[i] * gap * problem.A.row(i).transpose();
+        pushes += weight[i] > 0.0;
+      }
       worst = std::max(worst, core(i) - result.slack - problem.A.row(i).dot(x));
     }
     for (int j = 0; j < result.active; ++j) {
@@ -324,14 +336,17 @@ struct CompliantProblem {
       worst = std::max(worst, std::abs(result.slack - kJamCompliance * sum));
     }
     const double scale = 1.0 + weight.sum() + sum;
+    EXPECT_LT((told - sum_of_pushes).cwiseAbs().maxCoeff(), 1e-12 * scale);
+    EXPECT_NEAR(pushes, pushing, 1);  // one may lie on the edge
     return std::max(worst, gradient.cwiseAbs().maxCoeff() / scale);
   }
 };
 
-CompliantProblem RandomCompliantProblem(Random& random, int n, int soft, int rigid,
-                                        double stiffest, bool cores = false) {
+CompliantProblem RandomCompliantProblem(Random& random, int n, int soft, int rigid, double stiffest,
+                                        bool cores = false) {
   const int m = soft + rigid;
-  CompliantProblem out{RandomProblem(random, n, m, true), Vec::Zero(m), Vec::Constant(m, 1e9), {}};
+  CompliantProblem out{
+      RandomProblem(random, n, m, true), Vec::Zero(m), Vec::Constant(m, 1e9), {}, {}};
   for (int k = 0; k < soft; ++k) {
     // Soft and rigid rows in turn, as far as both go.
     const int i = k < rigid ? 2 * k : rigid + k;
@@ -346,6 +361,7 @@ TEST(CompliantQp, PutsASoftRowInSeriesWithTheCoupling) {
   CompliantProblem soft{{Vec::Zero(6), Mat::Zero(1, 6), Vec::Constant(1, 1e-3), {}},
                         Vec::Constant(1, 0.25),
                         Vec::Constant(1, 1.0),
+                        {},
                         {}};
   soft.problem.A(0, 1) = 1.0;
   const QpResult result = soft.Solve();
@@ -361,8 +377,7 @@ TEST(CompliantQp, AgreesWithEnumerationOverExplicitSlacks) {
   for (int trial = 0; trial < 400; ++trial) {
     const int n = trial % 2 == 0 ? 6 : 3;
     CompliantProblem soft =
-        RandomCompliantProblem(random, n, 1 + random.Below(4), random.Below(4), 1e3,
-                               trial % 4 < 2);
+        RandomCompliantProblem(random, n, 1 + random.Below(4), random.Below(4), 1e3, trial % 4 < 2);
     const QpResult result = soft.Solve();
     const Problem explicit_problem = soft.Explicit();
     Vec oracle;
@@ -414,6 +429,7 @@ TEST(CompliantQp, AddsUpTheStiffnessOfRepeatedRows) {
   CompliantProblem soft{{Vec::Zero(3), Mat::Zero(1000, 3), Vec::Constant(1000, 1e-3), {}},
                         Vec::Constant(1000, 0.01),
                         Vec::Constant(1000, 1.0),
+                        {},
                         {}};
   soft.problem.A.col(2).setOnes();
   EXPECT_NEAR(soft.Solve().x[2], 1e-3 * 10.0 / 11.0, 1e-16);
@@ -424,8 +440,8 @@ TEST(CompliantQp, GivesTheSameBitsAtEverySimdLevel) {
   const Kernels* level[3];
   const int levels = AvailableKernels(level);
   for (int trial = 0; trial < 50; ++trial) {
-    CompliantProblem soft = RandomCompliantProblem(random, trial % 2 == 0 ? 6 : 3, 500, 100, 1e4,
-                                                   trial % 4 < 2);
+    CompliantProblem soft =
+        RandomCompliantProblem(random, trial % 2 == 0 ? 6 : 3, 500, 100, 1e4, trial % 4 < 2);
     const QpResult expected = soft.Solve({}, *level[0]);
     for (int i = 1; i < levels; ++i) {
       const QpResult result = soft.Solve({}, *level[i]);

@@ -43,10 +43,13 @@ class CompliantSolver {
   }
 
   QpResult Solve(const int* guess, int guesses) {
+    for (int i = 0; i < 6; ++i) rows_.pull[i] = 0.0;
+    *rows_.pushing = 0;
     QpResult result;
     // From where the tool is: what overlaps there mostly does so after the step too.
     Point now;
-    Evaluate(now);
+    Evaluate<false>(now);
+    Evaluate<true>(now);
     int warm[kMaxActiveRows];
     for (int i = 0; i < guesses; ++i) warm[i] = guess[i];
     int iterations = 0;
@@ -61,11 +64,16 @@ class CompliantSolver {
       Point next;
       for (int i = 0; i < N; ++i) next.x[i] = result.x[i];
       next.slack = result.slack;
-      Evaluate(next);
-      if (SameRows(now, next, q)) return result;
+      Evaluate<false>(next);
+      if (SameRows(now, next, q)) {
+        for (int i = 0; i < N; ++i) rows_.pull[i] = next.pull[i];
+        *rows_.pushing = next.pushing;
+        return result;
+      }
       // The first step also leads into the polyhedron, where a step may not be cut short.
       if (turn > 0 && !Gains(now, next)) Search(now, next);
       now = next;
+      Evaluate<true>(now);
       guesses = result.active;
       for (int i = 0; i < guesses; ++i) warm[i] = result.row[i];
     }
@@ -80,19 +88,23 @@ class CompliantSolver {
   struct Point {
     double x[N] = {};
     double slack = 0.0;
-    double H[kEntries];    ///< lower triangle of sum w a a^T, row by row
-    double pull[N];        ///< sum w s a, s the overlap
-    double value;          ///< f
+    double H[kEntries];  ///< lower triangle of sum w a a^T, row by row
+    double pull[N];      ///< sum w s a, s the overlap
+    double value;        ///< f
+    int pushing;         ///< how many overlap
   };
 
+  /// Everything but the Hessian, which only the next quadratic needs; or the Hessian alone.
+  template <bool kHessian>
   void Evaluate(Point& point) const {
     const QpRows& rigid = rows_.rigid;
-    D8 xs[N], H[kEntries], pull[N];
+    constexpr int kSums = kHessian ? kEntries : N;
+    D8 xs[N], sum[kSums];
     for (int c = 0; c < N; ++c) xs[c] = Set1(point.x[c]);
     const D8 zero = Set1(0.0);
-    for (D8& entry : H) entry = zero;
-    for (D8& entry : pull) entry = zero;
+    for (D8& entry : sum) entry = zero;
     D8 energy = zero;
+    int pushing = 0;
     for (int i = 0; i < rigid.count; i += 8) {
       D8 a[N];
       D8 s = Load(rows_.soft_b + i);
@@ -101,23 +113,34 @@ class CompliantSolver {
         s = Fnma(a[c], xs[c], s);
       }
       const D8 w = SelectLess(zero, s, Load(rows_.weight + i), zero);
-      if (Less(zero, w) == 0) continue;
-      const D8 ws = w * s;
-      energy = Fma(ws, s, energy);
-      for (int r = 0, k = 0; r < N; ++r) {
-        const D8 wa = w * a[r];
-        for (int c = 0; c <= r; ++c, ++k) H[k] = Fma(wa, a[c], H[k]);
-        pull[r] = Fma(ws, a[r], pull[r]);
+      const std::uint32_t overlap = Less(zero, w);
+      if constexpr (kHessian) {
+        if (overlap == 0) continue;
+        for (int r = 0, k = 0; r < N; ++r) {
+          const D8 wa = w * a[r];
+          for (int c = 0; c <= r; ++c, ++k) sum[k] = Fma(wa, a[c], sum[k]);
+        }
+      } else {
+        const D8 ws = w * s;
+        Store(rows_.push + i, ws);
+        if (overlap == 0) continue;
+        pushing += __builtin_popcount(overlap);
+        energy = Fma(ws, s, energy);
+        for (int r = 0; r < N; ++r) sum[r] = Fma(ws, a[r], sum[r]);
       }
     }
-    for (int k = 0; k < kEntries; ++k) point.H[k] = SumOfLanes(H[k]);
-    double distance = 0.0;
-    for (int r = 0; r < N; ++r) {
-      point.pull[r] = SumOfLanes(pull[r]);
-      distance += (point.x[r] - t_[r]) * (point.x[r] - t_[r]);
+    if constexpr (kHessian) {
+      for (int k = 0; k < kEntries; ++k) point.H[k] = SumOfLanes(sum[k]);
+    } else {
+      double distance = 0.0;
+      for (int r = 0; r < N; ++r) {
+        point.pull[r] = SumOfLanes(sum[r]);
+        distance += (point.x[r] - t_[r]) * (point.x[r] - t_[r]);
+      }
+      point.value =
+          0.5 * (distance + SumOfLanes(energy) + point.slack * point.slack / kRelaxedCompliance);
+      point.pushing = pushing;
     }
-    point.value = 0.5 * (distance + SumOfLanes(energy) +
-                         point.slack * point.slack / kRelaxedCompliance);
   }
 
   static double Entry(const double* lower, int r, int c) {
@@ -249,7 +272,7 @@ class CompliantSolver {
       const double part = 0.5 * (low + high);
       for (int r = 0; r < N; ++r) next.x[r] = now.x[r] + part * (end.x[r] - now.x[r]);
       next.slack = now.slack + part * (end.slack - now.slack);
-      Evaluate(next);
+      Evaluate<false>(next);
       const double slope = Slope(next, now, end);
       if (slope <= 0.0 && slope >= enough) return;
       (slope > 0.0 ? high : low) = part;

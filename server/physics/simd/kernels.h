@@ -70,6 +70,10 @@ struct CompliantRows {
   const double* soft_b;    ///< a soft row pushes where a . x < soft_b
   const double* weight;    ///< ... with weight * (soft_b - a . x); 0 where the row is rigid
   double* transformed[6];  ///< scratch
+  // Filled by the solver, at its result:
+  double* push;  ///< of each row, to the end of the padding: weight * (soft_b - a . x), or 0
+  double* pull;  ///< 6: sum of push * a
+  int* pushing;  ///< rows whose push is not 0
 };
 
 enum class QpStatus {
