@@ -13,6 +13,8 @@ constexpr int kLineSearchLimit = 40;
 constexpr double kLeastGain = 1e-4;
 /// ... and a search along it may stop where the slope has come down to this part.
 constexpr double kSlopeLeft = 0.1;
+/// Error of a gradient over the size of its terms.
+constexpr double kRounding = 1e-14;
 constexpr double kRelaxedCompliance = kSlackEntry * kSlackEntry;
 
 inline double SumOfLanes(D8 a) {
@@ -235,11 +237,15 @@ class CompliantSolver {
 
   /// True where the gradient of f at `next` is that of the quadratic which led there.
   bool SameRows(const Point& now, const Point& next, const double* q) const {
-    double rounding = tolerance_;
+    double stiffness = 1.0, size = 0.0, largest = 0.0;
     for (int r = 0; r < N; ++r) {
-      const double size = q[r] < 0.0 ? -q[r] : q[r];
-      rounding += 1e-14 * size;
+      stiffness += Entry(now.H, r, r);
+      size += q[r] < 0.0 ? -q[r] : q[r];
+      const double x = next.x[r] < 0.0 ? -next.x[r] : next.x[r];
+      if (x > largest) largest = x;
     }
+    // What the terms' rounding adds up to, where they nearly cancel.
+    const double rounding = tolerance_ + kRounding * (size + stiffness * largest);
     for (int r = 0; r < N; ++r) {
       const double f = next.x[r] - t_[r] - next.pull[r];
       const double difference = f - (HessianTimes(now, next.x, r) - q[r]);
