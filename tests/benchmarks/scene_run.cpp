@@ -67,6 +67,7 @@ SceneRun::SceneRun(const std::string& scene, const std::string& models_dir, std:
     : scene_(Load(scene, models_dir, overrides)), poses_(std::move(poses)) {
   model_ = std::make_unique<HapticModel>(MakeModel(scene_, tool(), MakeObjects(scene_)));
   workspace_ = std::make_unique<StepWorkspace>(*model_);
+  start_ = StepState(*model_);
   start_.X_WG = ResolveStart(*model_, poses_.front(), *workspace_).X_WG;
 }
 
