@@ -201,11 +201,22 @@ TriangleMesh MakeGingiva(ToothKind kind, const ToothSize& metres, double pocket_
   const Field tooth = ToothField(kind, size);
   const Field socket = [=](const Vec3& p) { return tooth(p) + 0.1; };  // gum grips the tooth
   const double reach = 0.32 * size.width;
+  // The tooth's field counts lengths along z short; here the width matters.
+  const auto from_tooth = [=](const Vec3& p) {
+    constexpr double kStep = 1e-3;
+    Vec3 slope;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 e = kStep * Vec3::Unit(k);
+      slope[k] = (tooth(p + e) - tooth(p - e)) / (2.0 * kStep);
+    }
+    return tooth(p) / std::max(slope.norm(), 0.3);
+  };
   const Field pocket = [=](const Vec3& p) {
     const double beside = std::abs(p.x()) - reach;
     const double below = -depth - p.y();
     const double behind = 0.15 * size.depth - p.z();
-    return SmoothMax(SmoothMax(tooth(p) - width, beside, 0.8), SmoothMax(below, behind, 0.6), 0.8);
+    return SmoothMax(SmoothMax(from_tooth(p) - width, beside, 0.8), SmoothMax(below, behind, 0.6),
+                     0.8);
   };
   const Field gum = Without(Without(block, socket, 0.4), pocket, 0.5);
   return InMetres(
@@ -342,7 +353,7 @@ TriangleMesh MakeFace(double mouth_width, double mouth_height) {
     to.push_back(make(1.0));
   };
   std::vector<Field> front{head, EllipsoidField({0, -half_height - 24, 1}, {20, 14, 13}),  // chin
-                           ConeField({0, 74, 10}, 6, {0, half_height + 22, 30}, 8.5),        // nose
+                           ConeField({0, 74, 10}, 6, {0, half_height + 22, 30}, 8.5),      // nose
                            RopeField(lips, 4.2)};
   pair(front, [&](double s) {  // wings of the nose
     return EllipsoidField({9.5 * s, half_height + 21, 20}, {6, 6, 8});
