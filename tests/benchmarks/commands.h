@@ -10,5 +10,6 @@ void AddCycle(CLI::App& app);
 /// `domain` is read when the command runs.
 void AddLoop(CLI::App& app, const int& domain);
 void AddQp(CLI::App& app);
+void AddStability(CLI::App& app);
 
 }  // namespace palpate::bench
