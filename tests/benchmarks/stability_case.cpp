@@ -128,19 +128,21 @@ double Trial::Overlap(const Pose& X_WG) const {
 }
 
 StepReport Trial::Step(const Pose& X_WH) {
+  const StepReport report = HapticStep(*model_, X_WH, state_, *workspace_);
+  Check(report.X_WG, report.wrench);
+  return report;
+}
+
+void Trial::Check(const Pose& X_WG, const Wrench& wrench) {
   if (run_.done % 256 == 0) {
     if (run_.stopped && run_.stopped()) throw Interrupted{};
     if (run_.progress) run_.progress(run_.done);
   }
-  const StepReport report = HapticStep(*model_, X_WH, state_, *workspace_);
   ++run_.done;
-  const bool finite = report.X_WG.p.allFinite() && report.X_WG.q.coeffs().allFinite() &&
-                      report.wrench.force.allFinite() && report.wrench.torque.allFinite();
+  const bool finite = X_WG.p.allFinite() && X_WG.q.coeffs().allFinite() &&
+                      wrench.force.allFinite() && wrench.torque.allFinite();
   run_.nonfinite += !finite;
-  if (expect_free_ && finite) {
-    run_.penetration = std::max(run_.penetration, Overlap(report.X_WG));
-  }
-  return report;
+  if (expect_free_ && finite) run_.penetration = std::max(run_.penetration, Overlap(X_WG));
 }
 
 }  // namespace palpate::bench

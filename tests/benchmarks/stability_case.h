@@ -84,6 +84,8 @@ class Trial {
   /// One step.  Throws Interrupted where the run is to end.
   StepReport Step(const Pose& X_WH);
   StepReport StepTo(const Vec3& p_WH) { return Step(Pose{p_WH, Quat::Identity()}); }
+  /// Counts and checks a step that was made elsewhere, with this trial's model.
+  void Check(const Pose& X_WG, const Wrench& wrench);
   /// Overlap at a pose of the tool [m].
   double Overlap(const Pose& X_WG) const;
 
