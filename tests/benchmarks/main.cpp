@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   app.parse_complete_callback([&] { palpate::SetUpLog("palpate-bench", log_level); });
   palpate::bench::AddAccuracy(app);
   palpate::bench::AddCycle(app);
+  palpate::bench::AddLevels(app);
   palpate::bench::AddLoop(app, domain);
   palpate::bench::AddQp(app);
   palpate::bench::AddStability(app);

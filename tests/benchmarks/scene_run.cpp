@@ -15,7 +15,10 @@ Scene Load(const std::string& scene, const std::string& models_dir) {
 }  // namespace
 
 SceneRun::SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses)
-    : scene_(Load(scene, models_dir)), poses_(std::move(poses)) {
+    : SceneRun(Load(scene, models_dir), std::move(poses)) {}
+
+SceneRun::SceneRun(Scene scene, std::vector<Pose> poses)
+    : scene_(std::move(scene)), poses_(std::move(poses)) {
   model_ = std::make_unique<HapticModel>(MakeModel(scene_, tool(), MakeObjects(scene_)));
   workspace_ = std::make_unique<StepWorkspace>(*model_);
   start_.X_WG = ResolveStart(*model_, poses_.front(), *workspace_).X_WG;

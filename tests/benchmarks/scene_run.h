@@ -15,6 +15,7 @@ class SceneRun {
  public:
   /// `models_dir` as LoadScene takes it.  Says what it loads on stderr.
   SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses);
+  SceneRun(Scene scene, std::vector<Pose> poses);
 
   const Scene& scene() const { return scene_; }
   const Body& tool() const { return scene_.tools.front(); }

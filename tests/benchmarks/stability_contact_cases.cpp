@@ -137,15 +137,15 @@ void Slot(CaseRun& run) {
 
 /// A square peg in a square hole that is 50 um wider: thousands of pairs within reach.
 void PegInHole(CaseRun& run) {
-  constexpr double kHole = 10 * kMillimetre + 50e-6, kWall = 6 * kMillimetre;
+  constexpr double kHole = 10 * kMillimetre + 50e-6, kWall = kMillimetre;
   const Vec3 wall(kHole + 2 * kWall, 40 * kMillimetre, kWall);
   const double off = 0.5 * (kHole + kWall);
   const Quat quarter(M_SQRT1_2, 0.0, M_SQRT1_2, 0.0);
   Trial trial(
-      run, Box({10 * kMillimetre, 30 * kMillimetre, 10 * kMillimetre}, 4096),
-      {Box(wall, 4096, {Vec3(0, 0, off), Quat::Identity()}),
-       Box(wall, 4096, {Vec3(0, 0, -off), Quat::Identity()}),
-       Box(wall, 4096, {Vec3(off, 0, 0), quarter}), Box(wall, 4096, {Vec3(-off, 0, 0), quarter})});
+      run, Box({10 * kMillimetre, 30 * kMillimetre, 10 * kMillimetre}, 1024),
+      {Box(wall, 1024, {Vec3(0, 0, off), Quat::Identity()}),
+       Box(wall, 1024, {Vec3(0, 0, -off), Quat::Identity()}),
+       Box(wall, 1024, {Vec3(off, 0, 0), quarter}), Box(wall, 1024, {Vec3(-off, 0, 0), quarter})});
   trial.Start({});
   int most_rows = 0;
   for (int i = 0; run.Goes(); ++i) {
@@ -157,6 +157,7 @@ void PegInHole(CaseRun& run) {
     run.tunnelled += std::abs(report.X_WG.p.x()) > kMillimetre;
   }
   FigureIsOverlap(run);
+  if (most_rows < 2000) run.figure = 1e9;  // not what the case is about
 }
 
 /// An object of a thousand copies of one ball under a tool of eight copies each of two others:
@@ -267,36 +268,51 @@ void StartInside(CaseRun& run) {
   FigureIsOverlap(run);
 }
 
-/// A key of 4 mm in a slot of 3.9 mm: no pose inside is free of overlap.  The overlap is to be
-/// shared by both walls, the force to stay the spring's, and once drawn out the key is free.
-void Jam(CaseRun& run) {
-  constexpr double kKey = 4 * kMillimetre, kSlot = 3.9 * kMillimetre;
-  const Vec3 wall(10 * kMillimetre, 30 * kMillimetre, 30 * kMillimetre);
-  const double off = 0.5 * (kSlot + wall.x());
-  Trial trial(run, Box({kKey, 10 * kMillimetre, 10 * kMillimetre}, 1024),
-              {Box(wall, 2048, {Vec3(off, 0, 0), Quat::Identity()}),
-               Box(wall, 2048, {Vec3(-off, 0, 0), Quat::Identity()})});
+/// Drives a tool that is in a jam: wrenched for 400 ms, then drawn out along +y.  Where it lies
+/// deepest in both sides, it overlaps each by half of `excess`.  The overlap is to be shared, the
+/// force to be the spring's, and once out, the tool is free.
+void DriveJam(CaseRun& run, Trial& trial, double excess) {
   trial.ExpectFree(false);
   Random random(52);
   while (run.Goes()) {
     trial.Start({Vec3(random.Uniform(-20e-6, 20e-6), 0, 0), Quat::Identity()});
-    const Vec3 pull = Vec3(random.Uniform(-5, 5), random.Uniform(0, 5), random.Uniform(-5, 5));
+    const Vec3 pull(random.Uniform(-5, 5), random.Uniform(0, 5), random.Uniform(-5, 5));
     const Vec3 turn = 0.3 * random.Direction();
     for (int i = 0; i < 700; ++i) {
-      // Wrenched for 400 ms, then drawn straight out.
       const double in = std::clamp(0.005 * (400 - i), 0.0, 1.0) * std::min(1.0, 0.01 * i);
       const Vec3 out(0, 0.1 * std::max(0, i - 400), 0);
       const Pose X_WH{kMillimetre * (in * pull + out), RotationExp(in * turn)};
       const StepReport report = trial.Step(X_WH);
-      run.Worst(1e6 * (trial.Overlap(report.X_WG) - 0.5 * (kKey - kSlot)));
+      run.Worst(1e6 * (trial.Overlap(report.X_WG) - 0.5 * excess));
       const double way = (X_WH.p - report.X_WG.p).norm();
-      run.tunnelled += report.wrench.force.norm() > 1000.0 * way + 1.0;
-      if (i == 699) {
-        run.penetration = std::max(run.penetration, trial.Overlap(report.X_WG));
-        run.tunnelled += report.wrench.force.norm() > 1e-9;
-      }
+      run.tunnelled += report.wrench.force.norm() > 1000.0 * (way + excess);
+      if (i < 699) continue;
+      run.penetration = std::max(run.penetration, trial.Overlap(report.X_WG));
+      run.tunnelled += !report.wrench.force.isZero(0.0) || (report.X_WG.p - X_WH.p).norm() > 1e-9;
     }
   }
+}
+
+/// A ball of 4 mm between two balls that leave 3.9 mm.
+void JamBetweenEars(CaseRun& run) {
+  constexpr double kExcess = 0.1 * kMillimetre, kEar = 10 * kMillimetre;
+  const double off = kEar + 2 * kMillimetre - 0.5 * kExcess;
+  Trial trial(run, Ball(2 * kMillimetre),
+              {Ball(kEar, 1, {Vec3(off, 0, 0), Quat::Identity()}),
+               Ball(kEar, 1, {Vec3(-off, 0, 0), Quat::Identity()})});
+  DriveJam(run, trial, kExcess);
+}
+
+/// A key of 4 mm in a slot of 3.9 mm.  With contact between spheres a press fit like this one holds
+/// for ever, because their bumps interlock; flat faces let it go.
+void JamInSlot(CaseRun& run) {
+  constexpr double kExcess = 0.1 * kMillimetre, kKey = 4 * kMillimetre;
+  const Vec3 wall(10 * kMillimetre, 30 * kMillimetre, 30 * kMillimetre);
+  const double off = 0.5 * (kKey - kExcess + wall.x());
+  Trial trial(run, Box({kKey, 10 * kMillimetre, 10 * kMillimetre}, 1024),
+              {Box(wall, 2048, {Vec3(off, 0, 0), Quat::Identity()}),
+               Box(wall, 2048, {Vec3(-off, 0, 0), Quat::Identity()})});
+  DriveJam(run, trial, kExcess);
 }
 
 /// A cube of one size and a ball a tenth of it, pressed a fiftieth deep, dragged and lifted.
@@ -358,14 +374,20 @@ std::vector<StabilityCase> ContactCases() {
                    .run = Orientations});
   overlap("target-jumps", 1, Jumps);
   overlap("start-inside", 0.2, StartInside);
-  cases.push_back({.name = "jam",
-                   .what = "overlap beyond half of what the key is too wide",
-                   .reason = "both walls share what must overlap, so that neither gets more",
-                   .bound = 1e6 * kAllowedOverlap,
-                   .unit = "um",
-                   .share = 0.5,
-                   .least = 1400,
-                   .run = Jam});
+  const auto jam = [&](const std::string& name, auto run, auto applies) {
+    cases.push_back({.name = name,
+                     .what = "overlap beyond half of what the tool is too wide",
+                     .reason = "both sides share what must overlap, so that neither gets more",
+                     .bound = 1e6 * kAllowedOverlap,
+                     .unit = "um",
+                     .share = 0.5,
+                     .least = 1400,
+                     .run = run,
+                     .applies = applies});
+  };
+  jam("jam-between-ears", JamBetweenEars, [](const Features&) { return true; });
+  jam("jam-in-slot", JamInSlot,
+      [](const Features& f) { return f.contact == ContactModel::kSurface; });
   overlap("sizes", 1, Sizes);
   return cases;
 }

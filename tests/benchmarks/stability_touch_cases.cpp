@@ -27,25 +27,24 @@ Solid Floor(std::size_t leaves = 4096) {
 }
 
 /// Noise of the encoders at contact.  The god-object is the nearest free pose, and what is left
-/// over of a projection onto a convex set moves no further than what is projected: so the change of
-/// force is no more than the stiffness times the change of the hand.
+/// over of a projection onto a convex set moves no further than what is projected: so the greatest
+/// change of force is no more than the stiffness times the greatest change of the hand.
 void Noise(CaseRun& run) {
   Trial trial(run, Ball(5 * kMillimetre), {Floor()});
   Random random(60);
   const Vec3 rest(0, 4 * kMillimetre, 0);  // 1 mm deep
   trial.Start({Vec3(0, 6 * kMillimetre, 0), Quat::Identity()});
-  StepReport last = trial.StepTo(rest);
-  Vec3 before = rest;
-  for (int i = 0; i < 100; ++i) last = trial.StepTo(rest);
+  Vec3 force, hand = rest;
+  for (int i = 0; i < 100; ++i) force = trial.StepTo(rest).wrench.force;
+  double greatest_change = 0.0, greatest_move = 0.0;
   while (run.Goes()) {
-    const Vec3 hand = rest + random.InCube(20e-6);
-    const StepReport report = trial.StepTo(hand);
-    const double change = (report.wrench.force - last.wrench.force).norm();
-    const double moved = (hand - before).norm();
-    if (moved > 1e-6) run.Worst(change / (kStiffness * moved));
-    last = report;
-    before = hand;
+    const Vec3 last_force = force, last_hand = hand;
+    hand = rest + random.InCube(20e-6);
+    force = trial.StepTo(hand).wrench.force;
+    greatest_change = std::max(greatest_change, (force - last_force).norm());
+    greatest_move = std::max(greatest_move, (hand - last_hand).norm());
   }
+  run.figure = greatest_change / (kStiffness * greatest_move);
 }
 
 /// One round trip of 1,000 steps again and again, pressed, in six degrees of freedom: at the same
@@ -163,14 +162,15 @@ void SlidingRatio(CaseRun& run, FrictionModel friction) {
 
 std::vector<StabilityCase> TouchCases() {
   std::vector<StabilityCase> cases;
-  cases.push_back({.name = "encoder-noise",
-                   .what = "change of force over stiffness times change of the hand",
-                   .reason = "a projection never moves further than what it projects; 1 % for "
-                             "bumps",
-                   .bound = 1.01,
-                   .unit = "",
-                   .share = 1,
-                   .run = Noise});
+  cases.push_back(
+      {.name = "encoder-noise",
+       .what = "greatest change of force, over stiffness times greatest move of the hand",
+       .reason = "a projection never moves further than what it projects; 1 % for "
+                 "bumps",
+       .bound = 1.01,
+       .unit = "",
+       .share = 1,
+       .run = Noise});
   cases.push_back({.name = "no-drift",
                    .what = "place in a round trip against the same of the second round",
                    .reason = "without friction a pose is the hand's alone; 0.1 um is rounding",
