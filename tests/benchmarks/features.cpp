@@ -14,8 +14,8 @@ void FeatureOptions::AddTo(CLI::App& command) {
 }
 
 Features FeatureOptions::features() const {
-  if (contact != "spheres" || friction != "off") {
-    throw UsageError("this version has --contact spheres and --friction off only");
+  if (friction != "off") {
+    throw UsageError("this version has --friction off only");
   }
   Features features;
   features.contact = contact == "surface" ? ContactModel::kSurface : ContactModel::kSpheres;
