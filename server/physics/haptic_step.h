@@ -26,8 +26,7 @@ struct PlacedTree {
 struct StepParameters {
   double stiffness = 1000.0;         ///< k_t [N/m], chapter 2.3
   double torsional_stiffness = 1.0;  ///< k_r [N m/rad]
-  /// Greatest bound on |v| of one sub-step [m]: the chapter's 0.5 m/s for 1 ms.  With surface
-  /// contact at most 0.2 mm.
+  /// Greatest bound on |v| of one sub-step [m]: the chapter's 0.5 m/s for 1 ms.
   double max_translation = 0.5e-3;
   /// Greatest bound on |phi| of one sub-step [rad].  0: sqrt(2 e / L) with e = max_truncation and L
   /// the tool's longest lever arm, so that linearising a rotation is never off by more than e.
@@ -35,6 +34,9 @@ struct StepParameters {
   double max_truncation = 0.5e-6;  ///< [m]
   int max_substeps = 8;            ///< per cycle; a count, never a clock
   int max_rows = 16384;
+  /// Sub-steps end for this cycle once they have tested so many packet pairs: what a snap over a
+  /// ledge costs at most, and the next cycle goes on.  A count, never a clock.
+  int max_tested = 2500;
   Features features{.contact = ContactModel::kSpheres};
 };
 
