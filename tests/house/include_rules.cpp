@@ -82,6 +82,12 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"gtest/", "GoogleTest"},
     {"gmock/", "GoogleTest"},
     {"benchmark/", "benchmark"},
+    // Peers, in tests/benchmarks/peers alone.
+    {"btBulletDynamicsCommon.h", "Bullet"},
+    {"BulletCollision/", "Bullet"},
+    {"fcl/", "FCL"},
+    {"mujoco/", "MuJoCo"},
+    {"ode/", "ODE"},
 };
 
 // Slow to compile: in .cpp files only.
