@@ -1,10 +1,8 @@
 // palpate-bench cycle: the time of one haptic step, and what it is right by.
-#include <chrono>
 #include <optional>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/error.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/sphere_tree_query.h"
 #include "tests/benchmarks/commands.h"
@@ -28,25 +26,7 @@ struct Options {
   int check_every = 1;
 };
 
-using Clock = std::chrono::steady_clock;
-
-/// One pass over all poses.  `reports` and `times` are filled where given.
-std::vector<double> TimedPass(SceneRun& run, std::vector<StepReport>* reports) {
-  StepState state = run.Start();
-  std::vector<double> step_us;
-  step_us.reserve(run.poses().size());
-  if (reports != nullptr) reports->reserve(run.poses().size());
-  for (const Pose& X_WH : run.poses()) {
-    const auto begin = Clock::now();
-    const StepReport report = HapticStep(run.model(), X_WH, state, run.workspace());
-    const auto end = Clock::now();
-    step_us.push_back(std::chrono::duration<double, std::micro>(end - begin).count());
-    if (reports != nullptr) reports->push_back(report);
-  }
-  return step_us;
-}
-
-/// The same with the stages timed, which costs time of its own.
+/// One pass with the stages timed, which costs time of its own.
 void StagedPass(SceneRun& run, BestOf stage[4]) {
   StepState state = run.Start();
   std::vector<double> us[4];
@@ -60,23 +40,21 @@ void StagedPass(SceneRun& run, BestOf stage[4]) {
 }
 
 void Run(const Options& options) {
-  if (options.contact != "spheres" || options.friction != "off") {
-    throw UsageError("cycle: this version has --contact spheres and --friction off only");
-  }
   std::vector<Pose> poses =
       options.poses.empty() ? ScriptPoses(options.scene, options.steps) : ReadPoses(options.poses);
   if (options.steps && !options.poses.empty() &&
       poses.size() > static_cast<std::size_t>(*options.steps)) {
     poses.resize(static_cast<std::size_t>(*options.steps));
   }
-  SceneRun run(options.scene, options.models, std::move(poses));
+  SceneRun run(options.scene, options.models, std::move(poses),
+               {ParseContact(options.contact), ParseFriction(options.friction)});
   const std::size_t steps = run.poses().size();
 
   BestOf step, stage[4];
   std::vector<StepReport> reports;
   for (int r = 0; r < options.repeats; ++r) {
     Progress(fmt::format("{}: repeat {} of {} ...", options.scene, r + 1, options.repeats));
-    step.Add(TimedPass(run, r == 0 ? &reports : nullptr));
+    step.Add(run.Time(r == 0 ? &reports : nullptr));
     StagedPass(run, stage);
   }
 

@@ -100,7 +100,8 @@ std::vector<Problem> ReadProblems(const std::string& file) {
 /// The problem of each step of a scene's path, with as many rows as the widest bounds give, and the
 /// rows that the step before had active.
 std::vector<Problem> ProblemsOf(const Options& options) {
-  SceneRun run(options.scene, options.models, ScriptPoses(options.scene, options.steps));
+  SceneRun run(options.scene, options.models, ScriptPoses(options.scene, options.steps),
+               {ContactModel::kSpheres});
   const HapticModel& model = run.model();
   if (model.degrees_of_freedom() != 6) {
     throw Error("qp: the tool of scene '" + options.scene +

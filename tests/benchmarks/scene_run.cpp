@@ -1,24 +1,76 @@
 #include "tests/benchmarks/scene_run.h"
 
+#include <chrono>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/error.h"
 #include "scenes/catalogue.h"
 #include "server/session/scene_model.h"
+#include "tests/benchmarks/figures.h"
 
 namespace palpate::bench {
-namespace {
 
-Scene Load(const std::string& scene, const std::string& models_dir) {
+ContactModel ParseContact(const std::string& name) {
+  if (name == "spheres") return ContactModel::kSpheres;
+  if (name == "surface") return ContactModel::kSurface;
+  throw UsageError("--contact " + name + " is not one of spheres, surface");
+}
+
+FrictionModel ParseFriction(const std::string& name) {
+  if (name == "off") return FrictionModel::kOff;
+  if (name == "chapter") return FrictionModel::kChapter;
+  if (name == "coulomb") return FrictionModel::kCoulomb;
+  throw UsageError("--friction " + name + " is not one of off, chapter, coulomb");
+}
+
+Scene LoadForBench(const std::string& scene, const std::string& models_dir) {
   LoadOptions options;
   options.models_dir = models_dir;
+  options.progress = [](std::string_view stage, double fraction) {
+    Progress(fmt::format("{} {:.0f} % ...", stage, 100.0 * fraction));
+  };
   return LoadScene(scene, options);
 }
 
-}  // namespace
+SceneRun::SceneRun(Scene scene, std::vector<Pose> poses, const Features& features)
+    : scene_(std::move(scene)), poses_(std::move(poses)) {
+  Compose(features);
+}
 
-SceneRun::SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses)
-    : scene_(Load(scene, models_dir)), poses_(std::move(poses)) {
+SceneRun::SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses,
+                   const Features& features)
+    : SceneRun(LoadForBench(scene, models_dir), std::move(poses), features) {}
+
+void SceneRun::Compose(const Features& features) {
+  if (features.contact != ContactModel::kSpheres || features.friction != FrictionModel::kOff ||
+      features.compliance || features.removal) {
+    throw UsageError("this version has --contact spheres and --friction off only");
+  }
+  scene_.features = features;
   model_ = std::make_unique<HapticModel>(MakeModel(scene_, tool(), MakeObjects(scene_)));
   workspace_ = std::make_unique<StepWorkspace>(*model_);
+  start_ = {};
   start_.X_WG = ResolveStart(*model_, poses_.front(), *workspace_).X_WG;
+}
+
+std::vector<double> SceneRun::Time(std::vector<StepReport>* reports) {
+  using Clock = std::chrono::steady_clock;
+  StepState state = Start();
+  std::vector<double> step_us;
+  step_us.reserve(poses_.size());
+  if (reports != nullptr) {
+    reports->clear();
+    reports->reserve(poses_.size());
+  }
+  for (const Pose& X_WH : poses_) {
+    const auto begin = Clock::now();
+    const StepReport report = HapticStep(*model_, X_WH, state, *workspace_);
+    const auto end = Clock::now();
+    step_us.push_back(std::chrono::duration<double, std::micro>(end - begin).count());
+    if (reports != nullptr) reports->push_back(report);
+  }
+  return step_us;
 }
 
 int SceneRun::object_spheres() const {

@@ -9,12 +9,26 @@
 
 namespace palpate::bench {
 
+/// What a step is composed of, by the names that command lines have.
+ContactModel ParseContact(const std::string& name);    ///< spheres, surface
+FrictionModel ParseFriction(const std::string& name);  ///< off, chapter, coulomb
+
 /// A scene's first tool, its model, and poses for it: what every measurement of the step starts
 /// from.
 class SceneRun {
  public:
-  /// `models_dir` as LoadScene takes it.  Says what it loads on stderr.
-  SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses);
+  /// Throws Error where the physics has not the features.
+  SceneRun(Scene scene, std::vector<Pose> poses, const Features& features);
+  /// `models_dir` as LoadScene takes it.  Says on stderr what it builds.
+  SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses,
+           const Features& features);
+
+  /// The model anew, with other features.  Throws Error where the physics has them not.
+  void Compose(const Features& features);
+
+  /// One pass over all poses.  `reports` is filled where given.
+  /// @returns the time of each step [us].
+  std::vector<double> Time(std::vector<StepReport>* reports = nullptr);
 
   const Scene& scene() const { return scene_; }
   const Body& tool() const { return scene_.tools.front(); }
@@ -33,5 +47,8 @@ class SceneRun {
   std::vector<Pose> poses_;
   StepState start_;
 };
+
+/// Loads a scene as LoadScene does, and says so on stderr while something is built.
+Scene LoadForBench(const std::string& scene, const std::string& models_dir);
 
 }  // namespace palpate::bench
