@@ -8,6 +8,7 @@ namespace palpate::bench {
 void AddCycle(CLI::App& app);
 /// `domain` is read when the command runs.
 void AddLoop(CLI::App& app, const int& domain);
+void AddPareto(CLI::App& app);
 void AddQp(CLI::App& app);
 
 }  // namespace palpate::bench

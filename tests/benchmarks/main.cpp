@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   app.parse_complete_callback([&] { palpate::SetUpLog("palpate-bench", log_level); });
   palpate::bench::AddCycle(app);
   palpate::bench::AddLoop(app, domain);
+  palpate::bench::AddPareto(app);
   palpate::bench::AddQp(app);
   try {
     app.parse(argc, argv);

@@ -49,8 +49,8 @@ class Pareto {
     results_.quick = options.quick;
     results_.machine = ThisMachine();
     scenes_ = !options.scenes.empty() ? options.scenes
-              : options.quick ? std::vector<std::string>{"cube", "ellipsoid", kPeerScene}
-                              : CatalogueNames();
+              : options.quick         ? std::vector<std::string>{"cube", "ellipsoid", kPeerScene}
+                                      : CatalogueNames();
     for (const std::string& scene : scenes_) FindSceneFile(scene);  // complains before hours pass
     for (const PeerKind& kind : PeerKinds()) {
       if (Asked(kind.id)) results_.peers_asked.push_back(kind.id);
@@ -77,8 +77,8 @@ class Pareto {
       if (stop_.stopped()) break;
     }
     Progress("");
-    fmt::print(stderr, "{}{}/report.md\n", results_.complete ? "" : "ended before its time; so far: ",
-               options_.out);
+    fmt::print(stderr, "{}{}/report.md\n",
+               results_.complete ? "" : "ended before its time; so far: ", options_.out);
   }
 
  private:
@@ -137,8 +137,7 @@ class Pareto {
     auto loaded = std::make_unique<Loaded>();
     loaded->scene = LoadForBench(name, options_.models);
     loaded->poses = PathOf(name);
-    loaded->judge =
-        std::make_unique<PathJudge>(loaded->scene, loaded->poses, checks(), stop_);
+    loaded->judge = std::make_unique<PathJudge>(loaded->scene, loaded->poses, checks(), stop_);
     const Body& tool = loaded->scene.tools.front();
     loaded->oracle = std::make_unique<OverlapOracle>(tool.tree, loaded->scene.objects);
     result.tool_spheres = tool.tree.leaves();
@@ -211,11 +210,12 @@ class Pareto {
         {"friction, Coulomb", {spheres, FrictionModel::kCoulomb}},
         {"compliance, 20 kN/m", {spheres, FrictionModel::kOff, true}},
         {"removal, nothing vanishing", {spheres, FrictionModel::kOff, false, true}},
-        {"surface contact and friction, Coulomb", {ContactModel::kSurface, FrictionModel::kCoulomb}},
+        {"surface contact and friction, Coulomb",
+         {ContactModel::kSurface, FrictionModel::kCoulomb}},
         {"all", {ContactModel::kSurface, FrictionModel::kCoulomb, true, true}}};
-    const std::string name =
-        std::find(scenes_.begin(), scenes_.end(), kPeerScene) != scenes_.end() ? kPeerScene
-                                                                              : scenes_.front();
+    const std::string name = std::find(scenes_.begin(), scenes_.end(), kPeerScene) != scenes_.end()
+                                 ? kPeerScene
+                                 : scenes_.front();
     results_.feature_scene = name;
     std::vector<FeatureCost> costs(variants.size());
     std::vector<std::unique_ptr<SceneRun>> runs(variants.size());
@@ -285,14 +285,13 @@ class Pareto {
     if (options_.quick) return;
     for (const PeerKind& kind : PeerKinds()) {
       if (!kind.installed() || !Asked(kind.id) || !kind.responds) continue;
-      for (const PeerSettings& settings :
-           {PeerSettings{0.1, 1}, PeerSettings{0.1, 4}, PeerSettings{0.02, 1},
-            PeerSettings{1.0, 1}}) {
+      for (const PeerSettings& settings : {PeerSettings{0.1, 1}, PeerSettings{0.1, 4},
+                                           PeerSettings{0.02, 1}, PeerSettings{1.0, 1}}) {
         tasks.push_back({fmt::format("{} set otherwise", kind.name), [this, &kind, settings] {
                            PeerRun run = MeasurePeer(kind, settings, 4000);
-                           run.name = fmt::format("{}, {} kg, {} sub-step{}", kind.name,
-                                                  settings.mass, settings.substeps,
-                                                  settings.substeps > 1 ? "s" : "");
+                           run.name =
+                               fmt::format("{}, {} kg, {} sub-step{}", kind.name, settings.mass,
+                                           settings.substeps, settings.substeps > 1 ? "s" : "");
                            results_.peer_variants.push_back(run);
                          }});
       }
@@ -308,8 +307,8 @@ class Pareto {
                                        std::min(steps, loaded_->poses.size()));
       // One that only measures is asked where Palpate's tool is.
       const std::span<const Pose> X = kind.responds ? hand : std::span<const Pose>(free_poses_);
-      const TimedPeer timed = TimePeer(kind, ForPeers(loaded_->scene), X, settings,
-                                       std::min(repeats(), 3), stop_);
+      const TimedPeer timed =
+          TimePeer(kind, ForPeers(loaded_->scene), X, settings, std::min(repeats(), 3), stop_);
       run.speed = timed.speed;
       if (!kind.responds) {
         run.distance_min_um = INFINITY;

@@ -63,8 +63,7 @@ TimedRun TimeRun(SceneRun& run, int repeats, const StopSignal& stop) {
 
 PeerScene ForPeers(const Scene& scene) {
   const Body& tool = scene.tools.front();
-  PeerScene peers{
-      .tool = &tool.mesh, .centroid = tool.tree.centroid, .coupling = scene.coupling};
+  PeerScene peers{.tool = &tool.mesh, .centroid = tool.tree.centroid, .coupling = scene.coupling};
   if (tool.tree.leaves() == 1) peers.ball = tool.tree.leaf_radius.front();
   for (const Body& object : scene.objects) peers.objects.push_back({&object.mesh, object.X_WB});
   return peers;
@@ -95,9 +94,9 @@ TimedPeer TimePeer(const PeerKind& kind, const PeerScene& scene, std::span<const
     if (r == 0) {
       timed.steps = std::move(steps);
     } else {
-      timed.speed.repeatable &= std::equal(
-          steps.begin(), steps.end(), timed.steps.begin(),
-          [](const PeerStep& a, const PeerStep& b) { return SameBits(a.X_WG, b.X_WG); });
+      timed.speed.repeatable &=
+          std::equal(steps.begin(), steps.end(), timed.steps.begin(),
+                     [](const PeerStep& a, const PeerStep& b) { return SameBits(a.X_WG, b.X_WG); });
     }
   }
   timed.speed.raw = PercentilesOf(best.all());

@@ -133,8 +133,8 @@ std::vector<Goal> Goals(const ParetoResults& r) {
       }
     }
   }
-  const auto add = [&](std::string what, double bound, std::string unit,
-                       std::optional<double> here, std::string chapter) {
+  const auto add = [&](std::string what, double bound, std::string unit, std::optional<double> here,
+                       std::string chapter) {
     goals.push_back({std::move(what), fmt::format("≤ {}{}", Number(bound), unit),
                      std::move(chapter), bound, here, unit});
   };
@@ -166,7 +166,8 @@ std::vector<Plot> Plots(const ParetoResults& r) {
 
   Plot force;
   force.title = "Force error against the time of a step";
-  force.subtitle = "A ball of 5 mm slides with 1 N; points are labelled with the spheres of the object";
+  force.subtitle =
+      "A ball of 5 mm slides with 1 N; points are labelled with the spheres of the object";
   force.x = {"Step, best p99.9 [µs]", true};
   force.y = {"Force error, mean", true};
   for (const char* object : {"cube", "ellipsoid"}) {
@@ -223,10 +224,9 @@ std::vector<Plot> Plots(const ParetoResults& r) {
     beside.labels.push_back(run.name);
   }
   if (!beside.x.empty()) depth.series.push_back(beside);
-  depth.references = {
-      budget,
-      {PlotReference::Across::kVertical, 1500.0, "chapter: bunnies, 1.5 ms"},
-      {PlotReference::Across::kHorizontal, kDeepGoal_um, "goal: 10 µm"}};
+  depth.references = {budget,
+                      {PlotReference::Across::kVertical, 1500.0, "chapter: bunnies, 1.5 ms"},
+                      {PlotReference::Across::kHorizontal, kDeepGoal_um, "goal: 10 µm"}};
   if (!depth.series.empty()) plots.push_back(depth);
   return plots;
 }
@@ -246,11 +246,13 @@ void Head(Markdown& md, const ParetoResults& r) {
       r.command));
   if (r.quick) {
     md.Paragraph(
-        "**A quick look:** few scenes, the beginning of each path, few repeats. Leave out `--quick` "
+        "**A quick look:** few scenes, the beginning of each path, few repeats. Leave out "
+        "`--quick` "
         "for figures to quote.");
   }
   if (!r.complete) {
-    md.Paragraph("**Not complete:** the run was ended, or is still going on. What is here is whole.");
+    md.Paragraph(
+        "**Not complete:** the run was ended, or is still going on. What is here is whole.");
   }
   md.Heading(2, "Machine");
   md.Table("ll", {"", ""},
@@ -301,7 +303,8 @@ void Headline(Markdown& md, const ParetoResults& r) {
     }
   }
   for (const PeerRun& run : r.peer_path) {
-    if (!run.id.empty() && run.path) depth(fmt::format("`{}`, {}", r.peer_scene, run.name), run, "–");
+    if (!run.id.empty() && run.path)
+      depth(fmt::format("`{}`, {}", r.peer_scene, run.name), run, "–");
   }
   md.Table("lrrll", {"", "step, best p50", "best p99.9", "error", "chapter"}, rows);
   md.Paragraph(fmt::format(
@@ -328,19 +331,20 @@ void SpeedAgainstError(Markdown& md, const ParetoResults& r) {
 void Slides(Markdown& md, const ParetoResults& r) {
   md.Heading(2, "Force error");
   md.Paragraph(
-      "The experiment of chapter 2.5.1: a ball of 5 mm radius, commanded 1 mm deep at 1 N/mm, slides "
+      "The experiment of chapter 2.5.1: a ball of 5 mm radius, commanded 1 mm deep at 1 N/mm, "
+      "slides "
       "along a cube of 50 mm side and along an ellipsoid of semi-axes 40, 25 and 30 mm. The error "
       "is that of the force (2.36) against the analytic object, as a part of 1 N.");
   std::vector<std::vector<std::string>> rows;
   for (const SlideResult& s : r.slides) {
     const std::string spheres = Thousands(static_cast<std::size_t>(s.spheres));
-    const std::string chapter = s.contact != "spheres"                          ? "–"
-                                : s.object == "cube" && s.spheres == 4096       ? "mean 0.05"
-                                : s.object == "ellipsoid" && s.spheres == 512   ? "max 0.05"
-                                                                                : "–";
+    const std::string chapter = s.contact != "spheres"                        ? "–"
+                                : s.object == "cube" && s.spheres == 4096     ? "mean 0.05"
+                                : s.object == "ellipsoid" && s.spheres == 512 ? "max 0.05"
+                                                                              : "–";
     if (!s.slide) {
-      rows.push_back({s.object, spheres, s.contact, "not available: " + s.not_available, "", chapter,
-                      "", ""});
+      rows.push_back(
+          {s.object, spheres, s.contact, "not available: " + s.not_available, "", chapter, "", ""});
       continue;
     }
     rows.push_back({s.object, spheres, s.contact, Number(s.slide->mean), Number(s.slide->max),
@@ -366,10 +370,11 @@ void Scenes(Markdown& md, const ParetoResults& r) {
       md.Paragraph("Not available: " + s.not_available);
       continue;
     }
-    md.Paragraph(fmt::format("{} spheres of the tool, {} of the objects; {} triangles in all; {} "
-                             "steps.",
-                             Thousands(s.tool_spheres), Thousands(s.object_spheres),
-                             Thousands(s.triangles), Thousands(s.steps)));
+    md.Paragraph(
+        fmt::format("{} spheres of the tool, {} of the objects; {} triangles in all; {} "
+                    "steps.",
+                    Thousands(s.tool_spheres), Thousands(s.object_spheres), Thousands(s.triangles),
+                    Thousands(s.steps)));
     std::vector<std::vector<std::string>> rows;
     for (const ModelRun& run : s.runs) {
       if (!run.path) {
@@ -393,11 +398,13 @@ void Scenes(Markdown& md, const ParetoResults& r) {
 
 void Features(Markdown& md, const ParetoResults& r) {
   md.Heading(2, "What each feature costs");
-  md.Paragraph(fmt::format(
-      "The path of `{}`, the same steps for each line, their repeats taken in turns. *Undeclared* is "
-      "the bare step on objects that have friction, stiffness and hardness which the scene does not "
-      "declare: it should cost nothing, a ratio of 1.",
-      r.feature_scene));
+  md.Paragraph(
+      fmt::format("The path of `{}`, the same steps for each line, their repeats taken in turns. "
+                  "*Undeclared* is "
+                  "the bare step on objects that have friction, stiffness and hardness which the "
+                  "scene does not "
+                  "declare: it should cost nothing, a ratio of 1.",
+                  r.feature_scene));
   std::vector<std::vector<std::string>> rows;
   for (const FeatureCost& f : r.features) {
     if (!f.not_available.empty()) {
@@ -421,11 +428,11 @@ void Peers(Markdown& md, const ParetoResults& r) {
       "times are raw ones, marked *raw*.");
   std::vector<std::string> missing;
   for (const PeerKind& kind : PeerKinds()) {
-    const bool asked = std::find(r.peers_asked.begin(), r.peers_asked.end(), kind.id) !=
-                       r.peers_asked.end();
+    const bool asked =
+        std::find(r.peers_asked.begin(), r.peers_asked.end(), kind.id) != r.peers_asked.end();
     if (!kind.installed()) {
-      missing.push_back(fmt::format("{} (`apt-get install {}`, then configure anew)", kind.name,
-                                    kind.package));
+      missing.push_back(
+          fmt::format("{} (`apt-get install {}`, then configure anew)", kind.name, kind.package));
     } else if (asked) {
       md.Item(fmt::format("**{} {}** (`{}`): {}", kind.name, kind.version, kind.package,
                           kind.settings));
@@ -468,7 +475,8 @@ void Peers(Markdown& md, const ParetoResults& r) {
     path_table(r.peer_path);
     md.Paragraph(fmt::format(
         "{} steps. *Force in free space* is the mean where the hand's own pose is free: force of a "
-        "mesh that is not there, of a margin, or of inertia; or of a tool caught behind the object.",
+        "mesh that is not there, of a margin, or of inertia; or of a tool caught behind the "
+        "object.",
         Thousands(r.peer_steps)));
   }
   if (!r.peer_slide.empty()) {
@@ -500,7 +508,9 @@ void Missed(Markdown& md, const ParetoResults& r) {
   for (const Goal& goal : Goals(r)) {
     rows.push_back({goal.what, goal.bound_text, goal.chapter,
                     goal.here ? Number(*goal.here) + goal.unit : "–",
-                    !goal.here ? "not measured" : *goal.here <= goal.bound ? "held" : "**missed**"});
+                    !goal.here                 ? "not measured"
+                    : *goal.here <= goal.bound ? "held"
+                                               : "**missed**"});
   }
   md.Table("lllrl", {"", "goal", "chapter", "here", ""}, rows);
   md.Paragraph(
@@ -626,10 +636,13 @@ void WriteText(const std::string& file, const std::string& text) {
 void WritePareto(const std::string& folder, const ParetoResults& results) {
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);
-  const auto file = [&](const char* name) { return (std::filesystem::path(folder) / name).string(); };
+  const auto file = [&](const char* name) {
+    return (std::filesystem::path(folder) / name).string();
+  };
   WriteJson(file("pareto.json"), ToJson(results));
   Markdown md;
-  for (const auto section : {Head, Headline, SpeedAgainstError, Slides, Scenes, Features, Peers, Missed}) {
+  for (const auto section :
+       {Head, Headline, SpeedAgainstError, Slides, Scenes, Features, Peers, Missed}) {
     section(md, results);
   }
   WriteText(file("report.md"), md.text().substr(1));
