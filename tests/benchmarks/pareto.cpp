@@ -43,7 +43,7 @@ class Pareto {
  public:
   explicit Pareto(const Options& options) : options_(options) {
     results_.command = fmt::format(
-        "palpate-bench pareto --out {}{}{}{}", options.out, options.quick ? " --quick" : "",
+        "palpate-bench pareto --out DIR{}{}{}", options.quick ? " --quick" : "",
         options.peers == "all" ? "" : " --peers " + options.peers,
         options.scenes.empty() ? "" : fmt::format(" --scenes {}", fmt::join(options.scenes, ",")));
     results_.quick = options.quick;
@@ -261,7 +261,9 @@ class Pareto {
     for (const char* contact : kContacts) {
       tasks.push_back({fmt::format("peers' path: Palpate, {} contact", contact), [this, contact] {
                          PeerRun one;
-                         one.name = fmt::format("Palpate, {} contact", contact);
+                         one.name =
+                             fmt::format("Palpate, {} contact",
+                                         std::string(contact) == "spheres" ? "sphere" : contact);
                          OrReason(one.not_available, [&] {
                            SceneRun run(loaded_->scene, loaded_->poses, {ParseContact(contact)});
                            const TimedRun timed = TimeRun(run, repeats(), stop_);

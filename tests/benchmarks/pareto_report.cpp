@@ -49,10 +49,13 @@ std::string Thousands(std::size_t n) {
 class Markdown {
  public:
   void Heading(int level, const std::string& text) {
-    text_ += fmt::format("\n{} {}\n\n", std::string(static_cast<std::size_t>(level), '#'), text);
+    text_ += fmt::format("{} {}\n\n", std::string(static_cast<std::size_t>(level), '#'), text);
   }
   void Paragraph(const std::string& text) { text_ += text + "\n\n"; }
-  void Item(const std::string& text) { text_ += "- " + text + "\n"; }
+  void List(const std::vector<std::string>& items) {
+    for (const std::string& item : items) text_ += "- " + item + "\n";
+    if (!items.empty()) text_ += "\n";
+  }
   /// `align`: one letter a column, l or r.
   void Table(const std::string& align, const std::vector<std::string>& head,
              const std::vector<std::vector<std::string>>& rows) {
@@ -77,6 +80,40 @@ class Markdown {
   }
   std::string text_;
 };
+
+/// Rows of what was measured, and a sentence on what was not: a reason is too long for a cell, and
+/// often the same for several.
+class Rows {
+ public:
+  /// @param name  of the row, as the sentence tells it
+  void Add(const Measured& m, const std::string& name, std::vector<std::string> cells) {
+    if (m.not_available.empty()) {
+      rows_.push_back(std::move(cells));
+      return;
+    }
+    for (auto& [reason, names] : refused_) {
+      if (reason != m.not_available) continue;
+      names += "; " + name;
+      return;
+    }
+    refused_.emplace_back(m.not_available, name);
+  }
+  void Print(Markdown& md, const std::string& align, const std::vector<std::string>& head) const {
+    if (!rows_.empty()) md.Table(align, head, rows_);
+    for (const auto& [reason, names] : refused_) {
+      md.Paragraph(fmt::format("Not available: {} ({}).", names, reason));
+    }
+    if (rows_.empty() && refused_.empty()) md.Paragraph("Not measured.");
+  }
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+  std::vector<std::pair<std::string, std::string>> refused_;
+};
+
+std::string ContactName(const std::string& contact) {
+  return (contact == "spheres" ? "sphere" : contact) + " contact";
+}
 
 // ---- finding what was measured
 
@@ -172,7 +209,7 @@ std::vector<Plot> Plots(const ParetoResults& r) {
   force.y = {"Force error, mean", true};
   for (const char* object : {"cube", "ellipsoid"}) {
     for (const char* contact : {"spheres", "surface"}) {
-      PlotSeries series{fmt::format("{}, {}", object, contact)};
+      PlotSeries series{fmt::format("{}, {}", object, ContactName(contact))};
       series.style = PlotSeries::Style::kLineAndPoints;
       for (const SlideResult& s : r.slides) {
         if (s.object != object || s.contact != contact || !s.slide) continue;
@@ -204,7 +241,7 @@ std::vector<Plot> Plots(const ParetoResults& r) {
   depth.x = {"Step, best p99.9 [µs]", true};
   depth.y = {"Penetration, p99.9 of the steps [µm]", true, 0.001};
   for (const char* contact : {"spheres", "surface"}) {
-    PlotSeries series{fmt::format("{} contact", contact)};
+    PlotSeries series{ContactName(contact)};
     series.style = PlotSeries::Style::kPoints;
     for (const SceneResult& s : r.scenes) {
       if (const ModelRun* run = FindRun(r, s.scene, contact, "off")) {
@@ -276,8 +313,8 @@ void Headline(Markdown& md, const ParetoResults& r) {
   const auto force = [&](const std::string& object, int spheres, const std::string& contact,
                          const std::string& chapter) {
     if (const SlideResult* s = FindSlide(r, object, spheres, contact)) {
-      add(fmt::format("{}, {} spheres, {} contact", object,
-                      Thousands(static_cast<std::size_t>(spheres)), contact),
+      add(fmt::format("{}, {} spheres, {}", object, Thousands(static_cast<std::size_t>(spheres)),
+                      ContactName(contact)),
           s->speed,
           fmt::format("force: mean {}, max {}", Number(s->slide->mean), Number(s->slide->max)),
           chapter);
@@ -298,7 +335,7 @@ void Headline(Markdown& md, const ParetoResults& r) {
         std::pair("dragon-buddha", "< 1,000 + 1,000 µs")}) {
     for (const char* contact : {"spheres", "surface"}) {
       if (const ModelRun* run = FindRun(r, scene, contact, "off")) {
-        depth(fmt::format("`{}`, {} contact", scene, contact), *run, chapter);
+        depth(fmt::format("`{}`, {}", scene, ContactName(contact)), *run, chapter);
       }
     }
   }
@@ -335,24 +372,20 @@ void Slides(Markdown& md, const ParetoResults& r) {
       "slides "
       "along a cube of 50 mm side and along an ellipsoid of semi-axes 40, 25 and 30 mm. The error "
       "is that of the force (2.36) against the analytic object, as a part of 1 N.");
-  std::vector<std::vector<std::string>> rows;
+  Rows rows;
   for (const SlideResult& s : r.slides) {
+    const SlideError error = s.slide.value_or(SlideError{});
     const std::string spheres = Thousands(static_cast<std::size_t>(s.spheres));
     const std::string chapter = s.contact != "spheres"                        ? "–"
                                 : s.object == "cube" && s.spheres == 4096     ? "mean 0.05"
                                 : s.object == "ellipsoid" && s.spheres == 512 ? "max 0.05"
                                                                               : "–";
-    if (!s.slide) {
-      rows.push_back(
-          {s.object, spheres, s.contact, "not available: " + s.not_available, "", chapter, "", ""});
-      continue;
-    }
-    rows.push_back({s.object, spheres, s.contact, Number(s.slide->mean), Number(s.slide->max),
-                    chapter, Number(s.speed.best.p50), Number(s.speed.best.p999)});
+    rows.Add(s, fmt::format("{}, {} spheres, {}", s.object, spheres, ContactName(s.contact)),
+             {s.object, spheres, s.contact, Number(error.mean), Number(error.max), chapter,
+              Number(s.speed.best.p50), Number(s.speed.best.p999)});
   }
-  md.Table("lrlrrlrr",
-           {"object", "spheres", "contact", "mean", "max", "chapter", "best p50", "best p99.9"},
-           rows);
+  rows.Print(md, "lrlrrlrr",
+             {"object", "spheres", "contact", "mean", "max", "chapter", "best p50", "best p99.9"});
 }
 
 void Scenes(Markdown& md, const ParetoResults& r) {
@@ -375,23 +408,17 @@ void Scenes(Markdown& md, const ParetoResults& r) {
                     "steps.",
                     Thousands(s.tool_spheres), Thousands(s.object_spheres), Thousands(s.triangles),
                     Thousands(s.steps)));
-    std::vector<std::vector<std::string>> rows;
+    Rows rows;
     for (const ModelRun& run : s.runs) {
-      if (!run.path) {
-        rows.push_back(
-            {run.contact, run.friction, "not available: " + run.not_available, "", "", "", "", ""});
-        continue;
-      }
-      rows.push_back({run.contact, run.friction, Number(run.speed.best.p50),
-                      Number(run.speed.best.p999), Depth(run, &Percentiles::p999),
-                      Depth(run, &Percentiles::max),
-                      run.sphere_overlap_um ? Number(*run.sphere_overlap_um) : "–",
-                      Number(run.path->force_jump_N)});
+      rows.Add(run, fmt::format("{}, friction {}", ContactName(run.contact), run.friction),
+               {run.contact, run.friction, Number(run.speed.best.p50), Number(run.speed.best.p999),
+                Depth(run, &Percentiles::p999), Depth(run, &Percentiles::max),
+                run.sphere_overlap_um ? Number(*run.sphere_overlap_um) : "–",
+                run.path ? Number(run.path->force_jump_N) : "–"});
     }
-    md.Table("llrrrrrr",
-             {"contact", "friction", "best p50", "best p99.9", "penetration p99.9 [µm]", "max [µm]",
-              "sphere overlap [µm]", "greatest jump [N]"},
-             rows);
+    rows.Print(md, "llrrrrrr",
+               {"contact", "friction", "best p50", "best p99.9", "penetration p99.9 [µm]",
+                "max [µm]", "sphere overlap [µm]", "greatest jump [N]"});
   }
   if (r.scenes.empty()) md.Paragraph("None measured.");
 }
@@ -405,16 +432,13 @@ void Features(Markdown& md, const ParetoResults& r) {
                   "scene does not "
                   "declare: it should cost nothing, a ratio of 1.",
                   r.feature_scene));
-  std::vector<std::vector<std::string>> rows;
+  Rows rows;
   for (const FeatureCost& f : r.features) {
-    if (!f.not_available.empty()) {
-      rows.push_back({f.feature, "not available: " + f.not_available, "", "", ""});
-      continue;
-    }
-    rows.push_back({f.feature, Number(f.speed.best.p50), Number(f.speed.best.p999),
-                    fmt::format("{:.2f}", f.ratio_p50), fmt::format("{:.2f}", f.ratio_p999)});
+    rows.Add(f, f.feature,
+             {f.feature, Number(f.speed.best.p50), Number(f.speed.best.p999),
+              fmt::format("{:.2f}", f.ratio_p50), fmt::format("{:.2f}", f.ratio_p999)});
   }
-  md.Table("lrrrr", {"feature", "best p50", "best p99.9", "p50 ×", "p99.9 ×"}, rows);
+  rows.Print(md, "lrrrr", {"feature", "best p50", "best p99.9", "p50 ×", "p99.9 ×"});
 }
 
 void Peers(Markdown& md, const ParetoResults& r) {
@@ -426,49 +450,36 @@ void Peers(Markdown& md, const ParetoResults& r) {
       "is the spring's. A ball is the peer's own exact sphere. Times hold the peer's collision "
       "detection and its step. Where a peer does not do the same again from a new start, its best "
       "times are raw ones, marked *raw*.");
-  std::vector<std::string> missing;
+  std::vector<std::string> items;
   for (const PeerKind& kind : PeerKinds()) {
     const bool asked =
         std::find(r.peers_asked.begin(), r.peers_asked.end(), kind.id) != r.peers_asked.end();
-    if (!kind.installed()) {
-      missing.push_back(
-          fmt::format("{} (`apt-get install {}`, then configure anew)", kind.name, kind.package));
-    } else if (asked) {
-      md.Item(fmt::format("**{} {}** (`{}`): {}", kind.name, kind.version, kind.package,
-                          kind.settings));
-    } else {
-      md.Item(fmt::format("**{} {}** was not asked for.", kind.name, kind.version));
-    }
+    items.push_back(
+        !kind.installed()
+            ? fmt::format(
+                  "**{}** was not installed when this was configured: `apt-get install {}`, "
+                  "then configure and build anew.",
+                  kind.name, kind.package)
+        : asked ? fmt::format("**{} {}** (`{}`): {}.", kind.name, kind.version, kind.package,
+                              kind.settings)
+                : fmt::format("**{} {}** was not asked for.", kind.name, kind.version));
   }
-  if (!missing.empty()) {
-    md.Item(fmt::format("Not installed when this was configured: {}.", fmt::join(missing, "; ")));
-  }
-  md.Paragraph("");
+  md.List(items);
   const auto speed = [](const Measured& m, double Percentiles::*which) {
     return Number(m.speed.best.*which) + (m.speed.repeatable ? "" : " raw");
   };
   const auto path_table = [&](const std::vector<PeerRun>& runs) {
-    std::vector<std::vector<std::string>> rows;
+    Rows rows;
     for (const PeerRun& run : runs) {
-      if (!run.not_available.empty()) {
-        rows.push_back({run.name, "not available: " + run.not_available, "", "", "", "", "", ""});
-        continue;
-      }
-      std::vector<std::string> row{run.name, speed(run, &Percentiles::p50),
-                                   speed(run, &Percentiles::p999)};
-      if (run.path) {
-        row.insert(row.end(), {Depth(run, &Percentiles::p50), Depth(run, &Percentiles::p999),
-                               Depth(run, &Percentiles::max), Number(run.path->free_force_N),
-                               Number(run.path->force_jump_N)});
-      } else {
-        row.insert(row.end(), {"–", "–", "–", "–", "–"});
-      }
-      rows.push_back(row);
+      rows.Add(run, run.name,
+               {run.name, speed(run, &Percentiles::p50), speed(run, &Percentiles::p999),
+                Depth(run, &Percentiles::p50), Depth(run, &Percentiles::p999),
+                Depth(run, &Percentiles::max), run.path ? Number(run.path->free_force_N) : "–",
+                run.path ? Number(run.path->force_jump_N) : "–"});
     }
-    md.Table("lrrrrrrr",
-             {"", "best p50", "best p99.9", "penetration p50 [µm]", "p99.9 [µm]", "max [µm]",
-              "force in free space [N]", "greatest jump [N]"},
-             rows);
+    rows.Print(md, "lrrrrrrr",
+               {"", "best p50", "best p99.9", "penetration p50 [µm]", "p99.9 [µm]", "max [µm]",
+                "force in free space [N]", "greatest jump [N]"});
   };
   if (!r.peer_path.empty()) {
     md.Heading(3, fmt::format("The path of `{}`", r.peer_scene));
@@ -481,19 +492,15 @@ void Peers(Markdown& md, const ParetoResults& r) {
   }
   if (!r.peer_slide.empty()) {
     md.Heading(3, "The slide along the cube");
-    std::vector<std::vector<std::string>> rows;
+    Rows rows;
     for (const PeerRun& run : r.peer_slide) {
-      if (!run.not_available.empty()) {
-        rows.push_back({run.name, "not available: " + run.not_available, "", "", "", ""});
-        continue;
-      }
-      rows.push_back({run.name, speed(run, &Percentiles::p50), speed(run, &Percentiles::p999),
-                      run.slide ? Number(run.slide->mean) : "–",
-                      run.slide ? Number(run.slide->max) : "–", Depth(run, &Percentiles::max)});
+      rows.Add(run, run.name,
+               {run.name, speed(run, &Percentiles::p50), speed(run, &Percentiles::p999),
+                run.slide ? Number(run.slide->mean) : "–", run.slide ? Number(run.slide->max) : "–",
+                Depth(run, &Percentiles::max)});
     }
-    md.Table("lrrrrr",
-             {"", "best p50", "best p99.9", "force error, mean", "max", "penetration max [µm]"},
-             rows);
+    rows.Print(md, "lrrrrr",
+               {"", "best p50", "best p99.9", "force error, mean", "max", "penetration max [µm]"});
   }
   if (!r.peer_variants.empty()) {
     md.Heading(3, "The peers set otherwise");
@@ -645,7 +652,7 @@ void WritePareto(const std::string& folder, const ParetoResults& results) {
        {Head, Headline, SpeedAgainstError, Slides, Scenes, Features, Peers, Missed}) {
     section(md, results);
   }
-  WriteText(file("report.md"), md.text().substr(1));
+  WriteText(file("report.md"), md.text());
   const std::vector<Plot> plots = Plots(results);
   if (plots.empty()) return;
   WriteText(file("pareto.svg"), ToSvg(plots));

@@ -71,7 +71,9 @@ PeerKind FclPeer() {
           .name = "FCL",
           .package = "libfcl-dev",
           .version = FCL_VERSION,
-          .settings = "distance between meshes",
+          .settings =
+              "the distance between the meshes (OBB-RSS trees), where Palpate's tool is: it "
+              "gives no response, so this is time and distance alone",
           .responds = false,
           .make = [](const PeerScene& scene, const Pose&, const PeerSettings&) {
             return std::make_unique<Fcl>(scene);

@@ -11,7 +11,12 @@
 namespace palpate::bench {
 namespace {
 
-constexpr int kMostContacts = 1024;  // of a pair of geometries
+constexpr int kMostContacts = 1024;  // of a pair of geometries; the bunnies' path has 43 at most
+
+// Everything else is as ODE has it: QuickStep with 20 iterations, ERP 0.2, CFM 1e-10.  Over the
+// bunnies' path the greatest depth of a vertex is then 74 um; with ERP 0.8 it is 151, with 50
+// iterations 103, with the exact dWorldStep 112, with CFM 1e-5 69, with a surface layer of 10 um
+// 65.
 
 /// A mesh as ODE reads it, about `origin`.
 struct OdeMesh {
@@ -44,6 +49,7 @@ class Ode : public Peer {
     static std::once_flag once;
     std::call_once(once, [] { dInitODE2(0); });
     dAllocateODEDataForThread(dAllocateMaskAll);
+    dRandSetSeed(0);  // QuickStep shuffles its rows
     world_ = dWorldCreate();
     contacts_ = dJointGroupCreate(0);
     tool_ = dBodyCreate(world_);
@@ -137,7 +143,9 @@ PeerKind OdePeer() {
           .name = "ODE",
           .package = "libode-dev",
           .version = PALPATE_ODE_VERSION,
-          .settings = "trimesh against trimesh",
+          .settings =
+              "trimesh against trimesh (OPCODE), a ball by its own sphere; QuickStep, "
+              "with the iterations, ERP and CFM that it comes with",
           .make = [](const PeerScene& scene, const Pose& start, const PeerSettings& settings) {
             return std::make_unique<Ode>(scene, start, settings);
           }};
