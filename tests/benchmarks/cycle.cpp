@@ -6,6 +6,7 @@
 #include "server/physics/simd/kernels.h"
 #include "server/physics/sphere_tree_query.h"
 #include "tests/benchmarks/commands.h"
+#include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/overlap_oracle.h"
 #include "tests/benchmarks/pose_source.h"
@@ -19,8 +20,7 @@ struct Options {
   std::string poses;
   std::optional<int> steps;
   int repeats = 5;
-  std::string contact = "spheres";
-  std::string friction = "off";
+  FeatureOptions features;
   std::string models;
   std::string json;
   int check_every = 1;
@@ -46,8 +46,7 @@ void Run(const Options& options) {
       poses.size() > static_cast<std::size_t>(*options.steps)) {
     poses.resize(static_cast<std::size_t>(*options.steps));
   }
-  SceneRun run(options.scene, options.models, std::move(poses),
-               {ParseContact(options.contact), ParseFriction(options.friction)});
+  SceneRun run(options.scene, options.models, std::move(poses), options.features.features());
   const std::size_t steps = run.poses().size();
 
   BestOf step, stage[4];
@@ -92,8 +91,8 @@ void Run(const Options& options) {
                           options.scene, run.tool().tree.leaves(), run.object_spheres(), steps,
                           options.repeats, ActiveKernels().name));
   nlohmann::ordered_json json{{"scene", options.scene},
-                              {"contact", options.contact},
-                              {"friction", options.friction},
+                              {"contact", options.features.contact},
+                              {"friction", options.features.friction},
                               {"tool_spheres", run.tool().tree.leaves()},
                               {"object_spheres", run.object_spheres()},
                               {"steps", steps},
@@ -150,12 +149,7 @@ void AddCycle(CLI::App& app) {
                    "Identical runs; 'best' is the least of each step")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_option("--contact", options->contact, "spheres")
-      ->check(CLI::IsMember({"spheres", "surface"}))
-      ->capture_default_str();
-  command->add_option("--friction", options->friction, "off")
-      ->check(CLI::IsMember({"off", "chapter", "coulomb"}))
-      ->capture_default_str();
+  options->features.AddTo(*command);
   command->add_option("--models", options->models, "Folder of models that are not packaged");
   command
       ->add_option("--check-every", options->check_every,

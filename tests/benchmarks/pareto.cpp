@@ -10,6 +10,7 @@
 #include "common/stop_signal.h"
 #include "scenes/catalogue.h"
 #include "tests/benchmarks/commands.h"
+#include "tests/benchmarks/features.h"
 #include "tests/benchmarks/overlap_oracle.h"
 #include "tests/benchmarks/pareto_measure.h"
 #include "tests/benchmarks/pareto_report.h"
@@ -165,8 +166,9 @@ class Pareto {
     model.friction = friction;
     OrReason(model.not_available, [&] {
       Features features = loaded_->scene.features;
-      features.contact = ParseContact(contact);
-      features.friction = ParseFriction(friction);
+      const Features models = FeatureOptions{contact, friction}.features();
+      features.contact = models.contact;
+      features.friction = models.friction;
       SceneRun run(loaded_->scene, loaded_->poses, features);
       const TimedRun timed = TimeRun(run, repeats(), stop_);
       model.speed = timed.speed;
@@ -259,23 +261,23 @@ class Pareto {
                        Load(kPeerScene, ignored);
                      }});
     for (const char* contact : kContacts) {
-      tasks.push_back({fmt::format("peers' path: Palpate, {} contact", contact), [this, contact] {
-                         PeerRun one;
-                         one.name =
-                             fmt::format("Palpate, {} contact",
-                                         std::string(contact) == "spheres" ? "sphere" : contact);
-                         OrReason(one.not_available, [&] {
-                           SceneRun run(loaded_->scene, loaded_->poses, {ParseContact(contact)});
-                           const TimedRun timed = TimeRun(run, repeats(), stop_);
-                           one.speed = timed.speed;
-                           Judge(timed.reports, *loaded_->judge, one);
-                           free_poses_.clear();
-                           for (const StepReport& report : timed.reports) {
-                             free_poses_.push_back(report.X_WG);
-                           }
-                         });
-                         results_.peer_path.push_back(one);
-                       }});
+      tasks.push_back(
+          {fmt::format("peers' path: Palpate, {} contact", contact), [this, contact] {
+             PeerRun one;
+             one.name = fmt::format("Palpate, {} contact",
+                                    std::string(contact) == "spheres" ? "sphere" : contact);
+             OrReason(one.not_available, [&] {
+               SceneRun run(loaded_->scene, loaded_->poses, FeatureOptions{contact}.features());
+               const TimedRun timed = TimeRun(run, repeats(), stop_);
+               one.speed = timed.speed;
+               Judge(timed.reports, *loaded_->judge, one);
+               free_poses_.clear();
+               for (const StepReport& report : timed.reports) {
+                 free_poses_.push_back(report.X_WG);
+               }
+             });
+             results_.peer_path.push_back(one);
+           }});
     }
     for (const PeerKind& kind : PeerKinds()) {
       if (!kind.installed() || !Asked(kind.id)) continue;

@@ -4,25 +4,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/error.h"
 #include "scenes/catalogue.h"
 #include "server/session/scene_model.h"
+#include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"
 
 namespace palpate::bench {
-
-ContactModel ParseContact(const std::string& name) {
-  if (name == "spheres") return ContactModel::kSpheres;
-  if (name == "surface") return ContactModel::kSurface;
-  throw UsageError("--contact " + name + " is not one of spheres, surface");
-}
-
-FrictionModel ParseFriction(const std::string& name) {
-  if (name == "off") return FrictionModel::kOff;
-  if (name == "chapter") return FrictionModel::kChapter;
-  if (name == "coulomb") return FrictionModel::kCoulomb;
-  throw UsageError("--friction " + name + " is not one of off, chapter, coulomb");
-}
 
 Scene LoadForBench(const std::string& scene, const std::string& models_dir) {
   LoadOptions options;
@@ -43,10 +30,7 @@ SceneRun::SceneRun(const std::string& scene, const std::string& models_dir, std:
     : SceneRun(LoadForBench(scene, models_dir), std::move(poses), features) {}
 
 void SceneRun::Compose(const Features& features) {
-  if (features.contact != ContactModel::kSpheres || features.friction != FrictionModel::kOff ||
-      features.compliance || features.removal) {
-    throw UsageError("this version has --contact spheres and --friction off only");
-  }
+  RequireAvailable(features);
   scene_.features = features;
   model_ = std::make_unique<HapticModel>(MakeModel(scene_, tool(), MakeObjects(scene_)));
   workspace_ = std::make_unique<StepWorkspace>(*model_);

@@ -9,10 +9,6 @@
 
 namespace palpate::bench {
 
-/// What a step is composed of, by the names that command lines have.
-ContactModel ParseContact(const std::string& name);    ///< spheres, surface
-FrictionModel ParseFriction(const std::string& name);  ///< off, chapter, coulomb
-
 /// A scene's first tool, its model, and poses for it: what every measurement of the step starts
 /// from.
 class SceneRun {

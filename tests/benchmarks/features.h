@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "scenes/scene.h"
+
+namespace palpate::bench {
+
+/// The options --contact and --friction, the same for every command.
+struct FeatureOptions {
+  std::string contact = "spheres";
+  std::string friction = "off";
+
+  void AddTo(CLI::App& command);
+  /// Throws UsageError where this version has not what they ask for.
+  Features features() const;
+};
+
+/// Throws UsageError where this version's physics has them not.
+void RequireAvailable(const Features& features);
+
+}  // namespace palpate::bench
