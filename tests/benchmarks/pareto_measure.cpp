@@ -55,7 +55,7 @@ TimedRun TimeRun(SceneRun& run, int repeats, const StopSignal& stop) {
   BestOf best;
   for (int r = 0; r < repeats; ++r) {
     ThrowIfStopped(stop);
-    best.Add(run.Time(r == 0 ? &timed.reports : nullptr));
+    best.Add(run.Time(r == 0 ? &timed.steps : nullptr));
   }
   timed.speed = {PercentilesOf(best.best()), PercentilesOf(best.all())};
   return timed;

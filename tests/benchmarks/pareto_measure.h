@@ -38,7 +38,7 @@ class PathJudge {
 /// `repeats` passes over the run's path.  Throws Stopped.
 struct TimedRun {
   Speed speed;
-  std::vector<StepReport> reports;
+  std::vector<StepReport> steps;
 };
 TimedRun TimeRun(SceneRun& run, int repeats, const StopSignal& stop);
 

@@ -7,6 +7,7 @@
 
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
+#include "tests/benchmarks/sliding_force.h"
 
 namespace palpate::bench {
 
@@ -17,11 +18,6 @@ struct Speed {
   Percentiles best, raw;
   /// False where repeats ended differently: `best` is then of single runs, the same as `raw`.
   bool repeatable = true;
-};
-
-/// The experiment of chapter 2.5.1: |F - F_analytic| / |F_analytic| (2.36).
-struct SlideError {
-  double mean = 0.0, max = 0.0;
 };
 
 /// What a path's steps were right by, on every n-th of them.
@@ -37,7 +33,7 @@ struct PathError {
 struct Measured {
   std::string not_available{};  ///< the reason; empty where it was measured
   Speed speed{};
-  std::optional<SlideError> slide{};
+  std::optional<MeanMax> slide{};  ///< |delta F| of (2.36), the experiment of chapter 2.5.1
   std::optional<PathError> path{};
 };
 
@@ -54,10 +50,13 @@ struct SceneResult {
   std::vector<ModelRun> runs{};
 };
 
+/// Meshes of the ellipsoid that goals are set for, beside the experiment's own.
+inline constexpr std::size_t kFewTriangles = 5120, kManyTriangles = 81920;
+
 /// The experiment of chapter 2.5.1 at one count of spheres.
 struct SlideResult : ModelRun {
   std::string object{};  ///< cube or ellipsoid
-  int spheres = 0;
+  std::size_t spheres = 0, triangles = 0;
 };
 
 /// One feature of the step beside the step without any, on the same path.
