@@ -116,7 +116,7 @@ class Pareto {
   }
 
   int repeats() const { return options_.repeats > 0 ? options_.repeats : options_.quick ? 2 : 5; }
-  int checks() const { return options_.quick ? 60 : 400; }
+  int checks() const { return options_.quick ? 100 : 2000; }
   std::vector<Pose> PathOf(const std::string& scene) const {
     std::vector<Pose> poses = ScriptPoses(scene, std::nullopt);
     // The beginning of a path: long enough to touch.
@@ -343,7 +343,7 @@ class Pareto {
                                            PeerSettings{0.02, 1}, PeerSettings{1.0, 1}}) {
         Plan(kind.name + " set otherwise", [this, &kind, settings] {
           PeerRun run = MeasurePeer(kind, settings, kVariantSteps);
-          run.name = fmt::format("{}, {} kg, {} sub-step{}", kind.name, settings.mass,
+          run.name = fmt::format("{}, {} kg, {} sub-step{}", run.name, settings.mass,
                                  settings.substeps, settings.substeps > 1 ? "s" : "");
           results_.peer_variants.push_back(run);
         });
@@ -355,7 +355,7 @@ class Pareto {
   PeerRun MeasurePeer(const PeerKind& kind, const PeerSettings& settings, std::size_t steps) const {
     PeerRun run;
     run.id = kind.id;
-    run.name = kind.name;
+    run.name = kind.name + (kind.convex ? " (hulls)" : "");
     OrReason(run.not_available, [&] {
       // One that only measures is asked where Palpate's tool is.
       const std::vector<Pose>& poses = kind.responds ? loaded_->poses : free_poses_;

@@ -28,6 +28,7 @@ constexpr double kDeepGoal_um = 10.0;
 std::string Number(double v) {
   const double a = std::abs(v);
   if (a == 0.0) return "0";
+  if (a < 1e-6) return "< 1e-6";
   if (a >= 1e5) return fmt::format("{:.2e}", v);
   if (a >= 100.0) return fmt::format("{:.0f}", v);
   if (a >= 10.0) return fmt::format("{:.1f}", v);
@@ -202,16 +203,14 @@ std::vector<Goal> Goals(const ParetoResults& r) {
 
 // ---- plots
 
-std::vector<Plot> Plots(const ParetoResults& r) {
-  const PlotReference budget{PlotReference::Across::kVertical, kMillisecond_us, "1 ms"};
-  std::vector<Plot> plots;
-
+/// The error of a sliding ball's force; `which` and `name` say the mean or the greatest.
+Plot ForcePlot(const ParetoResults& r, const char* name, double MeanMax::*which) {
   Plot force;
-  force.title = "Force error against the time of a step";
+  force.title = fmt::format("Force error, {}, against the time of a step", name);
   force.subtitle =
       "A ball of 5 mm slides with 1 N; points are labelled with the spheres of the object";
   force.x = {"Step, best p99.9 [µs]", true};
-  force.y = {"Force error, mean", true};
+  force.y = {fmt::format("Force error, {} [of 1 N]", name), true};
   for (const char* object : {"cube", "ellipsoid"}) {
     for (const char* contact : {"spheres", "surface"}) {
       PlotSeries series{fmt::format("{}, {}", object, ContactName(contact))};
@@ -219,7 +218,7 @@ std::vector<Plot> Plots(const ParetoResults& r) {
       for (const SlideResult& s : r.slides) {
         if (s.object != object || s.contact != contact || !s.slide) continue;
         series.x.push_back(s.speed.best.p999);
-        series.y.push_back(s.slide->mean);
+        series.y.push_back((*s.slide).*which);
         series.labels.push_back(s.object == "ellipsoid" && contact == std::string("surface")
                                     ? Thousands(s.spheres) + " of " + Thousands(s.triangles)
                                     : Thousands(s.spheres));
@@ -232,28 +231,39 @@ std::vector<Plot> Plots(const ParetoResults& r) {
   for (const PeerRun& run : r.peer_slide) {
     if (run.id.empty() || !run.slide) continue;
     peers.x.push_back(run.speed.best.p999);
-    peers.y.push_back(run.slide->mean);
+    peers.y.push_back((*run.slide).*which);
     peers.labels.push_back(run.name);
   }
   if (!peers.x.empty()) force.series.push_back(peers);
-  force.references = {
-      {PlotReference::Across::kHorizontal, kJndHigh, "just noticed: 8 %"},
-      {PlotReference::Across::kHorizontal, kJndLow, "6 %"},
-      {PlotReference::Across::kHorizontal, kChapterCubeMean, "chapter: 0.05, cube, 4,096"}};
-  if (!force.series.empty()) plots.push_back(force);
+  force.references = {{PlotReference::Across::kHorizontal, kJndHigh, "just noticed: 8 %"},
+                      {PlotReference::Across::kHorizontal, kJndLow, "6 %"}};
+  return force;
+}
+
+std::vector<Plot> Plots(const ParetoResults& r) {
+  const PlotReference budget{PlotReference::Across::kVertical, kMillisecond_us, "1 ms"};
+  std::vector<Plot> plots;
+
+  plots.push_back(ForcePlot(r, "mean", &MeanMax::mean));
+  plots.back().references.push_back(
+      {PlotReference::Across::kHorizontal, kChapterCubeMean, "chapter: cube, 4,096"});
+  plots.push_back(ForcePlot(r, "greatest", &MeanMax::max));
+  plots.back().references.push_back(
+      {PlotReference::Across::kHorizontal, kChapterEllipsoidMax, "chapter: ellipsoid, 512"});
+  std::erase_if(plots, [](const Plot& plot) { return plot.series.empty(); });
 
   Plot depth;
   depth.title = "Penetration against the time of a step";
   depth.subtitle = "The deepest vertex of either mesh inside the other, friction off";
   depth.x = {"Step, best p99.9 [µs]", true};
-  depth.y = {"Penetration, p99.9 of the steps [µm]", true, 0.001};
+  depth.y = {"Penetration, p99 of the steps [µm]", true, 0.001};
   for (const char* contact : {"spheres", "surface"}) {
     PlotSeries series{ContactName(contact)};
     series.style = PlotSeries::Style::kPoints;
     for (const SceneResult& s : r.scenes) {
       if (const ModelRun* run = FindRun(r, s.scene, contact, "off")) {
         series.x.push_back(run->speed.best.p999);
-        series.y.push_back(run->path->penetration_um.p999);
+        series.y.push_back(run->path->penetration_um.p99);
         series.labels.push_back(s.scene);
       }
     }
@@ -264,7 +274,7 @@ std::vector<Plot> Plots(const ParetoResults& r) {
   for (const PeerRun& run : r.peer_path) {
     if (run.id.empty() || !run.path) continue;
     beside.x.push_back(run.speed.best.p999);
-    beside.y.push_back(run.path->penetration_um.p999);
+    beside.y.push_back(run.path->penetration_um.p99);
     beside.labels.push_back(run.name);
   }
   if (!beside.x.empty()) depth.series.push_back(beside);
@@ -332,7 +342,7 @@ void Headline(Markdown& md, const ParetoResults& r) {
   }
   const auto depth = [&](const std::string& name, const Measured& m, const std::string& chapter) {
     add(name, m.speed,
-        fmt::format("{} µm deep at p99.9, {} at most", Depth(m, &Percentiles::p999),
+        fmt::format("{} µm deep at p99, {} at most", Depth(m, &Percentiles::p99),
                     Depth(m, &Percentiles::max)),
         chapter);
   };
@@ -401,11 +411,11 @@ void Scenes(Markdown& md, const ParetoResults& r) {
   md.Heading(2, "Scenes");
   md.Paragraph(
       "Every scene's own path. *Penetration* is that of the meshes: the deepest vertex of either "
-      "inside the other, at the reported pose, on some hundred steps of the path. With sphere "
-      "contact the meshes may meet where the spheres, which lie inside them, do not yet: that is "
-      "the model's error. *Sphere overlap* is how deep the spheres themselves overlap, which is "
-      "what that model prevents. Objects without friction of their own have μ_s 0.8 and μ_d 0.3 "
-      "where a friction model is named.");
+      "inside the other, at the reported pose, on every n-th step; edges that cross without one "
+      "are not seen. With sphere contact the meshes may meet where the spheres, which lie inside "
+      "them, do not yet: that is the model's error. *Sphere overlap* is how deep the spheres "
+      "themselves overlap, which is what that model prevents. Objects without friction of their "
+      "own have μ_s 0.8 and μ_d 0.3 where a friction model is named.");
   for (const SceneResult& s : r.scenes) {
     md.Heading(3, "`" + s.scene + "`");
     if (!s.not_available.empty()) {
@@ -413,7 +423,7 @@ void Scenes(Markdown& md, const ParetoResults& r) {
       continue;
     }
     md.Paragraph(
-        fmt::format("{} spheres of the tool, {} of the objects; {} triangles in all; {} "
+        fmt::format("Spheres: {} of the tool, {} of the objects; {} triangles in all; {} "
                     "steps.",
                     Thousands(s.tool_spheres), Thousands(s.object_spheres), Thousands(s.triangles),
                     Thousands(s.steps)));
@@ -421,13 +431,13 @@ void Scenes(Markdown& md, const ParetoResults& r) {
     for (const ModelRun& run : s.runs) {
       rows.Add(run, fmt::format("{}, friction {}", ContactName(run.contact), run.friction),
                {run.contact, run.friction, Number(run.speed.best.p50), Number(run.speed.best.p999),
-                Depth(run, &Percentiles::p999), Depth(run, &Percentiles::max),
+                Depth(run, &Percentiles::p99), Depth(run, &Percentiles::max),
                 run.sphere_overlap_um ? Number(*run.sphere_overlap_um) : "–",
                 run.path ? Number(run.path->force_jump_N) : "–"});
     }
     rows.Print(md, "llrrrrrr",
-               {"contact", "friction", "best p50", "best p99.9", "penetration p99.9 [µm]",
-                "max [µm]", "sphere overlap [µm]", "greatest jump [N]"});
+               {"contact", "friction", "best p50", "best p99.9", "penetration p99 [µm]", "max [µm]",
+                "sphere overlap [µm]", "greatest jump [N]"});
   }
   if (r.scenes.empty()) md.Paragraph("None measured.");
 }
@@ -482,22 +492,37 @@ void Peers(Markdown& md, const ParetoResults& r) {
     for (const PeerRun& run : runs) {
       rows.Add(run, run.name,
                {run.name, speed(run, &Percentiles::p50), speed(run, &Percentiles::p999),
-                Depth(run, &Percentiles::p50), Depth(run, &Percentiles::p999),
+                Depth(run, &Percentiles::p50), Depth(run, &Percentiles::p99),
                 Depth(run, &Percentiles::max), run.path ? Number(run.path->free_force_N) : "–",
                 run.path ? Number(run.path->force_jump_N) : "–"});
     }
     rows.Print(md, "lrrrrrrr",
-               {"", "best p50", "best p99.9", "penetration p50 [µm]", "p99.9 [µm]", "max [µm]",
+               {"", "best p50", "best p99.9", "penetration p50 [µm]", "p99 [µm]", "max [µm]",
                 "force in free space [N]", "greatest jump [N]"});
   };
   if (!r.peer_path.empty()) {
     md.Heading(3, fmt::format("The path of `{}`", r.peer_scene));
     path_table(r.peer_path);
+    std::string apart;
+    for (const PeerRun& run : r.peer_path) {
+      if (!run.distance_min_um) continue;
+      apart += fmt::format(
+          " {} finds the meshes {} µm apart at the least where Palpate's tool is{}.", run.name,
+          Number(*run.distance_min_um), *run.distance_min_um == 0.0 ? ": they overlap" : "");
+    }
+    std::string apart;
+    for (const PeerRun& run : r.peer_path) {
+      if (!run.distance_min_um) continue;
+      apart += *run.distance_min_um == 0.0
+                   ? fmt::format(" {} finds the meshes overlapping somewhere on it.", run.name)
+                   : fmt::format(" {} finds the meshes nowhere nearer than {} µm.", run.name,
+                                 Number(*run.distance_min_um));
+    }
     md.Paragraph(fmt::format(
         "{} steps. *Force in free space* is the mean where the hand's own pose is free: force of a "
         "mesh that is not there, of a margin, or of inertia; or of a tool caught behind the "
-        "object.",
-        Thousands(r.peer_steps)));
+        "object.{}",
+        Thousands(r.peer_steps), apart));
   }
   if (!r.peer_slide.empty()) {
     md.Heading(3, "The slide along the cube");

@@ -60,6 +60,7 @@ struct PeerKind {
   std::string settings{};
   /// False where it only measures: the pose it is stepped with is then one that is free already.
   bool responds = true;
+  bool convex = false;  ///< it collides the convex hulls of meshes, not the meshes
   /// A new one at rest at X_WG = `start`.  Throws Error.
   std::function<std::unique_ptr<Peer>(const PeerScene&, const Pose& start, const PeerSettings&)>
       make{};
