@@ -24,9 +24,11 @@ Features FeatureOptions::features() const {
 }
 
 void RequireAvailable(const Features& features) {
-  if (features.contact != ContactModel::kSpheres || features.friction != FrictionModel::kOff ||
-      features.compliance || features.removal) {
-    throw UsageError("this version has --contact spheres and --friction off only");
+  if (features.friction != FrictionModel::kOff) {
+    throw UsageError("this version has --friction off only");
+  }
+  if (features.compliance || features.removal) {
+    throw UsageError("this version has neither compliance nor removal");
   }
 }
 

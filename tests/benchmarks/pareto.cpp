@@ -26,7 +26,7 @@ namespace {
 struct Options {
   std::string out;
   bool quick = false;
-  std::vector<std::string> peers{"all"};
+  std::vector<std::string> peers;  // none named: all
   std::vector<std::string> scenes;
   std::string models;
   int repeats = 0;  // 0: 5, and 2 with --quick
@@ -73,8 +73,9 @@ class Pareto {
       return names.empty() ? "" : fmt::format(" {} {}", option, fmt::join(names, ","));
     };
     results_.command =
-        fmt::format("palpate-bench pareto --out DIR{}{}{}", options.quick ? " --quick" : "",
-                    list("--peers", options.peers), list("--scenes", options.scenes));
+        fmt::format("palpate-bench pareto --out DIR{}{}{}{}", options.quick ? " --quick" : "",
+                    list("--peers", options.peers), list("--scenes", options.scenes),
+                    options.repeats > 0 ? fmt::format(" --repeats {}", options.repeats) : "");
     results_.quick = options.quick;
     results_.machine = ThisMachine();
     scenes_ = !options.scenes.empty() ? options.scenes
@@ -131,7 +132,7 @@ class Pareto {
     std::vector<std::string> known{"all", "none"};
     for (const PeerKind& kind : PeerKinds()) {
       known.push_back(kind.id);
-      if (!has("all") && !has(kind.id.c_str())) continue;
+      if (!options_.peers.empty() && !has("all") && !has(kind.id.c_str())) continue;
       results_.peers_asked.push_back(kind.id);
       if (kind.installed()) peers_.push_back(kind);
     }
@@ -289,8 +290,8 @@ class Pareto {
         runs[v] = std::make_unique<SceneRun>(std::move(with), PathOf(name), variants[v].features);
       });
     }
-    // In turns, so that what else the machine does meets all of them.
-    for (int r = 0; r < repeats(); ++r) {
+    // In turns, so that what else the machine does meets all of them; often, for ratios are fine.
+    for (int r = 0; r < 2 * repeats(); ++r) {
       for (std::size_t v = 0; v < variants.size(); ++v) {
         if (stop_.stopped()) throw Stopped{};
         if (runs[v]) times[v].Add(runs[v]->Time());
@@ -448,9 +449,8 @@ void AddPareto(CLI::App& app) {
   command->add_flag("--quick", options->quick, "Few scenes, short paths, few repeats");
   command
       ->add_option("--peers", options->peers,
-                   "all, none, or some of bullet,ode,fcl,mujoco with commas")
-      ->delimiter(',')
-      ->capture_default_str();
+                   "all (as if left out), none, or some of bullet,ode,fcl,mujoco with commas")
+      ->delimiter(',');
   command
       ->add_option("--scenes", options->scenes,
                    "Catalogue names or scene files, with commas (default: the whole catalogue)")

@@ -118,12 +118,12 @@ std::string ContactName(const std::string& contact) {
 
 // ---- finding what was measured
 
-/// @param triangles  of the object's mesh at least; 0: as the experiment has it.
+/// @param triangles  of the object's mesh; 0: as the experiment has it.
 const SlideResult* FindSlide(const ParetoResults& r, const std::string& object, std::size_t spheres,
                              const std::string& contact, std::size_t triangles = 0) {
   for (const SlideResult& s : r.slides) {
     if (s.object == object && s.spheres == spheres && s.contact == contact && s.slide &&
-        (triangles == 0 || s.triangles >= triangles)) {
+        (triangles == 0 || s.triangles == triangles)) {
       return &s;
     }
   }
