@@ -214,22 +214,26 @@ Plot ForcePlot(const ParetoResults& r, const char* name, double MeanMax::*which)
   force.subtitle =
       "A ball of 5 mm slides with 1 N; points are labelled with the spheres of the object";
   force.x = {"Step, best p99.9 [µs]", true};
-  force.y = {fmt::format("Force error, {} [of 1 N]", name), true};
+  force.y = {fmt::format("Force error, {} [of 1 N]", name), true, 1e-5};
+  const auto add = [&](const std::string& name, const std::string& object,
+                       const std::string& contact, bool other_meshes) {
+    PlotSeries series{name};
+    series.style = other_meshes ? PlotSeries::Style::kPoints : PlotSeries::Style::kLineAndPoints;
+    for (const SlideResult& s : r.slides) {
+      const bool other = s.triangles == kFewTriangles || s.triangles == kManyTriangles;
+      if (s.object != object || s.contact != contact || !s.slide || other != other_meshes) continue;
+      series.x.push_back(s.speed.best.p999);
+      series.y.push_back((*s.slide).*which);
+      series.labels.push_back(other ? Thousands(s.triangles) + " triangles" : Thousands(s.spheres));
+    }
+    if (!series.x.empty()) force.series.push_back(series);
+  };
   for (const char* object : {"cube", "ellipsoid"}) {
     for (const char* contact : {"spheres", "surface"}) {
-      PlotSeries series{fmt::format("{}, {}", object, ContactName(contact))};
-      series.style = PlotSeries::Style::kLineAndPoints;
-      for (const SlideResult& s : r.slides) {
-        if (s.object != object || s.contact != contact || !s.slide) continue;
-        series.x.push_back(s.speed.best.p999);
-        series.y.push_back((*s.slide).*which);
-        series.labels.push_back(s.object == "ellipsoid" && contact == std::string("surface")
-                                    ? Thousands(s.spheres) + " of " + Thousands(s.triangles)
-                                    : Thousands(s.spheres));
-      }
-      if (!series.x.empty()) force.series.push_back(series);
+      add(fmt::format("{}, {}", object, ContactName(contact)), object, contact, false);
     }
   }
+  add("the same, 512 spheres, other meshes", "ellipsoid", "surface", true);
   PlotSeries peers{"peers, cube"};
   peers.style = PlotSeries::Style::kPoints;
   for (const PeerRun& run : r.peer_slide) {
