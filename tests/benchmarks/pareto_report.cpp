@@ -215,9 +215,9 @@ Plot ForcePlot(const ParetoResults& r, const char* name, double MeanMax::*which)
       "A ball of 5 mm slides with 1 N; points are labelled with the spheres of the object";
   force.x = {"Step, best p99.9 [µs]", true};
   force.y = {fmt::format("Force error, {} [of 1 N]", name), true, 1e-5};
-  const auto add = [&](const std::string& name, const std::string& object,
+  const auto add = [&](const std::string& title, const std::string& object,
                        const std::string& contact, bool other_meshes) {
-    PlotSeries series{name};
+    PlotSeries series{title};
     series.style = other_meshes ? PlotSeries::Style::kPoints : PlotSeries::Style::kLineAndPoints;
     for (const SlideResult& s : r.slides) {
       const bool other = s.triangles == kFewTriangles || s.triangles == kManyTriangles;
