@@ -46,7 +46,9 @@ void Run(const Options& options) {
       poses.size() > static_cast<std::size_t>(*options.steps)) {
     poses.resize(static_cast<std::size_t>(*options.steps));
   }
-  SceneRun run(options.scene, options.models, std::move(poses), options.features.features());
+  Scene scene = LoadForBench(options.scene, options.models);
+  scene.features = options.features.features();
+  SceneRun run(std::move(scene), std::move(poses));
   const std::size_t steps = run.poses().size();
 
   BestOf step, stage[4];

@@ -233,10 +233,10 @@ class Pareto {
     model.friction = friction;
     OrReason(model.not_available, [&] {
       const Features asked = FeatureOptions{contact, friction}.features();
-      Features features = loaded_->scene.features;
-      features.contact = asked.contact;
-      features.friction = asked.friction;
-      SceneRun run(loaded_->scene, loaded_->poses, features);
+      Scene scene = loaded_->scene;
+      scene.features.contact = asked.contact;
+      scene.features.friction = asked.friction;
+      SceneRun run(std::move(scene), loaded_->poses);
       const TimedRun timed = TimeRun(run, repeats(), stop_);
       model.speed = timed.speed;
       model.path = loaded_->judge->Judge(PosesOf(timed.steps), ForcesOf(timed.steps));
@@ -287,7 +287,8 @@ class Pareto {
                                              : Material{};
           }
         }
-        runs[v] = std::make_unique<SceneRun>(std::move(with), PathOf(name), variants[v].features);
+        with.features = variants[v].features;
+        runs[v] = std::make_unique<SceneRun>(std::move(with), PathOf(name));
       });
     }
     // In turns, so that what else the machine does meets all of them; often, for ratios are fine.
@@ -322,7 +323,9 @@ class Pareto {
         PeerRun run;
         run.name = PalpateWith(contact);
         OrReason(run.not_available, [&] {
-          SceneRun palpate(loaded_->scene, loaded_->poses, FeatureOptions{contact}.features());
+          Scene scene = loaded_->scene;
+          scene.features = FeatureOptions{contact}.features();
+          SceneRun palpate(std::move(scene), loaded_->poses);
           const TimedRun timed = TimeRun(palpate, repeats(), stop_);
           free_poses_ = PosesOf(timed.steps);
           run.speed = timed.speed;
@@ -399,7 +402,8 @@ class Pareto {
       PeerRun run;
       run.name = PalpateWith(contact) + ", 4,096 spheres";
       add(run, [&] {
-        SceneRun palpate(scene, hand, FeatureOptions{contact}.features());
+        scene.features = FeatureOptions{contact}.features();
+        SceneRun palpate(scene, hand);
         return TimeRun(palpate, repeats(), stop_);
       });
     }

@@ -20,21 +20,11 @@ Scene LoadForBench(const std::string& scene, const std::string& models_dir) {
   return LoadScene(scene, options);
 }
 
-SceneRun::SceneRun(Scene scene, std::vector<Pose> poses, const Features& features)
+SceneRun::SceneRun(Scene scene, std::vector<Pose> poses)
     : scene_(std::move(scene)), poses_(std::move(poses)) {
-  Compose(features);
-}
-
-SceneRun::SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses,
-                   const Features& features)
-    : SceneRun(LoadForBench(scene, models_dir), std::move(poses), features) {}
-
-void SceneRun::Compose(const Features& features) {
-  RequireAvailable(features);
-  scene_.features = features;
+  RequireAvailable(scene_.features);
   model_ = std::make_unique<HapticModel>(MakeModel(scene_, tool(), MakeObjects(scene_)));
   workspace_ = std::make_unique<StepWorkspace>(*model_);
-  start_ = {};
   start_.X_WG = ResolveStart(*model_, poses_.front(), *workspace_).X_WG;
 }
 

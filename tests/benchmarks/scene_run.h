@@ -13,14 +13,8 @@ namespace palpate::bench {
 /// from.
 class SceneRun {
  public:
-  /// Throws Error where the physics has not the features.
-  SceneRun(Scene scene, std::vector<Pose> poses, const Features& features);
-  /// `models_dir` as LoadScene takes it.  Says on stderr what it builds.
-  SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses,
-           const Features& features);
-
-  /// The model anew, with other features.  Throws Error where the physics has them not.
-  void Compose(const Features& features);
+  /// With the scene's features.  Throws Error where the physics has them not.
+  SceneRun(Scene scene, std::vector<Pose> poses);
 
   /// One pass over all poses.  `reports` is filled where given.
   /// @returns the time of each step [us].
