@@ -10,6 +10,7 @@ void AddCycle(CLI::App& app);
 void AddLevels(CLI::App& app);
 /// `domain` is read when the command runs.
 void AddLoop(CLI::App& app, const int& domain);
+void AddPareto(CLI::App& app);
 void AddQp(CLI::App& app);
 void AddStability(CLI::App& app);
 
