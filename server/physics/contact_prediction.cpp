@@ -1,13 +1,26 @@
 #include "server/physics/contact_prediction.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "server/physics/stage_clock.h"
 
 namespace palpate {
+namespace {
+/// Surfaces that overlap by less than this touch [m].
+constexpr double kTouching = 1e-6;
+/// A step keeps the surfaces apart to some micrometres; what lies this deep below a surface [m] is
+/// on the other side of something.
+constexpr double kDeepest = 1e-4;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+}  // namespace
 
 ContactPrediction::ContactPrediction(const HapticModel& model)
-    : query_(model.tool(), model.objects()) {}
+    : query_(model.tool(), model.objects()) {
+  if (model.tool_surface() != nullptr) {
+    surface_.emplace(*model.tool_surface(), *model.objects().surfaces());
+  }
+}
 
 void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
                                 const Vec3& p_W, const StepBounds& bounds, ContactRows& rows,
@@ -21,8 +34,12 @@ void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
     clock.Lap(&StageTimes::rows);
     return true;
   });
-  rows.Finish();
   clock.Lap(&StageTimes::prediction);
+  if (surface_) {
+    surface_->Predict(kernels, R_WG, p_W, bounds, kDeepest, model.degrees_of_freedom(),
+                      model.rotation_length(), rows, times);
+  }
+  rows.Finish();
 }
 
 bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
@@ -39,6 +56,12 @@ bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernel
     }
     return !overlaps;
   });
+  if (surface_ && !overlaps) {
+    rows.Clear();
+    surface_->Predict(kernels, R_WG, p_W, {kTouching, 0.0}, kInfinity, model.degrees_of_freedom(),
+                      model.rotation_length(), rows, nullptr);
+    for (int r = 0; r < rows.count() && !overlaps; ++r) overlaps = rows.gap(r) < -kTouching;
+  }
   return overlaps;
 }
 

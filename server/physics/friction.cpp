@@ -6,12 +6,17 @@
 
 #include "common/math/rotation.h"
 #include "server/physics/sphere_tree_query.h"
+#include "server/physics/surface_prediction.h"
 
 namespace palpate {
 
 ContactPlace PlaceOf(const HapticModel& model, const ContactRows& rows, int row,
                      const Mat3& R_WG) noexcept {
   const LeafPair pair = rows.pair(row);
+  if (KindOf(pair) != RowKind::kLeaves) {
+    const auto leaf = static_cast<std::int32_t>(model.objects().surfaces()->LeafOf(pair));
+    return {rows.lever(row), leaf};
+  }
   const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(pair.tool)];
   return {R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * rows.normal(row), pair.object};
 }

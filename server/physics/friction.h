@@ -17,8 +17,8 @@ struct ContactPlace {
   std::int32_t object_leaf;
 };
 
-/// Where a row touches, with the tool at orientation R_WG: the one place that knows what the pair
-/// of a row means.
+/// Where a row touches: the one place that knows what the pair of a row means.
+/// @param R_WG  orientation of the tool; between surfaces that of the prediction counts.
 ContactPlace PlaceOf(const HapticModel& model, const ContactRows& rows, int row,
                      const Mat3& R_WG) noexcept;
 
