@@ -1,14 +1,24 @@
 #include "server/physics/contact_prediction.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "server/physics/soft_rows.h"
 #include "server/physics/stage_clock.h"
 
 namespace palpate {
+namespace {
+/// Surfaces that overlap by less than this touch [m].
+constexpr double kTouching = 1e-6;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+}  // namespace
 
 ContactPrediction::ContactPrediction(const HapticModel& model)
-    : query_(model.tool(), model.objects()) {}
+    : query_(model.tool(), model.objects()) {
+  if (model.tool_surface() != nullptr) {
+    surface_.emplace(*model.tool_surface(), *model.objects().surfaces());
+  }
+}
 
 void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
                                 const Vec3& p_W, const StepBounds& bounds, const LeafWear& wear,
@@ -23,14 +33,23 @@ void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
     clock.Lap(&StageTimes::rows);
     return true;
   });
-  rows.Finish();
   clock.Lap(&StageTimes::prediction);
+  if (surface_) {
+    const SoftLeaves* soft = model.soft_leaves();
+    const double deepest = std::max(kDeepestRigid, soft != nullptr ? soft->deepest() : 0.0);
+    surface_->Predict(kernels, R_WG, p_W, bounds, deepest, model.degrees_of_freedom(),
+                      model.rotation_length(), wear, rows, times);
+  }
+  rows.Finish();
 }
 
 bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
                                  const Vec3& p_W, const LeafWear& wear,
                                  ContactRows& rows) noexcept {
-  const SoftLeaves* soft = model.soft_leaves();
+  const auto yields = [&](const NodePair& pair) {
+    const SoftLeaves* soft = model.soft_leaves();
+    return soft != nullptr ? soft->of(model.objects().LeafOf(pair)).depth : 0.0;
+  };
   bool overlaps = false;
   query_.Run(kernels, R_WG, p_W, {0.0, 0.0}, [&](NodePair* pairs, int found) {
     const int count = wear.KeepPresent(pairs, found);
@@ -41,12 +60,19 @@ bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernel
       rows.Add(kernels, model.tool().leaves().data(), model.objects().leaves().data(), R_WG, p_W,
                pairs + i, std::min(kFew, count - i));
       for (int r = 0; r < rows.count() && !overlaps; ++r) {
-        const double depth = soft != nullptr ? soft->of(rows.pair(r)).depth : 0.0;
-        overlaps = rows.gap(r) + depth < 0.0;
+        overlaps = rows.gap(r) + yields(rows.pair(r)) < 0.0;
       }
     }
     return !overlaps;
   });
+  if (surface_ && !overlaps) {
+    rows.Clear();
+    surface_->Predict(kernels, R_WG, p_W, {kTouching, 0.0}, kInfinity, model.degrees_of_freedom(),
+                      model.rotation_length(), wear, rows, nullptr);
+    for (int r = 0; r < rows.count() && !overlaps; ++r) {
+      overlaps = rows.gap(r) + yields(rows.pair(r)) < -kTouching;
+    }
+  }
   return overlaps;
 }
 

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
+
 #include "server/physics/contact_rows.h"
 #include "server/physics/sphere_tree_query.h"
+#include "server/physics/surface_prediction.h"
 
 namespace palpate {
 
@@ -21,13 +24,17 @@ class ContactPrediction {
                const StepBounds& bounds, const LeafWear& wear, ContactRows& rows,
                StageTimes* times) noexcept;
 
-  /// True where any two leaves overlap, of soft ones their cores; what has gone does not count.
-  /// `rows` is scratch.  Real-time.
+  /// Packet pairs tested so far in the life of this prediction: what it costs, as a count.
+  std::int64_t tested() const { return query_.tested() + (surface_ ? surface_->tested() : 0); }
+
+  /// True where any two leaves overlap, or a surface lies inside another; of what is soft, the
+  /// cores.  What has gone does not count.  `rows` is scratch.  Real-time.
   bool Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
                 const LeafWear& wear, ContactRows& rows) noexcept;
 
  private:
   PairQuery query_;
+  std::optional<SurfacePrediction> surface_;
 };
 
 }  // namespace palpate

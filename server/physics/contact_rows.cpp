@@ -19,13 +19,14 @@ ContactRows::ContactRows(int max_rows, int max_batch, int degrees_of_freedom, do
     : max_rows_(max_rows), degrees_of_freedom_(degrees_of_freedom), rho_(rho) {
   const std::size_t capacity =
       (static_cast<std::size_t>(max_rows) + static_cast<std::size_t>(max_batch) + 31) & ~15ul;
-  // Columns start a cache line apart from a power of two, or all seven would share a cache set.
+  // Columns start a cache line apart from a power of two, or all would share a cache set.
   const std::size_t stride = capacity + 8;
-  storage_.reset(new (kCacheLine) double[7 * stride]());
+  storage_.reset(new (kCacheLine) double[10 * stride]());
   pairs_.resize(capacity);
   order_.resize(capacity);
   for (std::size_t c = 0; c < 6; ++c) columns_.a[c] = storage_.get() + c * stride;
   columns_.b = storage_.get() + 6 * stride;
+  for (std::size_t c = 0; c < 3; ++c) columns_.lever[c] = storage_.get() + (7 + c) * stride;
   columns_.pair = pairs_.data();
 }
 
@@ -40,6 +41,28 @@ void ContactRows::Add(const Kernels& kernels, const LeafSphere* tool, const Leaf
   if (count_ > max_rows_) KeepTightest();
 }
 
+void ContactRows::AddSurface(const Kernels& kernels, const SurfacePoint* points,
+                             const SurfacePatch* patches, const SurfaceFrames& frames,
+                             const NodePair* pairs, int count, std::int32_t tag) noexcept {
+  count_ += kernels.build_surface_rows(points, patches, frames, degrees_of_freedom_, pairs, count,
+                                       tag, count_, columns_);
+  if (count_ > max_rows_) KeepTightest();
+}
+
+void ContactRows::AddRow(const Vec3& normal, const Vec3& lever, double gap,
+                         NodePair pair) noexcept {
+  const Vec3 turned = lever.cross(normal) / rho_;
+  for (int c = 0; c < 3; ++c) {
+    columns_.a[c][count_] = normal[c];
+    if (degrees_of_freedom_ == 6) columns_.a[3 + c][count_] = turned[c];
+    columns_.lever[c][count_] = lever[c];
+  }
+  columns_.b[count_] = -gap;
+  columns_.pair[count_] = pair;
+  ++count_;
+  if (count_ > max_rows_) KeepTightest();
+}
+
 void ContactRows::KeepTightest() noexcept {
   overflowed_ = true;
   std::iota(order_.begin(), order_.begin() + count_, 0);
@@ -51,6 +74,7 @@ void ContactRows::KeepTightest() noexcept {
   for (int i = 0; i < max_rows_; ++i) {
     const std::int32_t from = order_[static_cast<std::size_t>(i)];
     for (int c = 0; c < degrees_of_freedom_; ++c) columns_.a[c][i] = columns_.a[c][from];
+    for (double* column : columns_.lever) column[i] = column[from];
     columns_.b[i] = columns_.b[from];
     columns_.pair[i] = columns_.pair[from];
   }

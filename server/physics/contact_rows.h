@@ -29,6 +29,13 @@ class ContactRows {
   /// with the smallest gap, of equal gaps those that came first, which also keep their order.
   void Add(const Kernels& kernels, const LeafSphere* tool, const LeafSphere* object,
            const Mat3& R_WG, const Vec3& p_W, const NodePair* pairs, int count) noexcept;
+  /// Adds the rows between points and patches (build_surface_rows); as Add where they are too many.
+  void AddSurface(const Kernels& kernels, const SurfacePoint* points, const SurfacePatch* patches,
+                  const SurfaceFrames& frames, const NodePair* pairs, int count,
+                  std::int32_t tag) noexcept;
+  /// Adds one row.
+  /// @param lever  of the contact point [m], in W
+  void AddRow(const Vec3& normal, const Vec3& lever, double gap, NodePair pair) noexcept;
   /// Fills up to a multiple of 16 with rows that always hold.  To be called after the last Add.
   void Finish() noexcept;
 
@@ -43,6 +50,10 @@ class ContactRows {
   }
   /// l x n [m]; zero where there are 3 degrees of freedom.
   Vec3 lever_cross_normal(int row) const;
+  /// Lever arm of the contact point [m], in W: of rows from AddSurface and AddRow.
+  Vec3 lever(int row) const {
+    return {columns_.lever[0][row], columns_.lever[1][row], columns_.lever[2][row]};
+  }
   /// Index of the row of each pair, or left out; returns how many were found, in the pairs' order.
   int Find(const LeafPair* pairs, int count, int* row) const noexcept;
 

@@ -12,15 +12,17 @@
 #include "server/physics/soft_rows.h"
 #include "server/physics/stage_clock.h"
 #include "server/physics/step_buffers.h"
+#include "server/physics/surface_prediction.h"
 
 namespace palpate {
 
-std::shared_ptr<const ObjectForest> HapticModel::MakeObjects(std::span<const PlacedTree> objects) {
-  return std::make_shared<const ObjectForest>(objects);
+std::shared_ptr<const ObjectForest> HapticModel::MakeObjects(std::span<const PlacedTree> objects,
+                                                             ContactModel contact) {
+  return std::make_shared<const ObjectForest>(objects, contact);
 }
 
 HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectForest> objects,
-                         const StepParameters& parameters, const TriangleMesh* /*tool_mesh*/)
+                         const StepParameters& parameters, const TriangleMesh* tool_mesh)
     : parameters_(parameters), objects_(std::move(objects)) {
   const auto positive = [](double value, const char* name) {
     if (!(value > 0.0) || !std::isfinite(value)) {
@@ -34,12 +36,24 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectFor
   positive(parameters_.max_truncation, "max_truncation");
   positive(parameters_.max_substeps, "max_substeps");
   positive(parameters_.max_rows, "max_rows");
+  positive(parameters_.max_tested, "max_tested");
   rotation_length_ = std::sqrt(parameters_.torsional_stiffness / parameters_.stiffness);
+  const bool surface = parameters_.features.contact == ContactModel::kSurface;
   if (parameters_.max_rotation <= 0.0) {
     const double lever = std::max(ToolTree::MaxLeverOf(tool), 1e-6);
     parameters_.max_rotation = std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), 0.1);
   }
-  tool_ = std::make_unique<const ToolTree>(tool, objects_->center().norm() + objects_->radius());
+  const double extent = objects_->center().norm() + objects_->radius();
+  if (surface != (objects_->surfaces() != nullptr)) {
+    throw Error("step parameters: contact differs from the objects'; give MakeObjects the same");
+  }
+  const bool backstop = surface && tool.leaves() > 1;
+  tool_ = std::make_unique<const ToolTree>(tool, extent, ToolTree::ReferenceOf(tool),
+                                           backstop ? kBackstop : 1.0);
+  if (surface) {
+    tool_surface_ =
+        std::make_unique<const ToolSurface>(tool_mesh, tool, tool_->reference(), extent);
+  }
   if (parameters_.features.compliance) {
     soft_ = SoftLeaves::Make(*objects_, parameters_.stiffness);
   }
@@ -106,23 +120,43 @@ Optimum Solve(const HapticModel& model, const Kernels& kernels, const Target& ta
   return optimum;
 }
 
+/// Widest bounds of a sub-step.  Rows between surfaces cost more than those between spheres: near a
+/// surface a sub-step takes any point of the tool no further than kNearSurface by translation, and
+/// as far by rotation; eight of them still follow a hand at 0.8 m/s.
+StepBounds WidestBounds(const HapticModel& model, bool near) {
+  constexpr double kNearSurface = 0.1e-3;
+  const StepParameters& parameters = model.parameters();
+  if (!near || model.tool_surface() == nullptr) {
+    return {parameters.max_translation, parameters.max_rotation};
+  }
+  const double lever = std::max(model.tool().max_lever(), 1e-6);
+  return {std::min(parameters.max_translation, kNearSurface),
+          std::min(parameters.max_rotation, kNearSurface / lever)};
+}
+
 /// Bounds of a cycle's first sub-step: twice what the hand moved, and a little.  A step nearest
 /// to the hand's moves no further than the hand does while the same contacts hold; where it does (a
 /// ledge ends, a jump), the sub-steps after it have wider bounds.  Tight bounds mean few rows.
-StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) {
+StepBounds FirstBounds(const HapticModel& model, const Target& hand_step, bool near) {
+  const StepBounds widest = WidestBounds(model, near);
   const StepParameters& parameters = model.parameters();
   const double rho = model.rotation_length();
   const double v = hand_step.v.norm(), phi = hand_step.phi.norm();
-  return {std::min(2.0 * (v + 0.5 * rho * phi) + 0.04 * parameters.max_translation,
-                   parameters.max_translation),
-          std::min(2.0 * (phi + 0.5 * v / rho) + 0.04 * parameters.max_rotation,
-                   parameters.max_rotation)};
+  return {
+      std::min(2.0 * (v + 0.5 * rho * phi) + 0.04 * parameters.max_translation, widest.translation),
+      std::min(2.0 * (phi + 0.5 * v / rho) + 0.04 * parameters.max_rotation, widest.rotation)};
 }
 
-StepBounds Wider(const HapticModel& model, const StepBounds& bounds) {
-  const StepParameters& parameters = model.parameters();
-  return {std::min(8.0 * bounds.translation, parameters.max_translation),
-          std::min(8.0 * bounds.rotation, parameters.max_rotation)};
+/// Bounds of the next sub-step: eight times wider; near surfaces no wider than the step wants.
+StepBounds Wider(const HapticModel& model, const StepBounds& bounds, const Optimum& wanted,
+                 bool near) {
+  const StepBounds widest = WidestBounds(model, near);
+  double translation = 8.0 * bounds.translation, rotation = 8.0 * bounds.rotation;
+  if (model.tool_surface() != nullptr) {
+    translation = std::min(translation, std::max(1.25 * wanted.v.norm(), 2.0 * bounds.translation));
+    rotation = std::min(rotation, std::max(1.25 * wanted.phi.norm(), 2.0 * bounds.rotation));
+  }
+  return {std::min(translation, widest.translation), std::min(rotation, widest.rotation)};
 }
 
 /// Greatest part, at most 1, of a step that stays inside the bounds that the prediction covers.
@@ -160,8 +194,12 @@ void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpR
     row.lever_cross_normal = rows.lever_cross_normal(i);
     row.offset = offset - row.normal.dot(v) - row.lever_cross_normal.dot(phi);
     row.force = force;
-    const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(row.pair.tool)];
-    row.contact_W = p_W + q_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * row.normal;
+    if (KindOf(row.pair) == RowKind::kLeaves) {
+      const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(row.pair.tool)];
+      row.contact_W = p_W + q_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * row.normal;
+    } else {
+      row.contact_W = p_W + RotationExp(phi) * rows.lever(i);
+    }
     return &row;
   };
   for (int k = 0; k < qp.active; ++k) {
@@ -194,11 +232,13 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   Quat q_G = state.X_WG.q;
   Vec3 p_G = state.X_WG.p + q_G * reference;
 
-  StepBounds bounds = FirstBounds(model, TargetOf(state.X_WH * reference, state.X_WH.q, p_H, q_H));
+  StepBounds bounds = FirstBounds(model, TargetOf(state.X_WH * reference, state.X_WH.q, p_H, q_H),
+                                  state.active + state.soft > 0);
   state.X_WH = {X_WH.p, q_H};
   bool arrived = false;
+  const std::int64_t last_test = buffers.prediction.tested() + parameters.max_tested;
   for (; report.substeps < parameters.max_substeps && !arrived &&
-         (report.faults & kFaultUnsolved) == 0;
+         buffers.prediction.tested() < last_test && (report.faults & kFaultUnsolved) == 0;
        ++report.substeps) {
     const Target target = TargetOf(p_G, q_G, p_H, q_H);
     const Mat3 R_WG = q_G.toRotationMatrix();
@@ -211,11 +251,9 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     SoftRows* soft = nullptr;
     QpRows rigid = rows.view();
     if (buffers.soft) {
-      buffers.soft->Set(*model.soft_leaves(), rows);
-      if (buffers.soft->any()) {
-        soft = &*buffers.soft;
-        rigid = soft->rigid(rows);
-      }
+      buffers.soft->Set(model, rows);
+      rigid = buffers.soft->rigid(rows);
+      if (buffers.soft->any()) soft = &*buffers.soft;
     }
     const Optimum optimum = Solve(model, kernels, target, rows, rigid, soft, state);
     SoftContacts yielding;
@@ -231,6 +269,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     }
     if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
     state.active = optimum.qp.active;
+    state.soft = yielding.count;
     for (int i = 0; i < state.active; ++i) {
       state.active_pairs[static_cast<std::size_t>(i)] = rows.pair(optimum.qp.row[i]);
     }
@@ -275,7 +314,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
       q_G = (RotationExp(phi) * q_G).normalized();
     }
     ReportContacts(model, rows, rigid, optimum.qp, soft, yielding, v, phi, p_G, q_G, report);
-    bounds = Wider(model, bounds);
+    bounds = Wider(model, bounds, optimum, rows.count() > 0);
     clock.Lap(&StageTimes::response);
   }
   if (!arrived && (report.faults & kFaultUnsolved) == 0) report.faults |= kFaultTargetFar;

@@ -18,10 +18,10 @@ namespace palpate {
 /// A body placed in the world.  What it points to must outlive the call that takes it, no longer.
 struct PlacedTree {
   const SphereTree* tree = nullptr;
-  Pose X_WB;
-  const TriangleMesh* mesh = nullptr;           ///< needed for ContactModel::kSurface only
-  std::span<const std::uint8_t> leaf_material;  ///< as in Body
-  std::span<const Material> materials;          ///< empty: all leaves are of Material{}
+  Pose X_WB{};
+  const TriangleMesh* mesh = nullptr;             ///< needed for ContactModel::kSurface only
+  std::span<const std::uint8_t> leaf_material{};  ///< as in Body
+  std::span<const Material> materials{};          ///< empty: all leaves are of Material{}
 };
 
 /// Constants of the step.  Zero means "derived", by the rule in the comment.
@@ -36,19 +36,24 @@ struct StepParameters {
   double max_truncation = 0.5e-6;  ///< [m]
   int max_substeps = 8;            ///< per cycle; a count, never a clock
   int max_rows = 16384;
+  /// Sub-steps end for this cycle once they have tested so many packet pairs: what a snap over a
+  /// ledge costs at most, and the next cycle goes on.  A count, never a clock.
+  int max_tested = 2500;
   Features features{.contact = ContactModel::kSpheres};
 };
 
 class ObjectForest;  // the scene's objects, in W, as one tree: sphere_tree_query.h
 class ToolTree;      // the tool's tree, about its centroid
 class SoftLeaves;    // what finite stiffness means to the step: soft_rows.h
+class ToolSurface;   // the tool's surface: surface_prediction.h
 
 /// What a step needs to know and never changes: one tool against the objects of a scene.
 /// Built when a scene loads; shared by threads.
 class HapticModel {
  public:
-  /// Throws Error where a tree is empty or not finite.
-  static std::shared_ptr<const ObjectForest> MakeObjects(std::span<const PlacedTree> objects);
+  /// Throws Error where a tree is empty or not finite, or a mesh is lacking for surface contact.
+  static std::shared_ptr<const ObjectForest> MakeObjects(
+      std::span<const PlacedTree> objects, ContactModel contact = ContactModel::kSpheres);
   /// `tool_mesh`: needed for ContactModel::kSurface only.
   HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectForest> objects,
               const StepParameters& parameters, const TriangleMesh* tool_mesh = nullptr);
@@ -60,6 +65,8 @@ class HapticModel {
   const ObjectForest& objects() const { return *objects_; }
   /// Null unless the features name compliance and some leaf is soft.
   const SoftLeaves* soft_leaves() const { return soft_.get(); }
+  /// Null with ContactModel::kSpheres.
+  const ToolSurface* tool_surface() const { return tool_surface_.get(); }
   /// 3 where the tool is a single sphere (no contact can turn it), else 6.
   int degrees_of_freedom() const;
   /// Point that the step and the wrench refer to, in the tool's frame [m]: the centroid.
@@ -71,9 +78,14 @@ class HapticModel {
   StepParameters parameters_;
   double rotation_length_ = 0.0;
   std::unique_ptr<const ToolTree> tool_;
+  std::unique_ptr<const ToolSurface> tool_surface_;
   std::shared_ptr<const ObjectForest> objects_;
   std::unique_ptr<const SoftLeaves> soft_;
 };
+
+/// A pair of leaves, tool's and object's; the forest numbers the leaves of all objects together.
+/// With surface contact also of parts of surfaces: surface_prediction.h.
+using LeafPair = NodePair;
 
 /// What one step hands to the next: all the memory that the physics has.  Copying it and stepping
 /// again with the same pose gives the same bits.
@@ -87,6 +99,7 @@ struct StepState {
   Pose X_WH;                             ///< haptic tool: how far the hand moved sets the bounds
   std::array<LeafPair, 7> active_pairs;  ///< rows that held it last, the solver's first guess
   int active = 0;
+  int soft = 0;  ///< rows that pushed last, besides
   LeafWear wear;
 };
 
@@ -95,8 +108,8 @@ struct StepState {
 struct ActiveRow {
   LeafPair pair;
   Vec3 normal = Vec3::Zero();              ///< n, from object to tool, in W
-  Vec3 lever_cross_normal = Vec3::Zero();  ///< l x n [m], l from the centroid to the leaf's centre
-  Vec3 contact_W = Vec3::Zero();           ///< contact point on the tool's sphere, in W [m]
+  Vec3 lever_cross_normal = Vec3::Zero();  ///< l x n [m], l from the centroid to the contact
+  Vec3 contact_W = Vec3::Zero();           ///< contact point on the tool, in W [m]
   double offset = 0.0;                     ///< -gap [m] at X_WG
   double force = 0.0;                      ///< multiplier >= 0 [N]
   /// Of a soft contact [N/m]: force = stiffness * offset, and the row may be violated.

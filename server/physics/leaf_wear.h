@@ -1,10 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/math/pose.h"
-#include "server/physics/leaf_pair.h"
+#include "server/physics/simd/kernels.h"
 
 namespace palpate {
 
@@ -38,7 +39,9 @@ class LeafWear {
   bool Remove(int leaf) noexcept;
   /// Moves the pairs whose object leaf is there to the front, in their order; returns how many.
   /// Real-time.
-  int KeepPresent(NodePair* pairs, int count) const noexcept;
+  /// @param leaf_of  leaf of each of what `object` numbers; empty: leaves themselves.
+  int KeepPresent(NodePair* pairs, int count,
+                  std::span<const std::uint32_t> leaf_of = {}) const noexcept;
 
   bool operator==(const LeafWear&) const = default;
 

@@ -6,6 +6,7 @@
 
 #include "common/error.h"
 #include "common/math/float_rounding.h"
+#include "server/physics/surface_prediction.h"
 
 namespace palpate {
 namespace {
@@ -92,8 +93,12 @@ Vec3 LeafCentre(const SphereTree& tree, std::size_t i) {
 
 }  // namespace
 
-ObjectForest::ObjectForest(std::span<const PlacedTree> objects) {
+ObjectForest::ObjectForest(std::span<const PlacedTree> objects, ContactModel contact) {
   if (objects.empty()) throw Error("scene: no object; a scene needs at least one to feel");
+  if (contact == ContactModel::kSurface) {
+    surfaces_ = std::make_unique<const ObjectSurfaces>(objects);
+  }
+  const double scale = contact == ContactModel::kSurface ? kBackstop : 1.0;
   int deepest = 0;
   for (const PlacedTree& object : objects) {
     CheckTree(*object.tree);
@@ -111,7 +116,7 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects) {
     first_leaf_.push_back(leaf_count());
     for (std::size_t i = 0; i < tree.leaves(); ++i) {
       const Vec3 c = object.X_WB * LeafCentre(tree, i);
-      leaves_.push_back({c.x(), c.y(), c.z(), tree.leaf_radius[i]});
+      leaves_.push_back({c.x(), c.y(), c.z(), scale * tree.leaf_radius[i]});
     }
     AddMaterials(object);
     const int chain = deepest - tree.levels();
@@ -130,7 +135,7 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects) {
           Ball ball = LaneBall(in, lane);
           if (last) {
             const auto leaf = static_cast<std::size_t>(in.child[lane]);
-            ball = {LeafCentre(tree, leaf), tree.leaf_radius[leaf]};
+            ball = {LeafCentre(tree, leaf), scale * tree.leaf_radius[leaf]};
           }
           ball.center = object.X_WB * ball.center;
           if (l == 0) top.push_back(ball);
@@ -178,6 +183,8 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects) {
   SetLane(above_, 0, all, 0);
 }
 
+ObjectForest::~ObjectForest() = default;
+
 void ObjectForest::AddMaterials(const PlacedTree& object) {
   const std::size_t first = materials_.size();
   if (object.materials.empty()) {
@@ -200,6 +207,10 @@ void ObjectForest::AddMaterials(const PlacedTree& object) {
   }
 }
 
+int ObjectForest::LeafOf(const NodePair& pair) const {
+  return surfaces_ ? static_cast<int>(surfaces_->LeafOf(pair)) : pair.object;
+}
+
 int ObjectForest::ObjectOf(int leaf) const {
   return static_cast<int>(std::upper_bound(first_leaf_.begin(), first_leaf_.end(), leaf) -
                           first_leaf_.begin()) -
@@ -218,12 +229,15 @@ double ToolTree::MaxLeverOf(const SphereTree& tree) {
   return lever;
 }
 
-ToolTree::ToolTree(const SphereTree& tree, double world_extent)
-    : reference_(ReferenceOf(tree)), max_lever_(MaxLeverOf(tree)) {
+ToolTree::ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference, double scale,
+                   Levers levers)
+    : reference_(reference) {
   CheckTree(tree);
   for (std::size_t i = 0; i < tree.leaves(); ++i) {
     const Vec3 l = LeafCentre(tree, i) - reference_;
-    leaves_.push_back({l.x(), l.y(), l.z(), tree.leaf_radius[i]});
+    leaves_.push_back({l.x(), l.y(), l.z(), scale * tree.leaf_radius[i]});
+    const double rim = levers == Levers::kToRims ? tree.leaf_radius[i] : 0.0;
+    max_lever_ = std::max(max_lever_, l.norm() + rim);
     reach_ = std::max(reach_, l.norm() + tree.leaf_radius[i]);
   }
   // What float rounding of the pose and of the rotated centre can move a sphere by, near the
@@ -243,10 +257,11 @@ ToolTree::ToolTree(const SphereTree& tree, double world_extent)
       for (int lane = 0; lane < kTreeArity; ++lane) {
         if (in.child[lane] < 0) continue;
         const auto child = static_cast<std::size_t>(in.child[lane]);
-        Ball ball =
-            last ? Ball{LeafCentre(tree, child), tree.leaf_radius[child]} : LaneBall(in, lane);
+        Ball ball = last ? Ball{LeafCentre(tree, child), scale * tree.leaf_radius[child]}
+                         : LaneBall(in, lane);
         ball.center -= reference_;
-        const double lever = last ? ball.center.norm() : below[child];
+        const double rim = levers == Levers::kToRims ? ball.radius : 0.0;
+        const double lever = last ? ball.center.norm() + rim : below[child];
         ball.radius += rounding;
         SetLane(out.sphere, lane, ball, in.child[lane]);
         out.lever[lane] = LeverUp(lever);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,11 +20,21 @@ struct PacketLevels {
   int levels() const { return static_cast<int>(level_begin.size()) - 1; }
 };
 
+class ObjectSurfaces;  // surface_prediction.h
+
+/// Share of its radius that a leaf keeps where surfaces decide the contact: what could fall through
+/// a surface, at an open rim or a fold, is stopped by the leaves behind it.
+inline constexpr double kBackstop = 0.8;
+
 /// All objects of a scene as one tree in W: a few levels over the objects, then their own trees.
 /// Immutable.
 class ObjectForest {
  public:
-  explicit ObjectForest(std::span<const PlacedTree> objects);
+  /// With ContactModel::kSurface it holds the objects' surfaces too, and its leaves are but a
+  /// backstop behind them: a fifth smaller.
+  explicit ObjectForest(std::span<const PlacedTree> objects,
+                        ContactModel contact = ContactModel::kSpheres);
+  ~ObjectForest();
 
   const PacketLevels<SpherePacket>& levels() const { return levels_; }
   const std::vector<LeafSphere>& leaves() const { return leaves_; }  ///< in W
@@ -32,6 +43,10 @@ class ObjectForest {
   int ObjectOf(int leaf) const;
   /// Where the leaves of an object begin.
   int FirstLeafOf(int object) const { return first_leaf_[static_cast<std::size_t>(object)]; }
+  /// Leaf that a row's pair belongs to on the objects' side: its material is the row's.
+  int LeafOf(const NodePair& pair) const;
+  /// Null with ContactModel::kSpheres.
+  const ObjectSurfaces* surfaces() const { return surfaces_.get(); }
   const Material& MaterialOf(int leaf) const {
     return materials_[leaf_material_[static_cast<std::size_t>(leaf)]];
   }
@@ -49,6 +64,7 @@ class ObjectForest {
   std::vector<int> first_leaf_;
   std::vector<Material> materials_;
   std::vector<std::uint32_t> leaf_material_;  ///< index into materials_, of each leaf
+  std::unique_ptr<const ObjectSurfaces> surfaces_;
   SpherePacket above_;
   Vec3 center_ = Vec3::Zero();
   double radius_ = 0.0;
@@ -64,8 +80,14 @@ struct StepBounds {
 /// Immutable.
 class ToolTree {
  public:
-  /// `world_extent`: how far the objects reach from W's origin [m], for the rounding margin.
-  ToolTree(const SphereTree& tree, double world_extent);
+  enum class Levers {
+    kToCentres,  ///< of the leaves: a ball turns in place
+    kToRims,     ///< for trees whose nodes hold what the leaves hold, not the leaves
+  };
+  /// @param world_extent  how far the objects reach from W's origin [m], for the rounding margin
+  /// @param scale         of the leaves' radii
+  ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference, double scale = 1.0,
+           Levers levers = Levers::kToCentres);
 
   const PacketLevels<ToolPacket>& levels() const { return levels_; }
   const std::vector<LeafSphere>& leaves() const { return leaves_; }
@@ -105,6 +127,9 @@ class PairQuery {
   void Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W, const StepBounds& bounds,
            Sink&& sink) noexcept;
 
+  /// Packet pairs tested so far in the life of this query: what it costs, as a count.
+  std::int64_t tested() const { return tested_; }
+
   static constexpr int kChunk = 256;
   static constexpr int kMaxBatch = kChunk * kTreeArity * kTreeArity;
 
@@ -119,6 +144,7 @@ class PairQuery {
   std::vector<NodePair> lists_;  ///< kMaxBatch per level
   QueryPose pose_{};
   std::uint32_t now_ = 0;
+  std::int64_t tested_ = 0;
 };
 
 template <class Sink>
@@ -142,6 +168,7 @@ void PairQuery::Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
 template <class Sink>
 bool PairQuery::Descend(const Kernels& kernels, int level, const NodePair* pairs, int count,
                         Sink& sink) noexcept {
+  tested_ += count;
   NodePair* out = lists_.data() + static_cast<std::size_t>(level) * kMaxBatch;
   for (int i = 0; i < count; i += kChunk) {
     const int chunk = std::min(kChunk, count - i);

@@ -10,7 +10,7 @@ std::shared_ptr<const ObjectForest> MakeObjects(const Scene& scene) {
     placed.push_back(
         {&object.tree, object.X_WB, &object.mesh, object.leaf_material, object.materials});
   }
-  return HapticModel::MakeObjects(placed);
+  return HapticModel::MakeObjects(placed, scene.features.contact);
 }
 
 HapticModel MakeModel(const Scene& scene, const Body& tool,

@@ -24,7 +24,7 @@ TEST(Kernels, GiveTheSameBitsAtEverySimdLevel) {
   const SphereTree object_tree = MakeTree(RandomBalls(random, 700, 0.05, 0.003));
   const PlacedTree placed{&object_tree, {Vec3(0.01, 0.0, -0.01), random.Rotation()}};
   const ObjectForest forest(std::span(&placed, 1));
-  const ToolTree tool(tool_tree, forest.radius());
+  const ToolTree tool(tool_tree, forest.radius(), ToolTree::ReferenceOf(tool_tree));
   for (int trial = 0; trial < 20; ++trial) {
     const Mat3 R = random.Rotation().toRotationMatrix();
     const Vec3 p = random.InCube(0.06);

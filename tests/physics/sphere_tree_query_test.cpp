@@ -72,7 +72,8 @@ TEST(PairQuery, FindsEveryPairThatAllPairsFinds) {
     const SphereTree object_tree = MakeTree(RandomBalls(random, object_leaves, 0.05, 0.004));
     const PlacedTree placed{&object_tree, {random.InCube(0.1), random.Rotation()}};
     const ObjectForest forest(std::span(&placed, 1));
-    const ToolTree tool(tool_tree, forest.center().norm() + forest.radius());
+    const ToolTree tool(tool_tree, forest.center().norm() + forest.radius(),
+                        ToolTree::ReferenceOf(tool_tree));
     CheckAgainstAllPairs(tool, forest, random, tool_leaves * object_leaves == 1 ? 0.005 : 0.05, 20);
   }
 }
@@ -89,7 +90,8 @@ TEST(PairQuery, FindsPairsAmongManyObjectsOfDifferentDepth) {
   }
   const ObjectForest forest(placed);
   const SphereTree tool_tree = MakeTree(RandomBalls(random, 200, 0.02, 0.002));
-  const ToolTree tool(tool_tree, forest.center().norm() + forest.radius());
+  const ToolTree tool(tool_tree, forest.center().norm() + forest.radius(),
+                      ToolTree::ReferenceOf(tool_tree));
   CheckAgainstAllPairs(tool, forest, random, 0.05, 30);
   // Leaves are numbered object by object.
   int first = 0;
@@ -107,7 +109,7 @@ TEST(PairQuery, FindsPairsInScenesFromAMillimetreToTenMetres) {
     const SphereTree object_tree = MakeTree(RandomBalls(random, 400, 0.05 * scale, 0.003 * scale));
     const PlacedTree placed{&object_tree, {}};
     const ObjectForest forest(std::span(&placed, 1));
-    const ToolTree tool(tool_tree, forest.radius());
+    const ToolTree tool(tool_tree, forest.radius(), ToolTree::ReferenceOf(tool_tree));
     CheckAgainstAllPairs(tool, forest, random, 0.05 * scale, 20);
   }
 }
@@ -118,7 +120,7 @@ TEST(PairQuery, HandlesMorePairsThanOneBatchHolds) {
   const SphereTree tree = MakeTree(heap);
   const PlacedTree placed{&tree, {}};
   const ObjectForest forest(std::span(&placed, 1));
-  const ToolTree tool(tree, forest.radius());
+  const ToolTree tool(tree, forest.radius(), ToolTree::ReferenceOf(tree));
   PairQuery query(tool, forest);
   int given = 0;
   query.Run(ActiveKernels(), Mat3::Identity(), Vec3::Zero(), {kTranslation, kRotation},

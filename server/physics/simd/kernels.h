@@ -20,6 +20,47 @@ struct alignas(32) LeafSphere {
   double x, y, z, radius;
 };
 
+/// A point of a surface that may touch another surface.
+struct alignas(64) SurfacePoint {
+  double x[3];
+  double reach;  ///< every place of the surface round it is nearer than this to some point [m]
+  double m[3];   ///< outward unit normal; zero at creases and corners, and for a ball
+  double unused;
+};
+
+/// A patch of SurfaceMesh, as the kernel wants it.
+struct alignas(32) SurfacePatch {
+  double p0[3], e1[3], e2[3];  ///< corner 0, and the edges from it to corners 1 and 2
+  double n0[3], d1[3], d2[3];  ///< normal of corner 0, and how those of 1 and 2 differ from it
+  double lift[6];              ///< e1.n0, e2.n0, e1.n1, e2.n1, e1.n2, e2.n2
+  double reach;  ///< of the smooth points that sample it, the largest; infinite where none do
+  double depth;  ///< a point deeper than this below it belongs to another patch [m]
+  double unused[2];
+};
+
+/// What a patch lies in, for a first look: within `slack` of a plane, and within `radius` of a
+/// point of it.
+struct alignas(32) PatchDisc {
+  double n[3], offset;      ///< the flat triangle's plane n . x = offset
+  double centre[3], slack;  ///< [m]
+  double radius;            ///< [m]
+  double reach;             ///< the patch's
+  double unused[2];
+};
+
+/// From the frame of the points to that of the patches, and on to W.
+struct SurfaceFrames {
+  double M[9], o[3];  ///< x_patch = M x + o
+  double Q[9], c[3];  ///< lever arm in W = Q x_patch + c
+  double side;        ///< 1: the points are the tool's; -1: the patches are
+  double radius;      ///< of a ball round each point [m]
+  double max_translation, max_rotation;
+  double inverse_rho;
+  double max_depth;  ///< the most that a point may lie below a patch, if less than its depth [m]
+  double max_lever;  ///< of any point of the tool [m]
+  double coarser;    ///< points of a reach beyond this times the patch's are left to the other side
+};
+
 /// A packet of the tool's tree, and how much each sphere grows with the rotation that is allowed
 /// for.
 struct alignas(32) ToolPacket {
@@ -53,7 +94,8 @@ struct LevelView {
 struct RowColumns {
   double* a[6];
   double* b;
-  NodePair* pair;  ///< leaves
+  double* lever[3];  ///< of the contact point [m], in W; rows between surfaces only
+  NodePair* pair;    ///< leaves
 };
 
 /// Rows a_i . x >= b_i by columns, see RowColumns; `count` is what they hold, and storage goes on
@@ -112,6 +154,18 @@ struct Kernels {
   void (*build_rows_3)(const LeafSphere* tool, const LeafSphere* object, const double* R,
                        const double* p, double inverse_rho, const NodePair* pairs, int count,
                        int first, const RowColumns& rows);
+
+  /// Keeps the pairs that may have a row, by a first look.  Writes them to out; returns how many.
+  int (*near_patches)(const SurfacePoint* points, const PatchDisc* discs,
+                      const SurfaceFrames& frames, const NodePair* pairs, int count, NodePair* out);
+
+  /// Rows between points of one surface and patches of another, appended at row `first`; pairs that
+  /// no sub-step within the bounds can bring together give none.  The pairs' `tool` is the index of
+  /// the point or patch of the tool, and `tag` is added to it in the row.  Returns how many rows.
+  int (*build_surface_rows)(const SurfacePoint* points, const SurfacePatch* patches,
+                            const SurfaceFrames& frames, int degrees_of_freedom,
+                            const NodePair* pairs, int count, std::int32_t tag, int first,
+                            const RowColumns& rows);
 
   /// Nearest point of a polyhedron, see SolveNearestPoint in qp_solver.h.
   QpResult (*solve_6)(const double* t, const QpRows& rows, const int* guess, int guesses);

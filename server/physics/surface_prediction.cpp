@@ -1,0 +1,257 @@
+#include "server/physics/surface_prediction.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.h"
+#include "server/physics/stage_clock.h"
+
+namespace palpate {
+namespace {
+
+/// A point whose reach is beyond this times that of the patch's own points is left to the other
+/// side's.  The tool's points come first, so that every touch is somebody's: where a tool's point
+/// is too coarse, its patch is at least as coarse, and the object's point fine enough.
+constexpr double kToolCoarser = 1.5, kObjectCoarser = 1.0;
+/// Creases that cross at less than this sine meet along their length: the points on them do.
+constexpr double kParallel = 0.05;
+/// How far a direction may leave the cone of the directions in which a crease can touch.
+constexpr double kConeSlack = 0.02;
+
+template <class T>
+void Append(const std::vector<T>& from, std::vector<T>& to) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+std::unique_ptr<const ObjectForest> MakeForest(const std::vector<const SphereTree*>& trees) {
+  std::vector<PlacedTree> placed;
+  for (const SphereTree* tree : trees) {
+    if (tree->leaves() > 0) placed.push_back({.tree = tree});
+  }
+  return placed.empty() ? nullptr : std::make_unique<const ObjectForest>(placed);
+}
+
+std::unique_ptr<const ToolTree> MakeToolTree(const SphereTree& tree, double world_extent) {
+  if (tree.leaves() == 0) return nullptr;
+  return std::make_unique<const ToolTree>(tree, world_extent, Vec3::Zero(), 1.0,
+                                          ToolTree::Levers::kToRims);
+}
+
+/// Row between two creases that cross, where they can touch.
+struct CreaseRow {
+  Vec3 normal, lever;
+  double gap;
+};
+std::optional<CreaseRow> CrossingRow(const CreaseSegment& tool, const CreaseSegment& object,
+                                     const Mat3& R_WG, const Vec3& p_W) {
+  const Vec3 a = R_WG * tool.a, da = R_WG * tool.d;
+  const Vec3& db = object.d;
+  const Vec3 across = da.cross(db);
+  const double across2 = across.squaredNorm(), aa = da.squaredNorm(), bb = db.squaredNorm();
+  if (!(across2 > kParallel * kParallel * aa * bb)) return std::nullopt;
+  const Vec3 r = a + p_W - object.a;
+  const double s = -across.dot(r.cross(db)) / across2, t = -across.dot(r.cross(da)) / across2;
+  constexpr double kEnd = 0.01;
+  if (!(s >= -kEnd && s <= 1.0 + kEnd && t >= -kEnd && t <= 1.0 + kEnd)) return std::nullopt;
+  Vec3 n = across / std::sqrt(across2);
+  // Outward of both: away from the object's two faces, and towards the tool's.
+  const auto outward = [&](const Vec3& d) {
+    return d.dot(object.t0) <= kConeSlack && d.dot(object.t1) <= kConeSlack &&
+           d.dot(R_WG * tool.t0) >= -kConeSlack && d.dot(R_WG * tool.t1) >= -kConeSlack;
+  };
+  if (!outward(n)) {
+    n = -n;
+    if (!outward(n)) return std::nullopt;
+  }
+  const Vec3 lever = a + s * da;
+  const double gap = (lever + p_W - object.a - t * db).dot(n);
+  if (gap * gap > 0.01 * std::min(aa, bb) && gap < 0.0) return std::nullopt;  // not of these two
+  return CreaseRow{n, lever, gap};
+}
+
+std::optional<CreaseRow> BallRow(const Vec3& centre, double radius, const CreaseSegment& object,
+                                 const Vec3& p_W) {
+  const Vec3 r = centre - object.a;
+  const double t = std::clamp(r.dot(object.d) / object.d.squaredNorm(), 0.0, 1.0);
+  const Vec3 away = r - t * object.d;
+  const double distance = away.norm();
+  if (!(distance > 0.5 * radius)) return std::nullopt;
+  const Vec3 n = away / distance;
+  if (n.dot(object.t0) > kConeSlack || n.dot(object.t1) > kConeSlack) return std::nullopt;
+  return CreaseRow{n, centre - p_W - radius * n, distance - radius};
+}
+
+}  // namespace
+
+ObjectSurfaces::ObjectSurfaces(std::span<const PlacedTree> objects) {
+  std::vector<ContactSurface> surfaces;
+  surfaces.reserve(objects.size());
+  std::uint32_t first_leaf = 0;
+  std::vector<const SphereTree*> point_trees, patch_trees, crease_trees;
+  for (const PlacedTree& object : objects) {
+    if (object.mesh == nullptr || object.tree->leaf_triangle.empty()) {
+      throw Error(
+          "surface contact: an object has no mesh; give it one, or use \"contact\": \"spheres\"");
+    }
+    surfaces.emplace_back(*object.mesh, *object.tree, object.X_WB);
+    const ContactSurface& surface = surfaces.back();
+    Append(surface.points, points);
+    Append(surface.patches, patches);
+    Append(surface.discs, discs);
+    Append(surface.creases, creases);
+    for (std::uint32_t leaf : surface.point_leaf) point_leaf.push_back(first_leaf + leaf);
+    for (std::uint32_t leaf : surface.patch_leaf) patch_leaf.push_back(first_leaf + leaf);
+    for (std::uint32_t leaf : surface.crease_leaf) crease_leaf.push_back(first_leaf + leaf);
+    first_leaf += static_cast<std::uint32_t>(object.tree->leaves());
+    point_trees.push_back(&surface.point_tree);
+    patch_trees.push_back(&surface.patch_tree);
+    crease_trees.push_back(&surface.crease_tree);
+  }
+  point_forest = MakeForest(point_trees);
+  patch_forest = MakeForest(patch_trees);
+  crease_forest = MakeForest(crease_trees);
+}
+
+std::uint32_t ObjectSurfaces::LeafOf(NodePair pair) const {
+  const auto object = static_cast<std::size_t>(pair.object);
+  switch (KindOf(pair)) {
+    case RowKind::kPointOnPatch:
+      return patch_leaf[object];
+    case RowKind::kPatchOnPoint:
+      return point_leaf[object];
+    case RowKind::kCreases:
+    case RowKind::kBallOnCrease:
+      return crease_leaf[object];
+    case RowKind::kLeaves:
+      break;
+  }
+  return static_cast<std::uint32_t>(pair.object);
+}
+
+ToolSurface::ToolSurface(const TriangleMesh* mesh, const SphereTree& tree, const Vec3& reference,
+                         double world_extent) {
+  if (tree.leaves() == 1) {
+    radius = tree.leaf_radius[0];
+    points.push_back(SurfacePoint{});
+    SphereTree ball = tree;
+    ball.leaf_x[0] = ball.leaf_y[0] = ball.leaf_z[0] = 0.0;
+    point_tree = MakeToolTree(ball, world_extent);
+    crease_tree = MakeToolTree(ball, world_extent);
+    return;
+  }
+  if (mesh == nullptr || tree.leaf_triangle.empty()) {
+    throw Error(
+        "surface contact: the tool has no mesh; give it one, or use \"contact\": \"spheres\"");
+  }
+  ContactSurface surface(*mesh, tree, Pose{-reference, Quat::Identity()});
+  point_tree = MakeToolTree(surface.point_tree, world_extent);
+  patch_tree = MakeToolTree(surface.patch_tree, world_extent);
+  crease_tree = MakeToolTree(surface.crease_tree, world_extent);
+  for (const SurfacePoint& point : surface.points) {
+    max_lever = std::max(max_lever, Vec3(point.x[0], point.x[1], point.x[2]).norm());
+  }
+  points = std::move(surface.points);
+  patches = std::move(surface.patches);
+  discs = std::move(surface.discs);
+  creases = std::move(surface.creases);
+}
+
+SurfacePrediction::SurfacePrediction(const ToolSurface& tool, const ObjectSurfaces& objects)
+    : tool_(tool), objects_(objects), near_(PairQuery::kMaxBatch) {
+  if (tool.point_tree && objects.patch_forest) {
+    point_on_patch_.emplace(*tool.point_tree, *objects.patch_forest);
+  }
+  if (tool.patch_tree && objects.point_forest) {
+    patch_on_point_.emplace(*tool.patch_tree, *objects.point_forest);
+  }
+  if (tool.crease_tree && objects.crease_forest) {
+    creases_.emplace(*tool.crease_tree, *objects.crease_forest);
+  }
+}
+
+std::int64_t SurfacePrediction::tested() const {
+  std::int64_t sum = 0;
+  for (const auto* query : {&point_on_patch_, &patch_on_point_, &creases_}) {
+    if (query->has_value()) sum += (*query)->tested();
+  }
+  return sum;
+}
+
+void SurfacePrediction::Predict(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
+                                const StepBounds& bounds, double max_depth, int degrees_of_freedom,
+                                double rho, const LeafWear& wear, ContactRows& rows,
+                                StageTimes* times) noexcept {
+  StageClock clock(times);
+  SurfaceFrames frames{};
+  frames.radius = tool_.radius;
+  frames.max_translation = bounds.translation;
+  // With 3 degrees of freedom a rotation moves no point of the ball's surface that matters.
+  frames.max_rotation = degrees_of_freedom == 6 ? bounds.rotation : 0.0;
+  frames.inverse_rho = 1.0 / rho;
+  frames.max_depth = max_depth;
+  frames.max_lever = tool_.max_lever;
+  const auto put = [](double* to, const auto& m) {
+    for (int r = 0; r < m.rows(); ++r) {
+      for (int c = 0; c < m.cols(); ++c) to[r * m.cols() + c] = m(r, c);
+    }
+  };
+  const auto run = [&](PairQuery& query, RowKind kind) {
+    const bool of_tool = kind == RowKind::kPointOnPatch;
+    const SurfacePoint* points = (of_tool ? tool_.points : objects_.points).data();
+    const SurfacePatch* patches = (of_tool ? objects_.patches : tool_.patches).data();
+    const PatchDisc* discs = (of_tool ? objects_.discs : tool_.discs).data();
+    query.Run(kernels, R_WG, p_W, bounds, [&](NodePair* pairs, int found) {
+      const int count =
+          wear.KeepPresent(pairs, found, of_tool ? objects_.patch_leaf : objects_.point_leaf);
+      clock.Lap(&StageTimes::prediction);
+      const int near = kernels.near_patches(points, discs, frames, pairs, count, near_.data());
+      rows.AddSurface(kernels, points, patches, frames, near_.data(), near,
+                      static_cast<std::int32_t>(kind) << kRowKindShift);
+      clock.Lap(&StageTimes::rows);
+      return true;
+    });
+  };
+  if (point_on_patch_) {
+    put(frames.M, R_WG);
+    put(frames.o, p_W);
+    put(frames.Q, Mat3(Mat3::Identity()));
+    put(frames.c, Vec3(-p_W));
+    frames.side = 1.0;
+    frames.coarser = kToolCoarser;
+    run(*point_on_patch_, RowKind::kPointOnPatch);
+  }
+  if (patch_on_point_) {
+    put(frames.M, Mat3(R_WG.transpose()));
+    put(frames.o, Vec3(-(R_WG.transpose() * p_W)));
+    put(frames.Q, R_WG);
+    put(frames.c, Vec3(Vec3::Zero()));
+    frames.side = -1.0;
+    frames.coarser = kObjectCoarser;
+    run(*patch_on_point_, RowKind::kPatchOnPoint);
+  }
+  if (creases_) {
+    const bool ball = tool_.radius > 0.0;
+    const RowKind kind = ball ? RowKind::kBallOnCrease : RowKind::kCreases;
+    const std::int32_t tag = static_cast<std::int32_t>(kind) << kRowKindShift;
+    creases_->Run(kernels, R_WG, p_W, bounds, [&](NodePair* pairs, int found) {
+      const int count = wear.KeepPresent(pairs, found, objects_.crease_leaf);
+      clock.Lap(&StageTimes::prediction);
+      for (int i = 0; i < count; ++i) {
+        const CreaseSegment& object = objects_.creases[static_cast<std::size_t>(pairs[i].object)];
+        const std::optional<CreaseRow> row =
+            ball ? BallRow(p_W, tool_.radius, object, p_W)
+                 : CrossingRow(tool_.creases[static_cast<std::size_t>(pairs[i].tool)], object, R_WG,
+                               p_W);
+        if (!row || row->gap > frames.max_translation + frames.max_rotation * row->lever.norm()) {
+          continue;
+        }
+        rows.AddRow(row->normal, row->lever, row->gap, {pairs[i].tool + tag, pairs[i].object});
+      }
+      clock.Lap(&StageTimes::rows);
+      return true;
+    });
+  }
+  clock.Lap(&StageTimes::prediction);
+}
+
+}  // namespace palpate

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "server/physics/contact_rows.h"
+#include "server/physics/contact_surface.h"
+#include "server/physics/sphere_tree_query.h"
+
+namespace palpate {
+
+/// What the pair of a row names (ContactModel::kSurface): leaves of the two sphere trees, as with
+/// ContactModel::kSpheres, or, told by a tag added to `tool`, parts of the two surfaces.
+enum class RowKind : std::int32_t {
+  kLeaves = 0,
+  kPointOnPatch = 1,  ///< a point of the tool on a patch of an object
+  kPatchOnPoint = 2,
+  kCreases = 3,
+  kBallOnCrease = 4,  ///< a spherical tool on a crease of an object
+};
+inline constexpr int kRowKindShift = 28;
+inline RowKind KindOf(NodePair pair) {
+  return static_cast<RowKind>(pair.tool >> kRowKindShift);
+}
+inline NodePair Untagged(NodePair pair) {
+  return {pair.tool & ((1 << kRowKindShift) - 1), pair.object};
+}
+
+/// The surfaces of all objects of a scene, in W.  Immutable.
+class ObjectSurfaces {
+ public:
+  /// Throws Error where an object has no mesh.
+  explicit ObjectSurfaces(std::span<const PlacedTree> objects);
+
+  std::vector<SurfacePoint> points;
+  std::vector<SurfacePatch> patches;
+  std::vector<PatchDisc> discs;
+  std::vector<CreaseSegment> creases;
+  /// Leaf of the forest that each belongs to.
+  std::vector<std::uint32_t> point_leaf, patch_leaf, crease_leaf;
+  /// Leaf i is entry i; null where there are none.
+  std::unique_ptr<const ObjectForest> point_forest, patch_forest, crease_forest;
+
+  /// Leaf of the sphere trees' forest that a row's object side belongs to.
+  std::uint32_t LeafOf(NodePair pair) const;
+};
+
+/// The surface of a tool, about its reference point; of a spherical tool its centre, as a point
+/// with a radius.  Immutable.
+class ToolSurface {
+ public:
+  /// `mesh` may be null for a spherical tool, whose tree has one leaf.
+  ToolSurface(const TriangleMesh* mesh, const SphereTree& tree, const Vec3& reference,
+              double world_extent);
+
+  std::vector<SurfacePoint> points;
+  std::vector<SurfacePatch> patches;
+  std::vector<PatchDisc> discs;
+  std::vector<CreaseSegment> creases;
+  double radius = 0.0;     ///< of a spherical tool [m]; 0 for others
+  double max_lever = 0.0;  ///< of any point [m]; 0 for a spherical tool
+  std::unique_ptr<const ToolTree> point_tree, patch_tree, crease_tree;
+};
+
+/// A step keeps rigid surfaces apart to some micrometres; what lies this deep below one [m] is on
+/// the other side of something.
+inline constexpr double kDeepestRigid = 1e-4;
+
+/// Rows between the true surfaces of tool and objects for one sub-step.  One per workspace.
+class SurfacePrediction {
+ public:
+  SurfacePrediction(const ToolSurface& tool, const ObjectSurfaces& objects);
+
+  /// Adds the rows for the graphic tool at R_WG with its reference point at p_W, but for what
+  /// belongs to leaves that have gone.
+  /// @param max_depth  what lies deeper below a surface than this is no concern of it [m].  Where
+  /// `times` is given, adds to its prediction and rows stages.  Real-time.
+  void Predict(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W, const StepBounds& bounds,
+               double max_depth, int degrees_of_freedom, double rho, const LeafWear& wear,
+               ContactRows& rows, StageTimes* times) noexcept;
+
+  /// Packet pairs tested so far.
+  std::int64_t tested() const;
+
+ private:
+  const ToolSurface& tool_;
+  const ObjectSurfaces& objects_;
+  std::vector<NodePair> near_;
+  std::optional<PairQuery> point_on_patch_, patch_on_point_, creases_;
+};
+
+}  // namespace palpate
