@@ -10,6 +10,9 @@ namespace palpate {
 namespace {
 /// Surfaces that overlap by less than this touch [m].
 constexpr double kTouching = 1e-6;
+/// A step keeps the surfaces apart to some micrometres; what lies this deep below a surface [m] is
+/// on the other side of something.
+constexpr double kDeepest = 1e-4;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 }  // namespace
 
@@ -35,10 +38,8 @@ void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
   });
   clock.Lap(&StageTimes::prediction);
   if (surface_) {
-    const SoftLeaves* soft = model.soft_leaves();
-    const double deepest = std::max(kDeepestRigid, soft != nullptr ? soft->deepest() : 0.0);
-    surface_->Predict(kernels, R_WG, p_W, bounds, deepest, model.degrees_of_freedom(),
-                      model.rotation_length(), wear, rows, times);
+    surface_->Predict(kernels, R_WG, p_W, bounds, kDeepest, model.degrees_of_freedom(),
+                      model.rotation_length(), rows, times);
   }
   rows.Finish();
 }
@@ -46,10 +47,7 @@ void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
 bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
                                  const Vec3& p_W, const LeafWear& wear,
                                  ContactRows& rows) noexcept {
-  const auto yields = [&](const NodePair& pair) {
-    const SoftLeaves* soft = model.soft_leaves();
-    return soft != nullptr ? soft->of(model.objects().LeafOf(pair)).depth : 0.0;
-  };
+  const SoftLeaves* soft = model.soft_leaves();
   bool overlaps = false;
   query_.Run(kernels, R_WG, p_W, {0.0, 0.0}, [&](NodePair* pairs, int found) {
     const int count = wear.KeepPresent(pairs, found);
@@ -60,7 +58,8 @@ bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernel
       rows.Add(kernels, model.tool().leaves().data(), model.objects().leaves().data(), R_WG, p_W,
                pairs + i, std::min(kFew, count - i));
       for (int r = 0; r < rows.count() && !overlaps; ++r) {
-        overlaps = rows.gap(r) + yields(rows.pair(r)) < 0.0;
+        const double depth = soft != nullptr ? soft->of(rows.pair(r)).depth : 0.0;
+        overlaps = rows.gap(r) + depth < 0.0;
       }
     }
     return !overlaps;
@@ -68,10 +67,8 @@ bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernel
   if (surface_ && !overlaps) {
     rows.Clear();
     surface_->Predict(kernels, R_WG, p_W, {kTouching, 0.0}, kInfinity, model.degrees_of_freedom(),
-                      model.rotation_length(), wear, rows, nullptr);
-    for (int r = 0; r < rows.count() && !overlaps; ++r) {
-      overlaps = rows.gap(r) + yields(rows.pair(r)) < -kTouching;
-    }
+                      model.rotation_length(), rows, nullptr);
+    for (int r = 0; r < rows.count() && !overlaps; ++r) overlaps = rows.gap(r) < -kTouching;
   }
   return overlaps;
 }

@@ -27,8 +27,8 @@ class ContactPrediction {
   /// Packet pairs tested so far in the life of this prediction: what it costs, as a count.
   std::int64_t tested() const { return query_.tested() + (surface_ ? surface_->tested() : 0); }
 
-  /// True where any two leaves overlap, or a surface lies inside another; of what is soft, the
-  /// cores.  What has gone does not count.  `rows` is scratch.  Real-time.
+  /// True where any two leaves overlap, of soft ones their cores, or a surface lies inside another;
+  /// what has gone does not count.  `rows` is scratch.  Real-time.
   bool Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
                 const LeafWear& wear, ContactRows& rows) noexcept;
 

@@ -7,6 +7,7 @@
 #include "common/math/rotation.h"
 #include "server/physics/contact_prediction.h"
 #include "server/physics/contact_rows.h"
+#include "server/physics/friction.h"
 #include "server/physics/qp_solver.h"
 #include "server/physics/response.h"
 #include "server/physics/soft_rows.h"
@@ -43,13 +44,11 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectFor
     const double lever = std::max(ToolTree::MaxLeverOf(tool), 1e-6);
     parameters_.max_rotation = std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), 0.1);
   }
-  const double extent = objects_->center().norm() + objects_->radius();
   if (surface != (objects_->surfaces() != nullptr)) {
     throw Error("step parameters: contact differs from the objects'; give MakeObjects the same");
   }
-  const bool backstop = surface && tool.leaves() > 1;
-  tool_ = std::make_unique<const ToolTree>(tool, extent, ToolTree::ReferenceOf(tool),
-                                           backstop ? kBackstop : 1.0);
+  const double extent = objects_->center().norm() + objects_->radius();
+  tool_ = std::make_unique<const ToolTree>(tool, extent, ToolTree::ReferenceOf(tool));
   if (surface) {
     tool_surface_ =
         std::make_unique<const ToolSurface>(tool_mesh, tool, tool_->reference(), extent);
@@ -90,6 +89,8 @@ struct Optimum {
   Vec3 v;
   Vec3 phi;
   QpResult qp;
+  bool rubs = false;
+  FrictionForces friction;  ///< where it rubs: of the QP's active rows
 };
 
 /// Nearest step to the target that respects the rows; where `soft` is given, soft rows yield as
@@ -118,6 +119,27 @@ Optimum Solve(const HapticModel& model, const Kernels& kernels, const Target& ta
   }
   optimum.v = Vec3(optimum.qp.x[0], optimum.qp.x[1], optimum.qp.x[2]);
   return optimum;
+}
+
+/// The same with friction, where the model has it and a row is active.
+void AddFriction(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
+                 const Target& target, const ContactRows& rows, const QpRows& rigid,
+                 const SoftContacts& yielding, StepState& state, Optimum& optimum,
+                 StepReport& report) {
+  if (model.parameters().features.friction != FrictionModel::kCoulomb) return;
+  if (optimum.qp.active == 0) return ForgetFriction(state.friction);
+  if (state.friction.suspended || optimum.qp.status == QpStatus::kIterationLimit) return;
+  optimum.rubs = true;
+  // The push of soft contacts counts as it is without friction.
+  const double rho = model.rotation_length();
+  const Target pushed{target.v + yielding.force, target.phi + yielding.torque / (rho * rho)};
+  AddCoulombFriction(model, kernels, R_WG, pushed, rows, rigid, report.substeps == 0,
+                     state.friction, optimum.qp, optimum.friction, report);
+  const double* x = optimum.qp.x;
+  optimum.v = Vec3(x[0], x[1], x[2]);
+  if (model.degrees_of_freedom() == 6) {
+    optimum.phi = Vec3(x[3], x[4], x[5]) / rho;
+  }
 }
 
 /// Widest bounds of a sub-step.  Rows between surfaces cost more than those between spheres: near a
@@ -179,10 +201,12 @@ constexpr double kBoundShare = 0.98;
 /// The contacts as seen from where the sub-step [v; phi] has taken the tool, (p_W, q_WG): what
 /// their rows still allow from there, and where they touch it.
 void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpRows& rigid,
-                    const QpResult& qp, const SoftRows* soft, const SoftContacts& yielding,
+                    const Optimum& optimum, const SoftRows* soft, const SoftContacts& yielding,
                     const Vec3& v, const Vec3& phi, const Vec3& p_W, const Quat& q_WG,
                     StepReport& report) {
   const double k_t = model.parameters().stiffness;
+  const QpResult& qp = optimum.qp;
+  const Mat3 R_WG = q_WG.toRotationMatrix();
   report.contacts = 0;
   report.soft_contacts = yielding.count;
   report.soft_wrench = {k_t * yielding.force, k_t * yielding.torque};
@@ -194,16 +218,15 @@ void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpR
     row.lever_cross_normal = rows.lever_cross_normal(i);
     row.offset = offset - row.normal.dot(v) - row.lever_cross_normal.dot(phi);
     row.force = force;
-    if (KindOf(row.pair) == RowKind::kLeaves) {
-      const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(row.pair.tool)];
-      row.contact_W = p_W + q_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * row.normal;
-    } else {
-      row.contact_W = p_W + RotationExp(phi) * rows.lever(i);
-    }
+    const ContactPlace place = PlaceOf(model, rows, i, R_WG);
+    row.contact_W =
+        p_W + (KindOf(row.pair) == RowKind::kLeaves ? place.lever : RotationExp(phi) * place.lever);
+    row.object_leaf = place.object_leaf;
     return &row;
   };
   for (int k = 0; k < qp.active; ++k) {
-    add(qp.row[k], rigid.b[qp.row[k]], k_t * qp.multiplier[k]);
+    ActiveRow* row = add(qp.row[k], rigid.b[qp.row[k]], k_t * qp.multiplier[k]);
+    if (optimum.rubs) row->friction = k_t * optimum.friction[static_cast<std::size_t>(k)];
   }
   for (int k = 0; k < yielding.listed && report.contacts < kMaxActiveRows; ++k) {
     const int i = yielding.row[k];
@@ -233,7 +256,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   Vec3 p_G = state.X_WG.p + q_G * reference;
 
   StepBounds bounds = FirstBounds(model, TargetOf(state.X_WH * reference, state.X_WH.q, p_H, q_H),
-                                  state.active + state.soft > 0);
+                                  state.active > 0);
   state.X_WH = {X_WH.p, q_H};
   bool arrived = false;
   const std::int64_t last_test = buffers.prediction.tested() + parameters.max_tested;
@@ -251,14 +274,17 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     SoftRows* soft = nullptr;
     QpRows rigid = rows.view();
     if (buffers.soft) {
-      buffers.soft->Set(model, rows);
-      rigid = buffers.soft->rigid(rows);
-      if (buffers.soft->any()) soft = &*buffers.soft;
+      buffers.soft->Set(*model.soft_leaves(), rows);
+      if (buffers.soft->any()) {
+        soft = &*buffers.soft;
+        rigid = soft->rigid(rows);
+      }
     }
-    const Optimum optimum = Solve(model, kernels, target, rows, rigid, soft, state);
+    Optimum optimum = Solve(model, kernels, target, rows, rigid, soft, state);
     SoftContacts yielding;
     if (soft != nullptr) yielding = soft->Contacts(rows);
     report.qp_iterations += optimum.qp.iterations;
+    AddFriction(model, kernels, R_WG, target, rows, rigid, yielding, state, optimum, report);
     clock.Lap(&StageTimes::solve);
 
     if (optimum.qp.status == QpStatus::kIterationLimit) {
@@ -269,7 +295,6 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     }
     if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
     state.active = optimum.qp.active;
-    state.soft = yielding.count;
     for (int i = 0; i < state.active; ++i) {
       state.active_pairs[static_cast<std::size_t>(i)] = rows.pair(optimum.qp.row[i]);
     }
@@ -313,7 +338,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
       p_G += v;
       q_G = (RotationExp(phi) * q_G).normalized();
     }
-    ReportContacts(model, rows, rigid, optimum.qp, soft, yielding, v, phi, p_G, q_G, report);
+    ReportContacts(model, rows, rigid, optimum, soft, yielding, v, phi, p_G, q_G, report);
     bounds = Wider(model, bounds, optimum, rows.count() > 0);
     clock.Lap(&StageTimes::response);
   }
@@ -325,6 +350,10 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     state.X_WG = {p_G - q_G * reference, q_G};
   }
   const Pose X_before = report.X_WG;
+  if (parameters.features.friction == FrictionModel::kChapter && arrived &&
+      !state.friction.suspended) {
+    AddChapterFriction(model, X_before, state, report);
+  }
   report.X_WG = state.X_WG;
   if (arrived && parameters.features.removal) WearContacts(model, X_before, state.wear, report);
   return report;

@@ -37,15 +37,11 @@ bool LeafWear::Remove(int leaf) noexcept {
   return true;
 }
 
-int LeafWear::KeepPresent(NodePair* pairs, int count,
-                          std::span<const std::uint32_t> leaf_of) const noexcept {
+int LeafWear::KeepPresent(NodePair* pairs, int count) const noexcept {
   if (gone_count_ == 0) return count;
   int kept = 0;
   for (int i = 0; i < count; ++i) {
-    const std::int32_t object = pairs[i].object;
-    const int leaf =
-        leaf_of.empty() ? object : static_cast<int>(leaf_of[static_cast<std::size_t>(object)]);
-    if (!gone(leaf)) pairs[kept++] = pairs[i];
+    if (!gone(pairs[i].object)) pairs[kept++] = pairs[i];
   }
   return kept;
 }
@@ -56,7 +52,7 @@ void WearContacts(const HapticModel& model, const Pose& X_before, LeafWear& wear
   const Quat back = X_before.q * report.X_WG.q.conjugate();
   for (int i = 0; i < report.contacts; ++i) {
     const ActiveRow& row = report.active[static_cast<std::size_t>(i)];
-    const int leaf = model.objects().LeafOf(row.pair);
+    const int leaf = row.object_leaf;
     // Where the point of the tool that touches was before the step.
     const Vec3 before = X_before.p + back * (row.contact_W - report.X_WG.p);
     const Vec3 moved = row.contact_W - before;

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "common/math/pose.h"
-#include "server/physics/simd/kernels.h"
+#include "server/physics/leaf_pair.h"
 
 namespace palpate {
 
@@ -39,9 +38,7 @@ class LeafWear {
   bool Remove(int leaf) noexcept;
   /// Moves the pairs whose object leaf is there to the front, in their order; returns how many.
   /// Real-time.
-  /// @param leaf_of  leaf of each of what `object` numbers; empty: leaves themselves.
-  int KeepPresent(NodePair* pairs, int count,
-                  std::span<const std::uint32_t> leaf_of = {}) const noexcept;
+  int KeepPresent(NodePair* pairs, int count) const noexcept;
 
   bool operator==(const LeafWear&) const = default;
 

@@ -7,7 +7,6 @@
 
 #include "common/error.h"
 #include "server/physics/sphere_tree_query.h"
-#include "server/physics/surface_prediction.h"
 
 namespace palpate {
 namespace {
@@ -31,7 +30,6 @@ std::unique_ptr<const SoftLeaves> SoftLeaves::Make(const ObjectForest& objects,
     const auto leaf = static_cast<std::size_t>(i);
     soft->leaves_[leaf] = {stiffness / coupling_stiffness,
                            CoreDepth(material, objects.leaves()[leaf].radius)};
-    soft->deepest_ = std::max(soft->deepest_, soft->leaves_[leaf].depth);
     any = true;
   }
   if (!any) return nullptr;
@@ -52,21 +50,14 @@ SoftRows::SoftRows(int rows, double rho) : rho_(rho) {
   push_ = weight_ + 8 * stride;
 }
 
-void SoftRows::Set(const HapticModel& model, const ContactRows& rows) noexcept {
-  const ObjectForest& objects = model.objects();
-  const bool surfaces = objects.surfaces() != nullptr;
+void SoftRows::Set(const SoftLeaves& leaves, const ContactRows& rows) noexcept {
   any_ = false;
   const int count = rows.count();
   for (int i = 0; i < count; ++i) {
-    const SoftLeaves::Leaf& leaf = model.soft_leaves()->of(objects.LeafOf(rows.pair(i)));
-    const bool behind = surfaces && KindOf(rows.pair(i)) == RowKind::kLeaves;
-    weight_[i] = behind ? 0.0 : leaf.weight;
+    const SoftLeaves::Leaf& leaf = leaves.of(rows.pair(i));
+    weight_[i] = leaf.weight;
     rigid_b_[i] = -rows.gap(i) - leaf.depth;
-    // The prediction looked as deep as soft surfaces yield; rigid ones are not entered.
-    if (surfaces && !behind && leaf.weight == 0.0 && rows.gap(i) < -kDeepestRigid) {
-      rigid_b_[i] = -1e300;
-    }
-    any_ |= weight_[i] > 0.0;
+    any_ |= leaf.weight > 0.0;
   }
   for (int i = count; i % 16 != 0; ++i) {
     weight_[i] = 0.0;

@@ -31,13 +31,14 @@ class SoftLeaves {
   /// Null where no leaf is soft.  Throws Error where a stiffness is not positive.
   static std::unique_ptr<const SoftLeaves> Make(const ObjectForest& objects,
                                                 double coupling_stiffness);
-  /// Of an object leaf, as the forest numbers it.
-  const Leaf& of(int leaf) const { return leaves_[static_cast<std::size_t>(leaf)]; }
-  double deepest() const { return deepest_; }  ///< greatest depth of any [m]
+  /// What has a surface is rigid.
+  Leaf of(const LeafPair& pair) const {
+    return KindOf(pair) == RowKind::kLeaves ? leaves_[static_cast<std::size_t>(pair.object)]
+                                            : Leaf{};
+  }
 
  private:
   std::vector<Leaf> leaves_;
-  double deepest_ = 0.0;
 };
 
 /// The soft rows that push at a step's optimum.
@@ -56,9 +57,8 @@ class SoftRows {
   /// @param rho  of ContactRows [m].
   SoftRows(int rows, double rho);
 
-  /// Looks up the rows' leaves.  To be called after ContactRows::Finish.  With surface contact the
-  /// surfaces yield, and of the leaves behind them stand the cores.
-  void Set(const HapticModel& model, const ContactRows& rows) noexcept;
+  /// Looks up the rows' leaves.  To be called after ContactRows::Finish.
+  void Set(const SoftLeaves& leaves, const ContactRows& rows) noexcept;
   /// True where any of the rows is soft.
   bool any() const { return any_; }
   /// The rows as the solver wants them; `rows` as in Set.

@@ -33,7 +33,7 @@ std::unique_ptr<const ObjectForest> MakeForest(const std::vector<const SphereTre
 
 std::unique_ptr<const ToolTree> MakeToolTree(const SphereTree& tree, double world_extent) {
   if (tree.leaves() == 0) return nullptr;
-  return std::make_unique<const ToolTree>(tree, world_extent, Vec3::Zero(), 1.0,
+  return std::make_unique<const ToolTree>(tree, world_extent, Vec3::Zero(),
                                           ToolTree::Levers::kToRims);
 }
 
@@ -83,12 +83,21 @@ std::optional<CreaseRow> BallRow(const Vec3& centre, double radius, const Crease
 
 }  // namespace
 
+bool HasSurface(const PlacedTree& object) {
+  return std::none_of(object.materials.begin(), object.materials.end(), [](const Material& m) {
+    return std::isfinite(m.stiffness) || std::isfinite(m.hardness);
+  });
+}
+
 ObjectSurfaces::ObjectSurfaces(std::span<const PlacedTree> objects) {
   std::vector<ContactSurface> surfaces;
   surfaces.reserve(objects.size());
   std::uint32_t first_leaf = 0;
   std::vector<const SphereTree*> point_trees, patch_trees, crease_trees;
   for (const PlacedTree& object : objects) {
+    const std::uint32_t own_leaf = first_leaf;
+    first_leaf += static_cast<std::uint32_t>(object.tree->leaves());
+    if (!HasSurface(object)) continue;
     if (object.mesh == nullptr || object.tree->leaf_triangle.empty()) {
       throw Error(
           "surface contact: an object has no mesh; give it one, or use \"contact\": \"spheres\"");
@@ -99,10 +108,9 @@ ObjectSurfaces::ObjectSurfaces(std::span<const PlacedTree> objects) {
     Append(surface.patches, patches);
     Append(surface.discs, discs);
     Append(surface.creases, creases);
-    for (std::uint32_t leaf : surface.point_leaf) point_leaf.push_back(first_leaf + leaf);
-    for (std::uint32_t leaf : surface.patch_leaf) patch_leaf.push_back(first_leaf + leaf);
-    for (std::uint32_t leaf : surface.crease_leaf) crease_leaf.push_back(first_leaf + leaf);
-    first_leaf += static_cast<std::uint32_t>(object.tree->leaves());
+    for (std::uint32_t leaf : surface.point_leaf) point_leaf.push_back(own_leaf + leaf);
+    for (std::uint32_t leaf : surface.patch_leaf) patch_leaf.push_back(own_leaf + leaf);
+    for (std::uint32_t leaf : surface.crease_leaf) crease_leaf.push_back(own_leaf + leaf);
     point_trees.push_back(&surface.point_tree);
     patch_trees.push_back(&surface.patch_tree);
     crease_trees.push_back(&surface.crease_tree);
@@ -179,8 +187,7 @@ std::int64_t SurfacePrediction::tested() const {
 
 void SurfacePrediction::Predict(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
                                 const StepBounds& bounds, double max_depth, int degrees_of_freedom,
-                                double rho, const LeafWear& wear, ContactRows& rows,
-                                StageTimes* times) noexcept {
+                                double rho, ContactRows& rows, StageTimes* times) noexcept {
   StageClock clock(times);
   SurfaceFrames frames{};
   frames.radius = tool_.radius;
@@ -200,9 +207,7 @@ void SurfacePrediction::Predict(const Kernels& kernels, const Mat3& R_WG, const 
     const SurfacePoint* points = (of_tool ? tool_.points : objects_.points).data();
     const SurfacePatch* patches = (of_tool ? objects_.patches : tool_.patches).data();
     const PatchDisc* discs = (of_tool ? objects_.discs : tool_.discs).data();
-    query.Run(kernels, R_WG, p_W, bounds, [&](NodePair* pairs, int found) {
-      const int count =
-          wear.KeepPresent(pairs, found, of_tool ? objects_.patch_leaf : objects_.point_leaf);
+    query.Run(kernels, R_WG, p_W, bounds, [&](const NodePair* pairs, int count) {
       clock.Lap(&StageTimes::prediction);
       const int near = kernels.near_patches(points, discs, frames, pairs, count, near_.data());
       rows.AddSurface(kernels, points, patches, frames, near_.data(), near,
@@ -233,8 +238,7 @@ void SurfacePrediction::Predict(const Kernels& kernels, const Mat3& R_WG, const 
     const bool ball = tool_.radius > 0.0;
     const RowKind kind = ball ? RowKind::kBallOnCrease : RowKind::kCreases;
     const std::int32_t tag = static_cast<std::int32_t>(kind) << kRowKindShift;
-    creases_->Run(kernels, R_WG, p_W, bounds, [&](NodePair* pairs, int found) {
-      const int count = wear.KeepPresent(pairs, found, objects_.crease_leaf);
+    creases_->Run(kernels, R_WG, p_W, bounds, [&](const NodePair* pairs, int count) {
       clock.Lap(&StageTimes::prediction);
       for (int i = 0; i < count; ++i) {
         const CreaseSegment& object = objects_.creases[static_cast<std::size_t>(pairs[i].object)];

@@ -9,6 +9,7 @@
 namespace palpate {
 namespace {
 
+using test::AllOf;
 using test::At;
 using test::Bench;
 using test::Floor;
@@ -56,8 +57,13 @@ std::uint64_t Run(const StepParameters& parameters, const Paint& paint) {
   return hash.value();
 }
 
-std::uint64_t GoldenRun() {
-  return Run({}, {});
+std::uint64_t GoldenRun(FrictionModel friction = FrictionModel::kOff) {
+  StepParameters parameters;
+  parameters.features.friction = friction;
+  Material rough;
+  rough.static_friction = 0.8;
+  rough.dynamic_friction = 0.3;
+  return Run(parameters, AllOf(rough));
 }
 
 /// The same with soft, rigid and wearing slices of 2 mm, and all that counts.
@@ -72,6 +78,8 @@ std::uint64_t GoldenRunOfMaterials() {
 // Debug and Release builds, every SIMD level and every machine give this.  A change of the physics
 // changes it, knowingly; nothing else may.
 constexpr std::uint64_t kGoldenHash = 6161116608468802286u;
+constexpr std::uint64_t kGoldenChapterHash = 10557980212448308767u;
+constexpr std::uint64_t kGoldenCoulombHash = 18363000074163466422u;
 constexpr std::uint64_t kGoldenHashOfMaterials = 12443289330829426384u;
 
 TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
@@ -81,6 +89,8 @@ TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
   for (int k = 0; k < levels; ++k) {
     UseKernels(*level[k]);
     EXPECT_EQ(GoldenRun(), kGoldenHash) << level[k]->name;
+    EXPECT_EQ(GoldenRun(FrictionModel::kChapter), kGoldenChapterHash) << level[k]->name;
+    EXPECT_EQ(GoldenRun(FrictionModel::kCoulomb), kGoldenCoulombHash) << level[k]->name;
     EXPECT_EQ(GoldenRunOfMaterials(), kGoldenHashOfMaterials) << level[k]->name;
   }
   UseKernels(chosen);

@@ -143,7 +143,7 @@ TEST(LeafWear, StandsWhereTheReportedEventsSay) {
       EXPECT_TRUE(told.Remove(report.removed[static_cast<std::size_t>(k)]));
     }
     for (int k = 0; k < report.contacts; ++k) {
-      const int leaf = bench.model().objects().LeafOf(report.active[static_cast<std::size_t>(k)].pair);
+      const int leaf = report.active[static_cast<std::size_t>(k)].object_leaf;
       bool just_now = false;
       for (int r = 0; r < report.removals; ++r) {
         just_now |= report.removed[static_cast<std::size_t>(r)] == leaf;

@@ -23,6 +23,10 @@ struct Paint {
   std::function<int(const Vec3&)> of = [](const Vec3&) { return 0; };
 };
 
+inline Paint AllOf(const Material& material) {
+  return {{material}, [](const Vec3&) { return 0; }};
+}
+
 /// One tool against one object, with the hand's pose as input.
 class Bench {
  public:
