@@ -64,7 +64,10 @@ const char* NameOf(FrictionModel friction) {
 
 SceneRun::SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses,
                    const FeatureOverrides& overrides)
-    : scene_(Load(scene, models_dir, overrides)), poses_(std::move(poses)) {
+    : SceneRun(Load(scene, models_dir, overrides), std::move(poses)) {}
+
+SceneRun::SceneRun(Scene scene, std::vector<Pose> poses)
+    : scene_(std::move(scene)), poses_(std::move(poses)) {
   model_ = std::make_unique<HapticModel>(MakeModel(scene_, tool(), MakeObjects(scene_)));
   workspace_ = std::make_unique<StepWorkspace>(*model_);
   start_ = StepState(*model_);

@@ -28,6 +28,7 @@ class SceneRun {
   /// 0.3. Throws UsageError where a feature is not to be had.
   SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses,
            const FeatureOverrides& overrides = {});
+  SceneRun(Scene scene, std::vector<Pose> poses);
 
   const Scene& scene() const { return scene_; }
   const Body& tool() const { return scene_.tools.front(); }
