@@ -1,23 +1,73 @@
 #include "tests/benchmarks/scene_run.h"
 
+#include <algorithm>
+
+#include "common/error.h"
 #include "scenes/catalogue.h"
 #include "server/session/scene_model.h"
 
 namespace palpate::bench {
 namespace {
 
-Scene Load(const std::string& scene, const std::string& models_dir) {
+/// The features to run, and what they need of the scene.
+void Override(const FeatureOverrides& overrides, Scene& scene) {
+  // Until the step has surface contact: spheres, whatever the scene asks for.
+  if (overrides.contact == "surface") {
+    throw UsageError("--contact surface: this version has spheres only");
+  }
+  scene.features.contact = ContactModel::kSpheres;
+
+  if (overrides.friction.empty()) return;
+  for (const FrictionModel model :
+       {FrictionModel::kOff, FrictionModel::kChapter, FrictionModel::kCoulomb}) {
+    if (overrides.friction == NameOf(model)) scene.features.friction = model;
+  }
+  const bool rough = std::any_of(scene.objects.begin(), scene.objects.end(), [](const Body& body) {
+    return std::any_of(body.materials.begin(), body.materials.end(),
+                       [](const Material& material) { return material.static_friction > 0.0; });
+  });
+  if (rough || scene.features.friction == FrictionModel::kOff) return;
+  for (Body& body : scene.objects) {
+    for (Material& material : body.materials) {
+      material.static_friction = 0.8;
+      material.dynamic_friction = 0.3;
+    }
+  }
+}
+
+Scene Load(const std::string& name, const std::string& models_dir,
+           const FeatureOverrides& overrides) {
   LoadOptions options;
   options.models_dir = models_dir;
-  return LoadScene(scene, options);
+  Scene scene = LoadScene(name, options);
+  Override(overrides, scene);
+  return scene;
 }
 
 }  // namespace
 
-SceneRun::SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses)
-    : scene_(Load(scene, models_dir)), poses_(std::move(poses)) {
+const char* NameOf(ContactModel contact) {
+  return contact == ContactModel::kSurface ? "surface" : "spheres";
+}
+
+const char* NameOf(FrictionModel friction) {
+  switch (friction) {
+    case FrictionModel::kChapter:
+      return "chapter";
+    case FrictionModel::kCoulomb:
+      return "coulomb";
+    case FrictionModel::kOff:
+      break;
+  }
+  return "off";
+}
+
+SceneRun::SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses,
+                   const FeatureOverrides& overrides)
+    : scene_(Load(scene, models_dir, overrides)), poses_(std::move(poses)) {
   model_ = std::make_unique<HapticModel>(MakeModel(scene_, tool(), MakeObjects(scene_)));
   workspace_ = std::make_unique<StepWorkspace>(*model_);
+  start_ = StepState(*model_);
   start_.X_WG = ResolveStart(*model_, poses_.front(), *workspace_).X_WG;
 }
 
