@@ -231,11 +231,12 @@ TriangleMesh MakeCalculus(ToothKind kind, const ToothSize& metres, double across
   double surface = 0.0;  // z of the tooth's outer side at that height
   while (tooth({0, y, surface}) < 0.0) surface += 0.01;
   const Field lump = [=](const Vec3& p) {
-    const double rough = 0.12 * std::sin(5.1 * p.x()) * std::sin(4.3 * p.y() + 1.0) +
-                         0.07 * std::sin(9.0 * p.x() + 2.0) * std::sin(8.1 * p.y());
-    const double disc = std::hypot(p.x(), p.y() - y) - r;
-    // Lies on the tooth as a crust, a little of it inside.
-    return SmoothMax(SmoothMax(disc + rough, tooth(p) - 0.55 + 2.0 * rough, 0.5),
+    const double rough = 0.06 * std::sin(5.1 * p.x()) * std::sin(4.3 * p.y() + 1.0) +
+                         0.03 * std::sin(9.0 * p.x() + 2.0) * std::sin(8.1 * p.y());
+    // A crust that thins out towards its rim, a little of it inside the tooth.
+    const double e = std::hypot(p.x(), p.y() - y) / r;
+    const double thickness = 0.5 * (1.0 - e * e) + rough;
+    return SmoothMax(SmoothMax(tooth(p) - thickness, r * (e - 1.1), 0.4),
                      SmoothMax(-(tooth(p) + 0.6), -(p.z() - surface + 2.5), 0.3), 0.3);
   };
   return InMetres(MeshOfField(
