@@ -130,17 +130,23 @@ TriangleMesh Instrument(const std::vector<Vec3>& corners, const std::vector<doub
                         double step) {
   std::vector<Vec3> curve;
   std::vector<double> thickness;
-  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {  // Catmull-Rom, tension 1/2
-    const Vec3& p1 = corners[i];
-    const Vec3& p2 = corners[i + 1];
-    const Vec3 p0 = i == 0 ? Vec3(2.0 * p1 - p2) : corners[i - 1];
-    const Vec3 p3 = i + 2 == corners.size() ? Vec3(2.0 * p2 - p1) : corners[i + 2];
-    const int pieces = std::max(1, int(std::lround((p2 - p1).norm() / step)));
+  // Cubic Hermite pieces; the direction at a corner is that between its neighbours, as Catmull and
+  // Rom have it, as long as each piece, so that a short piece beside a long one does not overshoot.
+  const auto direction = [&](std::size_t i) {
+    const Vec3& before = corners[i == 0 ? 0 : i - 1];
+    const Vec3& after = corners[std::min(i + 1, corners.size() - 1)];
+    return (after - before).normalized();
+  };
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const Vec3& a = corners[i];
+    const Vec3& b = corners[i + 1];
+    const double length = (b - a).norm();
+    const int pieces = std::max(1, int(std::lround(length / step)));
     for (int k = 0; k < pieces; ++k) {
       const double t = double(k) / pieces;
-      curve.push_back(0.5 *
-                      (2.0 * p1 + t * (p2 - p0) + t * t * (2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3) +
-                       t * t * t * (3.0 * p1 - p0 - 3.0 * p2 + p3)));
+      const double u = 1.0 - t;
+      curve.push_back(u * u * (1.0 + 2.0 * t) * a + t * t * (1.0 + 2.0 * u) * b +
+                      length * t * u * (u * direction(i) - t * direction(i + 1)));
       thickness.push_back(radii[i] + t * (radii[i + 1] - radii[i]));
     }
   }
