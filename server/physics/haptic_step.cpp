@@ -7,6 +7,7 @@
 #include "common/math/rotation.h"
 #include "server/physics/contact_prediction.h"
 #include "server/physics/contact_rows.h"
+#include "server/physics/friction.h"
 #include "server/physics/qp_solver.h"
 #include "server/physics/response.h"
 #include "server/physics/stage_clock.h"
@@ -82,6 +83,8 @@ struct Optimum {
   Vec3 v;
   Vec3 phi;
   QpResult qp;
+  bool rubs = false;
+  FrictionForces friction;  ///< where it rubs: of the QP's active rows
 };
 
 /// Nearest step to the target that respects the rows.  With 3 degrees of freedom the rotation is
@@ -104,6 +107,23 @@ Optimum Solve(const HapticModel& model, const Kernels& kernels, const Target& ta
   }
   optimum.v = Vec3(optimum.qp.x[0], optimum.qp.x[1], optimum.qp.x[2]);
   return optimum;
+}
+
+/// The same with friction, where the model has it and a row is active.
+void AddFriction(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
+                 const Target& target, const ContactRows& rows, StepState& state, Optimum& optimum,
+                 StepReport& report) {
+  if (model.parameters().features.friction != FrictionModel::kCoulomb) return;
+  if (optimum.qp.active == 0) return ForgetFriction(state.friction);
+  if (state.friction.suspended || optimum.qp.status == QpStatus::kIterationLimit) return;
+  optimum.rubs = true;
+  AddCoulombFriction(model, kernels, R_WG, target, rows, report.substeps == 0, state.friction,
+                     optimum.qp, optimum.friction, report);
+  const double* x = optimum.qp.x;
+  optimum.v = Vec3(x[0], x[1], x[2]);
+  if (model.degrees_of_freedom() == 6) {
+    optimum.phi = Vec3(x[3], x[4], x[5]) / model.rotation_length();
+  }
 }
 
 /// Widest bounds of a sub-step.  Rows between surfaces cost more than those between spheres: near a
@@ -164,9 +184,11 @@ constexpr double kBoundShare = 0.98;
 
 /// The active rows as seen from where the sub-step [v; phi] has taken the tool, (p_W, q_WG): what
 /// they still allow from there, and where they touch it.
-void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpResult& qp,
+void ReportContacts(const HapticModel& model, const ContactRows& rows, const Optimum& optimum,
                     const Vec3& v, const Vec3& phi, const Vec3& p_W, const Quat& q_WG,
                     StepReport& report) {
+  const QpResult& qp = optimum.qp;
+  const Mat3 R_WG = q_WG.toRotationMatrix();
   report.contacts = qp.active;
   for (int i = 0; i < qp.active; ++i) {
     ActiveRow& row = report.active[static_cast<std::size_t>(i)];
@@ -175,12 +197,14 @@ void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpR
     row.lever_cross_normal = rows.lever_cross_normal(qp.row[i]);
     row.offset = -rows.gap(qp.row[i]) - row.normal.dot(v) - row.lever_cross_normal.dot(phi);
     row.force = model.parameters().stiffness * qp.multiplier[i];
-    if (KindOf(row.pair) == RowKind::kLeaves) {
-      const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(row.pair.tool)];
-      row.contact_W = p_W + q_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * row.normal;
-    } else {
-      row.contact_W = p_W + RotationExp(phi) * rows.lever(qp.row[i]);
+    row.friction.setZero();
+    if (optimum.rubs) {
+      row.friction = model.parameters().stiffness * optimum.friction[static_cast<std::size_t>(i)];
     }
+    const ContactPlace place = PlaceOf(model, rows, qp.row[i], R_WG);
+    row.contact_W =
+        p_W + (KindOf(row.pair) == RowKind::kLeaves ? place.lever : RotationExp(phi) * place.lever);
+    row.object_leaf = place.object_leaf;
   }
 }
 
@@ -220,8 +244,9 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     report.predicted_pairs = rows.count();
     if (rows.overflowed()) report.faults |= kFaultRowsFull;
 
-    const Optimum optimum = Solve(model, kernels, target, rows, state);
+    Optimum optimum = Solve(model, kernels, target, rows, state);
     report.qp_iterations += optimum.qp.iterations;
+    AddFriction(model, kernels, R_WG, target, rows, state, optimum, report);
     clock.Lap(&StageTimes::solve);
 
     if (optimum.qp.status == QpStatus::kIterationLimit) {
@@ -273,7 +298,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
       p_G += v;
       q_G = (RotationExp(phi) * q_G).normalized();
     }
-    ReportContacts(model, rows, optimum.qp, v, phi, p_G, q_G, report);
+    ReportContacts(model, rows, optimum, v, phi, p_G, q_G, report);
     bounds = Wider(model, bounds, optimum, rows.count() > 0);
     clock.Lap(&StageTimes::response);
   }
@@ -283,6 +308,10 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     state.X_WG = {X_WH.p, q_H};
   } else {
     state.X_WG = {p_G - q_G * reference, q_G};
+  }
+  if (parameters.features.friction == FrictionModel::kChapter && arrived &&
+      !state.friction.suspended) {
+    AddChapterFriction(model, report.X_WG, state, report);
   }
   report.X_WG = state.X_WG;
   return report;

@@ -26,7 +26,7 @@ struct Options {
   std::string object = "cube";
   std::vector<std::size_t> spheres{64, 512, 4096};
   std::size_t triangles = 20480;
-  FeatureOptions features;
+  FeatureOverrides features{.contact = "surface", .friction = "off"};
   int steps = 4000;
   int repeats = 5;
   std::string json, plot;
@@ -104,7 +104,6 @@ SlidingPath PathOf(const Options& options) {
 Scene MakeScene(const Options& options, std::size_t spheres) {
   Scene scene;
   scene.name = "accuracy, " + options.object;
-  scene.features = options.features.features();
   scene.coupling.stiffness = kSlidingStiffness;
   Body ball, object;
   ball.mesh = MakeSphere(kSlidingBallRadius, 320);
@@ -116,6 +115,7 @@ Scene MakeScene(const Options& options, std::size_t spheres) {
   });
   scene.tools.push_back(std::move(ball));
   scene.objects.push_back(std::move(object));
+  options.features.Apply(scene);
   return scene;
 }
 
@@ -286,7 +286,7 @@ void AddAccuracy(CLI::App& app) {
                    "Ellipsoid: triangles of its mesh at least (20, 80, ..., 5120, 20480, 81920)")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  options->features.AddTo(*command);
+  AddFeatureOptions(*command, options->features, "surface, without friction");
   command->add_option("--steps", options->steps, "Samples of steady sliding")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -8,6 +8,7 @@
 #include "server/physics/simd/kernels.h"
 #include "server/physics/sphere_tree_query.h"
 #include "tests/benchmarks/commands.h"
+#include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/overlap_oracle.h"
 #include "tests/benchmarks/pose_source.h"
@@ -21,8 +22,7 @@ struct Options {
   std::string poses;
   std::optional<int> steps;
   int repeats = 5;
-  std::string contact = "spheres";
-  std::string friction = "off";
+  FeatureOverrides features;
   std::string models;
   std::string json;
   int check_every = 1;
@@ -60,16 +60,13 @@ void StagedPass(SceneRun& run, BestOf stage[4]) {
 }
 
 void Run(const Options& options) {
-  if (options.contact != "spheres" || options.friction != "off") {
-    throw UsageError("cycle: this version has --contact spheres and --friction off only");
-  }
   std::vector<Pose> poses =
       options.poses.empty() ? ScriptPoses(options.scene, options.steps) : ReadPoses(options.poses);
   if (options.steps && !options.poses.empty() &&
       poses.size() > static_cast<std::size_t>(*options.steps)) {
     poses.resize(static_cast<std::size_t>(*options.steps));
   }
-  SceneRun run(options.scene, options.models, std::move(poses));
+  SceneRun run(options.scene, options.models, std::move(poses), options.features);
   const std::size_t steps = run.poses().size();
 
   BestOf step, stage[4];
@@ -82,8 +79,8 @@ void Run(const Options& options) {
 
   // Everything else comes from the reports and from an oracle that knows nothing of the trees.
   OverlapOracle oracle(run.tool().tree, run.scene().objects);
-  std::vector<double> predicted, conventional, penetration, truncation, iterations;
-  int unsolved = 0, jammed = 0, far = 0;
+  std::vector<double> predicted, conventional, penetration, truncation, iterations, newton;
+  int unsolved = 0, jammed = 0, far = 0, lowered = 0, rubs_unsolved = 0;
   double force_jump = 0.0, torque_jump = 0.0;
   for (std::size_t i = 0; i < steps; ++i) {
     const StepReport& report = reports[i];
@@ -93,6 +90,9 @@ void Run(const Options& options) {
     unsolved += (report.faults & kFaultUnsolved) != 0;
     jammed += (report.faults & kFaultJammed) != 0;
     far += (report.faults & kFaultTargetFar) != 0;
+    newton.push_back(report.friction_iterations);
+    lowered += report.friction_lowered;
+    rubs_unsolved += report.friction_unsolved;
     if (i > 0) {
       const Wrench &now = report.wrench, &before = reports[i - 1].wrench;
       force_jump = std::max(force_jump, (now.force - before.force).norm());
@@ -109,13 +109,16 @@ void Run(const Options& options) {
   Progress("");
 
   const Percentiles best = PercentilesOf(step.best()), raw = PercentilesOf(step.all());
+  const Features& features = run.scene().features;
   const char* stage_name[4] = {"prediction", "rows", "solve", "response"};
-  Table table(fmt::format("{}: {} tool spheres, {} object spheres, {} steps, best of {} ({})",
-                          options.scene, run.tool().tree.leaves(), run.object_spheres(), steps,
-                          options.repeats, ActiveKernels().name));
+  Table table(fmt::format(
+      "{}, contact {}, friction {}: {} tool spheres, {} object spheres, {} "
+      "steps, best of {} ({})",
+      options.scene, NameOf(features.contact), NameOf(features.friction), run.tool().tree.leaves(),
+      run.object_spheres(), steps, options.repeats, ActiveKernels().name));
   nlohmann::ordered_json json{{"scene", options.scene},
-                              {"contact", options.contact},
-                              {"friction", options.friction},
+                              {"contact", NameOf(features.contact)},
+                              {"friction", NameOf(features.friction)},
                               {"tool_spheres", run.tool().tree.leaves()},
                               {"object_spheres", run.object_spheres()},
                               {"steps", steps},
@@ -142,6 +145,14 @@ void Run(const Options& options) {
   add("truncation, bound", "um", std::move(truncation), json["truncation_um"]);
   add("QP iterations", "", std::move(iterations), json["qp"]["iterations"]);
   json["qp"]["unsolved"] = unsolved;
+  if (features.friction == FrictionModel::kCoulomb) {
+    nlohmann::ordered_json& rubs = json["friction_solver"];
+    add("friction's Newton steps", "", std::move(newton), rubs["iterations"]);
+    rubs["lowered"] = lowered;
+    rubs["unsolved"] = rubs_unsolved;
+    table.Line("friction's limits lowered",
+               fmt::format("{} (unsolved {})", lowered, rubs_unsolved));
+  }
   json["jump"] = {{"force_N_max", force_jump}, {"torque_Nm_max", torque_jump}};
   json["steps_jammed"] = jammed;
   json["steps_target_far"] = far;
@@ -172,12 +183,7 @@ void AddCycle(CLI::App& app) {
                    "Identical runs; 'best' is the least of each step")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_option("--contact", options->contact, "spheres")
-      ->check(CLI::IsMember({"spheres", "surface"}))
-      ->capture_default_str();
-  command->add_option("--friction", options->friction, "off")
-      ->check(CLI::IsMember({"off", "chapter", "coulomb"}))
-      ->capture_default_str();
+  AddFeatureOptions(*command, options->features);
   command->add_option("--models", options->models, "Folder of models that are not packaged");
   command
       ->add_option("--check-every", options->check_every,

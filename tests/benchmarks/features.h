@@ -1,21 +1,14 @@
 #pragma once
 
-#include <string>
-
 #include <CLI/CLI.hpp>
 
-#include "scenes/scene.h"
+#include "tests/benchmarks/scene_run.h"
 
 namespace palpate::bench {
 
-/// The options --contact and --friction, the same for every command.
-struct FeatureOptions {
-  std::string contact = "spheres";
-  std::string friction = "off";
-
-  void AddTo(CLI::App& command);
-  /// Throws UsageError where this version has not what they ask for.
-  Features features() const;
-};
+/// Adds --contact and --friction to a command.
+/// @param otherwise  what holds where they are left out, for --help.
+void AddFeatureOptions(CLI::App& command, FeatureOverrides& features,
+                       const std::string& otherwise = "as the scene says");
 
 }  // namespace palpate::bench

@@ -31,7 +31,7 @@ struct Options {
   bool objects_only = false;
   std::optional<int> steps;
   int repeats = 3;
-  FeatureOptions features;
+  FeatureOverrides features;
 };
 
 using Clock = std::chrono::steady_clock;
@@ -118,9 +118,8 @@ void Compare(Level& level, const Level& finest) {
   level.torque_error = torque > 0.0 ? torque_apart / torque : 0.0;
 }
 
-void WritePlot(const Options& options, const std::vector<Level>& levels) {
-  Plot cost{.title = fmt::format("Cost by level of detail: {}, {} contact", options.scene,
-                                 options.features.contact),
+void WritePlot(const Options& options, const char* contact, const std::vector<Level>& levels) {
+  Plot cost{.title = fmt::format("Cost by level of detail: {}, {} contact", options.scene, contact),
             .subtitle = "each body's tree built with as many leaves; the chapter's Fig. 2.23c",
             .x = {.title = "Leaves of each tree", .log = true},
             .y = {.title = "Step, best [µs]", .log = true}};
@@ -152,7 +151,7 @@ void Run(const Options& options) {
   load.models_dir = options.models;
   load.progress = [](std::string_view stage, double) { Progress(std::string(stage) + " ..."); };
   Scene scene = LoadScene(options.scene, load);
-  scene.features = options.features.features();
+  options.features.Apply(scene);
   const std::vector<Pose> poses = ScriptPoses(options.scene, options.steps);
   std::vector<std::size_t> leaves = options.leaves;
   std::sort(leaves.begin(), leaves.end());
@@ -167,13 +166,13 @@ void Run(const Options& options) {
       "  {:>8} {:>8}  {:>28}  {:>10} {:>10}  {:>13}  {:>16}  {:>15}  {:>8}\n"
       "  {:>8} {:>8}  {:>8} {:>9} {:>9}  {:>10} {:>10}  {:>6} {:>6}  {:>7} {:>8}  {:>7} {:>7}  "
       "{:>8}\n",
-      options.scene, options.features.contact, poses.size(), options.repeats, ActiveKernels().name,
-      "spheres", "", "step, best, us", "detection", "solving", "pairs", "uncovered, um",
-      "against finest", "build", "tool", "objects", "p50", "p99", "p99.9", "p99.9 us", "p99.9 us",
-      "p50", "max", "mean", "max", "force", "torque", "s");
+      options.scene, NameOf(scene.features.contact), poses.size(), options.repeats,
+      ActiveKernels().name, "spheres", "", "step, best, us", "detection", "solving", "pairs",
+      "uncovered, um", "against finest", "build", "tool", "objects", "p50", "p99", "p99.9",
+      "p99.9 us", "p99.9 us", "p50", "max", "mean", "max", "force", "torque", "s");
   nlohmann::ordered_json json{{"scene", options.scene},
-                              {"contact", options.features.contact},
-                              {"friction", options.features.friction},
+                              {"contact", NameOf(scene.features.contact)},
+                              {"friction", NameOf(scene.features.friction)},
                               {"steps", poses.size()},
                               {"repeats", options.repeats},
                               {"simd", ActiveKernels().name}};
@@ -209,7 +208,7 @@ void Run(const Options& options) {
       "about 500 pairs\n";
   std::fputs(table.c_str(), stderr);
   if (!options.json.empty()) WriteJson(options.json, json);
-  if (!options.plot.empty()) WritePlot(options, levels);
+  if (!options.plot.empty()) WritePlot(options, NameOf(scene.features.contact), levels);
 }
 
 }  // namespace
@@ -236,7 +235,7 @@ void AddLevels(CLI::App& app) {
   command->add_option("--repeats", options->repeats, "Identical runs; 'best' is the least of each")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  options->features.AddTo(*command);
+  AddFeatureOptions(*command, options->features);
   command->add_option("--models", options->models, "Folder of models that are not packaged");
   command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
   command->add_option("--plot", options->plot, "Draw cost and error by level into FILE.svg");

@@ -195,8 +195,26 @@ TEST_F(PalpateBench, LevelsShowFinerTreesCloserToTheFinest) {
   EXPECT_GT(levels[0]["uncovered_um"]["mean"], levels[2]["uncovered_um"]["mean"]);
 }
 
+TEST_F(PalpateBench, CycleRunsWithTheFrictionThatIsAskedFor) {
+  std::vector<double> jump;
+  for (const std::string friction : {"off", "chapter", "coulomb"}) {
+    ASSERT_EQ(Run({"cycle", "--scene", "cube", "--steps", "3000", "--repeats", "1", "--contact",
+                   "spheres", "--friction", friction, "--json", File("cycle.json")}),
+              0)
+        << said_;
+    const nlohmann::json json = Json("cycle.json");
+    EXPECT_EQ(json["friction"], friction);
+    EXPECT_EQ(json["contact"], "spheres");
+    EXPECT_LT(json["penetration_um"]["max"], 1.0) << friction;
+    jump.push_back(json["jump"]["force_N_max"]);
+  }
+  EXPECT_NE(jump[0], jump[1]);
+  EXPECT_NE(jump[0], jump[2]);
+}
+
 TEST_F(PalpateBench, RefusesWhatThisVersionHasNot) {
-  EXPECT_EQ(Run({"cycle", "--scene", "cube", "--friction", "coulomb"}), 2);
+  EXPECT_EQ(Run({"cycle", "--scene", "cube", "--contact", "putty"}), 2);
+  EXPECT_EQ(Run({"cycle", "--scene", "cube", "--friction", "glue"}), 2);
   EXPECT_EQ(Run({"qp"}), 2);
   EXPECT_EQ(Run({"cycle", "--steps", "0"}), 2);
 }

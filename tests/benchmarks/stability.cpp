@@ -19,7 +19,13 @@ struct Options {
   std::string only, json;
   long steps = 200'000;
   bool list = false;
-  FeatureOptions features;
+  FeatureOverrides features{.contact = "surface", .friction = "off"};
+
+  Features features_of_cases() const {
+    Scene scene;
+    features.Apply(scene);
+    return scene.features;
+  }
 };
 
 nlohmann::ordered_json ToJson(const StabilityCase& c, const CaseRun& run) {
@@ -40,7 +46,7 @@ std::vector<StabilityCase> Chosen(const Options& options) {
   std::vector<StabilityCase> cases = StabilityCases();
   std::string names;
   for (const StabilityCase& c : cases) names += "\n  " + c.name;
-  const Features features = options.features.features();
+  const Features features = options.features_of_cases();
   const auto removed = std::erase_if(cases, [&](const StabilityCase& c) {
     return options.only.empty() ? !c.applies(features) : c.name != options.only;
   });
@@ -80,7 +86,7 @@ void Run(const Options& options) {
     CaseRun run;
     run.steps =
         std::max(c.least, std::lround(static_cast<double>(options.steps) * c.share / shares));
-    run.features = options.features.features();
+    run.features = options.features_of_cases();
     run.stopped = [&] { return stop.stopped(); };
     run.progress = [&](long done) {
       Progress(fmt::format("{}: {:.0f} % of {} steps ...", c.name,
@@ -145,7 +151,7 @@ void AddStability(CLI::App& app) {
   command->add_option("--steps", options->steps, "Steps of all cases together, about")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  options->features.AddTo(*command);
+  AddFeatureOptions(*command, options->features, "surface, without friction");
   command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
   command->callback([options] { Run(*options); });
 }

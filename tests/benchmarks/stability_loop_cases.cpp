@@ -43,7 +43,10 @@ wire::HapticPose Sample(std::uint64_t sequence, const Pose& X_WH) {
 /// hand: the figure is its change over what these allow.
 void BadLink(CaseRun& run) {
   constexpr double kStiffness = 1000.0, kNaN = std::numeric_limits<double>::quiet_NaN();
-  Trial trial(run, Box({12 * kMillimetre, 6 * kMillimetre, 9 * kMillimetre}, 256), {Floor()});
+  Features features = run.features;
+  features.friction = FrictionModel::kOff;  // which breaks away, as it should, by more than that
+  Trial trial(run, Box({12 * kMillimetre, 6 * kMillimetre, 9 * kMillimetre}, 256), {Floor()},
+              kStiffness, features, Material{});
   ServoLoop loop(trial.model());
   loop.Start({Vec3(0, 4 * kMillimetre, 0), Quat::Identity()});
   Random random(70);
