@@ -145,7 +145,7 @@ Measured Measure(const Options& options, const SlidingPath& path, std::size_t sp
   for (int r = 0; r < options.repeats; ++r) {
     Progress(fmt::format("{} of {} spheres: repeat {} of {} ...", options.object, spheres, r + 1,
                          options.repeats));
-    StepState state;
+    StepState state(model);
     state.X_WG.p = path.hand.front();
     std::vector<double> us;
     for (std::size_t i = 0; i < path.hand.size(); ++i) {

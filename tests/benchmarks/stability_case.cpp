@@ -109,12 +109,12 @@ Trial::Trial(CaseRun& run, const Solid& tool, const std::vector<Solid>& objects,
       std::make_unique<HapticModel>(MakeModel(scene_, scene_.tools.front(), MakeObjects(scene_)));
   workspace_ = std::make_unique<StepWorkspace>(*model_);
   if (features.contact == ContactModel::kSpheres) {
-    oracle_ = std::make_unique<OverlapOracle>(scene_.tools.front().tree, scene_.objects);
+    oracle_ = std::make_unique<OverlapOracle>(scene_.tools.front().tree, scene_.objects, features);
   }
 }
 
 void Trial::Start(const Pose& X_WG) {
-  state_ = StepState{};
+  state_ = StepState(*model_);
   state_.X_WG = state_.X_WH = X_WG;
 }
 

@@ -177,7 +177,8 @@ void Copies(CaseRun& run) {
         : tool(test::MakeTree(tools)),
           object(test::MakeTree(objects)),
           model(tool, Forest(object), {}),
-          workspace(model) {}
+          workspace(model),
+          state(model) {}
     static std::shared_ptr<const ObjectForest> Forest(const SphereTree& object) {
       PlacedTree placed;
       placed.tree = &object;
