@@ -16,9 +16,10 @@ void ContactRows::AlignedDelete::operator()(double* p) const {
 }
 
 ContactRows::ContactRows(int max_rows, int max_batch, int degrees_of_freedom, double rho)
-    : max_rows_(max_rows), degrees_of_freedom_(degrees_of_freedom), rho_(rho) {
+    : max_rows_(max_rows), room_(max_rows / 2), degrees_of_freedom_(degrees_of_freedom), rho_(rho) {
   const std::size_t capacity =
-      (static_cast<std::size_t>(max_rows) + static_cast<std::size_t>(max_batch) + 31) & ~15ul;
+      (static_cast<std::size_t>(max_rows + room_) + static_cast<std::size_t>(max_batch) + 31) &
+      ~15ul;
   // Columns start a cache line apart from a power of two, or all would share a cache set.
   const std::size_t stride = capacity + 8;
   storage_.reset(new (kCacheLine) double[10 * stride]());
@@ -38,15 +39,16 @@ void ContactRows::Add(const Kernels& kernels, const LeafSphere* tool, const Leaf
   const auto build = degrees_of_freedom_ == 6 ? kernels.build_rows_6 : kernels.build_rows_3;
   build(tool, object, R, p_W.data(), 1.0 / rho_, pairs, count, count_, columns_);
   count_ += count;
-  if (count_ > max_rows_) KeepTightest();
+  Limit(count);
 }
 
 void ContactRows::AddSurface(const Kernels& kernels, const SurfacePoint* points,
                              const SurfacePatch* patches, const SurfaceFrames& frames,
                              const NodePair* pairs, int count, std::int32_t tag) noexcept {
-  count_ += kernels.build_surface_rows(points, patches, frames, degrees_of_freedom_, pairs, count,
-                                       tag, count_, columns_);
-  if (count_ > max_rows_) KeepTightest();
+  const int added = kernels.build_surface_rows(points, patches, frames, degrees_of_freedom_, pairs,
+                                               count, tag, count_, columns_);
+  count_ += added;
+  Limit(added);
 }
 
 void ContactRows::AddRow(const Vec3& normal, const Vec3& lever, double gap,
@@ -60,7 +62,31 @@ void ContactRows::AddRow(const Vec3& normal, const Vec3& lever, double gap,
   columns_.b[count_] = -gap;
   columns_.pair[count_] = pair;
   ++count_;
-  if (count_ > max_rows_) KeepTightest();
+  Limit(1);
+}
+
+// To choose the tightest after every batch would cost a sort of all rows each time, 100 ms where a
+// peg's hole brings a million pairs within reach.  So rows gather in some room first; and once
+// max_rows are known, what is no tighter than the loosest of them goes at once.  A choice by (gap,
+// order) does not depend on when it is made: the rows are the same.
+void ContactRows::Limit(int added) noexcept {
+  if (overflowed_) DropLooser(count_ - added);
+  if (count_ > max_rows_ + room_) KeepTightest();
+}
+
+void ContactRows::DropLooser(int from) noexcept {
+  int kept = from;
+  for (int i = from; i < count_; ++i) {
+    if (columns_.b[i] > loosest_) Move(i, kept++);
+  }
+  count_ = kept;
+}
+
+void ContactRows::Move(int from, int to) noexcept {
+  for (int c = 0; c < degrees_of_freedom_; ++c) columns_.a[c][to] = columns_.a[c][from];
+  for (double* column : columns_.lever) column[to] = column[from];
+  columns_.b[to] = columns_.b[from];
+  columns_.pair[to] = columns_.pair[from];
 }
 
 void ContactRows::KeepTightest() noexcept {
@@ -68,20 +94,16 @@ void ContactRows::KeepTightest() noexcept {
   std::iota(order_.begin(), order_.begin() + count_, 0);
   const double* b = columns_.b;
   std::nth_element(
-      order_.begin(), order_.begin() + max_rows_, order_.begin() + count_,
+      order_.begin(), order_.begin() + max_rows_ - 1, order_.begin() + count_,
       [b](std::int32_t i, std::int32_t j) { return b[i] != b[j] ? b[i] > b[j] : i < j; });
+  loosest_ = b[order_[static_cast<std::size_t>(max_rows_ - 1)]];
   std::sort(order_.begin(), order_.begin() + max_rows_);
-  for (int i = 0; i < max_rows_; ++i) {
-    const std::int32_t from = order_[static_cast<std::size_t>(i)];
-    for (int c = 0; c < degrees_of_freedom_; ++c) columns_.a[c][i] = columns_.a[c][from];
-    for (double* column : columns_.lever) column[i] = column[from];
-    columns_.b[i] = columns_.b[from];
-    columns_.pair[i] = columns_.pair[from];
-  }
+  for (int i = 0; i < max_rows_; ++i) Move(order_[static_cast<std::size_t>(i)], i);
   count_ = max_rows_;
 }
 
 void ContactRows::Finish() noexcept {
+  if (count_ > max_rows_) KeepTightest();
   for (int i = count_; i % 16 != 0; ++i) {
     for (int c = 0; c < degrees_of_freedom_; ++c) columns_.a[c][i] = 0.0;
     columns_.b[i] = -1e300;

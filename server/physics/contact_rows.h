@@ -58,9 +58,14 @@ class ContactRows {
   int Find(const LeafPair* pairs, int count, int* row) const noexcept;
 
  private:
+  /// After `added` rows: holds their number within the storage.
+  void Limit(int added) noexcept;
+  void DropLooser(int from) noexcept;
   void KeepTightest() noexcept;
+  void Move(int from, int to) noexcept;
 
   int max_rows_;
+  int room_;  // rows beyond max_rows_ that are gathered before the loosest are dropped
   int degrees_of_freedom_;
   double rho_;
   struct AlignedDelete {
@@ -72,6 +77,7 @@ class ContactRows {
   RowColumns columns_{};
   int count_ = 0;
   bool overflowed_ = false;
+  double loosest_ = 0.0;  // b of the loosest row kept, once overflowed
 };
 
 }  // namespace palpate

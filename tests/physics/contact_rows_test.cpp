@@ -1,6 +1,7 @@
 #include "server/physics/contact_rows.h"
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -72,6 +73,44 @@ TEST(ContactRows, KeepTheTightestAndSaySoWhenFull) {
   for (std::size_t i = 0; i < 64; ++i) EXPECT_NEAR(kept[i], gaps[i], 1e-15);
   rows.Clear();
   EXPECT_FALSE(rows.overflowed());
+}
+
+TEST(ContactRows, AreTheSameHoweverManyBatchesBringThem) {
+  // Many equal gaps, so that the order decides; many more rows than there is room for.
+  Random random(43);
+  std::vector<LeafSphere> tool{{0.0, 0.0, 0.0, 0.001}};
+  std::vector<LeafSphere> object;
+  std::vector<NodePair> pairs;
+  for (int i = 0; i < 4000; ++i) {
+    object.push_back({0.01 + 1e-4 * random.Below(40), 0.0, 0.0, 0.001});
+    pairs.push_back({0, i});
+  }
+  // By hand: the 64 first of a stable sort by gap, in their own order.
+  std::vector<int> expected(4000);
+  std::iota(expected.begin(), expected.end(), 0);
+  std::stable_sort(expected.begin(), expected.end(), [&](int i, int j) {
+    return object[static_cast<std::size_t>(i)].x < object[static_cast<std::size_t>(j)].x;
+  });
+  expected.resize(64);
+  std::sort(expected.begin(), expected.end());
+  for (const int batch : {1, 7, 64, 100, 256}) {
+    ContactRows rows(64, 256, 6, 0.03);
+    for (int round = 0; round < 2; ++round) {  // the second after Clear
+      rows.Clear();
+      for (int at = 0; at < 4000; at += batch) {
+        rows.Add(ActiveKernels(), tool.data(), object.data(), Mat3::Identity(), Vec3::Zero(),
+                 pairs.data() + at, std::min(batch, 4000 - at));
+      }
+      rows.Finish();
+      EXPECT_TRUE(rows.overflowed());
+      ASSERT_EQ(rows.count(), 64);
+      for (int i = 0; i < 64; ++i) {
+        EXPECT_EQ(rows.pair(i).object, expected[static_cast<std::size_t>(i)]) << batch;
+        EXPECT_NEAR(rows.gap(i), object[static_cast<std::size_t>(rows.pair(i).object)].x - 0.002,
+                    1e-15);
+      }
+    }
+  }
 }
 
 TEST(ContactRows, GiveConcentricSpheresANormal) {
