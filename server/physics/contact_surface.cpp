@@ -13,6 +13,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A normal that leaves its face's by less than this is the face's.
 constexpr double kFlat = 1e-5;
+/// SurfacePatch::outside of a patch with and without a crease.
+constexpr double kAtCrease = 1e-9, kAcrossEdges = 0.02;
 
 void Put(double* to, const Vec3& v) {
   for (int i = 0; i < 3; ++i) to[i] = v[i];
@@ -102,7 +104,9 @@ class SurfaceBuilder {
 
   void ClassifyVertices() {
     kinds_.resize(surface_.vertices.size());
+    creased_.resize(surface_.triangles.size());
     for (const SurfaceMesh::SharpEdge& edge : surface_.sharp_edges) {
+      for (std::uint32_t t : edge.triangle) creased_[t] = true;
       for (std::uint32_t v : edge.vertex) {
         kinds_[v].sharp = true;
         kinds_[v].convex = kinds_[v].convex || edge.convex;
@@ -196,6 +200,7 @@ class SurfaceBuilder {
       }
       const std::uint32_t leaf = leaves_of_.Nearest(t.source, middle);
       patch.depth = std::max(leaves_.leaf_radius[leaf], 0.05 * longest_edge_);
+      patch.outside = creased_[i] ? kAtCrease : kAcrossEdges;
       out_.patches.push_back(patch);
       out_.patch_leaf.push_back(leaf);
       const double slack = lift / 3.0;  // a third of the largest at most
@@ -258,6 +263,7 @@ class SurfaceBuilder {
   LeavesOfTriangle leaves_of_;
   ContactSurface& out_;
   std::vector<VertexKind> kinds_;
+  std::vector<bool> creased_;  ///< of each triangle: whether one of its edges is a crease
 };
 
 template <class T>

@@ -35,7 +35,10 @@ struct alignas(32) SurfacePatch {
   double lift[6];              ///< e1.n0, e2.n0, e1.n1, e2.n1, e1.n2, e2.n2
   double reach;  ///< of the smooth points that sample it, the largest; infinite where none do
   double depth;  ///< a point deeper than this below it belongs to another patch [m]
-  double unused[2];
+  /// How far beside the patch, in barycentric coordinates, a foot still counts: patches overlap
+  /// across smooth edges, so that rounding opens no gap between them, and end at creases.
+  double outside;
+  double unused;
 };
 
 /// What a patch lies in, for a first look: within `slack` of a plane, and within `radius` of a

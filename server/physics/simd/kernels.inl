@@ -146,9 +146,6 @@ inline void LoadRecords(const double* const record[8], D8 (&field)[fields]) {
   }
 }
 
-/// How far beside a patch, in barycentric coordinates, a foot still counts: patches overlap by
-/// this, so that rounding opens no gap between them.
-constexpr double kOutside = 0.02;
 /// Least cosine between the normals of two smooth places that touch, one of them turned over.
 constexpr double kOpposed = 0.3;
 /// The same against the patch's plane, which its normals leave by 32 degrees at most.
@@ -269,7 +266,7 @@ int BuildSurfaceRows(const SurfacePoint* points, const SurfacePatch* patches,
     const D8x3 lever = Turn(frames.Q, contact) + Spread(frames.c);
     const D8 bound =
         Fma(Set1(frames.max_rotation), Sqrt(Dot(lever, lever)), Set1(frames.max_translation));
-    const std::uint32_t valid = Less(Set1(-kOutside), foot.inside) & Less(gap, bound) &
+    const std::uint32_t valid = Less(zero - patch[26], foot.inside) & Less(gap, bound) &
                                 Less(zero - Min(patch[25], Set1(frames.max_depth)), gap) &
                                 MayTouch(point[3], m, frames, patch[24], foot.normal, kOpposed);
     if (valid == 0) continue;
