@@ -1,14 +1,14 @@
 // palpate-bench cycle: the time of one haptic step, and what it is right by.
-#include <chrono>
 #include <optional>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/error.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/sphere_tree_query.h"
 #include "tests/benchmarks/commands.h"
+#include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"
+#include "tests/benchmarks/mesh_overlap.h"
 #include "tests/benchmarks/overlap_oracle.h"
 #include "tests/benchmarks/pose_source.h"
 #include "tests/benchmarks/scene_run.h"
@@ -21,31 +21,13 @@ struct Options {
   std::string poses;
   std::optional<int> steps;
   int repeats = 5;
-  FeatureOverrides features;
+  FeatureOptions features;
   std::string models;
   std::string json;
   int check_every = 1;
 };
 
-using Clock = std::chrono::steady_clock;
-
-/// One pass over all poses.  `reports` and `times` are filled where given.
-std::vector<double> TimedPass(SceneRun& run, std::vector<StepReport>* reports) {
-  StepState state = run.Start();
-  std::vector<double> step_us;
-  step_us.reserve(run.poses().size());
-  if (reports != nullptr) reports->reserve(run.poses().size());
-  for (const Pose& X_WH : run.poses()) {
-    const auto begin = Clock::now();
-    const StepReport report = HapticStep(run.model(), X_WH, state, run.workspace());
-    const auto end = Clock::now();
-    step_us.push_back(std::chrono::duration<double, std::micro>(end - begin).count());
-    if (reports != nullptr) reports->push_back(report);
-  }
-  return step_us;
-}
-
-/// The same with the stages timed, which costs time of its own.
+/// One pass with the stages timed, which costs time of its own.
 void StagedPass(SceneRun& run, BestOf stage[4]) {
   StepState state = run.Start();
   std::vector<double> us[4];
@@ -65,19 +47,26 @@ void Run(const Options& options) {
       poses.size() > static_cast<std::size_t>(*options.steps)) {
     poses.resize(static_cast<std::size_t>(*options.steps));
   }
-  SceneRun run(options.scene, options.models, std::move(poses), options.features);
+  Scene scene = LoadForBench(options.scene, options.models);
+  options.features.ApplyTo(scene);
+  SceneRun run(std::move(scene), std::move(poses));
   const std::size_t steps = run.poses().size();
 
   BestOf step, stage[4];
   std::vector<StepReport> reports;
   for (int r = 0; r < options.repeats; ++r) {
     Progress(fmt::format("{}: repeat {} of {} ...", options.scene, r + 1, options.repeats));
-    step.Add(TimedPass(run, r == 0 ? &reports : nullptr));
+    step.Add(run.Time(r == 0 ? &reports : nullptr));
     StagedPass(run, stage);
   }
 
   // Everything else comes from the reports and from an oracle that knows nothing of the trees.
   OverlapOracle oracle(run.tool().tree, run.scene().objects, run.scene().features);
+  // Of spheres the contact is between leaves, of surfaces between meshes.
+  std::optional<MeshOverlap> meshes;
+  if (run.scene().features.contact == ContactModel::kSurface) {
+    meshes.emplace(run.tool().mesh, run.scene().objects);
+  }
   LeafWear wear = run.Start().wear;
   std::vector<double> predicted, conventional, penetration, truncation, iterations, newton;
   int unsolved = 0, jammed = 0, far = 0, lowered = 0, rubs_unsolved = 0;
@@ -102,7 +91,8 @@ void Run(const Options& options) {
       if (i % 500 == 0) {
         Progress(fmt::format("{}: checking step {} of {} ...", options.scene, i, steps));
       }
-      penetration.push_back(1e6 * oracle.At(report.X_WG, &wear).depth);
+      penetration.push_back(
+          1e6 * (meshes ? meshes->At(report.X_WG) : oracle.At(report.X_WG, &wear).depth));
       conventional.push_back(static_cast<double>(oracle.At(run.poses()[i], &wear).pairs));
     }
     for (int r = 0; r < report.removals; ++r) {
@@ -186,14 +176,7 @@ void AddCycle(CLI::App& app) {
                    "Identical runs; 'best' is the least of each step")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command
-      ->add_option("--contact", options->features.contact,
-                   "spheres or surface (default: as the scene says)")
-      ->check(CLI::IsMember({"spheres", "surface"}));
-  command
-      ->add_option("--friction", options->features.friction,
-                   "off, chapter or coulomb (default: as the scene says)")
-      ->check(CLI::IsMember({"off", "chapter", "coulomb"}));
+  options->features.AddTo(*command);
   command->add_option("--models", options->models, "Folder of models that are not packaged");
   command
       ->add_option("--check-every", options->check_every,

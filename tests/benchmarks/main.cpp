@@ -18,9 +18,13 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--log-level", log_level, "trace, debug, info, warn, error or off");
   app.parse_complete_callback([&] { palpate::SetUpLog("palpate-bench", log_level); });
+  palpate::bench::AddAccuracy(app);
   palpate::bench::AddCycle(app);
+  palpate::bench::AddLevels(app);
   palpate::bench::AddLoop(app, domain);
+  palpate::bench::AddPareto(app);
   palpate::bench::AddQp(app);
+  palpate::bench::AddStability(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

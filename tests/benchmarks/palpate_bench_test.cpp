@@ -1,6 +1,13 @@
+#include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <regex>
+#include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -28,6 +35,13 @@ class PalpateBench : public testing::Test {
   std::string File(const std::string& name) const { return (folder_ / name).string(); }
   nlohmann::json Json(const std::string& name) const {
     return nlohmann::json::parse(std::ifstream(File(name)));
+  }
+  std::string Read(const std::string& name) const {
+    const std::ifstream file(File(name));
+    EXPECT_TRUE(file) << name;
+    std::stringstream text;
+    text << file.rdbuf();
+    return text.str();
   }
   /// Runs it to its end; what it said is in said_.
   int Run(std::vector<std::string> arguments) {
@@ -132,8 +146,222 @@ TEST_F(PalpateBench, CycleRunsWithTheFrictionThatIsAskedFor) {
   EXPECT_NE(jump[0], jump[2]);
 }
 
-TEST_F(PalpateBench, RefusesWhatThisVersionHasNot) {
-  EXPECT_EQ(Run({"cycle", "--scene", "cube", "--contact", "surface"}), 2);
+TEST_F(PalpateBench, AccuracyFindsSmallerErrorsWithMoreSpheresAndNoneOnAFlatFace) {
+  ASSERT_EQ(
+      Run({"accuracy", "--object", "cube", "--spheres", "64,512", "--contact", "spheres", "--steps",
+           "400", "--repeats", "1", "--json", File("cube.json"), "--plot", File("cube.svg")}),
+      0)
+      << said_;
+  const nlohmann::json spheres = Json("cube.json");
+  ASSERT_EQ(spheres["results"].size(), 2u);
+  double error = 1.1;
+  for (const nlohmann::json& row : spheres["results"]) {
+    EXPECT_LT(row["force_error"]["magnitude"]["mean"], error);
+    error = row["force_error"]["magnitude"]["mean"];
+    EXPECT_GT(error, 1e-3) << "spheres are no plane";
+    EXPECT_LT(row["truncation_um"]["max"], 1.0) << "chapter 2.5.1";
+  }
+  std::ifstream plot(File("cube.svg"));
+  EXPECT_THAT(std::string(std::istreambuf_iterator<char>(plot), {}), HasSubstr("512 spheres"));
+
+  ASSERT_EQ(Run({"accuracy", "--object", "cube", "--spheres", "64", "--contact", "surface",
+                 "--steps", "400", "--repeats", "1", "--json", File("cube.json")}),
+            0)
+      << said_;
+  const nlohmann::json surface = Json("cube.json");
+  EXPECT_EQ(surface["spheres"], 64);
+  EXPECT_LE(surface["force_error"]["magnitude"]["mean"], 0.001);
+  EXPECT_LE(surface["force_error"]["magnitude"]["max"], 0.005);
+  EXPECT_LE(surface["direction_deg"]["max"], 0.3);
+  EXPECT_TRUE(surface["best_step_us"].contains("p999"));
+}
+
+TEST_F(PalpateBench, AccuracySetsTheTrianglesOfAMeshBesideTheSpheres) {
+  ASSERT_EQ(Run({"accuracy", "--object", "ellipsoid", "--spheres", "512", "--triangles", "4000",
+                 "--contact", "surface", "--steps", "400", "--repeats", "1", "--json",
+                 File("ellipsoid.json")}),
+            0)
+      << said_;
+  const nlohmann::json json = Json("ellipsoid.json");
+  EXPECT_EQ(json["triangles"], 5120);
+  EXPECT_LE(json["force_error"]["magnitude"]["max"], 0.01);
+  // Flat triangles: the true surface lies up to e^2 / 8R outside them.
+  EXPECT_EQ(json["mesh"]["triangles"], 5120);
+  EXPECT_GT(json["mesh"]["force_error"]["magnitude"]["max"], 0.01);
+  EXPECT_LT(json["mesh"]["force_error"]["magnitude"]["max"], 0.1);
+}
+
+TEST_F(PalpateBench, StabilityRunsACaseByItsNameAndExitsWithOneWhereItDoesNotHold) {
+  ASSERT_EQ(Run({"stability", "--case", "no-drift", "--contact", "spheres", "--steps", "4000",
+                 "--json", File("drift.json")}),
+            0)
+      << said_;
+  const nlohmann::json json = Json("drift.json");
+  EXPECT_EQ(json["held"], 1);
+  EXPECT_EQ(json["total"], 1);
+  const nlohmann::json& drift = json["cases"][0];
+  EXPECT_EQ(drift["name"], "no-drift");
+  EXPECT_GE(drift["steps"], 4000);
+  EXPECT_LE(drift["figure"], drift["bound"]);
+  EXPECT_EQ(drift["unit"], "um");
+  EXPECT_EQ(drift["held"], true);
+
+  EXPECT_EQ(Run({"stability", "--case", "no-such-case"}), 2);
+  EXPECT_THAT(said_, HasSubstr("wedge-5"));
+}
+
+TEST_F(PalpateBench, LevelsShowFinerTreesCloserToTheFinest) {
+  ASSERT_EQ(Run({"levels", "--scene", "cube", "--leaves", "512,64,4096", "--contact", "spheres",
+                 "--repeats", "1", "--json", File("levels.json"), "--plot", File("levels.svg")}),
+            0)
+      << said_;
+  const nlohmann::json levels = Json("levels.json")["levels"];
+  ASSERT_EQ(levels.size(), 3u);
+  EXPECT_EQ(levels[0]["object_spheres"], 64);
+  EXPECT_EQ(levels[2]["object_spheres"], 4096);
+  EXPECT_EQ(levels[2]["tool_spheres"], 1);
+  EXPECT_GT(levels[0]["against_finest"]["force"], levels[1]["against_finest"]["force"]);
+  EXPECT_GT(levels[1]["against_finest"]["force"], 0.0);
+  EXPECT_EQ(levels[2]["against_finest"]["force"], 0.0);
+  EXPECT_GT(levels[0]["uncovered_um"]["mean"], levels[2]["uncovered_um"]["mean"]);
+}
+
+/// What is wrong with a text as XML: a tag that is not closed, or closed out of turn, an attribute
+/// without quotes, a bare & or <.  Empty where nothing is.
+std::string WhyNoXml(const std::string& text) {
+  static const std::regex kTag(
+      R"re(<(\?|!--|/?)([A-Za-z][-\w:]*)?((\s+[-\w:]+="[^"<]*")*)\s*(\?|--|/?)>)re");
+  static const std::regex kBareAnd("&(?!(lt|gt|amp|quot|apos|#[0-9]+);)");
+  std::smatch match;
+  if (std::regex_search(text, match, kBareAnd)) return "a bare & at " + match.suffix().str();
+  std::vector<std::string> open;
+  std::size_t at = 0;
+  while ((at = text.find('<', at)) != std::string::npos) {
+    std::match_results<std::string::const_iterator> tag;
+    const auto begin = text.begin() + static_cast<long>(at);
+    if (!std::regex_search(begin, text.end(), tag, kTag, std::regex_constants::match_continuous)) {
+      return "no tag: " + text.substr(at, 60);
+    }
+    if (tag[1] == "/") {
+      if (open.empty() || open.back() != tag[2]) return "closed out of turn: " + tag[0].str();
+      open.pop_back();
+    } else if (tag[1].length() == 0 && tag[5].length() == 0) {
+      open.push_back(tag[2]);
+    }
+    at += static_cast<std::size_t>(tag[0].length());
+  }
+  return open.empty() ? "" : "not closed: " + open.back();
+}
+
+/// Rows of Markdown tables that have another count of cells than their head.
+std::vector<std::string> CrookedRows(const std::string& markdown) {
+  std::vector<std::string> crooked;
+  std::istringstream lines(markdown);
+  long cells = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("|")) {
+      cells = 0;
+      continue;
+    }
+    const long bars = std::count(line.begin(), line.end(), '|');
+    if (cells == 0) cells = bars;
+    if (bars != cells) crooked.push_back(line);
+  }
+  return crooked;
+}
+
+TEST_F(PalpateBench, ParetoWritesAReportPlotsAndJsonOfAllThatItMeasured) {
+  ASSERT_EQ(Run({"pareto", "--quick", "--out", File("pareto")}), 0) << said_;
+  const nlohmann::json json = Json("pareto/pareto.json");
+  EXPECT_TRUE(json["complete"]);
+  EXPECT_FALSE(json["machine"]["cpu"].get<std::string>().empty());
+
+  ASSERT_EQ(json["scenes"].size(), 3u);
+  for (const auto& scene : json["scenes"]) {
+    ASSERT_EQ(scene["runs"].size(), 6u) << scene["scene"];
+    const auto& spheres = scene["runs"][0];
+    ASSERT_TRUE(spheres["available"]) << spheres;
+    EXPECT_LE(spheres["best_step_us"]["p50"], spheres["best_step_us"]["p999"]);
+    EXPECT_LT(spheres["sphere_overlap_um"], 1.0) << scene["scene"];
+    EXPECT_GT(spheres["penetration_um"]["max"], spheres["sphere_overlap_um"])
+        << "the path never touched " << scene["scene"];
+    for (const auto& run : scene["runs"]) {
+      EXPECT_TRUE(run["available"] || run.contains("reason")) << run;
+    }
+  }
+  // More spheres are nearer to the truth.
+  std::map<int, double> cube;
+  for (const auto& slide : json["accuracy"]) {
+    if (slide["object"] == "cube" && slide["contact"] == "spheres") {
+      cube[slide["spheres"]] = slide["force_error"]["mean"];
+    }
+  }
+  EXPECT_LT(cube.at(512), 0.5 * cube.at(64));
+  EXPECT_LT(cube.at(4096), 0.5 * cube.at(512));
+
+  const auto& bare = json["features"]["costs"][0];
+  EXPECT_EQ(bare["ratio"]["p50"], 1.0);
+  EXPECT_EQ(bare["ratio"]["p999"], 1.0);
+  for (const auto& goal : json["goals"]) {
+    if (!goal.contains("figure")) continue;
+    EXPECT_EQ(goal["held"], goal["figure"] <= goal["bound"]) << goal;
+  }
+  // Every peer that is there has walked the path and slid over the cube.
+  for (const auto& peer : json["peers"]["known"]) {
+    const auto here = [&](const auto& run) { return run["id"] == peer["id"] && run["available"]; };
+    const auto& path = json["peers"]["path"];
+    EXPECT_EQ(std::any_of(path.begin(), path.end(), here), peer["installed"]) << peer;
+  }
+
+  const std::string report = Read("pareto/report.md");
+  for (const char* section :
+       {"# Palpate: speed against error\n", "\n## Machine\n", "\n## Headline\n",
+        "\n## Speed against error\n", "\n## Force error\n", "\n## Scenes\n",
+        "\n### `bunny-bunny`\n", "\n## What each feature costs\n", "\n## Peers\n",
+        "\n## Where a figure is missed\n"}) {
+    EXPECT_THAT(report, HasSubstr(section));
+  }
+  EXPECT_THAT(CrookedRows(report), testing::IsEmpty());
+  static const std::regex kPicture(R"re((?:src|srcset)="([^"]+)")re");
+  int pictures = 0;
+  for (std::sregex_iterator m(report.begin(), report.end(), kPicture), end; m != end; ++m) {
+    EXPECT_EQ(WhyNoXml(Read("pareto/" + (*m)[1].str())), "") << (*m)[1];
+    ++pictures;
+  }
+  EXPECT_EQ(pictures, 2) << "one for light pages and one for dark";
+  EXPECT_EQ(WhyNoXml(Read("pareto/pareto.svg")), "");
+}
+
+TEST_F(PalpateBench, ParetoKeepsWhatItHasWhenItIsEnded) {
+  Program program(PALPATE_BIN_DIR "/palpate-bench",
+                  {"pareto", "--scenes", "bunny-bunny", "--repeats", "200", "--peers", "none",
+                   "--out", File("pareto")});
+  const auto begun = [&] {
+    const std::ifstream file(File("pareto/pareto.json"));
+    std::stringstream text;
+    text << file.rdbuf();
+    return text.str().find("\"best_step_us\"") != std::string::npos;
+  };
+  for (int i = 0; i < 600 && !begun(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  program.Signal(SIGINT);
+  EXPECT_EQ(program.Exit(30.0), 0) << program.Output();
+  const nlohmann::json json = Json("pareto/pareto.json");
+  EXPECT_FALSE(json["complete"]);
+  EXPECT_EQ(json["accuracy"][0]["object"], "cube");
+  EXPECT_THAT(Read("pareto/report.md"), HasSubstr("**Not complete:**"));
+}
+
+TEST_F(PalpateBench, ParetoRefusesPeersAndScenesThatNobodyKnows) {
+  EXPECT_EQ(Run({"pareto", "--out", File("p"), "--peers", "havoc"}), 2);
+  EXPECT_THAT(said_, HasSubstr("--peers havoc is not one of all, none, bullet, ode, fcl, mujoco"));
+  EXPECT_EQ(Run({"pareto", "--out", File("p"), "--scenes", "bunnybunny"}), 1);
+  EXPECT_THAT(said_, HasSubstr("bunny-bunny"));
+}
+
+TEST_F(PalpateBench, RefusesWhatItHasNot) {
+  EXPECT_EQ(Run({"cycle", "--scene", "cube", "--contact", "voxels"}), 2);
   EXPECT_EQ(Run({"cycle", "--scene", "cube", "--friction", "glue"}), 2);
   EXPECT_EQ(Run({"qp"}), 2);
   EXPECT_EQ(Run({"cycle", "--steps", "0"}), 2);

@@ -100,7 +100,9 @@ std::vector<Problem> ReadProblems(const std::string& file) {
 /// The problem of each step of a scene's path, with as many rows as the widest bounds give, and the
 /// rows that the step before had active.
 std::vector<Problem> ProblemsOf(const Options& options) {
-  SceneRun run(options.scene, options.models, ScriptPoses(options.scene, options.steps));
+  Scene scene = LoadForBench(options.scene, options.models);
+  scene.features = {.contact = ContactModel::kSpheres};
+  SceneRun run(std::move(scene), ScriptPoses(options.scene, options.steps));
   const HapticModel& model = run.model();
   if (model.degrees_of_freedom() != 6) {
     throw Error("qp: the tool of scene '" + options.scene +

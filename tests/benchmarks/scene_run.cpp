@@ -1,74 +1,49 @@
 #include "tests/benchmarks/scene_run.h"
 
-#include <algorithm>
+#include <chrono>
 
-#include "common/error.h"
+#include <spdlog/fmt/fmt.h>
+
 #include "scenes/catalogue.h"
 #include "server/session/scene_model.h"
+#include "tests/benchmarks/figures.h"
 
 namespace palpate::bench {
-namespace {
 
-/// The features to run, and what they need of the scene.
-void Override(const FeatureOverrides& overrides, Scene& scene) {
-  // Until the step has surface contact: spheres, whatever the scene asks for.
-  if (overrides.contact == "surface") {
-    throw UsageError("--contact surface: this version has spheres only");
-  }
-  scene.features.contact = ContactModel::kSpheres;
-
-  if (overrides.friction.empty()) return;
-  for (const FrictionModel model :
-       {FrictionModel::kOff, FrictionModel::kChapter, FrictionModel::kCoulomb}) {
-    if (overrides.friction == NameOf(model)) scene.features.friction = model;
-  }
-  const bool rough = std::any_of(scene.objects.begin(), scene.objects.end(), [](const Body& body) {
-    return std::any_of(body.materials.begin(), body.materials.end(),
-                       [](const Material& material) { return material.static_friction > 0.0; });
-  });
-  if (rough || scene.features.friction == FrictionModel::kOff) return;
-  for (Body& body : scene.objects) {
-    for (Material& material : body.materials) {
-      material.static_friction = 0.8;
-      material.dynamic_friction = 0.3;
-    }
-  }
-}
-
-Scene Load(const std::string& name, const std::string& models_dir,
-           const FeatureOverrides& overrides) {
+Scene LoadForBench(const std::string& scene, const std::string& models_dir) {
   LoadOptions options;
   options.models_dir = models_dir;
-  Scene scene = LoadScene(name, options);
-  Override(overrides, scene);
-  return scene;
+  options.progress = [](std::string_view stage, double fraction) {
+    Progress(fmt::format("{} {:.0f} % ...", stage, 100.0 * fraction));
+  };
+  return LoadScene(scene, options);
 }
 
-}  // namespace
-
-const char* NameOf(ContactModel contact) {
-  return contact == ContactModel::kSurface ? "surface" : "spheres";
-}
-
-const char* NameOf(FrictionModel friction) {
-  switch (friction) {
-    case FrictionModel::kChapter:
-      return "chapter";
-    case FrictionModel::kCoulomb:
-      return "coulomb";
-    case FrictionModel::kOff:
-      break;
-  }
-  return "off";
-}
-
-SceneRun::SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses,
-                   const FeatureOverrides& overrides)
-    : scene_(Load(scene, models_dir, overrides)), poses_(std::move(poses)) {
+SceneRun::SceneRun(Scene scene, std::vector<Pose> poses)
+    : scene_(std::move(scene)), poses_(std::move(poses)) {
   model_ = std::make_unique<HapticModel>(MakeModel(scene_, tool(), MakeObjects(scene_)));
   workspace_ = std::make_unique<StepWorkspace>(*model_);
   start_ = StepState(*model_);
   start_.X_WG = ResolveStart(*model_, poses_.front(), *workspace_).X_WG;
+}
+
+std::vector<double> SceneRun::Time(std::vector<StepReport>* reports) {
+  using Clock = std::chrono::steady_clock;
+  StepState state = Start();
+  std::vector<double> step_us;
+  step_us.reserve(poses_.size());
+  if (reports != nullptr) {
+    reports->clear();
+    reports->reserve(poses_.size());
+  }
+  for (const Pose& X_WH : poses_) {
+    const auto begin = Clock::now();
+    const StepReport report = HapticStep(*model_, X_WH, state, *workspace_);
+    const auto end = Clock::now();
+    step_us.push_back(std::chrono::duration<double, std::micro>(end - begin).count());
+    if (reports != nullptr) reports->push_back(report);
+  }
+  return step_us;
 }
 
 int SceneRun::object_spheres() const {

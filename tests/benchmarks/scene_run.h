@@ -9,25 +9,16 @@
 
 namespace palpate::bench {
 
-/// What to measure instead of the scene's own features; empty: those.
-struct FeatureOverrides {
-  std::string contact;   ///< spheres, surface
-  std::string friction;  ///< off, chapter, coulomb
-};
-
-/// The names that FeatureOverrides and the JSON outputs use.
-const char* NameOf(ContactModel contact);
-const char* NameOf(FrictionModel friction);
-
 /// A scene's first tool, its model, and poses for it: what every measurement of the step starts
 /// from.
 class SceneRun {
  public:
-  /// `models_dir` as LoadScene takes it.  Says what it loads on stderr.  Where friction is asked of
-  /// a scene that names no coefficient, its materials get those of the chapter's 2.5.6, 0.8 and
-  /// 0.3. Throws UsageError where a feature is not to be had.
-  SceneRun(const std::string& scene, const std::string& models_dir, std::vector<Pose> poses,
-           const FeatureOverrides& overrides = {});
+  /// With the scene's features.
+  SceneRun(Scene scene, std::vector<Pose> poses);
+
+  /// One pass over all poses.  `reports` is filled where given.
+  /// @returns the time of each step [us].
+  std::vector<double> Time(std::vector<StepReport>* reports = nullptr);
 
   const Scene& scene() const { return scene_; }
   const Body& tool() const { return scene_.tools.front(); }
@@ -46,5 +37,8 @@ class SceneRun {
   std::vector<Pose> poses_;
   StepState start_;
 };
+
+/// Loads a scene as LoadScene does, and says so on stderr while something is built.
+Scene LoadForBench(const std::string& scene, const std::string& models_dir);
 
 }  // namespace palpate::bench

@@ -1,0 +1,73 @@
+#include "tests/benchmarks/features.h"
+
+#include <algorithm>
+
+namespace palpate::bench {
+namespace {
+
+void Override(const FeatureOptions& options, Features& features) {
+  for (const ContactModel model : {ContactModel::kSpheres, ContactModel::kSurface}) {
+    if (options.contact == NameOf(model)) features.contact = model;
+  }
+  for (const FrictionModel model :
+       {FrictionModel::kOff, FrictionModel::kChapter, FrictionModel::kCoulomb}) {
+    if (options.friction == NameOf(model)) features.friction = model;
+  }
+}
+
+}  // namespace
+
+const char* NameOf(ContactModel contact) {
+  return contact == ContactModel::kSurface ? "surface" : "spheres";
+}
+
+const char* NameOf(FrictionModel friction) {
+  switch (friction) {
+    case FrictionModel::kChapter:
+      return "chapter";
+    case FrictionModel::kCoulomb:
+      return "coulomb";
+    case FrictionModel::kOff:
+      break;
+  }
+  return "off";
+}
+
+void FeatureOptions::AddTo(CLI::App& command) {
+  const std::string scenes_own = contact.empty() ? " (default: as the scene says)" : "";
+  auto* contact_option =
+      command
+          .add_option("--contact", contact,
+                      "spheres (the chapter's) or surface (the meshes)" + scenes_own)
+          ->check(CLI::IsMember({"spheres", "surface"}));
+  auto* friction_option =
+      command
+          .add_option("--friction", friction, "off, chapter (2.25-2.34) or coulomb" + scenes_own)
+          ->check(CLI::IsMember({"off", "chapter", "coulomb"}));
+  if (!scenes_own.empty()) return;
+  contact_option->capture_default_str();
+  friction_option->capture_default_str();
+}
+
+Features FeatureOptions::features() const {
+  Features features;
+  Override(*this, features);
+  return features;
+}
+
+void FeatureOptions::ApplyTo(Scene& scene) const {
+  Override(*this, scene.features);
+  const bool rough = std::any_of(scene.objects.begin(), scene.objects.end(), [](const Body& body) {
+    return std::any_of(body.materials.begin(), body.materials.end(),
+                       [](const Material& material) { return material.static_friction > 0.0; });
+  });
+  if (rough || scene.features.friction == FrictionModel::kOff) return;
+  for (Body& body : scene.objects) {
+    for (Material& material : body.materials) {
+      material.static_friction = 0.8;
+      material.dynamic_friction = 0.3;
+    }
+  }
+}
+
+}  // namespace palpate::bench

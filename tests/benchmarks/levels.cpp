@@ -1,0 +1,247 @@
+// palpate-bench levels: what a finer sphere tree costs, and what a coarser one gets wrong (the
+// chapter's Fig. 2.23c).
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/error.h"
+#include "scenes/catalogue.h"
+#include "scenes/coverage.h"
+#include "scenes/sphere_tree_builder.h"
+#include "server/physics/simd/kernels.h"
+#include "tests/benchmarks/commands.h"
+#include "tests/benchmarks/features.h"
+#include "tests/benchmarks/figures.h"
+#include "tests/benchmarks/pose_source.h"
+#include "tests/benchmarks/scene_run.h"
+#include "tests/benchmarks/svg_plot.h"
+
+namespace palpate::bench {
+namespace {
+
+struct Options {
+  std::string scene = "dragon-buddha", models, json, plot;
+  // What the chapter's trees have with eight children to a node, at most: levels 1 to 5 (level 4 of
+  // its bunny 3,917, level 5 of its dragon 22,332).
+  std::vector<std::size_t> leaves{8, 64, 512, 3917, 22332};
+  bool objects_only = false;
+  std::optional<int> steps;
+  int repeats = 3;
+  FeatureOptions features;
+};
+
+using Clock = std::chrono::steady_clock;
+
+struct Level {
+  std::size_t leaves = 0;
+  std::size_t tool_spheres = 0, object_spheres = 0;
+  double build_s = 0.0;
+  Coverage coverage;  ///< of the first object
+  BestOf step_us;
+  std::vector<double> pairs, solve_us, prediction_us;
+  std::vector<Wrench> wrenches;
+  int unsolved = 0, overflowed = 0;
+  // Against the finest level.
+  double force_error = 0.0, torque_error = 0.0;
+};
+
+/// The body with a tree of `leaves`.  A single ball is what it is at any level.
+void Refine(Body& body, std::size_t leaves) {
+  if (body.tree.leaves() == 1 || body.tree.leaves() == leaves) return;
+  body.tree = BuildSphereTree(body.mesh, leaves, [&](std::string_view stage, double done) {
+    Progress(fmt::format("{}, {} leaves: {} {:.0f} % ...", body.name, leaves, stage, 100.0 * done));
+  });
+  if (!body.leaf_material.empty()) {
+    throw Error("levels: body '" + body.name +
+                "' has materials on its leaves, which a tree of another size does not know; choose "
+                "a scene without");
+  }
+}
+
+Level Measure(const Options& options, const Scene& original, const std::vector<Pose>& poses,
+              std::size_t leaves) {
+  Level level;
+  level.leaves = leaves;
+  Scene scene = original;
+  const auto began = Clock::now();
+  for (Body& object : scene.objects) Refine(object, leaves);
+  if (!options.objects_only) Refine(scene.tools.front(), leaves);
+  level.build_s = std::chrono::duration<double>(Clock::now() - began).count();
+  level.coverage = MeasureCoverage(scene.objects.front().mesh, scene.objects.front().tree, 20000);
+
+  SceneRun run(std::move(scene), poses);
+  level.tool_spheres = run.tool().tree.leaves();
+  level.object_spheres = static_cast<std::size_t>(run.object_spheres());
+  for (int r = 0; r < options.repeats; ++r) {
+    Progress(fmt::format("{} leaves: repeat {} of {} ...", leaves, r + 1, options.repeats));
+    StepState state = run.Start();
+    std::vector<double> us;
+    for (const Pose& X_WH : poses) {
+      const auto begin = Clock::now();
+      const StepReport report = HapticStep(run.model(), X_WH, state, run.workspace());
+      us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin).count());
+      if (r > 0) continue;
+      level.pairs.push_back(report.predicted_pairs);
+      level.wrenches.push_back(report.wrench);
+      level.unsolved += (report.faults & kFaultUnsolved) != 0;
+      level.overflowed += (report.faults & kFaultRowsFull) != 0;
+    }
+    level.step_us.Add(us);
+  }
+  // Once more with the stages timed, as the chapter shows detection and optimisation apart.
+  StepState state = run.Start();
+  for (const Pose& X_WH : poses) {
+    StageTimes times;
+    HapticStep(run.model(), X_WH, state, run.workspace(), &times);
+    level.prediction_us.push_back(1e-3 * static_cast<double>(times.prediction + times.rows));
+    level.solve_us.push_back(1e-3 * static_cast<double>(times.solve));
+  }
+  Progress("");
+  return level;
+}
+
+/// Mean difference of the wrenches from the finest level's, over the mean of that one's.
+void Compare(Level& level, const Level& finest) {
+  double force = 0.0, torque = 0.0, force_apart = 0.0, torque_apart = 0.0;
+  for (std::size_t i = 0; i < level.wrenches.size(); ++i) {
+    const Wrench &a = level.wrenches[i], &b = finest.wrenches[i];
+    force += b.force.norm();
+    torque += b.torque.norm();
+    force_apart += (a.force - b.force).norm();
+    torque_apart += (a.torque - b.torque).norm();
+  }
+  level.force_error = force > 0.0 ? force_apart / force : 0.0;
+  level.torque_error = torque > 0.0 ? torque_apart / torque : 0.0;
+}
+
+void WritePlot(const Options& options, const std::vector<Level>& levels) {
+  Plot cost{.title = fmt::format("Cost by level of detail: {}, {} contact", options.scene,
+                                 options.features.contact),
+            .subtitle = "each body's tree built with as many leaves; the chapter's Fig. 2.23c",
+            .x = {.title = "Leaves of each tree", .log = true},
+            .y = {.title = "Step, best [µs]", .log = true}};
+  Plot error{.title = "Force against the finest level",
+             .x = cost.x,
+             .y = {.title = "Mean difference, relative [-]", .log = true}};
+  PlotSeries p50{.name = "median", .style = PlotSeries::Style::kLineAndPoints};
+  PlotSeries p999{.name = "p99.9", .style = PlotSeries::Style::kLineAndPoints};
+  PlotSeries apart{.name = "force", .style = PlotSeries::Style::kLineAndPoints};
+  for (const Level& level : levels) {
+    const Percentiles best = PercentilesOf(level.step_us.best());
+    for (PlotSeries* s : {&p50, &p999}) s->x.push_back(static_cast<double>(level.leaves));
+    p50.y.push_back(best.p50);
+    p999.y.push_back(best.p999);
+    if (&level == &levels.back()) continue;
+    apart.x.push_back(static_cast<double>(level.leaves));
+    apart.y.push_back(level.force_error);
+  }
+  cost.series = {p50, p999};
+  cost.references = {{.value = 1000.0, .text = "chapter, detection"}};
+  error.series = {apart};
+  error.references = {{.value = 0.06, .text = "JND 6 %"}};
+  error.height = 200;
+  WriteSvg(options.plot, {cost, error});
+}
+
+void Run(Options options) {
+  LoadOptions load;
+  load.models_dir = options.models;
+  load.progress = [](std::string_view stage, double) { Progress(std::string(stage) + " ..."); };
+  Scene scene = LoadScene(options.scene, load);
+  options.features.ApplyTo(scene);
+  options.features = {NameOf(scene.features.contact), NameOf(scene.features.friction)};
+  const std::vector<Pose> poses = ScriptPoses(options.scene, options.steps);
+  std::vector<std::size_t> leaves = options.leaves;
+  std::sort(leaves.begin(), leaves.end());
+  std::vector<Level> levels;
+  for (const std::size_t count : leaves) {
+    levels.push_back(Measure(options, scene, poses, count));
+  }
+  for (Level& level : levels) Compare(level, levels.back());
+
+  std::string table = fmt::format(
+      "{}, {} contact: {} steps, best of {} ({})\n"
+      "  {:>8} {:>8}  {:>28}  {:>10} {:>10}  {:>13}  {:>16}  {:>15}  {:>8}\n"
+      "  {:>8} {:>8}  {:>8} {:>9} {:>9}  {:>10} {:>10}  {:>6} {:>6}  {:>7} {:>8}  {:>7} {:>7}  "
+      "{:>8}\n",
+      options.scene, options.features.contact, poses.size(), options.repeats, ActiveKernels().name,
+      "spheres", "", "step, best, us", "detection", "solving", "pairs", "uncovered, um",
+      "against finest", "build", "tool", "objects", "p50", "p99", "p99.9", "p99.9 us", "p99.9 us",
+      "p50", "max", "mean", "max", "force", "torque", "s");
+  nlohmann::ordered_json json{{"scene", options.scene},
+                              {"contact", options.features.contact},
+                              {"friction", options.features.friction},
+                              {"steps", poses.size()},
+                              {"repeats", options.repeats},
+                              {"simd", ActiveKernels().name}};
+  for (const Level& level : levels) {
+    const Percentiles best = PercentilesOf(level.step_us.best());
+    const Percentiles detection = PercentilesOf(level.prediction_us);
+    const Percentiles solving = PercentilesOf(level.solve_us);
+    const Percentiles pairs = PercentilesOf(level.pairs);
+    const Spread& bare = level.coverage.uncovered;
+    table += fmt::format(
+        "  {:>8} {:>8}  {:>8.2f} {:>9.2f} {:>9.2f}  {:>10.2f} {:>10.2f}  {:>6.0f} {:>6.0f}  "
+        "{:>7.1f} {:>8.1f}  {:>7.4f} {:>7.4f}  {:>8.2f}\n",
+        level.tool_spheres, level.object_spheres, best.p50, best.p99, best.p999, detection.p999,
+        solving.p999, pairs.p50, pairs.max, 1e6 * bare.mean, 1e6 * bare.max, level.force_error,
+        level.torque_error, level.build_s);
+    json["levels"].push_back(
+        {{"leaves", level.leaves},
+         {"tool_spheres", level.tool_spheres},
+         {"object_spheres", level.object_spheres},
+         {"build_s", level.build_s},
+         {"best_step_us", ToJson(best)},
+         {"raw_step_us", ToJson(PercentilesOf(level.step_us.all()))},
+         {"raw_stage_us", {{"detection", ToJson(detection)}, {"solve", ToJson(solving)}}},
+         {"pairs", ToJson(pairs)},
+         {"uncovered_um",
+          {{"mean", 1e6 * bare.mean}, {"p99", 1e6 * bare.p99}, {"max", 1e6 * bare.max}}},
+         {"against_finest", {{"force", level.force_error}, {"torque", level.torque_error}}},
+         {"unsolved", level.unsolved},
+         {"rows_full", level.overflowed}});
+  }
+  table +=
+      "  chapter, level 5 (22,332): detection below 1,000 us, optimisation below 1,000 us, at most "
+      "about 500 pairs\n";
+  std::fputs(table.c_str(), stderr);
+  if (!options.json.empty()) WriteJson(options.json, json);
+  if (!options.plot.empty()) WritePlot(options, levels);
+}
+
+}  // namespace
+
+void AddLevels(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "levels",
+      "Cost of a step by level of detail (chapter Fig. 2.23c): the scene's script with coarser "
+      "and\n"
+      "finer sphere trees, and how far their forces are from the finest's.\n"
+      "Example: palpate-bench levels --scene dragon-buddha --plot levels.svg\n"
+      "A million leaves: palpate-bench levels --scene dragon-buddha --leaves 1000000 "
+      "--objects-only");
+  command->add_option("--scene", options->scene, "Catalogue name or scene file")
+      ->capture_default_str();
+  command->add_option("--leaves", options->leaves, "Leaves of each tree; a level for each")
+      ->delimiter(',')
+      ->check(CLI::Range(std::size_t{2}, std::size_t{1} << 22))
+      ->capture_default_str();
+  command->add_flag("--objects-only", options->objects_only, "The tool keeps the tree it has");
+  command->add_option("--steps", options->steps, "Steps (default: the whole path)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--repeats", options->repeats, "Identical runs; 'best' is the least of each")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  options->features.AddTo(*command);
+  command->add_option("--models", options->models, "Folder of models that are not packaged");
+  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
+  command->add_option("--plot", options->plot, "Draw cost and error by level into FILE.svg");
+  command->callback([options] { Run(*options); });
+}
+
+}  // namespace palpate::bench

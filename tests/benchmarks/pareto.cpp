@@ -1,0 +1,466 @@
+// palpate-bench pareto: speed against error, for every scene, contact and friction model, and for
+// the peers that are installed.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
+
+#include "common/error.h"
+#include "common/stop_signal.h"
+#include "scenes/catalogue.h"
+#include "scenes/shapes.h"
+#include "tests/benchmarks/commands.h"
+#include "tests/benchmarks/features.h"
+#include "tests/benchmarks/overlap_oracle.h"
+#include "tests/benchmarks/pareto_measure.h"
+#include "tests/benchmarks/pareto_report.h"
+#include "tests/benchmarks/pose_source.h"
+
+namespace palpate::bench {
+namespace {
+
+struct Options {
+  std::string out;
+  bool quick = false;
+  std::vector<std::string> peers;  // none named: all
+  std::vector<std::string> scenes;
+  std::string models;
+  int repeats = 0;  // 0: 5, and 2 with --quick
+};
+
+constexpr const char* kPeerScene = "bunny-bunny";
+constexpr const char* kContacts[] = {"spheres", "surface"};
+constexpr const char* kFrictions[] = {"off", "chapter", "coulomb"};
+// Of objects that have no friction of their own, as in chapter 2.5.6.
+constexpr double kStaticFriction = 0.8, kDynamicFriction = 0.3;
+// Triangles of the ball that penetration is measured with: 1 um inside the true one at most.
+constexpr std::size_t kFineBall = 20480;
+
+std::string PalpateWith(const std::string& contact) {
+  return fmt::format("Palpate, {} contact", contact == "spheres" ? "sphere" : contact);
+}
+
+/// Of StepReports or PeerSteps.
+std::vector<Pose> PosesOf(const auto& steps) {
+  std::vector<Pose> poses;
+  for (const auto& step : steps) poses.push_back(step.X_WG);
+  return poses;
+}
+std::vector<Vec3> ForcesOf(const auto& steps) {
+  std::vector<Vec3> forces;
+  for (const auto& step : steps) forces.push_back(step.wrench.force);
+  return forces;
+}
+
+/// What the physics, a peer or the files refuse is a line of the report, not the end of the run.
+template <class Work>
+void OrReason(std::string& not_available, Work measure) {
+  try {
+    measure();
+  } catch (const Error& error) {
+    not_available = error.what();
+  }
+}
+
+class Pareto {
+ public:
+  explicit Pareto(const Options& options) : options_(options) {
+    const auto list = [](const char* option, const std::vector<std::string>& names) {
+      return names.empty() ? "" : fmt::format(" {} {}", option, fmt::join(names, ","));
+    };
+    results_.command =
+        fmt::format("palpate-bench pareto --out DIR{}{}{}{}", options.quick ? " --quick" : "",
+                    list("--peers", options.peers), list("--scenes", options.scenes),
+                    options.repeats > 0 ? fmt::format(" --repeats {}", options.repeats) : "");
+    results_.quick = options.quick;
+    results_.machine = ThisMachine();
+    scenes_ = !options.scenes.empty() ? options.scenes
+              : options.quick         ? std::vector<std::string>{"cube", "ellipsoid", kPeerScene}
+                                      : CatalogueNames();
+    for (const std::string& scene : scenes_) FindSceneFile(scene);  // complains before work is done
+    ChoosePeers();
+  }
+
+  void Run() {
+    PlanSlides();
+    for (const std::string& scene : scenes_) PlanScene(scene);
+    Plan("what features cost", [this] { MeasureFeatures(); });
+    PlanPeers();
+
+    WritePareto(options_.out, results_);  // complains before work is done
+    for (std::size_t i = 0; i < tasks_.size() && !stop_.stopped(); ++i) {
+      Progress(fmt::format("{} of {}: {} ...", i + 1, tasks_.size(), tasks_[i].what));
+      try {
+        tasks_[i].run();
+      } catch (const Stopped&) {
+        break;
+      }
+      results_.complete = i + 1 == tasks_.size();
+      WritePareto(options_.out, results_);
+    }
+    Progress("");
+    fmt::print(stderr, "{}{}/report.md\n",
+               results_.complete ? "" : "ended early; so far: ", options_.out);
+  }
+
+ private:
+  struct Task {
+    std::string what;
+    std::function<void()> run;  ///< throws Stopped
+  };
+  void Plan(std::string what, std::function<void()> run) {
+    tasks_.push_back({std::move(what), std::move(run)});
+  }
+
+  int repeats() const { return options_.repeats > 0 ? options_.repeats : options_.quick ? 2 : 5; }
+  int checks() const { return options_.quick ? 100 : 2000; }
+  std::vector<Pose> PathOf(const std::string& scene) const {
+    std::vector<Pose> poses = ScriptPoses(scene, std::nullopt);
+    // The beginning of a path: long enough to touch.
+    if (options_.quick && poses.size() > 1500) poses.resize(1500);
+    return poses;
+  }
+
+  void ChoosePeers() {
+    const auto has = [&](const char* name) {
+      return std::find(options_.peers.begin(), options_.peers.end(), name) != options_.peers.end();
+    };
+    std::vector<std::string> known{"all", "none"};
+    for (const PeerKind& kind : PeerKinds()) {
+      known.push_back(kind.id);
+      if (!options_.peers.empty() && !has("all") && !has(kind.id.c_str())) continue;
+      results_.peers_asked.push_back(kind.id);
+      if (kind.installed()) peers_.push_back(kind);
+    }
+    for (const std::string& name : options_.peers) {
+      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      throw UsageError(
+          fmt::format("pareto: --peers {} is not one of {}", name, fmt::join(known, ", ")));
+    }
+  }
+
+  // ---- the force of a sliding ball
+
+  void PlanSlides() {
+    const std::size_t own = SlidingExperiment{}.triangles;
+    for (const char* contact : kContacts) {
+      for (const std::size_t spheres : {64, 512, 4096}) PlanSlide("cube", spheres, 12, contact);
+      for (const std::size_t spheres : {8, 64, 512}) PlanSlide("ellipsoid", spheres, own, contact);
+    }
+    for (const std::size_t triangles : {kFewTriangles, kManyTriangles}) {
+      PlanSlide("ellipsoid", 512, triangles, "surface");
+    }
+  }
+
+  void PlanSlide(const std::string& object, std::size_t spheres, std::size_t triangles,
+                 const std::string& contact) {
+    if (options_.quick && triangles == kManyTriangles) return;
+    Plan(fmt::format("force on {} of {} spheres, {} contact", object, spheres, contact), [=, this] {
+      SlideResult result;
+      result.object = object;
+      result.spheres = spheres;
+      result.triangles = triangles;
+      result.contact = contact;
+      result.friction = "off";
+      OrReason(result.not_available, [&] {
+        const SlidingForce force =
+            MeasureSlidingForce({.object = object,
+                                 .triangles = triangles,
+                                 .features = FeatureOptions{contact, "off"}.features(),
+                                 .repeats = repeats()},
+                                spheres);
+        result.slide = force.errors.magnitude;
+        result.speed = {PercentilesOf(force.step_us.best()), PercentilesOf(force.step_us.all())};
+      });
+      results_.slides.push_back(result);
+    });
+  }
+
+  // ---- scenes
+
+  void PlanScene(const std::string& name) {
+    const std::size_t at = results_.scenes.size();
+    results_.scenes.push_back({.scene = name});
+    Plan(name, [this, name, at] {
+      SceneResult& result = results_.scenes[at];
+      loaded_.reset();
+      OrReason(result.not_available, [&] { Load(name); });
+      if (!loaded_) return;
+      const Body& tool = loaded_->scene.tools.front();
+      result.tool_spheres = tool.tree.leaves();
+      result.triangles = tool.mesh.triangles.size();
+      for (const Body& object : loaded_->scene.objects) {
+        result.object_spheres += object.tree.leaves();
+        result.triangles += object.mesh.triangles.size();
+      }
+      result.steps = loaded_->poses.size();
+    });
+    for (const char* contact : kContacts) {
+      for (const char* friction : kFrictions) {
+        Plan(fmt::format("{}, {} contact, friction {}", name, contact, friction),
+             [this, at, contact, friction] {
+               if (loaded_) results_.scenes[at].runs.push_back(MeasureModel(contact, friction));
+             });
+      }
+    }
+  }
+
+  void Load(const std::string& name) {
+    auto loaded = std::make_unique<Loaded>();
+    loaded->name = name;
+    loaded->scene = LoadForBench(name, options_.models);
+    loaded->poses = PathOf(name);
+    loaded->judge = std::make_unique<PathJudge>(loaded->scene, loaded->poses, checks(), stop_);
+    loaded->oracle = std::make_unique<OverlapOracle>(loaded->scene.tools.front().tree,
+                                                     loaded->scene.objects, loaded->scene.features);
+    for (Body& object : loaded->scene.objects) {
+      for (Material& material : object.materials) {
+        if (material.static_friction > 0.0) continue;
+        material.static_friction = kStaticFriction;
+        material.dynamic_friction = kDynamicFriction;
+      }
+    }
+    loaded_ = std::move(loaded);
+  }
+
+  ModelRun MeasureModel(const std::string& contact, const std::string& friction) {
+    ModelRun model;
+    model.contact = contact;
+    model.friction = friction;
+    OrReason(model.not_available, [&] {
+      Scene scene = loaded_->scene;
+      FeatureOptions{contact, friction}.ApplyTo(scene);
+      SceneRun run(std::move(scene), loaded_->poses);
+      const TimedRun timed = TimeRun(run, repeats(), stop_);
+      model.speed = timed.speed;
+      model.path = loaded_->judge->Judge(PosesOf(timed.steps), ForcesOf(timed.steps));
+      if (contact != "spheres") return;
+      double deepest = 0.0;
+      for (std::size_t i = 0; i < timed.steps.size(); i += loaded_->judge->every()) {
+        deepest = std::max(deepest, loaded_->oracle->At(timed.steps[i].X_WG).depth);
+      }
+      model.sphere_overlap_um = 1e6 * deepest;
+    });
+    return model;
+  }
+
+  // ---- what features cost
+
+  void MeasureFeatures() {
+    struct Variant {
+      const char* name;
+      Features features;
+      bool materials = true;
+    };
+    constexpr auto kSpheres = ContactModel::kSpheres;
+    constexpr auto kSurface = ContactModel::kSurface;
+    const std::vector<Variant> variants = {
+        {"bare: sphere contact", {kSpheres}, false},
+        {"everything below undeclared", {kSpheres}},
+        {"surface contact", {kSurface}},
+        {"friction, chapter", {kSpheres, FrictionModel::kChapter}},
+        {"friction, Coulomb", {kSpheres, FrictionModel::kCoulomb}},
+        {"compliance, 20 kN/m", {kSpheres, FrictionModel::kOff, true}},
+        {"removal, of what is too hard to vanish", {kSpheres, FrictionModel::kOff, false, true}},
+        {"surface contact and Coulomb friction", {kSurface, FrictionModel::kCoulomb}},
+        {"all", {kSurface, FrictionModel::kCoulomb, true, true}}};
+    const std::string name = std::find(scenes_.begin(), scenes_.end(), kPeerScene) != scenes_.end()
+                                 ? kPeerScene
+                                 : scenes_.front();
+    const Scene scene = LoadForBench(name, options_.models);
+    std::vector<FeatureCost> costs(variants.size());
+    std::vector<std::unique_ptr<SceneRun>> runs(variants.size());
+    std::vector<BestOf> times(variants.size());
+    for (std::size_t v = 0; v < variants.size(); ++v) {
+      costs[v].feature = variants[v].name;
+      OrReason(costs[v].not_available, [&] {
+        Scene with = scene;
+        for (Body& object : with.objects) {
+          for (Material& material : object.materials) {
+            material = variants[v].materials ? Material{2e4, kStaticFriction, kDynamicFriction, 1e9}
+                                             : Material{};
+          }
+        }
+        with.features = variants[v].features;
+        runs[v] = std::make_unique<SceneRun>(std::move(with), PathOf(name));
+      });
+    }
+    // In turns, so that what else the machine does meets all of them; often, for ratios are fine.
+    for (int r = 0; r < 2 * repeats(); ++r) {
+      for (std::size_t v = 0; v < variants.size(); ++v) {
+        if (stop_.stopped()) throw Stopped{};
+        if (runs[v]) times[v].Add(runs[v]->Time());
+      }
+    }
+    for (std::size_t v = 0; v < variants.size(); ++v) {
+      costs[v].speed = {PercentilesOf(times[v].best()), PercentilesOf(times[v].all())};
+      const Percentiles &with = costs[v].speed.best, &bare = costs.front().speed.best;
+      if (!runs[v] || !runs.front()) continue;
+      costs[v].ratio_p50 = with.p50 / bare.p50;
+      costs[v].ratio_p999 = with.p999 / bare.p999;
+    }
+    results_.feature_scene = name;
+    results_.features = std::move(costs);
+  }
+
+  // ---- peers
+
+  void PlanPeers() {
+    if (peers_.empty()) return;
+    results_.peer_scene = kPeerScene;
+    Plan("the peers' scene", [this] {
+      if (!loaded_ || loaded_->name != kPeerScene) Load(kPeerScene);
+      results_.peer_steps = loaded_->poses.size();
+    });
+    for (const char* contact : kContacts) {
+      Plan(fmt::format("the peers' path, {} contact", contact), [this, contact] {
+        PeerRun run;
+        run.name = PalpateWith(contact);
+        OrReason(run.not_available, [&] {
+          Scene scene = loaded_->scene;
+          scene.features = FeatureOptions{contact, "off"}.features();
+          SceneRun palpate(std::move(scene), loaded_->poses);
+          const TimedRun timed = TimeRun(palpate, repeats(), stop_);
+          free_poses_ = PosesOf(timed.steps);
+          run.speed = timed.speed;
+          run.path = loaded_->judge->Judge(free_poses_, ForcesOf(timed.steps));
+        });
+        results_.peer_path.push_back(run);
+      });
+    }
+    for (const PeerKind& kind : peers_) {
+      Plan("the peers' path, " + kind.name, [this, &kind] {
+        results_.peer_path.push_back(MeasurePeer(kind, {}, loaded_->poses.size()));
+      });
+    }
+    Plan("the peers' slide", [this] { MeasurePeerSlide(); });
+    if (options_.quick) return;
+    for (const PeerKind& kind : peers_) {
+      if (!kind.responds) continue;
+      for (const PeerSettings& settings : {PeerSettings{0.1, 1}, PeerSettings{0.1, 4},
+                                           PeerSettings{0.02, 1}, PeerSettings{1.0, 1}}) {
+        Plan(kind.name + " set otherwise", [this, &kind, settings] {
+          PeerRun run = MeasurePeer(kind, settings, kVariantSteps);
+          run.name = fmt::format("{}, {} kg, {} sub-step{}", run.name, settings.mass,
+                                 settings.substeps, settings.substeps > 1 ? "s" : "");
+          results_.peer_variants.push_back(run);
+        });
+      }
+    }
+  }
+
+  /// The first `steps` of the peers' path.
+  PeerRun MeasurePeer(const PeerKind& kind, const PeerSettings& settings, std::size_t steps) const {
+    PeerRun run;
+    run.id = kind.id;
+    run.name = kind.name + (kind.convex ? " (hulls)" : "");
+    OrReason(run.not_available, [&] {
+      // One that only measures is asked where Palpate's tool is.
+      const std::vector<Pose>& poses = kind.responds ? loaded_->poses : free_poses_;
+      if (poses.empty()) throw Error("Palpate's own poses, that it measures at, are not available");
+      const TimedPeer timed = TimePeer(kind, ForPeers(loaded_->scene),
+                                       std::span(poses).first(std::min(steps, poses.size())),
+                                       settings, std::min(repeats(), 3), stop_);
+      run.speed = timed.speed;
+      if (kind.responds) {
+        run.path = loaded_->judge->Judge(PosesOf(timed.steps), ForcesOf(timed.steps));
+        return;
+      }
+      double least = std::numeric_limits<double>::infinity();
+      for (const PeerStep& step : timed.steps) least = std::min(least, step.distance.value());
+      run.distance_min_um = 1e6 * least;
+    });
+    return run;
+  }
+
+  /// All of them over the cube.
+  void MeasurePeerSlide() {
+    const SlidingExperiment experiment;
+    const SlidingPath path = bench::PathOf(experiment);
+    Scene scene = SlidingScene(experiment, 4096);
+    scene.tools.front().mesh = MakeSphere(kSlidingBallRadius, kFineBall);
+    std::vector<Pose> hand;
+    for (const Vec3& p : path.hand) hand.push_back({p});
+    const PathJudge judge(scene, hand, checks(), stop_);
+    std::vector<PeerRun> runs;
+    const auto add = [&](PeerRun run, const auto& measure) {
+      OrReason(run.not_available, [&] {
+        const auto [speed, steps] = measure();
+        run.speed = speed;
+        run.slide = ForceErrors(path, ForcesOf(steps)).magnitude;
+        run.path = judge.Judge(PosesOf(steps), ForcesOf(steps));
+      });
+      runs.push_back(run);
+    };
+    for (const char* contact : kContacts) {
+      PeerRun run;
+      run.name = PalpateWith(contact) + ", 4,096 spheres";
+      add(run, [&] {
+        scene.features = FeatureOptions{contact, "off"}.features();
+        SceneRun palpate(scene, hand);
+        return TimeRun(palpate, repeats(), stop_);
+      });
+    }
+    for (const PeerKind& kind : peers_) {
+      if (!kind.responds) continue;
+      PeerRun run;
+      run.id = kind.id;
+      run.name = kind.name;
+      add(run, [&] { return TimePeer(kind, ForPeers(scene), hand, {}, repeats(), stop_); });
+    }
+    results_.peer_slide = std::move(runs);
+  }
+
+  static constexpr std::size_t kVariantSteps = 4000;  ///< of the peers' path
+
+  /// The scene that is being measured; only one is in memory.
+  struct Loaded {
+    std::string name;
+    Scene scene;
+    std::vector<Pose> poses;
+    std::unique_ptr<PathJudge> judge;
+    std::unique_ptr<OverlapOracle> oracle;
+  };
+
+  const Options& options_;
+  StopSignal stop_;
+  std::vector<std::string> scenes_;
+  std::vector<PeerKind> peers_;  ///< asked for and installed
+  std::vector<Task> tasks_;
+  ParetoResults results_;
+  std::unique_ptr<Loaded> loaded_;
+  std::vector<Pose> free_poses_;  ///< where Palpate's tool went on the peers' path
+};
+
+}  // namespace
+
+void AddPareto(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "pareto",
+      "Speed against error of every scene, contact and friction model, and of the peers that are\n"
+      "installed: report.md, pareto.svg and pareto.json.  Written anew after each measurement, so\n"
+      "that Ctrl-C keeps what there is.\n"
+      "Example: palpate-bench pareto --out build/pareto --peers bullet,ode");
+  command->add_option("--out", options->out, "Folder to write to; made where it is missing")
+      ->required();
+  command->add_flag("--quick", options->quick, "Few scenes, short paths, few repeats");
+  command
+      ->add_option("--peers", options->peers,
+                   "all (as if left out), none, or some of bullet,ode,fcl,mujoco with commas")
+      ->delimiter(',');
+  command
+      ->add_option("--scenes", options->scenes,
+                   "Catalogue names or scene files, with commas (default: the whole catalogue)")
+      ->delimiter(',');
+  command->add_option("--repeats", options->repeats, "Identical runs (default: 5; quick: 2)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--models", options->models, "Folder of models that are not packaged");
+  command->callback([options] { Pareto(*options).Run(); });
+}
+
+}  // namespace palpate::bench

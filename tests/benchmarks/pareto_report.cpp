@@ -1,0 +1,705 @@
+#include "tests/benchmarks/pareto_report.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
+
+#include "common/error.h"
+#include "tests/benchmarks/peers/peer.h"
+#include "tests/benchmarks/svg_plot.h"
+
+namespace palpate::bench {
+namespace {
+
+// The difference of force that people just notice, of the force itself (Jones 1989; Pang, Tan &
+// Durlach 1991).
+constexpr double kJndLow = 0.06, kJndHigh = 0.08;
+// Chapter 2.5.1: mean on the cube with 4,096 spheres, greatest on the ellipsoid with 512.
+constexpr double kChapterCubeMean = 0.05, kChapterEllipsoidMax = 0.05;
+constexpr double kMillisecond_us = 1000.0;
+constexpr double kDeepGoal_um = 10.0;
+
+// ---- numbers as people read them
+
+std::string Number(double v) {
+  const double a = std::abs(v);
+  if (a == 0.0) return "0";
+  if (a < 1e-6) return "< 1e-6";
+  if (a >= 1e5) return fmt::format("{:.2e}", v);
+  if (a >= 100.0) return fmt::format("{:.0f}", v);
+  if (a >= 10.0) return fmt::format("{:.1f}", v);
+  if (a >= 0.1) return fmt::format("{:.2f}", v);
+  if (a >= 1e-4) return fmt::format("{:.2g}", v);
+  return fmt::format("{:.0e}", v);
+}
+
+std::string Thousands(std::size_t n) {
+  std::string digits = std::to_string(n);
+  for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3) {
+    digits.insert(static_cast<std::size_t>(i), ",");
+  }
+  return digits;
+}
+
+// ---- Markdown
+
+class Markdown {
+ public:
+  void Heading(int level, const std::string& text) {
+    text_ += fmt::format("{} {}\n\n", std::string(static_cast<std::size_t>(level), '#'), text);
+  }
+  void Paragraph(const std::string& text) { text_ += text + "\n\n"; }
+  void List(const std::vector<std::string>& items) {
+    for (const std::string& item : items) text_ += "- " + item + "\n";
+    if (!items.empty()) text_ += "\n";
+  }
+  /// `align`: one letter a column, l or r.
+  void Table(const std::string& align, const std::vector<std::string>& head,
+             const std::vector<std::vector<std::string>>& rows) {
+    Row(head);
+    std::vector<std::string> rule;
+    for (const char a : align) rule.push_back(a == 'r' ? "---:" : "---");
+    Row(rule);
+    for (const auto& row : rows) Row(row);
+    text_ += "\n";
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  void Row(const std::vector<std::string>& cells) {
+    text_ += "|";
+    for (const std::string& cell : cells) {
+      text_ += " ";
+      for (const char c : cell) text_ += c == '|' ? "\\|" : std::string(1, c == '\n' ? ' ' : c);
+      text_ += " |";
+    }
+    text_ += "\n";
+  }
+  std::string text_;
+};
+
+/// Rows of what was measured, and a sentence on what was not: a reason is too long for a cell, and
+/// often the same for several.
+class Rows {
+ public:
+  /// @param name  of the row, as the sentence tells it
+  void Add(const Measured& m, const std::string& name, std::vector<std::string> cells) {
+    if (m.not_available.empty()) {
+      rows_.push_back(std::move(cells));
+      return;
+    }
+    for (auto& [reason, names] : refused_) {
+      if (reason != m.not_available) continue;
+      names += "; " + name;
+      return;
+    }
+    refused_.emplace_back(m.not_available, name);
+  }
+  void Print(Markdown& md, const std::string& align, const std::vector<std::string>& head) const {
+    if (!rows_.empty()) md.Table(align, head, rows_);
+    for (const auto& [reason, names] : refused_) {
+      md.Paragraph(fmt::format("Not available: {} ({}).", names, reason));
+    }
+    if (rows_.empty() && refused_.empty()) md.Paragraph("Not measured.");
+  }
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+  std::vector<std::pair<std::string, std::string>> refused_;
+};
+
+std::string ContactName(const std::string& contact) {
+  return (contact == "spheres" ? "sphere" : contact) + " contact";
+}
+
+// ---- finding what was measured
+
+/// @param triangles  of the object's mesh; 0: as the experiment has it.
+const SlideResult* FindSlide(const ParetoResults& r, const std::string& object, std::size_t spheres,
+                             const std::string& contact, std::size_t triangles = 0) {
+  for (const SlideResult& s : r.slides) {
+    if (s.object == object && s.spheres == spheres && s.contact == contact && s.slide &&
+        (triangles == 0 || s.triangles == triangles)) {
+      return &s;
+    }
+  }
+  return nullptr;
+}
+
+const ModelRun* FindRun(const ParetoResults& r, const std::string& scene,
+                        const std::string& contact, const std::string& friction) {
+  for (const SceneResult& s : r.scenes) {
+    if (s.scene != scene) continue;
+    for (const ModelRun& run : s.runs) {
+      if (run.contact == contact && run.friction == friction && run.path) return &run;
+    }
+  }
+  return nullptr;
+}
+
+/// A figure that the chapter reached or the project set itself.
+struct Goal {
+  std::string what;
+  bool chapters;
+  double bound;
+  std::string unit;
+  std::optional<double> here;
+
+  bool held() const { return *here <= bound; }
+};
+
+std::vector<Goal> Goals(const ParetoResults& r) {
+  const auto slide = [&](const std::string& object, std::size_t spheres, const std::string& contact,
+                         double MeanMax::*which, std::size_t triangles = 0) {
+    const SlideResult* s = FindSlide(r, object, spheres, contact, triangles);
+    return s ? std::optional((*s->slide).*which) : std::nullopt;
+  };
+  const auto p999 = [&](const std::string& scene, const std::string& contact,
+                        const std::string& friction = "off") {
+    const ModelRun* run = FindRun(r, scene, contact, friction);
+    return run ? std::optional(run->speed.best.p999) : std::nullopt;
+  };
+  const auto worst = [](std::optional<double>& so_far, double value) {
+    so_far = std::max(so_far.value_or(0.0), value);
+  };
+  std::optional<double> cube_mean, cube_max, deepest;  // with surface contact
+  for (const SlideResult& s : r.slides) {
+    if (s.object != "cube" || s.contact != "surface" || !s.slide) continue;
+    worst(cube_mean, s.slide->mean);
+    worst(cube_max, s.slide->max);
+  }
+  for (const SceneResult& s : r.scenes) {
+    for (const ModelRun& run : s.runs) {
+      if (run.contact == "surface" && run.path) worst(deepest, run.path->penetration_um.max);
+    }
+  }
+  constexpr bool kChapter = true, kOwn = false;
+  return {{"force error, cube of 4,096 spheres, sphere contact: mean", kChapter, kChapterCubeMean,
+           "", slide("cube", 4096, "spheres", &MeanMax::mean)},
+          {"force error, ellipsoid of 512 spheres, sphere contact: greatest", kChapter,
+           kChapterEllipsoidMax, "", slide("ellipsoid", 512, "spheres", &MeanMax::max)},
+          {"`bunny-bunny`, sphere contact: step", kChapter, 1500.0, " µs",
+           p999("bunny-bunny", "spheres")},
+          {"`dragon-buddha`, sphere contact: step", kChapter, 2000.0, " µs",
+           p999("dragon-buddha", "spheres")},
+          {"`oral-cavity`, sphere contact: step", kChapter, 1000.0, " µs",
+           p999("oral-cavity", "spheres")},
+          {"`pipes`, sphere contact: step", kChapter, 1000.0, " µs", p999("pipes", "spheres")},
+          {"force error, cube, surface contact, worst count of spheres: mean", kOwn, 0.001, "",
+           cube_mean},
+          {"the same: greatest", kOwn, 0.005, "", cube_max},
+          {"force error, ellipsoid of 512 spheres and 5,120 triangles, surface contact: greatest",
+           kOwn, 0.01, "", slide("ellipsoid", 512, "surface", &MeanMax::max, kFewTriangles)},
+          {"the same, 81,920 triangles", kOwn, 0.002, "",
+           slide("ellipsoid", 512, "surface", &MeanMax::max, kManyTriangles)},
+          {"penetration of the meshes, surface contact, every scene: deepest", kOwn, kDeepGoal_um,
+           " µm", deepest},
+          {"`bunny-bunny-22k`, surface contact: step", kOwn, 60.0, " µs",
+           p999("bunny-bunny-22k", "surface")},
+          {"`oral-cavity`, surface contact, Coulomb friction: step", kOwn, 60.0, " µs",
+           p999("oral-cavity", "surface", "coulomb")},
+          {"`mould`, surface contact: step", kOwn, 200.0, " µs", p999("mould", "surface")}};
+}
+
+// ---- plots
+
+/// The error of a sliding ball's force; `which` and `name` say the mean or the greatest.
+Plot ForcePlot(const ParetoResults& r, const char* name, double MeanMax::*which) {
+  Plot force;
+  force.title = fmt::format("Force error, {}, against the time of a step", name);
+  force.subtitle =
+      "A ball of 5 mm slides with 1 N; points are labelled with the spheres of the object";
+  force.x = {"Step, best p99.9 [µs]", true};
+  force.y = {fmt::format("Force error, {} [of 1 N]", name), true, 1e-5};
+  const auto add = [&](const std::string& title, const std::string& object,
+                       const std::string& contact, bool other_meshes) {
+    PlotSeries series{title};
+    series.style = other_meshes ? PlotSeries::Style::kPoints : PlotSeries::Style::kLineAndPoints;
+    for (const SlideResult& s : r.slides) {
+      const bool other = s.triangles == kFewTriangles || s.triangles == kManyTriangles;
+      if (s.object != object || s.contact != contact || !s.slide || other != other_meshes) continue;
+      series.x.push_back(s.speed.best.p999);
+      series.y.push_back((*s.slide).*which);
+      series.labels.push_back(other ? Thousands(s.triangles) + " triangles" : Thousands(s.spheres));
+    }
+    if (!series.x.empty()) force.series.push_back(series);
+  };
+  for (const char* object : {"cube", "ellipsoid"}) {
+    for (const char* contact : {"spheres", "surface"}) {
+      add(fmt::format("{}, {}", object, ContactName(contact)), object, contact, false);
+    }
+  }
+  add("the same, 512 spheres, other meshes", "ellipsoid", "surface", true);
+  PlotSeries peers{"peers, cube"};
+  peers.style = PlotSeries::Style::kPoints;
+  for (const PeerRun& run : r.peer_slide) {
+    if (run.id.empty() || !run.slide) continue;
+    peers.x.push_back(run.speed.best.p999);
+    peers.y.push_back((*run.slide).*which);
+    peers.labels.push_back(run.name);
+  }
+  if (!peers.x.empty()) force.series.push_back(peers);
+  force.references = {{PlotReference::Across::kHorizontal, kJndHigh, "just noticed: 8 %"},
+                      {PlotReference::Across::kHorizontal, kJndLow, "6 %"}};
+  return force;
+}
+
+std::vector<Plot> Plots(const ParetoResults& r) {
+  const PlotReference budget{PlotReference::Across::kVertical, kMillisecond_us, "1 ms"};
+  std::vector<Plot> plots;
+
+  plots.push_back(ForcePlot(r, "mean", &MeanMax::mean));
+  plots.back().references.push_back(
+      {PlotReference::Across::kHorizontal, kChapterCubeMean, "chapter: cube, 4,096"});
+  plots.push_back(ForcePlot(r, "greatest", &MeanMax::max));
+  plots.back().references.push_back(
+      {PlotReference::Across::kHorizontal, kChapterEllipsoidMax, "chapter: ellipsoid, 512"});
+  std::erase_if(plots, [](const Plot& plot) { return plot.series.empty(); });
+
+  Plot depth;
+  depth.title = "Penetration against the time of a step";
+  depth.subtitle = "The deepest vertex of either mesh inside the other, friction off";
+  depth.x = {"Step, best p99.9 [µs]", true};
+  depth.y = {"Penetration, p99 of the steps [µm]", true, 0.001};
+  for (const char* contact : {"spheres", "surface"}) {
+    PlotSeries series{ContactName(contact)};
+    series.style = PlotSeries::Style::kPoints;
+    for (const SceneResult& s : r.scenes) {
+      if (const ModelRun* run = FindRun(r, s.scene, contact, "off")) {
+        series.x.push_back(run->speed.best.p999);
+        series.y.push_back(run->path->penetration_um.p99);
+        series.labels.push_back(s.scene);
+      }
+    }
+    if (!series.x.empty()) depth.series.push_back(series);
+  }
+  PlotSeries beside{"peers, " + r.peer_scene};
+  beside.style = PlotSeries::Style::kPoints;
+  for (const PeerRun& run : r.peer_path) {
+    if (run.id.empty() || !run.path) continue;
+    beside.x.push_back(run.speed.best.p999);
+    beside.y.push_back(run.path->penetration_um.p99);
+    beside.labels.push_back(run.name);
+  }
+  if (!beside.x.empty()) depth.series.push_back(beside);
+  depth.references = {budget,
+                      {PlotReference::Across::kVertical, 1500.0, "chapter: bunnies, 1.5 ms"},
+                      {PlotReference::Across::kHorizontal, kDeepGoal_um, "goal: 10 µm"}};
+  if (!depth.series.empty()) plots.push_back(depth);
+  return plots;
+}
+
+// ---- the report's sections
+
+std::string Depth(const Measured& m, double Percentiles::*which) {
+  return m.path ? Number(m.path->penetration_um.*which) : "–";
+}
+
+void Head(Markdown& md, const ParetoResults& r) {
+  md.Heading(1, "Palpate: speed against error");
+  md.Paragraph(fmt::format(
+      "What one haptic step costs, and how wrong its force and its contact are, for every scene, "
+      "contact model and friction model, beside the libraries that are installed. Written by "
+      "`{}`.",
+      r.command));
+  if (r.quick) {
+    md.Paragraph(
+        "**A quick look:** few scenes, the beginning of each path, few repeats. Leave out "
+        "`--quick` "
+        "for figures to quote.");
+  }
+  if (!r.complete) {
+    md.Paragraph(
+        "**Not complete:** the run was ended, or is still going on. What is here is whole.");
+  }
+  md.Heading(2, "Machine");
+  md.Table("ll", {"", ""},
+           {{"processor", r.machine.cpu},
+            {"cores", std::to_string(r.machine.cores)},
+            {"SIMD", r.machine.simd},
+            {"compiler", r.machine.compiler}});
+  md.Paragraph(
+      "Times are in µs. *Best* is the least of each step over identical repeats, and then the "
+      "percentile over the steps: it is what the step costs, while raw times also tell what else "
+      "the machine did.");
+}
+
+void Headline(Markdown& md, const ParetoResults& r) {
+  md.Heading(2, "Headline");
+  std::vector<std::vector<std::string>> rows;
+  const auto add = [&](const std::string& what, const Speed& speed, const std::string& error,
+                       const std::string& chapter) {
+    rows.push_back({what, Number(speed.best.p50), Number(speed.best.p999), error, chapter});
+  };
+  const auto force = [&](const std::string& object, std::size_t spheres, const std::string& contact,
+                         const std::string& chapter) {
+    if (const SlideResult* s = FindSlide(r, object, spheres, contact)) {
+      add(fmt::format("{}, {} spheres, {}", object, Thousands(spheres), ContactName(contact)),
+          s->speed,
+          fmt::format("force: mean {}, max {}", Number(s->slide->mean), Number(s->slide->max)),
+          chapter);
+    }
+  };
+  for (const char* contact : {"spheres", "surface"}) {
+    force("cube", 4096, contact, "force: mean 0.05");
+    force("ellipsoid", 512, contact, "force: max 0.05");
+  }
+  const auto depth = [&](const std::string& name, const Measured& m, const std::string& chapter) {
+    add(name, m.speed,
+        fmt::format("{} µm deep at p99, {} at most", Depth(m, &Percentiles::p99),
+                    Depth(m, &Percentiles::max)),
+        chapter);
+  };
+  for (const auto& [scene, chapter] :
+       {std::pair("bunny-bunny", "< 1,500 µs"), std::pair("bunny-bunny-22k", "–"),
+        std::pair("dragon-buddha", "< 1,000 + 1,000 µs")}) {
+    for (const char* contact : {"spheres", "surface"}) {
+      if (const ModelRun* run = FindRun(r, scene, contact, "off")) {
+        depth(fmt::format("`{}`, {}", scene, ContactName(contact)), *run, chapter);
+      }
+    }
+  }
+  for (const PeerRun& run : r.peer_path) {
+    if (!run.id.empty() && run.path)
+      depth(fmt::format("`{}`, {}", r.peer_scene, run.name), run, "–");
+  }
+  md.Table("lrrll", {"", "step, best p50", "best p99.9", "error", "chapter"}, rows);
+  md.Paragraph(fmt::format(
+      "People notice a difference of force of {:.0f} to {:.0f} % (Jones 1989; Pang, Tan & Durlach "
+      "1991). The chapter's times are of a 2.2 GHz Core 2.",
+      100.0 * kJndLow, 100.0 * kJndHigh));
+}
+
+void SpeedAgainstError(Markdown& md, const ParetoResults& r) {
+  md.Heading(2, "Speed against error");
+  if (Plots(r).empty()) {
+    md.Paragraph("Nothing measured that can be drawn.");
+    return;
+  }
+  md.Paragraph(
+      "<picture>\n"
+      "  <source media=\"(prefers-color-scheme: dark)\" srcset=\"pareto-dark.svg\">\n"
+      "  <img src=\"pareto-light.svg\" alt=\"Force error and penetration against the time of a "
+      "step, for Palpate's models and the peers\">\n"
+      "</picture>");
+  md.Paragraph("Down and to the left is better. A value of 0 lies on the lower edge.");
+}
+
+void Slides(Markdown& md, const ParetoResults& r) {
+  md.Heading(2, "Force error");
+  md.Paragraph(
+      "The experiment of chapter 2.5.1: a ball of 5 mm radius, commanded 1 mm deep at 1 N/mm, "
+      "slides "
+      "along a cube of 50 mm side and along an ellipsoid of semi-axes 40, 25 and 30 mm. The error "
+      "is that of the force (2.36) against the analytic object, as a part of 1 N.");
+  Rows rows;
+  for (const SlideResult& s : r.slides) {
+    const MeanMax error = s.slide.value_or(MeanMax{});
+    const std::string spheres = Thousands(s.spheres);
+    const std::string chapter = s.contact != "spheres"                        ? "–"
+                                : s.object == "cube" && s.spheres == 4096     ? "mean 0.05"
+                                : s.object == "ellipsoid" && s.spheres == 512 ? "max 0.05"
+                                                                              : "–";
+    rows.Add(s,
+             fmt::format("{} of {} triangles, {} spheres, {}", s.object, Thousands(s.triangles),
+                         spheres, ContactName(s.contact)),
+             {s.object, spheres, Thousands(s.triangles), s.contact, Number(error.mean),
+              Number(error.max), chapter, Number(s.speed.best.p50), Number(s.speed.best.p999)});
+  }
+  rows.Print(md, "lrrlrrlrr",
+             {"object", "spheres", "triangles", "contact", "mean", "max", "chapter", "best p50",
+              "best p99.9"});
+}
+
+void Scenes(Markdown& md, const ParetoResults& r) {
+  md.Heading(2, "Scenes");
+  md.Paragraph(
+      "Every scene's own path. *Penetration* is that of the meshes: the deepest vertex of either "
+      "inside the other, at the reported pose, on every n-th step; edges that cross without one "
+      "are not seen. With sphere contact the meshes may meet where the spheres, which lie inside "
+      "them, do not yet: that is the model's error. *Sphere overlap* is how deep the spheres "
+      "themselves overlap, which is what that model prevents. Objects without friction of their "
+      "own have μ_s 0.8 and μ_d 0.3 where a friction model is named.");
+  for (const SceneResult& s : r.scenes) {
+    md.Heading(3, "`" + s.scene + "`");
+    if (!s.not_available.empty()) {
+      md.Paragraph("Not available: " + s.not_available);
+      continue;
+    }
+    md.Paragraph(
+        fmt::format("Spheres: {} of the tool, {} of the objects; {} triangles in all; {} "
+                    "steps.",
+                    Thousands(s.tool_spheres), Thousands(s.object_spheres), Thousands(s.triangles),
+                    Thousands(s.steps)));
+    Rows rows;
+    for (const ModelRun& run : s.runs) {
+      rows.Add(run, fmt::format("{}, friction {}", ContactName(run.contact), run.friction),
+               {run.contact, run.friction, Number(run.speed.best.p50), Number(run.speed.best.p999),
+                Depth(run, &Percentiles::p99), Depth(run, &Percentiles::max),
+                run.sphere_overlap_um ? Number(*run.sphere_overlap_um) : "–",
+                run.path ? Number(run.path->force_jump_N) : "–"});
+    }
+    rows.Print(md, "llrrrrrr",
+               {"contact", "friction", "best p50", "best p99.9", "penetration p99 [µm]", "max [µm]",
+                "sphere overlap [µm]", "greatest jump [N]"});
+  }
+  if (r.scenes.empty()) md.Paragraph("None measured.");
+}
+
+void Features(Markdown& md, const ParetoResults& r) {
+  md.Heading(2, "What each feature costs");
+  md.Paragraph(
+      fmt::format("The path of `{}`, the same steps for each line, their repeats taken in turns. "
+                  "*Undeclared* is "
+                  "the bare step on objects that have friction, stiffness and hardness which the "
+                  "scene does not "
+                  "declare: it should cost nothing, a ratio of 1.",
+                  r.feature_scene));
+  Rows rows;
+  for (const FeatureCost& f : r.features) {
+    rows.Add(f, f.feature,
+             {f.feature, Number(f.speed.best.p50), Number(f.speed.best.p999),
+              fmt::format("{:.2f}", f.ratio_p50), fmt::format("{:.2f}", f.ratio_p999)});
+  }
+  rows.Print(md, "lrrrr", {"feature", "best p50", "best p99.9", "p50 ×", "p99.9 ×"});
+}
+
+void Peers(Markdown& md, const ParetoResults& r) {
+  md.Heading(2, "Peers");
+  md.Paragraph(
+      "Each in the same run, on the same meshes and hand poses. A peer that responds moves a body "
+      "of 0.1 kg that a spring and damper (1000 N/m, 1 N·m/rad, critically damped, 6 degrees of "
+      "freedom) tie to the hand, one step a millisecond, without friction and gravity; its force "
+      "is the spring's. A ball is the peer's own exact sphere. Times hold the peer's collision "
+      "detection and its step. Where a peer does not do the same again from a new start, its best "
+      "times are raw ones, marked *raw*.");
+  std::vector<std::string> items;
+  for (const PeerKind& kind : PeerKinds()) {
+    const bool asked =
+        std::find(r.peers_asked.begin(), r.peers_asked.end(), kind.id) != r.peers_asked.end();
+    items.push_back(
+        !kind.installed()
+            ? fmt::format(
+                  "**{}** was not installed when this was configured: `apt-get install {}`, "
+                  "then configure and build anew.",
+                  kind.name, kind.package)
+        : asked ? fmt::format("**{} {}** (`{}`): {}.", kind.name, kind.version, kind.package,
+                              kind.settings)
+                : fmt::format("**{} {}** was not asked for.", kind.name, kind.version));
+  }
+  md.List(items);
+  const auto speed = [](const Measured& m, double Percentiles::*which) {
+    return Number(m.speed.best.*which) + (m.speed.repeatable ? "" : " raw");
+  };
+  const auto path_table = [&](const std::vector<PeerRun>& runs) {
+    Rows rows;
+    for (const PeerRun& run : runs) {
+      rows.Add(run, run.name,
+               {run.name, speed(run, &Percentiles::p50), speed(run, &Percentiles::p999),
+                Depth(run, &Percentiles::p50), Depth(run, &Percentiles::p99),
+                Depth(run, &Percentiles::max), run.path ? Number(run.path->free_force_N) : "–",
+                run.path ? Number(run.path->force_jump_N) : "–"});
+    }
+    rows.Print(md, "lrrrrrrr",
+               {"", "best p50", "best p99.9", "penetration p50 [µm]", "p99 [µm]", "max [µm]",
+                "force in free space [N]", "greatest jump [N]"});
+  };
+  if (!r.peer_path.empty()) {
+    md.Heading(3, fmt::format("The path of `{}`", r.peer_scene));
+    path_table(r.peer_path);
+    std::string apart;
+    for (const PeerRun& run : r.peer_path) {
+      if (!run.distance_min_um) continue;
+      apart += *run.distance_min_um == 0.0
+                   ? fmt::format(" {} finds the meshes overlapping somewhere on it.", run.name)
+                   : fmt::format(" {} finds the meshes nowhere nearer than {} µm.", run.name,
+                                 Number(*run.distance_min_um));
+    }
+    md.Paragraph(fmt::format(
+        "{} steps. *Force in free space* is the mean where the hand's own pose is free: force of a "
+        "mesh that is not there, of a margin, or of inertia; or of a tool caught behind the "
+        "object.{}",
+        Thousands(r.peer_steps), apart));
+  }
+  if (!r.peer_slide.empty()) {
+    md.Heading(3, "The slide along the cube");
+    Rows rows;
+    for (const PeerRun& run : r.peer_slide) {
+      rows.Add(run, run.name,
+               {run.name, speed(run, &Percentiles::p50), speed(run, &Percentiles::p999),
+                run.slide ? Number(run.slide->mean) : "–", run.slide ? Number(run.slide->max) : "–",
+                Depth(run, &Percentiles::max)});
+    }
+    rows.Print(md, "lrrrrr",
+               {"", "best p50", "best p99.9", "force error, mean", "max", "penetration max [µm]"});
+    md.Paragraph(
+        "The hand begins to slide at once, and a peer's body lags behind until its damper has "
+        "caught up: that is its greatest error.");
+  }
+  if (!r.peer_variants.empty()) {
+    md.Heading(3, "The peers set otherwise");
+    path_table(r.peer_variants);
+    md.Paragraph("The beginning of the same path.");
+  }
+}
+
+void Missed(Markdown& md, const ParetoResults& r) {
+  md.Heading(2, "Where a figure is missed");
+  std::vector<std::vector<std::string>> rows;
+  for (const Goal& goal : Goals(r)) {
+    rows.push_back({goal.what, goal.chapters ? "chapter" : "goal",
+                    "≤ " + Number(goal.bound) + goal.unit,
+                    goal.here ? Number(*goal.here) + goal.unit : "–",
+                    !goal.here    ? "not measured"
+                    : goal.held() ? "held"
+                                  : "**missed**"});
+  }
+  md.Table("lllrl", {"figure", "of", "bound", "here", ""}, rows);
+  md.Paragraph("A step's time is its best p99.9; the chapter's are on a 2.2 GHz Core 2.");
+  md.Paragraph(
+      "Times hold for this machine, and other work on it makes even the best of a few repeats "
+      "longer; errors are the same anywhere.");
+}
+
+// ---- JSON
+
+nlohmann::ordered_json ToJson(const Measured& m) {
+  nlohmann::ordered_json json{{"available", m.not_available.empty()}};
+  if (!m.not_available.empty()) {
+    json["reason"] = m.not_available;
+    return json;
+  }
+  json["best_step_us"] = ToJson(m.speed.best);
+  json["raw_step_us"] = ToJson(m.speed.raw);
+  json["repeatable"] = m.speed.repeatable;
+  if (m.slide) json["force_error"] = {{"mean", m.slide->mean}, {"max", m.slide->max}};
+  if (m.path) {
+    json["penetration_um"] = ToJson(m.path->penetration_um);
+    json["free_force_N"] = m.path->free_force_N;
+    json["jump"] = {{"force_N_max", m.path->force_jump_N}};
+  }
+  return json;
+}
+
+nlohmann::ordered_json ToJson(const ModelRun& run) {
+  nlohmann::ordered_json json{{"contact", run.contact}, {"friction", run.friction}};
+  json.update(ToJson(static_cast<const Measured&>(run)));
+  if (run.sphere_overlap_um) json["sphere_overlap_um"] = *run.sphere_overlap_um;
+  return json;
+}
+
+nlohmann::ordered_json ToJson(const std::vector<PeerRun>& runs) {
+  auto json = nlohmann::ordered_json::array();
+  for (const PeerRun& run : runs) {
+    nlohmann::ordered_json one{{"id", run.id.empty() ? "palpate" : run.id}, {"name", run.name}};
+    one.update(ToJson(static_cast<const Measured&>(run)));
+    if (run.distance_min_um) one["distance_min_um"] = *run.distance_min_um;
+    json.push_back(one);
+  }
+  return json;
+}
+
+nlohmann::ordered_json ToJson(const ParetoResults& r) {
+  nlohmann::ordered_json json{
+      {"command", r.command},
+      {"quick", r.quick},
+      {"complete", r.complete},
+      {"machine",
+       {{"cpu", r.machine.cpu},
+        {"cores", r.machine.cores},
+        {"simd", r.machine.simd},
+        {"compiler", r.machine.compiler}}},
+      {"human", {{"force_jnd", {kJndLow, kJndHigh}}}},
+      {"chapter",
+       {{"cube_mean_at_4096", kChapterCubeMean}, {"ellipsoid_max_at_512", kChapterEllipsoidMax}}}};
+  json["accuracy"] = nlohmann::ordered_json::array();
+  for (const SlideResult& s : r.slides) {
+    nlohmann::ordered_json one{
+        {"object", s.object}, {"spheres", s.spheres}, {"triangles", s.triangles}};
+    one.update(ToJson(static_cast<const ModelRun&>(s)));
+    json["accuracy"].push_back(one);
+  }
+  json["scenes"] = nlohmann::ordered_json::array();
+  for (const SceneResult& s : r.scenes) {
+    nlohmann::ordered_json one{{"scene", s.scene}};
+    if (!s.not_available.empty()) {
+      one["not_available"] = s.not_available;
+    } else {
+      one.update({{"tool_spheres", s.tool_spheres},
+                  {"object_spheres", s.object_spheres},
+                  {"triangles", s.triangles},
+                  {"steps", s.steps}});
+    }
+    one["runs"] = nlohmann::ordered_json::array();
+    for (const ModelRun& run : s.runs) one["runs"].push_back(ToJson(run));
+    json["scenes"].push_back(one);
+  }
+  json["features"] = {{"scene", r.feature_scene}, {"costs", nlohmann::ordered_json::array()}};
+  for (const FeatureCost& f : r.features) {
+    nlohmann::ordered_json one{{"feature", f.feature}};
+    one.update(ToJson(static_cast<const Measured&>(f)));
+    if (f.not_available.empty()) one["ratio"] = {{"p50", f.ratio_p50}, {"p999", f.ratio_p999}};
+    json["features"]["costs"].push_back(one);
+  }
+  auto& peers = json["peers"];
+  peers["known"] = nlohmann::ordered_json::array();
+  for (const PeerKind& kind : PeerKinds()) {
+    peers["known"].push_back({{"id", kind.id},
+                              {"name", kind.name},
+                              {"package", kind.package},
+                              {"installed", kind.installed()},
+                              {"version", kind.version},
+                              {"settings", kind.settings}});
+  }
+  peers["scene"] = r.peer_scene;
+  peers["steps"] = r.peer_steps;
+  peers["path"] = ToJson(r.peer_path);
+  peers["slide"] = ToJson(r.peer_slide);
+  peers["variants"] = ToJson(r.peer_variants);
+  json["goals"] = nlohmann::ordered_json::array();
+  for (const Goal& goal : Goals(r)) {
+    nlohmann::ordered_json one{
+        {"what", goal.what}, {"of", goal.chapters ? "chapter" : "goal"}, {"bound", goal.bound}};
+    if (goal.here) {
+      one["figure"] = *goal.here;
+      one["held"] = goal.held();
+    }
+    json["goals"].push_back(one);
+  }
+  return json;
+}
+
+void WriteText(const std::string& file, const std::string& text) {
+  std::ofstream out(file);
+  out << text;
+  out.close();
+  if (!out) throw Error(file + ": cannot be written; give --out a folder you may write");
+}
+
+}  // namespace
+
+void WritePareto(const std::string& folder, const ParetoResults& results) {
+  std::error_code ignored;
+  std::filesystem::create_directories(folder, ignored);
+  const auto file = [&](const char* name) {
+    return (std::filesystem::path(folder) / name).string();
+  };
+  WriteJson(file("pareto.json"), ToJson(results));
+  Markdown md;
+  for (const auto section :
+       {Head, Headline, SpeedAgainstError, Slides, Scenes, Features, Peers, Missed}) {
+    section(md, results);
+  }
+  WriteText(file("report.md"), md.text());
+  const std::vector<Plot> plots = Plots(results);
+  if (plots.empty()) return;
+  WriteText(file("pareto.svg"), ToSvg(plots));
+  WriteText(file("pareto-light.svg"), ToSvg(plots, PlotTheme::kLight));
+  WriteText(file("pareto-dark.svg"), ToSvg(plots, PlotTheme::kDark));
+}
+
+}  // namespace palpate::bench

@@ -1,0 +1,117 @@
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/shapes.h"
+#include "tests/benchmarks/peers/peer.h"
+
+namespace palpate::bench {
+namespace {
+
+constexpr double kCube = 0.05, kRadius = 0.005, kDeep = 1e-3;
+
+/// What a contact that is meant to be rigid may give under 1 N [m]: it is soft in MuJoCo, and two
+/// margins of 20 um in Bullet.
+constexpr double kGive = 40e-6;
+
+/// Each peer that is installed and answers with a force.
+class RespondingPeers : public testing::TestWithParam<PeerKind> {
+ protected:
+  /// A tool that was moved down onto the cube's top face, `kDeep` into it, and held there.
+  /// @param clearance  from the tool's centre to its lowest point.
+  PeerStep Rest(PeerScene scene, double clearance) const {
+    scene.objects = {{&cube_, {}}};
+    const double rest = 0.5 * kCube + clearance;
+    const auto peer = GetParam().make(scene, {Vec3(0.003, rest + 1e-3, 0.004)}, {});
+    PeerStep step;
+    for (int i = 1; i <= 1000; ++i) {
+      const double moved = 2e-3 * std::min(1.0, i / 200.0);
+      step = peer->Step({Vec3(0.003, rest + 1e-3 - moved, 0.004)});
+    }
+    return step;
+  }
+  static void ExpectOneNewton(const PeerStep& step, double stiffness) {
+    EXPECT_NEAR(step.wrench.force.y(), stiffness * kDeep, stiffness * kGive);
+    EXPECT_NEAR(step.wrench.force.x(), 0.0, stiffness * kGive);
+    EXPECT_NEAR(step.wrench.force.z(), 0.0, stiffness * kGive);
+  }
+
+  TriangleMesh cube_ = MakeBox(Vec3::Constant(kCube));
+};
+
+TEST_P(RespondingPeers, HoldABallOnABoxWithTheSpringsForce) {
+  const TriangleMesh ball = MakeSphere(kRadius, 320);
+  const PeerScene scene{.tool = &ball, .ball = kRadius};
+  ExpectOneNewton(Rest(scene, kRadius), scene.coupling.stiffness);
+}
+
+TEST_P(RespondingPeers, HoldABoxFlatOnABoxMeshAgainstMesh) {
+  const TriangleMesh box = MakeBox(Vec3::Constant(0.02));
+  const PeerScene scene{.tool = &box};
+  const PeerStep step = Rest(scene, 0.01);
+  ExpectOneNewton(step, scene.coupling.stiffness);
+  EXPECT_GE(step.contacts, 1);
+  // A face is 20 mm wide and may give at its edges.
+  EXPECT_LT(step.X_WG.q.vec().norm(), 0.5 * kGive / 0.01);
+}
+
+TEST_P(RespondingPeers, StandWhereTheHandIsInFreeSpace) {
+  // A tool whose frame is not at its centroid.
+  TriangleMesh box = MakeBox(Vec3::Constant(0.02));
+  for (Vec3& v : box.vertices) v += Vec3(0.1, 0.2, 0.3);
+  const PeerScene scene{
+      .tool = &box, .centroid = Vec3(0.1, 0.2, 0.3), .objects = {{&cube_, {Vec3(0, -1, 0)}}}};
+  const Pose hand{Vec3(0.2, 0.1, 0.0), Quat(0.6, 0.0, 0.8, 0.0)};
+  const auto peer = GetParam().make(scene, hand, {});
+  for (int i = 0; i < 100; ++i) {
+    const PeerStep step = peer->Step(hand);
+    EXPECT_LT(step.wrench.force.norm(), 1e-9);
+    EXPECT_LT((step.X_WG.p - hand.p).norm(), 1e-12);
+  }
+}
+
+/// Each that is installed and only measures.
+class MeasuringPeers : public testing::TestWithParam<PeerKind> {};
+
+TEST_P(MeasuringPeers, MeasureTheDistanceOfABallFromABox) {
+  const TriangleMesh ball = MakeSphere(kRadius, 320), cube = MakeBox(Vec3::Constant(kCube));
+  const PeerScene scene{.tool = &ball, .ball = kRadius, .objects = {{&cube, {}}}};
+  const auto peer = GetParam().make(scene, {}, {});
+  const auto distance = [&](double y) {
+    return peer->Step({Vec3(0.003, 0.5 * kCube + kRadius + y, 0.004)}).distance.value();
+  };
+  EXPECT_NEAR(distance(7e-3), 7e-3, 1e-6);
+  EXPECT_NEAR(distance(2e-6), 2e-6, 1e-6);
+  EXPECT_EQ(distance(-1e-3), 0.0);
+}
+
+auto Installed(bool responding) {
+  std::vector<PeerKind> kinds;
+  for (const PeerKind& kind : PeerKinds()) {
+    if (kind.installed() && kind.responds == responding) kinds.push_back(kind);
+  }
+  return testing::ValuesIn(kinds);
+}
+std::string Name(const testing::TestParamInfo<PeerKind>& peer) {
+  return peer.param.name;
+}
+
+// A build without any of them is right too.
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(RespondingPeers);
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(MeasuringPeers);
+INSTANTIATE_TEST_SUITE_P(Installed, RespondingPeers, Installed(true), Name);
+INSTANTIATE_TEST_SUITE_P(Installed, MeasuringPeers, Installed(false), Name);
+
+TEST(PeerKinds, NameTheirPackageWhetherItIsThereOrNot) {
+  std::set<std::string> ids;
+  for (const PeerKind& kind : PeerKinds()) {
+    EXPECT_TRUE(ids.insert(kind.id).second) << kind.id << " stands there twice";
+    EXPECT_THAT(kind.package, testing::MatchesRegex("lib.*-dev"));
+    EXPECT_EQ(kind.installed(), static_cast<bool>(kind.make)) << kind.name;
+  }
+  EXPECT_THAT(ids, testing::UnorderedElementsAre("bullet", "ode", "fcl", "mujoco"));
+}
+
+}  // namespace
+}  // namespace palpate::bench
