@@ -11,6 +11,7 @@
 
 #include "common/error.h"
 #include "scenes/json_file.h"
+#include "scenes/leaf_paint.h"
 #include "scenes/mesh_import.h"
 #include "scenes/mesh_orient.h"
 #include "scenes/mesh_report.h"
@@ -51,7 +52,9 @@ std::string MeshFile(const MeshSource& source, const std::string& models_dir) {
 }
 
 /// Complaints name the scene file's line.
-TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir) {
+/// @param groups  gets the named parts of a mesh file.
+TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir,
+                      std::vector<MeshGroup>& groups) {
   switch (source.kind) {
     case MeshSource::Kind::kBox:
       return MakeBox(source.size);
@@ -64,7 +67,7 @@ TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir) {
   }
   const std::string file = MeshFile(source, models_dir);
   return About(source.where, [&] {
-    TriangleMesh mesh = ImportMesh(file);
+    TriangleMesh mesh = ImportMesh(file, &groups);
     const MeshReport report = InspectMesh(mesh);
     if (!report.refusal.empty()) throw Error(file + ": " + report.refusal);
     OrientTriangles(mesh);
@@ -73,11 +76,16 @@ TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir) {
   });
 }
 
-Body Compile(const BodyDescription& description, const LoadOptions& options) {
-  Body body;
-  body.name = description.name;
-  body.X_WB = description.X_WB;
-  body.mesh = MakeMesh(description.mesh, options.models_dir);
+/// Mesh and tree of a body, and the mesh's named parts.
+struct Shape {
+  TriangleMesh mesh;
+  SphereTree tree;
+  std::vector<MeshGroup> groups;
+};
+
+Shape MakeShape(const BodyDescription& description, const LoadOptions& options) {
+  Shape body;
+  body.mesh = MakeMesh(description.mesh, options.models_dir, body.groups);
   if (description.mesh.kind == MeshSource::Kind::kSphere && description.leaves == 1) {
     body.tree = SingleSphereTree(body.mesh, {Vec3::Zero(), description.mesh.size.x()});
     return body;
@@ -85,7 +93,7 @@ Body Compile(const BodyDescription& description, const LoadOptions& options) {
   body.tree =
       BuildSphereTree(body.mesh, description.leaves, [&](std::string_view stage, double fraction) {
         if (!options.progress) return;
-        options.progress(body.name + ": " + std::string(stage), fraction);
+        options.progress(description.name + ": " + std::string(stage), fraction);
       });
   return body;
 }
@@ -106,7 +114,8 @@ std::string DefaultCacheFolder() {
 /// Hash of all that decides what a compiled scene holds.
 std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
                     const std::string& models_dir) {
-  std::uint64_t key = HashBytes(text, kSphereTreeBuilderVersion);
+  std::uint64_t key = HashBytes(
+      text, std::uint64_t{kBundleVersion} << 32 | kShapesVersion << 16 | kSphereTreeBuilderVersion);
   key = HashBytes(scene.name, key);
   std::map<std::string, std::uint64_t> hashes;  // of each mesh file once
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
@@ -136,17 +145,19 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   Scene scene;
   scene.name = description.name;
   scene.coupling = description.coupling;
-  std::vector<std::pair<const BodyDescription*, Body>> done;
-  const auto compile = [&](const BodyDescription& body) {
-    for (const auto& [other, compiled] : done) {
-      if (!SameGeometry(body, *other)) continue;
-      Body copy = compiled;  // two bunnies are built once
-      copy.name = body.name;
-      copy.X_WB = body.X_WB;
-      return copy;
-    }
-    done.emplace_back(&body, Compile(body, options));
-    return done.back().second;
+  scene.features = description.features;
+  std::vector<std::pair<const BodyDescription*, Shape>> done;
+  const auto compile = [&](const BodyDescription& from) {
+    const auto known = std::find_if(done.begin(), done.end(), [&](const auto& made) {
+      return SameGeometry(from, *made.first);  // two bunnies are built once
+    });
+    const Shape& shape = known != done.end()
+                             ? known->second
+                             : done.emplace_back(&from, MakeShape(from, options)).second;
+    Body body{from.name, shape.mesh, shape.tree, {}};
+    body.X_WB = from.X_WB;
+    PaintLeaves(from, shape.groups, body);
+    return body;
   };
   for (const BodyDescription& tool : description.tools) scene.tools.push_back(compile(tool));
   for (const BodyDescription& object : description.objects) {

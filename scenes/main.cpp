@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -105,6 +106,31 @@ void PrintBody(const char* kind, const Body& body) {
               1e3 * p.z());
 }
 
+void PrintFeatures(const Features& features) {
+  static constexpr const char* kFriction[] = {"off", "chapter", "coulomb"};
+  const auto on = [](bool b) { return b ? "on" : "off"; };
+  std::printf("  contact %s, friction %s, compliance %s, removal %s\n",
+              features.contact == ContactModel::kSurface ? "surface" : "spheres",
+              kFriction[static_cast<int>(features.friction)], on(features.compliance),
+              on(features.removal));
+}
+
+void PrintMaterials(const Body& body) {
+  for (std::size_t m = 0; m < body.materials.size(); ++m) {
+    const auto leaves = body.leaf_material.empty()
+                            ? std::ptrdiff_t(body.tree.leaves())
+                            : std::count(body.leaf_material.begin(), body.leaf_material.end(), m);
+    const Material& material = body.materials[m];
+    std::printf("    material %zu, %td leaves: ", m, leaves);
+    std::isfinite(material.stiffness) ? std::printf("%g N/m a leaf", material.stiffness)
+                                      : std::printf("rigid");
+    std::printf(", friction %g static %g dynamic", material.static_friction,
+                material.dynamic_friction);
+    if (std::isfinite(material.hardness)) std::printf(", %g J remove a leaf", material.hardness);
+    std::printf("\n");
+  }
+}
+
 void Build(const Arguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
   const Scene scene = Load(arguments);
@@ -125,10 +151,12 @@ void Info(const Arguments& arguments) {
   std::printf("%s: %zu bytes, XXH64 %016llx, coupling %g N/m and %g N m/rad\n", scene.name.c_str(),
               bytes.size(), static_cast<unsigned long long>(HashBytes(view, 0)),
               scene.coupling.stiffness, scene.coupling.torsional_stiffness);
+  PrintFeatures(scene.features);
   for (const auto& [kind, bodies] : {std::pair{"tool", &scene.tools}, {"object", &scene.objects}}) {
     for (const Body& body : *bodies) {
       PrintBody(kind, body);
       PrintTree(body.tree);
+      if (bodies == &scene.objects) PrintMaterials(body);
     }
   }
 }
@@ -205,7 +233,8 @@ int Main(int argc, char** argv) {
   const std::string scene_help = "Scene: a file, or one of " + names;
   CLI::App* build = add("build", "Builds a scene into the cache, and into a bundle", scene_help);
   build->add_option("-o,--output", arguments.output, "Bundle to write (.palpate)");
-  CLI::App* info = add("info", "Prints bodies, levels, sizes and the hash", scene_help);
+  CLI::App* info =
+      add("info", "Prints features, bodies, levels, materials, sizes and the hash", scene_help);
   CLI::App* check = add("check", "Judges meshes, and how well the spheres cover them",
                         scene_help + "; or a mesh file");
   CLI::App* render = add("render", "Draws mesh and spheres of every level as a PNG", scene_help);

@@ -88,6 +88,24 @@ void Weld(TriangleMesh& mesh) {
   }
 }
 
+/// Formats differ in whether a part's name is its mesh's or its node's: both are taken.
+/// @param begin  first triangle of each of the scene's meshes, and the end.
+void NameParts(const aiScene& scene, const aiNode& node, const std::vector<std::uint32_t>& begin,
+               std::vector<MeshGroup>& groups) {
+  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+    const unsigned m = node.mMeshes[i];
+    const std::string of_node = node.mName.C_Str();
+    const std::string of_mesh = scene.mMeshes[m]->mName.C_Str();
+    if (!of_mesh.empty()) groups.push_back({of_mesh, begin[m], begin[m + 1]});
+    if (!of_node.empty() && of_node != of_mesh) {
+      groups.push_back({of_node, begin[m], begin[m + 1]});
+    }
+  }
+  for (unsigned i = 0; i < node.mNumChildren; ++i) {
+    NameParts(scene, *node.mChildren[i], begin, groups);
+  }
+}
+
 }  // namespace
 
 bool IsMeshFile(const std::string& file) {
@@ -95,13 +113,14 @@ bool IsMeshFile(const std::string& file) {
   return std::find(kKnown.begin(), kKnown.end(), FormatOf(file)) != kKnown.end();
 }
 
-TriangleMesh ImportMesh(const std::string& file) {
+TriangleMesh ImportMesh(const std::string& file, std::vector<MeshGroup>* groups) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   if (!fs::exists(file, ignored)) throw Error(file + ": there is no such file; check the name");
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  importer.SetPropertyBool(AI_CONFIG_PP_PTV_KEEP_HIERARCHY, true);  // else parts lose their names
   const unsigned flags =
       aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_PreTransformVertices;
   const std::string format = FormatOf(file);
@@ -122,9 +141,11 @@ TriangleMesh ImportMesh(const std::string& file) {
                 "); the file is damaged or in another format than its name says, export it again");
   }
   TriangleMesh mesh;
+  std::vector<std::uint32_t> begin;  // first triangle of each part
   for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
     const aiMesh& part = *scene->mMeshes[m];
     const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
+    begin.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
     for (unsigned v = 0; v < part.mNumVertices; ++v) {
       mesh.vertices.emplace_back(part.mVertices[v].x, part.mVertices[v].y, part.mVertices[v].z);
     }
@@ -135,6 +156,8 @@ TriangleMesh ImportMesh(const std::string& file) {
           {offset + face.mIndices[0], offset + face.mIndices[1], offset + face.mIndices[2]});
     }
   }
+  begin.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
+  if (groups != nullptr) NameParts(*scene, *scene->mRootNode, begin, *groups);
   Weld(mesh);
   return mesh;
 }

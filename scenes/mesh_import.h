@@ -1,17 +1,27 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "scenes/scene.h"
 
 namespace palpate {
 
+/// A named part of a mesh file (an OBJ's object or group, a 3DS or glTF mesh or node, an STL
+/// solid): triangles [begin, end).  A part may come in several pieces of one name.
+struct MeshGroup {
+  std::string name;
+  std::uint32_t begin = 0, end = 0;
+};
+
 /// Reads a mesh in the file's own unit and frame: OBJ, STL, PLY, 3DS, glTF (.gltf, .glb), each also
 /// gzipped (.gz), except for glTF whose data stand in a second file.  Polygons become triangles,
 /// a file's many parts one mesh, and corners at the same place one vertex.
+/// @param groups  where given, the file's named parts are added to it.
 /// Throws Error with the reason and a remedy.  The mesh is not judged yet: see mesh_report.h.
-TriangleMesh ImportMesh(const std::string& file);
+TriangleMesh ImportMesh(const std::string& file, std::vector<MeshGroup>* groups = nullptr);
 
 /// True where the name ends as a mesh file's does.
 bool IsMeshFile(const std::string& file);

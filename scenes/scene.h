@@ -36,7 +36,7 @@ struct Body {
   /// Material of each leaf, as an index into `materials`; empty: all are of materials[0].
   std::vector<std::uint8_t> leaf_material;
   std::vector<Material> materials{Material{}};
-  Pose X_WB;  ///< objects: where they stand.  Tools: where the tool starts.
+  Pose X_WB{};  ///< objects: where they stand.  Tools: where the tool starts.
 };
 
 enum class ContactModel : std::uint8_t {

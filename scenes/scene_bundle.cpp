@@ -237,6 +237,42 @@ Pose FromWire(const wire::Pose* in) {
   return pose;
 }
 
+void ReadMaterials(const wire::Body& in, Body& out) {
+  const auto count = [](const auto* list) { return list == nullptr ? 0 : list->size(); };
+  out.materials.clear();
+  for (const wire::Material* m : *in.materials()) {
+    const bool fine = m->stiffness() > 0.0 && m->hardness() > 0.0 && m->dynamic_friction() >= 0.0 &&
+                      m->dynamic_friction() <= m->static_friction() &&
+                      std::isfinite(m->static_friction());
+    if (!fine) throw Error("a material is none");
+    out.materials.push_back(
+        {m->stiffness(), m->static_friction(), m->dynamic_friction(), m->hardness()});
+  }
+  if (out.materials.empty()) throw Error("a body is made of nothing");
+  out.leaf_material.clear();
+  if (count(in.leaf_material()) == 0) return;
+  if (count(in.leaf_material()) != out.tree.leaves()) {
+    throw Error("the leaves' materials do not add up");
+  }
+  for (const std::uint8_t m : *in.leaf_material()) {
+    if (m >= out.materials.size()) throw Error("a leaf names no material");
+    out.leaf_material.push_back(m);
+  }
+}
+
+Features FromWire(const wire::Features& in) {
+  if (in.contact() > wire::Contact::MAX || in.friction() > wire::Friction::MAX) {
+    throw Error("its features are not known");
+  }
+  return {static_cast<ContactModel>(in.contact()), static_cast<FrictionModel>(in.friction()),
+          in.compliance(), in.removal()};
+}
+
+wire::Features ToWire(const Features& f) {
+  return {static_cast<wire::Contact>(f.contact), static_cast<wire::Friction>(f.friction),
+          f.compliance, f.removal};
+}
+
 Scene ReadScene(const wire::Scene& in) {
   std::vector<Body> geometries;
   for (const wire::Geometry* geometry : *in.geometries()) {
@@ -249,6 +285,7 @@ Scene ReadScene(const wire::Scene& in) {
       bodies.push_back(geometries[body->geometry()]);
       bodies.back().name = body->name()->str();
       bodies.back().X_WB = FromWire(body->pose());
+      ReadMaterials(*body, bodies.back());
     }
     return bodies;
   };
@@ -261,6 +298,7 @@ Scene ReadScene(const wire::Scene& in) {
   if (!positive(scene.coupling.stiffness) || !positive(scene.coupling.torsional_stiffness)) {
     throw Error("the coupling is not positive");
   }
+  scene.features = FromWire(*in.features());
   return scene;
 }
 
@@ -318,7 +356,14 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
       }
       const Quat& q = body.X_WB.q;
       const wire::Pose pose(ToWire(body.X_WB.p), q.w(), q.x(), q.y(), q.z());
-      packed.push_back(wire::CreateBody(out, out.CreateString(body.name), geometry, &pose));
+      std::vector<wire::Material> materials;
+      for (const Material& m : body.materials) {
+        materials.emplace_back(m.stiffness, m.static_friction, m.dynamic_friction, m.hardness);
+      }
+      const auto name = out.CreateString(body.name);
+      const auto materials_at = out.CreateVectorOfStructs(materials);
+      const auto leaf_material = out.CreateVector(body.leaf_material);
+      packed.push_back(wire::CreateBody(out, name, geometry, &pose, materials_at, leaf_material));
     }
     return out.CreateVector(packed);
   };
@@ -326,8 +371,9 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
   const auto objects = pack_bodies(scene.objects);
   const auto geometries_at = out.CreateVector(geometries);
   const auto name = out.CreateString(scene.name);
+  const wire::Features features = ToWire(scene.features);
   out.Finish(wire::CreateScene(out, name, geometries_at, tools, objects, scene.coupling.stiffness,
-                               scene.coupling.torsional_stiffness),
+                               scene.coupling.torsional_stiffness, &features),
              wire::SceneIdentifier());
 
   Header header{};

@@ -11,7 +11,7 @@
 namespace palpate {
 
 /// Version of the bundle's layout.  Bundles of another version are refused, never guessed at.
-inline constexpr std::uint32_t kBundleVersion = 1;
+inline constexpr std::uint32_t kBundleVersion = 2;
 
 /// A scene as bytes: a 40-byte header (magic, version, content key, size, XXH64) and a FlatBuffer
 /// (idl/scene.fbs), little-endian.  Equal scenes give equal bytes.

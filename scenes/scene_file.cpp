@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <set>
 #include <utility>
@@ -13,6 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+enum class BodyKind { kTool, kObject };
+
+constexpr std::size_t kMaxMaterials = 256;  // of a body: Body::leaf_material is of bytes
 constexpr std::size_t kShapeTriangles = 5120;
 constexpr double kLongest = 1000.0;  // [m]: a length beyond it is a forgotten unit
 
@@ -100,9 +104,112 @@ MeshSource ReadImported(const JsonNode& node, const fs::path& folder) {
   return source;
 }
 
-BodyDescription ReadBody(const JsonNode& node, std::string_view pose_field,
-                         const fs::path& folder) {
-  node.AllowOnly({"name", "mesh", "leaves", pose_field});
+MaterialDescription ReadMaterial(const JsonNode& node) {
+  node.AllowOnly({"stiffness_N_per_m", "youngs_modulus_Pa", "thickness_mm", "static_friction",
+                  "dynamic_friction", "hardness_J"});
+  MaterialDescription read;
+  Material& material = read.material;
+  read.where = node.Where();
+  const auto stiffness = node.Find("stiffness_N_per_m");
+  const auto modulus = node.Find("youngs_modulus_Pa");
+  const auto thickness = node.Find("thickness_mm");
+  if (stiffness && modulus) {
+    modulus->Fail("the stiffness is given twice; keep stiffness_N_per_m or youngs_modulus_Pa");
+  }
+  if (modulus && !thickness) {
+    modulus->Fail("says nothing without the layer's thickness; add thickness_mm");
+  }
+  if (thickness && !modulus) {
+    thickness->Fail("belongs to a Young's modulus; add youngs_modulus_Pa or drop it");
+  }
+  if (stiffness) material.stiffness = stiffness->PositiveNumber();
+  if (modulus) {
+    read.youngs_modulus = modulus->PositiveNumber();
+    read.thickness = 1e-3 * thickness->PositiveNumber();
+  }
+  const auto mu_s = node.Find("static_friction");
+  const auto mu_d = node.Find("dynamic_friction");
+  constexpr double kRoughest = 10.0;  // rubber on rubber is below 4
+  if (mu_s) material.static_friction = mu_s->Number(0.0, kRoughest);
+  if (mu_d) material.dynamic_friction = mu_d->Number(0.0, kRoughest);
+  if (!mu_s) material.static_friction = material.dynamic_friction;
+  if (!mu_d) material.dynamic_friction = material.static_friction;
+  if (material.dynamic_friction > material.static_friction) {
+    mu_d->Fail("is above static_friction, which no material is; give at most that");
+  }
+  if (auto hardness = node.Find("hardness_J")) material.hardness = hardness->PositiveNumber();
+  return read;
+}
+
+RegionDescription ReadRegion(const JsonNode& node) {
+  node.AllowOnly({"box", "sphere", "group", "material"});
+  RegionDescription region;
+  region.where = node.Where();
+  region.material = ReadMaterial(node.At("material"));
+  const auto box = node.Find("box");
+  const auto sphere = node.Find("sphere");
+  const auto group = node.Find("group");
+  if (int(box.has_value()) + int(sphere.has_value()) + int(group.has_value()) != 1) {
+    node.Fail("must say which leaves it paints in one way; give \"box\", \"sphere\" or \"group\"");
+  }
+  if (box) {
+    box->AllowOnly({"min_mm", "max_mm"});
+    region.kind = RegionDescription::Kind::kBox;
+    region.box = {1e-3 * box->At("min_mm").Vector(), 1e-3 * box->At("max_mm").Vector()};
+    if (region.box.isEmpty()) box->Fail("is empty; no entry of min_mm may be above max_mm's");
+  } else if (sphere) {
+    sphere->AllowOnly({"centre_mm", "radius_mm"});
+    region.kind = RegionDescription::Kind::kSphere;
+    region.ball = {1e-3 * sphere->At("centre_mm").Vector(),
+                   1e-3 * sphere->At("radius_mm").PositiveNumber()};
+  } else {
+    region.kind = RegionDescription::Kind::kGroup;
+    region.group = group->String();
+  }
+  return region;
+}
+
+bool AnyMaterial(const SceneDescription& scene, bool (*holds)(const MaterialDescription&)) {
+  return std::any_of(scene.objects.begin(), scene.objects.end(), [&](const BodyDescription& body) {
+    return holds(body.material) ||
+           std::any_of(body.regions.begin(), body.regions.end(),
+                       [&](const RegionDescription& region) { return holds(region.material); });
+  });
+}
+
+Features ReadFeatures(const JsonNode& root, const SceneDescription& scene) {
+  Features features;
+  if (auto contact = root.Find("contact")) {
+    features.contact = contact->OneOf({"surface", "spheres"}) == "surface" ? ContactModel::kSurface
+                                                                           : ContactModel::kSpheres;
+  }
+  if (auto friction = root.Find("friction")) {
+    const std::string model = friction->OneOf({"off", "chapter", "coulomb"});
+    features.friction = model == "off"       ? FrictionModel::kOff
+                        : model == "chapter" ? FrictionModel::kChapter
+                                             : FrictionModel::kCoulomb;
+    if (model != "off" && !AnyMaterial(scene, [](const MaterialDescription& m) {
+          return m.material.static_friction > 0.0;
+        })) {
+      friction->Fail("no object's material has friction; add static_friction, or take \"off\"");
+    }
+  }
+  features.compliance = AnyMaterial(scene, [](const MaterialDescription& m) {
+    return m.youngs_modulus > 0.0 || std::isfinite(m.material.stiffness);
+  });
+  features.removal = AnyMaterial(
+      scene, [](const MaterialDescription& m) { return std::isfinite(m.material.hardness); });
+  return features;
+}
+
+BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& folder) {
+  const bool object = kind == BodyKind::kObject;
+  const std::string_view pose_field = object ? "pose" : "start";
+  if (object) {
+    node.AllowOnly({"name", "mesh", "leaves", pose_field, "material", "regions"});
+  } else {
+    node.AllowOnly({"name", "mesh", "leaves", pose_field});
+  }
   BodyDescription body;
   body.name = ReadName(node.At("name"));
   const JsonNode mesh = node.At("mesh");
@@ -113,14 +220,23 @@ BodyDescription ReadBody(const JsonNode& node, std::string_view pose_field,
     pose->AllowOnly({"position_mm", "rotation_deg", "quaternion_wxyz"});
     body.X_WB = pose->ReadPose();
   }
+  if (object) {
+    if (auto material = node.Find("material")) body.material = ReadMaterial(*material);
+    if (auto regions = node.Find("regions")) {
+      for (const JsonNode& region : regions->Items()) body.regions.push_back(ReadRegion(region));
+      if (body.regions.size() >= kMaxMaterials) {
+        regions->Fail("are too many; give at most " + std::to_string(kMaxMaterials - 1));
+      }
+    }
+  }
   return body;
 }
 
-std::vector<BodyDescription> ReadBodies(const JsonNode& list, std::string_view pose_field,
-                                        const fs::path& folder, std::set<std::string>& names) {
+std::vector<BodyDescription> ReadBodies(const JsonNode& list, BodyKind kind, const fs::path& folder,
+                                        std::set<std::string>& names) {
   std::vector<BodyDescription> bodies;
   for (const JsonNode& item : list.Items(1)) {
-    bodies.push_back(ReadBody(item, pose_field, folder));
+    bodies.push_back(ReadBody(item, kind, folder));
     if (!names.insert(bodies.back().name).second) {
       item.At("name").Fail("\"" + bodies.back().name + "\" is taken; give each body its own name");
     }
@@ -132,15 +248,15 @@ std::vector<BodyDescription> ReadBodies(const JsonNode& list, std::string_view p
 
 SceneDescription ParseScene(std::string_view text, const std::string& file) {
   const JsonNode root = JsonNode::Parse(text, file);
-  root.AllowOnly({"name", "description", "tools", "objects", "coupling"});
+  root.AllowOnly({"name", "description", "tools", "objects", "coupling", "contact", "friction"});
   SceneDescription scene;
   const fs::path path(file);
   scene.name = path.stem().string();
   if (auto name = root.Find("name")) scene.name = ReadName(*name);
   if (auto description = root.Find("description")) description->String();
   std::set<std::string> names;
-  scene.tools = ReadBodies(root.At("tools"), "start", path.parent_path(), names);
-  scene.objects = ReadBodies(root.At("objects"), "pose", path.parent_path(), names);
+  scene.tools = ReadBodies(root.At("tools"), BodyKind::kTool, path.parent_path(), names);
+  scene.objects = ReadBodies(root.At("objects"), BodyKind::kObject, path.parent_path(), names);
   if (auto coupling = root.Find("coupling")) {
     coupling->AllowOnly({"stiffness_N_per_m", "torsional_stiffness_Nm_per_rad"});
     if (auto k = coupling->Find("stiffness_N_per_m")) {
@@ -150,6 +266,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
       scene.coupling.torsional_stiffness = k->PositiveNumber();
     }
   }
+  scene.features = ReadFeatures(root, scene);
   return scene;
 }
 

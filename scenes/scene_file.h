@@ -7,6 +7,7 @@
 
 #include "scenes/mesh_import.h"
 #include "scenes/scene.h"
+#include "scenes/sphere.h"
 
 namespace palpate {
 
@@ -27,11 +28,36 @@ struct MeshSource {
   std::string where;          ///< "file:line: field", for complaints that come later
 };
 
+/// A material as written.  What a Young's modulus means is known once there are leaves.
+struct MaterialDescription {
+  Material material;            ///< its stiffness counts where there is no modulus
+  double youngs_modulus = 0.0;  ///< E [Pa]; 0: none is given
+  double thickness = 0.0;       ///< L of the layer that gives way [m]
+  std::string where;            ///< "file:line: field", for complaints that come later
+};
+
+/// Leaves of a body that are of another material than the body.
+struct RegionDescription {
+  enum class Kind {
+    kBox,     ///< leaves whose centre lies in `box`
+    kSphere,  ///< leaves whose centre lies in `ball`
+    kGroup,   ///< leaves most of whose surface is of the mesh file's part `group`
+  };
+  Kind kind = Kind::kBox;
+  Eigen::AlignedBox3d box;  ///< frame B [m]
+  Sphere ball;              ///< frame B [m]
+  std::string group;
+  MaterialDescription material;
+  std::string where;
+};
+
 struct BodyDescription {
   std::string name;
   MeshSource mesh;
   std::size_t leaves = 0;
   Pose X_WB;
+  MaterialDescription material;            ///< objects: of what no region paints
+  std::vector<RegionDescription> regions;  ///< objects: later ones over earlier ones
 };
 
 /// A scene as people write it (catalogue/README.md has every field).
@@ -39,6 +65,7 @@ struct SceneDescription {
   std::string name;
   std::vector<BodyDescription> tools, objects;
   Coupling coupling;
+  Features features;  ///< compliance and removal follow from the materials
 };
 
 inline constexpr std::size_t kMaxLeaves = 1u << 20;

@@ -1,11 +1,15 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "common/math/pose.h"
 #include "scenes/scene.h"
 
 namespace palpate {
+
+/// Changes with every change of what a shape looks like, so that cached scenes are built anew.
+inline constexpr std::uint32_t kShapesVersion = 1;
 
 // Closed meshes round the origin [m], wound counter-clockwise seen from outside.
 

@@ -22,6 +22,9 @@ class ContactPrediction {
   void Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
                const StepBounds& bounds, ContactRows& rows, StageTimes* times) noexcept;
 
+  /// Packet pairs tested so far in the life of this prediction: what it costs, as a count.
+  std::int64_t tested() const { return query_.tested() + (surface_ ? surface_->tested() : 0); }
+
   /// True where any two leaves overlap, or a surface lies inside another.  `rows` is scratch.
   /// Real-time.
   bool Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,

@@ -7,6 +7,7 @@
 #include "common/math/rotation.h"
 #include "server/physics/contact_prediction.h"
 #include "server/physics/contact_rows.h"
+#include "server/physics/friction.h"
 #include "server/physics/qp_solver.h"
 #include "server/physics/response.h"
 #include "server/physics/stage_clock.h"
@@ -19,13 +20,6 @@ std::shared_ptr<const ObjectForest> HapticModel::MakeObjects(std::span<const Pla
                                                              ContactModel contact) {
   return std::make_shared<const ObjectForest>(objects, contact);
 }
-
-namespace {
-/// How far any point of a tool may go in one sub-step with surface contact, of translation and of
-/// rotation each [m]: rows between surfaces cost more than those between spheres, and eight
-/// sub-steps still follow a hand at 1.6 m/s.
-constexpr double kSurfaceBound = 0.2e-3;
-}  // namespace
 
 HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectForest> objects,
                          const StepParameters& parameters, const TriangleMesh* tool_mesh)
@@ -42,14 +36,12 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectFor
   positive(parameters_.max_truncation, "max_truncation");
   positive(parameters_.max_substeps, "max_substeps");
   positive(parameters_.max_rows, "max_rows");
+  positive(parameters_.max_tested, "max_tested");
   rotation_length_ = std::sqrt(parameters_.torsional_stiffness / parameters_.stiffness);
   const bool surface = parameters_.features.contact == ContactModel::kSurface;
-  if (surface) parameters_.max_translation = std::min(parameters_.max_translation, kSurfaceBound);
   if (parameters_.max_rotation <= 0.0) {
     const double lever = std::max(ToolTree::MaxLeverOf(tool), 1e-6);
     parameters_.max_rotation = std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), 0.1);
-    if (surface)
-      parameters_.max_rotation = std::min(parameters_.max_rotation, kSurfaceBound / lever);
   }
   const double extent = objects_->center().norm() + objects_->radius();
   if (surface != (objects_->surfaces() != nullptr)) {
@@ -91,6 +83,8 @@ struct Optimum {
   Vec3 v;
   Vec3 phi;
   QpResult qp;
+  bool rubs = false;
+  FrictionForces friction;  ///< where it rubs: of the QP's active rows
 };
 
 /// Nearest step to the target that respects the rows.  With 3 degrees of freedom the rotation is
@@ -115,29 +109,60 @@ Optimum Solve(const HapticModel& model, const Kernels& kernels, const Target& ta
   return optimum;
 }
 
+/// The same with friction, where the model has it and a row is active.
+void AddFriction(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
+                 const Target& target, const ContactRows& rows, StepState& state, Optimum& optimum,
+                 StepReport& report) {
+  if (model.parameters().features.friction != FrictionModel::kCoulomb) return;
+  if (optimum.qp.active == 0) return ForgetFriction(state.friction);
+  if (state.friction.suspended || optimum.qp.status == QpStatus::kIterationLimit) return;
+  optimum.rubs = true;
+  AddCoulombFriction(model, kernels, R_WG, target, rows, report.substeps == 0, state.friction,
+                     optimum.qp, optimum.friction, report);
+  const double* x = optimum.qp.x;
+  optimum.v = Vec3(x[0], x[1], x[2]);
+  if (model.degrees_of_freedom() == 6) {
+    optimum.phi = Vec3(x[3], x[4], x[5]) / model.rotation_length();
+  }
+}
+
+/// Widest bounds of a sub-step.  Rows between surfaces cost more than those between spheres: near a
+/// surface a sub-step takes any point of the tool no further than kNearSurface by translation, and
+/// as far by rotation; eight of them still follow a hand at 0.8 m/s.
+StepBounds WidestBounds(const HapticModel& model, bool near) {
+  constexpr double kNearSurface = 0.1e-3;
+  const StepParameters& parameters = model.parameters();
+  if (!near || model.tool_surface() == nullptr) {
+    return {parameters.max_translation, parameters.max_rotation};
+  }
+  const double lever = std::max(model.tool().max_lever(), 1e-6);
+  return {std::min(parameters.max_translation, kNearSurface),
+          std::min(parameters.max_rotation, kNearSurface / lever)};
+}
+
 /// Bounds of a cycle's first sub-step: twice what the hand moved, and a little.  A step nearest
 /// to the hand's moves no further than the hand does while the same contacts hold; where it does (a
 /// ledge ends, a jump), the sub-steps after it have wider bounds.  Tight bounds mean few rows.
-StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) {
+StepBounds FirstBounds(const HapticModel& model, const Target& hand_step, bool near) {
+  const StepBounds widest = WidestBounds(model, near);
   const StepParameters& parameters = model.parameters();
   const double rho = model.rotation_length();
   const double v = hand_step.v.norm(), phi = hand_step.phi.norm();
-  return {std::min(2.0 * (v + 0.5 * rho * phi) + 0.04 * parameters.max_translation,
-                   parameters.max_translation),
-          std::min(2.0 * (phi + 0.5 * v / rho) + 0.04 * parameters.max_rotation,
-                   parameters.max_rotation)};
+  return {
+      std::min(2.0 * (v + 0.5 * rho * phi) + 0.04 * parameters.max_translation, widest.translation),
+      std::min(2.0 * (phi + 0.5 * v / rho) + 0.04 * parameters.max_rotation, widest.rotation)};
 }
 
-StepBounds Wider(const HapticModel& model, const StepBounds& bounds, const Optimum& wanted) {
-  const StepParameters& parameters = model.parameters();
+/// Bounds of the next sub-step: eight times wider; near surfaces no wider than the step wants.
+StepBounds Wider(const HapticModel& model, const StepBounds& bounds, const Optimum& wanted,
+                 bool near) {
+  const StepBounds widest = WidestBounds(model, near);
   double translation = 8.0 * bounds.translation, rotation = 8.0 * bounds.rotation;
   if (model.tool_surface() != nullptr) {
-    // No wider than the step wants, for the same reason as kSurfaceBound.
     translation = std::min(translation, std::max(1.25 * wanted.v.norm(), 2.0 * bounds.translation));
     rotation = std::min(rotation, std::max(1.25 * wanted.phi.norm(), 2.0 * bounds.rotation));
   }
-  return {std::min(translation, parameters.max_translation),
-          std::min(rotation, parameters.max_rotation)};
+  return {std::min(translation, widest.translation), std::min(rotation, widest.rotation)};
 }
 
 /// Greatest part, at most 1, of a step that stays inside the bounds that the prediction covers.
@@ -159,9 +184,11 @@ constexpr double kBoundShare = 0.98;
 
 /// The active rows as seen from where the sub-step [v; phi] has taken the tool, (p_W, q_WG): what
 /// they still allow from there, and where they touch it.
-void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpResult& qp,
+void ReportContacts(const HapticModel& model, const ContactRows& rows, const Optimum& optimum,
                     const Vec3& v, const Vec3& phi, const Vec3& p_W, const Quat& q_WG,
                     StepReport& report) {
+  const QpResult& qp = optimum.qp;
+  const Mat3 R_WG = q_WG.toRotationMatrix();
   report.contacts = qp.active;
   for (int i = 0; i < qp.active; ++i) {
     ActiveRow& row = report.active[static_cast<std::size_t>(i)];
@@ -170,12 +197,14 @@ void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpR
     row.lever_cross_normal = rows.lever_cross_normal(qp.row[i]);
     row.offset = -rows.gap(qp.row[i]) - row.normal.dot(v) - row.lever_cross_normal.dot(phi);
     row.force = model.parameters().stiffness * qp.multiplier[i];
-    if (KindOf(row.pair) == RowKind::kLeaves) {
-      const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(row.pair.tool)];
-      row.contact_W = p_W + q_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * row.normal;
-    } else {
-      row.contact_W = p_W + RotationExp(phi) * rows.lever(qp.row[i]);
+    row.friction.setZero();
+    if (optimum.rubs) {
+      row.friction = model.parameters().stiffness * optimum.friction[static_cast<std::size_t>(i)];
     }
+    const ContactPlace place = PlaceOf(model, rows, qp.row[i], R_WG);
+    row.contact_W =
+        p_W + (KindOf(row.pair) == RowKind::kLeaves ? place.lever : RotationExp(phi) * place.lever);
+    row.object_leaf = place.object_leaf;
   }
 }
 
@@ -200,11 +229,13 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   Quat q_G = state.X_WG.q;
   Vec3 p_G = state.X_WG.p + q_G * reference;
 
-  StepBounds bounds = FirstBounds(model, TargetOf(state.X_WH * reference, state.X_WH.q, p_H, q_H));
+  StepBounds bounds = FirstBounds(model, TargetOf(state.X_WH * reference, state.X_WH.q, p_H, q_H),
+                                  state.active > 0);
   state.X_WH = {X_WH.p, q_H};
   bool arrived = false;
+  const std::int64_t last_test = buffers.prediction.tested() + parameters.max_tested;
   for (; report.substeps < parameters.max_substeps && !arrived &&
-         (report.faults & kFaultUnsolved) == 0;
+         buffers.prediction.tested() < last_test && (report.faults & kFaultUnsolved) == 0;
        ++report.substeps) {
     const Target target = TargetOf(p_G, q_G, p_H, q_H);
     const Mat3 R_WG = q_G.toRotationMatrix();
@@ -213,8 +244,9 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     report.predicted_pairs = rows.count();
     if (rows.overflowed()) report.faults |= kFaultRowsFull;
 
-    const Optimum optimum = Solve(model, kernels, target, rows, state);
+    Optimum optimum = Solve(model, kernels, target, rows, state);
     report.qp_iterations += optimum.qp.iterations;
+    AddFriction(model, kernels, R_WG, target, rows, state, optimum, report);
     clock.Lap(&StageTimes::solve);
 
     if (optimum.qp.status == QpStatus::kIterationLimit) {
@@ -266,8 +298,8 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
       p_G += v;
       q_G = (RotationExp(phi) * q_G).normalized();
     }
-    ReportContacts(model, rows, optimum.qp, v, phi, p_G, q_G, report);
-    bounds = Wider(model, bounds, optimum);
+    ReportContacts(model, rows, optimum, v, phi, p_G, q_G, report);
+    bounds = Wider(model, bounds, optimum, rows.count() > 0);
     clock.Lap(&StageTimes::response);
   }
   if (!arrived && (report.faults & kFaultUnsolved) == 0) report.faults |= kFaultTargetFar;
@@ -276,6 +308,10 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     state.X_WG = {X_WH.p, q_H};
   } else {
     state.X_WG = {p_G - q_G * reference, q_G};
+  }
+  if (parameters.features.friction == FrictionModel::kChapter && arrived &&
+      !state.friction.suspended) {
+    AddChapterFriction(model, report.X_WG, state, report);
   }
   report.X_WG = state.X_WG;
   return report;

@@ -26,8 +26,7 @@ struct PlacedTree {
 struct StepParameters {
   double stiffness = 1000.0;         ///< k_t [N/m], chapter 2.3
   double torsional_stiffness = 1.0;  ///< k_r [N m/rad]
-  /// Greatest bound on |v| of one sub-step [m]: the chapter's 0.5 m/s for 1 ms.  With surface
-  /// contact at most 0.2 mm.
+  /// Greatest bound on |v| of one sub-step [m]: the chapter's 0.5 m/s for 1 ms.
   double max_translation = 0.5e-3;
   /// Greatest bound on |phi| of one sub-step [rad].  0: sqrt(2 e / L) with e = max_truncation and L
   /// the tool's longest lever arm, so that linearising a rotation is never off by more than e.
@@ -35,6 +34,9 @@ struct StepParameters {
   double max_truncation = 0.5e-6;  ///< [m]
   int max_substeps = 8;            ///< per cycle; a count, never a clock
   int max_rows = 16384;
+  /// Sub-steps end for this cycle once they have tested so many packet pairs: what a snap over a
+  /// ledge costs at most, and the next cycle goes on.  A count, never a clock.
+  int max_tested = 2500;
   Features features{.contact = ContactModel::kSpheres};
 };
 
@@ -79,6 +81,20 @@ class HapticModel {
 /// With surface contact also of parts of surfaces: surface_prediction.h.
 using LeafPair = NodePair;
 
+/// What friction remembers from step to step.
+struct FrictionState {
+  /// Cycles since a contact last slipped, up to kStillCycles (friction.h), where mu_s holds.  A
+  /// tool that comes to a surface has not slipped.
+  int still = 1 << 20;
+  int resets = 0;          ///< FrictionModel::kChapter: consecutive steps that 2.34 has reset
+  bool suspended = false;  ///< no friction: for the walk to a start pose
+  // The forces that the solver starts from, in metres (times k_t: newtons): coulomb.
+  int contacts = 0;
+  std::array<LeafPair, 7> pair;
+  std::array<double, 7> normal_force;
+  std::array<Vec3, 7> force;  ///< in W
+};
+
 /// What one step hands to the next: all the memory that the physics has.  Copying it and stepping
 /// again with the same pose gives the same bits.
 struct StepState {
@@ -86,17 +102,21 @@ struct StepState {
   Pose X_WH;                             ///< haptic tool: how far the hand moved sets the bounds
   std::array<LeafPair, 7> active_pairs;  ///< rows that held it last, the solver's first guess
   int active = 0;
+  FrictionState friction;
 };
 
 /// A row of the linearised non-penetration constraint (chapter 2.17) that carries force:
 /// row . [v; phi] >= offset, v of the tool's centroid and phi in W.
 struct ActiveRow {
   LeafPair pair;
+  std::int32_t object_leaf = -1;           ///< of the forest: whose material counts
   Vec3 normal = Vec3::Zero();              ///< n, from object to tool, in W
   Vec3 lever_cross_normal = Vec3::Zero();  ///< l x n [m], l from the centroid to the contact
   Vec3 contact_W = Vec3::Zero();           ///< contact point on the tool, in W [m]
   double offset = 0.0;                     ///< -gap [m] at X_WG
   double force = 0.0;                      ///< multiplier >= 0 [N]
+  /// On the tool, in W [N]; kCoulomb: perpendicular to the normal, at most mu * force.
+  Vec3 friction = Vec3::Zero();
 };
 
 /// Result of one step.  force and torque act on the hand, at the tool's centroid, in W.
@@ -108,9 +128,13 @@ struct StepReport {
   std::uint32_t faults = kFaultNone;
   // Counters and measures of this step.
   int substeps = 0;
-  int predicted_pairs = 0;  ///< rows of the last sub-step
-  int qp_iterations = 0;    ///< of all sub-steps
-  double truncation = 0.0;  ///< bound on the linearisation error, 1/2 |phi|^2 lever [m], worst
+  int predicted_pairs = 0;      ///< rows of the last sub-step
+  int qp_iterations = 0;        ///< of all sub-steps
+  int friction_iterations = 0;  ///< Newton steps, of all sub-steps
+  int friction_lowered = 0;     ///< times that friction took lower limits than Coulomb's
+  int friction_unsolved = 0;    ///< sub-steps whose friction did not converge
+  int friction_resets = 0;      ///< chapter 2.34: consecutive steps reset, this one included
+  double truncation = 0.0;      ///< bound on the linearisation error, 1/2 |phi|^2 lever [m], worst
 };
 
 /// Times of the step's stages, for benchmarks: [ns], summed over sub-steps.

@@ -123,6 +123,9 @@ class PairQuery {
   void Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W, const StepBounds& bounds,
            Sink&& sink) noexcept;
 
+  /// Packet pairs tested so far in the life of this query: what it costs, as a count.
+  std::int64_t tested() const { return tested_; }
+
   static constexpr int kChunk = 256;
   static constexpr int kMaxBatch = kChunk * kTreeArity * kTreeArity;
 
@@ -137,6 +140,7 @@ class PairQuery {
   std::vector<NodePair> lists_;  ///< kMaxBatch per level
   QueryPose pose_{};
   std::uint32_t now_ = 0;
+  std::int64_t tested_ = 0;
 };
 
 template <class Sink>
@@ -160,6 +164,7 @@ void PairQuery::Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
 template <class Sink>
 bool PairQuery::Descend(const Kernels& kernels, int level, const NodePair* pairs, int count,
                         Sink& sink) noexcept {
+  tested_ += count;
   NodePair* out = lists_.data() + static_cast<std::size_t>(level) * kMaxBatch;
   for (int i = 0; i < count; i += kChunk) {
     const int chunk = std::min(kChunk, count - i);

@@ -48,6 +48,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   }
   // Then back as near as contact lets it: the step itself walks there and cannot enter an object.
   StepState state;
+  state.friction.suspended = true;
   state.X_WG = X_start;
   state.X_WG.p += shortest * way;
   constexpr int kLongestWalk = 5000;

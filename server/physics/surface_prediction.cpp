@@ -169,6 +169,14 @@ SurfacePrediction::SurfacePrediction(const ToolSurface& tool, const ObjectSurfac
   }
 }
 
+std::int64_t SurfacePrediction::tested() const {
+  std::int64_t sum = 0;
+  for (const auto* query : {&point_on_patch_, &patch_on_point_, &creases_}) {
+    if (query->has_value()) sum += (*query)->tested();
+  }
+  return sum;
+}
+
 void SurfacePrediction::Predict(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
                                 const StepBounds& bounds, double max_depth, int degrees_of_freedom,
                                 double rho, ContactRows& rows, StageTimes* times) noexcept {

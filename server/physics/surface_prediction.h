@@ -76,6 +76,9 @@ class SurfacePrediction {
                double max_depth, int degrees_of_freedom, double rho, ContactRows& rows,
                StageTimes* times) noexcept;
 
+  /// Packet pairs tested so far.
+  std::int64_t tested() const;
+
  private:
   const ToolSurface& tool_;
   const ObjectSurfaces& objects_;

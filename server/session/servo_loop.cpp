@@ -1,6 +1,8 @@
 #include "server/session/servo_loop.h"
 
+#include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "common/math/rotation.h"
 #include "common/time/steady_clock.h"
@@ -57,6 +59,7 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
   heard_.fetch_add(1, std::memory_order_relaxed);
   if (start_.Read(state_.X_WG)) {
     state_.active = 0;
+    state_.friction = FrictionState{};
     started_ = true;
     gain_ = 0.0;
   }
@@ -128,10 +131,13 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
   answer.contacts = static_cast<std::uint32_t>(report.contacts);
   // A station computes the full force from the rows: none are given while less is due.
   if (gain_ < 1.0) return;
-  answer.rows = answer.contacts;
+  // A jam has a seventh row, which the others imply but for its slack.
+  constexpr int kRows = static_cast<int>(std::extent_v<decltype(answer.row_offset_m)>);
+  const int rows = std::min(report.contacts, kRows);
+  answer.rows = static_cast<std::uint32_t>(rows);
   answer.region_m = model_.parameters().max_translation;
   answer.region_rad = model_.parameters().max_rotation;
-  for (int i = 0; i < report.contacts; ++i) {
+  for (int i = 0; i < rows; ++i) {
     const ActiveRow& active = report.active[i];
     for (int k = 0; k < 3; ++k) {
       answer.row[i][k] = active.normal[k];

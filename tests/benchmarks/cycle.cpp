@@ -47,7 +47,7 @@ void Run(const Options& options) {
     poses.resize(static_cast<std::size_t>(*options.steps));
   }
   Scene scene = LoadForBench(options.scene, options.models);
-  scene.features = options.features.features();
+  options.features.ApplyTo(scene);
   SceneRun run(std::move(scene), std::move(poses));
   const std::size_t steps = run.poses().size();
 
@@ -61,8 +61,8 @@ void Run(const Options& options) {
 
   // Everything else comes from the reports and from an oracle that knows nothing of the trees.
   OverlapOracle oracle(run.tool().tree, run.scene().objects);
-  std::vector<double> predicted, conventional, penetration, truncation, iterations;
-  int unsolved = 0, jammed = 0, far = 0;
+  std::vector<double> predicted, conventional, penetration, truncation, iterations, newton;
+  int unsolved = 0, jammed = 0, far = 0, lowered = 0, rubs_unsolved = 0;
   double force_jump = 0.0, torque_jump = 0.0;
   for (std::size_t i = 0; i < steps; ++i) {
     const StepReport& report = reports[i];
@@ -72,6 +72,9 @@ void Run(const Options& options) {
     unsolved += (report.faults & kFaultUnsolved) != 0;
     jammed += (report.faults & kFaultJammed) != 0;
     far += (report.faults & kFaultTargetFar) != 0;
+    newton.push_back(report.friction_iterations);
+    lowered += report.friction_lowered;
+    rubs_unsolved += report.friction_unsolved;
     if (i > 0) {
       const Wrench &now = report.wrench, &before = reports[i - 1].wrench;
       force_jump = std::max(force_jump, (now.force - before.force).norm());
@@ -88,13 +91,16 @@ void Run(const Options& options) {
   Progress("");
 
   const Percentiles best = PercentilesOf(step.best()), raw = PercentilesOf(step.all());
+  const Features& features = run.scene().features;
   const char* stage_name[4] = {"prediction", "rows", "solve", "response"};
-  Table table(fmt::format("{}: {} tool spheres, {} object spheres, {} steps, best of {} ({})",
-                          options.scene, run.tool().tree.leaves(), run.object_spheres(), steps,
-                          options.repeats, ActiveKernels().name));
+  Table table(fmt::format(
+      "{}, contact {}, friction {}: {} tool spheres, {} object spheres, {} "
+      "steps, best of {} ({})",
+      options.scene, NameOf(features.contact), NameOf(features.friction), run.tool().tree.leaves(),
+      run.object_spheres(), steps, options.repeats, ActiveKernels().name));
   nlohmann::ordered_json json{{"scene", options.scene},
-                              {"contact", options.features.contact},
-                              {"friction", options.features.friction},
+                              {"contact", NameOf(features.contact)},
+                              {"friction", NameOf(features.friction)},
                               {"tool_spheres", run.tool().tree.leaves()},
                               {"object_spheres", run.object_spheres()},
                               {"steps", steps},
@@ -121,6 +127,14 @@ void Run(const Options& options) {
   add("truncation, bound", "um", std::move(truncation), json["truncation_um"]);
   add("QP iterations", "", std::move(iterations), json["qp"]["iterations"]);
   json["qp"]["unsolved"] = unsolved;
+  if (features.friction == FrictionModel::kCoulomb) {
+    nlohmann::ordered_json& rubs = json["friction_solver"];
+    add("friction's Newton steps", "", std::move(newton), rubs["iterations"]);
+    rubs["lowered"] = lowered;
+    rubs["unsolved"] = rubs_unsolved;
+    table.Line("friction's limits lowered",
+               fmt::format("{} (unsolved {})", lowered, rubs_unsolved));
+  }
   json["jump"] = {{"force_N_max", force_jump}, {"torque_Nm_max", torque_jump}};
   json["steps_jammed"] = jammed;
   json["steps_target_far"] = far;

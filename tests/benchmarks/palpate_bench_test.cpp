@@ -129,6 +129,23 @@ TEST_F(PalpateBench, QpReadsBackWhatItDumped) {
   EXPECT_THAT(said_, HasSubstr("is no file of QPs"));
 }
 
+TEST_F(PalpateBench, CycleRunsWithTheFrictionThatIsAskedFor) {
+  std::vector<double> jump;
+  for (const std::string friction : {"off", "chapter", "coulomb"}) {
+    ASSERT_EQ(Run({"cycle", "--scene", "cube", "--steps", "3000", "--repeats", "1", "--contact",
+                   "spheres", "--friction", friction, "--json", File("cycle.json")}),
+              0)
+        << said_;
+    const nlohmann::json json = Json("cycle.json");
+    EXPECT_EQ(json["friction"], friction);
+    EXPECT_EQ(json["contact"], "spheres");
+    EXPECT_LT(json["penetration_um"]["max"], 1.0) << friction;
+    jump.push_back(json["jump"]["force_N_max"]);
+  }
+  EXPECT_NE(jump[0], jump[1]);
+  EXPECT_NE(jump[0], jump[2]);
+}
+
 /// What is wrong with a text as XML: a tag that is not closed, or closed out of turn, an attribute
 /// without quotes, a bare & or <.  Empty where nothing is.
 std::string WhyNoXml(const std::string& text) {
@@ -264,7 +281,8 @@ TEST_F(PalpateBench, ParetoRefusesPeersAndScenesThatNobodyKnows) {
 }
 
 TEST_F(PalpateBench, RefusesWhatThisVersionHasNot) {
-  EXPECT_EQ(Run({"cycle", "--scene", "cube", "--friction", "coulomb"}), 2);
+  EXPECT_EQ(Run({"cycle", "--scene", "cube", "--contact", "glue"}), 2);
+  EXPECT_EQ(Run({"cycle", "--scene", "cube", "--friction", "glue"}), 2);
   EXPECT_EQ(Run({"qp"}), 2);
   EXPECT_EQ(Run({"cycle", "--steps", "0"}), 2);
 }

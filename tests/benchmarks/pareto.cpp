@@ -35,8 +35,6 @@ struct Options {
 constexpr const char* kPeerScene = "bunny-bunny";
 constexpr const char* kContacts[] = {"spheres", "surface"};
 constexpr const char* kFrictions[] = {"off", "chapter", "coulomb"};
-// Of objects that have no friction of their own, as in chapter 2.5.6.
-constexpr double kStaticFriction = 0.8, kDynamicFriction = 0.3;
 // Triangles of the ball that penetration is measured with: 1 um inside the true one at most.
 constexpr std::size_t kFineBall = 20480;
 
@@ -217,13 +215,6 @@ class Pareto {
     loaded->judge = std::make_unique<PathJudge>(loaded->scene, loaded->poses, checks(), stop_);
     loaded->oracle =
         std::make_unique<OverlapOracle>(loaded->scene.tools.front().tree, loaded->scene.objects);
-    for (Body& object : loaded->scene.objects) {
-      for (Material& material : object.materials) {
-        if (material.static_friction > 0.0) continue;
-        material.static_friction = kStaticFriction;
-        material.dynamic_friction = kDynamicFriction;
-      }
-    }
     loaded_ = std::move(loaded);
   }
 
@@ -232,10 +223,8 @@ class Pareto {
     model.contact = contact;
     model.friction = friction;
     OrReason(model.not_available, [&] {
-      const Features asked = FeatureOptions{contact, friction}.features();
       Scene scene = loaded_->scene;
-      scene.features.contact = asked.contact;
-      scene.features.friction = asked.friction;
+      FeatureOptions{contact, friction}.ApplyTo(scene);
       SceneRun run(std::move(scene), loaded_->poses);
       const TimedRun timed = TimeRun(run, repeats(), stop_);
       model.speed = timed.speed;
@@ -280,11 +269,13 @@ class Pareto {
     for (std::size_t v = 0; v < variants.size(); ++v) {
       costs[v].feature = variants[v].name;
       OrReason(costs[v].not_available, [&] {
+        if (variants[v].features.compliance || variants[v].features.removal) {
+          throw Error("this version's physics has neither compliance nor removal");
+        }
         Scene with = scene;
         for (Body& object : with.objects) {
           for (Material& material : object.materials) {
-            material = variants[v].materials ? Material{2e4, kStaticFriction, kDynamicFriction, 1e9}
-                                             : Material{};
+            material = variants[v].materials ? Material{2e4, 0.8, 0.3, 1e9} : Material{};
           }
         }
         with.features = variants[v].features;

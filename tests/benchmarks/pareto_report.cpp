@@ -422,8 +422,9 @@ void Scenes(Markdown& md, const ParetoResults& r) {
       "inside the other, at the reported pose, on every n-th step; edges that cross without one "
       "are not seen. With sphere contact the meshes may meet where the spheres, which lie inside "
       "them, do not yet: that is the model's error. *Sphere overlap* is how deep the spheres "
-      "themselves overlap, which is what that model prevents. Objects without friction of their "
-      "own have μ_s 0.8 and μ_d 0.3 where a friction model is named.");
+      "themselves overlap, which is what that model prevents. Where a scene "
+      "has no friction of its own, its objects have μ_s 0.8 and μ_d 0.3 where a friction model is "
+      "named.");
   for (const SceneResult& s : r.scenes) {
     md.Heading(3, "`" + s.scene + "`");
     if (!s.not_available.empty()) {

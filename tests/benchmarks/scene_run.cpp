@@ -6,7 +6,6 @@
 
 #include "scenes/catalogue.h"
 #include "server/session/scene_model.h"
-#include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"
 
 namespace palpate::bench {
@@ -22,7 +21,6 @@ Scene LoadForBench(const std::string& scene, const std::string& models_dir) {
 
 SceneRun::SceneRun(Scene scene, std::vector<Pose> poses)
     : scene_(std::move(scene)), poses_(std::move(poses)) {
-  RequireAvailable(scene_.features);
   model_ = std::make_unique<HapticModel>(MakeModel(scene_, tool(), MakeObjects(scene_)));
   workspace_ = std::make_unique<StepWorkspace>(*model_);
   start_.X_WG = ResolveStart(*model_, poses_.front(), *workspace_).X_WG;

@@ -9,7 +9,6 @@
 #include "scenes/shapes.h"
 #include "scenes/sphere_tree_builder.h"
 #include "server/session/scene_model.h"
-#include "tests/benchmarks/features.h"
 
 namespace palpate::bench {
 namespace {
@@ -75,7 +74,6 @@ Scene SlidingScene(const SlidingExperiment& experiment, std::size_t spheres) {
 
 SlidingForce MeasureSlidingForce(const SlidingExperiment& experiment, std::size_t spheres) {
   const SlidingPath path = PathOf(experiment);
-  RequireAvailable(experiment.features);
   const Scene scene = SlidingScene(experiment, spheres);
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
   StepWorkspace workspace(model);

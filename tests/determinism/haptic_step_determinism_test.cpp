@@ -35,9 +35,15 @@ class BitHash {
   std::uint64_t hash_ = 0xcbf29ce484222325ull;
 };
 
-std::uint64_t GoldenRun() {
+std::uint64_t GoldenRun(FrictionModel friction = FrictionModel::kOff) {
   Random random(59);
-  Bench bench(RandomBalls(random, 150, 0.02, 0.004), RandomBalls(random, 400, 0.05, 0.004));
+  StepParameters parameters;
+  parameters.features.friction = friction;
+  Material rough;
+  rough.static_friction = 0.8;
+  rough.dynamic_friction = 0.3;
+  Bench bench(RandomBalls(random, 150, 0.02, 0.004), RandomBalls(random, 400, 0.05, 0.004),
+              parameters, rough);
   bench.state().X_WG = At(0.0, 0.0, 0.12);
   BitHash hash;
   Pose X = At(0.0, 0.0, 0.12), goal = X;
@@ -56,6 +62,8 @@ std::uint64_t GoldenRun() {
 // Debug and Release builds, every SIMD level and every machine give this.  A change of the physics
 // changes it, knowingly; nothing else may.
 constexpr std::uint64_t kGoldenHash = 6161116608468802286u;
+constexpr std::uint64_t kGoldenChapterHash = 10557980212448308767u;
+constexpr std::uint64_t kGoldenCoulombHash = 18363000074163466422u;
 
 TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
   const Kernels* level[3];
@@ -64,6 +72,8 @@ TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
   for (int k = 0; k < levels; ++k) {
     UseKernels(*level[k]);
     EXPECT_EQ(GoldenRun(), kGoldenHash) << level[k]->name;
+    EXPECT_EQ(GoldenRun(FrictionModel::kChapter), kGoldenChapterHash) << level[k]->name;
+    EXPECT_EQ(GoldenRun(FrictionModel::kCoulomb), kGoldenCoulombHash) << level[k]->name;
   }
   UseKernels(chosen);
 }

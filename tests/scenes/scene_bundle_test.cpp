@@ -1,5 +1,6 @@
 #include "scenes/scene_bundle.h"
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 
@@ -30,7 +31,19 @@ Scene SmallScene() {
   scene.objects = {box, box};
   scene.objects[1].name = "other";
   scene.coupling = {500, 0.25};
+  scene.features = {ContactModel::kSpheres, FrictionModel::kCoulomb, true, true};
+  scene.objects[1].materials = {{}, {2000, 0.8, 0.3, 0.01}};
+  scene.objects[1].leaf_material.assign(20, 0);
+  scene.objects[1].leaf_material[7] = 1;
   return scene;
+}
+
+bool SameMaterials(const std::vector<Material>& a, const std::vector<Material>& b) {
+  return std::equal(
+      a.begin(), a.end(), b.begin(), b.end(), [](const Material& m, const Material& n) {
+        return m.stiffness == n.stiffness && m.hardness == n.hardness &&
+               m.static_friction == n.static_friction && m.dynamic_friction == n.dynamic_friction;
+      });
 }
 
 std::string Complaint(std::span<const std::uint8_t> bytes) {
@@ -45,6 +58,10 @@ TEST(SceneBundle, GivesBackTheScene) {
   EXPECT_EQ(back.name, "small");
   EXPECT_EQ(back.coupling.stiffness, 500);
   EXPECT_EQ(back.coupling.torsional_stiffness, 0.25);
+  EXPECT_EQ(back.features.contact, ContactModel::kSpheres);
+  EXPECT_EQ(back.features.friction, FrictionModel::kCoulomb);
+  EXPECT_TRUE(back.features.compliance);
+  EXPECT_TRUE(back.features.removal);
   ASSERT_EQ(back.tools.size(), 1u);
   ASSERT_EQ(back.objects.size(), 2u);
   EXPECT_EQ(back.objects[1].name, "other");
@@ -64,6 +81,8 @@ TEST(SceneBundle, GivesBackTheScene) {
     EXPECT_EQ(a->tree.leaf_triangle_begin, b->tree.leaf_triangle_begin);
     EXPECT_EQ(a->tree.leaf_triangle, b->tree.leaf_triangle);
     EXPECT_EQ(a->tree.centroid, b->tree.centroid);
+    EXPECT_EQ(a->leaf_material, b->leaf_material);
+    EXPECT_TRUE(SameMaterials(a->materials, b->materials));
     ASSERT_EQ(a->tree.packets.size(), b->tree.packets.size());
     for (std::size_t p = 0; p < a->tree.packets.size(); ++p) {
       EXPECT_EQ(std::memcmp(&a->tree.packets[p], &b->tree.packets[p], sizeof(SpherePacket)), 0);
@@ -128,7 +147,7 @@ TEST(SceneBundle, RefusesForeignFilesAndOtherVersions) {
   EXPECT_TRUE(LooksLikeBundle({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
   bytes[8] = 99;
   EXPECT_THAT(Complaint(bytes),
-              HasSubstr("has bundle version 99, this program reads 1; build it again"));
+              HasSubstr("has bundle version 99, this program reads 2; build it again"));
 }
 
 TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
@@ -147,6 +166,14 @@ TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
       {[](Body& b) { b.tree.packets.back().radius[0] = NAN; }, "a node is not a ball"},
       {[](Body& b) { b.tree.centroid.x() = INFINITY; }, "the centroid is not finite"},
       {[](Body& b) { b.X_WB.q.w() = 5; }, "a body's pose is none"},
+      {[](Body& b) { b.materials.clear(); }, "a body is made of nothing"},
+      {[](Body& b) { b.materials[0].stiffness = 0; }, "a material is none"},
+      {[](Body& b) { b.materials[0].stiffness = NAN; }, "a material is none"},
+      {[](Body& b) { b.materials[0].hardness = -1; }, "a material is none"},
+      {[](Body& b) { b.materials[0].dynamic_friction = 0.1; }, "a material is none"},
+      {[](Body& b) { b.materials[0].static_friction = INFINITY; }, "a material is none"},
+      {[](Body& b) { b.leaf_material = {0}; }, "the leaves' materials do not add up"},
+      {[](Body& b) { b.leaf_material.assign(20, 1); }, "a leaf names no material"},
   };
   for (const auto& [mend, why] : cases) {
     Scene scene = SmallScene();
@@ -158,6 +185,9 @@ TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
   Scene scene = SmallScene();
   scene.coupling.stiffness = 0;
   EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("the coupling is not positive"));
+  scene = SmallScene();
+  scene.features.friction = static_cast<FrictionModel>(3);
+  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("its features are not known"));
 }
 
 TEST(WriteFileAtomically, ReplacesAFileAndLeavesNothingElse) {

@@ -1,5 +1,7 @@
 #include "scenes/scene_file.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -73,12 +75,74 @@ TEST(SceneFile, ReadsEveryKindOfMeshAndCoupling) {
   EXPECT_EQ(scene.objects[2].mesh.placement.metres_per_unit, 0.0254);
 }
 
+/// The good scene with these fields in its object.
+std::string WithObject(const std::string& fields) {
+  return With("\"leaves\": 100", "\"leaves\": 100, " + fields);
+}
+
+TEST(SceneFile, TakesSurfaceContactAndNothingElseWhereNothingIsSaid) {
+  const Features features = ParseScene(kGood, "f.json").features;
+  EXPECT_EQ(features.contact, ContactModel::kSurface);
+  EXPECT_EQ(features.friction, FrictionModel::kOff);
+  EXPECT_FALSE(features.compliance);
+  EXPECT_FALSE(features.removal);
+}
+
+TEST(SceneFile, ReadsMaterialsAndTheFeaturesThatFollow) {
+  const SceneDescription scene =
+      ParseScene(WithObject(R"("material": {"static_friction": 0.8, "dynamic_friction": 0.3},
+        "regions": [
+          {"box": {"min_mm": [0, 0, 0], "max_mm": [1, 2, 3]},
+           "material": {"youngs_modulus_Pa": 5e6, "thickness_mm": 2}},
+          {"sphere": {"centre_mm": [1, 2, 3], "radius_mm": 4}, "material": {"hardness_J": 0.01}},
+          {"group": "gum", "material": {"stiffness_N_per_m": 700, "dynamic_friction": 0.2}}])"),
+                 "f.json");
+  EXPECT_TRUE(scene.features.compliance);
+  EXPECT_TRUE(scene.features.removal);
+  const BodyDescription& part = scene.objects[0];
+  EXPECT_EQ(part.material.material.static_friction, 0.8);
+  EXPECT_EQ(part.material.material.dynamic_friction, 0.3);
+  EXPECT_TRUE(std::isinf(part.material.material.stiffness));
+  ASSERT_EQ(part.regions.size(), 3u);
+  EXPECT_NEAR(part.regions[0].box.max().z(), 0.003, 1e-15);
+  EXPECT_EQ(part.regions[0].material.youngs_modulus, 5e6);
+  EXPECT_EQ(part.regions[0].material.thickness, 0.002);
+  EXPECT_EQ(part.regions[1].ball.radius, 0.004);
+  EXPECT_EQ(part.regions[1].material.material.hardness, 0.01);
+  EXPECT_EQ(part.regions[1].material.material.static_friction, 0.0);
+  EXPECT_EQ(part.regions[2].group, "gum");
+  EXPECT_EQ(part.regions[2].material.material.stiffness, 700);
+  EXPECT_EQ(part.regions[2].material.material.static_friction, 0.2);
+}
+
+TEST(SceneFile, ReadsContactAndFriction) {
+  const std::string frictional = WithObject("\"material\": {\"static_friction\": 0.5}");
+  const auto features = [&](const std::string& fields) {
+    std::string text = frictional;
+    return ParseScene(text.insert(1, fields), "f.json").features;
+  };
+  EXPECT_EQ(features("\"contact\": \"spheres\",").contact, ContactModel::kSpheres);
+  EXPECT_EQ(features("\"contact\": \"surface\",").contact, ContactModel::kSurface);
+  EXPECT_EQ(features("\"friction\": \"off\",").friction, FrictionModel::kOff);
+  EXPECT_EQ(features("\"friction\": \"chapter\",").friction, FrictionModel::kChapter);
+  EXPECT_EQ(features("\"friction\": \"coulomb\",").friction, FrictionModel::kCoulomb);
+}
+
 struct Bad {
   const char* name;
   const char* old_text;
-  const char* new_text;
+  std::string new_text;
   const char* complaint;
 };
+
+Bad BadMaterial(const char* name, const std::string& fields, const char* complaint) {
+  const std::string text = "\"leaves\": 100, \"material\": {" + fields + "}";
+  return {name, "\"leaves\": 100", text, complaint};
+}
+Bad BadRegion(const char* name, const std::string& fields, const char* complaint) {
+  const std::string text = "\"leaves\": 100, \"regions\": [{" + fields + "}]";
+  return {name, "\"leaves\": 100", text, complaint};
+}
 
 class BadScene : public testing::TestWithParam<Bad> {};
 
@@ -131,6 +195,38 @@ INSTANTIATE_TEST_SUITE_P(
             "tools[0].mesh: is a list; give an object"},
         Bad{"NoStiffness", "\"objects\"", "\"coupling\": {\"stiffness_N_per_m\": 0}, \"objects\"",
             "coupling.stiffness_N_per_m: 0.000000 is not allowed; give a number above 0"},
+        Bad{"UnknownContact", "\"objects\"", "\"contact\": \"mesh\", \"objects\"",
+            "contact: \"mesh\" is not known; give one of surface, spheres"},
+        Bad{"FrictionOfNothing", "\"objects\"", "\"friction\": \"coulomb\", \"objects\"",
+            "friction: no object's material has friction; add static_friction"},
+        Bad{"MaterialOfATool", "\"leaves\": 1,", "\"leaves\": 1, \"material\": {},",
+            "tools[0].material: there is no such field"},
+        BadMaterial("TwoStiffnesses",
+                    "\"stiffness_N_per_m\": 1, \"youngs_modulus_Pa\": 1, \"thickness_mm\": 1",
+                    "youngs_modulus_Pa: the stiffness is given twice; keep"),
+        BadMaterial("ModulusWithoutThickness", "\"youngs_modulus_Pa\": 1",
+                    "youngs_modulus_Pa: says nothing without the layer's thickness; add"),
+        BadMaterial("ThicknessAlone", "\"thickness_mm\": 1", "thickness_mm: belongs to a Young's"),
+        BadMaterial("NoThickness", "\"youngs_modulus_Pa\": 1, \"thickness_mm\": 0",
+                    "thickness_mm: 0.000000 is not allowed"),
+        BadMaterial("NegativeStiffness", "\"stiffness_N_per_m\": -1",
+                    "stiffness_N_per_m: -1.000000 is not allowed; give a number above 0"),
+        BadMaterial("DynamicAboveStatic", "\"static_friction\": 0.3, \"dynamic_friction\": 0.8",
+                    "objects[0].material.dynamic_friction: is above static_friction"),
+        BadMaterial("NegativeFriction", "\"static_friction\": -0.1",
+                    "static_friction: -0.1 is not"),
+        BadMaterial("ForgottenPoint", "\"static_friction\": 80", "give a number from 0 to 10"),
+        BadMaterial("NoHardness", "\"hardness_J\": 0", "hardness_J: 0.000000 is not allowed"),
+        BadMaterial("UnknownProperty", "\"hardness\": 1", "did you mean \"hardness_J\"?"),
+        BadRegion("RegionOfNothing", "\"material\": {}", "regions[0]: must say which leaves"),
+        BadRegion("RegionTwice",
+                  "\"group\": \"a\", \"sphere\": {\"centre_mm\": [0, 0, 0], \"radius_mm\": 1}, "
+                  "\"material\": {}",
+                  "regions[0]: must say which leaves it paints in one way"),
+        BadRegion("RegionWithoutMaterial", "\"group\": \"a\"", "regions[0]: material is missing"),
+        BadRegion("EmptyBox",
+                  "\"box\": {\"min_mm\": [0, 0, 2], \"max_mm\": [1, 1, 1]}, \"material\": {}",
+                  "regions[0].box: is empty; no entry of min_mm"),
         Bad{"NotJson", "\"leaves\": 100", "\"leaves\" 100", "f.json:7: this is not JSON"}),
     [](const auto& test) { return std::string(test.param.name); });
 

@@ -18,9 +18,11 @@ inline Pose At(double x, double y, double z) {
 /// One tool against one object, with the hand's pose as input.
 class Bench {
  public:
-  Bench(std::vector<Ball> tool, std::vector<Ball> object, StepParameters parameters = {})
+  Bench(std::vector<Ball> tool, std::vector<Ball> object, StepParameters parameters = {},
+        const Material& material = {})
       : tool_(std::move(tool)),
         object_(std::move(object)),
+        material_(material),
         tool_tree_(MakeTree(tool_)),
         object_tree_(MakeTree(object_)),
         model_(tool_tree_, Objects(), parameters),
@@ -49,10 +51,11 @@ class Bench {
 
  private:
   std::shared_ptr<const ObjectForest> Objects() {
-    const PlacedTree placed{&object_tree_, {}};
+    const PlacedTree placed{&object_tree_, {}, nullptr, {}, std::span(&material_, 1)};
     return HapticModel::MakeObjects(std::span(&placed, 1));
   }
   std::vector<Ball> tool_, object_;
+  Material material_;
   SphereTree tool_tree_, object_tree_;
   HapticModel model_;
   StepState state_;

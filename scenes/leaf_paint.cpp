@@ -1,0 +1,124 @@
+#include "scenes/leaf_paint.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "common/error.h"
+#include "scenes/json_file.h"
+
+namespace palpate {
+namespace {
+
+using LeafSet = std::vector<bool>;
+
+/// Surface that each leaf stands for [m^2]: a triangle is shared evenly by the leaves that have it.
+/// @param counts  tells which triangles count.
+template <class Counts>
+std::vector<double> LeafAreas(const Body& body, Counts counts) {
+  const SphereTree& tree = body.tree;
+  std::vector<int> owners(body.mesh.triangles.size(), 0);
+  for (std::uint32_t t : tree.leaf_triangle) ++owners[t];
+  std::vector<double> areas(tree.leaves(), 0.0);
+  for (std::size_t leaf = 0; leaf < tree.leaves(); ++leaf) {
+    for (auto k = tree.leaf_triangle_begin[leaf]; k < tree.leaf_triangle_begin[leaf + 1]; ++k) {
+      const std::uint32_t t = tree.leaf_triangle[k];
+      if (!counts(t)) continue;
+      const auto& [a, b, c] = body.mesh.triangles[t];
+      const Vec3& v = body.mesh.vertices[a];
+      areas[leaf] +=
+          0.5 * (body.mesh.vertices[b] - v).cross(body.mesh.vertices[c] - v).norm() / owners[t];
+    }
+  }
+  return areas;
+}
+
+/// Leaves most of whose surface belongs to the part.
+LeafSet LeavesOfGroup(const RegionDescription& region, const std::vector<MeshGroup>& groups,
+                      const Body& body, const std::vector<double>& areas) {
+  std::vector<bool> named(body.mesh.triangles.size(), false);
+  bool known = false;
+  for (const MeshGroup& group : groups) {
+    if (group.name != region.group) continue;
+    known = true;
+    std::fill(named.begin() + group.begin, named.begin() + group.end, true);
+  }
+  if (!known) {
+    std::string message = region.where + ".group: the mesh has no part \"" + region.group + "\"";
+    std::vector<std::string_view> names;
+    for (const MeshGroup& group : groups) names.push_back(group.name);
+    const std::string_view guess = NearestWord(region.group, names);
+    if (!guess.empty()) message.append("; did you mean \"").append(guess).append("\"?");
+    message += names.empty() ? "; its file names no parts, give a box or a sphere" : " (it has:";
+    for (std::string_view name : names) message.append(" ").append(name);
+    throw Error(message + (names.empty() ? "" : ")"));
+  }
+  const std::vector<double> inside = LeafAreas(body, [&](std::uint32_t t) { return named[t]; });
+  LeafSet leaves(areas.size());
+  for (std::size_t i = 0; i < areas.size(); ++i) leaves[i] = inside[i] > 0.5 * areas[i];
+  return leaves;
+}
+
+LeafSet LeavesOf(const RegionDescription& region, const std::vector<MeshGroup>& groups,
+                 const Body& body, const std::vector<double>& areas) {
+  if (region.kind == RegionDescription::Kind::kGroup) {
+    return LeavesOfGroup(region, groups, body, areas);
+  }
+  LeafSet leaves(body.tree.leaves());
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const Vec3 centre(body.tree.leaf_x[i], body.tree.leaf_y[i], body.tree.leaf_z[i]);
+    leaves[i] = region.kind == RegionDescription::Kind::kBox
+                    ? region.box.contains(centre)
+                    : (centre - region.ball.centre).norm() <= region.ball.radius;
+  }
+  return leaves;
+}
+
+/// The material of the leaves that body.leaf_material gives `index`.
+Material Resolve(const MaterialDescription& description, std::uint8_t index, const Body& body,
+                 const std::vector<double>& areas) {
+  Material material = description.material;
+  if (description.youngs_modulus <= 0.0) return material;
+  double area = 0.0;
+  std::size_t bearing = 0;  // leaves that fill the inside stand for no surface
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const bool ours = (body.leaf_material.empty() ? 0 : body.leaf_material[i]) == index;
+    if (!ours || areas[i] <= 0.0) continue;
+    area += areas[i];
+    ++bearing;
+  }
+  // A material that others have painted over is of no leaf.
+  if (bearing == 0) return material;
+  material.stiffness =
+      description.youngs_modulus * (area / static_cast<double>(bearing)) / description.thickness;
+  return material;
+}
+
+}  // namespace
+
+void PaintLeaves(const BodyDescription& description, const std::vector<MeshGroup>& groups,
+                 Body& body) {
+  const std::vector<double> areas = LeafAreas(body, [](std::uint32_t) { return true; });
+  if (!description.regions.empty()) body.leaf_material.assign(body.tree.leaves(), 0);
+  std::vector<const MaterialDescription*> written{&description.material};
+  for (const RegionDescription& region : description.regions) {
+    const LeafSet leaves = LeavesOf(region, groups, body, areas);
+    if (std::find(leaves.begin(), leaves.end(), true) == leaves.end()) {
+      throw Error(region.where + ": paints no leaf of \"" + body.name +
+                  "\"; move or enlarge it (its frame is the body's, in mm), or give the body more "
+                  "leaves");
+    }
+    const auto index = static_cast<std::uint8_t>(written.size());
+    written.push_back(&region.material);
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      if (leaves[i]) body.leaf_material[i] = index;
+    }
+  }
+  body.materials.clear();
+  for (std::size_t m = 0; m < written.size(); ++m) {
+    body.materials.push_back(Resolve(*written[m], static_cast<std::uint8_t>(m), body, areas));
+  }
+}
+
+}  // namespace palpate

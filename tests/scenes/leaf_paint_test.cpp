@@ -1,0 +1,159 @@
+#include "scenes/leaf_paint.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/catalogue.h"
+#include "scenes/mesh_report.h"
+#include "scenes/sphere_tree_builder.h"
+#include "tests/scenes/support.h"
+
+namespace palpate {
+namespace {
+
+using test::ComplaintOf;
+using testing::HasSubstr;
+
+Body BoxBody(const Vec3& size, std::size_t leaves) {
+  Body body{"part", MakeBox(size), {}, {}};
+  body.tree = BuildSphereTree(body.mesh, leaves);
+  return body;
+}
+
+RegionDescription BoxRegion(const Vec3& low, const Vec3& high, double stiffness) {
+  RegionDescription region;
+  region.box = {low, high};
+  region.material.material.stiffness = stiffness;
+  region.where = "f.json:9: objects[0].regions[0]";
+  return region;
+}
+
+Vec3 Centre(const SphereTree& tree, std::size_t i) {
+  return {tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]};
+}
+
+TEST(LeafPaint, OneMaterialNeedsNoIndex) {
+  Body body = BoxBody(Vec3(0.1, 0.1, 0.1), 100);
+  BodyDescription description;
+  description.material.material.static_friction = 0.5;
+  PaintLeaves(description, {}, body);
+  EXPECT_TRUE(body.leaf_material.empty());
+  ASSERT_EQ(body.materials.size(), 1u);
+  EXPECT_EQ(body.materials[0].static_friction, 0.5);
+}
+
+TEST(LeafPaint, LaterRegionsPaintOverEarlierOnes) {
+  Body body = BoxBody(Vec3(0.1, 0.1, 0.1), 400);
+  BodyDescription description;
+  description.regions = {BoxRegion(Vec3(0, -1, -1), Vec3(1, 1, 1), 100), {}};
+  RegionDescription& ball = description.regions[1];
+  ball.kind = RegionDescription::Kind::kSphere;
+  ball.ball = {Vec3(0.05, 0.05, 0.05), 0.04};
+  ball.material.material.stiffness = 200;
+  PaintLeaves(description, {}, body);
+  ASSERT_EQ(body.leaf_material.size(), 400u);
+  for (std::size_t i = 0; i < 400; ++i) {
+    const Vec3 c = Centre(body.tree, i);
+    const double expected = (c - ball.ball.centre).norm() <= 0.04 ? 200
+                            : c.x() >= 0                          ? 100
+                                                                  : INFINITY;
+    EXPECT_EQ(body.materials[body.leaf_material[i]].stiffness, expected);
+  }
+}
+
+/// A cap of a ball, pressed all over: its leaves there, side by side, are the layer E A / L.
+TEST(LeafPaint, YoungsModulusMakesNeighbouringLeavesTogetherAsStiffAsTheLayer) {
+  const double r = 0.05;
+  Body body{"ball", MakeSphere(r, 5000), {}, {}};
+  body.tree = BuildSphereTree(body.mesh, 2000);
+  BodyDescription description;
+  description.material.youngs_modulus = 2e6;
+  description.material.thickness = 0.005;
+  PaintLeaves(description, {}, body);
+  std::size_t bearing = 0;
+  std::size_t cap = 0;
+  for (std::size_t i = 0; i < body.tree.leaves(); ++i) {
+    const auto& begin = body.tree.leaf_triangle_begin;
+    if (begin[i] == begin[i + 1]) continue;
+    ++bearing;
+    cap += Centre(body.tree, i).normalized().y() > 0.5;
+  }
+  const double k = body.materials[0].stiffness;
+  EXPECT_NEAR(k * double(bearing), 2e6 * InspectMesh(body.mesh).area / 0.005, 1e-3);
+  // A quarter of the ball's surface: 2 pi r^2 (1 - 1/2).
+  EXPECT_NEAR(k * double(cap) / (2e6 * 3.14159265 * r * r / 0.005), 1.0, 0.05);
+}
+
+TEST(LeafPaint, HalvesOfABodyMayBeSoftAndHard) {
+  Body body = BoxBody(Vec3(0.1, 0.1, 0.1), 1000);
+  BodyDescription description;
+  description.material.youngs_modulus = 1e6;
+  description.material.thickness = 0.01;
+  description.regions = {BoxRegion(Vec3(0, -1, -1), Vec3(1, 1, 1), 0)};
+  description.regions[0].material.youngs_modulus = 1e9;
+  description.regions[0].material.thickness = 0.01;
+  PaintLeaves(description, {}, body);
+  // Halves of a cube: the leaves of both stand for as much surface, but for their luck.
+  EXPECT_NEAR(body.materials[1].stiffness / body.materials[0].stiffness, 1000.0, 100.0);
+}
+
+TEST(LeafPaint, RegionThatPaintsNothingIsRefusedWithItsLine) {
+  Body body = BoxBody(Vec3(0.1, 0.1, 0.1), 50);
+  BodyDescription description;
+  description.regions = {BoxRegion(Vec3(1, 1, 1), Vec3(2, 2, 2), 100)};
+  EXPECT_THAT(ComplaintOf([&] { PaintLeaves(description, {}, body); }),
+              HasSubstr("f.json:9: objects[0].regions[0]: paints no leaf of \"part\"; move or"));
+}
+
+/// Two boxes side by side in one OBJ.
+std::string TwoParts() {
+  std::string text;
+  int first = 1;
+  for (const char* name : {"crown", "root"}) {
+    TriangleMesh box = MakeBox(Vec3(10, 10, 10));
+    text += std::string("o ") + name + "\n";
+    for (const Vec3& v : box.vertices) {
+      text += "v " + std::to_string(v.x() + 2 * first) + " " + std::to_string(v.y()) + " " +
+              std::to_string(v.z()) + "\n";
+    }
+    for (const auto& [a, b, c] : box.triangles) {
+      text += "f " + std::to_string(a + first) + " " + std::to_string(b + first) + " " +
+              std::to_string(c + first) + "\n";
+    }
+    first += 8;
+  }
+  return text;
+}
+
+std::string SceneWithGroup(const std::string& group) {
+  return R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
+    "objects": [{"name": "tooth", "leaves": 200, "mesh": {"file": "parts.obj", "unit": "mm", "origin": "file"},
+      "regions": [{"group": ")" +
+         group + R"(", "material": {"stiffness_N_per_m": 500}}]}]})";
+}
+
+TEST(LeafPaint, PaintsTheNamedPartOfAMeshFile) {
+  const std::string folder = test::FreshFolder();
+  test::WriteFile(folder + "/parts.obj", TwoParts());
+  LoadOptions options;
+  options.use_cache = false;
+  const Scene scene =
+      LoadScene(test::WriteFile(folder + "/s.json", SceneWithGroup("root")), options);
+  const Body& tooth = scene.objects[0];
+  ASSERT_EQ(tooth.leaf_material.size(), 200u);
+  for (std::size_t i = 0; i < 200; ++i) {
+    const auto& begin = tooth.tree.leaf_triangle_begin;
+    if (begin[i] == begin[i + 1]) continue;
+    // The crown spans x from -3 to 7 mm, the root from 13 to 23.
+    EXPECT_EQ(tooth.leaf_material[i], Centre(tooth.tree, i).x() > 0.01) << i;
+  }
+  EXPECT_TRUE(scene.features.compliance);
+  EXPECT_THAT(ComplaintOf([&] {
+                LoadScene(test::WriteFile(folder + "/t.json", SceneWithGroup("rot")), options);
+              }),
+              HasSubstr("objects[0].regions[0].group: the mesh has no part \"rot\"; did you mean "
+                        "\"root\"? (it has:"));
+}
+
+}  // namespace
+}  // namespace palpate
