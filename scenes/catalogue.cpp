@@ -18,6 +18,7 @@
 #include "scenes/model_files.h"
 #include "scenes/scene_bundle.h"
 #include "scenes/scene_file.h"
+#include "scenes/shape_kinds.h"
 #include "scenes/shapes.h"
 
 namespace palpate {
@@ -62,6 +63,9 @@ TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir,
       return MakeEllipsoid(source.size, source.triangles);
     case MeshSource::Kind::kSphere:
       return MakeSphere(source.size.x(), source.triangles);
+    case MeshSource::Kind::kShape:
+      return About(source.where,
+                   [&] { return FindShapeKind(source.what)->make(source.variant, source.values); });
     default:
       break;
   }
@@ -136,7 +140,8 @@ bool SameGeometry(const BodyDescription& a, const BodyDescription& b) {
   const MeshSource& m = a.mesh;
   const MeshSource& n = b.mesh;
   return a.leaves == b.leaves && m.kind == n.kind && m.what == n.what && m.size == n.size &&
-         m.triangles == n.triangles && m.placement.metres_per_unit == n.placement.metres_per_unit &&
+         m.triangles == n.triangles && m.variant == n.variant && m.values == n.values &&
+         m.placement.metres_per_unit == n.placement.metres_per_unit &&
          m.placement.longest_side == n.placement.longest_side &&
          m.placement.origin == n.placement.origin;
 }

@@ -210,7 +210,7 @@ const Value& JsonNode::Expect(int kind, const char* what) const {
   return *value_;
 }
 
-void JsonNode::AllowOnly(std::initializer_list<std::string_view> fields) const {
+void JsonNode::AllowOnly(const std::vector<std::string_view>& fields) const {
   for (const auto& [name, value] : Expect(Value::kObject, "an object { ... }").members) {
     if (std::find(fields.begin(), fields.end(), name) != fields.end()) continue;
     const std::string_view guess = NearestWord(name, fields);
@@ -259,7 +259,7 @@ std::string JsonNode::String() const {
   return v.string;
 }
 
-std::string JsonNode::OneOf(std::initializer_list<std::string_view> words) const {
+std::string JsonNode::OneOf(const std::vector<std::string_view>& words) const {
   const std::string word = String();
   if (std::find(words.begin(), words.end(), word) != words.end()) return word;
   std::string list;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -25,14 +24,14 @@ class JsonNode {
   static JsonNode Parse(std::string_view text, const std::string& file);
 
   /// Refuses fields that are not listed, with the nearest listed name as a guess.
-  void AllowOnly(std::initializer_list<std::string_view> fields) const;
+  void AllowOnly(const std::vector<std::string_view>& fields) const;
   bool Has(std::string_view field) const;
   JsonNode At(std::string_view field) const;  ///< throws where the field is missing
   std::optional<JsonNode> Find(std::string_view field) const;
   std::vector<JsonNode> Items(std::size_t at_least = 0) const;
 
   std::string String() const;  ///< not empty
-  std::string OneOf(std::initializer_list<std::string_view> words) const;
+  std::string OneOf(const std::vector<std::string_view>& words) const;
   double Number(double min = -std::numeric_limits<double>::infinity(),
                 double max = std::numeric_limits<double>::infinity()) const;
   double PositiveNumber() const;

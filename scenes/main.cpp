@@ -32,6 +32,7 @@ struct Arguments {
   std::string log_level = "info";
   std::optional<int> level;
   bool rebuild = false;
+  bool whole = false;
   int domain = 0;
 };
 
@@ -198,7 +199,14 @@ void Check(const Arguments& arguments) {
 }
 
 void Render(const Arguments& arguments) {
-  DrawScene(Load(arguments), arguments.level, arguments.output);
+  if (arguments.whole && arguments.level) {
+    throw UsageError("--whole and --level exclude each other; keep one");
+  }
+  if (arguments.whole) {
+    DrawWhole(Load(arguments), arguments.output);
+  } else {
+    DrawScene(Load(arguments), arguments.level, arguments.output);
+  }
   std::printf("wrote %s\n", arguments.output.c_str());
 }
 
@@ -240,6 +248,7 @@ int Main(int argc, char** argv) {
   CLI::App* render = add("render", "Draws mesh and spheres of every level as a PNG", scene_help);
   render->add_option("-o,--output", arguments.output, "Picture to write (.png)")->required();
   render->add_option("--level", arguments.level, "Only this level, from 1");
+  render->add_flag("--whole", arguments.whole, "The scene as it stands, instead of its bodies");
 
   try {
     app.parse(argc, argv);

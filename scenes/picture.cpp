@@ -307,4 +307,27 @@ void DrawScene(const Scene& scene, std::optional<int> level, const std::string& 
   picture.Save(png_file);
 }
 
+void DrawWhole(const Scene& scene, const std::string& png_file) {
+  const auto placed = [](const Body& body) {
+    TriangleMesh mesh = body.mesh;
+    for (Vec3& v : mesh.vertices) v = body.X_WB.p + body.X_WB.q * v;
+    return mesh;
+  };
+  std::vector<std::pair<TriangleMesh, Colour>> meshes;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    meshes.emplace_back(placed(scene.objects[i]), 0.45 + 0.45 * ColourOf(i));
+  }
+  for (const Body& tool : scene.tools) meshes.emplace_back(placed(tool), Colour(1.0, 0.45, 0.1));
+  Eigen::AlignedBox3d box;
+  for (const auto& [mesh, colour] : meshes) {
+    for (const Vec3& v : mesh.vertices) box.extend(v);
+  }
+  Tile tile(box.center(), 0.5 * 0.85 * box.diagonal().norm());
+  for (const auto& [mesh, colour] : meshes) tile.Draw(mesh, colour);
+  tile.ShadeHollows();
+  Picture picture(1, 1);
+  picture.Place(tile, 0, 0, scene.name);
+  picture.Save(png_file);
+}
+
 }  // namespace palpate

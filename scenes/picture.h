@@ -12,4 +12,8 @@ namespace palpate {
 /// Throws UsageError where no body has the level, Error where the file cannot be written.
 void DrawScene(const Scene& scene, std::optional<int> level, const std::string& png_file);
 
+/// Draws the scene as it stands: the objects, each of its own colour, and the tools, orange, where
+/// they start.  Throws Error where the file cannot be written.
+void DrawWhole(const Scene& scene, const std::string& png_file);
+
 }  // namespace palpate

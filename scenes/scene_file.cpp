@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "scenes/json_file.h"
+#include "scenes/shape_kinds.h"
 
 namespace palpate {
 namespace {
@@ -51,9 +52,35 @@ double ReadLength(const JsonNode& node) {
   return length;
 }
 
+MeshSource ReadShapeKind(const JsonNode& node, const ShapeKind& shape) {
+  MeshSource source;
+  source.kind = MeshSource::Kind::kShape;
+  source.what = shape.name;
+  std::vector<std::string_view> fields{"shape"};
+  if (!shape.variants.empty()) fields.push_back("kind");
+  for (const ShapeParameter& parameter : shape.parameters) fields.push_back(parameter.field);
+  node.AllowOnly(fields);
+  if (!shape.variants.empty()) {
+    const std::string variant = node.At("kind").OneOf(shape.variants);
+    source.variant =
+        std::find(shape.variants.begin(), shape.variants.end(), variant) - shape.variants.begin();
+  }
+  for (const ShapeParameter& parameter : shape.parameters) {
+    double value = parameter.usual;
+    if (auto given = node.Find(parameter.field)) {
+      value = given->Number(parameter.smallest, parameter.largest);
+    }
+    source.values.push_back(parameter.unit * value);
+  }
+  return source;
+}
+
 MeshSource ReadShape(const JsonNode& node) {
   MeshSource source;
-  const std::string shape = node.At("shape").OneOf({"box", "ellipsoid", "sphere"});
+  std::vector<std::string_view> names{"box", "ellipsoid", "sphere"};
+  for (const ShapeKind& kind : ShapeKinds()) names.push_back(kind.name);
+  const std::string shape = node.At("shape").OneOf(names);
+  if (const ShapeKind* kind = FindShapeKind(shape)) return ReadShapeKind(node, *kind);
   if (shape == "box") {
     source.kind = MeshSource::Kind::kBox;
     node.AllowOnly({"shape", "size_m"});

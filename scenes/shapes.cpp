@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "scenes/swept_mesh.h"
+
 namespace palpate {
 
 TriangleMesh MakeBox(const Vec3& size) {
@@ -71,6 +73,74 @@ TriangleMesh MakeEllipsoid(const Vec3& semi_axes, std::size_t triangles) {
 
 TriangleMesh MakeSphere(double radius, std::size_t triangles) {
   return MakeEllipsoid(Vec3::Constant(radius), triangles);
+}
+
+TriangleMesh MakeBentPipe(double inner_radius, double wall, double length, double bend) {
+  const int steps = 2 + static_cast<int>(bend / 0.1);
+  std::vector<Vec3> curve;
+  for (int i = 0; i <= steps; ++i) {
+    const double s = double(i) / steps;
+    const double a = bend * s;
+    // sin(a)/a and (1 - cos a)/a, for straight pipes, too.
+    const double along = a > 1e-9 ? std::sin(a) / a : 1.0;
+    const double aside = a > 1e-9 ? (1.0 - std::cos(a)) / a : 0.0;
+    curve.emplace_back(length * s * aside, 0.0, length * s * along);
+  }
+  return MakePipe(curve, inner_radius, wall, 48);
+}
+
+TriangleMesh MakeMould(bool mould, double radius, double depth, double wave, double thickness) {
+  // The surface where the two meet, over a square that is bent to a disc.
+  constexpr int kSteps = 56;
+  const auto height = [&](double x, double z) {
+    const double e = (x * x + z * z) / (radius * radius);
+    const double fade = 1.0 - e;  // the rim is flat
+    return -depth * fade + wave * fade * std::sin(22.0 * x / radius) * std::sin(22.0 * z / radius);
+  };
+  const double flat = mould ? -depth - thickness : thickness;
+  TriangleMesh mesh;
+  const auto add_layer = [&](bool shaped) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (int i = 0; i <= kSteps; ++i) {
+      for (int k = 0; k <= kSteps; ++k) {
+        const double u = 2.0 * i / kSteps - 1.0;
+        const double v = 2.0 * k / kSteps - 1.0;
+        const double x = radius * u * std::sqrt(1.0 - 0.5 * v * v);
+        const double z = radius * v * std::sqrt(1.0 - 0.5 * u * u);
+        mesh.vertices.emplace_back(x, shaped ? height(x, z) : flat, z);
+      }
+    }
+    return first;
+  };
+  const auto add_triangle = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, bool keep) {
+    mesh.triangles.push_back(keep ? std::array{a, b, c} : std::array{a, c, b});
+  };
+  constexpr std::uint32_t kRow = kSteps + 1;
+  const std::uint32_t shaped = add_layer(true);
+  const std::uint32_t plain = add_layer(false);
+  for (const std::uint32_t layer : {shaped, plain}) {
+    const bool up = (layer == shaped) == mould;  // x to z turns to -y
+    for (std::uint32_t i = 0; i < kSteps; ++i) {
+      for (std::uint32_t k = 0; k < kSteps; ++k) {
+        const std::uint32_t a = layer + i * kRow + k;
+        add_triangle(a, a + kRow + 1, a + kRow, up);
+        add_triangle(a, a + 1, a + kRow + 1, up);
+      }
+    }
+  }
+  // The wall round both: the rim's vertices in turn, counter-clockwise seen from -y.
+  std::vector<std::uint32_t> rim;
+  for (std::uint32_t s = 0; s < kSteps; ++s) rim.push_back(s * kRow);
+  for (std::uint32_t s = 0; s < kSteps; ++s) rim.push_back(kSteps * kRow + s);
+  for (std::uint32_t s = kSteps; s > 0; --s) rim.push_back(s * kRow + kSteps);
+  for (std::uint32_t s = kSteps; s > 0; --s) rim.push_back(s);
+  for (std::size_t s = 0; s < rim.size(); ++s) {
+    const std::uint32_t a = rim[s];
+    const std::uint32_t b = rim[(s + 1) % rim.size()];
+    add_triangle(shaped + a, shaped + b, plain + b, mould);
+    add_triangle(shaped + a, plain + b, plain + a, mould);
+  }
+  return mesh;
 }
 
 }  // namespace palpate

@@ -21,4 +21,13 @@ TriangleMesh MakeBox(const Vec3& size);
 TriangleMesh MakeEllipsoid(const Vec3& semi_axes, std::size_t triangles);
 TriangleMesh MakeSphere(double radius, std::size_t triangles);
 
+/// Pipe from the origin along +z, its curve `length` long and bent by `bend` towards +x (an arc of
+/// a circle; 0: straight).  The bend must be wider than the pipe.  Not round the origin.
+TriangleMesh MakeBentPipe(double inner_radius, double wall, double length, double bend);
+
+/// Round mould that a tool fits exactly: a bowl `depth` deep with waves of the height `wave` in it.
+/// Frame: the bowl's rim lies in y = 0 and its axis is y; below it there are `thickness` of
+/// material, above it those of the tool, so that at one pose the two touch all over.
+TriangleMesh MakeMould(bool mould, double radius, double depth, double wave, double thickness);
+
 }  // namespace palpate

@@ -38,9 +38,10 @@ struct Options {
 /// What stations can drive in a scene.  The scene itself (its meshes) is not kept.
 void AddTools(const Scene& scene, std::vector<std::shared_ptr<const ServedTool>>& tools) {
   const auto objects = MakeObjects(scene);
+  const auto whole = scene.features.removal ? std::make_shared<const SceneRemains>(scene) : nullptr;
   for (const Body& tool : scene.tools) {
     tools.push_back(std::make_shared<const ServedTool>(
-        ServedTool{scene.name, tool.name, MakeModel(scene, tool, objects)}));
+        ServedTool{scene.name, tool.name, MakeModel(scene, tool, objects), whole}));
   }
 }
 

@@ -13,7 +13,7 @@ namespace palpate::dds {
 /// Quality of service by role; the table with reasons is in endpoint.cpp.
 enum class Qos {
   kLoop,     ///< best effort, volatile, keep last (a few): HapticPose, Wrench
-  kSession,  ///< reliable, transient-local, keep last 1 per instance: requests and states
+  kSession,  ///< reliable, transient-local, keep last 1 per instance: requests, states, changes
   kStream,   ///< best effort, volatile, keep last 1: ToolState, LoopStatistics
 };
 

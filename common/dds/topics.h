@@ -16,6 +16,7 @@ std::string PoseTopic(const std::string& station, std::uint64_t run);
 std::string WrenchTopic(const std::string& station, std::uint64_t run);
 inline constexpr const char* kSessionRequestTopic = "palpate/session_request";
 inline constexpr const char* kSessionStateTopic = "palpate/session_state";
+inline constexpr const char* kSceneChangeTopic = "palpate/scene_change";
 inline constexpr const char* kToolStateTopic = "palpate/tool_state";
 inline constexpr const char* kLoopStatisticsTopic = "palpate/loop_statistics";
 

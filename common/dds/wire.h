@@ -18,6 +18,7 @@ using Wrench = palpate_Wrench;
 using SessionPhase = palpate_SessionPhase;
 using SessionRequest = palpate_SessionRequest;
 using SessionState = palpate_SessionState;
+using SceneChange = palpate_SceneChange;
 using ToolState = palpate_ToolState;
 using LoopStatistics = palpate_LoopStatistics;
 
@@ -39,6 +40,10 @@ inline const dds_topic_descriptor_t& Descriptor<SessionRequest>() {
 template <>
 inline const dds_topic_descriptor_t& Descriptor<SessionState>() {
   return palpate_SessionState_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<SceneChange>() {
+  return palpate_SceneChange_desc;
 }
 template <>
 inline const dds_topic_descriptor_t& Descriptor<ToolState>() {

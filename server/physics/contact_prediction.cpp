@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "server/physics/soft_rows.h"
 #include "server/physics/stage_clock.h"
 
 namespace palpate {
@@ -23,11 +24,12 @@ ContactPrediction::ContactPrediction(const HapticModel& model)
 }
 
 void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
-                                const Vec3& p_W, const StepBounds& bounds, ContactRows& rows,
-                                StageTimes* times) noexcept {
+                                const Vec3& p_W, const StepBounds& bounds, const LeafWear& wear,
+                                ContactRows& rows, StageTimes* times) noexcept {
   rows.Clear();
   StageClock clock(times);
-  query_.Run(kernels, R_WG, p_W, bounds, [&](const NodePair* pairs, int count) {
+  query_.Run(kernels, R_WG, p_W, bounds, [&](NodePair* pairs, int found) {
+    const int count = wear.KeepPresent(pairs, found);
     clock.Lap(&StageTimes::prediction);
     rows.Add(kernels, model.tool().leaves().data(), model.objects().leaves().data(), R_WG, p_W,
              pairs, count);
@@ -43,16 +45,22 @@ void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
 }
 
 bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
-                                 const Vec3& p_W, ContactRows& rows) noexcept {
+                                 const Vec3& p_W, const LeafWear& wear,
+                                 ContactRows& rows) noexcept {
+  const SoftLeaves* soft = model.soft_leaves();
   bool overlaps = false;
-  query_.Run(kernels, R_WG, p_W, {0.0, 0.0}, [&](const NodePair* pairs, int count) {
+  query_.Run(kernels, R_WG, p_W, {0.0, 0.0}, [&](NodePair* pairs, int found) {
+    const int count = wear.KeepPresent(pairs, found);
     // A few pairs at a time: deep inside, the first one tells.
     constexpr int kFew = 64;
     for (int i = 0; i < count && !overlaps; i += kFew) {
       rows.Clear();
       rows.Add(kernels, model.tool().leaves().data(), model.objects().leaves().data(), R_WG, p_W,
                pairs + i, std::min(kFew, count - i));
-      for (int r = 0; r < rows.count() && !overlaps; ++r) overlaps = rows.gap(r) < 0.0;
+      for (int r = 0; r < rows.count() && !overlaps; ++r) {
+        const double depth = soft != nullptr ? soft->of(rows.pair(r)).depth : 0.0;
+        overlaps = rows.gap(r) + depth < 0.0;
+      }
     }
     return !overlaps;
   });

@@ -17,18 +17,20 @@ class ContactPrediction {
  public:
   ContactPrediction(const HapticModel& model);
 
-  /// Fills `rows` for the graphic tool at R_WG with its reference point at p_W.
+  /// Fills `rows` for the graphic tool at R_WG with its reference point at p_W, but for leaves that
+  /// have gone.
   /// Where `times` is given, adds to its prediction and rows stages.  Real-time.
   void Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
-               const StepBounds& bounds, ContactRows& rows, StageTimes* times) noexcept;
+               const StepBounds& bounds, const LeafWear& wear, ContactRows& rows,
+               StageTimes* times) noexcept;
 
   /// Packet pairs tested so far in the life of this prediction: what it costs, as a count.
   std::int64_t tested() const { return query_.tested() + (surface_ ? surface_->tested() : 0); }
 
-  /// True where any two leaves overlap, or a surface lies inside another.  `rows` is scratch.
-  /// Real-time.
+  /// True where any two leaves overlap, of soft ones their cores, or a surface lies inside another;
+  /// what has gone does not count.  `rows` is scratch.  Real-time.
   bool Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
-                ContactRows& rows) noexcept;
+                const LeafWear& wear, ContactRows& rows) noexcept;
 
  private:
   PairQuery query_;

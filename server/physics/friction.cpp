@@ -6,7 +6,6 @@
 
 #include "common/math/rotation.h"
 #include "server/physics/sphere_tree_query.h"
-#include "server/physics/surface_prediction.h"
 
 namespace palpate {
 
@@ -14,8 +13,7 @@ ContactPlace PlaceOf(const HapticModel& model, const ContactRows& rows, int row,
                      const Mat3& R_WG) noexcept {
   const LeafPair pair = rows.pair(row);
   if (KindOf(pair) != RowKind::kLeaves) {
-    const auto leaf = static_cast<std::int32_t>(model.objects().surfaces()->LeafOf(pair));
-    return {rows.lever(row), leaf};
+    return {rows.lever(row), model.objects().LeafOf(pair)};
   }
   const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(pair.tool)];
   return {R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * rows.normal(row), pair.object};
@@ -105,8 +103,8 @@ template <int N>
 class FrictionalContacts {
  public:
   FrictionalContacts(const HapticModel& model, const Mat3& R_WG, const ContactRows& rows,
-                     const double* t, const QpResult& qp, bool still)
-      : model_(model), R_WG_(R_WG), rows_(rows), slack_(qp.slack), still_(still) {
+                     const QpRows& rigid, const double* t, const QpResult& qp, bool still)
+      : model_(model), R_WG_(R_WG), rows_(rows), rigid_(rigid), slack_(qp.slack), still_(still) {
     double tt = 0.0, moved = 0.0;
     for (int c = 0; c < N; ++c) {
       t_[c] = t[c];
@@ -150,7 +148,7 @@ class FrictionalContacts {
       fill(contact.tangent[k], contact.lever.cross(contact.tangent[k]), contact.s[k]);
       contact.force[k] = contact.tangent[k].dot(force);
     }
-    contact.b = -rows_.gap(row) - slack_;
+    contact.b = rigid_.b[row] - slack_;
     contact.frictionless = frictionless;
     contact.lambda = lambda;
     contact.slips = false;
@@ -534,6 +532,7 @@ class FrictionalContacts {
   const HapticModel& model_;
   const Mat3& R_WG_;
   const ContactRows& rows_;
+  const QpRows& rigid_;
   double slack_;
   bool still_;
   double t_[N], x_[N];
@@ -571,9 +570,9 @@ void AddContacts(const ContactRows& rows, const QpResult& qp, const FrictionStat
 /// False where the frictionless optimum stays.
 template <int N>
 bool Solve(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const double* t,
-           const ContactRows& rows, FrictionState& state, QpResult& qp, FrictionForces& forces,
-           StepReport& report) {
-  FrictionalContacts<N> contacts(model, R_WG, rows, t, qp, state.still >= kStillCycles);
+           const ContactRows& rows, const QpRows& rigid, FrictionState& state, QpResult& qp,
+           FrictionForces& forces, StepReport& report) {
+  FrictionalContacts<N> contacts(model, R_WG, rows, rigid, t, qp, state.still >= kStillCycles);
   AddContacts(rows, qp, state, contacts);
   QpResult shifted;
   const auto solve_shifted = [&] {
@@ -581,7 +580,7 @@ bool Solve(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, c
     int guess[kMaxActiveRows];
     contacts.ShiftedTarget(target);
     const int guesses = contacts.Pressed(guess);
-    shifted = SolveNearestPoint<N>(kernels, target, rows.view(), guess, guesses);
+    shifted = SolveNearestPoint<N>(kernels, target, rigid, guess, guesses);
     report.qp_iterations += shifted.iterations;
     return shifted.status != QpStatus::kIterationLimit;
   };
@@ -616,15 +615,15 @@ bool Solve(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, c
 }  // namespace
 
 void AddCoulombFriction(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
-                        const Target& target, const ContactRows& rows, bool first_substep,
-                        FrictionState& state, QpResult& qp, FrictionForces& forces,
-                        StepReport& report) noexcept {
+                        const Target& target, const ContactRows& rows, const QpRows& rigid,
+                        bool first_substep, FrictionState& state, QpResult& qp,
+                        FrictionForces& forces, StepReport& report) noexcept {
   if (first_substep && state.still < kStillCycles) ++state.still;
   const double rho = model.rotation_length();
   const double t[6] = {target.v.x(),         target.v.y(),         target.v.z(),
                        rho * target.phi.x(), rho * target.phi.y(), rho * target.phi.z()};
   const auto solve = model.degrees_of_freedom() == 6 ? Solve<6> : Solve<3>;
-  if (!solve(model, kernels, R_WG, t, rows, state, qp, forces, report)) {
+  if (!solve(model, kernels, R_WG, t, rows, rigid, state, qp, forces, report)) {
     for (Vec3& force : forces) force.setZero();
     state.contacts = 0;
   }

@@ -50,6 +50,8 @@ using FrictionForces = std::array<Vec3, kMaxActiveRows>;
 /// shift the target of the QP over all rows, so that a row is never violated for friction's sake;
 /// rows that this brings in join the contacts, and Newton's method goes on.
 ///
+/// @param rigid  of `rows`: what no step may violate; where some are soft, the target is that which
+///               their push at the frictionless optimum shifts (soft contacts are smooth).
 /// @param first_substep  of its cycle: cycles are counted there.
 /// @param phi  rotation of the sub-step; an input where there are 3 degrees of freedom.
 /// @param qp   in: the frictionless optimum, with an active row.  Out: the frictional one; its
@@ -60,9 +62,9 @@ using FrictionForces = std::array<Vec3, kMaxActiveRows>;
 /// hold and forces add up all the same.
 /// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
 void AddCoulombFriction(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
-                        const Target& target, const ContactRows& rows, bool first_substep,
-                        FrictionState& state, QpResult& qp, FrictionForces& forces,
-                        StepReport& report) noexcept;
+                        const Target& target, const ContactRows& rows, const QpRows& rigid,
+                        bool first_substep, FrictionState& state, QpResult& qp,
+                        FrictionForces& forces, StepReport& report) noexcept;
 
 /// FrictionModel::kChapter: 2.25-2.34 as written, for reproduction, once at the end of a cycle
 /// whose frictionless step has arrived.  Compares how far the equivalent contact point (the mean of

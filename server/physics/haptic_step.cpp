@@ -10,6 +10,7 @@
 #include "server/physics/friction.h"
 #include "server/physics/qp_solver.h"
 #include "server/physics/response.h"
+#include "server/physics/soft_rows.h"
 #include "server/physics/stage_clock.h"
 #include "server/physics/step_buffers.h"
 #include "server/physics/surface_prediction.h"
@@ -43,16 +44,17 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectFor
     const double lever = std::max(ToolTree::MaxLeverOf(tool), 1e-6);
     parameters_.max_rotation = std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), 0.1);
   }
-  const double extent = objects_->center().norm() + objects_->radius();
   if (surface != (objects_->surfaces() != nullptr)) {
     throw Error("step parameters: contact differs from the objects'; give MakeObjects the same");
   }
-  const bool backstop = surface && tool.leaves() > 1;
-  tool_ = std::make_unique<const ToolTree>(tool, extent, ToolTree::ReferenceOf(tool),
-                                           backstop ? kBackstop : 1.0);
+  const double extent = objects_->center().norm() + objects_->radius();
+  tool_ = std::make_unique<const ToolTree>(tool, extent, ToolTree::ReferenceOf(tool));
   if (surface) {
     tool_surface_ =
         std::make_unique<const ToolSurface>(tool_mesh, tool, tool_->reference(), extent);
+  }
+  if (parameters_.features.compliance) {
+    soft_ = SoftLeaves::Make(*objects_, parameters_.stiffness);
   }
 }
 
@@ -65,6 +67,10 @@ const Vec3& HapticModel::reference() const {
 
 int HapticModel::degrees_of_freedom() const {
   return tool_->leaf_count() == 1 ? 3 : 6;
+}
+
+StepState::StepState(const HapticModel& model) {
+  if (model.parameters().features.removal) wear = LeafWear(model.objects());
 }
 
 StepWorkspace::StepWorkspace(const HapticModel& model)
@@ -87,22 +93,28 @@ struct Optimum {
   FrictionForces friction;  ///< where it rubs: of the QP's active rows
 };
 
-/// Nearest step to the target that respects the rows.  With 3 degrees of freedom the rotation is
-/// the hand's: no contact can turn a sphere about its centre.
+/// Nearest step to the target that respects the rows; where `soft` is given, soft rows yield as
+/// their stiffness says.  With 3 degrees of freedom the rotation is the hand's: no contact can turn
+/// a sphere about its centre.
 Optimum Solve(const HapticModel& model, const Kernels& kernels, const Target& target,
-              const ContactRows& rows, const StepState& state) {
+              const ContactRows& rows, const QpRows& rigid, SoftRows* soft,
+              const StepState& state) {
   Optimum optimum;
   const double rho = model.rotation_length();
   int guess[kMaxActiveRows];
   const int guesses = rows.Find(state.active_pairs.data(), state.active, guess);
   const double t[6] = {target.v.x(),         target.v.y(),         target.v.z(),
                        rho * target.phi.x(), rho * target.phi.y(), rho * target.phi.z()};
+  const auto solve = [&]<int N>() {
+    return soft != nullptr ? SolveCompliant<N>(kernels, t, soft->view(rows), guess, guesses)
+                           : SolveNearestPoint<N>(kernels, t, rigid, guess, guesses);
+  };
   if (model.degrees_of_freedom() == 6) {
-    optimum.qp = SolveNearestPoint<6>(kernels, t, rows.view(), guess, guesses);
+    optimum.qp = solve.operator()<6>();
     const double* x = optimum.qp.x;
     optimum.phi = Vec3(x[3], x[4], x[5]) / rho;
   } else {
-    optimum.qp = SolveNearestPoint<3>(kernels, t, rows.view(), guess, guesses);
+    optimum.qp = solve.operator()<3>();
     optimum.phi = target.phi;
   }
   optimum.v = Vec3(optimum.qp.x[0], optimum.qp.x[1], optimum.qp.x[2]);
@@ -111,18 +123,22 @@ Optimum Solve(const HapticModel& model, const Kernels& kernels, const Target& ta
 
 /// The same with friction, where the model has it and a row is active.
 void AddFriction(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
-                 const Target& target, const ContactRows& rows, StepState& state, Optimum& optimum,
+                 const Target& target, const ContactRows& rows, const QpRows& rigid,
+                 const SoftContacts& yielding, StepState& state, Optimum& optimum,
                  StepReport& report) {
   if (model.parameters().features.friction != FrictionModel::kCoulomb) return;
   if (optimum.qp.active == 0) return ForgetFriction(state.friction);
   if (state.friction.suspended || optimum.qp.status == QpStatus::kIterationLimit) return;
   optimum.rubs = true;
-  AddCoulombFriction(model, kernels, R_WG, target, rows, report.substeps == 0, state.friction,
-                     optimum.qp, optimum.friction, report);
+  // The push of soft contacts counts as it is without friction.
+  const double rho = model.rotation_length();
+  const Target pushed{target.v + yielding.force, target.phi + yielding.torque / (rho * rho)};
+  AddCoulombFriction(model, kernels, R_WG, pushed, rows, rigid, report.substeps == 0,
+                     state.friction, optimum.qp, optimum.friction, report);
   const double* x = optimum.qp.x;
   optimum.v = Vec3(x[0], x[1], x[2]);
   if (model.degrees_of_freedom() == 6) {
-    optimum.phi = Vec3(x[3], x[4], x[5]) / model.rotation_length();
+    optimum.phi = Vec3(x[3], x[4], x[5]) / rho;
   }
 }
 
@@ -182,29 +198,39 @@ double PartWithin(const StepBounds& bounds, int degrees_of_freedom, const Vec3& 
 /// scaled one.
 constexpr double kBoundShare = 0.98;
 
-/// The active rows as seen from where the sub-step [v; phi] has taken the tool, (p_W, q_WG): what
-/// they still allow from there, and where they touch it.
-void ReportContacts(const HapticModel& model, const ContactRows& rows, const Optimum& optimum,
+/// The contacts as seen from where the sub-step [v; phi] has taken the tool, (p_W, q_WG): what
+/// their rows still allow from there, and where they touch it.
+void ReportContacts(const HapticModel& model, const ContactRows& rows, const QpRows& rigid,
+                    const Optimum& optimum, const SoftRows* soft, const SoftContacts& yielding,
                     const Vec3& v, const Vec3& phi, const Vec3& p_W, const Quat& q_WG,
                     StepReport& report) {
+  const double k_t = model.parameters().stiffness;
   const QpResult& qp = optimum.qp;
   const Mat3 R_WG = q_WG.toRotationMatrix();
-  report.contacts = qp.active;
-  for (int i = 0; i < qp.active; ++i) {
-    ActiveRow& row = report.active[static_cast<std::size_t>(i)];
-    row.pair = rows.pair(qp.row[i]);
-    row.normal = rows.normal(qp.row[i]);
-    row.lever_cross_normal = rows.lever_cross_normal(qp.row[i]);
-    row.offset = -rows.gap(qp.row[i]) - row.normal.dot(v) - row.lever_cross_normal.dot(phi);
-    row.force = model.parameters().stiffness * qp.multiplier[i];
-    row.friction.setZero();
-    if (optimum.rubs) {
-      row.friction = model.parameters().stiffness * optimum.friction[static_cast<std::size_t>(i)];
-    }
-    const ContactPlace place = PlaceOf(model, rows, qp.row[i], R_WG);
+  report.contacts = 0;
+  report.soft_contacts = yielding.count;
+  report.soft_wrench = {k_t * yielding.force, k_t * yielding.torque};
+  const auto add = [&](int i, double offset, double force) {
+    ActiveRow& row = report.active[static_cast<std::size_t>(report.contacts++)];
+    row = ActiveRow{};
+    row.pair = rows.pair(i);
+    row.normal = rows.normal(i);
+    row.lever_cross_normal = rows.lever_cross_normal(i);
+    row.offset = offset - row.normal.dot(v) - row.lever_cross_normal.dot(phi);
+    row.force = force;
+    const ContactPlace place = PlaceOf(model, rows, i, R_WG);
     row.contact_W =
         p_W + (KindOf(row.pair) == RowKind::kLeaves ? place.lever : RotationExp(phi) * place.lever);
     row.object_leaf = place.object_leaf;
+    return &row;
+  };
+  for (int k = 0; k < qp.active; ++k) {
+    ActiveRow* row = add(qp.row[k], rigid.b[qp.row[k]], k_t * qp.multiplier[k]);
+    if (optimum.rubs) row->friction = k_t * optimum.friction[static_cast<std::size_t>(k)];
+  }
+  for (int k = 0; k < yielding.listed && report.contacts < kMaxActiveRows; ++k) {
+    const int i = yielding.row[k];
+    add(i, -rows.gap(i), k_t * yielding.push[k])->stiffness = k_t * soft->weight(i);
   }
 }
 
@@ -239,14 +265,26 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
        ++report.substeps) {
     const Target target = TargetOf(p_G, q_G, p_H, q_H);
     const Mat3 R_WG = q_G.toRotationMatrix();
-    buffers.prediction.Predict(model, kernels, R_WG, p_G, bounds, rows, times);
+    buffers.prediction.Predict(model, kernels, R_WG, p_G, bounds, state.wear, rows, times);
     StageClock clock(times);
     report.predicted_pairs = rows.count();
     if (rows.overflowed()) report.faults |= kFaultRowsFull;
 
-    Optimum optimum = Solve(model, kernels, target, rows, state);
+    // Soft rows first yield; `rigid` is what no step may violate.
+    SoftRows* soft = nullptr;
+    QpRows rigid = rows.view();
+    if (buffers.soft) {
+      buffers.soft->Set(*model.soft_leaves(), rows);
+      if (buffers.soft->any()) {
+        soft = &*buffers.soft;
+        rigid = soft->rigid(rows);
+      }
+    }
+    Optimum optimum = Solve(model, kernels, target, rows, rigid, soft, state);
+    SoftContacts yielding;
+    if (soft != nullptr) yielding = soft->Contacts(rows);
     report.qp_iterations += optimum.qp.iterations;
-    AddFriction(model, kernels, R_WG, target, rows, state, optimum, report);
+    AddFriction(model, kernels, R_WG, target, rows, rigid, yielding, state, optimum, report);
     clock.Lap(&StageTimes::solve);
 
     if (optimum.qp.status == QpStatus::kIterationLimit) {
@@ -264,7 +302,8 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     const double part = PartWithin(bounds, model.degrees_of_freedom(), optimum.v, optimum.phi);
     arrived = part == 1.0;
 
-    if (optimum.qp.active == 0) {
+    const bool held = optimum.qp.active != 0 || yielding.count != 0;
+    if (!held) {
       // Nothing holds the tool: no force, and it is where the hand is once it can get there.
       report.wrench = Wrench{};
       if (arrived) {
@@ -280,10 +319,11 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
       if (model.degrees_of_freedom() == 3) report.wrench.torque.setZero();
     }
     Vec3 v = optimum.v, phi = optimum.phi;
-    if (optimum.qp.active != 0 || !arrived) {
+    if (held || !arrived) {
       if (!arrived) {
         const Target nearer{kBoundShare * part * v, kBoundShare * part * phi};
-        const Optimum partial = Solve(model, kernels, nearer, rows, state);
+        // The way to where the soft rows balance the spring: they have no part in it.
+        const Optimum partial = Solve(model, kernels, nearer, rows, rigid, nullptr, state);
         report.qp_iterations += partial.qp.iterations;
         if (partial.qp.status == QpStatus::kIterationLimit) report.faults |= kFaultUnsolved;
         const double clip =
@@ -298,7 +338,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
       p_G += v;
       q_G = (RotationExp(phi) * q_G).normalized();
     }
-    ReportContacts(model, rows, optimum, v, phi, p_G, q_G, report);
+    ReportContacts(model, rows, rigid, optimum, soft, yielding, v, phi, p_G, q_G, report);
     bounds = Wider(model, bounds, optimum, rows.count() > 0);
     clock.Lap(&StageTimes::response);
   }
@@ -309,11 +349,13 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   } else {
     state.X_WG = {p_G - q_G * reference, q_G};
   }
+  const Pose X_before = report.X_WG;
   if (parameters.features.friction == FrictionModel::kChapter && arrived &&
       !state.friction.suspended) {
-    AddChapterFriction(model, report.X_WG, state, report);
+    AddChapterFriction(model, X_before, state, report);
   }
   report.X_WG = state.X_WG;
+  if (arrived && parameters.features.removal) WearContacts(model, X_before, state.wear, report);
   return report;
 }
 

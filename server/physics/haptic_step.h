@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -9,6 +10,7 @@
 #include "common/step_fault.h"
 #include "scenes/scene.h"
 #include "scenes/sphere_tree.h"
+#include "server/physics/leaf_wear.h"
 #include "server/physics/simd/kernels.h"
 
 namespace palpate {
@@ -43,6 +45,7 @@ struct StepParameters {
 class ObjectForest;  // the scene's objects, in W, as one tree: sphere_tree_query.h
 class ToolTree;      // the tool's tree, about its centroid
 class ToolSurface;   // the tool's surface: surface_prediction.h
+class SoftLeaves;    // what finite stiffness means to the step: soft_rows.h
 
 /// What a step needs to know and never changes: one tool against the objects of a scene.
 /// Built when a scene loads; shared by threads.
@@ -62,6 +65,8 @@ class HapticModel {
   const ObjectForest& objects() const { return *objects_; }
   /// Null with ContactModel::kSpheres.
   const ToolSurface* tool_surface() const { return tool_surface_.get(); }
+  /// Null unless the features name compliance and some leaf is soft.
+  const SoftLeaves* soft_leaves() const { return soft_.get(); }
   /// 3 where the tool is a single sphere (no contact can turn it), else 6.
   int degrees_of_freedom() const;
   /// Point that the step and the wrench refer to, in the tool's frame [m]: the centroid.
@@ -75,11 +80,8 @@ class HapticModel {
   std::unique_ptr<const ToolTree> tool_;
   std::unique_ptr<const ToolSurface> tool_surface_;
   std::shared_ptr<const ObjectForest> objects_;
+  std::unique_ptr<const SoftLeaves> soft_;
 };
-
-/// A pair of leaves, tool's and object's; the forest numbers the leaves of all objects together.
-/// With surface contact also of parts of surfaces: surface_prediction.h.
-using LeafPair = NodePair;
 
 /// What friction remembers from step to step.
 struct FrictionState {
@@ -98,11 +100,17 @@ struct FrictionState {
 /// What one step hands to the next: all the memory that the physics has.  Copying it and stepping
 /// again with the same pose gives the same bits.
 struct StepState {
+  StepState() = default;
+  /// Allocates where the model's features name removal: objects are whole.  A state made without
+  /// its model wears nothing.
+  explicit StepState(const HapticModel& model);
+
   Pose X_WG;                             ///< graphic tool
   Pose X_WH;                             ///< haptic tool: how far the hand moved sets the bounds
   std::array<LeafPair, 7> active_pairs;  ///< rows that held it last, the solver's first guess
   int active = 0;
   FrictionState friction;
+  LeafWear wear;
 };
 
 /// A row of the linearised non-penetration constraint (chapter 2.17) that carries force:
@@ -117,14 +125,23 @@ struct ActiveRow {
   double force = 0.0;                      ///< multiplier >= 0 [N]
   /// On the tool, in W [N]; kCoulomb: perpendicular to the normal, at most mu * force.
   Vec3 friction = Vec3::Zero();
+  /// Of a soft contact [N/m]: force = stiffness * offset, and the row may be violated.
+  double stiffness = std::numeric_limits<double>::infinity();
 };
 
 /// Result of one step.  force and torque act on the hand, at the tool's centroid, in W.
 struct StepReport {
   Wrench wrench;
   Pose X_WG;
-  std::array<ActiveRow, 7> active;  ///< the first `contacts` are set; six, seven in a jam
+  /// The first `contacts` are set: rigid ones, at most six, seven in a jam; then soft ones, as many
+  /// as fit, those of the greatest force.  A soft leaf entered to its rigid core is both.
+  std::array<ActiveRow, 7> active;
   int contacts = 0;
+  int soft_contacts = 0;  ///< all of them, listed or not
+  Wrench soft_wrench;     ///< sum of all soft contacts on the tool, at its centroid, in W
+  /// Object leaves that vanish with this step, in the order of their contacts.
+  std::array<std::int32_t, 7> removed;
+  int removals = 0;
   std::uint32_t faults = kFaultNone;
   // Counters and measures of this step.
   int substeps = 0;
@@ -175,6 +192,8 @@ struct StartPose {
 };
 
 /// Resolves a start in penetration.  Not real-time (milliseconds): called before forces begin.
-StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace);
+/// @param wear  what has gone; null: nothing has.
+StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,
+                       const LeafWear* wear = nullptr);
 
 }  // namespace palpate

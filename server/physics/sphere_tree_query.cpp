@@ -98,7 +98,6 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects, ContactModel con
   if (contact == ContactModel::kSurface) {
     surfaces_ = std::make_unique<const ObjectSurfaces>(objects);
   }
-  const double scale = contact == ContactModel::kSurface ? kBackstop : 1.0;
   int deepest = 0;
   for (const PlacedTree& object : objects) {
     CheckTree(*object.tree);
@@ -113,6 +112,7 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects, ContactModel con
   std::vector<Ball> roots;
   for (const PlacedTree& object : objects) {
     const SphereTree& tree = *object.tree;
+    const double scale = surfaces_ && HasSurface(object) ? kBackstop : 1.0;
     first_leaf_.push_back(leaf_count());
     for (std::size_t i = 0; i < tree.leaves(); ++i) {
       const Vec3 c = object.X_WB * LeafCentre(tree, i);
@@ -207,6 +207,11 @@ void ObjectForest::AddMaterials(const PlacedTree& object) {
   }
 }
 
+std::int32_t ObjectForest::LeafOf(const LeafPair& pair) const {
+  if (KindOf(pair) == RowKind::kLeaves) return pair.object;
+  return static_cast<std::int32_t>(surfaces_->LeafOf(pair));
+}
+
 int ObjectForest::ObjectOf(int leaf) const {
   return static_cast<int>(std::upper_bound(first_leaf_.begin(), first_leaf_.end(), leaf) -
                           first_leaf_.begin()) -
@@ -225,13 +230,13 @@ double ToolTree::MaxLeverOf(const SphereTree& tree) {
   return lever;
 }
 
-ToolTree::ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference, double scale,
+ToolTree::ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference,
                    Levers levers)
     : reference_(reference) {
   CheckTree(tree);
   for (std::size_t i = 0; i < tree.leaves(); ++i) {
     const Vec3 l = LeafCentre(tree, i) - reference_;
-    leaves_.push_back({l.x(), l.y(), l.z(), scale * tree.leaf_radius[i]});
+    leaves_.push_back({l.x(), l.y(), l.z(), tree.leaf_radius[i]});
     const double rim = levers == Levers::kToRims ? tree.leaf_radius[i] : 0.0;
     max_lever_ = std::max(max_lever_, l.norm() + rim);
     reach_ = std::max(reach_, l.norm() + tree.leaf_radius[i]);
@@ -253,8 +258,8 @@ ToolTree::ToolTree(const SphereTree& tree, double world_extent, const Vec3& refe
       for (int lane = 0; lane < kTreeArity; ++lane) {
         if (in.child[lane] < 0) continue;
         const auto child = static_cast<std::size_t>(in.child[lane]);
-        Ball ball = last ? Ball{LeafCentre(tree, child), scale * tree.leaf_radius[child]}
-                         : LaneBall(in, lane);
+        Ball ball =
+            last ? Ball{LeafCentre(tree, child), tree.leaf_radius[child]} : LaneBall(in, lane);
         ball.center -= reference_;
         const double rim = levers == Levers::kToRims ? ball.radius : 0.0;
         const double lever = last ? ball.center.norm() + rim : below[child];

@@ -8,6 +8,7 @@
 
 #include "scenes/sphere_tree.h"
 #include "server/physics/haptic_step.h"
+#include "server/physics/leaf_pair.h"
 #include "server/physics/simd/kernels.h"
 
 namespace palpate {
@@ -22,16 +23,16 @@ struct PacketLevels {
 
 class ObjectSurfaces;  // surface_prediction.h
 
-/// Share of its radius that a leaf keeps where surfaces decide the contact: what could fall through
-/// a surface, at an open rim or a fold, is stopped by the leaves behind it.
-inline constexpr double kBackstop = 0.8;
+/// Share of its radius that an object's leaf keeps where its surface decides the contact: what
+/// could fall through a surface, at an open rim or a fold, is stopped by the leaves behind it.
+inline constexpr double kBackstop = 0.6;
 
 /// All objects of a scene as one tree in W: a few levels over the objects, then their own trees.
 /// Immutable.
 class ObjectForest {
  public:
-  /// With ContactModel::kSurface it holds the objects' surfaces too, and its leaves are but a
-  /// backstop behind them: a fifth smaller.
+  /// With ContactModel::kSurface it holds the objects' surfaces too, and the leaves of what has one
+  /// are but a backstop behind it (kBackstop).
   explicit ObjectForest(std::span<const PlacedTree> objects,
                         ContactModel contact = ContactModel::kSpheres);
   ~ObjectForest();
@@ -43,6 +44,10 @@ class ObjectForest {
   int ObjectOf(int leaf) const;
   /// Null with ContactModel::kSpheres.
   const ObjectSurfaces* surfaces() const { return surfaces_.get(); }
+  /// Where the leaves of an object begin.
+  int FirstLeafOf(int object) const { return first_leaf_[static_cast<std::size_t>(object)]; }
+  /// The leaf that the object side of a row's pair belongs to: its material is the row's.
+  std::int32_t LeafOf(const LeafPair& pair) const;
   const Material& MaterialOf(int leaf) const {
     return materials_[leaf_material_[static_cast<std::size_t>(leaf)]];
   }
@@ -81,8 +86,7 @@ class ToolTree {
     kToRims,     ///< for trees whose nodes hold what the leaves hold, not the leaves
   };
   /// @param world_extent  how far the objects reach from W's origin [m], for the rounding margin
-  /// @param scale         of the leaves' radii
-  ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference, double scale = 1.0,
+  ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference,
            Levers levers = Levers::kToCentres);
 
   const PacketLevels<ToolPacket>& levels() const { return levels_; }
@@ -116,9 +120,9 @@ class PairQuery {
  public:
   PairQuery(const ToolTree& tool, const ObjectForest& objects);
 
-  /// Calls sink(const NodePair* leaves, int count) for batches of at most kMaxBatch leaf pairs, for
-  /// as long as it returns true. Complete; float rounding is covered by a margin, so a few more
-  /// pairs may come. Real-time: no allocation.
+  /// Calls sink(NodePair* leaves, int count) for batches of at most kMaxBatch leaf pairs, which it
+  /// may overwrite, for as long as it returns true. Complete; float rounding is covered by a
+  /// margin, so a few more pairs may come. Real-time: no allocation.
   template <class Sink>
   void Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W, const StepBounds& bounds,
            Sink&& sink) noexcept;

@@ -8,29 +8,33 @@
 namespace palpate {
 namespace {
 
-bool IsFree(const HapticModel& model, const Pose& X_WT, StepWorkspace& workspace) {
+bool IsFree(const HapticModel& model, const Pose& X_WT, const LeafWear& wear,
+            StepWorkspace& workspace) {
   StepBuffers& buffers = workspace.buffers();
   return !buffers.prediction.Overlaps(model, ActiveKernels(), X_WT.q.toRotationMatrix(),
-                                      X_WT * model.reference(), buffers.rows);
+                                      X_WT * model.reference(), wear, buffers.rows);
 }
 
 /// Shortest way out along `direction`, to within a sub-step's length: walks outward until free.
 double WayOut(const HapticModel& model, const Pose& X_WH, const Vec3& direction, double longest,
-              StepWorkspace& workspace) {
+              const LeafWear& wear, StepWorkspace& workspace) {
   const double stride = 2.0 * model.parameters().max_translation;
   for (double s = stride; s < longest; s += stride) {
     Pose X = X_WH;
     X.p += s * direction;
-    if (IsFree(model, X, workspace)) return s;
+    if (IsFree(model, X, wear, workspace)) return s;
   }
   return longest;
 }
 
 }  // namespace
 
-StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace) {
+StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,
+                       const LeafWear* wear) {
+  StepState state;
+  if (wear != nullptr) state.wear = *wear;
   Pose X_start{X_WH.p, X_WH.q.normalized()};
-  if (IsFree(model, X_start, workspace)) return {X_start, 0.0};
+  if (IsFree(model, X_start, state.wear, workspace)) return {X_start, 0.0};
 
   // Out along the 26 directions of a cube's faces, edges and corners, whichever is shortest; every
   // object ends within `shortest`, so there is always a way.
@@ -40,14 +44,13 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   for (int i = 0; i < 27; ++i) {
     const Vec3 d(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
     if (d.squaredNorm() == 0.0) continue;
-    const double out = WayOut(model, X_start, d.normalized(), shortest, workspace);
+    const double out = WayOut(model, X_start, d.normalized(), shortest, state.wear, workspace);
     if (out < shortest) {
       shortest = out;
       way = d.normalized();
     }
   }
   // Then back as near as contact lets it: the step itself walks there and cannot enter an object.
-  StepState state;
   state.friction.suspended = true;
   state.X_WG = X_start;
   state.X_WG.p += shortest * way;

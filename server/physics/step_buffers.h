@@ -1,8 +1,11 @@
 #pragma once
 
+#include <optional>
+
 #include "server/physics/contact_prediction.h"
 #include "server/physics/contact_rows.h"
 #include "server/physics/haptic_step.h"
+#include "server/physics/soft_rows.h"
 
 namespace palpate {
 
@@ -11,9 +14,14 @@ struct StepWorkspace::Buffers {
   explicit Buffers(const HapticModel& model)
       : prediction(model),
         rows(model.parameters().max_rows, PairQuery::kMaxBatch, model.degrees_of_freedom(),
-             model.rotation_length()) {}
+             model.rotation_length()) {
+    if (model.soft_leaves() != nullptr) {
+      soft.emplace(model.parameters().max_rows, model.rotation_length());
+    }
+  }
   ContactPrediction prediction;
   ContactRows rows;
+  std::optional<SoftRows> soft;  ///< where the model has soft leaves
 };
 using StepBuffers = StepWorkspace::Buffers;
 

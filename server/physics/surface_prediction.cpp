@@ -33,7 +33,7 @@ std::unique_ptr<const ObjectForest> MakeForest(const std::vector<const SphereTre
 
 std::unique_ptr<const ToolTree> MakeToolTree(const SphereTree& tree, double world_extent) {
   if (tree.leaves() == 0) return nullptr;
-  return std::make_unique<const ToolTree>(tree, world_extent, Vec3::Zero(), 1.0,
+  return std::make_unique<const ToolTree>(tree, world_extent, Vec3::Zero(),
                                           ToolTree::Levers::kToRims);
 }
 
@@ -83,12 +83,21 @@ std::optional<CreaseRow> BallRow(const Vec3& centre, double radius, const Crease
 
 }  // namespace
 
+bool HasSurface(const PlacedTree& object) {
+  return std::none_of(object.materials.begin(), object.materials.end(), [](const Material& m) {
+    return std::isfinite(m.stiffness) || std::isfinite(m.hardness);
+  });
+}
+
 ObjectSurfaces::ObjectSurfaces(std::span<const PlacedTree> objects) {
   std::vector<ContactSurface> surfaces;
   surfaces.reserve(objects.size());
   std::uint32_t first_leaf = 0;
   std::vector<const SphereTree*> point_trees, patch_trees, crease_trees;
   for (const PlacedTree& object : objects) {
+    const std::uint32_t own_leaf = first_leaf;
+    first_leaf += static_cast<std::uint32_t>(object.tree->leaves());
+    if (!HasSurface(object)) continue;
     if (object.mesh == nullptr || object.tree->leaf_triangle.empty()) {
       throw Error(
           "surface contact: an object has no mesh; give it one, or use \"contact\": \"spheres\"");
@@ -99,10 +108,9 @@ ObjectSurfaces::ObjectSurfaces(std::span<const PlacedTree> objects) {
     Append(surface.patches, patches);
     Append(surface.discs, discs);
     Append(surface.creases, creases);
-    for (std::uint32_t leaf : surface.point_leaf) point_leaf.push_back(first_leaf + leaf);
-    for (std::uint32_t leaf : surface.patch_leaf) patch_leaf.push_back(first_leaf + leaf);
-    for (std::uint32_t leaf : surface.crease_leaf) crease_leaf.push_back(first_leaf + leaf);
-    first_leaf += static_cast<std::uint32_t>(object.tree->leaves());
+    for (std::uint32_t leaf : surface.point_leaf) point_leaf.push_back(own_leaf + leaf);
+    for (std::uint32_t leaf : surface.patch_leaf) patch_leaf.push_back(own_leaf + leaf);
+    for (std::uint32_t leaf : surface.crease_leaf) crease_leaf.push_back(own_leaf + leaf);
     point_trees.push_back(&surface.point_tree);
     patch_trees.push_back(&surface.patch_tree);
     crease_trees.push_back(&surface.crease_tree);

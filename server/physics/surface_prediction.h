@@ -7,31 +7,19 @@
 
 #include "server/physics/contact_rows.h"
 #include "server/physics/contact_surface.h"
+#include "server/physics/leaf_pair.h"
 #include "server/physics/sphere_tree_query.h"
 
 namespace palpate {
 
-/// What the pair of a row names (ContactModel::kSurface): leaves of the two sphere trees, as with
-/// ContactModel::kSpheres, or, told by a tag added to `tool`, parts of the two surfaces.
-enum class RowKind : std::int32_t {
-  kLeaves = 0,
-  kPointOnPatch = 1,  ///< a point of the tool on a patch of an object
-  kPatchOnPoint = 2,
-  kCreases = 3,
-  kBallOnCrease = 4,  ///< a spherical tool on a crease of an object
-};
-inline constexpr int kRowKindShift = 28;
-inline RowKind KindOf(NodePair pair) {
-  return static_cast<RowKind>(pair.tool >> kRowKindShift);
-}
-inline NodePair Untagged(NodePair pair) {
-  return {pair.tool & ((1 << kRowKindShift) - 1), pair.object};
-}
+/// True where an object's surface decides its contact: it is rigid and stays.  What yields or is
+/// scraped off has its compliance and hardness by leaf, so its leaves decide.
+bool HasSurface(const PlacedTree& object);
 
-/// The surfaces of all objects of a scene, in W.  Immutable.
+/// The surfaces of all objects of a scene that have one, in W.  Immutable.
 class ObjectSurfaces {
  public:
-  /// Throws Error where an object has no mesh.
+  /// Throws Error where such an object has no mesh.
   explicit ObjectSurfaces(std::span<const PlacedTree> objects);
 
   std::vector<SurfacePoint> points;
@@ -43,7 +31,7 @@ class ObjectSurfaces {
   /// Leaf i is entry i; null where there are none.
   std::unique_ptr<const ObjectForest> point_forest, patch_forest, crease_forest;
 
-  /// Leaf of the sphere trees' forest that a row's object side belongs to.
+  /// Leaf of the sphere trees' forest that the object side of a row between surfaces belongs to.
   std::uint32_t LeafOf(NodePair pair) const;
 };
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
+#include <iterator>
 
 #include "common/math/rotation.h"
 #include "common/time/steady_clock.h"
@@ -47,7 +47,13 @@ void SetScaled(const Wrench& full, double gain, wire::Wrench& answer) noexcept {
 
 }  // namespace
 
-ServoLoop::ServoLoop(const HapticModel& model) : model_(model), workspace_(model) {}
+// A leaf goes at most once, so logs of as many as there are can never be full.
+ServoLoop::ServoLoop(const HapticModel& model)
+    : model_(model),
+      workspace_(model),
+      state_(model),
+      removed_by_others_(state_.wear.leaf_count()),
+      removals_(state_.wear.leaf_count()) {}
 
 bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexcept {
   const std::int64_t taken_ns = SteadyNanoseconds();
@@ -64,6 +70,8 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
     gain_ = 0.0;
   }
 
+  TakeRemovals(pose.pose_sequence);
+
   Clear(answer);
   answer.pose_sequence = pose.pose_sequence;
   answer.pose_time_ns = pose.sample_time_ns;
@@ -78,6 +86,13 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
   wire::FromPose(state_.X_WG, answer.graphic_position_m, answer.graphic_orientation_wxyz);
   Report(answer, taken_ns);
   return true;
+}
+
+void ServoLoop::TakeRemovals(std::uint64_t pose_sequence) noexcept {
+  for (const std::size_t size = removed_by_others_.size(); removals_taken_ < size;) {
+    const std::int32_t leaf = removed_by_others_[removals_taken_++];
+    if (state_.wear.Remove(leaf)) removals_.Append({leaf, false, pose_sequence});
+  }
 }
 
 bool ServoLoop::InSequence(const wire::HapticPose& pose) noexcept {
@@ -128,16 +143,20 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
   full_ = report.wrench;
   SetScaled(full_, gain_, answer);
   answer.faults = report.faults;
-  answer.contacts = static_cast<std::uint32_t>(report.contacts);
-  // A station computes the full force from the rows: none are given while less is due.
-  if (gain_ < 1.0) return;
-  // A jam has a seventh row, which the others imply but for its slack.
-  constexpr int kRows = static_cast<int>(std::extent_v<decltype(answer.row_offset_m)>);
-  const int rows = std::min(report.contacts, kRows);
-  answer.rows = static_cast<std::uint32_t>(rows);
+  int rigid = 0;
+  while (rigid < report.contacts && std::isinf(report.active[rigid].stiffness)) ++rigid;
+  answer.contacts = static_cast<std::uint32_t>(rigid + report.soft_contacts);
+  for (int i = 0; i < report.removals; ++i) {
+    removals_.Append({report.removed[i], true, answer.pose_sequence});
+  }
+  // A station computes the full force from the rows: none are given while less is due, nor where
+  // they are not all that pushes: soft ones, and a jam's seventh.
+  constexpr int kRows = std::size(decltype(answer.row_force_N){});
+  if (gain_ < 1.0 || report.soft_contacts > 0 || rigid > kRows) return;
+  answer.rows = answer.contacts;
   answer.region_m = model_.parameters().max_translation;
   answer.region_rad = model_.parameters().max_rotation;
-  for (int i = 0; i < rows; ++i) {
+  for (int i = 0; i < rigid; ++i) {
     const ActiveRow& active = report.active[i];
     for (int k = 0; k < 3; ++k) {
       answer.row[i][k] = active.normal[k];

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "common/dds/wire.h"
+#include "common/realtime/append_log.h"
 #include "common/realtime/latest_mailbox.h"
 #include "common/stats/histogram.h"
 #include "server/physics/haptic_step.h"
@@ -36,6 +37,13 @@ struct LoopSnapshot {
   bool has_pose = false;  ///< false until a pose was fit to be used
 };
 
+/// A leaf that went before or with the step of a pose.
+struct Removal {
+  std::int32_t leaf;            ///< as the forest numbers it
+  bool own;                     ///< scraped off by this loop's tool; else by another
+  std::uint64_t pose_sequence;  ///< own: went with this pose's step; else: before it
+};
+
 /// The servo loop of one session: turns each pose into a wrench, on the pose's arrival.
 ///
 /// A pose is used where it is finite and within 100 m, its quaternion has a length, its sequence
@@ -58,6 +66,12 @@ class ServoLoop {
 
   /// Puts the graphic tool there and lets forces begin, with the next pose.
   void Start(const Pose& X_WG) { start_.Write(X_WG); }
+  /// Takes a leaf away that another tool has scraped off, before the next pose's step.  Each leaf
+  /// once.
+  void Remove(std::int32_t leaf) { removed_by_others_.Append(leaf); }
+  /// Every leaf that has gone from this loop's scene.  With the poses, all that a replay needs: the
+  /// same bits follow.
+  const AppendLog<Removal>& removals() const { return removals_; }
   /// The latest step, where one was made since the last call.
   bool ReadSnapshot(LoopSnapshot& snapshot) { return snapshots_.Read(snapshot); }
   /// Poses heard that were not mere repeats: stands still where the station is silent.
@@ -70,6 +84,7 @@ class ServoLoop {
   bool InSequence(const wire::HapticPose& pose) noexcept;
   /// Sets X_WH_ where the pose can be used; else returns the fault.
   std::uint32_t UsePose(const wire::HapticPose& pose) noexcept;
+  void TakeRemovals(std::uint64_t pose_sequence) noexcept;
   void Step(wire::Wrench& answer) noexcept;
   void Hold(std::uint32_t fault, wire::Wrench& answer) noexcept;
   void Report(wire::Wrench& answer, std::int64_t taken_ns) noexcept;
@@ -100,6 +115,9 @@ class ServoLoop {
   LatestMailbox<Pose> start_;
   LatestMailbox<LoopSnapshot> snapshots_;
   LatestMailbox<LoopCounters> reports_;
+  AppendLog<std::int32_t> removed_by_others_;
+  std::size_t removals_taken_ = 0;  // of removed_by_others_
+  AppendLog<Removal> removals_;
 };
 
 }  // namespace palpate

@@ -23,6 +23,7 @@ Session::Session(std::string station, std::uint64_t run, std::shared_ptr<const S
       tool_(std::move(tool)),
       loop_(tool_->model),
       start_workspace_(std::in_place, tool_->model),
+      start_wear_(StepState(tool_->model).wear),
       heard_ns_(now_ns) {}
 
 bool Session::Update(std::int64_t now_ns) {
@@ -45,7 +46,8 @@ bool Session::Update(std::int64_t now_ns) {
 
 bool Session::TryStart(std::int64_t now_ns) {
   tried_ns_ = now_ns;
-  const StartPose start = ResolveStart(tool_->model, snapshot_.X_WH, *start_workspace_);
+  const StartPose start =
+      ResolveStart(tool_->model, snapshot_.X_WH, *start_workspace_, &start_wear_);
   if (!(start.depth <= kMaxStartDepth_m)) {
     phase_ = palpate_SESSION_ACQUIRING;
     const bool news = reason_.empty() || std::abs(start.depth - start_depth_) > kNews_m;
@@ -55,10 +57,25 @@ bool Session::TryStart(std::int64_t now_ns) {
   }
   loop_.Start(start.X_WG);
   start_workspace_.reset();
+  start_wear_ = {};
   start_depth_ = start.depth;
   phase_ = palpate_SESSION_ACTIVE;
   reason_.clear();
   return true;
+}
+
+std::optional<Removal> Session::TakeRemoval() {
+  const AppendLog<Removal>& removals = loop_.removals();
+  while (removals_taken_ < removals.size()) {
+    const Removal& removal = removals[removals_taken_++];
+    if (removal.own) return removal;
+  }
+  return std::nullopt;
+}
+
+void Session::Remove(std::int32_t leaf) {
+  start_wear_.Remove(leaf);
+  loop_.Remove(leaf);
 }
 
 void Session::End(std::string reason) {

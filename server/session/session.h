@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/dds/wire.h"
+#include "scenes/scene_remains.h"
 #include "server/physics/haptic_step.h"
 #include "server/session/servo_loop.h"
 
@@ -16,6 +17,7 @@ struct ServedTool {
   std::string scene;
   std::string tool;
   HapticModel model;
+  std::shared_ptr<const SceneRemains> whole = nullptr;  ///< where its features name removal
 };
 
 /// One station driving one tool: waiting for poses -> acquiring (only where the tool starts inside
@@ -36,6 +38,10 @@ class Session {
   /// reason changed.
   bool Update(std::int64_t now_ns);
   void End(std::string reason);
+  /// The next leaf that this session's tool has scraped off.
+  std::optional<Removal> TakeRemoval();
+  /// Takes a leaf away that another has scraped off.  Each leaf once.
+  void Remove(std::int32_t leaf);
 
   ServoLoop& loop() { return loop_; }
   const std::string& station() const { return station_; }
@@ -56,10 +62,12 @@ class Session {
   std::shared_ptr<const ServedTool> tool_;
   ServoLoop loop_;
   std::optional<StepWorkspace> start_workspace_;  // only until the session is active
+  LeafWear start_wear_;                           // also
   wire::SessionPhase phase_ = palpate_SESSION_WAITING;
   std::string reason_;
   double start_depth_ = 0.0;
   LoopSnapshot snapshot_;
+  std::size_t removals_taken_ = 0;
   std::uint64_t heard_ = 0;
   std::int64_t heard_ns_;
   std::int64_t tried_ns_ = 0;

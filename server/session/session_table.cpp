@@ -17,7 +17,13 @@ void AddName(std::string& list, const std::string& name) {
 
 SessionTable::SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools,
                            std::uint64_t server_run)
-    : tools_(std::move(tools)), server_run_(server_run) {}
+    : tools_(std::move(tools)), server_run_(server_run) {
+  for (const auto& tool : tools_) {
+    if (tool->whole) {
+      scenes_.try_emplace(tool->scene, tool->scene, *tool->whole, server_run_);
+    }
+  }
+}
 
 void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now_ns) {
   if (!dds::IsStationName(request.station)) {
@@ -48,6 +54,7 @@ void SessionTable::Update(std::int64_t now_ns) {
   for (auto it = sessions_.begin(); it != sessions_.end();) {
     Session& session = *it->second;
     if (session.Update(now_ns) || session.ended()) Publish(session);
+    PassOnRemovals(session);
     it = session.ended() ? sessions_.erase(it) : std::next(it);
   }
   for (auto it = waiting_.begin(); it != waiting_.end();) {
@@ -67,6 +74,21 @@ void SessionTable::Update(std::int64_t now_ns) {
   }
 }
 
+void SessionTable::PassOnRemovals(Session& from) {
+  const auto scene = scenes_.find(from.tool().scene);
+  if (scene == scenes_.end()) return;
+  while (const std::optional<Removal> removal = from.TakeRemoval()) {
+    const std::vector<wire::SceneChange> changes = scene->second.Remove(from, *removal);
+    if (changes.empty()) continue;
+    scene_changes_.insert(scene_changes_.end(), changes.begin(), changes.end());
+    for (const auto& [station, other] : sessions_) {
+      if (other.get() != &from && other->tool().scene == scene->first) {
+        other->Remove(removal->leaf);
+      }
+    }
+  }
+}
+
 void SessionTable::EndAll(const std::string& reason) {
   for (auto& [station, session] : sessions_) {
     session->End(reason);
@@ -78,6 +100,10 @@ void SessionTable::EndAll(const std::string& reason) {
 
 std::vector<wire::SessionState> SessionTable::TakeChanges() {
   return std::exchange(changes_, {});
+}
+
+std::vector<wire::SceneChange> SessionTable::TakeSceneChanges() {
+  return std::exchange(scene_changes_, {});
 }
 
 std::shared_ptr<const ServedTool> SessionTable::Find(const wire::SessionRequest& request,
@@ -123,6 +149,9 @@ void SessionTable::Admit(const wire::SessionRequest& request, std::int64_t now_n
   }
   const auto session =
       std::make_shared<Session>(request.station, request.run, std::move(tool), now_ns);
+  if (const auto scene = scenes_.find(session->tool().scene); scene != scenes_.end()) {
+    for (const std::int32_t leaf : scene->second.gone()) session->Remove(leaf);
+  }
   sessions_[request.station] = session;
   Publish(*session);
 }

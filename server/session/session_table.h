@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/dds/wire.h"
+#include "server/session/scene_changes.h"
 #include "server/session/session.h"
 
 namespace palpate {
@@ -34,6 +35,8 @@ class SessionTable {
   const std::map<std::string, std::shared_ptr<Session>>& sessions() const { return sessions_; }
   /// States to publish since the last call, oldest first.
   std::vector<wire::SessionState> TakeChanges();
+  /// What tools have scraped off since the last call, in the order that holds for each scene.
+  std::vector<wire::SceneChange> TakeSceneChanges();
 
  private:
   struct Waiting {
@@ -47,12 +50,16 @@ class SessionTable {
   void Admit(const wire::SessionRequest& request, std::int64_t now_ns);
   void Refuse(const wire::SessionRequest& request, const std::string& reason);
   void Publish(const Session& session);
+  /// Passes on what a session's tool has scraped off to the others of its scene.
+  void PassOnRemovals(Session& from);
 
   std::vector<std::shared_ptr<const ServedTool>> tools_;
   std::uint64_t server_run_;
   std::map<std::string, std::shared_ptr<Session>> sessions_;  // by station
   std::map<std::string, Waiting> waiting_;                    // by station
   std::vector<wire::SessionState> changes_;
+  std::map<std::string, SceneChanges> scenes_;  // by name; those that declare removal
+  std::vector<wire::SceneChange> scene_changes_;
 };
 
 }  // namespace palpate

@@ -84,6 +84,7 @@ Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
       print_line_(std::move(print_line)),
       requests_(service_domain_, dds::kSessionRequestTopic, dds::Qos::kSession),
       states_(service_domain_, dds::kSessionStateTopic, dds::Qos::kSession),
+      scene_changes_(service_domain_, dds::kSceneChangeTopic, dds::Qos::kSession),
       tool_states_(service_domain_, dds::kToolStateTopic, dds::Qos::kStream),
       statistics_(service_domain_, dds::kLoopStatisticsTopic, dds::Qos::kStream) {}
 
@@ -130,6 +131,7 @@ void Server::PublishChanges() {
                  state.reason[0] != '\0' ? ": " : "", state.reason);
     states_.Write(state);
   }
+  for (const wire::SceneChange& change : table_.TakeSceneChanges()) scene_changes_.Write(change);
 }
 
 void Server::CheckSharedMemory(std::int64_t now_ns) {

@@ -51,6 +51,7 @@ class Server {
   std::function<void(const std::string&)> print_line_;
   dds::Reader<wire::SessionRequest> requests_;
   dds::Writer<wire::SessionState> states_;
+  dds::Writer<wire::SceneChange> scene_changes_;
   dds::Writer<wire::ToolState> tool_states_;
   dds::Writer<wire::LoopStatistics> statistics_;
   std::map<std::string, Station> stations_;

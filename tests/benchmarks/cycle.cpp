@@ -60,7 +60,8 @@ void Run(const Options& options) {
   }
 
   // Everything else comes from the reports and from an oracle that knows nothing of the trees.
-  OverlapOracle oracle(run.tool().tree, run.scene().objects);
+  OverlapOracle oracle(run.tool().tree, run.scene().objects, run.scene().features);
+  LeafWear wear = run.Start().wear;
   std::vector<double> predicted, conventional, penetration, truncation, iterations, newton;
   int unsolved = 0, jammed = 0, far = 0, lowered = 0, rubs_unsolved = 0;
   double force_jump = 0.0, torque_jump = 0.0;
@@ -84,8 +85,11 @@ void Run(const Options& options) {
       if (i % 500 == 0) {
         Progress(fmt::format("{}: checking step {} of {} ...", options.scene, i, steps));
       }
-      penetration.push_back(1e6 * oracle.At(report.X_WG).depth);
-      conventional.push_back(static_cast<double>(oracle.At(run.poses()[i]).pairs));
+      penetration.push_back(1e6 * oracle.At(report.X_WG, &wear).depth);
+      conventional.push_back(static_cast<double>(oracle.At(run.poses()[i], &wear).pairs));
+    }
+    for (int r = 0; r < report.removals; ++r) {
+      wear.Remove(report.removed[static_cast<std::size_t>(r)]);
     }
   }
   Progress("");

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "server/physics/soft_rows.h"
+
 namespace palpate::bench {
 
 std::vector<OverlapOracle::Ball> OverlapOracle::IntoCells(std::vector<Ball>& balls,
@@ -51,22 +53,32 @@ OverlapOracle::Side OverlapOracle::Sort(std::vector<Ball> leaves) {
   return side;
 }
 
-OverlapOracle::OverlapOracle(const SphereTree& tool, const std::vector<Body>& objects) {
-  const auto add = [](const SphereTree& tree, const Pose& X, std::vector<Ball>& balls) {
+OverlapOracle::OverlapOracle(const SphereTree& tool, const std::vector<Body>& objects,
+                             const Features& features) {
+  const auto add = [](const SphereTree& tree, const Pose& X, const auto& core_depth,
+                      std::vector<Ball>& balls) {
     for (std::size_t i = 0; i < tree.leaves(); ++i) {
-      balls.push_back(
-          {X * Vec3(tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]), tree.leaf_radius[i]});
+      balls.push_back({X * Vec3(tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]),
+                       tree.leaf_radius[i] - core_depth(i), static_cast<int>(balls.size())});
     }
   };
   std::vector<Ball> balls;
-  add(tool, Pose{}, balls);
+  add(
+      tool, Pose{}, [](std::size_t) { return 0.0; }, balls);
   tool_ = Sort(std::move(balls));
   balls.clear();
-  for (const Body& object : objects) add(object.tree, object.X_WB, balls);
+  for (const Body& object : objects) {
+    const auto core_depth = [&](std::size_t leaf) {
+      if (!features.compliance || object.materials.empty()) return 0.0;
+      const std::size_t material = object.leaf_material.empty() ? 0 : object.leaf_material[leaf];
+      return CoreDepth(object.materials[material], object.tree.leaf_radius[leaf]);
+    };
+    add(object.tree, object.X_WB, core_depth, balls);
+  }
   objects_ = Sort(std::move(balls));
 }
 
-OverlapOracle::Overlap OverlapOracle::At(const Pose& X_WT) const {
+OverlapOracle::Overlap OverlapOracle::At(const Pose& X_WT, const LeafWear* wear) const {
   Overlap overlap;
   const Mat3 R = X_WT.q.toRotationMatrix();
   const auto move = [&](const Ball& ball) { return Vec3(R * ball.center + X_WT.p); };
@@ -91,6 +103,7 @@ OverlapOracle::Overlap OverlapOracle::At(const Pose& X_WT) const {
             if (!touch(leaf_center, leaf, other_cell)) return;
             each(objects_.leaves, other_cell, [&](const Ball& other) {
               if (!touch(leaf_center, leaf, other)) return;
+              if (wear != nullptr && wear->gone(other.begin)) return;
               overlap.depth = std::max(
                   overlap.depth, leaf.radius + other.radius - (leaf_center - other.center).norm());
               ++overlap.pairs;

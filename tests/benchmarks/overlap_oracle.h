@@ -4,25 +4,29 @@
 
 #include "common/math/pose.h"
 #include "scenes/scene.h"
+#include "server/physics/leaf_wear.h"
 
 namespace palpate::bench {
 
 /// Deepest overlap of a tool's leaf balls with the objects', at any pose, to the last bit of
-/// double. Shares nothing with the sphere trees or the query that it checks: balls are sorted into
-/// the cells of a plain grid, and cells into those of a coarser one; what is apart is passed over,
-/// and within the rest every pair is tried.
+/// double. Where the scene declares compliance, a soft leaf counts as its rigid core only. Shares
+/// nothing with the sphere trees or the query that it checks: balls are sorted into the cells of a
+/// plain grid, and cells into those of a coarser one; what is apart is passed over, and within the
+/// rest every pair is tried.
 class OverlapOracle {
  public:
-  OverlapOracle(const SphereTree& tool, const std::vector<Body>& objects);
+  OverlapOracle(const SphereTree& tool, const std::vector<Body>& objects, const Features& features);
 
   struct Overlap {
     double depth = 0.0;  ///< deepest, 0 where nothing overlaps [m]
     long pairs = 0;      ///< balls that overlap
   };
-  Overlap At(const Pose& X_WT) const;
+  /// @param wear  the objects' leaves that have gone do not count; null: all are there.
+  Overlap At(const Pose& X_WT, const LeafWear* wear = nullptr) const;
 
  private:
-  /// A ball, or a ball around the members [begin, end) of the next finer list.
+  /// A ball, or a ball around the members [begin, end) of the next finer list; a leaf's `begin` is
+  /// its number among the leaves of its side.
   struct Ball {
     Vec3 center;
     double radius;

@@ -146,6 +146,86 @@ TEST_F(PalpateBench, CycleRunsWithTheFrictionThatIsAskedFor) {
   EXPECT_NE(jump[0], jump[2]);
 }
 
+TEST_F(PalpateBench, AccuracyFindsSmallerErrorsWithMoreSpheresAndNoneOnAFlatFace) {
+  ASSERT_EQ(
+      Run({"accuracy", "--object", "cube", "--spheres", "64,512", "--contact", "spheres", "--steps",
+           "400", "--repeats", "1", "--json", File("cube.json"), "--plot", File("cube.svg")}),
+      0)
+      << said_;
+  const nlohmann::json spheres = Json("cube.json");
+  ASSERT_EQ(spheres["results"].size(), 2u);
+  double error = 1.1;
+  for (const nlohmann::json& row : spheres["results"]) {
+    EXPECT_LT(row["force_error"]["magnitude"]["mean"], error);
+    error = row["force_error"]["magnitude"]["mean"];
+    EXPECT_GT(error, 1e-3) << "spheres are no plane";
+    EXPECT_LT(row["truncation_um"]["max"], 1.0) << "chapter 2.5.1";
+  }
+  std::ifstream plot(File("cube.svg"));
+  EXPECT_THAT(std::string(std::istreambuf_iterator<char>(plot), {}), HasSubstr("512 spheres"));
+
+  ASSERT_EQ(Run({"accuracy", "--object", "cube", "--spheres", "64", "--contact", "surface",
+                 "--steps", "400", "--repeats", "1", "--json", File("cube.json")}),
+            0)
+      << said_;
+  const nlohmann::json surface = Json("cube.json");
+  EXPECT_EQ(surface["spheres"], 64);
+  EXPECT_LE(surface["force_error"]["magnitude"]["mean"], 0.001);
+  EXPECT_LE(surface["force_error"]["magnitude"]["max"], 0.005);
+  EXPECT_LE(surface["direction_deg"]["max"], 0.3);
+  EXPECT_TRUE(surface["best_step_us"].contains("p999"));
+}
+
+TEST_F(PalpateBench, AccuracySetsTheTrianglesOfAMeshBesideTheSpheres) {
+  ASSERT_EQ(Run({"accuracy", "--object", "ellipsoid", "--spheres", "512", "--triangles", "4000",
+                 "--contact", "surface", "--steps", "400", "--repeats", "1", "--json",
+                 File("ellipsoid.json")}),
+            0)
+      << said_;
+  const nlohmann::json json = Json("ellipsoid.json");
+  EXPECT_EQ(json["triangles"], 5120);
+  EXPECT_LE(json["force_error"]["magnitude"]["max"], 0.01);
+  // Flat triangles: the true surface lies up to e^2 / 8R outside them.
+  EXPECT_EQ(json["mesh"]["triangles"], 5120);
+  EXPECT_GT(json["mesh"]["force_error"]["magnitude"]["max"], 0.01);
+  EXPECT_LT(json["mesh"]["force_error"]["magnitude"]["max"], 0.1);
+}
+
+TEST_F(PalpateBench, StabilityRunsACaseByItsNameAndExitsWithOneWhereItDoesNotHold) {
+  ASSERT_EQ(Run({"stability", "--case", "no-drift", "--contact", "spheres", "--steps", "4000",
+                 "--json", File("drift.json")}),
+            0)
+      << said_;
+  const nlohmann::json json = Json("drift.json");
+  EXPECT_EQ(json["held"], 1);
+  EXPECT_EQ(json["total"], 1);
+  const nlohmann::json& drift = json["cases"][0];
+  EXPECT_EQ(drift["name"], "no-drift");
+  EXPECT_GE(drift["steps"], 4000);
+  EXPECT_LE(drift["figure"], drift["bound"]);
+  EXPECT_EQ(drift["unit"], "um");
+  EXPECT_EQ(drift["held"], true);
+
+  EXPECT_EQ(Run({"stability", "--case", "no-such-case"}), 2);
+  EXPECT_THAT(said_, HasSubstr("wedge-5"));
+}
+
+TEST_F(PalpateBench, LevelsShowFinerTreesCloserToTheFinest) {
+  ASSERT_EQ(Run({"levels", "--scene", "cube", "--leaves", "512,64,4096", "--contact", "spheres",
+                 "--repeats", "1", "--json", File("levels.json"), "--plot", File("levels.svg")}),
+            0)
+      << said_;
+  const nlohmann::json levels = Json("levels.json")["levels"];
+  ASSERT_EQ(levels.size(), 3u);
+  EXPECT_EQ(levels[0]["object_spheres"], 64);
+  EXPECT_EQ(levels[2]["object_spheres"], 4096);
+  EXPECT_EQ(levels[2]["tool_spheres"], 1);
+  EXPECT_GT(levels[0]["against_finest"]["force"], levels[1]["against_finest"]["force"]);
+  EXPECT_GT(levels[1]["against_finest"]["force"], 0.0);
+  EXPECT_EQ(levels[2]["against_finest"]["force"], 0.0);
+  EXPECT_GT(levels[0]["uncovered_um"]["mean"], levels[2]["uncovered_um"]["mean"]);
+}
+
 /// What is wrong with a text as XML: a tag that is not closed, or closed out of turn, an attribute
 /// without quotes, a bare & or <.  Empty where nothing is.
 std::string WhyNoXml(const std::string& text) {

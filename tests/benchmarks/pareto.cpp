@@ -13,6 +13,7 @@
 #include "common/stop_signal.h"
 #include "scenes/catalogue.h"
 #include "scenes/shapes.h"
+#include "server/physics/leaf_wear.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"
 #include "tests/benchmarks/overlap_oracle.h"
@@ -196,6 +197,8 @@ class Pareto {
         result.triangles += object.mesh.triangles.size();
       }
       result.steps = loaded_->poses.size();
+      const Features& features = loaded_->scene.features;
+      result.yields = features.compliance || features.removal;
     });
     for (const char* contact : kContacts) {
       for (const char* friction : kFrictions) {
@@ -213,8 +216,8 @@ class Pareto {
     loaded->scene = LoadForBench(name, options_.models);
     loaded->poses = PathOf(name);
     loaded->judge = std::make_unique<PathJudge>(loaded->scene, loaded->poses, checks(), stop_);
-    loaded->oracle =
-        std::make_unique<OverlapOracle>(loaded->scene.tools.front().tree, loaded->scene.objects);
+    loaded->oracle = std::make_unique<OverlapOracle>(loaded->scene.tools.front().tree,
+                                                     loaded->scene.objects, loaded->scene.features);
     loaded_ = std::move(loaded);
   }
 
@@ -229,14 +232,24 @@ class Pareto {
       const TimedRun timed = TimeRun(run, repeats(), stop_);
       model.speed = timed.speed;
       model.path = loaded_->judge->Judge(PosesOf(timed.steps), ForcesOf(timed.steps));
-      if (contact != "spheres") return;
-      double deepest = 0.0;
-      for (std::size_t i = 0; i < timed.steps.size(); i += loaded_->judge->every()) {
-        deepest = std::max(deepest, loaded_->oracle->At(timed.steps[i].X_WG).depth);
-      }
-      model.sphere_overlap_um = 1e6 * deepest;
+      if (contact == "spheres") model.sphere_overlap_um = 1e6 * SphereOverlap(run, timed.steps);
     });
     return model;
+  }
+
+  /// Deepest overlap of the spheres that were there, at the steps that are checked [m].
+  double SphereOverlap(const SceneRun& run, const std::vector<StepReport>& steps) const {
+    LeafWear wear = run.Start().wear;
+    double deepest = 0.0;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      if (i % loaded_->judge->every() == 0) {
+        deepest = std::max(deepest, loaded_->oracle->At(steps[i].X_WG, &wear).depth);
+      }
+      for (int r = 0; r < steps[i].removals; ++r) {
+        wear.Remove(steps[i].removed[static_cast<std::size_t>(r)]);
+      }
+    }
+    return deepest;
   }
 
   // ---- what features cost
@@ -269,9 +282,6 @@ class Pareto {
     for (std::size_t v = 0; v < variants.size(); ++v) {
       costs[v].feature = variants[v].name;
       OrReason(costs[v].not_available, [&] {
-        if (variants[v].features.compliance || variants[v].features.removal) {
-          throw Error("this version's physics has neither compliance nor removal");
-        }
         Scene with = scene;
         for (Body& object : with.objects) {
           for (Material& material : object.materials) {

@@ -23,6 +23,7 @@ SceneRun::SceneRun(Scene scene, std::vector<Pose> poses)
     : scene_(std::move(scene)), poses_(std::move(poses)) {
   model_ = std::make_unique<HapticModel>(MakeModel(scene_, tool(), MakeObjects(scene_)));
   workspace_ = std::make_unique<StepWorkspace>(*model_);
+  start_ = StepState(*model_);
   start_.X_WG = ResolveStart(*model_, poses_.front(), *workspace_).X_WG;
 }
 

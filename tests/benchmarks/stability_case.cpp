@@ -109,7 +109,8 @@ Trial::Trial(CaseRun& run, const Solid& tool, const std::vector<Solid>& objects,
       std::make_unique<HapticModel>(MakeModel(scene_, scene_.tools.front(), MakeObjects(scene_)));
   workspace_ = std::make_unique<StepWorkspace>(*model_);
   if (features.contact == ContactModel::kSpheres) {
-    oracle_ = std::make_unique<OverlapOracle>(scene_.tools.front().tree, scene_.objects);
+    oracle_ =
+        std::make_unique<OverlapOracle>(scene_.tools.front().tree, scene_.objects, scene_.features);
   }
 }
 

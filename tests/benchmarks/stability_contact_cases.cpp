@@ -27,6 +27,8 @@ constexpr const char* kOverlapReason =
 /// A groove of the opening angle, its apex along z through the origin, open towards +y.
 void Wedge(CaseRun& run, double degrees) {
   const double a = 0.5 * degrees * M_PI / 180.0;
+  // Each wall goes on for 2 mm beyond the apex, inside or below the other: no crack is left there.
+  constexpr double kBeyond = 2 * kMillimetre;
   const Vec3 sides(50 * kMillimetre, 4 * kMillimetre, 24 * kMillimetre);
   std::vector<Solid> walls;
   std::vector<Vec3> inward;
@@ -34,7 +36,8 @@ void Wedge(CaseRun& run, double degrees) {
     const Vec3 along(s * std::sin(a), std::cos(a), 0.0), normal(-s * std::cos(a), std::sin(a), 0.0);
     Mat3 R;
     R << along, normal, along.cross(normal);
-    walls.push_back(Box(sides, 1024, {0.5 * (sides.x() * along - sides.y() * normal), Quat(R)}));
+    const Vec3 middle = (0.5 * sides.x() - kBeyond) * along - 0.5 * sides.y() * normal;
+    walls.push_back(Box(sides, 1024, {middle, Quat(R)}));
     inward.push_back(normal);
   }
   Random random(static_cast<std::uint64_t>(degrees));

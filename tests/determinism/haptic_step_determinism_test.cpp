@@ -9,9 +9,11 @@
 namespace palpate {
 namespace {
 
+using test::AllOf;
 using test::At;
 using test::Bench;
 using test::Floor;
+using test::Paint;
 using test::Random;
 using test::RandomBalls;
 
@@ -24,6 +26,7 @@ class BitHash {
     AddBytes(report.X_WG.p.data(), 3 * sizeof(double));
     AddBytes(report.X_WG.q.coeffs().data(), 4 * sizeof(double));
     AddBytes(&report.faults, sizeof(report.faults));
+    AddBytes(report.removed.data(), static_cast<std::size_t>(report.removals) * sizeof(int));
   }
   std::uint64_t value() const { return hash_; }
 
@@ -35,15 +38,10 @@ class BitHash {
   std::uint64_t hash_ = 0xcbf29ce484222325ull;
 };
 
-std::uint64_t GoldenRun(FrictionModel friction = FrictionModel::kOff) {
+std::uint64_t Run(const StepParameters& parameters, const Paint& paint) {
   Random random(59);
-  StepParameters parameters;
-  parameters.features.friction = friction;
-  Material rough;
-  rough.static_friction = 0.8;
-  rough.dynamic_friction = 0.3;
   Bench bench(RandomBalls(random, 150, 0.02, 0.004), RandomBalls(random, 400, 0.05, 0.004),
-              parameters, rough);
+              parameters, paint);
   bench.state().X_WG = At(0.0, 0.0, 0.12);
   BitHash hash;
   Pose X = At(0.0, 0.0, 0.12), goal = X;
@@ -59,11 +57,30 @@ std::uint64_t GoldenRun(FrictionModel friction = FrictionModel::kOff) {
   return hash.value();
 }
 
+std::uint64_t GoldenRun(FrictionModel friction = FrictionModel::kOff) {
+  StepParameters parameters;
+  parameters.features.friction = friction;
+  Material rough;
+  rough.static_friction = 0.8;
+  rough.dynamic_friction = 0.3;
+  return Run(parameters, AllOf(rough));
+}
+
+/// The same with soft, rigid and wearing slices of 2 mm, and all that counts.
+std::uint64_t GoldenRunOfMaterials() {
+  StepParameters parameters;
+  parameters.features.compliance = parameters.features.removal = true;
+  const Paint slices{{Material{.stiffness = 200.0}, Material{}, Material{.hardness = 5e-5}},
+                     [](const Vec3& c) { return static_cast<int>(500.0 * (c.x() + 1.0)) % 3; }};
+  return Run(parameters, slices);
+}
+
 // Debug and Release builds, every SIMD level and every machine give this.  A change of the physics
 // changes it, knowingly; nothing else may.
 constexpr std::uint64_t kGoldenHash = 6161116608468802286u;
 constexpr std::uint64_t kGoldenChapterHash = 10557980212448308767u;
 constexpr std::uint64_t kGoldenCoulombHash = 18363000074163466422u;
+constexpr std::uint64_t kGoldenHashOfMaterials = 12443289330829426384u;
 
 TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
   const Kernels* level[3];
@@ -74,6 +91,7 @@ TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
     EXPECT_EQ(GoldenRun(), kGoldenHash) << level[k]->name;
     EXPECT_EQ(GoldenRun(FrictionModel::kChapter), kGoldenChapterHash) << level[k]->name;
     EXPECT_EQ(GoldenRun(FrictionModel::kCoulomb), kGoldenCoulombHash) << level[k]->name;
+    EXPECT_EQ(GoldenRunOfMaterials(), kGoldenHashOfMaterials) << level[k]->name;
   }
   UseKernels(chosen);
 }

@@ -15,6 +15,7 @@ namespace {
 using test::At;
 using test::Ball;
 using test::Bench;
+using test::Paint;
 using test::Random;
 using test::RandomBalls;
 
@@ -26,11 +27,11 @@ StepParameters Rubbing(FrictionModel model) {
   return parameters;
 }
 
-Material Rough(double mu_s, double mu_d) {
+Paint Rough(double mu_s, double mu_d) {
   Material material;
   material.static_friction = mu_s;
   material.dynamic_friction = mu_d;
-  return material;
+  return test::AllOf(material);
 }
 
 /// A ball whose top is a plane at z = 0: flat to 2 um over 0.6 m.
@@ -406,7 +407,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       const Mat3 R_WG = X.q.toRotationMatrix();
       ContactRows& rows = bench.workspace().buffers().rows;
       bench.workspace().buffers().prediction.Predict(
-          model, ActiveKernels(), R_WG, X * model.reference(), {1e-3, 2e-2}, rows, nullptr);
+          model, ActiveKernels(), R_WG, X * model.reference(), {1e-3, 2e-2}, {}, rows, nullptr);
       // Towards the contacts, but not straight.
       Target target{-2e-3 * report.wrench.force.normalized() + random.InCube(2e-3),
                     random.InCube(0.05)};
@@ -424,8 +425,8 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       FrictionState state;
       FrictionForces forces;
       StepReport counts;
-      AddCoulombFriction(model, ActiveKernels(), R_WG, target, rows, true, state, qp, forces,
-                         counts);
+      AddCoulombFriction(model, ActiveKernels(), R_WG, target, rows, rows.view(), true, state, qp,
+                         forces, counts);
       Problem::Vec6 x = Problem::Vec6::Zero();
       for (int c = 0; c < model.degrees_of_freedom(); ++c) x[c] = qp.x[c];
       if (counts.friction_lowered + counts.friction_unsolved > 0 ||

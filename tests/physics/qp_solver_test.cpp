@@ -252,5 +252,206 @@ TEST(QpSolver, RelaxesARowThatNothingCanSatisfy) {
   for (int c = 0; c < 6; ++c) EXPECT_NEAR(result.x[c], 1.0, 1e-9);
 }
 
+/// A problem with soft rows: row i yields with weight[i] where that is positive, as far as a core
+/// `depth[i]` inside.
+struct CompliantProblem {
+  Problem problem;
+  Vec weight;
+  Vec depth;
+  std::vector<double> columns;
+  double pull[6];
+  int pushing = 0;
+
+  QpResult Solve(std::vector<int> guess = {}, const Kernels& kernels = ActiveKernels()) {
+    const int m = static_cast<int>(weight.size());
+    const int padded = std::max(16, (m + 15) & ~15);
+    const QpRows rows = problem.Rows();
+    columns.assign(static_cast<std::size_t>(9 * padded + 8), 0.0);
+    auto address = reinterpret_cast<std::uintptr_t>(columns.data());
+    double* base = columns.data() + (64 - address % 64) % 64 / sizeof(double);
+    CompliantRows compliant{};
+    compliant.rigid = rows;
+    compliant.soft_b = rows.b;
+    compliant.rigid.b = base;
+    compliant.weight = base + padded;
+    for (int i = 0; i < padded; ++i) {
+      base[i] = i < m ? problem.b[i] - (weight[i] > 0.0 ? depth[i] : 0.0) : -1e300;
+      base[padded + i] = i < m ? weight[i] : 0.0;
+    }
+    for (int c = 0; c < 6; ++c) compliant.transformed[c] = base + (2 + c) * padded;
+    compliant.push = base + 8 * padded;
+    compliant.pull = pull;
+    compliant.pushing = &pushing;
+    const int n = static_cast<int>(guess.size());
+    return problem.t.size() == 6
+               ? SolveCompliant<6>(kernels, problem.t.data(), compliant, guess.data(), n)
+               : SolveCompliant<3>(kernels, problem.t.data(), compliant, guess.data(), n);
+  }
+
+  /// The same with every eta_i / sqrt(c_i) as an unknown of its own: a nearest point again, for
+  /// enumeration.
+  Problem Explicit() const {
+    const int n = static_cast<int>(problem.t.size()), m = static_cast<int>(weight.size());
+    const int soft = static_cast<int>((weight.array() > 0.0).count());
+    Problem out{Vec::Zero(n + soft), Mat::Zero(m + soft, n + soft), Vec(m + soft), {}};
+    out.t.head(n) = problem.t;
+    for (int i = 0, k = 0; i < m; ++i) {
+      out.A.row(i).head(n) = problem.A.row(i);
+      out.b[i] = problem.b[i];
+      if (weight[i] == 0.0) continue;
+      out.A(i, n + k) = 1.0 / std::sqrt(weight[i]);
+      out.A.row(m + k).head(n) = problem.A.row(i);
+      out.b[m + k] = problem.b[i] - depth[i];
+      ++k;
+    }
+    return out;
+  }
+
+  /// As KktResidual, [unit of b], over the largest weight.
+  double Residual(const QpResult& result) const {
+    const Vec x = Eigen::Map<const Vec>(result.x, problem.t.size());
+    Vec gradient = x - problem.t;
+    double worst = 0.0, sum = 0.0;
+    const auto core = [&](int i) { return problem.b[i] - (weight[i] > 0.0 ? depth[i] : 0.0); };
+    const Vec told = Eigen::Map<const Vec>(pull, problem.t.size());
+    Vec sum_of_pushes = Vec::Zero(problem.t.size());
+    int pushes = 0;
+    for (int i = 0; i < weight.size(); ++i) {
+      const double gap = problem.A.row(i).dot(x) - problem.b[i];
+      if (gap < 0.0) {
+        gradient += weight[i] * gap * problem.A.row(i).transpose();
+        sum_of_pushes -= weight[i] * gap * problem.A.row(i).transpose();
+        pushes += weight[i] > 0.0;
+      }
+      worst = std::max(worst, core(i) - result.slack - problem.A.row(i).dot(x));
+    }
+    for (int j = 0; j < result.active; ++j) {
+      const auto a = problem.A.row(result.row[j]).transpose();
+      gradient -= result.multiplier[j] * a;
+      sum += result.multiplier[j];
+      worst = std::max(worst, -result.multiplier[j]);
+      worst = std::max(worst, std::abs(a.dot(x) + result.slack - core(result.row[j])));
+    }
+    if (result.status == QpStatus::kRelaxed) {
+      worst = std::max(worst, std::abs(result.slack - kJamCompliance * sum));
+    }
+    const double scale = 1.0 + weight.sum() + sum;
+    EXPECT_LT((told - sum_of_pushes).cwiseAbs().maxCoeff(), 1e-12 * scale);
+    EXPECT_NEAR(pushes, pushing, 1);  // one may lie on the edge
+    return std::max(worst, gradient.cwiseAbs().maxCoeff() / scale);
+  }
+};
+
+CompliantProblem RandomCompliantProblem(Random& random, int n, int soft, int rigid, double stiffest,
+                                        bool cores = false) {
+  const int m = soft + rigid;
+  CompliantProblem out{
+      RandomProblem(random, n, m, true), Vec::Zero(m), Vec::Constant(m, 1e9), {}, {}};
+  for (int k = 0; k < soft; ++k) {
+    // Soft and rigid rows in turn, as far as both go.
+    const int i = k < rigid ? 2 * k : rigid + k;
+    out.weight[i] = std::pow(10.0, random.Uniform(-2.0, std::log10(stiffest)));
+    out.problem.b[i] += random.Uniform(0.0, 1.0);
+    if (cores) out.depth[i] = 1.0 + random.Uniform(0.0, 0.3);
+  }
+  return out;
+}
+
+TEST(CompliantQp, PutsASoftRowInSeriesWithTheCoupling) {
+  CompliantProblem soft{{Vec::Zero(6), Mat::Zero(1, 6), Vec::Constant(1, 1e-3), {}},
+                        Vec::Constant(1, 0.25),
+                        Vec::Constant(1, 1.0),
+                        {},
+                        {}};
+  soft.problem.A(0, 1) = 1.0;
+  const QpResult result = soft.Solve();
+  EXPECT_EQ(result.status, QpStatus::kSolved);
+  EXPECT_EQ(result.active, 0);
+  // The coupling's stiffness is 1: 1 mm shared by springs of 1 and 1/4.
+  EXPECT_NEAR(result.x[1], 1e-3 * 0.25 / 1.25, 1e-18);
+}
+
+TEST(CompliantQp, AgreesWithEnumerationOverExplicitSlacks) {
+  Random random(31);
+  int pushed = 0, rigid_active = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const int n = trial % 2 == 0 ? 6 : 3;
+    CompliantProblem soft =
+        RandomCompliantProblem(random, n, 1 + random.Below(4), random.Below(4), 1e3, trial % 4 < 2);
+    const QpResult result = soft.Solve();
+    const Problem explicit_problem = soft.Explicit();
+    Vec oracle;
+    ASSERT_TRUE(std::isfinite(LeastDistanceByEnumeration(explicit_problem, &oracle))) << trial;
+    ASSERT_EQ(result.status, QpStatus::kSolved) << trial;
+    EXPECT_LT((Eigen::Map<const Vec>(result.x, n) - oracle.head(n)).norm(), 1e-9) << trial;
+    EXPECT_LT(soft.Residual(result), 1e-12) << trial;
+    pushed += (oracle.tail(oracle.size() - n).array() > 1e-6).any();
+    rigid_active += result.active > 0;
+  }
+  EXPECT_GT(pushed, 150);
+  EXPECT_GT(rigid_active, 100);
+}
+
+TEST(CompliantQp, MeetsTheOptimalityConditionsWithThousandsOfSoftRows) {
+  Random random(32);
+  int most = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    CompliantProblem soft = RandomCompliantProblem(random, trial % 2 == 0 ? 6 : 3,
+                                                   1 + random.Below(3000), random.Below(300), 1e5);
+    const QpResult cold = soft.Solve();
+    ASSERT_EQ(cold.status, QpStatus::kSolved) << trial;
+    EXPECT_LT(soft.Residual(cold), 1e-12) << trial;
+    const QpResult warm = soft.Solve({cold.row, cold.row + cold.active});
+    EXPECT_LT(soft.Residual(warm), 1e-12) << trial;
+    most = std::max(most, cold.iterations);
+  }
+  EXPECT_LT(most, 400);
+}
+
+TEST(CompliantQp, RelaxesContradictoryRigidRowsBesideSoftOnes) {
+  Random random(33);
+  for (int trial = 0; trial < 100; ++trial) {
+    CompliantProblem soft = RandomCompliantProblem(random, 6, 50, 20, 100.0);
+    // Two walls 1 mm closer than the tool is wide.
+    for (const int side : {0, 1}) {
+      soft.problem.A.row(1 + 2 * side).setZero();
+      soft.problem.A(1 + 2 * side, 0) = side == 0 ? 1.0 : -1.0;
+      soft.problem.b[1 + 2 * side] = 0.5e-3;
+    }
+    const QpResult result = soft.Solve();
+    ASSERT_EQ(result.status, QpStatus::kRelaxed) << trial;
+    EXPECT_GE(result.slack, 0.5e-3 - 1e-9);
+    EXPECT_LT(soft.Residual(result), 1e-8) << trial;
+  }
+}
+
+TEST(CompliantQp, AddsUpTheStiffnessOfRepeatedRows) {
+  CompliantProblem soft{{Vec::Zero(3), Mat::Zero(1000, 3), Vec::Constant(1000, 1e-3), {}},
+                        Vec::Constant(1000, 0.01),
+                        Vec::Constant(1000, 1.0),
+                        {},
+                        {}};
+  soft.problem.A.col(2).setOnes();
+  EXPECT_NEAR(soft.Solve().x[2], 1e-3 * 10.0 / 11.0, 1e-16);
+}
+
+TEST(CompliantQp, GivesTheSameBitsAtEverySimdLevel) {
+  Random random(34);
+  const Kernels* level[3];
+  const int levels = AvailableKernels(level);
+  for (int trial = 0; trial < 50; ++trial) {
+    CompliantProblem soft =
+        RandomCompliantProblem(random, trial % 2 == 0 ? 6 : 3, 500, 100, 1e4, trial % 4 < 2);
+    const QpResult expected = soft.Solve({}, *level[0]);
+    for (int i = 1; i < levels; ++i) {
+      const QpResult result = soft.Solve({}, *level[i]);
+      for (int c = 0; c < static_cast<int>(soft.problem.t.size()); ++c) {
+        EXPECT_EQ(result.x[c], expected.x[c]) << level[i]->name;
+      }
+      EXPECT_EQ(result.iterations, expected.iterations);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace palpate

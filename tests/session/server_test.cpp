@@ -1,7 +1,9 @@
 #include "server/transport/server.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -13,6 +15,7 @@
 #include "common/time/steady_clock.h"
 #include "server/transport/server_lock.h"
 #include "tests/session/ball_tool.h"
+#include "tests/session/crust.h"
 
 namespace palpate::test {
 namespace {
@@ -31,10 +34,11 @@ class ServerTest : public testing::Test {
   ServerTest() { Restart(); }
   void Restart() {
     server_.reset();
-    server_ = std::make_unique<Server>(
-        dds::Participant::Loop(kDomain, kUdp), dds::Participant::Service(kDomain),
-        std::vector{BallTool("one"), BallTool("two", "left"), BallTool("two", "right")},
-        [this](const std::string& line) { lines_.push_back(line); });
+    server_ = std::make_unique<Server>(dds::Participant::Loop(kDomain, kUdp),
+                                       dds::Participant::Service(kDomain),
+                                       std::vector{BallTool("one"), BallTool("two", "left"),
+                                                   BallTool("two", "right"), ToolsOf(Crust())[0]},
+                                       [this](const std::string& line) { lines_.push_back(line); });
   }
 
   /// Serves until the condition holds; false after 20 s.
@@ -87,9 +91,10 @@ class ServerTest : public testing::Test {
       }
       return wrenches && poses.matched_readers() == 1;
     }
-    void Send(double z) {
+    void Send(double z) { Send(Vec3(0, 0, z)); }
+    void Send(const Vec3& p) {
       State();
-      if (Ready()) poses.Write(hand.At(z));
+      if (Ready()) poses.Write(hand.At(p));
     }
 
     const dds::Participant& loop;
@@ -229,6 +234,45 @@ TEST_F(ServerTest, PublishesToolStatesAndStatisticsAndPrintsALine) {
   ASSERT_FALSE(lines_.empty());
   EXPECT_THAT(lines_.back(), StartsWith("a "));
   EXPECT_THAT(lines_.back(), HasSubstr(" Hz "));
+}
+
+TEST_F(ServerTest, TellsViewersWhatIsScrapedOffEvenThoseThatComeLater) {
+  const dds::Participant viewer = dds::Participant::Service(kDomain);
+  dds::Reader<wire::SceneChange> early(viewer, dds::kSceneChangeTopic, dds::Qos::kSession);
+  Station station(*this, "a", 1);
+  station.Ask("crust");
+  std::vector<wire::SceneChange> told;
+  int sent = 0;
+  EXPECT_TRUE(ServeUntil([&] {
+    // Strokes, lowered at first, some 20 poses a poll.
+    for (int i = 0; i < 20; ++i, ++sent) {
+      station.Send(Vec3(0.008 * std::sin(5e-3 * sent), 0.0, std::max(0.001, 0.01 - 2e-6 * sent)));
+    }
+    wire::SceneChange change;
+    while (early.Take(change)) told.push_back(change);
+    return told.size() >= 5;
+  }));
+  ASSERT_GE(told.size(), 5u);
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    EXPECT_EQ(told[i].change, i + 1);
+    EXPECT_STREQ(told[i].scene, "crust");
+    EXPECT_STREQ(told[i].station, "a");
+    EXPECT_EQ(told[i].triangle[0], told[i].leaf);
+  }
+  dds::Reader<wire::SceneChange> late(viewer, dds::kSceneChangeTopic, dds::Qos::kSession);
+  std::vector<std::uint32_t> leaves(told.size(), ~0u);
+  std::size_t heard = 0;
+  EXPECT_TRUE(ServeUntil([&] {
+    wire::SceneChange change;
+    while (late.Take(change)) {
+      if (change.change <= leaves.size()) {
+        leaves[change.change - 1] = change.leaf;
+        ++heard;
+      }
+    }
+    return heard >= leaves.size();
+  }));
+  for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(leaves[i], told[i].leaf);
 }
 
 TEST(ServerLock, RefusesASecondServerOfADomainAndNamesTheFirst) {

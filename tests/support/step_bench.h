@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -15,17 +17,28 @@ inline Pose At(double x, double y, double z) {
   return {Vec3(x, y, z), Quat::Identity()};
 }
 
+/// Materials of an object's balls, by where they are.
+struct Paint {
+  std::vector<Material> materials{Material{}};
+  std::function<int(const Vec3&)> of = [](const Vec3&) { return 0; };
+};
+
+inline Paint AllOf(const Material& material) {
+  return {{material}, [](const Vec3&) { return 0; }};
+}
+
 /// One tool against one object, with the hand's pose as input.
 class Bench {
  public:
   Bench(std::vector<Ball> tool, std::vector<Ball> object, StepParameters parameters = {},
-        const Material& material = {})
+        Paint paint = {})
       : tool_(std::move(tool)),
         object_(std::move(object)),
-        material_(material),
         tool_tree_(MakeTree(tool_)),
         object_tree_(MakeTree(object_)),
+        paint_(std::move(paint)),
         model_(tool_tree_, Objects(), parameters),
+        state_(model_),
         workspace_(model_) {}
 
   StepReport Step(const Pose& X_WH) { return HapticStep(model_, X_WH, state_, workspace_); }
@@ -51,12 +64,17 @@ class Bench {
 
  private:
   std::shared_ptr<const ObjectForest> Objects() {
-    const PlacedTree placed{&object_tree_, {}, nullptr, {}, std::span(&material_, 1)};
+    std::vector<std::uint8_t> leaf_material;
+    for (std::size_t i = 0; i < object_tree_.leaves(); ++i) {
+      leaf_material.push_back(static_cast<std::uint8_t>(
+          paint_.of({object_tree_.leaf_x[i], object_tree_.leaf_y[i], object_tree_.leaf_z[i]})));
+    }
+    const PlacedTree placed{&object_tree_, {}, nullptr, leaf_material, paint_.materials};
     return HapticModel::MakeObjects(std::span(&placed, 1));
   }
   std::vector<Ball> tool_, object_;
-  Material material_;
   SphereTree tool_tree_, object_tree_;
+  Paint paint_;
   HapticModel model_;
   StepState state_;
   StepWorkspace workspace_;

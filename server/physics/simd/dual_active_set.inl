@@ -1,6 +1,8 @@
 // The QP solver of qp_solver.h, one of the loops that each kernels_*.cpp compiles for its
 // instruction set.  Every vector here is one of eight doubles, used in the same order at every
 // level.
+#pragma once
+
 #include "server/physics/simd/kernels.h"
 #include "server/physics/simd/vector.h"
 

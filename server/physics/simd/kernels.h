@@ -106,6 +106,18 @@ struct QpRows {
   int count;
 };
 
+/// Rows of which some are soft, see SolveCompliant in qp_solver.h.  Columns as in QpRows.
+struct CompliantRows {
+  QpRows rigid;            ///< what no step may violate: rigid rows, and the cores of soft ones
+  const double* soft_b;    ///< a soft row pushes where a . x < soft_b
+  const double* weight;    ///< ... with weight * (soft_b - a . x); 0 where the row is rigid
+  double* transformed[6];  ///< scratch
+  // Filled by the solver, at its result:
+  double* push;  ///< of each row, to the end of the padding: weight * (soft_b - a . x), or 0
+  double* pull;  ///< 6: sum of push * a
+  int* pushing;  ///< rows whose push is not 0
+};
+
 enum class QpStatus {
   kSolved,
   kRelaxed,         ///< rows contradict each other; solved with one slack common to all rows
@@ -158,6 +170,12 @@ struct Kernels {
   /// Nearest point of a polyhedron, see SolveNearestPoint in qp_solver.h.
   QpResult (*solve_6)(const double* t, const QpRows& rows, const int* guess, int guesses);
   QpResult (*solve_3)(const double* t, const QpRows& rows, const int* guess, int guesses);
+
+  /// The same where some rows yield, see SolveCompliant.
+  QpResult (*solve_compliant_6)(const double* t, const CompliantRows& rows, const int* guess,
+                                int guesses);
+  QpResult (*solve_compliant_3)(const double* t, const CompliantRows& rows, const int* guess,
+                                int guesses);
 };
 
 extern const Kernels kScalarKernels;

@@ -1,4 +1,5 @@
 // The inner loops, included once by each kernels_*.cpp, which sets the instruction set.
+#include "server/physics/simd/compliant.inl"
 #include "server/physics/simd/dual_active_set.inl"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/simd/vector.h"
@@ -299,8 +300,16 @@ int BuildSurfaceRows(const SurfacePoint* points, const SurfacePatch* patches,
 }
 
 constexpr Kernels MakeKernels(const char* name) {
-  return {name,        ExpandPairs,      BuildRows<6>, BuildRows<3>,
-          NearPatches, BuildSurfaceRows, Solve<6>,     Solve<3>};
+  return {name,
+          ExpandPairs,
+          BuildRows<6>,
+          BuildRows<3>,
+          NearPatches,
+          BuildSurfaceRows,
+          Solve<6>,
+          Solve<3>,
+          SolveCompliantRows<6>,
+          SolveCompliantRows<3>};
 }
 
 }  // namespace

@@ -1,0 +1,67 @@
+#include "server/physics/leaf_wear.h"
+
+#include <cmath>
+#include <string>
+
+#include "common/error.h"
+#include "server/physics/haptic_step.h"
+#include "server/physics/sphere_tree_query.h"
+
+namespace palpate {
+
+LeafWear::LeafWear(const ObjectForest& objects) {
+  for (int i = 0; i < objects.leaf_count(); ++i) {
+    const double hardness = objects.MaterialOf(i).hardness;
+    if (!(hardness > 0.0)) {
+      throw Error("materials: hardness " + std::to_string(hardness) + " J of object " +
+                  std::to_string(objects.ObjectOf(i)) +
+                  "; give a positive number, or none for what stays");
+    }
+    left_.push_back(hardness);
+  }
+  gone_.resize((left_.size() + 63) / 64);
+}
+
+bool LeafWear::Scrape(int leaf, double work) noexcept {
+  double& left = left_[static_cast<std::size_t>(leaf)];
+  left -= work;
+  return left <= 0.0 && Remove(leaf);
+}
+
+bool LeafWear::Remove(int leaf) noexcept {
+  const auto i = static_cast<std::size_t>(leaf);
+  if (i >= left_.size() || gone(leaf)) return false;
+  gone_[i / 64] |= std::uint64_t{1} << (i % 64);
+  left_[i] = 0.0;
+  ++gone_count_;
+  return true;
+}
+
+int LeafWear::KeepPresent(NodePair* pairs, int count) const noexcept {
+  if (gone_count_ == 0) return count;
+  int kept = 0;
+  for (int i = 0; i < count; ++i) {
+    if (!gone(pairs[i].object)) pairs[kept++] = pairs[i];
+  }
+  return kept;
+}
+
+void WearContacts(const HapticModel& model, const Pose& X_before, LeafWear& wear,
+                  StepReport& report) noexcept {
+  const bool friction = model.parameters().features.friction != FrictionModel::kOff;
+  const Quat back = X_before.q * report.X_WG.q.conjugate();
+  for (int i = 0; i < report.contacts; ++i) {
+    const ActiveRow& row = report.active[static_cast<std::size_t>(i)];
+    const int leaf = row.object_leaf;
+    // Where the point of the tool that touches was before the step.
+    const Vec3 before = X_before.p + back * (row.contact_W - report.X_WG.p);
+    const Vec3 moved = row.contact_W - before;
+    const Vec3 slip = moved - row.normal * row.normal.dot(moved);
+    const double mu = friction ? model.objects().MaterialOf(leaf).dynamic_friction : 1.0;
+    if (wear.Scrape(leaf, mu * row.force * slip.norm())) {
+      report.removed[static_cast<std::size_t>(report.removals++)] = leaf;
+    }
+  }
+}
+
+}  // namespace palpate

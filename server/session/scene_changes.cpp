@@ -1,0 +1,44 @@
+#include "server/session/scene_changes.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/physics/sphere_tree_query.h"
+
+namespace palpate {
+
+SceneChanges::SceneChanges(std::string scene, const SceneRemains& whole, std::uint64_t server_run)
+    : scene_(std::move(scene)), remains_(whole), server_run_(server_run) {}
+
+std::vector<wire::SceneChange> SceneChanges::Remove(const Session& session,
+                                                    const Removal& removal) {
+  const ObjectForest& objects = session.tool().model.objects();
+  const int object = objects.ObjectOf(removal.leaf);
+  const auto leaf = static_cast<std::uint32_t>(removal.leaf - objects.FirstLeafOf(object));
+  std::vector<wire::SceneChange> changes;
+  if (remains_.leaf_gone(static_cast<std::uint32_t>(object), leaf)) return changes;
+  gone_.push_back(removal.leaf);
+  const std::vector<std::uint32_t> triangles =
+      remains_.Remove(static_cast<std::uint32_t>(object), leaf);
+  std::size_t told = 0;
+  do {
+    wire::SceneChange change{};
+    constexpr std::size_t kRoom = std::size(decltype(change.triangle){});
+    wire::FromText(scene_, change.scene);
+    change.change = ++count_;
+    change.server_run = server_run_;
+    wire::FromText(session.station(), change.station);
+    wire::FromText(session.tool().tool, change.tool);
+    change.pose_sequence = removal.pose_sequence;
+    change.object_index = static_cast<std::uint32_t>(object);
+    change.leaf = leaf;
+    const std::size_t n = std::min(triangles.size() - told, kRoom);
+    std::copy_n(triangles.begin() + static_cast<std::ptrdiff_t>(told), n, change.triangle);
+    change.triangles = static_cast<std::uint32_t>(n);
+    told += n;
+    changes.push_back(change);
+  } while (told < triangles.size());
+  return changes;
+}
+
+}  // namespace palpate

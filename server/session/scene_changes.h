@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/dds/wire.h"
+#include "scenes/scene_remains.h"
+#include "server/session/session.h"
+
+namespace palpate {
+
+/// What tools have scraped off one scene since the server began: the order that all sessions and
+/// viewers follow.  A leaf goes once, whoever was first; a session that begins later begins with
+/// what is left.
+///
+/// Thread contract: service thread.
+class SceneChanges {
+ public:
+  /// @param whole  the scene as it is loaded.
+  SceneChanges(std::string scene, const SceneRemains& whole, std::uint64_t server_run);
+
+  /// Records that a leaf has gone.  Returns what to publish: one change, or several where its
+  /// triangles are many; none where the leaf had gone before.
+  std::vector<wire::SceneChange> Remove(const Session& session, const Removal& removal);
+  /// Leaves that have gone, first to last, as the forest numbers them.
+  const std::vector<std::int32_t>& gone() const { return gone_; }
+
+ private:
+  std::string scene_;
+  SceneRemains remains_;
+  std::uint64_t server_run_;
+  std::uint64_t count_ = 0;
+  std::vector<std::int32_t> gone_;
+};
+
+}  // namespace palpate
