@@ -432,6 +432,10 @@ void Scenes(Markdown& md, const ParetoResults& r) {
       md.Paragraph("Not available: " + s.not_available);
       continue;
     }
+    if (s.steps == 0) {
+      md.Paragraph("Not measured.");
+      continue;
+    }
     md.Paragraph(
         fmt::format("Spheres: {} of the tool, {} of the objects; {} triangles in all; {} "
                     "steps.",
@@ -459,6 +463,10 @@ void Scenes(Markdown& md, const ParetoResults& r) {
 
 void Features(Markdown& md, const ParetoResults& r) {
   md.Heading(2, "What each feature costs");
+  if (r.features.empty()) {
+    md.Paragraph("Not measured.");
+    return;
+  }
   md.Paragraph(
       fmt::format("The path of `{}`, the same steps for each line, their repeats taken in turns. "
                   "*Undeclared* is "
