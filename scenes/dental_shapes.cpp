@@ -130,17 +130,23 @@ TriangleMesh Instrument(const std::vector<Vec3>& corners, const std::vector<doub
                         double step) {
   std::vector<Vec3> curve;
   std::vector<double> thickness;
-  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {  // Catmull-Rom, tension 1/2
-    const Vec3& p1 = corners[i];
-    const Vec3& p2 = corners[i + 1];
-    const Vec3 p0 = i == 0 ? Vec3(2.0 * p1 - p2) : corners[i - 1];
-    const Vec3 p3 = i + 2 == corners.size() ? Vec3(2.0 * p2 - p1) : corners[i + 2];
-    const int pieces = std::max(1, int(std::lround((p2 - p1).norm() / step)));
+  // Cubic Hermite pieces; the direction at a corner is that between its neighbours, as Catmull and
+  // Rom have it, as long as each piece, so that a short piece beside a long one does not overshoot.
+  const auto direction = [&](std::size_t i) {
+    const Vec3& before = corners[i == 0 ? 0 : i - 1];
+    const Vec3& after = corners[std::min(i + 1, corners.size() - 1)];
+    return (after - before).normalized();
+  };
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const Vec3& a = corners[i];
+    const Vec3& b = corners[i + 1];
+    const double length = (b - a).norm();
+    const int pieces = std::max(1, int(std::lround(length / step)));
     for (int k = 0; k < pieces; ++k) {
       const double t = double(k) / pieces;
-      curve.push_back(0.5 *
-                      (2.0 * p1 + t * (p2 - p0) + t * t * (2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3) +
-                       t * t * t * (3.0 * p1 - p0 - 3.0 * p2 + p3)));
+      const double u = 1.0 - t;
+      curve.push_back(u * u * (1.0 + 2.0 * t) * a + t * t * (1.0 + 2.0 * u) * b +
+                      length * t * u * (u * direction(i) - t * direction(i + 1)));
       thickness.push_back(radii[i] + t * (radii[i + 1] - radii[i]));
     }
   }
@@ -231,11 +237,12 @@ TriangleMesh MakeCalculus(ToothKind kind, const ToothSize& metres, double across
   double surface = 0.0;  // z of the tooth's outer side at that height
   while (tooth({0, y, surface}) < 0.0) surface += 0.01;
   const Field lump = [=](const Vec3& p) {
-    const double rough = 0.12 * std::sin(5.1 * p.x()) * std::sin(4.3 * p.y() + 1.0) +
-                         0.07 * std::sin(9.0 * p.x() + 2.0) * std::sin(8.1 * p.y());
-    const double disc = std::hypot(p.x(), p.y() - y) - r;
-    // Lies on the tooth as a crust, a little of it inside.
-    return SmoothMax(SmoothMax(disc + rough, tooth(p) - 0.55 + 2.0 * rough, 0.5),
+    const double rough = 0.06 * std::sin(5.1 * p.x()) * std::sin(4.3 * p.y() + 1.0) +
+                         0.03 * std::sin(9.0 * p.x() + 2.0) * std::sin(8.1 * p.y());
+    // A crust that thins out towards its rim, a little of it inside the tooth.
+    const double e = std::hypot(p.x(), p.y() - y) / r;
+    const double thickness = 0.5 * (1.0 - e * e) + rough;
+    return SmoothMax(SmoothMax(tooth(p) - thickness, r * (e - 1.1), 0.4),
                      SmoothMax(-(tooth(p) + 0.6), -(p.z() - surface + 2.5), 0.3), 0.3);
   };
   return InMetres(MeshOfField(

@@ -30,9 +30,11 @@ constexpr double kTrial = 1.0;
 constexpr int kLeapSteps = 24, kHalvings = 3;
 /// Walk: penalties from 1 to this, tenfold each time, and updates of the forces.
 constexpr double kWalkPenalty = 1e4;
-constexpr int kWalkRaises = 15, kWalkUpdates = 40, kWalkSteps = 30, kShorter = 6;
+constexpr int kWalkUpdates = 40, kWalkSteps = 30, kShorter = 6;
+/// Updates after which Leap tries again, and its steps then.
+constexpr int kWalkRaises = 5, kSecondLeap = 12;
 /// Relative to the size of the problem: what the forces may miss of their laws.
-constexpr double kLeapt = 1e-10, kWalked = 1e-7;
+constexpr double kLeapt = 1e-10, kNear = 1e-8, kBalanced = 1e-10, kWalked = 1e-7;
 /// Relative to that size: the QP's optimum against Newton's.
 constexpr double kAgreed = 1e-9;
 /// Relative to that size: the slip above which a contact is sliding.  One at its limit that others
@@ -114,6 +116,8 @@ class FrictionalContacts {
     size_ = std::sqrt(tt) + std::sqrt(moved);
   }
 
+  int count() const { return count_; }
+
   /// False where the row is there already, or where there is no room.
   /// @param frictionless, lambda, force  of its optimum; where Newton's method starts.
   bool Add(int row, double frictionless, double lambda, const Vec3& force) {
@@ -158,9 +162,7 @@ class FrictionalContacts {
   /// The frictional optimum over these contacts alone.  False where it was not found.
   bool Solve(StepReport& report) {
     do {
-      if (Leap(report)) continue;
-      ++report.friction_lowered;
-      if (!Walk(report)) return false;
+      if (!Leap(kLeapSteps, report) && !Walk(report)) return false;
     } while (LetSlip());
     return true;
   }
@@ -203,7 +205,7 @@ class FrictionalContacts {
       }
       const double limit = contact.mu() * contact.lambda;
       const double length = contact.friction();
-      if (length <= limit + kLeapt * size_) continue;
+      if (length <= limit + kBalanced * size_) continue;
       const double part = limit / length;
       contact.force[0] *= part;
       contact.force[1] *= part;
@@ -392,12 +394,14 @@ class FrictionalContacts {
   }
 
   /// A step that misses the laws by more than each of the last three did is halved: x and forces go
-  /// together, so that they stay in balance.
-  bool Leap(StepReport& report) {
+  /// together, so that they stay in balance.  Where two contacts hold the tool between them, rows
+  /// and sticking contradict each other by the rounding of the gaps; then the best that can be had
+  /// is kNear.
+  bool Leap(int steps, StepReport& report) {
     Balance();
     double missed = JudgeAll(), before[3] = {};
     for (int step = 0; missed > kLeapt * size_; ++step) {
-      if (step == kLeapSteps) return false;
+      if (step == steps) return missed <= kNear * size_;
       ++report.friction_iterations;
       before[step % 3] = missed;
       const double bound = std::max({before[0], before[1], before[2]});
@@ -407,14 +411,26 @@ class FrictionalContacts {
         old_lambda[i] = contact_[i].lambda;
         std::copy(contact_[i].force, contact_[i].force + 2, old_force[i]);
       }
-      LeapStep();
-      for (int halving = 0; (missed = JudgeAll()) >= bound && halving < kHalvings; ++halving) {
-        const auto halve = [](double& value, double old) { value = 0.5 * (value + old); };
-        for (int c = 0; c < N; ++c) halve(x_[c], old_x[c]);
+      const auto shorten = [&](double part) {
+        const auto blend = [part](double& value, double old) {
+          value = old + part * (value - old);
+        };
+        for (int c = 0; c < N; ++c) blend(x_[c], old_x[c]);
         for (int i = 0; i < count_; ++i) {
-          halve(contact_[i].lambda, old_lambda[i]);
-          for (int k = 0; k < 2; ++k) halve(contact_[i].force[k], old_force[i][k]);
+          blend(contact_[i].lambda, old_lambda[i]);
+          for (int k = 0; k < 2; ++k) blend(contact_[i].force[k], old_force[i][k]);
         }
+        return JudgeAll();
+      };
+      const double last = missed;
+      LeapStep();
+      missed = JudgeAll();
+      if (last <= kNear * size_ && missed >= last) {
+        shorten(0.0);
+        return true;
+      }
+      for (int halving = 0; missed >= bound && halving < kHalvings; ++halving) {
+        missed = shorten(0.5);
       }
     }
     return true;
@@ -423,7 +439,7 @@ class FrictionalContacts {
   // Walk: where Leap fails, and where there may be nothing to find (a tool wedged deeper than its
   // friction lets it out: the normal forces grow without end).  With limits that are held the
   // problem is convex and the augmented Lagrangian's minimum sure to be found; the limits are those
-  // of the frictionless lambda first, as METHOD has them, then follow the lambda that they give (no
+  // of the frictionless lambda first, then follow the lambda that they give (no
   // contact's above the whole load's), and in the end are lowered only, until each lies in its
   // cone.
 
@@ -451,7 +467,7 @@ class FrictionalContacts {
     for (int step = 0; step < kWalkSteps; ++step) {
       double most = 0.0;
       for (int r = 0; r < N; ++r) most = std::max(most, std::fabs(g[r]));
-      if (most <= kLeapt * size_) return true;
+      if (most <= kBalanced * size_) return true;
       ++report.friction_iterations;
       for (int r = 0; r < N; ++r) d[r] = -g[r];
       LinearSystem<N> system(d);
@@ -496,6 +512,14 @@ class FrictionalContacts {
     double c = 1.0;
     for (int update = 0; update < kWalkUpdates; ++update) {
       std::copy(contact_, contact_ + count_, at);
+      if (update == kWalkRaises) {
+        double x[N];
+        std::copy(x_, x_ + N, x);
+        if (Leap(kSecondLeap, report)) return true;
+        std::copy(x, x + N, x_);
+        std::copy(at, at + count_, contact_);
+        ++report.friction_lowered;
+      }
       const bool balanced = Minimise(c, at, report);
       double most = 0.0;
       for (int i = 0; i < count_; ++i) {
@@ -541,29 +565,26 @@ class FrictionalContacts {
   Contact contact_[kMaxActiveRows];
 };
 
-/// The contacts of the frictionless optimum and those of the last sub-step, with the forces that
-/// they had in it.
+/// The contacts of the last sub-step that are still near, with the forces that they had in it, and
+/// those of the frictionless optimum.  Where the last ones are there, the others start without
+/// force, for those together balanced the hand.
 template <int N>
 void AddContacts(const ContactRows& rows, const QpResult& qp, const FrictionState& state,
                  FrictionalContacts<N>& contacts) {
-  bool known[kMaxActiveRows] = {};
-  for (int i = 0; i < qp.active; ++i) {
-    const auto last = state.pair.begin() + state.contacts;
-    const auto found = std::find(state.pair.begin(), last, rows.pair(qp.row[i]));
-    const auto k = static_cast<std::size_t>(found - state.pair.begin());
-    if (found == last) {
-      contacts.Add(qp.row[i], qp.multiplier[i], qp.multiplier[i], Vec3::Zero());
-    } else {
-      contacts.Add(qp.row[i], qp.multiplier[i], state.normal_force[k], state.force[k]);
-      known[k] = true;
-    }
-  }
+  const auto frictionless = [&](int row) {
+    const int* found = std::find(qp.row, qp.row + qp.active, row);
+    return found == qp.row + qp.active ? 0.0 : qp.multiplier[found - qp.row];
+  };
   for (int i = 0; i < state.contacts; ++i) {
     const auto k = static_cast<std::size_t>(i);
     int row;
-    if (!known[k] && rows.Find(&state.pair[k], 1, &row) == 1) {
-      contacts.Add(row, 0.0, state.normal_force[k], state.force[k]);
+    if (rows.Find(&state.pair[k], 1, &row) == 1) {
+      contacts.Add(row, frictionless(row), state.normal_force[k], state.force[k]);
     }
+  }
+  const bool warm = contacts.count() > 0;
+  for (int i = 0; i < qp.active; ++i) {
+    contacts.Add(qp.row[i], qp.multiplier[i], warm ? 0.0 : qp.multiplier[i], Vec3::Zero());
   }
 }
 

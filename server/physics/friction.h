@@ -36,7 +36,7 @@ using FrictionForces = std::array<Vec3, kMaxActiveRows>;
 /// S_i x = (1 - n n^T)(v + phi x l_i) the slip of contact i, l_i the lever of the point where it
 /// touches, and lambda_i the multiplier of its row at this same x, so that every force lies in its
 /// own cone: |f_i| <= mu_i lambda_i, and f_i = -mu_i lambda_i S_i x / |S_i x| where it slips.
-/// (With lambda from the frictionless solve, as METHOD has it, a contact that friction unloads
+/// (With lambda from the frictionless solve, a contact that friction unloads
 /// would go on rubbing, and a lever that friction turns would not rub enough.)
 ///
 /// mu_i is mu_s while the tool sticks, mu_d while it slides: one state for the whole tool, because
@@ -53,10 +53,8 @@ using FrictionForces = std::array<Vec3, kMaxActiveRows>;
 /// @param rigid  of `rows`: what no step may violate; where some are soft, the target is that which
 ///               their push at the frictionless optimum shifts (soft contacts are smooth).
 /// @param first_substep  of its cycle: cycles are counted there.
-/// @param phi  rotation of the sub-step; an input where there are 3 degrees of freedom.
 /// @param qp   in: the frictionless optimum, with an active row.  Out: the frictional one; its
-/// active
-///             rows are all that carry force.
+///             active rows are all that carry force.
 /// @param forces  out, of those rows.
 /// Where it does not converge, that is counted in the report, and the best iterate is taken: rows
 /// hold and forces add up all the same.
@@ -70,7 +68,9 @@ void AddCoulombFriction(const HapticModel& model, const Kernels& kernels, const 
 /// whose frictionless step has arrived.  Compares how far the equivalent contact point (the mean of
 /// the contact points, 2.26) moved since the last cycle with how deep the hand is below it, and
 /// either resets the graphic tool to where it was (2.34) or lets it go on and takes mu_d / mu_s of
-/// the movement for the wrench (2.28-2.33). Where the text leaves a choice:
+/// the movement for the wrench (2.28-2.33).
+///
+/// Where the text leaves a choice:
 /// - After a step that is not reset the next one starts from the frictionless pose, not from p*_g,
 ///   which 2.28 uses for the force alone.
 /// - mu_s and mu_d are the means over the contacts, as the contact point is.
@@ -81,8 +81,7 @@ void AddCoulombFriction(const HapticModel& model, const Kernels& kernels, const 
 /// - What friction adds to the force is spread over the contacts by their normal forces (for the
 ///   report: the chapter knows no force per contact).
 /// @param X_before  graphic tool at the end of the last cycle.
-/// @param state     in: the cycle's end without friction, X_WH as well.  Out: reset, where 2.34
-/// does.
+/// @param state     in: the cycle's end without friction.  Out: reset, where 2.34 says so.
 /// @param report    wrench, contacts and friction_resets are changed.
 /// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
 void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepState& state,

@@ -20,7 +20,7 @@ namespace {
 struct Options {
   SlidingExperiment experiment;
   std::vector<std::size_t> spheres{64, 512, 4096};
-  FeatureOptions features{"spheres", "off"};
+  FeatureOptions features{"surface", "off"};
   std::string json, plot;
 };
 

@@ -8,6 +8,7 @@
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"
+#include "tests/benchmarks/mesh_overlap.h"
 #include "tests/benchmarks/overlap_oracle.h"
 #include "tests/benchmarks/pose_source.h"
 #include "tests/benchmarks/scene_run.h"
@@ -61,6 +62,11 @@ void Run(const Options& options) {
 
   // Everything else comes from the reports and from an oracle that knows nothing of the trees.
   OverlapOracle oracle(run.tool().tree, run.scene().objects, run.scene().features);
+  // Of spheres the contact is between leaves, of surfaces between meshes.
+  std::optional<MeshOverlap> meshes;
+  if (run.scene().features.contact == ContactModel::kSurface) {
+    meshes.emplace(run.tool().mesh, run.scene().objects);
+  }
   LeafWear wear = run.Start().wear;
   std::vector<double> predicted, conventional, penetration, truncation, iterations, newton;
   int unsolved = 0, jammed = 0, far = 0, lowered = 0, rubs_unsolved = 0;
@@ -85,7 +91,8 @@ void Run(const Options& options) {
       if (i % 500 == 0) {
         Progress(fmt::format("{}: checking step {} of {} ...", options.scene, i, steps));
       }
-      penetration.push_back(1e6 * oracle.At(report.X_WG, &wear).depth);
+      penetration.push_back(
+          1e6 * (meshes ? meshes->At(report.X_WG) : oracle.At(report.X_WG, &wear).depth));
       conventional.push_back(static_cast<double>(oracle.At(run.poses()[i], &wear).pairs));
     }
     for (int r = 0; r < report.removals; ++r) {

@@ -5,29 +5,13 @@
 namespace palpate::bench {
 namespace {
 
-constexpr double kStaticFriction = 0.8, kDynamicFriction = 0.3;
-
-void GiveFriction(Scene& scene) {
-  const auto rough = [](const Body& body) {
-    return std::any_of(body.materials.begin(), body.materials.end(),
-                       [](const Material& material) { return material.static_friction > 0.0; });
-  };
-  if (std::any_of(scene.objects.begin(), scene.objects.end(), rough)) return;
-  for (Body& body : scene.objects) {
-    for (Material& material : body.materials) {
-      material.static_friction = kStaticFriction;
-      material.dynamic_friction = kDynamicFriction;
-    }
-  }
-}
-
-void Choose(const std::string& contact, const std::string& friction, Features& features) {
+void Override(const FeatureOptions& options, Features& features) {
   for (const ContactModel model : {ContactModel::kSpheres, ContactModel::kSurface}) {
-    if (contact == NameOf(model)) features.contact = model;
+    if (options.contact == NameOf(model)) features.contact = model;
   }
   for (const FrictionModel model :
        {FrictionModel::kOff, FrictionModel::kChapter, FrictionModel::kCoulomb}) {
-    if (friction == NameOf(model)) features.friction = model;
+    if (options.friction == NameOf(model)) features.friction = model;
   }
 }
 
@@ -50,31 +34,40 @@ const char* NameOf(FrictionModel friction) {
 }
 
 void FeatureOptions::AddTo(CLI::App& command) {
-  const auto unless_given = [](const std::string& value) {
-    return value.empty() ? " (default: as the scene says)" : "";
-  };
-  command
-      .add_option(
-          "--contact", contact,
-          std::string("spheres (the chapter's) or surface (the meshes)") + unless_given(contact))
-      ->check(CLI::IsMember({"spheres", "surface"}))
-      ->capture_default_str();
-  command
-      .add_option("--friction", friction,
-                  std::string("off, chapter (2.25-2.34) or coulomb") + unless_given(friction))
-      ->check(CLI::IsMember({"off", "chapter", "coulomb"}))
-      ->capture_default_str();
-}
-
-void FeatureOptions::ApplyTo(Scene& scene) const {
-  Choose(contact, friction, scene.features);
-  if (!friction.empty() && scene.features.friction != FrictionModel::kOff) GiveFriction(scene);
+  const std::string scenes_own = contact.empty() ? " (default: as the scene says)" : "";
+  auto* contact_option =
+      command
+          .add_option("--contact", contact,
+                      "spheres (the chapter's) or surface (the meshes)" + scenes_own)
+          ->check(CLI::IsMember({"spheres", "surface"}));
+  auto* friction_option =
+      command
+          .add_option("--friction", friction, "off, chapter (2.25-2.34) or coulomb" + scenes_own)
+          ->check(CLI::IsMember({"off", "chapter", "coulomb"}));
+  if (!scenes_own.empty()) return;
+  contact_option->capture_default_str();
+  friction_option->capture_default_str();
 }
 
 Features FeatureOptions::features() const {
-  Features features{.contact = ContactModel::kSpheres};
-  Choose(contact, friction, features);
+  Features features;
+  Override(*this, features);
   return features;
+}
+
+void FeatureOptions::ApplyTo(Scene& scene) const {
+  Override(*this, scene.features);
+  const bool rough = std::any_of(scene.objects.begin(), scene.objects.end(), [](const Body& body) {
+    return std::any_of(body.materials.begin(), body.materials.end(),
+                       [](const Material& material) { return material.static_friction > 0.0; });
+  });
+  if (rough || scene.features.friction == FrictionModel::kOff) return;
+  for (Body& body : scene.objects) {
+    for (Material& material : body.materials) {
+      material.static_friction = 0.8;
+      material.dynamic_friction = 0.3;
+    }
+  }
 }
 
 }  // namespace palpate::bench

@@ -8,21 +8,22 @@
 
 namespace palpate::bench {
 
-/// The names that command lines and JSON outputs use.
-const char* NameOf(ContactModel contact);
-const char* NameOf(FrictionModel friction);
-
-/// The options --contact and --friction, the same for every command.  Empty: as the scene says.
+/// The options --contact and --friction, the same for every command.
 struct FeatureOptions {
-  std::string contact{};   ///< spheres, surface
-  std::string friction{};  ///< off, chapter, coulomb
+  // Empty: as the scene says; of an experiment that is no scene, surface and off.
+  std::string contact = {};
+  std::string friction = {};
 
   void AddTo(CLI::App& command);
-  /// Sets the features that are named.  Where friction is asked of a scene that names no
+  /// Of an experiment that is no scene.
+  Features features() const;
+  /// What they say replaces what the scene says.  Where friction is asked of a scene that names no
   /// coefficient, its materials get those of the chapter's 2.5.6, 0.8 and 0.3.
   void ApplyTo(Scene& scene) const;
-  /// For what is no scene of the catalogue: spheres and no friction, unless named otherwise.
-  Features features() const;
 };
+
+/// The names that the options and the JSON outputs use.
+const char* NameOf(ContactModel contact);
+const char* NameOf(FrictionModel friction);
 
 }  // namespace palpate::bench

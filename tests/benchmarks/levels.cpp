@@ -147,12 +147,13 @@ void WritePlot(const Options& options, const std::vector<Level>& levels) {
   WriteSvg(options.plot, {cost, error});
 }
 
-void Run(const Options& options) {
+void Run(Options options) {
   LoadOptions load;
   load.models_dir = options.models;
   load.progress = [](std::string_view stage, double) { Progress(std::string(stage) + " ..."); };
   Scene scene = LoadScene(options.scene, load);
-  scene.features = options.features.features();
+  options.features.ApplyTo(scene);
+  options.features = {NameOf(scene.features.contact), NameOf(scene.features.friction)};
   const std::vector<Pose> poses = ScriptPoses(options.scene, options.steps);
   std::vector<std::size_t> leaves = options.leaves;
   std::sort(leaves.begin(), leaves.end());

@@ -360,8 +360,8 @@ TEST_F(PalpateBench, ParetoRefusesPeersAndScenesThatNobodyKnows) {
   EXPECT_THAT(said_, HasSubstr("bunny-bunny"));
 }
 
-TEST_F(PalpateBench, RefusesWhatThisVersionHasNot) {
-  EXPECT_EQ(Run({"cycle", "--scene", "cube", "--contact", "glue"}), 2);
+TEST_F(PalpateBench, RefusesWhatItHasNot) {
+  EXPECT_EQ(Run({"cycle", "--scene", "cube", "--contact", "voxels"}), 2);
   EXPECT_EQ(Run({"cycle", "--scene", "cube", "--friction", "glue"}), 2);
   EXPECT_EQ(Run({"qp"}), 2);
   EXPECT_EQ(Run({"cycle", "--steps", "0"}), 2);

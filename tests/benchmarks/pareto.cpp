@@ -169,7 +169,7 @@ class Pareto {
         const SlidingForce force =
             MeasureSlidingForce({.object = object,
                                  .triangles = triangles,
-                                 .features = FeatureOptions{contact}.features(),
+                                 .features = FeatureOptions{contact, "off"}.features(),
                                  .repeats = repeats()},
                                 spheres);
         result.slide = force.errors.magnitude;
@@ -325,7 +325,7 @@ class Pareto {
         run.name = PalpateWith(contact);
         OrReason(run.not_available, [&] {
           Scene scene = loaded_->scene;
-          scene.features = FeatureOptions{contact}.features();
+          scene.features = FeatureOptions{contact, "off"}.features();
           SceneRun palpate(std::move(scene), loaded_->poses);
           const TimedRun timed = TimeRun(palpate, repeats(), stop_);
           free_poses_ = PosesOf(timed.steps);
@@ -403,7 +403,7 @@ class Pareto {
       PeerRun run;
       run.name = PalpateWith(contact) + ", 4,096 spheres";
       add(run, [&] {
-        scene.features = FeatureOptions{contact}.features();
+        scene.features = FeatureOptions{contact, "off"}.features();
         SceneRun palpate(scene, hand);
         return TimeRun(palpate, repeats(), stop_);
       });

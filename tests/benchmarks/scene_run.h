@@ -13,7 +13,7 @@ namespace palpate::bench {
 /// from.
 class SceneRun {
  public:
-  /// With the scene's features.  Throws Error where the physics has them not.
+  /// With the scene's features.
   SceneRun(Scene scene, std::vector<Pose> poses);
 
   /// One pass over all poses.  `reports` is filled where given.

@@ -19,7 +19,7 @@ struct Options {
   std::string only, json;
   long steps = 200'000;
   bool list = false;
-  FeatureOptions features{"spheres", "off"};
+  FeatureOptions features{"surface", "off"};
 };
 
 nlohmann::ordered_json ToJson(const StabilityCase& c, const CaseRun& run) {

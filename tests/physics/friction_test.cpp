@@ -170,6 +170,7 @@ TEST_P(FrictionTool, SticksForAMinuteWithoutCreepingThoughTheHandTrembles) {
     const StepReport report = bench.Step(X);
     farthest = std::max(farthest, (report.X_WG.p - Vec3(0.0, 0.0, rest())).norm());
   }
+  RecordProperty("creep_pm", static_cast<int>(1e12 * farthest));
   EXPECT_LT(farthest, 1e-8);  // of which the box settles by 4 nm
 }
 
@@ -327,7 +328,8 @@ TEST(Friction, KeepsEveryForceInItsConeAndTheToolOutsideInRandomScenes) {
   // Balls wedged among balls: more often than a scene, the laws have no solution there.
   EXPECT_GT(contacts, 50000);
   EXPECT_LT(deepest, 2e-6);
-  EXPECT_LT(unsolved, contacts / 50);
+  EXPECT_LT(lowered, contacts / 40);
+  EXPECT_LT(unsolved, contacts / 100);
 }
 
 /// The frictional problem of a sub-step, for oracles: minimise 1/2 |x - t|^2 + sum limit |S x|
@@ -389,7 +391,7 @@ struct Problem {
 
 TEST(Friction, MinimisesAsABruteForceSolverDoes) {
   const double mu = 0.5;
-  int problems = 0, skipped = 0, contacts = 0;
+  int problems = 0, skipped = 0, contacts = 0, loose = 0;
   double worst = 0.0, worst_lower = 0.0;
   for (int scene = 0; scene < 12; ++scene) {
     Random random(static_cast<std::uint64_t>(80 + scene));
@@ -454,7 +456,9 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       double excess = problem.Cost(x) - problem.LowerBound(30000);
       if (excess > 1e-10 * size * size) excess = problem.Cost(x) - problem.LowerBound(3000000);
       ASSERT_GE(excess, -1e-12 * size * size);
-      worst = std::max(worst, std::sqrt(2.0 * std::max(0.0, excess)) / size);
+      const double distance = std::sqrt(2.0 * std::max(0.0, excess)) / size;
+      worst = std::max(worst, distance);
+      loose += distance > 2e-5;
       // And no step that is allowed leads lower.
       for (int k = 0; k < 500; ++k) {
         Problem::Vec6 y = x;
@@ -470,8 +474,10 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
   }
   EXPECT_GT(problems, 100);
   EXPECT_GT(2 * contacts, 3 * problems);
-  // What sticks slips by 1e-11 of the size, which costs as much, and the square root makes it 1e-5.
-  EXPECT_LT(worst, 2e-5);
+  // What sticks slips by 1e-10 of the size at most, 1e-8 where two contacts hold the tool between
+  // them; that costs as much, and the square root makes it 1e-5 and 1e-4.
+  EXPECT_LT(worst, 1e-4);
+  EXPECT_LT(loose, problems / 20);
   EXPECT_LT(skipped, problems / 5);
   EXPECT_LT(worst_lower, 1e-12);
 }

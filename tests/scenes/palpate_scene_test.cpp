@@ -64,8 +64,9 @@ TEST(PalpateScene, ChecksScenesAndMeshes) {
 
 TEST(PalpateScene, EndsWithOneForAFailureAndTwoForWrongUsage) {
   const std::string folder = FreshFolder();
-  for (const std::string wrong : {"", "fly", "build", "render cube",
-                                  "render cube -o x.png --level 9", "info cube --log-level loud"}) {
+  for (const std::string wrong :
+       {"", "fly", "build", "render cube", "render cube -o x.png --level 9",
+        "render cube -o x.png --whole --level 1", "info cube --log-level loud"}) {
     EXPECT_EQ(PalpateScene(wrong, folder).exit_code, 2) << wrong;
   }
   const Outcome missing = PalpateScene("info nothing", folder);

@@ -70,6 +70,24 @@ TEST(Picture, DrawsABallAsLargeAsItIs) {
   }
 }
 
+TEST(Picture, ShowsTheWholeSceneWithItsBodiesInTheirPlaces) {
+  Scene scene = TwoBalls();
+  scene.tools[0].X_WB.p = Vec3(0, 0.04, 0);
+  scene.objects[0].X_WB.p = Vec3(0, -0.04, 0);
+  const std::string file = test::FreshFolder() + "/p.png";
+  DrawWhole(scene, file);
+  const Png png = ReadPng(file);
+  ASSERT_EQ(png.width, 480);
+  ASSERT_EQ(png.height, 480);
+  // The tool above, the object below, of other colours, and background between them.
+  const auto above = png.At(240, 100);
+  const auto below = png.At(240, 380);
+  EXPECT_NE(above, png.At(5, 100));
+  EXPECT_NE(below, png.At(5, 380));
+  EXPECT_NE(above, below);
+  EXPECT_EQ(png.At(240, 240), png.At(5, 240));
+}
+
 TEST(Picture, RefusesALevelThatDoesNotExistAndAFolderThatIsNotThere) {
   const std::string file = test::FreshFolder() + "/p.png";
   EXPECT_THROW(DrawScene(TwoBalls(), 3, file), UsageError);

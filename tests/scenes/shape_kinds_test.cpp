@@ -44,6 +44,23 @@ TEST(ShapeKinds, AreSolidsOfOnePieceAndOfModerateSize) {
   }
 }
 
+TEST(ShapeKinds, DoNotPassThroughThemselves) {
+  for (const ShapeKind& kind : ShapeKinds()) {
+    for (std::size_t v = 0; v < std::max<std::size_t>(kind.variants.size(), 1); ++v) {
+      const TriangleMesh mesh = kind.make(v, UsualValues(kind));
+      const MeshQuery query(mesh);
+      int folded = 0;
+      for (std::uint32_t t = 0; t < mesh.triangles.size(); t += 5) {
+        const auto& [i, j, k] = mesh.triangles[t];
+        const Vec3 middle = (mesh.vertices[i] + mesh.vertices[j] + mesh.vertices[k]) / 3.0;
+        const Vec3 off = 1e-6 * query.FaceNormal(t);
+        folded += query.Inside(middle + off) || !query.Inside(middle - off);
+      }
+      EXPECT_EQ(folded, 0) << kind.name << " " << v;
+    }
+  }
+}
+
 TEST(ShapeKinds, ToothHasTheSizeThatIsAskedFor) {
   for (const ToothKind kind :
        {ToothKind::kIncisor, ToothKind::kCanine, ToothKind::kPremolar, ToothKind::kMolar}) {
