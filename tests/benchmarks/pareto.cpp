@@ -258,20 +258,20 @@ class Pareto {
     struct Variant {
       const char* name;
       Features features;
-      bool materials = true;
+      bool materials = true, undeclared = false;
     };
     constexpr auto kSpheres = ContactModel::kSpheres;
     constexpr auto kSurface = ContactModel::kSurface;
     const std::vector<Variant> variants = {
         {"bare: sphere contact", {kSpheres}, false},
-        {"everything below undeclared", {kSpheres}},
+        {"everything below undeclared", {kSpheres}, true, true},
         {"surface contact", {kSurface}},
         {"friction, chapter", {kSpheres, FrictionModel::kChapter}},
         {"friction, Coulomb", {kSpheres, FrictionModel::kCoulomb}},
         {"compliance, 20 kN/m", {kSpheres, FrictionModel::kOff, true}},
         {"removal, of what is too hard to vanish", {kSpheres, FrictionModel::kOff, false, true}},
         {"surface contact and Coulomb friction", {kSurface, FrictionModel::kCoulomb}},
-        {"all", {kSurface, FrictionModel::kCoulomb, true, true}}};
+        {"all (soft, so touched as spheres)", {kSurface, FrictionModel::kCoulomb, true, true}}};
     const std::string name = std::find(scenes_.begin(), scenes_.end(), kPeerScene) != scenes_.end()
                                  ? kPeerScene
                                  : scenes_.front();
@@ -283,12 +283,19 @@ class Pareto {
       costs[v].feature = variants[v].name;
       OrReason(costs[v].not_available, [&] {
         Scene with = scene;
+        const Features& features = variants[v].features;
         for (Body& object : with.objects) {
           for (Material& material : object.materials) {
-            material = variants[v].materials ? Material{2e4, 0.8, 0.3, 1e9} : Material{};
+            material = {};
+            if (!variants[v].materials) continue;
+            material.static_friction = 0.8;
+            material.dynamic_friction = 0.3;
+            // Surface contact holds for objects without soft or wearing leaves only.
+            if (variants[v].undeclared || features.compliance) material.stiffness = 2e4;
+            if (variants[v].undeclared || features.removal) material.hardness = 1e9;
           }
         }
-        with.features = variants[v].features;
+        with.features = features;
         runs[v] = std::make_unique<SceneRun>(std::move(with), PathOf(name));
       });
     }
