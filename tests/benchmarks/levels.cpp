@@ -31,7 +31,7 @@ struct Options {
   bool objects_only = false;
   std::optional<int> steps;
   int repeats = 3;
-  FeatureOptions features;
+  FeatureOptions features{"spheres", "off"};
 };
 
 using Clock = std::chrono::steady_clock;

@@ -13,6 +13,7 @@
 #include "common/stop_signal.h"
 #include "scenes/catalogue.h"
 #include "scenes/shapes.h"
+#include "server/physics/leaf_wear.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"
 #include "tests/benchmarks/overlap_oracle.h"
@@ -35,8 +36,6 @@ struct Options {
 constexpr const char* kPeerScene = "bunny-bunny";
 constexpr const char* kContacts[] = {"spheres", "surface"};
 constexpr const char* kFrictions[] = {"off", "chapter", "coulomb"};
-// Of objects that have no friction of their own, as in chapter 2.5.6.
-constexpr double kStaticFriction = 0.8, kDynamicFriction = 0.3;
 // Triangles of the ball that penetration is measured with: 1 um inside the true one at most.
 constexpr std::size_t kFineBall = 20480;
 
@@ -198,6 +197,8 @@ class Pareto {
         result.triangles += object.mesh.triangles.size();
       }
       result.steps = loaded_->poses.size();
+      const Features& features = loaded_->scene.features;
+      result.yields = features.compliance || features.removal;
     });
     for (const char* contact : kContacts) {
       for (const char* friction : kFrictions) {
@@ -217,13 +218,6 @@ class Pareto {
     loaded->judge = std::make_unique<PathJudge>(loaded->scene, loaded->poses, checks(), stop_);
     loaded->oracle = std::make_unique<OverlapOracle>(loaded->scene.tools.front().tree,
                                                      loaded->scene.objects, loaded->scene.features);
-    for (Body& object : loaded->scene.objects) {
-      for (Material& material : object.materials) {
-        if (material.static_friction > 0.0) continue;
-        material.static_friction = kStaticFriction;
-        material.dynamic_friction = kDynamicFriction;
-      }
-    }
     loaded_ = std::move(loaded);
   }
 
@@ -238,14 +232,24 @@ class Pareto {
       const TimedRun timed = TimeRun(run, repeats(), stop_);
       model.speed = timed.speed;
       model.path = loaded_->judge->Judge(PosesOf(timed.steps), ForcesOf(timed.steps));
-      if (contact != "spheres") return;
-      double deepest = 0.0;
-      for (std::size_t i = 0; i < timed.steps.size(); i += loaded_->judge->every()) {
-        deepest = std::max(deepest, loaded_->oracle->At(timed.steps[i].X_WG).depth);
-      }
-      model.sphere_overlap_um = 1e6 * deepest;
+      if (contact == "spheres") model.sphere_overlap_um = 1e6 * SphereOverlap(run, timed.steps);
     });
     return model;
+  }
+
+  /// Deepest overlap of the spheres that were there, at the steps that are checked [m].
+  double SphereOverlap(const SceneRun& run, const std::vector<StepReport>& steps) const {
+    LeafWear wear = run.Start().wear;
+    double deepest = 0.0;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      if (i % loaded_->judge->every() == 0) {
+        deepest = std::max(deepest, loaded_->oracle->At(steps[i].X_WG, &wear).depth);
+      }
+      for (int r = 0; r < steps[i].removals; ++r) {
+        wear.Remove(steps[i].removed[static_cast<std::size_t>(r)]);
+      }
+    }
+    return deepest;
   }
 
   // ---- what features cost
@@ -254,20 +258,20 @@ class Pareto {
     struct Variant {
       const char* name;
       Features features;
-      bool materials = true;
+      bool materials = true, undeclared = false;
     };
     constexpr auto kSpheres = ContactModel::kSpheres;
     constexpr auto kSurface = ContactModel::kSurface;
     const std::vector<Variant> variants = {
         {"bare: sphere contact", {kSpheres}, false},
-        {"everything below undeclared", {kSpheres}},
+        {"everything below undeclared", {kSpheres}, true, true},
         {"surface contact", {kSurface}},
         {"friction, chapter", {kSpheres, FrictionModel::kChapter}},
         {"friction, Coulomb", {kSpheres, FrictionModel::kCoulomb}},
         {"compliance, 20 kN/m", {kSpheres, FrictionModel::kOff, true}},
         {"removal, of what is too hard to vanish", {kSpheres, FrictionModel::kOff, false, true}},
         {"surface contact and Coulomb friction", {kSurface, FrictionModel::kCoulomb}},
-        {"all", {kSurface, FrictionModel::kCoulomb, true, true}}};
+        {"all (soft, so touched as spheres)", {kSurface, FrictionModel::kCoulomb, true, true}}};
     const std::string name = std::find(scenes_.begin(), scenes_.end(), kPeerScene) != scenes_.end()
                                  ? kPeerScene
                                  : scenes_.front();
@@ -279,13 +283,19 @@ class Pareto {
       costs[v].feature = variants[v].name;
       OrReason(costs[v].not_available, [&] {
         Scene with = scene;
+        const Features& features = variants[v].features;
         for (Body& object : with.objects) {
           for (Material& material : object.materials) {
-            material = variants[v].materials ? Material{2e4, kStaticFriction, kDynamicFriction, 1e9}
-                                             : Material{};
+            material = {};
+            if (!variants[v].materials) continue;
+            material.static_friction = 0.8;
+            material.dynamic_friction = 0.3;
+            // Surface contact holds for objects without soft or wearing leaves only.
+            if (variants[v].undeclared || features.compliance) material.stiffness = 2e4;
+            if (variants[v].undeclared || features.removal) material.hardness = 1e9;
           }
         }
-        with.features = variants[v].features;
+        with.features = features;
         runs[v] = std::make_unique<SceneRun>(std::move(with), PathOf(name));
       });
     }

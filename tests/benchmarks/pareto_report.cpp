@@ -173,6 +173,7 @@ std::vector<Goal> Goals(const ParetoResults& r) {
     worst(cube_max, s.slide->max);
   }
   for (const SceneResult& s : r.scenes) {
+    if (s.yields) continue;
     for (const ModelRun& run : s.runs) {
       if (run.contact == "surface" && run.path) worst(deepest, run.path->penetration_um.max);
     }
@@ -196,8 +197,8 @@ std::vector<Goal> Goals(const ParetoResults& r) {
            kOwn, 0.01, "", slide("ellipsoid", 512, "surface", &MeanMax::max, kFewTriangles)},
           {"the same, 81,920 triangles", kOwn, 0.002, "",
            slide("ellipsoid", 512, "surface", &MeanMax::max, kManyTriangles)},
-          {"penetration of the meshes, surface contact, every scene: deepest", kOwn, kDeepGoal_um,
-           " µm", deepest},
+          {"penetration of the meshes, surface contact, every scene of rigid objects: deepest",
+           kOwn, kDeepGoal_um, " µm", deepest},
           {"`bunny-bunny-22k`, surface contact: step", kOwn, 60.0, " µs",
            p999("bunny-bunny-22k", "surface")},
           {"`oral-cavity`, surface contact, Coulomb friction: step", kOwn, 60.0, " µs",
@@ -422,12 +423,17 @@ void Scenes(Markdown& md, const ParetoResults& r) {
       "inside the other, at the reported pose, on every n-th step; edges that cross without one "
       "are not seen. With sphere contact the meshes may meet where the spheres, which lie inside "
       "them, do not yet: that is the model's error. *Sphere overlap* is how deep the spheres "
-      "themselves overlap, which is what that model prevents. Objects without friction of their "
-      "own have μ_s 0.8 and μ_d 0.3 where a friction model is named.");
+      "themselves overlap, which is what that model prevents. Where a scene "
+      "has no friction of its own, its objects have μ_s 0.8 and μ_d 0.3 where a friction model is "
+      "named.");
   for (const SceneResult& s : r.scenes) {
     md.Heading(3, "`" + s.scene + "`");
     if (!s.not_available.empty()) {
       md.Paragraph("Not available: " + s.not_available);
+      continue;
+    }
+    if (s.steps == 0) {
+      md.Paragraph("Not measured.");
       continue;
     }
     md.Paragraph(
@@ -435,6 +441,11 @@ void Scenes(Markdown& md, const ParetoResults& r) {
                     "steps.",
                     Thousands(s.tool_spheres), Thousands(s.object_spheres), Thousands(s.triangles),
                     Thousands(s.steps)));
+    if (s.yields) {
+      md.Paragraph(
+          "Its objects are soft or wear off: what the tool pressed in or scraped away counts as "
+          "penetration of the meshes, which are as they were.");
+    }
     Rows rows;
     for (const ModelRun& run : s.runs) {
       rows.Add(run, fmt::format("{}, friction {}", ContactName(run.contact), run.friction),
@@ -452,6 +463,10 @@ void Scenes(Markdown& md, const ParetoResults& r) {
 
 void Features(Markdown& md, const ParetoResults& r) {
   md.Heading(2, "What each feature costs");
+  if (r.features.empty()) {
+    md.Paragraph("Not measured.");
+    return;
+  }
   md.Paragraph(
       fmt::format("The path of `{}`, the same steps for each line, their repeats taken in turns. "
                   "*Undeclared* is "
@@ -632,7 +647,8 @@ nlohmann::ordered_json ToJson(const ParetoResults& r) {
       one.update({{"tool_spheres", s.tool_spheres},
                   {"object_spheres", s.object_spheres},
                   {"triangles", s.triangles},
-                  {"steps", s.steps}});
+                  {"steps", s.steps},
+                  {"yields", s.yields}});
     }
     one["runs"] = nlohmann::ordered_json::array();
     for (const ModelRun& run : s.runs) one["runs"].push_back(ToJson(run));

@@ -9,7 +9,6 @@
 #include "scenes/shapes.h"
 #include "scenes/sphere_tree_builder.h"
 #include "server/session/scene_model.h"
-#include "tests/benchmarks/features.h"
 
 namespace palpate::bench {
 namespace {
