@@ -51,6 +51,32 @@ void ContactRows::AddSurface(const Kernels& kernels, const SurfacePoint* points,
   Limit(added);
 }
 
+void ContactRows::DropDeeper(int first, bool points_are_tool) noexcept {
+  if (overflowed_) return;
+  // Less than this is the linearisation's own error, which in a hollow two patches may both show.
+  constexpr double kShallow = 5e-6;
+  constexpr int kMost = 64;  // of a tool that is deep inside there are more, and no choice is right
+  int deep[kMost];
+  int found = 0;
+  for (int i = first; i < count_; ++i) {
+    if (!(gap(i) < -kShallow)) continue;
+    if (found == kMost) return;
+    deep[found++] = i;
+  }
+  const auto point = [&](int i) {
+    return points_are_tool ? columns_.pair[i].tool : columns_.pair[i].object;
+  };
+  // From the last on, so that a row that takes the place of another has been looked at.
+  for (int k = found - 1; k >= 0; --k) {
+    const int row = deep[k];
+    bool shallower = false;
+    for (int i = first; i < count_ && !shallower; ++i) {
+      shallower = point(i) == point(row) && gap(i) > gap(row) + 1e-9;
+    }
+    if (shallower) Move(--count_, row);
+  }
+}
+
 void ContactRows::AddRow(const Vec3& normal, const Vec3& lever, double gap,
                          NodePair pair) noexcept {
   const Vec3 turned = lever.cross(normal) / rho_;

@@ -33,6 +33,10 @@ class ContactRows {
   void AddSurface(const Kernels& kernels, const SurfacePoint* points, const SurfacePatch* patches,
                   const SurfaceFrames& frames, const NodePair* pairs, int count,
                   std::int32_t tag) noexcept;
+  /// Of the rows from `first` on, between points and patches of one pair of surfaces: a point that
+  /// is below several patches, as beside a convex crease, has left the body by the nearest of them.
+  /// Drops the row of a patch that the point is further below.
+  void DropDeeper(int first, bool points_are_tool) noexcept;
   /// Adds one row.
   /// @param lever  of the contact point [m], in W
   void AddRow(const Vec3& normal, const Vec3& lever, double gap, NodePair pair) noexcept;

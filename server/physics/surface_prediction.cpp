@@ -207,6 +207,7 @@ void SurfacePrediction::Predict(const Kernels& kernels, const Mat3& R_WG, const 
     const SurfacePoint* points = (of_tool ? tool_.points : objects_.points).data();
     const SurfacePatch* patches = (of_tool ? objects_.patches : tool_.patches).data();
     const PatchDisc* discs = (of_tool ? objects_.discs : tool_.discs).data();
+    const int first = rows.count();
     query.Run(kernels, R_WG, p_W, bounds, [&](const NodePair* pairs, int count) {
       clock.Lap(&StageTimes::prediction);
       const int near = kernels.near_patches(points, discs, frames, pairs, count, near_.data());
@@ -215,6 +216,7 @@ void SurfacePrediction::Predict(const Kernels& kernels, const Mat3& R_WG, const 
       clock.Lap(&StageTimes::rows);
       return true;
     });
+    rows.DropDeeper(first, of_tool);
   };
   if (point_on_patch_) {
     put(frames.M, R_WG);
