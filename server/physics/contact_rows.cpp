@@ -71,7 +71,7 @@ void ContactRows::DropDeeper(int first, bool points_are_tool) noexcept {
     const int row = deep[k];
     bool shallower = false;
     for (int i = first; i < count_ && !shallower; ++i) {
-      shallower = point(i) == point(row) && gap(i) > gap(row) + 1e-9;
+      shallower = point(i) == point(row) && gap(i) > -kShallow;
     }
     if (shallower) Move(--count_, row);
   }

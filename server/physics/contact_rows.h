@@ -33,9 +33,9 @@ class ContactRows {
   void AddSurface(const Kernels& kernels, const SurfacePoint* points, const SurfacePatch* patches,
                   const SurfaceFrames& frames, const NodePair* pairs, int count,
                   std::int32_t tag) noexcept;
-  /// Of the rows from `first` on, between points and patches of one pair of surfaces: a point that
-  /// is below several patches, as beside a convex crease, has left the body by the nearest of them.
-  /// Drops the row of a patch that the point is further below.
+  /// Of the rows from `first` on, between points and patches: a point that lies on one patch of a
+  /// body, beside a convex crease, lies below those across the crease without being in their way.
+  /// Drops the rows of those.
   void DropDeeper(int first, bool points_are_tool) noexcept;
   /// Adds one row.
   /// @param lever  of the contact point [m], in W

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
+#include "scenes/shapes.h"
+#include "scenes/sphere_tree_builder.h"
+#include "server/session/scene_model.h"
 #include "tests/support/step_bench.h"
 
 namespace palpate {
@@ -75,12 +78,46 @@ std::uint64_t GoldenRunOfMaterials() {
   return Run(parameters, slices);
 }
 
+/// Between true surfaces: a small ellipsoid and a box wander over a large ellipsoid.
+std::uint64_t GoldenRunOfSurfaces() {
+  const auto body = [](TriangleMesh mesh, std::size_t leaves) {
+    Body made;
+    made.mesh = std::move(mesh);
+    made.tree = BuildSphereTree(made.mesh, leaves);
+    return made;
+  };
+  BitHash hash;
+  for (const bool box : {false, true}) {
+    Scene scene;
+    scene.tools.push_back(box ? body(MakeBox(Vec3(0.01, 0.02, 0.015)), 128)
+                              : body(MakeEllipsoid(Vec3(0.01, 0.015, 0.02), 320), 128));
+    scene.objects.push_back(body(MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280), 256));
+    const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
+    StepWorkspace workspace(model);
+    StepState state(model);
+    state.X_WG.p = Vec3(0.0, 0.0, 0.08);
+    Random random(61);
+    Pose X = state.X_WG, goal = X;
+    for (int i = 0; i < 2000; ++i) {
+      if (i % 250 == 0) {
+        goal.p = random.InCube(0.04);
+        goal.q = random.Rotation();
+      }
+      X.p += 0.02 * (goal.p - X.p);
+      X.q = RotationExp(0.02 * RotationLog(goal.q * X.q.conjugate())) * X.q;
+      hash.Add(HapticStep(model, X, state, workspace));
+    }
+  }
+  return hash.value();
+}
+
 // Debug and Release builds, every SIMD level and every machine give this.  A change of the physics
 // changes it, knowingly; nothing else may.
 constexpr std::uint64_t kGoldenHash = 6161116608468802286u;
 constexpr std::uint64_t kGoldenChapterHash = 10557980212448308767u;
 constexpr std::uint64_t kGoldenCoulombHash = 5460479641327311592u;
 constexpr std::uint64_t kGoldenHashOfMaterials = 12443289330829426384u;
+constexpr std::uint64_t kGoldenHashOfSurfaces = 7203691118584039563u;
 
 TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
   const Kernels* level[3];
@@ -92,6 +129,7 @@ TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
     EXPECT_EQ(GoldenRun(FrictionModel::kChapter), kGoldenChapterHash) << level[k]->name;
     EXPECT_EQ(GoldenRun(FrictionModel::kCoulomb), kGoldenCoulombHash) << level[k]->name;
     EXPECT_EQ(GoldenRunOfMaterials(), kGoldenHashOfMaterials) << level[k]->name;
+    EXPECT_EQ(GoldenRunOfSurfaces(), kGoldenHashOfSurfaces) << level[k]->name;
   }
   UseKernels(chosen);
 }

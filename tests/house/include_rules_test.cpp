@@ -39,8 +39,8 @@ TEST(IncludeRules, LetPhysicsSeeSphereTreeMathAndEigen) {
 }
 
 TEST(IncludeRules, KeepPhysicsFromTheRestAndNameFileAndLine) {
-  EXPECT_THAT(Check("server/physics/a.cpp", "\n#include \"scenes/scene.h\"\n"),
-              ElementsAre(HasSubstr("server/physics/a.cpp:2: scenes/scene.h: ")));
+  EXPECT_THAT(Check("server/physics/a.cpp", "\n#include \"scenes/scene_file.h\"\n"),
+              ElementsAre(HasSubstr("server/physics/a.cpp:2: scenes/scene_file.h: ")));
   EXPECT_THAT(Check("server/physics/a.h", "#include \"server/session/servo_loop.h\"\n"),
               ElementsAre(HasSubstr("servo_loop.h")));
   EXPECT_THAT(Check("server/physics/a.h", "#include \"common/dds/endpoint.h\"\n"),
