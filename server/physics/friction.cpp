@@ -264,12 +264,12 @@ class FrictionalContacts {
     Vec3 normal, lever, tangent[2];
     double a[N], s[2][N], b;
     double mu_s, mu_d;
-    bool sliding;         ///< mu_d counts
-    double frictionless;  ///< lambda without friction
+    bool sliding = false;  ///< mu_d counts
+    double frictionless;   ///< lambda without friction
     double lambda, force[2];
-    bool slips;  ///< friction is at its limit
+    bool slips = false;  ///< friction is at its limit
     // Of one step:
-    bool presses;
+    bool presses = false;
     double limit;                ///< of friction
     double direction[2], ratio;  ///< where it slips: unit vector along u, and limit / |u|
     double across[N], base, stiffness;
