@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 
 #include "common/dds/topics.h"
@@ -67,6 +68,7 @@ int Serve(const Options& options) {
     AddTools(scene, tools);
     names += (names.empty() ? "" : ", ") + scene.name;
   }
+  malloc_trim(0);  // what the models were made from: as much again
 
   Server server(std::move(loop_domain), dds::Participant::Service(options.domain), std::move(tools),
                 [](const std::string& line) {
