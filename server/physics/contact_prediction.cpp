@@ -10,9 +10,11 @@ namespace palpate {
 namespace {
 /// Surfaces that overlap by less than this touch [m].
 constexpr double kTouching = 1e-6;
-/// A step keeps the surfaces apart to some micrometres; what lies this deep below a surface [m] is
-/// on the other side of something.
-constexpr double kDeepest = 1e-4;
+/// The most that a sub-step makes good of it [m].  A step leaves some micrometres of linearisation
+/// error; what reads deeper is as likely a point that is "below" a face from beside it, across an
+/// edge, and rows that want it out at once, against others that hold, would throw the optimum
+/// centimetres away, and the force with it.
+constexpr double kRecovery = 5e-6;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 }  // namespace
 
@@ -38,8 +40,8 @@ void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
   });
   clock.Lap(&StageTimes::prediction);
   if (surface_) {
-    surface_->Predict(kernels, R_WG, p_W, bounds, kDeepest, model.degrees_of_freedom(),
-                      model.rotation_length(), rows, times);
+    surface_->Predict(kernels, R_WG, p_W, bounds, kSurfaceDepth, kRecovery,
+                      model.degrees_of_freedom(), model.rotation_length(), rows, times);
   }
   rows.Finish();
 }
@@ -66,8 +68,8 @@ bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernel
   });
   if (surface_ && !overlaps) {
     rows.Clear();
-    surface_->Predict(kernels, R_WG, p_W, {kTouching, 0.0}, kInfinity, model.degrees_of_freedom(),
-                      model.rotation_length(), rows, nullptr);
+    surface_->Predict(kernels, R_WG, p_W, {kTouching, 0.0}, kInfinity, kInfinity,
+                      model.degrees_of_freedom(), model.rotation_length(), rows, nullptr);
     for (int r = 0; r < rows.count() && !overlaps; ++r) overlaps = rows.gap(r) < -kTouching;
   }
   return overlaps;

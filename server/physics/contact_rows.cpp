@@ -5,6 +5,8 @@
 #include <new>
 #include <numeric>
 
+#include "server/physics/leaf_pair.h"
+
 namespace palpate {
 
 namespace {
@@ -51,10 +53,13 @@ void ContactRows::AddSurface(const Kernels& kernels, const SurfacePoint* points,
   Limit(added);
 }
 
-void ContactRows::DropDeeper(int first, bool points_are_tool) noexcept {
+void ContactRows::KeepNearest(int first, bool points_are_tool, const PatchDisc* discs,
+                              const std::uint32_t* body) noexcept {
   if (overflowed_) return;
   // Less than this is the linearisation's own error, which in a hollow two patches may both show.
   constexpr double kShallow = 5e-6;
+  // Two faces of a sheet without thickness lie in one plane.
+  constexpr double kFlat = 1e-6;
   constexpr int kMost = 64;  // of a tool that is deep inside there are more, and no choice is right
   int deep[kMost];
   int found = 0;
@@ -66,15 +71,31 @@ void ContactRows::DropDeeper(int first, bool points_are_tool) noexcept {
   const auto point = [&](int i) {
     return points_are_tool ? columns_.pair[i].tool : columns_.pair[i].object;
   };
+  const auto patch = [&](int i) {
+    return points_are_tool ? columns_.pair[i].object : Untagged(columns_.pair[i]).tool;
+  };
+  // Of a convex crease each side lies below the other's plane; of a hollow, above, and both count.
+  const auto across_convex = [&](int on, int below) {
+    if (body != nullptr && body[patch(on)] != body[patch(below)]) return false;
+    const PatchDisc& a = discs[patch(on)];
+    const PatchDisc& b = discs[patch(below)];
+    const double height = a.n[0] * b.centre[0] + a.n[1] * b.centre[1] + a.n[2] * b.centre[2];
+    return height < a.offset + kFlat;
+  };
   // From the last on, so that a row that takes the place of another has been looked at.
   for (int k = found - 1; k >= 0; --k) {
     const int row = deep[k];
-    bool shallower = false;
-    for (int i = first; i < count_ && !shallower; ++i) {
-      shallower = point(i) == point(row) && gap(i) > -kShallow;
+    bool nearer = false;
+    for (int i = first; i < count_ && !nearer; ++i) {
+      nearer = point(i) == point(row) && gap(i) > -kShallow && across_convex(i, row);
     }
-    if (shallower) Move(--count_, row);
+    if (nearer) Move(--count_, row);
   }
+}
+
+void ContactRows::LimitRecovery(int first, double most) noexcept {
+  for (int i = first; i < count_; ++i)
+    columns_.b[i] = std::min(columns_.b[i], most + 0.6 * (columns_.b[i] - most));
 }
 
 void ContactRows::AddRow(const Vec3& normal, const Vec3& lever, double gap,

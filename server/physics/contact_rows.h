@@ -33,10 +33,15 @@ class ContactRows {
   void AddSurface(const Kernels& kernels, const SurfacePoint* points, const SurfacePatch* patches,
                   const SurfaceFrames& frames, const NodePair* pairs, int count,
                   std::int32_t tag) noexcept;
-  /// Of the rows from `first` on, between points and patches: a point that lies on one patch of a
-  /// body, beside a convex crease, lies below those across the crease without being in their way.
-  /// Drops the rows of those.
-  void DropDeeper(int first, bool points_are_tool) noexcept;
+  /// Of the rows from `first` on, between points and patches: what lies below two patches of a body
+  /// that meet in a convex crease, or back to back, is out of it by the nearer one.  Drops a row of
+  /// a point that has such a one, not or hardly below.
+  /// @param discs  of the patches
+  /// @param body   that each patch belongs to; null where all are one body's
+  void KeepNearest(int first, bool points_are_tool, const PatchDisc* discs,
+                   const std::uint32_t* body) noexcept;
+  /// No row from `first` on is to want more of an overlap made good than this [m].
+  void LimitRecovery(int first, double most) noexcept;
   /// Adds one row.
   /// @param lever  of the contact point [m], in W
   void AddRow(const Vec3& normal, const Vec3& lever, double gap, NodePair pair) noexcept;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "server/physics/surface_mesh.h"
 #include "server/physics/surface_tree.h"
@@ -15,6 +16,15 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFlat = 1e-5;
 /// SurfacePatch::outside of a patch with and without a crease.
 constexpr double kAtCrease = 1e-9, kAcrossEdges = 0.02;
+/// Least cosine between the normals of two smooth places that touch, one of them turned over.
+constexpr double kOpposed = 0.3;
+/// Reach of points on creases, which no side can leave to the other; and of which nothing tells
+/// what they may touch.
+constexpr double kOnCrease = -1.0, kAnything = -2.0;
+/// How far [rad] what touches a crease may leave the normals that meet there.
+constexpr double kCreaseSlack = 0.1;
+/// Least depth that a patch has below it [m]: linearising leaves some micrometres.
+constexpr double kLeastDepth = 5e-6;
 
 void Put(double* to, const Vec3& v) {
   for (int i = 0; i < 3; ++i) to[i] = v[i];
@@ -93,9 +103,11 @@ class SurfaceBuilder {
   }
 
   struct VertexKind {
-    bool sharp = false;   ///< on a crease
-    bool convex = false;  ///< on a convex one
-    bool flat = true;     ///< inside a plane
+    bool sharp = false;                 ///< on a crease
+    bool convex = false;                ///< on a convex one
+    bool concave = false, end = false;  ///< on a concave one; where the surface ends
+    std::vector<Vec3> normals;          ///< on a crease: of its triangles and their corners there
+    bool flat = true;                   ///< inside a plane
     Vec3 normal = Vec3::Zero();
     std::uint32_t triangle = 0;  ///< one of its
     double longest = 0.0;        ///< of its edges
@@ -105,11 +117,15 @@ class SurfaceBuilder {
   void ClassifyVertices() {
     kinds_.resize(surface_.vertices.size());
     creased_.resize(surface_.triangles.size());
+    thickness_.resize(surface_.triangles.size(), kInfinity);
     for (const SurfaceMesh::SharpEdge& edge : surface_.sharp_edges) {
       for (std::uint32_t t : edge.triangle) creased_[t] = true;
+      Thin(edge.triangle[0], edge.triangle[1], edge.convex);
       for (std::uint32_t v : edge.vertex) {
         kinds_[v].sharp = true;
         kinds_[v].convex = kinds_[v].convex || edge.convex;
+        kinds_[v].concave = kinds_[v].concave || !edge.convex;
+        kinds_[v].end = kinds_[v].end || edge.triangle[0] == edge.triangle[1];
       }
     }
     for (std::uint32_t i = 0; i < surface_.triangles.size(); ++i) {
@@ -118,6 +134,7 @@ class SurfaceBuilder {
       for (std::size_t c = 0; c < 3; ++c) {
         VertexKind& kind = kinds_[t.vertex[c]];
         kind.triangle = i;
+        if (kind.sharp) AppendNormals(i, std::span(&t.vertex[c], 1), kind.normals);
         kind.normal += t.normal[c];
         kind.flat = kind.flat && (t.normal[c] - face).norm() < kFlat;
         const double a = (Vertex(t, (c + 1) % 3) - Vertex(t, c)).norm();
@@ -128,6 +145,36 @@ class SurfaceBuilder {
     for (VertexKind& kind : kinds_) kind.normal.normalize();
   }
 
+  /// The normals of a triangle, and of those of its corners that are among the vertices.
+  void AppendNormals(std::uint32_t triangle, std::span<const std::uint32_t> vertices,
+                     std::vector<Vec3>& normals) const {
+    const Triangle& t = surface_.triangles[triangle];
+    normals.push_back(surface_.FaceNormal(triangle));
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (std::find(vertices.begin(), vertices.end(), t.vertex[c]) != vertices.end()) {
+        normals.push_back(t.normal[c]);
+      }
+    }
+  }
+
+  /// Two triangles that meet at an edge by less than 60 degrees have less of the body between
+  /// them than this; scans have triangles that lie back to back, with nothing between them.
+  void Thin(std::uint32_t a, std::uint32_t b, bool convex) {
+    constexpr double kSharp = -0.5,
+                     kFolded = -0.9998;  // whether a fold is convex is then for rounding to say
+    const Vec3 n_a = surface_.FaceNormal(a), n_b = surface_.FaceNormal(b);
+    if (a == b || n_a.dot(n_b) >= (convex ? kSharp : kFolded)) return;
+    const auto most = [&](std::uint32_t of, const Vec3& p, const Vec3& n) {
+      double depth = kLeastDepth;
+      for (std::uint32_t v : surface_.triangles[of].vertex) {
+        depth = std::max(depth, std::abs((surface_.vertices[v] - p).dot(n)));
+      }
+      thickness_[of] = std::min(thickness_[of], depth);
+    };
+    most(a, Vertex(surface_.triangles[b], 0), n_b);
+    most(b, Vertex(surface_.triangles[a], 0), n_a);
+  }
+
   void AddVertices() {
     for (std::uint32_t v = 0; v < kinds_.size(); ++v) {
       VertexKind& kind = kinds_[v];
@@ -135,24 +182,45 @@ class SurfaceBuilder {
       if (IsSmooth(kind)) {
         // Every place of the surface is nearer than this to one of its triangle's corners.
         kind.reach = 0.6 * kind.longest;
-        AddPoint(surface_.vertices[v], kind.normal, kind.reach, kind.triangle);
+        AddPoint(surface_.vertices[v], {kind.normal, kOpposed}, kind.reach, kind.triangle);
       } else if (kind.convex) {
-        AddPoint(surface_.vertices[v], Vec3::Zero(), 0.0, kind.triangle);
+        const bool all = kind.concave || kind.end;
+        AddPoint(surface_.vertices[v], all ? Facing{} : AcrossNormals(kind.normals), kOnCrease,
+                 kind.triangle);
       }
     }
   }
 
   static bool IsSmooth(const VertexKind& kind) { return !kind.sharp && !kind.flat; }
 
-  void AddPoint(const Vec3& x, const Vec3& m, double reach, std::uint32_t triangle) {
+  /// SurfacePoint::m and cosine.
+  struct Facing {
+    Vec3 outward = Vec3::Zero();
+    double cosine = kAnything;
+  };
+
+  /// Of a crease or corner where these normals meet.
+  static Facing AcrossNormals(const std::vector<Vec3>& normals) {
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& n : normals) middle += n;
+    if (!(middle.norm() > 0.1 * static_cast<double>(normals.size()))) return {};
+    middle.normalize();
+    double half = 0.0;
+    for (const Vec3& n : normals)
+      half = std::max(half, std::acos(std::clamp(n.dot(middle), -1.0, 1.0)));
+    return {middle, std::cos(std::min(half + kCreaseSlack, M_PI))};
+  }
+
+  void AddPoint(const Vec3& x, const Facing& facing, double reach, std::uint32_t triangle) {
     SurfacePoint point{};
     Put(point.x, x);
-    Put(point.m, m);
+    Put(point.m, facing.outward);
+    point.cosine = facing.cosine;
     point.reach = reach;
     out_.points.push_back(point);
     const std::uint32_t leaf = leaves_of_.Nearest(surface_.triangles[triangle].source, x);
     out_.point_leaf.push_back(leaf);
-    point_pieces.push_back({{x, x, x}, 1e-9, m, leaf});
+    point_pieces.push_back({{x, x, x}, 1e-9, facing.outward, leaf});
   }
 
   void AddPatches() {
@@ -194,12 +262,13 @@ class SurfaceBuilder {
             lifted -= (middle - Vertex(t, c)).dot(t.normal[c]) * t.normal[c] / 6.0;
           }
           patch.reach = std::max(patch.reach, radius);
-          AddPoint(lifted, normal, radius, i);
+          AddPoint(lifted, {normal, kOpposed}, radius, i);
         }
         AddMidpoints(i);
       }
       const std::uint32_t leaf = leaves_of_.Nearest(t.source, middle);
-      patch.depth = std::max(leaves_.leaf_radius[leaf], 0.05 * longest_edge_);
+      patch.depth =
+          std::min(thickness_[i], std::max(leaves_.leaf_radius[leaf], 0.05 * longest_edge_));
       patch.outside = creased_[i] ? kAtCrease : kAcrossEdges;
       out_.patches.push_back(patch);
       out_.patch_leaf.push_back(leaf);
@@ -226,8 +295,8 @@ class SurfaceBuilder {
       const Vec3 lift =
           0.25 * (half.dot(t.normal[d]) * t.normal[d] - half.dot(t.normal[c]) * t.normal[c]);
       if (lift.norm() < kBump) continue;
-      AddPoint(Vertex(t, c) + half + lift, (t.normal[c] + t.normal[d]).normalized(), half.norm(),
-               triangle);
+      AddPoint(Vertex(t, c) + half + lift, {(t.normal[c] + t.normal[d]).normalized(), kOpposed},
+               half.norm(), triangle);
     }
   }
 
@@ -251,8 +320,14 @@ class SurfaceBuilder {
           leaves_of_.Nearest(surface_.triangles[edge.triangle[0]].source, middle));
       crease_pieces.push_back(
           {{crease.a, crease.a + crease.d, middle}, 0.0, Vec3::Zero(), out_.crease_leaf.back()});
+      Facing facing;
+      if (edge.triangle[0] != edge.triangle[1]) {
+        std::vector<Vec3> normals;
+        for (std::uint32_t t : edge.triangle) AppendNormals(t, edge.vertex, normals);
+        facing = AcrossNormals(normals);
+      }
       for (double at : {0.2, 0.4, 0.6, 0.8}) {
-        AddPoint(crease.a + at * crease.d, Vec3::Zero(), 0.0, edge.triangle[0]);
+        AddPoint(crease.a + at * crease.d, facing, kOnCrease, edge.triangle[0]);
       }
     }
   }
@@ -263,7 +338,8 @@ class SurfaceBuilder {
   LeavesOfTriangle leaves_of_;
   ContactSurface& out_;
   std::vector<VertexKind> kinds_;
-  std::vector<bool> creased_;  ///< of each triangle: whether one of its edges is a crease
+  std::vector<double> thickness_;  ///< of the body below each triangle, at most [m]
+  std::vector<bool> creased_;      ///< of each triangle: whether one of its edges is a crease
 };
 
 template <class T>

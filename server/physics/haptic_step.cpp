@@ -162,11 +162,14 @@ StepBounds WidestBounds(const HapticModel& model, bool near) {
 StepBounds FirstBounds(const HapticModel& model, const Target& hand_step, bool near) {
   const StepBounds widest = WidestBounds(model, near);
   const StepParameters& parameters = model.parameters();
+  const bool surface = model.tool_surface() != nullptr;
+  const double of_hand = surface ? 1.4 : 2.0, of_most = surface ? 0.02 : 0.04;
   const double rho = model.rotation_length();
   const double v = hand_step.v.norm(), phi = hand_step.phi.norm();
-  return {
-      std::min(2.0 * (v + 0.5 * rho * phi) + 0.04 * parameters.max_translation, widest.translation),
-      std::min(2.0 * (phi + 0.5 * v / rho) + 0.04 * parameters.max_rotation, widest.rotation)};
+  return {std::min(of_hand * (v + 0.5 * rho * phi) + of_most * parameters.max_translation,
+                   widest.translation),
+          std::min(of_hand * (phi + 0.5 * v / rho) + of_most * parameters.max_rotation,
+                   widest.rotation)};
 }
 
 /// Bounds of the next sub-step: eight times wider; near surfaces no wider than the step wants.
@@ -257,15 +260,22 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
 
   StepBounds bounds = FirstBounds(model, TargetOf(state.X_WH * reference, state.X_WH.q, p_H, q_H),
                                   state.active > 0);
+  if (model.tool_surface() != nullptr) {
+    bounds.translation = std::max(bounds.translation, state.behind.translation);
+    bounds.rotation = std::max(bounds.rotation, state.behind.rotation);
+  }
   state.X_WH = {X_WH.p, q_H};
   bool arrived = false;
-  const std::int64_t last_test = buffers.prediction.tested() + parameters.max_tested;
+  std::int64_t spent = 0, last = 0;  // the next sub-step is taken to cost what the last one did
   for (; report.substeps < parameters.max_substeps && !arrived &&
-         buffers.prediction.tested() < last_test && (report.faults & kFaultUnsolved) == 0;
+         spent + last <= parameters.max_tested && (report.faults & kFaultUnsolved) == 0;
        ++report.substeps) {
+    const std::int64_t before = buffers.prediction.tested();
     const Target target = TargetOf(p_G, q_G, p_H, q_H);
     const Mat3 R_WG = q_G.toRotationMatrix();
     buffers.prediction.Predict(model, kernels, R_WG, p_G, bounds, state.wear, rows, times);
+    last = buffers.prediction.tested() - before;
+    spent += last;
     StageClock clock(times);
     report.predicted_pairs = rows.count();
     if (rows.overflowed()) report.faults |= kFaultRowsFull;
@@ -343,6 +353,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     clock.Lap(&StageTimes::response);
   }
   if (!arrived && (report.faults & kFaultUnsolved) == 0) report.faults |= kFaultTargetFar;
+  state.behind = arrived ? StepBounds{0.0, 0.0} : bounds;
 
   if (arrived && report.contacts == 0) {
     state.X_WG = {X_WH.p, q_H};

@@ -36,9 +36,10 @@ struct StepParameters {
   double max_truncation = 0.5e-6;  ///< [m]
   int max_substeps = 8;            ///< per cycle; a count, never a clock
   int max_rows = 16384;
-  /// Sub-steps end for this cycle once they have tested so many packet pairs: what a snap over a
-  /// ledge costs at most, and the next cycle goes on.  A count, never a clock.
-  int max_tested = 2500;
+  /// A further sub-step is begun where one like the last would leave the cycle's packet pairs and
+  /// candidates, which take some 10 ns each, below this: what a snap over a ledge costs at most,
+  /// and the next cycle goes on.  A count, never a clock.
+  int max_tested = 5000;
   Features features{.contact = ContactModel::kSpheres};
 };
 
@@ -97,6 +98,12 @@ struct FrictionState {
   std::array<Vec3, 7> force;  ///< in W
 };
 
+/// How far one sub-step may take the graphic tool: |v| <= translation [m], |phi| <= rotation [rad].
+struct StepBounds {
+  double translation;
+  double rotation;
+};
+
 /// What one step hands to the next: all the memory that the physics has.  Copying it and stepping
 /// again with the same pose gives the same bits.
 struct StepState {
@@ -109,6 +116,9 @@ struct StepState {
   Pose X_WH;                             ///< haptic tool: how far the hand moved sets the bounds
   std::array<LeafPair, 7> active_pairs;  ///< rows that held it last, the solver's first guess
   int active = 0;
+  /// Surface contact: bounds of the next sub-step where the last cycle ended before the tool had
+  /// arrived; else 0.
+  StepBounds behind{0.0, 0.0};
   FrictionState friction;
   LeafWear wear;
 };

@@ -91,6 +91,37 @@ Vec3 LeafCentre(const SphereTree& tree, std::size_t i) {
   return {tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]};
 }
 
+/// Radius of the ball of each lane of a tree's packets, about the lane's centre, that holds the
+/// backstops below it; 0 where there are none.
+std::vector<double> BackstopRadii(const SphereTree& tree) {
+  std::vector<double> radius(kTreeArity * tree.packets.size(), 0.0);
+  std::vector<std::vector<std::size_t>> below(tree.leaves());  // leaves of each node
+  for (std::size_t i = 0; i < tree.leaves(); ++i) {
+    if (BackstopRadius(tree.leaf_radius[i]) > 0.0) below[i] = {i};
+  }
+  for (int l = tree.levels() - 1; l >= 0; --l) {
+    std::vector<std::vector<std::size_t>> here;
+    for (std::size_t i = 0; i < tree.level(l).size(); ++i) {
+      const SpherePacket& in = tree.level(l)[i];
+      const std::size_t first_lane =
+          kTreeArity * (static_cast<std::size_t>(tree.level_begin[l]) + i);
+      std::vector<std::size_t>& all = here.emplace_back();
+      for (int lane = 0; lane < kTreeArity; ++lane) {
+        if (in.child[lane] < 0) continue;
+        const Vec3 centre = LaneBall(in, lane).center;
+        double& r = radius[first_lane + static_cast<std::size_t>(lane)];
+        for (std::size_t leaf : below[static_cast<std::size_t>(in.child[lane])]) {
+          r = std::max(
+              r, (LeafCentre(tree, leaf) - centre).norm() + BackstopRadius(tree.leaf_radius[leaf]));
+          all.push_back(leaf);
+        }
+      }
+    }
+    below = std::move(here);
+  }
+  return radius;
+}
+
 }  // namespace
 
 ObjectForest::ObjectForest(std::span<const PlacedTree> objects, ContactModel contact) {
@@ -112,14 +143,18 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects, ContactModel con
   std::vector<Ball> roots;
   for (const PlacedTree& object : objects) {
     const SphereTree& tree = *object.tree;
-    const double scale = surfaces_ && HasSurface(object) ? kBackstop : 1.0;
+    const bool backstop = surfaces_ && HasSurface(object);
+    const auto leaf_radius = [&](std::size_t i) {
+      return backstop ? BackstopRadius(tree.leaf_radius[i]) : tree.leaf_radius[i];
+    };
     first_leaf_.push_back(leaf_count());
     for (std::size_t i = 0; i < tree.leaves(); ++i) {
       const Vec3 c = object.X_WB * LeafCentre(tree, i);
-      leaves_.push_back({c.x(), c.y(), c.z(), scale * tree.leaf_radius[i]});
+      leaves_.push_back({c.x(), c.y(), c.z(), leaf_radius(i)});
     }
     AddMaterials(object);
     const int chain = deepest - tree.levels();
+    const std::vector<double> radius = backstop ? BackstopRadii(tree) : std::vector<double>();
     std::vector<Ball> top;
     for (int l = 0; l < tree.levels(); ++l) {
       auto& out = level[static_cast<std::size_t>(top_levels + chain + l)];
@@ -128,17 +163,22 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects, ContactModel con
           last ? first_leaf_.back()
                : static_cast<std::int32_t>(
                      level[static_cast<std::size_t>(top_levels + chain + l + 1)].size());
-      for (const SpherePacket& in : tree.level(l)) {
+      for (std::size_t i = 0; i < tree.level(l).size(); ++i) {
+        const SpherePacket& in = tree.level(l)[i];
+        const std::size_t first_lane =
+            kTreeArity * (static_cast<std::size_t>(tree.level_begin[l]) + i);
         SpherePacket packet = EmptyPacket();
         for (int lane = 0; lane < kTreeArity; ++lane) {
           if (in.child[lane] < 0) continue;
           Ball ball = LaneBall(in, lane);
           if (last) {
             const auto leaf = static_cast<std::size_t>(in.child[lane]);
-            ball = {LeafCentre(tree, leaf), scale * tree.leaf_radius[leaf]};
+            ball = {LeafCentre(tree, leaf), leaf_radius(leaf)};
           }
           ball.center = object.X_WB * ball.center;
           if (l == 0) top.push_back(ball);
+          if (backstop) ball.radius = radius[first_lane + static_cast<std::size_t>(lane)];
+          if (ball.radius == 0.0) continue;
           SetLane(packet, lane, ball, child_offset + in.child[lane]);
         }
         out.push_back(packet);

@@ -23,9 +23,17 @@ struct PacketLevels {
 
 class ObjectSurfaces;  // surface_prediction.h
 
-/// Share of its radius that an object's leaf keeps where its surface decides the contact: what
-/// could fall through a surface, at an open rim or a fold, is stopped by the leaves behind it.
+/// Where an object's surface decides the contact, its rows reach this deep below it [m]: a step
+/// keeps surfaces apart to some micrometres, and what lies deeper is on the other side of
+/// something.
+inline constexpr double kSurfaceDepth = 1e-4;
+/// What could fall through such a surface, at an open rim or a fold, is stopped by the leaves
+/// behind it: at most this share of their radius, and no part that the surface's own rows reach; 0
+/// where nothing is left.
 inline constexpr double kBackstop = 0.6;
+inline double BackstopRadius(double leaf_radius) {
+  return std::max(std::min(kBackstop * leaf_radius, leaf_radius - kSurfaceDepth), 0.0);
+}
 
 /// All objects of a scene as one tree in W: a few levels over the objects, then their own trees.
 /// Immutable.
@@ -69,12 +77,6 @@ class ObjectForest {
   SpherePacket above_;
   Vec3 center_ = Vec3::Zero();
   double radius_ = 0.0;
-};
-
-/// How far one sub-step may take the graphic tool: |v| <= translation [m], |phi| <= rotation [rad].
-struct StepBounds {
-  double translation;
-  double rotation;
 };
 
 /// The tool's tree, relative to its reference point, with the longest lever arm below each node.
@@ -130,7 +132,7 @@ class PairQuery {
   /// Packet pairs tested so far in the life of this query: what it costs, as a count.
   std::int64_t tested() const { return tested_; }
 
-  static constexpr int kChunk = 256;
+  static constexpr int kChunk = kMaxExpanded;
   static constexpr int kMaxBatch = kChunk * kTreeArity * kTreeArity;
 
  private:

@@ -51,6 +51,7 @@ class Builder {
  public:
   Builder(const TriangleMesh& mesh, SurfaceMesh& out) : out_(out) {
     Weld(mesh);
+    DropBackToBack();
     FindSharpEdges();
     SetNormals();
   }
@@ -150,6 +151,44 @@ class Builder {
       const double longest = std::max({a.squaredNorm(), b.squaredNorm(), (a - b).squaredNorm()});
       if (a.cross(b).norm() > 1e-9 * longest) out_.triangles.push_back(triangle);
     }
+  }
+
+  /// Scans have pairs of triangles with the same corners, back to back: a fin with nothing inside,
+  /// of which either side is below the other.  They go, and their neighbours meet where they stood.
+  void DropBackToBack() {
+    const auto& triangles = out_.triangles;
+    const auto corners = [&](std::uint32_t t) {
+      auto v = triangles[t].vertex;
+      std::sort(v.begin(), v.end());
+      return v;
+    };
+    const auto winds_up = [&](std::uint32_t t) {
+      const auto& v = triangles[t].vertex;
+      const auto least = static_cast<std::size_t>(std::min_element(v.begin(), v.end()) - v.begin());
+      return v[(least + 1) % 3] < v[(least + 2) % 3];
+    };
+    std::vector<std::uint32_t> order(triangles.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return corners(a) < corners(b); });
+    std::vector<bool> gone(triangles.size());
+    for (std::size_t i = 0; i < order.size();) {
+      std::size_t end = i + 1, first_up = order.size(), first_down = order.size();
+      while (end < order.size() && corners(order[end]) == corners(order[i])) ++end;
+      for (; i < end; ++i) {
+        std::size_t& first = winds_up(order[i]) ? first_up : first_down;
+        gone[order[i]] = first != order.size();  // one of each
+        if (first == order.size()) first = i;
+      }
+      if (first_up != order.size() && first_down != order.size()) {
+        gone[order[first_up]] = gone[order[first_down]] = true;
+      }
+    }
+    std::vector<SurfaceMesh::Triangle> kept;
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      if (!gone[t]) kept.push_back(triangles[t]);
+    }
+    out_.triangles = std::move(kept);
   }
 
   void FindSharpEdges() {

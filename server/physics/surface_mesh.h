@@ -39,7 +39,7 @@ struct SurfaceMesh {
 /// Angle between two triangles above which their common edge is a crease: 40 degrees.
 inline constexpr double kCreaseCosine = 0.766;
 
-/// @param mesh          oriented; triangles without area are left out.
+/// @param mesh          oriented; triangles without area are left out, and pairs back to back.
 /// @param longest_edge  [m]: longer edges are halved, on the curved surface, until none is left.
 /// Set-up only.  Deterministic.
 SurfaceMesh MakeSurfaceMesh(const TriangleMesh& mesh, double longest_edge);

@@ -13,7 +13,7 @@ namespace {
 /// side's.  The tool's points come first, so that every touch is somebody's: where a tool's point
 /// is too coarse, its patch is at least as coarse, and the object's point fine enough.
 constexpr double kToolCoarser = 1.5, kObjectCoarser = 1.0;
-/// Creases that cross at less than this sine meet along their length: the points on them do.
+/// Creases that cross at less than this sine meet along their length: their ends do.
 constexpr double kParallel = 0.05;
 /// How far a direction may leave the cone of the directions in which a crease can touch.
 constexpr double kConeSlack = 0.02;
@@ -37,36 +37,54 @@ std::unique_ptr<const ToolTree> MakeToolTree(const SphereTree& tree, double worl
                                           ToolTree::Levers::kToRims);
 }
 
-/// Row between two creases that cross, where they can touch.
+/// Row between two creases, where they can touch.
 struct CreaseRow {
   Vec3 normal, lever;
   double gap;
 };
-std::optional<CreaseRow> CrossingRow(const CreaseSegment& tool, const CreaseSegment& object,
-                                     const Mat3& R_WG, const Vec3& p_W) {
+
+/// Whether n, a unit vector towards the tool, leads away from the object's two faces and into the
+/// tool's.
+bool IsOutward(const Vec3& n, const CreaseSegment& tool, const CreaseSegment& object,
+               const Mat3& R_WG) {
+  return n.dot(object.t0) <= kConeSlack && n.dot(object.t1) <= kConeSlack &&
+         n.dot(R_WG * tool.t0) >= -kConeSlack && n.dot(R_WG * tool.t1) >= -kConeSlack;
+}
+
+/// Calls add(row) for the rows of two creases: where they cross, or, of two that run beside each
+/// other, at the ends of either along the other.
+template <class Add>
+void CreaseRows(const CreaseSegment& tool, const CreaseSegment& object, const Mat3& R_WG,
+                const Vec3& p_W, const Add& add) {
   const Vec3 a = R_WG * tool.a, da = R_WG * tool.d;
   const Vec3& db = object.d;
-  const Vec3 across = da.cross(db);
+  const Vec3 across = da.cross(db), r = a + p_W - object.a;
   const double across2 = across.squaredNorm(), aa = da.squaredNorm(), bb = db.squaredNorm();
-  if (!(across2 > kParallel * kParallel * aa * bb)) return std::nullopt;
-  const Vec3 r = a + p_W - object.a;
+  if (!(across2 > kParallel * kParallel * aa * bb)) {
+    const auto beside = [&](double s, double t) {
+      if (!(s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0)) return;
+      const Vec3 away = r + s * da - t * db;
+      const double gap = away.norm();
+      // Of two that touch, the direction between their faces.
+      const Vec3 n = gap > 1e-9 ? Vec3(away / gap) : Vec3(-(object.t0 + object.t1).normalized());
+      if (IsOutward(n, tool, object, R_WG)) add(CreaseRow{n, a + s * da, gap});
+    };
+    for (const double s : {0.0, 1.0}) beside(s, (r + s * da).dot(db) / bb);
+    for (const double t : {0.0, 1.0}) beside((t * db - r).dot(da) / aa, t);
+    return;
+  }
   const double s = -across.dot(r.cross(db)) / across2, t = -across.dot(r.cross(da)) / across2;
   constexpr double kEnd = 0.01;
-  if (!(s >= -kEnd && s <= 1.0 + kEnd && t >= -kEnd && t <= 1.0 + kEnd)) return std::nullopt;
+  if (!(s >= -kEnd && s <= 1.0 + kEnd && t >= -kEnd && t <= 1.0 + kEnd)) return;
   Vec3 n = across / std::sqrt(across2);
-  // Outward of both: away from the object's two faces, and towards the tool's.
-  const auto outward = [&](const Vec3& d) {
-    return d.dot(object.t0) <= kConeSlack && d.dot(object.t1) <= kConeSlack &&
-           d.dot(R_WG * tool.t0) >= -kConeSlack && d.dot(R_WG * tool.t1) >= -kConeSlack;
-  };
-  if (!outward(n)) {
+  if (!IsOutward(n, tool, object, R_WG)) {
     n = -n;
-    if (!outward(n)) return std::nullopt;
+    if (!IsOutward(n, tool, object, R_WG)) return;
   }
   const Vec3 lever = a + s * da;
   const double gap = (lever + p_W - object.a - t * db).dot(n);
-  if (gap * gap > 0.01 * std::min(aa, bb) && gap < 0.0) return std::nullopt;  // not of these two
-  return CreaseRow{n, lever, gap};
+  if (gap * gap > 0.01 * std::min(aa, bb) && gap < 0.0) return;  // not of these two
+  add(CreaseRow{n, lever, gap});
 }
 
 std::optional<CreaseRow> BallRow(const Vec3& centre, double radius, const CreaseSegment& object,
@@ -108,6 +126,7 @@ ObjectSurfaces::ObjectSurfaces(std::span<const PlacedTree> objects) {
     Append(surface.patches, patches);
     Append(surface.discs, discs);
     Append(surface.creases, creases);
+    patch_object.resize(patches.size(), static_cast<std::uint32_t>(surfaces.size()));
     for (std::uint32_t leaf : surface.point_leaf) point_leaf.push_back(own_leaf + leaf);
     for (std::uint32_t leaf : surface.patch_leaf) patch_leaf.push_back(own_leaf + leaf);
     for (std::uint32_t leaf : surface.crease_leaf) crease_leaf.push_back(own_leaf + leaf);
@@ -140,7 +159,9 @@ ToolSurface::ToolSurface(const TriangleMesh* mesh, const SphereTree& tree, const
                          double world_extent) {
   if (tree.leaves() == 1) {
     radius = tree.leaf_radius[0];
-    points.push_back(SurfacePoint{});
+    SurfacePoint centre{};
+    centre.cosine = -2.0;  // may touch anything
+    points.push_back(centre);
     SphereTree ball = tree;
     ball.leaf_x[0] = ball.leaf_y[0] = ball.leaf_z[0] = 0.0;
     point_tree = MakeToolTree(ball, world_extent);
@@ -178,7 +199,7 @@ SurfacePrediction::SurfacePrediction(const ToolSurface& tool, const ObjectSurfac
 }
 
 std::int64_t SurfacePrediction::tested() const {
-  std::int64_t sum = 0;
+  std::int64_t sum = candidates_;
   for (const auto* query : {&point_on_patch_, &patch_on_point_, &creases_}) {
     if (query->has_value()) sum += (*query)->tested();
   }
@@ -186,9 +207,11 @@ std::int64_t SurfacePrediction::tested() const {
 }
 
 void SurfacePrediction::Predict(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
-                                const StepBounds& bounds, double max_depth, int degrees_of_freedom,
-                                double rho, ContactRows& rows, StageTimes* times) noexcept {
+                                const StepBounds& bounds, double max_depth, double max_recovery,
+                                int degrees_of_freedom, double rho, ContactRows& rows,
+                                StageTimes* times) noexcept {
   StageClock clock(times);
+  const int first_row = rows.count();
   SurfaceFrames frames{};
   frames.radius = tool_.radius;
   frames.max_translation = bounds.translation;
@@ -196,6 +219,7 @@ void SurfacePrediction::Predict(const Kernels& kernels, const Mat3& R_WG, const 
   frames.max_rotation = degrees_of_freedom == 6 ? bounds.rotation : 0.0;
   frames.inverse_rho = 1.0 / rho;
   frames.max_depth = max_depth;
+  frames.facing = std::isfinite(max_depth) ? 0.0 : 4.0;
   frames.max_lever = tool_.max_lever;
   const auto put = [](double* to, const auto& m) {
     for (int r = 0; r < m.rows(); ++r) {
@@ -210,13 +234,15 @@ void SurfacePrediction::Predict(const Kernels& kernels, const Mat3& R_WG, const 
     const int first = rows.count();
     query.Run(kernels, R_WG, p_W, bounds, [&](const NodePair* pairs, int count) {
       clock.Lap(&StageTimes::prediction);
+      candidates_ += count;
       const int near = kernels.near_patches(points, discs, frames, pairs, count, near_.data());
       rows.AddSurface(kernels, points, patches, frames, near_.data(), near,
                       static_cast<std::int32_t>(kind) << kRowKindShift);
       clock.Lap(&StageTimes::rows);
       return true;
     });
-    rows.DropDeeper(first, of_tool);
+    if (tool_.radius > 0.0) return;  // a ball beside a crease has a foot on one of its sides alone
+    rows.KeepNearest(first, of_tool, discs, of_tool ? objects_.patch_object.data() : nullptr);
   };
   if (point_on_patch_) {
     put(frames.M, R_WG);
@@ -244,19 +270,23 @@ void SurfacePrediction::Predict(const Kernels& kernels, const Mat3& R_WG, const 
       clock.Lap(&StageTimes::prediction);
       for (int i = 0; i < count; ++i) {
         const CreaseSegment& object = objects_.creases[static_cast<std::size_t>(pairs[i].object)];
-        const std::optional<CreaseRow> row =
-            ball ? BallRow(p_W, tool_.radius, object, p_W)
-                 : CrossingRow(tool_.creases[static_cast<std::size_t>(pairs[i].tool)], object, R_WG,
-                               p_W);
-        if (!row || row->gap > frames.max_translation + frames.max_rotation * row->lever.norm()) {
-          continue;
+        const auto add = [&](const CreaseRow& row) {
+          const double reach = frames.max_translation + frames.max_rotation * row.lever.norm();
+          if (row.gap > reach) return;
+          rows.AddRow(row.normal, row.lever, row.gap, {pairs[i].tool + tag, pairs[i].object});
+        };
+        if (!ball) {
+          CreaseRows(tool_.creases[static_cast<std::size_t>(pairs[i].tool)], object, R_WG, p_W,
+                     add);
+        } else if (const auto row = BallRow(p_W, tool_.radius, object, p_W)) {
+          add(*row);
         }
-        rows.AddRow(row->normal, row->lever, row->gap, {pairs[i].tool + tag, pairs[i].object});
       }
       clock.Lap(&StageTimes::rows);
       return true;
     });
   }
+  if (tool_.radius == 0.0) rows.LimitRecovery(first_row, max_recovery);
   clock.Lap(&StageTimes::prediction);
 }
 

@@ -26,6 +26,7 @@ class ObjectSurfaces {
   std::vector<SurfacePatch> patches;
   std::vector<PatchDisc> discs;
   std::vector<CreaseSegment> creases;
+  std::vector<std::uint32_t> patch_object;  ///< index of the object that each belongs to
   /// Leaf of the forest that each belongs to.
   std::vector<std::uint32_t> point_leaf, patch_leaf, crease_leaf;
   /// Leaf i is entry i; null where there are none.
@@ -58,19 +59,22 @@ class SurfacePrediction {
   SurfacePrediction(const ToolSurface& tool, const ObjectSurfaces& objects);
 
   /// Adds the rows for the graphic tool at R_WG with its reference point at p_W.
-  /// @param max_depth  what lies deeper below a surface than this is no concern of it [m].  Where
-  /// `times` is given, adds to its prediction and rows stages.  Real-time.
+  /// Where `times` is given, adds to its prediction and rows stages.  Real-time.
+  /// @param max_depth  what lies deeper below a surface than this is no concern of it [m];
+  ///   infinite: also what lies inside and could not have come there
+  /// @param max_recovery  the most that a row wants made good of what lies below [m]
   void Predict(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W, const StepBounds& bounds,
-               double max_depth, int degrees_of_freedom, double rho, ContactRows& rows,
-               StageTimes* times) noexcept;
+               double max_depth, double max_recovery, int degrees_of_freedom, double rho,
+               ContactRows& rows, StageTimes* times) noexcept;
 
-  /// Packet pairs tested so far.
+  /// Packet pairs tested so far, and pairs looked at for a row: either takes some 10 ns.
   std::int64_t tested() const;
 
  private:
   const ToolSurface& tool_;
   const ObjectSurfaces& objects_;
   std::vector<NodePair> near_;
+  std::int64_t candidates_ = 0;
   std::optional<PairQuery> point_on_patch_, patch_on_point_, creases_;
 };
 

@@ -98,13 +98,13 @@ std::uint64_t GoldenRunOfSurfaces() {
     state.X_WG.p = Vec3(0.0, 0.0, 0.08);
     Random random(61);
     Pose X = state.X_WG, goal = X;
-    for (int i = 0; i < 2000; ++i) {
-      if (i % 250 == 0) {
+    for (int i = 0; i < 400; ++i) {
+      if (i % 80 == 0) {
         goal.p = random.InCube(0.04);
         goal.q = random.Rotation();
       }
-      X.p += 0.02 * (goal.p - X.p);
-      X.q = RotationExp(0.02 * RotationLog(goal.q * X.q.conjugate())) * X.q;
+      X.p += 0.06 * (goal.p - X.p);
+      X.q = RotationExp(0.06 * RotationLog(goal.q * X.q.conjugate())) * X.q;
       hash.Add(HapticStep(model, X, state, workspace));
     }
   }
@@ -117,7 +117,7 @@ constexpr std::uint64_t kGoldenHash = 6161116608468802286u;
 constexpr std::uint64_t kGoldenChapterHash = 10557980212448308767u;
 constexpr std::uint64_t kGoldenCoulombHash = 5460479641327311592u;
 constexpr std::uint64_t kGoldenHashOfMaterials = 12443289330829426384u;
-constexpr std::uint64_t kGoldenHashOfSurfaces = 7203691118584039563u;
+constexpr std::uint64_t kGoldenHashOfSurfaces = 6287876394858520806u;
 
 TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
   const Kernels* level[3];

@@ -92,6 +92,46 @@ TEST(SurfaceMesh, KeepsCreasesSharpAndFacesFlat) {
 
 // What the prediction rests on: every place of the surface lies in a patch, every patch in the ball
 // of its leaf, and in the balls of all nodes above it.
+TEST(SurfaceMesh, DropsTrianglesThatLieBackToBackAndJoinsTheirNeighbours) {
+  TriangleMesh fin = MakeBox(Vec3::Constant(0.02));
+  const SurfaceMesh without = MakeSurfaceMesh(fin, 1.0);
+  const auto [i, j, k] = fin.triangles.front();
+  // A fin within a face: the same corners, either way round, and once more the face itself.
+  fin.triangles.insert(fin.triangles.end(), {{j, i, k}, {j, k, i}});
+  const SurfaceMesh with = MakeSurfaceMesh(fin, 1.0);
+  ASSERT_EQ(with.triangles.size(), without.triangles.size() - 1);
+  EXPECT_EQ(with.sharp_edges.size(), without.sharp_edges.size() + 1);  // the face is open there
+
+  TriangleMesh closed = MakeBox(Vec3::Constant(0.02));
+  const std::size_t corner = closed.vertices.size();
+  closed.vertices.push_back(Vec3(0.02, 0.02, 0.02));
+  const auto c = static_cast<std::uint32_t>(corner);
+  closed.triangles.insert(closed.triangles.end(), {{i, j, c}, {i, c, j}});
+  const SurfaceMesh mended = MakeSurfaceMesh(closed, 1.0);
+  EXPECT_EQ(mended.triangles.size(), without.triangles.size());
+  EXPECT_EQ(mended.sharp_edges.size(), without.sharp_edges.size());
+}
+
+TEST(ContactSurface, FacesWhatItsCreasesAndCornersCanTouch) {
+  const Body box = MakeBody(MakeBox(Vec3::Constant(0.02)), 64);
+  const ContactSurface surface(box.mesh, box.tree, Pose{});
+  ASSERT_FALSE(surface.points.empty());
+  for (const SurfacePoint& point : surface.points) {
+    // Faces that the point lies on: planes of these normals may touch it, from outside.
+    Vec3 out = Vec3::Zero();
+    for (int i = 0; i < 3; ++i) {
+      if (std::abs(std::abs(point.x[i]) - 0.01) < 1e-12) out[i] = point.x[i] > 0.0 ? 1.0 : -1.0;
+    }
+    ASSERT_GE(out.norm(), 1.4);
+    const Vec3 m(point.m[0], point.m[1], point.m[2]);
+    for (int i = 0; i < 3; ++i) {
+      if (out[i] == 0.0) continue;
+      EXPECT_GT(out[i] * m[i], point.cosine) << "touches a plane that lies on this face";
+      EXPECT_LT(-out[i] * m[i], point.cosine) << "and none that looks the same way";
+    }
+  }
+}
+
 TEST(ContactSurface, LeavesNoPlaceOfTheSurfaceOutOfAnyLevelOfItsTree) {
   for (const std::size_t leaves : {64u, 512u}) {
     const Body body = MakeBody(MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280), leaves);
@@ -208,6 +248,22 @@ TEST(SurfaceContact, HoldsAnEdgeThatCrossesAnEdge) {
   EXPECT_EQ(KindOf(report.active[0].pair), RowKind::kCreases);
   EXPECT_NEAR(report.wrench.force.y(), 0.96, 0.03);  // the touch lies 0.3 mm off the middle
   EXPECT_NEAR(touch.state.X_WG.p.y(), 2 * edge, 5e-6);
+}
+
+TEST(SurfaceContact, GoesOnWithWideBoundsWhereItHasFallenBehind) {
+  Touch touch(MakeScene(MakeBody(MakeBox(Vec3::Constant(0.01)), 128),
+                        MakeBody(MakeBox(Vec3(0.06, 0.06, 0.06)), 512)),
+              Vec3(0.0, 0.0, 0.035001));
+  touch.Step({Vec3(0, 0, 0.0345), Quat::Identity()});
+  // 20 mm along the face at once: more than a cycle's sub-steps reach near a surface.
+  const StepReport far = touch.Step({Vec3(0.02, 0, 0.0345), Quat::Identity()});
+  ASSERT_NE(far.faults & kFaultTargetFar, 0u);
+  EXPECT_GT(touch.state.behind.translation, 50e-6);
+  StepReport report;
+  for (int i = 0; i < 100; ++i) report = touch.Step({Vec3(0.02, 0, 0.0345), Quat::Identity()});
+  EXPECT_EQ(report.faults, 0u);
+  EXPECT_EQ(touch.state.behind.translation, 0.0);
+  EXPECT_NEAR(report.X_WG.p.x(), 0.02, 1e-9);
 }
 
 TEST(SurfaceContact, KeepsSoftBodiesToTheirLeaves) {

@@ -24,8 +24,9 @@ struct alignas(32) LeafSphere {
 struct alignas(64) SurfacePoint {
   double x[3];
   double reach;  ///< every place of the surface round it is nearer than this to some point [m]
-  double m[3];   ///< outward unit normal; zero at creases and corners, and for a ball
-  double unused;
+  double m[3];   ///< outward unit normal; on a crease the middle of the normals that meet there
+  /// It may touch a patch whose normal n has -n . m above this: what it may touch faces it.
+  double cosine;
 };
 
 /// A patch of SurfaceMesh, as the kernel wants it.
@@ -60,6 +61,7 @@ struct SurfaceFrames {
   double max_translation, max_rotation;
   double inverse_rho;
   double max_depth;  ///< the most that a point may lie below a patch, if less than its depth [m]
+  double facing;     ///< taken off SurfacePoint::cosine: 0, or 4 where what lies inside counts too
   double max_lever;  ///< of any point of the tool [m]
   double coarser;    ///< points of a reach beyond this times the patch's are left to the other side
 };
@@ -138,6 +140,9 @@ struct QpResult {
   int iterations = 0;                 ///< rows taken up or dropped
   QpStatus status = QpStatus::kSolved;
 };
+
+/// Pairs of packets that expand_pairs takes at a time.
+inline constexpr int kMaxExpanded = 256;
 
 /// The inner loops, compiled once per instruction set; all give the same bits.
 struct Kernels {

@@ -42,23 +42,37 @@ void TransformPacket(const ToolPacket& tool, const QueryPose& X, WorldPacket& ou
 
 int ExpandPairs(const LevelView& level, const QueryPose& pose, std::uint32_t now,
                 const NodePair* in, int count, NodePair* out) {
-  NodePair* end = out;
+  // First the tests, without a branch on their outcome; then the outcome, without a branch on how
+  // many touch of each pair: neither can be foretold, and a wrong guess costs more than a test.
+  std::uint64_t touching[kMaxExpanded + 1];
+  NodePair parent[kMaxExpanded + 1];
+  int some = 0, found = 0;
   for (int i = 0; i < count; ++i) {
     const std::int32_t t = in[i].tool;
-    const ToolPacket& tool = level.tool[t];
-    const SpherePacket& object = level.object[in[i].object];
     if (level.tool_stamp[t] != now) {
       level.tool_stamp[t] = now;
-      TransformPacket(tool, pose, level.tool_world[t]);
+      TransformPacket(level.tool[t], pose, level.tool_world[t]);
     }
-    std::uint64_t touching = TestPackets(level.tool_world[t], object);
-    while (touching != 0) {
-      const int bit = __builtin_ctzll(touching);
-      touching &= touching - 1;
-      *end++ = {tool.sphere.child[bit >> 3], object.child[bit & 7]};
-    }
+    const std::uint64_t mask = TestPackets(level.tool_world[t], level.object[in[i].object]);
+    touching[some] = mask;
+    parent[some] = in[i];
+    some += mask != 0 ? 1 : 0;
+    found += __builtin_popcountll(mask);
   }
-  return static_cast<int>(end - out);
+  touching[some] = 0;
+  parent[some] = {0, 0};
+  int at = 0;
+  std::uint64_t mask = touching[0];
+  for (int k = 0; k < found; ++k) {
+    const int bit = __builtin_ctzll(mask);
+    out[k] = {level.tool[parent[at].tool].sphere.child[bit >> 3],
+              level.object[parent[at].object].child[bit & 7]};
+    mask &= mask - 1;
+    const bool next = mask == 0;
+    at += next ? 1 : 0;
+    mask = next ? touching[at] : mask;
+  }
+  return found;
 }
 
 template <int N>
@@ -146,10 +160,9 @@ inline void LoadRecords(const double* const record[8], D8 (&field)[fields]) {
   }
 }
 
-/// Least cosine between the normals of two smooth places that touch, one of them turned over.
-constexpr double kOpposed = 0.3;
-/// The same against the patch's plane, which its normals leave by 32 degrees at most.
-constexpr double kOpposedToPlane = -0.25;
+/// What the normal of a patch's plane may miss by of SurfacePoint::cosine, because the patch's own
+/// normals leave it by up to 32 degrees.
+constexpr double kLean = 0.56;
 
 /// Where a point projects on a patch along the patch's own normal: p - foot = height n.
 struct Foot {
@@ -195,13 +208,12 @@ Foot Project(const D8 (&patch)[28], D8x3 p) {
   return foot;
 }
 
-/// A point whose reach is beyond frames.coarser times the patch's is left to the other side, unless
-/// it is on a crease; and two smooth places that touch face each other.
-inline std::uint32_t MayTouch(D8 reach, D8x3 outward, const SurfaceFrames& frames, D8 patch_reach,
-                              D8x3 patch_outward, double opposed) {
-  return (Less(reach, Set1(frames.coarser) * patch_reach) &
-          Less(Set1(opposed), Set1(0.0) - Dot(outward, patch_outward))) |
-         Less(Dot(outward, outward), Set1(0.5));
+/// A point whose reach is beyond frames.coarser times the patch's is left to the other side; and
+/// two places that touch face each other.
+inline std::uint32_t MayTouch(D8 reach, D8x3 outward, D8 cosine, const SurfaceFrames& frames,
+                              D8 patch_reach, D8x3 patch_outward) {
+  return Less(reach, Set1(frames.coarser) * patch_reach) &
+         Less(cosine, Set1(0.0) - Dot(outward, patch_outward));
 }
 
 int NearPatches(const SurfacePoint* points, const PatchDisc* discs, const SurfaceFrames& frames,
@@ -230,9 +242,10 @@ int NearPatches(const SurfacePoint* points, const PatchDisc* discs, const Surfac
     // lean (surface_mesh.h lets them lean by 0.62 at most).
     const D8x3 d = x - D8x3{disc[4], disc[5], disc[6]};
     const D8 size = Set1(0.62) * Sqrt(height * height) + (Set1(1.1) * disc[8] + disc[7]);
-    std::uint32_t near = Less(height, slack + above) & Less(zero - (slack + below), height) &
-                         Less(Fnma(height, height, Dot(d, d)), size * size) &
-                         MayTouch(point[3], m, frames, disc[9], n, kOpposedToPlane);
+    std::uint32_t near =
+        Less(height, slack + above) & Less(zero - (slack + below), height) &
+        Less(Fnma(height, height, Dot(d, d)), size * size) &
+        MayTouch(point[3], m, point[7] - Set1(frames.facing + kLean), frames, disc[9], n);
     if (count - i < 8) near &= (1u << (count - i)) - 1u;
     for (; near != 0; near &= near - 1) out[end++] = pairs[i + __builtin_ctz(near)];
   }
@@ -266,9 +279,10 @@ int BuildSurfaceRows(const SurfacePoint* points, const SurfacePatch* patches,
     const D8x3 lever = Turn(frames.Q, contact) + Spread(frames.c);
     const D8 bound =
         Fma(Set1(frames.max_rotation), Sqrt(Dot(lever, lever)), Set1(frames.max_translation));
-    const std::uint32_t valid = Less(zero - patch[26], foot.inside) & Less(gap, bound) &
-                                Less(zero - Min(patch[25], Set1(frames.max_depth)), gap) &
-                                MayTouch(point[3], m, frames, patch[24], foot.normal, kOpposed);
+    const std::uint32_t valid =
+        Less(zero - patch[26], foot.inside) & Less(gap, bound) &
+        Less(zero - Min(patch[25], Set1(frames.max_depth)), gap) &
+        MayTouch(point[3], m, point[7] - Set1(frames.facing), frames, patch[24], foot.normal);
     if (valid == 0) continue;
 
     alignas(64) double out[10][8];
