@@ -20,7 +20,9 @@ using SessionRequest = palpate_SessionRequest;
 using SessionState = palpate_SessionState;
 using SceneChange = palpate_SceneChange;
 using ToolState = palpate_ToolState;
+using ContactPoint = palpate_ContactPoint;
 using LoopStatistics = palpate_LoopStatistics;
+using SceneBundle = palpate_SceneBundle;
 
 /// Topic descriptor of a wire type.
 template <class T>
@@ -52,6 +54,10 @@ inline const dds_topic_descriptor_t& Descriptor<ToolState>() {
 template <>
 inline const dds_topic_descriptor_t& Descriptor<LoopStatistics>() {
   return palpate_LoopStatistics_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<SceneBundle>() {
+  return palpate_SceneBundle_desc;
 }
 
 // Loop types have no padding, so that the C struct is the CDR payload byte for byte (a test
