@@ -211,6 +211,7 @@ template class Writer<wire::SceneChange>;
 template class Writer<wire::LeafTaken>;
 template class Writer<wire::ToolState>;
 template class Writer<wire::LoopStatistics>;
+template class Writer<wire::SceneBundle>;
 template class Reader<wire::HapticPose>;
 template class Reader<wire::Wrench>;
 template class Reader<wire::SessionRequest>;
@@ -219,5 +220,6 @@ template class Reader<wire::SceneChange>;
 template class Reader<wire::LeafTaken>;
 template class Reader<wire::ToolState>;
 template class Reader<wire::LoopStatistics>;
+template class Reader<wire::SceneBundle>;
 
 }  // namespace palpate::dds

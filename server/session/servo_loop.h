@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
+#include <tuple>
 
 #include "common/dds/wire.h"
 #include "common/realtime/append_log.h"
@@ -26,6 +28,12 @@ struct LoopCounters {
   std::uint32_t faults = kFaultNone;  ///< every bit seen
 };
 
+/// Where an object pushes the tool.
+struct ContactForce {
+  Vec3 point = Vec3::Zero();  ///< on the graphic tool, in W [m]
+  Vec3 force = Vec3::Zero();  ///< on the tool, in W [N]
+};
+
 /// What the loop last did, for viewers and for the session's start.
 struct LoopSnapshot {
   std::uint64_t pose_sequence = 0;
@@ -35,6 +43,11 @@ struct LoopSnapshot {
   std::uint32_t contacts = 0;
   std::uint32_t faults = kFaultNone;
   bool has_pose = false;  ///< false until a pose was fit to be used
+  double step_s = 0.0;    ///< from take on, but for this snapshot's own copy
+  /// The contacts that StepReport lists, with the part of their forces that is sent; none while the
+  /// tool is held.
+  int points = 0;
+  std::array<ContactForce, std::tuple_size_v<decltype(StepReport::active)>> point;
 };
 
 /// A leaf that went before or with the step of a pose.
@@ -97,6 +110,7 @@ class ServoLoop {
   bool started_ = false;
   double gain_ = 0.0;  // 0 to 1: the part of the wrench that is sent
   Wrench full_;        // the last step's wrench, unscaled
+  LoopSnapshot snapshot_;
 
   std::uint32_t answers_ = 0;
   bool heard_any_ = false;

@@ -373,7 +373,27 @@ TEST_F(ServoLoopTest, ShowsViewersItsLastStep) {
   EXPECT_NEAR(snapshot.X_WG.p.z(), kTouch, 1e-8);
   EXPECT_NEAR(snapshot.wrench.force.z(), kFull_N, 1e-5);
   EXPECT_EQ(snapshot.contacts, 1u);
+  EXPECT_GT(snapshot.step_s, 0.0);
+  ASSERT_EQ(snapshot.points, 1);
+  EXPECT_LT((snapshot.point[0].point - Vec3(0, 0, kBallRadius)).norm(), 1e-8);
+  EXPECT_LT((snapshot.point[0].force - Vec3(0, 0, kFull_N)).norm(), 1e-5);
   EXPECT_FALSE(loop_.ReadSnapshot(snapshot));
+}
+
+TEST_F(ServoLoopTest, ShowsTheContactsForcesAsTheyAreSentAndNoneWhileTheToolIsHeld) {
+  loop_.Start({Vec3(0, 0, kTouch), Quat::Identity()});
+  LoopSnapshot snapshot;
+  for (int i = 0; i < 250; ++i) {
+    const wire::Wrench answer = Send(hand_.At(kPressed));
+    ASSERT_TRUE(loop_.ReadSnapshot(snapshot));
+    ASSERT_EQ(snapshot.points, 1);
+    EXPECT_NEAR(snapshot.point[0].force.z(), answer.force_N[2], 1e-9);
+  }
+  wire::HapticPose lost = hand_.At(kPressed);
+  lost.position_m[0] = kNaN;
+  EXPECT_GT(Send(lost).force_N[2], 0.0);
+  ASSERT_TRUE(loop_.ReadSnapshot(snapshot));
+  EXPECT_EQ(snapshot.points, 0);
 }
 
 }  // namespace
