@@ -68,6 +68,7 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
     state_.friction = FrictionState{};
     started_ = true;
     gain_ = 0.0;
+    start_sequence_.store(pose.pose_sequence, std::memory_order_release);
   }
 
   TakeRemovals(pose.pose_sequence);
@@ -76,6 +77,7 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
   snapshot_.points = 0;
   answer.pose_sequence = pose.pose_sequence;
   answer.pose_time_ns = pose.sample_time_ns;
+  answer.answer = ++answers_;
   if (const std::uint32_t fault = UsePose(pose); fault != kFaultNone) {
     Hold(fault, answer);
   } else if (!started_) {

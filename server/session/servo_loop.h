@@ -79,11 +79,13 @@ class ServoLoop {
 
   /// Puts the graphic tool there and lets forces begin, with the next pose.
   void Start(const Pose& X_WG) { start_.Write(X_WG); }
+  /// The pose that Start was taken with: the first whose wrench the physics computed.  0 before.
+  std::uint64_t start_sequence() const { return start_sequence_.load(std::memory_order_acquire); }
   /// Takes a leaf away that another tool has scraped off, before the next pose's step.  Each leaf
   /// once.
   void Remove(std::int32_t leaf) { removed_by_others_.Append(leaf); }
-  /// Every leaf that has gone from this loop's scene.  With the poses, all that a replay needs: the
-  /// same bits follow.
+  /// Every leaf that has gone from this loop's scene.  With the poses and the start, all that a
+  /// replay needs: the same bits follow.
   const AppendLog<Removal>& removals() const { return removals_; }
   /// The latest step, where one was made since the last call.
   bool ReadSnapshot(LoopSnapshot& snapshot) { return snapshots_.Read(snapshot); }
@@ -110,6 +112,7 @@ class ServoLoop {
   Wrench full_;        // the last step's wrench, unscaled
   LoopSnapshot snapshot_;
 
+  std::uint32_t answers_ = 0;
   bool heard_any_ = false;
   std::uint64_t last_sequence_ = 0;
   std::int64_t last_time_ns_ = 0;
@@ -126,6 +129,7 @@ class ServoLoop {
   LoopCounters counters_;
   std::atomic<std::uint64_t> heard_{0};
   std::atomic<bool> counters_wanted_{false};
+  std::atomic<std::uint64_t> start_sequence_{0};
   LatestMailbox<Pose> start_;
   LatestMailbox<LoopSnapshot> snapshots_;
   LatestMailbox<LoopCounters> reports_;

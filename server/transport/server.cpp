@@ -103,6 +103,7 @@ Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
       requests_(service_domain_, dds::kSessionRequestTopic, dds::Qos::kSession),
       states_(service_domain_, dds::kSessionStateTopic, dds::Qos::kSession),
       scene_changes_(service_domain_, dds::kSceneChangeTopic, dds::Qos::kSession),
+      leaves_taken_(service_domain_, dds::kLeafTakenTopic, dds::Qos::kSession),
       scene_bundles_(service_domain_, dds::kSceneBundleTopic, dds::Qos::kSession),
       tool_states_(service_domain_, dds::kToolStateTopic, dds::Qos::kStream),
       statistics_(service_domain_, dds::kLoopStatisticsTopic, dds::Qos::kStream) {}
@@ -164,6 +165,7 @@ void Server::PublishChanges() {
     states_.Write(state);
   }
   for (const wire::SceneChange& change : table_.TakeSceneChanges()) scene_changes_.Write(change);
+  for (const wire::LeafTaken& taken : table_.TakeLeavesTaken()) leaves_taken_.Write(taken);
 }
 
 void Server::CheckSharedMemory(std::int64_t now_ns) {

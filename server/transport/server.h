@@ -57,6 +57,7 @@ class Server {
   dds::Reader<wire::SessionRequest> requests_;
   dds::Writer<wire::SessionState> states_;
   dds::Writer<wire::SceneChange> scene_changes_;
+  dds::Writer<wire::LeafTaken> leaves_taken_;
   dds::Writer<wire::SceneBundle> scene_bundles_;
   dds::Writer<wire::ToolState> tool_states_;
   dds::Writer<wire::LoopStatistics> statistics_;

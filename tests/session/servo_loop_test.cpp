@@ -77,6 +77,28 @@ TEST_F(ServoLoopTest, GivesNoForceBeforeItIsStarted) {
   }
 }
 
+TEST_F(ServoLoopTest, NumbersItsAnswersWhateverTheStationCallsItsPoses) {
+  for (const std::uint64_t sequence : {3u, 4u, 9u}) {
+    hand_.sequence = sequence;
+    Send(hand_.At(0.1));
+  }
+  hand_.sequence = 4;
+  EXPECT_FALSE(Answers(hand_.At(0.1)));
+  hand_.sequence = 20;
+  EXPECT_EQ(Send(hand_.At(0.1)).answer, 4u);
+}
+
+TEST_F(ServoLoopTest, SaysWhichPoseItWasStartedWith) {
+  Send(hand_.At(0.1));
+  EXPECT_EQ(loop_.start_sequence(), 0u);
+  loop_.Start({Vec3(0, 0, kTouch), Quat::Identity()});
+  EXPECT_EQ(loop_.start_sequence(), 0u) << "not before a pose";
+  hand_.sequence = 41;
+  EXPECT_EQ(Send(hand_.At(0.1)).faults & kFaultNotStarted, 0u);
+  Send(hand_.At(0.1));
+  EXPECT_EQ(loop_.start_sequence(), 42u);
+}
+
 TEST_F(ServoLoopTest, LetsTheForceInOverTwoHundredSamples) {
   loop_.Start({Vec3(0, 0, kTouch), Quat::Identity()});
   for (int i = 1; i <= 300; ++i) {
