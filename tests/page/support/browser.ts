@@ -1,0 +1,48 @@
+import {spawnSync} from "node:child_process";
+
+import {type Browser, chromium, type Page} from "playwright-core";
+
+import type {Probe} from "@page/app";
+
+declare global {
+  interface Window {
+    palpate: {readonly probe: Probe};
+  }
+}
+
+/// Debian's Chromium, headless, drawing by software: what a machine without a screen has.
+const kChromium = spawnSync("sh", ["-c", "command -v chromium"], {encoding: "utf8"}).stdout.trim();
+
+export const kHasChromium = kChromium !== "";
+export const kNoChromium = "chromium is missing: deploy/setup --for tests installs it";
+
+export const launch = (): Promise<Browser> =>
+  chromium.launch({
+    executablePath: kChromium,
+    args: [
+      "--no-sandbox",
+      "--use-gl=angle",
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
+      "--disable-dev-shm-usage",
+    ],
+  });
+
+export const probe = (page: Page): Promise<Probe> =>
+  page.evaluate(() => window.palpate.probe);
+
+/// Resolves once the page's probe is as wanted; the error tells how it was instead.
+export async function until(
+  page: Page,
+  what: string,
+  condition: (probe: Probe) => boolean,
+  withinMs = 20_000,
+): Promise<Probe> {
+  const end = Date.now() + withinMs;
+  for (;;) {
+    const now = await probe(page);
+    if (condition(now)) return now;
+    if (Date.now() > end) throw new Error(`${what}: not so within ${withinMs} ms: ${JSON.stringify(now)}`);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}
