@@ -19,6 +19,7 @@ using SessionPhase = palpate_SessionPhase;
 using SessionRequest = palpate_SessionRequest;
 using SessionState = palpate_SessionState;
 using SceneChange = palpate_SceneChange;
+using LeafTaken = palpate_LeafTaken;
 using ToolState = palpate_ToolState;
 using ContactPoint = palpate_ContactPoint;
 using LoopStatistics = palpate_LoopStatistics;
@@ -46,6 +47,10 @@ inline const dds_topic_descriptor_t& Descriptor<SessionState>() {
 template <>
 inline const dds_topic_descriptor_t& Descriptor<SceneChange>() {
   return palpate_SceneChange_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<LeafTaken>() {
+  return palpate_LeafTaken_desc;
 }
 template <>
 inline const dds_topic_descriptor_t& Descriptor<ToolState>() {
