@@ -14,7 +14,6 @@ declare global {
 const kChromium = spawnSync("sh", ["-c", "command -v chromium"], {encoding: "utf8"}).stdout.trim();
 
 export const kHasChromium = kChromium !== "";
-export const kNoChromium = "chromium is missing: deploy/setup --for tests installs it";
 
 export const launch = (): Promise<Browser> =>
   chromium.launch({

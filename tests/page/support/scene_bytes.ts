@@ -124,13 +124,6 @@ export function sceneBytes(scene: TestScene): Uint8Array {
   const objects = scene.objects.map((body, i) => packBody(builder, body, scene.tools.length + i));
   const objectsAt = Scene.createObjectsVector(builder, objects);
   const name = builder.createString(scene.name);
-  const features = Features.createFeatures(
-    builder,
-    Contact.Surface,
-    Friction.Off,
-    scene.compliance ?? false,
-    scene.removal ?? false,
-  );
   Scene.startScene(builder);
   Scene.addName(builder, name);
   Scene.addGeometries(builder, geometriesAt);
@@ -138,7 +131,16 @@ export function sceneBytes(scene: TestScene): Uint8Array {
   Scene.addObjects(builder, objectsAt);
   Scene.addStiffness(builder, 1000);
   Scene.addTorsionalStiffness(builder, 1);
-  Scene.addFeatures(builder, features);
+  Scene.addFeatures(
+    builder,
+    Features.createFeatures(
+      builder,
+      Contact.Surface,
+      Friction.Off,
+      scene.compliance ?? false,
+      scene.removal ?? false,
+    ),
+  );
   Scene.finishSceneBuffer(builder, Scene.endScene(builder));
   return builder.asUint8Array();
 }

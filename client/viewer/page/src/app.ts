@@ -171,7 +171,7 @@ export class App {
   private worldChanged(change: Change, scene: string): void {
     switch (change) {
       case "tool":
-        if (scene === this.scene) this.askFrame();
+        if (scene === this.scene) this.wake();
         break;
       case "sessions":
         this.stale = {who: true, lists: true};
@@ -280,8 +280,14 @@ export class App {
 
   // --- the picture ---
 
+  /// Something has changed that a picture shows.
   private askFrame(): void {
     this.dirty = true;
+    this.wake();
+  }
+
+  /// Something may have changed: the frame finds out, and draws only then.
+  private wake(): void {
     if (this.frameAsked) return;
     this.frameAsked = true;
     requestAnimationFrame(() => this.frame());
@@ -319,10 +325,7 @@ export class App {
         performance.mark("palpate-first-picture");
       }
     }
-    if (catchingUp && !this.frameAsked) {
-      this.frameAsked = true;
-      requestAnimationFrame(() => this.frame());
-    }
+    if (catchingUp) this.wake();
   }
 
   // --- figures and words ---

@@ -1,5 +1,5 @@
 import type {ToolState} from "../protocol/messages";
-import {mixPose, mixVec3, samePose} from "./pose";
+import {mixPose, mixVec3} from "./pose";
 
 /// How far behind the newest frame the picture is [s]: one and a half frames of 30 Hz, so that there
 /// is nearly always a frame on either side to interpolate between.
@@ -9,23 +9,32 @@ const kKeepS = 1;
 /// After a gap of this length a tool jumps: a slow glide would show a motion that never was [s].
 const kGapS = 0.5;
 
+/// A frame that is later than this, or later for longer than that, is late because the clocks have
+/// parted and not because this page was busy [s].
+const kPartedS = 10;
+const kLateForS = 3;
+
 /// Maps a sender's clock to ours by the frame that came fastest; forgets slowly, so that a clock
-/// that drifts or is set is followed.
+/// that drifts is followed.  Frames that waited while the page was busy keep their true distances.
 export class StreamClock {
   private offset: number | undefined;
   private lastArrivalS = 0;
+  private lateSinceS: number | undefined;
 
   /// Our time at which a frame stamped `stampS` and received at `arrivalS` is taken to have been sent.
   toLocal(stampS: number, arrivalS: number): number {
     const offset = arrivalS - stampS;
+    const late = offset - (this.offset ?? offset);
     const elapsed = Math.max(0, arrivalS - this.lastArrivalS);
     this.lastArrivalS = arrivalS;
-    if (this.offset === undefined || Math.abs(offset - this.offset) > kGapS) {
-      this.offset = offset;
+    if (late < kGapS) {
+      this.lateSinceS = undefined;
+      this.offset = Math.min(offset, (this.offset ?? offset) + 0.01 * elapsed);
     } else {
-      this.offset = Math.min(offset, this.offset + 0.01 * elapsed);
+      this.lateSinceS ??= arrivalS;
+      if (late > kPartedS || arrivalS - this.lateSinceS > kLateForS) this.offset = offset;
     }
-    return stampS + this.offset;
+    return stampS + this.offset!;
   }
 }
 
@@ -74,16 +83,27 @@ function between(a: ToolState, b: ToolState, t: number): ToolState {
   };
 }
 
+/// Nothing that is smaller shows [m, N, N m, and parts of a quaternion].
+const kVisible = 1e-7;
+const close = (a: readonly number[], b: readonly number[]): boolean =>
+  a.every((value, i) => Math.abs(value - b[i]!) < kVisible);
+
 /// True where a picture of both would be the same.
 export function looksTheSame(a: ToolState | undefined, b: ToolState | undefined): boolean {
   if (a === b) return true;
   if (!a || !b) return false;
   return (
     a.tool === b.tool &&
-    samePose(a.haptic, b.haptic) &&
-    samePose(a.graphic, b.graphic) &&
-    a.forceN.every((value, i) => value === b.forceN[i]) &&
-    a.torqueNm.every((value, i) => value === b.torqueNm[i]) &&
-    a.points === b.points
+    [a.haptic, a.graphic].every(({p, q}, i) => {
+      const other = i === 0 ? b.haptic : b.graphic;
+      return close(p, other.p) && close(q, other.q);
+    }) &&
+    close(a.forceN, b.forceN) &&
+    close(a.torqueNm, b.torqueNm) &&
+    a.points.length === b.points.length &&
+    a.points.every(
+      ({positionM, forceN}, i) =>
+        close(positionM, b.points[i]!.positionM) && close(forceN, b.points[i]!.forceN),
+    )
   );
 }

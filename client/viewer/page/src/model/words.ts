@@ -71,7 +71,7 @@ export function statisticsLines(statistics: LoopStatistics): Line[] {
     {
       label: "Slowest",
       value: time(p999),
-      remark: p999 < 1000 ? "1 in 1000; the limit is 1 ms" : "the limit is 1 ms",
+      remark: p999 < 1000 ? "1 in 1000 takes longer" : "more than the millisecond that there is",
       tone: p999 < 1000 ? "plain" : "bad",
     },
     {

@@ -80,7 +80,7 @@ export class MouseDevice {
       case "acquiring":
       case "active":
         if (this.hold === "asking") this.begin();
-        this.message = state.phase === "acquiring" ? "Pull the tool out of the object first." : "";
+        this.message = state.phase === "acquiring" ? state.reason : "";
         this.host.changed();
         break;
       case "":
