@@ -1,5 +1,7 @@
 // The page in a real browser, at the real server, station and gateway.
-import {afterAll, beforeAll, beforeEach, afterEach, describe, expect} from "vitest";
+import {fileURLToPath} from "node:url";
+
+import {afterAll, afterEach, beforeAll, beforeEach, describe, expect} from "vitest";
 
 import type {Browser, Page} from "playwright-core";
 
@@ -11,6 +13,7 @@ import {browserTest as test} from "./support/skip";
 
 // Beside other tests and their domains (tests/integration: 10 to 34).
 const kDomain = String(60 + (process.pid % 25));
+const kPage = fileURLToPath(new URL("../../build/page", import.meta.url));
 const kCommon = ["--transport", "udp", "--domain", kDomain];
 
 let browser: Browser;
@@ -20,7 +23,7 @@ let station: Program;
 let url = "";
 
 const startGateway = async (port: string): Promise<void> => {
-  gateway = new Program("palpate-viewer", ["--http", port, ...kCommon]);
+  gateway = new Program("palpate-viewer", ["--http", port, "--page", kPage, ...kCommon]);
   url = (await gateway.says(/http:\/\/127\.0\.0\.1:\d+\//))[0];
 };
 
@@ -38,7 +41,7 @@ afterAll(async () => {
 });
 
 async function open(query = ""): Promise<Page> {
-  const page = await browser.newPage({viewport: {width: 800, height: 600}});
+  const page = await browser.newPage({viewport: {width: 640, height: 480}});
   await page.goto(url + query);
   await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined, 60_000);
   return page;
@@ -90,20 +93,11 @@ describe("while a simulated hand feels the bunny", () => {
 
   test("two pages see the same: one sequence number, one pose", async () => {
     const pages = [await open(), await open()];
-    const seen = pages.map(() => new Map<number, string>());
-    await Promise.all(
-      pages.map(async (page, i) => {
-        const end = Date.now() + 20_000;
-        while (Date.now() < end) {
-          const {hand} = (await probe(page)).stations;
-          if (hand) seen[i]!.set(hand.poseSequence, JSON.stringify([hand.haptic, hand.graphic, hand.forceN]));
-          if ([...seen[0]!.keys()].filter((key) => seen[1]!.has(key)).length >= 5) break;
-        }
-      }),
-    );
-    const both = [...seen[0]!.keys()].filter((key) => seen[1]!.has(key));
+    const seen = await Promise.all(pages.map((page) => page.evaluate(watch)));
+    const [first, second] = seen.map((states) => new Map(states)) as [Seen, Seen];
+    const both = [...first.keys()].filter((sequence) => second.has(sequence));
     expect(both.length).toBeGreaterThan(0);
-    for (const key of both) expect(seen[0]!.get(key)).toBe(seen[1]!.get(key));
+    for (const sequence of both) expect(second.get(sequence)).toBe(first.get(sequence));
   });
 
   test("the page says that the gateway is gone, and goes on by itself once it is back", async () => {
@@ -125,41 +119,73 @@ describe("while a simulated hand feels the bunny", () => {
   });
 });
 
-test("the mouse presses the bunny, and the page shows the force", async () => {
-  const page = await open("?scene=bunny-bunny");
+type Seen = Map<number, string>;
+
+/// In the page: what it hears of the hand until it has heard a hundred states.
+function watch(): Promise<[number, string][]> {
+  return new Promise((resolve) => {
+    const seen = new Map<number, string>();
+    const timer = setInterval(() => {
+      const {hand} = window.palpate.probe.stations;
+      if (hand) seen.set(hand.poseSequence, JSON.stringify([hand.haptic, hand.graphic, hand.forceN]));
+      if (seen.size < 100) return;
+      clearInterval(timer);
+      resolve([...seen]);
+    }, 5);
+  });
+}
+
+/// Takes the tool and drags it down on the fixed bunny until it pushes back; false where it met
+/// nothing.
+async function press(page: Page): Promise<boolean> {
   await page.locator("#take").click();
   await until(page, "the tool", ({hold}) => hold === "holding", 60_000);
-  const own = (await until(page, "its station", ({stations}) => stations.mouse_1 !== undefined, 60_000)).stations;
-  expect(norm(own.mouse_1!.forceN)).toBe(0);
+  await until(page, "its station", ({stations}) => stations.mouse_1 !== undefined, 60_000);
   const view = (await page.locator("#view").boundingBox())!;
   const x = view.x + view.width / 2;
-  let y = view.y + 60;
-  await page.mouse.move(x, y);
+  await page.mouse.move(x, view.y + 40);
   await page.mouse.down();
-  // Down on the fixed bunny until it pushes back.
-  let force = 0;
-  while (force < 0.5) {
-    y += 4;
-    if (y > view.y + view.height - 10) throw new Error("the drag went all the way and met nothing");
+  for (let y = view.y + 40; y < view.y + view.height - 10; y += 3) {
     await page.mouse.move(x, y);
-    await new Promise((resolve) => setTimeout(resolve, 60));
-    force = norm((await probe(page)).stations.mouse_1!.forceN);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+    if (norm((await probe(page)).stations.mouse_1!.forceN) > 0.5) return true;
   }
-  await page.waitForFunction(() => Number(document.getElementById("force")!.textContent) >= 0.5, null, {
-    timeout: 20_000,
-  });
-  expect(await page.locator("#sentence").innerText()).toMatch(/^Contact, /);
+  return false;
+}
+
+const release = async (page: Page): Promise<void> => {
+  await page.mouse.up();
+  await page.keyboard.press("Escape");
+  await page.waitForFunction(
+    () => /mouse_1 has left/.test(document.getElementById("who")!.textContent ?? ""),
+    null,
+    {timeout: 60_000},
+  );
+};
+
+test("the mouse presses the bunny, and the page shows the force", async () => {
+  const page = await open("?scene=bunny-bunny");
+  // A machine that is too busy silences a station for longer than a server waits, which ends its
+  // session; so it has another try.
+  for (let tries = 1; !(await press(page)); tries++) {
+    if (tries === 3) throw new Error("the tool met nothing");
+    await release(page);
+  }
+  await page.waitForFunction(
+    () => Number(document.getElementById("force")!.textContent) >= 0.5,
+    null,
+    {timeout: 60_000},
+  );
+  await page.waitForFunction(
+    () => /^Contact, /.test(document.getElementById("sentence")!.textContent ?? ""),
+    null,
+    {timeout: 60_000},
+  );
   // A second one is refused, with who has it.
   const second = await open("?scene=bunny-bunny");
   await until(second, "the first one's tool", ({stations}) => stations.mouse_1 !== undefined, 60_000);
   await second.locator("#take").click();
-  await second.locator("#hint.alarm").waitFor({timeout: 20_000});
+  await second.locator("#hint.alarm").waitFor({timeout: 60_000});
   expect(await second.locator("#hint").innerText()).toMatch(/'mouse_1' holds the bunny/);
-  await page.mouse.up();
-  await page.keyboard.press("Escape");
-  await second.waitForFunction(
-    () => /mouse_1 has left/.test(document.getElementById("who")!.textContent ?? ""),
-    null,
-    {timeout: 20_000},
-  );
+  await release(page);
 });

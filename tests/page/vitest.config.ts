@@ -15,7 +15,7 @@ export default defineConfig({
   test: {
     include: ["**/*_test.ts"],
     fileParallelism: false,
-    testTimeout: 60_000,
+    testTimeout: 180_000,
     hookTimeout: 120_000,
   },
 });
