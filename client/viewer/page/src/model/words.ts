@@ -69,7 +69,7 @@ export function statisticsLines(statistics: LoopStatistics): Line[] {
     {label: "Usual step", value: time(p50), remark: "half are quicker", tone: "plain"},
     {label: "Slow step", value: time(p99), remark: "1 in 100 takes longer", tone: "plain"},
     {
-      label: "Slowest",
+      label: "Slower yet",
       value: time(p999),
       remark: p999 < 1000 ? "1 in 1000 takes longer" : "more than the millisecond that there is",
       tone: p999 < 1000 ? "plain" : "bad",
@@ -77,7 +77,7 @@ export function statisticsLines(statistics: LoopStatistics): Line[] {
     {
       label: "Late",
       value: plural(statistics.late, "pose"),
-      remark: statistics.late === 0 ? "all came in time" : "more than 2 ms after the last",
+      remark: statistics.late === 0 ? "all came in time" : "came too late",
       tone: statistics.late === 0 ? "good" : statistics.late > 0.01 * statistics.steps ? "bad" : "plain",
     },
     {

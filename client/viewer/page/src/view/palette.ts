@@ -10,6 +10,7 @@ export interface Palette {
   readonly contact: Color;
   readonly halo: Color;
   readonly ghost: Color;
+  readonly ink: Color;
   readonly tools: readonly Color[];
   readonly objects: readonly Color[];
   readonly soft: Color;
@@ -27,6 +28,7 @@ export function readPalette(): Palette {
     contact: colour("contact"),
     halo: colour("halo"),
     ghost: colour("ghost"),
+    ink: colour("ink"),
     tools: [1, 2, 3, 4].map((i) => colour(`tool-${i}`)),
     objects: [1, 2, 3, 4].map((i) => colour(`object-${i}`)),
     soft: colour("soft"),

@@ -38,7 +38,7 @@ export class SphereCloud {
   constructor(
     private readonly level: SphereLevel,
     private readonly parent: Group,
-    isLeaves: boolean,
+    private readonly isLeaves: boolean,
   ) {
     const count = level.radii.length;
     const {detail} = kRoundness.find(({spheres}) => count <= spheres)!;
@@ -56,8 +56,10 @@ export class SphereCloud {
     parent.add(this.mesh);
   }
 
-  paint(colour: Color): void {
+  /// @param colour  of the body.   @param ink  what stands out from it
+  paint(colour: Color, ink: Color): void {
     this.mesh.material.color.copy(colour);
+    if (!this.isLeaves) this.mesh.material.color.lerp(ink, 0.45);
   }
 
   /// Leaves that have been scraped off.
