@@ -359,7 +359,7 @@ TEST(Gateway, SaysThatThePageIsNotBuiltAndHowToBuildIt) {
   const HttpAnswer index = Get(gateway.port(), "/");
   EXPECT_EQ(index.status, 200);
   EXPECT_THAT(index.body, HasSubstr("/nowhere/page"));
-  EXPECT_THAT(index.body, HasSubstr("npm --prefix client/viewer/page run build"));
+  EXPECT_THAT(index.body, HasSubstr("cmake --build --preset release --target page"));
 }
 
 TEST(Gateway, TurnsAwayPagesFromElsewhereAndViewersBeyondItsMost) {
