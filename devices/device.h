@@ -50,6 +50,12 @@ class Device {
   /// Commands the handle for the millisecond to come: force at the handle's origin and torque about
   /// it, both in W.  Only a WrenchLimiter's output may come here; the type says so.  Real-time.
   virtual void Apply(const LimitedWrench& wrench) noexcept = 0;
+  /// Where the scene's graphic tool was at the newest reply, before each Apply once there is one;
+  /// for hands that see and do not feel.  Real-time.
+  /// @param p_HT  point that the server's wrench acts at, in the tool's frame [m].
+  virtual void SeeGraphicTool(const Pose& /*X_WG*/, const Vec3& /*p_HT*/) noexcept {}
+  /// True once the hand will do nothing more: the station ends its session.
+  virtual bool ended() const noexcept { return false; }
   /// What the hand does just now ("slide"), for people; empty where nobody knows.  Lives as long as
   /// the device.  Real-time.
   virtual const char* activity() const noexcept { return ""; }

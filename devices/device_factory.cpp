@@ -3,7 +3,10 @@
 #include <array>
 #include <string_view>
 
+#include <unistd.h>
+
 #include "common/error.h"
+#include "devices/mouse/mouse_device.h"
 #include "devices/scripted/scripted_device.h"
 #include "devices/simulated/simulated_phantom.h"
 
@@ -27,11 +30,15 @@ std::unique_ptr<Device> MakeScripted(const DeviceOptions& options) {
   return std::make_unique<ScriptedDevice>(ScriptPlayer(*options.script, options.loop));
 }
 
+std::unique_ptr<Device> MakeMouse(const DeviceOptions& options) {
+  return std::make_unique<MouseDevice>(STDIN_FILENO, options.start);
+}
+
 constexpr std::array<Entry, 5> kDevices{{{"simulated", true, MakeSimulated},
                                          {"scripted", true, MakeScripted},
                                          {"openhaptics", false, nullptr},
                                          {"spacemouse", false, nullptr},
-                                         {"mouse", false, nullptr}}};
+                                         {"mouse", false, MakeMouse}}};
 
 const Entry& Find(const std::string& name) {
   for (const Entry& entry : kDevices) {

@@ -13,6 +13,7 @@ struct DeviceOptions {
   std::string name;                  ///< as after --device
   std::optional<PoseScript> script;  ///< what the hand of a simulated or scripted device does
   bool loop = false;                 ///< again and again
+  Pose start{};                      ///< of a device that has no script: where its tool begins
 };
 
 /// Names that MakeDevice takes, separated by ", ": for help and messages.

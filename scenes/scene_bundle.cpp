@@ -337,6 +337,10 @@ std::uint64_t HashBytes(std::string_view bytes, std::uint64_t seed) {
   return XXH64(bytes.data(), bytes.size(), seed);
 }
 
+std::uint64_t BundleHash(std::span<const std::uint8_t> bytes) {
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
+
 bool LooksLikeBundle(std::string_view bytes) {
   return bytes.substr(0, sizeof kMagic) == std::string_view(kMagic, sizeof kMagic);
 }

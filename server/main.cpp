@@ -1,6 +1,8 @@
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -17,6 +19,7 @@
 #include "common/stop_signal.h"
 #include "common/time/steady_clock.h"
 #include "scenes/catalogue.h"
+#include "scenes/scene_bundle.h"
 #include "server/session/scene_model.h"
 #include "server/transport/server.h"
 #include "server/transport/server_lock.h"
@@ -62,10 +65,12 @@ int Serve(const Options& options) {
   load.models_dir = options.models;
   load.warn = [](const std::string& text) { spdlog::warn("{}", text); };
   std::vector<std::shared_ptr<const ServedTool>> tools;
+  std::map<std::string, std::vector<std::uint8_t>> bundles;
   std::string names;
   for (const std::string& name : options.scenes) {
     const Scene scene = LoadScene(name, load);
     AddTools(scene, tools);
+    bundles[scene.name] = PackScene(scene);
     names += (names.empty() ? "" : ", ") + scene.name;
   }
   malloc_trim(0);  // what the models were made from: as much again
@@ -75,6 +80,7 @@ int Serve(const Options& options) {
                   std::puts(line.c_str());
                   std::fflush(stdout);
                 });
+  for (auto& [name, bundle] : bundles) server.PublishScene(name, std::move(bundle));
   std::printf("ready: scenes %s; transport %s; real-time %s; domain %d\n", names.c_str(),
               transport.reason.c_str(), realtime.summary.c_str(), options.domain);
   std::fflush(stdout);

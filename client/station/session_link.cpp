@@ -156,6 +156,8 @@ void SessionLink::MakeReader() {
                  reply.pose_sequence = sample.pose_sequence;
                  reply.pose_time_ns = sample.pose_time_ns;
                  reply.received_ns = SteadyNanoseconds();
+                 reply.X_WG =
+                     wire::ToPose(sample.graphic_position_m, sample.graphic_orientation_wxyz);
                  reply.wrench = wire::ToWrench(sample);
                  reply.step_time_s = sample.step_time_s;
                  reply.contacts = sample.contacts;

@@ -23,20 +23,41 @@ namespace {
 
 constexpr std::chrono::milliseconds kPoll{10};
 
-/// The script that stands beside the scene's file.
+/// The script that stands, or would stand, beside the scene's file.
+std::string ScriptBeside(const std::string& scene) {
+  return std::filesystem::path(FindSceneFile(scene)).replace_extension(".path.json").string();
+}
+
 std::string ScriptOf(const std::string& scene) {
-  std::filesystem::path file = FindSceneFile(scene);
-  file.replace_extension(".path.json");
-  if (std::filesystem::exists(file)) return file.string();
-  throw Error("scene '" + scene + "' has no script of its own (looked for " + file.string() +
+  const std::string file = ScriptBeside(scene);
+  if (std::filesystem::exists(file)) return file;
+  throw Error("scene '" + scene + "' has no script of its own (looked for " + file +
               "); give one with --script");
+}
+
+/// Where a hand without a script begins: where the scene's own script does, else where the scene
+/// places its tool.
+Pose StartOf(const StationOptions& options) {
+  if (const std::string script = ScriptBeside(options.link.scene);
+      std::filesystem::exists(script)) {
+    return PoseScript::Load(script).At(0.0);
+  }
+  const Scene scene = LoadScene(options.link.scene);
+  for (const Body& tool : scene.tools) {
+    if (options.link.tool.empty() || tool.name == options.link.tool) return tool.X_WB;
+  }
+  throw Error("scene '" + options.link.scene + "' has no tool '" + options.link.tool +
+              "'; give --tool with one of its own");
 }
 
 std::unique_ptr<Device> OpenDevice(const StationOptions& options) {
   DeviceOptions device{options.link.device, std::nullopt, options.loop};
-  if (DeviceNeedsScript(device.name)) {
+  if (DeviceNeedsScript(device.name) || !options.script.empty()) {
     const std::string file = options.script.empty() ? ScriptOf(options.link.scene) : options.script;
     device.script = PoseScript::Load(file);
+    device.start = device.script->At(0.0);
+  } else {
+    device.start = StartOf(options);
   }
   return MakeDevice(device);
 }
@@ -102,6 +123,10 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   while (!stop.WaitFor(kPoll)) {
     link.Poll(SteadyNanoseconds());
     if (began_ns == 0 && servo->started()) began_ns = SteadyNanoseconds();
+    if (device->ended()) {
+      spdlog::info("the device has ended: leaving");
+      break;
+    }
     if (options.seconds && seconds() >= *options.seconds) break;
     if (std::string now = link.PhaseText(); now != phase) {
       phase = std::move(now);

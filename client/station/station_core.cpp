@@ -57,6 +57,7 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   if (period_began_ns_ == 0) period_began_ns_ = now_ns;
   const Wrench wanted = ShiftToHandle(newest_.wrench, sample_.X_WH.q, tool_reference_);
   const LimitedWrench limited = limiter_.Limit(wanted, age_s, dt_s);
+  if (has_reply_) device_.SeeGraphicTool(newest_.X_WG, tool_reference_);
   device_.Apply(limited);
 
   ++totals_.ticks;

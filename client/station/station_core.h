@@ -14,6 +14,7 @@ struct Reply {
   std::uint64_t pose_sequence = 0;  ///< the pose that it answers
   std::int64_t pose_time_ns = 0;    ///< when that was sampled, by this station's clock
   std::int64_t received_ns = 0;     ///< by the same clock
+  Pose X_WG;                        ///< the graphic tool
   Wrench wrench;                    ///< on the hand, at the tool's reference point, in W
   double step_time_s = 0.0;         ///< the server's, from take to write
   std::uint32_t contacts = 0;

@@ -208,14 +208,18 @@ template class Writer<wire::Wrench>;
 template class Writer<wire::SessionRequest>;
 template class Writer<wire::SessionState>;
 template class Writer<wire::SceneChange>;
+template class Writer<wire::LeafTaken>;
 template class Writer<wire::ToolState>;
 template class Writer<wire::LoopStatistics>;
+template class Writer<wire::SceneBundle>;
 template class Reader<wire::HapticPose>;
 template class Reader<wire::Wrench>;
 template class Reader<wire::SessionRequest>;
 template class Reader<wire::SessionState>;
 template class Reader<wire::SceneChange>;
+template class Reader<wire::LeafTaken>;
 template class Reader<wire::ToolState>;
 template class Reader<wire::LoopStatistics>;
+template class Reader<wire::SceneBundle>;
 
 }  // namespace palpate::dds

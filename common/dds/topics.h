@@ -17,7 +17,9 @@ std::string WrenchTopic(const std::string& station, std::uint64_t run);
 inline constexpr const char* kSessionRequestTopic = "palpate/session_request";
 inline constexpr const char* kSessionStateTopic = "palpate/session_state";
 inline constexpr const char* kSceneChangeTopic = "palpate/scene_change";
+inline constexpr const char* kLeafTakenTopic = "palpate/leaf_taken";
 inline constexpr const char* kToolStateTopic = "palpate/tool_state";
+inline constexpr const char* kSceneBundleTopic = "palpate/scene_bundle";
 inline constexpr const char* kLoopStatisticsTopic = "palpate/loop_statistics";
 
 /// True for what a station may be called: [A-Za-z0-9_]{1,32}.

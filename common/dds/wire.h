@@ -19,8 +19,11 @@ using SessionPhase = palpate_SessionPhase;
 using SessionRequest = palpate_SessionRequest;
 using SessionState = palpate_SessionState;
 using SceneChange = palpate_SceneChange;
+using LeafTaken = palpate_LeafTaken;
 using ToolState = palpate_ToolState;
+using ContactPoint = palpate_ContactPoint;
 using LoopStatistics = palpate_LoopStatistics;
+using SceneBundle = palpate_SceneBundle;
 
 /// Topic descriptor of a wire type.
 template <class T>
@@ -46,12 +49,20 @@ inline const dds_topic_descriptor_t& Descriptor<SceneChange>() {
   return palpate_SceneChange_desc;
 }
 template <>
+inline const dds_topic_descriptor_t& Descriptor<LeafTaken>() {
+  return palpate_LeafTaken_desc;
+}
+template <>
 inline const dds_topic_descriptor_t& Descriptor<ToolState>() {
   return palpate_ToolState_desc;
 }
 template <>
 inline const dds_topic_descriptor_t& Descriptor<LoopStatistics>() {
   return palpate_LoopStatistics_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<SceneBundle>() {
+  return palpate_SceneBundle_desc;
 }
 
 // Loop types have no padding, so that the C struct is the CDR payload byte for byte (a test

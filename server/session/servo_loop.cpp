@@ -68,13 +68,16 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
     state_.friction = FrictionState{};
     started_ = true;
     gain_ = 0.0;
+    start_sequence_.store(pose.pose_sequence, std::memory_order_release);
   }
 
   TakeRemovals(pose.pose_sequence);
 
   Clear(answer);
+  snapshot_.points = 0;
   answer.pose_sequence = pose.pose_sequence;
   answer.pose_time_ns = pose.sample_time_ns;
+  answer.answer = ++answers_;
   if (const std::uint32_t fault = UsePose(pose); fault != kFaultNone) {
     Hold(fault, answer);
   } else if (!started_) {
@@ -146,6 +149,12 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
   int rigid = 0;
   while (rigid < report.contacts && std::isinf(report.active[rigid].stiffness)) ++rigid;
   answer.contacts = static_cast<std::uint32_t>(rigid + report.soft_contacts);
+  for (int i = 0; i < report.contacts; ++i) {
+    const ActiveRow& active = report.active[i];
+    snapshot_.point[i] = {active.contact_W,
+                          gain_ * (active.force * active.normal + active.friction)};
+  }
+  snapshot_.points = report.contacts;
   for (int i = 0; i < report.removals; ++i) {
     removals_.Append({report.removed[i], true, answer.pose_sequence});
   }
@@ -174,13 +183,15 @@ void ServoLoop::Hold(std::uint32_t fault, wire::Wrench& answer) noexcept {
 }
 
 void ServoLoop::Report(wire::Wrench& answer, std::int64_t taken_ns) noexcept {
-  snapshots_.Write({.pose_sequence = answer.pose_sequence,
-                    .X_WH = X_WH_,
-                    .X_WG = state_.X_WG,
-                    .wrench = wire::ToWrench(answer),
-                    .contacts = answer.contacts,
-                    .faults = answer.faults,
-                    .has_pose = has_pose_});
+  snapshot_.pose_sequence = answer.pose_sequence;
+  snapshot_.X_WH = X_WH_;
+  snapshot_.X_WG = state_.X_WG;
+  snapshot_.wrench = wire::ToWrench(answer);
+  snapshot_.contacts = answer.contacts;
+  snapshot_.faults = answer.faults;
+  snapshot_.has_pose = has_pose_;
+  snapshot_.step_s = 1e-9 * static_cast<double>(SteadyNanoseconds() - taken_ns);
+  snapshots_.Write(snapshot_);
 
   counters_.faults |= answer.faults;
   if (last_taken_ns_ != 0 && taken_ns - last_taken_ns_ > kLate_ns) ++counters_.late;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
+#include <tuple>
 
 #include "common/dds/wire.h"
 #include "common/realtime/append_log.h"
@@ -26,6 +28,12 @@ struct LoopCounters {
   std::uint32_t faults = kFaultNone;  ///< every bit seen
 };
 
+/// Where an object pushes the tool.
+struct ContactForce {
+  Vec3 point = Vec3::Zero();  ///< on the graphic tool, in W [m]
+  Vec3 force = Vec3::Zero();  ///< on the tool, in W [N]
+};
+
 /// What the loop last did, for viewers and for the session's start.
 struct LoopSnapshot {
   std::uint64_t pose_sequence = 0;
@@ -35,6 +43,11 @@ struct LoopSnapshot {
   std::uint32_t contacts = 0;
   std::uint32_t faults = kFaultNone;
   bool has_pose = false;  ///< false until a pose was fit to be used
+  double step_s = 0.0;    ///< from take on, but for this snapshot's own copy
+  /// The contacts that StepReport lists, with the part of their forces that is sent; none while the
+  /// tool is held.
+  int points = 0;
+  std::array<ContactForce, std::tuple_size_v<decltype(StepReport::active)>> point;
 };
 
 /// A leaf that went before or with the step of a pose.
@@ -66,11 +79,13 @@ class ServoLoop {
 
   /// Puts the graphic tool there and lets forces begin, with the next pose.
   void Start(const Pose& X_WG) { start_.Write(X_WG); }
+  /// The pose that Start was taken with: the first whose wrench the physics computed.  0 before.
+  std::uint64_t start_sequence() const { return start_sequence_.load(std::memory_order_acquire); }
   /// Takes a leaf away that another tool has scraped off, before the next pose's step.  Each leaf
   /// once.
   void Remove(std::int32_t leaf) { removed_by_others_.Append(leaf); }
-  /// Every leaf that has gone from this loop's scene.  With the poses, all that a replay needs: the
-  /// same bits follow.
+  /// Every leaf that has gone from this loop's scene.  With the poses and the start, all that a
+  /// replay needs: the same bits follow.
   const AppendLog<Removal>& removals() const { return removals_; }
   /// The latest step, where one was made since the last call.
   bool ReadSnapshot(LoopSnapshot& snapshot) { return snapshots_.Read(snapshot); }
@@ -95,7 +110,9 @@ class ServoLoop {
   bool started_ = false;
   double gain_ = 0.0;  // 0 to 1: the part of the wrench that is sent
   Wrench full_;        // the last step's wrench, unscaled
+  LoopSnapshot snapshot_;
 
+  std::uint32_t answers_ = 0;
   bool heard_any_ = false;
   std::uint64_t last_sequence_ = 0;
   std::int64_t last_time_ns_ = 0;
@@ -112,6 +129,7 @@ class ServoLoop {
   LoopCounters counters_;
   std::atomic<std::uint64_t> heard_{0};
   std::atomic<bool> counters_wanted_{false};
+  std::atomic<std::uint64_t> start_sequence_{0};
   LatestMailbox<Pose> start_;
   LatestMailbox<LoopSnapshot> snapshots_;
   LatestMailbox<LoopCounters> reports_;

@@ -39,7 +39,10 @@ bool Session::Update(std::int64_t now_ns) {
                     : "no pose came for more than 100 ms; ask again to go on");
     return true;
   }
-  if (phase_ == palpate_SESSION_ACTIVE || !snapshot_.has_pose) return false;
+  if (phase_ == palpate_SESSION_ACTIVE) {
+    return !start_seen_ && (start_seen_ = loop_.start_sequence() != 0);
+  }
+  if (!snapshot_.has_pose) return false;
   if (phase_ == palpate_SESSION_ACQUIRING && now_ns - tried_ns_ < kTryAgain_ns) return false;
   return TryStart(now_ns);
 }
@@ -55,7 +58,8 @@ bool Session::TryStart(std::int64_t now_ns) {
     reason_ = InsideText(start.depth);
     return news;
   }
-  loop_.Start(start.X_WG);
+  X_WG_start_ = start.X_WG;
+  loop_.Start(X_WG_start_);
   start_workspace_.reset();
   start_wear_ = {};
   start_depth_ = start.depth;
@@ -66,11 +70,8 @@ bool Session::TryStart(std::int64_t now_ns) {
 
 std::optional<Removal> Session::TakeRemoval() {
   const AppendLog<Removal>& removals = loop_.removals();
-  while (removals_taken_ < removals.size()) {
-    const Removal& removal = removals[removals_taken_++];
-    if (removal.own) return removal;
-  }
-  return std::nullopt;
+  if (removals_taken_ == removals.size()) return std::nullopt;
+  return removals[removals_taken_++];
 }
 
 void Session::Remove(std::int32_t leaf) {

@@ -35,11 +35,14 @@ class Session {
           std::int64_t now_ns);
 
   /// Looks after the session; to be called every few milliseconds.  True where phase, depth or
-  /// reason changed.
+  /// reason changed, or the loop has begun to compute forces.
   bool Update(std::int64_t now_ns);
   void End(std::string reason);
-  /// The next leaf that this session's tool has scraped off.
+  /// The next leaf that has gone from the loop's scene: scraped off by this session's tool, or
+  /// taken away after another's.
   std::optional<Removal> TakeRemoval();
+  /// Numbers those of other tools, from 1.
+  std::uint64_t CountTaken() { return ++taken_; }
   /// Takes a leaf away that another has scraped off.  Each leaf once.
   void Remove(std::int32_t leaf);
 
@@ -51,6 +54,9 @@ class Session {
   bool ended() const { return phase_ == palpate_SESSION_ENDED; }
   const std::string& reason() const { return reason_; }
   double start_depth() const { return start_depth_; }
+  /// The first pose that a force answers, 0 until the loop has had it, and where it put the tool.
+  std::uint64_t start_sequence() const { return loop_.start_sequence(); }
+  const Pose& start() const { return X_WG_start_; }
   /// What the loop did last, as of the last Update; has_pose is false before the first pose.
   const LoopSnapshot& snapshot() const { return snapshot_; }
 
@@ -66,8 +72,11 @@ class Session {
   wire::SessionPhase phase_ = palpate_SESSION_WAITING;
   std::string reason_;
   double start_depth_ = 0.0;
+  Pose X_WG_start_;
+  bool start_seen_ = false;  // by the loop
   LoopSnapshot snapshot_;
   std::size_t removals_taken_ = 0;
+  std::uint64_t taken_ = 0;
   std::uint64_t heard_ = 0;
   std::int64_t heard_ns_;
   std::int64_t tried_ns_ = 0;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/dds/topics.h"
+#include "server/physics/sphere_tree_query.h"
 
 namespace palpate {
 namespace {
@@ -11,6 +12,19 @@ namespace {
 void AddName(std::string& list, const std::string& name) {
   if (!list.empty()) list += ", ";
   list += name;
+}
+
+wire::LeafTaken LeafTakenBy(Session& session, const Removal& removal) {
+  const ObjectForest& objects = session.tool().model.objects();
+  const int object = objects.ObjectOf(removal.leaf);
+  wire::LeafTaken taken{};
+  wire::FromText(session.station(), taken.station);
+  taken.run = session.run();
+  taken.number = session.CountTaken();
+  taken.pose_sequence = removal.pose_sequence;
+  taken.object_index = static_cast<std::uint32_t>(object);
+  taken.leaf = static_cast<std::uint32_t>(removal.leaf - objects.FirstLeafOf(object));
+  return taken;
 }
 
 }  // namespace
@@ -78,6 +92,10 @@ void SessionTable::PassOnRemovals(Session& from) {
   const auto scene = scenes_.find(from.tool().scene);
   if (scene == scenes_.end()) return;
   while (const std::optional<Removal> removal = from.TakeRemoval()) {
+    if (!removal->own) {
+      leaves_taken_.push_back(LeafTakenBy(from, *removal));
+      continue;
+    }
     const std::vector<wire::SceneChange> changes = scene->second.Remove(from, *removal);
     if (changes.empty()) continue;
     scene_changes_.insert(scene_changes_.end(), changes.begin(), changes.end());
@@ -104,6 +122,10 @@ std::vector<wire::SessionState> SessionTable::TakeChanges() {
 
 std::vector<wire::SceneChange> SessionTable::TakeSceneChanges() {
   return std::exchange(scene_changes_, {});
+}
+
+std::vector<wire::LeafTaken> SessionTable::TakeLeavesTaken() {
+  return std::exchange(leaves_taken_, {});
 }
 
 std::shared_ptr<const ServedTool> SessionTable::Find(const wire::SessionRequest& request,
@@ -179,6 +201,8 @@ void SessionTable::Publish(const Session& session) {
   wire::FromText(session.reason(), state.reason);
   state.start_depth_m = session.start_depth();
   wire::FromVec3(session.tool().model.reference(), state.tool_reference_m);
+  state.start_sequence = session.start_sequence();
+  wire::FromPose(session.start(), state.start_position_m, state.start_orientation_wxyz);
   changes_.push_back(state);
 }
 

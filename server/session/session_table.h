@@ -37,6 +37,8 @@ class SessionTable {
   std::vector<wire::SessionState> TakeChanges();
   /// What tools have scraped off since the last call, in the order that holds for each scene.
   std::vector<wire::SceneChange> TakeSceneChanges();
+  /// Of those, what has reached the loops of other sessions since the last call.
+  std::vector<wire::LeafTaken> TakeLeavesTaken();
 
  private:
   struct Waiting {
@@ -50,7 +52,8 @@ class SessionTable {
   void Admit(const wire::SessionRequest& request, std::int64_t now_ns);
   void Refuse(const wire::SessionRequest& request, const std::string& reason);
   void Publish(const Session& session);
-  /// Passes on what a session's tool has scraped off to the others of its scene.
+  /// Passes on what a session's tool has scraped off to the others of its scene, and tells of what
+  /// it has got of theirs.
   void PassOnRemovals(Session& from);
 
   std::vector<std::shared_ptr<const ServedTool>> tools_;
@@ -60,6 +63,7 @@ class SessionTable {
   std::vector<wire::SessionState> changes_;
   std::map<std::string, SceneChanges> scenes_;  // by name; those that declare removal
   std::vector<wire::SceneChange> scene_changes_;
+  std::vector<wire::LeafTaken> leaves_taken_;
 };
 
 }  // namespace palpate

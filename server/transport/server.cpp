@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <cinttypes>
 #include <cstdio>
+#include <functional>
+#include <iterator>
 #include <random>
 #include <utility>
 
 #include <spdlog/spdlog.h>
 
 #include "common/dds/topics.h"
+#include "common/error.h"
 #include "common/step_fault.h"
+#include "scenes/scene_bundle.h"
 
 namespace palpate {
 namespace {
@@ -73,6 +77,19 @@ std::string StatisticsLine(const wire::LoopStatistics& s) {
   return line;
 }
 
+/// The strongest first.
+void SetContactPoints(const LoopSnapshot& snapshot, wire::ToolState& state) {
+  std::vector<ContactForce> contacts(snapshot.point.begin(),
+                                     snapshot.point.begin() + snapshot.points);
+  std::ranges::stable_sort(contacts, std::greater{},
+                           [](const ContactForce& contact) { return contact.force.norm(); });
+  state.points = static_cast<std::uint32_t>(std::min(contacts.size(), std::size(state.point)));
+  for (std::uint32_t i = 0; i < state.points; ++i) {
+    wire::FromVec3(contacts[i].point, state.point[i].position_m);
+    wire::FromVec3(contacts[i].force, state.point[i].force_N);
+  }
+}
+
 }  // namespace
 
 Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
@@ -80,11 +97,14 @@ Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
                std::function<void(const std::string&)> print_line)
     : loop_domain_(std::move(loop_domain)),
       service_domain_(std::move(service_domain)),
-      table_(std::move(tools), RandomRun()),
+      server_run_(RandomRun()),
+      table_(std::move(tools), server_run_),
       print_line_(std::move(print_line)),
       requests_(service_domain_, dds::kSessionRequestTopic, dds::Qos::kSession),
       states_(service_domain_, dds::kSessionStateTopic, dds::Qos::kSession),
       scene_changes_(service_domain_, dds::kSceneChangeTopic, dds::Qos::kSession),
+      leaves_taken_(service_domain_, dds::kLeafTakenTopic, dds::Qos::kSession),
+      scene_bundles_(service_domain_, dds::kSceneBundleTopic, dds::Qos::kSession),
       tool_states_(service_domain_, dds::kToolStateTopic, dds::Qos::kStream),
       statistics_(service_domain_, dds::kLoopStatisticsTopic, dds::Qos::kStream) {}
 
@@ -92,6 +112,19 @@ Server::~Server() {
   stations_.clear();
   table_.EndAll("the server stops");
   PublishChanges();
+}
+
+void Server::PublishScene(const std::string& name, std::vector<std::uint8_t> bundle) {
+  wire::SceneBundle sample{};
+  wire::FromText(name, sample.scene);
+  sample.server_run = server_run_;
+  sample.hash = BundleHash(bundle);
+  sample.bundle._buffer = bundle.data();
+  sample.bundle._length = sample.bundle._maximum = static_cast<std::uint32_t>(bundle.size());
+  if (!scene_bundles_.Write(sample)) {
+    throw Error("scene '" + name + "': DDS does not take its bundle of " +
+                std::to_string(bundle.size()) + " bytes; is the memory used up?");
+  }
 }
 
 void Server::Poll(std::int64_t now_ns) {
@@ -132,6 +165,7 @@ void Server::PublishChanges() {
     states_.Write(state);
   }
   for (const wire::SceneChange& change : table_.TakeSceneChanges()) scene_changes_.Write(change);
+  for (const wire::LeafTaken& taken : table_.TakeLeavesTaken()) leaves_taken_.Write(taken);
 }
 
 void Server::CheckSharedMemory(std::int64_t now_ns) {
@@ -157,8 +191,10 @@ void Server::PublishToolState(Session& session) {
   wire::FromPose(snapshot.X_WG, state.graphic_position_m, state.graphic_orientation_wxyz);
   wire::FromVec3(snapshot.wrench.force, state.force_N);
   wire::FromVec3(snapshot.wrench.torque, state.torque_Nm);
+  state.step_us = 1e6 * snapshot.step_s;
   state.contacts = snapshot.contacts;
   state.faults = snapshot.faults;
+  SetContactPoints(snapshot, state);
   tool_states_.Write(state);
 }
 

@@ -28,6 +28,10 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
+  /// Gives viewers the scene, those of now and those that come later.
+  /// @param bundle  the scene as PackScene makes it.  Throws Error where DDS refuses it.
+  void PublishScene(const std::string& name, std::vector<std::uint8_t> bundle);
+
   /// To be called every 5 ms or so.
   void Poll(std::int64_t now_ns);
   const SessionTable& table() const { return table_; }
@@ -47,11 +51,14 @@ class Server {
 
   dds::Participant loop_domain_;
   dds::Participant service_domain_;
+  const std::uint64_t server_run_;
   SessionTable table_;
   std::function<void(const std::string&)> print_line_;
   dds::Reader<wire::SessionRequest> requests_;
   dds::Writer<wire::SessionState> states_;
   dds::Writer<wire::SceneChange> scene_changes_;
+  dds::Writer<wire::LeafTaken> leaves_taken_;
+  dds::Writer<wire::SceneBundle> scene_bundles_;
   dds::Writer<wire::ToolState> tool_states_;
   dds::Writer<wire::LoopStatistics> statistics_;
   std::map<std::string, Station> stations_;

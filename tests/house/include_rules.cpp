@@ -58,6 +58,11 @@ const std::vector<Rule> kRules = {
      {"Eigen", "spdlog", "OpenHaptics"}},
     {"devices/spacemouse", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog", "spacenav"}},
     // Never the server or another client; own folder added below.
+    // Boost for its HTTP server and WebSockets (Asio, Beast); zlib to give a scene compressed.
+    {"client/viewer",
+     {"common", "client/viewer"},
+     {},
+     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost", "zlib"}},
     {"client", {"common", "scenes", "devices"}, {}, {"Eigen", "spdlog", "CLI11", "nlohmann-json"}},
 };
 
@@ -76,6 +81,8 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"png.h", "libpng"},
     {"zlib.h", "zlib"},
     {"nanoflann.hpp", "nanoflann"},
+    {"boost/", "Boost"},
+    {"fmt/", "spdlog"},
     {"HD/", "OpenHaptics"},
     {"HDU/", "OpenHaptics"},
     {"HL/", "OpenHaptics"},

@@ -51,6 +51,7 @@ class SceneChangesTest : public testing::Test {
       }
       table_.Update(now_ += kMs);
       for (const wire::SceneChange& change : table_.TakeSceneChanges()) changes_.push_back(change);
+      for (const wire::LeafTaken& taken : table_.TakeLeavesTaken()) taken_.push_back(taken);
     }
   }
   const ServoLoop& LoopOf(const std::string& station) {
@@ -66,6 +67,7 @@ class SceneChangesTest : public testing::Test {
   std::map<std::string, std::vector<wire::HapticPose>> poses_;
   std::map<std::string, std::vector<wire::Wrench>> answers_;
   std::vector<wire::SceneChange> changes_;
+  std::vector<wire::LeafTaken> taken_;
 };
 
 TEST_F(SceneChangesTest, SayEachLeafOnceWithItsTrianglesInOneOrder) {
@@ -119,6 +121,29 @@ TEST_F(SceneChangesTest, ReachTheOtherToolsAndThoseThatComeLater) {
   Admit("c", "left");
   Send("c", Vec3(0, 0, 0.01));
   EXPECT_THAT(in(LoopOf("c")), testing::ElementsAreArray(changed));
+}
+
+TEST_F(SceneChangesTest, TellBeforeWhichPoseOfEachOtherToolALeafWent) {
+  Admit("a", "left");
+  Admit("b", "right");
+  Scrape({{"a", 0.0}, {"b", 0.0005}}, 4000);
+  for (const std::string station : {"a", "b"}) {
+    std::vector<std::pair<std::uint32_t, std::uint64_t>> told, had;
+    for (const wire::LeafTaken& taken : taken_) {
+      if (station != taken.station) continue;
+      EXPECT_EQ(taken.run, 1u);
+      told.emplace_back(taken.leaf, taken.pose_sequence);
+      EXPECT_EQ(taken.number, told.size());
+    }
+    for (std::size_t i = 0; i < LoopOf(station).removals().size(); ++i) {
+      const Removal& removal = LoopOf(station).removals()[i];
+      if (!removal.own) {
+        had.emplace_back(static_cast<std::uint32_t>(removal.leaf), removal.pose_sequence);
+      }
+    }
+    EXPECT_GT(told.size(), 2u);
+    EXPECT_EQ(told, had);
+  }
 }
 
 TEST_F(SceneChangesTest, ReplayFromPosesAndTheRecordToTheSameBits) {

@@ -4,15 +4,18 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/time/steady_clock.h"
+#include "scenes/scene_bundle.h"
 #include "server/transport/server_lock.h"
 #include "tests/session/ball_tool.h"
 #include "tests/session/crust.h"
@@ -226,6 +229,11 @@ TEST_F(ServerTest, PublishesToolStatesAndStatisticsAndPrintsALine) {
   EXPECT_STREQ(tool.tool, "right");
   EXPECT_NEAR(tool.haptic_position_m[2], kTouch - 0.002, 1e-12);
   EXPECT_NEAR(tool.graphic_position_m[2], kTouch, 1e-6);
+  EXPECT_GT(tool.step_us, 0.0);
+  ASSERT_EQ(tool.points, 1u);
+  EXPECT_NEAR(tool.point[0].position_m[2], kBallRadius, 1e-6);
+  EXPECT_NEAR(tool.point[0].force_N[2], tool.force_N[2], 1e-6);
+  EXPECT_EQ(tool.point[1].force_N[2], 0.0);
   EXPECT_GT(figures.steps, 0u);
   EXPECT_NEAR(figures.rate_hz * figures.period_s, static_cast<double>(figures.steps), 100.0);
   EXPECT_GT(figures.step_us_p50, 0.0);
@@ -273,6 +281,33 @@ TEST_F(ServerTest, TellsViewersWhatIsScrapedOffEvenThoseThatComeLater) {
     return heard >= leaves.size();
   }));
   for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(leaves[i], told[i].leaf);
+}
+
+TEST_F(ServerTest, GivesEachSceneWholeToViewersEvenThoseThatComeLater) {
+  const std::vector<std::uint8_t> large(1'000'003, 7);
+  const std::vector<std::uint8_t> small{1, 2, 3};
+  server_->PublishScene("large", large);
+  server_->PublishScene("small", small);
+  for (int viewer = 0; viewer < 2; ++viewer) {
+    const dds::Participant late = dds::Participant::Service(kDomain);
+    dds::CdrReader<wire::SceneBundle> reader(late, dds::kSceneBundleTopic, dds::Qos::kSession);
+    dds::CdrSample raw;
+    wire::SceneBundle bundle{};
+    std::map<std::string, std::vector<std::uint8_t>> heard;
+    EXPECT_TRUE(ServeUntil([&] {
+      while (reader.Take(raw, bundle)) {
+        const auto* bytes = bundle.bundle._buffer;
+        heard[bundle.scene].assign(bytes, bytes + bundle.bundle._length);
+        EXPECT_EQ(bundle.hash, BundleHash(heard[bundle.scene]));
+        EXPECT_NE(bundle.server_run, 0u);
+        EXPECT_GE(raw.cdr.size(), heard[bundle.scene].size());
+      }
+      return heard.size() == 2;
+    }));
+    dds::FreeContents(bundle);
+    EXPECT_TRUE(heard["large"] == large);
+    EXPECT_TRUE(heard["small"] == small);
+  }
 }
 
 TEST(ServerLock, RefusesASecondServerOfADomainAndNamesTheFirst) {

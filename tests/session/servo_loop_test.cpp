@@ -77,6 +77,28 @@ TEST_F(ServoLoopTest, GivesNoForceBeforeItIsStarted) {
   }
 }
 
+TEST_F(ServoLoopTest, NumbersItsAnswersWhateverTheStationCallsItsPoses) {
+  for (const std::uint64_t sequence : {3u, 4u, 9u}) {
+    hand_.sequence = sequence;
+    Send(hand_.At(0.1));
+  }
+  hand_.sequence = 4;
+  EXPECT_FALSE(Answers(hand_.At(0.1)));
+  hand_.sequence = 20;
+  EXPECT_EQ(Send(hand_.At(0.1)).answer, 4u);
+}
+
+TEST_F(ServoLoopTest, SaysWhichPoseItWasStartedWith) {
+  Send(hand_.At(0.1));
+  EXPECT_EQ(loop_.start_sequence(), 0u);
+  loop_.Start({Vec3(0, 0, kTouch), Quat::Identity()});
+  EXPECT_EQ(loop_.start_sequence(), 0u) << "not before a pose";
+  hand_.sequence = 41;
+  EXPECT_EQ(Send(hand_.At(0.1)).faults & kFaultNotStarted, 0u);
+  Send(hand_.At(0.1));
+  EXPECT_EQ(loop_.start_sequence(), 42u);
+}
+
 TEST_F(ServoLoopTest, LetsTheForceInOverTwoHundredSamples) {
   loop_.Start({Vec3(0, 0, kTouch), Quat::Identity()});
   for (int i = 1; i <= 300; ++i) {
@@ -351,7 +373,27 @@ TEST_F(ServoLoopTest, ShowsViewersItsLastStep) {
   EXPECT_NEAR(snapshot.X_WG.p.z(), kTouch, 1e-8);
   EXPECT_NEAR(snapshot.wrench.force.z(), kFull_N, 1e-5);
   EXPECT_EQ(snapshot.contacts, 1u);
+  EXPECT_GT(snapshot.step_s, 0.0);
+  ASSERT_EQ(snapshot.points, 1);
+  EXPECT_LT((snapshot.point[0].point - Vec3(0, 0, kBallRadius)).norm(), 1e-8);
+  EXPECT_LT((snapshot.point[0].force - Vec3(0, 0, kFull_N)).norm(), 1e-5);
   EXPECT_FALSE(loop_.ReadSnapshot(snapshot));
+}
+
+TEST_F(ServoLoopTest, ShowsTheContactsForcesAsTheyAreSentAndNoneWhileTheToolIsHeld) {
+  loop_.Start({Vec3(0, 0, kTouch), Quat::Identity()});
+  LoopSnapshot snapshot;
+  for (int i = 0; i < 250; ++i) {
+    const wire::Wrench answer = Send(hand_.At(kPressed));
+    ASSERT_TRUE(loop_.ReadSnapshot(snapshot));
+    ASSERT_EQ(snapshot.points, 1);
+    EXPECT_NEAR(snapshot.point[0].force.z(), answer.force_N[2], 1e-9);
+  }
+  wire::HapticPose lost = hand_.At(kPressed);
+  lost.position_m[0] = kNaN;
+  EXPECT_GT(Send(lost).force_N[2], 0.0);
+  ASSERT_TRUE(loop_.ReadSnapshot(snapshot));
+  EXPECT_EQ(snapshot.points, 0);
 }
 
 }  // namespace

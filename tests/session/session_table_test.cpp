@@ -185,6 +185,22 @@ TEST_F(SessionTableTest, TellsAgainWhereARunAsksAgain) {
   EXPECT_TRUE(Holds("a", 1));
 }
 
+TEST_F(SessionTableTest, TellsOnceMoreFromWhichPoseAndPlaceForcesAreComputed) {
+  Ask(MakeRequest("a", 1, "one"));
+  Pass(1, {"a"});
+  wire::SessionState state = LastChange();
+  EXPECT_EQ(state.phase, palpate_SESSION_ACTIVE);
+  EXPECT_EQ(state.start_sequence, 0u) << "no pose has come since";
+  Pass(1, {"a"});
+  state = LastChange();
+  EXPECT_EQ(state.phase, palpate_SESSION_ACTIVE);
+  EXPECT_EQ(state.start_sequence, 2u);
+  EXPECT_EQ(wire::ToVec3(state.start_position_m), Vec3(0, 0, 0.2));
+  EXPECT_EQ(state.start_orientation_wxyz[0], 1.0);
+  Pass(50, {"a"});
+  EXPECT_EQ(LastChange().run, 0u) << "told again though nothing is new";
+}
+
 TEST_F(SessionTableTest, HoldsSixteenStationsAndNoMore) {
   std::vector<std::shared_ptr<const ServedTool>> tools;
   for (int i = 0; i < 17; ++i) tools.push_back(BallTool("many", "tool" + std::to_string(i)));

@@ -83,8 +83,8 @@ TEST(StationOptions, NamesTheArgumentThatIsWrong) {
   EXPECT_THAT(Complaint({"--scene", "cube", "--id", "a"}), HasSubstr("--device"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--id", "a"}), HasSubstr("--scene"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube"}), HasSubstr("--id"));
-  EXPECT_THAT(Complaint({"--device", "mouse", "--scene", "cube", "--id", "a"}),
-              HasSubstr("not built into this version; have: simulated, scripted"));
+  EXPECT_THAT(Complaint({"--device", "spacemouse", "--scene", "cube", "--id", "a"}),
+              HasSubstr("not built into this version; have: simulated, scripted, mouse"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube", "--id", "a b"}),
               HasSubstr("--id 'a b'"));
   EXPECT_THAT(with({"--transport", "pigeon"}), HasSubstr("--transport"));

@@ -1,12 +1,17 @@
 // The other process of the DDS tests: writes HapticPose samples on one loop topic, once a
 // millisecond.
 //   dds_peer TRANSPORT DOMAIN TOPIC COUNT matched|at-once
-// Sample i (from 1) carries i in every field that holds a number.
+// Sample i (from 1) carries i in every field that holds a number.  Or writes one SceneBundle of
+// BYTES bytes on a topic of the service domain, byte i holding i, and stays until it is killed.
+//   dds_peer bundle DOMAIN TOPIC BYTES at-once
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <numeric>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "common/dds/endpoint.h"
 #include "common/dds/participant.h"
@@ -15,6 +20,19 @@ int main(int argc, char** argv) {
   using namespace palpate;
   using std::chrono::milliseconds;
   if (argc != 6) return 2;
+  if (std::string(argv[1]) == "bundle") {
+    const dds::Participant service = dds::Participant::Service(std::atoi(argv[2]));
+    dds::Writer<wire::SceneBundle> writer(service, argv[3], dds::Qos::kSession);
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(std::atoll(argv[4])));
+    std::iota(bytes.begin(), bytes.end(), std::uint8_t{0});
+    wire::SceneBundle sample{};
+    wire::FromText("peer", sample.scene);
+    sample.hash = bytes.size();
+    sample.bundle._buffer = bytes.data();
+    sample.bundle._length = sample.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
+    if (!writer.Write(sample)) return 1;
+    for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+  }
   const dds::TransportChoice choice{dds::ParseTransport(argv[1]), ""};
   const dds::Participant participant = dds::Participant::Loop(std::atoi(argv[2]), choice);
   dds::Writer<wire::HapticPose> writer(participant, argv[3], dds::Qos::kLoop);

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <csignal>
 #include <string>
 
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,6 +16,7 @@ class Peer {
        const std::string& start)
       : pid_(fork()) {
     if (pid_ == 0) {
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
       execl(PALPATE_BIN_DIR "/dds_peer", "dds_peer", transport.c_str(),
             std::to_string(domain).c_str(), topic.c_str(), std::to_string(count).c_str(),
             start.c_str(), nullptr);
@@ -26,6 +29,11 @@ class Peer {
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
 
+  /// Ends one that would stay.
+  void Kill() {
+    if (pid_ > 0) kill(pid_, SIGKILL);
+    if (pid_ > 0) Wait();
+  }
   /// Its exit status.
   int Wait() {
     int status = 0;

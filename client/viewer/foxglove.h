@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+// The part of the Foxglove WebSocket protocol that the gateway speaks
+// (github.com/foxglove/ws-protocol, docs/spec.md), without a socket: what the server says, and what
+// a client may ask.  Nothing that a client sends is believed: parsers take any bytes.
+namespace palpate::foxglove {
+
+/// In the order of preference.
+inline constexpr std::array<std::string_view, 2> kSubprotocols = {"foxglove.websocket.v1",
+                                                                  "foxglove.sdk.v1"};
+/// The first of a Sec-WebSocket-Protocol header's list that this server speaks; empty: none.
+std::string_view ChooseSubprotocol(std::string_view offered);
+
+struct Channel {
+  std::uint32_t id = 0;
+  std::string topic;
+  std::string encoding;  ///< of its messages: "cdr", "json"
+  std::string schema_name;
+  std::string schema;
+  std::string schema_encoding;  ///< "omgidl", "jsonschema"
+};
+
+enum class Level { kInfo = 0, kWarning = 1, kError = 2 };
+
+/// @param session_id  tells a client whether it has come back to the same gateway.
+std::string ServerInfo(const std::string& session_id, bool clients_may_publish);
+std::string Advertise(const std::vector<Channel>& channels);
+std::string Status(Level level, const std::string& message);
+
+/// What goes before a message's payload: opcode, subscription, time [ns].
+using MessageHeader = std::array<std::uint8_t, 13>;
+MessageHeader MakeMessageHeader(std::uint32_t subscription, std::int64_t time_ns);
+
+struct Subscription {
+  std::uint32_t id = 0;
+  std::uint32_t channel = 0;
+};
+/// A channel that a client publishes on; `id` is the client's own.
+struct ClientChannel {
+  std::uint32_t id = 0;
+  std::string topic;
+  std::string encoding;
+};
+
+/// A client's text message.
+struct Request {
+  enum class Op { kSubscribe, kUnsubscribe, kAdvertise, kUnadvertise, kUnknown };
+  Op op = Op::kUnknown;
+  std::string op_name;
+  std::vector<Subscription> subscriptions;  ///< kSubscribe
+  std::vector<std::uint32_t> ids;           ///< kUnsubscribe: subscriptions; kUnadvertise: channels
+  std::vector<ClientChannel> channels;      ///< kAdvertise
+};
+/// Nothing, with the reason, for what is none.  An operation that this server does not have is
+/// kUnknown: a newer client may ask for it.
+std::optional<Request> ParseRequest(std::string_view text, std::string& complaint);
+
+/// A client's binary message.  The payload is a part of the bytes given.
+struct ClientMessage {
+  std::uint32_t channel = 0;
+  std::string_view payload;
+};
+std::optional<ClientMessage> ParseMessage(std::span<const std::uint8_t> bytes,
+                                          std::string& complaint);
+
+}  // namespace palpate::foxglove

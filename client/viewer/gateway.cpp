@@ -1,0 +1,134 @@
+#include "client/viewer/gateway.h"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <spdlog/spdlog.h>
+
+#include "client/viewer/http_session.h"
+#include "client/viewer/hub.h"
+#include "common/error.h"
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+namespace net = boost::asio;
+using net::ip::tcp;
+
+constexpr std::chrono::microseconds kTick{8333};
+/// Connections beyond the viewers': browsers open some for the page's files.
+constexpr std::size_t kHttpConnections = 200;
+constexpr std::int64_t kFarewell_ns = 2'000'000'000;
+
+class Listener {
+ public:
+  Listener(net::io_context& io, Hub& hub) : acceptor_(io), retry_(io), hub_(hub) {
+    const ViewerOptions& options = hub.options();
+    const tcp::endpoint at(net::ip::make_address(options.address),
+                           static_cast<unsigned short>(options.port));
+    boost::system::error_code error;
+    acceptor_.open(at.protocol(), error);
+    if (!error) acceptor_.set_option(net::socket_base::reuse_address(true), error);
+    if (!error) acceptor_.bind(at, error);
+    if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
+    if (error) {
+      throw Error("cannot listen at " + options.address + " port " + std::to_string(options.port) +
+                  " (" + error.message() + "); give another --http or --bind");
+    }
+    Accept();
+  }
+
+  tcp::endpoint endpoint() const { return acceptor_.local_endpoint(); }
+  void Stop() {
+    boost::system::error_code ignored;
+    acceptor_.close(ignored);
+    retry_.cancel();
+  }
+
+ private:
+  void Accept() {
+    acceptor_.async_accept([this](boost::system::error_code error, tcp::socket socket) {
+      if (error == net::error::operation_aborted || !acceptor_.is_open()) return;
+      if (error) {
+        // Out of files, say: others will close some.
+        spdlog::warn("a connection could not be taken: {}", error.message());
+        retry_.expires_after(std::chrono::milliseconds(100));
+        retry_.async_wait([this](boost::system::error_code stopped) {
+          if (!stopped) Accept();
+        });
+        return;
+      }
+      if (connections_ < kHttpConnections) {
+        ++connections_;
+        std::make_shared<HttpSession>(std::move(socket), hub_, [this] { --connections_; })->Read();
+      }
+      Accept();
+    });
+  }
+
+  tcp::acceptor acceptor_;
+  net::steady_timer retry_;
+  Hub& hub_;
+  std::size_t connections_ = 0;  // that are no viewers yet
+};
+
+std::string Url(const tcp::endpoint& endpoint) {
+  const net::ip::address address = endpoint.address();
+  std::string host = address.is_unspecified() ? "127.0.0.1" : address.to_string();
+  if (address.is_v6() && !address.is_unspecified()) host = "[" + host + "]";
+  return "http://" + host + ":" + std::to_string(endpoint.port()) + "/";
+}
+
+void Announce(const ViewerOptions& options, const Hub& hub, const std::string& url) {
+  if (!IsLoopback(options.address)) {
+    spdlog::warn(
+        "every host that reaches {} can look{}; --bind 127.0.0.1 is for this host alone",
+        options.address,
+        options.max_mice > 0 ? ", and take a tool with the mouse (--max-mice 0 rules it out)" : "");
+  }
+  if (!hub.page().built()) {
+    spdlog::warn("the page is not built (looked for in {}); a page that says so stands in",
+                 options.page);
+  }
+  std::printf("ready: page %s; domain %d; up to %zu viewers, %d with a mouse\n", url.c_str(),
+              options.domain, options.max_viewers, options.max_mice);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+void RunGateway(const ViewerOptions& options, StopSignal& stop) {
+  std::signal(SIGPIPE, SIG_IGN);  // a station's input may be gone
+  net::io_context io(1);
+  Hub hub(io, options);
+  Listener listener(io, hub);
+  Announce(options, hub, Url(listener.endpoint()));
+
+  net::steady_timer timer(io, kTick);
+  std::int64_t ending_ns = 0;
+  std::function<void(boost::system::error_code)> tick = [&](boost::system::error_code) {
+    const std::int64_t now_ns = SteadyNanoseconds();
+    if (stop.stopped() && ending_ns == 0) {
+      ending_ns = now_ns;
+      listener.Stop();
+      hub.BeginToEnd(now_ns);
+    }
+    hub.Tick(now_ns);
+    if (ending_ns != 0 && (hub.ended() || now_ns - ending_ns > kFarewell_ns)) return io.stop();
+    // By the absolute clock, and without a burst after being held up.
+    timer.expires_at(std::max(timer.expiry() + kTick, std::chrono::steady_clock::now()));
+    timer.async_wait(tick);
+  };
+  timer.async_wait(tick);
+  io.run();
+}
+
+}  // namespace palpate

@@ -1,0 +1,198 @@
+#include "client/viewer/hub.h"
+
+#include <chrono>
+#include <filesystem>
+#include <random>
+#include <utility>
+
+#include <boost/asio/post.hpp>
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include "client/viewer/gzip.h"
+#include "client/viewer/viewer_session.h"
+#include "common/error.h"
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::int64_t kStatistics_ns = 5'000'000'000;
+
+std::string RandomId() {
+  std::random_device random;
+  return fmt::format("{:08x}{:08x}", random(), random());
+}
+
+/// palpate-station stands where this program does.
+std::string StationProgram() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  return (program.parent_path() / "palpate-station").string();
+}
+
+std::string Joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+template <class Map>
+std::vector<std::string> KeysOf(const Map& map) {
+  std::vector<std::string> keys;
+  for (const auto& entry : map) keys.push_back(entry.first);
+  return keys;
+}
+
+}  // namespace
+
+Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
+    : io_(io),
+      options_(options),
+      page_(options.page),
+      feed_(options.domain),
+      session_id_(RandomId()),
+      mice_({options.max_mice, options.domain, options.transport, StationProgram()},
+            [this](const MouseRoom::News& news) { Tell(news); }),
+      logged_ns_(SteadyNanoseconds()) {}
+
+Hub::~Hub() {
+  packer_.join();
+}
+
+void Hub::Join(const std::shared_ptr<ViewerSession>& viewer) {
+  viewers_[viewer->id()] = viewer;
+}
+
+void Hub::Leave(const ViewerSession& viewer) {
+  frames_lost_ += viewer.frames_lost();
+  if (viewer.frames_lost() > 0) {
+    spdlog::info("viewer {} has left: {} frames sent, {} lost because it was slow", viewer.peer(),
+                 viewer.frames_sent(), viewer.frames_lost());
+  }
+  const std::uint64_t id = viewer.id();
+  viewers_.erase(id);  // a handler may be the last to hold it
+  mice_.Release(id, "its page has gone", SteadyNanoseconds());
+}
+
+void Hub::CountSent(std::size_t bytes) {
+  ++frames_sent_;
+  bytes_sent_ += bytes;
+}
+
+void Hub::Tick(std::int64_t now_ns) {
+  feed_.Poll(
+      [&](const FramePtr& frame) {
+        ++frames_taken_;
+        for (const auto& [id, viewer] : viewers_) viewer->Push(frame, now_ns);
+      },
+      [&](const wire::SessionState& state) { mice_.OnSession(state, now_ns); });
+  mice_.Poll(now_ns);
+  // Flushing may find that one has gone.
+  std::vector<std::shared_ptr<ViewerSession>> viewers;
+  viewers.reserve(viewers_.size());
+  for (const auto& [id, viewer] : viewers_) viewers.push_back(viewer);
+  for (const auto& viewer : viewers) {
+    viewer->Flush(now_ns);
+    viewer->Watch(now_ns);
+  }
+  if (now_ns - logged_ns_ >= kStatistics_ns) LogStatistics(now_ns);
+}
+
+void Hub::BeginToEnd(std::int64_t now_ns) {
+  const auto viewers = viewers_;
+  for (const auto& [id, viewer] : viewers) {
+    mice_.Release(id, "the gateway ends", now_ns);
+    viewer->Close(boost::beast::websocket::close_code::going_away, "the gateway ends");
+  }
+}
+
+void Hub::Tell(const MouseRoom::News& news) {
+  const auto viewer = viewers_.find(news.holder);
+  if (viewer == viewers_.end()) return;
+  const std::string text = nlohmann::json{
+      {"station", news.station},
+      {"scene", news.scene},
+      {"tool", news.tool},
+      {"phase", news.phase},
+      {"reason", news.reason}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  auto frame = std::make_shared<Frame>();
+  frame->channel = TopicFeed::kMouseState;
+  frame->time_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
+                       std::chrono::system_clock::now().time_since_epoch())
+                       .count();
+  frame->payload.assign(text.begin(), text.end());
+  frame->state = true;
+  const std::shared_ptr<ViewerSession> keep = viewer->second;
+  if (news.phase == "refused") {
+    keep->Say(foxglove::Level::kError, "the tool is refused: " + news.reason);
+  }
+  keep->TellMouseState(frame);
+}
+
+std::uint64_t Hub::FramesLost() const {
+  std::uint64_t lost = frames_lost_;
+  for (const auto& [id, viewer] : viewers_) lost += viewer->frames_lost();
+  return lost;
+}
+
+std::string Hub::Health() const {
+  return nlohmann::json{{"viewers", viewers_.size()},
+                        {"frames_sent", frames_sent_},
+                        {"frames_dropped", FramesLost()},
+                        {"bytes_sent", bytes_sent_},
+                        {"mice", mice_.size()},
+                        {"stations", feed_.stations()},
+                        {"scenes", KeysOf(feed_.scenes())},
+                        {"version", PALPATE_VERSION}}
+      .dump();
+}
+
+void Hub::LogStatistics(std::int64_t now_ns) {
+  const double seconds = 1e-9 * static_cast<double>(now_ns - logged_ns_);
+  const std::uint64_t lost = FramesLost();
+  const auto rate = [&](std::uint64_t now, std::uint64_t before) {
+    return static_cast<double>(now - before) / seconds;
+  };
+  spdlog::info(
+      "viewers {}  frames in {:.0f}/s  out {:.0f}/s  {:.2f} MB/s  lost {} (+{})  stations {}  "
+      "scenes {}",
+      viewers_.size(), rate(frames_taken_, logged_taken_), rate(frames_sent_, logged_sent_),
+      1e-6 * rate(bytes_sent_, logged_bytes_), lost, lost - logged_lost_, Joined(feed_.stations()),
+      Joined(KeysOf(feed_.scenes())));
+  logged_ns_ = now_ns;
+  logged_taken_ = frames_taken_;
+  logged_sent_ = frames_sent_;
+  logged_bytes_ = bytes_sent_;
+  logged_lost_ = lost;
+}
+
+void Hub::WithPacked(const std::string& scene, std::function<void(Bytes)> use) {
+  const SceneBytes& bytes = feed_.scenes().at(scene);
+  Packed& packed = packed_[scene];
+  if (packed.hash != bytes.hash) {
+    packed.hash = bytes.hash;
+    packed.bytes = nullptr;
+  }
+  if (packed.bytes) return use(packed.bytes);
+  packed.waiting.push_back(std::move(use));
+  if (packed.waiting.size() > 1) return;
+  boost::asio::post(packer_, [this, scene, bytes] {
+    // It may take its time: the servo loops' host has little to spare.
+    setpriority(PRIO_PROCESS, 0, 10);  // of this thread alone, on Linux
+    Bytes result;
+    try {
+      result = std::make_shared<const std::vector<std::uint8_t>>(Gzip(bytes.bundle));
+    } catch (const Error& error) {
+      spdlog::warn("scene '{}' is sent as it is: {}", scene, error.what());
+    }
+    boost::asio::post(io_, [this, scene, hash = bytes.hash, result] {
+      Packed& done = packed_[scene];
+      if (done.hash == hash) done.bytes = result;
+      for (const auto& waiting : std::exchange(done.waiting, {})) waiting(result);
+    });
+  });
+}
+
+}  // namespace palpate

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/thread_pool.hpp>
+
+#include "client/viewer/mouse_room.h"
+#include "client/viewer/options.h"
+#include "client/viewer/page_files.h"
+#include "client/viewer/topic_feed.h"
+
+namespace palpate {
+
+class ViewerSession;
+
+/// What the gateway's connections share: the topics, the viewers, the mice, the page.
+/// Thread contract: the network thread.
+class Hub {
+ public:
+  using Bytes = std::shared_ptr<const std::vector<std::uint8_t>>;
+
+  /// Throws Error where DDS refuses.
+  Hub(boost::asio::io_context& io, const ViewerOptions& options);
+  ~Hub();
+
+  /// Passes on what has come; 120 times a second.
+  void Tick(std::int64_t now_ns);
+  /// Bids viewers and mice farewell; their going is seen in later ticks.
+  void BeginToEnd(std::int64_t now_ns);
+  bool ended() const { return viewers_.empty() && mice_.size() == 0; }
+
+  const ViewerOptions& options() const { return options_; }
+  const PageFiles& page() const { return page_; }
+  const TopicFeed& feed() const { return feed_; }
+  MouseRoom& mice() { return mice_; }
+  const std::string& session_id() const { return session_id_; }
+
+  bool full() const { return viewers_.size() >= options_.max_viewers; }
+  void Join(const std::shared_ptr<ViewerSession>& viewer);
+  void Leave(const ViewerSession& viewer);
+  void CountSent(std::size_t bytes);
+
+  /// What GET /healthz answers.
+  std::string Health() const;
+  /// The scene's bundle, compressed: now, or once another thread has done it.  Null: that failed.
+  void WithPacked(const std::string& scene, std::function<void(Bytes)> use);
+
+ private:
+  struct Packed {
+    std::uint64_t hash = 0;
+    Bytes bytes;
+    std::vector<std::function<void(Bytes)>> waiting;
+  };
+
+  void Tell(const MouseRoom::News& news);
+  void LogStatistics(std::int64_t now_ns);
+  std::uint64_t FramesLost() const;
+
+  boost::asio::io_context& io_;
+  ViewerOptions options_;
+  PageFiles page_;
+  TopicFeed feed_;
+  std::string session_id_;
+  std::map<std::uint64_t, std::shared_ptr<ViewerSession>> viewers_;  // by id
+  MouseRoom mice_;
+  std::map<std::string, Packed> packed_;  // by scene
+  std::uint64_t frames_sent_ = 0;
+  std::uint64_t bytes_sent_ = 0;
+  std::uint64_t frames_lost_ = 0;  // of viewers that have left
+  std::uint64_t frames_taken_ = 0;
+  std::int64_t logged_ns_ = 0;
+  std::uint64_t logged_sent_ = 0;
+  std::uint64_t logged_bytes_ = 0;
+  std::uint64_t logged_taken_ = 0;
+  std::uint64_t logged_lost_ = 0;
+  boost::asio::thread_pool packer_{1};  // last: its thread ends before what it uses
+};
+
+}  // namespace palpate

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/math/pose.h"
+
+namespace palpate {
+
+/// What a page sends on the channel /palpate/mouse:
+///   {"op": "take", "scene": NAME, "tool": NAME}          the tool may be left out
+///   {"op": "pose", "p": [x, y, z], "q": [w, x, y, z]}    where the tool is dragged to, in W
+///   {"op": "release"}
+struct MouseCommand {
+  enum class Op { kTake, kPose, kRelease };
+  Op op = Op::kRelease;
+  std::string scene;
+  std::string tool;
+  Pose X_WT;  ///< finite; its rotation need not be unit
+};
+
+/// Nothing, with the reason, for what is none.
+std::optional<MouseCommand> ParseMouseCommand(std::string_view json, std::string& complaint);
+
+/// The pose as a line for a station's mouse device (devices/mouse/mouse_line.h), to the bit.
+std::string ToMouseLine(const Pose& X_WT);
+
+}  // namespace palpate

@@ -1,0 +1,124 @@
+#include "client/viewer/mouse_room.h"
+
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+const char* PhaseName(wire::SessionPhase phase) {
+  switch (phase) {
+    case palpate_SESSION_WAITING:
+      return "waiting";
+    case palpate_SESSION_ACQUIRING:
+      return "acquiring";
+    case palpate_SESSION_ACTIVE:
+      return "active";
+    case palpate_SESSION_REFUSED:
+      return "refused";
+    default:
+      return "ended";
+  }
+}
+
+}  // namespace
+
+const MouseRoom::Mouse* MouseRoom::Find(Holder holder) const {
+  for (const auto& [number, mouse] : mice_) {
+    if (mouse.holder == holder) return &mouse;
+  }
+  return nullptr;
+}
+
+void MouseRoom::Take(Holder holder, const MouseCommand& command, bool scene_known) {
+  const auto refuse = [&](const std::string& reason) {
+    tell_({holder, "", command.scene, command.tool, "refused", reason});
+  };
+  if (const Mouse* held = Find(holder)) {
+    return refuse("you hold a tool of scene '" + held->scene + "' already; release it first");
+  }
+  if (!scene_known) {
+    return refuse("no server serves scene '" + command.scene + "'");
+  }
+  if (mice_.size() >= static_cast<std::size_t>(options_.most)) {
+    return refuse(std::to_string(mice_.size()) +
+                  " tools are held with the mouse, the most that this gateway allows "
+                  "(--max-mice); wait until one is released");
+  }
+  int number = 1;
+  while (mice_.contains(number)) ++number;
+  Mouse mouse;
+  mouse.holder = holder;
+  mouse.scene = command.scene;
+  mouse.tool = command.tool;
+  // In one word each: what a page sends is never an option.
+  std::vector<std::string> arguments{"--device=mouse",
+                                     "--scene=" + command.scene,
+                                     "--id=" + NameOf(number),
+                                     "--domain=" + std::to_string(options_.domain),
+                                     "--transport=" + options_.transport,
+                                     "--no-table"};
+  if (!command.tool.empty()) arguments.push_back("--tool=" + command.tool);
+  try {
+    mouse.station = std::make_unique<MouseStation>(options_.program, arguments);
+  } catch (const Error& error) {
+    return refuse(error.what());
+  }
+  spdlog::info("{} takes a tool of scene '{}'", NameOf(number), command.scene);
+  mice_[number] = std::move(mouse);
+  tell_({holder, NameOf(number), command.scene, command.tool, "", ""});
+}
+
+bool MouseRoom::Drag(Holder holder, const Pose& X_WT) {
+  const Mouse* mouse = Find(holder);
+  if (mouse != nullptr) mouse->station->Drag(X_WT);
+  return mouse != nullptr;
+}
+
+void MouseRoom::LetGo(int number, Mouse& mouse, const std::string& phase, const std::string& reason,
+                      std::int64_t now_ns) {
+  const Holder holder = std::exchange(mouse.holder, 0);
+  mouse.station->LetGo(now_ns);
+  spdlog::info("{} {}{}{}", NameOf(number), phase, reason.empty() ? "" : ": ", reason);
+  tell_({holder, NameOf(number), mouse.scene, mouse.tool, phase, reason});
+}
+
+void MouseRoom::Release(Holder holder, const std::string& reason, std::int64_t now_ns) {
+  for (auto& [number, mouse] : mice_) {
+    if (mouse.holder == holder) return LetGo(number, mouse, "ended", reason, now_ns);
+  }
+}
+
+void MouseRoom::OnSession(const wire::SessionState& state, std::int64_t now_ns) {
+  for (auto& [number, mouse] : mice_) {
+    if (mouse.holder == 0 || NameOf(number) != state.station) continue;
+    if (state.phase == palpate_SESSION_REFUSED) {
+      return LetGo(number, mouse, "refused", state.reason, now_ns);
+    }
+    mouse.tool = state.tool;
+    // A station whose session the server ended asks again by itself: its tool is not lost yet.
+    const bool ended = state.phase == palpate_SESSION_ENDED;
+    tell_({mouse.holder, NameOf(number), mouse.scene, mouse.tool,
+           ended ? "" : PhaseName(state.phase), state.reason});
+  }
+}
+
+void MouseRoom::Poll(std::int64_t now_ns) {
+  for (auto it = mice_.begin(); it != mice_.end();) {
+    auto& [number, mouse] = *it;
+    if (mouse.station->Poll(now_ns)) {
+      ++it;
+      continue;
+    }
+    if (mouse.holder != 0) {
+      const std::string& complaint = mouse.station->complaint();
+      LetGo(number, mouse, complaint.empty() ? "ended" : "refused", complaint, now_ns);
+    }
+    it = mice_.erase(it);
+  }
+}
+
+}  // namespace palpate

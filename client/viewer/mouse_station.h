@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+#include "common/math/pose.h"
+
+namespace palpate {
+
+/// A palpate-station with the mouse device, run as a child: its hand follows what Drag says.  It is
+/// a station like any other, so the server's rules for sessions are its rules.  Ends by itself
+/// where its input does, also when this process is killed. Thread contract: one thread.  Nothing
+/// here blocks, but for the destructor: it kills.
+class MouseStation {
+ public:
+  /// @param program  path of palpate-station.   @param arguments  without the program's name.
+  /// Throws Error where no process can be made.
+  MouseStation(const std::string& program, const std::vector<std::string>& arguments);
+  ~MouseStation();
+  MouseStation(const MouseStation&) = delete;
+  MouseStation& operator=(const MouseStation&) = delete;
+
+  /// The newest pose counts: one that the child is too busy to read is passed over.
+  void Drag(const Pose& X_WT);
+  /// Ends its input; it leaves its session and ends within a second, or is killed after three.
+  void LetGo(std::int64_t now_ns);
+  bool let_go() const { return input_ < 0; }
+
+  /// Looks after it, some 100 times a second.  False once it has ended.
+  bool Poll(std::int64_t now_ns);
+  /// Once it has ended: what it complained of last; empty where it ended in order.
+  const std::string& complaint() const { return complaint_; }
+
+ private:
+  void ReadOutput();
+
+  pid_t pid_ = -1;
+  int input_ = -1;
+  int output_ = -1;
+  std::int64_t let_go_ns_ = 0;
+  std::string last_line_;
+  std::string line_;
+  std::string complaint_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,103 @@
+#include "client/viewer/options.h"
+
+#include <filesystem>
+
+#include <CLI/CLI.hpp>
+#include <boost/asio/ip/address.hpp>
+
+#include "common/dds/participant.h"
+#include "common/dds/topics.h"
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kAbout =
+    "Shows what happens at a palpate-server to browsers: serves the web page, and on the same port "
+    "a\n"
+    "WebSocket that speaks the Foxglove protocol (messages cdr, schemas omgidl).  Prints a line "
+    "that\n"
+    "begins with 'ready', with the page's address.\n";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  palpate-viewer --http 8765\n"
+    "      the page at http://127.0.0.1:8765/, for this host alone; Foxglove and Lichtblick attach "
+    "to\n"
+    "      ws://127.0.0.1:8765/\n"
+    "  palpate-viewer --http 8765 --bind 0.0.0.0 --max-mice 0\n"
+    "      for a class in the same network: all may look, nobody may take a tool with the mouse\n"
+    "\n"
+    "Each viewer has a queue of its own that holds the newest messages only: one that stalls "
+    "loses\n"
+    "frames and disturbs nobody.  GET /healthz tells how it goes, GET /scene/NAME.bundle gives a "
+    "scene.\n"
+    "Exit status: 0 done, 1 failed, 2 wrong usage.";
+
+/// build/page beside build/<preset>/bin, where this program stands; in a checkout's build folder.
+std::string DefaultPage() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  return (program.parent_path().parent_path().parent_path() / "page").string();
+}
+
+}  // namespace
+
+bool IsLoopback(const std::string& address) {
+  boost::system::error_code error;
+  const auto parsed = boost::asio::ip::make_address(address, error);
+  return !error && parsed.is_loopback();
+}
+
+std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* argv) {
+  ViewerOptions options;
+  options.page = DefaultPage();
+  CLI::App app(kAbout, "palpate-viewer");
+  app.footer(kExamples);
+  app.set_version_flag("--version", "palpate-viewer " PALPATE_VERSION);
+  app.add_option("--http", options.port, "port of page and WebSocket; 0: a free one")
+      ->required()
+      ->check(CLI::Range(0, 65535));
+  app.add_option("--bind", options.address,
+                 "address to listen at; 0.0.0.0: every network of this host")
+      ->capture_default_str();
+  app.add_option("--page", options.page, "folder of the built page")->capture_default_str();
+  app.add_option("--rate", options.rate_hz, "tool states a second and station, for each viewer")
+      ->check(CLI::Range(1.0, 60.0))
+      ->capture_default_str();
+  app.add_option("--max-viewers", options.max_viewers, "viewers at once; more are turned away")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  app.add_option("--max-mice", options.max_mice,
+                 "tools that viewers may hold with the mouse, at once; 0: none")
+      ->check(CLI::Range(0, 16))
+      ->capture_default_str();
+  app.add_option("--allow-origin", options.origins,
+                 "another page that may attach, as https://app.example.org; *: any page; "
+                 "this gateway's own, and programs that are no page, always may");
+  app.add_option("--transport", options.transport, "of the mice's stations: auto, shm or udp")
+      ->capture_default_str();
+  app.add_option("--domain", options.domain, "which server: the same number as there")
+      ->check(CLI::Range(0, dds::kMaxDomain))
+      ->capture_default_str();
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& wanted) {
+    app.exit(wanted);  // prints the help or the version
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(std::string(error.what()) + "; 'palpate-viewer --help' shows how");
+  }
+  boost::system::error_code error;
+  boost::asio::ip::make_address(options.address, error);
+  if (error) {
+    throw UsageError("--bind '" + options.address +
+                     "' is no address; give one in numbers, as 127.0.0.1 or 0.0.0.0");
+  }
+  dds::ParseTransport(options.transport);  // throws
+  return options;
+}
+
+}  // namespace palpate

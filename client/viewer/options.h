@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+struct ViewerOptions {
+  int port = 0;  ///< 0: a free one
+  std::string address = "127.0.0.1";
+  std::string page;  ///< folder
+  double rate_hz = 30.0;
+  std::size_t max_viewers = 300;
+  int max_mice = 4;
+  std::vector<std::string> origins;  ///< of other pages that may attach; "*": of any
+  std::string transport = "auto";    ///< of the mice's stations
+  int domain = 0;
+  std::string log_level = "info";
+};
+
+/// Reads the command line.  For --help and --version prints them and returns nothing.
+/// Throws UsageError.
+std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* argv);
+
+/// True for an address that only this host can reach.
+bool IsLoopback(const std::string& address);
+
+}  // namespace palpate

@@ -1,0 +1,587 @@
+import {norm} from "./model/pose";
+import type {Pose, Vec3} from "./model/pose";
+import {type LinkReport, linkReport} from "./model/link_report";
+import {looksTheSame} from "./model/pose_track";
+import {depthM, figure, statusSentence} from "./model/words";
+import {type Change, kTopics, Station, World} from "./model/world";
+import {MouseDevice} from "./mouse/mouse_device";
+import {Connection, type LinkState} from "./protocol/connection";
+import {toMouseState, type ToolState} from "./protocol/messages";
+import {type FetchedScene, fetchScene, fetchSceneNames} from "./protocol/scene_fetch";
+import {Announcer} from "./ui/announcer";
+import {element, setOptions, setText} from "./ui/elements";
+import {listenForKeys} from "./ui/keys";
+import {Plots} from "./ui/plots";
+import {Tables} from "./ui/tables";
+import {ThemeSwitch} from "./ui/theme";
+import {readPalette} from "./view/palette";
+import {SceneView} from "./view/scene_view";
+
+const kTickMs = 100; // plots and figures
+const kRetrySceneMs = 1000;
+const kWarmUp = 3;
+/// The gateway is asked for its scenes this often; that also tells a link that only looks open.
+const kAskScenesMs = 4000;
+const kAnswerWithinMs = 3000;
+
+const nowS = (): number => performance.now() / 1000;
+
+/// What tests and curious people can read: `palpate` in the browser's console.
+export interface Probe {
+  link: LinkState;
+  links: number; // times that the link was opened
+  scene: string;
+  firstPictureMs: number | undefined; // since the page was asked for
+  pictures: number;
+  scriptMs: {last: number; mean: number; max: number}; // of a picture, without the card's time
+  triangles: number;
+  stations: Record<string, {poseSequence: number; haptic: Pose; graphic: Pose; forceN: Vec3; frames: number}>;
+  hold: string;
+}
+
+export class App {
+  private readonly canvas = element("view", HTMLCanvasElement);
+  private readonly banner = element("banner", HTMLParagraphElement);
+  private readonly loading = element("loading", HTMLParagraphElement);
+  private readonly hint = element("hint", HTMLParagraphElement);
+  private readonly scenePick = element("scene", HTMLSelectElement);
+  private readonly stationPick = element("station", HTMLSelectElement);
+  private readonly toolPick = element("tool", HTMLSelectElement);
+  private readonly takeButton = element("take", HTMLButtonElement);
+  private readonly forceText = element("force", HTMLOutputElement);
+  private readonly torqueText = element("torque", HTMLOutputElement);
+  private readonly depthText = element("depth", HTMLOutputElement);
+  private readonly contactsText = element("contacts", HTMLOutputElement);
+  private readonly sentence = element("sentence", HTMLParagraphElement);
+  private readonly readout = element("readout", HTMLDivElement);
+  private readonly level = element("level", HTMLInputElement);
+
+  private readonly world = new World((change, scene) => this.worldChanged(change, scene));
+  private readonly connection: Connection;
+  private readonly view: SceneView;
+  private readonly mouse: MouseDevice;
+  private readonly plots: Plots;
+  private readonly tables = new Tables();
+  private readonly announcer: Announcer;
+
+  private link: LinkState = "connecting";
+  private links = 0;
+  private openedS = -Infinity;
+  private scene = "";
+  private chosenScene = new URLSearchParams(location.search).get("scene") ?? "";
+  private chosenStation = new URLSearchParams(location.search).get("station") ?? "";
+  private readonly fetched = new Map<string, FetchedScene>();
+  private loadingScene = "";
+  private drawn: ToolState[] = [];
+  private frameAsked = false;
+  private dirty = true;
+  private stale = {who: true, lists: true};
+  private firstPictureMs: number | undefined;
+  private pictures = 0;
+  private scriptMs = {last: 0, total: 0, max: 0};
+
+  constructor() {
+    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const theme = new ThemeSwitch(element("theme", HTMLButtonElement), () => {
+      this.view.paint(readPalette());
+      this.plots.build();
+    });
+    this.view = new SceneView(this.canvas, readPalette(), calm, () => this.askFrame());
+    this.plots = new Plots(element("plots", HTMLDivElement));
+    const spoken = element("spoken", HTMLParagraphElement);
+    this.announcer = new Announcer((sentence) => setText(spoken, sentence));
+
+    const url = new URL(".", location.href);
+    url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
+    this.connection = new Connection(
+      url.href,
+      new Set(Object.values(kTopics).filter((topic) => topic !== kTopics.mouse)),
+      {
+        link: (state) => this.linkChanged(state),
+        message: (topic, value, stampS) => this.received(topic, value, stampS),
+        status: (level, message) => {
+          if (level > 0) console.warn(`gateway: ${message}`);
+        },
+      },
+      {
+        openSocket: (address, protocols) => new WebSocket(address, protocols),
+        setTimer: (callback, milliseconds) => window.setTimeout(callback, milliseconds),
+        clearTimer: (timer) => window.clearTimeout(timer),
+      },
+    );
+    this.mouse = new MouseDevice({
+      publish: (message) => this.connection.publish(kTopics.mouse, message),
+      changed: () => this.showHold(),
+      viewFrame: (at) => this.view.camera.viewFrame(at),
+      tool: (scene, tool) => this.toolNow(scene, tool),
+    });
+
+    this.listen(theme);
+    this.connection.start();
+    window.setInterval(() => this.tick(), kTickMs);
+    window.setInterval(() => void this.askScenes(), kAskScenesMs);
+  }
+
+  get probe(): Probe {
+    const stations: Probe["stations"] = {};
+    for (const [id, {track, frames}] of this.world.stations) {
+      const latest = track.latest;
+      if (!latest) continue;
+      const {poseSequence, haptic, graphic, forceN} = latest;
+      stations[id] = {poseSequence, haptic, graphic, forceN, frames};
+    }
+    const {last, total, max} = this.scriptMs;
+    return {
+      link: this.link,
+      links: this.links,
+      scene: this.scene,
+      firstPictureMs: this.firstPictureMs,
+      pictures: this.pictures,
+      scriptMs: {last, mean: total / Math.max(1, this.pictures - kWarmUp), max},
+      triangles: this.view.triangles,
+      stations,
+      hold: this.mouse.hold,
+    };
+  }
+
+  // --- what comes in ---
+
+  private linkChanged(state: LinkState): void {
+    this.link = state;
+    if (state === "open") {
+      this.links += 1;
+      this.openedS = nowS();
+      this.world.forgetSessions();
+      // The server may have come back with another scene under the same name.
+      if (this.scene !== "") void this.loadScene(this.scene);
+      void this.askScenes();
+    } else {
+      this.mouse.linkLost();
+    }
+    this.showLink();
+  }
+
+  private received(topic: string, value: unknown, stampS: number): void {
+    if (topic === kTopics.mouseState) {
+      this.mouse.receive(toMouseState(value));
+    } else {
+      this.world.receive(topic, value, stampS, nowS());
+    }
+  }
+
+  private worldChanged(change: Change, scene: string): void {
+    switch (change) {
+      case "tool":
+        if (scene === this.scene) this.wake();
+        break;
+      case "sessions":
+        this.stale = {who: true, lists: true};
+        break;
+      case "scenes":
+        this.stale.lists = true;
+        this.chooseScene();
+        break;
+      case "remains":
+        if (scene === this.scene) this.view.updateRemains();
+        break;
+      case "statistics":
+        break;
+    }
+  }
+
+  // --- scenes and stations ---
+
+  /// The reader's choice where there is it, else the first that somebody told of.
+  private chooseScene(): void {
+    const known = this.world.scenes;
+    const wanted = known.has(this.chosenScene) ? this.chosenScene : (this.scene || [...known.keys()][0]);
+    if (wanted === undefined || wanted === this.scene) return;
+    this.scene = wanted;
+    this.drawn = [];
+    if (this.mouse.hold !== "none") this.mouse.release();
+    this.stale.lists = true;
+    this.showScene();
+    void this.loadScene(wanted);
+  }
+
+  private async loadScene(name: string): Promise<void> {
+    if (this.loadingScene === name) return;
+    this.loadingScene = name;
+    this.loading.hidden = !this.view.isEmpty;
+    try {
+      const have = this.fetched.get(name);
+      const scene = await fetchScene(name, have);
+      this.fetched.set(name, scene);
+      if (scene !== have && name === this.scene) this.showScene();
+      this.hint.hidden = this.mouse.message === "";
+    } catch (error) {
+      this.showHint(error instanceof Error ? error.message : String(error), true);
+      window.setTimeout(() => {
+        if (name === this.scene && !this.fetched.has(name)) void this.loadScene(name);
+      }, kRetrySceneMs);
+    } finally {
+      if (this.loadingScene === name) this.loadingScene = "";
+      this.loading.hidden = true;
+    }
+  }
+
+  private showScene(): void {
+    const model = this.fetched.get(this.scene)?.model;
+    this.view.setScene(model, this.world.scenes.get(this.scene));
+    this.drawn = [];
+    document.title = this.scene === "" ? "Palpate" : `${this.scene} · Palpate`;
+    this.canvas.setAttribute(
+      "aria-label",
+      model
+        ? `${model.name} in three dimensions: ${model.tools.map(({name}) => name).join(", ")} touching ${model.objects.length === 1 ? model.objects[0]!.name : `${model.objects.length} objects`}`
+        : "The scene in three dimensions",
+    );
+    const tools = model?.tools.map(({name}) => ({value: name, text: name})) ?? [];
+    setOptions(this.toolPick, tools, this.toolPick.value || (tools[0]?.value ?? ""), "no tool");
+    if (tools[0] && this.toolPick.selectedIndex < 0) this.toolPick.selectedIndex = 0;
+    element("tool-pick", HTMLLabelElement).hidden = tools.length < 2;
+    const finest = Math.max(0, this.view.sphereLevels - 1);
+    const atFinest = this.level.value === this.level.max;
+    this.level.max = String(finest);
+    if (atFinest) this.level.value = this.level.max;
+    this.showHold();
+    this.showLevel();
+  }
+
+  /// The station whose figures are shown: the reader's choice, else the page's own, else the one
+  /// that moves.
+  private get station(): Station | undefined {
+    const here = this.listedHere();
+    const own = this.mouse.hold === "holding" ? this.mouse.station : "";
+    return (
+      here.find(({id}) => id === this.chosenStation) ?? here.find(({id}) => id === own) ?? here[0]
+    );
+  }
+  private listedHere(): Station[] {
+    const now = nowS();
+    return this.world
+      .listed(now)
+      .filter((station) => station.scene === this.scene && (station.holdsTool || station.isMoving(now)));
+  }
+
+  private toolNow(scene: string, tool: string): ReturnType<ToolNow> {
+    const body = this.fetched.get(scene)?.model.tools.find(({name}) => name === tool);
+    const centroid = body?.geometry.centroid ?? [0, 0, 0];
+    const state = this.world.lastMoverOf(scene, tool)?.track.latest;
+    const start = body?.pose ?? {p: [0, 0, 0], q: [1, 0, 0, 0]};
+    if (!state) return {pose: start, graphic: start, touches: false, centroid};
+    return {
+      // Where the tool is, not where the last hand had it: that may be deep inside.
+      pose: state.graphic,
+      graphic: state.graphic,
+      touches: state.contacts > 0,
+      centroid,
+    };
+  }
+
+  // --- the picture ---
+
+  /// Something has changed that a picture shows.
+  private askFrame(): void {
+    this.dirty = true;
+    this.wake();
+  }
+
+  /// Something may have changed: the frame finds out, and draws only then.
+  private wake(): void {
+    if (this.frameAsked) return;
+    this.frameAsked = true;
+    requestAnimationFrame(() => this.frame());
+  }
+
+  private frame(): void {
+    const startMs = performance.now();
+    this.frameAsked = false;
+    if (this.view.isEmpty) return;
+    const now = startMs / 1000;
+    let catchingUp = false;
+    const tools = this.fetched.get(this.scene)?.model.tools ?? [];
+    tools.forEach((tool, i) => {
+      const mover = this.world.lastMoverOf(this.scene, tool.name);
+      const state = mover?.shown(now);
+      if (!mover || !state) return;
+      catchingUp = mover.isCatchingUp(now) || catchingUp;
+      if (looksTheSame(state, this.drawn[i])) return;
+      this.view.setTool(tool.name, state);
+      if (mover === this.station) this.view.camera.toolAt(state.graphic.p);
+      this.drawn[i] = state;
+      this.dirty = true;
+    });
+    this.dirty = this.view.camera.controls.update() || this.dirty;
+    if (this.dirty) {
+      this.dirty = false;
+      this.view.render();
+      const tookMs = performance.now() - startMs;
+      this.pictures += 1;
+      this.scriptMs.last = tookMs;
+      // The first pictures upload meshes and compile shaders: once, and not what a picture costs.
+      if (this.pictures > kWarmUp) {
+        this.scriptMs.total += tookMs;
+        this.scriptMs.max = Math.max(this.scriptMs.max, tookMs);
+      }
+      if (this.firstPictureMs === undefined) {
+        this.firstPictureMs = performance.now();
+        performance.mark("palpate-first-picture");
+      }
+    }
+    if (catchingUp) this.wake();
+  }
+
+  // --- figures and words ---
+
+  private tick(): void {
+    const now = nowS();
+    const station = this.station;
+    const state = station?.isMoving(now) ? station.track.latest : undefined;
+    this.readout.classList.toggle("idle", state === undefined);
+    setText(this.forceText, state ? figure(norm(state.forceN)) : "–");
+    setText(this.torqueText, state ? figure(1000 * norm(state.torqueNm), 1) : "–");
+    setText(this.depthText, state ? figure(1000 * depthM(state)) : "–");
+    setText(this.contactsText, state ? String(state.contacts) : "–");
+    const sentence = statusSentence(state);
+    setText(this.sentence, sentence);
+    const report = this.showLink();
+    this.announcer.offer(report.tone === "alarm" ? report.text : sentence, performance.now());
+    this.plots.update(station, now);
+    this.tables.updateLoop(station);
+    if (this.stale.who) {
+      this.stale.who = false;
+      this.tables.updateWho(this.world.listed(now), this.mouse.station);
+    }
+    this.showLists(station);
+  }
+
+  private showLists(station: Station | undefined): void {
+    const scenes = [...this.world.scenes.keys()].sort();
+    setOptions(
+      this.scenePick,
+      scenes.map((name) => ({value: name, text: name})),
+      this.scene,
+      "none yet",
+    );
+    setOptions(
+      this.stationPick,
+      this.listedHere().map(({id}) => ({value: id, text: id})),
+      station?.id ?? "",
+      "nobody",
+    );
+  }
+
+  private showLink(): LinkReport {
+    let sessions = 0;
+    for (const station of this.world.stations.values()) sessions += station.holdsTool ? 1 : 0;
+    const report = linkReport({
+      link: this.link,
+      wasOpen: this.links > 0,
+      nowS: nowS(),
+      openedS: this.openedS,
+      lastStateS: this.world.lastStateS,
+      sessions,
+      scenes: this.world.scenes.size,
+    });
+    this.banner.hidden = report.tone === "none";
+    this.banner.classList.toggle("alarm", report.tone === "alarm");
+    setText(this.banner, report.text);
+    return report;
+  }
+
+  /// A socket can look open long after the way to its other end is gone: where nothing comes and
+  /// the gateway does not answer either, the link is made anew.
+  private async askScenes(): Promise<void> {
+    if (this.link !== "open") return;
+    const askedS = nowS();
+    const names = await fetchSceneNames(kAnswerWithinMs);
+    for (const name of names ?? []) this.world.addScene(name);
+    const isSilent = this.world.lastStateS < askedS && this.openedS < askedS;
+    if (names === undefined && isSilent) this.connection.restart();
+  }
+
+  private showHint(text: string, alarm: boolean): void {
+    this.hint.hidden = text === "";
+    this.hint.classList.toggle("alarm", alarm);
+    setText(this.hint, text);
+  }
+
+  // --- the mouse ---
+
+  private showHold(): void {
+    const {hold, message} = this.mouse;
+    const holding = hold === "holding";
+    this.canvas.classList.toggle("holding", holding);
+    this.takeButton.classList.toggle("holding", holding);
+    this.takeButton.disabled = hold === "asking" || !this.fetched.has(this.scene);
+    setText(
+      this.takeButton,
+      holding ? "Give it back" : hold === "asking" ? "Asking…" : "Take the tool",
+    );
+    this.view.camera.controls.enableZoom = !holding;
+    const help = matchMedia("(pointer: coarse)").matches
+      ? "Drag to move, two fingers to push, pull and turn."
+      : "Drag to move, wheel to push and pull, Shift-drag to turn, Esc to give it back.";
+    this.showHint(message !== "" ? message : holding ? help : "", message !== "" && !holding);
+    this.stale.who = true;
+    if (holding) this.canvas.focus({preventScroll: true});
+  }
+
+  private takeOrRelease(): void {
+    if (this.mouse.hold !== "none") {
+      this.mouse.release();
+      return;
+    }
+    const tool = this.toolPick.value;
+    const holder = this.world.holderOf(this.scene, tool);
+    if (holder) {
+      this.showHint(`'${holder.id}' holds the ${tool}. It is free once that station ends.`, true);
+      return;
+    }
+    this.chosenStation = "";
+    this.mouse.take(this.scene, tool);
+  }
+
+  // --- controls ---
+
+  private listen(theme: ThemeSwitch): void {
+    const follow = element("follow", HTMLButtonElement);
+    const spheres = element("spheres", HTMLButtonElement);
+    const help = element("help-dialog", HTMLDialogElement);
+    const panel = element("panel", HTMLElement);
+    const panelToggle = element("panel-toggle", HTMLButtonElement);
+
+    const actions = {
+      follow: () => {
+        const on = !this.view.camera.following;
+        this.view.camera.follow(on);
+        follow.setAttribute("aria-pressed", String(on));
+        const state = this.station?.shown(nowS());
+        if (on && state) this.view.camera.toolAt(state.graphic.p);
+        this.askFrame();
+      },
+      reset: () => {
+        this.view.camera.reset();
+        this.askFrame();
+      },
+      spheres: () => {
+        const on = spheres.getAttribute("aria-pressed") !== "true";
+        spheres.setAttribute("aria-pressed", String(on));
+        element("level-pick", HTMLLabelElement).hidden = !on;
+        this.showLevel();
+      },
+      level: (by: number) => {
+        this.level.value = String(Number(this.level.value) + by);
+        this.showLevel();
+      },
+      panel: () => {
+        panel.hidden = !panel.hidden;
+        panelToggle.setAttribute("aria-expanded", String(!panel.hidden));
+      },
+      help: () => (help.open ? help.close() : help.showModal()),
+    };
+    follow.addEventListener("click", actions.follow);
+    spheres.addEventListener("click", actions.spheres);
+    element("reset", HTMLButtonElement).addEventListener("click", actions.reset);
+    element("help", HTMLButtonElement).addEventListener("click", actions.help);
+    panelToggle.addEventListener("click", actions.panel);
+    this.takeButton.addEventListener("click", () => this.takeOrRelease());
+    this.level.addEventListener("input", () => this.showLevel());
+    this.scenePick.addEventListener("change", () => {
+      this.chosenScene = this.scenePick.value;
+      this.chosenStation = "";
+      this.chooseScene();
+      rememberInAddress("scene", this.chosenScene);
+    });
+    this.stationPick.addEventListener("change", () => {
+      this.chosenStation = this.stationPick.value;
+      rememberInAddress("station", this.chosenStation);
+    });
+
+    this.listenToPointer();
+    // The tool's keys come first: while it is held, arrows move it and not the eye.
+    this.canvas.addEventListener("keydown", (event) => {
+      if (this.mouse.key(event)) event.preventDefault();
+    });
+    const turn = 0.12;
+    const nudge = (azimuth: number, polar: number, zoom: number) => () => {
+      this.view.camera.nudge(azimuth, polar, zoom);
+      this.askFrame();
+    };
+    listenForKeys({
+      f: actions.follow,
+      r: actions.reset,
+      s: actions.spheres,
+      "[": () => actions.level(-1),
+      "]": () => actions.level(1),
+      p: actions.panel,
+      t: () => theme.toggle(),
+      m: () => this.takeOrRelease(),
+      "?": actions.help,
+      Escape: () => this.mouse.release(),
+      ArrowLeft: nudge(-turn, 0, 1),
+      ArrowRight: nudge(turn, 0, 1),
+      ArrowUp: nudge(0, -turn, 1),
+      ArrowDown: nudge(0, turn, 1),
+      "+": nudge(0, 0, 0.9),
+      "-": nudge(0, 0, 1 / 0.9),
+    });
+    new ResizeObserver(() => this.view.resize()).observe(this.canvas);
+    // A tool in the hand of a page that is gone would stay taken.
+    addEventListener("pagehide", () => this.mouse.release());
+  }
+
+  private listenToPointer(): void {
+    const {canvas, mouse} = this;
+    const controls = this.view.camera.controls;
+    // In the capture phase, before the camera's own listeners.
+    const first = {capture: true};
+    canvas.addEventListener(
+      "pointerdown",
+      (event) => {
+        const isTools = mouse.pointerDown(event);
+        controls.enabled = !isTools;
+        if (isTools) canvas.setPointerCapture(event.pointerId);
+      },
+      first,
+    );
+    canvas.addEventListener("pointermove", (event) => void mouse.pointerMove(event), first);
+    const up = (event: PointerEvent): void => {
+      mouse.pointerUp(event);
+      controls.enabled = true;
+    };
+    canvas.addEventListener("pointerup", up);
+    canvas.addEventListener("pointercancel", up);
+    canvas.addEventListener(
+      "wheel",
+      (event) => {
+        if (mouse.wheel(event)) event.preventDefault();
+      },
+      {capture: true, passive: false},
+    );
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  }
+
+  private showLevel(): void {
+    const on = element("spheres", HTMLButtonElement).getAttribute("aria-pressed") === "true";
+    const level = Number(this.level.value);
+    this.view.setSphereLevel(on ? level : undefined);
+    const isLeaves = this.level.value === this.level.max;
+    const text = isLeaves ? "leaves" : `level ${level + 1} of ${Number(this.level.max) + 1}`;
+    setText(element("level-text", HTMLOutputElement), text);
+    this.level.setAttribute("aria-valuetext", text);
+  }
+}
+
+type ToolNow = (
+  scene: string,
+  tool: string,
+) => {pose: Pose; graphic: Pose; touches: boolean; centroid: Vec3};
+
+/// So that a teacher can hand on a link to what is seen.
+function rememberInAddress(name: string, value: string): void {
+  const url = new URL(location.href);
+  url.searchParams.set(name, value);
+  history.replaceState(null, "", url);
+}

@@ -1,0 +1,166 @@
+import {ByteBuffer} from "flatbuffers";
+
+import {type Body as WireBody, type Geometry as WireGeometry, Scene as WireScene} from "@wire";
+
+import {kIdentity, type Pose, type Vec3} from "./pose";
+
+/// A scene as the page draws it, read from the bytes of idl/scene.fbs.
+
+export interface SphereLevel {
+  readonly centres: Float32Array; // x y z, x y z, ... [m]
+  readonly radii: Float32Array;
+}
+
+export interface Geometry {
+  readonly vertices: Float32Array; // x y z, x y z, ... [m]
+  readonly triangles: Uint32Array;
+  readonly leafTriangleBegin: Uint32Array;
+  readonly leafTriangle: Uint32Array;
+  readonly levels: readonly SphereLevel[]; // coarse to fine; the last one is the leaves
+  readonly centroid: Vec3;
+  readonly centre: Vec3; // of the bounding box
+  readonly radiusM: number; // about that centre
+}
+
+export interface Material {
+  readonly stiffness: number; // [N/m]; Infinity: rigid
+  readonly hardness: number; // [J]; Infinity: it stays
+}
+
+export interface Body {
+  readonly name: string;
+  readonly geometry: Geometry;
+  readonly pose: Pose; // X_WB
+  readonly materials: readonly Material[];
+  readonly leafMaterial: Uint8Array; // empty: all leaves have the first
+}
+
+export interface SceneModel {
+  readonly name: string;
+  readonly tools: readonly Body[];
+  readonly objects: readonly Body[];
+  readonly soft: boolean; // finite stiffness counts
+  readonly wears: boolean; // finite hardness counts
+}
+
+/// A bundle file has a header of this length before the FlatBuffer, which the wire may leave out.
+const kHeaderBytes = 40;
+const kMagic = "PALP";
+
+/// Throws where the bytes are no scene.
+export function readBundle(bytes: Uint8Array): SceneModel {
+  const magic = String.fromCharCode(...bytes.subarray(0, kMagic.length));
+  const content = magic === kMagic ? bytes.subarray(kHeaderBytes) : bytes;
+  // The readers below look at doubles in place, which must lie on multiples of 8.
+  const aligned = content.byteOffset % 8 === 0 ? content : content.slice();
+  const buffer = new ByteBuffer(aligned);
+  if (aligned.length < 8 || !WireScene.bufferHasIdentifier(buffer)) {
+    throw new Error("these bytes are no scene: server and page are of different versions");
+  }
+  const scene = WireScene.getRootAsScene(buffer);
+  const geometries: Geometry[] = [];
+  for (let i = 0; i < scene.geometriesLength(); i++) {
+    geometries.push(readGeometry(scene.geometries(i)!));
+  }
+  const bodies = (count: number, at: (i: number) => WireBody | null): Body[] =>
+    Array.from({length: count}, (_, i) => readBody(at(i)!, geometries));
+  const features = scene.features();
+  return {
+    name: scene.name() ?? "",
+    tools: bodies(scene.toolsLength(), (i) => scene.tools(i)),
+    objects: bodies(scene.objectsLength(), (i) => scene.objects(i)),
+    soft: features?.compliance() ?? false,
+    wears: features?.removal() ?? false,
+  };
+}
+
+function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
+  const geometry = geometries[body.geometry()];
+  if (!geometry) throw new Error(`body '${body.name() ?? ""}' names a geometry that is not there`);
+  const materials: Material[] = [];
+  for (let i = 0; i < body.materialsLength(); i++) {
+    const material = body.materials(i)!;
+    materials.push({stiffness: material.stiffness(), hardness: material.hardness()});
+  }
+  const pose = body.pose();
+  const p = pose?.p();
+  return {
+    name: body.name() ?? "",
+    geometry,
+    pose:
+      pose && p
+        ? {p: [p.x(), p.y(), p.z()], q: [pose.qw(), pose.qx(), pose.qy(), pose.qz()]}
+        : kIdentity,
+    materials,
+    leafMaterial: body.leafMaterialArray() ?? new Uint8Array(),
+  };
+}
+
+function readGeometry(geometry: WireGeometry): Geometry {
+  const vertices = Float32Array.from(geometry.verticesArray() ?? []);
+  const centroid = geometry.centroid();
+  const {centre, radiusM} = boundsOf(vertices);
+  return {
+    vertices,
+    triangles: geometry.trianglesArray() ?? new Uint32Array(),
+    leafTriangleBegin: geometry.leafTriangleBeginArray() ?? new Uint32Array(),
+    leafTriangle: geometry.leafTriangleArray() ?? new Uint32Array(),
+    levels: readLevels(geometry),
+    centroid: centroid ? [centroid.x(), centroid.y(), centroid.z()] : [0, 0, 0],
+    centre,
+    radiusM,
+  };
+}
+
+/// The tree's inner nodes, level by level (lanes without a node hold NaN), and its leaves.
+function readLevels(geometry: WireGeometry): SphereLevel[] {
+  const kLanes = 8;
+  const levels: SphereLevel[] = [];
+  const begin = geometry.levelBeginArray() ?? new Int32Array();
+  const x = geometry.nodeXArray() ?? new Float32Array();
+  const y = geometry.nodeYArray() ?? new Float32Array();
+  const z = geometry.nodeZArray() ?? new Float32Array();
+  const radius = geometry.nodeRadiusArray() ?? new Float32Array();
+  for (let level = 0; level + 1 < begin.length; level++) {
+    const centres: number[] = [];
+    const radii: number[] = [];
+    for (let i = kLanes * begin[level]!; i < kLanes * begin[level + 1]!; i++) {
+      if (Number.isNaN(radius[i]!)) continue;
+      centres.push(x[i]!, y[i]!, z[i]!);
+      radii.push(radius[i]!);
+    }
+    levels.push({centres: Float32Array.from(centres), radii: Float32Array.from(radii)});
+  }
+  const leafX = geometry.leafXArray() ?? new Float64Array();
+  const leafY = geometry.leafYArray() ?? new Float64Array();
+  const leafZ = geometry.leafZArray() ?? new Float64Array();
+  const centres = new Float32Array(3 * leafX.length);
+  for (let i = 0; i < leafX.length; i++) {
+    centres.set([leafX[i]!, leafY[i]!, leafZ[i]!], 3 * i);
+  }
+  levels.push({centres, radii: Float32Array.from(geometry.leafRadiusArray() ?? [])});
+  return levels;
+}
+
+function boundsOf(vertices: Float32Array): {centre: Vec3; radiusM: number} {
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
+  vertices.forEach((value, i) => {
+    low[i % 3] = Math.min(low[i % 3]!, value);
+    high[i % 3] = Math.max(high[i % 3]!, value);
+  });
+  if (vertices.length === 0) return {centre: [0, 0, 0], radiusM: 0};
+  const centre: Vec3 = [
+    (low[0]! + high[0]!) / 2,
+    (low[1]! + high[1]!) / 2,
+    (low[2]! + high[2]!) / 2,
+  ];
+  let squared = 0;
+  for (let i = 0; i < vertices.length; i += 3) {
+    const dx = vertices[i]! - centre[0];
+    const dy = vertices[i + 1]! - centre[1];
+    const dz = vertices[i + 2]! - centre[2];
+    squared = Math.max(squared, dx * dx + dy * dy + dz * dz);
+  }
+  return {centre, radiusM: Math.sqrt(squared)};
+}

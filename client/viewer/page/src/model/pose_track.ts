@@ -1,0 +1,109 @@
+import type {ToolState} from "../protocol/messages";
+import {mixPose, mixVec3} from "./pose";
+
+/// How far behind the newest frame the picture is [s]: one and a half frames of 30 Hz, so that there
+/// is nearly always a frame on either side to interpolate between.
+export const kDelayS = 0.05;
+/// Frames that are older than this are forgotten [s].
+const kKeepS = 1;
+/// After a gap of this length a tool jumps: a slow glide would show a motion that never was [s].
+const kGapS = 0.5;
+
+/// A frame that is later than this, or later for longer than that, is late because the clocks have
+/// parted and not because this page was busy [s].
+const kPartedS = 10;
+const kLateForS = 3;
+
+/// Maps a sender's clock to ours by the frame that came fastest; forgets slowly, so that a clock
+/// that drifts is followed.  Frames that waited while the page was busy keep their true distances.
+export class StreamClock {
+  private offset: number | undefined;
+  private lastArrivalS = 0;
+  private lateSinceS: number | undefined;
+
+  /// Our time at which a frame stamped `stampS` and received at `arrivalS` is taken to have been sent.
+  toLocal(stampS: number, arrivalS: number): number {
+    const offset = arrivalS - stampS;
+    const late = offset - (this.offset ?? offset);
+    const elapsed = Math.max(0, arrivalS - this.lastArrivalS);
+    this.lastArrivalS = arrivalS;
+    if (late < kGapS) {
+      this.lateSinceS = undefined;
+      this.offset = Math.min(offset, (this.offset ?? offset) + 0.01 * elapsed);
+    } else {
+      this.lateSinceS ??= arrivalS;
+      if (late > kPartedS || arrivalS - this.lateSinceS > kLateForS) this.offset = offset;
+    }
+    return stampS + this.offset!;
+  }
+}
+
+/// The frames of one station, and its state at any moment between them.  Never extrapolates.
+export class PoseTrack {
+  private readonly frames: {timeS: number; state: ToolState}[] = [];
+
+  push(timeS: number, state: ToolState): void {
+    const last = this.frames.at(-1);
+    if (last && timeS <= last.timeS) {
+      // Out of order or the same moment: the newer sample wins, time does not go back.
+      if (state.poseSequence < last.state.poseSequence && timeS > last.timeS - kGapS) return;
+      this.frames.length = 0;
+    }
+    this.frames.push({timeS, state});
+    while (this.frames[1] && this.frames[1].timeS < timeS - kKeepS) this.frames.shift();
+  }
+
+  get latest(): ToolState | undefined {
+    return this.frames.at(-1)?.state;
+  }
+  get latestTimeS(): number {
+    return this.frames.at(-1)?.timeS ?? -Infinity;
+  }
+
+  at(timeS: number): ToolState | undefined {
+    let after = this.frames.length - 1;
+    if (after < 0) return undefined;
+    while (after > 0 && this.frames[after - 1]!.timeS >= timeS) after -= 1;
+    const b = this.frames[after]!;
+    const a = this.frames[after - 1];
+    if (!a || timeS >= b.timeS) return b.state;
+    if (b.timeS - a.timeS > kGapS || a.state.tool !== b.state.tool) return a.state;
+    return between(a.state, b.state, (timeS - a.timeS) / (b.timeS - a.timeS));
+  }
+}
+
+function between(a: ToolState, b: ToolState, t: number): ToolState {
+  if (t <= 0) return a;
+  return {
+    ...(t < 0.5 ? a : b),
+    haptic: mixPose(a.haptic, b.haptic, t),
+    graphic: mixPose(a.graphic, b.graphic, t),
+    forceN: mixVec3(a.forceN, b.forceN, t),
+    torqueNm: mixVec3(a.torqueNm, b.torqueNm, t),
+  };
+}
+
+/// Nothing that is smaller shows [m, N, N m, and parts of a quaternion].
+const kVisible = 1e-7;
+const close = (a: readonly number[], b: readonly number[]): boolean =>
+  a.every((value, i) => Math.abs(value - b[i]!) < kVisible);
+
+/// True where a picture of both would be the same.
+export function looksTheSame(a: ToolState | undefined, b: ToolState | undefined): boolean {
+  if (a === b) return true;
+  if (!a || !b) return false;
+  return (
+    a.tool === b.tool &&
+    [a.haptic, a.graphic].every(({p, q}, i) => {
+      const other = i === 0 ? b.haptic : b.graphic;
+      return close(p, other.p) && close(q, other.q);
+    }) &&
+    close(a.forceN, b.forceN) &&
+    close(a.torqueNm, b.torqueNm) &&
+    a.points.length === b.points.length &&
+    a.points.every(
+      ({positionM, forceN}, i) =>
+        close(positionM, b.points[i]!.positionM) && close(forceN, b.points[i]!.forceN),
+    )
+  );
+}

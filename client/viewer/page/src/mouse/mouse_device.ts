@@ -1,0 +1,233 @@
+import type {Pose, Vec3} from "../model/pose";
+import {samePose} from "../model/pose";
+import type {MouseState} from "../protocol/messages";
+import {leash, push, roll, slide, turn, type ViewFrame} from "./tool_motion";
+
+export type Hold = "none" | "asking" | "holding";
+
+/// What the device needs of the page.
+export interface MouseHost {
+  publish(message: object): boolean;
+  changed(): void;
+  viewFrame(at: Vec3): ViewFrame;
+  /// Where the tool is now, if it touches, and its centroid in its own frame.
+  tool(scene: string, tool: string): {pose: Pose; graphic: Pose; touches: boolean; centroid: Vec3};
+}
+
+/// Poses are sent at most this often [ms].
+const kSendEveryMs = 1000 / 60;
+/// A gateway that says nothing by then has nothing to say; one that has a station started for us
+/// may take longer, since that station first has to find the server [ms].
+const kAnswerWithinMs = 5000;
+const kSessionWithinMs = 20_000;
+/// How far a pointer gets past a surface: as far as the station's hand presses at most [m].
+const kReachM = 0.02;
+const kWheelMetresPerPixel = 0.25; // of what a drag of as many pixels would do
+
+/// A tool in the hand of who has none: takes one through the gateway and moves it by the pointer.
+export class MouseDevice {
+  hold: Hold = "none";
+  message = "";
+  station = "";
+  private scene = "";
+  private tool = "";
+  private pose: Pose | undefined;
+  private sent: Pose | undefined;
+  private lastSentMs = -Infinity;
+  private timer: number | undefined;
+  private patience: number | undefined;
+  private readonly pointers = new Map<number, {x: number; y: number}>();
+  private turning = false;
+
+  constructor(private readonly host: MouseHost) {}
+
+  take(scene: string, tool: string): void {
+    this.scene = scene;
+    this.tool = tool;
+    this.station = "";
+    if (!this.host.publish({op: "take", scene, tool})) {
+      this.end("The gateway takes no tools from this page.");
+      return;
+    }
+    this.hold = "asking";
+    this.message = "";
+    this.waitFor("The gateway did not answer.", kAnswerWithinMs);
+    this.host.changed();
+  }
+
+  release(): void {
+    if (this.hold === "none") return;
+    this.host.publish({op: "release"});
+    this.end("");
+  }
+
+  linkLost(): void {
+    if (this.hold !== "none") this.end("The link was lost, and with it the tool.");
+  }
+
+  /// The gateway's answer, or what became of the session since.
+  receive(state: MouseState): void {
+    if (this.hold === "none") return;
+    if (state.station !== "") this.station = state.station;
+    switch (state.phase) {
+      case "refused":
+        this.end(state.reason === "" ? "The tool was refused." : state.reason);
+        break;
+      case "ended":
+        if (this.hold === "holding") this.end(state.reason);
+        break;
+      case "waiting":
+      case "acquiring":
+      case "active":
+        if (this.hold === "asking") this.begin();
+        this.message = state.phase === "acquiring" ? state.reason : "";
+        this.host.changed();
+        break;
+      case "":
+        if (this.hold === "asking") this.waitFor("The server did not answer.", kSessionWithinMs);
+        break;
+    }
+  }
+
+  private waitFor(complaint: string, withinMs: number): void {
+    window.clearTimeout(this.patience);
+    this.patience = window.setTimeout(() => {
+      if (this.hold !== "asking") return;
+      this.host.publish({op: "release"});
+      this.end(complaint);
+    }, withinMs);
+  }
+
+  // --- pointer, wheel and keys; true where it was the tool's ---
+
+  pointerDown(event: PointerEvent): boolean {
+    if (this.hold !== "holding" || event.altKey) return false;
+    this.pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
+    this.turning = event.button === 2 || event.shiftKey;
+    return true;
+  }
+
+  pointerMove(event: PointerEvent): boolean {
+    const last = this.pointers.get(event.pointerId);
+    if (!last || this.hold !== "holding") return false;
+    const here = {x: event.clientX, y: event.clientY};
+    const dx = here.x - last.x;
+    const dy = here.y - last.y;
+    const other = [...this.pointers].find(([id]) => id !== event.pointerId)?.[1];
+    this.pointers.set(event.pointerId, here);
+    if (other) {
+      this.pinch(last, here, other);
+    } else if (this.turning || event.shiftKey) {
+      this.move((pose, view, centroid) => turn(pose, view, centroid, dx, dy));
+    } else {
+      this.move((pose, view) => slide(pose, view, dx, dy));
+    }
+    return true;
+  }
+
+  pointerUp(event: PointerEvent): void {
+    this.pointers.delete(event.pointerId);
+  }
+
+  wheel(event: WheelEvent): boolean {
+    if (this.hold !== "holding") return false;
+    const pixels = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 30 * event.deltaY : event.deltaY;
+    // Away from oneself pushes.
+    this.move((pose, view) =>
+      push(pose, view, -pixels * kWheelMetresPerPixel * view.metresPerPixel),
+    );
+    return true;
+  }
+
+  key(event: KeyboardEvent): boolean {
+    if (this.hold !== "holding") return false;
+    const kStep = 8; // pixels
+    const steps: Readonly<Record<string, readonly [number, number, number]>> = {
+      ArrowLeft: [-kStep, 0, 0],
+      ArrowRight: [kStep, 0, 0],
+      ArrowUp: [0, -kStep, 0],
+      ArrowDown: [0, kStep, 0],
+      PageUp: [0, 0, kStep],
+      PageDown: [0, 0, -kStep],
+    };
+    const step = steps[event.key];
+    if (!step) return false;
+    const [dx, dy, dz] = step;
+    if (event.shiftKey) {
+      this.move((pose, view, centroid) => turn(pose, view, centroid, dx, dy));
+    } else {
+      this.move((pose, view) => push(slide(pose, view, dx, dy), view, dz * view.metresPerPixel));
+    }
+    return true;
+  }
+
+  /// Two fingers: apart pulls, together pushes, around each other rolls, both sideways turns.
+  private pinch(last: Point, here: Point, other: Point): void {
+    const before = {x: last.x - other.x, y: last.y - other.y};
+    const after = {x: here.x - other.x, y: here.y - other.y};
+    const apart = Math.hypot(after.x, after.y) - Math.hypot(before.x, before.y);
+    const around = Math.atan2(
+      before.x * after.y - before.y * after.x,
+      before.x * after.x + before.y * after.y,
+    );
+    const dx = (here.x - last.x) / 2; // of the point between the fingers
+    const dy = (here.y - last.y) / 2;
+    this.move((pose, view, centroid) =>
+      turn(
+        roll(push(pose, view, -apart * view.metresPerPixel), view, centroid, around),
+        view,
+        centroid,
+        dx,
+        dy,
+      ),
+    );
+  }
+
+  private begin(): void {
+    this.hold = "holding";
+    window.clearTimeout(this.patience);
+    this.pose = this.host.tool(this.scene, this.tool).pose;
+    this.sent = undefined;
+    this.send();
+  }
+
+  private end(message: string): void {
+    this.hold = "none";
+    this.message = message;
+    this.pose = undefined;
+    this.pointers.clear();
+    window.clearTimeout(this.patience);
+    window.clearTimeout(this.timer);
+    this.timer = undefined;
+    this.host.changed();
+  }
+
+  private move(by: (pose: Pose, view: ViewFrame, centroid: Vec3) => Pose): void {
+    if (!this.pose) return;
+    const {graphic, touches, centroid} = this.host.tool(this.scene, this.tool);
+    const moved = by(this.pose, this.host.viewFrame(this.pose.p), centroid);
+    this.pose = touches ? leash(moved, graphic, kReachM) : moved;
+    this.send();
+  }
+
+  /// At once, or as soon as the last one is old enough: the newest pose is always sent.
+  private send(): void {
+    const waitMs = this.lastSentMs + kSendEveryMs - performance.now();
+    if (waitMs > 0) {
+      this.timer ??= window.setTimeout(() => {
+        this.timer = undefined;
+        this.send();
+      }, waitMs);
+      return;
+    }
+    if (!this.pose || (this.sent && samePose(this.sent, this.pose))) return;
+    this.lastSentMs = performance.now();
+    this.sent = this.pose;
+    this.host.publish({op: "pose", p: this.pose.p, q: this.pose.q});
+  }
+}
+
+interface Point {
+  readonly x: number;
+  readonly y: number;
+}

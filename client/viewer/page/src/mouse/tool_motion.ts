@@ -1,0 +1,62 @@
+import {
+  aboutAxis,
+  add,
+  multiply,
+  norm,
+  normalised,
+  type Pose,
+  rotate,
+  scale,
+  subtract,
+  type Vec3,
+} from "../model/pose";
+
+/// How a drag on the screen moves the haptic tool: in the plane of the picture, along the view, or
+/// about the tool's centroid.  Screen pixels: x to the right, y down.
+export interface ViewFrame {
+  readonly right: Vec3; // unit, in W
+  readonly up: Vec3;
+  readonly forward: Vec3; // away from the eye
+  readonly metresPerPixel: number; // at the tool
+}
+
+const kRadiansPerPixel = 0.008;
+
+export function slide(pose: Pose, view: ViewFrame, dx: number, dy: number): Pose {
+  const move = add(
+    scale(view.right, dx * view.metresPerPixel),
+    scale(view.up, -dy * view.metresPerPixel),
+  );
+  return {p: add(pose.p, move), q: pose.q};
+}
+
+export const push = (pose: Pose, view: ViewFrame, metres: number): Pose => ({
+  p: add(pose.p, scale(view.forward, metres)),
+  q: pose.q,
+});
+
+/// The front of the tool follows the pointer.  @param centroid  in the tool's frame
+export function turn(pose: Pose, view: ViewFrame, centroid: Vec3, dx: number, dy: number): Pose {
+  const yaw = aboutAxis(view.up, dx * kRadiansPerPixel);
+  const pitch = aboutAxis(view.right, dy * kRadiansPerPixel);
+  return turnBy(pose, centroid, multiply(yaw, pitch));
+}
+
+/// About the line of sight, clockwise as seen.
+export const roll = (pose: Pose, view: ViewFrame, centroid: Vec3, radians: number): Pose =>
+  turnBy(pose, centroid, aboutAxis(view.forward, radians));
+
+function turnBy(pose: Pose, centroid: Vec3, by: readonly [number, number, number, number]): Pose {
+  const q = normalised(multiply(by, pose.q));
+  const centre = add(pose.p, rotate(pose.q, centroid));
+  return {p: subtract(centre, rotate(q, centroid)), q};
+}
+
+/// The nearest pose that is no further than `reachM` from the graphic tool: a pointer feels no
+/// force that would stop it, and would otherwise pull as hard as the screen is wide.
+export function leash(pose: Pose, graphic: Pose, reachM: number): Pose {
+  const away = subtract(pose.p, graphic.p);
+  const distance = norm(away);
+  if (distance <= reachM) return pose;
+  return {p: add(graphic.p, scale(away, reachM / distance)), q: pose.q};
+}

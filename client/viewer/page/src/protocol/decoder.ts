@@ -1,0 +1,17 @@
+import {parseIDL} from "@foxglove/omgidl-parser";
+import {MessageReader} from "@foxglove/omgidl-serialization";
+
+import {type Channel, parseObject} from "./foxglove";
+
+export type Decode = (payload: Uint8Array) => unknown;
+
+const kText = new TextDecoder();
+
+/// Reads a channel's messages by the schema that it advertises, so that fields which a newer server
+/// adds are no obstacle.  undefined where the page cannot read the encoding.
+export function makeDecoder(channel: Channel): Decode | undefined {
+  if (channel.encoding === "json") return (payload) => parseObject(kText.decode(payload));
+  if (channel.encoding !== "cdr") return undefined;
+  const reader = new MessageReader<unknown>(channel.schemaName, parseIDL(channel.schema));
+  return (payload) => reader.readMessage(payload);
+}

@@ -1,0 +1,214 @@
+import type {Pose, Quat, Vec3} from "../model/pose";
+
+/// What travels, as the page uses it: idl/teaching.idl and idl/session.idl.  A field that the
+/// sender does not have is zero or empty: an older server is no obstacle.
+
+export interface ContactPoint {
+  readonly positionM: Vec3; // in W
+  readonly forceN: Vec3; // of the object on the tool, in W
+}
+
+export interface ToolState {
+  readonly station: string;
+  readonly scene: string;
+  readonly tool: string;
+  readonly poseSequence: number;
+  readonly haptic: Pose; // X_WH
+  readonly graphic: Pose; // X_WG
+  readonly forceN: Vec3;
+  readonly torqueNm: Vec3;
+  readonly stepUs: number;
+  readonly contacts: number;
+  readonly faults: number;
+  readonly points: readonly ContactPoint[];
+}
+
+export interface LoopStatistics {
+  readonly station: string;
+  readonly scene: string;
+  readonly periodS: number;
+  readonly steps: number;
+  readonly rateHz: number;
+  readonly stepUs: {
+    readonly p50: number;
+    readonly p99: number;
+    readonly p999: number;
+    readonly max: number;
+  };
+  readonly late: number;
+  readonly lost: number;
+  readonly rejected: number;
+  readonly faultedSteps: number;
+  readonly faults: number;
+}
+
+export type SessionPhase = "waiting" | "acquiring" | "active" | "refused" | "ended";
+const kPhases: readonly SessionPhase[] = ["waiting", "acquiring", "active", "refused", "ended"];
+
+export interface SessionState {
+  readonly station: string;
+  readonly serverRun: string;
+  readonly phase: SessionPhase;
+  readonly scene: string;
+  readonly tool: string;
+  readonly reason: string;
+  readonly startDepthM: number;
+}
+
+export interface SceneChange {
+  readonly scene: string;
+  readonly change: number;
+  readonly serverRun: string;
+  readonly objectIndex: number;
+  readonly leaf: number;
+  readonly triangles: readonly number[];
+}
+
+export interface SceneBundle {
+  readonly scene: string;
+  readonly serverRun: string;
+  readonly hash: string;
+  readonly bundle: Uint8Array;
+}
+
+/// What became of the page's own wish to take a tool.
+export interface MouseState {
+  readonly station: string;
+  readonly phase: SessionPhase | "";
+  readonly reason: string;
+}
+
+/// A decoded message, field by field.
+class Fields {
+  private readonly fields: Readonly<Record<string, unknown>>;
+
+  constructor(value: unknown) {
+    this.fields = typeof value === "object" && value !== null ? {...value} : {};
+  }
+  number(name: string): number {
+    const value = this.fields[name];
+    return typeof value === "number" || typeof value === "bigint" ? Number(value) : 0;
+  }
+  text(name: string): string {
+    const value = this.fields[name];
+    return typeof value === "string" ? value : "";
+  }
+  /// 64 bits that are a name and not a quantity.
+  id(name: string): string {
+    const value = this.fields[name];
+    return typeof value === "bigint" || typeof value === "number" ? value.toString(16) : "0";
+  }
+  numbers(name: string): readonly number[] {
+    const value = this.fields[name];
+    if (value instanceof Float64Array || value instanceof Uint32Array) return Array.from(value);
+    return Array.isArray(value) ? value.map(Number) : [];
+  }
+  vec3(name: string): Vec3 {
+    const [x = 0, y = 0, z = 0] = this.numbers(name);
+    return [x, y, z];
+  }
+  quat(name: string): Quat {
+    const [w = 1, x = 0, y = 0, z = 0] = this.numbers(name);
+    return [w, x, y, z];
+  }
+  bytes(name: string): Uint8Array {
+    const value = this.fields[name];
+    return value instanceof Uint8Array ? value : Uint8Array.from(this.numbers(name));
+  }
+  items(name: string): readonly Fields[] {
+    const value = this.fields[name];
+    return Array.isArray(value) ? value.map((item) => new Fields(item)) : [];
+  }
+}
+
+export function toToolState(value: unknown): ToolState {
+  const fields = new Fields(value);
+  const points = fields.items("point").slice(0, fields.number("points"));
+  return {
+    station: fields.text("station"),
+    scene: fields.text("scene"),
+    tool: fields.text("tool"),
+    poseSequence: fields.number("pose_sequence"),
+    haptic: {p: fields.vec3("haptic_position_m"), q: fields.quat("haptic_orientation_wxyz")},
+    graphic: {p: fields.vec3("graphic_position_m"), q: fields.quat("graphic_orientation_wxyz")},
+    forceN: fields.vec3("force_N"),
+    torqueNm: fields.vec3("torque_Nm"),
+    stepUs: fields.number("step_us"),
+    contacts: fields.number("contacts"),
+    faults: fields.number("faults"),
+    points: points.map((point) => ({
+      positionM: point.vec3("position_m"),
+      forceN: point.vec3("force_N"),
+    })),
+  };
+}
+
+export function toLoopStatistics(value: unknown): LoopStatistics {
+  const fields = new Fields(value);
+  return {
+    station: fields.text("station"),
+    scene: fields.text("scene"),
+    periodS: fields.number("period_s"),
+    steps: fields.number("steps"),
+    rateHz: fields.number("rate_hz"),
+    stepUs: {
+      p50: fields.number("step_us_p50"),
+      p99: fields.number("step_us_p99"),
+      p999: fields.number("step_us_p999"),
+      max: fields.number("step_us_max"),
+    },
+    late: fields.number("late"),
+    lost: fields.number("lost"),
+    rejected:
+      fields.number("rejected_nonfinite") +
+      fields.number("rejected_sequence") +
+      fields.number("rejected_speed"),
+    faultedSteps: fields.number("faulted_steps"),
+    faults: fields.number("faults"),
+  };
+}
+
+export function toSessionState(value: unknown): SessionState {
+  const fields = new Fields(value);
+  return {
+    station: fields.text("station"),
+    serverRun: fields.id("server_run"),
+    phase: kPhases[fields.number("phase")] ?? "ended",
+    scene: fields.text("scene"),
+    tool: fields.text("tool"),
+    reason: fields.text("reason"),
+    startDepthM: fields.number("start_depth_m"),
+  };
+}
+
+export function toSceneChange(value: unknown): SceneChange {
+  const fields = new Fields(value);
+  return {
+    scene: fields.text("scene"),
+    change: fields.number("change"),
+    serverRun: fields.id("server_run"),
+    objectIndex: fields.number("object_index"),
+    leaf: fields.number("leaf"),
+    triangles: fields.numbers("triangle").slice(0, fields.number("triangles")),
+  };
+}
+
+export function toSceneBundle(value: unknown): SceneBundle {
+  const fields = new Fields(value);
+  return {
+    scene: fields.text("scene"),
+    serverRun: fields.id("server_run"),
+    hash: fields.id("hash"),
+    bundle: fields.bytes("bundle"),
+  };
+}
+
+export function toMouseState(value: unknown): MouseState {
+  const fields = new Fields(value);
+  const phase = fields.text("phase").toLowerCase().replace(/^session_/, "");
+  return {
+    station: fields.text("station"),
+    phase: kPhases.find((known) => known === phase) ?? "",
+    reason: fields.text("reason"),
+  };
+}

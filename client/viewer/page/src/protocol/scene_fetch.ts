@@ -1,0 +1,40 @@
+import {readBundle, type SceneModel} from "../model/bundle";
+import {parseObject} from "./foxglove";
+
+/// A scene and the tag of the bytes that it was read from.
+export interface FetchedScene {
+  readonly tag: string;
+  readonly model: SceneModel;
+}
+
+/// The scene's bundle over HTTP, which the browser keeps and asks for anew only by its tag.
+/// @param have  what the page shows already; given back as it is where nothing has changed
+/// Throws with a sentence for the reader.
+export async function fetchScene(name: string, have?: FetchedScene): Promise<FetchedScene> {
+  const response = await fetch(`scene/${encodeURIComponent(name)}.bundle`, {cache: "no-cache"});
+  if (response.status === 404) {
+    throw new Error(`The gateway does not have the scene '${name}' yet.`);
+  }
+  if (!response.ok) {
+    throw new Error(`The scene '${name}' could not be fetched (HTTP ${response.status}).`);
+  }
+  const tag = response.headers.get("ETag") ?? "";
+  if (have && tag !== "" && tag === have.tag) {
+    await response.body?.cancel();
+    return have;
+  }
+  return {tag, model: readBundle(new Uint8Array(await response.arrayBuffer()))};
+}
+
+/// The scenes that the gateway has; undefined where it does not answer.
+export async function fetchSceneNames(withinMs: number): Promise<readonly string[] | undefined> {
+  try {
+    const signal = AbortSignal.timeout(withinMs);
+    const response = await fetch("healthz", {cache: "no-store", signal});
+    if (!response.ok) return undefined;
+    const scenes = parseObject(await response.text())?.scenes;
+    return Array.isArray(scenes) ? scenes.filter((name) => typeof name === "string") : [];
+  } catch {
+    return undefined;
+  }
+}

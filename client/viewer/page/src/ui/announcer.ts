@@ -1,0 +1,17 @@
+/// Says what has changed to who does not see it: a sentence every few seconds at most, and none
+/// twice in a row.
+const kEveryMs = 4000;
+
+export class Announcer {
+  private spoken = "";
+  private lastMs = -Infinity;
+
+  constructor(private readonly say: (sentence: string) => void) {}
+
+  offer(sentence: string, nowMs: number): void {
+    if (sentence === this.spoken || nowMs - this.lastMs < kEveryMs) return;
+    this.spoken = sentence;
+    this.lastMs = nowMs;
+    this.say(sentence);
+  }
+}

@@ -1,0 +1,30 @@
+/// The element of index.html with this id; throws where page and script do not belong together.
+export function element<T extends HTMLElement>(id: string, type: new () => T): T {
+  const found = document.getElementById(id);
+  if (!(found instanceof type)) throw new Error(`index.html has no ${type.name} #${id}`);
+  return found;
+}
+
+/// Changes the document only where the text differs: a screen reader would read it again.
+export function setText(target: Element, text: string): void {
+  if (target.textContent !== text) target.textContent = text;
+}
+
+/// A select's options, kept as they are where nothing has changed.
+export function setOptions(
+  select: HTMLSelectElement,
+  options: readonly {value: string; text: string}[],
+  chosen: string,
+  none: string,
+): void {
+  const wanted = options.length > 0 ? options : [{value: "", text: none}];
+  const same =
+    select.options.length === wanted.length &&
+    wanted.every((option, i) => {
+      const have = select.options[i]!;
+      return have.value === option.value && have.text === option.text;
+    });
+  if (!same) select.replaceChildren(...wanted.map(({value, text}) => new Option(text, value)));
+  if (select.value !== chosen) select.value = chosen;
+  select.disabled = options.length < 2;
+}

@@ -1,0 +1,139 @@
+import uPlot from "uplot";
+
+import {kFigures, kHistoryS, type Station} from "../model/world";
+import {figure} from "../model/words";
+import {setText} from "./elements";
+
+interface PlotKind {
+  readonly title: string;
+  readonly unit: string;
+  readonly colour: string; // of the style sheet
+  readonly least: number; // the axis goes at least this far, so that noise does not fill it
+}
+
+/// In the order of kFigures.
+const kKinds: Readonly<Record<(typeof kFigures)[number], PlotKind>> = {
+  force: {title: "Force", unit: "N", colour: "force", least: 0.5},
+  torque: {title: "Torque", unit: "mN·m", colour: "torque", least: 5},
+  depth: {title: "Hand past the surface", unit: "mm", colour: "depth", least: 0.5},
+  step: {title: "Time for a step", unit: "µs", colour: "step", least: 20},
+};
+
+/// Live plots of one station, one under the other on one axis of time.
+export class Plots {
+  private plots: {plot: uPlot; value: HTMLOutputElement; unit: string}[] = [];
+
+  constructor(private readonly parent: HTMLElement) {
+    this.build();
+    new ResizeObserver(() => this.resize()).observe(parent);
+  }
+
+  /// Anew, in the style sheet's present colours.
+  build(): void {
+    for (const {plot} of this.plots) plot.destroy();
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name: string): string => style.getPropertyValue(`--${name}`).trim();
+    this.parent.replaceChildren();
+    this.plots = kFigures.map((name, i) => {
+      const kind = kKinds[name];
+      const isLast = i === kFigures.length - 1;
+      const box = document.createElement("div");
+      box.className = isLast ? "plot last" : "plot";
+      const header = document.createElement("header");
+      const title = document.createElement("h3");
+      title.textContent = kind.title;
+      const value = document.createElement("output");
+      value.style.color = colour(kind.colour);
+      header.append(title, value);
+      const chart = document.createElement("div");
+      chart.className = "chart";
+      chart.setAttribute("role", "img");
+      chart.setAttribute("aria-label", `${kind.title} over the last ${kHistoryS} seconds`);
+      box.append(header, chart);
+      this.parent.append(box);
+      const plot = new uPlot(options(kind, chart, isLast, colour), [[], []], chart);
+      return {plot, value, unit: kind.unit};
+    });
+  }
+
+  update(station: Station | undefined, nowS: number): void {
+    if (this.parent.clientWidth === 0) return; // the panel is closed
+    this.plots.forEach(({plot, value, unit}, i) => {
+      const [times, figures] = station?.history.series(i, nowS) ?? [[], []];
+      plot.setData([times, figures]);
+      const last = figures.at(-1);
+      setText(value, last === undefined ? "–" : `${figure(last)} ${unit}`);
+    });
+  }
+
+  private resize(): void {
+    for (const {plot} of this.plots) {
+      const {clientWidth: width, clientHeight: height} = plot.root.parentElement!;
+      if (width > 0 && (width !== plot.width || height !== plot.height)) plot.setSize({width, height});
+    }
+  }
+}
+
+function options(
+  kind: PlotKind,
+  chart: HTMLElement,
+  isLast: boolean,
+  colour: (name: string) => string,
+): uPlot.Options {
+  const font = `11px ${getComputedStyle(document.body).fontFamily}`;
+  const line = {stroke: colour("line"), width: 1};
+  return {
+    width: Math.max(1, chart.clientWidth),
+    height: Math.max(1, chart.clientHeight),
+    legend: {show: false},
+    cursor: {show: false},
+    padding: [6, 14, isLast ? 0 : 4, 0],
+    scales: {
+      x: {time: false, range: [-kHistoryS, 0]},
+      y: {range: (_plot, _low, high) => [0, Math.max(kind.least, 1.12 * (high ?? 0))]},
+    },
+    axes: [
+      {
+        show: isLast,
+        stroke: colour("quiet"),
+        font,
+        size: 20,
+        gap: 2,
+        grid: {show: false},
+        ticks: {show: false},
+        splits: [-10, -5, 0],
+        values: (_plot, splits) => splits.map((split) => (split === 0 ? "now" : `${split} s`)),
+      },
+      {
+        stroke: colour("quiet"),
+        font,
+        size: 40,
+        gap: 6,
+        grid: line,
+        ticks: {show: false},
+        space: 26,
+      },
+    ],
+    series: [
+      {},
+      {
+        stroke: colour(kind.colour),
+        width: 1.75,
+        fill: `color-mix(in srgb, ${colour(kind.colour)} 12%, transparent)`,
+        points: {show: false},
+        // A pause of the data is a gap and not a line.
+        gaps: (plot, _series, first, last) => {
+          const times = plot.data[0];
+          const gaps: uPlot.Series.Gaps = [];
+          for (let i = first + 1; i <= last; i++) {
+            if (times[i]! - times[i - 1]! < 0.5) continue;
+            const from = Math.round(plot.valToPos(times[i - 1]!, "x", true));
+            const to = Math.round(plot.valToPos(times[i]!, "x", true));
+            gaps.push([from, to]);
+          }
+          return gaps;
+        },
+      },
+    ],
+  };
+}

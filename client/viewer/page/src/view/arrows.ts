@@ -1,0 +1,166 @@
+import {
+  type BufferGeometry,
+  Color,
+  ConeGeometry,
+  CylinderGeometry,
+  Group,
+  Mesh,
+  MeshBasicMaterial,
+  Quaternion,
+  SphereGeometry,
+  TorusGeometry,
+  Vector3,
+} from "three";
+
+import {norm, type Vec3} from "../model/pose";
+import type {ContactPoint} from "../protocol/messages";
+
+/// Force and torque as arrows that show through everything, each with a halo that sets it off.
+/// Lengths follow one rule, so that the contacts' arrows add up to the force's.
+const kLengthPerNewton = 0.3; // of the scene's radius
+const kLongest = 1.1;
+const kWeakestN = 0.01;
+const kUp = new Vector3(0, 1, 0);
+
+function layered(geometry: BufferGeometry, order: number): {mesh: Mesh; material: MeshBasicMaterial} {
+  const material = new MeshBasicMaterial({depthTest: false, depthWrite: false, transparent: true});
+  const mesh = new Mesh(geometry, material);
+  mesh.renderOrder = order;
+  return {mesh, material};
+}
+
+const kShaft = new CylinderGeometry(1, 1, 1, 20).translate(0, 0.5, 0);
+const kHead = new ConeGeometry(1, 1, 28).translate(0, 0.5, 0);
+const kBall = new SphereGeometry(1, 20, 14);
+
+class Arrow {
+  readonly group = new Group();
+  private readonly colours: MeshBasicMaterial[] = [];
+  private readonly halos: MeshBasicMaterial[] = [];
+  private readonly parts: {shaft: Mesh; head: Mesh; grown: number}[] = [];
+
+  /// @param thickness  of the shaft, as a share of the scene's radius
+  constructor(
+    private readonly thickness: number,
+    order: number,
+  ) {
+    for (const halo of [true, false]) {
+      const shaft = layered(kShaft, order + (halo ? 0 : 1));
+      const head = layered(kHead, order + (halo ? 0 : 1));
+      (halo ? this.halos : this.colours).push(shaft.material, head.material);
+      this.parts.push({shaft: shaft.mesh, head: head.mesh, grown: halo ? 0.45 : 0});
+      this.group.add(shaft.mesh, head.mesh);
+    }
+  }
+
+  paint(colour: Color, halo: Color): void {
+    for (const material of this.colours) material.color.copy(colour);
+    for (const material of this.halos) material.color.copy(halo);
+  }
+
+  set(from: Vec3, vectorN: Vec3, radiusM: number): void {
+    const newtons = norm(vectorN);
+    this.group.visible = newtons >= kWeakestN;
+    if (!this.group.visible) return;
+    this.group.position.set(...from);
+    const direction = new Vector3(...vectorN).divideScalar(newtons);
+    this.group.quaternion.copy(new Quaternion().setFromUnitVectors(kUp, direction));
+    const length = radiusM * Math.min(kLongest, kLengthPerNewton * newtons);
+    const thick = radiusM * this.thickness;
+    const head = Math.min(5 * thick, 0.6 * length);
+    for (const {shaft, head: cone, grown} of this.parts) {
+      const rim = grown * thick;
+      shaft.scale.set(thick + rim, Math.max(1e-6, length - head), thick + rim);
+      cone.position.y = length - head - rim;
+      cone.scale.set(0.45 * head + 1.6 * rim, head + 3.2 * rim, 0.45 * head + 1.6 * rim);
+    }
+  }
+}
+
+/// Three quarters of a circle about the torque's axis, right-handed.
+class TorqueArrow {
+  readonly group = new Group();
+  private readonly colours: MeshBasicMaterial[] = [];
+  private readonly halos: MeshBasicMaterial[] = [];
+
+  constructor(order: number) {
+    const arc = 1.5 * Math.PI;
+    for (const halo of [true, false]) {
+      const tube = halo ? 0.075 : 0.05;
+      const ring = layered(new TorusGeometry(1, tube, 12, 64, arc), order + (halo ? 0 : 1));
+      const grown = halo ? 0.05 : 0;
+      const cone = new ConeGeometry(0.16 + grown, 0.36 + 2 * grown, 24).translate(0, 0.1, 0);
+      const head = layered(cone, order + (halo ? 0 : 1));
+      head.mesh.position.set(Math.cos(arc), Math.sin(arc), 0);
+      head.mesh.rotation.z = arc; // +y of the cone along the tangent
+      (halo ? this.halos : this.colours).push(ring.material, head.material);
+      this.group.add(ring.mesh, head.mesh);
+    }
+  }
+
+  paint(colour: Color, halo: Color): void {
+    for (const material of this.colours) material.color.copy(colour);
+    for (const material of this.halos) material.color.copy(halo);
+  }
+
+  /// A newton at the scene's radius gives a circle of kAtOne of it; area goes with torque.
+  set(at: Vec3, torqueNm: Vec3, radiusM: number): void {
+    const kAtOne = 0.35;
+    const share = norm(torqueNm) / Math.max(1e-9, radiusM);
+    this.group.visible = share > 0.003;
+    if (!this.group.visible) return;
+    this.group.position.set(...at);
+    const axis = new Vector3(...torqueNm).normalize();
+    this.group.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), axis));
+    this.group.scale.setScalar(radiusM * Math.min(0.6, kAtOne * Math.sqrt(share)));
+  }
+}
+
+const kMostContacts = 16;
+
+/// All that is drawn of a tool's forces.
+export class ForceMarks {
+  readonly group = new Group();
+  private readonly force = new Arrow(0.016, 30);
+  private readonly torque = new TorqueArrow(20);
+  private readonly contacts: {arrow: Arrow; dot: Mesh; material: MeshBasicMaterial}[] = [];
+
+  constructor() {
+    for (let i = 0; i < kMostContacts; i++) {
+      const arrow = new Arrow(0.008, 40);
+      const {mesh: dot, material} = layered(kBall, 42);
+      this.contacts.push({arrow, dot, material});
+      this.group.add(arrow.group, dot);
+    }
+    this.group.add(this.torque.group, this.force.group);
+  }
+
+  paint(colours: {force: Color; torque: Color; contact: Color; halo: Color}): void {
+    this.force.paint(colours.force, colours.halo);
+    this.torque.paint(colours.torque, colours.halo);
+    for (const {arrow, material} of this.contacts) {
+      arrow.paint(colours.contact, colours.halo);
+      material.color.copy(colours.contact);
+    }
+  }
+
+  set(
+    at: Vec3,
+    forceN: Vec3,
+    torqueNm: Vec3,
+    points: readonly ContactPoint[],
+    radiusM: number,
+  ): void {
+    this.force.set(at, forceN, radiusM);
+    this.torque.set(at, torqueNm, radiusM);
+    this.contacts.forEach(({arrow, dot}, i) => {
+      const point = points[i];
+      dot.visible = point !== undefined;
+      arrow.group.visible = false;
+      if (!point) return;
+      arrow.set(point.positionM, point.forceN, radiusM);
+      dot.position.set(...point.positionM);
+      dot.scale.setScalar(radiusM * (0.01 + 0.012 * Math.min(1, Math.sqrt(norm(point.forceN)))));
+    });
+  }
+}

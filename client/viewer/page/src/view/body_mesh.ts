@@ -1,0 +1,122 @@
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  FrontSide,
+  Group,
+  Mesh,
+  MeshStandardMaterial,
+} from "three";
+
+import type {Body, Geometry, SceneModel} from "../model/bundle";
+import type {Pose} from "../model/pose";
+import {makeSurface, type Surface} from "../model/surface";
+import {kTissues, tissueByVertex, tissueOf} from "../model/tissue";
+import {objectColour, type Palette} from "./palette";
+
+/// Buffers that bodies of one geometry share: uploaded once.
+export class SurfaceCache {
+  private readonly made = new Map<
+    Geometry,
+    {surface: Surface; position: BufferAttribute; normal: BufferAttribute; index: BufferAttribute}
+  >();
+
+  of(geometry: Geometry): {surface: Surface; buffers: BufferGeometry} {
+    let entry = this.made.get(geometry);
+    if (!entry) {
+      const surface = makeSurface(geometry.vertices, geometry.triangles);
+      entry = {
+        surface,
+        position: new BufferAttribute(surface.positions, 3),
+        normal: new BufferAttribute(surface.normals, 3),
+        index: new BufferAttribute(surface.index, 1),
+      };
+      this.made.set(geometry, entry);
+    }
+    const buffers = new BufferGeometry();
+    buffers.setAttribute("position", entry.position);
+    buffers.setAttribute("normal", entry.normal);
+    buffers.setIndex(entry.index);
+    return {surface: entry.surface, buffers};
+  }
+}
+
+export function place(group: Group, pose: Pose): void {
+  group.position.set(...pose.p);
+  group.quaternion.set(pose.q[1], pose.q[2], pose.q[3], pose.q[0]);
+}
+
+/// A body as a solid thing.
+export class BodyMesh {
+  readonly group = new Group();
+  readonly mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
+  private readonly surface: Surface;
+  private readonly tissues: Uint8Array | undefined;
+  private ownIndex: BufferAttribute | undefined;
+  private gone = 0;
+
+  constructor(
+    readonly body: Body,
+    private readonly scene: SceneModel,
+    private readonly role: "tool" | "object",
+    private readonly place_: number,
+    cache: SurfaceCache,
+  ) {
+    const {surface, buffers} = cache.of(body.geometry);
+    this.surface = surface;
+    this.tissues = role === "object" ? tissueByVertex(body, scene) : undefined;
+    const material = new MeshStandardMaterial({
+      roughness: 0.62,
+      metalness: role === "tool" ? 0.08 : 0,
+      side: FrontSide,
+      vertexColors: this.tissues !== undefined,
+    });
+    this.mesh = new Mesh(buffers, material);
+    this.group.add(this.mesh);
+    place(this.group, body.pose);
+  }
+
+  paint(palette: Palette): void {
+    const material = this.mesh.material;
+    if (this.role === "tool") {
+      material.color.copy(palette.tools[this.place_ % palette.tools.length]!);
+      return;
+    }
+    const rigid = this.scene.objects.filter(
+      (object) => tissueOf(object.materials[0], this.scene) === "rigid",
+    ).length;
+    const colour = (tissue: (typeof kTissues)[number]): Color =>
+      objectColour(palette, tissue, this.place_, rigid);
+    if (!this.tissues) {
+      material.color.copy(colour(tissueOf(this.body.materials[0], this.scene)));
+      return;
+    }
+    const colours = kTissues.map(colour);
+    const values = new Float32Array(3 * this.surface.source.length);
+    this.surface.source.forEach((vertex, i) => {
+      colours[this.tissues![vertex]!]!.toArray(values, 3 * i);
+    });
+    material.color.set(0xffffff);
+    this.mesh.geometry.setAttribute("color", new BufferAttribute(values, 3));
+  }
+
+  /// Leaves out what has been scraped off.  Triangles only ever go, but for a new run.
+  setGone(triangles: ReadonlySet<number>): boolean {
+    if (triangles.size === this.gone) return false;
+    if (!this.ownIndex) {
+      this.ownIndex = new BufferAttribute(this.surface.index.slice(), 1);
+      this.mesh.geometry.setIndex(this.ownIndex);
+    }
+    const index = this.ownIndex.array;
+    if (triangles.size < this.gone) index.set(this.surface.index);
+    for (const triangle of triangles) index.fill(0, 3 * triangle, 3 * triangle + 3);
+    this.gone = triangles.size;
+    this.ownIndex.needsUpdate = true;
+    return true;
+  }
+
+  dispose(): void {
+    this.mesh.geometry.dispose();
+    this.mesh.material.dispose();
+  }
+}

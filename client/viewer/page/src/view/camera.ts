@@ -1,0 +1,106 @@
+import {MathUtils, PerspectiveCamera, Vector3} from "three";
+import {OrbitControls} from "three/examples/jsm/controls/OrbitControls.js";
+
+import type {Vec3} from "../model/pose";
+import type {ViewFrame} from "../mouse/tool_motion";
+
+const kFieldOfViewDeg = 32;
+/// From where one looks at first: a little from the right and above.
+const kFirstSight = new Vector3(0.32, 0.3, 1).normalize();
+
+/// The eye: orbits what it looks at, follows the tool if asked to, and comes back.
+export class Camera {
+  readonly eye = new PerspectiveCamera(kFieldOfViewDeg);
+  readonly controls: OrbitControls;
+  following = false;
+  private centre = new Vector3();
+  private radiusM = 0.1;
+  private lastTool: Vector3 | undefined;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    calm: boolean,
+    moved: () => void,
+  ) {
+    this.controls = new OrbitControls(this.eye, canvas);
+    this.controls.enableDamping = !calm;
+    this.controls.dampingFactor = 0.12;
+    this.controls.rotateSpeed = 0.8;
+    this.controls.addEventListener("change", moved);
+  }
+
+  /// Sets what a reset shows.
+  frame(centre: Vec3, radiusM: number): void {
+    this.centre.set(...centre);
+    this.radiusM = radiusM;
+    this.controls.minDistance = 0.3 * radiusM;
+    this.controls.maxDistance = 20 * radiusM;
+    this.reset();
+  }
+
+  reset(): void {
+    this.lastTool = undefined;
+    const narrow = Math.min(1, this.eye.aspect);
+    const half = Math.atan(Math.tan(MathUtils.degToRad(kFieldOfViewDeg / 2)) * narrow);
+    const distance = (1.08 * this.radiusM) / Math.sin(half);
+    this.controls.target.copy(this.centre);
+    this.eye.position.copy(this.centre).addScaledVector(kFirstSight, distance);
+    this.eye.near = distance / 200;
+    this.eye.far = 40 * distance;
+    this.eye.updateProjectionMatrix();
+    this.controls.update();
+  }
+
+  resize(aspect: number): void {
+    this.eye.aspect = aspect;
+    this.eye.updateProjectionMatrix();
+  }
+
+  /// Moves along with the tool, where it is to be followed.
+  toolAt(position: Vec3): void {
+    const here = new Vector3(...position);
+    if (this.following) {
+      const move = here.clone().sub(this.lastTool ?? this.controls.target);
+      this.controls.target.add(move);
+      this.eye.position.add(move);
+    }
+    this.lastTool = this.following ? here : undefined;
+  }
+
+  follow(on: boolean): void {
+    this.following = on;
+    this.lastTool = undefined;
+  }
+
+  /// Turns about the target, or comes nearer: for keys.
+  nudge(azimuth: number, polar: number, zoom: number): void {
+    const offset = this.eye.position.clone().sub(this.controls.target);
+    const distance = MathUtils.clamp(
+      offset.length() * zoom,
+      this.controls.minDistance,
+      this.controls.maxDistance,
+    );
+    const theta = Math.atan2(offset.x, offset.z) + azimuth;
+    const phi = MathUtils.clamp(Math.acos(offset.y / offset.length()) + polar, 0.05, Math.PI - 0.05);
+    offset.setFromSphericalCoords(distance, phi, theta);
+    this.eye.position.copy(this.controls.target).add(offset);
+    this.controls.update();
+  }
+
+  viewFrame(at: Vec3): ViewFrame {
+    const right = new Vector3();
+    const up = new Vector3();
+    const back = new Vector3();
+    this.eye.updateMatrixWorld();
+    this.eye.matrixWorld.extractBasis(right, up, back);
+    const depth = new Vector3(...at).sub(this.eye.position).dot(back) * -1;
+    const height = 2 * Math.max(depth, 1e-3) * Math.tan(MathUtils.degToRad(kFieldOfViewDeg / 2));
+    const toVec3 = (v: Vector3): Vec3 => [v.x, v.y, v.z];
+    return {
+      right: toVec3(right),
+      up: toVec3(up),
+      forward: toVec3(back.negate()),
+      metresPerPixel: height / Math.max(1, this.canvas.clientHeight),
+    };
+  }
+}

@@ -1,0 +1,89 @@
+import {BufferGeometry, Color, GreaterDepth, Group, LessEqualDepth, Mesh, ShaderMaterial} from "three";
+
+const kVertexShader = `
+varying vec3 vNormal;
+varying vec3 vEye;
+void main() {
+  vec4 eye = modelViewMatrix * vec4(position, 1.0);
+  vNormal = normalMatrix * normal;
+  vEye = -eye.xyz;
+  gl_Position = projectionMatrix * eye;
+}`;
+
+// A rim that fades towards the middle, so that what is inside stays readable.
+const kFragmentShader = `
+uniform vec3 uColour;
+uniform float uRim;
+uniform float uBody;
+varying vec3 vNormal;
+varying vec3 vEye;
+void main() {
+  float facing = abs(dot(normalize(vNormal), normalize(vEye)));
+  float rim = pow(1.0 - facing, 2.0);
+  gl_FragColor = vec4(uColour, uBody + uRim * rim);
+  #include <colorspace_fragment>
+}`;
+
+/// Distances of the hand from the graphic tool between which the ghost appears [m].
+const kAppearsM = [0.0001, 0.001] as const;
+
+/// Where the hand has the tool: see-through, and fainter still where something hides it.  Gone
+/// while the hand and the tool that one sees are at the same place.
+export class Ghost {
+  readonly group = new Group();
+  private readonly materials: readonly ShaderMaterial[];
+
+  constructor(geometry: BufferGeometry) {
+    const depthOnly = new ShaderMaterial({
+      vertexShader: kVertexShader,
+      fragmentShader: kFragmentShader,
+      uniforms: {uColour: {value: new Color()}, uRim: {value: 0}, uBody: {value: 0}},
+      colorWrite: false,
+      transparent: true,
+    });
+    const seen = this.makeMaterial(false);
+    const hidden = this.makeMaterial(true);
+    this.materials = [seen, hidden];
+    // Hidden parts first, then the depth of the front, then what is seen of it: no layer twice.
+    [hidden, depthOnly, seen].forEach((material, order) => {
+      const mesh = new Mesh(geometry, material);
+      mesh.renderOrder = 1 + order;
+      this.group.add(mesh);
+    });
+  }
+
+  private makeMaterial(hidden: boolean): ShaderMaterial {
+    return new ShaderMaterial({
+      vertexShader: kVertexShader,
+      fragmentShader: kFragmentShader,
+      uniforms: {
+        uColour: {value: new Color()},
+        uRim: {value: 0},
+        uBody: {value: 0},
+      },
+      transparent: true,
+      depthWrite: false,
+      depthFunc: hidden ? GreaterDepth : LessEqualDepth,
+    });
+  }
+
+  paint(colour: Color): void {
+    for (const material of this.materials) (material.uniforms.uColour!.value as Color).copy(colour);
+  }
+
+  /// @param distanceM  of the hand from the graphic tool, a turn counted by its lever
+  setDistance(distanceM: number): void {
+    const [from, to] = kAppearsM;
+    const t = Math.min(1, Math.max(0, (distanceM - from) / (to - from)));
+    this.group.visible = t > 0;
+    const [seen, hidden] = this.materials;
+    seen!.uniforms.uRim!.value = 0.8 * t;
+    seen!.uniforms.uBody!.value = 0.1 * t;
+    hidden!.uniforms.uRim!.value = 0.3 * t;
+    hidden!.uniforms.uBody!.value = 0.04 * t;
+  }
+
+  dispose(): void {
+    for (const mesh of this.group.children) ((mesh as Mesh).material as ShaderMaterial).dispose();
+  }
+}

@@ -1,0 +1,239 @@
+import {DirectionalLight, HemisphereLight, Scene, WebGLRenderer} from "three";
+
+import type {SceneModel} from "../model/bundle";
+import {add, angleBetween, norm, type Pose, rotate, subtract, type Vec3} from "../model/pose";
+import type {Remains} from "../model/remains";
+import type {ToolState} from "../protocol/messages";
+import {ForceMarks} from "./arrows";
+import {BodyMesh, place, SurfaceCache} from "./body_mesh";
+import {Camera} from "./camera";
+import {Ghost} from "./ghost";
+import type {Palette} from "./palette";
+import {SphereCloud} from "./sphere_cloud";
+
+/// Phones with three pixels to a point would draw nine times as much for no visible gain.
+const kMostPixelsPerPoint = 2;
+
+interface ToolView {
+  readonly body: BodyMesh;
+  readonly ghost: Ghost;
+  readonly marks: ForceMarks;
+}
+
+/// The picture.  Draws only when asked to; whoever changes something says so through `changed`.
+export class SceneView {
+  readonly camera: Camera;
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly hemisphere = new HemisphereLight();
+  private model: SceneModel | undefined;
+  private objects: BodyMesh[] = [];
+  private tools: ToolView[] = [];
+  private clouds: {cloud: SphereCloud; body: BodyMesh; isLeaves: boolean; object: number}[] = [];
+  private sphereLevel: number | undefined;
+  private radiusM = 0.1;
+  private remains: Remains | undefined;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private palette: Palette,
+    calm: boolean,
+    private readonly changed: () => void,
+  ) {
+    this.renderer = new WebGLRenderer({canvas, antialias: true, alpha: true});
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, kMostPixelsPerPoint));
+    this.camera = new Camera(canvas, calm, changed);
+    const key = new DirectionalLight(0xffffff, 1.9);
+    key.position.set(0.5, 0.9, 0.8);
+    const fill = new DirectionalLight(0xffffff, 0.75);
+    fill.position.set(-0.9, 0.1, 0.5);
+    // Lights that hang at the eye: whatever side one looks at is lit the same way.
+    this.camera.eye.add(key, key.target, fill, fill.target);
+    this.scene.add(this.camera.eye, this.hemisphere);
+    this.resize();
+  }
+
+  /// @param remains  what is left of it
+  setScene(model: SceneModel | undefined, remains: Remains | undefined): void {
+    this.clear();
+    this.model = model;
+    this.remains = remains;
+    if (!model) return;
+    const cache = new SurfaceCache();
+    this.objects = model.objects.map((body, i) => new BodyMesh(body, model, "object", i, cache));
+    this.tools = model.tools.map((body, i) => {
+      const solid = new BodyMesh(body, model, "tool", i, cache);
+      return {body: solid, ghost: new Ghost(solid.mesh.geometry), marks: new ForceMarks()};
+    });
+    for (const object of this.objects) this.scene.add(object.group);
+    for (const {body, ghost, marks} of this.tools) {
+      this.scene.add(body.group, ghost.group, marks.group);
+      ghost.setDistance(0);
+      marks.set([0, 0, 0], [0, 0, 0], [0, 0, 0], [], 1);
+    }
+    this.paint(this.palette);
+    this.updateRemains();
+    this.makeClouds();
+    const {centre, radiusM} = boundsOf(model);
+    this.radiusM = objectsRadius(model);
+    this.camera.frame(centre, radiusM);
+    this.changed();
+  }
+
+  paint(palette: Palette): void {
+    this.palette = palette;
+    this.hemisphere.color.copy(palette.sky);
+    this.hemisphere.groundColor.copy(palette.ground);
+    this.hemisphere.intensity = 1.6;
+    for (const object of this.objects) object.paint(palette);
+    this.tools.forEach(({body, ghost, marks}) => {
+      body.paint(palette);
+      ghost.paint(palette.ghost);
+      marks.paint(palette);
+    });
+    this.paintClouds();
+    this.changed();
+  }
+
+  updateRemains(): void {
+    if (!this.remains) return;
+    let any = false;
+    this.objects.forEach((object, i) => {
+      any = object.setGone(this.remains!.trianglesOf(i)) || any;
+    });
+    for (const {cloud, isLeaves, object} of this.clouds) {
+      if (isLeaves && object >= 0) cloud.setGone(this.remains.leavesOf(object));
+    }
+    if (any) this.changed();
+  }
+
+  /// The levels that there are; the last one is the leaves.
+  get sphereLevels(): number {
+    const bodies = [...(this.model?.objects ?? []), ...(this.model?.tools ?? [])];
+    return Math.max(0, ...bodies.map((body) => body.geometry.levels.length));
+  }
+
+  /// @param level  from 0, coarse; undefined: no spheres
+  setSphereLevel(level: number | undefined): void {
+    if (level === this.sphereLevel) return;
+    this.sphereLevel = level;
+    this.makeClouds();
+    this.changed();
+  }
+
+  setTool(name: string, state: ToolState): void {
+    const tool = this.tools.find(({body}) => body.body.name === name);
+    if (!tool) return;
+    place(tool.body.group, state.graphic);
+    place(tool.ghost.group, state.haptic);
+    const {centroid, radiusM} = tool.body.body.geometry;
+    const apart =
+      norm(subtract(pointOf(state.haptic, centroid), pointOf(state.graphic, centroid))) +
+      radiusM * angleBetween(state.haptic.q, state.graphic.q);
+    tool.ghost.setDistance(apart);
+    const at = pointOf(state.graphic, centroid);
+    tool.marks.set(at, state.forceN, state.torqueNm, state.points, this.radiusM);
+  }
+
+  resize(): void {
+    const {clientWidth: width, clientHeight: height} = this.canvas;
+    if (width === 0 || height === 0) return;
+    this.renderer.setSize(width, height, false);
+    this.camera.resize(width / height);
+    this.changed();
+  }
+
+  render(): void {
+    this.renderer.render(this.scene, this.camera.eye);
+  }
+
+  get isEmpty(): boolean {
+    return this.model === undefined;
+  }
+  get triangles(): number {
+    return this.renderer.info.render.triangles;
+  }
+
+  private makeClouds(): void {
+    for (const {cloud} of this.clouds) cloud.dispose();
+    this.clouds = [];
+    const bodies = [...this.objects, ...this.tools.map(({body}) => body)];
+    for (const body of bodies) body.mesh.visible = true;
+    if (this.sphereLevel === undefined) return;
+    for (const body of bodies) {
+      const {levels} = body.body.geometry;
+      // Trees of one scene may differ in depth: their leaves are the same end of the slider.
+      const fromLeaves = this.sphereLevels - 1 - this.sphereLevel;
+      const level = Math.max(0, levels.length - 1 - fromLeaves);
+      const isLeaves = level === levels.length - 1;
+      const cloud = new SphereCloud(levels[level]!, body.group, isLeaves);
+      body.mesh.visible = !isLeaves;
+      this.clouds.push({cloud, body, isLeaves, object: this.objects.indexOf(body)});
+    }
+    this.paintClouds();
+    this.updateRemains();
+  }
+
+  private paintClouds(): void {
+    for (const {cloud, body} of this.clouds) cloud.paint(body.mesh.material.color, this.palette.ink);
+  }
+
+  private clear(): void {
+    for (const {cloud} of this.clouds) cloud.dispose();
+    this.clouds = [];
+    for (const object of this.objects) {
+      this.scene.remove(object.group);
+      object.dispose();
+    }
+    for (const {body, ghost, marks} of this.tools) {
+      this.scene.remove(body.group, ghost.group, marks.group);
+      body.dispose();
+      ghost.dispose();
+    }
+    this.objects = [];
+    this.tools = [];
+  }
+}
+
+const pointOf = (pose: Pose, point: Vec3): Vec3 => add(pose.p, rotate(pose.q, point));
+
+/// How large a thing the scene is about.
+function objectsRadius(model: SceneModel): number {
+  return Math.max(1e-3, ...model.objects.map((body) => body.geometry.radiusM));
+}
+
+/// What a first look should hold: all objects, and the tools where they start; of long ones, which
+/// would make the rest small, their tips.
+function boundsOf(model: SceneModel): {centre: Vec3; radiusM: number} {
+  const spheres = model.objects.map(sphereOf);
+  const around = enclose(spheres);
+  const tools = model.tools.map((tool) =>
+    tool.geometry.radiusM < 1.3 * around.radiusM
+      ? sphereOf(tool)
+      : {centre: tool.pose.p, radiusM: 0.15 * around.radiusM},
+  );
+  return enclose([...spheres, ...tools]);
+}
+
+const sphereOf = (body: SceneModel["objects"][number]): {centre: Vec3; radiusM: number} => ({
+  centre: pointOf(body.pose, body.geometry.centre),
+  radiusM: body.geometry.radiusM,
+});
+
+function enclose(spheres: readonly {centre: Vec3; radiusM: number}[]): {
+  centre: Vec3;
+  radiusM: number;
+} {
+  if (spheres.length === 0) return {centre: [0, 0, 0], radiusM: 0.1};
+  const low = [0, 1, 2].map((i) => Math.min(...spheres.map((s) => s.centre[i]! - s.radiusM)));
+  const high = [0, 1, 2].map((i) => Math.max(...spheres.map((s) => s.centre[i]! + s.radiusM)));
+  const centre: Vec3 = [
+    (low[0]! + high[0]!) / 2,
+    (low[1]! + high[1]!) / 2,
+    (low[2]! + high[2]!) / 2,
+  ];
+  const radiusM = Math.max(
+    ...spheres.map((sphere) => norm(subtract(sphere.centre, centre)) + sphere.radiusM),
+  );
+  return {centre, radiusM};
+}

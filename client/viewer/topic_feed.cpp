@@ -1,0 +1,134 @@
+#include "client/viewer/topic_feed.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/dds/topics.h"
+#include "common/recording/recorded_type.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kMouseSchema =
+    R"({"type":"object","properties":{"station":{"type":"string"},"scene":{"type":"string"},)"
+    R"("tool":{"type":"string"},"phase":{"type":"string"},"reason":{"type":"string"}}})";
+
+template <class T>
+foxglove::Channel CdrChannel(TopicFeed::Channel id, const char* topic) {
+  return {id,      std::string("/") + topic, "cdr", SchemaName(kTypeOf<T>), SchemaText(kTypeOf<T>),
+          "omgidl"};
+}
+
+/// The bundle's bytes within those that travelled: the type's last member, before the filling up to
+/// a word that the encapsulation's options count.
+std::span<const std::uint8_t> BundleIn(const std::vector<std::uint8_t>& cdr,
+                                       const wire::SceneBundle& sample) {
+  const std::size_t length = sample.bundle._length;
+  const std::size_t fill = cdr.size() >= 4 ? cdr[3] & 3u : 0;
+  if (cdr.size() < 4 + length + fill) return {};
+  return std::span(cdr).subspan(cdr.size() - fill - length, length);
+}
+
+}  // namespace
+
+std::vector<foxglove::Channel> TopicFeed::Channels(bool mice) {
+  std::vector<foxglove::Channel> channels = {
+      CdrChannel<wire::ToolState>(kToolState, dds::kToolStateTopic),
+      CdrChannel<wire::LoopStatistics>(kLoopStatistics, dds::kLoopStatisticsTopic),
+      CdrChannel<wire::SessionState>(kSessionState, dds::kSessionStateTopic),
+      CdrChannel<wire::SceneChange>(kSceneChange, dds::kSceneChangeTopic),
+      CdrChannel<wire::SceneBundle>(kSceneBundle, dds::kSceneBundleTopic)};
+  if (mice) {
+    channels.push_back({kMouseState, "/palpate/mouse_state", "json", "palpate.MouseState",
+                        kMouseSchema, "jsonschema"});
+  }
+  return channels;
+}
+
+TopicFeed::TopicFeed(int domain)
+    : participant_(dds::Participant::Service(domain)),
+      tool_states_(participant_, dds::kToolStateTopic, dds::Qos::kStream),
+      statistics_(participant_, dds::kLoopStatisticsTopic, dds::Qos::kStream),
+      sessions_(participant_, dds::kSessionStateTopic, dds::Qos::kSession),
+      changes_(participant_, dds::kSceneChangeTopic, dds::Qos::kSession),
+      bundles_(participant_, dds::kSceneBundleTopic, dds::Qos::kSession) {}
+
+TopicFeed::~TopicFeed() = default;
+
+bool TopicFeed::IsCurrent(std::uint64_t server_run) {
+  if (server_run == server_run_) return true;
+  if (former_runs_.contains(server_run)) return false;
+  if (server_run_ != 0) former_runs_.insert(server_run_);
+  server_run_ = server_run;
+  kept_.clear();
+  scenes_.clear();
+  phases_.clear();
+  return true;
+}
+
+void TopicFeed::Keep(const FramePtr& frame, const std::string& name, std::uint64_t number) {
+  kept_[{frame->channel, name, number}] = frame;
+}
+
+/// @param use  (frame, sample): false where the sample is of no interest any more.
+template <class T, class Use>
+void TopicFeed::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use) {
+  dds::CdrSample raw;
+  T sample{};
+  while (reader.Take(raw, sample)) {
+    auto frame = std::make_shared<Frame>();
+    frame->channel = channel;
+    frame->instance = raw.instance;
+    frame->time_ns = raw.source_time_ns;
+    frame->payload = std::move(raw.cdr);
+    frame->state = channel != kToolState && channel != kLoopStatistics;
+    use(frame, sample);
+  }
+  dds::FreeContents(sample);
+}
+
+void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
+                     const std::function<void(const wire::SessionState&)>& on_session) {
+  // Scenes first: who hears of a station should know where it is.
+  Drain(bundles_, kSceneBundle, [&](const FramePtr& frame, const wire::SceneBundle& sample) {
+    if (!IsCurrent(sample.server_run)) return;
+    Keep(frame, sample.scene, 0);
+    scenes_[sample.scene] = {frame, sample.hash, BundleIn(frame->payload, sample)};
+    on_frame(frame);
+  });
+  Drain(changes_, kSceneChange, [&](const FramePtr& frame, const wire::SceneChange& sample) {
+    if (!IsCurrent(sample.server_run)) return;
+    Keep(frame, sample.scene, sample.change);
+    on_frame(frame);
+  });
+  Drain(sessions_, kSessionState, [&](const FramePtr& frame, const wire::SessionState& sample) {
+    if (!IsCurrent(sample.server_run)) return;
+    Keep(frame, sample.station, 0);
+    phases_[sample.station] = sample.phase;
+    on_frame(frame);
+    on_session(sample);
+  });
+  const auto pass_on = [&](const FramePtr& frame, const auto&) { on_frame(frame); };
+  Drain(tool_states_, kToolState, pass_on);
+  Drain(statistics_, kLoopStatistics, pass_on);
+}
+
+std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {
+  std::vector<FramePtr> frames;
+  for (auto it = kept_.lower_bound({channel, "", 0});
+       it != kept_.end() && std::get<0>(it->first) == channel; ++it) {
+    frames.push_back(it->second);
+  }
+  return frames;
+}
+
+std::vector<std::string> TopicFeed::stations() const {
+  std::vector<std::string> names;
+  for (const auto& [station, phase] : phases_) {
+    if (phase != palpate_SESSION_ENDED && phase != palpate_SESSION_REFUSED)
+      names.push_back(station);
+  }
+  return names;
+}
+
+}  // namespace palpate

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "client/viewer/foxglove.h"
+#include "client/viewer/frame_queue.h"
+#include "common/dds/cdr_reader.h"
+
+namespace palpate {
+
+/// A scene as its server gave it.
+struct SceneBytes {
+  FramePtr frame;  ///< owns the bytes
+  std::uint64_t hash = 0;
+  std::span<const std::uint8_t> bundle;
+};
+
+/// The topics that viewers see, from the service domain, as frames: what has a state is kept for
+/// those who come later.  A server that comes back under another run takes the place of the former;
+/// while there is none, what is known stays.
+/// Thread contract: one thread.
+class TopicFeed {
+ public:
+  enum Channel : std::uint32_t {
+    kToolState = 1,
+    kLoopStatistics,
+    kSessionState,
+    kSceneChange,
+    kSceneBundle,
+    kMouseState,  ///< not of DDS: the gateway's own, to each viewer of the mouse that it has
+  };
+  /// What viewers are offered.
+  static std::vector<foxglove::Channel> Channels(bool mice);
+
+  /// Throws Error where DDS refuses.
+  explicit TopicFeed(int domain);
+  ~TopicFeed();
+
+  /// Takes what has come.
+  /// @param on_frame  each new frame.   @param on_session  each new state of a session, too.
+  void Poll(const std::function<void(const FramePtr&)>& on_frame,
+            const std::function<void(const wire::SessionState&)>& on_session);
+
+  /// What who subscribes now must hear first, in the order in which it took place.
+  std::vector<FramePtr> Kept(std::uint32_t channel) const;
+  const std::map<std::string, SceneBytes>& scenes() const { return scenes_; }
+  /// Stations that have a session, as the server last said.
+  std::vector<std::string> stations() const;
+  bool server_known() const { return server_run_ != 0; }
+
+ private:
+  using KeptKey = std::tuple<std::uint32_t, std::string, std::uint64_t>;  // channel, name, number
+
+  template <class T, class Use>
+  void Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use);
+  /// False for what a former server left behind.  A new one's first word clears the former's.
+  bool IsCurrent(std::uint64_t server_run);
+  void Keep(const FramePtr& frame, const std::string& name, std::uint64_t number);
+
+  dds::Participant participant_;
+  dds::CdrReader<wire::ToolState> tool_states_;
+  dds::CdrReader<wire::LoopStatistics> statistics_;
+  dds::CdrReader<wire::SessionState> sessions_;
+  dds::CdrReader<wire::SceneChange> changes_;
+  dds::CdrReader<wire::SceneBundle> bundles_;
+
+  std::uint64_t server_run_ = 0;
+  std::set<std::uint64_t> former_runs_;
+  std::map<KeptKey, FramePtr> kept_;
+  std::map<std::string, SceneBytes> scenes_;
+  std::map<std::string, wire::SessionPhase> phases_;  // by station
+};
+
+}  // namespace palpate

@@ -1,0 +1,295 @@
+#include "client/viewer/viewer_session.h"
+
+#include <array>
+#include <utility>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/post.hpp>
+#include <spdlog/spdlog.h>
+
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+namespace beast = boost::beast;
+namespace net = boost::asio;
+namespace websocket = beast::websocket;
+
+constexpr std::size_t kLargestMessage = 64 * 1024;  // of a client
+constexpr std::size_t kMostTexts = 64;              // that wait for one viewer
+constexpr std::size_t kMostChannels = 16;           // that a client may publish on
+/// A viewer that holds a tool is looked after: it is let go of when nothing has been heard of it
+/// for so long, not even an answer to a ping.
+constexpr std::int64_t kMousePing_ns = 1'000'000'000;
+constexpr std::int64_t kMouseSilence_ns = 3'000'000'000;
+/// What the kernel may hold of what a stalled viewer does not read: some seconds of tool states.
+constexpr int kSendBuffer = 64 * 1024;
+constexpr const char* kMouseTopic = "/palpate/mouse";
+
+std::string PeerOf(const beast::tcp_stream& stream) {
+  boost::system::error_code error;
+  const auto endpoint = stream.socket().remote_endpoint(error);
+  return error ? "?" : endpoint.address().to_string() + ":" + std::to_string(endpoint.port());
+}
+
+}  // namespace
+
+ViewerSession::ViewerSession(beast::tcp_stream stream, Hub& hub, std::uint64_t id)
+    : socket_(std::move(stream)), hub_(hub), id_(id), peer_(PeerOf(socket_.next_layer())) {}
+
+void ViewerSession::Accept(const Request& request, std::string_view subprotocol) {
+  beast::tcp_stream& stream = socket_.next_layer();
+  stream.expires_never();  // the WebSocket has times of its own
+  boost::system::error_code ignored;
+  stream.socket().set_option(net::ip::tcp::no_delay(true), ignored);
+  stream.socket().set_option(net::socket_base::send_buffer_size(kSendBuffer), ignored);
+  websocket::stream_base::timeout times{};
+  times.handshake_timeout = std::chrono::seconds(10);
+  times.idle_timeout = std::chrono::seconds(30);
+  times.keep_alive_pings = true;
+  socket_.set_option(times);
+  socket_.set_option(websocket::stream_base::decorator(
+      [name = std::string(subprotocol)](websocket::response_type& response) {
+        response.set(beast::http::field::server, "palpate-viewer/" PALPATE_VERSION);
+        response.set(beast::http::field::sec_websocket_protocol, name);
+      }));
+  socket_.read_message_max(kLargestMessage);
+  socket_.auto_fragment(false);  // a message is one frame, written from where it lies
+  socket_.control_callback(
+      [this](websocket::frame_type, beast::string_view) { heard_ns_ = SteadyNanoseconds(); });
+  socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
+    if (error) {
+      self->Gone();
+    } else {
+      self->Open();
+    }
+  });
+}
+
+void ViewerSession::Open() {
+  open_ = true;
+  heard_ns_ = SteadyNanoseconds();
+  spdlog::debug("viewer {} has come", peer_);
+  const bool mice = hub_.options().max_mice > 0;
+  Send(foxglove::ServerInfo(hub_.session_id(), mice));
+  Send(foxglove::Advertise(TopicFeed::Channels(mice)));
+  Read();
+}
+
+void ViewerSession::Gone() {
+  if (std::exchange(gone_, true)) return;
+  open_ = false;
+  spdlog::debug("viewer {} has gone", peer_);
+  beast::error_code ignored;
+  socket_.next_layer().socket().close(ignored);
+  hub_.Leave(*this);
+}
+
+// --- what it says ---
+
+void ViewerSession::Read() {
+  socket_.async_read(input_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+    self->OnRead(error);
+  });
+}
+
+void ViewerSession::OnRead(beast::error_code error) {
+  if (error) {
+    // Beast has closed the socket for a frame that breaks RFC 6455, with the code for it.
+    return Gone();
+  }
+  heard_ns_ = SteadyNanoseconds();
+  if (closing_) return input_.clear();
+  const auto data = input_.cdata();
+  const std::string wrong =
+      socket_.got_text() ? OnText({static_cast<const char*>(data.data()), data.size()})
+                         : OnBinary({static_cast<const std::uint8_t*>(data.data()), data.size()});
+  input_.clear();
+  if (!wrong.empty()) {
+    Say(foxglove::Level::kError, "this connection ends: it sent " + wrong);
+    return Close(websocket::close_code::policy_error, "not of the protocol");
+  }
+  Flush(heard_ns_);
+  Read();
+}
+
+std::string ViewerSession::OnText(std::string_view text) {
+  std::string wrong;
+  const auto request = foxglove::ParseRequest(text, wrong);
+  if (!request) return wrong;
+  using Op = foxglove::Request::Op;
+  switch (request->op) {
+    case Op::kSubscribe:
+      Subscribe(*request);
+      break;
+    case Op::kUnsubscribe:
+      for (const std::uint32_t id : request->ids) queue_.Unsubscribe(id);
+      break;
+    case Op::kAdvertise:
+      for (const foxglove::ClientChannel& channel : request->channels) {
+        if (hub_.options().max_mice == 0 || channel.topic != kMouseTopic ||
+            channel.encoding != "json") {
+          Say(foxglove::Level::kWarning,
+              "channel '" + channel.topic + "' is of no use here: give " + kMouseTopic +
+                  ", encoding json" +
+                  (hub_.options().max_mice == 0 ? ", where the gateway allows mice" : ""));
+        } else if (published_.size() >= kMostChannels) {
+          return "too many channels";
+        } else {
+          published_[channel.id] = channel.topic;
+        }
+      }
+      break;
+    case Op::kUnadvertise:
+      for (const std::uint32_t id : request->ids) published_.erase(id);
+      break;
+    case Op::kUnknown:
+      Say(foxglove::Level::kWarning,
+          "'" + request->op_name.substr(0, 40) + "' is nothing that this gateway does");
+      break;
+  }
+  return "";
+}
+
+void ViewerSession::Subscribe(const foxglove::Request& request) {
+  const std::int64_t now_ns = SteadyNanoseconds();
+  for (const foxglove::Subscription& wanted : request.subscriptions) {
+    const bool known = wanted.channel >= TopicFeed::kToolState &&
+                       (wanted.channel <= TopicFeed::kSceneBundle ||
+                        (wanted.channel == TopicFeed::kMouseState && hub_.options().max_mice > 0));
+    if (!known || queue_.subscribed(wanted.channel) || queue_.has_subscription(wanted.id)) {
+      Say(foxglove::Level::kWarning,
+          "subscription " + std::to_string(wanted.id) + " to channel " +
+              std::to_string(wanted.channel) +
+              (known ? " is refused: the channel or the id has one already; unsubscribe first"
+                     : " is refused: there is no such channel"));
+      continue;
+    }
+    const bool rated = wanted.channel == TopicFeed::kToolState;
+    queue_.Subscribe(wanted.channel, wanted.id,
+                     rated ? static_cast<std::int64_t>(1e9 / hub_.options().rate_hz) : 0);
+    for (const FramePtr& frame : hub_.feed().Kept(wanted.channel)) queue_.Push(frame, now_ns);
+    if (wanted.channel == TopicFeed::kMouseState && mouse_state_) queue_.Push(mouse_state_, now_ns);
+  }
+}
+
+std::string ViewerSession::OnBinary(std::span<const std::uint8_t> bytes) {
+  std::string wrong;
+  const auto message = foxglove::ParseMessage(bytes, wrong);
+  if (!message) return wrong;
+  if (!published_.contains(message->channel)) {
+    return "a message on channel " + std::to_string(message->channel) +
+           ", which it has not advertised";
+  }
+  OnMouse(message->payload);
+  return "";
+}
+
+void ViewerSession::OnMouse(std::string_view json) {
+  std::string wrong;
+  const auto command = ParseMouseCommand(json, wrong);
+  if (!command) {
+    return Say(foxglove::Level::kWarning, std::string(kMouseTopic) + ": the message " + wrong);
+  }
+  MouseRoom& mice = hub_.mice();
+  switch (command->op) {
+    case MouseCommand::Op::kTake:
+      return mice.Take(id_, *command, hub_.feed().scenes().contains(command->scene));
+    case MouseCommand::Op::kPose:
+      mice.Drag(id_, command->X_WT);  // late ones after a release are no fault
+      return;
+    case MouseCommand::Op::kRelease:
+      return mice.Release(id_, "", SteadyNanoseconds());
+  }
+}
+
+void ViewerSession::Watch(std::int64_t now_ns) {
+  if (!open_ || !hub_.mice().holds(id_)) return;
+  if (now_ns - heard_ns_ > kMouseSilence_ns) {
+    return hub_.mice().Release(id_, "nothing was heard of this page for 3 s", now_ns);
+  }
+  if (pinging_ || now_ns - heard_ns_ < kMousePing_ns || now_ns - pinged_ns_ < kMousePing_ns) return;
+  pinging_ = true;
+  pinged_ns_ = now_ns;
+  socket_.async_ping({}, [self = shared_from_this()](beast::error_code) {
+    self->pinging_ = false;  // a failure shows when reading
+  });
+}
+
+// --- what it hears ---
+
+void ViewerSession::Say(foxglove::Level level, const std::string& message) {
+  Send(foxglove::Status(level, message));
+}
+
+void ViewerSession::TellMouseState(const FramePtr& frame) {
+  mouse_state_ = frame;
+  const std::int64_t now_ns = SteadyNanoseconds();
+  queue_.Push(frame, now_ns);
+  Flush(now_ns);
+}
+
+void ViewerSession::Send(std::string text) {
+  if (closing_ || !open_) return;
+  // Who asks and does not read what it is told is not waited for.
+  if (texts_.size() >= kMostTexts) return Gone();
+  texts_.push_back(std::move(text));
+  Write();
+}
+
+void ViewerSession::Flush(std::int64_t now_ns) {
+  if (!open_ || writing_ || closing_) return;
+  if (texts_.empty()) {
+    frame_ = queue_.Pop(now_ns);
+    if (!frame_.frame) return;
+  }
+  Write();
+}
+
+void ViewerSession::Write() {
+  if (!open_ || writing_) return;
+  const auto written = [self = shared_from_this()](beast::error_code error, std::size_t) {
+    self->OnWritten(error);
+  };
+  if (!texts_.empty()) {
+    text_ = std::move(texts_.front());
+    texts_.pop_front();
+    writing_ = true;
+    socket_.text(true);
+    socket_.async_write(net::buffer(text_), written);
+  } else if (frame_.frame) {
+    header_ = foxglove::MakeMessageHeader(frame_.subscription, frame_.frame->time_ns);
+    writing_ = true;
+    socket_.binary(true);
+    socket_.async_write(
+        std::array<net::const_buffer, 2>{net::buffer(header_), net::buffer(frame_.frame->payload)},
+        written);
+  } else if (closing_) {
+    writing_ = true;
+    socket_.async_close(close_reason_,
+                        [self = shared_from_this()](beast::error_code) { self->Gone(); });
+  }
+}
+
+void ViewerSession::OnWritten(beast::error_code error) {
+  writing_ = false;
+  if (error) return Gone();
+  if (frame_.frame && text_.empty()) {
+    ++frames_sent_;
+    hub_.CountSent(frame_.frame->payload.size());
+    frame_ = {};
+  }
+  text_.clear();
+  if (closing_) return Write();
+  Flush(SteadyNanoseconds());
+}
+
+void ViewerSession::Close(websocket::close_code code, const std::string& reason) {
+  if (std::exchange(closing_, true)) return;
+  if (!open_) return Gone();
+  close_reason_ = {code, reason};
+  Write();
+}
+
+}  // namespace palpate

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "client/viewer/foxglove.h"
+#include "client/viewer/frame_queue.h"
+#include "client/viewer/hub.h"
+
+namespace palpate {
+
+/// One viewer's WebSocket.  At most one write is in flight; what comes meanwhile waits in the
+/// viewer's own FrameQueue.  Whatever a client sends that is not of the protocol closes its socket,
+/// with a status that says why, and nothing else.
+/// Thread contract: the network thread.  Lives as long as the hub, or a handler, holds it.
+class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
+ public:
+  using Request = boost::beast::http::request<boost::beast::http::empty_body>;
+
+  ViewerSession(boost::beast::tcp_stream stream, Hub& hub, std::uint64_t id);
+
+  /// Answers the handshake, then reads and writes until the viewer has gone.
+  void Accept(const Request& request, std::string_view subprotocol);
+
+  std::uint64_t id() const { return id_; }
+  const std::string& peer() const { return peer_; }
+  std::uint64_t frames_lost() const { return queue_.lost(); }
+  std::uint64_t frames_sent() const { return frames_sent_; }
+
+  void Push(const FramePtr& frame, std::int64_t now_ns) { queue_.Push(frame, now_ns); }
+  /// Writes what is due, unless a write is in flight.
+  void Flush(std::int64_t now_ns);
+  void Say(foxglove::Level level, const std::string& message);
+  void TellMouseState(const FramePtr& frame);
+  /// Looks whether the viewer is there while it holds a tool.
+  void Watch(std::int64_t now_ns);
+  /// Closes in order, once what is to be said has been said.
+  void Close(boost::beast::websocket::close_code code, const std::string& reason);
+
+ private:
+  void Open();
+  void Read();
+  void OnRead(boost::beast::error_code error);
+  /// What is wrong with the message; empty: nothing.
+  std::string OnText(std::string_view text);
+  std::string OnBinary(std::span<const std::uint8_t> bytes);
+  void Subscribe(const foxglove::Request& request);
+  void OnMouse(std::string_view json);
+  void Send(std::string text);
+  void Write();
+  void OnWritten(boost::beast::error_code error);
+  void Gone();
+
+  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  Hub& hub_;
+  std::uint64_t id_;
+  std::string peer_;
+  boost::beast::flat_buffer input_;
+
+  std::deque<std::string> texts_;
+  FrameQueue queue_;
+  bool open_ = false;
+  bool writing_ = false;
+  bool closing_ = false;
+  bool gone_ = false;
+  boost::beast::websocket::close_reason close_reason_;
+  // In flight.
+  std::string text_;
+  FrameQueue::Next frame_;
+  foxglove::MessageHeader header_{};
+
+  std::map<std::uint32_t, std::string> published_;  // topics of the client's channels
+  FramePtr mouse_state_;
+  std::int64_t heard_ns_ = 0;
+  std::int64_t pinged_ns_ = 0;
+  bool pinging_ = false;
+  std::uint64_t frames_sent_ = 0;
+};
+
+}  // namespace palpate

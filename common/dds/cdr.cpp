@@ -1,0 +1,93 @@
+#include "common/dds/cdr.h"
+
+#include <array>
+#include <cstring>
+
+#include <dds/ddsi/ddsi_cdrstream.h>
+#include <dds/ddsi/ddsi_serdata_default.h>
+
+namespace palpate::dds {
+namespace {
+
+constexpr std::array<std::uint8_t, 4> kLittleEndian = {0, 1, 0, 0};
+
+template <class T>
+constexpr bool kIsPayload = std::is_same_v<T, wire::HapticPose> || std::is_same_v<T, wire::Wrench>;
+
+/// What the stream functions look at of a type.
+template <class T>
+ddsi_sertype_default TypeOf() {
+  ddsi_sertype_default type{};
+  type.type.size = wire::Descriptor<T>().m_size;
+  type.type.ops.nops = wire::Descriptor<T>().m_nops;
+  type.type.ops.ops = const_cast<std::uint32_t*>(wire::Descriptor<T>().m_ops);
+  return type;
+}
+
+}  // namespace
+
+template <class T>
+void ToCdr(const T& sample, std::vector<std::uint8_t>& out) {
+  out.insert(out.end(), kLittleEndian.begin(), kLittleEndian.end());
+  if constexpr (kIsPayload<T>) {
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(&sample);
+    out.insert(out.end(), bytes, bytes + sizeof sample);
+  } else {
+    dds_ostream_t stream;
+    dds_ostream_init(&stream, 0, 1);
+    dds_stream_write(&stream, reinterpret_cast<const char*>(&sample), wire::Descriptor<T>().m_ops);
+    out.insert(out.end(), stream.m_buffer, stream.m_buffer + stream.m_index);
+    dds_ostream_fini(&stream);
+  }
+}
+
+template <class T>
+bool FromCdr(std::span<const std::uint8_t> bytes, T& sample) {
+  if (bytes.size() < kLittleEndian.size() ||
+      std::memcmp(bytes.data(), kLittleEndian.data(), kLittleEndian.size()) != 0) {
+    return false;
+  }
+  const auto payload = bytes.subspan(kLittleEndian.size());
+  if constexpr (kIsPayload<T>) {
+    if (payload.size() != sizeof sample) return false;
+    std::memcpy(&sample, payload.data(), sizeof sample);
+  } else {
+    // The check writes to the bytes where their order is foreign.  DDS pads a payload's end.
+    std::vector<char> copy(payload.begin(), payload.end());
+    std::uint32_t size = 0;
+    const auto count = static_cast<std::uint32_t>(copy.size());
+    if (copy.size() != count || copy.empty() ||
+        dds_stream_normalize_data(copy.data(), &size, count, false, 1,
+                                  wire::Descriptor<T>().m_ops) == nullptr) {
+      return false;
+    }
+    const ddsi_sertype_default type = TypeOf<T>();
+    dds_istream_t stream;
+    dds_istream_init(&stream, size, copy.data(), 1);
+    dds_stream_read_sample(&stream, &sample, &type);
+    dds_istream_fini(&stream);
+  }
+  return true;
+}
+
+template <class T>
+void Release(T& sample) {
+  dds_sample_free(&sample, &wire::Descriptor<T>(), DDS_FREE_CONTENTS);
+}
+
+#define PALPATE_CDR(T)                                       \
+  template void ToCdr(const T&, std::vector<std::uint8_t>&); \
+  template bool FromCdr(std::span<const std::uint8_t>, T&);  \
+  template void Release(T&)
+PALPATE_CDR(wire::HapticPose);
+PALPATE_CDR(wire::Wrench);
+PALPATE_CDR(wire::SessionRequest);
+PALPATE_CDR(wire::SessionState);
+PALPATE_CDR(wire::SceneChange);
+PALPATE_CDR(wire::LeafTaken);
+PALPATE_CDR(wire::ToolState);
+PALPATE_CDR(wire::LoopStatistics);
+PALPATE_CDR(wire::SceneBundle);
+#undef PALPATE_CDR
+
+}  // namespace palpate::dds

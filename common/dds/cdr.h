@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/dds/wire.h"
+
+namespace palpate::dds {
+
+// Samples as bytes: CDR (XCDR1, little-endian) behind the four bytes that name the encoding, as DDS
+// puts them on the wire and recordings keep them.  A sample that came through shared memory has no
+// such bytes of its own, so all are made here.  Needs no participant.
+
+/// Appends the sample's bytes.  T is a type of common/dds/wire.h.
+template <class T>
+void ToCdr(const T& sample, std::vector<std::uint8_t>& out);
+
+/// False, leaving the sample undefined, where the bytes are not those of a T.  What the sample owns
+/// is Release's to free; where it holds something already, that is used again.
+template <class T>
+bool FromCdr(std::span<const std::uint8_t> bytes, T& sample);
+
+/// Frees what a sample owns: SceneBundle's bytes, nothing of the others.
+template <class T>
+void Release(T& sample);
+
+}  // namespace palpate::dds

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/dds/endpoint.h"
+
+namespace palpate::dds {
+
+/// A sample as it travelled: the 4-byte encapsulation header and the CDR payload.
+struct CdrSample {
+  std::vector<std::uint8_t> cdr;
+  std::uint64_t instance = 0;       ///< equal for samples of equal keys, in one process
+  std::int64_t source_time_ns = 0;  ///< when it was written, by the writer's wall clock
+};
+
+/// Reader of T that keeps the bytes, for those who pass samples on as they are.  Polls.  Not for
+/// the loop's topics: what comes through shared memory was never serialised.
+template <class T>
+class CdrReader {
+ public:
+  /// Throws Error (topic, DDS's reason).
+  CdrReader(const Participant& participant, const std::string& topic, Qos qos)
+      : reader_(participant, topic, qos) {}
+
+  /// Takes the oldest sample not yet taken, as bytes and as a struct; false where there is none.
+  /// @param sample  what it owned before is freed; what it owns then is the caller's: FreeContents.
+  bool Take(CdrSample& raw, T& sample);
+  int matched_writers() const noexcept { return reader_.matched_writers(); }
+
+ private:
+  Reader<T> reader_;
+};
+
+/// Frees the sequences that DDS allocated in a sample, and clears it.
+template <class T>
+void FreeContents(T& sample) noexcept {
+  dds_sample_free(&sample, &wire::Descriptor<T>(), DDS_FREE_CONTENTS);
+  sample = T{};
+}
+
+}  // namespace palpate::dds

@@ -1,0 +1,242 @@
+#include "common/mcap/mcap_reader.h"
+
+#include <cerrno>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+#include <zstd.h>
+
+#include "common/error.h"
+
+namespace palpate::mcap {
+namespace {
+
+/// No chunk of ours comes near; a file that says more is broken, or means to use up the memory.
+constexpr std::uint64_t kMaxChunk = std::uint64_t{1} << 30;
+constexpr std::size_t kMaxProblems = 20;
+
+/// Takes fields off a record; once one does not fit, ok() is false and all further ones are empty.
+class Fields {
+ public:
+  explicit Fields(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
+
+  template <class Integer>
+  Integer Take() {
+    Integer value = 0;
+    const auto bytes = TakeBytes(sizeof value);
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      value = static_cast<Integer>(value | static_cast<Integer>(Integer{bytes[i]} << 8 * i));
+    }
+    return value;
+  }
+  std::span<const std::uint8_t> TakeBytes(std::uint64_t size) {
+    if (size > rest_.size()) {
+      ok_ = false;
+      rest_ = {};
+      return {};
+    }
+    const auto taken = rest_.first(size);
+    rest_ = rest_.subspan(size);
+    return taken;
+  }
+  std::string TakeString() {
+    const auto bytes = TakeBytes(Take<std::uint32_t>());
+    return {bytes.begin(), bytes.end()};
+  }
+  StringMap TakeMap() {
+    Fields entries(TakeBytes(Take<std::uint32_t>()));
+    StringMap map;
+    while (entries.ok_ && !entries.rest_.empty()) {
+      std::string key = entries.TakeString();
+      map[std::move(key)] = entries.TakeString();
+    }
+    ok_ = ok_ && entries.ok_;
+    return map;
+  }
+  std::span<const std::uint8_t> rest() const { return rest_; }
+  bool ok() const { return ok_; }
+
+ private:
+  std::span<const std::uint8_t> rest_;
+  bool ok_ = true;
+};
+
+std::string At(std::size_t offset) {
+  return " at byte " + std::to_string(offset);
+}
+
+}  // namespace
+
+MappedFile::MappedFile(const std::string& file) {
+  const int fd = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  struct stat status {};
+  if (fd < 0 || fstat(fd, &status) != 0) {
+    const std::string why = std::strerror(errno);
+    if (fd >= 0) close(fd);
+    throw Error(file + ": " + why + "; give the path of a recording");
+  }
+  const auto size = static_cast<std::size_t>(status.st_size);
+  if (S_ISREG(status.st_mode) && size > 0) {
+    void* const memory = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (memory != MAP_FAILED) bytes_ = {static_cast<const std::uint8_t*>(memory), size};
+  }
+  close(fd);
+  if (!S_ISREG(status.st_mode) || (size > 0 && bytes_.empty())) {
+    throw Error(file + ": cannot be read as a file; give the path of a recording");
+  }
+}
+
+MappedFile::~MappedFile() {
+  if (!bytes_.empty()) munmap(const_cast<std::uint8_t*>(bytes_.data()), bytes_.size());
+}
+
+Reader::Reader(std::span<const std::uint8_t> bytes, std::string source)
+    : bytes_(bytes),
+      source_(std::move(source)),
+      from_ns_(std::numeric_limits<std::int64_t>::min()),
+      to_ns_(std::numeric_limits<std::int64_t>::max()) {
+  if (bytes.size() < kMagicSize || std::memcmp(bytes.data(), kMagic, kMagicSize) != 0) {
+    throw Error(source_ + ": is not an MCAP file; give one that palpate-record has made");
+  }
+  at_ = kMagicSize;
+}
+
+void Reader::Between(std::int64_t from_ns, std::int64_t to_ns) {
+  from_ns_ = from_ns;
+  to_ns_ = to_ns;
+}
+
+bool Reader::TakeRecord(std::span<const std::uint8_t> bytes, std::size_t& at, Record& record) {
+  Fields fields(bytes.subspan(at));
+  record.opcode = fields.Take<std::uint8_t>();
+  record.content = fields.TakeBytes(fields.Take<std::uint64_t>());
+  if (!fields.ok()) return false;
+  at += kRecordHead + record.content.size();
+  return true;
+}
+
+void Reader::Stop(const std::string& problem) {
+  ended_ = true;
+  problems_.push_back(problem);
+}
+
+bool Reader::TakeBasic(const Record& record, Message& message) {
+  Fields fields(record.content);
+  if (record.opcode == kSchema) {
+    Schema schema;
+    schema.id = fields.Take<std::uint16_t>();
+    schema.name = fields.TakeString();
+    schema.encoding = fields.TakeString();
+    schema.data = fields.TakeString();
+    if (fields.ok()) schemas_.try_emplace(schema.id, std::move(schema));
+  } else if (record.opcode == kChannel) {
+    Channel channel;
+    channel.id = fields.Take<std::uint16_t>();
+    channel.schema_id = fields.Take<std::uint16_t>();
+    channel.topic = fields.TakeString();
+    channel.message_encoding = fields.TakeString();
+    channel.metadata = fields.TakeMap();
+    if (fields.ok()) channels_.try_emplace(channel.id, std::move(channel));
+  } else if (record.opcode == kMessage) {
+    const auto channel = channels_.find(fields.Take<std::uint16_t>());
+    message.sequence = fields.Take<std::uint32_t>();
+    message.log_time_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
+    message.publish_time_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
+    message.data = fields.rest();
+    if (fields.ok() && channel != channels_.end()) {
+      message.channel = &channel->second;
+      return message.log_time_ns >= from_ns_ && message.log_time_ns < to_ns_;
+    }
+  }
+  if (!fields.ok() && problems_.size() < kMaxProblems) {
+    problems_.push_back(source_ + ": a record is too short for its fields, before" + At(at_));
+  }
+  return false;
+}
+
+void Reader::OpenChunk(std::span<const std::uint8_t> content, std::size_t offset) {
+  Fields fields(content);
+  const auto start_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
+  const auto end_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
+  const auto size = fields.Take<std::uint64_t>();
+  const auto crc = fields.Take<std::uint32_t>();
+  const std::string compression = fields.TakeString();
+  const auto records = fields.TakeBytes(fields.Take<std::uint64_t>());
+  if (fields.ok() && (end_ns < from_ns_ || start_ns >= to_ns_)) return;
+
+  std::string problem;
+  if (!fields.ok() || size > kMaxChunk) {
+    problem = "says impossible sizes";
+  } else if (compression.empty()) {
+    chunk_.assign(records.begin(), records.end());
+  } else if (compression != "zstd") {
+    problem = "is compressed by '" + compression + "', which this version does not read";
+  } else if (ZSTD_getFrameContentSize(records.data(), records.size()) != size) {
+    problem = "contradicts itself about its size";
+  } else {
+    chunk_.resize(size);
+    const std::size_t n =
+        ZSTD_decompress(chunk_.data(), chunk_.size(), records.data(), records.size());
+    if (ZSTD_isError(n)) problem = std::string("does not decompress: ") + ZSTD_getErrorName(n);
+  }
+  if (problem.empty() && crc != 0 &&
+      crc != static_cast<std::uint32_t>(crc32_z(0, chunk_.data(), chunk_.size()))) {
+    problem = "has other bytes than were written (its checksum differs)";
+  }
+  chunk_at_ = 0;
+  chunk_offset_ = offset;
+  if (problem.empty()) return;
+  chunk_.clear();
+  if (problems_.size() < kMaxProblems) {
+    problems_.push_back(source_ + ": the chunk" + At(offset) + " " + problem + ": left out");
+  }
+}
+
+bool Reader::Next(Message& message) {
+  Record record{};
+  while (!ended_) {
+    if (chunk_at_ < chunk_.size()) {
+      if (!TakeRecord(chunk_, chunk_at_, record)) {
+        chunk_.clear();
+        problems_.push_back(source_ + ": the chunk" + At(chunk_offset_) +
+                            " ends within a record: its rest is left out");
+      } else if (TakeBasic(record, message)) {
+        return true;
+      }
+      continue;
+    }
+    const std::size_t offset = at_;
+    if (at_ == bytes_.size()) {
+      Stop(source_ + ": has no end: its recorder was cut off" + At(offset));
+    } else if (!TakeRecord(bytes_, at_, record)) {
+      Stop(source_ + ": is cut off within a record" + At(offset));
+    } else if (record.opcode == kChunk) {
+      OpenChunk(record.content, offset);
+    } else if (record.opcode == kMetadata) {
+      Fields fields(record.content);
+      Metadata metadata;
+      metadata.name = fields.TakeString();
+      metadata.values = fields.TakeMap();
+      if (fields.ok()) metadata_.push_back(std::move(metadata));
+    } else if (record.opcode == kDataEnd) {
+      // What follows repeats; all that matters is that its end is there.
+      ended_ = true;
+      complete_ = bytes_.size() - at_ >= kMagicSize &&
+                  std::memcmp(&bytes_[bytes_.size() - kMagicSize], kMagic, kMagicSize) == 0;
+      if (!complete_) Stop(source_ + ": is cut off within its index; all its data are there");
+    } else if (record.opcode == 0 || record.opcode == kFooter) {
+      Stop(source_ + ": has a record that cannot be there" + At(offset));
+    } else if (TakeBasic(record, message)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace palpate::mcap

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/mcap/mcap_format.h"
+
+namespace palpate::mcap {
+
+struct Message {
+  const Channel* channel = nullptr;
+  std::uint32_t sequence = 0;
+  std::int64_t log_time_ns = 0;
+  std::int64_t publish_time_ns = 0;
+  std::span<const std::uint8_t> data;  ///< until the next call
+};
+
+/// A file in memory, as the system pages it in.
+class MappedFile {
+ public:
+  /// Throws Error (file, the system's reason).
+  explicit MappedFile(const std::string& file);
+  ~MappedFile();
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  std::span<const std::uint8_t> bytes() const { return bytes_; }
+
+ private:
+  std::span<const std::uint8_t> bytes_;
+};
+
+/// Reads an MCAP file in order, from first byte to last, believing nothing: a file that was cut
+/// off, or whose bytes have changed, gives what of it is whole, and the reason why not more.
+class Reader {
+ public:
+  /// @param bytes   the file; must outlive the reader.
+  /// @param source  names it in messages.
+  /// Throws Error where it does not begin as an MCAP file does.
+  Reader(std::span<const std::uint8_t> bytes, std::string source);
+
+  /// The next message, in the file's order; false at the end, or where it cannot go on.
+  bool Next(Message& message);
+  /// Chunks without a message in [from, to) are passed over without being decompressed.
+  void Between(std::int64_t from_ns, std::int64_t to_ns);
+
+  /// Once Next has returned false: true where the file has its end (a footer).
+  bool complete() const { return complete_; }
+  /// What is wrong with it, a sentence each; none where it is whole.
+  const std::vector<std::string>& problems() const { return problems_; }
+  /// Of what has been read so far.
+  const std::vector<Metadata>& metadata() const { return metadata_; }
+  const std::map<std::uint16_t, Schema>& schemas() const { return schemas_; }
+  const std::map<std::uint16_t, Channel>& channels() const { return channels_; }
+
+ private:
+  struct Record {
+    std::uint8_t opcode;
+    std::span<const std::uint8_t> content;
+  };
+  /// The record at `at`, and moves on; false where none fits.
+  static bool TakeRecord(std::span<const std::uint8_t> bytes, std::size_t& at, Record& record);
+  /// Schema, Channel or Message; true for a message that can be given out.
+  bool TakeBasic(const Record& record, Message& message);
+  void OpenChunk(std::span<const std::uint8_t> content, std::size_t offset);
+  void Stop(const std::string& problem);
+
+  std::span<const std::uint8_t> bytes_;
+  std::string source_;
+  std::size_t at_ = 0;
+  std::vector<std::uint8_t> chunk_;
+  std::size_t chunk_at_ = 0, chunk_offset_ = 0;
+  std::int64_t from_ns_, to_ns_;
+  bool ended_ = false, complete_ = false;
+  std::vector<std::string> problems_;
+  std::vector<Metadata> metadata_;
+  std::map<std::uint16_t, Schema> schemas_;
+  std::map<std::uint16_t, Channel> channels_;
+};
+
+}  // namespace palpate::mcap

@@ -1,0 +1,10 @@
+#pragma once
+
+namespace palpate {
+
+// The files of idl/ as text, put here by the build.
+extern const char* const kHapticsIdl;
+extern const char* const kSessionIdl;
+extern const char* const kTeachingIdl;
+
+}  // namespace palpate

@@ -1,0 +1,64 @@
+#include "common/recording/recorded_type.h"
+
+#include <array>
+
+#include "common/recording/idl_texts.h"
+
+namespace palpate {
+namespace {
+
+struct Entry {
+  const char* name;
+  const std::string* text;
+};
+
+const Entry& EntryOf(RecordedType type) {
+  static const std::string haptics = kHapticsIdl, session = kSessionIdl, teaching = kTeachingIdl;
+  static const std::array<Entry, kRecordedTypes> entries = {{
+      {"palpate::HapticPose", &haptics},
+      {"palpate::Wrench", &haptics},
+      {"palpate::SessionRequest", &session},
+      {"palpate::SessionState", &session},
+      {"palpate::SceneChange", &session},
+      {"palpate::LeafTaken", &session},
+      {"palpate::ToolState", &teaching},
+      {"palpate::LoopStatistics", &teaching},
+      {"palpate::SceneBundle", &teaching},
+  }};
+  return entries[static_cast<std::size_t>(type)];
+}
+
+}  // namespace
+
+const char* SchemaName(RecordedType type) {
+  return EntryOf(type).name;
+}
+
+const std::string& SchemaText(RecordedType type) {
+  return *EntryOf(type).text;
+}
+
+std::optional<RecordedType> TypeOfSchema(const std::string& schema_name) {
+  for (int i = 0; i < kRecordedTypes; ++i) {
+    const auto type = static_cast<RecordedType>(i);
+    if (schema_name == SchemaName(type)) return type;
+  }
+  return std::nullopt;
+}
+
+void SequenceCount::Add(std::uint64_t sequence) {
+  if (!any_) {
+    any_ = true;
+    first_ = last_ = sequence;
+    return;
+  }
+  // What comes again, as after a split, is not missing.
+  if (sequence <= last_) return;
+  if (sequence > last_ + 1) {
+    ++holes_;
+    missing_ += sequence - last_ - 1;
+  }
+  last_ = sequence;
+}
+
+}  // namespace palpate

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/dds/wire.h"
+
+namespace palpate {
+
+/// What recordings hold: the types of common/dds/wire.h.
+enum class RecordedType {
+  kHapticPose,
+  kWrench,
+  kSessionRequest,
+  kSessionState,
+  kSceneChange,
+  kLeafTaken,
+  kToolState,
+  kLoopStatistics,
+  kSceneBundle,
+};
+inline constexpr int kRecordedTypes = 9;
+
+/// "palpate::HapticPose"
+const char* SchemaName(RecordedType type);
+/// The type's schema: IDL that stands alone (the file of idl/ that declares it).
+const std::string& SchemaText(RecordedType type);
+std::optional<RecordedType> TypeOfSchema(const std::string& schema_name);
+
+template <class T>
+constexpr RecordedType kTypeOf = RecordedType::kHapticPose;
+template <>
+inline constexpr RecordedType kTypeOf<wire::Wrench> = RecordedType::kWrench;
+template <>
+inline constexpr RecordedType kTypeOf<wire::SessionRequest> = RecordedType::kSessionRequest;
+template <>
+inline constexpr RecordedType kTypeOf<wire::SessionState> = RecordedType::kSessionState;
+template <>
+inline constexpr RecordedType kTypeOf<wire::SceneChange> = RecordedType::kSceneChange;
+template <>
+inline constexpr RecordedType kTypeOf<wire::LeafTaken> = RecordedType::kLeafTaken;
+template <>
+inline constexpr RecordedType kTypeOf<wire::ToolState> = RecordedType::kToolState;
+template <>
+inline constexpr RecordedType kTypeOf<wire::LoopStatistics> = RecordedType::kLoopStatistics;
+template <>
+inline constexpr RecordedType kTypeOf<wire::SceneBundle> = RecordedType::kSceneBundle;
+
+/// Counts what a topic's samples number themselves by, so that each hole is known.
+class SequenceCount {
+ public:
+  void Add(std::uint64_t sequence);
+  std::uint64_t first() const { return first_; }
+  std::uint64_t last() const { return last_; }
+  std::uint64_t holes() const { return holes_; }
+  std::uint64_t missing() const { return missing_; }
+
+ private:
+  bool any_ = false;
+  std::uint64_t first_ = 0, last_ = 0, holes_ = 0, missing_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/dds/cdr.h"
+#include "common/mcap/mcap_reader.h"
+#include "common/recording/recorded_type.h"
+
+namespace palpate {
+
+/// A sample as a recording holds it; until the reader's next one.
+struct RecordedSample {
+  RecordedType type;
+  const std::string* topic;
+  std::int64_t log_time_ns;
+  std::span<const std::uint8_t> cdr;
+
+  /// False where it is of another type, or its bytes are not a T's.
+  template <class T>
+  bool To(T& sample) const {
+    return type == kTypeOf<T> && dds::FromCdr(cdr, sample);
+  }
+};
+
+/// Reads a recording in order: a file, or its splits one after the other.
+class RecordingReader {
+ public:
+  /// Throws Error where a file cannot be read, or is no MCAP file.
+  explicit RecordingReader(const std::vector<std::string>& files);
+
+  /// Samples of types that this version does not know are passed over, and counted.
+  bool Next(RecordedSample& sample);
+  /// Begins anew, with what lies between these times.
+  void Restart(std::int64_t from_ns, std::int64_t to_ns);
+  void Restart();
+
+  // Of what has been read; so, of all of it once Next has returned false.
+  bool complete() const { return complete_; }  ///< every file has its end
+  std::vector<std::string> problems() const;
+  std::vector<mcap::Metadata> metadata() const;
+  std::uint64_t unknown() const { return unknown_; }
+  std::uint64_t bytes() const;
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<std::unique_ptr<mcap::MappedFile>> files_;
+  std::vector<std::unique_ptr<mcap::Reader>> readers_;  // of those begun
+  std::int64_t from_ns_, to_ns_;
+  bool complete_ = true;
+  std::uint64_t unknown_ = 0;
+};
+
+}  // namespace palpate

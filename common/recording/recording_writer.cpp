@@ -1,0 +1,187 @@
+#include "common/recording/recording_writer.h"
+
+#include <cinttypes>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include "common/dds/cdr.h"
+
+namespace palpate {
+namespace {
+
+std::string Hex(std::uint64_t value) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016" PRIx64, value);
+  return text;
+}
+
+std::string SplitName(const std::string& file, std::size_t number) {
+  const std::size_t dot = file.rfind('.');
+  const bool has_ending = dot != std::string::npos && file.find('/', dot) == std::string::npos;
+  char digits[24];
+  std::snprintf(digits, sizeof digits, "_%03zu", number);
+  return file.substr(0, has_ending ? dot : file.size()) + digits +
+         (has_ending ? file.substr(dot) : "");
+}
+
+}  // namespace
+
+RecordingWriter::RecordingWriter(RecordingOptions options) : options_(std::move(options)) {
+  Open();
+}
+
+void RecordingWriter::Open() {
+  const bool splits = options_.split_bytes > 0 || options_.split_s > 0.0;
+  files_.push_back(splits ? SplitName(options_.file, files_.size()) : options_.file);
+  file_ =
+      std::make_unique<mcap::Writer>(files_.back(), "palpate " PALPATE_VERSION, options_.overwrite);
+  schema_ = {};
+  for (auto& [name, topic] : topics_) topic.channel = 0;
+  mcap::StringMap about = options_.about;
+  about["build"] = PALPATE_VERSION;
+  about["split"] = std::to_string(files_.size() - 1);
+  file_->WriteMetadata({"palpate.recording", about});
+  for (const auto& [name, scene] : scenes_) file_->WriteMetadata({"palpate.scene", scene});
+}
+
+void RecordingWriter::Finish(const std::string& reason) {
+  std::uint64_t dropped = 0;
+  for (const auto& [name, topic] : topics_) {
+    dropped += topic.dropped;
+    mcap::StringMap figures{{"topic", name},
+                            {"type", SchemaName(topic.type)},
+                            {"messages", std::to_string(topic.messages)},
+                            {"dropped", std::to_string(topic.dropped)}};
+    if (topic.messages > 0) {
+      figures["first"] = std::to_string(topic.sequence.first());
+      figures["last"] = std::to_string(topic.sequence.last());
+      figures["holes"] = std::to_string(topic.sequence.holes());
+      figures["missing"] = std::to_string(topic.sequence.missing());
+    }
+    file_->WriteMetadata({"palpate.topic", figures});
+  }
+  // Of all splits so far.
+  file_->WriteMetadata({"palpate.end",
+                        {{"reason", reason},
+                         {"messages", std::to_string(messages_)},
+                         {"dropped", std::to_string(dropped)},
+                         {"missing", std::to_string(missing())}}});
+  file_->Close();
+}
+
+void RecordingWriter::Close(const std::string& reason) {
+  Finish(reason);
+}
+
+std::uint64_t RecordingWriter::missing() const {
+  std::uint64_t sum = 0;
+  for (const auto& [name, topic] : topics_) sum += topic.sequence.missing();
+  return sum;
+}
+
+void RecordingWriter::SetDropped(const std::string& topic, std::uint64_t dropped) {
+  if (const auto it = topics_.find(topic); it != topics_.end()) it->second.dropped = dropped;
+}
+
+void RecordingWriter::SplitIfDue(std::int64_t log_time_ns) {
+  if (file_began_ns_ == 0) file_began_ns_ = log_time_ns;
+  const double age_s = 1e-9 * static_cast<double>(log_time_ns - file_began_ns_);
+  const bool due = (options_.split_bytes > 0 && file_->size() >= options_.split_bytes) ||
+                   (options_.split_s > 0.0 && age_s >= options_.split_s);
+  if (!due) return;
+  Finish("goes on in the next split");
+  closed_bytes_ += file_->size();
+  file_began_ns_ = log_time_ns;
+  Open();
+  for (const auto& [key, kept] : kept_) {
+    Topic& topic = topics_.at(kept.topic);
+    Put(kept.topic, topic, log_time_ns, topic.messages, kept.cdr);
+  }
+}
+
+void RecordingWriter::Add(const std::string& name, RecordedType type, std::int64_t log_time_ns,
+                          std::span<const std::uint8_t> cdr) {
+  SplitIfDue(log_time_ns);
+  Topic& topic = topics_.try_emplace(name, Topic{.type = type}).first->second;
+  const std::uint64_t sequence = Look(name, topic, cdr);
+  topic.sequence.Add(sequence);
+  ++topic.messages;
+  ++messages_;
+  if (type == RecordedType::kSceneBundle && !options_.bundles) return;
+  Put(name, topic, log_time_ns, sequence, cdr);
+}
+
+void RecordingWriter::Put(const std::string& name, Topic& topic, std::int64_t log_time_ns,
+                          std::uint64_t sequence, std::span<const std::uint8_t> cdr) {
+  if (topic.channel == 0) {
+    std::uint16_t& schema = schema_[static_cast<std::size_t>(topic.type)];
+    if (schema == 0) {
+      schema = file_->AddSchema(SchemaName(topic.type), "omgidl", SchemaText(topic.type));
+    }
+    topic.channel = file_->AddChannel(schema, name, "cdr");
+  }
+  file_->Write(topic.channel, static_cast<std::uint32_t>(sequence), log_time_ns, log_time_ns, cdr);
+  if (file_->pending() >= kChunk) file_->Flush();
+}
+
+std::uint64_t RecordingWriter::Look(const std::string& name, Topic& topic,
+                                    std::span<const std::uint8_t> cdr) {
+  const std::uint64_t count = topic.messages + 1;
+  const auto keep = [&](const std::string& key, std::uint64_t server_run) {
+    kept_[name + key] = {name, topic.type, server_run, {cdr.begin(), cdr.end()}};
+  };
+  switch (topic.type) {
+    case RecordedType::kHapticPose: {
+      wire::HapticPose pose;
+      return dds::FromCdr(cdr, pose) ? pose.pose_sequence : count;
+    }
+    case RecordedType::kWrench: {
+      wire::Wrench wrench;
+      return dds::FromCdr(cdr, wrench) ? wrench.answer : count;
+    }
+    case RecordedType::kSessionState: {
+      wire::SessionState state{};
+      if (dds::FromCdr(cdr, state)) keep(std::string("/") + state.station, state.server_run);
+      return count;
+    }
+    case RecordedType::kSceneChange: {
+      wire::SceneChange change{};
+      if (!dds::FromCdr(cdr, change)) return count;
+      // Of the scene as it stands now: another run of the server finds it whole again.
+      std::erase_if(kept_, [&](const auto& entry) {
+        return entry.second.type == topic.type && entry.second.server_run != change.server_run;
+      });
+      char number[24];
+      std::snprintf(number, sizeof number, "/%016" PRIx64, std::uint64_t{change.change});
+      keep(std::string("/") + change.scene + number, change.server_run);
+      return count;
+    }
+    case RecordedType::kSceneBundle:
+      KeepScene(name, cdr);
+      return count;
+    default:
+      return count;
+  }
+}
+
+void RecordingWriter::KeepScene(const std::string& name, std::span<const std::uint8_t> cdr) {
+  wire::SceneBundle bundle{};
+  if (dds::FromCdr(cdr, bundle)) {
+    mcap::StringMap scene{{"scene", bundle.scene},
+                          {"hash", Hex(bundle.hash)},
+                          {"bytes", std::to_string(bundle.bundle._length)}};
+    if (options_.bundles) {
+      kept_[name + "/" + bundle.scene] = {
+          name, RecordedType::kSceneBundle, bundle.server_run, {cdr.begin(), cdr.end()}};
+    }
+    mcap::StringMap& known = scenes_[bundle.scene];
+    if (known != scene) {
+      known = scene;
+      file_->WriteMetadata({"palpate.scene", scene});
+    }
+  }
+  dds::Release(bundle);
+}
+
+}  // namespace palpate

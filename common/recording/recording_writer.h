@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/mcap/mcap_writer.h"
+#include "common/recording/recorded_type.h"
+
+namespace palpate {
+
+struct RecordingOptions {
+  std::string file;               ///< FILE.mcap; with a split FILE_000.mcap, FILE_001.mcap, ...
+  std::uint64_t split_bytes = 0;  ///< 0: never
+  double split_s = 0.0;           ///< 0: never
+  bool bundles = true;            ///< false: of scenes, only their names and hashes are kept
+  bool overwrite = false;
+  mcap::StringMap about;  ///< what else the recording is to say of itself
+};
+
+/// Writes samples as a recording: MCAP, one channel for each topic, with figures that prove that it
+/// is complete or say what is lacking.  Each split can be read alone: it repeats the latest state
+/// of every session, the scenes, and what has been scraped off them. Thread contract: one thread.
+class RecordingWriter {
+ public:
+  /// A chunk is closed at the latest when it holds this much.
+  static constexpr std::size_t kChunk = 1 << 20;
+
+  /// Throws Error where the file cannot be made.
+  explicit RecordingWriter(RecordingOptions options);
+
+  /// Throws Error where a write fails; what was written before is whole.
+  void Add(const std::string& topic, RecordedType type, std::int64_t log_time_ns,
+           std::span<const std::uint8_t> cdr);
+  /// Samples of the topic that came, and that there was no room for.
+  void SetDropped(const std::string& topic, std::uint64_t dropped);
+  /// Writes what is pending: no more than what came since then can be lost.
+  void Flush() { file_->Flush(); }
+  /// Writes the figures and the file's index.
+  /// @param reason  why it ends, in words.
+  void Close(const std::string& reason);
+
+  std::uint64_t messages() const { return messages_; }
+  std::uint64_t bytes() const { return closed_bytes_ + file_->size(); }
+  /// Missing by their numbers, all topics together.
+  std::uint64_t missing() const;
+  /// Names of the files so far.
+  const std::vector<std::string>& files() const { return files_; }
+
+ private:
+  struct Topic {
+    RecordedType type;
+    std::uint16_t channel = 0;  ///< 0: not yet in this file
+    std::uint64_t messages = 0;
+    std::uint64_t dropped = 0;
+    SequenceCount sequence;
+  };
+  /// What every split repeats.
+  struct Kept {
+    std::string topic;
+    RecordedType type;
+    std::uint64_t server_run;
+    std::vector<std::uint8_t> cdr;
+  };
+
+  void Open();
+  void Finish(const std::string& reason);
+  void SplitIfDue(std::int64_t log_time_ns);
+  void Put(const std::string& name, Topic& topic, std::int64_t log_time_ns, std::uint64_t sequence,
+           std::span<const std::uint8_t> cdr);
+  /// The number that the sample gives itself, or a count; keeps what splits repeat.
+  std::uint64_t Look(const std::string& name, Topic& topic, std::span<const std::uint8_t> cdr);
+  void KeepScene(const std::string& name, std::span<const std::uint8_t> cdr);
+
+  RecordingOptions options_;
+  std::unique_ptr<mcap::Writer> file_;
+  std::vector<std::string> files_;
+  std::int64_t file_began_ns_ = 0;
+  std::uint64_t messages_ = 0, closed_bytes_ = 0;
+  std::array<std::uint16_t, kRecordedTypes> schema_{};  ///< in this file; 0: not yet
+  std::map<std::string, Topic> topics_;
+  std::map<std::string, mcap::StringMap> scenes_;
+  std::map<std::string, Kept> kept_;  // by what they replace
+};
+
+}  // namespace palpate

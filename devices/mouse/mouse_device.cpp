@@ -1,0 +1,105 @@
+#include "devices/mouse/mouse_device.h"
+
+#include <cerrno>
+#include <cstdint>
+#include <string>
+
+#include <poll.h>
+#include <spdlog/spdlog.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "devices/mouse/mouse_line.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kLongestLine = 512;
+constexpr int kComplaints = 5;
+
+}  // namespace
+
+MouseDevice::MouseDevice(int lines, const Pose& start)
+    : hand_(start), lines_(lines), stop_(eventfd(0, EFD_CLOEXEC)) {
+  if (stop_ < 0) throw Error("mouse: no eventfd; are too many files open?");
+  info_.model = "mouse (poses from standard input)";
+  // It renders nothing: generous bounds let the limiter show the server's wrench nearly as it is,
+  // and what a mouse can press stays below them (mouse_hand.h).
+  info_.max_force_N = info_.continuous_force_N = 100.0;
+  info_.max_torque_Nm = info_.continuous_torque_Nm = 10.0;
+  info_.workspace_m = Vec3::Constant(20.0);  // what a line may say
+  info_.simulated = true;
+  reader_ = std::thread([this] { ReadLines(); });
+}
+
+MouseDevice::~MouseDevice() {
+  const std::uint64_t one = 1;
+  if (write(stop_, &one, sizeof one) < 0) {
+    // It is at its end already.
+  }
+  reader_.join();
+  close(stop_);
+}
+
+void MouseDevice::ReadLines() {
+  std::string line;
+  bool skip = false;  // the rest of a line that is too long
+  for (;;) {
+    pollfd wait[2] = {{lines_, POLLIN, 0}, {stop_, POLLIN, 0}};
+    if (poll(wait, 2, -1) < 0 && errno == EINTR) continue;
+    if (wait[1].revents != 0) break;
+    char buffer[4096];
+    const ssize_t n = read(lines_, buffer, sizeof buffer);
+    if (n < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+    if (n <= 0) break;
+    for (const char c : std::string_view(buffer, static_cast<std::size_t>(n))) {
+      if (c == '\n') {
+        if (!skip) TakeLine(line);
+        line.clear();
+        skip = false;
+      } else if (line.size() < kLongestLine) {
+        line += c;
+      } else if (!skip) {
+        skip = true;
+        TakeLine(line);  // which complains
+      }
+    }
+  }
+  if (!line.empty() && !skip) TakeLine(line);
+  ended_.store(true, std::memory_order_release);
+}
+
+void MouseDevice::TakeLine(std::string_view line) {
+  std::string complaint;
+  if (const auto order = ParseMouseLine(line, complaint)) {
+    orders_.Write({!order->X_WT, order->X_WT.value_or(Pose{})});
+  } else if (++bad_lines_ <= kComplaints) {
+    spdlog::warn("mouse: line '{}' is not used: {}{}", line.substr(0, 60), complaint,
+                 bad_lines_ == kComplaints ? "; no more of these are shown" : "");
+  }
+}
+
+DeviceSample MouseDevice::Read() noexcept {
+  if (Order order; orders_.Read(order)) {
+    let_go_ = order.release;
+    if (order.release) {
+      hand_.LetGo();
+    } else {
+      hand_.Follow(order.X_WT);
+    }
+  }
+  return {hand_.pose(), hand_.twist(), 0, kDeviceForcesIgnored};
+}
+
+void MouseDevice::Apply(const LimitedWrench&) noexcept {
+  hand_.Step(kTick_s);
+}
+
+const char* MouseDevice::activity() const noexcept {
+  if (let_go_) return "let go";
+  if (!hand_.follows()) return "waits for the mouse";
+  return hand_.held_back() ? "follows, as far as it may press" : "follows";
+}
+
+}  // namespace palpate

@@ -1,0 +1,86 @@
+#include "devices/mouse/mouse_device.h"
+
+#include <chrono>
+#include <string>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "tests/devices/limiter_support.h"
+
+namespace palpate {
+namespace {
+
+class MouseDeviceTest : public testing::Test {
+ protected:
+  MouseDeviceTest() {
+    if (pipe2(ends_, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+    device_ = std::make_unique<MouseDevice>(ends_[0], Pose{Vec3(0, 0, 0.1), Quat::Identity()});
+  }
+  ~MouseDeviceTest() override {
+    device_.reset();
+    close(ends_[0]);
+    CloseInput();
+  }
+  void Write(const std::string& text) {
+    ASSERT_EQ(write(ends_[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  }
+  void CloseInput() {
+    if (ends_[1] >= 0) close(ends_[1]);
+    ends_[1] = -1;
+  }
+  /// Ticks, as many as it takes for the lines to come through.
+  template <class Condition>
+  bool TickUntil(Condition condition) {
+    for (int i = 0; i < 20'000; ++i) {
+      sample_ = device_->Read();
+      if (condition()) return true;
+      device_->Apply(PassThrough({}));
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    return false;
+  }
+
+  int ends_[2] = {-1, -1};
+  std::unique_ptr<MouseDevice> device_;
+  DeviceSample sample_;
+};
+
+TEST_F(MouseDeviceTest, WaitsWhereItStartsAndThenFollowsTheLines) {
+  EXPECT_EQ(device_->Read().X_WH.p, Vec3(0, 0, 0.1));
+  EXPECT_STREQ(device_->activity(), "waits for the mouse");
+  Write("0.02 0 0.1 1 0 0 0\n");
+  EXPECT_TRUE(TickUntil([&] { return (sample_.X_WH.p - Vec3(0.02, 0, 0.1)).norm() < 1e-4; }));
+  EXPECT_STREQ(device_->activity(), "follows");
+  EXPECT_TRUE(sample_.status & kDeviceForcesIgnored);
+}
+
+TEST_F(MouseDeviceTest, PassesOverWhatIsNoLineAndGoesOn) {
+  Write("hello\n" + std::string(5000, '1') + "\n0 0 nan 1 0 0 0\n\n0 0 0.2 1 0 0 0\n");
+  EXPECT_TRUE(TickUntil([&] { return sample_.X_WH.p.z() > 0.199; }));
+}
+
+TEST_F(MouseDeviceTest, LetsGoAtTheGraphicTool) {
+  Write("0 0 0 1 0 0 0\n");
+  const Pose stopped{Vec3(0, 0, 0.09), Quat::Identity()};
+  EXPECT_TRUE(TickUntil([&] {
+    device_->SeeGraphicTool(stopped, Vec3::Zero());
+    return sample_.X_WH.p.z() < 0.0701;
+  }));
+  EXPECT_STREQ(device_->activity(), "follows, as far as it may press");
+  Write("release\n");
+  EXPECT_TRUE(TickUntil([&] { return sample_.X_WH.p.z() > 0.0899; }));
+  EXPECT_STREQ(device_->activity(), "let go");
+}
+
+TEST_F(MouseDeviceTest, EndsWithItsInputAndTakesTheLastLineToo) {
+  Write("0 0 0.2 1 0 0 0");
+  EXPECT_FALSE(device_->ended());
+  CloseInput();
+  EXPECT_TRUE(TickUntil([&] { return device_->ended(); }));
+  EXPECT_TRUE(TickUntil([&] { return sample_.X_WH.p.z() > 0.199; }));
+}
+
+}  // namespace
+}  // namespace palpate

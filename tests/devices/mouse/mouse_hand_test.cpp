@@ -1,0 +1,124 @@
+#include "devices/mouse/mouse_hand.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "common/math/rotation.h"
+#include "tests/support/random.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kTick = 1e-3;
+
+Pose At(const Vec3& p, const Vec3& turned = Vec3::Zero()) {
+  return {p, RotationExp(turned)};
+}
+
+/// Wall at x = 0 with the tool, a point at p_HT, in front of it, where x < 0.
+Pose StoppedByWall(const Pose& X_WH, const Vec3& p_HT) {
+  Pose X_WG = X_WH;
+  X_WG.p.x() -= std::max(0.0, (X_WH * p_HT).x());
+  return X_WG;
+}
+
+TEST(MouseHand, RestsUntilItIsTold) {
+  MouseHand hand(At(Vec3(1, 2, 3)));
+  for (int i = 0; i < 1000; ++i) hand.Step(kTick);
+  EXPECT_EQ(hand.pose().p, Vec3(1, 2, 3));
+  EXPECT_EQ(hand.twist().v, Vec3::Zero());
+}
+
+TEST(MouseHand, ComesToTheTargetAtBoundedSpeedAndDoesNotOvershoot) {
+  const Pose target = At(Vec3(0.3, 0, 0), Vec3(0, 2.0, 0));
+  MouseHand hand(At(Vec3::Zero()));
+  hand.Follow(target);
+  double x = 0.0, angle = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    const Pose before = hand.pose();
+    hand.Step(kTick);
+    const double way = (hand.pose().p - before.p).norm();
+    ASSERT_LE(way, MouseHand::kMaxSpeed_m_s * kTick * (1 + 1e-9));
+    ASSERT_LE(RotationLog(hand.pose().q * before.q.conjugate()).norm(),
+              MouseHand::kMaxTurn_rad_s * kTick * (1 + 1e-9));
+    ASSERT_GE(hand.pose().p.x(), x);
+    x = hand.pose().p.x();
+    angle = RotationLog(hand.pose().q).y();
+    ASSERT_LE(x, 0.3 + 1e-9);
+    ASSERT_LE(angle, 2.0 + 1e-9);
+  }
+  EXPECT_NEAR(x, 0.3, 1e-6);
+  EXPECT_NEAR(angle, 2.0, 1e-6);
+}
+
+TEST(MouseHand, TellsTheVelocityThatItMovesWith) {
+  const Vec3 p_HT(0.05, 0.02, -0.01);
+  MouseHand hand(At(Vec3::Zero()));
+  hand.Follow(At(Vec3(0.1, -0.05, 0.02), Vec3(0.3, -0.5, 0.2)));
+  for (int i = 0; i < 300; ++i) {
+    hand.SeeGraphicTool(hand.pose(), p_HT);  // free
+    const Pose before = hand.pose();
+    hand.Step(kTick);
+    const Vec3 v = (hand.pose().p - before.p) / kTick;
+    ASSERT_LT((hand.twist().v - v).norm(), 1e-3 * (1.0 + v.norm()));
+  }
+}
+
+TEST(MouseHand, NeverJumpsWhateverItIsTold) {
+  test::Random random(11);
+  const Vec3 p_HT(0.05, 0, 0);
+  // Its handle's origin lies 50 mm from the point whose speed is bounded.
+  const double most = kTick * (MouseHand::kMaxSpeed_m_s + 0.05 * MouseHand::kMaxTurn_rad_s);
+  MouseHand hand(At(Vec3::Zero()));
+  for (int i = 0; i < 50'000; ++i) {
+    if (random.Below(16) == 0) {
+      hand.Follow(At(random.InCube(10.0), random.InCube(3.0)));
+    } else if (random.Below(50) == 0) {
+      hand.LetGo();
+    }
+    if (random.Below(3) == 0) hand.SeeGraphicTool(At(random.InCube(1.0), random.InCube(3.0)), p_HT);
+    const Pose before = hand.pose();
+    hand.Step(kTick);
+    ASSERT_LE((hand.pose().p - before.p).norm(), most * (1 + 1e-2));
+    ASSERT_LE(RotationLog(hand.pose().q * before.q.conjugate()).norm(),
+              MouseHand::kMaxTurn_rad_s * kTick * (1 + 1e-6));
+    ASSERT_NEAR(hand.pose().q.norm(), 1.0, 1e-9);
+  }
+}
+
+TEST(MouseHand, PressesNoDeeperThanItMayAndLetsGoOfTheForce) {
+  const Vec3 p_HT(0.0, 0.03, 0.0);
+  MouseHand hand(At(Vec3(-0.1, 0, 0)));
+  hand.Follow(At(Vec3(0.4, 0, 0)));  // far inside
+  double deepest = 0.0;
+  for (int i = 0; i < 3000; ++i) {
+    hand.SeeGraphicTool(StoppedByWall(hand.pose(), p_HT), p_HT);
+    hand.Step(kTick);
+    deepest = std::max(deepest, hand.pose().p.x());
+  }
+  EXPECT_TRUE(hand.held_back());
+  EXPECT_NEAR(deepest, MouseHand::kMaxPress_m, 1e-4);
+  hand.LetGo();
+  for (int i = 0; i < 1000; ++i) {
+    hand.SeeGraphicTool(StoppedByWall(hand.pose(), p_HT), p_HT);
+    hand.Step(kTick);
+  }
+  EXPECT_NEAR(hand.pose().p.x(), 0.0, 1e-6);
+  EXPECT_FALSE(hand.held_back());
+}
+
+TEST(MouseHand, TwistsAToolThatIsHeldNoFurtherThanItMay) {
+  const Pose held = At(Vec3::Zero());
+  MouseHand hand(held);
+  hand.Follow(At(Vec3::Zero(), Vec3(0, 0, 3.0)));
+  for (int i = 0; i < 3000; ++i) {
+    hand.SeeGraphicTool(held, Vec3::Zero());
+    hand.Step(kTick);
+  }
+  EXPECT_NEAR(RotationLog(hand.pose().q).z(), MouseHand::kMaxTwist_rad, 1e-6);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,362 @@
+// The page in a real browser, at a gateway that does what a test says.
+import {afterAll, afterEach, beforeAll, beforeEach, expect} from "vitest";
+
+import type {Browser, Page} from "playwright-core";
+
+import {kChannels, FakeGateway, loopStatistics, sceneChange, sessionState, toolState} from "./support/fake_gateway";
+import {kHasChromium, launch, until} from "./support/browser";
+import {box, kTestScene, leafPerTriangle, sceneBytes, type TestScene} from "./support/scene_bytes";
+import {browserTest as test} from "./support/skip";
+
+/// Its box is worn away triangle by triangle.
+const kWearing: TestScene = {
+  ...kTestScene,
+  name: "wearing",
+  removal: true,
+  objects: [
+    {
+      name: "box",
+      mesh: box(0.05),
+      leaves: leafPerTriangle(box(0.05), 0.004),
+      materials: [{stiffness: Infinity, hardness: 1e-5}],
+    },
+  ],
+};
+
+let browser: Browser | undefined;
+let gateway: FakeGateway;
+let page: Page;
+let moving: NodeJS.Timeout | undefined;
+let sequence = 0;
+
+beforeAll(async () => {
+  if (kHasChromium) browser = await launch();
+});
+afterAll(() => browser?.close());
+
+beforeEach(async () => {
+  if (!browser) return;
+  gateway = await startGateway();
+  sequence = 0;
+});
+afterEach(async () => {
+  clearInterval(moving);
+  await Promise.all((browser?.contexts() ?? []).map((context) => context.close()));
+  await gateway?.stop();
+});
+
+const startGateway = (port = 0): Promise<FakeGateway> =>
+  FakeGateway.start(
+    new Map([kTestScene, kWearing].map((scene) => [scene.name, sceneBytes(scene)])),
+    port,
+  );
+
+async function open(options: Parameters<Browser["newContext"]>[0] = {}, query = ""): Promise<Page> {
+  const context = await browser!.newContext({viewport: {width: 800, height: 600}, ...options});
+  const opened = await context.newPage();
+  opened.on("pageerror", (error) => {
+    throw error;
+  });
+  await opened.goto(gateway.url + query);
+  await until(opened, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
+  return opened;
+}
+
+/// A ball that is pressed on the box with `newtons`, 30 times a second.
+function press(newtons: number, x = 0): void {
+  clearInterval(moving);
+  gateway.retained.length = 0;
+  gateway.retain("/palpate/session_state", sessionState("hand", "active", "test-box", "ball"));
+  moving = setInterval(() => {
+    sequence += 33;
+    gateway.send(
+      "/palpate/tool_state",
+      toolState({
+        station: "hand",
+        scene: "test-box",
+        tool: "ball",
+        sequence,
+        haptic: {p: [x, 0.037 - newtons / 1000, 0], q: [1, 0, 0, 0]},
+        graphic: {p: [x, 0.037, 0], q: [1, 0, 0, 0]},
+        forceN: [0, newtons, 0],
+        points: newtons > 0 ? [{positionM: [x, 0.025, 0], forceN: [0, newtons, 0]}] : [],
+      }),
+    );
+  }, 33);
+}
+
+const text = (selector: string): Promise<string> => page.locator(selector).innerText();
+const eventually = async (what: string, condition: () => Promise<boolean>): Promise<void> => {
+  const end = Date.now() + 20_000;
+  while (!(await condition())) {
+    if (Date.now() > end) throw new Error(`${what}: not so within 20 s`);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+};
+const picture = async (): Promise<string> =>
+  (await page.locator("#view").screenshot()).toString("base64");
+
+test("the page shows the force in figures, in words and in the picture", async () => {
+  press(0);
+  page = await open();
+  await eventually("the tool is free", async () => (await text("#sentence")) === "The tool is free.");
+  expect(await text("#force")).toBe("0.00");
+  const free = await picture();
+  press(2);
+  await eventually("two newtons", async () => (await text("#force")) === "2.00");
+  expect(await text("#depth")).toBe("2.00");
+  expect(await text("#contacts")).toBe("1");
+  expect(await text("#sentence")).toBe("Contact, 2.0 newtons, hand 2.0 millimetres past the surface.");
+  await eventually("the picture changes", async () => (await picture()) !== free);
+  await eventually("a screen reader is told", async () => (await text("#spoken")).startsWith("Contact"));
+});
+
+test("nothing is drawn while nothing changes", async () => {
+  press(1);
+  page = await open();
+  await until(page, "several frames", ({stations}) => (stations.hand?.frames ?? 0) > 10);
+  // The same pose goes on coming; what is drawn from now on would be drawn for nothing.
+  const before = await until(page, "a picture of it", ({stations}) => (stations.hand?.frames ?? 0) > 20);
+  const after = await until(
+    page,
+    "thirty more frames",
+    ({stations}) => (stations.hand?.frames ?? 0) > before.stations.hand!.frames + 30,
+  );
+  expect(after.pictures - before.pictures).toBeLessThanOrEqual(2);
+});
+
+test("a lost link is said, comes back by itself, and data flow again", async () => {
+  press(1);
+  page = await open();
+  await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
+  const {port} = gateway;
+  clearInterval(moving);
+  await gateway.stop();
+  await eventually("the banner", async () => (await page.locator("#banner.alarm").count()) === 1);
+  expect(await text("#banner")).toMatch(/link to the gateway is lost/);
+  await new Promise((resolve) => setTimeout(resolve, 1000)); // some tries go wrong
+  gateway = await startGateway(port);
+  press(3);
+  await until(page, "a second link", ({links, link}) => links === 2 && link === "open");
+  await eventually("the new force", async () => (await text("#force")) === "3.00");
+  expect(await page.locator("#banner").isVisible()).toBe(false);
+});
+
+test("silence is told from a lost link", async () => {
+  press(1);
+  page = await open();
+  await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
+  clearInterval(moving);
+  await eventually("the banner", async () => /gateway is there/.test(await text("#banner")));
+  gateway.send("/palpate/session_state", sessionState("hand", "ended", "test-box", "ball"));
+  await eventually("a calmer one", async () => /No station is moving/.test(await text("#banner")));
+  expect(await page.locator("#banner.alarm").count()).toBe(0);
+});
+
+test("what is scraped off vanishes, and a server's new run makes it whole", async () => {
+  gateway.retain("/palpate/session_state", sessionState("hand", "active", "wearing", "ball"));
+  page = await open({}, "?scene=wearing");
+  await until(page, "the scene", ({scene}) => scene === "wearing");
+  const whole = (await until(page, "a picture", ({triangles}) => triangles > 0)).triangles;
+  const before = await picture();
+  // The whole front and the top.
+  const gone = [2, 3, 6, 7];
+  gone.forEach((triangle, i) => {
+    gateway.send("/palpate/scene_change", sceneChange("wearing", i + 1, 0, triangle, [triangle]));
+  });
+  await eventually("a hole", async () => (await picture()) !== before);
+  gateway.send(
+    "/palpate/session_state",
+    sessionState("hand", "active", "wearing", "ball", {serverRun: 2n}),
+  );
+  await eventually("the whole box", async () => (await picture()) === before);
+  expect((await until(page, "a picture", () => true)).triangles).toBe(whole);
+});
+
+test("scenes are chosen, and remembered in the address", async () => {
+  press(1);
+  page = await open();
+  await page.selectOption("#scene", "wearing");
+  await until(page, "the other scene", ({scene}) => scene === "wearing");
+  expect(page.url()).toContain("scene=wearing");
+  await eventually("nobody here", async () => (await text("#sentence")) === "No tool is moving.");
+  await page.selectOption("#scene", "test-box");
+  await eventually("the force again", async () => (await text("#force")) === "1.00");
+});
+
+test("the loop's figures and who drives what are told in words", async () => {
+  press(1);
+  page = await open();
+  await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
+  gateway.send("/palpate/loop_statistics", loopStatistics("hand", "test-box", {late: 4n}));
+  gateway.send(
+    "/palpate/session_state",
+    sessionState("late_one", "refused", "test-box", "ball", {reason: "it is driven by 'hand'"}),
+  );
+  await eventually("the table", async () => /Late\s+4 poses/.test(await text("#loop")));
+  await eventually("the list", async () => /late_one was refused the ball/.test(await text("#who")));
+  expect(await text("#who")).toMatch(/hand drives the ball of test-box/);
+});
+
+test("spheres come on demand, level by level", async () => {
+  press(0);
+  page = await open();
+  const plain = await picture();
+  await page.keyboard.press("s");
+  expect(await text("#level-text")).toBe("leaves");
+  await eventually("the leaves", async () => (await picture()) !== plain);
+  const leaves = await picture();
+  await page.keyboard.press("[");
+  expect(await text("#level-text")).toBe("level 1 of 2");
+  await eventually("the level above", async () => (await picture()) !== leaves);
+  await page.keyboard.press("s");
+  await eventually("the mesh again", async () => (await picture()) === plain);
+});
+
+test("the mouse takes a tool, moves it, and gives it back", async () => {
+  page = await open();
+  gateway.onPublish = ({op}) => {
+    if (op !== "take") return;
+    gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "", reason: ""});
+    gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "active", reason: ""});
+  };
+  await page.locator("#take").click();
+  await until(page, "the tool", ({hold}) => hold === "holding");
+  expect(gateway.published[0]).toEqual({op: "take", scene: "test-box", tool: "ball"});
+  const view = (await page.locator("#view").boundingBox())!;
+  const [x, y] = [view.x + view.width / 2, view.y + view.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x, y + 50, {steps: 5});
+  await page.mouse.up();
+  const poses = (): number[][] =>
+    gateway.published.filter(({op}) => op === "pose").map(({p}) => p as number[]);
+  await eventually("a lower pose", async () => (poses().at(-1)?.[1] ?? 1) < 0.055);
+  expect(poses()[0]).toEqual([0, 0.06, 0]); // the tool starts where it is
+  const dragged = poses().at(-1)!;
+  await page.mouse.wheel(0, -300); // away from oneself: pushes
+  await eventually("a pose further away", async () => poses().at(-1)![2]! < dragged[2]! - 1e-4);
+  await page.keyboard.down("Shift");
+  await page.mouse.down();
+  await page.mouse.move(x + 60, y + 50, {steps: 5});
+  await page.mouse.up();
+  await page.keyboard.up("Shift");
+  const turned = (): number[] => gateway.published.at(-1)!.q as number[];
+  await eventually("a turned pose", async () => Math.abs(turned()[0]!) < 0.99);
+  await page.keyboard.press("Escape");
+  await eventually("the release", async () => gateway.published.at(-1)!.op === "release");
+  expect(await text("#take")).toBe("Take the tool");
+});
+
+test("who holds the tool is said where it is refused", async () => {
+  press(1);
+  page = await open();
+  await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
+  await page.locator("#take").click();
+  await eventually("the holder", async () => /'hand' holds the ball/.test(await text("#hint")));
+  expect(gateway.published).toEqual([]);
+});
+
+test("a refusal of the gateway is said in its own words", async () => {
+  page = await open();
+  gateway.onPublish = () =>
+    gateway.send("/palpate/mouse_state", {station: "", phase: "refused", reason: "4 tools are held"});
+  await page.keyboard.press("m");
+  await eventually("the reason", async () => (await text("#hint")) === "4 tools are held");
+  expect(await text("#take")).toBe("Take the tool");
+});
+
+test("a finger moves the tool on a phone", async () => {
+  page = await open({viewport: {width: 360, height: 640}, hasTouch: true, isMobile: true});
+  gateway.onPublish = ({op}) => {
+    if (op === "take") gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "active", reason: ""});
+  };
+  await page.locator("#take").tap();
+  await until(page, "the tool", ({hold}) => hold === "holding");
+  const session = await page.context().newCDPSession(page);
+  const touch = (type: "touchStart" | "touchMove" | "touchEnd", y: number): Promise<unknown> =>
+    session.send("Input.dispatchTouchEvent", {type, touchPoints: type === "touchEnd" ? [] : [{x: 180, y}]});
+  await touch("touchStart", 200);
+  for (let y = 205; y <= 240; y += 5) await touch("touchMove", y);
+  await touch("touchEnd", 0);
+  await eventually("a lower pose", async () => {
+    const last = gateway.published.filter(({op}) => op === "pose").at(-1)?.p as number[] | undefined;
+    return (last?.[1] ?? 1) < 0.055;
+  });
+});
+
+test("nothing is cut off, from a phone to a projector", async () => {
+  press(1);
+  for (const [width, height] of [
+    [360, 640],
+    [1280, 720],
+    [1920, 1080],
+  ] as const) {
+    page = await open({viewport: {width, height}});
+    const outside = await page.evaluate(() => {
+      const cut: string[] = [];
+      for (const element of document.querySelectorAll("button, select, output, .sentence")) {
+        const {left, right, width: wide} = element.getBoundingClientRect();
+        if (wide > 0 && (left < 0 || right > innerWidth + 0.5)) cut.push(element.id);
+      }
+      if (document.documentElement.scrollWidth > innerWidth) cut.push("the page");
+      for (const element of document.querySelectorAll<HTMLElement>(".tools, .bar")) {
+        if (element.scrollWidth > element.clientWidth + 1) cut.push(element.className);
+      }
+      return cut;
+    });
+    expect(outside, `${width} × ${height}`).toEqual([]);
+    await page.context().close();
+  }
+});
+
+test("every control has a name, and every key in the help does something", async () => {
+  press(0);
+  page = await open();
+  const nameless = await page.evaluate(() =>
+    [...document.querySelectorAll<HTMLElement>("button, select, input")]
+      .filter((control) => {
+        const label = control.closest("label") ?? document.querySelector(`label[for="${control.id}"]`);
+        return !(control.getAttribute("aria-label") ?? control.textContent ?? "").trim() && !label?.textContent?.trim();
+      })
+      .map(({id}) => id),
+  );
+  expect(nameless).toEqual([]);
+  await page.keyboard.press("?");
+  expect(await page.locator("#help-dialog").isVisible()).toBe(true);
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("f");
+  expect(await page.locator("#follow").getAttribute("aria-pressed")).toBe("true");
+  await page.keyboard.press("p");
+  expect(await page.locator("#panel").isVisible()).toBe(false);
+  const before = await picture();
+  await page.keyboard.press("ArrowLeft");
+  await eventually("another view", async () => (await picture()) !== before);
+  await page.keyboard.press("r");
+});
+
+test("light and dark follow the system, and the reader's choice outlives the visit", async () => {
+  press(0);
+  page = await open({colorScheme: "dark"});
+  const theme = (): Promise<string | undefined> =>
+    page.evaluate(() => document.documentElement.dataset.theme);
+  expect(await theme()).toBe("dark");
+  await page.emulateMedia({colorScheme: "light"});
+  await eventually("light", async () => (await theme()) === "light");
+  await page.keyboard.press("t");
+  expect(await theme()).toBe("dark");
+  await page.reload();
+  expect(await theme()).toBe("dark");
+});
+
+test("a channel that the page cannot read disturbs no other", async () => {
+  const {schema} = kChannels[1]!;
+  (kChannels[1] as {schema: string}).schema = "this is no IDL {";
+  try {
+    press(2);
+    page = await open();
+    await eventually("the force", async () => (await text("#force")) === "2.00");
+  } finally {
+    (kChannels[1] as {schema: string}).schema = schema;
+  }
+});

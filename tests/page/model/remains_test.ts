@@ -1,0 +1,38 @@
+import {expect, test} from "vitest";
+
+import {Remains} from "@page/model/remains";
+import type {SceneChange} from "@page/protocol/messages";
+
+const change = (number: number, triangles: number[], more: Partial<SceneChange> = {}): SceneChange => ({
+  scene: "calculus",
+  change: number,
+  serverRun: "a",
+  objectIndex: 1,
+  leaf: number,
+  triangles,
+  ...more,
+});
+
+test("what goes adds up, in whatever order and however often it is told", () => {
+  const remains = new Remains();
+  for (const number of [3, 1, 2, 1]) remains.apply(change(number, [10 * number, 10 * number + 1]));
+  expect([...remains.trianglesOf(1)].sort((a, b) => a - b)).toEqual([10, 11, 20, 21, 30, 31]);
+  expect([...remains.leavesOf(1)].sort()).toEqual([1, 2, 3]);
+  expect(remains.trianglesOf(0).size).toBe(0);
+  expect(remains.leavesGone).toBe(3);
+});
+
+test("a change of another server's run finds the scene whole", () => {
+  const remains = new Remains();
+  remains.apply(change(1, [1]));
+  expect(remains.apply(change(1, [7], {serverRun: "b"}))).toBe(true);
+  expect([...remains.trianglesOf(1)]).toEqual([7]);
+});
+
+test("a server that starts again makes the scene whole before anything goes", () => {
+  const remains = new Remains();
+  remains.apply(change(1, [1]));
+  expect(remains.startRun("a")).toBe(false);
+  expect(remains.startRun("b")).toBe(true);
+  expect(remains.leavesGone).toBe(0);
+});

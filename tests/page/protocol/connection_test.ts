@@ -1,0 +1,165 @@
+import {describe, expect, test} from "vitest";
+
+import {Connection, retryMs} from "@page/protocol/connection";
+
+import {encode, kChannels, toolState} from "../support/fake_gateway";
+
+/// A socket that does what a test says, and a clock that stands until it is moved.
+class FakeSocket {
+  readyState = 0;
+  binaryType = "";
+  readonly sent: (string | Uint8Array)[] = [];
+  onopen: (() => void) | null = null;
+  onclose: (() => void) | null = null;
+  onmessage: ((event: {data: unknown}) => void) | null = null;
+  send(data: string | Uint8Array): void {
+    this.sent.push(data);
+  }
+  close(): void {
+    if (this.readyState === 3) return;
+    this.readyState = 3;
+    this.onclose?.();
+  }
+  open(): void {
+    this.readyState = 1;
+    this.onopen?.();
+  }
+  say(message: object): void {
+    this.onmessage?.({data: JSON.stringify(message)});
+  }
+}
+
+function rig() {
+  const sockets: FakeSocket[] = [];
+  const links: string[] = [];
+  const messages: {topic: string; value: unknown}[] = [];
+  const statuses: string[] = [];
+  let timer: {callback: () => void; milliseconds: number} | undefined;
+  const connection = new Connection(
+    "ws://somewhere/",
+    new Set(["/palpate/tool_state"]),
+    {
+      link: (state) => links.push(state),
+      message: (topic, value) => messages.push({topic, value}),
+      status: (_level, message) => statuses.push(message),
+    },
+    {
+      openSocket: () => {
+        const socket = new FakeSocket();
+        sockets.push(socket);
+        return socket as unknown as WebSocket;
+      },
+      setTimer: (callback, milliseconds) => {
+        timer = {callback, milliseconds};
+        return 1;
+      },
+      clearTimer: () => (timer = undefined),
+    },
+  );
+  const fire = (): number => {
+    const due = timer!;
+    timer = undefined;
+    due.callback();
+    return due.milliseconds;
+  };
+  return {connection, sockets, links, messages, statuses, fire, timer: () => timer};
+}
+
+const kServerInfo = {op: "serverInfo", name: "x", capabilities: ["clientPublish"]};
+const kAdvertise = {op: "advertise", channels: kChannels};
+
+describe("a connection", () => {
+  test("subscribes to what it was asked for and to nothing else", () => {
+    const {connection, sockets} = rig();
+    connection.start();
+    const socket = sockets[0]!;
+    socket.open();
+    socket.say(kServerInfo);
+    socket.say(kAdvertise);
+    socket.say(kAdvertise); // a gateway that repeats itself
+    expect(socket.sent.map((text) => JSON.parse(text as string))).toEqual([
+      {op: "subscribe", subscriptions: [{id: 1, channelId: 1}]},
+    ]);
+  });
+
+  test("gives a message to whom its subscription belongs", () => {
+    const {connection, sockets, messages, statuses} = rig();
+    connection.start();
+    const socket = sockets[0]!;
+    socket.open();
+    socket.say(kAdvertise);
+    const pose = {p: [0, 0, 0], q: [1, 0, 0, 0]} as const;
+    const payload = encode(
+      "/palpate/tool_state",
+      toolState({station: "hand", scene: "s", tool: "t", sequence: 5, haptic: pose, graphic: pose}),
+    );
+    const frame = (subscription: number, content: Uint8Array): ArrayBuffer => {
+      const bytes = new Uint8Array(13 + content.length);
+      bytes.set([1, subscription]);
+      bytes.set(content, 13);
+      return bytes.buffer;
+    };
+    socket.onmessage?.({data: frame(1, payload)});
+    socket.onmessage?.({data: frame(9, payload)});
+    socket.onmessage?.({data: frame(1, payload.subarray(0, 40))});
+    expect(messages.length).toBe(1);
+    expect(messages[0]).toMatchObject({topic: "/palpate/tool_state", value: {station: "hand"}});
+    expect(statuses[0]).toMatch(/could not be read/);
+  });
+
+  test("comes back by itself, waits longer each time but two seconds at most, and subscribes again", () => {
+    const {connection, sockets, links, fire} = rig();
+    connection.start();
+    sockets[0]!.open();
+    const waits: number[] = [];
+    sockets[0]!.close();
+    for (let i = 0; i < 6; i++) {
+      waits.push(fire());
+      sockets.at(-1)!.close();
+    }
+    expect(waits).toEqual([250, 500, 1000, 2000, 2000, 2000]);
+    fire();
+    const last = sockets.at(-1)!;
+    last.open();
+    last.say(kAdvertise);
+    expect(links.at(-1)).toBe("open");
+    expect(JSON.parse(last.sent[0] as string)).toMatchObject({op: "subscribe"});
+    last.close();
+    expect(fire()).toBe(250); // patience is back
+  });
+
+  test("gives up a gateway that does not answer", () => {
+    const {connection, sockets, links, fire} = rig();
+    connection.start();
+    expect(fire()).toBe(3000);
+    expect(sockets[0]!.readyState).toBe(3);
+    expect(links).toEqual(["connecting", "lost"]);
+  });
+
+  test("publishes once the gateway takes messages, and advertises its channel once a socket", () => {
+    const {connection, sockets} = rig();
+    connection.start();
+    const socket = sockets[0]!;
+    expect(connection.publish("/palpate/mouse", {op: "release"})).toBe(false);
+    socket.open();
+    expect(connection.publish("/palpate/mouse", {op: "release"})).toBe(false);
+    socket.say(kServerInfo);
+    expect(connection.publish("/palpate/mouse", {op: "release"})).toBe(true);
+    expect(connection.publish("/palpate/mouse", {op: "release"})).toBe(true);
+    expect(socket.sent.filter((data) => typeof data === "string").length).toBe(1);
+    expect(socket.sent.filter((data) => data instanceof Uint8Array).length).toBe(2);
+  });
+
+  test("stops for good when told to", () => {
+    const {connection, sockets, timer} = rig();
+    connection.start();
+    sockets[0]!.open();
+    connection.stop();
+    expect(timer()).toBeUndefined();
+    expect(sockets.length).toBe(1);
+  });
+});
+
+test("the first try comes a quarter of a second after the loss", () => {
+  expect(retryMs(0)).toBe(250);
+});

@@ -1,0 +1,58 @@
+import {spawnSync} from "node:child_process";
+import {mkdtempSync, writeFileSync} from "node:fs";
+import {tmpdir} from "node:os";
+import {join} from "node:path";
+
+import {type Browser, chromium, type Page} from "playwright-core";
+
+import type {Probe} from "@page/app";
+
+declare global {
+  interface Window {
+    palpate: {readonly probe: Probe};
+  }
+}
+
+/// Debian's Chromium, headless, drawing by software: what a machine without a screen has.
+const kChromium = spawnSync("sh", ["-c", "command -v chromium"], {encoding: "utf8"}).stdout.trim();
+
+export const kHasChromium = kChromium !== "";
+
+/// Drawing by software takes all that a small machine has; a station that shares it with a browser
+/// must not fall silent for that.
+function politeChromium(): string {
+  const script = join(mkdtempSync(join(tmpdir(), "palpate-page-")), "chromium");
+  writeFileSync(script, `#!/bin/sh\nexec nice -n 15 '${kChromium}' "$@"\n`, {mode: 0o755});
+  return script;
+}
+
+export const launch = (): Promise<Browser> =>
+  chromium.launch({
+    executablePath: politeChromium(),
+    args: [
+      "--no-sandbox",
+      "--use-gl=angle",
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
+      "--disable-dev-shm-usage",
+    ],
+  });
+
+export const probe = (page: Page): Promise<Probe> =>
+  page.evaluate(() => window.palpate.probe);
+
+/// Resolves once the page's probe is as wanted; the error tells how it was instead.
+export async function until(
+  page: Page,
+  what: string,
+  condition: (probe: Probe) => boolean,
+  withinMs = 20_000,
+): Promise<Probe> {
+  const end = Date.now() + withinMs;
+  for (;;) {
+    const now = await probe(page);
+    if (condition(now)) return now;
+    if (Date.now() > end) throw new Error(`${what}: not so within ${withinMs} ms: ${JSON.stringify(now)}`);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}

@@ -1,0 +1,326 @@
+import {createHash} from "node:crypto";
+import {existsSync, readFileSync} from "node:fs";
+import {createServer, type IncomingMessage, type Server, type ServerResponse} from "node:http";
+import type {AddressInfo} from "node:net";
+import {extname, join} from "node:path";
+import {fileURLToPath} from "node:url";
+
+import {parseIDL} from "@foxglove/omgidl-parser";
+import {MessageWriter} from "@foxglove/omgidl-serialization";
+import {WebSocket, WebSocketServer} from "ws";
+
+import type {Pose, Vec3} from "@page/model/pose";
+
+const kRoot = fileURLToPath(new URL("../../..", import.meta.url));
+const kPage = join(kRoot, "build/page");
+const kTypes: Readonly<Record<string, string>> = {
+  ".html": "text/html; charset=utf-8",
+  ".js": "text/javascript",
+  ".css": "text/css",
+};
+
+const kIdl = (name: string): string => readFileSync(join(kRoot, `idl/${name}.idl`), "utf8");
+
+interface FakeChannel {
+  readonly id: number;
+  readonly topic: string;
+  readonly encoding: string;
+  readonly schemaName: string;
+  readonly schema: string;
+  readonly schemaEncoding: string;
+}
+
+const cdrChannel = (id: number, topic: string, schemaName: string, idl: string): FakeChannel => ({
+  id,
+  topic,
+  encoding: "cdr",
+  schemaName,
+  schema: idl,
+  schemaEncoding: "omgidl",
+});
+
+export const kChannels: readonly FakeChannel[] = [
+  cdrChannel(1, "/palpate/tool_state", "palpate::ToolState", kIdl("teaching")),
+  cdrChannel(2, "/palpate/loop_statistics", "palpate::LoopStatistics", kIdl("teaching")),
+  cdrChannel(3, "/palpate/session_state", "palpate::SessionState", kIdl("session")),
+  cdrChannel(4, "/palpate/scene_change", "palpate::SceneChange", kIdl("session")),
+  {
+    id: 5,
+    topic: "/palpate/mouse_state",
+    encoding: "json",
+    schemaName: "",
+    schema: "",
+    schemaEncoding: "",
+  },
+];
+
+const kWriters = new Map(
+  kChannels
+    .filter((channel) => channel.encoding === "cdr")
+    .map((channel) => [
+      channel.topic,
+      new MessageWriter(channel.schemaName, parseIDL(channel.schema)),
+    ]),
+);
+
+/// A message as the server's DDS would put it on the wire.
+export function encode(topic: string, value: object): Uint8Array {
+  const writer = kWriters.get(topic);
+  return writer ? writer.writeMessage(value) : new TextEncoder().encode(JSON.stringify(value));
+}
+
+export interface FakeToolState {
+  readonly station: string;
+  readonly scene: string;
+  readonly tool: string;
+  readonly sequence: number;
+  readonly haptic: Pose;
+  readonly graphic: Pose;
+  readonly forceN?: Vec3;
+  readonly torqueNm?: Vec3;
+  readonly points?: readonly {positionM: Vec3; forceN: Vec3}[];
+}
+
+export function toolState(state: FakeToolState): object {
+  const points = state.points ?? [];
+  return {
+    station: state.station,
+    scene: state.scene,
+    tool: state.tool,
+    pose_sequence: BigInt(state.sequence),
+    haptic_position_m: [...state.haptic.p],
+    haptic_orientation_wxyz: [...state.haptic.q],
+    graphic_position_m: [...state.graphic.p],
+    graphic_orientation_wxyz: [...state.graphic.q],
+    force_N: [...(state.forceN ?? [0, 0, 0])],
+    torque_Nm: [...(state.torqueNm ?? [0, 0, 0])],
+    step_us: 9.5,
+    contacts: points.length,
+    faults: 0,
+    points: points.length,
+    pad: 0,
+    point: Array.from({length: 16}, (_, i) => ({
+      position_m: [...(points[i]?.positionM ?? [0, 0, 0])],
+      force_N: [...(points[i]?.forceN ?? [0, 0, 0])],
+    })),
+  };
+}
+
+const kPhases = ["waiting", "acquiring", "active", "refused", "ended"];
+
+export function sessionState(
+  station: string,
+  phase: string,
+  scene: string,
+  tool: string,
+  {reason = "", serverRun = 1n} = {},
+): object {
+  return {
+    station,
+    run: 1n,
+    server_run: serverRun,
+    phase: kPhases.indexOf(phase),
+    scene,
+    tool,
+    reason,
+    start_depth_m: 0,
+    tool_reference_m: [0, 0, 0],
+    start_sequence: 1n,
+    start_position_m: [0, 0, 0],
+    start_orientation_wxyz: [1, 0, 0, 0],
+  };
+}
+
+export function sceneChange(
+  scene: string,
+  change: number,
+  object: number,
+  leaf: number,
+  triangles: readonly number[],
+  serverRun = 1n,
+): object {
+  return {
+    scene,
+    change: BigInt(change),
+    server_run: serverRun,
+    station: "hand",
+    tool: "tool",
+    pose_sequence: 1n,
+    object_index: object,
+    leaf,
+    triangles: triangles.length,
+    triangle: Array.from({length: 128}, (_, i) => triangles[i] ?? 0),
+  };
+}
+
+export function loopStatistics(station: string, scene: string, more: object = {}): object {
+  return {
+    station,
+    scene,
+    period_s: 1,
+    steps: 1000n,
+    rate_hz: 1000,
+    step_us_p50: 9.1,
+    step_us_p99: 14.2,
+    step_us_p999: 22.8,
+    step_us_max: 61,
+    late: 0n,
+    lost: 0n,
+    rejected_nonfinite: 0n,
+    rejected_sequence: 0n,
+    rejected_speed: 0n,
+    renormalised: 0n,
+    faulted_steps: 0n,
+    contacts: 3,
+    faults: 0,
+    ...more,
+  };
+}
+
+/// Speaks to the page as palpate-viewer does, and says what a test wants.
+export class FakeGateway {
+  /// Given to each client that subscribes: what is transient-local at a real one.
+  readonly retained: {topic: string; value: object}[] = [];
+  readonly published: Record<string, unknown>[] = []; // what clients sent on their channels
+  onPublish: (message: Record<string, unknown>) => void = () => {};
+  private readonly http: Server;
+  private readonly sockets: WebSocketServer;
+  private readonly subscriptions = new Map<WebSocket, Map<number, number>>(); // channel -> id
+
+  private constructor(private readonly scenes: ReadonlyMap<string, Uint8Array>) {
+    this.http = createServer((request, response) => this.serve(request, response));
+    this.sockets = new WebSocketServer({
+      server: this.http,
+      handleProtocols: (offered) =>
+        offered.has("foxglove.websocket.v1") ? "foxglove.websocket.v1" : false,
+    });
+    this.sockets.on("connection", (socket) => this.connected(socket));
+  }
+
+  /// @param port  0: any
+  static async start(scenes: ReadonlyMap<string, Uint8Array>, port = 0): Promise<FakeGateway> {
+    const gateway = new FakeGateway(scenes);
+    await new Promise<void>((resolve, reject) => {
+      gateway.http.once("error", reject);
+      gateway.http.listen(port, "127.0.0.1", resolve);
+    });
+    return gateway;
+  }
+
+  async stop(): Promise<void> {
+    for (const client of this.sockets.clients) client.terminate();
+    this.http.closeAllConnections();
+    this.sockets.close();
+    await new Promise((resolve) => this.http.close(resolve));
+  }
+
+  get port(): number {
+    return (this.http.address() as AddressInfo).port;
+  }
+  get url(): string {
+    return `http://127.0.0.1:${this.port}/`;
+  }
+  get clients(): number {
+    return this.sockets.clients.size;
+  }
+  /// Clients that have subscribed to a topic.
+  subscribers(topic: string): number {
+    const id = kChannels.find((channel) => channel.topic === topic)!.id;
+    return [...this.subscriptions.values()].filter((channels) => channels.has(id)).length;
+  }
+
+  send(topic: string, value: object): void {
+    for (const socket of this.subscriptions.keys()) this.sendTo(socket, topic, value);
+  }
+  retain(topic: string, value: object): void {
+    this.retained.push({topic, value});
+    this.send(topic, value);
+  }
+
+  private sendTo(socket: WebSocket, topic: string, value: object): void {
+    const channel = kChannels.find((candidate) => candidate.topic === topic)!;
+    const subscription = this.subscriptions.get(socket)?.get(channel.id);
+    if (subscription === undefined || socket.readyState !== WebSocket.OPEN) return;
+    const payload = encode(topic, value);
+    const message = Buffer.alloc(13 + payload.length);
+    message.writeUInt8(1, 0);
+    message.writeUInt32LE(subscription, 1);
+    message.writeBigUInt64LE(process.hrtime.bigint(), 5);
+    message.set(payload, 13);
+    socket.send(message);
+  }
+
+  private connected(socket: WebSocket): void {
+    this.subscriptions.set(socket, new Map());
+    socket.on("close", () => this.subscriptions.delete(socket));
+    socket.send(
+      JSON.stringify({
+        op: "serverInfo",
+        name: "fake gateway",
+        capabilities: ["clientPublish"],
+        supportedEncodings: ["json"],
+        sessionId: "fake",
+      }),
+    );
+    socket.send(JSON.stringify({op: "advertise", channels: kChannels}));
+    socket.on("message", (data: Buffer, isBinary) => {
+      if (isBinary) {
+        const message = JSON.parse(data.subarray(5).toString()) as Record<string, unknown>;
+        this.published.push(message);
+        this.onPublish(message);
+        return;
+      }
+      const message = JSON.parse(data.toString()) as {
+        op: string;
+        subscriptions?: {id: number; channelId: number}[];
+      };
+      if (message.op !== "subscribe") return;
+      for (const {id, channelId} of message.subscriptions ?? []) {
+        this.subscriptions.get(socket)?.set(channelId, id);
+        const topic = kChannels.find((channel) => channel.id === channelId)?.topic;
+        for (const {topic: of, value} of this.retained) {
+          if (of === topic) this.sendTo(socket, of, value);
+        }
+      }
+    });
+  }
+
+  private serve(request: IncomingMessage, response: ServerResponse): void {
+    const path = new URL(request.url ?? "/", "http://localhost").pathname;
+    const scene = /^\/scene\/(.+)\.bundle$/.exec(path)?.[1];
+    if (scene !== undefined) {
+      this.serveScene(request, response, decodeURIComponent(scene));
+      return;
+    }
+    if (path === "/healthz") {
+      response.end(JSON.stringify({scenes: [...this.scenes.keys()]}));
+      return;
+    }
+    const file = join(kPage, path === "/" ? "index.html" : path);
+    if (!file.startsWith(kPage) || !existsSync(file)) {
+      response.writeHead(404).end();
+      return;
+    }
+    const packed = existsSync(`${file}.gz`);
+    response.writeHead(200, {
+      "Content-Type": kTypes[extname(file)] ?? "application/octet-stream",
+      ...(packed ? {"Content-Encoding": "gzip"} : {}),
+    });
+    response.end(readFileSync(packed ? `${file}.gz` : file));
+  }
+
+  private serveScene(request: IncomingMessage, response: ServerResponse, name: string): void {
+    const bytes = this.scenes.get(name);
+    if (!bytes) {
+      response.writeHead(404).end();
+      return;
+    }
+    const tag = `"${createHash("sha1").update(bytes).digest("hex")}"`;
+    if (request.headers["if-none-match"] === tag) {
+      response.writeHead(304, {ETag: tag}).end();
+      return;
+    }
+    response.writeHead(200, {ETag: tag, "Content-Type": "application/octet-stream"});
+    response.end(bytes);
+  }
+}

@@ -1,0 +1,191 @@
+// The page in a real browser, at the real server, station and gateway.
+import {fileURLToPath} from "node:url";
+
+import {afterAll, afterEach, beforeAll, beforeEach, describe, expect} from "vitest";
+
+import type {Browser, Page} from "playwright-core";
+
+import {norm, subtract} from "@page/model/pose";
+
+import {kHasChromium, launch, probe, until} from "./support/browser";
+import {Program} from "./support/programs";
+import {browserTest as test} from "./support/skip";
+
+// A pair of domains that no other test takes: those of the others are 10 to 34, 40 to 99 and 102 up.
+const kDomain = String(35 + (process.pid % 5));
+const kPage = fileURLToPath(new URL("../../build/page", import.meta.url));
+const kCommon = ["--transport", "udp", "--domain", kDomain];
+
+let browser: Browser;
+let server: Program;
+let gateway: Program;
+let station: Program;
+let url = "";
+
+const startGateway = async (port: string): Promise<void> => {
+  gateway = new Program("palpate-viewer", ["--http", port, "--page", kPage, ...kCommon]);
+  url = (await gateway.says(/http:\/\/127\.0\.0\.1:\d+\//))[0];
+};
+
+beforeAll(async () => {
+  if (!kHasChromium) return;
+  browser = await launch();
+  server = new Program("palpate-server", ["--scene", "bunny-bunny", "--realtime", "off", ...kCommon]);
+  await server.says(/^ready/m, 120_000);
+  await startGateway("0");
+});
+afterAll(async () => {
+  if (!kHasChromium) return;
+  await browser?.close();
+  for (const program of [gateway, server]) await program?.stop();
+});
+
+async function open(query = ""): Promise<Page> {
+  const page = await browser.newPage({viewport: {width: 640, height: 480}});
+  await page.goto(url + query);
+  await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined, 60_000);
+  return page;
+}
+
+describe("while a simulated hand feels the bunny", () => {
+  beforeEach(async () => {
+    if (!kHasChromium) return;
+    station = new Program("palpate-station", [
+      ...["--device", "simulated", "--scene", "bunny-bunny", "--id", "hand", "--loop"],
+      ...["--no-table", "--realtime", "off"],
+      ...kCommon,
+    ]);
+    await station.says(/session: tool/);
+  });
+  afterEach(async () => {
+    await station?.stop();
+    await Promise.all(browser?.contexts().map((context) => context.close()) ?? []);
+  });
+
+  test("the page shows the scene and a moving tool, and says how it goes", async () => {
+    const page = await open();
+    const first = await until(page, "the hand", ({stations}) => stations.hand !== undefined, 60_000);
+    console.log(`first picture after ${first.firstPictureMs!.toFixed(0)} ms`);
+    const before = await page.locator("#view").screenshot();
+    const moved = await until(
+      page,
+      "the tool elsewhere",
+      ({stations, pictures}) =>
+        norm(subtract(stations.hand!.graphic.p, first.stations.hand!.graphic.p)) > 0.005 &&
+        pictures > first.pictures + 3,
+      60_000,
+    );
+    expect(moved.stations.hand!.poseSequence).toBeGreaterThan(first.stations.hand!.poseSequence);
+    expect((await page.locator("#view").screenshot()).equals(before)).toBe(false);
+    await page.waitForFunction(
+      () => /^Contact, .* newtons/.test(document.getElementById("sentence")!.textContent ?? ""),
+      null,
+      {timeout: 60_000},
+    );
+    await page.waitForFunction(
+      () => /hand drives the bunny of bunny-bunny/.test(document.getElementById("who")!.textContent ?? ""),
+      null,
+      {timeout: 60_000},
+    );
+    const {scriptMs, pictures} = await probe(page);
+    console.log(`script ${scriptMs.mean.toFixed(2)} ms a picture over ${pictures} pictures`);
+  });
+
+  test("two pages see the same: one sequence number, one pose", async () => {
+    const pages = [await open(), await open()];
+    const seen = await Promise.all(pages.map((page) => page.evaluate(watch)));
+    const [first, second] = seen.map((states) => new Map(states)) as [Seen, Seen];
+    const both = [...first.keys()].filter((sequence) => second.has(sequence));
+    expect(both.length).toBeGreaterThan(0);
+    for (const sequence of both) expect(second.get(sequence)).toBe(first.get(sequence));
+  });
+
+  test("the page says that the gateway is gone, and goes on by itself once it is back", async () => {
+    const page = await open();
+    await until(page, "the hand", ({stations}) => stations.hand !== undefined, 60_000);
+    const port = new URL(url).port;
+    await gateway.stop();
+    await page.locator("#banner.alarm").waitFor({timeout: 20_000});
+    expect(await page.locator("#banner").innerText()).toMatch(/link to the gateway is lost/);
+    const frames = (await probe(page)).stations.hand!.frames;
+    await startGateway(port);
+    await until(
+      page,
+      "frames again",
+      ({link, links, stations}) => link === "open" && links === 2 && stations.hand!.frames > frames + 5,
+      60_000,
+    );
+    await page.locator("#banner.alarm").waitFor({state: "hidden", timeout: 20_000});
+  });
+});
+
+type Seen = Map<number, string>;
+
+/// In the page: what it hears of the hand until it has heard a hundred states.
+function watch(): Promise<[number, string][]> {
+  return new Promise((resolve) => {
+    const seen = new Map<number, string>();
+    const timer = setInterval(() => {
+      const {hand} = window.palpate.probe.stations;
+      if (hand) seen.set(hand.poseSequence, JSON.stringify([hand.haptic, hand.graphic, hand.forceN]));
+      if (seen.size < 100) return;
+      clearInterval(timer);
+      resolve([...seen]);
+    }, 5);
+  });
+}
+
+/// Takes the tool and drags it down on the fixed bunny until it pushes back; false where it met
+/// nothing.
+async function press(page: Page): Promise<boolean> {
+  await page.locator("#take").click();
+  await until(page, "the tool", ({hold}) => hold === "holding", 60_000);
+  await until(page, "its station", ({stations}) => stations.mouse_1 !== undefined, 60_000);
+  const view = (await page.locator("#view").boundingBox())!;
+  const x = view.x + view.width / 2;
+  await page.mouse.move(x, view.y + 40);
+  await page.mouse.down();
+  for (let y = view.y + 40; y < view.y + view.height - 10; y += 3) {
+    await page.mouse.move(x, y);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+    if (norm((await probe(page)).stations.mouse_1!.forceN) > 0.5) return true;
+  }
+  return false;
+}
+
+const release = async (page: Page): Promise<void> => {
+  await page.mouse.up();
+  await page.keyboard.press("Escape");
+  await page.waitForFunction(
+    () => /mouse_1 has left/.test(document.getElementById("who")!.textContent ?? ""),
+    null,
+    {timeout: 60_000},
+  );
+};
+
+test("the mouse presses the bunny, and the page shows the force", async () => {
+  const page = await open("?scene=bunny-bunny");
+  // A machine that is too busy silences a station for longer than a server waits, which ends its
+  // session; so it has another try.
+  for (let tries = 1; !(await press(page)); tries++) {
+    if (tries === 3) throw new Error("the tool met nothing");
+    await release(page);
+  }
+  await page.waitForFunction(
+    () => Number(document.getElementById("force")!.textContent) >= 0.5,
+    null,
+    {timeout: 60_000},
+  );
+  await page.waitForFunction(
+    () => /^Contact, /.test(document.getElementById("sentence")!.textContent ?? ""),
+    null,
+    {timeout: 60_000},
+  );
+  // A second one is refused, with who has it.
+  const second = await open("?scene=bunny-bunny");
+  await until(second, "the first one's tool", ({stations}) => stations.mouse_1 !== undefined, 60_000);
+  await second.locator("#take").click();
+  await second.locator("#hint.alarm").waitFor({timeout: 60_000});
+  expect(await second.locator("#hint").innerText()).toMatch(/'mouse_1' holds the bunny/);
+  await release(page);
+});

@@ -1,0 +1,153 @@
+#include "client/viewer/foxglove.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/random.h"
+
+namespace palpate::foxglove {
+namespace {
+
+using Json = nlohmann::json;
+using test::Random;
+
+std::optional<Request> Parse(std::string_view text) {
+  std::string complaint;
+  const auto request = ParseRequest(text, complaint);
+  EXPECT_EQ(request.has_value(), complaint.empty()) << text;
+  return request;
+}
+
+TEST(Subprotocol, IsTheFirstThatBothSpeak) {
+  EXPECT_EQ(ChooseSubprotocol("foxglove.websocket.v1"), "foxglove.websocket.v1");
+  EXPECT_EQ(ChooseSubprotocol("chat,foxglove.sdk.v1 ,\tfoxglove.websocket.v1"), "foxglove.sdk.v1");
+  for (const char* none : {"", ",", " , ,", "chat", "foxglove.websocket.v2", "foxglove"}) {
+    EXPECT_EQ(ChooseSubprotocol(none), "") << none;
+  }
+}
+
+TEST(ServerInfo, IsWhatTheProtocolSays) {
+  const Json info = Json::parse(ServerInfo("abc", true));
+  EXPECT_EQ(info["op"], "serverInfo");
+  EXPECT_EQ(info["capabilities"], Json::array({"clientPublish"}));
+  EXPECT_EQ(info["supportedEncodings"], Json::array({"json"}));
+  EXPECT_EQ(info["sessionId"], "abc");
+  const Json closed = Json::parse(ServerInfo("abc", false));
+  EXPECT_EQ(closed["capabilities"], Json::array());
+  EXPECT_FALSE(closed.contains("supportedEncodings"));
+}
+
+TEST(Advertise, NamesEachChannelsEncodingAndSchema) {
+  const Json message =
+      Json::parse(Advertise({{3, "/t", "cdr", "m::T", "module m { \"x\" };", "omgidl"}}));
+  EXPECT_EQ(message["op"], "advertise");
+  EXPECT_EQ(message["channels"][0], (Json{{"id", 3},
+                                          {"topic", "/t"},
+                                          {"encoding", "cdr"},
+                                          {"schemaName", "m::T"},
+                                          {"schema", "module m { \"x\" };"},
+                                          {"schemaEncoding", "omgidl"}}));
+}
+
+TEST(Status, IsJsonWhateverItQuotes) {
+  const Json status = Json::parse(Status(Level::kError, "a\"b\xff\n"));
+  EXPECT_EQ(status["op"], "status");
+  EXPECT_EQ(status["level"], 2);
+  EXPECT_THAT(status.value("message", ""), testing::StartsWith("a\"b"));
+}
+
+TEST(MessageHeader, HasOpcodeSubscriptionAndTimeLittleEndian) {
+  const MessageHeader header = MakeMessageHeader(0x01020304, 0x1112131415161718);
+  const MessageHeader expected = {1, 4, 3, 2, 1, 0x18, 0x17, 0x16, 0x15, 0x14, 0x13, 0x12, 0x11};
+  EXPECT_EQ(header, expected);
+}
+
+TEST(Request, IsReadInEachOfItsKinds) {
+  const auto subscribe = Parse(
+      R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":4294967295,"channelId":5}]})");
+  ASSERT_TRUE(subscribe);
+  EXPECT_EQ(subscribe->op, Request::Op::kSubscribe);
+  ASSERT_EQ(subscribe->subscriptions.size(), 2u);
+  EXPECT_EQ(subscribe->subscriptions[1].id, 4294967295u);
+  EXPECT_EQ(subscribe->subscriptions[1].channel, 5u);
+  EXPECT_THAT(Parse(R"({"op":"unsubscribe","subscriptionIds":[0,1]})")->ids,
+              testing::ElementsAre(0u, 1u));
+  const auto advertise = Parse(
+      R"({"op":"advertise","channels":[{"id":1,"topic":"/m","encoding":"json","schemaName":""}]})");
+  ASSERT_TRUE(advertise);
+  EXPECT_EQ(advertise->op, Request::Op::kAdvertise);
+  EXPECT_EQ(advertise->channels.at(0).topic, "/m");
+  EXPECT_EQ(Parse(R"({"op":"unadvertise","channelIds":[7]})")->ids.at(0), 7u);
+  EXPECT_EQ(Parse(R"({"op":"getParameters"})")->op, Request::Op::kUnknown);
+}
+
+TEST(Request, IsRefusedWhereItLacksWhatItsKindNeeds) {
+  for (const char* text :
+       {"", "x", "null", "3", "[]", "{}", R"({"op":3})", R"({"op":"subscribe"})",
+        R"({"op":"subscribe","subscriptions":{}})", R"({"op":"subscribe","subscriptions":[3]})",
+        R"({"op":"subscribe","subscriptions":[{"id":1}]})",
+        R"({"op":"subscribe","subscriptions":[{"id":-1,"channelId":1}]})",
+        R"({"op":"subscribe","subscriptions":[{"id":4294967296,"channelId":1}]})",
+        R"({"op":"subscribe","subscriptions":[{"id":1.5,"channelId":1}]})",
+        R"({"op":"unsubscribe","subscriptionIds":["1"]})", R"({"op":"advertise","channels":[{}]})",
+        R"({"op":"advertise","channels":[{"id":1,"topic":5,"encoding":"json"}]})",
+        R"({"op":"unadvertise","channelIds":1})", "{\"op\":\"\xff\"}"}) {
+    EXPECT_FALSE(Parse(text)) << text;
+  }
+  std::string many = R"({"op":"unsubscribe","subscriptionIds":[0)";
+  for (int i = 0; i < 1000; ++i) many += ",1";
+  EXPECT_FALSE(Parse(many + "]}"));
+  EXPECT_FALSE(Parse(std::string(60'000, '[')));
+}
+
+TEST(ClientMessage, IsItsChannelAndItsPayload) {
+  std::string complaint;
+  const std::uint8_t bytes[] = {1, 2, 1, 0, 0, '{', '}'};
+  const auto message = ParseMessage(bytes, complaint);
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->channel, 258u);
+  EXPECT_EQ(message->payload, "{}");
+  EXPECT_EQ(ParseMessage(std::span(bytes, 5), complaint)->payload, "");
+  EXPECT_TRUE(complaint.empty());
+  for (std::size_t n = 0; n < 5; ++n) {
+    complaint.clear();
+    EXPECT_FALSE(ParseMessage(std::span(bytes, n), complaint)) << n;
+    EXPECT_FALSE(complaint.empty());
+  }
+  const std::uint8_t other[] = {2, 2, 1, 0, 0};
+  EXPECT_FALSE(ParseMessage(other, complaint));
+}
+
+TEST(Parsers, StandAnyBytes) {
+  Random random(9);
+  const std::string good[] = {
+      R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":1,"channelId":5}]})",
+      R"({"op":"advertise","channels":[{"id":1,"topic":"/palpate/mouse","encoding":"json"}]})",
+      R"({"op":"unsubscribe","subscriptionIds":[0,1]})"};
+  int taken = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    std::string text;
+    if (random.Below(2) == 0) {
+      for (std::size_t n = random.Below(50); n > 0; --n) {
+        text += static_cast<char>(random.Below(256));
+      }
+    } else {  // cut short, or with a byte changed
+      text = good[random.Below(3)];
+      if (random.Below(2) == 0) text.resize(random.Below(text.size() + 1));
+      if (!text.empty() && random.Below(2) == 0) {
+        text[random.Below(text.size())] = static_cast<char>(random.Below(256));
+      }
+    }
+    taken += Parse(text).has_value();
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
+    std::string complaint;
+    const auto message = ParseMessage({bytes, text.size()}, complaint);
+    ASSERT_EQ(message.has_value(), text.size() >= 5 && text[0] == 1);
+    ASSERT_NO_THROW(Json::parse(Status(Level::kError, complaint)));
+  }
+  EXPECT_GT(taken, 1000) << "else nothing but refusals was tried";
+}
+
+}  // namespace
+}  // namespace palpate::foxglove

@@ -1,0 +1,578 @@
+// The real palpate-viewer beside a real server: what viewers get, and what they cannot do to each
+// other.
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "common/dds/cdr.h"
+#include "common/dds/cdr_reader.h"
+#include "common/dds/topics.h"
+#include "common/time/steady_clock.h"
+#include "scenes/scene_bundle.h"
+#include "tests/support/program.h"
+#include "tests/support/random.h"
+#include "tests/viewer/web_client.h"
+
+namespace palpate::test {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+const int kDomain = 102 + getpid() % 12;
+enum : std::uint32_t { kToolState = 1, kStatistics, kSession, kChange, kBundle, kMouse };
+
+template <class T>
+T Decoded(const WebClient::Message& message) {
+  T sample{};
+  EXPECT_TRUE(dds::FromCdr(message.payload, sample));
+  return sample;
+}
+
+/// Without any library: where CDR puts the members of a ToolState.
+double Member(const std::vector<std::uint8_t>& cdr, std::size_t index_after_tool) {
+  std::size_t at = 4;
+  for (int text = 0; text < 3; ++text) {
+    at += (4 - at % 4) % 4;
+    std::uint32_t length = 0;
+    std::memcpy(&length, cdr.data() + at, 4);
+    at += 4 + length;
+  }
+  at = 4 + (at - 4 + 7) / 8 * 8 + 8 * index_after_tool;
+  double value = 0.0;
+  std::memcpy(&value, cdr.data() + at, 8);
+  return value;
+}
+
+std::unique_ptr<Program> StartServer(std::vector<std::string> scenes = {"cube"}) {
+  std::vector<std::string> arguments{"--realtime", "off",      "--transport",
+                                     "udp",        "--domain", std::to_string(kDomain)};
+  for (const std::string& scene : scenes) {
+    arguments.insert(arguments.end(), {"--scene", scene});
+  }
+  auto server = std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-server", arguments);
+  EXPECT_TRUE(server->Says("ready: ", 60.0)) << server->Output();
+  return server;
+}
+
+std::unique_ptr<Program> StartStation(const std::string& id, const std::string& script = "") {
+  std::vector<std::string> arguments{"--device",
+                                     "scripted",
+                                     "--scene",
+                                     "cube",
+                                     "--id",
+                                     id,
+                                     "--no-table",
+                                     "--realtime",
+                                     "off",
+                                     "--transport",
+                                     "udp",
+                                     "--domain",
+                                     std::to_string(kDomain)};
+  if (script.empty()) {
+    arguments.push_back("--loop");
+  } else {
+    arguments.insert(arguments.end(), {"--script", script});
+  }
+  return std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station", arguments);
+}
+
+class Gateway {
+ public:
+  explicit Gateway(std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments{"--http", "0",        "--transport",
+                                       "udp",    "--domain", std::to_string(kDomain)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    program_ = std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-viewer", arguments);
+    EXPECT_TRUE(program_->Says("ready: page http://127.0.0.1:")) << program_->Output();
+    EXPECT_TRUE(program_->Says("/; domain"));
+    const std::string& said = program_->Output();
+    const std::string begin = "ready: page http://127.0.0.1:";
+    port_ = std::atoi(said.c_str() + said.find(begin) + begin.size());
+  }
+  int port() const { return port_; }
+  Program& program() { return *program_; }
+  Json Health() { return Json::parse(Get(port_, "/healthz").body); }
+  /// Asks until the gateway says so.
+  bool Until(const std::function<bool(const Json&)>& condition) {
+    for (int i = 0; i < 2000; ++i) {
+      if (condition(Health())) return true;
+      usleep(10'000);
+    }
+    return false;
+  }
+  bool KnowsScenes(std::size_t n) {
+    return Until([n](const Json& health) { return health["scenes"].size() == n; });
+  }
+
+ private:
+  std::unique_ptr<Program> program_;
+  int port_ = 0;
+};
+
+TEST(Gateway, TellsEachViewerWhatItIsAndWhichChannelsThereAre) {
+  Gateway gateway;
+  WebClient viewer(gateway.port(), "foxglove.sdk.v1, foxglove.websocket.v1");
+  ASSERT_TRUE(viewer.open());
+  EXPECT_EQ(viewer.subprotocol(), "foxglove.sdk.v1");
+  const Json info = viewer.NextJson("serverInfo");
+  EXPECT_THAT(info.value("name", ""), HasSubstr("palpate-viewer"));
+  EXPECT_EQ(info["capabilities"], Json::array({"clientPublish"}));
+  EXPECT_EQ(info["supportedEncodings"], Json::array({"json"}));
+  const Json channels = viewer.NextJson("advertise")["channels"];
+  std::map<std::string, Json> by_topic;
+  for (const Json& channel : channels) by_topic[channel["topic"]] = channel;
+  for (const auto& [topic, schema] :
+       std::map<std::string, std::string>{{"/palpate/tool_state", "palpate::ToolState"},
+                                          {"/palpate/loop_statistics", "palpate::LoopStatistics"},
+                                          {"/palpate/session_state", "palpate::SessionState"},
+                                          {"/palpate/scene_change", "palpate::SceneChange"},
+                                          {"/palpate/scene_bundle", "palpate::SceneBundle"}}) {
+    ASSERT_TRUE(by_topic.contains(topic));
+    EXPECT_EQ(by_topic[topic]["encoding"], "cdr");
+    EXPECT_EQ(by_topic[topic]["schemaEncoding"], "omgidl");
+    EXPECT_EQ(by_topic[topic]["schemaName"], schema);
+    const std::string text = by_topic[topic]["schema"];
+    EXPECT_THAT(text, HasSubstr("module palpate {"));
+    EXPECT_THAT(text, HasSubstr("struct " + schema.substr(9) + " {"));
+    EXPECT_THAT(text, testing::Not(HasSubstr("#include")));
+  }
+  EXPECT_EQ(by_topic["/palpate/mouse_state"]["encoding"], "json");
+}
+
+TEST(Gateway, GivesLateViewersTheSceneAndTheSessionsAndThenTheTool) {
+  const auto server = StartServer();
+  const auto station = StartStation("held", PALPATE_SOURCE_DIR "/tests/integration/press.json");
+  Gateway gateway;
+  ASSERT_TRUE(gateway.KnowsScenes(1));
+  ASSERT_TRUE(gateway.Until([](const Json& h) { return h["stations"] == Json::array({"held"}); }));
+
+  const dds::Participant participant = dds::Participant::Service(kDomain);
+  dds::CdrReader<wire::ToolState> direct(participant, dds::kToolStateTopic, dds::Qos::kStream);
+  WebClient viewer(gateway.port());
+  viewer.Subscribe(70, kBundle);
+  viewer.Subscribe(71, kSession);
+  viewer.Subscribe(72, kToolState);
+  viewer.Subscribe(73, kStatistics);
+
+  const auto bundle = viewer.Next(70);
+  ASSERT_TRUE(bundle);
+  auto scene = Decoded<wire::SceneBundle>(*bundle);
+  EXPECT_STREQ(scene.scene, "cube");
+  const std::span bytes(scene.bundle._buffer, scene.bundle._length);
+  EXPECT_EQ(scene.hash, BundleHash(bytes));
+  EXPECT_EQ(UnpackScene(bytes, "the viewer's").objects.at(0).name, "cube");
+  dds::FreeContents(scene);
+
+  const auto session = viewer.Next(71);
+  ASSERT_TRUE(session);
+  EXPECT_STREQ(Decoded<wire::SessionState>(*session).station, "held");
+
+  // What the viewer sees of a pose is what a reader of DDS sees of it.
+  std::map<std::uint64_t, wire::ToolState> truth;
+  dds::CdrSample raw;
+  wire::ToolState state{};
+  std::optional<WebClient::Message> pressed;
+  for (int i = 0; i < 1000 && !pressed; ++i) {
+    auto message = viewer.Next(72);
+    ASSERT_TRUE(message);
+    while (direct.Take(raw, state)) truth[state.pose_sequence] = state;
+    const auto seen = Decoded<wire::ToolState>(*message);
+    if (seen.force_N[1] > 0.9 && truth.contains(seen.pose_sequence)) pressed = std::move(message);
+  }
+  ASSERT_TRUE(pressed);
+  const auto seen = Decoded<wire::ToolState>(*pressed);
+  const wire::ToolState& told = truth.at(seen.pose_sequence);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(Member(pressed->payload, 1 + i), told.haptic_position_m[i]);
+    EXPECT_EQ(seen.haptic_position_m[i], told.haptic_position_m[i]);
+    EXPECT_EQ(seen.graphic_position_m[i], told.graphic_position_m[i]);
+    EXPECT_EQ(seen.force_N[i], told.force_N[i]);
+  }
+  EXPECT_EQ(seen.points, 1u);
+  EXPECT_TRUE(viewer.Next(73));
+
+  viewer.SendText(R"({"op": "unsubscribe", "subscriptionIds": [72]})");
+  viewer.Run(0.3);
+  while (viewer.Next(72, 0.0)) {
+  }
+  EXPECT_FALSE(viewer.Next(72, 0.3));
+}
+
+TEST(Gateway, GivesEachViewerToolStatesAtTheRateThatItIsTold) {
+  const auto server = StartServer();
+  const auto station = StartStation("a");
+  Gateway gateway({"--rate", "20"});
+  WebClient viewer(gateway.port());
+  viewer.Subscribe(1, kToolState);
+  ASSERT_TRUE(viewer.Next(1));
+  // By the states' own numbers, one a millisecond, not by this test's clock: 50 ms apart on
+  // average.
+  const std::uint64_t first = Decoded<wire::ToolState>(*viewer.Next(1)).pose_sequence;
+  std::uint64_t last = first;
+  constexpr int kFrames = 40;
+  for (int i = 0; i < kFrames; ++i) {
+    const auto next = viewer.Next(1);
+    ASSERT_TRUE(next);
+    last = Decoded<wire::ToolState>(*next).pose_sequence;
+  }
+  EXPECT_GE(last - first, 0.85 * 50 * kFrames);
+}
+
+TEST(Gateway, LetsAStalledViewerLoseFramesAndNobodyElse) {
+  const auto server = StartServer();
+  const auto station = StartStation("a");
+  Gateway gateway({"--rate", "60"});
+  ASSERT_TRUE(gateway.KnowsScenes(1));
+  WebClient stalled(gateway.port(), "foxglove.websocket.v1", "", 4096);
+  WebClient lively(gateway.port());
+  // It does not read: the bundle is more than the kernel holds for it.
+  stalled.Subscribe(2, kBundle);
+  stalled.Subscribe(1, kToolState);
+  lively.Subscribe(1, kToolState);
+  std::uint64_t last = 0;
+  std::uint64_t longest = 0;
+  const auto follow = [&] {
+    const auto next = lively.Next(1);
+    if (!next) return false;
+    const std::uint64_t sequence = Decoded<wire::ToolState>(*next).pose_sequence;
+    if (last != 0) longest = std::max(longest, sequence - last);
+    last = sequence;
+    return true;
+  };
+  bool dropped = false;
+  for (int i = 0; i < 3000 && !dropped; ++i) {
+    ASSERT_TRUE(follow());
+    if (i % 60 == 59) dropped = gateway.Health()["frames_dropped"].get<int>() > 20;
+  }
+  EXPECT_TRUE(dropped);
+  EXPECT_LT(longest, 2000u) << "milliseconds between two frames of the viewer that does read";
+  // When it reads again, the newest is what it gets: one frame, and what comes from now on.
+  ASSERT_TRUE(stalled.Next(2));
+  const auto next = stalled.Next(1);
+  ASSERT_TRUE(next);
+  EXPECT_GE(Decoded<wire::ToolState>(*next).pose_sequence + 200, last);
+}
+
+TEST(Gateway, KeepsItsViewersWhileTheServerIsGoneAndShowsThemItsSuccessor) {
+  auto server = StartServer();
+  Gateway gateway;
+  ASSERT_TRUE(gateway.KnowsScenes(1));
+  WebClient viewer(gateway.port());
+  viewer.Subscribe(1, kBundle);
+  viewer.Subscribe(2, kToolState);
+  const auto before = viewer.Next(1);
+  ASSERT_TRUE(before);
+  server->Signal(SIGKILL);
+  EXPECT_EQ(server->Exit(), -SIGKILL);
+  viewer.Run(0.3);
+  EXPECT_TRUE(viewer.open());
+  EXPECT_EQ(gateway.Health()["scenes"], Json::array({"cube"})) << "what is known stays";
+
+  server = StartServer({"friction"});
+  const auto after = viewer.Next(1);
+  ASSERT_TRUE(after);
+  auto old_scene = Decoded<wire::SceneBundle>(*before);
+  auto new_scene = Decoded<wire::SceneBundle>(*after);
+  EXPECT_NE(old_scene.server_run, new_scene.server_run);
+  EXPECT_STREQ(new_scene.scene, "friction");
+  dds::FreeContents(old_scene);
+  dds::FreeContents(new_scene);
+  EXPECT_EQ(gateway.Health()["scenes"], Json::array({"friction"}));
+
+  server.reset();
+  server = StartServer();
+  const auto station = StartStation("a");
+  EXPECT_TRUE(viewer.Next(2));
+  EXPECT_TRUE(viewer.open());
+}
+
+TEST(Gateway, GivesASceneOverHttpWithItsHashAndCompressed) {
+  const auto server = StartServer();
+  Gateway gateway;
+  ASSERT_TRUE(gateway.KnowsScenes(1));
+  const HttpAnswer plain = Get(gateway.port(), "/scene/cube.bundle");
+  EXPECT_EQ(plain.status, 200);
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(plain.body.data()),
+                        plain.body.size());
+  EXPECT_EQ(UnpackScene(bytes, "the gateway's").name, "cube");
+  char etag[32];
+  std::snprintf(etag, sizeof etag, "\"%016llx\"",
+                static_cast<unsigned long long>(BundleHash(bytes)));
+  EXPECT_EQ(plain.headers.at("etag"), etag);
+  EXPECT_EQ(Get(gateway.port(), "/scene/cube.bundle", {{"If-None-Match", etag}}).status, 304);
+  for (int time = 0; time < 2; ++time) {  // packed, and kept
+    const HttpAnswer packed =
+        Get(gateway.port(), "/scene/cube.bundle", {{"Accept-Encoding", "gzip, br"}});
+    EXPECT_EQ(packed.status, 200);
+    EXPECT_EQ(packed.headers.at("content-encoding"), "gzip");
+    EXPECT_LT(packed.body.size(), plain.body.size());
+    EXPECT_EQ(packed.body.substr(0, 2), "\x1f\x8b");
+  }
+  EXPECT_EQ(Get(gateway.port(), "/scene/none.bundle").status, 404);
+}
+
+TEST(Gateway, ServesThePageAndNothingBesideIt) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("palpate_page_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder / "page/assets");
+  std::ofstream(folder / "secret.txt") << "secret";
+  std::ofstream(folder / "page/index.html") << "<p>the page";
+  std::ofstream(folder / "page/assets/a1.js") << "plain";
+  std::ofstream(folder / "page/assets/a1.js.gz") << "packed";
+  Gateway gateway({"--page", (folder / "page").string()});
+  const HttpAnswer index = Get(gateway.port(), "/?x=1");
+  EXPECT_EQ(index.status, 200);
+  EXPECT_EQ(index.body, "<p>the page");
+  EXPECT_EQ(index.headers.at("content-type"), "text/html; charset=utf-8");
+  EXPECT_EQ(Get(gateway.port(), "/assets/a1.js").body, "plain");
+  const HttpAnswer packed = Get(gateway.port(), "/assets/a1.js", {{"Accept-Encoding", "gzip"}});
+  EXPECT_EQ(packed.body, "packed");
+  EXPECT_EQ(packed.headers.at("content-encoding"), "gzip");
+  EXPECT_EQ(packed.headers.at("content-type"), "text/javascript; charset=utf-8");
+  EXPECT_THAT(packed.headers.at("cache-control"), HasSubstr("immutable"));
+  for (const char* path : {"/../secret.txt", "/%2e%2e/secret.txt", "/assets/../../secret.txt",
+                           "/..%2fsecret.txt", "//../secret.txt", "/secret.txt"}) {
+    const HttpAnswer answer = Get(gateway.port(), path);
+    EXPECT_GE(answer.status, 400) << path;
+    EXPECT_THAT(answer.body, testing::Not(HasSubstr("secret"))) << path;
+  }
+  EXPECT_EQ(Get(gateway.port(), "/", {}, "HEAD").body, "");
+  EXPECT_EQ(Get(gateway.port(), "/", {}, "POST").status, 405);
+  EXPECT_EQ(Get(gateway.port(), "/", {{"X", std::string(20'000, 'x')}}).status, 400);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Gateway, SaysThatThePageIsNotBuiltAndHowToBuildIt) {
+  Gateway gateway({"--page", "/nowhere/page"});
+  const HttpAnswer index = Get(gateway.port(), "/");
+  EXPECT_EQ(index.status, 200);
+  EXPECT_THAT(index.body, HasSubstr("/nowhere/page"));
+  EXPECT_THAT(index.body, HasSubstr("cmake --build --preset release --target page"));
+}
+
+TEST(Gateway, TurnsAwayPagesFromElsewhereAndViewersBeyondItsMost) {
+  Gateway gateway({"--max-viewers", "2", "--allow-origin", "https://app.example.org"});
+  const std::string own = "http://127.0.0.1:" + std::to_string(gateway.port());
+  const std::string v1 = "foxglove.websocket.v1";
+  EXPECT_EQ(HandshakeStatus(gateway.port(), v1), 101);
+  EXPECT_EQ(HandshakeStatus(gateway.port(), v1, own), 101);
+  EXPECT_EQ(HandshakeStatus(gateway.port(), v1, "http://evil.example"), 403);
+  EXPECT_EQ(HandshakeStatus(gateway.port(), v1, "null"), 403);
+  EXPECT_EQ(HandshakeStatus(gateway.port(), "chat"), 400);
+  EXPECT_EQ(HandshakeStatus(gateway.port(), ""), 400);
+  ASSERT_TRUE(gateway.Until([](const Json& health) { return health["viewers"] == 0; }));
+  {
+    WebClient one(gateway.port(), "foxglove.websocket.v1", own);
+    WebClient two(gateway.port(), "foxglove.websocket.v1", "https://app.example.org");
+    EXPECT_TRUE(one.open());
+    EXPECT_TRUE(two.open());
+    EXPECT_EQ(HandshakeStatus(gateway.port(), v1), 503);
+  }
+  EXPECT_TRUE(gateway.Until([](const Json& health) { return health["viewers"] == 0; }));
+  EXPECT_TRUE(WebClient(gateway.port()).open());
+}
+
+TEST(Gateway, EndsTheConnectionThatSendsWhatIsNotOfTheProtocolAndNoOther) {
+  Gateway gateway;
+  WebClient other(gateway.port());
+  const std::vector<std::function<void(WebClient&)>> offences = {
+      [](WebClient& v) { v.SendText("hello"); },
+      [](WebClient& v) { v.SendText("[1, 2"); },
+      [](WebClient& v) { v.SendText(R"({"op": "subscribe"})"); },
+      [](WebClient& v) { v.SendText(R"({"op": "subscribe", "subscriptions": [{"id": -1}]})"); },
+      [](WebClient& v) { v.SendBinary(""); },
+      [](WebClient& v) { v.SendBinary(std::string("\x01\x00", 2)); },
+      [](WebClient& v) { v.SendBinary(std::string("\x07\x01\0\0\0{}", 7)); },
+      [](WebClient& v) { v.SendBinary(std::string("\x01\x01\0\0\0{}", 7)); }};
+  for (std::size_t i = 0; i < offences.size(); ++i) {
+    WebClient viewer(gateway.port());
+    ASSERT_TRUE(viewer.open());
+    offences[i](viewer);
+    const Json status = viewer.NextJson("status");
+    ASSERT_FALSE(status.is_null()) << i;
+    EXPECT_EQ(status["level"], 2);
+    EXPECT_THAT(status.value("message", ""), HasSubstr("this connection ends: it sent"));
+    EXPECT_EQ(viewer.closed(), 1008) << i;
+  }
+  WebClient large(gateway.port());
+  large.SendText("{\"op\": \"" + std::string(200'000, 'x') + "\"}");
+  large.closed();  // with 1009, or at once: the rest of it is not waited for
+  EXPECT_FALSE(large.open());
+  WebClient newer(gateway.port());
+  newer.SendText(R"({"op": "getParameters", "parameterNames": []})");
+  EXPECT_THAT(newer.NextJson("status").value("message", ""), HasSubstr("'getParameters'"));
+  newer.Subscribe(1, 99);
+  EXPECT_THAT(newer.NextJson("status").value("message", ""), HasSubstr("no such channel"));
+  EXPECT_TRUE(newer.open());
+  EXPECT_TRUE(other.open());
+  EXPECT_TRUE(gateway.Until([](const Json& health) { return health["viewers"] == 2; }));
+}
+
+TEST(Gateway, OutlivesAnyBytesAtItsPort) {
+  Gateway gateway;
+  WebClient other(gateway.port());
+  Random random(77);
+  for (int i = 0; i < 300; ++i) {
+    WebClient viewer(gateway.port());
+    ASSERT_TRUE(viewer.open());
+    for (int n = 0; n < 5; ++n) {
+      std::string bytes;
+      for (std::size_t k = random.Below(60); k > 0; --k) {
+        bytes += static_cast<char>(random.Below(256));
+      }
+      if (random.Below(2) == 0) {
+        viewer.SendBinary(bytes);
+      } else {
+        viewer.SendText(bytes);  // mostly not UTF-8 either
+      }
+    }
+    Get(gateway.port(), "/" + std::to_string(random.Below(1000)) + "%" + std::string(1, 'z'));
+  }
+  EXPECT_TRUE(other.open());
+  EXPECT_TRUE(gateway.Until([](const Json& health) { return health["viewers"] == 1; }));
+}
+
+/// The mouse's news until its phase is as wanted.
+Json MouseUntil(WebClient& viewer, const std::string& phase) {
+  for (;;) {
+    const auto message = viewer.Next(9);
+    if (!message) return {};
+    Json news = Json::parse(message->payload.begin(), message->payload.end());
+    if (news.value("phase", "") == phase) return news;
+  }
+}
+
+/// The tool's state once it meets a condition; frames before are passed over.
+bool ToolUntil(WebClient& viewer, const std::function<bool(const wire::ToolState&)>& condition) {
+  for (int i = 0; i < 1000; ++i) {
+    const auto message = viewer.Next(1);
+    if (!message) return false;
+    if (condition(Decoded<wire::ToolState>(*message))) return true;
+  }
+  return false;
+}
+
+TEST(Mouse, TakesAToolAndPressesItAndLetsItGo) {
+  const auto server = StartServer();
+  Gateway gateway;
+  ASSERT_TRUE(gateway.KnowsScenes(1));
+  WebClient viewer(gateway.port());
+  viewer.Subscribe(1, kToolState);
+  viewer.Subscribe(9, kMouse);
+  viewer.SendMouse({{"op", "take"}, {"scene", "cube"}, {"tool", "ball"}});
+  const Json held = MouseUntil(viewer, "active");
+  EXPECT_EQ(held.value("station", ""), "mouse_1");
+  EXPECT_EQ(held.value("tool", ""), "ball");
+  // The cube's top face is at 25 mm, the ball's radius 5 mm; 10 mm deep: 10 N.
+  viewer.SendMouse({{"op", "pose"}, {"p", {0.0, 0.020, 0.0}}, {"q", {1, 0, 0, 0}}});
+  EXPECT_TRUE(ToolUntil(viewer, [](const wire::ToolState& tool) {
+    return std::string(tool.station) == "mouse_1" && tool.force_N[1] > 9.9 &&
+           tool.graphic_position_m[1] > 0.0299;
+  }));
+  // Far deeper: no more than 20 mm of it, 20 N.
+  viewer.SendMouse({{"op", "pose"}, {"p", {0.0, -0.2, 0.0}}, {"q", {1, 0, 0, 0}}});
+  double most = 0.0;
+  EXPECT_TRUE(ToolUntil(viewer, [&](const wire::ToolState& tool) {
+    most = std::max(most, tool.force_N[1]);
+    return tool.force_N[1] > 19.9;
+  }));
+  EXPECT_LT(most, 20.1);
+  viewer.SendMouse({{"op", "release"}});
+  EXPECT_FALSE(MouseUntil(viewer, "ended").is_null());
+  EXPECT_TRUE(server->Says("station mouse_1: ended: the station left"));
+  EXPECT_TRUE(gateway.Until([](const Json& health) { return health["mice"] == 0; }));
+}
+
+TEST(Mouse, IsRefusedAToolThatIsTakenAndToldWhy) {
+  const auto server = StartServer();
+  const auto station = StartStation("first");
+  ASSERT_TRUE(server->Says("station first: active"));
+  Gateway gateway;
+  ASSERT_TRUE(gateway.KnowsScenes(1));
+  WebClient viewer(gateway.port());
+  viewer.Subscribe(9, kMouse);
+  viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
+  const Json refused = MouseUntil(viewer, "refused");
+  EXPECT_THAT(refused.value("reason", ""), HasSubstr("is driven by station 'first'"));
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""),
+              HasSubstr("is driven by station 'first'"));
+  viewer.SendMouse({{"op", "take"}, {"scene", "--help"}});
+  EXPECT_THAT(MouseUntil(viewer, "refused").value("reason", ""),
+              HasSubstr("no server serves scene '--help'"));
+  viewer.SendMouse({{"op", "dance"}});
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("the tool is refused"));
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("take, pose and release"));
+  EXPECT_TRUE(viewer.open());
+}
+
+TEST(Mouse, LetsGoWhenItsPageGoesAndAllowsNoMoreThanItsMost) {
+  const auto server = StartServer({"cube", "friction"});
+  Gateway gateway({"--max-mice", "1"});
+  ASSERT_TRUE(gateway.KnowsScenes(2));
+  WebClient other(gateway.port());
+  other.Subscribe(9, kMouse);
+  {
+    WebClient viewer(gateway.port());
+    viewer.Subscribe(9, kMouse);
+    viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
+    ASSERT_FALSE(MouseUntil(viewer, "active").is_null());
+    other.SendMouse({{"op", "take"}, {"scene", "friction"}});
+    EXPECT_THAT(MouseUntil(other, "refused").value("reason", ""), HasSubstr("--max-mice"));
+  }
+  EXPECT_TRUE(server->Says("station mouse_1: ended: the station left"));
+  EXPECT_TRUE(gateway.Until([](const Json& health) { return health["mice"] == 0; }));
+  other.SendMouse({{"op", "take"}, {"scene", "friction"}});
+  EXPECT_FALSE(MouseUntil(other, "active").is_null());
+}
+
+TEST(Mouse, LetsGoOfAPageThatStandsStill) {
+  const auto server = StartServer();
+  Gateway gateway;
+  ASSERT_TRUE(gateway.KnowsScenes(1));
+  WebClient viewer(gateway.port());
+  viewer.Subscribe(9, kMouse);
+  viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
+  ASSERT_FALSE(MouseUntil(viewer, "active").is_null());
+  viewer.Run(4.0);  // silent, yet it answers pings
+  EXPECT_EQ(gateway.Health()["mice"], 1);
+  EXPECT_TRUE(server->Says("station mouse_1: ended: the station left"))
+      << "nothing is read any more, so no ping is answered";
+}
+
+TEST(Gateway, EndsOnASignalAndTakesLeaveOfViewersAndMice) {
+  const auto server = StartServer();
+  Gateway gateway;
+  ASSERT_TRUE(gateway.KnowsScenes(1));
+  WebClient viewer(gateway.port());
+  viewer.Subscribe(9, kMouse);
+  viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
+  ASSERT_FALSE(MouseUntil(viewer, "active").is_null());
+  gateway.program().Signal(SIGTERM);
+  EXPECT_EQ(viewer.closed(), 1001);
+  EXPECT_EQ(gateway.program().Exit(), 0) << gateway.program().Output();
+  EXPECT_TRUE(server->Says("station mouse_1: ended: the station left"));
+}
+
+TEST(Gateway, SaysWhichPortItCannotHave) {
+  Gateway gateway;
+  Program second(PALPATE_BIN_DIR "/palpate-viewer",
+                 {"--http", std::to_string(gateway.port()), "--domain", std::to_string(kDomain)});
+  EXPECT_EQ(second.Exit(), 1);
+  EXPECT_THAT(second.Output(), HasSubstr("port " + std::to_string(gateway.port())));
+  EXPECT_THAT(second.Output(), HasSubstr("give another --http"));
+}
+
+}  // namespace
+}  // namespace palpate::test

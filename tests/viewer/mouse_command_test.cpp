@@ -1,0 +1,80 @@
+#include "client/viewer/mouse_command.h"
+
+#include <gtest/gtest.h>
+
+#include "devices/mouse/mouse_line.h"
+#include "tests/support/random.h"
+
+namespace palpate {
+namespace {
+
+using Op = MouseCommand::Op;
+using test::Random;
+
+std::optional<MouseCommand> Parse(std::string_view text) {
+  std::string complaint;
+  const auto command = ParseMouseCommand(text, complaint);
+  EXPECT_EQ(command.has_value(), complaint.empty()) << text;
+  return command;
+}
+
+TEST(MouseCommand, TakesDragsAndReleases) {
+  const auto take = Parse(R"({"op":"take","scene":"cube","tool":"ball"})");
+  ASSERT_TRUE(take);
+  EXPECT_EQ(take->op, Op::kTake);
+  EXPECT_EQ(take->scene, "cube");
+  EXPECT_EQ(take->tool, "ball");
+  EXPECT_EQ(Parse(R"({"op":"take","scene":"cube"})")->tool, "");
+  const auto pose = Parse(R"({"op":"pose","p":[0.1,-2,3e-3],"q":[1,0,0.5,0]})");
+  ASSERT_TRUE(pose);
+  EXPECT_EQ(pose->op, Op::kPose);
+  EXPECT_EQ(pose->X_WT.p, Vec3(0.1, -2, 0.003));
+  EXPECT_EQ(pose->X_WT.q.y(), 0.5);
+  EXPECT_EQ(Parse(R"({"op":"release"})")->op, Op::kRelease);
+}
+
+TEST(MouseCommand, IsRefusedWhereItIsNone) {
+  for (const char* text :
+       {"", "{", "[]", "{}", R"({"op":"jump"})", R"({"op":"take"})", R"({"op":"take","scene":3})",
+        R"({"op":"pose"})", R"({"op":"pose","p":[1,2],"q":[1,0,0,0]})",
+        R"({"op":"pose","p":[1,2,"3"],"q":[1,0,0,0]})",
+        R"({"op":"pose","p":[1,2,null],"q":[1,0,0,0]})",
+        R"({"op":"pose","p":[1,2,1e999],"q":[1,0,0,0]})",
+        R"({"op":"pose","p":[1,2,3],"q":[1,0,0]})"}) {
+    EXPECT_FALSE(Parse(text)) << text;
+  }
+}
+
+TEST(MouseCommand, StandsAnyBytes) {
+  Random random(4);
+  const std::string good = R"({"op":"pose","p":[0.1,-2,3e-3],"q":[1,0,0.5,0]})";
+  for (int i = 0; i < 50'000; ++i) {
+    std::string text = good;
+    text.resize(random.Below(text.size() + 1));
+    for (int n = 0; n < 3 && !text.empty(); ++n) {
+      text[random.Below(text.size())] = static_cast<char>(random.Below(256));
+    }
+    const auto command = Parse(text);
+    if (command && command->op == Op::kPose) ASSERT_TRUE(command->X_WT.p.allFinite());
+  }
+}
+
+TEST(MouseCommand, ReachesTheDeviceToTheBit) {
+  Random random(8);
+  for (int i = 0; i < 10'000; ++i) {
+    const Vec3 p = random.InCube(1.0) * (i % 2 == 0 ? 1.0 : 1e-9);
+    const Vec3 a = random.InCube(1.0);
+    const Pose X{p, Quat(1.0, a.x(), a.y(), a.z())};
+    std::string line = ToMouseLine(X);
+    ASSERT_EQ(line.back(), '\n');
+    line.pop_back();
+    std::string complaint;
+    const auto read = ParseMouseLine(line, complaint);
+    ASSERT_TRUE(read && read->X_WT) << line << complaint;
+    ASSERT_EQ(read->X_WT->p, p);
+    ASSERT_LT((read->X_WT->q.coeffs() - X.q.normalized().coeffs()).norm(), 1e-15);
+  }
+}
+
+}  // namespace
+}  // namespace palpate

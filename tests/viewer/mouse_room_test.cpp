@@ -1,0 +1,126 @@
+#include "client/viewer/mouse_room.h"
+
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+
+/// A room whose stations are a program that waits for the end of its input, as they do.
+class MouseRoomTest : public testing::Test {
+ protected:
+  void Take(MouseRoom::Holder holder, const std::string& scene = "cube", bool known = true) {
+    MouseCommand command;
+    command.op = MouseCommand::Op::kTake;
+    command.scene = scene;
+    room_.Take(holder, command, known);
+  }
+  void Session(const std::string& station, wire::SessionPhase phase,
+               const std::string& reason = "") {
+    wire::SessionState state{};
+    wire::FromText(station, state.station);
+    wire::FromText("ball", state.tool);
+    wire::FromText(reason, state.reason);
+    state.phase = phase;
+    room_.OnSession(state, 0);
+  }
+  bool Empties() {
+    for (int i = 0; i < 2000 && room_.size() > 0; ++i) {
+      room_.Poll(SteadyNanoseconds());
+      usleep(10'000);
+    }
+    return room_.size() == 0;
+  }
+
+  std::vector<MouseRoom::News> news_;
+  MouseRoom room_{{2, 0, "udp", PALPATE_SOURCE_DIR "/tests/viewer/fake_station"},
+                  [this](const MouseRoom::News& news) { news_.push_back(news); }};
+};
+
+TEST_F(MouseRoomTest, TellsTheHolderItsStationAndWhatTheServerSaysOfIt) {
+  Take(7);
+  ASSERT_EQ(news_.size(), 1u);
+  EXPECT_EQ(news_[0].holder, 7u);
+  EXPECT_EQ(news_[0].station, "mouse_1");
+  EXPECT_EQ(news_[0].phase, "");
+  Session("mouse_1", palpate_SESSION_WAITING);
+  Session("somebody", palpate_SESSION_ACTIVE);
+  Session("mouse_1", palpate_SESSION_ACTIVE);
+  ASSERT_EQ(news_.size(), 3u);
+  EXPECT_EQ(news_[2].phase, "active");
+  EXPECT_EQ(news_[2].tool, "ball");
+  EXPECT_TRUE(room_.Drag(7, Pose{}));
+  EXPECT_FALSE(room_.Drag(8, Pose{}));
+}
+
+TEST_F(MouseRoomTest, KeepsAToolWhoseSessionTheServerEndedBecauseItsStationAsksAgain) {
+  Take(7);
+  Session("mouse_1", palpate_SESSION_ENDED, "the server stops");
+  EXPECT_EQ(news_.back().phase, "");
+  EXPECT_EQ(news_.back().reason, "the server stops");
+  EXPECT_TRUE(room_.holds(7));
+}
+
+TEST_F(MouseRoomTest, RefusesASecondToolOneTooManyAndScenesThatNobodyServes) {
+  Take(7);
+  Take(7);
+  EXPECT_EQ(news_.back().phase, "refused");
+  EXPECT_THAT(news_.back().reason, HasSubstr("release it first"));
+  Take(8);
+  Take(9);
+  EXPECT_THAT(news_.back().reason, HasSubstr("--max-mice"));
+  EXPECT_EQ(news_.back().holder, 9u);
+  EXPECT_EQ(room_.size(), 2u);
+  Take(10, "nowhere", false);
+  EXPECT_THAT(news_.back().reason, HasSubstr("no server serves scene 'nowhere'"));
+}
+
+TEST_F(MouseRoomTest, LetsGoWhenTheServerRefusesAndPassesOnWhy) {
+  Take(7);
+  Session("mouse_1", palpate_SESSION_REFUSED, "tool 'ball' is driven by station 'a'");
+  EXPECT_EQ(news_.back().phase, "refused");
+  EXPECT_EQ(news_.back().reason, "tool 'ball' is driven by station 'a'");
+  EXPECT_FALSE(room_.holds(7));
+  const std::size_t told = news_.size();
+  EXPECT_TRUE(Empties());
+  EXPECT_EQ(news_.size(), told) << "its end is no news then";
+}
+
+TEST_F(MouseRoomTest, GivesANumberAgainOnlyOnceItsStationHasEnded) {
+  Take(7);
+  room_.Release(7, "", SteadyNanoseconds());
+  EXPECT_EQ(news_.back().phase, "ended");
+  Take(7);
+  EXPECT_EQ(news_.back().station, "mouse_2");
+  room_.Release(7, "", SteadyNanoseconds());
+  EXPECT_TRUE(Empties());
+  Take(7);
+  EXPECT_EQ(news_.back().station, "mouse_1");
+}
+
+TEST_F(MouseRoomTest, TellsOfAStationThatFailedWhatItComplainedOf) {
+  Take(7, "fail");
+  EXPECT_TRUE(Empties());
+  EXPECT_EQ(news_.back().phase, "refused");
+  EXPECT_EQ(news_.back().reason, "it went wrong");
+}
+
+TEST_F(MouseRoomTest, GivesAPagesWordsToTheStationInOneArgumentEach) {
+  Take(7, "cube --domain=3 $(exit)");
+  Take(8, "--help");
+  room_.Release(7, "", SteadyNanoseconds());
+  room_.Release(8, "", SteadyNanoseconds());
+  EXPECT_TRUE(Empties());
+  EXPECT_EQ(news_.back().phase, "ended") << "the fake station refuses any argument that it "
+                                            "does not expect";
+}
+
+}  // namespace
+}  // namespace palpate

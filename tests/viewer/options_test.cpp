@@ -1,0 +1,58 @@
+#include "client/viewer/options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+
+std::optional<ViewerOptions> Parse(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "palpate-viewer");
+  return ParseViewerOptions(static_cast<int>(arguments.size()), arguments.data());
+}
+
+std::string Complaint(const std::vector<const char*>& arguments) {
+  try {
+    Parse(arguments);
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ViewerOptions, AreForThisHostAloneUnlessTold) {
+  const auto options = Parse({"--http", "8765"});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->port, 8765);
+  EXPECT_EQ(options->address, "127.0.0.1");
+  EXPECT_EQ(options->rate_hz, 30.0);
+  EXPECT_EQ(options->max_viewers, 300u);
+  EXPECT_EQ(options->max_mice, 4);
+  EXPECT_THAT(options->page, HasSubstr("/page"));
+}
+
+TEST(ViewerOptions, NameTheArgumentThatIsWrong) {
+  EXPECT_THAT(Complaint({}), HasSubstr("--http"));
+  EXPECT_THAT(Complaint({"--http", "70000"}), HasSubstr("--http"));
+  EXPECT_THAT(Complaint({"--http", "1", "--bind", "here"}), HasSubstr("--bind 'here'"));
+  EXPECT_THAT(Complaint({"--http", "1", "--rate", "0"}), HasSubstr("--rate"));
+  EXPECT_THAT(Complaint({"--http", "1", "--max-mice", "99"}), HasSubstr("--max-mice"));
+  EXPECT_THAT(Complaint({"--http", "1", "--transport", "pigeon"}), HasSubstr("--transport"));
+  EXPECT_THAT(Complaint({"--http", "1", "--domain", "200"}), HasSubstr("--domain"));
+}
+
+TEST(Loopback, IsWhatOnlyThisHostReaches) {
+  for (const char* address : {"127.0.0.1", "127.8.8.8", "::1"}) {
+    EXPECT_TRUE(IsLoopback(address)) << address;
+  }
+  for (const char* address : {"0.0.0.0", "::", "192.168.0.1", "localhost", ""}) {
+    EXPECT_FALSE(IsLoopback(address)) << address;
+  }
+}
+
+}  // namespace
+}  // namespace palpate

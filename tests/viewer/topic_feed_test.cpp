@@ -1,0 +1,136 @@
+#include "client/viewer/topic_feed.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "common/dds/topics.h"
+
+namespace palpate {
+namespace {
+
+using testing::ElementsAre;
+
+constexpr int kDomain = 100;
+
+/// A server's service side and a feed, in one process.
+class TopicFeedTest : public testing::Test {
+ protected:
+  template <class Condition>
+  bool PollUntil(Condition condition) {
+    for (int i = 0; i < 10'000; ++i) {
+      feed_.Poll([this](const FramePtr& frame) { frames_.push_back(frame); },
+                 [this](const wire::SessionState& state) { sessions_.push_back(state.station); });
+      if (condition()) return true;
+      usleep(1000);
+    }
+    return false;
+  }
+  void WriteBundle(const std::string& scene, std::uint64_t run, std::vector<std::uint8_t> bytes) {
+    wire::SceneBundle sample{};
+    wire::FromText(scene, sample.scene);
+    sample.server_run = run;
+    sample.hash = bytes.size();
+    sample.bundle._buffer = bytes.data();
+    sample.bundle._length = sample.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
+    ASSERT_TRUE(bundles_.Write(sample));
+  }
+  void WriteSession(const std::string& station, std::uint64_t run, wire::SessionPhase phase) {
+    wire::SessionState sample{};
+    wire::FromText(station, sample.station);
+    sample.server_run = run;
+    sample.phase = phase;
+    ASSERT_TRUE(states_.Write(sample));
+  }
+  void WriteChange(std::uint64_t number, std::uint64_t run) {
+    wire::SceneChange sample{};
+    wire::FromText("s", sample.scene);
+    sample.change = number;
+    sample.server_run = run;
+    ASSERT_TRUE(changes_.Write(sample));
+  }
+
+  dds::Participant participant_ = dds::Participant::Service(kDomain);
+  dds::Writer<wire::SceneBundle> bundles_{participant_, dds::kSceneBundleTopic, dds::Qos::kSession};
+  dds::Writer<wire::SessionState> states_{participant_, dds::kSessionStateTopic,
+                                          dds::Qos::kSession};
+  dds::Writer<wire::SceneChange> changes_{participant_, dds::kSceneChangeTopic, dds::Qos::kSession};
+  dds::Writer<wire::ToolState> tools_{participant_, dds::kToolStateTopic, dds::Qos::kStream};
+  TopicFeed feed_{kDomain};
+  std::vector<FramePtr> frames_;
+  std::vector<std::string> sessions_;
+};
+
+TEST_F(TopicFeedTest, FindsTheBundleInTheBytesThatTravelled) {
+  for (std::size_t size = 1; size < 9; ++size) {
+    std::vector<std::uint8_t> bytes(size);
+    for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::uint8_t>(17 * i + size);
+    const std::string name = "scene" + std::string(size, 'x');
+    WriteBundle(name, 1, bytes);
+    ASSERT_TRUE(PollUntil([&] { return feed_.scenes().contains(name); }));
+    const SceneBytes& scene = feed_.scenes().at(name);
+    EXPECT_EQ(scene.hash, size);
+    EXPECT_EQ(std::vector(scene.bundle.begin(), scene.bundle.end()), bytes);
+  }
+}
+
+TEST_F(TopicFeedTest, KeepsWhatHasAStateInItsOrderAndNothingElse) {
+  for (std::uint64_t number = 1; number <= 300; ++number) WriteChange(number, 1);
+  WriteSession("a", 1, palpate_SESSION_WAITING);
+  WriteSession("a", 1, palpate_SESSION_ACTIVE);
+  WriteSession("b", 1, palpate_SESSION_REFUSED);
+  ASSERT_TRUE(PollUntil([&] {
+    return feed_.Kept(TopicFeed::kSceneChange).size() == 300 &&
+           feed_.Kept(TopicFeed::kSessionState).size() == 2;
+  }));
+  EXPECT_THAT(feed_.stations(), ElementsAre("a"));
+  const auto changes = feed_.Kept(TopicFeed::kSceneChange);
+  for (std::size_t i = 1; i < changes.size(); ++i) {
+    EXPECT_GE(changes[i]->time_ns, changes[i - 1]->time_ns);
+    EXPECT_TRUE(changes[i]->state);
+  }
+  frames_.clear();
+  ASSERT_TRUE(PollUntil([&] {
+    wire::ToolState tool{};
+    wire::FromText("a", tool.station);
+    tools_.Write(tool);
+    return !frames_.empty();
+  }));
+  EXPECT_EQ(frames_[0]->channel, TopicFeed::kToolState);
+  EXPECT_FALSE(frames_[0]->state);
+  EXPECT_TRUE(feed_.Kept(TopicFeed::kToolState).empty());
+}
+
+TEST_F(TopicFeedTest, LetsANewServerTakeThePlaceOfTheFormerWhoseRestIsNotHeard) {
+  WriteBundle("s", 1, {1});
+  WriteBundle("gone", 1, {2});
+  WriteChange(1, 1);
+  WriteSession("a", 1, palpate_SESSION_ACTIVE);
+  ASSERT_TRUE(PollUntil([&] {
+    return feed_.scenes().size() == 2 && feed_.stations().size() == 1 &&
+           feed_.Kept(TopicFeed::kSceneChange).size() == 1;
+  }));
+  WriteBundle("s", 2, {3});
+  ASSERT_TRUE(PollUntil([&] { return feed_.scenes().size() == 1; }));
+  EXPECT_EQ(feed_.scenes().at("s").bundle[0], 3);
+  EXPECT_TRUE(feed_.Kept(TopicFeed::kSceneChange).empty());
+  EXPECT_TRUE(feed_.stations().empty());
+  const std::size_t heard = sessions_.size();
+  WriteSession("late", 1, palpate_SESSION_ACTIVE);
+  WriteSession("b", 2, palpate_SESSION_ACTIVE);
+  ASSERT_TRUE(PollUntil([&] { return sessions_.size() > heard; }));
+  EXPECT_THAT(feed_.stations(), ElementsAre("b"));
+}
+
+TEST_F(TopicFeedTest, OffersEachTopicWithASchemaThatDeclaresItsType) {
+  const auto channels = TopicFeed::Channels(true);
+  EXPECT_EQ(channels.size(), 6u);
+  EXPECT_EQ(TopicFeed::Channels(false).size(), 5u);
+  for (const foxglove::Channel& channel : TopicFeed::Channels(false)) {
+    EXPECT_THAT(channel.schema,
+                testing::HasSubstr("struct " + channel.schema_name.substr(9) + " {"));
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace palpate::test {
+
+/// What a GET was answered.
+struct HttpAnswer {
+  int status = 0;                              ///< 0: nobody answered
+  std::map<std::string, std::string> headers;  ///< names in small letters
+  std::string body;
+};
+/// @param target  sent as it is.
+HttpAnswer Get(int port, const std::string& target,
+               const std::map<std::string, std::string>& headers = {},
+               const std::string& method = "GET");
+
+/// The HTTP status that a handshake is answered: 101 where it succeeds.
+int HandshakeStatus(int port, const std::string& subprotocols, const std::string& origin = "");
+
+/// A viewer: a WebSocket client that speaks the Foxglove protocol, for tests.  Waits at most 20 s
+/// for anything.
+class WebClient {
+ public:
+  struct Message {
+    std::uint32_t subscription = 0;
+    std::int64_t time_ns = 0;
+    std::vector<std::uint8_t> payload;
+  };
+
+  /// @param receive_buffer  what the kernel holds of what is not read [bytes]; 0: its own choice.
+  explicit WebClient(int port, const std::string& subprotocols = "foxglove.websocket.v1",
+                     const std::string& origin = "", int receive_buffer = 0);
+  ~WebClient();
+
+  bool open() const;
+  std::string subprotocol() const;
+  /// Code that the server closed with; 0: it has not.
+  int closed();
+
+  void SendText(const std::string& text);
+  void SendBinary(const std::string& bytes);
+  void Subscribe(std::uint32_t id, std::uint32_t channel);
+  /// On the client's channel 1, which it advertises first.
+  void SendMouse(const nlohmann::json& command);
+
+  /// The next JSON message with this `op`; earlier ones of others are passed over.  Null: none
+  /// came.
+  nlohmann::json NextJson(const std::string& op);
+  /// The next message of a subscription.
+  std::optional<Message> Next(std::uint32_t subscription, double seconds = 20.0);
+  /// Takes what comes for some time; where not, the socket stalls.
+  void Run(double seconds);
+  std::size_t received() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+  bool mouse_ = false;
+};
+
+}  // namespace palpate::test
