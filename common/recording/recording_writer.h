@@ -53,6 +53,7 @@ class RecordingWriter {
 
  private:
   struct Topic {
+    explicit Topic(RecordedType what) : type(what) {}
     RecordedType type;
     std::uint16_t channel = 0;  ///< 0: not yet in this file
     std::uint64_t messages = 0;

@@ -27,6 +27,10 @@ const std::vector<Rule> kRules = {
     {"common", {"common"}, {"common/dds"}, {"Eigen", "spdlog"}},
     // The one place that knows Cyclone DDS: everybody else sees typed readers and writers.
     {"common/dds", {"common", "idl"}, {}, {"Eigen", "spdlog", "Cyclone DDS"}},
+    // Files alone: who wants them need not know DDS.
+    {"common/mcap", {"common"}, {"common/dds"}, {"zlib", "zstd"}},
+    // What the project puts into them: samples, as DDS serialises them.
+    {"common/recording", {"common"}, {}, {"Eigen", "spdlog"}},
     {"scenes",
      {"common", "scenes", "idl/scene_generated.h"},
      {"common/dds"},
@@ -75,6 +79,8 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"xxhash.h", "xxHash"},
     {"png.h", "libpng"},
     {"zlib.h", "zlib"},
+    // Recordings are compressed: MCAP knows zstd and lz4, and of the two zstd makes the smaller file.
+    {"zstd.h", "zstd"},
     {"nanoflann.hpp", "nanoflann"},
     {"HD/", "OpenHaptics"},
     {"HDU/", "OpenHaptics"},
