@@ -1,0 +1,44 @@
+#include <cstdio>
+#include <exception>
+
+#include "client/replayer/options.h"
+#include "client/replayer/verify.h"
+#include "common/error.h"
+#include "common/log.h"
+#include "common/stop_signal.h"
+
+namespace palpate {
+namespace {
+
+int Run(const ReplayOptions& options) {
+  switch (options.what) {
+    case ReplayOptions::What::kVerify: {
+      const Verification verification = Verify(options.files, options.verify);
+      if (options.json != "-") std::fputs(ToText(verification).c_str(), stdout);
+      if (!options.json.empty()) WriteJson(verification, options.json);
+      return verification.good() ? 0 : 1;
+    }
+    default:
+      return 1;
+  }
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  const auto fail = [](const std::exception& error, int status) {
+    std::fprintf(stderr, "palpate-replay: %s\n", error.what());
+    return status;
+  };
+  try {
+    const auto options = palpate::ParseOptions(argc, argv);
+    if (!options) return 0;
+    palpate::SetUpLog("palpate-replay", options->log_level);
+    return palpate::Run(*options);
+  } catch (const palpate::UsageError& error) {
+    return fail(error, 2);
+  } catch (const std::exception& error) {
+    return fail(error, 1);
+  }
+}
