@@ -2,6 +2,7 @@
 #include <exception>
 
 #include "client/replayer/options.h"
+#include "client/replayer/player.h"
 #include "client/replayer/verify.h"
 #include "common/error.h"
 #include "common/log.h"
@@ -17,6 +18,11 @@ int Run(const ReplayOptions& options) {
       if (options.json != "-") std::fputs(ToText(verification).c_str(), stdout);
       if (!options.json.empty()) WriteJson(verification, options.json);
       return verification.good() ? 0 : 1;
+    }
+    case ReplayOptions::What::kPlay: {
+      StopSignal stop;
+      Play(options, stop);
+      return 0;
     }
     default:
       return 1;

@@ -161,6 +161,7 @@ bool Reader::TakeBasic(const Record& record, Message& message) {
 }
 
 void Reader::OpenChunk(std::span<const std::uint8_t> content, std::size_t offset) {
+  ++chunks_;
   Fields fields(content);
   const auto start_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
   const auto end_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
@@ -225,12 +226,18 @@ bool Reader::Next(Message& message) {
       metadata.values = fields.TakeMap();
       if (fields.ok()) metadata_.push_back(std::move(metadata));
     } else if (record.opcode == kDataEnd) {
+      const auto crc = Fields(record.content).Take<std::uint32_t>();
+      if (crc != 0 && crc != static_cast<std::uint32_t>(crc32_z(0, bytes_.data(), offset))) {
+        problems_.push_back(source_ + ": some of its bytes have changed since it was written");
+      }
       // What follows repeats; all that matters is that its end is there.
       ended_ = true;
       complete_ = bytes_.size() - at_ >= kMagicSize &&
                   std::memcmp(&bytes_[bytes_.size() - kMagicSize], kMagic, kMagicSize) == 0;
       if (!complete_) Stop(source_ + ": is cut off within its index; all its data are there");
-    } else if (record.opcode == 0 || record.opcode == kFooter) {
+    } else if (record.opcode == 0 || record.opcode == kFooter ||
+               (record.opcode == kMessage && chunks_ > 0)) {
+      // Who writes chunks writes no messages outside of them.
       Stop(source_ + ": has a record that cannot be there" + At(offset));
     } else if (TakeBasic(record, message)) {
       return true;

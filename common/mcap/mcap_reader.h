@@ -72,7 +72,7 @@ class Reader {
   std::string source_;
   std::size_t at_ = 0;
   std::vector<std::uint8_t> chunk_;
-  std::size_t chunk_at_ = 0, chunk_offset_ = 0;
+  std::size_t chunk_at_ = 0, chunk_offset_ = 0, chunks_ = 0;
   std::int64_t from_ns_, to_ns_;
   bool ended_ = false, complete_ = false;
   std::vector<std::string> problems_;

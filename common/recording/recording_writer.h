@@ -19,7 +19,7 @@ struct RecordingOptions {
   double split_s = 0.0;           ///< 0: never
   bool bundles = true;            ///< false: of scenes, only their names and hashes are kept
   bool overwrite = false;
-  mcap::StringMap about;  ///< what else the recording is to say of itself
+  mcap::StringMap about{};  ///< what else the recording is to say of itself
 };
 
 /// Writes samples as a recording: MCAP, one channel for each topic, with figures that prove that it
