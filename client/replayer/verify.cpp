@@ -372,7 +372,7 @@ std::optional<WrenchDifference> Difference(const wire::Wrench& recorded,
 }
 
 bool Verification::good() const {
-  return !sessions.empty() && problems.empty() &&
+  return !sessions.empty() && !damaged &&
          std::ranges::all_of(sessions, [](const SessionVerdict& v) { return v.good(); });
 }
 
@@ -383,6 +383,7 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
   std::int64_t began_ns = 0;
   const auto sessions = Gather(reader, scenes, began_ns);
   verification.problems = reader.problems();
+  verification.damaged = reader.damaged();
 
   std::map<std::string, std::unique_ptr<SessionReplay>> replay;  // by topic, both of a session
   for (const auto& facts : sessions) {

@@ -38,7 +38,9 @@ struct SessionVerdict {
 struct Verification {
   std::vector<SessionVerdict> sessions;
   std::vector<std::string> problems;  ///< of the files
+  bool damaged = false;               ///< they have changed since they were written
   /// Every wrench of every session was computed again and is the same, and there is at least one.
+  /// A recording that was cut off can be good as far as it goes.
   bool good() const;
 };
 
