@@ -75,7 +75,8 @@ class Taps {
   dds::CdrReader<wire::SceneBundle> bundles_;
   dds::CdrReader<wire::ToolState> tools_;
   dds::CdrReader<wire::LoopStatistics> statistics_;
-  std::uint32_t service_channel_[7];
+  dds::CdrReader<wire::GuideTarget> guides_;
+  std::uint32_t service_channel_[8];
   std::int64_t now_ns_ = 0;
   bool heard_ = false;
   std::map<std::string, Session> sessions_;  // by station

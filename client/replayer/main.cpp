@@ -1,8 +1,11 @@
 #include <cstdio>
 #include <exception>
 
+#include "client/replayer/guide_voice.h"
+#include "client/replayer/hand_path.h"
 #include "client/replayer/options.h"
 #include "client/replayer/player.h"
+#include "client/replayer/score.h"
 #include "client/replayer/verify.h"
 #include "common/error.h"
 #include "common/log.h"
@@ -24,9 +27,21 @@ int Run(const ReplayOptions& options) {
       Play(options, stop);
       return 0;
     }
-    default:
-      return 1;
+    case ReplayOptions::What::kGuide: {
+      StopSignal stop;
+      Guide(options, stop);
+      return 0;
+    }
+    case ReplayOptions::What::kScore: {
+      const Score score =
+          ScorePath(ReadHandPath({options.expert}), ReadHandPath({options.trainee}));
+      if (options.json != "-") std::fputs(ToText(score).c_str(), stdout);
+      if (!options.json.empty()) WriteJson(score, options.json);
+      if (!options.out.empty()) WriteReport(score, options.out);
+      return 0;
+    }
   }
+  return 1;
 }
 
 }  // namespace

@@ -30,5 +30,6 @@ template class CdrReader<wire::LeafTaken>;
 template class CdrReader<wire::ToolState>;
 template class CdrReader<wire::LoopStatistics>;
 template class CdrReader<wire::SceneBundle>;
+template class CdrReader<wire::GuideTarget>;
 
 }  // namespace palpate::dds

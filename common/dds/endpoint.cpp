@@ -216,6 +216,7 @@ template class Writer<wire::SessionState>;
 template class Writer<wire::SceneChange>;
 template class Writer<wire::LeafTaken>;
 template class Writer<wire::ToolState>;
+template class Writer<wire::GuideTarget>;
 template class Writer<wire::LoopStatistics>;
 template class Writer<wire::SceneBundle>;
 template class Reader<wire::HapticPose>;
@@ -225,6 +226,7 @@ template class Reader<wire::SessionState>;
 template class Reader<wire::SceneChange>;
 template class Reader<wire::LeafTaken>;
 template class Reader<wire::ToolState>;
+template class Reader<wire::GuideTarget>;
 template class Reader<wire::LoopStatistics>;
 template class Reader<wire::SceneBundle>;
 

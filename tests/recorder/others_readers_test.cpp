@@ -120,6 +120,14 @@ TEST_F(OthersReadersTest, FindEverySampleOfEveryTopicAsItWas) {
       {"hand", "cube", 1.5, "1000", 0.0, 0.0, 0.0, 0.0, 0.0, "0", "0", "0", "0", "0", "0", "0", 0,
        3});
 
+  wire::GuideTarget guide{};
+  wire::FromText("hand", guide.station);
+  guide.run = 5;
+  guide.number = 6;
+  Number(guide.position_m, 1.5);
+  Number(guide.orientation_wxyz, 4.5);
+  Put(dds::kGuideTopic, guide, {"hand", "5", "6", 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5});
+
   AddBundle(writer_, std::vector<std::uint8_t>(70'001, 2), ++time_ns_);
   expected_.push_back({dds::kSceneBundleTopic,
                        {"cube", "77", std::to_string(0x123456789abcdef0), 70'001, 140'002}});
@@ -130,7 +138,7 @@ TEST_F(OthersReadersTest, FindEverySampleOfEveryTopicAsItWas) {
   EXPECT_EQ((*found)["different"], 0) << "their writer makes other bytes";
   EXPECT_GT((*found)["reencoded"], 50);
   EXPECT_TRUE((*found)["done"]);
-  EXPECT_EQ((*found)["topics"].size(), 9u);
+  EXPECT_EQ((*found)["topics"].size(), 10u);
   for (const auto& [topic, what] : (*found)["topics"].items()) {
     EXPECT_EQ(what["schema"], "omgidl") << topic;
     EXPECT_EQ(what["encoding"], "cdr") << topic;
@@ -144,7 +152,7 @@ TEST_F(OthersReadersTest, FindEverySampleOfEveryTopicAsItWas) {
               std::to_string(1'700'000'000'000'000'001 + static_cast<std::int64_t>(i)));
   }
   EXPECT_EQ((*found)["statistics"]["messages"], expected_.size());
-  EXPECT_EQ((*found)["statistics"]["channels"], 9);
+  EXPECT_EQ((*found)["statistics"]["channels"], 10);
   EXPECT_EQ((*found)["indexed"], expected_.size());
   EXPECT_EQ((*found)["index_same"], expected_.size());
   EXPECT_EQ((*found)["indexed_metadata"], (*found)["metadata"].size());
