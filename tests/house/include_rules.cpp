@@ -84,7 +84,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"xxhash.h", "xxHash"},
     {"png.h", "libpng"},
     {"zlib.h", "zlib"},
-    // Recordings are compressed: MCAP knows zstd and lz4, and of the two zstd makes the smaller file.
+    // Recordings are compressed: of the two that MCAP knows, zstd makes the smaller file.
     {"zstd.h", "zstd"},
     {"nanoflann.hpp", "nanoflann"},
     {"HD/", "OpenHaptics"},
