@@ -16,13 +16,13 @@
 #include "common/error.h"
 #include "common/log.h"
 #include "common/realtime/realtime.h"
+#include "common/server_lock.h"
 #include "common/stop_signal.h"
 #include "common/time/steady_clock.h"
 #include "scenes/catalogue.h"
 #include "scenes/scene_bundle.h"
 #include "server/session/scene_model.h"
 #include "server/transport/server.h"
-#include "server/transport/server_lock.h"
 
 namespace palpate {
 namespace {

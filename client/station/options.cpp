@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "client/station/guide.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "devices/device_factory.h"
@@ -56,6 +57,13 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_flag("--loop", options.loop, "follow the script again and again; else its end is held");
   app.add_flag("--enable-forces", options.enable_forces,
                "let forces out to a real device (simulated ones need no leave)");
+  CLI::Option* accept_guide = app.add_flag("--accept-guide", options.accept_guide,
+                                           "let 'palpate-replay --guide ID' lead the hand, gently");
+  app.add_option("--guide-force", options.guide_force_N,
+                 "most that a guide may pull with, in N; the torque is a hundredth, in N m")
+      ->check(CLI::Range(0.0, GuideLimits::kMostForce_N))
+      ->needs(accept_guide)
+      ->capture_default_str();
   CLI::Option* for_option =
       app.add_option("--for", seconds, "end after so many seconds; default: at Ctrl-C")
           ->check(CLI::PositiveNumber);

@@ -12,6 +12,8 @@ struct StationOptions {
   std::string script;  ///< file; empty: the scene's own
   bool loop = false;
   bool enable_forces = false;
+  bool accept_guide = false;
+  double guide_force_N = 0.5;
   std::optional<double> seconds;
   std::optional<bool> table;  ///< empty: as stdout is a terminal or not
   std::string json;           ///< file or "-"; empty: none

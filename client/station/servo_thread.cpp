@@ -80,6 +80,8 @@ void ServoThread::Tick() noexcept {
   }
   Reply reply;
   while (replies_.Pop(reply)) core_.Take(SteadyNanoseconds(), reply);
+  GuideAim aim;
+  if (aims_.Read(aim)) core_.Take(now_ns, aim);
   core_.Act(now_ns);
   newest_reply_ns_.store(core_.newest_reply_ns(), std::memory_order_relaxed);
   const std::uint64_t ticks = ticks_.fetch_add(1, std::memory_order_release) + 1;

@@ -35,6 +35,8 @@ class ServoThread {
   /// Sends poses there from the next tick on; null: nowhere.  Returns when the former path is no
   /// longer in use.
   void SetPath(PosePath* path);
+  /// Where a guide wants the hand to be; the newest counts.
+  void SetAim(const GuideAim& aim) { aims_.Write(aim); }
   /// Takes the force out of the device, by the limiter's ramp, and ends the thread.
   void Stop();
 
@@ -54,6 +56,7 @@ class ServoThread {
   ReplyRing& replies_;
   const std::uint64_t ticks_per_snapshot_;
   LatestMailbox<StationSnapshot> snapshots_;
+  LatestMailbox<GuideAim> aims_;
   std::int64_t next_ns_ = 0;
   std::atomic<PosePath*> path_{nullptr};
   std::atomic<bool> started_{false};

@@ -5,10 +5,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "client/station/guide_link.h"
 #include "client/station/live_table.h"
 #include "client/station/servo_thread.h"
 #include "client/station/station_core.h"
@@ -94,6 +96,7 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   StationCore core(*device);
   const bool forces = options.enable_forces || device->info().simulated;
   core.EnableForces(forces);
+  if (options.accept_guide) core.AcceptGuide(GuideLimits::OfForce(options.guide_force_N));
 
   LiveTable table(stdout, StyleOf(options), std::getenv("NO_COLOR") == nullptr);
   ReplyRing replies;
@@ -113,6 +116,9 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   spdlog::info("real-time: {}", link.realtime().summary);
   if (!forces) spdlog::info("forces are off; --enable-forces lets them out");
 
+  std::optional<GuideLink> guide;
+  if (options.accept_guide) guide.emplace(options.link.domain, options.link.station);
+
   // The time given is that of the loop: it begins when poses do.
   std::int64_t began_ns = 0;
   StationView view;
@@ -122,6 +128,7 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   };
   while (!stop.WaitFor(kPoll)) {
     link.Poll(SteadyNanoseconds());
+    if (guide) guide->Poll([&](const GuideAim& aim) { servo->SetAim(aim); });
     if (began_ns == 0 && servo->started()) began_ns = SteadyNanoseconds();
     if (device->ended()) {
       spdlog::info("the device has ended: leaving");

@@ -55,7 +55,11 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   const double dt_s = last_act_ns_ > 0 ? 1e-9 * static_cast<double>(now_ns - last_act_ns_) : 0.0;
   last_act_ns_ = now_ns;
   if (period_began_ns_ == 0) period_began_ns_ = now_ns;
-  const Wrench wanted = ShiftToHandle(newest_.wrench, sample_.X_WH.q, tool_reference_);
+  Wrench wanted = ShiftToHandle(newest_.wrench, sample_.X_WH.q, tool_reference_);
+  // Before the limiter: what leads the hand is bounded, fades and is switched off like all else.
+  const Wrench pull = guide_.Pull(now_ns, dt_s, sample_.X_WH, sample_.V_WH);
+  wanted.force += pull.force;
+  wanted.torque += pull.torque;
   const LimitedWrench limited = limiter_.Limit(wanted, age_s, dt_s);
   if (has_reply_) device_.SeeGraphicTool(newest_.X_WG, tool_reference_);
   device_.Apply(limited);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "client/station/guide.h"
 #include "common/math/pose.h"
 #include "common/stats/histogram.h"
 #include "devices/device.h"
@@ -82,6 +83,11 @@ class StationCore {
   /// Where the tool's wrench acts, in the tool's frame [m] (SessionState.tool_reference_m).
   void SetToolReference(const Vec3& p_HT) noexcept { tool_reference_ = p_HT; }
 
+  /// Lets guides lead the hand, within these limits.  Never called: none does.
+  void AcceptGuide(const GuideLimits& limits) noexcept { guide_ = Guide(limits); }
+  void Take(std::int64_t now_ns, const GuideAim& aim) noexcept { guide_.Take(now_ns, aim); }
+  const Guide& guide() const noexcept { return guide_; }
+
   /// First half of a tick: reads the device.  Where `sending`, the pose gets the next number.
   OutgoingPose Sense(std::int64_t now_ns, bool sending) noexcept;
   /// Takes one of the replies that came since the last tick, oldest first.
@@ -103,6 +109,7 @@ class StationCore {
  private:
   Device& device_;
   WrenchLimiter limiter_;
+  Guide guide_;
   bool forces_wanted_ = false;
   Vec3 tool_reference_ = Vec3::Zero();
   DeviceSample sample_;

@@ -43,16 +43,16 @@ void ToCdr(const T& sample, std::vector<std::uint8_t>& out) {
 
 template <class T>
 bool FromCdr(std::span<const std::uint8_t> bytes, T& sample) {
-  if (bytes.size() < kLittleEndian.size() ||
-      std::memcmp(bytes.data(), kLittleEndian.data(), kLittleEndian.size()) != 0) {
-    return false;
-  }
-  const auto payload = bytes.subspan(kLittleEndian.size());
+  // Of the options, the last two bits count the bytes that fill the payload up to a word.
+  if (bytes.size() < kLittleEndian.size() || bytes[0] != 0 || bytes[1] != 1) return false;
+  const std::size_t fill = bytes[3] & 3u;
+  if (bytes.size() < kLittleEndian.size() + fill) return false;
+  const auto payload = bytes.subspan(4, bytes.size() - 4 - fill);
   if constexpr (kIsPayload<T>) {
     if (payload.size() != sizeof sample) return false;
     std::memcpy(&sample, payload.data(), sizeof sample);
   } else {
-    // The check writes to the bytes where their order is foreign.  DDS pads a payload's end.
+    // The check may write to the bytes: it also turns a foreign order.
     std::vector<char> copy(payload.begin(), payload.end());
     std::uint32_t size = 0;
     const auto count = static_cast<std::uint32_t>(copy.size());
@@ -70,15 +70,9 @@ bool FromCdr(std::span<const std::uint8_t> bytes, T& sample) {
   return true;
 }
 
-template <class T>
-void Release(T& sample) {
-  dds_sample_free(&sample, &wire::Descriptor<T>(), DDS_FREE_CONTENTS);
-}
-
 #define PALPATE_CDR(T)                                       \
   template void ToCdr(const T&, std::vector<std::uint8_t>&); \
-  template bool FromCdr(std::span<const std::uint8_t>, T&);  \
-  template void Release(T&)
+  template bool FromCdr(std::span<const std::uint8_t>, T&)
 PALPATE_CDR(wire::HapticPose);
 PALPATE_CDR(wire::Wrench);
 PALPATE_CDR(wire::SessionRequest);
@@ -88,6 +82,7 @@ PALPATE_CDR(wire::LeafTaken);
 PALPATE_CDR(wire::ToolState);
 PALPATE_CDR(wire::LoopStatistics);
 PALPATE_CDR(wire::SceneBundle);
+PALPATE_CDR(wire::GuideTarget);
 #undef PALPATE_CDR
 
 }  // namespace palpate::dds

@@ -16,13 +16,9 @@ namespace palpate::dds {
 template <class T>
 void ToCdr(const T& sample, std::vector<std::uint8_t>& out);
 
-/// False, leaving the sample undefined, where the bytes are not those of a T.  What the sample owns
-/// is Release's to free; where it holds something already, that is used again.
+/// False where the bytes are not those of a T.  The sample must own nothing; what it owns then
+/// (SceneBundle's bytes) is the caller's: FreeContents (cdr_reader.h).
 template <class T>
 bool FromCdr(std::span<const std::uint8_t> bytes, T& sample);
-
-/// Frees what a sample owns: SceneBundle's bytes, nothing of the others.
-template <class T>
-void Release(T& sample);
 
 }  // namespace palpate::dds

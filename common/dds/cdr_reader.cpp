@@ -23,10 +23,13 @@ bool CdrReader<T>::Take(CdrSample& raw, T& sample) {
   return false;
 }
 
+template class CdrReader<wire::SessionRequest>;
 template class CdrReader<wire::SessionState>;
 template class CdrReader<wire::SceneChange>;
+template class CdrReader<wire::LeafTaken>;
 template class CdrReader<wire::ToolState>;
 template class CdrReader<wire::LoopStatistics>;
 template class CdrReader<wire::SceneBundle>;
+template class CdrReader<wire::GuideTarget>;
 
 }  // namespace palpate::dds

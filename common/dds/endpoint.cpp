@@ -15,6 +15,11 @@ struct QosDelete {
 };
 using QosPtr = std::unique_ptr<dds_qos_t, QosDelete>;
 
+int DepthOf(Qos role) {
+  if (role == Qos::kRecord || role == Qos::kRecordSession) return 256;
+  return role == Qos::kLoop ? 8 : 1;
+}
+
 /// role      reliability   durability       history      why
 /// kLoop     best effort   volatile         keep last 8  late is as bad as lost; eight, because
 /// over
@@ -22,12 +27,13 @@ using QosPtr = std::unique_ptr<dds_qos_t, QosDelete>;
 /// kSession  reliable      transient-local  keep last 1  who comes later learns what holds now
 /// kStream   best effort   volatile         keep last 1  a viewer wants the newest, and must never
 ///                                                       be able to slow the writer
+/// kRecord, kRecordSession: as those that they read, keep last 256
 /// Nothing is keep-all (a writer would block, and shared memory is off for it), and no deadline is
 /// finite (that too turns shared memory off).  Writers do not dispose what they leave behind: the
 /// last SessionState says ENDED in words.
 QosPtr MakeQos(const Participant& participant, Qos role) {
   QosPtr qos(dds_create_qos());
-  if (role == Qos::kSession) {
+  if (role == Qos::kSession || role == Qos::kRecordSession) {
     dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
     dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
     dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, 1, DDS_LENGTH_UNLIMITED,
@@ -37,7 +43,7 @@ QosPtr MakeQos(const Participant& participant, Qos role) {
     dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
     dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
   }
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, role == Qos::kLoop ? 8 : 1);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, DepthOf(role));
   // Not to hear endpoints of the own process is what iceoryx cannot do: Cyclone DDS then keeps this
   // one off shared memory.
   if (participant.shared_memory_lost()) dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PROCESS);
@@ -210,6 +216,7 @@ template class Writer<wire::SessionState>;
 template class Writer<wire::SceneChange>;
 template class Writer<wire::LeafTaken>;
 template class Writer<wire::ToolState>;
+template class Writer<wire::GuideTarget>;
 template class Writer<wire::LoopStatistics>;
 template class Writer<wire::SceneBundle>;
 template class Reader<wire::HapticPose>;
@@ -219,6 +226,7 @@ template class Reader<wire::SessionState>;
 template class Reader<wire::SceneChange>;
 template class Reader<wire::LeafTaken>;
 template class Reader<wire::ToolState>;
+template class Reader<wire::GuideTarget>;
 template class Reader<wire::LoopStatistics>;
 template class Reader<wire::SceneBundle>;
 

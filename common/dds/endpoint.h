@@ -15,6 +15,9 @@ enum class Qos {
   kLoop,     ///< best effort, volatile, keep last (a few): HapticPose, Wrench
   kSession,  ///< reliable, transient-local, keep last 1 per instance: requests, states, changes
   kStream,   ///< best effort, volatile, keep last 1: ToolState, LoopStatistics
+  // For readers that want every sample, and may be held up for a while (by a disk, say).
+  kRecord,         ///< of kLoop and kStream, keep last 256: the most that shared memory has
+  kRecordSession,  ///< of kSession, keep last 256
 };
 
 /// Writer of T (a type of common/dds/wire.h) on one topic.  Move-only; deletes its entities.

@@ -18,6 +18,7 @@ inline constexpr const char* kSessionRequestTopic = "palpate/session_request";
 inline constexpr const char* kSessionStateTopic = "palpate/session_state";
 inline constexpr const char* kSceneChangeTopic = "palpate/scene_change";
 inline constexpr const char* kLeafTakenTopic = "palpate/leaf_taken";
+inline constexpr const char* kGuideTopic = "palpate/guide";
 inline constexpr const char* kToolStateTopic = "palpate/tool_state";
 inline constexpr const char* kSceneBundleTopic = "palpate/scene_bundle";
 inline constexpr const char* kLoopStatisticsTopic = "palpate/loop_statistics";

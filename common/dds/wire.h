@@ -22,6 +22,7 @@ using SceneChange = palpate_SceneChange;
 using LeafTaken = palpate_LeafTaken;
 using ToolState = palpate_ToolState;
 using ContactPoint = palpate_ContactPoint;
+using GuideTarget = palpate_GuideTarget;
 using LoopStatistics = palpate_LoopStatistics;
 using SceneBundle = palpate_SceneBundle;
 
@@ -55,6 +56,10 @@ inline const dds_topic_descriptor_t& Descriptor<LeafTaken>() {
 template <>
 inline const dds_topic_descriptor_t& Descriptor<ToolState>() {
   return palpate_ToolState_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<GuideTarget>() {
+  return palpate_GuideTarget_desc;
 }
 template <>
 inline const dds_topic_descriptor_t& Descriptor<LoopStatistics>() {

@@ -126,6 +126,11 @@ void Reader::Stop(const std::string& problem) {
   problems_.push_back(problem);
 }
 
+void Reader::Damaged(const std::string& problem) {
+  damaged_ = true;
+  if (problems_.size() < kMaxProblems) problems_.push_back(problem);
+}
+
 bool Reader::TakeBasic(const Record& record, Message& message) {
   Fields fields(record.content);
   if (record.opcode == kSchema) {
@@ -154,13 +159,12 @@ bool Reader::TakeBasic(const Record& record, Message& message) {
       return message.log_time_ns >= from_ns_ && message.log_time_ns < to_ns_;
     }
   }
-  if (!fields.ok() && problems_.size() < kMaxProblems) {
-    problems_.push_back(source_ + ": a record is too short for its fields, before" + At(at_));
-  }
+  if (!fields.ok()) Damaged(source_ + ": a record is too short for its fields, before" + At(at_));
   return false;
 }
 
 void Reader::OpenChunk(std::span<const std::uint8_t> content, std::size_t offset) {
+  ++chunks_;
   Fields fields(content);
   const auto start_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
   const auto end_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
@@ -193,9 +197,7 @@ void Reader::OpenChunk(std::span<const std::uint8_t> content, std::size_t offset
   chunk_offset_ = offset;
   if (problem.empty()) return;
   chunk_.clear();
-  if (problems_.size() < kMaxProblems) {
-    problems_.push_back(source_ + ": the chunk" + At(offset) + " " + problem + ": left out");
-  }
+  Damaged(source_ + ": the chunk" + At(offset) + " " + problem + ": left out");
 }
 
 bool Reader::Next(Message& message) {
@@ -204,8 +206,8 @@ bool Reader::Next(Message& message) {
     if (chunk_at_ < chunk_.size()) {
       if (!TakeRecord(chunk_, chunk_at_, record)) {
         chunk_.clear();
-        problems_.push_back(source_ + ": the chunk" + At(chunk_offset_) +
-                            " ends within a record: its rest is left out");
+        Damaged(source_ + ": the chunk" + At(chunk_offset_) +
+                " ends within a record: its rest is left out");
       } else if (TakeBasic(record, message)) {
         return true;
       }
@@ -225,12 +227,19 @@ bool Reader::Next(Message& message) {
       metadata.values = fields.TakeMap();
       if (fields.ok()) metadata_.push_back(std::move(metadata));
     } else if (record.opcode == kDataEnd) {
+      const auto crc = Fields(record.content).Take<std::uint32_t>();
+      if (crc != 0 && crc != static_cast<std::uint32_t>(crc32_z(0, bytes_.data(), offset))) {
+        Damaged(source_ + ": some of its bytes have changed since it was written");
+      }
       // What follows repeats; all that matters is that its end is there.
       ended_ = true;
       complete_ = bytes_.size() - at_ >= kMagicSize &&
                   std::memcmp(&bytes_[bytes_.size() - kMagicSize], kMagic, kMagicSize) == 0;
       if (!complete_) Stop(source_ + ": is cut off within its index; all its data are there");
-    } else if (record.opcode == 0 || record.opcode == kFooter) {
+    } else if (record.opcode == 0 || record.opcode == kFooter ||
+               (record.opcode == kMessage && chunks_ > 0)) {
+      // Who writes chunks writes no messages outside of them.
+      damaged_ = true;
       Stop(source_ + ": has a record that cannot be there" + At(offset));
     } else if (TakeBasic(record, message)) {
       return true;

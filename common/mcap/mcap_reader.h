@@ -49,6 +49,8 @@ class Reader {
 
   /// Once Next has returned false: true where the file has its end (a footer).
   bool complete() const { return complete_; }
+  /// True where bytes have changed, as opposed to being cut off.
+  bool damaged() const { return damaged_; }
   /// What is wrong with it, a sentence each; none where it is whole.
   const std::vector<std::string>& problems() const { return problems_; }
   /// Of what has been read so far.
@@ -67,14 +69,15 @@ class Reader {
   bool TakeBasic(const Record& record, Message& message);
   void OpenChunk(std::span<const std::uint8_t> content, std::size_t offset);
   void Stop(const std::string& problem);
+  void Damaged(const std::string& problem);
 
   std::span<const std::uint8_t> bytes_;
   std::string source_;
   std::size_t at_ = 0;
   std::vector<std::uint8_t> chunk_;
-  std::size_t chunk_at_ = 0, chunk_offset_ = 0;
+  std::size_t chunk_at_ = 0, chunk_offset_ = 0, chunks_ = 0;
   std::int64_t from_ns_, to_ns_;
-  bool ended_ = false, complete_ = false;
+  bool ended_ = false, complete_ = false, damaged_ = false;
   std::vector<std::string> problems_;
   std::vector<Metadata> metadata_;
   std::map<std::uint16_t, Schema> schemas_;

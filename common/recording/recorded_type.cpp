@@ -24,6 +24,7 @@ const Entry& EntryOf(RecordedType type) {
       {"palpate::ToolState", &teaching},
       {"palpate::LoopStatistics", &teaching},
       {"palpate::SceneBundle", &teaching},
+      {"palpate::GuideTarget", &teaching},
   }};
   return entries[static_cast<std::size_t>(type)];
 }

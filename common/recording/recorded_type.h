@@ -19,8 +19,9 @@ enum class RecordedType {
   kToolState,
   kLoopStatistics,
   kSceneBundle,
+  kGuideTarget,
 };
-inline constexpr int kRecordedTypes = 9;
+inline constexpr int kRecordedTypes = 10;
 
 /// "palpate::HapticPose"
 const char* SchemaName(RecordedType type);
@@ -46,6 +47,8 @@ template <>
 inline constexpr RecordedType kTypeOf<wire::LoopStatistics> = RecordedType::kLoopStatistics;
 template <>
 inline constexpr RecordedType kTypeOf<wire::SceneBundle> = RecordedType::kSceneBundle;
+template <>
+inline constexpr RecordedType kTypeOf<wire::GuideTarget> = RecordedType::kGuideTarget;
 
 /// Counts what a topic's samples number themselves by, so that each hole is known.
 class SequenceCount {

@@ -1,5 +1,6 @@
 #include "common/recording/recording_reader.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace palpate {
@@ -45,6 +46,10 @@ bool RecordingReader::Next(RecordedSample& sample) {
     sample = {*type, &message.channel->topic, message.log_time_ns, message.data};
     return true;
   }
+}
+
+bool RecordingReader::damaged() const {
+  return std::ranges::any_of(readers_, [](const auto& reader) { return reader->damaged(); });
 }
 
 std::vector<std::string> RecordingReader::problems() const {

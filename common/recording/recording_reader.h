@@ -40,6 +40,7 @@ class RecordingReader {
 
   // Of what has been read; so, of all of it once Next has returned false.
   bool complete() const { return complete_; }  ///< every file has its end
+  bool damaged() const;                        ///< bytes of some have changed
   std::vector<std::string> problems() const;
   std::vector<mcap::Metadata> metadata() const;
   std::uint64_t unknown() const { return unknown_; }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/dds/cdr.h"
+#include "common/dds/cdr_reader.h"
 
 namespace palpate {
 namespace {
@@ -103,7 +104,7 @@ void RecordingWriter::SplitIfDue(std::int64_t log_time_ns) {
 void RecordingWriter::Add(const std::string& name, RecordedType type, std::int64_t log_time_ns,
                           std::span<const std::uint8_t> cdr) {
   SplitIfDue(log_time_ns);
-  Topic& topic = topics_.try_emplace(name, Topic{.type = type}).first->second;
+  Topic& topic = topics_.try_emplace(name, Topic{type}).first->second;
   const std::uint64_t sequence = Look(name, topic, cdr);
   topic.sequence.Add(sequence);
   ++topic.messages;
@@ -181,7 +182,7 @@ void RecordingWriter::KeepScene(const std::string& name, std::span<const std::ui
       file_->WriteMetadata({"palpate.scene", scene});
     }
   }
-  dds::Release(bundle);
+  dds::FreeContents(bundle);
 }
 
 }  // namespace palpate

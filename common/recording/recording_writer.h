@@ -19,7 +19,7 @@ struct RecordingOptions {
   double split_s = 0.0;           ///< 0: never
   bool bundles = true;            ///< false: of scenes, only their names and hashes are kept
   bool overwrite = false;
-  mcap::StringMap about;  ///< what else the recording is to say of itself
+  mcap::StringMap about{};  ///< what else the recording is to say of itself
 };
 
 /// Writes samples as a recording: MCAP, one channel for each topic, with figures that prove that it
@@ -53,6 +53,7 @@ class RecordingWriter {
 
  private:
   struct Topic {
+    explicit Topic(RecordedType what) : type(what) {}
     RecordedType type;
     std::uint16_t channel = 0;  ///< 0: not yet in this file
     std::uint64_t messages = 0;

@@ -6,13 +6,13 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/plot/svg_plot.h"
 #include "scenes/mesh_query.h"
 #include "server/physics/simd/kernels.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/sliding_force.h"
-#include "tests/benchmarks/svg_plot.h"
 
 namespace palpate::bench {
 namespace {

@@ -9,6 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
+#include "common/plot/svg_plot.h"
 #include "scenes/catalogue.h"
 #include "scenes/coverage.h"
 #include "scenes/sphere_tree_builder.h"
@@ -18,7 +19,6 @@
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/pose_source.h"
 #include "tests/benchmarks/scene_run.h"
-#include "tests/benchmarks/svg_plot.h"
 
 namespace palpate::bench {
 namespace {

@@ -9,8 +9,8 @@
 #include <spdlog/fmt/ranges.h>
 
 #include "common/error.h"
+#include "common/plot/svg_plot.h"
 #include "tests/benchmarks/peers/peer.h"
-#include "tests/benchmarks/svg_plot.h"
 
 namespace palpate::bench {
 namespace {

@@ -31,7 +31,8 @@ const std::string kRegistryHost = std::string("(registry\\.npm") + "js|deb\\.deb
                                   "\\.io|gh" + "cr\\.io|qu" + "ay\\.io|pypi\\.or" + "g)";
 
 bool IsText(const std::string& file) {
-  static const std::set<std::string> kBinary = {".png", ".jpg", ".stl", ".ply", ".3ds", ".glb"};
+  static const std::set<std::string> kBinary = {".png", ".jpg", ".stl", ".ply",
+                                                ".3ds", ".glb", ".mcap"};
   return !kBinary.contains(std::filesystem::path(file).extension());
 }
 

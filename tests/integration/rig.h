@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -14,6 +15,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "client/station/guide_link.h"
 #include "client/station/servo_thread.h"
 #include "client/station/session_link.h"
 #include "client/station/station_core.h"
@@ -140,12 +142,18 @@ class HeldStation {
     servo_->Stop();
   }
 
+  /// As --accept-guide does; before the first Until.
+  void AcceptGuide(double force_N) {
+    core_.AcceptGuide(GuideLimits::OfForce(force_N));
+    guide_.emplace(kDomain, "held");
+  }
   /// Polls as main does, until it is so.
   template <class Condition>
   bool Until(Condition condition, double seconds = 20.0) {
     return Eventually(
         [&] {
           link_->Poll(SteadyNanoseconds());
+          if (guide_) guide_->Poll([this](const GuideAim& aim) { servo_->SetAim(aim); });
           return condition();
         },
         seconds);
@@ -165,6 +173,7 @@ class HeldStation {
   ReplyRing replies_;
   std::unique_ptr<ServoThread> servo_;
   std::unique_ptr<SessionLink> link_;
+  std::optional<GuideLink> guide_;
 };
 
 }  // namespace palpate::test

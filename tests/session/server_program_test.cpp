@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "common/dds/participant.h"
-#include "server/transport/server_lock.h"
+#include "common/server_lock.h"
 
 namespace palpate::test {
 namespace {

@@ -14,9 +14,9 @@
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/server_lock.h"
 #include "common/time/steady_clock.h"
 #include "scenes/scene_bundle.h"
-#include "server/transport/server_lock.h"
 #include "tests/session/ball_tool.h"
 #include "tests/session/crust.h"
 

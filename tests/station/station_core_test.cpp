@@ -51,6 +51,35 @@ TEST(StationCore, RendersTheServersForceOnceItHasRampedIn) {
   EXPECT_EQ(bench.force(), 2.0);
 }
 
+TEST(StationCore, LetsAGuidePullBesideTheServersForceWithinItsLimit) {
+  Bench bench;
+  bench.core.AcceptGuide(GuideLimits::OfForce(0.5));
+  bench.device.sample.V_WH.v = Vec3(0.1, 0, 0);  // it goes along
+  for (int i = 0; i < 1000; ++i) {
+    bench.core.Take(bench.now, {1, {Vec3(0.010, 0, 0), Quat::Identity()}});
+    bench.Tick(true);
+    EXPECT_LE(bench.device.applied.force.x(), 0.5 + 1e-12);
+  }
+  EXPECT_EQ(bench.force(), 2.0);
+  EXPECT_NEAR(bench.device.applied.force.x(), 0.5, 1e-12);
+  for (int i = 0; i < 100; ++i) bench.Tick(true);
+  EXPECT_EQ(bench.device.applied.force.x(), 0.0) << "the guide is silent";
+  EXPECT_EQ(bench.force(), 2.0);
+}
+
+TEST(StationCore, DrivesNothingByAGuideAloneOrUnasked) {
+  for (const bool accepts : {true, false}) {
+    Bench bench;
+    if (accepts) bench.core.AcceptGuide(GuideLimits::OfForce(0.5));
+    bench.wrench = Wrench{};
+    for (int i = 0; i < 1000; ++i) {
+      bench.core.Take(bench.now, {1, {Vec3(0.004, 0, 0), Quat::Identity()}});
+      bench.Tick(!accepts);  // who accepts has no server
+      EXPECT_EQ(bench.device.applied.force.norm(), 0.0);
+    }
+  }
+}
+
 TEST(StationCore, KeepsForcesOffUntilTheyAreEnabled) {
   Bench bench;
   bench.core.EnableForces(false);

@@ -1,4 +1,4 @@
-#include "tests/benchmarks/svg_plot.h"
+#include "common/plot/svg_plot.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 #include "common/error.h"
 
-namespace palpate::bench {
+namespace palpate {
 namespace {
 
 constexpr double kWidth = 960.0, kLeft = 78.0, kFont = 13.0, kLine = 18.0, kPointRadius = 4.5;
@@ -456,4 +456,4 @@ void WriteSvg(const std::string& file, const std::vector<Plot>& plots) {
   if (!out) throw Error(file + ": cannot be written; give a file in a folder you may write");
 }
 
-}  // namespace palpate::bench
+}  // namespace palpate

@@ -1,4 +1,4 @@
-#include "tests/benchmarks/svg_plot.h"
+#include "common/plot/svg_plot.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -10,7 +10,7 @@
 
 #include "common/error.h"
 
-namespace palpate::bench {
+namespace palpate {
 namespace {
 
 using testing::HasSubstr;
@@ -136,4 +136,4 @@ TEST(SvgPlot, RefusesWhatCannotBeDrawnAndNamesIt) {
 }
 
 }  // namespace
-}  // namespace palpate::bench
+}  // namespace palpate

@@ -1,4 +1,4 @@
-#include "server/transport/server_lock.h"
+#include "common/server_lock.h"
 
 #include <cerrno>
 #include <cstring>

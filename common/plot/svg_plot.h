@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate::bench {
+namespace palpate {
 
 // Plots as SVG, for reports.  One file serves light and dark pages (prefers-color-scheme).
 
@@ -52,4 +52,4 @@ std::string ToSvg(const std::vector<Plot>& plots, PlotTheme theme = PlotTheme::k
 /// Throws Error where the file cannot be written.
 void WriteSvg(const std::string& file, const std::vector<Plot>& plots);
 
-}  // namespace palpate::bench
+}  // namespace palpate

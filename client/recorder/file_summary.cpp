@@ -1,0 +1,225 @@
+#include "client/recorder/file_summary.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "common/dds/cdr_reader.h"
+#include "common/error.h"
+#include "common/recording/recording_reader.h"
+
+namespace palpate {
+namespace {
+
+std::string Hex(std::uint64_t value) {
+  return fmt::format("{:016x}", value);
+}
+
+std::string Value(const mcap::StringMap& map, const std::string& key) {
+  const auto it = map.find(key);
+  return it == map.end() ? "" : it->second;
+}
+
+std::uint64_t Number(const std::string& text) {
+  return std::strtoull(text.c_str(), nullptr, 10);
+}
+
+/// The number that the sample gives itself, or a count.  False where its bytes are not of its type.
+bool Look(const RecordedSample& sample, FileSummary& summary, std::uint64_t& sequence) {
+  switch (sample.type) {
+    case RecordedType::kHapticPose: {
+      wire::HapticPose pose;
+      if (!sample.To(pose)) return false;
+      sequence = pose.pose_sequence;
+      return true;
+    }
+    case RecordedType::kWrench: {
+      wire::Wrench wrench;
+      if (!sample.To(wrench)) return false;
+      sequence = wrench.answer;
+      return true;
+    }
+    case RecordedType::kSessionState: {
+      wire::SessionState state{};
+      if (!sample.To(state)) return false;
+      if (state.phase == palpate_SESSION_REFUSED) return true;
+      auto it = std::ranges::find_if(summary.sessions, [&](const FileSummary::Session& session) {
+        return session.station == state.station && session.run == state.run;
+      });
+      if (it == summary.sessions.end()) {
+        summary.sessions.push_back({state.station, state.scene, state.tool, state.run, 0});
+        it = summary.sessions.end() - 1;
+      }
+      it->start_sequence = std::max<std::uint64_t>(it->start_sequence, state.start_sequence);
+      return true;
+    }
+    case RecordedType::kSceneBundle: {
+      wire::SceneBundle bundle{};
+      const bool good = sample.To(bundle);
+      if (good) summary.scenes[bundle.scene] = {Hex(bundle.hash), true};
+      dds::FreeContents(bundle);
+      return good;
+    }
+    default:
+      return true;
+  }
+}
+
+std::string TimeText(std::int64_t ns) {
+  const std::time_t seconds = ns / 1'000'000'000;
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S UTC", &parts);
+  return text;
+}
+
+}  // namespace
+
+FileSummary Summarise(const std::vector<std::string>& files) {
+  FileSummary summary;
+  summary.files = files;
+  RecordingReader reader(files);
+  RecordedSample sample{};
+  std::int64_t last_ns = 0;
+  while (reader.Next(sample)) {
+    FileSummary::Topic& topic = summary.topics[*sample.topic];
+    std::uint64_t sequence = topic.messages + 1;
+    if (topic.messages == 0) {
+      topic.type = SchemaName(sample.type);
+      topic.first_ns = sample.log_time_ns;
+    }
+    if (summary.messages == 0) summary.first_ns = sample.log_time_ns;
+    ++summary.messages;
+    ++topic.messages;
+    topic.bytes += sample.cdr.size();
+    topic.last_ns = std::max(topic.last_ns, sample.log_time_ns);
+    last_ns = std::max(last_ns, sample.log_time_ns);
+    if (Look(sample, summary, sequence)) {
+      topic.sequence.Add(sequence);
+    } else {
+      ++topic.broken;
+    }
+  }
+  summary.bytes = reader.bytes();
+  summary.duration_s = 1e-9 * static_cast<double>(last_ns - summary.first_ns);
+  summary.complete = reader.complete();
+  summary.problems = reader.problems();
+  for (const mcap::Metadata& metadata : reader.metadata()) {
+    const mcap::StringMap& values = metadata.values;
+    if (metadata.name == "palpate.recording") summary.build = Value(values, "build");
+    if (metadata.name == "palpate.end") summary.end_reason = Value(values, "reason");
+    if (metadata.name == "palpate.topic") {
+      if (const auto it = summary.topics.find(Value(values, "topic")); it != summary.topics.end()) {
+        it->second.dropped = Number(Value(values, "dropped"));
+      }
+    }
+    if (metadata.name == "palpate.scene") {
+      summary.scenes.try_emplace(Value(values, "scene"),
+                                 FileSummary::Scene{Value(values, "hash"), false});
+    }
+  }
+  for (auto& [name, topic] : summary.topics) {
+    const double span_s = 1e-9 * static_cast<double>(topic.last_ns - topic.first_ns);
+    if (span_s > 0.0) topic.rate_hz = static_cast<double>(topic.messages - 1) / span_s;
+    summary.missing += topic.sequence.missing();
+    summary.dropped += topic.dropped;
+  }
+  return summary;
+}
+
+std::string ToText(const FileSummary& summary) {
+  std::string text = fmt::format(
+      "{}{}: {}\n", summary.files.front(),
+      summary.files.size() > 1 ? fmt::format(" and {} more", summary.files.size() - 1) : "",
+      summary.complete ? "complete" : "CUT OFF");
+  if (!summary.end_reason.empty()) text += "  ended: " + summary.end_reason + "\n";
+  text += fmt::format(
+      "  {:.1f} s from {}, {} messages, {:.2f} MB ({:.3f} MB/s), palpate {}\n", summary.duration_s,
+      TimeText(summary.first_ns), summary.messages, 1e-6 * static_cast<double>(summary.bytes),
+      summary.duration_s > 0.0 ? 1e-6 * static_cast<double>(summary.bytes) / summary.duration_s
+                               : 0.0,
+      summary.build.empty() ? "of an unknown build" : summary.build);
+  for (const auto& [name, scene] : summary.scenes) {
+    text += fmt::format("  scene {}: hash {}, {}\n", name, scene.hash,
+                        scene.bundle ? "itself in the recording" : "not in the recording");
+  }
+  for (const FileSummary::Session& session : summary.sessions) {
+    text += fmt::format("  station {} (run {}): tool {} of scene {}, {}\n", session.station,
+                        Hex(session.run), session.tool, session.scene,
+                        session.start_sequence == 0
+                            ? "no forces"
+                            : fmt::format("forces from pose {}", session.start_sequence));
+  }
+  text += fmt::format("\n  {:<52} {:>9} {:>8} {:>8} {:>8} {:>9}\n", "topic", "messages", "Hz",
+                      "missing", "dropped", "MB raw");
+  for (const auto& [name, topic] : summary.topics) {
+    text += fmt::format("  {:<52} {:>9} {:>8.1f} {:>8} {:>8} {:>9.3f}\n", name, topic.messages,
+                        topic.rate_hz, topic.sequence.missing(), topic.dropped,
+                        1e-6 * static_cast<double>(topic.bytes));
+    if (topic.broken > 0) {
+      text += fmt::format("  {:<52} {} of them are not of type {}\n", "", topic.broken, topic.type);
+    }
+  }
+  text += fmt::format(
+      "\n  {}\n", summary.missing + summary.dropped == 0
+                      ? "nothing is missing"
+                      : fmt::format("{} samples are missing, {} of them dropped by the recorder",
+                                    summary.missing, summary.dropped));
+  for (const std::string& problem : summary.problems) text += "  " + problem + "\n";
+  return text;
+}
+
+void WriteJson(const FileSummary& summary, const std::string& file) {
+  nlohmann::ordered_json json{{"files", summary.files},
+                              {"complete", summary.complete},
+                              {"ended", summary.end_reason},
+                              {"build", summary.build},
+                              {"bytes", summary.bytes},
+                              {"duration_s", summary.duration_s},
+                              {"first_ns", summary.first_ns},
+                              {"messages", summary.messages},
+                              {"missing", summary.missing},
+                              {"dropped", summary.dropped},
+                              {"problems", summary.problems},
+                              {"scenes", nlohmann::ordered_json::array()},
+                              {"sessions", nlohmann::ordered_json::array()},
+                              {"topics", nlohmann::ordered_json::array()}};
+  for (const auto& [name, scene] : summary.scenes) {
+    json["scenes"].push_back({{"scene", name}, {"hash", scene.hash}, {"bundle", scene.bundle}});
+  }
+  for (const FileSummary::Session& session : summary.sessions) {
+    json["sessions"].push_back({{"station", session.station},
+                                {"run", Hex(session.run)},
+                                {"scene", session.scene},
+                                {"tool", session.tool},
+                                {"start_sequence", session.start_sequence}});
+  }
+  for (const auto& [name, topic] : summary.topics) {
+    json["topics"].push_back({{"topic", name},
+                              {"type", topic.type},
+                              {"messages", topic.messages},
+                              {"rate_hz", topic.rate_hz},
+                              {"bytes", topic.bytes},
+                              {"first", topic.sequence.first()},
+                              {"last", topic.sequence.last()},
+                              {"holes", topic.sequence.holes()},
+                              {"missing", topic.sequence.missing()},
+                              {"dropped", topic.dropped},
+                              {"broken", topic.broken}});
+  }
+  if (file == "-") {
+    std::cout << json.dump(2) << "\n";
+    return;
+  }
+  std::ofstream out(file);
+  out << json.dump(2) << "\n";
+  if (!out.flush()) throw Error(file + ": cannot be written; give --json another place");
+}
+
+}  // namespace palpate

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/recording/recorded_type.h"
+
+namespace palpate {
+
+/// What is in a recording, from its samples, and what its recorder said of it.
+struct FileSummary {
+  struct Topic {
+    std::string type;
+    std::uint64_t messages = 0, bytes = 0, dropped = 0, broken = 0;
+    double rate_hz = 0.0;  ///< between its first and last
+    std::int64_t first_ns = 0, last_ns = 0;
+    SequenceCount sequence;
+  };
+  struct Scene {
+    std::string hash;
+    bool bundle = false;  ///< the scene itself is in the recording
+  };
+  struct Session {
+    std::string station, scene, tool;
+    std::uint64_t run = 0;
+    std::uint64_t start_sequence = 0;  ///< 0: forces never began
+  };
+
+  std::vector<std::string> files;
+  std::uint64_t bytes = 0;
+  double duration_s = 0.0;
+  std::int64_t first_ns = 0;
+  std::string build, end_reason;
+  bool complete = false;  ///< has its end
+  std::vector<std::string> problems;
+  std::map<std::string, Topic> topics;
+  std::map<std::string, Scene> scenes;
+  std::vector<Session> sessions;
+  std::uint64_t messages = 0, missing = 0, dropped = 0;
+};
+
+/// Throws Error where a file cannot be read.
+FileSummary Summarise(const std::vector<std::string>& files);
+std::string ToText(const FileSummary& summary);
+/// @param file  "-" is stdout.  Throws Error.
+void WriteJson(const FileSummary& summary, const std::string& file);
+
+}  // namespace palpate

@@ -1,0 +1,85 @@
+#include "client/recorder/options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "common/dds/topics.h"
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kAbout =
+    "Records all that a palpate-server and its stations say, every pose and wrench included, as "
+    "an\n"
+    "MCAP file: for palpate-replay, Foxglove and every other reader of MCAP.\n";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  palpate-record -o lesson.mcap\n"
+    "      until Ctrl-C; start it before the stations, so that their first poses are in it\n"
+    "  palpate-record -o day.mcap --split-time 600\n"
+    "      a file for each ten minutes: day_000.mcap, day_001.mcap, ...\n"
+    "  palpate-record info lesson.mcap\n"
+    "      what is in it, and whether anything is missing\n"
+    "\n"
+    "What was recorded a second ago is in the file, even if this program or the disk fails.\n"
+    "Exit status: 0 done, 1 failed, 2 wrong usage.";
+
+}  // namespace
+
+std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv) {
+  RecorderOptions options;
+  std::string transport = "auto";
+  double seconds = 0.0, split_mb = 0.0;
+  bool no_loop = false, no_bundle = false;
+
+  CLI::App app(kAbout, "palpate-record");
+  app.footer(kExamples);
+  app.set_version_flag("--version", "palpate-record " PALPATE_VERSION);
+  app.add_option("-o,--output", options.recording.file, "file to record to, FILE.mcap");
+  app.add_flag("--overwrite", options.recording.overwrite, "replace the file if it is there");
+  app.add_option("--split-size", split_mb, "begin a new file after so many MB")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--split-time", options.recording.split_s,
+                 "begin a new file after so many seconds")
+      ->check(CLI::PositiveNumber);
+  CLI::Option* for_option =
+      app.add_option("--for", seconds, "end after so many seconds; default: at Ctrl-C")
+          ->check(CLI::PositiveNumber);
+  app.add_flag("--no-loop", no_loop, "without poses and wrenches: what viewers see alone");
+  app.add_flag("--no-bundle", no_bundle,
+               "without the scenes themselves: a replay takes them from the catalogue");
+  app.add_option("--transport", transport,
+                 "of poses and wrenches, as the server's: auto, shm or udp")
+      ->capture_default_str();
+  app.add_option("--domain", options.domain, "which server: the same number as there")
+      ->check(CLI::Range(0, dds::kMaxDomain))
+      ->capture_default_str();
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
+      ->capture_default_str();
+  CLI::App* info = app.add_subcommand("info", "say what is in a recording, and what is missing");
+  info->add_option("files", options.info_files, "a recording, or its splits in their order")
+      ->required();
+  info->add_option("--json", options.json, "write it as JSON to this file; - is stdout");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& wanted) {
+    app.exit(wanted);  // prints the help or the version
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(std::string(error.what()) + "; 'palpate-record --help' shows how");
+  }
+
+  if (!*info && options.recording.file.empty()) {
+    throw UsageError("-o FILE.mcap is missing; 'palpate-record --help' shows how");
+  }
+  options.recording.split_bytes = static_cast<std::uint64_t>(1e6 * split_mb);
+  options.recording.bundles = !no_bundle;
+  options.loop = !no_loop;
+  if (*for_option) options.seconds = seconds;
+  options.transport = dds::ParseTransport(transport);
+  return options;
+}
+
+}  // namespace palpate

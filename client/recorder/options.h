@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/dds/participant.h"
+#include "common/recording/recording_writer.h"
+
+namespace palpate {
+
+struct RecorderOptions {
+  // `info` where there are files, else a recording.
+  std::vector<std::string> info_files;
+  std::string json;  ///< of info: file or "-"; empty: none
+
+  RecordingOptions recording;
+  bool loop = true;
+  std::optional<double> seconds;
+  int domain = 0;
+  dds::Transport transport = dds::Transport::kAuto;
+  std::string log_level = "info";
+};
+
+/// Reads the command line.  For --help and --version prints them and returns nothing.
+/// Throws UsageError.
+std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv);
+
+}  // namespace palpate

@@ -1,0 +1,159 @@
+#include "client/recorder/taps.h"
+
+#include <array>
+#include <chrono>
+
+#include "common/dds/topics.h"
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+/// What is still on its way when a session ends.
+constexpr std::int64_t kLinger_ns = 500'000'000;
+constexpr std::array<std::uint8_t, 4> kCdrHead = {0, 1, 0, 0};
+
+}  // namespace
+
+std::int64_t RecordingTime_ns() {
+  static const std::int64_t offset_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                            std::chrono::system_clock::now().time_since_epoch())
+                                            .count() -
+                                        SteadyNanoseconds();
+  return offset_ns + SteadyNanoseconds();
+}
+
+Taps::Taps(int domain, const dds::TransportChoice& transport, bool loop, SampleQueue& queue)
+    : queue_(queue),
+      service_(dds::Participant::Service(domain)),
+      loop_(loop ? std::make_unique<dds::Participant>(dds::Participant::Loop(domain, transport))
+                 : nullptr),
+      requests_(service_, dds::kSessionRequestTopic, dds::Qos::kRecordSession),
+      states_(service_, dds::kSessionStateTopic, dds::Qos::kRecordSession),
+      changes_(service_, dds::kSceneChangeTopic, dds::Qos::kRecordSession),
+      leaves_(service_, dds::kLeafTakenTopic, dds::Qos::kRecordSession),
+      bundles_(service_, dds::kSceneBundleTopic, dds::Qos::kRecordSession),
+      tools_(service_, dds::kToolStateTopic, dds::Qos::kRecord),
+      statistics_(service_, dds::kLoopStatisticsTopic, dds::Qos::kRecord),
+      guides_(service_, dds::kGuideTopic, dds::Qos::kRecord) {
+  RecordingTime_ns();
+  service_channel_[0] = Channel(dds::kSessionRequestTopic, RecordedType::kSessionRequest);
+  service_channel_[1] = Channel(dds::kSessionStateTopic, RecordedType::kSessionState);
+  service_channel_[2] = Channel(dds::kSceneChangeTopic, RecordedType::kSceneChange);
+  service_channel_[3] = Channel(dds::kLeafTakenTopic, RecordedType::kLeafTaken);
+  service_channel_[4] = Channel(dds::kSceneBundleTopic, RecordedType::kSceneBundle);
+  service_channel_[5] = Channel(dds::kToolStateTopic, RecordedType::kToolState);
+  service_channel_[6] = Channel(dds::kLoopStatisticsTopic, RecordedType::kLoopStatistics);
+  service_channel_[7] = Channel(dds::kGuideTopic, RecordedType::kGuideTarget);
+}
+
+// Readers first: their callbacks use what stands before them.
+Taps::~Taps() {
+  sessions_.clear();
+}
+
+std::uint32_t Taps::Channel(const std::string& name, RecordedType type) {
+  const std::lock_guard lock(topics_mutex_);
+  const auto [it, is_new] = channels_.try_emplace(name, static_cast<std::uint32_t>(topics_.size()));
+  if (is_new) {
+    TappedTopic& topic = topics_.emplace_back();
+    topic.name = name;
+    topic.type = type;
+  }
+  return it->second;
+}
+
+TappedTopic& Taps::topic(std::uint32_t channel) {
+  const std::lock_guard lock(topics_mutex_);
+  return topics_[channel];
+}
+
+std::uint32_t Taps::topics() const {
+  const std::lock_guard lock(topics_mutex_);
+  return static_cast<std::uint32_t>(topics_.size());
+}
+
+int Taps::sessions() const {
+  int count = 0;
+  for (const auto& [station, session] : sessions_) count += session.poses && session.wrenches;
+  return count;
+}
+
+template <class T>
+void Taps::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, T& sample) {
+  dds::CdrSample raw;
+  while (reader.Take(raw, sample)) {
+    if (!queue_.Put(channel, RecordingTime_ns, raw.cdr)) {
+      topic(channel).dropped.fetch_add(1, std::memory_order_relaxed);
+    }
+    if constexpr (std::is_same_v<T, wire::SessionState>) OnState(sample, now_ns_);
+    constexpr bool kFromServer =
+        !std::is_same_v<T, wire::SessionRequest> && !std::is_same_v<T, wire::GuideTarget>;
+    heard_ = heard_ || kFromServer;
+  }
+  dds::FreeContents(sample);
+}
+
+template <class T>
+void Taps::Tap(dds::Reader<T>& reader, const std::string& name) {
+  // Over shared memory a reader that is there before it knows the writer loses chunks for ever.
+  if (reader || !dds::WriterDiscovered(*loop_, name)) return;
+  const std::uint32_t channel = Channel(name, kTypeOf<T>);
+  TappedTopic* const tapped = &topic(channel);
+  reader = {*loop_, name, dds::Qos::kRecord, [this, channel, tapped](const T& sample) {
+              // The struct is its own CDR payload (common/dds/wire.h).
+              const std::span payload(reinterpret_cast<const std::uint8_t*>(&sample),
+                                      sizeof sample);
+              if (!queue_.Put(channel, RecordingTime_ns, kCdrHead, payload)) {
+                tapped->dropped.fetch_add(1, std::memory_order_relaxed);
+              }
+            }};
+}
+
+void Taps::OnState(const wire::SessionState& state, std::int64_t now_ns) {
+  if (!loop_ || state.phase == palpate_SESSION_REFUSED) return;
+  const auto it = sessions_.find(state.station);
+  if (state.phase == palpate_SESSION_ENDED) {
+    if (it != sessions_.end() && it->second.run == state.run) it->second.ended_ns = now_ns;
+  } else if (it == sessions_.end()) {
+    sessions_[state.station].run = state.run;
+  } else if (it->second.run != state.run) {
+    it->second = {};
+    it->second.run = state.run;
+  }
+}
+
+void Taps::Poll(std::int64_t now_ns) {
+  now_ns_ = now_ns;
+  wire::SessionRequest request{};
+  wire::SessionState state{};
+  wire::SceneChange change{};
+  wire::LeafTaken leaf{};
+  wire::SceneBundle bundle{};
+  wire::ToolState tool{};
+  wire::LoopStatistics statistics{};
+  wire::GuideTarget guide{};
+  Drain(bundles_, service_channel_[4], bundle);
+  Drain(requests_, service_channel_[0], request);
+  Drain(states_, service_channel_[1], state);
+  Drain(changes_, service_channel_[2], change);
+  Drain(leaves_, service_channel_[3], leaf);
+  Drain(tools_, service_channel_[5], tool);
+  Drain(statistics_, service_channel_[6], statistics);
+  Drain(guides_, service_channel_[7], guide);
+
+  for (auto it = sessions_.begin(); it != sessions_.end();) {
+    Session& session = it->second;
+    if (session.ended_ns != 0 && now_ns - session.ended_ns > kLinger_ns) {
+      it = sessions_.erase(it);
+      continue;
+    }
+    if (session.ended_ns == 0) {
+      Tap(session.poses, dds::PoseTopic(it->first, session.run));
+      Tap(session.wrenches, dds::WrenchTopic(it->first, session.run));
+    }
+    ++it;
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,46 @@
+#include "client/replayer/keyboard.h"
+
+#include <poll.h>
+#include <unistd.h>
+
+namespace palpate {
+namespace {
+
+/// The next byte; -1 where none has come.
+int NextByte() {
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  unsigned char byte = 0;
+  return poll(&input, 1, 0) == 1 && read(STDIN_FILENO, &byte, 1) == 1 ? byte : -1;
+}
+
+}  // namespace
+
+Keyboard::Keyboard() {
+  // A program in the background may not change the terminal: it would be stopped.
+  terminal_ = isatty(STDIN_FILENO) == 1 && tcgetpgrp(STDIN_FILENO) == getpgrp() &&
+              tcgetattr(STDIN_FILENO, &former_) == 0;
+  if (!terminal_) return;
+  termios raw = former_;
+  raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+  terminal_ = tcsetattr(STDIN_FILENO, TCSANOW, &raw) == 0;
+}
+
+Keyboard::~Keyboard() {
+  if (terminal_) tcsetattr(STDIN_FILENO, TCSANOW, &former_);
+}
+
+Keyboard::Key Keyboard::Read() {
+  if (!terminal_) return Key::kNone;
+  switch (NextByte()) {
+    case ' ':
+      return Key::kSpace;
+    case 'q':
+      return Key::kQuit;
+    case 0x1b:  // ESC [ C
+      return NextByte() == '[' && NextByte() == 'C' ? Key::kRight : Key::kNone;
+    default:
+      return Key::kNone;
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,65 @@
+#include <cstdio>
+#include <exception>
+
+#include "client/replayer/guide_voice.h"
+#include "client/replayer/hand_path.h"
+#include "client/replayer/options.h"
+#include "client/replayer/player.h"
+#include "client/replayer/score.h"
+#include "client/replayer/verify.h"
+#include "common/error.h"
+#include "common/log.h"
+#include "common/stop_signal.h"
+
+namespace palpate {
+namespace {
+
+int Run(const ReplayOptions& options) {
+  switch (options.what) {
+    case ReplayOptions::What::kVerify: {
+      const Verification verification = Verify(options.files, options.verify);
+      if (options.json != "-") std::fputs(ToText(verification).c_str(), stdout);
+      if (!options.json.empty()) WriteJson(verification, options.json);
+      return verification.good() ? 0 : 1;
+    }
+    case ReplayOptions::What::kPlay: {
+      StopSignal stop;
+      Play(options, stop);
+      return 0;
+    }
+    case ReplayOptions::What::kGuide: {
+      StopSignal stop;
+      Guide(options, stop);
+      return 0;
+    }
+    case ReplayOptions::What::kScore: {
+      const Score score =
+          ScorePath(ReadHandPath({options.expert}), ReadHandPath({options.trainee}));
+      if (options.json != "-") std::fputs(ToText(score).c_str(), stdout);
+      if (!options.json.empty()) WriteJson(score, options.json);
+      if (!options.out.empty()) WriteReport(score, options.out);
+      return 0;
+    }
+  }
+  return 1;
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  const auto fail = [](const std::exception& error, int status) {
+    std::fprintf(stderr, "palpate-replay: %s\n", error.what());
+    return status;
+  };
+  try {
+    const auto options = palpate::ParseOptions(argc, argv);
+    if (!options) return 0;
+    palpate::SetUpLog("palpate-replay", options->log_level);
+    return palpate::Run(*options);
+  } catch (const palpate::UsageError& error) {
+    return fail(error, 2);
+  } catch (const std::exception& error) {
+    return fail(error, 1);
+  }
+}

@@ -1,0 +1,100 @@
+#include "client/replayer/options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "common/dds/topics.h"
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kAbout =
+    "Replays what palpate-record has recorded: to viewers as if live, through the physics to "
+    "verify\n"
+    "every bit, or to another hand as a gentle guide; and scores a trainee against an expert.\n";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  palpate-replay lesson.mcap --rate 0.5 --loop\n"
+    "      to viewers, at half the speed, again and again; on a terminal the space bar pauses, "
+    "the\n"
+    "      right arrow steps, q ends\n"
+    "  palpate-replay lesson.mcap --verify\n"
+    "      computes every wrench again and compares all bits\n"
+    "  palpate-replay expert.mcap --guide trainee\n"
+    "      leads the hand at station 'trainee', which accepts it with --accept-guide\n"
+    "  palpate-replay score expert.mcap trainee.mcap --out report\n"
+    "      distance of the paths, forces, time, with plots\n"
+    "\n"
+    "Exit status: 0 done, 1 failed or not verified, 2 wrong usage.";
+
+}  // namespace
+
+std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
+  ReplayOptions options;
+  bool verify = false;
+
+  CLI::App app(kAbout, "palpate-replay");
+  app.footer(kExamples);
+  app.set_version_flag("--version", "palpate-replay " PALPATE_VERSION);
+  app.add_option("files", options.files, "a recording, or its splits in their order");
+  CLI::Option* verify_option =
+      app.add_flag("--verify", verify, "compute every wrench again and compare all bits");
+  app.add_option("--scene", options.verify.scene,
+                 "with --verify: the scene, if not the recorded one or the catalogue's")
+      ->needs(verify_option);
+  app.add_option("--models", options.verify.models_dir,
+                 "folder with the meshes that are not installed (or PALPATE_MODELS)");
+  CLI::Option* json = app.add_option("--json", options.json,
+                                     "with --verify: write the result as JSON; - is stdout");
+  app.add_option("--guide", options.guide, "lead the hand at this station along the recorded path")
+      ->excludes(verify_option);
+  app.add_option("--rate", options.rate, "times the speed that it had")
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+  app.add_flag("--loop", options.loop, "again and again, until Ctrl-C");
+  app.add_flag("--step", options.stepping, "begin paused: space goes on, the right arrow steps");
+  app.add_option("--from", options.from_s, "begin so many seconds into the recording")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--to", options.to_s, "end so many seconds into the recording")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--domain", options.domain, "which viewers and stations: the same number as there")
+      ->check(CLI::Range(0, dds::kMaxDomain))
+      ->capture_default_str();
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
+      ->capture_default_str();
+  CLI::App* score = app.add_subcommand("score", "how near a trainee came to an expert");
+  score->add_option("expert", options.expert, "recording of the expert")->required();
+  score->add_option("trainee", options.trainee, "recording of the trainee")->required();
+  score->add_option("--out", options.out, "folder for the report and its plots (SVG)");
+  score->add_option("--json", options.json, "write the score as JSON to this file; - is stdout");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& wanted) {
+    app.exit(wanted);  // prints the help or the version
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(std::string(error.what()) + "; 'palpate-replay --help' shows how");
+  }
+
+  if (*score) {
+    options.what = ReplayOptions::What::kScore;
+    return options;
+  }
+  if (options.files.empty()) {
+    throw UsageError("a recording is missing; 'palpate-replay --help' shows how");
+  }
+  if (verify) options.what = ReplayOptions::What::kVerify;
+  if (*json && !verify) throw UsageError("--json goes with --verify or score");
+  if (!options.guide.empty()) {
+    options.what = ReplayOptions::What::kGuide;
+    if (!dds::IsStationName(options.guide)) {
+      throw UsageError("--guide '" + options.guide + "': give a station's name, as its --id");
+    }
+  }
+  if (!(options.to_s > options.from_s)) throw UsageError("--to must be later than --from");
+  return options;
+}
+
+}  // namespace palpate

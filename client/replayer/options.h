@@ -1,0 +1,39 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/replayer/verify.h"
+
+namespace palpate {
+
+struct ReplayOptions {
+  enum class What { kPlay, kVerify, kGuide, kScore };
+  What what = What::kPlay;
+  std::vector<std::string> files;
+  VerifyOptions verify;
+  std::string json;  ///< of verify and score: file or "-"; empty: none
+
+  // kPlay and kGuide
+  double rate = 1.0;
+  bool loop = false;
+  bool stepping = false;  ///< begins paused
+  double from_s = 0.0;
+  double to_s = std::numeric_limits<double>::infinity();
+  int domain = 0;
+  std::string guide;  ///< station to be guided
+
+  // kScore
+  std::string expert, trainee;
+  std::string out;  ///< folder for plots and report; empty: none
+
+  std::string log_level = "info";
+};
+
+/// Reads the command line.  For --help and --version prints them and returns nothing.
+/// Throws UsageError.
+std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv);
+
+}  // namespace palpate

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "client/replayer/options.h"
+#include "common/stop_signal.h"
+
+namespace palpate {
+
+/// Publishes a recording's service topics to viewers as a server would, at the pace that they had,
+/// until its end, a signal or `q`.  Poses and wrenches stay in the recording.  Throws Error: where
+/// a server runs in the domain, or nothing in the recording is for viewers.
+void Play(const ReplayOptions& options, StopSignal& stop);
+
+}  // namespace palpate

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "client/replayer/hand_path.h"
+
+namespace palpate {
+
+/// How near a trainee came to an expert.
+struct Score {
+  double expert_s = 0.0, trainee_s = 0.0;  ///< from the hand's first to its last move
+  // After alignment in time (dynamic time warping by position).
+  double path_mean_mm = 0.0, path_max_mm = 0.0;
+  double frechet_mm = 0.0;  ///< discrete Frechet distance of the paths
+  double turn_mean_deg = 0.0;
+  double force_rms_N = 0.0;  ///< of the difference of the forces' magnitudes
+  double expert_peak_N = 0.0, trainee_peak_N = 0.0;
+  double expert_contact_s = 0.0, trainee_contact_s = 0.0;  ///< with a force of more than 0.05 N
+
+  // Along the expert's time: for plots.
+  std::vector<double> time_s, distance_mm, expert_force_N, trainee_force_N;
+};
+
+/// Both paths are thinned to at most 3000 points, evenly in time.  Throws Error where a hand never
+/// moves by more than 1 mm.
+Score ScorePath(const HandPath& expert, const HandPath& trainee);
+
+std::string ToText(const Score& score);
+/// @param file  "-" is stdout.  Throws Error.
+void WriteJson(const Score& score, const std::string& file);
+/// score.svg and score.json into a folder, which is made.  Throws Error.
+void WriteReport(const Score& score, const std::string& folder);
+
+}  // namespace palpate

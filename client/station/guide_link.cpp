@@ -1,0 +1,14 @@
+#include "client/station/guide_link.h"
+
+#include <utility>
+
+#include "common/dds/topics.h"
+
+namespace palpate {
+
+GuideLink::GuideLink(int domain, std::string station)
+    : station_(std::move(station)),
+      service_(dds::Participant::Service(domain)),
+      targets_(service_, dds::kGuideTopic, dds::Qos::kStream) {}
+
+}  // namespace palpate

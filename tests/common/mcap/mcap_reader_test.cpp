@@ -1,0 +1,159 @@
+#include "common/mcap/mcap_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "common/mcap/mcap_writer.h"
+#include "tests/common/recording/samples.h"
+#include "tests/support/random.h"
+
+namespace palpate::mcap {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+constexpr int kChunks = 3;
+constexpr int kPerChunk = 20;
+
+std::vector<std::uint8_t> DataOf(int i) {
+  std::vector<std::uint8_t> data(static_cast<std::size_t>(40 + i % 7));
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    data[k] = static_cast<std::uint8_t>(i * 31 + static_cast<int>(k * k));
+  }
+  return data;
+}
+
+/// A file of three chunks; each with twenty messages that tell their number.
+class McapReaderTest : public testing::Test {
+ protected:
+  McapReaderTest() {
+    Writer writer(file_, "test");
+    const std::uint16_t schema = writer.AddSchema("palpate::X", "omgidl", "struct X {};");
+    const std::uint16_t channel = writer.AddChannel(schema, "topic", "cdr", {{"a", "b"}});
+    for (int i = 0; i < kChunks * kPerChunk; ++i) {
+      writer.Write(channel, static_cast<std::uint32_t>(i), 1000 + i, 2000 + i, DataOf(i));
+      if (i % kPerChunk == kPerChunk - 1) {
+        writer.Flush();
+        ends_.push_back(writer.size());
+      }
+    }
+    writer.WriteMetadata({"notes", {{"key", "value"}}});
+    writer.Close();
+    bytes_ = test::BytesOf(file_);
+  }
+
+  /// The numbers of all messages that can be read; each is checked to be as it was written.
+  static std::vector<int> Read(Reader& reader) {
+    std::vector<int> numbers;
+    Message message;
+    while (reader.Next(message)) {
+      const auto i = static_cast<int>(message.sequence);
+      EXPECT_EQ(message.log_time_ns, 1000 + i);
+      EXPECT_EQ(message.publish_time_ns, 2000 + i);
+      EXPECT_EQ(message.channel->topic, "topic");
+      EXPECT_EQ(std::vector<std::uint8_t>(message.data.begin(), message.data.end()), DataOf(i));
+      numbers.push_back(i);
+    }
+    return numbers;
+  }
+
+  test::Folder folder_;
+  std::string file_ = folder_ / "a.mcap";
+  std::vector<std::uint64_t> ends_;  // of the file, after each chunk
+  std::vector<std::uint8_t> bytes_;
+};
+
+TEST_F(McapReaderTest, GivesBackWhatWasWritten) {
+  Reader reader(bytes_, "a");
+  EXPECT_THAT(Read(reader), SizeIs(kChunks * kPerChunk));
+  EXPECT_TRUE(reader.complete());
+  EXPECT_THAT(reader.problems(), IsEmpty());
+  ASSERT_THAT(reader.metadata(), SizeIs(1));
+  EXPECT_EQ(reader.metadata()[0].values.at("key"), "value");
+  EXPECT_EQ(reader.schemas().at(1).data, "struct X {};");
+  EXPECT_EQ(reader.channels().at(1).metadata.at("a"), "b");
+}
+
+TEST_F(McapReaderTest, GivesWhatLiesBetweenTwoTimes) {
+  Reader reader(bytes_, "a");
+  reader.Between(1000 + 25, 1000 + 45);
+  const std::vector<int> numbers = Read(reader);
+  ASSERT_THAT(numbers, SizeIs(20));
+  EXPECT_EQ(numbers.front(), 25);
+  EXPECT_EQ(numbers.back(), 44);
+}
+
+TEST_F(McapReaderTest, GivesEveryWholeChunkWhereverTheFileIsCutOff) {
+  for (std::size_t n = kMagicSize; n < bytes_.size(); ++n) {
+    Reader reader({bytes_.data(), n}, "a");
+    const std::size_t read = Read(reader).size();
+    std::size_t whole = 0;
+    while (whole < ends_.size() && ends_[whole] <= n) ++whole;
+    // The chunk's own record ends before the index that stands behind it.
+    EXPECT_GE(read, whole * kPerChunk) << n;
+    EXPECT_EQ(read % kPerChunk, 0u) << n;
+    EXPECT_FALSE(reader.complete()) << n;
+    EXPECT_THAT(reader.problems(), SizeIs(1)) << n;
+  }
+}
+
+TEST_F(McapReaderTest, NeverGivesAChangedMessageWhateverBitIsFlipped) {
+  test::Random random(7);
+  int damaged = 0;
+  for (int i = 0; i < 20000; ++i) {
+    std::vector<std::uint8_t> bytes = bytes_;
+    const std::size_t at = kMagicSize + random.Bits() % (bytes.size() - kMagicSize);
+    bytes[at] ^= static_cast<std::uint8_t>(1 << random.Below(8));
+    Reader reader(bytes, "a");
+    Message message;
+    std::size_t read = 0;
+    for (; reader.Next(message); ++read) {
+      const auto number = static_cast<int>(message.sequence);
+      ASSERT_EQ(message.log_time_ns, 1000 + number);
+      ASSERT_EQ(std::vector<std::uint8_t>(message.data.begin(), message.data.end()),
+                DataOf(number));
+    }
+    if (read < kChunks * kPerChunk) {
+      ++damaged;
+      EXPECT_THAT(reader.problems(), testing::Not(IsEmpty())) << at;
+    }
+  }
+  EXPECT_GT(damaged, 1000);
+}
+
+TEST_F(McapReaderTest, StandsManyFlippedBits) {
+  test::Random random(8);
+  for (int i = 0; i < 3000; ++i) {
+    std::vector<std::uint8_t> bytes = bytes_;
+    for (int flips = 0; flips < 50; ++flips) {
+      bytes[kMagicSize + random.Bits() % (bytes.size() - kMagicSize)] ^=
+          static_cast<std::uint8_t>(1 << random.Below(8));
+    }
+    Reader reader(bytes, "a");
+    Message message;
+    std::size_t read = 0;
+    while (reader.Next(message)) ++read;
+    EXPECT_LE(read, static_cast<std::size_t>(kChunks * kPerChunk));
+  }
+}
+
+TEST_F(McapReaderTest, GoesOnBehindABrokenChunkAndNamesIt) {
+  bytes_[ends_[0] + 100] ^= 1;  // within the second chunk
+  Reader reader(bytes_, "a");
+  EXPECT_THAT(Read(reader), SizeIs((kChunks - 1) * kPerChunk));
+  ASSERT_THAT(reader.problems(), SizeIs(2)) << "the chunk, and the file as a whole";
+  EXPECT_THAT(reader.problems()[0], HasSubstr(std::to_string(ends_[0])));
+  EXPECT_TRUE(reader.complete());
+}
+
+TEST_F(McapReaderTest, RefusesWhatIsNoSuchFile) {
+  const std::vector<std::uint8_t> text = {'h', 'e', 'l', 'l', 'o', '!', '!', '!', '!'};
+  EXPECT_THROW(Reader(text, "a"), Error);
+  EXPECT_THROW(MappedFile(folder_ / "none.mcap"), Error);
+}
+
+}  // namespace
+}  // namespace palpate::mcap

@@ -1,0 +1,137 @@
+#include "common/recording/recording_writer.h"
+
+#include <algorithm>
+#include <map>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/recording/recording_reader.h"
+#include "tests/common/recording/samples.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr std::int64_t kMs = 1'000'000;
+
+mcap::StringMap MetadataOf(const RecordingReader& reader, const std::string& name,
+                           const std::string& topic = "") {
+  for (const mcap::Metadata& metadata : reader.metadata()) {
+    if (metadata.name != name) continue;
+    if (topic.empty() || metadata.values.at("topic") == topic) return metadata.values;
+  }
+  ADD_FAILURE() << "no metadata " << name << " " << topic;
+  return {};
+}
+
+TEST(RecordingWriter, ProvesWhatIsMissing) {
+  const Folder folder;
+  RecordingWriter writer({.file = folder / "a.mcap"});
+  for (const std::uint64_t sequence : {5u, 6u, 9u, 10u, 20u}) {
+    Add(writer, dds::PoseTopic("hand", 1), SamplePose(sequence), kMs);
+    Add(writer, dds::WrenchTopic("hand", 1), SampleWrench(sequence), kMs);
+  }
+  writer.SetDropped(dds::PoseTopic("hand", 1), 3);
+  EXPECT_EQ(writer.missing(), 22u);
+  writer.Close("the test is over");
+
+  RecordingReader reader({folder / "a.mcap"});
+  RecordedSample sample{};
+  int count = 0;
+  while (reader.Next(sample)) ++count;
+  EXPECT_EQ(count, 10);
+  EXPECT_TRUE(reader.complete());
+  const mcap::StringMap pose = MetadataOf(reader, "palpate.topic", dds::PoseTopic("hand", 1));
+  EXPECT_EQ(pose.at("messages"), "5");
+  EXPECT_EQ(pose.at("first"), "5");
+  EXPECT_EQ(pose.at("last"), "20");
+  EXPECT_EQ(pose.at("holes"), "2");
+  EXPECT_EQ(pose.at("missing"), "11");
+  EXPECT_EQ(pose.at("dropped"), "3");
+  EXPECT_EQ(MetadataOf(reader, "palpate.end").at("reason"), "the test is over");
+  EXPECT_EQ(MetadataOf(reader, "palpate.recording").at("build"), PALPATE_VERSION);
+}
+
+TEST(RecordingWriter, KeepsASceneOrItsHashAlone) {
+  const Folder folder;
+  for (const bool bundles : {true, false}) {
+    const std::string file = folder / (bundles ? "with.mcap" : "without.mcap");
+    RecordingWriter writer({.file = file, .bundles = bundles});
+    AddBundle(writer, std::vector<std::uint8_t>(100'000, 3), kMs);
+    writer.Close("");
+    RecordingReader reader({file});
+    RecordedSample sample{};
+    EXPECT_EQ(reader.Next(sample), bundles);
+    while (reader.Next(sample)) {
+    }
+    EXPECT_EQ(MetadataOf(reader, "palpate.scene").at("hash"), "123456789abcdef0");
+  }
+}
+
+TEST(RecordingWriter, BeginsEachSplitWithWhatHoldsThen) {
+  const Folder folder;
+  RecordingWriter writer({.file = folder / "day.mcap", .split_s = 1.0});
+  AddBundle(writer, {1, 2, 3}, 0);
+  for (int i = 0; i < 30; ++i) {
+    const std::int64_t now_ns = (1 + 100 * i) * kMs;
+    if (i == 2) Add(writer, dds::kSessionStateTopic, SampleState("hand", 1), now_ns);
+    if (i == 4) Add(writer, dds::kSessionStateTopic, SampleState("hand", 2), now_ns);
+    if (i == 5) Add(writer, dds::kSceneChangeTopic, SampleChange(1), now_ns);
+    if (i == 6) Add(writer, dds::kSceneChangeTopic, SampleChange(2), now_ns);
+    Add(writer, dds::PoseTopic("hand", 2), SamplePose(static_cast<std::uint64_t>(i)), now_ns);
+  }
+  writer.Close("");
+  EXPECT_THAT(writer.files(), ElementsAre(folder / "day_000.mcap", folder / "day_001.mcap",
+                                          folder / "day_002.mcap"));
+  for (std::size_t split = 1; split < 3; ++split) {
+    RecordingReader reader({writer.files()[split]});
+    RecordedSample sample{};
+    std::map<RecordedType, int> count;
+    while (reader.Next(sample)) {
+      ++count[sample.type];
+      wire::SessionState state{};
+      if (sample.To(state)) {
+        EXPECT_EQ(state.run, 2u) << "the latest";
+      }
+    }
+    EXPECT_TRUE(reader.complete());
+    EXPECT_EQ(count[RecordedType::kSceneBundle], 1);
+    EXPECT_EQ(count[RecordedType::kSessionState], 1);
+    EXPECT_EQ(count[RecordedType::kSceneChange], 2);
+    EXPECT_EQ(count[RecordedType::kHapticPose], 10);
+    EXPECT_EQ(MetadataOf(reader, "palpate.recording").at("split"), std::to_string(split));
+    EXPECT_EQ(MetadataOf(reader, "palpate.scene").at("scene"), "cube");
+  }
+  RecordingReader all(writer.files());
+  RecordedSample sample{};
+  int poses = 0;
+  while (all.Next(sample)) poses += sample.type == RecordedType::kHapticPose;
+  EXPECT_EQ(poses, 30);
+}
+
+TEST(RecordingWriter, SplitsBySize) {
+  const Folder folder;
+  RecordingWriter writer({.file = folder / "day.mcap", .split_bytes = 20'000});
+  for (std::uint64_t i = 1; i < 1000; ++i) {
+    Add(writer, dds::PoseTopic("hand", 2), SamplePose(i * i), static_cast<std::int64_t>(i) * kMs);
+    if (i % 50 == 0) writer.Flush();
+  }
+  writer.Close("");
+  EXPECT_GT(writer.files().size(), 1u);
+  for (const std::string& file : writer.files()) EXPECT_LT(BytesOf(file).size(), 60'000u);
+}
+
+TEST(SequenceCount, TakesRepetitionsForNoHoles) {
+  SequenceCount count;
+  for (const std::uint64_t i : {3u, 4u, 4u, 3u, 5u, 8u}) count.Add(i);
+  EXPECT_EQ(count.first(), 3u);
+  EXPECT_EQ(count.last(), 8u);
+  EXPECT_EQ(count.holes(), 1u);
+  EXPECT_EQ(count.missing(), 2u);
+}
+
+}  // namespace
+}  // namespace palpate::test

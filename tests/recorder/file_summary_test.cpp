@@ -1,0 +1,93 @@
+#include "client/recorder/file_summary.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "common/error.h"
+#include "tests/common/recording/samples.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::SizeIs;
+
+constexpr std::int64_t kMs = 1'000'000;
+
+class FileSummaryTest : public testing::Test {
+ protected:
+  /// A second of a station, but for these poses; three more dropped.
+  void Record(const std::string& file, std::uint64_t hole_begin, std::uint64_t hole_end) {
+    RecordingWriter writer({.file = file, .overwrite = true});
+    AddBundle(writer, {1, 2, 3}, kMs);
+    wire::SessionState refused = SampleState("other", 8);
+    refused.phase = palpate_SESSION_REFUSED;
+    Add(writer, dds::kSessionStateTopic, refused, kMs);
+    Add(writer, dds::kSessionStateTopic, SampleState("hand", 5), kMs);
+    for (std::uint64_t i = 1; i <= 1001; ++i) {
+      if (i >= hole_begin && i < hole_end) continue;
+      Add(writer, dds::PoseTopic("hand", 5), SamplePose(i), static_cast<std::int64_t>(i) * kMs);
+    }
+    if (hole_end > hole_begin) writer.SetDropped(dds::PoseTopic("hand", 5), 3);
+    writer.Close("the test is over");
+  }
+
+  Folder folder_;
+  std::string file_ = folder_ / "a.mcap";
+};
+
+TEST_F(FileSummaryTest, TellsWhatIsInARecording) {
+  Record(file_, 0, 0);
+  const FileSummary summary = Summarise({file_});
+  EXPECT_TRUE(summary.complete);
+  EXPECT_EQ(summary.messages, 1004u);
+  EXPECT_EQ(summary.missing, 0u);
+  EXPECT_NEAR(summary.duration_s, 1.0, 1e-9);
+  EXPECT_EQ(summary.build, PALPATE_VERSION);
+  EXPECT_EQ(summary.scenes.at("cube").hash, "123456789abcdef0");
+  ASSERT_THAT(summary.sessions, SizeIs(1)) << "who was refused had none";
+  EXPECT_EQ(summary.sessions[0].start_sequence, 3u);
+  const FileSummary::Topic& poses = summary.topics.at(dds::PoseTopic("hand", 5));
+  EXPECT_EQ(poses.messages, 1001u);
+  EXPECT_NEAR(poses.rate_hz, 1000.0, 1e-6);
+  EXPECT_THAT(ToText(summary), HasSubstr("nothing is missing"));
+}
+
+TEST_F(FileSummaryTest, TellsWhatIsMissing) {
+  Record(file_, 100, 110);
+  const FileSummary summary = Summarise({file_});
+  EXPECT_EQ(summary.missing, 10u);
+  EXPECT_EQ(summary.dropped, 3u);
+  EXPECT_EQ(summary.topics.at(dds::PoseTopic("hand", 5)).sequence.holes(), 1u);
+  EXPECT_THAT(ToText(summary), HasSubstr("10 samples are missing"));
+  WriteJson(summary, folder_ / "a.json");
+  const auto bytes = BytesOf(folder_ / "a.json");
+  const auto json = nlohmann::json::parse(bytes.begin(), bytes.end());
+  EXPECT_EQ(json["missing"], 10);
+  EXPECT_EQ(json["topics"].size(), 3u);
+}
+
+TEST_F(FileSummaryTest, CountsWhatIsNotOfItsType) {
+  {
+    RecordingWriter writer({.file = file_});
+    writer.Add(dds::kSessionStateTopic, RecordedType::kSessionState, kMs,
+               std::vector<std::uint8_t>{0, 1, 0, 0, 9});
+    writer.Close("");
+  }
+  EXPECT_EQ(Summarise({file_}).topics.at(dds::kSessionStateTopic).broken, 1u);
+}
+
+TEST_F(FileSummaryTest, ReadsAFileThatWasCutOffAndSaysSo) {
+  Record(file_, 0, 0);
+  std::vector<std::uint8_t> bytes = BytesOf(file_);
+  bytes.resize(bytes.size() / 2);
+  WriteBytes(file_, bytes);
+  const FileSummary summary = Summarise({file_});
+  EXPECT_FALSE(summary.complete);
+  EXPECT_THAT(ToText(summary), HasSubstr("CUT OFF"));
+  EXPECT_THROW(Summarise({folder_ / "none.mcap"}), Error);
+}
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,55 @@
+#include "client/recorder/options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+using testing::ElementsAre;
+
+std::optional<RecorderOptions> Parse(std::vector<const char*> words) {
+  words.insert(words.begin(), "palpate-record");
+  return ParseOptions(static_cast<int>(words.size()), words.data());
+}
+
+TEST(RecorderOptions, NeedAFileAndHaveDefaultsForTheRest) {
+  const auto options = Parse({"-o", "a.mcap"});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->recording.file, "a.mcap");
+  EXPECT_TRUE(options->loop);
+  EXPECT_TRUE(options->recording.bundles);
+  EXPECT_EQ(options->recording.split_bytes, 0u);
+  EXPECT_FALSE(options->seconds);
+  EXPECT_THROW(Parse({}), UsageError);
+}
+
+TEST(RecorderOptions, TakeSplitsInMegabytesAndSeconds) {
+  const auto options = Parse({"-o", "a.mcap", "--split-size", "1.5", "--split-time", "60", "--for",
+                              "5", "--no-loop", "--no-bundle"});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->recording.split_bytes, 1'500'000u);
+  EXPECT_EQ(options->recording.split_s, 60.0);
+  EXPECT_EQ(options->seconds, 5.0);
+  EXPECT_FALSE(options->loop);
+  EXPECT_FALSE(options->recording.bundles);
+}
+
+TEST(RecorderOptions, AskForInfoOfOneFileOrSeveral) {
+  const auto options = Parse({"info", "a.mcap", "b.mcap", "--json", "-"});
+  ASSERT_TRUE(options);
+  EXPECT_THAT(options->info_files, ElementsAre("a.mcap", "b.mcap"));
+  EXPECT_EQ(options->json, "-");
+  EXPECT_THROW(Parse({"info"}), UsageError);
+}
+
+TEST(RecorderOptions, RefuseWhatMakesNoSense) {
+  EXPECT_THROW(Parse({"-o", "a.mcap", "--split-time", "0"}), UsageError);
+  EXPECT_THROW(Parse({"-o", "a.mcap", "--domain", "999"}), UsageError);
+  EXPECT_THROW(Parse({"-o", "a.mcap", "--transport", "pigeon"}), UsageError);
+}
+
+}  // namespace
+}  // namespace palpate

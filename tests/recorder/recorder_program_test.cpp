@@ -1,0 +1,173 @@
+// The recorder as a program, beside a real server and a real station.
+#include <csignal>
+#include <filesystem>
+#include <map>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "client/recorder/file_summary.h"
+#include "client/replayer/verify.h"
+#include "common/recording/recording_reader.h"
+#include "tests/common/dds/roudi.h"
+#include "tests/common/recording/samples.h"
+#include "tests/integration/rig.h"
+#include "tests/recorder/others_readers.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+class RecorderProgram : public Program {
+ public:
+  RecorderProgram(const std::string& file, const std::string& transport,
+                  std::vector<std::string> more = {})
+      : Program(PALPATE_BIN_DIR "/palpate-record", Arguments(file, transport, std::move(more))) {}
+  bool Ready() { return Says("recording to "); }
+
+ private:
+  static std::vector<std::string> Arguments(const std::string& file, const std::string& transport,
+                                            std::vector<std::string> more) {
+    std::vector<std::string> arguments{"-o",      file,       "--transport",
+                                       transport, "--domain", std::to_string(kDomain)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+};
+
+class RecorderProgramTest : public testing::Test {
+ protected:
+  /// Records a station of so many seconds from first to last.
+  void RecordAStation(const std::string& transport) {
+    ServerProgram server(transport);
+    ASSERT_TRUE(server.Ready()) << server.Output();
+    RecorderProgram recorder(file_, transport);
+    ASSERT_TRUE(recorder.Ready()) << recorder.Output();
+    StationProgram station("hand", transport, {"--for", "2"});
+    ASSERT_EQ(station.Exit(), 0) << station.Output();
+    recorder.Signal(SIGINT);
+    EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
+    EXPECT_THAT(recorder.Output(), HasSubstr("dropped 0"));
+  }
+  void ExpectWholeAndTheSame() {
+    const FileSummary summary = Summarise({file_});
+    EXPECT_TRUE(summary.complete) << ToText(summary);
+    EXPECT_EQ(summary.dropped, 0u);
+    EXPECT_EQ(summary.missing, 0u) << ToText(summary);
+    EXPECT_EQ(summary.end_reason, "ended by the user");
+    EXPECT_TRUE(summary.scenes.at("cube").bundle);
+    ASSERT_EQ(summary.sessions.size(), 1u);
+    EXPECT_GT(summary.sessions[0].start_sequence, 0u);
+    std::map<std::string, std::uint64_t> messages;
+    for (const auto& [name, topic] : summary.topics) messages[topic.type] += topic.messages;
+    EXPECT_GT(messages["palpate::HapticPose"], 500u);
+    EXPECT_GT(messages["palpate::Wrench"], 500u);
+    EXPECT_GT(messages["palpate::ToolState"], 30u);
+    EXPECT_GE(messages["palpate::LoopStatistics"], 1u);
+    EXPECT_GE(messages["palpate::SessionRequest"], 1u);
+    EXPECT_GE(messages["palpate::SessionState"], 3u);
+    EXPECT_EQ(messages["palpate::SceneBundle"], 1u);
+    const Verification verification = Verify({file_}, {});
+    EXPECT_TRUE(verification.good()) << ToText(verification);
+  }
+
+  Folder folder_;
+  std::string file_ = folder_ / "a.mcap";
+};
+
+TEST_F(RecorderProgramTest, RecordsEverySampleOverUdpAndOthersReadThem) {
+  RecordAStation("udp");
+  if (HasFatalFailure()) return;
+  ExpectWholeAndTheSame();
+  const auto others = ReadByOthers(file_);
+  if (!others) GTEST_SKIP() << "deploy/setup --for tests fetches MCAP's readers";
+  EXPECT_EQ((*others)["different"], 0);
+  EXPECT_EQ((*others)["messages"].size(), Summarise({file_}).messages);
+  EXPECT_EQ((*others)["indexed"], (*others)["messages"].size());
+}
+
+TEST_F(RecorderProgramTest, RecordsEverySampleOverSharedMemory) {
+  RouDi roudi;
+  RecordAStation("shm");
+  if (HasFatalFailure()) return;
+  ExpectWholeAndTheSame();
+}
+
+TEST_F(RecorderProgramTest, LeavesAFileThatOpensWhenItIsKilled) {
+  ServerProgram server("udp");
+  ASSERT_TRUE(server.Ready()) << server.Output();
+  RecorderProgram recorder(file_, "udp");
+  ASSERT_TRUE(recorder.Ready()) << recorder.Output();
+  StationProgram station("hand", "udp", {"--for", "60"});
+  // Well after the first chunks.
+  ASSERT_TRUE(Eventually([&] {
+    std::error_code none;
+    station.Output();
+    return std::filesystem::file_size(file_, none) > 400'000 && !none;
+  })) << recorder.Output();
+  recorder.Signal(SIGKILL);
+  EXPECT_EQ(recorder.Exit(), -SIGKILL);
+  const FileSummary summary = Summarise({file_});
+  EXPECT_FALSE(summary.complete);
+  EXPECT_THAT(ToText(summary), HasSubstr("CUT OFF"));
+  EXPECT_EQ(summary.missing, 0u);
+  EXPECT_GT(summary.messages, 500u);
+  const Verification verification = Verify({file_}, {});
+  EXPECT_TRUE(verification.good()) << "as far as it goes\n" << ToText(verification);
+  const auto others = ReadByOthers(file_);
+  if (!others) GTEST_SKIP() << "deploy/setup --for tests fetches MCAP's readers";
+  EXPECT_EQ((*others)["messages"].size(), summary.messages);
+}
+
+TEST_F(RecorderProgramTest, SaysThatTheDiskIsFullAndKeepsWhatIsThere) {
+  ServerProgram server("udp");
+  ASSERT_TRUE(server.Ready()) << server.Output();
+  // What a shell lets a file grow to: 512 bytes a block.
+  Program recorder("/bin/sh",
+                   {"-c", "ulimit -f 1200; exec " PALPATE_BIN_DIR "/palpate-record -o " + file_ +
+                              " --transport udp --domain " + std::to_string(kDomain)});
+  ASSERT_TRUE(recorder.Says("recording to ")) << recorder.Output();
+  StationProgram station("hand", "udp", {"--for", "60"});
+  EXPECT_EQ(recorder.Exit(30.0), 1) << recorder.Output();
+  EXPECT_THAT(recorder.Output(), HasSubstr(file_ + ": File too large"));
+  EXPECT_THAT(recorder.Output(), HasSubstr("what was recorded until then is whole"));
+  const FileSummary summary = Summarise({file_});
+  EXPECT_GT(summary.messages, 500u);
+  EXPECT_EQ(summary.missing, 0u);
+  EXPECT_TRUE(Verify({file_}, {}).good());
+}
+
+TEST_F(RecorderProgramTest, RecordsForViewersAloneWhereTold) {
+  ServerProgram server("udp");
+  ASSERT_TRUE(server.Ready()) << server.Output();
+  RecorderProgram recorder(file_, "udp", {"--no-loop", "--no-bundle"});
+  ASSERT_TRUE(recorder.Ready()) << recorder.Output();
+  StationProgram station("hand", "udp", {"--for", "1"});
+  ASSERT_EQ(station.Exit(), 0) << station.Output();
+  recorder.Signal(SIGTERM);
+  EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
+  const FileSummary summary = Summarise({file_});
+  for (const auto& [name, topic] : summary.topics) {
+    EXPECT_NE(topic.type, "palpate::HapticPose");
+    EXPECT_NE(topic.type, "palpate::SceneBundle");
+  }
+  EXPECT_TRUE(summary.topics.contains("palpate/tool_state"));
+  EXPECT_FALSE(summary.scenes.at("cube").bundle);
+}
+
+TEST_F(RecorderProgramTest, NeedsAFileAndLeavesThoseThatAreThere) {
+  Program without(PALPATE_BIN_DIR "/palpate-record", {});
+  EXPECT_EQ(without.Exit(), 2);
+  EXPECT_THAT(without.Output(), HasSubstr("-o FILE.mcap"));
+  WriteBytes(file_, {1, 2, 3});
+  RecorderProgram recorder(file_, "udp");
+  EXPECT_EQ(recorder.Exit(), 1);
+  EXPECT_THAT(recorder.Output(), HasSubstr("--overwrite"));
+  Program info(PALPATE_BIN_DIR "/palpate-record", {"info", file_});
+  EXPECT_EQ(info.Exit(), 1);
+  EXPECT_THAT(info.Output(), HasSubstr("is not an MCAP file"));
+}
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,48 @@
+#include "client/replayer/options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+using testing::ElementsAre;
+using What = ReplayOptions::What;
+
+std::optional<ReplayOptions> Parse(std::vector<const char*> words) {
+  words.insert(words.begin(), "palpate-replay");
+  return ParseOptions(static_cast<int>(words.size()), words.data());
+}
+
+TEST(ReplayOptions, PlayToViewersUnlessToldOtherwise) {
+  const auto options = Parse({"a.mcap", "b.mcap"});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->what, What::kPlay);
+  EXPECT_THAT(options->files, ElementsAre("a.mcap", "b.mcap"));
+  EXPECT_EQ(options->rate, 1.0);
+  EXPECT_FALSE(options->loop);
+}
+
+TEST(ReplayOptions, VerifyGuideAndScore) {
+  EXPECT_EQ(Parse({"a.mcap", "--verify"})->what, What::kVerify);
+  EXPECT_EQ(Parse({"a.mcap", "--guide", "hand"})->what, What::kGuide);
+  const auto score = Parse({"score", "a.mcap", "b.mcap", "--out", "report"});
+  EXPECT_EQ(score->what, What::kScore);
+  EXPECT_EQ(score->expert, "a.mcap");
+  EXPECT_EQ(score->trainee, "b.mcap");
+}
+
+TEST(ReplayOptions, RefuseWhatMakesNoSense) {
+  EXPECT_THROW(Parse({}), UsageError);
+  EXPECT_THROW(Parse({"a.mcap", "--from", "5", "--to", "4"}), UsageError);
+  EXPECT_THROW(Parse({"a.mcap", "--rate", "0"}), UsageError);
+  EXPECT_THROW(Parse({"a.mcap", "--verify", "--guide", "hand"}), UsageError);
+  EXPECT_THROW(Parse({"a.mcap", "--guide", "no name"}), UsageError);
+  EXPECT_THROW(Parse({"a.mcap", "--json", "-"}), UsageError);
+  EXPECT_THROW(Parse({"score", "a.mcap"}), UsageError);
+}
+
+}  // namespace
+}  // namespace palpate
