@@ -1,5 +1,6 @@
 import {norm} from "./model/pose";
 import type {Pose, Vec3} from "./model/pose";
+import type {SceneModel} from "./model/bundle";
 import {type LinkReport, linkReport} from "./model/link_report";
 import {looksTheSame} from "./model/pose_track";
 import {depthM, figure, statusSentence} from "./model/words";
@@ -35,7 +36,10 @@ export interface Probe {
   pictures: number;
   scriptMs: {last: number; mean: number; max: number}; // of a picture, without the card's time
   triangles: number;
-  stations: Record<string, {poseSequence: number; haptic: Pose; graphic: Pose; forceN: Vec3; frames: number}>;
+  stations: Record<
+    string,
+    {poseSequence: number; haptic: Pose; graphic: Pose; forceN: Vec3; frames: number}
+  >;
   hold: string;
 }
 
@@ -152,7 +156,6 @@ export class App {
       this.links += 1;
       this.openedS = nowS();
       this.world.forgetSessions();
-      // The server may have come back with another scene under the same name.
       if (this.scene !== "") void this.loadScene(this.scene);
       void this.askScenes();
     } else {
@@ -184,6 +187,10 @@ export class App {
       case "remains":
         if (scene === this.scene) this.view.updateRemains();
         break;
+      case "serverRun":
+        // It may serve another scene under the same name.
+        if (scene === this.scene) void this.loadScene(scene);
+        break;
       case "statistics":
         break;
     }
@@ -194,7 +201,9 @@ export class App {
   /// The reader's choice where there is it, else the first that somebody told of.
   private chooseScene(): void {
     const known = this.world.scenes;
-    const wanted = known.has(this.chosenScene) ? this.chosenScene : (this.scene || [...known.keys()][0]);
+    const wanted = known.has(this.chosenScene)
+      ? this.chosenScene
+      : this.scene || [...known.keys()][0];
     if (wanted === undefined || wanted === this.scene) return;
     this.scene = wanted;
     this.drawn = [];
@@ -232,9 +241,7 @@ export class App {
     document.title = this.scene === "" ? "Palpate" : `${this.scene} · Palpate`;
     this.canvas.setAttribute(
       "aria-label",
-      model
-        ? `${model.name} in three dimensions: ${model.tools.map(({name}) => name).join(", ")} touching ${model.objects.length === 1 ? model.objects[0]!.name : `${model.objects.length} objects`}`
-        : "The scene in three dimensions",
+      model ? pictureWords(model) : "The scene in three dimensions",
     );
     const tools = model?.tools.map(({name}) => ({value: name, text: name})) ?? [];
     setOptions(this.toolPick, tools, this.toolPick.value || (tools[0]?.value ?? ""), "no tool");
@@ -261,7 +268,9 @@ export class App {
     const now = nowS();
     return this.world
       .listed(now)
-      .filter((station) => station.scene === this.scene && (station.holdsTool || station.isMoving(now)));
+      .filter(
+        (station) => station.scene === this.scene && (station.holdsTool || station.isMoving(now)),
+      );
   }
 
   private toolNow(scene: string, tool: string): ReturnType<ToolNow> {
@@ -584,4 +593,11 @@ function rememberInAddress(name: string, value: string): void {
   const url = new URL(location.href);
   url.searchParams.set(name, value);
   history.replaceState(null, "", url);
+}
+
+function pictureWords(model: SceneModel): string {
+  const tools = model.tools.map(({name}) => name).join(", ");
+  const [first] = model.objects;
+  const objects = model.objects.length === 1 ? first!.name : `${model.objects.length} objects`;
+  return `${model.name} in three dimensions: ${tools} touching ${objects}`;
 }

@@ -34,7 +34,14 @@ export function makeSurface(vertices: Float32Array, triangles: Uint32Array): Sur
     const first = source.length;
     for (let i = begin[v]!; i < begin[v + 1]!; i++) {
       const corner = cornersOf[i]!;
-      averageAcross(faceNormals, weights, cornersOf.subarray(begin[v]!, begin[v + 1]!), corner, crease, normal);
+      averageAcross(
+        faceNormals,
+        weights,
+        cornersOf.subarray(begin[v]!, begin[v + 1]!),
+        corner,
+        crease,
+        normal,
+      );
       let k = first;
       while (k < source.length && !closeTo(normals, k, normal)) k += 1;
       if (k === source.length) {
@@ -110,6 +117,8 @@ function averageAcross(
 
 function closeTo(normals: readonly number[], k: number, normal: readonly number[]): boolean {
   const dot =
-    normals[3 * k]! * normal[0]! + normals[3 * k + 1]! * normal[1]! + normals[3 * k + 2]! * normal[2]!;
+    normals[3 * k]! * normal[0]! +
+    normals[3 * k + 1]! * normal[1]! +
+    normals[3 * k + 2]! * normal[2]!;
   return dot > 0.9995;
 }
