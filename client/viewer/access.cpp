@@ -40,7 +40,8 @@ bool MayAttach(std::string_view origin, std::string_view host, bool loopback_onl
   const std::size_t scheme = from.find("://");
   if (scheme == std::string::npos) return false;
   const std::string authority = from.substr(scheme + 3);
-  return authority == Lower(host) && (!loopback_only || IsAddressOrLocalhost(HostOnly(authority)));
+  return !authority.empty() && authority == Lower(host) &&
+         (!loopback_only || IsAddressOrLocalhost(HostOnly(authority)));
 }
 
 }  // namespace palpate

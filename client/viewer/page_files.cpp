@@ -123,7 +123,7 @@ std::string PageIsNotBuilt(const fs::path& folder) {
          "can attach. The page itself was looked for in</p><pre>" +
          folder.string() +
          "</pre><p>Build it from the repository's root, and load this page again:</p>"
-         "<pre>deploy/setup\nnpm --prefix client/viewer/page run build</pre>"
+         "<pre>deploy/setup\ncmake --build --preset release --target page</pre>"
          "<p>or name the folder of a built one with <code>palpate-viewer --page FOLDER</code>.</p>"
          "</body></html>\n";
 }

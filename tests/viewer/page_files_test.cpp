@@ -106,7 +106,7 @@ TEST_F(PageFilesTest, GivesNothingFromOutsideItsFolderForAnyTarget) {
 
 TEST(PageIsNotBuilt, SaysHowToBuildIt) {
   EXPECT_THAT(PageIsNotBuilt("/x/page"), testing::HasSubstr("/x/page"));
-  EXPECT_THAT(PageIsNotBuilt("/x/page"), testing::HasSubstr("npm"));
+  EXPECT_THAT(PageIsNotBuilt("/x/page"), testing::HasSubstr("--target page"));
 }
 
 }  // namespace
