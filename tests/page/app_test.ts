@@ -205,6 +205,18 @@ test("scenes are chosen, and remembered in the address", async () => {
   await eventually("the force again", async () => (await text("#force")) === "1.00");
 });
 
+test("who has chosen nothing sees the scene in which a tool moves", async () => {
+  page = await open();
+  const idle = await until(page, "a scene", ({scene}) => scene !== "");
+  expect(idle.scene).toBe("test-box"); // the first one
+  const pose = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
+  const state = {station: "hand", scene: "wearing", tool: "ball", haptic: pose, graphic: pose};
+  moving = setInterval(() => {
+    gateway.send("/palpate/tool_state", toolState({...state, sequence: (sequence += 33)}));
+  }, 33);
+  await until(page, "the other scene", ({scene}) => scene === "wearing");
+});
+
 test("the loop's figures and who drives what are told in words", async () => {
   press(1);
   page = await open();
