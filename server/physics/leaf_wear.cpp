@@ -23,6 +23,7 @@ LeafWear::LeafWear(const ObjectForest& objects) {
 }
 
 bool LeafWear::Scrape(int leaf, double work) noexcept {
+  if (static_cast<std::size_t>(leaf) >= left_.size()) return false;
   double& left = left_[static_cast<std::size_t>(leaf)];
   left -= work;
   return left <= 0.0 && Remove(leaf);

@@ -3,7 +3,14 @@ import {afterAll, afterEach, beforeAll, beforeEach, expect} from "vitest";
 
 import type {Browser, Page} from "playwright-core";
 
-import {kChannels, FakeGateway, loopStatistics, sceneChange, sessionState, toolState} from "./support/fake_gateway";
+import {
+  kChannels,
+  FakeGateway,
+  loopStatistics,
+  sceneChange,
+  sessionState,
+  toolState,
+} from "./support/fake_gateway";
 import {kHasChromium, launch, until} from "./support/browser";
 import {box, kTestScene, leafPerTriangle, sceneBytes, type TestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
@@ -93,22 +100,32 @@ const eventually = async (what: string, condition: () => Promise<boolean>): Prom
     await new Promise((resolve) => setTimeout(resolve, 50));
   }
 };
-const picture = async (): Promise<string> =>
-  (await page.locator("#view").screenshot()).toString("base64");
+/// What is drawn, without the words above it.
+const picture = async (): Promise<string> => {
+  const style = ".stage > :not(canvas) { visibility: hidden }";
+  return (await page.locator("#view").screenshot({style})).toString("base64");
+};
 
 test("the page shows the force in figures, in words and in the picture", async () => {
   press(0);
   page = await open();
-  await eventually("the tool is free", async () => (await text("#sentence")) === "The tool is free.");
+  await eventually(
+    "the tool is free",
+    async () => (await text("#sentence")) === "The tool is free.",
+  );
   expect(await text("#force")).toBe("0.00");
   const free = await picture();
   press(2);
   await eventually("two newtons", async () => (await text("#force")) === "2.00");
   expect(await text("#depth")).toBe("2.00");
   expect(await text("#contacts")).toBe("1");
-  expect(await text("#sentence")).toBe("Contact, 2.0 newtons, hand 2.0 millimetres past the surface.");
+  expect(await text("#sentence")).toBe(
+    "Contact, 2.0 newtons, hand 2.0 millimetres past the surface.",
+  );
   await eventually("the picture changes", async () => (await picture()) !== free);
-  await eventually("a screen reader is told", async () => (await text("#spoken")).startsWith("Contact"));
+  await eventually("a screen reader is told", async () =>
+    (await text("#spoken")).startsWith("Contact"),
+  );
 });
 
 test("nothing is drawn while nothing changes", async () => {
@@ -116,7 +133,11 @@ test("nothing is drawn while nothing changes", async () => {
   page = await open();
   await until(page, "several frames", ({stations}) => (stations.hand?.frames ?? 0) > 10);
   // The same pose goes on coming; what is drawn from now on would be drawn for nothing.
-  const before = await until(page, "a picture of it", ({stations}) => (stations.hand?.frames ?? 0) > 20);
+  const before = await until(
+    page,
+    "a picture of it",
+    ({stations}) => (stations.hand?.frames ?? 0) > 20,
+  );
   const after = await until(
     page,
     "thirty more frames",
@@ -184,6 +205,18 @@ test("scenes are chosen, and remembered in the address", async () => {
   await eventually("the force again", async () => (await text("#force")) === "1.00");
 });
 
+test("who has chosen nothing sees the scene in which a tool moves", async () => {
+  page = await open();
+  const idle = await until(page, "a scene", ({scene}) => scene !== "");
+  expect(idle.scene).toBe("test-box"); // the first one
+  const pose = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
+  const state = {station: "hand", scene: "wearing", tool: "ball", haptic: pose, graphic: pose};
+  moving = setInterval(() => {
+    gateway.send("/palpate/tool_state", toolState({...state, sequence: (sequence += 33)}));
+  }, 33);
+  await until(page, "the other scene", ({scene}) => scene === "wearing");
+});
+
 test("the loop's figures and who drives what are told in words", async () => {
   press(1);
   page = await open();
@@ -194,7 +227,9 @@ test("the loop's figures and who drives what are told in words", async () => {
     sessionState("late_one", "refused", "test-box", "ball", {reason: "it is driven by 'hand'"}),
   );
   await eventually("the table", async () => /Late\s+4 poses/.test(await text("#loop")));
-  await eventually("the list", async () => /late_one was refused the ball/.test(await text("#who")));
+  await eventually("the list", async () =>
+    /late_one was refused the ball/.test(await text("#who")),
+  );
   expect(await text("#who")).toMatch(/hand drives the ball of test-box/);
 });
 
@@ -260,7 +295,11 @@ test("who holds the tool is said where it is refused", async () => {
 test("a refusal of the gateway is said in its own words", async () => {
   page = await open();
   gateway.onPublish = () =>
-    gateway.send("/palpate/mouse_state", {station: "", phase: "refused", reason: "4 tools are held"});
+    gateway.send("/palpate/mouse_state", {
+      station: "",
+      phase: "refused",
+      reason: "4 tools are held",
+    });
   await page.keyboard.press("m");
   await eventually("the reason", async () => (await text("#hint")) === "4 tools are held");
   expect(await text("#take")).toBe("Take the tool");
@@ -269,18 +308,24 @@ test("a refusal of the gateway is said in its own words", async () => {
 test("a finger moves the tool on a phone", async () => {
   page = await open({viewport: {width: 360, height: 640}, hasTouch: true, isMobile: true});
   gateway.onPublish = ({op}) => {
-    if (op === "take") gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "active", reason: ""});
+    if (op === "take")
+      gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "active", reason: ""});
   };
   await page.locator("#take").tap();
   await until(page, "the tool", ({hold}) => hold === "holding");
   const session = await page.context().newCDPSession(page);
   const touch = (type: "touchStart" | "touchMove" | "touchEnd", y: number): Promise<unknown> =>
-    session.send("Input.dispatchTouchEvent", {type, touchPoints: type === "touchEnd" ? [] : [{x: 180, y}]});
+    session.send("Input.dispatchTouchEvent", {
+      type,
+      touchPoints: type === "touchEnd" ? [] : [{x: 180, y}],
+    });
   await touch("touchStart", 200);
   for (let y = 205; y <= 240; y += 5) await touch("touchMove", y);
   await touch("touchEnd", 0);
   await eventually("a lower pose", async () => {
-    const last = gateway.published.filter(({op}) => op === "pose").at(-1)?.p as number[] | undefined;
+    const last = gateway.published.filter(({op}) => op === "pose").at(-1)?.p as
+      | number[]
+      | undefined;
     return (last?.[1] ?? 1) < 0.055;
   });
 });
@@ -316,12 +361,18 @@ test("every control has a name, and every key in the help does something", async
   const nameless = await page.evaluate(() =>
     [...document.querySelectorAll<HTMLElement>("button, select, input")]
       .filter((control) => {
-        const label = control.closest("label") ?? document.querySelector(`label[for="${control.id}"]`);
-        return !(control.getAttribute("aria-label") ?? control.textContent ?? "").trim() && !label?.textContent?.trim();
+        const label =
+          control.closest("label") ?? document.querySelector(`label[for="${control.id}"]`);
+        return (
+          !(control.getAttribute("aria-label") ?? control.textContent ?? "").trim() &&
+          !label?.textContent?.trim()
+        );
       })
       .map(({id}) => id),
   );
   expect(nameless).toEqual([]);
+  // Figures that change ten times a second are not to be read out each time.
+  expect(await page.locator("output:not([aria-live=off])").count()).toBe(1); // the slider's
   await page.keyboard.press("?");
   expect(await page.locator("#help-dialog").isVisible()).toBe(true);
   await page.keyboard.press("Escape");

@@ -11,7 +11,7 @@ import {kHasChromium, launch, probe, until} from "./support/browser";
 import {Program} from "./support/programs";
 import {browserTest as test} from "./support/skip";
 
-// A pair of domains that no other test takes: those of the others are 10 to 34, 40 to 99 and 102 up.
+// Domains that no other test takes: those of the others are 10 to 34, 40 to 99 and 102 up.
 const kDomain = String(35 + (process.pid % 5));
 const kPage = fileURLToPath(new URL("../../build/page", import.meta.url));
 const kCommon = ["--transport", "udp", "--domain", kDomain];
@@ -30,7 +30,13 @@ const startGateway = async (port: string): Promise<void> => {
 beforeAll(async () => {
   if (!kHasChromium) return;
   browser = await launch();
-  server = new Program("palpate-server", ["--scene", "bunny-bunny", "--realtime", "off", ...kCommon]);
+  server = new Program("palpate-server", [
+    "--scene",
+    "bunny-bunny",
+    "--realtime",
+    "off",
+    ...kCommon,
+  ]);
   await server.says(/^ready/m, 120_000);
   await startGateway("0");
 });
@@ -64,7 +70,12 @@ describe("while a simulated hand feels the bunny", () => {
 
   test("the page shows the scene and a moving tool, and says how it goes", async () => {
     const page = await open();
-    const first = await until(page, "the hand", ({stations}) => stations.hand !== undefined, 60_000);
+    const first = await until(
+      page,
+      "the hand",
+      ({stations}) => stations.hand !== undefined,
+      60_000,
+    );
     console.log(`first picture after ${first.firstPictureMs!.toFixed(0)} ms`);
     const before = await page.locator("#view").screenshot();
     const moved = await until(
@@ -83,7 +94,10 @@ describe("while a simulated hand feels the bunny", () => {
       {timeout: 60_000},
     );
     await page.waitForFunction(
-      () => /hand drives the bunny of bunny-bunny/.test(document.getElementById("who")!.textContent ?? ""),
+      () =>
+        /hand drives the bunny of bunny-bunny/.test(
+          document.getElementById("who")!.textContent ?? "",
+        ),
       null,
       {timeout: 60_000},
     );
@@ -100,7 +114,7 @@ describe("while a simulated hand feels the bunny", () => {
     for (const sequence of both) expect(second.get(sequence)).toBe(first.get(sequence));
   });
 
-  test("the page says that the gateway is gone, and goes on by itself once it is back", async () => {
+  test("the page says that the gateway is gone, and goes on once it is back", async () => {
     const page = await open();
     await until(page, "the hand", ({stations}) => stations.hand !== undefined, 60_000);
     const port = new URL(url).port;
@@ -112,7 +126,8 @@ describe("while a simulated hand feels the bunny", () => {
     await until(
       page,
       "frames again",
-      ({link, links, stations}) => link === "open" && links === 2 && stations.hand!.frames > frames + 5,
+      ({link, links, stations}) =>
+        link === "open" && links === 2 && stations.hand!.frames > frames + 5,
       60_000,
     );
     await page.locator("#banner.alarm").waitFor({state: "hidden", timeout: 20_000});
@@ -127,7 +142,8 @@ function watch(): Promise<[number, string][]> {
     const seen = new Map<number, string>();
     const timer = setInterval(() => {
       const {hand} = window.palpate.probe.stations;
-      if (hand) seen.set(hand.poseSequence, JSON.stringify([hand.haptic, hand.graphic, hand.forceN]));
+      if (hand)
+        seen.set(hand.poseSequence, JSON.stringify([hand.haptic, hand.graphic, hand.forceN]));
       if (seen.size < 100) return;
       clearInterval(timer);
       resolve([...seen]);
@@ -183,7 +199,12 @@ test("the mouse presses the bunny, and the page shows the force", async () => {
   );
   // A second one is refused, with who has it.
   const second = await open("?scene=bunny-bunny");
-  await until(second, "the first one's tool", ({stations}) => stations.mouse_1 !== undefined, 60_000);
+  await until(
+    second,
+    "the first one's tool",
+    ({stations}) => stations.mouse_1 !== undefined,
+    60_000,
+  );
   await second.locator("#take").click();
   await second.locator("#hint.alarm").waitFor({timeout: 60_000});
   expect(await second.locator("#hint").innerText()).toMatch(/'mouse_1' holds the bunny/);

@@ -75,6 +75,17 @@ TEST(LeafWear, IsTheDynamicFrictionsWorkWithIt) {
   EXPECT_EQ(bench.state().wear.hardness_left(0), 1.0);  // mu_d = 0: nothing rubs
 }
 
+TEST(LeafWear, TakesNothingFromAStateThatWasMadeWithoutItsModel) {
+  Bench bench({{Vec3::Zero(), 0.005}}, {{Vec3(0.0, 0.0, -1e4), 1e4}}, Removing(), AllOf(1e-9));
+  bench.state() = StepState();
+  bench.state().X_WG = At(0.0, 0.0, 0.0051);
+  for (int i = 1; i <= 20; ++i) {
+    const StepReport report = bench.Step(At(1e-4 * i, 0.0, 0.004));
+    EXPECT_GT(report.contacts, 0);
+    EXPECT_EQ(report.removals, 0);
+  }
+}
+
 TEST(LeafWear, TakesALeafAwayOnceItsHardnessIsSpent) {
   Bench bench({{Vec3::Zero(), 0.005}}, {{Vec3(0.0, 0.0, -1e4), 1e4}}, Removing(), AllOf(0.005));
   bench.state().X_WG = At(0.0, 0.0, 0.0051);

@@ -17,7 +17,10 @@ test("nothing is said while data flow", () => {
 });
 
 test("a lost link is said at once, and told from a first try", () => {
-  expect(linkReport({...kFine, link: "lost"})).toMatchObject({tone: "alarm", text: expect.stringMatching(/lost/)});
+  expect(linkReport({...kFine, link: "lost"})).toMatchObject({
+    tone: "alarm",
+    text: expect.stringMatching(/lost/),
+  });
   expect(linkReport({...kFine, link: "connecting"}).tone).toBe("alarm");
   expect(linkReport({...kFine, link: "connecting", wasOpen: false}).tone).toBe("info");
   expect(linkReport({...kFine, link: "lost", wasOpen: false}).text).toMatch(/does not answer/);
@@ -25,12 +28,17 @@ test("a lost link is said at once, and told from a first try", () => {
 
 test("silence is said after one and a half seconds, with whose it is", () => {
   expect(linkReport({...kFine, lastStateS: 98.6}).tone).toBe("none");
-  expect(linkReport({...kFine, lastStateS: 98.4})).toMatchObject({tone: "alarm", text: expect.stringMatching(/gateway is there/)});
+  expect(linkReport({...kFine, lastStateS: 98.4})).toMatchObject({
+    tone: "alarm",
+    text: expect.stringMatching(/gateway is there/),
+  });
   expect(linkReport({...kFine, lastStateS: 98.4, sessions: 0})).toMatchObject({
     tone: "info",
     text: expect.stringMatching(/No station is moving/),
   });
-  expect(linkReport({...kFine, lastStateS: -Infinity, sessions: 0, scenes: 0}).text).toMatch(/no server/);
+  expect(linkReport({...kFine, lastStateS: -Infinity, sessions: 0, scenes: 0}).text).toMatch(
+    /no server/,
+  );
 });
 
 test("a link that has just been opened is given time", () => {

@@ -59,7 +59,9 @@ describe("a track", () => {
 describe("a stream's clock", () => {
   test("takes out what frames were late by", () => {
     const clock = new StreamClock();
-    const local = [0, 1, 2, 3].map((i) => clock.toLocal(500 + i / 30, 10 + i / 30 + [0, 0.02, 0.005, 0.03][i]!));
+    const local = [0, 1, 2, 3].map((i) =>
+      clock.toLocal(500 + i / 30, 10 + i / 30 + [0, 0.02, 0.005, 0.03][i]!),
+    );
     for (let i = 1; i < 4; i++) expect(local[i]! - local[i - 1]!).toBeCloseTo(1 / 30, 2);
   });
 

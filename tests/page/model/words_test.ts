@@ -7,8 +7,14 @@ describe("the sentence for who does not see", () => {
   test("says that nothing moves, that the tool is free, and how hard it presses", () => {
     expect(statusSentence(undefined)).toBe("No tool is moving.");
     expect(statusSentence(toToolState({}))).toBe("The tool is free.");
-    const pressed = toToolState({contacts: 2, force_N: [0, 1.2, 0], haptic_position_m: [0, -0.0012, 0]});
-    expect(statusSentence(pressed)).toBe("Contact, 1.2 newtons, hand 1.2 millimetres past the surface.");
+    const pressed = toToolState({
+      contacts: 2,
+      force_N: [0, 1.2, 0],
+      haptic_position_m: [0, -0.0012, 0],
+    });
+    expect(statusSentence(pressed)).toBe(
+      "Contact, 1.2 newtons, hand 1.2 millimetres past the surface.",
+    );
   });
 });
 
@@ -40,7 +46,14 @@ describe("the loop's lines", () => {
   });
 
   test("name what is wrong", () => {
-    const bad = lines({rate_hz: 700, late: 40n, lost: 1n, rejected_speed: 3n, faults: 2, faulted_steps: 5n});
+    const bad = lines({
+      rate_hz: 700,
+      late: 40n,
+      lost: 1n,
+      rejected_speed: 3n,
+      faults: 2,
+      faulted_steps: 5n,
+    });
     expect(bad.Rate?.tone).toBe("bad");
     expect(bad.Late).toMatchObject({value: "40 poses", tone: "bad"});
     expect(bad.Lost).toMatchObject({value: "1 pose", tone: "bad"});

@@ -62,11 +62,23 @@ test("sessions are forgotten with the link, stations are not", () => {
   expect(world.stations.get("hand")!.track.latest?.poseSequence).toBe(1);
 });
 
-test("a server's new run makes a scraped scene whole", () => {
-  const world = new World(() => {});
-  const change = {scene: "cube", change: 1n, server_run: 1n, object_index: 0, leaf: 4, triangles: 1, triangle: [9]};
+test("a server's new run makes a scraped scene whole, and worth another look", () => {
+  const runs: string[] = [];
+  const world = new World((change, scene) => {
+    if (change === "serverRun") runs.push(scene);
+  });
+  const change = {
+    scene: "cube",
+    change: 1n,
+    server_run: 1n,
+    object_index: 0,
+    leaf: 4,
+    triangles: 1,
+    triangle: [9],
+  };
   world.receive(kTopics.sceneChange, change, 0, 0);
-  expect(world.scenes.get("cube")!.leavesGone).toBe(1);
+  expect(world.scenes.get("cube")!.leavesOf(0).size).toBe(1);
   world.receive(kTopics.sessionState, session("hand", 2, {server_run: 2n}), 0, 0);
-  expect(world.scenes.get("cube")!.leavesGone).toBe(0);
+  expect(world.scenes.get("cube")!.leavesOf(0).size).toBe(0);
+  expect(runs).toEqual(["cube"]);
 });

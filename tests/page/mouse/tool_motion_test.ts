@@ -4,7 +4,12 @@ import {add, norm, type Pose, rotate, subtract, type Vec3} from "@page/model/pos
 import {leash, push, roll, slide, turn, type ViewFrame} from "@page/mouse/tool_motion";
 
 /// An eye on +z that looks at the origin: 1 mm a pixel.
-const kView: ViewFrame = {right: [1, 0, 0], up: [0, 1, 0], forward: [0, 0, -1], metresPerPixel: 0.001};
+const kView: ViewFrame = {
+  right: [1, 0, 0],
+  up: [0, 1, 0],
+  forward: [0, 0, -1],
+  metresPerPixel: 0.001,
+};
 const kPose: Pose = {p: [0.1, 0.2, 0.3], q: [1, 0, 0, 0]};
 const kCentroid: Vec3 = [0.01, -0.02, 0.03];
 const centre = (pose: Pose): Vec3 => add(pose.p, rotate(pose.q, kCentroid));

@@ -107,7 +107,7 @@ describe("a connection", () => {
     expect(statuses[0]).toMatch(/could not be read/);
   });
 
-  test("comes back by itself, waits longer each time but two seconds at most, and subscribes again", () => {
+  test("comes back by itself, after two seconds at most, and subscribes again", () => {
     const {connection, sockets, links, fire} = rig();
     connection.start();
     sockets[0]!.open();
@@ -136,7 +136,7 @@ describe("a connection", () => {
     expect(links).toEqual(["connecting", "lost"]);
   });
 
-  test("publishes once the gateway takes messages, and advertises its channel once a socket", () => {
+  test("publishes once the gateway takes messages, and advertises once a socket", () => {
     const {connection, sockets} = rig();
     connection.start();
     const socket = sockets[0]!;

@@ -5,12 +5,26 @@ import {MessageWriter} from "@foxglove/omgidl-serialization";
 import {expect, test} from "vitest";
 
 import {makeDecoder} from "@page/protocol/decoder";
-import {toLoopStatistics, toMouseState, toSceneChange, toSessionState, toToolState} from "@page/protocol/messages";
+import {
+  toLoopStatistics,
+  toMouseState,
+  toSceneChange,
+  toSessionState,
+  toToolState,
+} from "@page/protocol/messages";
 
-import {encode, kChannels, loopStatistics, sceneChange, sessionState, toolState} from "../support/fake_gateway";
+import {
+  encode,
+  kChannels,
+  loopStatistics,
+  sceneChange,
+  sessionState,
+  toolState,
+} from "../support/fake_gateway";
 
 const channel = (topic: string) => kChannels.find((candidate) => candidate.topic === topic)!;
-const through = (topic: string, value: object): unknown => makeDecoder(channel(topic))!(encode(topic, value));
+const through = (topic: string, value: object): unknown =>
+  makeDecoder(channel(topic))!(encode(topic, value));
 
 test("a tool's state comes out as it went in", () => {
   const state = toToolState(
@@ -45,14 +59,19 @@ test("a tool's state comes out as it went in", () => {
 
 test("sessions, statistics and changes come out as they went in", () => {
   const session = toSessionState(
-    through("/palpate/session_state", sessionState("hand", "refused", "cube", "ball", {reason: "taken"})),
+    through(
+      "/palpate/session_state",
+      sessionState("hand", "refused", "cube", "ball", {reason: "taken"}),
+    ),
   );
   expect(session).toMatchObject({station: "hand", phase: "refused", reason: "taken"});
   const statistics = toLoopStatistics(
     through("/palpate/loop_statistics", loopStatistics("hand", "cube", {late: 3n})),
   );
   expect(statistics).toMatchObject({rateHz: 1000, late: 3, stepUs: {p50: 9.1, p999: 22.8}});
-  const change = toSceneChange(through("/palpate/scene_change", sceneChange("calculus", 2, 1, 40, [5, 6, 7])));
+  const change = toSceneChange(
+    through("/palpate/scene_change", sceneChange("calculus", 2, 1, 40, [5, 6, 7])),
+  );
   expect(change).toMatchObject({change: 2, objectIndex: 1, leaf: 40, triangles: [5, 6, 7]});
 });
 
@@ -65,17 +84,27 @@ test("fields that a newer server adds are no obstacle", () => {
   const writer = new MessageWriter("palpate::LoopStatistics", parseIDL(idl));
   const bytes = writer.writeMessage({...loopStatistics("hand", "cube"), colour: "red"});
   const newer = {...channel("/palpate/loop_statistics"), schema: idl};
-  expect(toLoopStatistics(makeDecoder(newer)!(bytes))).toMatchObject({station: "hand", rateHz: 1000});
+  expect(toLoopStatistics(makeDecoder(newer)!(bytes))).toMatchObject({
+    station: "hand",
+    rateHz: 1000,
+  });
 });
 
 test("fields that an older server lacks are zero or empty", () => {
-  expect(toToolState({station: "hand"})).toMatchObject({contacts: 0, points: [], forceN: [0, 0, 0]});
+  expect(toToolState({station: "hand"})).toMatchObject({
+    contacts: 0,
+    points: [],
+    forceN: [0, 0, 0],
+  });
   expect(toToolState(undefined).graphic).toEqual({p: [0, 0, 0], q: [1, 0, 0, 0]});
 });
 
 test("the mouse's phase is understood with and without its prefix", () => {
   expect(toMouseState({phase: "SESSION_ACTIVE"}).phase).toBe("active");
-  expect(toMouseState({phase: "refused", reason: "taken"})).toMatchObject({phase: "refused", reason: "taken"});
+  expect(toMouseState({phase: "refused", reason: "taken"})).toMatchObject({
+    phase: "refused",
+    reason: "taken",
+  });
   expect(toMouseState({phase: "sleeping"}).phase).toBe("");
 });
 

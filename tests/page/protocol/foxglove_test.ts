@@ -12,7 +12,9 @@ test("a data message is taken apart as the protocol lays it out", () => {
 });
 
 test("other and cut binary messages are none", () => {
-  expect(parseBinary(Uint8Array.from([2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]).buffer)).toBeUndefined();
+  expect(
+    parseBinary(Uint8Array.from([2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]).buffer),
+  ).toBeUndefined();
   expect(parseBinary(Uint8Array.from([1, 2, 3]).buffer)).toBeUndefined();
   expect(parseBinary(new ArrayBuffer(0))).toBeUndefined();
 });
@@ -25,7 +27,10 @@ test("what the page sends begins with opcode and channel", () => {
 
 test("channels are read with what they have, and what is no channel is left out", () => {
   const message = parseText(
-    JSON.stringify({op: "advertise", channels: [{id: 1, topic: "/a", encoding: "cdr"}, "no", {topic: "/b"}]}),
+    JSON.stringify({
+      op: "advertise",
+      channels: [{id: 1, topic: "/a", encoding: "cdr"}, "no", {topic: "/b"}],
+    }),
   );
   expect(message).toEqual({
     op: "advertise",

@@ -38,8 +38,7 @@ export const launch = (): Promise<Browser> =>
     ],
   });
 
-export const probe = (page: Page): Promise<Probe> =>
-  page.evaluate(() => window.palpate.probe);
+export const probe = (page: Page): Promise<Probe> => page.evaluate(() => window.palpate.probe);
 
 /// Resolves once the page's probe is as wanted; the error tells how it was instead.
 export async function until(
@@ -52,7 +51,8 @@ export async function until(
   for (;;) {
     const now = await probe(page);
     if (condition(now)) return now;
-    if (Date.now() > end) throw new Error(`${what}: not so within ${withinMs} ms: ${JSON.stringify(now)}`);
+    if (Date.now() > end)
+      throw new Error(`${what}: not so within ${withinMs} ms: ${JSON.stringify(now)}`);
     await new Promise((resolve) => setTimeout(resolve, 50));
   }
 }

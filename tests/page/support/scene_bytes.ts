@@ -170,10 +170,22 @@ function packGeometry(builder: Builder, body: TestBody): number {
   );
   const lane = (get: (leaf: Leaf) => number): Float32Array =>
     Float32Array.from(lanes, (leaf) => (leaf ? get(leaf) : nan));
-  const nodeX = Geometry.createNodeXVector(builder, lane((leaf) => leaf.centre[0]));
-  const nodeY = Geometry.createNodeYVector(builder, lane((leaf) => leaf.centre[1]));
-  const nodeZ = Geometry.createNodeZVector(builder, lane((leaf) => leaf.centre[2]));
-  const nodeRadius = Geometry.createNodeRadiusVector(builder, lane((leaf) => leaf.radius));
+  const nodeX = Geometry.createNodeXVector(
+    builder,
+    lane((leaf) => leaf.centre[0]),
+  );
+  const nodeY = Geometry.createNodeYVector(
+    builder,
+    lane((leaf) => leaf.centre[1]),
+  );
+  const nodeZ = Geometry.createNodeZVector(
+    builder,
+    lane((leaf) => leaf.centre[2]),
+  );
+  const nodeRadius = Geometry.createNodeRadiusVector(
+    builder,
+    lane((leaf) => leaf.radius),
+  );
   const nodeChild = Geometry.createNodeChildVector(
     builder,
     Int32Array.from(lanes, (leaf, i) => (leaf ? i : -1)),

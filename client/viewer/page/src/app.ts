@@ -1,5 +1,6 @@
 import {norm} from "./model/pose";
 import type {Pose, Vec3} from "./model/pose";
+import type {SceneModel} from "./model/bundle";
 import {type LinkReport, linkReport} from "./model/link_report";
 import {looksTheSame} from "./model/pose_track";
 import {depthM, figure, statusSentence} from "./model/words";
@@ -35,7 +36,10 @@ export interface Probe {
   pictures: number;
   scriptMs: {last: number; mean: number; max: number}; // of a picture, without the card's time
   triangles: number;
-  stations: Record<string, {poseSequence: number; haptic: Pose; graphic: Pose; forceN: Vec3; frames: number}>;
+  stations: Record<
+    string,
+    {poseSequence: number; haptic: Pose; graphic: Pose; forceN: Vec3; frames: number}
+  >;
   hold: string;
 }
 
@@ -75,7 +79,7 @@ export class App {
   private drawn: ToolState[] = [];
   private frameAsked = false;
   private dirty = true;
-  private stale = {who: true, lists: true};
+  private staleWho = true;
   private firstPictureMs: number | undefined;
   private pictures = 0;
   private scriptMs = {last: 0, total: 0, max: 0};
@@ -118,6 +122,8 @@ export class App {
 
     this.listen(theme);
     this.connection.start();
+    // Beside the socket's handshake: the first picture need not wait for it.
+    void this.findScenes();
     window.setInterval(() => this.tick(), kTickMs);
     window.setInterval(() => void this.askScenes(), kAskScenesMs);
   }
@@ -152,7 +158,6 @@ export class App {
       this.links += 1;
       this.openedS = nowS();
       this.world.forgetSessions();
-      // The server may have come back with another scene under the same name.
       if (this.scene !== "") void this.loadScene(this.scene);
       void this.askScenes();
     } else {
@@ -175,14 +180,17 @@ export class App {
         if (scene === this.scene) this.wake();
         break;
       case "sessions":
-        this.stale = {who: true, lists: true};
+        this.staleWho = true;
         break;
       case "scenes":
-        this.stale.lists = true;
         this.chooseScene();
         break;
       case "remains":
         if (scene === this.scene) this.view.updateRemains();
+        break;
+      case "serverRun":
+        // It may serve another scene under the same name.
+        if (scene === this.scene) void this.loadScene(scene);
         break;
       case "statistics":
         break;
@@ -191,17 +199,28 @@ export class App {
 
   // --- scenes and stations ---
 
-  /// The reader's choice where there is it, else the first that somebody told of.
+  /// The reader's choice where there is it, else the first scene, until a tool moves in another.
   private chooseScene(): void {
     const known = this.world.scenes;
-    const wanted = known.has(this.chosenScene) ? this.chosenScene : (this.scene || [...known.keys()][0]);
-    if (wanted === undefined || wanted === this.scene) return;
-    this.scene = wanted;
-    this.drawn = [];
+    const wanted = known.has(this.chosenScene)
+      ? this.chosenScene
+      : this.scene || [...known.keys()][0];
+    if (wanted !== undefined && wanted !== this.scene) this.enterScene(wanted);
+  }
+
+  private goWhereSomethingMoves(): void {
+    if (this.chosenScene !== "" || this.mouse.hold !== "none") return;
+    if (this.listedHere().length > 0) return;
+    const now = nowS();
+    const mover = this.world.listed(now).find((station) => station.isMoving(now));
+    if (mover && this.world.scenes.has(mover.scene)) this.enterScene(mover.scene);
+  }
+
+  private enterScene(name: string): void {
+    this.scene = name;
     if (this.mouse.hold !== "none") this.mouse.release();
-    this.stale.lists = true;
     this.showScene();
-    void this.loadScene(wanted);
+    void this.loadScene(name);
   }
 
   private async loadScene(name: string): Promise<void> {
@@ -232,9 +251,7 @@ export class App {
     document.title = this.scene === "" ? "Palpate" : `${this.scene} · Palpate`;
     this.canvas.setAttribute(
       "aria-label",
-      model
-        ? `${model.name} in three dimensions: ${model.tools.map(({name}) => name).join(", ")} touching ${model.objects.length === 1 ? model.objects[0]!.name : `${model.objects.length} objects`}`
-        : "The scene in three dimensions",
+      model ? pictureWords(model) : "The scene in three dimensions",
     );
     const tools = model?.tools.map(({name}) => ({value: name, text: name})) ?? [];
     setOptions(this.toolPick, tools, this.toolPick.value || (tools[0]?.value ?? ""), "no tool");
@@ -261,7 +278,9 @@ export class App {
     const now = nowS();
     return this.world
       .listed(now)
-      .filter((station) => station.scene === this.scene && (station.holdsTool || station.isMoving(now)));
+      .filter(
+        (station) => station.scene === this.scene && (station.holdsTool || station.isMoving(now)),
+      );
   }
 
   private toolNow(scene: string, tool: string): ReturnType<ToolNow> {
@@ -335,6 +354,7 @@ export class App {
   // --- figures and words ---
 
   private tick(): void {
+    this.goWhereSomethingMoves();
     const now = nowS();
     const station = this.station;
     const state = station?.isMoving(now) ? station.track.latest : undefined;
@@ -349,8 +369,8 @@ export class App {
     this.announcer.offer(report.tone === "alarm" ? report.text : sentence, performance.now());
     this.plots.update(station, now);
     this.tables.updateLoop(station);
-    if (this.stale.who) {
-      this.stale.who = false;
+    if (this.staleWho) {
+      this.staleWho = false;
       this.tables.updateWho(this.world.listed(now), this.mouse.station);
     }
     this.showLists(station);
@@ -395,10 +415,17 @@ export class App {
   private async askScenes(): Promise<void> {
     if (this.link !== "open") return;
     const askedS = nowS();
-    const names = await fetchSceneNames(kAnswerWithinMs);
-    for (const name of names ?? []) this.world.addScene(name);
+    const answered = await this.findScenes();
     const isSilent = this.world.lastStateS < askedS && this.openedS < askedS;
-    if (names === undefined && isSilent) this.connection.restart();
+    if (!answered && isSilent) this.connection.restart();
+  }
+
+  private async findScenes(): Promise<boolean> {
+    const names = await fetchSceneNames(kAnswerWithinMs);
+    // The reader's choice first, so that no other is loaded on the way to it.
+    const chosen = names?.filter((name) => name === this.chosenScene) ?? [];
+    for (const name of [...chosen, ...(names ?? [])]) this.world.addScene(name);
+    return names !== undefined;
   }
 
   private showHint(text: string, alarm: boolean): void {
@@ -424,7 +451,7 @@ export class App {
       ? "Drag to move, two fingers to push, pull and turn."
       : "Drag to move, wheel to push and pull, Shift-drag to turn, Esc to give it back.";
     this.showHint(message !== "" ? message : holding ? help : "", message !== "" && !holding);
-    this.stale.who = true;
+    this.staleWho = true;
     if (holding) this.canvas.focus({preventScroll: true});
   }
 
@@ -439,6 +466,7 @@ export class App {
       this.showHint(`'${holder.id}' holds the ${tool}. It is free once that station ends.`, true);
       return;
     }
+    this.chosenScene = this.scene; // and stays there when the tool is given back
     this.chosenStation = "";
     this.mouse.take(this.scene, tool);
   }
@@ -584,4 +612,11 @@ function rememberInAddress(name: string, value: string): void {
   const url = new URL(location.href);
   url.searchParams.set(name, value);
   history.replaceState(null, "", url);
+}
+
+function pictureWords(model: SceneModel): string {
+  const tools = model.tools.map(({name}) => name).join(", ");
+  const [first] = model.objects;
+  const objects = model.objects.length === 1 ? first!.name : `${model.objects.length} objects`;
+  return `${model.name} in three dimensions: ${tools} touching ${objects}`;
 }

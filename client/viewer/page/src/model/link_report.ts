@@ -33,7 +33,9 @@ export function linkReport(facts: LinkFacts): LinkReport {
   if (facts.sessions > 0) {
     return {
       tone: "alarm",
-      text: `No data for ${Math.floor(facts.nowS - since)} s: the gateway is there, the server or its station is silent.`,
+      text:
+        `No data for ${Math.floor(facts.nowS - since)} s: the gateway is there, ` +
+        "the server or its station is silent.",
     };
   }
   return facts.scenes === 0

@@ -1,8 +1,8 @@
 import type {ToolState} from "../protocol/messages";
 import {mixPose, mixVec3} from "./pose";
 
-/// How far behind the newest frame the picture is [s]: one and a half frames of 30 Hz, so that there
-/// is nearly always a frame on either side to interpolate between.
+/// How far behind the newest frame the picture is [s]: one and a half frames of 30 Hz, so that
+/// there is nearly always a frame on either side to interpolate between.
 export const kDelayS = 0.05;
 /// Frames that are older than this are forgotten [s].
 const kKeepS = 1;
@@ -21,7 +21,8 @@ export class StreamClock {
   private lastArrivalS = 0;
   private lateSinceS: number | undefined;
 
-  /// Our time at which a frame stamped `stampS` and received at `arrivalS` is taken to have been sent.
+  /// Our time at which a frame stamped `stampS` and received at `arrivalS` was sent, so far as one
+  /// can tell.
   toLocal(stampS: number, arrivalS: number): number {
     const offset = arrivalS - stampS;
     const late = offset - (this.offset ?? offset);

@@ -31,11 +31,6 @@ export class Remains {
   leavesOf(object: number): ReadonlySet<number> {
     return this.leaves.get(object) ?? new Set();
   }
-  get leavesGone(): number {
-    let count = 0;
-    for (const leaves of this.leaves.values()) count += leaves.size;
-    return count;
-  }
 
   private reset(): void {
     this.triangles.clear();

@@ -9,6 +9,7 @@ export interface Surface {
 
 /// Faces that meet at more than this are an edge.
 const kCreaseDeg = 40;
+const kAll = -2; // less than any cosine
 
 export function makeSurface(vertices: Float32Array, triangles: Uint32Array): Surface {
   const corners = triangles.length;
@@ -29,19 +30,29 @@ export function makeSurface(vertices: Float32Array, triangles: Uint32Array): Sur
   const source: number[] = [];
   const index = new Uint32Array(corners);
   const crease = Math.cos((kCreaseDeg * Math.PI) / 180);
+  const surelySmooth = Math.cos((kCreaseDeg * Math.PI) / 360);
   const normal: [number, number, number] = [0, 0, 0];
+  const add = (v: number): void => {
+    source.push(v);
+    positions.push(vertices[3 * v]!, vertices[3 * v + 1]!, vertices[3 * v + 2]!);
+    normals.push(normal[0], normal[1], normal[2]);
+  };
   for (let v = 0; v + 1 < begin.length; v++) {
     const first = source.length;
-    for (let i = begin[v]!; i < begin[v + 1]!; i++) {
-      const corner = cornersOf[i]!;
-      averageAcross(faceNormals, weights, cornersOf.subarray(begin[v]!, begin[v + 1]!), corner, crease, normal);
+    const around = cornersOf.subarray(begin[v]!, begin[v + 1]!);
+    if (around.length === 0) continue;
+    // Most vertices: all faces lie within half the angle of their mean, so no two make an edge.
+    average(faceNormals, weights, around, kAll, around[0]!, normal);
+    if (allWithin(faceNormals, around, normal, surelySmooth)) {
+      for (const corner of around) index[corner] = first;
+      add(v);
+      continue;
+    }
+    for (const corner of around) {
+      average(faceNormals, weights, around, crease, corner, normal);
       let k = first;
       while (k < source.length && !closeTo(normals, k, normal)) k += 1;
-      if (k === source.length) {
-        source.push(v);
-        positions.push(vertices[3 * v]!, vertices[3 * v + 1]!, vertices[3 * v + 2]!);
-        normals.push(...normal);
-      }
+      if (k === source.length) add(v);
       index[corner] = k;
     }
   }
@@ -53,6 +64,7 @@ export function makeSurface(vertices: Float32Array, triangles: Uint32Array): Sur
   };
 }
 
+/// Face normals and corner angles of the triangle whose first corner is t.
 function measure(
   vertices: Float32Array,
   triangles: Uint32Array,
@@ -60,56 +72,89 @@ function measure(
   faceNormals: Float32Array,
   weights: Float32Array,
 ): void {
-  const at = (corner: number, axis: number): number => vertices[3 * triangles[t + corner]! + axis]!;
-  const side = (from: number, to: number): [number, number, number] => [
-    at(to, 0) - at(from, 0),
-    at(to, 1) - at(from, 1),
-    at(to, 2) - at(from, 2),
-  ];
-  const u = side(0, 1);
-  const v = side(0, 2);
-  const w = side(1, 2);
-  const n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-  const length = Math.hypot(n[0]!, n[1]!, n[2]!);
-  if (length > 0) for (let axis = 0; axis < 3; axis++) faceNormals[t + axis] = n[axis]! / length;
-  const dot = (a: readonly number[], b: readonly number[]): number =>
-    a[0]! * b[0]! + a[1]! * b[1]! + a[2]! * b[2]!;
-  weights[t] = Math.atan2(length, dot(u, v));
-  weights[t + 1] = Math.atan2(length, -dot(u, w));
-  weights[t + 2] = Math.atan2(length, dot(v, w));
+  const a = 3 * triangles[t]!;
+  const b = 3 * triangles[t + 1]!;
+  const c = 3 * triangles[t + 2]!;
+  const ux = vertices[b]! - vertices[a]!;
+  const uy = vertices[b + 1]! - vertices[a + 1]!;
+  const uz = vertices[b + 2]! - vertices[a + 2]!;
+  const vx = vertices[c]! - vertices[a]!;
+  const vy = vertices[c + 1]! - vertices[a + 1]!;
+  const vz = vertices[c + 2]! - vertices[a + 2]!;
+  const x = uy * vz - uz * vy;
+  const y = uz * vx - ux * vz;
+  const z = ux * vy - uy * vx;
+  const length = Math.sqrt(x * x + y * y + z * z);
+  if (length > 0) {
+    faceNormals[t] = x / length;
+    faceNormals[t + 1] = y / length;
+    faceNormals[t + 2] = z / length;
+  }
+  const uv = ux * vx + uy * vy + uz * vz;
+  const uu = ux * ux + uy * uy + uz * uz;
+  const vv = vx * vx + vy * vy + vz * vz;
+  weights[t] = Math.atan2(length, uv);
+  weights[t + 1] = Math.atan2(length, uu - uv);
+  weights[t + 2] = Math.atan2(length, vv - uv);
 }
 
-/// Mean of the faces around a vertex that make no edge with the corner's own.
-function averageAcross(
+/// Mean of the faces around a vertex whose cosine with the corner's own is at least `cosine`,
+/// weighted by their angles there.
+function average(
   faceNormals: Float32Array,
   weights: Float32Array,
   around: Uint32Array,
+  cosine: number,
   corner: number,
-  crease: number,
   out: [number, number, number],
 ): void {
   const own = corner - (corner % 3);
-  const [nx, ny, nz] = [faceNormals[own]!, faceNormals[own + 1]!, faceNormals[own + 2]!];
+  const nx = faceNormals[own]!;
+  const ny = faceNormals[own + 1]!;
+  const nz = faceNormals[own + 2]!;
   let x = 0;
   let y = 0;
   let z = 0;
   for (const other of around) {
     const t = other - (other % 3);
-    const [ox, oy, oz] = [faceNormals[t]!, faceNormals[t + 1]!, faceNormals[t + 2]!];
-    if (nx * ox + ny * oy + nz * oz < crease) continue;
+    const ox = faceNormals[t]!;
+    const oy = faceNormals[t + 1]!;
+    const oz = faceNormals[t + 2]!;
+    if (nx * ox + ny * oy + nz * oz < cosine) continue;
     const weight = weights[other]!;
     x += weight * ox;
     y += weight * oy;
     z += weight * oz;
   }
-  const length = Math.hypot(x, y, z) || 1;
+  const length = Math.sqrt(x * x + y * y + z * z) || 1;
   out[0] = x / length;
   out[1] = y / length;
   out[2] = z / length;
 }
 
-function closeTo(normals: readonly number[], k: number, normal: readonly number[]): boolean {
+function allWithin(
+  faceNormals: Float32Array,
+  around: Uint32Array,
+  normal: readonly [number, number, number],
+  cosine: number,
+): boolean {
+  for (const corner of around) {
+    const t = corner - (corner % 3);
+    const along =
+      normal[0] * faceNormals[t]! +
+      normal[1] * faceNormals[t + 1]! +
+      normal[2] * faceNormals[t + 2]!;
+    if (along < cosine) return false;
+  }
+  return true;
+}
+
+function closeTo(
+  normals: readonly number[],
+  k: number,
+  normal: readonly [number, number, number],
+): boolean {
   const dot =
-    normals[3 * k]! * normal[0]! + normals[3 * k + 1]! * normal[1]! + normals[3 * k + 2]! * normal[2]!;
+    normals[3 * k]! * normal[0] + normals[3 * k + 1]! * normal[1] + normals[3 * k + 2]! * normal[2];
   return dot > 0.9995;
 }

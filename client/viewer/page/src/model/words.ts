@@ -24,7 +24,8 @@ export function statusSentence(state: ToolState | undefined): string {
   if (state.contacts === 0) return "The tool is free.";
   const force = norm(state.forceN);
   const depth = 1000 * depthM(state);
-  return `Contact, ${figure(force, 1)} newtons, hand ${figure(depth, 1)} millimetres past the surface.`;
+  const pressed = `hand ${figure(depth, 1)} millimetres past the surface`;
+  return `Contact, ${figure(force, 1)} newtons, ${pressed}.`;
 }
 
 /// common/step_fault.h, with what it means to who holds the tool.
@@ -78,7 +79,12 @@ export function statisticsLines(statistics: LoopStatistics): Line[] {
       label: "Late",
       value: plural(statistics.late, "pose"),
       remark: statistics.late === 0 ? "all came in time" : "came too late",
-      tone: statistics.late === 0 ? "good" : statistics.late > 0.01 * statistics.steps ? "bad" : "plain",
+      tone:
+        statistics.late === 0
+          ? "good"
+          : statistics.late > 0.01 * statistics.steps
+            ? "bad"
+            : "plain",
     },
     {
       label: "Lost",

@@ -75,7 +75,7 @@ export class Station {
 }
 
 /// What changed, so that only that is drawn anew.
-export type Change = "tool" | "sessions" | "statistics" | "scenes" | "remains";
+export type Change = "tool" | "sessions" | "statistics" | "scenes" | "remains" | "serverRun";
 
 /// Everything that the gateway has told.  Knows no socket and no screen.
 export class World {
@@ -126,7 +126,8 @@ export class World {
     const listed = [...this.stations.values()].filter(
       (station) => station.holdsTool || station.isMoving(nowS) || station.session !== undefined,
     );
-    const rank = (station: Station): number => (station.holdsTool || station.isMoving(nowS) ? 0 : 1);
+    const rank = (station: Station): number =>
+      station.holdsTool || station.isMoving(nowS) ? 0 : 1;
     return listed.sort((a, b) => rank(a) - rank(b) || a.id.localeCompare(b.id));
   }
 
@@ -161,7 +162,10 @@ export class World {
     if (session.phase !== "refused") {
       this.addScene(session.scene);
       const remains = this.scenes.get(session.scene);
-      if (remains?.startRun(session.serverRun)) this.changed("remains", session.scene);
+      if (remains?.startRun(session.serverRun)) {
+        this.changed("remains", session.scene);
+        this.changed("serverRun", session.scene);
+      }
     }
     this.changed("sessions", session.scene);
   }

@@ -25,8 +25,8 @@ const kOpenWithinMs = 3000;
 export const retryMs = (attempt: number): number =>
   Math.min(kLastRetryMs, kFirstRetryMs * 2 ** attempt);
 
-/// A WebSocket to the gateway that comes back by itself.  Subscribes to the topics that it was asked
-/// for as soon as, and each time that, the gateway advertises them.
+/// A WebSocket to the gateway that comes back by itself.  Subscribes to the topics that it was
+/// asked for as soon as, and each time that, the gateway advertises them.
 export class Connection {
   private socket: WebSocket | undefined;
   private attempt = 0;

@@ -64,13 +64,6 @@ export interface SceneChange {
   readonly triangles: readonly number[];
 }
 
-export interface SceneBundle {
-  readonly scene: string;
-  readonly serverRun: string;
-  readonly hash: string;
-  readonly bundle: Uint8Array;
-}
-
 /// What became of the page's own wish to take a tool.
 export interface MouseState {
   readonly station: string;
@@ -110,10 +103,6 @@ class Fields {
   quat(name: string): Quat {
     const [w = 1, x = 0, y = 0, z = 0] = this.numbers(name);
     return [w, x, y, z];
-  }
-  bytes(name: string): Uint8Array {
-    const value = this.fields[name];
-    return value instanceof Uint8Array ? value : Uint8Array.from(this.numbers(name));
   }
   items(name: string): readonly Fields[] {
     const value = this.fields[name];
@@ -193,19 +182,12 @@ export function toSceneChange(value: unknown): SceneChange {
   };
 }
 
-export function toSceneBundle(value: unknown): SceneBundle {
-  const fields = new Fields(value);
-  return {
-    scene: fields.text("scene"),
-    serverRun: fields.id("server_run"),
-    hash: fields.id("hash"),
-    bundle: fields.bytes("bundle"),
-  };
-}
-
 export function toMouseState(value: unknown): MouseState {
   const fields = new Fields(value);
-  const phase = fields.text("phase").toLowerCase().replace(/^session_/, "");
+  const phase = fields
+    .text("phase")
+    .toLowerCase()
+    .replace(/^session_/, "");
   return {
     station: fields.text("station"),
     phase: kPhases.find((known) => known === phase) ?? "",

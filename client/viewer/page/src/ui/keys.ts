@@ -1,5 +1,5 @@
-/// One key, one thing to do.  Keys that are typed into a control, or belong to the browser, are left
-/// alone.
+/// One key, one thing to do.  Keys that are typed into a control, or belong to the browser, are
+/// left alone.
 export function listenForKeys(actions: Readonly<Record<string, () => void>>): void {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;

@@ -44,6 +44,7 @@ export class Plots {
       title.textContent = kind.title;
       const value = document.createElement("output");
       value.style.color = colour(kind.colour);
+      value.ariaLive = "off"; // the announcer speaks
       header.append(title, value);
       const chart = document.createElement("div");
       chart.className = "chart";
@@ -69,7 +70,8 @@ export class Plots {
   private resize(): void {
     for (const {plot} of this.plots) {
       const {clientWidth: width, clientHeight: height} = plot.root.parentElement!;
-      if (width > 0 && (width !== plot.width || height !== plot.height)) plot.setSize({width, height});
+      if (width > 0 && (width !== plot.width || height !== plot.height))
+        plot.setSize({width, height});
     }
   }
 }

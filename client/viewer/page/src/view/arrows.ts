@@ -22,7 +22,10 @@ const kLongest = 1.1;
 const kWeakestN = 0.01;
 const kUp = new Vector3(0, 1, 0);
 
-function layered(geometry: BufferGeometry, order: number): {mesh: Mesh; material: MeshBasicMaterial} {
+function layered(
+  geometry: BufferGeometry,
+  order: number,
+): {mesh: Mesh; material: MeshBasicMaterial} {
   const material = new MeshBasicMaterial({depthTest: false, depthWrite: false, transparent: true});
   const mesh = new Mesh(geometry, material);
   mesh.renderOrder = order;

@@ -81,7 +81,11 @@ export class Camera {
       this.controls.maxDistance,
     );
     const theta = Math.atan2(offset.x, offset.z) + azimuth;
-    const phi = MathUtils.clamp(Math.acos(offset.y / offset.length()) + polar, 0.05, Math.PI - 0.05);
+    const phi = MathUtils.clamp(
+      Math.acos(offset.y / offset.length()) + polar,
+      0.05,
+      Math.PI - 0.05,
+    );
     offset.setFromSphericalCoords(distance, phi, theta);
     this.eye.position.copy(this.controls.target).add(offset);
     this.controls.update();

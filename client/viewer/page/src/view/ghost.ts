@@ -1,4 +1,12 @@
-import {BufferGeometry, Color, GreaterDepth, Group, LessEqualDepth, Mesh, ShaderMaterial} from "three";
+import {
+  BufferGeometry,
+  Color,
+  GreaterDepth,
+  Group,
+  LessEqualDepth,
+  Mesh,
+  ShaderMaterial,
+} from "three";
 
 const kVertexShader = `
 varying vec3 vNormal;
@@ -79,8 +87,8 @@ export class Ghost {
     const [seen, hidden] = this.materials;
     seen!.uniforms.uRim!.value = 0.8 * t;
     seen!.uniforms.uBody!.value = 0.1 * t;
-    hidden!.uniforms.uRim!.value = 0.3 * t;
-    hidden!.uniforms.uBody!.value = 0.04 * t;
+    hidden!.uniforms.uRim!.value = 0.22 * t;
+    hidden!.uniforms.uBody!.value = 0.02 * t;
   }
 
   dispose(): void {

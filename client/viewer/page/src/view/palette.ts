@@ -39,7 +39,12 @@ export function readPalette(): Palette {
 }
 
 /// A few objects get a colour each; many (teeth) are alike.
-export function objectColour(palette: Palette, tissue: Tissue, index: number, rigid: number): Color {
+export function objectColour(
+  palette: Palette,
+  tissue: Tissue,
+  index: number,
+  rigid: number,
+): Color {
   if (tissue === "wearing") return palette.wearing;
   if (tissue === "soft") {
     // Neighbours of the same tissue differ by a shade.

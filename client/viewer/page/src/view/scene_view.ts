@@ -175,7 +175,8 @@ export class SceneView {
   }
 
   private paintClouds(): void {
-    for (const {cloud, body} of this.clouds) cloud.paint(body.mesh.material.color, this.palette.ink);
+    for (const {cloud, body} of this.clouds)
+      cloud.paint(body.mesh.material.color, this.palette.ink);
   }
 
   private clear(): void {
