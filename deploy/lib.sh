@@ -28,9 +28,11 @@ quietly() {
   return "$status"
 }
 
-# build PRESET TARGET...: configures where needed and builds, with ccache.
+# build PRESET TARGET...: configures where needed and builds, with ccache, which also finds what
+# another checkout of the same sources has compiled.
 build() {
   local preset=$1 log=build/logs/build-$1.log
+  local -x CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
   shift
   if [[ ! -f build/$preset/build.ninja ]]; then
     quietly "configuring $preset" "build/logs/configure-$preset.log" cmake --preset "$preset" ||
