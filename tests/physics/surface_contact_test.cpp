@@ -250,6 +250,34 @@ TEST(SurfaceContact, HoldsAnEdgeThatCrossesAnEdge) {
   EXPECT_NEAR(touch.state.X_WG.p.y(), 2 * edge, 5e-6);
 }
 
+TEST(SurfaceContact, RubsAsCoulombSays) {
+  Scene scene = MakeScene(MakeBody(MakeBox(Vec3::Constant(0.01)), 128),
+                          MakeBody(MakeBox(Vec3(0.2, 0.06, 0.06)), 512));
+  scene.features.friction = FrictionModel::kCoulomb;
+  scene.objects[0].materials = {Material{.static_friction = 0.8, .dynamic_friction = 0.3}};
+  Touch touch(std::move(scene), Vec3(-0.05, 0.0, 0.035001));
+  // 1 N down, and 0.6 N along: less than 0.8 N holds, for as long as it lasts.
+  const Vec3 pressed(-0.05, 0.0, 0.034);
+  StepReport report;
+  for (int i = 0; i < 50; ++i) report = touch.Step({pressed, Quat::Identity()});
+  const Vec3 stuck = report.X_WG.p;
+  for (int i = 0; i < 500; ++i) {
+    const double along = 0.6e-3 * std::min(1.0, 0.01 * i);
+    report = touch.Step({pressed + Vec3(along, 0, 0), Quat::Identity()});
+  }
+  EXPECT_NEAR(report.wrench.force.x(), -0.6, 1e-6);
+  EXPECT_NEAR((report.X_WG.p - stuck).norm(), 0.0, 1e-9);
+  // Drawn along at 0.1 m/s it slides, and the force is mu_d times the normal one.
+  for (int i = 0; i < 600; ++i) {
+    report = touch.Step({pressed + Vec3(0.6e-3 + 1e-4 * i, 0, 0), Quat::Identity()});
+    if (i < 100) continue;
+    const Vec3& f = report.wrench.force;
+    EXPECT_NEAR(-f.x() / f.z(), 0.3, 0.003) << i;
+    EXPECT_NEAR(f.z(), 1.0, 0.01);
+    EXPECT_NEAR(f.y(), 0.0, 1e-6);
+  }
+}
+
 TEST(SurfaceContact, GoesOnWithWideBoundsWhereItHasFallenBehind) {
   Touch touch(MakeScene(MakeBody(MakeBox(Vec3::Constant(0.01)), 128),
                         MakeBody(MakeBox(Vec3(0.06, 0.06, 0.06)), 512)),
