@@ -27,13 +27,13 @@ constexpr double kFindSeconds = 3.0;
 constexpr int kFindAttempts = 2;
 constexpr std::size_t kMostViewers = 2000;
 
-/// On a terminal a line on stderr that the next one takes the place of; elsewhere nothing but each
-/// tenth, for a log.
+/// On a terminal a line on stderr that the next one takes the place of; elsewhere, for a log, only
+/// each tenth second of a measurement.
 void ShowProgress(const std::string& line) {
   static int lines = 0;
   if (isatty(STDERR_FILENO) == 1) {
     std::fprintf(stderr, "\r\033[K%s", line.c_str());
-  } else if (!line.empty() && line.find(" of ") != std::string::npos && lines++ % 10 == 0) {
+  } else if (!line.empty() && line.find(" viewers: ") != std::string::npos && lines++ % 10 == 0) {
     std::fprintf(stderr, "%s\n", line.c_str());
   }
   std::fflush(stderr);

@@ -95,15 +95,17 @@ std::string LimitingResource(const LoadFigures& f, int cores) {
     uses += fmt::format("{}{} {:.2f}", uses.empty() ? "" : ", ", name, use.cpu);
     known += use.cpu;
   }
-  uses += fmt::format(", all else {:.2f}", std::max(0.0, f.machine_busy * cores - known));
+  const double others = std::max(0.0, f.machine_busy * cores - known);
+  uses += fmt::format(", all else {:.2f}", others);
   for (const auto& [name, use] : processes) {
     if (use.busiest_thread < kFullThread) continue;
     return fmt::format("one thread of {} ({}), which fills {:.2f} of its core; cores used: {}",
                        name, use.busiest_name, use.busiest_thread, uses);
   }
   if (f.machine_busy >= kFullMachine) {
-    return fmt::format("the machine's {} cores, {:.0f} % busy; cores used: {}", cores,
-                       100.0 * f.machine_busy, uses);
+    return fmt::format("the machine's {} cores, {:.0f} % busy{}; cores used: {}", cores,
+                       100.0 * f.machine_busy,
+                       others > known ? ", most of it with other programs" : "", uses);
   }
   return fmt::format(
       "no core is full ({:.0f} % busy): threads wait for their turn on {} cores; cores used: {}",
