@@ -1,6 +1,7 @@
 #include "client/load/load.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
@@ -16,7 +17,6 @@
 #include "client/load/capacity_search.h"
 #include "client/load/load_run.h"
 #include "client/load/scene_copies.h"
-#include "client/load/web_viewers.h"
 #include "common/error.h"
 #include "scenes/catalogue.h"
 
@@ -153,8 +153,9 @@ class Load {
     std::optional<LoadFigures> held;
     std::optional<LoadFigures> failed;
     std::string refusal;
+    std::size_t refused = SIZE_MAX;
     const Capacity capacity = FindCapacity(most, kFindAttempts, [&](std::size_t n) {
-      if (stop_.stopped()) return false;
+      if (stop_.stopped() || n >= refused) return false;
       const auto [stations, viewers] = of(n);
       try {
         const auto figures = Run({stations, viewers, std::min(options_.seconds, kFindSeconds)});
@@ -164,9 +165,11 @@ class Load {
                         100.0 * figures->sum.late_fraction(), 100.0 * figures->lost_fraction(),
                         holds ? "holds" : "does not hold"));
         (holds ? held : failed) = figures;
-        if (!holds) refusal.clear();
         return holds;
-      } catch (const ViewersRefused& error) {
+      } catch (const Error& error) {
+        // Where less has worked, server and gateway are there, and this is more than they take.
+        if (!held) throw;
+        refused = n;
         refusal = error.what();
         return false;
       }
@@ -176,7 +179,7 @@ class Load {
     if (failed) report_.runs.push_back(*failed);
     std::string why = no_more;
     if (capacity.fails > 0) {
-      why = !refusal.empty() ? refusal : LimitingResource(*failed, report_.machine.cores);
+      why = capacity.fails == refused ? refusal : LimitingResource(*failed, report_.machine.cores);
     }
     const std::string limit = fmt::format(
         "{} {} at {}{}: {}", capacity.holds, what, at,

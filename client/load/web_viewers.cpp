@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <span>
 #include <string>
@@ -19,6 +20,7 @@
 #include <sys/resource.h>
 
 #include "common/dds/cdr.h"
+#include "common/error.h"
 #include "common/time/steady_clock.h"
 
 namespace palpate {
@@ -36,6 +38,8 @@ constexpr std::uint32_t kSubscription = 1;
 /// A message's opcode, subscription and time, before its payload.
 constexpr std::size_t kHeader = 13;
 constexpr std::uint8_t kMessageData = 1;
+/// That attach at the same time: a gateway has only so many places for who is no viewer yet.
+constexpr std::size_t kAtOnce = 32;
 
 /// A socket each, and some for DDS and files.
 void AllowFiles(std::size_t sockets) {
@@ -58,6 +62,7 @@ struct Shared {
 
   FrameTally& tally;
   const std::string host_header;
+  std::function<void()> start_next;  ///< viewer; in the event loop
   std::atomic<std::size_t> attached{0};
   std::atomic<std::size_t> gone{0};
   std::mutex mutex;
@@ -138,6 +143,7 @@ class Viewer {
       if (error) return Gone(error);
       attached_ = true;
       ++shared_.attached;
+      shared_.start_next();
     });
   }
 
@@ -169,6 +175,7 @@ struct WebViewers::State {
   net::io_context io{1};
   Shared shared;
   std::vector<std::unique_ptr<Viewer>> viewers;
+  std::size_t started = 0;
   std::thread thread;
 
   ~State() {
@@ -195,8 +202,11 @@ WebViewers::WebViewers(const ViewerUrl& url, std::size_t viewers, std::size_t st
   if (error) throw nobody(error.message());
   for (std::size_t i = 0; i < all; ++i) {
     s.viewers.push_back(std::make_unique<Viewer>(s.io, s.shared, i, i < viewers));
-    s.viewers.back()->Start(*found.begin());
   }
+  s.shared.start_next = [&s, endpoint = found.begin()->endpoint()] {
+    if (s.started < s.viewers.size()) s.viewers[s.started++]->Start(endpoint);
+  };
+  for (std::size_t i = 0; i < kAtOnce; ++i) s.shared.start_next();
   s.thread = std::thread([&s] { s.io.run(); });
 
   const std::int64_t until_ns = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * wait_s);
@@ -204,9 +214,8 @@ WebViewers::WebViewers(const ViewerUrl& url, std::size_t viewers, std::size_t st
     {
       const std::lock_guard lock(s.shared.mutex);
       if (s.shared.refused) {
-        throw ViewersRefused("the gateway at " + url.text() + " turns viewers away (" +
-                             s.shared.complaint +
-                             "); start palpate-viewer with more --max-viewers, or give fewer");
+        throw Error("the gateway at " + url.text() + " turns viewers away (" + s.shared.complaint +
+                    "); start palpate-viewer with more --max-viewers, or give fewer");
       }
       if (!s.shared.complaint.empty()) throw nobody(s.shared.complaint);
     }

@@ -5,23 +5,16 @@
 
 #include "client/load/frame_tally.h"
 #include "client/load/options.h"
-#include "common/error.h"
 #include "common/stop_signal.h"
 
 namespace palpate {
-
-/// The gateway has answered, and does not want so many.
-class ViewersRefused : public Error {
- public:
-  using Error::Error;
-};
 
 /// Viewers over WebSocket that want tool states and nothing else, as pages do: all in one event
 /// loop, in a thread of its own.
 class WebViewers {
  public:
   /// Returns when all are attached and have subscribed, or `stop` has come.  Throws Error where no
-  /// gateway answers, and ViewersRefused.
+  /// gateway answers, or it wants no more.
   /// @param stalled  viewers more that then read nothing.   @param tally  must outlive it.
   WebViewers(const ViewerUrl& url, std::size_t viewers, std::size_t stalled, double wait_s,
              FrameTally& tally, StopSignal& stop);
