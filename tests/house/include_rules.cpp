@@ -63,7 +63,8 @@ const std::vector<Rule> kRules = {
      {"common", "client/viewer"},
      {},
      {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost", "zlib"}},
-    // A simulated station is what the load consists of, so this client may use another: the station.
+    // A simulated station is what the load consists of, so this client may use another: the
+    // station.
     // Boost for the viewers' WebSockets, as in the gateway.
     {"client/load",
      {"common", "scenes", "devices", "client/load", "client/station"},
