@@ -9,11 +9,12 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/server_lock_file.h"
 
 namespace palpate {
 
 ServerLock::ServerLock(int domain) {
-  const std::string path = "/tmp/palpate-server-" + std::to_string(domain) + ".lock";
+  const std::string path = ServerLockFile(domain);
   const std::string remedy = "; stop that one, or give another --domain";
   // Read-only suffices to lock, so that another user's server is seen too.
   file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);

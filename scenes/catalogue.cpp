@@ -203,6 +203,10 @@ std::string FindSceneFile(const std::string& name_or_path) {
   throw Error(message + "; a path needs a / or ends with .json)");
 }
 
+std::string ScriptFileBeside(const std::string& name_or_path) {
+  return fs::path(FindSceneFile(name_or_path)).replace_extension(".path.json").string();
+}
+
 Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   const std::string file = FindSceneFile(name_or_path);
   const std::string text = ReadWholeFile(file);

@@ -26,6 +26,9 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options = {}
 /// ../share/palpate/catalogue from the program, else in the source folder.
 std::string FindSceneFile(const std::string& name_or_path);
 
+/// The hand's script that stands, or would stand, beside that file: NAME.path.json.
+std::string ScriptFileBeside(const std::string& name_or_path);
+
 /// Names of the catalogue's scenes, sorted.
 std::vector<std::string> CatalogueNames();
 

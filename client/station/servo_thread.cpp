@@ -42,12 +42,24 @@ ServoThread::~ServoThread() {
   Stop();
 }
 
-void ServoThread::Stop() {
-  if (!thread_.joinable()) return;
+void ServoThread::BeginToStop() {
   stop_.store(true);
   started_.store(true);
   started_.notify_one();
+}
+
+void ServoThread::Stop() {
+  if (!thread_.joinable()) return;
+  BeginToStop();
   thread_.join();
+}
+
+std::int64_t ServoThread::sample_time_ns(std::uint64_t sequence) const noexcept {
+  // Acquire: the time of the newest pose is written.
+  const std::uint64_t newest = newest_sequence_.load(std::memory_order_acquire);
+  // One short: the oldest may just be giving way to the next.
+  if (sequence > newest || newest - sequence >= sample_times_ns_.size() - 1) return 0;
+  return sample_times_ns_[sequence % sample_times_ns_.size()].load(std::memory_order_relaxed);
 }
 
 void ServoThread::SetPath(PosePath* path) {
@@ -72,9 +84,16 @@ void ServoThread::AwaitTick() noexcept {
 
 void ServoThread::Tick() noexcept {
   const std::int64_t now_ns = SteadyNanoseconds();
+  if (restart_totals_.exchange(false)) {
+    core_.RestartTotals();
+    missed_ticks_.store(0, std::memory_order_relaxed);
+  }
   PosePath* const path = path_.load(std::memory_order_acquire);
   const OutgoingPose pose = core_.Sense(now_ns, path != nullptr);
   if (path) {
+    sample_times_ns_[pose.sequence % sample_times_ns_.size()].store(now_ns,
+                                                                    std::memory_order_relaxed);
+    newest_sequence_.store(pose.sequence, std::memory_order_release);
     core_.SetToolReference(path->tool_reference);
     path->writer.Write(ToWire(pose));  // where DDS refuses it, the pose is lost and counted as such
   }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <thread>
 
@@ -37,6 +39,10 @@ class ServoThread {
   void SetPath(PosePath* path);
   /// Where a guide wants the hand to be; the newest counts.
   void SetAim(const GuideAim& aim) { aims_.Write(aim); }
+  /// Counts from the next tick on (StationCore::RestartTotals); the missed ticks, too.
+  void RestartTotals() { restart_totals_.store(true); }
+  /// Begins to stop, without waiting for it: for who stops several at once.
+  void BeginToStop();
   /// Takes the force out of the device, by the limiter's ramp, and ends the thread.
   void Stop();
 
@@ -45,6 +51,9 @@ class ServoThread {
   std::int64_t newest_reply_ns() const { return newest_reply_ns_.load(std::memory_order_relaxed); }
   /// Ticks that did not take place because the thread woke more than one tick late.
   std::uint64_t missed_ticks() const { return missed_ticks_.load(std::memory_order_relaxed); }
+  /// When the pose of that number was sampled [ns], by this process's steady clock; 0 where it has
+  /// not been, or 4 s ago.  From any thread.
+  std::int64_t sample_time_ns(std::uint64_t sequence) const noexcept;
   bool started() const { return started_.load(std::memory_order_relaxed); }
 
  private:
@@ -64,6 +73,9 @@ class ServoThread {
   std::atomic<std::uint64_t> ticks_{0};
   std::atomic<std::uint64_t> missed_ticks_{0};
   std::atomic<std::int64_t> newest_reply_ns_{0};
+  std::atomic<bool> restart_totals_{false};
+  std::array<std::atomic<std::int64_t>, 4096> sample_times_ns_{};  // by sequence
+  std::atomic<std::uint64_t> newest_sequence_{0};
   std::thread thread_;
 };
 

@@ -25,13 +25,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kPoll{10};
 
-/// The script that stands, or would stand, beside the scene's file.
-std::string ScriptBeside(const std::string& scene) {
-  return std::filesystem::path(FindSceneFile(scene)).replace_extension(".path.json").string();
-}
-
 std::string ScriptOf(const std::string& scene) {
-  const std::string file = ScriptBeside(scene);
+  const std::string file = ScriptFileBeside(scene);
   if (std::filesystem::exists(file)) return file;
   throw Error("scene '" + scene + "' has no script of its own (looked for " + file +
               "); give one with --script");
@@ -40,7 +35,7 @@ std::string ScriptOf(const std::string& scene) {
 /// Where a hand without a script begins: where the scene's own script does, else where the scene
 /// places its tool.
 Pose StartOf(const StationOptions& options) {
-  if (const std::string script = ScriptBeside(options.link.scene);
+  if (const std::string script = ScriptFileBeside(options.link.scene);
       std::filesystem::exists(script)) {
     return PoseScript::Load(script).At(0.0);
   }

@@ -74,7 +74,14 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
 
 std::uint64_t StationCore::lost() const noexcept {
   // Up to the newest pose that was answered: each younger one may still be on its way.
-  return newest_.pose_sequence - totals_.replies;
+  return newest_.pose_sequence - answered_before_ - totals_.replies;
+}
+
+void StationCore::RestartTotals() noexcept {
+  totals_ = StationTotals();
+  answered_before_ = newest_.pose_sequence;
+  ticks_before_ = 0;
+  replies_before_ = 0;
 }
 
 StationSnapshot StationCore::TakeSnapshot(std::int64_t now_ns) noexcept {

@@ -95,6 +95,8 @@ class StationCore {
   /// Second half: drives the device by the newest reply.
   void Act(std::int64_t now_ns) noexcept;
 
+  /// Counts from here on: what came before, a warm-up say, is forgotten.
+  void RestartTotals() noexcept;
   StationSnapshot TakeSnapshot(std::int64_t now_ns) noexcept;
   const StationTotals& totals() const noexcept { return totals_; }
   const WrenchLimiter& limiter() const noexcept { return limiter_; }
@@ -119,6 +121,7 @@ class StationCore {
   std::int64_t last_act_ns_ = 0;
   Wrench applied_;
   StationTotals totals_;
+  std::uint64_t answered_before_ = 0;  // poses up to here are not of these totals
 
   // Of the period.
   std::int64_t period_began_ns_ = 0;

@@ -20,6 +20,13 @@ class Histogram {
     if (value > max_) max_ = value;
   }
 
+  /// As if each of the other's values had been added here.
+  void Add(const Histogram& other) noexcept {
+    for (std::size_t i = 0; i < kBuckets; ++i) bucket_[i] += other.bucket_[i];
+    count_ += other.count_;
+    if (other.max_ > max_) max_ = other.max_;
+  }
+
   void Clear() noexcept { *this = Histogram(); }
   std::uint64_t count() const noexcept { return count_; }
   std::uint64_t max() const noexcept { return max_; }

@@ -1,34 +1,11 @@
 #include "tests/benchmarks/machine.h"
 
-#include <fstream>
-#include <thread>
-
 #include "server/physics/simd/kernels.h"
 
 namespace palpate::bench {
-namespace {
-
-std::string ProcessorName() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    const std::size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown";
-}
-
-}  // namespace
 
 Machine ThisMachine() {
-#ifdef NDEBUG
-  const std::string build = ", optimised";
-#else
-  const std::string build = ", with assertions: times mean nothing";
-#endif
-  return {.cpu = ProcessorName(),
-          .cores = static_cast<int>(std::thread::hardware_concurrency()),
-          .simd = ActiveKernels().name,
-          .compiler = "GCC " __VERSION__ + build};
+  return {ThisHost(), ActiveKernels().name};
 }
 
 }  // namespace palpate::bench

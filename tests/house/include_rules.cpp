@@ -67,6 +67,13 @@ const std::vector<Rule> kRules = {
      {"common", "client/viewer"},
      {},
      {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost", "zlib"}},
+    // A simulated station is what the load consists of, so this client may use another: the
+    // station.
+    // Boost for the viewers' WebSockets, as in the gateway.
+    {"client/load",
+     {"common", "scenes", "devices", "client/load", "client/station"},
+     {},
+     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost"}},
     {"client", {"common", "scenes", "devices"}, {}, {"Eigen", "spdlog", "CLI11", "nlohmann-json"}},
     // The one client that knows the server's insides: to verify a recording is to run its loop.
     {"client/replayer",

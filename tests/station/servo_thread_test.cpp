@@ -59,6 +59,43 @@ TEST(ServoThread, ServesTheDeviceWithAPathAndWithout) {
   EXPECT_GT(bench.core.totals().ticks, bench.core.totals().sent);
 }
 
+TEST(ServoThread, KnowsWhenItSampledTheLatestPosesAndNoOthers) {
+  Bench bench;
+  EXPECT_EQ(bench.servo.sample_time_ns(0), 0);
+  const std::int64_t begin_ns = SteadyNanoseconds();
+  bench.servo.SetPath(&bench.path);
+  std::this_thread::sleep_for(milliseconds(50));
+  bench.servo.Stop();
+  const std::uint64_t sent = bench.core.totals().sent;
+  ASSERT_GT(sent, 1u);
+  std::int64_t last_ns = begin_ns;
+  for (std::uint64_t sequence = 1; sequence <= sent; ++sequence) {
+    EXPECT_GT(bench.servo.sample_time_ns(sequence), last_ns);
+    last_ns = bench.servo.sample_time_ns(sequence);
+  }
+  EXPECT_LT(last_ns, SteadyNanoseconds());
+  EXPECT_EQ(bench.servo.sample_time_ns(sent + 1), 0);
+}
+
+TEST(ServoThread, BeginsItsTotalsAnewWhenItIsAsked) {
+  Bench bench;
+  bench.servo.SetPath(&bench.path);
+  std::this_thread::sleep_for(milliseconds(50));
+  while (!bench.servo.ReadSnapshot(bench.snapshot)) {
+  }
+  const std::uint64_t before = bench.snapshot.sent;
+  bench.servo.RestartTotals();
+  for (int i = 0; i < 2000 && bench.snapshot.sent >= before; ++i) {
+    std::this_thread::sleep_for(milliseconds(1));
+    bench.servo.ReadSnapshot(bench.snapshot);
+  }
+  EXPECT_LT(bench.snapshot.sent, before);
+  bench.servo.BeginToStop();
+  bench.servo.Stop();
+  // The poses' numbers go on.
+  EXPECT_GT(bench.core.Sense(SteadyNanoseconds(), false).sequence, before);
+}
+
 TEST(ServoThread, TakesTheForceOutOfTheDeviceBeforeItEnds) {
   Bench bench;
   bench.servo.SetPath(&bench.path);

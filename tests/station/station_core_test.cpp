@@ -220,6 +220,21 @@ TEST(StationCore, CountsWhatWasLateLostAndInContact) {
   EXPECT_EQ(totals.round_trip.max(), 1'500'000u);
 }
 
+TEST(StationCore, ForgetsWhatCameBeforeItsTotalsBeganAnew) {
+  Bench bench;
+  bench.Tick(true);
+  bench.Tick(false);
+  for (int i = 0; i < 10; ++i) bench.Tick(true, 2 * kMs);
+  bench.core.RestartTotals();
+  for (int i = 0; i < 5; ++i) bench.Tick(i != 2);
+  EXPECT_EQ(bench.core.totals().ticks, 5u);
+  EXPECT_EQ(bench.core.totals().sent, 5u);
+  EXPECT_EQ(bench.core.totals().replies, 4u);
+  EXPECT_EQ(bench.core.totals().late, 0u);
+  EXPECT_EQ(bench.core.totals().round_trip.count(), 4u);
+  EXPECT_EQ(bench.core.lost(), 1u);
+}
+
 TEST(StationCore, RemembersFaultsButForTheOneThatEverySessionBeginsWith) {
   Bench bench;
   Reply reply = bench.ReplyTo(bench.core.Sense(bench.now, true), kMs / 20);

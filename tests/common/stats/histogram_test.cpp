@@ -61,6 +61,19 @@ TEST(Histogram, CountsANegativeTimeAsNone) {
   EXPECT_EQ(histogram.Quantile(1.0), 0u);
 }
 
+TEST(Histogram, OfTwoTogetherIsThatOfAllTheirValues) {
+  Histogram both, one, other;
+  for (int i = 0; i < 1000; ++i) {
+    const std::int64_t value = 1 + 7919LL * i * i;
+    both.Add(value);
+    (i % 3 == 0 ? one : other).Add(value);
+  }
+  one.Add(other);
+  EXPECT_EQ(one.count(), both.count());
+  EXPECT_EQ(one.max(), both.max());
+  for (const double q : {0.01, 0.5, 0.99}) EXPECT_EQ(one.Quantile(q), both.Quantile(q));
+}
+
 TEST(Histogram, IsEmptyWhenCleared) {
   Histogram histogram;
   histogram.Add(1000);

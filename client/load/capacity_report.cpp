@@ -1,0 +1,70 @@
+#include "client/load/capacity_report.h"
+
+#include <optional>
+
+#include <spdlog/fmt/fmt.h>
+
+namespace palpate {
+namespace {
+
+std::string Cores(const std::optional<ProcessUse>& use) {
+  return use ? fmt::format("{:.2f}", use->cpu) : "-";
+}
+
+std::string Percentiles(const Histogram& histogram, double unit, int digits) {
+  if (histogram.count() == 0) return "-";
+  const auto at = [&](double q) { return unit * static_cast<double>(histogram.Quantile(q)); };
+  return fmt::format("{:.{}f} / {:.{}f} / {:.{}f}", at(0.5), digits, at(0.99), digits, at(0.999),
+                     digits);
+}
+
+}  // namespace
+
+std::string TableRow(const LoadFigures& f) {
+  const bool stations = f.stations > 0;
+  const std::string viewers =
+      fmt::format("{}{}{}", f.viewers, f.stalled > 0 ? fmt::format(" + {} stalled", f.stalled) : "",
+                  f.dds_viewers > 0 ? fmt::format(" + {} DDS", f.dds_viewers) : "");
+  return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.2f} | {:.0f} % | {} |\n",
+                     f.stations, viewers, stations ? fmt::format("{:.1f}", f.sum.hz()) : "-",
+                     stations ? fmt::format("{:.3f} %", 100.0 * f.sum.late_fraction()) : "-",
+                     Percentiles(f.sum.round_trip, 1e-3, 0),
+                     f.viewers > 0 ? std::to_string(f.viewer_frames) : "-",
+                     f.viewers > 0 ? std::to_string(f.lost) : "-",
+                     Percentiles(f.frame_age, 1e-6, 1), Cores(f.server) + " / " + Cores(f.gateway),
+                     f.self.cpu, 100.0 * f.machine_busy, f.load_averages);
+}
+
+std::string ToMarkdown(const CapacityReport& r) {
+  std::string text =
+      "# Capacity\n\nHow many stations and viewers a machine holds, as `palpate-load` measures "
+      "it.\n\n";
+  text += "```sh\n" + r.command + "\n```\n\n";
+  text += "| | |\n|---|---|\n";
+  text += "| processor | " + r.machine.cpu + " |\n";
+  text += fmt::format("| cores | {} |\n", r.machine.cores);
+  text += "| compiler | " + r.machine.compiler + " |\n";
+  text += "| begun | " + r.time + " |\n";
+  text += "| scene | " + r.scene + " |\n";
+  if (!r.runs.empty()) text += "| transport | " + r.runs.front().transport + " |\n";
+  text += "| real-time | " + r.realtime + " |\n\n";
+  text +=
+      "Server, gateway, stations and viewers share this machine. *Late*: the wrench took over 1 "
+      "ms, "
+      "never\ncame, or the station could not send in its millisecond. Percentiles are p50 / p99 / "
+      "p99.9. Cores used\nare those of the server / the gateway, then of `palpate-load`, whose "
+      "part "
+      "other machines would bear.\nThe load averages stood before the run: what else the machine "
+      "did, and the runs before.\n\n";
+  text +=
+      "| stations | viewers | rate [Hz] | late | round trip [µs] | frames | lost | frame age [ms] "
+      "| "
+      "server / gateway [cores] | load [cores] | machine busy | load averages |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const LoadFigures& run : r.runs) text += TableRow(run);
+  if (!r.limits.empty()) text += "\n## Limits\n\n";
+  for (const std::string& limit : r.limits) text += "- " + limit + "\n";
+  return text;
+}
+
+}  // namespace palpate

@@ -1,0 +1,245 @@
+#include "client/load/load.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "client/load/capacity_report.h"
+#include "client/load/capacity_search.h"
+#include "client/load/load_run.h"
+#include "client/load/scene_copies.h"
+#include "common/error.h"
+#include "scenes/catalogue.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kFindSeconds = 3.0;
+constexpr int kFindAttempts = 2;
+constexpr std::size_t kMostViewers = 2000;
+
+/// On a terminal a line on stderr that the next one takes the place of; elsewhere, for a log, only
+/// each tenth second of a measurement.
+void ShowProgress(const std::string& line) {
+  static int lines = 0;
+  if (isatty(STDERR_FILENO) == 1) {
+    std::fprintf(stderr, "\r\033[K%s", line.c_str());
+  } else if (!line.empty() && line.find(" viewers: ") != std::string::npos && lines++ % 10 == 0) {
+    std::fprintf(stderr, "%s\n", line.c_str());
+  }
+  std::fflush(stderr);
+}
+
+std::string NowUtc() {
+  const std::time_t now = std::time(nullptr);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", std::gmtime(&now));
+  return text;
+}
+
+/// What the server calls the scene of a name or a file.
+std::string NameOf(const std::string& scene) {
+  return scene.empty() ? "" : std::filesystem::path(FindSceneFile(scene)).stem().string();
+}
+
+/// The hand's path for each tool: that given, the scene's own, or none: the tool stays at its
+/// start.
+std::vector<PoseScript> ScriptsOf(const LoadRunOptions& options,
+                                  const std::vector<OfferedTool>& tools) {
+  std::map<std::string, std::optional<PoseScript>> of_scene;
+  std::vector<PoseScript> scripts;
+  for (const OfferedTool& tool : tools) {
+    if (!of_scene.contains(tool.scene)) {
+      std::string file = options.script;
+      try {
+        const std::string& scene = options.scene.empty() ? tool.scene : options.scene;
+        if (file.empty()) file = ScriptFileBeside(scene);
+      } catch (const Error&) {  // not of the catalogue
+      }
+      auto& script = of_scene[tool.scene];
+      if (!options.script.empty() || (!file.empty() && std::filesystem::exists(file))) {
+        script = PoseScript::Load(file);
+      } else {
+        spdlog::warn(
+            "scene '{}' has no script here: its tools stay where they start; give --script, "
+            "or --scene with the scene's file",
+            tool.scene);
+      }
+    }
+    const auto& script = of_scene[tool.scene];
+    scripts.push_back(script ? *script : PoseScript({{0.0, tool.X_WT, "hold"}}));
+  }
+  return scripts;
+}
+
+void WriteText(const char* option, const std::string& text, const std::string& file) {
+  if (file == "-") {
+    std::fputs(text.c_str(), stdout);
+    return;
+  }
+  std::ofstream out(file);
+  if (!(out << text) || !out.flush()) {
+    throw Error(std::string(option) + " " + file +
+                ": cannot be written; give a file in a folder that exists");
+  }
+}
+
+class Load {
+ public:
+  Load(const LoadRunOptions& options, LoadSetting setting, StopSignal& stop)
+      : options_(options), setting_(std::move(setting)), stop_(stop) {
+    report_.machine = ThisHost();
+    report_.time = NowUtc();
+    report_.command = options.command;
+    report_.scene = setting_.tools.empty() ? "-" : setting_.tools.front().scene;
+  }
+
+  void RunGrid() {
+    for (const std::size_t stations : options_.stations) {
+      for (const std::size_t viewers : options_.viewers) {
+        if (stop_.stopped()) return;
+        Keep(Run({stations, viewers, options_.seconds}));
+      }
+    }
+  }
+
+  void Find() {
+    const std::size_t tools = setting_.tools.size();
+    Search("stations", "1 kHz and no viewers", tools,
+           fmt::format("the server's scenes have {} tools and no more: make one with more by "
+                       "--make-scene",
+                       tools),
+           [](std::size_t n) { return std::pair(n, std::size_t{0}); });
+    if (stop_.stopped()) return;
+    const std::size_t stations = options_.stations.front();
+    try {
+      Search("viewers", fmt::format("{:.0f} Hz beside {} stations", options_.rate_hz, stations),
+             kMostViewers, "no more were tried",
+             [stations](std::size_t n) { return std::pair(stations, n); });
+    } catch (const Error& error) {
+      Say(std::string("viewers are not searched for: ") + error.what() + "\n");
+    }
+  }
+
+  void Write() const {
+    if (!options_.json.empty()) WriteText("--json", Json(), options_.json);
+    if (!options_.report.empty()) WriteText("--report", ToMarkdown(report_), options_.report);
+  }
+
+ private:
+  std::optional<LoadFigures> Run(const LoadSize& size) {
+    return RunOnce(setting_, size, stop_, &report_.realtime);
+  }
+
+  void Keep(const std::optional<LoadFigures>& figures) {
+    if (!figures) return;
+    Say(ToText(*figures));
+    report_.runs.push_back(*figures);
+  }
+
+  /// @param of  stations and viewers of a run with n of what is searched for.
+  template <class Of>
+  void Search(const std::string& what, const std::string& at, std::size_t most,
+              const std::string& no_more, Of of) {
+    std::optional<LoadFigures> held;
+    std::optional<LoadFigures> failed;
+    std::string refusal;
+    std::size_t refused = SIZE_MAX;
+    const Capacity capacity = FindCapacity(most, kFindAttempts, [&](std::size_t n) {
+      if (stop_.stopped() || n >= refused) return false;
+      const auto [stations, viewers] = of(n);
+      try {
+        const auto figures = Run({stations, viewers, std::min(options_.seconds, kFindSeconds)});
+        if (!figures || stop_.stopped()) return false;
+        const bool holds = Holds(*figures);
+        Say(fmt::format("{} {}: {:.3f} % late, {:.1f} % of the frames lost: {}\n", n, what,
+                        100.0 * figures->sum.late_fraction(), 100.0 * figures->lost_fraction(),
+                        holds ? "holds" : "does not hold"));
+        (holds ? held : failed) = figures;
+        return holds;
+      } catch (const Error& error) {
+        // Where less has worked, server and gateway are there, and this is more than they take.
+        if (!held) throw;
+        refused = n;
+        refusal = error.what();
+        return false;
+      }
+    });
+    if (stop_.stopped()) return;
+    if (held) report_.runs.push_back(*held);
+    if (failed) report_.runs.push_back(*failed);
+    std::string why = no_more;
+    if (capacity.fails > 0) {
+      why = capacity.fails == refused ? refusal : LimitingResource(*failed, report_.machine.cores);
+    }
+    const std::string limit = fmt::format(
+        "{} {} at {}{}: {}", capacity.holds, what, at,
+        capacity.fails > 0 ? fmt::format("; {} do not hold", capacity.fails) : std::string(" hold"),
+        why);
+    Say("limit: " + limit + "\n");
+    report_.limits.push_back(limit);
+  }
+
+  std::string Json() const {
+    if (report_.runs.size() == 1 && !options_.find) return ToJson(report_.runs.front());
+    std::string text;
+    for (const LoadFigures& run : report_.runs) text += (text.empty() ? "" : ",") + ToJson(run);
+    return "[" + text + "]\n";
+  }
+
+  void Say(const std::string& text) const {
+    ShowProgress("");
+    // Standard output is a program's where the JSON goes there.
+    std::FILE* const out = options_.json == "-" ? stderr : stdout;
+    std::fputs(text.c_str(), out);
+    std::fflush(out);
+  }
+
+  const LoadRunOptions& options_;
+  LoadSetting setting_;
+  StopSignal& stop_;
+  CapacityReport report_;
+};
+
+}  // namespace
+
+void RunLoad(const LoadRunOptions& options, StopSignal& stop) {
+  if (options.copies > 0) {
+    WriteSceneWithCopies(options.scene.empty() ? "cube" : options.scene, options.copies,
+                         options.copies_file);
+    std::printf("%s: %zu tools; serve it with 'palpate-server --scene %s'\n",
+                options.copies_file.c_str(), options.copies, options.copies_file.c_str());
+    return;
+  }
+  const std::size_t stations = *std::ranges::max_element(options.stations);
+  LoadSetting setting{options, {}, {}, ShowProgress};
+  // Kept open, so that the domain is not made anew for each run.
+  const dds::Participant service = dds::Participant::Service(options.domain);
+  if (stations > 0 || options.find) {
+    setting.tools =
+        AskForTools(service, options.domain, NameOf(options.scene), options.patience_s, stop);
+    if (stop.stopped()) return;
+    setting.scripts = ScriptsOf(options, setting.tools);
+    if (!options.find && stations > setting.tools.size()) {
+      throw Error(fmt::format(
+          "--stations {}: the server offers {} tools, and each is one station's alone; start "
+          "palpate-server with a scene that 'palpate-load --make-scene {} FILE' makes",
+          stations, setting.tools.size(), stations));
+    }
+  }
+  Load load(options, std::move(setting), stop);
+  if (!options.find || !options.report.empty()) load.RunGrid();
+  if (options.find) load.Find();
+  load.Write();
+}
+
+}  // namespace palpate

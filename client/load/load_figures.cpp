@@ -1,0 +1,180 @@
+#include "client/load/load_figures.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "common/step_fault.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kMost = 0.01;        // late, and lost
+constexpr double kFullThread = 0.85;  // of a core: with the kernel's part of its work, that is all
+constexpr double kFullMachine = 0.9;
+constexpr double kToUs = 1e-3;
+constexpr double kToMs = 1e-6;
+
+double Fraction(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+nlohmann::ordered_json Percentiles(const Histogram& histogram, double unit) {
+  const auto at = [&](double q) { return unit * static_cast<double>(histogram.Quantile(q)); };
+  return {{"p50", at(0.5)},
+          {"p99", at(0.99)},
+          {"p999", at(0.999)},
+          {"max", unit * static_cast<double>(histogram.max())}};
+}
+
+std::string PercentileText(const Histogram& histogram, double unit, const char* name) {
+  if (histogram.count() == 0) return "-";
+  const auto at = [&](double q) { return unit * static_cast<double>(histogram.Quantile(q)); };
+  return fmt::format("p50 {:.1f}   p99 {:.1f}   p99.9 {:.1f}   max {:.1f} {}", at(0.5), at(0.99),
+                     at(0.999), unit * static_cast<double>(histogram.max()), name);
+}
+
+std::string CpuText(const std::optional<ProcessUse>& use) {
+  return use ? fmt::format("{:.2f}", use->cpu) : "-";
+}
+
+nlohmann::ordered_json CpuJson(const std::optional<ProcessUse>& use) {
+  return use ? nlohmann::ordered_json(use->cpu) : nlohmann::ordered_json(nullptr);
+}
+
+}  // namespace
+
+void StationSum::Add(const StationTotals& totals, std::uint64_t missed, int reconnected) {
+  // The last pose's reply has no tick in which it could be taken.
+  const std::uint64_t ticks = totals.ticks + missed;
+  const std::uint64_t its_due = ticks > 0 ? ticks - 1 : 0;
+  const std::uint64_t its_answered = std::min(totals.replies, its_due);
+  const std::uint64_t its_on_time = its_answered - std::min(totals.late, its_answered);
+  due += its_due;
+  answered += its_answered;
+  on_time += its_on_time;
+  missed_ticks += missed;
+  reconnects += static_cast<std::uint64_t>(reconnected);
+  faults |= totals.faults;
+  round_trip.Add(totals.round_trip);
+  server_step.Add(totals.server_step);
+  const double its_hz = 1000.0 * Fraction(its_answered, its_due);
+  worst_hz = stations_ == 0 ? its_hz : std::min(worst_hz, its_hz);
+  worst_late_fraction = std::max(worst_late_fraction, Fraction(its_due - its_on_time, its_due));
+  ++stations_;
+}
+
+double StationSum::late_fraction() const {
+  return Fraction(due - on_time, due);
+}
+
+double StationSum::hz() const {
+  return 1000.0 * Fraction(answered, due);
+}
+
+double LoadFigures::lost_fraction() const {
+  return Fraction(lost, lost + viewer_frames);
+}
+
+bool Holds(const LoadFigures& f) {
+  return f.sum.late_fraction() < kMost && f.lost_fraction() < kMost && f.viewers_gone == 0;
+}
+
+std::string LimitingResource(const LoadFigures& f, int cores) {
+  std::vector<std::pair<std::string, ProcessUse>> processes{{"palpate-load", f.self}};
+  if (f.server) processes.emplace_back("palpate-server", *f.server);
+  if (f.gateway) processes.emplace_back("palpate-viewer", *f.gateway);
+  std::ranges::sort(processes,
+                    [](const auto& a, const auto& b) { return a.second.cpu > b.second.cpu; });
+  std::string uses;
+  double known = 0.0;
+  for (const auto& [name, use] : processes) {
+    uses += fmt::format("{}{} {:.2f}", uses.empty() ? "" : ", ", name, use.cpu);
+    known += use.cpu;
+  }
+  const double others = std::max(0.0, f.machine_busy * cores - known);
+  uses += fmt::format(", all else {:.2f}", others);
+  for (const auto& [name, use] : processes) {
+    if (use.busiest_thread < kFullThread) continue;
+    return fmt::format("one thread of {} ({}), which fills {:.2f} of its core; cores used: {}",
+                       name, use.busiest_name, use.busiest_thread, uses);
+  }
+  if (f.machine_busy >= kFullMachine) {
+    return fmt::format("the machine's {} cores, {:.0f} % busy{}; cores used: {}", cores,
+                       100.0 * f.machine_busy,
+                       others > known ? ", most of it with other programs" : "", uses);
+  }
+  return fmt::format(
+      "no core is full ({:.0f} % busy): threads wait for their turn on {} cores; cores used: {}",
+      100.0 * f.machine_busy, cores, uses);
+}
+
+std::string ToText(const LoadFigures& f) {
+  std::string text = fmt::format("{} stations, {} viewers", f.stations, f.viewers);
+  if (f.stalled > 0) text += fmt::format(", {} stalled", f.stalled);
+  if (f.dds_viewers > 0) text += fmt::format(", {} DDS viewers", f.dds_viewers);
+  text += fmt::format(", {:.1f} s\n", f.seconds);
+  if (f.stations > 0) {
+    text += fmt::format("  rate         {:.1f} Hz, worst station {:.1f} Hz, over {}\n", f.sum.hz(),
+                        f.sum.worst_hz, f.transport);
+    text += fmt::format("  late         {:.3f} %, worst station {:.3f} %; {} ticks missed",
+                        100.0 * f.sum.late_fraction(), 100.0 * f.sum.worst_late_fraction,
+                        f.sum.missed_ticks);
+    text += f.sum.reconnects > 0 ? fmt::format(", {} reconnects\n", f.sum.reconnects) : "\n";
+    text += "  round trip   " + PercentileText(f.sum.round_trip, kToUs, "us") + "\n";
+    text += "  server step  " + PercentileText(f.sum.server_step, kToUs, "us") + "\n";
+    if (f.sum.faults != 0) text += "  faults       " + FaultWords(f.sum.faults) + "\n";
+  }
+  if (f.viewers > 0) {
+    text += fmt::format(
+        "  frames       {} ({:.1f} a second and viewer), {} lost, {} viewers gone\n",
+        f.viewer_frames,
+        static_cast<double>(f.viewer_frames) / f.seconds / static_cast<double>(f.viewers), f.lost,
+        f.viewers_gone);
+    text += "  frame age    " + PercentileText(f.frame_age, kToMs, "ms") + "\n";
+  }
+  if (f.dds_viewers > 0) {
+    text += fmt::format("  DDS frames   {}, {} lost\n", f.dds_frames, f.dds_lost);
+    text += "  DDS age      " + PercentileText(f.dds_frame_age, kToMs, "ms") + "\n";
+  }
+  text += fmt::format(
+      "  cores used   server {}, gateway {}, this program {:.2f}; machine {:.0f} % busy\n",
+      CpuText(f.server), CpuText(f.gateway), f.self.cpu, 100.0 * f.machine_busy);
+  return text;
+}
+
+std::string ToJson(const LoadFigures& f) {
+  const nlohmann::ordered_json json = {{"stations", f.stations},
+                                       {"viewers", f.viewers},
+                                       {"stalled_viewers", f.stalled},
+                                       {"dds_viewers", f.dds_viewers},
+                                       {"seconds", f.seconds},
+                                       {"transport", f.transport},
+                                       {"achieved_hz", f.sum.hz()},
+                                       {"achieved_hz_worst", f.sum.worst_hz},
+                                       {"late_fraction", f.sum.late_fraction()},
+                                       {"late_fraction_worst", f.sum.worst_late_fraction},
+                                       {"missed_ticks", f.sum.missed_ticks},
+                                       {"reconnects", f.sum.reconnects},
+                                       {"faults", f.sum.faults},
+                                       {"rtt_us", Percentiles(f.sum.round_trip, kToUs)},
+                                       {"server_step_us", Percentiles(f.sum.server_step, kToUs)},
+                                       {"server_cpu_fraction", CpuJson(f.server)},
+                                       {"gateway_cpu_fraction", CpuJson(f.gateway)},
+                                       {"load_cpu_fraction", f.self.cpu},
+                                       {"machine_busy_fraction", f.machine_busy},
+                                       {"load_averages_before", f.load_averages},
+                                       {"viewer_frames", f.viewer_frames},
+                                       {"lost", f.lost},
+                                       {"viewers_gone", f.viewers_gone},
+                                       {"frame_age_ms", Percentiles(f.frame_age, kToMs)},
+                                       {"dds_viewer_frames", f.dds_frames},
+                                       {"dds_lost", f.dds_lost},
+                                       {"dds_frame_age_ms", Percentiles(f.dds_frame_age, kToMs)}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace palpate

@@ -1,0 +1,205 @@
+#include "client/load/load_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include "client/load/dds_viewers.h"
+#include "client/load/frame_tally.h"
+#include "client/load/load_station.h"
+#include "client/load/web_viewers.h"
+#include "common/error.h"
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kPoll{10};
+constexpr double kWarmUp_s = 1.0;
+constexpr double kServerFrames_hz = 60.0;
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+/// A round of polls that takes longer than this means that the machine is far beyond what it can
+/// do.
+constexpr double kMatchPatience_s = 30.0;
+
+using Stations = std::vector<std::unique_ptr<LoadStation>>;
+
+void Poll(Stations& stations) {
+  for (const auto& station : stations) station->Poll(SteadyNanoseconds());
+}
+
+/// False where a signal came before the condition.
+template <class Condition>
+bool PollUntil(Stations& stations, StopSignal& stop, Condition condition) {
+  while (!condition()) {
+    if (stop.WaitFor(kPoll)) return false;
+    Poll(stations);
+  }
+  return true;
+}
+
+bool PollFor(Stations& stations, StopSignal& stop, double seconds) {
+  const std::int64_t end_ns = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
+  return PollUntil(stations, stop, [end_ns] { return SteadyNanoseconds() >= end_ns; });
+}
+
+bool Link(const LoadSetting& setting, std::size_t count, Stations& stations, StopSignal& stop) {
+  const LoadRunOptions& options = setting.options;
+  for (std::size_t i = 0; i < count; ++i) {
+    stations.push_back(std::make_unique<LoadStation>(
+        options.name + "_" + std::to_string(i + 1), setting.tools[i], setting.scripts[i], options));
+    Poll(stations);
+    if (stop.stopped()) return false;
+  }
+  const std::int64_t end_ns =
+      SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * kMatchPatience_s);
+  return PollUntil(stations, stop, [&] {
+    const auto linked = std::ranges::count_if(stations, [](const auto& s) { return s->linked(); });
+    if (static_cast<std::size_t>(linked) == count) return true;
+    if (SteadyNanoseconds() > end_ns) {
+      throw Error(fmt::format("{} of {} stations have their session after {} s; give fewer", linked,
+                              count, kMatchPatience_s));
+    }
+    setting.progress(fmt::format("{} of {} stations linked", linked, count));
+    return false;
+  });
+}
+
+/// The processes' times at a moment.
+struct Times {
+  std::optional<ProcessTimes> server, gateway, self;
+  MachineTimes machine;
+};
+
+Times TimesNow(std::optional<int> server, std::optional<int> gateway) {
+  Times times;
+  if (server) times.server = TimesOf(*server);
+  if (gateway) times.gateway = TimesOf(*gateway);
+  times.self = TimesOf(getpid());
+  times.machine = MachineTimesNow();
+  return times;
+}
+
+std::optional<ProcessUse> Use(const std::optional<ProcessTimes>& begin,
+                              const std::optional<ProcessTimes>& end) {
+  if (!begin || !end) return std::nullopt;
+  return UseBetween(*begin, *end);
+}
+
+/// The latest half second of the stations, for the progress line.
+class Glance {
+ public:
+  explicit Glance(std::size_t stations) : latest_(stations) {}
+
+  std::string Text(Stations& stations, std::uint64_t frames) {
+    double hz = 0.0;
+    double p99_us = 0.0;
+    for (std::size_t i = 0; i < stations.size(); ++i) {
+      stations[i]->servo().ReadSnapshot(latest_[i]);
+      hz += latest_[i].rate_hz / static_cast<double>(stations.size());
+      p99_us = std::max(p99_us, latest_[i].round_trip_us_p99);
+    }
+    std::string text;
+    if (!stations.empty()) text += fmt::format(", {:.0f} Hz, p99 {:.0f} us", hz, p99_us);
+    if (frames > 0) text += fmt::format(", {} frames", frames);
+    return text;
+  }
+
+ private:
+  std::vector<StationSnapshot> latest_;
+};
+
+}  // namespace
+
+std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& size,
+                                   StopSignal& stop, std::string* realtime) {
+  const LoadRunOptions& options = setting.options;
+  LoadFigures figures;
+  figures.stations = size.stations;
+  figures.viewers = size.viewers;
+  figures.stalled = options.stalled;
+  figures.dds_viewers = options.dds_viewers;
+  figures.rate_hz = options.rate_hz;
+  figures.load_averages = LoadAverages();
+
+  // Viewers end before the stations, whose poses they ask for their age.
+  Stations stations;
+  FrameTally::Setup setup{size.viewers + options.stalled, size.stations, options.name,
+                          options.rate_hz, [&](std::size_t station, std::uint64_t sequence) {
+                            return stations[station]->servo().sample_time_ns(sequence);
+                          }};
+  FrameTally web_tally(setup);
+  setup.viewers = options.dds_viewers;
+  setup.rate_hz = kServerFrames_hz;
+  FrameTally dds_tally(setup);
+  if (!Link(setting, size.stations, stations, stop)) return std::nullopt;
+  std::optional<DdsViewers> dds_viewers(std::in_place, options.domain, options.dds_viewers,
+                                        dds_tally);
+  std::optional<WebViewers> web_viewers;
+  // The stations are not polled while viewers attach; they go on by themselves.
+  web_viewers.emplace(options.viewer_url, size.viewers, options.stalled, options.patience_s,
+                      web_tally, stop);
+  setting.progress("warming up");
+  if (!PollFor(stations, stop, kWarmUp_s)) return std::nullopt;
+
+  const auto server = options.server_pid ? options.server_pid : ServerOf(options.domain);
+  std::optional<int> gateway = options.viewer_pid;
+  if (!gateway && size.viewers + options.stalled > 0) gateway = ListenerAt(options.viewer_url.port);
+  const Times begin = TimesNow(server, gateway);
+  const std::int64_t begin_ns = SteadyNanoseconds();
+  for (const auto& station : stations) station->servo().RestartTotals();
+  web_tally.Begin(begin_ns);
+  dds_tally.Begin(begin_ns);
+
+  Glance glance(size.stations);
+  const auto seconds = [&] { return 1e-9 * static_cast<double>(SteadyNanoseconds() - begin_ns); };
+  std::int64_t said_ns = 0;
+  PollUntil(stations, stop, [&] {
+    if (SteadyNanoseconds() - said_ns >= kSecond_ns) {
+      said_ns = SteadyNanoseconds();
+      setting.progress(fmt::format("{} stations, {} viewers: {:.0f} of {:.0f} s{}", size.stations,
+                                   size.viewers, seconds(), size.seconds,
+                                   glance.Text(stations, web_tally.frames())));
+    }
+    return seconds() >= size.seconds;
+  });
+
+  const Times end = TimesNow(server, gateway);
+  figures.seconds = seconds();
+  for (const auto& station : stations) station->servo().BeginToStop();
+  figures.viewers_gone = web_viewers->gone();
+  web_viewers.reset();
+  dds_viewers.reset();
+  for (const auto& station : stations) {
+    station->servo().Stop();
+    figures.sum.Add(station->totals(), station->servo().missed_ticks(),
+                    station->link().reconnects());
+    figures.transport = dds::ToString(station->link().transport().transport);
+    if (realtime) *realtime = station->link().realtime().summary;
+  }
+  figures.server = Use(begin.server, end.server);
+  figures.gateway = Use(begin.gateway, end.gateway);
+  figures.self = Use(begin.self, end.self).value_or(ProcessUse{});
+  figures.machine_busy = BusyBetween(begin.machine, end.machine);
+  figures.viewer_frames = web_tally.frames();
+  figures.lost = web_tally.lost();
+  figures.frame_age = web_tally.age();
+  figures.dds_frames = dds_tally.frames();
+  figures.dds_lost = dds_tally.lost();
+  figures.dds_frame_age = dds_tally.age();
+  setting.progress("");
+  if (size.stations > 0 && size.viewers > 0 && figures.viewer_frames == 0 && !stop.stopped()) {
+    throw Error("the gateway at " + options.viewer_url.text() +
+                " gave its viewers nothing: is it one of domain " + std::to_string(options.domain) +
+                "? Start 'palpate-viewer --http " + std::to_string(options.viewer_url.port) +
+                " --domain " + std::to_string(options.domain) + "'");
+  }
+  return figures;
+}
+
+}  // namespace palpate

@@ -1,0 +1,164 @@
+#include "client/load/options.h"
+
+#include <charconv>
+
+#include <CLI/CLI.hpp>
+
+#include "common/dds/topics.h"
+#include "common/error.h"
+#include "common/realtime/realtime.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kAbout =
+    "Puts a load on a palpate-server that runs, and on its palpate-viewer: simulated stations at "
+    "1 kHz\n"
+    "and viewers, over WebSocket and over DDS.  Says what rate and round trip held, how many poses "
+    "were\n"
+    "late, what the viewers got, and what each process cost.\n";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  palpate-load --make-scene 32 /tmp/many.json\n"
+    "      a scene like 'cube', with 32 balls: a tool is one station's alone\n"
+    "  palpate-server --scene /tmp/many.json & palpate-viewer --http 8765 &\n"
+    "  palpate-load --scene /tmp/many.json --stations 8 --viewers 50 --seconds 10 --json -\n"
+    "  palpate-load --scene /tmp/many.json --find\n"
+    "      the largest number of stations, then of viewers, with under 1 % of the poses late, and "
+    "what\n"
+    "      sets the limit\n"
+    "  palpate-load --scene /tmp/many.json --stations 1,4,16 --viewers 0,50,200 --report "
+    "capacity.md\n"
+    "      each number of stations with each number of viewers, as a table\n"
+    "\n"
+    "A pose is late where its wrench takes more than 1 ms, or never comes, or where its station "
+    "could\n"
+    "not send it in its millisecond.  CPU fractions are of one core.  Frames are a viewer's tool "
+    "states;\n"
+    "their age is from the station's sample to the viewer, on one host.\n"
+    "Exit status: 0 done, 1 failed, 2 wrong usage.";
+
+}  // namespace
+
+ViewerUrl ParseViewerUrl(const std::string& url) {
+  const std::string scheme = "ws://";
+  const auto wrong = [&] {
+    return UsageError("--viewer-url '" + url + "': give ws://HOST:PORT, as ws://127.0.0.1:8765");
+  };
+  if (!url.starts_with(scheme)) throw wrong();
+  std::string rest = url.substr(scheme.size());
+  if (rest.ends_with('/')) rest.pop_back();
+  const std::size_t colon = rest.rfind(':');
+  if (colon == 0 || colon == std::string::npos) throw wrong();
+  ViewerUrl parsed{rest.substr(0, colon), 0};
+  const char* const end = rest.data() + rest.size();
+  const auto [at, error] = std::from_chars(rest.data() + colon + 1, end, parsed.port);
+  if (error != std::errc() || at != end || parsed.port < 1 || parsed.port > 65535) throw wrong();
+  return parsed;
+}
+
+std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv) {
+  LoadRunOptions options;
+  std::string transport = "auto";
+  std::string url = options.viewer_url.text();
+  std::vector<std::string> make_scene;
+  int server_pid = 0;
+  int viewer_pid = 0;
+
+  CLI::App app(kAbout, "palpate-load");
+  app.footer(kExamples);
+  app.set_version_flag("--version", "palpate-load " PALPATE_VERSION);
+  app.add_option("--stations", options.stations,
+                 "simulated stations; several numbers, as 1,4,16: one run after another")
+      ->delimiter(',')
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  app.add_option("--viewers", options.viewers, "viewers over WebSocket; several numbers as there")
+      ->delimiter(',')
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
+  app.add_option("--stalled-viewers", options.stalled,
+                 "viewers besides that attach and then read nothing")
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
+  app.add_option("--dds-viewers", options.dds_viewers, "viewers that read DDS themselves")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  app.add_option("--seconds", options.seconds, "that a run is measured, after a second to warm up")
+      ->check(CLI::Range(0.5, 86400.0))
+      ->capture_default_str();
+  app.add_flag("--find", options.find,
+               "find the largest load that holds, by runs of at most 3 s each");
+  app.add_option("--viewer-url", url, "the gateway's WebSocket")->capture_default_str();
+  app.add_option("--rate", options.rate_hz, "tool states a second: as palpate-viewer's --rate")
+      ->check(CLI::Range(1.0, 60.0))
+      ->capture_default_str();
+  app.add_option("--scene", options.scene,
+                 "scene that the stations drive, name or file; default: all that the server has");
+  app.add_option("--script", options.script, "poses of the hands (JSON); default: the scene's own");
+  app.add_option("--name", options.name, "beginning of the stations' names, which end in numbers")
+      ->capture_default_str();
+  app.add_option("--transport", transport, "of poses and wrenches: auto, shm or udp")
+      ->capture_default_str();
+  app.add_option("--realtime", options.realtime,
+                 "scheduling of the stations' loops: require, prefer or off")
+      ->capture_default_str();
+  app.add_option("--domain", options.domain, "which server: the same number as there")
+      ->check(CLI::Range(0, dds::kMaxDomain))
+      ->capture_default_str();
+  app.add_option("--wait", options.patience_s, "seconds to wait for server and gateway")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  CLI::Option* server = app.add_option("--server-pid", server_pid,
+                                       "process to measure; default: what holds the domain's lock");
+  CLI::Option* viewer = app.add_option("--viewer-pid", viewer_pid,
+                                       "process to measure; default: what listens at --viewer-url");
+  app.add_option("--json", options.json, "write the figures as JSON to this file; - is stdout");
+  app.add_option("--report", options.report, "write the capacity table to this file (Markdown)");
+  app.add_option("--make-scene", make_scene,
+                 "N FILE: write a scene file like --scene (default: cube) with N of its tool, and "
+                 "end")
+      ->expected(2);
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
+      ->capture_default_str();
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& wanted) {
+    app.exit(wanted);  // prints the help or the version
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(std::string(error.what()) + "; 'palpate-load --help' shows how");
+  }
+
+  if (!dds::IsStationName(options.name + "_1000")) {
+    throw UsageError("--name '" + options.name + "': give 1 to 27 letters, digits or _");
+  }
+  if (!make_scene.empty()) {
+    const std::string& n = make_scene[0];
+    const auto [at, error] = std::from_chars(n.data(), n.data() + n.size(), options.copies);
+    if (error != std::errc() || at != n.data() + n.size() || options.copies < 1 ||
+        options.copies > 1000) {
+      throw UsageError("--make-scene " + n + ": give a number of tools, 1 to 1000, and a file");
+    }
+    options.copies_file = make_scene[1];
+    if (!options.copies_file.ends_with(".json")) {
+      throw UsageError("--make-scene: the file '" + options.copies_file +
+                       "' must end with .json, so that programs take it for a scene");
+    }
+  }
+  if (*server) options.server_pid = server_pid;
+  if (*viewer) options.viewer_pid = viewer_pid;
+  options.viewer_url = ParseViewerUrl(url);
+  options.transport = dds::ParseTransport(transport);
+  ParseRealtimeMode(options.realtime);  // throws
+  for (int i = 0; i < argc; ++i) {
+    // The program by its name: where it stands says nothing of the measurement.
+    const std::string word = argv[i];
+    options.command += i == 0 ? word.substr(word.rfind('/') + 1) : " " + word;
+  }
+  return options;
+}
+
+}  // namespace palpate

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/dds/participant.h"
+
+namespace palpate {
+
+/// Where a gateway is.
+struct ViewerUrl {
+  std::string host = "127.0.0.1";
+  int port = 8765;
+  std::string text() const { return "ws://" + host + ":" + std::to_string(port); }
+};
+/// Of "ws://HOST:PORT", with or without a slash behind it.  Throws UsageError.
+ViewerUrl ParseViewerUrl(const std::string& url);
+
+struct LoadRunOptions {
+  std::vector<std::size_t> stations{
+      1};  ///< several: each with each of `viewers`, one run after another
+  std::vector<std::size_t> viewers{0};
+  std::size_t stalled = 0;      ///< viewers beside these that read nothing
+  std::size_t dds_viewers = 0;  ///< readers of ToolState
+  double seconds = 10.0;        ///< of each run, after its warm-up
+  ViewerUrl viewer_url;
+  double rate_hz = 30.0;  ///< at which the gateway gives tool states
+  std::string scene;      ///< name or file; empty: all that the server serves
+  std::string script;     ///< file; empty: the scene's own
+  std::string name = "load";
+  int domain = 0;
+  dds::Transport transport = dds::Transport::kAuto;
+  std::string realtime = "prefer";
+  double patience_s = 10.0;
+  std::optional<int> server_pid, viewer_pid;
+  bool find = false;
+  std::string json;        ///< file or "-"; empty: none
+  std::string report;      ///< Markdown file; empty: none
+  std::string command;     ///< as it was given, for the report
+  std::size_t copies = 0;  ///< not 0: writes `copies_file` and ends
+  std::string copies_file;
+  std::string log_level = "info";
+};
+
+/// Reads the command line.  For --help and --version prints them and returns nothing.
+/// Throws UsageError.
+std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv);
+
+}  // namespace palpate

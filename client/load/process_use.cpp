@@ -1,0 +1,169 @@
+#include "client/load/process_use.h"
+
+#include <array>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "common/server_lock_file.h"
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string TextOf(const fs::path& file) {
+  std::ifstream in(file);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::optional<int> NumberOf(const std::string& text) {
+  int number = 0;
+  const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || at != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+double Seconds(std::uint64_t ticks) {
+  static const double kPerSecond = static_cast<double>(sysconf(_SC_CLK_TCK));
+  return static_cast<double>(ticks) / kPerSecond;
+}
+
+/// Inodes of the sockets that listen at the port, from a table like /proc/net/tcp.
+void AddListeners(const std::string& table, int port, std::set<std::string>& sockets) {
+  std::istringstream lines(table);
+  std::string line;
+  std::getline(lines, line);  // the heading
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    std::array<std::string, 10> word;
+    for (std::string& w : word) words >> w;
+    const std::size_t colon = word[1].rfind(':');
+    const bool listens = word[3] == "0A";
+    if (colon == std::string::npos || !listens) continue;
+    if (std::stoi(word[1].substr(colon + 1), nullptr, 16) != port) continue;
+    sockets.insert("socket:[" + word[9] + "]");
+  }
+}
+
+}  // namespace
+
+std::optional<StatLine> ParseStatLine(const std::string& line) {
+  // "PID (NAME) STATE ...": the name may hold blanks and brackets.  Times are fields 14 and 15.
+  const std::size_t open = line.find('(');
+  const std::size_t close = line.rfind(')');
+  if (open == std::string::npos || close == std::string::npos || close < open) return std::nullopt;
+  std::istringstream rest(line.substr(close + 1));
+  std::string skipped;
+  for (int field = 3; field < 14; ++field) rest >> skipped;
+  std::uint64_t user = 0;
+  std::uint64_t system = 0;
+  if (!(rest >> user >> system)) return std::nullopt;
+  return StatLine{line.substr(open + 1, close - open - 1), user + system};
+}
+
+std::optional<ProcessTimes> TimesOf(int pid) {
+  const fs::path folder = fs::path("/proc") / std::to_string(pid);
+  const auto whole = ParseStatLine(TextOf(folder / "stat"));
+  if (!whole) return std::nullopt;
+  ProcessTimes times;
+  times.time_ns = SteadyNanoseconds();
+  times.cpu_s = Seconds(whole->ticks);
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder / "task", error)) {
+    const auto thread = ParseStatLine(TextOf(entry.path() / "stat"));
+    const auto id = NumberOf(entry.path().filename().string());
+    if (thread && id) times.threads[*id] = {thread->name, Seconds(thread->ticks)};
+  }
+  return times;
+}
+
+ProcessUse UseBetween(const ProcessTimes& begin, const ProcessTimes& end) {
+  const double seconds = 1e-9 * static_cast<double>(end.time_ns - begin.time_ns);
+  ProcessUse use;
+  if (!(seconds > 0.0)) return use;
+  use.cpu = (end.cpu_s - begin.cpu_s) / seconds;
+  for (const auto& [id, thread] : end.threads) {
+    const auto before = begin.threads.find(id);
+    const double used = thread.cpu_s - (before == begin.threads.end() ? 0.0 : before->second.cpu_s);
+    if (used / seconds <= use.busiest_thread) continue;
+    use.busiest_thread = used / seconds;
+    use.busiest_name = thread.name;
+  }
+  return use;
+}
+
+MachineTimes ParseMachineTimes(const std::string& stat) {
+  std::istringstream line(stat.substr(0, stat.find('\n')));
+  std::string cpu;
+  line >> cpu;
+  MachineTimes times;
+  // user nice system idle iowait irq softirq steal; guests are counted in user already.
+  std::uint64_t ticks = 0;
+  for (int field = 0; field < 8 && line >> ticks; ++field) {
+    times.all += ticks;
+    if (field != 3 && field != 4) times.busy += ticks;
+  }
+  return times;
+}
+
+MachineTimes MachineTimesNow() {
+  return ParseMachineTimes(TextOf("/proc/stat"));
+}
+
+double BusyBetween(const MachineTimes& begin, const MachineTimes& end) {
+  if (end.all <= begin.all) return 0.0;
+  return static_cast<double>(end.busy - begin.busy) / static_cast<double>(end.all - begin.all);
+}
+
+std::string LoadAverages() {
+  std::istringstream text(TextOf("/proc/loadavg"));
+  std::string one, five, fifteen;
+  text >> one >> five >> fifteen;
+  return one + " " + five + " " + fifteen;
+}
+
+std::optional<int> ServerOf(int domain) {
+  const int file = open(ServerLockFile(domain).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (file < 0) return std::nullopt;
+  // Who could lock it knows that nobody holds it; the lock goes with the file.
+  const bool held = flock(file, LOCK_SH | LOCK_NB) != 0;
+  close(file);
+  if (!held) return std::nullopt;
+  const auto pid = NumberOf(TextOf(ServerLockFile(domain)));
+  // A server in a container has another number here.
+  if (!pid || TextOf(fs::path("/proc") / std::to_string(*pid) / "comm") != "palpate-server\n") {
+    return std::nullopt;
+  }
+  return pid;
+}
+
+std::optional<int> ListenerAt(int port) {
+  std::set<std::string> sockets;
+  for (const char* table : {"/proc/net/tcp", "/proc/net/tcp6"}) {
+    AddListeners(TextOf(table), port, sockets);
+  }
+  if (sockets.empty()) return std::nullopt;
+  std::error_code error;
+  for (const auto& process : fs::directory_iterator("/proc", error)) {
+    const auto pid = NumberOf(process.path().filename().string());
+    if (!pid) continue;
+    std::error_code not_ours;
+    for (const auto& file : fs::directory_iterator(process.path() / "fd", not_ours)) {
+      std::error_code closed;
+      if (sockets.contains(fs::read_symlink(file.path(), closed).string())) return pid;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace palpate

@@ -1,0 +1,61 @@
+#include "client/load/scene_copies.h"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "common/error.h"
+#include "scenes/catalogue.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Mesh files are named from the scene's folder, which will be another.
+void MakeMeshPathsAbsolute(Json& bodies, const fs::path& folder) {
+  for (Json& body : bodies) {
+    if (!body["mesh"].contains("file")) continue;
+    const fs::path mesh = body["mesh"]["file"].get<std::string>();
+    body["mesh"]["file"] = fs::absolute(folder / mesh).lexically_normal().string();
+  }
+}
+
+}  // namespace
+
+void WriteSceneWithCopies(const std::string& scene, std::size_t copies, const std::string& file) {
+  LoadScene(scene);  // complains better than what follows could
+  const std::string from = FindSceneFile(scene);
+  std::ifstream in(from);
+  std::stringstream text;
+  text << in.rdbuf();
+  Json json = Json::parse(text.str(), nullptr, false, true);
+  if (!in || json.is_discarded()) {
+    throw Error(from + ": is no scene as people write it; give --scene a name or a .json file");
+  }
+  const fs::path folder = fs::path(from).parent_path();
+  MakeMeshPathsAbsolute(json["tools"], folder);
+  MakeMeshPathsAbsolute(json["objects"], folder);
+  const Json tool = json["tools"][0];
+  json["tools"] = Json::array();
+  for (std::size_t i = 1; i <= copies; ++i) {
+    Json copy = tool;
+    copy["name"] = tool["name"].get<std::string>() + "_" + std::to_string(i);
+    json["tools"].push_back(std::move(copy));
+  }
+  std::ofstream out(file);
+  if (!(out << json.dump(2) << '\n') || !out.flush()) {
+    throw Error("--make-scene: " + file +
+                " cannot be written; give a file in a folder that exists");
+  }
+  const std::string script = ScriptFileBeside(scene);
+  std::error_code error;
+  if (!fs::exists(script)) return;
+  fs::copy_file(script, ScriptFileBeside(file), fs::copy_options::overwrite_existing, error);
+  if (error) throw Error(ScriptFileBeside(file) + ": " + error.message());
+}
+
+}  // namespace palpate

@@ -1,0 +1,236 @@
+#include "client/load/web_viewers.h"
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <nlohmann/json.hpp>
+#include <sys/resource.h>
+
+#include "common/dds/cdr.h"
+#include "common/error.h"
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace net = boost::asio;
+namespace websocket = beast::websocket;
+using Json = nlohmann::json;
+using net::ip::tcp;
+
+constexpr const char* kTopic = "/palpate/tool_state";
+constexpr std::uint32_t kSubscription = 1;
+/// A message's opcode, subscription and time, before its payload.
+constexpr std::size_t kHeader = 13;
+constexpr std::uint8_t kMessageData = 1;
+/// That attach at the same time: a gateway has only so many places for who is no viewer yet.
+constexpr std::size_t kAtOnce = 32;
+
+/// A socket each, and some for DDS and files.
+void AllowFiles(std::size_t sockets) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  const rlim_t wanted = sockets + 512;
+  if (limit.rlim_cur >= wanted) return;
+  if (limit.rlim_max < wanted) {
+    throw Error(std::to_string(sockets) +
+                " viewers need as many open files, and this user may have " +
+                std::to_string(limit.rlim_max) + "; raise it with 'ulimit -Hn', or give fewer");
+  }
+  limit.rlim_cur = wanted;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+struct Shared {
+  Shared(FrameTally& to, const ViewerUrl& url)
+      : tally(to), host_header(url.host + ":" + std::to_string(url.port)) {}
+
+  FrameTally& tally;
+  const std::string host_header;
+  std::function<void()> start_next;  ///< viewer; in the event loop
+  std::atomic<std::size_t> attached{0};
+  std::atomic<std::size_t> gone{0};
+  std::mutex mutex;
+  std::string complaint;  // the first; guarded
+  bool refused = false;   // guarded
+
+  void Complain(const std::string& what, bool by_gateway) {
+    const std::lock_guard lock(mutex);
+    if (!complaint.empty()) return;
+    complaint = what;
+    refused = by_gateway;
+  }
+};
+
+class Viewer {
+ public:
+  Viewer(net::io_context& io, Shared& shared, std::size_t index, bool reads)
+      : socket_(io), shared_(shared), index_(index), reads_(reads) {}
+
+  void Start(const tcp::endpoint& endpoint) {
+    socket_.next_layer().async_connect(endpoint, [this](beast::error_code error) {
+      if (error) return shared_.Complain(error.message(), false);
+      Shake();
+    });
+  }
+
+ private:
+  void Shake() {
+    beast::error_code ignored;
+    socket_.next_layer().set_option(tcp::no_delay(true), ignored);
+    socket_.set_option(websocket::stream_base::decorator([](websocket::request_type& request) {
+      request.set(http::field::sec_websocket_protocol, "foxglove.websocket.v1");
+    }));
+    socket_.read_message_max(0);
+    socket_.async_handshake(response_, shared_.host_header, "/", [this](beast::error_code error) {
+      if (error == websocket::error::upgrade_declined) {
+        return shared_.Complain("HTTP status " + std::to_string(response_.result_int()), true);
+      }
+      if (error) return shared_.Complain(error.message(), false);
+      Read();
+    });
+  }
+
+  void Read() {
+    socket_.async_read(buffer_, [this](beast::error_code error, std::size_t) {
+      const std::int64_t now_ns = SteadyNanoseconds();
+      if (error) return Gone(error);
+      const std::span bytes(static_cast<const std::uint8_t*>(buffer_.cdata().data()),
+                            buffer_.size());
+      if (socket_.got_text()) {
+        OnText({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+      } else if (bytes.size() > kHeader && bytes[0] == kMessageData &&
+                 dds::FromCdr(bytes.subspan(kHeader), frame_)) {
+        shared_.tally.Add(index_, frame_, now_ns);
+      }
+      buffer_.clear();
+      if (reads_ || !subscribing_) Read();
+    });
+  }
+
+  void OnText(std::string_view text) {
+    const Json message = Json::parse(text, nullptr, false);
+    if (!message.is_object() || message.value("op", "") != "advertise") return;
+    for (const Json& channel : message["channels"]) {
+      if (channel.value("topic", "") == kTopic) return Subscribe(channel["id"]);
+    }
+    shared_.Complain(std::string("it has no channel ") + kTopic, false);
+  }
+
+  void Subscribe(std::uint32_t channel) {
+    if (subscribing_) return;
+    subscribing_ = true;
+    request_ = Json{{"op", "subscribe"},
+                    {"subscriptions", {{{"id", kSubscription}, {"channelId", channel}}}}}
+                   .dump();
+    socket_.text(true);
+    socket_.async_write(net::buffer(request_), [this](beast::error_code error, std::size_t) {
+      if (error) return Gone(error);
+      attached_ = true;
+      ++shared_.attached;
+      shared_.start_next();
+    });
+  }
+
+  void Gone(beast::error_code error) {
+    if (attached_) {
+      ++shared_.gone;
+    } else {
+      shared_.Complain(error.message(), false);
+    }
+  }
+
+  websocket::stream<tcp::socket> socket_;
+  Shared& shared_;
+  std::size_t index_;
+  bool reads_;
+  bool subscribing_ = false;
+  bool attached_ = false;
+  websocket::response_type response_;
+  beast::flat_buffer buffer_;
+  std::string request_;
+  wire::ToolState frame_{};
+};
+
+}  // namespace
+
+struct WebViewers::State {
+  State(FrameTally& tally, const ViewerUrl& url) : shared(tally, url) {}
+
+  net::io_context io{1};
+  Shared shared;
+  std::vector<std::unique_ptr<Viewer>> viewers;
+  std::size_t started = 0;
+  std::thread thread;
+
+  ~State() {
+    io.stop();
+    if (thread.joinable()) thread.join();
+  }
+};
+
+WebViewers::WebViewers(const ViewerUrl& url, std::size_t viewers, std::size_t stalled,
+                       double wait_s, FrameTally& tally, StopSignal& stop)
+    : state_(std::make_unique<State>(tally, url)) {
+  const std::size_t all = viewers + stalled;
+  if (all == 0) return;
+  AllowFiles(all);
+  State& s = *state_;
+  const auto nobody = [&](const std::string& why) {
+    return Error("no gateway answers at " + url.text() + " (" + why +
+                 "); start 'palpate-viewer --http " + std::to_string(url.port) +
+                 "', or give --viewer-url");
+  };
+  beast::error_code error;
+  tcp::resolver resolver(s.io);
+  const auto found = resolver.resolve(url.host, std::to_string(url.port), error);
+  if (error) throw nobody(error.message());
+  for (std::size_t i = 0; i < all; ++i) {
+    s.viewers.push_back(std::make_unique<Viewer>(s.io, s.shared, i, i < viewers));
+  }
+  s.shared.start_next = [&s, endpoint = found.begin()->endpoint()] {
+    if (s.started < s.viewers.size()) s.viewers[s.started++]->Start(endpoint);
+  };
+  for (std::size_t i = 0; i < kAtOnce; ++i) s.shared.start_next();
+  s.thread = std::thread([&s] { s.io.run(); });
+
+  const std::int64_t until_ns = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * wait_s);
+  while (s.shared.attached < all) {
+    {
+      const std::lock_guard lock(s.shared.mutex);
+      if (s.shared.refused) {
+        throw Error("the gateway at " + url.text() + " turns viewers away (" + s.shared.complaint +
+                    "); start palpate-viewer with more --max-viewers, or give fewer");
+      }
+      if (!s.shared.complaint.empty()) throw nobody(s.shared.complaint);
+    }
+    if (SteadyNanoseconds() > until_ns) {
+      throw nobody(std::to_string(s.shared.attached) + " of " + std::to_string(all) +
+                   " viewers attached in time");
+    }
+    if (stop.WaitFor(std::chrono::milliseconds(5))) return;
+  }
+}
+
+WebViewers::~WebViewers() = default;
+
+std::size_t WebViewers::gone() const {
+  return state_->shared.gone;
+}
+
+}  // namespace palpate

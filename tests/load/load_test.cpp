@@ -1,0 +1,167 @@
+// The real palpate-load beside a real server and gateway: that it measures what is there, and says
+// what is not.
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "tests/support/program.h"
+
+namespace palpate::test {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+const int kDomain = 1 + getpid() % 9;
+
+class Load : public testing::Test {
+ protected:
+  Load() { fs::create_directories(folder_); }
+  ~Load() override { fs::remove_all(folder_); }
+
+  std::string In(const std::string& file) const { return (folder_ / file).string(); }
+  std::string ReadText(const std::string& file) const {
+    std::stringstream text;
+    text << std::ifstream(In(file)).rdbuf();
+    return text.str();
+  }
+
+  std::unique_ptr<Program> Start(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.end(), {"--domain", std::to_string(kDomain)});
+    return std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-load", std::move(arguments));
+  }
+  /// A server whose scene has four tools.
+  void StartServer() {
+    const auto make = Start({"--make-scene", "4", In("many.json")});
+    ASSERT_EQ(make->Exit(), 0) << make->Output();
+    server_ = std::make_unique<Program>(
+        PALPATE_BIN_DIR "/palpate-server",
+        std::vector<std::string>{"--scene", In("many.json"), "--realtime", "off", "--transport",
+                                 "udp", "--domain", std::to_string(kDomain)});
+    ASSERT_TRUE(server_->Says("ready: ", 60.0)) << server_->Output();
+  }
+  void StartGateway() {
+    gateway_ =
+        std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-viewer",
+                                  std::vector<std::string>{"--http", "0", "--max-viewers", "3",
+                                                           "--domain", std::to_string(kDomain)});
+    const std::string begin = "ready: page http://127.0.0.1:";
+    ASSERT_TRUE(gateway_->Says(begin)) << gateway_->Output();
+    ASSERT_TRUE(gateway_->Says("/; domain"));
+    const std::string& said = gateway_->Output();
+    url_ = "ws://127.0.0.1:" +
+           std::to_string(std::atoi(said.c_str() + said.find(begin) + begin.size()));
+  }
+  std::vector<std::string> Arguments(std::vector<std::string> more,
+                                     const std::string& seconds = "2") const {
+    std::vector<std::string> arguments{"--scene",     In("many.json"), "--realtime", "off",
+                                       "--transport", "udp",           "--seconds",  seconds};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("palpate_load_" + std::to_string(getpid()));
+  std::unique_ptr<Program> server_, gateway_;
+  std::string url_;
+};
+
+TEST_F(Load, MeasuresStationsAndViewersOfBothKinds) {
+  StartServer();
+  StartGateway();
+  const auto load =
+      Start(Arguments({"--stations", "2", "--viewers", "3", "--dds-viewers", "1", "--viewer-url",
+                       url_, "--json", In("load.json"), "--report", In("capacity.md")}));
+  ASSERT_EQ(load->Exit(60.0), 0) << load->Output();
+  const Json json = Json::parse(ReadText("load.json"));
+  EXPECT_EQ(json["stations"], 2);
+  EXPECT_EQ(json["viewers"], 3);
+  EXPECT_GE(json["seconds"].get<double>(), 2.0);
+  EXPECT_GT(json["achieved_hz"].get<double>(), 0.0);
+  EXPECT_LE(json["achieved_hz"].get<double>(), 1000.0);
+  EXPECT_GE(json["late_fraction"].get<double>(), 0.0);
+  EXPECT_LE(json["late_fraction"].get<double>(), 1.0);
+  for (const std::string key : {"rtt_us", "frame_age_ms", "dds_frame_age_ms", "server_step_us"}) {
+    const Json& group = json[key];
+    EXPECT_GT(group["p50"].get<double>(), 0.0) << key;
+    EXPECT_LE(group["p50"].get<double>(), group["p99"].get<double>()) << key;
+    EXPECT_LE(group["p99"].get<double>(), group["p999"].get<double>()) << key;
+    EXPECT_LE(group["p999"].get<double>(), group["max"].get<double>()) << key;
+  }
+  EXPECT_GT(json["server_cpu_fraction"].get<double>(), 0.0);
+  EXPECT_GE(json["gateway_cpu_fraction"].get<double>(), 0.0);
+  EXPECT_GT(json["load_cpu_fraction"].get<double>(), 0.0);
+  EXPECT_GT(json["viewer_frames"].get<int>(), 0);
+  EXPECT_GE(json["lost"].get<int>(), 0);
+  EXPECT_EQ(json["viewers_gone"], 0);
+  EXPECT_GT(json["dds_viewer_frames"].get<int>(), 0);
+  EXPECT_THAT(ReadText("capacity.md"), HasSubstr("| 2 | 3 + 1 DDS |"));
+  // All that it took is free again.
+  EXPECT_TRUE(server_->Says("station load_2: ended")) << server_->Output();
+}
+
+TEST_F(Load, SaysWhichNumberIsTheLargestAndWhy) {
+  StartServer();
+  StartGateway();
+  // A machine that is busy may hold none; with the gateway's limit of three there are never more.
+  const auto load = Start(Arguments(
+      {"--find", "--stations", "1", "--viewer-url", url_, "--json", In("found.json")}, "0.5"));
+  ASSERT_EQ(load->Exit(110.0), 0) << load->Output();
+  EXPECT_THAT(load->Output(), testing::ContainsRegex("limit: [0-4] stations at 1 kHz"));
+  EXPECT_THAT(load->Output(), testing::ContainsRegex("limit: [0-3] viewers at 30 Hz beside 1"));
+  for (const Json& run : Json::parse(ReadText("found.json"))) {
+    EXPECT_LE(run["stations"], 4);
+    EXPECT_LE(run["viewers"], 3);
+  }
+}
+
+TEST_F(Load, NamesTheProgramThatDoesNotRun) {
+  const auto no_server = Start({"--wait", "0.5"});
+  EXPECT_EQ(no_server->Exit(), 1);
+  EXPECT_THAT(no_server->Output(),
+              HasSubstr("no palpate-server answers in domain " + std::to_string(kDomain)));
+  EXPECT_THAT(no_server->Output(), HasSubstr("palpate-server --scene cube --domain"));
+
+  StartServer();
+  const auto no_gateway = Start(Arguments({"--viewers", "1", "--viewer-url", "ws://127.0.0.1:1"}));
+  EXPECT_EQ(no_gateway->Exit(), 1);
+  EXPECT_THAT(no_gateway->Output(), HasSubstr("no gateway answers at ws://127.0.0.1:1"));
+  EXPECT_THAT(no_gateway->Output(), HasSubstr("palpate-viewer --http 1"));
+}
+
+TEST_F(Load, NamesWhatTheServerDoesNotOffer) {
+  StartServer();
+  const auto tools = Start(Arguments({"--stations", "5"}));
+  EXPECT_EQ(tools->Exit(), 1);
+  EXPECT_THAT(tools->Output(), HasSubstr("--stations 5: the server offers 4 tools"));
+  EXPECT_THAT(tools->Output(), HasSubstr("--make-scene 5"));
+  const auto scene = Start({"--scene", "friction", "--wait", "2"});
+  EXPECT_EQ(scene->Exit(), 1);
+  EXPECT_THAT(scene->Output(), HasSubstr("has no scene 'friction', but: many"));
+  StartGateway();
+  const auto viewers = Start(Arguments({"--viewers", "4", "--viewer-url", url_}));
+  EXPECT_EQ(viewers->Exit(), 1);
+  EXPECT_THAT(viewers->Output(), HasSubstr("--max-viewers"));
+}
+
+TEST_F(Load, EndsCleanlyOnCtrlCWithWhatItHasMeasured) {
+  StartServer();
+  const auto load = Start(Arguments({"--stations", "2"}, "3600"));
+  ASSERT_TRUE(load->Says("of 3600 s", 60.0)) << load->Output();
+  load->Signal(SIGINT);
+  EXPECT_EQ(load->Exit(), 0);
+  EXPECT_THAT(load->Output(), HasSubstr("2 stations, 0 viewers"));
+  EXPECT_TRUE(server_->Says("station load_1: ended")) << server_->Output();
+  EXPECT_TRUE(server_->Says("station load_2: ended")) << server_->Output();
+}
+
+}  // namespace
+}  // namespace palpate::test
