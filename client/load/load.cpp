@@ -154,6 +154,7 @@ class Load {
     std::optional<LoadFigures> failed;
     std::string refusal;
     std::size_t refused = SIZE_MAX;
+    std::size_t last_failed = 0;
     const Capacity capacity = FindCapacity(most, kFindAttempts, [&](std::size_t n) {
       if (stop_.stopped() || n >= refused) return false;
       const auto [stations, viewers] = of(n);
@@ -165,6 +166,7 @@ class Load {
                         100.0 * figures->sum.late_fraction(), 100.0 * figures->lost_fraction(),
                         holds ? "holds" : "does not hold"));
         (holds ? held : failed) = figures;
+        if (!holds) last_failed = n;
         return holds;
       } catch (const Error& error) {
         // Where less has worked, server and gateway are there, and this is more than they take.
@@ -176,7 +178,8 @@ class Load {
     });
     if (stop_.stopped()) return;
     if (held) report_.runs.push_back(*held);
-    if (failed) report_.runs.push_back(*failed);
+    // One that failed and then held was a moment's.
+    if (failed && last_failed == capacity.fails) report_.runs.push_back(*failed);
     std::string why = no_more;
     if (capacity.fails > 0) {
       why = capacity.fails == refused ? refusal : LimitingResource(*failed, report_.machine.cores);

@@ -16,10 +16,9 @@
 namespace palpate {
 
 /// A palpate-station but for its command line and table: the same core, loop and session, with a
-/// hand that follows a script again and again.  Several are threads of one process: DDS then has
-/// one set of threads for all of them, where processes of their own would each bring six more, and
-/// wake them for every message of discovery (README.md has the figures). Thread contract: one
-/// thread, that of all stations.
+/// hand that follows a script again and again.  Several are threads of one process, for DDS then
+/// has one set of threads for all of them (README.md has figures). Thread contract: one thread,
+/// that of all stations.
 class LoadStation {
  public:
   LoadStation(const std::string& name, const OfferedTool& tool, const PoseScript& script,
