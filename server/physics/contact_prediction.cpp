@@ -10,10 +10,10 @@ namespace palpate {
 namespace {
 /// Surfaces that overlap by less than this touch [m].
 constexpr double kTouching = 1e-6;
-/// The most that a sub-step makes good of it [m].  A step leaves some micrometres of linearisation
-/// error; what reads deeper is as likely a point that is "below" a face from beside it, across an
-/// edge, and rows that want it out at once, against others that hold, would throw the optimum
-/// centimetres away, and the force with it.
+/// What a sub-step makes good in full of an overlap [m].  A step leaves some micrometres of
+/// linearisation error; what reads deeper is as likely a point that is "below" a face from beside
+/// it, across an edge, and rows that want it out at once, against others that hold, would throw the
+/// optimum centimetres away, and the force with it.
 constexpr double kRecovery = 5e-6;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 }  // namespace

@@ -93,9 +93,12 @@ void ContactRows::KeepNearest(int first, bool points_are_tool, const PatchDisc* 
   }
 }
 
-void ContactRows::LimitRecovery(int first, double most) noexcept {
-  for (int i = first; i < count_; ++i)
-    columns_.b[i] = std::min(columns_.b[i], most + 0.6 * (columns_.b[i] - most));
+void ContactRows::SoftenRecovery(int first, double at_once) noexcept {
+  constexpr double kShare = 0.6;
+  for (int i = first; i < count_; ++i) {
+    const double beyond = columns_.b[i] - at_once;
+    if (beyond > 0.0) columns_.b[i] = at_once + kShare * beyond;
+  }
 }
 
 void ContactRows::AddRow(const Vec3& normal, const Vec3& lever, double gap,

@@ -40,8 +40,9 @@ class ContactRows {
   /// @param body   that each patch belongs to; null where all are one body's
   void KeepNearest(int first, bool points_are_tool, const PatchDisc* discs,
                    const std::uint32_t* body) noexcept;
-  /// No row from `first` on is to want more of an overlap made good than this [m].
-  void LimitRecovery(int first, double most) noexcept;
+  /// Of what a row from `first` on wants made good, what goes beyond `at_once` [m] counts six
+  /// tenths. Contradictory rows still share what must overlap: the deeper wants more.
+  void SoftenRecovery(int first, double at_once) noexcept;
   /// Adds one row.
   /// @param lever  of the contact point [m], in W
   void AddRow(const Vec3& normal, const Vec3& lever, double gap, NodePair pair) noexcept;

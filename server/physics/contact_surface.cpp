@@ -18,9 +18,8 @@ constexpr double kFlat = 1e-5;
 constexpr double kAtCrease = 1e-9, kAcrossEdges = 0.02;
 /// Least cosine between the normals of two smooth places that touch, one of them turned over.
 constexpr double kOpposed = 0.3;
-/// Reach of points on creases, which no side can leave to the other; and of which nothing tells
-/// what they may touch.
-constexpr double kOnCrease = -1.0, kAnything = -2.0;
+/// Reach of points on creases, which no side can leave to the other.
+constexpr double kOnCrease = -1.0;
 /// How far [rad] what touches a crease may leave the normals that meet there.
 constexpr double kCreaseSlack = 0.1;
 /// Least depth that a patch has below it [m]: linearising leaves some micrometres.
@@ -196,7 +195,7 @@ class SurfaceBuilder {
   /// SurfacePoint::m and cosine.
   struct Facing {
     Vec3 outward = Vec3::Zero();
-    double cosine = kAnything;
+    double cosine = kFacesAnything;
   };
 
   /// Of a crease or corner where these normals meet.
@@ -220,7 +219,7 @@ class SurfaceBuilder {
     out_.points.push_back(point);
     const std::uint32_t leaf = leaves_of_.Nearest(surface_.triangles[triangle].source, x);
     out_.point_leaf.push_back(leaf);
-    point_pieces.push_back({{x, x, x}, 1e-9, facing.outward, leaf});
+    point_pieces.push_back({{x, x, x}, 1e-9, leaf});
   }
 
   void AddPatches() {
@@ -273,7 +272,7 @@ class SurfaceBuilder {
       out_.patches.push_back(patch);
       out_.patch_leaf.push_back(leaf);
       const double slack = lift / 3.0;  // a third of the largest at most
-      patch_pieces.push_back({{p0, p1, p2}, slack, face, leaf});
+      patch_pieces.push_back({{p0, p1, p2}, slack, leaf});
       PatchDisc disc{};
       Put(disc.n, face);
       Put(disc.centre, middle);
@@ -319,7 +318,7 @@ class SurfaceBuilder {
       out_.crease_leaf.push_back(
           leaves_of_.Nearest(surface_.triangles[edge.triangle[0]].source, middle));
       crease_pieces.push_back(
-          {{crease.a, crease.a + crease.d, middle}, 0.0, Vec3::Zero(), out_.crease_leaf.back()});
+          {{crease.a, crease.a + crease.d, middle}, 0.0, out_.crease_leaf.back()});
       Facing facing;
       if (edge.triangle[0] != edge.triangle[1]) {
         std::vector<Vec3> normals;
@@ -378,7 +377,6 @@ ContactSurface::ContactSurface(const TriangleMesh& mesh, const SphereTree& leave
   const auto arrange = [&](std::vector<SurfacePiece>& pieces, SphereTree& tree, auto&... values) {
     for (SurfacePiece& piece : pieces) {
       for (Vec3& corner : piece.corner) corner = R * corner + X_FB.p;
-      piece.outward = R * piece.outward;
     }
     std::vector<std::uint32_t> order;
     tree = MakeSurfaceTree(leaves, X_FB, pieces, order);

@@ -160,7 +160,7 @@ ToolSurface::ToolSurface(const TriangleMesh* mesh, const SphereTree& tree, const
   if (tree.leaves() == 1) {
     radius = tree.leaf_radius[0];
     SurfacePoint centre{};
-    centre.cosine = -2.0;  // may touch anything
+    centre.cosine = kFacesAnything;
     points.push_back(centre);
     SphereTree ball = tree;
     ball.leaf_x[0] = ball.leaf_y[0] = ball.leaf_z[0] = 0.0;
@@ -207,7 +207,7 @@ std::int64_t SurfacePrediction::tested() const {
 }
 
 void SurfacePrediction::Predict(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
-                                const StepBounds& bounds, double max_depth, double max_recovery,
+                                const StepBounds& bounds, double max_depth, double recovery,
                                 int degrees_of_freedom, double rho, ContactRows& rows,
                                 StageTimes* times) noexcept {
   StageClock clock(times);
@@ -286,7 +286,7 @@ void SurfacePrediction::Predict(const Kernels& kernels, const Mat3& R_WG, const 
       return true;
     });
   }
-  if (tool_.radius == 0.0) rows.LimitRecovery(first_row, max_recovery);
+  if (tool_.radius == 0.0) rows.SoftenRecovery(first_row, recovery);
   clock.Lap(&StageTimes::prediction);
 }
 

@@ -62,9 +62,11 @@ class SurfacePrediction {
   /// Where `times` is given, adds to its prediction and rows stages.  Real-time.
   /// @param max_depth  what lies deeper below a surface than this is no concern of it [m];
   ///   infinite: also what lies inside and could not have come there
-  /// @param max_recovery  the most that a row wants made good of what lies below [m]
+  /// @param recovery  what a row wants made good in full of what lies below [m]; of the rest a
+  /// part.
+  ///   A spherical tool's rows want all
   void Predict(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W, const StepBounds& bounds,
-               double max_depth, double max_recovery, int degrees_of_freedom, double rho,
+               double max_depth, double recovery, int degrees_of_freedom, double rho,
                ContactRows& rows, StageTimes* times) noexcept;
 
   /// Packet pairs tested so far, and pairs looked at for a row: either takes some 10 ns.

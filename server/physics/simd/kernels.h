@@ -28,6 +28,8 @@ struct alignas(64) SurfacePoint {
   /// It may touch a patch whose normal n has -n . m above this: what it may touch faces it.
   double cosine;
 };
+/// SurfacePoint::cosine of what may touch a patch whichever way that looks.
+inline constexpr double kFacesAnything = -2.0;
 
 /// A patch of SurfaceMesh, as the kernel wants it.
 struct alignas(32) SurfacePatch {
