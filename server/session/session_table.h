@@ -18,7 +18,7 @@ namespace palpate {
 /// Thread contract: service thread.
 class SessionTable {
  public:
-  static constexpr std::size_t kMaxStations = 16;  ///< what the shared-memory pools are sized for
+  static constexpr std::size_t kMaxStations = 32;  ///< what the shared-memory pools are sized for
   /// How long a request under a name in use waits for the former run to prove dead (a station that
   /// was killed and started again) before it is refused.
   static constexpr std::int64_t kTakeOver_ns = 3 * Session::kSilence_ns;

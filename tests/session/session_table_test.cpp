@@ -201,18 +201,19 @@ TEST_F(SessionTableTest, TellsOnceMoreFromWhichPoseAndPlaceForcesAreComputed) {
   EXPECT_EQ(LastChange().run, 0u) << "told again though nothing is new";
 }
 
-TEST_F(SessionTableTest, HoldsSixteenStationsAndNoMore) {
+TEST_F(SessionTableTest, HoldsItsMostStationsAndNoMore) {
   std::vector<std::shared_ptr<const ServedTool>> tools;
-  for (int i = 0; i < 17; ++i) tools.push_back(BallTool("many", "tool" + std::to_string(i)));
+  constexpr int kTools = SessionTable::kMaxStations + 1;
+  for (int i = 0; i < kTools; ++i) tools.push_back(BallTool("many", "tool" + std::to_string(i)));
   SessionTable table(std::move(tools), kServerRun);
-  for (int i = 0; i < 17; ++i) {
+  for (int i = 0; i < kTools; ++i) {
     const std::string number = std::to_string(i);
     table.Request(MakeRequest("s" + number, 1, "many", "tool" + number), now_);
   }
-  EXPECT_EQ(table.sessions().size(), 16u);
+  EXPECT_EQ(table.sessions().size(), SessionTable::kMaxStations);
   const auto changes = table.TakeChanges();
   EXPECT_EQ(changes.back().phase, palpate_SESSION_REFUSED);
-  EXPECT_THAT(changes.back().reason, HasSubstr("16 stations"));
+  EXPECT_THAT(changes.back().reason, HasSubstr(std::to_string(SessionTable::kMaxStations) + " stations"));
 }
 
 TEST_F(SessionTableTest, TellsEveryStationWhenTheServerStops) {
