@@ -81,6 +81,17 @@ std::string TimeText(std::int64_t ns) {
 
 }  // namespace
 
+std::uint64_t FileSummary::Topic::before() const {
+  const bool counts_from_1 = type == SchemaName(RecordedType::kWrench);
+  return counts_from_1 && sequence.first() > 1 ? sequence.first() - 1 : 0;
+}
+
+bool FileSummary::whole() const {
+  const auto begins_late = [](const auto& topic) { return topic.second.before() > 0; };
+  return complete && problems.empty() && missing + dropped + broken + unknown == 0 &&
+         std::ranges::none_of(topics, begins_late);
+}
+
 FileSummary Summarise(const std::vector<std::string>& files) {
   FileSummary summary;
   summary.files = files;
@@ -110,13 +121,18 @@ FileSummary Summarise(const std::vector<std::string>& files) {
   summary.duration_s = 1e-9 * static_cast<double>(last_ns - summary.first_ns);
   summary.complete = reader.complete();
   summary.problems = reader.problems();
+  summary.unknown = reader.unknown();
   for (const mcap::Metadata& metadata : reader.metadata()) {
     const mcap::StringMap& values = metadata.values;
     if (metadata.name == "palpate.recording") summary.build = Value(values, "build");
     if (metadata.name == "palpate.end") summary.end_reason = Value(values, "reason");
     if (metadata.name == "palpate.topic") {
-      if (const auto it = summary.topics.find(Value(values, "topic")); it != summary.topics.end()) {
-        it->second.dropped = Number(Value(values, "dropped"));
+      const std::uint64_t dropped = Number(Value(values, "dropped"));
+      const std::string name = Value(values, "topic");
+      // Without a single message where all of its samples were dropped.
+      if (dropped > 0) summary.topics[name].type = Value(values, "type");
+      if (const auto it = summary.topics.find(name); it != summary.topics.end()) {
+        it->second.dropped = dropped;
       }
     }
     if (metadata.name == "palpate.scene") {
@@ -129,6 +145,7 @@ FileSummary Summarise(const std::vector<std::string>& files) {
     if (span_s > 0.0) topic.rate_hz = static_cast<double>(topic.messages - 1) / span_s;
     summary.missing += topic.sequence.missing();
     summary.dropped += topic.dropped;
+    summary.broken += topic.broken;
   }
   return summary;
 }
@@ -165,12 +182,20 @@ std::string ToText(const FileSummary& summary) {
     if (topic.broken > 0) {
       text += fmt::format("  {:<52} {} of them are not of type {}\n", "", topic.broken, topic.type);
     }
+    if (topic.before() > 0) {
+      text += fmt::format("  {:<52} begins with answer {}: cannot be verified from here on alone\n",
+                          "", topic.sequence.first());
+    }
   }
-  text += fmt::format(
-      "\n  {}\n", summary.missing + summary.dropped == 0
-                      ? "nothing is missing"
-                      : fmt::format("{} samples are missing, {} of them dropped by the recorder",
-                                    summary.missing, summary.dropped));
+  text += "\n";
+  if (summary.whole()) text += "  nothing is missing\n";
+  const auto say = [&](std::uint64_t count, const char* what) {
+    if (count > 0) text += fmt::format("  {} samples {}\n", count, what);
+  };
+  say(summary.missing, "are missing, by the numbers of those before and after");
+  say(summary.dropped, "came and were dropped by the recorder: its disk was too slow");
+  say(summary.broken, "are not of their type");
+  say(summary.unknown, "are of types that this version does not know");
   for (const std::string& problem : summary.problems) text += "  " + problem + "\n";
   return text;
 }
@@ -186,6 +211,9 @@ void WriteJson(const FileSummary& summary, const std::string& file) {
                               {"messages", summary.messages},
                               {"missing", summary.missing},
                               {"dropped", summary.dropped},
+                              {"broken", summary.broken},
+                              {"unknown", summary.unknown},
+                              {"whole", summary.whole()},
                               {"problems", summary.problems},
                               {"scenes", nlohmann::ordered_json::array()},
                               {"sessions", nlohmann::ordered_json::array()},
@@ -210,6 +238,7 @@ void WriteJson(const FileSummary& summary, const std::string& file) {
                               {"last", topic.sequence.last()},
                               {"holes", topic.sequence.holes()},
                               {"missing", topic.sequence.missing()},
+                              {"before", topic.before()},
                               {"dropped", topic.dropped},
                               {"broken", topic.broken}});
   }

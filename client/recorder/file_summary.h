@@ -17,6 +17,8 @@ struct FileSummary {
     double rate_hz = 0.0;  ///< between its first and last
     std::int64_t first_ns = 0, last_ns = 0;
     SequenceCount sequence;
+    /// Answers of the server's loop before the first that is here: a loop counts from 1.
+    std::uint64_t before() const;
   };
   struct Scene {
     std::string hash;
@@ -39,6 +41,11 @@ struct FileSummary {
   std::map<std::string, Scene> scenes;
   std::vector<Session> sessions;
   std::uint64_t messages = 0, missing = 0, dropped = 0;
+  std::uint64_t broken = 0;   ///< not of their type
+  std::uint64_t unknown = 0;  ///< of types that this version does not know
+
+  /// True where all that came while it was recorded is in it, and nothing else.
+  bool whole() const;
 };
 
 /// Throws Error where a file cannot be read.

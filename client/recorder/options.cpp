@@ -22,7 +22,7 @@ constexpr const char* kExamples =
     "  palpate-record info lesson.mcap\n"
     "      what is in it, and whether anything is missing\n"
     "\n"
-    "What was recorded a second ago is in the file, even if this program or the disk fails.\n"
+    "What was recorded a second ago is on the disk, even if this program or the machine fails.\n"
     "Exit status: 0 done, 1 failed, 2 wrong usage.";
 
 }  // namespace

@@ -79,7 +79,7 @@ class WriterThread {
     for (std::uint32_t i = 0; i < taps_.topics(); ++i) {
       const TappedTopic& topic = taps_.topic(i);
       const std::uint64_t of_topic = topic.dropped.load(std::memory_order_relaxed);
-      if (of_topic > 0) recording_.SetDropped(topic.name, of_topic);
+      if (of_topic > 0) recording_.SetDropped(topic.name, topic.type, of_topic);
       dropped += of_topic;
     }
     totals_.messages = recording_.messages();
@@ -132,10 +132,11 @@ void Record(const RecorderOptions& options, StopSignal& stop) {
   RecordingOptions recording_options = options.recording;
   recording_options.about["domain"] = std::to_string(options.domain);
   recording_options.about["loop"] = options.loop ? transport.reason : "not recorded";
-  RecordingWriter recording(recording_options);
 
   SampleQueue queue(kQueue);
   Taps taps(options.domain, transport, options.loop, queue);
+  // Last: what it overwrites is lost only when there is something to record with.
+  RecordingWriter recording(recording_options);
   WriterThread writer(recording, queue, taps);
   std::printf("recording to %s; domain %d; poses and wrenches: %s\n",
               recording.files().front().c_str(), options.domain,

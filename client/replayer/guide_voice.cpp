@@ -53,7 +53,7 @@ void Guide(const ReplayOptions& options, StopSignal& stop) {
     }
   } while (options.loop);
   if (!heard) {
-    throw Error("nobody followed: start the station with --accept-guide, in the same --domain");
+    throw Error("nobody listened: start the station with --accept-guide, in the same --domain");
   }
   std::puts("ended");
 }

@@ -1,7 +1,8 @@
 #include "client/replayer/hand_path.h"
 
+#include <algorithm>
 #include <map>
-#include <utility>
+#include <optional>
 
 #include "common/dds/topics.h"
 #include "common/error.h"
@@ -12,54 +13,89 @@ namespace {
 
 struct Session {
   std::string station, scene;
-  std::map<std::uint64_t, wire::HapticPose> poses;
-  std::map<std::uint64_t, std::pair<Vec3, Vec3>> wrenches;
+  std::uint64_t poses = 0;
 };
+struct HandSample {
+  std::uint64_t sequence;
+  std::int64_t time_ns;
+  Pose X_WH;
+  Wrench wrench{};
+};
+
+/// A topic of poses or wrenches without its last part: the same for both of a session.
+std::string SessionOf(const std::string& topic) {
+  return topic.substr(0, topic.rfind('/'));
+}
+
+std::optional<Pose> UsablePose(const wire::HapticPose& pose) {
+  Pose X_WH = wire::ToPose(pose);
+  if (!X_WH.p.allFinite() || !X_WH.q.coeffs().allFinite() || !(X_WH.q.squaredNorm() > 0.25)) {
+    return std::nullopt;
+  }
+  X_WH.q.normalize();
+  return X_WH;
+}
 
 }  // namespace
 
 HandPath ReadHandPath(const std::vector<std::string>& files) {
   RecordingReader reader(files);
-  std::map<std::string, Session> sessions;        // by topic of poses
-  std::map<std::string, std::string> pose_topic;  // by topic of wrenches
   RecordedSample sample{};
-  const auto end = [](const std::string& topic) { return topic.substr(0, topic.rfind('/')); };
+  std::map<std::string, Session> sessions;
   while (reader.Next(sample)) {
-    wire::HapticPose pose;
-    wire::Wrench wrench;
     wire::SessionState state{};
-    if (sample.To(pose)) {
-      sessions[end(*sample.topic)].poses.emplace(pose.pose_sequence, pose);
-    } else if (sample.To(wrench)) {
-      const palpate::Wrench w = wire::ToWrench(wrench);
-      sessions[end(*sample.topic)].wrenches.emplace(wrench.pose_sequence,
-                                                    std::pair(w.force, w.torque));
+    if (sample.type == RecordedType::kHapticPose) {
+      ++sessions[SessionOf(*sample.topic)].poses;
     } else if (sample.To(state)) {
-      Session& session = sessions[end(dds::PoseTopic(state.station, state.run))];
+      Session& session = sessions[SessionOf(dds::PoseTopic(state.station, state.run))];
       session.station = state.station;
       session.scene = state.scene;
     }
   }
-  const Session* longest = nullptr;
-  for (const auto& [topic, session] : sessions) {
-    if (!longest || session.poses.size() > longest->poses.size()) longest = &session;
+  const auto longest =
+      std::ranges::max_element(sessions, {}, [](const auto& entry) { return entry.second.poses; });
+
+  // A second time, because whole sessions of a class do not fit into memory.
+  std::vector<HandSample> hand;
+  const auto find = [&](std::uint64_t sequence) {
+    return std::ranges::lower_bound(hand, sequence, {}, &HandSample::sequence);
+  };
+  std::vector<std::pair<std::uint64_t, Wrench>> early;  // wrenches that overtook their poses
+  reader.Restart();
+  while (longest != sessions.end() && reader.Next(sample)) {
+    wire::HapticPose pose;
+    wire::Wrench wrench;
+    if (SessionOf(*sample.topic) != longest->first) continue;
+    if (sample.To(pose)) {
+      const auto X_WH = UsablePose(pose);
+      // In their order, each once.
+      if (X_WH && (hand.empty() || pose.pose_sequence > hand.back().sequence)) {
+        hand.push_back({pose.pose_sequence, pose.sample_time_ns, *X_WH});
+      }
+    } else if (sample.To(wrench)) {
+      const auto at = find(wrench.pose_sequence);
+      if (at != hand.end() && at->sequence == wrench.pose_sequence) {
+        at->wrench = wire::ToWrench(wrench);
+      } else {
+        early.emplace_back(wrench.pose_sequence, wire::ToWrench(wrench));
+      }
+    }
   }
-  if (!longest || longest->poses.size() < 2) {
+  for (const auto& [sequence, wrench] : early) {
+    const auto at = find(sequence);
+    if (at != hand.end() && at->sequence == sequence) at->wrench = wrench;
+  }
+  if (hand.size() < 2) {
     throw Error(files.front() + ": holds no hand's path; record it without --no-loop");
   }
   HandPath path;
-  path.station = longest->station;
-  path.scene = longest->scene;
-  const std::int64_t began_ns = longest->poses.begin()->second.sample_time_ns;
-  for (const auto& [sequence, pose] : longest->poses) {
-    const Pose X_WH = wire::ToPose(pose);
-    if (!X_WH.p.allFinite() || !(X_WH.q.squaredNorm() > 0.25)) continue;
-    path.time_s.push_back(1e-9 * static_cast<double>(pose.sample_time_ns - began_ns));
-    path.X_WH.push_back({X_WH.p, X_WH.q.normalized()});
-    const auto wrench = longest->wrenches.find(sequence);
-    const bool has = wrench != longest->wrenches.end();
-    path.force_N.push_back(has ? wrench->second.first : Vec3::Zero());
-    path.torque_Nm.push_back(has ? wrench->second.second : Vec3::Zero());
+  path.station = longest->second.station;
+  path.scene = longest->second.scene;
+  for (const HandSample& at : hand) {
+    path.time_s.push_back(1e-9 * static_cast<double>(at.time_ns - hand.front().time_ns));
+    path.X_WH.push_back(at.X_WH);
+    path.force_N.push_back(at.wrench.force);
+    path.torque_Nm.push_back(at.wrench.torque);
   }
   return path;
 }

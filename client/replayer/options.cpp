@@ -1,5 +1,8 @@
 #include "client/replayer/options.h"
 
+#include <cmath>
+#include <cstdlib>
+
 #include <CLI/CLI.hpp>
 
 #include "common/dds/topics.h"
@@ -7,6 +10,9 @@
 
 namespace palpate {
 namespace {
+
+/// Faster, the aims of a quick hand would lie further apart than what a station takes for a leap.
+constexpr double kMostGuideRate = 2.0;
 
 constexpr const char* kAbout =
     "Replays what palpate-record has recorded: to viewers as if live, through the physics to "
@@ -28,6 +34,14 @@ constexpr const char* kExamples =
     "\n"
     "Exit status: 0 done, 1 failed or not verified, 2 wrong usage.";
 
+/// Comparisons, CLI11's ranges among them, let NaN pass.
+CLI::Validator Finite() {
+  return {[](std::string& text) {
+            return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "give a finite number";
+          },
+          ""};
+}
+
 }  // namespace
 
 std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
@@ -44,22 +58,34 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
                  "with --verify: the scene, if not the recorded one or the catalogue's")
       ->needs(verify_option);
   app.add_option("--models", options.verify.models_dir,
-                 "folder with the meshes that are not installed (or PALPATE_MODELS)");
+                 "with --verify: folder with the meshes that are not installed (or PALPATE_MODELS)")
+      ->needs(verify_option);
   CLI::Option* json = app.add_option("--json", options.json,
                                      "with --verify: write the result as JSON; - is stdout");
-  app.add_option("--guide", options.guide, "lead the hand at this station along the recorded path")
-      ->excludes(verify_option);
-  app.add_option("--rate", options.rate, "times the speed that it had")
+  CLI::Option* guide = app.add_option("--guide", options.guide,
+                                      "lead the hand at this station along the recorded path")
+                           ->excludes(verify_option);
+  app.add_option("--rate", options.rate, "times the speed that it had; at most 2 with --guide")
       ->check(CLI::Range(0.01, 100.0))
+      ->check(Finite())
+      ->excludes(verify_option)
       ->capture_default_str();
-  app.add_flag("--loop", options.loop, "again and again, until Ctrl-C");
-  app.add_flag("--step", options.stepping, "begin paused: space goes on, the right arrow steps");
-  app.add_option("--from", options.from_s, "begin so many seconds into the recording")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--to", options.to_s, "end so many seconds into the recording")
-      ->check(CLI::PositiveNumber);
+  app.add_flag("--loop", options.loop, "again and again, until Ctrl-C")->excludes(verify_option);
+  app.add_flag("--step", options.stepping, "begin paused: space goes on, the right arrow steps")
+      ->excludes(verify_option)
+      ->excludes(guide);
+  app.add_option("--from", options.from_s,
+                 "begin so many seconds into the recording (--guide: into the hand's path)")
+      ->check(CLI::NonNegativeNumber)
+      ->check(Finite())
+      ->excludes(verify_option);
+  app.add_option("--to", options.to_s, "end so many seconds into it")
+      ->check(CLI::PositiveNumber)
+      ->check(Finite())
+      ->excludes(verify_option);
   app.add_option("--domain", options.domain, "which viewers and stations: the same number as there")
       ->check(CLI::Range(0, dds::kMaxDomain))
+      ->excludes(verify_option)
       ->capture_default_str();
   app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
       ->capture_default_str();
@@ -79,6 +105,9 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
   }
 
   if (*score) {
+    if (!options.files.empty() || verify || *guide) {
+      throw UsageError("score takes its two recordings alone: 'palpate-replay score --help'");
+    }
     options.what = ReplayOptions::What::kScore;
     return options;
   }
@@ -91,6 +120,9 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
     options.what = ReplayOptions::What::kGuide;
     if (!dds::IsStationName(options.guide)) {
       throw UsageError("--guide '" + options.guide + "': give a station's name, as its --id");
+    }
+    if (options.rate > kMostGuideRate) {
+      throw UsageError("--rate: a hand is led at most at twice the speed; give 2 or less");
     }
   }
   if (!(options.to_s > options.from_s)) throw UsageError("--to must be later than --from");

@@ -1,8 +1,11 @@
 #include "client/replayer/player.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <optional>
+#include <map>
+#include <random>
+#include <string>
 #include <thread>
 
 #include <spdlog/spdlog.h>
@@ -39,11 +42,11 @@ struct Span {
   std::uint64_t for_viewers = 0;
 };
 
-Span Measure(RecordingReader& reader) {
+Span Measure(RecordingReader& reader, const StopSignal& stop) {
   Span span;
   RecordedSample sample{};
   bool any = false;
-  while (reader.Next(sample)) {
+  while (!stop.stopped() && reader.Next(sample)) {
     if (!any) span.first_ns = span.last_ns = sample.log_time_ns;
     any = true;
     span.last_ns = std::max(span.last_ns, sample.log_time_ns);
@@ -63,36 +66,59 @@ class Voice {
         tools_(service_, dds::kToolStateTopic, dds::Qos::kStream),
         statistics_(service_, dds::kLoopStatisticsTopic, dds::Qos::kStream) {}
 
-  /// @param round  added to the server's run, so that each round finds its scenes whole again.
-  void Say(const RecordedSample& sample, std::uint64_t round) {
+  void Say(const RecordedSample& sample) {
     switch (sample.type) {
       case RecordedType::kSessionState:
-        return Say(sample, round, states_);
+        return Say(sample, states_);
       case RecordedType::kSceneChange:
-        return Say(sample, round, changes_);
+        return Say(sample, changes_);
       case RecordedType::kSceneBundle:
-        return Say(sample, round, bundles_);
+        return Say(sample, bundles_);
       case RecordedType::kToolState:
-        return Say(sample, round, tools_);
+        return Say(sample, tools_);
       case RecordedType::kLoopStatistics:
-        return Say(sample, round, statistics_);
+        return Say(sample, statistics_);
       default:
         return;
     }
   }
+  /// What comes from here on is another server's, which viewers take for a new one: its scenes are
+  /// whole again.
+  void BeginRound() { run_ = std::uint64_t{random_()} << 32 | random_(); }
+  /// Ends every session that still stands.
+  void End() {
+    for (auto& [station, state] : standing_) {
+      state.phase = palpate_SESSION_ENDED;
+      wire::FromText("the replay has ended", state.reason);
+      states_.Write(state);
+    }
+    standing_.clear();
+  }
 
  private:
   template <class T>
-  static void Say(const RecordedSample& sample, [[maybe_unused]] std::uint64_t round,
-                  dds::Writer<T>& writer) {
+  void Say(const RecordedSample& sample, dds::Writer<T>& writer) {
     T value{};
     if (sample.To(value)) {
-      if constexpr (requires { value.server_run; }) value.server_run += round;
+      // Of one recording: its servers' runs stay apart.  Viewers ignore runs that they know as
+      // over.
+      if constexpr (requires { value.server_run; }) value.server_run += run_;
       writer.Write(value);
+      if constexpr (std::is_same_v<T, wire::SessionState>) Keep(value);
     }
     dds::FreeContents(value);
   }
+  void Keep(const wire::SessionState& state) {
+    if (state.phase == palpate_SESSION_ENDED || state.phase == palpate_SESSION_REFUSED) {
+      standing_.erase(state.station);
+    } else {
+      standing_[state.station] = state;
+    }
+  }
 
+  std::random_device random_;
+  std::uint64_t run_ = 0;
+  std::map<std::string, wire::SessionState> standing_;
   dds::Participant service_;
   dds::Writer<wire::SessionState> states_;
   dds::Writer<wire::SceneChange> changes_;
@@ -107,29 +133,26 @@ class Player {
       : options_(options),
         stop_(stop),
         reader_(options.files),
-        span_(Measure(reader_)),
+        span_(Measure(reader_, stop)),
         clock_(options.rate, options.stepping) {
+    if (stop.stopped()) return;
     if (span_.for_viewers == 0) {
       throw Error(options.files.front() + ": holds nothing that viewers see; record it anew");
     }
     for (const std::string& problem : reader_.problems()) spdlog::warn("{}", problem);
-    from_ns_ = span_.first_ns + static_cast<std::int64_t>(1e9 * options.from_s);
-    to_ns_ = span_.last_ns;
-    if (options.to_s < 1e-9 * static_cast<double>(to_ns_ - span_.first_ns)) {
-      to_ns_ = span_.first_ns + static_cast<std::int64_t>(1e9 * options.to_s);
-    }
-    if (from_ns_ > span_.last_ns) {
-      throw UsageError("--from is behind the recording's end, at " +
-                       std::to_string(1e-9 * static_cast<double>(span_.last_ns - span_.first_ns)) +
+    const double length_s = 1e-9 * static_cast<double>(span_.last_ns - span_.first_ns);
+    if (options.from_s > length_s) {
+      throw UsageError("--from is behind the recording's end, at " + std::to_string(length_s) +
                        " s");
     }
+    from_ns_ = span_.first_ns + static_cast<std::int64_t>(1e9 * options.from_s);
+    to_ns_ = span_.first_ns + static_cast<std::int64_t>(1e9 * std::min(options.to_s, length_s));
   }
 
   void Play(Voice& voice) {
-    std::uint64_t round = 0;
-    do {
-      if (!PlayOnce(voice, round++)) return;
-    } while (options_.loop);
+    while (!stop_.stopped() && PlayOnce(voice) && options_.loop) {
+    }
+    voice.End();
     // Who listens is to have it all.
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
@@ -138,33 +161,37 @@ class Player {
 
  private:
   /// False where it was ended before the recording did.
-  bool PlayOnce(Voice& voice, std::uint64_t round) {
+  bool PlayOnce(Voice& voice) {
     reader_.Restart();
-    clock_.Begin(from_ns_, SteadyNanoseconds());
+    voice.BeginRound();
+    bool begun = false;  // the clock: what came before takes its time to read
     RecordedSample sample{};
     while (reader_.Next(sample)) {
-      if (!IsForViewers(sample.type)) continue;
       if (sample.log_time_ns < from_ns_) {
-        if (Stays(sample.type)) Say(voice, sample, round);
+        if (stop_.stopped()) return false;
+        if (IsForViewers(sample.type) && Stays(sample.type)) Say(voice, sample);
         continue;
       }
+      if (!begun) clock_.Begin(from_ns_, SteadyNanoseconds());
+      begun = true;
       if (sample.log_time_ns > to_ns_) break;
-      if (!Await(sample)) return false;
-      Say(voice, sample, round);
+      if (!IsForViewers(sample.type)) continue;
+      if (!Await(sample.log_time_ns, sample.type)) return false;
+      Say(voice, sample);
     }
-    return true;
+    return Await(to_ns_, RecordedType::kToolState);
   }
 
-  void Say(Voice& voice, const RecordedSample& sample, std::uint64_t round) {
-    voice.Say(sample, round);
+  void Say(Voice& voice, const RecordedSample& sample) {
+    voice.Say(sample);
     ++said_;
   }
 
-  /// Until the sample's time has come; false where the replay is ended.
-  bool Await(const RecordedSample& sample) {
+  /// Until the time of a sample of that type has come; false where the replay is ended.
+  bool Await(std::int64_t time_ns, RecordedType type) {
     for (;;) {
       const std::int64_t now_ns = SteadyNanoseconds();
-      Show(sample.log_time_ns, now_ns);
+      Show(time_ns, now_ns);
       switch (keyboard_.Read()) {
         case Keyboard::Key::kQuit:
           return false;
@@ -180,13 +207,13 @@ class Player {
           break;
       }
       if (step_) {
-        if (sample.type == RecordedType::kToolState) {
+        if (type == RecordedType::kToolState) {
           step_ = false;
-          clock_.Begin(sample.log_time_ns, now_ns);
+          clock_.Begin(time_ns, now_ns);
         }
         return true;
       }
-      if (clock_.At(now_ns) >= sample.log_time_ns) return !stop_.stopped();
+      if (clock_.At(now_ns) >= time_ns) return !stop_.stopped();
       if (stop_.WaitFor(kPoll)) return false;
     }
   }
@@ -217,6 +244,7 @@ class Player {
 
 void Play(const ReplayOptions& options, StopSignal& stop) {
   Player player(options, stop);
+  if (stop.stopped()) return;
   const ServerLock lock(options.domain);
   Voice voice(options.domain);
   std::printf("replaying %s: %.1f s at %g x, domain %d\n", options.files.front().c_str(),

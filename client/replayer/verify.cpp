@@ -178,6 +178,7 @@ class SessionReplay {
   }
 
   void Add(const wire::HapticPose& pose) {
+    ++verdict_.poses;
     poses_.emplace(pose.pose_sequence, pose);
     Advance(false);
   }
@@ -188,11 +189,17 @@ class SessionReplay {
     if (verdict_.ends.empty()) waiting_.emplace_back(wrench, time_ns);
     Advance(false);
   }
+  void AddBrokenWrench() {
+    ++verdict_.recorded;
+    ++verdict_.broken;
+  }
   SessionVerdict End() {
     Advance(true);
     verdict_.recorded_s = 1e-9 * static_cast<double>(last_ns_ - first_ns_);
     verdict_.computed_s = 1e-9 * static_cast<double>(computed_ns_);
-    if (verdict_.recorded == 0) verdict_.ends = "there is no wrench of it";
+    if (verdict_.recorded == 0) {
+      verdict_.ends = fmt::format("there is no wrench of it, and {} poses", verdict_.poses);
+    }
     return verdict_;
   }
 
@@ -206,6 +213,7 @@ class SessionReplay {
   void Advance(bool last) {
     while (!waiting_.empty() && verdict_.ends.empty()) {
       const auto& [wrench, time_ns] = waiting_.front();
+      if (wrench.answer <= taken_) return Stop(fmt::format("answer {} comes again", wrench.answer));
       if (!poses_.contains(wrench.pose_sequence)) {
         if (!last && waiting_.size() < kMostAhead) return;
         return Stop(fmt::format("pose {} is not in the recording", wrench.pose_sequence));
@@ -267,11 +275,12 @@ class SessionReplay {
          ++next_leaf_) {
       const ObjectForest& forest = model_.objects();
       const wire::LeafTaken& taken = next_leaf_->second;
-      const std::int64_t leaf =
-          taken.object_index < objects_
-              ? std::int64_t{forest.FirstLeafOf(static_cast<int>(taken.object_index))} + taken.leaf
-              : forest.leaf_count();
-      if (leaf >= forest.leaf_count()) {
+      const auto first_of = [&](std::size_t object) {
+        return object < objects_ ? std::int64_t{forest.FirstLeafOf(static_cast<int>(object))}
+                                 : std::int64_t{forest.leaf_count()};
+      };
+      const std::int64_t leaf = first_of(taken.object_index) + taken.leaf;
+      if (taken.object_index >= objects_ || leaf >= first_of(taken.object_index + 1u)) {
         Stop(fmt::format("a leaf is to go that the scene does not have ({} of object {})",
                          taken.leaf, taken.object_index));
         return false;
@@ -412,11 +421,14 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
       it->second->Add(pose);
     } else if (sample.To(wrench)) {
       it->second->Add(wrench, sample.log_time_ns);
+    } else if (sample.type == RecordedType::kWrench) {
+      it->second->AddBrokenWrench();
     }
   }
   for (const auto& [topic, session] : replay) verification.sessions.push_back(session->End());
   // A session that never came to send a pose has nothing to verify.
-  std::erase_if(verification.sessions, [](const SessionVerdict& v) { return v.recorded == 0; });
+  std::erase_if(verification.sessions,
+                [](const SessionVerdict& v) { return v.poses == 0 && v.recorded == 0; });
   for (const auto& [topic, count] : stray) {
     SessionVerdict verdict;
     verdict.station = topic;
@@ -447,10 +459,13 @@ std::string ToText(const Verification& verification) {
           v.different, v.first->pose_sequence, v.first->time_s, v.first->field, v.first->recorded,
           v.first->computed);
     }
+    if (v.broken > 0) text += fmt::format("  {} of them are no wrenches: broken bytes\n", v.broken);
     if (!v.ends.empty()) {
-      text += fmt::format("  {} could not be computed: {}\n", v.recorded - computed, v.ends);
+      text +=
+          fmt::format("  {} could not be computed: {}\n", v.recorded - computed - v.broken, v.ends);
     }
   }
+  if (verification.damaged) text += "NOT VERIFIED: a file has changed since it was written\n";
   if (verification.sessions.empty()) text += "NOT VERIFIED: there is no wrench in the recording\n";
   for (const std::string& problem : verification.problems) text += "  " + problem + "\n";
   return text;
@@ -458,13 +473,15 @@ std::string ToText(const Verification& verification) {
 
 void WriteJson(const Verification& verification, const std::string& file) {
   nlohmann::ordered_json json{{"good", verification.good()},
+                              {"damaged", verification.damaged},
                               {"problems", verification.problems},
                               {"sessions", nlohmann::ordered_json::array()}};
   for (const SessionVerdict& v : verification.sessions) {
     nlohmann::ordered_json session{
-        {"station", v.station},   {"scene", v.scene},           {"tool", v.tool},
-        {"recorded", v.recorded}, {"verified", v.verified},     {"different", v.different},
-        {"ends", v.ends},         {"recorded_s", v.recorded_s}, {"computed_s", v.computed_s}};
+        {"station", v.station},       {"scene", v.scene},          {"tool", v.tool},
+        {"poses", v.poses},           {"recorded", v.recorded},    {"broken", v.broken},
+        {"verified", v.verified},     {"different", v.different},  {"ends", v.ends},
+        {"recorded_s", v.recorded_s}, {"computed_s", v.computed_s}};
     if (v.first) {
       session["first"] = {{"pose_sequence", v.first->pose_sequence},
                           {"time_s", v.first->time_s},

@@ -17,6 +17,11 @@ Vec3 Spring(const Vec3& e, double reach, double limit) noexcept {
   return length > reach ? Vec3(e * (limit / length)) : Vec3(e * (limit / reach));
 }
 
+bool Leaps(const Pose& from, const Pose& to) noexcept {
+  return (to.p - from.p).norm() > Guide::kLeap_m ||
+         RotationLog(to.q.normalized() * from.q.conjugate()).norm() > Guide::kLeap_rad;
+}
+
 }  // namespace
 
 GuideLimits GuideLimits::OfForce(double force_N) {
@@ -30,11 +35,8 @@ void Guide::Take(std::int64_t now_ns, const GuideAim& aim) noexcept {
       !(std::abs(aim.X_WH.q.squaredNorm() - 1.0) <= 0.01)) {
     return;
   }
-  if (!has_aim_ || aim.run != aim_.run || (aim.X_WH.p - aim_.X_WH.p).norm() > kLeap_m) {
-    ramp_ = 0.0;
-    resisted_s_ = 0.0;
-    let_go_ = false;
-  }
+  // What the hand has overruled stays so, whatever comes.
+  if (!has_aim_ || aim.run != aim_.run || Leaps(aim_.X_WH, aim.X_WH)) ramp_ = 0.0;
   aim_ = aim;
   aim_.X_WH.q.normalize();
   aim_ns_ = now_ns;

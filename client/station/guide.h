@@ -33,7 +33,7 @@ struct GuideLimits {
 ///            towards it), the force goes to zero within 0.8 s of that; half of it is back after
 ///            half of that time without.  Once at zero it stays there until the hand itself has
 ///            returned to within 5 mm; then it ramps in
-///   leap     an aim that leaps (more than 20 mm from one to the next) ramps in anew
+///   leap     an aim that leaps (by more than 20 mm or 0.5 rad from one to the next) ramps in anew
 /// Pure: time comes in as arguments, equal inputs give equal bits.
 /// Real-time: no allocation, lock, log or clock.  Not thread-safe: the loop's thread owns it.
 class Guide {
@@ -46,6 +46,7 @@ class Guide {
   static constexpr std::int64_t kFresh_ns = 50'000'000;
   static constexpr std::int64_t kSilent_ns = 100'000'000;
   static constexpr double kLeap_m = 0.020;
+  static constexpr double kLeap_rad = 0.5;
 
   /// Does nothing.
   Guide() = default;

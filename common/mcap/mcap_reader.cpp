@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <limits>
 #include <utility>
 
 #include <fcntl.h>
@@ -97,19 +96,11 @@ MappedFile::~MappedFile() {
 }
 
 Reader::Reader(std::span<const std::uint8_t> bytes, std::string source)
-    : bytes_(bytes),
-      source_(std::move(source)),
-      from_ns_(std::numeric_limits<std::int64_t>::min()),
-      to_ns_(std::numeric_limits<std::int64_t>::max()) {
+    : bytes_(bytes), source_(std::move(source)) {
   if (bytes.size() < kMagicSize || std::memcmp(bytes.data(), kMagic, kMagicSize) != 0) {
     throw Error(source_ + ": is not an MCAP file; give one that palpate-record has made");
   }
   at_ = kMagicSize;
-}
-
-void Reader::Between(std::int64_t from_ns, std::int64_t to_ns) {
-  from_ns_ = from_ns;
-  to_ns_ = to_ns;
 }
 
 bool Reader::TakeRecord(std::span<const std::uint8_t> bytes, std::size_t& at, Record& record) {
@@ -121,8 +112,18 @@ bool Reader::TakeRecord(std::span<const std::uint8_t> bytes, std::size_t& at, Re
   return true;
 }
 
-void Reader::Stop(const std::string& problem) {
+void Reader::End() {
   ended_ = true;
+  // A reader of many splits keeps those that it has read.
+  std::vector<std::uint8_t>().swap(chunk_);
+  for (const auto& [channel, messages] : undeclared_) {
+    Damaged(source_ + ": " + std::to_string(messages) + " messages of channel " +
+            std::to_string(channel) + ", which is nowhere declared: left out");
+  }
+}
+
+void Reader::Stop(const std::string& problem) {
+  End();
   problems_.push_back(problem);
 }
 
@@ -149,15 +150,17 @@ bool Reader::TakeBasic(const Record& record, Message& message) {
     channel.metadata = fields.TakeMap();
     if (fields.ok()) channels_.try_emplace(channel.id, std::move(channel));
   } else if (record.opcode == kMessage) {
-    const auto channel = channels_.find(fields.Take<std::uint16_t>());
+    const auto id = fields.Take<std::uint16_t>();
+    const auto channel = channels_.find(id);
     message.sequence = fields.Take<std::uint32_t>();
     message.log_time_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
     message.publish_time_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
     message.data = fields.rest();
     if (fields.ok() && channel != channels_.end()) {
       message.channel = &channel->second;
-      return message.log_time_ns >= from_ns_ && message.log_time_ns < to_ns_;
+      return true;
     }
+    if (fields.ok()) ++undeclared_[id];
   }
   if (!fields.ok()) Damaged(source_ + ": a record is too short for its fields, before" + At(at_));
   return false;
@@ -166,21 +169,21 @@ bool Reader::TakeBasic(const Record& record, Message& message) {
 void Reader::OpenChunk(std::span<const std::uint8_t> content, std::size_t offset) {
   ++chunks_;
   Fields fields(content);
-  const auto start_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
-  const auto end_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
+  fields.TakeBytes(16);  // the times of its messages, which they say themselves
   const auto size = fields.Take<std::uint64_t>();
   const auto crc = fields.Take<std::uint32_t>();
   const std::string compression = fields.TakeString();
   const auto records = fields.TakeBytes(fields.Take<std::uint64_t>());
-  if (fields.ok() && (end_ns < from_ns_ || start_ns >= to_ns_)) return;
 
   std::string problem;
+  bool changed = true;  // else it is whole, but of a kind that is not read
   if (!fields.ok() || size > kMaxChunk) {
     problem = "says impossible sizes";
   } else if (compression.empty()) {
     chunk_.assign(records.begin(), records.end());
   } else if (compression != "zstd") {
     problem = "is compressed by '" + compression + "', which this version does not read";
+    changed = false;
   } else if (ZSTD_getFrameContentSize(records.data(), records.size()) != size) {
     problem = "contradicts itself about its size";
   } else {
@@ -197,7 +200,9 @@ void Reader::OpenChunk(std::span<const std::uint8_t> content, std::size_t offset
   chunk_offset_ = offset;
   if (problem.empty()) return;
   chunk_.clear();
+  const bool damaged = damaged_ || changed;
   Damaged(source_ + ": the chunk" + At(offset) + " " + problem + ": left out");
+  damaged_ = damaged;
 }
 
 bool Reader::Next(Message& message) {
@@ -232,10 +237,13 @@ bool Reader::Next(Message& message) {
         Damaged(source_ + ": some of its bytes have changed since it was written");
       }
       // What follows repeats; all that matters is that its end is there.
-      ended_ = true;
       complete_ = bytes_.size() - at_ >= kMagicSize &&
                   std::memcmp(&bytes_[bytes_.size() - kMagicSize], kMagic, kMagicSize) == 0;
-      if (!complete_) Stop(source_ + ": is cut off within its index; all its data are there");
+      if (complete_) {
+        End();
+      } else {
+        Stop(source_ + ": is cut off within its index; all its data are there");
+      }
     } else if (record.opcode == 0 || record.opcode == kFooter ||
                (record.opcode == kMessage && chunks_ > 0)) {
       // Who writes chunks writes no messages outside of them.

@@ -44,8 +44,6 @@ class Reader {
 
   /// The next message, in the file's order; false at the end, or where it cannot go on.
   bool Next(Message& message);
-  /// Chunks without a message in [from, to) are passed over without being decompressed.
-  void Between(std::int64_t from_ns, std::int64_t to_ns);
 
   /// Once Next has returned false: true where the file has its end (a footer).
   bool complete() const { return complete_; }
@@ -68,6 +66,7 @@ class Reader {
   /// Schema, Channel or Message; true for a message that can be given out.
   bool TakeBasic(const Record& record, Message& message);
   void OpenChunk(std::span<const std::uint8_t> content, std::size_t offset);
+  void End();
   void Stop(const std::string& problem);
   void Damaged(const std::string& problem);
 
@@ -76,12 +75,12 @@ class Reader {
   std::size_t at_ = 0;
   std::vector<std::uint8_t> chunk_;
   std::size_t chunk_at_ = 0, chunk_offset_ = 0, chunks_ = 0;
-  std::int64_t from_ns_, to_ns_;
   bool ended_ = false, complete_ = false, damaged_ = false;
   std::vector<std::string> problems_;
   std::vector<Metadata> metadata_;
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, Channel> channels_;
+  std::map<std::uint16_t, std::uint64_t> undeclared_;  // messages, by channel
 };
 
 }  // namespace palpate::mcap

@@ -93,7 +93,12 @@ std::uint32_t Crc(std::uint32_t crc, std::span<const std::uint8_t> bytes) {
 Writer::Writer(const std::string& file, const std::string& library, bool overwrite)
     : file_(file), zstd_(ZSTD_createCCtx()) {
   ZSTD_CCtx_setParameter(zstd_, ZSTD_c_compressionLevel, kLevel);
-  fd_ = open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (overwrite ? O_TRUNC : O_EXCL), 0644);
+  // A regular file is replaced, not emptied: another program may have it mapped.
+  struct stat former {};
+  const bool regular = stat(file.c_str(), &former) != 0 || S_ISREG(former.st_mode);
+  if (overwrite && regular) unlink(file.c_str());
+  const bool must_be_new = regular || !overwrite;
+  fd_ = open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (must_be_new ? O_EXCL : 0), 0644);
   try {
     if (fd_ < 0) {
       throw Error(file + ": " +
@@ -109,7 +114,10 @@ Writer::Writer(const std::string& file, const std::string& library, bool overwri
     }
     Put(out_);
   } catch (...) {
-    if (fd_ >= 0) close(fd_);
+    if (fd_ >= 0) {
+      close(fd_);
+      if (must_be_new) unlink(file.c_str());
+    }
     ZSTD_freeCCtx(zstd_);
     throw;
   }
@@ -241,6 +249,13 @@ void Writer::Flush() {
   chunks_.push_back(std::move(place));
 }
 
+void Writer::Synchronise() {
+  // Pipes and devices have nothing to synchronise.
+  if (fdatasync(fd_) != 0 && errno != EINVAL && errno != EROFS) {
+    throw Error(file_ + ": " + std::strerror(errno) + "; record to another place");
+  }
+}
+
 void Writer::WriteMetadata(const Metadata& metadata) {
   Flush();
   out_.clear();
@@ -335,20 +350,19 @@ void Writer::BuildSummary(Bytes& out) const {
 
 void Writer::Close() {
   if (fd_ < 0) return;
-  const auto end = [this] {
-    close(fd_);
-    fd_ = -1;
-  };
+  const auto end = [this] { return close(std::exchange(fd_, -1)) == 0; };
   try {
     Flush();
     out_.clear();
     BuildSummary(out_);
     Put(out_);
+    Synchronise();
   } catch (const Error&) {
     end();
     throw;
   }
-  end();
+  // Some file systems only tell now.
+  if (!end()) throw Error(file_ + ": " + std::strerror(errno) + "; record to another place");
 }
 
 }  // namespace palpate::mcap

@@ -14,11 +14,13 @@ namespace palpate::mcap {
 
 /// Writes one MCAP file: chunked, compressed, indexed.  What has been flushed is whole in the file
 /// whatever becomes of this process: each chunk goes out with one write(), and a write that fails
-/// is taken back.  Thread contract: one thread.
+/// is taken back.  What has been synchronised outlives the machine, too.  Thread contract: one
+/// thread.
 class Writer {
  public:
   /// @param library  who writes, for the header.
-  /// Throws Error where the file is there already or cannot be made.
+  /// Throws Error where the file cannot be made, or is there already: with `overwrite` it is
+  /// replaced, and who reads the old one keeps it.  A file that could not be begun is not left.
   Writer(const std::string& file, const std::string& library, bool overwrite = false);
   /// Closes, if Close was not called; what fails then is lost silently.
   ~Writer();
@@ -37,10 +39,12 @@ class Writer {
   /// Closes the open chunk and writes it.  Throws Error (file, the system's reason) where that
   /// fails; the file is then as it was before, and the chunk is dropped.
   void Flush();
+  /// Waits until the disk has what was flushed.  Throws Error where it does not take it.
+  void Synchronise();
   /// Flushes, and writes a metadata record.
   void WriteMetadata(const Metadata& metadata);
-  /// Flushes, and writes summary and footer.  Throws Error as Flush does: the file then ends
-  /// without them, which readers in order do not mind.
+  /// Flushes, writes summary and footer, and synchronises; nothing more once that is done.  Throws
+  /// Error as Flush does: the file then ends without them, which readers in order do not mind.
   void Close();
 
   const std::string& file() const { return file_; }

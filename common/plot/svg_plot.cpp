@@ -109,7 +109,8 @@ class Scale {
     return from_ + share * (to_ - from_);
   }
   bool Holds(double value) const {
-    return value >= low_ * (1 - 1e-9) - 1e-300 && value <= high_ * (1 + 1e-9);
+    const double rounding = 1e-9 * (high_ - low_);
+    return value >= low_ - rounding && value <= high_ + rounding;
   }
   const std::vector<double>& ticks() const { return ticks_; }
   std::string Text(double tick) const {
@@ -224,13 +225,23 @@ std::vector<std::array<double, 2>> Thinned(const std::vector<std::array<double, 
 }
 
 void Check(const Plot& plot) {
+  const auto finite = [](double v) { return std::isfinite(v); };
+  for (const PlotAxis* axis : {&plot.x, &plot.y}) {
+    if (!finite(axis->min.value_or(0.0)) || !finite(axis->max.value_or(0.0))) {
+      throw Error("plot '" + plot.title + "': an axis ends at no finite number");
+    }
+  }
+  for (const PlotReference& reference : plot.references) {
+    if (!finite(reference.value)) {
+      throw Error("plot '" + plot.title + "': a reference is not finite");
+    }
+  }
   for (const PlotSeries& series : plot.series) {
     const std::string where = "plot '" + plot.title + "', series '" + series.name + "': ";
     if (series.x.size() != series.y.size()) throw Error(where + "x and y differ in size");
     if (!series.labels.empty() && series.labels.size() != series.x.size()) {
       throw Error(where + "give no label or one for each point");
     }
-    const auto finite = [](double v) { return std::isfinite(v); };
     if (!std::all_of(series.x.begin(), series.x.end(), finite) ||
         !std::all_of(series.y.begin(), series.y.end(), finite)) {
       throw Error(where + "has values that are not finite");

@@ -11,8 +11,8 @@ namespace palpate {
 struct PlotAxis {
   std::string title = {};  ///< with its unit: "Step, best p99.9 [µs]"
   bool log = false;
-  std::optional<double> min = {},
-                        max = {};  ///< where left out: what series and references need, rounded out
+  /// Where left out: what series and references need, rounded out.
+  std::optional<double> min = {}, max = {};
 };
 
 struct PlotSeries {
@@ -20,8 +20,8 @@ struct PlotSeries {
   std::string name = {};  ///< in the legend; series of one name share colour and entry
   std::vector<double> x = {}, y = {};
   Style style = Style::kLine;
-  std::vector<std::string> labels =
-      {};  ///< beside the points; none, or one each (empty: none there)
+  /// Beside the points; none, or one each (empty: none there).
+  std::vector<std::string> labels = {};
 };
 
 /// A threshold: a dashed line across the plot with its text beside the frame.

@@ -1,7 +1,6 @@
 #include "common/recording/recording_reader.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace palpate {
 
@@ -10,17 +9,10 @@ RecordingReader::RecordingReader(const std::vector<std::string>& files) : names_
     files_.push_back(std::make_unique<mcap::MappedFile>(file));
     mcap::Reader(files_.back()->bytes(), file);  // is it one at all?
   }
-  Restart();
 }
 
 void RecordingReader::Restart() {
-  Restart(std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max());
-}
-
-void RecordingReader::Restart(std::int64_t from_ns, std::int64_t to_ns) {
   readers_.clear();
-  from_ns_ = from_ns;
-  to_ns_ = to_ns;
   complete_ = true;
   unknown_ = 0;
 }
@@ -33,7 +25,6 @@ bool RecordingReader::Next(RecordedSample& sample) {
       const std::size_t next = readers_.size();
       if (next == files_.size()) return false;
       readers_.push_back(std::make_unique<mcap::Reader>(files_[next]->bytes(), names_[next]));
-      readers_.back()->Between(from_ns_, to_ns_);
       continue;
     }
     const auto& schemas = readers_.back()->schemas();

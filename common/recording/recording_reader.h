@@ -34,8 +34,7 @@ class RecordingReader {
 
   /// Samples of types that this version does not know are passed over, and counted.
   bool Next(RecordedSample& sample);
-  /// Begins anew, with what lies between these times.
-  void Restart(std::int64_t from_ns, std::int64_t to_ns);
+  /// Begins anew.
   void Restart();
 
   // Of what has been read; so, of all of it once Next has returned false.
@@ -50,7 +49,6 @@ class RecordingReader {
   std::vector<std::string> names_;
   std::vector<std::unique_ptr<mcap::MappedFile>> files_;
   std::vector<std::unique_ptr<mcap::Reader>> readers_;  // of those begun
-  std::int64_t from_ns_, to_ns_;
   bool complete_ = true;
   std::uint64_t unknown_ = 0;
 };

@@ -1,12 +1,14 @@
 #include "common/recording/recording_writer.h"
 
+#include <algorithm>
 #include <cinttypes>
 #include <cstdio>
-#include <cstring>
+#include <filesystem>
 #include <utility>
 
 #include "common/dds/cdr.h"
 #include "common/dds/cdr_reader.h"
+#include "common/error.h"
 
 namespace palpate {
 namespace {
@@ -18,25 +20,58 @@ std::string Hex(std::uint64_t value) {
 }
 
 std::string SplitName(const std::string& file, std::size_t number) {
-  const std::size_t dot = file.rfind('.');
-  const bool has_ending = dot != std::string::npos && file.find('/', dot) == std::string::npos;
+  std::filesystem::path path(file);
   char digits[24];
   std::snprintf(digits, sizeof digits, "_%03zu", number);
-  return file.substr(0, has_ending ? dot : file.size()) + digits +
-         (has_ending ? file.substr(dot) : "");
+  path.replace_filename(path.stem().string() + digits + path.extension().string());
+  return path.string();
+}
+
+/// The splits of a former recording of that name.  Whatever their number: a reader that takes all
+/// of them would mix two recordings.
+std::vector<std::filesystem::path> FormerSplits(const std::string& file) {
+  const std::filesystem::path path(file);
+  const std::string begin = path.stem().string() + "_", end = path.extension().string();
+  const auto is_split = [&](const std::string& name) {
+    if (name.size() < begin.size() + 3 + end.size() || !name.starts_with(begin) ||
+        !name.ends_with(end)) {
+      return false;
+    }
+    const auto first = name.begin() + static_cast<std::ptrdiff_t>(begin.size());
+    const auto last = name.end() - static_cast<std::ptrdiff_t>(end.size());
+    return std::all_of(first, last, [](char c) { return c >= '0' && c <= '9'; });
+  };
+  std::vector<std::filesystem::path> found;
+  std::error_code none;  // where it cannot be listed, the writer says why
+  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
+    if (is_split(entry.path().filename().string())) found.push_back(entry.path());
+  }
+  std::ranges::sort(found);
+  return found;
 }
 
 }  // namespace
 
 RecordingWriter::RecordingWriter(RecordingOptions options) : options_(std::move(options)) {
+  if (options_.split_bytes > 0 || options_.split_s > 0.0) {
+    const auto former = FormerSplits(options_.file);
+    if (!former.empty() && !options_.overwrite) {
+      throw Error(former.front().string() + ": is there already, and a split of " + options_.file +
+                  " may want that name; give another name, or --overwrite");
+    }
+    for (const auto& split : former) std::filesystem::remove(split);
+  }
   Open();
 }
 
 void RecordingWriter::Open() {
   const bool splits = options_.split_bytes > 0 || options_.split_s > 0.0;
-  files_.push_back(splits ? SplitName(options_.file, files_.size()) : options_.file);
-  file_ =
-      std::make_unique<mcap::Writer>(files_.back(), "palpate " PALPATE_VERSION, options_.overwrite);
+  const std::string file = splits ? SplitName(options_.file, files_.size()) : options_.file;
+  file_ = std::make_unique<mcap::Writer>(file, "palpate " PALPATE_VERSION, options_.overwrite);
+  files_.push_back(file);
+  finished_ = false;
+  repeated_bytes_ = 0;
   schema_ = {};
   for (auto& [name, topic] : topics_) topic.channel = 0;
   mcap::StringMap about = options_.about;
@@ -69,10 +104,12 @@ void RecordingWriter::Finish(const std::string& reason) {
                          {"dropped", std::to_string(dropped)},
                          {"missing", std::to_string(missing())}}});
   file_->Close();
+  closed_bytes_ += file_->size();
+  finished_ = true;
 }
 
 void RecordingWriter::Close(const std::string& reason) {
-  Finish(reason);
+  if (!finished_) Finish(reason);
 }
 
 std::uint64_t RecordingWriter::missing() const {
@@ -81,24 +118,28 @@ std::uint64_t RecordingWriter::missing() const {
   return sum;
 }
 
-void RecordingWriter::SetDropped(const std::string& topic, std::uint64_t dropped) {
-  if (const auto it = topics_.find(topic); it != topics_.end()) it->second.dropped = dropped;
+void RecordingWriter::SetDropped(const std::string& topic, RecordedType type,
+                                 std::uint64_t dropped) {
+  // A topic all of whose samples were dropped is known by that alone.
+  topics_.try_emplace(topic, Topic{type}).first->second.dropped = dropped;
 }
 
 void RecordingWriter::SplitIfDue(std::int64_t log_time_ns) {
   if (file_began_ns_ == 0) file_began_ns_ = log_time_ns;
   const double age_s = 1e-9 * static_cast<double>(log_time_ns - file_began_ns_);
-  const bool due = (options_.split_bytes > 0 && file_->size() >= options_.split_bytes) ||
-                   (options_.split_s > 0.0 && age_s >= options_.split_s);
+  const bool due =
+      (options_.split_bytes > 0 && file_->size() - repeated_bytes_ >= options_.split_bytes) ||
+      (options_.split_s > 0.0 && age_s >= options_.split_s);
   if (!due) return;
   Finish("goes on in the next split");
-  closed_bytes_ += file_->size();
   file_began_ns_ = log_time_ns;
   Open();
   for (const auto& [key, kept] : kept_) {
     Topic& topic = topics_.at(kept.topic);
     Put(kept.topic, topic, log_time_ns, topic.messages, kept.cdr);
   }
+  file_->Flush();
+  repeated_bytes_ = file_->size();
 }
 
 void RecordingWriter::Add(const std::string& name, RecordedType type, std::int64_t log_time_ns,

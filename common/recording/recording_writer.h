@@ -14,11 +14,12 @@
 namespace palpate {
 
 struct RecordingOptions {
-  std::string file;               ///< FILE.mcap; with a split FILE_000.mcap, FILE_001.mcap, ...
-  std::uint64_t split_bytes = 0;  ///< 0: never
-  double split_s = 0.0;           ///< 0: never
-  bool bundles = true;            ///< false: of scenes, only their names and hashes are kept
-  bool overwrite = false;
+  std::string file;  ///< FILE.mcap; with a split FILE_000.mcap, FILE_001.mcap, ...
+  /// Of what a split does not repeat; 0: never.
+  std::uint64_t split_bytes = 0;
+  double split_s = 0.0;     ///< 0: never
+  bool bundles = true;      ///< false: of scenes, only their names and hashes are kept
+  bool overwrite = false;   ///< the splits of a former recording of that name go, all of them
   mcap::StringMap about{};  ///< what else the recording is to say of itself
 };
 
@@ -30,22 +31,25 @@ class RecordingWriter {
   /// A chunk is closed at the latest when it holds this much.
   static constexpr std::size_t kChunk = 1 << 20;
 
-  /// Throws Error where the file cannot be made.
+  /// Throws Error where the file cannot be made, or one that a split may want is there already.
   explicit RecordingWriter(RecordingOptions options);
 
   /// Throws Error where a write fails; what was written before is whole.
   void Add(const std::string& topic, RecordedType type, std::int64_t log_time_ns,
            std::span<const std::uint8_t> cdr);
   /// Samples of the topic that came, and that there was no room for.
-  void SetDropped(const std::string& topic, std::uint64_t dropped);
-  /// Writes what is pending: no more than what came since then can be lost.
-  void Flush() { file_->Flush(); }
+  void SetDropped(const std::string& topic, RecordedType type, std::uint64_t dropped);
+  /// Writes what is pending, to the disk: no more than what came since then can be lost.
+  void Flush() {
+    file_->Flush();
+    file_->Synchronise();
+  }
   /// Writes the figures and the file's index.
   /// @param reason  why it ends, in words.
   void Close(const std::string& reason);
 
   std::uint64_t messages() const { return messages_; }
-  std::uint64_t bytes() const { return closed_bytes_ + file_->size(); }
+  std::uint64_t bytes() const { return closed_bytes_ + (finished_ ? 0 : file_->size()); }
   /// Missing by their numbers, all topics together.
   std::uint64_t missing() const;
   /// Names of the files so far.
@@ -79,6 +83,8 @@ class RecordingWriter {
 
   RecordingOptions options_;
   std::unique_ptr<mcap::Writer> file_;
+  bool finished_ = false;             // file_ has its figures, and the next split is not there yet
+  std::uint64_t repeated_bytes_ = 0;  // of file_: what it repeats of the splits before
   std::vector<std::string> files_;
   std::int64_t file_began_ns_ = 0;
   std::uint64_t messages_ = 0, closed_bytes_ = 0;

@@ -11,6 +11,7 @@ namespace palpate::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 using testing::SizeIs;
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -29,7 +30,9 @@ class FileSummaryTest : public testing::Test {
       if (i >= hole_begin && i < hole_end) continue;
       Add(writer, dds::PoseTopic("hand", 5), SamplePose(i), static_cast<std::int64_t>(i) * kMs);
     }
-    if (hole_end > hole_begin) writer.SetDropped(dds::PoseTopic("hand", 5), 3);
+    if (hole_end > hole_begin) {
+      writer.SetDropped(dds::PoseTopic("hand", 5), RecordedType::kHapticPose, 3);
+    }
     writer.Close("the test is over");
   }
 
@@ -75,7 +78,35 @@ TEST_F(FileSummaryTest, CountsWhatIsNotOfItsType) {
                std::vector<std::uint8_t>{0, 1, 0, 0, 9});
     writer.Close("");
   }
-  EXPECT_EQ(Summarise({file_}).topics.at(dds::kSessionStateTopic).broken, 1u);
+  const FileSummary summary = Summarise({file_});
+  EXPECT_EQ(summary.topics.at(dds::kSessionStateTopic).broken, 1u);
+  EXPECT_THAT(ToText(summary), Not(HasSubstr("nothing is missing")));
+}
+
+TEST_F(FileSummaryTest, TellsThatItsBeginningIsMissing) {
+  {
+    RecordingWriter writer({.file = file_});
+    wire::Wrench wrench = SampleWrench(40);
+    wrench.answer = 36;
+    Add(writer, dds::WrenchTopic("hand", 5), wrench, kMs);
+    writer.Close("");
+  }
+  const FileSummary summary = Summarise({file_});
+  EXPECT_EQ(summary.missing, 0u) << "they may be in the split before";
+  EXPECT_EQ(summary.topics.at(dds::WrenchTopic("hand", 5)).before(), 35u);
+  EXPECT_THAT(ToText(summary), HasSubstr("begins with answer 36"));
+  EXPECT_THAT(ToText(summary), Not(HasSubstr("nothing is missing")));
+}
+
+TEST_F(FileSummaryTest, TellsOfATopicAllOfWhichWasDropped) {
+  {
+    RecordingWriter writer({.file = file_});
+    writer.SetDropped(dds::kSceneBundleTopic, RecordedType::kSceneBundle, 2);
+    writer.Close("");
+  }
+  const FileSummary summary = Summarise({file_});
+  EXPECT_EQ(summary.dropped, 2u);
+  EXPECT_FALSE(summary.whole());
 }
 
 TEST_F(FileSummaryTest, ReadsAFileThatWasCutOffAndSaysSo) {

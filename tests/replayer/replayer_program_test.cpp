@@ -49,7 +49,10 @@ class Viewer {
     wire::ToolState tool{};
     while (tools_.Take(tool)) frames.push_back(tool.pose_sequence);
     wire::SessionState state{};
-    while (states_.Take(state)) ++states;
+    while (states_.Take(state)) {
+      ++states;
+      last_phase = state.phase;
+    }
     wire::SceneChange change{};
     while (changes_.Take(change)) changes.push_back(change.change);
     dds::CdrSample raw;
@@ -63,6 +66,7 @@ class Viewer {
 
   std::vector<std::uint64_t> frames, changes, runs;
   int states = 0;
+  palpate_SessionPhase last_phase{};
 
  private:
   dds::Participant service_ = dds::Participant::Service(kDomain);
@@ -93,9 +97,20 @@ TEST_F(ReplayerProgramTest, ShowsViewersARecordingAsIfLive) {
   EXPECT_EQ(replayer.Exit(), 0) << replayer.Output();
   EXPECT_GT(viewer.frames.size(), 60u);
   EXPECT_TRUE(std::ranges::is_sorted(viewer.frames));
-  EXPECT_EQ(viewer.states, 1);
+  EXPECT_TRUE(Eventually([&] {
+    viewer.Poll();
+    return viewer.states == 2;
+  })) << "the session is there, and ends with the replay";
+  EXPECT_EQ(viewer.last_phase, palpate_SESSION_ENDED);
   EXPECT_THAT(viewer.changes, testing::ElementsAre(1, 2, 3, 4));
-  EXPECT_THAT(viewer.runs, testing::ElementsAre(77));
+  EXPECT_THAT(viewer.runs, testing::SizeIs(1));
+  // Of a run that viewers know as over, they would take nothing: the next replay is another one.
+  ReplayerProgram again({file_, "--domain", kDomainText, "--rate", "20"});
+  EXPECT_TRUE(Eventually([&] {
+    viewer.Poll();
+    return viewer.runs.size() == 2;
+  })) << again.Output();
+  EXPECT_EQ(again.Exit(), 0) << again.Output();
 }
 
 TEST_F(ReplayerProgramTest, BeginsAndEndsWhereItIsToldWithAllThatHoldsThen) {
@@ -109,7 +124,7 @@ TEST_F(ReplayerProgramTest, BeginsAndEndsWhereItIsToldWithAllThatHoldsThen) {
   }));
   EXPECT_GE(viewer.frames.front(), 50u);
   EXPECT_THAT(viewer.changes, testing::ElementsAre(1, 2, 3));
-  EXPECT_EQ(viewer.states, 1);
+  EXPECT_GE(viewer.states, 1);
 }
 
 TEST_F(ReplayerProgramTest, LetsEachRoundFindTheSceneWhole) {
@@ -121,8 +136,8 @@ TEST_F(ReplayerProgramTest, LetsEachRoundFindTheSceneWhole) {
   })) << replayer.Output();
   replayer.Signal(SIGINT);
   EXPECT_EQ(replayer.Exit(), 0) << replayer.Output();
-  EXPECT_EQ(viewer.runs[1], viewer.runs[0] + 1);
-  EXPECT_EQ(viewer.runs[2], viewer.runs[1] + 1);
+  EXPECT_EQ(std::set<std::uint64_t>(viewer.runs.begin(), viewer.runs.end()).size(),
+            viewer.runs.size());
 }
 
 TEST_F(ReplayerProgramTest, IsSilentWhereAServerSpeaks) {

@@ -125,5 +125,24 @@ TEST(HandPath, IsThatOfTheLongestSession) {
   EXPECT_EQ(path.force_N[6], Vec3::Zero());
 }
 
+TEST(HandPath, LeavesOutPosesThatNobodyCanUse) {
+  const Folder folder;
+  const auto record = [&](int poses, int usable) {
+    RecordingWriter writer({.file = folder / "a.mcap", .overwrite = true});
+    for (int i = 1; i <= poses; ++i) {
+      wire::HapticPose pose = SamplePose(static_cast<std::uint64_t>(i));
+      if (i > usable) {
+        for (double& q : pose.orientation_wxyz) q = i % 2 == 0 ? 0.0 : 1.0 / 0.0;
+      }
+      Add(writer, dds::PoseTopic("hand", 1), pose, 1'000'000 * i);
+    }
+    writer.Close("");
+  };
+  record(10, 3);
+  EXPECT_EQ(ReadHandPath({folder / "a.mcap"}).size(), 3u);
+  record(10, 0);
+  EXPECT_THROW(ReadHandPath({folder / "a.mcap"}), Error);
+}
+
 }  // namespace
 }  // namespace palpate::test

@@ -254,6 +254,42 @@ TEST_F(VerifyTest, FindsATamperedPoseInItsAnswer) {
   EXPECT_EQ(verdict.first->pose_sequence, 217u);
 }
 
+TEST_F(VerifyTest, DoesNotPassOverAWrenchWhoseBytesAreNone) {
+  const std::string file = folder_ / "good.mcap", broken = folder_ / "broken.mcap";
+  Record({}, file);
+  Copy(file, broken, [](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
+    wire::Wrench wrench;
+    if (sample.To(wrench) && wrench.pose_sequence == 217) cdr[1] = 0;
+  });
+  const Verification verification = Verify({broken}, {});
+  const SessionVerdict verdict = Only(verification);
+  EXPECT_FALSE(verification.good());
+  EXPECT_EQ(verdict.broken, 1u);
+  EXPECT_EQ(verdict.recorded, kPoses);
+  EXPECT_EQ(verdict.verified, kPoses - 1);
+}
+
+TEST_F(VerifyTest, DoesNotPassOverASessionWithoutWrenches) {
+  std::set<std::uint64_t> all;
+  for (std::uint64_t i = 1; i <= kPoses; ++i) all.insert(i);
+  const SessionVerdict verdict = VerdictOf({.wrenches_lost = all});
+  EXPECT_FALSE(verdict.good());
+  EXPECT_THAT(verdict.ends, HasSubstr("no wrench of it, and 300 poses"));
+}
+
+TEST_F(VerifyTest, SaysThatAnAnswerComesAgain) {
+  const std::string file = folder_ / "good.mcap", twice = folder_ / "twice.mcap";
+  Record({}, file);
+  Copy(file, twice, [](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
+    wire::Wrench wrench;
+    if (!sample.To(wrench) || wrench.answer != 218) return;
+    wrench.answer = 217;
+    cdr.clear();
+    dds::ToCdr(wrench, cdr);
+  });
+  EXPECT_THAT(Only(Verify({twice}, {})).ends, HasSubstr("answer 217 comes again"));
+}
+
 TEST_F(VerifyTest, VerifiesWhatIsThereOfARecordingThatWasCutOff) {
   const std::string file = folder_ / "good.mcap", cut = folder_ / "cut.mcap";
   Record({}, file);

@@ -105,6 +105,28 @@ TEST_F(GuideTest, LetsGoOfAHandThatResistsUntilTheHandReturns) {
   EXPECT_NEAR(PullWilling(aim, Vec3(0.006, 0, 0), 600).force.norm(), 0.4, 1e-9);
 }
 
+TEST_F(GuideTest, StaysOverruledWhateverComes) {
+  const Vec3 aim(0.010, 0, 0);
+  PullWilling(aim, Vec3::Zero(), 600);
+  for (int i = 1; i <= 1000; ++i) {
+    Aim(aim);
+    Pull(Vec3::Zero(), Vec3(-0.01, 0, 0));
+  }
+  ASSERT_TRUE(guide_.let_go());
+  for (int i = 0; i < 150; ++i) Pull(Vec3::Zero());  // silence
+  EXPECT_EQ(PullWilling(aim, Vec3::Zero(), 1000).force.norm(), 0.0);
+  EXPECT_EQ(PullWilling(Vec3(0.05, 0, 0), Vec3::Zero(), 1000).force.norm(), 0.0) << "a leap";
+  Aim(aim, Quat::Identity(), 2);
+  EXPECT_EQ(Pull(Vec3::Zero()).force.norm(), 0.0) << "another guide";
+  EXPECT_TRUE(guide_.let_go());
+}
+
+TEST_F(GuideTest, RampsInAnewWhereTheAimTurnsByALeap) {
+  PullWilling(Vec3::Zero(), Vec3::Zero(), 600);
+  Aim(Vec3::Zero(), Quat(Eigen::AngleAxisd(3.0, Vec3::UnitZ())));
+  EXPECT_LT(Pull(Vec3::Zero()).torque.norm(), 1e-4);
+}
+
 TEST_F(GuideTest, DoesNotTakeAHandThatFollowsForOneThatResists) {
   for (int i = 0; i < 3000; ++i) {
     const Vec3 hand(2e-5 * i, 0, 0);

@@ -77,15 +77,6 @@ TEST_F(McapReaderTest, GivesBackWhatWasWritten) {
   EXPECT_EQ(reader.channels().at(1).metadata.at("a"), "b");
 }
 
-TEST_F(McapReaderTest, GivesWhatLiesBetweenTwoTimes) {
-  Reader reader(bytes_, "a");
-  reader.Between(1000 + 25, 1000 + 45);
-  const std::vector<int> numbers = Read(reader);
-  ASSERT_THAT(numbers, SizeIs(20));
-  EXPECT_EQ(numbers.front(), 25);
-  EXPECT_EQ(numbers.back(), 44);
-}
-
 TEST_F(McapReaderTest, GivesEveryWholeChunkWhereverTheFileIsCutOff) {
   for (std::size_t n = kMagicSize; n < bytes_.size(); ++n) {
     Reader reader({bytes_.data(), n}, "a");

@@ -1,11 +1,14 @@
 #include "common/recording/recording_writer.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <map>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/error.h"
 #include "common/recording/recording_reader.h"
 #include "tests/common/recording/samples.h"
 
@@ -34,7 +37,8 @@ TEST(RecordingWriter, ProvesWhatIsMissing) {
     Add(writer, dds::PoseTopic("hand", 1), SamplePose(sequence), kMs);
     Add(writer, dds::WrenchTopic("hand", 1), SampleWrench(sequence), kMs);
   }
-  writer.SetDropped(dds::PoseTopic("hand", 1), 3);
+  writer.SetDropped(dds::PoseTopic("hand", 1), RecordedType::kHapticPose, 3);
+  writer.SetDropped(dds::kSceneBundleTopic, RecordedType::kSceneBundle, 1);
   EXPECT_EQ(writer.missing(), 22u);
   writer.Close("the test is over");
 
@@ -51,6 +55,8 @@ TEST(RecordingWriter, ProvesWhatIsMissing) {
   EXPECT_EQ(pose.at("holes"), "2");
   EXPECT_EQ(pose.at("missing"), "11");
   EXPECT_EQ(pose.at("dropped"), "3");
+  EXPECT_EQ(MetadataOf(reader, "palpate.topic", dds::kSceneBundleTopic).at("dropped"), "1")
+      << "though none was written";
   EXPECT_EQ(MetadataOf(reader, "palpate.end").at("reason"), "the test is over");
   EXPECT_EQ(MetadataOf(reader, "palpate.recording").at("build"), PALPATE_VERSION);
 }
@@ -131,6 +137,59 @@ TEST(SequenceCount, TakesRepetitionsForNoHoles) {
   EXPECT_EQ(count.last(), 8u);
   EXPECT_EQ(count.holes(), 1u);
   EXPECT_EQ(count.missing(), 2u);
+}
+
+TEST(RecordingWriter, DoesNotCountWhatASplitRepeats) {
+  const Folder folder;
+  RecordingWriter writer({.file = folder / "a.mcap", .split_bytes = 20'000});
+  std::vector<std::uint8_t> noise(100'000);
+  std::uint32_t state = 1;
+  for (std::uint8_t& byte : noise)
+    byte = static_cast<std::uint8_t>((state = state * 1664525 + 1013904223) >> 24);
+  wire::SceneBundle bundle{};
+  wire::FromText("noise", bundle.scene);
+  bundle.bundle._buffer = noise.data();
+  bundle.bundle._length = bundle.bundle._maximum = static_cast<std::uint32_t>(noise.size());
+  Add(writer, dds::kSceneBundleTopic, bundle, kMs);
+  for (std::uint64_t i = 1; i <= 2000; ++i) {
+    Add(writer, dds::PoseTopic("hand", 1), SamplePose(i), static_cast<std::int64_t>(i) * kMs);
+    if (i % 50 == 0) writer.Flush();
+  }
+  writer.Close("");
+  EXPECT_GT(writer.files().size(), 3u);
+  EXPECT_LT(writer.files().size(), 30u) << "a file for a sample or two";
+}
+
+TEST(RecordingWriter, LeavesTheSplitsOfAFormerRecordingOrTakesThemAllAway) {
+  const Folder folder;
+  std::ofstream(folder / "a_007.mcap") << "yesterday";
+  std::ofstream(folder / "a_b.mcap") << "no split";
+  const RecordingOptions options{.file = folder / "a.mcap", .split_s = 10.0};
+  EXPECT_THROW(RecordingWriter{options}, Error);
+  EXPECT_FALSE(std::filesystem::exists(folder / "a_000.mcap"));
+  RecordingOptions over = options;
+  over.overwrite = true;
+  RecordingWriter writer(over);
+  EXPECT_FALSE(std::filesystem::exists(folder / "a_007.mcap"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "a_b.mcap"));
+}
+
+TEST(RecordingWriter, ReplacesAFileThatIsBeingReadWithoutHarmToItsReader) {
+  const Folder folder;
+  const auto record = [&](std::uint64_t poses) {
+    RecordingWriter writer({.file = folder / "a.mcap", .overwrite = true});
+    for (std::uint64_t i = 1; i <= poses; ++i) {
+      Add(writer, dds::PoseTopic("hand", 1), SamplePose(i), static_cast<std::int64_t>(i) * kMs);
+    }
+    writer.Close("");
+  };
+  record(2000);
+  RecordingReader reader({folder / "a.mcap"});
+  record(1);
+  RecordedSample sample{};
+  int count = 0;
+  while (reader.Next(sample)) ++count;
+  EXPECT_EQ(count, 2000);
 }
 
 }  // namespace
