@@ -46,7 +46,7 @@ SessionLink::SessionLink(LinkOptions options, ReplyRing& replies,
 
   service_.emplace(dds::Participant::Service(options_.domain));
   requests_ = {*service_, dds::kSessionRequestTopic, dds::Qos::kSession};
-  states_ = {*service_, dds::kSessionStateTopic, dds::Qos::kSession};
+  states_ = {*service_, dds::kSessionStateTopic, dds::Qos::kRecordSession};
   Ask(SteadyNanoseconds());
 }
 
@@ -96,7 +96,14 @@ void SessionLink::TakeStates() {
   wire::SessionState state;
   while (states_.Take(state)) {
     if (options_.station != state.station) continue;
-    if (state.run == run_) state_ = state;
+    if (state.run == run_) {
+      state_ = state;
+    } else if (state_ && state.server_run == server_run_ &&
+               state.phase != palpate_SESSION_REFUSED) {
+      // Only the last word of each name is kept: what ended this run's session may be overwritten.
+      state_->phase = palpate_SESSION_ENDED;
+      wire::FromText("another station took the name", state_->reason);
+    }
     if (server_run_ != 0 && state.server_run != server_run_) server_restarted_ = true;
   }
 }

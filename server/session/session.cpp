@@ -3,11 +3,17 @@
 #include <cmath>
 #include <utility>
 
+#include "common/math/rotation.h"
+
 namespace palpate {
 namespace {
 
 constexpr std::int64_t kTryAgain_ns = 100'000'000;  // resolving takes up to as long
-constexpr double kNews_m = 2e-3;                    // what a person at the device can follow
+// A hand that rests inside an object is tried for nothing, but where the objects have changed.
+constexpr std::int64_t kTryAtRest_ns = 1'000'000'000;
+constexpr double kMoved_m = 2e-4;
+constexpr double kTurned_rad = 1e-3;
+constexpr double kNews_m = 2e-3;  // what a person at the device can follow
 
 std::string InsideText(double depth_m) {
   return "the tool is " + std::to_string(std::lround(1e3 * depth_m)) +
@@ -26,7 +32,7 @@ Session::Session(std::string station, std::uint64_t run, std::shared_ptr<const S
       start_wear_(StepState(tool_->model).wear),
       heard_ns_(now_ns) {}
 
-bool Session::Update(std::int64_t now_ns) {
+bool Session::Update(std::int64_t now_ns, bool may_start) {
   if (ended()) return false;
   loop_.ReadSnapshot(snapshot_);
   if (const std::uint64_t heard = loop_.heard(); heard != heard_) {
@@ -42,13 +48,22 @@ bool Session::Update(std::int64_t now_ns) {
   if (phase_ == palpate_SESSION_ACTIVE) {
     return !start_seen_ && (start_seen_ = loop_.start_sequence() != 0);
   }
-  if (!snapshot_.has_pose) return false;
-  if (phase_ == palpate_SESSION_ACQUIRING && now_ns - tried_ns_ < kTryAgain_ns) return false;
-  return TryStart(now_ns);
+  return may_start && wants_start(now_ns) && TryStart(now_ns);
+}
+
+bool Session::wants_start(std::int64_t now_ns) const {
+  if (phase_ == palpate_SESSION_ACTIVE || ended() || !snapshot_.has_pose) return false;
+  const Pose& X_WH = snapshot_.X_WH;
+  if (phase_ == palpate_SESSION_WAITING) return true;
+  const std::int64_t since_ns = now_ns - tried_ns_;
+  if (since_ns < kTryAgain_ns) return false;
+  return since_ns >= kTryAtRest_ns || (X_WH.p - X_WH_tried_.p).norm() > kMoved_m ||
+         RotationLog(X_WH.q * X_WH_tried_.q.conjugate()).norm() > kTurned_rad;
 }
 
 bool Session::TryStart(std::int64_t now_ns) {
   tried_ns_ = now_ns;
+  X_WH_tried_ = snapshot_.X_WH;
   const StartPose start =
       ResolveStart(tool_->model, snapshot_.X_WH, *start_workspace_, &start_wear_);
   if (!(start.depth <= kMaxStartDepth_m)) {

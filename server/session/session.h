@@ -36,7 +36,13 @@ class Session {
 
   /// Looks after the session; to be called every few milliseconds.  True where phase, depth or
   /// reason changed, or the loop has begun to compute forces.
-  bool Update(std::int64_t now_ns);
+  /// @param may_start  false: not now, where that would need a start pose to be found, which takes
+  ///                   up to a tenth of a second.
+  bool Update(std::int64_t now_ns, bool may_start = true);
+  /// A start pose is to be found: there is a hand, and it is not where the last one failed.
+  bool wants_start(std::int64_t now_ns) const;
+  /// When that was last tried.
+  std::int64_t tried_ns() const { return tried_ns_; }
   void End(std::string reason);
   /// The next leaf that has gone from the loop's scene: scraped off by this session's tool, or
   /// taken away after another's.
@@ -80,6 +86,7 @@ class Session {
   std::uint64_t heard_ = 0;
   std::int64_t heard_ns_;
   std::int64_t tried_ns_ = 0;
+  Pose X_WH_tried_;
 };
 
 }  // namespace palpate

@@ -44,7 +44,11 @@ void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now
     return Refuse(request, std::string("'") + request.station +
                                "' is no name for a station; give 1 to 32 letters, digits or '_'");
   }
-  waiting_.erase(request.station);
+  // What a run asked for, it may take back or ask anew; a leave of the run before is not its.
+  if (const auto waiting = waiting_.find(request.station);
+      waiting != waiting_.end() && (!request.leave || waiting->second.request.run == request.run)) {
+    waiting_.erase(waiting);
+  }
   const auto held = sessions_.find(request.station);
   if (held == sessions_.end()) {
     if (!request.leave) Admit(request, now_ns);
@@ -65,9 +69,16 @@ void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now
 }
 
 void SessionTable::Update(std::int64_t now_ns) {
+  // One start pose at a time, by turns: all else that this thread does waits for it.
+  const Session* next = nullptr;
+  for (const auto& [station, session] : sessions_) {
+    if (session->wants_start(now_ns) && (!next || session->tried_ns() < next->tried_ns())) {
+      next = session.get();
+    }
+  }
   for (auto it = sessions_.begin(); it != sessions_.end();) {
     Session& session = *it->second;
-    if (session.Update(now_ns) || session.ended()) Publish(session);
+    if (session.Update(now_ns, !next || &session == next) || session.ended()) Publish(session);
     PassOnRemovals(session);
     it = session.ended() ? sessions_.erase(it) : std::next(it);
   }
@@ -84,6 +95,8 @@ void SessionTable::Update(std::int64_t now_ns) {
     } else {
       Refuse(waiting.request, std::string("a station named '") + waiting.request.station +
                                   "' is connected and sends poses; give another --id");
+      // Who comes later must not take the refusal for the word on who drives.
+      Publish(*sessions_.at(waiting.request.station));
     }
   }
 }

@@ -100,7 +100,7 @@ Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
       server_run_(RandomRun()),
       table_(std::move(tools), server_run_),
       print_line_(std::move(print_line)),
-      requests_(service_domain_, dds::kSessionRequestTopic, dds::Qos::kSession),
+      requests_(service_domain_, dds::kSessionRequestTopic, dds::Qos::kRecordSession),
       states_(service_domain_, dds::kSessionStateTopic, dds::Qos::kSession),
       scene_changes_(service_domain_, dds::kSceneChangeTopic, dds::Qos::kSession),
       leaves_taken_(service_domain_, dds::kLeafTakenTopic, dds::Qos::kSession),
@@ -150,11 +150,16 @@ void Server::UpdateLinks(std::int64_t now_ns) {
            session->second.get() != &entry.second.link->session();
   });
   for (const auto& [name, session] : table_.sessions()) {
-    Station& station = stations_[name];
-    if (!station.link) {
-      station.link = std::make_unique<StationLink>(loop_domain_, session);
+    try {
+      Station& station = stations_[name];
+      if (!station.link) station.link = std::make_unique<StationLink>(loop_domain_, session);
+      station.link->Update(now_ns);
+    } catch (const Error& error) {
+      // DDS is out of something; the other stations go on.
+      spdlog::error("station {}: {}", name, error.what());
+      stations_.erase(name);
+      session->End(error.what());
     }
-    station.link->Update(now_ns);
   }
 }
 

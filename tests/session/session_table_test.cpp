@@ -163,10 +163,13 @@ TEST_F(SessionTableTest, RefusesASecondStationUnderTheNameOfOneThatLives) {
   Pass(50, {"a"});
   table_.Request(MakeRequest("a", 2, "two", "left"), now_);
   Pass(400, {"a"});
-  const wire::SessionState state = LastChange();
+  const auto changes = table_.TakeChanges();
+  ASSERT_GE(changes.size(), 2u);
+  const wire::SessionState& state = changes[changes.size() - 2];
   EXPECT_EQ(state.phase, palpate_SESSION_REFUSED);
   EXPECT_EQ(state.run, 2u);
   EXPECT_THAT(state.reason, HasSubstr("another --id"));
+  EXPECT_EQ(changes.back().run, 1u) << "who comes later learns who drives";
   EXPECT_TRUE(Holds("a", 1));
 }
 
@@ -213,7 +216,19 @@ TEST_F(SessionTableTest, HoldsItsMostStationsAndNoMore) {
   EXPECT_EQ(table.sessions().size(), SessionTable::kMaxStations);
   const auto changes = table.TakeChanges();
   EXPECT_EQ(changes.back().phase, palpate_SESSION_REFUSED);
-  EXPECT_THAT(changes.back().reason, HasSubstr(std::to_string(SessionTable::kMaxStations) + " stations"));
+  EXPECT_THAT(changes.back().reason,
+              HasSubstr(std::to_string(SessionTable::kMaxStations) + " stations"));
+}
+
+TEST_F(SessionTableTest, KeepsARequestThatALeaveOfTheRunBeforeOvertakes) {
+  Ask(MakeRequest("a", 1, "one"));
+  Pass(10, {"a"});
+  table_.Request(MakeRequest("a", 2, "one"), now_);
+  wire::SessionRequest leave = MakeRequest("a", 1, "one");
+  leave.leave = true;
+  table_.Request(leave, now_);
+  Pass(10, {});
+  EXPECT_TRUE(Holds("a", 2));
 }
 
 TEST_F(SessionTableTest, TellsEveryStationWhenTheServerStops) {
