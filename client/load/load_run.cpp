@@ -23,8 +23,7 @@ constexpr milliseconds kPoll{10};
 constexpr double kWarmUp_s = 1.0;
 constexpr double kServerFrames_hz = 60.0;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-/// A round of polls that takes longer than this means that the machine is far beyond what it can
-/// do.
+/// Until every station has its session: a machine that takes longer is far beyond what it can do.
 constexpr double kMatchPatience_s = 30.0;
 
 using Stations = std::vector<std::unique_ptr<LoadStation>>;

@@ -213,7 +213,8 @@ TEST_F(SessionTableTest, HoldsItsMostStationsAndNoMore) {
   EXPECT_EQ(table.sessions().size(), SessionTable::kMaxStations);
   const auto changes = table.TakeChanges();
   EXPECT_EQ(changes.back().phase, palpate_SESSION_REFUSED);
-  EXPECT_THAT(changes.back().reason, HasSubstr(std::to_string(SessionTable::kMaxStations) + " stations"));
+  EXPECT_THAT(changes.back().reason,
+              HasSubstr(std::to_string(SessionTable::kMaxStations) + " stations"));
 }
 
 TEST_F(SessionTableTest, TellsEveryStationWhenTheServerStops) {
