@@ -1,7 +1,8 @@
 #include "common/machine.h"
 
 #include <fstream>
-#include <thread>
+
+#include <sched.h>
 
 namespace palpate {
 namespace {
@@ -15,6 +16,12 @@ std::string ProcessorName() {
   return "unknown";
 }
 
+int CoresAllowed() {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  return sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? CPU_COUNT(&allowed) : 0;
+}
+
 }  // namespace
 
 HostMachine ThisHost() {
@@ -23,9 +30,7 @@ HostMachine ThisHost() {
 #else
   const std::string build = ", with assertions: times mean nothing";
 #endif
-  return {.cpu = ProcessorName(),
-          .cores = static_cast<int>(std::thread::hardware_concurrency()),
-          .compiler = "GCC " __VERSION__ + build};
+  return {.cpu = ProcessorName(), .cores = CoresAllowed(), .compiler = "GCC " __VERSION__ + build};
 }
 
 }  // namespace palpate

@@ -6,10 +6,10 @@ namespace palpate {
 
 std::string FaultWords(std::uint32_t faults) {
   static constexpr std::pair<std::uint32_t, const char*> kWords[] = {
-      {kFaultBadPose, "bad pose"},           {kFaultTargetFar, "target far"},
-      {kFaultRowsFull, "rows full"},         {kFaultJammed, "jammed"},
-      {kFaultUnsolved, "unsolved"},          {kFaultPoseStale, "pose stale"},
-      {kFaultPoseRejected, "pose rejected"}, {kFaultNotStarted, "not started"}};
+      {kFaultBadPose, "bad pose"},      {kFaultTargetFar, "target far"},
+      {kFaultRowsFull, "rows full"},    {kFaultJammed, "jammed"},
+      {kFaultUnsolved, "unsolved"},     {kFaultPoseRejected, "pose rejected"},
+      {kFaultNotStarted, "not started"}};
   std::string words;
   const auto add = [&words](const std::string& word) {
     if (!words.empty()) words += ", ";

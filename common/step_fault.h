@@ -9,8 +9,9 @@ namespace palpate {
 /// None of them stops the loop; each is counted and published (Wrench.faults).
 enum StepFault : std::uint32_t {
   kFaultNone = 0,
-  /// The pose was not finite or its quaternion had no length.  The graphic tool stays where it was
-  /// and the wrench is zero.  Remedy: mend the device driver.
+  /// The pose was not finite or its quaternion had no length.  The graphic tool stays where it was.
+  /// The step's wrench is zero; the servo loop does not step, and its last wrench fades by a
+  /// twentieth for each such pose.  Remedy: mend the device driver.
   kFaultBadPose = 1u << 0,
   /// The target lay further than all sub-steps of one cycle reach.  The graphic tool is on its way;
   /// the wrench is that of the contacts met so far, zero in free space.  No remedy needed.
@@ -24,9 +25,10 @@ enum StepFault : std::uint32_t {
   /// is the spring's from there.  Should never happen: keep the dump (`palpate-bench qp --dump`).
   kFaultUnsolved = 1u << 4,
   // Set by the servo loop (server/session), not by the step:
-  kFaultPoseStale = 1u << 8,     ///< no fresh pose: the wrench decays to zero
-  kFaultPoseRejected = 1u << 9,  ///< the pose was out of sequence or faster than a hand
-  kFaultNotStarted = 1u << 10,   ///< the tool starts inside an object, or no pose came yet
+  /// The pose was further from the last than a hand comes: the wrench fades as for kFaultBadPose,
+  /// until poses that agree with each other show that the hand is there.
+  kFaultPoseRejected = 1u << 9,
+  kFaultNotStarted = 1u << 10,  ///< the tool starts inside an object, or no pose came yet
 };
 
 /// The bits in words, for people: "rows full, jammed"; "none" where there is none.  Not real-time.

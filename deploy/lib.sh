@@ -2,6 +2,8 @@
 # What the scripts share; sourced, after which the current folder is the repository's root and
 # an error ends the script.
 set -euo pipefail
+kScript=$(realpath "$0")  # which may be named from the folder that is left here
+readonly kScript
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 say() { printf '%s\n' "$*"; }
@@ -9,7 +11,7 @@ fail() { printf '%s: %s\n' "${0##*/}" "$*" >&2; exit 1; }
 wrong_usage() { printf '%s: %s (see --help)\n' "${0##*/}" "$*" >&2; exit 2; }
 
 # Prints the comment at the head of the script: its help, written once.
-print_help() { sed -n '2,/^$/s/^# \{0,1\}//p' "$0"; }
+print_help() { sed -n '2,/^$/s/^# \{0,1\}//p' "$kScript"; }
 
 # quietly TITLE LOG COMMAND...: runs the command with its output in the log; shows a line, and the
 # log's end where the command fails.
@@ -84,6 +86,15 @@ fail_with_log() {
   say "$1. The end of $2:"
   tail -n 25 "$2" | sed 's/^/    /'
   exit 1
+}
+
+readonly kPools=deploy/cyclonedds/roudi.toml
+
+# What RouDi needs in /dev/shm: 66 MB of its own, and its pools, each chunk with a header of 40 B and
+# 64 B of RouDi's books.  REALTIME.md and others name the sum: a test compares.
+shared_memory_needed_MB() {
+  awk -F= '/^size/ { size = $2 + 104 } /^count/ { bytes += size * $2 }
+           END { print int(66 + bytes / 1e6 + 1) }' $kPools
 }
 
 # RouDi holds this lock as long as it lives.

@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
+#include "common/command_line.h"
 #include "common/error.h"
 #include "common/log.h"
 #include "scenes/catalogue.h"
@@ -221,14 +222,12 @@ int Main(int argc, char** argv) {
       "  palpate-scene render bunny.palpate -o bunny.png",
       "palpate-scene");
   Arguments arguments;
-  app.set_version_flag("--version", "palpate-scene " PALPATE_VERSION);
   app.require_subcommand(1);
   app.fallthrough();
   app.add_option("--models", arguments.models, "Folder to look in first for model files");
   app.add_option("--cache", arguments.cache, "Cache folder (default: ~/.cache/palpate)");
-  app.add_option("--log-level", arguments.log_level, "trace, debug, info, warn, error or off");
-  app.add_option("--domain", arguments.domain,
-                 "Understood as by the other programs; this one talks to none");
+  AddCommonOptions(app, "Understood as by the other programs; this one talks to none",
+                   arguments.domain, arguments.log_level);
 
   std::string names;
   for (const std::string& name : CatalogueNames()) names += (names.empty() ? "" : ", ") + name;
@@ -250,30 +249,18 @@ int Main(int argc, char** argv) {
   render->add_option("--level", arguments.level, "Only this level, from 1");
   render->add_flag("--whole", arguments.whole, "The scene as it stands, instead of its bodies");
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
-    SetUpLog("palpate-scene", arguments.log_level);
-    if (build->parsed()) Build(arguments);
-    if (info->parsed()) Info(arguments);
-    if (check->parsed()) Check(arguments);
-    if (render->parsed()) Render(arguments);
-    return 0;
-  } catch (const UsageError& error) {
-    std::cerr << "palpate-scene: " << error.what() << '\n';
-    return 2;
-  } catch (const std::exception& error) {
-    std::cerr << "palpate-scene: " << error.what() << '\n';
-    return 1;
-  }
+  if (!ParseCommandLine(app, argc, argv)) return 0;
+  SetUpLog("palpate-scene", arguments.log_level);
+  if (build->parsed()) Build(arguments);
+  if (info->parsed()) Info(arguments);
+  if (check->parsed()) Check(arguments);
+  if (render->parsed()) Render(arguments);
+  return 0;
 }
 
 }  // namespace
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  return palpate::Main(argc, argv);
+  return palpate::RunProgram("palpate-scene", [&] { return palpate::Main(argc, argv); });
 }

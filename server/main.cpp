@@ -1,9 +1,9 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,7 +12,7 @@
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
-#include "common/dds/topics.h"
+#include "common/command_line.h"
 #include "common/error.h"
 #include "common/log.h"
 #include "common/realtime/realtime.h"
@@ -28,6 +28,16 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{5};
+
+constexpr const char* kAbout =
+    R"(Serves scenes to haptic stations: each pose that a station sends is answered with the wrench that
+its tool meets.  Prints a line that begins with 'ready' once stations can connect, then a line of
+statistics per station and second.
+)";
+
+constexpr const char* kExample =
+    R"(Example: palpate-server --scene bunny-bunny
+then, in another terminal: palpate-station --device simulated --scene bunny-bunny --id left)";
 
 struct Options {
   std::vector<std::string> scenes;
@@ -69,6 +79,12 @@ int Serve(const Options& options) {
   std::string names;
   for (const std::string& name : options.scenes) {
     const Scene scene = LoadScene(name, load);
+    if (bundles.contains(scene.name)) {
+      throw UsageError(
+          "--scene " + name + ": '" + scene.name +
+          "' is served already, and stations know scenes by their names alone; give it "
+          "once, or a file of another name");
+    }
     AddTools(scene, tools);
     bundles[scene.name] = PackScene(scene);
     names += (names.empty() ? "" : ", ") + scene.name;
@@ -90,22 +106,11 @@ int Serve(const Options& options) {
   return 0;
 }
 
-}  // namespace
-}  // namespace palpate
-
-int main(int argc, char** argv) {
-  using namespace palpate;
+/// Nothing where --help or --version was asked for.  Throws UsageError.
+std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
-  CLI::App app{
-      "Serves scenes to haptic stations: each pose that a station sends is answered with the "
-      "wrench "
-      "that its tool meets.  Prints a line that begins with 'ready' once stations can connect, "
-      "then "
-      "a line of statistics per station and second."};
-  app.footer(
-      "Example: palpate-server --scene bunny-bunny\n"
-      "then, in another terminal: palpate-station --device simulated --scene bunny-bunny --id "
-      "left");
+  CLI::App app(kAbout, "palpate-server");
+  app.footer(kExample);
   app.add_option("--scene", options.scenes, "scenes to serve: names from the catalogue, or files")
       ->required();
   app.add_option("--transport", options.transport,
@@ -118,25 +123,20 @@ int main(int argc, char** argv) {
       ->check(CLI::NonNegativeNumber);
   app.add_option("--models", options.models,
                  "folder with the meshes that are not installed (or PALPATE_MODELS)");
-  app.add_option("--domain", options.domain, "which set of servers and stations this belongs to")
-      ->check(CLI::Range(0, dds::kMaxDomain))
-      ->capture_default_str();
-  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
-      ->capture_default_str();
-  app.set_version_flag("--version", PALPATE_VERSION);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
-  try {
-    SetUpLog("palpate-server", options.log_level);
-    return Serve(options);
-  } catch (const UsageError& e) {
-    std::fprintf(stderr, "palpate-server: %s\n", e.what());
-    return 2;
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "palpate-server: %s\n", e.what());
-    return 1;
-  }
+  AddCommonOptions(app, "which set of servers and stations this belongs to", options.domain,
+                   options.log_level);
+  if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
+  return options;
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  return palpate::RunProgram("palpate-server", [&] {
+    const auto options = palpate::ParseOptions(argc, argv);
+    if (!options) return 0;
+    palpate::SetUpLog("palpate-server", options->log_level);
+    return palpate::Serve(*options);
+  });
 }

@@ -7,6 +7,20 @@
 namespace palpate {
 namespace {
 
+constexpr const char* kLegend =
+    R"(Server, gateway, stations and viewers share this machine. *Late*: the wrench took over 1 ms, never
+came, or the station could not send in its millisecond. *Lost*: frames that were due to a viewer and
+did not come. Percentiles are p50 / p99 / p99.9. Cores used are those of the server / the gateway,
+then of `palpate-load`, whose part other machines would bear. The load averages stood before the run:
+what else the machine did, and the runs before.
+
+)";
+
+constexpr const char* kHeading =
+    R"(| stations | viewers | rate [Hz] | late | round trip [µs] | frames | lost | frame age [ms] | server / gateway [cores] | load [cores] | machine busy | load averages |
+|---|---|---|---|---|---|---|---|---|---|---|---|
+)";
+
 std::string Cores(const std::optional<ProcessUse>& use) {
   return use ? fmt::format("{:.2f}", use->cpu) : "-";
 }
@@ -36,9 +50,11 @@ std::string TableRow(const LoadFigures& f) {
 }
 
 std::string ToMarkdown(const CapacityReport& r) {
-  std::string text =
-      "# Capacity\n\nHow many stations and viewers a machine holds, as `palpate-load` measures "
-      "it.\n\n";
+  std::string text = R"(# Capacity
+
+How many stations and viewers a machine holds, as `palpate-load` measures it.
+
+)";
   text += "```sh\n" + r.command + "\n```\n\n";
   text += "| | |\n|---|---|\n";
   text += "| processor | " + r.machine.cpu + " |\n";
@@ -48,19 +64,8 @@ std::string ToMarkdown(const CapacityReport& r) {
   text += "| scene | " + r.scene + " |\n";
   if (!r.runs.empty()) text += "| transport | " + r.runs.front().transport + " |\n";
   text += "| real-time | " + r.realtime + " |\n\n";
-  text +=
-      "Server, gateway, stations and viewers share this machine. *Late*: the wrench took over 1 "
-      "ms, "
-      "never\ncame, or the station could not send in its millisecond. Percentiles are p50 / p99 / "
-      "p99.9. Cores used\nare those of the server / the gateway, then of `palpate-load`, whose "
-      "part "
-      "other machines would bear.\nThe load averages stood before the run: what else the machine "
-      "did, and the runs before.\n\n";
-  text +=
-      "| stations | viewers | rate [Hz] | late | round trip [µs] | frames | lost | frame age [ms] "
-      "| "
-      "server / gateway [cores] | load [cores] | machine busy | load averages |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  text += kLegend;
+  text += kHeading;
   for (const LoadFigures& run : r.runs) text += TableRow(run);
   if (!r.limits.empty()) text += "\n## Limits\n\n";
   for (const std::string& limit : r.limits) text += "- " + limit + "\n";

@@ -2,6 +2,10 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
+#include <string>
+
+#include "client/load/load_figures.h"
 
 namespace palpate {
 
@@ -18,5 +22,21 @@ struct Capacity {
 /// @param holds  runs a load; what it throws comes through.
 Capacity FindCapacity(std::size_t most, int attempts,
                       const std::function<bool(std::size_t n)>& holds);
+
+/// A largest load, and the runs that show it.
+struct FoundLoad {
+  Capacity capacity;
+  std::optional<LoadFigures> held;    ///< of capacity.holds
+  std::optional<LoadFigures> failed;  ///< of capacity.fails, where that was run
+  std::string refusal;  ///< of capacity.fails, where server or gateway did not take it
+};
+
+/// FindCapacity by runs that Holds() judges.
+/// @param run  figures of n; nothing: it was stopped.  An Error says that n cannot be begun: once
+/// less
+///             has held, n is more than server or gateway take, and no more is tried; before that
+///             it comes through.
+FoundLoad FindLoad(std::size_t most, int attempts,
+                   const std::function<std::optional<LoadFigures>(std::size_t n)>& run);
 
 }  // namespace palpate

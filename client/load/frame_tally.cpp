@@ -1,12 +1,15 @@
 #include "client/load/frame_tally.h"
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <string_view>
+#include <utility>
 
 namespace palpate {
 
 FrameTally::FrameTally(Setup setup)
-    : setup_(std::move(setup)), newest_(setup_.viewers * setup_.stations, 0) {}
+    : setup_(std::move(setup)), got_(setup_.viewers * setup_.stations) {}
 
 std::size_t FrameTally::StationOf(const char* name) const {
   const std::string_view text(name);
@@ -22,20 +25,56 @@ std::size_t FrameTally::StationOf(const char* name) const {
   return one_of_ours ? number - 1 : setup_.stations;
 }
 
+std::vector<std::uint64_t> FrameTally::NewestSequences() const {
+  std::vector<std::uint64_t> sequences(setup_.stations);
+  for (std::size_t i = 0; i < sequences.size(); ++i) sequences[i] = setup_.newest_sequence(i);
+  return sequences;
+}
+
+void FrameTally::Begin(std::int64_t now_ns) {
+  first_ = last_ = NewestSequences();
+  begin_ns_.store(now_ns, std::memory_order_relaxed);
+}
+
+void FrameTally::End(std::int64_t now_ns) {
+  end_ns_.store(now_ns, std::memory_order_relaxed);
+  last_ = NewestSequences();
+}
+
 void FrameTally::Add(std::size_t viewer, const wire::ToolState& frame, std::int64_t now_ns) {
-  const bool counts = now_ns >= begin_ns_.load(std::memory_order_relaxed);
-  if (counts) frames_.fetch_add(1, std::memory_order_relaxed);
+  if (now_ns < begin_ns_.load(std::memory_order_relaxed) ||
+      now_ns >= end_ns_.load(std::memory_order_relaxed)) {
+    return;
+  }
+  frames_.fetch_add(1, std::memory_order_relaxed);
   const std::size_t station = StationOf(frame.station);
   if (station == setup_.stations) return;
-  std::uint64_t& newest = newest_[viewer * setup_.stations + station];
-  if (counts && newest != 0 && frame.pose_sequence > newest) {
-    const double frames = 1e-3 * setup_.rate_hz * static_cast<double>(frame.pose_sequence - newest);
-    if (frames >= 2.0) lost_ += static_cast<std::uint64_t>(frames) - 1;
-  }
-  newest = frame.pose_sequence;
-  if (!counts) return;
   const std::int64_t sampled_ns = setup_.sample_time_ns(station, frame.pose_sequence);
-  if (sampled_ns != 0) age_.Add(now_ns - sampled_ns);
+  age_.Add(sampled_ns != 0 ? now_ns - sampled_ns : kForgotten_ns);
+  Got& got = got_[viewer * setup_.stations + station];
+  if (frame.pose_sequence <= got.newest) return;
+  got.newest = frame.pose_sequence;
+  ++got.frames;
+}
+
+std::uint64_t FrameTally::DueOf(std::size_t station) const {
+  const auto poses = static_cast<double>(last_[station] - first_[station]);
+  return static_cast<std::uint64_t>(std::max(0.0, std::floor(1e-3 * setup_.rate_hz * poses) - 1.0));
+}
+
+std::uint64_t FrameTally::due() const {
+  std::uint64_t due = 0;
+  for (std::size_t i = 0; i < first_.size(); ++i) due += setup_.viewers * DueOf(i);
+  return due;
+}
+
+std::uint64_t FrameTally::lost() const {
+  std::uint64_t lost = 0;
+  for (std::size_t i = 0; i < setup_.viewers * first_.size(); ++i) {
+    const std::uint64_t due = DueOf(i % setup_.stations);
+    lost += due - std::min(due, got_[i].frames);
+  }
+  return lost;
 }
 
 }  // namespace palpate

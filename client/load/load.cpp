@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <utility>
 
@@ -18,6 +17,7 @@
 #include "client/load/load_run.h"
 #include "client/load/scene_copies.h"
 #include "common/error.h"
+#include "common/output.h"
 #include "scenes/catalogue.h"
 
 namespace palpate {
@@ -81,18 +81,6 @@ std::vector<PoseScript> ScriptsOf(const LoadRunOptions& options,
   return scripts;
 }
 
-void WriteText(const char* option, const std::string& text, const std::string& file) {
-  if (file == "-") {
-    std::fputs(text.c_str(), stdout);
-    return;
-  }
-  std::ofstream out(file);
-  if (!(out << text) || !out.flush()) {
-    throw Error(std::string(option) + " " + file +
-                ": cannot be written; give a file in a folder that exists");
-  }
-}
-
 class Load {
  public:
   Load(const LoadRunOptions& options, LoadSetting setting, StopSignal& stop)
@@ -130,9 +118,13 @@ class Load {
     }
   }
 
+  /// Where a run failed, the figures of those before it, if there are any, stay of use.
+  void WriteWhatThereIs() const {
+    if (!report_.runs.empty()) Write();
+  }
   void Write() const {
-    if (!options_.json.empty()) WriteText("--json", Json(), options_.json);
-    if (!options_.report.empty()) WriteText("--report", ToMarkdown(report_), options_.report);
+    if (!options_.json.empty()) WriteOutput("--json", options_.json, Json());
+    if (!options_.report.empty()) WriteOutput("--report", options_.report, ToMarkdown(report_));
   }
 
  private:
@@ -150,39 +142,24 @@ class Load {
   template <class Of>
   void Search(const std::string& what, const std::string& at, std::size_t most,
               const std::string& no_more, Of of) {
-    std::optional<LoadFigures> held;
-    std::optional<LoadFigures> failed;
-    std::string refusal;
-    std::size_t refused = SIZE_MAX;
-    std::size_t last_failed = 0;
-    const Capacity capacity = FindCapacity(most, kFindAttempts, [&](std::size_t n) {
-      if (stop_.stopped() || n >= refused) return false;
-      const auto [stations, viewers] = of(n);
-      try {
-        const auto figures = Run({stations, viewers, std::min(options_.seconds, kFindSeconds)});
-        if (!figures || stop_.stopped()) return false;
-        const bool holds = Holds(*figures);
-        Say(fmt::format("{} {}: {:.3f} % late, {:.1f} % of the frames lost: {}\n", n, what,
-                        100.0 * figures->sum.late_fraction(), 100.0 * figures->lost_fraction(),
-                        holds ? "holds" : "does not hold"));
-        (holds ? held : failed) = figures;
-        if (!holds) last_failed = n;
-        return holds;
-      } catch (const Error& error) {
-        // Where less has worked, server and gateway are there, and this is more than they take.
-        if (!held) throw;
-        refused = n;
-        refusal = error.what();
-        return false;
-      }
-    });
+    const FoundLoad found =
+        FindLoad(most, kFindAttempts, [&](std::size_t n) -> std::optional<LoadFigures> {
+          if (stop_.stopped()) return std::nullopt;
+          const auto [stations, viewers] = of(n);
+          const auto figures = Run({stations, viewers, std::min(options_.seconds, kFindSeconds)});
+          if (!figures || stop_.stopped()) return std::nullopt;
+          Say(fmt::format("{} {}: {:.3f} % late, {:.1f} % of the frames lost: {}\n", n, what,
+                          100.0 * figures->sum.late_fraction(), 100.0 * figures->lost_fraction(),
+                          Holds(*figures) ? "holds" : "does not hold"));
+          return figures;
+        });
     if (stop_.stopped()) return;
-    if (held) report_.runs.push_back(*held);
-    // One that failed and then held was a moment's.
-    if (failed && last_failed == capacity.fails) report_.runs.push_back(*failed);
+    const Capacity& capacity = found.capacity;
+    if (found.held) report_.runs.push_back(*found.held);
+    if (found.failed) report_.runs.push_back(*found.failed);
     std::string why = no_more;
     if (capacity.fails > 0) {
-      why = capacity.fails == refused ? refusal : LimitingResource(*failed, report_.machine.cores);
+      why = found.failed ? LimitingResource(*found.failed, report_.machine.cores) : found.refusal;
     }
     const std::string limit = fmt::format(
         "{} {} at {}{}: {}", capacity.holds, what, at,
@@ -194,9 +171,12 @@ class Load {
 
   std::string Json() const {
     if (report_.runs.size() == 1 && !options_.find) return ToJson(report_.runs.front());
-    std::string text;
-    for (const LoadFigures& run : report_.runs) text += (text.empty() ? "" : ",") + ToJson(run);
-    return "[" + text + "]\n";
+    std::string text = "[";
+    for (const LoadFigures& run : report_.runs) {
+      if (text.size() > 1) text += ",";
+      text += ToJson(run);
+    }
+    return text + "]\n";
   }
 
   void Say(const std::string& text) const {
@@ -223,6 +203,9 @@ void RunLoad(const LoadRunOptions& options, StopSignal& stop) {
                 options.copies_file.c_str(), options.copies, options.copies_file.c_str());
     return;
   }
+  // Before the runs, which may take hours.
+  if (!options.json.empty()) CheckOutput("--json", options.json);
+  if (!options.report.empty()) CheckOutput("--report", options.report);
   const std::size_t stations = *std::ranges::max_element(options.stations);
   LoadSetting setting{options, {}, {}, ShowProgress};
   // Kept open, so that the domain is not made anew for each run.
@@ -232,7 +215,7 @@ void RunLoad(const LoadRunOptions& options, StopSignal& stop) {
         AskForTools(service, options.domain, NameOf(options.scene), options.patience_s, stop);
     if (stop.stopped()) return;
     setting.scripts = ScriptsOf(options, setting.tools);
-    if (!options.find && stations > setting.tools.size()) {
+    if (stations > setting.tools.size()) {
       throw Error(fmt::format(
           "--stations {}: the server offers {} tools, and each is one station's alone; start "
           "palpate-server with a scene that 'palpate-load --make-scene {} FILE' makes",
@@ -240,8 +223,13 @@ void RunLoad(const LoadRunOptions& options, StopSignal& stop) {
     }
   }
   Load load(options, std::move(setting), stop);
-  if (!options.find || !options.report.empty()) load.RunGrid();
-  if (options.find) load.Find();
+  try {
+    if (!options.find || !options.report.empty()) load.RunGrid();
+    if (options.find) load.Find();
+  } catch (const std::exception&) {
+    load.WriteWhatThereIs();
+    throw;
+  }
   load.Write();
 }
 

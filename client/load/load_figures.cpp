@@ -76,7 +76,7 @@ double StationSum::hz() const {
 }
 
 double LoadFigures::lost_fraction() const {
-  return Fraction(lost, lost + viewer_frames);
+  return Fraction(lost, frames_due);
 }
 
 bool Holds(const LoadFigures& f) {
@@ -168,10 +168,12 @@ std::string ToJson(const LoadFigures& f) {
                                        {"machine_busy_fraction", f.machine_busy},
                                        {"load_averages_before", f.load_averages},
                                        {"viewer_frames", f.viewer_frames},
+                                       {"frames_due", f.frames_due},
                                        {"lost", f.lost},
                                        {"viewers_gone", f.viewers_gone},
                                        {"frame_age_ms", Percentiles(f.frame_age, kToMs)},
                                        {"dds_viewer_frames", f.dds_frames},
+                                       {"dds_frames_due", f.dds_frames_due},
                                        {"dds_lost", f.dds_lost},
                                        {"dds_frame_age_ms", Percentiles(f.dds_frame_age, kToMs)}};
   return json.dump(2) + "\n";

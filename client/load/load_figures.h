@@ -47,10 +47,12 @@ struct LoadFigures {
   ProcessUse self;
   double machine_busy = 0.0;  ///< of all cores
   std::uint64_t viewer_frames = 0;
-  std::uint64_t lost = 0;
+  std::uint64_t frames_due = 0;  ///< of our own stations; viewer_frames counts others', too
+  std::uint64_t lost = 0;        ///< of those that were due
   std::size_t viewers_gone = 0;
   Histogram frame_age;
   std::uint64_t dds_frames = 0;
+  std::uint64_t dds_frames_due = 0;
   std::uint64_t dds_lost = 0;
   Histogram dds_frame_age;
 

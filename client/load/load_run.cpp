@@ -23,8 +23,7 @@ constexpr milliseconds kPoll{10};
 constexpr double kWarmUp_s = 1.0;
 constexpr double kServerFrames_hz = 60.0;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-/// A round of polls that takes longer than this means that the machine is far beyond what it can
-/// do.
+/// Until every station has its session: a machine that takes longer is far beyond what it can do.
 constexpr double kMatchPatience_s = 30.0;
 
 using Stations = std::vector<std::unique_ptr<LoadStation>>;
@@ -129,10 +128,17 @@ std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& s
 
   // Viewers end before the stations, whose poses they ask for their age.
   Stations stations;
-  FrameTally::Setup setup{size.viewers + options.stalled, size.stations, options.name,
-                          options.rate_hz, [&](std::size_t station, std::uint64_t sequence) {
-                            return stations[station]->servo().sample_time_ns(sequence);
-                          }};
+  FrameTally::Setup setup;
+  setup.viewers = size.viewers;  // no frame is due to the stalled, who read none
+  setup.stations = size.stations;
+  setup.name = options.name;
+  setup.rate_hz = options.rate_hz;
+  setup.newest_sequence = [&](std::size_t station) {
+    return stations[station]->servo().newest_sequence();
+  };
+  setup.sample_time_ns = [&](std::size_t station, std::uint64_t sequence) {
+    return stations[station]->servo().sample_time_ns(sequence);
+  };
   FrameTally web_tally(setup);
   setup.viewers = options.dds_viewers;
   setup.rate_hz = kServerFrames_hz;
@@ -169,6 +175,8 @@ std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& s
     return seconds() >= size.seconds;
   });
 
+  web_tally.End(SteadyNanoseconds());
+  dds_tally.End(SteadyNanoseconds());
   const Times end = TimesNow(server, gateway);
   figures.seconds = seconds();
   for (const auto& station : stations) station->servo().BeginToStop();
@@ -187,9 +195,11 @@ std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& s
   figures.self = Use(begin.self, end.self).value_or(ProcessUse{});
   figures.machine_busy = BusyBetween(begin.machine, end.machine);
   figures.viewer_frames = web_tally.frames();
+  figures.frames_due = web_tally.due();
   figures.lost = web_tally.lost();
   figures.frame_age = web_tally.age();
   figures.dds_frames = dds_tally.frames();
+  figures.dds_frames_due = dds_tally.due();
   figures.dds_lost = dds_tally.lost();
   figures.dds_frame_age = dds_tally.age();
   setting.progress("");

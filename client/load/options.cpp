@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/command_line.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/realtime/realtime.h"
@@ -12,32 +13,27 @@ namespace palpate {
 namespace {
 
 constexpr const char* kAbout =
-    "Puts a load on a palpate-server that runs, and on its palpate-viewer: simulated stations at "
-    "1 kHz\n"
-    "and viewers, over WebSocket and over DDS.  Says what rate and round trip held, how many poses "
-    "were\n"
-    "late, what the viewers got, and what each process cost.\n";
+    R"(Puts a load on a palpate-server that runs, and on its palpate-viewer: simulated stations at 1 kHz
+and viewers, over WebSocket and over DDS.  Says what rate and round trip held, how many poses were
+late, what the viewers got, and what each process cost.
+)";
 
 constexpr const char* kExamples =
-    "Examples:\n"
-    "  palpate-load --make-scene 32 /tmp/many.json\n"
-    "      a scene like 'cube', with 32 balls: a tool is one station's alone\n"
-    "  palpate-server --scene /tmp/many.json & palpate-viewer --http 8765 &\n"
-    "  palpate-load --scene /tmp/many.json --stations 8 --viewers 50 --seconds 10 --json -\n"
-    "  palpate-load --scene /tmp/many.json --find\n"
-    "      the largest number of stations, then of viewers, with under 1 % of the poses late, and "
-    "what\n"
-    "      sets the limit\n"
-    "  palpate-load --scene /tmp/many.json --stations 1,4,16 --viewers 0,50,200 --report "
-    "capacity.md\n"
-    "      each number of stations with each number of viewers, as a table\n"
-    "\n"
-    "A pose is late where its wrench takes more than 1 ms, or never comes, or where its station "
-    "could\n"
-    "not send it in its millisecond.  CPU fractions are of one core.  Frames are a viewer's tool "
-    "states;\n"
-    "their age is from the station's sample to the viewer, on one host.\n"
-    "Exit status: 0 done, 1 failed, 2 wrong usage.";
+    R"(Examples:
+  palpate-load --make-scene 32 /tmp/many.json
+      a scene like 'cube', with 32 balls: a tool is one station's alone
+  palpate-server --scene /tmp/many.json & palpate-viewer --http 8765 &
+  palpate-load --scene /tmp/many.json --stations 8 --viewers 50 --seconds 10 --json -
+  palpate-load --scene /tmp/many.json --find
+      the largest number of stations, then of viewers, with under 1 % of the poses late, and what
+      sets the limit
+  palpate-load --scene /tmp/many.json --stations 1,4,16 --viewers 0,50,200 --report capacity.md
+      each number of stations with each number of viewers, as a table
+
+A pose is late where its wrench takes more than 1 ms, or never comes, or where its station could not
+send it in its millisecond.  CPU fractions are of one core.  Frames are a viewer's tool states; their
+age is from the station's sample to the viewer, on one host.
+Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 }  // namespace
 
@@ -68,7 +64,6 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
 
   CLI::App app(kAbout, "palpate-load");
   app.footer(kExamples);
-  app.set_version_flag("--version", "palpate-load " PALPATE_VERSION);
   app.add_option("--stations", options.stations,
                  "simulated stations; several numbers, as 1,4,16: one run after another")
       ->delimiter(',')
@@ -104,9 +99,6 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
   app.add_option("--realtime", options.realtime,
                  "scheduling of the stations' loops: require, prefer or off")
       ->capture_default_str();
-  app.add_option("--domain", options.domain, "which server: the same number as there")
-      ->check(CLI::Range(0, dds::kMaxDomain))
-      ->capture_default_str();
   app.add_option("--wait", options.patience_s, "seconds to wait for server and gateway")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -120,17 +112,10 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
                  "N FILE: write a scene file like --scene (default: cube) with N of its tool, and "
                  "end")
       ->expected(2);
-  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
-      ->capture_default_str();
+  AddCommonOptions(app, "which server: the same number as there", options.domain,
+                   options.log_level);
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& wanted) {
-    app.exit(wanted);  // prints the help or the version
-    return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(std::string(error.what()) + "; 'palpate-load --help' shows how");
-  }
+  if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
 
   if (!dds::IsStationName(options.name + "_1000")) {
     throw UsageError("--name '" + options.name + "': give 1 to 27 letters, digits or _");

@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <map>
-#include <span>
 
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"

@@ -15,7 +15,8 @@ struct OfferedTool {
   Pose X_WT;  ///< where it starts
 };
 
-/// What the server of a domain offers, by the scenes that it publishes, in their order.
+/// What the server of a domain offers, by the scenes that it publishes: scenes by their names, the
+/// tools of each in its order.
 /// @param scene  a scene's name; empty: all.   @param wait_s  for the first word of a server.
 /// Empty where `stop` came first.  Throws Error where no server answers, or has no such scene.
 std::vector<OfferedTool> AskForTools(const dds::Participant& service, int domain,

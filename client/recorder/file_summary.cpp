@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
-#include <fstream>
-#include <iostream>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
 #include "common/dds/cdr_reader.h"
-#include "common/error.h"
+#include "common/output.h"
 #include "common/recording/recording_reader.h"
 
 namespace palpate {
@@ -242,13 +240,7 @@ void WriteJson(const FileSummary& summary, const std::string& file) {
                               {"dropped", topic.dropped},
                               {"broken", topic.broken}});
   }
-  if (file == "-") {
-    std::cout << json.dump(2) << "\n";
-    return;
-  }
-  std::ofstream out(file);
-  out << json.dump(2) << "\n";
-  if (!out.flush()) throw Error(file + ": cannot be written; give --json another place");
+  WriteOutput("--json", file, json.dump(2) + "\n");
 }
 
 }  // namespace palpate

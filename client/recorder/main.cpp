@@ -1,20 +1,15 @@
 #include <csignal>
 #include <cstdio>
-#include <exception>
 
 #include "client/recorder/file_summary.h"
 #include "client/recorder/options.h"
 #include "client/recorder/recorder.h"
-#include "common/error.h"
+#include "common/command_line.h"
 #include "common/log.h"
 #include "common/stop_signal.h"
 
 int main(int argc, char** argv) {
-  const auto fail = [](const std::exception& error, int status) {
-    std::fprintf(stderr, "palpate-record: %s\n", error.what());
-    return status;
-  };
-  try {
+  return palpate::RunProgram("palpate-record", [&] {
     const auto options = palpate::ParseOptions(argc, argv);
     if (!options) return 0;
     palpate::SetUpLog("palpate-record", options->log_level);
@@ -29,9 +24,5 @@ int main(int argc, char** argv) {
     palpate::StopSignal stop;
     palpate::Record(*options, stop);
     return 0;
-  } catch (const palpate::UsageError& error) {
-    return fail(error, 2);
-  } catch (const std::exception& error) {
-    return fail(error, 1);
-  }
+  });
 }

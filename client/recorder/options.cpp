@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/dds/topics.h"
+#include "common/command_line.h"
 #include "common/error.h"
 
 namespace palpate {
@@ -35,7 +35,6 @@ std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv) {
 
   CLI::App app(kAbout, "palpate-record");
   app.footer(kExamples);
-  app.set_version_flag("--version", "palpate-record " PALPATE_VERSION);
   app.add_option("-o,--output", options.recording.file, "file to record to, FILE.mcap");
   app.add_flag("--overwrite", options.recording.overwrite, "replace the file if it is there");
   app.add_option("--split-size", split_mb, "begin a new file after so many MB")
@@ -52,24 +51,14 @@ std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_option("--transport", transport,
                  "of poses and wrenches, as the server's: auto, shm or udp")
       ->capture_default_str();
-  app.add_option("--domain", options.domain, "which server: the same number as there")
-      ->check(CLI::Range(0, dds::kMaxDomain))
-      ->capture_default_str();
-  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
-      ->capture_default_str();
+  AddCommonOptions(app, "which server: the same number as there", options.domain,
+                   options.log_level);
   CLI::App* info = app.add_subcommand("info", "say what is in a recording, and what is missing");
   info->add_option("files", options.info_files, "a recording, or its splits in their order")
       ->required();
   info->add_option("--json", options.json, "write it as JSON to this file; - is stdout");
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& wanted) {
-    app.exit(wanted);  // prints the help or the version
-    return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(std::string(error.what()) + "; 'palpate-record --help' shows how");
-  }
+  if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
 
   if (!*info && options.recording.file.empty()) {
     throw UsageError("-o FILE.mcap is missing; 'palpate-record --help' shows how");

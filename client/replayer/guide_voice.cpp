@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <random>
 
 #include "client/replayer/hand_path.h"
 #include "client/replayer/playback_clock.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/random_run.h"
 #include "common/time/steady_clock.h"
 
 namespace palpate {
@@ -30,13 +30,12 @@ void Guide(const ReplayOptions& options, StopSignal& stop) {
               options.domain);
   std::fflush(stdout);
 
-  std::random_device random;
   wire::GuideTarget target{};
   wire::FromText(options.guide, target.station);
   const auto from_ns = static_cast<std::int64_t>(1e9 * options.from_s);
   bool heard = false;
   do {
-    target.run = std::uint64_t{random()} << 32 | random();
+    target.run = RandomRun();
     PlaybackClock clock(options.rate, false);
     clock.Begin(from_ns, SteadyNanoseconds());
     for (;;) {

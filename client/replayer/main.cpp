@@ -1,5 +1,4 @@
 #include <cstdio>
-#include <exception>
 
 #include "client/replayer/guide_voice.h"
 #include "client/replayer/hand_path.h"
@@ -7,7 +6,7 @@
 #include "client/replayer/player.h"
 #include "client/replayer/score.h"
 #include "client/replayer/verify.h"
-#include "common/error.h"
+#include "common/command_line.h"
 #include "common/log.h"
 #include "common/stop_signal.h"
 
@@ -48,18 +47,10 @@ int Run(const ReplayOptions& options) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  const auto fail = [](const std::exception& error, int status) {
-    std::fprintf(stderr, "palpate-replay: %s\n", error.what());
-    return status;
-  };
-  try {
+  return palpate::RunProgram("palpate-replay", [&] {
     const auto options = palpate::ParseOptions(argc, argv);
     if (!options) return 0;
     palpate::SetUpLog("palpate-replay", options->log_level);
     return palpate::Run(*options);
-  } catch (const palpate::UsageError& error) {
-    return fail(error, 2);
-  } catch (const std::exception& error) {
-    return fail(error, 1);
-  }
+  });
 }

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/command_line.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 
@@ -50,7 +51,6 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
 
   CLI::App app(kAbout, "palpate-replay");
   app.footer(kExamples);
-  app.set_version_flag("--version", "palpate-replay " PALPATE_VERSION);
   app.add_option("files", options.files, "a recording, or its splits in their order");
   CLI::Option* verify_option =
       app.add_flag("--verify", verify, "compute every wrench again and compare all bits");
@@ -83,26 +83,15 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
       ->check(CLI::PositiveNumber)
       ->check(Finite())
       ->excludes(verify_option);
-  app.add_option("--domain", options.domain, "which viewers and stations: the same number as there")
-      ->check(CLI::Range(0, dds::kMaxDomain))
-      ->excludes(verify_option)
-      ->capture_default_str();
-  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
-      ->capture_default_str();
+  AddCommonOptions(app, "which viewers and stations: the same number as there", options.domain,
+                   options.log_level);
   CLI::App* score = app.add_subcommand("score", "how near a trainee came to an expert");
   score->add_option("expert", options.expert, "recording of the expert")->required();
   score->add_option("trainee", options.trainee, "recording of the trainee")->required();
   score->add_option("--out", options.out, "folder for the report and its plots (SVG)");
   score->add_option("--json", options.json, "write the score as JSON to this file; - is stdout");
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& wanted) {
-    app.exit(wanted);  // prints the help or the version
-    return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(std::string(error.what()) + "; 'palpate-replay --help' shows how");
-  }
+  if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
 
   if (*score) {
     if (!options.files.empty() || verify || *guide) {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iostream>
 #include <limits>
 #include <numbers>
 
@@ -13,6 +11,7 @@
 
 #include "common/error.h"
 #include "common/math/rotation.h"
+#include "common/output.h"
 #include "common/plot/svg_plot.h"
 
 namespace palpate {
@@ -185,13 +184,7 @@ std::string ToText(const Score& s) {
 }
 
 void WriteJson(const Score& score, const std::string& file) {
-  if (file == "-") {
-    std::cout << JsonOf(score).dump(2) << "\n";
-    return;
-  }
-  std::ofstream out(file);
-  out << JsonOf(score).dump(2) << "\n";
-  if (!out.flush()) throw Error(file + ": cannot be written; give --json or --out another place");
+  WriteOutput("--json", file, JsonOf(score).dump(2) + "\n");
 }
 
 void WriteReport(const Score& score, const std::string& folder) {
@@ -215,7 +208,7 @@ void WriteReport(const Score& score, const std::string& folder) {
   force.series = {{.name = "expert", .x = score.time_s, .y = score.expert_force_N},
                   {.name = "trainee", .x = score.time_s, .y = score.trainee_force_N}};
   WriteSvg(folder + "/score.svg", {path, force});
-  WriteJson(score, folder + "/score.json");
+  WriteOutput("--out", folder + "/score.json", JsonOf(score).dump(2) + "\n");
 }
 
 }  // namespace palpate

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <cstring>
 #include <deque>
-#include <fstream>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <utility>
@@ -17,6 +15,7 @@
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/output.h"
 #include "common/recording/recording_reader.h"
 #include "common/time/steady_clock.h"
 #include "scenes/catalogue.h"
@@ -491,13 +490,7 @@ void WriteJson(const Verification& verification, const std::string& file) {
     }
     json["sessions"].push_back(session);
   }
-  if (file == "-") {
-    std::cout << json.dump(2) << "\n";
-    return;
-  }
-  std::ofstream out(file);
-  out << json.dump(2) << "\n";
-  if (!out.flush()) throw Error(file + ": cannot be written; give --json another place");
+  WriteOutput("--json", file, json.dump(2) + "\n");
 }
 
 }  // namespace palpate

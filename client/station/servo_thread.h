@@ -51,6 +51,8 @@ class ServoThread {
   std::int64_t newest_reply_ns() const { return newest_reply_ns_.load(std::memory_order_relaxed); }
   /// Ticks that did not take place because the thread woke more than one tick late.
   std::uint64_t missed_ticks() const { return missed_ticks_.load(std::memory_order_relaxed); }
+  /// The newest pose that was sent; 0 before the first.  From any thread.
+  std::uint64_t newest_sequence() const noexcept { return newest_sequence_.load(); }
   /// When the pose of that number was sampled [ns], by this process's steady clock; 0 where it has
   /// not been, or 4 s ago.  From any thread.
   std::int64_t sample_time_ns(std::uint64_t sequence) const noexcept;

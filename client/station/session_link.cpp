@@ -1,12 +1,12 @@
 #include "client/station/session_link.h"
 
 #include <chrono>
-#include <random>
 #include <thread>
 #include <utility>
 
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/random_run.h"
 #include "common/time/steady_clock.h"
 
 namespace palpate {
@@ -23,12 +23,6 @@ constexpr std::int64_t kSilence_ns = kSecond_ns;
 constexpr int kReadersPerRun = 3;
 /// A server that refuses a station which it served before may still hold its former session.
 constexpr std::int64_t kRefusalPatience_ns = 10 * kSecond_ns;
-
-std::uint64_t RandomRun() {
-  std::random_device device;
-  const std::uint64_t run = (std::uint64_t{device()} << 32) | device();
-  return run != 0 ? run : 1;
-}
 
 }  // namespace
 

@@ -2,11 +2,10 @@
 
 #include <cstdarg>
 #include <cstdio>
-#include <fstream>
 
 #include <nlohmann/json.hpp>
 
-#include "common/error.h"
+#include "common/output.h"
 #include "common/step_fault.h"
 
 namespace palpate {
@@ -113,16 +112,7 @@ std::string ToJson(const StationSummary& s) {
 }
 
 void WriteJson(const StationSummary& summary, const std::string& file) {
-  const std::string json = ToJson(summary);
-  if (file == "-") {
-    std::fputs(json.c_str(), stdout);
-    return;
-  }
-  std::ofstream out(file);
-  if (!(out << json) || !out.flush()) {
-    throw Error("--json " + file +
-                ": cannot be written; give a file in a folder that exists, or -");
-  }
+  WriteOutput("--json", file, ToJson(summary));
 }
 
 }  // namespace palpate

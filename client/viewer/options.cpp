@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <boost/asio/ip/address.hpp>
 
+#include "common/command_line.h"
 #include "common/dds/participant.h"
-#include "common/dds/topics.h"
 #include "common/error.h"
 
 namespace palpate {
@@ -54,7 +54,6 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
   options.page = DefaultPage();
   CLI::App app(kAbout, "palpate-viewer");
   app.footer(kExamples);
-  app.set_version_flag("--version", "palpate-viewer " PALPATE_VERSION);
   app.add_option("--http", options.port, "port of page and WebSocket; 0: a free one")
       ->required()
       ->check(CLI::Range(0, 65535));
@@ -77,19 +76,9 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
                  "this gateway's own, and programs that are no page, always may");
   app.add_option("--transport", options.transport, "of the mice's stations: auto, shm or udp")
       ->capture_default_str();
-  app.add_option("--domain", options.domain, "which server: the same number as there")
-      ->check(CLI::Range(0, dds::kMaxDomain))
-      ->capture_default_str();
-  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
-      ->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& wanted) {
-    app.exit(wanted);  // prints the help or the version
-    return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(std::string(error.what()) + "; 'palpate-viewer --help' shows how");
-  }
+  AddCommonOptions(app, "which server: the same number as there", options.domain,
+                   options.log_level);
+  if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   boost::system::error_code error;
   boost::asio::ip::make_address(options.address, error);
   if (error) {

@@ -27,8 +27,7 @@ std::string WhyNoFifo(int priority, int error) {
   if (error != EPERM) return std::string("no SCHED_FIFO (") + std::strerror(error) + ")";
   return "no SCHED_FIFO " + std::to_string(priority) + " (ulimit -r is " +
          LimitText(RLIMIT_RTPRIO) +
-         " and CAP_SYS_NICE or the cgroup's cpu.rt_runtime_us is missing: put '* - rtprio 95' "
-         "in "
+         " and CAP_SYS_NICE or the cgroup's cpu.rt_runtime_us is missing: put '* - rtprio 95' in "
          "/etc/security/limits.d and log in again, or 'setcap cap_sys_nice,cap_ipc_lock+ep' on the "
          "program; in a container --cap-add SYS_NICE --ulimit rtprio=95)";
 }
@@ -38,6 +37,30 @@ std::string WhyNoLock(int error) {
          LimitText(RLIMIT_MEMLOCK) +
          ": put '* - memlock unlimited' in /etc/security/limits.d and log in again, or give "
          "CAP_IPC_LOCK)";
+}
+
+/// Whether the kernel holds a process whose future memory is locked to its limit.  Asked of it, and
+/// not of the process's capabilities, which do not count for it in a user namespace.
+bool LimitBindsFutureMemory() {
+  rlimit limit{};
+  getrlimit(RLIMIT_MEMLOCK, &limit);
+  if (limit.rlim_cur == RLIM_INFINITY) return false;
+  const std::size_t beyond = limit.rlim_cur + 1;
+  // Of no access, and locked only once touched: it costs nothing.
+  void* const probe =
+      mmap(nullptr, beyond, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (probe == MAP_FAILED) return errno == EAGAIN;
+  munmap(probe, beyond);
+  return false;
+}
+
+/// 0, or why not.  All or nothing: under a limit it would be memory that is asked for later that is
+/// refused, and that ends a process (bad_alloc, a stack that cannot grow) with a hand on it.
+int LockMemory() {
+  if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) return errno;
+  if (!LimitBindsFutureMemory()) return 0;
+  munlockall();
+  return EAGAIN;
 }
 
 /// Touches the stack, page by page, so that no page fault waits there for the loop.
@@ -87,8 +110,9 @@ RealtimeReport EnterRealtime(const RealtimeOptions& options) {
     report.fifo = error == 0;
     if (error != 0) Add(missing, WhyNoFifo(options.priority, error));
 
-    report.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0;
-    if (!report.memory_locked) Add(missing, WhyNoLock(errno));
+    const int lock_error = LockMemory();
+    report.memory_locked = lock_error == 0;
+    if (lock_error != 0) Add(missing, WhyNoLock(lock_error));
     PrefaultStack();
   }
   if (options.mode == RealtimeMode::kRequire && !missing.empty()) {

@@ -33,8 +33,9 @@ struct RealtimeReport {
 };
 
 /// Makes the calling thread, and every thread that it creates from now on, real-time: SCHED_FIFO,
-/// pinned to options.cpu.  Locks the process's memory: pages stay once touched (so that a thread's
-/// untouched stack costs nothing), and 256 kB of this stack are touched.  With kRequire throws
+/// pinned to options.cpu.  Locks the process's memory, that which it asks for later too: pages stay
+/// once touched (so that a thread's untouched stack costs nothing), and 256 kB of this stack are
+/// touched.  Not where a limit (ulimit -l) would then refuse it memory.  With kRequire throws
 /// Error (limit, remedy) where a part is refused; kOff only pins; a core that does not exist is a
 /// UsageError in any mode.
 RealtimeReport EnterRealtime(const RealtimeOptions& options);

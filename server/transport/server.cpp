@@ -5,13 +5,13 @@
 #include <cstdio>
 #include <functional>
 #include <iterator>
-#include <random>
 #include <utility>
 
 #include <spdlog/spdlog.h>
 
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/random_run.h"
 #include "common/step_fault.h"
 #include "scenes/scene_bundle.h"
 
@@ -20,11 +20,6 @@ namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 constexpr std::int64_t kFrame_ns = kSecond_ns / 60;
-
-std::uint64_t RandomRun() {
-  std::random_device random;
-  return static_cast<std::uint64_t>(random()) << 32 | random();
-}
 
 const char* PhaseText(wire::SessionPhase phase) {
   switch (phase) {

@@ -25,7 +25,6 @@ class StationLink {
   /// Takes the next of those steps where it is time.
   void Update(std::int64_t now_ns);
   Session& session() { return *session_; }
-  bool uses_shared_memory() const { return pose_reader_.uses_shared_memory(); }
 
  private:
   void OnPose(const wire::HapticPose& pose) noexcept;

@@ -6,7 +6,6 @@
 #include <csignal>
 #include <memory>
 #include <optional>
-#include <random>
 #include <thread>
 
 #include <spdlog/fmt/fmt.h>
@@ -16,6 +15,7 @@
 #include "common/dds/participant.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/random_run.h"
 #include "common/realtime/realtime.h"
 #include "common/stop_signal.h"
 #include "common/time/steady_clock.h"
@@ -71,11 +71,6 @@ void Await(const std::string& what, Condition condition) {
     std::this_thread::sleep_for(milliseconds(1));
   }
   throw Error("loop: " + what + " did not come within 10 s");
-}
-
-std::uint64_t RandomRun() {
-  std::random_device random;
-  return static_cast<std::uint64_t>(random()) << 32 | random();
 }
 
 /// A station's two loop topics with one peer, and the time that each answer took.

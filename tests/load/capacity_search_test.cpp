@@ -1,5 +1,7 @@
 #include "client/load/capacity_search.h"
 
+#include <optional>
+#include <set>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -50,6 +52,60 @@ TEST(CapacitySearch, BelievesALoadThatFailsOnlyWhenItFailsAgain) {
 
 TEST(CapacitySearch, LetsThroughWhatARunThrows) {
   EXPECT_THROW(FindCapacity(8, 2, [](std::size_t) -> bool { throw Error("no server"); }), Error);
+}
+
+/// Of n stations, of which one pose in ten is late, or none.
+LoadFigures Figures(std::size_t n, bool holds) {
+  LoadFigures figures;
+  figures.stations = n;
+  StationTotals totals;
+  totals.ticks = 1001;
+  totals.replies = 1000;
+  totals.late = holds ? 0 : 100;
+  figures.sum.Add(totals, 0, 0);
+  return figures;
+}
+
+TEST(CapacitySearch, GivesTheFiguresOfTheNumbersThatItNames) {
+  // Of 1, 2, 4, 3: three fails once, after four has failed twice, and then holds.
+  std::set<std::size_t> tried;
+  const FoundLoad found = FindLoad(10, 2, [&](std::size_t n) {
+    return Figures(n, n < 3 || (n == 3 && !tried.insert(n).second));
+  });
+  EXPECT_EQ(found.capacity.holds, 3u);
+  EXPECT_EQ(found.capacity.fails, 4u);
+  ASSERT_TRUE(found.held && found.failed);
+  EXPECT_EQ(found.held->stations, 3u);
+  EXPECT_EQ(found.failed->stations, 4u);
+  EXPECT_EQ(found.refusal, "");
+}
+
+TEST(CapacitySearch, NamesWhatServerOrGatewayDidNotTake) {
+  const FoundLoad found = FindLoad(10, 2, [](std::size_t n) {
+    if (n > 5) throw Error("no more than 5");
+    return Figures(n, true);
+  });
+  EXPECT_EQ(found.capacity.holds, 5u);
+  EXPECT_EQ(found.capacity.fails, 6u);
+  EXPECT_EQ(found.refusal, "no more than 5");
+  EXPECT_FALSE(found.failed);
+}
+
+TEST(CapacitySearch, ForgetsARefusalWhereLessFailsByItself) {
+  const FoundLoad found = FindLoad(10, 1, [](std::size_t n) {
+    if (n > 5) throw Error("no more than 5");
+    return Figures(n, n < 5);
+  });
+  EXPECT_EQ(found.capacity.fails, 5u);
+  ASSERT_TRUE(found.failed);
+  EXPECT_EQ(found.failed->stations, 5u);
+  EXPECT_EQ(found.refusal, "");
+}
+
+TEST(CapacitySearch, LetsThroughWhyNotEvenOneCanBeRun) {
+  EXPECT_THROW(
+      FindLoad(8, 2, [](std::size_t) -> std::optional<LoadFigures> { throw Error("no server"); }),
+      Error);
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ LoadFigures TwoStations() {
   f.sum.Add(Totals(1001, 1000, 0), 0, 0);
   f.sum.Add(Totals(801, 760, 10), 200, 1);
   f.viewer_frames = 99;
+  f.frames_due = 100;
   f.lost = 1;
   f.frame_age.Add(9'000'000);
   f.server = ProcessUse{0.5, 0.4, "recvUC"};
@@ -60,10 +61,11 @@ TEST(LoadFigures, CallNoneLateWhereAllButTheLastPoseIsAnswered) {
 TEST(LoadFigures, HoldWithLessThanAHundredthLateAndLost) {
   LoadFigures f;
   f.sum.Add(Totals(1001, 1000, 9), 0, 0);
-  f.viewer_frames = 1000;
+  f.viewer_frames = 9000;  // most of them of others' stations
+  f.frames_due = 1000;
   f.lost = 9;
   EXPECT_TRUE(Holds(f));
-  f.lost = 20;
+  f.lost = 10;
   EXPECT_FALSE(Holds(f));
   f.lost = 0;
   f.viewers_gone = 1;
@@ -106,6 +108,7 @@ TEST(LoadFigures, AreJsonWithTheKeysThatProgramsLookFor) {
   EXPECT_EQ(json["server_cpu_fraction"], 0.5);
   EXPECT_TRUE(json["gateway_cpu_fraction"].is_null()) << "its process is not known";
   EXPECT_EQ(json["viewer_frames"], 99);
+  EXPECT_EQ(json["frames_due"], 100);
   EXPECT_EQ(json["lost"], 1);
   EXPECT_EQ(json["frame_age_ms"]["max"], 9.0);
 }

@@ -123,6 +123,26 @@ TEST_F(Load, SaysWhichNumberIsTheLargestAndWhy) {
   }
 }
 
+TEST_F(Load, KeepsTheFiguresOfTheRunsBeforeOneThatFails) {
+  StartServer();
+  const auto load =
+      Start(Arguments({"--stations", "1", "--viewers", "0,1", "--viewer-url", "ws://127.0.0.1:1",
+                       "--json", In("load.json"), "--report", In("capacity.md")},
+                      "0.5"));
+  EXPECT_EQ(load->Exit(60.0), 1);
+  EXPECT_THAT(load->Output(), HasSubstr("no gateway answers"));
+  EXPECT_EQ(Json::parse(ReadText("load.json"))["viewers"], 0);
+  EXPECT_THAT(ReadText("capacity.md"), HasSubstr("| 1 | 0 |"));
+}
+
+TEST_F(Load, NamesAFileThatItCannotWriteBeforeItMeasures) {
+  for (const std::string option : {"--json", "--report"}) {
+    const auto load = Start({option, In("nowhere/file"), "--wait", "0.1"});
+    EXPECT_EQ(load->Exit(), 1);
+    EXPECT_THAT(load->Output(), HasSubstr(option + " " + In("nowhere/file")));
+  }
+}
+
 TEST_F(Load, NamesTheProgramThatDoesNotRun) {
   const auto no_server = Start({"--wait", "0.5"});
   EXPECT_EQ(no_server->Exit(), 1);
@@ -143,6 +163,9 @@ TEST_F(Load, NamesWhatTheServerDoesNotOffer) {
   EXPECT_EQ(tools->Exit(), 1);
   EXPECT_THAT(tools->Output(), HasSubstr("--stations 5: the server offers 4 tools"));
   EXPECT_THAT(tools->Output(), HasSubstr("--make-scene 5"));
+  const auto find = Start(Arguments({"--find", "--stations", "5"}, "0.5"));
+  EXPECT_EQ(find->Exit(60.0), 1);
+  EXPECT_THAT(find->Output(), HasSubstr("--stations 5: the server offers 4 tools"));
   const auto scene = Start({"--scene", "friction", "--wait", "2"});
   EXPECT_EQ(scene->Exit(), 1);
   EXPECT_THAT(scene->Output(), HasSubstr("has no scene 'friction', but: many"));

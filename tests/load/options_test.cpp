@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "tests/support/command_line.h"
 
 namespace palpate {
 namespace {
@@ -11,18 +12,12 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::optional<LoadRunOptions> Parse(std::vector<const char*> arguments) {
-  arguments.insert(arguments.begin(), "/somewhere/bin/palpate-load");
-  return ParseLoadOptions(static_cast<int>(arguments.size()), arguments.data());
+std::optional<LoadRunOptions> Parse(const std::vector<const char*>& words) {
+  return test::ParseWith(ParseLoadOptions, words);
 }
 
-std::string Complaint(const std::vector<const char*>& arguments) {
-  try {
-    Parse(arguments);
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "";
+std::string Complaint(const std::vector<const char*>& words) {
+  return test::ComplaintOf(ParseLoadOptions, words);
 }
 
 TEST(LoadOptions, AreOneStationAndNoViewerUnlessTold) {
@@ -43,8 +38,7 @@ TEST(LoadOptions, TakeSeveralNumbersForAReport) {
   ASSERT_TRUE(options);
   EXPECT_THAT(options->stations, ElementsAre(1, 4, 16));
   EXPECT_THAT(options->viewers, ElementsAre(0, 200));
-  EXPECT_EQ(options->command,
-            "palpate-load --stations 1,4,16 --viewers 0,200 --report capacity.md");
+  EXPECT_EQ(options->command, "palpate --stations 1,4,16 --viewers 0,200 --report capacity.md");
 }
 
 TEST(LoadOptions, TakeTheGatewaysAddressWithAndWithoutASlash) {

@@ -14,11 +14,11 @@
 namespace palpate {
 namespace {
 
+using test::AllOf;
 using test::At;
 using test::Ball;
 using test::Bench;
 using test::Floor;
-using test::Paint;
 using test::Random;
 using test::RandomBalls;
 
@@ -26,10 +26,6 @@ StepParameters Removing() {
   StepParameters parameters;
   parameters.features.removal = true;
   return parameters;
-}
-
-Paint AllOf(double hardness) {
-  return {{Material{.hardness = hardness}}, [](const Vec3&) { return 0; }};
 }
 
 /// Rows of balls that wear, beside and on a floor of balls that do not.
@@ -52,7 +48,8 @@ Pose Stroke(int i) {
 
 TEST(LeafWear, IsTheNormalForceTimesTheSlipWithoutFriction) {
   // A ball pressed 1 mm into a plane, so with 1 N, and drawn along it: a joule a metre.
-  Bench bench({{Vec3::Zero(), 0.005}}, {{Vec3(0.0, 0.0, -1e4), 1e4}}, Removing(), AllOf(0.02));
+  Bench bench({{Vec3::Zero(), 0.005}}, {{Vec3(0.0, 0.0, -1e4), 1e4}}, Removing(),
+              AllOf({.hardness = 0.02}));
   bench.state().X_WG = At(0.0, 0.0, 0.0051);
   bench.Repeat(At(0.0, 0.0, 0.004), 20);
   const double before = bench.state().wear.hardness_left(0);
@@ -76,7 +73,8 @@ TEST(LeafWear, IsTheDynamicFrictionsWorkWithIt) {
 }
 
 TEST(LeafWear, TakesNothingFromAStateThatWasMadeWithoutItsModel) {
-  Bench bench({{Vec3::Zero(), 0.005}}, {{Vec3(0.0, 0.0, -1e4), 1e4}}, Removing(), AllOf(1e-9));
+  Bench bench({{Vec3::Zero(), 0.005}}, {{Vec3(0.0, 0.0, -1e4), 1e4}}, Removing(),
+              AllOf({.hardness = 1e-9}));
   bench.state() = StepState();
   bench.state().X_WG = At(0.0, 0.0, 0.0051);
   for (int i = 1; i <= 20; ++i) {
@@ -87,7 +85,8 @@ TEST(LeafWear, TakesNothingFromAStateThatWasMadeWithoutItsModel) {
 }
 
 TEST(LeafWear, TakesALeafAwayOnceItsHardnessIsSpent) {
-  Bench bench({{Vec3::Zero(), 0.005}}, {{Vec3(0.0, 0.0, -1e4), 1e4}}, Removing(), AllOf(0.005));
+  Bench bench({{Vec3::Zero(), 0.005}}, {{Vec3(0.0, 0.0, -1e4), 1e4}}, Removing(),
+              AllOf({.hardness = 0.005}));
   bench.state().X_WG = At(0.0, 0.0, 0.0051);
   bench.Repeat(At(0.0, 0.0, 0.004), 20);
   int removals = 0, at = 0;
@@ -182,7 +181,8 @@ TEST(LeafWear, AllocatesNothingInTheStep) {
 }
 
 TEST(LeafWear, IsNoneWhereRemovalIsNotDeclared) {
-  Bench bench({{Vec3::Zero(), 0.005}}, {{Vec3(0.0, 0.0, -1e4), 1e4}}, {}, AllOf(1e-6));
+  Bench bench({{Vec3::Zero(), 0.005}}, {{Vec3(0.0, 0.0, -1e4), 1e4}}, {},
+              AllOf({.hardness = 1e-6}));
   bench.state().X_WG = At(0.0, 0.0, 0.0051);
   for (int i = 1; i <= 100; ++i) {
     const StepReport report = bench.Step(At(1e-4 * i, 0.0, 0.004));
@@ -206,8 +206,9 @@ TEST(LeafWear, KeepsPairsInTheirOrder) {
 }
 
 TEST(LeafWear, RefusesAHardnessThatIsNotPositive) {
-  EXPECT_THROW(Bench({{Vec3::Zero(), 0.005}}, {{Vec3::Zero(), 0.01}}, Removing(), AllOf(0.0)),
-               Error);
+  EXPECT_THROW(
+      Bench({{Vec3::Zero(), 0.005}}, {{Vec3::Zero(), 0.01}}, Removing(), AllOf({.hardness = 0.0})),
+      Error);
 }
 
 }  // namespace

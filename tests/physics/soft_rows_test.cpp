@@ -13,11 +13,11 @@
 namespace palpate {
 namespace {
 
+using test::AllOf;
 using test::At;
 using test::Ball;
 using test::Bench;
 using test::Floor;
-using test::Paint;
 using test::Random;
 using test::RandomBalls;
 
@@ -29,16 +29,12 @@ StepParameters Compliant() {
   return parameters;
 }
 
-Paint AllOf(double stiffness) {
-  return {{Material{.stiffness = stiffness}}, [](const Vec3&) { return 0; }};
-}
-
 /// A ball that is flat to 0.1 nm over a slide, as an object.
 const std::vector<Ball> kPlane{{Vec3(0.0, 0.0, -1e4), 1e4}};
 
 TEST(SoftRows, PutASphereInSeriesWithTheCoupling) {
   for (const double k : {50.0, 300.0, 1000.0, 2e4}) {
-    Bench bench({{Vec3::Zero(), 0.005}}, kPlane, Compliant(), AllOf(k));
+    Bench bench({{Vec3::Zero(), 0.005}}, kPlane, Compliant(), AllOf({.stiffness = k}));
     bench.state().X_WG = At(0.0, 0.0, 0.006);
     const double depth = 2e-3;
     const StepReport report = bench.Repeat(At(0.0, 0.0, 0.005 - depth), 20);
@@ -63,7 +59,7 @@ TEST(SoftRows, AddUpWhereTheyAreParallel) {
          0.003});
   }
   const double k = 100.0, depth = 1e-3;
-  Bench bench(legs, kPlane, Compliant(), AllOf(k));
+  Bench bench(legs, kPlane, Compliant(), AllOf({.stiffness = k}));
   bench.state().X_WG = At(0.0, 0.0, 0.004);
   const StepReport report = bench.Repeat(At(0.0, 0.0, 0.003 - depth), 50);
   EXPECT_EQ(report.soft_contacts, n);
@@ -101,7 +97,7 @@ TEST(SoftRows, MeetARigidCoreWithoutAJumpAndAreNotPassedThrough) {
   // A ball onto a soft ball, ever deeper, past its centre: the force grows without a jump and the
   // normal stays.
   const double r_tool = 0.002, r = 0.004, k = 300.0;
-  Bench bench({{Vec3::Zero(), r_tool}}, {{Vec3::Zero(), r}}, Compliant(), AllOf(k));
+  Bench bench({{Vec3::Zero(), r_tool}}, {{Vec3::Zero(), r}}, Compliant(), AllOf({.stiffness = k}));
   bench.state().X_WG = At(0.0, 0.0, 0.007);
   const double step = 1e-5;
   double before = 0.0;
@@ -118,7 +114,8 @@ TEST(SoftRows, MeetARigidCoreWithoutAJumpAndAreNotPassedThrough) {
 
 TEST(SoftRows, StopAToolThatIsThrustThroughAThinSoftPlate) {
   // One layer of balls, 2 mm thick, and hands of up to 0.5 m/s that go on 20 mm behind it.
-  Bench bench({{Vec3::Zero(), 0.002}}, Floor(0.02, 0.001, 0.001), Compliant(), AllOf(100.0));
+  Bench bench({{Vec3::Zero(), 0.002}}, Floor(0.02, 0.001, 0.001), Compliant(),
+              AllOf({.stiffness = 100.0}));
   Random random(71);
   for (int thrust = 0; thrust < 40; ++thrust) {
     const Vec3 from(random.Uniform(-0.01, 0.01), random.Uniform(-0.01, 0.01), 0.01);
@@ -172,7 +169,7 @@ TEST(SoftRows, AddUpToTheWrenchWithRigidOnesAndAllocateNothing) {
 
 TEST(SoftRows, CountForNothingWhereComplianceIsNotDeclared) {
   Bench rigid({{Vec3::Zero(), 0.005}}, kPlane);
-  Bench undeclared({{Vec3::Zero(), 0.005}}, kPlane, {}, AllOf(100.0));
+  Bench undeclared({{Vec3::Zero(), 0.005}}, kPlane, {}, AllOf({.stiffness = 100.0}));
   EXPECT_EQ(undeclared.model().soft_leaves(), nullptr);
   rigid.state().X_WG = undeclared.state().X_WG = At(0.0, 0.0, 0.006);
   for (int i = 0; i < 100; ++i) {
@@ -182,14 +179,16 @@ TEST(SoftRows, CountForNothingWhereComplianceIsNotDeclared) {
 }
 
 TEST(SoftRows, LetAToolStartWhereItHasEnteredThem) {
-  Bench bench({{Vec3::Zero(), 0.005}}, {{Vec3::Zero(), 0.02}}, Compliant(), AllOf(100.0));
+  Bench bench({{Vec3::Zero(), 0.005}}, {{Vec3::Zero(), 0.02}}, Compliant(),
+              AllOf({.stiffness = 100.0}));
   const Pose shallow = At(0.0, 0.0, 0.02);
   EXPECT_EQ(ResolveStart(bench.model(), shallow, bench.workspace()).depth, 0.0);
   EXPECT_GT(ResolveStart(bench.model(), At(0.0, 0.0, 0.012), bench.workspace()).depth, 1e-3);
 }
 
 TEST(SoftRows, RefuseAStiffnessThatIsNotPositive) {
-  EXPECT_THROW(Bench({{Vec3::Zero(), 0.005}}, kPlane, Compliant(), AllOf(0.0)), Error);
+  EXPECT_THROW(Bench({{Vec3::Zero(), 0.005}}, kPlane, Compliant(), AllOf({.stiffness = 0.0})),
+               Error);
 }
 
 }  // namespace

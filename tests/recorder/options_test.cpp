@@ -4,15 +4,15 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "tests/support/command_line.h"
 
 namespace palpate {
 namespace {
 
 using testing::ElementsAre;
 
-std::optional<RecorderOptions> Parse(std::vector<const char*> words) {
-  words.insert(words.begin(), "palpate-record");
-  return ParseOptions(static_cast<int>(words.size()), words.data());
+std::optional<RecorderOptions> Parse(const std::vector<const char*>& words) {
+  return test::ParseWith(ParseOptions, words);
 }
 
 TEST(RecorderOptions, NeedAFileAndHaveDefaultsForTheRest) {

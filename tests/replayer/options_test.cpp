@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "tests/support/command_line.h"
 
 namespace palpate {
 namespace {
@@ -11,9 +12,8 @@ namespace {
 using testing::ElementsAre;
 using What = ReplayOptions::What;
 
-std::optional<ReplayOptions> Parse(std::vector<const char*> words) {
-  words.insert(words.begin(), "palpate-replay");
-  return ParseOptions(static_cast<int>(words.size()), words.data());
+std::optional<ReplayOptions> Parse(const std::vector<const char*>& words) {
+  return test::ParseWith(ParseOptions, words);
 }
 
 TEST(ReplayOptions, PlayToViewersUnlessToldOtherwise) {

@@ -13,8 +13,6 @@
 
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
-#include "common/error.h"
-#include "common/server_lock.h"
 #include "common/time/steady_clock.h"
 #include "scenes/scene_bundle.h"
 #include "tests/session/ball_tool.h"
@@ -308,25 +306,6 @@ TEST_F(ServerTest, GivesEachSceneWholeToViewersEvenThoseThatComeLater) {
     EXPECT_TRUE(heard["large"] == large);
     EXPECT_TRUE(heard["small"] == small);
   }
-}
-
-TEST(ServerLock, RefusesASecondServerOfADomainAndNamesTheFirst) {
-  const ServerLock first(kDomain);
-  try {
-    const ServerLock second(kDomain);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_THAT(e.what(), HasSubstr("domain " + std::to_string(kDomain) +
-                                    " is in use by another palpate-server (pid " +
-                                    std::to_string(getpid()) + ")"));
-    EXPECT_THAT(e.what(), HasSubstr("--domain"));
-  }
-  const ServerLock elsewhere(kDomain + 1);
-}
-
-TEST(ServerLock, IsFreeOnceItsHolderIsGone) {
-  { const ServerLock first(kDomain); }
-  EXPECT_NO_THROW(ServerLock{kDomain});
 }
 
 }  // namespace

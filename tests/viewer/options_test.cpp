@@ -4,24 +4,19 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "tests/support/command_line.h"
 
 namespace palpate {
 namespace {
 
 using testing::HasSubstr;
 
-std::optional<ViewerOptions> Parse(std::vector<const char*> arguments) {
-  arguments.insert(arguments.begin(), "palpate-viewer");
-  return ParseViewerOptions(static_cast<int>(arguments.size()), arguments.data());
+std::optional<ViewerOptions> Parse(const std::vector<const char*>& words) {
+  return test::ParseWith(ParseViewerOptions, words);
 }
 
-std::string Complaint(const std::vector<const char*>& arguments) {
-  try {
-    Parse(arguments);
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "";
+std::string Complaint(const std::vector<const char*>& words) {
+  return test::ComplaintOf(ParseViewerOptions, words);
 }
 
 TEST(ViewerOptions, AreForThisHostAloneUnlessTold) {

@@ -2,12 +2,14 @@
 
 #include <functional>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "common/error.h"
+#include "tests/support/program.h"
 
 namespace palpate {
 namespace {
@@ -66,7 +68,7 @@ TEST(Realtime, RefusesACoreThatDoesNotExist) {
   EXPECT_THROW(EnterRealtime({.mode = RealtimeMode::kOff, .cpu = 100000}), UsageError);
 }
 
-/// Runs a check in a process that has given up root's rights, and real-time limits with them.
+/// Runs a check in a process that has given up root's rights, real-time limits with them.
 bool HoldsWithoutRights(const std::function<bool()>& check) {
   const pid_t child = fork();
   if (child == 0) {
@@ -91,6 +93,14 @@ TEST(Realtime, NamesTheLimitAndTheRemedyWhereARequiredRightIsMissing) {
     }
     return false;
   }));
+}
+
+TEST(Realtime, LeavesMemoryUnlockedWhereALimitWouldRefuseWhatIsAskedForLater) {
+  test::Program process(PALPATE_BIN_DIR "/limited_process", {});
+  EXPECT_EQ(process.Exit(), 0) << process.Output();
+  EXPECT_THAT(process.Output(), testing::HasSubstr("memory not locked"));
+  EXPECT_THAT(process.Output(), testing::HasSubstr("ulimit -l is 6291456"));
+  EXPECT_THAT(process.Output(), testing::HasSubstr("memlock unlimited"));
 }
 
 TEST(Realtime, GoesOnWithoutAPreferredRight) {

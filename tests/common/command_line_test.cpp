@@ -1,0 +1,91 @@
+#include "common/command_line.h"
+
+#include <stdexcept>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+
+/// A program with one option of its own.
+struct Program {
+  Program() {
+    app.add_option("--rate", rate, "of something");
+    AddCommonOptions(app, "which of them", domain, log_level);
+  }
+  bool Parse(std::vector<const char*> words) {
+    words.insert(words.begin(), "/somewhere/bin/palpate-it");
+    return ParseCommandLine(app, static_cast<int>(words.size()), words.data());
+  }
+  std::string Complaint(const std::vector<const char*>& words) {
+    try {
+      Parse(words);
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  std::string Printed(const std::vector<const char*>& words) {
+    testing::internal::CaptureStdout();
+    EXPECT_FALSE(Parse(words));
+    return testing::internal::GetCapturedStdout();
+  }
+
+  CLI::App app{"It does nothing.", "palpate-it"};
+  double rate = 1.0;
+  int domain = 3;
+  std::string log_level = "info";
+};
+
+TEST(CommandLine, HasWhatEveryProgramHas) {
+  Program program;
+  EXPECT_TRUE(program.Parse({}));
+  EXPECT_EQ(program.domain, 3);
+  EXPECT_EQ(program.log_level, "info");
+  EXPECT_TRUE(program.Parse({"--domain", "114", "--log-level", "off", "--rate", "2"}));
+  EXPECT_EQ(program.domain, 114);
+  EXPECT_EQ(program.log_level, "off");
+  EXPECT_EQ(program.rate, 2.0);
+}
+
+TEST(CommandLine, PrintsHelpAndVersionUnderTheProgramsName) {
+  EXPECT_EQ(Program().Printed({"--version"}), "palpate-it " PALPATE_VERSION "\n");
+  const std::string help = Program().Printed({"--help"});
+  for (const std::string word : {"It does nothing.", "which of them", "--domain", "--log-level"}) {
+    EXPECT_THAT(help, HasSubstr(word));
+  }
+}
+
+TEST(CommandLine, NamesTheArgumentThatIsWrongAndWhereToLook) {
+  EXPECT_THAT(Program().Complaint({"--domain", "115"}), HasSubstr("--domain"));
+  EXPECT_THAT(Program().Complaint({"--domain", "-1"}), HasSubstr("--domain"));
+  EXPECT_THAT(Program().Complaint({"--no-such"}), HasSubstr("--no-such"));
+  EXPECT_THAT(Program().Complaint({"--rate", "much"}),
+              HasSubstr("; 'palpate-it --help' shows how"));
+}
+
+TEST(CommandLine, MakesAnExitStatusAndALineOfWhatAProgramThrows) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(RunProgram("palpate-it", [] { return 0; }), 0);
+  EXPECT_EQ(RunProgram("palpate-it", [] { return 7; }), 7);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(RunProgram("palpate-it", []() -> int { throw Error("no server"); }), 1);
+  EXPECT_EQ(RunProgram("palpate-it", []() -> int { throw std::bad_alloc(); }), 1);
+  EXPECT_EQ(RunProgram("palpate-it", []() -> int { throw UsageError("--rate: no"); }), 2);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::AllOf(HasSubstr("palpate-it: no server\n"),
+                             HasSubstr("palpate-it: std::bad_alloc\n"),
+                             HasSubstr("palpate-it: --rate: no\n")));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,156 @@
+// The scripts of deploy/ with stand-ins for the programs that they call.
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "tests/house/source_tree.h"
+#include "tests/support/program.h"
+
+namespace palpate::house {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+namespace fs = std::filesystem;
+
+const fs::path kRoot = PALPATE_SOURCE_DIR;
+
+/// A repository with the scripts alone, and programs that a test writes.
+class Scripts : public testing::Test {
+ protected:
+  Scripts() {
+    fs::create_directories(folder_ / "bin");
+    fs::create_directories(folder_ / "deploy");
+    for (const std::string part : {"deploy/container", "deploy/cyclonedds"}) {
+      fs::copy(kRoot / part, folder_ / part);
+    }
+    for (const std::string file : {"deploy/lib.sh", "deploy/setup", "deploy/demo"}) {
+      fs::copy(kRoot / file, folder_ / file);
+    }
+  }
+  ~Scripts() override { fs::remove_all(folder_); }
+
+  void Write(const std::string& file, const std::string& text) const {
+    fs::create_directories((folder_ / file).parent_path());
+    std::ofstream(folder_ / file) << text;
+  }
+  /// A program that the scripts find before the system's; what it is called with is in calls().
+  void StandIn(const std::string& name, const std::string& body) const {
+    Write("bin/" + name, "#!/bin/bash\necho \"" + name + " $*\" >>" + In("calls") + "\n" + body);
+    fs::permissions(folder_ / "bin" / name, fs::perms::owner_all);
+  }
+  std::string In(const std::string& file) const { return (folder_ / file).string(); }
+  std::vector<std::string> Command(std::vector<std::string> words) const {
+    words.insert(words.begin(),
+                 {"/usr/bin/env", "PATH=" + In("bin") + ":/usr/sbin:/usr/bin:/sbin:/bin"});
+    return words;
+  }
+  std::string Calls() const { return fs::exists(In("calls")) ? ReadFile(In("calls")) : ""; }
+
+  const fs::path folder_ =
+      fs::temp_directory_path() / ("palpate_scripts_" + std::to_string(getpid()));
+};
+
+TEST_F(Scripts, TeachFromWhateverFolderTheyAreCalled) {
+  for (const auto& [folder, script] :
+       std::map<std::string, std::string>{{"deploy", "./demo"},
+                                          {"deploy/container", "./run"},
+                                          {"tests", "./run"},
+                                          {"", "deploy/demo"}}) {
+    const Output help =
+        RunCommand({"sh", "-c", "cd '" + (kRoot / folder).string() + "' && " + script + " --help"});
+    EXPECT_EQ(help.exit_code, 0) << script << ": " << help.text;
+    EXPECT_THAT(help.text, HasSubstr("usage: ")) << script;
+  }
+}
+
+TEST_F(Scripts, FetchAgainWhatWasInterrupted) {
+  for (const std::string file : {"package.json", "package-lock.json"}) {
+    Write("client/viewer/page/" + file, "{}\n");
+  }
+  // Ends with the script that calls it, as on Ctrl-C: some packages are there, and not all.
+  StandIn("npm", "mkdir -p \"$2/node_modules\"; kill -KILL $PPID\n");
+  RunCommand(Command({In("deploy/setup"), "--for", "page"}));
+  EXPECT_FALSE(fs::exists(In("build/page_modules/node_modules")));
+
+  StandIn("npm", "mkdir -p \"$2/node_modules/all\"\n");
+  EXPECT_EQ(RunCommand(Command({In("deploy/setup"), "--for", "page"})).exit_code, 0);
+  EXPECT_TRUE(fs::exists(In("build/page_modules/node_modules/all")));
+
+  fs::remove(In("calls"));
+  EXPECT_EQ(RunCommand(Command({In("deploy/setup"), "--for", "page"})).exit_code, 0);
+  EXPECT_EQ(Calls(), "") << "what is whole is not fetched again";
+}
+
+/// deploy/container/run beside a podman that a test writes: no RouDi runs, nothing is to be
+/// installed.
+class ContainerRun : public Scripts {
+ protected:
+  ContainerRun() {
+    StandIn("flock", "");
+    StandIn("docker", "exit 1\n");
+    fs::remove(folder_ / "deploy/setup");
+    Write("deploy/setup", "#!/bin/sh\n");
+    fs::permissions(folder_ / "deploy/setup", fs::perms::owner_all);
+  }
+};
+
+TEST_F(ContainerRun, EndsTheContainersThatItHasStarted) {
+  // As podman's client: what it runs goes on without it.
+  StandIn("podman", R"(case $* in
+  *iox-roudi*) echo 'RouDi is ready for clients'; exec sleep 1000 ;;
+  *palpate-server\ --scene*) echo 'ready: scenes cube'; exec sleep 1000 ;;
+esac
+)");
+  test::Program run("/usr/bin/env",
+                    {"PATH=" + In("bin") + ":/usr/sbin:/usr/bin:/sbin:/bin",
+                     In("deploy/container/run"), "--engine", "podman", "--no-build"});
+  ASSERT_TRUE(run.Says("Ctrl-C ends the containers")) << run.Output();
+  run.Signal(SIGTERM);
+  EXPECT_EQ(run.Exit(), 0) << run.Output();
+  const std::string calls = Calls();
+  EXPECT_THAT(calls, HasSubstr("--name palpate-roudi"));
+  EXPECT_THAT(calls, HasSubstr("--name palpate-server"));
+  const std::size_t server = calls.find("podman stop --ignore --time 5 palpate-server");
+  const std::size_t roudi = calls.find("podman stop --ignore --time 5 palpate-roudi");
+  ASSERT_NE(server, std::string::npos) << calls;
+  ASSERT_NE(roudi, std::string::npos) << calls;
+  EXPECT_LT(server, roudi) << "RouDi ends its clients with it";
+}
+
+TEST_F(ContainerRun, TakesNoOtherEngineThanTheOneNamed) {
+  StandIn("podman", "case $* in *' true') echo 'no rights' >&2; exit 1 ;; esac\n");
+  StandIn("buildah", "");
+  for (const std::string engine : {"podman", "docker"}) {
+    const Output output =
+        RunCommand(Command({In("deploy/container/run"), "--engine", engine, "--no-build"}));
+    EXPECT_EQ(output.exit_code, 1) << output.text;
+    EXPECT_THAT(output.text, HasSubstr("--engine " + engine + ": "));
+  }
+  EXPECT_THAT(Calls(), Not(HasSubstr("buildah from")));
+}
+
+TEST(SharedMemory, IsOneFigureWhereverItIsNamed) {
+  const Output needed =
+      RunCommand({"bash", "-c",
+                  "source '" + (kRoot / "deploy/lib.sh").string() + "'; shared_memory_needed_MB"});
+  ASSERT_EQ(needed.exit_code, 0) << needed.text;
+  const std::string figure = std::to_string(std::stoi(needed.text));
+  for (const auto& [file, begin] : std::map<std::string, std::string>{
+           {"deploy/REALTIME.md", "`/dev/shm` needs "},
+           {"deploy/container/compose.yaml", "The host's must have "},
+           {"deploy/cyclonedds/roudi.toml", "/dev/shm must have "}}) {
+    EXPECT_THAT(ReadFile((kRoot / file).string()), HasSubstr(begin + figure + " MB")) << file;
+  }
+}
+
+}  // namespace
+}  // namespace palpate::house
