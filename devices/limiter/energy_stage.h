@@ -51,8 +51,13 @@ class EnergyStage {
   /// Rendered on credit: 0.05 N, which nobody feels, over an unforeseen 60 um.  From it a store grows
   /// where a contact begins, by a share with each way of the encoder's step.
   static constexpr double kSeed_J = 3e-6;
-  /// Moving out at this speed, the whole of the first rule counts; at rest nothing of it.
-  static constexpr double kMoving_m_s = 0.02;
+  /// Kept back in the end: the seed, and some for rounding.
+  static constexpr double kReserve_J = 1.01 * kSeed_J;
+  /// The first rule counts from the one speed on, and in full from the other; the speed is smoothed,
+  /// so that it is not an encoder's step to and fro that counts.
+  static constexpr double kStill_m_s = 0.004;
+  static constexpr double kMoving_m_s = 0.014;
+  static constexpr double kSmooth_s = 0.015;
 
   explicit EnergyStage(const WrenchLimits& limits);
 
@@ -63,9 +68,8 @@ class EnergyStage {
   }
 
   /// @param wanted  slewed.  @param gain  of the stages that follow, in [0, 1].
-  /// @param V_WH    only tells how much the first rule counts: one that lies costs force, no energy.
-  Wrench Pass(const Wrench& wanted, double gain, const Pose& X_WH, const Twist& V_WH,
-              double dt_s) noexcept;
+  /// @param X_WH    tells the velocity, too: what a driver says of it is not relied on.
+  Wrench Pass(const Wrench& wanted, double gain, const Pose& X_WH, double dt_s) noexcept;
   /// What of it the device holds in the end, after the gains.
   void Hold(const Wrench& applied) noexcept { observer_.Hold(applied); }
 
@@ -76,12 +80,15 @@ class EnergyStage {
 
  private:
   void Settle(double most_J, double dt_s) noexcept;
-  double Factor(const Wrench& wanted, double gain, const Twist& V_WH, double dt_s) const noexcept;
+  /// @param foreseen  work of the wanted wrench over a way like the last [J].
+  double Factor(const Wrench& wanted, double foreseen, double gain, double dt_s) const noexcept;
 
   PassivityObserver observer_;
   double store_J_ = 0.0;
   bool moved_ = false;   // against or along what it held
   bool repaid_ = false;  // the seed
+  Vec3 smooth_ = Vec3::Zero();  // velocity [m/s]
+  int inwards_ = 0;      // calls in a row in which the handle moved in
   SlewStage slew_;  // what the store allows may leap: what is rendered does not
   double position_resolution_m_, rotation_resolution_rad_;
   double compliance_ = 0.0;  // of the coupling [m/N]
