@@ -29,12 +29,13 @@ constexpr std::chrono::milliseconds kPoll{2};
 bool IsForViewers(RecordedType type) {
   return type == RecordedType::kSessionState || type == RecordedType::kSceneChange ||
          type == RecordedType::kSceneBundle || type == RecordedType::kToolState ||
-         type == RecordedType::kLoopStatistics;
+         type == RecordedType::kLoopStatistics || type == RecordedType::kStationStatistics;
 }
 
 /// What holds on once it is said, and is said even of the time before the replay begins.
 bool Stays(RecordedType type) {
-  return type != RecordedType::kToolState && type != RecordedType::kLoopStatistics;
+  return type != RecordedType::kToolState && type != RecordedType::kLoopStatistics &&
+         type != RecordedType::kStationStatistics;
 }
 
 struct Span {
@@ -64,7 +65,8 @@ class Voice {
         changes_(service_, dds::kSceneChangeTopic, dds::Qos::kSession),
         bundles_(service_, dds::kSceneBundleTopic, dds::Qos::kSession),
         tools_(service_, dds::kToolStateTopic, dds::Qos::kStream),
-        statistics_(service_, dds::kLoopStatisticsTopic, dds::Qos::kStream) {}
+        statistics_(service_, dds::kLoopStatisticsTopic, dds::Qos::kStream),
+        stations_(service_, dds::kStationStatisticsTopic, dds::Qos::kStream) {}
 
   void Say(const RecordedSample& sample) {
     switch (sample.type) {
@@ -78,6 +80,8 @@ class Voice {
         return Say(sample, tools_);
       case RecordedType::kLoopStatistics:
         return Say(sample, statistics_);
+      case RecordedType::kStationStatistics:
+        return Say(sample, stations_);
       default:
         return;
     }
@@ -125,6 +129,7 @@ class Voice {
   dds::Writer<wire::SceneBundle> bundles_;
   dds::Writer<wire::ToolState> tools_;
   dds::Writer<wire::LoopStatistics> statistics_;
+  dds::Writer<wire::StationStatistics> stations_;
 };
 
 class Player {

@@ -65,6 +65,17 @@ struct StationSnapshot {
   std::uint64_t fades = 0;
   bool fading = false;
   const char* activity = "";  ///< Device::activity
+  // What StationStatistics says besides.
+  std::uint64_t ticks = 0;            ///< of the period
+  double silence_s_max = 0.0;         ///< of the period; counts once there was a reply
+  double wanted_force_N_max = 0.0;    ///< of the period: contact and guide, before the limiter
+  double wanted_torque_Nm_max = 0.0;  ///< likewise
+  double peak_torque_Nm = 0.0;        ///< of the period
+  std::uint32_t status = 0;           ///< of the device: every bit of the period
+  LimiterCounts limiter;              ///< in all
+  double energy_J = 0.0;              ///< WrenchLimiter::observer, in all
+  double energy_J_min = 0.0;
+  double warmth = 0.0;  ///< WrenchLimiter::warmth
 };
 
 /// The station's servo loop without its clock and its transport: reads the device, gives the pose
@@ -82,6 +93,9 @@ class StationCore {
   void EnableForces(bool on) noexcept { forces_wanted_ = on; }
   /// Where the tool's wrench acts, in the tool's frame [m] (SessionState.tool_reference_m).
   void SetToolReference(const Vec3& p_HT) noexcept { tool_reference_ = p_HT; }
+
+  /// Of the session's spring [N/m]: what a contact's force must have stored (EnergyStage).
+  void SetStiffness(double N_per_m) noexcept { limiter_.SetStiffness(N_per_m); }
 
   /// Lets guides lead the hand, within these limits.  Never called: none does.
   void AcceptGuide(const GuideLimits& limits) noexcept { guide_ = Guide(limits); }
@@ -131,6 +145,11 @@ class StationCore {
   Histogram period_step_;
   std::uint32_t period_faults_ = 0;
   double period_peak_force_ = 0.0;
+  double period_peak_torque_ = 0.0;
+  double period_silence_s_ = 0.0;
+  double period_wanted_force_ = 0.0;
+  double period_wanted_torque_ = 0.0;
+  std::uint32_t period_status_ = 0;
 };
 
 /// The same wrench at the handle's origin: tau_H = tau + (R c) x F.

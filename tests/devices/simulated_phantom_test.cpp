@@ -221,11 +221,14 @@ TEST(SimulatedPhantom, RestsAgainstAWallWithoutALimitCycle) {
   SimulatedPhantom phantom(PhantomPremium30Info(), PhantomPremium30Dynamics(), HandAt(wanted), {});
   WrenchLimiter limiter(WrenchLimits::Of(phantom.info()));
   limiter.Enable(true);
+  // Forces ramp in before the hand comes: who is inside by then is not pushed out.
+  for (int i = 0; i < 300; ++i) limiter.Limit({{}, {}, {}, {}, 1e-3, 1e-3, 1e-3});
   Wrench reply;
   double fastest = 0.0;
   for (int i = 0; i < 6000; ++i) {
-    const Pose read = phantom.Read().X_WH;
-    phantom.Apply(limiter.Limit(reply, 1e-3, 1e-3));
+    const DeviceSample sample = phantom.Read();
+    const Pose& read = sample.X_WH;
+    phantom.Apply(limiter.Limit({reply, {}, read, sample.V_WH, 1e-3, 1e-3, 1e-3}));
     reply.force = Vec3(0, 0, read.p.z() < 0.0 ? -wall * read.p.z() : 0.0);
     reply.torque = -torsion * RotationLog(read.q);
     if (i >= 5000) fastest = std::max(fastest, phantom.velocity().v.norm());
