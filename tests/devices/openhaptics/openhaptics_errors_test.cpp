@@ -159,8 +159,8 @@ TEST_F(OpenHapticsErrors, OfCalibrationLeaveTheMotorsOff) {
 }
 
 TEST_F(OpenHapticsErrors, WhileTheMotorsAreSwitchedAndWhileItStopsEndWithThemOff) {
-  for (const std::string function :
-       {"hdEnable", "hdDisable", "hdScheduleSynchronous", "hdStopScheduler", "hdUnschedule"}) {
+  for (const std::string function : {"hdEnable", "hdDisable", "hdScheduleSynchronous",
+                                     "hdStopScheduler", "hdUnschedule", "hdDisableDevice"}) {
     for (const hd::Code code : Codes()) {
       SCOPED_TRACE(function + ": " + NameOf(code));
       fake.Reset({});
