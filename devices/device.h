@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <string>
 
@@ -34,6 +35,8 @@ struct DeviceInfo {
   /// some 20 W has a winding that warms within about 12 s, over a fifth of the way to the air; one
   /// body of 60 s warms as fast as that at first, and is ahead of the real one from there on.
   double thermal_time_s = 60.0;
+
+  double rate_Hz = 1000.0;  ///< ticks a second: how often it is to be read and driven
 };
 
 /// One reading of the device.
@@ -46,15 +49,15 @@ struct DeviceSample {
   double motor_temperature = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// A haptic device, driven once a millisecond by the station's loop: Read, then Apply.  How to add
-/// one: README.md.
+/// A haptic device, driven by the station's loop `info().rate_Hz` times a second: a tick is Read,
+/// then Apply.  How to add one: README.md.
 class Device {
  public:
   virtual ~Device() = default;
   virtual const DeviceInfo& info() const = 0;
   /// Real-time: no allocation, lock or log.
   virtual DeviceSample Read() noexcept = 0;
-  /// Commands the handle for the millisecond to come: force at the handle's origin and torque about
+  /// Commands the handle until the next tick: force at the handle's origin and torque about
   /// it, both in W.  Only a WrenchLimiter's output may come here; the type says so.  Real-time.
   virtual void Apply(const LimitedWrench& wrench) noexcept = 0;
   /// Where the scene's graphic tool was at the newest reply, before each Apply once there is one;
@@ -66,6 +69,17 @@ class Device {
   /// What the hand does just now ("slide"), for people; empty where nobody knows.  Lives as long as
   /// the device.  Real-time.
   virtual const char* activity() const noexcept { return ""; }
+
+  /// A device with a clock of its own calls `tick` from now on, from its own thread, once for each
+  /// of its ticks: the wrench is then computed within the tick that applies it.  False: it has no
+  /// clock, and who drives it keeps the time.
+  /// @param tick  real-time, does not throw; calls Read and Apply.
+  virtual bool StartTicks(std::function<void()> /*tick*/) { return false; }
+  /// No tick runs when it has returned, and the device renders nothing.
+  virtual void StopTicks() {}
+  /// To be called some ten times a second or more, by the thread that made it, for what is not
+  /// real-time: calibration, say.  What happened since, for people, a line each; mostly nothing.
+  virtual std::string Attend() { return {}; }
 };
 
 }  // namespace palpate

@@ -2,11 +2,13 @@
 
 #include <array>
 #include <string_view>
+#include <utility>
 
 #include <unistd.h>
 
 #include "common/error.h"
 #include "devices/mouse/mouse_device.h"
+#include "devices/openhaptics/openhaptics_device.h"
 #include "devices/scripted/scripted_device.h"
 #include "devices/simulated/simulated_phantom.h"
 
@@ -34,9 +36,18 @@ std::unique_ptr<Device> MakeMouse(const DeviceOptions& options) {
   return std::make_unique<MouseDevice>(STDIN_FILENO, options.start);
 }
 
+std::unique_ptr<Device> MakeOpenHaptics(const DeviceOptions& options) {
+  OpenHapticsOptions arm;
+  arm.name = options.arm;
+  arm.calibrate = options.calibrate;
+  arm.rate_Hz = options.rate_Hz;
+  arm.realtime = options.realtime;
+  return std::make_unique<OpenHapticsDevice>(std::move(arm));
+}
+
 constexpr std::array<Entry, 5> kDevices{{{"simulated", true, MakeSimulated},
                                          {"scripted", true, MakeScripted},
-                                         {"openhaptics", false, nullptr},
+                                         {"openhaptics", false, MakeOpenHaptics},
                                          {"spacemouse", false, nullptr},
                                          {"mouse", false, MakeMouse}}};
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "common/realtime/realtime.h"
 #include "devices/device.h"
 #include "scenes/pose_script.h"
 
@@ -14,6 +15,11 @@ struct DeviceOptions {
   std::optional<PoseScript> script;  ///< what the hand of a simulated or scripted device does
   bool loop = false;                 ///< again and again
   Pose start{};                      ///< of a device that has no script: where its tool begins
+  // Of a real arm.
+  std::string arm{};       ///< as its vendor's set-up program names it; empty: the default one
+  bool calibrate = false;  ///< even where it says that it need not be
+  double rate_Hz = 1000.0;
+  RealtimeOptions realtime{};  ///< of its own thread
 };
 
 /// Names that MakeDevice takes, separated by ", ": for help and messages.

@@ -29,10 +29,15 @@ constexpr const char* kExamples =
     "and\n"
     "      the scene's frame, drags the tool there, smoothly and pressing at most 20 mm deep;\n"
     "      'release' lets it go; the end of input ends the station\n"
+    "  palpate-station --device openhaptics --scene cube --id me\n"
+    "      a PHANTOM or Touch arm, through the OpenHaptics library that is installed, or the file "
+    "that\n"
+    "      PALPATE_OPENHAPTICS_LIBRARY names\n"
     "\n"
-    "Forces reach a real device only with --enable-forces.  They fade to zero within 30 ms when "
-    "the\n"
-    "server stops answering, and ramp in again when it is back.\n"
+    "Forces reach a real device only while its first button is held, or all the time with\n"
+    "--enable-forces; letting the button go takes them away within 50 ms.  They fade to zero "
+    "within\n"
+    "30 ms when the server stops answering, and ramp in again when it is back.\n"
     "Exit status: 0 done, 1 failed or refused, 2 wrong usage.";
 
 }  // namespace
@@ -57,6 +62,14 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_flag("--loop", options.loop, "follow the script again and again; else its end is held");
   app.add_flag("--enable-forces", options.enable_forces,
                "let forces out to a real device (simulated ones need no leave)");
+  app.add_option("--device-name", options.device_name,
+                 "arm, as its vendor's set-up program names it; default: the default one");
+  app.add_flag("--calibrate", options.calibrate,
+               "calibrate the arm even if it is; it is in its reset position now, if it has one");
+  app.add_option("--device-rate", options.device_rate_Hz,
+                 "ticks a second of an arm with a clock of its own")
+      ->check(CLI::Range(500.0, 4000.0))
+      ->capture_default_str();
   CLI::Option* accept_guide = app.add_flag("--accept-guide", options.accept_guide,
                                            "let 'palpate-replay --guide ID' lead the hand, gently");
   app.add_option("--guide-force", options.guide_force_N,

@@ -12,6 +12,9 @@ struct StationOptions {
   std::string script;  ///< file; empty: the scene's own
   bool loop = false;
   bool enable_forces = false;
+  std::string device_name;  ///< of a real arm; empty: the default one
+  bool calibrate = false;
+  double device_rate_Hz = 1000.0;
   bool accept_guide = false;
   double guide_force_N = 0.5;
   std::optional<double> seconds;

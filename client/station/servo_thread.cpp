@@ -35,7 +35,9 @@ wire::HapticPose ToWire(const OutgoingPose& pose) noexcept {
 ServoThread::ServoThread(StationCore& core, ReplyRing& replies, double snapshot_period_s)
     : core_(core),
       replies_(replies),
-      ticks_per_snapshot_(static_cast<std::uint64_t>(std::max(1.0, snapshot_period_s * 1e3))),
+      rate_Hz_(core.device().info().rate_Hz),
+      tick_ns_(static_cast<std::int64_t>(1e9 / rate_Hz_)),
+      ticks_per_snapshot_(static_cast<std::uint64_t>(std::max(1.0, snapshot_period_s * rate_Hz_))),
       thread_([this] { Run(); }) {}
 
 ServoThread::~ServoThread() {
@@ -44,6 +46,7 @@ ServoThread::~ServoThread() {
 
 void ServoThread::BeginToStop() {
   stop_.store(true);
+  stop_.notify_one();
   started_.store(true);
   started_.notify_one();
 }
@@ -65,32 +68,51 @@ std::int64_t ServoThread::sample_time_ns(std::uint64_t sequence) const noexcept 
 void ServoThread::SetPath(PosePath* path) {
   const bool replaced = path_.exchange(path) != nullptr;
   if (path != nullptr && !started_.exchange(true)) started_.notify_one();
-  if (!replaced || !thread_.joinable()) return;
-  // The tick that runs now may still hold the former path; the one after the next does not.
-  const std::uint64_t quiet = ticks_.load() + 2;
-  while (ticks_.load() < quiet) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  if (!replaced) return;
+  // A tick that runs now may still hold the former path; one that begins from now on does not.
+  const std::uint64_t edges = tick_edges_.load();
+  if (edges % 2 == 0) return;
+  while (tick_edges_.load() == edges) std::this_thread::sleep_for(std::chrono::microseconds(100));
 }
 
-void ServoThread::AwaitTick() noexcept {
-  next_ns_ += kTick_ns;
-  SleepUntil(next_ns_);
-  const std::int64_t late_ns = SteadyNanoseconds() - next_ns_;
-  if (late_ns <= kTick_ns) return;
-  // Held up: goes on from here, without a burst.
-  const std::int64_t missed = late_ns / kTick_ns;
+/// How many ticks passed since `due_ns` without taking place.
+std::int64_t ServoThread::CountMissed(std::int64_t due_ns, std::int64_t now_ns) noexcept {
+  const std::int64_t missed = std::max<std::int64_t>(0, (now_ns - due_ns - 1) / tick_ns_);
   missed_ticks_.fetch_add(static_cast<std::uint64_t>(missed), std::memory_order_relaxed);
-  next_ns_ += missed * kTick_ns;
+  return missed;
 }
 
-void ServoThread::Tick() noexcept {
-  const std::int64_t now_ns = SteadyNanoseconds();
+bool ServoThread::IsTimeToSend() noexcept {
+  poses_due_ += kMostPoses_Hz / rate_Hz_;
+  if (poses_due_ < 1.0) return false;
+  poses_due_ = std::min(poses_due_ - 1.0, 1.0);  // a slow device sends each tick, and owes nothing
+  return true;
+}
+
+void ServoThread::MindTheButton(const DeviceSample& sample) noexcept {
+  const bool held = sample.buttons & 1u;
+  if (sample.status & kDeviceFault) {
+    button_ready_ = false;
+  } else if (!held) {
+    button_ready_ = true;
+  }
+  core_.EnableForces(button_ready_ && held);
+}
+
+void ServoThread::Tick(std::int64_t now_ns) noexcept {
+  tick_edges_.fetch_add(1);
   if (restart_totals_.exchange(false)) {
     core_.RestartTotals();
     missed_ticks_.store(0, std::memory_order_relaxed);
   }
-  PosePath* const path = path_.load(std::memory_order_acquire);
-  const OutgoingPose pose = core_.Sense(now_ns, path != nullptr);
-  if (path) {
+  PosePath* const path = path_.load();
+  const bool sending = path != nullptr && IsTimeToSend();
+  const OutgoingPose pose = core_.Sense(now_ns, sending);
+  if (by_button_.load(std::memory_order_relaxed)) MindTheButton(pose.sample);
+  // A device keeps what it was told last: that is to be nothing.
+  const bool stopping = stop_.load(std::memory_order_relaxed);
+  if (stopping) core_.EnableForces(false);
+  if (sending) {
     sample_times_ns_[pose.sequence % sample_times_ns_.size()].store(now_ns,
                                                                     std::memory_order_relaxed);
     newest_sequence_.store(pose.sequence, std::memory_order_release);
@@ -103,22 +125,46 @@ void ServoThread::Tick() noexcept {
   if (aims_.Read(aim)) core_.Take(now_ns, aim);
   core_.Act(now_ns);
   newest_reply_ns_.store(core_.newest_reply_ns(), std::memory_order_relaxed);
-  const std::uint64_t ticks = ticks_.fetch_add(1, std::memory_order_release) + 1;
+  const std::uint64_t ticks = (tick_edges_.fetch_add(1) + 1) / 2;
   if (ticks % ticks_per_snapshot_ == 0) snapshots_.Write(core_.TakeSnapshot(now_ns));
+  if (stopping && !core_.renders_force()) done_.store(true, std::memory_order_release);
 }
 
 void ServoThread::Run() noexcept {
   started_.wait(false);
-  next_ns_ = SteadyNanoseconds();
-  while (!stop_.load(std::memory_order_relaxed)) {
-    AwaitTick();
-    Tick();
+  if (stop_.load()) return;
+  due_ns_ = SteadyNanoseconds() + tick_ns_;
+  if (core_.device().StartTicks([this] { TickOfDevice(); })) {
+    AwaitDevice();
+    core_.device().StopTicks();
+    return;
   }
-  // A device keeps what it was told last: that is to be nothing.
-  core_.EnableForces(false);
-  while (core_.renders_force()) {
-    AwaitTick();
-    Tick();
+  while (!done()) {
+    SleepUntil(due_ns_);
+    const std::int64_t now_ns = SteadyNanoseconds();
+    // Held up: goes on from here, without a burst.
+    due_ns_ += (1 + CountMissed(due_ns_, now_ns)) * tick_ns_;
+    Tick(now_ns);
+  }
+}
+
+void ServoThread::TickOfDevice() noexcept {
+  const std::int64_t now_ns = SteadyNanoseconds();
+  CountMissed(due_ns_, now_ns);
+  due_ns_ = now_ns + tick_ns_;
+  Tick(now_ns);
+}
+
+void ServoThread::AwaitDevice() noexcept {
+  stop_.wait(false);
+  // A device that has died ticks no more, and renders nothing.
+  constexpr int kPatience_ms = 1000;
+  std::uint64_t edges = tick_edges_.load();
+  for (int silent_ms = 0; !done() && silent_ms < kPatience_ms; ++silent_ms) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (edges == tick_edges_.load()) continue;
+    edges = tick_edges_.load();
+    silent_ms = 0;
   }
 }
 

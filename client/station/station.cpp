@@ -51,6 +51,10 @@ Pose StartOf(const StationOptions& options) {
 
 std::unique_ptr<Device> OpenDevice(const StationOptions& options) {
   DeviceOptions device{options.link.device, std::nullopt, options.loop};
+  device.arm = options.device_name;
+  device.calibrate = options.calibrate;
+  device.rate_Hz = options.device_rate_Hz;
+  device.realtime = options.link.realtime;
   if (DeviceNeedsScript(device.name) || !options.script.empty()) {
     const std::string file = options.script.empty() ? ScriptOf(options.link.scene) : options.script;
     device.script = PoseScript::Load(file);
@@ -80,7 +84,8 @@ StationSummary Summarise(const StationOptions& options, const Device& device,
   summary.totals = core.totals();
   summary.lost = core.lost();
   summary.missed_ticks = servo.missed_ticks();
-  summary.linked_ticks_s = 1e-3 * static_cast<double>(summary.totals.ticks + summary.missed_ticks);
+  summary.linked_ticks_s =
+      static_cast<double>(summary.totals.ticks + summary.missed_ticks) / device.info().rate_Hz;
   summary.reconnects = link.reconnects();
   summary.limiter = core.limiter().counts();
   summary.energy_J = core.limiter().observer().energy_J();
@@ -105,6 +110,7 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
       options.link, replies,
       [&]() -> ServoThread& {
         servo = std::make_unique<ServoThread>(core, replies, table.period_s());
+        if (!forces) servo->EnableForcesByButton();
         return *servo;
       },
       [&](const std::string& event) {
@@ -114,7 +120,11 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   spdlog::info("device: {}", device->info().model);
   spdlog::info("transport: {}", link.transport().reason);
   spdlog::info("real-time: {}", link.realtime().summary);
-  if (!forces) spdlog::info("forces are off; --enable-forces lets them out");
+  if (!forces) {
+    spdlog::info(
+        "forces are off; they are on while the first button is held, or with "
+        "--enable-forces");
+  }
 
   std::optional<GuideLink> guide;
   if (options.accept_guide) guide.emplace(options.link.domain, options.link.station);
@@ -133,6 +143,10 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   };
   while (!stop.WaitFor(kPoll)) {
     link.Poll(SteadyNanoseconds());
+    if (const std::string news = device->Attend(); !news.empty()) {
+      table.Erase();
+      spdlog::info("device: {}", news);
+    }
     if (guide) guide->Poll([&](const GuideAim& aim) { servo->SetAim(aim); });
     if (began_ns == 0 && servo->started()) began_ns = SteadyNanoseconds();
     if (device->ended()) {

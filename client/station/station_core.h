@@ -89,6 +89,7 @@ class StationCore {
 
   /// The device must outlive the core.  Throws Error where the device has no limits.
   explicit StationCore(Device& device);
+  Device& device() noexcept { return device_; }
 
   void EnableForces(bool on) noexcept { forces_wanted_ = on; }
   /// Where the tool's wrench acts, in the tool's frame [m] (SessionState.tool_reference_m).

@@ -67,6 +67,18 @@ TEST(StationOptions, ReadsWhatItIsGiven) {
   EXPECT_EQ(options->json, "-");
 }
 
+TEST(StationOptions, ReadsWhichArmIsMeantAndHowItIsDriven) {
+  const auto options = Parse({"--device", "openhaptics", "--scene", "cube", "--id", "a",
+                              "--device-name", "left", "--calibrate", "--device-rate", "2000"});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->device_name, "left");
+  EXPECT_TRUE(options->calibrate);
+  EXPECT_EQ(options->device_rate_Hz, 2000.0);
+  EXPECT_THAT(Complaint({"--device", "openhaptics", "--scene", "cube", "--id", "a", "--device-rate",
+                         "20000"}),
+              HasSubstr("--device-rate"));
+}
+
 TEST(StationOptions, LeavesTheTableToTheTerminal) {
   const auto options = Parse({"--device", "simulated", "--scene", "cube", "--id", "a"});
   ASSERT_TRUE(options);
@@ -83,8 +95,9 @@ TEST(StationOptions, NamesTheArgumentThatIsWrong) {
   EXPECT_THAT(Complaint({"--scene", "cube", "--id", "a"}), HasSubstr("--device"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--id", "a"}), HasSubstr("--scene"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube"}), HasSubstr("--id"));
-  EXPECT_THAT(Complaint({"--device", "spacemouse", "--scene", "cube", "--id", "a"}),
-              HasSubstr("not built into this version; have: simulated, scripted, mouse"));
+  EXPECT_THAT(
+      Complaint({"--device", "spacemouse", "--scene", "cube", "--id", "a"}),
+      HasSubstr("not built into this version; have: simulated, scripted, openhaptics, mouse"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube", "--id", "a b"}),
               HasSubstr("--id 'a b'"));
   EXPECT_THAT(with({"--transport", "pigeon"}), HasSubstr("--transport"));

@@ -1,5 +1,6 @@
 #include "client/station/servo_thread.h"
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -15,14 +16,14 @@ using std::chrono::milliseconds;
 
 /// A thread whose poses go nowhere, and a test that plays the server.
 struct Bench {
+  explicit Bench(double rate_Hz = 1000.0) : device(rate_Hz) { core.EnableForces(true); }
+
   test::StillDevice device;
   StationCore core{device};
   ReplyRing replies;
   ServoThread servo{core, replies, 0.01};
   PosePath path;
   StationSnapshot snapshot;
-
-  Bench() { core.EnableForces(true); }
 
   /// Answers poses with 2 N for that time.
   void Answer(milliseconds time) {
@@ -57,6 +58,31 @@ TEST(ServoThread, ServesTheDeviceWithAPathAndWithout) {
   bench.servo.Stop();
   EXPECT_GT(bench.core.totals().sent, 0u);
   EXPECT_GT(bench.core.totals().ticks, bench.core.totals().sent);
+}
+
+TEST(ServoThread, TicksAtTheDevicesRateAndSendsAThousandPosesASecondAtMost) {
+  for (const double rate_Hz : {250.0, 1000.0, 2000.0, 4000.0}) {
+    Bench bench(rate_Hz);
+    bench.servo.SetPath(&bench.path);
+    const auto ticks = [&] { return bench.servo.ticks(); };
+    while (ticks() < 100) std::this_thread::sleep_for(milliseconds(1));
+    bench.servo.Stop();
+    const double ticks_per_pose = std::max(1.0, rate_Hz / 1000.0);
+    EXPECT_NEAR(static_cast<double>(bench.core.totals().ticks),
+                ticks_per_pose * static_cast<double>(bench.core.totals().sent), ticks_per_pose);
+  }
+}
+
+TEST(ServoThread, EnablesNothingByAButtonThatHasNotBeenSeenUp) {
+  Bench bench;
+  bench.core.EnableForces(false);
+  bench.servo.EnableForcesByButton();
+  bench.device.sample.buttons = 1;
+  bench.servo.SetPath(&bench.path);
+  for (int i = 0; i < 5; ++i) bench.Answer(milliseconds(100));
+  bench.servo.Stop();
+  EXPECT_GT(bench.core.totals().replies, 0u);
+  EXPECT_EQ(bench.core.totals().max_force_N, 0.0);
 }
 
 TEST(ServoThread, KnowsWhenItSampledTheLatestPosesAndNoOthers) {

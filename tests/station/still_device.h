@@ -8,8 +8,9 @@ namespace palpate::test {
 /// A device that is held still, and remembers what it was told.
 class StillDevice final : public Device {
  public:
-  StillDevice() {
+  explicit StillDevice(double rate_Hz = 1000.0) {
     info_.model = "still";
+    info_.rate_Hz = rate_Hz;
     info_.max_force_N = 22.0;
     info_.continuous_force_N = 3.0;
     info_.max_torque_Nm = 0.515;

@@ -1,0 +1,156 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/realtime/latest_mailbox.h"
+#include "common/realtime/realtime.h"
+#include "devices/device.h"
+#include "devices/openhaptics/hd_library.h"
+#include "devices/openhaptics/output_gate.h"
+
+namespace palpate {
+
+struct OpenHapticsOptions {
+  std::string name;        ///< as the vendor's set-up program has it; empty: the default one
+  bool calibrate = false;  ///< even where the arm says that it need not be
+  double rate_Hz = 1000.0;
+  RealtimeOptions realtime{RealtimeMode::kOff, -1, 40};  ///< of the library's thread
+  std::vector<std::string> libraries = hd::LibraryCandidates();
+};
+
+/// What the latest tick saw and did.
+struct OpenHapticsState {
+  std::uint64_t ticks = 0;
+  OutputGate::State output = OutputGate::State::kCalibrating;
+  Wrench commanded;  ///< what the limiter let through: at the handle, in W
+  Wrench rendered;   ///< what the arm was given of it: torque only where it has motors for that
+  std::uint32_t buttons = 0;
+  std::uint32_t presses = 0;     ///< of any button, so far
+  std::uint64_t bad_poses = 0;   ///< transforms that were none; the pose before was held
+  std::uint64_t long_ticks = 0;  ///< wrenches not set because their tick had taken too long
+  // Asked for ten times a second, as far as the arm has them.
+  std::array<long, 6> encoders{};
+  std::array<double, 6> motor_temperature{};      ///< 0 to 1
+  Vec3 reported_angular_velocity = Vec3::Zero();  ///< the library's: not used, its frame is unknown
+  bool docked = false;                            ///< in its inkwell
+  // By hd::ErrorClass.
+  std::array<std::uint64_t, 5> errors{};
+  std::array<hd::ErrorInfo, 5> cause{};  ///< the first of the latest burst: others follow from it
+};
+
+/// An arm that OpenHaptics drives: PHANTOM Premium, Omni, Desktop, Touch.  The library is loaded at
+/// run time.  W is the arm's own frame: x to the right, y up, z to the user.
+///
+/// The library's scheduler thread ticks.  In each tick one frame: state is read, the station's tick
+/// runs and sets the wrench that it has just computed, and the frame ends.  So nothing repeats an
+/// old force: where the station's tick is not there, or an error came, the frame sets nothing,
+/// which is zero force by the library's own rule. Thread contract: as Device.  Read and Apply only
+/// from within a tick.
+class OpenHapticsDevice final : public Device {
+ public:
+  /// A wrench computed longer than that after its tick began is not set.
+  static constexpr double kLongestTick_s = 0.010;
+
+  /// Opens the arm with its motors off and begins to calibrate it (Attend goes on with that).
+  /// Throws Error, with the remedy, where anything of it fails.
+  explicit OpenHapticsDevice(OpenHapticsOptions options);
+  ~OpenHapticsDevice() override;
+  OpenHapticsDevice(const OpenHapticsDevice&) = delete;
+  OpenHapticsDevice& operator=(const OpenHapticsDevice&) = delete;
+
+  const DeviceInfo& info() const override { return info_; }
+  DeviceSample Read() noexcept override { return sample_; }
+  void Apply(const LimitedWrench& wrench) noexcept override;
+  bool StartTicks(std::function<void()> tick) override;
+  void StopTicks() override;
+  std::string Attend() override;
+  const char* activity() const noexcept override;
+
+  /// Axes that it can render: 3 (force) or 6.
+  int output_dof() const { return output_dof_; }
+  /// Of the latest tick.  From the thread that calls Attend.
+  const OpenHapticsState& State();
+
+ private:
+  static constexpr hd::Handle kNone = hd::kInvalidHandle;
+
+  // Opening, in this order.
+  void Init(const std::string& name);
+  void ReadDataSheet();
+  void Configure();
+  void Start();
+  void Close() noexcept;
+  int Integer(hd::Enum what, const char* name);
+  double Positive(hd::Enum what, const char* name, double largest);
+  std::string Text(hd::Enum what);
+  /// Throws Error where the library has one to tell.
+  void Check(const std::string& what);
+  void DiscardErrors() noexcept;
+
+  // The scheduler's thread.
+  void OnTick() noexcept;
+  void ReadFrame() noexcept;
+  void ReadNowAndThen() noexcept;
+  void SwitchMotors() noexcept;
+  void Note(const hd::ErrorInfo& error) noexcept;
+  void DrainErrors() noexcept;
+  template <class Get>
+  void Ask(bool& has, Get get) noexcept;
+
+  // The station's main thread.
+  template <class Call>
+  void InScheduler(Call call);
+  bool SchedulerLives() const noexcept;
+  std::string Calibrate();
+  std::string NewErrors();
+
+  OpenHapticsOptions options_;
+  hd::Library library_;
+  const hd::Functions& hd_{library_.functions};
+  hd::Handle handle_ = kNone;
+  hd::SchedulerHandle callback_ = 0;
+  bool scheduled_ = false;
+  bool running_ = false;
+  int output_dof_ = 0;
+  hd::Enum calibration_style_ = 0;
+  DeviceInfo info_;
+  std::string notes_;  // from opening, for the first Attend
+
+  std::function<void()> tick_;
+  std::atomic<bool> serving_{false};  // tick_ is there
+  std::atomic<std::int64_t> last_tick_ns_{0};
+  std::atomic<OutputGate::State> output_{OutputGate::State::kCalibrating};
+  LatestMailbox<OpenHapticsState> states_;
+
+  // Of the scheduler's thread while it runs.
+  OutputGate gate_{1000.0};
+  OpenHapticsState state_;
+  DeviceSample sample_;
+  std::array<std::uint64_t, 5> last_error_ticks_{};
+  bool in_frame_ = false;
+  bool motors_on_ = false;
+  bool has_pose_ = false;
+  std::uint64_t slow_period_ = 100;  // ticks between two ReadNowAndThen
+  bool has_encoders_ = true;
+  bool has_temperature_ = true;
+  bool has_angular_velocity_ = true;
+  bool has_inkwell_ = true;
+
+  // Of the main thread.
+  OpenHapticsState seen_;
+  std::uint64_t next_look_ticks_ = 0;
+  hd::Enum calibration_asked_ = 0;  // what the user was told to do about
+  bool calibrated_ = false;
+  bool calibrate_now_ = false;
+  std::uint32_t presses_used_ = 0;
+  std::array<std::uint64_t, 5> errors_told_{};
+  std::array<std::uint64_t, 5> told_at_ticks_{};
+  OutputGate::State output_told_ = OutputGate::State::kCalibrating;
+};
+
+}  // namespace palpate

@@ -1,0 +1,5 @@
+extern "C" unsigned hdInitDevice(const char*);
+
+unsigned OpenAnArm() {
+  return hdInitDevice(nullptr);
+}

@@ -1,0 +1,197 @@
+// Every error of the library, at every one of its calls.
+#include <set>
+
+#include "tests/devices/openhaptics/arm_bench.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+class OpenHapticsErrors : public ArmTest {
+ protected:
+  /// All but success, and one that nobody knows.
+  static std::vector<hd::Code> Codes() {
+    std::vector<hd::Code> codes{0x9999};
+    for (const hd::ErrorText& text : hd::ErrorTexts()) {
+      if (text.code != hd::kSuccess) codes.push_back(text.code);
+    }
+    return codes;
+  }
+  static std::string NameOf(hd::Code code) { return hd::Describe({code, 1, 0}); }
+};
+
+TEST_F(OpenHapticsErrors, WhileItOpensEndInAMessageOrInAnArmThatIsInOrder) {
+  { OpenHapticsDevice arm(Options()); }
+  int calls = 0;
+  for (const std::string& function : fake.Calls()) {
+    ++calls;
+    if (function == "hdScheduleSynchronous") break;  // from here on it is open
+  }
+  std::set<std::string> failed;
+  for (int nth = 1; nth <= calls; ++nth) {
+    for (const hd::Code code : Codes()) {
+      fake.Reset({});
+      fake.Fail(kAnyFunction, nth, code);
+      const std::string error = OpeningError();
+      SCOPED_TRACE(std::to_string(nth) + ": " + NameOf(code));
+      EXPECT_FALSE(fake.FailurePending());
+      EXPECT_FALSE(fake.running());
+      EXPECT_FALSE(fake.motors_on());
+      EXPECT_FALSE(fake.opened());
+      if (!error.empty()) {
+        EXPECT_THAT(error, HasSubstr("openhaptics: "));
+        failed.insert(error);
+      }
+    }
+  }
+  EXPECT_GT(failed.size(), 5 * Codes().size()) << "most calls' errors are told, each in its words";
+}
+
+/// Until the first force, and in contact with it: whatever comes, no frame after the error has
+/// force until the ramp, the force never rises by a step, and no rule of the library is broken.
+TEST_F(OpenHapticsErrors, FromTheFirstTickOnNeverGiveAStepOfForce) {
+  int calls = 0;
+  {
+    ArmBench bench(fake, Options());
+    ASSERT_TRUE(bench.RunUntilForce());
+    calls = static_cast<int>(fake.Calls().size());
+  }
+  int first = 0;
+  for (const std::string& function : fake.Calls()) {
+    ++first;
+    if (function == "hdScheduleSynchronous") break;
+  }
+  int tried = 0;
+  // A prime stride: every kind of call, in ticks all along the way.
+  for (int nth = first; nth <= calls; nth += 7) {
+    const auto codes = Codes();
+    const hd::Code code = codes[static_cast<std::size_t>(tried++) % codes.size()];
+    SCOPED_TRACE(std::to_string(nth) + ": " + NameOf(code));
+    fake.Reset({});
+    fake.Fail(kAnyFunction, nth, code);
+    ArmBench bench(fake, Options());
+    double last = 0.0;
+    for (int i = 0; i < 500; ++i) {
+      bench.Run(1);
+      EXPECT_LE(bench.force(), last + 0.05) << "tick " << i;
+      last = bench.force();
+    }
+    EXPECT_FALSE(fake.FailurePending());
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(tried, 300);
+}
+
+/// The functions that a tick calls, and what each class of error does in contact.
+TEST_F(OpenHapticsErrors, InContactTakeTheForceAwayWithinOneFrameAndGiveItBackAsTheirClassAllows) {
+  const std::vector<std::string> functions = {"hdBeginFrame", "hdEndFrame",
+                                              "hdGetDoublev", "hdGetIntegerv",
+                                              "hdGetError",   "hdGetSchedulerTimeStamp",
+                                              "hdSetDoublev"};
+  int tried = 0;
+  for (const std::string& function : functions) {
+    for (const hd::Code code : Codes()) {
+      SCOPED_TRACE(function + ": " + NameOf(code));
+      fake.Reset({});
+      ArmBench bench(fake, Options());
+      ASSERT_TRUE(bench.RunUntilForce());
+      bench.news.clear();
+      fake.Fail(function, 1, code);
+      bench.Run(1);
+      EXPECT_FALSE(fake.FailurePending());
+      bench.Run(1);
+      EXPECT_EQ(bench.force(), 0.0);
+      EXPECT_FALSE(fake.Frames().back().force_set);
+      bench.Run(50);
+      EXPECT_EQ(bench.force(), 0.0);
+      EXPECT_THAT(bench.news, HasSubstr(hd::Describe({code, 1, 0})));
+      const hd::ErrorClass error_class = hd::ClassOf(code);
+      EXPECT_EQ(fake.motors_on(), error_class == hd::ErrorClass::kForce);
+      const bool comes_back =
+          error_class == hd::ErrorClass::kForce || error_class == hd::ErrorClass::kWarm;
+      EXPECT_EQ(bench.RunUntilForce(5000), comes_back);
+      EXPECT_EQ(bench.force() > 0.0, comes_back);
+      ++tried;
+    }
+  }
+  EXPECT_EQ(tried, 7 * 22);
+}
+
+TEST_F(OpenHapticsErrors, OfWhatIsAskedTenTimesASecondCountAsWell) {
+  for (const std::string function : {"hdGetLongv", "hdGetBooleanv"}) {
+    for (const hd::Code code : Codes()) {
+      SCOPED_TRACE(function + ": " + NameOf(code));
+      fake.Reset({});
+      ArmBench bench(fake, Options());
+      ASSERT_TRUE(bench.RunUntilForce());
+      fake.Fail(function, 1, code);
+      while (fake.FailurePending()) bench.Run(1);
+      const hd::ErrorClass error_class = hd::ClassOf(code);
+      // A query that the arm does not know is not asked again, and no reason to let go.
+      const bool tolerated = error_class == hd::ErrorClass::kUse;
+      EXPECT_EQ(bench.force() > 0.0, tolerated);
+      EXPECT_EQ(bench.RunUntilForce(5000), error_class != hd::ErrorClass::kFatal);
+    }
+  }
+}
+
+TEST_F(OpenHapticsErrors, OfCalibrationLeaveTheMotorsOff) {
+  FakeHdSetup setup;
+  setup.calibration = hd::kCalibrationNeedsUpdate;
+  for (const std::string function :
+       {"hdMakeCurrentDevice", "hdCheckCalibration", "hdUpdateCalibration"}) {
+    for (const hd::Code code : Codes()) {
+      SCOPED_TRACE(function + ": " + NameOf(code));
+      fake.Reset(setup);
+      ArmBench bench(fake, Options());
+      fake.Fail(function, 1, code);
+      while (fake.FailurePending()) bench.Run(1);
+      EXPECT_FALSE(fake.motors_on());
+      EXPECT_EQ(bench.force(), 0.0);
+      const hd::ErrorClass error_class = hd::ClassOf(code);
+      const bool passes =
+          error_class == hd::ErrorClass::kForce || error_class == hd::ErrorClass::kWarm;
+      EXPECT_EQ(bench.RunUntilForce(), passes) << "calibration is tried again";
+      EXPECT_THAT(bench.news, HasSubstr(hd::Describe({code, 1, 0})));
+    }
+  }
+}
+
+TEST_F(OpenHapticsErrors, WhileTheMotorsAreSwitchedAndWhileItStopsEndWithThemOff) {
+  for (const std::string function : {"hdEnable", "hdDisable", "hdScheduleSynchronous",
+                                     "hdStopScheduler", "hdUnschedule", "hdDisableDevice"}) {
+    for (const hd::Code code : Codes()) {
+      SCOPED_TRACE(function + ": " + NameOf(code));
+      fake.Reset({});
+      {
+        ArmBench bench(fake, Options());
+        if (function != "hdEnable") {
+          ASSERT_TRUE(bench.RunUntilForce());
+        }
+        fake.Fail(function, 1, code);
+        if (function == "hdEnable") {
+          while (fake.FailurePending()) bench.Run(1);
+        }
+        bench.arm.StopTicks();
+        EXPECT_FALSE(fake.running());
+        EXPECT_FALSE(fake.motors_on()) << "before the arm is closed";
+      }
+      EXPECT_FALSE(fake.FailurePending());
+      EXPECT_FALSE(fake.opened());
+    }
+  }
+}
+
+TEST_F(OpenHapticsErrors, WithoutEndDoNotHangATick) {
+  ArmBench bench(fake, Options());
+  ASSERT_TRUE(bench.RunUntilForce());
+  fake.endless_error = hd::kForceError;
+  bench.Run(3);
+  EXPECT_EQ(bench.force(), 0.0);
+  fake.endless_error = hd::kSuccess;
+  EXPECT_TRUE(bench.RunUntilForce());
+}
+
+}  // namespace
+}  // namespace palpate::test

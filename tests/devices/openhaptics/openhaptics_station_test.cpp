@@ -1,0 +1,168 @@
+// The whole of it: palpate-server, and palpate-station with the driver and a library that is faked.
+// What the motors of the arm do is read from a file that the library keeps.
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <new>
+#include <thread>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "common/time/steady_clock.h"
+#include "devices/openhaptics/hd_library.h"
+#include "tests/devices/openhaptics/fake_hd.h"
+#include "tests/support/program.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kDomain = "75";
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+/// The limiter fades within some 30 ms; the rest is the machine's.
+constexpr std::int64_t kForceGone_ns = kSecond_ns / 2;
+/// The top of the scene's cube, for the centre of its ball.
+constexpr double kTop_mm = 30.0;
+
+class OpenHapticsStation : public testing::Test {
+ protected:
+  OpenHapticsStation() {
+    const int fd = open(file_.c_str(), O_RDWR | O_CREAT | O_TRUNC, 0600);
+    if (fd < 0 || ftruncate(fd, sizeof(FakeArm)) != 0) std::abort();
+    void* memory = mmap(nullptr, sizeof(FakeArm), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+    close(fd);
+    if (memory == MAP_FAILED) std::abort();
+    arm_ = new (memory) FakeArm;
+    arm_->hand_mm[1] = arm_->position_mm[1] = kTop_mm + 5.0;
+    setenv(kFakeArmVariable, file_.c_str(), 1);
+    setenv(hd::kLibraryVariable, PALPATE_FAKE_HD, 1);
+  }
+  ~OpenHapticsStation() override {
+    station_.reset();
+    server_.reset();
+    munmap(arm_, sizeof(FakeArm));
+    unlink(file_.c_str());
+  }
+
+  void StartServer() {
+    server_ = std::make_unique<Program>(
+        PALPATE_BIN_DIR "/palpate-server",
+        std::vector<std::string>{"--scene", "cube", "--realtime", "off", "--transport", "udp",
+                                 "--domain", kDomain});
+    ASSERT_TRUE(server_->Says("ready: ", 60.0)) << server_->Output();
+  }
+  void StartStation(std::vector<std::string> more) {
+    std::vector<std::string> words{"--device", "openhaptics", "--scene",    "cube", "--id",
+                                   "arm",      "--no-table",  "--realtime", "off",  "--transport",
+                                   "udp",      "--domain",    kDomain};
+    words.insert(words.end(), more.begin(), more.end());
+    station_ = std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station", words);
+    ASSERT_TRUE(station_->Says("session: tool", 60.0)) << station_->Output();
+  }
+  /// Both are read now and then, so that no full pipe stops them.
+  bool Eventually(const std::function<bool()>& so, double seconds = 60.0) {
+    const std::int64_t end = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
+    while (!so()) {
+      if (SteadyNanoseconds() > end) return false;
+      if (server_) server_->Output();
+      station_->Output();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return true;
+  }
+  void For(double seconds) {
+    Eventually([] { return false; }, seconds);
+  }
+  /// The hand presses `depth_mm` deep; the motors are to hold against it.
+  void Press(double depth_mm) { arm_->hand_mm[1] = kTop_mm - depth_mm; }
+
+  const std::string file_ = testing::TempDir() + "palpate-fake-arm-" + std::to_string(getpid());
+  FakeArm* arm_ = nullptr;
+  std::unique_ptr<Program> server_;
+  std::unique_ptr<Program> station_;
+};
+
+TEST_F(OpenHapticsStation, FeelsTheCubeAndLosesTheForceWithItsServer) {
+  StartServer();
+  StartStation({"--enable-forces"});
+  For(0.3);
+  EXPECT_EQ(arm_->most_force_N, 0.0) << "in the air";
+  Press(1.0);
+  // A hand of 2 N/mm against a coupling of 1 N/mm: two thirds of a newton and of a millimetre.
+  ASSERT_TRUE(Eventually([&] {
+    return std::abs(arm_->force_N - 2.0 / 3.0) < 0.01 &&
+           std::abs(kTop_mm - arm_->position_mm[1] - 2.0 / 3.0) < 0.01;
+  })) << arm_->force_N
+      << station_->Output();
+
+  const std::int64_t killed_ns = SteadyNanoseconds();
+  server_->Signal(SIGKILL);
+  EXPECT_EQ(server_->Exit(), -SIGKILL);
+  server_.reset();
+  const std::uint64_t ticks = arm_->ticks;
+  For(1.0);
+  EXPECT_EQ(arm_->force_N, 0.0);
+  EXPECT_LT(arm_->last_force_ns - killed_ns, kForceGone_ns);
+  EXPECT_GT(arm_->ticks, ticks) << "the arm ticks on";
+
+  StartServer();
+  EXPECT_TRUE(Eventually([&] { return arm_->force_N > 0.6; })) << station_->Output();
+  station_->Signal(SIGINT);
+  EXPECT_EQ(station_->Exit(), 0) << station_->Output();
+  EXPECT_EQ(arm_->force_N, 0.0) << "it leaves no force behind";
+  EXPECT_THAT(station_->Output(), HasSubstr("Fake arm (serial 0042"));
+  EXPECT_THAT(station_->Output(), HasSubstr("the arm is ready"));
+}
+
+TEST_F(OpenHapticsStation, LosesTheForceWhileItsServerStandsStill) {
+  StartServer();
+  StartStation({"--enable-forces", "--device-rate", "2000"});
+  Press(1.0);
+  ASSERT_TRUE(Eventually([&] { return arm_->force_N > 0.6; })) << station_->Output();
+  const std::int64_t stopped_ns = SteadyNanoseconds();
+  server_->Signal(SIGSTOP);
+  For(0.7);
+  EXPECT_EQ(arm_->force_N, 0.0);
+  EXPECT_LT(arm_->last_force_ns - stopped_ns, kForceGone_ns);
+  server_->Signal(SIGCONT);
+  EXPECT_TRUE(Eventually([&] { return arm_->force_N > 0.6; })) << station_->Output();
+}
+
+TEST_F(OpenHapticsStation, GivesForcesWhileTheButtonIsHeldAndNoLonger) {
+  StartServer();
+  StartStation({});
+  Press(1.0);
+  For(1.0);
+  EXPECT_EQ(arm_->most_force_N, 0.0);
+  arm_->buttons = 1;
+  ASSERT_TRUE(Eventually([&] { return arm_->force_N > 0.6; })) << station_->Output();
+  arm_->buttons = 0;
+  EXPECT_TRUE(Eventually([&] { return arm_->force_N == 0.0; }));
+  EXPECT_THAT(station_->Output(), HasSubstr("while the first button is held"));
+}
+
+TEST_F(OpenHapticsStation, EndsWithOneAndTheReasonWhereTheArmDoesNotOpen) {
+  station_ = std::make_unique<Program>(
+      PALPATE_BIN_DIR "/palpate-station",
+      std::vector<std::string>{"--device", "openhaptics", "--scene", "cube", "--id", "arm",
+                               "--device-name", "left", "--domain", kDomain});
+  EXPECT_EQ(station_->Exit(), 1);
+  EXPECT_THAT(station_->Output(), HasSubstr("tried left"));
+  setenv(hd::kLibraryVariable, "/nowhere/libHD.so", 1);
+  station_ = std::make_unique<Program>(
+      PALPATE_BIN_DIR "/palpate-station",
+      std::vector<std::string>{"--device", "openhaptics", "--scene", "cube", "--id", "arm"});
+  EXPECT_EQ(station_->Exit(), 1);
+  EXPECT_THAT(station_->Output(), HasSubstr("/nowhere/libHD.so: cannot open"));
+}
+
+}  // namespace
+}  // namespace palpate::test
