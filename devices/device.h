@@ -29,6 +29,13 @@ struct DeviceInfo {
   double position_resolution_m = 0.0;
   double rotation_resolution_rad = 0.0;
   bool simulated = false;  ///< its forces move no real hand
+
+  double rate_Hz = 1000.0;  ///< how often Read and Apply are to be called
+
+  // Which axes the motors drive: what is asked for along another is lost.
+  int force_axes = 3;
+  int torque_axes = 3;
+  double max_stiffness_N_m = 0.0;  ///< of the mechanism, where it is weakest; 0: not known
 };
 
 /// One reading of the device.
@@ -39,8 +46,8 @@ struct DeviceSample {
   std::uint32_t status = kDeviceOk;
 };
 
-/// A haptic device, driven once a millisecond by the station's loop: Read, then Apply.  How to add
-/// one: README.md.
+/// A haptic device, driven by the station's loop at its rate: Read, Shape, Apply.  How to add one:
+/// README.md.
 class Device {
  public:
   virtual ~Device() = default;
@@ -54,6 +61,12 @@ class Device {
   /// for hands that see and do not feel.  Real-time.
   /// @param p_HT  point that the server's wrench acts at, in the tool's frame [m].
   virtual void SeeGraphicTool(const Pose& /*X_WG*/, const Vec3& /*p_HT*/) noexcept {}
+  /// What the device makes of the wrench that the hand is to feel, before the limiter, once between
+  /// Read and Apply.  As it stands, torque is lost where no motor turns the handle.  Real-time.
+  /// @param contact  of the scene, at the handle's origin, in W.   @param led  what a guide adds.
+  virtual void Shape(Wrench& contact, Wrench& led) noexcept {
+    if (info().torque_axes == 0) contact.torque = led.torque = Vec3::Zero();
+  }
   /// True once the hand will do nothing more: the station ends its session.
   virtual bool ended() const noexcept { return false; }
   /// What the hand does just now ("slide"), for people; empty where nobody knows.  Lives as long as

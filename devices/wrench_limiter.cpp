@@ -38,10 +38,11 @@ bool MoveTowards(Vec3& v, const Vec3& target, double max_step) noexcept {
 WrenchLimits WrenchLimits::Of(const DeviceInfo& device) {
   WrenchLimits limits;
   limits.force_N = device.max_force_N;
-  limits.torque_Nm = device.max_torque_Nm;
+  // Without a motor there is nothing to bound, and a bound must be positive.
+  limits.torque_Nm = device.torque_axes > 0 ? device.max_torque_Nm : 1e-9;
   constexpr double kWholePeak_ms = 5.0;
   limits.force_slew_N_per_ms = device.max_force_N / kWholePeak_ms;
-  limits.torque_slew_Nm_per_ms = device.max_torque_Nm / kWholePeak_ms;
+  limits.torque_slew_Nm_per_ms = limits.torque_Nm / kWholePeak_ms;
   return limits;
 }
 

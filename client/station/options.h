@@ -9,7 +9,12 @@ namespace palpate {
 
 struct StationOptions {
   LinkOptions link;
-  std::string script;  ///< file; empty: the scene's own
+  std::string model;  ///< of the device; empty: its first
+  double rate_Hz = 1000.0;
+  std::string workspace;             ///< file; empty: the device's frame is the scene's
+  std::optional<double> scale;       ///< in place of the file's
+  std::optional<int> clutch_button;  ///< in place of the file's
+  std::string script;                ///< file; empty: the scene's own
   bool loop = false;
   bool enable_forces = false;
   bool accept_guide = false;

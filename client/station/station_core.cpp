@@ -57,7 +57,8 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   if (period_began_ns_ == 0) period_began_ns_ = now_ns;
   Wrench wanted = ShiftToHandle(newest_.wrench, sample_.X_WH.q, tool_reference_);
   // Before the limiter: what leads the hand is bounded, fades and is switched off like all else.
-  const Wrench pull = guide_.Pull(now_ns, dt_s, sample_.X_WH, sample_.V_WH);
+  Wrench pull = guide_.Pull(now_ns, dt_s, sample_.X_WH, sample_.V_WH);
+  device_.Shape(wanted, pull);
   wanted.force += pull.force;
   wanted.torque += pull.torque;
   const LimitedWrench limited = limiter_.Limit(wanted, age_s, dt_s);

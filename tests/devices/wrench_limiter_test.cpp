@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
-#include "devices/simulated/phantom_premium_3_0.h"
+#include "devices/simulated/phantom_sheets.h"
 #include "tests/support/allocation_counter.h"
 
 namespace palpate {
@@ -19,7 +19,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 WrenchLimits PhantomLimits() {
-  return WrenchLimits::Of(PhantomPremium30Info());
+  return WrenchLimits::Of(PhantomPremium30().info);
 }
 
 /// A limiter in the middle of a session: enabled, replies fresh, ramps over.
