@@ -7,9 +7,7 @@ namespace palpate {
 DeviceKind SimulatedKind() {
   DeviceKind kind{
       .name = "simulated",
-      .what =
-          "an arm with its data sheet's mass, friction, motors, encoders and "
-          "workspace,\n              in a simulated hand that follows a script",
+      .what = "an arm by its data sheet, in a simulated hand that follows a script",
       .needs_script = true,
       .max_rate_Hz = SimulatedPhantom::kMaxRate_Hz,
       .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
