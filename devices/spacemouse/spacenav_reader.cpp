@@ -33,6 +33,7 @@ constexpr const char* kConfiguration = "/etc/spnavrc";
 constexpr int kRetry_ms = 500;
 constexpr int kOpenings = 20;
 constexpr int kMostUnknown = 8;  // frames in a row
+constexpr ssize_t kFrameBytes = 32;
 
 std::atomic<bool> in_use{false};
 
@@ -232,8 +233,13 @@ void SpacenavReader::Listen() {
     pollfd wait[2] = {{spnav_fd(), POLLIN, 0}, {stop_, POLLIN, 0}};
     if (poll(wait, 2, -1) < 0) continue;
     if (wait[1].revents != 0) return;
-    char byte;
-    if (recv(wait[0].fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) <= 0) return;
+    char frame[kFrameBytes];
+    const ssize_t here = recv(wait[0].fd, frame, sizeof frame, MSG_PEEK | MSG_DONTWAIT);
+    if (here <= 0) return;
+    if (here < kFrameBytes) {  // libspnav would take half a frame for a whole one
+      if ((wait[0].revents & POLLHUP) != 0 || StopsWithin(1)) return;
+      continue;
+    }
     spnav_event event;
     // Zero is an event that libspnav does not know, such as an answer that came too late.
     if (spnav_poll_event(&event) == 0) {

@@ -1,10 +1,14 @@
 #include "devices/simulated/phantom_sheets.h"
 
+#include <cmath>
+#include <sstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "devices/simulated/simulated_phantom.h"
+#include "scenes/json_file.h"
 #include "tests/devices/limiter_support.h"
 
 namespace palpate {
@@ -44,6 +48,50 @@ TEST(PhantomSheets, LeaveNothingOutThatASimulationNeeds) {
       EXPECT_EQ(info.max_torque_Nm, 0.0);
     }
     EXPECT_NO_THROW(WrenchLimiter(WrenchLimits::Of(info)));
+  }
+}
+
+TEST(PhantomSheets, AreWhatTheReadmeSays) {
+  const std::string readme = ReadWholeFile(std::string(PALPATE_SOURCE_DIR) + "/devices/README.md");
+  const auto row = [](const char* name, auto figure, const char* mark) {
+    std::ostringstream text;
+    text << "| " << name << " |";
+    for (const PhantomSheet& sheet : PhantomSheets()) {
+      text << " " << figure(sheet) << mark << " |";
+    }
+    return text.str();
+  };
+  const auto text = [](auto... parts) {
+    std::ostringstream joined;
+    (joined << ... << parts);
+    return joined.str();
+  };
+  const auto rounded = [](double value) { return std::round(1e6 * value) / 1e6; };
+  for (const std::string& line :
+       {row(
+            "workspace, mm",
+            [&](const PhantomSheet& s) {
+              const Vec3 mm = 1e3 * s.info.workspace_m;
+              return text(rounded(mm.x()), " × ", rounded(mm.y()), " × ", rounded(mm.z()));
+            },
+            " S"),
+        row(
+            "peak, continuous force, N",
+            [&](const PhantomSheet& s) {
+              return text(s.info.max_force_N, ", ", s.info.continuous_force_N);
+            },
+            " S"),
+        row(
+            "position resolution, mm",
+            [&](const PhantomSheet& s) {
+              return text(rounded(1e3 * s.info.position_resolution_m));
+            },
+            " S"),
+        row(
+            "apparent mass, g",
+            [&](const PhantomSheet& s) { return text(rounded(1e3 * s.dynamics.mass_kg)); },
+            " S")}) {
+    EXPECT_THAT(readme, testing::HasSubstr(line));
   }
 }
 

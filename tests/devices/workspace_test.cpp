@@ -10,8 +10,8 @@
 
 #include "common/error.h"
 #include "common/math/rotation.h"
-#include "devices/blind_hand.h"
 #include "devices/simulated/simulated_phantom.h"
+#include "scenes/json_file.h"
 #include "tests/devices/limiter_support.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/random.h"
@@ -210,6 +210,14 @@ TEST_F(WorkspaceFileTest, IsReadInItsUnits) {
   EXPECT_EQ(workspace.clutch_button, 1);
   EXPECT_EQ(workspace.wall_margin_m, 0.015);
   EXPECT_EQ(workspace.wall_force_N, 2.0);
+}
+
+TEST_F(WorkspaceFileTest, IsAsTheReadmeShowsIt) {
+  const std::string readme = ReadWholeFile(std::string(PALPATE_SOURCE_DIR) + "/devices/README.md");
+  const std::size_t begin = readme.find("```json\n") + 8;
+  const Workspace workspace = Load(readme.substr(begin, readme.find("```", begin) - begin));
+  EXPECT_EQ(workspace.scale, 2.0);
+  EXPECT_EQ(workspace.clutch_button, 0);
 }
 
 TEST_F(WorkspaceFileTest, MayBeEmpty) {

@@ -110,10 +110,24 @@ void FakeSpacenavd::Converse(int client) {
   }
 }
 
-void FakeSpacenavd::Send(const std::array<std::int32_t, 8>& frame) {
+void FakeSpacenavd::SendBytes(const char* bytes, std::size_t count) {
   const std::lock_guard lock(sending_);
   if (client_.load() < 0) throw std::runtime_error("nobody is connected");
-  send(client_.load(), frame.data(), sizeof frame, MSG_NOSIGNAL);
+  send(client_.load(), bytes, count, MSG_NOSIGNAL);
+}
+
+void FakeSpacenavd::Send(const std::array<std::int32_t, 8>& frame) {
+  SendBytes(reinterpret_cast<const char*>(frame.data()), sizeof frame);
+}
+
+void FakeSpacenavd::SendHalf(const std::array<std::int32_t, 8>& frame) {
+  SendBytes(reinterpret_cast<const char*>(frame.data()), 13);
+}
+
+void FakeSpacenavd::SendInPieces(const std::array<std::int32_t, 8>& frame) {
+  SendHalf(frame);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  SendBytes(reinterpret_cast<const char*>(frame.data()) + 13, sizeof frame - 13);
 }
 
 }  // namespace palpate::test

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <mutex>
 #include <string>
@@ -37,9 +38,14 @@ class FakeSpacenavd {
   void Unplug() { Send({3, 1, 0, 0, 0, 0, 0, 0}); }
   void PlugIn() { Send({3, 0, 0, 0, 0, 0, 0, 0}); }
   void Send(const std::array<std::int32_t, 8>& frame);
+  /// In two pieces, so that the first is read before the second is there.
+  void SendInPieces(const std::array<std::int32_t, 8>& frame);
+  /// The beginning alone.
+  void SendHalf(const std::array<std::int32_t, 8>& frame);
 
  private:
   void Serve();
+  void SendBytes(const char* bytes, std::size_t count);
   void Converse(int client);
 
   Options options_;

@@ -90,6 +90,20 @@ TEST(SpacenavReader, PassesOverFramesAndButtonsThatItDoesNotKnow) {
   EXPECT_EQ(state.buttons, 0u);
 }
 
+TEST(SpacenavReader, WaitsForTheRestOfAFrame) {
+  FakeSpacenavd daemon;
+  SpacenavReader reader;
+  SpacenavState state;
+  daemon.SendInPieces({0, 11, 12, 13, 14, 15, 16, 16});
+  daemon.Press(2, true);
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.buttons == 4; }));
+  EXPECT_EQ(state.axes, (std::array<int, 6>{11, 12, 13, 14, 15, 16}));
+  daemon.SendHalf({0, 99, 99, 99, 99, 99, 99, 16});
+  daemon.Kill();
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kNoDaemon; }));
+  EXPECT_EQ(state.axes[0], 0);
+}
+
 TEST(SpacenavReader, RestsWhileTheDaemonIsGoneAndGoesOnWhenItIsBack) {
   FakeSpacenavd daemon;
   SpacenavReader reader;
