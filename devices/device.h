@@ -37,6 +37,11 @@ struct DeviceInfo {
   double thermal_time_s = 60.0;
 
   double rate_Hz = 1000.0;  ///< ticks a second: how often it is to be read and driven
+
+  // Which axes the motors drive: what is asked for along another is lost.
+  int force_axes = 3;
+  int torque_axes = 3;
+  double max_stiffness_N_m = 0.0;  ///< of the mechanism, where it is weakest; 0: not known
 };
 
 /// One reading of the device.
@@ -50,7 +55,7 @@ struct DeviceSample {
 };
 
 /// A haptic device, driven by the station's loop `info().rate_Hz` times a second: a tick is Read,
-/// then Apply.  How to add one: README.md.
+/// Shape, Apply.  How to add one: README.md.
 class Device {
  public:
   virtual ~Device() = default;
@@ -64,6 +69,12 @@ class Device {
   /// for hands that see and do not feel.  Real-time.
   /// @param p_HT  point that the server's wrench acts at, in the tool's frame [m].
   virtual void SeeGraphicTool(const Pose& /*X_WG*/, const Vec3& /*p_HT*/) noexcept {}
+  /// What the device makes of the wrench that the hand is to feel, before the limiter, once between
+  /// Read and Apply.  As it stands, torque is lost where no motor turns the handle.  Real-time.
+  /// @param contact  of the scene, at the handle's origin, in W.   @param led  what a guide adds.
+  virtual void Shape(Wrench& contact, Wrench& led) noexcept {
+    if (info().torque_axes == 0) contact.torque = led.torque = Vec3::Zero();
+  }
   /// True once the hand will do nothing more: the station ends its session.
   virtual bool ended() const noexcept { return false; }
   /// What the hand does just now ("slide"), for people; empty where nobody knows.  Lives as long as

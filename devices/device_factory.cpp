@@ -1,87 +1,94 @@
 #include "devices/device_factory.h"
 
-#include <array>
-#include <string_view>
+#include <algorithm>
+#include <sstream>
 #include <utility>
-
-#include <unistd.h>
+#include <vector>
 
 #include "common/error.h"
-#include "devices/mouse/mouse_device.h"
-#include "devices/openhaptics/openhaptics_device.h"
-#include "devices/scripted/scripted_device.h"
-#include "devices/simulated/simulated_phantom.h"
+#include "devices/device_kind.h"
 
 namespace palpate {
 namespace {
 
-struct Entry {
-  std::string_view name;
-  bool needs_script;
-  std::unique_ptr<Device> (*make)(const DeviceOptions&);  // null: known, but not in this version
-};
-
-std::unique_ptr<Device> MakeSimulated(const DeviceOptions& options) {
-  const Pose start = options.script->At(0.0);
-  SimulatedHand hand(ScriptPlayer(*options.script, options.loop), HandImpedance{});
-  return std::make_unique<SimulatedPhantom>(PhantomPremium30Info(), PhantomPremium30Dynamics(),
-                                            std::move(hand), start);
+template <class Range, class Name>
+std::string Joined(const Range& range, Name name) {
+  std::string text;
+  for (const auto& item : range) text.append(text.empty() ? "" : ", ").append(name(item));
+  return text;
 }
 
-std::unique_ptr<Device> MakeScripted(const DeviceOptions& options) {
-  return std::make_unique<ScriptedDevice>(ScriptPlayer(*options.script, options.loop));
+std::string Joined(const std::vector<std::string_view>& names) {
+  return Joined(names, [](std::string_view name) { return name; });
 }
 
-std::unique_ptr<Device> MakeMouse(const DeviceOptions& options) {
-  return std::make_unique<MouseDevice>(STDIN_FILENO, options.start);
-}
-
-std::unique_ptr<Device> MakeOpenHaptics(const DeviceOptions& options) {
-  OpenHapticsOptions arm;
-  arm.name = options.arm;
-  arm.calibrate = options.calibrate;
-  arm.rate_Hz = options.rate_Hz;
-  arm.realtime = options.realtime;
-  return std::make_unique<OpenHapticsDevice>(std::move(arm));
-}
-
-constexpr std::array<Entry, 5> kDevices{{{"simulated", true, MakeSimulated},
-                                         {"scripted", true, MakeScripted},
-                                         {"openhaptics", false, MakeOpenHaptics},
-                                         {"spacemouse", false, nullptr},
-                                         {"mouse", false, MakeMouse}}};
-
-const Entry& Find(const std::string& name) {
-  for (const Entry& entry : kDevices) {
-    if (entry.name != name) continue;
-    if (entry.make) return entry;
-    throw UsageError("--device " + name + ": not built into this version; have: " + DeviceNames());
+DeviceKind Find(const std::string& name) {
+  for (DeviceKind& kind : AllDeviceKinds()) {
+    if (kind.name == name) return std::move(kind);
   }
   throw UsageError("--device " + name + ": no such device; have: " + DeviceNames());
+}
+
+DeviceKind Check(const std::string& name, const std::string& model, double rate_Hz) {
+  DeviceKind kind = Find(name);
+  if (!model.empty() &&
+      std::find(kind.models.begin(), kind.models.end(), model) == kind.models.end()) {
+    throw UsageError("--model " + model + ": " +
+                     (kind.models.empty() ? "--device " + name + " has no models; leave it out"
+                                          : "no such model of --device " + name +
+                                                "; have: " + Joined(kind.models)));
+  }
+  if (!(rate_Hz >= 1000.0 && rate_Hz <= kind.max_rate_Hz)) {
+    std::ostringstream message;
+    message << "--rate " << rate_Hz << ": --device " << name << " runs at 1000";
+    if (kind.max_rate_Hz > 1000.0) message << " to " << kind.max_rate_Hz;
+    throw UsageError(message.str() + " Hz");
+  }
+  return kind;
+}
+
+PoseScript Seen(const PoseScript& script, const Workspace& workspace) {
+  std::vector<PoseScript::Key> keys = script.keys();
+  // Minimum-jerk segments between the mapped keys are the mapped segments: the map is a similarity.
+  for (PoseScript::Key& key : keys) key.X_WH = workspace.ToDevice(key.X_WH);
+  return PoseScript(std::move(keys));
 }
 
 }  // namespace
 
 std::string DeviceNames() {
-  std::string names;
-  for (const Entry& entry : kDevices) {
-    if (!entry.make) continue;
-    if (!names.empty()) names += ", ";
-    names += entry.name;
+  return Joined(AllDeviceKinds(), [](const DeviceKind& kind) { return kind.name; });
+}
+
+std::string DeviceHelp() {
+  std::ostringstream help;
+  for (const DeviceKind& kind : AllDeviceKinds()) {
+    help << "  " << kind.name << std::string(12 - std::min<std::size_t>(11, kind.name.size()), ' ')
+         << kind.what << "\n";
+    if (!kind.models.empty()) help << "              --model " << Joined(kind.models) << "\n";
   }
-  return names;
+  return help.str();
 }
 
 bool DeviceNeedsScript(const std::string& name) {
   return Find(name).needs_script;
 }
 
+void CheckDevice(const std::string& name, const std::string& model, double rate_Hz) {
+  Check(name, model, rate_Hz);
+}
+
 std::unique_ptr<Device> MakeDevice(const DeviceOptions& options) {
-  const Entry& entry = Find(options.name);
-  if (entry.needs_script && !options.script) {
+  const DeviceKind kind = Check(options.name, options.model, options.rate_Hz);
+  if (kind.needs_script && !options.script) {
     throw Error("--device " + options.name + " needs a script of poses; give one with --script");
   }
-  return entry.make(options);
+  DeviceOptions own = options;
+  if (own.model.empty() && !kind.models.empty()) own.model = kind.models.front();
+  if (!options.workspace) return kind.make(own);
+  own.start = options.workspace->ToDevice(options.start);
+  if (options.script) own.script = Seen(*options.script, *options.workspace);
+  return std::make_unique<WorkspaceDevice>(kind.make(own), *options.workspace);
 }
 
 }  // namespace palpate

@@ -6,30 +6,40 @@
 
 #include "common/realtime/realtime.h"
 #include "devices/device.h"
+#include "devices/workspace.h"
 #include "scenes/pose_script.h"
 
 namespace palpate {
 
 struct DeviceOptions {
-  std::string name;                  ///< as after --device
-  std::optional<PoseScript> script;  ///< what the hand of a simulated or scripted device does
-  bool loop = false;                 ///< again and again
-  Pose start{};                      ///< of a device that has no script: where its tool begins
+  std::string name;                      ///< as after --device
+  std::optional<PoseScript> script;      ///< what the hand of a simulated or scripted device does
+  bool loop = false;                     ///< again and again
+  Pose start{};                          ///< of a device that has no script: where its tool begins
+  std::string model{};                   ///< as after --model; empty: the kind's first
+  double rate_Hz = 1000.0;               ///< Read and Apply, a second
+  std::optional<Workspace> workspace{};  ///< how the device lies in the scene; none: as it is
   // Of a real arm.
-  std::string arm{};       ///< as its vendor's set-up program names it; empty: the default one
-  bool calibrate = false;  ///< even where it says that it need not be
-  double rate_Hz = 1000.0;
+  std::string arm{};          ///< as its vendor's set-up program names it; empty: the default one
+  bool calibrate = false;     ///< even where it says that it need not be
   RealtimeOptions realtime{};  ///< of its own thread
 };
 
 /// Names that MakeDevice takes, separated by ", ": for help and messages.
 std::string DeviceNames();
 
-/// True where the device needs a script.  Throws UsageError as MakeDevice does.
+/// A line for each device, with its models: for help.
+std::string DeviceHelp();
+
+/// True where the device needs a script.  Throws UsageError for a name that there is not.
 bool DeviceNeedsScript(const std::string& name);
 
-/// Throws UsageError for a name that is unknown or not built into this version, and Error where
-/// the script is missing.
+/// Throws UsageError, which names what there is, for a device, a model or a rate that there is not.
+void CheckDevice(const std::string& name, const std::string& model, double rate_Hz);
+
+/// Opens a device.  Script and start are poses of the tool in the scene, whatever the workspace.
+/// Throws UsageError as CheckDevice does, and Error where the script is missing or the device
+/// cannot be opened.
 std::unique_ptr<Device> MakeDevice(const DeviceOptions& options);
 
 }  // namespace palpate

@@ -13,6 +13,7 @@ class LimitedWrench {
 
  private:
   friend class WrenchLimiter;
+  friend class WorkspaceDevice;  // which only turns one into the device's own frame and units
   explicit LimitedWrench(const Wrench& wrench) noexcept : wrench_(wrench) {}
   Wrench wrench_;
 };

@@ -18,12 +18,21 @@ constexpr const char* kAbout =
     "thousand times a second.  Shows live what happens, and a summary at the end.\n";
 
 constexpr const char* kExamples =
+    "\n"
     "Examples:\n"
     "  palpate-server --scene bunny-bunny &\n"
     "  palpate-station --device simulated --scene bunny-bunny --id hand --loop\n"
     "      a simulated arm and hand feel the bunny until Ctrl-C\n"
     "  palpate-station --device scripted --scene cube --id probe --for 10 --json run.json\n"
     "      the scene's script, played exactly for 10 s, with figures for a program\n"
+    "  palpate-station --device simulated --model touch --scale 2 --scene cube --id small\n"
+    "      an arm that renders no torque; each millimetre of the hand moves the tool by two: a "
+    "spring\n"
+    "      of 1 N/mm is felt as 2 N/mm, force stays as the scene has it, torque is halved\n"
+    "  palpate-station --device spacemouse --clutch-button 1 --scene cube --id me\n"
+    "      a SpaceMouse, through spacenavd; while its second button is down, the hand moves and "
+    "the\n"
+    "      tool does not\n"
     "  palpate-station --device mouse --scene cube --id me < targets\n"
     "      a hand without a device: each line on standard input, 'x y z qw qx qy qz' in metres "
     "and\n"
@@ -37,7 +46,7 @@ constexpr const char* kExamples =
     "Forces reach a real device only while its first button is held, or all the time with\n"
     "--enable-forces; letting the button go takes them away within 50 ms.  They fade to zero "
     "within\n"
-    "30 ms when the server stops answering, and ramp in again when it is back.\n"
+    "25 ms when the server stops answering, and ramp in again when it is back.\n"
     "Exit status: 0 done, 1 failed or refused, 2 wrong usage.";
 
 }  // namespace
@@ -50,15 +59,27 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   bool table = false;
 
   CLI::App app(kAbout, "palpate-station");
-  app.footer(kExamples);
+  app.footer("Devices:\n" + DeviceHelp() + kExamples);
   app.set_version_flag("--version", "palpate-station " PALPATE_VERSION);
   app.add_option("--device", options.link.device, "the device: " + DeviceNames())->required();
+  app.add_option("--model", options.model, "which arm; default: the first named below");
+  app.add_option("--rate", options.rate_Hz, "how often the device is served, in Hz")
+      ->capture_default_str();
   app.add_option("--scene", options.link.scene, "scene, as the server names it")->required();
   app.add_option("--tool", options.link.tool, "tool of the scene; not needed where it has but one");
   app.add_option("--id", options.link.station, "name of this station: 1 to 32 letters, digits or _")
       ->required();
   app.add_option("--script", options.script,
                  "poses that the simulated hand follows (JSON); default: the scene's own");
+  app.add_option(
+      "--workspace", options.workspace,
+      "how the device lies in the scene (JSON): calibration, frame, scale, clutch, walls");
+  app.add_option("--scale", options.scale,
+                 "motion of the tool over motion of the hand; default: the workspace's, else 1")
+      ->check(CLI::Range(Workspace::kLeastScale, Workspace::kMostScale));
+  app.add_option("--clutch-button", options.clutch_button,
+                 "number of the button, from 0, that lets the hand move without the tool")
+      ->check(CLI::Range(0, 31));
   app.add_flag("--loop", options.loop, "follow the script again and again; else its end is held");
   app.add_flag("--enable-forces", options.enable_forces,
                "let forces out to a real device (simulated ones need no leave)");
@@ -66,10 +87,6 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
                  "arm, as its vendor's set-up program names it; default: the default one");
   app.add_flag("--calibrate", options.calibrate,
                "calibrate the arm even if it is; it is in its reset position now, if it has one");
-  app.add_option("--device-rate", options.device_rate_Hz,
-                 "ticks a second of an arm with a clock of its own")
-      ->check(CLI::Range(500.0, 4000.0))
-      ->capture_default_str();
   CLI::Option* accept_guide = app.add_flag("--accept-guide", options.accept_guide,
                                            "let 'palpate-replay --guide ID' lead the hand, gently");
   app.add_option("--guide-force", options.guide_force_N,
@@ -113,7 +130,7 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   if (*for_option) options.seconds = seconds;
   options.link.transport = dds::ParseTransport(transport);
   options.link.realtime.mode = ParseRealtimeMode(realtime);
-  DeviceNeedsScript(options.link.device);  // refuses what this version does not have
+  CheckDevice(options.link.device, options.model, options.rate_Hz);
   return options;
 }
 

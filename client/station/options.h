@@ -9,12 +9,16 @@ namespace palpate {
 
 struct StationOptions {
   LinkOptions link;
-  std::string script;  ///< file; empty: the scene's own
+  std::string model;  ///< of the device; empty: its first
+  double rate_Hz = 1000.0;
+  std::string workspace;             ///< file; empty: the device's frame is the scene's
+  std::optional<double> scale;       ///< in place of the file's
+  std::optional<int> clutch_button;  ///< in place of the file's
+  std::string script;                ///< file; empty: the scene's own
   bool loop = false;
   bool enable_forces = false;
   std::string device_name;  ///< of a real arm; empty: the default one
   bool calibrate = false;
-  double device_rate_Hz = 1000.0;
   bool accept_guide = false;
   double guide_force_N = 0.5;
   std::optional<double> seconds;

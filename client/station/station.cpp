@@ -49,12 +49,25 @@ Pose StartOf(const StationOptions& options) {
               "'; give --tool with one of its own");
 }
 
+std::optional<Workspace> WorkspaceOf(const StationOptions& options) {
+  if (options.workspace.empty() && !options.scale && !options.clutch_button) return std::nullopt;
+  Workspace workspace =
+      options.workspace.empty() ? Workspace{} : Workspace::Load(options.workspace);
+  if (options.scale) workspace.scale = *options.scale;
+  if (options.clutch_button) workspace.clutch_button = options.clutch_button;
+  return workspace;
+}
+
 std::unique_ptr<Device> OpenDevice(const StationOptions& options) {
-  DeviceOptions device{options.link.device, std::nullopt, options.loop};
-  device.arm = options.device_name;
-  device.calibrate = options.calibrate;
-  device.rate_Hz = options.device_rate_Hz;
-  device.realtime = options.link.realtime;
+  DeviceOptions device{.name = options.link.device,
+                       .script = std::nullopt,
+                       .loop = options.loop,
+                       .model = options.model,
+                       .rate_Hz = options.rate_Hz,
+                       .workspace = WorkspaceOf(options),
+                       .arm = options.device_name,
+                       .calibrate = options.calibrate,
+                       .realtime = options.link.realtime};
   if (DeviceNeedsScript(device.name) || !options.script.empty()) {
     const std::string file = options.script.empty() ? ScriptOf(options.link.scene) : options.script;
     device.script = PoseScript::Load(file);
@@ -118,6 +131,9 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
         spdlog::info(event);
       });
   spdlog::info("device: {}", device->info().model);
+  if (device->info().torque_axes == 0) {
+    spdlog::warn("this device renders no torque: what the scene turns the hand with is lost");
+  }
   spdlog::info("transport: {}", link.transport().reason);
   spdlog::info("real-time: {}", link.realtime().summary);
   if (!forces) {

@@ -64,6 +64,7 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   if (period_began_ns_ == 0) period_began_ns_ = now_ns;
   in.wanted = ShiftToHandle(newest_.wrench, sample_.X_WH.q, tool_reference_);
   in.led = guide_.Pull(now_ns, in.dt_s, sample_.X_WH, sample_.V_WH);
+  device_.Shape(in.wanted, in.led);
   const LimitedWrench limited = limiter_.Limit(in);
   if (has_reply_) device_.SeeGraphicTool(newest_.X_WG, tool_reference_);
   device_.Apply(limited);

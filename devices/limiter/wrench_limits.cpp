@@ -17,6 +17,7 @@ constexpr double kWholePeak_ms = 5.0;
 /// As much as a guide may ask for (client/station/guide.h), whatever the device could do.
 constexpr double kLedForce_N = 1.0;
 constexpr double kLedTorque_Nm = 0.01;
+constexpr double kNoTorque_Nm = 1e-9;
 /// What a guide adds comes and goes within this time: it never hurries.
 constexpr double kLedWhole_s = 0.02;
 /// Rounding in the sums of the proof, some 1e-15 of the peak, beside a step of 1 us.
@@ -45,7 +46,10 @@ WrenchLimits::Rates WrenchLimits::rates() const noexcept {
   return rates;
 }
 
-WrenchLimits WrenchLimits::Of(const DeviceInfo& device) {
+WrenchLimits WrenchLimits::Of(const DeviceInfo& info) {
+  DeviceInfo device = info;
+  // Without a motor there is nothing to bound, and a bound must be positive.
+  if (device.torque_axes == 0) device.max_torque_Nm = device.continuous_torque_Nm = kNoTorque_Nm;
   CheckPositive(device.max_force_N, "max_force_N");
   CheckPositive(device.max_torque_Nm, "max_torque_Nm");
   CheckPositive(device.thermal_time_s, "thermal_time_s");

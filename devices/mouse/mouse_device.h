@@ -4,8 +4,8 @@
 #include <thread>
 
 #include "common/realtime/latest_mailbox.h"
+#include "devices/blind_hand.h"
 #include "devices/device.h"
-#include "devices/mouse/mouse_hand.h"
 
 namespace palpate {
 
@@ -39,7 +39,7 @@ class MouseDevice final : public Device {
   void TakeLine(std::string_view line);
 
   DeviceInfo info_;
-  MouseHand hand_;
+  BlindHand hand_;
   bool let_go_ = false;
   LatestMailbox<Order> orders_;
   std::atomic<bool> ended_{false};

@@ -38,8 +38,10 @@ std::optional<MouseLine> ParseMouseLine(std::string_view line, std::string& comp
   Pose X;
   X.p = Vec3(number[0], number[1], number[2]);
   X.q = Quat(number[3], number[4], number[5], number[6]);
-  // Comparisons with NaN are false.
-  if (!(X.p.cwiseAbs().maxCoeff() <= kFarthest_m)) return refuse("a position beyond 10 m");
+  // maxCoeff may pass over a NaN; comparisons with one are false.
+  if (!X.p.allFinite() || X.p.cwiseAbs().maxCoeff() > kFarthest_m) {
+    return refuse("a position beyond 10 m");
+  }
   const double norm = X.q.norm();
   if (!(norm >= 1e-3 && norm <= 1e3)) return refuse("a quaternion that is no rotation");
   X.q.coeffs() /= norm;

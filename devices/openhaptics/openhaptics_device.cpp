@@ -33,7 +33,6 @@ constexpr double kVelocityCutOff_rad_s = 2.0 * 3.14159265358979 * 100.0;
 constexpr double kMostForce_N = 50.0;
 constexpr double kMostTorque_mNm = 2000.0;
 /// Where torque is not rendered at all: the limiter wants a bound that is not zero.
-constexpr double kNoTorque_Nm = 1e-6;
 constexpr std::uint16_t kLast = 0;  // priority: after the tick's frame
 
 std::size_t Index(hd::ErrorClass error_class) {
@@ -190,8 +189,7 @@ void OpenHapticsDevice::ReadDataSheet() {
                  kMostTorque_mNm) /
         kMilli;
   } else {
-    info_.max_torque_Nm = info_.continuous_torque_Nm = kNoTorque_Nm;
-    AddLine(notes_, "the arm renders force alone: torques are computed, and lost");
+    info_.torque_axes = 0;
   }
   std::array<double, 6> box{};
   hd_.hdGetDoublev(hd::kMaxWorkspace, box.data());

@@ -4,14 +4,15 @@
 #include <cmath>
 #include <utility>
 
+#include "common/error.h"
 #include "common/math/rotation.h"
 #include "devices/wrench_limiter.h"
 
 namespace palpate {
 namespace {
 
-/// Share of a new encoder difference in the velocity estimate: a first-order low-pass of 100 Hz.
-constexpr double kVelocityShare = 0.386;  // 1 - 1 / (1 + 2 pi 100 Hz 1 ms)
+/// Velocity is estimated through a first-order low-pass.
+constexpr double kVelocityFilter_rad_s = 2.0 * 3.14159265358979323846 * 100.0;
 
 double Quantise(double value, double step) noexcept {
   return step > 0.0 ? std::round(value / step) * step : value;
@@ -32,14 +33,21 @@ Vec3 Saturate(const Vec3& v, double bound) noexcept {
 
 }  // namespace
 
-SimulatedPhantom::SimulatedPhantom(DeviceInfo info, const HandleDynamics& dynamics,
-                                   std::optional<SimulatedHand> hand, const Pose& X_WH)
-    : info_(std::move(info)),
-      dynamics_(dynamics),
+SimulatedPhantom::SimulatedPhantom(const PhantomSheet& sheet, std::optional<SimulatedHand> hand,
+                                   const Pose& X_WH)
+    : info_(sheet.info),
+      dynamics_(sheet.dynamics),
+      tick_s_(1.0 / sheet.info.rate_Hz),
+      substeps_(static_cast<int>(std::ceil(tick_s_ / kSubstep_s - 1e-9))),
+      velocity_share_(1.0 - 1.0 / (1.0 + kVelocityFilter_rad_s * tick_s_)),
       hand_(std::move(hand)),
-      mass_(dynamics.mass_kg + (hand_ ? hand_->impedance().mass_kg : 0.0)),
-      inertia_(dynamics.inertia_kg_m2 + (hand_ ? hand_->impedance().inertia_kg_m2 : 0.0)),
+      mass_(dynamics_.mass_kg + (hand_ ? hand_->impedance().mass_kg : 0.0)),
+      inertia_(dynamics_.inertia_kg_m2 + (hand_ ? hand_->impedance().inertia_kg_m2 : 0.0)),
       X_WH_(X_WH) {
+  if (!(info_.rate_Hz >= 100.0 && info_.rate_Hz <= kMaxRate_Hz)) {
+    throw Error("simulated arm: rate_Hz is " + std::to_string(info_.rate_Hz) +
+                "; give 100 to 4000");
+  }
   encoded_ = Encoded();
 }
 
@@ -69,6 +77,7 @@ double SimulatedPhantom::kinetic_energy_J() const noexcept {
 }
 
 Wrench SimulatedPhantom::MotorWrench(const Wrench& commanded) const noexcept {
+  if (info_.torque_axes == 0) return {Saturate(commanded.force, info_.max_force_N), Vec3::Zero()};
   const Vec3 roll_axis = X_WH_.q * Vec3::UnitZ();
   const double roll = commanded.torque.dot(roll_axis);
   const Vec3 yaw_pitch = commanded.torque - roll * roll_axis;
@@ -105,15 +114,15 @@ void SimulatedPhantom::Substep(const Wrench& motor, double t, double h) noexcept
 
 void SimulatedPhantom::Apply(const LimitedWrench& wrench) noexcept {
   const Wrench motor = MotorWrench(wrench.wrench());
-  constexpr double h = kTick_s / kSubsteps;
-  for (int i = 0; i < kSubsteps; ++i) Substep(motor, time() + i * h, h);
+  const double h = tick_s_ / substeps_;
+  for (int i = 0; i < substeps_; ++i) Substep(motor, time() + i * h, h);
   ++ticks_;
 
   const Pose now = Encoded();
-  const Vec3 v = (now.p - encoded_.p) / kTick_s;
-  const Vec3 w = RotationLog(now.q * encoded_.q.conjugate()) / kTick_s;
-  estimated_V_.v += kVelocityShare * (v - estimated_V_.v);
-  estimated_V_.w += kVelocityShare * (w - estimated_V_.w);
+  const Vec3 v = (now.p - encoded_.p) / tick_s_;
+  const Vec3 w = RotationLog(now.q * encoded_.q.conjugate()) / tick_s_;
+  estimated_V_.v += velocity_share_ * (v - estimated_V_.v);
+  estimated_V_.w += velocity_share_ * (w - estimated_V_.w);
   encoded_ = now;
 }
 

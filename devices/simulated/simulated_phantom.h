@@ -3,24 +3,24 @@
 #include <optional>
 
 #include "devices/device.h"
-#include "devices/simulated/phantom_premium_3_0.h"
+#include "devices/simulated/phantom_sheets.h"
 #include "devices/simulated/simulated_hand.h"
 
 namespace palpate {
 
 /// A haptic device that exists only here: a rigid handle with mass, friction, motors that saturate,
 /// encoders that quantise and a workspace that ends, held by a simulated hand or by none.
-/// Each Apply lets one millisecond pass, in sub-steps (semi-implicit Euler; friction implicit, so
-/// that it stops a handle and never drives it); so its time is a count, and a run repeats to the
-/// bit. The mechanism is balanced: no gravity.
+/// Each Apply lets one period of its rate pass, in sub-steps of at most kSubstep_s (semi-implicit
+/// Euler; friction implicit, so that it stops a handle and never drives it); so its time is a
+/// count, and a run repeats to the bit. The mechanism is balanced: no gravity.
 class SimulatedPhantom final : public Device {
  public:
-  static constexpr double kTick_s = 1e-3;
-  static constexpr int kSubsteps = 8;
+  static constexpr double kSubstep_s = 0.125e-3;
+  static constexpr double kMaxRate_Hz = 4000.0;
 
   /// @param hand  none: the handle floats free from X_WH on.
-  SimulatedPhantom(DeviceInfo info, const HandleDynamics& dynamics,
-                   std::optional<SimulatedHand> hand, const Pose& X_WH);
+  /// Throws Error where the sheet's rate is not within 100 Hz to kMaxRate_Hz.
+  SimulatedPhantom(const PhantomSheet& sheet, std::optional<SimulatedHand> hand, const Pose& X_WH);
 
   const DeviceInfo& info() const override { return info_; }
   /// The pose as the encoders give it, and its velocity as a driver estimates it from them.
@@ -31,7 +31,7 @@ class SimulatedPhantom final : public Device {
   // The truth behind the encoders, for tests and displays.
   const Pose& pose() const noexcept { return X_WH_; }
   const Twist& velocity() const noexcept { return V_WH_; }
-  double time() const noexcept { return kTick_s * static_cast<double>(ticks_); }
+  double time() const noexcept { return tick_s_ * static_cast<double>(ticks_); }
   double kinetic_energy_J() const noexcept;
 
  private:
@@ -41,6 +41,9 @@ class SimulatedPhantom final : public Device {
 
   DeviceInfo info_;
   HandleDynamics dynamics_;
+  double tick_s_;
+  int substeps_;
+  double velocity_share_;  // of a new encoder difference in the estimate
   std::optional<SimulatedHand> hand_;
   double mass_;     // handle and hand [kg]
   double inertia_;  // [kg m^2]

@@ -109,7 +109,7 @@ void BadLink(CaseRun& run) {
 
 /// Damping of the hand and the device together: what dissipates the energy that delay brings in.
 double LoopDamping() {
-  return HandImpedance{}.damping_N_s_m + PhantomPremium30Dynamics().viscous_N_s_m;
+  return HandImpedance{}.damping_N_s_m + PhantomPremium30().dynamics.viscous_N_s_m;
 }
 
 /// A spring of stiffness k whose force comes T late puts energy in as a negative damper k T does
@@ -129,7 +129,7 @@ void ClosedLoop(CaseRun& run, int delay_ms) {
   const Pose deep{Vec3(0, -5 * kMillimetre, 0), RotationExp(Vec3(0.02, 0.0, 0.03))};
   while (run.Goes()) {
     SimulatedPhantom phantom(
-        PhantomPremium30Info(), PhantomPremium30Dynamics(),
+        PhantomPremium30(),
         SimulatedHand(ScriptPlayer(PoseScript({{0.0, above, "down"}, {0.8, deep, "hold"}}), false),
                       HandImpedance{}),
         above);
@@ -186,7 +186,7 @@ std::vector<StabilityCase> LoopCases() {
          .reason =
              "two steps of the encoder: a limit cycle would be felt.  The stiffness is at most "
              "half of b / T, beyond which delay alone makes any loop unstable",
-         .bound = 2e6 * PhantomPremium30Info().position_resolution_m,
+         .bound = 2e6 * PhantomPremium30().info.position_resolution_m,
          .unit = "um",
          .share = 0.5,
          .least = 6000,

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "common/math/rotation.h"
+#include "tests/devices/limiter_support.h"
 
 namespace palpate {
 namespace {
@@ -13,9 +15,16 @@ PoseScript Still() {
   return PoseScript({{0.0, at, "hold"}, {1.0, at, "hold"}});
 }
 
-std::string MessageOf(const std::string& name) {
+DeviceOptions Of(const std::string& name) {
+  DeviceOptions options;
+  options.name = name;
+  options.script = Still();
+  return options;
+}
+
+std::string MessageOf(const DeviceOptions& options) {
   try {
-    MakeDevice({name, Still(), false});
+    MakeDevice(options);
   } catch (const UsageError& error) {
     return error.what();
   }
@@ -23,26 +32,79 @@ std::string MessageOf(const std::string& name) {
 }
 
 TEST(DeviceFactory, MakesWhatItNames) {
-  EXPECT_EQ(DeviceNames(), "simulated, scripted, openhaptics, mouse");
+  EXPECT_EQ(DeviceNames(), "mouse, openhaptics, scripted, simulated, spacemouse");
   for (const char* name : {"simulated", "scripted"}) {
-    const auto device = MakeDevice({name, Still(), false});
+    const auto device = MakeDevice(Of(name));
     EXPECT_NE(device->info().model.find(name), std::string::npos);
     EXPECT_NEAR(device->Read().X_WH.p.z(), 0.1, 1e-9);
     EXPECT_STREQ(device->activity(), "hold");
   }
 }
 
-TEST(DeviceFactory, SaysWhichDevicesThisVersionLacks) {
-  EXPECT_EQ(MessageOf("spacemouse"),
-            "--device spacemouse: not built into this version; have: simulated, scripted, "
-            "openhaptics, mouse");
-  EXPECT_EQ(MessageOf("omega"),
-            "--device omega: no such device; have: simulated, scripted, openhaptics, mouse");
+TEST(DeviceFactory, HelpsWithALineForEachDeviceAndItsModels) {
+  for (const char* text : {"  mouse ", "  scripted ", "  simulated ", "  spacemouse ",
+                           "--model premium-3.0, premium-1.5, touch"}) {
+    EXPECT_NE(DeviceHelp().find(text), std::string::npos) << text;
+  }
+}
+
+TEST(DeviceFactory, NamesWhatThereIsWhereItIsAskedForWhatThereIsNot) {
+  EXPECT_EQ(MessageOf(Of("omega")),
+            "--device omega: no such device; have: mouse, openhaptics, scripted, simulated, "
+            "spacemouse");
+  DeviceOptions options = Of("simulated");
+  options.model = "omni";
+  EXPECT_EQ(MessageOf(options),
+            "--model omni: no such model of --device simulated; have: premium-3.0, premium-1.5, "
+            "touch");
+  options = Of("scripted");
+  options.model = "touch";
+  EXPECT_EQ(MessageOf(options), "--model touch: --device scripted has no models; leave it out");
+  options = Of("scripted");
+  options.rate_Hz = 2000.0;
+  EXPECT_EQ(MessageOf(options), "--rate 2000: --device scripted runs at 1000 Hz");
+  options = Of("simulated");
+  options.rate_Hz = 8000.0;
+  EXPECT_EQ(MessageOf(options), "--rate 8000: --device simulated runs at 1000 to 4000 Hz");
+}
+
+TEST(DeviceFactory, MakesTheModelAtTheRateThatItIsAskedFor) {
+  EXPECT_EQ(MakeDevice(Of("simulated"))->info().max_force_N, 22.0);
+  DeviceOptions options = Of("simulated");
+  options.model = "touch";
+  options.rate_Hz = 4000.0;
+  const auto device = MakeDevice(options);
+  EXPECT_EQ(device->info().max_force_N, 3.3);
+  EXPECT_EQ(device->info().rate_Hz, 4000.0);
+}
+
+TEST(DeviceFactory, PlaysAScriptOfTheSceneInWhateverWorkspace) {
+  DeviceOptions options = Of("scripted");
+  Pose a, b;
+  a.p = Vec3(0.1, 0.2, 0.3);
+  a.q = RotationExp(Vec3(0.3, -0.2, 0.1));
+  b.p = Vec3(0.15, 0.1, 0.3);
+  options.script = PoseScript({{0.0, a, ""}, {0.1, b, ""}});
+  options.workspace.emplace();
+  options.workspace->scale = 3.0;
+  options.workspace->centre_m = Vec3(0.01, 0.02, 0.03);
+  options.workspace->X_WD = {Vec3(0.2, 0, 0), RotationExp(Vec3(0, 1, 0.5))};
+  options.workspace->q_HT = RotationExp(Vec3(1, 0, 0));
+  const auto device = MakeDevice(options);
+  for (int i = 0; i < 100; ++i) {
+    const Pose wanted = options.script->At(1e-3 * i);
+    const Pose seen = device->Read().X_WH;
+    ASSERT_LT((seen.p - wanted.p).norm(), 1e-12);
+    ASSERT_LT(RotationLog(seen.q * wanted.q.conjugate()).norm(), 1e-12);
+    device->Apply(PassThrough({}));
+  }
 }
 
 TEST(DeviceFactory, AsksForAScriptWhereItNeedsOne) {
   EXPECT_TRUE(DeviceNeedsScript("simulated"));
-  EXPECT_THROW(MakeDevice({"simulated", std::nullopt, false}), Error);
+  DeviceOptions options = Of("simulated");
+  options.script.reset();
+  EXPECT_THROW(MakeDevice(options), Error);
 }
 
 }  // namespace

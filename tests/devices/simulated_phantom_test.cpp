@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/error.h"
 #include "common/math/rotation.h"
 #include "tests/devices/limiter_support.h"
 #include "tests/support/allocation_counter.h"
@@ -12,13 +13,19 @@
 namespace palpate {
 namespace {
 
-SimulatedPhantom Free(const HandleDynamics& dynamics = PhantomPremium30Dynamics(),
+PhantomSheet With(const HandleDynamics& dynamics) {
+  PhantomSheet sheet = PhantomPremium30();
+  sheet.dynamics = dynamics;
+  return sheet;
+}
+
+SimulatedPhantom Free(const HandleDynamics& dynamics = PhantomPremium30().dynamics,
                       const Pose& X_WH = {}) {
-  return SimulatedPhantom(PhantomPremium30Info(), dynamics, std::nullopt, X_WH);
+  return SimulatedPhantom(With(dynamics), std::nullopt, X_WH);
 }
 
 HandleDynamics Frictionless() {
-  HandleDynamics dynamics = PhantomPremium30Dynamics();
+  HandleDynamics dynamics = PhantomPremium30().dynamics;
   dynamics.coulomb_force_N = dynamics.viscous_N_s_m = 0.0;
   dynamics.coulomb_torque_Nm = dynamics.viscous_Nm_s = 0.0;
   return dynamics;
@@ -31,7 +38,7 @@ SimulatedHand HandAt(const Pose& where) {
 }
 
 TEST(SimulatedPhantom, AcceleratesAsForceLessFrictionOverMass) {
-  HandleDynamics dynamics = PhantomPremium30Dynamics();
+  HandleDynamics dynamics = PhantomPremium30().dynamics;
   dynamics.viscous_N_s_m = 0.0;
   SimulatedPhantom phantom = Free(dynamics);
   const double force = 0.5;
@@ -41,7 +48,7 @@ TEST(SimulatedPhantom, AcceleratesAsForceLessFrictionOverMass) {
   const double a = (force - dynamics.coulomb_force_N) / dynamics.mass_kg;
   EXPECT_NEAR(phantom.velocity().v.x(), a * t, 1e-9);
   // x = a t^2 / 2; semi-implicit Euler is ahead by a t h / 2.
-  const double h = SimulatedPhantom::kTick_s / SimulatedPhantom::kSubsteps;
+  const double h = SimulatedPhantom::kSubstep_s;
   EXPECT_NEAR(phantom.pose().p.x(), 0.5 * a * t * t + 0.5 * a * t * h, 1e-9);
 }
 
@@ -67,16 +74,16 @@ TEST(SimulatedPhantom, TurnsAsTorqueOverInertia) {
   const double torque = 0.01;
   const LimitedWrench turn = PassThrough({Vec3::Zero(), Vec3(0, torque, 0)});
   for (int i = 0; i < 100; ++i) phantom.Apply(turn);
-  const double a = torque / PhantomPremium30Dynamics().inertia_kg_m2;
+  const double a = torque / PhantomPremium30().dynamics.inertia_kg_m2;
   EXPECT_NEAR(phantom.velocity().w.y(), a * 0.1, 1e-9);
-  const double h = SimulatedPhantom::kTick_s / SimulatedPhantom::kSubsteps;
+  const double h = SimulatedPhantom::kSubstep_s;
   EXPECT_NEAR(RotationLog(phantom.pose().q).y(), 0.5 * a * 0.01 + 0.5 * a * 0.1 * h, 1e-9);
 }
 
 TEST(SimulatedPhantom, RestsWhereTheHandsSpringBalancesTheForce) {
   HandleDynamics dynamics = Frictionless();
   const HandImpedance impedance;
-  SimulatedPhantom phantom(PhantomPremium30Info(), dynamics, HandAt({}), {});
+  SimulatedPhantom phantom(With(dynamics), HandAt({}), {});
   const LimitedWrench push = PassThrough({Vec3(0, 0, 2.0), Vec3(0.1, 0, 0)});
   for (int i = 0; i < 4000; ++i) phantom.Apply(push);
   EXPECT_NEAR(phantom.pose().p.z(), 2.0 / impedance.stiffness_N_m, 1e-7);
@@ -85,8 +92,8 @@ TEST(SimulatedPhantom, RestsWhereTheHandsSpringBalancesTheForce) {
 
 TEST(SimulatedPhantom, DryFrictionLeavesItWithinItsBandOfTheBalance) {
   const HandImpedance impedance;
-  const HandleDynamics dynamics = PhantomPremium30Dynamics();
-  SimulatedPhantom phantom(PhantomPremium30Info(), dynamics, HandAt({}), {});
+  const HandleDynamics dynamics = PhantomPremium30().dynamics;
+  SimulatedPhantom phantom(With(dynamics), HandAt({}), {});
   const LimitedWrench push = PassThrough({Vec3(0, 0, 2.0), Vec3::Zero()});
   for (int i = 0; i < 4000; ++i) phantom.Apply(push);
   EXPECT_EQ(phantom.velocity().v, Vec3::Zero());
@@ -103,7 +110,7 @@ TEST(SimulatedPhantom, SwingsAtTheFrequencyOfHandAndHandleTogether) {
   off.p.x() = 0.01;
   SimulatedHand hand(ScriptPlayer(PoseScript({{0.0, rest, ""}, {1.0, rest, ""}}), false),
                      impedance);
-  SimulatedPhantom phantom(PhantomPremium30Info(), dynamics, hand, off);
+  SimulatedPhantom phantom(With(dynamics), hand, off);
   const LimitedWrench nothing = PassThrough({});
   int crossings = 0;
   double first = 0.0, last = 0.0, before = off.p.x();
@@ -141,7 +148,7 @@ TEST(SimulatedPhantom, ComesToRestInAHandThatHoldsStill) {
   Pose off;
   off.p = Vec3(0.02, -0.01, 0.03);
   off.q = RotationExp(Vec3(0.3, 0.2, -0.4));
-  SimulatedPhantom phantom(PhantomPremium30Info(), PhantomPremium30Dynamics(), HandAt({}), off);
+  SimulatedPhantom phantom(PhantomPremium30(), HandAt({}), off);
   const LimitedWrench nothing = PassThrough({});
   const HandImpedance k;
   const auto energy = [&] {
@@ -158,11 +165,11 @@ TEST(SimulatedPhantom, ComesToRestInAHandThatHoldsStill) {
 }
 
 TEST(SimulatedPhantom, ReadsOnlyWhatItsEncodersResolve) {
-  const DeviceInfo info = PhantomPremium30Info();
+  const DeviceInfo info = PhantomPremium30().info;
   Pose at;
   at.p = Vec3(0.0123456789, -0.0987654321, 0.05);
   at.q = RotationExp(Vec3(0.7, -1.1, 2.0));
-  SimulatedPhantom phantom = Free(PhantomPremium30Dynamics(), at);
+  SimulatedPhantom phantom = Free(PhantomPremium30().dynamics, at);
   const Pose read = phantom.Read().X_WH;
   for (int i = 0; i < 3; ++i) {
     const double counts = read.p[i] / info.position_resolution_m;
@@ -202,7 +209,7 @@ TEST(SimulatedPhantom, GivesNoMoreForceThanItsMotorsHave) {
 }
 
 TEST(SimulatedPhantom, RollsWithLessTorqueThanItYaws) {
-  const double inertia = PhantomPremium30Dynamics().inertia_kg_m2;
+  const double inertia = PhantomPremium30().dynamics.inertia_kg_m2;
   SimulatedPhantom rolled = Free(Frictionless());
   rolled.Apply(PassThrough({Vec3::Zero(), Vec3(0, 0, 5)}));
   EXPECT_NEAR(rolled.velocity().w.z(), 0.170 * 1e-3 / inertia, 1e-9);
@@ -218,7 +225,7 @@ TEST(SimulatedPhantom, RestsAgainstAWallWithoutALimitCycle) {
   Pose wanted;  // 20 mm inside, turned by 0.3 rad against it
   wanted.p.z() = -0.020;
   wanted.q = RotationExp(Vec3(0.3, 0, 0));
-  SimulatedPhantom phantom(PhantomPremium30Info(), PhantomPremium30Dynamics(), HandAt(wanted), {});
+  SimulatedPhantom phantom(PhantomPremium30(), HandAt(wanted), {});
   WrenchLimiter limiter(WrenchLimits::Of(phantom.info()));
   limiter.Enable(true);
   // Forces ramp in before the hand comes: who is inside by then is not pushed out.
@@ -237,14 +244,14 @@ TEST(SimulatedPhantom, RestsAgainstAWallWithoutALimitCycle) {
   EXPECT_EQ(phantom.velocity().w, Vec3::Zero());
   // Two springs in series, within the band of dry friction.
   const double force = 0.020 * impedance.stiffness_N_m * wall / (impedance.stiffness_N_m + wall);
-  EXPECT_NEAR(reply.force.z(), force, PhantomPremium30Dynamics().coulomb_force_N);
+  EXPECT_NEAR(reply.force.z(), force, PhantomPremium30().dynamics.coulomb_force_N);
   const double torque =
       0.3 * impedance.stiffness_Nm_rad * torsion / (impedance.stiffness_Nm_rad + torsion);
-  EXPECT_NEAR(-reply.torque.x(), torque, 2.0 * PhantomPremium30Dynamics().coulomb_torque_Nm);
+  EXPECT_NEAR(-reply.torque.x(), torque, 2.0 * PhantomPremium30().dynamics.coulomb_torque_Nm);
 }
 
 TEST(SimulatedPhantom, AllocatesNothingInTheLoop) {
-  SimulatedPhantom phantom(PhantomPremium30Info(), PhantomPremium30Dynamics(), HandAt({}), {});
+  SimulatedPhantom phantom(PhantomPremium30(), HandAt({}), {});
   const LimitedWrench push = PassThrough({Vec3(0.3, -0.2, 0.1), Vec3(0.01, 0, 0)});
   const std::uint64_t before = test::AllocationsOfThisThread();
   for (int i = 0; i < 100; ++i) {
@@ -255,6 +262,35 @@ TEST(SimulatedPhantom, AllocatesNothingInTheLoop) {
   EXPECT_EQ(test::AllocationsOfThisThread(), before);
 }
 
+TEST(SimulatedPhantom, MovesAlikeAtWhateverRateItIsServed) {
+  const auto pushed_for = [](double rate_Hz, int ticks) {
+    PhantomSheet sheet = PhantomPremium30();
+    sheet.info.rate_Hz = rate_Hz;
+    SimulatedPhantom phantom(sheet, HandAt({}), {});
+    const LimitedWrench push = PassThrough({Vec3(1.0, 0, 0), Vec3(0.01, 0, 0)});
+    for (int i = 0; i < ticks; ++i) phantom.Apply(push);
+    EXPECT_NEAR(phantom.time(), 0.2, 1e-12);
+    return phantom.pose();
+  };
+  const Pose at_1k = pushed_for(1000.0, 200);
+  EXPECT_GT(at_1k.p.x(), 1e-3);
+  for (const double rate : {2000.0, 4000.0}) {
+    const Pose pose = pushed_for(rate, static_cast<int>(0.2 * rate));
+    EXPECT_LT((pose.p - at_1k.p).norm(), 1e-12);  // the same sub-steps
+    EXPECT_LT(RotationLog(pose.q * at_1k.q.conjugate()).norm(), 1e-12);
+  }
+  const Pose pose = pushed_for(1500.0, 300);  // sub-steps of 111 us
+  EXPECT_LT((pose.p - at_1k.p).norm(), 1e-5);
+}
+
+TEST(SimulatedPhantom, RefusesARateThatItCannotKeep) {
+  PhantomSheet sheet = PhantomPremium30();
+  for (const double rate : {0.0, 99.0, 4001.0, -1000.0, std::nan("")}) {
+    sheet.info.rate_Hz = rate;
+    EXPECT_THROW(SimulatedPhantom(sheet, std::nullopt, {}), Error) << rate;
+  }
+}
+
 TEST(SimulatedPhantom, RepeatsToTheBit) {
   Pose there;
   there.p = Vec3(0.05, 0.02, -0.03);
@@ -262,7 +298,7 @@ TEST(SimulatedPhantom, RepeatsToTheBit) {
   const auto run = [&] {
     SimulatedHand hand(ScriptPlayer(PoseScript({{0.0, Pose{}, "go"}, {1.0, there, "stay"}}), true),
                        HandImpedance{});
-    SimulatedPhantom phantom(PhantomPremium30Info(), PhantomPremium30Dynamics(), hand, {});
+    SimulatedPhantom phantom(PhantomPremium30(), hand, {});
     const LimitedWrench push = PassThrough({Vec3(0.3, -0.2, 0.1), Vec3(0.01, 0, 0)});
     for (int i = 0; i < 3000; ++i) phantom.Apply(push);
     return phantom.pose();

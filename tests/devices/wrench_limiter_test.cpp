@@ -7,7 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/simulated/phantom_premium_3_0.h"
+#include "common/error.h"
+#include "devices/simulated/phantom_sheets.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/limiter_adversary.h"
 #include "tests/support/uncontrolled_limiter.h"
@@ -20,7 +21,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 WrenchLimits PhantomLimits() {
-  return WrenchLimits::Of(PhantomPremium30Info());
+  return WrenchLimits::Of(PhantomPremium30().info);
 }
 
 /// A handle that is held still, and replies that are as old as the silence since.

@@ -60,7 +60,11 @@ const std::vector<Rule> kRules = {
      {"Eigen", "spdlog"}},
     {"server", {"common", "scenes", "server"}, {}, {"Eigen", "spdlog", "CLI11"}},
     // A device knows no server and no wire.
-    {"devices", {"common", "devices", "scenes/pose_script.h"}, {"common/dds"}, {"Eigen", "spdlog"}},
+    // json_file.h: a workspace is a file that people write, read as scenes are.
+    {"devices",
+     {"common", "devices", "scenes/pose_script.h", "scenes/json_file.h"},
+     {"common/dds"},
+     {"Eigen", "spdlog"}},
     {"devices/openhaptics",
      {"common", "devices"},
      {"common/dds"},

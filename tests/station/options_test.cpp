@@ -69,14 +69,23 @@ TEST(StationOptions, ReadsWhatItIsGiven) {
 
 TEST(StationOptions, ReadsWhichArmIsMeantAndHowItIsDriven) {
   const auto options = Parse({"--device", "openhaptics", "--scene", "cube", "--id", "a",
-                              "--device-name", "left", "--calibrate", "--device-rate", "2000"});
+                              "--device-name", "left", "--calibrate", "--rate", "2000"});
   ASSERT_TRUE(options);
   EXPECT_EQ(options->device_name, "left");
   EXPECT_TRUE(options->calibrate);
-  EXPECT_EQ(options->device_rate_Hz, 2000.0);
-  EXPECT_THAT(Complaint({"--device", "openhaptics", "--scene", "cube", "--id", "a", "--device-rate",
-                         "20000"}),
-              HasSubstr("--device-rate"));
+  EXPECT_EQ(options->rate_Hz, 2000.0);
+}
+
+TEST(StationOptions, SaysHowTheDeviceLiesInTheScene) {
+  const auto options =
+      Parse({"--device", "simulated", "--model", "touch", "--rate", "2000", "--scene", "cube",
+             "--id", "a", "--workspace", "desk.json", "--scale", "2.5", "--clutch-button", "1"});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->model, "touch");
+  EXPECT_EQ(options->rate_Hz, 2000.0);
+  EXPECT_EQ(options->workspace, "desk.json");
+  EXPECT_EQ(options->scale, 2.5);
+  EXPECT_EQ(options->clutch_button, 1);
 }
 
 TEST(StationOptions, LeavesTheTableToTheTerminal) {
@@ -95,9 +104,13 @@ TEST(StationOptions, NamesTheArgumentThatIsWrong) {
   EXPECT_THAT(Complaint({"--scene", "cube", "--id", "a"}), HasSubstr("--device"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--id", "a"}), HasSubstr("--scene"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube"}), HasSubstr("--id"));
-  EXPECT_THAT(
-      Complaint({"--device", "spacemouse", "--scene", "cube", "--id", "a"}),
-      HasSubstr("not built into this version; have: simulated, scripted, openhaptics, mouse"));
+  EXPECT_THAT(Complaint({"--device", "omega", "--scene", "cube", "--id", "a"}),
+              HasSubstr("no such device; have: mouse, openhaptics, scripted, simulated, "
+                        "spacemouse"));
+  EXPECT_THAT(with({"--model", "omni"}), HasSubstr("have: premium-3.0, premium-1.5, touch"));
+  EXPECT_THAT(with({"--rate", "5000"}), HasSubstr("--rate 5000"));
+  EXPECT_THAT(with({"--scale", "0"}), HasSubstr("--scale"));
+  EXPECT_THAT(with({"--clutch-button", "32"}), HasSubstr("--clutch-button"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube", "--id", "a b"}),
               HasSubstr("--id 'a b'"));
   EXPECT_THAT(with({"--transport", "pigeon"}), HasSubstr("--transport"));
@@ -119,6 +132,13 @@ TEST(PalpateStation, ExitsWithOneWhereItFails) {
       RunProgram("--device simulated --scene cube --id a --script /nowhere/path.json");
   EXPECT_EQ(no_script.status, 1);
   EXPECT_THAT(no_script.text, HasSubstr("/nowhere/path.json"));
+  const Outcome no_workspace =
+      RunProgram("--device simulated --scene cube --id a --workspace /nowhere/desk.json");
+  EXPECT_EQ(no_workspace.status, 1);
+  EXPECT_THAT(no_workspace.text, HasSubstr("/nowhere/desk.json"));
+  const Outcome no_daemon = RunProgram("--device spacemouse --scene cube --id a --log-level debug");
+  EXPECT_EQ(no_daemon.status, 1);
+  EXPECT_THAT(no_daemon.text, HasSubstr("no connection to spacenavd"));
   const Outcome no_scene = RunProgram("--device simulated --scene no-such-scene --id a");
   EXPECT_EQ(no_scene.status, 1);
   EXPECT_THAT(no_scene.text, HasSubstr("no-such-scene"));
@@ -128,6 +148,7 @@ TEST(PalpateStation, HelpsWithAnExample) {
   const Outcome help = RunProgram("--help");
   EXPECT_EQ(help.status, 0);
   EXPECT_THAT(help.text, HasSubstr("palpate-server --scene bunny-bunny"));
+  EXPECT_THAT(help.text, HasSubstr("--model premium-3.0, premium-1.5, touch"));
   const Outcome version = RunProgram("--version");
   EXPECT_EQ(version.status, 0);
   EXPECT_THAT(version.text, HasSubstr("palpate-station 0."));

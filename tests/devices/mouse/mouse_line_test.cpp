@@ -32,8 +32,9 @@ TEST(MouseLine, LetsGo) {
 TEST(MouseLine, IsNotUsedWhereItIsNoPose) {
   for (const char* line :
        {"", "1 2 3", "0 0 0 1 0 0", "0 0 0 1 0 0 0 0", "a b c d e f g", "0 0 0 1 0 0 0x",
-        "nan 0 0 1 0 0 0", "inf 0 0 1 0 0 0", "0 11 0 1 0 0 0", "0 0 0 0 0 0 0", "0 0 0 nan 0 0 0",
-        "0 0 0 1e300 0 0 0", "1e999 0 0 1 0 0 0", "release me", "0,1 0 0 1 0 0 0"}) {
+        "nan 0 0 1 0 0 0", "0 nan 0 1 0 0 0", "0 0 nan 1 0 0 0", "inf 0 0 1 0 0 0",
+        "0 11 0 1 0 0 0", "0 0 0 0 0 0 0", "0 0 0 nan 0 0 0", "0 0 0 1e300 0 0 0",
+        "1e999 0 0 1 0 0 0", "release me", "0,1 0 0 1 0 0 0"}) {
     EXPECT_FALSE(Parses(line)) << line;
   }
 }

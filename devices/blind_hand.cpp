@@ -1,4 +1,4 @@
-#include "devices/mouse/mouse_hand.h"
+#include "devices/blind_hand.h"
 
 #include "common/math/rotation.h"
 
@@ -22,19 +22,24 @@ void Pull(Vec3& velocity, const Vec3& way, double max_speed, double h) noexcept 
 
 }  // namespace
 
-void MouseHand::LetGo() noexcept {
+void BlindHand::LetGo() noexcept {
   X_WT_ = X_WG_;
+  rate_.reset();
 }
 
-void MouseHand::SeeGraphicTool(const Pose& X_WG, const Vec3& p_HT) noexcept {
+void BlindHand::SeeGraphicTool(const Pose& X_WG, const Vec3& p_HT) noexcept {
   X_WG_ = X_WG;
   p_HT_ = p_HT;
 }
 
-void MouseHand::Step(double h) noexcept {
+void BlindHand::Step(double h) noexcept {
   const Vec3 at = X_WH_ * p_HT_;
   Vec3 to = X_WT_ ? *X_WT_ * p_HT_ : at;
   Quat turned_to = X_WT_ ? X_WT_->q : X_WH_.q;
+  if (rate_ && X_WG_) {
+    to += h * rate_->v;
+    turned_to = (RotationExp(h * rate_->w) * turned_to).normalized();
+  }
   held_back_ = false;
   if (X_WG_) {
     const Vec3 graphic = *X_WG_ * p_HT_;
@@ -44,13 +49,14 @@ void MouseHand::Step(double h) noexcept {
     to = graphic + Shortened(press, kMaxPress_m);
     turned_to = RotationExp(Shortened(twist, kMaxTwist_rad)) * X_WG_->q;
   }
+  if (rate_ && X_WG_) X_WT_ = Pose{to - turned_to * p_HT_, turned_to};
   Pull(v_, to - at, kMaxSpeed_m_s, h);
   Pull(w_, RotationLog(turned_to * X_WH_.q.conjugate()), kMaxTurn_rad_s, h);
   X_WH_.q = (RotationExp(h * w_) * X_WH_.q).normalized();
   X_WH_.p = at + h * v_ - X_WH_.q * p_HT_;
 }
 
-Twist MouseHand::twist() const noexcept {
+Twist BlindHand::twist() const noexcept {
   return {v_ - w_.cross(X_WH_.q * p_HT_), w_};
 }
 

@@ -1,4 +1,4 @@
-#include "devices/mouse/mouse_hand.h"
+#include "devices/blind_hand.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,25 +24,25 @@ Pose StoppedByWall(const Pose& X_WH, const Vec3& p_HT) {
   return X_WG;
 }
 
-TEST(MouseHand, RestsUntilItIsTold) {
-  MouseHand hand(At(Vec3(1, 2, 3)));
+TEST(BlindHand, RestsUntilItIsTold) {
+  BlindHand hand(At(Vec3(1, 2, 3)));
   for (int i = 0; i < 1000; ++i) hand.Step(kTick);
   EXPECT_EQ(hand.pose().p, Vec3(1, 2, 3));
   EXPECT_EQ(hand.twist().v, Vec3::Zero());
 }
 
-TEST(MouseHand, ComesToTheTargetAtBoundedSpeedAndDoesNotOvershoot) {
+TEST(BlindHand, ComesToTheTargetAtBoundedSpeedAndDoesNotOvershoot) {
   const Pose target = At(Vec3(0.3, 0, 0), Vec3(0, 2.0, 0));
-  MouseHand hand(At(Vec3::Zero()));
+  BlindHand hand(At(Vec3::Zero()));
   hand.Follow(target);
   double x = 0.0, angle = 0.0;
   for (int i = 0; i < 2000; ++i) {
     const Pose before = hand.pose();
     hand.Step(kTick);
     const double way = (hand.pose().p - before.p).norm();
-    ASSERT_LE(way, MouseHand::kMaxSpeed_m_s * kTick * (1 + 1e-9));
+    ASSERT_LE(way, BlindHand::kMaxSpeed_m_s * kTick * (1 + 1e-9));
     ASSERT_LE(RotationLog(hand.pose().q * before.q.conjugate()).norm(),
-              MouseHand::kMaxTurn_rad_s * kTick * (1 + 1e-9));
+              BlindHand::kMaxTurn_rad_s * kTick * (1 + 1e-9));
     ASSERT_GE(hand.pose().p.x(), x);
     x = hand.pose().p.x();
     angle = RotationLog(hand.pose().q).y();
@@ -53,9 +53,9 @@ TEST(MouseHand, ComesToTheTargetAtBoundedSpeedAndDoesNotOvershoot) {
   EXPECT_NEAR(angle, 2.0, 1e-6);
 }
 
-TEST(MouseHand, TellsTheVelocityThatItMovesWith) {
+TEST(BlindHand, TellsTheVelocityThatItMovesWith) {
   const Vec3 p_HT(0.05, 0.02, -0.01);
-  MouseHand hand(At(Vec3::Zero()));
+  BlindHand hand(At(Vec3::Zero()));
   hand.Follow(At(Vec3(0.1, -0.05, 0.02), Vec3(0.3, -0.5, 0.2)));
   for (int i = 0; i < 300; ++i) {
     hand.SeeGraphicTool(hand.pose(), p_HT);  // free
@@ -66,12 +66,12 @@ TEST(MouseHand, TellsTheVelocityThatItMovesWith) {
   }
 }
 
-TEST(MouseHand, NeverJumpsWhateverItIsTold) {
+TEST(BlindHand, NeverJumpsWhateverItIsTold) {
   test::Random random(11);
   const Vec3 p_HT(0.05, 0, 0);
   // Its handle's origin lies 50 mm from the point whose speed is bounded.
-  const double most = kTick * (MouseHand::kMaxSpeed_m_s + 0.05 * MouseHand::kMaxTurn_rad_s);
-  MouseHand hand(At(Vec3::Zero()));
+  const double most = kTick * (BlindHand::kMaxSpeed_m_s + 0.05 * BlindHand::kMaxTurn_rad_s);
+  BlindHand hand(At(Vec3::Zero()));
   for (int i = 0; i < 50'000; ++i) {
     if (random.Below(16) == 0) {
       hand.Follow(At(random.InCube(10.0), random.InCube(3.0)));
@@ -83,14 +83,14 @@ TEST(MouseHand, NeverJumpsWhateverItIsTold) {
     hand.Step(kTick);
     ASSERT_LE((hand.pose().p - before.p).norm(), most * (1 + 1e-2));
     ASSERT_LE(RotationLog(hand.pose().q * before.q.conjugate()).norm(),
-              MouseHand::kMaxTurn_rad_s * kTick * (1 + 1e-6));
+              BlindHand::kMaxTurn_rad_s * kTick * (1 + 1e-6));
     ASSERT_NEAR(hand.pose().q.norm(), 1.0, 1e-9);
   }
 }
 
-TEST(MouseHand, PressesNoDeeperThanItMayAndLetsGoOfTheForce) {
+TEST(BlindHand, PressesNoDeeperThanItMayAndLetsGoOfTheForce) {
   const Vec3 p_HT(0.0, 0.03, 0.0);
-  MouseHand hand(At(Vec3(-0.1, 0, 0)));
+  BlindHand hand(At(Vec3(-0.1, 0, 0)));
   hand.Follow(At(Vec3(0.4, 0, 0)));  // far inside
   double deepest = 0.0;
   for (int i = 0; i < 3000; ++i) {
@@ -99,7 +99,7 @@ TEST(MouseHand, PressesNoDeeperThanItMayAndLetsGoOfTheForce) {
     deepest = std::max(deepest, hand.pose().p.x());
   }
   EXPECT_TRUE(hand.held_back());
-  EXPECT_NEAR(deepest, MouseHand::kMaxPress_m, 1e-4);
+  EXPECT_NEAR(deepest, BlindHand::kMaxPress_m, 1e-4);
   hand.LetGo();
   for (int i = 0; i < 1000; ++i) {
     hand.SeeGraphicTool(StoppedByWall(hand.pose(), p_HT), p_HT);
@@ -109,15 +109,59 @@ TEST(MouseHand, PressesNoDeeperThanItMayAndLetsGoOfTheForce) {
   EXPECT_FALSE(hand.held_back());
 }
 
-TEST(MouseHand, TwistsAToolThatIsHeldNoFurtherThanItMay) {
+TEST(BlindHand, TwistsAToolThatIsHeldNoFurtherThanItMay) {
   const Pose held = At(Vec3::Zero());
-  MouseHand hand(held);
+  BlindHand hand(held);
   hand.Follow(At(Vec3::Zero(), Vec3(0, 0, 3.0)));
   for (int i = 0; i < 3000; ++i) {
     hand.SeeGraphicTool(held, Vec3::Zero());
     hand.Step(kTick);
   }
-  EXPECT_NEAR(RotationLog(hand.pose().q).z(), MouseHand::kMaxTwist_rad, 1e-6);
+  EXPECT_NEAR(RotationLog(hand.pose().q).z(), BlindHand::kMaxTwist_rad, 1e-6);
+}
+
+TEST(BlindHand, StandsStillWhenItIsDrivenUntilItSeesTheGraphicTool) {
+  BlindHand hand(At(Vec3(1, 2, 3)));
+  hand.Drive({Vec3(0.2, 0, 0), Vec3(0, 1, 0)});
+  for (int i = 0; i < 1000; ++i) hand.Step(kTick);
+  EXPECT_EQ(hand.pose().p, Vec3(1, 2, 3));
+}
+
+TEST(BlindHand, IsDrivenAtTheVelocityThatItIsTold) {
+  const Vec3 p_HT(0.03, 0.0, 0.02);
+  BlindHand hand(At(Vec3::Zero()));
+  const Twist V{Vec3(0.1, -0.05, 0.02), Vec3(0.5, -0.3, 1.0)};
+  hand.Drive(V);
+  for (int i = 0; i < 1000; ++i) {
+    hand.SeeGraphicTool(hand.pose(), p_HT);
+    hand.Step(kTick);
+  }
+  EXPECT_LT((hand.twist().v + hand.twist().w.cross(hand.pose().q * p_HT) - V.v).norm(), 1e-6);
+  EXPECT_LT((hand.twist().w - V.w).norm(), 1e-6);
+  hand.Drive({});
+  for (int i = 0; i < 1000; ++i) {
+    hand.SeeGraphicTool(hand.pose(), p_HT);
+    hand.Step(kTick);
+  }
+  EXPECT_LT(hand.twist().v.norm(), 1e-9);
+}
+
+TEST(BlindHand, IsDrivenBackFromAWallWithoutHavingToComeBackFirst) {
+  const Vec3 p_HT(0.0, 0.03, 0.0);
+  const auto drive = [&](BlindHand& hand, double v, int ticks) {
+    hand.Drive({Vec3(v, 0, 0), Vec3::Zero()});
+    for (int i = 0; i < ticks; ++i) {
+      hand.SeeGraphicTool(StoppedByWall(hand.pose(), p_HT), p_HT);
+      hand.Step(kTick);
+      ASSERT_LE(hand.pose().p.x(), BlindHand::kMaxPress_m + 1e-9);
+    }
+  };
+  BlindHand hand(At(Vec3(-0.01, 0, 0)));
+  drive(hand, 0.2, 10'000);  // ten seconds against the wall: 2 m, were it not held back
+  EXPECT_TRUE(hand.held_back());
+  EXPECT_NEAR(hand.pose().p.x(), BlindHand::kMaxPress_m, 1e-6);
+  drive(hand, -0.2, 200);  // 20 mm at 0.2 m/s take 0.1 s, and the spring's lag 0.05 s
+  EXPECT_LT(hand.pose().p.x(), 0.0);
 }
 
 }  // namespace

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "devices/device.h"
+
+namespace palpate {
+
+/// A rigid handle on a backdrivable mechanism: what a simulation needs beyond DeviceInfo.
+struct HandleDynamics {
+  double mass_kg = 0.0;          ///< apparent mass at the handle, the same in every direction
+  double inertia_kg_m2 = 0.0;    ///< about the handle's origin, the same about every axis
+  double coulomb_force_N = 0.0;  ///< dry friction against translation
+  double viscous_N_s_m = 0.0;
+  double coulomb_torque_Nm = 0.0;
+  double viscous_Nm_s = 0.0;
+  double max_roll_torque_Nm = 0.0;  ///< about the handle's own z axis, weaker than the other two
+};
+
+/// The data sheet of an arm of the PHANTOM family.  Each figure has its source in the .cpp.
+struct PhantomSheet {
+  std::string_view name;  ///< as after --model
+  DeviceInfo info;
+  HandleDynamics dynamics;
+};
+
+/// SensAble (now 3D Systems) PHANTOM Premium 3.0/6DOF, the device of the chapter's experiments.
+PhantomSheet PhantomPremium30();
+/// PHANTOM Premium 1.5/6DOF.
+PhantomSheet PhantomPremium15();
+/// Touch, formerly PHANTOM Omni: senses six axes and drives three, so that it renders no torque.
+PhantomSheet PhantomTouch();
+
+/// All of them, the default first.
+std::vector<PhantomSheet> PhantomSheets();
+/// By name; throws UsageError, which names those that there are.
+PhantomSheet PhantomSheetOf(const std::string& name);
+
+}  // namespace palpate

@@ -1,0 +1,52 @@
+#include "devices/spacemouse/space_mouse_device.h"
+
+#include <cmath>
+
+#include "devices/spacemouse/rate_control.h"
+
+namespace palpate {
+
+SpaceMouseDevice::SpaceMouseDevice(const Pose& start) : hand_(start) {
+  info_.model = "SpaceMouse (" + reader_.device_name() + ")";
+  // It renders nothing: generous bounds let the limiter show the server's wrench nearly as it is,
+  // and what the hand can press stays below them (blind_hand.h).
+  info_.max_force_N = info_.continuous_force_N = 100.0;
+  info_.max_torque_Nm = info_.continuous_torque_Nm = 10.0;
+  info_.workspace_m = Vec3::Constant(20.0);  // it has no end of its own
+  info_.simulated = true;
+}
+
+DeviceSample SpaceMouseDevice::Read() noexcept {
+  if (reader_.Read(state_)) state_age_s_ = 0.0;
+  const bool live = state_.link == SpacenavState::Link::kUp && state_age_s_ < kPushLives_s;
+  Twist V = live ? RateControl::Velocity(state_.axes) : Twist{};
+  for (int i = 0; i < 3; ++i) {
+    const double p = hand_.pose().p[i];
+    if (std::abs(p) >= 0.5 * info_.workspace_m[i] && p * V.v[i] > 0.0) V.v[i] = 0.0;
+  }
+  pushed_ = !V.v.isZero(0.0) || !V.w.isZero(0.0);
+  hand_.Drive(V);
+  return {
+      hand_.pose(), hand_.twist(), state_.buttons,
+      kDeviceForcesIgnored | (state_.link == SpacenavState::Link::kUp ? kDeviceOk : kDeviceFault)};
+}
+
+void SpaceMouseDevice::Apply(const LimitedWrench&) noexcept {
+  hand_.Step(kTick_s);
+  state_age_s_ += kTick_s;
+}
+
+const char* SpaceMouseDevice::activity() const noexcept {
+  switch (state_.link) {
+    case SpacenavState::Link::kNoDaemon:
+      return "stands still: spacenavd has gone";
+    case SpacenavState::Link::kNoDevice:
+      return "stands still: the SpaceMouse is unplugged";
+    case SpacenavState::Link::kUp:
+      break;
+  }
+  if (!pushed_) return "rests";
+  return hand_.held_back() ? "moves, as far as it may press" : "moves";
+}
+
+}  // namespace palpate

@@ -1,0 +1,130 @@
+#include "devices/simulated/phantom_sheets.h"
+
+#include <cmath>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "devices/simulated/simulated_phantom.h"
+#include "scenes/json_file.h"
+#include "tests/devices/limiter_support.h"
+
+namespace palpate {
+namespace {
+
+TEST(PhantomSheets, AreFoundByTheirNamesTheFirstBeingTheChapters) {
+  EXPECT_EQ(PhantomSheets().front().name, "premium-3.0");
+  for (const PhantomSheet& sheet : PhantomSheets()) {
+    EXPECT_EQ(PhantomSheetOf(std::string(sheet.name)).info.model, sheet.info.model);
+  }
+  try {
+    PhantomSheetOf("premium-6.0");
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("premium-3.0, premium-1.5, touch"));
+  }
+}
+
+TEST(PhantomSheets, LeaveNothingOutThatASimulationNeeds) {
+  for (const PhantomSheet& sheet : PhantomSheets()) {
+    SCOPED_TRACE(sheet.name);
+    const DeviceInfo& info = sheet.info;
+    EXPECT_GT(info.continuous_force_N, 0.0);
+    EXPECT_GT(info.max_force_N, info.continuous_force_N);
+    EXPECT_GT(info.workspace_m.minCoeff(), 100.0 * info.position_resolution_m);
+    EXPECT_GT(info.position_resolution_m, 0.0);
+    EXPECT_GT(info.rotation_resolution_rad, 0.0);
+    EXPECT_GT(info.max_stiffness_N_m, 0.0);
+    EXPECT_GT(sheet.dynamics.mass_kg, 0.0);
+    EXPECT_GT(sheet.dynamics.inertia_kg_m2, 0.0);
+    // Friction that the motors do not overcome would hold the handle for ever.
+    EXPECT_LT(sheet.dynamics.coulomb_force_N, info.continuous_force_N);
+    if (info.torque_axes > 0) {
+      EXPECT_GT(info.max_torque_Nm, info.continuous_torque_Nm);
+      EXPECT_LT(sheet.dynamics.coulomb_torque_Nm, sheet.dynamics.max_roll_torque_Nm);
+    } else {
+      EXPECT_EQ(info.max_torque_Nm, 0.0);
+    }
+    EXPECT_NO_THROW(WrenchLimiter(WrenchLimits::Of(info)));
+  }
+}
+
+TEST(PhantomSheets, AreWhatTheReadmeSays) {
+  const std::string readme = ReadWholeFile(std::string(PALPATE_SOURCE_DIR) + "/devices/README.md");
+  const auto row = [](const char* name, auto figure, const char* mark) {
+    std::ostringstream text;
+    text << "| " << name << " |";
+    for (const PhantomSheet& sheet : PhantomSheets()) {
+      text << " " << figure(sheet) << mark << " |";
+    }
+    return text.str();
+  };
+  const auto text = [](auto... parts) {
+    std::ostringstream joined;
+    (joined << ... << parts);
+    return joined.str();
+  };
+  const auto rounded = [](double value) { return std::round(1e6 * value) / 1e6; };
+  for (const std::string& line :
+       {row(
+            "workspace, mm",
+            [&](const PhantomSheet& s) {
+              const Vec3 mm = 1e3 * s.info.workspace_m;
+              return text(rounded(mm.x()), " × ", rounded(mm.y()), " × ", rounded(mm.z()));
+            },
+            " S"),
+        row(
+            "peak, continuous force, N",
+            [&](const PhantomSheet& s) {
+              return text(s.info.max_force_N, ", ", s.info.continuous_force_N);
+            },
+            " S"),
+        row(
+            "position resolution, mm",
+            [&](const PhantomSheet& s) {
+              return text(rounded(1e3 * s.info.position_resolution_m));
+            },
+            " S"),
+        row(
+            "apparent mass, g",
+            [&](const PhantomSheet& s) { return text(rounded(1e3 * s.dynamics.mass_kg)); },
+            " S")}) {
+    EXPECT_THAT(readme, testing::HasSubstr(line));
+  }
+}
+
+TEST(PhantomSheets, MakeArmsThatGiveTheirPeakForceAndNoMore) {
+  for (PhantomSheet sheet : PhantomSheets()) {
+    SCOPED_TRACE(sheet.name);
+    sheet.dynamics.coulomb_force_N = sheet.dynamics.viscous_N_s_m = 0.0;
+    SimulatedPhantom arm(sheet, std::nullopt, {});
+    arm.Apply(PassThrough({Vec3(500, 0, 0), Vec3::Zero()}));
+    EXPECT_NEAR(arm.velocity().v.x(), sheet.info.max_force_N * 1e-3 / sheet.dynamics.mass_kg, 1e-9);
+  }
+}
+
+TEST(PhantomTouch, LosesTorqueInItsMotorsAndSaysSoBeforeTheLimiter) {
+  SimulatedPhantom touch(PhantomTouch(), std::nullopt, {});
+  touch.Apply(PassThrough({Vec3::Zero(), Vec3(1.0, 0.5, -0.2)}));
+  EXPECT_EQ(touch.velocity().w, Vec3::Zero());
+  Wrench contact{Vec3(1, 2, 3), Vec3(0.1, 0.2, 0.3)};
+  Wrench led{Vec3(0.1, 0, 0), Vec3(0.01, 0, 0)};
+  touch.Shape(contact, led);
+  EXPECT_EQ(contact.force, Vec3(1, 2, 3));
+  EXPECT_EQ(contact.torque, Vec3::Zero());
+  EXPECT_EQ(led.torque, Vec3::Zero());
+  EXPECT_THAT(touch.info().model, testing::HasSubstr("no torque"));
+}
+
+TEST(PhantomPremium15, RendersWhatItIsAskedForAsItIs) {
+  SimulatedPhantom premium(PhantomPremium15(), std::nullopt, {});
+  Wrench contact{Vec3(1, 2, 3), Vec3(0.1, 0.2, 0.3)};
+  Wrench led;
+  premium.Shape(contact, led);
+  EXPECT_EQ(contact.torque, Vec3(0.1, 0.2, 0.3));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,139 @@
+#include "devices/spacemouse/space_mouse_device.h"
+
+#include <chrono>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "devices/spacemouse/rate_control.h"
+#include "tests/devices/limiter_support.h"
+#include "tests/devices/spacemouse/fake_spacenavd.h"
+#include "tests/support/allocation_counter.h"
+
+namespace palpate {
+namespace {
+
+class SpaceMouseDeviceTest : public testing::Test {
+ protected:
+  SpaceMouseDeviceTest() : device_(Pose{Vec3(0, 0, 0.1), Quat::Identity()}) {}
+
+  /// One tick in free space, or with the graphic tool where the wall stops it: at x = 0.
+  void Tick(bool wall = false) {
+    sample_ = device_.Read();
+    Pose X_WG = sample_.X_WH;
+    if (wall) X_WG.p.x() = std::min(0.0, X_WG.p.x());
+    device_.SeeGraphicTool(X_WG, Vec3::Zero());
+    device_.Apply(PassThrough({}));
+  }
+  /// Pushes the cap until it is so; ticks as many as it takes for the event to come through.
+  bool PushUntil(const std::array<int, 6>& axes, const std::function<bool()>& is_so,
+                 bool wall = false) {
+    for (int i = 0; i < 20'000; ++i) {
+      if (i % 16 == 0) daemon_.Push(axes);
+      Tick(wall);
+      if (is_so()) return true;
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+    return false;
+  }
+  bool TickUntil(const std::function<bool()>& is_so) {
+    for (int i = 0; i < 20'000; ++i) {
+      Tick();
+      if (is_so()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  }
+
+  test::FakeSpacenavd daemon_;
+  SpaceMouseDevice device_;
+  DeviceSample sample_;
+};
+
+TEST_F(SpaceMouseDeviceTest, SaysThatItRendersNoForceAndStandsStillUntilItIsPushed) {
+  for (int i = 0; i < 500; ++i) Tick();
+  EXPECT_EQ(sample_.X_WH.p, Vec3(0, 0, 0.1));
+  EXPECT_EQ(sample_.status, kDeviceForcesIgnored);
+  EXPECT_STREQ(device_.activity(), "rests");
+  EXPECT_EQ(device_.info().model, "SpaceMouse (Fake Navigator)");
+}
+
+TEST_F(SpaceMouseDeviceTest, MovesAsFastAsItIsPushed) {
+  EXPECT_TRUE(PushUntil({350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.05; }));
+  EXPECT_NEAR(sample_.V_WH.v.x(), RateControl::kTopSpeed_m_s, 0.01);
+  EXPECT_STREQ(device_.activity(), "moves");
+  EXPECT_TRUE(PushUntil({0, 0, 0, 0, 350, 0}, [&] { return sample_.V_WH.w.y() > 1.4; }));
+}
+
+TEST_F(SpaceMouseDeviceTest, StandsStillUntilThereIsAGraphicTool) {
+  for (int i = 0; i < 500; ++i) {
+    if (i % 16 == 0) daemon_.Push({350, 350, 350, 350, 350, 350});
+    sample_ = device_.Read();
+    device_.Apply(PassThrough({}));
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  }
+  EXPECT_EQ(sample_.X_WH.p, Vec3(0, 0, 0.1));
+}
+
+TEST_F(SpaceMouseDeviceTest, PressesNoDeeperThanItMayAndComesBackAtOnce) {
+  ASSERT_TRUE(PushUntil(
+      {350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.0195; }, true));
+  for (int i = 0; i < 2000; ++i) {
+    if (i % 16 == 0) daemon_.Push({350, 0, 0, 0, 0, 0});
+    Tick(true);
+    ASSERT_LE(sample_.X_WH.p.x(), BlindHand::kMaxPress_m + 1e-9);
+  }
+  // What it was pushed against for long is not in the way of going back: 20 mm take 0.1 s.
+  int ticks = 0;
+  ASSERT_TRUE(PushUntil(
+      {-350, 0, 0, 0, 0, 0},
+      [&] {
+        ticks += sample_.V_WH.v.x() < 0.0;
+        return sample_.X_WH.p.x() < 0.0;
+      },
+      true));
+  EXPECT_LT(ticks, 250);
+}
+
+TEST_F(SpaceMouseDeviceTest, StandsStillWithAFaultWhileTheDaemonIsGoneAndResumes) {
+  ASSERT_TRUE(PushUntil({350, 0, 0, 0, 0, 0}, [&] { return sample_.V_WH.v.x() > 0.1; }));
+  daemon_.Kill();
+  ASSERT_TRUE(TickUntil([&] { return (sample_.status & kDeviceFault) != 0; }));
+  EXPECT_STREQ(device_.activity(), "stands still: spacenavd has gone");
+  for (int i = 0; i < 1000; ++i) Tick();
+  const Vec3 rest = sample_.X_WH.p;
+  EXPECT_LT(sample_.V_WH.v.norm(), 1e-6);
+  daemon_.Start();
+  ASSERT_TRUE(TickUntil([&] { return (sample_.status & kDeviceFault) == 0; }));
+  EXPECT_LT((sample_.X_WH.p - rest).norm(), 1e-6);
+  EXPECT_TRUE(PushUntil({-350, 0, 0, 0, 0, 0}, [&] { return sample_.V_WH.v.x() < -0.1; }));
+}
+
+TEST_F(SpaceMouseDeviceTest, StopsWhereADaemonHangsInTheMiddleOfAPush) {
+  ASSERT_TRUE(PushUntil({350, 0, 0, 0, 0, 0}, [&] { return sample_.V_WH.v.x() > 0.1; }));
+  for (int i = 0; i < 1000; ++i) Tick();  // a second in which nothing comes
+  EXPECT_LT(sample_.V_WH.v.norm(), 1e-6);
+  EXPECT_EQ(sample_.status, kDeviceForcesIgnored);
+}
+
+TEST_F(SpaceMouseDeviceTest, TellsItsButtons) {
+  daemon_.Press(1, true);
+  EXPECT_TRUE(TickUntil([&] { return sample_.buttons == 2; }));
+  daemon_.Press(1, false);
+  EXPECT_TRUE(TickUntil([&] { return sample_.buttons == 0; }));
+}
+
+TEST_F(SpaceMouseDeviceTest, AllocatesNothingInTheLoop) {
+  const LimitedWrench nothing = PassThrough({});
+  daemon_.Push({350, 0, 0, 0, 0, 0});
+  const std::uint64_t before = test::AllocationsOfThisThread();
+  for (int i = 0; i < 100; ++i) {
+    device_.SeeGraphicTool(device_.Read().X_WH, Vec3::Zero());
+    device_.Apply(nothing);
+    device_.activity();
+  }
+  EXPECT_EQ(test::AllocationsOfThisThread(), before);
+}
+
+}  // namespace
+}  // namespace palpate

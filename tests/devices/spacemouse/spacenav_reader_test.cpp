@@ -1,0 +1,195 @@
+#include "devices/spacemouse/spacenav_reader.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "tests/devices/spacemouse/fake_spacenavd.h"
+
+namespace palpate {
+namespace {
+
+using test::FakeSpacenavd;
+using testing::HasSubstr;
+using Link = SpacenavState::Link;
+
+/// Reads until it is so; patiently, as threads and a daemon are behind it.
+bool Until(SpacenavReader& reader, SpacenavState& state,
+           const std::function<bool(const SpacenavState&)>& is_so) {
+  for (int i = 0; i < 20'000; ++i) {
+    reader.Read(state);
+    if (is_so(state)) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+std::string Complaint() {
+  try {
+    SpacenavReader reader;
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SpacenavReader, GivesTheAxesAndButtonsOfProtocolOne) {
+  FakeSpacenavd daemon;
+  SpacenavReader reader;
+  EXPECT_EQ(reader.device_name(), "Fake Navigator");
+  SpacenavState state;
+  daemon.Push({1, -2, 3, -4, 5, -6});
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.axes[0] == 1; }));
+  EXPECT_EQ(state.axes, (std::array<int, 6>{1, -2, 3, -4, 5, -6}));
+  daemon.Press(0, true);
+  daemon.Press(3, true);
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.buttons == 0b1001; }));
+  daemon.Press(0, false);
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.buttons == 0b1000; }));
+  EXPECT_EQ(state.axes[0], 1);  // a button says nothing of the cap
+}
+
+TEST(SpacenavReader, SpeaksProtocolZeroWithAnOldDaemon) {
+  FakeSpacenavd daemon({.protocol = 0});
+  SpacenavReader reader;
+  EXPECT_THAT(reader.device_name(), HasSubstr("older than 1.0"));
+  SpacenavState state;
+  daemon.Push({350, 0, 0, 0, 0, -350});
+  daemon.Press(1, true);
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.buttons == 2; }));
+  EXPECT_EQ(state.axes, (std::array<int, 6>{350, 0, 0, 0, 0, -350}));
+}
+
+TEST(SpacenavReader, IsNotConfusedByAnEventThatIsFasterThanTheAnswer) {
+  FakeSpacenavd daemon({.early_frames = 3});
+  SpacenavReader reader;
+  EXPECT_EQ(reader.device_name(), "Fake Navigator");
+  SpacenavState state;
+  daemon.Push({7, 8, 9, 10, 11, 12});
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.axes[0] != 0; }));
+  EXPECT_EQ(state.axes, (std::array<int, 6>{7, 8, 9, 10, 11, 12}));
+}
+
+TEST(SpacenavReader, PassesOverFramesAndButtonsThatItDoesNotKnow) {
+  FakeSpacenavd daemon;
+  SpacenavReader reader;
+  SpacenavState state;
+  for (int i = 0; i < 5; ++i) daemon.Send({99, 1, 2, 3, 4, 5, 6, 7});
+  daemon.Send({-1, 1, 2, 3, 4, 5, 6, 7});
+  daemon.Press(32, true);
+  daemon.Press(-1, true);
+  daemon.Push({5, 0, 0, 0, 0, 0});
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.axes[0] == 5; }));
+  EXPECT_EQ(state.buttons, 0u);
+}
+
+TEST(SpacenavReader, WaitsForTheRestOfAFrame) {
+  FakeSpacenavd daemon;
+  SpacenavReader reader;
+  SpacenavState state;
+  daemon.SendInPieces({0, 11, 12, 13, 14, 15, 16, 16});
+  daemon.Press(2, true);
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.buttons == 4; }));
+  EXPECT_EQ(state.axes, (std::array<int, 6>{11, 12, 13, 14, 15, 16}));
+  daemon.SendHalf({0, 99, 99, 99, 99, 99, 99, 16});
+  daemon.Kill();
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kNoDaemon; }));
+  EXPECT_EQ(state.axes[0], 0);
+}
+
+TEST(SpacenavReader, RestsWhileTheDaemonIsGoneAndGoesOnWhenItIsBack) {
+  FakeSpacenavd daemon;
+  SpacenavReader reader;
+  SpacenavState state;
+  for (int round = 0; round < 3; ++round) {
+    daemon.Push({300, 0, 0, 0, 0, 0});
+    daemon.Press(0, true);
+    ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.buttons == 1; })) << round;
+    daemon.Kill();
+    ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kNoDaemon; }));
+    EXPECT_EQ(state.axes[0], 0);
+    EXPECT_EQ(state.buttons, 0u);
+    daemon.Start();
+    ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kUp; }));
+    EXPECT_EQ(state.axes[0], 0);
+  }
+}
+
+TEST(SpacenavReader, RestsWhileTheDeviceIsUnplugged) {
+  FakeSpacenavd daemon;
+  SpacenavReader reader;
+  SpacenavState state;
+  daemon.Push({300, 0, 0, 0, 0, 0});
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.axes[0] == 300; }));
+  daemon.Unplug();
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kNoDevice; }));
+  EXPECT_EQ(state.axes[0], 0);
+  daemon.PlugIn();
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kUp; }));
+}
+
+TEST(SpacenavReader, SaysWhenTheDaemonComesBackWithoutItsDevice) {
+  FakeSpacenavd daemon;
+  SpacenavReader reader;
+  SpacenavState state;
+  daemon.Kill();
+  daemon.Start({.has_device = false});
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kNoDevice; }));
+}
+
+TEST(SpacenavReader, TakesADaemonThatTalksNonsenseForOneThatHasGone) {
+  FakeSpacenavd daemon;
+  SpacenavReader reader;
+  SpacenavState state;
+  for (int i = 0; i < 20; ++i) daemon.Send({12345, 1, 2, 3, 4, 5, 6, 7});
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kNoDaemon; }));
+  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kUp; }));
+}
+
+TEST(SpacenavReader, ExplainsWhyItCannotBeOpened) {
+  {
+    FakeSpacenavd daemon({.has_device = false});
+    EXPECT_THAT(Complaint(), HasSubstr("spacenavd runs and has no device; plug"));
+  }
+  FakeSpacenavd daemon;
+  {
+    SpacenavReader reader;
+    EXPECT_THAT(Complaint(), HasSubstr("has opened it already"));
+  }
+  daemon.Kill();
+  EXPECT_THAT(Complaint(), HasSubstr(daemon.path() + " (Connection refused)"));
+  EXPECT_THAT(Complaint(), HasSubstr("start it again"));
+  std::filesystem::remove(daemon.path());
+  EXPECT_THAT(Complaint(), HasSubstr("spacenavd does not run; install it"));
+  setenv("SPNAV_SOCKET", std::string(200, 'x').c_str(), 1);
+  EXPECT_THAT(Complaint(), HasSubstr("File name too long"));
+}
+
+TEST(SpacenavReader, SaysWhereTheRightsAreMissing) {
+  if (geteuid() == 0) {
+    // Root may use any socket: in a child without that power.
+    const FakeSpacenavd daemon;
+    chmod(daemon.path().c_str(), 0);
+    EXPECT_EXIT(
+        {
+          if (setuid(65534) != 0) std::exit(2);
+          std::fputs(Complaint().c_str(), stderr);
+          std::exit(0);
+        },
+        testing::ExitedWithCode(0), "no right to use spacenavd's socket");
+  } else {
+    const FakeSpacenavd daemon;
+    chmod(daemon.path().c_str(), 0);
+    EXPECT_THAT(Complaint(), HasSubstr("no right to use spacenavd's socket"));
+  }
+}
+
+}  // namespace
+}  // namespace palpate
