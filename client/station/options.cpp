@@ -43,6 +43,7 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   std::string realtime = "prefer";
   double seconds = 0.0;
   bool table = false;
+  std::string local_model = "on";
 
   CLI::App app(kAbout, "palpate-station");
   app.footer(kExamples);
@@ -57,6 +58,10 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_flag("--loop", options.loop, "follow the script again and again; else its end is held");
   app.add_flag("--enable-forces", options.enable_forces,
                "let forces out to a real device (simulated ones need no leave)");
+  app.add_option("--local-model", local_model,
+                 "on: a reply's contacts are felt at the newest pose; off: its wrench, as it came")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
   CLI::Option* accept_guide = app.add_flag("--accept-guide", options.accept_guide,
                                            "let 'palpate-replay --guide ID' lead the hand, gently");
   app.add_option("--guide-force", options.guide_force_N,
@@ -97,6 +102,7 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
     throw UsageError("--id '" + options.link.station + "': give 1 to 32 letters, digits or _");
   }
   if (app.count("--table") > 0) options.table = table;
+  options.local_model = local_model == "on";
   if (*for_option) options.seconds = seconds;
   options.link.transport = dds::ParseTransport(transport);
   options.link.realtime.mode = ParseRealtimeMode(realtime);

@@ -12,6 +12,7 @@ struct StationOptions {
   std::string script;  ///< file; empty: the scene's own
   bool loop = false;
   bool enable_forces = false;
+  bool local_model = true;
   bool accept_guide = false;
   double guide_force_N = 0.5;
   std::optional<double> seconds;

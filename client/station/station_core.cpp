@@ -14,12 +14,18 @@ Wrench ShiftToHandle(const Wrench& wrench, const Quat& q_WH, const Vec3& p_HT) n
 StationCore::StationCore(Device& device)
     : device_(device), limiter_(WrenchLimits::Of(device.info())) {}
 
+void StationCore::SetSpring(const CouplingSpring& spring) noexcept {
+  tool_reference_ = spring.reference;
+  local_model_.SetSpring(spring);
+}
+
 OutgoingPose StationCore::Sense(std::int64_t now_ns, bool sending) noexcept {
   sample_ = device_.Read();
   if (limiter_.enabled()) sample_.status |= kDeviceForcesEnabled;
   if (sending) {
     ++sequence_;
     ++totals_.sent;
+    sent_[sequence_ % kRemembered] = sample_.X_WH;
   }
   return {sequence_, now_ns, sample_};
 }
@@ -33,6 +39,8 @@ void StationCore::Take(std::int64_t now_ns, const Reply& reply) noexcept {
   }
   newest_ = reply;
   has_reply_ = true;
+  const bool remembered = sequence_ - reply.pose_sequence < kRemembered;
+  local_model_.Take(reply, remembered ? &sent_[reply.pose_sequence % kRemembered] : nullptr);
   ++totals_.replies;
   const std::int64_t round_trip = reply.received_ns - reply.pose_time_ns;
   totals_.late += round_trip > kLate_ns;
@@ -55,7 +63,10 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   const double dt_s = last_act_ns_ > 0 ? 1e-9 * static_cast<double>(now_ns - last_act_ns_) : 0.0;
   last_act_ns_ = now_ns;
   if (period_began_ns_ == 0) period_began_ns_ = now_ns;
-  Wrench wanted = ShiftToHandle(newest_.wrench, sample_.X_WH.q, tool_reference_);
+  const LocalContactModel::Evaluation contact = local_model_.At(now_ns, sample_.X_WH);
+  totals_.evaluations += contact.evaluated;
+  totals_.beyond_region += contact.beyond_region;
+  Wrench wanted = ShiftToHandle(contact.wrench, sample_.X_WH.q, tool_reference_);
   // Before the limiter: what leads the hand is bounded, fades and is switched off like all else.
   const Wrench pull = guide_.Pull(now_ns, dt_s, sample_.X_WH, sample_.V_WH);
   wanted.force += pull.force;
