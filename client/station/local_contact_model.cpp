@@ -142,9 +142,6 @@ LocalContactModel::Evaluation LocalContactModel::At(std::int64_t now_ns,
                                                     const Pose& X_WH) noexcept {
   const double dt_s = 1e-9 * static_cast<double>(now_ns - last_ns_);
   last_ns_ = now_ns;
-  // An implicit step, not libm's exp: the same bits on every processor.
-  blend_ = Scaled(kBlend_s / (kBlend_s + std::max(dt_s, 0.0)), blend_);
-  if (blend_.force.norm() < kGone && blend_.torque.norm() < kGone) blend_ = Wrench{};
   if (has_next_) {
     const Wrench before = Sum(Evaluate(contact_, now_ns, X_WH).wrench, blend_);
     contact_ = next_;
@@ -153,6 +150,9 @@ LocalContactModel::Evaluation LocalContactModel::At(std::int64_t now_ns,
     blend_ = Sum(before, Scaled(-1.0, after));
     if (!enabled_ || !IsFinite(blend_)) blend_ = Wrench{};
   }
+  // An implicit step, not libm's exp: the same bits on every processor.
+  blend_ = Scaled(kBlend_s / (kBlend_s + std::max(dt_s, 0.0)), blend_);
+  if (blend_.force.norm() < kGone && blend_.torque.norm() < kGone) blend_ = Wrench{};
   if (!enabled_) return {contact_.reply.wrench};
   Evaluation now = Evaluate(contact_, now_ns, X_WH);
   now.wrench = Sum(now.wrench, blend_);

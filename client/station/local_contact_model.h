@@ -42,7 +42,7 @@ struct CouplingSpring {
 /// Thread contract: one thread.  Real-time: no allocation, lock, log or clock.  Deterministic.
 class LocalContactModel {
  public:
-  static constexpr double kBlend_s = 0.002;
+  static constexpr double kBlend_s = 0.001;
 
   /// False: the wrench is the newest reply's, as it came.
   void Enable(bool on) noexcept { enabled_ = on; }
