@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include "common/math/pose.h"
@@ -29,6 +30,10 @@ struct DeviceInfo {
   double position_resolution_m = 0.0;
   double rotation_resolution_rad = 0.0;
   bool simulated = false;  ///< its forces move no real hand
+  /// Time constant of the motors' warmth [s].  [estimate] Few sheets give one.  A brushed motor of
+  /// some 20 W has a winding that warms within about 12 s, over a fifth of the way to the air; one
+  /// body of 60 s warms as fast as that at first, and is ahead of the real one from there on.
+  double thermal_time_s = 60.0;
 };
 
 /// One reading of the device.
@@ -37,6 +42,8 @@ struct DeviceSample {
   Twist V_WH;  ///< its velocity
   std::uint32_t buttons = 0;
   std::uint32_t status = kDeviceOk;
+  /// Of the hottest motor as the device reports it, 0 cool to 1 its limit; NaN where it does not.
+  double motor_temperature = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// A haptic device, driven once a millisecond by the station's loop: Read, then Apply.  How to add

@@ -35,7 +35,8 @@ Taps::Taps(int domain, const dds::TransportChoice& transport, bool loop, SampleQ
       bundles_(service_, dds::kSceneBundleTopic, dds::Qos::kRecordSession),
       tools_(service_, dds::kToolStateTopic, dds::Qos::kRecord),
       statistics_(service_, dds::kLoopStatisticsTopic, dds::Qos::kRecord),
-      guides_(service_, dds::kGuideTopic, dds::Qos::kRecord) {
+      guides_(service_, dds::kGuideTopic, dds::Qos::kRecord),
+      stations_(service_, dds::kStationStatisticsTopic, dds::Qos::kRecord) {
   RecordingTime_ns();
   service_channel_[0] = Channel(dds::kSessionRequestTopic, RecordedType::kSessionRequest);
   service_channel_[1] = Channel(dds::kSessionStateTopic, RecordedType::kSessionState);
@@ -45,6 +46,7 @@ Taps::Taps(int domain, const dds::TransportChoice& transport, bool loop, SampleQ
   service_channel_[5] = Channel(dds::kToolStateTopic, RecordedType::kToolState);
   service_channel_[6] = Channel(dds::kLoopStatisticsTopic, RecordedType::kLoopStatistics);
   service_channel_[7] = Channel(dds::kGuideTopic, RecordedType::kGuideTarget);
+  service_channel_[8] = Channel(dds::kStationStatisticsTopic, RecordedType::kStationStatistics);
 }
 
 // Readers first: their callbacks use what stands before them.
@@ -87,8 +89,9 @@ void Taps::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, T& sample) {
       topic(channel).dropped.fetch_add(1, std::memory_order_relaxed);
     }
     if constexpr (std::is_same_v<T, wire::SessionState>) OnState(sample, now_ns_);
-    constexpr bool kFromServer =
-        !std::is_same_v<T, wire::SessionRequest> && !std::is_same_v<T, wire::GuideTarget>;
+    constexpr bool kFromServer = !std::is_same_v<T, wire::SessionRequest> &&
+                                 !std::is_same_v<T, wire::GuideTarget> &&
+                                 !std::is_same_v<T, wire::StationStatistics>;
     heard_ = heard_ || kFromServer;
   }
   dds::FreeContents(sample);
@@ -133,6 +136,7 @@ void Taps::Poll(std::int64_t now_ns) {
   wire::ToolState tool{};
   wire::LoopStatistics statistics{};
   wire::GuideTarget guide{};
+  wire::StationStatistics station{};
   Drain(bundles_, service_channel_[4], bundle);
   Drain(requests_, service_channel_[0], request);
   Drain(states_, service_channel_[1], state);
@@ -141,6 +145,7 @@ void Taps::Poll(std::int64_t now_ns) {
   Drain(tools_, service_channel_[5], tool);
   Drain(statistics_, service_channel_[6], statistics);
   Drain(guides_, service_channel_[7], guide);
+  Drain(stations_, service_channel_[8], station);
 
   for (auto it = sessions_.begin(); it != sessions_.end();) {
     Session& session = it->second;

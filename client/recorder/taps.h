@@ -76,7 +76,8 @@ class Taps {
   dds::CdrReader<wire::ToolState> tools_;
   dds::CdrReader<wire::LoopStatistics> statistics_;
   dds::CdrReader<wire::GuideTarget> guides_;
-  std::uint32_t service_channel_[8];
+  dds::CdrReader<wire::StationStatistics> stations_;
+  std::uint32_t service_channel_[9];
   std::int64_t now_ns_ = 0;
   bool heard_ = false;
   std::map<std::string, Session> sessions_;  // by station

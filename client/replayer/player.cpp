@@ -26,12 +26,13 @@ constexpr std::chrono::milliseconds kPoll{2};
 bool IsForViewers(RecordedType type) {
   return type == RecordedType::kSessionState || type == RecordedType::kSceneChange ||
          type == RecordedType::kSceneBundle || type == RecordedType::kToolState ||
-         type == RecordedType::kLoopStatistics;
+         type == RecordedType::kLoopStatistics || type == RecordedType::kStationStatistics;
 }
 
 /// What holds on once it is said, and is said even of the time before the replay begins.
 bool Stays(RecordedType type) {
-  return type != RecordedType::kToolState && type != RecordedType::kLoopStatistics;
+  return type != RecordedType::kToolState && type != RecordedType::kLoopStatistics &&
+         type != RecordedType::kStationStatistics;
 }
 
 struct Span {
@@ -61,7 +62,8 @@ class Voice {
         changes_(service_, dds::kSceneChangeTopic, dds::Qos::kSession),
         bundles_(service_, dds::kSceneBundleTopic, dds::Qos::kSession),
         tools_(service_, dds::kToolStateTopic, dds::Qos::kStream),
-        statistics_(service_, dds::kLoopStatisticsTopic, dds::Qos::kStream) {}
+        statistics_(service_, dds::kLoopStatisticsTopic, dds::Qos::kStream),
+        stations_(service_, dds::kStationStatisticsTopic, dds::Qos::kStream) {}
 
   /// @param round  added to the server's run, so that each round finds its scenes whole again.
   void Say(const RecordedSample& sample, std::uint64_t round) {
@@ -76,6 +78,8 @@ class Voice {
         return Say(sample, round, tools_);
       case RecordedType::kLoopStatistics:
         return Say(sample, round, statistics_);
+      case RecordedType::kStationStatistics:
+        return Say(sample, round, stations_);
       default:
         return;
     }
@@ -99,6 +103,7 @@ class Voice {
   dds::Writer<wire::SceneBundle> bundles_;
   dds::Writer<wire::ToolState> tools_;
   dds::Writer<wire::LoopStatistics> statistics_;
+  dds::Writer<wire::StationStatistics> stations_;
 };
 
 class Player {

@@ -33,11 +33,22 @@ double NiceScale(double value, double unit) {
   return scale;
 }
 
-std::string FaultsAndFading(const StationSnapshot& snapshot) {
+/// From here on the limiter may hold a peak back (MotorWarmth::kWarm).
+constexpr double kHot = MotorWarmth::kWarm;
+
+bool IsWell(const StationSnapshot& s) {
+  return s.faults == 0 && !s.fading && s.warmth <= kHot;
+}
+
+std::string Ailments(const StationSnapshot& snapshot) {
   std::string words = FaultWords(snapshot.faults);
   if (snapshot.fading) {
     words =
         (snapshot.faults == 0 ? "" : words + ", ") + std::string("force held back (late replies)");
+  }
+  if (snapshot.warmth > kHot) {
+    words = (snapshot.faults == 0 && !snapshot.fading ? "" : words + ", ") +
+            Text("motors warm (%.0f %%)", 100.0 * snapshot.warmth);
   }
   return words;
 }
@@ -81,7 +92,7 @@ std::string LiveTable::Line(const StationView& view) {
       s.contacts, s.force_N, s.torque_Nm, static_cast<unsigned long long>(s.late),
       static_cast<unsigned long long>(s.lost), view.phase.c_str());
   if (*s.activity) line += Text("  %s", s.activity);
-  if (s.faults != 0 || s.fading) line += "  " + FaultsAndFading(s);
+  if (!IsWell(s)) line += "  " + Ailments(s);
   return line;
 }
 
@@ -104,8 +115,8 @@ std::vector<std::string> LiveTable::Lines(const StationView& view) {
       label("time") + Text("%7.1f s     session  ", view.seconds) +
           Painted(well ? kGreen : kYellow, Text("%-14s", view.phase.c_str())) +
           Text("  hand  %s", *s.activity ? s.activity : "-"),
-      label("rate") + Text("%7.0f Hz    late %llu   lost %llu   fades %llu", s.rate_hz,
-                           count(s.late), count(s.lost), count(s.fades)),
+      label("rate") + Text("%7.0f Hz    late %llu   lost %llu   fades %llu   braked %llu", s.rate_hz,
+                           count(s.late), count(s.lost), count(s.fades), count(s.limiter.braked)),
       label("round trip") + Text("%7s µs    p99 %s µs", Micros(s.round_trip_us_p50, s, 0).c_str(),
                                  Micros(s.round_trip_us_p99, s, 0).c_str()),
       label("server step") + Text("%7s µs", Micros(s.server_step_us_p50, s, 1).c_str()),
@@ -115,7 +126,7 @@ std::vector<std::string> LiveTable::Lines(const StationView& view) {
       label("torque") + Text("%7.3f N m    ", s.torque_Nm) + bar(s.torque_Nm, torque_scale_Nm_) +
           Text(" %g N m", torque_scale_Nm_),
       label("last 15 s") + Painted(kCyan, Sparkline(history_, force_scale_N_)),
-      label("faults") + Painted(s.faults == 0 && !s.fading ? kGreen : kRed, FaultsAndFading(s))};
+      label("faults") + Painted(IsWell(s) ? kGreen : kRed, Ailments(s))};
 }
 
 std::string LiveTable::Painted(const char* code, const std::string& text) const {

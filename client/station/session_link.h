@@ -55,6 +55,8 @@ class SessionLink {
   Phase phase() const { return phase_; }
   /// What to show of it: "asking", "matching", "acquiring", "active".
   std::string PhaseText() const;
+  /// Of the session that it has or asks for (SessionRequest.run).
+  std::uint64_t run() const { return run_; }
   const std::string& tool() const { return tool_; }  ///< as the server named it
   const dds::TransportChoice& transport() const { return choice_; }
   const RealtimeReport& realtime() const { return realtime_; }

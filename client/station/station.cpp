@@ -14,7 +14,9 @@
 #include "client/station/live_table.h"
 #include "client/station/servo_thread.h"
 #include "client/station/station_core.h"
+#include "client/station/statistics_period.h"
 #include "client/station/summary.h"
+#include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/time/steady_clock.h"
 #include "devices/device_factory.h"
@@ -81,6 +83,9 @@ StationSummary Summarise(const StationOptions& options, const Device& device,
   summary.linked_ticks_s = 1e-3 * static_cast<double>(summary.totals.ticks + summary.missed_ticks);
   summary.reconnects = link.reconnects();
   summary.limiter = core.limiter().counts();
+  summary.energy_J = core.limiter().observer().energy_J();
+  summary.energy_J_min = core.limiter().observer().lowest_J();
+  summary.warmth = core.limiter().warmth();
   return summary;
 }
 
@@ -115,6 +120,11 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   std::optional<GuideLink> guide;
   if (options.accept_guide) guide.emplace(options.link.domain, options.link.station);
 
+  const dds::Participant service = dds::Participant::Service(options.link.domain);
+  dds::Writer<wire::StationStatistics> statistics(service, dds::kStationStatisticsTopic,
+                                                  dds::Qos::kStream);
+  StatisticsPeriod period(options.link.station, device->info().model);
+
   // The time given is that of the loop: it begins when poses do.
   std::int64_t began_ns = 0;
   StationView view;
@@ -139,6 +149,9 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
       view.seconds = seconds();
       view.phase = phase;
       table.Show(view);
+      if (const auto figures = period.Add(view.snapshot, servo->missed_ticks(), link.run())) {
+        statistics.Write(*figures);
+      }
     }
   }
 

@@ -1,7 +1,6 @@
 #include "client/station/station_core.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "common/step_fault.h"
 
@@ -17,6 +16,7 @@ StationCore::StationCore(Device& device)
 void StationCore::SetSpring(const CouplingSpring& spring) noexcept {
   tool_reference_ = spring.reference;
   local_model_.SetSpring(spring);
+  limiter_.SetStiffness(spring.stiffness);
 }
 
 OutgoingPose StationCore::Sense(std::int64_t now_ns, bool sending) noexcept {
@@ -58,20 +58,26 @@ void StationCore::Take(std::int64_t now_ns, const Reply& reply) noexcept {
 
 void StationCore::Act(std::int64_t now_ns) noexcept {
   limiter_.Enable(forces_wanted_ && !(sample_.status & kDeviceFault));
-  const double age_s = has_reply_ ? 1e-9 * static_cast<double>(now_ns - newest_.pose_time_ns)
-                                  : std::numeric_limits<double>::infinity();
-  const double dt_s = last_act_ns_ > 0 ? 1e-9 * static_cast<double>(now_ns - last_act_ns_) : 0.0;
+  LimiterInput in;
+  in.X_WH = sample_.X_WH;
+  in.V_WH = sample_.V_WH;
+  in.motor_temperature = sample_.motor_temperature;
+  if (last_act_ns_ > 0) in.dt_s = 1e-9 * static_cast<double>(now_ns - last_act_ns_);
+  if (has_reply_) {
+    in.silence_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(
+                              0, now_ns - newest_.received_ns));  // it may arrive within the tick
+    in.age_s = 1e-9 * static_cast<double>(now_ns - newest_.pose_time_ns);
+    period_silence_s_ = std::max(period_silence_s_, in.silence_s);
+  }
   last_act_ns_ = now_ns;
   if (period_began_ns_ == 0) period_began_ns_ = now_ns;
   const LocalContactModel::Evaluation contact = local_model_.At(now_ns, sample_.X_WH);
   totals_.evaluations += contact.evaluated;
   totals_.beyond_region += contact.beyond_region;
-  Wrench wanted = ShiftToHandle(contact.wrench, sample_.X_WH.q, tool_reference_);
-  // Before the limiter: what leads the hand is bounded, fades and is switched off like all else.
-  const Wrench pull = guide_.Pull(now_ns, dt_s, sample_.X_WH, sample_.V_WH);
-  wanted.force += pull.force;
-  wanted.torque += pull.torque;
-  const LimitedWrench limited = limiter_.Limit(wanted, age_s, dt_s);
+  in.wanted = ShiftToHandle(contact.wrench, sample_.X_WH.q, tool_reference_);
+  in.led = guide_.Pull(now_ns, in.dt_s, sample_.X_WH, sample_.V_WH);
+  asked_ = in;
+  const LimitedWrench limited = limiter_.Limit(in);
   if (has_reply_) device_.SeeGraphicTool(newest_.X_WG, tool_reference_);
   device_.Apply(limited);
 
@@ -79,8 +85,15 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   applied_ = limited.wrench();
   const double force = applied_.force.norm();
   totals_.max_force_N = std::max(totals_.max_force_N, force);
-  totals_.max_torque_Nm = std::max(totals_.max_torque_Nm, applied_.torque.norm());
+  const double torque = applied_.torque.norm();
+  totals_.max_torque_Nm = std::max(totals_.max_torque_Nm, torque);
   period_peak_force_ = std::max(period_peak_force_, force);
+  period_peak_torque_ = std::max(period_peak_torque_, torque);
+  // std::max(a, NaN) is a.
+  period_wanted_force_ = std::max(period_wanted_force_, (in.wanted.force + in.led.force).norm());
+  period_wanted_torque_ =
+      std::max(period_wanted_torque_, (in.wanted.torque + in.led.torque).norm());
+  period_status_ |= sample_.status;
 }
 
 std::uint64_t StationCore::lost() const noexcept {
@@ -118,6 +131,16 @@ StationSnapshot StationCore::TakeSnapshot(std::int64_t now_ns) noexcept {
   snapshot.fades = limiter_.counts().fades;
   snapshot.fading = limiter_.fading();
   snapshot.activity = device_.activity();
+  snapshot.ticks = totals_.ticks - ticks_before_;
+  snapshot.silence_s_max = period_silence_s_;
+  snapshot.wanted_force_N_max = period_wanted_force_;
+  snapshot.wanted_torque_Nm_max = period_wanted_torque_;
+  snapshot.peak_torque_Nm = period_peak_torque_;
+  snapshot.status = period_status_;
+  snapshot.limiter = limiter_.counts();
+  snapshot.energy_J = limiter_.observer().energy_J();
+  snapshot.energy_J_min = limiter_.observer().lowest_J();
+  snapshot.warmth = limiter_.warmth();
 
   period_began_ns_ = now_ns;
   ticks_before_ = totals_.ticks;
@@ -125,7 +148,9 @@ StationSnapshot StationCore::TakeSnapshot(std::int64_t now_ns) noexcept {
   period_round_trip_.Clear();
   period_step_.Clear();
   period_faults_ = 0;
-  period_peak_force_ = 0.0;
+  period_peak_force_ = period_peak_torque_ = 0.0;
+  period_silence_s_ = period_wanted_force_ = period_wanted_torque_ = 0.0;
+  period_status_ = 0;
   return snapshot;
 }
 

@@ -59,6 +59,17 @@ struct StationSnapshot {
   std::uint64_t fades = 0;
   bool fading = false;
   const char* activity = "";  ///< Device::activity
+  // What StationStatistics says besides.
+  std::uint64_t ticks = 0;            ///< of the period
+  double silence_s_max = 0.0;         ///< of the period; counts once there was a reply
+  double wanted_force_N_max = 0.0;    ///< of the period: contact and guide, before the limiter
+  double wanted_torque_Nm_max = 0.0;  ///< likewise
+  double peak_torque_Nm = 0.0;        ///< of the period
+  std::uint32_t status = 0;           ///< of the device: every bit of the period
+  LimiterCounts limiter;              ///< in all
+  double energy_J = 0.0;              ///< WrenchLimiter::observer, in all
+  double energy_J_min = 0.0;
+  double warmth = 0.0;  ///< WrenchLimiter::warmth
 };
 
 /// The station's servo loop without its clock and its transport: reads the device, gives the pose
@@ -76,7 +87,8 @@ class StationCore {
   explicit StationCore(Device& device);
 
   void EnableForces(bool on) noexcept { forces_wanted_ = on; }
-  /// The session's spring: where its wrench acts, and what the local contact model goes by.
+  /// The session's spring: where its wrench acts, what the local contact model goes by, and what a
+  /// contact's force must have stored (EnergyStage).
   void SetSpring(const CouplingSpring& spring) noexcept;
   /// Replies' rows are held against the newest pose (the default), or their wrench is taken as it
   /// comes, late.
@@ -99,6 +111,8 @@ class StationCore {
   StationSnapshot TakeSnapshot(std::int64_t now_ns) noexcept;
   const StationTotals& totals() const noexcept { return totals_; }
   const WrenchLimiter& limiter() const noexcept { return limiter_; }
+  /// What the limiter was last asked for.
+  const LimiterInput& asked() const noexcept { return asked_; }
   std::uint64_t lost() const noexcept;
   /// True unless the device was last told to render nothing at all.
   bool renders_force() const noexcept {
@@ -114,6 +128,7 @@ class StationCore {
   bool forces_wanted_ = false;
   Vec3 tool_reference_ = Vec3::Zero();
   LocalContactModel local_model_;
+  LimiterInput asked_;
   DeviceSample sample_;
   Reply newest_;
   bool has_reply_ = false;
@@ -132,6 +147,11 @@ class StationCore {
   Histogram period_step_;
   std::uint32_t period_faults_ = 0;
   double period_peak_force_ = 0.0;
+  double period_peak_torque_ = 0.0;
+  double period_silence_s_ = 0.0;
+  double period_wanted_force_ = 0.0;
+  double period_wanted_torque_ = 0.0;
+  std::uint32_t period_status_ = 0;
 };
 
 /// The same wrench at the handle's origin: tau_H = tau + (R c) x F.

@@ -69,10 +69,13 @@ std::string ToText(const StationSummary& s) {
   text += Text("  contacts     at most %u, %.0f %% of the time in contact\n", t.max_contacts,
                100.0 * Fraction(t.contact_replies, t.replies));
   text += "  faults       " + FaultWords(t.faults) + "\n";
-  text +=
-      Text("  limiter      %llu fades, %llu clamped, %llu slewed, %llu not finite; %d reconnects\n",
-           Number(s.limiter.fades), Number(s.limiter.clamped), Number(s.limiter.slewed),
-           Number(s.limiter.nonfinite), s.reconnects);
+  text += Text(
+      "  limiter      %llu fades, %llu clamped, %llu slewed, %llu braked, %llu warm, %llu not finite; "
+      "%d reconnects\n",
+      Number(s.limiter.fades), Number(s.limiter.clamped), Number(s.limiter.slewed),
+      Number(s.limiter.braked), Number(s.limiter.warm), Number(s.limiter.nonfinite), s.reconnects);
+  text += Text("  energy       %.1f mJ put in by the hand, at the lowest %.3f; motors %.0f %% warm\n",
+               1e3 * s.energy_J, 1e3 * s.energy_J_min, 100.0 * s.warmth);
   return text;
 }
 
@@ -106,9 +109,14 @@ std::string ToJson(const StationSummary& s) {
                                  {"nonfinite", s.limiter.nonfinite},
                                  {"clamped", s.limiter.clamped},
                                  {"slewed", s.limiter.slewed},
+                                 {"braked", s.limiter.braked},
+                                 {"warm", s.limiter.warm},
                                  {"faded", s.limiter.faded},
                                  {"fades", s.limiter.fades},
-                                 {"disabled", s.limiter.disabled}}}};
+                                 {"disabled", s.limiter.disabled}}},
+                               {"energy_J", s.energy_J},
+                               {"energy_J_min", s.energy_J_min},
+                               {"warmth", s.warmth}};
   return json.dump(2) + "\n";
 }
 

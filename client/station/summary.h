@@ -16,6 +16,9 @@ struct StationSummary {
   std::uint64_t missed_ticks = 0;
   int reconnects = 0;
   LimiterCounts limiter;
+  double energy_J = 0.0;      ///< that the hand has put in and not got back
+  double energy_J_min = 0.0;  ///< at its lowest
+  double warmth = 0.0;        ///< of the motors, by the model
 };
 
 /// For people.

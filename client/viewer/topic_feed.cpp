@@ -35,6 +35,7 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice) {
   std::vector<foxglove::Channel> channels = {
       CdrChannel<wire::ToolState>(kToolState, dds::kToolStateTopic),
       CdrChannel<wire::LoopStatistics>(kLoopStatistics, dds::kLoopStatisticsTopic),
+      CdrChannel<wire::StationStatistics>(kStationStatistics, dds::kStationStatisticsTopic),
       CdrChannel<wire::SessionState>(kSessionState, dds::kSessionStateTopic),
       CdrChannel<wire::SceneChange>(kSceneChange, dds::kSceneChangeTopic),
       CdrChannel<wire::SceneBundle>(kSceneBundle, dds::kSceneBundleTopic)};
@@ -49,6 +50,7 @@ TopicFeed::TopicFeed(int domain)
     : participant_(dds::Participant::Service(domain)),
       tool_states_(participant_, dds::kToolStateTopic, dds::Qos::kStream),
       statistics_(participant_, dds::kLoopStatisticsTopic, dds::Qos::kStream),
+      stations_(participant_, dds::kStationStatisticsTopic, dds::Qos::kStream),
       sessions_(participant_, dds::kSessionStateTopic, dds::Qos::kSession),
       changes_(participant_, dds::kSceneChangeTopic, dds::Qos::kSession),
       bundles_(participant_, dds::kSceneBundleTopic, dds::Qos::kSession) {}
@@ -81,7 +83,8 @@ void TopicFeed::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use)
     frame->instance = raw.instance;
     frame->time_ns = raw.source_time_ns;
     frame->payload = std::move(raw.cdr);
-    frame->state = channel != kToolState && channel != kLoopStatistics;
+    frame->state =
+        channel != kToolState && channel != kLoopStatistics && channel != kStationStatistics;
     use(frame, sample);
   }
   dds::FreeContents(sample);
@@ -111,6 +114,7 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
   const auto pass_on = [&](const FramePtr& frame, const auto&) { on_frame(frame); };
   Drain(tool_states_, kToolState, pass_on);
   Drain(statistics_, kLoopStatistics, pass_on);
+  Drain(stations_, kStationStatistics, pass_on);
 }
 
 std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {

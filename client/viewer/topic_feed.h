@@ -36,6 +36,7 @@ class TopicFeed {
     kSceneChange,
     kSceneBundle,
     kMouseState,  ///< not of DDS: the gateway's own, to each viewer of the mouse that it has
+    kStationStatistics,
   };
   /// What viewers are offered.
   static std::vector<foxglove::Channel> Channels(bool mice);
@@ -68,6 +69,7 @@ class TopicFeed {
   dds::Participant participant_;
   dds::CdrReader<wire::ToolState> tool_states_;
   dds::CdrReader<wire::LoopStatistics> statistics_;
+  dds::CdrReader<wire::StationStatistics> stations_;
   dds::CdrReader<wire::SessionState> sessions_;
   dds::CdrReader<wire::SceneChange> changes_;
   dds::CdrReader<wire::SceneBundle> bundles_;

@@ -81,6 +81,7 @@ PALPATE_CDR(wire::SceneChange);
 PALPATE_CDR(wire::LeafTaken);
 PALPATE_CDR(wire::ToolState);
 PALPATE_CDR(wire::LoopStatistics);
+PALPATE_CDR(wire::StationStatistics);
 PALPATE_CDR(wire::SceneBundle);
 PALPATE_CDR(wire::GuideTarget);
 #undef PALPATE_CDR

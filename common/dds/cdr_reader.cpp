@@ -29,6 +29,7 @@ template class CdrReader<wire::SceneChange>;
 template class CdrReader<wire::LeafTaken>;
 template class CdrReader<wire::ToolState>;
 template class CdrReader<wire::LoopStatistics>;
+template class CdrReader<wire::StationStatistics>;
 template class CdrReader<wire::SceneBundle>;
 template class CdrReader<wire::GuideTarget>;
 

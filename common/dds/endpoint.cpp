@@ -218,6 +218,7 @@ template class Writer<wire::LeafTaken>;
 template class Writer<wire::ToolState>;
 template class Writer<wire::GuideTarget>;
 template class Writer<wire::LoopStatistics>;
+template class Writer<wire::StationStatistics>;
 template class Writer<wire::SceneBundle>;
 template class Reader<wire::HapticPose>;
 template class Reader<wire::Wrench>;
@@ -228,6 +229,7 @@ template class Reader<wire::LeafTaken>;
 template class Reader<wire::ToolState>;
 template class Reader<wire::GuideTarget>;
 template class Reader<wire::LoopStatistics>;
+template class Reader<wire::StationStatistics>;
 template class Reader<wire::SceneBundle>;
 
 }  // namespace palpate::dds

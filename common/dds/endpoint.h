@@ -14,7 +14,7 @@ namespace palpate::dds {
 enum class Qos {
   kLoop,     ///< best effort, volatile, keep last (a few): HapticPose, Wrench
   kSession,  ///< reliable, transient-local, keep last 1 per instance: requests, states, changes
-  kStream,   ///< best effort, volatile, keep last 1: ToolState, LoopStatistics
+  kStream,   ///< best effort, volatile, keep last 1: ToolState, LoopStatistics and the like
   // For readers that want every sample, and may be held up for a while (by a disk, say).
   kRecord,         ///< of kLoop and kStream, keep last 256: the most that shared memory has
   kRecordSession,  ///< of kSession, keep last 256

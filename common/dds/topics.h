@@ -22,6 +22,7 @@ inline constexpr const char* kGuideTopic = "palpate/guide";
 inline constexpr const char* kToolStateTopic = "palpate/tool_state";
 inline constexpr const char* kSceneBundleTopic = "palpate/scene_bundle";
 inline constexpr const char* kLoopStatisticsTopic = "palpate/loop_statistics";
+inline constexpr const char* kStationStatisticsTopic = "palpate/station_statistics";
 
 /// True for what a station may be called: [A-Za-z0-9_]{1,32}.
 bool IsStationName(const std::string& name);

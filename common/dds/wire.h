@@ -24,6 +24,7 @@ using ToolState = palpate_ToolState;
 using ContactPoint = palpate_ContactPoint;
 using GuideTarget = palpate_GuideTarget;
 using LoopStatistics = palpate_LoopStatistics;
+using StationStatistics = palpate_StationStatistics;
 using SceneBundle = palpate_SceneBundle;
 
 /// Topic descriptor of a wire type.
@@ -64,6 +65,10 @@ inline const dds_topic_descriptor_t& Descriptor<GuideTarget>() {
 template <>
 inline const dds_topic_descriptor_t& Descriptor<LoopStatistics>() {
   return palpate_LoopStatistics_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<StationStatistics>() {
+  return palpate_StationStatistics_desc;
 }
 template <>
 inline const dds_topic_descriptor_t& Descriptor<SceneBundle>() {

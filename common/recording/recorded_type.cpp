@@ -25,6 +25,7 @@ const Entry& EntryOf(RecordedType type) {
       {"palpate::LoopStatistics", &teaching},
       {"palpate::SceneBundle", &teaching},
       {"palpate::GuideTarget", &teaching},
+      {"palpate::StationStatistics", &teaching},
   }};
   return entries[static_cast<std::size_t>(type)];
 }

@@ -20,8 +20,9 @@ enum class RecordedType {
   kLoopStatistics,
   kSceneBundle,
   kGuideTarget,
+  kStationStatistics,
 };
-inline constexpr int kRecordedTypes = 10;
+inline constexpr int kRecordedTypes = 11;
 
 /// "palpate::HapticPose"
 const char* SchemaName(RecordedType type);
@@ -49,6 +50,8 @@ template <>
 inline constexpr RecordedType kTypeOf<wire::SceneBundle> = RecordedType::kSceneBundle;
 template <>
 inline constexpr RecordedType kTypeOf<wire::GuideTarget> = RecordedType::kGuideTarget;
+template <>
+inline constexpr RecordedType kTypeOf<wire::StationStatistics> = RecordedType::kStationStatistics;
 
 /// Counts what a topic's samples number themselves by, so that each hole is known.
 class SequenceCount {

@@ -104,7 +104,11 @@ void SimulatedPhantom::Substep(const Wrench& motor, double t, double h) noexcept
 }
 
 void SimulatedPhantom::Apply(const LimitedWrench& wrench) noexcept {
-  const Wrench motor = MotorWrench(wrench.wrench());
+  Pass(wrench.wrench());
+}
+
+void SimulatedPhantom::Pass(const Wrench& commanded) noexcept {
+  const Wrench motor = MotorWrench(commanded);
   constexpr double h = kTick_s / kSubsteps;
   for (int i = 0; i < kSubsteps; ++i) Substep(motor, time() + i * h, h);
   ++ticks_;

@@ -120,8 +120,7 @@ double StiffnessFor(double delay_s) {
 
 /// A simulated arm and hand behind the device's limiter, and answers that come `delay_ms` late: the
 /// hand comes down on a plate, presses with about 1 N and means to hold still.  The figure is how
-/// far it still moves in the second half.  (A station lets answers of 10 ms fade; here they count
-/// in full, or nothing would be closed.)
+/// far it still moves in the second half.
 void ClosedLoop(CaseRun& run, int delay_ms) {
   Trial trial(run, Box({12 * kMillimetre, 6 * kMillimetre, 9 * kMillimetre}, 256), {Floor()},
               StiffnessFor(1e-3 * delay_ms));
@@ -136,13 +135,15 @@ void ClosedLoop(CaseRun& run, int delay_ms) {
         above);
     WrenchLimiter limiter(WrenchLimits::Of(phantom.info()));
     limiter.Enable(true);
+    limiter.SetStiffness(StiffnessFor(1e-3 * delay_ms));
     ServoLoop loop(trial.model());
     loop.Start(above);
     std::deque<Wrench> under_way(static_cast<std::size_t>(delay_ms));
     double low = 1e9, high = -1e9;
     Wrench felt;
     for (int tick = 1; tick <= static_cast<int>(1e3 * kRound_s); ++tick) {
-      const Pose X_WH = phantom.Read().X_WH;
+      const DeviceSample sample = phantom.Read();
+      const Pose& X_WH = sample.X_WH;
       wire::Wrench answer{};
       loop.OnPose(Sample(static_cast<std::uint64_t>(tick), X_WH), answer);
       const Vec3 p_WG(answer.graphic_position_m[0], answer.graphic_position_m[1],
@@ -154,7 +155,8 @@ void ClosedLoop(CaseRun& run, int delay_ms) {
       under_way.push_back(ShiftToHandle(wire::ToWrench(answer), X_WH.q, trial.model().reference()));
       felt = under_way.front();
       under_way.pop_front();
-      phantom.Apply(limiter.Limit(felt, 0.0, 1e-3));
+      const double age_s = 1e-3 * delay_ms;
+      phantom.Apply(limiter.Limit({felt, {}, X_WH, sample.V_WH, 0.0, age_s, 1e-3}));
       if (tick < 500 * kRound_s) continue;
       low = std::min(low, phantom.pose().p.y());
       high = std::max(high, phantom.pose().p.y());

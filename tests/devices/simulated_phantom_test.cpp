@@ -224,8 +224,9 @@ TEST(SimulatedPhantom, RestsAgainstAWallWithoutALimitCycle) {
   Wrench reply;
   double fastest = 0.0;
   for (int i = 0; i < 6000; ++i) {
-    const Pose read = phantom.Read().X_WH;
-    phantom.Apply(limiter.Limit(reply, 1e-3, 1e-3));
+    const DeviceSample sample = phantom.Read();
+    const Pose& read = sample.X_WH;
+    phantom.Apply(limiter.Limit({reply, {}, read, sample.V_WH, 1e-3, 1e-3, 1e-3}));
     reply.force = Vec3(0, 0, read.p.z() < 0.0 ? -wall * read.p.z() : 0.0);
     reply.torque = -torsion * RotationLog(read.q);
     if (i >= 5000) fastest = std::max(fastest, phantom.velocity().v.norm());

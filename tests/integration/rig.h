@@ -93,7 +93,9 @@ class HeldDevice final : public Device {
   HeldDevice() {
     info_.model = "held";
     info_.max_force_N = 22.0;
+    info_.continuous_force_N = 3.0;
     info_.max_torque_Nm = 0.515;
+    info_.continuous_torque_Nm = 0.188;
     sample_.X_WH.p = Vec3(0.0, 0.030 - kDepth_m, 0.0);
   }
   const DeviceInfo& info() const override { return info_; }

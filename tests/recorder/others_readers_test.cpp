@@ -128,6 +128,23 @@ TEST_F(OthersReadersTest, FindEverySampleOfEveryTopicAsItWas) {
   Number(guide.orientation_wxyz, 4.5);
   Put(dds::kGuideTopic, guide, {"hand", "5", "6", 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5});
 
+  wire::StationStatistics station{};
+  wire::FromText("hand", station.station);
+  station.run = 7;
+  wire::FromText("an arm", station.device);
+  station.period_s = 1.5;
+  station.braked = 4;
+  station.energy_J = 0.25;
+  station.device_status = 9;
+  nlohmann::json figures{"hand", "7", "an arm", 1.5};
+  for (int i = 0; i < 6; ++i) figures.push_back("0");
+  figures.push_back(0.0);
+  for (int i = 0; i < 8; ++i) figures.push_back(i == 3 ? "4" : "0");
+  for (const double value : {0.0, 0.0, 0.0, 0.0, 0.25, 0.0, 0.0}) figures.push_back(value);
+  figures.push_back(9);
+  figures.push_back(0);
+  Put(dds::kStationStatisticsTopic, station, figures);
+
   AddBundle(writer_, std::vector<std::uint8_t>(70'001, 2), ++time_ns_);
   expected_.push_back({dds::kSceneBundleTopic,
                        {"cube", "77", std::to_string(0x123456789abcdef0), 70'001, 140'002}});

@@ -65,6 +65,7 @@ class RecorderProgramTest : public testing::Test {
     EXPECT_GT(messages["palpate::Wrench"], 500u);
     EXPECT_GT(messages["palpate::ToolState"], 30u);
     EXPECT_GE(messages["palpate::LoopStatistics"], 1u);
+    EXPECT_GE(messages["palpate::StationStatistics"], 1u);
     EXPECT_GE(messages["palpate::SessionRequest"], 1u);
     EXPECT_GE(messages["palpate::SessionState"], 3u);
     EXPECT_EQ(messages["palpate::SceneBundle"], 1u);

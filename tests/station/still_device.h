@@ -11,7 +11,9 @@ class StillDevice final : public Device {
   StillDevice() {
     info_.model = "still";
     info_.max_force_N = 22.0;
+    info_.continuous_force_N = 3.0;
     info_.max_torque_Nm = 0.515;
+    info_.continuous_torque_Nm = 0.188;
   }
   const DeviceInfo& info() const override { return info_; }
   DeviceSample Read() noexcept override { return sample; }

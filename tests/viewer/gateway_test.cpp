@@ -136,6 +136,8 @@ TEST(Gateway, TellsEachViewerWhatItIsAndWhichChannelsThereAre) {
   for (const auto& [topic, schema] :
        std::map<std::string, std::string>{{"/palpate/tool_state", "palpate::ToolState"},
                                           {"/palpate/loop_statistics", "palpate::LoopStatistics"},
+                                          {"/palpate/station_statistics",
+                                           "palpate::StationStatistics"},
                                           {"/palpate/session_state", "palpate::SessionState"},
                                           {"/palpate/scene_change", "palpate::SceneChange"},
                                           {"/palpate/scene_bundle", "palpate::SceneBundle"}}) {

@@ -1,0 +1,71 @@
+#include "devices/limiter/energy_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+
+EnergyStage::EnergyStage(const WrenchLimits& limits)
+    : slew_(limits.rates().contact_force, limits.rates().contact_torque),
+      position_resolution_m_(limits.position_resolution_m()),
+      rotation_resolution_rad_(limits.rotation_resolution_rad()) {}
+
+Wrench EnergyStage::Pass(const Wrench& wanted, double gain, const Pose& X_WH, const Twist& V_WH,
+                         double dt_s) noexcept {
+  const double work = observer_.Move(X_WH);
+  store_J_ += work;
+  moved_ = moved_ || work != 0.0;
+  if (observer_.leapt()) store_J_ = std::min(store_J_, 0.0);
+  Settle(0.5 * gain *
+             (wanted.force.norm() * kDeepest_m + wanted.torque.norm() * kDeepest_rad),
+         dt_s);
+
+  // What cannot be booked is not rendered.
+  const double factor = observer_.seen() ? Factor(wanted, gain, V_WH, dt_s) : 0.0;
+  count_ += factor < 1.0;
+  if (factor < 1.0) return slew_.Pass({factor * wanted.force, factor * wanted.torque}, dt_s);
+  return slew_.Pass(wanted, dt_s);
+}
+
+void EnergyStage::Settle(double most_J, double dt_s) noexcept {
+  if (!repaid_ && observer_.energy_J() > 2.0 * kSeed_J) {
+    repaid_ = true;
+    store_J_ -= kSeed_J;
+  }
+  const double share = std::min(1.0, dt_s / kForget_s);
+  if (store_J_ > most_J) store_J_ += share * (most_J - store_J_);
+  // A debt is forgotten only as far as all that the hand ever put in covers it.
+  const double covered = repaid_ ? std::min(0.0, observer_.energy_J() - kSeed_J) : store_J_;
+  if (store_J_ < covered) store_J_ += share * (covered - store_J_);
+}
+
+double EnergyStage::Factor(const Wrench& wanted, double gain, const Twist& V_WH,
+                           double dt_s) const noexcept {
+  if (!moved_ || gain == 0.0) return 1.0;
+  const double force = wanted.force.norm(), torque = wanted.torque.norm();
+
+  double factor = 1.0;
+  const double store = std::max(store_J_, 0.0);
+  const double stored = 0.5 * gain * force * force * compliance_;
+  if (store < stored) {
+    const double out = V_WH.v.dot(wanted.force) / (force * kMoving_m_s);
+    const double counts = out > 0.0 ? std::min(out, 1.0) : 0.0;
+    factor = 1.0 - counts * (1.0 - store / stored);
+  }
+
+  // Sum over the ticks that letting go takes: the force falls in n equal steps, and the way of each
+  // is by one `unforeseen` longer than that of the one before.
+  const double unforeseen_m = kMostAccel_m_s2 * dt_s * dt_s + position_resolution_m_;
+  const double unforeseen_rad = kMostAccel_rad_s2 * dt_s * dt_s + rotation_resolution_rad_;
+  const double n = std::max({1.0, force / (slew_.force_N_s() * dt_s + 1e-12),
+                             torque / (slew_.torque_Nm_s() * dt_s + 1e-12)});
+  const Way& way = observer_.way();
+  const double foreseen = wanted.force.dot(way.p) + wanted.torque.dot(way.phi);
+  const double more = force * unforeseen_m + torque * unforeseen_rad;
+  const double spent = gain * (foreseen * (n + 1.0) / 2.0 + more * (n + 1.0) * (n + 2.0) / 6.0);
+
+  const double budget = foreseen < 0.0 ? store + kSeed_J : std::max(0.0, store_J_ + kSeed_J);
+  return spent > budget ? std::min(factor, budget / spent) : factor;
+}
+
+}  // namespace palpate

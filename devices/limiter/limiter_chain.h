@@ -1,0 +1,119 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "devices/limiter/age_stage.h"
+#include "devices/limiter/clamp_stage.h"
+#include "devices/limiter/enable_stage.h"
+#include "devices/limiter/finite_stage.h"
+#include "devices/limiter/passivity_observer.h"
+#include "devices/limiter/slew_stage.h"
+#include "devices/limiter/temperature_stage.h"
+#include "devices/limiter/wrench_limits.h"
+
+namespace palpate {
+
+/// What a limiter is told once per tick; anything at all may be in it.
+struct LimiterInput {
+  Wrench wanted;  ///< contact wrench at the handle, in W
+  Wrench led;     ///< what a guide adds: active by design, so bounded apart and in no account
+  Pose X_WH;      ///< the handle as measured just now
+  Twist V_WH;
+  double silence_s = std::numeric_limits<double>::infinity();  ///< AgeStage
+  double age_s = std::numeric_limits<double>::infinity();      ///< AgeStage
+  double dt_s = 0.0;                                           ///< since the last call
+  /// DeviceSample::motor_temperature.
+  double motor_temperature = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// How often each stage had to act, in calls; `fades` counts events.
+struct LimiterCounts {
+  std::uint64_t calls = 0;
+  std::uint64_t nonfinite = 0;
+  std::uint64_t clamped = 0;
+  std::uint64_t slewed = 0;
+  std::uint64_t braked = 0;    ///< held back by the energy stage
+  std::uint64_t warm = 0;      ///< held back by the temperature stage
+  std::uint64_t faded = 0;     ///< calls with less than the whole wrench because of age
+  std::uint64_t fades = 0;     ///< times that replies stopped, after they had begun
+  std::uint64_t disabled = 0;  ///< calls with less than the whole wrench because of enable
+};
+
+/// Longest tick that counts: after a stall the next step is no larger than that of 2 ms.
+inline constexpr double kMaxTick_s = 0.002;
+/// Shortest: less than that is no tick, and no time.
+inline constexpr double kMinTick_s = 1e-6;
+
+/// The stages of a limiter in their order; WrenchLimiter (wrench_limiter.h) says what they are and
+/// proves what they keep.  Its output is a plain Wrench, which no device takes.
+/// @tparam Energy  EnergyStage, or what a measurement puts in its place.
+/// Real-time: no allocation, lock, log or clock.
+template <class Energy>
+class LimiterChain {
+ public:
+  explicit LimiterChain(const WrenchLimits& limits)
+      : limits_(limits),
+        clamp_(limits.force_N(), limits.torque_Nm()),
+        slew_(limits.rates().contact_force, limits.rates().contact_torque),
+        energy_(limits),
+        led_clamp_(limits.bounds().led_force_N, limits.bounds().led_torque_Nm),
+        led_slew_(limits.rates().led_force, limits.rates().led_torque),
+        temperature_(limits) {}
+
+  Wrench Limit(const LimiterInput& in) noexcept {
+    ++calls_;
+    // NaN, backwards and next to nothing count as no time.
+    const double dt = in.dt_s >= kMinTick_s ? std::min(in.dt_s, kMaxTick_s) : 0.0;
+    // Of the clock alone; here because the energy stage must know what will be left.
+    const double gain = age_.Gain(in.silence_s, in.age_s, dt) * enable_.Gain(dt);
+
+    const Wrench slewed = slew_.Pass(clamp_.Pass(finite_.Pass(in.wanted)), dt);
+    const Wrench contact = energy_.Pass(slewed, gain, in.X_WH, in.V_WH, dt);
+    const Wrench led = led_slew_.Pass(led_clamp_.Pass(finite_.Pass(in.led)), dt);
+
+    const Wrench both{contact.force + led.force, contact.torque + led.torque};
+    const TemperatureStage::Share share = temperature_.Pass(both, in.motor_temperature, dt);
+    const double force = gain * share.force, torque = gain * share.torque;
+    energy_.Hold({force * contact.force, torque * contact.torque});
+    const Wrench applied{force * both.force, torque * both.torque};
+    temperature_.Give(applied, dt);
+    return applied;
+  }
+
+  void Enable(bool on) noexcept { enable_.Enable(on); }
+  bool enabled() const noexcept { return enable_.enabled(); }
+  bool fading() const noexcept { return age_.fading(); }
+
+  LimiterCounts counts() const noexcept {
+    return {calls_,
+            finite_.count(),
+            clamp_.count() + led_clamp_.count(),
+            slew_.count() + led_slew_.count(),
+            energy_.count(),
+            temperature_.count(),
+            age_.count(),
+            age_.fades(),
+            enable_.count()};
+  }
+  Energy& energy() noexcept { return energy_; }
+  const Energy& energy() const noexcept { return energy_; }
+  const TemperatureStage& temperature() const noexcept { return temperature_; }
+  const WrenchLimits& limits() const noexcept { return limits_; }
+
+ private:
+  WrenchLimits limits_;
+  FiniteStage finite_;
+  ClampStage clamp_;
+  SlewStage slew_;
+  Energy energy_;
+  ClampStage led_clamp_;
+  SlewStage led_slew_;
+  TemperatureStage temperature_;
+  AgeStage age_;
+  EnableStage enable_;
+  std::uint64_t calls_ = 0;
+};
+
+}  // namespace palpate

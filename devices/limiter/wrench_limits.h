@@ -1,0 +1,63 @@
+#pragma once
+
+#include "devices/device.h"
+
+namespace palpate {
+
+/// Bounds of a WrenchLimiter.  Made from a data sheet, and from there on only tightened: a limiter
+/// cannot be told to allow more than its device does.  Force and torque are bounded as vectors, by
+/// their norm.
+class WrenchLimits {
+ public:
+  /// What may be tightened.
+  struct Bounds {
+    double force_N = 0.0;  ///< peak
+    double torque_Nm = 0.0;
+    double continuous_force_N = 0.0;  ///< what is left when the motors are warm
+    double continuous_torque_Nm = 0.0;
+    /// On the change of the *output*, all stages together.
+    double force_slew_N_per_ms = 0.0;
+    double torque_slew_Nm_per_ms = 0.0;
+    /// Of what a guide adds, within the peak: a hand may always overrule it.
+    double led_force_N = 0.0;
+    double led_torque_Nm = 0.0;
+  };
+
+  /// The device's figures.  The whole peak may come or go in 5 ms, 4.4 N/ms for 22 N: a hand that
+  /// hits 1 N/mm at 0.5 m/s needs 0.5 N/ms, so a touch is never softened, a jump always is.
+  /// Throws Error where a figure is missing or is none.
+  static WrenchLimits Of(const DeviceInfo& device);
+
+  /// Throws Error where a bound is not positive, is looser than this one, or leaves the slew limit
+  /// too low for the fade to end in time.
+  WrenchLimits TightenedTo(const Bounds& bounds) const;
+
+  const Bounds& bounds() const noexcept { return bounds_; }
+  double force_N() const noexcept { return bounds_.force_N; }
+  double torque_Nm() const noexcept { return bounds_.torque_Nm; }
+  double continuous_force_N() const noexcept { return bounds_.continuous_force_N; }
+  double continuous_torque_Nm() const noexcept { return bounds_.continuous_torque_Nm; }
+  double force_slew_N_per_ms() const noexcept { return bounds_.force_slew_N_per_ms; }
+  double torque_slew_Nm_per_ms() const noexcept { return bounds_.torque_slew_Nm_per_ms; }
+  double thermal_time_s() const noexcept { return thermal_time_s_; }
+  double position_resolution_m() const noexcept { return position_resolution_m_; }
+  double rotation_resolution_rad() const noexcept { return rotation_resolution_rad_; }
+
+  /// How fast each stage may move what it hands on, in N/s and N m/s, so that their sum keeps the
+  /// slew limit (wrench_limiter.h has the proof).
+  struct Rates {
+    double contact_force, contact_torque;
+    double led_force, led_torque;
+  };
+  Rates rates() const noexcept;
+
+ private:
+  WrenchLimits() = default;
+
+  Bounds bounds_;
+  double thermal_time_s_ = 0.0;
+  double position_resolution_m_ = 0.0;
+  double rotation_resolution_rad_ = 0.0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,25 @@
+#include "common/error.h"
+#include "tests/benchmarks/closed_loop_run.h"
+
+namespace palpate::bench {
+
+const std::vector<PublishedHand>& PublishedHands() {
+  static const std::vector<PublishedHand> hands{
+      {"van-beek",
+       "van Beek, Bergmann Tiest, Mugge & Kappers, Scientific Reports 5 (2015) 18004, Fig. 3: one "
+       "participant, perpendicular to the arm",
+       HandImpedance{}},
+  };
+  return hands;
+}
+
+const PublishedHand& PublishedHandOf(const std::string& name) {
+  std::string names;
+  for (const PublishedHand& hand : PublishedHands()) {
+    if (hand.name == name) return hand;
+    names += " " + hand.name;
+  }
+  throw UsageError("closed-loop: no hand '" + name + "'; there are" + names);
+}
+
+}  // namespace palpate::bench

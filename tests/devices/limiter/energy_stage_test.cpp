@@ -1,0 +1,195 @@
+#include "devices/limiter/energy_stage.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "devices/simulated/phantom_premium_3_0.h"
+#include "tests/support/port_loop.h"
+#include "tests/support/uncontrolled_limiter.h"
+
+namespace palpate {
+namespace {
+
+using test::PortLoopCase;
+using test::PortLoopFigures;
+using test::RunPortLoop;
+
+constexpr double kTick = 1e-3;
+
+WrenchLimits Phantom() {
+  return WrenchLimits::Of(PhantomPremium30Info());
+}
+
+/// An energy stage and a handle on one axis; all that it gives is applied.
+class Axis {
+ public:
+  explicit Axis(double stiffness = 0.0) : stage(Phantom()) {
+    if (stiffness > 0.0) stage.SetStiffness(stiffness);
+  }
+  /// Moves the handle by `step`, and wants that force there.
+  double Step(double step, double wanted, double gain = 1.0) {
+    z_ += step;
+    const Wrench out = stage.Pass({Vec3(0, 0, wanted), Vec3::Zero()}, gain,
+                                  {Vec3(0, 0, z_), Quat::Identity()},
+                                  {Vec3(0, 0, step / kTick), Vec3::Zero()}, kTick);
+    stage.Hold({gain * out.force, gain * out.torque});
+    given = gain * out.force.z();
+    return out.force.z();
+  }
+  double z() const { return z_; }
+  /// That the hand was given.
+  double Generated() const { return -stage.observer().energy_J(); }
+
+  EnergyStage stage;
+  double given = 0.0;
+
+ private:
+  double z_ = 0.0;
+};
+
+TEST(EnergyStage, LeavesAHandleAloneThatHasNotMoved) {
+  Axis axis(1000.0);
+  double force = 0.0;
+  for (int i = 0; i < 100; ++i) force = axis.Step(0.0, 5.0);
+  EXPECT_EQ(force, 5.0);
+  EXPECT_EQ(axis.stage.count(), 0u);
+}
+
+TEST(EnergyStage, LeavesASpringAloneThatIsPressedAndLetGoSlowly) {
+  Axis axis(1000.0);
+  double most = 0.0;
+  const auto feel = [&](double step) {
+    const double wanted = std::max(0.0, -1000.0 * (axis.z() + step));
+    most = std::max(most, std::abs(axis.Step(step, wanted) - wanted));
+  };
+  for (int i = 0; i < 300; ++i) feel(-1e-5);  // 10 mm/s, 3 mm deep: 3 N
+  for (int i = 0; i < 300; ++i) feel(0.0);
+  for (int i = 0; i < 310; ++i) feel(1e-5);
+  EXPECT_LE(most, 0.05);
+  EXPECT_LE(axis.Generated(), 0.0);
+}
+
+TEST(EnergyStage, GivesNothingToAHandThatPutNothingIn) {
+  // A force along the motion, from the first tick on: the plainest active device.
+  Axis axis;
+  for (int i = 0; i < 1000; ++i) axis.Step(2e-5, 5.0);
+  EXPECT_LE(axis.Generated(), 1.1 * EnergyStage::kSeed_J);
+  EXPECT_GT(axis.stage.count(), 900u);
+}
+
+TEST(EnergyStage, TakesTheSeedBackOnceTheHandHasPutInMore) {
+  Axis axis;
+  for (int i = 0; i < 10; ++i) axis.Step(-1e-4, 1.0);
+  for (int i = 0; i < 1000; ++i) axis.Step(1e-4, 5.0);
+  EXPECT_LE(axis.Generated(), 0.0);
+}
+
+TEST(EnergyStage, AccountsWhatIsAppliedAndNotWhatItWished) {
+  // Ramped in while it is pressed, then let go: with the whole force that would give 5 N over 5 mm.
+  Axis axis;
+  axis.Step(-1e-4, 5.0, 0.0);
+  for (int i = 0; i <= 200; ++i) axis.Step(i % 2 ? 1e-5 : -1e-5, 5.0, i / 200.0);
+  for (int i = 0; i < 500; ++i) axis.Step(1e-5, 5.0);
+  EXPECT_LE(axis.Generated(), 1.1 * EnergyStage::kSeed_J);
+}
+
+TEST(EnergyStage, ForgetsTheHeatOfFrictionSoThatNoActivePhaseHidesBehindIt) {
+  Axis axis(1000.0);
+  for (int i = 0; i < 10'000; ++i) axis.Step(-1e-4, 2.0);  // 2 J of drag
+  EXPECT_GT(axis.stage.observer().energy_J(), 1.9);
+  const double before = axis.Generated();
+  for (int i = 0; i < 10'000; ++i) axis.Step(1e-4, 2.0);  // and all of it back, if it could
+  EXPECT_LE(axis.Generated() - before, 0.5 * 2.0 * EnergyStage::kDeepest_m + 0.001);
+}
+
+TEST(EnergyStage, ForgetsAContactInFreeSpace) {
+  Axis axis(1000.0);
+  for (int i = 0; i < 100; ++i) axis.Step(-1e-4, 2.0);
+  for (int i = 0; i < 500; ++i) axis.Step(1e-5, 0.0);
+  EXPECT_NEAR(axis.stage.store_J(), 0.0, 1e-6);
+}
+
+TEST(EnergyStage, DoesNotChatterUnderEncoderNoiseAtRest) {
+  constexpr double kStep = 20e-6;
+  test::Random random(2);
+  Axis axis(1000.0);
+  double at = 0.0, most = 0.0;
+  for (int i = 0; i < 150; ++i) axis.Step(-kStep, -1000.0 * (axis.z() - kStep));
+  for (int i = 0; i < 5000; ++i) {
+    const double next = random.Below(2) ? kStep : 0.0;
+    const double wanted = -1000.0 * (axis.z() + next - at);
+    most = std::max(most, std::abs(axis.Step(next - at, wanted) - wanted));
+    at = next;
+  }
+  // 3 N, and 20 mm/s up and down by every second tick: what is seen is an encoder's step of 20 mN.
+  EXPECT_LE(most, 0.1);
+}
+
+TEST(EnergyStage, RendersNothingWhereItCannotSeeTheHandle) {
+  EnergyStage stage(Phantom());
+  Wrench out;
+  for (int i = 0; i < 10; ++i) {
+    out = stage.Pass({Vec3(0, 0, 5), Vec3::Zero()}, 1.0,
+                     {Vec3(0, std::nan(""), 0), Quat::Identity()}, {}, kTick);
+  }
+  EXPECT_EQ(out.force, Vec3::Zero());
+}
+
+TEST(EnergyStage, MovesNoFasterThanItsShareOfTheSlewLimit) {
+  const double rate = Phantom().rates().contact_force;
+  test::Random random(4);
+  Axis axis(1000.0);
+  double last = 0.0;
+  for (int i = 0; i < 100'000; ++i) {
+    const double now = axis.Step(1e-4 * random.Uniform(-1.0, 1.0), random.Uniform(-22.0, 22.0));
+    ASSERT_LE(std::abs(now - last), rate * kTick * (1 + 1e-12));
+    ASSERT_LE(std::abs(now), 22.0);
+    last = now;
+  }
+}
+
+/// The goal: whatever the delay, the hand is given no energy.
+class EnergyAtThePort : public testing::TestWithParam<int> {};
+
+TEST_P(EnergyAtThePort, IsNeverGivenInAClosedLoopWithDelayAndLoss) {
+  for (const double stiffness : {300.0, 1000.0, 2000.0}) {
+    for (const double known : {0.0, stiffness}) {  // what the limiter is told of it
+      for (const unsigned seed : {1u, 2u, 3u}) {
+        PortLoopCase c;
+        c.delay_ms = GetParam();
+        c.loss = 0.1;
+        c.stiffness_N_per_m = stiffness;
+        c.seed = seed;
+        c.rate_Hz = seed;
+        test::UncontrolledLimiter without(Phantom());
+        const PortLoopFigures active = RunPortLoop(without, c);
+        EXPECT_GT(active.generated_J, 0.5e-3) << "the case shows nothing";
+        WrenchLimiter limiter(Phantom());
+        limiter.SetStiffness(known);
+        const PortLoopFigures figures = RunPortLoop(limiter, c);
+        SCOPED_TRACE(testing::Message() << stiffness << " N/m, told " << known << ", seed " << seed);
+        EXPECT_LE(figures.generated_J, 0.0);
+        EXPECT_LE(figures.most_generated_J, 2.0 * EnergyStage::kSeed_J);
+        EXPECT_GT(figures.absorbed_J, 5e-3) << "a wall that is not felt is no wall";
+        EXPECT_NEAR(limiter.observer().energy_J(), -figures.generated_J, 0.1e-3);
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Delays, EnergyAtThePort, testing::Values(0, 1, 5, 10, 20));
+
+TEST(EnergyAtThePort, LeavesAPassiveWallPracticallyUntouched) {
+  PortLoopCase c;  // b = 6.55 N s/m against k T / 2 = 0.25: well inside
+  c.stiffness_N_per_m = 500.0;
+  WrenchLimiter limiter(Phantom());
+  limiter.SetStiffness(500.0);
+  const PortLoopFigures figures = RunPortLoop(limiter, c);
+  EXPECT_GT(figures.rms_wanted_N, 1.0);
+  EXPECT_LE(figures.rms_change_N, 0.02 * figures.rms_wanted_N);
+  EXPECT_LE(figures.most_change_N, 0.1);
+}
+
+}  // namespace
+}  // namespace palpate
