@@ -5,6 +5,7 @@
 
 #include "common/math/rotation.h"
 #include "common/qp/nearest_point.h"
+#include "common/step_fault.h"
 
 namespace palpate {
 namespace {
@@ -62,11 +63,28 @@ bool LocalContactModel::Usable(const Reply& reply) const noexcept {
   });
 }
 
+void LocalContactModel::Remember(Reply& reply) noexcept {
+  const LocalRows& known = touched_.local;
+  const Vec3 v = reply.X_WG * spring_.reference - touched_.X_WG * spring_.reference;
+  const Vec3 phi = RotationLog(reply.X_WG.q * touched_.X_WG.q.conjugate());
+  LocalRows kept = known;
+  kept.region_m -= v.norm();
+  kept.region_rad -= phi.norm();
+  has_touched_ = kept.region_m > 0.0 && kept.region_rad > 0.0;
+  for (int i = 0; i < known.count; ++i) {
+    LocalRow& row = kept.row[static_cast<std::size_t>(i)];
+    row.offset -= row.normal.dot(v) + row.lever_cross_normal.dot(phi);
+    // The server's tool is where this row says that it cannot be: what it was of has ended.
+    has_touched_ = has_touched_ && row.offset <= kMostViolation_m;
+  }
+  if (has_touched_) reply.local = kept;
+}
+
 LocalContactModel::Step LocalContactModel::Solve(const Reply& reply,
                                                  const Pose& X_WH) const noexcept {
   const Vec3 v_h = X_WH * spring_.reference - reply.X_WG * spring_.reference;
   const Vec3 phi_h = RotationLog(X_WH.q * reply.X_WG.q.conjugate());
-  const double target[6] = {v_h.x(),           v_h.y(),           v_h.z(),
+  const double target[6] = {v_h.x(),          v_h.y(),          v_h.z(),
                             rho_ * phi_h.x(), rho_ * phi_h.y(), rho_ * phi_h.z()};
   constexpr int kPadded = 16;
   alignas(64) double column[7][kPadded] = {};
@@ -94,9 +112,8 @@ LocalContactModel::Step LocalContactModel::Solve(const Reply& reply,
   step.phi = Vec3(x[3], x[4], x[5]) / rho_;
   if (qp.active == 0) return step;
   step.wrench.force = spring_.stiffness * (step.v - v_h);
-  step.wrench.torque =
-      spring_.torsional_stiffness *
-      RotationLog(RotationExp(step.phi) * reply.X_WG.q * X_WH.q.conjugate());
+  step.wrench.torque = spring_.torsional_stiffness *
+                       RotationLog(RotationExp(step.phi) * reply.X_WG.q * X_WH.q.conjugate());
   double squares = 0.0;
   for (int c = 0; c < 6; ++c) squares += (x[c] - target[c]) * (x[c] - target[c]);
   step.stretch = std::sqrt(squares);
@@ -108,9 +125,16 @@ void LocalContactModel::Take(const Reply& reply, const Pose* X_WH) noexcept {
   next_.reply = reply;
   next_.remainder = reply.wrench;
   has_next_ = true;
-  if (X_WH == nullptr || !Usable(reply)) return;
+  const bool free = reply.local.count == 0 && reply.wrench.force.isZero(0.0) &&
+                    reply.wrench.torque.isZero(0.0) && reply.faults == kFaultNone;
+  if (has_touched_ && free) Remember(next_.reply);
+  if (X_WH == nullptr || !Usable(next_.reply)) return;
+  if (!free) {
+    touched_ = reply;
+    has_touched_ = true;
+  }
   next_.has_rows = true;
-  next_.answered = Solve(reply, *X_WH);
+  next_.answered = Solve(next_.reply, *X_WH);
   next_.remainder = Sum(reply.wrench, Scaled(-1.0, next_.answered.wrench));
 }
 
@@ -125,13 +149,11 @@ LocalContactModel::Evaluation LocalContactModel::Evaluate(const Contact& contact
   const Reply& reply = contact.reply;
   const Step step = Solve(reply, X_WH);
   const double age_s = 1e-9 * static_cast<double>(now_ns - reply.pose_time_ns);
-  const double believed =
-      Fade((step.v - contact.answered.v).norm(), reply.local.region_m) *
-      Fade((step.phi - contact.answered.phi).norm(), reply.local.region_rad) *
-      Fade(age_s, reply.local.valid_s);
-  const double kept = step.stretch >= contact.answered.stretch
-                          ? 1.0
-                          : step.stretch / contact.answered.stretch;
+  const double believed = Fade((step.v - contact.answered.v).norm(), reply.local.region_m) *
+                          Fade((step.phi - contact.answered.phi).norm(), reply.local.region_rad) *
+                          Fade(age_s, reply.local.valid_s);
+  const double kept =
+      step.stretch >= contact.answered.stretch ? 1.0 : step.stretch / contact.answered.stretch;
   out.wrench = Scaled(believed, Sum(step.wrench, Scaled(kept, contact.remainder)));
   out.evaluated = true;
   out.beyond_region = believed < 1.0 && step.stretch > 0.0;

@@ -25,8 +25,13 @@ struct CouplingSpring {
 /// the reply's.  Elsewhere that remainder goes down with the spring's stretch, as friction does
 /// with the normal force, and never up.
 ///
-/// How far it is believed.  Rows are tangents: they hold for steps within region_m and region_rad of
-/// the one that the server made, and until valid_s from the pose that they answer.  Beyond, the
+/// What stands still is remembered.  A reply without rows is of a tool that is free, not of a scene
+/// that is empty: the rows of the last contact hold on, as far as its region goes and for as long
+/// as the server's tool keeps them.  So a hand that bounces meets the wall where it left it, and
+/// not a round trip later.
+///
+/// How far it is believed.  Rows are tangents: they hold for steps within region_m and region_rad
+/// of the one that the server made, and until valid_s from the pose that they answer.  Beyond, the
 /// wrench fades to nothing over once more that region or time: a wall that has ended must not be
 /// felt.
 ///
@@ -52,9 +57,9 @@ class LocalContactModel {
   void Take(const Reply& reply, const Pose* X_WH) noexcept;
 
   struct Evaluation {
-    Wrench wrench;                ///< on the hand, at the tool's reference point, in W
-    bool evaluated = false;       ///< by rows
-    bool beyond_region = false;   ///< of the newest reply's rows: the wrench fades
+    Wrench wrench;               ///< on the hand, at the tool's reference point, in W
+    bool evaluated = false;      ///< by rows
+    bool beyond_region = false;  ///< of the newest reply's rows: the wrench fades
   };
   /// The wrench for the handle's newest pose.  Zero before the first reply.
   Evaluation At(std::int64_t now_ns, const Pose& X_WH) noexcept;
@@ -75,9 +80,9 @@ class LocalContactModel {
   };
 
   bool Usable(const Reply& reply) const noexcept;
+  void Remember(Reply& reply) noexcept;
   Step Solve(const Reply& reply, const Pose& X_WH) const noexcept;
-  Evaluation Evaluate(const Contact& contact, std::int64_t now_ns,
-                      const Pose& X_WH) const noexcept;
+  Evaluation Evaluate(const Contact& contact, std::int64_t now_ns, const Pose& X_WH) const noexcept;
 
   bool enabled_ = true;
   CouplingSpring spring_;
@@ -85,6 +90,8 @@ class LocalContactModel {
   Contact contact_;  // what At goes by
   Contact next_;     // what it is to go by
   bool has_next_ = false;
+  Reply touched_;  // the last that had usable rows
+  bool has_touched_ = false;
   Wrench blend_;  // added to the newest contact's wrench, on its way to nothing
   std::int64_t last_ns_ = 0;
 };

@@ -36,8 +36,8 @@ struct StationTotals {
   double max_torque_Nm = 0.0;
   std::uint64_t evaluations = 0;    ///< ticks whose wrench came from the local contact model's rows
   std::uint64_t beyond_region = 0;  ///< of these, ticks for which the rows were too far or too old
-  Histogram round_trip;   ///< pose out to wrench in [ns]
-  Histogram server_step;  ///< [ns]
+  Histogram round_trip;             ///< pose out to wrench in [ns]
+  Histogram server_step;            ///< [ns]
 };
 
 /// What a display shows of a moment; figures "of the period" cover the time since the last one.

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "client/station/station_core.h"
-#include "common/math/rotation.h"
 #include "common/error.h"
+#include "common/math/rotation.h"
 #include "devices/simulated/simulated_phantom.h"
 #include "scenes/catalogue.h"
 #include "scenes/pose_script.h"
@@ -101,8 +101,7 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
   const double factor = c.stiffness_N_per_m / stiffened.coupling.stiffness;
   stiffened.coupling.stiffness *= factor;
   stiffened.coupling.torsional_stiffness *= std::min(factor, 1.0);
-  const HapticModel model =
-      MakeModel(stiffened, stiffened.tools.front(), MakeObjects(stiffened));
+  const HapticModel model = MakeModel(stiffened, stiffened.tools.front(), MakeObjects(stiffened));
 
   const HandImpedance& impedance = PublishedHandOf(c.hand).impedance;
   const double depth = scene.press_N / impedance.stiffness_N_m;
@@ -127,8 +126,8 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
   arm.SetCore(core);
   core.EnableForces(true);
   core.EnableLocalModel(c.local_model);
-  core.SetSpring({model.parameters().stiffness, model.parameters().torsional_stiffness,
-                  model.reference()});
+  core.SetSpring(
+      {model.parameters().stiffness, model.parameters().torsional_stiffness, model.reference()});
 
   ServoLoop server(model);
   StepWorkspace workspace(model);
@@ -140,7 +139,7 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
   test::SimulatedLink<wire::HapticPose, wire::Wrench> link(c.seed, way);
 
   ClosedLoopFigures figures;
-  Span last, before;
+  Span last;
   double given_J = 0.0;
   int watched = 0, touching = 0;
   const int ticks = static_cast<int>(std::lround(end / kTick_s));
@@ -178,8 +177,6 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
       figures.mean_force_N += applied.force.norm();
       touching += applied.force.dot(scene.normal) > 0.0;
       ++watched;
-    } else if (left < 2.0 * kClosedLoopCycle_s) {
-      before.Add(to.p);
     }
   }
   figures.mean_force_N /= watched;

@@ -10,7 +10,7 @@
 
 namespace palpate::bench {
 
-/// A hand that holds the handle, as somebody has measured it.
+/// A hand that holds the handle, as somebody has measured it, or an estimate called one.
 struct PublishedHand {
   std::string name;
   std::string source;
@@ -36,21 +36,21 @@ struct ClosedLoopCase {
 struct ClosedLoopScene {
   std::string name;
   Scene scene;
-  Pose above;              ///< the hand begins here, free
-  Pose touching;           ///< the tool touches here
-  Vec3 normal;             ///< out of what it touches
-  double press_N = 2.0;    ///< what the hand presses with
+  Pose above;            ///< the hand begins here, free
+  Pose touching;         ///< the tool touches here
+  Vec3 normal;           ///< out of what it touches
+  double press_N = 2.0;  ///< what the hand presses with
 };
 /// "wall": a ball of 5 mm on a plate.  "bunny": bunny-bunny, pressed on the back.
 ClosedLoopScene MakeClosedLoopScene(const std::string& name);
 
 /// What the hand felt.  The hand comes down, presses, lets go by half and presses again in one
-/// step, and from then on means to hold still for kWatch_s.
+/// step, and from then on means to hold still for kClosedLoopWatch_s.
 struct ClosedLoopFigures {
   bool stable = false;
-  double limit_cycle_mm = 0.0;  ///< way of the handle, peak to peak, in the last kCycle_s
+  double limit_cycle_mm = 0.0;  ///< way of the handle, peak to peak, in the last kClosedLoopCycle_s
   double energy_J = 0.0;        ///< most that the device ever gave the hand beyond what it had got
-  double mean_force_N = 0.0;    ///< applied, in the last kCycle_s
+  double mean_force_N = 0.0;    ///< applied, in the last kClosedLoopCycle_s
   double beyond_region = 0.0;   ///< share of the ticks
 };
 inline constexpr double kClosedLoopPress_s = 1.5;
@@ -58,14 +58,13 @@ inline constexpr double kClosedLoopTap_s = 0.1;
 inline constexpr double kClosedLoopWatch_s = 3.0;
 inline constexpr double kClosedLoopCycle_s = 1.0;
 
-/// Stable is a loop that comes to rest by itself: in the last kCycle_s the handle moves by no more
-/// than two steps of its encoder, which no hand feels, or by no more than kUnfelt of the way that
-/// it moved by in the second before and than 0.1 mm, and the tool is in contact.
+/// Stable is a loop that comes to rest by itself: in the last kClosedLoopCycle_s the handle is
+/// pushed all the time and moves by no more than two steps of its encoder, which no hand feels.
 /// Virtual time: equal arguments, equal bits.
 ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCase& c);
 
 /// The greatest stiffness, to 2 %, up to which RunClosedLoop is stable; kStiffest where all are.
-inline constexpr double kLeastStiffness = 10.0;    ///< [N/m]
+inline constexpr double kLeastStiffness = 10.0;  ///< [N/m]
 inline constexpr double kStiffest = 20'000.0;
 double MaxStableStiffness(const ClosedLoopScene& scene, ClosedLoopCase c);
 

@@ -50,7 +50,9 @@ SlideErrors MeasureDelayedSlide(const HapticModel& model, const std::vector<Pose
   StepWorkspace workspace(model);
   loop.Start(ResolveStart(model, hand.front(), workspace).X_WG);
   const int count = static_cast<int>(hand.size()) + kLead;
-  const auto pose_at = [&](int i) { return hand[static_cast<std::size_t>(std::max(i - kLead, 0))]; };
+  const auto pose_at = [&](int i) {
+    return hand[static_cast<std::size_t>(std::max(i - kLead, 0))];
+  };
   std::vector<Reply> replies;
   for (int i = 0; i < count; ++i) {
     wire::HapticPose pose{};
@@ -63,8 +65,8 @@ SlideErrors MeasureDelayedSlide(const HapticModel& model, const std::vector<Pose
   }
 
   LocalContactModel local;
-  local.SetSpring({model.parameters().stiffness, model.parameters().torsional_stiffness,
-                   model.reference()});
+  local.SetSpring(
+      {model.parameters().stiffness, model.parameters().torsional_stiffness, model.reference()});
   SlideErrors errors;
   std::vector<double> late_errors, local_errors;
   for (int i = slide.delay_ms; i < count; ++i) {
