@@ -57,6 +57,7 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   std::string realtime = "prefer";
   double seconds = 0.0;
   bool table = false;
+  std::string local_model = "on";
 
   CLI::App app(kAbout, "palpate-station");
   app.footer("Devices:\n" + DeviceHelp() + kExamples);
@@ -87,6 +88,10 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
                  "arm, as its vendor's set-up program names it; default: the default one");
   app.add_flag("--calibrate", options.calibrate,
                "calibrate the arm even if it is; it is in its reset position now, if it has one");
+  app.add_option("--local-model", local_model,
+                 "on: a reply's contacts are felt at the newest pose; off: its wrench, as it came")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
   CLI::Option* accept_guide = app.add_flag("--accept-guide", options.accept_guide,
                                            "let 'palpate-replay --guide ID' lead the hand, gently");
   app.add_option("--guide-force", options.guide_force_N,
@@ -127,6 +132,7 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
     throw UsageError("--id '" + options.link.station + "': give 1 to 32 letters, digits or _");
   }
   if (app.count("--table") > 0) options.table = table;
+  options.local_model = local_model == "on";
   if (*for_option) options.seconds = seconds;
   options.link.transport = dds::ParseTransport(transport);
   options.link.realtime.mode = ParseRealtimeMode(realtime);

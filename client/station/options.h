@@ -19,6 +19,7 @@ struct StationOptions {
   bool enable_forces = false;
   std::string device_name;  ///< of a real arm; empty: the default one
   bool calibrate = false;
+  bool local_model = true;
   bool accept_guide = false;
   double guide_force_N = 0.5;
   std::optional<double> seconds;

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstddef>
 
-#include "client/station/station_core.h"
+#include "client/station/reply.h"
 
 namespace palpate {
 

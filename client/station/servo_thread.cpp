@@ -116,7 +116,7 @@ void ServoThread::Tick(std::int64_t now_ns) noexcept {
     sample_times_ns_[pose.sequence % sample_times_ns_.size()].store(now_ns,
                                                                     std::memory_order_relaxed);
     newest_sequence_.store(pose.sequence, std::memory_order_release);
-    core_.SetToolReference(path->tool_reference);
+    core_.SetSpring(path->spring);
     path->writer.Write(ToWire(pose));  // where DDS refuses it, the pose is lost and counted as such
   }
   Reply reply;

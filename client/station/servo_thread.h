@@ -16,7 +16,7 @@ namespace palpate {
 /// The way to a server, for one run of a session.
 struct PosePath {
   dds::Writer<wire::HapticPose> writer;
-  Vec3 tool_reference = Vec3::Zero();  ///< in the tool's frame [m]
+  CouplingSpring spring;
 };
 
 /// Runs a StationCore at its device's rate: in the device's own thread where the device has a clock

@@ -137,7 +137,8 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
   server_run_ = state_->server_run;
   tool_ = state_->tool;
   path_ = std::make_unique<PosePath>();
-  path_->tool_reference = wire::ToVec3(state_->tool_reference_m);
+  path_->spring = {state_->stiffness_N_per_m, state_->torsional_stiffness_Nm_per_rad,
+                   wire::ToVec3(state_->tool_reference_m)};
   if (!Try(
           [&] {
             path_->writer = {*loop_, dds::PoseTopic(options_.station, run_), dds::Qos::kLoop};
@@ -153,17 +154,7 @@ void SessionLink::MakeReader() {
   wrenches_ = {};  // the former one first: two readers would hold chunks of the same writer
   wrenches_ = {*loop_, dds::WrenchTopic(options_.station, run_), dds::Qos::kLoop,
                [this](const wire::Wrench& sample) noexcept {
-                 Reply reply;
-                 reply.pose_sequence = sample.pose_sequence;
-                 reply.pose_time_ns = sample.pose_time_ns;
-                 reply.received_ns = SteadyNanoseconds();
-                 reply.X_WG =
-                     wire::ToPose(sample.graphic_position_m, sample.graphic_orientation_wxyz);
-                 reply.wrench = wire::ToWrench(sample);
-                 reply.step_time_s = sample.step_time_s;
-                 reply.contacts = sample.contacts;
-                 reply.faults = sample.faults;
-                 replies_.Push(reply);
+                 replies_.Push(ToReply(sample, SteadyNanoseconds()));
                }};
   ++readers_made_;
 }

@@ -114,6 +114,7 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   StationCore core(*device);
   const bool forces = options.enable_forces || device->info().simulated;
   core.EnableForces(forces);
+  core.EnableLocalModel(options.local_model);
   if (options.accept_guide) core.AcceptGuide(GuideLimits::OfForce(options.guide_force_N));
 
   LiveTable table(stdout, StyleOf(options), std::getenv("NO_COLOR") == nullptr);

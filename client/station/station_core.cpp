@@ -13,12 +13,19 @@ Wrench ShiftToHandle(const Wrench& wrench, const Quat& q_WH, const Vec3& p_HT) n
 StationCore::StationCore(Device& device)
     : device_(device), limiter_(WrenchLimits::Of(device.info())) {}
 
+void StationCore::SetSpring(const CouplingSpring& spring) noexcept {
+  tool_reference_ = spring.reference;
+  local_model_.SetSpring(spring);
+  limiter_.SetStiffness(spring.stiffness);
+}
+
 OutgoingPose StationCore::Sense(std::int64_t now_ns, bool sending) noexcept {
   sample_ = device_.Read();
   if (limiter_.enabled()) sample_.status |= kDeviceForcesEnabled;
   if (sending) {
     ++sequence_;
     ++totals_.sent;
+    sent_[sequence_ % kRemembered] = sample_.X_WH;
   }
   return {sequence_, now_ns, sample_};
 }
@@ -32,6 +39,8 @@ void StationCore::Take(std::int64_t now_ns, const Reply& reply) noexcept {
   }
   newest_ = reply;
   has_reply_ = true;
+  const bool remembered = sequence_ - reply.pose_sequence < kRemembered;
+  local_model_.Take(reply, remembered ? &sent_[reply.pose_sequence % kRemembered] : nullptr);
   ++totals_.replies;
   const std::int64_t round_trip = reply.received_ns - reply.pose_time_ns;
   totals_.late += round_trip > kLate_ns;
@@ -62,9 +71,13 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   }
   last_act_ns_ = now_ns;
   if (period_began_ns_ == 0) period_began_ns_ = now_ns;
-  in.wanted = ShiftToHandle(newest_.wrench, sample_.X_WH.q, tool_reference_);
+  const LocalContactModel::Evaluation contact = local_model_.At(now_ns, sample_.X_WH);
+  totals_.evaluations += contact.evaluated;
+  totals_.beyond_region += contact.beyond_region;
+  in.wanted = ShiftToHandle(contact.wrench, sample_.X_WH.q, tool_reference_);
   in.led = guide_.Pull(now_ns, in.dt_s, sample_.X_WH, sample_.V_WH);
   device_.Shape(in.wanted, in.led);
+  asked_ = in;
   const LimitedWrench limited = limiter_.Limit(in);
   if (has_reply_) device_.SeeGraphicTool(newest_.X_WG, tool_reference_);
   device_.Apply(limited);

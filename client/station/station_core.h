@@ -1,26 +1,18 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "client/station/guide.h"
+#include "client/station/local_contact_model.h"
+#include "client/station/reply.h"
 #include "common/math/pose.h"
 #include "common/stats/histogram.h"
 #include "devices/device.h"
 #include "devices/wrench_limiter.h"
 
 namespace palpate {
-
-/// A server's answer to a pose, without DDS: what the loop needs of wire::Wrench.
-struct Reply {
-  std::uint64_t pose_sequence = 0;  ///< the pose that it answers
-  std::int64_t pose_time_ns = 0;    ///< when that was sampled, by this station's clock
-  std::int64_t received_ns = 0;     ///< by the same clock
-  Pose X_WG;                        ///< the graphic tool
-  Wrench wrench;                    ///< on the hand, at the tool's reference point, in W
-  double step_time_s = 0.0;         ///< the server's, from take to write
-  std::uint32_t contacts = 0;
-  std::uint32_t faults = 0;
-};
 
 /// A pose to send.
 struct OutgoingPose {
@@ -42,8 +34,10 @@ struct StationTotals {
   std::uint32_t faults = 0;  ///< every bit seen
   double max_force_N = 0.0;  ///< given to the device
   double max_torque_Nm = 0.0;
-  Histogram round_trip;   ///< pose out to wrench in [ns]
-  Histogram server_step;  ///< [ns]
+  std::uint64_t evaluations = 0;    ///< ticks whose wrench came from the local contact model's rows
+  std::uint64_t beyond_region = 0;  ///< of these, ticks for which the rows were too far or too old
+  Histogram round_trip;             ///< pose out to wrench in [ns]
+  Histogram server_step;            ///< [ns]
 };
 
 /// What a display shows of a moment; figures "of the period" cover the time since the last one.
@@ -86,17 +80,20 @@ struct StationSnapshot {
 class StationCore {
  public:
   static constexpr std::int64_t kLate_ns = 1'000'000;
+  /// Poses that a reply may answer and still be held against the newest: a quarter of a second.
+  static constexpr std::size_t kRemembered = 256;
 
   /// The device must outlive the core.  Throws Error where the device has no limits.
   explicit StationCore(Device& device);
   Device& device() noexcept { return device_; }
 
   void EnableForces(bool on) noexcept { forces_wanted_ = on; }
-  /// Where the tool's wrench acts, in the tool's frame [m] (SessionState.tool_reference_m).
-  void SetToolReference(const Vec3& p_HT) noexcept { tool_reference_ = p_HT; }
-
-  /// Of the session's spring [N/m]: what a contact's force must have stored (EnergyStage).
-  void SetStiffness(double N_per_m) noexcept { limiter_.SetStiffness(N_per_m); }
+  /// The session's spring: where its wrench acts, what the local contact model goes by, and what a
+  /// contact's force must have stored (EnergyStage).
+  void SetSpring(const CouplingSpring& spring) noexcept;
+  /// Replies' rows are held against the newest pose (the default), or their wrench is taken as it
+  /// comes, late.
+  void EnableLocalModel(bool on) noexcept { local_model_.Enable(on); }
 
   /// Lets guides lead the hand, within these limits.  Never called: none does.
   void AcceptGuide(const GuideLimits& limits) noexcept { guide_ = Guide(limits); }
@@ -107,7 +104,7 @@ class StationCore {
   OutgoingPose Sense(std::int64_t now_ns, bool sending) noexcept;
   /// Takes one of the replies that came since the last tick, oldest first.
   void Take(std::int64_t now_ns, const Reply& reply) noexcept;
-  /// Second half: drives the device by the newest reply.
+  /// Second half: drives the device by what the newest reply says of the newest pose.
   void Act(std::int64_t now_ns) noexcept;
 
   /// Counts from here on: what came before, a warm-up say, is forgotten.
@@ -115,6 +112,8 @@ class StationCore {
   StationSnapshot TakeSnapshot(std::int64_t now_ns) noexcept;
   const StationTotals& totals() const noexcept { return totals_; }
   const WrenchLimiter& limiter() const noexcept { return limiter_; }
+  /// What the limiter was last asked for.
+  const LimiterInput& asked() const noexcept { return asked_; }
   std::uint64_t lost() const noexcept;
   /// True unless the device was last told to render nothing at all.
   bool renders_force() const noexcept {
@@ -129,10 +128,13 @@ class StationCore {
   Guide guide_;
   bool forces_wanted_ = false;
   Vec3 tool_reference_ = Vec3::Zero();
+  LocalContactModel local_model_;
+  LimiterInput asked_;
   DeviceSample sample_;
   Reply newest_;
   bool has_reply_ = false;
   std::uint64_t sequence_ = 0;
+  std::array<Pose, kRemembered> sent_;  // the poses up to sequence_, by their number
   std::int64_t last_act_ns_ = 0;
   Wrench applied_;
   StationTotals totals_;

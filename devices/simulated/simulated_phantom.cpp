@@ -113,7 +113,11 @@ void SimulatedPhantom::Substep(const Wrench& motor, double t, double h) noexcept
 }
 
 void SimulatedPhantom::Apply(const LimitedWrench& wrench) noexcept {
-  const Wrench motor = MotorWrench(wrench.wrench());
+  Pass(wrench.wrench());
+}
+
+void SimulatedPhantom::Pass(const Wrench& commanded) noexcept {
+  const Wrench motor = MotorWrench(commanded);
   const double h = tick_s_ / substeps_;
   for (int i = 0; i < substeps_; ++i) Substep(motor, time() + i * h, h);
   ++ticks_;

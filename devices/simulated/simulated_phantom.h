@@ -26,6 +26,8 @@ class SimulatedPhantom final : public Device {
   /// The pose as the encoders give it, and its velocity as a driver estimates it from them.
   DeviceSample Read() noexcept override;
   void Apply(const LimitedWrench& wrench) noexcept override;
+  /// The millisecond that Apply lets pass, under any wrench: for measurements without a limiter.
+  void Pass(const Wrench& commanded) noexcept;
   const char* activity() const noexcept override;
 
   // The truth behind the encoders, for tests and displays.

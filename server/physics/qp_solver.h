@@ -1,24 +1,12 @@
 #pragma once
 
+#include "common/qp/nearest_point.h"
 #include "server/physics/simd/kernels.h"
 
 namespace palpate {
 
-/// Minimises 1/2 |x - t|^2 subject to a_i . x >= b_i: the point of a polyhedron nearest to t.
-/// Dual active set after Goldfarb & Idnani, Math. Programming 27 (1983) 1-33, with the Hessian the
-/// identity (simd/dual_active_set.inl).  It starts from t itself, so it needs no feasible start
-/// (the limitation that chapter 2.3.3 ends with), and stops where no row is violated by more than
-/// rounding.
-///
-/// Contradictory rows have no solution.  They are then solved once more as
-///   minimise 1/2 |x - t|^2 + eta^2 / (2 c)  subject to  a_i . x + eta >= b_i,  c = kJamCompliance,
-/// the same method with one unknown more.  A compliance on every row would do too, but there a
-/// thousand copies of a row are a thousand active rows; here they are one.
-///
+/// SolveNearestPoint (common/qp) by an instruction set of choice: equal bits, sooner.
 /// @tparam N      3 or 6 unknowns; the first N columns are used.
-/// @param t       target [unit of b].
-/// @param rows    any count, all finite.  Duplicates, parallels and zero rows are allowed.
-/// @param guess   rows that were active last time, most useful first; may repeat; not required.
 /// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
 template <int N>
 QpResult SolveNearestPoint(const Kernels& kernels, const double* t, const QpRows& rows,
@@ -39,9 +27,5 @@ QpResult SolveCompliant(const Kernels& kernels, const double* t, const Compliant
   static_assert(N == 3 || N == 6);
   return (N == 6 ? kernels.solve_compliant_6 : kernels.solve_compliant_3)(t, rows, guess, guesses);
 }
-
-/// Compliance of a jam, as a ratio to the coupling's 1/k_t: with 1000 N/m it stands for 10^8 N/m,
-/// about that of enamel on steel.
-inline constexpr double kJamCompliance = 1e-5;
 
 }  // namespace palpate

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 
 #include "common/math/rotation.h"
 #include "common/time/steady_clock.h"
+#include "server/physics/sphere_tree_query.h"
 
 namespace palpate {
 namespace {
@@ -17,7 +19,8 @@ constexpr int kJumpAgreement = 5;        // samples
 constexpr double kGainUp = 1.0 / 200.0;  // per sample: 200 ms from none to full force
 constexpr double kGainDown = 1.0 / 20.0;
 constexpr double kUnitTolerance = 1e-6;  // of |q|^2; what single-precision drivers give
-constexpr double kWrenchValid_s = 0.02;
+constexpr double kWrenchValid_s = 0.05;
+constexpr double kRegion_m = 5e-3;
 constexpr std::int64_t kLate_ns = 2'000'000;
 
 bool IsFinite(const Pose& X) noexcept {
@@ -164,8 +167,10 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
   constexpr int kRows = std::size(decltype(answer.row_force_N){});
   if (gain_ < 1.0 || report.soft_contacts > 0 || rigid > kRows) return;
   answer.rows = answer.contacts;
-  answer.region_m = model_.parameters().max_translation;
-  answer.region_rad = model_.parameters().max_rotation;
+  answer.region_m = kRegion_m;
+  answer.region_rad = model_.degrees_of_freedom() == 3
+                          ? std::numbers::pi
+                          : kRegion_m / std::max(model_.tool().max_lever(), kRegion_m);
   for (int i = 0; i < rigid; ++i) {
     const ActiveRow& active = report.active[i];
     for (int k = 0; k < 3; ++k) {

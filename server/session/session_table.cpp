@@ -214,6 +214,8 @@ void SessionTable::Publish(const Session& session) {
   wire::FromText(session.reason(), state.reason);
   state.start_depth_m = session.start_depth();
   wire::FromVec3(session.tool().model.reference(), state.tool_reference_m);
+  state.stiffness_N_per_m = session.tool().model.parameters().stiffness;
+  state.torsional_stiffness_Nm_per_rad = session.tool().model.parameters().torsional_stiffness;
   state.start_sequence = session.start_sequence();
   wire::FromPose(session.start(), state.start_position_m, state.start_orientation_wxyz);
   changes_.push_back(state);

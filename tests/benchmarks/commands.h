@@ -6,6 +6,7 @@ namespace palpate::bench {
 
 // Each adds its command to palpate-bench; the callback runs when the command was given.
 void AddAccuracy(CLI::App& app);
+void AddClosedLoop(CLI::App& app);
 void AddCycle(CLI::App& app);
 void AddLevels(CLI::App& app);
 /// `domain` is read when the command runs.

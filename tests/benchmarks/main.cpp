@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   app.add_option("--log-level", log_level, "trace, debug, info, warn, error or off");
   app.parse_complete_callback([&] { palpate::SetUpLog("palpate-bench", log_level); });
   palpate::bench::AddAccuracy(app);
+  palpate::bench::AddClosedLoop(app);
   palpate::bench::AddCycle(app);
   palpate::bench::AddLevels(app);
   palpate::bench::AddLoop(app, domain);

@@ -37,7 +37,7 @@ nlohmann::json ValuesOf(const wire::SessionState& state) {
                      state.tool,
                      state.reason,
                      state.start_depth_m};
-  PutDoubles(out, state.tool_reference_m, 3);
+  PutDoubles(out, state.tool_reference_m, 3 + 2);
   out.push_back(std::to_string(state.start_sequence));
   PutDoubles(out, state.start_position_m, 7);
   return out;

@@ -130,6 +130,8 @@ class Golden {
     wire::FromText(scene_.name, state.scene);
     wire::FromText(scene_.tools.front().name, state.tool);
     wire::FromVec3(model_.reference(), state.tool_reference_m);
+    state.stiffness_N_per_m = model_.parameters().stiffness;
+    state.torsional_stiffness_Nm_per_rad = model_.parameters().torsional_stiffness;
     state.start_sequence = start_sequence;
     wire::FromPose(X_WG, state.start_position_m, state.start_orientation_wxyz);
     add(dds::kSessionStateTopic, state, 1);

@@ -174,7 +174,7 @@ TEST(StationCore, NumbersOnlyThePosesThatItSends) {
 TEST(StationCore, ShiftsTheWrenchFromTheToolsCentroidToTheHandle) {
   Bench bench;
   bench.device.sample.X_WH.q = RotationExp(Vec3(0, 0, M_PI / 2));  // x of the tool is y of W
-  bench.core.SetToolReference(Vec3(0.1, 0, 0));
+  bench.core.SetSpring({1000.0, 1.0, Vec3(0.1, 0, 0)});
   bench.wrench = {Vec3(0, 0, 2.0), Vec3(0.01, 0, 0)};
   for (int i = 0; i < 400; ++i) bench.Tick(true);
   EXPECT_EQ(bench.device.applied.force, Vec3(0, 0, 2.0));

@@ -1,8 +1,8 @@
 // The solver of SolveCompliant (qp_solver.h), one of the loops that each kernels_*.cpp compiles for
 // its instruction set.
-#include "server/physics/simd/dual_active_set.inl"
+#include "common/qp/dual_active_set.inl"
 #include "server/physics/simd/kernels.h"
-#include "server/physics/simd/vector.h"
+#include "common/qp/vector.h"
 
 namespace palpate {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "common/qp/nearest_point.h"
 #include "scenes/sphere_packet.h"
 
 namespace palpate {
@@ -105,14 +106,6 @@ struct RowColumns {
   NodePair* pair;    ///< leaves
 };
 
-/// Rows a_i . x >= b_i by columns, see RowColumns; `count` is what they hold, and storage goes on
-/// to the next multiple of 16 with rows that always hold (a = 0, b = -1e300).
-struct QpRows {
-  const double* a[6];
-  const double* b;
-  int count;
-};
-
 /// Rows of which some are soft, see SolveCompliant in qp_solver.h.  Columns as in QpRows.
 struct CompliantRows {
   QpRows rigid;            ///< what no step may violate: rigid rows, and the cores of soft ones
@@ -123,24 +116,6 @@ struct CompliantRows {
   double* push;  ///< of each row, to the end of the padding: weight * (soft_b - a . x), or 0
   double* pull;  ///< 6: sum of push * a
   int* pushing;  ///< rows whose push is not 0
-};
-
-enum class QpStatus {
-  kSolved,
-  kRelaxed,         ///< rows contradict each other; solved with one slack common to all rows
-  kIterationLimit,  ///< did not end; the result is the best point so far
-};
-
-inline constexpr int kMaxActiveRows = 7;  ///< six unknowns, and the slack of a relaxed problem
-
-struct QpResult {
-  double x[6];
-  double slack = 0.0;  ///< least common violation of the rows [unit of b]; 0 unless kRelaxed
-  int active = 0;
-  int row[kMaxActiveRows];
-  double multiplier[kMaxActiveRows];  ///< >= 0
-  int iterations = 0;                 ///< rows taken up or dropped
-  QpStatus status = QpStatus::kSolved;
 };
 
 /// Pairs of packets that expand_pairs takes at a time.

@@ -125,6 +125,8 @@ export function sessionState(
     reason,
     start_depth_m: 0,
     tool_reference_m: [0, 0, 0],
+    stiffness_N_per_m: 1000,
+    torsional_stiffness_Nm_per_rad: 1,
     start_sequence: 1n,
     start_position_m: [0, 0, 0],
     start_orientation_wxyz: [1, 0, 0, 0],

@@ -1,10 +1,10 @@
-// The QP solver of qp_solver.h, one of the loops that each kernels_*.cpp compiles for its
-// instruction set.  Every vector here is one of eight doubles, used in the same order at every
-// level.
+// The solver of nearest_point.h, compiled in plain C++ by nearest_point.cpp and for its instruction
+// set by each server/physics/simd/kernels_*.cpp.  Every vector here is one of eight doubles, used in
+// the same order at every level.
 #pragma once
 
-#include "server/physics/simd/kernels.h"
-#include "server/physics/simd/vector.h"
+#include "common/qp/nearest_point.h"
+#include "common/qp/vector.h"
 
 namespace palpate {
 namespace {
@@ -17,7 +17,7 @@ constexpr double kCancelled = 1e-2;
 /// Ratio test: an r_j below this is rounding.
 constexpr double kRatioZero = 1e-13;
 constexpr double kInfinity = __builtin_huge_val();
-/// Square root of kJamCompliance = 1e-5 (qp_solver.h).
+/// Square root of kJamCompliance = 1e-5 (nearest_point.h).
 constexpr double kSlackEntry = 3.1622776601683795e-3;
 
 /// Eight doubles in memory, of which a few are used and the others are zero.

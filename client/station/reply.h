@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "common/dds/wire.h"
+#include "common/math/pose.h"
+
+namespace palpate {
+
+/// A row of a reply's local contact model: row . [v; phi] >= offset for a step of the graphic tool
+/// from Reply::X_WG, v of the tool's reference point and phi, both in W.
+struct LocalRow {
+  Vec3 normal = Vec3::Zero();              ///< unit, from object to tool
+  Vec3 lever_cross_normal = Vec3::Zero();  ///< [m]
+  double offset = 0.0;                     ///< [m]; at most 0, but for what a jam leaves violated
+};
+
+/// A reply's local contact model, as idl/haptics.idl says.
+struct LocalRows {
+  static constexpr int kMost = 6;
+  int count = 0;  ///< as it came: anything at all
+  std::array<LocalRow, kMost> row;
+  double region_m = 0.0;
+  double region_rad = 0.0;
+  double valid_s = 0.0;
+};
+
+/// A server's answer to a pose, without DDS: what the loop needs of wire::Wrench.
+struct Reply {
+  std::uint64_t pose_sequence = 0;  ///< the pose that it answers
+  std::int64_t pose_time_ns = 0;    ///< when that was sampled, by this station's clock
+  std::int64_t received_ns = 0;     ///< by the same clock
+  Pose X_WG;                        ///< the graphic tool
+  Wrench wrench;                    ///< on the hand, at the tool's reference point, in W
+  double step_time_s = 0.0;         ///< the server's, from take to write
+  std::uint32_t contacts = 0;
+  std::uint32_t faults = 0;
+  LocalRows local = {};
+};
+
+/// Nothing is checked.  Real-time.
+Reply ToReply(const wire::Wrench& sample, std::int64_t received_ns) noexcept;
+
+}  // namespace palpate

@@ -1,0 +1,12 @@
+#include "common/qp/nearest_point.h"
+
+#include "common/qp/dual_active_set.inl"
+
+namespace palpate {
+
+QpResult SolveNearestPoint(const double* t, const QpRows& rows, const int* guess,
+                           int guesses) noexcept {
+  return Solve<6>(t, rows, guess, guesses);
+}
+
+}  // namespace palpate

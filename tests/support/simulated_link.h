@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <queue>
+#include <utility>
+#include <vector>
+
+#include "tests/support/random.h"
+
+namespace palpate::test {
+
+/// What one way of a link does to what is sent along it.
+struct LinkConditions {
+  std::int64_t delay_ns = 0;   ///< least time on the way
+  std::int64_t jitter_ns = 0;  ///< further time, evenly from 0 to this; alone it keeps the order
+  double loss = 0.0;           ///< probability that a sample never arrives; 1: the way is cut
+  double duplication = 0.0;    ///< that one which arrives does so again, up to `straggle_ns` later
+  double reordering = 0.0;     ///< that one is held back by up to `straggle_ns`: others overtake it
+  std::int64_t straggle_ns = 5'000'000;
+};
+
+/// When samples arrive that are sent along one way, of no matter what: the dice of a LossyWay.
+///
+/// Jitter queues, as it does in a router: a sample that is not held back on purpose never arrives
+/// before one that was sent earlier.  So `reordering` alone says how much is out of order.
+/// Pure: the n-th call's outcome depends on the seed, the conditions and the times given so far.
+class LinkDice {
+ public:
+  explicit LinkDice(std::uint64_t seed) : random_(seed) {}
+
+  struct Arrivals {
+    int count = 0;  ///< 0 to 2
+    std::int64_t time_ns[2] = {};
+  };
+  /// @param now_ns  never before that of the last call.
+  Arrivals Send(std::int64_t now_ns, const LinkConditions& conditions);
+
+ private:
+  Random random_;
+  std::int64_t queue_ends_ns_ = 0;  // the latest arrival in order
+};
+
+/// One way of a link in virtual time: what is sent comes out when and as often as the dice say.
+template <typename T>
+class LossyWay {
+ public:
+  explicit LossyWay(std::uint64_t seed, const LinkConditions& conditions = {})
+      : dice_(seed), conditions_(conditions) {}
+
+  /// May be changed at any time; holds for what is sent from then on.
+  LinkConditions& conditions() { return conditions_; }
+
+  void Send(std::int64_t now_ns, const T& sample) {
+    const LinkDice::Arrivals arrivals = dice_.Send(now_ns, conditions_);
+    for (int i = 0; i < arrivals.count; ++i) {
+      under_way_.push({arrivals.time_ns[i], sent_++, sample});
+    }
+  }
+  /// The next sample that has arrived by `now_ns`, earliest first; of equal times, as sent.
+  std::optional<T> Receive(std::int64_t now_ns) {
+    if (under_way_.empty() || under_way_.top().time_ns > now_ns) return std::nullopt;
+    T sample = under_way_.top().sample;
+    under_way_.pop();
+    return sample;
+  }
+  /// When the next one arrives, where anything is under way: for who steps time by events.
+  std::optional<std::int64_t> next_arrival_ns() const {
+    if (under_way_.empty()) return std::nullopt;
+    return under_way_.top().time_ns;
+  }
+
+ private:
+  struct Packet {
+    std::int64_t time_ns;
+    std::uint64_t number;
+    T sample;
+    bool operator<(const Packet& other) const {  // the queue's top is its greatest
+      return std::pair(time_ns, number) > std::pair(other.time_ns, other.number);
+    }
+  };
+  LinkDice dice_;
+  LinkConditions conditions_;
+  std::priority_queue<Packet> under_way_;
+  std::uint64_t sent_ = 0;
+};
+
+/// A link between a station and a server in virtual time: equal seeds and equal calls, equal bits.
+template <typename Up, typename Down>
+struct SimulatedLink {
+  /// `each_way`: a round trip takes twice its delay.
+  explicit SimulatedLink(std::uint64_t seed, const LinkConditions& each_way = {})
+      : up(2 * seed, each_way), down(2 * seed + 1, each_way) {}
+  LossyWay<Up> up;
+  LossyWay<Down> down;
+};
+
+}  // namespace palpate::test
