@@ -37,14 +37,14 @@ SessionLink::SessionLink(LinkOptions options, ReplyRing& replies,
     : options_(std::move(options)),
       replies_(replies),
       say_(std::move(say)),
-      choice_(dds::ChooseTransport(options_.transport)) {
+      choice_(dds::ChooseTransport(options_.transport, options_.network)) {
   // What is made in here inherits the real-time rights: DDS's receiving threads, and the loop.
   realtime_ = EnterRealtime(options_.realtime);
-  loop_.emplace(dds::Participant::Loop(options_.domain, choice_));
+  loop_.emplace(dds::Participant::Loop(options_.domain, choice_, options_.network));
   servo_ = &make_servo_thread();
   LeaveRealtime();
 
-  service_.emplace(dds::Participant::Service(options_.domain));
+  service_.emplace(dds::Participant::Service(options_.domain, options_.network));
   requests_ = {*service_, dds::kSessionRequestTopic, dds::Qos::kSession};
   states_ = {*service_, dds::kSessionStateTopic, dds::Qos::kSession};
   Ask(SteadyNanoseconds());
@@ -244,7 +244,7 @@ void SessionLink::FallBackToUdp(const std::string& why, std::int64_t now_ns) {
   loop_.reset();
   choice_ = {dds::Transport::kUdp, "UDP (" + why + ")"};
   EnterRealtime(options_.realtime);
-  loop_.emplace(dds::Participant::Loop(options_.domain, choice_));
+  loop_.emplace(dds::Participant::Loop(options_.domain, choice_, options_.network));
   LeaveRealtime();
   say_("transport: " + choice_.reason);
   Ask(now_ns);
