@@ -15,6 +15,7 @@
 #include "client/station/servo_thread.h"
 #include "client/station/station_core.h"
 #include "client/station/summary.h"
+#include "client/station/trace.h"
 #include "common/error.h"
 #include "common/time/steady_clock.h"
 #include "devices/device_factory.h"
@@ -95,11 +96,14 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
 
   LiveTable table(stdout, StyleOf(options), std::getenv("NO_COLOR") == nullptr);
   ReplyRing replies;
+  // First: its thread is not to inherit the loop's scheduling.
+  std::unique_ptr<Trace> trace;
+  if (!options.trace.empty()) trace = std::make_unique<Trace>(options.trace);
   std::unique_ptr<ServoThread> servo;
   SessionLink link(
       options.link, replies,
       [&]() -> ServoThread& {
-        servo = std::make_unique<ServoThread>(core, replies, table.period_s());
+        servo = std::make_unique<ServoThread>(core, replies, table.period_s(), trace.get());
         return *servo;
       },
       [&](const std::string& event) {
@@ -147,6 +151,12 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   if (options.json != "-") std::fputs(("\n" + ToText(summary)).c_str(), stdout);
   if (!options.json.empty()) WriteJson(summary, options.json);
   std::fflush(stdout);
+  if (!trace) return;
+  trace->Close();
+  if (trace->dropped() > 0) {
+    spdlog::warn("--trace {}: {} ticks are missing, the disk was too slow", options.trace,
+                 trace->dropped());
+  }
 }
 
 }  // namespace palpate

@@ -60,6 +60,7 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   const Wrench pull = guide_.Pull(now_ns, dt_s, sample_.X_WH, sample_.V_WH);
   wanted.force += pull.force;
   wanted.torque += pull.torque;
+  wanted_ = wanted;
   const LimitedWrench limited = limiter_.Limit(wanted, age_s, dt_s);
   if (has_reply_) device_.SeeGraphicTool(newest_.X_WG, tool_reference_);
   device_.Apply(limited);

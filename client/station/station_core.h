@@ -105,6 +105,13 @@ class StationCore {
   bool renders_force() const noexcept {
     return !applied_.force.isZero(0.0) || !applied_.torque.isZero(0.0);
   }
+  /// The newest reply that was used; its sequence is 0 before the first.
+  const Reply& newest() const noexcept { return newest_; }
+  /// Of the newest pose that was sent.
+  std::uint64_t sequence() const noexcept { return sequence_; }
+  /// What the limiter was last asked for, and what it let through: at the handle, in W.
+  const Wrench& wanted() const noexcept { return wanted_; }
+  const Wrench& applied() const noexcept { return applied_; }
   /// When the pose of the newest reply was sampled; 0 before the first.
   std::int64_t newest_reply_ns() const noexcept { return newest_.pose_time_ns; }
 
@@ -119,6 +126,7 @@ class StationCore {
   bool has_reply_ = false;
   std::uint64_t sequence_ = 0;
   std::int64_t last_act_ns_ = 0;
+  Wrench wanted_;
   Wrench applied_;
   StationTotals totals_;
   std::uint64_t answered_before_ = 0;  // poses up to here are not of these totals
