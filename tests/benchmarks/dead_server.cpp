@@ -70,14 +70,15 @@ void Run(const Options& options) {
     server->Signal(options.how == "freeze" ? SIGSTOP : SIGKILL);
     std::this_thread::sleep_for(kSilent);
     if (options.how == "freeze") {
-      server->Signal(SIGCONT);
+      server->Signal(SIGCONT);  // its session goes on, or is asked for again
     } else {
       server.reset();
       server = StartServer(options);
+      Await(station, "session resumed");
     }
-    Await(station, "session resumed");
+    station.Output();
   }
-  std::this_thread::sleep_for(kPressed);
+  std::this_thread::sleep_for(2 * kPressed);
   station.Signal(SIGTERM);
   if (station.Exit() != 0) throw Error("dead-server: the station failed:\n" + station.Output());
   const std::vector<test::TraceRow> rows = test::ReadTrace(trace);
