@@ -49,6 +49,7 @@ std::string Quoted(const std::string& text) {
 /// Why each line is there:
 /// - `lo` has no MULTICAST flag, so discovery over it must be told that it may; only discovery uses
 ///   multicast (`spdp`), data goes to each reader by itself.
+/// - A network loses announcements, and the next is due after 30 s by default.
 /// - Peers are asked beside multicast, not instead of it.
 /// - A participant index gives fixed ports, so that a crowded domain is an error at start.
 /// - Shared memory does not know domains: without a prefix per domain, another domain's writer on
@@ -65,8 +66,8 @@ std::string DomainConfig(int domain_id, bool shared_memory, const Network& netwo
       " multicast=\"true\"/></Interfaces>"
       "<AllowMulticast>spdp</AllowMulticast></General>"
       "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
-      "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex><Peers>" +
-      peers +
+      "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex>" +
+      (network.this_host() ? "" : "<SPDPInterval>1s</SPDPInterval>") + "<Peers>" + peers +
       "</Peers></Discovery>"
       "<Tracing><Verbosity>severe</Verbosity><OutputFile>stderr</OutputFile></Tracing>";
   xml += shared_memory ? "<SharedMemory><Enable>true</Enable><LogLevel>warn</LogLevel>"
