@@ -162,6 +162,10 @@ void SessionLink::MakeReader() {
                  reply.step_time_s = sample.step_time_s;
                  reply.contacts = sample.contacts;
                  reply.faults = sample.faults;
+                 // What does not echo a pose as it was sent answers none: sequence 0 is a stray.
+                 if (servo_->sample_time_ns(reply.pose_sequence) != reply.pose_time_ns) {
+                   reply.pose_sequence = 0;
+                 }
                  replies_.Push(reply);
                }};
   ++readers_made_;
