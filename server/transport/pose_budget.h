@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 
 namespace palpate {
 
@@ -24,7 +25,7 @@ class PoseBudget {
 
  private:
   static constexpr std::int64_t kPose_ns = 1'000'000'000 / kPerSecond;
-  std::int64_t paid_until_ns_ = 0;
+  std::int64_t paid_until_ns_ = std::numeric_limits<std::int64_t>::min() / 2;
 };
 
 }  // namespace palpate
