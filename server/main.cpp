@@ -42,6 +42,7 @@ then, in another terminal: palpate-station --device simulated --scene bunny-bunn
 struct Options {
   std::vector<std::string> scenes;
   std::string transport = "auto";
+  dds::Network network;
   std::string realtime = "prefer";
   int cpu = -1;
   std::string models;
@@ -63,12 +64,12 @@ int Serve(const Options& options) {
   StopSignal stop;
   const ServerLock lock(options.domain);
   const dds::TransportChoice transport =
-      dds::ChooseTransport(dds::ParseTransport(options.transport));
+      dds::ChooseTransport(dds::ParseTransport(options.transport), options.network);
 
   // The receiving threads, which are the servo loops, inherit what this thread has just now.
   const RealtimeReport realtime =
       EnterRealtime({.mode = ParseRealtimeMode(options.realtime), .cpu = options.cpu});
-  dds::Participant loop_domain = dds::Participant::Loop(options.domain, transport);
+  dds::Participant loop_domain = dds::Participant::Loop(options.domain, transport, options.network);
   LeaveRealtime();
 
   LoadOptions load;
@@ -91,8 +92,8 @@ int Serve(const Options& options) {
   }
   malloc_trim(0);  // what the models were made from: as much again
 
-  Server server(std::move(loop_domain), dds::Participant::Service(options.domain), std::move(tools),
-                [](const std::string& line) {
+  Server server(std::move(loop_domain), dds::Participant::Service(options.domain, options.network),
+                std::move(tools), [](const std::string& line) {
                   std::puts(line.c_str());
                   std::fflush(stdout);
                 });
@@ -123,6 +124,12 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
       ->check(CLI::NonNegativeNumber);
   app.add_option("--models", options.models,
                  "folder with the meshes that are not installed (or PALPATE_MODELS)");
+  app.add_option("--network", options.network.interface,
+                 "network interface, where the stations are on other hosts; default: this host "
+                 "alone.  Nothing that is sent over it is encrypted")
+      ->capture_default_str();
+  app.add_option("--peer", options.network.peers,
+                 "address of a station, where the network carries no multicast");
   AddCommonOptions(app, "which set of servers and stations this belongs to", options.domain,
                    options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;

@@ -104,6 +104,13 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
           ->check(CLI::PositiveNumber);
   app.add_option("--transport", transport, "of poses and wrenches: auto, shm or udp")
       ->capture_default_str();
+  app.add_option("--network", options.link.network.interface,
+                 "network interface, where the server is on another host; default: this host "
+                 "alone.  Nothing that is "
+                 "sent over it is encrypted")
+      ->capture_default_str();
+  app.add_option("--peer", options.link.network.peers,
+                 "address of the server, where the network carries no multicast");
   app.add_option("--domain", options.link.domain, "which server: the same number as there")
       ->check(CLI::Range(0, dds::kMaxDomain))
       ->capture_default_str();
@@ -116,6 +123,8 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_flag("--table,!--no-table", table,
                "a live table, or a line a second; default: a table on a terminal");
   app.add_option("--json", options.json, "write the summary as JSON to this file; - is stdout");
+  app.add_option("--trace", options.trace,
+                 "write a row of every tick to this file (CSV): replies, their age, forces");
   app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
       ->capture_default_str();
 

@@ -25,6 +25,7 @@ struct StationOptions {
   std::optional<double> seconds;
   std::optional<bool> table;  ///< empty: as stdout is a terminal or not
   std::string json;           ///< file or "-"; empty: none
+  std::string trace;          ///< file; empty: none
   std::string log_level = "info";
 };
 

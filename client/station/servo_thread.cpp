@@ -30,11 +30,22 @@ wire::HapticPose ToWire(const OutgoingPose& pose) noexcept {
   return sample;
 }
 
+TickRecord RecordOf(const StationCore& core, std::int64_t now_ns) noexcept {
+  const Reply& reply = core.newest();
+  const LimiterInput& asked = core.asked();
+  const Wrench wanted{asked.wanted.force + asked.led.force, asked.wanted.torque + asked.led.torque};
+  return {
+      now_ns,        core.sequence(), reply.pose_sequence,    reply.pose_time_ns, reply.received_ns,
+      wanted, core.applied(),  core.limiter().counts()};
+}
+
 }  // namespace
 
-ServoThread::ServoThread(StationCore& core, ReplyRing& replies, double snapshot_period_s)
+ServoThread::ServoThread(StationCore& core, ReplyRing& replies, double snapshot_period_s,
+                         Trace* trace)
     : core_(core),
       replies_(replies),
+      trace_(trace),
       rate_Hz_(core.device().info().rate_Hz),
       tick_ns_(static_cast<std::int64_t>(1e9 / rate_Hz_)),
       ticks_per_snapshot_(static_cast<std::uint64_t>(std::max(1.0, snapshot_period_s * rate_Hz_))),
@@ -124,6 +135,7 @@ void ServoThread::Tick(std::int64_t now_ns) noexcept {
   GuideAim aim;
   if (aims_.Read(aim)) core_.Take(now_ns, aim);
   core_.Act(now_ns);
+  if (trace_) trace_->Add(RecordOf(core_, now_ns));
   newest_reply_ns_.store(core_.newest_reply_ns(), std::memory_order_relaxed);
   const std::uint64_t ticks = (tick_edges_.fetch_add(1) + 1) / 2;
   if (ticks % ticks_per_snapshot_ == 0) snapshots_.Write(core_.TakeSnapshot(now_ns));

@@ -8,6 +8,7 @@
 
 #include "client/station/reply_ring.h"
 #include "client/station/station_core.h"
+#include "client/station/trace.h"
 #include "common/dds/endpoint.h"
 #include "common/realtime/latest_mailbox.h"
 
@@ -31,7 +32,9 @@ class ServoThread {
 
   /// Inherits the caller's scheduling.  The core must outlive it, and is the thread's until Stop().
   /// @param snapshot_period_s  how often a snapshot is made.
-  ServoThread(StationCore& core, ReplyRing& replies, double snapshot_period_s);
+  /// @param trace              gets every tick; null: none.  Must outlive it.
+  ServoThread(StationCore& core, ReplyRing& replies, double snapshot_period_s,
+              Trace* trace = nullptr);
   ~ServoThread();
   ServoThread(const ServoThread&) = delete;
   ServoThread& operator=(const ServoThread&) = delete;
@@ -78,6 +81,7 @@ class ServoThread {
 
   StationCore& core_;
   ReplyRing& replies_;
+  Trace* const trace_;
   const double rate_Hz_;
   const std::int64_t tick_ns_;
   const std::uint64_t ticks_per_snapshot_;

@@ -31,14 +31,14 @@ SessionLink::SessionLink(LinkOptions options, ReplyRing& replies,
     : options_(std::move(options)),
       replies_(replies),
       say_(std::move(say)),
-      choice_(dds::ChooseTransport(options_.transport)) {
+      choice_(dds::ChooseTransport(options_.transport, options_.network)) {
   // What is made in here inherits the real-time rights: DDS's receiving threads, and the loop.
   realtime_ = EnterRealtime(options_.realtime);
-  loop_.emplace(dds::Participant::Loop(options_.domain, choice_));
+  loop_.emplace(dds::Participant::Loop(options_.domain, choice_, options_.network));
   servo_ = &make_servo_thread();
   LeaveRealtime();
 
-  service_.emplace(dds::Participant::Service(options_.domain));
+  service_.emplace(dds::Participant::Service(options_.domain, options_.network));
   requests_ = {*service_, dds::kSessionRequestTopic, dds::Qos::kSession};
   states_ = {*service_, dds::kSessionStateTopic, dds::Qos::kRecordSession};
   Ask(SteadyNanoseconds());
@@ -154,7 +154,12 @@ void SessionLink::MakeReader() {
   wrenches_ = {};  // the former one first: two readers would hold chunks of the same writer
   wrenches_ = {*loop_, dds::WrenchTopic(options_.station, run_), dds::Qos::kLoop,
                [this](const wire::Wrench& sample) noexcept {
-                 replies_.Push(ToReply(sample, SteadyNanoseconds()));
+                 Reply reply = ToReply(sample, SteadyNanoseconds());
+                 // What does not echo a pose as it was sent answers none: sequence 0 is a stray.
+                 if (servo_->sample_time_ns(reply.pose_sequence) != reply.pose_time_ns) {
+                   reply.pose_sequence = 0;
+                 }
+                 replies_.Push(reply);
                }};
   ++readers_made_;
 }
@@ -236,7 +241,7 @@ void SessionLink::FallBackToUdp(const std::string& why, std::int64_t now_ns) {
   loop_.reset();
   choice_ = {dds::Transport::kUdp, "UDP (" + why + ")"};
   EnterRealtime(options_.realtime);
-  loop_.emplace(dds::Participant::Loop(options_.domain, choice_));
+  loop_.emplace(dds::Participant::Loop(options_.domain, choice_, options_.network));
   LeaveRealtime();
   say_("transport: " + choice_.reason);
   Ask(now_ns);

@@ -21,6 +21,7 @@ struct LinkOptions {
   std::string device;  ///< for the server's log
   int domain = 0;
   dds::Transport transport = dds::Transport::kAuto;
+  dds::Network network;
   RealtimeOptions realtime;
   double patience_s = 10.0;  ///< how long the first answer of a server may take
 };

@@ -17,6 +17,7 @@
 #include "client/station/statistics_period.h"
 #include "client/station/summary.h"
 #include "common/dds/topics.h"
+#include "client/station/trace.h"
 #include "common/error.h"
 #include "common/time/steady_clock.h"
 #include "devices/device_factory.h"
@@ -119,11 +120,14 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
 
   LiveTable table(stdout, StyleOf(options), std::getenv("NO_COLOR") == nullptr);
   ReplyRing replies;
+  // First: its thread is not to inherit the loop's scheduling.
+  std::unique_ptr<Trace> trace;
+  if (!options.trace.empty()) trace = std::make_unique<Trace>(options.trace);
   std::unique_ptr<ServoThread> servo;
   SessionLink link(
       options.link, replies,
       [&]() -> ServoThread& {
-        servo = std::make_unique<ServoThread>(core, replies, table.period_s());
+        servo = std::make_unique<ServoThread>(core, replies, table.period_s(), trace.get());
         if (!forces) servo->EnableForcesByButton();
         return *servo;
       },
@@ -191,6 +195,12 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   if (options.json != "-") std::fputs(("\n" + ToText(summary)).c_str(), stdout);
   if (!options.json.empty()) WriteJson(summary, options.json);
   std::fflush(stdout);
+  if (!trace) return;
+  trace->Close();
+  if (trace->dropped() > 0) {
+    spdlog::warn("--trace {}: {} ticks are missing, the disk was too slow", options.trace,
+                 trace->dropped());
+  }
 }
 
 }  // namespace palpate

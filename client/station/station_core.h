@@ -119,6 +119,12 @@ class StationCore {
   bool renders_force() const noexcept {
     return !applied_.force.isZero(0.0) || !applied_.torque.isZero(0.0);
   }
+  /// The newest reply that was used; its sequence is 0 before the first.
+  const Reply& newest() const noexcept { return newest_; }
+  /// Of the newest pose that was sent.
+  std::uint64_t sequence() const noexcept { return sequence_; }
+  /// What the limiter last let through: at the handle, in W.
+  const Wrench& applied() const noexcept { return applied_; }
   /// When the pose of the newest reply was sampled; 0 before the first.
   std::int64_t newest_reply_ns() const noexcept { return newest_.pose_time_ns; }
 

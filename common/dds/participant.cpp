@@ -33,21 +33,42 @@ SocketIdentity RouDiIdentity() {
           status.st_ctim.tv_sec * std::int64_t{1'000'000'000} + status.st_ctim.tv_nsec};
 }
 
+/// An attribute's value.
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '&' || c == '<') {
+      quoted += "&#" + std::to_string(c) + ";";
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "\"";
+}
+
 /// Why each line is there:
 /// - `lo` has no MULTICAST flag, so discovery over it must be told that it may; only discovery uses
 ///   multicast (`spdp`), data goes to each reader by itself.
+/// - A network loses announcements, and the next is due after 30 s by default.
+/// - Peers are asked beside multicast, not instead of it.
 /// - A participant index gives fixed ports, so that a crowded domain is an error at start.
 /// - Shared memory does not know domains: without a prefix per domain, another domain's writer on
 ///   the same topic fills our reader until it dies.
 /// - The locator says "same machine"; by default it is made of a network interface's address, and
 ///   two containers that share memory would then get every sample twice.
-std::string DomainConfig(int domain_id, bool shared_memory) {
+std::string DomainConfig(int domain_id, bool shared_memory, const Network& network) {
+  std::string peers;
+  for (const std::string& peer : network.peers) peers += "<Peer Address=" + Quoted(peer) + "/>";
   std::string xml =
       "<CycloneDDS><Domain id=\"any\">"
-      "<General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces>"
+      "<General><Interfaces><NetworkInterface name=" +
+      Quoted(network.interface) +
+      " multicast=\"true\"/></Interfaces>"
       "<AllowMulticast>spdp</AllowMulticast></General>"
       "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
-      "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex></Discovery>"
+      "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex>" +
+      (network.this_host() ? "" : "<SPDPInterval>1s</SPDPInterval>") + "<Peers>" + peers +
+      "</Peers></Discovery>"
       "<Tracing><Verbosity>severe</Verbosity><OutputFile>stderr</OutputFile></Tracing>";
   xml += shared_memory ? "<SharedMemory><Enable>true</Enable><LogLevel>warn</LogLevel>"
                          "<Prefix>palpate_" +
@@ -91,7 +112,14 @@ bool RouDiAnswers() {
   return answers;
 }
 
-TransportChoice ChooseTransport(Transport wanted) {
+TransportChoice ChooseTransport(Transport wanted, const Network& network) {
+  if (!network.this_host()) {
+    if (wanted == Transport::kSharedMemory) {
+      throw Error("--transport shm joins programs of one host; leave --network '" +
+                  network.interface + "' out, or give --transport auto or udp");
+    }
+    return {Transport::kUdp, "UDP (over " + network.interface + ")"};
+  }
   if (wanted == Transport::kUdp) return {Transport::kUdp, "UDP (as asked)"};
   if (RouDiAnswers()) return {Transport::kSharedMemory, "shared memory (RouDi answers)"};
   if (wanted == Transport::kSharedMemory) {
@@ -106,13 +134,15 @@ TransportChoice ChooseTransport(Transport wanted) {
 /// A domain entity; one per process and id, because DDS allows no second.
 class Participant::Domain {
  public:
-  Domain(int id, bool shared_memory) : shared_memory_(shared_memory), roudi_(RouDiIdentity()) {
-    entity_ =
-        dds_create_domain(static_cast<dds_domainid_t>(id), DomainConfig(id, shared_memory).c_str());
+  Domain(int id, bool shared_memory, const Network& network)
+      : shared_memory_(shared_memory), roudi_(RouDiIdentity()) {
+    entity_ = dds_create_domain(static_cast<dds_domainid_t>(id),
+                                DomainConfig(id, shared_memory, network).c_str());
     if (entity_ < 0) {
-      throw Error(
-          "DDS domain " + std::to_string(id) + " cannot be made (" + dds_strretcode(entity_) +
-          "): its UDP ports are taken, or there is no interface 'lo'; give another --domain");
+      throw Error("DDS domain " + std::to_string(id) + " cannot be made (" +
+                  dds_strretcode(entity_) +
+                  "): its UDP ports are taken (give another --domain), or there is no interface '" +
+                  network.interface + "' with an address (give another --network)");
     }
   }
   ~Domain() { dds_delete(entity_); }
@@ -130,11 +160,11 @@ class Participant::Domain {
   dds_entity_t entity_ = 0;
 };
 
-Participant Participant::Make(int domain_id, bool shared_memory) {
+Participant Participant::Make(int domain_id, bool shared_memory, const Network& network) {
   static std::map<int, std::weak_ptr<const Domain>> open;
   std::shared_ptr<const Domain> domain = open[domain_id].lock();
   if (!domain) {
-    domain = std::make_shared<const Domain>(domain_id, shared_memory);
+    domain = std::make_shared<const Domain>(domain_id, shared_memory, network);
     open[domain_id] = domain;
   } else if (domain->shared_memory() != shared_memory) {
     throw Error("DDS domain " + std::to_string(domain_id) +
@@ -150,12 +180,12 @@ Participant Participant::Make(int domain_id, bool shared_memory) {
   return {std::move(domain), participant};
 }
 
-Participant Participant::Loop(int domain, const TransportChoice& choice) {
-  return Make(LoopDomainId(domain), choice.transport == Transport::kSharedMemory);
+Participant Participant::Loop(int domain, const TransportChoice& choice, const Network& network) {
+  return Make(LoopDomainId(domain), choice.transport == Transport::kSharedMemory, network);
 }
 
-Participant Participant::Service(int domain) {
-  return Make(ServiceDomainId(domain), false);
+Participant Participant::Service(int domain, const Network& network) {
+  return Make(ServiceDomainId(domain), false, network);
 }
 
 Participant::Participant(std::shared_ptr<const Domain> domain, dds_entity_t participant)

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <dds/dds.h>
 
@@ -27,14 +28,25 @@ struct TransportChoice {
 /// True where a live RouDi listens at its socket; a socket left by a killed one does not count.
 bool RouDiAnswers();
 
+/// Where others are looked for.  By default on this host alone: nothing that is sent is encrypted,
+/// and whoever can send may command a hand's forces.
+struct Network {
+  std::string interface = "lo";
+  /// Addresses at which to look as well, for networks that carry no multicast.
+  std::vector<std::string> peers;
+
+  bool this_host() const { return interface == "lo"; }
+};
+
 /// Looks for RouDi first: without it dds_create_participant would block for 60 s and abort.
-/// Throws Error where shared memory is asked for and RouDi does not answer, with the remedy.
-TransportChoice ChooseTransport(Transport wanted);
+/// Throws Error where shared memory is asked for and RouDi does not answer or the network is not
+/// this host, with the remedy.
+TransportChoice ChooseTransport(Transport wanted, const Network& network = {});
 
 /// A participant in one DDS domain, which is configured from code (never by CYCLONEDDS_URI).  Two
 /// are made: the loop domain (shared memory where chosen; HapticPose and Wrench alone) and the
 /// service domain (UDP; everything else).  Participants of one process share a domain; it ends with
-/// the last of them.  Both domains stay on this host: they know the interface `lo` alone.
+/// the last of them.  Both domains know one interface alone, that of the network.
 /// Not to be made by several threads at once.
 class Participant {
  public:
@@ -42,8 +54,8 @@ class Participant {
   /// priority and CPU affinity (common/realtime): they are the servo loop.
   /// Throws Error where the domain cannot be made, or is open in this process with another
   /// transport.
-  static Participant Loop(int domain, const TransportChoice& choice);
-  static Participant Service(int domain);
+  static Participant Loop(int domain, const TransportChoice& choice, const Network& network = {});
+  static Participant Service(int domain, const Network& network = {});
   ~Participant();
   Participant(Participant&& other) noexcept;
   Participant& operator=(Participant&& other) noexcept;
@@ -58,7 +70,7 @@ class Participant {
 
  private:
   class Domain;
-  static Participant Make(int domain_id, bool shared_memory);
+  static Participant Make(int domain_id, bool shared_memory, const Network& network);
   Participant(std::shared_ptr<const Domain> domain, dds_entity_t participant);
   std::shared_ptr<const Domain> domain_;
   dds_entity_t participant_ = 0;

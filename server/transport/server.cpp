@@ -213,6 +213,11 @@ void Server::ReportStatistics(Station& station, std::int64_t now_ns) {
   station.reported_ns = now_ns;
   station.report_wanted = false;
   statistics_.Write(statistics);
+  if (const std::uint64_t refused = station.link->refused(); refused != station.refused) {
+    spdlog::warn("station {}: {} poses more than {} a second, not heard", statistics.station,
+                 refused - station.refused, PoseBudget::kPerSecond);
+    station.refused = refused;
+  }
   if (print_line_) print_line_(StatisticsLine(statistics));
 }
 

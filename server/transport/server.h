@@ -41,6 +41,7 @@ class Server {
     std::unique_ptr<StationLink> link;
     std::int64_t reported_ns = 0;
     bool report_wanted = false;
+    std::uint64_t refused = 0;  // of link->refused(), said
   };
 
   void PublishChanges();

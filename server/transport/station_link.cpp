@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/dds/topics.h"
+#include "common/time/steady_clock.h"
 
 namespace palpate {
 namespace {
@@ -35,6 +36,10 @@ void StationLink::Update(std::int64_t now_ns) {
 }
 
 void StationLink::OnPose(const wire::HapticPose& pose) noexcept {
+  if (!budget_.Take(SteadyNanoseconds())) {
+    refused_.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
   if (session_->loop().OnPose(pose, answer_) && open_.load(std::memory_order_relaxed)) {
     wrench_writer_.Write(answer_);
   }

@@ -6,6 +6,7 @@
 
 #include "common/dds/endpoint.h"
 #include "server/session/session.h"
+#include "server/transport/pose_budget.h"
 
 namespace palpate {
 
@@ -25,6 +26,8 @@ class StationLink {
   /// Takes the next of those steps where it is time.
   void Update(std::int64_t now_ns);
   Session& session() { return *session_; }
+  /// Poses that were more than the station's share; not heard.
+  std::uint64_t refused() const { return refused_.load(std::memory_order_relaxed); }
 
  private:
   void OnPose(const wire::HapticPose& pose) noexcept;
@@ -34,6 +37,8 @@ class StationLink {
   std::string pose_topic_;
   std::int64_t matched_ns_ = 0;
   std::atomic<bool> open_{false};
+  PoseBudget budget_;
+  std::atomic<std::uint64_t> refused_{0};
   wire::Wrench answer_{};
   dds::Writer<wire::Wrench> wrench_writer_;
   dds::Reader<wire::HapticPose> pose_reader_;  // last: the first to go

@@ -8,8 +8,10 @@ namespace palpate::bench {
 void AddAccuracy(CLI::App& app);
 void AddClosedLoop(CLI::App& app);
 void AddCycle(CLI::App& app);
-void AddLevels(CLI::App& app);
 /// `domain` is read when the command runs.
+void AddDeadServer(CLI::App& app, const int& domain);
+void AddLevels(CLI::App& app);
+/// As there.
 void AddLoop(CLI::App& app, const int& domain);
 void AddPareto(CLI::App& app);
 void AddQp(CLI::App& app);

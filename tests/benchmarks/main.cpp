@@ -13,7 +13,8 @@ int main(int argc, char** argv) {
   app.fallthrough();
   int domain = palpate::dds::kMaxDomain;
   std::string log_level = "info";
-  app.add_option("--domain", domain, "DDS domain of loop: one that nothing else uses")
+  app.add_option("--domain", domain,
+                 "DDS domain of loop and dead-server: one that nothing else uses")
       ->check(CLI::Range(0, palpate::dds::kMaxDomain))
       ->capture_default_str();
   app.add_option("--log-level", log_level, "trace, debug, info, warn, error or off");
@@ -21,6 +22,7 @@ int main(int argc, char** argv) {
   palpate::bench::AddAccuracy(app);
   palpate::bench::AddClosedLoop(app);
   palpate::bench::AddCycle(app);
+  palpate::bench::AddDeadServer(app, domain);
   palpate::bench::AddLevels(app);
   palpate::bench::AddLoop(app, domain);
   palpate::bench::AddPareto(app);

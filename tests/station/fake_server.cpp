@@ -59,7 +59,7 @@ void FakeServer::OnPose(const wire::HapticPose& pose) noexcept {
   if (mute_.load()) return;
   wire::Wrench wrench{};
   wrench.pose_sequence = pose.pose_sequence;
-  wrench.pose_time_ns = pose.sample_time_ns;
+  wrench.pose_time_ns = pose.sample_time_ns - (lie_.load() ? 1 : 0);
   wrench.force_N[2] = 1000.0 * std::max(0.0, -pose.position_m[2]);
   wrench.contacts = wrench.force_N[2] > 0.0 ? 1 : 0;
   wrench.step_time_s = 2e-6;

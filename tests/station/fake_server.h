@@ -22,6 +22,8 @@ class FakeServer {
   void Refuse(const std::string& reason);
   /// Stops answering poses, or goes on.
   void Mute(bool on) { mute_.store(on); }
+  /// Says of each pose another time than it came with.
+  void LieAboutTime(bool on) { lie_.store(on); }
   /// Ends the session in words.
   void EndSession() { end_session_.store(true); }
 
@@ -51,6 +53,7 @@ class FakeServer {
 
   std::atomic<bool> stop_{false};
   std::atomic<bool> mute_{false};
+  std::atomic<bool> lie_{false};
   std::atomic<bool> end_session_{false};
   std::atomic<std::uint64_t> poses_{0};
   std::atomic<std::uint64_t> last_sequence_{0};

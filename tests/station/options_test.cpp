@@ -57,6 +57,8 @@ TEST(StationOptions, ReadsWhatItIsGiven) {
   EXPECT_EQ(options->link.scene, "cube");
   EXPECT_EQ(options->link.tool, "sphere");
   EXPECT_EQ(options->link.station, "probe_1");
+  EXPECT_TRUE(options->link.network.this_host());
+  EXPECT_TRUE(options->trace.empty());
   EXPECT_EQ(options->seconds, 2.5);
   EXPECT_EQ(options->link.transport, dds::Transport::kUdp);
   EXPECT_EQ(options->link.domain, 7);
@@ -152,6 +154,16 @@ TEST(PalpateStation, HelpsWithAnExample) {
   const Outcome version = RunProgram("--version");
   EXPECT_EQ(version.status, 0);
   EXPECT_THAT(version.text, HasSubstr("palpate-station 0."));
+}
+
+TEST(StationOptions, FindAServerOnAnotherHostAndATracesFile) {
+  const auto options =
+      Parse({"--device", "scripted", "--scene", "cube", "--id", "a", "--network", "eth0", "--peer",
+             "10.0.0.1", "--peer", "10.0.0.2", "--trace", "ticks.csv"});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->link.network.interface, "eth0");
+  EXPECT_THAT(options->link.network.peers, testing::ElementsAre("10.0.0.1", "10.0.0.2"));
+  EXPECT_EQ(options->trace, "ticks.csv");
 }
 
 }  // namespace

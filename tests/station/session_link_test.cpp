@@ -156,6 +156,17 @@ TEST(SessionLink, RebuildsItsReaderAndThenItsSessionWhenMatchedButDeaf) {
   EXPECT_TRUE(station.UntilForce(2.0));
 }
 
+TEST(SessionLink, TakesNoReplyThatDoesNotEchoThePoseAsItWasSent) {
+  FakeServer server(kDomain, kUdp);
+  server.LieAboutTime(true);
+  Station station;
+  ASSERT_TRUE(station.Until([&] { return server.poses() > 500; }));
+  EXPECT_EQ(station.servo->newest_reply_ns(), 0);
+  EXPECT_EQ(station.snapshot.force_N, 0.0);
+  server.LieAboutTime(false);
+  EXPECT_TRUE(station.UntilForce(2.0));
+}
+
 TEST(SessionLink, ReleasesTheSessionAtItsEnd) {
   FakeServer server(kDomain, kUdp);
   {

@@ -25,6 +25,7 @@ class Program {
   /// True until it has ended.
   bool Runs();
   void Signal(int signal) const;
+  pid_t id() const { return pid_; }
   /// Its exit status, or the negative signal that ended it.  Kills it after `seconds`.
   int Exit(double seconds = 20.0);
 

@@ -1,0 +1,146 @@
+// palpate-bench dead-server: what a hand feels when its server dies or stands still, again and
+// again, measured from the trace that the real palpate-station writes.
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "common/time/steady_clock.h"
+#include "devices/simulated/phantom_premium_3_0.h"
+#include "tests/benchmarks/commands.h"
+#include "tests/benchmarks/figures.h"
+#include "tests/common/dds/roudi.h"
+#include "tests/link/silence.h"
+#include "tests/support/program.h"
+
+namespace palpate::bench {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kSilent{500};
+constexpr milliseconds kPressed{1500};  // the hand comes down, or the force ramps in
+
+struct Options {
+  std::string how = "kill";
+  std::string transport = "udp";
+  int repetitions = 20;
+  int domain = 0;
+  std::string json;
+};
+
+std::unique_ptr<test::Program> StartServer(const Options& options) {
+  auto server = std::make_unique<test::Program>(
+      test::OwnFolder() + "/palpate-server",
+      std::vector<std::string>{"--scene", "cube", "--transport", options.transport, "--domain",
+                               std::to_string(options.domain), "--log-level", "warn"});
+  if (!server->Says("ready: ", 60.0)) {
+    throw Error("dead-server: the server does not start:\n" + server->Output());
+  }
+  return server;
+}
+
+void Await(test::Program& station, const std::string& text) {
+  if (!station.Says(text)) throw Error("dead-server: no '" + text + "':\n" + station.Output());
+}
+
+void Run(const Options& options) {
+  const std::unique_ptr<RouDi> roudi =
+      options.transport == "shm" && !RouDi::AnotherRuns() ? std::make_unique<RouDi>() : nullptr;
+  const std::string trace = std::filesystem::temp_directory_path() /
+                            ("palpate-trace-" + std::to_string(getpid()) + ".csv");
+  std::unique_ptr<test::Program> server = StartServer(options);
+  test::Program station(
+      test::OwnFolder() + "/palpate-station",
+      {"--device", "simulated", "--scene", "cube", "--id", "bench", "--script",
+       PALPATE_SOURCE_DIR "/tests/link/hold.json", "--transport", options.transport, "--domain",
+       std::to_string(options.domain), "--no-table", "--trace", trace});
+  Await(station, "session: tool");
+  std::vector<std::int64_t> silenced_ns;
+  for (int i = 0; i < options.repetitions; ++i) {
+    Progress(fmt::format("{} of {} ...", i + 1, options.repetitions));
+    std::this_thread::sleep_for(kPressed);
+    silenced_ns.push_back(SteadyNanoseconds());
+    server->Signal(options.how == "freeze" ? SIGSTOP : SIGKILL);
+    std::this_thread::sleep_for(kSilent);
+    if (options.how == "freeze") {
+      server->Signal(SIGCONT);  // its session goes on, or is asked for again
+    } else {
+      server.reset();
+      server = StartServer(options);
+      Await(station, "session resumed");
+    }
+    station.Output();
+  }
+  std::this_thread::sleep_for(2 * kPressed);
+  station.Signal(SIGTERM);
+  if (station.Exit() != 0) throw Error("dead-server: the station failed:\n" + station.Output());
+  const std::vector<test::TraceRow> rows = test::ReadTrace(trace);
+  std::filesystem::remove(trace);
+  Progress("");
+
+  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30Info());
+  std::vector<double> fall_ms, zero_ms, step, back_ms;
+  int stayed_zero = 0;
+  for (const std::int64_t time_ns : silenced_ns) {
+    const test::Silence silence = test::MeasureSilence(rows, time_ns, limits);
+    fall_ms.push_back(silence.until_fall_ms);
+    zero_ms.push_back(silence.until_zero_ms);
+    step.push_back(silence.largest_step);
+    back_ms.push_back(silence.until_back_ms);
+    stayed_zero += silence.stayed_zero;
+  }
+  const Percentiles fall = PercentilesOf(fall_ms), zero = PercentilesOf(zero_ms),
+                    steps = PercentilesOf(step), back = PercentilesOf(back_ms);
+  Table table(fmt::format("server: {} of {} times over {}; since the first reply that did not come",
+                          options.how, options.repetitions, options.transport));
+  table.Row("until the force falls", "ms", fall);
+  table.Row("until it is zero", "ms", zero);
+  table.Row("largest step / slew limit", "", steps);
+  table.Row("first reply to whole force", "ms", back);
+  table.Line("zero until the next reply",
+             fmt::format("{} of {}", stayed_zero, options.repetitions));
+  table.Print();
+  if (options.json.empty()) return;
+  WriteJson(options.json, {{"how", options.how},
+                           {"transport", options.transport},
+                           {"repetitions", options.repetitions},
+                           {"until_fall_ms", ToJson(fall)},
+                           {"until_zero_ms", ToJson(zero)},
+                           {"step_over_slew_limit", ToJson(steps)},
+                           {"until_back_ms", ToJson(back)},
+                           {"stayed_zero", stayed_zero}});
+}
+
+}  // namespace
+
+void AddDeadServer(CLI::App& app, const int& domain) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "dead-server",
+      "What a hand feels when palpate-server is killed and started again, or frozen for 0.5 s:\n"
+      "how soon its force falls and is gone, and the largest step on the way out and back.\n"
+      "Example: palpate-bench dead-server --how freeze --repetitions 20");
+  command->add_option("--how", options->how, "kill or freeze")
+      ->check(CLI::IsMember({"kill", "freeze"}))
+      ->capture_default_str();
+  command->add_option("--transport", options->transport, "shm or udp")
+      ->check(CLI::IsMember({"shm", "udp"}))
+      ->capture_default_str();
+  command->add_option("--repetitions", options->repetitions)
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
+  command->callback([options, &domain] {
+    options->domain = domain;
+    Run(*options);
+  });
+}
+
+}  // namespace palpate::bench

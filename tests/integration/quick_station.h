@@ -1,0 +1,98 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "common/dds/endpoint.h"
+#include "common/dds/participant.h"
+#include "common/dds/topics.h"
+#include "common/time/steady_clock.h"
+#include "tests/integration/rig.h"
+
+namespace palpate::test {
+
+/// The least that is a station, so that many of them take little time.
+class QuickStation {
+ public:
+  explicit QuickStation(std::string name, std::string scene = "cube",
+                        dds::Transport transport = dds::Transport::kSharedMemory)
+      : name_(std::move(name)),
+        scene_(std::move(scene)),
+        loop_(dds::Participant::Loop(kDomain, {transport, "as asked"})) {}
+
+  /// One session: asks, meets the server, and sends until `answers` came.  False where that takes
+  /// more than 20 s.
+  bool Begin(std::uint64_t run) {
+    run_ = run;
+    answered_ = 0;
+    Ask(false);
+    if (!Eventually([&] { return Phase() == palpate_SESSION_WAITING; })) return false;
+    poses_ = {loop_, dds::PoseTopic(name_, run), dds::Qos::kLoop};
+    const std::string topic = dds::WrenchTopic(name_, run);
+    if (!Eventually([&] { return dds::WriterDiscovered(loop_, topic); })) return false;
+    wrenches_ = {loop_, topic, dds::Qos::kLoop, [this](const wire::Wrench&) { ++answered_; }};
+    return Eventually([&] { return poses_.matched_readers() == 1; });
+  }
+  bool Answered(int answers) {
+    const int end = answered_ + answers;
+    return Eventually([&] {
+      Send(NextPose());
+      return answered_ >= end;
+    });
+  }
+  bool Leave() {
+    Ask(true);
+    const bool left = Eventually([&] { return Phase() == palpate_SESSION_ENDED; });
+    poses_ = {};
+    wrenches_ = {};
+    return left;
+  }
+  /// A pose 1 mm deep in the cube, and the next number.
+  wire::HapticPose NextPose() {
+    wire::HapticPose pose{};
+    pose.pose_sequence = ++sequence_;
+    pose.sample_time_ns = SteadyNanoseconds();
+    pose.position_m[1] = 0.030 - kDepth_m;
+    pose.orientation_wxyz[0] = 1.0;
+    return pose;
+  }
+  void Send(const wire::HapticPose& pose) { poses_.Write(pose); }
+  int answered() const { return answered_; }
+  bool uses_shared_memory() const {
+    return poses_.uses_shared_memory() && wrenches_.uses_shared_memory();
+  }
+
+ private:
+  void Ask(bool leave) {
+    wire::SessionRequest request{};
+    wire::FromText(name_, request.station);
+    request.run = run_;
+    wire::FromText(scene_, request.scene);
+    request.leave = leave;
+    requests_.Write(request);
+  }
+  wire::SessionPhase Phase() {
+    wire::SessionState state;
+    while (states_.Take(state)) {
+      if (state.run == run_) state_ = state;
+    }
+    return state_.run == run_ ? state_.phase : palpate_SESSION_REFUSED;
+  }
+
+  std::string name_;
+  std::string scene_;
+  std::uint64_t run_ = 0, sequence_ = 0;
+  std::atomic<int> answered_{0};
+  wire::SessionState state_{};
+  dds::Participant loop_;
+  dds::Participant service_ = dds::Participant::Service(kDomain);
+  dds::Writer<wire::SessionRequest> requests_{service_, dds::kSessionRequestTopic,
+                                              dds::Qos::kSession};
+  dds::Reader<wire::SessionState> states_{service_, dds::kSessionStateTopic, dds::Qos::kSession};
+  dds::Writer<wire::HapticPose> poses_;
+  dds::Reader<wire::Wrench> wrenches_;
+};
+
+}  // namespace palpate::test

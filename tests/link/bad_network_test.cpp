@@ -1,0 +1,169 @@
+// The programs on two hosts with a bad network between them: real UDP, real discovery.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "devices/wrench_limiter.h"
+#include "tests/link/silence.h"
+#include "tests/link/two_hosts.h"
+
+namespace palpate::test {
+namespace {
+
+constexpr const char* kDomain = "36";
+/// What the scripted hand of tests/integration/press.json feels, 1 mm deep at 1 N/mm.
+constexpr double kForce_N = 1.0;
+/// Of the slew limit of `scripted`, a device of 100 N.
+constexpr double kSlew_N_per_ms = 20.0;
+
+LinkConditions Wide() {
+  LinkConditions conditions;
+  conditions.delay_ns = 10'000'000;
+  conditions.jitter_ns = 3'000'000;
+  conditions.loss = 0.1;
+  conditions.reordering = 0.05;
+  conditions.duplication = 0.02;
+  return conditions;
+}
+
+struct BadNetwork : testing::Test {
+  const std::string file = testing::TempDir() + "palpate_network_" + std::to_string(getpid());
+  std::optional<TwoHosts> hosts;
+  std::unique_ptr<Program> server;
+
+  ~BadNetwork() override {
+    std::filesystem::remove(file + ".csv");
+    std::filesystem::remove(file + ".json");
+  }
+
+  /// False, and the test is skipped with the reason, where the machine has no such hosts.
+  bool Connect(const LinkConditions& each_way) {
+    try {
+      hosts.emplace(each_way);
+      return true;
+    } catch (const Error& error) {
+      [&] { GTEST_SKIP() << error.what(); }();
+      return false;
+    }
+  }
+  bool StartServer(std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments{"--scene",    "cube", "--domain",  kDomain,
+                                       "--realtime", "off",  "--network", TwoHosts::kLan};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    server = hosts->Start(0, PALPATE_BIN_DIR "/palpate-server", arguments);
+    return server->Says("ready: ", 60.0);
+  }
+  std::unique_ptr<Program> StartStation(const std::string& seconds,
+                                        std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments{
+        "--device",   "scripted",
+        "--scene",    "cube",
+        "--id",       "far",
+        "--script",   PALPATE_SOURCE_DIR "/tests/integration/press.json",
+        "--domain",   kDomain,
+        "--realtime", "off",
+        "--network",  TwoHosts::kLan,
+        "--for",      seconds,
+        "--trace",    file + ".csv",
+        "--json",     file + ".json",
+        "--wait",     "60",
+        "--no-table"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return hosts->Start(1, PALPATE_BIN_DIR "/palpate-station", arguments);
+  }
+};
+
+TEST_F(BadNetwork, CarriesASessionWhoseStatisticsAreThoseOfTheNetwork) {
+  if (!Connect(Wide())) return;
+  ASSERT_TRUE(StartServer()) << server->Output();
+  const auto station = StartStation("6");
+  ASSERT_EQ(station->Exit(100.0), 0) << station->Output();
+  std::ifstream in(file + ".json");
+  const auto summary = nlohmann::json::parse(in);
+  const std::vector<TraceRow> rows = ReadTrace(file + ".csv");
+  const double sent = summary["poses"], replies = summary["replies"], lost = summary["lost"];
+  double most_N = 0.0, least_age_ms = 1e9;
+  std::size_t whole = 0;
+  std::uint64_t newest = 0;
+  WrenchLimits limits;
+  limits.force_N = 100.0;
+  limits.torque_Nm = 10.0;
+  limits.force_slew_N_per_ms = kSlew_N_per_ms;
+  limits.torque_slew_Nm_per_ms = 2.0;
+  for (const TraceRow& row : rows) {
+    most_N = std::max(most_N, row.applied.force.norm());
+    least_age_ms = std::min(least_age_ms, row.age_ms);
+    whole += row.applied.force.norm() > 0.99 * kForce_N;
+    EXPECT_GE(row.reply, newest);
+    newest = row.reply;
+  }
+  std::printf(
+      "%zu rows: of %.0f poses %.1f %% answered in order, %.1f %% lost, %.1f %% strays, round trip "
+      "p50 %.1f ms; force at most %.3f N, whole in %.1f %% of the ticks, largest step %.3f of the "
+      "slew limit\n",
+      rows.size(), sent, 100.0 * replies / sent, 100.0 * lost / sent,
+      100.0 * static_cast<double>(summary["strays"]) / sent,
+      1e-3 * static_cast<double>(summary["rtt_us"]["p50"]), most_N,
+      100.0 * static_cast<double>(whole) / static_cast<double>(rows.size()),
+      LargestStep(rows, 1, rows.size(), limits));
+
+  EXPECT_GT(replies, 1000.0);
+  EXPECT_GE(least_age_ms, 20.0) << "nothing is faster than the network";
+  EXPECT_EQ(summary["late"], summary["replies"]);
+  // 0.9 x 0.9 arrive, and of these 0.05 each way are overtaken by their successor: too late then.
+  EXPECT_NEAR(lost / (lost + replies), 0.27, 0.08);
+  EXPECT_EQ(summary["strays"], 0) << "DDS itself drops what is doubled, and what was overtaken";
+  EXPECT_LE(most_N, 1.1 * kForce_N);
+  EXPECT_LE(LargestStep(rows, 1, rows.size(), limits), 1.0);
+}
+
+TEST_F(BadNetwork, IsNoHindranceToDiscoveryWithoutMulticastWherePeersAreNamed) {
+  if (!Connect({})) return;
+  for (int host = 0; host < 2; ++host) {
+    const auto off =
+        hosts->Start(host, "/bin/ip", {"link", "set", TwoHosts::kLan, "multicast", "off"});
+    ASSERT_EQ(off->Exit(), 0) << off->Output();
+  }
+  ASSERT_TRUE(StartServer()) << server->Output();
+  const auto station = StartStation("1", {"--peer", TwoHosts::kAddress[0]});
+  EXPECT_EQ(station->Exit(100.0), 0) << station->Output();
+}
+
+TEST_F(BadNetwork, LeavesNoForceWhenItIsCutAndThenJoinsTheTwoAgain) {
+  if (!Connect({})) return;
+  ASSERT_TRUE(StartServer()) << server->Output();
+  const auto station = StartStation("6");
+  ASSERT_TRUE(station->Says("session: tool")) << station->Output();
+  sleep(2);
+  hosts->wire().Cut(true);
+  sleep(1);
+  hosts->wire().Cut(false);
+  ASSERT_EQ(station->Exit(100.0), 0) << station->Output();
+  const std::vector<TraceRow> rows = ReadTrace(file + ".csv");
+  WrenchLimits limits;
+  limits.force_slew_N_per_ms = kSlew_N_per_ms;
+  limits.torque_slew_Nm_per_ms = 2.0;
+  const Silence silence = MeasureSilence(rows, rows.front().time_ns, limits);
+  EXPECT_TRUE(silence.stayed_zero);
+  EXPECT_LT(silence.until_zero_ms, 200.0);  // 30 ms, and what the machine adds
+  EXPECT_LE(silence.largest_step, 1.0);
+}
+
+TEST_F(BadNetwork, IsNotForSharedMemory) {
+  Program station(PALPATE_BIN_DIR "/palpate-station",
+                  {"--device", "scripted", "--scene", "cube", "--id", "far", "--transport", "shm",
+                   "--network", "eth0"});
+  EXPECT_EQ(station.Exit(), 1);
+  EXPECT_THAT(station.Output(), testing::HasSubstr("leave --network 'eth0' out"));
+}
+
+}  // namespace
+}  // namespace palpate::test

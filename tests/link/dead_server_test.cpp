@@ -1,0 +1,139 @@
+// A server that is killed, frozen, or comes back as another: what the real station gives to its
+// device, tick by tick, from its own trace.
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+
+#include "devices/simulated/phantom_premium_3_0.h"
+#include "tests/integration/rig.h"
+#include "tests/link/silence.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// By when a force is gone: 30 ms, and what a busy machine adds; a loop that was itself held up
+/// counts no more than 2 ms for that.
+constexpr double kGone_ms = 200.0;
+
+struct DeadServer : testing::Test {
+  const std::string file = testing::TempDir() + "palpate_dead_" + std::to_string(getpid());
+  std::unique_ptr<Program> server = Server("cube");
+  ~DeadServer() override { std::filesystem::remove(file); }
+
+  static std::unique_ptr<Program> Server(const std::string& scene) {
+    auto program = std::make_unique<Program>(
+        PALPATE_BIN_DIR "/palpate-server",
+        std::vector<std::string>{"--scene", scene, "--realtime", "off", "--transport", "udp",
+                                 "--domain", std::to_string(kDomain)});
+    EXPECT_TRUE(program->Says("ready: ", 60.0)) << program->Output();
+    return program;
+  }
+  std::unique_ptr<Program> Station(const std::string& device, const std::string& script) const {
+    return std::make_unique<Program>(
+        PALPATE_BIN_DIR "/palpate-station",
+        std::vector<std::string>{"--device", device, "--scene", "cube", "--id", "hand", "--script",
+                                 PALPATE_SOURCE_DIR "/tests/link/" + script, "--realtime", "off",
+                                 "--transport", "udp", "--domain", std::to_string(kDomain),
+                                 "--no-table", "--trace", file});
+  }
+  std::vector<TraceRow> TraceOf(Program& station) const {
+    station.Signal(SIGTERM);
+    EXPECT_EQ(station.Exit(), 0) << station.Output();
+    return ReadTrace(file);
+  }
+  static void Wait(double seconds) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  }
+
+  void ExpectGone(const std::vector<TraceRow>& rows, std::int64_t since_ns) {
+    const Silence silence =
+        MeasureSilence(rows, since_ns, WrenchLimits::Of(PhantomPremium30Info()));
+    std::printf(
+        "%.2f N falls after %.1f ms, is gone after %.1f ms; largest step %.3f of the slew "
+        "limit; back within %.0f ms\n",
+        silence.force_before_N, silence.until_fall_ms, silence.until_zero_ms, silence.largest_step,
+        silence.until_back_ms);
+    EXPECT_LT(silence.until_zero_ms, kGone_ms);
+    EXPECT_TRUE(silence.stayed_zero);
+    EXPECT_LE(silence.largest_step, 1.0);
+    EXPECT_GT(silence.until_back_ms, 150.0) << "by a ramp";
+  }
+};
+
+TEST_F(DeadServer, ThatIsKilledLeavesNoForceAndItsSuccessorComesInByARamp) {
+  const auto station = Station("simulated", "hold.json");
+  ASSERT_TRUE(station->Says("session: tool")) << station->Output();
+  Wait(1.5);
+  const std::int64_t killed_ns = SteadyNanoseconds();
+  server.reset();
+  Wait(0.3);
+  server = Server("cube");
+  ASSERT_TRUE(station->Says("session resumed: forces ramp in")) << station->Output();
+  Wait(2.0);
+  ExpectGone(TraceOf(*station), killed_ns);
+}
+
+TEST_F(DeadServer, ThatWasOnlyFrozenComesInByARamp) {
+  const auto station = Station("simulated", "hold.json");
+  ASSERT_TRUE(station->Says("session: tool")) << station->Output();
+  Wait(1.5);
+  const std::int64_t frozen_ns = SteadyNanoseconds();
+  server->Signal(SIGSTOP);
+  Wait(0.5);
+  server->Signal(SIGCONT);
+  Wait(3.0);
+  ExpectGone(TraceOf(*station), frozen_ns);
+}
+
+TEST_F(DeadServer, WhoseSuccessorHasAnotherSceneGivesNoForceAndSaysWhy) {
+  const auto station = Station("scripted", "hold.json");
+  ASSERT_TRUE(station->Says("session: tool")) << station->Output();
+  Wait(1.5);
+  server.reset();
+  server = Server("ellipsoid");
+  EXPECT_EQ(station->Exit(60.0), 1);
+  EXPECT_THAT(station->Output(),
+              HasSubstr("the server refuses the session: scene 'cube' is not served here; give "
+                        "--scene with one of: ellipsoid"));
+  const std::vector<TraceRow> rows = ReadTrace(file);
+  double most_N = 0.0;
+  std::size_t silent = 0;
+  for (const TraceRow& row : rows) {
+    most_N = std::max(most_N, row.applied.force.norm());
+    if (row.silence_ms < kGone_ms) continue;
+    ++silent;
+    ASSERT_TRUE(row.applied.force.isZero(0.0) && row.applied.torque.isZero(0.0)) << row.tick;
+  }
+  EXPECT_GT(most_N, 5.0);
+  EXPECT_GT(silent, 1000u);
+}
+
+TEST_F(DeadServer, WhoseSuccessorFindsTheToolTooDeepInsideWaitsWithoutAForceAndSaysSo) {
+  const auto station = Station("scripted", "deep.json");
+  ASSERT_TRUE(station->Says("session: tool")) << station->Output();
+  Wait(2.5);  // 15 mm deep by now
+  server.reset();
+  server = Server("cube");
+  EXPECT_TRUE(server->Says("station hand: starts inside an object: the tool is 15 mm inside"))
+      << server->Output();
+  Wait(1.0);
+  const std::vector<TraceRow> rows = TraceOf(*station);
+  EXPECT_LT(rows.back().silence_ms, 500.0) << "it is answered";
+  const auto dead = std::ranges::find_if(
+      rows, [](const TraceRow& row) { return row.reply > 0 && row.silence_ms > kGone_ms; });
+  ASSERT_NE(dead, rows.end());
+  const double before_N = (dead - 300)->applied.force.norm();
+  EXPECT_GT(before_N, 5.0);
+  for (auto row = dead; row != rows.end(); ++row) {
+    // Not nothing: the limiter leads away from what it was asked for last while its ramp begins.
+    ASSERT_LE(row->applied.force.norm(), 0.01 * before_N) << row->tick;
+    ASSERT_TRUE(row->wanted.force.isZero(0.0) || row->silence_ms > kGone_ms) << row->tick;
+  }
+}
+
+}  // namespace
+}  // namespace palpate::test

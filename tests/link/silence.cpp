@@ -1,0 +1,77 @@
+#include "tests/link/silence.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "common/error.h"
+
+namespace palpate::test {
+namespace {
+
+constexpr double kDead_ms = 30.0;
+constexpr double kPeriod_ms = 1.0;
+
+bool IsZero(const Wrench& wrench) {
+  return wrench.force.isZero(0.0) && wrench.torque.isZero(0.0);
+}
+
+}  // namespace
+
+double LargestStep(const std::vector<TraceRow>& rows, std::size_t begin, std::size_t end,
+                   const WrenchLimits& limits) {
+  double largest = 0.0;
+  for (std::size_t i = std::max<std::size_t>(begin, 1); i < end; ++i) {
+    if (rows[i].tick != rows[i - 1].tick + 1) continue;  // rows were dropped
+    const double dt_ms = std::min(1e-6 * static_cast<double>(rows[i].time_ns - rows[i - 1].time_ns),
+                                  1e3 * WrenchLimiter::kMaxTick_s);
+    largest = std::max({largest,
+                        (rows[i].applied.force - rows[i - 1].applied.force).norm() /
+                            (limits.force_slew_N_per_ms * dt_ms),
+                        (rows[i].applied.torque - rows[i - 1].applied.torque).norm() /
+                            (limits.torque_slew_Nm_per_ms * dt_ms)});
+  }
+  return largest;
+}
+
+Silence MeasureSilence(const std::vector<TraceRow>& rows, std::int64_t after_ns,
+                       const WrenchLimits& limits) {
+  const auto index = [&](auto from, auto holds) {
+    return static_cast<std::size_t>(
+        std::find_if(rows.begin() + static_cast<std::ptrdiff_t>(from), rows.end(), holds) -
+        rows.begin());
+  };
+  const std::size_t dead = index(0, [&](const TraceRow& row) {
+    return row.time_ns > after_ns && row.reply > 0 && row.silence_ms > kDead_ms;
+  });
+  if (dead == rows.size()) throw Error("the trace has no silence after that time");
+  const std::uint64_t reply = rows[dead].reply;
+  const double last_ms = 1e-6 * static_cast<double>(rows[dead].time_ns) - rows[dead].silence_ms;
+  const std::size_t last = index(0, [&](const TraceRow& row) { return row.reply == reply; });
+  const std::size_t next = index(dead, [&](const TraceRow& row) { return row.reply != reply; });
+  const std::size_t back = index(next, [](const TraceRow& row) {
+    return row.applied.force.norm() >= 0.999 * row.wanted.force.norm() && !IsZero(row.applied);
+  });
+  if (back == rows.size() || IsZero(rows[last].applied)) {
+    throw Error("a silence without a force at its begin or its end");
+  }
+  const auto since_due_ms = [&](std::size_t i) {
+    return 1e-6 * static_cast<double>(rows[i].time_ns) - last_ms - kPeriod_ms;
+  };
+  const std::size_t fall = index(last, [](const TraceRow& row) {
+    return row.applied.force.norm() < 0.999 * row.wanted.force.norm();
+  });
+  const std::size_t zero = index(last, [](const TraceRow& row) { return IsZero(row.applied); });
+  if (zero == rows.size()) throw Error("the force never ended");
+
+  Silence silence;
+  silence.force_before_N = rows[last].applied.force.norm();
+  silence.until_fall_ms = since_due_ms(fall);
+  silence.until_zero_ms = since_due_ms(zero);
+  silence.stayed_zero =
+      index(zero, [](const TraceRow& row) { return !IsZero(row.applied); }) >= next;
+  silence.largest_step = LargestStep(rows, last, back, limits);
+  silence.until_back_ms = 1e-6 * static_cast<double>(rows[back].time_ns - rows[next].time_ns);
+  return silence;
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "devices/wrench_limiter.h"
+#include "tests/link/trace_file.h"
+
+namespace palpate::test {
+
+/// What a hand felt while its server was silent, from the station's trace.  Times are since the
+/// reply after the last one was due: a millisecond after that.
+struct Silence {
+  double force_before_N = 0.0;  ///< applied when the last reply came
+  double until_fall_ms = 0.0;   ///< first tick with less than 0.999 of what was wanted
+  double until_zero_ms = 0.0;   ///< first tick without any force or torque
+  bool stayed_zero = false;     ///< from there to the next reply
+  double largest_step = 0.0;   ///< between two ticks, in parts of the slew limit; with the way back
+  double until_back_ms = 0.0;  ///< from the next reply until nothing is held back
+};
+
+/// The first silence of at least 30 ms after that time.  Throws Error where the trace has none with
+/// a force at its begin and its end in it.
+Silence MeasureSilence(const std::vector<TraceRow>& rows, std::int64_t after_ns,
+                       const WrenchLimits& limits);
+
+/// Largest change of force or torque from one row to the next within [begin, end), in parts of what
+/// the limiter allows for the time between them.
+double LargestStep(const std::vector<TraceRow>& rows, std::size_t begin, std::size_t end,
+                   const WrenchLimits& limits);
+
+}  // namespace palpate::test

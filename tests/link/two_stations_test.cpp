@@ -1,0 +1,162 @@
+// Stations that want the same, and stations that misbehave beside one that does not.
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/quick_station.h"
+#include "tests/integration/rig.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+double SecondsSince(std::int64_t time_ns) {
+  return 1e-9 * static_cast<double>(SteadyNanoseconds() - time_ns);
+}
+
+TEST(OneTool, GoesToWhoAsksOnceItsHolderHasLeft) {
+  ServerProgram server("udp");
+  ASSERT_TRUE(server.Ready()) << server.Output();
+  StationProgram first("first", "udp");
+  ASSERT_TRUE(server.Says("station first: active")) << server.Output();
+  StationProgram second("second", "udp");
+  EXPECT_EQ(second.Exit(), 1);
+  EXPECT_THAT(second.Output(), HasSubstr("is driven by station 'first'; end that station"));
+  first.Signal(SIGTERM);
+  EXPECT_EQ(first.Exit(), 0) << first.Output();
+  StationProgram again("second", "udp", {"--for", "1"});
+  EXPECT_EQ(again.Exit(), 0) << again.Output();
+  EXPECT_TRUE(server.Says("station second: active")) << server.Output();
+}
+
+TEST(OneName, IsRefusedToASecondProgramAndTheFirstFeelsNothingOfIt) {
+  ServerProgram server("udp");
+  ASSERT_TRUE(server.Ready()) << server.Output();
+  const std::string file = testing::TempDir() + "palpate_name_" + std::to_string(getpid());
+  StationProgram first("hand", "udp", {"--json", file});
+  ASSERT_TRUE(server.Says("station hand: active")) << server.Output();
+  StationProgram second("hand", "udp");
+  EXPECT_EQ(second.Exit(), 1);
+  EXPECT_THAT(second.Output(),
+              HasSubstr("a station named 'hand' is connected and sends poses; give another --id"));
+  first.Signal(SIGTERM);
+  EXPECT_EQ(first.Exit(), 0) << first.Output();
+  std::ifstream in(file);
+  EXPECT_EQ(nlohmann::json::parse(in)["reconnects"], 0);
+  std::filesystem::remove(file);
+}
+
+TEST(KilledStation, HasItsToolBackUnderItsName) {
+  ServerProgram server("udp");
+  ASSERT_TRUE(server.Ready()) << server.Output();
+  for (int time = 0; time < 3; ++time) {
+    StationProgram station("hand", "udp");
+    ASSERT_TRUE(server.Says("station hand: active")) << server.Output();
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    const std::int64_t killed_ns = SteadyNanoseconds();
+    station.Signal(SIGKILL);
+    ASSERT_TRUE(server.Says("station hand: ended")) << server.Output();
+    const double free_s = SecondsSince(killed_ns);
+    StationProgram back("hand", "udp", {"--for", "1"});
+    ASSERT_TRUE(server.Says("station hand: active")) << server.Output();
+    std::printf("free after %.3f s, driven again after %.3f s\n", free_s, SecondsSince(killed_ns));
+    EXPECT_EQ(back.Exit(), 0) << back.Output();
+    ASSERT_TRUE(server.Says("station hand: ended: the station left")) << server.Output();
+  }
+}
+
+/// A server of two scenes: one is felt by a station that behaves, for two seconds.
+struct Neighbours : testing::Test {
+  const std::string file = testing::TempDir() + "palpate_beside_" + std::to_string(getpid());
+  Program server{PALPATE_BIN_DIR "/palpate-server",
+                 {"--scene", "cube", "--scene", "bunny-bunny", "--realtime", "off", "--transport",
+                  "udp", "--domain", std::to_string(kDomain)}};
+  std::unique_ptr<StationProgram> good;
+  ~Neighbours() override { std::filesystem::remove(file); }
+
+  void Begin() {
+    good = std::make_unique<StationProgram>("good", "udp",
+                                            std::vector<std::string>{"--for", "2", "--json", file});
+  }
+  nlohmann::json End(const char* beside) {
+    EXPECT_EQ(good->Exit(), 0) << good->Output();
+    std::ifstream in(file);
+    const auto summary = nlohmann::json::parse(in);
+    std::printf("%-28s late %.4f, lost %.0f, round trip p50 %.0f p99 %.0f us\n", beside,
+                static_cast<double>(summary["late_fraction"]), static_cast<double>(summary["lost"]),
+                static_cast<double>(summary["rtt_us"]["p50"]),
+                static_cast<double>(summary["rtt_us"]["p99"]));
+    EXPECT_EQ(summary["reconnects"], 0);
+    EXPECT_EQ(summary["fault_words"], "none");
+    EXPECT_EQ(summary["limiter"]["nonfinite"], 0);
+    EXPECT_GT(summary["replies"], 1000);
+    EXPECT_NEAR(summary["force_N_max"], kForce_N, 0.2 * kForce_N);
+    return summary;
+  }
+};
+
+TEST_F(Neighbours, OfAStationThatLiesOrFloodsAreServedAsBefore) {
+  ASSERT_TRUE(server.Says("ready: ", 100.0)) << server.Output();
+  Begin();
+  End("alone");
+
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  struct Misbehaviour {
+    const char* name;
+    int per_ms;
+    void (*spoil)(wire::HapticPose&);
+  };
+  const Misbehaviour kinds[] = {
+      {"NaN", 1, [](wire::HapticPose& pose) { pose.position_m[0] = kNan; }},
+      {"wild poses", 1,
+       [](wire::HapticPose& pose) {
+         pose.position_m[0] = pose.pose_sequence % 2 == 0 ? 50.0 : -50.0;
+         pose.orientation_wxyz[0] = 1e300;
+       }},
+      {"wrong sequence", 1,
+       [](wire::HapticPose& pose) {
+         pose.pose_sequence *= pose.pose_sequence * 0x9e3779b97f4a7c15;
+       }},
+      {"a clock that jumps", 1,
+       [](wire::HapticPose& pose) {
+         pose.sample_time_ns += (pose.pose_sequence % 100 == 0 ? 1 : 0) * 3'600'000'000'000;
+       }},
+      {"ten times the rate", 10, [](wire::HapticPose&) {}},
+      {"fifty times the rate", 50, [](wire::HapticPose&) {}},
+  };
+  std::uint64_t run = 1;
+  for (const Misbehaviour& kind : kinds) {
+    QuickStation bad("bad", "bunny-bunny", dds::Transport::kUdp);
+    ASSERT_TRUE(bad.Begin(run++)) << server.Output();
+    ASSERT_TRUE(bad.Answered(10)) << server.Output();
+    Begin();
+    std::int64_t next_ns = SteadyNanoseconds();
+    while (good->Runs()) {
+      // In step with the clock, and with no burst after a stall.
+      for (int i = 0; i < kind.per_ms; ++i) {
+        wire::HapticPose pose = bad.NextPose();
+        kind.spoil(pose);
+        bad.Send(pose);
+      }
+      good->Output();
+      server.Output();
+      next_ns = std::max(next_ns + 1'000'000, SteadyNanoseconds() - 10'000'000);
+      const std::int64_t left_ns = next_ns - SteadyNanoseconds();
+      if (left_ns > 0) std::this_thread::sleep_for(std::chrono::nanoseconds(left_ns));
+    }
+    End(kind.name);
+    bad.Leave();
+    EXPECT_TRUE(server.Runs()) << server.Output();
+  }
+  EXPECT_THAT(server.Output(), HasSubstr("poses more than 1250 a second, not heard"));
+}
+
+}  // namespace
+}  // namespace palpate::test
