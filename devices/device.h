@@ -54,6 +54,9 @@ class Device {
   /// for hands that see and do not feel.  Real-time.
   /// @param p_HT  point that the server's wrench acts at, in the tool's frame [m].
   virtual void SeeGraphicTool(const Pose& /*X_WG*/, const Vec3& /*p_HT*/) noexcept {}
+  /// The session has ended: nothing is known of the graphic tool until it is seen again, in the
+  /// next one.  Real-time.
+  virtual void LoseGraphicTool() noexcept {}
   /// True once the hand will do nothing more: the station ends its session.
   virtual bool ended() const noexcept { return false; }
   /// What the hand does just now ("slide"), for people; empty where nobody knows.  Lives as long as

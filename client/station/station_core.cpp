@@ -15,6 +15,10 @@ StationCore::StationCore(Device& device)
     : device_(device), limiter_(WrenchLimits::Of(device.info())) {}
 
 OutgoingPose StationCore::Sense(std::int64_t now_ns, bool sending) noexcept {
+  if (!sending && graphic_known_) {
+    graphic_known_ = false;
+    device_.LoseGraphicTool();
+  }
   sample_ = device_.Read();
   if (limiter_.enabled()) sample_.status |= kDeviceForcesEnabled;
   if (sending) {
@@ -32,7 +36,7 @@ void StationCore::Take(std::int64_t now_ns, const Reply& reply) noexcept {
     return;
   }
   newest_ = reply;
-  has_reply_ = true;
+  has_reply_ = graphic_known_ = true;
   ++totals_.replies;
   const std::int64_t round_trip = reply.received_ns - reply.pose_time_ns;
   totals_.late += round_trip > kLate_ns;
@@ -61,7 +65,7 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   wanted.force += pull.force;
   wanted.torque += pull.torque;
   const LimitedWrench limited = limiter_.Limit(wanted, age_s, dt_s);
-  if (has_reply_) device_.SeeGraphicTool(newest_.X_WG, tool_reference_);
+  if (graphic_known_) device_.SeeGraphicTool(newest_.X_WG, tool_reference_);
   device_.Apply(limited);
 
   ++totals_.ticks;
