@@ -300,6 +300,18 @@ TEST(Gateway, KeepsItsViewersWhileTheServerIsGoneAndShowsThemItsSuccessor) {
   EXPECT_TRUE(viewer.open());
 }
 
+TEST(Gateway, TellsItsHealthWhateverAStationIsCalled) {
+  Gateway gateway;
+  const dds::Participant participant = dds::Participant::Service(kDomain);
+  dds::Writer<wire::SessionState> states(participant, dds::kSessionStateTopic, dds::Qos::kSession);
+  wire::SessionState state{};
+  wire::FromText("caf\xe9", state.station);  // Latin-1
+  state.server_run = 1;
+  state.phase = palpate_SESSION_ACTIVE;
+  ASSERT_TRUE(states.Write(state));
+  EXPECT_TRUE(gateway.Until([](const Json& health) { return health["stations"].size() == 1; }));
+}
+
 TEST(Gateway, GivesASceneOverHttpWithItsHashAndCompressed) {
   const auto server = StartServer();
   Gateway gateway;
