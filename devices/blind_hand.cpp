@@ -30,9 +30,19 @@ void BlindHand::LetGo() noexcept {
 void BlindHand::SeeGraphicTool(const Pose& X_WG, const Vec3& p_HT) noexcept {
   X_WG_ = X_WG;
   p_HT_ = p_HT;
+  lost_ = false;
+}
+
+void BlindHand::LoseGraphicTool() noexcept {
+  if (!X_WG_) return;  // it has not pressed anything
+  X_WH_ = *X_WG_;
+  v_ = w_ = Vec3::Zero();
+  held_back_ = false;
+  lost_ = true;
 }
 
 void BlindHand::Step(double h) noexcept {
+  if (lost_) return;
   const Vec3 at = X_WH_ * p_HT_;
   Vec3 to = X_WT_ ? *X_WT_ * p_HT_ : at;
   Quat turned_to = X_WT_ ? X_WT_->q : X_WH_.q;

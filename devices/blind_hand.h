@@ -33,6 +33,9 @@ class BlindHand {
   /// What the scene's server says of the graphic tool.
   /// @param p_HT  point that the server's wrench acts at, in the tool's frame [m].
   void SeeGraphicTool(const Pose& X_WG, const Vec3& p_HT) noexcept;
+  /// The session has ended.  The hand is put back to where the graphic tool was, and rests there
+  /// until it sees that again: a session that begins with a hand inside an object gives no force.
+  void LoseGraphicTool() noexcept;
   /// Lets a time pass [s].
   void Step(double h) noexcept;
 
@@ -52,6 +55,7 @@ class BlindHand {
   std::optional<Pose> X_WG_;
   Vec3 p_HT_ = Vec3::Zero();
   bool held_back_ = false;
+  bool lost_ = false;
 };
 
 }  // namespace palpate

@@ -75,6 +75,9 @@ class Device {
   virtual void Shape(Wrench& contact, Wrench& led) noexcept {
     if (info().torque_axes == 0) contact.torque = led.torque = Vec3::Zero();
   }
+  /// The session has ended: nothing is known of the graphic tool until it is seen again, in the
+  /// next one.  Real-time.
+  virtual void LoseGraphicTool() noexcept {}
   /// True once the hand will do nothing more: the station ends its session.
   virtual bool ended() const noexcept { return false; }
   /// What the hand does just now ("slide"), for people; empty where nobody knows.  Lives as long as

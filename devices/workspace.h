@@ -89,6 +89,7 @@ class WorkspaceDevice final : public Device {
   void Shape(Wrench& contact, Wrench& led) noexcept override;
   void Apply(const LimitedWrench& wrench) noexcept override;
   void SeeGraphicTool(const Pose& X_WG, const Vec3& p_HT) noexcept override;
+  void LoseGraphicTool() noexcept override { device_->LoseGraphicTool(); }
   bool ended() const noexcept override { return device_->ended(); }
   const char* activity() const noexcept override;
   bool StartTicks(std::function<void()> tick) override {

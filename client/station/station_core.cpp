@@ -20,6 +20,10 @@ void StationCore::SetSpring(const CouplingSpring& spring) noexcept {
 }
 
 OutgoingPose StationCore::Sense(std::int64_t now_ns, bool sending) noexcept {
+  if (!sending && graphic_known_) {
+    graphic_known_ = false;
+    device_.LoseGraphicTool();
+  }
   sample_ = device_.Read();
   if (limiter_.enabled()) sample_.status |= kDeviceForcesEnabled;
   if (sending) {
@@ -38,7 +42,7 @@ void StationCore::Take(std::int64_t now_ns, const Reply& reply) noexcept {
     return;
   }
   newest_ = reply;
-  has_reply_ = true;
+  has_reply_ = graphic_known_ = true;
   const bool remembered = sequence_ - reply.pose_sequence < kRemembered;
   local_model_.Take(reply, remembered ? &sent_[reply.pose_sequence % kRemembered] : nullptr);
   ++totals_.replies;
@@ -79,7 +83,7 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   device_.Shape(in.wanted, in.led);
   asked_ = in;
   const LimitedWrench limited = limiter_.Limit(in);
-  if (has_reply_) device_.SeeGraphicTool(newest_.X_WG, tool_reference_);
+  if (graphic_known_) device_.SeeGraphicTool(newest_.X_WG, tool_reference_);
   device_.Apply(limited);
 
   ++totals_.ticks;

@@ -100,7 +100,8 @@ class StationCore {
   void Take(std::int64_t now_ns, const GuideAim& aim) noexcept { guide_.Take(now_ns, aim); }
   const Guide& guide() const noexcept { return guide_; }
 
-  /// First half of a tick: reads the device.  Where `sending`, the pose gets the next number.
+  /// First half of a tick: reads the device.  Where `sending`, the pose gets the next number; where
+  /// not, there is no session.
   OutgoingPose Sense(std::int64_t now_ns, bool sending) noexcept;
   /// Takes one of the replies that came since the last tick, oldest first.
   void Take(std::int64_t now_ns, const Reply& reply) noexcept;
@@ -139,6 +140,7 @@ class StationCore {
   DeviceSample sample_;
   Reply newest_;
   bool has_reply_ = false;
+  bool graphic_known_ = false;  // in this session
   std::uint64_t sequence_ = 0;
   std::array<Pose, kRemembered> sent_;  // the poses up to sequence_, by their number
   std::int64_t last_act_ns_ = 0;

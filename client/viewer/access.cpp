@@ -28,20 +28,22 @@ bool IsAddressOrLocalhost(const std::string& host) {
 
 }  // namespace
 
-bool MayAttach(std::string_view origin, std::string_view host, bool loopback_only,
-               const std::vector<std::string>& allowed_origins) {
-  if (origin.empty()) return true;
+Access AccessOf(std::string_view origin, std::string_view host, bool loopback_only,
+                const std::vector<std::string>& allowed_origins) {
+  if (origin.empty()) return Access::kAll;
   const std::string from = Lower(origin);
   if (std::ranges::any_of(allowed_origins, [&](const std::string& allowed) {
         return allowed == "*" || Lower(allowed) == from;
       })) {
-    return true;
+    return Access::kAll;
   }
+  if (from == "file://") return Access::kLook;
   const std::size_t scheme = from.find("://");
-  if (scheme == std::string::npos) return false;
+  if (scheme == std::string::npos) return Access::kNone;
   const std::string authority = from.substr(scheme + 3);
-  return !authority.empty() && authority == Lower(host) &&
-         (!loopback_only || IsAddressOrLocalhost(HostOnly(authority)));
+  const bool own = !authority.empty() && authority == Lower(host) &&
+                   (!loopback_only || IsAddressOrLocalhost(HostOnly(authority)));
+  return own ? Access::kAll : Access::kNone;
 }
 
 }  // namespace palpate

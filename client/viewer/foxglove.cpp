@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/viewer/quoted.h"
+
 namespace palpate::foxglove {
 namespace {
 
@@ -19,11 +21,6 @@ static_assert(std::endian::native == std::endian::little, "the protocol's intege
 /// What a client has sent may come back in a message, and need not be UTF-8.
 std::string Dump(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-/// What a client has sent, as its own part of a complaint.
-std::string Quoted(std::string_view text) {
-  return "'" + std::string(text.substr(0, 40)) + "'";
 }
 
 bool ReadId(const Json& value, std::uint32_t& id) {

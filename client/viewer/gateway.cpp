@@ -7,13 +7,17 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "client/viewer/host_addresses.h"
 #include "client/viewer/http_session.h"
 #include "client/viewer/hub.h"
+#include "client/viewer/lobby.h"
 #include "common/error.h"
 #include "common/time/steady_clock.h"
 
@@ -24,7 +28,7 @@ namespace net = boost::asio;
 using net::ip::tcp;
 
 constexpr std::chrono::microseconds kTick{8333};
-/// Connections beyond the viewers': browsers open some for the page's files.
+/// Connections beside the viewers': browsers open some for the page's files.
 constexpr std::size_t kHttpConnections = 200;
 constexpr std::int64_t kFarewell_ns = 2'000'000'000;
 
@@ -66,10 +70,7 @@ class Listener {
         });
         return;
       }
-      if (connections_ < kHttpConnections) {
-        ++connections_;
-        std::make_shared<HttpSession>(std::move(socket), hub_, [this] { --connections_; })->Read();
-      }
+      std::make_shared<HttpSession>(std::move(socket), hub_, lobby_)->Begin();
       Accept();
     });
   }
@@ -77,17 +78,22 @@ class Listener {
   tcp::acceptor acceptor_;
   net::steady_timer retry_;
   Hub& hub_;
-  std::size_t connections_ = 0;  // that are no viewers yet
+  // Its connections may outlive this object, within handlers that never run.
+  std::shared_ptr<Lobby> lobby_ = std::make_shared<Lobby>(kHttpConnections, kHttpConnections / 2);
 };
 
-std::string Url(const tcp::endpoint& endpoint) {
+/// Where the page is, for who is told to open it.
+std::string Urls(const tcp::endpoint& endpoint) {
   const net::ip::address address = endpoint.address();
-  std::string host = address.is_unspecified() ? "127.0.0.1" : address.to_string();
-  if (address.is_v6() && !address.is_unspecified()) host = "[" + host + "]";
-  return "http://" + host + ":" + std::to_string(endpoint.port()) + "/";
+  std::string urls;
+  for (const net::ip::address& host :
+       address.is_unspecified() ? HostAddresses(address.is_v6()) : std::vector{address}) {
+    urls += fmt::format("{}http://{}:{}/", urls.empty() ? "" : " ", InUrl(host), endpoint.port());
+  }
+  return urls;
 }
 
-void Announce(const ViewerOptions& options, const Hub& hub, const std::string& url) {
+void Announce(const ViewerOptions& options, const Hub& hub, const std::string& urls) {
   if (!IsLoopback(options.address)) {
     spdlog::warn(
         "every host that reaches {} can look{}; --bind 127.0.0.1 is for this host alone",
@@ -98,7 +104,7 @@ void Announce(const ViewerOptions& options, const Hub& hub, const std::string& u
     spdlog::warn("the page is not built (looked for in {}); a page that says so stands in",
                  options.page);
   }
-  std::printf("ready: page %s; domain %d; up to %zu viewers, %d with a mouse\n", url.c_str(),
+  std::printf("ready: page %s; domain %d; up to %zu viewers, %d with a mouse\n", urls.c_str(),
               options.domain, options.max_viewers, options.max_mice);
   std::fflush(stdout);
 }
@@ -110,7 +116,7 @@ void RunGateway(const ViewerOptions& options, StopSignal& stop) {
   net::io_context io(1);
   Hub hub(io, options);
   Listener listener(io, hub);
-  Announce(options, hub, Url(listener.endpoint()));
+  Announce(options, hub, Urls(listener.endpoint()));
 
   net::steady_timer timer(io, kTick);
   std::int64_t ending_ns = 0;

@@ -1,5 +1,6 @@
 #include "client/viewer/http_session.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -8,7 +9,9 @@
 
 #include "client/viewer/access.h"
 #include "client/viewer/foxglove.h"
+#include "client/viewer/quoted.h"
 #include "client/viewer/viewer_session.h"
+#include "common/time/steady_clock.h"
 
 namespace palpate {
 namespace {
@@ -17,12 +20,25 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 
 constexpr std::uint32_t kLargestHeader = 8 * 1024;
-constexpr std::chrono::seconds kPatience{15};  // for a request, and for its answer to be taken
+constexpr std::chrono::seconds kPatience{15};  // for a request, and for a part of its answer
+constexpr std::chrono::seconds kIdle{2};       // between an answer and the next request
+/// An answer is given up where less of it is taken, on the whole [bytes/s].
+constexpr std::uint64_t kLeastRate = 16 * 1024;
+/// The page needs nothing from elsewhere, and nobody's page may hold it in a frame and have a click
+/// take a tool.  Plots and the page that stands in for it set styles.
+constexpr const char* kContentPolicy =
+    "default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; "
+    "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 constexpr std::string_view kScene = "/scene/";
 constexpr std::string_view kBundle = ".bundle";
 
 std::string_view View(beast::string_view text) {
   return {text.data(), text.size()};
+}
+
+/// Strong: it names the very bytes, so those of each encoding apart.
+std::string TagOf(std::uint64_t hash, bool gzip) {
+  return fmt::format("\"{:016x}{}\"", hash, gzip ? "-gz" : "");
 }
 
 std::uint64_t NextViewerId() {
@@ -33,21 +49,41 @@ std::uint64_t NextViewerId() {
 }  // namespace
 
 HttpSession::HttpSession(boost::asio::ip::tcp::socket socket, Hub& hub,
-                         std::function<void()> on_end)
-    : stream_(std::move(socket)), hub_(hub), on_end_(std::move(on_end)) {}
+                         std::shared_ptr<Lobby> lobby)
+    : stream_(std::move(socket)), hub_(hub), lobby_(std::move(lobby)) {}
 
 HttpSession::~HttpSession() {
-  on_end_();
+  if (place_) lobby_->Leave(*place_);
+}
+
+void HttpSession::Begin() {
+  beast::error_code error;
+  const auto peer = stream_.socket().remote_endpoint(error).address();
+  if (error) return;  // it has gone
+  const auto close = [weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->stream_.close();
+  };
+  place_ = lobby_->Enter(peer.is_loopback() ? "" : peer.to_string(), close, SteadyNanoseconds());
+  if (place_) Read();
 }
 
 void HttpSession::Read() {
   parser_.emplace();
   parser_->header_limit(kLargestHeader);
   parser_->body_limit(0);
+  lobby_->Wait(*place_, SteadyNanoseconds());
+  stream_.expires_after(answered_ ? kIdle : kPatience);
+  http::async_read_some(
+      stream_, input_, *parser_,
+      [self = shared_from_this()](beast::error_code error, std::size_t) { self->OnBegun(error); });
+}
+
+void HttpSession::OnBegun(beast::error_code error) {
+  if (error || parser_->is_done()) return OnRead(error);
   stream_.expires_after(kPatience);
   http::async_read(
       stream_, input_, *parser_,
-      [self = shared_from_this()](beast::error_code error, std::size_t) { self->OnRead(error); });
+      [self = shared_from_this()](beast::error_code result, std::size_t) { self->OnRead(result); });
 }
 
 void HttpSession::OnRead(beast::error_code error) {
@@ -55,6 +91,7 @@ void HttpSession::OnRead(beast::error_code error) {
     stream_.close();
     return;
   }
+  lobby_->Serve(*place_);
   if (error) {
     const Request none;
     if (error.category() != http::make_error_code(http::error::bad_method).category()) return;
@@ -72,6 +109,7 @@ void HttpSession::Answer(const Request& request) {
   const auto path = PathOfTarget(View(request.target()));
   if (!path) return GiveText(request, http::status::bad_request, "no path\n");
   if (*path == "/healthz") {
+    last_ = true;  // asked every few seconds by every page: none should hold a connection for that
     return GiveText(request, http::status::ok, hub_.Health(), "application/json");
   }
   if (path->starts_with(kScene) && path->ends_with(kBundle) &&
@@ -84,11 +122,14 @@ void HttpSession::Answer(const Request& request) {
 
 void HttpSession::Upgrade(const Request& request) {
   const std::string_view origin = View(request[http::field::origin]);
-  if (!MayAttach(origin, View(request[http::field::host]), IsLoopback(hub_.options().address),
-                 hub_.options().origins)) {
-    spdlog::warn("a page of {} wanted to attach and was refused; --allow-origin lets it", origin);
+  const Access access = AccessOf(origin, View(request[http::field::host]),
+                                 IsLoopback(hub_.options().address), hub_.options().origins);
+  if (access == Access::kNone) {
+    const std::string who = Quoted(origin);
+    spdlog::warn("a page of {} wanted to attach and was refused; --allow-origin lets it in", who);
     return GiveText(request, http::status::forbidden,
-                    "a page from elsewhere may not attach; see palpate-viewer --allow-origin\n");
+                    "a page from elsewhere may not attach: its Origin is " + who +
+                        "; palpate-viewer --allow-origin lets it in\n");
   }
   const std::string_view subprotocol =
       foxglove::ChooseSubprotocol(View(request[http::field::sec_websocket_protocol]));
@@ -100,7 +141,8 @@ void HttpSession::Upgrade(const Request& request) {
     return GiveText(request, http::status::service_unavailable,
                     "there are as many viewers as this gateway takes (--max-viewers)\n");
   }
-  auto viewer = std::make_shared<ViewerSession>(std::move(stream_), hub_, NextViewerId());
+  auto viewer = std::make_shared<ViewerSession>(std::move(stream_), hub_, NextViewerId(),
+                                                access == Access::kAll);
   hub_.Join(viewer);
   viewer->Accept(request, subprotocol);
 }
@@ -111,8 +153,10 @@ void HttpSession::Send(http::response<Body> response, const Request& request,
   response.version(11);
   response.set(http::field::server, "palpate-viewer/" PALPATE_VERSION);
   response.set("X-Content-Type-Options", "nosniff");
-  response.keep_alive(request.version() >= 11 && request.keep_alive() &&
+  response.set("Content-Security-Policy", kContentPolicy);
+  response.keep_alive(request.version() >= 11 && request.keep_alive() && !last_ &&
                       response.result_int() < 400);
+  answered_ = true;
   stream_.expires_after(kPatience);
   const auto sent = [self = shared_from_this(), owner](const auto& message,
                                                        beast::error_code error) {
@@ -131,12 +175,14 @@ void HttpSession::Send(http::response<Body> response, const Request& request,
   }
   auto whole = std::make_shared<http::response<Body>>(std::move(response));
   // In pieces: a large scene over a slow line may take longer than the patience for one of them.
+  const auto end = std::chrono::steady_clock::now() + kPatience +
+                   std::chrono::seconds(whole->payload_size().value_or(0) / kLeastRate);
   auto serializer = std::make_shared<http::response_serializer<Body>>(*whole);
   const auto step = std::make_shared<std::function<void(beast::error_code, std::size_t)>>();
-  *step = [self = shared_from_this(), whole, serializer, sent, weak = std::weak_ptr(step)](
+  *step = [self = shared_from_this(), whole, serializer, sent, end, weak = std::weak_ptr(step)](
               beast::error_code error, std::size_t) {
     if (error || serializer->is_done()) return sent(*whole, error);
-    self->stream_.expires_after(kPatience);
+    self->stream_.expires_at(std::min(end, std::chrono::steady_clock::now() + kPatience));
     http::async_write_some(
         self->stream_, *serializer,
         [next = weak.lock()](beast::error_code e, std::size_t n) { (*next)(e, n); });
@@ -184,33 +230,33 @@ void HttpSession::GiveScene(const Request& request, const std::string& name) {
                     "no server has given this gateway a scene of that name\n");
   }
   const SceneBytes scene = found->second;
-  const std::string etag = fmt::format("\"{:016x}\"", scene.hash);
-  if (View(request[http::field::if_none_match]) == etag) {
+  const bool gzip = AcceptsGzip(View(request[http::field::accept_encoding]));
+  const std::string etag = TagOf(scene.hash, gzip);
+  if (View(request[http::field::if_none_match]).find(etag) != std::string_view::npos) {
     http::response<http::empty_body> response{http::status::not_modified, 11};
     response.set(http::field::etag, etag);
+    response.set(http::field::vary, "Accept-Encoding");
+    response.set(http::field::cache_control, "no-cache");
     return Send(std::move(response), request);
   }
-  if (!AcceptsGzip(View(request[http::field::accept_encoding]))) {
-    return GiveBytes(request, scene.frame, scene.bundle, etag, false);
-  }
+  if (!gzip) return GiveBytes(request, scene.frame, scene.bundle, scene.hash, false);
   stream_.expires_never();
-  hub_.WithPacked(name,
-                  [self = shared_from_this(), request, scene, etag](const Hub::Bytes& packed) {
+  hub_.WithPacked(scene,
+                  [self = shared_from_this(), request, scene](const ScenePacker::Bytes& packed) {
                     if (packed) {
-                      self->GiveBytes(request, packed, *packed, etag, true);
+                      self->GiveBytes(request, packed, *packed, scene.hash, true);
                     } else {
-                      self->GiveBytes(request, scene.frame, scene.bundle, etag, false);
+                      self->GiveBytes(request, scene.frame, scene.bundle, scene.hash, false);
                     }
                   });
 }
 
 void HttpSession::GiveBytes(const Request& request, std::shared_ptr<const void> owner,
-                            std::span<const std::uint8_t> bytes, const std::string& etag,
-                            bool gzip) {
+                            std::span<const std::uint8_t> bytes, std::uint64_t hash, bool gzip) {
   http::response<http::span_body<const std::uint8_t>> response{http::status::ok, 11};
   response.body() = {bytes.data(), bytes.size()};
   response.set(http::field::content_type, "application/octet-stream");
-  response.set(http::field::etag, etag);
+  response.set(http::field::etag, TagOf(hash, gzip));
   response.set(http::field::vary, "Accept-Encoding");
   response.set(http::field::cache_control, "no-cache");
   if (gzip) response.set(http::field::content_encoding, "gzip");

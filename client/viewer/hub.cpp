@@ -5,14 +5,11 @@
 #include <random>
 #include <utility>
 
-#include <boost/asio/post.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
 
-#include "client/viewer/gzip.h"
 #include "client/viewer/viewer_session.h"
-#include "common/error.h"
 #include "common/time/steady_clock.h"
 
 namespace palpate {
@@ -38,6 +35,11 @@ std::string Joined(const std::vector<std::string>& names) {
   return text.empty() ? "none" : text;
 }
 
+/// Names come from elsewhere, and need not be UTF-8.
+std::string Dump(const nlohmann::json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 template <class Map>
 std::vector<std::string> KeysOf(const Map& map) {
   std::vector<std::string> keys;
@@ -48,18 +50,16 @@ std::vector<std::string> KeysOf(const Map& map) {
 }  // namespace
 
 Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
-    : io_(io),
-      options_(options),
+    : options_(options),
       page_(options.page),
       feed_(options.domain),
       session_id_(RandomId()),
-      mice_({options.max_mice, options.domain, options.transport, StationProgram()},
+      // Their names are this gateway's alone: another one in the domain has mice of its own.
+      mice_({options.max_mice, options.domain, options.transport, StationProgram(),
+             "mouse_" + session_id_.substr(0, 4) + "_"},
             [this](const MouseRoom::News& news) { Tell(news); }),
+      packer_(io),
       logged_ns_(SteadyNanoseconds()) {}
-
-Hub::~Hub() {
-  packer_.join();
-}
 
 void Hub::Join(const std::shared_ptr<ViewerSession>& viewer) {
   viewers_[viewer->id()] = viewer;
@@ -111,12 +111,11 @@ void Hub::BeginToEnd(std::int64_t now_ns) {
 void Hub::Tell(const MouseRoom::News& news) {
   const auto viewer = viewers_.find(news.holder);
   if (viewer == viewers_.end()) return;
-  const std::string text = nlohmann::json{
-      {"station", news.station},
-      {"scene", news.scene},
-      {"tool", news.tool},
-      {"phase", news.phase},
-      {"reason", news.reason}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::string text = Dump({{"station", news.station},
+                                 {"scene", news.scene},
+                                 {"tool", news.tool},
+                                 {"phase", news.phase},
+                                 {"reason", news.reason}});
   auto frame = std::make_shared<Frame>();
   frame->channel = TopicFeed::kMouseState;
   frame->time_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -138,15 +137,16 @@ std::uint64_t Hub::FramesLost() const {
 }
 
 std::string Hub::Health() const {
-  return nlohmann::json{{"viewers", viewers_.size()},
-                        {"frames_sent", frames_sent_},
-                        {"frames_dropped", FramesLost()},
-                        {"bytes_sent", bytes_sent_},
-                        {"mice", mice_.size()},
-                        {"stations", feed_.stations()},
-                        {"scenes", KeysOf(feed_.scenes())},
-                        {"version", PALPATE_VERSION}}
-      .dump();
+  return Dump({{"viewers", viewers_.size()},
+               {"max_viewers", options_.max_viewers},
+               {"frames_sent", frames_sent_},
+               {"frames_dropped", FramesLost()},
+               {"bytes_sent", bytes_sent_},
+               {"mice", mice_.size()},
+               {"stations", feed_.stations()},
+               {"scenes", KeysOf(feed_.scenes())},
+               {"server_run", fmt::format("{:x}", feed_.server_run())},
+               {"version", PALPATE_VERSION}});
 }
 
 void Hub::LogStatistics(std::int64_t now_ns) {
@@ -168,31 +168,9 @@ void Hub::LogStatistics(std::int64_t now_ns) {
   logged_lost_ = lost;
 }
 
-void Hub::WithPacked(const std::string& scene, std::function<void(Bytes)> use) {
-  const SceneBytes& bytes = feed_.scenes().at(scene);
-  Packed& packed = packed_[scene];
-  if (packed.hash != bytes.hash) {
-    packed.hash = bytes.hash;
-    packed.bytes = nullptr;
-  }
-  if (packed.bytes) return use(packed.bytes);
-  packed.waiting.push_back(std::move(use));
-  if (packed.waiting.size() > 1) return;
-  boost::asio::post(packer_, [this, scene, bytes] {
-    // It may take its time: the servo loops' host has little to spare.
-    setpriority(PRIO_PROCESS, 0, 10);  // of this thread alone, on Linux
-    Bytes result;
-    try {
-      result = std::make_shared<const std::vector<std::uint8_t>>(Gzip(bytes.bundle));
-    } catch (const Error& error) {
-      spdlog::warn("scene '{}' is sent as it is: {}", scene, error.what());
-    }
-    boost::asio::post(io_, [this, scene, hash = bytes.hash, result] {
-      Packed& done = packed_[scene];
-      if (done.hash == hash) done.bytes = result;
-      for (const auto& waiting : std::exchange(done.waiting, {})) waiting(result);
-    });
-  });
+void Hub::WithPacked(const SceneBytes& scene, std::function<void(const ScenePacker::Bytes&)> use) {
+  packer_.KeepOnly(feed_.scenes());
+  packer_.Pack(scene, std::move(use));
 }
 
 }  // namespace palpate

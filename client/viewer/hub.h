@@ -8,11 +8,11 @@
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/thread_pool.hpp>
 
 #include "client/viewer/mouse_room.h"
 #include "client/viewer/options.h"
 #include "client/viewer/page_files.h"
+#include "client/viewer/scene_packer.h"
 #include "client/viewer/topic_feed.h"
 
 namespace palpate {
@@ -23,11 +23,8 @@ class ViewerSession;
 /// Thread contract: the network thread.
 class Hub {
  public:
-  using Bytes = std::shared_ptr<const std::vector<std::uint8_t>>;
-
   /// Throws Error where DDS refuses.
   Hub(boost::asio::io_context& io, const ViewerOptions& options);
-  ~Hub();
 
   /// Passes on what has come; 120 times a second.
   void Tick(std::int64_t now_ns);
@@ -49,27 +46,20 @@ class Hub {
   /// What GET /healthz answers.
   std::string Health() const;
   /// The scene's bundle, compressed: now, or once another thread has done it.  Null: that failed.
-  void WithPacked(const std::string& scene, std::function<void(Bytes)> use);
+  void WithPacked(const SceneBytes& scene, std::function<void(const ScenePacker::Bytes&)> use);
 
  private:
-  struct Packed {
-    std::uint64_t hash = 0;
-    Bytes bytes;
-    std::vector<std::function<void(Bytes)>> waiting;
-  };
-
   void Tell(const MouseRoom::News& news);
   void LogStatistics(std::int64_t now_ns);
   std::uint64_t FramesLost() const;
 
-  boost::asio::io_context& io_;
   ViewerOptions options_;
   PageFiles page_;
   TopicFeed feed_;
   std::string session_id_;
   std::map<std::uint64_t, std::shared_ptr<ViewerSession>> viewers_;  // by id
   MouseRoom mice_;
-  std::map<std::string, Packed> packed_;  // by scene
+  ScenePacker packer_;
   std::uint64_t frames_sent_ = 0;
   std::uint64_t bytes_sent_ = 0;
   std::uint64_t frames_lost_ = 0;  // of viewers that have left
@@ -79,7 +69,6 @@ class Hub {
   std::uint64_t logged_bytes_ = 0;
   std::uint64_t logged_taken_ = 0;
   std::uint64_t logged_lost_ = 0;
-  boost::asio::thread_pool packer_{1};  // last: its thread ends before what it uses
 };
 
 }  // namespace palpate

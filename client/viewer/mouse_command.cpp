@@ -1,5 +1,6 @@
 #include "client/viewer/mouse_command.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -11,6 +12,8 @@ namespace palpate {
 namespace {
 
 using Json = nlohmann::json;
+
+constexpr std::size_t kLongestName = 64;  // as idl/session.idl has it
 
 bool ReadNumbers(const Json& object, const char* field, std::span<double> numbers) {
   const auto found = object.find(field);
@@ -45,6 +48,9 @@ std::optional<MouseCommand> ParseMouseCommand(std::string_view text, std::string
     command.scene = Text(json, "scene");
     command.tool = Text(json, "tool");
     if (command.scene.empty()) return refuse("'take' needs the name of a scene");
+    if (std::max(command.scene.size(), command.tool.size()) > kLongestName) {
+      return refuse("the name of a scene or a tool has 64 bytes at most");
+    }
     return command;
   }
   if (op == "pose") {

@@ -1,6 +1,8 @@
 #include "client/viewer/mouse_room.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include <spdlog/spdlog.h>
 
@@ -33,7 +35,8 @@ const MouseRoom::Mouse* MouseRoom::Find(Holder holder) const {
   return nullptr;
 }
 
-void MouseRoom::Take(Holder holder, const MouseCommand& command, bool scene_known) {
+void MouseRoom::Take(Holder holder, const MouseCommand& command, bool scene_known,
+                     std::int64_t now_ns) {
   const auto refuse = [&](const std::string& reason) {
     tell_({holder, "", command.scene, command.tool, "refused", reason});
   };
@@ -50,38 +53,52 @@ void MouseRoom::Take(Holder holder, const MouseCommand& command, bool scene_know
   }
   int number = 1;
   while (mice_.contains(number)) ++number;
-  Mouse mouse;
+  Mouse& mouse = mice_[number];
   mouse.holder = holder;
   mouse.scene = command.scene;
   mouse.tool = command.tool;
+  mouse.moved_ns = now_ns;
+  spdlog::info("{} takes a tool of scene '{}'", NameOf(number), command.scene);
+  tell_({holder, NameOf(number), command.scene, command.tool, "", ""});
+  if (!StillHeld(mouse)) Start(number, mouse, now_ns);
+}
+
+bool MouseRoom::StillHeld(const Mouse& wanted) const {
+  return std::ranges::any_of(mice_, [&](const auto& entry) {
+    const Mouse& mouse = entry.second;
+    return mouse.holder == 0 && mouse.scene == wanted.scene &&
+           (mouse.tool == wanted.tool || mouse.tool.empty() || wanted.tool.empty());
+  });
+}
+
+void MouseRoom::Start(int number, Mouse& mouse, std::int64_t now_ns) {
   // In one word each: what a page sends is never an option.
   std::vector<std::string> arguments{"--device=mouse",
-                                     "--scene=" + command.scene,
+                                     "--scene=" + mouse.scene,
                                      "--id=" + NameOf(number),
                                      "--domain=" + std::to_string(options_.domain),
                                      "--transport=" + options_.transport,
                                      "--no-table"};
-  if (!command.tool.empty()) arguments.push_back("--tool=" + command.tool);
+  if (!mouse.tool.empty()) arguments.push_back("--tool=" + mouse.tool);
   try {
     mouse.station = std::make_unique<MouseStation>(options_.program, arguments);
   } catch (const Error& error) {
-    return refuse(error.what());
+    LetGo(number, mouse, "refused", error.what(), now_ns);
   }
-  spdlog::info("{} takes a tool of scene '{}'", NameOf(number), command.scene);
-  mice_[number] = std::move(mouse);
-  tell_({holder, NameOf(number), command.scene, command.tool, "", ""});
 }
 
-bool MouseRoom::Drag(Holder holder, const Pose& X_WT) {
-  const Mouse* mouse = Find(holder);
-  if (mouse != nullptr) mouse->station->Drag(X_WT);
-  return mouse != nullptr;
+void MouseRoom::Drag(Holder holder, const Pose& X_WT, std::int64_t now_ns) {
+  for (auto& [number, mouse] : mice_) {
+    if (mouse.holder != holder) continue;
+    mouse.moved_ns = now_ns;
+    if (mouse.station) mouse.station->Drag(X_WT);
+  }
 }
 
 void MouseRoom::LetGo(int number, Mouse& mouse, const std::string& phase, const std::string& reason,
                       std::int64_t now_ns) {
   const Holder holder = std::exchange(mouse.holder, 0);
-  mouse.station->LetGo(now_ns);
+  if (mouse.station) mouse.station->LetGo(now_ns);
   spdlog::info("{} {}{}{}", NameOf(number), phase, reason.empty() ? "" : ": ", reason);
   tell_({holder, NameOf(number), mouse.scene, mouse.tool, phase, reason});
 }
@@ -94,13 +111,18 @@ void MouseRoom::Release(Holder holder, const std::string& reason, std::int64_t n
 
 void MouseRoom::OnSession(const wire::SessionState& state, std::int64_t now_ns) {
   for (auto& [number, mouse] : mice_) {
-    if (mouse.holder == 0 || NameOf(number) != state.station) continue;
+    if (mouse.holder == 0 || !mouse.station || NameOf(number) != state.station) continue;
+    const bool ended = state.phase == palpate_SESSION_ENDED;
     if (state.phase == palpate_SESSION_REFUSED) {
-      return LetGo(number, mouse, "refused", state.reason, now_ns);
+      // One that has had its session asks again by itself, and says so where it gives up.
+      if (mouse.run == 0) return LetGo(number, mouse, "refused", state.reason, now_ns);
+      continue;
     }
+    // A session that it does not have cannot end: that was its predecessor's of the same name.
+    if (ended && state.run != mouse.run) continue;
+    mouse.run = state.run;  // another one each time that it asks
     mouse.tool = state.tool;
     // A station whose session the server ended asks again by itself: its tool is not lost yet.
-    const bool ended = state.phase == palpate_SESSION_ENDED;
     tell_({mouse.holder, NameOf(number), mouse.scene, mouse.tool,
            ended ? "" : PhaseName(state.phase), state.reason});
   }
@@ -109,7 +131,12 @@ void MouseRoom::OnSession(const wire::SessionState& state, std::int64_t now_ns) 
 void MouseRoom::Poll(std::int64_t now_ns) {
   for (auto it = mice_.begin(); it != mice_.end();) {
     auto& [number, mouse] = *it;
-    if (mouse.station->Poll(now_ns)) {
+    if (mouse.holder != 0 && now_ns - mouse.moved_ns > kIdle_ns) {
+      LetGo(number, mouse, "ended", "nobody has moved it for 5 minutes", now_ns);
+    }
+    if (!mouse.station && mouse.holder != 0 && !StillHeld(mouse)) Start(number, mouse, now_ns);
+    const bool waits = !mouse.station && mouse.holder != 0;
+    if (waits || (mouse.station && mouse.station->Poll(now_ns))) {
       ++it;
       continue;
     }

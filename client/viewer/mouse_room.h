@@ -14,15 +14,20 @@ namespace palpate {
 
 /// The tools that viewers hold with the mouse: a station for each, and what its viewer is told of
 /// it.  A viewer holds one at a time.
-/// Thread contract: one thread.
+/// Thread contract: one thread.  Time is given [ns].
 class MouseRoom {
  public:
+  /// A tool that nobody moves for so long is free for others.
+  static constexpr std::int64_t kIdle_ns = 300'000'000'000;
+
   using Holder = std::uint64_t;  ///< a viewer
   struct Options {
     int most = 4;
     int domain = 0;
     std::string transport = "auto";
     std::string program;  ///< path of palpate-station
+    /// Of the stations' names, before their numbers; no other station of the domain has it.
+    std::string prefix = "mouse_";
   };
   /// What became of a viewer's mouse: `phase` is "waiting", "acquiring", "active", "refused" or
   /// "ended", as in SessionState; empty while there is no answer.
@@ -35,9 +40,9 @@ class MouseRoom {
       : options_(std::move(options)), tell_(std::move(tell)) {}
 
   /// @param scene_known  false: there is no such scene, or no server.
-  void Take(Holder holder, const MouseCommand& command, bool scene_known);
-  /// False where the viewer holds nothing.
-  bool Drag(Holder holder, const Pose& X_WT);
+  void Take(Holder holder, const MouseCommand& command, bool scene_known, std::int64_t now_ns);
+  /// Of no effect where the viewer holds nothing: poses may come late, after a release.
+  void Drag(Holder holder, const Pose& X_WT, std::int64_t now_ns);
   /// Also when the viewer has gone.
   void Release(Holder holder, const std::string& reason, std::int64_t now_ns);
   bool holds(Holder holder) const { return Find(holder) != nullptr; }
@@ -45,17 +50,22 @@ class MouseRoom {
   void OnSession(const wire::SessionState& state, std::int64_t now_ns);
   /// Looks after the stations, some 100 times a second.
   void Poll(std::int64_t now_ns);
-  /// Stations that run.
+  /// Stations that run, or are about to.
   std::size_t size() const { return mice_.size(); }
 
  private:
   struct Mouse {
-    std::unique_ptr<MouseStation> station;
-    Holder holder = 0;  // 0: let go, and on its way out
+    std::unique_ptr<MouseStation> station;  // null: it is started once its tool is free
+    Holder holder = 0;                      // 0: let go, and on its way out
     std::string scene, tool;
+    std::uint64_t run = 0;  // of its session; 0: it never had one
+    std::int64_t moved_ns = 0;
   };
   const Mouse* Find(Holder holder) const;
-  static std::string NameOf(int number) { return "mouse_" + std::to_string(number); }
+  std::string NameOf(int number) const { return options_.prefix + std::to_string(number); }
+  /// The tool is still in the hand of a mouse that is on its way out.
+  bool StillHeld(const Mouse& wanted) const;
+  void Start(int number, Mouse& mouse, std::int64_t now_ns);
   void LetGo(int number, Mouse& mouse, const std::string& phase, const std::string& reason,
              std::int64_t now_ns);
 

@@ -106,13 +106,19 @@ void MouseStation::ReadOutput() {
 bool MouseStation::Poll(std::int64_t now_ns) {
   if (pid_ < 0) return false;
   int status = 0;
-  const bool ended = waitpid(pid_, &status, WNOHANG) == pid_;
+  const pid_t found = waitpid(pid_, &status, WNOHANG);
+  // Somebody else has waited for it: it has ended, and its number may be another process's by now.
+  const bool taken = found < 0 && errno == ECHILD;
   ReadOutput();
-  if (!ended) {
+  if (found != pid_ && !taken) {
     if (let_go_ns_ != 0 && now_ns - let_go_ns_ > kPatience_ns) kill(pid_, SIGKILL);
     return true;
   }
   pid_ = -1;
+  if (taken) {
+    complaint_ = "what became of the mouse's station is not known";
+    return false;
+  }
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return false;
   constexpr std::string_view kName = "palpate-station: ";
   complaint_ = last_line_.starts_with(kName) ? last_line_.substr(kName.size()) : last_line_;

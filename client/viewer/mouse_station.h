@@ -28,7 +28,6 @@ class MouseStation {
   void Drag(const Pose& X_WT);
   /// Ends its input; it leaves its session and ends within a second, or is killed after three.
   void LetGo(std::int64_t now_ns);
-  bool let_go() const { return input_ < 0; }
 
   /// Looks after it, some 100 times a second.  False once it has ended.
   bool Poll(std::int64_t now_ns);

@@ -22,9 +22,10 @@ constexpr const char* kAbout =
 constexpr const char* kExamples =
     "Examples:\n"
     "  palpate-viewer --http 8765\n"
-    "      the page at http://127.0.0.1:8765/, for this host alone; Foxglove and Lichtblick attach "
-    "to\n"
-    "      ws://127.0.0.1:8765/\n"
+    "      the page at http://127.0.0.1:8765/, for this host alone; the desktop applications of\n"
+    "      Foxglove and Lichtblick attach to ws://127.0.0.1:8765/, and look\n"
+    "  palpate-viewer --http 8765 --allow-origin https://app.foxglove.dev\n"
+    "      Foxglove's web application may attach, too\n"
     "  palpate-viewer --http 8765 --bind 0.0.0.0 --max-mice 0\n"
     "      for a class in the same network: all may look, nobody may take a tool with the mouse\n"
     "\n"
@@ -62,7 +63,7 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
       ->capture_default_str();
   app.add_option("--page", options.page, "folder of the built page")->capture_default_str();
   app.add_option("--rate", options.rate_hz, "tool states a second and station, for each viewer")
-      ->check(CLI::Range(1.0, 60.0))
+      ->check(CLI::Range(10.0, 60.0))
       ->capture_default_str();
   app.add_option("--max-viewers", options.max_viewers, "viewers at once; more are turned away")
       ->check(CLI::Range(1, 10000))
@@ -72,8 +73,9 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
       ->check(CLI::Range(0, 16))
       ->capture_default_str();
   app.add_option("--allow-origin", options.origins,
-                 "another page that may attach, as https://app.example.org; *: any page; "
-                 "this gateway's own, and programs that are no page, always may");
+                 "another page that may attach and take a tool, as https://app.example.org; *: any "
+                 "page; this gateway's own, and programs that are no page, always may; "
+                 "file://, as desktop applications call themselves, may look unless it is named");
   app.add_option("--transport", options.transport, "of the mice's stations: auto, shm or udp")
       ->capture_default_str();
   AddCommonOptions(app, "which server: the same number as there", options.domain,

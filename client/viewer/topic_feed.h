@@ -55,7 +55,8 @@ class TopicFeed {
   const std::map<std::string, SceneBytes>& scenes() const { return scenes_; }
   /// Stations that have a session, as the server last said.
   std::vector<std::string> stations() const;
-  bool server_known() const { return server_run_ != 0; }
+  /// The server's that was heard last; 0: none has been.
+  std::uint64_t server_run() const { return server_run_; }
 
  private:
   using KeptKey = std::tuple<std::uint32_t, std::string, std::uint64_t>;  // channel, name, number

@@ -7,6 +7,7 @@
 #include <boost/asio/post.hpp>
 #include <spdlog/spdlog.h>
 
+#include "client/viewer/quoted.h"
 #include "common/time/steady_clock.h"
 
 namespace palpate {
@@ -17,12 +18,9 @@ namespace net = boost::asio;
 namespace websocket = beast::websocket;
 
 constexpr std::size_t kLargestMessage = 64 * 1024;  // of a client
-constexpr std::size_t kMostTexts = 64;              // that wait for one viewer
+constexpr std::size_t kMostTexts = 64;              // that wait for one viewer,
+constexpr std::size_t kMostTextBytes = 128 * 1024;  // and all of them
 constexpr std::size_t kMostChannels = 16;           // that a client may publish on
-/// A viewer that holds a tool is looked after: it is let go of when nothing has been heard of it
-/// for so long, not even an answer to a ping.
-constexpr std::int64_t kMousePing_ns = 1'000'000'000;
-constexpr std::int64_t kMouseSilence_ns = 3'000'000'000;
 /// What the kernel may hold of what a stalled viewer does not read: some seconds of tool states.
 constexpr int kSendBuffer = 64 * 1024;
 constexpr const char* kMouseTopic = "/palpate/mouse";
@@ -35,8 +33,12 @@ std::string PeerOf(const beast::tcp_stream& stream) {
 
 }  // namespace
 
-ViewerSession::ViewerSession(beast::tcp_stream stream, Hub& hub, std::uint64_t id)
-    : socket_(std::move(stream)), hub_(hub), id_(id), peer_(PeerOf(socket_.next_layer())) {}
+ViewerSession::ViewerSession(beast::tcp_stream stream, Hub& hub, std::uint64_t id, bool may_publish)
+    : socket_(std::move(stream)),
+      hub_(hub),
+      id_(id),
+      mouse_(may_publish && hub.options().max_mice > 0),
+      peer_(PeerOf(socket_.next_layer())) {}
 
 void ViewerSession::Accept(const Request& request, std::string_view subprotocol) {
   beast::tcp_stream& stream = socket_.next_layer();
@@ -57,7 +59,7 @@ void ViewerSession::Accept(const Request& request, std::string_view subprotocol)
   socket_.read_message_max(kLargestMessage);
   socket_.auto_fragment(false);  // a message is one frame, written from where it lies
   socket_.control_callback(
-      [this](websocket::frame_type, beast::string_view) { heard_ns_ = SteadyNanoseconds(); });
+      [this](websocket::frame_type, beast::string_view) { signs_.Heard(SteadyNanoseconds()); });
   socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
     if (error) {
       self->Gone();
@@ -69,11 +71,10 @@ void ViewerSession::Accept(const Request& request, std::string_view subprotocol)
 
 void ViewerSession::Open() {
   open_ = true;
-  heard_ns_ = SteadyNanoseconds();
+  signs_.Heard(SteadyNanoseconds());
   spdlog::debug("viewer {} has come", peer_);
-  const bool mice = hub_.options().max_mice > 0;
-  Send(foxglove::ServerInfo(hub_.session_id(), mice));
-  Send(foxglove::Advertise(TopicFeed::Channels(mice)));
+  Send(foxglove::ServerInfo(hub_.session_id(), mouse_));
+  Send(foxglove::Advertise(TopicFeed::Channels(mouse_)));
   Read();
 }
 
@@ -99,7 +100,8 @@ void ViewerSession::OnRead(beast::error_code error) {
     // Beast has closed the socket for a frame that breaks RFC 6455, with the code for it.
     return Gone();
   }
-  heard_ns_ = SteadyNanoseconds();
+  const std::int64_t now_ns = SteadyNanoseconds();
+  signs_.Heard(now_ns);
   if (closing_) return input_.clear();
   const auto data = input_.cdata();
   const std::string wrong =
@@ -110,7 +112,7 @@ void ViewerSession::OnRead(beast::error_code error) {
     Say(foxglove::Level::kError, "this connection ends: it sent " + wrong);
     return Close(websocket::close_code::policy_error, "not of the protocol");
   }
-  Flush(heard_ns_);
+  Flush(now_ns);
   Read();
 }
 
@@ -128,16 +130,16 @@ std::string ViewerSession::OnText(std::string_view text) {
       break;
     case Op::kAdvertise:
       for (const foxglove::ClientChannel& channel : request->channels) {
-        if (hub_.options().max_mice == 0 || channel.topic != kMouseTopic ||
-            channel.encoding != "json") {
+        if (!mouse_ || channel.topic != kMouseTopic || channel.encoding != "json") {
           Say(foxglove::Level::kWarning,
-              "channel '" + channel.topic + "' is of no use here: give " + kMouseTopic +
-                  ", encoding json" +
-                  (hub_.options().max_mice == 0 ? ", where the gateway allows mice" : ""));
+              "channel " + Quoted(channel.topic) + " is of no use here: " +
+                  (mouse_ ? std::string("give ") + kMouseTopic + ", encoding json"
+                          : "this client may look, and publish nothing (palpate-viewer --max-mice, "
+                            "--allow-origin)"));
         } else if (published_.size() >= kMostChannels) {
           return "too many channels";
         } else {
-          published_[channel.id] = channel.topic;
+          published_.insert(channel.id);
         }
       }
       break;
@@ -146,7 +148,7 @@ std::string ViewerSession::OnText(std::string_view text) {
       break;
     case Op::kUnknown:
       Say(foxglove::Level::kWarning,
-          "'" + request->op_name.substr(0, 40) + "' is nothing that this gateway does");
+          Quoted(request->op_name) + " is nothing that this gateway does");
       break;
   }
   return "";
@@ -157,7 +159,7 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
   for (const foxglove::Subscription& wanted : request.subscriptions) {
     const bool known = wanted.channel >= TopicFeed::kToolState &&
                        (wanted.channel <= TopicFeed::kSceneBundle ||
-                        (wanted.channel == TopicFeed::kMouseState && hub_.options().max_mice > 0));
+                        (wanted.channel == TopicFeed::kMouseState && mouse_));
     if (!known || queue_.subscribed(wanted.channel) || queue_.has_subscription(wanted.id)) {
       Say(foxglove::Level::kWarning,
           "subscription " + std::to_string(wanted.id) + " to channel " +
@@ -193,25 +195,24 @@ void ViewerSession::OnMouse(std::string_view json) {
     return Say(foxglove::Level::kWarning, std::string(kMouseTopic) + ": the message " + wrong);
   }
   MouseRoom& mice = hub_.mice();
+  const std::int64_t now_ns = SteadyNanoseconds();
   switch (command->op) {
     case MouseCommand::Op::kTake:
-      return mice.Take(id_, *command, hub_.feed().scenes().contains(command->scene));
+      return mice.Take(id_, *command, hub_.feed().scenes().contains(command->scene), now_ns);
     case MouseCommand::Op::kPose:
-      mice.Drag(id_, command->X_WT);  // late ones after a release are no fault
-      return;
+      return mice.Drag(id_, command->X_WT, now_ns);
     case MouseCommand::Op::kRelease:
-      return mice.Release(id_, "", SteadyNanoseconds());
+      return mice.Release(id_, "", now_ns);
   }
 }
 
 void ViewerSession::Watch(std::int64_t now_ns) {
   if (!open_ || !hub_.mice().holds(id_)) return;
-  if (now_ns - heard_ns_ > kMouseSilence_ns) {
+  if (signs_.gone(now_ns)) {
     return hub_.mice().Release(id_, "nothing was heard of this page for 3 s", now_ns);
   }
-  if (pinging_ || now_ns - heard_ns_ < kMousePing_ns || now_ns - pinged_ns_ < kMousePing_ns) return;
+  if (pinging_ || !signs_.Ask(now_ns)) return;
   pinging_ = true;
-  pinged_ns_ = now_ns;
   socket_.async_ping({}, [self = shared_from_this()](beast::error_code) {
     self->pinging_ = false;  // a failure shows when reading
   });
@@ -233,7 +234,8 @@ void ViewerSession::TellMouseState(const FramePtr& frame) {
 void ViewerSession::Send(std::string text) {
   if (closing_ || !open_) return;
   // Who asks and does not read what it is told is not waited for.
-  if (texts_.size() >= kMostTexts) return Gone();
+  if (texts_.size() >= kMostTexts || texts_size_ + text.size() > kMostTextBytes) return Gone();
+  texts_size_ += text.size();
   texts_.push_back(std::move(text));
   Write();
 }
@@ -255,6 +257,7 @@ void ViewerSession::Write() {
   if (!texts_.empty()) {
     text_ = std::move(texts_.front());
     texts_.pop_front();
+    texts_size_ -= text_.size();
     writing_ = true;
     socket_.text(true);
     socket_.async_write(net::buffer(text_), written);

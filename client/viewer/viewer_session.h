@@ -2,8 +2,8 @@
 
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <memory>
+#include <set>
 #include <string>
 
 #include <boost/beast/core.hpp>
@@ -13,6 +13,7 @@
 #include "client/viewer/foxglove.h"
 #include "client/viewer/frame_queue.h"
 #include "client/viewer/hub.h"
+#include "client/viewer/signs_of_life.h"
 
 namespace palpate {
 
@@ -24,7 +25,8 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
  public:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
-  ViewerSession(boost::beast::tcp_stream stream, Hub& hub, std::uint64_t id);
+  /// @param may_publish  false: it looks, and takes no tool.
+  ViewerSession(boost::beast::tcp_stream stream, Hub& hub, std::uint64_t id, bool may_publish);
 
   /// Answers the handshake, then reads and writes until the viewer has gone.
   void Accept(const Request& request, std::string_view subprotocol);
@@ -61,10 +63,12 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
   Hub& hub_;
   std::uint64_t id_;
+  bool mouse_;  // it may have one
   std::string peer_;
   boost::beast::flat_buffer input_;
 
   std::deque<std::string> texts_;
+  std::size_t texts_size_ = 0;  // of all of them [bytes]
   FrameQueue queue_;
   bool open_ = false;
   bool writing_ = false;
@@ -76,10 +80,9 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   FrameQueue::Next frame_;
   foxglove::MessageHeader header_{};
 
-  std::map<std::uint32_t, std::string> published_;  // topics of the client's channels
+  std::set<std::uint32_t> published_;  // the client's channels for its mouse
   FramePtr mouse_state_;
-  std::int64_t heard_ns_ = 0;
-  std::int64_t pinged_ns_ = 0;
+  SignsOfLife signs_;
   bool pinging_ = false;
   std::uint64_t frames_sent_ = 0;
 };

@@ -27,6 +27,7 @@ class MouseDevice final : public Device {
   void SeeGraphicTool(const Pose& X_WG, const Vec3& p_HT) noexcept override {
     hand_.SeeGraphicTool(X_WG, p_HT);
   }
+  void LoseGraphicTool() noexcept override { hand_.LoseGraphicTool(); }
   bool ended() const noexcept override { return ended_.load(std::memory_order_acquire); }
   const char* activity() const noexcept override;
 

@@ -109,6 +109,31 @@ TEST(BlindHand, PressesNoDeeperThanItMayAndLetsGoOfTheForce) {
   EXPECT_FALSE(hand.held_back());
 }
 
+TEST(BlindHand, IsPutBackToTheGraphicToolWhereItsSessionEndsAndWaitsForTheNext) {
+  const Vec3 p_HT(0.0, 0.03, 0.0);
+  BlindHand hand(At(Vec3(-0.1, 0, 0)));
+  hand.LoseGraphicTool();  // before it has seen it: of no effect
+  hand.Follow(At(Vec3(0.4, 0, 0)));
+  const auto press = [&] {
+    for (int i = 0; i < 3000; ++i) {
+      hand.SeeGraphicTool(StoppedByWall(hand.pose(), p_HT), p_HT);
+      hand.Step(kTick);
+    }
+  };
+  press();
+  const Pose graphic = StoppedByWall(hand.pose(), p_HT);
+  ASSERT_GT((hand.pose().p - graphic.p).norm(), 0.9 * BlindHand::kMaxPress_m);
+  hand.LoseGraphicTool();
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_LT((hand.pose().p - graphic.p).norm(), 1e-3);
+    ASSERT_EQ(hand.twist().v, Vec3::Zero());
+    hand.Step(kTick);
+  }
+  EXPECT_FALSE(hand.held_back());
+  press();  // the next session
+  EXPECT_NEAR(hand.pose().p.x(), BlindHand::kMaxPress_m, 1e-4);
+}
+
 TEST(BlindHand, TwistsAToolThatIsHeldNoFurtherThanItMay) {
   const Pose held = At(Vec3::Zero());
   BlindHand hand(held);

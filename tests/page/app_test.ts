@@ -160,7 +160,7 @@ test("a lost link is said, comes back by itself, and data flow again", async () 
   press(3);
   await until(page, "a second link", ({links, link}) => links === 2 && link === "open");
   await eventually("the new force", async () => (await text("#force")) === "3.00");
-  expect(await page.locator("#banner").isVisible()).toBe(false);
+  await eventually("no banner", async () => !(await page.locator("#banner").isVisible()));
 });
 
 test("silence is told from a lost link", async () => {
@@ -290,6 +290,164 @@ test("who holds the tool is said where it is refused", async () => {
   await page.locator("#take").click();
   await eventually("the holder", async () => /'hand' holds the ball/.test(await text("#hint")));
   expect(gateway.published).toEqual([]);
+});
+
+test("who has gone without a word holds a tool no more", async () => {
+  gateway.health = {server_run: "1"};
+  press(1);
+  page = await open();
+  await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
+  const pressed = await picture();
+  clearInterval(moving); // with its server, which nobody tells of
+  await eventually("a banner", async () => (await page.locator("#banner.alarm").count()) === 1);
+  await eventually("no arrows", async () => (await picture()) !== pressed);
+  gateway.retained.length = 0;
+  gateway.health = {server_run: "2"};
+  await eventually("a calmer one", async () => /No station/.test(await text("#banner")));
+  gateway.onPublish = ({op}) => {
+    if (op === "take")
+      gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "active", reason: ""});
+  };
+  await page.locator("#take").click();
+  await until(page, "the tool", ({hold}) => hold === "holding");
+});
+
+test("who gives a tool back may take it again at once", async () => {
+  page = await open();
+  gateway.onPublish = ({op}) => {
+    if (op !== "take") return;
+    const here = {station: "mouse_1", scene: "test-box", tool: "ball"};
+    gateway.send("/palpate/session_state", sessionState("mouse_1", "active", "test-box", "ball"));
+    const pose = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
+    gateway.send(
+      "/palpate/tool_state",
+      toolState({...here, sequence: 9, haptic: pose, graphic: pose}),
+    );
+    gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "active", reason: ""});
+  };
+  for (let time = 0; time < 2; time++) {
+    await page.keyboard.press("m");
+    await until(page, "the tool", ({hold}) => hold === "holding");
+    await page.keyboard.press("Escape");
+    await until(page, "no tool", ({hold}) => hold === "none");
+  }
+  expect(gateway.published.filter(({op}) => op === "take").length).toBe(2);
+});
+
+test("a wish for a tool can be taken back before it is answered", async () => {
+  page = await open();
+  await page.locator("#take").click();
+  await eventually("the wish", async () => (await text("#take")) === "Cancel");
+  await page.locator("#take").click();
+  await eventually("the release", async () => gateway.published.at(-1)?.op === "release");
+  expect(await text("#take")).toBe("Take the tool");
+});
+
+test("a gateway that gives no tools is not asked for one", async () => {
+  gateway.takesMessages = false;
+  page = await open();
+  await eventually("no button", async () => !(await page.locator("#take").isVisible()));
+  await eventually(
+    "half a sentence",
+    async () => (await text("#banner")) === "No station is moving. Start one.",
+  );
+  await page.keyboard.press("m");
+  await page.keyboard.press("?");
+  expect(await page.locator("#help-dialog").isVisible()).toBe(true);
+  expect(await text("#help-dialog")).not.toMatch(/take the tool/);
+  await page.locator("#help-dialog button").click();
+  expect(await page.locator("#help-dialog").isVisible()).toBe(false);
+  expect(await page.locator("#hint").isVisible()).toBe(false);
+});
+
+test("who is turned away is told so", async () => {
+  gateway.turnsAway = true;
+  page = await open(); // scenes come without a link
+  await eventually("why", async () => /does not let this page attach/.test(await text("#banner")));
+  gateway.health = {viewers: 300, max_viewers: 300};
+  await eventually("why now", async () => /as many viewers as/.test(await text("#banner")));
+  gateway.turnsAway = false;
+  await until(page, "a link", ({link}) => link === "open");
+});
+
+test("without WebGL the figures are live, and the page says what is missing", async () => {
+  press(2);
+  const context = await browser!.newContext({viewport: {width: 800, height: 600}});
+  await context.addInitScript(() => {
+    const get = HTMLCanvasElement.prototype.getContext as (...all: unknown[]) => unknown;
+    Object.assign(HTMLCanvasElement.prototype, {
+      getContext(this: HTMLCanvasElement, kind: string, ...more: unknown[]) {
+        return kind.startsWith("webgl") ? null : get.call(this, kind, ...more);
+      },
+    });
+  });
+  page = await context.newPage();
+  await page.goto(gateway.url);
+  await eventually("the force", async () => (await text("#force")) === "2.00");
+  await eventually("the reason", async () => /no WebGL/.test(await text("#banner")));
+});
+
+test("another scene's picture does not stay while its own is not there", async () => {
+  press(1);
+  page = await open();
+  const box = await picture();
+  const delay = new Promise<void>((resolve) => void page.once("close", () => resolve()));
+  await page.route("**/scene/wearing.bundle", async (route) => {
+    await delay;
+    await route.abort();
+  });
+  await page.selectOption("#scene", "wearing");
+  await until(page, "the other scene", ({scene}) => scene === "wearing");
+  const empty = await picture();
+  expect(empty).not.toBe(box);
+  expect(await page.locator("#loading").isVisible()).toBe(true);
+  // One that nobody waits for any more takes no word away from the one that is there.
+  await page.selectOption("#scene", "test-box");
+  await eventually("it is back", async () => (await text("#force")) === "1.00");
+  await eventually("no word", async () => !(await page.locator("#loading").isVisible()));
+});
+
+test("a scene that nobody serves is no choice", async () => {
+  const pose = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
+  const state = {station: "hand", scene: "wearing", tool: "ball", haptic: pose, graphic: pose};
+  moving = setInterval(() => {
+    gateway.send("/palpate/tool_state", toolState({...state, sequence: (sequence += 33)}));
+  }, 33);
+  page = await open({}, "?scene=typo");
+  await until(page, "the one that moves", ({scene}) => scene === "wearing");
+});
+
+test("arrows scroll the figures where those have the focus", async () => {
+  press(0);
+  page = await open({viewport: {width: 800, height: 360}});
+  const before = await picture();
+  await page.locator("#panel").focus();
+  await page.keyboard.press("ArrowDown");
+  await eventually("a scroll", () =>
+    page.evaluate(() => document.getElementById("panel")!.scrollTop > 0),
+  );
+  expect(await picture()).toBe(before);
+});
+
+test("light and dark are switched also where the browser keeps nothing", async () => {
+  press(0);
+  const context = await browser!.newContext({viewport: {width: 800, height: 600}});
+  await context.addInitScript(() => {
+    Object.defineProperty(window, "localStorage", {
+      get: () => {
+        throw new DOMException("blocked", "SecurityError");
+      },
+    });
+  });
+  page = await context.newPage();
+  await page.goto(gateway.url);
+  const theme = (): Promise<string | undefined> =>
+    page.evaluate(() => document.documentElement.dataset.theme);
+  await eventually("a theme", async () => (await theme()) === "light");
+  await page.keyboard.press("t");
+  expect(await theme()).toBe("dark");
+  await page.keyboard.press("t");
+  expect(await theme()).toBe("light");
 });
 
 test("a refusal of the gateway is said in its own words", async () => {

@@ -51,6 +51,21 @@ TEST(StationCore, RendersTheServersForceOnceItHasRampedIn) {
   EXPECT_EQ(bench.force(), 2.0);
 }
 
+TEST(StationCore, ShowsTheDeviceTheGraphicToolOfItsSessionAlone) {
+  Bench bench;
+  bench.Tick(false);
+  EXPECT_FALSE(bench.device.sees_graphic_tool);
+  bench.Tick(true);
+  EXPECT_TRUE(bench.device.sees_graphic_tool);
+  bench.core.Sense(bench.now, false);  // the session has ended
+  bench.core.Act(bench.now);
+  EXPECT_FALSE(bench.device.sees_graphic_tool);
+  bench.Tick(false);
+  EXPECT_FALSE(bench.device.sees_graphic_tool) << "the next one has not answered";
+  bench.Tick(true);
+  EXPECT_TRUE(bench.device.sees_graphic_tool);
+}
+
 TEST(StationCore, LetsAGuidePullBesideTheServersForceWithinItsLimit) {
   Bench bench;
   bench.core.AcceptGuide(GuideLimits::OfForce(0.5));

@@ -22,10 +22,13 @@ class StillDevice final : public Device {
     applied = wrench.wrench();
     ++applications;
   }
+  void SeeGraphicTool(const Pose&, const Vec3&) noexcept override { sees_graphic_tool = true; }
+  void LoseGraphicTool() noexcept override { sees_graphic_tool = false; }
 
   DeviceSample sample;
   Wrench applied;
   int applications = 0;
+  bool sees_graphic_tool = false;
 
  private:
   DeviceInfo info_;

@@ -43,6 +43,10 @@ TEST(MouseCommand, IsRefusedWhereItIsNone) {
         R"({"op":"pose","p":[1,2,3],"q":[1,0,0]})"}) {
     EXPECT_FALSE(Parse(text)) << text;
   }
+  const std::string most(64, 'x');
+  EXPECT_TRUE(Parse(R"({"op":"take","scene":")" + most + R"("})"));
+  EXPECT_FALSE(Parse(R"({"op":"take","scene":")" + most + R"(x"})"));
+  EXPECT_FALSE(Parse(R"({"op":"take","scene":"cube","tool":")" + most + R"(x"})"));
 }
 
 TEST(MouseCommand, StandsAnyBytes) {
@@ -55,7 +59,9 @@ TEST(MouseCommand, StandsAnyBytes) {
       text[random.Below(text.size())] = static_cast<char>(random.Below(256));
     }
     const auto command = Parse(text);
-    if (command && command->op == Op::kPose) ASSERT_TRUE(command->X_WT.p.allFinite());
+    if (command && command->op == Op::kPose) {
+      ASSERT_TRUE(command->X_WT.p.allFinite());
+    }
   }
 }
 

@@ -1,5 +1,9 @@
 #include "client/viewer/mouse_room.h"
 
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -20,11 +24,12 @@ class MouseRoomTest : public testing::Test {
     MouseCommand command;
     command.op = MouseCommand::Op::kTake;
     command.scene = scene;
-    room_.Take(holder, command, known);
+    room_.Take(holder, command, known, SteadyNanoseconds());
   }
-  void Session(const std::string& station, wire::SessionPhase phase,
-               const std::string& reason = "") {
+  void Session(const std::string& station, wire::SessionPhase phase, const std::string& reason = "",
+               std::uint64_t run = 1) {
     wire::SessionState state{};
+    state.run = run;
     wire::FromText(station, state.station);
     wire::FromText("ball", state.tool);
     wire::FromText(reason, state.reason);
@@ -56,16 +61,52 @@ TEST_F(MouseRoomTest, TellsTheHolderItsStationAndWhatTheServerSaysOfIt) {
   ASSERT_EQ(news_.size(), 3u);
   EXPECT_EQ(news_[2].phase, "active");
   EXPECT_EQ(news_[2].tool, "ball");
-  EXPECT_TRUE(room_.Drag(7, Pose{}));
-  EXPECT_FALSE(room_.Drag(8, Pose{}));
 }
 
 TEST_F(MouseRoomTest, KeepsAToolWhoseSessionTheServerEndedBecauseItsStationAsksAgain) {
   Take(7);
+  Session("mouse_1", palpate_SESSION_ACTIVE);
   Session("mouse_1", palpate_SESSION_ENDED, "the server stops");
   EXPECT_EQ(news_.back().phase, "");
   EXPECT_EQ(news_.back().reason, "the server stops");
   EXPECT_TRUE(room_.holds(7));
+  Session("mouse_1", palpate_SESSION_ACTIVE, "", 2);
+  EXPECT_EQ(news_.back().phase, "active") << "it asked under another run";
+}
+
+TEST_F(MouseRoomTest, IsNotPutOffByWhatTheServerTellsAnotherStationOfTheSameName) {
+  Take(7);
+  Session("mouse_1", palpate_SESSION_ENDED, "of its predecessor", 8);
+  Session("mouse_1", palpate_SESSION_ACTIVE, "", 1);
+  Session("mouse_1", palpate_SESSION_REFUSED, "a station named so is connected", 9);
+  Session("mouse_1", palpate_SESSION_ENDED, "of its predecessor", 8);
+  EXPECT_EQ(news_.size(), 2u);
+  EXPECT_EQ(news_.back().phase, "active");
+  EXPECT_TRUE(room_.holds(7));
+}
+
+TEST_F(MouseRoomTest, NamesItsStationsByItsPrefix) {
+  std::vector<std::string> names;
+  MouseRoom room({1, 0, "udp", PALPATE_SOURCE_DIR "/tests/viewer/fake_station", "mouse_ab12_"},
+                 [&](const MouseRoom::News& news) { names.push_back(news.station); });
+  MouseCommand command;
+  command.op = MouseCommand::Op::kTake;
+  command.scene = "cube";
+  room.Take(7, command, true, 0);
+  EXPECT_THAT(names, testing::ElementsAre("mouse_ab12_1"));
+}
+
+TEST_F(MouseRoomTest, LetsGoOfAToolThatNobodyMoves) {
+  Take(7);
+  const std::int64_t now_ns = SteadyNanoseconds();
+  room_.Poll(now_ns + MouseRoom::kIdle_ns / 2);
+  room_.Drag(7, Pose{}, now_ns + MouseRoom::kIdle_ns / 2);
+  room_.Poll(now_ns + MouseRoom::kIdle_ns);
+  EXPECT_TRUE(room_.holds(7));
+  room_.Poll(now_ns + 2 * MouseRoom::kIdle_ns);
+  EXPECT_FALSE(room_.holds(7));
+  EXPECT_EQ(news_.back().phase, "ended");
+  EXPECT_THAT(news_.back().reason, HasSubstr("5 minutes"));
 }
 
 TEST_F(MouseRoomTest, RefusesASecondToolOneTooManyAndScenesThatNobodyServes) {
@@ -105,6 +146,23 @@ TEST_F(MouseRoomTest, GivesANumberAgainOnlyOnceItsStationHasEnded) {
   EXPECT_EQ(news_.back().station, "mouse_1");
 }
 
+TEST_F(MouseRoomTest, StartsNoStationWhoseToolIsStillInTheHandOfOneThatLeaves) {
+  Take(7);
+  room_.Release(7, "", SteadyNanoseconds());
+  Take(8);
+  Session("mouse_2", palpate_SESSION_ACTIVE);
+  EXPECT_EQ(news_.back().phase, "") << "it has not asked";
+  for (int i = 0; i < 2000 && room_.size() > 1; ++i) {
+    room_.Poll(SteadyNanoseconds());
+    usleep(10'000);
+  }
+  room_.Poll(SteadyNanoseconds());
+  Session("mouse_2", palpate_SESSION_ACTIVE);
+  EXPECT_EQ(news_.back().phase, "active");
+  room_.Release(8, "", SteadyNanoseconds());
+  EXPECT_TRUE(Empties());
+}
+
 TEST_F(MouseRoomTest, TellsOfAStationThatFailedWhatItComplainedOf) {
   Take(7, "fail");
   EXPECT_TRUE(Empties());
@@ -113,13 +171,25 @@ TEST_F(MouseRoomTest, TellsOfAStationThatFailedWhatItComplainedOf) {
 }
 
 TEST_F(MouseRoomTest, GivesAPagesWordsToTheStationInOneArgumentEach) {
-  Take(7, "cube --domain=3 $(exit)");
-  Take(8, "--help");
-  room_.Release(7, "", SteadyNanoseconds());
-  room_.Release(8, "", SteadyNanoseconds());
-  EXPECT_TRUE(Empties());
-  EXPECT_EQ(news_.back().phase, "ended") << "the fake station refuses any argument that it "
-                                            "does not expect";
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("mouse_room_" + std::to_string(getpid()));
+  setenv("PALPATE_FAKE_STATION_ARGUMENTS", file.c_str(), 1);
+  for (const std::string word : {"cube --domain=3 $(exit)", "--help", "; exit 1", "*"}) {
+    MouseCommand command;
+    command.op = MouseCommand::Op::kTake;
+    command.scene = word;
+    command.tool = word;
+    room_.Take(7, command, true, SteadyNanoseconds());
+    room_.Release(7, "", SteadyNanoseconds());
+    EXPECT_TRUE(Empties());
+    std::stringstream given;
+    given << std::ifstream(file).rdbuf();
+    EXPECT_EQ(given.str(),
+              "--device=mouse\n--scene=" + word +
+                  "\n--id=mouse_1\n--domain=0\n--transport=udp\n--no-table\n--tool=" + word + "\n");
+    std::filesystem::remove(file);
+  }
+  unsetenv("PALPATE_FAKE_STATION_ARGUMENTS");
 }
 
 }  // namespace

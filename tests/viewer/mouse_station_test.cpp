@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "common/time/steady_clock.h"
@@ -56,7 +57,16 @@ TEST(MouseStation, TellsWhatItComplainedOfWhereItFailed) {
 TEST(MouseStation, PassesOverPosesWhileTheStationDoesNotRead) {
   MouseStation station("/bin/sh", Script("sleep 100"));
   for (int i = 0; i < 100'000; ++i) station.Drag({Vec3(0.1, 0.2, 0.3), Quat::Identity()});
-  EXPECT_FALSE(station.let_go());
+  EXPECT_TRUE(station.Poll(SteadyNanoseconds()));
+}
+
+TEST(MouseStation, HasEndedWhereSomebodyElseWaitedForIt) {
+  MouseStation station("/bin/sh", Script("exit 0"));
+  int status = 0;
+  ASSERT_GT(waitpid(-1, &status, 0), 0);
+  EXPECT_FALSE(station.Poll(SteadyNanoseconds()));
+  EXPECT_FALSE(station.Poll(SteadyNanoseconds()));
+  EXPECT_EQ(station.complaint(), "what became of the mouse's station is not known");
 }
 
 TEST(MouseStation, IsKilledWhereItDoesNotEnd) {

@@ -34,7 +34,7 @@ TEST(ViewerOptions, NameTheArgumentThatIsWrong) {
   EXPECT_THAT(Complaint({}), HasSubstr("--http"));
   EXPECT_THAT(Complaint({"--http", "70000"}), HasSubstr("--http"));
   EXPECT_THAT(Complaint({"--http", "1", "--bind", "here"}), HasSubstr("--bind 'here'"));
-  EXPECT_THAT(Complaint({"--http", "1", "--rate", "0"}), HasSubstr("--rate"));
+  EXPECT_THAT(Complaint({"--http", "1", "--rate", "9"}), HasSubstr("--rate"));
   EXPECT_THAT(Complaint({"--http", "1", "--max-mice", "99"}), HasSubstr("--max-mice"));
   EXPECT_THAT(Complaint({"--http", "1", "--transport", "pigeon"}), HasSubstr("--transport"));
   EXPECT_THAT(Complaint({"--http", "1", "--domain", "200"}), HasSubstr("--domain"));

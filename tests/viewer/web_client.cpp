@@ -55,14 +55,49 @@ HttpAnswer Get(int port, const std::string& target,
   return answer;
 }
 
-int HandshakeStatus(int port, const std::string& subprotocols, const std::string& origin) {
+HttpAnswer Handshake(int port, const std::string& subprotocols, const std::string& origin) {
   std::map<std::string, std::string> headers = {{"Upgrade", "websocket"},
                                                 {"Connection", "Upgrade"},
                                                 {"Sec-WebSocket-Version", "13"},
                                                 {"Sec-WebSocket-Key", "AAAAAAAAAAAAAAAAAAAAAA=="}};
   if (!subprotocols.empty()) headers["Sec-WebSocket-Protocol"] = subprotocols;
   if (!origin.empty()) headers["Origin"] = origin;
-  return Get(port, "/", headers).status;
+  return Get(port, "/", headers);
+}
+
+struct KeptConnection::State {
+  net::io_context io;
+  beast::tcp_stream stream{io};
+  beast::flat_buffer buffer;
+};
+
+KeptConnection::KeptConnection(int port) : state_(std::make_unique<State>()) {
+  beast::error_code error;
+  state_->stream.socket().connect(At(port), error);
+}
+
+KeptConnection::~KeptConnection() = default;
+
+bool KeptConnection::Get(const std::string& target) {
+  beast::error_code error;
+  const std::string request = "GET " + target + " HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+  net::write(state_->stream.socket(), net::buffer(request), error);
+  if (error) return false;
+  http::response_parser<http::string_body> parser;
+  http::read(state_->stream.socket(), state_->buffer, parser, error);
+  return !error;
+}
+
+bool KeptConnection::Closed() {
+  bool closed = false;
+  state_->stream.expires_after(std::chrono::seconds(20));
+  char byte = 0;
+  state_->stream.async_read_some(net::buffer(&byte, 1), [&](beast::error_code error, std::size_t) {
+    closed = error && error != beast::error::timeout;
+  });
+  state_->io.restart();
+  state_->io.run();
+  return closed;
 }
 
 struct WebClient::State {
@@ -74,7 +109,6 @@ struct WebClient::State {
   bool open = false;
   std::string subprotocol;
   bool ended = false;
-  std::size_t received = 0;
 
   void Read() {
     socket.async_read(buffer, [this](beast::error_code error, std::size_t) {
@@ -94,7 +128,6 @@ struct WebClient::State {
         message.payload.assign(bytes + 13, bytes + size);
         messages.push_back(std::move(message));
       }
-      ++received;
       buffer.clear();
       Read();
     });
@@ -146,9 +179,6 @@ bool WebClient::open() const {
 }
 std::string WebClient::subprotocol() const {
   return state_->subprotocol;
-}
-std::size_t WebClient::received() const {
-  return state_->received;
 }
 
 int WebClient::closed() {

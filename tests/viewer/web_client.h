@@ -23,8 +23,23 @@ HttpAnswer Get(int port, const std::string& target,
                const std::map<std::string, std::string>& headers = {},
                const std::string& method = "GET");
 
-/// The HTTP status that a handshake is answered: 101 where it succeeds.
-int HandshakeStatus(int port, const std::string& subprotocols, const std::string& origin = "");
+/// What a handshake is answered: status 101 where it succeeds.
+HttpAnswer Handshake(int port, const std::string& subprotocols, const std::string& origin = "");
+
+/// A connection that speaks HTTP, and is kept.
+class KeptConnection {
+ public:
+  explicit KeptConnection(int port);
+  ~KeptConnection();
+  /// Sends a GET and reads what it is answered; false where the gateway has closed.
+  bool Get(const std::string& target);
+  /// Waits until the gateway closes it, 20 s at most.
+  bool Closed();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 /// A viewer: a WebSocket client that speaks the Foxglove protocol, for tests.  Waits at most 20 s
 /// for anything.
@@ -59,7 +74,6 @@ class WebClient {
   std::optional<Message> Next(std::uint32_t subscription, double seconds = 20.0);
   /// Takes what comes for some time; where not, the socket stalls.
   void Run(double seconds);
-  std::size_t received() const;
 
  private:
   struct State;

@@ -10,6 +10,9 @@ const kFine: LinkFacts = {
   lastStateS: 99.9,
   sessions: 1,
   scenes: 1,
+  refusal: "none",
+  mayTake: true,
+  draws: true,
 };
 
 test("nothing is said while data flow", () => {
@@ -39,6 +42,30 @@ test("silence is said after one and a half seconds, with whose it is", () => {
   expect(linkReport({...kFine, lastStateS: -Infinity, sessions: 0, scenes: 0}).text).toMatch(
     /no server/,
   );
+});
+
+test("a gateway that turns this page away is not one that does not answer", () => {
+  for (const wasOpen of [true, false]) {
+    const lost: LinkFacts = {...kFine, link: "lost", wasOpen};
+    expect(linkReport({...lost, refusal: "full"}).text).toMatch(/as many viewers as it takes/);
+    expect(linkReport({...lost, refusal: "this page"}).text).toMatch(/does not let this page/);
+    expect(linkReport({...lost, refusal: "this page"}).tone).toBe("alarm");
+  }
+});
+
+test("what a page cannot do is not offered", () => {
+  const idle: LinkFacts = {...kFine, lastStateS: 90, sessions: 0};
+  expect(linkReport(idle).text).toMatch(/mouse/);
+  expect(linkReport({...idle, mayTake: false}).text).toBe("No station is moving. Start one.");
+});
+
+test("a page without a picture says so, but not before an alarm", () => {
+  expect(linkReport({...kFine, draws: false})).toMatchObject({
+    tone: "info",
+    text: expect.stringMatching(/no WebGL/),
+  });
+  expect(linkReport({...kFine, draws: false, lastStateS: 90}).tone).toBe("alarm");
+  expect(linkReport({...kFine, draws: false, link: "lost"}).tone).toBe("alarm");
 });
 
 test("a link that has just been opened is given time", () => {

@@ -25,17 +25,10 @@ test("what goes adds up, in whatever order and however often it is told", () => 
   expect(remains.trianglesOf(0).size).toBe(0);
 });
 
-test("a change of another server's run finds the scene whole", () => {
+test("what is whole again has nothing gone", () => {
   const remains = new Remains();
   remains.apply(change(1, [1]));
-  expect(remains.apply(change(1, [7], {serverRun: "b"}))).toBe(true);
-  expect([...remains.trianglesOf(1)]).toEqual([7]);
-});
-
-test("a server that starts again makes the scene whole before anything goes", () => {
-  const remains = new Remains();
-  remains.apply(change(1, [1]));
-  expect(remains.startRun("a")).toBe(false);
-  expect(remains.startRun("b")).toBe(true);
+  remains.clear();
   expect(remains.leavesOf(1).size).toBe(0);
+  expect(remains.trianglesOf(1).size).toBe(0);
 });

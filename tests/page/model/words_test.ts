@@ -73,4 +73,8 @@ test("a session's words say who has what, or why not", () => {
   expect(session(2)).toBe("drives the ball of cube");
   expect(session(3, "it is driven by 'other'")).toContain("it is driven by 'other'");
   expect(session(4)).toContain("has left");
+  const inside = toSessionState({phase: 1, scene: "cube", tool: "ball", start_depth_m: 0.0032});
+  expect(sessionWords(inside)).toBe(
+    "starts with the ball of cube 3.2 mm inside an object: no force until it is out",
+  );
 });

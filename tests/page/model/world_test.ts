@@ -18,15 +18,18 @@ const session = (station: string, phase: number, more: object = {}) => ({
   ...more,
 });
 
-test("a scene is known from whatever tells of it, once", () => {
-  const told: string[] = [];
-  const world = new World((change, scene) => {
-    if (change === "scenes") told.push(scene);
+test("scenes are what the gateway has, and no others", () => {
+  let told = 0;
+  const world = new World((change) => {
+    if (change === "scenes") told += 1;
   });
-  world.receive(kTopics.toolState, state("hand", 1), 1, 1);
-  world.receive(kTopics.sessionState, session("hand", 2), 1, 1);
-  world.addScene("pipes");
-  expect(told).toEqual(["cube", "pipes"]);
+  world.receiveHealth(["cube", "pipes"], "1");
+  world.receiveHealth(["cube", "pipes"], "1");
+  expect(told).toBe(1);
+  world.receive(kTopics.toolState, state("hand", 1, {scene: "typo"}), 1, 1);
+  world.receiveHealth(["pipes"], "1");
+  expect([...world.scenes]).toEqual(["pipes"]);
+  expect(told).toBe(2);
 });
 
 test("the station with the tool comes before one that has left", () => {
@@ -38,11 +41,10 @@ test("the station with the tool comes before one that has left", () => {
   expect(world.holderOf("cube", "other")).toBeUndefined();
 });
 
-test("a station that was refused neither holds a tool nor names a scene", () => {
+test("a station that was refused holds no tool", () => {
   const world = new World(() => {});
   world.receive(kTopics.sessionState, session("late", 3, {scene: "nowhere"}), 0, 0);
   expect(world.holderOf("nowhere", "ball")).toBeUndefined();
-  expect(world.scenes.has("nowhere")).toBe(false);
 });
 
 test("a tool stays where its last mover left it", () => {
@@ -57,28 +59,104 @@ test("sessions are forgotten with the link, stations are not", () => {
   const world = new World(() => {});
   world.receive(kTopics.toolState, state("hand", 1), 1, 1);
   world.receive(kTopics.sessionState, session("hand", 2), 1, 1);
-  world.forgetSessions();
+  world.startLink();
   expect(world.holderOf("cube", "ball")).toBeUndefined();
   expect(world.stations.get("hand")!.track.latest?.poseSequence).toBe(1);
 });
 
-test("a server's new run makes a scraped scene whole, and worth another look", () => {
-  const runs: string[] = [];
-  const world = new World((change, scene) => {
-    if (change === "serverRun") runs.push(scene);
+/// A world, and how often a new run of the server was told.
+function worldOfRuns() {
+  const runs = {told: 0};
+  const world = new World((change) => {
+    if (change === "serverRun") runs.told += 1;
   });
-  const change = {
-    scene: "cube",
-    change: 1n,
-    server_run: 1n,
-    object_index: 0,
-    leaf: 4,
-    triangles: 1,
-    triangle: [9],
-  };
-  world.receive(kTopics.sceneChange, change, 0, 0);
-  expect(world.scenes.get("cube")!.leavesOf(0).size).toBe(1);
+  return {world, runs};
+}
+const change = (run: bigint) => ({
+  scene: "cube",
+  change: 1n,
+  server_run: run,
+  object_index: 0,
+  leaf: 4,
+  triangles: 1,
+  triangle: [9],
+});
+
+test("a server's new run makes a scraped scene whole, and worth another look", () => {
+  const {world, runs} = worldOfRuns();
+  world.receive(kTopics.sceneChange, change(1n), 0, 0);
+  expect(world.remainsOf("cube").leavesOf(0).size).toBe(1);
   world.receive(kTopics.sessionState, session("hand", 2, {server_run: 2n}), 0, 0);
-  expect(world.scenes.get("cube")!.leavesOf(0).size).toBe(0);
-  expect(runs).toEqual(["cube"]);
+  expect(world.remainsOf("cube").leavesOf(0).size).toBe(0);
+  expect(runs.told).toBe(1);
+  world.receive(kTopics.sceneChange, change(1n), 0, 0);
+  expect(world.remainsOf("cube").leavesOf(0).size).toBe(0); // the former's last word
+});
+
+test("a new run is worth another look where nothing was ever scraped off", () => {
+  const {world, runs} = worldOfRuns();
+  world.receive(kTopics.sessionState, session("hand", 2, {server_run: 1n}), 0, 0);
+  world.receive(kTopics.sessionState, session("hand", 2, {server_run: 1n}), 0, 0);
+  expect(runs.told).toBe(0);
+  world.receive(kTopics.sessionState, session("hand", 2, {server_run: 2n}), 0, 0);
+  expect(runs.told).toBe(1);
+});
+
+test("who held a tool of a server that is gone holds nothing of its successor's", () => {
+  const {world, runs} = worldOfRuns();
+  world.receiveHealth(["cube"], "a");
+  world.receive(kTopics.sessionState, session("hand", 2, {server_run: 10n}), 0, 0); // "a", too
+  expect(world.holderOf("cube", "ball")?.id).toBe("hand");
+  world.receiveHealth([], "0"); // the gateway itself has begun anew, and knows no server
+  expect(world.holderOf("cube", "ball")?.id).toBe("hand");
+  world.receiveHealth(["cube"], "b");
+  expect(world.holderOf("cube", "ball")).toBeUndefined();
+  world.receiveHealth(["cube"], "a"); // an answer that was long on its way
+  world.receive(kTopics.sessionState, session("new", 2, {server_run: 11n}), 0, 0);
+  expect(world.holderOf("cube", "ball")?.id).toBe("new");
+  expect(runs.told).toBe(1);
+});
+
+test("a tool that nothing moves any more stands where it was, without a force", () => {
+  const world = new World(() => {});
+  const pressed = state("hand", 1, {
+    haptic_position_m: [0, -0.01, 0],
+    force_N: [0, 5, 0],
+    torque_Nm: [1, 0, 0],
+    contacts: 1,
+    points: 1,
+    point: [{position_m: [0, 0, 0], force_N: [0, 5, 0]}],
+  });
+  world.receive(kTopics.toolState, pressed, 1, 1);
+  const hand = world.stations.get("hand")!;
+  expect(hand.shown(1.1)).toMatchObject({forceN: [0, 5, 0], haptic: {p: [0, -0.01, 0]}});
+  expect(hand.shown(5)).toMatchObject({
+    forceN: [0, 0, 0],
+    torqueNm: [0, 0, 0],
+    points: [],
+    haptic: {p: [0, 0, 0]},
+    graphic: {p: [0, 0, 0]},
+  });
+});
+
+test("between two frames is where the picture is, however seldom they come", () => {
+  for (const rate of [10, 30, 60]) {
+    const world = new World(() => {});
+    let time = 0;
+    for (let i = 0; i < 100; i++) {
+      time += 1 / rate;
+      world.receive(
+        kTopics.toolState,
+        state("hand", i, {graphic_position_m: [time, 0, 0]}),
+        time,
+        time,
+      );
+    }
+    const hand = world.stations.get("hand")!;
+    // Just before the next frame comes there is still one ahead of the picture.
+    expect(hand.isCatchingUp(time + 0.99 / rate), `${rate} Hz`).toBe(true);
+    const shown = hand.shown(time + 0.5 / rate)!.graphic.p[0];
+    expect(shown).toBeLessThan(time);
+    expect(shown).toBeGreaterThan(time - 0.06 - 1.6 / rate);
+  }
 });

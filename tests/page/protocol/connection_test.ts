@@ -34,6 +34,7 @@ function rig() {
   const links: string[] = [];
   const messages: {topic: string; value: unknown}[] = [];
   const statuses: string[] = [];
+  const allowed: boolean[] = [];
   let timer: {callback: () => void; milliseconds: number} | undefined;
   const connection = new Connection(
     "ws://somewhere/",
@@ -42,6 +43,7 @@ function rig() {
       link: (state) => links.push(state),
       message: (topic, value) => messages.push({topic, value}),
       status: (_level, message) => statuses.push(message),
+      mayPublish: (may) => allowed.push(may),
     },
     {
       openSocket: () => {
@@ -62,7 +64,7 @@ function rig() {
     due.callback();
     return due.milliseconds;
   };
-  return {connection, sockets, links, messages, statuses, fire, timer: () => timer};
+  return {connection, sockets, links, messages, statuses, allowed, fire, timer: () => timer};
 }
 
 const kServerInfo = {op: "serverInfo", name: "x", capabilities: ["clientPublish"]};
@@ -134,6 +136,28 @@ describe("a connection", () => {
     expect(fire()).toBe(3000);
     expect(sockets[0]!.readyState).toBe(3);
     expect(links).toEqual(["connecting", "lost"]);
+  });
+
+  test("gives up a socket that only looks open, and tries at once", () => {
+    const {connection, sockets, links} = rig();
+    connection.start();
+    sockets[0]!.open();
+    connection.restart();
+    expect(sockets[0]!.readyState).toBe(3);
+    expect(sockets.length).toBe(2);
+    expect(links).toEqual(["connecting", "open", "lost", "connecting"]);
+    sockets[1]!.open();
+    expect(links.at(-1)).toBe("open");
+  });
+
+  test("tells whether the gateway takes messages", () => {
+    const {connection, sockets, allowed} = rig();
+    connection.start();
+    sockets[0]!.open();
+    sockets[0]!.say(kServerInfo);
+    sockets[0]!.say({...kServerInfo, capabilities: []});
+    expect(allowed).toEqual([true, false]);
+    expect(connection.publish("/palpate/mouse", {op: "release"})).toBe(false);
   });
 
   test("publishes once the gateway takes messages, and advertises once a socket", () => {

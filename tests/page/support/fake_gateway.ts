@@ -184,6 +184,9 @@ export class FakeGateway {
   /// Given to each client that subscribes: what is transient-local at a real one.
   readonly retained: {topic: string; value: object}[] = [];
   readonly published: Record<string, unknown>[] = []; // what clients sent on their channels
+  health: object = {}; // what it says besides its scenes
+  takesMessages = true;
+  turnsAway = false; // who wants to attach
   onPublish: (message: Record<string, unknown>) => void = () => {};
   private readonly http: Server;
   private readonly sockets: WebSocketServer;
@@ -193,6 +196,7 @@ export class FakeGateway {
     this.http = createServer((request, response) => this.serve(request, response));
     this.sockets = new WebSocketServer({
       server: this.http,
+      verifyClient: () => !this.turnsAway,
       handleProtocols: (offered) =>
         offered.has("foxglove.websocket.v1") ? "foxglove.websocket.v1" : false,
     });
@@ -221,14 +225,6 @@ export class FakeGateway {
   }
   get url(): string {
     return `http://127.0.0.1:${this.port}/`;
-  }
-  get clients(): number {
-    return this.sockets.clients.size;
-  }
-  /// Clients that have subscribed to a topic.
-  subscribers(topic: string): number {
-    const id = kChannels.find((channel) => channel.topic === topic)!.id;
-    return [...this.subscriptions.values()].filter((channels) => channels.has(id)).length;
   }
 
   send(topic: string, value: object): void {
@@ -259,7 +255,7 @@ export class FakeGateway {
       JSON.stringify({
         op: "serverInfo",
         name: "fake gateway",
-        capabilities: ["clientPublish"],
+        capabilities: this.takesMessages ? ["clientPublish"] : [],
         supportedEncodings: ["json"],
         sessionId: "fake",
       }),
@@ -295,7 +291,7 @@ export class FakeGateway {
       return;
     }
     if (path === "/healthz") {
-      response.end(JSON.stringify({scenes: [...this.scenes.keys()]}));
+      response.end(JSON.stringify({scenes: [...this.scenes.keys()], ...this.health}));
       return;
     }
     const file = join(kPage, path === "/" ? "index.html" : path);

@@ -1,14 +1,14 @@
 import {norm} from "./model/pose";
 import type {Pose, Vec3} from "./model/pose";
 import type {SceneModel} from "./model/bundle";
-import {type LinkReport, linkReport} from "./model/link_report";
+import {type LinkFacts, type LinkReport, linkReport} from "./model/link_report";
 import {looksTheSame} from "./model/pose_track";
 import {depthM, figure, statusSentence} from "./model/words";
 import {type Change, kTopics, Station, World} from "./model/world";
 import {MouseDevice} from "./mouse/mouse_device";
 import {Connection, type LinkState} from "./protocol/connection";
 import {toMouseState, type ToolState} from "./protocol/messages";
-import {type FetchedScene, fetchScene, fetchSceneNames} from "./protocol/scene_fetch";
+import {type FetchedScene, fetchHealth, fetchScene} from "./protocol/scene_fetch";
 import {Announcer} from "./ui/announcer";
 import {element, setOptions, setText} from "./ui/elements";
 import {listenForKeys} from "./ui/keys";
@@ -21,9 +21,11 @@ import {SceneView} from "./view/scene_view";
 const kTickMs = 100; // plots and figures
 const kRetrySceneMs = 1000;
 const kWarmUp = 3;
-/// The gateway is asked for its scenes this often; that also tells a link that only looks open.
-const kAskScenesMs = 4000;
+/// The gateway is asked how it is this often; that also tells a link that only looks open.
+const kAskHealthMs = 4000;
 const kAnswerWithinMs = 3000;
+/// A link on which nothing comes is given up once the gateway has been silent so many times.
+const kMostSilences = 2;
 
 const nowS = (): number => performance.now() / 1000;
 
@@ -71,11 +73,17 @@ export class App {
   private link: LinkState = "connecting";
   private links = 0;
   private openedS = -Infinity;
+  private losses = 0; // since the link was last open: the loss itself, and tries that failed
+  private lostS = -Infinity; // the first of them
+  private gateway = {saidS: -Infinity, full: false, silences: 0};
+  private mayTake = true; // a tool: until the gateway says otherwise
+  private moving = ""; // the stations that move
   private scene = "";
   private chosenScene = new URLSearchParams(location.search).get("scene") ?? "";
   private chosenStation = new URLSearchParams(location.search).get("station") ?? "";
   private readonly fetched = new Map<string, FetchedScene>();
   private loadingScene = "";
+  private loadAgain = false;
   private drawn: ToolState[] = [];
   private frameAsked = false;
   private dirty = true;
@@ -106,6 +114,7 @@ export class App {
         status: (level, message) => {
           if (level > 0) console.warn(`gateway: ${message}`);
         },
+        mayPublish: (may) => this.mayTakeChanged(may),
       },
       {
         openSocket: (address, protocols) => new WebSocket(address, protocols),
@@ -123,9 +132,9 @@ export class App {
     this.listen(theme);
     this.connection.start();
     // Beside the socket's handshake: the first picture need not wait for it.
-    void this.findScenes();
+    void this.askHealth();
     window.setInterval(() => this.tick(), kTickMs);
-    window.setInterval(() => void this.askScenes(), kAskScenesMs);
+    window.setInterval(() => void this.watchGateway(), kAskHealthMs);
   }
 
   get probe(): Probe {
@@ -156,11 +165,13 @@ export class App {
     this.link = state;
     if (state === "open") {
       this.links += 1;
+      this.losses = 0;
       this.openedS = nowS();
-      this.world.forgetSessions();
+      this.world.startLink();
       if (this.scene !== "") void this.loadScene(this.scene);
-      void this.askScenes();
+      void this.askHealth();
     } else {
+      if (state === "lost" && (this.losses += 1) === 1) this.lostS = nowS();
       this.mouse.linkLost();
     }
     this.showLink();
@@ -189,8 +200,9 @@ export class App {
         if (scene === this.scene) this.view.updateRemains();
         break;
       case "serverRun":
-        // It may serve another scene under the same name.
-        if (scene === this.scene) void this.loadScene(scene);
+        // It may serve other scenes, or another one under the same name.
+        void this.askHealth();
+        if (this.scene !== "") void this.loadScene(this.scene);
         break;
       case "statistics":
         break;
@@ -202,14 +214,12 @@ export class App {
   /// The reader's choice where there is it, else the first scene, until a tool moves in another.
   private chooseScene(): void {
     const known = this.world.scenes;
-    const wanted = known.has(this.chosenScene)
-      ? this.chosenScene
-      : this.scene || [...known.keys()][0];
+    const wanted = [this.chosenScene, this.scene, ...known].find((name) => known.has(name));
     if (wanted !== undefined && wanted !== this.scene) this.enterScene(wanted);
   }
 
   private goWhereSomethingMoves(): void {
-    if (this.chosenScene !== "" || this.mouse.hold !== "none") return;
+    if (this.world.scenes.has(this.chosenScene) || this.mouse.hold !== "none") return;
     if (this.listedHere().length > 0) return;
     const now = nowS();
     const mover = this.world.listed(now).find((station) => station.isMoving(now));
@@ -224,29 +234,39 @@ export class App {
   }
 
   private async loadScene(name: string): Promise<void> {
-    if (this.loadingScene === name) return;
+    if (this.loadingScene === name) {
+      this.loadAgain = true; // it may have changed since it was asked for
+      return;
+    }
     this.loadingScene = name;
+    this.loadAgain = false;
     this.loading.hidden = !this.view.isEmpty;
     try {
       const have = this.fetched.get(name);
       const scene = await fetchScene(name, have);
       this.fetched.set(name, scene);
-      if (scene !== have && name === this.scene) this.showScene();
-      this.hint.hidden = this.mouse.message === "";
+      if (name !== this.scene) return;
+      if (scene !== have) this.showScene();
+      this.showHold(); // in place of what may have gone wrong before
     } catch (error) {
+      if (name !== this.scene) return;
       this.showHint(error instanceof Error ? error.message : String(error), true);
       window.setTimeout(() => {
         if (name === this.scene && !this.fetched.has(name)) void this.loadScene(name);
       }, kRetrySceneMs);
     } finally {
-      if (this.loadingScene === name) this.loadingScene = "";
-      this.loading.hidden = true;
+      // Another scene may have been entered meanwhile: then the rest is its load's.
+      if (this.loadingScene === name) {
+        this.loadingScene = "";
+        this.loading.hidden = true;
+        if (this.loadAgain) void this.loadScene(name);
+      }
     }
   }
 
   private showScene(): void {
     const model = this.fetched.get(this.scene)?.model;
-    this.view.setScene(model, this.world.scenes.get(this.scene));
+    this.view.setScene(model, this.world.remainsOf(this.scene));
     this.drawn = [];
     document.title = this.scene === "" ? "Palpate" : `${this.scene} · Palpate`;
     this.canvas.setAttribute(
@@ -336,14 +356,14 @@ export class App {
       this.dirty = false;
       this.view.render();
       const tookMs = performance.now() - startMs;
-      this.pictures += 1;
+      this.pictures += this.view.draws ? 1 : 0;
       this.scriptMs.last = tookMs;
       // The first pictures upload meshes and compile shaders: once, and not what a picture costs.
       if (this.pictures > kWarmUp) {
         this.scriptMs.total += tookMs;
         this.scriptMs.max = Math.max(this.scriptMs.max, tookMs);
       }
-      if (this.firstPictureMs === undefined) {
+      if (this.firstPictureMs === undefined && this.view.draws) {
         this.firstPictureMs = performance.now();
         performance.mark("palpate-first-picture");
       }
@@ -356,6 +376,7 @@ export class App {
   private tick(): void {
     this.goWhereSomethingMoves();
     const now = nowS();
+    this.wakeWhereSomethingStops(now);
     const station = this.station;
     const state = station?.isMoving(now) ? station.track.latest : undefined;
     this.readout.classList.toggle("idle", state === undefined);
@@ -376,8 +397,18 @@ export class App {
     this.showLists(station);
   }
 
+  /// Where nothing comes any more, nothing else would draw that.
+  private wakeWhereSomethingStops(now: number): void {
+    const moving = [...this.world.stations.values()]
+      .filter((station) => station.isMoving(now))
+      .map(({id}) => id)
+      .join();
+    if (moving !== this.moving) this.wake();
+    this.moving = moving;
+  }
+
   private showLists(station: Station | undefined): void {
-    const scenes = [...this.world.scenes.keys()].sort();
+    const scenes = [...this.world.scenes].sort();
     setOptions(
       this.scenePick,
       scenes.map((name) => ({value: name, text: name})),
@@ -403,6 +434,9 @@ export class App {
       lastStateS: this.world.lastStateS,
       sessions,
       scenes: this.world.scenes.size,
+      refusal: this.refusal,
+      mayTake: this.mayTake,
+      draws: this.view.draws,
     });
     this.banner.hidden = report.tone === "none";
     this.banner.classList.toggle("alarm", report.tone === "alarm");
@@ -410,22 +444,31 @@ export class App {
     return report;
   }
 
-  /// A socket can look open long after the way to its other end is gone: where nothing comes and
-  /// the gateway does not answer either, the link is made anew.
-  private async askScenes(): Promise<void> {
-    if (this.link !== "open") return;
-    const askedS = nowS();
-    const answered = await this.findScenes();
-    const isSilent = this.world.lastStateS < askedS && this.openedS < askedS;
-    if (!answered && isSilent) this.connection.restart();
+  /// What keeps the link from opening, where it is not the way to the gateway.
+  private get refusal(): LinkFacts["refusal"] {
+    if (this.losses < 2 || this.gateway.saidS < this.lostS) return "none";
+    return this.gateway.full ? "full" : "this page";
   }
 
-  private async findScenes(): Promise<boolean> {
-    const names = await fetchSceneNames(kAnswerWithinMs);
-    // The reader's choice first, so that no other is loaded on the way to it.
-    const chosen = names?.filter((name) => name === this.chosenScene) ?? [];
-    for (const name of [...chosen, ...(names ?? [])]) this.world.addScene(name);
-    return names !== undefined;
+  /// A socket can look open long after the way to its other end is gone: where nothing comes and
+  /// the gateway does not answer either, the link is made anew.
+  private async watchGateway(): Promise<void> {
+    const askedS = nowS();
+    await this.askHealth();
+    const isSilent = this.world.lastStateS < askedS && this.openedS < askedS;
+    if (this.link !== "open" || !isSilent || this.gateway.silences < kMostSilences) return;
+    this.gateway.silences = 0;
+    this.connection.restart();
+  }
+
+  private async askHealth(): Promise<void> {
+    const health = await fetchHealth(kAnswerWithinMs);
+    if (!health) {
+      this.gateway.silences += 1;
+      return;
+    }
+    this.gateway = {saidS: nowS(), full: health.full, silences: 0};
+    this.world.receiveHealth(health.scenes, health.serverRun);
   }
 
   private showHint(text: string, alarm: boolean): void {
@@ -436,33 +479,41 @@ export class App {
 
   // --- the mouse ---
 
+  private mayTakeChanged(may: boolean): void {
+    this.mayTake = may;
+    for (const part of document.querySelectorAll<HTMLElement>(".of-mouse")) part.hidden = !may;
+  }
+
   private showHold(): void {
     const {hold, message} = this.mouse;
     const holding = hold === "holding";
     this.canvas.classList.toggle("holding", holding);
     this.takeButton.classList.toggle("holding", holding);
-    this.takeButton.disabled = hold === "asking" || !this.fetched.has(this.scene);
+    this.takeButton.disabled = hold === "none" && !this.fetched.has(this.scene);
     setText(
       this.takeButton,
-      holding ? "Give it back" : hold === "asking" ? "Asking…" : "Take the tool",
+      holding ? "Give it back" : hold === "asking" ? "Cancel" : "Take the tool",
     );
     this.view.camera.controls.enableZoom = !holding;
     const help = matchMedia("(pointer: coarse)").matches
       ? "Drag to move, two fingers to push, pull and turn."
       : "Drag to move, wheel to push and pull, Shift-drag to turn, Esc to give it back.";
-    this.showHint(message !== "" ? message : holding ? help : "", message !== "" && !holding);
+    const words = message !== "" ? message : holding ? help : hold === "asking" ? "Asking…" : "";
+    this.showHint(words, message !== "" && !holding);
     this.staleWho = true;
     if (holding) this.canvas.focus({preventScroll: true});
   }
 
   private takeOrRelease(): void {
+    if (!this.mayTake) return;
     if (this.mouse.hold !== "none") {
       this.mouse.release();
       return;
     }
     const tool = this.toolPick.value;
     const holder = this.world.holderOf(this.scene, tool);
-    if (holder) {
+    // What does not move may be gone, or this page's own a moment ago: the server decides.
+    if (holder?.isMoving(nowS()) && holder.id !== this.mouse.station) {
       this.showHint(`'${holder.id}' holds the ${tool}. It is free once that station ends.`, true);
       return;
     }
@@ -507,7 +558,7 @@ export class App {
         panel.hidden = !panel.hidden;
         panelToggle.setAttribute("aria-expanded", String(!panel.hidden));
       },
-      help: () => (help.open ? help.close() : help.showModal()),
+      help: () => help.showModal(),
     };
     follow.addEventListener("click", actions.follow);
     spheres.addEventListener("click", actions.spheres);

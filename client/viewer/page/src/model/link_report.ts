@@ -14,6 +14,10 @@ export interface LinkFacts {
   readonly lastStateS: number; // when the last ToolState came; -Infinity: never
   readonly sessions: number; // that have a tool
   readonly scenes: number; // that are known
+  /// Why a gateway that answers lets no link come about, where that is so.
+  readonly refusal: "none" | "full" | "this page";
+  readonly mayTake: boolean; // a tool, with the mouse
+  readonly draws: boolean; // the browser has WebGL
 }
 
 /// Tool states come 30 times a second: silence of this length is one [s].
@@ -21,6 +25,17 @@ export const kSilenceS = 1.5;
 
 export function linkReport(facts: LinkFacts): LinkReport {
   if (facts.link !== "open") {
+    if (facts.refusal === "full") {
+      return {tone: "alarm", text: "The gateway has as many viewers as it takes. Trying again…"};
+    }
+    if (facts.refusal === "this page") {
+      return {
+        tone: "alarm",
+        text:
+          "The gateway is there and does not let this page attach: does it know the page's " +
+          "address (--allow-origin)? Trying again…",
+      };
+    }
     if (facts.wasOpen) {
       return {tone: "alarm", text: "The link to the gateway is lost. Trying again…"};
     }
@@ -29,8 +44,8 @@ export function linkReport(facts: LinkFacts): LinkReport {
       : {tone: "info", text: "Connecting…"};
   }
   const since = Math.max(facts.lastStateS, facts.openedS);
-  if (facts.nowS - since < kSilenceS) return {tone: "none", text: ""};
-  if (facts.sessions > 0) {
+  const silent = facts.nowS - since >= kSilenceS;
+  if (silent && facts.sessions > 0) {
     return {
       tone: "alarm",
       text:
@@ -38,7 +53,13 @@ export function linkReport(facts: LinkFacts): LinkReport {
         "the server or its station is silent.",
     };
   }
-  return facts.scenes === 0
-    ? {tone: "info", text: "The gateway is there, but no server has told it of a scene yet."}
-    : {tone: "info", text: "No station is moving. Start one, or take the tool with the mouse."};
+  if (!facts.draws) {
+    return {tone: "info", text: "No picture: this browser has no WebGL. The figures are live."};
+  }
+  if (!silent) return {tone: "none", text: ""};
+  if (facts.scenes === 0) {
+    return {tone: "info", text: "The gateway is there, but no server has told it of a scene yet."};
+  }
+  const how = facts.mayTake ? "Start one, or take the tool with the mouse." : "Start one.";
+  return {tone: "info", text: `No station is moving. ${how}`};
 }

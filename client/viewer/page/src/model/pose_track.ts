@@ -1,9 +1,12 @@
 import type {ToolState} from "../protocol/messages";
 import {mixPose, mixVec3} from "./pose";
 
-/// How far behind the newest frame the picture is [s]: one and a half frames of 30 Hz, so that
-/// there is nearly always a frame on either side to interpolate between.
-export const kDelayS = 0.05;
+/// How far behind the newest frame the picture is, in intervals between frames: so that there is
+/// nearly always a frame on either side to interpolate between.
+const kDelayIntervals = 1.5;
+/// Of 30 Hz, what a gateway sends unless it is told otherwise: the least that is waited for, since
+/// frames that come more often come no more evenly [s].
+const kUsualIntervalS = 1 / 30;
 /// Frames that are older than this are forgotten [s].
 const kKeepS = 1;
 /// After a gap of this length a tool jumps: a slow glide would show a motion that never was [s].
@@ -42,6 +45,7 @@ export class StreamClock {
 /// The frames of one station, and its state at any moment between them.  Never extrapolates.
 export class PoseTrack {
   private readonly frames: {timeS: number; state: ToolState}[] = [];
+  private intervalS = kUsualIntervalS;
 
   push(timeS: number, state: ToolState): void {
     const last = this.frames.at(-1);
@@ -49,6 +53,8 @@ export class PoseTrack {
       // Out of order or the same moment: the newer sample wins, time does not go back.
       if (state.poseSequence < last.state.poseSequence && timeS > last.timeS - kGapS) return;
       this.frames.length = 0;
+    } else if (last && timeS - last.timeS < kGapS) {
+      this.intervalS += 0.1 * (timeS - last.timeS - this.intervalS);
     }
     this.frames.push({timeS, state});
     while (this.frames[1] && this.frames[1].timeS < timeS - kKeepS) this.frames.shift();
@@ -56,6 +62,10 @@ export class PoseTrack {
 
   get latest(): ToolState | undefined {
     return this.frames.at(-1)?.state;
+  }
+  /// How far behind the newest frame a picture should be [s].
+  get delayS(): number {
+    return kDelayIntervals * Math.max(kUsualIntervalS, this.intervalS);
   }
   get latestTimeS(): number {
     return this.frames.at(-1)?.timeS ?? -Infinity;

@@ -110,14 +110,6 @@ export function statisticsLines(statistics: LoopStatistics): Line[] {
   return lines;
 }
 
-const kPhaseWords: Readonly<Record<SessionState["phase"], string>> = {
-  waiting: "waits for its first sample",
-  acquiring: "starts inside an object: no force until it is out",
-  active: "drives",
-  refused: "was refused",
-  ended: "has left",
-};
-
 export function sessionWords(session: SessionState): string {
   const tool = session.tool === "" ? "a tool" : `the ${session.tool}`;
   switch (session.phase) {
@@ -126,9 +118,14 @@ export function sessionWords(session: SessionState): string {
     case "refused":
       return `was refused ${tool} of ${session.scene}: ${session.reason}`;
     case "acquiring":
-      return `${tool} of ${session.scene} ${kPhaseWords.acquiring}`;
-    default:
-      return `${kPhaseWords[session.phase]} (${tool} of ${session.scene})`;
+      return (
+        `starts with ${tool} of ${session.scene} ${figure(1000 * session.startDepthM, 1)} mm ` +
+        "inside an object: no force until it is out"
+      );
+    case "waiting":
+      return `waits for its first sample (${tool} of ${session.scene})`;
+    case "ended":
+      return `has left (${tool} of ${session.scene})`;
   }
 }
 

@@ -9,7 +9,7 @@ import {
 } from "../protocol/messages";
 import {History} from "./history";
 import {norm} from "./pose";
-import {kDelayS, PoseTrack, StreamClock} from "./pose_track";
+import {PoseTrack, StreamClock} from "./pose_track";
 import {Remains} from "./remains";
 import {depthM, holdsTool} from "./words";
 
@@ -26,6 +26,9 @@ export const kTopics = {
 export const kHistoryS = 12;
 /// A station that has been silent for this long does not move its tool [s].
 const kAliveS = 1.5;
+
+/// No server has been heard of yet.
+const kNoRun = "0";
 
 /// The figures that a station's history keeps, in this order.
 export const kFigures = ["force", "torque", "depth", "step"] as const;
@@ -58,13 +61,15 @@ export class Station {
   isMoving(nowS: number): boolean {
     return nowS - this.lastArrivalS < kAliveS;
   }
-  /// The picture's state now: a little in the past, between two frames.
+  /// The picture's state now: a little in the past, between two frames.  A tool that nothing moves
+  /// any more stands where it was, and nothing is known of a force on it.
   shown(nowS: number): ToolState | undefined {
-    return this.track.at(nowS - kDelayS);
+    const state = this.track.at(nowS - this.track.delayS);
+    return state && !this.isMoving(nowS) ? atRest(state) : state;
   }
   /// True while there are frames that the picture has not reached.
   isCatchingUp(nowS: number): boolean {
-    return this.track.latestTimeS > nowS - kDelayS;
+    return this.track.latestTimeS > nowS - this.track.delayS;
   }
   get scene(): string {
     return this.track.latest?.scene ?? this.session?.scene ?? this.statistics?.scene ?? "";
@@ -74,14 +79,26 @@ export class Station {
   }
 }
 
+const atRest = (state: ToolState): ToolState => ({
+  ...state,
+  haptic: state.graphic,
+  forceN: [0, 0, 0],
+  torqueNm: [0, 0, 0],
+  contacts: 0,
+  points: [],
+});
+
 /// What changed, so that only that is drawn anew.
 export type Change = "tool" | "sessions" | "statistics" | "scenes" | "remains" | "serverRun";
 
 /// Everything that the gateway has told.  Knows no socket and no screen.
 export class World {
   readonly stations = new Map<string, Station>();
-  readonly scenes = new Map<string, Remains>(); // by name: what is left of each
+  scenes: ReadonlySet<string> = new Set(); // by name: those that the gateway has
   lastStateS = -Infinity;
+  private readonly remains = new Map<string, Remains>(); // by scene
+  private serverRun = "";
+  private readonly formerRuns = new Set<string>();
 
   constructor(private readonly changed: (change: Change, scene: string) => void) {}
 
@@ -101,24 +118,35 @@ export class World {
         break;
       case kTopics.sceneChange: {
         const change = toSceneChange(value);
-        this.addScene(change.scene);
-        this.scenes.get(change.scene)?.apply(change);
+        if (!this.isOfServer(change.serverRun)) break;
+        this.remainsOf(change.scene).apply(change);
         this.changed("remains", change.scene);
         break;
       }
     }
   }
 
-  addScene(name: string): void {
-    if (name === "" || this.scenes.has(name)) return;
-    this.scenes.set(name, new Remains());
-    this.changed("scenes", name);
+  /// What the gateway says of itself: its scenes, and which server they are of.
+  receiveHealth(scenes: readonly string[], serverRun: string): void {
+    if (!this.isOfServer(serverRun)) return;
+    const same =
+      scenes.length === this.scenes.size && scenes.every((name) => this.scenes.has(name));
+    if (same) return;
+    this.scenes = new Set(scenes);
+    this.changed("scenes", "");
   }
 
   /// A new link: who drives what is told again from the start, by whoever is there now.
-  forgetSessions(): void {
-    for (const station of this.stations.values()) station.session = undefined;
-    this.changed("sessions", "");
+  startLink(): void {
+    this.formerRuns.clear();
+    this.forgetSessions();
+  }
+
+  /// What has been scraped off.
+  remainsOf(scene: string): Remains {
+    let remains = this.remains.get(scene);
+    if (!remains) this.remains.set(scene, (remains = new Remains()));
+    return remains;
   }
 
   /// The stations that are of use to look at, those with a tool first.
@@ -153,21 +181,36 @@ export class World {
   private receiveToolState(state: ToolState, stampS: number, nowS: number): void {
     this.station(state.station).push(state, stampS, nowS);
     this.lastStateS = nowS;
-    this.addScene(state.scene);
     this.changed("tool", state.scene);
   }
 
   private receiveSession(session: SessionState): void {
+    if (!this.isOfServer(session.serverRun)) return;
     this.station(session.station).session = session;
-    if (session.phase !== "refused") {
-      this.addScene(session.scene);
-      const remains = this.scenes.get(session.scene);
-      if (remains?.startRun(session.serverRun)) {
-        this.changed("remains", session.scene);
-        this.changed("serverRun", session.scene);
-      }
-    }
     this.changed("sessions", session.scene);
+  }
+
+  /// False for what a former server said.  The first word of a new one makes all void that was its
+  /// predecessor's: sessions, what had been scraped off, perhaps the scenes.
+  private isOfServer(run: string): boolean {
+    if (run === this.serverRun || run === kNoRun) return true;
+    if (this.formerRuns.has(run)) return false;
+    const former = this.serverRun;
+    this.serverRun = run;
+    if (former === "") return true;
+    this.formerRuns.add(former);
+    this.forgetSessions();
+    for (const [scene, remains] of this.remains) {
+      remains.clear();
+      this.changed("remains", scene);
+    }
+    this.changed("serverRun", "");
+    return true;
+  }
+
+  private forgetSessions(): void {
+    for (const station of this.stations.values()) station.session = undefined;
+    this.changed("sessions", "");
   }
 
   private station(id: string): Station {

@@ -140,7 +140,7 @@ export class MouseDevice {
   }
 
   key(event: KeyboardEvent): boolean {
-    if (this.hold !== "holding") return false;
+    if (this.hold !== "holding" || event.ctrlKey || event.altKey || event.metaKey) return false;
     const kStep = 8; // pixels
     const steps: Readonly<Record<string, readonly [number, number, number]>> = {
       ArrowLeft: [-kStep, 0, 0],

@@ -7,6 +7,8 @@ export interface ConnectionEvents {
   link(state: LinkState): void;
   message(topic: string, value: unknown, stampS: number): void;
   status(level: number, message: string): void;
+  /// The gateway takes messages of this page, or none.
+  mayPublish(may: boolean): void;
 }
 
 /// What the connection needs of the world outside; tests bring their own.
@@ -63,7 +65,8 @@ export class Connection {
     const socket = this.socket;
     this.socket = undefined;
     socket?.close();
-    this.lose();
+    this.events.link("lost");
+    this.open();
   }
 
   get isOpen(): boolean {
@@ -142,6 +145,7 @@ export class Connection {
     switch (message.op) {
       case "serverInfo":
         this.canPublish = message.capabilities.includes("clientPublish");
+        this.events.mayPublish(this.canPublish);
         break;
       case "status":
         this.events.status(message.level, message.message);

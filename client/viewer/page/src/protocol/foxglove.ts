@@ -12,12 +12,7 @@ export interface Channel {
 }
 
 export type ServerMessage =
-  | {
-      readonly op: "serverInfo";
-      readonly name: string;
-      readonly capabilities: readonly string[];
-      readonly sessionId: string;
-    }
+  | {readonly op: "serverInfo"; readonly capabilities: readonly string[]}
   | {readonly op: "status"; readonly level: number; readonly message: string}
   | {readonly op: "advertise"; readonly channels: readonly Channel[]}
   | {readonly op: "unadvertise"; readonly channelIds: readonly number[]}
@@ -47,9 +42,7 @@ export function parseText(source: string): ServerMessage {
     case "serverInfo":
       return {
         op: "serverInfo",
-        name: text(message.name),
         capabilities: list(message.capabilities).map(text),
-        sessionId: text(message.sessionId),
       };
     case "status":
       return {

@@ -19,14 +19,12 @@ export interface ToolState {
   readonly torqueNm: Vec3;
   readonly stepUs: number;
   readonly contacts: number;
-  readonly faults: number;
   readonly points: readonly ContactPoint[];
 }
 
 export interface LoopStatistics {
   readonly station: string;
   readonly scene: string;
-  readonly periodS: number;
   readonly steps: number;
   readonly rateHz: number;
   readonly stepUs: {
@@ -124,7 +122,6 @@ export function toToolState(value: unknown): ToolState {
     torqueNm: fields.vec3("torque_Nm"),
     stepUs: fields.number("step_us"),
     contacts: fields.number("contacts"),
-    faults: fields.number("faults"),
     points: points.map((point) => ({
       positionM: point.vec3("position_m"),
       forceN: point.vec3("force_N"),
@@ -137,7 +134,6 @@ export function toLoopStatistics(value: unknown): LoopStatistics {
   return {
     station: fields.text("station"),
     scene: fields.text("scene"),
-    periodS: fields.number("period_s"),
     steps: fields.number("steps"),
     rateHz: fields.number("rate_hz"),
     stepUs: {

@@ -26,14 +26,26 @@ export async function fetchScene(name: string, have?: FetchedScene): Promise<Fet
   return {tag, model: readBundle(new Uint8Array(await response.arrayBuffer()))};
 }
 
-/// The scenes that the gateway has; undefined where it does not answer.
-export async function fetchSceneNames(withinMs: number): Promise<readonly string[] | undefined> {
+/// What the gateway says of itself.
+export interface Health {
+  readonly scenes: readonly string[];
+  readonly serverRun: string;
+  readonly full: boolean; // takes no more viewers
+}
+
+/// undefined where it does not answer.
+export async function fetchHealth(withinMs: number): Promise<Health | undefined> {
   try {
     const signal = AbortSignal.timeout(withinMs);
     const response = await fetch("healthz", {cache: "no-store", signal});
     if (!response.ok) return undefined;
-    const scenes = parseObject(await response.text())?.scenes;
-    return Array.isArray(scenes) ? scenes.filter((name) => typeof name === "string") : [];
+    const said = parseObject(await response.text());
+    const {scenes, server_run: run, viewers, max_viewers: most} = said ?? {};
+    return {
+      scenes: Array.isArray(scenes) ? scenes.filter((name) => typeof name === "string") : [],
+      serverRun: typeof run === "string" ? run : "0",
+      full: typeof viewers === "number" && typeof most === "number" && viewers >= most,
+    };
   } catch {
     return undefined;
   }

@@ -5,6 +5,8 @@ const kSystem = matchMedia("(prefers-color-scheme: dark)");
 
 /// Light or dark: as the system has it, until the reader chooses.
 export class ThemeSwitch {
+  private chosen = remembered();
+
   constructor(
     button: HTMLButtonElement,
     private readonly changed: () => void,
@@ -18,13 +20,14 @@ export class ThemeSwitch {
   }
 
   toggle(): void {
-    remember(this.current === "dark" ? "light" : "dark");
+    this.chosen = this.current === "dark" ? "light" : "dark";
+    remember(this.chosen);
     this.apply();
     this.changed();
   }
 
   private get current(): Theme {
-    return remembered() ?? (kSystem.matches ? "dark" : "light");
+    return this.chosen ?? (kSystem.matches ? "dark" : "light");
   }
   private apply(): void {
     document.documentElement.dataset.theme = this.current;
@@ -44,6 +47,6 @@ function remember(theme: Theme): void {
   try {
     localStorage.setItem(kKey, theme);
   } catch {
-    document.documentElement.dataset.theme = theme;
+    // It is kept until the page goes.
   }
 }

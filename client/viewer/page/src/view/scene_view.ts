@@ -23,7 +23,7 @@ interface ToolView {
 /// The picture.  Draws only when asked to; whoever changes something says so through `changed`.
 export class SceneView {
   readonly camera: Camera;
-  private readonly renderer: WebGLRenderer;
+  private readonly renderer: WebGLRenderer | undefined;
   private readonly scene = new Scene();
   private readonly hemisphere = new HemisphereLight();
   private model: SceneModel | undefined;
@@ -40,8 +40,7 @@ export class SceneView {
     calm: boolean,
     private readonly changed: () => void,
   ) {
-    this.renderer = new WebGLRenderer({canvas, antialias: true, alpha: true});
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, kMostPixelsPerPoint));
+    this.renderer = makeRenderer(canvas);
     this.camera = new Camera(canvas, calm, changed);
     const key = new DirectionalLight(0xffffff, 1.9);
     key.position.set(0.5, 0.9, 0.8);
@@ -58,7 +57,10 @@ export class SceneView {
     this.clear();
     this.model = model;
     this.remains = remains;
-    if (!model) return;
+    if (!model) {
+      this.render(); // what was there is another scene's
+      return;
+    }
     const cache = new SurfaceCache();
     this.objects = model.objects.map((body, i) => new BodyMesh(body, model, "object", i, cache));
     this.tools = model.tools.map((body, i) => {
@@ -138,20 +140,25 @@ export class SceneView {
   resize(): void {
     const {clientWidth: width, clientHeight: height} = this.canvas;
     if (width === 0 || height === 0) return;
-    this.renderer.setSize(width, height, false);
+    this.renderer?.setPixelRatio(Math.min(devicePixelRatio, kMostPixelsPerPoint));
+    this.renderer?.setSize(width, height, false);
     this.camera.resize(width / height);
     this.changed();
   }
 
   render(): void {
-    this.renderer.render(this.scene, this.camera.eye);
+    this.renderer?.render(this.scene, this.camera.eye);
   }
 
+  /// False where the browser has no WebGL: all but the picture goes on.
+  get draws(): boolean {
+    return this.renderer !== undefined;
+  }
   get isEmpty(): boolean {
     return this.model === undefined;
   }
   get triangles(): number {
-    return this.renderer.info.render.triangles;
+    return this.renderer?.info.render.triangles ?? 0;
   }
 
   private makeClouds(): void {
@@ -193,6 +200,14 @@ export class SceneView {
     }
     this.objects = [];
     this.tools = [];
+  }
+}
+
+function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer | undefined {
+  try {
+    return new WebGLRenderer({canvas, antialias: true, alpha: true});
+  } catch {
+    return undefined;
   }
 }
 
