@@ -21,7 +21,7 @@ struct Bench {
   test::StillDevice device;
   StationCore core{device};
   ReplyRing replies;
-  ServoThread servo{core, replies, 0.01};
+  ServoThread servo{core, replies, 0.002};  // each snapshot allows one fresh reply
   PosePath path;
   StationSnapshot snapshot;
 
@@ -125,7 +125,7 @@ TEST(ServoThread, BeginsItsTotalsAnewWhenItIsAsked) {
 TEST(ServoThread, TakesTheForceOutOfTheDeviceBeforeItEnds) {
   Bench bench;
   bench.servo.SetPath(&bench.path);
-  for (int i = 0; i < 50 && bench.snapshot.force_N < 1.0; ++i) bench.Answer(milliseconds(100));
+  for (int i = 0; i < 300 && bench.snapshot.force_N < 1.0; ++i) bench.Answer(milliseconds(100));
   ASSERT_GE(bench.snapshot.force_N, 1.0);
   bench.servo.Stop();
   EXPECT_FALSE(bench.core.renders_force());
