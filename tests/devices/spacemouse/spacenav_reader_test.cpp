@@ -173,22 +173,21 @@ TEST(SpacenavReader, ExplainsWhyItCannotBeOpened) {
 }
 
 TEST(SpacenavReader, SaysWhereTheRightsAreMissing) {
-  if (geteuid() == 0) {
-    // Root may use any socket: in a child without that power.
-    const FakeSpacenavd daemon;
-    chmod(daemon.path().c_str(), 0);
-    EXPECT_EXIT(
-        {
-          if (setuid(65534) != 0) std::exit(2);
-          std::fputs(Complaint().c_str(), stderr);
-          std::exit(0);
-        },
-        testing::ExitedWithCode(0), "no right to use spacenavd's socket");
-  } else {
-    const FakeSpacenavd daemon;
-    chmod(daemon.path().c_str(), 0);
+  FakeSpacenavd daemon;
+  daemon.Kill();  // its socket stays; and no thread, as what follows forks
+  chmod(daemon.path().c_str(), 0);
+  if (geteuid() != 0) {
     EXPECT_THAT(Complaint(), HasSubstr("no right to use spacenavd's socket"));
+    return;
   }
+  // Root may use any socket: in a child without that power.
+  EXPECT_EXIT(
+      {
+        if (setuid(65534) != 0) std::exit(2);
+        std::fputs(Complaint().c_str(), stderr);
+        std::exit(0);
+      },
+      testing::ExitedWithCode(0), "no right to use spacenavd's socket");
 }
 
 }  // namespace
