@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -56,6 +57,13 @@ void AllowFiles(std::size_t sockets) {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
+/// Why viewers do not attach.
+enum class Trouble {
+  kNobody,    ///< there is nothing at the address
+  kStranger,  ///< what is there speaks otherwise than a gateway, or hangs up
+  kFull,      ///< the gateway wants no more
+};
+
 struct Shared {
   Shared(FrameTally& to, const ViewerUrl& url)
       : tally(to), host_header(url.host + ":" + std::to_string(url.port)) {}
@@ -66,14 +74,14 @@ struct Shared {
   std::atomic<std::size_t> attached{0};
   std::atomic<std::size_t> gone{0};
   std::mutex mutex;
-  std::string complaint;  // the first; guarded
-  bool refused = false;   // guarded
+  std::optional<Trouble> trouble;  // the first; guarded
+  std::string complaint;           // of it; guarded
 
-  void Complain(const std::string& what, bool by_gateway) {
+  void Complain(Trouble what, const std::string& why) {
     const std::lock_guard lock(mutex);
-    if (!complaint.empty()) return;
-    complaint = what;
-    refused = by_gateway;
+    if (trouble) return;
+    trouble = what;
+    complaint = why;
   }
 };
 
@@ -84,7 +92,7 @@ class Viewer {
 
   void Start(const tcp::endpoint& endpoint) {
     socket_.next_layer().async_connect(endpoint, [this](beast::error_code error) {
-      if (error) return shared_.Complain(error.message(), false);
+      if (error) return shared_.Complain(Trouble::kNobody, error.message());
       Shake();
     });
   }
@@ -99,9 +107,11 @@ class Viewer {
     socket_.read_message_max(0);
     socket_.async_handshake(response_, shared_.host_header, "/", [this](beast::error_code error) {
       if (error == websocket::error::upgrade_declined) {
-        return shared_.Complain("HTTP status " + std::to_string(response_.result_int()), true);
+        const bool full = response_.result() == http::status::service_unavailable;
+        return shared_.Complain(full ? Trouble::kFull : Trouble::kStranger,
+                                "HTTP status " + std::to_string(response_.result_int()));
       }
-      if (error) return shared_.Complain(error.message(), false);
+      if (error) return shared_.Complain(Trouble::kStranger, error.message());
       Read();
     });
   }
@@ -129,7 +139,7 @@ class Viewer {
     for (const Json& channel : message["channels"]) {
       if (channel.value("topic", "") == kTopic) return Subscribe(channel["id"]);
     }
-    shared_.Complain(std::string("it has no channel ") + kTopic, false);
+    shared_.Complain(Trouble::kStranger, std::string("it has no channel ") + kTopic);
   }
 
   void Subscribe(std::uint32_t channel) {
@@ -151,7 +161,7 @@ class Viewer {
     if (attached_) {
       ++shared_.gone;
     } else {
-      shared_.Complain(error.message(), false);
+      shared_.Complain(Trouble::kStranger, error.message());
     }
   }
 
@@ -166,6 +176,21 @@ class Viewer {
   std::string request_;
   wire::ToolState frame_{};
 };
+
+Error WhyNot(Trouble trouble, const ViewerUrl& url, const std::string& why) {
+  const std::string start = "start 'palpate-viewer --http " + std::to_string(url.port) + "'";
+  switch (trouble) {
+    case Trouble::kFull:
+      return Error("the gateway at " + url.text() + " turns viewers away (" + why +
+                   "); start palpate-viewer with more --max-viewers, or give fewer");
+    case Trouble::kStranger:
+      return Error("what answers at " + url.text() + " is no palpate-viewer, or has ended (" + why +
+                   "); " + start + " where the port is free, or give --viewer-url");
+    default:
+      return Error("no gateway answers at " + url.text() + " (" + why + "); " + start +
+                   ", or give --viewer-url");
+  }
+}
 
 }  // namespace
 
@@ -191,15 +216,10 @@ WebViewers::WebViewers(const ViewerUrl& url, std::size_t viewers, std::size_t st
   if (all == 0) return;
   AllowFiles(all);
   State& s = *state_;
-  const auto nobody = [&](const std::string& why) {
-    return Error("no gateway answers at " + url.text() + " (" + why +
-                 "); start 'palpate-viewer --http " + std::to_string(url.port) +
-                 "', or give --viewer-url");
-  };
   beast::error_code error;
   tcp::resolver resolver(s.io);
   const auto found = resolver.resolve(url.host, std::to_string(url.port), error);
-  if (error) throw nobody(error.message());
+  if (error) throw WhyNot(Trouble::kNobody, url, error.message());
   for (std::size_t i = 0; i < all; ++i) {
     s.viewers.push_back(std::make_unique<Viewer>(s.io, s.shared, i, i < viewers));
   }
@@ -213,15 +233,14 @@ WebViewers::WebViewers(const ViewerUrl& url, std::size_t viewers, std::size_t st
   while (s.shared.attached < all) {
     {
       const std::lock_guard lock(s.shared.mutex);
-      if (s.shared.refused) {
-        throw Error("the gateway at " + url.text() + " turns viewers away (" + s.shared.complaint +
-                    "); start palpate-viewer with more --max-viewers, or give fewer");
-      }
-      if (!s.shared.complaint.empty()) throw nobody(s.shared.complaint);
+      if (s.shared.trouble) throw WhyNot(*s.shared.trouble, url, s.shared.complaint);
     }
     if (SteadyNanoseconds() > until_ns) {
-      throw nobody(std::to_string(s.shared.attached) + " of " + std::to_string(all) +
-                   " viewers attached in time");
+      const std::size_t attached = s.shared.attached;
+      if (attached == 0) throw WhyNot(Trouble::kNobody, url, "no word within --wait");
+      throw Error("the gateway at " + url.text() + " has taken " + std::to_string(attached) +
+                  " of " + std::to_string(all) +
+                  " viewers within --wait; give fewer, or a longer one");
     }
     if (stop.WaitFor(std::chrono::milliseconds(5))) return;
   }

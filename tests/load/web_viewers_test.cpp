@@ -1,0 +1,88 @@
+#include "client/load/web_viewers.h"
+
+#include <future>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+
+/// Something at a port of this host that is no gateway: takes one connection and says `answer`.
+class Stranger {
+ public:
+  explicit Stranger(const std::string& answer) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+    socklen_t size = sizeof address;
+    getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size);
+    port_ = ntohs(address.sin_port);
+    listen(socket_, 1);
+    served_ = std::async(std::launch::async, [this, answer] {
+      const int client = accept(socket_, nullptr, nullptr);
+      char request[4096];
+      if (recv(client, request, sizeof request, 0) > 0) {
+        send(client, answer.data(), answer.size(), MSG_NOSIGNAL);
+      }
+      close(client);
+    });
+  }
+  ~Stranger() {
+    served_.wait();
+    close(socket_);
+  }
+  int port() const { return port_; }
+
+ private:
+  int socket_;
+  int port_ = 0;
+  std::future<void> served_;
+};
+
+std::string Complaint(int port) {
+  FrameTally tally({1, 0, "load", 30.0, {}, {}});
+  StopSignal stop;
+  try {
+    const WebViewers viewers({"127.0.0.1", port}, 1, 0, 20.0, tally, stop);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(WebViewers, SayWhereNothingIsAtTheAddress) {
+  EXPECT_THAT(Complaint(1), HasSubstr("no gateway answers at ws://127.0.0.1:1 "));
+}
+
+TEST(WebViewers, TellAnotherServerFromNone) {
+  const Stranger stranger("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n");
+  const std::string complaint = Complaint(stranger.port());
+  EXPECT_THAT(complaint, HasSubstr("what answers at ws://127.0.0.1:"));
+  EXPECT_THAT(complaint, HasSubstr("is no palpate-viewer"));
+  EXPECT_THAT(complaint, HasSubstr("HTTP status 404"));
+}
+
+TEST(WebViewers, TellOneThatSpeaksNoHttpFromNone) {
+  const Stranger stranger("SSH-2.0-OpenSSH\r\n");
+  EXPECT_THAT(Complaint(stranger.port()), HasSubstr("is no palpate-viewer"));
+}
+
+TEST(WebViewers, TellAFullGatewayFromAnotherServer) {
+  const Stranger full("HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\n\r\n");
+  const std::string complaint = Complaint(full.port());
+  EXPECT_THAT(complaint, HasSubstr("turns viewers away (HTTP status 503)"));
+  EXPECT_THAT(complaint, HasSubstr("--max-viewers"));
+}
+
+}  // namespace
+}  // namespace palpate
