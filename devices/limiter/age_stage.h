@@ -5,8 +5,8 @@
 namespace palpate {
 
 /// A factor that falls from 1 to 0 (smoothstep) as replies stay away, or as they come from too far
-/// in the past, and stays there until a fresh one comes; from then on it climbs back by a ramp.  Zero
-/// before the first reply.  So a producer that dies leaves no "last force".
+/// in the past, and stays there until a fresh one comes; from then on it climbs back by a ramp.
+/// Zero before the first reply.  So a producer that dies leaves no "last force".
 class AgeStage {
  public:
   /// Silence, by the station's clock.  A reply or three that are lost are not felt; a dead server

@@ -16,8 +16,7 @@ Wrench EnergyStage::Pass(const Wrench& wanted, double gain, const Pose& X_WH,
   store_J_ += work;
   moved_ = moved_ || work != 0.0;
   if (observer_.leapt()) store_J_ = std::min(store_J_, 0.0);
-  Settle(0.5 * gain *
-             (wanted.force.norm() * kDeepest_m + wanted.torque.norm() * kDeepest_rad),
+  Settle(0.5 * gain * (wanted.force.norm() * kDeepest_m + wanted.torque.norm() * kDeepest_rad),
          dt_s);
 
   const Way& way = observer_.way();

@@ -11,6 +11,7 @@ void AddCycle(CLI::App& app);
 /// `domain` is read when the command runs.
 void AddDeadServer(CLI::App& app, const int& domain);
 void AddLevels(CLI::App& app);
+void AddLimiter(CLI::App& app);
 /// As there.
 void AddLoop(CLI::App& app, const int& domain);
 void AddPareto(CLI::App& app);

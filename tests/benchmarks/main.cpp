@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   palpate::bench::AddCycle(app);
   palpate::bench::AddDeadServer(app, domain);
   palpate::bench::AddLevels(app);
+  palpate::bench::AddLimiter(app);
   palpate::bench::AddLoop(app, domain);
   palpate::bench::AddPareto(app);
   palpate::bench::AddQp(app);

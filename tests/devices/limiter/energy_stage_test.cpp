@@ -74,7 +74,8 @@ TEST(EnergyStage, GivesNothingToAHandThatPutNothingIn) {
   Axis axis;
   for (int i = 0; i < 1000; ++i) axis.Step(2e-5, 5.0);
   // The first tick is owed: that of a handle that had not moved.
-  EXPECT_LE(axis.Generated(), Phantom().rates().contact_force * kTick * 2e-5 + EnergyStage::kSeed_J);
+  EXPECT_LE(axis.Generated(),
+            Phantom().rates().contact_force * kTick * 2e-5 + EnergyStage::kSeed_J);
   EXPECT_GT(axis.stage.count(), 900u);
 }
 
@@ -170,7 +171,8 @@ TEST_P(EnergyAtThePort, IsNeverGivenInAClosedLoopWithDelayAndLoss) {
         WrenchLimiter limiter(Phantom());
         limiter.SetStiffness(known);
         const PortLoopFigures figures = RunPortLoop(limiter, c);
-        SCOPED_TRACE(testing::Message() << stiffness << " N/m, told " << known << ", seed " << seed);
+        SCOPED_TRACE(testing::Message()
+                     << stiffness << " N/m, told " << known << ", seed " << seed);
         EXPECT_LE(figures.generated_J, 0.0);
         EXPECT_LE(figures.most_generated_J, 2.0 * EnergyStage::kSeed_J);
         EXPECT_GT(figures.absorbed_J, 5e-3) << "a wall that is not felt is no wall";
