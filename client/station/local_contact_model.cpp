@@ -16,6 +16,10 @@ constexpr double kUnitTolerance = 1e-6;
 constexpr double kMostLever_m = 100.0;
 /// The graphic tool keeps its rows to rounding; jammed, it leaves them violated by micrometres.
 constexpr double kMostViolation_m = 1e-4;
+/// Friction, by which a wrench differs from what its rows explain, is this many times the normal
+/// force at most; what is more is none, and would have to go too steeply where contact ends.
+constexpr double kMostUnexplained = 2.0;
+constexpr double kRounding_N = 1e-6;
 /// A difference that is this small is gone [N, N m]: below what any motor renders.
 constexpr double kGone = 1e-6;
 
@@ -129,13 +133,17 @@ void LocalContactModel::Take(const Reply& reply, const Pose* X_WH) noexcept {
                     reply.wrench.torque.isZero(0.0) && reply.faults == kFaultNone;
   if (has_touched_ && free) Remember(next_.reply);
   if (X_WH == nullptr || !Usable(next_.reply)) return;
+  next_.answered = Solve(next_.reply, *X_WH);
+  const Wrench remainder = Sum(reply.wrench, Scaled(-1.0, next_.answered.wrench));
+  const double size = std::hypot(remainder.force.norm(), remainder.torque.norm() / rho_);
+  next_.has_rows =
+      size <= kMostUnexplained * spring_.stiffness * next_.answered.stretch + kRounding_N;
+  if (!next_.has_rows) return;
+  next_.remainder = remainder;
   if (!free) {
     touched_ = reply;
     has_touched_ = true;
   }
-  next_.has_rows = true;
-  next_.answered = Solve(next_.reply, *X_WH);
-  next_.remainder = Sum(reply.wrench, Scaled(-1.0, next_.answered.wrench));
 }
 
 LocalContactModel::Evaluation LocalContactModel::Evaluate(const Contact& contact,

@@ -40,9 +40,10 @@ struct CouplingSpring {
 /// that.
 ///
 /// Replies lie as far as this class knows.  Rows that no step can have made (not finite, no unit
-/// normals, a tool well inside, too many) count as none; then, and where the server gives none
-/// because not all that pushes is a row, the wrench is the reply's, as it came.  The wrench of a
-/// reply is given on where it is not finite: WrenchLimiter's first stage is for that.
+/// normals, a tool well inside, too many, a wrench that they do not explain) count as none; then,
+/// and where the server gives none because not all that pushes is a row, the wrench is the reply's,
+/// as it came.  The wrench of a reply is given on where it is not finite: WrenchLimiter's first
+/// stage is for that.
 ///
 /// Thread contract: one thread.  Real-time: no allocation, lock, log or clock.  Deterministic.
 class LocalContactModel {

@@ -121,8 +121,8 @@ TEST_F(ServoLoopTest, GivesTheLocalModelOnlyWithTheFullForce) {
   }
   const wire::Wrench answer = Send(hand_.At(kPressed));
   ASSERT_EQ(answer.rows, 1u);
-  EXPECT_EQ(answer.region_m, tool_->model.parameters().max_translation);
-  EXPECT_EQ(answer.region_rad, tool_->model.parameters().max_rotation);
+  EXPECT_GE(answer.region_m, 1e-3);          // a hand at 0.1 m/s within 10 ms
+  EXPECT_GE(answer.region_rad, 3.0);         // a ball may turn
   EXPECT_NEAR(answer.row[0][2], 1.0, 1e-9);  // the ball's normal points up
   EXPECT_NEAR(answer.row_offset_m[0], 0.0, 1e-8);
   EXPECT_NEAR(answer.row_force_N[0], kFull_N, 1e-5);

@@ -20,7 +20,7 @@ using test::Random;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kMs = 1'000'000;
-constexpr CouplingSpring kSpring{1000.0, 1.0, Vec3(0.01, 0.02, -0.01)};
+const CouplingSpring kSpring{1000.0, 1.0, Vec3(0.01, 0.02, -0.01)};
 
 /// What a server with nothing but planes answers: its rows are the truth everywhere, for planes met
 /// by one point of a tool that only translates.
@@ -134,9 +134,15 @@ TEST(LocalContactModel, FadesToNothingOverAnotherRegionAndAnotherLife) {
     const auto out = Settled(model, 0, At(Vec3(x, 0, -0.002)));
     const double force = out.wrench.force.z();
     EXPECT_LE(force, last + 1e-12);
-    if (x <= 0.005) EXPECT_NEAR(force, 2.0, 1e-9) << x;
-    if (x >= 0.0101) EXPECT_EQ(force, 0.0) << x;
-    if (x > 0.0051) EXPECT_TRUE(out.beyond_region) << x;
+    if (x <= 0.005) {
+      EXPECT_NEAR(force, 2.0, 1e-9) << x;
+    }
+    if (x >= 0.0101) {
+      EXPECT_EQ(force, 0.0) << x;
+    }
+    if (x > 0.0051) {
+      EXPECT_TRUE(out.beyond_region) << x;
+    }
     last = force;
   }
   EXPECT_NEAR(Settled(model, 50 * kMs, pressed).wrench.force.z(), 2.0, 1e-9);
@@ -163,8 +169,8 @@ TEST(LocalContactModel, ChangesNoFasterThanTheHandDoes) {
     const Vec3 from = random.InCube(0.01), step = 1e-6 * random.Direction();
     const auto at = [&](const Vec3& d) { return model.At(0, {answered.p + d, answered.q}).wrench; };
     const Wrench there = at(from);
-    // Forces stay below 1000 N/m x some 30 mm; a fade's slope is at most 1.5 / 5 mm.
-    const double most = 2.0 * 1000.0 + (1.5 / 0.005) * 40.0 + 10.0 / 1e-3;
+    // Friction may be twice that; forces stay below 100 N, and a fade's slope is 1.5 / 5 mm.
+    const double most = 3.0 * 2.0 * 1000.0 + (1.5 / 0.005) * 100.0;
     EXPECT_LT((at(from + step).force - there.force).norm(), most * step.norm());
   }
 }
@@ -197,7 +203,9 @@ TEST(LocalContactModel, HoldsNothingInFreeSpaceForLongerThanItBlends) {
   for (int ms = 1; ms <= 60; ++ms) {
     model.Take(server.AnswerTo(free, ms * kMs), &free);
     const double force = model.At(ms * kMs, free).wrench.force.norm();
-    if (ms > 30) EXPECT_EQ(force, 0.0) << ms;
+    if (ms > 30) {
+      EXPECT_EQ(force, 0.0) << ms;
+    }
   }
 }
 
