@@ -39,7 +39,8 @@ class LimitedWrench {
 /// moves two points no further apart; R itself moves by at most r_R dt.  So y, what it gives, has
 /// |y| <= F and |dy| <= (r + r_l + r_R) dt.  The output is a e y with factors in [0, 1], of rates
 /// r_a and r_e, and |d(a e y)| <= |dy| + F (r_a + r_e) dt.  WrenchLimits::rates() chooses r so that
-/// r + r_l + r_R + F (r_a + r_e) is the slew limit.  No later stage is held up by it: age alone
+/// r + r_l + r_R + F (r_a + r_e) is the slew limit.  Where a e is zero y is set back to zero, and the
+/// output, zero, with it.  No later stage is held up by it: age alone
 /// takes the output to zero by 25 ms of silence.
 ///
 /// Pure: time comes in as arguments, equal inputs give equal bits.

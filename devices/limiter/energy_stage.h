@@ -70,6 +70,8 @@ class EnergyStage {
   /// @param wanted  slewed.  @param gain  of the stages that follow, in [0, 1].
   /// @param X_WH    tells the velocity, too: what a driver says of it is not relied on.
   Wrench Pass(const Wrench& wanted, double gain, const Pose& X_WH, double dt_s) noexcept;
+  /// What it gives begins at zero again; the account goes on.
+  void Clear() noexcept { slew_.Clear(); }
   /// What of it the device holds in the end, after the gains.
   void Hold(const Wrench& applied) noexcept { observer_.Hold(applied); }
 

@@ -68,6 +68,13 @@ class LimiterChain {
     const double dt = in.dt_s >= kMinTick_s ? std::min(in.dt_s, kMaxTick_s) : 0.0;
     // Of the clock alone; here because the energy stage must know what will be left.
     const double gain = age_.Gain(in.silence_s, in.age_s, dt) * enable_.Gain(dt);
+    // What nobody feels is not kept: the force of a server that died must not be what the next one's
+    // begins with.
+    if (gain == 0.0) {
+      slew_.Clear();
+      led_slew_.Clear();
+      energy_.Clear();
+    }
 
     const Wrench slewed = slew_.Pass(clamp_.Pass(finite_.Pass(in.wanted)), dt);
     const Wrench contact = energy_.Pass(slewed, gain, in.X_WH, dt);

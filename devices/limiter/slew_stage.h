@@ -19,6 +19,8 @@ class SlewStage {
     count_ += force || torque;
     return value_;
   }
+  /// From zero on again.
+  void Clear() noexcept { value_ = Wrench{}; }
   std::uint64_t count() const noexcept { return count_; }
   double force_N_s() const noexcept { return force_N_s_; }
   double torque_Nm_s() const noexcept { return torque_Nm_s_; }

@@ -12,6 +12,7 @@ class ObservedEnergy {
     observer_.Move(X_WH);
     return wanted;
   }
+  void Clear() noexcept {}
   void Hold(const Wrench& applied) noexcept { observer_.Hold(applied); }
   std::uint64_t count() const noexcept { return 0; }
   const PassivityObserver& observer() const noexcept { return observer_; }
