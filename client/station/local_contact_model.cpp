@@ -124,7 +124,7 @@ LocalContactModel::Step LocalContactModel::Solve(const Reply& reply,
   return step;
 }
 
-void LocalContactModel::Take(const Reply& reply, const Pose* X_WH) noexcept {
+void LocalContactModel::Take(const Reply& reply, const Pose& X_WH) noexcept {
   next_ = Contact{};
   next_.reply = reply;
   next_.remainder = reply.wrench;
@@ -132,8 +132,8 @@ void LocalContactModel::Take(const Reply& reply, const Pose* X_WH) noexcept {
   const bool free = reply.local.count == 0 && reply.wrench.force.isZero(0.0) &&
                     reply.wrench.torque.isZero(0.0) && reply.faults == kFaultNone;
   if (has_touched_ && free) Remember(next_.reply);
-  if (X_WH == nullptr || !Usable(next_.reply)) return;
-  next_.answered = Solve(next_.reply, *X_WH);
+  if (!Usable(next_.reply)) return;
+  next_.answered = Solve(next_.reply, X_WH);
   const Wrench remainder = Sum(reply.wrench, Scaled(-1.0, next_.answered.wrench));
   const double size = std::hypot(remainder.force.norm(), remainder.torque.norm() / rho_);
   next_.has_rows =

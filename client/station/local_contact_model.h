@@ -54,8 +54,8 @@ class LocalContactModel {
   void Enable(bool on) noexcept { enabled_ = on; }
   void SetSpring(const CouplingSpring& spring) noexcept;
   /// Takes the newest reply.
-  /// @param X_WH  the handle at the pose that it answers; null where that is not known any more.
-  void Take(const Reply& reply, const Pose* X_WH) noexcept;
+  /// @param X_WH  the handle at the pose that it answers.
+  void Take(const Reply& reply, const Pose& X_WH) noexcept;
 
   struct Evaluation {
     Wrench wrench;               ///< on the hand, at the tool's reference point, in W

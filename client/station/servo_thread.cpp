@@ -34,9 +34,8 @@ TickRecord RecordOf(const StationCore& core, std::int64_t now_ns) noexcept {
   const Reply& reply = core.newest();
   const LimiterInput& asked = core.asked();
   const Wrench wanted{asked.wanted.force + asked.led.force, asked.wanted.torque + asked.led.torque};
-  return {
-      now_ns,        core.sequence(), reply.pose_sequence,    reply.pose_time_ns, reply.received_ns,
-      wanted, core.applied(),  core.limiter().counts()};
+  return {now_ns, core.sequence(), reply.pose_sequence,    reply.pose_time_ns, reply.received_ns,
+          wanted, core.applied(),  core.limiter().counts()};
 }
 
 }  // namespace
@@ -131,7 +130,8 @@ void ServoThread::Tick(std::int64_t now_ns) noexcept {
     path->writer.Write(ToWire(pose));  // where DDS refuses it, the pose is lost and counted as such
   }
   Reply reply;
-  while (replies_.Pop(reply)) core_.Take(SteadyNanoseconds(), reply);
+  // As many as there can be at once: who floods does not hold the tick.
+  for (std::size_t i = 0; i < ReplyRing::kCapacity && replies_.Pop(reply); ++i) core_.Take(reply);
   GuideAim aim;
   if (aims_.Read(aim)) core_.Take(now_ns, aim);
   core_.Act(now_ns);

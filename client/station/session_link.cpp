@@ -154,12 +154,7 @@ void SessionLink::MakeReader() {
   wrenches_ = {};  // the former one first: two readers would hold chunks of the same writer
   wrenches_ = {*loop_, dds::WrenchTopic(options_.station, run_), dds::Qos::kLoop,
                [this](const wire::Wrench& sample) noexcept {
-                 Reply reply = ToReply(sample, SteadyNanoseconds());
-                 // What does not echo a pose as it was sent answers none: sequence 0 is a stray.
-                 if (servo_->sample_time_ns(reply.pose_sequence) != reply.pose_time_ns) {
-                   reply.pose_sequence = 0;
-                 }
-                 replies_.Push(reply);
+                 replies_.Push(ToReply(sample, SteadyNanoseconds()));
                }};
   ++readers_made_;
 }

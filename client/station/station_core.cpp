@@ -29,22 +29,23 @@ OutgoingPose StationCore::Sense(std::int64_t now_ns, bool sending) noexcept {
   if (sending) {
     ++sequence_;
     ++totals_.sent;
-    sent_[sequence_ % kRemembered] = sample_.X_WH;
+    sent_[sequence_ % kRemembered] = {now_ns, sample_.X_WH};
   }
   return {sequence_, now_ns, sample_};
 }
 
-void StationCore::Take(std::int64_t now_ns, const Reply& reply) noexcept {
-  // Only a pose that was sent can be answered, and only forwards: what else arrives is not ours.
+void StationCore::Take(const Reply& reply) noexcept {
+  // Only a pose that was sent can be answered, as it was sent, and only forwards: what else arrives
+  // is not ours.  So the age of a reply is this station's own word.
+  const SentPose& sent = sent_[reply.pose_sequence % kRemembered];
   if (reply.pose_sequence <= newest_.pose_sequence || reply.pose_sequence > sequence_ ||
-      reply.pose_time_ns > now_ns) {
+      sequence_ - reply.pose_sequence >= kRemembered || reply.pose_time_ns != sent.time_ns) {
     ++totals_.strays;
     return;
   }
   newest_ = reply;
   has_reply_ = graphic_known_ = true;
-  const bool remembered = sequence_ - reply.pose_sequence < kRemembered;
-  local_model_.Take(reply, remembered ? &sent_[reply.pose_sequence % kRemembered] : nullptr);
+  local_model_.Take(reply, sent.X_WH);
   ++totals_.replies;
   const std::int64_t round_trip = reply.received_ns - reply.pose_time_ns;
   totals_.late += round_trip > kLate_ns;

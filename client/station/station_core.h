@@ -80,7 +80,7 @@ struct StationSnapshot {
 class StationCore {
  public:
   static constexpr std::int64_t kLate_ns = 1'000'000;
-  /// Poses that a reply may answer and still be held against the newest: a quarter of a second.
+  /// Poses that a reply may answer: those of the last quarter of a second.
   static constexpr std::size_t kRemembered = 256;
 
   /// The device must outlive the core.  Throws Error where the device has no limits.
@@ -104,7 +104,7 @@ class StationCore {
   /// not, there is no session.
   OutgoingPose Sense(std::int64_t now_ns, bool sending) noexcept;
   /// Takes one of the replies that came since the last tick, oldest first.
-  void Take(std::int64_t now_ns, const Reply& reply) noexcept;
+  void Take(const Reply& reply) noexcept;
   /// Second half: drives the device by what the newest reply says of the newest pose.
   void Act(std::int64_t now_ns) noexcept;
 
@@ -142,7 +142,11 @@ class StationCore {
   bool has_reply_ = false;
   bool graphic_known_ = false;  // in this session
   std::uint64_t sequence_ = 0;
-  std::array<Pose, kRemembered> sent_;  // the poses up to sequence_, by their number
+  struct SentPose {
+    std::int64_t time_ns = 0;
+    Pose X_WH;
+  };
+  std::array<SentPose, kRemembered> sent_;  // up to sequence_, by their number
   std::int64_t last_act_ns_ = 0;
   Wrench applied_;
   StationTotals totals_;

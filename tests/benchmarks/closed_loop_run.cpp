@@ -161,7 +161,7 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
     link.up.Send(now_ns, pose);
     while (const auto arrival_ns = link.down.next_arrival_ns()) {
       if (*arrival_ns > now_ns) break;
-      core.Take(now_ns, ToReply(*link.down.Receive(now_ns), *arrival_ns));
+      core.Take(ToReply(*link.down.Receive(now_ns), *arrival_ns));
     }
     const Pose from = phantom.pose();
     core.Act(now_ns);

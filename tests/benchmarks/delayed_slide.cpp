@@ -72,7 +72,7 @@ SlideErrors MeasureDelayedSlide(const HapticModel& model, const std::vector<Pose
   for (int i = slide.delay_ms; i < count; ++i) {
     const Reply& newest = replies[static_cast<std::size_t>(i - slide.delay_ms)];
     const Pose answered = pose_at(i - slide.delay_ms);
-    local.Take(newest, &answered);
+    local.Take(newest, answered);
     const LocalContactModel::Evaluation felt = local.At(kTick_ns * (i + 1), pose_at(i));
     if (i < kLead + slide.delay_ms) continue;
     const Vec3 now = replies[static_cast<std::size_t>(i)].wrench.force;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "client/station/reply.h"
 #include "client/station/station_core.h"
 #include "common/dds/wire.h"
 #include "server/session/servo_loop.h"
@@ -15,19 +16,6 @@
 #include "tests/support/simulated_link.h"
 
 namespace palpate::test {
-
-inline Reply ReplyOf(const wire::Wrench& sample, std::int64_t received_ns) {
-  Reply reply;
-  reply.pose_sequence = sample.pose_sequence;
-  reply.pose_time_ns = sample.pose_time_ns;
-  reply.received_ns = received_ns;
-  reply.X_WG = wire::ToPose(sample.graphic_position_m, sample.graphic_orientation_wxyz);
-  reply.wrench = wire::ToWrench(sample);
-  reply.step_time_s = sample.step_time_s;
-  reply.contacts = sample.contacts;
-  reply.faults = sample.faults;
-  return reply;
-}
 
 /// A station's core, a server's loop and a link between them, in virtual time: a tick is a
 /// millisecond.  The hand is a device that a test holds, at first 2 mm deep in a ball of 1 N/mm.
@@ -105,7 +93,7 @@ class VirtualLoop {
   }
   void Deliver(std::int64_t until_ns) {
     while (const std::optional<wire::Wrench> wrench = link_.down.Receive(until_ns)) {
-      core_.Take(until_ns, ReplyOf(*wrench, until_ns));
+      core_.Take(ToReply(*wrench, until_ns));
     }
   }
 

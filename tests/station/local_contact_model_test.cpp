@@ -74,7 +74,7 @@ LocalContactModel::Evaluation Settled(LocalContactModel& model, std::int64_t now
 LocalContactModel ModelOf(const Reply& reply, const Pose& answered) {
   LocalContactModel model;
   model.SetSpring(kSpring);
-  model.Take(reply, &answered);
+  model.Take(reply, answered);
   return model;
 }
 
@@ -184,7 +184,7 @@ TEST(LocalContactModel, TakesANewReplyWithoutAJumpAndForgetsTheOldOne) {
   double last = model.At(now, pressed).wrench.force.z();
   EXPECT_NEAR(last, 1.0, 1e-9);
   const Reply reply = high.AnswerTo(pressed, 0);
-  model.Take(reply, &pressed);
+  model.Take(reply, pressed);
   for (int quarter = 1; quarter <= 120; ++quarter) {  // at 4 kHz
     now += kMs / 4;
     const double force = model.At(now, pressed).wrench.force.z();
@@ -201,7 +201,7 @@ TEST(LocalContactModel, HoldsNothingInFreeSpaceForLongerThanItBlends) {
   LocalContactModel model = ModelOf(server.AnswerTo(pressed, 0), pressed);
   Settled(model, 0, pressed);
   for (int ms = 1; ms <= 60; ++ms) {
-    model.Take(server.AnswerTo(free, ms * kMs), &free);
+    model.Take(server.AnswerTo(free, ms * kMs), free);
     const double force = model.At(ms * kMs, free).wrench.force.norm();
     if (ms > 30) {
       EXPECT_EQ(force, 0.0) << ms;
@@ -214,12 +214,12 @@ TEST(LocalContactModel, RemembersAWallThatTheToolHasLeft) {
   const Pose pressed = At(Vec3(0, 0, -0.001)), off = At(Vec3(0, 0, 0.002));
   LocalContactModel model = ModelOf(server.AnswerTo(pressed, 0), pressed);
   model.At(0, pressed);
-  model.Take(server.AnswerTo(off, kMs), &off);
+  model.Take(server.AnswerTo(off, kMs), off);
   const Pose back = At(Vec3(0, 0, -0.002));
   EXPECT_NEAR(Settled(model, kMs, back).wrench.force.z(), 2.0, 1e-9);
   // Beyond its region it is forgotten.
   const Pose far = At(Vec3(0, 0, 0.006));
-  model.Take(server.AnswerTo(far, 2 * kMs), &far);
+  model.Take(server.AnswerTo(far, 2 * kMs), far);
   EXPECT_EQ(Settled(model, 2 * kMs, back).wrench.force.z(), 0.0);
 }
 
@@ -231,7 +231,7 @@ TEST(LocalContactModel, ForgetsAWallThatTheServersToolHasPassed) {
   free.X_WG = below;
   free.pose_time_ns = kMs;
   model.At(0, pressed);
-  model.Take(free, &below);
+  model.Take(free, below);
   EXPECT_EQ(Settled(model, kMs, below).wrench.force.norm(), 0.0);
 }
 
@@ -305,7 +305,7 @@ TEST(LocalContactModel, StaysFiniteWhateverRowsItIsGiven) {
         default:
           break;
       }
-      model.Take(reply, random.Below(8) == 0 ? nullptr : &X_WH);
+      model.Take(reply, X_WH);
       const auto out = model.At(k * kMs, {X_WH.p + random.InCube(0.02), random.Rotation()});
       ASSERT_TRUE(out.wrench.force.allFinite() && out.wrench.torque.allFinite());
     }
@@ -319,7 +319,7 @@ TEST(LocalContactModel, RecoversFromAReplyThatIsNotFinite) {
   bad.wrench.force.x() = kNaN;
   LocalContactModel model = ModelOf(bad, pressed);
   EXPECT_TRUE(std::isnan(model.At(kMs, pressed).wrench.force.x())) << "the limiter's to refuse";
-  model.Take(server.AnswerTo(pressed, 0), &pressed);
+  model.Take(server.AnswerTo(pressed, 0), pressed);
   EXPECT_NEAR(model.At(2 * kMs, pressed).wrench.force.z(), 2.0, 1e-9);
 }
 
@@ -331,7 +331,7 @@ TEST(LocalContactModel, GivesEqualBitsForEqualCallsAndAllocatesNothing) {
     Wrench last;
     for (int i = 0; i < 500; ++i) {
       const Pose X_WH{random.InCube(0.01), RotationExp(random.InCube(0.1))};
-      model.Take(RandomReply(random, X_WH), &X_WH);
+      model.Take(RandomReply(random, X_WH), X_WH);
       last = model.At(i * kMs, {X_WH.p + random.InCube(0.001), X_WH.q}).wrench;
     }
     return last;

@@ -33,7 +33,8 @@ struct Bench {
       }
       Reply reply;
       reply.pose_sequence = snapshot.sent;
-      reply.pose_time_ns = reply.received_ns = SteadyNanoseconds();
+      reply.pose_time_ns = servo.sample_time_ns(reply.pose_sequence);
+      reply.received_ns = SteadyNanoseconds();
       reply.wrench.force = Vec3(0, 0, 2.0);
       replies.Push(reply);
       std::this_thread::sleep_for(milliseconds(1));

@@ -60,7 +60,7 @@ class ArmBench {
       reply.pose_sequence = pose.sequence;
       reply.pose_time_ns = reply.received_ns = now;
       reply.wrench = wrench;
-      core.Take(now, reply);
+      core.Take(reply);
       core.Act(now);
     });
   }

@@ -129,7 +129,7 @@ TEST_F(OpenHapticsRealtime, LeavesNoForceBehindWhenTheStationsTickHangsNorWhenIt
     reply.pose_sequence = pose.sequence;
     reply.pose_time_ns = reply.received_ns = now_ns;
     reply.wrench.force = Vec3(0.0, 2.0, 0.0);
-    core.Take(now_ns, reply);
+    core.Take(reply);
     if (hang) {
       hung = true;
       std::this_thread::sleep_for(milliseconds(200));
