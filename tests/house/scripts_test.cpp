@@ -24,9 +24,9 @@ namespace fs = std::filesystem;
 const fs::path kRoot = PALPATE_SOURCE_DIR;
 
 /// A repository with the scripts alone, and programs that a test writes.
-class Scripts : public testing::Test {
+class DeployScripts : public testing::Test {
  protected:
-  Scripts() {
+  DeployScripts() {
     fs::create_directories(folder_ / "bin");
     fs::create_directories(folder_ / "deploy");
     for (const std::string part : {"deploy/container", "deploy/cyclonedds"}) {
@@ -36,7 +36,7 @@ class Scripts : public testing::Test {
       fs::copy(kRoot / file, folder_ / file);
     }
   }
-  ~Scripts() override { fs::remove_all(folder_); }
+  ~DeployScripts() override { fs::remove_all(folder_); }
 
   void Write(const std::string& file, const std::string& text) const {
     fs::create_directories((folder_ / file).parent_path());
@@ -59,7 +59,7 @@ class Scripts : public testing::Test {
       fs::temp_directory_path() / ("palpate_scripts_" + std::to_string(getpid()));
 };
 
-TEST_F(Scripts, TeachFromWhateverFolderTheyAreCalled) {
+TEST_F(DeployScripts, TeachFromWhateverFolderTheyAreCalled) {
   for (const auto& [folder, script] :
        std::map<std::string, std::string>{{"deploy", "./demo"},
                                           {"deploy/container", "./run"},
@@ -72,7 +72,7 @@ TEST_F(Scripts, TeachFromWhateverFolderTheyAreCalled) {
   }
 }
 
-TEST_F(Scripts, FetchAgainWhatWasInterrupted) {
+TEST_F(DeployScripts, FetchAgainWhatWasInterrupted) {
   for (const std::string file : {"package.json", "package-lock.json"}) {
     Write("client/viewer/page/" + file, "{}\n");
   }
@@ -92,7 +92,7 @@ TEST_F(Scripts, FetchAgainWhatWasInterrupted) {
 
 /// deploy/container/run beside a podman that a test writes: no RouDi runs, nothing is to be
 /// installed.
-class ContainerRun : public Scripts {
+class ContainerRun : public DeployScripts {
  protected:
   ContainerRun() {
     StandIn("flock", "");
