@@ -67,7 +67,8 @@ double EnergyStage::Factor(const Wrench& wanted, double foreseen, double gain,
   const double spent = gain * (foreseen * (n + 1.0) / 2.0 + more * (n + 1.0) * (n + 2.0) / 6.0);
 
   // A hand that plainly moves in works its debt off: without a force it could not.
-  const double budget = inwards_ > 1 ? store + kSeed_J : std::max(0.0, store_J_ + kSeed_J);
+  const bool inwards = inwards_ > 1 || smooth_.dot(wanted.force) < -kInwards_m_s * force;
+  const double budget = inwards ? store + kSeed_J : std::max(0.0, store_J_ + kSeed_J);
   return spent > budget ? std::min(factor, budget / spent) : factor;
 }
 

@@ -60,6 +60,8 @@ class EnergyStage {
   static constexpr double kStill_m_s = 0.004;
   static constexpr double kMoving_m_s = 0.014;
   static constexpr double kSmooth_s = 0.015;
+  /// Smoothed, too: slower than an encoder's step each tick, a hand does move in.
+  static constexpr double kInwards_m_s = 0.002;
 
   explicit EnergyStage(const WrenchLimits& limits);
 
