@@ -69,17 +69,16 @@ ClosedLoopScene MakeClosedLoopScene(const std::string& name) {
   ClosedLoopScene out;
   out.name = name;
   if (name == "wall") {
-    Body ball, plate;
+    Body& ball = out.scene.tools.emplace_back();
     ball.name = "ball";
     ball.mesh = MakeSphere(5 * kMillimetre, 320);
     ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), 5 * kMillimetre});
+    Body& plate = out.scene.objects.emplace_back();
     plate.name = "plate";
     plate.mesh = MakeBox(Vec3(80, 20, 80) * kMillimetre);
     plate.tree = BuildSphereTree(plate.mesh, 2048);
     plate.X_WB.p = Vec3(0, -10 * kMillimetre, 0);
     out.scene.name = name;
-    out.scene.tools.push_back(std::move(ball));
-    out.scene.objects.push_back(std::move(plate));
     out.touching.p = Vec3(0, 5 * kMillimetre, 0);
     out.above.p = Vec3(0, 15 * kMillimetre, 0);
     out.normal = Vec3::UnitY();
