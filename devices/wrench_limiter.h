@@ -25,19 +25,19 @@ class LimitedWrench {
 ///   temperature  shortened to what the motors stand, from the peak to the continuous figures
 ///   age          a factor that falls from 1 to 0 as replies stay away, and ramps back
 ///   enable       a factor that starts at 0, and ramps to 1 when forces are asked for
-/// What a guide adds passes finite, clamp (its own, small) and slew apart from the contact, joins it
-/// before temperature, and shares the rest.  None can be left out or switched off, and limits are
-/// only tightened.
+/// What a guide adds passes finite, clamp (its own, small) and slew apart from the contact, joins
+/// it before temperature, and shares the rest.  None can be left out or switched off, and limits
+/// are only tightened.
 ///
 /// For every input whatever, and with dt the time of a call as it counts (at most kMaxTick_s):
 /// force and torque are finite, at most their limit, and change by at most their slew limit x dt.
 /// Proof.  Let c be the contact after the energy stage: it moves by at most r dt, as that stage's
 /// own slew lets it, and stays within the peak F, for its targets are shorter than what the slew
-/// stage gives, that stage's targets are in the ball of radius F, and balls are convex.  The guide's
-/// l moves by at most r_l dt.  Temperature projects c + l on a ball of radius R <= F, which moves
-/// two points no further apart; R itself moves by at most r_R dt.  So y, what it gives, has |y| <= F
-/// and |dy| <= (r + r_l + r_R) dt.  The output is a e y with factors in [0, 1], of rates r_a and
-/// r_e, and |d(a e y)| <= |dy| + F (r_a + r_e) dt.  WrenchLimits::rates() chooses r so that
+/// stage gives, that stage's targets are in the ball of radius F, and balls are convex.  The
+/// guide's l moves by at most r_l dt.  Temperature projects c + l on a ball of radius R <= F, which
+/// moves two points no further apart; R itself moves by at most r_R dt.  So y, what it gives, has
+/// |y| <= F and |dy| <= (r + r_l + r_R) dt.  The output is a e y with factors in [0, 1], of rates
+/// r_a and r_e, and |d(a e y)| <= |dy| + F (r_a + r_e) dt.  WrenchLimits::rates() chooses r so that
 /// r + r_l + r_R + F (r_a + r_e) is the slew limit.  No later stage is held up by it: age alone
 /// takes the output to zero by 25 ms of silence.
 ///

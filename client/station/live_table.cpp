@@ -115,8 +115,9 @@ std::vector<std::string> LiveTable::Lines(const StationView& view) {
       label("time") + Text("%7.1f s     session  ", view.seconds) +
           Painted(well ? kGreen : kYellow, Text("%-14s", view.phase.c_str())) +
           Text("  hand  %s", *s.activity ? s.activity : "-"),
-      label("rate") + Text("%7.0f Hz    late %llu   lost %llu   fades %llu   braked %llu", s.rate_hz,
-                           count(s.late), count(s.lost), count(s.fades), count(s.limiter.braked)),
+      label("rate") + Text("%7.0f Hz    late %llu   lost %llu   fades %llu   braked %llu",
+                           s.rate_hz, count(s.late), count(s.lost), count(s.fades),
+                           count(s.limiter.braked)),
       label("round trip") + Text("%7s µs    p99 %s µs", Micros(s.round_trip_us_p50, s, 0).c_str(),
                                  Micros(s.round_trip_us_p99, s, 0).c_str()),
       label("server step") + Text("%7s µs", Micros(s.server_step_us_p50, s, 1).c_str()),

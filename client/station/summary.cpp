@@ -70,12 +70,14 @@ std::string ToText(const StationSummary& s) {
                100.0 * Fraction(t.contact_replies, t.replies));
   text += "  faults       " + FaultWords(t.faults) + "\n";
   text += Text(
-      "  limiter      %llu fades, %llu clamped, %llu slewed, %llu braked, %llu warm, %llu not finite; "
+      "  limiter      %llu fades, %llu clamped, %llu slewed, %llu braked, %llu warm, %llu not "
+      "finite; "
       "%d reconnects\n",
       Number(s.limiter.fades), Number(s.limiter.clamped), Number(s.limiter.slewed),
       Number(s.limiter.braked), Number(s.limiter.warm), Number(s.limiter.nonfinite), s.reconnects);
-  text += Text("  energy       %.1f mJ put in by the hand, at the lowest %.3f; motors %.0f %% warm\n",
-               1e3 * s.energy_J, 1e3 * s.energy_J_min, 100.0 * s.warmth);
+  text +=
+      Text("  energy       %.1f mJ put in by the hand, at the lowest %.3f; motors %.0f %% warm\n",
+           1e3 * s.energy_J, 1e3 * s.energy_J_min, 100.0 * s.warmth);
   return text;
 }
 

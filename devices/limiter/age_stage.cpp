@@ -5,7 +5,8 @@
 namespace palpate {
 namespace {
 
-/// 1 up to `whole`, 0 from `none` on; 0 for what is no time at all (comparisons with NaN are false).
+/// 1 up to `whole`, 0 from `none` on; 0 for what is no time at all (comparisons with NaN are
+/// false).
 double Left(double time_s, double whole, double none) noexcept {
   if (time_s >= 0.0 && time_s <= whole) return 1.0;
   if (!(time_s > whole && time_s < none)) return 0.0;

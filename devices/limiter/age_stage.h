@@ -5,8 +5,8 @@
 namespace palpate {
 
 /// A factor that falls from 1 to 0 (smoothstep) as replies stay away, or as they come from too far
-/// in the past, and stays there until a fresh one comes; from then on it climbs back by a ramp.  Zero
-/// before the first reply.  So a producer that dies leaves no "last force".
+/// in the past, and stays there until a fresh one comes; from then on it climbs back by a ramp.
+/// Zero before the first reply.  So a producer that dies leaves no "last force".
 class AgeStage {
  public:
   /// Silence, by the station's clock.  A reply or three that are lost are not felt; a dead server
@@ -18,8 +18,8 @@ class AgeStage {
   static constexpr double kAgeWhole_s = 0.060;
   static constexpr double kAgeNone_s = 0.100;
   static constexpr double kRampIn_s = 0.200;
-  /// Steepest slope of the fade: the smoothstep x^2 (3 - 2x) has 1.5.
-  static constexpr double kFastest_1_s = 1.5 / (kSilenceNone_s - kSilenceWhole_s);
+  /// Steepest slope of the fade: the smoothstep x^2 (3 - 2x) has 1.5; and some for rounding.
+  static constexpr double kFastest_1_s = (1.5 + 1e-9) / (kSilenceNone_s - kSilenceWhole_s);
 
   /// @param silence_s  since the newest usable reply arrived.  @param age_s  since the pose that it
   /// answers was sampled.  Negative, NaN or infinite: as good as none.

@@ -10,18 +10,22 @@ EnergyStage::EnergyStage(const WrenchLimits& limits)
       position_resolution_m_(limits.position_resolution_m()),
       rotation_resolution_rad_(limits.rotation_resolution_rad()) {}
 
-Wrench EnergyStage::Pass(const Wrench& wanted, double gain, const Pose& X_WH, const Twist& V_WH,
+Wrench EnergyStage::Pass(const Wrench& wanted, double gain, const Pose& X_WH,
                          double dt_s) noexcept {
   const double work = observer_.Move(X_WH);
   store_J_ += work;
   moved_ = moved_ || work != 0.0;
   if (observer_.leapt()) store_J_ = std::min(store_J_, 0.0);
-  Settle(0.5 * gain *
-             (wanted.force.norm() * kDeepest_m + wanted.torque.norm() * kDeepest_rad),
+  Settle(0.5 * gain * (wanted.force.norm() * kDeepest_m + wanted.torque.norm() * kDeepest_rad),
          dt_s);
 
+  const Way& way = observer_.way();
+  const double foreseen = wanted.force.dot(way.p) + wanted.torque.dot(way.phi);
+  if (dt_s > 0.0) smooth_ += (way.p / dt_s - smooth_) * std::min(1.0, dt_s / kSmooth_s);
+  inwards_ = foreseen < 0.0 ? std::min(inwards_ + 1, 2) : 0;
+
   // What cannot be booked is not rendered.
-  const double factor = observer_.seen() ? Factor(wanted, gain, V_WH, dt_s) : 0.0;
+  const double factor = observer_.seen() ? Factor(wanted, foreseen, gain, dt_s) : 0.0;
   count_ += factor < 1.0;
   if (factor < 1.0) return slew_.Pass({factor * wanted.force, factor * wanted.torque}, dt_s);
   return slew_.Pass(wanted, dt_s);
@@ -30,16 +34,16 @@ Wrench EnergyStage::Pass(const Wrench& wanted, double gain, const Pose& X_WH, co
 void EnergyStage::Settle(double most_J, double dt_s) noexcept {
   if (!repaid_ && observer_.energy_J() > 2.0 * kSeed_J) {
     repaid_ = true;
-    store_J_ -= kSeed_J;
+    store_J_ -= kReserve_J;
   }
   const double share = std::min(1.0, dt_s / kForget_s);
   if (store_J_ > most_J) store_J_ += share * (most_J - store_J_);
   // A debt is forgotten only as far as all that the hand ever put in covers it.
-  const double covered = repaid_ ? std::min(0.0, observer_.energy_J() - kSeed_J) : store_J_;
+  const double covered = repaid_ ? std::min(0.0, observer_.energy_J() - kReserve_J) : store_J_;
   if (store_J_ < covered) store_J_ += share * (covered - store_J_);
 }
 
-double EnergyStage::Factor(const Wrench& wanted, double gain, const Twist& V_WH,
+double EnergyStage::Factor(const Wrench& wanted, double foreseen, double gain,
                            double dt_s) const noexcept {
   if (!moved_ || gain == 0.0) return 1.0;
   const double force = wanted.force.norm(), torque = wanted.torque.norm();
@@ -48,8 +52,8 @@ double EnergyStage::Factor(const Wrench& wanted, double gain, const Twist& V_WH,
   const double store = std::max(store_J_, 0.0);
   const double stored = 0.5 * gain * force * force * compliance_;
   if (store < stored) {
-    const double out = V_WH.v.dot(wanted.force) / (force * kMoving_m_s);
-    const double counts = out > 0.0 ? std::min(out, 1.0) : 0.0;
+    const double out = smooth_.dot(wanted.force) / force;
+    const double counts = std::clamp((out - kStill_m_s) / (kMoving_m_s - kStill_m_s), 0.0, 1.0);
     factor = 1.0 - counts * (1.0 - store / stored);
   }
 
@@ -59,12 +63,11 @@ double EnergyStage::Factor(const Wrench& wanted, double gain, const Twist& V_WH,
   const double unforeseen_rad = kMostAccel_rad_s2 * dt_s * dt_s + rotation_resolution_rad_;
   const double n = std::max({1.0, force / (slew_.force_N_s() * dt_s + 1e-12),
                              torque / (slew_.torque_Nm_s() * dt_s + 1e-12)});
-  const Way& way = observer_.way();
-  const double foreseen = wanted.force.dot(way.p) + wanted.torque.dot(way.phi);
   const double more = force * unforeseen_m + torque * unforeseen_rad;
   const double spent = gain * (foreseen * (n + 1.0) / 2.0 + more * (n + 1.0) * (n + 2.0) / 6.0);
 
-  const double budget = foreseen < 0.0 ? store + kSeed_J : std::max(0.0, store_J_ + kSeed_J);
+  // A hand that plainly moves in works its debt off: without a force it could not.
+  const double budget = inwards_ > 1 ? store + kSeed_J : std::max(0.0, store_J_ + kSeed_J);
   return spent > budget ? std::min(factor, budget / spent) : factor;
 }
 

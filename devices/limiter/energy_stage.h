@@ -19,25 +19,27 @@ namespace palpate {
 /// cannot hide an active one (the resets of Hannaford & Ryu 2002, made continuous).
 ///
 /// The wrench is scaled, by one factor, so its line of action stays:
-///   reference  while the hand moves out, by store / stored, where the coupling's spring should hold
+///   reference  while the hand moves out, by store / stored, where the coupling's spring should
+///   hold
 ///              `stored` = f^2 / 2k and the store has less.  A force that is held for a tick, or
 ///              comes late, costs a share of each release; so it is paid evenly along the release,
 ///              not by a force that breaks off at its end (a reference energy, as in Ryu, Preusche,
-///              Hannaford & Hirzinger, IEEE T. Control Systems Technology 13 (2005) 737-742; here it
-///              is the least that the spring must hold)
+///              Hannaford & Hirzinger, IEEE T. Control Systems Technology 13 (2005) 737-742; here
+///              it is the least that the spring must hold)
 ///   bound      so far that the store outlasts the next tick, and the ticks in which the slew limit
-///              lets the force go, though the handle accelerates outwards by kMostAccel all the while
+///              lets the force go, though the handle accelerates outwards by kMostAccel all the
+///              while
 /// No factor is divided by a velocity, so encoder noise at rest is not amplified (what Ryu, Journal
-/// of Control, Automation and Systems Engineering 12 (2006) 380-388, cures in the classical damper);
-/// scaling instead of damping is that of energy tanks (Franken, Stramigioli, Misra, Secchi &
-/// Macchelli, IEEE T. Robotics 27 (2011) 741-756).
+/// of Control, Automation and Systems Engineering 12 (2006) 380-388, cures in the classical
+/// damper); scaling instead of damping is that of energy tanks (Franken, Stramigioli, Misra, Secchi
+/// & Macchelli, IEEE T. Robotics 27 (2011) 741-756).
 ///
-/// So the hand is given at most kSeed_J more than it has put in; and nothing more once it has put in
-/// twice that, when the seed is taken back: then the sum stays at or below zero.  That holds while
-/// no tick's way exceeds the last one by more than the bound foresees.  A handle that has not moved
-/// since forces came on has done no work, and feels the whole force: of it the first tick is owed.
-/// Who was inside when forces came on is not pushed out: the force grows as the hand goes further
-/// in.
+/// So the hand is given at most kSeed_J more than it has put in; and nothing more once it has put
+/// in twice that, when the seed is taken back: then the sum stays at or below zero.  That holds
+/// while no tick's way exceeds the last one by more than the bound foresees.  A handle that has not
+/// moved since forces came on has done no work, and feels the whole force: of it the first tick is
+/// owed. Who was inside when forces came on is not pushed out: the force grows as the hand goes
+/// further in.
 ///
 /// Real-time; deterministic.
 class EnergyStage {
@@ -48,24 +50,26 @@ class EnergyStage {
   /// Of a hand on an arm: 22 N on 0.7 kg are 31 m/s^2, 0.5 N m on 1.3 g m^2 400 rad/s^2.
   static constexpr double kMostAccel_m_s2 = 40.0;
   static constexpr double kMostAccel_rad_s2 = 400.0;
-  /// Rendered on credit: 0.05 N, which nobody feels, over an unforeseen 60 um.  From it a store grows
-  /// where a contact begins, by a share with each way of the encoder's step.
+  /// Rendered on credit: 0.05 N, which nobody feels, over an unforeseen 60 um.  From it a store
+  /// grows where a contact begins, by a share with each way of the encoder's step.
   static constexpr double kSeed_J = 3e-6;
-  /// Moving out at this speed, the whole of the first rule counts; at rest nothing of it.
-  static constexpr double kMoving_m_s = 0.02;
+  /// Kept back in the end: the seed, and some for rounding.
+  static constexpr double kReserve_J = 1.01 * kSeed_J;
+  /// The first rule counts from the one speed on, and in full from the other; the speed is
+  /// smoothed, so that it is not an encoder's step to and fro that counts.
+  static constexpr double kStill_m_s = 0.004;
+  static constexpr double kMoving_m_s = 0.014;
+  static constexpr double kSmooth_s = 0.015;
 
   explicit EnergyStage(const WrenchLimits& limits);
 
-  /// Stiffness of the spring between hand and scene [N/m]: what a force must have stored.  Infinite,
+  /// Stiffness of the spring between hand and scene [N/m]: what a force must have stored. Infinite,
   /// or no number: not known, and the first rule does not act.
-  void SetStiffness(double N_per_m) noexcept {
-    compliance_ = N_per_m > 0.0 ? 1.0 / N_per_m : 0.0;
-  }
+  void SetStiffness(double N_per_m) noexcept { compliance_ = N_per_m > 0.0 ? 1.0 / N_per_m : 0.0; }
 
   /// @param wanted  slewed.  @param gain  of the stages that follow, in [0, 1].
-  /// @param V_WH    only tells how much the first rule counts: one that lies costs force, no energy.
-  Wrench Pass(const Wrench& wanted, double gain, const Pose& X_WH, const Twist& V_WH,
-              double dt_s) noexcept;
+  /// @param X_WH    tells the velocity, too: what a driver says of it is not relied on.
+  Wrench Pass(const Wrench& wanted, double gain, const Pose& X_WH, double dt_s) noexcept;
   /// What of it the device holds in the end, after the gains.
   void Hold(const Wrench& applied) noexcept { observer_.Hold(applied); }
 
@@ -76,13 +80,16 @@ class EnergyStage {
 
  private:
   void Settle(double most_J, double dt_s) noexcept;
-  double Factor(const Wrench& wanted, double gain, const Twist& V_WH, double dt_s) const noexcept;
+  /// @param foreseen  work of the wanted wrench over a way like the last [J].
+  double Factor(const Wrench& wanted, double foreseen, double gain, double dt_s) const noexcept;
 
   PassivityObserver observer_;
   double store_J_ = 0.0;
-  bool moved_ = false;   // against or along what it held
-  bool repaid_ = false;  // the seed
-  SlewStage slew_;  // what the store allows may leap: what is rendered does not
+  bool moved_ = false;          // against or along what it held
+  bool repaid_ = false;         // the seed
+  Vec3 smooth_ = Vec3::Zero();  // velocity [m/s]
+  int inwards_ = 0;             // calls in a row in which the handle moved in
+  SlewStage slew_;              // what the store allows may leap: what is rendered does not
   double position_resolution_m_, rotation_resolution_rad_;
   double compliance_ = 0.0;  // of the coupling [m/N]
   std::uint64_t count_ = 0;

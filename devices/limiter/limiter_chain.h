@@ -20,7 +20,7 @@ struct LimiterInput {
   Wrench wanted;  ///< contact wrench at the handle, in W
   Wrench led;     ///< what a guide adds: active by design, so bounded apart and in no account
   Pose X_WH;      ///< the handle as measured just now
-  Twist V_WH;
+  Twist V_WH;     ///< as the driver says; no stage relies on it
   double silence_s = std::numeric_limits<double>::infinity();  ///< AgeStage
   double age_s = std::numeric_limits<double>::infinity();      ///< AgeStage
   double dt_s = 0.0;                                           ///< since the last call
@@ -70,7 +70,7 @@ class LimiterChain {
     const double gain = age_.Gain(in.silence_s, in.age_s, dt) * enable_.Gain(dt);
 
     const Wrench slewed = slew_.Pass(clamp_.Pass(finite_.Pass(in.wanted)), dt);
-    const Wrench contact = energy_.Pass(slewed, gain, in.X_WH, in.V_WH, dt);
+    const Wrench contact = energy_.Pass(slewed, gain, in.X_WH, dt);
     const Wrench led = led_slew_.Pass(led_clamp_.Pass(finite_.Pass(in.led)), dt);
 
     const Wrench both{contact.force + led.force, contact.torque + led.torque};

@@ -55,8 +55,8 @@ class TemperatureStage {
   struct Share {
     double force = 1.0, torque = 1.0;
   };
-  /// @param motor_temperature  of the hottest motor as the device reports it, 0 cool to 1 its limit;
-  /// anything else: not known.
+  /// @param motor_temperature  of the hottest motor as the device reports it, 0 cool to 1 its
+  /// limit; anything else: not known.
   Share Pass(const Wrench& wanted, double motor_temperature, double dt_s) noexcept;
   /// What the motors were given in the end.
   void Give(const Wrench& applied, double dt_s) noexcept;

@@ -9,8 +9,8 @@ namespace palpate {
 /// Keeps a shortened vector inside its bound after rounding.
 inline constexpr double kInside = 1.0 - 8.0 * std::numeric_limits<double>::epsilon();
 
-/// Shortens a finite v to the bound, direction kept; true where that was needed.  Does not overflow.
-/// Projection on a ball: two vectors are never further apart after it than before.
+/// Shortens a finite v to the bound, direction kept; true where that was needed.  Does not
+/// overflow. Projection on a ball: two vectors are never further apart after it than before.
 inline bool Shorten(Vec3& v, double bound) noexcept {
   const double largest = v.cwiseAbs().maxCoeff();
   if (largest == 0.0) return false;

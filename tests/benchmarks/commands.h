@@ -9,6 +9,7 @@ void AddAccuracy(CLI::App& app);
 void AddClosedLoop(CLI::App& app);
 void AddCycle(CLI::App& app);
 void AddLevels(CLI::App& app);
+void AddLimiter(CLI::App& app);
 /// `domain` is read when the command runs.
 void AddLoop(CLI::App& app, const int& domain);
 void AddPareto(CLI::App& app);

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   palpate::bench::AddClosedLoop(app);
   palpate::bench::AddCycle(app);
   palpate::bench::AddLevels(app);
+  palpate::bench::AddLimiter(app);
   palpate::bench::AddLoop(app, domain);
   palpate::bench::AddPareto(app);
   palpate::bench::AddQp(app);

@@ -221,6 +221,8 @@ TEST(SimulatedPhantom, RestsAgainstAWallWithoutALimitCycle) {
   SimulatedPhantom phantom(PhantomPremium30Info(), PhantomPremium30Dynamics(), HandAt(wanted), {});
   WrenchLimiter limiter(WrenchLimits::Of(phantom.info()));
   limiter.Enable(true);
+  // Forces ramp in before the hand comes: who is inside by then is not pushed out.
+  for (int i = 0; i < 300; ++i) limiter.Limit({{}, {}, {}, {}, 1e-3, 1e-3, 1e-3});
   Wrench reply;
   double fastest = 0.0;
   for (int i = 0; i < 6000; ++i) {

@@ -115,7 +115,8 @@ TEST(WrenchLimiter, GivesNothingUntilEnabledAndThenRampsIn) {
   }
   limiter.Enable(true);
   for (int i = 1; i <= 200; ++i) {
-    EXPECT_NEAR(limiter.Limit(Input(Force(5.0), 0.0, kTick)).wrench().force.x(), 5.0 * i / 200.0, 1e-9);
+    EXPECT_NEAR(limiter.Limit(Input(Force(5.0), 0.0, kTick)).wrench().force.x(), 5.0 * i / 200.0,
+                1e-9);
   }
   EXPECT_EQ(limiter.Limit(Input(Force(5.0), 0.0, kTick)).wrench().force.x(), 5.0);
 }
@@ -124,8 +125,8 @@ TEST(WrenchLimiter, RampsOutWhenDisabled) {
   WrenchLimiter limiter = Running(Force(5.0));
   limiter.Enable(false);
   for (int i = 1; i <= 50; ++i) {
-    EXPECT_NEAR(limiter.Limit(Input(Force(5.0), 0.0, kTick)).wrench().force.x(), 5.0 * (50 - i) / 50.0,
-                1e-9);
+    EXPECT_NEAR(limiter.Limit(Input(Force(5.0), 0.0, kTick)).wrench().force.x(),
+                5.0 * (50 - i) / 50.0, 1e-9);
   }
   EXPECT_EQ(limiter.Limit(Input(Force(5.0), 0.0, kTick)).wrench().force, Vec3::Zero());
 }
@@ -151,7 +152,8 @@ TEST(WrenchLimiter, StaysAtZeroUntilAFreshReplyComesAndThenRampsIn) {
     EXPECT_EQ(limiter.Limit(Input(Force(10.0), 0.015, kTick)).wrench().force, Vec3::Zero());
   }
   for (int i = 1; i <= 200; ++i) {
-    EXPECT_NEAR(limiter.Limit(Input(Force(10.0), 1e-3, kTick)).wrench().force.x(), 10.0 * i / 200.0, 1e-9);
+    EXPECT_NEAR(limiter.Limit(Input(Force(10.0), 1e-3, kTick)).wrench().force.x(), 10.0 * i / 200.0,
+                1e-9);
   }
   EXPECT_FALSE(limiter.fading());
 }
@@ -160,7 +162,8 @@ TEST(WrenchLimiter, TreatsAnAgeThatIsNotATimeAsNoReply) {
   for (double age : {kNan, -1.0, kNever}) {
     WrenchLimiter limiter = Running(Force(10.0));
     Vec3 out;
-    for (int ms = 0; ms < 30; ++ms) out = limiter.Limit(Input(Force(10.0), age, kTick)).wrench().force;
+    for (int ms = 0; ms < 30; ++ms)
+      out = limiter.Limit(Input(Force(10.0), age, kTick)).wrench().force;
     EXPECT_EQ(out, Vec3::Zero()) << age;
   }
 }
@@ -168,7 +171,8 @@ TEST(WrenchLimiter, TreatsAnAgeThatIsNotATimeAsNoReply) {
 TEST(WrenchLimiter, CountsANonFiniteWrenchAsZero) {
   WrenchLimiter limiter = Running(Force(10.0));
   Vec3 out;
-  for (int i = 0; i < 20; ++i) out = limiter.Limit(Input(Force(10.0, kNan), 0.0, kTick)).wrench().force;
+  for (int i = 0; i < 20; ++i)
+    out = limiter.Limit(Input(Force(10.0, kNan), 0.0, kTick)).wrench().force;
   EXPECT_EQ(out, Vec3::Zero());
   EXPECT_EQ(limiter.counts().nonfinite, 20u);
 }
@@ -227,7 +231,8 @@ TEST(WrenchLimiter, IsNotReplacedByOneThatCanBeSwitchedOff) {
   static_assert(!std::is_constructible_v<LimitedWrench, const Wrench&>);
   static_assert(!std::is_default_constructible_v<LimitedWrench>);
   static_assert(!std::is_default_constructible_v<WrenchLimits>);
-  static_assert(std::is_same_v<decltype(std::declval<test::UncontrolledLimiter>().Limit({})), Wrench>);
+  static_assert(
+      std::is_same_v<decltype(std::declval<test::UncontrolledLimiter>().Limit({})), Wrench>);
 }
 
 TEST(WrenchLimiter, HeatsByWhatIsAppliedInTheEnd) {

@@ -78,8 +78,8 @@ class LimiterAdversary {
   double Number() {
     switch (random_.Below(4)) {
       case 0:
-        return OneOf(std::array{0.0, -0.0, kNan, kInf, -kInf, 1e308, -1e308, 1e-308, 5e-324, -5e-324,
-                                22.0, -22.0});
+        return OneOf(std::array{0.0, -0.0, kNan, kInf, -kInf, 1e308, -1e308, 1e-308, 5e-324,
+                                -5e-324, 22.0, -22.0});
       case 1:
         return std::ldexp(Unit(), random_.Below(2000) - 1000);
       case 2:
@@ -128,7 +128,8 @@ class LimiterAdversary {
     if (random_.Below(100) == 0) age_s_ = 0.12 * random_.Uniform(0.0, 1.0);
     if (random_.Below(4) == 0) age_s_ = 0.0;
     LimiterInput in;
-    const double along = random_.Below(5) == 0 ? 10.0 : -10.0;  // mostly against, which fills stores
+    const double along =
+        random_.Below(5) == 0 ? 10.0 : -10.0;  // mostly against, which fills stores
     const Vec3 direction = velocity_.norm() > 0.0 ? Vec3(2.0 * velocity_) : random_.Direction();
     in.wanted = {along * limits_.force_N() * direction, along * limits_.torque_Nm() * direction};
     const double led = random_.Below(2) ? 1e3 : -1e3;

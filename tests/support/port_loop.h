@@ -30,7 +30,7 @@ struct PortLoopFigures {
   double most_generated_J = 0.0;  ///< at its highest
   double true_generated_J = 0.0;  ///< at the end, by the arm's true way
   double true_most_generated_J = 0.0;
-  double absorbed_J = 0.0;  ///< the part of the ticks in which the hand gave
+  double absorbed_J = 0.0;     ///< the part of the ticks in which the hand gave
   double most_change_N = 0.0;  ///< applied beside wanted, in contact, once ramped in
   double rms_change_N = 0.0;
   double rms_wanted_N = 0.0;
@@ -38,8 +38,12 @@ struct PortLoopFigures {
   double deepest_m = 0.0;
 };
 
-inline const Wrench& Plain(const Wrench& wrench) { return wrench; }
-inline const Wrench& Plain(const LimitedWrench& wrench) { return wrench.wrench(); }
+inline const Wrench& Plain(const Wrench& wrench) {
+  return wrench;
+}
+inline const Wrench& Plain(const LimitedWrench& wrench) {
+  return wrench.wrench();
+}
 
 /// @param limiter  enabled here; a WrenchLimiter or an UncontrolledLimiter.
 template <class Limiter>

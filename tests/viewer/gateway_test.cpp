@@ -133,14 +133,13 @@ TEST(Gateway, TellsEachViewerWhatItIsAndWhichChannelsThereAre) {
   const Json channels = viewer.NextJson("advertise")["channels"];
   std::map<std::string, Json> by_topic;
   for (const Json& channel : channels) by_topic[channel["topic"]] = channel;
-  for (const auto& [topic, schema] :
-       std::map<std::string, std::string>{{"/palpate/tool_state", "palpate::ToolState"},
-                                          {"/palpate/loop_statistics", "palpate::LoopStatistics"},
-                                          {"/palpate/station_statistics",
-                                           "palpate::StationStatistics"},
-                                          {"/palpate/session_state", "palpate::SessionState"},
-                                          {"/palpate/scene_change", "palpate::SceneChange"},
-                                          {"/palpate/scene_bundle", "palpate::SceneBundle"}}) {
+  for (const auto& [topic, schema] : std::map<std::string, std::string>{
+           {"/palpate/tool_state", "palpate::ToolState"},
+           {"/palpate/loop_statistics", "palpate::LoopStatistics"},
+           {"/palpate/station_statistics", "palpate::StationStatistics"},
+           {"/palpate/session_state", "palpate::SessionState"},
+           {"/palpate/scene_change", "palpate::SceneChange"},
+           {"/palpate/scene_bundle", "palpate::SceneBundle"}}) {
     ASSERT_TRUE(by_topic.contains(topic));
     EXPECT_EQ(by_topic[topic]["encoding"], "cdr");
     EXPECT_EQ(by_topic[topic]["schemaEncoding"], "omgidl");

@@ -35,16 +35,16 @@ TEST(AgeStage, MeltsFromFourMillisecondsOfSilenceToZeroByTwentyFiveAtAnyRate) {
   for (const double tick : {1e-3, 2.5e-4, 2e-3}) {
     AgeStage stage = Fresh();
     double last = 1.0;
-    for (double silence = tick; silence < 0.040; silence += tick) {
+    for (int i = 1; i * tick < 0.040; ++i) {
+      const double silence = i * tick;
       const double gain = stage.Gain(silence, silence, tick);
       if (silence <= 0.004) {
         EXPECT_EQ(gain, 1.0) << silence;
       } else if (silence < 0.025) {
-        EXPECT_NEAR(gain, Smoothstep((0.025 - silence) / 0.021), 1e-9) << silence;
+        EXPECT_NEAR(gain, Smoothstep((0.025 - silence) / 0.021), 1e-7) << silence;
         EXPECT_LT(gain, last);
       } else {
-        EXPECT_NEAR(gain, 0.0, 1e-9) << silence;
-        if (silence >= 0.025 + tick) EXPECT_EQ(gain, 0.0) << silence;
+        EXPECT_EQ(gain, 0.0) << silence;
       }
       last = gain;
     }
@@ -76,7 +76,7 @@ TEST(AgeStage, TakesATimeThatIsNoneForNoReply) {
     for (const bool silence : {true, false}) {
       AgeStage stage = Fresh();
       double gain = 1.0;
-      for (int ms = 0; ms < 14; ++ms) {
+      for (int ms = 0; ms < 15; ++ms) {
         gain = silence ? stage.Gain(none, 1e-3, kTick) : stage.Gain(1e-3, none, kTick);
       }
       EXPECT_EQ(gain, 0.0) << none;

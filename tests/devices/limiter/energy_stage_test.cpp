@@ -31,8 +31,7 @@ class Axis {
   double Step(double step, double wanted, double gain = 1.0) {
     z_ += step;
     const Wrench out = stage.Pass({Vec3(0, 0, wanted), Vec3::Zero()}, gain,
-                                  {Vec3(0, 0, z_), Quat::Identity()},
-                                  {Vec3(0, 0, step / kTick), Vec3::Zero()}, kTick);
+                                  {Vec3(0, 0, z_), Quat::Identity()}, kTick);
     stage.Hold({gain * out.force, gain * out.torque});
     given = gain * out.force.z();
     return out.force.z();
@@ -74,7 +73,9 @@ TEST(EnergyStage, GivesNothingToAHandThatPutNothingIn) {
   // A force along the motion, from the first tick on: the plainest active device.
   Axis axis;
   for (int i = 0; i < 1000; ++i) axis.Step(2e-5, 5.0);
-  EXPECT_LE(axis.Generated(), 1.1 * EnergyStage::kSeed_J);
+  // The first tick is owed: that of a handle that had not moved.
+  EXPECT_LE(axis.Generated(),
+            Phantom().rates().contact_force * kTick * 2e-5 + EnergyStage::kSeed_J);
   EXPECT_GT(axis.stage.count(), 900u);
 }
 
@@ -100,7 +101,9 @@ TEST(EnergyStage, ForgetsTheHeatOfFrictionSoThatNoActivePhaseHidesBehindIt) {
   EXPECT_GT(axis.stage.observer().energy_J(), 1.9);
   const double before = axis.Generated();
   for (int i = 0; i < 10'000; ++i) axis.Step(1e-4, 2.0);  // and all of it back, if it could
-  EXPECT_LE(axis.Generated() - before, 0.5 * 2.0 * EnergyStage::kDeepest_m + 0.001);
+  // What a contact could hold, and what came in while it was being forgotten.
+  const double held = 0.5 * 2.0 * EnergyStage::kDeepest_m;
+  EXPECT_LE(axis.Generated() - before, held + 2.0 * 0.1 * EnergyStage::kForget_s);
 }
 
 TEST(EnergyStage, ForgetsAContactInFreeSpace) {
@@ -131,7 +134,7 @@ TEST(EnergyStage, RendersNothingWhereItCannotSeeTheHandle) {
   Wrench out;
   for (int i = 0; i < 10; ++i) {
     out = stage.Pass({Vec3(0, 0, 5), Vec3::Zero()}, 1.0,
-                     {Vec3(0, std::nan(""), 0), Quat::Identity()}, {}, kTick);
+                     {Vec3(0, std::nan(""), 0), Quat::Identity()}, kTick);
   }
   EXPECT_EQ(out.force, Vec3::Zero());
 }
@@ -168,7 +171,8 @@ TEST_P(EnergyAtThePort, IsNeverGivenInAClosedLoopWithDelayAndLoss) {
         WrenchLimiter limiter(Phantom());
         limiter.SetStiffness(known);
         const PortLoopFigures figures = RunPortLoop(limiter, c);
-        SCOPED_TRACE(testing::Message() << stiffness << " N/m, told " << known << ", seed " << seed);
+        SCOPED_TRACE(testing::Message()
+                     << stiffness << " N/m, told " << known << ", seed " << seed);
         EXPECT_LE(figures.generated_J, 0.0);
         EXPECT_LE(figures.most_generated_J, 2.0 * EnergyStage::kSeed_J);
         EXPECT_GT(figures.absorbed_J, 5e-3) << "a wall that is not felt is no wall";

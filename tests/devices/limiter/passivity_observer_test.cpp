@@ -50,8 +50,9 @@ TEST(PassivityObserver, PassesOverAPoseThatIsNoneAndBooksTheWayLater) {
   PassivityObserver observer;
   observer.Move({});
   observer.Hold({Vec3(5, 0, 0), Vec3::Zero()});
-  for (const Pose& none : {Pose{Vec3(kNan, 0, 0), Quat::Identity()}, Pose{Vec3(1e300, 0, 0), {}},
-                           Pose{Vec3::Zero(), Quat(0, 0, 0, 0)}, Pose{Vec3::Zero(), Quat(kNan, 0, 0, 0)}}) {
+  for (const Pose& none :
+       {Pose{Vec3(kNan, 0, 0), Quat::Identity()}, Pose{Vec3(1e300, 0, 0), {}},
+        Pose{Vec3::Zero(), Quat(0, 0, 0, 0)}, Pose{Vec3::Zero(), Quat(kNan, 0, 0, 0)}}) {
     observer.Move(none);
     EXPECT_FALSE(observer.seen());
   }
