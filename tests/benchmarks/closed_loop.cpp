@@ -156,9 +156,7 @@ void WriteReport(const Options& options, const std::vector<ZWidth>& widths,
 }
 
 void Run(Options options) {
-  if (options.device != "simulated") {
-    throw UsageError("closed-loop: --device '" + options.device + "': give simulated");
-  }
+  if (options.device != "simulated") options.loop.arm = PhantomSheetOf(options.device).name;
   options.loop.local_model = options.local_model == "on";
   options.loop.passivity = options.passivity == "on";
   const ClosedLoopScene scene = MakeClosedLoopScene(options.scene);
@@ -221,7 +219,9 @@ void AddClosedLoop(CLI::App& app) {
   const auto on_off = CLI::IsMember({"on", "off"});
   std::string hands;
   for (const PublishedHand& hand : PublishedHands()) hands += " " + hand.name;
-  command->add_option("--device", options->device, "simulated: a PHANTOM Premium 3.0/6DOF")
+  command
+      ->add_option("--device", options->device,
+                   "the simulated arm, as palpate-station's --model; simulated: its default")
       ->capture_default_str();
   command->add_option("--delay-ms", options->loop.delay_ms, "Delay there and back")
       ->check(CLI::Range(0.0, 200.0))

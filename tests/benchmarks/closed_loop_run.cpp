@@ -69,17 +69,16 @@ ClosedLoopScene MakeClosedLoopScene(const std::string& name) {
   ClosedLoopScene out;
   out.name = name;
   if (name == "wall") {
-    Body ball, plate;
+    Body& ball = out.scene.tools.emplace_back();
     ball.name = "ball";
     ball.mesh = MakeSphere(5 * kMillimetre, 320);
     ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), 5 * kMillimetre});
+    Body& plate = out.scene.objects.emplace_back();
     plate.name = "plate";
     plate.mesh = MakeBox(Vec3(80, 20, 80) * kMillimetre);
     plate.tree = BuildSphereTree(plate.mesh, 2048);
     plate.X_WB.p = Vec3(0, -10 * kMillimetre, 0);
     out.scene.name = name;
-    out.scene.tools.push_back(std::move(ball));
-    out.scene.objects.push_back(std::move(plate));
     out.touching.p = Vec3(0, 5 * kMillimetre, 0);
     out.above.p = Vec3(0, 15 * kMillimetre, 0);
     out.normal = Vec3::UnitY();
@@ -111,7 +110,7 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
   const double t_tap = kClosedLoopPress_s, t_still = t_tap + kClosedLoopTap_s;
   const double end = t_still + kClosedLoopWatch_s;
   SimulatedPhantom phantom(
-      PhantomPremium30Info(), PhantomPremium30Dynamics(),
+      PhantomSheetOf(c.arm),
       SimulatedHand(ScriptPlayer(PoseScript({{0.0, scene.above, "down"},
                                              {0.8, pressed(1.0), "press"},
                                              {t_tap, pressed(1.0), "tap"},

@@ -22,6 +22,7 @@ const PublishedHand& PublishedHandOf(const std::string& name);
 
 /// An arm and hand, a link and a server, closed to a loop.
 struct ClosedLoopCase {
+  std::string arm = "premium-3.0";  ///< PhantomSheetOf
   std::string hand = "van-beek";
   double delay_ms = 0.0;   ///< there and back; half of it each way
   double jitter_ms = 0.0;  ///< further delay, from 0 to this there and back

@@ -12,7 +12,7 @@
 
 #include "common/error.h"
 #include "common/time/steady_clock.h"
-#include "devices/simulated/phantom_premium_3_0.h"
+#include "devices/simulated/phantom_sheets.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/common/dds/roudi.h"
@@ -85,7 +85,7 @@ void Run(const Options& options) {
   std::filesystem::remove(trace);
   Progress("");
 
-  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30Info());
+  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30().info);
   std::vector<double> fall_ms, zero_ms, step, back_ms;
   int stayed_zero = 0;
   for (const std::int64_t time_ns : silenced_ns) {

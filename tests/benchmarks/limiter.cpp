@@ -5,7 +5,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
-#include "devices/simulated/phantom_premium_3_0.h"
+#include "devices/simulated/phantom_sheets.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/support/limiter_adversary.h"
@@ -71,7 +71,7 @@ nlohmann::ordered_json PortEnergy(const WrenchLimits& limits) {
 }
 
 void Run(const Options& options) {
-  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30Info());
+  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30().info);
   test::LimiterAdversary adversary(limits, options.seed);
   const auto began = std::chrono::steady_clock::now();
   const test::LimiterTally t = adversary.Run(options.inputs, [&](std::uint64_t done) {
@@ -93,7 +93,7 @@ void Run(const Options& options) {
              t.inputs, t.nonfinite, t.force, t.torque, t.force_slew, t.torque_slew, c.calls,
              c.nonfinite, c.clamped, c.slewed, c.braked, c.warm, c.faded, c.fades, c.disabled,
              call_ns);
-  const nlohmann::ordered_json json{{"device", PhantomPremium30Info().model},
+  const nlohmann::ordered_json json{{"device", PhantomPremium30().info.model},
                                     {"inputs", t.inputs},
                                     {"nonfinite_outputs", t.nonfinite},
                                     {"force_over_limit", t.force},

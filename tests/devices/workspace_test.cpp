@@ -365,13 +365,14 @@ TEST(WorkspaceDevice, AsksNoMoreOfTheDeviceThanItsLimits) {
   const DeviceInfo raw = PhantomPremium30().info;
   for (int i = 0; i < 50; ++i) {
     Pair pair(Any(random));
-    WrenchLimits limits = WrenchLimits::Of(pair.device->info());
-    limits.force_slew_N_per_ms = limits.torque_slew_Nm_per_ms = 1e6;
-    WrenchLimiter limiter(limits);
+    WrenchLimiter limiter(WrenchLimits::Of(pair.device->info()));
     limiter.Enable(true);
+    LimiterInput in;
+    in.wanted = {1e6 * random.Direction(), 1e6 * random.Direction()};
+    in.silence_s = in.age_s = 0.0;
+    in.dt_s = kTick;
     for (int k = 0; k < 400; ++k) {
-      const Wrench huge{1e6 * random.Direction(), 1e6 * random.Direction()};
-      pair.device->Apply(limiter.Limit(huge, 0.0, kTick));
+      pair.device->Apply(limiter.Limit(in));
       ASSERT_LE(pair.held->applied.force.norm(), raw.max_force_N * (1 + 1e-12));
       ASSERT_LE(pair.held->applied.torque.norm(), raw.max_torque_Nm * (1 + 1e-12));
     }

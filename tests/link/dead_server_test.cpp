@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include "devices/simulated/phantom_premium_3_0.h"
+#include "devices/simulated/phantom_sheets.h"
 #include "tests/integration/rig.h"
 #include "tests/link/silence.h"
 
@@ -51,7 +51,7 @@ struct DeadServer : testing::Test {
 
   void ExpectGone(const std::vector<TraceRow>& rows, std::int64_t since_ns) {
     const Silence silence =
-        MeasureSilence(rows, since_ns, WrenchLimits::Of(PhantomPremium30Info()));
+        MeasureSilence(rows, since_ns, WrenchLimits::Of(PhantomPremium30().info));
     std::printf(
         "%.2f N falls after %.1f ms, is gone after %.1f ms; largest step %.3f of the slew "
         "limit; back within %.0f ms\n",

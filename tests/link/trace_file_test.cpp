@@ -9,7 +9,7 @@
 
 #include "client/station/trace.h"
 #include "common/error.h"
-#include "devices/simulated/phantom_premium_3_0.h"
+#include "devices/simulated/phantom_sheets.h"
 #include "tests/link/silence.h"
 
 namespace palpate::test {
@@ -118,7 +118,7 @@ std::vector<TraceRow> Fade() {
 }
 
 TEST(MeasureSilence, FindsTheTimesAndTheSteepestStepOfAFade) {
-  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30Info());
+  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30().info);
   const Silence silence = MeasureSilence(Fade(), 90'000'000, limits);
   EXPECT_DOUBLE_EQ(silence.force_before_N, 1.0);
   EXPECT_DOUBLE_EQ(silence.until_fall_ms, 5.0);   // tick 106, of a reply that was due at 101
@@ -132,11 +132,11 @@ TEST(MeasureSilence, SeesAForceThatComesBackWithoutAReply) {
   std::vector<TraceRow> rows = Fade();
   rows[150].applied.force.z() = 0.01;
   EXPECT_FALSE(
-      MeasureSilence(rows, 90'000'000, WrenchLimits::Of(PhantomPremium30Info())).stayed_zero);
+      MeasureSilence(rows, 90'000'000, WrenchLimits::Of(PhantomPremium30().info)).stayed_zero);
 }
 
 TEST(MeasureSilence, SaysWhereThereIsNone) {
-  EXPECT_THROW(MeasureSilence(Fade(), 300'000'000, WrenchLimits::Of(PhantomPremium30Info())),
+  EXPECT_THROW(MeasureSilence(Fade(), 300'000'000, WrenchLimits::Of(PhantomPremium30().info)),
                Error);
 }
 

@@ -48,7 +48,7 @@ inline const Wrench& Plain(const LimitedWrench& wrench) {
 /// @param limiter  enabled here; a WrenchLimiter or an UncontrolledLimiter.
 template <class Limiter>
 PortLoopFigures RunPortLoop(Limiter& limiter, const PortLoopCase& c) {
-  // As HandImpedance and PhantomPremium30Dynamics have it; one dimension, across the wall.
+  // As HandImpedance and PhantomPremium30 have it; one dimension, across the wall.
   constexpr double kMass = 0.713, kSpring = 135.0, kDamper = 6.55, kFriction = 0.2;
   constexpr double kTick = 1e-3;
   constexpr int kSubsteps = 8;

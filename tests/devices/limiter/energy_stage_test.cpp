@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/simulated/phantom_premium_3_0.h"
+#include "devices/simulated/phantom_sheets.h"
 #include "tests/support/port_loop.h"
 #include "tests/support/uncontrolled_limiter.h"
 
@@ -18,7 +18,7 @@ using test::RunPortLoop;
 constexpr double kTick = 1e-3;
 
 WrenchLimits Phantom() {
-  return WrenchLimits::Of(PhantomPremium30Info());
+  return WrenchLimits::Of(PhantomPremium30().info);
 }
 
 /// An energy stage and a handle on one axis; all that it gives is applied.

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/simulated/phantom_premium_3_0.h"
+#include "devices/simulated/phantom_sheets.h"
 
 namespace palpate {
 namespace {
@@ -14,7 +14,7 @@ constexpr double kTick = 1e-3;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 WrenchLimits Phantom() {
-  return WrenchLimits::Of(PhantomPremium30Info());
+  return WrenchLimits::Of(PhantomPremium30().info);
 }
 
 /// Wants a force for so long, and takes what there is; the last of it.

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
-#include "devices/simulated/phantom_premium_3_0.h"
+#include "devices/simulated/phantom_sheets.h"
 
 namespace palpate {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 
 TEST(WrenchLimits, AreTheDataSheets) {
-  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30Info());
+  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30().info);
   EXPECT_EQ(limits.force_N(), 22.0);
   EXPECT_EQ(limits.continuous_force_N(), 3.0);
   EXPECT_EQ(limits.torque_Nm(), 0.515);
@@ -24,7 +24,7 @@ TEST(WrenchLimits, AreTheDataSheets) {
 
 TEST(WrenchLimits, RefuseADataSheetThatSaysNothingOrNonsense) {
   const auto refused = [](auto change) {
-    DeviceInfo info = PhantomPremium30Info();
+    DeviceInfo info = PhantomPremium30().info;
     change(info);
     EXPECT_THROW(WrenchLimits::Of(info), Error);
   };
@@ -42,7 +42,7 @@ TEST(WrenchLimits, RefuseADataSheetThatSaysNothingOrNonsense) {
 }
 
 TEST(WrenchLimits, AreOnlyTightened) {
-  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30Info());
+  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30().info);
   WrenchLimits::Bounds half = limits.bounds();
   half.force_N *= 0.5;
   half.continuous_torque_Nm *= 0.5;
@@ -72,7 +72,7 @@ TEST(WrenchLimits, AreOnlyTightened) {
 }
 
 TEST(WrenchLimits, RefuseASlewLimitThatWouldHoldUpTheFade) {
-  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30Info());
+  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30().info);
   WrenchLimits::Bounds slow = limits.bounds();
   slow.force_slew_N_per_ms = 1.0;
   EXPECT_THROW(limits.TightenedTo(slow), Error);
