@@ -32,10 +32,8 @@ struct FoundLoad {
 };
 
 /// FindCapacity by runs that Holds() judges.
-/// @param run  figures of n; nothing: it was stopped.  An Error says that n cannot be begun: once
-/// less
-///             has held, n is more than server or gateway take, and no more is tried; before that
-///             it comes through.
+/// @param run  figures of n; nothing: it was stopped.  Where less has held, its Error means that
+///             server or gateway do not take n, nor more; before that it comes through.
 FoundLoad FindLoad(std::size_t most, int attempts,
                    const std::function<std::optional<LoadFigures>(std::size_t n)>& run);
 

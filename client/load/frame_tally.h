@@ -14,8 +14,9 @@
 namespace palpate {
 
 /// What several viewers have got from Begin() to End(): tool states, how many more were due, and
-/// how old they were. Thread contract: Add in one thread, Begin and End in another; what is counted
-/// is read when no more is added, but frames(), which may be read at any time.
+/// how old they were.
+/// Thread contract: Add in one thread, Begin and End in another; what is counted is read when no
+/// more is added, but frames(), which may be read at any time.
 class FrameTally {
  public:
   struct Setup {
