@@ -22,9 +22,9 @@ void ExpectSafe(VirtualLoop& loop, double most_N) {
   const Wrench& now = loop.applied();
   ASSERT_TRUE(now.force.allFinite() && now.torque.allFinite());
   ASSERT_LE(now.force.norm(), most_N * kRounding);
-  ASSERT_LE(now.torque.norm(), limits.torque_Nm * kRounding);
-  ASSERT_LE((now.force - loop.before().force).norm(), limits.force_slew_N_per_ms * kRounding);
-  ASSERT_LE((now.torque - loop.before().torque).norm(), limits.torque_slew_Nm_per_ms * kRounding);
+  ASSERT_LE(now.torque.norm(), limits.torque_Nm() * kRounding);
+  ASSERT_LE((now.force - loop.before().force).norm(), limits.force_slew_N_per_ms() * kRounding);
+  ASSERT_LE((now.torque - loop.before().torque).norm(), limits.torque_slew_Nm_per_ms() * kRounding);
 }
 
 LinkConditions RandomConditions(Random& random) {
@@ -159,7 +159,7 @@ TEST(LyingServer, CanNeitherBreakTheBoundsNorMakeAForceOfAnOldAnswer) {
     Random random(seed);
     VirtualLoop loop(seed);
     const auto wild = [&] { return kWild[random.Below(static_cast<int>(std::size(kWild)))]; };
-    const double most_N = loop.core().limiter().limits().force_N;
+    const double most_N = loop.core().limiter().limits().force_N();
     loop.forge = [&](wire::Wrench& answer) {
       switch (random.Below(12)) {
         case 0:

@@ -23,12 +23,12 @@ double LargestStep(const std::vector<TraceRow>& rows, std::size_t begin, std::si
   for (std::size_t i = std::max<std::size_t>(begin, 1); i < end; ++i) {
     if (rows[i].tick != rows[i - 1].tick + 1) continue;  // rows were dropped
     const double dt_ms = std::min(1e-6 * static_cast<double>(rows[i].time_ns - rows[i - 1].time_ns),
-                                  1e3 * WrenchLimiter::kMaxTick_s);
+                                  1e3 * kMaxTick_s);
     largest = std::max({largest,
                         (rows[i].applied.force - rows[i - 1].applied.force).norm() /
-                            (limits.force_slew_N_per_ms * dt_ms),
+                            (limits.force_slew_N_per_ms() * dt_ms),
                         (rows[i].applied.torque - rows[i - 1].applied.torque).norm() /
-                            (limits.torque_slew_Nm_per_ms * dt_ms)});
+                            (limits.torque_slew_Nm_per_ms() * dt_ms)});
   }
   return largest;
 }

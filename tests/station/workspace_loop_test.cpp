@@ -46,7 +46,7 @@ class WorkspaceLoop : public testing::Test {
     reply.pose_time_ns = pose.sample_time_ns;
     reply.received_ns = pose.sample_time_ns + kMs / 20;
     reply.wrench = scene;
-    core_->Take(reply.received_ns, reply);
+    core_->Take(reply);
     core_->Act(now_);
     const Vec3 force = arm_->still.applied.force;
     largest_step_ = std::max(largest_step_, (force - force_).norm());
