@@ -6,6 +6,7 @@
 
 #include "common/error.h"
 #include "common/plot/svg_plot.h"
+#include "devices/simulated/phantom_sheets.h"
 #include "scenes/catalogue.h"
 #include "scenes/pose_script.h"
 #include "server/session/scene_model.h"
