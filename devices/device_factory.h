@@ -20,8 +20,8 @@ struct DeviceOptions {
   double rate_Hz = 1000.0;               ///< Read and Apply, a second
   std::optional<Workspace> workspace{};  ///< how the device lies in the scene; none: as it is
   // Of a real arm.
-  std::string arm{};          ///< as its vendor's set-up program names it; empty: the default one
-  bool calibrate = false;     ///< even where it says that it need not be
+  std::string arm{};           ///< as its vendor's set-up program names it; empty: the default one
+  bool calibrate = false;      ///< even where it says that it need not be
   RealtimeOptions realtime{};  ///< of its own thread
 };
 

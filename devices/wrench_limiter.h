@@ -39,9 +39,9 @@ class LimitedWrench {
 /// moves two points no further apart; R itself moves by at most r_R dt.  So y, what it gives, has
 /// |y| <= F and |dy| <= (r + r_l + r_R) dt.  The output is a e y with factors in [0, 1], of rates
 /// r_a and r_e, and |d(a e y)| <= |dy| + F (r_a + r_e) dt.  WrenchLimits::rates() chooses r so that
-/// r + r_l + r_R + F (r_a + r_e) is the slew limit.  Where a e is zero y is set back to zero, and the
-/// output, zero, with it.  No later stage is held up by it: age alone
-/// takes the output to zero by 25 ms of silence.
+/// r + r_l + r_R + F (r_a + r_e) is the slew limit.  Where the last a e
+/// was zero y may leap, within its ball: the output then changes by F (r_a + r_e) dt at most.  No
+/// later stage is held up by it: age alone takes the output to zero by 25 ms of silence.
 ///
 /// Pure: time comes in as arguments, equal inputs give equal bits.
 /// Real-time: no allocation, lock, log or clock.  Not thread-safe: the loop's thread owns it.

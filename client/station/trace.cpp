@@ -20,13 +20,11 @@ struct Stage {
   std::uint64_t LimiterCounts::*count;
   const char* name;
 };
-constexpr Stage kStages[] = {{&LimiterCounts::nonfinite, "finite"},
-                             {&LimiterCounts::clamped, "clamp"},
-                             {&LimiterCounts::slewed, "slew"},
-                             {&LimiterCounts::braked, "energy"},
-                            {&LimiterCounts::warm, "temperature"},
-                            {&LimiterCounts::faded, "age"},
-                             {&LimiterCounts::disabled, "enable"}};
+constexpr Stage kStages[] = {
+    {&LimiterCounts::nonfinite, "finite"}, {&LimiterCounts::clamped, "clamp"},
+    {&LimiterCounts::slewed, "slew"},      {&LimiterCounts::braked, "energy"},
+    {&LimiterCounts::warm, "temperature"}, {&LimiterCounts::faded, "age"},
+    {&LimiterCounts::disabled, "enable"}};
 
 void WriteVec3(std::FILE* out, const Vec3& v) {
   std::fprintf(out, "%.9g,%.9g,%.9g,", v.x(), v.y(), v.z());

@@ -10,8 +10,8 @@ EnergyStage::EnergyStage(const WrenchLimits& limits)
       position_resolution_m_(limits.position_resolution_m()),
       rotation_resolution_rad_(limits.rotation_resolution_rad()) {}
 
-Wrench EnergyStage::Pass(const Wrench& wanted, double gain, const Pose& X_WH,
-                         double dt_s) noexcept {
+Wrench EnergyStage::Pass(const Wrench& wanted, double gain, const Pose& X_WH, double dt_s,
+                         bool felt) noexcept {
   const double work = observer_.Move(X_WH);
   store_J_ += work;
   moved_ = moved_ || work != 0.0;
@@ -27,8 +27,10 @@ Wrench EnergyStage::Pass(const Wrench& wanted, double gain, const Pose& X_WH,
   // What cannot be booked is not rendered.
   const double factor = observer_.seen() ? Factor(wanted, foreseen, gain, dt_s) : 0.0;
   count_ += factor < 1.0;
-  if (factor < 1.0) return slew_.Pass({factor * wanted.force, factor * wanted.torque}, dt_s);
-  return slew_.Pass(wanted, dt_s);
+  if (factor < 1.0) {
+    return slew_.Pass({factor * wanted.force, factor * wanted.torque}, dt_s, felt);
+  }
+  return slew_.Pass(wanted, dt_s, felt);
 }
 
 void EnergyStage::Settle(double most_J, double dt_s) noexcept {

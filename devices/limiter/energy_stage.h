@@ -70,10 +70,10 @@ class EnergyStage {
   void SetStiffness(double N_per_m) noexcept { compliance_ = N_per_m > 0.0 ? 1.0 / N_per_m : 0.0; }
 
   /// @param wanted  slewed.  @param gain  of the stages that follow, in [0, 1].
+  /// @param felt    as SlewStage::Pass.
   /// @param X_WH    tells the velocity, too: what a driver says of it is not relied on.
-  Wrench Pass(const Wrench& wanted, double gain, const Pose& X_WH, double dt_s) noexcept;
-  /// What it gives begins at zero again; the account goes on.
-  void Clear() noexcept { slew_.Clear(); }
+  Wrench Pass(const Wrench& wanted, double gain, const Pose& X_WH, double dt_s,
+              bool felt = true) noexcept;
   /// What of it the device holds in the end, after the gains.
   void Hold(const Wrench& applied) noexcept { observer_.Hold(applied); }
 

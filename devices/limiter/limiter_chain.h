@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "devices/limiter/age_stage.h"
 #include "devices/limiter/clamp_stage.h"
@@ -68,17 +69,13 @@ class LimiterChain {
     const double dt = in.dt_s >= kMinTick_s ? std::min(in.dt_s, kMaxTick_s) : 0.0;
     // Of the clock alone; here because the energy stage must know what will be left.
     const double gain = age_.Gain(in.silence_s, in.age_s, dt) * enable_.Gain(dt);
-    // What nobody feels is not kept: the force of a server that died must not be what the next one's
-    // begins with.
-    if (gain == 0.0) {
-      slew_.Clear();
-      led_slew_.Clear();
-      energy_.Clear();
-    }
+    // From a wrench that nobody felt no step can be felt: the force of a server that died is not
+    // what the next one's begins with.
+    const bool felt = std::exchange(gain_, gain) > 0.0;
 
-    const Wrench slewed = slew_.Pass(clamp_.Pass(finite_.Pass(in.wanted)), dt);
-    const Wrench contact = energy_.Pass(slewed, gain, in.X_WH, dt);
-    const Wrench led = led_slew_.Pass(led_clamp_.Pass(finite_.Pass(in.led)), dt);
+    const Wrench slewed = slew_.Pass(clamp_.Pass(finite_.Pass(in.wanted)), dt, felt);
+    const Wrench contact = energy_.Pass(slewed, gain, in.X_WH, dt, felt);
+    const Wrench led = led_slew_.Pass(led_clamp_.Pass(finite_.Pass(in.led)), dt, felt);
 
     const Wrench both{contact.force + led.force, contact.torque + led.torque};
     const TemperatureStage::Share share = temperature_.Pass(both, in.motor_temperature, dt);
@@ -120,6 +117,7 @@ class LimiterChain {
   TemperatureStage temperature_;
   AgeStage age_;
   EnableStage enable_;
+  double gain_ = 0.0;  // of the call before
   std::uint64_t calls_ = 0;
 };
 

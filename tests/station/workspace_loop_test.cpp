@@ -27,8 +27,8 @@ class WorkspaceLoop : public testing::Test {
   }
   struct Arm final : Device {
     Arm() {
-      data.max_force_N = 22.0;
-      data.max_torque_Nm = 0.5;
+      data.max_force_N = data.continuous_force_N = 22.0;
+      data.max_torque_Nm = data.continuous_torque_Nm = 0.5;
       data.workspace_m = Vec3(0.4, 0.4, 0.4);
     }
     const DeviceInfo& info() const override { return data; }

@@ -8,11 +8,10 @@ namespace palpate::test {
 class ObservedEnergy {
  public:
   explicit ObservedEnergy(const WrenchLimits&) {}
-  Wrench Pass(const Wrench& wanted, double, const Pose& X_WH, double) noexcept {
+  Wrench Pass(const Wrench& wanted, double, const Pose& X_WH, double, bool) noexcept {
     observer_.Move(X_WH);
     return wanted;
   }
-  void Clear() noexcept {}
   void Hold(const Wrench& applied) noexcept { observer_.Hold(applied); }
   std::uint64_t count() const noexcept { return 0; }
   const PassivityObserver& observer() const noexcept { return observer_; }

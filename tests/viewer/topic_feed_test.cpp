@@ -124,8 +124,8 @@ TEST_F(TopicFeedTest, LetsANewServerTakeThePlaceOfTheFormerWhoseRestIsNotHeard) 
 
 TEST_F(TopicFeedTest, OffersEachTopicWithASchemaThatDeclaresItsType) {
   const auto channels = TopicFeed::Channels(true);
-  EXPECT_EQ(channels.size(), 6u);
-  EXPECT_EQ(TopicFeed::Channels(false).size(), 5u);
+  EXPECT_EQ(channels.size(), 7u);
+  EXPECT_EQ(TopicFeed::Channels(false).size(), 6u);
   for (const foxglove::Channel& channel : TopicFeed::Channels(false)) {
     EXPECT_THAT(channel.schema,
                 testing::HasSubstr("struct " + channel.schema_name.substr(9) + " {"));

@@ -62,6 +62,7 @@ class Library final : public FakeHd {
     calls_.reserve(kMostRecords);
     frames_.reserve(kMostRecords);
     FakeHdSetup first;
+    first.held_fast = false;  // a station's server answers what the arm does
     if (const char* file = std::getenv(kFakeArmVariable)) {
       shared_ = MapArm(file);
       first.real_time = true;
@@ -554,6 +555,11 @@ class Library final : public FakeHd {
     if (thread_.joinable()) thread_.join();
   }
   void MoveArm(double dt) {
+    if (setup.held_fast) {
+      for (std::size_t i = 0; i < 3; ++i) arm->position_mm[i] = arm->hand_mm[i].load();
+      velocity_ = Vec3::Zero();
+      return;
+    }
     const double h = dt / 4.0;
     for (int step = 0; step < 4; ++step) {
       for (int i = 0; i < 3; ++i) {

@@ -48,6 +48,9 @@ struct FakeHdSetup {
   bool has_temperature = true;
   bool has_encoders = true;
   bool has_inkwell = true;
+  /// Nothing moves the arm but the test: of a constant force on a hand that gives way the limiter
+  /// would let nothing through.
+  bool held_fast = true;
   hd::Enum refused_capability = 0;
 };
 

@@ -216,6 +216,8 @@ TEST_F(OpenHapticsDeviceTest, StaysOffWhereTheArmNamesNoStyleOfCalibration) {
 // State.
 
 TEST_F(OpenHapticsDeviceTest, ReadsPoseAndVelocityInMetresAndTheScenesAxes) {
+  setup.held_fast = false;
+  fake.Reset(setup);
   const Quat q = RotationExp(Vec3(0.3, -1.1, 0.7));
   fake.rotation_wxyz = {q.w(), q.x(), q.y(), q.z()};
   for (std::size_t i = 0; i < 3; ++i) {

@@ -42,7 +42,8 @@ struct LiveStation {
     }
     Reply reply;
     reply.pose_sequence = snapshot.sent;
-    reply.pose_time_ns = reply.received_ns = SteadyNanoseconds();
+    reply.pose_time_ns = servo.sample_time_ns(reply.pose_sequence);
+    reply.received_ns = SteadyNanoseconds();
     reply.wrench.force = Vec3(0.0, 2.0, 0.0);
     replies.Push(reply);
   }
