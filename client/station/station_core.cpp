@@ -55,6 +55,14 @@ void StationCore::Take(const Reply& reply) noexcept {
   const auto step = static_cast<std::int64_t>(1e9 * step_s);
   totals_.server_step.Add(step);
   period_step_.Add(step);
+  // A session's force begins by a ramp of the server's.
+  if (reply.faults & kFaultNotStarted) {
+    started_ = false;
+  } else if (!started_) {
+    started_ = true;
+    const double inside_m = (reply.X_WG.p - sent.X_WH.p).norm();
+    if (inside_m > kInside_m) entered_until_ns_ = reply.received_ns + kEntry_ns;
+  }
   totals_.contact_replies += reply.contacts > 0;
   totals_.max_contacts = std::max(totals_.max_contacts, reply.contacts);
   totals_.faults |= reply.faults & ~kFaultNotStarted;  // every session begins with that one
@@ -79,6 +87,7 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   const LocalContactModel::Evaluation contact = local_model_.At(now_ns, sample_.X_WH);
   totals_.evaluations += contact.evaluated;
   totals_.beyond_region += contact.beyond_region;
+  in.entering = now_ns < entered_until_ns_;
   in.wanted = ShiftToHandle(contact.wrench, sample_.X_WH.q, tool_reference_);
   in.led = guide_.Pull(now_ns, in.dt_s, sample_.X_WH, sample_.V_WH);
   device_.Shape(in.wanted, in.led);

@@ -83,6 +83,12 @@ class StationCore {
   /// Poses that a reply may answer: those of the last quarter of a second.
   static constexpr std::size_t kRemembered = 256;
 
+  /// Within this time the server's own ramp is over.
+  static constexpr std::int64_t kEntry_ns = 300'000'000;
+  /// Further from the hand than this, the graphic tool began outside of an object that the hand is
+  /// in.
+  static constexpr double kInside_m = 1e-5;
+
   /// The device must outlive the core.  Throws Error where the device has no limits.
   explicit StationCore(Device& device);
   Device& device() noexcept { return device_; }
@@ -134,6 +140,8 @@ class StationCore {
   WrenchLimiter limiter_;
   Guide guide_;
   bool forces_wanted_ = false;
+  bool started_ = false;  // the server's force, by the newest reply
+  std::int64_t entered_until_ns_ = 0;
   Vec3 tool_reference_ = Vec3::Zero();
   LocalContactModel local_model_;
   LimiterInput asked_;

@@ -11,13 +11,14 @@ EnergyStage::EnergyStage(const WrenchLimits& limits)
       rotation_resolution_rad_(limits.rotation_resolution_rad()) {}
 
 Wrench EnergyStage::Pass(const Wrench& wanted, double gain, const Pose& X_WH, double dt_s,
-                         bool felt) noexcept {
+                         bool felt, bool entering) noexcept {
   const double work = observer_.Move(X_WH);
   store_J_ += work;
   moved_ = moved_ || work != 0.0;
   if (observer_.leapt()) store_J_ = std::min(store_J_, 0.0);
   Settle(0.5 * gain * (wanted.force.norm() * kDeepest_m + wanted.torque.norm() * kDeepest_rad),
          dt_s);
+  Grant(0.5 * gain * wanted.force.squaredNorm() * compliance_, entering);
 
   const Way& way = observer_.way();
   const double foreseen = wanted.force.dot(way.p) + wanted.torque.dot(way.phi);
@@ -41,8 +42,22 @@ void EnergyStage::Settle(double most_J, double dt_s) noexcept {
   const double share = std::min(1.0, dt_s / kForget_s);
   if (store_J_ > most_J) store_J_ += share * (most_J - store_J_);
   // A debt is forgotten only as far as all that the hand ever put in covers it.
-  const double covered = repaid_ ? std::min(0.0, observer_.energy_J() - kReserve_J) : store_J_;
+  const double covered =
+      repaid_ ? std::min(0.0, observer_.energy_J() + granted_J_ - kReserve_J) : store_J_;
   if (store_J_ < covered) store_J_ += share * (covered - store_J_);
+}
+
+void EnergyStage::Grant(double stored_J, bool entering) noexcept {
+  if (!entering) {
+    entry_most_J_ = entry_granted_J_ = 0.0;
+    return;
+  }
+  entry_most_J_ = std::max(entry_most_J_, stored_J);
+  const double more = std::min(stored_J - store_J_, entry_most_J_ - entry_granted_J_);
+  if (!(more > 0.0)) return;
+  store_J_ += more;
+  entry_granted_J_ += more;
+  granted_J_ += more;
 }
 
 double EnergyStage::Factor(const Wrench& wanted, double foreseen, double gain,

@@ -38,8 +38,14 @@ namespace palpate {
 /// in twice that, when the seed is taken back: then the sum stays at or below zero.  That holds
 /// while no tick's way exceeds the last one by more than the bound foresees.  A handle that has not
 /// moved since forces came on has done no work, and feels the whole force: of it the first tick is
-/// owed. Who was inside when forces came on is not pushed out: the force grows as the hand goes
-/// further in.
+/// owed.
+///
+/// A hand may be in a contact before forces come on, or when they come back after a silence: it has
+/// put in nothing that is remembered, and without a force it could put in nothing.  While a force
+/// is entered by a ramp, the store is therefore filled up to what the coupling then holds, f^2 /
+/// 2k, and in all by no more than the greatest of that: 12 mJ for 5 N at 1 N/mm, once for each ramp
+/// from zero.  Where the stiffness is not known nothing is granted, and such a hand is not pushed
+/// out.
 ///
 /// Real-time; deterministic.
 class EnergyStage {
@@ -70,30 +76,36 @@ class EnergyStage {
   void SetStiffness(double N_per_m) noexcept { compliance_ = N_per_m > 0.0 ? 1.0 / N_per_m : 0.0; }
 
   /// @param wanted  slewed.  @param gain  of the stages that follow, in [0, 1].
-  /// @param felt    as SlewStage::Pass.
+  /// @param felt    as SlewStage::Pass.   @param entering  a ramp from zero is on its way.
   /// @param X_WH    tells the velocity, too: what a driver says of it is not relied on.
-  Wrench Pass(const Wrench& wanted, double gain, const Pose& X_WH, double dt_s,
-              bool felt = true) noexcept;
+  Wrench Pass(const Wrench& wanted, double gain, const Pose& X_WH, double dt_s, bool felt = true,
+              bool entering = false) noexcept;
   /// What of it the device holds in the end, after the gains.
   void Hold(const Wrench& applied) noexcept { observer_.Hold(applied); }
 
   /// Calls in which it held something back.
   std::uint64_t count() const noexcept { return count_; }
+  /// What all ramps together have been granted [J].
+  double granted_J() const noexcept { return granted_J_; }
   const PassivityObserver& observer() const noexcept { return observer_; }
   double store_J() const noexcept { return store_J_; }
 
  private:
   void Settle(double most_J, double dt_s) noexcept;
+  /// @param stored_J  what the coupling holds of the wanted wrench, after the gain.
+  void Grant(double stored_J, bool entering) noexcept;
   /// @param foreseen  work of the wanted wrench over a way like the last [J].
   double Factor(const Wrench& wanted, double foreseen, double gain, double dt_s) const noexcept;
 
   PassivityObserver observer_;
   double store_J_ = 0.0;
-  bool moved_ = false;          // against or along what it held
-  bool repaid_ = false;         // the seed
-  Vec3 smooth_ = Vec3::Zero();  // velocity [m/s]
-  int inwards_ = 0;             // calls in a row in which the handle moved in
-  SlewStage slew_;              // what the store allows may leap: what is rendered does not
+  double granted_J_ = 0.0;
+  double entry_most_J_ = 0.0, entry_granted_J_ = 0.0;  // of the ramp that is on its way
+  bool moved_ = false;                                 // against or along what it held
+  bool repaid_ = false;                                // the seed
+  Vec3 smooth_ = Vec3::Zero();                         // velocity [m/s]
+  int inwards_ = 0;  // calls in a row in which the handle moved in
+  SlewStage slew_;   // what the store allows may leap: what is rendered does not
   double position_resolution_m_, rotation_resolution_rad_;
   double compliance_ = 0.0;  // of the coupling [m/N]
   std::uint64_t count_ = 0;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <utility>
 
 #include "devices/limiter/age_stage.h"
 #include "devices/limiter/clamp_stage.h"
@@ -25,6 +24,8 @@ struct LimiterInput {
   double silence_s = std::numeric_limits<double>::infinity();  ///< AgeStage
   double age_s = std::numeric_limits<double>::infinity();      ///< AgeStage
   double dt_s = 0.0;                                           ///< since the last call
+  bool entering =
+      false;  ///< a hand that was inside already feels `wanted` grow by the server's ramp
   /// DeviceSample::motor_temperature.
   double motor_temperature = std::numeric_limits<double>::quiet_NaN();
 };
@@ -71,10 +72,14 @@ class LimiterChain {
     const double gain = age_.Gain(in.silence_s, in.age_s, dt) * enable_.Gain(dt);
     // From a wrench that nobody felt no step can be felt: the force of a server that died is not
     // what the next one's begins with.
-    const bool felt = std::exchange(gain_, gain) > 0.0;
+    const bool felt = gain_ > 0.0;
 
     const Wrench slewed = slew_.Pass(clamp_.Pass(finite_.Pass(in.wanted)), dt, felt);
-    const Wrench contact = energy_.Pass(slewed, gain, in.X_WH, dt, felt);
+    // A hand that is in contact already as the ramp begins; who comes later puts in what he gets.
+    const bool pressed = !slewed.force.isZero(0.0) || !slewed.torque.isZero(0.0);
+    entering_ = gain > gain_ && (entering_ || (!felt && pressed));
+    gain_ = gain;
+    const Wrench contact = energy_.Pass(slewed, gain, in.X_WH, dt, felt, entering_ || in.entering);
     const Wrench led = led_slew_.Pass(led_clamp_.Pass(finite_.Pass(in.led)), dt, felt);
 
     const Wrench both{contact.force + led.force, contact.torque + led.torque};
@@ -117,7 +122,8 @@ class LimiterChain {
   TemperatureStage temperature_;
   AgeStage age_;
   EnableStage enable_;
-  double gain_ = 0.0;  // of the call before
+  double gain_ = 0.0;      // of the call before
+  bool entering_ = false;  // it grows, from zero on, and the hand was in contact then
   std::uint64_t calls_ = 0;
 };
 

@@ -39,7 +39,7 @@ constexpr std::array<ErrorText, 22> kTexts{{
     {kCommConfigError, "HD_COMM_CONFIG_ERROR", ErrorClass::kFatal,
      "check the cable, and choose the arm's port anew in its vendor's set-up program"},
     {kTimerError, "HD_TIMER_ERROR", ErrorClass::kFatal,
-     "the library could not keep its rate: ask for a lower --device-rate, end what loads the "
+     "the library could not keep its rate: ask for a lower --rate, end what loads the "
      "machine, and start the station again"},
     {kIllegalBegin, "HD_ILLEGAL_BEGIN", ErrorClass::kUse, kReport},
     {kIllegalEnd, "HD_ILLEGAL_END", ErrorClass::kUse, kReport},

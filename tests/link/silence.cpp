@@ -48,8 +48,14 @@ Silence MeasureSilence(const std::vector<TraceRow>& rows, std::int64_t after_ns,
   const double last_ms = 1e-6 * static_cast<double>(rows[dead].time_ns) - rows[dead].silence_ms;
   const std::size_t last = index(0, [&](const TraceRow& row) { return row.reply == reply; });
   const std::size_t next = index(dead, [&](const TraceRow& row) { return row.reply != reply; });
-  const std::size_t back = index(next, [](const TraceRow& row) {
-    return row.applied.force.norm() >= 0.999 * row.wanted.force.norm() && !IsZero(row.applied);
+  // As much of it as there was before: of the lightest touches the energy stage keeps a share.
+  const auto share = [](const TraceRow& row) {
+    const double wanted_N = row.wanted.force.norm();
+    return wanted_N > 0.0 ? row.applied.force.norm() / wanted_N : 0.0;
+  };
+  const double before = share(rows[last]);
+  const std::size_t back = index(next, [&](const TraceRow& row) {
+    return share(row) >= 0.99 * before && !IsZero(row.applied);
   });
   if (back == rows.size() || IsZero(rows[last].applied)) {
     throw Error("a silence without a force at its begin or its end");

@@ -8,7 +8,7 @@ namespace palpate::test {
 class ObservedEnergy {
  public:
   explicit ObservedEnergy(const WrenchLimits&) {}
-  Wrench Pass(const Wrench& wanted, double, const Pose& X_WH, double, bool) noexcept {
+  Wrench Pass(const Wrench& wanted, double, const Pose& X_WH, double, bool, bool) noexcept {
     observer_.Move(X_WH);
     return wanted;
   }

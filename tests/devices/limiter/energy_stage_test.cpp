@@ -1,5 +1,6 @@
 #include "devices/limiter/energy_stage.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -103,6 +104,30 @@ TEST(EnergyStage, LetsAHandThatWasInsideFeelTheObjectAsItGoesFurtherInHoweverSlo
   // paid back and the force whole within 2 mm.
   for (int i = 0; i < 4 * 100; ++i) axis.Step(i % 4 ? 0.0 : -20e-6, 2.0);
   EXPECT_EQ(axis.given, 2.0);
+}
+
+TEST(EnergyStage, GrantsARampWhatTheCouplingHoldsAndNoMoreHoweverLongItPushes) {
+  constexpr double kForce_N = 5.0, kStiffness = 1000.0;
+  for (const bool spring : {true, false}) {
+    EnergyStage stage(Phantom());
+    stage.SetStiffness(kStiffness);
+    double z = 0.0, given_J = 0.0, held_N = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+      const double way = i < 10 ? 0.0 : 1e-5;  // out, and never in
+      z += way;
+      given_J += held_N * way;
+      const double gain = std::min(1.0, (i + 1) / 200.0);
+      // A wall that lets go as it should, and one that pushes on for ever.
+      const double wanted = spring ? std::max(0.0, kForce_N - kStiffness * z) : kForce_N;
+      const Wrench out = stage.Pass({Vec3(0, 0, wanted), Vec3::Zero()}, gain,
+                                    {Vec3(0, 0, z), Quat::Identity()}, kTick, i > 0, gain < 1.0);
+      stage.Hold({gain * out.force, Vec3::Zero()});
+      held_N = gain * out.force.z();
+    }
+    EXPECT_LE(given_J, 0.5 * kForce_N * kForce_N / kStiffness + 2.0 * EnergyStage::kSeed_J);
+    EXPECT_LE(given_J, stage.granted_J() + 2.0 * EnergyStage::kSeed_J);
+    EXPECT_GT(given_J, spring ? 1e-3 : 5e-3) << "it is felt";
+  }
 }
 
 TEST(EnergyStage, ForgetsTheHeatOfFrictionSoThatNoActivePhaseHidesBehindIt) {

@@ -124,7 +124,7 @@ TEST_F(OpenHapticsStation, FeelsTheCubeAndLosesTheForceWithItsServer) {
 
 TEST_F(OpenHapticsStation, LosesTheForceWhileItsServerStandsStill) {
   StartServer();
-  StartStation({"--enable-forces", "--device-rate", "2000"});
+  StartStation({"--enable-forces", "--rate", "2000"});
   Press(1.0);
   ASSERT_TRUE(Eventually([&] { return arm_->force_N > 0.6; })) << station_->Output();
   const std::int64_t stopped_ns = SteadyNanoseconds();
