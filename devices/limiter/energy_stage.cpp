@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/rotation.h"
+
 namespace palpate {
 
 EnergyStage::EnergyStage(const WrenchLimits& limits)
@@ -18,7 +20,13 @@ Wrench EnergyStage::Pass(const Wrench& wanted, double gain, const Pose& X_WH, do
   if (observer_.leapt()) store_J_ = std::min(store_J_, 0.0);
   Settle(0.5 * gain * (wanted.force.norm() * kDeepest_m + wanted.torque.norm() * kDeepest_rad),
          dt_s);
-  Grant(0.5 * gain * wanted.force.squaredNorm() * compliance_, entering);
+  const double stored = 0.5 * gain * wanted.force.squaredNorm() * compliance_;
+  Grant(stored, entering);
+  inside_ = entering || (inside_ && !wanted.force.isZero(0.0));
+  if (Rests(X_WH, dt_s) && inside_ && store_J_ < stored) {
+    granted_J_ += stored - store_J_;
+    store_J_ = stored;
+  }
 
   const Way& way = observer_.way();
   const double foreseen = wanted.force.dot(way.p) + wanted.torque.dot(way.phi);
@@ -45,6 +53,16 @@ void EnergyStage::Settle(double most_J, double dt_s) noexcept {
   const double covered =
       repaid_ ? std::min(0.0, observer_.energy_J() + granted_J_ - kReserve_J) : store_J_;
   if (store_J_ < covered) store_J_ += share * (covered - store_J_);
+}
+
+bool EnergyStage::Rests(const Pose& X_WH, double dt_s) noexcept {
+  // Comparisons with NaN are false: what is no pose is no rest.
+  const bool here =
+      (X_WH.p - X_rest_.p).norm() <= 2.0 * position_resolution_m_ &&
+      RotationLog(X_WH.q * X_rest_.q.conjugate()).norm() <= 2.0 * rotation_resolution_rad_;
+  if (!here) X_rest_ = X_WH;
+  rest_s_ = here ? rest_s_ + dt_s : 0.0;
+  return rest_s_ >= kRest_s;
 }
 
 void EnergyStage::Grant(double stored_J, bool entering) noexcept {

@@ -41,11 +41,13 @@ namespace palpate {
 /// owed.
 ///
 /// A hand may be in a contact before forces come on, or when they come back after a silence: it has
-/// put in nothing that is remembered, and without a force it could put in nothing.  While a force
-/// is entered by a ramp, the store is therefore filled up to what the coupling then holds, f^2 /
-/// 2k, and in all by no more than the greatest of that: 12 mJ for 5 N at 1 N/mm, once for each ramp
-/// from zero.  Where the stiffness is not known nothing is granted, and such a hand is not pushed
-/// out.
+/// put in nothing that is remembered, and without a force it could put in nothing.  While such a
+/// hand's force comes in by a ramp, the store is therefore filled up to what the coupling then
+/// holds, f^2 / 2k, and in all by no more than the greatest of that: 12 mJ for 5 N at 1 N/mm, once
+/// for each ramp from zero.  Until it leaves that contact, it is also credited with as much
+/// whenever it rests, within two steps of its encoder for kRest_s: it holds the spring as it
+/// stands, and a loop that gives energy does not rest.  Where the stiffness is not known nothing is
+/// granted.
 ///
 /// Real-time; deterministic.
 class EnergyStage {
@@ -53,6 +55,7 @@ class EnergyStage {
   static constexpr double kDeepest_m = 0.025;
   static constexpr double kDeepest_rad = 0.25;
   static constexpr double kForget_s = 0.05;
+  static constexpr double kRest_s = 0.2;
   /// Of a hand on an arm: 22 N on 0.7 kg are 31 m/s^2, 0.5 N m on 1.3 g m^2 400 rad/s^2.
   static constexpr double kMostAccel_m_s2 = 40.0;
   static constexpr double kMostAccel_rad_s2 = 400.0;
@@ -85,7 +88,7 @@ class EnergyStage {
 
   /// Calls in which it held something back.
   std::uint64_t count() const noexcept { return count_; }
-  /// What all ramps together have been granted [J].
+  /// What all ramps and rests together have been granted [J].
   double granted_J() const noexcept { return granted_J_; }
   const PassivityObserver& observer() const noexcept { return observer_; }
   double store_J() const noexcept { return store_J_; }
@@ -94,6 +97,7 @@ class EnergyStage {
   void Settle(double most_J, double dt_s) noexcept;
   /// @param stored_J  what the coupling holds of the wanted wrench, after the gain.
   void Grant(double stored_J, bool entering) noexcept;
+  bool Rests(const Pose& X_WH, double dt_s) noexcept;
   /// @param foreseen  work of the wanted wrench over a way like the last [J].
   double Factor(const Wrench& wanted, double foreseen, double gain, double dt_s) const noexcept;
 
@@ -101,11 +105,14 @@ class EnergyStage {
   double store_J_ = 0.0;
   double granted_J_ = 0.0;
   double entry_most_J_ = 0.0, entry_granted_J_ = 0.0;  // of the ramp that is on its way
-  bool moved_ = false;                                 // against or along what it held
-  bool repaid_ = false;                                // the seed
-  Vec3 smooth_ = Vec3::Zero();                         // velocity [m/s]
-  int inwards_ = 0;  // calls in a row in which the handle moved in
-  SlewStage slew_;   // what the store allows may leap: what is rendered does not
+  Pose X_rest_;                                        // where the hand rests
+  double rest_s_ = 0.0;                                // ... and for how long
+  bool inside_ = false;         // the hand was in this contact when its force began
+  bool moved_ = false;          // against or along what it held
+  bool repaid_ = false;         // the seed
+  Vec3 smooth_ = Vec3::Zero();  // velocity [m/s]
+  int inwards_ = 0;             // calls in a row in which the handle moved in
+  SlewStage slew_;              // what the store allows may leap: what is rendered does not
   double position_resolution_m_, rotation_resolution_rad_;
   double compliance_ = 0.0;  // of the coupling [m/N]
   std::uint64_t count_ = 0;
