@@ -6,9 +6,9 @@
 
 namespace palpate {
 
-GuideLink::GuideLink(int domain, std::string station)
+GuideLink::GuideLink(int domain, const dds::Network& network, std::string station)
     : station_(std::move(station)),
-      service_(dds::Participant::Service(domain)),
+      service_(dds::Participant::Service(domain, network)),
       targets_(service_, dds::kGuideTopic, dds::Qos::kStream) {}
 
 }  // namespace palpate

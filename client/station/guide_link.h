@@ -14,7 +14,7 @@ namespace palpate {
 class GuideLink {
  public:
   /// Throws Error.
-  GuideLink(int domain, std::string station);
+  GuideLink(int domain, const dds::Network& network, std::string station);
 
   /// Calls take(aim) for the newest that has come, if any.
   template <class Take>

@@ -148,9 +148,11 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   }
 
   std::optional<GuideLink> guide;
-  if (options.accept_guide) guide.emplace(options.link.domain, options.link.station);
+  if (options.accept_guide)
+    guide.emplace(options.link.domain, options.link.network, options.link.station);
 
-  const dds::Participant service = dds::Participant::Service(options.link.domain);
+  const dds::Participant service =
+      dds::Participant::Service(options.link.domain, options.link.network);
   dds::Writer<wire::StationStatistics> statistics(service, dds::kStationStatisticsTopic,
                                                   dds::Qos::kStream);
   StatisticsPeriod period(options.link.station, device->info().model);

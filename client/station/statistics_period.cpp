@@ -29,7 +29,11 @@ std::optional<wire::StationStatistics> StatisticsPeriod::Add(const StationSnapsh
   f.applied_force_N_max = std::max(f.applied_force_N_max, s.peak_force_N);
   f.applied_torque_Nm_max = std::max(f.applied_torque_Nm_max, s.peak_torque_Nm);
   f.device_status |= s.status;
-  if (began_ns_ == 0) began_ns_ = s.time_ns;
+  if (began_ns_ == 0) {
+    // The first snapshot counts as well: its period began so many ticks before it.
+    const double period_s = s.rate_hz > 0.0 ? static_cast<double>(s.ticks) / s.rate_hz : 0.0;
+    began_ns_ = s.time_ns - static_cast<std::int64_t>(1e9 * period_s);
+  }
   // Half a snapshot's time short is long enough: four of a quarter of a second are one second.
   if (s.time_ns - began_ns_ < kPeriod_ns - 100'000'000) return std::nullopt;
 

@@ -147,7 +147,7 @@ class HeldStation {
   /// As --accept-guide does; before the first Until.
   void AcceptGuide(double force_N) {
     core_.AcceptGuide(GuideLimits::OfForce(force_N));
-    guide_.emplace(kDomain, "held");
+    guide_.emplace(kDomain, dds::Network{}, "held");
   }
   /// Polls as main does, until it is so.
   template <class Condition>
