@@ -381,6 +381,7 @@ void OpenHapticsDevice::ReadNowAndThen() noexcept {
     hottest = t <= hottest ? hottest : t;  // NaN is kept
   }
   gate_.SetTemperature(hottest);
+  sample_.motor_temperature = hottest;  // the limiter's model is corrected by it
 }
 
 void OpenHapticsDevice::Apply(const LimitedWrench& wrench) noexcept {

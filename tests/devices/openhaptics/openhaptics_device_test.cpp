@@ -385,6 +385,7 @@ TEST_F(OpenHapticsDeviceTest, LosesTheForceWithinOneFrameWhenItIsUnpluggedInCont
 
 TEST_F(OpenHapticsDeviceTest, RestsWhileTheMotorsAreHotAndGoesOnWhenTheyHaveCooled) {
   ArmBench bench(fake, Options());
+  bench.wrench.force = Vec3(0.0, 1.0, 0.0);  // what warm motors stand, too
   ASSERT_TRUE(bench.RunUntilForce());
   fake.temperature[2] = 1.0;
   fake.Fail("hdEndFrame", 1, hd::kWarmMotors);
