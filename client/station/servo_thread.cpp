@@ -116,6 +116,7 @@ void ServoThread::Tick(std::int64_t now_ns) noexcept {
     missed_ticks_.store(0, std::memory_order_relaxed);
   }
   PosePath* const path = path_.load();
+  if (path == nullptr) core_.LoseSession();
   const bool sending = path != nullptr && IsTimeToSend();
   const OutgoingPose pose = core_.Sense(now_ns, sending);
   if (by_button_.load(std::memory_order_relaxed)) MindTheButton(pose.sample);

@@ -19,11 +19,13 @@ void StationCore::SetSpring(const CouplingSpring& spring) noexcept {
   limiter_.SetStiffness(spring.stiffness);
 }
 
+void StationCore::LoseSession() noexcept {
+  if (!graphic_known_) return;
+  graphic_known_ = false;
+  device_.LoseGraphicTool();
+}
+
 OutgoingPose StationCore::Sense(std::int64_t now_ns, bool sending) noexcept {
-  if (!sending && graphic_known_) {
-    graphic_known_ = false;
-    device_.LoseGraphicTool();
-  }
   sample_ = device_.Read();
   if (limiter_.enabled()) sample_.status |= kDeviceForcesEnabled;
   if (sending) {

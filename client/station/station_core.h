@@ -106,6 +106,8 @@ class StationCore {
   void Take(std::int64_t now_ns, const GuideAim& aim) noexcept { guide_.Take(now_ns, aim); }
   const Guide& guide() const noexcept { return guide_; }
 
+  /// Nobody answers any more: what was known of the graphic tool is over.  Before Sense.
+  void LoseSession() noexcept;
   /// First half of a tick: reads the device.  Where `sending`, the pose gets the next number; where
   /// not, there is no session.
   OutgoingPose Sense(std::int64_t now_ns, bool sending) noexcept;

@@ -57,7 +57,11 @@ TEST(StationCore, ShowsTheDeviceTheGraphicToolOfItsSessionAlone) {
   EXPECT_FALSE(bench.device.sees_graphic_tool);
   bench.Tick(true);
   EXPECT_TRUE(bench.device.sees_graphic_tool);
-  bench.core.Sense(bench.now, false);  // the session has ended
+  bench.core.Sense(bench.now, false);  // a tick between two poses, of a device faster than 1 kHz
+  bench.core.Act(bench.now);
+  EXPECT_TRUE(bench.device.sees_graphic_tool);
+  bench.core.LoseSession();
+  bench.core.Sense(bench.now, false);
   bench.core.Act(bench.now);
   EXPECT_FALSE(bench.device.sees_graphic_tool);
   bench.Tick(false);
