@@ -4,20 +4,37 @@
 
 namespace palpate {
 
-/// What a limiter lets through when all is well: a device with bounds so wide, and a past so long,
-/// that the wrench comes out as it went in.  The only way for a test, too, to command a device.
+/// A limiter that lets all through: of a device with bounds so wide, enabled so long ago, that each
+/// wrench up to 100 N and 100 N m comes out as it went in.  The only way for a test, too, to
+/// command a device.
+class OpenLimiter {
+ public:
+  explicit OpenLimiter(const Wrench& first = {}) : limiter_(WrenchLimits::Of(Wide())) {
+    limiter_.Enable(true);
+    for (int i = 0; i < 250; ++i) Pass(first);
+  }
+  LimitedWrench Pass(const Wrench& wrench) {
+    LimiterInput in;
+    in.wanted = wrench;
+    in.silence_s = in.age_s = 0.0;
+    in.dt_s = 1e-3;
+    return limiter_.Limit(in);
+  }
+
+ private:
+  static DeviceInfo Wide() {
+    DeviceInfo info;
+    info.max_force_N = info.continuous_force_N = 1e3;
+    info.max_torque_Nm = info.continuous_torque_Nm = 1e3;
+    return info;
+  }
+
+  WrenchLimiter limiter_;
+};
+
+/// The same for one wrench.
 inline LimitedWrench PassThrough(const Wrench& wrench) {
-  DeviceInfo info;
-  info.max_force_N = info.continuous_force_N = 1e3;
-  info.max_torque_Nm = info.continuous_torque_Nm = 1e3;
-  WrenchLimiter limiter(WrenchLimits::Of(info));
-  limiter.Enable(true);
-  LimiterInput in;
-  in.wanted = wrench;
-  in.silence_s = in.age_s = 0.0;
-  in.dt_s = 1e-3;
-  for (int i = 0; i < 250; ++i) limiter.Limit(in);
-  return limiter.Limit(in);
+  return OpenLimiter(wrench).Pass(wrench);
 }
 
 }  // namespace palpate
