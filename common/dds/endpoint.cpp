@@ -1,10 +1,12 @@
 #include "common/dds/endpoint.h"
 
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include <dds/ddsc/dds_loan_api.h>
 
+#include "common/dds/shared_memory_watch.h"
 #include "common/error.h"
 
 namespace palpate::dds {
@@ -21,9 +23,8 @@ int DepthOf(Qos role) {
 }
 
 /// role      reliability   durability       history      why
-/// kLoop     best effort   volatile         keep last 8  late is as bad as lost; eight, because
-/// over
-///                                                       shared memory a burst must fit the queue
+/// kLoop     best effort   volatile         keep last 8  late is as bad as lost; eight, because a
+///                                                       burst must fit shared memory's queue
 /// kSession  reliable      transient-local  keep last 1  who comes later learns what holds now
 /// kStream   best effort   volatile         keep last 1  a viewer wants the newest, and must never
 ///                                                       be able to slow the writer
@@ -65,7 +66,15 @@ dds_entity_t Made(dds_entity_t endpoint, dds_entity_t topic, const char* what,
   throw Error(std::string("DDS ") + what + " of topic '" + name + "': " + dds_strretcode(endpoint));
 }
 
+/// Over the making or deleting of an endpoint, where that concerns shared memory.
+std::optional<SharedMemoryWatch> Watch(bool shared_memory, const std::string& doing) {
+  if (!shared_memory) return std::nullopt;
+  return std::optional<SharedMemoryWatch>(std::in_place, doing);
+}
+
 void Delete(dds_entity_t endpoint, dds_entity_t topic) {
+  const auto watch =
+      Watch(endpoint > 0 && dds_is_shared_memory_available(endpoint), "deleting an endpoint");
   if (endpoint > 0) dds_delete(endpoint);
   if (topic > 0) dds_delete(topic);
 }
@@ -85,6 +94,7 @@ bool TakeValid(dds_entity_t reader, T& sample) noexcept {
 template <class T>
 Writer<T>::Writer(const Participant& participant, const std::string& topic, Qos qos)
     : topic_(MakeTopic<T>(participant, topic)) {
+  const auto watch = Watch(participant.shared_memory(), "making a writer of " + topic);
   writer_ = Made(
       dds_create_writer(participant.handle(), topic_, MakeQos(participant, qos).get(), nullptr),
       topic_, "writer", topic);
@@ -147,6 +157,7 @@ Reader<T>::Reader(const Participant& participant, const std::string& topic, Qos 
     listener.reset(dds_create_listener(state.get()));
     dds_lset_data_available(listener.get(), &State::OnDataAvailable);
   }
+  const auto watch = Watch(participant.shared_memory(), "making a reader of " + topic);
   reader_ = Made(dds_create_reader(participant.handle(), topic_, MakeQos(participant, qos).get(),
                                    listener.get()),
                  topic_, "reader", topic);

@@ -1,8 +1,10 @@
 #include "common/dds/participant.h"
 
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <sys/socket.h>
@@ -10,6 +12,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "common/dds/shared_memory_watch.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 
@@ -80,6 +83,11 @@ std::string DomainConfig(int domain_id, bool shared_memory, const Network& netwo
   return xml + "</Domain></CycloneDDS>";
 }
 
+void WatchTheEnd() {
+  static const auto* const until_the_end = new SharedMemoryWatch("taking leave of RouDi");
+  static_cast<void>(until_the_end);
+}
+
 }  // namespace
 
 Transport ParseTransport(const std::string& text) {
@@ -144,6 +152,9 @@ class Participant::Domain {
                   "): its UDP ports are taken (give another --domain), or there is no interface '" +
                   network.interface + "' with an address (give another --network)");
     }
+    // Runs before what iceoryx has registered by now: its leave of RouDi, which may hang too.
+    if (shared_memory) [[maybe_unused]]
+      static const int registered = std::atexit(WatchTheEnd);
   }
   ~Domain() { dds_delete(entity_); }
   Domain(const Domain&) = delete;
@@ -162,6 +173,8 @@ class Participant::Domain {
 
 Participant Participant::Make(int domain_id, bool shared_memory, const Network& network) {
   static std::map<int, std::weak_ptr<const Domain>> open;
+  std::optional<SharedMemoryWatch> watch;
+  if (shared_memory) watch.emplace("making a participant");
   std::shared_ptr<const Domain> domain = open[domain_id].lock();
   if (!domain) {
     domain = std::make_shared<const Domain>(domain_id, shared_memory, network);

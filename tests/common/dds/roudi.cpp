@@ -85,6 +85,10 @@ void RouDi::Kill() {
   Eventually([] { return !dds::RouDiAnswers(); });
 }
 
+void RouDi::Hang() {
+  kill(pid_, SIGSTOP);
+}
+
 bool RouDi::AnotherRuns() {
   const int lock = open(kLock, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (lock < 0 || flock(lock, LOCK_EX) != 0) throw Error(std::string(kLock) + ": cannot lock");

@@ -20,6 +20,8 @@ class RouDi {
 
   /// Kills it as a crash would: its socket stays behind.
   void Kill();
+  /// From now on it answers nobody, as one that waits for a lock that a dead process holds.
+  void Hang();
 
  private:
   int pid_ = -1;

@@ -1,0 +1,54 @@
+#include "common/dds/shared_memory_watch.h"
+
+#include <chrono>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "tests/common/dds/peer.h"
+#include "tests/common/dds/roudi.h"
+
+namespace palpate::dds {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::ExitedWithCode;
+
+constexpr const char* kRemedy = "shared memory hangs \\(a test\\).*start iox-roudi anew";
+
+class SharedMemoryWatchDeathTest : public testing::Test {
+ protected:
+  SharedMemoryWatchDeathTest() { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
+};
+
+TEST_F(SharedMemoryWatchDeathTest, EndsAProcessThatHangsAndSaysWhatToDo) {
+  EXPECT_EXIT(
+      {
+        const SharedMemoryWatch watch("a test", milliseconds(100));
+        std::this_thread::sleep_for(std::chrono::hours(1));
+      },
+      ExitedWithCode(1), kRemedy);
+}
+
+TEST(SharedMemoryWatch, LeavesWhatEndsInTimeAlone) {
+  for (int i = 0; i < 100; ++i) const SharedMemoryWatch watch("a test", milliseconds(200));
+  std::this_thread::sleep_for(milliseconds(400));
+}
+
+TEST(RouDiThatHangs, IsNotWaitedForByWhoComes) {
+  RouDi roudi;
+  roudi.Hang();
+  Peer peer("shm", 88, "late", 1, "at-once");
+  EXPECT_EQ(peer.Wait(), 1);
+}
+
+TEST(RouDiThatHangs, IsNotWaitedForByWhoLeaves) {
+  RouDi roudi;
+  Peer peer("shm", 88, "leaving", 2000, "at-once");
+  std::this_thread::sleep_for(milliseconds(1500));
+  roudi.Hang();
+  EXPECT_EQ(peer.Wait(), 1);
+}
+
+}  // namespace
+}  // namespace palpate::dds
