@@ -65,6 +65,10 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
   CLI::Option* guide = app.add_option("--guide", options.guide,
                                       "lead the hand at this station along the recorded path")
                            ->excludes(verify_option);
+  app.add_flag_callback(
+         "--no-wait", [&options] { options.waits = false; },
+         "with --guide: keep the pace, though the hand stays behind")
+      ->needs(guide);
   app.add_option("--rate", options.rate, "times the speed that it had; at most 2 with --guide")
       ->check(CLI::Range(0.01, 100.0))
       ->check(Finite())

@@ -24,6 +24,7 @@ struct ReplayOptions {
   double to_s = std::numeric_limits<double>::infinity();
   int domain = 0;
   std::string guide;  ///< station to be guided
+  bool waits = true;  ///< the guide, for a hand that stays behind
 
   // kScore
   std::string expert, trainee;

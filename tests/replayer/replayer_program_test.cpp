@@ -162,23 +162,26 @@ TEST_F(ReplayerProgramTest, VerifiesAGoldenRecordingAndSaysHowFast) {
   EXPECT_EQ(json["sessions"][0]["verified"], 400);
 }
 
+/// 20 s of an expert's hand that stands beside the held one.
+void WriteStillHand(const std::string& file, double beside_m) {
+  RecordingWriter writer({.file = file});
+  for (std::uint64_t i = 1; i <= 20'000; ++i) {
+    wire::HapticPose pose{};
+    pose.pose_sequence = i;
+    pose.sample_time_ns = static_cast<std::int64_t>(i) * 1'000'000;
+    pose.position_m[0] = beside_m;
+    pose.position_m[1] = 0.030 - kDepth_m;
+    pose.orientation_wxyz[0] = 1.0;
+    Add(writer, dds::PoseTopic("expert", 1), pose, pose.sample_time_ns);
+  }
+  Add(writer, dds::kSessionStateTopic, SampleState("expert", 1), 0);
+  writer.Close("");
+}
+
 TEST(GuidedStation, IsPulledWithinItsLimitAndNoLongerOnceTheGuideIsGone) {
   const Folder folder;
   const std::string file = folder / "expert.mcap";
-  {
-    RecordingWriter writer({.file = file});
-    for (std::uint64_t i = 1; i <= 20'000; ++i) {
-      wire::HapticPose pose{};
-      pose.pose_sequence = i;
-      pose.sample_time_ns = static_cast<std::int64_t>(i) * 1'000'000;
-      pose.position_m[0] = 0.004;  // 4 mm beside the held hand
-      pose.position_m[1] = 0.030 - kDepth_m;
-      pose.orientation_wxyz[0] = 1.0;
-      Add(writer, dds::PoseTopic("expert", 1), pose, pose.sample_time_ns);
-    }
-    Add(writer, dds::kSessionStateTopic, SampleState("expert", 1), 0);
-    writer.Close("");
-  }
+  WriteStillHand(file, 0.004);
   ServerProgram server("udp");
   ASSERT_TRUE(server.Ready()) << server.Output();
   StationProgram refusing("refusing", "udp", {"--for", "1"});
@@ -199,6 +202,27 @@ TEST(GuidedStation, IsPulledWithinItsLimitAndNoLongerOnceTheGuideIsGone) {
   EXPECT_EQ(guide.Exit(), -SIGKILL);
   EXPECT_TRUE(station.Until([&] { return std::abs(station.device.force_N - kForce_N) < 0.01; }))
       << station.device.force_N;
+}
+
+TEST(GuidedStation, IsWaitedForWhereItsHandStaysBehind) {
+  const Folder folder;
+  const std::string file = folder / "expert.mcap";
+  WriteStillHand(file, 0.030);
+  ServerProgram server("udp");
+  ASSERT_TRUE(server.Ready()) << server.Output();
+  HeldStation station(dds::Transport::kUdp);
+  station.AcceptGuide(0.5);
+  ASSERT_TRUE(station.UntilForce());
+  ReplayerProgram guide({file, "--guide", "held", "--to", "1", "--domain", kDomainText});
+  EXPECT_TRUE(guide.Says("waiting for the hand, 30 mm behind")) << guide.Output();
+  station.For(2.0);
+  EXPECT_TRUE(guide.Runs()) << guide.Output();
+  guide.Signal(SIGINT);
+  EXPECT_EQ(guide.Exit(), 0) << guide.Output();
+
+  ReplayerProgram hasty(
+      {file, "--guide", "held", "--no-wait", "--to", "1", "--domain", kDomainText});
+  EXPECT_EQ(hasty.Exit(), 0) << hasty.Output();
 }
 
 }  // namespace
