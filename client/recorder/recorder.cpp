@@ -128,13 +128,13 @@ class ProgressLine {
 }  // namespace
 
 void Record(const RecorderOptions& options, StopSignal& stop) {
-  const dds::TransportChoice transport = dds::ChooseTransport(options.transport);
+  const dds::TransportChoice transport = dds::ChooseTransport(options.transport, options.network);
   RecordingOptions recording_options = options.recording;
   recording_options.about["domain"] = std::to_string(options.domain);
   recording_options.about["loop"] = options.loop ? transport.reason : "not recorded";
 
   SampleQueue queue(kQueue);
-  Taps taps(options.domain, transport, options.loop, queue);
+  Taps taps(options.domain, options.network, transport, options.loop, queue);
   // Last: what it overwrites is lost only when there is something to record with.
   RecordingWriter recording(recording_options);
   WriterThread writer(recording, queue, taps);
