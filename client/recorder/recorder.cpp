@@ -154,8 +154,9 @@ void Record(const RecorderOptions& options, StopSignal& stop) {
     if (!silence_said && !taps.heard() && seconds() > 5.0) {
       silence_said = true;
       progress.End();
-      spdlog::warn("nothing heard of a server in domain {} for 5 s: recording what comes",
-                   options.domain);
+      spdlog::warn("nothing heard of a server in domain {} of {} for 5 s: recording what comes",
+                   options.domain,
+                   options.network.this_host() ? "this host" : options.network.interface);
     }
     if (options.seconds && seconds() >= *options.seconds) {
       reason = "its time was over";
