@@ -3,6 +3,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -14,6 +15,7 @@
 
 #include "client/recorder/file_summary.h"
 #include "common/error.h"
+#include "common/server_lock_file.h"
 #include "devices/scripted/scripted_device.h"
 #include "devices/wrench_limiter.h"
 #include "tests/link/silence.h"
@@ -61,11 +63,13 @@ struct BadNetwork : testing::Test {
       return false;
     }
   }
-  bool StartServer(std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments{"--scene",    "cube", "--domain",  kDomain,
-                                       "--realtime", "off",  "--network", TwoHosts::kLan};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    server = hosts->Start(0, PALPATE_BIN_DIR "/palpate-server", arguments);
+  std::unique_ptr<Program> ServerOn(int host) const {
+    return hosts->Start(
+        host, PALPATE_BIN_DIR "/palpate-server",
+        {"--scene", "cube", "--domain", kDomain, "--realtime", "off", "--network", TwoHosts::kLan});
+  }
+  bool StartServer() {
+    server = ServerOn(0);
     return server->Says("ready: ", 60.0);
   }
   std::unique_ptr<Program> StartStation(const std::string& seconds,
@@ -205,6 +209,19 @@ TEST_F(BadNetwork, IsNoHindranceToAClassThatWatchesAndRecordsOnAnotherHost) {
     health = client->Output();
   }
   EXPECT_THAT(health, testing::HasSubstr("\"cube\""));
+}
+
+TEST_F(BadNetwork, IsNoPlaceForTwoServersOfADomainAndTheStationSaysSo) {
+  if (!Connect({})) return;
+  ASSERT_TRUE(StartServer()) << server->Output();
+  const auto station = StartStation("60");
+  ASSERT_TRUE(station->Says("session: tool")) << station->Output();
+  std::filesystem::remove(ServerLockFile(std::atoi(kDomain)));  // hosts have a /tmp of their own
+  const auto second = ServerOn(1);
+  EXPECT_EQ(station->Exit(60.0), 1) << station->Output() << second->Output();
+  EXPECT_THAT(station->Output(),
+              testing::HasSubstr("palpate-station: two servers answer in domain 36: end one of "
+                                 "them, or give it and its stations another --domain"));
 }
 
 TEST_F(BadNetwork, IsNotForSharedMemory) {
