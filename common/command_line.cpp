@@ -1,14 +1,32 @@
 #include "common/command_line.h"
 
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 
 #include <CLI/CLI.hpp>
+#include <sched.h>
 
 #include "common/dds/topics.h"
 #include "common/error.h"
 
 namespace palpate {
+namespace {
+
+/// Comparisons, CLI11's ranges among them, let NaN pass.
+void MakeNumbersFinite(CLI::App& app) {
+  const CLI::Validator finite(
+      [](std::string& text) {
+        return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "give a finite number";
+      },
+      "");
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_type_name().starts_with("FLOAT")) option->check(finite);
+  }
+}
+
+}  // namespace
 
 void AddCommonOptions(CLI::App& app, const std::string& domain_help, int& domain,
                       std::string& log_level) {
@@ -20,7 +38,30 @@ void AddCommonOptions(CLI::App& app, const std::string& domain_help, int& domain
       ->capture_default_str();
 }
 
+void AddNetworkOptions(CLI::App& app, const std::string& peer, dds::Network& network) {
+  app.add_option("--network", network.interface,
+                 "interface of the network where server, stations and viewers meet, to be given on "
+                 "the server's host too; lo: this host alone.  Nothing that is sent is encrypted")
+      ->type_name("INTERFACE")
+      ->capture_default_str();
+  app.add_option("--peer", network.peers,
+                 "address of " + peer + ", where that network carries no multicast")
+      ->type_name("ADDRESS");
+}
+
+void AddRealtimeOptions(CLI::App& app, const std::string& loop, RealtimeOptions& realtime) {
+  app.add_option_function<std::string>(
+         "--realtime",
+         [&realtime](const std::string& text) { realtime.mode = ParseRealtimeMode(text); },
+         "scheduling of " + loop +
+             "; require: fail without the rights; prefer: take what is granted; off")
+      ->default_str("prefer");
+  app.add_option("--cpu", realtime.cpu, "core that " + loop + " stays on; default: any")
+      ->check(CLI::Range(0, CPU_SETSIZE - 1));
+}
+
 bool ParseCommandLine(CLI::App& app, int argc, const char* const* argv) {
+  MakeNumbersFinite(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& wanted) {

@@ -3,6 +3,9 @@
 #include <functional>
 #include <string>
 
+#include "common/dds/network.h"
+#include "common/realtime/realtime.h"
+
 namespace CLI {
 class App;
 }
@@ -18,8 +21,16 @@ namespace palpate {
 void AddCommonOptions(CLI::App& app, const std::string& domain_help, int& domain,
                       std::string& log_level);
 
-/// False where --help or --version was asked for, and is printed.  Throws UsageError (argument,
-/// where to look).
+/// Adds --network and --peer, for a program that may meet others across a network.
+/// @param peer  whose address --peer is: "the server".   @param network  must outlive the app.
+void AddNetworkOptions(CLI::App& app, const std::string& peer, dds::Network& network);
+
+/// Adds --realtime and --cpu, for a program with a loop.
+/// @param loop  whose scheduling it is: "the servo loops".   @param realtime  must outlive the app.
+void AddRealtimeOptions(CLI::App& app, const std::string& loop, RealtimeOptions& realtime);
+
+/// False where --help or --version was asked for, and is printed.  Numbers are finite then.  Throws
+/// UsageError (argument, where to look).
 bool ParseCommandLine(CLI::App& app, int argc, const char* const* argv);
 
 /// A program but for its name: what it throws is said on stderr, and its exit status is then 2 for

@@ -43,8 +43,7 @@ struct Options {
   std::vector<std::string> scenes;
   std::string transport = "auto";
   dds::Network network;
-  std::string realtime = "prefer";
-  int cpu = -1;
+  RealtimeOptions realtime;
   std::string models;
   int domain = 0;
   std::string log_level = "info";
@@ -67,8 +66,7 @@ int Serve(const Options& options) {
       dds::ChooseTransport(dds::ParseTransport(options.transport), options.network);
 
   // The receiving threads, which are the servo loops, inherit what this thread has just now.
-  const RealtimeReport realtime =
-      EnterRealtime({.mode = ParseRealtimeMode(options.realtime), .cpu = options.cpu});
+  const RealtimeReport realtime = EnterRealtime(options.realtime);
   dds::Participant loop_domain = dds::Participant::Loop(options.domain, transport, options.network);
   LeaveRealtime();
 
@@ -117,19 +115,10 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   app.add_option("--transport", options.transport,
                  "auto: shared memory where RouDi answers, else UDP; shm or udp insist")
       ->capture_default_str();
-  app.add_option("--realtime", options.realtime,
-                 "require: fail without the rights; prefer: take what is granted; off")
-      ->capture_default_str();
-  app.add_option("--cpu", options.cpu, "core that the servo loops stay on (default: any)")
-      ->check(CLI::NonNegativeNumber);
+  AddRealtimeOptions(app, "the servo loop", options.realtime);
   app.add_option("--models", options.models,
                  "folder with the meshes that are not installed (or PALPATE_MODELS)");
-  app.add_option("--network", options.network.interface,
-                 "network interface, where the stations are on other hosts; default: this host "
-                 "alone.  Nothing that is sent over it is encrypted")
-      ->capture_default_str();
-  app.add_option("--peer", options.network.peers,
-                 "address of a station, where the network carries no multicast");
+  AddNetworkOptions(app, "a station or viewer", options.network);
   AddCommonOptions(app, "which set of servers and stations this belongs to", options.domain,
                    options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;

@@ -9,21 +9,23 @@ namespace palpate {
 namespace {
 
 constexpr const char* kAbout =
-    "Records all that a palpate-server and its stations say, every pose and wrench included, as "
-    "an\n"
-    "MCAP file: for palpate-replay, Foxglove and every other reader of MCAP.\n";
+    R"(Records all that a palpate-server and its stations say, every pose and wrench included, as an
+MCAP file: for palpate-replay, Foxglove and every other reader of MCAP.
+)";
 
 constexpr const char* kExamples =
-    "Examples:\n"
-    "  palpate-record -o lesson.mcap\n"
-    "      until Ctrl-C; start it before the stations, so that their first poses are in it\n"
-    "  palpate-record -o day.mcap --split-time 600\n"
-    "      a file for each ten minutes: day_000.mcap, day_001.mcap, ...\n"
-    "  palpate-record info lesson.mcap\n"
-    "      what is in it, and whether anything is missing\n"
-    "\n"
-    "What was recorded a second ago is on the disk, even if this program or the machine fails.\n"
-    "Exit status: 0 done, 1 failed, 2 wrong usage.";
+    R"(Examples:
+  palpate-record -o lesson.mcap
+      until Ctrl-C; start it before the stations, so that their first poses are in it
+  palpate-record -o day.mcap --split-time 600
+      a file for each ten minutes: day_000.mcap, day_001.mcap, ...
+  palpate-record info lesson.mcap
+      what is in it, and whether anything is missing
+  palpate-record -o far.mcap --network eth0
+      of a server on another host, which runs with --network too
+
+What was recorded a second ago is on the disk, even if this program or the machine fails.
+Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 }  // namespace
 
@@ -51,6 +53,7 @@ std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_option("--transport", transport,
                  "of poses and wrenches, as the server's: auto, shm or udp")
       ->capture_default_str();
+  AddNetworkOptions(app, "the server", options.network);
   AddCommonOptions(app, "which server: the same number as there", options.domain,
                    options.log_level);
   CLI::App* info = app.add_subcommand("info", "say what is in a recording, and what is missing");

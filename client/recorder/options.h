@@ -18,6 +18,7 @@ struct RecorderOptions {
   bool loop = true;
   std::optional<double> seconds;
   int domain = 0;
+  dds::Network network;
   dds::Transport transport = dds::Transport::kAuto;
   std::string log_level = "info";
 };

@@ -128,13 +128,13 @@ class ProgressLine {
 }  // namespace
 
 void Record(const RecorderOptions& options, StopSignal& stop) {
-  const dds::TransportChoice transport = dds::ChooseTransport(options.transport);
+  const dds::TransportChoice transport = dds::ChooseTransport(options.transport, options.network);
   RecordingOptions recording_options = options.recording;
   recording_options.about["domain"] = std::to_string(options.domain);
   recording_options.about["loop"] = options.loop ? transport.reason : "not recorded";
 
   SampleQueue queue(kQueue);
-  Taps taps(options.domain, transport, options.loop, queue);
+  Taps taps(options.domain, options.network, transport, options.loop, queue);
   // Last: what it overwrites is lost only when there is something to record with.
   RecordingWriter recording(recording_options);
   WriterThread writer(recording, queue, taps);
@@ -154,8 +154,9 @@ void Record(const RecorderOptions& options, StopSignal& stop) {
     if (!silence_said && !taps.heard() && seconds() > 5.0) {
       silence_said = true;
       progress.End();
-      spdlog::warn("nothing heard of a server in domain {} for 5 s: recording what comes",
-                   options.domain);
+      spdlog::warn("nothing heard of a server in domain {} of {} for 5 s: recording what comes",
+                   options.domain,
+                   options.network.this_host() ? "this host" : options.network.interface);
     }
     if (options.seconds && seconds() >= *options.seconds) {
       reason = "its time was over";

@@ -23,10 +23,12 @@ std::int64_t RecordingTime_ns() {
   return offset_ns + SteadyNanoseconds();
 }
 
-Taps::Taps(int domain, const dds::TransportChoice& transport, bool loop, SampleQueue& queue)
+Taps::Taps(int domain, const dds::Network& network, const dds::TransportChoice& transport,
+           bool loop, SampleQueue& queue)
     : queue_(queue),
-      service_(dds::Participant::Service(domain)),
-      loop_(loop ? std::make_unique<dds::Participant>(dds::Participant::Loop(domain, transport))
+      service_(dds::Participant::Service(domain, network)),
+      loop_(loop ? std::make_unique<dds::Participant>(
+                       dds::Participant::Loop(domain, transport, network))
                  : nullptr),
       requests_(service_, dds::kSessionRequestTopic, dds::Qos::kRecordSession),
       states_(service_, dds::kSessionStateTopic, dds::Qos::kRecordSession),

@@ -32,7 +32,8 @@ class Taps {
  public:
   /// @param loop  false: service topics alone.
   /// Throws Error.
-  Taps(int domain, const dds::TransportChoice& transport, bool loop, SampleQueue& queue);
+  Taps(int domain, const dds::Network& network, const dds::TransportChoice& transport, bool loop,
+       SampleQueue& queue);
   ~Taps();
   Taps(const Taps&) = delete;
   Taps& operator=(const Taps&) = delete;

@@ -67,7 +67,7 @@ void Guide(const ReplayOptions& options, StopSignal& stop) {
   const HandPath path = ReadHandPath(options.files);
   const double end_s = std::min(options.to_s, path.duration_s());
   if (options.from_s >= end_s) throw UsageError("--from is behind the path's end");
-  const dds::Participant service = dds::Participant::Service(options.domain);
+  const dds::Participant service = dds::Participant::Service(options.domain, options.network);
   dds::Writer<wire::GuideTarget> writer(service, dds::kGuideTopic, dds::Qos::kStream);
   std::printf("leading station %s along %.1f s of %s's path at %g x, domain %d\n",
               options.guide.c_str(), end_s - options.from_s, path.station.c_str(), options.rate,

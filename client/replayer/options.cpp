@@ -1,8 +1,5 @@
 #include "client/replayer/options.h"
 
-#include <cmath>
-#include <cstdlib>
-
 #include <CLI/CLI.hpp>
 
 #include "common/command_line.h"
@@ -16,32 +13,23 @@ namespace {
 constexpr double kMostGuideRate = 2.0;
 
 constexpr const char* kAbout =
-    "Replays what palpate-record has recorded: to viewers as if live, through the physics to "
-    "verify\n"
-    "every bit, or to another hand as a gentle guide; and scores a trainee against an expert.\n";
+    R"(Replays what palpate-record has recorded: to viewers as if live, through the physics to verify
+every bit, or to another hand as a gentle guide; and scores a trainee against an expert.
+)";
 
 constexpr const char* kExamples =
-    "Examples:\n"
-    "  palpate-replay lesson.mcap --rate 0.5 --loop\n"
-    "      to viewers, at half the speed, again and again; on a terminal the space bar pauses, "
-    "the\n"
-    "      right arrow steps, q ends\n"
-    "  palpate-replay lesson.mcap --verify\n"
-    "      computes every wrench again and compares all bits\n"
-    "  palpate-replay expert.mcap --guide trainee\n"
-    "      leads the hand at station 'trainee', which accepts it with --accept-guide\n"
-    "  palpate-replay score expert.mcap trainee.mcap --out report\n"
-    "      distance of the paths, forces, time, with plots\n"
-    "\n"
-    "Exit status: 0 done, 1 failed or not verified, 2 wrong usage.";
+    R"(Examples:
+  palpate-replay lesson.mcap --rate 0.5 --loop
+      to viewers, at half the speed, again and again; on a terminal the space bar pauses, the
+      right arrow steps, q ends
+  palpate-replay lesson.mcap --verify
+      computes every wrench again and compares all bits
+  palpate-replay expert.mcap --guide trainee
+      leads the hand at station 'trainee', which accepts it with --accept-guide
+  palpate-replay score expert.mcap trainee.mcap --out report
+      distance of the paths, forces, time, with plots
 
-/// Comparisons, CLI11's ranges among them, let NaN pass.
-CLI::Validator Finite() {
-  return {[](std::string& text) {
-            return std::isfinite(std::strtod(text.c_str(), nullptr)) ? "" : "give a finite number";
-          },
-          ""};
-}
+Exit status: 0 done, 1 failed or not verified, 2 wrong usage.)";
 
 }  // namespace
 
@@ -71,7 +59,6 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
       ->needs(guide);
   app.add_option("--rate", options.rate, "times the speed that it had; at most 2 with --guide")
       ->check(CLI::Range(0.01, 100.0))
-      ->check(Finite())
       ->excludes(verify_option)
       ->capture_default_str();
   app.add_flag("--loop", options.loop, "again and again, until Ctrl-C")->excludes(verify_option);
@@ -81,12 +68,11 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_option("--from", options.from_s,
                  "begin so many seconds into the recording (--guide: into the hand's path)")
       ->check(CLI::NonNegativeNumber)
-      ->check(Finite())
       ->excludes(verify_option);
   app.add_option("--to", options.to_s, "end so many seconds into it")
       ->check(CLI::PositiveNumber)
-      ->check(Finite())
       ->excludes(verify_option);
+  AddNetworkOptions(app, "a viewer or the guided station", options.network);
   AddCommonOptions(app, "which viewers and stations: the same number as there", options.domain,
                    options.log_level);
   CLI::App* score = app.add_subcommand("score", "how near a trainee came to an expert");

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client/replayer/verify.h"
+#include "common/dds/network.h"
 
 namespace palpate {
 
@@ -23,6 +24,7 @@ struct ReplayOptions {
   double from_s = 0.0;
   double to_s = std::numeric_limits<double>::infinity();
   int domain = 0;
+  dds::Network network;
   std::string guide;  ///< station to be guided
   bool waits = true;  ///< the guide, for a hand that stays behind
 

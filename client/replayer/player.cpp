@@ -59,8 +59,8 @@ Span Measure(RecordingReader& reader, const StopSignal& stop) {
 /// Speaks as a server: the writers that viewers listen to.
 class Voice {
  public:
-  explicit Voice(int domain)
-      : service_(dds::Participant::Service(domain)),
+  Voice(int domain, const dds::Network& network)
+      : service_(dds::Participant::Service(domain, network)),
         states_(service_, dds::kSessionStateTopic, dds::Qos::kSession),
         changes_(service_, dds::kSceneChangeTopic, dds::Qos::kSession),
         bundles_(service_, dds::kSceneBundleTopic, dds::Qos::kSession),
@@ -251,7 +251,7 @@ void Play(const ReplayOptions& options, StopSignal& stop) {
   Player player(options, stop);
   if (stop.stopped()) return;
   const ServerLock lock(options.domain);
-  Voice voice(options.domain);
+  Voice voice(options.domain, options.network);
   std::printf("replaying %s: %.1f s at %g x, domain %d\n", options.files.front().c_str(),
               player.length_s(), options.rate, options.domain);
   std::fflush(stdout);

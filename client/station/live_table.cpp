@@ -43,8 +43,8 @@ bool IsWell(const StationSnapshot& s) {
 std::string Ailments(const StationSnapshot& snapshot) {
   std::string words = FaultWords(snapshot.faults);
   if (snapshot.fading) {
-    words =
-        (snapshot.faults == 0 ? "" : words + ", ") + std::string("force held back (late replies)");
+    words = (snapshot.faults == 0 ? "" : words + ", ") +
+            std::string("force held back (late or missing replies)");
   }
   if (snapshot.warmth > kHot) {
     words = (snapshot.faults == 0 && !snapshot.fading ? "" : words + ", ") +

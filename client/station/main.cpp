@@ -1,27 +1,16 @@
-#include <cstdio>
-#include <exception>
-
 #include "client/station/options.h"
 #include "client/station/station.h"
-#include "common/error.h"
+#include "common/command_line.h"
 #include "common/log.h"
 #include "common/stop_signal.h"
 
 int main(int argc, char** argv) {
-  const auto fail = [](const std::exception& error, int status) {
-    std::fprintf(stderr, "palpate-station: %s\n", error.what());
-    return status;
-  };
-  try {
+  return palpate::RunProgram("palpate-station", [&] {
     const auto options = palpate::ParseOptions(argc, argv);
     if (!options) return 0;
     palpate::SetUpLog("palpate-station", options->log_level);
     palpate::StopSignal stop;
     palpate::RunStation(*options, stop);
     return 0;
-  } catch (const palpate::UsageError& error) {
-    return fail(error, 2);
-  } catch (const std::exception& error) {
-    return fail(error, 1);
-  }
+  });
 }

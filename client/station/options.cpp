@@ -1,10 +1,9 @@
 #include "client/station/options.h"
 
-#include <cstdio>
-
 #include <CLI/CLI.hpp>
 
 #include "client/station/guide.h"
+#include "common/command_line.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "devices/device_factory.h"
@@ -13,55 +12,49 @@ namespace palpate {
 namespace {
 
 constexpr const char* kAbout =
-    "Drives a haptic device in a scene that a palpate-server holds: a pose out and a wrench back, "
-    "a\n"
-    "thousand times a second.  Shows live what happens, and a summary at the end.\n";
+    R"(Drives a haptic device in a scene that a palpate-server holds: a pose out and a wrench back, a
+thousand times a second.  Shows live what happens, and a summary at the end.
+)";
 
-constexpr const char* kExamples =
-    "\n"
-    "Examples:\n"
-    "  palpate-server --scene bunny-bunny &\n"
-    "  palpate-station --device simulated --scene bunny-bunny --id hand --loop\n"
-    "      a simulated arm and hand feel the bunny until Ctrl-C\n"
-    "  palpate-station --device scripted --scene cube --id probe --for 10 --json run.json\n"
-    "      the scene's script, played exactly for 10 s, with figures for a program\n"
-    "  palpate-station --device simulated --model touch --scale 2 --scene cube --id small\n"
-    "      an arm that renders no torque; each millimetre of the hand moves the tool by two: a "
-    "spring\n"
-    "      of 1 N/mm is felt as 2 N/mm, force stays as the scene has it, torque is halved\n"
-    "  palpate-station --device spacemouse --clutch-button 1 --scene cube --id me\n"
-    "      a SpaceMouse, through spacenavd; while its second button is down, the hand moves and "
-    "the\n"
-    "      tool does not\n"
-    "  palpate-station --device mouse --scene cube --id me < targets\n"
-    "      a hand without a device: each line on standard input, 'x y z qw qx qy qz' in metres "
-    "and\n"
-    "      the scene's frame, drags the tool there, smoothly and pressing at most 20 mm deep;\n"
-    "      'release' lets it go; the end of input ends the station\n"
-    "  palpate-station --device openhaptics --scene cube --id me\n"
-    "      a PHANTOM or Touch arm, through the OpenHaptics library that is installed, or the file "
-    "that\n"
-    "      PALPATE_OPENHAPTICS_LIBRARY names\n"
-    "\n"
-    "Forces reach a real device only while its first button is held, or all the time with\n"
-    "--enable-forces; letting the button go takes them away within 50 ms.  They fade to zero "
-    "within\n"
-    "25 ms when the server stops answering, and ramp in again when it is back.\n"
-    "Exit status: 0 done, 1 failed or refused, 2 wrong usage.";
+constexpr const char* kExamples = R"(
+Examples:
+  palpate-server --scene bunny-bunny &
+  palpate-station --device simulated --scene bunny-bunny --id hand --loop
+      a simulated arm and hand feel the bunny until Ctrl-C
+  palpate-station --device scripted --scene cube --id probe --for 10 --json run.json
+      the scene's script, played exactly for 10 s, with figures for a program
+  palpate-station --device simulated --model touch --scale 2 --scene cube --id small
+      an arm that renders no torque; each millimetre of the hand moves the tool by two: a spring
+      of 1 N/mm is felt as 2 N/mm, force stays as the scene has it, torque is halved
+  palpate-station --device spacemouse --clutch-button 1 --scene cube --id me
+      a SpaceMouse, through spacenavd; while its second button is down, the hand moves and the
+      tool does not
+  palpate-station --device mouse --scene cube --id me < targets
+      a hand without a device: each line on standard input, 'x y z qw qx qy qz' in metres and
+      the scene's frame, drags the tool there, smoothly and pressing at most 20 mm deep;
+      'release' lets it go; the end of input ends the station
+  palpate-station --device openhaptics --scene cube --id me
+      a PHANTOM or Touch arm, through the OpenHaptics library that is installed, or the file that
+      PALPATE_OPENHAPTICS_LIBRARY names
+  palpate-station --device simulated --scene cube --id far --network eth0
+      a server on another host, which runs with --network too
+
+Forces reach a real device only while its first button is held, or all the time with
+--enable-forces; letting the button go takes them away within 50 ms.  They fade to zero within
+25 ms when the server stops answering, and ramp in again when it is back.
+Exit status: 0 done, 1 failed or refused, 2 wrong usage.)";
 
 }  // namespace
 
 std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   StationOptions options;
   std::string transport = "auto";
-  std::string realtime = "prefer";
   double seconds = 0.0;
   bool table = false;
   std::string local_model = "on";
 
   CLI::App app(kAbout, "palpate-station");
   app.footer("Devices:\n" + DeviceHelp() + kExamples);
-  app.set_version_flag("--version", "palpate-station " PALPATE_VERSION);
   app.add_option("--device", options.link.device, "the device: " + DeviceNames())->required();
   app.add_option("--model", options.model, "which arm; default: the first named below");
   app.add_option("--rate", options.rate_Hz, "how often the device is served, in Hz")
@@ -104,38 +97,20 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
           ->check(CLI::PositiveNumber);
   app.add_option("--transport", transport, "of poses and wrenches: auto, shm or udp")
       ->capture_default_str();
-  app.add_option("--network", options.link.network.interface,
-                 "network interface, where the server is on another host; default: this host "
-                 "alone.  Nothing that is "
-                 "sent over it is encrypted")
-      ->capture_default_str();
-  app.add_option("--peer", options.link.network.peers,
-                 "address of the server, where the network carries no multicast");
-  app.add_option("--domain", options.link.domain, "which server: the same number as there")
-      ->check(CLI::Range(0, dds::kMaxDomain))
-      ->capture_default_str();
+  AddNetworkOptions(app, "the server", options.link.network);
   app.add_option("--wait", options.link.patience_s, "seconds to wait for a server's first answer")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--realtime", realtime, "scheduling of the loop: require, prefer or off")
-      ->capture_default_str();
-  app.add_option("--cpu", options.link.realtime.cpu, "core for the loop; default: any");
+  AddRealtimeOptions(app, "the loop", options.link.realtime);
   app.add_flag("--table,!--no-table", table,
                "a live table, or a line a second; default: a table on a terminal");
   app.add_option("--json", options.json, "write the summary as JSON to this file; - is stdout");
   app.add_option("--trace", options.trace,
                  "write a row of every tick to this file (CSV): replies, their age, forces");
-  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
-      ->capture_default_str();
+  AddCommonOptions(app, "which server: the same number as there", options.link.domain,
+                   options.log_level);
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& wanted) {
-    app.exit(wanted);  // prints the help or the version
-    return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(std::string(error.what()) + "; 'palpate-station --help' shows how");
-  }
+  if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
 
   if (!dds::IsStationName(options.link.station)) {
     throw UsageError("--id '" + options.link.station + "': give 1 to 32 letters, digits or _");
@@ -144,7 +119,6 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   options.local_model = local_model == "on";
   if (*for_option) options.seconds = seconds;
   options.link.transport = dds::ParseTransport(transport);
-  options.link.realtime.mode = ParseRealtimeMode(realtime);
   CheckDevice(options.link.device, options.model, options.rate_Hz);
   return options;
 }

@@ -75,6 +75,7 @@ void SessionLink::Close() {
 
 void SessionLink::Ask(std::int64_t now_ns) {
   Close();
+  if (server_restarted_) former_servers_.insert(server_run_);
   run_ = RandomRun();
   server_run_ = 0;
   server_restarted_ = false;
@@ -116,24 +117,29 @@ void SessionLink::Poll(std::int64_t now_ns) {
 
 void SessionLink::PollAsking(std::int64_t now_ns) {
   if (!state_) {
-    if (links_ == 0 &&
-        now_ns - phase_since_ns_ > static_cast<std::int64_t>(1e9 * options_.patience_s)) {
-      throw Error("no server answers in domain " + std::to_string(options_.domain) +
-                  "; start 'palpate-server --scene " + options_.scene + " --domain " +
-                  std::to_string(options_.domain) + "', or give the --domain of one that runs");
-    }
+    const double asked_s = 1e-9 * static_cast<double>(now_ns - phase_since_ns_);
+    if (links_ == 0 && asked_s > options_.patience_s) throw Error(NobodyAnswers());
     return;
   }
   if (state_->phase == palpate_SESSION_REFUSED) {
-    if (refused_since_ns_ == 0) refused_since_ns_ = now_ns;
-    if (links_ == 0 || now_ns - refused_since_ns_ > kRefusalPatience_ns) {
-      throw Error(std::string("the server refuses the session: ") + state_->reason);
+    const std::string refusal = std::string("the server refuses the session: ") + state_->reason;
+    if (links_ == 0 ||
+        (refused_since_ns_ != 0 && now_ns - refused_since_ns_ > kRefusalPatience_ns)) {
+      throw Error(refusal);
+    }
+    if (refused_since_ns_ == 0) {
+      refused_since_ns_ = now_ns;
+      say_(refusal + "; asking again for 10 s");
     }
     if (now_ns - phase_since_ns_ > kSecond_ns) Ask(now_ns);
     return;
   }
   if (state_->phase == palpate_SESSION_ENDED) return Ask(now_ns);
   refused_since_ns_ = 0;
+  if (former_servers_.contains(state_->server_run)) {
+    throw Error("two servers answer in domain " + std::to_string(options_.domain) +
+                ": end one of them, or give it and its stations another --domain");
+  }
   server_run_ = state_->server_run;
   tool_ = state_->tool;
   path_ = std::make_unique<PosePath>();
@@ -148,6 +154,20 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
   }
   phase_ = Phase::kMatching;
   phase_since_ns_ = now_ns;
+}
+
+std::string SessionLink::NobodyAnswers() const {
+  const std::string domain = std::to_string(options_.domain);
+  if (options_.network.this_host()) {
+    return "no server answers in domain " + domain +
+           " of this host; start 'palpate-server --scene " + options_.scene + " --domain " +
+           domain +
+           "', give the --domain of one that runs, or --network where it runs on another host";
+  }
+  return "no server answers in domain " + domain + " over " + options_.network.interface +
+         "; start 'palpate-server --scene " + options_.scene + " --domain " + domain +
+         " --network INTERFACE' there; where the network carries no multicast, give --peer ADDRESS "
+         "here or there";
 }
 
 void SessionLink::MakeReader() {
@@ -194,6 +214,7 @@ void SessionLink::PollLinked(std::int64_t now_ns) {
   }
   if (servo_->newest_reply_ns() > silent_since_ns_) {
     silent_since_ns_ = servo_->newest_reply_ns();
+    if (silence_said_) say_("replies come again: forces ramp in");
     silence_said_ = false;
   }
   if (now_ns - silent_since_ns_ > kSilence_ns) OnSilence(now_ns);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "client/station/reply_ring.h"
@@ -49,8 +50,8 @@ class SessionLink {
   SessionLink(const SessionLink&) = delete;
   SessionLink& operator=(const SessionLink&) = delete;
 
-  /// To be called about a hundred times a second.  Throws Error where the server refuses, or no
-  /// server answers the first time.
+  /// To be called about a hundred times a second.  Throws Error where the server refuses, where no
+  /// server answers the first time, or where two do: the hand would be between them.
   void Poll(std::int64_t now_ns);
 
   Phase phase() const { return phase_; }
@@ -76,6 +77,7 @@ class SessionLink {
   bool MayFallBack() const;
   void FallBackToUdp(const std::string& why, std::int64_t now_ns);
   void Close();
+  std::string NobodyAnswers() const;
   void MakeReader();
   void WriteRequest(bool leave);
 
@@ -96,6 +98,7 @@ class SessionLink {
   std::uint64_t server_run_ = 0;             // of the server that accepted
   std::optional<wire::SessionState> state_;  // latest answer to this run
   bool server_restarted_ = false;
+  std::set<std::uint64_t> former_servers_;  // by server_run: one that has gone answers no more
   std::int64_t refused_since_ns_ = 0;
   std::string tool_;
   int links_ = 0;

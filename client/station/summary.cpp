@@ -69,9 +69,8 @@ std::string ToText(const StationSummary& s) {
                100.0 * Fraction(t.contact_replies, t.replies));
   text += "  faults       " + FaultWords(t.faults) + "\n";
   text += Text(
-      "  limiter      %llu fades, %llu clamped, %llu slewed, %llu braked, %llu warm, %llu not "
-      "finite; "
-      "%d reconnects\n",
+      "  limiter      %llu fades, %llu clamped, %llu slewed, %llu braked, %llu warm, "
+      "%llu not finite; %d reconnects\n",
       Number(s.limiter.fades), Number(s.limiter.clamped), Number(s.limiter.slewed),
       Number(s.limiter.braked), Number(s.limiter.warm), Number(s.limiter.nonfinite), s.reconnects);
   text +=

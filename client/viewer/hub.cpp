@@ -52,10 +52,10 @@ std::vector<std::string> KeysOf(const Map& map) {
 Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
     : options_(options),
       page_(options.page),
-      feed_(options.domain),
+      feed_(options.domain, options.network),
       session_id_(RandomId()),
       // Their names are this gateway's alone: another one in the domain has mice of its own.
-      mice_({options.max_mice, options.domain, options.transport, StationProgram(),
+      mice_({options.max_mice, options.domain, options.transport, options.network, StationProgram(),
              "mouse_" + session_id_.substr(0, 4) + "_"},
             [this](const MouseRoom::News& news) { Tell(news); }),
       packer_(io),

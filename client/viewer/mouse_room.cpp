@@ -78,7 +78,9 @@ void MouseRoom::Start(int number, Mouse& mouse, std::int64_t now_ns) {
                                      "--id=" + NameOf(number),
                                      "--domain=" + std::to_string(options_.domain),
                                      "--transport=" + options_.transport,
+                                     "--network=" + options_.network.interface,
                                      "--no-table"};
+  for (const std::string& peer : options_.network.peers) arguments.push_back("--peer=" + peer);
   if (!mouse.tool.empty()) arguments.push_back("--tool=" + mouse.tool);
   try {
     mouse.station = std::make_unique<MouseStation>(options_.program, arguments);

@@ -8,6 +8,7 @@
 
 #include "client/viewer/mouse_command.h"
 #include "client/viewer/mouse_station.h"
+#include "common/dds/network.h"
 #include "common/dds/wire.h"
 
 namespace palpate {
@@ -25,6 +26,7 @@ class MouseRoom {
     int most = 4;
     int domain = 0;
     std::string transport = "auto";
+    dds::Network network;
     std::string program;  ///< path of palpate-station
     /// Of the stations' names, before their numbers; no other station of the domain has it.
     std::string prefix = "mouse_";

@@ -13,27 +13,26 @@ namespace palpate {
 namespace {
 
 constexpr const char* kAbout =
-    "Shows what happens at a palpate-server to browsers: serves the web page, and on the same port "
-    "a\n"
-    "WebSocket that speaks the Foxglove protocol (messages cdr, schemas omgidl).  Prints a line "
-    "that\n"
-    "begins with 'ready', with the page's address.\n";
+    R"(Shows what happens at a palpate-server to browsers: serves the web page, and on the same port a
+WebSocket that speaks the Foxglove protocol (messages cdr, schemas omgidl).  Prints a line that
+begins with 'ready', with the page's address.
+)";
 
 constexpr const char* kExamples =
-    "Examples:\n"
-    "  palpate-viewer --http 8765\n"
-    "      the page at http://127.0.0.1:8765/, for this host alone; the desktop applications of\n"
-    "      Foxglove and Lichtblick attach to ws://127.0.0.1:8765/, and look\n"
-    "  palpate-viewer --http 8765 --allow-origin https://app.foxglove.dev\n"
-    "      Foxglove's web application may attach, too\n"
-    "  palpate-viewer --http 8765 --bind 0.0.0.0 --max-mice 0\n"
-    "      for a class in the same network: all may look, nobody may take a tool with the mouse\n"
-    "\n"
-    "Each viewer has a queue of its own that holds the newest messages only: one that stalls "
-    "loses\n"
-    "frames and disturbs nobody.  GET /healthz tells how it goes, GET /scene/NAME.bundle gives a "
-    "scene.\n"
-    "Exit status: 0 done, 1 failed, 2 wrong usage.";
+    R"(Examples:
+  palpate-viewer --http 8765
+      the page at http://127.0.0.1:8765/, for this host alone; the desktop applications of
+      Foxglove and Lichtblick attach to ws://127.0.0.1:8765/, and look
+  palpate-viewer --http 8765 --allow-origin https://app.foxglove.dev
+      Foxglove's web application may attach, too
+  palpate-viewer --http 8765 --bind 0.0.0.0 --max-mice 0
+      for a class in the same network: all may look, nobody may take a tool with the mouse
+  palpate-viewer --http 8765 --network eth0
+      of a server on another host, which runs with --network too
+
+Each viewer has a queue of its own that holds the newest messages only: one that stalls loses
+frames and disturbs nobody.  GET /healthz tells how it goes, GET /scene/NAME.bundle gives a scene.
+Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 /// build/page beside build/<preset>/bin, where this program stands; in a checkout's build folder.
 std::string DefaultPage() {
@@ -78,6 +77,7 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
                  "file://, as desktop applications call themselves, may look unless it is named");
   app.add_option("--transport", options.transport, "of the mice's stations: auto, shm or udp")
       ->capture_default_str();
+  AddNetworkOptions(app, "the server", options.network);
   AddCommonOptions(app, "which server: the same number as there", options.domain,
                    options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;

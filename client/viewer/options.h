@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "common/dds/network.h"
+
 namespace palpate {
 
 struct ViewerOptions {
@@ -16,6 +18,7 @@ struct ViewerOptions {
   int max_mice = 4;
   std::vector<std::string> origins;  ///< of other pages that may attach; "*": of any
   std::string transport = "auto";    ///< of the mice's stations
+  dds::Network network;
   int domain = 0;
   std::string log_level = "info";
 };

@@ -46,8 +46,8 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice) {
   return channels;
 }
 
-TopicFeed::TopicFeed(int domain)
-    : participant_(dds::Participant::Service(domain)),
+TopicFeed::TopicFeed(int domain, const dds::Network& network)
+    : participant_(dds::Participant::Service(domain, network)),
       tool_states_(participant_, dds::kToolStateTopic, dds::Qos::kStream),
       statistics_(participant_, dds::kLoopStatisticsTopic, dds::Qos::kStream),
       stations_(participant_, dds::kStationStatisticsTopic, dds::Qos::kStream),

@@ -42,7 +42,7 @@ class TopicFeed {
   static std::vector<foxglove::Channel> Channels(bool mice);
 
   /// Throws Error where DDS refuses.
-  explicit TopicFeed(int domain);
+  explicit TopicFeed(int domain, const dds::Network& network = {});
   ~TopicFeed();
 
   /// Takes what has come.

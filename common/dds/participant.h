@@ -2,9 +2,10 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include <dds/dds.h>
+
+#include "common/dds/network.h"
 
 namespace palpate::dds {
 
@@ -27,16 +28,6 @@ struct TransportChoice {
 
 /// True where a live RouDi listens at its socket; a socket left by a killed one does not count.
 bool RouDiAnswers();
-
-/// Where others are looked for.  By default on this host alone: nothing that is sent is encrypted,
-/// and whoever can send may command a hand's forces.
-struct Network {
-  std::string interface = "lo";
-  /// Addresses at which to look as well, for networks that carry no multicast.
-  std::vector<std::string> peers;
-
-  bool this_host() const { return interface == "lo"; }
-};
 
 /// Looks for RouDi first: without it dds_create_participant would block for 60 s and abort.
 /// Throws Error where shared memory is asked for and RouDi does not answer or the network is not

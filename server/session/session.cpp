@@ -42,7 +42,8 @@ bool Session::Update(std::int64_t now_ns, bool may_start) {
   const std::int64_t patience_ns = heard_ == 0 ? kFirstPose_ns : kSilence_ns;
   if (now_ns - heard_ns_ > patience_ns) {
     End(heard_ == 0 ? "no pose came within 5 s of the request"
-                    : "no pose came for more than 100 ms; ask again to go on");
+                    : "no pose came for more than 100 ms: the station was held up, or the way from "
+                      "it is cut");
     return true;
   }
   if (phase_ == palpate_SESSION_ACTIVE) {

@@ -18,6 +18,8 @@ using testing::HasSubstr;
 struct Program {
   Program() {
     app.add_option("--rate", rate, "of something");
+    AddNetworkOptions(app, "the other", network);
+    AddRealtimeOptions(app, "the loop", realtime);
     AddCommonOptions(app, "which of them", domain, log_level);
   }
   bool Parse(std::vector<const char*> words) {
@@ -40,6 +42,8 @@ struct Program {
 
   CLI::App app{"It does nothing.", "palpate-it"};
   double rate = 1.0;
+  dds::Network network;
+  RealtimeOptions realtime;
   int domain = 3;
   std::string log_level = "info";
 };
@@ -55,6 +59,26 @@ TEST(CommandLine, HasWhatEveryProgramHas) {
   EXPECT_EQ(program.rate, 2.0);
 }
 
+TEST(CommandLine, SaysWhereOthersAreAndHowALoopIsScheduled) {
+  Program program;
+  EXPECT_TRUE(program.Parse({}));
+  EXPECT_TRUE(program.network.this_host());
+  EXPECT_EQ(program.realtime.mode, RealtimeMode::kPrefer);
+  EXPECT_EQ(program.realtime.cpu, -1);
+  EXPECT_TRUE(program.Parse({"--network", "eth0", "--peer", "10.0.0.1", "--peer", "10.0.0.2",
+                             "--realtime", "off", "--cpu", "3"}));
+  EXPECT_EQ(program.network.interface, "eth0");
+  EXPECT_THAT(program.network.peers, testing::ElementsAre("10.0.0.1", "10.0.0.2"));
+  EXPECT_EQ(program.realtime.mode, RealtimeMode::kOff);
+  EXPECT_EQ(program.realtime.cpu, 3);
+  // -1 is "any" within, and a mistake on a command line.
+  for (const char* cpu : {"-1", "-2", "1024", "all"}) {
+    EXPECT_THAT(Program().Complaint({"--cpu", cpu}), HasSubstr("--cpu")) << cpu;
+  }
+  EXPECT_THAT(Program().Complaint({"--realtime", "perhaps"}),
+              HasSubstr("give require, prefer or off"));
+}
+
 TEST(CommandLine, PrintsHelpAndVersionUnderTheProgramsName) {
   EXPECT_EQ(Program().Printed({"--version"}), "palpate-it " PALPATE_VERSION "\n");
   const std::string help = Program().Printed({"--help"});
@@ -67,6 +91,9 @@ TEST(CommandLine, NamesTheArgumentThatIsWrongAndWhereToLook) {
   EXPECT_THAT(Program().Complaint({"--domain", "115"}), HasSubstr("--domain"));
   EXPECT_THAT(Program().Complaint({"--domain", "-1"}), HasSubstr("--domain"));
   EXPECT_THAT(Program().Complaint({"--no-such"}), HasSubstr("--no-such"));
+  for (const char* rate : {"nan", "-nan", "inf", "1e999"}) {
+    EXPECT_THAT(Program().Complaint({"--rate", rate}), HasSubstr("--rate")) << rate;
+  }
   EXPECT_THAT(Program().Complaint({"--rate", "much"}),
               HasSubstr("; 'palpate-it --help' shows how"));
 }

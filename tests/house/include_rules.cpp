@@ -25,7 +25,10 @@ const std::vector<Rule> kRules = {
     // Types that travel depend on nothing.
     {"idl", {}, {}, {}},
     {"common", {"common"}, {"common/dds"}, {"Eigen", "spdlog"}},
-    // What all programs' command lines share; of DDS the range of domains, without its library.
+    // What all programs' command lines share; of DDS the range of domains and where to look,
+    // without
+    // its library.
+    {"common/command_line.h", {"common/realtime/realtime.h", "common/dds/network.h"}, {}, {}},
     {"common/command_line.cpp",
      {"common/command_line.h", "common/error.h", "common/dds/topics.h"},
      {},

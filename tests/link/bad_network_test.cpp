@@ -1,16 +1,21 @@
 // The programs on two hosts with a bad network between them: real UDP, real discovery.
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <optional>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "client/recorder/file_summary.h"
 #include "common/error.h"
+#include "common/server_lock_file.h"
 #include "devices/scripted/scripted_device.h"
 #include "devices/wrench_limiter.h"
 #include "tests/link/silence.h"
@@ -58,15 +63,17 @@ struct BadNetwork : testing::Test {
       return false;
     }
   }
-  bool StartServer(std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments{"--scene",    "cube", "--domain",  kDomain,
-                                       "--realtime", "off",  "--network", TwoHosts::kLan};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    server = hosts->Start(0, PALPATE_BIN_DIR "/palpate-server", arguments);
+  std::unique_ptr<Program> ServerOn(int host) const {
+    return hosts->Start(
+        host, PALPATE_BIN_DIR "/palpate-server",
+        {"--scene", "cube", "--domain", kDomain, "--realtime", "off", "--network", TwoHosts::kLan});
+  }
+  bool StartServer() {
+    server = ServerOn(0);
     return server->Says("ready: ", 60.0);
   }
   std::unique_ptr<Program> StartStation(const std::string& seconds,
-                                        std::vector<std::string> more = {}) {
+                                        std::vector<std::string> more = {}, int host = 1) {
     std::vector<std::string> arguments{
         "--device",   "scripted",
         "--scene",    "cube",
@@ -81,7 +88,13 @@ struct BadNetwork : testing::Test {
         "--wait",     "60",
         "--no-table"};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return hosts->Start(1, PALPATE_BIN_DIR "/palpate-station", arguments);
+    return hosts->Start(host, PALPATE_BIN_DIR "/palpate-station", arguments);
+  }
+  /// A program that only looks, on the host that is not the server's.
+  std::unique_ptr<Program> StartWatching(const std::string& program,
+                                         std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--domain", kDomain, "--network", TwoHosts::kLan});
+    return hosts->Start(1, PALPATE_BIN_DIR + program, arguments);
   }
 };
 
@@ -154,6 +167,61 @@ TEST_F(BadNetwork, LeavesNoForceWhenItIsCutAndThenJoinsTheTwoAgain) {
   EXPECT_TRUE(silence.stayed_zero);
   EXPECT_LT(silence.until_zero_ms, 200.0);  // 25 ms, and what the machine adds
   EXPECT_LE(silence.largest_step, 1.0);
+}
+
+TEST_F(BadNetwork, IsNoHindranceToAClassThatWatchesAndRecordsOnAnotherHost) {
+  if (!Connect({})) return;
+  ASSERT_TRUE(StartServer()) << server->Output();
+  const auto gateway = StartWatching("/palpate-viewer", {"--http", "8765", "--max-mice", "0"});
+  ASSERT_TRUE(gateway->Says("ready: ")) << gateway->Output();
+  const std::string recording = file + ".mcap";
+  const auto recorder = StartWatching("/palpate-record", {"-o", recording, "--overwrite"});
+  ASSERT_TRUE(recorder->Says("poses and wrenches: UDP (over lan)")) << recorder->Output();
+  const auto station = StartStation("2", {}, 0);
+  ASSERT_EQ(station->Exit(100.0), 0) << station->Output();
+  recorder->Signal(SIGINT);
+  ASSERT_EQ(recorder->Exit(), 0) << recorder->Output();
+
+  std::map<RecordedType, std::uint64_t> messages;
+  const FileSummary summary = Summarise({recording});
+  std::filesystem::remove(recording);
+  for (const auto& [name, topic] : summary.topics) {
+    const std::optional<RecordedType> type = TypeOfSchema(topic.type);
+    ASSERT_TRUE(type) << topic.type;
+    messages[*type] += topic.messages;
+  }
+  // Of 120 tool states and 2000 poses in two seconds; a busy machine may lose many.
+  EXPECT_GT(messages[RecordedType::kToolState], 30u);
+  EXPECT_GT(messages[RecordedType::kHapticPose], 500u);
+  EXPECT_GT(messages[RecordedType::kWrench], 500u);
+  EXPECT_GT(messages[RecordedType::kStationStatistics], 0u);
+  EXPECT_EQ(messages[RecordedType::kSceneBundle], 1u);
+
+  // The gateway has the scene too, and gives it to who asks there.
+  std::string health;
+  for (int i = 0; i < 100 && health.find("\"cube\"") == std::string::npos; ++i) {
+    const auto client =
+        hosts->Start(1, "/bin/bash",
+                     {"-c",
+                      "exec 3<>/dev/tcp/127.0.0.1/8765; printf 'GET /healthz HTTP/1.1\\r\\nHost: "
+                      "127.0.0.1:8765\\r\\nConnection: close\\r\\n\\r\\n' >&3; cat <&3"});
+    ASSERT_EQ(client->Exit(), 0) << client->Output();
+    health = client->Output();
+  }
+  EXPECT_THAT(health, testing::HasSubstr("\"cube\""));
+}
+
+TEST_F(BadNetwork, IsNoPlaceForTwoServersOfADomainAndTheStationSaysSo) {
+  if (!Connect({})) return;
+  ASSERT_TRUE(StartServer()) << server->Output();
+  const auto station = StartStation("60");
+  ASSERT_TRUE(station->Says("session: tool")) << station->Output();
+  std::filesystem::remove(ServerLockFile(std::atoi(kDomain)));  // hosts have a /tmp of their own
+  const auto second = ServerOn(1);
+  EXPECT_EQ(station->Exit(60.0), 1) << station->Output() << second->Output();
+  EXPECT_THAT(station->Output(),
+              testing::HasSubstr("palpate-station: two servers answer in domain 36: end one of "
+                                 "them, or give it and its stations another --domain"));
 }
 
 TEST_F(BadNetwork, IsNotForSharedMemory) {

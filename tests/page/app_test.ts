@@ -9,6 +9,7 @@ import {
   loopStatistics,
   sceneChange,
   sessionState,
+  stationStatistics,
   toolState,
 } from "./support/fake_gateway";
 import {kHasChromium, launch, until} from "./support/browser";
@@ -126,6 +127,30 @@ test("the page shows the force in figures, in words and in the picture", async (
   await eventually("a screen reader is told", async () =>
     (await text("#spoken")).startsWith("Contact"),
   );
+});
+
+test("the panel says what becomes of the force at the arm, also when the server is silent", async () => {
+  press(1);
+  page = await open();
+  const say = (more: object): void =>
+    gateway.send("/palpate/station_statistics", stationStatistics("hand", more));
+  const row = (label: string): Promise<string> =>
+    page.getByRole("table", {name: "The arm"}).getByRole("row", {name: label}).innerText();
+  expect(await text("#arm-none")).toBe("No figures yet.");
+  say({slewed: 20n, warmth: 0.31});
+  await eventually("the motors", async () => (await row("Motors")).includes("31 %"));
+  expect(await row("Held back")).toContain("2 %");
+  expect(await row("Held back")).toContain("leaps of the force");
+  expect(await page.locator("#arm-none").isHidden()).toBe(true);
+  // The server dies: the station alone goes on.
+  clearInterval(moving);
+  await new Promise((resolve) => setTimeout(resolve, 2000));
+  say({faded: 1000n, replies: 0n, silence_s_max: 2, applied_force_N_max: 0});
+  await eventually("no answer", async () => (await row("Silence")).includes("2.0 s"));
+  expect(await row("Held back")).toContain("replies are late or missing");
+  // So does the station: what it said last is over.
+  await eventually("no figures", () => page.getByText("No figures now.").isVisible());
+  expect(await page.locator("#arm tr").count()).toBe(0);
 });
 
 test("nothing is drawn while nothing changes", async () => {

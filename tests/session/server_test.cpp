@@ -88,6 +88,7 @@ class ServerTest : public testing::Test {
                                              [this](const wire::Wrench& wrench) {
                                                force_N = wrench.force_N[2];
                                                answered = wrench.pose_sequence;
+                                               ++answers;
                                              });
       }
       return wrenches && poses.matched_readers() == 1;
@@ -106,7 +107,8 @@ class ServerTest : public testing::Test {
     dds::Reader<wire::SessionState> states;
     dds::Writer<wire::HapticPose> poses;
     std::atomic<double> force_N{0.0};
-    std::atomic<std::uint64_t> answered{0};
+    std::atomic<std::uint64_t> answered{0};  // the newest
+    std::atomic<std::uint64_t> answers{0};
     wire::SessionState state{};
     Hand hand;
     dds::Reader<wire::Wrench> wrenches;
@@ -142,6 +144,37 @@ TEST_F(ServerTest, ServesSeveralStationsAndScenesAtOnce) {
     c.Send(kTouch - 0.003);
     return a.force_N > 1.0 - 1e-4 && b.force_N > 2.0 - 1e-4 && c.force_N > 3.0 - 1e-4;
   }));
+}
+
+TEST_F(ServerTest, AnswersEachPoseOfAStationBesideOneThatFloodsAndOfThatOneItsShare) {
+  Station good(*this, "good", 1);
+  Station flood(*this, "flood", 1);
+  good.Ask("one");
+  flood.Ask("two", "left");
+  ASSERT_TRUE(ServeUntil([&] {
+    good.Send(kTouch - 0.001);
+    flood.Send(0.2);
+    return good.State().phase == palpate_SESSION_ACTIVE && good.answered > 0 &&
+           flood.State().phase == palpate_SESSION_ACTIVE && flood.answered > 0;
+  }));
+
+  constexpr std::uint64_t kRounds = 300, kPerRound = 50;
+  const std::uint64_t good_before = good.answers, flood_before = flood.answers;
+  const std::int64_t began_ns = SteadyNanoseconds();
+  for (std::uint64_t i = 0; i < kRounds; ++i) {
+    for (std::uint64_t k = 0; k < kPerRound; ++k) flood.Send(0.2);
+    good.Send(kTouch - 0.001);
+    ASSERT_TRUE(ServeUntil([&] { return good.answers == good_before + i + 1; })) << i;
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  EXPECT_EQ(good.State().phase, palpate_SESSION_ACTIVE);
+  EXPECT_NEAR(good.force_N, 1.0, 1e-4);
+  // Whatever time that took, the flood had its share of it and no more.
+  const double took_s = 1e-9 * static_cast<double>(SteadyNanoseconds() - began_ns);
+  const std::uint64_t heard = flood.answers - flood_before;
+  EXPECT_GT(heard, 0u);
+  EXPECT_LE(heard, PoseBudget::kAtOnce + 1 + PoseBudget::kPerSecond * took_s);
+  EXPECT_LT(heard, kRounds * kPerRound);
 }
 
 TEST_F(ServerTest, RefusesADrivenToolUntilItIsFree) {

@@ -119,6 +119,8 @@ TEST(StationOptions, NamesTheArgumentThatIsWrong) {
   EXPECT_THAT(with({"--domain", "200"}), HasSubstr("--domain"));
   EXPECT_THAT(with({"--for", "-1"}), HasSubstr("--for"));
   EXPECT_THAT(with({"--realtime", "perhaps"}), HasSubstr("--realtime"));
+  EXPECT_THAT(with({"--cpu", "-2"}), HasSubstr("--cpu"));
+  EXPECT_THAT(with({"--scale", "nan"}), HasSubstr("--scale"));
   EXPECT_THAT(with({"--frobnicate"}), HasSubstr("--frobnicate"));
 }
 

@@ -135,6 +135,42 @@ TEST(SessionLink, FadesWhenTheServerDiesAndResumesByItselfWithItsSuccessor) {
   EXPECT_EQ(station.link->reconnects(), 1);
 }
 
+TEST(SessionLink, LeavesTheHandWithoutAForceWhereTwoServersAnswer) {
+  FakeServer one(kDomain, kUdp);
+  Station station;
+  ASSERT_TRUE(station.UntilForce(2.0));
+  FakeServer other(kDomain, kUdp);
+  try {
+    station.Until([] { return false; });
+    FAIL() << "between two servers";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(),
+                 "two servers answer in domain 101: end one of them, or give it and its stations "
+                 "another --domain");
+  }
+  station.link.reset();
+  station.servo->Stop();
+  EXPECT_FALSE(station.core->renders_force());
+}
+
+TEST(SessionLink, SaysWhatASuccessorRefusesAndThatItAsksOn) {
+  auto server = std::make_unique<FakeServer>(kDomain, kUdp);
+  Station station;
+  ASSERT_TRUE(station.UntilForce(2.0));
+  server.reset();
+  server = std::make_unique<FakeServer>(kDomain, kUdp);
+  server->Refuse("tool 'sphere' of scene 'floor' is driven by station 'other'");
+  ASSERT_TRUE(station.Until([&] {
+    return !station.said.empty() &&
+           station.said.back() ==
+               "the server refuses the session: tool 'sphere' of scene 'floor' is driven by "
+               "station 'other'; asking again for 10 s";
+  }));
+  const std::size_t said = station.said.size();
+  station.Until([] { return false; }, 2.5);
+  EXPECT_EQ(station.said.size(), said) << "once";
+}
+
 TEST(SessionLink, AsksAgainWhenTheServerEndsTheSession) {
   FakeServer server(kDomain, kUdp);
   Station station;
@@ -149,6 +185,12 @@ TEST(SessionLink, RebuildsItsReaderAndThenItsSessionWhenMatchedButDeaf) {
   FakeServer server(kDomain, kUdp);
   Station station;
   ASSERT_TRUE(station.UntilForce(2.0));
+  server.Mute(true);
+  ASSERT_TRUE(station.Until([&] { return station.said.size() > 1; }));
+  EXPECT_EQ(station.said.back(), "no replies for 1 s: forces are zero until they come again");
+  server.Mute(false);
+  ASSERT_TRUE(station.UntilForce(2.0));
+  EXPECT_EQ(station.said.back(), "replies come again: forces ramp in");
   server.Mute(true);
   ASSERT_TRUE(station.Until([&] { return server.sessions() > 1; }));
   EXPECT_EQ(station.snapshot.force_N, 0.0);

@@ -45,8 +45,9 @@ class MouseRoomTest : public testing::Test {
   }
 
   std::vector<MouseRoom::News> news_;
-  MouseRoom room_{{2, 0, "udp", PALPATE_SOURCE_DIR "/tests/viewer/fake_station"},
-                  [this](const MouseRoom::News& news) { news_.push_back(news); }};
+  MouseRoom room_{
+      {2, 0, "udp", {"lan", {"10.0.0.1"}}, PALPATE_SOURCE_DIR "/tests/viewer/fake_station"},
+      [this](const MouseRoom::News& news) { news_.push_back(news); }};
 };
 
 TEST_F(MouseRoomTest, TellsTheHolderItsStationAndWhatTheServerSaysOfIt) {
@@ -87,7 +88,7 @@ TEST_F(MouseRoomTest, IsNotPutOffByWhatTheServerTellsAnotherStationOfTheSameName
 
 TEST_F(MouseRoomTest, NamesItsStationsByItsPrefix) {
   std::vector<std::string> names;
-  MouseRoom room({1, 0, "udp", PALPATE_SOURCE_DIR "/tests/viewer/fake_station", "mouse_ab12_"},
+  MouseRoom room({1, 0, "udp", {}, PALPATE_SOURCE_DIR "/tests/viewer/fake_station", "mouse_ab12_"},
                  [&](const MouseRoom::News& news) { names.push_back(news.station); });
   MouseCommand command;
   command.op = MouseCommand::Op::kTake;
@@ -186,7 +187,9 @@ TEST_F(MouseRoomTest, GivesAPagesWordsToTheStationInOneArgumentEach) {
     given << std::ifstream(file).rdbuf();
     EXPECT_EQ(given.str(),
               "--device=mouse\n--scene=" + word +
-                  "\n--id=mouse_1\n--domain=0\n--transport=udp\n--no-table\n--tool=" + word + "\n");
+                  "\n--id=mouse_1\n--domain=0\n--transport=udp\n--network=lan\n--no-table\n"
+                  "--peer=10.0.0.1\n--tool=" +
+                  word + "\n");
     std::filesystem::remove(file);
   }
   unsetenv("PALPATE_FAKE_STATION_ARGUMENTS");

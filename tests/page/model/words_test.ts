@@ -1,7 +1,28 @@
+import {readFileSync} from "node:fs";
+
 import {describe, expect, test} from "vitest";
 
-import {faultWords, figure, sessionWords, statisticsLines, statusSentence} from "@page/model/words";
-import {toLoopStatistics, toSessionState, toToolState} from "@page/protocol/messages";
+import {
+  deviceLines,
+  faultWords,
+  figure,
+  sessionWords,
+  statisticsLines,
+  statusSentence,
+} from "@page/model/words";
+import {
+  kLimiterStages,
+  toLoopStatistics,
+  toSessionState,
+  toStationStatistics,
+  toToolState,
+} from "@page/protocol/messages";
+
+import {stationStatistics} from "../support/fake_gateway";
+
+/// A source of the project: the words are held to what travels.
+const source = (path: string): string =>
+  readFileSync(new URL(`../../../${path}`, import.meta.url), "utf8");
 
 describe("the sentence for who does not see", () => {
   test("says that nothing moves, that the tool is free, and how hard it presses", () => {
@@ -62,9 +83,86 @@ describe("the loop's lines", () => {
   });
 });
 
-test("every fault bit has its words", () => {
+test("every fault bit that there is has its words, and no other", () => {
+  const bits = [...source("common/step_fault.h").matchAll(/kFault\w+ = 1u << (\d+)/g)];
+  const known = new Set(bits.map(([, bit]) => Number(bit)));
+  expect(known.size).toBeGreaterThan(5);
+  for (let bit = 0; bit < 31; ++bit) {
+    expect(faultWords(1 << bit).length, `bit ${bit}`).toBe(known.has(bit) ? 1 : 0);
+  }
   expect(faultWords(0)).toEqual([]);
-  expect(faultWords(0b111_0001_1111).length).toBe(8);
+});
+
+test("phases are those of the IDL, in its order", () => {
+  const phases = /enum SessionPhase \{([^}]*)\}/.exec(source("idl/session.idl"))![1]!;
+  const names = [...phases.matchAll(/SESSION_(\w+)/g)].map(([, name]) => name!.toLowerCase());
+  expect(names.length).toBe(5);
+  names.forEach((name, phase) => expect(toSessionState({phase}).phase).toBe(name));
+});
+
+describe("the arm's lines", () => {
+  const lines = (more: object) =>
+    Object.fromEntries(
+      deviceLines(toStationStatistics(stationStatistics("hand", more))).map((line) => [
+        line.label,
+        line,
+      ]),
+    );
+
+  test("say that all force arrives", () => {
+    const good = lines({});
+    expect(good.Device).toMatchObject({value: "in order", remark: "PHANTOM Premium 3.0"});
+    expect(good["Held back"]).toMatchObject({value: "nothing", tone: "good"});
+    expect(good.Strongest).toMatchObject({value: "2.00 N", remark: "as it was computed"});
+    expect(good.Motors).toMatchObject({value: "21 %", tone: "plain"});
+    expect(good.Energy).toMatchObject({value: "12.5 mJ", tone: "plain"});
+    expect(good.Silence).toMatchObject({value: "1.2 ms", tone: "plain"});
+  });
+
+  test("name the stages that act, the busiest first", () => {
+    const late = lines({faded: 400n, slewed: 5n, braked: 20n, lost: 3n, applied_force_N_max: 1.5});
+    expect(late["Held back"]).toMatchObject({
+      value: "40 %",
+      remark:
+        "of the time: force, while replies are late or missing; energy that delay would add (2 %); " +
+        "leaps of the force (< 1 %)",
+      tone: "bad",
+    });
+    expect(late.Strongest?.remark).toBe("of 2.00 N that were computed");
+    expect(late.Silence).toMatchObject({
+      remark: "the longest without a reply; 3 lost",
+      tone: "bad",
+    });
+    expect(lines({warm: 10n, warmth: 0.8}).Motors).toMatchObject({value: "80 %", tone: "bad"});
+    expect(lines({energy_J_min: -0.004}).Energy).toMatchObject({value: "4.0 mJ", tone: "bad"});
+    expect(lines({replies: 0n, silence_s_max: 12.3, faded: 1000n}).Silence).toMatchObject({
+      value: "12.3 s",
+      remark: "no answer from the server: no force",
+    });
+  });
+
+  test("have words for each stage that the station counts", () => {
+    const idl = /struct StationStatistics \{([^}]*)\}/.exec(source("idl/teaching.idl"))![1]!;
+    const [, stages] = /of the limiter did.*\n([\s\S]*?)\n\s*double wanted/.exec(idl)!;
+    const names = [...stages!.matchAll(/unsigned long long (\w+);/g)].map(([, name]) => name);
+    expect(names.filter((name) => name !== "fades")).toEqual([...kLimiterStages]);
+    for (const stage of kLimiterStages) {
+      expect(lines({[stage]: 1000n})["Held back"]?.value).toBe("100 %");
+    }
+  });
+
+  test("say what is wrong with the device", () => {
+    const bit = (name: string): number =>
+      1 << Number(new RegExp(`${name} = 1u << (\\d+)`).exec(source("devices/device.h"))![1]);
+    expect(lines({device_status: bit("kDeviceFault")}).Device).toMatchObject({
+      value: "fault: no force",
+      tone: "bad",
+    });
+    expect(lines({device_status: bit("kDeviceCalibrating")}).Device?.value).toBe("calibrates");
+    const blind = lines({device_status: bit("kDeviceForcesIgnored")});
+    expect(blind.Device?.value).toBe("renders no force");
+    expect(Object.keys(blind)).toEqual(["Device", "Silence"]);
+  });
 });
 
 test("a session's words say who has what, or why not", () => {

@@ -10,6 +10,7 @@ import {
   toMouseState,
   toSceneChange,
   toSessionState,
+  toStationStatistics,
   toToolState,
 } from "@page/protocol/messages";
 
@@ -19,6 +20,7 @@ import {
   loopStatistics,
   sceneChange,
   sessionState,
+  stationStatistics,
   toolState,
 } from "../support/fake_gateway";
 
@@ -69,6 +71,28 @@ test("sessions, statistics and changes come out as they went in", () => {
     through("/palpate/loop_statistics", loopStatistics("hand", "cube", {late: 3n})),
   );
   expect(statistics).toMatchObject({rateHz: 1000, late: 3, stepUs: {p50: 9.1, p999: 22.8}});
+  const arm = toStationStatistics(
+    through(
+      "/palpate/station_statistics",
+      stationStatistics("hand", {braked: 30n, disabled: 7n, lost: 2n, device_status: 5}),
+    ),
+  );
+  expect(arm).toEqual({
+    station: "hand",
+    device: "PHANTOM Premium 3.0",
+    ticks: 1000,
+    replies: 1000,
+    late: 0,
+    lost: 2,
+    silenceS: 0.0012,
+    limiter: {nonfinite: 0, clamped: 0, slewed: 0, braked: 30, warm: 0, faded: 0, disabled: 7},
+    wantedForceN: 2,
+    appliedForceN: 2,
+    energyJ: 0.0125,
+    energyLeastJ: 0,
+    warmth: 0.21,
+    deviceStatus: 5,
+  });
   const change = toSceneChange(
     through("/palpate/scene_change", sceneChange("calculus", 2, 1, 40, [5, 6, 7])),
   );

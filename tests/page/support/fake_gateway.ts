@@ -44,6 +44,7 @@ export const kChannels: readonly FakeChannel[] = [
   cdrChannel(2, "/palpate/loop_statistics", "palpate::LoopStatistics", kIdl("teaching")),
   cdrChannel(3, "/palpate/session_state", "palpate::SessionState", kIdl("session")),
   cdrChannel(4, "/palpate/scene_change", "palpate::SceneChange", kIdl("session")),
+  cdrChannel(6, "/palpate/station_statistics", "palpate::StationStatistics", kIdl("teaching")),
   {
     id: 5,
     topic: "/palpate/mouse_state",
@@ -175,6 +176,40 @@ export function loopStatistics(station: string, scene: string, more: object = {}
     faulted_steps: 0n,
     contacts: 3,
     faults: 0,
+    ...more,
+  };
+}
+
+export function stationStatistics(station: string, more: object = {}): object {
+  return {
+    station,
+    run: 1n,
+    device: "PHANTOM Premium 3.0",
+    period_s: 1,
+    ticks: 1000n,
+    missed_ticks: 0n,
+    sent: 1000n,
+    replies: 1000n,
+    late: 0n,
+    lost: 0n,
+    silence_s_max: 0.0012,
+    nonfinite: 0n,
+    clamped: 0n,
+    slewed: 0n,
+    braked: 0n,
+    warm: 0n,
+    faded: 0n,
+    fades: 0n,
+    disabled: 0n,
+    wanted_force_N_max: 2,
+    wanted_torque_Nm_max: 0.02,
+    applied_force_N_max: 2,
+    applied_torque_Nm_max: 0.02,
+    energy_J: 0.0125,
+    energy_J_min: 0,
+    warmth: 0.21,
+    device_status: 1,
+    pad: 0,
     ...more,
   };
 }

@@ -390,6 +390,7 @@ export class App {
     this.announcer.offer(report.tone === "alarm" ? report.text : sentence, performance.now());
     this.plots.update(station, now);
     this.tables.updateLoop(station);
+    this.tables.updateArm(station, now);
     if (this.staleWho) {
       this.staleWho = false;
       this.tables.updateWho(this.world.listed(now), this.mouse.station);

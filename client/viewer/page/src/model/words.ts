@@ -1,4 +1,11 @@
-import type {LoopStatistics, SessionState, ToolState} from "../protocol/messages";
+import {
+  kLimiterStages,
+  type LimiterStage,
+  type LoopStatistics,
+  type SessionState,
+  type StationStatistics,
+  type ToolState,
+} from "../protocol/messages";
 import {norm, subtract} from "./pose";
 
 /// What the page says, in words that need no knowledge of the program.
@@ -30,14 +37,13 @@ export function statusSentence(state: ToolState | undefined): string {
 
 /// common/step_fault.h, with what it means to who holds the tool.
 const kFaults: readonly (readonly [number, string])[] = [
-  [1 << 0, "the device sent a pose that is no pose"],
+  [1 << 0, "the device sent a pose that is no pose, and the force faded"],
   [1 << 1, "the hand was quicker than the tool, which followed"],
   [1 << 2, "more contacts at once than are computed; the tightest were kept"],
   [1 << 3, "the tool was jammed between surfaces"],
   [1 << 4, "a contact problem was not solved; the tool stood still"],
-  [1 << 8, "no fresh pose came, and the force faded"],
-  [1 << 9, "a pose came out of turn, or faster than a hand"],
-  [1 << 10, "the tool has not started: it is inside an object"],
+  [1 << 9, "a pose was further from the last than a hand comes, and the force faded"],
+  [1 << 10, "no force yet: the tool has just come, or is inside an object"],
 ];
 
 export function faultWords(faults: number): string[] {
@@ -103,10 +109,119 @@ export function statisticsLines(statistics: LoopStatistics): Line[] {
   }
   lines.push({
     label: "Faults",
-    value: statistics.faultedSteps === 0 ? "none" : plural(statistics.faultedSteps, "step"),
+    // Of poses that were not used there is no step.
+    value: faults.length === 0 ? "none" : plural(statistics.faultedSteps, "step"),
     remark: faults.join("; "),
-    tone: statistics.faultedSteps === 0 ? "good" : "plain",
+    tone: faults.length === 0 ? "good" : "plain",
   });
+  return lines;
+}
+
+/// Bits of DeviceStatus (devices/device.h).
+const kDeviceCalibrating = 1 << 1;
+const kDeviceFault = 1 << 2;
+const kDeviceForcesIgnored = 1 << 3;
+
+/// What each stage of the limiter keeps from the hand, and why.
+const kStageWords: Readonly<Record<LimiterStage, string>> = {
+  nonfinite: "what is no number",
+  clamped: "what is more than the arm may give",
+  slewed: "leaps of the force",
+  braked: "energy that delay would add",
+  warm: "peaks, while the motors are warm",
+  faded: "force, while replies are late or missing",
+  disabled: "force, until it is enabled at the station",
+};
+/// Of sums of energy [J].
+const kRoundingJ = 1e-6;
+
+function deviceLine(device: StationStatistics): Line {
+  const line = (value: string, tone: Line["tone"]): Line => ({
+    label: "Device",
+    value,
+    remark: device.device,
+    tone,
+  });
+  if (device.deviceStatus & kDeviceFault) return line("fault: no force", "bad");
+  if (device.deviceStatus & kDeviceCalibrating) return line("calibrates", "plain");
+  if (device.deviceStatus & kDeviceForcesIgnored) return line("renders no force", "plain");
+  return line("in order", "good");
+}
+
+function limiterLine({limiter, ticks}: StationStatistics): Line {
+  const share = (stage: LimiterStage): string => {
+    const percent = (100 * limiter[stage]) / Math.max(ticks, limiter[stage]);
+    return percent < 1 ? "< 1 %" : `${percent.toFixed(0)} %`;
+  };
+  const acting = kLimiterStages.filter((stage) => limiter[stage] > 0);
+  if (acting.length === 0) {
+    return {label: "Held back", value: "nothing", remark: "all force arrives", tone: "good"};
+  }
+  // The one that acts most of the time first.
+  acting.sort((a, b) => limiter[b] - limiter[a]);
+  const most = acting[0]!;
+  return {
+    label: "Held back",
+    value: share(most),
+    remark:
+      "of the time: " +
+      acting
+        .map((stage) => kStageWords[stage] + (stage === most ? "" : ` (${share(stage)})`))
+        .join("; "),
+    tone: limiter.nonfinite > 0 || most === "faded" ? "bad" : "plain",
+  };
+}
+
+function silenceLine({silenceS, replies, late, lost, limiter}: StationStatistics): Line {
+  const milliseconds = 1000 * silenceS;
+  const value = milliseconds >= 1000 ? `${figure(silenceS, 1)} s` : `${figure(milliseconds, 1)} ms`;
+  const line = (remark: string, tone: Line["tone"]): Line => ({
+    label: "Silence",
+    value,
+    remark,
+    tone,
+  });
+  if (replies === 0) return line("no answer from the server: no force", "bad");
+  const missed = [
+    late > 0 ? `${plural(late, "reply", "replies")} late` : "",
+    lost > 0 ? `${lost.toLocaleString("en")} lost` : "",
+  ].filter((words) => words !== "");
+  const longest = ["the longest without a reply", ...missed].join("; ");
+  return line(longest, limiter.faded > 0 ? "bad" : "plain");
+}
+
+/// What becomes of the force at the arm, in the last second, as lines of a table.
+export function deviceLines(device: StationStatistics): Line[] {
+  const lines = [deviceLine(device)];
+  if (!(device.deviceStatus & kDeviceForcesIgnored)) {
+    const {appliedForceN, wantedForceN, warmth, limiter, energyLeastJ, energyJ} = device;
+    const active = energyLeastJ < -kRoundingJ;
+    const whole = appliedForceN > 0.99 * wantedForceN;
+    lines.push(
+      limiterLine(device),
+      {
+        label: "Strongest",
+        value: `${figure(appliedForceN)} N`,
+        remark: whole ? "as it was computed" : `of ${figure(wantedForceN)} N that were computed`,
+        tone: "plain",
+      },
+      {
+        label: "Motors",
+        value: `${(100 * warmth).toFixed(0)} %`,
+        remark: "warm; from 100 % on, only the force that they stand for ever",
+        tone: limiter.warm > 0 ? "bad" : "plain",
+      },
+      {
+        label: "Energy",
+        value: `${figure(1000 * (active ? -energyLeastJ : energyJ), 1)} mJ`,
+        remark: active
+          ? "that the arm gave and the hand had not put in"
+          : "put in by the hand and not given back",
+        tone: active ? "bad" : "plain",
+      },
+    );
+  }
+  lines.push(silenceLine(device));
   return lines;
 }
 

@@ -1,9 +1,11 @@
 import {
   type LoopStatistics,
   type SessionState,
+  type StationStatistics,
   toLoopStatistics,
   toSceneChange,
   toSessionState,
+  toStationStatistics,
   type ToolState,
   toToolState,
 } from "../protocol/messages";
@@ -16,6 +18,7 @@ import {depthM, holdsTool} from "./words";
 export const kTopics = {
   toolState: "/palpate/tool_state",
   loopStatistics: "/palpate/loop_statistics",
+  stationStatistics: "/palpate/station_statistics",
   sessionState: "/palpate/session_state",
   sceneChange: "/palpate/scene_change",
   mouse: "/palpate/mouse",
@@ -27,6 +30,9 @@ export const kHistoryS = 12;
 /// A station that has been silent for this long does not move its tool [s].
 const kAliveS = 1.5;
 
+/// Stations speak of their arms once a second.
+const kDeviceAliveS = 3;
+
 /// No server has been heard of yet.
 const kNoRun = "0";
 
@@ -37,6 +43,8 @@ export class Station {
   readonly track = new PoseTrack();
   readonly history = new History(kFigures.length, kHistoryS);
   statistics: LoopStatistics | undefined;
+  private device: StationStatistics | undefined;
+  private deviceS = -Infinity;
   session: SessionState | undefined;
   lastArrivalS = -Infinity;
   frames = 0;
@@ -56,6 +64,16 @@ export class Station {
       1000 * depthM(state),
       state.stepUs,
     );
+  }
+
+  pushDevice(statistics: StationStatistics, nowS: number): void {
+    this.device = statistics;
+    this.deviceS = nowS;
+  }
+  /// What its program last said of its arm.  It says so when the server is silent, too; where both
+  /// are, nothing is known.
+  deviceNow(nowS: number): StationStatistics | undefined {
+    return this.isMoving(nowS) || nowS - this.deviceS < kDeviceAliveS ? this.device : undefined;
   }
 
   isMoving(nowS: number): boolean {
@@ -111,6 +129,11 @@ export class World {
         const statistics = toLoopStatistics(value);
         this.station(statistics.station).statistics = statistics;
         this.changed("statistics", statistics.scene);
+        break;
+      }
+      case kTopics.stationStatistics: {
+        const statistics = toStationStatistics(value);
+        this.station(statistics.station).pushDevice(statistics, nowS);
         break;
       }
       case kTopics.sessionState:

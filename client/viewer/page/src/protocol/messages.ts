@@ -40,6 +40,35 @@ export interface LoopStatistics {
   readonly faults: number;
 }
 
+/// What a station's program says of its arm: the last second's, in calls of its wrench limiter where
+/// a stage is named (devices/wrench_limiter.h).
+export interface StationStatistics {
+  readonly station: string;
+  readonly device: string;
+  readonly ticks: number;
+  readonly replies: number;
+  readonly late: number;
+  readonly lost: number;
+  readonly silenceS: number; // the longest
+  readonly limiter: Readonly<Record<LimiterStage, number>>;
+  readonly wantedForceN: number; // the most
+  readonly appliedForceN: number;
+  readonly energyJ: number; // since the start, as the next
+  readonly energyLeastJ: number;
+  readonly warmth: number;
+  readonly deviceStatus: number;
+}
+export const kLimiterStages = [
+  "nonfinite",
+  "clamped",
+  "slewed",
+  "braked",
+  "warm",
+  "faded",
+  "disabled",
+] as const;
+export type LimiterStage = (typeof kLimiterStages)[number];
+
 export type SessionPhase = "waiting" | "acquiring" | "active" | "refused" | "ended";
 const kPhases: readonly SessionPhase[] = ["waiting", "acquiring", "active", "refused", "ended"];
 
@@ -150,6 +179,27 @@ export function toLoopStatistics(value: unknown): LoopStatistics {
       fields.number("rejected_speed"),
     faultedSteps: fields.number("faulted_steps"),
     faults: fields.number("faults"),
+  };
+}
+
+export function toStationStatistics(value: unknown): StationStatistics {
+  const fields = new Fields(value);
+  const stages = kLimiterStages.map((stage) => [stage, fields.number(stage)]);
+  return {
+    station: fields.text("station"),
+    device: fields.text("device"),
+    ticks: fields.number("ticks"),
+    replies: fields.number("replies"),
+    late: fields.number("late"),
+    lost: fields.number("lost"),
+    silenceS: fields.number("silence_s_max"),
+    limiter: Object.fromEntries(stages) as Record<LimiterStage, number>,
+    wantedForceN: fields.number("wanted_force_N_max"),
+    appliedForceN: fields.number("applied_force_N_max"),
+    energyJ: fields.number("energy_J"),
+    energyLeastJ: fields.number("energy_J_min"),
+    warmth: fields.number("warmth"),
+    deviceStatus: fields.number("device_status"),
   };
 }
 

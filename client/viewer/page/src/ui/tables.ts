@@ -1,18 +1,30 @@
 import type {Station} from "../model/world";
-import {sessionWords, statisticsLines} from "../model/words";
+import {deviceLines, type Line, sessionWords, statisticsLines} from "../model/words";
 import {element, setText} from "./elements";
 
-/// The loop's figures and who drives what, in words.
+/// The loop's figures, the arm's and who drives what, in words.
 export class Tables {
   private readonly loop = element("loop", HTMLTableElement);
   private readonly loopNone = element("loop-none", HTMLParagraphElement);
+  private readonly arm = element("arm", HTMLTableElement);
+  private readonly armNone = element("arm-none", HTMLParagraphElement);
   private readonly who = element("who", HTMLUListElement);
   private readonly whoNone = element("who-none", HTMLParagraphElement);
 
   updateLoop(station: Station | undefined): void {
     const lines = station?.statistics ? statisticsLines(station.statistics) : [];
-    this.loopNone.hidden = lines.length > 0;
-    const body = this.loop.tBodies[0]!;
+    this.update(this.loop, this.loopNone, lines);
+  }
+
+  updateArm(station: Station | undefined, nowS: number): void {
+    const device = station?.deviceNow(nowS);
+    this.update(this.arm, this.armNone, device ? deviceLines(device) : []);
+    if (device) setText(this.armNone, "No figures now.");
+  }
+
+  private update(table: HTMLTableElement, none: HTMLElement, lines: readonly Line[]): void {
+    none.hidden = lines.length > 0;
+    const body = table.tBodies[0]!;
     while (body.rows.length > lines.length) body.deleteRow(-1);
     lines.forEach(({label, value, remark, tone}, i) => {
       let row = body.rows[i];
