@@ -99,7 +99,8 @@ double EnergyStage::Factor(const Wrench& wanted, double foreseen, double gain,
 
   // Sum over the ticks that letting go takes: the force falls in n equal steps, and the way of each
   // is by one `unforeseen` longer than that of the one before.
-  const double unforeseen_m = kMostAccel_m_s2 * dt_s * dt_s + position_resolution_m_;
+  const double accel = kHandAccel_m_s2 + force / kLeastMass_kg;
+  const double unforeseen_m = accel * dt_s * dt_s + position_resolution_m_;
   const double unforeseen_rad = kMostAccel_rad_s2 * dt_s * dt_s + rotation_resolution_rad_;
   const double n = std::max({1.0, force / (slew_.force_N_s() * dt_s + 1e-12),
                              torque / (slew_.torque_Nm_s() * dt_s + 1e-12)});

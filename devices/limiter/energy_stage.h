@@ -26,8 +26,8 @@ namespace palpate {
 ///              Hannaford & Hirzinger, IEEE T. Control Systems Technology 13 (2005) 737-742; here
 ///              it is the least that the spring must hold)
 ///   bound      so far that the store outlasts the next tick, and the ticks in which the slew limit
-///              lets the force go, though the handle accelerates outwards by kMostAccel all the
-///              while
+///              lets the force go, though the handle accelerates outwards all the while, by
+///              kHandAccel and by what the force does to kLeastMass
 /// No factor is divided by a velocity, so encoder noise at rest is not amplified (what Ryu, Journal
 /// of Control, Automation and Systems Engineering 12 (2006) 380-388, cures in the classical
 /// damper); scaling instead of damping is that of energy tanks (Franken, Stramigioli, Misra, Secchi
@@ -39,6 +39,13 @@ namespace palpate {
 /// turns round faster than that, in the middle of moving in, is given one seed each time).  A
 /// handle that has not moved since forces came on has done no work, and feels the whole force: of
 /// it the first tick is owed.
+///
+/// That has a price at rest, where a touch of force f has stored f^2 / 2k at most, and the bound
+/// wants f x (30 um of a tick's acceleration + an encoder's step): lighter ones than 2k x 50 um,
+/// 0.1 N at 1 N/mm, lose a share.  The encoder's step could move in any tick.  The acceleration
+/// cannot be taken for less: in the loops of RunPortLoop (tests/support; 864 of up to 20 ms of
+/// delay, 10 % loss and 3 N/mm) 20 m/s^2 alone lets one give energy for a while, 10 m/s^2 every
+/// ninth.  A faster tick helps, as the way goes with its square: 22 um in all at 4 kHz.
 ///
 /// A hand may be in a contact before forces come on, or when they come back after a silence: it has
 /// put in nothing that is remembered, and without a force it could put in nothing.  While such a
@@ -65,8 +72,10 @@ class EnergyStage {
   static constexpr double kDeepest_rad = 0.25;
   static constexpr double kForget_s = 0.05;
   static constexpr double kRest_s = 0.2;
-  /// Of a hand on an arm: 22 N on 0.7 kg are 31 m/s^2, 0.5 N m on 1.3 g m^2 400 rad/s^2.
-  static constexpr double kMostAccel_m_s2 = 40.0;
+  /// What a hand may do of itself, and the mass that a force moves: that of a hand on an arm.
+  static constexpr double kHandAccel_m_s2 = 30.0;
+  static constexpr double kLeastMass_kg = 0.7;
+  /// 0.5 N m on 1.3 g m^2.
   static constexpr double kMostAccel_rad_s2 = 400.0;
   /// Rendered on credit: 0.05 N, which nobody feels, over an unforeseen 60 um.  From it a store
   /// grows where a contact begins, by a share with each way of the encoder's step.

@@ -14,6 +14,7 @@
 #include "scenes/json_file.h"
 #include "tests/devices/limiter_support.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/optimised.h"
 #include "tests/support/random.h"
 
 namespace palpate {
@@ -286,7 +287,7 @@ TEST(WorkspaceWalls, NeverPullOutwardsNeverJumpAndAreBounded) {
 TEST(WorkspaceWalls, GiveBackNoMoreThanWasPutIn) {
   test::Random random(9);
   const double h = 1e-5;
-  for (int trial = 0; trial < 50; ++trial) {
+  for (int trial = 0; trial < (test::kOptimised ? 50 : 5); ++trial) {
     const Vec3 amplitude(random.Uniform(0.15, 0.25), random.Uniform(0.1, 0.2),
                          random.Uniform(0.08, 0.15));
     const Vec3 frequency(random.Uniform(0.5, 8.0), random.Uniform(0.5, 8.0),
@@ -397,7 +398,7 @@ TEST(WorkspaceDevice, ShowsTheGraphicToolToTheDeviceInItsOwnFrame) {
 /// A hand that wanders, and presses the clutch whenever it likes.
 TEST(WorkspaceDevice, NeitherJumpsNorPressesSuddenlyHoweverTheClutchIsUsed) {
   test::Random random(12);
-  for (int trial = 0; trial < 20; ++trial) {
+  for (int trial = 0; trial < (test::kOptimised ? 20 : 4); ++trial) {
     Workspace workspace = Any(random);
     workspace.clutch_button = trial % 4;
     workspace.wall_force_N = 0.0;
