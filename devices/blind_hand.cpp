@@ -37,6 +37,7 @@ void BlindHand::LoseGraphicTool() noexcept {
   if (!X_WG_) return;  // it has not pressed anything
   X_WH_ = *X_WG_;
   v_ = w_ = Vec3::Zero();
+  if (rate_) X_WT_ = X_WH_;  // nobody draws it there: it would press by itself
   held_back_ = false;
   lost_ = true;
 }

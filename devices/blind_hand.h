@@ -35,6 +35,7 @@ class BlindHand {
   void SeeGraphicTool(const Pose& X_WG, const Vec3& p_HT) noexcept;
   /// The session has ended.  The hand is put back to where the graphic tool was, and rests there
   /// until it sees that again: a session that begins with a hand inside an object gives no force.
+  /// A place that it was drawn to counts again then; how far it was driven does not.
   void LoseGraphicTool() noexcept;
   /// Lets a time pass [s].
   void Step(double h) noexcept;

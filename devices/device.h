@@ -27,7 +27,8 @@ struct DeviceInfo {
   double continuous_force_N = 0.0;  ///< what the motors stand for ever
   double max_torque_Nm = 0.0;       ///< peak, about the handle's strongest axis
   double continuous_torque_Nm = 0.0;
-  Vec3 workspace_m = Vec3::Zero();  ///< size of the box it reaches, centred on W's origin
+  Vec3 workspace_m = Vec3::Zero();         ///< size of the box that it reaches ...
+  Vec3 workspace_centre_m = Vec3::Zero();  ///< ... about this point of its own frame
   double position_resolution_m = 0.0;
   double rotation_resolution_rad = 0.0;
   bool simulated = false;  ///< its forces move no real hand

@@ -43,12 +43,13 @@ Workspace Workspace::Load(const std::string& file) {
 }
 
 Pose Workspace::ToScene(const Pose& X_DH) const noexcept {
-  return {X_WD * Vec3(scale * (X_DH.p - centre_m)), (X_WD.q * X_DH.q * q_HT).normalized()};
+  return {X_WD * Vec3(scale * (X_DH.p - centre_m.value_or(Vec3::Zero()))),
+          (X_WD.q * X_DH.q * q_HT).normalized()};
 }
 
 Pose Workspace::ToDevice(const Pose& X_WT) const noexcept {
   const Quat q_DW = X_WD.q.conjugate();
-  return {centre_m + q_DW * (X_WT.p - X_WD.p) / scale,
+  return {centre_m.value_or(Vec3::Zero()) + q_DW * (X_WT.p - X_WD.p) / scale,
           (q_DW * X_WT.q * q_HT.conjugate()).normalized()};
 }
 
@@ -100,10 +101,12 @@ WorkspaceDevice::WorkspaceDevice(std::unique_ptr<Device> device, const Workspace
       tick_s_(1.0 / info_.rate_Hz) {
   const double force = workspace.wall_force_N.value_or(info_.continuous_force_N);
   if (force > 0.0) {
-    walls_.emplace(workspace.centre_m, info_.workspace_m, workspace.wall_margin_m, force);
+    walls_.emplace(workspace.centre_m.value_or(info_.workspace_centre_m), info_.workspace_m,
+                   workspace.wall_margin_m, force);
   }
   const double s = workspace.scale;
   info_.workspace_m *= s;
+  info_.workspace_centre_m = workspace.ToScene(Pose{info_.workspace_centre_m, Quat::Identity()}).p;
   info_.position_resolution_m *= s;
   info_.max_stiffness_N_m /= s;
   info_.max_torque_Nm *= s;

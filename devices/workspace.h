@@ -25,7 +25,9 @@ struct Workspace {
   /// At 0.5 m/s, a fast hand, the tool moves at the 5 m/s that a server accepts.
   static constexpr double kMostScale = 10.0;
 
-  Vec3 centre_m = Vec3::Zero();        ///< c: the middle of the device's reach, in D (calibration)
+  /// c: the middle of the device's reach, in D (calibration); not given: D's origin, while the
+  /// walls stand where the device says that it reaches.
+  std::optional<Vec3> centre_m{};
   Pose X_WD;                           ///< where the middle comes to lie, and how D is turned
   Quat q_HT = Quat::Identity();        ///< how the tool is turned in the handle
   double scale = 1.0;                  ///< s: motion of the tool over motion of the hand

@@ -23,10 +23,7 @@ Wrench EnergyStage::Pass(const Wrench& wanted, double gain, const Pose& X_WH, do
   const double stored = 0.5 * gain * wanted.force.squaredNorm() * compliance_;
   Grant(stored, entering);
   inside_ = entering || (inside_ && !wanted.force.isZero(0.0));
-  if (Rests(X_WH, dt_s) && inside_ && store_J_ < stored) {
-    granted_J_ += stored - store_J_;
-    store_J_ = stored;
-  }
+  if (Rests(X_WH, dt_s) && inside_) Draw(stored - store_J_);
 
   const Way& way = observer_.way();
   const double foreseen = wanted.force.dot(way.p) + wanted.torque.dot(way.phi);
@@ -48,10 +45,14 @@ void EnergyStage::Settle(double most_J, double dt_s) noexcept {
     store_J_ -= kReserve_J;
   }
   const double share = std::min(1.0, dt_s / kForget_s);
-  if (store_J_ > most_J) store_J_ += share * (most_J - store_J_);
+  if (store_J_ > most_J) {
+    const double forgotten = share * (store_J_ - most_J);
+    store_J_ -= forgotten;
+    budget_J_ = std::min(kBudget_J, budget_J_ + forgotten);
+  }
   // A debt is forgotten only as far as all that the hand ever put in covers it.
   const double covered =
-      repaid_ ? std::min(0.0, observer_.energy_J() + granted_J_ - kReserve_J) : store_J_;
+      repaid_ ? std::min(0.0, observer_.energy_J() + lent_J() - kReserve_J) : store_J_;
   if (store_J_ < covered) store_J_ += share * (covered - store_J_);
 }
 
@@ -71,11 +72,15 @@ void EnergyStage::Grant(double stored_J, bool entering) noexcept {
     return;
   }
   entry_most_J_ = std::max(entry_most_J_, stored_J);
-  const double more = std::min(stored_J - store_J_, entry_most_J_ - entry_granted_J_);
-  if (!(more > 0.0)) return;
-  store_J_ += more;
-  entry_granted_J_ += more;
-  granted_J_ += more;
+  entry_granted_J_ += Draw(std::min(stored_J - store_J_, entry_most_J_ - entry_granted_J_));
+}
+
+double EnergyStage::Draw(double wanted_J) noexcept {
+  if (!(wanted_J > 0.0)) return 0.0;
+  const double drawn = std::min(wanted_J, budget_J_);
+  budget_J_ -= drawn;
+  store_J_ += drawn;
+  return drawn;
 }
 
 double EnergyStage::Factor(const Wrench& wanted, double foreseen, double gain,
@@ -94,7 +99,8 @@ double EnergyStage::Factor(const Wrench& wanted, double foreseen, double gain,
 
   // Sum over the ticks that letting go takes: the force falls in n equal steps, and the way of each
   // is by one `unforeseen` longer than that of the one before.
-  const double unforeseen_m = kMostAccel_m_s2 * dt_s * dt_s + position_resolution_m_;
+  const double accel = kHandAccel_m_s2 + force / kLeastMass_kg;
+  const double unforeseen_m = accel * dt_s * dt_s + position_resolution_m_;
   const double unforeseen_rad = kMostAccel_rad_s2 * dt_s * dt_s + rotation_resolution_rad_;
   const double n = std::max({1.0, force / (slew_.force_N_s() * dt_s + 1e-12),
                              torque / (slew_.torque_Nm_s() * dt_s + 1e-12)});

@@ -19,16 +19,15 @@ namespace palpate {
 /// cannot hide an active one (the resets of Hannaford & Ryu 2002, made continuous).
 ///
 /// The wrench is scaled, by one factor, so its line of action stays:
-///   reference  while the hand moves out, by store / stored, where the coupling's spring should
-///   hold
+///   reference  while the hand moves out, by store / stored, where the coupling's spring holds
 ///              `stored` = f^2 / 2k and the store has less.  A force that is held for a tick, or
 ///              comes late, costs a share of each release; so it is paid evenly along the release,
 ///              not by a force that breaks off at its end (a reference energy, as in Ryu, Preusche,
 ///              Hannaford & Hirzinger, IEEE T. Control Systems Technology 13 (2005) 737-742; here
 ///              it is the least that the spring must hold)
 ///   bound      so far that the store outlasts the next tick, and the ticks in which the slew limit
-///              lets the force go, though the handle accelerates outwards by kMostAccel all the
-///              while
+///              lets the force go, though the handle accelerates outwards all the while, by
+///              kHandAccel and by what the force does to kLeastMass
 /// No factor is divided by a velocity, so encoder noise at rest is not amplified (what Ryu, Journal
 /// of Control, Automation and Systems Engineering 12 (2006) 380-388, cures in the classical
 /// damper); scaling instead of damping is that of energy tanks (Franken, Stramigioli, Misra, Secchi
@@ -36,9 +35,17 @@ namespace palpate {
 ///
 /// So the hand is given at most kSeed_J more than it has put in; and nothing more once it has put
 /// in twice that, when the seed is taken back: then the sum stays at or below zero.  That holds
-/// while no tick's way exceeds the last one by more than the bound foresees.  A handle that has not
-/// moved since forces came on has done no work, and feels the whole force: of it the first tick is
-/// owed.
+/// while no tick's way exceeds the last one by more than the bound foresees (a hand in debt that
+/// turns round faster than that, in the middle of moving in, is given one seed each time).  A
+/// handle that has not moved since forces came on has done no work, and feels the whole force: of
+/// it the first tick is owed.
+///
+/// That has a price at rest, where a touch of force f has stored f^2 / 2k at most, and the bound
+/// wants f x (30 um of a tick's acceleration + an encoder's step): lighter ones than 2k x 50 um,
+/// 0.1 N at 1 N/mm, lose a share.  The encoder's step could move in any tick.  The acceleration
+/// cannot be taken for less: in the loops of RunPortLoop (tests/support; 864 of up to 20 ms of
+/// delay, 10 % loss and 3 N/mm) 20 m/s^2 alone lets one give energy for a while, 10 m/s^2 every
+/// ninth.  A faster tick helps, as the way goes with its square: 22 um in all at 4 kHz.
 ///
 /// A hand may be in a contact before forces come on, or when they come back after a silence: it has
 /// put in nothing that is remembered, and without a force it could put in nothing.  While such a
@@ -49,6 +56,15 @@ namespace palpate {
 /// stands, and a loop that gives energy does not rest.  Where the stiffness is not known nothing is
 /// granted.
 ///
+/// When a force begins, how great it is and how stiff its spring, is the server's word.  So all
+/// that is granted is drawn from one budget, which is refilled by what the store forgets and by
+/// nothing else: by energy that the hand put in and will not get back, or that was granted and not
+/// used.  Each tick's work moves the store alone, so that
+///   store + budget <= kBudget_J + all that the hand has put in and not got back,
+/// and a server that begins again and again, or is silent in between, gives the hand kBudget_J in
+/// all, and not each time.  A hand that rests in an object while its server is started anew gets
+/// its force back however often that is.
+///
 /// Real-time; deterministic.
 class EnergyStage {
  public:
@@ -56,12 +72,17 @@ class EnergyStage {
   static constexpr double kDeepest_rad = 0.25;
   static constexpr double kForget_s = 0.05;
   static constexpr double kRest_s = 0.2;
-  /// Of a hand on an arm: 22 N on 0.7 kg are 31 m/s^2, 0.5 N m on 1.3 g m^2 400 rad/s^2.
-  static constexpr double kMostAccel_m_s2 = 40.0;
+  /// What a hand may do of itself, and the mass that a force moves: that of a hand on an arm.
+  static constexpr double kHandAccel_m_s2 = 30.0;
+  static constexpr double kLeastMass_kg = 0.7;
+  /// 0.5 N m on 1.3 g m^2.
   static constexpr double kMostAccel_rad_s2 = 400.0;
   /// Rendered on credit: 0.05 N, which nobody feels, over an unforeseen 60 um.  From it a store
   /// grows where a contact begins, by a share with each way of the encoder's step.
   static constexpr double kSeed_J = 3e-6;
+  /// Most that can be granted while the hand puts in nothing: 10 N at 1 N/mm, or four contacts of
+  /// 5 N that it was in before their force began.  A hand of 0.7 kg leaves at 0.4 m/s.
+  static constexpr double kBudget_J = 0.05;
   /// Kept back in the end: the seed, and some for rounding.
   static constexpr double kReserve_J = 1.01 * kSeed_J;
   /// The first rule counts from the one speed on, and in full from the other; the speed is
@@ -88,8 +109,8 @@ class EnergyStage {
 
   /// Calls in which it held something back.
   std::uint64_t count() const noexcept { return count_; }
-  /// What all ramps and rests together have been granted [J].
-  double granted_J() const noexcept { return granted_J_; }
+  /// What has been granted, and is not back in the budget [J].
+  double lent_J() const noexcept { return kBudget_J - budget_J_; }
   const PassivityObserver& observer() const noexcept { return observer_; }
   double store_J() const noexcept { return store_J_; }
 
@@ -97,13 +118,15 @@ class EnergyStage {
   void Settle(double most_J, double dt_s) noexcept;
   /// @param stored_J  what the coupling holds of the wanted wrench, after the gain.
   void Grant(double stored_J, bool entering) noexcept;
+  /// From the budget into the store, as far as it goes; returns how much.
+  double Draw(double wanted_J) noexcept;
   bool Rests(const Pose& X_WH, double dt_s) noexcept;
   /// @param foreseen  work of the wanted wrench over a way like the last [J].
   double Factor(const Wrench& wanted, double foreseen, double gain, double dt_s) const noexcept;
 
   PassivityObserver observer_;
   double store_J_ = 0.0;
-  double granted_J_ = 0.0;
+  double budget_J_ = kBudget_J;
   double entry_most_J_ = 0.0, entry_granted_J_ = 0.0;  // of the ramp that is on its way
   Pose X_rest_;                                        // where the hand rests
   double rest_s_ = 0.0;                                // ... and for how long

@@ -25,7 +25,7 @@ MouseDevice::MouseDevice(int lines, const Pose& start)
   if (stop_ < 0) throw Error("mouse: no eventfd; are too many files open?");
   info_.model = "mouse (poses from standard input)";
   // It renders nothing: generous bounds let the limiter show the server's wrench nearly as it is,
-  // and what a mouse can press stays below them (mouse_hand.h).
+  // and what a mouse can press stays below them (blind_hand.h).
   info_.max_force_N = info_.continuous_force_N = 100.0;
   info_.max_torque_Nm = info_.continuous_torque_Nm = 10.0;
   info_.workspace_m = Vec3::Constant(20.0);  // what a line may say

@@ -16,8 +16,9 @@ class MouseDevice final : public Device {
  public:
   static constexpr double kTick_s = 1e-3;
 
-  /// @param lines  file descriptor, not closed here.   @param start  where the tool is until the
-  ///               first line.  Throws Error where no thread can be had.
+  /// Throws Error where no more files can be opened.
+  /// @param lines  file descriptor, not closed here.
+  /// @param start  where the tool is until the first line.
   MouseDevice(int lines, const Pose& start);
   ~MouseDevice() override;
 

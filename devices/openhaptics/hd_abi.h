@@ -78,7 +78,6 @@ inline constexpr Enum kMaxWorkspace = 0x2550;     // double x 6: least x, y, z, 
 inline constexpr Enum kInputDof = 0x2553;         // int
 inline constexpr Enum kOutputDof = 0x2554;        // int
 inline constexpr Enum kCalibrationStyle = 0x2555;           // int, bits of the styles that it knows
-inline constexpr Enum kUpdateRate = 0x2600;                 // int, Hz
 inline constexpr Enum kNominalMaxForce = 0x2603;            // double, N
 inline constexpr Enum kNominalMaxContinuousForce = 0x2604;  // double, N
 inline constexpr Enum kNominalMaxTorque = 0x2622;           // double, mN m

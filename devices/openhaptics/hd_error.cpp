@@ -47,7 +47,8 @@ constexpr std::array<ErrorText, 22> kTexts{{
     {kInvalidPriority, "HD_INVALID_PRIORITY", ErrorClass::kUse, kReport},
     {kSchedulerFull, "HD_SCHEDULER_FULL", ErrorClass::kUse, kReport},
     {kInvalidLicense, "HD_INVALID_LICENSE", ErrorClass::kFatal,
-     "install a licence of OpenHaptics with its vendor's licence program, for this machine"},
+     "install a licence of OpenHaptics for this machine with its vendor's licence program; a "
+     "deployment licence is not used"},
 }};
 
 const ErrorText* Find(Code code) noexcept {

@@ -1,9 +1,11 @@
 #include "devices/openhaptics/openhaptics_device.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <thread>
 #include <utility>
 
 #include <pthread.h>
@@ -32,7 +34,14 @@ constexpr double kVelocityCutOff_rad_s = 2.0 * 3.14159265358979 * 100.0;
 /// in another unit.
 constexpr double kMostForce_N = 50.0;
 constexpr double kMostTorque_mNm = 2000.0;
-/// Where torque is not rendered at all: the limiter wants a bound that is not zero.
+/// The library does not tell what an arm's encoders resolve, and the limiter's energy stage has to
+/// know.  Of the coarsest that there is, the Touch, 450 dpi by its data sheet; its gimbal has
+/// potentiometers, [estimate] ten bits of a turn, where one that is driven has encoders.
+constexpr double kResolution_m = 0.055e-3;
+constexpr double kResolution_rad = 6e-3;
+constexpr double kDrivenResolution_rad = 1.4e-4;  // Premium 6DOF, roll: 0.0080 degrees
+/// The scheduler's, where it refuses another.
+constexpr double kDefaultRate_Hz = 1000.0;
 constexpr std::uint16_t kLast = 0;  // priority: after the tick's frame
 
 std::size_t Index(hd::ErrorClass error_class) {
@@ -120,11 +129,13 @@ void OpenHapticsDevice::Init(const std::string& name) {
       return Check("making the arm current");
     }
     if (handle != kNone) hd_.hdDisableDevice(handle);
-    if (tried.empty()) first = error;
+    // No other name can help where the licence or the arm itself is not to be had.
+    const bool last_word =
+        error.code == hd::kInvalidLicense || error.code == hd::kDeviceAlreadyInitiated;
+    if (tried.empty() || last_word) first = error;
     if (!tried.empty()) tried += ", ";
     tried += candidate ? candidate : "the default one";
-    // The other names cannot help.
-    if (error.code == hd::kInvalidLicense || error.code == hd::kDeviceAlreadyInitiated) break;
+    if (last_word) break;
   }
   DiscardErrors();
   std::string why = first.code == hd::kSuccess
@@ -191,12 +202,15 @@ void OpenHapticsDevice::ReadDataSheet() {
   } else {
     info_.torque_axes = 0;
   }
+  info_.position_resolution_m = kResolution_m;
+  info_.rotation_resolution_rad = output_dof_ == 6 ? kDrivenResolution_rad : kResolution_rad;
   std::array<double, 6> box{};
   hd_.hdGetDoublev(hd::kMaxWorkspace, box.data());
   Check("HD_MAX_WORKSPACE");
   for (int i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);
     info_.workspace_m[i] = kMetresPerMm * (box[axis + 3] - box[axis]);
+    info_.workspace_centre_m[i] = 0.5 * kMetresPerMm * (box[axis + 3] + box[axis]);
   }
   calibration_style_ =
       EasiestStyle(static_cast<hd::Enum>(Integer(hd::kCalibrationStyle, "HD_CALIBRATION_STYLE")));
@@ -233,14 +247,10 @@ void OpenHapticsDevice::Configure() {
       error.code != hd::kInvalidOperation && error.code != hd::kTimerError) {
     throw Error("openhaptics: hdSetSchedulerRate: " + hd::Describe(error));
   }
-  int rate_Hz = 0;
-  hd_.hdGetIntegerv(hd::kUpdateRate, &rate_Hz);
-  if (hd_.hdGetError().code != hd::kSuccess || rate_Hz <= 0) rate_Hz = 1000;
-  DiscardErrors();
-  info_.rate_Hz = rate_Hz;
+  // HD_UPDATE_RATE is no help: it is measured, and the scheduler does not run yet.
+  info_.rate_Hz = error.code == hd::kSuccess ? options_.rate_Hz : kDefaultRate_Hz;
   if (info_.rate_Hz != options_.rate_Hz) {
-    AddLine(notes_,
-            "the arm runs at " + std::to_string(rate_Hz) + " Hz, not at the rate asked for");
+    AddLine(notes_, "the arm does not take the rate asked for; it runs at 1000 Hz");
   }
   gate_ = OutputGate(info_.rate_Hz);
   slow_period_ = static_cast<std::uint64_t>(std::max(1.0, info_.rate_Hz / 10.0));
@@ -259,6 +269,17 @@ void OpenHapticsDevice::Start() {
   running_ = true;
   hd_.hdStartScheduler();
   Check("hdStartScheduler");
+
+  // Who asks a scheduler that does not run to call something waits for ever.
+  for (const std::int64_t begun = SteadyNanoseconds(); last_tick_ns_.load() == 0;) {
+    if (SteadyNanoseconds() - begun > kDead_ns) {
+      throw Error(
+          "openhaptics: the library's scheduler was started, and does not tick; check the arm's "
+          "cable and power, end other programs that drive it, and see that it works with its "
+          "vendor's diagnostic program");
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
 
   // The priority of the library's thread is the library's affair, and often nothing special.
   std::exception_ptr refused;
@@ -378,7 +399,8 @@ void OpenHapticsDevice::ReadNowAndThen() noexcept {
   double hottest = 0.0;
   for (int i = 0; i < output_dof_; ++i) {
     const double t = state_.motor_temperature[static_cast<std::size_t>(i)];
-    hottest = t <= hottest ? hottest : t;  // NaN is kept
+    if (!(t <= hottest)) hottest = t;
+    if (std::isnan(hottest)) break;  // of one that is not known, no other says that it is cool
   }
   gate_.SetTemperature(hottest);
   sample_.motor_temperature = hottest;  // the limiter's model is corrected by it

@@ -11,12 +11,10 @@ namespace palpate {
 /// arm takes its force away within one frame, where the limiter would ramp out:
 ///   calibrating  closed until Open()
 ///   paused       closed until 0.1 s without an error have passed *and* the limiter asks for
-///   exactly
-///                nothing: as a closed gate is a fault to the station, the limiter gets there by
-///                itself, and the force comes back by its ramp, never by a step
+///                nothing at all: as a closed gate is a fault to the station, the limiter gets
+///                there by itself, and the force comes back by its ramp, never by a step
 ///   cooling      motors are hot: closed until all are below kCool and 2 s have passed, or 60 s
-///   where
-///                no temperature can be read; then paused
+///                where no temperature can be read; then paused
 ///   latched      closed for good
 /// Counts ticks, reads no clock.  Real-time.  Not thread-safe: the tick's thread owns it.
 class OutputGate {

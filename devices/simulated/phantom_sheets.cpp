@@ -8,8 +8,7 @@ namespace {
 constexpr double kDegree = 0.017453292519943295;
 
 // [sheet]    the maker's data sheet, named at each arm, as it is commonly quoted: to be checked
-// against
-//            the sheet itself.  README.md has the figures side by side.
+//            against the sheet itself.  README.md has the figures side by side.
 // [estimate] everything the sheet is silent about; the reason stands beside it.
 // Not modelled: the linkage (mass and friction are taken as equal in all directions), its
 // elasticity, and the gimbal's stops (a scene may ask for whole turns).

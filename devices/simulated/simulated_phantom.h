@@ -8,6 +8,10 @@
 
 namespace palpate {
 
+namespace test {
+class PastTheLimiter;  // tests/support: for measurements of what the limiter does
+}
+
 /// A haptic device that exists only here: a rigid handle with mass, friction, motors that saturate,
 /// encoders that quantise and a workspace that ends, held by a simulated hand or by none.
 /// Each Apply lets one period of its rate pass, in sub-steps of at most kSubstep_s (semi-implicit
@@ -26,8 +30,6 @@ class SimulatedPhantom final : public Device {
   /// The pose as the encoders give it, and its velocity as a driver estimates it from them.
   DeviceSample Read() noexcept override;
   void Apply(const LimitedWrench& wrench) noexcept override;
-  /// The millisecond that Apply lets pass, under any wrench: for measurements without a limiter.
-  void Pass(const Wrench& commanded) noexcept;
   const char* activity() const noexcept override;
 
   // The truth behind the encoders, for tests and displays.
@@ -37,6 +39,9 @@ class SimulatedPhantom final : public Device {
   double kinetic_energy_J() const noexcept;
 
  private:
+  friend class test::PastTheLimiter;
+  /// The tick that Apply lets pass, under any wrench.
+  void Pass(const Wrench& commanded) noexcept;
   Pose Encoded() const noexcept;
   Wrench MotorWrench(const Wrench& commanded) const noexcept;
   void Substep(const Wrench& motor, double t, double h) noexcept;

@@ -22,9 +22,8 @@ struct RateControl {
   /// the dead band.
   static double Share(double counts) noexcept;
 
-  /// @param axes  x, y, z, rx, ry, rz as spacenavd gives them: x right, y up, z away from the
-  /// person. Returns the velocity in the device's frame, which is right-handed: x right, y up, z
-  /// towards the person.
+  /// Velocity in the device's frame, which is right-handed: x right, y up, z towards the person.
+  /// @param axes  x, y, z, rx, ry, rz as spacenavd gives them: x right, y up, z away from them.
   static Twist Velocity(const std::array<int, 6>& axes) noexcept;
 };
 

@@ -26,6 +26,7 @@ class SpaceMouseDevice final : public Device {
   void SeeGraphicTool(const Pose& X_WG, const Vec3& p_HT) noexcept override {
     hand_.SeeGraphicTool(X_WG, p_HT);
   }
+  void LoseGraphicTool() noexcept override { hand_.LoseGraphicTool(); }
   const char* activity() const noexcept override;
 
  private:

@@ -14,6 +14,7 @@
 #include "scenes/sphere_tree_builder.h"
 #include "server/session/scene_model.h"
 #include "server/session/servo_loop.h"
+#include "tests/support/past_the_limiter.h"
 #include "tests/support/simulated_link.h"
 #include "tests/support/uncontrolled_limiter.h"
 
@@ -39,7 +40,7 @@ class ArmUnderTest final : public Device {
   DeviceSample Read() noexcept override { return phantom_.Read(); }
   void Apply(const LimitedWrench& wrench) noexcept override {
     applied_ = uncontrolled_ ? uncontrolled_->Limit(core_->asked()) : wrench.wrench();
-    phantom_.Pass(applied_);
+    test::PastTheLimiter::Apply(phantom_, applied_);
   }
   const Wrench& applied() const { return applied_; }
 

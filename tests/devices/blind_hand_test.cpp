@@ -134,6 +134,27 @@ TEST(BlindHand, IsPutBackToTheGraphicToolWhereItsSessionEndsAndWaitsForTheNext) 
   EXPECT_NEAR(hand.pose().p.x(), BlindHand::kMaxPress_m, 1e-4);
 }
 
+TEST(BlindHand, PressesNoMoreInTheNextSessionUnlessItIsDrivenThereAnew) {
+  const Vec3 p_HT(0.0, 0.03, 0.0);
+  BlindHand hand(At(Vec3(-0.01, 0, 0)));
+  const auto step = [&](double v, int ticks) {
+    hand.Drive({Vec3(v, 0, 0), Vec3::Zero()});
+    for (int i = 0; i < ticks; ++i) {
+      hand.SeeGraphicTool(StoppedByWall(hand.pose(), p_HT), p_HT);
+      hand.Step(kTick);
+    }
+  };
+  step(0.2, 1000);
+  step(0.0, 1000);
+  ASSERT_NEAR(hand.pose().p.x(), BlindHand::kMaxPress_m, 1e-6) << "let go, it stays where it is";
+  hand.LoseGraphicTool();
+  for (int i = 0; i < 1000; ++i) hand.Step(kTick);
+  step(0.0, 1000);
+  EXPECT_NEAR(hand.pose().p.x(), 0.0, 1e-6);
+  step(0.2, 1000);
+  EXPECT_NEAR(hand.pose().p.x(), BlindHand::kMaxPress_m, 1e-6);
+}
+
 TEST(BlindHand, TwistsAToolThatIsHeldNoFurtherThanItMay) {
   const Pose held = At(Vec3::Zero());
   BlindHand hand(held);

@@ -9,23 +9,23 @@ namespace palpate {
 /// command a device.
 class OpenLimiter {
  public:
-  explicit OpenLimiter(const Wrench& first = {}) : limiter_(WrenchLimits::Of(Wide())) {
+  OpenLimiter() : limiter_(WrenchLimits::Of(Wide())) {
     limiter_.Enable(true);
-    for (int i = 0; i < 250; ++i) Pass(first);
+    for (int i = 0; i < 125; ++i) Pass({});
   }
   LimitedWrench Pass(const Wrench& wrench) {
     LimiterInput in;
     in.wanted = wrench;
     in.silence_s = in.age_s = 0.0;
-    in.dt_s = 1e-3;
+    in.dt_s = kMaxTick_s;
     return limiter_.Limit(in);
   }
 
  private:
   static DeviceInfo Wide() {
     DeviceInfo info;
-    info.max_force_N = info.continuous_force_N = 1e3;
-    info.max_torque_Nm = info.continuous_torque_Nm = 1e3;
+    info.max_force_N = info.continuous_force_N = 1e4;
+    info.max_torque_Nm = info.continuous_torque_Nm = 1e4;
     return info;
   }
 
@@ -34,7 +34,9 @@ class OpenLimiter {
 
 /// The same for one wrench.
 inline LimitedWrench PassThrough(const Wrench& wrench) {
-  return OpenLimiter(wrench).Pass(wrench);
+  static const OpenLimiter past_its_ramps;
+  OpenLimiter limiter = past_its_ramps;
+  return limiter.Pass(wrench);
 }
 
 }  // namespace palpate

@@ -37,6 +37,15 @@ SimulatedHand HandAt(const Pose& where) {
       HandImpedance{});
 }
 
+template <class Arm>
+concept TakesAnyWrench = requires(Arm& arm, const Wrench& wrench) {
+  arm.Apply(wrench);
+}
+|| requires(Arm& arm, const Wrench& wrench) {
+  arm.Pass(wrench);
+};
+static_assert(!TakesAnyWrench<SimulatedPhantom>, "only what a limiter made, as every device");
+
 TEST(SimulatedPhantom, AcceleratesAsForceLessFrictionOverMass) {
   HandleDynamics dynamics = PhantomPremium30().dynamics;
   dynamics.viscous_N_s_m = 0.0;

@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "devices/limiter/limiter_chain.h"
 #include "devices/simulated/phantom_sheets.h"
+#include "tests/support/optimised.h"
 #include "tests/support/port_loop.h"
 #include "tests/support/uncontrolled_limiter.h"
 
@@ -70,6 +72,15 @@ TEST(EnergyStage, LeavesASpringAloneThatIsPressedAndLetGoSlowly) {
   EXPECT_LE(axis.Generated(), 0.0);
 }
 
+TEST(EnergyStage, LeavesALightTouchAtRestMostOfItsForce) {
+  Axis axis(2000.0);
+  const auto feel = [&](double step) { return axis.Step(step, -2000.0 * (axis.z() + step)); };
+  double force = 0.0;
+  for (int i = 0; i < 60; ++i) force = feel(i % 10 ? 0.0 : -20e-6);  // 2 mm/s, 0.12 mm deep
+  for (int i = 0; i < 500; ++i) force = feel(0.0);
+  EXPECT_GE(force, 0.8 * 0.24);
+}
+
 TEST(EnergyStage, GivesNothingToAHandThatPutNothingIn) {
   // A force along the motion, from the first tick on: the plainest active device.
   Axis axis;
@@ -125,9 +136,103 @@ TEST(EnergyStage, GrantsARampWhatTheCouplingHoldsAndNoMoreHoweverLongItPushes) {
       held_N = gain * out.force.z();
     }
     EXPECT_LE(given_J, 0.5 * kForce_N * kForce_N / kStiffness + 2.0 * EnergyStage::kSeed_J);
-    EXPECT_LE(given_J, stage.granted_J() + 2.0 * EnergyStage::kSeed_J);
+    EXPECT_LE(given_J, stage.lent_J() + 2.0 * EnergyStage::kSeed_J);
     EXPECT_GT(given_J, spring ? 1e-3 : 5e-3) << "it is felt";
   }
+}
+
+/// A server that lies to get energy into a hand, which comes back each time that nothing pushes it.
+class LyingServer : public testing::Test {
+ protected:
+  static constexpr double kPush_N = 5.0;
+  static constexpr double kStroke_m = 5e-3;
+
+  LyingServer() : limiter(Phantom()) {
+    limiter.energy().SetStiffness(1000.0);
+    limiter.Enable(true);
+  }
+  /// So many ticks in which the hand moves at that speed and the server wants that force.
+  void Run(int ticks, double v, double wanted, bool entering = false, bool answers = true) {
+    for (int i = 0; i < ticks; ++i) {
+      z += v * kTick;
+      given_J += held_N * v * kTick;
+      most_given_J = std::max(most_given_J, given_J);
+      silence_s = answers ? 0.0 : silence_s + kTick;
+      LimiterInput in;
+      in.wanted.force.z() = wanted;
+      in.X_WH.p.z() = z;
+      in.silence_s = in.age_s = silence_s;
+      in.dt_s = kTick;
+      in.entering = entering;
+      held_N = limiter.Limit(in).force.z();
+    }
+  }
+  void MoveOut(double wanted, bool entering = false) {
+    Run(100, kStroke_m / 0.1, wanted, entering);
+  }
+
+  LimiterChain<EnergyStage> limiter;
+  double z = 0.0, held_N = 0.0, silence_s = 0.0;
+  double given_J = 0.0, most_given_J = 0.0;
+};
+
+TEST_F(LyingServer, GetsNoMoreThanOneBudgetIntoAHandByBeginningAgainAndAgain) {
+  Run(300, 0.0, 0.0);
+  for (int i = 0; i < 50; ++i) {
+    Run(60, 0.0, kPush_N, true);
+    MoveOut(kPush_N, true);
+    Run(100, -kStroke_m / 0.1, 0.0);
+  }
+  EXPECT_LE(most_given_J, EnergyStage::kBudget_J + 2.0 * EnergyStage::kSeed_J);
+  EXPECT_GT(most_given_J, 0.8 * EnergyStage::kBudget_J) << "it tries, at least";
+}
+
+TEST_F(LyingServer, GetsNoMoreByFallingSilentInBetween) {
+  Run(300, 0.0, 0.0);
+  for (int i = 0; i < 50; ++i) {
+    Run(250, 0.0, kPush_N);
+    MoveOut(kPush_N);
+    Run(100, -kStroke_m / 0.1, kPush_N, false, false);
+  }
+  EXPECT_LE(most_given_J, EnergyStage::kBudget_J + 2.0 * EnergyStage::kSeed_J);
+  EXPECT_GT(most_given_J, 0.8 * EnergyStage::kBudget_J);
+}
+
+TEST_F(LyingServer, GetsNoMoreByWaitingUntilTheHandRests) {
+  Run(300, 0.0, 1e-6);
+  for (int i = 0; i < 50; ++i) {
+    Run(250, 0.0, kPush_N, i == 0);
+    MoveOut(kPush_N);
+    Run(100, -kStroke_m / 0.1, 1e-6);  // never nothing: it is one contact still
+  }
+  EXPECT_LE(most_given_J, EnergyStage::kBudget_J + 2.0 * EnergyStage::kSeed_J);
+  EXPECT_GT(most_given_J, 0.8 * EnergyStage::kBudget_J);
+}
+
+TEST_F(LyingServer, IsNotTakenForOneThatIsStartedAgainUnderAHandThatRests) {
+  for (int i = 0; i < 50; ++i) {
+    Run(100, 0.0, kPush_N, false, false);
+    Run(500, 0.0, kPush_N);
+    // What was not used came back: the hand is still pushed out whole at the end.
+    ASSERT_EQ(held_N, kPush_N) << i;
+    ASSERT_LE(limiter.energy().lent_J(), 0.5 * kPush_N * kPush_N / 1000.0 + 1e-9);
+  }
+}
+
+TEST_F(LyingServer, HasTheBudgetAgainOnceTheHandHasPutItIn) {
+  Run(300, 0.0, 0.0);
+  for (int i = 0; i < 50; ++i) {
+    Run(60, 0.0, kPush_N, true);
+    MoveOut(kPush_N, true);
+    Run(100, -kStroke_m / 0.1, 0.0);
+  }
+  Run(1000, -0.05, 2.0);  // 0.1 J of drag
+  EXPECT_LT(limiter.energy().lent_J(), 1e-3);
+  Run(200, 0.0, 0.0);
+  given_J = most_given_J = 0.0;
+  Run(20, 0.0, kPush_N, true);
+  MoveOut(kPush_N, true);
+  EXPECT_GT(given_J, 5e-3);
 }
 
 TEST(EnergyStage, ForgetsTheHeatOfFrictionSoThatNoActivePhaseHidesBehindIt) {
@@ -191,9 +296,10 @@ TEST(EnergyStage, MovesNoFasterThanItsShareOfTheSlewLimit) {
 class EnergyAtThePort : public testing::TestWithParam<int> {};
 
 TEST_P(EnergyAtThePort, IsNeverGivenInAClosedLoopWithDelayAndLoss) {
+  const unsigned seeds = test::kOptimised ? 3 : 1;
   for (const double stiffness : {300.0, 1000.0, 2000.0}) {
     for (const double known : {0.0, stiffness}) {  // what the limiter is told of it
-      for (const unsigned seed : {1u, 2u, 3u}) {
+      for (unsigned seed = 1; seed <= seeds; ++seed) {
         PortLoopCase c;
         c.delay_ms = GetParam();
         c.loss = 0.1;

@@ -276,9 +276,6 @@ class Library final : public FakeHd {
       case hd::kCalibrationStyle:
         *values = static_cast<int>(setup.styles);
         return;
-      case hd::kUpdateRate:
-        *values = rate_Hz_;
-        return;
       default:
         WrongType(what);
     }
@@ -424,14 +421,18 @@ class Library final : public FakeHd {
     done_.wait(lock, [&] { return task.done; });
   }
   void Start() {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     if (Enter(k_hdStartScheduler)) return;
     Demand(scheduled_.call != nullptr, "hdStartScheduler before a callback is scheduled");
     Demand(!running_, "hdStartScheduler twice");
     Demand(!motors_on_, "hdStartScheduler with the motors on");
     running_ = true;
-    if (!setup.real_time) return;
-    thread_ = std::thread([this] { RunInRealTime(); });
+    if (setup.real_time) {
+      thread_ = std::thread([this] { RunInRealTime(); });
+      return;
+    }
+    lock.unlock();
+    RunTick(nullptr);  // the first comes by itself
   }
   void StopScheduler() {
     {

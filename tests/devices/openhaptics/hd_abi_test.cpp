@@ -29,7 +29,6 @@ TEST(HdAbi, HasTheDocumentedNumbersForWhatIsAskedAndSet) {
   EXPECT_EQ(kInputDof, 0x2553u);
   EXPECT_EQ(kOutputDof, 0x2554u);
   EXPECT_EQ(kCalibrationStyle, 0x2555u);
-  EXPECT_EQ(kUpdateRate, 0x2600u);
   EXPECT_EQ(kNominalMaxForce, 0x2603u);
   EXPECT_EQ(kNominalMaxContinuousForce, 0x2604u);
   EXPECT_EQ(kMotorTemperature, 0x2605u);

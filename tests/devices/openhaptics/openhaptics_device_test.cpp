@@ -33,8 +33,9 @@ TEST_F(OpenHapticsDeviceTest, OpensInTheOrderThatTheLibraryAsksFor) {
   long last = -1;
   for (const char* function :
        {"hdInitDevice", "hdMakeCurrentDevice", "hdGetString", "hdDisable", "hdEnable",
-        "hdSetSchedulerRate", "hdScheduleAsynchronous", "hdStartScheduler", "hdScheduleSynchronous",
-        "hdBeginFrame", "hdEndFrame", "hdStopScheduler", "hdUnschedule", "hdDisableDevice"}) {
+        "hdSetSchedulerRate", "hdScheduleAsynchronous", "hdStartScheduler", "hdBeginFrame",
+        "hdEndFrame", "hdScheduleSynchronous", "hdStopScheduler", "hdUnschedule",
+        "hdDisableDevice"}) {
     EXPECT_GT(Place(function), last) << function;
     last = Place(function);
   }
@@ -50,6 +51,9 @@ TEST_F(OpenHapticsDeviceTest, ReadsTheArmsDataSheetFromTheArm) {
   EXPECT_DOUBLE_EQ(info.max_torque_Nm, 0.188);
   EXPECT_DOUBLE_EQ(info.continuous_torque_Nm, 0.048);
   EXPECT_TRUE(info.workspace_m.isApprox(Vec3(0.420, 0.315, 0.215)));
+  EXPECT_TRUE(info.workspace_centre_m.isApprox(Vec3(0.0, 0.0475, 0.0225)));
+  EXPECT_GT(info.position_resolution_m, 0.0) << "the limiter must know of an encoder's step";
+  EXPECT_GT(info.rotation_resolution_rad, 0.0);
   EXPECT_FALSE(info.simulated);
   EXPECT_EQ(info.rate_Hz, 1000.0);
 }
@@ -62,7 +66,7 @@ TEST_F(OpenHapticsDeviceTest, RunsAtTheRateAskedForOrAtTheOneThatTheArmKeeps) {
   fake.Reset(setup);
   OpenHapticsDevice slow(options);
   EXPECT_EQ(slow.info().rate_Hz, 1000.0);
-  EXPECT_THAT(slow.Attend(), HasSubstr("runs at 1000 Hz, not at the rate asked for"));
+  EXPECT_THAT(slow.Attend(), HasSubstr("does not take the rate asked for; it runs at 1000 Hz"));
 }
 
 TEST_F(OpenHapticsDeviceTest, FallsBackOnTheNamesOfADefaultArmAndOnNoOther) {
@@ -99,6 +103,18 @@ TEST_F(OpenHapticsDeviceTest, SaysWhyTheArmDoesNotOpenAndWhatToDo) {
   EXPECT_THAT(error_of(hd::kInvalidLicense), Not(HasSubstr("/dev")));
   EXPECT_THAT(error_of(hd::kDeviceAlreadyInitiated), HasSubstr("in use"));
   EXPECT_EQ(fake.CallsOf("hdInitDevice"), 1) << "no other name can help";
+  setup.init_error = hd::kInvalidLicense;
+  fake.Reset(setup);
+  fake.Fail("hdInitDevice", 1, hd::kCommError);
+  EXPECT_THAT(OpeningError(), HasSubstr("HD_INVALID_LICENSE")) << "the last word, by another name";
+}
+
+TEST_F(OpenHapticsDeviceTest, SaysThatTheSchedulerDoesNotTickAndDoesNotWaitForItForEver) {
+  setup.real_time = true;
+  fake.Reset(setup);
+  fake.Die();
+  EXPECT_THAT(OpeningError(), HasSubstr("scheduler was started, and does not tick; check"));
+  EXPECT_FALSE(fake.opened());
 }
 
 TEST_F(OpenHapticsDeviceTest, RefusesAnArmWhoseFiguresBoundNothing) {
@@ -397,6 +413,21 @@ TEST_F(OpenHapticsDeviceTest, RestsWhileTheMotorsAreHotAndGoesOnWhenTheyHaveCool
   EXPECT_STREQ(bench.arm.activity(), "motors cooling");
   fake.temperature[2] = 0.5;
   EXPECT_TRUE(bench.RunUntilForce());
+}
+
+TEST_F(OpenHapticsDeviceTest, DoesNotTakeAMotorForCoolWhoseTemperatureIsNoNumber) {
+  for (const std::size_t motor : {0u, 5u}) {
+    fake.Reset(setup);
+    ArmBench bench(fake, Options());
+    ASSERT_TRUE(bench.RunUntilForce());
+    fake.temperature[motor] = std::numeric_limits<double>::quiet_NaN();
+    fake.Fail("hdEndFrame", 1, hd::kWarmMotors);
+    bench.Run(20'000);
+    EXPECT_FALSE(fake.motors_on()) << motor;
+    EXPECT_TRUE(std::isnan(bench.sample.motor_temperature));
+    fake.temperature[motor] = 0.3;
+    EXPECT_TRUE(bench.RunUntilForce());
+  }
 }
 
 TEST_F(OpenHapticsDeviceTest, TellsAnErrorOfEveryTickOnceASecond) {

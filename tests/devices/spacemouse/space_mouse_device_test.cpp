@@ -95,6 +95,21 @@ TEST_F(SpaceMouseDeviceTest, PressesNoDeeperThanItMayAndComesBackAtOnce) {
   EXPECT_LT(ticks, 250);
 }
 
+TEST_F(SpaceMouseDeviceTest, DoesNotPressOnWhenItsSessionEnds) {
+  ASSERT_TRUE(PushUntil(
+      {350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.0195; }, true));
+  device_.LoseGraphicTool();
+  for (int i = 0; i < 500; ++i) {
+    if (i % 16 == 0) daemon_.Push({350, 0, 0, 0, 0, 0});
+    sample_ = device_.Read();
+    device_.Apply(PassThrough({}));
+    ASSERT_LE(sample_.X_WH.p.x(), 1e-9) << "where the graphic tool was";
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  }
+  EXPECT_TRUE(PushUntil(
+      {350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.0195; }, true));
+}
+
 TEST_F(SpaceMouseDeviceTest, StandsStillWithAFaultWhileTheDaemonIsGoneAndResumes) {
   ASSERT_TRUE(PushUntil({350, 0, 0, 0, 0, 0}, [&] { return sample_.V_WH.v.x() > 0.1; }));
   daemon_.Kill();
