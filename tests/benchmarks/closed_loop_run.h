@@ -86,7 +86,7 @@ struct ZWidth {
 };
 /// To 2 %; kStiffest where all are stable.
 inline constexpr double kLeastStiffness = 10.0;  ///< [N/m]
-inline constexpr double kStiffest = 20'000.0;
+inline constexpr double kStiffest = 100'000.0;
 ZWidth MeasureZWidth(const ClosedLoopScene& scene, ClosedLoopCase c);
 
 }  // namespace palpate::bench
