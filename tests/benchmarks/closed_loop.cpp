@@ -171,7 +171,8 @@ std::string TableOf(const std::vector<Curve>& curves, double stiffness_N_per_m) 
     rules += "---:|";
   }
   std::string text =
-      "Stiffest stable coupling [N/m]; in brackets what of it the hand is held by, where that is "
+      "Stiffest stable coupling [N/m]; in brackets the most that the hand is held by, where that "
+      "is "
       "less.\n\n| |" +
       heads + "\n|---|" + rules;
   for (const Curve& curve : curves) {
@@ -217,7 +218,7 @@ void WriteReport(const Options& options, const std::vector<Curve>& curves,
   std::vector<Plot> plots{
       plot_of("Stiffest stable coupling", "Stiffness [N/m]",
               [](const Curve& c) { return Each(c.width, &ZWidth::stiffness_N_per_m); }),
-      plot_of("What of it the hand is held by", "Stiffness [N/m]",
+      plot_of("The most that the hand is held by", "Stiffness [N/m]",
               [](const Curve& c) { return Each(c.width, &ZWidth::felt_N_per_m); }),
       plot_of("Energy that the hand was given" + at, "Energy [J]",
               [](const Curve& c) { return Each(c.asked, &ClosedLoopFigures::energy_J); }),
@@ -262,7 +263,7 @@ void Run(Options options) {
              "{:.3g} J at "
              "the most\n"
              "  force                  {:.2f} N, {:.0f} % of what the station asked for\n"
-             "  max stable stiffness   {:.0f} N/m{}; the hand is held by {:.0f} N/m of it\n",
+             "  max stable stiffness   {:.0f} N/m{}; the hand is held by {:.0f} N/m at the most\n",
              options.scene, options.loop.stiffness_N_per_m, options.loop.delay_ms,
              figures.stable ? "stable" : "NOT STABLE", figures.limit_cycle_mm,
              figures.limit_cycle_deg, figures.energy_J, figures.energy_end_J, figures.energy_seen_J,

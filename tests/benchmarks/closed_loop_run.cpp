@@ -221,7 +221,9 @@ ZWidth MeasureZWidth(const ClosedLoopScene& scene, ClosedLoopCase c) {
   const auto stable = [&](double stiffness) {
     c.stiffness_N_per_m = stiffness;
     const ClosedLoopFigures figures = RunClosedLoop(scene, c);
-    if (figures.stable) width = {stiffness, figures.rendered * stiffness};
+    if (figures.stable) {
+      width = {stiffness, std::max(width.felt_N_per_m, figures.rendered * stiffness)};
+    }
     return figures.stable;
   };
   if (!stable(kLeastStiffness)) return width;

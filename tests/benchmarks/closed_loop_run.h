@@ -80,8 +80,8 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
 struct ZWidth {
   double stiffness_N_per_m =
       0.0;  ///< the greatest of the coupling up to which RunClosedLoop is stable
-  /// That times ClosedLoopFigures::rendered there: what the hand is held by, once the limiter has
-  /// held back what it must.
+  /// Up to there the most that the hand is held by, once the limiter has held back what it must:
+  /// stiffness times ClosedLoopFigures::rendered.
   double felt_N_per_m = 0.0;
 };
 /// To 2 %; kStiffest where all are stable.
