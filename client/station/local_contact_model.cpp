@@ -67,21 +67,21 @@ bool LocalContactModel::Usable(const Reply& reply) const noexcept {
   });
 }
 
-void LocalContactModel::Remember(Reply& reply) noexcept {
-  const LocalRows& known = touched_.local;
-  const Vec3 v = reply.X_WG * spring_.reference - touched_.X_WG * spring_.reference;
-  const Vec3 phi = RotationLog(reply.X_WG.q * touched_.X_WG.q.conjugate());
-  LocalRows kept = known;
-  kept.region_m -= v.norm();
-  kept.region_rad -= phi.norm();
-  has_touched_ = kept.region_m > 0.0 && kept.region_rad > 0.0;
-  for (int i = 0; i < known.count; ++i) {
+void LocalContactModel::Remember(Contact& contact) noexcept {
+  const Pose& X_WG = contact.reply.X_WG;
+  const Vec3 v = X_WG * spring_.reference - touched_.X_WG * spring_.reference;
+  const Vec3 phi = RotationLog(X_WG.q * touched_.X_WG.q.conjugate());
+  LocalRows kept = touched_.local;
+  for (int i = 0; i < kept.count; ++i) {
     LocalRow& row = kept.row[static_cast<std::size_t>(i)];
     row.offset -= row.normal.dot(v) + row.lever_cross_normal.dot(phi);
     // The server's tool is where this row says that it cannot be: what it was of has ended.
     has_touched_ = has_touched_ && row.offset <= kMostViolation_m;
   }
-  if (has_touched_) reply.local = kept;
+  if (!has_touched_) return;
+  contact.reply.local = kept;
+  contact.v = -v;
+  contact.phi = -phi;
 }
 
 LocalContactModel::Step LocalContactModel::Solve(const Reply& reply,
@@ -131,9 +131,15 @@ void LocalContactModel::Take(const Reply& reply, const Pose& X_WH) noexcept {
   has_next_ = true;
   const bool free = reply.local.count == 0 && reply.wrench.force.isZero(0.0) &&
                     reply.wrench.torque.isZero(0.0) && reply.faults == kFaultNone;
-  if (has_touched_ && free) Remember(next_.reply);
+  if (reply.faults & kFaultNotStarted) Forget();  // another session's
+  const bool remembers = has_touched_ && free;
+  if (remembers) Remember(next_);
   if (!Usable(next_.reply)) return;
   next_.answered = Solve(next_.reply, X_WH);
+  if (!remembers) {
+    next_.v = next_.answered.v;
+    next_.phi = next_.answered.phi;
+  }
   const Wrench remainder = Sum(reply.wrench, Scaled(-1.0, next_.answered.wrench));
   const double size = std::hypot(remainder.force.norm(), remainder.torque.norm() / rho_);
   next_.has_rows =
@@ -157,8 +163,8 @@ LocalContactModel::Evaluation LocalContactModel::Evaluate(const Contact& contact
   const Reply& reply = contact.reply;
   const Step step = Solve(reply, X_WH);
   const double age_s = 1e-9 * static_cast<double>(now_ns - reply.pose_time_ns);
-  const double believed = Fade((step.v - contact.answered.v).norm(), reply.local.region_m) *
-                          Fade((step.phi - contact.answered.phi).norm(), reply.local.region_rad) *
+  const double believed = Fade((step.v - contact.v).norm(), reply.local.region_m) *
+                          Fade((step.phi - contact.phi).norm(), reply.local.region_rad) *
                           Fade(age_s, reply.local.valid_s);
   const double kept =
       step.stretch >= contact.answered.stretch ? 1.0 : step.stretch / contact.answered.stretch;

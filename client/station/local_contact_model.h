@@ -26,12 +26,13 @@ struct CouplingSpring {
 /// with the normal force, and never up.
 ///
 /// What stands still is remembered.  A reply without rows is of a tool that is free, not of a scene
-/// that is empty: the rows of the last contact hold on, as far as its region goes and for as long
-/// as the server's tool keeps them.  So a hand that bounces meets the wall where it left it, and
-/// not a round trip later.
+/// that is empty: the rows of the last contact hold on, where they held, for as long as the
+/// server's tool keeps them and its session lasts.  So a hand that bounces, however high, meets the
+/// wall where it left it, and not a round trip later.
 ///
 /// How far it is believed.  Rows are tangents: they hold for steps within region_m and region_rad
-/// of the one that the server made, and until valid_s from the pose that they answer.  Beyond, the
+/// of the one that the server made (of the place where it touched last, for a tool that is free),
+/// and until valid_s from the pose that they answer.  Beyond, the
 /// wrench fades to nothing over once more that region or time: a wall that has ended must not be
 /// felt.
 ///
@@ -53,6 +54,8 @@ class LocalContactModel {
   /// False: the wrench is the newest reply's, as it came.
   void Enable(bool on) noexcept { enabled_ = on; }
   void SetSpring(const CouplingSpring& spring) noexcept;
+  /// A session is over: what was touched in it is no wall of the next one.
+  void Forget() noexcept { has_touched_ = false; }
   /// Takes the newest reply.
   /// @param X_WH  the handle at the pose that it answers.
   void Take(const Reply& reply, const Pose& X_WH) noexcept;
@@ -76,12 +79,13 @@ class LocalContactModel {
   struct Contact {
     Reply reply;
     bool has_rows = false;
-    Step answered;     ///< at the pose that the reply answers
-    Wrench remainder;  ///< what the rows do not explain there
+    Step answered;                              ///< at the pose that the reply answers
+    Vec3 v = Vec3::Zero(), phi = Vec3::Zero();  ///< the step around which the rows hold
+    Wrench remainder;                           ///< what the rows do not explain there
   };
 
   bool Usable(const Reply& reply) const noexcept;
-  void Remember(Reply& reply) noexcept;
+  void Remember(Contact& contact) noexcept;
   Step Solve(const Reply& reply, const Pose& X_WH) const noexcept;
   Evaluation Evaluate(const Contact& contact, std::int64_t now_ns, const Pose& X_WH) const noexcept;
 

@@ -23,6 +23,7 @@ void StationCore::LoseSession() noexcept {
   if (!graphic_known_) return;
   graphic_known_ = false;
   device_.LoseGraphicTool();
+  local_model_.Forget();
 }
 
 OutgoingPose StationCore::Sense(std::int64_t now_ns, bool sending) noexcept {

@@ -67,6 +67,9 @@ std::string ToText(const StationSummary& s) {
                t.max_torque_Nm);
   text += Text("  contacts     at most %u, %.0f %% of the time in contact\n", t.max_contacts,
                100.0 * Fraction(t.contact_replies, t.replies));
+  text += Text(
+      "  local model  %.0f %% of the ticks by rows, %.1f %% of these beyond their region\n",
+      100.0 * Fraction(t.evaluations, t.ticks), 100.0 * Fraction(t.beyond_region, t.evaluations));
   text += "  faults       " + FaultWords(t.faults) + "\n";
   text += Text(
       "  limiter      %llu fades, %llu clamped, %llu slewed, %llu braked, %llu warm, "
@@ -81,6 +84,8 @@ std::string ToText(const StationSummary& s) {
 
 std::string ToJson(const StationSummary& s) {
   const StationTotals& t = s.totals;
+  const nlohmann::json local_model = {
+      {"ticks", t.ticks}, {"evaluations", t.evaluations}, {"beyond_region", t.beyond_region}};
   const nlohmann::json json = {{"station", s.station},
                                {"device", s.device},
                                {"scene", s.scene},
@@ -101,6 +106,7 @@ std::string ToJson(const StationSummary& s) {
                                {"torque_Nm_max", t.max_torque_Nm},
                                {"contacts_max", t.max_contacts},
                                {"contact_fraction", Fraction(t.contact_replies, t.replies)},
+                               {"local_model", local_model},
                                {"faults", t.faults},
                                {"fault_words", FaultWords(t.faults)},
                                {"reconnects", s.reconnects},

@@ -1,14 +1,13 @@
 // palpate-bench closed-loop: how stiff an object may be felt across a network, and how well.
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/error.h"
+#include "common/output.h"
 #include "common/plot/svg_plot.h"
 #include "devices/simulated/phantom_sheets.h"
 #include "scenes/catalogue.h"
-#include "scenes/pose_script.h"
 #include "server/session/scene_model.h"
 #include "tests/benchmarks/closed_loop_run.h"
 #include "tests/benchmarks/commands.h"
@@ -22,185 +21,291 @@ struct Options {
   std::string device = "simulated", scene = "wall", local_model = "on", passivity = "on";
   ClosedLoopCase loop;
   bool slide = false;
+  int slides = 8;
   std::string json, out;
 };
 
-const double kDelays_ms[] = {0.0, 5.0, 10.0, 20.0};
+const std::vector<double> kDelays_ms{0.0, 5.0, 10.0, 20.0};
 
-/// The greatest stable stiffness at each delay, one way of closing the loop.
-struct ZWidth {
+/// One way of closing the loop, at each of kDelays_ms.
+struct Curve {
   bool local_model, passivity;
-  std::vector<double> stiffness;  ///< of kDelays_ms [N/m]
+  std::vector<ZWidth> width = {};
+  std::vector<ClosedLoopFigures> asked = {};  ///< at the stiffness that was asked for
   std::string name() const {
     return fmt::format("local model {}, passivity controller {}", local_model ? "on" : "off",
                        passivity ? "on" : "off");
   }
 };
 
-std::vector<ZWidth> MeasureZWidth(const ClosedLoopScene& scene, const ClosedLoopCase& asked) {
-  std::vector<ZWidth> widths;
+std::vector<Curve> MeasureCurves(const ClosedLoopScene& scene, const ClosedLoopCase& asked) {
+  std::vector<Curve> curves;
   for (const bool passivity : {false, true}) {
     for (const bool local_model : {true, false}) {
-      ZWidth& width = widths.emplace_back(ZWidth{local_model, passivity, {}});
+      Curve& curve = curves.emplace_back(Curve{local_model, passivity});
       for (const double delay_ms : kDelays_ms) {
-        Progress(fmt::format("{}: {:g} ms ...", width.name(), delay_ms));
+        Progress(fmt::format("{}: {:g} ms ...", curve.name(), delay_ms));
         ClosedLoopCase c = asked;
         c.delay_ms = delay_ms;
         c.local_model = local_model;
         c.passivity = passivity;
-        width.stiffness.push_back(MaxStableStiffness(scene, c));
+        curve.width.push_back(MeasureZWidth(scene, c));
+        curve.asked.push_back(RunClosedLoop(scene, c));
       }
     }
   }
   Progress("");
-  return widths;
+  return curves;
 }
 
-std::vector<SlideErrors> MeasureSlides() {
-  // Along the fixed bunny's back, where the scene's own script slides.
+/// A figure of each of kDelays_ms.
+template <class Rows, class Figure>
+std::vector<double> Each(const Rows& rows, Figure figure) {
+  std::vector<double> values;
+  for (const auto& row : rows) values.push_back(row.*figure);
+  return values;
+}
+
+nlohmann::ordered_json ToJson(const Curve& c, double stiffness_N_per_m) {
+  nlohmann::ordered_json stable = nlohmann::ordered_json::array();
+  for (const ClosedLoopFigures& figures : c.asked) stable.push_back(figures.stable);
+  return {{"local_model", c.local_model},
+          {"passivity", c.passivity},
+          {"delay_ms", kDelays_ms},
+          {"max_stable_stiffness_N_per_m", Each(c.width, &ZWidth::stiffness_N_per_m)},
+          {"felt_stiffness_N_per_m", Each(c.width, &ZWidth::felt_N_per_m)},
+          {"stiffness_N_per_m", stiffness_N_per_m},
+          {"stable", stable},
+          {"energy_J", Each(c.asked, &ClosedLoopFigures::energy_J)},
+          {"energy_end_J", Each(c.asked, &ClosedLoopFigures::energy_end_J)},
+          {"energy_seen_J", Each(c.asked, &ClosedLoopFigures::energy_seen_J)},
+          {"limit_cycle_mm", Each(c.asked, &ClosedLoopFigures::limit_cycle_mm)},
+          {"limit_cycle_deg", Each(c.asked, &ClosedLoopFigures::limit_cycle_deg)},
+          {"rendered", Each(c.asked, &ClosedLoopFigures::rendered)}};
+}
+
+/// All slides with one delay.
+struct DelayedSlides {
+  double delay_ms;
+  SlideErrors all;
+  std::vector<std::pair<std::string, SlideErrors>> path;
+  double WorstMean(SlideError SlideErrors::*way) const {
+    double worst = 0.0;
+    for (const auto& [name, errors] : path) worst = std::max(worst, (errors.*way).mean);
+    return worst;
+  }
+};
+
+std::vector<DelayedSlides> MeasureSlides(const Options& options) {
   const Scene scene = LoadScene("bunny-bunny");
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
-  const PoseScript script = PoseScript::Load(ScriptFileBeside("bunny-bunny"));
-  std::vector<Pose> way;
-  for (double t = 1.1; t < 3.8; t += 1e-3) way.push_back(script.At(t));
-  std::vector<SlideErrors> slides;
+  const std::vector<SlidePath> paths = SlidePaths(model, options.slides, options.loop.seed);
+  std::vector<DelayedSlides> all;
   for (const double delay_ms : kDelays_ms) {
-    const DelayedSlide slide{0.1, static_cast<int>(delay_ms)};
-    slides.push_back(MeasureDelayedSlide(model, AtSpeed(way, slide.speed_m_s), slide));
+    DelayedSlides& slides = all.emplace_back(DelayedSlides{delay_ms, {}, {}});
+    std::vector<SlideTicks> ticks;
+    for (const SlidePath& path : paths) {
+      Progress(fmt::format("sliding {:g} ms late: {} ...", delay_ms, path.name));
+      const DelayedSlide slide{0.1, static_cast<int>(delay_ms)};
+      ticks.push_back(MeasureDelayedSlide(model, AtSpeed(path.hand, slide.speed_m_s), slide));
+      slides.path.emplace_back(path.name, ErrorsOf({&ticks.back(), 1}));
+    }
+    slides.all = ErrorsOf(ticks);
   }
-  return slides;
+  Progress("");
+  return all;
 }
 
 nlohmann::ordered_json ToJson(const SlideError& error) {
-  return {{"mean", error.mean}, {"p99", error.p99}, {"max", error.max}};
+  return {{"mean", error.mean}, {"p50", error.p50}, {"p99", error.p99}, {"max", error.max}};
 }
 
-nlohmann::ordered_json ToJson(const std::vector<SlideErrors>& slides) {
+nlohmann::ordered_json ToJson(const SlideErrors& errors) {
+  return {{"late", ToJson(errors.late)}, {"local", ToJson(errors.local)},
+          {"ticks", errors.ticks},       {"mean_force_N", errors.mean_force_N},
+          {"contact", errors.contact},   {"beyond_region", errors.beyond_region}};
+}
+
+nlohmann::ordered_json ToJson(const std::vector<DelayedSlides>& all) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < slides.size(); ++i) {
-    json.push_back({{"delay_ms", kDelays_ms[i]},
-                    {"late", ToJson(slides[i].late)},
-                    {"local", ToJson(slides[i].local)},
-                    {"ticks", slides[i].ticks},
-                    {"mean_force_N", slides[i].mean_force_N},
-                    {"beyond_region", slides[i].beyond_region}});
+  for (const DelayedSlides& slides : all) {
+    nlohmann::ordered_json row{{"delay_ms", slides.delay_ms}};
+    row.update(ToJson(slides.all));
+    row["worst_path_mean"] = {{"late", slides.WorstMean(&SlideErrors::late)},
+                              {"local", slides.WorstMean(&SlideErrors::local)}};
+    for (const auto& [name, errors] : slides.path) {
+      nlohmann::ordered_json path{{"path", name}};
+      path.update(ToJson(errors));
+      row["paths"].push_back(std::move(path));
+    }
+    json.push_back(std::move(row));
   }
   return json;
 }
 
-void Print(const std::vector<SlideErrors>& slides) {
-  fmt::print(stderr,
-             "sliding on the bunny at 0.1 m/s, error of the force against the undelayed step's\n"
-             "{:>8}  {:>24}  {:>24}\n",
-             "delay", "late wrench, mean / max", "local model, mean / max");
-  for (std::size_t i = 0; i < slides.size(); ++i) {
-    const SlideErrors& s = slides[i];
-    fmt::print(stderr, "{:>5g} ms  {:>13.1f} % / {:>5.1f} %  {:>13.1f} % / {:>5.1f} %\n",
-               kDelays_ms[i], 100.0 * s.late.mean, 100.0 * s.late.max, 100.0 * s.local.mean,
-               100.0 * s.local.max);
+/// As Markdown, which a terminal shows as well.
+std::string TableOf(const std::vector<DelayedSlides>& all) {
+  std::string text =
+      "| delay [ms] | path | late wrench, mean | p50 | p99 | max | local model, mean | p50 | p99 | "
+      "max | in "
+      "contact |\n|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
+  const auto row = [&](double delay_ms, const std::string& name, const SlideErrors& e) {
+    const auto cells = [](const SlideError& error) {
+      return fmt::format("{:.1f} % | {:.1f} % | {:.1f} % | {:.1f} %", 100 * error.mean,
+                         100 * error.p50, 100 * error.p99, 100 * error.max);
+    };
+    text += fmt::format("| {:g} | {} | {} | {} | {:.0f} % |\n", delay_ms, name, cells(e.late),
+                        cells(e.local), 100 * e.contact);
+  };
+  for (const DelayedSlides& slides : all) {
+    row(slides.delay_ms, "**all**", slides.all);
+    for (const auto& [name, errors] : slides.path) row(slides.delay_ms, name, errors);
   }
+  return text;
 }
 
-void WriteReport(const Options& options, const std::vector<ZWidth>& widths,
-                 const std::vector<SlideErrors>& slides) {
-  const std::filesystem::path folder = options.out;
-  std::filesystem::create_directories(folder);
-  Plot plot;
-  plot.title = "Stiffest stable contact against delay";
-  plot.subtitle = fmt::format("{}, hand {}, jitter {:g} ms, loss {:g}", options.scene,
-                              options.loop.hand, options.loop.jitter_ms, options.loop.loss);
-  plot.x.title = "Delay, there and back [ms]";
-  plot.y.title = "Stiffness [N/m]";
-  plot.y.log = true;
-  for (const ZWidth& width : widths) {
-    plot.series.push_back({width.name(),
-                           {std::begin(kDelays_ms), std::end(kDelays_ms)},
-                           width.stiffness,
-                           PlotSeries::Style::kLineAndPoints});
+std::string TableOf(const std::vector<Curve>& curves, double stiffness_N_per_m) {
+  std::string heads, rules;
+  for (const double delay_ms : kDelays_ms) {
+    heads += fmt::format(" {:g} ms |", delay_ms);
+    rules += "---:|";
   }
-  WriteSvg((folder / "z_width.svg").string(), {plot});
+  std::string text =
+      "Stiffest stable coupling [N/m]; in brackets the most that the hand is held by, where that "
+      "is "
+      "less.\n\n| |" +
+      heads + "\n|---|" + rules;
+  for (const Curve& curve : curves) {
+    text += "\n| " + curve.name() + " |";
+    for (const ZWidth& width : curve.width) {
+      text += fmt::format(" {:.0f}", width.stiffness_N_per_m);
+      if (width.felt_N_per_m < 0.99 * width.stiffness_N_per_m) {
+        text += fmt::format(" ({:.0f})", width.felt_N_per_m);
+      }
+      text += " |";
+    }
+  }
+  text += fmt::format(
+      "\n\nAt {:g} N/m: energy that the hand was given at the most [mJ] / limit cycle [mm].\n\n"
+      "| |{}\n|---|{}",
+      stiffness_N_per_m, heads, rules);
+  for (const Curve& curve : curves) {
+    text += "\n| " + curve.name() + " |";
+    for (const ClosedLoopFigures& figures : curve.asked) {
+      text += fmt::format(" {:.3f} / {:.3f} |", 1e3 * figures.energy_J, figures.limit_cycle_mm);
+    }
+  }
+  return text + "\n";
+}
+
+void WriteReport(const Options& options, const std::vector<Curve>& curves,
+                 const std::vector<DelayedSlides>& slides) {
+  const std::filesystem::path folder = options.out;
+  const auto plot_of = [&](const std::string& title, const std::string& y, auto values) {
+    Plot plot;
+    plot.title = title;
+    plot.subtitle = fmt::format("{}, hand {}, jitter {:g} ms, loss {:g}", options.scene,
+                                options.loop.hand, options.loop.jitter_ms, options.loop.loss);
+    plot.x.title = "Delay, there and back [ms]";
+    plot.y.title = y;
+    for (const Curve& curve : curves) {
+      plot.series.push_back(
+          {curve.name(), kDelays_ms, values(curve), PlotSeries::Style::kLineAndPoints});
+    }
+    return plot;
+  };
+  const std::string at = fmt::format(" at {:g} N/m", options.loop.stiffness_N_per_m);
+  std::vector<Plot> plots{
+      plot_of("Stiffest stable coupling", "Stiffness [N/m]",
+              [](const Curve& c) { return Each(c.width, &ZWidth::stiffness_N_per_m); }),
+      plot_of("The most that the hand is held by", "Stiffness [N/m]",
+              [](const Curve& c) { return Each(c.width, &ZWidth::felt_N_per_m); }),
+      plot_of("Energy that the hand was given" + at, "Energy [J]",
+              [](const Curve& c) { return Each(c.asked, &ClosedLoopFigures::energy_J); }),
+      plot_of("Limit cycle" + at, "Peak to peak [mm]",
+              [](const Curve& c) { return Each(c.asked, &ClosedLoopFigures::limit_cycle_mm); })};
+  plots[0].y.log = plots[1].y.log = true;
+  WriteSvg((folder / "z_width.svg").string(), plots);
 
   const PublishedHand& hand = PublishedHandOf(options.loop.hand);
-  std::string text = fmt::format(
-      "# A contact across a network\n\n![Z-width](z_width.svg)\n\n"
-      "Scene `{}`, device `{}`, hand `{}` ({}), jitter {:g} ms, loss {:g} each way. Delays are "
-      "there and back; a reply is never there before the tick after its pose.\n\n"
-      "Greatest stiffness [N/m] up to which the loop comes to rest after a tap, that is, moves by "
-      "no more than two steps of the encoder in the last of {:g} s. {:.0f} is the most that is "
-      "tried: beyond 2 f / q, dry friction over the encoder's step, quantisation alone feeds the "
-      "hand (Diolaiti, Niemeyer, Barbagli & Salisbury, IEEE T. Robotics 22 (2006) 256-268).\n\n"
-      "| |",
-      options.scene, options.device, hand.name, hand.source, options.loop.jitter_ms,
-      options.loop.loss, kClosedLoopWatch_s, kStiffest);
-  for (const double delay_ms : kDelays_ms) text += fmt::format(" {:g} ms |", delay_ms);
-  text += "\n|---|";
-  for (std::size_t i = 0; i < std::size(kDelays_ms); ++i) text += "---:|";
-  for (const ZWidth& width : widths) {
-    text += "\n| " + width.name() + " |";
-    for (const double stiffness : width.stiffness) text += fmt::format(" {:.0f} |", stiffness);
-  }
-  text +=
-      "\n\n## Sliding\n\nA hand slides on the bunny at 0.1 m/s: error of the force against that of "
-      "a server which answers at once, of that force.\n\n"
-      "| delay [ms] | late wrench, mean | p99 | max | local model, mean | p99 | max |\n"
-      "|---:|---:|---:|---:|---:|---:|---:|\n";
-  for (std::size_t i = 0; i < slides.size(); ++i) {
-    const SlideErrors& s = slides[i];
-    text +=
-        fmt::format("| {:g} | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % |\n",
-                    kDelays_ms[i], 100 * s.late.mean, 100 * s.late.p99, 100 * s.late.max,
-                    100 * s.local.mean, 100 * s.local.p99, 100 * s.local.max);
-  }
-  std::ofstream file(folder / "report.md");
-  file << text;
-  if (!file.flush()) throw Error("closed-loop: cannot write " + (folder / "report.md").string());
+  const PhantomSheet arm = PhantomSheetOf(options.loop.arm);
+  WriteOutput(
+      "--out", (folder / "report.md").string(),
+      fmt::format(
+          "# A contact across a network\n\n![Z-width](z_width.svg)\n\n"
+          "Scene `{}`, arm `{}`, hand `{}` ({}), jitter {:g} ms, loss {:g} each way, seed {}. "
+          "Delays are there and back; a reply is never there before the tick after its pose.\n\n"
+          "Stable is what comes to rest after a tap: in the last {:g} of {:g} s the handle moves "
+          "and turns by no more than two steps of its encoders. At most {:.0f} N/m are tried. "
+          "Beyond 2 f / q, dry friction over the encoder's step, for this arm {:.0f} N/m, "
+          "quantisation alone feeds the hand (Diolaiti, Niemeyer, Barbagli & Salisbury, IEEE T. "
+          "Robotics 22 (2006) 256-268). The torsional spring goes with the other.\n\n{}\n"
+          "## Sliding\n\nA hand slides on the bunny at 0.1 m/s: error of the force against that "
+          "of a server which answers at once, of that force.\n\n{}",
+          options.scene, options.loop.arm, hand.name, hand.source, options.loop.jitter_ms,
+          options.loop.loss, options.loop.seed, kClosedLoopCycle_s, kClosedLoopWatch_s, kStiffest,
+          2.0 * arm.dynamics.coulomb_force_N / arm.info.position_resolution_m,
+          TableOf(curves, options.loop.stiffness_N_per_m), TableOf(slides)));
 }
 
 void Run(Options options) {
-  if (options.device != "simulated") options.loop.arm = PhantomSheetOf(options.device).name;
+  if (options.device != "simulated") options.loop.arm = options.device;
   options.loop.local_model = options.local_model == "on";
   options.loop.passivity = options.passivity == "on";
+  if (!options.out.empty()) std::filesystem::create_directories(options.out);
   const ClosedLoopScene scene = MakeClosedLoopScene(options.scene);
   const ClosedLoopFigures figures = RunClosedLoop(scene, options.loop);
-  const double stiffest = MaxStableStiffness(scene, options.loop);
+  const ZWidth width = MeasureZWidth(scene, options.loop);
   fmt::print(stderr,
              "{} at {:g} N/m, {:g} ms of delay: {}\n"
-             "  limit cycle            {:.3f} mm\n"
-             "  energy given           {:.3g} J\n"
-             "  force                  {:.2f} N\n"
-             "  max stable stiffness   {:.0f} N/m{}\n",
+             "  limit cycle            {:.3f} mm, {:.4f} deg\n"
+             "  energy given           {:.3g} J at the most, {:.3g} J in the end; by the encoders "
+             "{:.3g} J at "
+             "the most\n"
+             "  force                  {:.2f} N, {:.0f} % of what the station asked for\n"
+             "  max stable stiffness   {:.0f} N/m{}; the hand is held by {:.0f} N/m at the most\n",
              options.scene, options.loop.stiffness_N_per_m, options.loop.delay_ms,
-             figures.stable ? "stable" : "NOT STABLE", figures.limit_cycle_mm, figures.energy_J,
-             figures.mean_force_N, stiffest,
-             stiffest >= kStiffest ? ", the most that is tried" : "");
+             figures.stable ? "stable" : "NOT STABLE", figures.limit_cycle_mm,
+             figures.limit_cycle_deg, figures.energy_J, figures.energy_end_J, figures.energy_seen_J,
+             figures.mean_force_N, 100.0 * figures.rendered, width.stiffness_N_per_m,
+             width.stiffness_N_per_m >= kStiffest ? ", the most that is tried" : "",
+             width.felt_N_per_m);
   nlohmann::ordered_json json{{"device", options.device},
                               {"scene", options.scene},
                               {"hand", options.loop.hand},
+                              {"hand_source", PublishedHandOf(options.loop.hand).source},
                               {"delay_ms", options.loop.delay_ms},
                               {"jitter_ms", options.loop.jitter_ms},
                               {"loss", options.loop.loss},
+                              {"seed", options.loop.seed},
                               {"local_model", options.loop.local_model},
                               {"passivity", options.loop.passivity},
                               {"stiffness_N_per_m", options.loop.stiffness_N_per_m},
                               {"stable", figures.stable},
                               {"energy_J", figures.energy_J},
+                              {"energy_end_J", figures.energy_end_J},
+                              {"energy_seen_J", figures.energy_seen_J},
                               {"limit_cycle_mm", figures.limit_cycle_mm},
+                              {"limit_cycle_deg", figures.limit_cycle_deg},
                               {"mean_force_N", figures.mean_force_N},
+                              {"rendered", figures.rendered},
                               {"beyond_region", figures.beyond_region},
-                              {"max_stable_stiffness_N_per_m", stiffest}};
+                              {"max_stable_stiffness_N_per_m", width.stiffness_N_per_m},
+                              {"felt_stiffness_N_per_m", width.felt_N_per_m}};
   if (options.slide || !options.out.empty()) {
-    const std::vector<SlideErrors> slides = MeasureSlides();
-    Print(slides);
+    const std::vector<DelayedSlides> slides = MeasureSlides(options);
+    fmt::print(stderr,
+               "\nsliding on the bunny at 0.1 m/s, error of the force against the undelayed "
+               "step's\n{}",
+               TableOf(slides));
     json["slide"] = ToJson(slides);
     if (!options.out.empty()) {
-      const std::vector<ZWidth> widths = MeasureZWidth(scene, options.loop);
-      for (const ZWidth& width : widths) {
-        json["z_width"].push_back({{"local_model", width.local_model},
-                                   {"passivity", width.passivity},
-                                   {"delay_ms", kDelays_ms},
-                                   {"max_stable_stiffness_N_per_m", width.stiffness}});
+      const std::vector<Curve> curves = MeasureCurves(scene, options.loop);
+      fmt::print(stderr, "\n{}", TableOf(curves, options.loop.stiffness_N_per_m));
+      for (const Curve& curve : curves) {
+        json["z_width"].push_back(ToJson(curve, options.loop.stiffness_N_per_m));
       }
-      WriteReport(options, widths, slides);
+      WriteReport(options, curves, slides);
     }
   }
   if (!options.json.empty()) WriteJson(options.json, json);
@@ -215,14 +320,18 @@ void AddClosedLoop(CLI::App& app) {
       "A simulated arm and hand, the station's loop and limiter, a link and the server's loop, in\n"
       "virtual time: does a contact come to rest, how much energy does the hand get, and how "
       "stiff\n"
-      "may it be?\n"
+      "may it be?  --out measures that for each delay, with and without the local model and the\n"
+      "passivity controller: seconds for the wall, about ten minutes for the bunny.\n"
       "Example: palpate-bench closed-loop --delay-ms 10 --local-model on --out closed-loop");
   const auto on_off = CLI::IsMember({"on", "off"});
   std::string hands;
+  std::vector<std::string> devices{"simulated"};
+  for (const PhantomSheet& sheet : PhantomSheets()) devices.emplace_back(sheet.name);
   for (const PublishedHand& hand : PublishedHands()) hands += " " + hand.name;
   command
       ->add_option("--device", options->device,
-                   "the simulated arm, as palpate-station's --model; simulated: its default")
+                   "The arm, as palpate-station's --model; simulated: its default")
+      ->check(CLI::IsMember(devices))
       ->capture_default_str();
   command->add_option("--delay-ms", options->loop.delay_ms, "Delay there and back")
       ->check(CLI::Range(0.0, 200.0))
@@ -239,17 +348,29 @@ void AddClosedLoop(CLI::App& app) {
   command->add_option("--passivity", options->passivity, "The limiter's energy stage")
       ->check(on_off)
       ->capture_default_str();
-  command->add_option("--stiffness", options->loop.stiffness_N_per_m, "Of the coupling, in N/m")
+  command
+      ->add_option("--stiffness", options->loop.stiffness_N_per_m,
+                   "Of the coupling, in N/m; the torsional one goes with it")
       ->check(CLI::Range(1.0, kStiffest))
       ->capture_default_str();
   command->add_option("--hand", options->loop.hand, "Whose hand:" + hands)->capture_default_str();
-  command->add_option("--scene", options->scene, "wall or bunny")
+  command
+      ->add_option("--scene", options->scene,
+                   "wall: a ball on a plate; bunny: bunny-bunny, pressed on the back")
       ->check(CLI::IsMember({"wall", "bunny"}))
       ->capture_default_str();
   command->add_flag("--slide", options->slide, "Also the force's error while sliding on the bunny");
+  command
+      ->add_option("--slides", options->slides,
+                   "Slides over places and in directions of the seed, beside the scene's own")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  command->add_option("--seed", options->loop.seed, "Of the link and the slides")
+      ->capture_default_str();
   command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
   command->add_option("--out", options->out,
-                      "Write DIR/report.md and DIR/z_width.svg: stiffness against delay");
+                      "Write DIR/report.md and DIR/z_width.svg: stiffness, energy and limit cycle "
+                      "against delay, each way of closing the loop");
   command->callback([options] { Run(*options); });
 }
 

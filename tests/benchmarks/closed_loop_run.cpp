@@ -51,7 +51,22 @@ class ArmUnderTest final : public Device {
   Wrench applied_;
 };
 
-/// Way of a point, peak to peak, over a span of time.
+/// Energy that a device gives a hand.  Exact: what is applied is held while the handle goes on.
+class PortEnergy {
+ public:
+  void Add(const Wrench& held, const Pose& from, const Pose& to) {
+    given_J_ +=
+        held.force.dot(to.p - from.p) + held.torque.dot(RotationLog(to.q * from.q.conjugate()));
+    most_J_ = std::max(most_J_, given_J_);
+  }
+  double given_J() const { return given_J_; }
+  double most_J() const { return most_J_; }
+
+ private:
+  double given_J_ = 0.0, most_J_ = 0.0;
+};
+
+/// Way of a vector, peak to peak along the axis on which it is greatest, over a span of time.
 class Span {
  public:
   void Add(const Vec3& p) {
@@ -83,6 +98,7 @@ ClosedLoopScene MakeClosedLoopScene(const std::string& name) {
     out.touching.p = Vec3(0, 5 * kMillimetre, 0);
     out.above.p = Vec3(0, 15 * kMillimetre, 0);
     out.normal = Vec3::UnitY();
+    out.objects = MakeObjects(out.scene);
     return out;
   }
   if (name != "bunny") throw UsageError("closed-loop: --scene '" + name + "': give wall or bunny");
@@ -92,16 +108,18 @@ ClosedLoopScene MakeClosedLoopScene(const std::string& name) {
   out.above = script.At(0.4);
   out.touching = script.At(0.8);
   out.normal = Vec3::UnitY();
+  out.objects = MakeObjects(out.scene);
   return out;
 }
 
 ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCase& c) {
   Scene stiffened = scene.scene;
-  // Both springs by the same factor: the tool turns as it did.
+  // Both springs by the same factor.  A contact beside the tool's reference point is as soft as the
+  // turning lets it be, and would else stay so however stiff the other spring became.
   const double factor = c.stiffness_N_per_m / stiffened.coupling.stiffness;
   stiffened.coupling.stiffness *= factor;
-  stiffened.coupling.torsional_stiffness *= std::min(factor, 1.0);
-  const HapticModel model = MakeModel(stiffened, stiffened.tools.front(), MakeObjects(stiffened));
+  stiffened.coupling.torsional_stiffness *= factor;
+  const HapticModel model = MakeModel(stiffened, stiffened.tools.front(), scene.objects);
 
   const HandImpedance& impedance = PublishedHandOf(c.hand).impedance;
   const double depth = scene.press_N / impedance.stiffness_N_m;
@@ -109,7 +127,7 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
     return Pose{scene.touching.p - share * depth * scene.normal, scene.touching.q};
   };
   const double t_tap = kClosedLoopPress_s, t_still = t_tap + kClosedLoopTap_s;
-  const double end = t_still + kClosedLoopWatch_s;
+  const double t_lift = t_still + kClosedLoopWatch_s, end = t_lift + kClosedLoopLift_s;
   SimulatedPhantom phantom(
       PhantomSheetOf(c.arm),
       SimulatedHand(ScriptPlayer(PoseScript({{0.0, scene.above, "down"},
@@ -117,7 +135,9 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
                                              {t_tap, pressed(1.0), "tap"},
                                              {t_tap + 1e-3, pressed(0.3), "tap"},
                                              {t_still, pressed(0.3), "tap"},
-                                             {t_still + 1e-3, pressed(1.0), "hold"}}),
+                                             {t_still + 1e-3, pressed(1.0), "hold"},
+                                             {t_lift, pressed(1.0), "lift"},
+                                             {end, scene.above, "away"}}),
                                  false),
                     impedance),
       scene.above);
@@ -132,15 +152,18 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
   ServoLoop server(model);
   StepWorkspace workspace(model);
   server.Start(ResolveStart(model, scene.above, workspace).X_WG);
-  test::LinkConditions way;
-  way.delay_ns = std::llround(0.5e6 * c.delay_ms);
-  way.jitter_ns = std::llround(0.5e6 * c.jitter_ms);
-  way.loss = c.loss;
-  test::SimulatedLink<wire::HapticPose, wire::Wrench> link(c.seed, way);
+  test::LinkConditions each_way;
+  each_way.delay_ns = std::llround(0.5e6 * c.delay_ms);
+  each_way.jitter_ns = std::llround(0.5e6 * c.jitter_ms);
+  each_way.loss = c.loss;
+  test::SimulatedLink<wire::HapticPose, wire::Wrench> link(c.seed, each_way);
 
   ClosedLoopFigures figures;
-  Span last;
-  double given_J = 0.0;
+  PortEnergy energy, seen;
+  Pose last_read;
+  Span way, turn;
+  Quat q_still = scene.touching.q;
+  double asked_N = 0.0;
   int watched = 0, touching = 0;
   const int ticks = static_cast<int>(std::lround(end / kTick_s));
   for (int i = 1; i <= ticks; ++i) {
@@ -154,6 +177,8 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
       if (server.OnPose(pose, answer)) link.down.Send(*arrival_ns, answer);
     }
     const OutgoingPose sensed = core.Sense(now_ns, true);
+    if (i > 1) seen.Add(arm.applied(), last_read, sensed.sample.X_WH);
+    last_read = sensed.sample.X_WH;
     wire::HapticPose pose{};
     pose.pose_sequence = sensed.sequence;
     pose.sample_time_ns = sensed.sample_time_ns;
@@ -166,46 +191,54 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
     const Pose from = phantom.pose();
     core.Act(now_ns);
     const Pose& to = phantom.pose();
-    const Wrench& applied = arm.applied();
-    given_J += applied.force.dot(to.p - from.p) +
-               applied.torque.dot(RotationLog(to.q * from.q.conjugate()));
-    figures.energy_J = std::max(figures.energy_J, given_J);
-
-    const double left = end - kTick_s * i;
-    if (left < kClosedLoopCycle_s) {
-      last.Add(to.p);
-      figures.mean_force_N += applied.force.norm();
-      touching += applied.force.dot(scene.normal) > 0.0;
+    energy.Add(arm.applied(), from, to);
+    const double left = t_lift - kTick_s * i;
+    if (left >= 0.0 && left < kClosedLoopCycle_s) {
       ++watched;
+      way.Add(to.p);
+      turn.Add(RotationLog(to.q * q_still.conjugate()));
+      figures.mean_force_N += arm.applied().force.norm();
+      asked_N += core.asked().wanted.force.norm();
+      touching += arm.applied().force.dot(scene.normal) > 0.0;
     }
   }
+  figures.rendered = asked_N > 0.0 ? figures.mean_force_N / asked_N : 0.0;
   figures.mean_force_N /= watched;
-  figures.limit_cycle_mm = 1e3 * last.way();
+  figures.energy_J = energy.most_J();
+  figures.energy_end_J = energy.given_J();
+  figures.energy_seen_J = seen.most_J();
+  figures.limit_cycle_mm = 1e3 * way.way();
+  figures.limit_cycle_deg = 180.0 / M_PI * turn.way();
   figures.beyond_region =
       static_cast<double>(core.totals().beyond_region) / static_cast<double>(ticks);
-  const double two_steps = 2.0 * phantom.info().position_resolution_m;
-  figures.stable = touching == watched && last.way() <= two_steps;
+  const DeviceInfo& info = phantom.info();
+  figures.stable = touching == watched && way.way() <= 2.0 * info.position_resolution_m &&
+                   turn.way() <= 2.0 * info.rotation_resolution_rad;
   return figures;
 }
 
-double MaxStableStiffness(const ClosedLoopScene& scene, ClosedLoopCase c) {
+ZWidth MeasureZWidth(const ClosedLoopScene& scene, ClosedLoopCase c) {
+  ZWidth width;
   const auto stable = [&](double stiffness) {
     c.stiffness_N_per_m = stiffness;
-    return RunClosedLoop(scene, c).stable;
+    const ClosedLoopFigures figures = RunClosedLoop(scene, c);
+    if (figures.stable) {
+      width = {stiffness, std::max(width.felt_N_per_m, figures.rendered * stiffness)};
+    }
+    return figures.stable;
   };
-  if (!stable(kLeastStiffness)) return 0.0;
+  if (!stable(kLeastStiffness)) return width;
   // Upwards until it fails, so that what lies above an instability does not count.
-  double low = kLeastStiffness, high = low;
+  double high = kLeastStiffness;
   do {
-    low = high;
-    high = std::min(1.3 * low, kStiffest);
-    if (low >= kStiffest) return kStiffest;
+    if (high >= kStiffest) return width;
+    high = std::min(1.3 * high, kStiffest);
   } while (stable(high));
-  while (high > 1.02 * low) {
-    const double middle = std::sqrt(low * high);
-    (stable(middle) ? low : high) = middle;
+  while (high > 1.02 * width.stiffness_N_per_m) {
+    const double middle = std::sqrt(width.stiffness_N_per_m * high);
+    if (!stable(middle)) high = middle;
   }
-  return low;
+  return width;
 }
 
 }  // namespace palpate::bench

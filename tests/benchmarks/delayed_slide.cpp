@@ -4,7 +4,11 @@
 #include <cmath>
 
 #include "client/station/local_contact_model.h"
+#include "common/error.h"
+#include "scenes/catalogue.h"
+#include "scenes/pose_script.h"
 #include "server/session/servo_loop.h"
+#include "tests/support/random.h"
 
 namespace palpate::bench {
 namespace {
@@ -19,6 +23,7 @@ SlideError ErrorOf(std::vector<double> errors) {
   if (errors.empty()) return error;
   std::sort(errors.begin(), errors.end());
   for (const double each : errors) error.mean += each / static_cast<double>(errors.size());
+  error.p50 = errors[(errors.size() - 1) / 2];
   error.p99 = errors[(errors.size() - 1) * 99 / 100];
   error.max = errors.back();
   return error;
@@ -44,8 +49,8 @@ std::vector<Pose> AtSpeed(const std::vector<Pose>& way, double speed_m_s) {
   return poses;
 }
 
-SlideErrors MeasureDelayedSlide(const HapticModel& model, const std::vector<Pose>& hand,
-                                const DelayedSlide& slide) {
+SlideTicks MeasureDelayedSlide(const HapticModel& model, const std::vector<Pose>& hand,
+                               const DelayedSlide& slide) {
   ServoLoop loop(model);
   StepWorkspace workspace(model);
   loop.Start(ResolveStart(model, hand.front(), workspace).X_WG);
@@ -67,30 +72,105 @@ SlideErrors MeasureDelayedSlide(const HapticModel& model, const std::vector<Pose
   LocalContactModel local;
   local.SetSpring(
       {model.parameters().stiffness, model.parameters().torsional_stiffness, model.reference()});
-  SlideErrors errors;
-  std::vector<double> late_errors, local_errors;
+  SlideTicks ticks;
   for (int i = slide.delay_ms; i < count; ++i) {
     const Reply& newest = replies[static_cast<std::size_t>(i - slide.delay_ms)];
     const Pose answered = pose_at(i - slide.delay_ms);
     local.Take(newest, answered);
     const LocalContactModel::Evaluation felt = local.At(kTick_ns * (i + 1), pose_at(i));
     if (i < kLead + slide.delay_ms) continue;
+    ++ticks.sought;
     const Vec3 now = replies[static_cast<std::size_t>(i)].wrench.force;
     const double force = now.norm();
     if (force < kContact_N) continue;
-    ++errors.ticks;
-    errors.mean_force_N += force;
-    errors.beyond_region += felt.beyond_region;
-    late_errors.push_back((newest.wrench.force - now).norm() / force);
-    local_errors.push_back((felt.wrench.force - now).norm() / force);
+    ticks.force_N += force;
+    ticks.beyond_region += felt.beyond_region;
+    ticks.late.push_back((newest.wrench.force - now).norm() / force);
+    ticks.local.push_back((felt.wrench.force - now).norm() / force);
   }
-  if (errors.ticks > 0) {
-    errors.mean_force_N /= static_cast<double>(errors.ticks);
-    errors.beyond_region /= static_cast<double>(errors.ticks);
+  return ticks;
+}
+
+SlideErrors ErrorsOf(std::span<const SlideTicks> slides) {
+  SlideErrors errors;
+  SlideTicks all;
+  for (const SlideTicks& slide : slides) {
+    all.late.insert(all.late.end(), slide.late.begin(), slide.late.end());
+    all.local.insert(all.local.end(), slide.local.begin(), slide.local.end());
+    all.force_N += slide.force_N;
+    all.beyond_region += slide.beyond_region;
+    all.sought += slide.sought;
   }
-  errors.late = ErrorOf(std::move(late_errors));
-  errors.local = ErrorOf(std::move(local_errors));
+  errors.ticks = all.late.size();
+  if (errors.ticks == 0) return errors;
+  const auto count = static_cast<double>(errors.ticks);
+  errors.mean_force_N = all.force_N / count;
+  errors.contact = count / static_cast<double>(all.sought);
+  errors.beyond_region = static_cast<double>(all.beyond_region) / count;
+  errors.late = ErrorOf(std::move(all.late));
+  errors.local = ErrorOf(std::move(all.local));
   return errors;
+}
+
+namespace {
+
+/// Slides by the physics itself: each pose of the hand is where the graphic tool was held last, a
+/// stride on along the surface, and pressed in along the normal that the force tells.
+SlidePath SeededPath(const HapticModel& model, std::uint64_t seed, double length_m) {
+  constexpr double kFrom_m = 0.25;        // further than two bunnies reach
+  constexpr double kStride_m = 1e-4;      // a millisecond at 0.1 m/s
+  constexpr double kCome_m = 5e-4;        // ... of the way there, at 0.5 m/s
+  constexpr double kSmooth = 1.0 / 30.0;  // of the normal, per stride: over 3 mm
+  test::Random random(seed);
+  const Quat q = random.Rotation();
+  const Vec3 side = random.Direction();
+  const Vec3 aim = random.InCube(0.02);
+  Vec3 along = random.Direction();
+  const double stiffness = model.parameters().stiffness;
+  const Vec3 arm = q * model.reference();
+
+  StepWorkspace workspace(model);
+  StepState state(model);
+  Vec3 normal = side;
+  Vec3 hand = aim + kFrom_m * side;  // of the tool's reference point
+  state.X_WG = state.X_WH = {hand - arm, q};
+  SlidePath path{"seed " + std::to_string(seed), {}};
+  const auto come = static_cast<int>(kFrom_m / kCome_m);
+  const auto strides = static_cast<std::size_t>(length_m / kStride_m);
+  double depth = 0.0;
+  for (int i = 0; path.hand.size() < strides; ++i) {
+    if (i > come + 10 * static_cast<int>(strides)) {
+      throw Error("closed-loop: " + path.name + " finds no contact");
+    }
+    const Pose X_WH{hand - arm, q};
+    const StepReport report = HapticStep(model, X_WH, state, workspace);
+    const double force = report.wrench.force.norm();
+    if (force == 0.0 && path.hand.empty()) {
+      hand -= kCome_m * side;
+      continue;
+    }
+    if (force > 0.0)
+      normal = (normal + kSmooth * (report.wrench.force / force - normal)).normalized();
+    along = (along - along.dot(normal) * normal).normalized();
+    // Pressed in, and sought again where it was lost, a stride at a time.
+    depth = std::min(force / stiffness + kStride_m, kSlideDepth_m);
+    hand = report.X_WG * model.reference() + kStride_m * along - depth * normal;
+    path.hand.push_back({hand - arm, q});
+  }
+  return path;
+}
+
+}  // namespace
+
+std::vector<SlidePath> SlidePaths(const HapticModel& model, int seeded, std::uint64_t seed,
+                                  double length_m) {
+  const PoseScript script = PoseScript::Load(ScriptFileBeside("bunny-bunny"));
+  std::vector<SlidePath> paths{{"script", {}}};
+  for (double t = 1.1; t < 3.8; t += 1e-3) paths.front().hand.push_back(script.At(t));
+  for (int i = 0; i < seeded; ++i) {
+    paths.push_back(SeededPath(model, seed + static_cast<std::uint64_t>(i), length_m));
+  }
+  return paths;
 }
 
 }  // namespace palpate::bench

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iostream>
 
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
-#include "common/error.h"
+#include "common/output.h"
 
 namespace palpate::bench {
 
@@ -62,14 +60,7 @@ void Progress(const std::string& line) {
 }
 
 void WriteJson(const std::string& file, const nlohmann::ordered_json& json) {
-  if (file == "-") {
-    std::cout << json.dump(2) << std::endl;
-    return;
-  }
-  std::ofstream out(file);
-  out << json.dump(2) << '\n';
-  out.close();
-  if (!out) throw Error(file + ": cannot be written; give --json a file in a folder you may write");
+  WriteOutput("--json", file, json.dump(2) + "\n");
 }
 
 }  // namespace palpate::bench

@@ -360,6 +360,17 @@ TEST_F(PalpateBench, ParetoRefusesPeersAndScenesThatNobodyKnows) {
   EXPECT_THAT(said_, HasSubstr("bunny-bunny"));
 }
 
+TEST_F(PalpateBench, ReadsItsCommandLineAsEveryProgramDoes) {
+  EXPECT_EQ(Run({"--version"}), 0);
+  EXPECT_THAT(said_, testing::StartsWith("palpate-bench "));
+  EXPECT_EQ(Run({"closed-loop", "--help"}), 0);
+  EXPECT_THAT(said_, HasSubstr("--passivity"));
+  EXPECT_EQ(Run({"closed-loop", "--device", "hammer"}), 2);
+  EXPECT_THAT(said_, HasSubstr("'palpate-bench --help' shows how"));
+  EXPECT_EQ(Run({"stability", "--domain", "-1"}), 2);
+  EXPECT_EQ(Run({}), 2);
+}
+
 TEST_F(PalpateBench, RefusesWhatItHasNot) {
   EXPECT_EQ(Run({"cycle", "--scene", "cube", "--contact", "voxels"}), 2);
   EXPECT_EQ(Run({"cycle", "--scene", "cube", "--friction", "glue"}), 2);

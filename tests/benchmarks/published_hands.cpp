@@ -7,7 +7,7 @@ const std::vector<PublishedHand>& PublishedHands() {
   static const std::vector<PublishedHand> hands{
       {"van-beek",
        "van Beek, Bergmann Tiest, Mugge & Kappers, Scientific Reports 5 (2015) 18004, Fig. 3: one "
-       "participant, perpendicular to the arm",
+       "trial of one participant; its rotation is an estimate",
        HandImpedance{}},
       {"light", "estimate: two fingers on a stylus, a quarter of van-beek's",
        HandImpedance{.mass_kg = 0.14, .damping_N_s_m = 1.6, .stiffness_N_m = 34.0}},

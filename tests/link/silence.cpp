@@ -63,9 +63,8 @@ Silence MeasureSilence(const std::vector<TraceRow>& rows, std::int64_t after_ns,
   const auto since_due_ms = [&](std::size_t i) {
     return 1e-6 * static_cast<double>(rows[i].time_ns) - last_ms - kPeriod_ms;
   };
-  const std::size_t fall = index(last, [](const TraceRow& row) {
-    return row.applied.force.norm() < 0.999 * row.wanted.force.norm();
-  });
+  const std::size_t fall =
+      index(last, [&](const TraceRow& row) { return share(row) < 0.999 * before; });
   const std::size_t zero = index(last, [](const TraceRow& row) { return IsZero(row.applied); });
   if (zero == rows.size()) throw Error("the force never ended");
 

@@ -217,10 +217,34 @@ TEST(LocalContactModel, RemembersAWallThatTheToolHasLeft) {
   model.Take(server.AnswerTo(off, kMs), off);
   const Pose back = At(Vec3(0, 0, -0.002));
   EXPECT_NEAR(Settled(model, kMs, back).wrench.force.z(), 2.0, 1e-9);
-  // Beyond its region it is forgotten.
-  const Pose far = At(Vec3(0, 0, 0.006));
-  model.Take(server.AnswerTo(far, 2 * kMs), far);
-  EXPECT_EQ(Settled(model, 2 * kMs, back).wrench.force.z(), 0.0);
+  // However high the tool has bounced: the wall is where it was, and nowhere else.
+  const Pose high = At(Vec3(0.003, 0, 0.1));
+  model.SetSpring(kSpring);  // as a station does with each pose
+  model.Take(server.AnswerTo(high, 2 * kMs), high);
+  EXPECT_NEAR(Settled(model, 2 * kMs, back).wrench.force.z(), 2.0, 1e-9);
+  EXPECT_NEAR(Settled(model, 2 * kMs, At(Vec3(-0.005, 0, -0.002))).wrench.force.z(), 2.0, 1e-9);
+  EXPECT_EQ(Settled(model, 2 * kMs, At(Vec3(0.0101, 0, -0.002))).wrench.force.z(), 0.0);
+}
+
+TEST(LocalContactModel, ForgetsWithTheSession) {
+  PlaneServer server;
+  const Pose pressed = At(Vec3(0, 0, -0.001)), off = At(Vec3(0, 0, 0.002));
+  const Pose back = At(Vec3(0, 0, -0.002));
+  for (const bool by_fault : {true, false}) {
+    LocalContactModel model = ModelOf(server.AnswerTo(pressed, 0), pressed);
+    model.At(0, pressed);
+    if (by_fault) {
+      Reply begin;
+      begin.X_WG = off;
+      begin.faults = kFaultNotStarted;
+      model.Take(begin, off);
+      model.At(kMs, off);
+    } else {
+      model.Forget();
+    }
+    model.Take(server.AnswerTo(off, 2 * kMs), off);
+    EXPECT_EQ(Settled(model, 2 * kMs, back).wrench.force.norm(), 0.0) << by_fault;
+  }
 }
 
 TEST(LocalContactModel, ForgetsAWallThatTheServersToolHasPassed) {

@@ -24,6 +24,8 @@ StationSummary Summary() {
   summary.totals.late = 10;
   summary.totals.contact_replies = 250;
   summary.totals.max_force_N = 3.25;
+  summary.totals.evaluations = 398;
+  summary.totals.beyond_region = 199;
   for (int i = 0; i < 1000; ++i) summary.totals.round_trip.Add(30'000);
   return summary;
 }
@@ -34,6 +36,7 @@ TEST(StationSummary, TellsPeopleTheFiguresOfTheRun) {
   EXPECT_THAT(text, HasSubstr("late         10 (1.00 % over 1 ms)"));
   EXPECT_THAT(text, HasSubstr("at most 3.25 N"));
   EXPECT_THAT(text, HasSubstr("25 % of the time in contact"));
+  EXPECT_THAT(text, HasSubstr("20 % of the ticks by rows, 50.0 % of these beyond their region"));
   EXPECT_THAT(text, HasSubstr("faults       none"));
 }
 
@@ -44,6 +47,9 @@ TEST(StationSummary, TellsProgramsTheSame) {
   EXPECT_EQ(json["force_N_max"], 3.25);
   EXPECT_EQ(json["rtt_us"]["p50"], 30.0);
   EXPECT_EQ(json["limiter"]["fades"], 0);
+  EXPECT_EQ(json["local_model"]["ticks"], 1990);
+  EXPECT_EQ(json["local_model"]["evaluations"], 398);
+  EXPECT_EQ(json["local_model"]["beyond_region"], 199);
 }
 
 TEST(StationSummary, NamesAFileThatCannotBeWritten) {

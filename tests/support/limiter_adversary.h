@@ -43,6 +43,8 @@ class LimiterAdversary {
     while (tally_.inputs < inputs) {
       AddCounts();
       limiter_ = WrenchLimiter(limits_);
+      // None is known at first; a session may say anything.
+      if (random_.Below(4) != 0) limiter_.SetStiffness(Stiffness());
       last_ = Wrench{};
       X_WH_ = Pose{};
       velocity_ = Vec3::Zero();
@@ -88,6 +90,7 @@ class LimiterAdversary {
         return 30.0 * Unit();
     }
   }
+  double Stiffness() { return random_.Below(4) == 0 ? Number() : random_.Uniform(10.0, 2e4); }
   Vec3 Vector() {
     const double x = Number(), y = Number();
     return {x, y, Number()};
@@ -111,6 +114,8 @@ class LimiterAdversary {
                    : OneOf(std::array{1e-3, 2.5e-4, 0.0, 2e-3, 1.0, -1.0, kNan, kInf, 1e-9, 1e-6,
                                       9.99e-7, 5e-324, -1e308});
     in.motor_temperature = random_.Below(3) ? kNan : Number();
+    in.entering = random_.Below(5) == 0;
+    if (random_.Below(1000) == 0) limiter_.SetStiffness(Stiffness());
     return in;
   }
 
@@ -139,6 +144,7 @@ class LimiterAdversary {
     in.silence_s = silence_s_;
     in.age_s = age_s_;
     in.dt_s = kTick;
+    in.entering = random_.Below(5) == 0;
     return in;
   }
 
