@@ -31,6 +31,9 @@ struct DeviceInfo {
   Vec3 workspace_centre_m = Vec3::Zero();  ///< ... about this point of its own frame
   double position_resolution_m = 0.0;
   double rotation_resolution_rad = 0.0;
+  /// Way of the tool over way of the hand, and torque asked for over torque felt: a workspace's.
+  /// All figures above are the tool's.
+  double motion_scale = 1.0;
   bool simulated = false;  ///< its forces move no real hand
   /// Time constant of the motors' warmth [s].  [estimate] Few sheets give one.  A brushed motor of
   /// some 20 W has a winding that warms within about 12 s, over a fifth of the way to the air; one

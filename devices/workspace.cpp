@@ -105,6 +105,7 @@ WorkspaceDevice::WorkspaceDevice(std::unique_ptr<Device> device, const Workspace
                    workspace.wall_margin_m, force);
   }
   const double s = workspace.scale;
+  info_.motion_scale *= s;
   info_.workspace_m *= s;
   info_.workspace_centre_m = workspace.ToScene(Pose{info_.workspace_centre_m, Quat::Identity()}).p;
   info_.position_resolution_m *= s;

@@ -76,8 +76,9 @@ class WorkspaceWalls {
 /// nor force jumps.  The walls push all the while.  Both are added before the limiter (Shape),
 /// which bounds and switches them off like all else; behind it, a wrench is only turned and its
 /// torque divided by the scale, and info() is in the scene's units, so that the device's limits
-/// stay its limits. The limiter's energy account is of the scene's motion: s times that of the
-/// hand, and blind to what the walls do while the clutch is held; they are passive by themselves.
+/// stay its limits. The limiter's energy account is the hand's own
+/// (DeviceInfo::motion_scale), and blind to what the walls do while the clutch is held; they are
+/// passive by themselves.
 class WorkspaceDevice final : public Device {
  public:
   static constexpr double kClutchOut_s = 0.050;

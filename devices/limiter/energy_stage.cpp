@@ -9,11 +9,14 @@ namespace palpate {
 
 EnergyStage::EnergyStage(const WrenchLimits& limits)
     : slew_(limits.rates().contact_force, limits.rates().contact_torque),
-      position_resolution_m_(limits.position_resolution_m()),
+      scale_(limits.motion_scale()),
+      position_resolution_m_(limits.position_resolution_m() / scale_),
       rotation_resolution_rad_(limits.rotation_resolution_rad()) {}
 
-Wrench EnergyStage::Pass(const Wrench& wanted, double gain, const Pose& X_WH, double dt_s,
-                         bool felt, bool entering) noexcept {
+Wrench EnergyStage::Pass(const Wrench& asked, double gain, const Pose& X_WT, double dt_s, bool felt,
+                         bool entering) noexcept {
+  const Wrench wanted = AtTheHand(asked);
+  const Pose X_WH{X_WT.p / scale_, X_WT.q};
   const double work = observer_.Move(X_WH);
   store_J_ += work;
   moved_ = moved_ || work != 0.0;
@@ -34,9 +37,9 @@ Wrench EnergyStage::Pass(const Wrench& wanted, double gain, const Pose& X_WH, do
   const double factor = observer_.seen() ? Factor(wanted, foreseen, gain, dt_s) : 0.0;
   count_ += factor < 1.0;
   if (factor < 1.0) {
-    return slew_.Pass({factor * wanted.force, factor * wanted.torque}, dt_s, felt);
+    return slew_.Pass({factor * asked.force, factor * asked.torque}, dt_s, felt);
   }
-  return slew_.Pass(wanted, dt_s, felt);
+  return slew_.Pass(asked, dt_s, felt);
 }
 
 void EnergyStage::Settle(double most_J, double dt_s) noexcept {
@@ -103,7 +106,7 @@ double EnergyStage::Factor(const Wrench& wanted, double foreseen, double gain,
   const double unforeseen_m = accel * dt_s * dt_s + position_resolution_m_;
   const double unforeseen_rad = kMostAccel_rad_s2 * dt_s * dt_s + rotation_resolution_rad_;
   const double n = std::max({1.0, force / (slew_.force_N_s() * dt_s + 1e-12),
-                             torque / (slew_.torque_Nm_s() * dt_s + 1e-12)});
+                             torque / (slew_.torque_Nm_s() / scale_ * dt_s + 1e-12)});
   const double more = force * unforeseen_m + torque * unforeseen_rad;
   const double spent = gain * (foreseen * (n + 1.0) / 2.0 + more * (n + 1.0) * (n + 2.0) / 6.0);
 

@@ -65,6 +65,9 @@ namespace palpate {
 /// all, and not each time.  A hand that rests in an object while its server is started anew gets
 /// its force back however often that is.
 ///
+/// The account is that of the hand: where a workspace makes the tool's way `scale` times as long
+/// (DeviceInfo::motion_scale), ways and torques are divided by that before they are booked.
+///
 /// Real-time; deterministic.
 class EnergyStage {
  public:
@@ -97,15 +100,18 @@ class EnergyStage {
 
   /// Stiffness of the spring between hand and scene [N/m]: what a force must have stored. Infinite,
   /// or no number: not known, and the first rule does not act.
-  void SetStiffness(double N_per_m) noexcept { compliance_ = N_per_m > 0.0 ? 1.0 / N_per_m : 0.0; }
+  void SetStiffness(double N_per_m) noexcept {
+    compliance_ = N_per_m > 0.0 ? 1.0 / (scale_ * N_per_m) : 0.0;
+  }
 
-  /// @param wanted  slewed.  @param gain  of the stages that follow, in [0, 1].
+  /// @param asked   slewed; it, X_WT and what is returned are the tool's.  @param gain  of the
+  /// stages that follow, in [0, 1].
   /// @param felt    as SlewStage::Pass.   @param entering  a ramp from zero is on its way.
-  /// @param X_WH    tells the velocity, too: what a driver says of it is not relied on.
-  Wrench Pass(const Wrench& wanted, double gain, const Pose& X_WH, double dt_s, bool felt = true,
+  /// @param X_WT    tells the velocity, too: what a driver says of it is not relied on.
+  Wrench Pass(const Wrench& asked, double gain, const Pose& X_WT, double dt_s, bool felt = true,
               bool entering = false) noexcept;
   /// What of it the device holds in the end, after the gains.
-  void Hold(const Wrench& applied) noexcept { observer_.Hold(applied); }
+  void Hold(const Wrench& applied) noexcept { observer_.Hold(AtTheHand(applied)); }
 
   /// Calls in which it held something back.
   std::uint64_t count() const noexcept { return count_; }
@@ -115,6 +121,7 @@ class EnergyStage {
   double store_J() const noexcept { return store_J_; }
 
  private:
+  Wrench AtTheHand(const Wrench& w) const noexcept { return {w.force, w.torque / scale_}; }
   void Settle(double most_J, double dt_s) noexcept;
   /// @param stored_J  what the coupling holds of the wanted wrench, after the gain.
   void Grant(double stored_J, bool entering) noexcept;
@@ -136,6 +143,7 @@ class EnergyStage {
   Vec3 smooth_ = Vec3::Zero();  // velocity [m/s]
   int inwards_ = 0;             // calls in a row in which the handle moved in
   SlewStage slew_;              // what the store allows may leap: what is rendered does not
+  double scale_;                // way of the tool over way of the hand
   double position_resolution_m_, rotation_resolution_rad_;
   double compliance_ = 0.0;  // of the coupling [m/N]
   std::uint64_t count_ = 0;

@@ -53,6 +53,7 @@ WrenchLimits WrenchLimits::Of(const DeviceInfo& info) {
   CheckPositive(device.max_force_N, "max_force_N");
   CheckPositive(device.max_torque_Nm, "max_torque_Nm");
   CheckPositive(device.thermal_time_s, "thermal_time_s");
+  CheckPositive(device.motion_scale, "motion_scale");
   if (device.thermal_time_s < TemperatureStage::kShortest_s) {
     throw Error("wrench limits: thermal_time_s is " + std::to_string(device.thermal_time_s) +
                 "; no motor warms within a second (is it in seconds?)");
@@ -67,6 +68,7 @@ WrenchLimits WrenchLimits::Of(const DeviceInfo& info) {
   limits.bounds_.led_force_N = std::min(kLedForce_N, device.max_force_N);
   limits.bounds_.led_torque_Nm = std::min(kLedTorque_Nm, device.max_torque_Nm);
   limits.thermal_time_s_ = device.thermal_time_s;
+  limits.motion_scale_ = device.motion_scale;
   limits.position_resolution_m_ = std::max(0.0, device.position_resolution_m);
   limits.rotation_resolution_rad_ = std::max(0.0, device.rotation_resolution_rad);
   return limits.TightenedTo(limits.bounds_);

@@ -40,6 +40,7 @@ class WrenchLimits {
   double force_slew_N_per_ms() const noexcept { return bounds_.force_slew_N_per_ms; }
   double torque_slew_Nm_per_ms() const noexcept { return bounds_.torque_slew_Nm_per_ms; }
   double thermal_time_s() const noexcept { return thermal_time_s_; }
+  double motion_scale() const noexcept { return motion_scale_; }
   double position_resolution_m() const noexcept { return position_resolution_m_; }
   double rotation_resolution_rad() const noexcept { return rotation_resolution_rad_; }
 
@@ -56,6 +57,7 @@ class WrenchLimits {
 
   Bounds bounds_;
   double thermal_time_s_ = 0.0;
+  double motion_scale_ = 1.0;
   double position_resolution_m_ = 0.0;
   double rotation_resolution_rad_ = 0.0;
 };

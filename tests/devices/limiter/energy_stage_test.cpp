@@ -5,10 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include "common/math/rotation.h"
 #include "devices/limiter/limiter_chain.h"
 #include "devices/simulated/phantom_sheets.h"
 #include "tests/support/optimised.h"
 #include "tests/support/port_loop.h"
+#include "tests/support/random.h"
 #include "tests/support/uncontrolled_limiter.h"
 
 namespace palpate {
@@ -49,6 +51,42 @@ class Axis {
  private:
   double z_ = 0.0;
 };
+
+/// What a workspace makes larger or smaller in the scene is the same to the hand: the account of a
+/// scene at scale s is that of the hand, to the bit where s is a power of two.
+TEST(EnergyStage, KeepsTheAccountOfTheHandWhateverTheWorkspacesScale) {
+  for (const double s : {0.25, 0.5}) {
+    DeviceInfo hand = PhantomPremium30().info;
+    hand.max_torque_Nm = hand.continuous_torque_Nm = 0.008;  // below what a guide may ask for
+    DeviceInfo scene = hand;
+    scene.motion_scale = s;
+    scene.position_resolution_m *= s;
+    scene.max_torque_Nm *= s;
+    scene.continuous_torque_Nm *= s;
+    EnergyStage of_hand(WrenchLimits::Of(hand)), of_scene(WrenchLimits::Of(scene));
+    of_hand.SetStiffness(1000.0);
+    of_scene.SetStiffness(1000.0 / s);
+    test::Random random(31);
+    Pose X;
+    Vec3 v = Vec3::Zero(), w = Vec3::Zero();
+    for (int i = 0; i < 20'000; ++i) {
+      v += 5e-3 * random.InCube(1.0) - 0.01 * v;
+      w += 5e-2 * random.InCube(1.0) - 0.01 * w;
+      X.p += kTick * v;
+      X.q = (RotationExp(kTick * w) * X.q).normalized();
+      const Wrench asked{-2.0 * Vec3(X.p / 0.01), 1e-3 * random.InCube(1.0)};
+      const Wrench felt = of_hand.Pass(asked, 1.0, X, kTick);
+      const Wrench in_scene =
+          of_scene.Pass({asked.force, s * asked.torque}, 1.0, {s * X.p, X.q}, kTick);
+      ASSERT_EQ(in_scene.force, felt.force) << i;
+      ASSERT_EQ(in_scene.torque, s * felt.torque) << i;
+      of_hand.Hold(felt);
+      of_scene.Hold(in_scene);
+    }
+    EXPECT_EQ(of_scene.observer().energy_J(), of_hand.observer().energy_J());
+    EXPECT_GT(of_hand.count(), 100u) << "it has held something back";
+  }
+}
 
 TEST(EnergyStage, LeavesAHandleAloneThatHasNotMoved) {
   Axis axis(1000.0);
