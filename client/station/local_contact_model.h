@@ -53,6 +53,7 @@ class LocalContactModel {
 
   /// False: the wrench is the newest reply's, as it came.
   void Enable(bool on) noexcept { enabled_ = on; }
+  bool enabled() const noexcept { return enabled_; }
   void SetSpring(const CouplingSpring& spring) noexcept;
   /// A session is over: what was touched in it is no wall of the next one.
   void Forget() noexcept { has_touched_ = false; }

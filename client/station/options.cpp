@@ -82,7 +82,8 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_flag("--calibrate", options.calibrate,
                "calibrate the arm even if it is; it is in its reset position now, if it has one");
   app.add_option("--local-model", local_model,
-                 "on: a reply's contacts are felt at the newest pose; off: its wrench, as it came")
+                 "on: a reply's contacts are felt at the newest pose, and a server more than 2 ms "
+                 "away is asked ahead; off: its wrench, as it came")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
   CLI::Option* accept_guide = app.add_flag("--accept-guide", options.accept_guide,

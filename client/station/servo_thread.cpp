@@ -22,7 +22,7 @@ wire::HapticPose ToWire(const OutgoingPose& pose) noexcept {
   wire::HapticPose sample{};
   sample.pose_sequence = pose.sequence;
   sample.sample_time_ns = pose.sample_time_ns;
-  wire::FromPose(pose.sample.X_WH, sample.position_m, sample.orientation_wxyz);
+  wire::FromPose(pose.X_WH, sample.position_m, sample.orientation_wxyz);
   wire::FromVec3(pose.sample.V_WH.v, sample.linear_velocity_m_s);
   wire::FromVec3(pose.sample.V_WH.w, sample.angular_velocity_rad_s);
   sample.buttons = pose.sample.buttons;

@@ -24,17 +24,20 @@ void StationCore::LoseSession() noexcept {
   graphic_known_ = false;
   device_.LoseGraphicTool();
   local_model_.Forget();
+  lead_.Forget();
 }
 
 OutgoingPose StationCore::Sense(std::int64_t now_ns, bool sending) noexcept {
   sample_ = device_.Read();
   if (limiter_.enabled()) sample_.status |= kDeviceForcesEnabled;
-  if (sending) {
-    ++sequence_;
-    ++totals_.sent;
-    sent_[sequence_ % kRemembered] = {now_ns, sample_.X_WH};
-  }
-  return {sequence_, now_ns, sample_};
+  OutgoingPose pose{sequence_, now_ns, sample_, sample_.X_WH};
+  if (!sending) return pose;
+  pose.sequence = ++sequence_;
+  ++totals_.sent;
+  // A reply that is taken as it comes is to be of the pose that was.
+  if (local_model_.enabled()) pose.X_WH = lead_.Lead(now_ns, sample_.X_WH);
+  sent_[sequence_ % kRemembered] = {now_ns, pose.X_WH};
+  return pose;
 }
 
 void StationCore::Take(const Reply& reply) noexcept {
@@ -53,6 +56,7 @@ void StationCore::Take(const Reply& reply) noexcept {
   const std::int64_t round_trip = reply.received_ns - reply.pose_time_ns;
   totals_.late += round_trip > kLate_ns;
   totals_.round_trip.Add(round_trip);
+  lead_.Hear(1e-9 * static_cast<double>(round_trip));
   period_round_trip_.Add(round_trip);
   const double step_s = reply.step_time_s > 0.0 ? std::min(reply.step_time_s, 1.0) : 0.0;
   const auto step = static_cast<std::int64_t>(1e9 * step_s);

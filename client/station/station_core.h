@@ -6,6 +6,7 @@
 
 #include "client/station/guide.h"
 #include "client/station/local_contact_model.h"
+#include "client/station/pose_lead.h"
 #include "client/station/reply.h"
 #include "common/math/pose.h"
 #include "common/stats/histogram.h"
@@ -18,7 +19,10 @@ namespace palpate {
 struct OutgoingPose {
   std::uint64_t sequence = 0;
   std::int64_t sample_time_ns = 0;
-  DeviceSample sample;
+  DeviceSample sample;  ///< as the device was read
+  /// To be sent in its place: with the local contact model on, the pose that the hand is likely to
+  /// have when the reply comes (PoseLead).
+  Pose X_WH;
 };
 
 /// What a station has seen so far.
@@ -146,6 +150,7 @@ class StationCore {
   std::int64_t entered_until_ns_ = 0;
   Vec3 tool_reference_ = Vec3::Zero();
   LocalContactModel local_model_;
+  PoseLead lead_;
   LimiterInput asked_;
   DeviceSample sample_;
   Reply newest_;
@@ -154,7 +159,7 @@ class StationCore {
   std::uint64_t sequence_ = 0;
   struct SentPose {
     std::int64_t time_ns = 0;
-    Pose X_WH;
+    Pose X_WH;  // as it was sent
   };
   std::array<SentPose, kRemembered> sent_;  // up to sequence_, by their number
   std::int64_t last_act_ns_ = 0;

@@ -41,11 +41,12 @@ namespace palpate {
 /// it the first tick is owed.
 ///
 /// That has a price at rest, where a touch of force f has stored f^2 / 2k at most, and the bound
-/// wants f x (30 um of a tick's acceleration + an encoder's step): lighter ones than 2k x 50 um,
-/// 0.1 N at 1 N/mm, lose a share.  The encoder's step could move in any tick.  The acceleration
-/// cannot be taken for less: in the loops of RunPortLoop (tests/support; 864 of up to 20 ms of
-/// delay, 10 % loss and 3 N/mm) 20 m/s^2 alone lets one give energy for a while, 10 m/s^2 every
-/// ninth.  A faster tick helps, as the way goes with its square: 22 um in all at 4 kHz.
+/// wants f x (40 um of a tick's acceleration + an encoder's step): lighter ones than 2k x 60 um,
+/// 0.12 N at 1 N/mm, lose a share.  The encoder's step could move in any tick.  The acceleration
+/// cannot be taken for less: with 30 m/s^2 the closed loop at 5 N/mm, 2 ms of jitter and 10 %
+/// loss gives its hand 13 uJ for a while, by the encoders (`ClosedLoop`, tests/benchmarks); a hand
+/// much lighter than kLeastMass gets up to 0.1 mJ even so.  A faster tick helps, as the way goes
+/// with its square: 22 um in all at 4 kHz.
 ///
 /// A hand may be in a contact before forces come on, or when they come back after a silence: it has
 /// put in nothing that is remembered, and without a force it could put in nothing.  While such a
@@ -76,7 +77,7 @@ class EnergyStage {
   static constexpr double kForget_s = 0.05;
   static constexpr double kRest_s = 0.2;
   /// What a hand may do of itself, and the mass that a force moves: that of a hand on an arm.
-  static constexpr double kHandAccel_m_s2 = 30.0;
+  static constexpr double kHandAccel_m_s2 = 40.0;
   static constexpr double kLeastMass_kg = 0.7;
   /// 0.5 N m on 1.3 g m^2.
   static constexpr double kMostAccel_rad_s2 = 400.0;

@@ -182,7 +182,7 @@ ClosedLoopFigures RunClosedLoop(const ClosedLoopScene& scene, const ClosedLoopCa
     wire::HapticPose pose{};
     pose.pose_sequence = sensed.sequence;
     pose.sample_time_ns = sensed.sample_time_ns;
-    wire::FromPose(sensed.sample.X_WH, pose.position_m, pose.orientation_wxyz);
+    wire::FromPose(sensed.X_WH, pose.position_m, pose.orientation_wxyz);
     link.up.Send(now_ns, pose);
     while (const auto arrival_ns = link.down.next_arrival_ns()) {
       if (*arrival_ns > now_ns) break;

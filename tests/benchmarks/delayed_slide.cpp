@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "client/station/local_contact_model.h"
+#include "client/station/pose_lead.h"
 #include "common/error.h"
 #include "scenes/catalogue.h"
 #include "scenes/pose_script.h"
@@ -16,7 +17,25 @@ namespace {
 constexpr std::int64_t kTick_ns = 1'000'000;
 constexpr double kContact_N = 0.5;
 /// Until the servo loop has let the whole force in, and blends are over.
-constexpr int kLead = 300;
+constexpr std::size_t kRest = 300;
+
+/// What a server answers to these poses, one a millisecond.
+std::vector<Reply> Answers(const HapticModel& model, const std::vector<Pose>& poses, int delay_ms) {
+  ServoLoop loop(model);
+  StepWorkspace workspace(model);
+  loop.Start(ResolveStart(model, poses.front(), workspace).X_WG);
+  std::vector<Reply> replies;
+  for (const Pose& X_WH : poses) {
+    wire::HapticPose pose{};
+    pose.pose_sequence = replies.size() + 1;
+    pose.sample_time_ns = kTick_ns * static_cast<std::int64_t>(pose.pose_sequence);
+    wire::FromPose(X_WH, pose.position_m, pose.orientation_wxyz);
+    wire::Wrench answer{};
+    loop.OnPose(pose, answer);
+    replies.push_back(ToReply(answer, pose.sample_time_ns + kTick_ns * delay_ms));
+  }
+  return replies;
+}
 
 SlideError ErrorOf(std::vector<double> errors) {
   SlideError error;
@@ -51,41 +70,35 @@ std::vector<Pose> AtSpeed(const std::vector<Pose>& way, double speed_m_s) {
 
 SlideTicks MeasureDelayedSlide(const HapticModel& model, const std::vector<Pose>& hand,
                                const DelayedSlide& slide) {
-  ServoLoop loop(model);
-  StepWorkspace workspace(model);
-  loop.Start(ResolveStart(model, hand.front(), workspace).X_WG);
-  const int count = static_cast<int>(hand.size()) + kLead;
-  const auto pose_at = [&](int i) {
-    return hand[static_cast<std::size_t>(std::max(i - kLead, 0))];
-  };
-  std::vector<Reply> replies;
-  for (int i = 0; i < count; ++i) {
-    wire::HapticPose pose{};
-    pose.pose_sequence = static_cast<std::uint64_t>(i) + 1;
-    pose.sample_time_ns = kTick_ns * (i + 1);
-    wire::FromPose(pose_at(i), pose.position_m, pose.orientation_wxyz);
-    wire::Wrench answer{};
-    loop.OnPose(pose, answer);
-    replies.push_back(ToReply(answer, pose.sample_time_ns + kTick_ns * slide.delay_ms));
+  std::vector<Pose> poses(kRest, hand.front());  // at rest first
+  poses.insert(poses.end(), hand.begin(), hand.end());
+  // As StationCore sends them.
+  PoseLead lead;
+  std::vector<Pose> sent;
+  for (const Pose& X_WH : poses) {
+    sent.push_back(lead.Lead(kTick_ns * static_cast<std::int64_t>(sent.size() + 1), X_WH));
+    lead.Hear(1e-3 * slide.delay_ms);
   }
+  const std::vector<Reply> right = Answers(model, poses, slide.delay_ms);
+  const std::vector<Reply> answers = Answers(model, sent, slide.delay_ms);
 
   LocalContactModel local;
   local.SetSpring(
       {model.parameters().stiffness, model.parameters().torsional_stiffness, model.reference()});
   SlideTicks ticks;
-  for (int i = slide.delay_ms; i < count; ++i) {
-    const Reply& newest = replies[static_cast<std::size_t>(i - slide.delay_ms)];
-    const Pose answered = pose_at(i - slide.delay_ms);
-    local.Take(newest, answered);
-    const LocalContactModel::Evaluation felt = local.At(kTick_ns * (i + 1), pose_at(i));
-    if (i < kLead + slide.delay_ms) continue;
+  const auto delay = static_cast<std::size_t>(slide.delay_ms);
+  for (std::size_t i = delay; i < poses.size(); ++i) {
+    local.Take(answers[i - delay], sent[i - delay]);
+    const LocalContactModel::Evaluation felt =
+        local.At(kTick_ns * static_cast<std::int64_t>(i + 1), poses[i]);
+    if (i < kRest + delay) continue;
     ++ticks.sought;
-    const Vec3 now = replies[static_cast<std::size_t>(i)].wrench.force;
+    const Vec3 now = right[i].wrench.force;
     const double force = now.norm();
     if (force < kContact_N) continue;
     ticks.force_N += force;
     ticks.beyond_region += felt.beyond_region;
-    ticks.late.push_back((newest.wrench.force - now).norm() / force);
+    ticks.late.push_back((right[i - delay].wrench.force - now).norm() / force);
     ticks.local.push_back((felt.wrench.force - now).norm() / force);
   }
   return ticks;

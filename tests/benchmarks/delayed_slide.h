@@ -20,7 +20,7 @@ struct DelayedSlide {
 /// The ticks of a slide in which the step's force without any delay, F_now, is more than 0.5 N.
 struct SlideTicks {
   std::vector<double> late;   ///< |F - F_now| / |F_now| of the reply's wrench as it came
-  std::vector<double> local;  ///< of the local contact model's
+  std::vector<double> local;  ///< of what a station makes of replies: PoseLead, LocalContactModel
   double force_N = 0.0;       ///< sum of |F_now|
   std::size_t beyond_region = 0;
   std::size_t sought = 0;  ///< all ticks, also those without such a force

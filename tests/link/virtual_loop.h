@@ -74,7 +74,7 @@ class VirtualLoop {
     pose_ = {};
     pose_.pose_sequence = out.sequence;
     pose_.sample_time_ns = out.sample_time_ns;
-    wire::FromPose(out.sample.X_WH, pose_.position_m, pose_.orientation_wxyz);
+    wire::FromPose(out.X_WH, pose_.position_m, pose_.orientation_wxyz);
     wire::FromVec3(out.sample.V_WH.v, pose_.linear_velocity_m_s);
     wire::FromVec3(out.sample.V_WH.w, pose_.angular_velocity_rad_s);
     link_.up.Send(now_ns_, pose_);

@@ -1,5 +1,6 @@
 #include "client/station/station_core.h"
 
+#include <deque>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -49,6 +50,31 @@ TEST(StationCore, RendersTheServersForceOnceItHasRampedIn) {
   EXPECT_LT(bench.force(), 0.1);
   for (int i = 0; i < 400; ++i) bench.Tick(true);
   EXPECT_EQ(bench.force(), 2.0);
+}
+
+TEST(StationCore, SendsWhereTheHandWillBeToAServerThatIsFarAway) {
+  for (const bool local_model : {true, false}) {
+    Bench bench;
+    bench.core.EnableLocalModel(local_model);
+    const Vec3 v(0.1, 0, 0);
+    OutgoingPose sent;
+    std::deque<OutgoingPose> under_way;
+    for (int i = 0; i < 1000; ++i) {
+      bench.now += kMs;
+      bench.device.sample.X_WH.p = 1e-3 * i * v;
+      sent = bench.core.Sense(bench.now, true);
+      under_way.push_back(sent);
+      if (under_way.size() > 10) {
+        bench.core.Take(bench.ReplyTo(under_way.front(), 10 * kMs));
+        under_way.pop_front();
+      }
+      bench.core.Act(bench.now);
+    }
+    EXPECT_EQ(sent.sample.X_WH.p, bench.device.sample.X_WH.p) << "what was read";
+    const double led = sent.X_WH.p.x() - sent.sample.X_WH.p.x();
+    EXPECT_NEAR(led, local_model ? 0.1 * (0.010 + PoseLead::kHeld_s) : 0.0, 1e-8);
+    EXPECT_EQ(bench.core.totals().strays, 0u);
+  }
 }
 
 TEST(StationCore, ShowsTheDeviceTheGraphicToolOfItsSessionAlone) {
