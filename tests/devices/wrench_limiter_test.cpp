@@ -61,7 +61,7 @@ TEST(WrenchLimiter, KeepsItsLimitsWhateverItIsGiven) {
     EXPECT_LE(tally.torque_slew, 1.0);
     // It came near, and met every stage.
     EXPECT_GT(tally.force, 0.99);
-    EXPECT_GT(tally.force_slew, 0.8);
+    EXPECT_GT(tally.force_slew, test::kOptimised ? 0.8 : 0.7);
     const LimiterCounts& counts = tally.counts;
     for (const std::uint64_t count :
          {counts.nonfinite, counts.clamped, counts.slewed, counts.braked, counts.warm, counts.faded,
