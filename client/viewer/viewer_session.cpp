@@ -1,7 +1,9 @@
 #include "client/viewer/viewer_session.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
+#include <vector>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
@@ -156,10 +158,10 @@ std::string ViewerSession::OnText(std::string_view text) {
 
 void ViewerSession::Subscribe(const foxglove::Request& request) {
   const std::int64_t now_ns = SteadyNanoseconds();
+  const std::vector<foxglove::Channel> channels = TopicFeed::Channels(mouse_);
   for (const foxglove::Subscription& wanted : request.subscriptions) {
-    const bool known = wanted.channel >= TopicFeed::kToolState &&
-                       (wanted.channel <= TopicFeed::kSceneBundle ||
-                        (wanted.channel == TopicFeed::kMouseState && mouse_));
+    const bool known =
+        std::ranges::find(channels, wanted.channel, &foxglove::Channel::id) != channels.end();
     if (!known || queue_.subscribed(wanted.channel) || queue_.has_subscription(wanted.id)) {
       Say(foxglove::Level::kWarning,
           "subscription " + std::to_string(wanted.id) + " to channel " +

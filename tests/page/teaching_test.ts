@@ -102,6 +102,15 @@ describe("while a simulated hand feels the bunny", () => {
       null,
       {timeout: 60_000},
     );
+    // What the station says of its arm, through the real gateway.
+    await page.waitForFunction(
+      () =>
+        /Device in order PHANTOM Premium 3\.0/.test(
+          document.getElementById("arm")!.innerText.replace(/\s+/g, " "),
+        ),
+      null,
+      {timeout: 60_000},
+    );
     const {scriptMs, pictures} = await probe(page);
     console.log(`script ${scriptMs.mean.toFixed(2)} ms a picture over ${pictures} pictures`);
   });

@@ -32,7 +32,7 @@ using Json = nlohmann::json;
 using testing::HasSubstr;
 
 const int kDomain = 102 + getpid() % 12;
-enum : std::uint32_t { kToolState = 1, kStatistics, kSession, kChange, kBundle, kMouse };
+enum : std::uint32_t { kToolState = 1, kStatistics, kSession, kChange, kBundle, kMouse, kStation };
 
 template <class T>
 T Decoded(const WebClient::Message& message) {
@@ -153,6 +153,19 @@ TEST(Gateway, TellsEachViewerWhatItIsAndWhichChannelsThereAre) {
   EXPECT_EQ(by_topic["/palpate/mouse_state"]["encoding"], "json");
 }
 
+TEST(Gateway, LetsAViewerSubscribeToAllThatItOffersAndToNothingElse) {
+  Gateway gateway;
+  WebClient viewer(gateway.port());
+  std::uint32_t id = 100;
+  for (const Json& channel : viewer.NextJson("advertise")["channels"]) {
+    viewer.Subscribe(++id, channel["id"]);
+  }
+  viewer.Subscribe(7777, 99);
+  // Refusals come in the order of what is refused.
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""),
+              HasSubstr("subscription 7777 to channel 99 is refused: there is no such channel"));
+}
+
 TEST(Gateway, GivesLateViewersTheSceneAndTheSessionsAndThenTheTool) {
   const auto server = StartServer();
   const auto station = StartStation("held", PALPATE_SOURCE_DIR "/tests/integration/press.json");
@@ -167,6 +180,7 @@ TEST(Gateway, GivesLateViewersTheSceneAndTheSessionsAndThenTheTool) {
   viewer.Subscribe(71, kSession);
   viewer.Subscribe(72, kToolState);
   viewer.Subscribe(73, kStatistics);
+  viewer.Subscribe(74, kStation);
 
   const auto bundle = viewer.Next(70);
   ASSERT_TRUE(bundle);
@@ -208,6 +222,9 @@ TEST(Gateway, GivesLateViewersTheSceneAndTheSessionsAndThenTheTool) {
   }
   EXPECT_EQ(seen.points, 1u);
   EXPECT_TRUE(viewer.Next(73));
+  const auto arm = viewer.Next(74);
+  ASSERT_TRUE(arm);
+  EXPECT_STREQ(Decoded<wire::StationStatistics>(*arm).station, "held");
 
   viewer.SendText(R"({"op": "unsubscribe", "subscriptionIds": [72]})");
   viewer.Run(0.3);
