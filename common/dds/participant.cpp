@@ -1,9 +1,11 @@
 #include "common/dds/participant.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <map>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -84,8 +86,9 @@ std::string DomainConfig(int domain_id, bool shared_memory, const Network& netwo
 }
 
 void WatchTheEnd() {
-  static const auto* const until_the_end = new SharedMemoryWatch("taking leave of RouDi");
-  static_cast<void>(until_the_end);
+  // Never destroyed: that would be before iceoryx takes its leave.
+  alignas(SharedMemoryWatch) static std::byte place[sizeof(SharedMemoryWatch)];
+  new (place) SharedMemoryWatch("taking leave of RouDi");
 }
 
 }  // namespace
