@@ -106,6 +106,16 @@ const picture = async (): Promise<string> => {
   const style = ".stage > :not(canvas) { visibility: hidden }";
   return (await page.locator("#view").screenshot({style})).toString("base64");
 };
+/// The same, once it is drawn to its end.
+const stillPicture = async (): Promise<string> => {
+  let last = await picture();
+  await eventually("a picture that stands still", async () => {
+    const before = last;
+    last = await picture();
+    return last === before;
+  });
+  return last;
+};
 
 test("the page shows the force in figures, in words and in the picture", async () => {
   press(0);
@@ -204,7 +214,7 @@ test("what is scraped off vanishes, and a server's new run makes it whole", asyn
   page = await open({}, "?scene=wearing");
   await until(page, "the scene", ({scene}) => scene === "wearing");
   const whole = (await until(page, "a picture", ({triangles}) => triangles > 0)).triangles;
-  const before = await picture();
+  const before = await stillPicture();
   // The whole front and the top.
   const gone = [2, 3, 6, 7];
   gone.forEach((triangle, i) => {
@@ -261,7 +271,7 @@ test("the loop's figures and who drives what are told in words", async () => {
 test("spheres come on demand, level by level", async () => {
   press(0);
   page = await open();
-  const plain = await picture();
+  const plain = await stillPicture();
   await page.keyboard.press("s");
   expect(await text("#level-text")).toBe("leaves");
   await eventually("the leaves", async () => (await picture()) !== plain);
@@ -445,7 +455,11 @@ test("a scene that nobody serves is no choice", async () => {
 test("arrows scroll the figures where those have the focus", async () => {
   press(0);
   page = await open({viewport: {width: 800, height: 360}});
-  const before = await picture();
+  await eventually(
+    "the tool is free",
+    async () => (await text("#sentence")) === "The tool is free.",
+  );
+  const before = await stillPicture();
   await page.locator("#panel").focus();
   await page.keyboard.press("ArrowDown");
   await eventually("a scroll", () =>
