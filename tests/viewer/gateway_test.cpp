@@ -156,8 +156,9 @@ TEST(Gateway, TellsEachViewerWhatItIsAndWhichChannelsThereAre) {
 TEST(Gateway, LetsAViewerSubscribeToAllThatItOffersAndToNothingElse) {
   Gateway gateway;
   WebClient viewer(gateway.port());
+  const Json channels = viewer.NextJson("advertise")["channels"];
   std::uint32_t id = 100;
-  for (const Json& channel : viewer.NextJson("advertise")["channels"]) {
+  for (const Json& channel : channels) {
     viewer.Subscribe(++id, channel["id"]);
   }
   viewer.Subscribe(7777, 99);
