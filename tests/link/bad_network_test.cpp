@@ -129,7 +129,8 @@ TEST_F(BadNetwork, CarriesASessionWhoseStatisticsAreThoseOfTheNetwork) {
       LargestStep(rows, 1, rows.size(), limits));
 
   EXPECT_GT(replies, 1000.0);
-  EXPECT_GE(least_age_ms, 20.0) << "nothing is faster than the network";
+  // By the time that a tick was due: one that runs late takes what came up to a tick after it.
+  EXPECT_GE(least_age_ms, 20.0 - 1.0) << "nothing is faster than the network";
   EXPECT_EQ(summary["late"], summary["replies"]);
   // 0.9 x 0.9 arrive, and of these 0.05 each way are overtaken by their successor: too late then.
   EXPECT_NEAR(lost / (lost + replies), 0.27, 0.08);
