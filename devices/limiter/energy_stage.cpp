@@ -28,13 +28,15 @@ Wrench EnergyStage::Pass(const Wrench& asked, double gain, const Pose& X_WT, dou
   inside_ = entering || (inside_ && !wanted.force.isZero(0.0));
   if (Rests(X_WH, dt_s) && inside_) Draw(stored - store_J_);
 
+  tick_s_ += (dt_s - tick_s_) * (tick_s_ > 0.0 ? std::min(1.0, dt_s / kTick_s) : 1.0);
+
   const Way& way = observer_.way();
   const double foreseen = wanted.force.dot(way.p) + wanted.torque.dot(way.phi);
   if (dt_s > 0.0) smooth_ += (way.p / dt_s - smooth_) * std::min(1.0, dt_s / kSmooth_s);
   inwards_ = foreseen < 0.0 ? std::min(inwards_ + 1, 2) : 0;
 
   // What cannot be booked is not rendered.
-  const double factor = observer_.seen() ? Factor(wanted, foreseen, gain, dt_s) : 0.0;
+  const double factor = observer_.seen() ? Factor(wanted, foreseen, gain) : 0.0;
   count_ += factor < 1.0;
   if (factor < 1.0) {
     return slew_.Pass({factor * asked.force, factor * asked.torque}, dt_s, felt);
@@ -86,8 +88,7 @@ double EnergyStage::Draw(double wanted_J) noexcept {
   return drawn;
 }
 
-double EnergyStage::Factor(const Wrench& wanted, double foreseen, double gain,
-                           double dt_s) const noexcept {
+double EnergyStage::Factor(const Wrench& wanted, double foreseen, double gain) const noexcept {
   if (!moved_ || gain == 0.0) return 1.0;
   const double force = wanted.force.norm(), torque = wanted.torque.norm();
 
@@ -103,10 +104,10 @@ double EnergyStage::Factor(const Wrench& wanted, double foreseen, double gain,
   // Sum over the ticks that letting go takes: the force falls in n equal steps, and the way of each
   // is by one `unforeseen` longer than that of the one before.
   const double accel = kHandAccel_m_s2 + force / kLeastMass_kg;
-  const double unforeseen_m = accel * dt_s * dt_s + position_resolution_m_;
-  const double unforeseen_rad = kMostAccel_rad_s2 * dt_s * dt_s + rotation_resolution_rad_;
-  const double n = std::max({1.0, force / (slew_.force_N_s() * dt_s + 1e-12),
-                             torque / (slew_.torque_Nm_s() / scale_ * dt_s + 1e-12)});
+  const double unforeseen_m = accel * tick_s_ * tick_s_ + position_resolution_m_;
+  const double unforeseen_rad = kMostAccel_rad_s2 * tick_s_ * tick_s_ + rotation_resolution_rad_;
+  const double n = std::max({1.0, force / (slew_.force_N_s() * tick_s_ + 1e-12),
+                             torque / (slew_.torque_Nm_s() / scale_ * tick_s_ + 1e-12)});
   const double more = force * unforeseen_m + torque * unforeseen_rad;
   const double spent = gain * (foreseen * (n + 1.0) / 2.0 + more * (n + 1.0) * (n + 2.0) / 6.0);
 

@@ -10,10 +10,15 @@
 
 namespace palpate::test {
 
+constexpr double kMostLateTick_s = 5e-3;
+
 /// A hand on an arm at a virtual wall, over a link that delays and loses, in virtual time.
 struct PortLoopCase {
   int delay_ms = 0;   ///< from a pose to the force that answers it; 0: in the same tick
   double loss = 0.0;  ///< share of the answers that never come
+  /// Share of the ticks that the machine holds up, by up to kMostLateTick_s; those that fell
+  /// due meanwhile follow at once.
+  double late = 0.0;
   double stiffness_N_per_m = 1000.0;
   double resolution_m = 20e-6;  ///< of the encoders
   double seconds = 10.0;
@@ -51,8 +56,7 @@ PortLoopFigures RunPortLoop(Limiter& limiter, const PortLoopCase& c) {
   // As HandImpedance and PhantomPremium30 have it; one dimension, across the wall.
   constexpr double kMass = 0.713, kSpring = 135.0, kDamper = 6.55, kFriction = 0.2;
   constexpr double kTick = 1e-3;
-  constexpr int kSubsteps = 8;
-  constexpr double h = kTick / kSubsteps;
+  constexpr double kSubstep = kTick / 8, kLeastTick = 30e-6;
   Random random(c.seed);
   limiter.Enable(true);
   const auto encode = [&](double z) {
@@ -62,11 +66,12 @@ PortLoopFigures RunPortLoop(Limiter& limiter, const PortLoopCase& c) {
     return c.deep_m + c.stroke_m * std::cos(2.0 * M_PI * c.rate_Hz * t);
   };
   struct Answer {
-    std::int64_t due, sampled;
+    double due, sampled;
     double force;
   };
   std::vector<Answer> under_way;  // oldest first
-  Answer newest{-1, -1, 0.0};
+  Answer newest{-1.0, -1.0, 0.0};
+  double now = 0.0, dt = kTick;
   double z = target(0.0), v = 0.0, speed = 0.0, last_read = encode(z), last_z = z;
   double held = 0.0;
   double squares = 0.0, wanted_squares = 0.0;
@@ -75,7 +80,7 @@ PortLoopFigures RunPortLoop(Limiter& limiter, const PortLoopCase& c) {
   const auto ticks = static_cast<std::int64_t>(1e3 * c.seconds);
   for (std::int64_t tick = 0; tick < ticks; ++tick) {
     const double read = encode(z);
-    speed += 0.386 * ((read - last_read) / kTick - speed);  // a driver's low-pass of 100 Hz
+    speed += 0.386 * ((read - last_read) / dt - speed);  // a driver's low-pass of 100 Hz
     figures.generated_J += held * (read - last_read);
     figures.absorbed_J += std::max(0.0, -held * (read - last_read));
     figures.true_generated_J += held * (z - last_z);
@@ -87,9 +92,9 @@ PortLoopFigures RunPortLoop(Limiter& limiter, const PortLoopCase& c) {
 
     const double force = read < 0.0 ? -c.stiffness_N_per_m * read : 0.0;
     if (!(random.Uniform(0.0, 1.0) < c.loss)) {
-      under_way.push_back({tick + c.delay_ms, tick, force});
+      under_way.push_back({now + 1e-3 * c.delay_ms, now, force});
     }
-    while (!under_way.empty() && under_way.front().due <= tick) {
+    while (!under_way.empty() && under_way.front().due <= now + 1e-9) {
       newest = under_way.front();
       under_way.erase(under_way.begin());
     }
@@ -97,11 +102,11 @@ PortLoopFigures RunPortLoop(Limiter& limiter, const PortLoopCase& c) {
     in.wanted.force.z() = newest.force;
     in.X_WH.p.z() = read;
     in.V_WH.v.z() = speed;
-    if (newest.due >= 0) {
-      in.silence_s = kTick * static_cast<double>(tick - newest.due);
-      in.age_s = kTick * static_cast<double>(tick - newest.sampled);
+    if (newest.due >= 0.0) {
+      in.silence_s = std::max(0.0, now - newest.due);
+      in.age_s = now - newest.sampled;
     }
-    in.dt_s = kTick;
+    in.dt_s = dt;
     held = Plain(limiter.Limit(in)).force.z();
 
     if (tick > 500 && newest.force > 0.0) {
@@ -111,8 +116,14 @@ PortLoopFigures RunPortLoop(Limiter& limiter, const PortLoopCase& c) {
       wanted_squares += newest.force * newest.force;
       ++contact_ticks;
     }
-    for (int i = 0; i < kSubsteps; ++i) {
-      const double t = kTick * static_cast<double>(tick) + i * h;
+    double next = kTick * static_cast<double>(tick + 1);
+    if (c.late > 0.0 && random.Uniform(0.0, 1.0) < c.late)
+      next += random.Uniform(0.0, kMostLateTick_s);
+    dt = std::max(next - now, kLeastTick);
+    const int substeps = static_cast<int>(std::ceil(dt / kSubstep - 1e-6));
+    const double h = dt / substeps;
+    for (int i = 0; i < substeps; ++i) {
+      const double t = now + i * h;
       const double aim = target(t), aim_v = (target(t + 1e-6) - target(t - 1e-6)) / 2e-6;
       double p = kMass * v + h * (held + kSpring * (aim - z) + kDamper * (aim_v - v));
       const double brake = h * kFriction;
@@ -120,6 +131,7 @@ PortLoopFigures RunPortLoop(Limiter& limiter, const PortLoopCase& c) {
       v = p / kMass;
       z += h * v;
     }
+    now += dt;
     figures.fastest_m_s = std::max(figures.fastest_m_s, std::abs(v));
     figures.deepest_m = std::max(figures.deepest_m, -z);
   }

@@ -33,10 +33,10 @@ class Axis {
     if (stiffness > 0.0) stage.SetStiffness(stiffness);
   }
   /// Moves the handle by `step`, and wants that force there.
-  double Step(double step, double wanted, double gain = 1.0) {
+  double Step(double step, double wanted, double gain = 1.0, double dt_s = kTick) {
     z_ += step;
     const Wrench out = stage.Pass({Vec3(0, 0, wanted), Vec3::Zero()}, gain,
-                                  {Vec3(0, 0, z_), Quat::Identity()}, kTick);
+                                  {Vec3(0, 0, z_), Quat::Identity()}, dt_s);
     stage.Hold({gain * out.force, gain * out.torque});
     given = gain * out.force.z();
     return out.force.z();
@@ -117,6 +117,23 @@ TEST(EnergyStage, LeavesALightTouchAtRestMostOfItsForce) {
   for (int i = 0; i < 80; ++i) force = feel(i % 10 ? 0.0 : -20e-6);  // 2 mm/s, 0.16 mm deep
   for (int i = 0; i < 500; ++i) force = feel(0.0);
   EXPECT_GE(force, 0.8 * 0.32);
+}
+
+/// A machine that holds up a tick now and then takes nothing from a hand that rests on a spring.
+TEST(EnergyStage, LeavesATouchAtRestItsForceWhereTicksAreLate) {
+  test::Random random(5);
+  for (const double late : {0.0, 0.1}) {
+    Axis axis(1000.0);
+    double least = 1e9;
+    for (int i = 0; i < 20'000; ++i) {
+      const bool rests = i > 400;
+      const double step = rests || i % 10 ? 0.0 : -20e-6;  // 2 mm/s, 0.8 mm deep
+      const double tick = random.Uniform(0.0, 1.0) < late ? random.Uniform(1e-3, 5e-3) : kTick;
+      const double force = axis.Step(step, -1000.0 * (axis.z() + step), 1.0, tick);
+      if (rests) least = std::min(least, force);
+    }
+    EXPECT_GE(least, 0.8) << late;
+  }
 }
 
 TEST(EnergyStage, GivesNothingToAHandThatPutNothingIn) {
@@ -357,6 +374,33 @@ TEST_P(EnergyAtThePort, IsNeverGivenInAClosedLoopWithDelayAndLoss) {
         EXPECT_GT(figures.absorbed_J, 5e-3) << "a wall that is not felt is no wall";
         EXPECT_NEAR(limiter.observer().energy_J(), -figures.generated_J, 0.1e-3);
       }
+    }
+  }
+}
+
+/// No force foresees that the machine will not run the next tick: what is held meanwhile works on,
+/// and is taken back.
+TEST_P(EnergyAtThePort, IsTakenBackWhereTicksAreLate) {
+  for (const double stiffness : {300.0, 1000.0, 2000.0}) {
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      PortLoopCase c;
+      c.delay_ms = GetParam();
+      c.late = 0.1;
+      c.stiffness_N_per_m = stiffness;
+      c.seed = seed;
+      c.rate_Hz = seed;
+      SCOPED_TRACE(testing::Message() << stiffness << " N/m, seed " << seed);
+      test::UncontrolledLimiter without(Phantom());
+      const PortLoopFigures active = RunPortLoop(without, c);
+      WrenchLimiter limiter(Phantom());
+      limiter.SetStiffness(stiffness);
+      const PortLoopFigures figures = RunPortLoop(limiter, c);
+      // One late tick at the greatest force and speed that there were.
+      const double one_J =
+          stiffness * figures.deepest_m * figures.fastest_m_s * test::kMostLateTick_s;
+      EXPECT_LE(figures.most_generated_J, one_J);
+      EXPECT_LE(figures.most_generated_J, 0.1 * active.most_generated_J);
+      EXPECT_GT(figures.absorbed_J, 5e-3) << "a wall that is not felt is no wall";
     }
   }
 }

@@ -81,8 +81,24 @@ class OpenHapticsStation : public testing::Test {
   void For(double seconds) {
     Eventually([] { return false; }, seconds);
   }
-  /// The hand presses `depth_mm` deep; the motors are to hold against it.
-  void Press(double depth_mm) { arm_->hand_mm[1] = kTop_mm - depth_mm; }
+  /// The hand presses `depth_mm` deep, in a third of a second; the motors are to hold against it.
+  void Press(double depth_mm) {
+    const double from = arm_->hand_mm[1], to = kTop_mm - depth_mm;
+    for (int i = 1; i <= 100; ++i) {
+      arm_->hand_mm[1] = from + 0.01 * i * (to - from);
+      For(0.003);
+    }
+  }
+  /// Presses, and presses again where `so` is not so after a while: of a touch in which the machine
+  /// stood still, the limiter may have taken what it gave too late.
+  bool PressUntil(double depth_mm, const std::function<bool()>& so) {
+    for (int i = 0; i < 20; ++i) {
+      Press(depth_mm);
+      if (Eventually(so, 2.0)) return true;
+      Press(-5.0);
+    }
+    return false;
+  }
 
   const std::string file_ = testing::TempDir() + "palpate-fake-arm-" + std::to_string(getpid());
   FakeArm* arm_ = nullptr;
@@ -95,13 +111,13 @@ TEST_F(OpenHapticsStation, FeelsTheCubeAndLosesTheForceWithItsServer) {
   StartStation({"--enable-forces"});
   For(0.3);
   EXPECT_EQ(arm_->most_force_N, 0.0) << "in the air";
-  Press(1.0);
   // A hand of 2 N/mm against a coupling of 1 N/mm: two thirds of a newton and of a millimetre.
-  ASSERT_TRUE(Eventually([&] {
-    return std::abs(arm_->force_N - 2.0 / 3.0) < 0.01 &&
-           std::abs(kTop_mm - arm_->position_mm[1] - 2.0 / 3.0) < 0.01;
-  })) << arm_->force_N
-      << station_->Output();
+  ASSERT_TRUE(PressUntil(1.0,
+                         [&] {
+                           return std::abs(arm_->force_N - 2.0 / 3.0) < 0.01 &&
+                                  std::abs(kTop_mm - arm_->position_mm[1] - 2.0 / 3.0) < 0.01;
+                         }))
+      << arm_->force_N << station_->Output();
 
   const std::int64_t killed_ns = SteadyNanoseconds();
   server_->Signal(SIGKILL);
@@ -125,8 +141,7 @@ TEST_F(OpenHapticsStation, FeelsTheCubeAndLosesTheForceWithItsServer) {
 TEST_F(OpenHapticsStation, LosesTheForceWhileItsServerStandsStill) {
   StartServer();
   StartStation({"--enable-forces", "--rate", "2000"});
-  Press(1.0);
-  ASSERT_TRUE(Eventually([&] { return arm_->force_N > 0.6; })) << station_->Output();
+  ASSERT_TRUE(PressUntil(1.0, [&] { return arm_->force_N > 0.6; })) << station_->Output();
   const std::int64_t stopped_ns = SteadyNanoseconds();
   server_->Signal(SIGSTOP);
   For(0.7);
