@@ -70,6 +70,7 @@ Silence MeasureSilence(const std::vector<TraceRow>& rows, std::int64_t after_ns,
 
   Silence silence;
   silence.force_before_N = rows[last].applied.force.norm();
+  silence.share_before = before;
   silence.until_fall_ms = since_due_ms(fall);
   silence.until_zero_ms = since_due_ms(zero);
   silence.stayed_zero =

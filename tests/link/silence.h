@@ -12,11 +12,12 @@ namespace palpate::test {
 /// reply after the last one was due: a millisecond after that.
 struct Silence {
   double force_before_N = 0.0;  ///< applied when the last reply came
+  double share_before = 0.0;    ///< of what was wanted, that was applied then
   double until_fall_ms = 0.0;   ///< first tick with less than 0.999 of its share of what was wanted
   double until_zero_ms = 0.0;   ///< first tick without any force or torque
   bool stayed_zero = false;     ///< from there to the next reply
   double largest_step = 0.0;   ///< between two ticks, in parts of the slew limit; with the way back
-  double until_back_ms = 0.0;  ///< from the next reply until nothing is held back
+  double until_back_ms = 0.0;  ///< from the next reply until that share is there again
 };
 
 /// The first silence of at least 30 ms after that time.  Throws Error where the trace has none with

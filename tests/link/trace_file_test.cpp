@@ -121,6 +121,7 @@ TEST(MeasureSilence, FindsTheTimesAndTheSteepestStepOfAFade) {
   const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30().info);
   const Silence silence = MeasureSilence(Fade(), 90'000'000, limits);
   EXPECT_DOUBLE_EQ(silence.force_before_N, 1.0);
+  EXPECT_DOUBLE_EQ(silence.share_before, 1.0);
   EXPECT_DOUBLE_EQ(silence.until_fall_ms, 5.0);   // tick 106, of a reply that was due at 101
   EXPECT_DOUBLE_EQ(silence.until_zero_ms, 24.0);  // tick 125
   EXPECT_TRUE(silence.stayed_zero);

@@ -44,7 +44,7 @@ class RecorderProgramTest : public testing::Test {
     ASSERT_TRUE(server.Ready()) << server.Output();
     RecorderProgram recorder(file_, transport);
     ASSERT_TRUE(recorder.Ready()) << recorder.Output();
-    StationProgram station("hand", transport, {"--for", "2"});
+    StationProgram station("hand", transport, {"--for", "4"});
     ASSERT_EQ(station.Exit(), 0) << station.Output();
     recorder.Signal(SIGINT);
     EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
