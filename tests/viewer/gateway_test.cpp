@@ -687,7 +687,7 @@ TEST(Mouse, LetsGoOfAPageThatStandsStill) {
   viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
   const Json held = MouseUntil(viewer, "active");
   ASSERT_FALSE(held.is_null());
-  EXPECT_TRUE(server->Says(Left(held))) << "nothing is read any more, so no ping is answered";
+  EXPECT_TRUE(server->Says(Left(held), 60.0)) << "nothing is read any more, so no ping is answered";
 }
 
 TEST(Gateway, EndsOnASignalAndTakesLeaveOfViewersAndMice) {
