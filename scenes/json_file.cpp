@@ -298,17 +298,19 @@ std::int64_t JsonNode::Integer(std::int64_t min, std::int64_t max) const {
   return static_cast<std::int64_t>(number);
 }
 
-Vec3 JsonNode::Vector() const {
+Vec3 JsonNode::Vector(double most) const {
   const std::vector<JsonNode> items = Items();
   if (items.size() != 3) {
     Fail("has " + std::to_string(items.size()) + " entries; give three: [x, y, z]");
   }
-  return {items[0].Number(), items[1].Number(), items[2].Number()};
+  return {items[0].Number(-most, most), items[1].Number(-most, most), items[2].Number(-most, most)};
 }
 
 Pose JsonNode::ReadPose() const {
+  // No server takes a pose further than 100 m away; beyond some 1e300 arithmetic ends.
+  constexpr double kFar_mm = 1e5, kMostTurns_deg = 1e5, kLongestAxis = 1e6;
   Pose pose;
-  if (auto position = Find("position_mm")) pose.p = 1e-3 * position->Vector();
+  if (auto position = Find("position_mm")) pose.p = 1e-3 * position->Vector(kFar_mm);
   const auto rotation = Find("rotation_deg");
   const auto quaternion = Find("quaternion_wxyz");
   if (rotation && quaternion) {
@@ -316,11 +318,12 @@ Pose JsonNode::ReadPose() const {
   }
   if (rotation) {
     rotation->AllowOnly({"axis", "angle"});
-    const Vec3 axis = rotation->At("axis").Vector();
+    const Vec3 axis = rotation->At("axis").Vector(kLongestAxis);
     const double length = std::sqrt(axis.squaredNorm());
     if (!(length > 1e-9)) rotation->At("axis").Fail("has no length; give a direction");
     constexpr double kDegree = 3.14159265358979323846 / 180.0;
-    pose.q = RotationExp(rotation->At("angle").Number() * kDegree / length * axis);
+    pose.q = RotationExp(rotation->At("angle").Number(-kMostTurns_deg, kMostTurns_deg) * kDegree /
+                         length * axis);
   } else if (quaternion) {
     const std::vector<JsonNode> wxyz = quaternion->Items();
     if (wxyz.size() != 4) quaternion->Fail("give four numbers: [w, x, y, z]");

@@ -36,7 +36,8 @@ class JsonNode {
                 double max = std::numeric_limits<double>::infinity()) const;
   double PositiveNumber() const;
   std::int64_t Integer(std::int64_t min, std::int64_t max) const;
-  Vec3 Vector() const;
+  /// @param most  size of an entry.
+  Vec3 Vector(double most = std::numeric_limits<double>::infinity()) const;
   /// {"position_mm": [x, y, z], "rotation_deg": {"axis": [..], "angle": ..} or
   /// "quaternion_wxyz": [..]}, each optional; other fields are left to the caller's AllowOnly.
   Pose ReadPose() const;

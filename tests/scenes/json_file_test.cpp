@@ -78,6 +78,10 @@ TEST(JsonFile, RefusesRotationsThatAreNone) {
   EXPECT_THAT(Complaint("{\"quaternion_wxyz\": [1, 0, 0]}", read), HasSubstr("give four numbers"));
   EXPECT_THAT(Complaint("{\"rotation_deg\": {\"axis\": [0, 0, 0], \"angle\": 1}}", read),
               HasSubstr("rotation_deg.axis: has no length"));
+  EXPECT_THAT(Complaint("{\"rotation_deg\": {\"axis\": [0, 0, 1], \"angle\": 1e308}}", read),
+              HasSubstr("rotation_deg.angle: 1e+308 is not allowed; give a number from"));
+  EXPECT_THAT(Complaint("{\"position_mm\": [0, 1e300, 0]}", read),
+              HasSubstr("position_mm[1]: 1e+300 is not allowed"));
   EXPECT_THAT(Complaint("{\"quaternion_wxyz\": [1, 0, 0, 0], "
                         "\"rotation_deg\": {\"axis\": [0, 0, 1], \"angle\": 1}}",
                         read),
