@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -164,31 +165,37 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   const auto seconds = [&] {
     return began_ns == 0 ? 0.0 : 1e-9 * static_cast<double>(SteadyNanoseconds() - began_ns);
   };
-  while (!stop.WaitFor(kPoll)) {
-    link.Poll(SteadyNanoseconds());
-    if (const std::string news = device->Attend(); !news.empty()) {
-      table.Erase();
-      spdlog::info("device: {}", news);
-    }
-    if (guide) guide->Poll([&](const GuideAim& aim) { servo->SetAim(aim); });
-    if (began_ns == 0 && servo->started()) began_ns = SteadyNanoseconds();
-    if (device->ended()) {
-      spdlog::info("the device has ended: leaving");
-      break;
-    }
-    if (options.seconds && seconds() >= *options.seconds) break;
-    if (std::string now = link.PhaseText(); now != phase) {
-      phase = std::move(now);
-      spdlog::debug("session: {}", phase);
-    }
-    if (servo->ReadSnapshot(view.snapshot)) {
-      view.seconds = seconds();
-      view.phase = phase;
-      table.Show(view);
-      if (const auto figures = period.Add(view.snapshot, servo->missed_ticks(), link.run())) {
-        statistics.Write(*figures);
+  std::exception_ptr refused;
+  try {
+    while (!stop.WaitFor(kPoll)) {
+      link.Poll(SteadyNanoseconds());
+      if (const std::string news = device->Attend(); !news.empty()) {
+        table.Erase();
+        spdlog::info("device: {}", news);
+      }
+      if (guide) guide->Poll([&](const GuideAim& aim) { servo->SetAim(aim); });
+      if (began_ns == 0 && servo->started()) began_ns = SteadyNanoseconds();
+      if (device->ended()) {
+        spdlog::info("the device has ended: leaving");
+        break;
+      }
+      if (options.seconds && seconds() >= *options.seconds) break;
+      if (std::string now = link.PhaseText(); now != phase) {
+        phase = std::move(now);
+        spdlog::debug("session: {}", phase);
+      }
+      if (servo->ReadSnapshot(view.snapshot)) {
+        view.seconds = seconds();
+        view.phase = phase;
+        table.Show(view);
+        if (const auto figures = period.Add(view.snapshot, servo->missed_ticks(), link.run())) {
+          statistics.Write(*figures);
+        }
       }
     }
+  } catch (const Error&) {  // the hand has been served so far: that is told, too
+    if (!servo) throw;
+    refused = std::current_exception();
   }
 
   const double ran_s = seconds();
@@ -197,12 +204,14 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   if (options.json != "-") std::fputs(("\n" + ToText(summary)).c_str(), stdout);
   if (!options.json.empty()) WriteJson(summary, options.json);
   std::fflush(stdout);
-  if (!trace) return;
-  trace->Close();
-  if (trace->dropped() > 0) {
-    spdlog::warn("--trace {}: {} ticks are missing, the disk was too slow", options.trace,
-                 trace->dropped());
+  if (trace) {
+    trace->Close();
+    if (trace->dropped() > 0) {
+      spdlog::warn("--trace {}: {} ticks are missing, the disk was too slow", options.trace,
+                   trace->dropped());
+    }
   }
+  if (refused) std::rethrow_exception(refused);
 }
 
 }  // namespace palpate

@@ -5,7 +5,8 @@
 
 namespace palpate {
 
-/// Runs a station until its time is over or a signal comes, and prints its summary.  Throws Error.
+/// Runs a station until its time is over or a signal comes, and prints its summary.  Throws Error;
+/// where a hand was served before, after the summary.
 void RunStation(const StationOptions& options, StopSignal& stop);
 
 }  // namespace palpate

@@ -100,6 +100,7 @@ TEST_F(DeadServer, WhoseSuccessorHasAnotherSceneGivesNoForceAndSaysWhy) {
   EXPECT_THAT(station->Output(),
               HasSubstr("the server refuses the session: scene 'cube' is not served here; give "
                         "--scene with one of: ellipsoid"));
+  EXPECT_THAT(station->Output(), HasSubstr("poses sent")) << "what was served is told";
   const std::vector<TraceRow> rows = ReadTrace(file);
   double most_N = 0.0;
   std::size_t silent = 0;
