@@ -194,7 +194,7 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
       }
     }
   } catch (const Error&) {  // the hand has been served so far: that is told, too
-    if (!servo) throw;
+    if (began_ns == 0) throw;
     refused = std::current_exception();
   }
 

@@ -50,7 +50,7 @@ namespace palpate {
 /// last one was: where a machine now and then holds one up, foreseeing as much for the next lets a
 /// force go that nothing asks for, and each such dip costs the hand that rests on it some of its
 /// store, until none is left.  What a held force gives in a late tick is booked and taken back
-/// after it: up to 10 mJ at 2 N/mm where a third of the ticks is up to 5 ms late.
+/// after it: up to 15 mJ for a while at 2 N/mm, where a third of the ticks is up to 5 ms late.
 ///
 /// A hand may be in a contact before forces come on, or when they come back after a silence: it has
 /// put in nothing that is remembered, and without a force it could put in nothing.  While such a

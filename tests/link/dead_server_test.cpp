@@ -15,6 +15,7 @@ namespace palpate::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 /// By when a force is gone: 30 ms, and what a busy machine adds; a loop that was itself held up
 /// counts no more than 2 ms for that.
@@ -112,6 +113,11 @@ TEST_F(DeadServer, WhoseSuccessorHasAnotherSceneGivesNoForceAndSaysWhy) {
   }
   EXPECT_GT(most_N, 5.0);
   EXPECT_GT(silent, 1000u);
+
+  const auto next = Station("scripted", "hold.json");
+  EXPECT_EQ(next->Exit(60.0), 1);
+  EXPECT_THAT(next->Output(), HasSubstr("the server refuses the session"));
+  EXPECT_THAT(next->Output(), Not(HasSubstr("poses sent"))) << "none was served";
 }
 
 TEST_F(DeadServer, WhoseSuccessorFindsTheToolTooDeepInsideWaitsWithoutAForceAndSaysSo) {
