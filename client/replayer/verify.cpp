@@ -178,6 +178,7 @@ class SessionReplay {
 
   void Add(const wire::HapticPose& pose) {
     ++verdict_.poses;
+    newest_pose_ = std::max(newest_pose_, pose.pose_sequence);
     poses_.emplace(pose.pose_sequence, pose);
     Advance(false);
   }
@@ -192,7 +193,9 @@ class SessionReplay {
     ++verdict_.recorded;
     ++verdict_.broken;
   }
-  SessionVerdict End() {
+  /// @param cut_off  the recording has no end.
+  SessionVerdict End(bool cut_off) {
+    if (cut_off) ForgetTheLast();
     Advance(true);
     verdict_.recorded_s = 1e-9 * static_cast<double>(last_ns_ - first_ns_);
     verdict_.computed_s = 1e-9 * static_cast<double>(computed_ns_);
@@ -203,6 +206,16 @@ class SessionReplay {
   }
 
  private:
+  /// Poses and wrenches come to the recorder on ways of their own: it may have been cut off between
+  /// a wrench and the pose that it answers.
+  void ForgetTheLast() {
+    while (!waiting_.empty() && waiting_.back().first.pose_sequence > newest_pose_) {
+      waiting_.pop_back();
+      --verdict_.recorded;
+      ++verdict_.cut_off;
+    }
+  }
+
   void Stop(const std::string& why) {
     verdict_.ends = why;
     waiting_.clear();
@@ -303,6 +316,7 @@ class SessionReplay {
   std::map<std::uint64_t, wire::HapticPose> poses_;  // not yet used
   std::deque<std::pair<wire::Wrench, std::int64_t>> waiting_;
   std::map<std::uint64_t, wire::LeafTaken>::const_iterator next_leaf_;
+  std::uint64_t newest_pose_ = 0;
   std::uint32_t taken_ = 0;
   bool started_ = false;
   std::int64_t began_ns_, first_ns_ = 0, last_ns_ = 0, computed_ns_ = 0;
@@ -424,7 +438,8 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
       it->second->AddBrokenWrench();
     }
   }
-  for (const auto& [topic, session] : replay) verification.sessions.push_back(session->End());
+  for (const auto& [topic, session] : replay)
+    verification.sessions.push_back(session->End(!reader.complete()));
   // A session that never came to send a pose has nothing to verify.
   std::erase_if(verification.sessions,
                 [](const SessionVerdict& v) { return v.poses == 0 && v.recorded == 0; });
@@ -458,6 +473,9 @@ std::string ToText(const Verification& verification) {
           v.different, v.first->pose_sequence, v.first->time_s, v.first->field, v.first->recorded,
           v.first->computed);
     }
+    if (v.cut_off > 0) {
+      text += fmt::format("  {} more at its end answer poses that were cut off\n", v.cut_off);
+    }
     if (v.broken > 0) text += fmt::format("  {} of them are no wrenches: broken bytes\n", v.broken);
     if (!v.ends.empty()) {
       text +=
@@ -477,10 +495,10 @@ void WriteJson(const Verification& verification, const std::string& file) {
                               {"sessions", nlohmann::ordered_json::array()}};
   for (const SessionVerdict& v : verification.sessions) {
     nlohmann::ordered_json session{
-        {"station", v.station},       {"scene", v.scene},          {"tool", v.tool},
-        {"poses", v.poses},           {"recorded", v.recorded},    {"broken", v.broken},
-        {"verified", v.verified},     {"different", v.different},  {"ends", v.ends},
-        {"recorded_s", v.recorded_s}, {"computed_s", v.computed_s}};
+        {"station", v.station}, {"scene", v.scene},           {"tool", v.tool},
+        {"poses", v.poses},     {"recorded", v.recorded},     {"broken", v.broken},
+        {"cut_off", v.cut_off}, {"verified", v.verified},     {"different", v.different},
+        {"ends", v.ends},       {"recorded_s", v.recorded_s}, {"computed_s", v.computed_s}};
     if (v.first) {
       session["first"] = {{"pose_sequence", v.first->pose_sequence},
                           {"time_s", v.first->time_s},

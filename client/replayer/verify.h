@@ -29,6 +29,7 @@ struct SessionVerdict {
   std::uint64_t poses = 0;      ///< in the recording
   std::uint64_t recorded = 0;   ///< wrenches in the recording
   std::uint64_t broken = 0;     ///< of these: bytes that are no wrench
+  std::uint64_t cut_off = 0;    ///< not of these: the last ones, whose poses were cut off
   std::uint64_t verified = 0;   ///< computed again, the same bits
   std::uint64_t different = 0;  ///< computed again, other bits
   std::optional<WrenchDifference> first;

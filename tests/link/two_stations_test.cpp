@@ -68,7 +68,8 @@ TEST(KilledStation, HasItsToolBackUnderItsName) {
     ASSERT_TRUE(server.Says("station hand: active")) << server.Output();
     std::printf("free after %.3f s, driven again after %.3f s\n", free_s, SecondsSince(killed_ns));
     EXPECT_EQ(back.Exit(), 0) << back.Output();
-    ASSERT_TRUE(server.Says("station hand: ended: the station left")) << server.Output();
+    // Because it left, or where the machine had held it up, because it was silent.
+    ASSERT_TRUE(server.Says("station hand: ended")) << server.Output();
   }
 }
 

@@ -12,8 +12,8 @@ import {kHasChromium, launch, probe, until} from "./support/browser";
 import {Program} from "./support/programs";
 import {browserTest as test} from "./support/skip";
 
-// Domains that no other test takes: those of the others are 10 to 34, 40 to 99 and 102 up.
-const kDomain = String(35 + (process.pid % 5));
+// Domains that no other test takes: those of the others are up to 34, 36, 40 to 93 and 100 up.
+const kDomain = String(37 + (process.pid % 3));
 const kPage = fileURLToPath(new URL("../../build/page", import.meta.url));
 const kCommon = ["--transport", "udp", "--domain", kDomain];
 

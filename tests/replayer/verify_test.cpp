@@ -301,6 +301,20 @@ TEST_F(VerifyTest, VerifiesWhatIsThereOfARecordingThatWasCutOff) {
   EXPECT_THAT(verification.problems, SizeIs(1));
 }
 
+TEST_F(VerifyTest, LeavesOutTheLastWrenchesOfARecordingThatWasCutOffBeforeTheirPoses) {
+  const std::string file = folder_ / "good.mcap", cut = folder_ / "cut.mcap";
+  Record({.poses_lost = {kPoses - 1, kPoses}}, file);
+  EXPECT_FALSE(Verify({file}, {}).good()) << "a recording that has its end lacks no pose";
+  std::vector<std::uint8_t> bytes = BytesOf(file);
+  bytes.resize(bytes.size() - 100);
+  WriteBytes(cut, bytes);
+  const Verification verification = Verify({cut}, {});
+  EXPECT_TRUE(verification.good()) << ToText(verification);
+  EXPECT_EQ(Only(verification).verified, kPoses - 2);
+  EXPECT_EQ(Only(verification).cut_off, 2u);
+  EXPECT_THAT(ToText(verification), HasSubstr("2 more at its end answer poses that were cut off"));
+}
+
 TEST_F(VerifyTest, RefusesWhatHasChangedOnTheDisk) {
   const std::string file = folder_ / "good.mcap";
   Record({}, file);

@@ -18,7 +18,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const int kDomain = 40 + getpid() % 60;
+const int kDomain = 40 + getpid() % 35;
 
 /// palpate-server with these words.
 Program Server(std::vector<std::string> words) {

@@ -26,7 +26,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 // Of its own, because a server answers every station of its domain.
-const int kDomain = 40 + getpid() % 60;
+const int kDomain = 40 + getpid() % 35;
 const dds::TransportChoice kUdp{dds::Transport::kUdp, ""};
 
 /// A server and stations in one process, over UDP.
