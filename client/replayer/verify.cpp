@@ -438,11 +438,13 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
       it->second->AddBrokenWrench();
     }
   }
-  for (const auto& [topic, session] : replay)
+  for (const auto& [topic, session] : replay) {
     verification.sessions.push_back(session->End(!reader.complete()));
+  }
   // A session that never came to send a pose has nothing to verify.
-  std::erase_if(verification.sessions,
-                [](const SessionVerdict& v) { return v.poses == 0 && v.recorded == 0; });
+  std::erase_if(verification.sessions, [](const SessionVerdict& v) {
+    return v.poses == 0 && v.recorded == 0 && v.cut_off == 0;
+  });
   for (const auto& [topic, count] : stray) {
     SessionVerdict verdict;
     verdict.station = topic;

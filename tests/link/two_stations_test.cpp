@@ -71,6 +71,7 @@ TEST(KilledStation, HasItsToolBackUnderItsName) {
     // Because it left, or where the machine had held it up, because it was silent.
     ASSERT_TRUE(server.Says("station hand: ended")) << server.Output();
   }
+  EXPECT_THAT(server.Output(), HasSubstr("station hand: ended: the station left"));
 }
 
 TEST(FrozenStation, IsToldWhyItsSessionEndedAndGetsItsToolBack) {

@@ -16,8 +16,8 @@ constexpr double kMostLateTick_s = 5e-3;
 struct PortLoopCase {
   int delay_ms = 0;   ///< from a pose to the force that answers it; 0: in the same tick
   double loss = 0.0;  ///< share of the answers that never come
-  /// Share of the ticks that the machine holds up, by up to kMostLateTick_s; those that fell
-  /// due meanwhile follow at once.
+  /// In the first half: share of the ticks that the machine holds up, by up to kMostLateTick_s;
+  /// those that fell due meanwhile follow at once.
   double late = 0.0;
   double stiffness_N_per_m = 1000.0;
   double resolution_m = 20e-6;  ///< of the encoders
@@ -117,7 +117,7 @@ PortLoopFigures RunPortLoop(Limiter& limiter, const PortLoopCase& c) {
       ++contact_ticks;
     }
     double next = kTick * static_cast<double>(tick + 1);
-    if (c.late > 0.0 && random.Uniform(0.0, 1.0) < c.late)
+    if (c.late > 0.0 && tick < ticks / 2 && random.Uniform(0.0, 1.0) < c.late)
       next += random.Uniform(0.0, kMostLateTick_s);
     dt = std::max(next - now, kLeastTick);
     const int substeps = static_cast<int>(std::ceil(dt / kSubstep - 1e-6));

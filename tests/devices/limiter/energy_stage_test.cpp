@@ -398,6 +398,7 @@ TEST_P(EnergyAtThePort, IsTakenBackWhereTicksAreLate) {
       // One late tick at the greatest force and speed that there were.
       const double one_J =
           stiffness * figures.deepest_m * figures.fastest_m_s * test::kMostLateTick_s;
+      EXPECT_LE(figures.generated_J, 0.0);
       EXPECT_LE(figures.most_generated_J, one_J);
       EXPECT_LE(figures.most_generated_J, 0.1 * active.most_generated_J);
       EXPECT_GT(figures.absorbed_J, 5e-3) << "a wall that is not felt is no wall";
