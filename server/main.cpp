@@ -21,7 +21,7 @@
 #include "common/time/steady_clock.h"
 #include "scenes/catalogue.h"
 #include "scenes/scene_bundle.h"
-#include "server/session/scene_model.h"
+#include "server/physics/scene_model.h"
 #include "server/transport/server.h"
 
 namespace palpate {

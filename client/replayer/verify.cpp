@@ -20,8 +20,8 @@
 #include "common/time/steady_clock.h"
 #include "scenes/catalogue.h"
 #include "scenes/scene_bundle.h"
-#include "server/physics/sphere_tree_query.h"
-#include "server/session/scene_model.h"
+#include "server/physics/scene_model.h"
+#include "server/physics/tree/sphere_tree_query.h"
 #include "server/session/servo_loop.h"
 
 namespace palpate {
@@ -121,7 +121,7 @@ class Scenes {
  private:
   struct Loaded {
     Scene scene;
-    std::shared_ptr<const ObjectForest> objects;
+    std::shared_ptr<const SceneObjects> objects;
     std::map<std::string, std::unique_ptr<HapticModel>> models;
   };
 

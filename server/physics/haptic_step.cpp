@@ -3,75 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/error.h"
 #include "common/math/rotation.h"
-#include "server/physics/contact_prediction.h"
-#include "server/physics/contact_rows.h"
-#include "server/physics/friction.h"
-#include "server/physics/qp_solver.h"
-#include "server/physics/response.h"
-#include "server/physics/soft_rows.h"
+#include "server/physics/rows/contact_prediction.h"
+#include "server/physics/rows/contact_rows.h"
+#include "server/physics/rows/soft_rows.h"
+#include "server/physics/solve/contact_wear.h"
+#include "server/physics/solve/friction.h"
+#include "server/physics/solve/qp_solver.h"
+#include "server/physics/solve/response.h"
 #include "server/physics/stage_clock.h"
 #include "server/physics/step_buffers.h"
-#include "server/physics/surface_prediction.h"
 
 namespace palpate {
-
-std::shared_ptr<const ObjectForest> HapticModel::MakeObjects(std::span<const PlacedTree> objects,
-                                                             ContactModel contact) {
-  return std::make_shared<const ObjectForest>(objects, contact);
-}
-
-HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const ObjectForest> objects,
-                         const StepParameters& parameters, const TriangleMesh* tool_mesh)
-    : parameters_(parameters), objects_(std::move(objects)) {
-  const auto positive = [](double value, const char* name) {
-    if (!(value > 0.0) || !std::isfinite(value)) {
-      throw Error(std::string("step parameters: ") + name + " is " + std::to_string(value) +
-                  "; give a positive number");
-    }
-  };
-  positive(parameters_.stiffness, "stiffness");
-  positive(parameters_.torsional_stiffness, "torsional_stiffness");
-  positive(parameters_.max_translation, "max_translation");
-  positive(parameters_.max_truncation, "max_truncation");
-  positive(parameters_.max_substeps, "max_substeps");
-  positive(parameters_.max_rows, "max_rows");
-  positive(parameters_.max_tested, "max_tested");
-  rotation_length_ = std::sqrt(parameters_.torsional_stiffness / parameters_.stiffness);
-  const bool surface = parameters_.features.contact == ContactModel::kSurface;
-  if (parameters_.max_rotation <= 0.0) {
-    const double lever = std::max(ToolTree::MaxLeverOf(tool), 1e-6);
-    parameters_.max_rotation = std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), 0.1);
-  }
-  if (surface != (objects_->surfaces() != nullptr)) {
-    throw Error("step parameters: contact differs from the objects'; give MakeObjects the same");
-  }
-  const double extent = objects_->center().norm() + objects_->radius();
-  tool_ = std::make_unique<const ToolTree>(tool, extent, ToolTree::ReferenceOf(tool));
-  if (surface) {
-    tool_surface_ =
-        std::make_unique<const ToolSurface>(tool_mesh, tool, tool_->reference(), extent);
-  }
-  if (parameters_.features.compliance) {
-    soft_ = SoftLeaves::Make(*objects_, parameters_.stiffness);
-  }
-}
-
-HapticModel::~HapticModel() = default;
-HapticModel::HapticModel(HapticModel&&) noexcept = default;
-
-const Vec3& HapticModel::reference() const {
-  return tool_->reference();
-}
-
-int HapticModel::degrees_of_freedom() const {
-  return tool_->leaf_count() == 1 ? 3 : 6;
-}
-
-StepState::StepState(const HapticModel& model) {
-  if (model.parameters().features.removal) wear = LeafWear(model.objects());
-}
 
 StepWorkspace::StepWorkspace(const HapticModel& model)
     : buffers_(std::make_unique<Buffers>(model)) {}

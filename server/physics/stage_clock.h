@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "server/physics/haptic_step.h"
+#include "server/physics/step_types.h"
 
 namespace palpate {
 

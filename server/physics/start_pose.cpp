@@ -1,9 +1,7 @@
-#include <algorithm>
-#include <cmath>
+#include "server/physics/start_pose.h"
 
-#include "server/physics/haptic_step.h"
-#include "server/physics/sphere_tree_query.h"
 #include "server/physics/step_buffers.h"
+#include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
 namespace {

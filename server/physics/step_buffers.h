@@ -2,10 +2,10 @@
 
 #include <optional>
 
-#include "server/physics/contact_prediction.h"
-#include "server/physics/contact_rows.h"
 #include "server/physics/haptic_step.h"
-#include "server/physics/soft_rows.h"
+#include "server/physics/rows/contact_prediction.h"
+#include "server/physics/rows/contact_rows.h"
+#include "server/physics/rows/soft_rows.h"
 
 namespace palpate {
 

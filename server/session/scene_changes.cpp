@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/physics/sphere_tree_query.h"
+#include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
 

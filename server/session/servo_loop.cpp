@@ -7,7 +7,7 @@
 
 #include "common/math/rotation.h"
 #include "common/time/steady_clock.h"
-#include "server/physics/sphere_tree_query.h"
+#include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
 namespace {

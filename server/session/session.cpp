@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/math/rotation.h"
+#include "server/physics/start_pose.h"
 
 namespace palpate {
 namespace {

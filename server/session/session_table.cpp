@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/dds/topics.h"
-#include "server/physics/sphere_tree_query.h"
+#include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
 namespace {

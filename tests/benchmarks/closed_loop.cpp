@@ -8,7 +8,7 @@
 #include "common/plot/svg_plot.h"
 #include "devices/simulated/phantom_sheets.h"
 #include "scenes/catalogue.h"
-#include "server/session/scene_model.h"
+#include "server/physics/scene_model.h"
 #include "tests/benchmarks/closed_loop_run.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/delayed_slide.h"

@@ -39,7 +39,7 @@ struct ClosedLoopCase {
 struct ClosedLoopScene {
   std::string name;
   Scene scene;
-  std::shared_ptr<const ObjectForest> objects;
+  std::shared_ptr<const SceneObjects> objects;
   Pose above;            ///< the hand begins here, free
   Pose touching;         ///< the tool touches here
   Vec3 normal;           ///< out of what it touches

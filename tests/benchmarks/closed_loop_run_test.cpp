@@ -4,7 +4,7 @@
 
 #include "devices/limiter/energy_stage.h"
 #include "scenes/catalogue.h"
-#include "server/session/scene_model.h"
+#include "server/physics/scene_model.h"
 #include "tests/benchmarks/delayed_slide.h"
 
 namespace palpate::bench {

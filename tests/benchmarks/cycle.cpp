@@ -4,7 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "server/physics/simd/kernels.h"
-#include "server/physics/sphere_tree_query.h"
+#include "server/physics/tree/sphere_tree_query.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"

@@ -8,6 +8,7 @@
 #include "common/error.h"
 #include "scenes/catalogue.h"
 #include "scenes/pose_script.h"
+#include "server/physics/start_pose.h"
 #include "server/session/servo_loop.h"
 #include "tests/support/random.h"
 

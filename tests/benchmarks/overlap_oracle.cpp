@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "server/physics/soft_rows.h"
+#include "server/physics/tree/soft_leaves.h"
 
 namespace palpate::bench {
 

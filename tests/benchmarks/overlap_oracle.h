@@ -4,7 +4,7 @@
 
 #include "common/math/pose.h"
 #include "scenes/scene.h"
-#include "server/physics/leaf_wear.h"
+#include "server/physics/tree/leaf_wear.h"
 
 namespace palpate::bench {
 

@@ -13,7 +13,7 @@
 #include "common/stop_signal.h"
 #include "scenes/catalogue.h"
 #include "scenes/shapes.h"
-#include "server/physics/leaf_wear.h"
+#include "server/physics/tree/leaf_wear.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"
 #include "tests/benchmarks/overlap_oracle.h"

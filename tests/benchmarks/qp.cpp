@@ -9,10 +9,10 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
-#include "server/physics/contact_prediction.h"
-#include "server/physics/contact_rows.h"
-#include "server/physics/qp_solver.h"
-#include "server/physics/response.h"
+#include "server/physics/rows/contact_prediction.h"
+#include "server/physics/rows/contact_rows.h"
+#include "server/physics/solve/qp_solver.h"
+#include "server/physics/solve/response.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/pose_source.h"

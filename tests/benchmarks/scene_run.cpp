@@ -5,7 +5,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "scenes/catalogue.h"
-#include "server/session/scene_model.h"
+#include "server/physics/scene_model.h"
+#include "server/physics/start_pose.h"
 #include "tests/benchmarks/figures.h"
 
 namespace palpate::bench {

@@ -8,7 +8,8 @@
 
 #include "scenes/shapes.h"
 #include "scenes/sphere_tree_builder.h"
-#include "server/session/scene_model.h"
+#include "server/physics/haptic_step.h"
+#include "server/physics/scene_model.h"
 
 namespace palpate::bench {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "scenes/shapes.h"
 #include "scenes/sphere_tree_builder.h"
-#include "server/session/scene_model.h"
+#include "server/physics/scene_model.h"
 
 namespace palpate::bench {
 namespace {

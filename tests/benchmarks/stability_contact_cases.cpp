@@ -5,6 +5,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/math/rotation.h"
+#include "server/physics/start_pose.h"
 #include "tests/benchmarks/stability_case.h"
 #include "tests/support/random.h"
 #include "tests/support/test_trees.h"
@@ -178,7 +179,7 @@ void Copies(CaseRun& run) {
           object(test::MakeTree(objects)),
           model(tool, Forest(object), {}),
           workspace(model) {}
-    static std::shared_ptr<const ObjectForest> Forest(const SphereTree& object) {
+    static std::shared_ptr<const SceneObjects> Forest(const SphereTree& object) {
       PlacedTree placed;
       placed.tree = &object;
       return HapticModel::MakeObjects({&placed, 1});

@@ -6,7 +6,7 @@
 #include "common/math/rotation.h"
 #include "scenes/shapes.h"
 #include "scenes/sphere_tree_builder.h"
-#include "server/session/scene_model.h"
+#include "server/physics/scene_model.h"
 #include "tests/support/step_bench.h"
 
 namespace palpate {

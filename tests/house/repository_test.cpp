@@ -61,8 +61,8 @@ TEST(Repository, ShowsOnePosesWayThroughSixFilesThatExist) {
                                          "server/transport/station_link.cpp",
                                          "server/session/servo_loop.cpp",
                                          "server/physics/haptic_step.cpp",
-                                         "server/physics/contact_prediction.cpp",
-                                         "server/physics/response.cpp"};
+                                         "server/physics/rows/contact_prediction.cpp",
+                                         "server/physics/solve/response.cpp"};
   for (const std::string& file : path) {
     EXPECT_TRUE(std::filesystem::is_regular_file(kRoot + "/" + file)) << file << " is missing";
   }

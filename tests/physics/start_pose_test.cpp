@@ -1,6 +1,7 @@
+#include "server/physics/start_pose.h"
+
 #include <gtest/gtest.h>
 
-#include "server/physics/haptic_step.h"
 #include "tests/support/test_trees.h"
 
 namespace palpate {
@@ -15,7 +16,7 @@ struct Setting {
         object(MakeTree(Shell(2000, 0.05, 0.005))),
         model(tool, Objects(), {}),
         workspace(model) {}
-  std::shared_ptr<const ObjectForest> Objects() {
+  std::shared_ptr<const SceneObjects> Objects() {
     const PlacedTree placed{&object, {}};
     return HapticModel::MakeObjects(std::span(&placed, 1));
   }

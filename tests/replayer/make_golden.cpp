@@ -14,7 +14,8 @@
 #include "scenes/catalogue.h"
 #include "scenes/pose_script.h"
 #include "scenes/scene_bundle.h"
-#include "server/session/scene_model.h"
+#include "server/physics/scene_model.h"
+#include "server/physics/start_pose.h"
 #include "server/session/servo_loop.h"
 
 namespace palpate::test {

@@ -10,8 +10,9 @@
 #include "scenes/catalogue.h"
 #include "scenes/pose_script.h"
 #include "scenes/scene_bundle.h"
-#include "server/physics/sphere_tree_query.h"
-#include "server/session/scene_model.h"
+#include "server/physics/scene_model.h"
+#include "server/physics/start_pose.h"
+#include "server/physics/tree/sphere_tree_query.h"
 #include "server/session/servo_loop.h"
 #include "tests/common/recording/samples.h"
 

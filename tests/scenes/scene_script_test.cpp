@@ -16,8 +16,9 @@
 #include "scenes/json_file.h"
 #include "scenes/pose_script.h"
 #include "scenes/scene_file.h"
-#include "server/physics/sphere_tree_query.h"
-#include "server/session/scene_model.h"
+#include "server/physics/scene_model.h"
+#include "server/physics/start_pose.h"
+#include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "scenes/scene_remains.h"
-#include "server/session/scene_model.h"
+#include "server/physics/scene_model.h"
 #include "server/session/session.h"
 #include "tests/support/test_trees.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/physics/haptic_step.h"
-#include "server/physics/sphere_tree_query.h"
+#include "server/physics/tree/sphere_tree_query.h"
 #include "tests/support/test_trees.h"
 
 namespace palpate::test {
@@ -63,7 +63,7 @@ class Bench {
   StepWorkspace& workspace() { return workspace_; }
 
  private:
-  std::shared_ptr<const ObjectForest> Objects() {
+  std::shared_ptr<const SceneObjects> Objects() {
     std::vector<std::uint8_t> leaf_material;
     for (std::size_t i = 0; i < object_tree_.leaves(); ++i) {
       leaf_material.push_back(static_cast<std::uint8_t>(

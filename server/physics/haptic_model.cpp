@@ -1,0 +1,70 @@
+#include "server/physics/haptic_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "common/error.h"
+#include "server/physics/surface/body_surfaces.h"
+
+namespace palpate {
+
+SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel contact)
+    : forest_(objects, contact == ContactModel::kSurface ? &HasSurface : nullptr) {
+  if (contact == ContactModel::kSurface) {
+    surfaces_ = std::make_unique<const ObjectSurfaces>(objects);
+  }
+}
+
+SceneObjects::~SceneObjects() = default;
+
+std::shared_ptr<const SceneObjects> HapticModel::MakeObjects(std::span<const PlacedTree> objects,
+                                                             ContactModel contact) {
+  return std::make_shared<const SceneObjects>(objects, contact);
+}
+
+HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
+                         const StepParameters& parameters, const TriangleMesh* tool_mesh)
+    : parameters_(parameters), objects_(std::move(objects)) {
+  const auto positive = [](double value, const char* name) {
+    if (!(value > 0.0) || !std::isfinite(value)) {
+      throw Error(std::string("step parameters: ") + name + " is " + std::to_string(value) +
+                  "; give a positive number");
+    }
+  };
+  positive(parameters_.stiffness, "stiffness");
+  positive(parameters_.torsional_stiffness, "torsional_stiffness");
+  positive(parameters_.max_translation, "max_translation");
+  positive(parameters_.max_truncation, "max_truncation");
+  positive(parameters_.max_substeps, "max_substeps");
+  positive(parameters_.max_rows, "max_rows");
+  positive(parameters_.max_tested, "max_tested");
+  rotation_length_ = std::sqrt(parameters_.torsional_stiffness / parameters_.stiffness);
+  const bool surface = parameters_.features.contact == ContactModel::kSurface;
+  if (parameters_.max_rotation <= 0.0) {
+    const double lever = std::max(ToolTree::MaxLeverOf(tool), 1e-6);
+    parameters_.max_rotation = std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), 0.1);
+  }
+  if (surface != (objects_->surfaces() != nullptr)) {
+    throw Error("step parameters: contact differs from the objects'; give MakeObjects the same");
+  }
+  const double extent = this->objects().center().norm() + this->objects().radius();
+  tool_ = std::make_unique<const ToolTree>(tool, extent, ToolTree::ReferenceOf(tool));
+  if (surface) {
+    tool_surface_ =
+        std::make_unique<const ToolSurface>(tool_mesh, tool, tool_->reference(), extent);
+  }
+  if (parameters_.features.compliance) {
+    soft_ = SoftLeaves::Make(this->objects(), parameters_.stiffness);
+  }
+}
+
+HapticModel::~HapticModel() = default;
+HapticModel::HapticModel(HapticModel&&) noexcept = default;
+
+std::int32_t HapticModel::LeafOf(const LeafPair& pair) const {
+  if (KindOf(pair) == RowKind::kLeaves) return pair.object;
+  return static_cast<std::int32_t>(object_surfaces()->LeafOf(pair));
+}
+
+}  // namespace palpate

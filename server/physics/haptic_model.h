@@ -1,0 +1,78 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "common/math/pose.h"
+#include "scenes/sphere_tree.h"
+#include "server/physics/leaf_pair.h"
+#include "server/physics/step_types.h"
+#include "server/physics/tree/soft_leaves.h"
+#include "server/physics/tree/sphere_tree_query.h"
+
+namespace palpate {
+
+class ObjectSurfaces;  // surface/body_surfaces.h
+class ToolSurface;
+
+/// What the tools of a scene may touch: the objects' leaves as one tree and, where surfaces decide
+/// the contact, the surfaces of those that have one.  Immutable; shared by the models of all tools.
+class SceneObjects {
+ public:
+  /// Throws Error where there is no object, a tree is empty or not finite, or a mesh is lacking for
+  /// surface contact.
+  explicit SceneObjects(std::span<const PlacedTree> objects,
+                        ContactModel contact = ContactModel::kSpheres);
+  ~SceneObjects();
+
+  const ObjectForest& forest() const { return forest_; }
+  /// Null with ContactModel::kSpheres.
+  const ObjectSurfaces* surfaces() const { return surfaces_.get(); }
+
+ private:
+  ObjectForest forest_;
+  std::unique_ptr<const ObjectSurfaces> surfaces_;
+};
+
+/// What a step needs to know and never changes: one tool against the objects of a scene.
+/// Built when a scene loads; shared by threads.
+class HapticModel {
+ public:
+  /// As the constructor of SceneObjects.
+  static std::shared_ptr<const SceneObjects> MakeObjects(
+      std::span<const PlacedTree> objects, ContactModel contact = ContactModel::kSpheres);
+  /// `tool_mesh`: needed for ContactModel::kSurface only.  Throws Error where a parameter is out of
+  /// range, the tool's tree is empty or not finite, or its mesh is lacking.
+  HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
+              const StepParameters& parameters, const TriangleMesh* tool_mesh = nullptr);
+  ~HapticModel();
+  HapticModel(HapticModel&&) noexcept;
+
+  const StepParameters& parameters() const { return parameters_; }  ///< derived values filled in
+  const ToolTree& tool() const { return *tool_; }
+  const ObjectForest& objects() const { return objects_->forest(); }
+  /// Both null with ContactModel::kSpheres.
+  const ToolSurface* tool_surface() const { return tool_surface_.get(); }
+  const ObjectSurfaces* object_surfaces() const { return objects_->surfaces(); }
+  /// Null unless the features name compliance and some leaf is soft.
+  const SoftLeaves* soft_leaves() const { return soft_.get(); }
+  /// The leaf of the forest that the object side of a row's pair belongs to: its material is the
+  /// row's.
+  std::int32_t LeafOf(const LeafPair& pair) const;
+  /// 3 where the tool is a single sphere (no contact can turn it), else 6.
+  int degrees_of_freedom() const { return tool_->leaf_count() == 1 ? 3 : 6; }
+  /// Point that the step and the wrench refer to, in the tool's frame [m]: the centroid.
+  const Vec3& reference() const { return tool_->reference(); }
+  /// Characteristic length sqrt(k_r / k_t) [m] that makes a rotation a length.
+  double rotation_length() const { return rotation_length_; }
+
+ private:
+  StepParameters parameters_;
+  double rotation_length_ = 0.0;
+  std::unique_ptr<const ToolTree> tool_;
+  std::unique_ptr<const ToolSurface> tool_surface_;
+  std::shared_ptr<const SceneObjects> objects_;
+  std::unique_ptr<const SoftLeaves> soft_;
+};
+
+}  // namespace palpate

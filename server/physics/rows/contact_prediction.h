@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+
+#include "common/math/pose.h"
+#include "server/physics/haptic_model.h"
+#include "server/physics/rows/contact_rows.h"
+#include "server/physics/rows/surface_prediction.h"
+#include "server/physics/step_types.h"
+#include "server/physics/tree/leaf_wear.h"
+#include "server/physics/tree/sphere_tree_query.h"
+
+namespace palpate {
+
+/// Contact constraint prediction (CCP, chapter 2.3.4): the rows that the next sub-step has to
+/// respect. The chapter enlarges every sphere of the graphic tool by one delta, from the hand's
+/// speed.  Here sphere i grows by delta_i = bounds.translation + bounds.rotation * |l_i|, and the
+/// sub-step is held inside those bounds: no pair that is left out can collide in it, however far
+/// off the hand is.
+class ContactPrediction {
+ public:
+  ContactPrediction(const HapticModel& model);
+
+  /// Fills `rows` for the graphic tool at R_WG with its reference point at p_W, but for leaves that
+  /// have gone.
+  /// Where `times` is given, adds to its prediction and rows stages.  Real-time.
+  void Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
+               const StepBounds& bounds, const LeafWear& wear, ContactRows& rows,
+               StageTimes* times) noexcept;
+
+  /// Packet pairs tested so far in the life of this prediction: what it costs, as a count.
+  std::int64_t tested() const { return query_.tested() + (surface_ ? surface_->tested() : 0); }
+
+  /// True where any two leaves overlap, of soft ones their cores, or a surface lies inside another;
+  /// what has gone does not count.  `rows` is scratch.  Real-time.
+  bool Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
+                const LeafWear& wear, ContactRows& rows) noexcept;
+
+ private:
+  PairQuery query_;
+  std::optional<SurfacePrediction> surface_;
+};
+
+}  // namespace palpate

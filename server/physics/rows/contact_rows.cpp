@@ -1,0 +1,199 @@
+#include "server/physics/rows/contact_rows.h"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <numeric>
+
+namespace palpate {
+
+namespace {
+constexpr std::align_val_t kCacheLine{64};
+}
+
+void ContactRows::AlignedDelete::operator()(double* p) const {
+  ::operator delete[](p, kCacheLine);
+}
+
+ContactRows::ContactRows(int max_rows, int max_batch, int degrees_of_freedom, double rho)
+    : max_rows_(max_rows), room_(max_rows / 2), degrees_of_freedom_(degrees_of_freedom), rho_(rho) {
+  const std::size_t capacity =
+      (static_cast<std::size_t>(max_rows + room_) + static_cast<std::size_t>(max_batch) + 31) &
+      ~15ul;
+  // Columns start a cache line apart from a power of two, or all would share a cache set.
+  const std::size_t stride = capacity + 8;
+  storage_.reset(new (kCacheLine) double[10 * stride]());
+  pairs_.resize(capacity);
+  order_.resize(capacity);
+  for (std::size_t c = 0; c < 6; ++c) columns_.a[c] = storage_.get() + c * stride;
+  columns_.b = storage_.get() + 6 * stride;
+  for (std::size_t c = 0; c < 3; ++c) columns_.lever[c] = storage_.get() + (7 + c) * stride;
+  columns_.pair = pairs_.data();
+}
+
+void ContactRows::Add(const Kernels& kernels, const LeafSphere* tool, const LeafSphere* object,
+                      const Mat3& R_WG, const Vec3& p_W, const NodePair* pairs,
+                      int count) noexcept {
+  const double R[9] = {R_WG(0, 0), R_WG(0, 1), R_WG(0, 2), R_WG(1, 0), R_WG(1, 1),
+                       R_WG(1, 2), R_WG(2, 0), R_WG(2, 1), R_WG(2, 2)};
+  const auto build = degrees_of_freedom_ == 6 ? kernels.build_rows_6 : kernels.build_rows_3;
+  build(tool, object, R, p_W.data(), 1.0 / rho_, pairs, count, count_, columns_);
+  count_ += count;
+  Limit(count);
+}
+
+void ContactRows::AddSurface(const Kernels& kernels, const SurfacePoint* points,
+                             const SurfacePatch* patches, const SurfaceFrames& frames,
+                             const NodePair* pairs, int count, std::int32_t tag) noexcept {
+  const int added = kernels.build_surface_rows(points, patches, frames, degrees_of_freedom_, pairs,
+                                               count, tag, count_, columns_);
+  count_ += added;
+  Limit(added);
+}
+
+void ContactRows::KeepNearest(int first, bool points_are_tool, const PatchDisc* discs,
+                              const std::uint32_t* body) noexcept {
+  if (overflowed_) return;
+  // Less than this is the linearisation's own error, which in a hollow two patches may both show.
+  constexpr double kShallow = 5e-6;
+  // Two faces of a sheet without thickness lie in one plane.
+  constexpr double kFlat = 1e-6;
+  constexpr int kMost = 64;  // of a tool that is deep inside there are more, and no choice is right
+  int deep[kMost];
+  int found = 0;
+  for (int i = first; i < count_; ++i) {
+    if (!(gap(i) < -kShallow)) continue;
+    if (found == kMost) return;
+    deep[found++] = i;
+  }
+  const auto point = [&](int i) {
+    return points_are_tool ? columns_.pair[i].tool : columns_.pair[i].object;
+  };
+  const auto patch = [&](int i) {
+    return points_are_tool ? columns_.pair[i].object : Untagged(columns_.pair[i]).tool;
+  };
+  // Of a convex crease each side lies below the other's plane; of a hollow, above, and both count.
+  const auto across_convex = [&](int on, int below) {
+    if (body != nullptr && body[patch(on)] != body[patch(below)]) return false;
+    const PatchDisc& a = discs[patch(on)];
+    const PatchDisc& b = discs[patch(below)];
+    const double height = a.n[0] * b.centre[0] + a.n[1] * b.centre[1] + a.n[2] * b.centre[2];
+    return height < a.offset + kFlat;
+  };
+  // From the last on, so that a row that takes the place of another has been looked at.
+  for (int k = found - 1; k >= 0; --k) {
+    const int row = deep[k];
+    bool nearer = false;
+    for (int i = first; i < count_ && !nearer; ++i) {
+      nearer = point(i) == point(row) && gap(i) > -kShallow && across_convex(i, row);
+    }
+    if (nearer) Move(--count_, row);
+  }
+}
+
+void ContactRows::SoftenRecovery(int first, double at_once) noexcept {
+  constexpr double kShare = 0.6;
+  for (int i = first; i < count_; ++i) {
+    const double beyond = columns_.b[i] - at_once;
+    if (beyond > 0.0) columns_.b[i] = at_once + kShare * beyond;
+  }
+}
+
+void ContactRows::AddRow(const Vec3& normal, const Vec3& lever, double gap,
+                         NodePair pair) noexcept {
+  const Vec3 turned = lever.cross(normal) / rho_;
+  for (int c = 0; c < 3; ++c) {
+    columns_.a[c][count_] = normal[c];
+    if (degrees_of_freedom_ == 6) columns_.a[3 + c][count_] = turned[c];
+    columns_.lever[c][count_] = lever[c];
+  }
+  columns_.b[count_] = -gap;
+  columns_.pair[count_] = pair;
+  ++count_;
+  Limit(1);
+}
+
+// To choose the tightest after every batch would cost a sort of all rows each time, 100 ms where a
+// peg's hole brings a million pairs within reach.  So rows gather in some room first; and once
+// max_rows are known, what is no tighter than the loosest of them goes at once.  A choice by (gap,
+// order) does not depend on when it is made: the rows are the same.
+void ContactRows::Limit(int added) noexcept {
+  if (overflowed_) DropLooser(count_ - added);
+  if (count_ > max_rows_ + room_) KeepTightest();
+}
+
+void ContactRows::DropLooser(int from) noexcept {
+  int kept = from;
+  for (int i = from; i < count_; ++i) {
+    if (columns_.b[i] > loosest_) Move(i, kept++);
+  }
+  count_ = kept;
+}
+
+void ContactRows::Move(int from, int to) noexcept {
+  for (int c = 0; c < degrees_of_freedom_; ++c) columns_.a[c][to] = columns_.a[c][from];
+  for (double* column : columns_.lever) column[to] = column[from];
+  columns_.b[to] = columns_.b[from];
+  columns_.pair[to] = columns_.pair[from];
+}
+
+void ContactRows::KeepTightest() noexcept {
+  overflowed_ = true;
+  std::iota(order_.begin(), order_.begin() + count_, 0);
+  const double* b = columns_.b;
+  std::nth_element(
+      order_.begin(), order_.begin() + max_rows_ - 1, order_.begin() + count_,
+      [b](std::int32_t i, std::int32_t j) { return b[i] != b[j] ? b[i] > b[j] : i < j; });
+  loosest_ = b[order_[static_cast<std::size_t>(max_rows_ - 1)]];
+  std::sort(order_.begin(), order_.begin() + max_rows_);
+  for (int i = 0; i < max_rows_; ++i) Move(order_[static_cast<std::size_t>(i)], i);
+  count_ = max_rows_;
+}
+
+void ContactRows::Finish() noexcept {
+  if (count_ > max_rows_) KeepTightest();
+  for (int i = count_; i % 16 != 0; ++i) {
+    for (int c = 0; c < degrees_of_freedom_; ++c) columns_.a[c][i] = 0.0;
+    columns_.b[i] = -1e300;
+  }
+}
+
+QpRows ContactRows::view() const {
+  QpRows rows{};
+  std::copy(columns_.a, columns_.a + 6, rows.a);
+  rows.b = columns_.b;
+  rows.count = count_;
+  return rows;
+}
+
+Vec3 ContactRows::lever_cross_normal(int row) const {
+  if (degrees_of_freedom_ == 3) return Vec3::Zero();
+  return rho_ * Vec3(columns_.a[3][row], columns_.a[4][row], columns_.a[5][row]);
+}
+
+int ContactRows::Find(const LeafPair* pairs, int count, int* row) const noexcept {
+  // Pairs compare as 64-bit integers, so that the loop is one the compiler makes wide.
+  std::uint64_t wanted[kMaxActiveRows];
+  int found_at[kMaxActiveRows];
+  for (int k = 0; k < count; ++k) {
+    std::memcpy(&wanted[k], &pairs[k], sizeof(wanted[k]));
+    found_at[k] = -1;
+  }
+  for (int k = 0; k < count; ++k) {
+    for (int i = 0; i < count_; ++i) {
+      std::uint64_t key;
+      std::memcpy(&key, &columns_.pair[i], sizeof(key));
+      if (key == wanted[k]) {
+        found_at[k] = i;
+        break;
+      }
+    }
+  }
+  int found = 0;
+  for (int k = 0; k < count; ++k) {
+    if (found_at[k] >= 0) row[found++] = found_at[k];
+  }
+  return found;
+}
+
+}  // namespace palpate

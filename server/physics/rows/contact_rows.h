@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/math/pose.h"
+#include "common/qp/nearest_point.h"
+#include "server/physics/leaf_pair.h"
+#include "server/physics/simd/kernels.h"
+
+namespace palpate {
+
+/// The linearised non-penetration constraints of one sub-step (chapter 2.10-2.17), in distance
+/// form: gap g = |c_T - c_O| - (r_T + r_O), n = (c_T - c_O) / |c_T - c_O|, and the row
+///   [n; (l x n) / rho] . x >= -g   for   x = [v; rho phi],
+/// l the leaf's lever arm about the reference point, rho = sqrt(k_r / k_t), which makes the
+/// objective |x - x_h|^2.  For translation the half-space lies inside the true free space; a
+/// rotation adds at most 1/2 |phi|^2 |l| of penetration.
+class ContactRows {
+ public:
+  /// Storage for max_rows rows, and for one batch more of `max_batch`.
+  ContactRows(int max_rows, int max_batch, int degrees_of_freedom, double rho);
+
+  void Clear() noexcept {
+    count_ = 0;
+    overflowed_ = false;
+  }
+  /// Adds the rows of leaf pairs.  Where they are more than max_rows, the tightest are kept: those
+  /// with the smallest gap, of equal gaps those that came first, which also keep their order.
+  void Add(const Kernels& kernels, const LeafSphere* tool, const LeafSphere* object,
+           const Mat3& R_WG, const Vec3& p_W, const NodePair* pairs, int count) noexcept;
+  /// Adds the rows between points and patches (build_surface_rows); as Add where they are too many.
+  void AddSurface(const Kernels& kernels, const SurfacePoint* points, const SurfacePatch* patches,
+                  const SurfaceFrames& frames, const NodePair* pairs, int count,
+                  std::int32_t tag) noexcept;
+  /// Of the rows from `first` on, between points and patches: what lies below two patches of a body
+  /// that meet in a convex crease, or back to back, is out of it by the nearer one.  Drops a row of
+  /// a point that has such a one, not or hardly below.
+  /// @param discs  of the patches
+  /// @param body   that each patch belongs to; null where all are one body's
+  void KeepNearest(int first, bool points_are_tool, const PatchDisc* discs,
+                   const std::uint32_t* body) noexcept;
+  /// Of what a row from `first` on wants made good, what goes beyond `at_once` [m] counts six
+  /// tenths. Contradictory rows still share what must overlap: the deeper wants more.
+  void SoftenRecovery(int first, double at_once) noexcept;
+  /// Adds one row.
+  /// @param lever  of the contact point [m], in W
+  void AddRow(const Vec3& normal, const Vec3& lever, double gap, NodePair pair) noexcept;
+  /// Fills up to a multiple of 16 with rows that always hold.  To be called after the last Add.
+  void Finish() noexcept;
+
+  int count() const { return count_; }
+  bool overflowed() const { return overflowed_; }
+  QpRows view() const;
+  NodePair pair(int row) const { return columns_.pair[row]; }
+  /// Gap of a row [m].
+  double gap(int row) const { return -columns_.b[row]; }
+  Vec3 normal(int row) const {
+    return {columns_.a[0][row], columns_.a[1][row], columns_.a[2][row]};
+  }
+  /// l x n [m]; zero where there are 3 degrees of freedom.
+  Vec3 lever_cross_normal(int row) const;
+  /// Lever arm of the contact point [m], in W: of rows from AddSurface and AddRow.
+  Vec3 lever(int row) const {
+    return {columns_.lever[0][row], columns_.lever[1][row], columns_.lever[2][row]};
+  }
+  /// Index of the row of each pair, or left out; returns how many were found, in the pairs' order.
+  int Find(const LeafPair* pairs, int count, int* row) const noexcept;
+
+ private:
+  /// After `added` rows: holds their number within the storage.
+  void Limit(int added) noexcept;
+  void DropLooser(int from) noexcept;
+  void KeepTightest() noexcept;
+  void Move(int from, int to) noexcept;
+
+  int max_rows_;
+  int room_;  // rows beyond max_rows_ that are gathered before the loosest are dropped
+  int degrees_of_freedom_;
+  double rho_;
+  struct AlignedDelete {
+    void operator()(double* p) const;
+  };
+  std::unique_ptr<double[], AlignedDelete> storage_;
+  std::vector<NodePair> pairs_;
+  std::vector<std::int32_t> order_;
+  RowColumns columns_{};
+  int count_ = 0;
+  bool overflowed_ = false;
+  double loosest_ = 0.0;  // b of the loosest row kept, once overflowed
+};
+
+}  // namespace palpate

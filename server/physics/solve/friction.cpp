@@ -1,0 +1,729 @@
+#include "server/physics/solve/friction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/math/rotation.h"
+#include "server/physics/tree/sphere_tree_query.h"
+
+namespace palpate {
+
+ContactPlace PlaceOf(const HapticModel& model, const ContactRows& rows, int row,
+                     const Mat3& R_WG) noexcept {
+  const LeafPair pair = rows.pair(row);
+  if (KindOf(pair) != RowKind::kLeaves) {
+    return {rows.lever(row), model.LeafOf(pair)};
+  }
+  const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(pair.tool)];
+  return {R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * rows.normal(row), pair.object};
+}
+
+namespace {
+
+/// Stiffness against what rows and sticking contacts still miss, as a ratio to k_t.  Each step
+/// divides that by about as much; its square must not reach 1 / epsilon.
+constexpr double kPenalty = 1e5;
+/// Leap: the same where it only decides whether a contact presses and slips.  About the inverse of
+/// how far a unit force moves a contact, which makes a single contact's first guess right.
+constexpr double kTrial = 1.0;
+constexpr int kLeapSteps = 24, kHalvings = 3;
+/// Walk: penalties from 1 to this, tenfold each time, and updates of the forces.
+constexpr double kWalkPenalty = 1e4;
+constexpr int kWalkUpdates = 40, kWalkSteps = 30, kShorter = 6;
+/// Updates after which Leap tries again, and its steps then.
+constexpr int kWalkRaises = 5, kSecondLeap = 12;
+/// Relative to the size of the problem: what the forces may miss of their laws.
+constexpr double kLeapt = 1e-10, kNear = 1e-8, kBalanced = 1e-10, kWalked = 1e-7;
+/// Relative to that size: the QP's optimum against Newton's.
+constexpr double kAgreed = 1e-9;
+/// Relative to that size: the slip above which a contact is sliding.  One at its limit that others
+/// hold is not.
+constexpr double kSlid = 1e-6;
+/// Newton steps of a cycle after which Walk gives up.
+constexpr int kCycleSteps = 160;
+constexpr int kRounds = 6;  ///< of the QP over all rows and Newton's method over the contacts
+constexpr int kDraws = 8;   ///< of forces into their cones
+
+template <int N>
+double Dot(const double (&a)[N], const double (&b)[N]) {
+  double sum = 0.0;
+  for (int c = 0; c < N; ++c) sum += a[c] * b[c];
+  return sum;
+}
+
+/// H x = g, for the linear part of a step: forces a (base + k b . x) are added one by one to the
+/// identity.
+template <int N>
+class LinearSystem {
+ public:
+  explicit LinearSystem(const double (&g)[N]) {
+    for (int r = 0; r < N; ++r) {
+      g_[r] = g[r];
+      for (int c = 0; c < N; ++c) H_[r][c] = r == c ? 1.0 : 0.0;
+    }
+  }
+  void Add(const double (&a)[N], double base, double k, const double (&b)[N]) {
+    for (int r = 0; r < N; ++r) {
+      g_[r] -= base * a[r];
+      const double part = k * a[r];
+      for (int c = 0; c < N; ++c) H_[r][c] += part * b[c];
+    }
+  }
+  /// By elimination with row exchanges.
+  void Solve(double (&x)[N]) {
+    for (int k = 0; k < N; ++k) {
+      int pivot = k;
+      for (int i = k + 1; i < N; ++i) {
+        if (std::fabs(H_[i][k]) > std::fabs(H_[pivot][k])) pivot = i;
+      }
+      if (pivot != k) {
+        std::swap(H_[pivot], H_[k]);
+        std::swap(g_[pivot], g_[k]);
+      }
+      const double inverse = 1.0 / H_[k][k];
+      for (int i = k + 1; i < N; ++i) {
+        const double part = H_[i][k] * inverse;
+        for (int j = k + 1; j < N; ++j) H_[i][j] -= part * H_[k][j];
+        g_[i] -= part * g_[k];
+      }
+    }
+    for (int k = N - 1; k >= 0; --k) {
+      double sum = g_[k];
+      for (int j = k + 1; j < N; ++j) sum -= H_[k][j] * x[j];
+      x[k] = sum / H_[k][k];
+    }
+  }
+
+ private:
+  double H_[N][N], g_[N];
+};
+
+/// The contacts of a sub-step, and two methods that find their forces.  Lengths in metres; forces
+/// too, over k_t.
+template <int N>
+class FrictionalContacts {
+ public:
+  FrictionalContacts(const HapticModel& model, const Mat3& R_WG, const ContactRows& rows,
+                     const QpRows& rigid, const double* t, const QpResult& qp, bool still)
+      : model_(model), R_WG_(R_WG), rows_(rows), rigid_(rigid), slack_(qp.slack), still_(still) {
+    double tt = 0.0, moved = 0.0;
+    for (int c = 0; c < N; ++c) {
+      t_[c] = t[c];
+      tt += t[c] * t[c];
+      moved += (t[c] - qp.x[c]) * (t[c] - qp.x[c]);
+    }
+    size_ = std::sqrt(tt) + std::sqrt(moved);
+  }
+
+  int count() const { return count_; }
+
+  /// False where the row is there already, or where there is no room.
+  /// @param frictionless, lambda, force  of its optimum; where Newton's method starts.
+  bool Add(int row, double frictionless, double lambda, const Vec3& force) {
+    for (int i = 0; i < count_; ++i) {
+      if (contact_[i].row == row) return false;
+    }
+    if (count_ == kMaxActiveRows) Drop([](const Contact& c) { return c.lambda == 0.0; }, 1);
+    if (count_ == kMaxActiveRows) return false;
+    Contact& contact = contact_[count_++];
+    contact.row = row;
+    contact.normal = rows_.normal(row);
+    const ContactPlace place = PlaceOf(model_, rows_, row, R_WG_);
+    const Material& material = model_.objects().MaterialOf(place.object_leaf);
+    contact.lever = place.lever;
+    contact.mu_s = material.static_friction;
+    contact.mu_d = material.dynamic_friction;
+    contact.sliding = !still_;
+    // Any basis of the tangential plane, free of cancellation.
+    const Vec3& n = contact.normal;
+    contact.tangent[0] =
+        (std::fabs(n.x()) < 0.7 ? Vec3(0.0, -n.z(), n.y()) : Vec3(-n.z(), 0.0, n.x())).normalized();
+    contact.tangent[1] = n.cross(contact.tangent[0]);
+    const double per_rho = 1.0 / model_.rotation_length();
+    const auto fill = [per_rho](const Vec3& direction, const Vec3& turn, double* out) {
+      for (int c = 0; c < 3; ++c) {
+        out[c] = direction[c];
+        if constexpr (N == 6) out[3 + c] = turn[c] * per_rho;
+      }
+    };
+    fill(n, rows_.lever_cross_normal(row), contact.a);
+    for (int k = 0; k < 2; ++k) {
+      fill(contact.tangent[k], contact.lever.cross(contact.tangent[k]), contact.s[k]);
+      contact.force[k] = contact.tangent[k].dot(force);
+    }
+    contact.b = rigid_.b[row] - slack_;
+    contact.frictionless = frictionless;
+    contact.lambda = lambda;
+    contact.slips = false;
+    return true;
+  }
+
+  /// The frictional optimum over these contacts alone.  False where it was not found.
+  bool Solve(StepReport& report) {
+    do {
+      if (!Leap(kLeapSteps, report) && !Walk(report)) return false;
+    } while (LetSlip());
+    return true;
+  }
+
+  /// t less the friction: the target of the QP over all rows.
+  void ShiftedTarget(double* t) const {
+    for (int c = 0; c < N; ++c) {
+      t[c] = t_[c];
+      for (int i = 0; i < count_; ++i) {
+        const Contact& contact = contact_[i];
+        t[c] -= contact.s[0][c] * contact.force[0] + contact.s[1][c] * contact.force[1];
+      }
+    }
+  }
+
+  /// The rows that carry force; returns how many.
+  int Pressed(int* row) const {
+    int pressed = 0;
+    for (int i = 0; i < count_; ++i) {
+      if (contact_[i].lambda > 0.0) row[pressed++] = contact_[i].row;
+    }
+    return pressed;
+  }
+
+  bool Agrees(const double* x) const {
+    double most = 0.0;
+    for (int c = 0; c < N; ++c) most = std::max(most, std::fabs(x[c] - x_[c]));
+    return most <= kAgreed * size_;
+  }
+
+  /// Takes the normal forces of the QP and draws friction into its cones.  True where that changed
+  /// anything, so that the QP has to be solved again.
+  bool DrawIn(const QpResult& qp) {
+    bool drawn = false;
+    for (int i = 0; i < count_; ++i) {
+      Contact& contact = contact_[i];
+      contact.lambda = 0.0;
+      for (int j = 0; j < qp.active; ++j) {
+        if (qp.row[j] == contact.row) contact.lambda = qp.multiplier[j];
+      }
+      const double limit = contact.mu() * contact.lambda;
+      const double length = contact.friction();
+      if (length <= limit + kBalanced * size_) continue;
+      const double part = limit / length;
+      contact.force[0] *= part;
+      contact.force[1] *= part;
+      drawn = true;
+    }
+    Drop([](const Contact& c) { return c.lambda == 0.0; }, count_);
+    for (int j = 0; j < qp.active; ++j) Add(qp.row[j], 0.0, qp.multiplier[j], Vec3::Zero());
+    return drawn;
+  }
+
+  bool slides() const {
+    return std::any_of(contact_, contact_ + count_,
+                       [this](const Contact& c) { return Slides(c) && c.mu_s > 0.0; });
+  }
+
+  /// A sticking point stays where it is when the tool turns about it by a finite angle, not just to
+  /// first order: what v has to make good for that, as the mean over the points that stick.
+  /// Without it, a stylus that trembles about its tip would creep by the second order, always the
+  /// same way.
+  Vec3 Creep(const Vec3& phi) const {
+    Vec3 sum = Vec3::Zero();
+    int sticking = 0;
+    const Quat turn = RotationExp(phi);
+    for (int i = 0; i < count_; ++i) {
+      const Contact& contact = contact_[i];
+      if (Slides(contact) || contact.lambda == 0.0 || contact.mu_s == 0.0) continue;
+      const Vec3 rest = turn * contact.lever - contact.lever - phi.cross(contact.lever);
+      sum += rest - rest.dot(contact.normal) * contact.normal;
+      ++sticking;
+    }
+    return sticking == 0 ? sum : Vec3(sum / sticking);
+  }
+
+  /// The contacts that carry force.
+  void Write(FrictionState& state, QpResult& qp, FrictionForces& forces) const {
+    qp.active = 0;
+    for (int i = 0; i < count_; ++i) {
+      const Contact& contact = contact_[i];
+      if (contact.lambda == 0.0 && contact.friction() == 0.0) continue;
+      const auto k = static_cast<std::size_t>(qp.active++);
+      qp.row[k] = contact.row;
+      qp.multiplier[k] = std::max(0.0, contact.lambda);  // may miss 0 by rounding
+      forces[k] = -contact.force[0] * contact.tangent[0] - contact.force[1] * contact.tangent[1];
+      state.pair[k] = rows_.pair(contact.row);
+      state.normal_force[k] = qp.multiplier[k];
+      state.force[k] = -forces[k];
+    }
+    state.contacts = qp.active;
+  }
+
+ private:
+  /// Its row a . x >= b with multiplier lambda, and its slip (s[0] . x, s[1] . x) along two
+  /// tangents, which `force` opposes.
+  struct Contact {
+    int row;
+    Vec3 normal, lever, tangent[2];
+    double a[N], s[2][N], b;
+    double mu_s, mu_d;
+    bool sliding = false;  ///< mu_d counts
+    double frictionless;   ///< lambda without friction
+    double lambda, force[2];
+    bool slips = false;  ///< friction is at its limit
+    // Of one step:
+    bool presses = false;
+    double limit;                ///< of friction
+    double direction[2], ratio;  ///< where it slips: unit vector along u, and limit / |u|
+    double across[N], base, stiffness;
+    double mu() const { return sliding ? mu_d : mu_s; }
+    double friction() const { return std::sqrt(force[0] * force[0] + force[1] * force[1]); }
+    /// Row of the slip along (d0, d1).
+    void Slip(double d0, double d1, double (&out)[N]) const {
+      for (int c = 0; c < N; ++c) out[c] = d0 * s[0][c] + d1 * s[1][c];
+    }
+  };
+
+  bool Slides(const Contact& contact) const {
+    if (!contact.slips || contact.lambda == 0.0) return false;
+    const double s0 = Dot(contact.s[0], x_), s1 = Dot(contact.s[1], x_);
+    return std::sqrt(s0 * s0 + s1 * s1) > kSlid * size_;
+  }
+
+  /// Takes out the first `most` contacts that `is` picks.
+  template <class Pick>
+  void Drop(Pick is, int most) {
+    int kept = 0;
+    for (int i = 0; i < count_; ++i) {
+      if (most > 0 && is(contact_[i])) {
+        --most;
+      } else {
+        contact_[kept++] = contact_[i];
+      }
+    }
+    count_ = kept;
+  }
+
+  /// u in the disk of the contact's limit: sets slips, direction and ratio.
+  static void IntoDisk(Contact& contact, double& u0, double& u1) {
+    const double length = std::sqrt(u0 * u0 + u1 * u1);
+    contact.slips = length > contact.limit;
+    if (!contact.slips) return;
+    contact.direction[0] = u0 / length;
+    contact.direction[1] = u1 / length;
+    contact.ratio = contact.limit / length;
+    u0 *= contact.ratio;
+    u1 *= contact.ratio;
+  }
+
+  // Leap: Newton's method for the laws
+  //   lambda = max(0, lambda + kTrial (b - a x)),
+  //   f = the point of the disk of radius mu lambda nearest to f + kTrial S x,
+  // with x = t + A^T lambda - S^T f.  That is Coulomb's law with the true lambda, but no
+  // minimisation: it ends in a few steps or, seldom, not at all.
+
+  /// What a contact does by its law at x; returns by how much its forces miss it.
+  double Judge(Contact& contact) const {
+    const double pressure = contact.lambda + kTrial * (contact.b - Dot(contact.a, x_));
+    contact.presses = pressure > 0.0;
+    const double lambda = contact.presses ? pressure : 0.0;
+    contact.limit = contact.mu() * lambda;
+    double f0 = contact.force[0] + kTrial * Dot(contact.s[0], x_);
+    double f1 = contact.force[1] + kTrial * Dot(contact.s[1], x_);
+    IntoDisk(contact, f0, f1);
+    return std::max({std::fabs(lambda - contact.lambda), std::fabs(f0 - contact.force[0]),
+                     std::fabs(f1 - contact.force[1])});
+  }
+
+  /// x and the forces where every contact goes on doing what it was judged to do.  A contact that
+  /// slips pushes back by mu lambda along u, and turns its force as Newton's step for the disk
+  /// says.
+  void LeapStep() {
+    LinearSystem<N> system(t_);
+    for (int i = 0; i < count_; ++i) {
+      Contact& contact = contact_[i];
+      const double pressure = contact.lambda + kPenalty * contact.b;
+      if (!contact.slips) {
+        for (int k = 0; k < 2; ++k) {
+          system.Add(contact.s[k], contact.force[k], kPenalty, contact.s[k]);
+        }
+        if (contact.presses) system.Add(contact.a, -pressure, kPenalty, contact.a);
+      } else if (contact.presses) {
+        const double* d = contact.direction;
+        double push[N];
+        contact.Slip(-contact.mu() * d[0], -contact.mu() * d[1], push);
+        for (int c = 0; c < N; ++c) push[c] += contact.a[c];
+        system.Add(push, -pressure, kPenalty, contact.a);
+
+        contact.Slip(-d[1], d[0], contact.across);
+        const double left = std::max(1.0 - contact.ratio, contact.ratio * kTrial / kPenalty);
+        contact.stiffness = contact.ratio * kTrial / left;
+        const double f = d[0] * contact.force[1] - d[1] * contact.force[0];
+        contact.base = f - f / left - contact.stiffness * Dot(contact.across, x_);
+        system.Add(contact.across, contact.base, contact.stiffness, contact.across);
+      }
+    }
+    system.Solve(x_);
+    for (int i = 0; i < count_; ++i) {
+      Contact& contact = contact_[i];
+      contact.lambda =
+          contact.presses ? contact.lambda + kPenalty * (contact.b - Dot(contact.a, x_)) : 0.0;
+      if (!contact.slips) {
+        for (int k = 0; k < 2; ++k) contact.force[k] += kPenalty * Dot(contact.s[k], x_);
+      } else if (contact.presses) {
+        const double* d = contact.direction;
+        const double along = contact.mu() * contact.lambda;
+        const double across = contact.base + contact.stiffness * Dot(contact.across, x_);
+        contact.force[0] = d[0] * along - d[1] * across;
+        contact.force[1] = d[1] * along + d[0] * across;
+      } else {
+        contact.force[0] = contact.force[1] = 0.0;
+      }
+    }
+  }
+
+  /// x that the forces balance.
+  void Balance() {
+    ShiftedTarget(x_);
+    for (int i = 0; i < count_; ++i) {
+      for (int c = 0; c < N; ++c) x_[c] += contact_[i].a[c] * contact_[i].lambda;
+    }
+  }
+
+  double JudgeAll() {
+    double most = 0.0;
+    for (int i = 0; i < count_; ++i) most = std::max(most, Judge(contact_[i]));
+    return most;
+  }
+
+  /// A step that misses the laws by more than each of the last three did is halved: x and forces go
+  /// together, so that they stay in balance.  Where two contacts hold the tool between them, rows
+  /// and sticking contradict each other by the rounding of the gaps; then the best that can be had
+  /// is kNear.
+  bool Leap(int steps, StepReport& report) {
+    Balance();
+    double missed = JudgeAll(), before[3] = {};
+    for (int step = 0; missed > kLeapt * size_; ++step) {
+      if (step == steps) return missed <= kNear * size_;
+      ++report.friction_iterations;
+      before[step % 3] = missed;
+      const double bound = std::max({before[0], before[1], before[2]});
+      double old_x[N], old_lambda[kMaxActiveRows], old_force[kMaxActiveRows][2];
+      std::copy(x_, x_ + N, old_x);
+      for (int i = 0; i < count_; ++i) {
+        old_lambda[i] = contact_[i].lambda;
+        std::copy(contact_[i].force, contact_[i].force + 2, old_force[i]);
+      }
+      const auto shorten = [&](double part) {
+        const auto blend = [part](double& value, double old) {
+          value = old + part * (value - old);
+        };
+        for (int c = 0; c < N; ++c) blend(x_[c], old_x[c]);
+        for (int i = 0; i < count_; ++i) {
+          blend(contact_[i].lambda, old_lambda[i]);
+          for (int k = 0; k < 2; ++k) blend(contact_[i].force[k], old_force[i][k]);
+        }
+        return JudgeAll();
+      };
+      const double last = missed;
+      LeapStep();
+      missed = JudgeAll();
+      if (last <= kNear * size_ && missed >= last) {
+        shorten(0.0);
+        return true;
+      }
+      for (int halving = 0; missed >= bound && halving < kHalvings; ++halving) {
+        missed = shorten(0.5);
+      }
+    }
+    return true;
+  }
+
+  // Walk: where Leap fails, and where there may be nothing to find (a tool wedged deeper than its
+  // friction lets it out: the normal forces grow without end).  With limits that are held the
+  // problem is convex and the augmented Lagrangian's minimum sure to be found; the limits are those
+  // of the frictionless lambda first, then follow the lambda that they give (no
+  // contact's above the whole load's), and in the end are lowered only, until each lies in its
+  // cone.
+
+  /// Forces at x for the penalty c into `at`, whose laws are the contacts', and the gradient g.
+  void Gradient(const double (&x)[N], double c, Contact* at, double (&g)[N]) const {
+    for (int r = 0; r < N; ++r) g[r] = x[r] - t_[r];
+    for (int i = 0; i < count_; ++i) {
+      const Contact& contact = contact_[i];
+      Contact& now = at[i];
+      now.lambda = std::max(0.0, contact.lambda + c * (contact.b - Dot(contact.a, x)));
+      for (int k = 0; k < 2; ++k) now.force[k] = contact.force[k] + c * Dot(contact.s[k], x);
+      IntoDisk(now, now.force[0], now.force[1]);
+      for (int r = 0; r < N; ++r) {
+        g[r] += contact.s[0][r] * now.force[0] + contact.s[1][r] * now.force[1] -
+                contact.a[r] * now.lambda;
+      }
+    }
+  }
+
+  /// Newton's method; a step that overshoots is shortened by the secant of its slope, which in a
+  /// convex function leads down always.
+  bool Minimise(double c, Contact* at, StepReport& report) {
+    double g[N], d[N], next[N], next_g[N];
+    Gradient(x_, c, at, g);
+    for (int step = 0; step < kWalkSteps; ++step) {
+      double most = 0.0;
+      for (int r = 0; r < N; ++r) most = std::max(most, std::fabs(g[r]));
+      if (most <= kBalanced * size_) return true;
+      ++report.friction_iterations;
+      for (int r = 0; r < N; ++r) d[r] = -g[r];
+      LinearSystem<N> system(d);
+      for (int i = 0; i < count_; ++i) {
+        const Contact& now = at[i];
+        if (now.lambda > 0.0) system.Add(now.a, 0.0, c, now.a);
+        if (now.slips) {
+          double across[N];
+          now.Slip(-now.direction[1], now.direction[0], across);
+          system.Add(across, 0.0, c * now.ratio, across);
+        } else {
+          for (int k = 0; k < 2; ++k) system.Add(now.s[k], 0.0, c, now.s[k]);
+        }
+      }
+      system.Solve(d);
+      const double slope = Dot(g, d);
+      double part = 1.0;
+      for (int shorter = 0;; ++shorter) {
+        for (int r = 0; r < N; ++r) next[r] = x_[r] + part * d[r];
+        Gradient(next, c, at, next_g);
+        const double next_slope = Dot(next_g, d);
+        if (next_slope <= -0.5 * slope || shorter == kShorter) break;
+        part *= std::max(0.1, slope / (slope - next_slope));
+      }
+      std::copy(next, next + N, x_);
+      std::copy(next_g, next_g + N, g);
+    }
+    return false;
+  }
+
+  bool Walk(StepReport& report) {
+    double load = 0.0;
+    for (int i = 0; i < count_; ++i) {
+      Contact& contact = contact_[i];
+      load += contact.frictionless;
+      contact.lambda = contact.frictionless;
+      contact.limit = contact.mu() * contact.lambda;
+      contact.force[0] = contact.force[1] = 0.0;
+    }
+    Balance();
+    Contact at[kMaxActiveRows];
+    double c = 1.0;
+    for (int update = 0; update < kWalkUpdates; ++update) {
+      std::copy(contact_, contact_ + count_, at);
+      if (update == kWalkRaises) {
+        double x[N];
+        std::copy(x_, x_ + N, x);
+        if (Leap(kSecondLeap, report)) return true;
+        std::copy(x, x + N, x_);
+        std::copy(at, at + count_, contact_);
+        ++report.friction_lowered;
+      }
+      const bool balanced = Minimise(c, at, report);
+      double most = 0.0;
+      for (int i = 0; i < count_; ++i) {
+        Contact& contact = contact_[i];
+        const double moved = std::max({std::fabs(at[i].lambda - contact.lambda),
+                                       std::fabs(at[i].force[0] - contact.force[0]),
+                                       std::fabs(at[i].force[1] - contact.force[1])});
+        contact = at[i];
+        const double limit = contact.mu() * contact.lambda;
+        const double highest = update < kWalkRaises ? contact.mu() * load : contact.limit;
+        const double next = std::min(limit, highest);
+        most = std::max({most, moved / c, std::fabs(next - contact.limit)});
+        contact.limit = next;
+      }
+      if (balanced && most <= kWalked * size_) return true;
+      if (report.friction_iterations >= kCycleSteps) return false;
+      c = std::min(10.0 * c, kWalkPenalty);
+    }
+    return false;
+  }
+
+  /// Gives mu_d to the contacts that mu_s does not hold; false where that changes nothing.
+  bool LetSlip() {
+    bool any = false;
+    for (int i = 0; i < count_; ++i) {
+      Contact& contact = contact_[i];
+      if (contact.sliding || !Slides(contact)) continue;
+      contact.sliding = true;
+      any = any || contact.mu_d != contact.mu_s;
+    }
+    return any;
+  }
+
+  const HapticModel& model_;
+  const Mat3& R_WG_;
+  const ContactRows& rows_;
+  const QpRows& rigid_;
+  double slack_;
+  bool still_;
+  double t_[N], x_[N];
+  double size_;  ///< of the problem: tolerances are relative to it
+  int count_ = 0;
+  Contact contact_[kMaxActiveRows];
+};
+
+/// The contacts of the last sub-step that are still near, with the forces that they had in it, and
+/// those of the frictionless optimum.  Where the last ones are there, the others start without
+/// force, for those together balanced the hand.
+template <int N>
+void AddContacts(const ContactRows& rows, const QpResult& qp, const FrictionState& state,
+                 FrictionalContacts<N>& contacts) {
+  const auto frictionless = [&](int row) {
+    const int* found = std::find(qp.row, qp.row + qp.active, row);
+    return found == qp.row + qp.active ? 0.0 : qp.multiplier[found - qp.row];
+  };
+  for (int i = 0; i < state.contacts; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    int row;
+    if (rows.Find(&state.pair[k], 1, &row) == 1) {
+      contacts.Add(row, frictionless(row), state.normal_force[k], state.force[k]);
+    }
+  }
+  const bool warm = contacts.count() > 0;
+  for (int i = 0; i < qp.active; ++i) {
+    contacts.Add(qp.row[i], qp.multiplier[i], warm ? 0.0 : qp.multiplier[i], Vec3::Zero());
+  }
+}
+
+/// False where the frictionless optimum stays.
+template <int N>
+bool Solve(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const double* t,
+           const ContactRows& rows, const QpRows& rigid, FrictionState& state, QpResult& qp,
+           FrictionForces& forces, StepReport& report) {
+  FrictionalContacts<N> contacts(model, R_WG, rows, rigid, t, qp, state.still >= kStillCycles);
+  AddContacts(rows, qp, state, contacts);
+  QpResult shifted;
+  const auto solve_shifted = [&] {
+    double target[N];
+    int guess[kMaxActiveRows];
+    contacts.ShiftedTarget(target);
+    const int guesses = contacts.Pressed(guess);
+    shifted = SolveNearestPoint<N>(kernels, target, rigid, guess, guesses);
+    report.qp_iterations += shifted.iterations;
+    return shifted.status != QpStatus::kIterationLimit;
+  };
+  bool solved = false, added = true;
+  for (int round = 0; round < kRounds && added && !solved; ++round) {
+    const bool found = contacts.Solve(report);
+    if (!solve_shifted()) return false;
+    added = false;
+    for (int i = 0; i < shifted.active; ++i) {
+      added |= contacts.Add(shifted.row[i], 0.0, 0.0, Vec3::Zero());
+    }
+    // Where the QP rests on these contacts alone, it has found the same x.
+    solved = found && (!added || contacts.Agrees(shifted.x));
+  }
+  report.friction_unsolved += !solved;
+  for (int draw = 0; !solved && contacts.DrawIn(shifted); ++draw) {
+    if (draw == kDraws || !solve_shifted()) return false;
+  }
+  if (contacts.slides()) state.still = 0;
+  std::copy(shifted.x, shifted.x + N, qp.x);
+  contacts.Write(state, qp, forces);
+  if constexpr (N == 6) {
+    const Vec3 phi = Vec3(qp.x[3], qp.x[4], qp.x[5]) / model.rotation_length();
+    if (phi.norm() <= model.parameters().max_rotation) {
+      const Vec3 creep = contacts.Creep(phi);
+      for (int c = 0; c < 3; ++c) qp.x[c] -= creep[c];
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+void AddCoulombFriction(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
+                        const Target& target, const ContactRows& rows, const QpRows& rigid,
+                        bool first_substep, FrictionState& state, QpResult& qp,
+                        FrictionForces& forces, StepReport& report) noexcept {
+  if (first_substep && state.still < kStillCycles) ++state.still;
+  const double rho = model.rotation_length();
+  const double t[6] = {target.v.x(),         target.v.y(),         target.v.z(),
+                       rho * target.phi.x(), rho * target.phi.y(), rho * target.phi.z()};
+  const auto solve = model.degrees_of_freedom() == 6 ? Solve<6> : Solve<3>;
+  if (!solve(model, kernels, R_WG, t, rows, rigid, state, qp, forces, report)) {
+    for (Vec3& force : forces) force.setZero();
+    state.contacts = 0;
+  }
+}
+
+namespace {
+
+/// Distance of p from the screw axis of the movement that turns the tool by `turn` while its
+/// reference point goes from `from` by `way`.
+double DistanceFromAxis(const Vec3& p, const Quat& turn, const Vec3& from, const Vec3& way) {
+  const double sine = turn.vec().norm();  // of half the angle
+  const Vec3 axis = turn.vec() / sine;
+  const Vec3 across = way - way.dot(axis) * axis;
+  const Vec3 on_axis = from + 0.5 * (across + turn.w() / sine * axis.cross(across));
+  return (p - on_axis).cross(axis).norm();
+}
+
+}  // namespace
+
+void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepState& state,
+                        StepReport& report) noexcept {
+  const int contacts = report.contacts;
+  const Pose X_WG = state.X_WG;
+  Vec3 point = Vec3::Zero();  // 2.26
+  double mu_s = 0.0, mu_d = 0.0, pressed = 0.0;
+  for (int i = 0; i < contacts; ++i) {
+    const ActiveRow& row = report.active[static_cast<std::size_t>(i)];
+    const Material& material = model.objects().MaterialOf(row.object_leaf);
+    point += row.contact_W / contacts;
+    mu_s += material.static_friction / contacts;
+    mu_d += material.dynamic_friction / contacts;
+    pressed += row.force;
+  }
+  if (contacts == 0 || !(mu_s > 0.0) || !(pressed > 0.0)) {
+    state.friction.resets = 0;
+    return;
+  }
+  const Pose X_WG_inverse = X_WG.Inverse();
+  const Vec3 point_G = X_WG_inverse * point;
+  const double depth = (point - state.X_WH * point_G).norm();  // 2.25, 2.27
+  const double moved = (X_before * point_G - point).norm();
+  const double k_alpha = moved <= mu_s * depth ? 1.0 : mu_d / mu_s;  // 2.30
+
+  const Vec3& reference = model.reference();
+  const Vec3 p_before = X_before * reference, p_now = X_WG * reference;
+  const Quat turn = X_WG.q * X_before.q.conjugate();
+  const Vec3 angle = RotationLog(turn);
+  double k_theta = 1.0;
+  const bool turns = model.degrees_of_freedom() == 6 && turn.vec().squaredNorm() > 1e-24;
+  if (turns) {
+    double arm = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < contacts; ++i) {
+      const Vec3& contact_W = report.active[static_cast<std::size_t>(i)].contact_W;
+      arm = std::min(arm, DistanceFromAxis(contact_W, turn, p_before, p_now - p_before));
+    }
+    if (arm * angle.norm() > mu_s * depth) k_theta = mu_d / mu_s;  // 2.32
+  }
+
+  const Vec3 p_star = p_before + (1.0 - k_alpha) * (p_now - p_before);    // 2.29
+  const Quat q_star = RotationExp((1.0 - k_theta) * angle) * X_before.q;  // 2.33
+  const StepParameters& parameters = model.parameters();
+  const Vec3 force = parameters.stiffness * (p_star - state.X_WH * reference);  // 2.28
+  const Vec3 added = force - report.wrench.force;
+  report.wrench.force = force;
+  if (model.degrees_of_freedom() == 6) {
+    report.wrench.torque =
+        parameters.torsional_stiffness * RotationLog(q_star * state.X_WH.q.conjugate());  // 2.31
+  }
+  const bool reset = k_alpha == 1.0 && k_theta == 1.0;  // 2.34
+  for (int i = 0; i < contacts; ++i) {
+    ActiveRow& row = report.active[static_cast<std::size_t>(i)];
+    row.friction = row.force / pressed * added;
+    if (!reset) continue;
+    row.offset += row.normal.dot(p_now - p_before) + row.lever_cross_normal.dot(angle);
+    row.contact_W = X_before * (X_WG_inverse * row.contact_W);
+  }
+  state.friction.resets = reset ? state.friction.resets + 1 : 0;
+  report.friction_resets = state.friction.resets;
+  if (reset) state.X_WG = X_before;
+}
+
+}  // namespace palpate

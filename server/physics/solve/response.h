@@ -1,0 +1,26 @@
+#pragma once
+
+#include "common/math/pose.h"
+
+namespace palpate {
+
+/// Where the haptic tool is, seen from the graphic tool: the target of the step (xi_h,
+/// chapter 2.3).
+/// @field v    p_H - p_G of the reference points [m], in W.
+/// @field phi  Log(R_H R_G^T) [rad], in W.
+struct Target {
+  Vec3 v = Vec3::Zero();
+  Vec3 phi = Vec3::Zero();
+};
+
+/// Target of the graphic tool at (p_G, q_G) for the haptic tool at (p_H, q_H), reference points in
+/// W. The chapter's Euler angles (2.14, 2.22) are singular at beta = 90 degrees and weight
+/// rotations unevenly; the rotation vector is neither, and agrees with them to second order.
+Target TargetOf(const Vec3& p_G, const Quat& q_G, const Vec3& p_H, const Quat& q_H) noexcept;
+
+/// Wrench of the spring between the tools when the graphic tool takes the step [v; phi] towards the
+/// target (chapter 2.20-2.24): F = k_t (p_G - p_H), tau = k_r Log(R_G R_H^T), in W, on the hand.
+Wrench SpringWrench(const Target& target, const Vec3& v, const Vec3& phi, double stiffness,
+                    double torsional_stiffness) noexcept;
+
+}  // namespace palpate

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "common/math/pose.h"
+#include "server/physics/haptic_step.h"
+#include "server/physics/tree/leaf_wear.h"
+
+namespace palpate {
+
+/// Where the graphic tool may start for a haptic pose: at X_WH itself if that is free, else at a
+/// free pose near it.
+/// @field depth  distance from X_WH to X_WG [m]; 0 where X_WH is free.
+struct StartPose {
+  Pose X_WG;
+  double depth = 0.0;
+};
+
+/// Resolves a start in penetration.  Not real-time (milliseconds): called before forces begin.
+/// @param wear  what has gone; null: nothing has.
+StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,
+                       const LeafWear* wear = nullptr);
+
+}  // namespace palpate

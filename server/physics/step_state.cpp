@@ -1,0 +1,9 @@
+#include "server/physics/step_state.h"
+
+namespace palpate {
+
+StepState::StepState(const HapticModel& model) {
+  if (model.parameters().features.removal) wear = LeafWear(model.objects());
+}
+
+}  // namespace palpate

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+
+#include "common/math/pose.h"
+#include "server/physics/haptic_model.h"
+#include "server/physics/leaf_pair.h"
+#include "server/physics/step_types.h"
+#include "server/physics/tree/leaf_wear.h"
+
+namespace palpate {
+
+/// What friction remembers from step to step.
+struct FrictionState {
+  /// Cycles since a contact last slipped, up to kStillCycles (friction.h), where mu_s holds.  A
+  /// tool that comes to a surface has not slipped.
+  int still = 1 << 20;
+  int resets = 0;          ///< FrictionModel::kChapter: consecutive steps that 2.34 has reset
+  bool suspended = false;  ///< no friction: for the walk to a start pose
+  // The forces that the solver starts from, in metres (times k_t: newtons): coulomb.
+  int contacts = 0;
+  std::array<LeafPair, 7> pair;
+  std::array<double, 7> normal_force;
+  std::array<Vec3, 7> force;  ///< in W
+};
+
+/// What one step hands to the next: all the memory that the physics has.  Copying it and stepping
+/// again with the same pose gives the same bits.
+struct StepState {
+  StepState() = default;
+  /// Allocates where the model's features name removal: objects are whole.  A state made without
+  /// its model wears nothing.
+  explicit StepState(const HapticModel& model);
+
+  Pose X_WG;                             ///< graphic tool
+  Pose X_WH;                             ///< haptic tool: how far the hand moved sets the bounds
+  std::array<LeafPair, 7> active_pairs;  ///< rows that held it last, the solver's first guess
+  int active = 0;
+  /// Surface contact: bounds of the next sub-step where the last cycle ended before the tool had
+  /// arrived; else 0.
+  StepBounds behind{0.0, 0.0};
+  FrictionState friction;
+  LeafWear wear;
+};
+
+}  // namespace palpate

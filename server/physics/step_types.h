@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "common/math/pose.h"
+#include "common/step_fault.h"
+#include "scenes/scene.h"
+#include "scenes/sphere_tree.h"
+#include "server/physics/leaf_pair.h"
+
+namespace palpate {
+
+/// A body placed in the world.  What it points to must outlive the call that takes it, no longer.
+struct PlacedTree {
+  const SphereTree* tree = nullptr;
+  Pose X_WB{};
+  const TriangleMesh* mesh = nullptr;             ///< needed for ContactModel::kSurface only
+  std::span<const std::uint8_t> leaf_material{};  ///< as in Body
+  std::span<const Material> materials{};          ///< empty: all leaves are of Material{}
+};
+
+/// Constants of the step.  Zero means "derived", by the rule in the comment.
+struct StepParameters {
+  double stiffness = 1000.0;         ///< k_t [N/m], chapter 2.3
+  double torsional_stiffness = 1.0;  ///< k_r [N m/rad]
+  /// Greatest bound on |v| of one sub-step [m]: the chapter's 0.5 m/s for 1 ms.
+  double max_translation = 0.5e-3;
+  /// Greatest bound on |phi| of one sub-step [rad].  0: sqrt(2 e / L) with e = max_truncation and L
+  /// the tool's longest lever arm, so that linearising a rotation is never off by more than e.
+  double max_rotation = 0.0;
+  double max_truncation = 0.5e-6;  ///< [m]
+  int max_substeps = 8;            ///< per cycle; a count, never a clock
+  int max_rows = 16384;
+  /// A further sub-step is begun where one like the last would leave the cycle's packet pairs and
+  /// candidates, which take some 10 ns each, below this: what a snap over a ledge costs at most,
+  /// and the next cycle goes on.  A count, never a clock.
+  int max_tested = 5000;
+  Features features{.contact = ContactModel::kSpheres};
+};
+
+/// How far one sub-step may take the graphic tool: |v| <= translation [m], |phi| <= rotation [rad].
+struct StepBounds {
+  double translation;
+  double rotation;
+};
+
+/// A row of the linearised non-penetration constraint (chapter 2.17) that carries force:
+/// row . [v; phi] >= offset, v of the tool's centroid and phi in W.
+struct ActiveRow {
+  LeafPair pair;
+  std::int32_t object_leaf = -1;           ///< of the forest: whose material counts
+  Vec3 normal = Vec3::Zero();              ///< n, from object to tool, in W
+  Vec3 lever_cross_normal = Vec3::Zero();  ///< l x n [m], l from the centroid to the contact
+  Vec3 contact_W = Vec3::Zero();           ///< contact point on the tool, in W [m]
+  double offset = 0.0;                     ///< -gap [m] at X_WG
+  double force = 0.0;                      ///< multiplier >= 0 [N]
+  /// On the tool, in W [N]; kCoulomb: perpendicular to the normal, at most mu * force.
+  Vec3 friction = Vec3::Zero();
+  /// Of a soft contact [N/m]: force = stiffness * offset, and the row may be violated.
+  double stiffness = std::numeric_limits<double>::infinity();
+};
+
+/// Result of one step.  force and torque act on the hand, at the tool's centroid, in W.
+struct StepReport {
+  Wrench wrench;
+  Pose X_WG;
+  /// The first `contacts` are set: rigid ones, at most six, seven in a jam; then soft ones, as many
+  /// as fit, those of the greatest force.  A soft leaf entered to its rigid core is both.
+  std::array<ActiveRow, 7> active;
+  int contacts = 0;
+  int soft_contacts = 0;  ///< all of them, listed or not
+  Wrench soft_wrench;     ///< sum of all soft contacts on the tool, at its centroid, in W
+  /// Object leaves that vanish with this step, in the order of their contacts.
+  std::array<std::int32_t, 7> removed;
+  int removals = 0;
+  std::uint32_t faults = kFaultNone;
+  // Counters and measures of this step.
+  int substeps = 0;
+  int predicted_pairs = 0;      ///< rows of the last sub-step
+  int qp_iterations = 0;        ///< of all sub-steps
+  int friction_iterations = 0;  ///< Newton steps, of all sub-steps
+  int friction_lowered = 0;     ///< times that friction took lower limits than Coulomb's
+  int friction_unsolved = 0;    ///< sub-steps whose friction did not converge
+  int friction_resets = 0;      ///< chapter 2.34: consecutive steps reset, this one included
+  double truncation = 0.0;      ///< bound on the linearisation error, 1/2 |phi|^2 lever [m], worst
+};
+
+/// Times of the step's stages, for benchmarks: [ns], summed over sub-steps.
+struct StageTimes {
+  std::int64_t prediction = 0, rows = 0, solve = 0, response = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,178 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "scenes/sphere_tree.h"
+#include "server/physics/simd/kernels.h"
+#include "server/physics/step_types.h"
+
+namespace palpate {
+
+/// Levels of packets, stored one after the other; a child index counts within the next level.
+template <class Packet>
+struct PacketLevels {
+  std::vector<Packet> packets;
+  std::vector<std::int32_t> level_begin;  ///< levels + 1 entries
+  int levels() const { return static_cast<int>(level_begin.size()) - 1; }
+};
+
+/// Where an object's surface decides the contact, its rows reach this deep below it [m]: a step
+/// keeps surfaces apart to some micrometres, and what lies deeper is on the other side of
+/// something.
+inline constexpr double kSurfaceDepth = 1e-4;
+/// What could fall through such a surface, at an open rim or a fold, is stopped by the leaves
+/// behind it: at most this share of their radius, and no part that the surface's own rows reach; 0
+/// where nothing is left.
+inline constexpr double kBackstop = 0.6;
+inline double BackstopRadius(double leaf_radius) {
+  return std::max(std::min(kBackstop * leaf_radius, leaf_radius - kSurfaceDepth), 0.0);
+}
+
+/// All objects of a scene as one tree in W: a few levels over the objects, then their own trees.
+/// Immutable.
+class ObjectForest {
+ public:
+  /// @param is_behind_surface  of which objects the leaves are but a backstop behind their surface
+  ///                           (kBackstop); null: of none.
+  explicit ObjectForest(std::span<const PlacedTree> objects,
+                        bool (*is_behind_surface)(const PlacedTree&) = nullptr);
+
+  const PacketLevels<SpherePacket>& levels() const { return levels_; }
+  const std::vector<LeafSphere>& leaves() const { return leaves_; }  ///< in W
+  int leaf_count() const { return static_cast<int>(leaves_.size()); }
+  /// Index of the object that a leaf belongs to.
+  int ObjectOf(int leaf) const;
+  /// Where the leaves of an object begin.
+  int FirstLeafOf(int object) const { return first_leaf_[static_cast<std::size_t>(object)]; }
+  const Material& MaterialOf(int leaf) const {
+    return materials_[leaf_material_[static_cast<std::size_t>(leaf)]];
+  }
+  /// One lane around everything, whose only child is packet 0: stands above this tree where the
+  /// tool's is deeper, so that both always descend together.
+  const SpherePacket& above() const { return above_; }
+  const Vec3& center() const { return center_; }  ///< of a ball around everything [m]
+  double radius() const { return radius_; }
+
+ private:
+  void AddMaterials(const PlacedTree& object);
+
+  PacketLevels<SpherePacket> levels_;
+  std::vector<LeafSphere> leaves_;
+  std::vector<int> first_leaf_;
+  std::vector<Material> materials_;
+  std::vector<std::uint32_t> leaf_material_;  ///< index into materials_, of each leaf
+  SpherePacket above_;
+  Vec3 center_ = Vec3::Zero();
+  double radius_ = 0.0;
+};
+
+/// The tool's tree, relative to its reference point, with the longest lever arm below each node.
+/// Immutable.
+class ToolTree {
+ public:
+  enum class Levers {
+    kToCentres,  ///< of the leaves: a ball turns in place
+    kToRims,     ///< for trees whose nodes hold what the leaves hold, not the leaves
+  };
+  /// @param world_extent  how far the objects reach from W's origin [m], for the rounding margin
+  ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference,
+           Levers levers = Levers::kToCentres);
+
+  const PacketLevels<ToolPacket>& levels() const { return levels_; }
+  const std::vector<LeafSphere>& leaves() const { return leaves_; }
+  int leaf_count() const { return static_cast<int>(leaves_.size()); }
+  /// Reference point of the step, in the tool's frame: the centroid; the centre of a single sphere.
+  const Vec3& reference() const { return reference_; }
+  /// One lane around all leaves, as ObjectForest::above.
+  const ToolPacket& above() const { return above_; }
+  double max_lever() const { return max_lever_; }
+  /// Distance from the reference point to the farthest point of any leaf [m].
+  double reach() const { return reach_; }
+
+  static Vec3 ReferenceOf(const SphereTree& tree);
+  static double MaxLeverOf(const SphereTree& tree);
+
+ private:
+  PacketLevels<ToolPacket> levels_;
+  std::vector<LeafSphere> leaves_;
+  ToolPacket above_;
+  Vec3 reference_;
+  double max_lever_ = 0.0;
+  double reach_ = 0.0;
+};
+
+/// Finds every pair of leaves that a sub-step within given bounds could bring together: those whose
+/// gap is at most bounds.translation + bounds.rotation * lever of the tool's leaf.
+/// Walks both trees level by level and, so that no list can overflow, a chunk of pairs at a time
+/// depth first.  The order of the pairs depends on the trees alone.
+class PairQuery {
+ public:
+  PairQuery(const ToolTree& tool, const ObjectForest& objects);
+
+  /// Calls sink(NodePair* leaves, int count) for batches of at most kMaxBatch leaf pairs, which it
+  /// may overwrite, for as long as it returns true. Complete; float rounding is covered by a
+  /// margin, so a few more pairs may come. Real-time: no allocation.
+  template <class Sink>
+  void Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W, const StepBounds& bounds,
+           Sink&& sink) noexcept;
+
+  /// Packet pairs tested so far in the life of this query: what it costs, as a count.
+  std::int64_t tested() const { return tested_; }
+
+  static constexpr int kChunk = kMaxExpanded;
+  static constexpr int kMaxBatch = kChunk * kTreeArity * kTreeArity;
+
+ private:
+  template <class Sink>
+  bool Descend(const Kernels& kernels, int level, const NodePair* pairs, int count,
+               Sink& sink) noexcept;
+
+  std::vector<LevelView> views_;
+  std::vector<WorldPacket> world_;
+  std::vector<std::uint32_t> stamps_;
+  std::vector<NodePair> lists_;  ///< kMaxBatch per level
+  QueryPose pose_{};
+  std::uint32_t now_ = 0;
+  std::int64_t tested_ = 0;
+};
+
+template <class Sink>
+void PairQuery::Run(const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
+                    const StepBounds& bounds, Sink&& sink) noexcept {
+  for (int r = 0; r < 3; ++r) {
+    pose_.p[r] = static_cast<float>(p_W[r]);
+    for (int c = 0; c < 3; ++c) pose_.R[3 * r + c] = static_cast<float>(R_WG(r, c));
+  }
+  // The margin of the radii covers the rounding of these two.
+  pose_.max_translation = static_cast<float>(bounds.translation);
+  pose_.max_rotation = static_cast<float>(bounds.rotation);
+  if (++now_ == 0) {  // wrapped after 2^32 queries: forget all stamps
+    std::fill(stamps_.begin(), stamps_.end(), 0u);
+    now_ = 1;
+  }
+  const NodePair root{0, 0};
+  Descend(kernels, 0, &root, 1, sink);
+}
+
+template <class Sink>
+bool PairQuery::Descend(const Kernels& kernels, int level, const NodePair* pairs, int count,
+                        Sink& sink) noexcept {
+  tested_ += count;
+  NodePair* out = lists_.data() + static_cast<std::size_t>(level) * kMaxBatch;
+  for (int i = 0; i < count; i += kChunk) {
+    const int chunk = std::min(kChunk, count - i);
+    const int found = kernels.expand_pairs(views_[level], pose_, now_, pairs + i, chunk, out);
+    if (found == 0) continue;
+    if (level + 1 == static_cast<int>(views_.size())) {
+      if (!sink(out, found)) return false;
+    } else if (!Descend(kernels, level + 1, out, found, sink)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace palpate

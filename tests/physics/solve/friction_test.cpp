@@ -1,0 +1,580 @@
+#include "server/physics/solve/friction.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "common/math/rotation.h"
+#include "server/physics/step_buffers.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/step_bench.h"
+
+namespace palpate {
+namespace {
+
+using test::At;
+using test::Ball;
+using test::Bench;
+using test::Paint;
+using test::Random;
+using test::RandomBalls;
+
+constexpr double kStiffness = 1000.0;
+
+StepParameters Rubbing(FrictionModel model) {
+  StepParameters parameters;
+  parameters.features.friction = model;
+  return parameters;
+}
+
+Paint Rough(double mu_s, double mu_d) {
+  Material material;
+  material.static_friction = mu_s;
+  material.dynamic_friction = mu_d;
+  return test::AllOf(material);
+}
+
+/// A ball whose top is a plane at z = 0: flat to 2 um over 0.6 m.
+const std::vector<Ball> kPlane{{Vec3(0.0, 0.0, -1e5), 1e5}};
+const std::vector<Ball> kBallTool{{Vec3::Zero(), 0.005}};
+
+/// Balls at the corners of a box: the soles of four lie 10 mm below the centroid, `half` off it.
+std::vector<Ball> BoxTool(double half = 0.02) {
+  std::vector<Ball> corners;
+  for (const double x : {-half, half}) {
+    for (const double y : {-half, half}) {
+      for (const double z : {-0.0095, 0.0095}) corners.push_back({Vec3(x, y, z), 0.0005});
+    }
+  }
+  return corners;
+}
+
+/// A plane through the origin with a given normal.
+Ball Plane(const Vec3& normal) {
+  return {-1e5 * normal.normalized(), 1e5};
+}
+
+double Ratio(const StepReport& report, const Vec3& normal) {
+  const double pressed = report.wrench.force.dot(normal);
+  return (report.wrench.force - pressed * normal).norm() / pressed;
+}
+
+/// What holds in every step: forces in their cones, across their normals, and adding up.
+void ExpectContactForcesAddUp(const Bench& bench, const StepReport& report, double mu_s) {
+  Vec3 force = Vec3::Zero();
+  for (int i = 0; i < report.contacts; ++i) {
+    const ActiveRow& row = report.active[static_cast<std::size_t>(i)];
+    ASSERT_GE(row.force, 0.0);
+    ASSERT_LE(row.friction.norm(), mu_s * row.force + 1e-6 * (1.0 + report.wrench.force.norm()));
+    ASSERT_LE(std::fabs(row.friction.dot(row.normal)), 1e-9 * (1.0 + row.force));
+    force += row.force * row.normal + row.friction;
+  }
+  // But for what Creep makes good, at most max_truncation.
+  ASSERT_LT((force - report.wrench.force).norm(),
+            kStiffness * bench.model().parameters().max_truncation + 1e-6 * force.norm());
+}
+
+class FrictionTool : public testing::TestWithParam<bool> {
+ protected:
+  std::vector<Ball> tool() const { return GetParam() ? BoxTool() : kBallTool; }
+  double rest() const { return GetParam() ? 0.01 : 0.005; }  ///< height where it touches
+};
+INSTANTIATE_TEST_SUITE_P(BallAndBox, FrictionTool, testing::Bool(),
+                         [](const auto& which) { return which.param ? "Box" : "Ball"; });
+
+TEST_P(FrictionTool, SlidesOnAPlaneWithTheDynamicCoefficientAtAnySpeed) {
+  for (const double speed : {1e-3, 1e-2, 0.1, 0.3}) {
+    Bench bench(tool(), kPlane, Rubbing(FrictionModel::kCoulomb), Rough(0.6, 0.4));
+    bench.state().X_WG = At(0.0, 0.0, rest());
+    const Vec3 way = Vec3(0.8, -0.6, 0.0);
+    for (int i = 0; i < 2000; ++i) {
+      const double moved = 1e-3 * speed * i;
+      Pose X = At(0.0, 0.0, rest() - 1e-3);
+      X.p += moved * way;
+      const StepReport report = bench.Step(X);
+      ASSERT_EQ(report.friction_unsolved, 0);
+      ExpectContactForcesAddUp(bench, report, 0.6);
+      ASSERT_NEAR(report.wrench.force.z(), 1.0, 2e-3);
+      if (moved < 0.59e-3) {
+        ASSERT_NEAR(Ratio(report, Vec3::UnitZ()), 1e3 * moved, 1e-5) << speed << " " << i;
+      } else if (moved > 0.61e-3) {
+        ASSERT_NEAR(Ratio(report, Vec3::UnitZ()), 0.4, 4e-5) << speed << " " << i;
+        ASSERT_GT(-report.wrench.force.normalized().dot(way), 0.37);
+      }
+    }
+  }
+}
+
+TEST_P(FrictionTool, HoldsOnAnInclineUpToTheStaticAngle) {
+  for (const double tangent : {0.2, 0.5, 0.59, 0.61, 0.8, 2.0}) {
+    const Vec3 normal = Vec3(tangent, 0.0, 1.0).normalized();
+    // The tool lies flat on the incline; its load is 1 N, straight down.
+    Pose X_WG;
+    X_WG.q = Quat::FromTwoVectors(Vec3::UnitZ(), normal);
+    X_WG.p = rest() * normal;
+    Bench bench(tool(), {Plane(normal)}, Rubbing(FrictionModel::kCoulomb), Rough(0.6, 0.4));
+    bench.state().X_WG = X_WG;
+    StepReport report;
+    for (int i = 0; i < 100; ++i) {
+      Pose X = bench.state().X_WG;
+      X.p.z() -= 1e-3;
+      report = bench.Step(X);
+      ExpectContactForcesAddUp(bench, report, 0.6);
+    }
+    const double slid = (bench.state().X_WG.p - X_WG.p).norm();
+    if (tangent < 0.6) {
+      EXPECT_LT(slid, 1e-8) << tangent;  // the box settles by 4 nm
+      EXPECT_NEAR(Ratio(report, normal), tangent, 1e-6);
+      EXPECT_NEAR(report.wrench.force.z(), 1.0, 1e-6);
+    } else {
+      EXPECT_GT(slid, 1e-3) << tangent;
+      EXPECT_NEAR(Ratio(report, normal), 0.4, 1e-3) << tangent;
+      EXPECT_GT(report.wrench.force.x(), 0.0);  // down the incline is +x; normal and friction
+    }
+  }
+}
+
+TEST_P(FrictionTool, BreaksAwayAtTheStaticLimitAndSticksAgainWhenTheHandRests) {
+  Bench bench(tool(), kPlane, Rubbing(FrictionModel::kCoulomb), Rough(0.8, 0.3));
+  bench.state().X_WG = At(0.0, 0.0, rest());
+  double x = 0.0;
+  const auto pull = [&](int steps, double speed) {
+    double most = 0.0;
+    for (int i = 0; i < steps; ++i) {
+      x += 1e-3 * speed;
+      most = std::max(most, Ratio(bench.Step(At(x, 0.0, rest() - 1e-3)), Vec3::UnitZ()));
+    }
+    return most;
+  };
+  EXPECT_NEAR(pull(1000, 2e-3), 0.8, 3e-3);  // up to one step's 2 um short of it
+  EXPECT_NEAR(pull(1000, 2e-3), 0.3, 1e-3);
+  EXPECT_NEAR(pull(kStillCycles / 2, 0.0), 0.3, 1e-3);  // too short a rest
+  EXPECT_NEAR(pull(1000, 2e-3), 0.3, 1e-3);
+  pull(2 * kStillCycles, 0.0);
+  EXPECT_NEAR(pull(1000, 2e-3), 0.8, 3e-3);
+  EXPECT_NEAR(pull(100, 2e-3), 0.3, 1e-3);
+  // Off the plane and down again: what touches has not slipped.
+  for (int i = 0; i < 10; ++i) bench.Step(At(x, 0.0, rest() + 1e-3));
+  EXPECT_NEAR(pull(1000, 2e-3), 0.8, 3e-3);
+}
+
+TEST_P(FrictionTool, SticksForAMinuteWithoutCreepingThoughTheHandTrembles) {
+  Bench bench(tool(), kPlane, Rubbing(FrictionModel::kCoulomb), Rough(0.6, 0.4));
+  bench.state().X_WG = At(0.0, 0.0, rest());
+  Random random(71);
+  double farthest = 0.0;
+  for (int i = 0; i < 60000; ++i) {
+    Pose X = At(0.4e-3, 0.3e-3, rest() - 1e-3);
+    X.p += random.InCube(20e-6);
+    X.q = RotationExp(random.InCube(1e-3));
+    const StepReport report = bench.Step(X);
+    farthest = std::max(farthest, (report.X_WG.p - Vec3(0.0, 0.0, rest())).norm());
+  }
+  RecordProperty("creep_pm", static_cast<int>(1e12 * farthest));
+  EXPECT_LT(farthest, 1e-8);  // of which the box settles by 4 nm
+}
+
+TEST_P(FrictionTool, GoesOnSlidingThoughTheHandTrembles) {
+  // At 5 mm/s a tremble of 20 um turns the hand back most of the time; the tool rests then, but no
+  // rest is long enough to stick.
+  Bench bench(tool(), kPlane, Rubbing(FrictionModel::kCoulomb), Rough(0.8, 0.3));
+  bench.state().X_WG = At(0.0, 0.0, rest());
+  Random random(72);
+  for (int i = 0; i < 5000; ++i) {
+    Pose X = At(5e-6 * i, 0.0, rest() - 1e-3);
+    X.p += random.InCube(20e-6);
+    const double ratio = Ratio(bench.Step(X), Vec3::UnitZ());
+    if (i < 300) continue;
+    ASSERT_LT(ratio, 0.301) << i;
+    ASSERT_GT(ratio, 0.3 - 0.09) << i;  // 2 * 40 um of tremble, in 1 mm of depth
+  }
+}
+
+TEST(Friction, HoldsATipThatTheHandTremblesAbout) {
+  // A stylus of 60 mm on its tip, free to turn about it: the tip stays, and no second order adds
+  // up.
+  const std::vector<Ball> stylus{{Vec3(0.0, 0.0, 0.001), 0.001}, {Vec3(0.02, 0.0, 0.06), 0.001}};
+  Bench bench(stylus, kPlane, Rubbing(FrictionModel::kCoulomb), Rough(0.8, 0.5));
+  bench.state().X_WG = At(0.0, 0.0, 0.0);
+  Random random(73);
+  double farthest = 0.0;
+  for (int i = 0; i < 60000; ++i) {
+    Pose X = At(0.0, 0.0, -1e-3);
+    X.p += random.InCube(20e-6);
+    X.q = RotationExp(random.InCube(1e-3));
+    const StepReport report = bench.Step(X);
+    ASSERT_EQ(report.friction_unsolved, 0);
+    farthest = std::max(farthest, std::hypot(report.X_WG.p.x(), report.X_WG.p.y()));
+  }
+  // The ball of the tip rolls: its lowest point stays, its origin goes by radius times angle.
+  EXPECT_LT(farthest, 3e-6);
+}
+
+TEST(Friction, HoldsInAGrooveByTheNormalForcesOfItsWalls) {
+  // Walls at +-45 degrees: each carries F / (2 cos 45), so friction along the groove is mu F /
+  // cos 45. Before it slides, walls may carry more, up to F / (2 (cos 45 - mu sin 45)): what they
+  // hold up by friction is not determined.
+  const double cosine = std::sqrt(0.5), sine = cosine;
+  for (const bool ball : {true, false}) {
+    const std::vector<Ball> rod{{Vec3(0.0, -0.02, 0.0), 0.005}, {Vec3(0.0, 0.02, 0.0), 0.005}};
+    Bench bench(ball ? kBallTool : rod,
+                {Plane(Vec3(sine, 0.0, cosine)), Plane(Vec3(-sine, 0.0, cosine))},
+                Rubbing(FrictionModel::kCoulomb), Rough(0.6, 0.4));
+    const double rest = 0.005 / cosine;
+    bench.state().X_WG = At(0.0, 0.0, rest);
+    double most = 0.0;
+    int sliding = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const StepReport report = bench.Step(At(0.0, 2e-6 * i, rest - 1e-3));
+      ASSERT_EQ(report.friction_unsolved, 0);
+      ExpectContactForcesAddUp(bench, report, 0.6);
+      const double ratio = -report.wrench.force.y() / report.wrench.force.z();
+      most = std::max(most, ratio);
+      ASSERT_NEAR(report.wrench.force.x(), 0.0, 1e-6);
+      if (2e-3 * i < 0.59 / cosine) {
+        ASSERT_NEAR(report.X_WG.p.y(), 0.0, 1e-10) << i;
+      } else if (report.X_WG.p.y() > 1e-6) {
+        ASSERT_NEAR(ratio, 0.4 / cosine, 1e-3) << i;
+        ++sliding;
+      }
+    }
+    EXPECT_GT(sliding, 500);
+    EXPECT_GT(most, 0.6 / cosine - 3e-3);
+    EXPECT_LT(most, 0.6 / (cosine - 0.6 * sine));
+  }
+}
+
+TEST(Friction, ResistsSpinWithTheTorqueOfItsFeet) {
+  Bench bench(BoxTool(), kPlane, Rubbing(FrictionModel::kCoulomb), Rough(0.6, 0.4));
+  bench.state().X_WG = At(0.0, 0.0, 0.01);
+  const double radius = 0.02 * std::sqrt(2.0);
+  double most = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    Pose X = At(0.0, 0.0, 0.01 - 1e-3);
+    X.q = RotationExp(Vec3(0.0, 0.0, 5e-5 * i));
+    const StepReport report = bench.Step(X);
+    ASSERT_EQ(report.friction_unsolved, 0);
+    ExpectContactForcesAddUp(bench, report, 0.6);
+    const double torque = -report.wrench.torque.z();
+    most = std::max(most, torque);
+    if (5e-5 * i < 0.59 * radius) {
+      ASSERT_NEAR(torque, 5e-5 * i, 1e-8) << i;
+    } else if (5e-5 * i > 0.61 * radius) {
+      ASSERT_NEAR(torque, 0.4 * radius, 4e-4 * radius) << i;
+    }
+  }
+  EXPECT_NEAR(most, 0.6 * radius, 6e-5);
+}
+
+TEST(Friction, TipsABoxOverItsEdgeRatherThanSlideIt) {
+  // Feet 2 mm apart, 10 mm below the centroid: it tips where 0.6 F * 10 mm is more than F * 1 mm
+  // and what the coupling's rotation takes.  A foot that has left the plane rubs no more.
+  Bench bench(BoxTool(0.001), kPlane, Rubbing(FrictionModel::kCoulomb), Rough(0.6, 0.6));
+  bench.state().X_WG = At(0.0, 0.0, 0.01);
+  StepReport report;
+  for (int i = 0; i < 3000; ++i) {
+    report = bench.Step(At(1e-6 * i, 0.0, 0.01 - 1e-3));
+    ASSERT_EQ(report.friction_unsolved, 0) << i;
+    ExpectContactForcesAddUp(bench, report, 0.6);
+  }
+  EXPECT_NEAR(Ratio(report, Vec3::UnitZ()), 0.6, 1e-3);
+  EXPECT_GT(report.wrench.torque.norm(), 1e-3);
+  for (int i = 0; i < report.contacts; ++i) {
+    const Vec3 foot =
+        bench.state().X_WG.Inverse() * report.active[static_cast<std::size_t>(i)].contact_W;
+    EXPECT_GT(foot.x(), 0.0);
+  }
+}
+
+/// A hand that wanders about in random objects on a leash of 5 mm and 0.2 rad to the graphic tool.
+template <class Each>
+void Wander(Bench& bench, Random& random, int steps, Each each) {
+  Pose X = bench.state().X_WG, goal = X;
+  for (int i = 0; i < steps; ++i) {
+    if (i % 200 == 0) goal = {random.InCube(0.05), random.Rotation()};
+    X.p += 0.01 * (goal.p - X.p);
+    X.q = X.q.slerp(0.01, goal.q);
+    const Vec3 off = X.p - bench.state().X_WG.p;
+    if (off.norm() > 5e-3) X.p -= (1.0 - 5e-3 / off.norm()) * off;
+    const Vec3 turn = RotationLog(X.q * bench.state().X_WG.q.conjugate());
+    if (turn.norm() > 0.2) X.q = RotationExp(0.2 / turn.norm() * turn) * bench.state().X_WG.q;
+    Pose hand = X;
+    hand.p += random.InCube(20e-6);
+    each(bench.Step(hand));
+  }
+}
+
+TEST(Friction, KeepsEveryForceInItsConeAndTheToolOutsideInRandomScenes) {
+  int contacts = 0, steps = 0, unsolved = 0, lowered = 0;
+  double deepest = 0.0;
+  for (const double mu : {0.1, 0.3, 0.6, 1.0}) {
+    for (int scene = 0; scene < 10; ++scene) {
+      Random random(static_cast<std::uint64_t>(1000 * scene) + 7);
+      Bench bench(RandomBalls(random, scene % 4 == 0 ? 1 : 60, 0.02, 0.004),
+                  RandomBalls(random, 200, 0.05, 0.005), Rubbing(FrictionModel::kCoulomb),
+                  Rough(1.5 * mu, mu));
+      bench.state().X_WG = At(0.0, 0.0, 0.15);
+      Wander(bench, random, 2000, [&](const StepReport& report) {
+        ASSERT_TRUE(report.wrench.force.allFinite() && report.wrench.torque.allFinite());
+        ExpectContactForcesAddUp(bench, report, 1.5 * mu);
+        deepest = std::max(deepest, bench.Penetration());
+        ++steps;
+        contacts += report.contacts > 0;
+        unsolved += report.friction_unsolved > 0;
+        lowered += report.friction_lowered > 0;
+      });
+    }
+  }
+  // Balls wedged among balls: more often than a scene, the laws have no solution there.
+  EXPECT_GT(contacts, 50000);
+  EXPECT_LT(deepest, 2e-6);
+  EXPECT_LT(lowered, contacts / 40);
+  EXPECT_LT(unsolved, contacts / 100);
+}
+
+/// The frictional problem of a sub-step, for oracles: minimise 1/2 |x - t|^2 + sum limit |S x|
+/// where a . x >= b.
+struct Problem {
+  using Vec6 = Eigen::Matrix<double, 6, 1>;
+  Vec6 t = Vec6::Zero();
+  std::vector<Vec6> a;
+  std::vector<double> b;
+  struct Rub {
+    Eigen::Matrix<double, 3, 6> S;
+    double limit;
+  };
+  std::vector<Rub> rubs;
+
+  double Cost(const Vec6& x) const {
+    double cost = 0.5 * (x - t).squaredNorm();
+    for (const Rub& rub : rubs) cost += rub.limit * (rub.S * x).norm();
+    return cost;
+  }
+  double Violation(const Vec6& x) const {
+    double most = 0.0;
+    for (std::size_t j = 0; j < a.size(); ++j) most = std::max(most, b[j] - a[j].dot(x));
+    return most;
+  }
+  /// A bound that the cost of no allowed x falls below, by plain coordinate ascent of the dual: any
+  /// lambda >= 0 and |f| <= limit give one.
+  double LowerBound(int sweeps) const {
+    std::vector<double> lambda(a.size(), 0.0);
+    std::vector<Vec3> f(rubs.size(), Vec3::Zero());
+    Vec6 x = t;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      double moved = 0.0;
+      for (std::size_t j = 0; j < a.size(); ++j) {
+        const double step = std::max(-lambda[j], (b[j] - a[j].dot(x)) / a[j].squaredNorm());
+        lambda[j] += step;
+        x += step * a[j];
+        moved = std::max(moved, std::fabs(step));
+      }
+      for (std::size_t i = 0; i < rubs.size(); ++i) {
+        const auto& S = rubs[i].S;
+        Vec3 next = f[i] + S * x / (S * S.transpose()).trace();
+        if (next.norm() > rubs[i].limit) next *= rubs[i].limit / next.norm();
+        x -= S.transpose() * (next - f[i]);
+        moved = std::max(moved, (next - f[i]).norm());
+        f[i] = next;
+      }
+      if (moved < 1e-16) break;
+    }
+    Vec6 d = Vec6::Zero();  // A^T lambda - S^T f, without what x has gathered of rounding
+    for (std::size_t j = 0; j < a.size(); ++j) d += lambda[j] * a[j];
+    for (std::size_t i = 0; i < rubs.size(); ++i) d -= rubs[i].S.transpose() * f[i];
+    double bound = -0.5 * d.squaredNorm();
+    for (std::size_t j = 0; j < a.size(); ++j) bound += lambda[j] * (b[j] - a[j].dot(t));
+    for (std::size_t i = 0; i < rubs.size(); ++i) bound += f[i].dot(rubs[i].S * t);
+    return bound;
+  }
+};
+
+TEST(Friction, MinimisesAsABruteForceSolverDoes) {
+  const double mu = 0.5;
+  int problems = 0, skipped = 0, contacts = 0, loose = 0;
+  double worst = 0.0, worst_lower = 0.0;
+  for (int scene = 0; scene < 12; ++scene) {
+    Random random(static_cast<std::uint64_t>(80 + scene));
+    Bench bench(RandomBalls(random, scene % 3 == 0 ? 1 : 40, 0.02, 0.004),
+                RandomBalls(random, 150, 0.05, 0.005), Rubbing(FrictionModel::kCoulomb),
+                Rough(mu, mu));
+    bench.state().X_WG = At(0.0, 0.0, 0.15);
+    const HapticModel& model = bench.model();
+    const bool turns = model.degrees_of_freedom() == 6;
+    const double rho = model.rotation_length();
+    int step = 0;
+    Wander(bench, random, 2000, [&](const StepReport& report) {
+      if (++step % 50 != 0 || report.contacts == 0) return;
+      const Pose& X = bench.state().X_WG;
+      const Mat3 R_WG = X.q.toRotationMatrix();
+      ContactRows& rows = bench.workspace().buffers().rows;
+      bench.workspace().buffers().prediction.Predict(
+          model, ActiveKernels(), R_WG, X * model.reference(), {1e-3, 2e-2}, {}, rows, nullptr);
+      // Towards the contacts, but not straight.
+      Target target{-2e-3 * report.wrench.force.normalized() + random.InCube(2e-3),
+                    random.InCube(0.05)};
+      Problem problem;
+      problem.t << target.v, turns ? Vec3(rho * target.phi) : Vec3::Zero();
+      for (int j = 0; j < rows.count(); ++j) {
+        problem.a.emplace_back();
+        problem.a.back() << rows.normal(j), rows.lever_cross_normal(j) / rho;
+        problem.b.push_back(-rows.gap(j));
+      }
+      QpResult qp =
+          turns ? SolveNearestPoint<6>(ActiveKernels(), problem.t.data(), rows.view(), nullptr, 0)
+                : SolveNearestPoint<3>(ActiveKernels(), problem.t.data(), rows.view(), nullptr, 0);
+      if (qp.status != QpStatus::kSolved || qp.active == 0) return;
+      FrictionState state;
+      FrictionForces forces;
+      StepReport counts;
+      AddCoulombFriction(model, ActiveKernels(), R_WG, target, rows, rows.view(), true, state, qp,
+                         forces, counts);
+      Problem::Vec6 x = Problem::Vec6::Zero();
+      for (int c = 0; c < model.degrees_of_freedom(); ++c) x[c] = qp.x[c];
+      if (counts.friction_lowered + counts.friction_unsolved > 0 ||
+          (turns && x.tail<3>().norm() / rho < model.parameters().max_rotation)) {
+        ++skipped;  // no minimum of Coulomb's was found; or Creep has been made good
+        return;
+      }
+      for (int i = 0; i < qp.active; ++i) {
+        const Vec3 n = rows.normal(qp.row[i]);
+        const LeafSphere& leaf =
+            model.tool().leaves()[static_cast<std::size_t>(rows.pair(qp.row[i]).tool)];
+        const Vec3 l = R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * n;
+        const Mat3 tangential = Mat3::Identity() - n * n.transpose();
+        Mat3 minus_l_cross;
+        minus_l_cross << 0.0, l.z(), -l.y(), -l.z(), 0.0, l.x(), l.y(), -l.x(), 0.0;
+        Problem::Rub rub;
+        rub.S << tangential, turns ? Mat3(tangential * minus_l_cross / rho) : Mat3::Zero();
+        rub.limit = mu * qp.multiplier[i];
+        problem.rubs.push_back(rub);
+      }
+      const double size = problem.t.norm();
+      ASSERT_LE(problem.Violation(x), 1e-11 * size);
+      // The distance to the minimiser is at most sqrt(2 (cost - minimum)): the cost is strongly
+      // convex.
+      double excess = problem.Cost(x) - problem.LowerBound(30000);
+      if (excess > 1e-10 * size * size) excess = problem.Cost(x) - problem.LowerBound(3000000);
+      ASSERT_GE(excess, -1e-12 * size * size);
+      const double distance = std::sqrt(2.0 * std::max(0.0, excess)) / size;
+      worst = std::max(worst, distance);
+      loose += distance > 2e-5;
+      // And no step that is allowed leads lower.
+      for (int k = 0; k < 500; ++k) {
+        Problem::Vec6 y = x;
+        const double length = size * std::pow(10.0, random.Uniform(-6.0, 0.0));
+        y.head<3>() += length * random.InCube(1.0);
+        if (turns) y.tail<3>() += length * random.InCube(1.0);
+        if (problem.Violation(y) > 0.0) continue;
+        worst_lower = std::max(worst_lower, (problem.Cost(x) - problem.Cost(y)) / (size * size));
+      }
+      ++problems;
+      contacts += qp.active;
+    });
+  }
+  EXPECT_GT(problems, 100);
+  EXPECT_GT(2 * contacts, 3 * problems);
+  // What sticks slips by 1e-10 of the size at most, 1e-8 where two contacts hold the tool between
+  // them; that costs as much, and the square root makes it 1e-5 and 1e-4.
+  EXPECT_LT(worst, 1e-4);
+  EXPECT_LT(loose, problems / 20);
+  EXPECT_LT(skipped, problems / 5);
+  EXPECT_LT(worst_lower, 1e-12);
+}
+
+TEST_P(FrictionTool, FollowsTheChaptersRuleWithItsResets) {
+  // 2.34 holds the tool until the hand is mu_s times as far ahead as it is deep; then it lets the
+  // tool go all the way, with mu_d times the normal force (2.29), and holds it again: a sawtooth.
+  Bench bench(tool(), kPlane, Rubbing(FrictionModel::kChapter), Rough(0.8, 0.3));
+  bench.state().X_WG = At(0.0, 0.0, rest());
+  double most = 0.0, sum = 0.0;
+  int steps = 0, releases = 0, longest = 0, resets = 0;
+  Vec3 before(0.0, 0.0, rest());
+  for (int i = 0; i < 4000; ++i) {
+    const Vec3 hand(2e-6 * i, 0.0, rest() - 1e-3);
+    const StepReport report = bench.Step({hand, Quat::Identity()});
+    const double ratio = Ratio(report, Vec3::UnitZ());
+    if (report.friction_resets > 0) {
+      ASSERT_EQ(report.X_WG.p, before);
+      ASSERT_EQ(report.friction_resets, resets + 1);
+      ASSERT_NEAR(ratio, 1e3 * (hand.x() - before.x()), 1e-4);
+    } else if (i > 0) {
+      ++releases;
+      ASSERT_NEAR(ratio, 0.3, 3e-3);
+      ASSERT_NEAR(report.X_WG.p.x(), hand.x(), 1e-6);
+    }
+    Vec3 force = Vec3::Zero();
+    for (int c = 0; c < report.contacts; ++c) {
+      const ActiveRow& row = report.active[static_cast<std::size_t>(c)];
+      force += row.force * row.normal + row.friction;
+    }
+    ASSERT_LT((force - report.wrench.force).norm(), 1e-6);
+    resets = report.friction_resets;
+    before = report.X_WG.p;
+    longest = std::max(longest, report.friction_resets);
+    most = std::max(most, ratio);
+    sum += ratio;
+    ++steps;
+  }
+  EXPECT_NEAR(releases, 8.0 / 0.8, 1.0);  // 8 mm of path, one release each 0.8 mm
+  EXPECT_NEAR(longest, 400, 2);
+  EXPECT_NEAR(most, 0.8, 3e-3);
+  EXPECT_NEAR(sum / steps, 0.4, 0.01);  // the mean of the sawtooth: neither mu_s nor mu_d
+}
+
+TEST(Friction, ResistsSpinByTheChaptersRotationRule) {
+  // About its own middle the equivalent contact point does not move; the rule for rotations holds.
+  Bench bench(BoxTool(), kPlane, Rubbing(FrictionModel::kChapter), Rough(0.8, 0.3));
+  bench.state().X_WG = At(0.0, 0.0, 0.01);
+  const double radius = 0.02 * std::sqrt(2.0);
+  double most = 0.0;
+  int releases = 0;
+  for (int i = 0; i < 4000; ++i) {
+    Pose X = At(0.0, 0.0, 0.01 - 1e-3);
+    X.q = RotationExp(Vec3(0.0, 0.0, 5e-5 * i));
+    const StepReport report = bench.Step(X);
+    most = std::max(most, -report.wrench.torque.z());
+    releases += i > 0 && report.friction_resets == 0;
+  }
+  EXPECT_NEAR(most, 0.8 * 1e-3 / radius, 1e-4);  // r theta = mu_s depth, times k_r = 1 N m/rad
+  EXPECT_GE(releases, 6);
+  EXPECT_LE(releases, 8);
+}
+
+TEST(Friction, OffGivesTheBitsOfASmoothObject) {
+  for (const bool box : {false, true}) {
+    Random random(75);
+    const std::vector<Ball> object = RandomBalls(random, 200, 0.05, 0.005);
+    const std::vector<Ball> tool = box ? BoxTool() : kBallTool;
+    Bench smooth(tool, object), rough(tool, object, {}, Rough(0.8, 0.3));
+    Bench frictionless(tool, object, Rubbing(FrictionModel::kCoulomb), Rough(0.0, 0.0));
+    for (Bench* bench : {&smooth, &rough, &frictionless}) bench->state().X_WG = At(0.0, 0.0, 0.1);
+    for (int i = 0; i < 2000; ++i) {
+      Pose X = At(1e-5 * i, 0.0, 0.1 - 5e-5 * i);
+      X.q = RotationExp(Vec3(1e-4 * i, 0.0, 0.0));
+      const StepReport a = smooth.Step(X), b = rough.Step(X), c = frictionless.Step(X);
+      ASSERT_EQ(a.wrench.force, b.wrench.force);
+      ASSERT_EQ(a.wrench.torque, b.wrench.torque);
+      ASSERT_EQ(a.X_WG.p, b.X_WG.p);
+      // mu = 0 takes the other way round to the same place.
+      ASSERT_LT((a.X_WG.p - c.X_WG.p).norm(), 1e-8) << i;
+    }
+  }
+}
+
+TEST(Friction, AllocatesNothing) {
+  for (const FrictionModel model : {FrictionModel::kChapter, FrictionModel::kCoulomb}) {
+    Random random(76);
+    Bench bench(RandomBalls(random, 60, 0.02, 0.004), RandomBalls(random, 200, 0.05, 0.005),
+                Rubbing(model), Rough(0.8, 0.3));
+    bench.state().X_WG = At(0.0, 0.0, 0.15);
+    const std::uint64_t before = test::AllocationsOfThisThread();
+    int contacts = 0;
+    Wander(bench, random, 2000, [&](const StepReport& report) { contacts += report.contacts; });
+    EXPECT_EQ(test::AllocationsOfThisThread(), before);
+    EXPECT_GT(contacts, 1000);
+  }
+}
+
+}  // namespace
+}  // namespace palpate
