@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/error.h"
+#include "server/physics/limits.h"
 #include "server/physics/surface/body_surfaces.h"
 
 namespace palpate {
@@ -42,8 +43,9 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   rotation_length_ = std::sqrt(parameters_.torsional_stiffness / parameters_.stiffness);
   const bool surface = parameters_.features.contact == ContactModel::kSurface;
   if (parameters_.max_rotation <= 0.0) {
-    const double lever = std::max(ToolTree::MaxLeverOf(tool), 1e-6);
-    parameters_.max_rotation = std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), 0.1);
+    const double lever = std::max(ToolTree::MaxLeverOf(tool), limits::kShortestLever);
+    parameters_.max_rotation =
+        std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), limits::kMostRotation);
   }
   if (surface != (objects_->surfaces() != nullptr)) {
     throw Error("step parameters: contact differs from the objects'; give MakeObjects the same");

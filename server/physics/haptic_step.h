@@ -9,6 +9,8 @@
 
 namespace palpate {
 
+struct StepBuffers;  // rows/step_buffers.h
+
 /// Buffers that a step needs, allocated once.  One per thread that steps, of any number of tools of
 /// one model; holds no state from step to step.
 class StepWorkspace {
@@ -16,11 +18,10 @@ class StepWorkspace {
   explicit StepWorkspace(const HapticModel& model);
   ~StepWorkspace();
   StepWorkspace(StepWorkspace&&) noexcept;
-  struct Buffers;
-  Buffers& buffers() { return *buffers_; }
+  StepBuffers& buffers() { return *buffers_; }
 
  private:
-  std::unique_ptr<Buffers> buffers_;
+  std::unique_ptr<StepBuffers> buffers_;
 };
 
 /// The haptic step, once per millisecond and tool: finds the pose of the graphic tool nearest to

@@ -10,7 +10,7 @@ namespace palpate {
 using LeafPair = NodePair;
 
 /// What the pair of a row names: leaves, or, told by a tag added to `tool`, parts of two surfaces
-/// (surface_prediction.h).
+/// (rows/surface_prediction.h).
 enum class RowKind : std::int32_t {
   kLeaves = 0,
   kPointOnPatch = 1,  ///< a point of the tool on a patch of an object

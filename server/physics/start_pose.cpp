@@ -1,6 +1,7 @@
 #include "server/physics/start_pose.h"
 
-#include "server/physics/step_buffers.h"
+#include "server/physics/limits.h"
+#include "server/physics/rows/step_buffers.h"
 #include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
@@ -16,7 +17,7 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, const LeafWear& wear,
 /// Shortest way out along `direction`, to within a sub-step's length: walks outward until free.
 double WayOut(const HapticModel& model, const Pose& X_WH, const Vec3& direction, double longest,
               const LeafWear& wear, StepWorkspace& workspace) {
-  const double stride = 2.0 * model.parameters().max_translation;
+  const double stride = limits::kStartStride * model.parameters().max_translation;
   for (double s = stride; s < longest; s += stride) {
     Pose X = X_WH;
     X.p += s * direction;
@@ -52,11 +53,12 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   state.friction.suspended = true;
   state.X_WG = X_start;
   state.X_WG.p += shortest * way;
-  constexpr int kLongestWalk = 5000;
-  for (int i = 0; i < kLongestWalk; ++i) {
+  for (int i = 0; i < limits::kLongestWalk; ++i) {
     const Vec3 before = state.X_WG.p;
     const StepReport report = HapticStep(model, X_start, state, workspace);
-    if ((report.faults & kFaultTargetFar) == 0 && (report.X_WG.p - before).norm() < 1e-7) break;
+    if ((report.faults & kFaultTargetFar) == 0 &&
+        (report.X_WG.p - before).norm() < limits::kSettled)
+      break;
   }
   const Vec3& c = model.reference();
   return {state.X_WG, (state.X_WG * c - X_start * c).norm()};

@@ -5,6 +5,7 @@
 #include "common/math/pose.h"
 #include "server/physics/haptic_model.h"
 #include "server/physics/leaf_pair.h"
+#include "server/physics/limits.h"
 #include "server/physics/step_types.h"
 #include "server/physics/tree/leaf_wear.h"
 
@@ -12,8 +13,8 @@ namespace palpate {
 
 /// What friction remembers from step to step.
 struct FrictionState {
-  /// Cycles since a contact last slipped, up to kStillCycles (friction.h), where mu_s holds.  A
-  /// tool that comes to a surface has not slipped.
+  /// Cycles since a contact last slipped, up to kStillCycles, where mu_s holds.  A tool that comes
+  /// to a surface has not slipped.
   int still = 1 << 20;
   int resets = 0;          ///< FrictionModel::kChapter: consecutive steps that 2.34 has reset
   bool suspended = false;  ///< no friction: for the walk to a start pose
@@ -22,6 +23,13 @@ struct FrictionState {
   std::array<LeafPair, 7> pair;
   std::array<double, 7> normal_force;
   std::array<Vec3, 7> force;  ///< in W
+
+  /// To be called where no row is active: what touches next has not slipped.
+  void Forget() noexcept {
+    still = limits::friction::kStillCycles;
+    resets = 0;
+    contacts = 0;
+  }
 };
 
 /// What one step hands to the next: all the memory that the physics has.  Copying it and stepping

@@ -10,6 +10,7 @@
 #include "scenes/scene.h"
 #include "scenes/sphere_tree.h"
 #include "server/physics/leaf_pair.h"
+#include "server/physics/limits.h"
 
 namespace palpate {
 
@@ -22,22 +23,23 @@ struct PlacedTree {
   std::span<const Material> materials{};          ///< empty: all leaves are of Material{}
 };
 
-/// Constants of the step.  Zero means "derived", by the rule in the comment.
+/// Constants of the step that a scene or a benchmark may set; limits.h derives them.  Zero means
+/// "derived", by the rule in the comment.
 struct StepParameters {
-  double stiffness = 1000.0;         ///< k_t [N/m], chapter 2.3
-  double torsional_stiffness = 1.0;  ///< k_r [N m/rad]
-  /// Greatest bound on |v| of one sub-step [m]: the chapter's 0.5 m/s for 1 ms.
-  double max_translation = 0.5e-3;
+  double stiffness = limits::kStiffness;                     ///< k_t [N/m]
+  double torsional_stiffness = limits::kTorsionalStiffness;  ///< k_r [N m/rad]
+  /// Greatest bound on |v| of one sub-step [m].
+  double max_translation = limits::kMaxTranslation;
   /// Greatest bound on |phi| of one sub-step [rad].  0: sqrt(2 e / L) with e = max_truncation and L
   /// the tool's longest lever arm, so that linearising a rotation is never off by more than e.
   double max_rotation = 0.0;
-  double max_truncation = 0.5e-6;  ///< [m]
-  int max_substeps = 8;            ///< per cycle; a count, never a clock
-  int max_rows = 16384;
+  double max_truncation = limits::kMaxTruncation;  ///< [m]
+  int max_substeps = limits::kMaxSubsteps;         ///< per cycle; a count, never a clock
+  int max_rows = limits::kMaxRows;
   /// A further sub-step is begun where one like the last would leave the cycle's packet pairs and
   /// candidates, which take some 10 ns each, below this: what a snap over a ledge costs at most,
   /// and the next cycle goes on.  A count, never a clock.
-  int max_tested = 5000;
+  int max_tested = limits::kMaxTested;
   Features features{.contact = ContactModel::kSpheres};
 };
 

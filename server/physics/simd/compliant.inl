@@ -1,20 +1,15 @@
-// The solver of SolveCompliant (qp_solver.h), one of the loops that each kernels_*.cpp compiles for
+// The solver of SolveCompliant (solve/qp_solver.h), one of the loops that each kernels_*.cpp compiles for
 // its instruction set.
 #include "common/qp/dual_active_set.inl"
+#include "server/physics/limits.h"
 #include "server/physics/simd/kernels.h"
 #include "common/qp/vector.h"
 
 namespace palpate {
 namespace {
 
-constexpr int kNewtonLimit = 60;
-constexpr int kLineSearchLimit = 40;
-/// A step is good where it gains this part of what its slope promises (Armijo).
-constexpr double kLeastGain = 1e-4;
-/// ... and a search along it may stop where the slope has come down to this part.
-constexpr double kSlopeLeft = 0.1;
-/// Error of a gradient over the size of its terms.
-constexpr double kRounding = 1e-14;
+using namespace limits::compliance;
+
 constexpr double kRelaxedCompliance = kSlackEntry * kSlackEntry;
 
 inline double SumOfLanes(D8 a) {

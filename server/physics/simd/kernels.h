@@ -106,7 +106,7 @@ struct RowColumns {
   NodePair* pair;    ///< leaves
 };
 
-/// Rows of which some are soft, see SolveCompliant in qp_solver.h.  Columns as in QpRows.
+/// Rows of which some are soft, see SolveCompliant in solve/qp_solver.h.  Columns as in QpRows.
 struct CompliantRows {
   QpRows rigid;            ///< what no step may violate: rigid rows, and the cores of soft ones
   const double* soft_b;    ///< a soft row pushes where a . x < soft_b
@@ -152,7 +152,7 @@ struct Kernels {
                             const NodePair* pairs, int count, std::int32_t tag, int first,
                             const RowColumns& rows);
 
-  /// Nearest point of a polyhedron, see SolveNearestPoint in qp_solver.h.
+  /// Nearest point of a polyhedron, see SolveNearestPoint in solve/qp_solver.h.
   QpResult (*solve_6)(const double* t, const QpRows& rows, const int* guess, int guesses);
   QpResult (*solve_3)(const double* t, const QpRows& rows, const int* guess, int guesses);
 

@@ -16,7 +16,7 @@ QpResult SolveNearestPoint(const Kernels& kernels, const double* t, const QpRows
 }
 
 /// Minimises 1/2 |x - t|^2 + sum eta_i^2 / (2 c_i) subject to a_i . x + eta_i >= b_i for soft rows,
-/// weight w_i = 1 / c_i, and a_i . x >= b_i for rigid ones: METHOD's diagonal in the dual.  Any
+/// weight w_i = 1 / c_i, and a_i . x >= b_i for rigid ones: a diagonal in the dual.  Any
 /// number of soft rows may yield at once, so they are not taken up one by one: they are a convex,
 /// piecewise quadratic energy, minimised by Newton's method in the N unknowns, a pass over the rows
 /// a turn (simd/compliant.inl).  The result's active rows are the rigid ones; a soft row's force is

@@ -6,20 +6,18 @@
 
 #include "scenes/scene.h"
 #include "server/physics/leaf_pair.h"
+#include "server/physics/limits.h"
 
 namespace palpate {
 
 class ObjectForest;
 
-/// How far a soft leaf lets itself be entered, as a share of its radius: inside is a rigid core
-/// with the same centre.  The force goes on without a jump where the core is met, only its slope
-/// changes; the normal cannot flip, for no ball gets past the centre of another.
-inline constexpr double kSoftShare = 0.5;
-
-/// Depth of that core below the leaf's surface [m]; 0 where the material is rigid.
+/// Depth of a soft leaf's rigid core (limits::kSoftShare) below the leaf's surface [m]; 0 where the
+/// material is rigid.
 inline double CoreDepth(const Material& material, double leaf_radius) {
-  return material.stiffness < std::numeric_limits<double>::infinity() ? kSoftShare * leaf_radius
-                                                                      : 0.0;
+  return material.stiffness < std::numeric_limits<double>::infinity()
+             ? limits::kSoftShare * leaf_radius
+             : 0.0;
 }
 
 /// What a leaf's finite stiffness means to the step.  Immutable.

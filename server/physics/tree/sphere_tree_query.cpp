@@ -6,13 +6,10 @@
 
 #include "common/error.h"
 #include "common/math/float_rounding.h"
+#include "server/physics/limits.h"
 
 namespace palpate {
 namespace {
-
-/// Float rounding inside the packet test is below 8 ulp of the radii's sum; every radius carries
-/// its share.
-constexpr double kRelativeMargin = 1e-6;
 
 SpherePacket EmptyPacket() {
   SpherePacket packet;
@@ -43,14 +40,14 @@ void SetLane(SpherePacket& packet, int lane, const Ball& ball, std::int32_t chil
   packet.y[lane] = RoundToFloat(c.y());
   packet.z[lane] = RoundToFloat(c.z());
   const Vec3 rounded(packet.x[lane], packet.y[lane], packet.z[lane]);
-  const double radius = (ball.radius + (rounded - c).norm()) * (1.0 + kRelativeMargin);
+  const double radius = (ball.radius + (rounded - c).norm()) * (1.0 + limits::kRadiusMargin);
   packet.radius[lane] =
       std::nextafter(RoundToFloat(radius), std::numeric_limits<float>::infinity());
   packet.child[lane] = child;
 }
 
 float LeverUp(double lever) {
-  return std::nextafter(RoundToFloat(lever * (1.0 + kRelativeMargin)),
+  return std::nextafter(RoundToFloat(lever * (1.0 + limits::kRadiusMargin)),
                         std::numeric_limits<float>::infinity());
 }
 
@@ -273,7 +270,7 @@ ToolTree::ToolTree(const SphereTree& tree, double world_extent, const Vec3& refe
   }
   // What float rounding of the pose and of the rotated centre can move a sphere by, near the
   // objects.
-  const double rounding = 2e-6 * (world_extent + 2.0 * reach_);
+  const double rounding = limits::kPoseMargin * (world_extent + 2.0 * reach_);
   // The longest lever below each node, from the leaves up.
   levels_.packets.assign(tree.packets.size(), EmptyToolPacket());
   levels_.level_begin = tree.level_begin;

@@ -105,12 +105,12 @@ TEST(SoftRows, MeetARigidCoreWithoutAJumpAndAreNotPassedThrough) {
   for (double z = 0.007; z > -0.004; z -= step) {
     const StepReport report = bench.Step(At(0.0, 0.0, z));
     EXPECT_EQ(report.faults, 0u);
-    EXPECT_GE(report.X_WG.p.z(), r_tool + (1.0 - kSoftShare) * r - 1e-12) << z;
+    EXPECT_GE(report.X_WG.p.z(), r_tool + (1.0 - limits::kSoftShare) * r - 1e-12) << z;
     EXPECT_LE(report.wrench.force.z() - before, 1.0001 * kCoupling * step) << z;
     EXPECT_GE(report.wrench.force.z() - before, -1e-9) << z;
     before = report.wrench.force.z();
   }
-  EXPECT_NEAR(before, kCoupling * (r_tool + (1.0 - kSoftShare) * r + 0.004), 0.02);
+  EXPECT_NEAR(before, kCoupling * (r_tool + (1.0 - limits::kSoftShare) * r + 0.004), 0.02);
 }
 
 TEST(SoftRows, StopAToolThatIsThrustThroughAThinSoftPlate) {

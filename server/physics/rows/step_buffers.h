@@ -2,16 +2,16 @@
 
 #include <optional>
 
-#include "server/physics/haptic_step.h"
+#include "server/physics/haptic_model.h"
 #include "server/physics/rows/contact_prediction.h"
 #include "server/physics/rows/contact_rows.h"
 #include "server/physics/rows/soft_rows.h"
 
 namespace palpate {
 
-/// What a StepWorkspace holds.
-struct StepWorkspace::Buffers {
-  explicit Buffers(const HapticModel& model)
+/// The scratch of a step, allocated once: what a StepWorkspace holds.
+struct StepBuffers {
+  explicit StepBuffers(const HapticModel& model)
       : prediction(model),
         rows(model.parameters().max_rows, PairQuery::kMaxBatch, model.degrees_of_freedom(),
              model.rotation_length()) {
@@ -23,6 +23,5 @@ struct StepWorkspace::Buffers {
   ContactRows rows;
   std::optional<SoftRows> soft;  ///< where the model has soft leaves
 };
-using StepBuffers = StepWorkspace::Buffers;
 
 }  // namespace palpate

@@ -1,49 +1,19 @@
-#include "server/physics/solve/friction.h"
+#include "server/physics/solve/coulomb_friction.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/math/rotation.h"
-#include "server/physics/tree/sphere_tree_query.h"
+#include "server/physics/limits.h"
+#include "server/physics/rows/contact_place.h"
+#include "server/physics/solve/linear_system.h"
+#include "server/physics/solve/qp_solver.h"
 
 namespace palpate {
 
-ContactPlace PlaceOf(const HapticModel& model, const ContactRows& rows, int row,
-                     const Mat3& R_WG) noexcept {
-  const LeafPair pair = rows.pair(row);
-  if (KindOf(pair) != RowKind::kLeaves) {
-    return {rows.lever(row), model.LeafOf(pair)};
-  }
-  const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(pair.tool)];
-  return {R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * rows.normal(row), pair.object};
-}
-
 namespace {
 
-/// Stiffness against what rows and sticking contacts still miss, as a ratio to k_t.  Each step
-/// divides that by about as much; its square must not reach 1 / epsilon.
-constexpr double kPenalty = 1e5;
-/// Leap: the same where it only decides whether a contact presses and slips.  About the inverse of
-/// how far a unit force moves a contact, which makes a single contact's first guess right.
-constexpr double kTrial = 1.0;
-constexpr int kLeapSteps = 24, kHalvings = 3;
-/// Walk: penalties from 1 to this, tenfold each time, and updates of the forces.
-constexpr double kWalkPenalty = 1e4;
-constexpr int kWalkUpdates = 40, kWalkSteps = 30, kShorter = 6;
-/// Updates after which Leap tries again, and its steps then.
-constexpr int kWalkRaises = 5, kSecondLeap = 12;
-/// Relative to the size of the problem: what the forces may miss of their laws.
-constexpr double kLeapt = 1e-10, kNear = 1e-8, kBalanced = 1e-10, kWalked = 1e-7;
-/// Relative to that size: the QP's optimum against Newton's.
-constexpr double kAgreed = 1e-9;
-/// Relative to that size: the slip above which a contact is sliding.  One at its limit that others
-/// hold is not.
-constexpr double kSlid = 1e-6;
-/// Newton steps of a cycle after which Walk gives up.
-constexpr int kCycleSteps = 160;
-constexpr int kRounds = 6;  ///< of the QP over all rows and Newton's method over the contacts
-constexpr int kDraws = 8;   ///< of forces into their cones
+using namespace limits::friction;
 
 template <int N>
 double Dot(const double (&a)[N], const double (&b)[N]) {
@@ -52,61 +22,20 @@ double Dot(const double (&a)[N], const double (&b)[N]) {
   return sum;
 }
 
-/// H x = g, for the linear part of a step: forces a (base + k b . x) are added one by one to the
-/// identity.
-template <int N>
-class LinearSystem {
- public:
-  explicit LinearSystem(const double (&g)[N]) {
-    for (int r = 0; r < N; ++r) {
-      g_[r] = g[r];
-      for (int c = 0; c < N; ++c) H_[r][c] = r == c ? 1.0 : 0.0;
-    }
-  }
-  void Add(const double (&a)[N], double base, double k, const double (&b)[N]) {
-    for (int r = 0; r < N; ++r) {
-      g_[r] -= base * a[r];
-      const double part = k * a[r];
-      for (int c = 0; c < N; ++c) H_[r][c] += part * b[c];
-    }
-  }
-  /// By elimination with row exchanges.
-  void Solve(double (&x)[N]) {
-    for (int k = 0; k < N; ++k) {
-      int pivot = k;
-      for (int i = k + 1; i < N; ++i) {
-        if (std::fabs(H_[i][k]) > std::fabs(H_[pivot][k])) pivot = i;
-      }
-      if (pivot != k) {
-        std::swap(H_[pivot], H_[k]);
-        std::swap(g_[pivot], g_[k]);
-      }
-      const double inverse = 1.0 / H_[k][k];
-      for (int i = k + 1; i < N; ++i) {
-        const double part = H_[i][k] * inverse;
-        for (int j = k + 1; j < N; ++j) H_[i][j] -= part * H_[k][j];
-        g_[i] -= part * g_[k];
-      }
-    }
-    for (int k = N - 1; k >= 0; --k) {
-      double sum = g_[k];
-      for (int j = k + 1; j < N; ++j) sum -= H_[k][j] * x[j];
-      x[k] = sum / H_[k][k];
-    }
-  }
-
- private:
-  double H_[N][N], g_[N];
-};
-
 /// The contacts of a sub-step, and two methods that find their forces.  Lengths in metres; forces
 /// too, over k_t.
 template <int N>
 class FrictionalContacts {
  public:
-  FrictionalContacts(const HapticModel& model, const Mat3& R_WG, const ContactRows& rows,
-                     const QpRows& rigid, const double* t, const QpResult& qp, bool still)
-      : model_(model), R_WG_(R_WG), rows_(rows), rigid_(rigid), slack_(qp.slack), still_(still) {
+  /// @param t  N, the target.
+  FrictionalContacts(const StepContext& context, const double* t)
+      : model_(context.model),
+        R_WG_(context.R_WG),
+        rows_(context.buffers.rows),
+        rigid_(context.rigid),
+        slack_(context.optimum.qp.slack),
+        still_(context.state.friction.still >= kStillCycles) {
+    const QpResult& qp = context.optimum.qp;
     double tt = 0.0, moved = 0.0;
     for (int c = 0; c < N; ++c) {
       t_[c] = t[c];
@@ -569,8 +498,9 @@ class FrictionalContacts {
 /// those of the frictionless optimum.  Where the last ones are there, the others start without
 /// force, for those together balanced the hand.
 template <int N>
-void AddContacts(const ContactRows& rows, const QpResult& qp, const FrictionState& state,
-                 FrictionalContacts<N>& contacts) {
+void AddContacts(const StepContext& context, FrictionalContacts<N>& contacts) {
+  const FrictionState& state = context.state.friction;
+  const QpResult& qp = context.optimum.qp;
   const auto frictionless = [&](int row) {
     const int* found = std::find(qp.row, qp.row + qp.active, row);
     return found == qp.row + qp.active ? 0.0 : qp.multiplier[found - qp.row];
@@ -578,7 +508,7 @@ void AddContacts(const ContactRows& rows, const QpResult& qp, const FrictionStat
   for (int i = 0; i < state.contacts; ++i) {
     const auto k = static_cast<std::size_t>(i);
     int row;
-    if (rows.Find(&state.pair[k], 1, &row) == 1) {
+    if (context.buffers.rows.Find(&state.pair[k], 1, &row) == 1) {
       contacts.Add(row, frictionless(row), state.normal_force[k], state.force[k]);
     }
   }
@@ -589,19 +519,20 @@ void AddContacts(const ContactRows& rows, const QpResult& qp, const FrictionStat
 }
 
 /// False where the frictionless optimum stays.
+/// @param t  N, the target.
 template <int N>
-bool Solve(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const double* t,
-           const ContactRows& rows, const QpRows& rigid, FrictionState& state, QpResult& qp,
-           FrictionForces& forces, StepReport& report) {
-  FrictionalContacts<N> contacts(model, R_WG, rows, rigid, t, qp, state.still >= kStillCycles);
-  AddContacts(rows, qp, state, contacts);
+bool Solve(StepContext& context, const double* t) {
+  StepReport& report = context.report;
+  QpResult& qp = context.optimum.qp;
+  FrictionalContacts<N> contacts(context, t);
+  AddContacts(context, contacts);
   QpResult shifted;
   const auto solve_shifted = [&] {
     double target[N];
     int guess[kMaxActiveRows];
     contacts.ShiftedTarget(target);
     const int guesses = contacts.Pressed(guess);
-    shifted = SolveNearestPoint<N>(kernels, target, rigid, guess, guesses);
+    shifted = SolveNearestPoint<N>(context.kernels, target, context.rigid, guess, guesses);
     report.qp_iterations += shifted.iterations;
     return shifted.status != QpStatus::kIterationLimit;
   };
@@ -620,12 +551,12 @@ bool Solve(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, c
   for (int draw = 0; !solved && contacts.DrawIn(shifted); ++draw) {
     if (draw == kDraws || !solve_shifted()) return false;
   }
-  if (contacts.slides()) state.still = 0;
+  if (contacts.slides()) context.state.friction.still = 0;
   std::copy(shifted.x, shifted.x + N, qp.x);
-  contacts.Write(state, qp, forces);
+  contacts.Write(context.state.friction, qp, context.optimum.friction);
   if constexpr (N == 6) {
-    const Vec3 phi = Vec3(qp.x[3], qp.x[4], qp.x[5]) / model.rotation_length();
-    if (phi.norm() <= model.parameters().max_rotation) {
+    const Vec3 phi = Vec3(qp.x[3], qp.x[4], qp.x[5]) / context.model.rotation_length();
+    if (phi.norm() <= context.model.parameters().max_rotation) {
       const Vec3 creep = contacts.Creep(phi);
       for (int c = 0; c < 3; ++c) qp.x[c] -= creep[c];
     }
@@ -635,95 +566,24 @@ bool Solve(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, c
 
 }  // namespace
 
-void AddCoulombFriction(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
-                        const Target& target, const ContactRows& rows, const QpRows& rigid,
-                        bool first_substep, FrictionState& state, QpResult& qp,
-                        FrictionForces& forces, StepReport& report) noexcept {
-  if (first_substep && state.still < kStillCycles) ++state.still;
-  const double rho = model.rotation_length();
-  const double t[6] = {target.v.x(),         target.v.y(),         target.v.z(),
-                       rho * target.phi.x(), rho * target.phi.y(), rho * target.phi.z()};
-  const auto solve = model.degrees_of_freedom() == 6 ? Solve<6> : Solve<3>;
-  if (!solve(model, kernels, R_WG, t, rows, rigid, state, qp, forces, report)) {
-    for (Vec3& force : forces) force.setZero();
+void AddCoulombFriction(StepContext& context) noexcept {
+  FrictionState& state = context.state.friction;
+  Optimum& optimum = context.optimum;
+  if (context.report.substeps == 0 && state.still < kStillCycles) ++state.still;
+  const double rho = context.model.rotation_length();
+  // The push of soft contacts counts as it is without friction.
+  const Vec3 v = context.target.v + context.yielding.force;
+  const Vec3 phi = context.target.phi + context.yielding.torque / (rho * rho);
+  const double t[6] = {v.x(), v.y(), v.z(), rho * phi.x(), rho * phi.y(), rho * phi.z()};
+  const bool turns = context.model.degrees_of_freedom() == 6;
+  optimum.rubs = true;
+  if (!(turns ? Solve<6>(context, t) : Solve<3>(context, t))) {
+    for (Vec3& force : optimum.friction) force.setZero();
     state.contacts = 0;
   }
-}
-
-namespace {
-
-/// Distance of p from the screw axis of the movement that turns the tool by `turn` while its
-/// reference point goes from `from` by `way`.
-double DistanceFromAxis(const Vec3& p, const Quat& turn, const Vec3& from, const Vec3& way) {
-  const double sine = turn.vec().norm();  // of half the angle
-  const Vec3 axis = turn.vec() / sine;
-  const Vec3 across = way - way.dot(axis) * axis;
-  const Vec3 on_axis = from + 0.5 * (across + turn.w() / sine * axis.cross(across));
-  return (p - on_axis).cross(axis).norm();
-}
-
-}  // namespace
-
-void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepState& state,
-                        StepReport& report) noexcept {
-  const int contacts = report.contacts;
-  const Pose X_WG = state.X_WG;
-  Vec3 point = Vec3::Zero();  // 2.26
-  double mu_s = 0.0, mu_d = 0.0, pressed = 0.0;
-  for (int i = 0; i < contacts; ++i) {
-    const ActiveRow& row = report.active[static_cast<std::size_t>(i)];
-    const Material& material = model.objects().MaterialOf(row.object_leaf);
-    point += row.contact_W / contacts;
-    mu_s += material.static_friction / contacts;
-    mu_d += material.dynamic_friction / contacts;
-    pressed += row.force;
-  }
-  if (contacts == 0 || !(mu_s > 0.0) || !(pressed > 0.0)) {
-    state.friction.resets = 0;
-    return;
-  }
-  const Pose X_WG_inverse = X_WG.Inverse();
-  const Vec3 point_G = X_WG_inverse * point;
-  const double depth = (point - state.X_WH * point_G).norm();  // 2.25, 2.27
-  const double moved = (X_before * point_G - point).norm();
-  const double k_alpha = moved <= mu_s * depth ? 1.0 : mu_d / mu_s;  // 2.30
-
-  const Vec3& reference = model.reference();
-  const Vec3 p_before = X_before * reference, p_now = X_WG * reference;
-  const Quat turn = X_WG.q * X_before.q.conjugate();
-  const Vec3 angle = RotationLog(turn);
-  double k_theta = 1.0;
-  const bool turns = model.degrees_of_freedom() == 6 && turn.vec().squaredNorm() > 1e-24;
-  if (turns) {
-    double arm = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < contacts; ++i) {
-      const Vec3& contact_W = report.active[static_cast<std::size_t>(i)].contact_W;
-      arm = std::min(arm, DistanceFromAxis(contact_W, turn, p_before, p_now - p_before));
-    }
-    if (arm * angle.norm() > mu_s * depth) k_theta = mu_d / mu_s;  // 2.32
-  }
-
-  const Vec3 p_star = p_before + (1.0 - k_alpha) * (p_now - p_before);    // 2.29
-  const Quat q_star = RotationExp((1.0 - k_theta) * angle) * X_before.q;  // 2.33
-  const StepParameters& parameters = model.parameters();
-  const Vec3 force = parameters.stiffness * (p_star - state.X_WH * reference);  // 2.28
-  const Vec3 added = force - report.wrench.force;
-  report.wrench.force = force;
-  if (model.degrees_of_freedom() == 6) {
-    report.wrench.torque =
-        parameters.torsional_stiffness * RotationLog(q_star * state.X_WH.q.conjugate());  // 2.31
-  }
-  const bool reset = k_alpha == 1.0 && k_theta == 1.0;  // 2.34
-  for (int i = 0; i < contacts; ++i) {
-    ActiveRow& row = report.active[static_cast<std::size_t>(i)];
-    row.friction = row.force / pressed * added;
-    if (!reset) continue;
-    row.offset += row.normal.dot(p_now - p_before) + row.lever_cross_normal.dot(angle);
-    row.contact_W = X_before * (X_WG_inverse * row.contact_W);
-  }
-  state.friction.resets = reset ? state.friction.resets + 1 : 0;
-  report.friction_resets = state.friction.resets;
-  if (reset) state.X_WG = X_before;
+  const double* x = optimum.qp.x;
+  optimum.v = Vec3(x[0], x[1], x[2]);
+  if (turns) optimum.phi = Vec3(x[3], x[4], x[5]) / rho;
 }
 
 }  // namespace palpate

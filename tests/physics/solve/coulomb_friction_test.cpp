@@ -1,63 +1,21 @@
-#include "server/physics/solve/friction.h"
+#include "server/physics/solve/coulomb_friction.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
-#include "server/physics/step_buffers.h"
+#include "server/physics/rows/step_buffers.h"
+#include "server/physics/solve/qp_solver.h"
+#include "tests/physics/solve/friction_bench.h"
 #include "tests/support/allocation_counter.h"
-#include "tests/support/step_bench.h"
 
 namespace palpate {
 namespace {
 
-using test::At;
-using test::Ball;
-using test::Bench;
-using test::Paint;
-using test::Random;
-using test::RandomBalls;
+using namespace test;
 
 constexpr double kStiffness = 1000.0;
-
-StepParameters Rubbing(FrictionModel model) {
-  StepParameters parameters;
-  parameters.features.friction = model;
-  return parameters;
-}
-
-Paint Rough(double mu_s, double mu_d) {
-  Material material;
-  material.static_friction = mu_s;
-  material.dynamic_friction = mu_d;
-  return test::AllOf(material);
-}
-
-/// A ball whose top is a plane at z = 0: flat to 2 um over 0.6 m.
-const std::vector<Ball> kPlane{{Vec3(0.0, 0.0, -1e5), 1e5}};
-const std::vector<Ball> kBallTool{{Vec3::Zero(), 0.005}};
-
-/// Balls at the corners of a box: the soles of four lie 10 mm below the centroid, `half` off it.
-std::vector<Ball> BoxTool(double half = 0.02) {
-  std::vector<Ball> corners;
-  for (const double x : {-half, half}) {
-    for (const double y : {-half, half}) {
-      for (const double z : {-0.0095, 0.0095}) corners.push_back({Vec3(x, y, z), 0.0005});
-    }
-  }
-  return corners;
-}
-
-/// A plane through the origin with a given normal.
-Ball Plane(const Vec3& normal) {
-  return {-1e5 * normal.normalized(), 1e5};
-}
-
-double Ratio(const StepReport& report, const Vec3& normal) {
-  const double pressed = report.wrench.force.dot(normal);
-  return (report.wrench.force - pressed * normal).norm() / pressed;
-}
 
 /// What holds in every step: forces in their cones, across their normals, and adding up.
 void ExpectContactForcesAddUp(const Bench& bench, const StepReport& report, double mu_s) {
@@ -74,11 +32,6 @@ void ExpectContactForcesAddUp(const Bench& bench, const StepReport& report, doub
             kStiffness * bench.model().parameters().max_truncation + 1e-6 * force.norm());
 }
 
-class FrictionTool : public testing::TestWithParam<bool> {
- protected:
-  std::vector<Ball> tool() const { return GetParam() ? BoxTool() : kBallTool; }
-  double rest() const { return GetParam() ? 0.01 : 0.005; }  ///< height where it touches
-};
 INSTANTIATE_TEST_SUITE_P(BallAndBox, FrictionTool, testing::Bool(),
                          [](const auto& which) { return which.param ? "Box" : "Ball"; });
 
@@ -148,9 +101,9 @@ TEST_P(FrictionTool, BreaksAwayAtTheStaticLimitAndSticksAgainWhenTheHandRests) {
   };
   EXPECT_NEAR(pull(1000, 2e-3), 0.8, 3e-3);  // up to one step's 2 um short of it
   EXPECT_NEAR(pull(1000, 2e-3), 0.3, 1e-3);
-  EXPECT_NEAR(pull(kStillCycles / 2, 0.0), 0.3, 1e-3);  // too short a rest
+  EXPECT_NEAR(pull(limits::friction::kStillCycles / 2, 0.0), 0.3, 1e-3);  // too short a rest
   EXPECT_NEAR(pull(1000, 2e-3), 0.3, 1e-3);
-  pull(2 * kStillCycles, 0.0);
+  pull(2 * limits::friction::kStillCycles, 0.0);
   EXPECT_NEAR(pull(1000, 2e-3), 0.8, 3e-3);
   EXPECT_NEAR(pull(100, 2e-3), 0.3, 1e-3);
   // Off the plane and down again: what touches has not slipped.
@@ -286,24 +239,6 @@ TEST(Friction, TipsABoxOverItsEdgeRatherThanSlideIt) {
   }
 }
 
-/// A hand that wanders about in random objects on a leash of 5 mm and 0.2 rad to the graphic tool.
-template <class Each>
-void Wander(Bench& bench, Random& random, int steps, Each each) {
-  Pose X = bench.state().X_WG, goal = X;
-  for (int i = 0; i < steps; ++i) {
-    if (i % 200 == 0) goal = {random.InCube(0.05), random.Rotation()};
-    X.p += 0.01 * (goal.p - X.p);
-    X.q = X.q.slerp(0.01, goal.q);
-    const Vec3 off = X.p - bench.state().X_WG.p;
-    if (off.norm() > 5e-3) X.p -= (1.0 - 5e-3 / off.norm()) * off;
-    const Vec3 turn = RotationLog(X.q * bench.state().X_WG.q.conjugate());
-    if (turn.norm() > 0.2) X.q = RotationExp(0.2 / turn.norm() * turn) * bench.state().X_WG.q;
-    Pose hand = X;
-    hand.p += random.InCube(20e-6);
-    each(bench.Step(hand));
-  }
-}
-
 TEST(Friction, KeepsEveryForceInItsConeAndTheToolOutsideInRandomScenes) {
   int contacts = 0, steps = 0, unsolved = 0, lowered = 0;
   double deepest = 0.0;
@@ -420,15 +355,19 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
         problem.a.back() << rows.normal(j), rows.lever_cross_normal(j) / rho;
         problem.b.push_back(-rows.gap(j));
       }
-      QpResult qp =
+      const QpResult frictionless =
           turns ? SolveNearestPoint<6>(ActiveKernels(), problem.t.data(), rows.view(), nullptr, 0)
                 : SolveNearestPoint<3>(ActiveKernels(), problem.t.data(), rows.view(), nullptr, 0);
-      if (qp.status != QpStatus::kSolved || qp.active == 0) return;
-      FrictionState state;
-      FrictionForces forces;
+      if (frictionless.status != QpStatus::kSolved || frictionless.active == 0) return;
+      StepState state;
       StepReport counts;
-      AddCoulombFriction(model, ActiveKernels(), R_WG, target, rows, rows.view(), true, state, qp,
-                         forces, counts);
+      StepContext context(model, state, bench.workspace().buffers(), counts);
+      context.R_WG = R_WG;
+      context.target = target;
+      context.rigid = rows.view();
+      context.optimum.qp = frictionless;
+      AddCoulombFriction(context);
+      const QpResult& qp = context.optimum.qp;
       Problem::Vec6 x = Problem::Vec6::Zero();
       for (int c = 0; c < model.degrees_of_freedom(); ++c) x[c] = qp.x[c];
       if (counts.friction_lowered + counts.friction_unsolved > 0 ||
@@ -482,65 +421,6 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
   EXPECT_LT(worst_lower, 1e-12);
 }
 
-TEST_P(FrictionTool, FollowsTheChaptersRuleWithItsResets) {
-  // 2.34 holds the tool until the hand is mu_s times as far ahead as it is deep; then it lets the
-  // tool go all the way, with mu_d times the normal force (2.29), and holds it again: a sawtooth.
-  Bench bench(tool(), kPlane, Rubbing(FrictionModel::kChapter), Rough(0.8, 0.3));
-  bench.state().X_WG = At(0.0, 0.0, rest());
-  double most = 0.0, sum = 0.0;
-  int steps = 0, releases = 0, longest = 0, resets = 0;
-  Vec3 before(0.0, 0.0, rest());
-  for (int i = 0; i < 4000; ++i) {
-    const Vec3 hand(2e-6 * i, 0.0, rest() - 1e-3);
-    const StepReport report = bench.Step({hand, Quat::Identity()});
-    const double ratio = Ratio(report, Vec3::UnitZ());
-    if (report.friction_resets > 0) {
-      ASSERT_EQ(report.X_WG.p, before);
-      ASSERT_EQ(report.friction_resets, resets + 1);
-      ASSERT_NEAR(ratio, 1e3 * (hand.x() - before.x()), 1e-4);
-    } else if (i > 0) {
-      ++releases;
-      ASSERT_NEAR(ratio, 0.3, 3e-3);
-      ASSERT_NEAR(report.X_WG.p.x(), hand.x(), 1e-6);
-    }
-    Vec3 force = Vec3::Zero();
-    for (int c = 0; c < report.contacts; ++c) {
-      const ActiveRow& row = report.active[static_cast<std::size_t>(c)];
-      force += row.force * row.normal + row.friction;
-    }
-    ASSERT_LT((force - report.wrench.force).norm(), 1e-6);
-    resets = report.friction_resets;
-    before = report.X_WG.p;
-    longest = std::max(longest, report.friction_resets);
-    most = std::max(most, ratio);
-    sum += ratio;
-    ++steps;
-  }
-  EXPECT_NEAR(releases, 8.0 / 0.8, 1.0);  // 8 mm of path, one release each 0.8 mm
-  EXPECT_NEAR(longest, 400, 2);
-  EXPECT_NEAR(most, 0.8, 3e-3);
-  EXPECT_NEAR(sum / steps, 0.4, 0.01);  // the mean of the sawtooth: neither mu_s nor mu_d
-}
-
-TEST(Friction, ResistsSpinByTheChaptersRotationRule) {
-  // About its own middle the equivalent contact point does not move; the rule for rotations holds.
-  Bench bench(BoxTool(), kPlane, Rubbing(FrictionModel::kChapter), Rough(0.8, 0.3));
-  bench.state().X_WG = At(0.0, 0.0, 0.01);
-  const double radius = 0.02 * std::sqrt(2.0);
-  double most = 0.0;
-  int releases = 0;
-  for (int i = 0; i < 4000; ++i) {
-    Pose X = At(0.0, 0.0, 0.01 - 1e-3);
-    X.q = RotationExp(Vec3(0.0, 0.0, 5e-5 * i));
-    const StepReport report = bench.Step(X);
-    most = std::max(most, -report.wrench.torque.z());
-    releases += i > 0 && report.friction_resets == 0;
-  }
-  EXPECT_NEAR(most, 0.8 * 1e-3 / radius, 1e-4);  // r theta = mu_s depth, times k_r = 1 N m/rad
-  EXPECT_GE(releases, 6);
-  EXPECT_LE(releases, 8);
-}
-
 TEST(Friction, OffGivesTheBitsOfASmoothObject) {
   for (const bool box : {false, true}) {
     Random random(75);
@@ -563,17 +443,15 @@ TEST(Friction, OffGivesTheBitsOfASmoothObject) {
 }
 
 TEST(Friction, AllocatesNothing) {
-  for (const FrictionModel model : {FrictionModel::kChapter, FrictionModel::kCoulomb}) {
-    Random random(76);
-    Bench bench(RandomBalls(random, 60, 0.02, 0.004), RandomBalls(random, 200, 0.05, 0.005),
-                Rubbing(model), Rough(0.8, 0.3));
-    bench.state().X_WG = At(0.0, 0.0, 0.15);
-    const std::uint64_t before = test::AllocationsOfThisThread();
-    int contacts = 0;
-    Wander(bench, random, 2000, [&](const StepReport& report) { contacts += report.contacts; });
-    EXPECT_EQ(test::AllocationsOfThisThread(), before);
-    EXPECT_GT(contacts, 1000);
-  }
+  Random random(76);
+  Bench bench(RandomBalls(random, 60, 0.02, 0.004), RandomBalls(random, 200, 0.05, 0.005),
+              Rubbing(FrictionModel::kCoulomb), Rough(0.8, 0.3));
+  bench.state().X_WG = At(0.0, 0.0, 0.15);
+  const std::uint64_t before = test::AllocationsOfThisThread();
+  int contacts = 0;
+  Wander(bench, random, 2000, [&](const StepReport& report) { contacts += report.contacts; });
+  EXPECT_EQ(test::AllocationsOfThisThread(), before);
+  EXPECT_GT(contacts, 1000);
 }
 
 }  // namespace

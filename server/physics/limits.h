@@ -1,0 +1,147 @@
+#pragma once
+
+/// Every constant of the haptic step on one page: unit, usual value, and what it derives from.
+/// Elsewhere are only those of the QP over rigid rows, which other programs use without the step
+/// (common/qp), and those of surface contact, which stand with its rules (surface/, rows/,
+/// solve/step_bounds.cpp).  Numbers alone, so that the kernels may include this page too.  "Taken"
+/// means chosen, not derived: another value costs time, and no rule rests on it.
+namespace palpate::limits {
+
+// --- The coupling: StepParameters, unless the scene says otherwise. ---
+
+/// k_t [N/m] and k_r [N m/rad]: the chapter's 1 N/mm and 1000 mN m/rad (2.3).
+inline constexpr double kStiffness = 1000.0;
+inline constexpr double kTorsionalStiffness = 1.0;
+
+// --- A sub-step: StepParameters, unless a benchmark says otherwise. ---
+
+/// Widest bound on |v| [m]: the chapter's fastest hand, 0.5 m/s, in 1 ms.
+inline constexpr double kMaxTranslation = 0.5e-3;
+/// What linearising a rotation may miss by [m]: half of the 1 um that a step may leave.  It gives
+/// the widest bound on |phi|, sqrt(2 kMaxTruncation / L) with L the tool's longest lever arm.
+inline constexpr double kMaxTruncation = 0.5e-6;
+/// L is taken to be at least this [m], so that the bound is finite for a single sphere; and the
+/// bound at most this [rad], which it reaches where L is 2 kMaxTruncation / 0.1^2 = 0.1 mm.
+inline constexpr double kShortestLever = 1e-6;
+inline constexpr double kMostRotation = 0.1;
+/// Sub-steps in a cycle.  Eight of kMaxTranslation follow a hand at 4 m/s.
+inline constexpr int kMaxSubsteps = 8;
+/// Rows of a sub-step: a peg in a hole of spheres has some 10,000, and this is the next power of
+/// two.
+inline constexpr int kMaxRows = 16384;
+/// Packet pairs and candidates of a cycle, some 10 ns each, after which no further sub-step begins
+/// that would cost as much as the last one: 50 us, the most that a snap over a ledge adds.
+inline constexpr int kMaxTested = 5000;
+
+// --- Bounds of a cycle's sub-steps (solve/step_bounds.h). ---
+
+/// The first bounds over what the hand moved since the last cycle.  A tool that keeps its contacts
+/// moves no further than the hand (1.0); the rest, taken, is for contacts that it gains and loses.
+inline constexpr double kBoundsOverHand = 2.0;
+/// What a rotation of the hand, times rho, adds to the bound on translation, and a translation,
+/// over rho, to that on rotation, for contacts turn one into the other: taken.
+inline constexpr double kBoundsAcross = 0.5;
+/// Least first bounds over the widest: 20 um, as far as an encoder's noise moves a hand at rest.
+inline constexpr double kLeastBounds = 0.04;
+/// Bounds of a sub-step over those of the last one: from the least to the widest in two.
+inline constexpr double kWiden = 8.0;
+/// A short step aims at this share of its bounds.  The rest is for rows that the last rotation left
+/// violated, by kMaxTruncation at most; 2 % of the least bounds, 20 um, is nearly as much.
+inline constexpr double kBoundShare = 0.98;
+
+// --- What comes in. ---
+
+/// Least |q|^2 of an orientation: unit quaternions have 1, and what is below this is a sender's
+/// zero.
+inline constexpr double kLeastSquaredNorm = 1e-12;
+
+// --- The trees' rounding (tree/sphere_tree_query.cpp). ---
+
+/// Share by which every radius and lever grows: a packet test in floats is off by less than 8 ulp
+/// of the radii's sum, and an ulp is 1.2e-7 of it at most.
+inline constexpr double kRadiusMargin = 1e-6;
+/// What the pose in floats may move a sphere by, over the size of the scene: five roundings of 6e-8
+/// a coordinate, sqrt(3) for three of them, 5e-7; four times that.
+inline constexpr double kPoseMargin = 2e-6;
+
+// --- Soft leaves (tree/soft_leaves.h). ---
+
+/// How far a soft leaf lets itself be entered, as a share of its radius: inside is a rigid core
+/// with the same centre.  The force goes on without a jump where the core is met, only its slope
+/// changes; the normal cannot flip, for no ball gets past the centre of another.
+inline constexpr double kSoftShare = 0.5;
+
+/// The solver over soft rows (simd/compliant.inl).  Two or three turns of Newton's method are
+/// usual; 60,000 random problems, up to 10^7 times as stiff as the coupling, took fewer than 60.
+namespace compliance {
+inline constexpr int kNewtonLimit = 60;
+/// Bisections halve an interval: 40 leave 10^-12 of it, the solver's own tolerance.
+inline constexpr int kLineSearchLimit = 40;
+/// A step is good where it gains this part of what its slope promises (Armijo's usual value).
+inline constexpr double kLeastGain = 1e-4;
+/// ... and a search along it may stop where the slope has come down to this part.
+inline constexpr double kSlopeLeft = 0.1;
+/// Error of a gradient over the size of its terms: some fifty roundings of 2e-16.
+inline constexpr double kRounding = 1e-14;
+}  // namespace compliance
+
+/// Coulomb friction (solve/coulomb_friction.h).  Forces are over k_t, so lengths [m]; "size" is the
+/// length of the hand's offset and what the contacts take off it.
+namespace friction {
+/// Cycles without slip [ms at 1 kHz] after which a contact holds with mu_s again.  Static friction
+/// needs a time of rest (Dieterich 1972); without one, a hand that trembles at 8 to 12 Hz while it
+/// slides would stick at every turn of its tremble.
+inline constexpr int kStillCycles = 20;
+
+/// Stiffness, over k_t, against what rows and sticking contacts still miss: each Newton step
+/// divides that by about as much.  Its square, 10^10, must stay well below 1 / epsilon = 4.5e15.
+inline constexpr double kPenalty = 1e5;
+/// The same where it only decides whether a contact presses and slips: about the inverse of how far
+/// a unit force moves a contact, which makes a single contact's first guess right.
+inline constexpr double kTrial = 1.0;
+
+/// Leap: steps, and halvings of a step that gets worse.  One or two steps are usual in steady
+/// motion; the limits are taken.
+inline constexpr int kLeapSteps = 24, kHalvings = 3;
+/// Leap ends where the forces miss their laws by no more than this, over the size: a slip of 10^-10
+/// of the hand's offset is what "sticks" means here.
+inline constexpr double kLeapt = 1e-10;
+/// ... and by this where rows and sticking contradict each other by the rounding of the gaps.
+inline constexpr double kNear = 1e-8;
+
+/// Walk: penalties from 1 to this, tenfold each time (below kPenalty, for Walk has no good start);
+/// updates of the forces, Newton steps of each, and shortenings of a step: taken.
+inline constexpr double kWalkPenalty = 1e4;
+inline constexpr int kWalkUpdates = 40, kWalkSteps = 30, kShorter = 6;
+/// Updates after which Leap tries again, once each of the five penalties has had its turn; and the
+/// steps that it has then, half of its first.
+inline constexpr int kWalkRaises = 5, kSecondLeap = 12;
+/// Over the size: the balance of forces that Walk asks of each update, and what the forces may miss
+/// of their laws in the end.
+inline constexpr double kBalanced = 1e-10, kWalked = 1e-7;
+/// Newton steps of a cycle after which Walk gives up: taken, to bound what the worst cycle costs.
+inline constexpr int kCycleSteps = 160;
+
+/// Over the size: the QP's optimum against Newton's.  Ten times kLeapt, which either may be off by.
+inline constexpr double kAgreed = 1e-9;
+/// Over the size: the slip above which a contact is sliding.  A hundred times kNear, which a
+/// contact at its limit that others hold may show.
+inline constexpr double kSlid = 1e-6;
+/// Rounds of the QP over all rows and Newton's method over the contacts: each brings in a row, and
+/// six hold a tool.
+inline constexpr int kRounds = 6;
+/// Times that forces are drawn into their cones: one for each of seven contacts, and one.
+inline constexpr int kDraws = 8;
+}  // namespace friction
+
+// --- A start inside an object (start_pose.h).  Not on the servo path. ---
+
+/// Strides outward over max_translation: 1 mm, which the walk back makes good.
+inline constexpr double kStartStride = 2.0;
+/// Steps back at most: 2.5 m with a sub-step each, 20 m in free space with eight.
+inline constexpr int kLongestWalk = 5000;
+/// The walk ends where a step moves the tool by less than this [m]: what a hand's
+/// noise moves it by is a hundred times as much.
+inline constexpr double kSettled = 1e-7;
+
+}  // namespace palpate::limits

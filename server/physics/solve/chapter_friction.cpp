@@ -1,0 +1,85 @@
+#include "server/physics/solve/chapter_friction.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "common/math/rotation.h"
+
+namespace palpate {
+namespace {
+
+/// Distance of p from the screw axis of the movement that turns the tool by `turn` while its
+/// reference point goes from `from` by `way`.
+double DistanceFromAxis(const Vec3& p, const Quat& turn, const Vec3& from, const Vec3& way) {
+  const double sine = turn.vec().norm();  // of half the angle
+  const Vec3 axis = turn.vec() / sine;
+  const Vec3 across = way - way.dot(axis) * axis;
+  const Vec3 on_axis = from + 0.5 * (across + turn.w() / sine * axis.cross(across));
+  return (p - on_axis).cross(axis).norm();
+}
+
+}  // namespace
+
+void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepState& state,
+                        StepReport& report) noexcept {
+  const int contacts = report.contacts;
+  const Pose X_WG = state.X_WG;
+  Vec3 point = Vec3::Zero();  // 2.26
+  double mu_s = 0.0, mu_d = 0.0, pressed = 0.0;
+  for (int i = 0; i < contacts; ++i) {
+    const ActiveRow& row = report.active[static_cast<std::size_t>(i)];
+    const Material& material = model.objects().MaterialOf(row.object_leaf);
+    point += row.contact_W / contacts;
+    mu_s += material.static_friction / contacts;
+    mu_d += material.dynamic_friction / contacts;
+    pressed += row.force;
+  }
+  if (contacts == 0 || !(mu_s > 0.0) || !(pressed > 0.0)) {
+    state.friction.resets = 0;
+    return;
+  }
+  const Pose X_WG_inverse = X_WG.Inverse();
+  const Vec3 point_G = X_WG_inverse * point;
+  const double depth = (point - state.X_WH * point_G).norm();  // 2.25, 2.27
+  const double moved = (X_before * point_G - point).norm();
+  const double k_alpha = moved <= mu_s * depth ? 1.0 : mu_d / mu_s;  // 2.30
+
+  const Vec3& reference = model.reference();
+  const Vec3 p_before = X_before * reference, p_now = X_WG * reference;
+  const Quat turn = X_WG.q * X_before.q.conjugate();
+  const Vec3 angle = RotationLog(turn);
+  double k_theta = 1.0;
+  const bool turns = model.degrees_of_freedom() == 6 && turn.vec().squaredNorm() > 1e-24;
+  if (turns) {
+    double arm = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < contacts; ++i) {
+      const Vec3& contact_W = report.active[static_cast<std::size_t>(i)].contact_W;
+      arm = std::min(arm, DistanceFromAxis(contact_W, turn, p_before, p_now - p_before));
+    }
+    if (arm * angle.norm() > mu_s * depth) k_theta = mu_d / mu_s;  // 2.32
+  }
+
+  const Vec3 p_star = p_before + (1.0 - k_alpha) * (p_now - p_before);    // 2.29
+  const Quat q_star = RotationExp((1.0 - k_theta) * angle) * X_before.q;  // 2.33
+  const StepParameters& parameters = model.parameters();
+  const Vec3 force = parameters.stiffness * (p_star - state.X_WH * reference);  // 2.28
+  const Vec3 added = force - report.wrench.force;
+  report.wrench.force = force;
+  if (model.degrees_of_freedom() == 6) {
+    report.wrench.torque =
+        parameters.torsional_stiffness * RotationLog(q_star * state.X_WH.q.conjugate());  // 2.31
+  }
+  const bool reset = k_alpha == 1.0 && k_theta == 1.0;  // 2.34
+  for (int i = 0; i < contacts; ++i) {
+    ActiveRow& row = report.active[static_cast<std::size_t>(i)];
+    row.friction = row.force / pressed * added;
+    if (!reset) continue;
+    row.offset += row.normal.dot(p_now - p_before) + row.lever_cross_normal.dot(angle);
+    row.contact_W = X_before * (X_WG_inverse * row.contact_W);
+  }
+  state.friction.resets = reset ? state.friction.resets + 1 : 0;
+  report.friction_resets = state.friction.resets;
+  if (reset) state.X_WG = X_before;
+}
+
+}  // namespace palpate

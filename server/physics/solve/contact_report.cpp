@@ -1,0 +1,44 @@
+#include "server/physics/solve/contact_report.h"
+
+#include "common/math/rotation.h"
+#include "server/physics/rows/contact_place.h"
+
+namespace palpate {
+
+void ReportContacts(StepContext& context) noexcept {
+  const ContactRows& rows = context.buffers.rows;
+  const Optimum& optimum = context.optimum;
+  const SoftContacts& yielding = context.yielding;
+  const double k_t = context.model.parameters().stiffness;
+  const Mat3 R_WG = context.q_G.toRotationMatrix();
+  StepReport& report = context.report;
+  report.contacts = 0;
+  report.soft_contacts = yielding.count;
+  report.soft_wrench = {k_t * yielding.force, k_t * yielding.torque};
+  const auto add = [&](int i, double offset, double force) {
+    ActiveRow& row = report.active[static_cast<std::size_t>(report.contacts++)];
+    row = ActiveRow{};
+    row.pair = rows.pair(i);
+    row.normal = rows.normal(i);
+    row.lever_cross_normal = rows.lever_cross_normal(i);
+    row.offset = offset - row.normal.dot(context.v) - row.lever_cross_normal.dot(context.phi);
+    row.force = force;
+    const ContactPlace place = PlaceOf(context.model, rows, i, R_WG);
+    row.contact_W = context.p_G + (KindOf(row.pair) == RowKind::kLeaves
+                                       ? place.lever
+                                       : RotationExp(context.phi) * place.lever);
+    row.object_leaf = place.object_leaf;
+    return &row;
+  };
+  for (int k = 0; k < optimum.qp.active; ++k) {
+    const int i = optimum.qp.row[k];
+    ActiveRow* row = add(i, context.rigid.b[i], k_t * optimum.qp.multiplier[k]);
+    if (optimum.rubs) row->friction = k_t * optimum.friction[static_cast<std::size_t>(k)];
+  }
+  for (int k = 0; k < yielding.listed && report.contacts < kMaxActiveRows; ++k) {
+    const int i = yielding.row[k];
+    add(i, -rows.gap(i), k_t * yielding.push[k])->stiffness = k_t * context.soft->weight(i);
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,32 @@
+#include "server/physics/solve/nearest_step.h"
+
+#include "server/physics/solve/qp_solver.h"
+
+namespace palpate {
+
+Optimum NearestStep(const StepContext& context, const Target& target, SoftRows* soft) noexcept {
+  Optimum optimum;
+  const ContactRows& rows = context.buffers.rows;
+  const double rho = context.model.rotation_length();
+  int guess[kMaxActiveRows];
+  const int guesses = rows.Find(context.state.active_pairs.data(), context.state.active, guess);
+  const double t[6] = {target.v.x(),         target.v.y(),         target.v.z(),
+                       rho * target.phi.x(), rho * target.phi.y(), rho * target.phi.z()};
+  const auto solve = [&]<int N>() {
+    return soft != nullptr
+               ? SolveCompliant<N>(context.kernels, t, soft->view(rows), guess, guesses)
+               : SolveNearestPoint<N>(context.kernels, t, context.rigid, guess, guesses);
+  };
+  if (context.model.degrees_of_freedom() == 6) {
+    optimum.qp = solve.operator()<6>();
+    const double* x = optimum.qp.x;
+    optimum.phi = Vec3(x[3], x[4], x[5]) / rho;
+  } else {
+    optimum.qp = solve.operator()<3>();
+    optimum.phi = target.phi;
+  }
+  optimum.v = Vec3(optimum.qp.x[0], optimum.qp.x[1], optimum.qp.x[2]);
+  return optimum;
+}
+
+}  // namespace palpate

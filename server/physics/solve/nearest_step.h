@@ -1,0 +1,14 @@
+#pragma once
+
+#include "server/physics/solve/step_context.h"
+
+namespace palpate {
+
+/// The step nearest to a target under the context's rigid rows and, where `soft` is given, soft
+/// ones that yield as their stiffness says.  The solver's first guess are the state's active pairs.
+/// With 3 degrees of freedom the rotation is the hand's: no contact can turn a sphere about its
+/// centre.
+/// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
+Optimum NearestStep(const StepContext& context, const Target& target, SoftRows* soft) noexcept;
+
+}  // namespace palpate

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+
+#include "common/math/pose.h"
+#include "common/qp/nearest_point.h"
+#include "server/physics/haptic_model.h"
+#include "server/physics/rows/soft_rows.h"
+#include "server/physics/rows/step_buffers.h"
+#include "server/physics/simd/kernels.h"
+#include "server/physics/solve/response.h"
+#include "server/physics/step_state.h"
+#include "server/physics/step_types.h"
+
+namespace palpate {
+
+/// Friction forces on the tool, one for each active row of a QpResult, perpendicular to its normal,
+/// in W [m]: times k_t, newtons.
+using FrictionForces = std::array<Vec3, kMaxActiveRows>;
+
+/// A step [v; phi] of the tool's reference point, in W, that is nearest to a target under the rows.
+struct Optimum {
+  Vec3 v;    ///< [m]
+  Vec3 phi;  ///< [rad]
+  QpResult qp;
+  bool rubs = false;        ///< friction has moved it
+  FrictionForces friction;  ///< where it rubs: of the QP's active rows
+};
+
+/// What the stages of a step share, from the pose that comes in to the report that goes out.  One
+/// per step, on its stack; each stage fills what the next ones read, in the order of the fields.
+struct StepContext {
+  StepContext(const HapticModel& the_model, StepState& the_state, StepBuffers& the_buffers,
+              StepReport& the_report)
+      : model(the_model), state(the_state), buffers(the_buffers), report(the_report) {}
+
+  const HapticModel& model;
+  const Kernels& kernels = ActiveKernels();
+  StepState& state;
+  StepBuffers& buffers;
+  StepReport& report;
+  StageTimes* times = nullptr;  ///< null where nobody times the stages
+
+  // Where the tools' reference points are, in W [m], and how the tools are turned.
+  Vec3 p_H, p_G;
+  Quat q_H, q_G;
+
+  // Predict: the sub-step, and the rows that it has to respect (buffers.rows).
+  StepBounds bounds{};       ///< how far it may go
+  std::int64_t spent = 0;    ///< packet pairs and candidates of the cycle so far
+  std::int64_t last = 0;     ///< of them, those of the last sub-step
+  Target target;             ///< the hand, from where the sub-step begins
+  Mat3 R_WG;                 ///< the graphic tool's orientation there
+  QpRows rigid{};            ///< what no step may violate
+  SoftRows* soft = nullptr;  ///< the rows that yield; null where none does
+
+  // Solve and rub: the pose that the tool should have.
+  Optimum optimum;
+  SoftContacts yielding;  ///< the soft rows that push there
+
+  // Move: the way that it went.
+  Vec3 v, phi;           ///< [m], [rad]
+  bool arrived = false;  ///< at the optimum
+};
+
+}  // namespace palpate

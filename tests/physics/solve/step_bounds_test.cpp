@@ -1,0 +1,67 @@
+#include "server/physics/solve/step_bounds.h"
+
+#include <gtest/gtest.h>
+
+#include "server/physics/limits.h"
+#include "tests/support/step_bench.h"
+
+namespace palpate {
+namespace {
+
+using test::Ball;
+using test::Bench;
+
+const std::vector<Ball> kObject{{Vec3(0.0, 0.0, -1.0), 0.5}};
+const std::vector<Ball> kStick{{Vec3(-0.05, 0.0, 0.0), 0.005}, {Vec3(0.05, 0.0, 0.0), 0.005}};
+
+TEST(StepBounds, AreTheLeastWhereTheHandRests) {
+  const Bench bench(kStick, kObject);
+  const StepParameters& parameters = bench.model().parameters();
+  const StepBounds bounds = FirstBounds(bench.model(), Target{}, false);
+  EXPECT_DOUBLE_EQ(bounds.translation, 20e-6);
+  EXPECT_DOUBLE_EQ(bounds.rotation, limits::kLeastBounds * parameters.max_rotation);
+}
+
+TEST(StepBounds, FollowTheHandUpToTheWidest) {
+  const Bench bench(kStick, kObject);
+  const StepParameters& parameters = bench.model().parameters();
+  const double rho = bench.model().rotation_length();
+  const Target slow{Vec3(0.0, 30e-6, 40e-6), Vec3(2e-5, 0.0, 0.0)};
+  const StepBounds bounds = FirstBounds(bench.model(), slow, true);
+  EXPECT_NEAR(bounds.translation, 20e-6 + 2.0 * (50e-6 + 0.5 * rho * 2e-5), 1e-12);
+  EXPECT_NEAR(bounds.rotation, 0.04 * parameters.max_rotation + 2.0 * (2e-5 + 0.5 * 50e-6 / rho),
+              1e-12);
+  const StepBounds fast = FirstBounds(bench.model(), {Vec3(1.0, 0.0, 0.0), Vec3::UnitX()}, true);
+  EXPECT_EQ(fast.translation, parameters.max_translation);
+  EXPECT_EQ(fast.rotation, parameters.max_rotation);
+}
+
+TEST(StepBounds, AreTheWidestInTheThirdSubStepAtTheLatest) {
+  const Bench bench(kStick, kObject);
+  const StepParameters& parameters = bench.model().parameters();
+  const Vec3 far = Vec3::UnitX();
+  StepBounds bounds = FirstBounds(bench.model(), Target{}, true);
+  bounds = WiderBounds(bench.model(), bounds, far, far, true);
+  EXPECT_LT(bounds.translation, parameters.max_translation);
+  bounds = WiderBounds(bench.model(), bounds, far, far, true);
+  EXPECT_EQ(bounds.translation, parameters.max_translation);
+  EXPECT_EQ(bounds.rotation, parameters.max_rotation);
+}
+
+TEST(StepBounds, HoldTheLinearisationErrorBelowItsLimit) {
+  const Bench bench(kStick, kObject);
+  const StepParameters& parameters = bench.model().parameters();
+  const double phi = parameters.max_rotation;
+  EXPECT_NEAR(0.5 * phi * phi * bench.model().tool().max_lever(), parameters.max_truncation, 1e-15);
+}
+
+TEST(PartWithin, IsWhatBothBoundsAllow) {
+  const StepBounds bounds{1e-3, 1e-2};
+  EXPECT_EQ(PartWithin(bounds, 6, Vec3(0.0, 1e-3, 0.0), Vec3(0.0, 0.0, 1e-2)), 1.0);
+  EXPECT_DOUBLE_EQ(PartWithin(bounds, 6, Vec3(4e-3, 0.0, 0.0), Vec3(0.0, 0.0, 2e-2)), 0.25);
+  EXPECT_DOUBLE_EQ(PartWithin(bounds, 6, Vec3(2e-3, 0.0, 0.0), Vec3(0.0, 0.0, 5e-2)), 0.2);
+  EXPECT_DOUBLE_EQ(PartWithin(bounds, 3, Vec3(2e-3, 0.0, 0.0), Vec3(0.0, 0.0, 5e-2)), 0.5);
+}
+
+}  // namespace
+}  // namespace palpate
