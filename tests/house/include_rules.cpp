@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <regex>
+#include <set>
 #include <sstream>
 
 #include "tests/house/source_tree.h"
@@ -94,6 +95,36 @@ const std::vector<Rule> kRules = {
      {"Eigen", "spdlog", "CLI11", "nlohmann-json"}},
 };
 
+// server/physics from the bottom up.  A file includes what stands on its own floor or below, so
+// data run down: pairs of spheres (tree) and what they stand for (surface) become rows, rows a pose
+// and its forces (solve), and the step calls them in turn.  The kernels are at the very bottom in a
+// folder of their own, not split among the floors that they serve: they are one table, compiled
+// once for each instruction set.  The model stands above tree and surface because it owns both, and
+// below rows because every stage reads it.  Files are named without their suffix.
+const std::vector<Paths> kPhysicsFloors = {
+    {"server/physics/limits"},
+    {"server/physics/simd"},
+    {"server/physics/leaf_pair", "server/physics/step_types", "server/physics/stage_clock"},
+    {"server/physics/tree"},
+    {"server/physics/surface"},
+    {"server/physics/haptic_model", "server/physics/scene_model", "server/physics/step_state"},
+    {"server/physics/rows"},
+    {"server/physics/solve"},
+    {"server/physics/haptic_step"},
+    // It walks with the step.
+    {"server/physics/start_pose"},
+};
+
+/// Floor of a file of server/physics, from 0; nullopt where the table has none.
+std::optional<std::size_t> PhysicsFloorOf(const std::string& path) {
+  for (std::size_t floor = 0; floor < kPhysicsFloors.size(); ++floor) {
+    for (const std::string& place : kPhysicsFloors[floor]) {
+      if (IsBelow(path, place) || path.starts_with(place + ".")) return floor;
+    }
+  }
+  return std::nullopt;
+}
+
 // Library headers by how they begin.  A new library is a decision: it is entered here and in a
 // rule.
 const std::vector<std::pair<std::string, std::string>> kLibraries = {
@@ -179,13 +210,20 @@ bool IsGenerated(const std::string& include,
          (std::regex_match(include, match, kIdl) && exists(match[1].str() + ".idl"));
 }
 
+// C and C++ write #include, IDL as well, FlatBuffers `include "x";`.
+const std::regex kInclude(R"re(^\s*#?\s*include\s*([<"])([^>"]+)[>"])re");
+
 }  // namespace
 
 std::vector<std::string> IncludeViolations(const std::string& path, const std::string& text,
                                            const std::function<bool(const std::string&)>& exists) {
-  // C and C++ write #include, IDL as well, FlatBuffers `include "x";`.
-  static const std::regex kInclude(R"re(^\s*#?\s*include\s*([<"])([^>"]+)[>"])re");
   std::vector<std::string> violations;
+  const std::optional<std::size_t> floor = PhysicsFloorOf(path);
+  if (IsBelow(path, "server/physics") && !floor) {
+    violations.push_back(path +
+                         ":1: stands on no floor of server/physics: enter it in "
+                         "tests/house/include_rules.cpp");
+  }
   const Rule* rule = RuleFor(path);
   std::istringstream lines(text);
   int number = 0;
@@ -204,6 +242,9 @@ std::vector<std::string> IncludeViolations(const std::string& path, const std::s
       } else if (rule && !Allows(*rule, path, include)) {
         violation(rule->who + " may include of the project: " + Join(rule->project) +
                   (rule->not_these.empty() ? "" : ", but not " + Join(rule->not_these)));
+      } else if (floor && PhysicsFloorOf(include).value_or(0) > *floor) {
+        violation("stands above " + Join(kPhysicsFloors[*floor]) +
+                  ": move what both want down, or what wants it up");
       }
     } else if (const auto library = LibraryOf(include)) {
       const auto is_it = [&](const std::string& name) { return name == *library; };
@@ -218,6 +259,41 @@ std::vector<std::string> IncludeViolations(const std::string& path, const std::s
     }
   }
   return violations;
+}
+
+std::vector<std::string> ProjectIncludes(const std::string& text) {
+  std::vector<std::string> includes;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch match;
+    if (std::regex_search(line, match, kInclude) && match[1] == "\"") includes.push_back(match[2]);
+  }
+  return includes;
+}
+
+std::vector<std::string> IncludeCircle(
+    const std::map<std::string, std::vector<std::string>>& includes) {
+  std::set<std::string> done;
+  std::vector<std::string> way;
+  const std::function<bool(const std::string&)> leads_round = [&](const std::string& file) {
+    const auto begin = std::find(way.begin(), way.end(), file);
+    const bool round = begin != way.end();
+    if (round) way.erase(way.begin(), begin);
+    way.push_back(file);
+    if (round) return true;
+    if (const auto found = includes.find(file); found != includes.end() && !done.contains(file)) {
+      for (const std::string& next : found->second) {
+        if (leads_round(next)) return true;
+      }
+    }
+    done.insert(file);
+    way.pop_back();
+    return false;
+  };
+  for (const auto& [file, _] : includes) {
+    if (leads_round(file)) return way;
+  }
+  return {};
 }
 
 }  // namespace palpate::house

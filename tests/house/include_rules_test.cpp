@@ -1,6 +1,9 @@
 #include "tests/house/include_rules.h"
 
+#include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,13 +28,22 @@ std::vector<std::string> Check(const std::string& path, const std::string& text)
                                                "scenes/catalogue.h",
                                                "scenes/scene.h",
                                                "scenes/sphere_tree.h",
+                                               "server/physics/haptic_model.h",
                                                "server/physics/haptic_step.h",
+                                               "server/physics/limits.h",
+                                               "server/physics/rows/contact_rows.h",
+                                               "server/physics/simd/kernels.h",
+                                               "server/physics/solve/response.h",
+                                               "server/physics/start_pose.h",
+                                               "server/physics/step_types.h",
+                                               "server/physics/surface/body_surfaces.h",
+                                               "server/physics/tree/leaf_wear.h",
                                                "server/session/servo_loop.h"};
   return IncludeViolations(path, text, [](const std::string& f) { return kFiles.contains(f); });
 }
 
 TEST(IncludeRules, LetPhysicsSeeSphereTreeMathAndEigen) {
-  EXPECT_THAT(Check("server/physics/a.cpp",
+  EXPECT_THAT(Check("server/physics/haptic_step.cpp",
                     "#include <Eigen/Core>\n#include <vector>\n#include <immintrin.h>\n"
                     "#include \"common/math/pose.h\"\n#include \"scenes/sphere_tree.h\"\n"
                     "#include \"server/physics/haptic_step.h\"\n"),
@@ -39,16 +51,49 @@ TEST(IncludeRules, LetPhysicsSeeSphereTreeMathAndEigen) {
 }
 
 TEST(IncludeRules, KeepPhysicsFromTheRestAndNameFileAndLine) {
-  EXPECT_THAT(Check("server/physics/a.cpp", "\n#include \"scenes/scene_file.h\"\n"),
-              ElementsAre(HasSubstr("server/physics/a.cpp:2: scenes/scene_file.h: ")));
-  EXPECT_THAT(Check("server/physics/a.h", "#include \"server/session/servo_loop.h\"\n"),
+  EXPECT_THAT(Check("server/physics/haptic_step.cpp", "\n#include \"scenes/scene_file.h\"\n"),
+              ElementsAre(HasSubstr("server/physics/haptic_step.cpp:2: scenes/scene_file.h: ")));
+  EXPECT_THAT(Check("server/physics/haptic_step.h", "#include \"server/session/servo_loop.h\"\n"),
               ElementsAre(HasSubstr("servo_loop.h")));
-  EXPECT_THAT(Check("server/physics/a.h", "#include \"common/dds/endpoint.h\"\n"),
+  EXPECT_THAT(Check("server/physics/haptic_step.h", "#include \"common/dds/endpoint.h\"\n"),
               ElementsAre(HasSubstr("but not common/dds")));
-  EXPECT_THAT(Check("server/physics/a.cpp", "#include <spdlog/spdlog.h>\n"),
+  EXPECT_THAT(Check("server/physics/haptic_step.cpp", "#include <spdlog/spdlog.h>\n"),
               ElementsAre(HasSubstr("may use of the libraries: Eigen")));
-  EXPECT_THAT(Check("server/physics/a.cpp", "  #  include <dds/dds.h>\n"),
+  EXPECT_THAT(Check("server/physics/haptic_step.cpp", "  #  include <dds/dds.h>\n"),
               ElementsAre(HasSubstr("dds/dds.h")));
+}
+
+const std::vector<std::string> kFromTheBottomUp = {"limits.h",
+                                                   "simd/kernels.h",
+                                                   "step_types.h",
+                                                   "tree/leaf_wear.h",
+                                                   "surface/body_surfaces.h",
+                                                   "haptic_model.h",
+                                                   "rows/contact_rows.h",
+                                                   "solve/response.h",
+                                                   "haptic_step.h",
+                                                   "start_pose.h"};
+
+TEST(IncludeRules, LetEachFloorOfPhysicsLookDownAndNoneUp) {
+  const std::string folder = "server/physics/";
+  for (std::size_t from = 0; from < kFromTheBottomUp.size(); ++from) {
+    for (std::size_t to = 0; to < kFromTheBottomUp.size(); ++to) {
+      const std::string path = folder + kFromTheBottomUp[from];
+      const std::string include = folder + kFromTheBottomUp[to];
+      const auto violations = Check(path, "#include \"" + include + "\"\n");
+      if (to <= from) {
+        EXPECT_THAT(violations, IsEmpty());
+      } else {
+        EXPECT_THAT(violations, ElementsAre(HasSubstr(path + ":1: " + include + ": stands above")));
+      }
+    }
+  }
+}
+
+TEST(IncludeRules, AskForTheFloorOfWhatIsNewInPhysics) {
+  EXPECT_THAT(Check("server/physics/attic/a.h", ""), ElementsAre(HasSubstr("on no floor")));
+  EXPECT_THAT(Check("server/physics/rows_of_mine.h", ""), ElementsAre(HasSubstr("on no floor")));
+  EXPECT_THAT(Check("server/physics/rows/a.h", ""), IsEmpty());
 }
 
 TEST(IncludeRules, LetSessionsUsePhysicsAndWhatASceneIsButNotHowItLoads) {
@@ -120,23 +165,34 @@ TEST(IncludeRules, KeepSlowHeadersOutOfHeadersAndUnknownLibrariesOutOfTheHouse) 
               ElementsAre(HasSubstr("unknown library")));
 }
 
+TEST(IncludeCircle, IsFoundWhereItIsAndNamesItsFiles) {
+  using Includes = std::map<std::string, std::vector<std::string>>;
+  EXPECT_THAT(IncludeCircle(Includes{{"a", {"b", "c"}}, {"b", {"c"}}, {"c", {"d"}}}), IsEmpty());
+  EXPECT_THAT(IncludeCircle(Includes{{"a", {"b"}}, {"b", {"c", "d"}}, {"d", {"e"}}, {"e", {"b"}}}),
+              ElementsAre("b", "d", "e", "b"));
+  EXPECT_THAT(IncludeCircle(Includes{{"a", {"a"}}}), ElementsAre("a", "a"));
+}
+
 TEST(IncludeRules, HoldInEverySourceFile) {
   const std::string root = PALPATE_SOURCE_DIR;
   const std::vector<std::string> files = SourceFiles(root);
   const std::set<std::string> known(files.begin(), files.end());
   int checked = 0;
+  std::map<std::string, std::vector<std::string>> includes;
   for (const std::string& file : files) {
     if (!file.ends_with(".h") && !file.ends_with(".cpp") && !file.ends_with(".inl") &&
         !file.ends_with(".idl") && !file.ends_with(".fbs")) {
       continue;
     }
     ++checked;
+    const std::string text = ReadFile(root + "/" + file);
+    includes[file] = ProjectIncludes(text);
     for (const std::string& violation :
-         IncludeViolations(file, ReadFile(root + "/" + file),
-                           [&](const std::string& f) { return known.contains(f); })) {
+         IncludeViolations(file, text, [&](const std::string& f) { return known.contains(f); })) {
       ADD_FAILURE() << violation;
     }
   }
+  EXPECT_THAT(IncludeCircle(includes), IsEmpty());
   EXPECT_GT(checked, 10) << "git lists too few source files below " << root;
 }
 
