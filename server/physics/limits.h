@@ -29,8 +29,9 @@ inline constexpr int kMaxSubsteps = 8;
 /// Rows of a sub-step: a peg in a hole of spheres has some 10,000, and this is the next power of
 /// two.
 inline constexpr int kMaxRows = 16384;
-/// Packet pairs and candidates of a cycle, some 10 ns each, after which no further sub-step begins
-/// that would cost as much as the last one: 50 us, the most that a snap over a ledge adds.
+/// Packet pairs and candidates of a cycle, some 10 ns each: a further sub-step begins only where
+/// one like the last stays within them, 50 us.  That is about what a snap over a ledge costs at
+/// most.
 inline constexpr int kMaxTested = 5000;
 
 // --- Bounds of a cycle's sub-steps (solve/step_bounds.h). ---
@@ -85,8 +86,8 @@ inline constexpr double kSlopeLeft = 0.1;
 inline constexpr double kRounding = 1e-14;
 }  // namespace compliance
 
-/// Coulomb friction (solve/coulomb_friction.h).  Forces are over k_t, so lengths [m]; "size" is the
-/// length of the hand's offset and what the contacts take off it.
+/// Friction (solve/coulomb_friction.h, solve/chapter_friction.h).  Forces are over k_t, so lengths
+/// [m]; "size" is the length of the hand's offset and what the contacts take off it.
 namespace friction {
 /// Cycles without slip [ms at 1 kHz] after which a contact holds with mu_s again.  Static friction
 /// needs a time of rest (Dieterich 1972); without one, a hand that trembles at 8 to 12 Hz while it
@@ -109,8 +110,8 @@ inline constexpr double kLeapt = 1e-10;
 /// ... and by this where rows and sticking contradict each other by the rounding of the gaps.
 inline constexpr double kNear = 1e-8;
 
-/// Walk: penalties from 1 to this, tenfold each time (below kPenalty, for Walk has no good start);
-/// updates of the forces, Newton steps of each, and shortenings of a step: taken.
+/// Walk: penalties from 1 to this, tenfold each time; updates of the forces, Newton steps of
+/// each, and shortenings of a step: taken.
 inline constexpr double kWalkPenalty = 1e4;
 inline constexpr int kWalkUpdates = 40, kWalkSteps = 30, kShorter = 6;
 /// Updates after which Leap tries again, once each of the five penalties has had its turn; and the
@@ -124,14 +125,16 @@ inline constexpr int kCycleSteps = 160;
 
 /// Over the size: the QP's optimum against Newton's.  Ten times kLeapt, which either may be off by.
 inline constexpr double kAgreed = 1e-9;
-/// Over the size: the slip above which a contact is sliding.  A hundred times kNear, which a
-/// contact at its limit that others hold may show.
+/// Over the size: the slip above which a contact is sliding.  One at its limit that others hold is
+/// not, and slips by kNear at most; a hundred times that.
 inline constexpr double kSlid = 1e-6;
 /// Rounds of the QP over all rows and Newton's method over the contacts: each brings in a row, and
 /// six hold a tool.
 inline constexpr int kRounds = 6;
 /// Times that forces are drawn into their cones: one for each of seven contacts, and one.
 inline constexpr int kDraws = 8;
+/// FrictionModel::kChapter: a turn whose squared sine of half the angle is below this has no axis.
+inline constexpr double kLeastTurn = 1e-24;
 }  // namespace friction
 
 // --- A start inside an object (start_pose.h).  Not on the servo path. ---
@@ -140,8 +143,8 @@ inline constexpr int kDraws = 8;
 inline constexpr double kStartStride = 2.0;
 /// Steps back at most: 2.5 m with a sub-step each, 20 m in free space with eight.
 inline constexpr int kLongestWalk = 5000;
-/// The walk ends where a step moves the tool by less than this [m]: what a hand's
-/// noise moves it by is a hundred times as much.
+/// The walk ends where a step moves the tool by less than this [m]: an encoder's noise
+/// moves it a hundred times as far.
 inline constexpr double kSettled = 1e-7;
 
 }  // namespace palpate::limits

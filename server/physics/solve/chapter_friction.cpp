@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "common/math/rotation.h"
+#include "server/physics/limits.h"
 
 namespace palpate {
 namespace {
@@ -49,7 +50,8 @@ void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepStat
   const Quat turn = X_WG.q * X_before.q.conjugate();
   const Vec3 angle = RotationLog(turn);
   double k_theta = 1.0;
-  const bool turns = model.degrees_of_freedom() == 6 && turn.vec().squaredNorm() > 1e-24;
+  const bool turns =
+      model.degrees_of_freedom() == 6 && turn.vec().squaredNorm() > limits::friction::kLeastTurn;
   if (turns) {
     double arm = std::numeric_limits<double>::infinity();
     for (int i = 0; i < contacts; ++i) {
