@@ -1,17 +1,21 @@
 // palpate-bench cycle: the time of one haptic step, and what it is right by.
+#include <algorithm>
 #include <optional>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/output.h"
+#include "scenes/scene_remains.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/sphere_tree_query.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"
-#include "tests/benchmarks/mesh_overlap.h"
 #include "tests/benchmarks/overlap_oracle.h"
 #include "tests/benchmarks/pose_source.h"
 #include "tests/benchmarks/scene_run.h"
+#include "tests/benchmarks/step_trace.h"
+#include "tests/support/mesh_oracle.h"
 
 namespace palpate::bench {
 namespace {
@@ -24,6 +28,7 @@ struct Options {
   FeatureOptions features;
   std::string models;
   std::string json;
+  std::string trace;
   int check_every = 1;
 };
 
@@ -62,14 +67,14 @@ void Run(const Options& options) {
 
   // Everything else comes from the reports and from an oracle that knows nothing of the trees.
   OverlapOracle oracle(run.tool().tree, run.scene().objects, run.scene().features);
+  test::MeshOracle meshes(run.scene());
+  SceneRemains remains(run.scene());
+  const ObjectForest& forest = run.model().objects();
   // Of spheres the contact is between leaves, of surfaces between meshes.
-  std::optional<MeshOverlap> meshes;
-  if (run.scene().features.contact == ContactModel::kSurface) {
-    meshes.emplace(run.tool().mesh, run.scene().objects);
-  }
+  const bool surface = run.scene().features.contact == ContactModel::kSurface;
   LeafWear wear = run.Start().wear;
-  std::vector<double> predicted, conventional, penetration, truncation, iterations, newton;
-  int unsolved = 0, jammed = 0, far = 0, lowered = 0, rubs_unsolved = 0;
+  std::vector<double> predicted, conventional, penetration, depth, truncation, iterations, newton;
+  int unsolved = 0, jammed = 0, far = 0, lowered = 0, rubs_unsolved = 0, meet = 0;
   double force_jump = 0.0, torque_jump = 0.0;
   for (std::size_t i = 0; i < steps; ++i) {
     const StepReport& report = reports[i];
@@ -91,12 +96,21 @@ void Run(const Options& options) {
       if (i % 500 == 0) {
         Progress(fmt::format("{}: checking step {} of {} ...", options.scene, i, steps));
       }
-      penetration.push_back(
-          1e6 * (meshes ? meshes->At(report.X_WG) : oracle.At(report.X_WG, &wear).depth));
+      const test::MeshOracle::Overlap overlap = meshes.At(report.X_WG);
+      depth.push_back(1e6 * overlap.depth);
+      meet += overlap.meet;
+      penetration.push_back(surface ? depth.back() : 1e6 * oracle.At(report.X_WG, &wear).depth);
       conventional.push_back(static_cast<double>(oracle.At(run.poses()[i], &wear).pairs));
     }
     for (int r = 0; r < report.removals; ++r) {
-      wear.Remove(report.removed[static_cast<std::size_t>(r)]);
+      const std::int32_t leaf = report.removed[static_cast<std::size_t>(r)];
+      wear.Remove(leaf);
+      const int object = forest.ObjectOf(leaf);
+      for (const std::uint32_t triangle :
+           remains.Remove(static_cast<std::uint32_t>(object),
+                          static_cast<std::uint32_t>(leaf - forest.FirstLeafOf(object)))) {
+        meshes.Remove(static_cast<std::size_t>(object), triangle);
+      }
     }
   }
   Progress("");
@@ -135,6 +149,14 @@ void Run(const Options& options) {
   add("pairs, predicted", "", std::move(predicted), json["pairs"]["predicted"]);
   add("pairs, conventional", "", std::move(conventional), json["pairs"]["conventional"]);
   add("penetration", "um", std::move(penetration), json["penetration_um"]);
+  const auto checked = static_cast<double>(depth.size());
+  const auto over_1um = static_cast<double>(
+      std::count_if(depth.begin(), depth.end(), [](double um) { return um > 1.0; }));
+  add("penetration of meshes", "um", std::move(depth), json["mesh_penetration_um"]);
+  json["mesh_penetration_um"]["share_over_1um"] = over_1um / checked;
+  json["mesh_intersecting_fraction"] = meet / checked;
+  table.Line("meshes intersect", fmt::format("{:.2f} % of the poses, deeper than 1 um {:.2f} %",
+                                             100.0 * meet / checked, 100.0 * over_1um / checked));
   add("truncation, bound", "um", std::move(truncation), json["truncation_um"]);
   add("QP iterations", "", std::move(iterations), json["qp"]["iterations"]);
   json["qp"]["unsolved"] = unsolved;
@@ -153,6 +175,9 @@ void Run(const Options& options) {
              fmt::format("{} (jammed steps {}, target far {})", unsolved, jammed, far));
   table.Line("greatest jump", fmt::format("{:.3f} N, {:.4f} N m", force_jump, torque_jump));
   table.Print();
+  if (!options.trace.empty()) {
+    WriteOutput("--trace", options.trace, StepTrace(run.poses(), reports, step.best()));
+  }
   if (!options.json.empty()) WriteJson(options.json, json);
 }
 
@@ -183,6 +208,8 @@ void AddCycle(CLI::App& app) {
                    "Check penetration at every n-th step only")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_option("--trace", options->trace,
+                      "Write poses and wrench of every step to FILE, as CSV (- is stdout)");
   command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
   command->callback([options] { Run(*options); });
 }

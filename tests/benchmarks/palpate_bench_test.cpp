@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -78,8 +79,65 @@ TEST_F(PalpateBench, CycleMeasuresAScenesPathAndItsPenetration) {
   }
   EXPECT_GT(json["pairs"]["conventional"]["max"], 0) << "the path never touched the cube";
   EXPECT_LT(json["penetration_um"]["max"], 1.0);
+  EXPECT_LT(json["mesh_penetration_um"]["max"], 1.0);
+  EXPECT_EQ(json["mesh_penetration_um"]["share_over_1um"], 0.0);
   EXPECT_EQ(json["qp"]["unsolved"], 0);
   EXPECT_LT(json["jump"]["force_N_max"], 1.0);
+}
+
+TEST_F(PalpateBench, CycleJudgesSpheresByTheirMeshesToo) {
+  // The leaves lie inside the meshes, which meet first.
+  ASSERT_EQ(Run({"cycle", "--scene", "cube", "--steps", "3000", "--repeats", "1", "--contact",
+                 "spheres", "--json", File("cycle.json")}),
+            0)
+      << said_;
+  const nlohmann::json json = Json("cycle.json");
+  EXPECT_LT(json["penetration_um"]["max"], 1.0);
+  EXPECT_GT(json["mesh_penetration_um"]["max"], 1.0);
+  EXPECT_GT(json["mesh_intersecting_fraction"], 0.0);
+  EXPECT_LT(json["mesh_intersecting_fraction"], 1.0);
+}
+
+TEST_F(PalpateBench, CycleTracesEveryStepSoThatItsPosesReadBack) {
+  ASSERT_EQ(Run({"cycle", "--scene", "cube", "--steps", "1200", "--repeats", "1", "--trace",
+                 File("trace.csv"), "--json", File("cycle.json")}),
+            0)
+      << said_;
+  std::ifstream trace(File("trace.csv"));
+  std::string line;
+  std::getline(trace, line);
+  EXPECT_EQ(line,
+            "step,hx,hy,hz,hqw,hqx,hqy,hqz,gx,gy,gz,gqw,gqx,gqy,gqz,fx,fy,fz,tx,ty,tz,contacts,"
+            "faults,substeps,step_us");
+  int rows = 0;
+  double jump = 0.0, before[3] = {};
+  // The hand's poses, driven again, lead to the same jumps: they read back to the same bits.
+  std::ofstream poses(File("poses.csv"));
+  while (std::getline(trace, line)) {
+    std::istringstream cells(line);
+    std::vector<std::string> cell;
+    for (std::string text; std::getline(cells, text, ',');) cell.push_back(text);
+    ASSERT_EQ(cell.size(), 25u) << line;
+    EXPECT_EQ(cell[0], std::to_string(rows));
+    double change = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double force = std::stod(cell[15 + i]);
+      change += (force - before[i]) * (force - before[i]);
+      before[i] = force;
+    }
+    if (rows > 0) jump = std::max(jump, std::sqrt(change));
+    for (std::size_t i = 1; i <= 7; ++i) poses << cell[i] << (i < 7 ? "," : "\n");
+    ++rows;
+  }
+  poses.close();
+  EXPECT_EQ(rows, 1200);
+  EXPECT_GT(before[0] * before[0] + before[1] * before[1] + before[2] * before[2], 0.01);
+  EXPECT_NEAR(Json("cycle.json")["jump"]["force_N_max"], jump, 1e-12);
+  ASSERT_EQ(Run({"cycle", "--scene", "cube", "--poses", File("poses.csv"), "--repeats", "1",
+                 "--json", File("again.json")}),
+            0)
+      << said_;
+  EXPECT_EQ(Json("again.json")["jump"], Json("cycle.json")["jump"]);
 }
 
 TEST_F(PalpateBench, CycleTakesPosesFromAFileAndNamesTheLineThatIsWrong) {
