@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -153,6 +154,60 @@ TEST_F(PalpateBench, CycleTakesPosesFromAFileAndNamesTheLineThatIsWrong) {
   std::ofstream(File("long.csv")) << "0,0.05,0,2,0,0,0\n";
   EXPECT_EQ(Run({"cycle", "--scene", "cube", "--poses", File("long.csv")}), 1);
   EXPECT_THAT(said_, HasSubstr("long.csv:1: the pose is not finite or its quaternion"));
+}
+
+TEST_F(PalpateBench, CycleSaysWhetherTheToolArrivesAndTheCauseOfEveryJump) {
+  ASSERT_EQ(Run({"cycle", "--scene", "cube", "--steps", "3000", "--repeats", "1", "--check-every",
+                 "5", "--settle-every", "300", "--subsample", "--json", File("cycle.json")}),
+            0)
+      << said_;
+  const nlohmann::json json = Json("cycle.json");
+  EXPECT_EQ(json["arrived_fraction"], 1.0);
+  EXPECT_EQ(json["lag_mm"]["max"], 0.0);
+  EXPECT_LT(json["force_error_N"]["max"], 1e-3);
+  EXPECT_EQ(json["jump"]["unexplained"], 0);
+  for (const char* cause : {"hand", "ledge", "contact_gained", "contact_lost", "unexplained"}) {
+    EXPECT_TRUE(json["jump"]["causes"][cause].contains("count")) << cause;
+  }
+  EXPECT_EQ(json["settle"]["poses"], 10);
+  EXPECT_EQ(json["settle"]["within_10ms"], 1.0);
+  EXPECT_LT(json["force_4khz_rms_fraction"], 0.01);
+}
+
+TEST_F(PalpateBench, HandsDriveAnySceneAndTheirPosesReadBack) {
+  ASSERT_EQ(
+      Run({"hands", "--scene", "cube", "--seed", "4", "--speed", "0.2", "--steps", "1500",
+           "--check-every", "10", "--poses-out", File("hand.csv"), "--json", File("hand.json")}),
+      0)
+      << said_;
+  const nlohmann::json hand = Json("hand.json");
+  EXPECT_EQ(hand["scene"], "cube");
+  EXPECT_EQ(hand["seed"], 4);
+  EXPECT_EQ(hand["steps"], 1500);
+  EXPECT_GT(hand["force_rms_N"], 0.1) << "the hand never pressed";
+  EXPECT_TRUE(hand["settle"].contains("within_50ms"));
+  EXPECT_TRUE(hand.contains("force_4khz_rms_fraction"));
+  ASSERT_EQ(Run({"cycle", "--scene", "cube", "--poses", File("hand.csv"), "--repeats", "1",
+                 "--check-every", "10", "--json", File("cycle.json")}),
+            0)
+      << said_;
+  EXPECT_EQ(Json("cycle.json")["jump"], hand["jump"]);
+}
+
+TEST_F(PalpateBench, HandsOfSeveralSeedsPutTheWorstFirst) {
+  ASSERT_EQ(Run({"hands", "--scene", "cube", "--seeds", "1..3", "--steps", "800", "--check-every",
+                 "10", "--contact", "spheres", "--json", File("hands.json")}),
+            0)
+      << said_;
+  const nlohmann::json seeds = Json("hands.json")["seeds"];
+  ASSERT_EQ(seeds.size(), 3u);
+  const auto worse = [](const nlohmann::json& a, const nlohmann::json& b) {
+    return std::make_pair(a["mesh_intersecting_fraction"] > 0.0, a["mesh_penetration_um"]["max"]) >=
+           std::make_pair(b["mesh_intersecting_fraction"] > 0.0, b["mesh_penetration_um"]["max"]);
+  };
+  EXPECT_TRUE(worse(seeds[0], seeds[1]) && worse(seeds[1], seeds[2])) << seeds;
+  EXPECT_EQ(Run({"hands", "--scene", "cube", "--seeds", "3..1"}), 2);
+  EXPECT_THAT(said_, HasSubstr("--seeds 3..1 is no range"));
 }
 
 TEST_F(PalpateBench, QpReadsBackWhatItDumped) {

@@ -288,7 +288,11 @@ MeshOracle::Gap MeshOracle::Distance(const Pose& X_WT) const {
           const Triangle moved = X_BT * tool.At(i);
           for (const std::uint32_t k : other.TrianglesOf(b)) {
             if (other.gone(k)) continue;
-            const Nearest nearest = NearestPoints(moved, other.At(k));
+            const Triangle still = other.At(k);
+            if (TriangleTree::BoxOf(moved).Distance(TriangleTree::BoxOf(still)) >= gap.distance) {
+              continue;
+            }
+            const Nearest nearest = NearestPoints(moved, still);
             if (nearest.distance < gap.distance) {
               gap = {nearest.distance, object.X_WB * nearest.on_a, object.X_WB * nearest.on_b};
             }

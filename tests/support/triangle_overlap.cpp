@@ -209,7 +209,6 @@ Nearest NearestPoints(const Triangle& a, const Triangle& b) {
       if (edges.distance < best.distance) best = edges;
     }
   }
-  if (best.distance > 0.0 && Meet(a, b)) best.distance = 0.0;
   return best;
 }
 

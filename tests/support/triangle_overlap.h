@@ -28,7 +28,7 @@ struct Separation {
 };
 Separation ShortestSeparation(const Triangle& a, const Triangle& b);
 
-/// Nearest points of two triangles, in doubles; a distance of 0 where they meet.
+/// Nearest points of two triangles that do not meet, in doubles.
 struct Nearest {
   double distance;
   Vec3 on_a, on_b;

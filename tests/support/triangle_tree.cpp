@@ -22,7 +22,9 @@ bool Less(const Vec3& a, const Vec3& b) {
   return false;
 }
 
-TriangleTree::Box BoxOf(std::span<const Vec3> points) {
+}  // namespace
+
+TriangleTree::Box TriangleTree::BoxOf(std::span<const Vec3> points) {
   Vec3 low = Vec3::Constant(INFINITY), high = -low;
   for (const Vec3& p : points) {
     low = low.cwiseMin(p);
@@ -32,8 +34,6 @@ TriangleTree::Box BoxOf(std::span<const Vec3> points) {
   const Vec3 slack = 1e-15 * low.cwiseAbs().cwiseMax(high.cwiseAbs());
   return {0.5 * low + 0.5 * high, 0.5 * (high - low) + slack};
 }
-
-}  // namespace
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh)
     : vertices_(mesh.vertices), triangles_(mesh.triangles), gone_(mesh.triangles.size()) {

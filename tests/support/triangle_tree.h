@@ -27,6 +27,8 @@ class TriangleTree {
       return ((center - other.center).cwiseAbs() - half - other.half).cwiseMax(0.0).norm();
     }
   };
+  /// A box round points.
+  static Box BoxOf(std::span<const Vec3> points);
   struct Node {
     Box box;
     std::int32_t child = -1;           ///< the first of two, which are neighbours; < 0: a leaf
