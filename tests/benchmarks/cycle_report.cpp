@@ -91,8 +91,11 @@ class ContactReport {
   void AddJumps(const test::ContactFigures::Jumps& jumps) {
     nlohmann::ordered_json& out = json_["jump"];
     out = {{"force_N_max", jumps.force_max}, {"torque_Nm_max", jumps.torque_max}};
-    Line("greatest jump", fmt::format("{:.3f} N, {:.4f} N m", jumps.force_max, jumps.torque_max));
+    Line("greatest jump",
+         fmt::format("{:.3f} N, {:.4f} N m; unexplained {}; {} of a tool that was behind",
+                     jumps.force_max, jumps.torque_max, jumps.unexplained(), jumps.behind));
     out["unexplained"] = jumps.unexplained();
+    out["behind"] = jumps.behind;
     for (int c = 1; c < test::kJumpCauses; ++c) {
       const auto i = static_cast<std::size_t>(c);
       const char* name = NameOf(static_cast<test::JumpCause>(c));

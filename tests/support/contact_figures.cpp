@@ -194,6 +194,9 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
       jumps.torque_max = std::max(jumps.torque_max, (wrench.torque - before.wrench.torque).norm());
       const auto cause = static_cast<std::size_t>(judge.Judge(X_WH_before, before, X_WH, report));
       ++jumps.count[cause];
+      const std::uint32_t faults = report.faults | before.faults;
+      jumps.behind +=
+          cause > static_cast<std::size_t>(JumpCause::kHand) && (faults & kFaultTargetFar) != 0;
       if (jump > jumps.force[cause]) {
         jumps.force[cause] = jump;
         jumps.step[cause] = i;

@@ -61,6 +61,7 @@ struct ContactFigures {
     std::array<std::size_t, kJumpCauses> count{};  ///< by cause, of those above kJump
     std::array<double, kJumpCauses> force{};       ///< greatest of each cause [N]
     std::array<std::size_t, kJumpCauses> step{};   ///< where that was
+    std::size_t behind = 0;  ///< of those but kHand: the tool had not arrived before or after it
     std::size_t unexplained() const { return count[static_cast<int>(JumpCause::kUnexplained)]; }
   };
   Jumps jumps;

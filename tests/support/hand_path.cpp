@@ -16,8 +16,8 @@
 namespace palpate::test {
 namespace {
 
-constexpr double kStep = 1e-3;                  // [s] between samples
-constexpr double kGreatestAcceleration = 30.0;  // [m/s^2]
+constexpr double kStep = 1e-3;       // [s] between samples
+constexpr double kQuickHand = 30.0;  // [m/s^2]
 
 /// The share of its way that a move has gone at a share of its time, with the least jerk.
 double Gone(double u) {
@@ -90,9 +90,9 @@ class Curve {
     }
   }
   double length() const { return along_.back(); }
-  /// Seconds in which it is gone along at a mean speed, or as quickly as a hand can.
-  double Duration(double speed) const {
-    return std::max(length() / speed, std::sqrt(peak_ / kGreatestAcceleration));
+  /// Seconds in which it is gone along at a mean speed, with no more than an acceleration.
+  double Duration(double speed, double acceleration) const {
+    return std::max(length() / speed, std::sqrt(peak_ / acceleration));
   }
   Place At(double share) const {
     const double s = std::clamp(share, 0.0, 1.0) * length();
@@ -390,17 +390,19 @@ class HandMaker {
     std::vector<Curve> curves;
     for (const Move& move : moves_) curves.emplace_back(move, HalfRadius());
     // The pace at which the wanted length takes the wanted time: slow moves are made up for.
+    double acceleration = kQuickHand;
     const auto time_at = [&](double pace) {
       double time = 0.0, left = wanted;
       for (std::size_t i = 0; i < curves.size() && left > 0.0; ++i) {
         const double share = std::min(1.0, left / curves[i].length());
-        time += share * curves[i].Duration(pace * moves_[i].pace * options_.speed);
+        time += share * curves[i].Duration(pace * moves_[i].pace * options_.speed, acceleration);
         left -= curves[i].length();
       }
       return time;
     };
     const double wanted_time = kStep * static_cast<double>(options_.steps);
     double low = 0.1, high = 8.0;
+    while (time_at(high) > wanted_time) acceleration *= 1.25;
     for (int i = 0; i < 60; ++i) {
       const double pace = 0.5 * (low + high);
       (time_at(pace) > wanted_time ? low : high) = pace;
@@ -411,7 +413,7 @@ class HandMaker {
     for (int i = 0; i < options_.steps; ++i) {
       const double time = kStep * i;
       const auto duration = [&] {
-        return curves[at].Duration(high * moves_[at].pace * options_.speed);
+        return curves[at].Duration(high * moves_[at].pace * options_.speed, acceleration);
       };
       while (at + 1 < curves.size() && time - begun >= duration()) {
         begun += duration();

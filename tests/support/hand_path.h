@@ -30,7 +30,7 @@ struct HandOptions {
 /// the hand is put below that by its depth.  Moves go through such places on cubic splines, with
 /// the speed of least jerk (Flash & Hogan, J. Neurosci. 5 (1985) 1688), and 30 m/s^2 at most, which
 /// a quick hand reaches; so the shortest moves are slower than the mean, and the others faster.
-/// From some 0.3 m/s on, a hand of many short moves does not reach the mean that is asked of it.
+/// Only where the mean that is asked cannot be reached so, above some 0.2 m/s, is it more.
 ///
 /// Lengths are as said for tools and objects of 10 mm to 1 m, and in proportion below and above.
 /// The first pose is free.  The same options give the same bits everywhere.
