@@ -6,15 +6,27 @@
 
 #include "common/error.h"
 #include "server/physics/limits.h"
-#include "server/physics/surface/body_surfaces.h"
+#include "server/physics/surface/body_meshes.h"
 
 namespace palpate {
 
+namespace {
+
+double LeavesAlone(const PlacedTree& object, double radius) {
+  return IsFeltByMesh(object) ? 0.0 : radius;
+}
+
+double CoresAlone(const PlacedTree& object, double radius) {
+  return IsFeltByMesh(object) ? std::max(radius - limits::kCoreDepth, 0.0) : 0.0;
+}
+
+}  // namespace
+
 SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel contact)
-    : forest_(objects, contact == ContactModel::kSurface ? &HasSurface : nullptr) {
-  if (contact == ContactModel::kSurface) {
-    surfaces_ = std::make_unique<const ObjectSurfaces>(objects);
-  }
+    : contact_(contact),
+      forest_(objects, contact == ContactModel::kSurface ? &LeavesAlone : nullptr) {
+  if (contact == ContactModel::kSurface) meshes_ = ObjectMeshes::Make(objects);
+  if (meshes_ != nullptr) cores_ = std::make_unique<const ObjectForest>(objects, &CoresAlone);
 }
 
 SceneObjects::~SceneObjects() = default;
@@ -41,20 +53,19 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   positive(parameters_.max_rows, "max_rows");
   positive(parameters_.max_tested, "max_tested");
   rotation_length_ = std::sqrt(parameters_.torsional_stiffness / parameters_.stiffness);
-  const bool surface = parameters_.features.contact == ContactModel::kSurface;
-  if (parameters_.max_rotation <= 0.0) {
-    const double lever = std::max(ToolTree::MaxLeverOf(tool), limits::kShortestLever);
-    parameters_.max_rotation =
-        std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), limits::kMostRotation);
-  }
-  if (surface != (objects_->surfaces() != nullptr)) {
+  if (parameters_.features.contact != objects_->contact()) {
     throw Error("step parameters: contact differs from the objects'; give MakeObjects the same");
   }
   const double extent = this->objects().center().norm() + this->objects().radius();
   tool_ = std::make_unique<const ToolTree>(tool, extent, ToolTree::ReferenceOf(tool));
-  if (surface) {
-    tool_surface_ =
-        std::make_unique<const ToolSurface>(tool_mesh, tool, tool_->reference(), extent);
+  if (object_meshes() != nullptr) {
+    tool_mesh_ = MakeToolMesh(tool_mesh, tool, tool_->reference());
+  }
+  if (parameters_.max_rotation <= 0.0) {
+    const double reach = tool_mesh_ != nullptr ? tool_mesh_->mesh.reach() : 0.0;
+    const double lever = std::max({ToolTree::MaxLeverOf(tool), reach, limits::kShortestLever});
+    parameters_.max_rotation =
+        std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), limits::kMostRotation);
   }
   if (parameters_.features.compliance) {
     soft_ = SoftLeaves::Make(this->objects(), parameters_.stiffness);
@@ -66,7 +77,7 @@ HapticModel::HapticModel(HapticModel&&) noexcept = default;
 
 std::int32_t HapticModel::LeafOf(const LeafPair& pair) const {
   if (KindOf(pair) == RowKind::kLeaves) return pair.object;
-  return static_cast<std::int32_t>(object_surfaces()->LeafOf(pair));
+  return object_meshes()->LeafOf(static_cast<std::uint32_t>(pair.object));
 }
 
 }  // namespace palpate

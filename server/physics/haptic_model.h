@@ -12,8 +12,8 @@
 
 namespace palpate {
 
-class ObjectSurfaces;  // surface/body_surfaces.h
-class ToolSurface;
+class ObjectMeshes;  // surface/body_meshes.h
+struct MeshWithTree;
 
 /// What the tools of a scene may touch: the objects' leaves as one tree and, where surfaces decide
 /// the contact, the surfaces of those that have one.  Immutable; shared by the models of all tools.
@@ -25,13 +25,19 @@ class SceneObjects {
                         ContactModel contact = ContactModel::kSpheres);
   ~SceneObjects();
 
+  /// The leaves of all objects; those of objects that are felt by their meshes touch nothing.
   const ObjectForest& forest() const { return forest_; }
-  /// Null with ContactModel::kSpheres.
-  const ObjectSurfaces* surfaces() const { return surfaces_.get(); }
+  ContactModel contact() const { return contact_; }
+  /// Objects that are felt by their meshes: the meshes, and the leaves inside them, shrunk by
+  /// limits::kCoreDepth, which tell what is inside.  Both null where there are none.
+  const ObjectMeshes* meshes() const { return meshes_.get(); }
+  const ObjectForest* cores() const { return cores_.get(); }
 
  private:
+  ContactModel contact_;
   ObjectForest forest_;
-  std::unique_ptr<const ObjectSurfaces> surfaces_;
+  std::unique_ptr<const ObjectMeshes> meshes_;
+  std::unique_ptr<const ObjectForest> cores_;
 };
 
 /// What a step needs to know and never changes: one tool against the objects of a scene.
@@ -51,9 +57,10 @@ class HapticModel {
   const StepParameters& parameters() const { return parameters_; }  ///< derived values filled in
   const ToolTree& tool() const { return *tool_; }
   const ObjectForest& objects() const { return objects_->forest(); }
-  /// Both null with ContactModel::kSpheres.
-  const ToolSurface* tool_surface() const { return tool_surface_.get(); }
-  const ObjectSurfaces* object_surfaces() const { return objects_->surfaces(); }
+  /// All null where no object is felt by its mesh.
+  const MeshWithTree* tool_mesh() const { return tool_mesh_.get(); }
+  const ObjectMeshes* object_meshes() const { return objects_->meshes(); }
+  const ObjectForest* object_cores() const { return objects_->cores(); }
   /// Null unless the features name compliance and some leaf is soft.
   const SoftLeaves* soft_leaves() const { return soft_.get(); }
   /// The leaf of the forest that the object side of a row's pair belongs to: its material is the
@@ -70,7 +77,7 @@ class HapticModel {
   StepParameters parameters_;
   double rotation_length_ = 0.0;
   std::unique_ptr<const ToolTree> tool_;
-  std::unique_ptr<const ToolSurface> tool_surface_;
+  std::unique_ptr<const MeshWithTree> tool_mesh_;
   std::shared_ptr<const SceneObjects> objects_;
   std::unique_ptr<const SoftLeaves> soft_;
 };

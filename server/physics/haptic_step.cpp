@@ -30,6 +30,8 @@ bool GoesOn(const StepContext& context);
 void Predict(StepContext& context);
 void Solve(StepContext& context);
 void Rub(StepContext& context);
+void Remember(StepContext& context);
+bool Clear(StepContext& context);
 void Move(StepContext& context);
 void Report(StepContext& context);
 void GiveUp(StepContext& context);
@@ -46,12 +48,18 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   for (; GoesOn(context); ++report.substeps) {
     Predict(context);
     StageClock clock(times);
-    Solve(context);
-    Rub(context);
-    clock.Lap(&StageTimes::solve);
-    if (context.optimum.qp.status == QpStatus::kIterationLimit) {
-      GiveUp(context);
-      break;
+    for (bool clear = false; !clear;) {
+      Solve(context);
+      Rub(context);
+      Remember(context);
+      clock.Lap(&StageTimes::solve);
+      if (context.optimum.qp.status == QpStatus::kIterationLimit) {
+        GiveUp(context);
+        End(X_WH, context);
+        return report;
+      }
+      clear = Clear(context);
+      clock.Lap(&StageTimes::rows);
     }
     Move(context);
     Report(context);
@@ -80,11 +88,9 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   context.q_G = state.X_WG.q;
   context.p_G = state.X_WG.p + context.q_G * reference;
   const Target hand_step = TargetOf(state.X_WH * reference, state.X_WH.q, context.p_H, context.q_H);
-  context.bounds = FirstBounds(context.model, hand_step, state.active > 0);
-  if (context.model.tool_surface() != nullptr) {
-    context.bounds.translation = std::max(context.bounds.translation, state.behind.translation);
-    context.bounds.rotation = std::max(context.bounds.rotation, state.behind.rotation);
-  }
+  context.bounds = FirstBounds(context.model, hand_step);
+  context.bounds.translation = std::max(context.bounds.translation, state.behind.translation);
+  context.bounds.rotation = std::max(context.bounds.rotation, state.behind.rotation);
   state.X_WH = {X_WH.p, context.q_H};
   return true;
 }
@@ -92,21 +98,34 @@ bool Begin(const Pose& X_WH, StepContext& context) {
 /// A further sub-step is taken to cost what the last one did.
 bool GoesOn(const StepContext& context) {
   const StepParameters& parameters = context.model.parameters();
+  if (context.looks + context.last_looks > limits::mesh::kMaxLooks) return false;
   return context.report.substeps < parameters.max_substeps && !context.arrived &&
          context.spent + context.last <= parameters.max_tested &&
          (context.report.faults & kFaultUnsolved) == 0;
 }
 
-/// The rows that the sub-step has to respect: rigid ones, and those that first yield.
+/// The rows between leaves that the sub-step has to respect, rigid ones and those that first yield;
+/// and the triangles that it could bring together, with the rows of those that touched last.
 void Predict(StepContext& context) {
   StepBuffers& buffers = context.buffers;
   const std::int64_t before = buffers.prediction.tested();
+  context.friction_before = context.state.friction;
+  context.iterates = context.retractions = 0;
   context.target = TargetOf(context.p_G, context.q_G, context.p_H, context.q_H);
   context.R_WG = context.q_G.toRotationMatrix();
   buffers.prediction.Predict(context.model, context.kernels, context.R_WG, context.p_G,
                              context.bounds, context.state.wear, buffers.rows, context.times);
   context.last = buffers.prediction.tested() - before;
   context.spent += context.last;
+  if (buffers.meshes) {
+    StageClock clock(context.times);
+    const bool turns = context.model.degrees_of_freedom() == 6;
+    buffers.meshes->Begin(context.kernels, context.state.front,
+                          {context.p_G, turns ? context.q_G : Quat::Identity()},
+                          context.bounds.translation, turns ? context.bounds.rotation : 0.0,
+                          context.state.active_pairs.data(), context.state.active, buffers.rows);
+    clock.Lap(&StageTimes::prediction);
+  }
   context.report.predicted_pairs = buffers.rows.count();
   if (buffers.rows.overflowed()) context.report.faults |= kFaultRowsFull;
 }
@@ -114,6 +133,8 @@ void Predict(StepContext& context) {
 /// The pose nearest to the hand's that the rows allow.
 void Solve(StepContext& context) {
   StepBuffers& buffers = context.buffers;
+  ++context.iterates;
+  buffers.rows.Finish();
   context.soft = nullptr;
   context.rigid = buffers.rows.view();
   if (buffers.soft) {
@@ -132,10 +153,22 @@ void Solve(StepContext& context) {
 /// The same with friction, where the model has it and a row is active.
 void Rub(StepContext& context) {
   FrictionState& friction = context.state.friction;
+  if (context.iterates > 1) friction = context.friction_before;
   if (context.model.parameters().features.friction != FrictionModel::kCoulomb) return;
-  if (context.optimum.qp.active == 0) return friction.Forget();
-  if (friction.suspended || context.optimum.qp.status == QpStatus::kIterationLimit) return;
+  if (context.optimum.qp.active == 0 || friction.suspended ||
+      context.optimum.qp.status == QpStatus::kIterationLimit) {
+    return;
+  }
   AddCoulombFriction(context);
+}
+
+/// The rows that hold the tool: the solver's first guess next time.
+void Remember(StepContext& context) {
+  context.state.active = context.optimum.qp.active;
+  for (int i = 0; i < context.state.active; ++i) {
+    context.state.active_pairs[static_cast<std::size_t>(i)] =
+        context.buffers.rows.pair(context.optimum.qp.row[i]);
+  }
 }
 
 /// Whether anything holds the tool.
@@ -161,25 +194,60 @@ void ShortenWay(StepContext& context, double part) {
   context.phi = clip * partial.phi;
 }
 
-/// Takes the tool to the optimum, or towards it as far as the bounds go.
-void Move(StepContext& context) {
+/// The way to the optimum, as far as the bounds go; and whether the meshes are apart at its end. If
+/// not, there are new rows, and it all begins again.  A way that is still not free in the end is
+/// halved until it is: the tool's own place always is.
+bool Clear(StepContext& context) {
+  StepBuffers& buffers = context.buffers;
   const Optimum& optimum = context.optimum;
-  context.state.active = optimum.qp.active;
-  for (int i = 0; i < optimum.qp.active; ++i) {
-    context.state.active_pairs[static_cast<std::size_t>(i)] =
-        context.buffers.rows.pair(optimum.qp.row[i]);
-  }
   context.v = optimum.v;
   context.phi = optimum.phi;
   const double part =
       PartWithin(context.bounds, context.model.degrees_of_freedom(), optimum.v, optimum.phi);
   context.arrived = part == 1.0;
+  if (!context.arrived) ShortenWay(context, part);
+  if (!buffers.meshes) return true;
+  MeshContact& meshes = *buffers.meshes;
+  const auto is_free = [&] {
+    const bool turns = context.model.degrees_of_freedom() == 6;
+    return meshes.Check(context.v, turns ? context.phi : Vec3::Zero(), buffers.rows) == 0;
+  };
+  if (is_free()) {
+    if (!context.arrived || context.retractions == limits::mesh::kRetractions) return true;
+    ++context.retractions;
+    return meshes.Retract(optimum.qp.row, optimum.qp.active, buffers.rows) == 0;
+  }
+  if (context.iterates < limits::mesh::kIterates && !meshes.IsExhausted()) return false;
+  context.arrived = false;
+  context.state.friction = context.friction_before;  // of no trial
+  for (int i = 0; i < limits::mesh::kHalvings; ++i) {
+    context.v *= 0.5;
+    context.phi *= 0.5;
+    if (is_free()) return true;
+  }
+  context.v.setZero();
+  context.phi.setZero();
+  meshes.Stay();
+  return true;
+}
+
+/// Takes the tool there.
+void Move(StepContext& context) {
+  const bool meshes = context.buffers.meshes.has_value();
+  if (meshes) {
+    context.buffers.meshes->Accept();
+    context.last_looks = context.buffers.meshes->looks();
+    context.looks += context.last_looks;
+  }
+  const bool rubs = context.model.parameters().features.friction == FrictionModel::kCoulomb;
+  if (rubs && context.optimum.qp.active == 0 && (context.arrived || !meshes)) {
+    context.state.friction.Forget();
+  }
   if (context.arrived && !IsHeld(context)) {
     context.p_G = context.p_H;
     context.q_G = context.q_H;
     return;
   }
-  if (!context.arrived) ShortenWay(context, part);
   context.report.truncation =
       std::max(context.report.truncation,
                0.5 * context.phi.squaredNorm() * context.model.tool().max_lever());
@@ -187,13 +255,33 @@ void Move(StepContext& context) {
   context.q_G = (RotationExp(context.phi) * context.q_G).normalized();
 }
 
+/// Between meshes, where the tool has not arrived, the optimum lies beyond what its rows are known
+/// for.  What is known is what the contacts at the tool's place hold back of the spring there: the
+/// multipliers of the spring's pull, projected onto the motions that those rows allow.  Where the
+/// tool has arrived this is the optimum's own wrench; without a contact it is zero.
+void ReportLag(StepContext& context) {
+  ContactRows& rows = context.buffers.rows;
+  for (int i = 0; i < rows.count(); ++i) {
+    const double left =
+        rows.gap(i) + rows.normal(i).dot(context.v) + rows.lever_cross_normal(i).dot(context.phi);
+    rows.SetGap(i, left);
+    if (left > limits::mesh::kTouching) rows.Loosen(i);
+  }
+  context.v.setZero();
+  context.phi.setZero();
+  context.target = TargetOf(context.p_G, context.q_G, context.p_H, context.q_H);
+  Solve(context);
+  Remember(context);
+}
+
 /// The wrench of the spring at the optimum, and the contacts.  Where the sub-step falls short of it
 /// the graphic tool is still on its way, and its distance from the hand is no contact: that part
 /// gives no force.  Then the bounds of the next sub-step.
 void Report(StepContext& context) {
   const HapticModel& model = context.model;
-  const Optimum& optimum = context.optimum;
   StepReport& report = context.report;
+  if (context.buffers.meshes && !context.arrived) ReportLag(context);
+  const Optimum& optimum = context.optimum;
   if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
   report.wrench = Wrench{};
   if (IsHeld(context)) {
@@ -203,8 +291,7 @@ void Report(StepContext& context) {
     if (model.degrees_of_freedom() == 3) report.wrench.torque.setZero();
   }
   ReportContacts(context);
-  context.bounds =
-      WiderBounds(model, context.bounds, optimum.v, optimum.phi, context.buffers.rows.count() > 0);
+  context.bounds = WiderBounds(model, context.bounds);
 }
 
 /// The QP did not end: the tool stays where it is, and the spring pulls.
@@ -222,7 +309,8 @@ void End(const Pose& X_WH, StepContext& context) {
   StepState& state = context.state;
   StepReport& report = context.report;
   if (!context.arrived && (report.faults & kFaultUnsolved) == 0) report.faults |= kFaultTargetFar;
-  state.behind = context.arrived ? StepBounds{0.0, 0.0} : context.bounds;
+  const bool lags = context.buffers.meshes && !context.arrived;
+  state.behind = lags ? context.bounds : StepBounds{0.0, 0.0};
   if (context.arrived && report.contacts == 0) {
     state.X_WG = {X_WH.p, context.q_H};
   } else {

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstddef>
+
 /// Every constant of the haptic step on one page: unit, usual value, and what it derives from.
 /// Elsewhere are only those of the QP over rigid rows, which other programs use without the step
-/// (common/qp), and those of surface contact, which stand with its rules (surface/, rows/,
-/// solve/step_bounds.cpp).  Numbers alone, so that the kernels may include this page too.  "Taken"
-/// means chosen, not derived: another value costs time, and no rule rests on it.
+/// (common/qp), and of how meshes are read (surface/contact_mesh.cpp).  Numbers alone, so that the
+/// kernels may include this page too.  "Taken" means chosen, not derived: another value costs time,
+/// and no rule rests on it.
 namespace palpate::limits {
 
 // --- The coupling: StepParameters, unless the scene says otherwise. ---
@@ -136,6 +138,59 @@ inline constexpr int kDraws = 8;
 /// FrictionModel::kChapter: a turn whose squared sine of half the angle is below this has no axis.
 inline constexpr double kLeastTurn = 1e-24;
 }  // namespace friction
+
+/// Contact between meshes (rows/mesh_contact.h).
+namespace mesh {
+/// delta: what rows keep between the meshes [m].  Taken: a thousandth of a newton at 1 N/mm.
+inline constexpr double kSeparation = 1e-6;
+/// h: what a pair must be separated by at the end of a sub-step [m].  Half of delta; the other half
+/// is for what linearising a rotation leaves, kMaxTruncation, and for the arc of a turning point
+/// beside its chord, a quarter of that.
+inline constexpr double kFree = 0.5 * kSeparation;
+/// What a pair nearer than delta regains in a sub-step [m]: less than h, so that no force comes of
+/// it that could be felt.
+inline constexpr double kRegain = 0.3e-6;
+/// What rounding may take off a separation in a sub-step [m]: coordinates of 10 m are rounded to
+/// 2e-15 m, planes at 1e-7 m to 1e-8 of a triangle's size.
+inline constexpr double kRounding = 1e-9;
+/// Sine of the angle between two edges below which their common normal turns too fast, and the
+/// nearest points decide: at 0.02, 1 mm along the edges turns it by no more than the sub-step may.
+inline constexpr double kParallel = 0.02;
+/// A corner is the place that touches where it is no farther than the nearest points by this share,
+/// and this [m].
+inline constexpr double kWitnessRatio = 1.02, kWitness = 20e-9;
+/// A ball's row is turned again where its direction leaves the smooth normal by more [rad]: a
+/// thousandth of the force.
+inline constexpr double kTurned = 1e-3;
+/// The first bounds, as kBoundsOverHand and kBoundsAcross.  Tighter, for every pair that the bounds
+/// could bring together is looked at in each trial, and a trial beyond them costs but one sub-step.
+inline constexpr double kBoundsOverHand = 1.25, kBoundsAcross = 0.15;
+/// A row that its contact lets the tool go by less than this [m] holds it: twice delta.
+inline constexpr double kTouching = 2.0 * kSeparation;
+/// Iterates of a sub-step, and of them those that take rows out.
+inline constexpr int kIterates = 16, kRetractions = 12;
+/// Halvings of a trial that is not free before the tool stays: to a thousandth.
+inline constexpr int kHalvings = 10;
+/// Pairs that a sub-step looks at closely at most, some 100 ns each: 200 us.  A further sub-step is
+/// begun where one like the last would leave the cycle's below this.
+inline constexpr int kMaxLooks = 2000;
+/// Pairs that a trial looks at before it sees whether there are enough, and how many that are not
+/// apart are enough for another trial.  Taken: six rows hold a tool.
+inline constexpr std::size_t kBatch = 32;
+inline constexpr int kEnough = 8;
+/// Pairs of patches that a sub-step tries to make one, and the room that one must have, as a share
+/// of what such a sub-step could take away: a lasting one is worth more tests than it saves.
+inline constexpr int kMerges = 32;
+inline constexpr double kMergeShare = 0.3;
+/// Beyond such a move [m, rad] the front begins anew: it would be looked at as a whole.
+inline constexpr double kFarAway = 10e-3, kFarTurned = 0.2;
+/// Room for pairs in a sub-step: bunnies in deep contact have 5,000 near, and 300 that touch.
+inline constexpr std::size_t kMaxNear = 32768, kMaxTouches = 8192;
+}  // namespace mesh
+
+/// What leaves inside an object that is felt by its mesh are shrunk by, to tell what starts inside
+/// [m]: more than they may stand out.
+inline constexpr double kCoreDepth = 1e-4;
 
 // --- A start inside an object (start_pose.h).  Not on the servo path. ---
 

@@ -10,8 +10,9 @@ namespace {
 bool IsFree(const HapticModel& model, const Pose& X_WT, const LeafWear& wear,
             StepWorkspace& workspace) {
   StepBuffers& buffers = workspace.buffers();
-  return !buffers.prediction.Overlaps(model, ActiveKernels(), X_WT.q.toRotationMatrix(),
-                                      X_WT * model.reference(), wear, buffers.rows);
+  const ToolPose at(X_WT * model.reference(), X_WT.q);
+  return !buffers.prediction.Overlaps(model, ActiveKernels(), at.R, at.p, wear, buffers.rows) &&
+         (!buffers.meshes || buffers.meshes->IsFree(at));
 }
 
 /// Shortest way out along `direction`, to within a sub-step's length: walks outward until free.

@@ -4,6 +4,7 @@ namespace palpate {
 
 StepState::StepState(const HapticModel& model) {
   if (model.parameters().features.removal) wear = LeafWear(model.objects());
+  if (model.object_meshes() != nullptr) front.Reserve();
 }
 
 }  // namespace palpate

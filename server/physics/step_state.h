@@ -7,6 +7,7 @@
 #include "server/physics/leaf_pair.h"
 #include "server/physics/limits.h"
 #include "server/physics/step_types.h"
+#include "server/physics/surface/separation_front.h"
 #include "server/physics/tree/leaf_wear.h"
 
 namespace palpate {
@@ -36,17 +37,19 @@ struct FrictionState {
 /// again with the same pose gives the same bits.
 struct StepState {
   StepState() = default;
-  /// Allocates where the model's features name removal: objects are whole.  A state made without
-  /// its model wears nothing.
+  /// Allocates what the model's features need: objects are whole, and nothing is known of what
+  /// keeps their meshes from the tool's.  A state made without its model wears nothing, and its
+  /// first step between meshes allocates.
   explicit StepState(const HapticModel& model);
 
   Pose X_WG;                             ///< graphic tool
   Pose X_WH;                             ///< haptic tool: how far the hand moved sets the bounds
   std::array<LeafPair, 7> active_pairs;  ///< rows that held it last, the solver's first guess
   int active = 0;
-  /// Surface contact: bounds of the next sub-step where the last cycle ended before the tool had
+  /// Between meshes: bounds of the next sub-step where the last cycle ended before the tool had
   /// arrived; else 0.
   StepBounds behind{0.0, 0.0};
+  SeparationFront front;  ///< where objects are felt by their meshes
   FrictionState friction;
   LeafWear wear;
 };

@@ -115,7 +115,9 @@ TEST(DelayedSlide, IsTheServersOwnStepOnAPlane) {
     const SlideTicks ticks = MeasureDelayedSlide(model, AtSpeed(way, 0.1), {0.1, delay_ms});
     const SlideErrors errors = ErrorsOf({&ticks, 1});
     ASSERT_GT(errors.ticks, 50u);
-    EXPECT_LT(errors.local.max, 1e-6) << delay_ms;
+    // The step leaves a tool that touches anywhere between h and delta, half a micrometre, off the
+    // plane (limits::mesh); the ways are 5 mm deep and more.
+    EXPECT_LT(errors.local.max, 0.5e-6 / 5e-3) << delay_ms;
     if (delay_ms > 0) {
       EXPECT_GT(errors.late.max, 0.01) << delay_ms;
     }

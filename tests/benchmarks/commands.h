@@ -10,6 +10,7 @@ void AddClosedLoop(CLI::App& app);
 void AddCycle(CLI::App& app);
 /// `domain` is read when the command runs.
 void AddDeadServer(CLI::App& app, const int& domain);
+void AddHands(CLI::App& app);
 void AddLevels(CLI::App& app);
 void AddLimiter(CLI::App& app);
 /// As there.

@@ -23,6 +23,7 @@ int Main(int argc, char** argv) {
   AddClosedLoop(app);
   AddCycle(app);
   AddDeadServer(app, domain);
+  AddHands(app);
   AddLevels(app);
   AddLimiter(app);
   AddLoop(app, domain);

@@ -23,12 +23,12 @@ bool SameBits(const Pose& a, const Pose& b) {
 
 PathJudge::PathJudge(const Scene& scene, std::span<const Pose> X_WH, int checks,
                      const StopSignal& stop)
-    : overlap_(scene.tools.front().mesh, scene.objects),
+    : oracle_(scene),
       stop_(stop),
       every_(std::max<std::size_t>(1, X_WH.size() / static_cast<std::size_t>(checks))) {
   for (std::size_t i = 0; i < X_WH.size(); i += every_) {
     ThrowIfStopped(stop_);
-    hand_is_free_.push_back(overlap_.At(X_WH[i]) == 0.0);
+    hand_is_free_.push_back(!oracle_.Meet(X_WH[i]));
   }
 }
 
@@ -40,7 +40,7 @@ PathError PathJudge::Judge(std::span<const Pose> X_WG, std::span<const Vec3> for
     if (i > 0) error.force_jump_N = std::max(error.force_jump_N, (force[i] - force[i - 1]).norm());
     if (i % every_ != 0) continue;
     ThrowIfStopped(stop_);
-    depth_um.push_back(1e6 * overlap_.At(X_WG[i]));
+    depth_um.push_back(1e6 * oracle_.At(X_WG[i]).depth);
     if (!hand_is_free_[i / every_]) continue;
     error.free_force_N += force[i].norm();
     ++free;

@@ -6,10 +6,10 @@
 
 #include "common/stop_signal.h"
 #include "scenes/scene.h"
-#include "tests/benchmarks/mesh_overlap.h"
 #include "tests/benchmarks/pareto_results.h"
 #include "tests/benchmarks/peers/peer.h"
 #include "tests/benchmarks/scene_run.h"
+#include "tests/support/mesh_oracle.h"
 
 namespace palpate::bench {
 
@@ -29,7 +29,7 @@ class PathJudge {
   std::size_t every() const { return every_; }
 
  private:
-  MeshOverlap overlap_;
+  test::MeshOracle oracle_;
   const StopSignal& stop_;
   std::size_t every_;
   std::vector<bool> hand_is_free_;  ///< at the steps that are checked

@@ -263,7 +263,7 @@ std::vector<Plot> Plots(const ParetoResults& r) {
 
   Plot depth;
   depth.title = "Penetration against the time of a step";
-  depth.subtitle = "The deepest vertex of either mesh inside the other, friction off";
+  depth.subtitle = "How deep the meshes are in each other, friction off";
   depth.x = {"Step, best p99.9 [µs]", true};
   depth.y = {"Penetration, p99 of the steps [µm]", true, 0.001};
   for (const char* contact : {"spheres", "surface"}) {
@@ -419,9 +419,11 @@ void Slides(Markdown& md, const ParetoResults& r) {
 void Scenes(Markdown& md, const ParetoResults& r) {
   md.Heading(2, "Scenes");
   md.Paragraph(
-      "Every scene's own path. *Penetration* is that of the meshes: the deepest vertex of either "
-      "inside the other, at the reported pose, on every n-th step; edges that cross without one "
-      "are not seen. With sphere contact the meshes may meet where the spheres, which lie inside "
+      "Every scene's own path. *Penetration* is that of the meshes at the reported pose, on every "
+      "n-th "
+      "step: the deepest vertex inside a closed mesh, or the shortest way that takes two triangles "
+      "apart, whichever is more. With sphere contact the meshes may meet where the spheres, which "
+      "lie inside "
       "them, do not yet: that is the model's error. *Sphere overlap* is how deep the spheres "
       "themselves overlap, which is what that model prevents. Where a scene "
       "has no friction of its own, its objects have μ_s 0.8 and μ_d 0.3 where a friction model is "

@@ -22,7 +22,7 @@ struct Speed {
 
 /// What a path's steps were right by, on every n-th of them.
 struct PathError {
-  Percentiles penetration_um;  ///< of the meshes, by MeshOverlap
+  Percentiles penetration_um;  ///< of the meshes, by MeshOracle
   /// Mean force where the hand's own pose is free: what holds it there is not the objects, unless
   /// the tool is caught behind them.
   double free_force_N = 0.0;

@@ -161,7 +161,9 @@ void PegInHole(CaseRun& run) {
     run.tunnelled += std::abs(report.X_WG.p.x()) > kMillimetre;
   }
   FigureIsOverlap(run);
-  if (most_rows < 2000) run.figure = 1e9;  // not what the case is about
+  // Between meshes rows come on violation: there are never many.
+  const bool spheres = run.features.contact == ContactModel::kSpheres;
+  if (spheres && most_rows < 2000) run.figure = 1e9;  // not what the case is about
 }
 
 /// An object of a thousand copies of one ball under a tool of eight copies each of two others:
@@ -273,13 +275,16 @@ void StartInside(CaseRun& run) {
 }
 
 /// Drives a tool that is in a jam: wrenched for 400 ms, then drawn out along +y.  Where it lies
-/// deepest in both sides, it overlaps each by half of `excess`.  The overlap is to be shared, the
-/// force to be the spring's, and once out, the tool is free.
+/// deepest in both sides, it overlaps each by half of `excess`.  Between spheres the overlap is to
+/// be shared; between meshes none is let in, so the tool begins where the start is resolved to. The
+/// force is to be the spring's, and once out, the tool is free.
 void DriveJam(CaseRun& run, Trial& trial, double excess) {
   trial.ExpectFree(false);
   Random random(52);
+  const bool meshes = run.features.contact == ContactModel::kSurface;
   while (run.Goes()) {
-    trial.Start({Vec3(random.Uniform(-20e-6, 20e-6), 0, 0), Quat::Identity()});
+    const Pose X_in{Vec3(random.Uniform(-20e-6, 20e-6), 0, 0), Quat::Identity()};
+    trial.Start(meshes ? ResolveStart(trial.model(), X_in, trial.workspace()).X_WG : X_in);
     const Vec3 pull(random.Uniform(-5, 5), random.Uniform(0, 5), random.Uniform(-5, 5));
     const Vec3 turn = 0.3 * random.Direction();
     for (int i = 0; i < 700; ++i) {
@@ -287,7 +292,7 @@ void DriveJam(CaseRun& run, Trial& trial, double excess) {
       const Vec3 out(0, 0.1 * std::max(0, i - 400), 0);
       const Pose X_WH{kMillimetre * (in * pull + out), RotationExp(in * turn)};
       const StepReport report = trial.Step(X_WH);
-      run.Worst(1e6 * (trial.Overlap(report.X_WG) - 0.5 * excess));
+      run.Worst(1e6 * (trial.Overlap(report.X_WG) - (meshes ? 0.0 : 0.5 * excess)));
       const double way = (X_WH.p - report.X_WG.p).norm();
       // On its way out of the overlap the tool may feel where it is going, a millimetre further.
       const bool arrived = (report.faults & kFaultTargetFar) == 0;
@@ -392,7 +397,9 @@ std::vector<StabilityCase> ContactCases() {
                      .run = run,
                      .applies = applies});
   };
-  jam("jam-between-ears", JamBetweenEars, [](const Features&) { return true; });
+  // Between meshes the tool is never let in: nothing is to be shared.
+  jam("jam-between-ears", JamBetweenEars,
+      [](const Features& f) { return f.contact == ContactModel::kSpheres; });
   jam("jam-in-slot", JamInSlot,
       [](const Features& f) { return f.contact == ContactModel::kSurface; });
   overlap("sizes", 1, Sizes);

@@ -117,7 +117,7 @@ constexpr std::uint64_t kGoldenHash = 6161116608468802286u;
 constexpr std::uint64_t kGoldenChapterHash = 10557980212448308767u;
 constexpr std::uint64_t kGoldenCoulombHash = 5460479641327311592u;
 constexpr std::uint64_t kGoldenHashOfMaterials = 12443289330829426384u;
-constexpr std::uint64_t kGoldenHashOfSurfaces = 6287876394858520806u;
+constexpr std::uint64_t kGoldenHashOfSurfaces = 4160845262333314390u;
 
 TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
   const Kernels* level[3];

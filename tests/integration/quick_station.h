@@ -35,12 +35,26 @@ class QuickStation {
     wrenches_ = {loop_, topic, dds::Qos::kLoop, [this](const wire::Wrench&) { ++answered_; }};
     return Eventually([&] { return poses_.matched_readers() == 1; });
   }
-  bool Answered(int answers) {
-    const int end = answered_ + answers;
+  /// Sends a pose a millisecond until it is so.  False where that takes more than 20 s, and at once
+  /// where the server ends the session.
+  template <class Condition>
+  bool SendUntil(Condition condition) {
+    bool ended = false;
     return Eventually([&] {
-      Send(NextPose());
-      return answered_ >= end;
-    });
+             Send(NextPose());
+             ended = Phase() == palpate_SESSION_ENDED;
+             return ended || condition();
+           }) &&
+           !ended;
+  }
+  /// Sends until so many more answers came.
+  bool Answered(int answers) {
+    return SendUntil([this, end = answered_ + answers] { return answered_ >= end; });
+  }
+  /// True where the server says that it ended this session because no pose came in time.
+  bool lost_to_silence() {
+    return Phase() == palpate_SESSION_ENDED &&
+           std::string(state_.reason).starts_with("no pose came for more than 100 ms");
   }
   bool Leave() {
     Ask(true);

@@ -19,20 +19,18 @@
 #include "client/station/servo_thread.h"
 #include "client/station/session_link.h"
 #include "client/station/station_core.h"
+#include "client/station/trace.h"
 #include "common/dds/topics.h"
 #include "common/time/steady_clock.h"
 #include "devices/device.h"
 #include "devices/wrench_limiter.h"
 #include "tests/support/program.h"
 
-// The real palpate-server with scene `cube`, and what drives it.  Bounds on time are bounds of
-// safety (a force that must be gone), wide enough for a busy machine.
+// The real palpate-server with scene `cube`, and what drives it.
 namespace palpate::test {
 
 inline const int kDomain = 10 + getpid() % 25;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-/// A limiter fades within 30 ms; the rest is the machine's.
-constexpr std::int64_t kForceGone_ns = kSecond_ns / 5;
 /// Stiffness of 1 N/mm, 1 mm deep.
 constexpr double kDepth_m = 0.001;
 constexpr double kForce_N = 1.0;
@@ -87,7 +85,7 @@ class StationProgram : public Program {
   }
 };
 
-/// A device that is held 1 mm deep in the cube's top face, and remembers when it rendered what.
+/// A device that is held 1 mm deep in the cube's top face, and tells what it renders.
 class HeldDevice final : public Device {
  public:
   HeldDevice() {
@@ -101,18 +99,10 @@ class HeldDevice final : public Device {
   const DeviceInfo& info() const override { return info_; }
   DeviceSample Read() noexcept override { return sample_; }
   void Apply(const LimitedWrench& wrench) noexcept override {
-    const double force = wrench.wrench().force.norm();
-    const std::int64_t now_ns = SteadyNanoseconds();
-    if (force > 0.0) last_force_ns = now_ns;
-    if (force < 0.1 * kForce_N) last_weak_ns = now_ns;
-    if (force < 0.9 * kForce_N) last_rising_ns = now_ns;
-    force_N = force;
+    force_N = wrench.wrench().force.norm();
   }
 
   std::atomic<double> force_N{0.0};
-  std::atomic<std::int64_t> last_force_ns{0};   ///< more than none
-  std::atomic<std::int64_t> last_weak_ns{0};    ///< less than a tenth
-  std::atomic<std::int64_t> last_rising_ns{0};  ///< less than nine tenths
 
  private:
   DeviceInfo info_;
@@ -123,8 +113,10 @@ class HeldDevice final : public Device {
 /// be seen.
 class HeldStation {
  public:
-  explicit HeldStation(dds::Transport transport) {
+  /// @param trace  file for a row of each tick, where one is wanted.
+  explicit HeldStation(dds::Transport transport, const std::string& trace = "") {
     core_.EnableForces(true);
+    if (!trace.empty()) trace_ = std::make_unique<Trace>(trace);
     LinkOptions options;
     options.station = "held";
     options.scene = "cube";
@@ -134,14 +126,18 @@ class HeldStation {
     link_ = std::make_unique<SessionLink>(
         options, replies_,
         [this]() -> ServoThread& {
-          servo_ = std::make_unique<ServoThread>(core_, replies_, 0.01);
+          servo_ = std::make_unique<ServoThread>(core_, replies_, 0.01, trace_.get());
           return *servo_;
         },
         [](const std::string&) {});
   }
-  ~HeldStation() {
+  ~HeldStation() { End(); }
+
+  /// Ends the session and the loop, and the trace with them.
+  void End() {
     link_.reset();
     servo_->Stop();
+    if (trace_) trace_->Close();
   }
 
   /// As --accept-guide does; before the first Until.
@@ -161,7 +157,7 @@ class HeldStation {
         seconds);
   }
   bool UntilForce() {
-    return Until([this] { return std::abs(device.force_N - kForce_N) < 0.05 * kForce_N; });
+    return Until([this] { return std::abs(device.force_N - kForce_N) < 0.005 * kForce_N; });
   }
   void For(double seconds) {
     Until([] { return false; }, seconds);
@@ -173,6 +169,7 @@ class HeldStation {
  private:
   StationCore core_{device};
   ReplyRing replies_;
+  std::unique_ptr<Trace> trace_;
   std::unique_ptr<ServoThread> servo_;
   std::unique_ptr<SessionLink> link_;
   std::optional<GuideLink> guide_;

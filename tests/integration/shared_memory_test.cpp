@@ -10,6 +10,7 @@
 #include "tests/common/dds/roudi.h"
 #include "tests/integration/quick_station.h"
 #include "tests/integration/rig.h"
+#include "tests/support/stall_witness.h"
 
 namespace palpate::test {
 namespace {
@@ -36,26 +37,34 @@ TEST(SharedMemory, CarriesTheForceFromTheServerToTheStation) {
   EXPECT_EQ(server.Exit(), 0) << server.Output();
 }
 
-TEST(SharedMemory, HearsTheHundredAndFirstRunOfAStation) {
+/// One session of a station: at least so many answers.  Spoilt where the server ended it for the
+/// station's silence.
+Attempt Answers(QuickStation& station, std::uint64_t run, int answers, bool& uses_shared_memory) {
+  const bool answered = station.Begin(run) && station.Answered(answers);
+  uses_shared_memory = uses_shared_memory && (!answered || station.uses_shared_memory());
+  const bool lost = station.lost_to_silence();
+  EXPECT_TRUE(station.Leave()) << "run " << run;
+  return answered ? Attempt::kShown : lost ? Attempt::kSpoilt : Attempt::kFailed;
+}
+
+TEST(SharedMemory, HearsEachOfTheHundredAndOneRunsOfAStation) {
   RouDi roudi;
   ServerProgram server("shm");
   ASSERT_TRUE(server.Ready()) << server.Output();
   QuickStation station("again");
-  std::uint64_t run = 1;
-  int held_up = 0;  // a session ends where the machine stands still for 100 ms
-  for (; run <= 100 + static_cast<std::uint64_t>(held_up); ++run) {
-    ASSERT_TRUE(station.Begin(run)) << "run " << run << "\n" << server.Output();
-    held_up += !station.Answered(3);
-    ASSERT_LE(held_up, 2) << "run " << run << "\n" << server.Output();
-    ASSERT_TRUE(station.Leave()) << "run " << run << "\n" << server.Output();
+  std::uint64_t run = 0;
+  bool uses_shared_memory = true;
+  for (int session = 1; session <= 101; ++session) {
+    // At last more than the 257 chunks that a reader can lose.
+    const int answers = session <= 100 ? 3 : 300;
+    ASSERT_TRUE(Shown([&](StallWitness& witness) {
+      witness.Watch(server.id());
+      return Answers(station, ++run, answers, uses_shared_memory);
+    })) << "run "
+        << run << "\n"
+        << server.Output();
   }
-  const auto heard = [&] {
-    if (station.Begin(run++) && station.Answered(300)) return true;
-    station.Leave();
-    return false;
-  };
-  EXPECT_TRUE(heard() || heard() || heard()) << "more than the 257 chunks that a reader can lose";
-  EXPECT_TRUE(station.uses_shared_memory());
+  EXPECT_TRUE(uses_shared_memory);
 }
 
 TEST(SharedMemory, KeepsASessionFromAnotherDomainsWriterOfTheSameTopic) {
@@ -63,18 +72,23 @@ TEST(SharedMemory, KeepsASessionFromAnotherDomainsWriterOfTheSameTopic) {
   ServerProgram server("shm");
   ASSERT_TRUE(server.Ready()) << server.Output();
   QuickStation station("mine");
-  // Where the machine stands still for 100 ms the session ends: once more, then.
-  std::uint64_t run = 7;
-  const auto keeps = [&] {
-    bool kept = station.Begin(run) && station.Answered(1);
-    Peer foreign("shm", kForeignDomain, dds::PoseTopic("mine", run++), 600, "at-once");
-    while (foreign.running()) kept = kept && station.Answered(1);
+  std::uint64_t run = 6;
+  EXPECT_TRUE(Shown([&](StallWitness& witness) {
+    witness.Watch(server.id());
+    bool kept = station.Begin(++run) && station.Answered(1);
+    EXPECT_TRUE(!kept || station.uses_shared_memory());
+    Peer foreign("shm", kForeignDomain, dds::PoseTopic("mine", run), 600, "at-once");
+    while (kept && foreign.running()) kept = station.Answered(1);
     kept = kept && station.Answered(300);
+    // Its poses carry impossible ones: had they come, they would be counted in the lines that the
+    // server prints of this session each second.
+    for (int line = 0; line < 2; ++line) {
+      kept = kept && station.SendUntil([&] { return server.Says(" rejected ", 0.0); });
+    }
+    const bool lost = station.lost_to_silence();
     EXPECT_TRUE(station.Leave());
-    return kept;
-  };
-  EXPECT_TRUE(keeps() || keeps() || keeps()) << server.Output();
-  // Its poses carry impossible ones: had they come, they would have been counted.
+    return kept ? Attempt::kShown : lost ? Attempt::kSpoilt : Attempt::kFailed;
+  })) << server.Output();
   EXPECT_THAT(server.Output(), testing::Not(testing::ContainsRegex("rejected +[1-9]")));
 }
 

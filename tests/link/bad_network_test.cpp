@@ -14,7 +14,6 @@
 #include <unistd.h>
 
 #include "client/recorder/file_summary.h"
-#include "common/error.h"
 #include "common/server_lock_file.h"
 #include "common/time/steady_clock.h"
 #include "devices/scripted/scripted_device.h"
@@ -54,16 +53,11 @@ struct BadNetwork : testing::Test {
     std::filesystem::remove(file + ".json");
   }
 
-  /// False, and the test is skipped with the reason, where the machine has no such hosts.
-  bool Connect(const LinkConditions& each_way) {
-    try {
-      hosts.emplace(each_way);
-      return true;
-    } catch (const Error& error) {
-      [&] { GTEST_SKIP() << error.what(); }();
-      return false;
-    }
+  /// Skipped where the machine allows no such hosts; from there on whatever fails is a failure.
+  void SetUp() override {
+    if (const std::string why_not = TwoHosts::WhyNot(); !why_not.empty()) GTEST_SKIP() << why_not;
   }
+  void Connect(const LinkConditions& each_way) { hosts.emplace(each_way); }
   std::unique_ptr<Program> ServerOn(int host) const {
     return hosts->Start(
         host, PALPATE_BIN_DIR "/palpate-server",
@@ -100,7 +94,7 @@ struct BadNetwork : testing::Test {
 };
 
 TEST_F(BadNetwork, CarriesASessionWhoseStatisticsAreThoseOfTheNetwork) {
-  if (!Connect(Wide())) return;
+  Connect(Wide());
   ASSERT_TRUE(StartServer()) << server->Output();
   const auto station = StartStation("6");
   ASSERT_EQ(station->Exit(100.0), 0) << station->Output();
@@ -142,7 +136,7 @@ TEST_F(BadNetwork, CarriesASessionWhoseStatisticsAreThoseOfTheNetwork) {
 }
 
 TEST_F(BadNetwork, IsNoHindranceToDiscoveryWithoutMulticastWherePeersAreNamed) {
-  if (!Connect({})) return;
+  Connect({});
   for (int host = 0; host < 2; ++host) {
     const auto off =
         hosts->Start(host, "/bin/ip", {"link", "set", TwoHosts::kLan, "multicast", "off"});
@@ -154,7 +148,7 @@ TEST_F(BadNetwork, IsNoHindranceToDiscoveryWithoutMulticastWherePeersAreNamed) {
 }
 
 TEST_F(BadNetwork, LeavesNoForceWhenItIsCutAndThenJoinsTheTwoAgain) {
-  if (!Connect({})) return;
+  Connect({});
   ASSERT_TRUE(StartServer()) << server->Output();
   const auto station = StartStation("8");
   ASSERT_TRUE(station->Says("session: tool")) << station->Output();
@@ -168,12 +162,12 @@ TEST_F(BadNetwork, LeavesNoForceWhenItIsCutAndThenJoinsTheTwoAgain) {
   const WrenchLimits limits = ScriptedLimits();
   const Silence silence = MeasureSilence(rows, cut_ns, limits);
   EXPECT_TRUE(silence.stayed_zero);
-  EXPECT_LT(silence.until_zero_ms, 200.0);  // 25 ms, and what the machine adds
+  EXPECT_LE(silence.counted_until_zero_ms, kForceGone_ms);
   EXPECT_LE(silence.largest_step, 1.0);
 }
 
 TEST_F(BadNetwork, IsNoHindranceToAClassThatWatchesAndRecordsOnAnotherHost) {
-  if (!Connect({})) return;
+  Connect({});
   ASSERT_TRUE(StartServer()) << server->Output();
   const auto gateway = StartWatching("/palpate-viewer", {"--http", "8765", "--max-mice", "0"});
   ASSERT_TRUE(gateway->Says("ready: ")) << gateway->Output();
@@ -215,7 +209,7 @@ TEST_F(BadNetwork, IsNoHindranceToAClassThatWatchesAndRecordsOnAnotherHost) {
 }
 
 TEST_F(BadNetwork, IsNoPlaceForTwoServersOfADomainAndTheStationSaysSo) {
-  if (!Connect({})) return;
+  Connect({});
   ASSERT_TRUE(StartServer()) << server->Output();
   const auto station = StartStation("60");
   ASSERT_TRUE(station->Says("session: tool")) << station->Output();
@@ -227,7 +221,7 @@ TEST_F(BadNetwork, IsNoPlaceForTwoServersOfADomainAndTheStationSaysSo) {
                                  "them, or give it and its stations another --domain"));
 }
 
-TEST_F(BadNetwork, IsNotForSharedMemory) {
+TEST(Network, IsNotForSharedMemory) {
   Program station(PALPATE_BIN_DIR "/palpate-station",
                   {"--device", "scripted", "--scene", "cube", "--id", "far", "--transport", "shm",
                    "--network", "eth0"});

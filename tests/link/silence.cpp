@@ -33,6 +33,21 @@ double LargestStep(const std::vector<TraceRow>& rows, std::size_t begin, std::si
   return largest;
 }
 
+std::vector<double> CountedSilence_ms(const std::vector<TraceRow>& rows) {
+  std::vector<double> silence(rows.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].reply == 0) continue;
+    silence[i] = 0.0;
+    if (i == 0 || rows[i].reply != rows[i - 1].reply) continue;
+    // Ticks whose rows were dropped count too, each for no more than that.
+    const auto ticks = static_cast<double>(rows[i].tick - rows[i - 1].tick);
+    silence[i] =
+        silence[i - 1] + std::min(1e-6 * static_cast<double>(rows[i].time_ns - rows[i - 1].time_ns),
+                                  ticks * 1e3 * kMaxTick_s);
+  }
+  return silence;
+}
+
 Silence MeasureSilence(const std::vector<TraceRow>& rows, std::int64_t after_ns,
                        const WrenchLimits& limits) {
   const auto index = [&](auto from, auto holds) {
@@ -73,6 +88,7 @@ Silence MeasureSilence(const std::vector<TraceRow>& rows, std::int64_t after_ns,
   silence.share_before = before;
   silence.until_fall_ms = since_due_ms(fall);
   silence.until_zero_ms = since_due_ms(zero);
+  silence.counted_until_zero_ms = CountedSilence_ms(rows)[zero];
   silence.stayed_zero =
       index(zero, [](const TraceRow& row) { return !IsZero(row.applied); }) >= next;
   silence.largest_step = LargestStep(rows, last, back, limits);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -15,7 +16,8 @@ struct Silence {
   double share_before = 0.0;    ///< of what was wanted, that was applied then
   double until_fall_ms = 0.0;   ///< first tick with less than 0.999 of its share of what was wanted
   double until_zero_ms = 0.0;   ///< first tick without any force or torque
-  bool stayed_zero = false;     ///< from there to the next reply
+  double counted_until_zero_ms = 0.0;  ///< the same, as CountedSilence has it
+  bool stayed_zero = false;            ///< from there to the next reply
   double largest_step = 0.0;   ///< between two ticks, in parts of the slew limit; with the way back
   double until_back_ms = 0.0;  ///< from the next reply until that share is there again
 };
@@ -24,6 +26,17 @@ struct Silence {
 /// a force at its begin and its end in it.
 Silence MeasureSilence(const std::vector<TraceRow>& rows, std::int64_t after_ns,
                        const WrenchLimits& limits);
+
+/// How long no reply had come, at each row, as the limiter counts: from the row that took the last
+/// one on, each tick for its time, but for no more than kMaxTick_s.  A tick that the machine held
+/// up thus counts for little, and what must be over after a time must be over after that time by
+/// this count on any machine.  Infinite before the first reply.
+std::vector<double> CountedSilence_ms(const std::vector<TraceRow>& rows);
+
+/// By that count no force is left: a dead server's melts within 25 ms
+/// (devices/limiter/age_stage.h), which the first tick sees that ends later.  Not the stage's own
+/// constant, which is what is tested.
+inline constexpr double kForceGone_ms = 25.0 + 1e3 * kMaxTick_s;
 
 /// Largest change of force or torque from one row to the next within [begin, end), in parts of what
 /// the limiter allows for the time between them.

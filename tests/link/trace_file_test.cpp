@@ -129,6 +129,24 @@ TEST(MeasureSilence, FindsTheTimesAndTheSteepestStepOfAFade) {
   EXPECT_DOUBLE_EQ(silence.until_back_ms, 99.0);  // but for a hundredth
 }
 
+/// A machine that stands still for 100 ms in the middle of a fade: the ticks after it come as due.
+std::vector<TraceRow> FadeHeldUp() {
+  std::vector<TraceRow> rows = Fade();
+  for (TraceRow& row : rows) {
+    if (row.tick > 110) row.time_ns += 100'000'000;
+    if (row.tick > 110 && row.tick < 200) row.silence_ms += 100.0;
+  }
+  return rows;
+}
+
+TEST(MeasureSilence, CountsTwoMillisecondsForATickThatTheMachineHeldUp) {
+  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30().info);
+  EXPECT_DOUBLE_EQ(MeasureSilence(Fade(), 90'000'000, limits).counted_until_zero_ms, 25.0);
+  const Silence held_up = MeasureSilence(FadeHeldUp(), 90'000'000, limits);
+  EXPECT_DOUBLE_EQ(held_up.until_zero_ms, 124.0);
+  EXPECT_DOUBLE_EQ(held_up.counted_until_zero_ms, 26.0);
+}
+
 TEST(MeasureSilence, SeesAForceThatComesBackWithoutAReply) {
   std::vector<TraceRow> rows = Fade();
   rows[150].applied.force.z() = 0.01;

@@ -1,5 +1,6 @@
 #include "tests/link/two_hosts.h"
 
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "common/error.h"
@@ -22,6 +23,21 @@ void RunIp(const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
+
+std::string TwoHosts::WhyNot() {
+  for (const char* program : {kIp, kUnshare, kNsenter}) {
+    if (access(program, X_OK) != 0) return std::string("there is no ") + program;
+  }
+  const int raw = socket(AF_PACKET, SOCK_RAW, 0);
+  if (raw < 0) return "no packet socket (root, or CAP_NET_RAW)";
+  close(raw);
+  Program namespaces(kUnshare,
+                     {"--net", kIp, "link", "add", "one", "type", "veth", "peer", "name", "other"});
+  if (namespaces.Exit() == 0) return "";
+  return "no network namespace with a pair of interfaces can be made (root, or CAP_SYS_ADMIN and "
+         "CAP_NET_ADMIN): " +
+         namespaces.Output();
+}
 
 TwoHosts::TwoHosts(const LinkConditions& each_way) {
   std::string end[2];

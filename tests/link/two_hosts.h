@@ -16,7 +16,11 @@ class TwoHosts {
   static constexpr const char* kLan = "lan";
   static constexpr const char* kAddress[] = {"10.37.0.1", "10.37.0.2"};
 
-  /// Throws Error where this machine does not let that be done, with the reason.
+  /// Why this machine lets nobody make such hosts: a right or a program that is missing.  Empty
+  /// where it does, and then nothing of what follows may fail.
+  static std::string WhyNot();
+
+  /// Throws Error where a step of it fails, with the reason.
   explicit TwoHosts(const LinkConditions& each_way);
 
   std::unique_ptr<Program> Start(int host, const std::string& file,

@@ -1,10 +1,12 @@
 // The real palpate-load beside a real server and gateway: that it measures what is there, and says
 // what is not.
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <regex>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -108,6 +110,35 @@ TEST_F(Load, MeasuresStationsAndViewersOfBothKinds) {
   EXPECT_TRUE(server_->Says("station load_2: ended")) << server_->Output();
 }
 
+/// Whatever the machine held, the limit follows from the runs that the program tells of, each of
+/// which holds where less than a hundredth of it was late and lost.
+void ExpectLimitOf(const std::string& what, const std::string& output) {
+  const std::regex run("([0-9]+) " + what +
+                       ": ([0-9.]+) % late, ([0-9.]+) % of the frames lost: (.*)");
+  std::size_t largest = 0, least_that_fails = 1000, runs = 0;
+  for (std::sregex_iterator it(output.begin(), output.end(), run); it != std::sregex_iterator();
+       ++it, ++runs) {
+    const std::size_t n = std::stoul((*it)[1]);
+    const double late = std::stod((*it)[2]), lost = std::stod((*it)[3]);
+    const bool holds = (*it)[4] == "holds";
+    EXPECT_TRUE(!holds || (late <= 1.0 && lost <= 1.0)) << it->str();
+    EXPECT_TRUE(holds || late >= 1.0 || lost >= 0.9) << it->str();
+    if (holds) largest = std::max(largest, n);
+  }
+  for (std::sregex_iterator it(output.begin(), output.end(), run); it != std::sregex_iterator();
+       ++it) {
+    if (std::stoul((*it)[1]) > largest) {
+      least_that_fails = std::min<std::size_t>(least_that_fails, std::stoul((*it)[1]));
+    }
+  }
+  EXPECT_GT(runs, 0u) << output;
+  EXPECT_THAT(output, HasSubstr("limit: " + std::to_string(largest) + " " + what + " at"));
+  // Nothing is left out between the two.
+  if (least_that_fails < 1000) {
+    EXPECT_EQ(least_that_fails, largest + 1) << output;
+  }
+}
+
 TEST_F(Load, SaysWhichNumberIsTheLargestAndWhy) {
   StartServer();
   StartGateway();
@@ -117,6 +148,8 @@ TEST_F(Load, SaysWhichNumberIsTheLargestAndWhy) {
   ASSERT_EQ(load->Exit(110.0), 0) << load->Output();
   EXPECT_THAT(load->Output(), testing::ContainsRegex("limit: [0-4] stations at 1 kHz"));
   EXPECT_THAT(load->Output(), testing::ContainsRegex("limit: [0-3] viewers at 30 Hz beside 1"));
+  ExpectLimitOf("stations", load->Output());
+  ExpectLimitOf("viewers", load->Output());
   for (const Json& run : Json::parse(ReadText("found.json"))) {
     EXPECT_LE(run["stations"], 4);
     EXPECT_LE(run["viewers"], 3);

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "common/dds/participant.h"
 #include "common/server_lock.h"
+#include "tests/common/dds/roudi.h"
 #include "tests/support/program.h"
 
 namespace palpate::test {
@@ -77,7 +77,7 @@ TEST(ServerProgram, RefusesASceneThatIsGivenTwice) {
 }
 
 TEST(ServerProgram, RefusesSharedMemoryWithoutRouDiAndSaysHowToStartIt) {
-  if (dds::RouDiAnswers()) GTEST_SKIP() << "RouDi runs on this machine";
+  if (RouDi::AnotherRuns()) GTEST_SKIP() << "a RouDi of somebody else's runs on this machine";
   Program program = Server(Here({"--scene", "cube", "--transport", "shm"}));
   EXPECT_EQ(program.Exit(), 1);
   EXPECT_THAT(program.Output(), HasSubstr("no RouDi listens at /tmp/roudi; start it with"));

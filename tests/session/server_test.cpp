@@ -144,6 +144,10 @@ TEST_F(ServerTest, ServesSeveralStationsAndScenesAtOnce) {
     c.Send(kTouch - 0.003);
     return a.force_N > 1.0 - 1e-4 && b.force_N > 2.0 - 1e-4 && c.force_N > 3.0 - 1e-4;
   }));
+  // Each its own, and not the greatest of them.
+  EXPECT_NEAR(a.force_N, 1.0, 1e-4);
+  EXPECT_NEAR(b.force_N, 2.0, 1e-4);
+  EXPECT_NEAR(c.force_N, 3.0, 1e-4);
 }
 
 TEST_F(ServerTest, AnswersEachPoseOfAStationBesideOneThatFloodsAndOfThatOneItsShare) {

@@ -334,33 +334,52 @@ TEST_F(ServoLoopTest, ReportsCountersOnceForEachRequest) {
 }
 
 TEST_F(ServoLoopTest, IsStartedAndWatchedFromAnotherThread) {
-  std::atomic<bool> done{false};
+  // The loop goes on until the watcher has seen it often enough, however the two are scheduled.
+  constexpr int kSeen = 200, kMost = 2'000'000;
+  std::atomic<bool> enough{false};
+  std::atomic<int> sent{0};
   std::thread servo([&] {
     wire::Wrench answer{};
-    for (int i = 0; i < 5000; ++i) loop_.OnPose(hand_.At(kPressed), answer);
-    done = true;
+    while (!enough && sent < kMost) {
+      loop_.OnPose(hand_.At(kPressed), answer);
+      ++sent;
+    }
   });
   LoopSnapshot snapshot;
   LoopCounters counters;
-  std::uint64_t sequence = 0;
-  std::uint64_t poses = 0;
-  while (!done) {
+  std::uint64_t sequence = 0, poses = 0;
+  int snapshots = 0, reports = 0, starts = 0;
+  loop_.RequestCounters();
+  while (sent < kMost && (snapshots < kSeen || reports < kSeen)) {
     loop_.Start({Vec3(0, 0, kTouch), Quat::Identity()});
-    loop_.RequestCounters();
+    ++starts;
     if (loop_.ReadSnapshot(snapshot)) {
       EXPECT_GT(snapshot.pose_sequence, sequence);
       EXPECT_EQ(snapshot.X_WH.p, Vec3(0, 0, kPressed));
       sequence = snapshot.pose_sequence;
+      ++snapshots;
     }
-    if (loop_.ReadCounters(counters)) poses += counters.poses;
+    if (loop_.ReadCounters(counters)) {
+      poses += counters.poses;
+      ++reports;
+      loop_.RequestCounters();
+    }
     std::this_thread::yield();
   }
+  enough = true;
   servo.join();
-  if (loop_.ReadSnapshot(snapshot)) sequence = snapshot.pose_sequence;
+  EXPECT_GE(snapshots, kSeen);
+  EXPECT_GE(reports, kSeen);
+  EXPECT_GE(starts, kSeen);
+  EXPECT_GT(loop_.start_sequence(), 0u);
+  // What no report has had yet is in the next one: no pose is counted twice, and none is left out.
   if (loop_.ReadCounters(counters)) poses += counters.poses;
-  EXPECT_EQ(sequence, 5000u);
-  EXPECT_EQ(loop_.heard(), 5000u);
-  EXPECT_LE(poses, 5000u);
+  poses += Counters().poses;
+  const auto all = static_cast<std::uint64_t>(sent) + 1;
+  EXPECT_EQ(poses, all);
+  EXPECT_EQ(loop_.heard(), all);
+  ASSERT_TRUE(loop_.ReadSnapshot(snapshot));
+  EXPECT_EQ(snapshot.pose_sequence, all);
 }
 
 TEST_F(ServoLoopTest, ShowsViewersItsLastStep) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <thread>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -14,7 +16,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// A thread whose poses go nowhere, and a test that plays the server.
+/// A thread whose poses go nowhere, and a test that plays the server.  What counts here is ticks: a
+/// machine that is busy makes them fewer a second, and changes nothing else.
 struct Bench {
   explicit Bench(double rate_Hz = 1000.0) : device(rate_Hz) { core.EnableForces(true); }
 
@@ -25,12 +28,20 @@ struct Bench {
   PosePath path;
   StationSnapshot snapshot;
 
-  /// Answers poses with 2 N for that time.
-  void Answer(milliseconds time) {
-    const std::int64_t end = SteadyNanoseconds() + std::chrono::nanoseconds(time).count();
-    while (SteadyNanoseconds() < end) {
+  /// Waits for so many more ticks; false where that takes more than a minute.
+  bool Tick(std::uint64_t count) {
+    const std::uint64_t end = servo.ticks() + count;
+    for (int i = 0; i < 60'000 && servo.ticks() < end; ++i) {
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    return servo.ticks() >= end;
+  }
+  /// Answers poses with 2 N until it is so, for a minute at most.
+  bool AnswerUntil(const std::function<bool()>& so) {
+    for (int i = 0; i < 60'000; ++i) {
       while (servo.ReadSnapshot(snapshot)) {
       }
+      if (so()) return true;
       Reply reply;
       reply.pose_sequence = snapshot.sent;
       reply.pose_time_ns = servo.sample_time_ns(reply.pose_sequence);
@@ -39,38 +50,53 @@ struct Bench {
       replies.Push(reply);
       std::this_thread::sleep_for(milliseconds(1));
     }
+    return false;
   }
 };
 
 TEST(ServoThread, RestsUntilThereIsAPath) {
   Bench bench;
-  std::this_thread::sleep_for(milliseconds(20));
+  Bench other;  // by whose ticks time passes
+  other.servo.SetPath(&other.path);
+  ASSERT_TRUE(other.Tick(50));
   EXPECT_FALSE(bench.servo.started());
   bench.servo.Stop();
   EXPECT_EQ(bench.core.totals().ticks, 0u);
 }
 
-TEST(ServoThread, ServesTheDeviceWithAPathAndWithout) {
+TEST(ServoThread, ServesTheDeviceWithAPathAndWithoutAndSendsOnlyWithOne) {
   Bench bench;
   bench.servo.SetPath(&bench.path);
-  std::this_thread::sleep_for(milliseconds(50));
+  ASSERT_TRUE(bench.Tick(20));
   bench.servo.SetPath(nullptr);
-  std::this_thread::sleep_for(milliseconds(50));
+  const std::uint64_t ticks_with = bench.servo.ticks();
+  ASSERT_TRUE(bench.Tick(20));
   bench.servo.Stop();
-  EXPECT_GT(bench.core.totals().sent, 0u);
-  EXPECT_GT(bench.core.totals().ticks, bench.core.totals().sent);
+  EXPECT_GE(bench.core.totals().sent, 20u);
+  EXPECT_LE(bench.core.totals().sent, ticks_with);
+  EXPECT_GE(bench.core.totals().ticks, bench.core.totals().sent + 20);
+  EXPECT_EQ(bench.device.applications, static_cast<int>(bench.core.totals().ticks));
 }
 
 TEST(ServoThread, TicksAtTheDevicesRateAndSendsAThousandPosesASecondAtMost) {
   for (const double rate_Hz : {250.0, 1000.0, 2000.0, 4000.0}) {
     Bench bench(rate_Hz);
     bench.servo.SetPath(&bench.path);
-    const auto ticks = [&] { return bench.servo.ticks(); };
-    while (ticks() < 100) std::this_thread::sleep_for(milliseconds(1));
+    ASSERT_TRUE(bench.Tick(200));
     bench.servo.Stop();
+    const auto ticks = static_cast<double>(bench.core.totals().ticks);
+    const std::uint64_t sent = bench.core.totals().sent;
     const double ticks_per_pose = std::max(1.0, rate_Hz / 1000.0);
-    EXPECT_NEAR(static_cast<double>(bench.core.totals().ticks),
-                ticks_per_pose * static_cast<double>(bench.core.totals().sent), ticks_per_pose);
+    EXPECT_NEAR(ticks, ticks_per_pose * static_cast<double>(sent), ticks_per_pose);
+    // Each tick is due one period after the one before, and those that the machine kept from being
+    // are counted.  A tick comes within its period, so that both bounds are off by one at most.
+    const std::uint64_t first = sent > 150 ? sent - 150 : 1;  // whose times are still known
+    const double took_s = 1e-9 * static_cast<double>(bench.servo.sample_time_ns(sent) -
+                                                     bench.servo.sample_time_ns(first));
+    const double between = ticks_per_pose * static_cast<double>(sent - first);
+    const auto missed = static_cast<double>(bench.servo.missed_ticks());
+    EXPECT_GE(took_s * rate_Hz, between - 1.0) << rate_Hz;
+    EXPECT_LE(took_s * rate_Hz, between + missed + 1.0) << rate_Hz;
   }
 }
 
@@ -80,9 +106,14 @@ TEST(ServoThread, EnablesNothingByAButtonThatHasNotBeenSeenUp) {
   bench.servo.EnableForcesByButton();
   bench.device.sample.buttons = 1;
   bench.servo.SetPath(&bench.path);
-  for (int i = 0; i < 5; ++i) bench.Answer(milliseconds(100));
+  // As many fresh replies as take a force to its full height twice.
+  std::uint64_t replies = 0, last = 0;
+  ASSERT_TRUE(bench.AnswerUntil([&] {
+    replies += bench.snapshot.sent != std::exchange(last, bench.snapshot.sent);
+    return replies > 400;
+  }));
   bench.servo.Stop();
-  EXPECT_GT(bench.core.totals().replies, 0u);
+  EXPECT_GT(bench.core.totals().replies, 200u);
   EXPECT_EQ(bench.core.totals().max_force_N, 0.0);
 }
 
@@ -91,12 +122,12 @@ TEST(ServoThread, KnowsWhenItSampledTheLatestPosesAndNoOthers) {
   EXPECT_EQ(bench.servo.sample_time_ns(0), 0);
   const std::int64_t begin_ns = SteadyNanoseconds();
   bench.servo.SetPath(&bench.path);
-  std::this_thread::sleep_for(milliseconds(50));
+  ASSERT_TRUE(bench.Tick(50));
   bench.servo.Stop();
   const std::uint64_t sent = bench.core.totals().sent;
-  ASSERT_GT(sent, 1u);
+  ASSERT_GE(sent, 50u);
   std::int64_t last_ns = begin_ns;
-  for (std::uint64_t sequence = 1; sequence <= sent; ++sequence) {
+  for (std::uint64_t sequence = sent - 49; sequence <= sent; ++sequence) {
     EXPECT_GT(bench.servo.sample_time_ns(sequence), last_ns);
     last_ns = bench.servo.sample_time_ns(sequence);
   }
@@ -104,30 +135,23 @@ TEST(ServoThread, KnowsWhenItSampledTheLatestPosesAndNoOthers) {
   EXPECT_EQ(bench.servo.sample_time_ns(sent + 1), 0);
 }
 
-TEST(ServoThread, BeginsItsTotalsAnewWhenItIsAsked) {
+TEST(ServoThread, BeginsItsTotalsAnewWhenItIsAskedAndItsPosesNumbersGoOn) {
   Bench bench;
   bench.servo.SetPath(&bench.path);
-  std::this_thread::sleep_for(milliseconds(50));
-  while (!bench.servo.ReadSnapshot(bench.snapshot)) {
-  }
-  const std::uint64_t before = bench.snapshot.sent;
+  ASSERT_TRUE(bench.Tick(50));
   bench.servo.RestartTotals();
-  for (int i = 0; i < 2000 && bench.snapshot.sent >= before; ++i) {
-    std::this_thread::sleep_for(milliseconds(1));
-    bench.servo.ReadSnapshot(bench.snapshot);
-  }
-  EXPECT_LT(bench.snapshot.sent, before);
+  ASSERT_TRUE(bench.Tick(50));
   bench.servo.BeginToStop();
   bench.servo.Stop();
-  // The poses' numbers go on.
-  EXPECT_GT(bench.core.Sense(SteadyNanoseconds(), false).sequence, before);
+  const std::uint64_t since = bench.core.totals().sent;
+  EXPECT_GE(since, 49u) << "one tick may have begun before";
+  EXPECT_GE(bench.core.sequence(), since + 50);
 }
 
 TEST(ServoThread, TakesTheForceOutOfTheDeviceBeforeItEnds) {
   Bench bench;
   bench.servo.SetPath(&bench.path);
-  for (int i = 0; i < 300 && bench.snapshot.force_N < 1.0; ++i) bench.Answer(milliseconds(100));
-  ASSERT_GE(bench.snapshot.force_N, 1.0);
+  ASSERT_TRUE(bench.AnswerUntil([&] { return bench.snapshot.force_N >= 1.0; }));
   bench.servo.Stop();
   EXPECT_FALSE(bench.core.renders_force());
   EXPECT_EQ(bench.device.applied.force, Vec3::Zero());

@@ -1,40 +1,51 @@
 #include "tests/support/allocation_counter.h"
 
-#include <cstdlib>
-#include <new>
+#include <cerrno>
+#include <cstddef>
 
 namespace palpate::test {
 namespace {
-thread_local std::uint64_t allocations = 0;
-}
+// Of the executable itself and without a constructor, so that reading it asks for no memory.
+constinit thread_local std::uint64_t allocations = 0;
+}  // namespace
 std::uint64_t AllocationsOfThisThread() {
   return allocations;
 }
 }  // namespace palpate::test
 
-// The sanitizers bring an allocator of their own.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-void* operator new(std::size_t size) {
+extern "C" {
+// glibc's own, by the names that it keeps for those who replace malloc.
+void* __libc_malloc(std::size_t size) noexcept;
+void* __libc_calloc(std::size_t count, std::size_t size) noexcept;
+void* __libc_realloc(void* p, std::size_t size) noexcept;
+void* __libc_memalign(std::size_t align, std::size_t size) noexcept;
+
+void* malloc(std::size_t size) noexcept {
   ++palpate::test::allocations;
-  if (void* p = std::malloc(size != 0 ? size : 1)) return p;
-  throw std::bad_alloc();
+  return __libc_malloc(size);
 }
-void* operator new(std::size_t size, std::align_val_t align) {
+void* calloc(std::size_t count, std::size_t size) noexcept {
   ++palpate::test::allocations;
-  const auto a = static_cast<std::size_t>(align);
-  if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
-  throw std::bad_alloc();
+  return __libc_calloc(count, size);
 }
-void operator delete(void* p) noexcept {
-  std::free(p);
+void* realloc(void* p, std::size_t size) noexcept {
+  ++palpate::test::allocations;
+  return __libc_realloc(p, size);
 }
-void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
+void* memalign(std::size_t align, std::size_t size) noexcept {
+  ++palpate::test::allocations;
+  return __libc_memalign(align, size);
 }
-void operator delete(void* p, std::align_val_t) noexcept {
-  std::free(p);
+void* aligned_alloc(std::size_t align, std::size_t size) noexcept {
+  return memalign(align, size);
 }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
-  std::free(p);
+int posix_memalign(void** p, std::size_t align, std::size_t size) noexcept {
+  if (align % sizeof(void*) != 0 || (align & (align - 1)) != 0 || align == 0) return EINVAL;
+  void* const memory = memalign(align, size);
+  if (memory == nullptr) return ENOMEM;
+  *p = memory;
+  return 0;
+}
 }
 #endif

@@ -4,8 +4,16 @@
 
 namespace palpate::test {
 
-/// Calls of operator new by this thread since it began.  Linking this replaces operator new, but
-/// for sanitizer builds, where it counts nothing.
+/// Times that this thread has asked for memory since it began, whoever asked: operator new, Eigen
+/// (which calls malloc itself), a C library.  Linking this replaces malloc and its like, but for
+/// sanitizer builds, which bring an allocator of their own: there it counts nothing.
 std::uint64_t AllocationsOfThisThread();
+
+/// False where it counts nothing.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kCountsAllocations = false;
+#else
+inline constexpr bool kCountsAllocations = true;
+#endif
 
 }  // namespace palpate::test

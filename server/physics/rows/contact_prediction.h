@@ -5,7 +5,6 @@
 #include "common/math/pose.h"
 #include "server/physics/haptic_model.h"
 #include "server/physics/rows/contact_rows.h"
-#include "server/physics/rows/surface_prediction.h"
 #include "server/physics/step_types.h"
 #include "server/physics/tree/leaf_wear.h"
 #include "server/physics/tree/sphere_tree_query.h"
@@ -29,16 +28,16 @@ class ContactPrediction {
                StageTimes* times) noexcept;
 
   /// Packet pairs tested so far in the life of this prediction: what it costs, as a count.
-  std::int64_t tested() const { return query_.tested() + (surface_ ? surface_->tested() : 0); }
+  std::int64_t tested() const { return query_ ? query_->tested() : 0; }
 
-  /// True where any two leaves overlap, of soft ones their cores, or a surface lies inside another;
-  /// what has gone does not count.  `rows` is scratch.  Real-time.
+  /// True where any two leaves overlap, of soft ones their cores, of objects that are felt by their
+  /// meshes those inside them; what has gone does not count.  `rows` is scratch.  Real-time.
   bool Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
                 const LeafWear& wear, ContactRows& rows) noexcept;
 
  private:
-  PairQuery query_;
-  std::optional<SurfacePrediction> surface_;
+  std::optional<PairQuery> query_;  ///< where any leaf can touch
+  std::optional<PairQuery> cores_;  ///< where objects are felt by their meshes
 };
 
 }  // namespace palpate

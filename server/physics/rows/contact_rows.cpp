@@ -42,75 +42,22 @@ void ContactRows::Add(const Kernels& kernels, const LeafSphere* tool, const Leaf
   Limit(count);
 }
 
-void ContactRows::AddSurface(const Kernels& kernels, const SurfacePoint* points,
-                             const SurfacePatch* patches, const SurfaceFrames& frames,
-                             const NodePair* pairs, int count, std::int32_t tag) noexcept {
-  const int added = kernels.build_surface_rows(points, patches, frames, degrees_of_freedom_, pairs,
-                                               count, tag, count_, columns_);
-  count_ += added;
-  Limit(added);
-}
-
-void ContactRows::KeepNearest(int first, bool points_are_tool, const PatchDisc* discs,
-                              const std::uint32_t* body) noexcept {
-  if (overflowed_) return;
-  // Less than this is the linearisation's own error, which in a hollow two patches may both show.
-  constexpr double kShallow = 5e-6;
-  // Two faces of a sheet without thickness lie in one plane.
-  constexpr double kFlat = 1e-6;
-  constexpr int kMost = 64;  // of a tool that is deep inside there are more, and no choice is right
-  int deep[kMost];
-  int found = 0;
-  for (int i = first; i < count_; ++i) {
-    if (!(gap(i) < -kShallow)) continue;
-    if (found == kMost) return;
-    deep[found++] = i;
-  }
-  const auto point = [&](int i) {
-    return points_are_tool ? columns_.pair[i].tool : columns_.pair[i].object;
-  };
-  const auto patch = [&](int i) {
-    return points_are_tool ? columns_.pair[i].object : Untagged(columns_.pair[i]).tool;
-  };
-  // Of a convex crease each side lies below the other's plane; of a hollow, above, and both count.
-  const auto across_convex = [&](int on, int below) {
-    if (body != nullptr && body[patch(on)] != body[patch(below)]) return false;
-    const PatchDisc& a = discs[patch(on)];
-    const PatchDisc& b = discs[patch(below)];
-    const double height = a.n[0] * b.centre[0] + a.n[1] * b.centre[1] + a.n[2] * b.centre[2];
-    return height < a.offset + kFlat;
-  };
-  // From the last on, so that a row that takes the place of another has been looked at.
-  for (int k = found - 1; k >= 0; --k) {
-    const int row = deep[k];
-    bool nearer = false;
-    for (int i = first; i < count_ && !nearer; ++i) {
-      nearer = point(i) == point(row) && gap(i) > -kShallow && across_convex(i, row);
-    }
-    if (nearer) Move(--count_, row);
-  }
-}
-
-void ContactRows::SoftenRecovery(int first, double at_once) noexcept {
-  constexpr double kShare = 0.6;
-  for (int i = first; i < count_; ++i) {
-    const double beyond = columns_.b[i] - at_once;
-    if (beyond > 0.0) columns_.b[i] = at_once + kShare * beyond;
-  }
-}
-
 void ContactRows::AddRow(const Vec3& normal, const Vec3& lever, double gap,
                          NodePair pair) noexcept {
-  const Vec3 turned = lever.cross(normal) / rho_;
-  for (int c = 0; c < 3; ++c) {
-    columns_.a[c][count_] = normal[c];
-    if (degrees_of_freedom_ == 6) columns_.a[3 + c][count_] = turned[c];
-    columns_.lever[c][count_] = lever[c];
-  }
-  columns_.b[count_] = -gap;
+  SetRow(count_, normal, lever, gap);
   columns_.pair[count_] = pair;
   ++count_;
   Limit(1);
+}
+
+void ContactRows::SetRow(int row, const Vec3& normal, const Vec3& lever, double gap) noexcept {
+  const Vec3 turned = lever.cross(normal) / rho_;
+  for (int c = 0; c < 3; ++c) {
+    columns_.a[c][row] = normal[c];
+    if (degrees_of_freedom_ == 6) columns_.a[3 + c][row] = turned[c];
+    columns_.lever[c][row] = lever[c];
+  }
+  columns_.b[row] = -gap;
 }
 
 // To choose the tightest after every batch would cost a sort of all rows each time, 100 ms where a

@@ -30,27 +30,19 @@ class ContactRows {
   /// with the smallest gap, of equal gaps those that came first, which also keep their order.
   void Add(const Kernels& kernels, const LeafSphere* tool, const LeafSphere* object,
            const Mat3& R_WG, const Vec3& p_W, const NodePair* pairs, int count) noexcept;
-  /// Adds the rows between points and patches (build_surface_rows); as Add where they are too many.
-  void AddSurface(const Kernels& kernels, const SurfacePoint* points, const SurfacePatch* patches,
-                  const SurfaceFrames& frames, const NodePair* pairs, int count,
-                  std::int32_t tag) noexcept;
-  /// Of the rows from `first` on, between points and patches: what lies below two patches of a body
-  /// that meet in a convex crease, or back to back, is out of it by the nearer one.  Drops a row of
-  /// a point that has such a one, not or hardly below.
-  /// @param discs  of the patches
-  /// @param body   that each patch belongs to; null where all are one body's
-  void KeepNearest(int first, bool points_are_tool, const PatchDisc* discs,
-                   const std::uint32_t* body) noexcept;
-  /// Of what a row from `first` on wants made good, what goes beyond `at_once` [m] counts six
-  /// tenths. Contradictory rows still share what must overlap: the deeper wants more.
-  void SoftenRecovery(int first, double at_once) noexcept;
   /// Adds one row.
   /// @param lever  of the contact point [m], in W
   void AddRow(const Vec3& normal, const Vec3& lever, double gap, NodePair pair) noexcept;
+  /// Changes a row: all but its pair.
+  void SetRow(int row, const Vec3& normal, const Vec3& lever, double gap) noexcept;
+  void SetGap(int row, double gap) noexcept { columns_.b[row] = -gap; }
+  /// Lets a row always hold.
+  void Loosen(int row) noexcept { columns_.b[row] = -1e300; }
   /// Fills up to a multiple of 16 with rows that always hold.  To be called after the last Add.
   void Finish() noexcept;
 
   int count() const { return count_; }
+  int max_rows() const { return max_rows_; }
   bool overflowed() const { return overflowed_; }
   QpRows view() const;
   NodePair pair(int row) const { return columns_.pair[row]; }
@@ -61,7 +53,7 @@ class ContactRows {
   }
   /// l x n [m]; zero where there are 3 degrees of freedom.
   Vec3 lever_cross_normal(int row) const;
-  /// Lever arm of the contact point [m], in W: of rows from AddSurface and AddRow.
+  /// Lever arm of the contact point [m], in W: of rows from AddRow.
   Vec3 lever(int row) const {
     return {columns_.lever[0][row], columns_.lever[1][row], columns_.lever[2][row]};
   }

@@ -5,6 +5,7 @@
 #include "server/physics/haptic_model.h"
 #include "server/physics/rows/contact_prediction.h"
 #include "server/physics/rows/contact_rows.h"
+#include "server/physics/rows/mesh_contact.h"
 #include "server/physics/rows/soft_rows.h"
 
 namespace palpate {
@@ -15,13 +16,18 @@ struct StepBuffers {
       : prediction(model),
         rows(model.parameters().max_rows, PairQuery::kMaxBatch, model.degrees_of_freedom(),
              model.rotation_length()) {
+    if (model.object_meshes() != nullptr) {
+      meshes.emplace(*model.tool_mesh(), model.object_meshes()->meshes(),
+                     model.parameters().max_rows);
+    }
     if (model.soft_leaves() != nullptr) {
       soft.emplace(model.parameters().max_rows, model.rotation_length());
     }
   }
   ContactPrediction prediction;
   ContactRows rows;
-  std::optional<SoftRows> soft;  ///< where the model has soft leaves
+  std::optional<MeshContact> meshes;  ///< where objects are felt by their meshes
+  std::optional<SoftRows> soft;       ///< where the model has soft leaves
 };
 
 }  // namespace palpate

@@ -21,52 +21,19 @@ struct alignas(32) LeafSphere {
   double x, y, z, radius;
 };
 
-/// A point of a surface that may touch another surface.
-struct alignas(64) SurfacePoint {
-  double x[3];
-  double reach;  ///< every place of the surface round it is nearer than this to some point [m]
-  double m[3];   ///< outward unit normal; on a crease the middle of the normals that meet there
-  /// It may touch a patch whose normal n has -n . m above this: what it may touch faces it.
-  double cosine;
-};
-/// SurfacePoint::cosine of what may touch a patch whichever way that looks.
-inline constexpr double kFacesAnything = -2.0;
-
-/// A patch of SurfaceMesh, as the kernel wants it.
-struct alignas(32) SurfacePatch {
-  double p0[3], e1[3], e2[3];  ///< corner 0, and the edges from it to corners 1 and 2
-  double n0[3], d1[3], d2[3];  ///< normal of corner 0, and how those of 1 and 2 differ from it
-  double lift[6];              ///< e1.n0, e2.n0, e1.n1, e2.n1, e1.n2, e2.n2
-  double reach;  ///< of the smooth points that sample it, the largest; infinite where none do
-  double depth;  ///< a point deeper than this below it belongs to another patch [m]
-  /// How far beside the patch, in barycentric coordinates, a foot still counts: patches overlap
-  /// across smooth edges, so that rounding opens no gap between them, and end at creases.
-  double outside;
-  double unused;
+/// Planes between pairs of nodes, column by column; columns start 64-byte aligned and go on to the
+/// next multiple of eight.  With n from object to tool and l the lever arm of the tool's node:
+struct PlaneColumns {
+  double* along[6];  ///< n, and l x n [m]
+  double* slack;     ///< how far the node lies above the other along n [m]
+  double* radius;    ///< of a ball round the end of l that holds the node [m]
 };
 
-/// What a patch lies in, for a first look: within `slack` of a plane, and within `radius` of a
-/// point of it.
-struct alignas(32) PatchDisc {
-  double n[3], offset;      ///< the flat triangle's plane n . x = offset
-  double centre[3], slack;  ///< [m]
-  double radius;            ///< [m]
-  double reach;             ///< the patch's
-  double unused[2];
-};
-
-/// From the frame of the points to that of the patches, and on to W.
-struct SurfaceFrames {
-  double M[9], o[3];  ///< x_patch = M x + o
-  double Q[9], c[3];  ///< lever arm in W = Q x_patch + c
-  double side;        ///< 1: the points are the tool's; -1: the patches are
-  double radius;      ///< of a ball round each point [m]
-  double max_translation, max_rotation;
-  double inverse_rho;
-  double max_depth;  ///< the most that a point may lie below a patch, if less than its depth [m]
-  double facing;     ///< taken off SurfacePoint::cosine: 0, or 4 where what lies inside counts too
-  double max_lever;  ///< of any point of the tool [m]
-  double coarser;    ///< points of a reach beyond this times the patch's are left to the other side
+/// A motion of the tool, and what it has to leave of a slack.
+struct PlaneMotion {
+  double step[6];               ///< v [m] and phi [rad], in W
+  double angle;                 ///< |phi|
+  double least_old, least_new;  ///< [m], before and after
 };
 
 /// A packet of the tool's tree, and how much each sphere grows with the rotation that is allowed
@@ -102,7 +69,7 @@ struct LevelView {
 struct RowColumns {
   double* a[6];
   double* b;
-  double* lever[3];  ///< of the contact point [m], in W; rows between surfaces only
+  double* lever[3];  ///< of the contact point [m], in W; rows between meshes only
   NodePair* pair;    ///< leaves
 };
 
@@ -140,17 +107,14 @@ struct Kernels {
                        const double* p, double inverse_rho, const NodePair* pairs, int count,
                        int first, const RowColumns& rows);
 
-  /// Keeps the pairs that may have a row, by a first look.  Writes them to out; returns how many.
-  int (*near_patches)(const SurfacePoint* points, const PatchDisc* discs,
-                      const SurfaceFrames& frames, const NodePair* pairs, int count, NodePair* out);
+  /// Indices of the values below a limit; the column is aligned and padded as PlaneColumns. Returns
+  /// how many.
+  int (*find_below)(const double* value, int count, double limit, std::int32_t* out);
 
-  /// Rows between points of one surface and patches of another, appended at row `first`; pairs that
-  /// no sub-step within the bounds can bring together give none.  The pairs' `tool` is the index of
-  /// the point or patch of the tool, and `tag` is added to it in the row.  Returns how many rows.
-  int (*build_surface_rows)(const SurfacePoint* points, const SurfacePatch* patches,
-                            const SurfaceFrames& frames, int degrees_of_freedom,
-                            const NodePair* pairs, int count, std::int32_t tag, int first,
-                            const RowColumns& rows);
+  /// Indices, from `first` on, of the planes that do not hold throughout a motion: slack <
+  /// least_old, or slack + n . v + (l x n) . phi - |phi| radius < least_new.  Returns how many.
+  int (*find_used_up)(const PlaneColumns& planes, int first, int count, const PlaneMotion& motion,
+                      std::int32_t* out);
 
   /// Nearest point of a polyhedron, see SolveNearestPoint in solve/qp_solver.h.
   QpResult (*solve_6)(const double* t, const QpRows& rows, const int* guess, int guesses);

@@ -11,13 +11,10 @@ namespace palpate {
 /// to the hand's moves no further than the hand does while the same contacts hold; where it does (a
 /// ledge ends, a jump), the sub-steps after it have wider bounds.  Tight bounds mean few rows.
 /// @param hand_step  what the hand moved since the last cycle.
-/// @param near       whether the tool touches anything.
-StepBounds FirstBounds(const HapticModel& model, const Target& hand_step, bool near) noexcept;
+StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexcept;
 
-/// Bounds of the next sub-step: eight times wider; near surfaces no wider than the step wants.
-/// @param v, phi  the optimum that the last sub-step did not reach [m], [rad].
-StepBounds WiderBounds(const HapticModel& model, const StepBounds& bounds, const Vec3& v,
-                       const Vec3& phi, bool near) noexcept;
+/// Bounds of the next sub-step: eight times wider.
+StepBounds WiderBounds(const HapticModel& model, const StepBounds& bounds) noexcept;
 
 /// Greatest part, at most 1, of a step that stays inside the bounds that the prediction covers.
 /// With 3 degrees of freedom a rotation moves no sphere and needs no bound.

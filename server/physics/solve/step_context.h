@@ -54,7 +54,11 @@ struct StepContext {
   QpRows rigid{};            ///< what no step may violate
   SoftRows* soft = nullptr;  ///< the rows that yield; null where none does
 
+  std::int64_t looks = 0, last_looks = 0;  ///< likewise, pairs between meshes looked at closely
+  FrictionState friction_before;           ///< as the sub-step found it
+
   // Solve and rub: the pose that the tool should have.
+  int iterates = 0, retractions = 0;  ///< of the sub-step: rows between meshes come on violation
   Optimum optimum;
   SoftContacts yielding;  ///< the soft rows that push there
 

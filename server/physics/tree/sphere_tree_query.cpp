@@ -87,13 +87,14 @@ Vec3 LeafCentre(const SphereTree& tree, std::size_t i) {
   return {tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]};
 }
 
-/// Radius of the ball of each lane of a tree's packets, about the lane's centre, that holds the
-/// backstops below it; 0 where there are none.
-std::vector<double> BackstopRadii(const SphereTree& tree) {
+/// Radius of the ball of each lane of a tree's packets, about the lane's centre, that holds what is
+/// left of the leaves below it; 0 where nothing is.
+template <class RadiusOf>
+std::vector<double> RadiiOfRest(const SphereTree& tree, const RadiusOf& radius_of) {
   std::vector<double> radius(kTreeArity * tree.packets.size(), 0.0);
   std::vector<std::vector<std::size_t>> below(tree.leaves());  // leaves of each node
   for (std::size_t i = 0; i < tree.leaves(); ++i) {
-    if (BackstopRadius(tree.leaf_radius[i]) > 0.0) below[i] = {i};
+    if (radius_of(i) > 0.0) below[i] = {i};
   }
   for (int l = tree.levels() - 1; l >= 0; --l) {
     std::vector<std::vector<std::size_t>> here;
@@ -107,8 +108,7 @@ std::vector<double> BackstopRadii(const SphereTree& tree) {
         const Vec3 centre = LaneBall(in, lane).center;
         double& r = radius[first_lane + static_cast<std::size_t>(lane)];
         for (std::size_t leaf : below[static_cast<std::size_t>(in.child[lane])]) {
-          r = std::max(
-              r, (LeafCentre(tree, leaf) - centre).norm() + BackstopRadius(tree.leaf_radius[leaf]));
+          r = std::max(r, (LeafCentre(tree, leaf) - centre).norm() + radius_of(leaf));
           all.push_back(leaf);
         }
       }
@@ -120,8 +120,7 @@ std::vector<double> BackstopRadii(const SphereTree& tree) {
 
 }  // namespace
 
-ObjectForest::ObjectForest(std::span<const PlacedTree> objects,
-                           bool (*is_behind_surface)(const PlacedTree&)) {
+ObjectForest::ObjectForest(std::span<const PlacedTree> objects, RadiusOf radius_of) {
   if (objects.empty()) throw Error("scene: no object; a scene needs at least one to feel");
   int deepest = 0;
   for (const PlacedTree& object : objects) {
@@ -137,18 +136,22 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects,
   std::vector<Ball> roots;
   for (const PlacedTree& object : objects) {
     const SphereTree& tree = *object.tree;
-    const bool backstop = is_behind_surface != nullptr && is_behind_surface(object);
     const auto leaf_radius = [&](std::size_t i) {
-      return backstop ? BackstopRadius(tree.leaf_radius[i]) : tree.leaf_radius[i];
+      const double own = tree.leaf_radius[i];
+      return radius_of != nullptr ? radius_of(object, own) : own;
     };
+    bool whole = true;
     first_leaf_.push_back(leaf_count());
     for (std::size_t i = 0; i < tree.leaves(); ++i) {
       const Vec3 c = object.X_WB * LeafCentre(tree, i);
       leaves_.push_back({c.x(), c.y(), c.z(), leaf_radius(i)});
+      any_ = any_ || leaf_radius(i) > 0.0;
+      whole = whole && leaf_radius(i) == tree.leaf_radius[i];
     }
     AddMaterials(object);
     const int chain = deepest - tree.levels();
-    const std::vector<double> radius = backstop ? BackstopRadii(tree) : std::vector<double>();
+    const std::vector<double> radius =
+        whole ? std::vector<double>() : RadiiOfRest(tree, leaf_radius);
     std::vector<Ball> top;
     for (int l = 0; l < tree.levels(); ++l) {
       auto& out = level[static_cast<std::size_t>(top_levels + chain + l)];
@@ -171,7 +174,7 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects,
           }
           ball.center = object.X_WB * ball.center;
           if (l == 0) top.push_back(ball);
-          if (backstop) ball.radius = radius[first_lane + static_cast<std::size_t>(lane)];
+          if (!whole) ball.radius = radius[first_lane + static_cast<std::size_t>(lane)];
           if (ball.radius == 0.0) continue;
           SetLane(packet, lane, ball, child_offset + in.child[lane]);
         }

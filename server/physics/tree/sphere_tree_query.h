@@ -19,26 +19,18 @@ struct PacketLevels {
   int levels() const { return static_cast<int>(level_begin.size()) - 1; }
 };
 
-/// Where an object's surface decides the contact, its rows reach this deep below it [m]: a step
-/// keeps surfaces apart to some micrometres, and what lies deeper is on the other side of
-/// something.
-inline constexpr double kSurfaceDepth = 1e-4;
-/// What could fall through such a surface, at an open rim or a fold, is stopped by the leaves
-/// behind it: at most this share of their radius, and no part that the surface's own rows reach; 0
-/// where nothing is left.
-inline constexpr double kBackstop = 0.6;
-inline double BackstopRadius(double leaf_radius) {
-  return std::max(std::min(kBackstop * leaf_radius, leaf_radius - kSurfaceDepth), 0.0);
-}
-
 /// All objects of a scene as one tree in W: a few levels over the objects, then their own trees.
 /// Immutable.
 class ObjectForest {
  public:
-  /// @param is_behind_surface  of which objects the leaves are but a backstop behind their surface
-  ///                           (kBackstop); null: of none.
-  explicit ObjectForest(std::span<const PlacedTree> objects,
-                        bool (*is_behind_surface)(const PlacedTree&) = nullptr);
+  /// The radius [m] that a leaf of an object is taken to have, no larger than its own; 0: it
+  /// touches nothing.
+  using RadiusOf = double (*)(const PlacedTree& object, double radius);
+  /// @param radius_of  null: their own.
+  explicit ObjectForest(std::span<const PlacedTree> objects, RadiusOf radius_of = nullptr);
+
+  /// False where no leaf can touch anything.
+  bool any() const { return any_; }
 
   const PacketLevels<SpherePacket>& levels() const { return levels_; }
   const std::vector<LeafSphere>& leaves() const { return leaves_; }  ///< in W
@@ -64,6 +56,7 @@ class ObjectForest {
   std::vector<int> first_leaf_;
   std::vector<Material> materials_;
   std::vector<std::uint32_t> leaf_material_;  ///< index into materials_, of each leaf
+  bool any_ = false;
   SpherePacket above_;
   Vec3 center_ = Vec3::Zero();
   double radius_ = 0.0;

@@ -1,6 +1,7 @@
-// The other process of the DDS tests: writes HapticPose samples on one loop topic, once a
-// millisecond.
-//   dds_peer TRANSPORT DOMAIN TOPIC COUNT matched|at-once
+// The other process of the DDS tests: writes HapticPose samples on one loop topic.
+//   dds_peer TRANSPORT DOMAIN TOPIC COUNT matched|at-once|matched-in-step|in-step
+// Once a millisecond; in step, each sample when a byte comes in, and a '.' goes out when it is
+// written: so a test sees every sample, however busy the machine is.  `matched` waits for a reader.
 // Sample i (from 1) carries i in every field that holds a number.  Or writes one SceneBundle of
 // BYTES bytes on a topic of the service domain, byte i holding i, and stays until it is killed.
 //   dds_peer bundle DOMAIN TOPIC BYTES at-once
@@ -12,6 +13,8 @@
 #include <string>
 #include <thread>
 #include <vector>
+
+#include <unistd.h>
 
 #include "common/dds/endpoint.h"
 #include "common/dds/participant.h"
@@ -36,13 +39,17 @@ int main(int argc, char** argv) {
   const dds::TransportChoice choice{dds::ParseTransport(argv[1]), ""};
   const dds::Participant participant = dds::Participant::Loop(std::atoi(argv[2]), choice);
   dds::Writer<wire::HapticPose> writer(participant, argv[3], dds::Qos::kLoop);
-  if (std::string(argv[5]) == "matched") {
+  const std::string start = argv[5];
+  const bool in_step = start.ends_with("in-step");
+  if (start.starts_with("matched")) {
     for (int i = 0; i < 10'000 && writer.matched_readers() == 0; ++i) {
       std::this_thread::sleep_for(milliseconds(1));
     }
     std::this_thread::sleep_for(milliseconds(100));
   }
   for (int i = 1; i <= std::atoi(argv[4]); ++i) {
+    char go = 0;
+    if (in_step && read(STDIN_FILENO, &go, 1) != 1) break;
     wire::HapticPose pose{};
     pose.pose_sequence = i;
     pose.sample_time_ns = i;
@@ -50,7 +57,11 @@ int main(int argc, char** argv) {
     for (double& x : pose.orientation_wxyz) x = i;
     pose.device_status = i;
     if (!writer.Write(pose)) return 1;
-    std::this_thread::sleep_for(milliseconds(1));
+    if (in_step) {
+      if (write(STDOUT_FILENO, ".", 1) != 1) return 1;
+    } else {
+      std::this_thread::sleep_for(milliseconds(1));
+    }
   }
   std::this_thread::sleep_for(milliseconds(100));  // a reader may still be taking
   return 0;

@@ -59,13 +59,22 @@ void TakeRaw(const Reader<wire::HapticPose>& reader, Taken& taken) {
   }
 }
 
-Taken TakeWhileRunning(const Reader<wire::HapticPose>& reader, Peer& peer) {
+constexpr std::size_t kSamples = 300;  // more than the 257 chunks that a reader can lose
+
+/// Lets the peer write so many samples, and takes each before the next is written: none can be
+/// overwritten, so none may be missing.
+Taken TakeInStep(const Reader<wire::HapticPose>& reader, Peer& peer) {
   Taken taken;
-  while (peer.running()) {
-    TakeRaw(reader, taken);
-    std::this_thread::sleep_for(milliseconds(1));
+  for (std::size_t i = 1; i <= kSamples; ++i) {
+    if (!peer.Next() || !Eventually([&] {
+          TakeRaw(reader, taken);
+          return taken.poses.size() >= i;
+        })) {
+      ADD_FAILURE() << "sample " << i << " is missing";
+      return taken;
+    }
   }
-  TakeRaw(reader, taken);
+  EXPECT_EQ(taken.poses.size(), kSamples) << "each once";
   return taken;
 }
 
@@ -88,9 +97,8 @@ TEST(LoopTopicOverUdp, BringsWholeSamplesAndNoneThroughSharedMemory) {
   const std::string topic = OwnTopic("udp");
   const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
   EXPECT_FALSE(reader.uses_shared_memory());
-  Peer peer("udp", kDomain, topic, 300, "matched");
-  const Taken taken = TakeWhileRunning(reader, peer);
-  EXPECT_GT(taken.poses.size(), 150u);
+  Peer peer("udp", kDomain, topic, kSamples, "matched-in-step");
+  const Taken taken = TakeInStep(reader, peer);
   ExpectWhole(taken.poses);
   EXPECT_EQ(taken.through_shared_memory, 0);
 }
@@ -101,9 +109,8 @@ TEST(RouDiLoopTopic, BringsEverySampleThroughSharedMemory) {
   const std::string topic = OwnTopic("shm");
   const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
   EXPECT_TRUE(reader.uses_shared_memory());
-  Peer peer("shm", kDomain, topic, 300, "matched");
-  const Taken taken = TakeWhileRunning(reader, peer);
-  EXPECT_GT(taken.poses.size(), 150u);
+  Peer peer("shm", kDomain, topic, kSamples, "matched-in-step");
+  const Taken taken = TakeInStep(reader, peer);
   ExpectWhole(taken.poses);
   EXPECT_EQ(taken.through_shared_memory, static_cast<int>(taken.poses.size()));
 }
@@ -113,11 +120,20 @@ TEST(RouDiLoopTopic, HandsEachSampleToTheCallbackOnce) {
   const Participant participant = Participant::Loop(kDomain, kShm);
   const std::string topic = OwnTopic("callback");
   std::vector<wire::HapticPose> poses;
+  std::atomic<std::size_t> handed{0};
   Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop,
-                                  [&](const wire::HapticPose& pose) { poses.push_back(pose); });
-  Peer("shm", kDomain, topic, 300, "matched").Wait();
+                                  [&](const wire::HapticPose& pose) {
+                                    poses.push_back(pose);
+                                    handed = poses.size();
+                                  });
+  Peer peer("shm", kDomain, topic, kSamples, "matched-in-step");
+  for (std::size_t i = 1; i <= kSamples; ++i) {
+    ASSERT_TRUE(peer.Next());
+    ASSERT_TRUE(Eventually([&] { return handed >= i; })) << i;
+  }
+  peer.Wait();
   reader = Reader<wire::HapticPose>();  // no callback runs any more
-  EXPECT_GT(poses.size(), 150u);
+  EXPECT_EQ(poses.size(), kSamples);
   ExpectWhole(poses);
 }
 
@@ -126,26 +142,44 @@ TEST(RouDiLoopTopic, IsNotReachedNorWornOutByAnotherDomainsWriter) {
   const Participant participant = Participant::Loop(kDomain, kShm);
   const std::string topic = OwnTopic("foreign");
   const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
-  Peer foreign("shm", kForeignDomain, topic, 600, "at-once");
-  EXPECT_EQ(TakeWhileRunning(reader, foreign).poses.size(), 0u);
+  Peer foreign("shm", kForeignDomain, topic, 2 * kSamples, "in-step");
+  for (std::size_t i = 0; i < 2 * kSamples; ++i) ASSERT_TRUE(foreign.Next());
+  Taken taken;
+  TakeRaw(reader, taken);
+  EXPECT_EQ(taken.poses.size(), 0u);
 
-  // 257 leaked chunks would have killed the reader for ever.
-  Peer own("shm", kDomain, topic, 300, "matched");
-  EXPECT_GT(TakeWhileRunning(reader, own).poses.size(), 150u);
+  // The chunks of the foreign one, leaked, would have killed the reader for ever.
+  Peer own("shm", kDomain, topic, kSamples, "matched-in-step");
+  ExpectWhole(TakeInStep(reader, own).poses);
+  TakeRaw(reader, taken);
+  EXPECT_EQ(taken.poses.size(), 0u) << "nor later";
 }
 
 TEST(RouDiLoopTopic, SurvivesAWriterThatBeginsBeforeItIsDiscovered) {
   RouDi roudi;
   const Participant participant = Participant::Loop(kDomain, kShm);
   const std::string topic = OwnTopic("early");
-  Peer peer("shm", kDomain, topic, 2000, "at-once");
+  Peer peer("shm", kDomain, topic, 1'000'000, "in-step");
+  ASSERT_TRUE(peer.Next());
   ASSERT_TRUE(Eventually([&] { return WriterDiscovered(participant, topic); }));
   // More than 256 samples go by before the reader is made, and the rest must reach it.
-  std::this_thread::sleep_for(milliseconds(400));
+  for (std::size_t i = 0; i < kSamples; ++i) ASSERT_TRUE(peer.Next());
   const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
-  const Taken taken = TakeWhileRunning(reader, peer);
-  ASSERT_GT(taken.poses.size(), 300u);
-  EXPECT_GE(taken.poses.back().pose_sequence, 1990u);
+  // From the first that comes on: until then the writer does not know the reader.
+  Taken first;
+  std::uint64_t written = 1 + kSamples;
+  ASSERT_TRUE(Eventually([&] {
+    written += peer.Next();
+    TakeRaw(reader, first);
+    return !first.poses.empty();
+  }));
+  ASSERT_TRUE(Eventually([&] {
+    TakeRaw(reader, first);
+    return first.poses.back().pose_sequence == written;
+  }));
+  EXPECT_GT(first.poses.back().pose_sequence, kSamples);
+  const Taken taken = TakeInStep(reader, peer);
+  ExpectWhole(taken.poses);
   EXPECT_EQ(taken.through_shared_memory, static_cast<int>(taken.poses.size()));
 }
 
@@ -179,9 +213,8 @@ TEST(RouDiLoopTopic, GoesOverUdpWhereRouDiHasGoneSinceTheDomainWasMade) {
   const std::string topic = OwnTopic("orphan");
   const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
   EXPECT_FALSE(reader.uses_shared_memory());
-  Peer peer("udp", kDomain, topic, 300, "matched");
-  const Taken taken = TakeWhileRunning(reader, peer);
-  EXPECT_GT(taken.poses.size(), 150u);
+  Peer peer("udp", kDomain, topic, kSamples, "matched-in-step");
+  const Taken taken = TakeInStep(reader, peer);
   ExpectWhole(taken.poses);
 }
 
@@ -200,7 +233,7 @@ TEST(WriterDiscovered, ForgetsAWriterThatIsGone) {
 TEST(WriterDiscovered, SeesAnotherProcess) {
   const Participant participant = Participant::Loop(kDomain, kUdp);
   const std::string topic = OwnTopic("other_process");
-  Peer peer("udp", kDomain, topic, 300, "at-once");
+  Peer peer("udp", kDomain, topic, 1, "in-step");
   EXPECT_TRUE(Eventually([&] { return WriterDiscovered(participant, topic); }));
   EXPECT_EQ(peer.Wait(), 0);
   EXPECT_TRUE(Eventually([&] { return !WriterDiscovered(participant, topic); }));

@@ -8,6 +8,7 @@
 #include <memory>
 #include <new>
 #include <thread>
+#include <vector>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -18,7 +19,9 @@
 #include "common/time/steady_clock.h"
 #include "devices/openhaptics/hd_library.h"
 #include "tests/devices/openhaptics/fake_hd.h"
+#include "tests/link/silence.h"
 #include "tests/support/program.h"
+#include "tests/support/stall_witness.h"
 
 namespace palpate::test {
 namespace {
@@ -26,9 +29,9 @@ namespace {
 using testing::HasSubstr;
 
 constexpr const char* kDomain = "75";
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-/// The limiter fades within some 30 ms; the rest is the machine's.
-constexpr std::int64_t kForceGone_ns = kSecond_ns / 2;
+/// A machine that held nothing up for longer than the age stage lets pass without a change cannot
+/// have spoilt a touch.
+constexpr double kStallThatIsFelt_ms = 1e3 * AgeStage::kSilenceWhole_s;
 /// The top of the scene's cube, for the centre of its ball.
 constexpr double kTop_mm = 30.0;
 
@@ -50,6 +53,7 @@ class OpenHapticsStation : public testing::Test {
     server_.reset();
     munmap(arm_, sizeof(FakeArm));
     unlink(file_.c_str());
+    unlink(trace_.c_str());
   }
 
   void StartServer() {
@@ -60,9 +64,10 @@ class OpenHapticsStation : public testing::Test {
     ASSERT_TRUE(server_->Says("ready: ", 60.0)) << server_->Output();
   }
   void StartStation(std::vector<std::string> more) {
-    std::vector<std::string> words{"--device", "openhaptics", "--scene",    "cube", "--id",
-                                   "arm",      "--no-table",  "--realtime", "off",  "--transport",
-                                   "udp",      "--domain",    kDomain};
+    std::vector<std::string> words{"--device", "openhaptics", "--scene",    "cube",
+                                   "--id",     "arm",         "--no-table", "--realtime",
+                                   "off",      "--transport", "udp",        "--domain",
+                                   kDomain,    "--trace",     trace_};
     words.insert(words.end(), more.begin(), more.end());
     station_ = std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station", words);
     ASSERT_TRUE(station_->Says("session: tool", 60.0)) << station_->Output();
@@ -89,18 +94,40 @@ class OpenHapticsStation : public testing::Test {
       For(0.003);
     }
   }
-  /// Presses, and presses again where `so` is not so after a while: of a touch in which the machine
-  /// stood still, the limiter may have taken what it gave too late.
-  bool PressUntil(double depth_mm, const std::function<bool()>& so) {
-    for (int i = 0; i < 20; ++i) {
-      Press(depth_mm);
-      if (Eventually(so, 2.0)) return true;
-      Press(-5.0);
+  /// Presses until `so`.  Presses again only where the machine stood still and the limiter says
+  /// that it gives no more of this touch: of a hand that pressed while replies were late it has
+  /// seen less work than the contact stores, and will not give what the hand has not put in.
+  testing::AssertionResult PressUntil(double depth_mm, const std::function<bool()>& so) {
+    return Shown(
+        [&](StallWitness& witness) {
+          witness.Watch(server_->id());
+          witness.Watch(station_->id());
+          Press(depth_mm);
+          const auto held_back = [this] { return ReadTrace(trace_).back().Limited("energy"); };
+          if (Eventually(so, 2.0) || (!held_back() && Eventually(so))) return Attempt::kShown;
+          const bool spoilt = held_back();
+          Press(-5.0);
+          return spoilt ? Attempt::kSpoilt : Attempt::kFailed;
+        },
+        kStallThatIsFelt_ms);
+  }
+  /// By the station's own trace, tick by tick, no force is left after that time once no reply came
+  /// for as long as the limiter allows.
+  void ExpectGoneAfter(std::int64_t time_ns) const {
+    const std::vector<TraceRow> rows = ReadTrace(trace_);
+    const std::vector<double> silence_ms = CountedSilence_ms(rows);
+    std::size_t silent = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (rows[i].time_ns < time_ns || silence_ms[i] < kForceGone_ms) continue;
+      ++silent;
+      ASSERT_TRUE(rows[i].applied.force.isZero(0.0) && rows[i].applied.torque.isZero(0.0))
+          << rows[i].tick << ", after " << silence_ms[i] << " ms";
     }
-    return false;
+    EXPECT_GT(silent, 100u);
   }
 
   const std::string file_ = testing::TempDir() + "palpate-fake-arm-" + std::to_string(getpid());
+  const std::string trace_ = file_ + ".csv";
   FakeArm* arm_ = nullptr;
   std::unique_ptr<Program> server_;
   std::unique_ptr<Program> station_;
@@ -126,7 +153,7 @@ TEST_F(OpenHapticsStation, FeelsTheCubeAndLosesTheForceWithItsServer) {
   const std::uint64_t ticks = arm_->ticks;
   For(1.0);
   EXPECT_EQ(arm_->force_N, 0.0);
-  EXPECT_LT(arm_->last_force_ns - killed_ns, kForceGone_ns);
+  ExpectGoneAfter(killed_ns);
   EXPECT_GT(arm_->ticks, ticks) << "the arm ticks on";
 
   StartServer();
@@ -146,7 +173,7 @@ TEST_F(OpenHapticsStation, LosesTheForceWhileItsServerStandsStill) {
   server_->Signal(SIGSTOP);
   For(0.7);
   EXPECT_EQ(arm_->force_N, 0.0);
-  EXPECT_LT(arm_->last_force_ns - stopped_ns, kForceGone_ns);
+  ExpectGoneAfter(stopped_ns);
   server_->Signal(SIGCONT);
   EXPECT_TRUE(Eventually([&] { return arm_->force_N > 0.6; })) << station_->Output();
 }

@@ -66,13 +66,23 @@ TEST_F(SpaceMouseDeviceTest, MovesAsFastAsItIsPushed) {
 }
 
 TEST_F(SpaceMouseDeviceTest, StandsStillUntilThereIsAGraphicTool) {
-  for (int i = 0; i < 500; ++i) {
-    if (i % 16 == 0) daemon_.Push({350, 350, 350, 350, 350, 350});
-    sample_ = device_.Read();
-    device_.Apply(PassThrough({}));
-    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  // A button comes behind each push, the same way: once it is seen, the push has come through.
+  for (unsigned button = 0; button < 8; ++button) {
+    daemon_.Push({350, 350, 350, 350, 350, 350});
+    daemon_.Press(static_cast<int>(button), true);
+    for (int i = 0; i < 20'000 && (sample_.buttons >> button & 1u) == 0; ++i) {
+      sample_ = device_.Read();
+      device_.Apply(PassThrough({}));
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    ASSERT_EQ(sample_.buttons, (2u << button) - 1u);
+    for (int i = 0; i < 16; ++i) {
+      sample_ = device_.Read();
+      device_.Apply(PassThrough({}));
+    }
+    EXPECT_EQ(sample_.X_WH.p, Vec3(0, 0, 0.1));
   }
-  EXPECT_EQ(sample_.X_WH.p, Vec3(0, 0, 0.1));
+  EXPECT_TRUE(PushUntil({350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.001; }));
 }
 
 TEST_F(SpaceMouseDeviceTest, PressesNoDeeperThanItMayAndComesBackAtOnce) {
@@ -99,12 +109,21 @@ TEST_F(SpaceMouseDeviceTest, DoesNotPressOnWhenItsSessionEnds) {
   ASSERT_TRUE(PushUntil(
       {350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.0195; }, true));
   device_.LoseGraphicTool();
-  for (int i = 0; i < 500; ++i) {
-    if (i % 16 == 0) daemon_.Push({350, 0, 0, 0, 0, 0});
-    sample_ = device_.Read();
-    device_.Apply(PassThrough({}));
-    ASSERT_LE(sample_.X_WH.p.x(), 1e-9) << "where the graphic tool was";
-    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  for (unsigned button = 0; button < 8; ++button) {
+    daemon_.Push({350, 0, 0, 0, 0, 0});
+    daemon_.Press(static_cast<int>(button), true);  // behind the push, which has come once it has
+    for (int i = 0; i < 20'000 && (sample_.buttons >> button & 1u) == 0; ++i) {
+      sample_ = device_.Read();
+      device_.Apply(PassThrough({}));
+      ASSERT_LE(sample_.X_WH.p.x(), 1e-9) << "where the graphic tool was";
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    ASSERT_EQ(sample_.buttons, (2u << button) - 1u);
+    for (int i = 0; i < 16; ++i) {
+      sample_ = device_.Read();
+      device_.Apply(PassThrough({}));
+      ASSERT_LE(sample_.X_WH.p.x(), 1e-9) << "where the graphic tool was";
+    }
   }
   EXPECT_TRUE(PushUntil(
       {350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.0195; }, true));

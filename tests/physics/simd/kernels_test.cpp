@@ -1,6 +1,8 @@
 #include "server/physics/simd/kernels.h"
 
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -52,6 +54,114 @@ TEST(Kernels, GiveTheSameBitsAtEverySimdLevel) {
       ASSERT_EQ(std::memcmp(got.b, want.b, bytes), 0) << level[k]->name;
       ASSERT_EQ(std::memcmp(solved[k].x, solved[0].x, sizeof(solved[0].x)), 0) << level[k]->name;
       ASSERT_EQ(solved[k].iterations, solved[0].iterations) << level[k]->name;
+    }
+  }
+}
+
+/// Columns as PlaneColumns wants them: aligned, padded to a multiple of eight.
+struct AlignedColumn {
+  explicit AlignedColumn(int count) : value(static_cast<std::size_t>(count) / 8 + 1) {}
+  double* data() { return value[0].v; }
+  struct alignas(64) Eight {
+    double v[8] = {1e300, 1e300, 1e300, 1e300, 1e300, 1e300, 1e300, 1e300};
+  };
+  std::vector<Eight> value;
+};
+
+TEST(Kernels, FindWhatIsBelowALimitAtEverySimdLevel) {
+  const Kernels* level[3];
+  const int levels = AvailableKernels(level);
+  Random random(12);
+  for (int count = 0; count <= 33; ++count) {
+    AlignedColumn column(count);
+    for (int i = 0; i < count; ++i) {
+      // Some at the limit itself, some infinite, as those of pairs that are open.
+      const int kind = random.Below(6);
+      column.data()[i] = kind == 0   ? 0.25
+                         : kind == 1 ? std::numeric_limits<double>::infinity()
+                                     : random.Uniform(-1.0, 1.0);
+    }
+    std::vector<std::int32_t> want;
+    for (int i = 0; i < count; ++i) {
+      if (column.data()[i] < 0.25) want.push_back(i);
+    }
+    for (int k = 0; k < levels; ++k) {
+      std::vector<std::int32_t> got(static_cast<std::size_t>(count) + 8, -1);
+      const int found = level[k]->find_below(column.data(), count, 0.25, got.data());
+      got.resize(static_cast<std::size_t>(found));
+      ASSERT_EQ(got, want) << level[k]->name << ", " << count << " values";
+    }
+  }
+}
+
+TEST(Kernels, FindThePlanesThatAMotionUsesUpAtEverySimdLevel) {
+  const Kernels* level[3];
+  const int levels = AvailableKernels(level);
+  Random random(13);
+  for (int count = 0; count <= 33; ++count) {
+    std::vector<AlignedColumn> column(8, AlignedColumn(count));
+    PlaneColumns planes{};
+    for (int c = 0; c < 6; ++c) planes.along[c] = column[static_cast<std::size_t>(c)].data();
+    planes.slack = column[6].data();
+    planes.radius = column[7].data();
+    // What lies beyond the last is of an earlier sub-step: anything, and not to be found.
+    for (int i = 0; i < (count | 7) + 1; ++i) {
+      for (int c = 0; c < 6; ++c) planes.along[c][i] = random.Uniform(-1.0, 1.0);
+      planes.slack[i] = random.Below(8) == 0 ? std::numeric_limits<double>::infinity()
+                                             : random.Uniform(-0.2, 1.0);
+      planes.radius[i] = random.Uniform(0.0, 0.5);
+    }
+    PlaneMotion motion{{}, 0.3, 0.1, 0.2};
+    for (double& s : motion.step) s = random.Uniform(-0.5, 0.5);
+    for (int first = 0; first <= count; ++first) {
+      std::vector<std::int32_t> want;
+      bool close = false;
+      for (int i = first; i < count; ++i) {
+        double left = planes.slack[i] - motion.angle * planes.radius[i];
+        for (int c = 0; c < 6; ++c) left += planes.along[c][i] * motion.step[c];
+        close |= std::abs(left - motion.least_new) < 1e-12;
+        if (planes.slack[i] < motion.least_old || left < motion.least_new) want.push_back(i);
+      }
+      ASSERT_FALSE(close) << "another seed: rounding would decide";
+      for (int k = 0; k < levels; ++k) {
+        std::vector<std::int32_t> got(static_cast<std::size_t>(count) + 8, -1);
+        const int found = level[k]->find_used_up(planes, first, count, motion, got.data());
+        got.resize(static_cast<std::size_t>(found));
+        ASSERT_EQ(got, want) << level[k]->name << ", from " << first << " to " << count;
+      }
+    }
+  }
+}
+
+// Where rounding decides, it has to decide alike.
+TEST(Kernels, AgreeWhereAPlaneIsUsedUpToTheLastBit) {
+  const Kernels* level[3];
+  const int levels = AvailableKernels(level);
+  Random random(14);
+  for (int trial = 0; trial < 2000; ++trial) {
+    std::vector<AlignedColumn> column(8, AlignedColumn(8));
+    PlaneColumns planes{};
+    for (int c = 0; c < 6; ++c) planes.along[c] = column[static_cast<std::size_t>(c)].data();
+    planes.slack = column[6].data();
+    planes.radius = column[7].data();
+    PlaneMotion motion{{}, random.Uniform(0.0, 0.1), -1.0, random.Uniform(0.0, 1e-3)};
+    for (double& s : motion.step) s = random.Uniform(-1e-3, 1e-3);
+    for (int i = 0; i < 8; ++i) {
+      planes.radius[i] = random.Uniform(0.0, 0.05);
+      double left = -motion.angle * planes.radius[i];
+      for (int c = 0; c < 6; ++c) {
+        planes.along[c][i] = random.Uniform(-1.0, 1.0);
+        left += planes.along[c][i] * motion.step[c];
+      }
+      planes.slack[i] = motion.least_new - left;  // to a few ulp
+    }
+    std::vector<std::int32_t> want;
+    for (int k = 0; k < levels; ++k) {
+      std::vector<std::int32_t> got(16, -1);
+      const int found = level[k]->find_used_up(planes, 0, 8, motion, got.data());
+      got.resize(static_cast<std::size_t>(found));
+      if (k == 0) want = got;
+      ASSERT_EQ(got, want) << level[k]->name << ", trial " << trial;
     }
   }
 }

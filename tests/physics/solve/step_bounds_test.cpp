@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include "scenes/shapes.h"
 #include "server/physics/limits.h"
+#include "server/physics/scene_model.h"
 #include "tests/support/step_bench.h"
+#include "tests/support/test_scenes.h"
 
 namespace palpate {
 namespace {
@@ -17,7 +20,7 @@ const std::vector<Ball> kStick{{Vec3(-0.05, 0.0, 0.0), 0.005}, {Vec3(0.05, 0.0, 
 TEST(StepBounds, AreTheLeastWhereTheHandRests) {
   const Bench bench(kStick, kObject);
   const StepParameters& parameters = bench.model().parameters();
-  const StepBounds bounds = FirstBounds(bench.model(), Target{}, false);
+  const StepBounds bounds = FirstBounds(bench.model(), Target{});
   EXPECT_DOUBLE_EQ(bounds.translation, 20e-6);
   EXPECT_DOUBLE_EQ(bounds.rotation, limits::kLeastBounds * parameters.max_rotation);
 }
@@ -27,23 +30,32 @@ TEST(StepBounds, FollowTheHandUpToTheWidest) {
   const StepParameters& parameters = bench.model().parameters();
   const double rho = bench.model().rotation_length();
   const Target slow{Vec3(0.0, 30e-6, 40e-6), Vec3(2e-5, 0.0, 0.0)};
-  const StepBounds bounds = FirstBounds(bench.model(), slow, true);
+  const StepBounds bounds = FirstBounds(bench.model(), slow);
   EXPECT_NEAR(bounds.translation, 20e-6 + 2.0 * (50e-6 + 0.5 * rho * 2e-5), 1e-12);
   EXPECT_NEAR(bounds.rotation, 0.04 * parameters.max_rotation + 2.0 * (2e-5 + 0.5 * 50e-6 / rho),
               1e-12);
-  const StepBounds fast = FirstBounds(bench.model(), {Vec3(1.0, 0.0, 0.0), Vec3::UnitX()}, true);
+  const StepBounds fast = FirstBounds(bench.model(), {Vec3(1.0, 0.0, 0.0), Vec3::UnitX()});
   EXPECT_EQ(fast.translation, parameters.max_translation);
   EXPECT_EQ(fast.rotation, parameters.max_rotation);
+}
+
+TEST(StepBounds, AreTighterBetweenMeshes) {
+  const Scene scene = test::MakeScene(MakeBox(Vec3::Constant(0.02)), 64,
+                                      MakeBox(Vec3::Constant(0.05)), 64, ContactModel::kSurface);
+  const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
+  const Target slow{Vec3(0.0, 30e-6, 40e-6), Vec3(2e-5, 0.0, 0.0)};
+  const double rho = model.rotation_length();
+  EXPECT_NEAR(FirstBounds(model, slow).translation, 20e-6 + 1.25 * (50e-6 + 0.15 * rho * 2e-5),
+              1e-12);
 }
 
 TEST(StepBounds, AreTheWidestInTheThirdSubStepAtTheLatest) {
   const Bench bench(kStick, kObject);
   const StepParameters& parameters = bench.model().parameters();
-  const Vec3 far = Vec3::UnitX();
-  StepBounds bounds = FirstBounds(bench.model(), Target{}, true);
-  bounds = WiderBounds(bench.model(), bounds, far, far, true);
+  StepBounds bounds = FirstBounds(bench.model(), Target{});
+  bounds = WiderBounds(bench.model(), bounds);
   EXPECT_LT(bounds.translation, parameters.max_translation);
-  bounds = WiderBounds(bench.model(), bounds, far, far, true);
+  bounds = WiderBounds(bench.model(), bounds);
   EXPECT_EQ(bounds.translation, parameters.max_translation);
   EXPECT_EQ(bounds.rotation, parameters.max_rotation);
 }

@@ -1,0 +1,699 @@
+#include "server/physics/rows/mesh_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+
+#include "common/math/rotation.h"
+#include "server/physics/limits.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+using namespace limits::mesh;
+
+constexpr std::align_val_t kCacheLine{64};
+constexpr std::int32_t kTag = static_cast<std::int32_t>(RowKind::kMeshes) << kRowKindShift;
+
+LeafPair KeyOf(BoxTree::Node tool, BoxTree::Node object, int slot) {
+  return {kTag | static_cast<std::int32_t>(BoxTree::TriangleOf(tool) << 2 |
+                                           static_cast<std::uint32_t>(slot)),
+          static_cast<std::int32_t>(BoxTree::TriangleOf(object))};
+}
+
+/// What a plane must separate a pair by before and after a sub-step, whose best plane separates it
+/// by `distance` before (less than zero where it intersects).  A pair that is nearer than h may not
+/// come nearer, but for rounding; and that only as long as the sum of roundings does no harm.
+double LeastOld(double distance) {
+  return distance > 0.0 ? std::min(kFree, 0.5 * distance) : distance - kRounding;
+}
+double LeastNew(double distance) {
+  return distance > 0.5 * kFree ? std::min(kFree, distance) - kRounding : distance;
+}
+
+bool AreTriangles(BoxTree::Node tool, BoxTree::Node object) {
+  return BoxTree::IsLeaf(tool) && BoxTree::IsLeaf(object);
+}
+
+}  // namespace
+
+MeshContact::MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, int max_rows)
+    : tool_(tool),
+      objects_(objects),
+      from_(Vec3::Zero(), Quat::Identity()),
+      to_(Vec3::Zero(), Quat::Identity()),
+      plane_storage_(new (kCacheLine) double[8 * (kMaxNear + 8)](),
+                     [](double* p) { ::operator delete[](p, kCacheLine); }) {
+  near_.reserve(kMaxNear);
+  found_.resize(SeparationFront::kMaxSlots);
+  doubts_.reserve(kMaxNear);
+  deferred_.reserve(kMaxNear);
+  constexpr std::size_t kStride = kMaxNear + 8;  // not a power of two, or columns share a cache set
+  for (std::size_t c = 0; c < 6; ++c) planes_.along[c] = plane_storage_.get() + c * kStride;
+  planes_.slack = plane_storage_.get() + 6 * kStride;
+  planes_.radius = plane_storage_.get() + 7 * kStride;
+  touches_.reserve(kMaxTouches);
+  touch_of_row_.reserve(static_cast<std::size_t>(max_rows));
+}
+
+double MeshContact::Low(BoxTree::Node tool, const Vec3& n, const ToolPose& at) const {
+  return n.dot(at.p) - tool_.tree.Highest(tool, -(at.R.transpose() * n)) - tool_.radius;
+}
+
+double MeshContact::Gap(const NearPair& near, const Vec3& n, const ToolPose& at) const {
+  return Low(near.tool, n, at) - objects_.tree.Highest(near.object, n);
+}
+
+bool MeshContact::HoldsAlong(NearPair& near, const Vec3& n, double least_old, double least_new) {
+  const double now = Gap(near, n, to_);
+  if (!(now >= least_new)) return false;
+  const double before = moved_ ? Gap(near, n, from_) : now;
+  if (!(before >= least_old)) return false;
+  SetPlane(near, n, before);
+  near.n_next = n;
+  near.slack_next = now;
+  return true;
+}
+
+Vec3 MeshContact::NormalAt(const NearPair& near, const Plane& plane, const ToolPose& at) const {
+  switch (plane.of) {
+    case Plane::Of::kTool:
+      return at.R * plane.n;
+    case Plane::Of::kEdges: {
+      const auto a = BoxTree::TriangleOf(near.tool), b = BoxTree::TriangleOf(near.object);
+      const int i = plane.tool_edge, j = plane.object_edge;
+      const Vec3 ea = tool_.mesh.Corner(a, (i + 1) % 3) - tool_.mesh.Corner(a, i);
+      const Vec3 eb = objects_.mesh.Corner(b, (j + 1) % 3) - objects_.mesh.Corner(b, j);
+      return plane.sign * (at.R * ea).cross(eb).normalized();
+    }
+    default:
+      return plane.n;
+  }
+}
+
+/// As HoldsAlong, for a plane that may move with the tool.
+bool MeshContact::HoldsAcross(NearPair& near, const Plane& plane, const Touch& touch) {
+  const double least_old = LeastOld(touch.distance), least_new = LeastNew(touch.distance);
+  if (plane.of == Plane::Of::kObject) return HoldsAlong(near, plane.n, least_old, least_new);
+  const Vec3 n_old = NormalAt(near, plane, from_), n_new = NormalAt(near, plane, to_);
+  const double before = Gap(near, n_old, from_), now = Gap(near, n_new, to_);
+  if (!(before >= least_old && now >= least_new)) return false;
+  if (plane.of == Plane::Of::kEdges) {
+    // The plane turns while the contact moves: in between it may come nearer by a quarter of the
+    // one times the other.
+    const Vec3 lever = touch.nearest.p - from_.p;
+    if ((n_new - n_old).norm() * (v_ + phi_.cross(lever)).norm() > 2.0 * kFree) return false;
+  }
+  SetPlane(near, n_old, before);
+  near.n_next = n_new;
+  near.slack_next = now;
+  return true;
+}
+
+Vec3 MeshContact::NormalOf(const NearPair& near) const {
+  const auto k = &near - near_.data();
+  return {planes_.along[0][k], planes_.along[1][k], planes_.along[2][k]};
+}
+
+void MeshContact::SetPlane(NearPair& near, const Vec3& n, double slack) {
+  const auto k = &near - near_.data();
+  const Vec3 turned = (from_.R * tool_.tree.Centre(near.tool)).cross(n);
+  for (int c = 0; c < 3; ++c) {
+    planes_.along[c][k] = n[c];
+    planes_.along[3 + c][k] = turned[c];
+  }
+  planes_.slack[k] = slack;
+  near.replaced = true;
+}
+
+void MeshContact::AddNear(SeparationFront::Index index, const Vec3& n, double slack) {
+  const SeparationFront::Pair& pair = front_->pair(index);
+  near_.push_back({pair.tool, pair.object, index, -1, false, false, false, n, slack});
+  planes_.radius[near_.size() - 1] = static_cast<double>(pair.radius);
+  SetPlane(near_.back(), n, slack);
+  near_.back().replaced = false;
+}
+
+void MeshContact::Begin(const Kernels& kernels, SeparationFront& front, const ToolPose& from,
+                        double translation, double rotation, const LeafPair* active, int actives,
+                        ContactRows& rows) noexcept {
+  first_tested_ = tested_;
+  kernels_ = &kernels;
+  front_ = &front;
+  from_ = to_ = from;
+  translation_ = translation;
+  rotation_ = rotation;
+  v_.setZero();
+  phi_.setZero();
+  moved_ = false;
+  near_.clear();
+  touches_.clear();
+  touch_of_row_.clear();
+  full_ = false;
+
+  const double reach = tool_.mesh.reach();
+  if (front.empty() || (from.p - front.now().p).norm() > kFarAway ||
+      RotationLog(from.q * front.now().q.conjugate()).norm() > kFarTurned) {
+    front.Restart(tool_.tree, objects_.tree, from);
+  } else if (from.p != front.now().p || from.q.coeffs() != front.now().q.coeffs()) {
+    front.Move(from, reach);  // the pose was set
+  }
+
+  // Check allows for the rotation's second order, 1/2 |phi|^2 of a lever, beside the linear part.
+  const double bend = 1.0 + 0.5 * rotation;
+  const double limit = front.way() + translation + rotation * reach * bend + kFree;
+  const int found =
+      kernels.find_below(front.expiry(), static_cast<int>(front.slots()), limit, found_.data());
+  for (int f = 0; f < found; ++f) {
+    const SeparationFront::Index i = found_[static_cast<std::size_t>(f)];
+    const SeparationFront::Pair& pair = front.pair(i);
+    const Vec3 n = pair.Normal();
+    double slack;
+    if (!front.SlackNow(pair, slack)) {
+      slack = Low(pair.tool, n, from_) - objects_.tree.Highest(pair.object, n);
+    }
+    const auto farthest = static_cast<double>(pair.farthest);
+    if (slack - translation - rotation * farthest * bend >= kFree) {
+      front.Set(i, n, slack);
+    } else if (near_.size() < kMaxNear) {
+      AddNear(i, n, slack);
+    } else {
+      full_ = true;
+    }
+  }
+
+  // Opens the front as far as it must be to know the pairs that touched last.
+  Check(Vec3::Zero(), Vec3::Zero(), rows);
+  for (std::size_t k = 0; k < near_.size() && actives > 0; ++k) {
+    NearPair& near = near_[k];
+    if (near.split || !AreTriangles(near.tool, near.object)) continue;
+    const LeafPair key = KeyOf(near.tool, near.object, 0);
+    const bool was = std::any_of(active, active + actives, [&](const LeafPair& pair) {
+      return (pair.tool & ~3) == key.tool && pair.object == key.object;
+    });
+    if (!was || touches_.size() == kMaxTouches) continue;
+    Touch& touch = TouchOf(near);
+    if (!touch.in_cone || touch.plane.of != Plane::Of::kNone) continue;
+    touch.plane = ChoosePlane(near, touch);
+    PutRows(near, touch, true, rows);
+  }
+}
+
+int MeshContact::Check(const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept {
+  v_ = v;
+  phi_ = phi;
+  moved_ = v != Vec3::Zero() || phi != Vec3::Zero();
+  to_ = moved_ ? from_.Moved(v, phi) : from_;
+  const double angle = phi.norm();
+  // The rotation's second order is 1/2 |phi|^2 of a point's lever at most.
+  const double bend = 0.5 * angle * angle * (tool_.mesh.reach() + tool_.radius);
+  const PlaneMotion motion{
+      {v.x(), v.y(), v.z(), phi.x(), phi.y(), phi.z()}, angle, kFree, kFree + bend};
+  for (NearPair& near : near_) near.looked = false;
+  doubts_.clear();
+  deferred_.clear();
+  touched_ = false;
+  // Pairs that there was no room for are not known to be apart.
+  int apart_not = full_ ? 1 : 0, collected = 0;
+  for (std::size_t done = 0;;) {
+    // Those whose planes do not hold throughout the trial; patches that were split have added to
+    // them.
+    const auto all = static_cast<int>(near_.size());
+    const int found = kernels_->find_used_up(planes_, collected, all, motion, found_.data());
+    collected = all;
+    for (int f = 0; f < found; ++f) {
+      const std::int32_t k = found_[static_cast<std::size_t>(f)];
+      double left = planes_.slack[k] - angle * planes_.radius[k];
+      for (int c = 0; c < 6; ++c) left += planes_.along[c][k] * motion.step[c];
+      doubts_.push_back({left, k});
+    }
+    if (done == doubts_.size()) {
+      GiveDeferredRows(rows);
+      return apart_not;
+    }
+    // The deepest first.  With a good many rows the next trial is another one: the rest can wait.
+    const std::size_t end = std::min(done + kBatch, doubts_.size());
+    const auto at = [&](std::size_t i) { return doubts_.begin() + static_cast<std::ptrdiff_t>(i); };
+    if (end < doubts_.size()) std::nth_element(at(done), at(end), doubts_.end());
+    std::sort(at(done), at(end));
+    for (; done < end; ++done) {
+      if (!LookCloser(doubts_[done].near, rows)) ++apart_not;
+    }
+    if ((moved_ && apart_not >= kEnough) || IsExhausted()) {
+      GiveDeferredRows(rows);
+      return apart_not + static_cast<int>(doubts_.size() - done);
+    }
+  }
+}
+
+/// Whether a pair is apart at the trial, whatever the front's own plane says.  Patches that no
+/// plane separates are opened: their parts say.  Triangles that no plane separates get their rows.
+bool MeshContact::LookCloser(std::int32_t k, ContactRows& rows) {
+  NearPair& near = near_[static_cast<std::size_t>(k)];
+  near.looked = true;
+  if (IsExhausted()) return false;
+  ++tested_;
+  if (!AreTriangles(near.tool, near.object)) return PatchesApart(near) || Split(k);
+  if (FirstLook(near)) return true;
+  if (near.touch < 0 && touches_.size() == kMaxTouches) return false;
+  if (TrianglesApart(near)) return true;
+  if (!moved_) return false;
+  if (TouchOf(near).in_cone) {
+    touched_ = GiveRows(near, rows) || touched_;
+  } else {
+    deferred_.push_back(k);
+  }
+  return false;
+}
+
+bool MeshContact::GiveRows(NearPair& near, ContactRows& rows) {
+  Touch& touch = TouchOf(near);
+  if (touch.plane.of == Plane::Of::kNone) touch.plane = ChoosePlane(near, touch);
+  return PutRows(near, touch, false, rows);
+}
+
+/// Of pairs out of their cones a neighbour is nearer, and its rows mostly keep them apart too.  So
+/// they get rows only at a trial that gave none to a pair within its cones.
+void MeshContact::GiveDeferredRows(ContactRows& rows) {
+  if (touched_) return;
+  for (const std::int32_t k : deferred_) GiveRows(near_[static_cast<std::size_t>(k)], rows);
+}
+
+/// Calls holds(n) for the planes that are likely to separate two patches, until one does: those of
+/// the sides of their boxes, the flattest first, and the one between their middles.
+template <class Holds>
+bool MeshContact::AnyPlane(BoxTree::Node tool, BoxTree::Node object, const ToolPose& at,
+                           Holds holds) const {
+  const Vec3 between = at.R * tool_.tree.Centre(tool) + at.p - objects_.tree.Centre(object);
+  const auto flattest = [](const MeshWithTree& of, BoxTree::Node node) -> Vec3 {
+    if (BoxTree::IsLeaf(node)) return of.mesh.triangles()[BoxTree::TriangleOf(node)].normal;
+    int flat = 0;
+    of.tree.box(node).half.minCoeff(&flat);
+    return of.tree.box(node).axes.col(flat);
+  };
+  const auto outward = [&](const Vec3& n) { return n.dot(between) < 0.0 ? Vec3(-n) : n; };
+  if (holds(outward(flattest(objects_, object)))) return true;
+  if (holds(outward(at.R * flattest(tool_, tool)))) return true;
+  const double length = between.norm();
+  return length > 0.0 && holds(Vec3(between / length));
+}
+
+bool MeshContact::PatchesApart(NearPair& near) {
+  const auto holds = [&](const Vec3& n) { return HoldsAlong(near, n, kFree, kFree); };
+  return holds(NormalOf(near)) || AnyPlane(near.tool, near.object, from_, holds);
+}
+
+bool MeshContact::Split(std::int32_t k) {
+  NearPair& near = near_[static_cast<std::size_t>(k)];
+  if (near_.size() + 2 > kMaxNear) return false;
+  const Vec3 n = NormalOf(near);
+  const double slack = planes_.slack[k];
+  const SeparationFront::Index child =
+      front_->Split(near.index, tool_.tree, objects_.tree, n, slack);
+  if (child < 0) return false;
+  for (int side = 0; side < 2; ++side) AddNear(child + side, n, slack);
+  // Its own plane now holds at every trial: its children are looked at in its place.
+  near.split = true;
+  planes_.slack[k] = kInfinity;
+  return true;
+}
+
+MeshContact::Corners MeshContact::CornersAt(BoxTree::Node tool, BoxTree::Node object,
+                                            const ToolPose& at) const {
+  Corners corners;
+  for (int c = 0; c < 3; ++c) {
+    corners.a[c] = at.R * tool_.mesh.Corner(BoxTree::TriangleOf(tool), c) + at.p;
+    corners.b[c] = objects_.mesh.Corner(BoxTree::TriangleOf(object), c);
+  }
+  return corners;
+}
+
+bool MeshContact::InCone(const NearPair& near, const NearestPoints& nearest, const Vec3& u,
+                         const ToolPose& at) const {
+  const auto holds = [](const ContactMesh& mesh, BoxTree::Node node, Feature of, const Vec3& n) {
+    const ContactMesh::Triangle& t = mesh.triangles()[BoxTree::TriangleOf(node)];
+    if (of.kind == Feature::kEdge) return mesh.EdgeConeHolds(t.edge[of.index], n);
+    if (of.kind == Feature::kVertex) return mesh.VertexConeHolds(t.vertex[of.index], n);
+    return true;
+  };
+  return holds(objects_.mesh, near.object, nearest.of_q, u) &&
+         holds(tool_.mesh, near.tool, nearest.of_p, -(at.R.transpose() * u));
+}
+
+MeshContact::Touch& MeshContact::TouchOf(NearPair& near) {
+  if (near.touch >= 0) return touches_[static_cast<std::size_t>(near.touch)];
+  near.touch = static_cast<std::int32_t>(touches_.size());
+  Touch& touch = touches_.emplace_back();
+  touch.row[0] = touch.row[1] = touch.row[2] = -1;
+  const Corners corners = CornersAt(near.tool, near.object, from_);
+  touch.nearest = NearestOfTriangles(corners.a, corners.b);
+  const double length = std::sqrt(touch.nearest.squared);
+  touch.distance = -kInfinity;
+  if (length > 0.0) {
+    touch.u = (touch.nearest.p - touch.nearest.q) / length;
+    touch.distance = Gap(near, touch.u, from_);
+  }
+  touch.in_cone = touch.distance > 0.0 && InCone(near, touch.nearest, touch.u, from_);
+  if (touch.distance > 0.0) return touch;
+  // They intersect: the direction in which they do so least.
+  const auto consider = [&](const Vec3& axis) {
+    const double axis_length = axis.norm();
+    if (!(axis_length > 0.0)) return;
+    for (const double sign : {1.0, -1.0}) {
+      const Vec3 n = sign / axis_length * axis;
+      const double gap = Gap(near, n, from_);
+      if (gap <= touch.distance) continue;
+      touch.distance = gap;
+      touch.u = n;
+    }
+  };
+  const Vec3* a = corners.a;
+  const Vec3* b = corners.b;
+  consider((b[1] - b[0]).cross(b[2] - b[0]));
+  consider((a[1] - a[0]).cross(a[2] - a[0]));
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      consider((a[(i + 1) % 3] - a[i]).cross(b[(j + 1) % 3] - b[j]));
+    }
+  }
+  return touch;
+}
+
+/// Tries the planes that are at hand: of a pair that has rows, theirs alone; of another one that of
+/// before, and those of its faces.
+bool MeshContact::FirstLook(NearPair& near) {
+  if (near.touch >= 0) {
+    const Touch& touch = touches_[static_cast<std::size_t>(near.touch)];
+    if (touch.plane.of != Plane::Of::kNone) return HoldsAcross(near, touch.plane, touch);
+  }
+  const auto holds = [&](const Vec3& n) { return HoldsAlong(near, n, kFree, kFree); };
+  if (holds(NormalOf(near))) return true;
+  // A face has two sides; the one that the other triangle is on will do.
+  const Vec3 between =
+      from_.R * tool_.tree.Centre(near.tool) + from_.p - objects_.tree.Centre(near.object);
+  const auto outward = [&](const Vec3& n) { return n.dot(between) < 0.0 ? Vec3(-n) : n; };
+  return holds(outward(objects_.mesh.triangles()[BoxTree::TriangleOf(near.object)].normal)) ||
+         holds(outward(from_.R * tool_.mesh.triangles()[BoxTree::TriangleOf(near.tool)].normal));
+}
+
+bool MeshContact::TrianglesApart(NearPair& near) {
+  const Touch& touch = TouchOf(near);
+  if (touch.plane.of != Plane::Of::kNone && HoldsAcross(near, touch.plane, touch)) return true;
+  const double least_old = LeastOld(touch.distance), least_new = LeastNew(touch.distance);
+  const auto holds = [&](const Vec3& n) { return HoldsAlong(near, n, least_old, least_new); };
+  if (holds(touch.u) || holds(NormalOf(near))) return true;
+  bool held = false;
+  ForEachFace(near, touch.nearest,
+              [&](const Plane& plane) { held = held || HoldsAcross(near, plane, touch); });
+  if (held || !moved_) return held;
+  const Corners corners = CornersAt(near.tool, near.object, to_);
+  const NearestPoints nearest = NearestOfTriangles(corners.a, corners.b);
+  return nearest.squared > 0.0 && holds((nearest.p - nearest.q) / std::sqrt(nearest.squared));
+}
+
+/// Calls visit(plane) for the faces that meet at the nearest points, of either mesh, turned to look
+/// from object to tool.
+template <class Visit>
+void MeshContact::ForEachFace(const NearPair& near, const NearestPoints& nearest,
+                              Visit visit) const {
+  const auto each = [&](const ContactMesh& mesh, BoxTree::Node node, Feature of, auto use) {
+    const std::uint32_t own = BoxTree::TriangleOf(node);
+    const ContactMesh::Triangle& t = mesh.triangles()[own];
+    if (of.kind == Feature::kFace) {
+      use(t.normal);
+    } else {
+      const auto faces = of.kind == Feature::kEdge ? mesh.FacesAtEdge(t.edge[of.index])
+                                                   : mesh.FacesAtVertex(t.vertex[of.index]);
+      for (std::uint32_t face : faces) use(mesh.triangles()[face].normal);
+    }
+  };
+  const Vec3 away = nearest.p - nearest.q;
+  each(objects_.mesh, near.object, nearest.of_q, [&](const Vec3& n) {
+    if (n == Vec3::Zero()) return;
+    Plane plane;
+    plane.of = Plane::Of::kObject;
+    plane.n = n.dot(away) < 0.0 ? Vec3(-n) : n;
+    visit(plane);
+  });
+  each(tool_.mesh, near.tool, nearest.of_p, [&](const Vec3& n) {
+    if (n == Vec3::Zero()) return;
+    Plane plane;
+    plane.of = Plane::Of::kTool;
+    plane.n = (from_.R * n).dot(away) < 0.0 ? Vec3(-n) : n;
+    visit(plane);
+  });
+}
+
+MeshContact::Plane MeshContact::ChoosePlane(const NearPair& near, const Touch& touch) const {
+  const Feature a = touch.nearest.of_p, b = touch.nearest.of_q;
+  Plane plane;
+  plane.of = Plane::Of::kObject;
+  plane.n = touch.u;
+  if (touch.distance <= 0.0) return plane;
+  if (!touch.in_cone) {
+    // The touch is a neighbour's: its face, where that separates this pair as well.
+    const double least = LeastOld(touch.distance);
+    double best = -kInfinity;
+    ForEachFace(near, touch.nearest, [&](const Plane& face) {
+      if (!(Gap(near, NormalAt(near, face, from_), from_) >= least)) return;
+      const double gap = Gap(near, NormalAt(near, face, to_), to_);
+      if (gap <= best) return;
+      best = gap;
+      plane = face;
+    });
+    if (best > -kInfinity) return plane;
+  }
+  if (b.kind == Feature::kVertex && a.kind != Feature::kVertex) {
+    plane.of = Plane::Of::kTool;
+    plane.n = from_.R.transpose() * touch.u;
+  } else if (a.kind == Feature::kEdge && b.kind == Feature::kEdge) {
+    const auto edge = [](const ContactMesh& mesh, BoxTree::Node node, int i) -> Vec3 {
+      const std::uint32_t t = BoxTree::TriangleOf(node);
+      return mesh.Corner(t, (i + 1) % 3) - mesh.Corner(t, i);
+    };
+    const Vec3 ea = from_.R * edge(tool_.mesh, near.tool, a.index);
+    const Vec3 eb = edge(objects_.mesh, near.object, b.index);
+    const Vec3 across = ea.cross(eb);
+    if (across.squaredNorm() > kParallel * kParallel * ea.squaredNorm() * eb.squaredNorm()) {
+      plane.of = Plane::Of::kEdges;
+      plane.tool_edge = a.index;
+      plane.object_edge = b.index;
+      plane.sign = across.dot(touch.u) < 0.0 ? -1.0 : 1.0;
+    }
+  }
+  return plane;
+}
+
+/// The normal of a ball's row: that of the smooth surface that the mesh approximates.  The
+/// right-hand side is that of the triangles, which the ball may not enter.
+Vec3 MeshContact::SmoothedRow(const NearPair& near, const Vec3& n) const {
+  if (tool_.radius == 0.0) return n;
+  const Corners corners = CornersAt(near.tool, near.object, to_);
+  const NearestPoints nearest = NearestOfTriangles(corners.a, corners.b);
+  return objects_.mesh.SmoothNormal(BoxTree::TriangleOf(near.object), nearest.q, n);
+}
+
+/// Adds or mends the rows of a pair's plane: `all` those of the corners that touch, else those of
+/// the corners that the trial leaves too low.  Their right-hand sides are exact at the trial.
+bool MeshContact::PutRows(NearPair& near, Touch& touch, bool all, ContactRows& rows) {
+  const Plane& plane = touch.plane;
+  const Vec3 n_old = NormalAt(near, plane, from_), n_new = NormalAt(near, plane, to_);
+  const double before = Gap(near, n_old, from_);
+  const double asked = std::min(kSeparation, before + kRegain);
+  const double least = LeastNew(touch.distance);
+  bool changed = false;
+  const auto put = [&](int slot, int k, const Vec3& n, const Vec3& lever, double gap, double now) {
+    int& row = touch.row[k];
+    if (all ? gap > kWitnessRatio * before + kWitness : now >= least) return;
+    if (row < 0) {
+      if (rows.count() >= rows.max_rows()) return;
+      row = rows.count();
+      rows.AddRow(n, lever, gap, KeyOf(near.tool, near.object, slot));
+      touch_of_row_.resize(static_cast<std::size_t>(rows.count()), -1);
+      touch_of_row_[static_cast<std::size_t>(row)] = near.touch;
+    }
+    // a . x >= asked at the trial, where the exact gap is `now`.
+    const Vec3 along = SmoothedRow(near, n);
+    const double at_trial = along.dot(v_) + lever.cross(along).dot(phi_);
+    rows.SetRow(row, along, lever, now - asked - at_trial);
+    changed = true;
+  };
+  if (plane.of == Plane::Of::kEdges) {
+    const Vec3 lever = to_.R * (from_.R.transpose() * (touch.nearest.p - from_.p));
+    put(3, 0, n_new, lever - tool_.radius * n_new, before, Gap(near, n_new, to_));
+    return changed;
+  }
+  const Corners old = CornersAt(near.tool, near.object, from_),
+                now = CornersAt(near.tool, near.object, to_);
+  const bool of_tool = plane.of == Plane::Of::kObject;
+  const double plane_old =
+      of_tool ? objects_.tree.Highest(near.object, n_old) : Low(near.tool, n_old, from_);
+  const double plane_new = of_tool ? plane_old : Low(near.tool, n_new, to_);
+  const int corners = of_tool && tool_.radius > 0.0 ? 1 : 3;
+  for (int c = 0; c < corners; ++c) {
+    if (of_tool) {
+      put(c, c, n_old, old.a[c] - from_.p - tool_.radius * n_old,
+          n_old.dot(old.a[c]) - tool_.radius - plane_old,
+          n_new.dot(now.a[c]) - tool_.radius - plane_new);
+    } else {
+      put(c, c, n_old, old.b[c] - from_.p, plane_old - n_old.dot(old.b[c]),
+          plane_new - n_new.dot(old.b[c]));
+    }
+  }
+  return changed;
+}
+
+/// A ball's row goes along the smooth surface's normal where the ball comes to, not where it was:
+/// true where that is another direction, which the force would feel.
+bool MeshContact::TurnSmoothed(const NearPair& near, const Touch& touch, int row,
+                               const NearestPoints& nearest, const Vec3& u, ContactRows& rows) {
+  if (tool_.radius == 0.0) return false;
+  const Vec3 along = objects_.mesh.SmoothNormal(BoxTree::TriangleOf(near.object), nearest.q, u);
+  if ((along - rows.normal(row)).norm() <= kTurned) return false;
+  const double now = std::sqrt(nearest.squared) - tool_.radius;
+  const double asked = std::min(kSeparation, touch.distance + kRegain);
+  rows.SetRow(row, along, rows.lever(row), now - asked - along.dot(v_));
+  return true;
+}
+
+int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noexcept {
+  int changed = 0;
+  for (int i = 0; i < actives; ++i) {
+    const auto row = static_cast<std::size_t>(active[i]);
+    if (row >= touch_of_row_.size() || touch_of_row_[row] < 0) continue;
+    const std::int32_t index = touch_of_row_[row];
+    Touch& touch = touches_[static_cast<std::size_t>(index)];
+    if (touch.distance <= 0.0) continue;
+    const auto found = std::find_if(near_.begin(), near_.end(),
+                                    [&](const NearPair& near) { return near.touch == index; });
+    NearPair& near = *found;
+    const Corners corners = CornersAt(near.tool, near.object, to_);
+    const NearestPoints nearest = NearestOfTriangles(corners.a, corners.b);
+    if (!(nearest.squared > 0.0)) continue;
+    const double length = std::sqrt(nearest.squared);
+    const Vec3 u = (nearest.p - nearest.q) / length;
+    // The row's own point, at the trial.
+    const double gap = rows.gap(static_cast<int>(row)) + kSeparation +
+                       rows.normal(static_cast<int>(row)).dot(v_) +
+                       rows.lever_cross_normal(static_cast<int>(row)).dot(phi_);
+    if (InCone(near, nearest, u, to_) &&
+        gap <= kWitnessRatio * (length - tool_.radius) + kWitness) {
+      if (TurnSmoothed(near, touch, static_cast<int>(row), nearest, u, rows)) ++changed;
+      continue;
+    }
+    Plane other;
+    double best = kSeparation - kWitness;
+    const auto consider = [&](const Plane& plane) {
+      if (plane.of == touch.plane.of && plane.n == touch.plane.n) return;
+      const double both = std::min(Gap(near, NormalAt(near, plane, from_), from_),
+                                   Gap(near, NormalAt(near, plane, to_), to_));
+      if (both <= best) return;
+      best = both;
+      other = plane;
+    };
+    ForEachFace(near, touch.nearest, consider);
+    ForEachFace(near, nearest, consider);
+    for (const Vec3& n : {touch.u, u}) {
+      Plane plane;
+      plane.of = Plane::Of::kObject;
+      plane.n = n;
+      consider(plane);
+      plane.of = Plane::Of::kTool;
+      plane.n = from_.R.transpose() * n;
+      consider(plane);
+    }
+    if (other.of == Plane::Of::kNone) continue;
+    for (int& r : touch.row) {
+      if (r >= 0) rows.Loosen(r);
+      r = -1;
+    }
+    touch.plane = other;
+    ++changed;
+  }
+  return changed;
+}
+
+/// Merges pairs of the front that one plane keeps apart as a whole, with some room.  Where none of
+/// the planes tried does, the pair is tried again when the tool has gone as far as the best one
+/// lacks: no gap changes faster.
+void MeshContact::Merge() {
+  for (int i = 0; i < kMerges; ++i) {
+    SeparationFront::Index index = front_->NextMergeable();
+    if (index < 0) return;
+    // A pair that has been merged may now be merged with its sibling.
+    for (; index >= 0 && front_->IsMergeable(index); index = front_->pair(index).parent) {
+      const SeparationFront::Pair& pair = front_->pair(index);
+      ++tested_;
+      const auto farthest = static_cast<double>(pair.farthest);
+      const double margin = kMergeShare * (translation_ + rotation_ * farthest) + kFree;
+      double best = -kInfinity;
+      Vec3 plane = Vec3::Zero();
+      const auto holds = [&](const Vec3& n) {
+        const double gap = Low(pair.tool, n, to_) - objects_.tree.Highest(pair.object, n);
+        if (gap > best) {
+          best = gap;
+          plane = n;
+        }
+        return gap >= margin;
+      };
+      if (!holds(front_->pair(pair.child).Normal()) &&
+          !AnyPlane(pair.tool, pair.object, to_, holds)) {
+        front_->RetryAfter(index, margin - best);
+        break;
+      }
+      front_->Merge(index, plane, best);
+    }
+  }
+}
+
+void MeshContact::Stay() noexcept {
+  to_ = from_;
+  v_.setZero();
+  phi_.setZero();
+  moved_ = false;
+}
+
+void MeshContact::Accept() noexcept {
+  // A pair that no closer look was taken at keeps the plane that the front has.
+  for (const NearPair& near : near_) {
+    if (!near.split && near.replaced) {
+      front_->Set(near.index, NormalOf(near), planes_.slack[&near - near_.data()]);
+    }
+  }
+  if (moved_) {
+    front_->Move(to_, tool_.mesh.reach());
+    for (const NearPair& near : near_) {
+      if (near.looked && !near.split) front_->Set(near.index, near.n_next, near.slack_next);
+    }
+  }
+  Merge();
+}
+
+bool MeshContact::IsFree(const ToolPose& at) const {
+  std::vector<std::pair<BoxTree::Node, BoxTree::Node>> left{
+      {tool_.tree.root(), objects_.tree.root()}};
+  while (!left.empty()) {
+    const auto [tool, object] = left.back();
+    left.pop_back();
+    const auto holds = [&, tool = tool, object = object](const Vec3& n) {
+      return Low(tool, n, at) - objects_.tree.Highest(object, n) > limits::mesh::kRounding;
+    };
+    if (AnyPlane(tool, object, at, holds)) continue;
+    if (AreTriangles(tool, object)) {
+      const Corners corners = CornersAt(tool, object, at);
+      const NearestPoints nearest = NearestOfTriangles(corners.a, corners.b);
+      const double length = std::sqrt(nearest.squared);
+      if (!(length > 0.0) || !holds((nearest.p - nearest.q) / length)) return false;
+    } else if (tool_.tree.Size(tool) >= objects_.tree.Size(object)) {
+      for (BoxTree::Node child : tool_.tree.box(tool).child) left.emplace_back(child, object);
+    } else {
+      for (BoxTree::Node child : objects_.tree.box(object).child) left.emplace_back(tool, child);
+    }
+  }
+  return true;
+}
+
+}  // namespace palpate

@@ -1,0 +1,166 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/math/pose.h"
+#include "server/physics/leaf_pair.h"
+#include "server/physics/limits.h"
+#include "server/physics/rows/contact_rows.h"
+#include "server/physics/surface/body_meshes.h"
+#include "server/physics/surface/separation_front.h"
+#include "server/physics/surface/triangle_distance.h"
+
+namespace palpate {
+
+/// Keeps the meshes of tool and objects apart in one sub-step.
+///
+/// The invariant: one plane separates each pair of triangles where the sub-step begins and where it
+/// ends, so the straight way between is free too.  At the end its gap is kFree at least, or no less
+/// than the pair's distance was (but for kRounding).  Patches that such a plane separates are not
+/// looked into.  The zero step changes no gap: it is always free.
+///
+/// Rows come on violation.  A pair of triangles that no plane separates at the end of a trial gives
+/// rows: corners of the one stay above a plane of the other.  A row asks for kSeparation; of a pair
+/// that is nearer, for kRegain more than it has.
+///
+/// Which plane: where the nearest features touch within their normal cones, the plane across the
+/// nearest points, fixed to the side that has the face or edge; of two edges that cross, the plane
+/// of both, which turns with them.  Out of the cones a neighbour is nearer, and the touch is the
+/// neighbour's: the pair gets a face of either mesh that separates it as well.
+/// Drawings: server/ARCHITECTURE.md, Contact between meshes.
+///
+/// Real-time but for construction: no allocation, lock, log or clock.  Deterministic.
+class MeshContact {
+ public:
+  /// @param max_rows  of the ContactRows that it is going to fill.
+  MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, int max_rows);
+
+  /// Begins a sub-step from `from`, within |v| <= translation, |phi| <= rotation: updates the
+  /// front, gathers the pairs that the bounds could bring together, and adds rows for the `active`
+  /// pairs that still touch within their cones. At most limits::mesh::kMaxLooks pairs are looked at
+  /// closely in a sub-step; the others count as not apart where their planes do not hold.
+  void Begin(const Kernels& kernels, SeparationFront& front, const ToolPose& from,
+             double translation, double rotation, const LeafPair* active, int actives,
+             ContactRows& rows) noexcept;
+
+  /// Looks at the trial [v; phi]: 0 where every pair has a plane.  Else more: a count of pairs that
+  /// have none or were not looked at, for it ends with limits::mesh::kEnough that have none.  Rows
+  /// of those that have none are added, or made anew where the trial breaks them.
+  int Check(const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept;
+
+  /// Of the rows active at the trial that Check found free: takes those out whose pair does not
+  /// touch there, and which another plane keeps apart.  Returns how many pairs it changed; where it
+  /// is not 0, the rows are to be solved again.
+  int Retract(const int* active, int actives, ContactRows& rows) noexcept;
+
+  /// No trial is free: Accept is to leave the tool where it is.
+  void Stay() noexcept;
+  /// Ends the sub-step.  The tool goes to the trial that Check looked at last, which must be free;
+  /// after Stay it stays.  The planes go into the front.
+  void Accept() noexcept;
+
+  /// Pairs looked at closely since Begin: what the sub-step costs, as a count.
+  std::int64_t looks() const { return tested_ - first_tested_; }
+  /// The sub-step may look no closer (limits::mesh::kMaxLooks): what needs it is not apart.
+  bool IsExhausted() const { return looks() >= limits::mesh::kMaxLooks; }
+  /// Whether no triangle of the tool meets one of the objects at a pose.  What lies wholly inside a
+  /// closed mesh meets none.  Not real-time.
+  bool IsFree(const ToolPose& at) const;
+
+  const MeshWithTree& tool() const { return tool_; }
+  const MeshWithTree& objects() const { return objects_; }
+
+ private:
+  /// A plane between a pair of triangles, and what it moves with.
+  struct Plane {
+    enum class Of : std::uint8_t { kNone, kObject, kTool, kEdges } of = Of::kNone;
+    Vec3 n = Vec3::Zero();  ///< from object to tool; in W, of kTool in the tool's frame
+    std::uint8_t tool_edge = 0, object_edge = 0;
+    double sign = 1.0;  ///< kEdges: n = sign * (tool's edge x object's edge), normalised
+  };
+  /// A pair of triangles that the front's own plane does not keep apart.
+  struct Touch {
+    NearestPoints nearest;  ///< at the sub-step's beginning, in W
+    Vec3 u;                 ///< direction between them
+    double distance;        ///< the gap along u: negative where they intersect
+    bool in_cone;
+    Plane plane;  ///< where it has rows
+    int row[3];   ///< of the corners, or the one row of kEdges; -1 where there is none
+  };
+  /// A pair of the front that the bounds could bring together.  Its plane at the sub-step's
+  /// beginning, which every trial reads, stands in planes_ at the same index.
+  struct NearPair {
+    BoxTree::Node tool, object;
+    SeparationFront::Index index;  ///< in the front
+    std::int32_t touch;            ///< -1: none
+    bool split, replaced;          ///< its plane is not the front's any more
+    bool looked;                   ///< closely, at the trial: then that has the plane
+    Vec3 n_next;
+    double slack_next;
+  };
+  /// A pair whose plane does not hold at a trial, and the gap that is left along it.
+  struct Doubt {
+    double gap;
+    std::int32_t near;
+    bool operator<(const Doubt& other) const {
+      return gap != other.gap ? gap < other.gap : near < other.near;
+    }
+  };
+  struct Corners {
+    Vec3 a[3], b[3];
+  };
+
+  double Low(BoxTree::Node tool, const Vec3& n, const ToolPose& at) const;
+  double Gap(const NearPair& near, const Vec3& n, const ToolPose& at) const;
+  bool HoldsAlong(NearPair& near, const Vec3& n, double least_old, double least_new);
+  bool HoldsAcross(NearPair& near, const Plane& plane, const Touch& touch);
+  Vec3 NormalAt(const NearPair& near, const Plane& plane, const ToolPose& at) const;
+  template <class Holds>
+  bool AnyPlane(BoxTree::Node tool, BoxTree::Node object, const ToolPose& at, Holds holds) const;
+  bool PatchesApart(NearPair& near);
+  bool FirstLook(NearPair& near);
+  bool TrianglesApart(NearPair& near);
+  bool LookCloser(std::int32_t k, ContactRows& rows);
+  bool GiveRows(NearPair& near, ContactRows& rows);
+  void GiveDeferredRows(ContactRows& rows);
+  Vec3 NormalOf(const NearPair& near) const;
+  bool Split(std::int32_t k);
+  void SetPlane(NearPair& near, const Vec3& n, double slack);
+  void AddNear(SeparationFront::Index index, const Vec3& n, double slack);
+  void Merge();
+  Corners CornersAt(BoxTree::Node tool, BoxTree::Node object, const ToolPose& at) const;
+  Touch& TouchOf(NearPair& near);
+  bool InCone(const NearPair& near, const NearestPoints& nearest, const Vec3& u,
+              const ToolPose& at) const;
+  template <class Visit>
+  void ForEachFace(const NearPair& near, const NearestPoints& nearest, Visit visit) const;
+  Plane ChoosePlane(const NearPair& near, const Touch& touch) const;
+  bool TurnSmoothed(const NearPair& near, const Touch& touch, int row, const NearestPoints& nearest,
+                    const Vec3& u, ContactRows& rows);
+  Vec3 SmoothedRow(const NearPair& near, const Vec3& n) const;
+  bool PutRows(NearPair& near, Touch& touch, bool all, ContactRows& rows);
+
+  const MeshWithTree& tool_;
+  const MeshWithTree& objects_;
+  const Kernels* kernels_ = nullptr;
+  ToolPose from_, to_;
+  Vec3 v_ = Vec3::Zero(), phi_ = Vec3::Zero();
+  bool moved_ = false;
+  bool full_ = false;                          ///< more pairs are near than there is room for
+  double translation_ = 0.0, rotation_ = 0.0;  ///< bounds of the sub-step
+  std::vector<NearPair> near_;
+  std::unique_ptr<double[], void (*)(double*)> plane_storage_;
+  PlaneColumns planes_{};  ///< of each of near_
+  std::vector<std::int32_t> found_;
+  std::vector<Doubt> doubts_;
+  std::vector<std::int32_t> deferred_;  ///< of near_: out of their cones
+  bool touched_ = false;                ///< a pair in its cones has got rows at the trial
+  std::vector<Touch> touches_;
+  std::vector<std::int32_t> touch_of_row_;
+  SeparationFront* front_ = nullptr;  ///< during a sub-step
+  std::int64_t tested_ = 0, first_tested_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/math/pose.h"
+#include "server/physics/surface/contact_mesh.h"
+
+namespace palpate {
+
+/// A binary tree of oriented boxes over the triangles of a ContactMesh, which tells whether a whole
+/// patch, the triangles below a node, lies on one side of a plane (Gottschalk, Lin & Manocha,
+/// SIGGRAPH 1996).  A patch that bends little is thin in its own box; a ball round it is as thick
+/// as it is wide.  So two surfaces that run beside each other are told apart by a few wide patches,
+/// not by many pairs of triangles.
+/// A node is an index: inner nodes from 0, the root; triangle t is ~t.  Immutable.
+class BoxTree {
+ public:
+  using Node = std::int32_t;
+  struct Box {
+    Mat3 axes;      ///< columns: unit, orthogonal
+    Vec3 centre;    ///< [m]
+    Vec3 half;      ///< half extents along the axes [m]
+    double radius;  ///< of the ball about the centre that holds the triangles below [m]
+    double size;    ///< longest half diagonal of this and all below: which of two nodes is split
+    Node parent;    ///< -1 for the root
+    Node child[2];
+  };
+
+  BoxTree() = default;
+  explicit BoxTree(const ContactMesh& mesh);
+
+  static bool IsLeaf(Node node) { return node < 0; }
+  static std::uint32_t TriangleOf(Node node) { return static_cast<std::uint32_t>(~node); }
+  Node root() const { return boxes_.empty() ? ~0 : 0; }
+  const Box& box(Node node) const { return boxes_[static_cast<std::size_t>(node)]; }
+  Node Parent(Node node) const {
+    return IsLeaf(node) ? leaf_parent_[TriangleOf(node)] : box(node).parent;
+  }
+  /// 0 for a triangle.
+  double Size(Node node) const { return IsLeaf(node) ? 0.0 : box(node).size; }
+  /// Centre of a node, and radius about it of a ball that holds what is below [m].
+  const Vec3& Centre(Node node) const {
+    return IsLeaf(node) ? leaf_centre_[TriangleOf(node)] : box(node).centre;
+  }
+  double Radius(Node node) const {
+    return IsLeaf(node) ? leaf_radius_[TriangleOf(node)] : box(node).radius;
+  }
+  /// The most of n . x over what is below a node, n any vector [|n| m].
+  double Highest(Node node, const Vec3& n) const {
+    if (IsLeaf(node)) {
+      const auto& v = mesh_->triangles()[TriangleOf(node)].vertex;
+      const std::vector<Vec3>& x = mesh_->vertices();
+      return std::max(std::max(n.dot(x[v[0]]), n.dot(x[v[1]])), n.dot(x[v[2]]));
+    }
+    const Box& b = box(node);
+    return n.dot(b.centre) + (b.axes.transpose() * n).cwiseAbs().dot(b.half);
+  }
+
+ private:
+  const ContactMesh* mesh_ = nullptr;
+  std::vector<Box> boxes_;
+  std::vector<Node> leaf_parent_;
+  std::vector<Vec3> leaf_centre_;
+  std::vector<double> leaf_radius_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/math/pose.h"
+#include "scenes/scene.h"
+
+namespace palpate {
+
+/// A mesh of a body, to be placed into the frame of a ContactMesh.
+struct PlacedMesh {
+  const TriangleMesh* mesh = nullptr;
+  Pose X_FB{};
+};
+
+/// The triangles that contact is decided by, with the features that can touch: faces, edges and
+/// vertices, and the cone of normals that each of them can touch along.  The meshes are taken as
+/// they are, and felt from either side: open, folded and non-manifold ones need no special case.
+///
+/// Normal cones.  Let n be the unit direction from the nearest point of the mesh to the nearest
+/// point of another.  The distance has a local minimum there only if no way along the mesh leads
+/// nearer: n . m <= 0 for the directions m that lead into the faces of an edge (its cone is an arc)
+/// or along the edges of a vertex (a fan).  Where one of them is positive, a neighbour is nearer,
+/// and the touch is the neighbour's.
+///
+///        m1      m2             m1, m2: in the faces, across the edge
+///     <-----o-----> .           the arc between the faces' normals is the edge's cone
+///          / \                  (flat: one direction; hollow: none)
+///
+/// Frame F: W for objects, the tool's frame about its reference point for a tool.  Immutable.
+class ContactMesh {
+ public:
+  /// Corners in the order of the source; edge c leads from corner c to corner c + 1.
+  struct Triangle {
+    std::array<std::uint32_t, 3> vertex;
+    std::array<std::uint32_t, 3> edge;
+    Vec3 normal;           ///< unit; zero for a triangle without area
+    std::uint32_t body;    ///< index of the placed mesh
+    std::uint32_t source;  ///< triangle of that mesh
+  };
+
+  ContactMesh() = default;
+  explicit ContactMesh(std::span<const PlacedMesh> meshes);
+  /// A single point at the origin: the centre of a spherical tool.
+  static ContactMesh Point();
+
+  const std::vector<Vec3>& vertices() const { return vertices_; }
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+  bool empty() const { return triangles_.empty(); }
+  const Vec3& Corner(std::size_t triangle, int corner) const {
+    return vertices_[triangles_[triangle].vertex[static_cast<std::size_t>(corner)]];
+  }
+
+  /// Whether n, a unit direction in F away from the mesh, lies in the cone of an edge or vertex.
+  bool EdgeConeHolds(std::uint32_t edge, const Vec3& n) const;
+  bool VertexConeHolds(std::uint32_t vertex, const Vec3& n) const;
+  /// Triangles at an edge, at a vertex.
+  std::span<const std::uint32_t> FacesAtEdge(std::uint32_t edge) const {
+    return {edge_faces_.data() + edge_begin_[edge], edge_faces_.data() + edge_begin_[edge + 1]};
+  }
+  std::span<const std::uint32_t> FacesAtVertex(std::uint32_t vertex) const {
+    return {vertex_faces_.data() + vertex_begin_[vertex],
+            vertex_faces_.data() + vertex_begin_[vertex + 1]};
+  }
+  /// Unit normal of the smooth surface that the triangles approximate, at a place of a triangle
+  /// near which n is the direction of a touch; n itself where the mesh has a crease or is flat
+  /// there.
+  Vec3 SmoothNormal(std::uint32_t triangle, const Vec3& place, const Vec3& n) const;
+  /// Distance of the farthest vertex from the origin of F [m].
+  double reach() const { return reach_; }
+
+ private:
+  void Add(const PlacedMesh& placed, std::uint32_t body);
+  void Connect();
+  void SetNormals();
+
+  std::vector<Vec3> vertices_;
+  std::vector<Triangle> triangles_;
+  std::vector<std::uint32_t> edge_begin_, edge_faces_;
+  std::vector<Vec3> edge_directions_;  ///< one for each entry of edge_faces_
+  std::vector<std::uint32_t> vertex_begin_, vertex_faces_;
+  std::vector<Vec3> vertex_directions_;  ///< two for each entry of vertex_faces_
+  /// Of each triangle's corners; that of the triangle where the surface has a crease.
+  std::vector<std::array<Eigen::Vector3f, 3>> normals_;
+  double reach_ = 0.0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/math/pose.h"
+#include "server/physics/surface/box_tree.h"
+
+namespace palpate {
+
+/// Where the graphic tool is: its reference point in W, and its orientation.
+struct ToolPose {
+  Vec3 p;
+  Quat q;
+  Mat3 R;
+  ToolPose(const Vec3& position, const Quat& orientation)
+      : p(position), q(orientation), R(orientation.toRotationMatrix()) {}
+  /// After the step [v; phi].
+  ToolPose Moved(const Vec3& v, const Vec3& phi) const;
+};
+
+/// Planes that show tool and objects apart, kept from step to step.  The pairs of nodes of their
+/// two trees form a tree themselves: a pair's children are those in which the larger of its nodes
+/// is split.  The front is a cut through that tree: every pair of triangles lies below exactly one
+/// pair of the front, and each of these has a plane and a slack (Ehmann & Lin, Computer Graphics
+/// Forum 20 (2001) 500-510).
+///
+/// Expiry.  A motion takes off a slack what the tool's node moves against the plane's normal, and
+/// what it turns times its radius.  That is never more than the way of the tool's farthest point.
+/// So a pair need not be looked at before that way has grown by its slack; the way at which it has
+/// is the pair's expiry.  SlackNow then tells what is really left, which is mostly more.
+///
+/// A value: copied, it goes on alike.  Real-time: once Reserve has been called, nothing allocates.
+class SeparationFront {
+ public:
+  using Index = std::int32_t;
+  /// A pair of nodes.  `n` from object to tool, in W; along it the tool's node lies at least
+  /// `slack` [m] above the object's at the pose of `epoch`; not positive: no plane is known.
+  struct Pair {
+    double n[3];
+    float centre[3];  ///< of the tool's node, in its frame [m]
+    float radius;     ///< of a ball about it that holds the node [m]
+    float farthest;   ///< of the ball's farthest point from the reference point [m]
+    std::uint32_t epoch;
+    BoxTree::Node tool, object;
+    Index parent, child;  ///< child: the first of two; -1 where the pair is of the front
+    double slack;         ///< of an open pair: the way from which on a merge may be tried
+
+    Vec3 Normal() const { return {n[0], n[1], n[2]}; }
+    Vec3 Centre() const { return {centre[0], centre[1], centre[2]}; }
+  };
+  struct Epoch {
+    Vec3 p = Vec3::Zero();
+    Quat q = Quat::Identity();
+    Mat3 R = Mat3::Identity();
+    double turned = 0.0;  ///< sum of the rotations before it [rad]
+  };
+
+  static constexpr std::size_t kMaxSlots = 1 << 17;
+  /// Room for the most pairs that a front can have.
+  void Reserve();
+  bool empty() const { return pairs_.empty(); }
+  /// Places for pairs: of the front, open ones above it, and unused ones.
+  std::size_t slots() const { return pairs_.size(); }
+  /// Pairs of the front.
+  std::size_t size() const { return size_; }
+
+  /// The roots' pair alone, not known to be apart, for the tool at `at`.
+  void Restart(const BoxTree& tool, const BoxTree& objects, const ToolPose& at);
+  /// The tool has gone to `at`.  `reach`: of its farthest point from the reference point [m].
+  void Move(const ToolPose& at, double reach);
+
+  const Pair& pair(Index i) const { return pairs_[static_cast<std::size_t>(i)]; }
+  /// Way at which each slot's plane may be used up; infinite for pairs that are open or unused.
+  const double* expiry() const { return expiry_.empty() ? nullptr : expiry_[0].v; }
+  /// Way of the tool's farthest point so far [m]: what `expiry` is compared with.
+  double way() const { return way_; }
+  const Epoch& now() const { return epochs_[epoch_ % kEpochs]; }
+  /// The slack that a pair has now at least, by how its node has moved since its epoch; false where
+  /// the pose of that epoch is no longer kept.
+  bool SlackNow(const Pair& pair, double& slack) const;
+  /// Sets a pair's plane, at the pose of now.
+  void Set(Index i, const Vec3& n, double slack);
+  /// Opens a pair of the front: its children take the plane that it has at the pose of now.  -1
+  /// where there is no room.
+  Index Split(Index i, const BoxTree& tool, const BoxTree& objects, const Vec3& n, double slack);
+  /// Closes a pair whose children are of the front; it has the plane (n, slack).
+  void Merge(Index i, const Vec3& n, double slack);
+  /// Whether a pair is open and its children are both of the front.
+  bool IsMergeable(Index i) const {
+    const Index child = pair(i).child;
+    return child >= 0 && pair(child).child < 0 && pair(child + 1).child < 0;
+  }
+  /// The next pair for which that is so and which RetryAfter does not put off; the calls go round
+  /// all of them.  -1 at the end of a round, or where the next few dozen places hold none.
+  Index NextMergeable();
+  /// An open pair is not to be tried again before the way has grown by this [m].
+  void RetryAfter(Index i, double way) { pairs_[static_cast<std::size_t>(i)].slack = way_ + way; }
+
+  struct alignas(64) Eight {
+    double v[8];
+  };
+
+ private:
+  double& ExpiryOf(Index i) {
+    return expiry_[static_cast<std::size_t>(i) / 8].v[static_cast<std::size_t>(i) % 8];
+  }
+
+  /// Poses that are kept, one for each sub-step: eight cycles of eight.  Taken.
+  static constexpr std::uint32_t kEpochs = 64;
+
+  void Put(Index i, const BoxTree& tool, BoxTree::Node of_tool, BoxTree::Node of_object,
+           Index parent);
+
+  std::vector<Pair> pairs_;    ///< siblings beside each other, from an even index on; 0 is the root
+  std::vector<Eight> expiry_;  ///< infinite for pairs that are open or unused
+  std::vector<Index> unused_;  ///< first of two
+  std::array<Epoch, kEpochs> epochs_;
+  std::uint32_t epoch_ = 0;
+  std::size_t size_ = 0;
+  double way_ = 0.0;
+  Index next_merged_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,168 @@
+// palpate-bench hands: generated hands over any scene, judged as cycle judges a path.
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/error.h"
+#include "common/output.h"
+#include "tests/benchmarks/commands.h"
+#include "tests/benchmarks/cycle_report.h"
+#include "tests/benchmarks/features.h"
+#include "tests/benchmarks/figures.h"
+#include "tests/benchmarks/scene_run.h"
+#include "tests/support/hand_path.h"
+
+namespace palpate::bench {
+namespace {
+
+struct Options {
+  std::string scene = "bunny-bunny";
+  std::string seeds;
+  test::HandOptions hand;
+  std::string poses_out;
+  CycleOptions cycle{.repeats = 1, .settle_every = 100, .quarter_steps = true};
+  FeatureOptions features;
+  std::string models;
+  std::string json;
+};
+
+/// A..B, both included.
+std::pair<std::uint64_t, std::uint64_t> SeedRange(const std::string& text) {
+  std::uint64_t first = 0, last = 0;
+  const char* const end = text.data() + text.size();
+  const auto [dots, bad_first] = std::from_chars(text.data(), end, first);
+  if (bad_first == std::errc() && end - dots > 2 && dots[0] == '.' && dots[1] == '.') {
+    const auto [rest, bad_last] = std::from_chars(dots + 2, end, last);
+    if (bad_last == std::errc() && rest == end && first <= last) return {first, last};
+  }
+  throw UsageError("--seeds " + text + " is no range; give A..B, as 1..20");
+}
+
+/// Poses that --poses of cycle reads back to the same bits.
+std::string ToCsv(const std::vector<Pose>& poses) {
+  std::string csv = "x,y,z,qw,qx,qy,qz\n";
+  for (const Pose& X : poses) {
+    csv += fmt::format("{},{},{},{},{},{},{}\n", X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(),
+                       X.q.y(), X.q.z());
+  }
+  return csv;
+}
+
+/// One line a seed, the worst first.
+void RunSeeds(const Options& options, const Scene& scene) {
+  struct Seed {
+    std::uint64_t seed;
+    test::ContactFigures figures;
+    double depth() const {
+      const auto& d = figures.depth;
+      return d.empty() ? 0.0 : *std::max_element(d.begin(), d.end());
+    }
+    /// A seed that broke an invariant comes before those that did not.
+    auto badness() const {
+      return std::tuple(!figures.finite, figures.meeting > 0, figures.jumps.unexplained(),
+                        figures.steps - figures.arrived, depth());
+    }
+  };
+  const auto [first, last] = SeedRange(options.seeds);
+  std::vector<Seed> seeds;
+  for (std::uint64_t seed = first; seed <= last; ++seed) {
+    test::HandOptions hand = options.hand;
+    hand.seed = seed;
+    CycleOptions cycle = options.cycle;
+    cycle.name = fmt::format("{}, seed {}", options.scene, seed);
+    SceneRun run(scene, MakeHand(scene, hand));
+    seeds.push_back({seed, MeasureContact(run, cycle)});
+  }
+  Progress("");
+  std::stable_sort(seeds.begin(), seeds.end(),
+                   [](const Seed& a, const Seed& b) { return a.badness() > b.badness(); });
+
+  std::string out = fmt::format(
+      "{}, contact {}, friction {}: hands of {} steps at {} m/s, the worst seed first\n"
+      "  {:>6} {:>9} {:>9} {:>10} {:>9} {:>9} {:>11} {:>8} {:>10}\n",
+      options.scene, NameOf(scene.features.contact), NameOf(scene.features.friction),
+      options.hand.steps, options.hand.speed, "seed", "meet, %", "deep, um", "arrived, %",
+      "F rms, N", "jump, N", "unexplained", "4 kHz, %", "settled, %");
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const Seed& s : seeds) {
+    const test::ContactFigures& f = s.figures;
+    const double settled = static_cast<double>(f.settling.within_50ms) /
+                           static_cast<double>(std::max<std::size_t>(1, f.settling.poses));
+    out += fmt::format(
+        "  {:>6} {:>9.2f} {:>9.3f} {:>10.2f} {:>9.2f} {:>9.3f} {:>11} {:>8.2f} {:>10.1f}\n", s.seed,
+        1e2 * f.meeting_fraction(), 1e6 * s.depth(), 1e2 * f.arrived_fraction(), f.force_rms,
+        f.jumps.force_max, f.jumps.unexplained(), 1e2 * f.force_4khz_rms_fraction, 1e2 * settled);
+    rows.push_back({{"seed", s.seed}});
+    AddContact(f, options.cycle, nullptr, rows.back());
+  }
+  std::fputs(out.c_str(), stderr);
+  if (!options.json.empty()) {
+    WriteJson(options.json, {{"scene", options.scene},
+                             {"contact", NameOf(scene.features.contact)},
+                             {"friction", NameOf(scene.features.friction)},
+                             {"speed_m_per_s", options.hand.speed},
+                             {"steps", options.hand.steps},
+                             {"seeds", rows}});
+  }
+}
+
+void Run(Options& options) {
+  Scene scene = LoadForBench(options.scene, options.models);
+  options.features.ApplyTo(scene);
+  if (!options.seeds.empty()) {
+    RunSeeds(options, scene);
+    return;
+  }
+  options.cycle.name = fmt::format("{}, seed {}", options.scene, options.hand.seed);
+  Progress(options.cycle.name + ": making the hand ...");
+  std::vector<Pose> poses = MakeHand(scene, options.hand);
+  if (!options.poses_out.empty()) WriteOutput("--poses-out", options.poses_out, ToCsv(poses));
+  SceneRun run(std::move(scene), std::move(poses));
+  nlohmann::ordered_json json = ReportCycle(run, options.cycle);
+  json["scene"] = options.scene;
+  json["seed"] = options.hand.seed;
+  json["speed_m_per_s"] = options.hand.speed;
+  if (!options.json.empty()) WriteJson(options.json, json);
+}
+
+}  // namespace
+
+void AddHands(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "hands",
+      "A hand that nobody tuned to, over any scene: it comes from anywhere, presses, slides, "
+      "turns,\n"
+      "squeezes, taps and leaves.  The figures of cycle, whether the tool settles when the hand\n"
+      "rests, and the force at 4 kHz against that at 1 kHz.\n"
+      "Example: palpate-bench hands --scene bunny-bunny --seed 7 --speed 0.1 --steps 20000\n"
+      "         palpate-bench hands --scene pipes --seeds 1..20 --speed 0.3 --steps 5000");
+  command->add_option("--scene", options->scene, "Catalogue name or scene file")
+      ->capture_default_str();
+  auto* seed =
+      command->add_option("--seed", options->hand.seed, "Which hand")->capture_default_str();
+  command
+      ->add_option("--seeds", options->seeds,
+                   "Hands A..B, a line each, the worst first; without times")
+      ->excludes(seed);
+  command->add_option("--speed", options->hand.speed, "Mean speed of the hand, m/s")
+      ->check(CLI::Range(0.001, 5.0))
+      ->capture_default_str();
+  command->add_option("--steps", options->hand.steps, "Steps, one a millisecond")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--poses-out", options->poses_out,
+                      "Write the hand's poses to FILE, as --poses of cycle reads them");
+  options->cycle.AddTo(*command);
+  options->features.AddTo(*command);
+  command->add_option("--models", options->models, "Folder of models that are not packaged");
+  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
+  command->callback([options] { Run(*options); });
+}
+
+}  // namespace palpate::bench

@@ -1,0 +1,249 @@
+// Hands that nobody tuned to, over small meshes of all kinds: what the invariant promises, judged
+// by an oracle that shares nothing with it.
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/math/rotation.h"
+#include "scenes/shapes.h"
+#include "server/physics/haptic_step.h"
+#include "server/physics/scene_model.h"
+#include "tests/physics/rows/contact_scenes.h"
+#include "tests/support/contact_figures.h"
+#include "tests/support/hand_trial.h"
+#include "tests/support/mesh_oracle.h"
+#include "tests/support/random.h"
+
+namespace palpate {
+namespace {
+
+using test::ContactLimits;
+using test::Crowded;
+using test::Flat;
+using test::kCrowded;
+using test::MakeBlock;
+using test::MakeCrumpled;
+using test::MakeFinnedBox;
+using test::MakeL;
+using test::MakeSheet;
+using test::MeshScene;
+using test::Random;
+using test::Scaled;
+using test::Waves;
+
+struct Case {
+  const char* name;
+  Scene (*make)();
+  double size;  ///< of what hands go about in [m]
+};
+
+const Case kCases[] = {
+    {"a box on a box",
+     [] { return MeshScene(MakeBox(Vec3(0.03, 0.02, 0.04)), MakeBox(Vec3(0.06, 0.05, 0.04))); },
+     0.04},
+    {"a faceted ball on a flat grid",
+     [] { return MeshScene(MakeSphere(0.015, 320), MakeBlock(16, 0.04, 0.02, Flat)); }, 0.04},
+    {"waves on waves",
+     [] {
+       return MeshScene(MakeBlock(12, 0.015, 0.01, Waves(0.001, 0.015)),
+                        MakeBlock(24, 0.04, 0.02, Waves(0.002, 0.04)));
+     },
+     0.04},
+    {"a box on an open sheet",
+     [] { return MeshScene(MakeBox(Vec3::Constant(0.02)), MakeSheet(8, 0.04, Flat)); }, 0.04},
+    {"an open sheet on an open sheet",
+     [] {
+       return MeshScene(MakeSheet(4, 0.02, Waves(0.002, 0.02)),
+                        MakeSheet(8, 0.04, Waves(0.003, 0.04)));
+     },
+     0.04},
+    {"a fin on a fin",
+     [] {
+       return MeshScene(MakeFinnedBox(Vec3::Constant(0.02), 0.01),
+                        MakeFinnedBox(Vec3(0.05, 0.04, 0.02), 0.02));
+     },
+     0.04},
+    {"an L in an L", [] { return MeshScene(MakeL(0.03), MakeL(0.06)); }, 0.04},
+    {"crumple on crumple",
+     [] { return MeshScene(MakeCrumpled(6, 0.02, 0.004, 9), MakeCrumpled(12, 0.04, 0.006, 7)); },
+     0.04},
+    {"needles on needles",
+     [] {
+       return MeshScene(MakeBlock(kCrowded, 0.015, 0.01, Waves(0.001, 0.015), Crowded),
+                        MakeBlock(kCrowded, 0.04, 0.02, Waves(0.003, 0.04), Crowded));
+     },
+     0.04},
+    {"bars crossed",
+     [] { return MeshScene(MakeBox(Vec3(0.1, 0.01, 0.01)), MakeBox(Vec3(0.01, 0.1, 0.01))); },
+     0.04},
+    {"a pipe on a pipe",
+     [] {
+       return MeshScene(MakeBentPipe(0.006, 0.002, 0.04, 0.02),
+                        MakeBentPipe(0.01, 0.002, 0.08, 0.04));
+     },
+     0.05},
+    {"a millimetre",
+     [] {
+       return MeshScene(Scaled(MakeBox(Vec3(0.03, 0.02, 0.04)), 0.02),
+                        Scaled(MakeBlock(8, 0.04, 0.02, Waves(0.002, 0.04)), 0.02));
+     },
+     0.0008},
+};
+
+TEST(MeshContactHands, KeepOutArriveAndSettleWithoutJumpsThatNothingExplains) {
+  for (const Case& c : kCases) {
+    test::HandTrial trial;
+    trial.last_seed = 2;
+    trial.steps = 800;
+    trial.checks.quarter_steps = false;
+    trial.limits = {.meeting_fraction = 0.0,
+                    .depth = 0.0,
+                    .arrived_fraction = 0.99,
+                    .unexplained = 0,
+                    .settled_50ms = 1.0};
+    EXPECT_EQ(TryHands(c.make(), trial), "") << c.name;
+  }
+}
+
+/// A hand that no arm could be: jumps, dives, spins, trembles and rests, most of the time deep in
+/// the object.
+std::vector<Pose> WildHand(double size, std::uint64_t seed, std::size_t steps) {
+  Random random(seed);
+  Pose at{Vec3(0.0, 0.0, 2.0 * size), Quat::Identity()};
+  std::vector<Pose> X_WH{at};
+  while (X_WH.size() < steps) {
+    Pose to = at;
+    int moving = 1;
+    switch (random.Below(5)) {
+      case 0:
+        to = {size * random.InCube(1.0), random.Rotation()};
+        break;
+      case 1:
+        to = {size * random.InCube(1.0), random.Rotation()};
+        moving = 1 + random.Below(100);
+        break;
+      case 2:
+        to = {at.p + 0.05 * size * random.InCube(1.0),
+              RotationExp(0.3 * random.InCube(1.0)) * at.q};
+        moving = 1 + random.Below(50);
+        break;
+      case 3:
+        to = {at.p + 1e-3 * size * random.InCube(1.0),
+              RotationExp(0.02 * random.InCube(1.0)) * at.q};
+        moving = 1 + random.Below(20);
+        break;
+      default:
+        to.q = RotationExp(1.5 * random.InCube(1.0)) * at.q;
+        moving = 1 + random.Below(100);
+    }
+    const Vec3 turn = RotationLog(to.q * at.q.conjugate());
+    for (int i = 1; i <= moving; ++i) {
+      const double s = static_cast<double>(i) / moving;
+      X_WH.push_back({(1.0 - s) * at.p + s * to.p, (RotationExp(s * turn) * at.q).normalized()});
+    }
+    at = X_WH.back();
+    X_WH.insert(X_WH.end(), static_cast<std::size_t>(random.Below(30)), at);
+  }
+  return X_WH;
+}
+
+TEST(MeshContactHands, NeverBringMeshesIntoEachOtherHoweverWild) {
+  for (const Case& c : kCases) {
+    const Scene scene = c.make();
+    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+      const test::ContactFigures figures = test::MeasureContact(
+          scene, WildHand(c.size, seed, 1000), {.oracle_every = 1, .converge_every = 0});
+      ContactLimits limits{.meeting_fraction = 0.0, .depth = 0.0};
+      EXPECT_EQ(BrokenLimits(figures, limits), "") << c.name << ", seed " << seed;
+    }
+  }
+}
+
+// Ten metres: bounds and tolerances are lengths, and sizes are not.
+TEST(MeshContactHands, KeepOutAtTenMetres) {
+  Scene scene = MeshScene(Scaled(MakeBox(Vec3(0.03, 0.02, 0.04)), 100.0),
+                          Scaled(MakeBlock(8, 0.04, 0.02, Waves(0.002, 0.04)), 100.0));
+  scene.coupling.torsional_stiffness = 1e4;  // as the square of the size
+  Random random(71);
+  std::vector<Pose> X_WH{{Vec3(0.3, 0.2, 2.3), Quat::Identity()}};
+  const auto go = [&](const Vec3& by, const Vec3& turn, int steps) {
+    const Pose from = X_WH.back();
+    for (int i = 1; i <= steps; ++i) {
+      const double s = static_cast<double>(i) / steps;
+      X_WH.push_back({from.p + s * by, RotationExp(s * turn) * from.q});
+    }
+  };
+  go(Vec3(0.0, 0.0, -0.25), Vec3::Zero(), 200);
+  for (int i = 0; i < 20; ++i)
+    go(Vec3(0.05, 0.03, 0.004).cwiseProduct(random.InCube(1.0)), 0.02 * random.InCube(1.0), 40);
+  const test::ContactFigures figures = test::MeasureContact(
+      scene, X_WH, {.oracle_every = 1, .converge_every = 0, .settle_every = 200});
+  EXPECT_GT(figures.force_rms, 1.0);
+  EXPECT_EQ(BrokenLimits(figures, {.meeting_fraction = 0.0,
+                                   .depth = 0.0,
+                                   .arrived_fraction = 0.99,
+                                   .unexplained = 0,
+                                   .settled_50ms = 1.0}),
+            "");
+}
+
+/// Drives a scene's first tool with one sub-step a cycle, and looks along the straight way between
+/// each two of its poses: that is free too.
+void ExpectFreeWays(const Scene& scene, const Pose& start, const std::vector<Pose>& X_WH) {
+  StepParameters parameters;
+  parameters.features = scene.features;
+  parameters.max_substeps = 1;
+  const Body& tool = scene.tools.front();
+  const HapticModel model(tool.tree, MakeObjects(scene), parameters, &tool.mesh);
+  StepWorkspace workspace(model);
+  StepState state(model);
+  const test::MeshOracle oracle(scene);
+  state.X_WG = state.X_WH = start;
+  for (std::size_t i = 0; i < X_WH.size(); ++i) {
+    const Pose from = state.X_WG;
+    HapticStep(model, X_WH[i], state, workspace);
+    const Pose& to = state.X_WG;
+    const Vec3 p = from * model.reference(), v = to * model.reference() - p;
+    const Vec3 phi = RotationLog(to.q * from.q.conjugate());
+    if (v == Vec3::Zero() && phi == Vec3::Zero()) continue;
+    for (int k = 1; k <= 10; ++k) {
+      const double s = k / 10.0;
+      const Quat q = RotationExp(s * phi) * from.q;
+      ASSERT_FALSE(oracle.Meet({p + s * v - q * model.reference(), q}))
+          << "step " << i << ", at " << s << " of the way";
+    }
+  }
+}
+
+TEST(MeshContactHands, LeaveTheWholeWayOfASubStepFree) {
+  for (const Case& c : kCases) {
+    SCOPED_TRACE(c.name);
+    const std::vector<Pose> X_WH = WildHand(c.size, 3, 500);
+    ExpectFreeWays(c.make(), X_WH.front(), X_WH);
+  }
+}
+
+// The plane of two edges that cross at a few degrees turns up to fifty times as fast as the tool.
+TEST(MeshContactHands, LeaveTheWholeWayFreeWhereEdgesAreNearlyParallel) {
+  const double bar = 0.01, touching = 2.0 * bar * M_SQRT1_2;
+  Scene scene = MeshScene(MakeBox(Vec3(0.03, bar, bar)), MakeBox(Vec3(0.1, bar, bar)));
+  const Quat on_edge = RotationExp(Vec3(M_PI / 4, 0.0, 0.0));
+  scene.objects[0].X_WB.q = on_edge;
+  for (const std::uint64_t seed : {5u, 7u, 8u, 10u}) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    std::vector<Pose> X_WH;
+    for (int place = 0; place < 200; ++place) {
+      const double yaw = random.Uniform(-0.15, 0.15), roll = random.Uniform(-0.3, 0.3);
+      const double x = random.Uniform(-4e-3, 4e-3), y = random.Uniform(-6e-4, 6e-4);
+      const Quat q = RotationExp(Vec3(0.0, 0.0, yaw)) * RotationExp(Vec3(roll, 0.0, 0.0)) * on_edge;
+      X_WH.insert(X_WH.end(), 15, Pose{Vec3(x, y, touching - random.Uniform(0.0, 2e-3)), q});
+    }
+    ExpectFreeWays(
+        scene, {Vec3(0.0, 0.0, touching + 1e-4), RotationExp(Vec3(0, 0, 0.05)) * on_edge}, X_WH);
+  }
+}
+
+}  // namespace
+}  // namespace palpate

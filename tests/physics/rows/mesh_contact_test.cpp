@@ -1,0 +1,517 @@
+#include "server/physics/rows/mesh_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/math/rotation.h"
+#include "scenes/shapes.h"
+#include "scenes/sphere_tree_builder.h"
+#include "server/physics/haptic_step.h"
+#include "server/physics/scene_model.h"
+#include "server/physics/start_pose.h"
+#include "tests/physics/rows/contact_scenes.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/mesh_oracle.h"
+#include "tests/support/random.h"
+#include "tests/support/test_scenes.h"
+
+namespace palpate {
+namespace {
+
+using test::MakeBody;
+using test::MeshOracle;
+using test::Random;
+
+Scene MakeScene(Body tool, Body object) {
+  Scene scene;
+  scene.tools.push_back(std::move(tool));
+  scene.objects.push_back(std::move(object));
+  return scene;
+}
+
+Quat Turn(double degrees, const Vec3& axis) {
+  return Quat(Eigen::AngleAxisd(degrees * M_PI / 180, axis));
+}
+
+Body Box(const Vec3& size, const Pose& X = {}) {
+  return MakeBody("box", MakeBox(size), 64, X);
+}
+Body Ball(double radius) {
+  Body ball;
+  ball.name = "ball";
+  ball.mesh = MakeSphere(radius, 320);
+  ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), radius});
+  return ball;
+}
+
+/// A scene's first tool, its state, and the judge of where it is.
+struct Touch {
+  Touch(Scene s, const Pose& start)
+      : scene(std::move(s)),
+        model(MakeModel(scene, scene.tools.front(), MakeObjects(scene))),
+        workspace(model),
+        state(model),
+        oracle(scene) {
+    state.X_WG = state.X_WH = start;
+  }
+  Touch(Scene s, const Vec3& start) : Touch(std::move(s), Pose{start, Quat::Identity()}) {}
+  /// After every step the meshes are apart.
+  StepReport Step(const Pose& X_WH) {
+    const StepReport report = HapticStep(model, X_WH, state, workspace);
+    ++steps;
+    far += (report.faults & kFaultTargetFar) != 0;
+    EXPECT_FALSE(oracle.Meet(state.X_WG)) << "the meshes meet after step " << steps;
+    return report;
+  }
+  /// To a pose in a straight line, and there until the tool is at rest.
+  StepReport Go(const Pose& X_WH, int moving, int resting = 30) {
+    const Pose from = state.X_WH;
+    const Vec3 turn = RotationLog(X_WH.q * from.q.conjugate());
+    StepReport report;
+    for (int i = 1; i <= moving + resting; ++i) {
+      const double s = std::min(1.0, static_cast<double>(i) / moving);
+      report = Step({(1.0 - s) * from.p + s * X_WH.p, RotationExp(s * turn) * from.q});
+    }
+    return report;
+  }
+
+  Scene scene;
+  HapticModel model;
+  StepWorkspace workspace;
+  StepState state;
+  MeshOracle oracle;
+  int steps = 0, far = 0;  ///< taken so far, and those in which the tool did not arrive
+};
+
+// A ball among the leaves of a sparse tree: wherever it comes from, the mesh stops it.
+TEST(MeshContact, HasNoGapThroughWhichABallCanFall) {
+  Touch touch(MakeScene(Ball(0.001), Box(Vec3::Constant(0.05))), Vec3(0.0, 0.0, 0.05));
+  Random random(3);
+  for (int trial = 0; trial < 40; ++trial) {
+    const Vec3 from = 0.06 * random.Direction();
+    touch.state = StepState(touch.model);
+    touch.state.X_WG.p = touch.state.X_WH.p = from;
+    for (int i = 1; i <= 300; ++i) {
+      // To the cube's middle at 0.2 m/s.
+      touch.Step({from * (1.0 - i / 300.0), Quat::Identity()});
+      const Vec3 out = (touch.state.X_WG.p.cwiseAbs().array() - 0.025).matrix().cwiseMax(0.0);
+      ASSERT_GE(out.norm(), 0.001) << "trial " << trial << ", step " << i;
+    }
+  }
+}
+
+TEST(MeshContact, GivesTheAnalyticForceOfABallOnAFlatFace) {
+  Touch touch(MakeScene(Ball(0.005), Box(Vec3::Constant(0.05))), Vec3(-0.015, 0.0301, 0.0));
+  for (int i = 0; i < 600; ++i) {
+    const StepReport report = touch.Step({Vec3(-0.015 + 5e-5 * i, 0.029, 0.003), Quat::Identity()});
+    if (i < 2) continue;
+    // 1 um apart at most: a thousandth of a newton.
+    EXPECT_NEAR(report.wrench.force.y(), 1.0, 1.01e-3);
+    EXPECT_NEAR(report.wrench.force.x(), 0.0, 1e-6);
+    EXPECT_NEAR(report.wrench.force.z(), 0.0, 1e-6);
+  }
+}
+
+TEST(MeshContact, RestsABoxFlatOnAPlaneWithoutTorque) {
+  Touch touch(MakeScene(Box(Vec3(0.02, 0.01, 0.02)), Box(Vec3(0.1, 0.02, 0.1))),
+              Vec3(0.0, 0.016, 0.0));
+  for (int i = 0; i < 500; ++i) {
+    const StepReport report = touch.Step({Vec3(4e-5 * i, 0.014, 2e-5 * i), Quat::Identity()});
+    if (i < 20) continue;
+    EXPECT_NEAR(report.wrench.force.y(), 1.0, 2e-3);
+    EXPECT_LT(report.wrench.torque.norm(), 1e-5);
+    EXPECT_LT(RotationLog(report.X_WG.q).norm(), 1e-5);
+  }
+}
+
+TEST(MeshContact, RubsAsCoulombSays) {
+  Scene scene = MakeScene(Box(Vec3::Constant(0.01)), Box(Vec3(0.2, 0.06, 0.06)));
+  scene.features.friction = FrictionModel::kCoulomb;
+  scene.objects[0].materials = {Material{.static_friction = 0.8, .dynamic_friction = 0.3}};
+  Touch touch(std::move(scene), Vec3(-0.05, 0.0, 0.035001));
+  // 1 N down, and 0.6 N along: less than 0.8 N holds, for as long as it lasts.
+  const Vec3 pressed(-0.05, 0.0, 0.034);
+  StepReport report;
+  for (int i = 0; i < 50; ++i) report = touch.Step({pressed, Quat::Identity()});
+  const Vec3 stuck = report.X_WG.p;
+  for (int i = 0; i < 500; ++i) {
+    const double along = 0.6e-3 * std::min(1.0, 0.01 * i);
+    report = touch.Step({pressed + Vec3(along, 0, 0), Quat::Identity()});
+  }
+  EXPECT_NEAR(report.wrench.force.x(), -0.6, 1e-5);
+  EXPECT_NEAR((report.X_WG.p - stuck).norm(), 0.0, 1e-8);
+  // Drawn along at 0.1 m/s it slides, and the force is mu_d times the normal one.
+  for (int i = 0; i < 600; ++i) {
+    report = touch.Step({pressed + Vec3(0.6e-3 + 1e-4 * i, 0, 0), Quat::Identity()});
+    if (i < 100) continue;
+    const Vec3& f = report.wrench.force;
+    EXPECT_NEAR(-f.x() / f.z(), 0.3, 0.003) << i;
+    EXPECT_NEAR(f.z(), 1.0, 0.01);
+    // Where it crosses an inner edge, the contact is another one: no force beyond 3 mN comes of it.
+    EXPECT_NEAR(f.y(), 0.0, 3e-3);
+  }
+}
+
+/// On `normal` the hand is `depth` below where the tool rests: the spring alone says the force.
+/// Along the surface there is none.
+void ExpectForce(const StepReport& report, const Vec3& normal, double depth, double error = 2e-3) {
+  const double along = normal.dot(report.wrench.force);
+  EXPECT_LE((report.wrench.force - along * normal).norm(), 0.01);
+  EXPECT_NEAR(along, 1000.0 * depth, error);
+}
+
+/// 3 N on a flat place, at rest and over its inner edges, with the tool turned about the normal.
+void PressAndSlide(const TriangleMesh& floor, double error = 2e-3, int most_far = 0) {
+  for (const double degrees : {0.0, 1.0, 23.0, 45.0}) {
+    SCOPED_TRACE(testing::Message() << degrees << " degrees");
+    const Quat q = Turn(degrees, Vec3::UnitZ());
+    Touch touch(MakeScene(Box(Vec3(0.02, 0.02, 0.01)), MakeBody("floor", floor, 64)),
+                Pose{Vec3(-0.0113, -0.0071, 0.0055), q});
+    ExpectForce(touch.Go({Vec3(-0.0113, -0.0071, 0.002), q}, 40), Vec3::UnitZ(), 0.003);
+    for (int i = 1; i <= 300; ++i) {
+      ExpectForce(touch.Step({Vec3(-0.0113 + 8e-5 * i, -0.0071 + 5e-5 * i, 0.002), q}),
+                  Vec3::UnitZ(), 0.003, error);
+    }
+    EXPECT_LT(RotationLog(touch.state.X_WG.q * q.conjugate()).norm(), 2e-4);
+    EXPECT_LE(touch.far, most_far);
+  }
+}
+
+TEST(MeshContact, GivesNoGhostForceOnAFlatFace) {
+  TriangleMesh floor = MakeBox(Vec3(0.1, 0.1, 0.02));
+  for (Vec3& v : floor.vertices) v.z() -= 0.01;
+  PressAndSlide(floor);
+}
+
+TEST(MeshContact, GivesNoGhostForceOnAFlatGrid) {
+  PressAndSlide(test::MakeBlock(16, 0.05, 0.02, test::Flat));
+}
+
+TEST(MeshContact, GivesNoGhostForceOverNeedles) {
+  // In single steps the tool does not arrive, or stops a few micrometres short.
+  PressAndSlide(test::MakeBlock(test::kCrowded, 0.05, 0.02, test::Flat, test::Crowded), 0.02, 2);
+}
+
+TEST(MeshContact, GivesNoGhostForceOfAFacetedBallOnAFlatGrid) {
+  Random random(61);
+  for (int trial = 0; trial < 12; ++trial) {
+    SCOPED_TRACE(testing::Message() << "trial " << trial);
+    const Quat q = random.Rotation();
+    const Vec3 over(random.Uniform(-0.01, 0.01), random.Uniform(-0.01, 0.01), 0.0155);
+    Touch touch(MakeScene(MakeBody("ball", MakeSphere(0.015, 320), 64),
+                          MakeBody("floor", test::MakeBlock(16, 0.05, 0.02, test::Flat), 64)),
+                Pose{over, q});
+    touch.Go({over - Vec3(0, 0, 0.0035), q}, 40);
+    for (int i = 1; i <= 100; ++i) {
+      const StepReport report = touch.Step({over + Vec3(1e-4 * i, 3e-5 * i, -0.0035), q});
+      EXPECT_LE(report.wrench.force.head<2>().norm(), 0.01);
+      EXPECT_GT(report.wrench.force.z(), 2.8);
+    }
+  }
+}
+
+TEST(MeshContact, LetsABallFeelTheSphereThatAMeshStandsFor) {
+  // Facets of 320 triangles look up to 8 degrees past the sphere's own normal.
+  const double outer = 0.03, radius = 0.005;
+  Touch touch(MakeScene(Ball(radius), MakeBody("sphere", MakeSphere(outer, 320), 64)),
+              Vec3(0.0, 0.0, outer + radius + 1e-3));
+  double worst = 0.0;
+  for (int i = 0; i <= 500; ++i) {
+    const double down = std::min(2e-3, 4e-5 * i), angle = 2e-3 * i;
+    const Vec3 out(std::sin(angle), 0.2 * std::sin(2.0 * angle), std::cos(angle));
+    const StepReport report =
+        touch.Step({(outer + radius + 1e-3 - down) * out.normalized(), Quat::Identity()});
+    if (i < 100) continue;
+    const Vec3 force = report.wrench.force;
+    worst = std::max(worst, force.cross(touch.state.X_WG.p.normalized()).norm() / force.norm());
+  }
+  EXPECT_LT(worst, 0.03);
+}
+
+TEST(MeshContact, FeelsAReliefByItsSlopeAlone) {
+  // 10 um of waves, 27 mm long: 2.4 mrad of slope, 7 mN of 3 N; with the grid's facets somewhat
+  // more.
+  Touch touch(
+      MakeScene(MakeBody("ball", MakeSphere(0.01, 320), 64),
+                MakeBody("floor", test::MakeBlock(24, 0.04, 0.02, test::Waves(1e-5, 0.04)), 64)),
+      Vec3(-0.02, -0.01, 0.011));
+  touch.Go({Vec3(-0.02, -0.01, 0.007), Quat::Identity()}, 40);
+  for (int i = 1; i <= 400; ++i) {
+    const StepReport report =
+        touch.Step({Vec3(-0.02 + 1e-4 * i, -0.01 + 5e-5 * i, 0.007), Quat::Identity()});
+    EXPECT_LE(report.wrench.force.head<2>().norm(), 0.04) << i;
+  }
+}
+
+TEST(MeshContact, HoldsAnEdgeThatCrossesAnEdge) {
+  // Two bars, each standing on an edge: the edges alone meet, and their cross product is upright.
+  const double bar = 0.01, edge = bar * M_SQRT1_2;
+  const Body low = Box(Vec3(0.1, bar, bar), {Vec3::Zero(), Turn(45.0, Vec3::UnitX())});
+  for (const double degrees : {90.0, 60.0, 20.0}) {
+    SCOPED_TRACE(testing::Message() << degrees << " degrees");
+    const Quat q = Turn(degrees, Vec3::UnitZ()) * Turn(45.0, Vec3::UnitX());
+    Touch touch(MakeScene(Box(Vec3(0.1, bar, bar)), low), Pose{Vec3(0, 0, 2 * edge + 0.001), q});
+    const StepReport report = touch.Go({Vec3(0, 0, 2 * edge - 0.003), q}, 60);
+    ExpectForce(report, Vec3::UnitZ(), 0.003);
+    ASSERT_GE(report.contacts, 1);
+    EXPECT_EQ(KindOf(report.active[0].pair), RowKind::kMeshes);
+    EXPECT_NEAR(touch.state.X_WG.p.z(), 2 * edge, 2e-6);
+    // Drawn along the lower edge the upper one stays on it, and nothing holds it back.
+    for (int i = 1; i <= 200; ++i) {
+      ExpectForce(touch.Step({Vec3(1e-4 * i, 0, 2 * edge - 0.003), q}), Vec3::UnitZ(), 0.003);
+    }
+  }
+}
+
+TEST(MeshContact, HoldsAThinSheetFromEitherSide) {
+  const TriangleMesh sheet = test::MakeSheet(8, 0.04, test::Flat);
+  for (const double side : {1.0, -1.0}) {
+    for (const int steps : {40, 400}) {
+      // 20 mm, at 0.5 m/s and at 0.05 m/s.
+      Touch touch(MakeScene(Box(Vec3(0.02, 0.02, 0.01)), MakeBody("sheet", sheet, 64)),
+                  Vec3(0.003, 0.002, 0.0051 * side));
+      const StepReport report =
+          touch.Go({Vec3(0.003, 0.002, -0.015 * side), Quat::Identity()}, steps);
+      ExpectForce(report, Vec3(0, 0, side), 0.02);
+      EXPECT_NEAR(touch.state.X_WG.p.z(), 0.005 * side, 2e-6);
+    }
+  }
+}
+
+/// A block with a square hole through it along z, its top at z = 0.
+TriangleMesh MakeSocket(double hole, double outer, double depth) {
+  TriangleMesh mesh;
+  for (const double z : {0.0, -depth}) {
+    for (const double half : {0.5 * hole, 0.5 * outer}) {
+      for (const auto& [x, y] : {std::pair{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}) {
+        mesh.vertices.push_back({half * x, half * y, z});
+      }
+    }
+  }
+  // Corners: 0 to 3 the hole's above, 4 to 7 the block's above, 8 to 15 below.
+  const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    mesh.triangles.push_back({a, b, c});
+    mesh.triangles.push_back({a, c, d});
+  };
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const std::uint32_t j = (i + 1) % 4;
+    quad(i, i + 4, j + 4, j);            // top
+    quad(i + 8, j + 8, j + 12, i + 12);  // bottom
+    quad(i + 4, i + 12, j + 12, j + 4);  // outside
+    quad(i, j, j + 8, i + 8);            // the hole's walls
+  }
+  return mesh;
+}
+
+TEST(MeshContact, LetsAPegSlideInAHoleWithFiftyMicrometres) {
+  Touch touch(MakeScene(Box(Vec3(0.01, 0.01, 0.04)),
+                        MakeBody("socket", MakeSocket(0.0101, 0.04, 0.03), 64)),
+              Vec3(0.0, 0.0, 0.0205));
+  const auto step = [&](const Vec3& p, const Quat& q) {
+    const StepReport report = touch.Step({p, q});
+    EXPECT_EQ(report.faults, 0u) << "step " << touch.steps;
+    return report;
+  };
+  // Down, pushed aside by 1 N and turned: the walls hold it, and let it go along.
+  for (int i = 1; i <= 400; ++i) {
+    const double aside = std::min(1.0, 0.01 * i);
+    const StepReport report = step(Vec3(1e-3 * aside, -4e-4 * aside, 0.0205 - 5e-5 * i),
+                                   Turn(2.0 * aside, Vec3(0.3, 1.0, 0.5).normalized()));
+    if (i > 100) {
+      EXPECT_LE(std::abs(report.wrench.force.z()), 0.15) << i;
+    }
+  }
+  const StepReport held = touch.Go({Vec3(1e-3, -4e-4, 0.0005), Quat::Identity()}, 100, 100);
+  EXPECT_NEAR(held.wrench.force.x(), -0.95, 0.01);
+  EXPECT_NEAR(held.wrench.force.y(), 0.35, 0.01);
+  EXPECT_NEAR(held.wrench.force.z(), 0.0, 0.01);
+  EXPECT_NEAR(touch.state.X_WG.p.x(), 5e-5, 2e-6);
+}
+
+TEST(MeshContact, SlidesIntoAConcaveEdgeAndIsHeldByBothFaces) {
+  Touch touch(MakeScene(Box(Vec3::Constant(0.02)), MakeBody("L", test::MakeL(0.06), 64)),
+              Vec3(0.016, 0.0, 0.016));
+  // The L's faces lie at x = 0 and z = 0: the box, 10 mm to a side, goes into the corner.
+  const StepReport report = touch.Go({Vec3(0.008, 0.005, 0.007), Quat::Identity()}, 100);
+  EXPECT_NEAR(report.wrench.force.x(), 2.0, 2e-3);
+  EXPECT_NEAR(report.wrench.force.z(), 3.0, 2e-3);
+  EXPECT_NEAR(report.wrench.force.y(), 0.0, 2e-3);
+  for (int i = 1; i <= 200; ++i) {
+    const StepReport slid = touch.Step({Vec3(0.008, 0.005 - 1e-4 * i, 0.007), Quat::Identity()});
+    EXPECT_NEAR(slid.wrench.force.y(), 0.0, 0.01);
+    EXPECT_NEAR(slid.wrench.force.x(), 2.0, 0.01);
+  }
+}
+
+TEST(MeshContact, GoesOnWithWideBoundsWhereItHasFallenBehind) {
+  Touch touch(MakeScene(Box(Vec3::Constant(0.01)), Box(Vec3::Constant(0.06))),
+              Vec3(0.0, 0.0, 0.035001));
+  touch.Step({Vec3(0, 0, 0.0345), Quat::Identity()});
+  // 20 mm along the face at once: more than a cycle's sub-steps reach.
+  const StepReport far = touch.Step({Vec3(0.02, 0, 0.0345), Quat::Identity()});
+  ASSERT_NE(far.faults & kFaultTargetFar, 0u);
+  EXPECT_GT(touch.state.behind.translation, 50e-6);
+  // The tool is on its way along the face, which holds back what it does at the end.
+  EXPECT_NEAR(far.wrench.force.z(), 0.5, 2e-3);
+  EXPECT_NEAR(far.wrench.force.x(), 0.0, 2e-3);
+  StepReport report;
+  for (int i = 0; i < 100; ++i) report = touch.Step({Vec3(0.02, 0, 0.0345), Quat::Identity()});
+  EXPECT_EQ(report.faults, 0u);
+  EXPECT_EQ(touch.state.behind.translation, 0.0);
+  EXPECT_NEAR(report.X_WG.p.x(), 0.02, 1e-9);
+}
+
+TEST(MeshContact, StaysOutsideWhereTheHandJumpsFiftyMillimetresThrough) {
+  Touch touch(MakeScene(Box(Vec3::Constant(0.02)), Box(Vec3(0.1, 0.1, 0.01))),
+              Vec3(0.0, 0.0, 0.025));
+  touch.Step({Vec3(0, 0, 0.025), Quat::Identity()});
+  const Quat turned = Turn(90.0, Vec3(1.0, 0.2, 0.3).normalized());
+  for (int i = 0; i < 200; ++i) touch.Step({Vec3(0.0, 0.0, -0.025), turned});
+  EXPECT_GT(touch.state.X_WG.p.z(), 0.014);
+  EXPECT_GT(touch.Step({Vec3(0.0, 0.0, -0.025), turned}).wrench.force.z(), 10.0);
+  for (int i = 0; i < 200; ++i) touch.Step({Vec3(0.0, 0.0, 0.025), Quat::Identity()});
+  EXPECT_EQ(touch.state.X_WG.p, Vec3(0.0, 0.0, 0.025));
+}
+
+TEST(MeshContact, BeginsOutsideWhereverTheHandDoes) {
+  struct Case {
+    TriangleMesh tool, object;
+  };
+  const Case cases[] = {{MakeBox(Vec3(0.02, 0.01, 0.03)), MakeBox(Vec3(0.06, 0.05, 0.04))},
+                        {MakeSphere(0.01, 80), test::MakeL(0.06)},
+                        {MakeBox(Vec3::Constant(0.02)), test::MakeSheet(4, 0.04, test::Flat)}};
+  for (const Case& c : cases) {
+    Touch touch(test::MeshScene(c.tool, c.object), Vec3::Zero());
+    Random random(62);
+    for (int trial = 0; trial < 20; ++trial) {
+      const Pose X{random.InCube(0.03), random.Rotation()};
+      const StartPose start = ResolveStart(touch.model, X, touch.workspace);
+      EXPECT_FALSE(touch.oracle.Meet(start.X_WG)) << "trial " << trial;
+      touch.state = StepState(touch.model);
+      touch.state.X_WG = start.X_WG;
+      touch.state.X_WH = X;
+      for (int i = 0; i < 10; ++i) touch.Step(X);
+    }
+  }
+}
+
+TEST(MeshContact, ComesOutWhereAStateIsSetAcrossASheet) {
+  // No step leads there; a caller that sets a state can.  A corner of the box is 50 um through.
+  const Quat q = Quat::FromTwoVectors(Vec3(1, 1, 1).normalized(), -Vec3::UnitZ());
+  const double height = 0.01 * std::sqrt(3.0);
+  Touch touch(MakeScene(Box(Vec3::Constant(0.02)),
+                        MakeBody("sheet", test::MakeSheet(4, 0.04, test::Flat), 64)),
+              Pose{Vec3(0.003, 0.002, height - 5e-5), q});
+  ASSERT_TRUE(touch.oracle.Meet(touch.state.X_WG));
+  for (int i = 0; i < 100; ++i) {
+    HapticStep(touch.model, {Vec3(0.003, 0.002, 0.03), q}, touch.state, touch.workspace);
+  }
+  EXPECT_EQ(touch.state.X_WG.p, Vec3(0.003, 0.002, 0.03));
+}
+
+/// Bits of all that a step says of a tool's place and force.
+std::vector<double> Bits(const StepReport& report) {
+  const Pose& X = report.X_WG;
+  const Wrench& f = report.wrench;
+  return {X.p.x(),     X.p.y(),     X.p.z(),     X.q.w(),      X.q.x(),      X.q.y(),     X.q.z(),
+          f.force.x(), f.force.y(), f.force.z(), f.torque.x(), f.torque.y(), f.torque.z()};
+}
+
+/// Presses a waved block on another, and rolls and slides it.
+Pose Rolling(int i) {
+  const double s = 0.01 * i;
+  return {
+      Vec3(0.004 * std::sin(s), 0.003 * std::cos(1.3 * s), 0.001 + 0.002 * std::sin(2.1 * s)),
+      RotationExp(Vec3(0.05 * std::sin(1.7 * s), M_PI + 0.05 * std::cos(s), 0.2 * std::sin(s)))};
+}
+Scene WavesOnWaves() {
+  return test::MeshScene(test::MakeBlock(8, 0.015, 0.01, test::Waves(0.001, 0.015)),
+                         test::MakeBlock(16, 0.03, 0.02, test::Waves(0.001, 0.03)));
+}
+
+TEST(MeshContact, ACopyOfItsStateGoesOnToTheSameBits) {
+  Touch touch(WavesOnWaves(), Pose{Vec3(0, 0, 0.02), Rolling(0).q});
+  touch.Go(Rolling(0), 60);
+  int held = 0;
+  for (int i = 0; i < 600; i += 100) {
+    StepState copy = touch.state;
+    StepWorkspace other(touch.model);
+    std::vector<std::vector<double>> first;
+    for (int k = 0; k < 100; ++k) {
+      const StepReport report = touch.Step(Rolling(i + k));
+      held += report.contacts > 0;
+      first.push_back(Bits(report));
+    }
+    for (std::size_t k = 0; k < 100; ++k) {
+      const StepReport again =
+          HapticStep(touch.model, Rolling(i + static_cast<int>(k)), copy, other);
+      ASSERT_EQ(Bits(again), first[k]) << "step " << i + static_cast<int>(k);
+    }
+  }
+  EXPECT_GT(held, 300);
+}
+
+TEST(MeshContact, GivesTheSameBitsAtEverySimdLevel) {
+  const Kernels* level[3];
+  const int levels = AvailableKernels(level);
+  const Kernels& active = ActiveKernels();
+  std::vector<std::vector<double>> want;
+  for (int k = 0; k < levels; ++k) {
+    UseKernels(*level[k]);
+    Touch touch(WavesOnWaves(), Pose{Vec3(0, 0, 0.02), Rolling(0).q});
+    touch.Go(Rolling(0), 60);
+    for (std::size_t i = 0; i < 200; ++i) {
+      const std::vector<double> bits = Bits(touch.Step(Rolling(static_cast<int>(i))));
+      if (k == 0) want.push_back(bits);
+      EXPECT_EQ(bits, want[i]) << level[k]->name << ", step " << i;
+    }
+  }
+  UseKernels(active);
+}
+
+TEST(MeshContact, RegainsItsSeparationTooGentlyToBeFelt) {
+  // 0.2 um above the floor, where no force has brought it: 1 um is asked for, 0.3 um a sub-step.
+  Touch touch(MakeScene(Box(Vec3::Constant(0.02)), Box(Vec3(0.1, 0.1, 0.02))),
+              Vec3(0.0, 0.0, 0.02 + 2e-7));
+  double before = touch.state.X_WG.p.z();
+  for (int i = 0; i < 20; ++i) {
+    const StepReport report = touch.Step({Vec3(0.0, 0.0, 0.0199), Quat::Identity()});
+    EXPECT_LE(report.X_WG.p.z() - before, 0.31e-6 * report.substeps);
+    EXPECT_NEAR(report.wrench.force.z(), 0.1, 1.1e-3);
+    before = report.X_WG.p.z();
+  }
+  EXPECT_NEAR(touch.state.X_WG.p.z(), 0.02 + 1e-6, 1e-8);
+}
+
+TEST(MeshContact, BeginsWithTheRowsThatHeldItLast) {
+  Touch touch(WavesOnWaves(), Pose{Vec3(0, 0, 0.02), Rolling(0).q});
+  touch.Go(Rolling(0), 60);
+  int held = 0, began = 0;
+  for (int i = 0; i < 300; ++i) {
+    const int contacts = touch.state.active;
+    const StepReport report = touch.Step(Rolling(i));
+    if (contacts == 0 || report.contacts == 0 || report.substeps != 1) continue;
+    ++held;
+    began += report.predicted_pairs > 0;
+  }
+  EXPECT_GT(held, 100);
+  // But where another pair has taken the touch over.
+  EXPECT_GT(began, held * 9 / 10);
+}
+
+TEST(MeshContact, AllocatesNothingInAStep) {
+  Touch touch(WavesOnWaves(), Pose{Vec3(0, 0, 0.02), Rolling(0).q});
+  const std::uint64_t before = test::AllocationsOfThisThread();
+  for (int i = 0; i < 300; ++i) {
+    // From its first step on, and where the hand jumps.
+    const Pose X = i % 100 == 99 ? Pose{Vec3(0.0, 0.03, 0.01), Quat::Identity()} : Rolling(i);
+    HapticStep(touch.model, X, touch.state, touch.workspace);
+  }
+  EXPECT_EQ(test::AllocationsOfThisThread(), before);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,103 @@
+#include "server/physics/surface/body_meshes.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "scenes/shapes.h"
+#include "tests/support/test_scenes.h"
+
+namespace palpate {
+namespace {
+
+using test::MakeBody;
+
+PlacedTree Placed(const Body& body) {
+  return {&body.tree, body.X_WB, &body.mesh, body.leaf_material, body.materials};
+}
+
+TEST(BodyMeshes, LeavesWhatYieldsOrWearsToItsLeaves) {
+  Body soft = MakeBody("soft", MakeBox(Vec3::Constant(0.02)), 64);
+  soft.materials = {Material{.stiffness = 500.0}};
+  Body wearing = soft;
+  wearing.materials = {Material{}, Material{.hardness = 0.01}};
+  const Body rigid = MakeBody("rigid", MakeBox(Vec3::Constant(0.03)), 64);
+  EXPECT_FALSE(IsFeltByMesh(Placed(soft)));
+  EXPECT_FALSE(IsFeltByMesh(Placed(wearing)));
+  EXPECT_TRUE(IsFeltByMesh(Placed(rigid)));
+  const PlacedTree without[] = {Placed(soft), Placed(wearing)};
+  EXPECT_EQ(ObjectMeshes::Make(without), nullptr);
+  const PlacedTree all[] = {Placed(soft), Placed(rigid), Placed(wearing)};
+  const auto meshes = ObjectMeshes::Make(all);
+  ASSERT_NE(meshes, nullptr);
+  EXPECT_EQ(meshes->meshes().mesh.triangles().size(), rigid.mesh.triangles.size());
+}
+
+// The material of a triangle is that of a leaf: of the right body, and near.
+TEST(BodyMeshes, GivesEachTriangleTheLeafThatLiesAtIt) {
+  const Body first = MakeBody("first", MakeBox(Vec3(0.02, 0.03, 0.04)), 64);
+  const Body second =
+      MakeBody("second", MakeSphere(0.01, 320), 128, {Vec3(0.1, 0.0, 0.0), Quat::Identity()});
+  const PlacedTree both[] = {Placed(first), Placed(second)};
+  const auto meshes = ObjectMeshes::Make(both);
+  ASSERT_NE(meshes, nullptr);
+  const auto& triangles = meshes->meshes().mesh.triangles();
+  const auto first_leaves = static_cast<std::int32_t>(first.tree.leaves());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const Body& body = triangles[t].body == 0 ? first : second;
+    const std::int32_t leaf = meshes->LeafOf(t) - (triangles[t].body == 0 ? 0 : first_leaves);
+    ASSERT_GE(leaf, 0);
+    ASSERT_LT(leaf, static_cast<std::int32_t>(body.tree.leaves()));
+    // One that lists the triangle, and of those the nearest to its middle.
+    const auto distance = [&](std::size_t i) {
+      Vec3 middle = Vec3::Zero();
+      for (const std::uint32_t v : body.mesh.triangles[triangles[t].source]) {
+        middle += body.mesh.vertices[v] / 3.0;
+      }
+      return (Vec3(body.tree.leaf_x[i], body.tree.leaf_y[i], body.tree.leaf_z[i]) - middle).norm() -
+             body.tree.leaf_radius[i];
+    };
+    double least = 1e300;
+    bool listed = false;
+    for (std::size_t i = 0; i < body.tree.leaves(); ++i) {
+      for (std::uint32_t k = body.tree.leaf_triangle_begin[i];
+           k < body.tree.leaf_triangle_begin[i + 1]; ++k) {
+        if (body.tree.leaf_triangle[k] != triangles[t].source) continue;
+        least = std::min(least, distance(i));
+        listed |= static_cast<std::int32_t>(i) == leaf;
+      }
+    }
+    EXPECT_TRUE(listed) << "triangle " << t;
+    EXPECT_EQ(distance(static_cast<std::size_t>(leaf)), least) << "triangle " << t;
+  }
+}
+
+TEST(BodyMeshes, NamesTheRemedyWhereAMeshIsMissing) {
+  const Body body = MakeBody("body", MakeBox(Vec3::Constant(0.02)), 64);
+  PlacedTree placed = Placed(body);
+  placed.mesh = nullptr;
+  try {
+    ObjectMeshes::Make(std::span(&placed, 1));
+    FAIL();
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find("spheres"), std::string::npos);
+  }
+  EXPECT_THROW(MakeToolMesh(nullptr, body.tree, Vec3::Zero()), std::exception);
+}
+
+TEST(BodyMeshes, TakesAToolOfOneLeafForABall) {
+  Body ball = MakeBody("ball", MakeSphere(0.005, 320), 64);
+  ball.tree = SingleSphereTree(ball.mesh, {Vec3(0.001, 0.0, 0.0), 0.005});
+  const auto tool = MakeToolMesh(nullptr, ball.tree, Vec3(0.001, 0.0, 0.0));
+  EXPECT_EQ(tool->radius, 0.005);
+  EXPECT_EQ(tool->mesh.triangles().size(), 1u);
+  const Body box = MakeBody("box", MakeBox(Vec3::Constant(0.02)), 64);
+  const Vec3 reference(0.003, 0.0, 0.0);
+  const auto other = MakeToolMesh(&box.mesh, box.tree, reference);
+  EXPECT_EQ(other->radius, 0.0);
+  EXPECT_EQ(other->mesh.triangles().size(), 12u);
+  EXPECT_NEAR(other->mesh.reach(), (Vec3::Constant(0.01) + reference).norm(), 1e-15);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,179 @@
+#include "server/physics/surface/box_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "scenes/shapes.h"
+#include "tests/support/random.h"
+
+namespace palpate {
+namespace {
+
+using test::Random;
+
+ContactMesh Place(const TriangleMesh& mesh) {
+  const PlacedMesh placed{&mesh, {}};
+  return ContactMesh(std::span(&placed, 1));
+}
+
+/// All triangles below a node.
+std::vector<std::uint32_t> Below(const BoxTree& tree, BoxTree::Node node) {
+  if (BoxTree::IsLeaf(node)) return {BoxTree::TriangleOf(node)};
+  std::vector<std::uint32_t> all;
+  for (const BoxTree::Node child : tree.box(node).child) {
+    const std::vector<std::uint32_t> part = Below(tree, child);
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  return all;
+}
+
+/// Of a tree what whoever uses it relies on, of every node.
+void Judge(const TriangleMesh& source, double size) {
+  const ContactMesh mesh = Place(source);
+  const BoxTree tree(mesh);
+  Random random(41);
+  std::vector<int> seen(mesh.triangles().size(), 0);
+  std::vector<BoxTree::Node> left{tree.root()};
+  EXPECT_EQ(tree.Parent(tree.root()), -1);
+  while (!left.empty()) {
+    const BoxTree::Node node = left.back();
+    left.pop_back();
+    const std::vector<std::uint32_t> below = Below(tree, node);
+    for (int trial = 0; trial < 6; ++trial) {
+      // Not of unit length either.
+      const Vec3 n = (trial == 0 ? Vec3(Vec3::UnitZ()) : random.Direction()) * (1.0 + trial % 3);
+      double highest = -std::numeric_limits<double>::infinity();
+      for (const std::uint32_t t : below) {
+        for (int c = 0; c < 3; ++c) highest = std::max(highest, n.dot(mesh.Corner(t, c)));
+      }
+      EXPECT_GE(tree.Highest(node, n), highest - 1e-15 * size);
+      if (BoxTree::IsLeaf(node)) {
+        EXPECT_EQ(tree.Highest(node, n), highest);
+      } else {
+        // Not more than the box is long either.
+        EXPECT_LE(tree.Highest(node, n), highest + 2.1 * n.norm() * tree.box(node).half.norm());
+      }
+    }
+    for (const std::uint32_t t : below) {
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_LE((mesh.Corner(t, c) - tree.Centre(node)).norm(), tree.Radius(node) + 1e-15 * size);
+      }
+    }
+    if (BoxTree::IsLeaf(node)) {
+      ++seen[BoxTree::TriangleOf(node)];
+      EXPECT_EQ(tree.Size(node), 0.0);
+      continue;
+    }
+    const Mat3& axes = tree.box(node).axes;
+    EXPECT_LT((axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_GE(tree.Size(node), tree.box(node).half.norm());
+    for (const BoxTree::Node child : tree.box(node).child) {
+      EXPECT_EQ(tree.Parent(child), node);
+      EXPECT_LE(tree.Size(child), tree.Size(node));
+      left.push_back(child);
+    }
+  }
+  for (const int times : seen) EXPECT_EQ(times, 1);
+}
+
+TriangleMesh CoplanarGrid(int n, double spacing) {
+  TriangleMesh grid;
+  for (int i = 0; i <= n; ++i) {
+    for (int j = 0; j <= n; ++j) grid.vertices.push_back(Vec3(i * spacing, j * spacing, 0.0));
+  }
+  const auto at = [n](int i, int j) { return static_cast<std::uint32_t>(i * (n + 1) + j); };
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      grid.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      grid.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  }
+  return grid;
+}
+
+TEST(BoxTree, HoldsEveryTriangleInEveryBoxAboveIt) {
+  Judge(MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280), 0.1);
+  Judge(MakeBox(Vec3(0.06, 0.05, 1e-4)), 0.1);
+  Judge(MakeBentPipe(0.01, 0.002, 0.1, 0.05), 0.1);
+}
+
+TEST(BoxTree, HoldsRandomSoupsOfAnySize) {
+  for (const double size : {1e-3, 1.0, 10.0}) {
+    Random random(42);
+    for (const int count : {2, 3, 5, 64, 333}) {
+      TriangleMesh soup;
+      for (int t = 0; t < count; ++t) {
+        const Vec3 at = random.InCube(size);
+        const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+        for (int c = 0; c < 3; ++c) soup.vertices.push_back(at + random.InCube(0.1 * size));
+        soup.triangles.push_back({first, first + 1, first + 2});
+      }
+      Judge(soup, size);
+    }
+  }
+}
+
+TEST(BoxTree, IsOneTriangleWhereThereIsOne) {
+  TriangleMesh one;
+  one.vertices = {Vec3(0.01, 0, 0), Vec3(0, 0.02, 0), Vec3(0, 0, 0.03)};
+  one.triangles = {{0, 1, 2}};
+  const ContactMesh mesh = Place(one);
+  const BoxTree tree(mesh);
+  ASSERT_TRUE(BoxTree::IsLeaf(tree.root()));
+  EXPECT_EQ(BoxTree::TriangleOf(tree.root()), 0u);
+  EXPECT_EQ(tree.Parent(tree.root()), -1);
+  EXPECT_EQ(tree.Size(tree.root()), 0.0);
+  EXPECT_EQ(tree.Highest(tree.root(), Vec3::UnitZ()), 0.03);
+  const ContactMesh point = ContactMesh::Point();
+  const BoxTree of_point(point);
+  EXPECT_TRUE(BoxTree::IsLeaf(of_point.root()));
+  EXPECT_EQ(of_point.Radius(of_point.root()), 0.0);
+}
+
+TEST(BoxTree, HoldsATriangleThatIsThereAHundredTimes) {
+  TriangleMesh many;
+  many.vertices = {Vec3(0.01, 0, 0), Vec3(0, 0.02, 0), Vec3(0, 0, 0.03)};
+  many.triangles.assign(100, {0, 1, 2});
+  Judge(many, 0.1);
+}
+
+TEST(BoxTree, HoldsTrianglesWithoutArea) {
+  TriangleMesh line;
+  for (int i = 0; i < 20; ++i) line.vertices.push_back(Vec3(0.001 * i, 0.002 * i, 0.0));
+  for (std::uint32_t i = 0; i + 2 < 20; ++i) line.triangles.push_back({i, i + 1, i + 2});
+  for (std::uint32_t i = 0; i < 20; ++i) line.triangles.push_back({i, i, i});
+  Judge(line, 0.1);
+  TriangleMesh place;
+  place.vertices = {Vec3(1.0, 2.0, 3.0)};
+  place.triangles.assign(5, {0, 0, 0});
+  Judge(place, 4.0);
+}
+
+// What the boxes are for: a flat patch, however it is turned, is known to lie below a plane as near
+// to it as can be.
+TEST(BoxTree, IsThinWhereTheSurfaceIsFlat) {
+  TriangleMesh grid = CoplanarGrid(16, 0.005);
+  Judge(grid, 0.1);
+  const Quat q(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+  for (Vec3& v : grid.vertices) v = q * v + Vec3(0.1, 0.2, -0.1);
+  const Vec3 n = q * Vec3::UnitZ();
+  const double height = n.dot(grid.vertices[0]);
+  const ContactMesh mesh = Place(grid);
+  const BoxTree tree(mesh);
+  std::vector<BoxTree::Node> left{tree.root()};
+  while (!left.empty()) {
+    const BoxTree::Node node = left.back();
+    left.pop_back();
+    EXPECT_NEAR(tree.Highest(node, n), height, 1e-9);
+    EXPECT_NEAR(tree.Highest(node, -n), -height, 1e-9);
+    if (BoxTree::IsLeaf(node)) continue;
+    for (const BoxTree::Node child : tree.box(node).child) left.push_back(child);
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,287 @@
+#include "tests/support/contact_figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/math/rotation.h"
+#include "scenes/scene_remains.h"
+#include "server/physics/scene_model.h"
+#include "server/physics/start_pose.h"
+#include "server/physics/tree/sphere_tree_query.h"
+#include "tests/support/mesh_oracle.h"
+
+namespace palpate::test {
+namespace {
+
+constexpr int kConvergeSteps = 200;
+constexpr double kConverged = 1e-8;  // [m] a step
+constexpr int kSettleSteps = 2000;
+constexpr double kSettled = 1e-9;  // [m] a step
+constexpr int kCycleFrom = 1000;   // what still moves after a second is taken for a cycle
+constexpr int kQuarters = 4;
+
+/// How far points of the tool move.
+class ToolMotion {
+ public:
+  ToolMotion(const Scene& scene, const HapticModel& model) : centroid_(model.reference()) {
+    for (const Vec3& v : scene.tools.front().mesh.vertices) {
+      lever_ = std::max(lever_, (v - centroid_).norm());
+    }
+    // Nobody sees a ball turn.
+    if (model.degrees_of_freedom() == 3) lever_ = 0.0;
+  }
+  Vec3 Centroid(const Pose& X) const { return X * centroid_; }
+  /// At least that of every point of the mesh.
+  double Between(const Pose& a, const Pose& b) const {
+    return (Centroid(a) - Centroid(b)).norm() + lever_ * RotationLog(a.q * b.q.conjugate()).norm();
+  }
+
+ private:
+  Vec3 centroid_;
+  double lever_ = 0.0;
+};
+
+/// Takes what was scraped off out of the oracle.
+class Remover {
+ public:
+  Remover(const ContactPath& path, MeshOracle& oracle)
+      : forest_(path.model.objects()), remains_(path.scene), oracle_(oracle) {}
+  void Follow(const StepReport& report) {
+    for (int r = 0; r < report.removals; ++r) {
+      const std::int32_t leaf = report.removed[static_cast<std::size_t>(r)];
+      const int object = forest_.ObjectOf(leaf);
+      for (const std::uint32_t triangle :
+           remains_.Remove(static_cast<std::uint32_t>(object),
+                           static_cast<std::uint32_t>(leaf - forest_.FirstLeafOf(object)))) {
+        oracle_.Remove(static_cast<std::size_t>(object), triangle);
+      }
+    }
+  }
+
+ private:
+  const ObjectForest& forest_;
+  SceneRemains remains_;
+  MeshOracle& oracle_;
+};
+
+bool Due(std::size_t i, int every) {
+  return every > 0 && i % static_cast<std::size_t>(every) == 0;
+}
+
+struct Converged {
+  StepReport report;
+  bool converged = false;
+};
+Converged Converge(const ContactPath& path, const ToolMotion& motion, const Pose& X_WH,
+                   StepState state) {
+  Converged answer;
+  for (int i = 0; i < kConvergeSteps && !answer.converged; ++i) {
+    const Pose before = state.X_WG;
+    answer.report = HapticStep(path.model, X_WH, state, path.workspace);
+    answer.converged = motion.Between(before, state.X_WG) < kConverged;
+  }
+  return answer;
+}
+
+void Settle(const ContactPath& path, const ToolMotion& motion, std::size_t step, StepState state,
+            ContactFigures::Settling& settling) {
+  const Pose& X_WH = path.X_WH[step];
+  int moved_last = -1, same = 0;
+  Pose at_second;
+  Vec3 force_at_second = Vec3::Zero();
+  double cycle_m = 0.0, cycle_N = 0.0;
+  // The step is a function of its state: one that has come back to the same bits a hundred times
+  // (friction counts twenty) stays there.
+  for (int i = 0; i < kSettleSteps && same < 100; ++i) {
+    const Pose before = state.X_WG;
+    const StepReport report = HapticStep(path.model, X_WH, state, path.workspace);
+    const double moved = motion.Between(before, state.X_WG);
+    if (moved > kSettled) moved_last = i;
+    same = before.p == state.X_WG.p && before.q.coeffs() == state.X_WG.q.coeffs() ? same + 1 : 0;
+    if (i == kCycleFrom) {
+      at_second = state.X_WG;
+      force_at_second = report.wrench.force;
+    } else if (i > kCycleFrom) {
+      cycle_m = std::max(cycle_m, motion.Between(at_second, state.X_WG));
+      cycle_N = std::max(cycle_N, (report.wrench.force - force_at_second).norm());
+    }
+  }
+  ++settling.poses;
+  settling.within_10ms += moved_last < 10;
+  settling.within_50ms += moved_last < 50;
+  if (moved_last <= kCycleFrom) return;
+  ++settling.never;
+  settling.cycle_N = std::max(settling.cycle_N, cycle_N);
+  if (cycle_m > settling.cycle_m) {
+    settling.cycle_m = cycle_m;
+    settling.worst_step = step;
+  }
+}
+
+/// The hand between two of its samples.
+Pose Between(const Pose& a, const Pose& b, double share) {
+  const Vec3 turn = RotationLog(b.q * a.q.conjugate());
+  return {(1.0 - share) * a.p + share * b.p, RotationExp(share * turn) * a.q};
+}
+
+void CompareQuarters(const ContactPath& path, std::span<const Vec3> force,
+                     const ContactChecks& checks, ContactFigures& figures) {
+  StepState state = path.start;
+  double difference2 = 0.0, force2 = 0.0;
+  for (std::size_t i = 0; i < path.X_WH.size(); ++i) {
+    if (checks.progress && i % 500 == 0) {
+      checks.progress("at 4 kHz", static_cast<double>(i) / static_cast<double>(path.X_WH.size()));
+    }
+    for (int k = 1; i > 0 && k < kQuarters; ++k) {
+      HapticStep(path.model,
+                 Between(path.X_WH[i - 1], path.X_WH[i], static_cast<double>(k) / kQuarters), state,
+                 path.workspace);
+    }
+    const StepReport report = HapticStep(path.model, path.X_WH[i], state, path.workspace);
+    difference2 += (report.wrench.force - force[i]).squaredNorm();
+    force2 += force[i].squaredNorm();
+  }
+  figures.force_4khz_rms_fraction = force2 > 0.0        ? std::sqrt(difference2 / force2)
+                                    : difference2 > 0.0 ? INFINITY
+                                                        : 0.0;
+}
+
+double Share(std::size_t part, std::size_t of) {
+  return of == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(of);
+}
+
+}  // namespace
+
+double ContactFigures::meeting_fraction() const {
+  return Share(meeting, depth.size());
+}
+
+double ContactFigures::arrived_fraction() const {
+  return Share(arrived, steps);
+}
+
+ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& checks,
+                              std::vector<StepReport>* reports) {
+  ContactFigures figures;
+  figures.steps = path.X_WH.size();
+  MeshOracle oracle(path.scene);
+  Remover remover(path, oracle);
+  const ToolMotion motion(path.scene, path.model);
+  const JumpJudge judge(path.scene, path.model);
+  StepState state = path.start;
+  StepReport before;
+  std::vector<Vec3> force;
+  double deepest = 0.0, force2 = 0.0;
+  for (std::size_t i = 0; i < figures.steps; ++i) {
+    if (checks.progress && i % 100 == 0) checks.progress("checking", Share(i, figures.steps));
+    const Pose& X_WH = path.X_WH[i];
+    const StepReport report = HapticStep(path.model, X_WH, state, path.workspace);
+    const Wrench& wrench = report.wrench;
+    figures.finite &= report.X_WG.p.allFinite() && report.X_WG.q.coeffs().allFinite() &&
+                      wrench.force.allFinite() && wrench.torque.allFinite();
+    force.push_back(wrench.force);
+    force2 += wrench.force.squaredNorm();
+    const bool far = (report.faults & kFaultTargetFar) != 0;
+    figures.arrived += !far;
+    if (i > 0) {
+      const Pose& X_WH_before = path.X_WH[i - 1];
+      figures.mean_speed += (motion.Centroid(X_WH) - motion.Centroid(X_WH_before)).norm();
+      ContactFigures::Jumps& jumps = figures.jumps;
+      const double jump = (wrench.force - before.wrench.force).norm();
+      jumps.force_max = std::max(jumps.force_max, jump);
+      jumps.torque_max = std::max(jumps.torque_max, (wrench.torque - before.wrench.torque).norm());
+      const auto cause = static_cast<std::size_t>(judge.Judge(X_WH_before, before, X_WH, report));
+      ++jumps.count[cause];
+      const std::uint32_t faults = report.faults | before.faults;
+      jumps.behind +=
+          cause > static_cast<std::size_t>(JumpCause::kHand) && (faults & kFaultTargetFar) != 0;
+      if (jump > jumps.force[cause]) {
+        jumps.force[cause] = jump;
+        jumps.step[cause] = i;
+      }
+    }
+    if (Due(i, checks.oracle_every)) {
+      const MeshOracle::Overlap overlap = oracle.At(report.X_WG);
+      figures.depth.push_back(overlap.depth);
+      figures.meeting += overlap.meet;
+      if (overlap.depth > deepest) {
+        deepest = overlap.depth;
+        figures.deepest_step = i;
+      }
+    }
+    remover.Follow(report);
+    if (Due(i, checks.converge_every)) {
+      const Converged truth = Converge(path, motion, X_WH, state);
+      figures.unconverged += !truth.converged;
+      figures.force_error.push_back((wrench.force - truth.report.wrench.force).norm());
+      if (far) {
+        figures.lag.push_back(
+            (motion.Centroid(report.X_WG) - motion.Centroid(truth.report.X_WG)).norm());
+      }
+    }
+    if (Due(i, checks.settle_every)) Settle(path, motion, i, state, figures.settling);
+    if (reports != nullptr) reports->push_back(report);
+    before = report;
+  }
+  figures.mean_speed /= 1e-3 * static_cast<double>(std::max<std::size_t>(2, figures.steps) - 1);
+  figures.force_rms =
+      std::sqrt(force2 / static_cast<double>(std::max<std::size_t>(1, figures.steps)));
+  if (checks.quarter_steps) CompareQuarters(path, force, checks, figures);
+  return figures;
+}
+
+ContactFigures MeasureContact(const Scene& scene, std::span<const Pose> X_WH,
+                              const ContactChecks& checks) {
+  const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
+  StepWorkspace workspace(model);
+  StepState start(model);
+  start.X_WG = ResolveStart(model, X_WH.front(), workspace).X_WG;
+  return MeasureContact(ContactPath{scene, model, workspace, start, X_WH}, checks);
+}
+
+std::string BrokenLimits(const ContactFigures& figures, const ContactLimits& limits) {
+  std::string broken;
+  const auto line = [&](const std::string& text) { broken += text + "\n"; };
+  if (!figures.finite) line("a pose or a wrench is not finite");
+  if (figures.meeting_fraction() > limits.meeting_fraction) {
+    line(fmt::format("meshes meet at {} of {} poses", figures.meeting, figures.depth.size()));
+  }
+  const double depth =
+      figures.depth.empty() ? 0.0 : *std::max_element(figures.depth.begin(), figures.depth.end());
+  if (depth > limits.depth) {
+    line(fmt::format("meshes are {:.3f} um deep at step {}", 1e6 * depth, figures.deepest_step));
+  }
+  if (figures.arrived_fraction() < limits.arrived_fraction) {
+    line(fmt::format("the tool arrived in {} of {} steps", figures.arrived, figures.steps));
+  }
+  const ContactFigures::Jumps& jumps = figures.jumps;
+  if (jumps.force_max > limits.jump) {
+    const auto worst = static_cast<std::size_t>(
+        std::max_element(jumps.force.begin(), jumps.force.end()) - jumps.force.begin());
+    line(fmt::format("the force jumps by {:.3f} N at step {} ({})", jumps.force_max,
+                     jumps.step[worst], NameOf(static_cast<JumpCause>(worst))));
+  }
+  if (jumps.unexplained() > limits.unexplained) {
+    const auto at = static_cast<std::size_t>(JumpCause::kUnexplained);
+    line(fmt::format("{} jumps without a cause, the greatest {:.3f} N at step {}",
+                     jumps.unexplained(), jumps.force[at], jumps.step[at]));
+  }
+  if (figures.force_4khz_rms_fraction > limits.force_4khz) {
+    line(fmt::format("force at 4 kHz is off by {:.2f} %", 1e2 * figures.force_4khz_rms_fraction));
+  }
+  const ContactFigures::Settling& settling = figures.settling;
+  if (Share(settling.within_10ms, settling.poses) < limits.settled_10ms ||
+      Share(settling.within_50ms, settling.poses) < limits.settled_50ms) {
+    line(
+        fmt::format("of {} poses {} settle within 10 ms and {} within 50 ms; the greatest cycle is "
+                    "{:.3f} um, at step {}",
+                    settling.poses, settling.within_10ms, settling.within_50ms,
+                    1e6 * settling.cycle_m, settling.worst_step));
+  }
+  return broken;
+}
+
+}  // namespace palpate::test

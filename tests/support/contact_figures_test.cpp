@@ -1,0 +1,122 @@
+#include "tests/support/contact_figures.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/shapes.h"
+#include "server/physics/scene_model.h"
+#include "tests/support/test_scenes.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// A ball of 5 mm on a cube of 50 mm, felt as surfaces: all is known.
+Scene BallOnCube() {
+  return MakeScene(MakeSphere(0.005, 320), 1, MakeBox(Vec3::Constant(0.05)), 256,
+                   ContactModel::kSurface);
+}
+
+/// Down onto the top face and 1 mm in, at `speed` mm/ms, and stays there.
+std::vector<Pose> Descent(double speed_mm, int steps) {
+  std::vector<Pose> hand;
+  for (int i = 0; i < steps; ++i) {
+    hand.push_back({Vec3(0.003, std::max(0.029, 0.032 - 1e-3 * speed_mm * i), 0.004)});
+  }
+  return hand;
+}
+
+TEST(ContactFigures, AreThoseOfABallOnACube) {
+  const ContactFigures f = MeasureContact(
+      BallOnCube(), Descent(0.1, 100), {.settle_every = 10, .quarter_steps = true, .progress = {}});
+  EXPECT_EQ(f.steps, 100u);
+  EXPECT_TRUE(f.finite);
+  EXPECT_EQ(f.arrived_fraction(), 1.0);
+  EXPECT_EQ(f.depth.size(), 100u);
+  EXPECT_LT(*std::max_element(f.depth.begin(), f.depth.end()), 1e-12);
+  EXPECT_TRUE(f.lag.empty());
+  EXPECT_EQ(f.force_error.size(), 100u);
+  EXPECT_LT(*std::max_element(f.force_error.begin(), f.force_error.end()), 1e-9);
+  EXPECT_EQ(f.settling.poses, 10u);
+  EXPECT_EQ(f.settling.within_10ms, 10u);
+  EXPECT_LT(f.force_4khz_rms_fraction, 1e-9);
+  EXPECT_NEAR(f.jumps.force_max, 0.1, 1e-9) << "1 N/mm and 0.1 mm a step";
+  // 3 mm in 100 ms.
+  EXPECT_NEAR(f.mean_speed, 3.0 / 99.0, 1e-9);
+  EXPECT_EQ(BrokenLimits(f, {.depth = 1e-9,
+                             .arrived_fraction = 1.0,
+                             .jump = 0.11,
+                             .unexplained = 0,
+                             .force_4khz = 0.01,
+                             .settled_10ms = 1.0,
+                             .settled_50ms = 1.0}),
+            "");
+}
+
+TEST(ContactFigures, SeeAToolThatCannotFollow) {
+  // Half a millimetre a step at most, one sub-step a cycle, and a hand of 1 m/s.
+  Scene scene = BallOnCube();
+  const auto objects = MakeObjects(scene);
+  StepParameters parameters = MakeModel(scene, scene.tools[0], objects).parameters();
+  parameters.max_substeps = 1;
+  const HapticModel model(scene.tools[0].tree, objects, parameters, &scene.tools[0].mesh);
+  StepWorkspace workspace(model);
+  StepState start(model);
+  const std::vector<Pose> hand = Descent(1.0, 60);
+  start.X_WG = start.X_WH = hand.front();
+  const ContactFigures f =
+      MeasureContact(ContactPath{scene, model, workspace, start, hand}, {.progress = {}});
+  EXPECT_LT(f.arrived, f.steps);
+  ASSERT_EQ(f.lag.size(), f.steps - f.arrived);
+  const double lag = *std::max_element(f.lag.begin(), f.lag.end());
+  EXPECT_GT(lag, 0.4e-3);
+  EXPECT_LT(lag, 3e-3);
+  EXPECT_THAT(BrokenLimits(f, {.arrived_fraction = 1.0}), HasSubstr("the tool arrived in"));
+}
+
+TEST(ContactFigures, SeeMeshesInEachOtherWhereSpheresStandForThem) {
+  Scene scene = MakeScene(MakeBox(Vec3::Constant(0.02)), 64, MakeBox(Vec3::Constant(0.05)), 256,
+                          ContactModel::kSpheres);
+  std::vector<Pose> hand;
+  for (int i = 0; i < 100; ++i) hand.push_back({Vec3(0.001, 0.038 - 5e-5 * i, 0.002)});
+  const ContactFigures f = MeasureContact(scene, hand, {.progress = {}});
+  EXPECT_GT(f.meeting, 10u);
+  EXPECT_GT(*std::max_element(f.depth.begin(), f.depth.end()), 1e-5);
+  EXPECT_EQ(f.depth[f.deepest_step], *std::max_element(f.depth.begin(), f.depth.end()));
+  EXPECT_THAT(BrokenLimits(f, {.meeting_fraction = 0.0, .depth = 1e-6}),
+              testing::AllOf(HasSubstr("meshes meet at"), HasSubstr("um deep at step")));
+}
+
+TEST(ContactFigures, EveryLimitCanBreak) {
+  ContactFigures f;
+  f.steps = 10;
+  f.arrived = 9;
+  f.finite = false;
+  f.depth = {0.0, 2e-6};
+  f.meeting = 1;
+  f.deepest_step = 7;
+  f.jumps.force_max = 2.0;
+  f.jumps.count[static_cast<std::size_t>(JumpCause::kUnexplained)] = 3;
+  f.jumps.force[static_cast<std::size_t>(JumpCause::kUnexplained)] = 2.0;
+  f.force_4khz_rms_fraction = 0.2;
+  f.settling = {.poses = 4, .within_10ms = 2, .within_50ms = 3};
+  const std::string broken = BrokenLimits(f, {.meeting_fraction = 0.4,
+                                              .depth = 1e-6,
+                                              .arrived_fraction = 0.95,
+                                              .jump = 1.0,
+                                              .unexplained = 2,
+                                              .force_4khz = 0.1,
+                                              .settled_10ms = 0.5,
+                                              .settled_50ms = 0.8});
+  EXPECT_EQ(std::count(broken.begin(), broken.end(), '\n'), 8) << broken;
+  EXPECT_THAT(broken, HasSubstr("step 7"));
+  f.finite = true;
+  EXPECT_EQ(BrokenLimits(f, {}), "") << "the defaults let everything pass";
+}
+
+}  // namespace
+}  // namespace palpate::test

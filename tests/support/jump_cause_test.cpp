@@ -1,0 +1,131 @@
+#include "tests/support/jump_cause.h"
+
+#include <cstdint>
+
+#include <gtest/gtest.h>
+
+#include "common/math/rotation.h"
+#include "scenes/shapes.h"
+#include "server/physics/scene_model.h"
+#include "tests/support/test_scenes.h"
+
+namespace palpate::test {
+namespace {
+
+/// A step before and one after, of a tool 100 mm long on a spring of 1 N/mm and 1 N m.
+class JumpCauseTest : public testing::Test {
+ protected:
+  JumpCauseTest()
+      : scene_(MakeScene(MakeBox(Vec3(0.1, 0.02, 0.02)), 64, MakeBox(Vec3::Constant(0.1)), 64,
+                         ContactModel::kSpheres)),
+        model_(MakeModel(scene_, scene_.tools.front(), MakeObjects(scene_))),
+        judge_(scene_, model_) {
+    before_.contacts = after_.contacts = 1;
+    for (StepReport* report : {&before_, &after_}) {
+      report->active[0].pair = {3, 4};
+      report->active[0].normal = Vec3::UnitY();
+      report->wrench.force.y() = 2.0;
+    }
+  }
+  void Jump(double newtons) { after_.wrench.force.y() = before_.wrench.force.y() + newtons; }
+  JumpCause Cause() const { return judge_.Judge(X_WH_before_, before_, X_WH_, after_); }
+
+  Scene scene_;
+  HapticModel model_;
+  JumpJudge judge_;
+  Pose X_WH_before_, X_WH_;
+  StepReport before_, after_;
+};
+
+TEST_F(JumpCauseTest, IsNoneForAForceThatHardlyChanges) {
+  Jump(kJump);
+  EXPECT_EQ(Cause(), JumpCause::kNone);
+  Jump(NAN);
+  EXPECT_EQ(Cause(), JumpCause::kUnexplained);
+}
+
+TEST_F(JumpCauseTest, IsTheHandWhereTheSpringDoesNoMoreThanItWasMoved) {
+  Jump(0.8);
+  X_WH_.p.y() = -0.4e-3;
+  EXPECT_EQ(Cause(), JumpCause::kHand) << "2 x 1 N/mm x 0.4 mm";
+  X_WH_.p.y() = -0.39e-3;
+  EXPECT_EQ(Cause(), JumpCause::kUnexplained);
+  // A turn of 0.02 rad is 0.63 mm: sqrt(k_r / k_t) = 31.6 mm.
+  X_WH_ = {Vec3::Zero(), RotationExp(Vec3(0, 0, 0.02))};
+  EXPECT_EQ(Cause(), JumpCause::kHand);
+  X_WH_.q = RotationExp(Vec3(0, 0, 0.012));
+  EXPECT_EQ(Cause(), JumpCause::kUnexplained);
+}
+
+TEST_F(JumpCauseTest, IsUnexplainedWhereTheSameContactsHold) {
+  Jump(-0.6);
+  EXPECT_EQ(Cause(), JumpCause::kUnexplained);
+  // Another pair at the same place is the same contact: the next triangle.
+  after_.active[0].pair = {5, 6};
+  after_.active[0].contact_W.x() = 0.3e-3;
+  EXPECT_EQ(Cause(), JumpCause::kUnexplained);
+}
+
+TEST_F(JumpCauseTest, IsUnexplainedWhereTheSpringIsStretchedByNobody) {
+  // A contact that comes to a tool that had arrived gives no more force than the hand asks for.
+  Jump(0.6);
+  after_.contacts = 2;
+  after_.active[1].contact_W.x() = 0.02;
+  EXPECT_EQ(Cause(), JumpCause::kUnexplained);
+  after_.X_WG.p.x() = 1e-3;
+  EXPECT_EQ(Cause(), JumpCause::kUnexplained) << "no snap goes uphill";
+  after_.X_WG = {};
+  before_.faults = kFaultTargetFar;
+  EXPECT_EQ(Cause(), JumpCause::kGained) << "a tool that was behind meets what the hand has passed";
+}
+
+TEST_F(JumpCauseTest, IsAContactThatCameOrWent) {
+  Jump(-0.6);
+  after_.contacts = 2;
+  after_.active[1].pair = {7, 8};
+  after_.active[1].contact_W.x() = 0.02;
+  after_.active[1].normal = Vec3::UnitY();
+  EXPECT_EQ(Cause(), JumpCause::kGained);
+  before_.contacts = 2;
+  before_.active[1] = after_.active[1];
+  after_.contacts = 1;
+  EXPECT_EQ(Cause(), JumpCause::kLost);
+  // At the same place, but steep against it: another contact.
+  before_.contacts = 1;
+  after_.active[0].pair = {5, 6};
+  after_.active[0].normal = Vec3(1, 1, 0).normalized();
+  EXPECT_EQ(Cause(), JumpCause::kGained);
+}
+
+TEST_F(JumpCauseTest, IsALeafThatWasScrapedOff) {
+  Jump(-0.6);
+  before_.removals = 1;
+  EXPECT_EQ(Cause(), JumpCause::kLost);
+}
+
+TEST_F(JumpCauseTest, IsALedgeWhereTheGraphicToolSnapsTowardsTheHand) {
+  Jump(-0.6);
+  X_WH_.p.x() = 1e-4;
+  after_.X_WG.p.x() = 2.9e-4;
+  EXPECT_EQ(Cause(), JumpCause::kUnexplained);
+  after_.X_WG.p.x() = 3.1e-4;
+  EXPECT_EQ(Cause(), JumpCause::kLedge) << "over a bump, with the same contact";
+  before_.faults = kFaultTargetFar;
+  EXPECT_EQ(Cause(), JumpCause::kUnexplained) << "it was only behind";
+  after_.contacts = 0;
+  EXPECT_EQ(Cause(), JumpCause::kLedge);
+  after_.X_WG.p.x() = 2.9e-4;
+  EXPECT_EQ(Cause(), JumpCause::kLost);
+}
+
+TEST_F(JumpCauseTest, IsFrictionThatLetsGo) {
+  Jump(-0.6);
+  before_.active[0].friction = Vec3(0.8, 0, 0);
+  after_.active[0].friction = Vec3(0.3, 0, 0);
+  EXPECT_EQ(Cause(), JumpCause::kLetGo);
+  after_.active[0].friction = Vec3(0.7, 0, 0);
+  EXPECT_EQ(Cause(), JumpCause::kUnexplained);
+}
+
+}  // namespace
+}  // namespace palpate::test

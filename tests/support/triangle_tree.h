@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/math/pose.h"
+#include "scenes/scene.h"
+#include "tests/support/triangle_overlap.h"
+
+namespace palpate::test {
+
+/// A mesh's triangles in a binary tree of boxes, halved at the median of the longest axis.
+class TriangleTree {
+ public:
+  explicit TriangleTree(const TriangleMesh& mesh);
+
+  struct Box {
+    Vec3 center = Vec3::Zero(), half = Vec3::Constant(-INFINITY);
+    bool Overlaps(const Box& other) const {
+      return ((center - other.center).cwiseAbs() - half - other.half).maxCoeff() <= 0.0;
+    }
+    /// Least distance between points of the two.
+    double Distance(const Box& other) const {
+      return ((center - other.center).cwiseAbs() - half - other.half).cwiseMax(0.0).norm();
+    }
+  };
+  /// A box round points.
+  static Box BoxOf(std::span<const Vec3> points);
+  struct Node {
+    Box box;
+    std::int32_t child = -1;           ///< the first of two, which are neighbours; < 0: a leaf
+    std::uint32_t begin = 0, end = 0;  ///< of order()
+    bool leaf() const { return child < 0; }
+  };
+  bool empty() const { return order_.empty(); }
+  const Node& root() const { return nodes_.front(); }
+  const Node& first(const Node& node) const { return nodes_[static_cast<std::size_t>(node.child)]; }
+  const Node& second(const Node& node) const {
+    return nodes_[static_cast<std::size_t>(node.child) + 1];
+  }
+  /// Triangles of a node, as numbers of the mesh.
+  std::span<const std::uint32_t> order() const { return order_; }
+  std::span<const std::uint32_t> TrianglesOf(const Node& node) const {
+    return order().subspan(node.begin, node.end - node.begin);
+  }
+
+  const std::vector<Vec3>& vertices() const { return vertices_; }
+  const std::array<std::uint32_t, 3>& corners(std::uint32_t triangle) const {
+    return triangles_[triangle];
+  }
+  std::size_t triangles() const { return triangles_.size(); }
+  Triangle At(std::uint32_t triangle) const {
+    const auto& t = triangles_[triangle];
+    return {vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]};
+  }
+  bool gone(std::uint32_t triangle) const { return gone_[triangle]; }
+  void Remove(std::uint32_t triangle) {
+    gone_[triangle] = true;
+    closed_ = false;
+  }
+
+  /// Every edge is passed as often one way as the other, vertices at one place being one: then the
+  /// mesh winds a whole number of times round every point that is not on it.
+  bool closed() const { return closed_; }
+  /// Whether a closed mesh winds round p, exactly; false on its surface.
+  bool Contains(const Vec3& p) const;
+
+  /// Nearest point of the surface, in doubles.
+  /// @returns the distance; infinite where no triangle is nearer than `within`.
+  double Distance(const Vec3& p, double within, Vec3* nearest = nullptr) const;
+
+ private:
+  void Build(std::size_t node, std::vector<Vec3>& centroids);
+  bool IsClosed() const;
+
+  std::vector<Vec3> vertices_;
+  std::vector<std::array<std::uint32_t, 3>> triangles_;
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> order_;
+  std::vector<bool> gone_;
+  bool closed_ = false;
+};
+
+}  // namespace palpate::test
