@@ -547,12 +547,13 @@ bool MeshContact::PutRows(NearPair& near, Touch& touch, bool all, ContactRows& r
 }
 
 /// A ball's row goes along the smooth surface's normal where the ball comes to, not where it was:
-/// true where that is another direction, which the force would feel.
+/// true where that is another direction, which the force would feel.  A crease is not smooth: the
+/// ball goes straight past it, and round it in the next sub-steps.
 bool MeshContact::TurnSmoothed(const NearPair& near, const Touch& touch, int row,
                                const NearestPoints& nearest, const Vec3& u, ContactRows& rows) {
   if (tool_.radius == 0.0) return false;
   const Vec3 along = objects_.mesh.SmoothNormal(BoxTree::TriangleOf(near.object), nearest.q, u);
-  if ((along - rows.normal(row)).norm() <= kTurned) return false;
+  if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
   const double now = std::sqrt(nearest.squared) - tool_.radius;
   const double asked = std::min(kSeparation, touch.distance + kRegain);
   rows.SetRow(row, along, rows.lever(row), now - asked - along.dot(v_));
