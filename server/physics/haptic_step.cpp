@@ -122,12 +122,23 @@ void Predict(StepContext& context) {
     const bool turns = context.model.degrees_of_freedom() == 6;
     buffers.meshes->Begin(context.kernels, context.state.front,
                           {context.p_G, turns ? context.q_G : Quat::Identity()},
-                          context.bounds.translation, turns ? context.bounds.rotation : 0.0,
                           context.state.active_pairs.data(), context.state.active, buffers.rows);
     clock.Lap(&StageTimes::prediction);
   }
   context.report.predicted_pairs = buffers.rows.count();
   if (buffers.rows.overflowed()) context.report.faults |= kFaultRowsFull;
+}
+
+/// Whether a step ends farther from the hand than it begins: |x - t| > |t|, with x = [v; rho phi]
+/// and t the hand's.
+bool Lifts(const StepContext& context, const Vec3& v, const Vec3& phi) {
+  double length2 = v.squaredNorm(), along = v.dot(context.target.v);
+  if (context.model.degrees_of_freedom() == 6) {
+    const double rho2 = std::pow(context.model.rotation_length(), 2);
+    length2 += rho2 * phi.squaredNorm();
+    along += rho2 * phi.dot(context.target.phi);
+  }
+  return along < 0.5 * length2;
 }
 
 /// The pose nearest to the hand's that the rows allow.
@@ -145,16 +156,26 @@ void Solve(StepContext& context) {
     }
   }
   context.optimum = NearestStep(context, context.target, context.soft);
+  if (buffers.meshes && !context.soft &&
+      (context.optimum.qp.status == QpStatus::kRelaxed ||
+       Lifts(context, context.optimum.v, context.optimum.phi)) &&
+      buffers.meshes->GiveUpRegain(buffers.rows)) {
+    context.optimum = NearestStep(context, context.target, context.soft);
+  }
   context.yielding =
       context.soft != nullptr ? context.soft->Contacts(buffers.rows) : SoftContacts{};
   context.report.qp_iterations += context.optimum.qp.iterations;
+}
+
+bool Rubs(const StepContext& context) {
+  return context.model.parameters().features.friction == FrictionModel::kCoulomb;
 }
 
 /// The same with friction, where the model has it and a row is active.
 void Rub(StepContext& context) {
   FrictionState& friction = context.state.friction;
   if (context.iterates > 1) friction = context.friction_before;
-  if (context.model.parameters().features.friction != FrictionModel::kCoulomb) return;
+  if (!Rubs(context)) return;
   if (context.optimum.qp.active == 0 || friction.suspended ||
       context.optimum.qp.status == QpStatus::kIterationLimit) {
     return;
@@ -194,6 +215,22 @@ void ShortenWay(StepContext& context, double part) {
   context.phi = clip * partial.phi;
 }
 
+/// A way nearer to the hand, where rows that were made for a trial let only such through as lead
+/// away from it: under the same rows, lowered to what the tool's own place allows.
+/// Without it a tool in a hollow that is sharper than the hand is deep would go beyond the bottom,
+/// and back in the next step, and never rest.
+void StepDown(StepContext& context) {
+  context.buffers.rows.AdmitZero();
+  context.optimum = NearestStep(context, context.target, nullptr);
+  context.report.qp_iterations += context.optimum.qp.iterations;
+  Remember(context);
+  const double part = PartWithin(context.bounds, context.model.degrees_of_freedom(),
+                                 context.optimum.v, context.optimum.phi);
+  context.arrived = part == 1.0;
+  context.v = part * context.optimum.v;
+  context.phi = part * context.optimum.phi;
+}
+
 /// The way to the optimum, as far as the bounds go; and whether the meshes are apart at its end. If
 /// not, there are new rows, and it all begins again.  A way that is still not free in the end is
 /// halved until it is: the tool's own place always is.
@@ -213,11 +250,16 @@ bool Clear(StepContext& context) {
     return meshes.Check(context.v, turns ? context.phi : Vec3::Zero(), buffers.rows) == 0;
   };
   if (is_free()) {
-    if (!context.arrived || context.retractions == limits::mesh::kRetractions) return true;
-    ++context.retractions;
-    return meshes.Retract(optimum.qp.row, optimum.qp.active, buffers.rows) == 0;
+    if (context.arrived && context.retractions < limits::mesh::kRetractions) {
+      ++context.retractions;
+      if (meshes.Retract(optimum.qp.row, optimum.qp.active, buffers.rows) != 0) return false;
+    }
+    if (!Lifts(context, context.v, context.phi) || Rubs(context)) return true;
+    StepDown(context);
+    if (is_free()) return true;
+  } else if (context.iterates < limits::mesh::kIterates && !meshes.IsExhausted()) {
+    return false;
   }
-  if (context.iterates < limits::mesh::kIterates && !meshes.IsExhausted()) return false;
   context.arrived = false;
   context.state.friction = context.friction_before;  // of no trial
   for (int i = 0; i < limits::mesh::kHalvings; ++i) {
@@ -239,8 +281,7 @@ void Move(StepContext& context) {
     context.last_looks = context.buffers.meshes->looks();
     context.looks += context.last_looks;
   }
-  const bool rubs = context.model.parameters().features.friction == FrictionModel::kCoulomb;
-  if (rubs && context.optimum.qp.active == 0 && (context.arrived || !meshes)) {
+  if (Rubs(context) && context.optimum.qp.active == 0 && (context.arrived || !meshes)) {
     context.state.friction.Forget();
   }
   if (context.arrived && !IsHeld(context)) {

@@ -147,8 +147,8 @@ inline constexpr double kSeparation = 1e-6;
 /// is for what linearising a rotation leaves, kMaxTruncation, and for the arc of a turning point
 /// beside its chord, a quarter of that.
 inline constexpr double kFree = 0.5 * kSeparation;
-/// What a pair nearer than delta regains in a sub-step [m]: less than h, so that no force comes of
-/// it that could be felt.
+/// What a pair nearer than delta regains in a sub-step [m], where that does not lift the tool
+/// against the spring: less than h, so that no force comes of it that could be felt.
 inline constexpr double kRegain = 0.3e-6;
 /// What rounding may take off a separation in a sub-step [m]: coordinates of 10 m are rounded to
 /// 2e-15 m, planes at 1e-7 m to 1e-8 of a triangle's size.
@@ -179,7 +179,7 @@ inline constexpr int kMaxLooks = 2000;
 inline constexpr std::size_t kBatch = 32;
 inline constexpr int kEnough = 8;
 /// Pairs of patches that a sub-step tries to make one, and the room that one must have, as a share
-/// of what such a sub-step could take away: a lasting one is worth more tests than it saves.
+/// of what the sub-step's trials could take away: a lasting one is worth more tests than it saves.
 inline constexpr int kMerges = 32;
 inline constexpr double kMergeShare = 0.3;
 /// Beyond such a move [m, rad] the front begins anew: it would be looked at as a whole.

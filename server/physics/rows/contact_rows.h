@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -38,6 +39,10 @@ class ContactRows {
   void SetGap(int row, double gap) noexcept { columns_.b[row] = -gap; }
   /// Lets a row always hold.
   void Loosen(int row) noexcept { columns_.b[row] = -1e300; }
+  /// Lets every row allow the zero step.
+  void AdmitZero() noexcept {
+    for (int i = 0; i < count_; ++i) columns_.b[i] = std::min(columns_.b[i], 0.0);
+  }
   /// Fills up to a multiple of 16 with rows that always hold.  To be called after the last Add.
   void Finish() noexcept;
 

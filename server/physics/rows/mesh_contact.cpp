@@ -45,9 +45,11 @@ MeshContact::MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, 
       objects_(objects),
       from_(Vec3::Zero(), Quat::Identity()),
       to_(Vec3::Zero(), Quat::Identity()),
-      plane_storage_(new (kCacheLine) double[8 * (kMaxNear + 8)](),
+      plane_storage_(new (kCacheLine) double[9 * (kMaxNear + 8)](),
                      [](double* p) { ::operator delete[](p, kCacheLine); }) {
   near_.reserve(kMaxNear);
+  next_.resize(kMaxNear);
+  seen_.resize(SeparationFront::kMaxSlots);
   found_.resize(SeparationFront::kMaxSlots);
   doubts_.reserve(kMaxNear);
   deferred_.reserve(kMaxNear);
@@ -55,8 +57,10 @@ MeshContact::MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, 
   for (std::size_t c = 0; c < 6; ++c) planes_.along[c] = plane_storage_.get() + c * kStride;
   planes_.slack = plane_storage_.get() + 6 * kStride;
   planes_.radius = plane_storage_.get() + 7 * kStride;
+  planes_.left = plane_storage_.get() + 8 * kStride;
   touches_.reserve(kMaxTouches);
   touch_of_row_.reserve(static_cast<std::size_t>(max_rows));
+  regain_.resize(static_cast<std::size_t>(max_rows));
 }
 
 double MeshContact::Low(BoxTree::Node tool, const Vec3& n, const ToolPose& at) const {
@@ -73,8 +77,7 @@ bool MeshContact::HoldsAlong(NearPair& near, const Vec3& n, double least_old, do
   const double before = moved_ ? Gap(near, n, from_) : now;
   if (!(before >= least_old)) return false;
   SetPlane(near, n, before);
-  near.n_next = n;
-  near.slack_next = now;
+  next_[static_cast<std::size_t>(&near - near_.data())] = {n, now};
   return true;
 }
 
@@ -94,6 +97,15 @@ Vec3 MeshContact::NormalAt(const NearPair& near, const Plane& plane, const ToolP
   }
 }
 
+/// What a pair may come nearer by between the ends of the trial: a plane of edges turns while the
+/// contact moves, and the gap in between is less by a quarter of the one times the other at most.
+double MeshContact::TurnLoss(const Plane& plane, const Touch& touch, const Vec3& n_old,
+                             const Vec3& n_new) const {
+  if (plane.of != Plane::Of::kEdges) return 0.0;
+  const Vec3 lever = touch.nearest.p - from_.p;
+  return 0.25 * (n_new - n_old).norm() * (v_ + phi_.cross(lever)).norm();
+}
+
 /// As HoldsAlong, for a plane that may move with the tool.
 bool MeshContact::HoldsAcross(NearPair& near, const Plane& plane, const Touch& touch) {
   const double least_old = LeastOld(touch.distance), least_new = LeastNew(touch.distance);
@@ -101,15 +113,12 @@ bool MeshContact::HoldsAcross(NearPair& near, const Plane& plane, const Touch& t
   const Vec3 n_old = NormalAt(near, plane, from_), n_new = NormalAt(near, plane, to_);
   const double before = Gap(near, n_old, from_), now = Gap(near, n_new, to_);
   if (!(before >= least_old && now >= least_new)) return false;
-  if (plane.of == Plane::Of::kEdges) {
-    // The plane turns while the contact moves: in between it may come nearer by a quarter of the
-    // one times the other.
-    const Vec3 lever = touch.nearest.p - from_.p;
-    if ((n_new - n_old).norm() * (v_ + phi_.cross(lever)).norm() > 2.0 * kFree) return false;
+  if (std::min(before, now) - TurnLoss(plane, touch, n_old, n_new) <
+      0.5 * std::min(kFree, before)) {
+    return false;
   }
   SetPlane(near, n_old, before);
-  near.n_next = n_new;
-  near.slack_next = now;
+  next_[static_cast<std::size_t>(&near - near_.data())] = {n_new, now};
   return true;
 }
 
@@ -129,23 +138,54 @@ void MeshContact::SetPlane(NearPair& near, const Vec3& n, double slack) {
   near.replaced = true;
 }
 
-void MeshContact::AddNear(SeparationFront::Index index, const Vec3& n, double slack) {
+void MeshContact::AddNear(SeparationFront::Index index) {
   const SeparationFront::Pair& pair = front_->pair(index);
-  near_.push_back({pair.tool, pair.object, index, -1, false, false, false, n, slack});
-  planes_.radius[near_.size() - 1] = static_cast<double>(pair.radius);
-  SetPlane(near_.back(), n, slack);
-  near_.back().replaced = false;
+  near_.push_back({pair.tool, pair.object, index, -1, 0, false, false});
+  seen_[static_cast<std::size_t>(index)] = substep_;
+}
+
+/// Gathers the pairs that a motion of such a length could bring together: once it is known, for a
+/// trial is mostly far shorter than the sub-step may be.
+void MeshContact::Cover(double translation, double rotation) {
+  // Check allows for the rotation's second order, 1/2 |phi|^2 of a lever, beside the linear part.
+  const double way = translation + rotation * tool_.mesh.reach() * (1.0 + 0.5 * rotation) + kFree;
+  if (way <= covered_) return;
+  covered_ = way;
+  const int found = kernels_->find_below(front_->expiry(), static_cast<int>(front_->slots()),
+                                         front_->way() + way, found_.data());
+  const std::size_t first = near_.size();
+  int count = 0;
+  for (int f = 0; f < found; ++f) {
+    const SeparationFront::Index i = found_[static_cast<std::size_t>(f)];
+    if (seen_[static_cast<std::size_t>(i)] == substep_) continue;
+    if (near_.size() == kMaxNear) {
+      full_ = true;
+      break;
+    }
+    if (!front_->IsKept(i)) {
+      const SeparationFront::Pair& pair = front_->pair(i);
+      const Vec3 n = front_->Normal(i);
+      front_->Set(i, n, Low(pair.tool, n, from_) - objects_.tree.Highest(pair.object, n));
+    }
+    AddNear(i);
+    found_[static_cast<std::size_t>(count++)] = i;
+  }
+  front_->Refresh(*kernels_, found_.data(), count, static_cast<int>(first), planes_);
 }
 
 void MeshContact::Begin(const Kernels& kernels, SeparationFront& front, const ToolPose& from,
-                        double translation, double rotation, const LeafPair* active, int actives,
-                        ContactRows& rows) noexcept {
+                        const LeafPair* active, int actives, ContactRows& rows) noexcept {
   first_tested_ = tested_;
   kernels_ = &kernels;
   front_ = &front;
   from_ = to_ = from;
-  translation_ = translation;
-  rotation_ = rotation;
+  covered_ = 0.0;
+  regains_ = true;
+  trial_ = 0;
+  if (++substep_ == 0) {
+    std::fill(seen_.begin(), seen_.end(), 0u);
+    substep_ = 1;
+  }
   v_.setZero();
   phi_.setZero();
   moved_ = false;
@@ -154,38 +194,15 @@ void MeshContact::Begin(const Kernels& kernels, SeparationFront& front, const To
   touch_of_row_.clear();
   full_ = false;
 
-  const double reach = tool_.mesh.reach();
   if (front.empty() || (from.p - front.now().p).norm() > kFarAway ||
       RotationLog(from.q * front.now().q.conjugate()).norm() > kFarTurned) {
     front.Restart(tool_.tree, objects_.tree, from);
   } else if (from.p != front.now().p || from.q.coeffs() != front.now().q.coeffs()) {
-    front.Move(from, reach);  // the pose was set
-  }
-
-  // Check allows for the rotation's second order, 1/2 |phi|^2 of a lever, beside the linear part.
-  const double bend = 1.0 + 0.5 * rotation;
-  const double limit = front.way() + translation + rotation * reach * bend + kFree;
-  const int found =
-      kernels.find_below(front.expiry(), static_cast<int>(front.slots()), limit, found_.data());
-  for (int f = 0; f < found; ++f) {
-    const SeparationFront::Index i = found_[static_cast<std::size_t>(f)];
-    const SeparationFront::Pair& pair = front.pair(i);
-    const Vec3 n = pair.Normal();
-    double slack;
-    if (!front.SlackNow(pair, slack)) {
-      slack = Low(pair.tool, n, from_) - objects_.tree.Highest(pair.object, n);
-    }
-    const auto farthest = static_cast<double>(pair.farthest);
-    if (slack - translation - rotation * farthest * bend >= kFree) {
-      front.Set(i, n, slack);
-    } else if (near_.size() < kMaxNear) {
-      AddNear(i, n, slack);
-    } else {
-      full_ = true;
-    }
+    front.Move(from, tool_.mesh.reach());  // the pose was set
   }
 
   // Opens the front as far as it must be to know the pairs that touched last.
+  Cover(kTouching, 0.0);
   Check(Vec3::Zero(), Vec3::Zero(), rows);
   for (std::size_t k = 0; k < near_.size() && actives > 0; ++k) {
     NearPair& near = near_[k];
@@ -210,9 +227,10 @@ int MeshContact::Check(const Vec3& v, const Vec3& phi, ContactRows& rows) noexce
   const double angle = phi.norm();
   // The rotation's second order is 1/2 |phi|^2 of a point's lever at most.
   const double bend = 0.5 * angle * angle * (tool_.mesh.reach() + tool_.radius);
+  Cover(v.norm(), angle);
   const PlaneMotion motion{
       {v.x(), v.y(), v.z(), phi.x(), phi.y(), phi.z()}, angle, kFree, kFree + bend};
-  for (NearPair& near : near_) near.looked = false;
+  ++trial_;
   doubts_.clear();
   deferred_.clear();
   touched_ = false;
@@ -226,9 +244,7 @@ int MeshContact::Check(const Vec3& v, const Vec3& phi, ContactRows& rows) noexce
     collected = all;
     for (int f = 0; f < found; ++f) {
       const std::int32_t k = found_[static_cast<std::size_t>(f)];
-      double left = planes_.slack[k] - angle * planes_.radius[k];
-      for (int c = 0; c < 6; ++c) left += planes_.along[c][k] * motion.step[c];
-      doubts_.push_back({left, k});
+      doubts_.push_back({planes_.left[k], k});
     }
     if (done == doubts_.size()) {
       GiveDeferredRows(rows);
@@ -253,11 +269,14 @@ int MeshContact::Check(const Vec3& v, const Vec3& phi, ContactRows& rows) noexce
 /// plane separates are opened: their parts say.  Triangles that no plane separates get their rows.
 bool MeshContact::LookCloser(std::int32_t k, ContactRows& rows) {
   NearPair& near = near_[static_cast<std::size_t>(k)];
-  near.looked = true;
+  near.looked_at = trial_;
   if (IsExhausted()) return false;
   ++tested_;
   if (!AreTriangles(near.tool, near.object)) return PatchesApart(near) || Split(k);
-  if (FirstLook(near)) return true;
+  const bool has_plane =
+      near.touch >= 0 &&
+      touches_[static_cast<std::size_t>(near.touch)].plane.of != Plane::Of::kNone;
+  if (!has_plane && FirstLook(near)) return true;
   if (near.touch < 0 && touches_.size() == kMaxTouches) return false;
   if (TrianglesApart(near)) return true;
   if (!moved_) return false;
@@ -290,9 +309,7 @@ bool MeshContact::AnyPlane(BoxTree::Node tool, BoxTree::Node object, const ToolP
   const Vec3 between = at.R * tool_.tree.Centre(tool) + at.p - objects_.tree.Centre(object);
   const auto flattest = [](const MeshWithTree& of, BoxTree::Node node) -> Vec3 {
     if (BoxTree::IsLeaf(node)) return of.mesh.triangles()[BoxTree::TriangleOf(node)].normal;
-    int flat = 0;
-    of.tree.box(node).half.minCoeff(&flat);
-    return of.tree.box(node).axes.col(flat);
+    return of.tree.box(node).Flattest();
   };
   const auto outward = [&](const Vec3& n) { return n.dot(between) < 0.0 ? Vec3(-n) : n; };
   if (holds(outward(flattest(objects_, object)))) return true;
@@ -314,9 +331,14 @@ bool MeshContact::Split(std::int32_t k) {
   const SeparationFront::Index child =
       front_->Split(near.index, tool_.tree, objects_.tree, n, slack);
   if (child < 0) return false;
-  for (int side = 0; side < 2; ++side) AddNear(child + side, n, slack);
   // Its own plane now holds at every trial: its children are looked at in its place.
   near.split = true;
+  for (int side = 0; side < 2; ++side) {
+    AddNear(child + side);
+    planes_.radius[near_.size() - 1] = front_->plane(child + side).radius;
+    SetPlane(near_.back(), n, slack);
+    near_.back().replaced = false;
+  }
   planes_.slack[k] = kInfinity;
   return true;
 }
@@ -382,13 +404,8 @@ MeshContact::Touch& MeshContact::TouchOf(NearPair& near) {
   return touch;
 }
 
-/// Tries the planes that are at hand: of a pair that has rows, theirs alone; of another one that of
-/// before, and those of its faces.
+/// Tries the planes that are at hand: that of before, and those of the triangles themselves.
 bool MeshContact::FirstLook(NearPair& near) {
-  if (near.touch >= 0) {
-    const Touch& touch = touches_[static_cast<std::size_t>(near.touch)];
-    if (touch.plane.of != Plane::Of::kNone) return HoldsAcross(near, touch.plane, touch);
-  }
   const auto holds = [&](const Vec3& n) { return HoldsAlong(near, n, kFree, kFree); };
   if (holds(NormalOf(near))) return true;
   // A face has two sides; the one that the other triangle is on will do.
@@ -411,7 +428,11 @@ bool MeshContact::TrianglesApart(NearPair& near) {
   if (held || !moved_) return held;
   const Corners corners = CornersAt(near.tool, near.object, to_);
   const NearestPoints nearest = NearestOfTriangles(corners.a, corners.b);
-  return nearest.squared > 0.0 && holds((nearest.p - nearest.q) / std::sqrt(nearest.squared));
+  if (nearest.squared > 0.0 && holds((nearest.p - nearest.q) / std::sqrt(nearest.squared))) {
+    return true;
+  }
+  return touch.in_cone && touch.plane.of == Plane::Of::kNone &&
+         HoldsAcross(near, ChoosePlane(near, touch), touch);
 }
 
 /// Calls visit(plane) for the faces that meet at the nearest points, of either mesh, turned to look
@@ -496,13 +517,30 @@ Vec3 MeshContact::SmoothedRow(const NearPair& near, const Vec3& n) const {
   return objects_.mesh.SmoothNormal(BoxTree::TriangleOf(near.object), nearest.q, n);
 }
 
+/// What a row asks for of a pair that has `before`.
+double MeshContact::Asked(double before) const {
+  return std::min(kSeparation, before + (regains_ ? kRegain : 0.0));
+}
+
+bool MeshContact::GiveUpRegain(ContactRows& rows) noexcept {
+  if (!regains_) return false;
+  regains_ = false;
+  for (int row = 0; row < rows.count(); ++row) {
+    const auto r = static_cast<std::size_t>(row);
+    if (r < touch_of_row_.size() && touch_of_row_[r] >= 0)
+      rows.SetGap(row, rows.gap(row) + regain_[r]);
+  }
+  return true;
+}
+
 /// Adds or mends the rows of a pair's plane: `all` those of the corners that touch, else those of
 /// the corners that the trial leaves too low.  Their right-hand sides are exact at the trial.
 bool MeshContact::PutRows(NearPair& near, Touch& touch, bool all, ContactRows& rows) {
   const Plane& plane = touch.plane;
   const Vec3 n_old = NormalAt(near, plane, from_), n_new = NormalAt(near, plane, to_);
   const double before = Gap(near, n_old, from_);
-  const double asked = std::min(kSeparation, before + kRegain);
+  const double asked = Asked(before);
+  const double loss = TurnLoss(plane, touch, n_old, n_new);
   const double least = LeastNew(touch.distance);
   bool changed = false;
   const auto put = [&](int slot, int k, const Vec3& n, const Vec3& lever, double gap, double now) {
@@ -519,11 +557,15 @@ bool MeshContact::PutRows(NearPair& near, Touch& touch, bool all, ContactRows& r
     const Vec3 along = SmoothedRow(near, n);
     const double at_trial = along.dot(v_) + lever.cross(along).dot(phi_);
     rows.SetRow(row, along, lever, now - asked - at_trial);
+    regain_[static_cast<std::size_t>(row)] = asked - std::min(kSeparation, before);
     changed = true;
   };
   if (plane.of == Plane::Of::kEdges) {
     const Vec3 lever = to_.R * (from_.R.transpose() * (touch.nearest.p - from_.p));
-    put(3, 0, n_new, lever - tool_.radius * n_new, before, Gap(near, n_new, to_));
+    const double now = Gap(near, n_new, to_);
+    const bool holds = std::min(before, now) - loss >= 0.5 * std::min(kFree, before);
+    put(3, 0, n_new, lever - tool_.radius * n_new, before,
+        holds ? now : std::min(now, least) - loss);
     return changed;
   }
   const Corners old = CornersAt(near.tool, near.object, from_),
@@ -555,7 +597,7 @@ bool MeshContact::TurnSmoothed(const NearPair& near, const Touch& touch, int row
   const Vec3 along = objects_.mesh.SmoothNormal(BoxTree::TriangleOf(near.object), nearest.q, u);
   if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
   const double now = std::sqrt(nearest.squared) - tool_.radius;
-  const double asked = std::min(kSeparation, touch.distance + kRegain);
+  const double asked = Asked(touch.distance);
   rows.SetRow(row, along, rows.lever(row), now - asked - along.dot(v_));
   return true;
 }
@@ -628,8 +670,7 @@ void MeshContact::Merge() {
     for (; index >= 0 && front_->IsMergeable(index); index = front_->pair(index).parent) {
       const SeparationFront::Pair& pair = front_->pair(index);
       ++tested_;
-      const auto farthest = static_cast<double>(pair.farthest);
-      const double margin = kMergeShare * (translation_ + rotation_ * farthest) + kFree;
+      const double margin = kMergeShare * covered_ + kTouching;
       double best = -kInfinity;
       Vec3 plane = Vec3::Zero();
       const auto holds = [&](const Vec3& n) {
@@ -640,8 +681,7 @@ void MeshContact::Merge() {
         }
         return gap >= margin;
       };
-      if (!holds(front_->pair(pair.child).Normal()) &&
-          !AnyPlane(pair.tool, pair.object, to_, holds)) {
+      if (!holds(front_->Normal(pair.child)) && !AnyPlane(pair.tool, pair.object, to_, holds)) {
         front_->RetryAfter(index, margin - best);
         break;
       }
@@ -666,8 +706,10 @@ void MeshContact::Accept() noexcept {
   }
   if (moved_) {
     front_->Move(to_, tool_.mesh.reach());
-    for (const NearPair& near : near_) {
-      if (near.looked && !near.split) front_->Set(near.index, near.n_next, near.slack_next);
+    for (std::size_t k = 0; k < near_.size(); ++k) {
+      const NearPair& near = near_[k];
+      if (near.looked_at == trial_ && !near.split)
+        front_->Set(near.index, next_[k].n, next_[k].slack);
     }
   }
   Merge();

@@ -42,8 +42,7 @@ class MeshContact {
   /// pairs that still touch within their cones. At most limits::mesh::kMaxLooks pairs are looked at
   /// closely in a sub-step; the others count as not apart where their planes do not hold.
   void Begin(const Kernels& kernels, SeparationFront& front, const ToolPose& from,
-             double translation, double rotation, const LeafPair* active, int actives,
-             ContactRows& rows) noexcept;
+             const LeafPair* active, int actives, ContactRows& rows) noexcept;
 
   /// Looks at the trial [v; phi]: 0 where every pair has a plane.  Else more: a count of pairs that
   /// have none or were not looked at, for it ends with limits::mesh::kEnough that have none.  Rows
@@ -54,6 +53,11 @@ class MeshContact {
   /// touch there, and which another plane keeps apart.  Returns how many pairs it changed; where it
   /// is not 0, the rows are to be solved again.
   int Retract(const int* active, int actives, ContactRows& rows) noexcept;
+
+  /// Rows ask for some of the separation that a pair has lost.  Where that would lift the tool
+  /// against the spring a tool at rest would never stay: from here on, to the sub-step's end, they
+  /// ask for what the pair has.  False where they did so before.
+  bool GiveUpRegain(ContactRows& rows) noexcept;
 
   /// No trial is free: Accept is to leave the tool where it is.
   void Stay() noexcept;
@@ -95,10 +99,12 @@ class MeshContact {
     BoxTree::Node tool, object;
     SeparationFront::Index index;  ///< in the front
     std::int32_t touch;            ///< -1: none
+    std::int32_t looked_at;        ///< closely, at this trial: then next_ has its plane there
     bool split, replaced;          ///< its plane is not the front's any more
-    bool looked;                   ///< closely, at the trial: then that has the plane
-    Vec3 n_next;
-    double slack_next;
+  };
+  struct Next {
+    Vec3 n;
+    double slack;
   };
   /// A pair whose plane does not hold at a trial, and the gap that is left along it.
   struct Doubt {
@@ -113,6 +119,8 @@ class MeshContact {
   };
 
   double Low(BoxTree::Node tool, const Vec3& n, const ToolPose& at) const;
+  double TurnLoss(const Plane& plane, const Touch& touch, const Vec3& n_old,
+                  const Vec3& n_new) const;
   double Gap(const NearPair& near, const Vec3& n, const ToolPose& at) const;
   bool HoldsAlong(NearPair& near, const Vec3& n, double least_old, double least_new);
   bool HoldsAcross(NearPair& near, const Plane& plane, const Touch& touch);
@@ -128,7 +136,8 @@ class MeshContact {
   Vec3 NormalOf(const NearPair& near) const;
   bool Split(std::int32_t k);
   void SetPlane(NearPair& near, const Vec3& n, double slack);
-  void AddNear(SeparationFront::Index index, const Vec3& n, double slack);
+  void AddNear(SeparationFront::Index index);
+  void Cover(double translation, double rotation);
   void Merge();
   Corners CornersAt(BoxTree::Node tool, BoxTree::Node object, const ToolPose& at) const;
   Touch& TouchOf(NearPair& near);
@@ -136,6 +145,7 @@ class MeshContact {
               const ToolPose& at) const;
   template <class Visit>
   void ForEachFace(const NearPair& near, const NearestPoints& nearest, Visit visit) const;
+  double Asked(double before) const;
   Plane ChoosePlane(const NearPair& near, const Touch& touch) const;
   bool TurnSmoothed(const NearPair& near, const Touch& touch, int row, const NearestPoints& nearest,
                     const Vec3& u, ContactRows& rows);
@@ -148,9 +158,14 @@ class MeshContact {
   ToolPose from_, to_;
   Vec3 v_ = Vec3::Zero(), phi_ = Vec3::Zero();
   bool moved_ = false;
-  bool full_ = false;                          ///< more pairs are near than there is room for
-  double translation_ = 0.0, rotation_ = 0.0;  ///< bounds of the sub-step
+  bool full_ = false;     ///< more pairs are near than there is room for
+  double covered_ = 0.0;  ///< way for which near_ has all pairs [m]
+  std::uint32_t substep_ = 0;
+  std::int32_t trial_ = 0;  ///< of the sub-step
+  std::vector<std::uint32_t>
+      seen_;  ///< of each of the front's slots: the sub-step that it is near in
   std::vector<NearPair> near_;
+  std::vector<Next> next_;  ///< of each of near_, the plane at the trial
   std::unique_ptr<double[], void (*)(double*)> plane_storage_;
   PlaneColumns planes_{};  ///< of each of near_
   std::vector<std::int32_t> found_;
@@ -159,6 +174,8 @@ class MeshContact {
   bool touched_ = false;                ///< a pair in its cones has got rows at the trial
   std::vector<Touch> touches_;
   std::vector<std::int32_t> touch_of_row_;
+  std::vector<double> regain_;  ///< of each row: what it asks for beyond what its pair has [m]
+  bool regains_ = true;
   SeparationFront* front_ = nullptr;  ///< during a sub-step
   std::int64_t tested_ = 0, first_tested_ = 0;
 };

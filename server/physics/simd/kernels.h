@@ -27,7 +27,25 @@ struct PlaneColumns {
   double* along[6];  ///< n, and l x n [m]
   double* slack;     ///< how far the node lies above the other along n [m]
   double* radius;    ///< of a ball round the end of l that holds the node [m]
+  double* left;      ///< of the slack, after a motion [m]
 };
+
+/// A plane between a pair of nodes, as it was known at an epoch: one cache line.
+struct alignas(64) PlaneRecord {
+  double n[3];       ///< unit, from object to tool, in W
+  double slack;      ///< how far the tool's node lay above the object's along n [m]
+  double centre[3];  ///< of a ball about the tool's node, in its frame [m]
+  double radius;     ///< [m]
+};
+
+/// What the tool has moved by since an epoch.
+struct alignas(32) EpochMotion {
+  double row[3][4];          ///< of R_now - R_then, and of p_now - p_then
+  double turned, unused[3];  ///< sum of the rotations in between [rad]
+};
+
+/// Epochs that are told apart: a power of two.
+inline constexpr std::uint32_t kPlaneEpochs = 64;
 
 /// A motion of the tool, and what it has to leave of a slack.
 struct PlaneMotion {
@@ -111,8 +129,16 @@ struct Kernels {
   /// how many.
   int (*find_below)(const double* value, int count, double limit, std::int32_t* out);
 
+  /// The planes of `count` slots as they are now, as columns from `first` on: each slack less by
+  /// what its node moved against n since its epoch, and what it turned times its radius.
+  /// R: R_WG row by row.  May write up to 7 columns beyond the last.
+  void (*refresh_planes)(const PlaneRecord* records, const std::uint32_t* epochs,
+                         const std::int32_t* slots, int count, const EpochMotion* since,
+                         const double* R, int first, const PlaneColumns& out);
+
   /// Indices, from `first` on, of the planes that do not hold throughout a motion: slack <
-  /// least_old, or slack + n . v + (l x n) . phi - |phi| radius < least_new.  Returns how many.
+  /// least_old, or left = slack + n . v + (l x n) . phi - |phi| radius < least_new.  Fills the
+  /// column `left`, from the multiple of eight below `first` on.  Returns how many.
   int (*find_used_up)(const PlaneColumns& planes, int first, int count, const PlaneMotion& motion,
                       std::int32_t* out);
 

@@ -128,6 +128,40 @@ int FindBelow(const double* value, int count, double limit, std::int32_t* out) {
   return found;
 }
 
+void RefreshPlanes(const PlaneRecord* records, const std::uint32_t* epochs,
+                   const std::int32_t* slots, int count, const EpochMotion* since, const double* R,
+                   int first, const PlaneColumns& out) {
+  for (int i = 0; i < count; i += 8) {
+    const double *plane[8], *ball[8], *row[3][8], *turned[8];
+    for (int k = 0; k < 8; ++k) {
+      const std::int32_t slot = slots[i + k < count ? i + k : count - 1];
+      const EpochMotion& motion = since[epochs[slot] % kPlaneEpochs];
+      plane[k] = records[slot].n;
+      ball[k] = records[slot].centre;
+      for (int r = 0; r < 3; ++r) row[r][k] = motion.row[r];
+      turned[k] = &motion.turned;
+    }
+    D8 n[4], c[4], m[4], l[3];
+    LoadTransposed(plane, n);
+    LoadTransposed(ball, c);
+    LoadTransposed(turned, m);
+    D8 slack = Fnma(m[0], c[3], n[3]);
+    for (int r = 0; r < 3; ++r) {
+      LoadTransposed(row[r], m);
+      slack = Fma(n[r], Fma(m[2], c[2], Fma(m[1], c[1], Fma(m[0], c[0], m[3]))), slack);
+      l[r] = Fma(Set1(R[3 * r + 2]), c[2], Fma(Set1(R[3 * r + 1]), c[1], Set1(R[3 * r]) * c[0]));
+    }
+    const int at = first + i;
+    for (int r = 0; r < 3; ++r) {
+      const int u = (r + 1) % 3, w = (r + 2) % 3;
+      Store(out.along[r] + at, n[r]);
+      Store(out.along[3 + r] + at, Fnma(l[w], n[u], l[u] * n[w]));
+    }
+    Store(out.slack + at, slack);
+    Store(out.radius + at, c[3]);
+  }
+}
+
 int FindUsedUp(const PlaneColumns& planes, int first, int count, const PlaneMotion& motion,
                std::int32_t* out) {
   D8 along[6];
@@ -139,6 +173,7 @@ int FindUsedUp(const PlaneColumns& planes, int first, int count, const PlaneMoti
     const D8 slack = Load(planes.slack + i);
     D8 left = slack - angle * Load(planes.radius + i);
     for (int c = 0; c < 6; ++c) left = Fma(Load(planes.along[c] + i), along[c], left);
+    Store(planes.left + i, left);
     std::uint32_t low = Less(slack, least_old) | Less(left, least_new);
     if (i < first) low &= ~0u << (first - i);
     if (i + 8 > count) low &= (1u << (count - i)) - 1u;
@@ -153,6 +188,7 @@ constexpr Kernels MakeKernels(const char* name) {
           BuildRows<6>,
           BuildRows<3>,
           FindBelow,
+          RefreshPlanes,
           FindUsedUp,
           Solve<6>,
           Solve<3>,

@@ -1,6 +1,7 @@
 #include "server/physics/surface/box_tree.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -39,7 +40,7 @@ Mat3 PrincipalAxes(const ContactMesh& mesh, Triangles patch) {
 
 }  // namespace
 
-BoxTree::BoxTree(const ContactMesh& mesh) : mesh_(&mesh) {
+BoxTree::BoxTree(const ContactMesh& mesh) {
   const std::size_t count = mesh.triangles().size();
   leaf_parent_.assign(count, -1);
   for (std::uint32_t t = 0; t < count; ++t) {
@@ -47,6 +48,8 @@ BoxTree::BoxTree(const ContactMesh& mesh) : mesh_(&mesh) {
     double radius = 0.0;
     for (int c = 0; c < 3; ++c) radius = std::max(radius, (mesh.Corner(t, c) - centre).norm());
     leaf_centre_.push_back(centre);
+    leaf_corners_.emplace_back();
+    for (int c = 0; c < 3; ++c) leaf_corners_.back().col(c) = mesh.Corner(t, c);
     leaf_radius_.push_back(radius);
   }
   if (count < 2) return;
@@ -74,38 +77,43 @@ BoxTree::BoxTree(const ContactMesh& mesh) : mesh_(&mesh) {
     }
     Box box{};
     box.parent = work.parent;
-    box.axes = PrincipalAxes(mesh, work.patch);
+    const Mat3 axes = PrincipalAxes(mesh, work.patch);
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (std::uint32_t t : work.patch) {
       for (int c = 0; c < 3; ++c) {
-        const Vec3 x = box.axes.transpose() * mesh.Corner(t, c);
+        const Vec3 x = axes.transpose() * mesh.Corner(t, c);
         low = low.cwiseMin(x);
         high = high.cwiseMax(x);
       }
     }
     // A billionth of the size for the rounding of the axes, which are orthogonal to 1e-15.
-    box.half = (0.5 * (high - low)).array() + 1e-9 * (high - low).maxCoeff();
-    box.centre = box.axes * (0.5 * (low + high));
+    const Vec3 half = (0.5 * (high - low)).array() + 1e-9 * (high - low).maxCoeff();
+    std::array<int, 3> order_of{0, 1, 2};
+    std::sort(order_of.begin(), order_of.end(),
+              [&](int a, int b) { return half[a] != half[b] ? half[a] < half[b] : a < b; });
+    for (int c = 0; c < 3; ++c) {
+      const int k = order_of[static_cast<std::size_t>(c)];
+      box.sides.col(c) = half[k] * axes.col(k);
+    }
+    box.centre = axes * (0.5 * (low + high));
     for (std::uint32_t t : work.patch) {
       for (int c = 0; c < 3; ++c) {
         box.radius = std::max(box.radius, (mesh.Corner(t, c) - box.centre).norm());
       }
     }
-    box.size = box.half.norm();
+    box.size = half.norm();
     const auto node = static_cast<Node>(boxes_.size());
     attach(node);
     boxes_.push_back(box);
     // Halved across its longest side.
-    int longest = 0;
-    box.half.maxCoeff(&longest);
-    const Vec3 axis = box.axes.col(longest);
+    const Vec3 axis = axes.col(order_of[2]);
     std::sort(work.patch.begin(), work.patch.end(), [&](std::uint32_t a, std::uint32_t b) {
       const double x = axis.dot(leaf_centre_[a]), y = axis.dot(leaf_centre_[b]);
       return x != y ? x < y : a < b;
     });
-    const std::size_t half = work.patch.size() / 2;
-    left.push_back({work.patch.subspan(half), node, 1});
-    left.push_back({work.patch.first(half), node, 0});
+    const std::size_t middle = work.patch.size() / 2;
+    left.push_back({work.patch.subspan(middle), node, 1});
+    left.push_back({work.patch.first(middle), node, 0});
   }
   // A node is no smaller than what is below it, whatever the boxes' slant: children come later.
   for (std::size_t i = boxes_.size(); i-- > 1;) {

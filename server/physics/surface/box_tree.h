@@ -18,13 +18,15 @@ class BoxTree {
  public:
   using Node = std::int32_t;
   struct Box {
-    Mat3 axes;      ///< columns: unit, orthogonal
     Vec3 centre;    ///< [m]
-    Vec3 half;      ///< half extents along the axes [m]
+    Mat3 sides;     ///< columns, orthogonal: from the centre to three sides, the shortest first [m]
     double radius;  ///< of the ball about the centre that holds the triangles below [m]
     double size;    ///< longest half diagonal of this and all below: which of two nodes is split
     Node parent;    ///< -1 for the root
     Node child[2];
+
+    /// Unit normal of the widest side.
+    Vec3 Flattest() const { return sides.col(0).normalized(); }
   };
 
   BoxTree() = default;
@@ -49,18 +51,17 @@ class BoxTree {
   /// The most of n . x over what is below a node, n any vector [|n| m].
   double Highest(Node node, const Vec3& n) const {
     if (IsLeaf(node)) {
-      const auto& v = mesh_->triangles()[TriangleOf(node)].vertex;
-      const std::vector<Vec3>& x = mesh_->vertices();
-      return std::max(std::max(n.dot(x[v[0]]), n.dot(x[v[1]])), n.dot(x[v[2]]));
+      const Mat3& x = leaf_corners_[TriangleOf(node)];
+      return std::max(std::max(n.dot(x.col(0)), n.dot(x.col(1))), n.dot(x.col(2)));
     }
     const Box& b = box(node);
-    return n.dot(b.centre) + (b.axes.transpose() * n).cwiseAbs().dot(b.half);
+    return n.dot(b.centre) + (b.sides.transpose() * n).cwiseAbs().sum();
   }
 
  private:
-  const ContactMesh* mesh_ = nullptr;
   std::vector<Box> boxes_;
   std::vector<Node> leaf_parent_;
+  std::vector<Mat3> leaf_corners_;  ///< columns [m]: beside each other, for speed
   std::vector<Vec3> leaf_centre_;
   std::vector<double> leaf_radius_;
 };

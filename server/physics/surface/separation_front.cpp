@@ -27,6 +27,8 @@ constexpr SeparationFront::Eight kUnused{
 
 void SeparationFront::Reserve() {
   pairs_.reserve(kMaxSlots);
+  planes_.reserve(kMaxSlots);
+  epoch_of_.reserve(kMaxSlots);
   expiry_.reserve(kMaxSlots / 8);
   unused_.reserve(kMaxSlots / 2);
 }
@@ -34,11 +36,14 @@ void SeparationFront::Reserve() {
 void SeparationFront::Restart(const BoxTree& tool, const BoxTree& objects, const ToolPose& at) {
   Reserve();
   pairs_.assign(2, Pair{});
+  planes_.assign(2, PlaneRecord{});
+  epoch_of_.assign(2, 0);
   expiry_.assign(1, kUnused);
   unused_.clear();
   way_ = 0.0;
   epoch_ = 0;
   epochs_[0] = {at.p, at.q, at.R, 0.0};
+  since_.fill(EpochMotion{});
   next_merged_ = 0;
   size_ = 1;
   Put(0, tool, tool.root(), objects.root(), -1);
@@ -47,16 +52,10 @@ void SeparationFront::Restart(const BoxTree& tool, const BoxTree& objects, const
 
 void SeparationFront::Put(Index i, const BoxTree& tool, BoxTree::Node of_tool,
                           BoxTree::Node of_object, Index parent) {
-  Pair& pair = pairs_[static_cast<std::size_t>(i)];
-  const Vec3& centre = tool.Centre(of_tool);
-  for (int c = 0; c < 3; ++c) pair.centre[c] = static_cast<float>(centre[c]);
-  // The centre's rounding to float, 6e-8 of it, and the radius' own.
-  pair.radius = static_cast<float>(tool.Radius(of_tool) * (1.0 + 1e-6) + 1e-6 * centre.norm());
-  pair.farthest = static_cast<float>(1.000001 * (centre.norm() + static_cast<double>(pair.radius)));
-  pair.tool = of_tool;
-  pair.object = of_object;
-  pair.parent = parent;
-  pair.child = -1;
+  PlaneRecord& plane = planes_[static_cast<std::size_t>(i)];
+  for (int c = 0; c < 3; ++c) plane.centre[c] = tool.Centre(of_tool)[c];
+  plane.radius = tool.Radius(of_tool);
+  pairs_[static_cast<std::size_t>(i)] = {of_tool, of_object, parent, -1};
 }
 
 void SeparationFront::Move(const ToolPose& at, double reach) {
@@ -65,24 +64,36 @@ void SeparationFront::Move(const ToolPose& at, double reach) {
   const double turned = before.turned + angle;
   way_ += (at.p - before.p).norm() + reach * angle;
   ++epoch_;
-  epochs_[epoch_ % kEpochs] = {at.p, at.q, at.R, turned};
+  epochs_[epoch_ % kPlaneEpochs] = {at.p, at.q, at.R, turned};
+  for (std::size_t e = 0; e < kPlaneEpochs; ++e) {
+    const Epoch& then = epochs_[e];
+    EpochMotion& motion = since_[e];
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c) motion.row[r][c] = at.R(r, c) - then.R(r, c);
+      motion.row[r][3] = at.p[r] - then.p[r];
+    }
+    motion.turned = turned - then.turned;
+  }
 }
 
-bool SeparationFront::SlackNow(const Pair& pair, double& slack) const {
-  if (epoch_ - pair.epoch >= kEpochs) return false;
-  const Epoch &then = epochs_[pair.epoch % kEpochs], &here = now();
-  const Vec3 centre = pair.Centre();
-  const Vec3 moved = here.R * centre + here.p - (then.R * centre + then.p);
-  slack = pair.slack + pair.Normal().dot(moved) -
-          (here.turned - then.turned) * static_cast<double>(pair.radius);
-  return true;
+void SeparationFront::Refresh(const Kernels& kernels, const Index* slots, int count, int first,
+                              const PlaneColumns& out) {
+  const Mat3 R = now().R.transpose();  // Eigen's columns are the kernel's rows
+  kernels.refresh_planes(planes_.data(), epoch_of_.data(), slots, count, since_.data(), R.data(),
+                         first, out);
+  for (int i = 0; i < count; ++i) {
+    const auto slot = static_cast<std::size_t>(slots[i]);
+    planes_[slot].slack = out.slack[first + i];
+    epoch_of_[slot] = epoch_;
+    ExpiryOf(slots[i]) = way_ + out.slack[first + i];
+  }
 }
 
 void SeparationFront::Set(Index i, const Vec3& n, double slack) {
-  Pair& pair = pairs_[static_cast<std::size_t>(i)];
-  for (int c = 0; c < 3; ++c) pair.n[c] = n[c];
-  pair.slack = slack;
-  pair.epoch = epoch_;
+  PlaneRecord& plane = planes_[static_cast<std::size_t>(i)];
+  for (int c = 0; c < 3; ++c) plane.n[c] = n[c];
+  plane.slack = slack;
+  epoch_of_[static_cast<std::size_t>(i)] = epoch_;
   ExpiryOf(i) = way_ + slack;
 }
 
@@ -96,6 +107,8 @@ SeparationFront::Index SeparationFront::Split(Index i, const BoxTree& tool, cons
     if (pairs_.size() + 2 > kMaxSlots) return -1;
     child = static_cast<Index>(pairs_.size());
     pairs_.resize(pairs_.size() + 2);
+    planes_.resize(pairs_.size());
+    epoch_of_.resize(pairs_.size());
     if (8 * expiry_.size() < pairs_.size()) expiry_.push_back(kUnused);
   }
   Pair& whole = pairs_[static_cast<std::size_t>(i)];
@@ -107,7 +120,7 @@ SeparationFront::Index SeparationFront::Split(Index i, const BoxTree& tool, cons
     Set(child + side, n, slack);
   }
   whole.child = child;
-  whole.slack = way_;
+  planes_[static_cast<std::size_t>(i)].slack = way_;
   ExpiryOf(i) = kNever;
   ++size_;
   return child;
@@ -133,7 +146,8 @@ SeparationFront::Index SeparationFront::NextMergeable() {
       return -1;
     }
     const Pair& first = pairs_[static_cast<std::size_t>(next_merged_)];
-    if (first.parent < 0 || pair(first.parent).slack > way_ || !IsMergeable(first.parent)) continue;
+    if (first.parent < 0 || plane(first.parent).slack > way_ || !IsMergeable(first.parent))
+      continue;
     return first.parent;
   }
   return -1;

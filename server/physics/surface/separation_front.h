@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/math/pose.h"
+#include "server/physics/simd/kernels.h"
 #include "server/physics/surface/box_tree.h"
 
 namespace palpate {
@@ -29,26 +30,16 @@ struct ToolPose {
 /// Expiry.  A motion takes off a slack what the tool's node moves against the plane's normal, and
 /// what it turns times its radius.  That is never more than the way of the tool's farthest point.
 /// So a pair need not be looked at before that way has grown by its slack; the way at which it has
-/// is the pair's expiry.  SlackNow then tells what is really left, which is mostly more.
+/// is the pair's expiry.  Refresh then tells what is really left, which is mostly more.
 ///
 /// A value: copied, it goes on alike.  Real-time: once Reserve has been called, nothing allocates.
 class SeparationFront {
  public:
   using Index = std::int32_t;
-  /// A pair of nodes.  `n` from object to tool, in W; along it the tool's node lies at least
-  /// `slack` [m] above the object's at the pose of `epoch`; not positive: no plane is known.
+  /// A pair of nodes.
   struct Pair {
-    double n[3];
-    float centre[3];  ///< of the tool's node, in its frame [m]
-    float radius;     ///< of a ball about it that holds the node [m]
-    float farthest;   ///< of the ball's farthest point from the reference point [m]
-    std::uint32_t epoch;
     BoxTree::Node tool, object;
     Index parent, child;  ///< child: the first of two; -1 where the pair is of the front
-    double slack;         ///< of an open pair: the way from which on a merge may be tried
-
-    Vec3 Normal() const { return {n[0], n[1], n[2]}; }
-    Vec3 Centre() const { return {centre[0], centre[1], centre[2]}; }
   };
   struct Epoch {
     Vec3 p = Vec3::Zero();
@@ -72,14 +63,25 @@ class SeparationFront {
   void Move(const ToolPose& at, double reach);
 
   const Pair& pair(Index i) const { return pairs_[static_cast<std::size_t>(i)]; }
+  /// Its plane, and the slack that it had at the pose where that was set or refreshed last; not
+  /// positive: no plane is known.  Of an open pair, `slack` is the way from which on a merge may be
+  /// tried.
+  const PlaneRecord& plane(Index i) const { return planes_[static_cast<std::size_t>(i)]; }
+  Vec3 Normal(Index i) const { return Vec3::Map(plane(i).n); }
   /// Way at which each slot's plane may be used up; infinite for pairs that are open or unused.
   const double* expiry() const { return expiry_.empty() ? nullptr : expiry_[0].v; }
   /// Way of the tool's farthest point so far [m]: what `expiry` is compared with.
   double way() const { return way_; }
-  const Epoch& now() const { return epochs_[epoch_ % kEpochs]; }
-  /// The slack that a pair has now at least, by how its node has moved since its epoch; false where
-  /// the pose of that epoch is no longer kept.
-  bool SlackNow(const Pair& pair, double& slack) const;
+  const Epoch& now() const { return epochs_[epoch_ % kPlaneEpochs]; }
+  /// Whether the pose at which a pair's slack was known last is still kept.  If not, it is to be
+  /// set before it can be refreshed.
+  bool IsKept(Index i) const {
+    return epoch_ - epoch_of_[static_cast<std::size_t>(i)] < kPlaneEpochs;
+  }
+  /// Brings the planes of `count` pairs up to the pose of now, and gives them as columns from
+  /// `first` on.  The slack is what each has at least, by how its node has moved.
+  void Refresh(const Kernels& kernels, const Index* slots, int count, int first,
+               const PlaneColumns& out);
   /// Sets a pair's plane, at the pose of now.
   void Set(Index i, const Vec3& n, double slack);
   /// Opens a pair of the front: its children take the plane that it has at the pose of now.  -1
@@ -96,7 +98,7 @@ class SeparationFront {
   /// all of them.  -1 at the end of a round, or where the next few dozen places hold none.
   Index NextMergeable();
   /// An open pair is not to be tried again before the way has grown by this [m].
-  void RetryAfter(Index i, double way) { pairs_[static_cast<std::size_t>(i)].slack = way_ + way; }
+  void RetryAfter(Index i, double way) { planes_[static_cast<std::size_t>(i)].slack = way_ + way; }
 
   struct alignas(64) Eight {
     double v[8];
@@ -107,16 +109,16 @@ class SeparationFront {
     return expiry_[static_cast<std::size_t>(i) / 8].v[static_cast<std::size_t>(i) % 8];
   }
 
-  /// Poses that are kept, one for each sub-step: eight cycles of eight.  Taken.
-  static constexpr std::uint32_t kEpochs = 64;
-
   void Put(Index i, const BoxTree& tool, BoxTree::Node of_tool, BoxTree::Node of_object,
            Index parent);
 
-  std::vector<Pair> pairs_;    ///< siblings beside each other, from an even index on; 0 is the root
-  std::vector<Eight> expiry_;  ///< infinite for pairs that are open or unused
-  std::vector<Index> unused_;  ///< first of two
-  std::array<Epoch, kEpochs> epochs_;
+  std::vector<Pair> pairs_;  ///< siblings beside each other, from an even index on; 0 is the root
+  std::vector<PlaneRecord> planes_;      ///< of each pair
+  std::vector<std::uint32_t> epoch_of_;  ///< of each pair's slack
+  std::vector<Eight> expiry_;            ///< infinite for pairs that are open or unused
+  std::vector<Index> unused_;            ///< first of two
+  std::array<Epoch, kPlaneEpochs> epochs_;
+  std::array<EpochMotion, kPlaneEpochs> since_;  ///< from each epoch until now
   std::uint32_t epoch_ = 0;
   std::size_t size_ = 0;
   double way_ = 0.0;

@@ -99,11 +99,12 @@ TEST(Kernels, FindThePlanesThatAMotionUsesUpAtEverySimdLevel) {
   const int levels = AvailableKernels(level);
   Random random(13);
   for (int count = 0; count <= 33; ++count) {
-    std::vector<AlignedColumn> column(8, AlignedColumn(count));
+    std::vector<AlignedColumn> column(9, AlignedColumn(count));
     PlaneColumns planes{};
     for (int c = 0; c < 6; ++c) planes.along[c] = column[static_cast<std::size_t>(c)].data();
     planes.slack = column[6].data();
     planes.radius = column[7].data();
+    planes.left = column[8].data();
     // What lies beyond the last is of an earlier sub-step: anything, and not to be found.
     for (int i = 0; i < (count | 7) + 1; ++i) {
       for (int c = 0; c < 6; ++c) planes.along[c][i] = random.Uniform(-1.0, 1.0);
@@ -128,7 +129,74 @@ TEST(Kernels, FindThePlanesThatAMotionUsesUpAtEverySimdLevel) {
         const int found = level[k]->find_used_up(planes, first, count, motion, got.data());
         got.resize(static_cast<std::size_t>(found));
         ASSERT_EQ(got, want) << level[k]->name << ", from " << first << " to " << count;
+        for (const std::int32_t i : got) {
+          double left = planes.slack[i] - motion.angle * planes.radius[i];
+          for (int c = 0; c < 6; ++c) left += planes.along[c][i] * motion.step[c];
+          if (std::isfinite(left)) ASSERT_NEAR(planes.left[i], left, 1e-14);
+        }
       }
+    }
+  }
+}
+
+TEST(Kernels, RefreshPlanesAtEverySimdLevel) {
+  const Kernels* level[3];
+  const int levels = AvailableKernels(level);
+  Random random(15);
+  constexpr int kSlots = 50;
+  std::vector<PlaneRecord> records(kSlots);
+  std::vector<std::uint32_t> epochs(kSlots);
+  std::vector<EpochMotion> since(kPlaneEpochs);
+  for (PlaneRecord& r : records) {
+    const Vec3 n = random.Direction(), c = random.InCube(0.1);
+    for (int k = 0; k < 3; ++k) {
+      r.n[k] = n[k];
+      r.centre[k] = c[k];
+    }
+    r.slack = random.Uniform(-1e-3, 1e-2);
+    r.radius = random.Uniform(0.0, 0.02);
+  }
+  for (std::uint32_t& e : epochs) e = static_cast<std::uint32_t>(random.Below(1000));
+  for (EpochMotion& m : since) {
+    for (auto& row : m.row) {
+      for (double& x : row) x = random.Uniform(-0.1, 0.1);
+    }
+    m.turned = random.Uniform(0.0, 0.1);
+  }
+  const Mat3 R = random.Rotation().toRotationMatrix();
+  const Mat3 rows = R.transpose();
+  for (int count = 0; count <= 33; ++count) {
+    std::vector<std::int32_t> slots;
+    for (int i = 0; i < count; ++i) slots.push_back(random.Below(kSlots));
+    std::vector<AlignedColumn> first_level;
+    for (int k = 0; k < levels; ++k) {
+      constexpr int kFirst = 3;
+      std::vector<AlignedColumn> column(8, AlignedColumn(count + kFirst + 8));
+      PlaneColumns planes{};
+      for (int c = 0; c < 6; ++c) planes.along[c] = column[static_cast<std::size_t>(c)].data();
+      planes.slack = column[6].data();
+      planes.radius = column[7].data();
+      level[k]->refresh_planes(records.data(), epochs.data(), slots.data(), count, since.data(),
+                               rows.data(), kFirst, planes);
+      for (int i = 0; i < count; ++i) {
+        const auto slot = static_cast<std::size_t>(slots[static_cast<std::size_t>(i)]);
+        const PlaneRecord& r = records[slot];
+        const EpochMotion& m = since[epochs[slot] % kPlaneEpochs];
+        const Vec3 n = Vec3::Map(r.n), c = Vec3::Map(r.centre), l = R * c;
+        double slack = r.slack - m.turned * r.radius;
+        for (int a = 0; a < 3; ++a) slack += n[a] * (Vec3::Map(m.row[a]).dot(c) + m.row[a][3]);
+        ASSERT_NEAR(planes.slack[kFirst + i], slack, 1e-15);
+        ASSERT_EQ(planes.radius[kFirst + i], r.radius);
+        for (int a = 0; a < 3; ++a) {
+          ASSERT_EQ(planes.along[a][kFirst + i], n[a]);
+          ASSERT_NEAR(planes.along[3 + a][kFirst + i], l.cross(n)[a], 1e-15);
+        }
+        for (std::size_t c8 = 0; k > 0 && c8 < 8; ++c8) {
+          ASSERT_EQ(column[c8].data()[kFirst + i], first_level[c8].data()[kFirst + i])
+              << level[k]->name;
+        }
+      }
+      if (k == 0) first_level = std::move(column);
     }
   }
 }
@@ -139,11 +207,12 @@ TEST(Kernels, AgreeWhereAPlaneIsUsedUpToTheLastBit) {
   const int levels = AvailableKernels(level);
   Random random(14);
   for (int trial = 0; trial < 2000; ++trial) {
-    std::vector<AlignedColumn> column(8, AlignedColumn(8));
+    std::vector<AlignedColumn> column(9, AlignedColumn(8));
     PlaneColumns planes{};
     for (int c = 0; c < 6; ++c) planes.along[c] = column[static_cast<std::size_t>(c)].data();
     planes.slack = column[6].data();
     planes.radius = column[7].data();
+    planes.left = column[8].data();
     PlaneMotion motion{{}, random.Uniform(0.0, 0.1), -1.0, random.Uniform(0.0, 1e-3)};
     for (double& s : motion.step) s = random.Uniform(-1e-3, 1e-3);
     for (int i = 0; i < 8; ++i) {

@@ -55,7 +55,7 @@ void Judge(const TriangleMesh& source, double size) {
         EXPECT_EQ(tree.Highest(node, n), highest);
       } else {
         // Not more than the box is long either.
-        EXPECT_LE(tree.Highest(node, n), highest + 2.1 * n.norm() * tree.box(node).half.norm());
+        EXPECT_LE(tree.Highest(node, n), highest + 2.1 * n.norm() * tree.box(node).sides.norm());
       }
     }
     for (const std::uint32_t t : below) {
@@ -68,9 +68,14 @@ void Judge(const TriangleMesh& source, double size) {
       EXPECT_EQ(tree.Size(node), 0.0);
       continue;
     }
-    const Mat3& axes = tree.box(node).axes;
-    EXPECT_LT((axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-12);
-    EXPECT_GE(tree.Size(node), tree.box(node).half.norm());
+    const Mat3 squares = tree.box(node).sides.transpose() * tree.box(node).sides;
+    const Vec3 lengths2 = squares.diagonal();
+    EXPECT_LE((squares - Mat3(lengths2.asDiagonal())).cwiseAbs().maxCoeff(),
+              1e-12 * lengths2.maxCoeff());
+    EXPECT_LE(lengths2[0], lengths2[1] * (1.0 + 1e-12));
+    EXPECT_LE(lengths2[1], lengths2[2] * (1.0 + 1e-12));
+    if (lengths2.maxCoeff() > 0.0) EXPECT_NEAR(tree.box(node).Flattest().norm(), 1.0, 1e-12);
+    EXPECT_GE(tree.Size(node), tree.box(node).sides.norm() * (1.0 - 1e-12));
     for (const BoxTree::Node child : tree.box(node).child) {
       EXPECT_EQ(tree.Parent(child), node);
       EXPECT_LE(tree.Size(child), tree.Size(node));
