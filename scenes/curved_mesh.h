@@ -12,12 +12,17 @@ namespace palpate {
 /// anew.
 inline constexpr std::uint32_t kCurvedMeshVersion = 1;
 
+/// The most that a scene file may ask for.
+inline constexpr std::size_t kMaxCurvedTriangles = 4'000'000;
+
 struct CurvedOptions {
   /// How far a triangle may leave the curved patch that it stands for [m]; > 0.
   double tolerance = 3e-6;
   /// The most triangles of the refined mesh.  Where more are needed, the tolerance is doubled until
   /// they suffice.
   std::size_t max_triangles = 400'000;
+
+  bool operator==(const CurvedOptions&) const = default;
 };
 
 struct CurvedMesh {
