@@ -21,6 +21,9 @@ constexpr double kCreaseSine = 0.17;
 constexpr double kThin = 1e-5;
 /// A patch whose normal turns from its triangle's by more than 60 degrees is about to fold.
 constexpr double kFoldCosine = 0.5;
+/// Faces in a notch of less than 60 degrees stay flat: patches leave their triangles by up to 20
+/// degrees on either side, and cannot be told apart where they share a corner.
+constexpr double kNotchCosine = -0.5;
 /// Sub-triangles are divided to this depth, which no patch comes near: each level halves an edge.
 constexpr int kDeepest = 48;
 
@@ -289,8 +292,9 @@ bool ApartAlong(const std::array<Vec3, 6>& a, const std::array<Vec3, 6>& b, cons
   return a_max < b_min || b_max < a_min;
 }
 
-/// Patches of triangles that share no corner must not come to meet: both become flat where no plane
-/// along an axis of their triangles tells their hulls apart.  Boxes are swept along x.
+/// Patches must not come to meet.  Of triangles that share no corner, both become flat where no
+/// plane along an axis of their triangles tells their hulls apart; of those that share one, where
+/// they are the faces of a notch.  Boxes are swept along x.
 bool Patches::StraightenWherePatchesMeet() {
   const auto& triangles = mesh_.triangles;
   struct Box {
@@ -340,6 +344,14 @@ bool Patches::StraightenWherePatchesMeet() {
     }
     return false;
   };
+  const auto looks_at = [&](std::uint32_t s, std::uint32_t t) {
+    return std::any_of(triangles[t].begin(), triangles[t].end(), [&](std::uint32_t v) {
+      return face_[s].dot(At(v) - At(triangles[s][0])) > 0.0;
+    });
+  };
+  const auto faces_in_a_notch = [&](std::uint32_t s, std::uint32_t t) {
+    return face_[s].dot(face_[t]) < kNotchCosine && (looks_at(s, t) || looks_at(t, s));
+  };
   bool changed = false;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const Box& a = boxes[i];
@@ -348,7 +360,10 @@ bool Patches::StraightenWherePatchesMeet() {
       if (!(a.curved || b.curved)) continue;
       if (b.min.y() > a.max.y() || a.min.y() > b.max.y()) continue;
       if (b.min.z() > a.max.z() || a.min.z() > b.max.z()) continue;
-      if (share_a_corner(a.triangle, b.triangle) || apart(a.triangle, b.triangle)) continue;
+      const bool may_meet = share_a_corner(a.triangle, b.triangle)
+                                ? faces_in_a_notch(a.triangle, b.triangle)
+                                : !apart(a.triangle, b.triangle);
+      if (!may_meet) continue;
       changed |= Straighten(a.triangle);
       changed |= Straighten(b.triangle);
     }

@@ -51,7 +51,7 @@ struct CurvedMesh {
 /// sides do: its tangent is common to both, so a cylinder's rim becomes round and its lid stays
 /// flat.  Edges stay straight that have not two triangles, or have one without area, or whose sides
 /// wind against each other.  So do those of a patch that would fold, or come into another part of
-/// the mesh.
+/// the mesh, or face a neighbour across a notch of less than 60 degrees.
 ///
 /// All points of an edge come of the edge alone, so the refined mesh has no crack where the mesh
 /// has none.  A point moves by at most 0.12 of its patch's longest edge.  Flat meshes come back as
