@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "scenes/curved_mesh.h"
 #include "scenes/json_file.h"
 #include "scenes/leaf_paint.h"
 #include "scenes/mesh_import.h"
@@ -87,9 +88,39 @@ struct Shape {
   std::vector<MeshGroup> groups;
 };
 
+void Warn(const LoadOptions& options, const std::string& what) {
+  options.warn ? options.warn(what) : void(std::cerr << "warning: " << what << '\n');
+}
+
+/// Refines the body's mesh as its scene file asks.  What follows, trees, bundles, viewers, physics
+/// and oracles, knows only the refined mesh.
+void Curve(const MeshSource& source, const LoadOptions& options, Shape& body) {
+  CurvedMesh refined = RefineCurved(body.mesh, *source.curved);
+  if (refined.tolerance > source.curved->tolerance) {
+    std::ostringstream text;
+    text << source.where << ".curved: " << source.curved->max_triangles
+         << " triangles do not suffice for " << 1e6 * source.curved->tolerance
+         << " um; the mesh is true to " << 1e6 * refined.tolerance << " um with "
+         << refined.mesh.triangles.size() << " (raise max_triangles or tolerance_um)";
+    Warn(options, text.str());
+  }
+  // Parts are ranges of triangles, and the triangles' order is kept.
+  const auto first_of = [&](std::uint32_t triangle) {
+    return static_cast<std::uint32_t>(
+        std::lower_bound(refined.source.begin(), refined.source.end(), triangle) -
+        refined.source.begin());
+  };
+  for (MeshGroup& group : body.groups) {
+    group.begin = first_of(group.begin);
+    group.end = first_of(group.end);
+  }
+  body.mesh = std::move(refined.mesh);
+}
+
 Shape MakeShape(const BodyDescription& description, const LoadOptions& options) {
   Shape body;
   body.mesh = MakeMesh(description.mesh, options.models_dir, body.groups);
+  if (description.mesh.curved) Curve(description.mesh, options, body);
   if (description.mesh.kind == MeshSource::Kind::kSphere && description.leaves == 1) {
     body.tree = SingleSphereTree(body.mesh, {Vec3::Zero(), description.mesh.size.x()});
     return body;
@@ -121,6 +152,7 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
   std::uint64_t key = HashBytes(
       text, std::uint64_t{kBundleVersion} << 32 | kShapesVersion << 16 | kSphereTreeBuilderVersion);
   key = HashBytes(scene.name, key);
+  key = HashBytes(std::to_string(kCurvedMeshVersion), key);
   std::map<std::string, std::uint64_t> hashes;  // of each mesh file once
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
     for (const BodyDescription& body : *bodies) {
@@ -141,7 +173,7 @@ bool SameGeometry(const BodyDescription& a, const BodyDescription& b) {
   const MeshSource& n = b.mesh;
   return a.leaves == b.leaves && m.kind == n.kind && m.what == n.what && m.size == n.size &&
          m.triangles == n.triangles && m.variant == n.variant && m.values == n.values &&
-         m.placement.metres_per_unit == n.placement.metres_per_unit &&
+         m.curved == n.curved && m.placement.metres_per_unit == n.placement.metres_per_unit &&
          m.placement.longest_side == n.placement.longest_side &&
          m.placement.origin == n.placement.origin;
 }
@@ -220,9 +252,7 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   name << description.name << '-' << std::hex << std::setw(16) << std::setfill('0') << key
        << ".palpate";
   const std::string cached = (fs::path(folder) / name.str()).string();
-  const auto warn = [&](const std::string& what) {
-    options.warn ? options.warn(what) : void(std::cerr << "warning: " << what << '\n');
-  };
+  const auto warn = [&](const std::string& what) { Warn(options, what); };
   std::error_code ignored;
   if (!folder.empty() && fs::exists(cached, ignored)) {
     try {

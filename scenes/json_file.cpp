@@ -298,6 +298,10 @@ std::int64_t JsonNode::Integer(std::int64_t min, std::int64_t max) const {
   return static_cast<std::int64_t>(number);
 }
 
+bool JsonNode::IsFalse() const {
+  return value_->kind == Value::kBool && value_->number == 0.0;
+}
+
 Vec3 JsonNode::Vector(double most) const {
   const std::vector<JsonNode> items = Items();
   if (items.size() != 3) {

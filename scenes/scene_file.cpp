@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "common/error.h"
 #include "scenes/json_file.h"
 #include "scenes/shape_kinds.h"
 
@@ -52,11 +53,24 @@ double ReadLength(const JsonNode& node) {
   return length;
 }
 
+/// What is left out or false: the mesh's triangles are what is felt.
+std::optional<CurvedOptions> ReadCurved(const JsonNode& mesh) {
+  const auto curved = mesh.Find("curved");
+  if (!curved || curved->IsFalse()) return std::nullopt;
+  curved->AllowOnly({"tolerance_um", "max_triangles"});
+  CurvedOptions options;
+  options.tolerance = 1e-6 * curved->At("tolerance_um").Number(0.1, 1e6);
+  if (auto most = curved->Find("max_triangles")) {
+    options.max_triangles = static_cast<std::size_t>(most->Integer(1, kMaxCurvedTriangles));
+  }
+  return options;
+}
+
 MeshSource ReadShapeKind(const JsonNode& node, const ShapeKind& shape) {
   MeshSource source;
   source.kind = MeshSource::Kind::kShape;
   source.what = shape.name;
-  std::vector<std::string_view> fields{"shape"};
+  std::vector<std::string_view> fields{"shape", "curved"};
   if (!shape.variants.empty()) fields.push_back("kind");
   for (const ShapeParameter& parameter : shape.parameters) fields.push_back(parameter.field);
   node.AllowOnly(fields);
@@ -83,17 +97,17 @@ MeshSource ReadShape(const JsonNode& node) {
   if (const ShapeKind* kind = FindShapeKind(shape)) return ReadShapeKind(node, *kind);
   if (shape == "box") {
     source.kind = MeshSource::Kind::kBox;
-    node.AllowOnly({"shape", "size_m"});
+    node.AllowOnly({"shape", "size_m", "curved"});
     source.size = ReadSize(node.At("size_m"));
     return source;
   }
   if (shape == "ellipsoid") {
     source.kind = MeshSource::Kind::kEllipsoid;
-    node.AllowOnly({"shape", "semi_axes_m", "triangles"});
+    node.AllowOnly({"shape", "semi_axes_m", "triangles", "curved"});
     source.size = ReadSize(node.At("semi_axes_m"));
   } else {
     source.kind = MeshSource::Kind::kSphere;
-    node.AllowOnly({"shape", "radius_m", "triangles"});
+    node.AllowOnly({"shape", "radius_m", "triangles", "curved"});
     source.size = Vec3::Constant(ReadLength(node.At("radius_m")));
   }
   source.triangles = kShapeTriangles;
@@ -103,7 +117,7 @@ MeshSource ReadShape(const JsonNode& node) {
 
 MeshSource ReadImported(const JsonNode& node, const fs::path& folder) {
   MeshSource source;
-  node.AllowOnly({"model", "file", "unit", "longest_side_m", "origin"});
+  node.AllowOnly({"model", "file", "unit", "longest_side_m", "origin", "curved"});
   if (auto model = node.Find("model")) {
     if (node.Has("file")) node.Fail("names a model and a file; keep one of the two");
     source.kind = MeshSource::Kind::kModel;
@@ -196,6 +210,17 @@ RegionDescription ReadRegion(const JsonNode& node) {
   return region;
 }
 
+/// As HapticModel has it: a finite stiffness or hardness anywhere.
+bool FeltByLeaves(const BodyDescription& body) {
+  const auto gives = [](const MaterialDescription& m) {
+    return m.youngs_modulus > 0.0 || std::isfinite(m.material.stiffness) ||
+           std::isfinite(m.material.hardness);
+  };
+  return gives(body.material) ||
+         std::any_of(body.regions.begin(), body.regions.end(),
+                     [&](const RegionDescription& region) { return gives(region.material); });
+}
+
 bool AnyMaterial(const SceneDescription& scene, bool (*holds)(const MaterialDescription&)) {
   return std::any_of(scene.objects.begin(), scene.objects.end(), [&](const BodyDescription& body) {
     return holds(body.material) ||
@@ -229,6 +254,33 @@ Features ReadFeatures(const JsonNode& root, const SceneDescription& scene) {
   return features;
 }
 
+/// A finer mesh where nobody feels the mesh would cost and give nothing.
+void CheckCurved(const JsonNode& root, const SceneDescription& scene) {
+  const auto check = [&](const char* list, const std::vector<BodyDescription>& bodies) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (!bodies[i].mesh.curved) continue;
+      const JsonNode curved = root.At(list).Items()[i].At("mesh").At("curved");
+      if (scene.features.contact == ContactModel::kSpheres) {
+        curved.Fail("has no effect where the contact is of spheres; drop it, or take \"surface\"");
+      }
+      if (FeltByLeaves(bodies[i])) {
+        curved.Fail(
+            "has no effect on an object that is soft or wears, which is felt by its leaves; "
+            "drop it");
+      }
+    }
+  };
+  for (const BodyDescription& tool : scene.tools) {
+    if (tool.mesh.curved && tool.leaves == 1) {
+      throw Error(
+          tool.mesh.where +
+          ".curved: has no effect on a tool of one leaf, which is felt as that ball; drop it");
+    }
+  }
+  check("tools", scene.tools);
+  check("objects", scene.objects);
+}
+
 BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& folder) {
   const bool object = kind == BodyKind::kObject;
   const std::string_view pose_field = object ? "pose" : "start";
@@ -241,6 +293,7 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   body.name = ReadName(node.At("name"));
   const JsonNode mesh = node.At("mesh");
   body.mesh = mesh.Has("shape") ? ReadShape(mesh) : ReadImported(mesh, folder);
+  body.mesh.curved = ReadCurved(mesh);
   body.mesh.where = mesh.Where();
   body.leaves = node.At("leaves").Integer(1, kMaxLeaves);
   if (auto pose = node.Find(pose_field)) {
@@ -294,6 +347,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
     }
   }
   scene.features = ReadFeatures(root, scene);
+  CheckCurved(root, scene);
   return scene;
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "scenes/curved_mesh.h"
 #include "scenes/mesh_import.h"
 #include "scenes/scene.h"
 #include "scenes/sphere.h"
@@ -22,13 +24,14 @@ struct MeshSource {
     kShape,  ///< `what` names one of shape_kinds.h
   };
   Kind kind = Kind::kFile;
-  std::string what;            ///< name or path
-  MeshPlacement placement;     ///< of models and files
-  Vec3 size = Vec3::Zero();    ///< of shapes [m]: side lengths, or semi-axes
-  std::size_t triangles = 0;   ///< of shapes: at least so many
-  std::size_t variant = 0;     ///< of a kShape
-  std::vector<double> values;  ///< of a kShape: its parameters in SI
-  std::string where;           ///< "file:line: field", for complaints that come later
+  std::string what;                     ///< name or path
+  MeshPlacement placement;              ///< of models and files
+  Vec3 size = Vec3::Zero();             ///< of shapes [m]: side lengths, or semi-axes
+  std::size_t triangles = 0;            ///< of shapes: at least so many
+  std::size_t variant = 0;              ///< of a kShape
+  std::vector<double> values;           ///< of a kShape: its parameters in SI
+  std::optional<CurvedOptions> curved;  ///< none: the triangles are taken as they are
+  std::string where;                    ///< "file:line: field", for complaints that come later
 };
 
 /// A material as written.  What a Young's modulus means is known once there are leaves.

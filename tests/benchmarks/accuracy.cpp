@@ -61,7 +61,8 @@ ForceErrors OnMesh(const SlidingPath& path, const TriangleMesh& mesh) {
 }
 
 nlohmann::ordered_json ToJson(const SlidingForce& m) {
-  nlohmann::ordered_json json{{"spheres", m.spheres}, {"triangles", m.triangles}};
+  nlohmann::ordered_json json{
+      {"spheres", m.spheres}, {"triangles", m.triangles}, {"felt_triangles", m.felt_triangles}};
   AddTo(json, m.errors);
   json["truncation_um"] = ToJson(m.truncation_um);
   json["best_step_us"] = ToJson(PercentilesOf(m.step_us.best()));
@@ -164,6 +165,12 @@ void AddAccuracy(CLI::App& app) {
                    "Ellipsoid: triangles of its mesh at least (20, 80, ..., 5120, 20480, 81920)")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command
+      ->add_option_function<double>(
+          "--tolerance-um", [options](double um) { options->experiment.tolerance = 1e-6 * um; },
+          "Ellipsoid, surface contact: how truly that mesh stands for a curved surface, as a "
+          "scene's \"curved\" says; 0: felt as it is  [3]")
+      ->check(CLI::Range(0.0, 1e6));
   options->features.AddTo(*command);
   command->add_option("--steps", options->experiment.steps, "Samples of steady sliding")
       ->check(CLI::PositiveNumber)

@@ -6,6 +6,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "scenes/curved_mesh.h"
 #include "scenes/shapes.h"
 #include "scenes/sphere_tree_builder.h"
 #include "server/physics/haptic_step.h"
@@ -64,6 +65,9 @@ Scene SlidingScene(const SlidingExperiment& experiment, std::size_t spheres) {
   ball.mesh = MakeSphere(kSlidingBallRadius, 320);
   ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), kSlidingBallRadius});
   object.mesh = ObjectMesh(experiment, experiment.triangles);
+  if (experiment.tolerance > 0.0 && experiment.features.contact == ContactModel::kSurface) {
+    object.mesh = RefineCurved(object.mesh, {.tolerance = experiment.tolerance}).mesh;
+  }
   object.tree = BuildSphereTree(object.mesh, spheres, [&](std::string_view stage, double done) {
     Progress(fmt::format("{} of {} spheres: {} {:.0f} % ...", experiment.object, spheres, stage,
                          100.0 * done));
@@ -108,8 +112,12 @@ SlidingForce MeasureSlidingForce(const SlidingExperiment& experiment, std::size_
     step_us.Add(us);
   }
   Progress("");
-  return {spheres, scene.objects.front().mesh.triangles.size(), ForceErrors(path, forces),
-          truncation_um, step_us};
+  return {spheres,
+          ObjectMesh(experiment, experiment.triangles).triangles.size(),
+          scene.objects.front().mesh.triangles.size(),
+          ForceErrors(path, forces),
+          truncation_um,
+          step_us};
 }
 
 }  // namespace palpate::bench

@@ -32,6 +32,9 @@ struct ForceErrors {
 struct SlidingExperiment {
   std::string object = "cube";    ///< or ellipsoid
   std::size_t triangles = 20480;  ///< of the ellipsoid's mesh, at least
+  /// How truly that mesh stands for the ellipsoid (scenes/curved_mesh.h) where the contact is of
+  /// surfaces [m]; 0: its triangles are taken as they are.
+  double tolerance = 3e-6;
   Features features{.contact = ContactModel::kSpheres};
   int steps = 4000;  ///< of steady sliding
   int repeats = 5;
@@ -39,12 +42,14 @@ struct SlidingExperiment {
   bool cube() const { return object == "cube"; }
 };
 SlidingPath PathOf(const SlidingExperiment& experiment);
+/// As made, not refined.
 TriangleMesh ObjectMesh(const SlidingExperiment& experiment, std::size_t triangles);
 /// Ball and object; the object's tree has so many leaves.
 Scene SlidingScene(const SlidingExperiment& experiment, std::size_t spheres);
 
 struct SlidingForce {
   std::size_t spheres = 0, triangles = 0;
+  std::size_t felt_triangles = 0;  ///< what those are refined into
   ForceErrors errors;
   MeanMax truncation_um;
   BestOf step_us;

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -99,8 +100,14 @@ TEST(Catalogue, CubeAndEllipsoidAreThoseOfTheAccuracyExperiment) {
   const MeshReport box = InspectMesh(cube.objects[0].mesh);
   EXPECT_NEAR((box.box_max - Vec3::Constant(0.025)).norm(), 0.0, 1e-15);
   const Scene ellipsoid = LoadScene("ellipsoid", options);
-  for (const Vec3& v : ellipsoid.objects[0].mesh.vertices) {
-    EXPECT_NEAR(v.cwiseQuotient(Vec3(0.04, 0.025, 0.03)).norm(), 1.0, 1e-12);
+  const Vec3 axes(0.04, 0.025, 0.03);
+  EXPECT_GT(ellipsoid.objects[0].mesh.triangles.size(), 50'000u);
+  for (const auto& [i, j, k] : ellipsoid.objects[0].mesh.triangles) {
+    const auto& v = ellipsoid.objects[0].mesh.vertices;
+    for (const Vec3& p : {v[i], v[j], v[k], Vec3((v[i] + v[j] + v[k]) / 3.0)}) {
+      const Vec3 gradient = p.cwiseQuotient(axes.cwiseProduct(axes));
+      EXPECT_LT(std::abs(p.cwiseQuotient(axes).norm() - 1.0), 3.1e-6 * gradient.norm());
+    }
   }
 }
 
@@ -146,6 +153,79 @@ TEST(LoadScene, BuildsAnewWhenTheSceneOrAMeshChanges) {
   f.Load();
   EXPECT_TRUE(f.built);
   EXPECT_EQ(f.Cached().size(), 3u);
+}
+
+/// A sphere of 80 triangles as a file of two parts, and a ball.
+std::string CurvedText(const std::string& curved) {
+  return R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
+  "objects": [{"name": "ball2", "mesh": {"file": "ball.obj", "unit": "m")" +
+         curved + R"(}, "leaves": 64, "regions": [
+    {"group": "north", "material": {"static_friction": 0.5}}]}]})";
+}
+std::string BallFile() {
+  const TriangleMesh ball = MakeSphere(0.03, 80);
+  std::ostringstream text;
+  text.precision(17);
+  for (const Vec3& v : ball.vertices) text << "v " << v.transpose() << '\n';
+  for (const bool north : {false, true}) {
+    text << (north ? "o north\n" : "o south\n");
+    for (const auto& [i, j, k] : ball.triangles) {
+      const double y = ball.vertices[i].y() + ball.vertices[j].y() + ball.vertices[k].y();
+      if ((y > 0.0) == north) text << "f " << i + 1 << ' ' << j + 1 << ' ' << k + 1 << '\n';
+    }
+  }
+  return text.str();
+}
+
+TEST(LoadScene, RefinesAMeshThatStandsForACurvedSurfaceAndKeepsItsParts) {
+  Fixture f;
+  WriteFile(f.folder + "/ball.obj", BallFile());
+  const auto load = [&](const std::string& curved) {
+    WriteFile(f.scene, CurvedText(curved));
+    return f.Load();
+  };
+  const Scene coarse = load("");
+  const Scene off = load(", \"curved\": false");
+  const Scene fine = load(", \"curved\": {\"tolerance_um\": 30}");
+  EXPECT_TRUE(f.built) << "not the coarse one's cache";
+  EXPECT_EQ(coarse.objects[0].mesh.triangles.size(), 80u);
+  EXPECT_EQ(off.objects[0].mesh.triangles.size(), 80u);
+  EXPECT_GT(fine.objects[0].mesh.triangles.size(), 1280u);
+  for (const Vec3& v : fine.objects[0].mesh.vertices) EXPECT_NEAR(v.norm(), 0.03, 100e-6);
+  EXPECT_THAT(f.warnings, IsEmpty());
+  // What is felt is what is drawn: the bundle has the same mesh, and so has the tree.
+  EXPECT_EQ(PackScene(load(", \"curved\": {\"tolerance_um\": 30}")), PackScene(fine));
+  EXPECT_FALSE(f.built);
+  const Body& ball = fine.objects[0];
+  EXPECT_EQ(*std::max_element(ball.tree.leaf_triangle.begin(), ball.tree.leaf_triangle.end()) + 1,
+            ball.mesh.triangles.size());
+  std::size_t north = 0, south = 0;
+  for (std::size_t i = 0; i < ball.tree.leaves(); ++i) {
+    double lowest = 1.0, highest = -1.0;
+    for (auto k = ball.tree.leaf_triangle_begin[i]; k < ball.tree.leaf_triangle_begin[i + 1]; ++k) {
+      for (const std::uint32_t v : ball.mesh.triangles[ball.tree.leaf_triangle[k]]) {
+        lowest = std::min(lowest, ball.mesh.vertices[v].y());
+        highest = std::max(highest, ball.mesh.vertices[v].y());
+      }
+    }
+    // The parts meet in a zigzag round the equator.
+    if (lowest > 0.01) north += ball.leaf_material[i] == 1 ? 1 : 1000;
+    if (highest < -0.01) south += ball.leaf_material[i] == 0 ? 1 : 1000;
+  }
+  EXPECT_GT(north, 4u);
+  EXPECT_GT(south, 4u);
+  EXPECT_LT(north + south, 64u) << "a leaf of one part has the other's material";
+}
+
+TEST(LoadScene, SaysWhereTrianglesDoNotSufficeForTheTolerance) {
+  Fixture f;
+  WriteFile(f.folder + "/ball.obj", BallFile());
+  WriteFile(f.scene, CurvedText(R"(, "curved": {"tolerance_um": 5, "max_triangles": 3000})"));
+  const Scene scene = f.Load();
+  EXPECT_LE(scene.objects[0].mesh.triangles.size(), 3000u);
+  EXPECT_THAT(f.warnings,
+              ElementsAre(HasSubstr("objects[0].mesh.curved: 3000 triangles do not suffice for 5 "
+                                    "um; the mesh is true to 80 um with")));
 }
 
 TEST(LoadScene, MendsABrokenCacheAndSaysSo) {

@@ -37,6 +37,13 @@ TEST(JsonFile, NamesThePathOfANestedField) {
       HasSubstr("f.json:3: tools[1].leaves: is a string; give a number"));
 }
 
+TEST(JsonFile, TellsTheWordFalseFromAllElse) {
+  const JsonNode list = JsonNode::Parse("[false, true, 0, \"false\", null, {}]", "f.json");
+  const std::vector<JsonNode> items = list.Items();
+  EXPECT_TRUE(items[0].IsFalse());
+  for (std::size_t i = 1; i < items.size(); ++i) EXPECT_FALSE(items[i].IsFalse()) << i;
+}
+
 TEST(JsonFile, GuessesWhatAnUnknownFieldMeant) {
   EXPECT_THAT(Complaint("{\"laeves\": 3}",
                         [](const JsonNode& n) {

@@ -80,6 +80,38 @@ std::string WithObject(const std::string& fields) {
   return With("\"leaves\": 100", "\"leaves\": 100, " + fields);
 }
 
+TEST(SceneFile, ReadsHowTrulyAMeshStandsForACurvedSurface) {
+  const auto curved = [](const std::string& field) {
+    return ParseScene(With("\"unit\": \"mm\"", "\"unit\": \"mm\"" + field), "f.json")
+        .objects[0]
+        .mesh.curved;
+  };
+  EXPECT_FALSE(curved("").has_value()) << "triangles are taken as they are";
+  EXPECT_FALSE(curved(", \"curved\": false").has_value());
+  ASSERT_TRUE(curved(", \"curved\": {\"tolerance_um\": 2.5}").has_value());
+  EXPECT_DOUBLE_EQ(curved(", \"curved\": {\"tolerance_um\": 2.5}")->tolerance, 2.5e-6);
+  EXPECT_EQ(curved(", \"curved\": {\"tolerance_um\": 2.5}")->max_triangles,
+            CurvedOptions{}.max_triangles);
+  EXPECT_EQ(curved(", \"curved\": {\"tolerance_um\": 5, \"max_triangles\": 9000}")->max_triangles,
+            9000u);
+  // Every kind of mesh has it.
+  const SceneDescription all = ParseScene(R"({
+    "tools": [{"name": "a", "leaves": 8, "mesh": {"shape": "probe", "curved": {"tolerance_um": 1}}}],
+    "objects": [
+      {"name": "b", "leaves": 8, "mesh": {"shape": "ellipsoid", "semi_axes_m": [1, 2, 3],
+                                          "curved": {"tolerance_um": 2}}},
+      {"name": "c", "leaves": 8, "mesh": {"shape": "sphere", "radius_m": 1,
+                                          "curved": {"tolerance_um": 3}}},
+      {"name": "d", "leaves": 8, "mesh": {"shape": "box", "size_m": [1, 2, 3],
+                                          "curved": {"tolerance_um": 4}}}]
+  })",
+                                          "f.json");
+  EXPECT_EQ(all.tools[0].mesh.curved->tolerance, 1e-6);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_DOUBLE_EQ(all.objects[i].mesh.curved->tolerance, (2.0 + i) * 1e-6);
+  }
+}
+
 TEST(SceneFile, TakesSurfaceContactAndNothingElseWhereNothingIsSaid) {
   const Features features = ParseScene(kGood, "f.json").features;
   EXPECT_EQ(features.contact, ContactModel::kSurface);
@@ -142,6 +174,10 @@ Bad BadMaterial(const char* name, const std::string& fields, const char* complai
 Bad BadRegion(const char* name, const std::string& fields, const char* complaint) {
   const std::string text = "\"leaves\": 100, \"regions\": [{" + fields + "}]";
   return {name, "\"leaves\": 100", text, complaint};
+}
+
+Bad BadCurved(const char* name, const std::string& value, const char* complaint) {
+  return {name, "\"unit\": \"mm\"", "\"unit\": \"mm\", \"curved\": " + value, complaint};
 }
 
 class BadScene : public testing::TestWithParam<Bad> {};
@@ -227,6 +263,27 @@ INSTANTIATE_TEST_SUITE_P(
         BadRegion("EmptyBox",
                   "\"box\": {\"min_mm\": [0, 0, 2], \"max_mm\": [1, 1, 1]}, \"material\": {}",
                   "regions[0].box: is empty; no entry of min_mm"),
+        BadCurved("CurvedBare", "true", "mesh.curved: is true or false; give an object"),
+        BadCurved("CurvedNumber", "3", "mesh.curved: is a number; give an object"),
+        BadCurved("CurvedWithoutTolerance", "{}",
+                  "f.json:7: objects[0].mesh.curved: tolerance_um is missing; add it"),
+        BadCurved("CurvedExactly", "{\"tolerance_um\": 0}",
+                  "curved.tolerance_um: 0 is not allowed; give a number from 0.1 to"),
+        BadCurved("CurvedInMetres", "{\"tolerance_um\": 3e-6}", "give a number from 0.1 to"),
+        BadCurved("CurvedMisspelt", "{\"tolerance_mm\": 3}", "did you mean \"tolerance_um\"?"),
+        BadCurved("CurvedToNothing", "{\"tolerance_um\": 3, \"max_triangles\": 0}",
+                  "curved.max_triangles: 0 is not allowed; give a number from 1 to"),
+        Bad{"CurvedSpheres", "\"unit\": \"mm\"}, \"leaves\": 100}\n  ]",
+            "\"unit\": \"mm\", \"curved\": {\"tolerance_um\": 3}}, \"leaves\": 100}\n  ], "
+            "\"contact\": \"spheres\"",
+            "objects[0].mesh.curved: has no effect where the contact is of spheres; drop it"},
+        Bad{"CurvedSoftObject", "\"unit\": \"mm\"}",
+            "\"unit\": \"mm\", \"curved\": {\"tolerance_um\": 3}}, "
+            "\"material\": {\"stiffness_N_per_m\": 500}",
+            "objects[0].mesh.curved: has no effect on an object that is soft or wears"},
+        Bad{"CurvedBall", "\"radius_m\": 0.005",
+            "\"radius_m\": 0.005, \"curved\": {\"tolerance_um\": 3}",
+            "f.json:3: tools[0].mesh.curved: has no effect on a tool of one leaf"},
         Bad{"NotJson", "\"leaves\": 100", "\"leaves\" 100", "f.json:7: this is not JSON"}),
     [](const auto& test) { return std::string(test.param.name); });
 
