@@ -15,12 +15,12 @@ namespace palpate {
 class ObjectMeshes;  // surface/body_meshes.h
 struct MeshWithTree;
 
-/// What the tools of a scene may touch: the objects' leaves as one tree and, where surfaces decide
-/// the contact, the surfaces of those that have one.  Immutable; shared by the models of all tools.
+/// What the tools of a scene may touch: the objects' leaves as one tree, and the meshes of
+/// the objects that are felt by their mesh.  Immutable; shared by the models of all tools.
 class SceneObjects {
  public:
   /// Throws Error where there is no object, a tree is empty or not finite, or a mesh is lacking for
-  /// surface contact.
+  /// ContactModel::kSurface.
   explicit SceneObjects(std::span<const PlacedTree> objects,
                         ContactModel contact = ContactModel::kSpheres);
   ~SceneObjects();

@@ -31,9 +31,8 @@ inline constexpr int kMaxSubsteps = 8;
 /// Rows of a sub-step: a peg in a hole of spheres has some 10,000, and this is the next power of
 /// two.
 inline constexpr int kMaxRows = 16384;
-/// Packet pairs and candidates of a cycle, some 10 ns each: a further sub-step begins only where
-/// one like the last stays within them, 50 us.  That is about what a snap over a ledge costs at
-/// most.
+/// Packet pairs of a cycle, some 10 ns each: a further sub-step begins only where one like the last
+/// stays within them, 50 us.  That is about what a snap over a ledge costs at most.
 inline constexpr int kMaxTested = 5000;
 
 // --- Bounds of a cycle's sub-steps (solve/step_bounds.h). ---
@@ -143,9 +142,9 @@ inline constexpr double kLeastTurn = 1e-24;
 namespace mesh {
 /// delta: what rows keep between the meshes [m].  Taken: a thousandth of a newton at 1 N/mm.
 inline constexpr double kSeparation = 1e-6;
-/// h: what a pair must be separated by at the end of a sub-step [m].  Half of delta; the other half
-/// is for what linearising a rotation leaves, kMaxTruncation, and for the arc of a turning point
-/// beside its chord, a quarter of that.
+/// h: what a pair must be separated by at the end of a sub-step [m].  A turning point's arc leaves
+/// its chord by up to a quarter of kMaxTruncation, 0.125 um: h covers it.  Rows ask for delta, so
+/// the rest, delta - h = kMaxTruncation, is what linearising a rotation may miss of it.
 inline constexpr double kFree = 0.5 * kSeparation;
 /// What a pair nearer than delta regains in a sub-step [m], where that does not lift the tool
 /// against the spring: less than h, so that no force comes of it that could be felt.
@@ -154,7 +153,8 @@ inline constexpr double kRegain = 0.3e-6;
 /// 2e-15 m, planes at 1e-7 m to 1e-8 of a triangle's size.
 inline constexpr double kRounding = 1e-9;
 /// Sine of the angle between two edges below which their common normal turns too fast, and the
-/// nearest points decide: at 0.02, 1 mm along the edges turns it by no more than the sub-step may.
+/// nearest points decide: a turn of the tool turns that normal by up to the same over this sine,
+/// fifty times as much.  Taken.
 inline constexpr double kParallel = 0.02;
 /// A corner is the place that touches where it is no farther than the nearest points by this share,
 /// and this [m].

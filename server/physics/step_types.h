@@ -36,9 +36,9 @@ struct StepParameters {
   double max_truncation = limits::kMaxTruncation;  ///< [m]
   int max_substeps = limits::kMaxSubsteps;         ///< per cycle; a count, never a clock
   int max_rows = limits::kMaxRows;
-  /// A further sub-step is begun where one like the last would leave the cycle's packet pairs and
-  /// candidates, which take some 10 ns each, below this: what a snap over a ledge costs at most,
-  /// and the next cycle goes on.  A count, never a clock.
+  /// A further sub-step is begun where one like the last would leave the cycle's packet pairs,
+  /// which take some 10 ns each, within this: what a snap over a ledge costs at most, and the next
+  /// cycle goes on.  A count, never a clock.
   int max_tested = limits::kMaxTested;
   Features features{.contact = ContactModel::kSpheres};
 };

@@ -17,7 +17,7 @@ struct ContactPlace {
 };
 
 /// Where a row touches: the one place that knows what the pair of a row means.
-/// @param R_WG  orientation of the tool; between surfaces that of the prediction counts.
+/// @param R_WG  orientation of the tool.  Not used for rows between meshes, which hold their lever.
 /// Real-time.
 ContactPlace PlaceOf(const HapticModel& model, const ContactRows& rows, int row,
                      const Mat3& R_WG) noexcept;

@@ -7,13 +7,14 @@
 
 namespace palpate {
 
-/// Bounds of a cycle's first sub-step: twice what the hand moved, and a little.  A step nearest
-/// to the hand's moves no further than the hand does while the same contacts hold; where it does (a
-/// ledge ends, a jump), the sub-steps after it have wider bounds.  Tight bounds mean few rows.
+/// Bounds of a cycle's first sub-step: kBoundsOverHand times what the hand moved, and a little;
+/// limits.h has that factor for leaves and another for meshes.  A step nearest to the hand's moves
+/// no further than the hand does while the same contacts hold; where it does (a ledge ends, a
+/// jump), the sub-steps after it have wider bounds.  Tight bounds mean few rows.
 /// @param hand_step  what the hand moved since the last cycle.
 StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexcept;
 
-/// Bounds of the next sub-step: eight times wider.
+/// Bounds of the next sub-step: kWiden times wider, up to the widest.
 StepBounds WiderBounds(const HapticModel& model, const StepBounds& bounds) noexcept;
 
 /// Greatest part, at most 1, of a step that stays inside the bounds that the prediction covers.

@@ -47,7 +47,7 @@ struct StepContext {
 
   // Predict: the sub-step, and the rows that it has to respect (buffers.rows).
   StepBounds bounds{};       ///< how far it may go
-  std::int64_t spent = 0;    ///< packet pairs and candidates of the cycle so far
+  std::int64_t spent = 0;    ///< packet pairs of the cycle so far
   std::int64_t last = 0;     ///< of them, those of the last sub-step
   Target target;             ///< the hand, from where the sub-step begins
   Mat3 R_WG;                 ///< the graphic tool's orientation there

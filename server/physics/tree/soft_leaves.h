@@ -30,7 +30,7 @@ class SoftLeaves {
   /// Null where no leaf is soft.  Throws Error where a stiffness is not positive.
   static std::unique_ptr<const SoftLeaves> Make(const ObjectForest& objects,
                                                 double coupling_stiffness);
-  /// What has a surface is rigid.
+  /// Rigid for a row that is not between leaves.
   Leaf of(const LeafPair& pair) const {
     return KindOf(pair) == RowKind::kLeaves ? leaves_[static_cast<std::size_t>(pair.object)]
                                             : Leaf{};

@@ -260,15 +260,13 @@ double ToolTree::MaxLeverOf(const SphereTree& tree) {
   return lever;
 }
 
-ToolTree::ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference,
-                   Levers levers)
+ToolTree::ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference)
     : reference_(reference) {
   CheckTree(tree);
   for (std::size_t i = 0; i < tree.leaves(); ++i) {
     const Vec3 l = LeafCentre(tree, i) - reference_;
     leaves_.push_back({l.x(), l.y(), l.z(), tree.leaf_radius[i]});
-    const double rim = levers == Levers::kToRims ? tree.leaf_radius[i] : 0.0;
-    max_lever_ = std::max(max_lever_, l.norm() + rim);
+    max_lever_ = std::max(max_lever_, l.norm());
     reach_ = std::max(reach_, l.norm() + tree.leaf_radius[i]);
   }
   // What float rounding of the pose and of the rotated centre can move a sphere by, near the
@@ -291,8 +289,7 @@ ToolTree::ToolTree(const SphereTree& tree, double world_extent, const Vec3& refe
         Ball ball =
             last ? Ball{LeafCentre(tree, child), tree.leaf_radius[child]} : LaneBall(in, lane);
         ball.center -= reference_;
-        const double rim = levers == Levers::kToRims ? ball.radius : 0.0;
-        const double lever = last ? ball.center.norm() + rim : below[child];
+        const double lever = last ? ball.center.norm() : below[child];
         ball.radius += rounding;
         SetLane(out.sphere, lane, ball, in.child[lane]);
         out.lever[lane] = LeverUp(lever);

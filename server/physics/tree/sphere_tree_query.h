@@ -62,17 +62,12 @@ class ObjectForest {
   double radius_ = 0.0;
 };
 
-/// The tool's tree, relative to its reference point, with the longest lever arm below each node.
-/// Immutable.
+/// The tool's tree, relative to its reference point, with the longest lever arm below each node:
+/// that of a leaf's centre, for a ball turns in place. Immutable.
 class ToolTree {
  public:
-  enum class Levers {
-    kToCentres,  ///< of the leaves: a ball turns in place
-    kToRims,     ///< for trees whose nodes hold what the leaves hold, not the leaves
-  };
   /// @param world_extent  how far the objects reach from W's origin [m], for the rounding margin
-  ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference,
-           Levers levers = Levers::kToCentres);
+  ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference);
 
   const PacketLevels<ToolPacket>& levels() const { return levels_; }
   const std::vector<LeafSphere>& leaves() const { return leaves_; }
