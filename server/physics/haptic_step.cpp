@@ -110,7 +110,7 @@ void Predict(StepContext& context) {
   StepBuffers& buffers = context.buffers;
   const std::int64_t before = buffers.prediction.tested();
   context.friction_before = context.state.friction;
-  context.iterates = context.retractions = 0;
+  context.iterates = 0;
   context.target = TargetOf(context.p_G, context.q_G, context.p_H, context.q_H);
   context.R_WG = context.q_G.toRotationMatrix();
   buffers.prediction.Predict(context.model, context.kernels, context.R_WG, context.p_G,
@@ -249,20 +249,22 @@ bool Clear(StepContext& context) {
     const bool turns = context.model.degrees_of_freedom() == 6;
     return meshes.Check(context.v, turns ? context.phi : Vec3::Zero(), buffers.rows) == 0;
   };
+  const bool goes_on = context.iterates < limits::mesh::kIterates;
   if (is_free()) {
-    if (context.arrived && context.retractions < limits::mesh::kRetractions) {
-      ++context.retractions;
-      if (meshes.Retract(optimum.qp.row, optimum.qp.active, buffers.rows) != 0) return false;
+    if (context.arrived && goes_on &&
+        meshes.Retract(optimum.qp.row, optimum.qp.active, buffers.rows) != 0) {
+      return false;
     }
     if (!Lifts(context, context.v, context.phi) || Rubs(context)) return true;
     StepDown(context);
     if (is_free()) return true;
-  } else if (context.iterates < limits::mesh::kIterates && !meshes.IsExhausted()) {
+  } else if (goes_on && !meshes.IsExhausted()) {
     return false;
   }
   context.arrived = false;
   context.state.friction = context.friction_before;  // of no trial
-  for (int i = 0; i < limits::mesh::kHalvings; ++i) {
+  while (context.v.norm() + meshes.tool().mesh.reach() * context.phi.norm() >
+         limits::mesh::kRounding) {
     context.v *= 0.5;
     context.phi *= 0.5;
     if (is_free()) return true;

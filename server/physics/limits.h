@@ -157,35 +157,30 @@ inline constexpr double kRounding = 1e-9;
 /// fifty times as much.  Taken.
 inline constexpr double kParallel = 0.02;
 /// A corner is the place that touches where it is no farther than the nearest points by this share,
-/// and this [m].
-inline constexpr double kWitnessRatio = 1.02, kWitness = 20e-9;
+/// and by the same share of delta.
+inline constexpr double kWitnessRatio = 1.02, kWitness = (kWitnessRatio - 1.0) * kSeparation;
 /// A ball's row is turned again where its direction leaves the smooth normal by more [rad]: a
 /// thousandth of the force.
 inline constexpr double kTurned = 1e-3;
-/// The first bounds, as kBoundsOverHand and kBoundsAcross.  Tighter, for every pair that the bounds
-/// could bring together is looked at in each trial, and a trial beyond them costs but one sub-step.
-inline constexpr double kBoundsOverHand = 1.25, kBoundsAcross = 0.15;
+/// The first bounds, as the other kBoundsOverHand, and nothing across.  Tighter, for a row that a
+/// wider trial asks for may hold back a nearer one, and a trial beyond them costs but one sub-step.
+inline constexpr double kBoundsOverHand = 1.25;
 /// A row that its contact lets the tool go by less than this [m] holds it: twice delta.
 inline constexpr double kTouching = 2.0 * kSeparation;
-/// Iterates of a sub-step, and of them those that take rows out.
-inline constexpr int kIterates = 16, kRetractions = 12;
-/// Halvings of a trial that is not free before the tool stays: to a thousandth.
-inline constexpr int kHalvings = 10;
-/// Pairs that a sub-step looks at closely at most, some 100 ns each: 200 us.  A further sub-step is
+/// Iterates of a sub-step: taken.  Three are usual.
+inline constexpr int kIterates = 16;
+/// Pairs that a sub-step looks at closely at most, some 150 ns each: 300 us.  A further sub-step is
 /// begun where one like the last would leave the cycle's below this.
 inline constexpr int kMaxLooks = 2000;
-/// Pairs that a trial looks at before it sees whether there are enough, and how many that are not
-/// apart are enough for another trial.  Taken: six rows hold a tool.
-inline constexpr std::size_t kBatch = 32;
-inline constexpr int kEnough = 8;
-/// Pairs of patches that a sub-step tries to make one, and the room that one must have, as a share
-/// of what the sub-step's trials could take away: a lasting one is worth more tests than it saves.
-inline constexpr int kMerges = 32;
-inline constexpr double kMergeShare = 0.3;
-/// Beyond such a move [m, rad] the front begins anew: it would be looked at as a whole.
-inline constexpr double kFarAway = 10e-3, kFarTurned = 0.2;
+/// Pairs that are looked at, or tried to be made one, before it is seen how to go on: taken.
+inline constexpr int kBatch = 32;
+/// Pairs that are not apart in a trial for which there is another one: six rows hold a tool.
+inline constexpr int kEnough = 6;
+/// Where the pose was set, and the tool's farthest point goes further than the sub-steps of a cycle
+/// take it [m], the front begins anew: it would be looked at as a whole.
+inline constexpr double kSetFar = kMaxSubsteps * kMaxTranslation;
 /// Room for pairs in a sub-step: bunnies in deep contact have 5,000 near, and 300 that touch.
-inline constexpr std::size_t kMaxNear = 32768, kMaxTouches = 8192;
+inline constexpr std::size_t kMaxNear = 32768, kMaxTouches = kMaxNear / 4;
 }  // namespace mesh
 
 /// What leaves inside an object that is felt by its mesh are shrunk by, to tell what starts inside

@@ -1,6 +1,7 @@
 #include "server/physics/rows/mesh_contact.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <new>
@@ -16,6 +17,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using namespace limits::mesh;
 
 constexpr std::align_val_t kCacheLine{64};
+/// Pairs of the front that are brought up to date at a time, before it is known which are near.
+constexpr int kRefreshed = kBatch;
 constexpr std::int32_t kTag = static_cast<std::int32_t>(RowKind::kMeshes) << kRowKindShift;
 
 LeafPair KeyOf(BoxTree::Node tool, BoxTree::Node object, int slot) {
@@ -34,6 +37,32 @@ double LeastNew(double distance) {
   return distance > 0.5 * kFree ? std::min(kFree, distance) - kRounding : distance;
 }
 
+/// The first four lanes at the one pose, the others at the other.
+PoseLanes LanesOf(const ToolPose& from, const ToolPose& to) {
+  PoseLanes lanes;
+  for (int k = 0; k < 8; ++k) {
+    const ToolPose& at = k < 4 ? from : to;
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c) lanes.R[r][c][k] = at.R(r, c);
+      lanes.p[r][k] = at.p[r];
+    }
+  }
+  return lanes;
+}
+
+/// A pair of near_ whose plane does not hold at a trial, and the gap that is left along it: one
+/// number, which is less where the gap is, so that sorting compares nothing else.  The index takes
+/// the place of the gap's last bits.
+static_assert(kMaxNear == 1 << 15);
+std::int64_t DoubtOf(double gap, std::int32_t near) {
+  auto bits = std::bit_cast<std::int64_t>(gap);
+  bits ^= (bits >> 63) & std::numeric_limits<std::int64_t>::max();  // ordered as gaps are
+  return (bits & ~static_cast<std::int64_t>(kMaxNear - 1)) | near;
+}
+std::int32_t NearOf(std::int64_t doubt) {
+  return static_cast<std::int32_t>(doubt & static_cast<std::int64_t>(kMaxNear - 1));
+}
+
 bool AreTriangles(BoxTree::Node tool, BoxTree::Node object) {
   return BoxTree::IsLeaf(tool) && BoxTree::IsLeaf(object);
 }
@@ -50,7 +79,7 @@ MeshContact::MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, 
   near_.reserve(kMaxNear);
   next_.resize(kMaxNear);
   seen_.resize(SeparationFront::kMaxSlots);
-  found_.resize(SeparationFront::kMaxSlots);
+  found_.resize(SeparationFront::kMaxSlots + 8);
   doubts_.reserve(kMaxNear);
   deferred_.reserve(kMaxNear);
   constexpr std::size_t kStride = kMaxNear + 8;  // not a power of two, or columns share a cache set
@@ -153,24 +182,39 @@ void MeshContact::Cover(double translation, double rotation) {
   covered_ = way;
   const int found = kernels_->find_below(front_->expiry(), static_cast<int>(front_->slots()),
                                          front_->way() + way, found_.data());
-  const std::size_t first = near_.size();
   int count = 0;
   for (int f = 0; f < found; ++f) {
     const SeparationFront::Index i = found_[static_cast<std::size_t>(f)];
     if (seen_[static_cast<std::size_t>(i)] == substep_) continue;
-    if (near_.size() == kMaxNear) {
-      full_ = true;
-      break;
-    }
     if (!front_->IsKept(i)) {
       const SeparationFront::Pair& pair = front_->pair(i);
       const Vec3 n = front_->Normal(i);
       front_->Set(i, n, Low(pair.tool, n, from_) - objects_.tree.Highest(pair.object, n));
     }
-    AddNear(i);
     found_[static_cast<std::size_t>(count++)] = i;
   }
-  front_->Refresh(*kernels_, found_.data(), count, static_cast<int>(first), planes_);
+  for (int done = 0; done < count; done += kRefreshed) {
+    if (near_.size() + kRefreshed > kMaxNear) {
+      full_ = true;
+      return;
+    }
+    AddNear(found_.data() + done, std::min(kRefreshed, count - done), way);
+  }
+}
+
+/// Adds those of some pairs of the front that a motion of such a length could bring together.  Most
+/// could not: an expiry counts every motion as one against the plane.
+void MeshContact::AddNear(const SeparationFront::Index* index, int count, double way) {
+  const auto first = static_cast<int>(near_.size());
+  front_->Refresh(*kernels_, index, count, first, planes_);
+  for (int i = 0; i < count; ++i) {
+    if (planes_.slack[first + i] >= way) continue;
+    const auto to = static_cast<int>(near_.size());
+    for (double* along : planes_.along) along[to] = along[first + i];
+    planes_.slack[to] = planes_.slack[first + i];
+    planes_.radius[to] = planes_.radius[first + i];
+    AddNear(index[i]);
+  }
 }
 
 void MeshContact::Begin(const Kernels& kernels, SeparationFront& front, const ToolPose& from,
@@ -194,11 +238,10 @@ void MeshContact::Begin(const Kernels& kernels, SeparationFront& front, const To
   touch_of_row_.clear();
   full_ = false;
 
-  if (front.empty() || (from.p - front.now().p).norm() > kFarAway ||
-      RotationLog(from.q * front.now().q.conjugate()).norm() > kFarTurned) {
-    front.Restart(tool_.tree, objects_.tree, from);
-  } else if (from.p != front.now().p || from.q.coeffs() != front.now().q.coeffs()) {
-    front.Move(from, tool_.mesh.reach());  // the pose was set
+  if (front.empty()) front.Restart(tool_.tree, objects_.tree, from);
+  if (from.p != front.now().p || from.q.coeffs() != front.now().q.coeffs()) {  // the pose was set
+    const double way = front.Move(from, tool_.mesh.reach());
+    if (way > kSetFar) front.Restart(tool_.tree, objects_.tree, from);
   }
 
   // Opens the front as far as it must be to know the pairs that touched last.
@@ -224,6 +267,7 @@ int MeshContact::Check(const Vec3& v, const Vec3& phi, ContactRows& rows) noexce
   phi_ = phi;
   moved_ = v != Vec3::Zero() || phi != Vec3::Zero();
   to_ = moved_ ? from_.Moved(v, phi) : from_;
+  ends_ = LanesOf(from_, to_);
   const double angle = phi.norm();
   // The rotation's second order is 1/2 |phi|^2 of a point's lever at most.
   const double bend = 0.5 * angle * angle * (tool_.mesh.reach() + tool_.radius);
@@ -244,19 +288,19 @@ int MeshContact::Check(const Vec3& v, const Vec3& phi, ContactRows& rows) noexce
     collected = all;
     for (int f = 0; f < found; ++f) {
       const std::int32_t k = found_[static_cast<std::size_t>(f)];
-      doubts_.push_back({planes_.left[k], k});
+      doubts_.push_back(DoubtOf(planes_.left[k], k));
     }
     if (done == doubts_.size()) {
       GiveDeferredRows(rows);
       return apart_not;
     }
     // The deepest first.  With a good many rows the next trial is another one: the rest can wait.
-    const std::size_t end = std::min(done + kBatch, doubts_.size());
+    const std::size_t end = std::min(done + static_cast<std::size_t>(kBatch), doubts_.size());
     const auto at = [&](std::size_t i) { return doubts_.begin() + static_cast<std::ptrdiff_t>(i); };
     if (end < doubts_.size()) std::nth_element(at(done), at(end), doubts_.end());
     std::sort(at(done), at(end));
     for (; done < end; ++done) {
-      if (!LookCloser(doubts_[done].near, rows)) ++apart_not;
+      if (!LookCloser(NearOf(doubts_[done]), rows)) ++apart_not;
     }
     if ((moved_ && apart_not >= kEnough) || IsExhausted()) {
       GiveDeferredRows(rows);
@@ -272,7 +316,7 @@ bool MeshContact::LookCloser(std::int32_t k, ContactRows& rows) {
   near.looked_at = trial_;
   if (IsExhausted()) return false;
   ++tested_;
-  if (!AreTriangles(near.tool, near.object)) return PatchesApart(near) || Split(k);
+  if (!AreTriangles(near.tool, near.object)) return FirstLook(near) || Split(k);
   const bool has_plane =
       near.touch >= 0 &&
       touches_[static_cast<std::size_t>(near.touch)].plane.of != Plane::Of::kNone;
@@ -301,26 +345,47 @@ void MeshContact::GiveDeferredRows(ContactRows& rows) {
   for (const std::int32_t k : deferred_) GiveRows(near_[static_cast<std::size_t>(k)], rows);
 }
 
-/// Calls holds(n) for the planes that are likely to separate two patches, until one does: those of
-/// the sides of their boxes, the flattest first, and the one between their middles.
-template <class Holds>
-bool MeshContact::AnyPlane(BoxTree::Node tool, BoxTree::Node object, const ToolPose& at,
-                           Holds holds) const {
+/// The planes that are likely to separate two pieces: `own`, those of the flattest sides of their
+/// boxes, or of triangles, and the one between their middles.
+MeshContact::FourPlanes MeshContact::LikelyPlanes(BoxTree::Node tool, BoxTree::Node object,
+                                                  const ToolPose& at, const Vec3& own) const {
   const Vec3 between = at.R * tool_.tree.Centre(tool) + at.p - objects_.tree.Centre(object);
   const auto flattest = [](const MeshWithTree& of, BoxTree::Node node) -> Vec3 {
     if (BoxTree::IsLeaf(node)) return of.mesh.triangles()[BoxTree::TriangleOf(node)].normal;
     return of.tree.box(node).Flattest();
   };
+  // A side faces both ways; the way that the other piece lies will do.
   const auto outward = [&](const Vec3& n) { return n.dot(between) < 0.0 ? Vec3(-n) : n; };
-  if (holds(outward(flattest(objects_, object)))) return true;
-  if (holds(outward(at.R * flattest(tool_, tool)))) return true;
   const double length = between.norm();
-  return length > 0.0 && holds(Vec3(between / length));
+  return {own, outward(flattest(objects_, object)), outward(at.R * flattest(tool_, tool)),
+          length > 0.0 ? Vec3(between / length) : own};
 }
 
-bool MeshContact::PatchesApart(NearPair& near) {
-  const auto holds = [&](const Vec3& n) { return HoldsAlong(near, n, kFree, kFree); };
-  return holds(NormalOf(near)) || AnyPlane(near.tool, near.object, from_, holds);
+/// The gaps along four planes, first with the tool at the beginning of the lanes' motion, then at
+/// its end.
+std::array<double, 8> MeshContact::GapsAlong(BoxTree::Node tool, BoxTree::Node object,
+                                             const PoseLanes& X, const FourPlanes& planes) const {
+  VectorLanes n;
+  for (int k = 0; k < 4; ++k) {
+    for (int c = 0; c < 3; ++c) n.x[c][k] = n.x[c][4 + k] = planes[static_cast<std::size_t>(k)][c];
+  }
+  alignas(64) std::array<double, 8> gap;
+  kernels_->gaps_along(tool_.tree.PieceOf(tool), objects_.tree.PieceOf(object), X, n, gap.data());
+  for (double& g : gap) g -= tool_.radius;
+  return gap;
+}
+
+/// Tries the planes that are at hand.
+bool MeshContact::FirstLook(NearPair& near) {
+  const FourPlanes planes = LikelyPlanes(near.tool, near.object, from_, NormalOf(near));
+  const auto gap = GapsAlong(near.tool, near.object, ends_, planes);
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (!(gap[k] >= kFree && gap[4 + k] >= kFree)) continue;
+    SetPlane(near, planes[k], gap[k]);
+    next_[static_cast<std::size_t>(&near - near_.data())] = {planes[k], gap[4 + k]};
+    return true;
+  }
+  return false;
 }
 
 bool MeshContact::Split(std::int32_t k) {
@@ -370,6 +435,7 @@ MeshContact::Touch& MeshContact::TouchOf(NearPair& near) {
   near.touch = static_cast<std::int32_t>(touches_.size());
   Touch& touch = touches_.emplace_back();
   touch.row[0] = touch.row[1] = touch.row[2] = -1;
+  touch.retracted = false;
   const Corners corners = CornersAt(near.tool, near.object, from_);
   touch.nearest = NearestOfTriangles(corners.a, corners.b);
   const double length = std::sqrt(touch.nearest.squared);
@@ -402,18 +468,6 @@ MeshContact::Touch& MeshContact::TouchOf(NearPair& near) {
     }
   }
   return touch;
-}
-
-/// Tries the planes that are at hand: that of before, and those of the triangles themselves.
-bool MeshContact::FirstLook(NearPair& near) {
-  const auto holds = [&](const Vec3& n) { return HoldsAlong(near, n, kFree, kFree); };
-  if (holds(NormalOf(near))) return true;
-  // A face has two sides; the one that the other triangle is on will do.
-  const Vec3 between =
-      from_.R * tool_.tree.Centre(near.tool) + from_.p - objects_.tree.Centre(near.object);
-  const auto outward = [&](const Vec3& n) { return n.dot(between) < 0.0 ? Vec3(-n) : n; };
-  return holds(outward(objects_.mesh.triangles()[BoxTree::TriangleOf(near.object)].normal)) ||
-         holds(outward(from_.R * tool_.mesh.triangles()[BoxTree::TriangleOf(near.tool)].normal));
 }
 
 bool MeshContact::TrianglesApart(NearPair& near) {
@@ -609,7 +663,7 @@ int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noex
     if (row >= touch_of_row_.size() || touch_of_row_[row] < 0) continue;
     const std::int32_t index = touch_of_row_[row];
     Touch& touch = touches_[static_cast<std::size_t>(index)];
-    if (touch.distance <= 0.0) continue;
+    if (touch.distance <= 0.0 || touch.retracted) continue;
     const auto found = std::find_if(near_.begin(), near_.end(),
                                     [&](const NearPair& near) { return near.touch == index; });
     NearPair& near = *found;
@@ -654,6 +708,7 @@ int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noex
       r = -1;
     }
     touch.plane = other;
+    touch.retracted = true;
     ++changed;
   }
   return changed;
@@ -663,29 +718,23 @@ int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noex
 /// the planes tried does, the pair is tried again when the tool has gone as far as the best one
 /// lacks: no gap changes faster.
 void MeshContact::Merge() {
-  for (int i = 0; i < kMerges; ++i) {
+  for (int i = 0; i < kBatch; ++i) {
     SeparationFront::Index index = front_->NextMergeable();
     if (index < 0) return;
     // A pair that has been merged may now be merged with its sibling.
     for (; index >= 0 && front_->IsMergeable(index); index = front_->pair(index).parent) {
       const SeparationFront::Pair& pair = front_->pair(index);
       ++tested_;
-      const double margin = kMergeShare * covered_ + kTouching;
-      double best = -kInfinity;
-      Vec3 plane = Vec3::Zero();
-      const auto holds = [&](const Vec3& n) {
-        const double gap = Low(pair.tool, n, to_) - objects_.tree.Highest(pair.object, n);
-        if (gap > best) {
-          best = gap;
-          plane = n;
-        }
-        return gap >= margin;
-      };
-      if (!holds(front_->Normal(pair.child)) && !AnyPlane(pair.tool, pair.object, to_, holds)) {
-        front_->RetryAfter(index, margin - best);
+      const FourPlanes planes =
+          LikelyPlanes(pair.tool, pair.object, to_, front_->Normal(pair.child));
+      const auto gap = GapsAlong(pair.tool, pair.object, ends_, planes);
+      const auto best = std::max_element(gap.begin() + 4, gap.end());
+      const double margin = kTouching;
+      if (!(*best >= margin)) {
+        front_->RetryAfter(index, margin - *best);
         break;
       }
-      front_->Merge(index, plane, best);
+      front_->Merge(index, planes[static_cast<std::size_t>(best - gap.begin()) - 4], *best);
     }
   }
 }
@@ -695,6 +744,7 @@ void MeshContact::Stay() noexcept {
   v_.setZero();
   phi_.setZero();
   moved_ = false;
+  ends_ = LanesOf(from_, to_);
 }
 
 void MeshContact::Accept() noexcept {
@@ -716,21 +766,25 @@ void MeshContact::Accept() noexcept {
 }
 
 bool MeshContact::IsFree(const ToolPose& at) const {
+  const PoseLanes lanes = LanesOf(at, at);
   std::vector<std::pair<BoxTree::Node, BoxTree::Node>> left{
       {tool_.tree.root(), objects_.tree.root()}};
   while (!left.empty()) {
     const auto [tool, object] = left.back();
     left.pop_back();
-    const auto holds = [&, tool = tool, object = object](const Vec3& n) {
-      return Low(tool, n, at) - objects_.tree.Highest(object, n) > limits::mesh::kRounding;
-    };
-    if (AnyPlane(tool, object, at, holds)) continue;
+    const FourPlanes planes = LikelyPlanes(tool, object, at, Vec3::UnitZ());
+    const auto gap = GapsAlong(tool, object, lanes, planes);
+    if (*std::max_element(gap.begin(), gap.end()) > limits::mesh::kRounding) continue;
     if (AreTriangles(tool, object)) {
       const Corners corners = CornersAt(tool, object, at);
       const NearestPoints nearest = NearestOfTriangles(corners.a, corners.b);
       const double length = std::sqrt(nearest.squared);
-      if (!(length > 0.0) || !holds((nearest.p - nearest.q) / length)) return false;
-    } else if (tool_.tree.Size(tool) >= objects_.tree.Size(object)) {
+      if (!(length > 0.0)) return false;
+      const Vec3 n = (nearest.p - nearest.q) / length;
+      if (!(Low(tool, n, at) - objects_.tree.Highest(object, n) > limits::mesh::kRounding)) {
+        return false;
+      }
+    } else if (tool_.tree.IsLarger(tool, objects_.tree, object)) {
       for (BoxTree::Node child : tool_.tree.box(tool).child) left.emplace_back(child, object);
     } else {
       for (BoxTree::Node child : objects_.tree.box(object).child) left.emplace_back(tool, child);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -90,8 +91,9 @@ class MeshContact {
     Vec3 u;                 ///< direction between them
     double distance;        ///< the gap along u: negative where they intersect
     bool in_cone;
-    Plane plane;  ///< where it has rows
-    int row[3];   ///< of the corners, or the one row of kEdges; -1 where there is none
+    Plane plane;     ///< where it has rows
+    bool retracted;  ///< once in a sub-step: two planes could be taken for each other in turn
+    int row[3];      ///< of the corners, or the one row of kEdges; -1 where there is none
   };
   /// A pair of the front that the bounds could bring together.  Its plane at the sub-step's
   /// beginning, which every trial reads, stands in planes_ at the same index.
@@ -106,14 +108,7 @@ class MeshContact {
     Vec3 n;
     double slack;
   };
-  /// A pair whose plane does not hold at a trial, and the gap that is left along it.
-  struct Doubt {
-    double gap;
-    std::int32_t near;
-    bool operator<(const Doubt& other) const {
-      return gap != other.gap ? gap < other.gap : near < other.near;
-    }
-  };
+  using FourPlanes = std::array<Vec3, 4>;
   struct Corners {
     Vec3 a[3], b[3];
   };
@@ -125,9 +120,10 @@ class MeshContact {
   bool HoldsAlong(NearPair& near, const Vec3& n, double least_old, double least_new);
   bool HoldsAcross(NearPair& near, const Plane& plane, const Touch& touch);
   Vec3 NormalAt(const NearPair& near, const Plane& plane, const ToolPose& at) const;
-  template <class Holds>
-  bool AnyPlane(BoxTree::Node tool, BoxTree::Node object, const ToolPose& at, Holds holds) const;
-  bool PatchesApart(NearPair& near);
+  FourPlanes LikelyPlanes(BoxTree::Node tool, BoxTree::Node object, const ToolPose& at,
+                          const Vec3& own) const;
+  std::array<double, 8> GapsAlong(BoxTree::Node tool, BoxTree::Node object, const PoseLanes& X,
+                                  const FourPlanes& planes) const;
   bool FirstLook(NearPair& near);
   bool TrianglesApart(NearPair& near);
   bool LookCloser(std::int32_t k, ContactRows& rows);
@@ -137,6 +133,7 @@ class MeshContact {
   bool Split(std::int32_t k);
   void SetPlane(NearPair& near, const Vec3& n, double slack);
   void AddNear(SeparationFront::Index index);
+  void AddNear(const SeparationFront::Index* index, int count, double way);
   void Cover(double translation, double rotation);
   void Merge();
   Corners CornersAt(BoxTree::Node tool, BoxTree::Node object, const ToolPose& at) const;
@@ -154,8 +151,9 @@ class MeshContact {
 
   const MeshWithTree& tool_;
   const MeshWithTree& objects_;
-  const Kernels* kernels_ = nullptr;
+  const Kernels* kernels_ = &ActiveKernels();
   ToolPose from_, to_;
+  PoseLanes ends_;  ///< the two of them
   Vec3 v_ = Vec3::Zero(), phi_ = Vec3::Zero();
   bool moved_ = false;
   bool full_ = false;     ///< more pairs are near than there is room for
@@ -169,7 +167,7 @@ class MeshContact {
   std::unique_ptr<double[], void (*)(double*)> plane_storage_;
   PlaneColumns planes_{};  ///< of each of near_
   std::vector<std::int32_t> found_;
-  std::vector<Doubt> doubts_;
+  std::vector<std::int64_t> doubts_;
   std::vector<std::int32_t> deferred_;  ///< of near_: out of their cones
   bool touched_ = false;                ///< a pair in its cones has got rows at the trial
   std::vector<Touch> touches_;

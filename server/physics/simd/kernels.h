@@ -54,6 +54,22 @@ struct PlaneMotion {
   double least_old, least_new;  ///< [m], before and after
 };
 
+/// A convex piece of a mesh, in the frame of its mesh: a box, its centre and the three vectors from
+/// there to its sides; or a triangle, its corners.
+struct Piece {
+  const double* x;  ///< 12 or 9 coordinates [m]
+  bool triangle;
+};
+
+/// Eight poses of the tool in W, and eight vectors.
+struct alignas(64) PoseLanes {
+  double R[3][3][8];
+  double p[3][8];
+};
+struct alignas(64) VectorLanes {
+  double x[3][8];
+};
+
 /// A packet of the tool's tree, and how much each sphere grows with the rotation that is allowed
 /// for.
 struct alignas(32) ToolPacket {
@@ -125,9 +141,14 @@ struct Kernels {
                        const double* p, double inverse_rho, const NodePair* pairs, int count,
                        int first, const RowColumns& rows);
 
-  /// Indices of the values below a limit; the column is aligned and padded as PlaneColumns. Returns
-  /// how many.
+  /// Indices of the values below a limit; the column is aligned and padded as PlaneColumns.  May
+  /// write up to 8 beyond the last.  Returns how many.
   int (*find_below)(const double* value, int count, double limit, std::int32_t* out);
+
+  /// How far the tool's piece lies above the object's along n, with the tool at X, lane by lane
+  /// [|n| m]: below 0 where they overlap.
+  void (*gaps_along)(const Piece& tool, const Piece& object, const PoseLanes& X,
+                     const VectorLanes& n, double gap[8]);
 
   /// The planes of `count` slots as they are now, as columns from `first` on: each slack less by
   /// what its node moved against n since its epoch, and what it turned times its radius.
@@ -138,7 +159,8 @@ struct Kernels {
 
   /// Indices, from `first` on, of the planes that do not hold throughout a motion: slack <
   /// least_old, or left = slack + n . v + (l x n) . phi - |phi| radius < least_new.  Fills the
-  /// column `left`, from the multiple of eight below `first` on.  Returns how many.
+  /// column `left`, from the multiple of eight below `first` on.  May write up to 8 indices beyond
+  /// the last.  Returns how many.
   int (*find_used_up)(const PlaneColumns& planes, int first, int count, const PlaneMotion& motion,
                       std::int32_t* out);
 

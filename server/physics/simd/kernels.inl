@@ -117,15 +117,63 @@ void BuildRows(const LeafSphere* tool, const LeafSphere* object, const double* R
   }
 }
 
+/// Of each byte, the places of the bits that are set, the lowest first.
+struct PlacesOfBits {
+  std::uint8_t place[256][8] = {};
+  constexpr PlacesOfBits() {
+    for (unsigned bits = 0; bits < 256; ++bits) {
+      int found = 0;
+      for (unsigned k = 0; k < 8; ++k) {
+        if ((bits >> k & 1u) != 0) place[bits][found++] = static_cast<std::uint8_t>(k);
+      }
+    }
+  }
+};
+constexpr PlacesOfBits kPlacesOfBits;
+
+/// Appends first + k for each bit k that is set, without a branch on how many are: that cannot be
+/// foretold.  Writes up to eight.
+[[gnu::always_inline]] inline int Append(std::uint32_t bits, int first, std::int32_t* out) {
+  for (int k = 0; k < 8; ++k) out[k] = first + kPlacesOfBits.place[bits][k];
+  return __builtin_popcount(bits);
+}
+
 int FindBelow(const double* value, int count, double limit, std::int32_t* out) {
   const D8 least = Set1(limit);
   int found = 0;
-  for (int i = 0; i < count; i += 8) {
-    for (std::uint32_t left = Less(Load(value + i), least); left != 0; left &= left - 1) {
-      out[found++] = i + __builtin_ctz(left);
-    }
-  }
+  for (int i = 0; i < count; i += 8) found += Append(Less(Load(value + i), least), i, out + found);
   return found;
+}
+
+/// The least of m . x over a piece, in each lane.
+[[gnu::always_inline]] inline D8 Lowest(const Piece& piece, const D8 m[3]) {
+  const auto along = [&](int k) {
+    const double* x = piece.x + 3 * k;
+    return Fma(m[2], Set1(x[2]), Fma(m[1], Set1(x[1]), m[0] * Set1(x[0])));
+  };
+  if (piece.triangle) return Min(Min(along(0), along(1)), along(2));
+  D8 least = along(0);
+  for (int k = 1; k < 4; ++k) {
+    const D8 side = along(k);
+    least = least + Min(side, Set1(0.0) - side);
+  }
+  return least;
+}
+
+void GapsAlong(const Piece& tool, const Piece& object, const PoseLanes& X, const VectorLanes& n,
+               double gap[8]) {
+  D8 along[3], back[3], in_tool[3];
+  for (int c = 0; c < 3; ++c) {
+    along[c] = Load(n.x[c]);
+    back[c] = Set1(0.0) - along[c];
+  }
+  D8 least = Set1(0.0);
+  for (int c = 0; c < 3; ++c) {
+    in_tool[c] = Fma(Load(X.R[2][c]), along[2],
+                     Fma(Load(X.R[1][c]), along[1], Load(X.R[0][c]) * along[0]));
+    least = Fma(Load(X.p[c]), along[c], least);
+  }
+  Store(gap, least + Lowest(tool, in_tool) + Lowest(object, back));
 }
 
 void RefreshPlanes(const PlaneRecord* records, const std::uint32_t* epochs,
@@ -177,7 +225,7 @@ int FindUsedUp(const PlaneColumns& planes, int first, int count, const PlaneMoti
     std::uint32_t low = Less(slack, least_old) | Less(left, least_new);
     if (i < first) low &= ~0u << (first - i);
     if (i + 8 > count) low &= (1u << (count - i)) - 1u;
-    for (; low != 0; low &= low - 1) out[found++] = i + __builtin_ctz(low);
+    found += Append(low, i, out + found);
   }
   return found;
 }
@@ -188,6 +236,7 @@ constexpr Kernels MakeKernels(const char* name) {
           BuildRows<6>,
           BuildRows<3>,
           FindBelow,
+          GapsAlong,
           RefreshPlanes,
           FindUsedUp,
           Solve<6>,

@@ -58,7 +58,7 @@ struct StepContext {
   FrictionState friction_before;           ///< as the sub-step found it
 
   // Solve and rub: the pose that the tool should have.
-  int iterates = 0, retractions = 0;  ///< of the sub-step: rows between meshes come on violation
+  int iterates = 0;  ///< of the sub-step: rows between meshes come on violation
   Optimum optimum;
   SoftContacts yielding;  ///< the soft rows that push there
 

@@ -101,7 +101,8 @@ BoxTree::BoxTree(const ContactMesh& mesh) {
         box.radius = std::max(box.radius, (mesh.Corner(t, c) - box.centre).norm());
       }
     }
-    box.size = half.norm();
+    const double shortest = half[order_of[0]];
+    box.scale = shortest > 0.0 ? 1.0 / shortest : 0.0;
     const auto node = static_cast<Node>(boxes_.size());
     attach(node);
     boxes_.push_back(box);
@@ -114,11 +115,6 @@ BoxTree::BoxTree(const ContactMesh& mesh) {
     const std::size_t middle = work.patch.size() / 2;
     left.push_back({work.patch.subspan(middle), node, 1});
     left.push_back({work.patch.first(middle), node, 0});
-  }
-  // A node is no smaller than what is below it, whatever the boxes' slant: children come later.
-  for (std::size_t i = boxes_.size(); i-- > 1;) {
-    double& above = boxes_[static_cast<std::size_t>(boxes_[i].parent)].size;
-    above = std::max(above, boxes_[i].size);
   }
 }
 

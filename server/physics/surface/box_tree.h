@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "common/math/pose.h"
+#include "server/physics/simd/kernels.h"
 #include "server/physics/surface/contact_mesh.h"
 
 namespace palpate {
@@ -21,12 +23,12 @@ class BoxTree {
     Vec3 centre;    ///< [m]
     Mat3 sides;     ///< columns, orthogonal: from the centre to three sides, the shortest first [m]
     double radius;  ///< of the ball about the centre that holds the triangles below [m]
-    double size;    ///< longest half diagonal of this and all below: which of two nodes is split
+    double scale;   ///< 1 over the length of the shortest side; 0 for a point
     Node parent;    ///< -1 for the root
     Node child[2];
 
-    /// Unit normal of the widest side.
-    Vec3 Flattest() const { return sides.col(0).normalized(); }
+    /// Unit normal of the widest side; zero for a point.
+    Vec3 Flattest() const { return scale * sides.col(0); }
   };
 
   BoxTree() = default;
@@ -39,14 +41,22 @@ class BoxTree {
   Node Parent(Node node) const {
     return IsLeaf(node) ? leaf_parent_[TriangleOf(node)] : box(node).parent;
   }
-  /// 0 for a triangle.
-  double Size(Node node) const { return IsLeaf(node) ? 0.0 : box(node).size; }
   /// Centre of a node, and radius about it of a ball that holds what is below [m].
   const Vec3& Centre(Node node) const {
     return IsLeaf(node) ? leaf_centre_[TriangleOf(node)] : box(node).centre;
   }
   double Radius(Node node) const {
     return IsLeaf(node) ? leaf_radius_[TriangleOf(node)] : box(node).radius;
+  }
+  /// Of a pair that is not of two triangles, whether this tree's node is the one to be opened.
+  bool IsLarger(Node node, const BoxTree& than, Node other) const {
+    return !IsLeaf(node) && (IsLeaf(other) || box(node).radius >= than.box(other).radius);
+  }
+  /// As the kernels take it.
+  Piece PieceOf(Node node) const {
+    if (IsLeaf(node)) return {leaf_corners_[TriangleOf(node)].data(), true};
+    static_assert(offsetof(Box, sides) == 3 * sizeof(double));
+    return {box(node).centre.data(), false};
   }
   /// The most of n . x over what is below a node, n any vector [|n| m].
   double Highest(Node node, const Vec3& n) const {

@@ -4,13 +4,14 @@
 #include <limits>
 
 #include "common/math/rotation.h"
+#include "server/physics/limits.h"
 
 namespace palpate {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-/// Pairs of siblings that NextMergeable looks at in a call.  Taken.
-constexpr int kMergeScan = 64;
+/// Pairs of siblings that NextMergeable looks at in a call.
+constexpr int kMergeScan = 2 * limits::mesh::kBatch;
 
 }  // namespace
 
@@ -58,11 +59,12 @@ void SeparationFront::Put(Index i, const BoxTree& tool, BoxTree::Node of_tool,
   pairs_[static_cast<std::size_t>(i)] = {of_tool, of_object, parent, -1};
 }
 
-void SeparationFront::Move(const ToolPose& at, double reach) {
+double SeparationFront::Move(const ToolPose& at, double reach) {
   const Epoch& before = now();
   const double angle = RotationLog(at.q * before.q.conjugate()).norm();
   const double turned = before.turned + angle;
-  way_ += (at.p - before.p).norm() + reach * angle;
+  const double way = (at.p - before.p).norm() + reach * angle;
+  way_ += way;
   ++epoch_;
   epochs_[epoch_ % kPlaneEpochs] = {at.p, at.q, at.R, turned};
   for (std::size_t e = 0; e < kPlaneEpochs; ++e) {
@@ -74,6 +76,7 @@ void SeparationFront::Move(const ToolPose& at, double reach) {
     }
     motion.turned = turned - then.turned;
   }
+  return way;
 }
 
 void SeparationFront::Refresh(const Kernels& kernels, const Index* slots, int count, int first,
@@ -112,7 +115,7 @@ SeparationFront::Index SeparationFront::Split(Index i, const BoxTree& tool, cons
     if (8 * expiry_.size() < pairs_.size()) expiry_.push_back(kUnused);
   }
   Pair& whole = pairs_[static_cast<std::size_t>(i)];
-  const bool of_tool = tool.Size(whole.tool) >= objects.Size(whole.object);
+  const bool of_tool = tool.IsLarger(whole.tool, objects, whole.object);
   for (int side = 0; side < 2; ++side) {
     const BoxTree::Node a = of_tool ? tool.box(whole.tool).child[side] : whole.tool;
     const BoxTree::Node b = of_tool ? whole.object : objects.box(whole.object).child[side];

@@ -60,7 +60,8 @@ class SeparationFront {
   /// The roots' pair alone, not known to be apart, for the tool at `at`.
   void Restart(const BoxTree& tool, const BoxTree& objects, const ToolPose& at);
   /// The tool has gone to `at`.  `reach`: of its farthest point from the reference point [m].
-  void Move(const ToolPose& at, double reach);
+  /// Returns the way of that point at most [m].
+  double Move(const ToolPose& at, double reach);
 
   const Pair& pair(Index i) const { return pairs_[static_cast<std::size_t>(i)]; }
   /// Its plane, and the slack that it had at the pose where that was set or refreshed last; not

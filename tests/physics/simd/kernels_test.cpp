@@ -1,5 +1,7 @@
 #include "server/physics/simd/kernels.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -134,6 +136,59 @@ TEST(Kernels, FindThePlanesThatAMotionUsesUpAtEverySimdLevel) {
           for (int c = 0; c < 6; ++c) left += planes.along[c][i] * motion.step[c];
           if (std::isfinite(left)) ASSERT_NEAR(planes.left[i], left, 1e-14);
         }
+      }
+    }
+  }
+}
+
+TEST(Kernels, TellHowFarPiecesLieAboveEachOtherAtEverySimdLevel) {
+  const Kernels* level[3];
+  const int levels = AvailableKernels(level);
+  Random random(16);
+  // The corners of a piece.
+  const auto corners = [](const std::array<double, 12>& x, bool triangle) {
+    const auto at = [&](std::size_t k) { return Vec3(x[3 * k], x[3 * k + 1], x[3 * k + 2]); };
+    if (triangle) return std::vector<Vec3>{at(0), at(1), at(2)};
+    std::vector<Vec3> all;
+    for (int bits = 0; bits < 8; ++bits) {
+      Vec3 corner = at(0);
+      for (int k = 0; k < 3; ++k)
+        corner += ((bits >> k & 1) != 0 ? 1.0 : -1.0) * at(1 + static_cast<std::size_t>(k));
+      all.push_back(corner);
+    }
+    return all;
+  };
+  for (int trial = 0; trial < 400; ++trial) {
+    std::array<double, 12> tool, object;
+    for (double& x : tool) x = random.Uniform(-0.05, 0.05);
+    for (double& x : object) x = random.Uniform(-0.05, 0.05);
+    const Piece a{tool.data(), (trial & 1) != 0}, b{object.data(), (trial & 2) != 0};
+    PoseLanes X;
+    VectorLanes n;
+    double want[8];
+    for (int k = 0; k < 8; ++k) {
+      const Mat3 R = random.Rotation().toRotationMatrix();
+      const Vec3 p = random.InCube(0.1), along = random.Direction();
+      for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) X.R[r][c][k] = R(r, c);
+        X.p[r][k] = p[r];
+        n.x[r][k] = along[r];
+      }
+      want[k] = std::numeric_limits<double>::infinity();
+      for (const Vec3& x : corners(tool, a.triangle)) {
+        for (const Vec3& y : corners(object, b.triangle)) {
+          want[k] = std::min(want[k], along.dot(R * x + p - y));
+        }
+      }
+    }
+    double first[8];
+    for (int l = 0; l < levels; ++l) {
+      double got[8];
+      level[l]->gaps_along(a, b, X, n, got);
+      if (l == 0) std::copy(got, got + 8, first);
+      for (int k = 0; k < 8; ++k) {
+        ASSERT_NEAR(got[k], want[k], 1e-15) << level[l]->name << ", trial " << trial;
+        ASSERT_EQ(got[k], first[k]) << level[l]->name << ", trial " << trial;
       }
     }
   }

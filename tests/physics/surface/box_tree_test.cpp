@@ -65,7 +65,7 @@ void Judge(const TriangleMesh& source, double size) {
     }
     if (BoxTree::IsLeaf(node)) {
       ++seen[BoxTree::TriangleOf(node)];
-      EXPECT_EQ(tree.Size(node), 0.0);
+      EXPECT_FALSE(tree.IsLarger(node, tree, node));
       continue;
     }
     const Mat3 squares = tree.box(node).sides.transpose() * tree.box(node).sides;
@@ -74,11 +74,19 @@ void Judge(const TriangleMesh& source, double size) {
               1e-12 * lengths2.maxCoeff());
     EXPECT_LE(lengths2[0], lengths2[1] * (1.0 + 1e-12));
     EXPECT_LE(lengths2[1], lengths2[2] * (1.0 + 1e-12));
-    if (lengths2.maxCoeff() > 0.0) EXPECT_NEAR(tree.box(node).Flattest().norm(), 1.0, 1e-12);
-    EXPECT_GE(tree.Size(node), tree.box(node).sides.norm() * (1.0 - 1e-12));
+    if (lengths2.maxCoeff() > 0.0) {
+      EXPECT_NEAR(tree.box(node).Flattest().norm(), 1.0, 1e-12);
+    }
+    EXPECT_TRUE(tree.IsLarger(node, tree, node));
     for (const BoxTree::Node child : tree.box(node).child) {
       EXPECT_EQ(tree.Parent(child), node);
-      EXPECT_LE(tree.Size(child), tree.Size(node));
+      // A triangle is never opened, not even beside a point.
+      if (BoxTree::IsLeaf(child)) {
+        EXPECT_FALSE(tree.IsLarger(child, tree, node));
+        EXPECT_TRUE(tree.IsLarger(node, tree, child));
+      } else if (tree.Radius(child) < tree.Radius(node)) {
+        EXPECT_FALSE(tree.IsLarger(child, tree, node));
+      }
       left.push_back(child);
     }
   }
@@ -131,7 +139,6 @@ TEST(BoxTree, IsOneTriangleWhereThereIsOne) {
   ASSERT_TRUE(BoxTree::IsLeaf(tree.root()));
   EXPECT_EQ(BoxTree::TriangleOf(tree.root()), 0u);
   EXPECT_EQ(tree.Parent(tree.root()), -1);
-  EXPECT_EQ(tree.Size(tree.root()), 0.0);
   EXPECT_EQ(tree.Highest(tree.root(), Vec3::UnitZ()), 0.03);
   const ContactMesh point = ContactMesh::Point();
   const BoxTree of_point(point);
