@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstddef>
 
 /// Every constant of the haptic step on one page: unit, usual value, and what it derives from.
@@ -169,9 +170,11 @@ inline constexpr double kBoundsOverHand = 1.25;
 inline constexpr double kTouching = 2.0 * kSeparation;
 /// Iterates of a sub-step: taken.  Three are usual.
 inline constexpr int kIterates = 16;
-/// Pairs that a sub-step looks at closely at most, some 150 ns each: 300 us.  A further sub-step is
+/// Pairs that a sub-step looks at closely at most, some 130 ns each: 450 us.  A further sub-step is
 /// begun where one like the last would leave the cycle's below this.
-inline constexpr int kMaxLooks = 2000;
+inline constexpr int kMaxLooks = 3400;
+/// Pairs that are brought up to date, and tested in the trials, in the time of one look.
+inline constexpr int kRefreshesALook = 8;
 /// Pairs that are looked at, or tried to be made one, before it is seen how to go on: taken.
 inline constexpr int kBatch = 32;
 /// Pairs that are not apart in a trial for which there is another one: six rows hold a tool.
@@ -179,8 +182,11 @@ inline constexpr int kEnough = 6;
 /// Where the pose was set, and the tool's farthest point goes further than the sub-steps of a cycle
 /// take it [m], the front begins anew: it would be looked at as a whole.
 inline constexpr double kSetFar = kMaxSubsteps * kMaxTranslation;
-/// Room for pairs in a sub-step: bunnies in deep contact have 5,000 near, and 300 that touch.
-inline constexpr std::size_t kMaxNear = 32768, kMaxTouches = kMaxNear / 4;
+/// Room for pairs in a sub-step: as many near ones as it brings up to date, and two for each look
+/// that splits one.
+inline constexpr std::size_t kMaxNear =
+    std::bit_ceil(static_cast<std::size_t>((kRefreshesALook + 2) * kMaxLooks));
+inline constexpr std::size_t kMaxTouches = kMaxLooks;
 }  // namespace mesh
 
 /// What leaves inside an object that is felt by its mesh are shrunk by, to tell what starts inside

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <new>
 
@@ -53,7 +54,6 @@ PoseLanes LanesOf(const ToolPose& from, const ToolPose& to) {
 /// A pair of near_ whose plane does not hold at a trial, and the gap that is left along it: one
 /// number, which is less where the gap is, so that sorting compares nothing else.  The index takes
 /// the place of the gap's last bits.
-static_assert(kMaxNear == 1 << 15);
 std::int64_t DoubtOf(double gap, std::int32_t near) {
   auto bits = std::bit_cast<std::int64_t>(gap);
   bits ^= (bits >> 63) & std::numeric_limits<std::int64_t>::max();  // ordered as gaps are
@@ -194,10 +194,9 @@ void MeshContact::Cover(double translation, double rotation) {
     found_[static_cast<std::size_t>(count++)] = i;
   }
   for (int done = 0; done < count; done += kRefreshed) {
-    if (near_.size() + kRefreshed > kMaxNear) {
-      full_ = true;
-      return;
-    }
+    // Those that are not brought up to date any more are not known to be apart.
+    full_ = IsExhausted() || near_.size() + kRefreshed > kMaxNear;
+    if (full_) return;
     AddNear(found_.data() + done, std::min(kRefreshed, count - done), way);
   }
 }
@@ -207,6 +206,7 @@ void MeshContact::Cover(double translation, double rotation) {
 void MeshContact::AddNear(const SeparationFront::Index* index, int count, double way) {
   const auto first = static_cast<int>(near_.size());
   front_->Refresh(*kernels_, index, count, first, planes_);
+  refreshed_ += count;
   for (int i = 0; i < count; ++i) {
     if (planes_.slack[first + i] >= way) continue;
     const auto to = static_cast<int>(near_.size());
@@ -219,7 +219,7 @@ void MeshContact::AddNear(const SeparationFront::Index* index, int count, double
 
 void MeshContact::Begin(const Kernels& kernels, SeparationFront& front, const ToolPose& from,
                         const LeafPair* active, int actives, ContactRows& rows) noexcept {
-  first_tested_ = tested_;
+  tested_ = refreshed_ = 0;
   kernels_ = &kernels;
   front_ = &front;
   from_ = to_ = from;
@@ -280,33 +280,32 @@ int MeshContact::Check(const Vec3& v, const Vec3& phi, ContactRows& rows) noexce
   touched_ = false;
   // Pairs that there was no room for are not known to be apart.
   int apart_not = full_ ? 1 : 0, collected = 0;
-  for (std::size_t done = 0;;) {
+  for (;;) {
     // Those whose planes do not hold throughout the trial; patches that were split have added to
     // them.
     const auto all = static_cast<int>(near_.size());
     const int found = kernels_->find_used_up(planes_, collected, all, motion, found_.data());
     collected = all;
+    if (IsExhausted()) {
+      apart_not += found + static_cast<int>(doubts_.size());
+      break;
+    }
     for (int f = 0; f < found; ++f) {
       const std::int32_t k = found_[static_cast<std::size_t>(f)];
       doubts_.push_back(DoubtOf(planes_.left[k], k));
+      std::push_heap(doubts_.begin(), doubts_.end(), std::greater<>());
     }
-    if (done == doubts_.size()) {
-      GiveDeferredRows(rows);
-      return apart_not;
-    }
+    if (doubts_.empty() || (moved_ && apart_not >= kEnough)) break;
     // The deepest first.  With a good many rows the next trial is another one: the rest can wait.
-    const std::size_t end = std::min(done + static_cast<std::size_t>(kBatch), doubts_.size());
-    const auto at = [&](std::size_t i) { return doubts_.begin() + static_cast<std::ptrdiff_t>(i); };
-    if (end < doubts_.size()) std::nth_element(at(done), at(end), doubts_.end());
-    std::sort(at(done), at(end));
-    for (; done < end; ++done) {
-      if (!LookCloser(NearOf(doubts_[done]), rows)) ++apart_not;
-    }
-    if ((moved_ && apart_not >= kEnough) || IsExhausted()) {
-      GiveDeferredRows(rows);
-      return apart_not + static_cast<int>(doubts_.size() - done);
+    for (int i = 0; i < kBatch && !doubts_.empty() && !IsExhausted(); ++i) {
+      std::pop_heap(doubts_.begin(), doubts_.end(), std::greater<>());
+      const std::int32_t k = NearOf(doubts_.back());
+      doubts_.pop_back();
+      if (!LookCloser(k, rows)) ++apart_not;
     }
   }
+  GiveDeferredRows(rows);
+  return apart_not;
 }
 
 /// Whether a pair is apart at the trial, whatever the front's own plane says.  Patches that no

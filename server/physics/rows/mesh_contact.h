@@ -66,8 +66,9 @@ class MeshContact {
   /// after Stay it stays.  The planes go into the front.
   void Accept() noexcept;
 
-  /// Pairs looked at closely since Begin: what the sub-step costs, as a count.
-  std::int64_t looks() const { return tested_ - first_tested_; }
+  /// Pairs looked at closely since Begin, and brought up to date: what the sub-step costs, as a
+  /// count of looks.
+  std::int64_t looks() const { return tested_ + refreshed_ / limits::mesh::kRefreshesALook; }
   /// The sub-step may look no closer (limits::mesh::kMaxLooks): what needs it is not apart.
   bool IsExhausted() const { return looks() >= limits::mesh::kMaxLooks; }
   /// Whether no triangle of the tool meets one of the objects at a pose.  What lies wholly inside a
@@ -175,7 +176,7 @@ class MeshContact {
   std::vector<double> regain_;  ///< of each row: what it asks for beyond what its pair has [m]
   bool regains_ = true;
   SeparationFront* front_ = nullptr;  ///< during a sub-step
-  std::int64_t tested_ = 0, first_tested_ = 0;
+  std::int64_t tested_ = 0, refreshed_ = 0;
 };
 
 }  // namespace palpate
