@@ -84,8 +84,9 @@ std::vector<OfferedTool> AskForTools(const dds::Participant& service, const AskO
     if (IsMeant(offered, scene)) AddTools(offered, tools);
   }
   if (tools.empty()) {
-    throw Error("scene '" + scene + "' is not served in domain " + std::to_string(options.domain) +
-                "; give --scene with one of: " + names + ", or start palpate-server with yours");
+    throw Error("scene '" + scene + "' is not served here; give --scene with one of: " + names +
+                ", or start palpate-server with yours (--domain " + std::to_string(options.domain) +
+                ")");
   }
   return tools;
 }

@@ -127,9 +127,8 @@ TEST_F(OwnScene, ThatIsNotServedIsNamedWithThoseThatAre) {
   Serve({"--scene", (folder / "mine.json").string()});
   const auto station = Station({"--device", "simulated", "--scene", "yours"});
   EXPECT_EQ(station->Exit(), 1);
-  EXPECT_THAT(station->Output(),
-              HasSubstr("scene 'yours' is not served in domain " + std::to_string(kDomain) +
-                        "; give --scene with one of: mine"));
+  EXPECT_THAT(station->Output(), HasSubstr("scene 'yours' is not served here; give --scene with "
+                                           "one of: mine, or start palpate-server with yours"));
 }
 
 TEST_F(OwnScene, IsNotAskedForByAStationWhoseDeviceIsMissing) {

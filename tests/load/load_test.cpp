@@ -201,7 +201,8 @@ TEST_F(Load, NamesWhatTheServerDoesNotOffer) {
   EXPECT_THAT(find->Output(), HasSubstr("--stations 5: the server offers 4 tools"));
   const auto scene = Start({"--scene", "friction", "--wait", "2"});
   EXPECT_EQ(scene->Exit(), 1);
-  EXPECT_THAT(scene->Output(), HasSubstr("scene 'friction' is not served in domain"));
+  EXPECT_THAT(scene->Output(),
+              HasSubstr("scene 'friction' is not served here; give --scene with one of: many"));
   StartGateway();
   const auto viewers = Start(Arguments({"--viewers", "4", "--viewer-url", url_}));
   EXPECT_EQ(viewers->Exit(), 1);
