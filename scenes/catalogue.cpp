@@ -212,7 +212,8 @@ std::string SceneTextOfMesh(const std::string& file, const LoadOptions& options)
   for (const std::string& assumption : scene.assumptions) {
     tell(assumption);
   }
-  tell("to change any of it: 'palpate-scene new " + file + " -o " + scene.name +
+  const std::string quote = file.find(' ') == std::string::npos ? "" : "\"";
+  tell("to change any of it: 'palpate-scene new " + quote + file + quote + " -o " + scene.name +
        ".json' writes a scene file of it");
   return scene.text;
 }
