@@ -204,6 +204,17 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   return scene;
 }
 
+/// What is brought from elsewhere, a CAD program say, is told what it should be, and not where its
+/// JSON is wrong.
+void RefuseWhatIsNoScene(const std::string& file, const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  const bool like_json = begin != std::string::npos && (text[begin] == '{' || text[begin] == '/');
+  if (like_json || IsMeshFile(file) || fs::path(file).extension() == ".json") return;
+  throw Error(file +
+              ": is neither a scene nor a mesh that can be read; give a scene file (.json), a "
+              "bundle (.palpate), or export the mesh as .stl, .obj, .ply, .3ds, .gltf or .glb");
+}
+
 std::string SceneTextOfMesh(const std::string& file, const LoadOptions& options) {
   const MeshScene scene = MakeMeshScene(file, options.mesh, fs::path(file).parent_path().string());
   const auto tell = [&](const std::string& text) {
@@ -258,6 +269,7 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   const std::string file = FindSceneFile(name_or_path);
   const std::string text = IsMeshFile(file) ? SceneTextOfMesh(file, options) : ReadWholeFile(file);
   if (LooksLikeBundle(text)) return UnpackScene(Bytes(text), file);
+  RefuseWhatIsNoScene(file, text);
   const SceneDescription description = ParseScene(text, file);
   if (!options.use_cache) return Compile(description, options);
 

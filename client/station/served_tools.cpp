@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -36,11 +37,20 @@ class OfferReader {
   wire::SceneOffer offer_{};
 };
 
+/// Throws Error where the hand is none that could be followed.
 template <class Sequence>
 std::optional<PoseScript> ToHand(const Sequence& sequence) {
   std::vector<PoseScript::Key> keys;
   for (const wire::HandKey& key : std::span(sequence._buffer, sequence._length)) {
-    keys.push_back({key.time_s, wire::ToPose(key.position_m, key.orientation_wxyz), key.label});
+    const Pose X_WH = wire::ToPose(key.position_m, key.orientation_wxyz);
+    const double size = X_WH.q.norm();
+    if (!X_WH.p.allFinite() || !std::isfinite(size) || !(size > 0.5) ||
+        !std::isfinite(key.time_s)) {
+      throw Error(
+          "the hand that the server offers is not finite, or has no rotation; give one with "
+          "--script, or start a palpate-server of this version");
+    }
+    keys.push_back({key.time_s, {X_WH.p, X_WH.q.normalized()}, key.label});
   }
   if (keys.empty()) return std::nullopt;
   return PoseScript(std::move(keys));

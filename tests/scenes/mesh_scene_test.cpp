@@ -93,6 +93,14 @@ TEST(MeshScene, RefusesWhatIsNoMesh) {
   EXPECT_THAT(ComplaintOf([&] { MakeMeshScene(flat, {}, folder); }), HasSubstr("point.obj"));
 }
 
+TEST(LoadScene, SaysWhatToBringInPlaceOfWhatIsNeitherSceneNorMesh) {
+  const std::string folder = FreshFolder();
+  const std::string step = WriteFile(folder + "/part.step", "ISO-10303-21;\nHEADER;\n");
+  EXPECT_THAT(ComplaintOf([&] { LoadScene(step); }),
+              HasSubstr("part.step: is neither a scene nor a mesh that can be read; give a scene "
+                        "file (.json), a bundle (.palpate), or export the mesh as .stl"));
+}
+
 TEST(LoadScene, MakesASceneOfAMeshAndTellsWhatItAssumed) {
   const std::string folder = FreshFolder();
   const std::string mesh = WriteFile(folder + "/part.obj", Tetrahedron("20"));
