@@ -76,7 +76,7 @@ class HandWalk {
 
  private:
   double Mm(double mm) const { return 1e-3 * scale_ * mm; }
-  double push_of(const StepReport& report) const {
+  double PushOf(const StepReport& report) const {
     return report.wrench.force.norm() / model_.parameters().stiffness;
   }
 
@@ -140,7 +140,7 @@ class HandWalk {
     for (double gone = 0.0; gone < reach; gone += Mm(kStride)) {
       hand_.p = from + gone * way.along;
       const StepReport report = HapticStep(model_, hand_, state_, workspace_);
-      if (push_of(report) > Mm(kTouches)) return Press(report);
+      if (PushOf(report) > Mm(kTouches)) return Press(report);
     }
     return std::nullopt;
   }
@@ -149,7 +149,7 @@ class HandWalk {
   std::optional<Touch> Press(const StepReport& touching) {
     Touch touch = TouchOf(touching);
     const StepReport pressed = MoveTo(touch.p - Mm(kPress) * touch.normal);
-    if (push_of(pressed) < Mm(kPushes)) return std::nullopt;
+    if (PushOf(pressed) < Mm(kPushes)) return std::nullopt;
     return touch;
   }
 
@@ -171,7 +171,7 @@ class HandWalk {
       if (along.norm() < 0.1) along = at.normal.unitOrthogonal();
       along.normalize();
       const StepReport report = MoveTo(at.p + length * along - Mm(kPress) * at.normal);
-      if (push_of(report) < Mm(kPushes)) break;  // over an edge
+      if (PushOf(report) < Mm(kPushes)) break;  // over an edge
       at = TouchOf(report);
       MoveTo(Pressed(at));
       places.push_back(at);
