@@ -16,6 +16,7 @@
 #include "scenes/mesh_import.h"
 #include "scenes/mesh_orient.h"
 #include "scenes/mesh_report.h"
+#include "scenes/mesh_scene.h"
 #include "scenes/model_files.h"
 #include "scenes/scene_bundle.h"
 #include "scenes/scene_file.h"
@@ -203,6 +204,31 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   return scene;
 }
 
+/// What is brought from elsewhere, a CAD program say, is told what it should be, and not where its
+/// JSON is wrong.
+void RefuseWhatIsNoScene(const std::string& file, const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  const bool like_json = begin != std::string::npos && (text[begin] == '{' || text[begin] == '/');
+  if (like_json || IsMeshFile(file) || fs::path(file).extension() == ".json") return;
+  throw Error(file +
+              ": is neither a scene nor a mesh that can be read; give a scene file (.json), a "
+              "bundle (.palpate), or export the mesh as .stl, .obj, .ply, .3ds, .gltf or .glb");
+}
+
+std::string SceneTextOfMesh(const std::string& file, const LoadOptions& options) {
+  const MeshScene scene = MakeMeshScene(file, options.mesh, fs::path(file).parent_path().string());
+  const auto tell = [&](const std::string& text) {
+    options.tell ? options.tell(text) : void(std::cerr << text << '\n');
+  };
+  for (const std::string& assumption : scene.assumptions) {
+    tell(assumption);
+  }
+  const std::string quote = file.find(' ') == std::string::npos ? "" : "\"";
+  tell("to change any of it: 'palpate-scene new " + quote + file + quote + " -o " + scene.name +
+       ".json' writes a scene file of it");
+  return scene.text;
+}
+
 }  // namespace
 
 std::vector<std::string> CatalogueNames() {
@@ -232,7 +258,7 @@ std::string FindSceneFile(const std::string& name_or_path) {
   if (!guess.empty()) message.append("; did you mean \"").append(guess).append("\"?");
   message += " (in " + CatalogueFolder().string() + ":";
   for (const std::string& name : names) message += " " + name;
-  throw Error(message + "; a path needs a / or ends with .json)");
+  throw Error(message + "; the path of a scene or a mesh has a / or an ending, as .json or .stl)");
 }
 
 std::string ScriptFileBeside(const std::string& name_or_path) {
@@ -241,8 +267,9 @@ std::string ScriptFileBeside(const std::string& name_or_path) {
 
 Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   const std::string file = FindSceneFile(name_or_path);
-  const std::string text = ReadWholeFile(file);
+  const std::string text = IsMeshFile(file) ? SceneTextOfMesh(file, options) : ReadWholeFile(file);
   if (LooksLikeBundle(text)) return UnpackScene(Bytes(text), file);
+  RefuseWhatIsNoScene(file, text);
   const SceneDescription description = ParseScene(text, file);
   if (!options.use_cache) return Compile(description, options);
 

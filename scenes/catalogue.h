@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/mesh_scene.h"
 #include "scenes/scene.h"
 #include "scenes/sphere_tree_builder.h"
 
@@ -16,10 +17,14 @@ struct LoadOptions {
   Progress progress;  ///< stages are "body: stage"; only while something is built
   /// Told what went wrong and was mended, such as a broken cache file.  Default: to standard error.
   std::function<void(const std::string&)> warn;
+  MeshSceneOptions mesh;  ///< where a mesh file is named in place of a scene
+  /// Told what was assumed of such a mesh.  Default: to standard error.
+  std::function<void(const std::string&)> tell;
 };
 
-/// Loads a scene by its catalogue name ("bunny-bunny"), or from a scene file (.json) or a bundle
-/// (.palpate).  What must be built is kept in the cache.  Throws Error.
+/// Loads a scene by its catalogue name ("bunny-bunny"), or from a scene file (.json), a bundle
+/// (.palpate), or a mesh (mesh_import.h), which makes a scene with a ball to feel it
+/// (mesh_scene.h). What must be built is kept in the cache.  Throws Error.
 Scene LoadScene(const std::string& name_or_path, const LoadOptions& options = {});
 
 /// The scene file that a name stands for: NAME.json in $PALPATE_CATALOGUE, else in

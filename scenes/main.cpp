@@ -18,7 +18,9 @@
 #include "scenes/catalogue.h"
 #include "scenes/coverage.h"
 #include "scenes/mesh_import.h"
+#include "scenes/mesh_options.h"
 #include "scenes/mesh_report.h"
+#include "scenes/mesh_scene.h"
 #include "scenes/picture.h"
 #include "scenes/scene_bundle.h"
 
@@ -34,6 +36,7 @@ struct Arguments {
   std::optional<int> level;
   bool rebuild = false;
   bool whole = false;
+  MeshSceneOptions mesh;
   int domain = 0;
 };
 
@@ -211,13 +214,29 @@ void Render(const Arguments& arguments) {
   std::printf("wrote %s\n", arguments.output.c_str());
 }
 
+/// Never over a file that is there: somebody may have worked on it.
+void New(const Arguments& arguments) {
+  namespace fs = std::filesystem;
+  if (fs::exists(arguments.output)) {
+    throw Error(arguments.output + ": is there already; give another -o, or remove it first");
+  }
+  const MeshScene scene = MakeMeshScene(arguments.scene, arguments.mesh,
+                                        fs::path(arguments.output).parent_path().string());
+  WriteFileAtomically(arguments.output, {reinterpret_cast<const std::uint8_t*>(scene.text.data()),
+                                         scene.text.size()});
+  for (const std::string& assumption : scene.assumptions) std::puts(assumption.c_str());
+  std::printf("wrote %s; serve it with 'palpate-server --scene %s'\n", arguments.output.c_str(),
+              arguments.output.c_str());
+}
+
 int Main(int argc, char** argv) {
   CLI::App app(
       "Compiles scenes: reads meshes, builds sphere trees over them, and keeps the result as a\n"
       "bundle that the server loads at once.  NAME is a scene of the catalogue, a scene file "
-      "(.json)\n"
-      "or a bundle (.palpate).\n\n"
+      "(.json),\n"
+      "a bundle (.palpate), or a mesh, which is given a ball as tool.\n\n"
       "Example:\n"
+      "  palpate-scene new tooth.stl -o tooth.json\n"
       "  palpate-scene build bunny-bunny -o bunny.palpate\n"
       "  palpate-scene render bunny.palpate -o bunny.png",
       "palpate-scene");
@@ -247,6 +266,10 @@ int Main(int argc, char** argv) {
   CLI::App* render = add("render", "Draws mesh and spheres of every level as a PNG", scene_help);
   render->add_option("-o,--output", arguments.output, "Picture to write (.png)")->required();
   render->add_option("--level", arguments.level, "Only this level, from 1");
+  CLI::App* make = add("new", "Writes a scene file for a mesh, with a ball as tool, to begin with",
+                       "Mesh: OBJ, STL, PLY, 3DS or glTF");
+  make->add_option("-o,--output", arguments.output, "Scene file to write (.json)")->required();
+  AddMeshOptions(*make, arguments.mesh);
   render->add_flag("--whole", arguments.whole, "The scene as it stands, instead of its bodies");
 
   if (!ParseCommandLine(app, argc, argv)) return 0;
@@ -255,6 +278,7 @@ int Main(int argc, char** argv) {
   if (info->parsed()) Info(arguments);
   if (check->parsed()) Check(arguments);
   if (render->parsed()) Render(arguments);
+  if (make->parsed()) New(arguments);
   return 0;
 }
 

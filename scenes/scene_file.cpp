@@ -23,16 +23,13 @@ constexpr std::size_t kShapeTriangles = 5120;
 constexpr double kLongest = 1000.0;  // [m]: a length beyond it is a forgotten unit
 
 double ReadUnit(const JsonNode& node) {
-  const std::string unit = node.OneOf({"m", "cm", "mm", "inch"});
-  return unit == "m" ? 1.0 : unit == "cm" ? 0.01 : unit == "mm" ? 0.001 : 0.0254;
+  return MetresPerUnit(node.OneOf({kUnits.begin(), kUnits.end()}));
 }
 
 /// Names end up in file names, topics and command lines.
 std::string ReadName(const JsonNode& node) {
   std::string name = node.String();
-  const bool fine = name.size() <= 64 && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-                      return std::isalnum(c) || c == '-' || c == '_' || c == '.';
-                    });
+  const bool fine = name.size() <= kLongestName && std::all_of(name.begin(), name.end(), IsOfName);
   if (!fine) {
     node.Fail("\"" + name + "\" is not a name; give at most 64 letters, digits, - _ or .");
   }
@@ -325,6 +322,14 @@ std::vector<BodyDescription> ReadBodies(const JsonNode& list, BodyKind kind, con
 }
 
 }  // namespace
+
+bool IsOfName(unsigned char c) {
+  return std::isalnum(c) || c == '-' || c == '_' || c == '.';
+}
+
+double MetresPerUnit(std::string_view unit) {
+  return unit == "m" ? 1.0 : unit == "cm" ? 0.01 : unit == "mm" ? 0.001 : 0.0254;
+}
 
 SceneDescription ParseScene(std::string_view text, const std::string& file) {
   const JsonNode root = JsonNode::Parse(text, file);

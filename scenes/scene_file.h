@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -75,6 +76,15 @@ struct SceneDescription {
 };
 
 inline constexpr std::size_t kMaxLeaves = 1u << 20;
+
+/// What a scene or a body may be called: so many bytes at most, all of them letters, digits, - _ .
+inline constexpr std::size_t kLongestName = 64;
+bool IsOfName(unsigned char c);
+
+/// What a number in a mesh file may mean.
+inline constexpr std::array<std::string_view, 4> kUnits{"m", "cm", "mm", "inch"};
+/// @param unit  one of them.
+double MetresPerUnit(std::string_view unit);
 
 /// Checks every field; throws Error "file:line: field: what is wrong; remedy".
 /// @param file  names the scene where the text does not; mesh paths are relative to its folder.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -20,8 +21,10 @@
 #include "common/stop_signal.h"
 #include "common/time/steady_clock.h"
 #include "scenes/catalogue.h"
+#include "scenes/mesh_import.h"
+#include "scenes/mesh_options.h"
 #include "scenes/scene_bundle.h"
-#include "server/physics/scene_model.h"
+#include "server/offer/served_scene.h"
 #include "server/transport/server.h"
 
 namespace palpate {
@@ -37,7 +40,10 @@ statistics per station and second.
 
 constexpr const char* kExample =
     R"(Example: palpate-server --scene bunny-bunny
-then, in another terminal: palpate-station --device simulated --scene bunny-bunny --id left)";
+then, in another terminal: palpate-station --device simulated --scene bunny-bunny --id left
+A mesh of your own, felt at once: palpate-server tooth.stl
+then palpate-viewer --http 8765, whose page gives the ball to your mouse; or a simulated hand:
+palpate-station --device simulated --scene tooth.stl --id left)";
 
 struct Options {
   std::vector<std::string> scenes;
@@ -45,19 +51,11 @@ struct Options {
   dds::Network network;
   RealtimeOptions realtime;
   std::string models;
+  MeshSceneOptions mesh;
+  std::uint64_t hand_seed = 1;
   int domain = 0;
   std::string log_level = "info";
 };
-
-/// What stations can drive in a scene.  The scene itself (its meshes) is not kept.
-void AddTools(const Scene& scene, std::vector<std::shared_ptr<const ServedTool>>& tools) {
-  const auto objects = MakeObjects(scene);
-  const auto whole = scene.features.removal ? std::make_shared<const SceneRemains>(scene) : nullptr;
-  for (const Body& tool : scene.tools) {
-    tools.push_back(std::make_shared<const ServedTool>(
-        ServedTool{scene.name, tool.name, MakeModel(scene, tool, objects), whole}));
-  }
-}
 
 int Serve(const Options& options) {
   StopSignal stop;
@@ -72,8 +70,11 @@ int Serve(const Options& options) {
 
   LoadOptions load;
   load.models_dir = options.models;
+  load.mesh = options.mesh;
+  load.tell = [](const std::string& text) { spdlog::info("{}", text); };
   load.warn = [](const std::string& text) { spdlog::warn("{}", text); };
   std::vector<std::shared_ptr<const ServedTool>> tools;
+  std::vector<ServedScene> offer;
   std::map<std::string, std::vector<std::uint8_t>> bundles;
   std::string names;
   for (const std::string& name : options.scenes) {
@@ -84,7 +85,8 @@ int Serve(const Options& options) {
           "' is served already, and stations know scenes by their names alone; give it "
           "once, or a file of another name");
     }
-    AddTools(scene, tools);
+    offer.push_back(ServeScene(scene, name, options.hand_seed));
+    for (const ServedScene::Tool& tool : offer.back().tools) tools.push_back(tool.served);
     bundles[scene.name] = PackScene(scene);
     names += (names.empty() ? "" : ", ") + scene.name;
   }
@@ -96,6 +98,7 @@ int Serve(const Options& options) {
                   std::fflush(stdout);
                 });
   for (auto& [name, bundle] : bundles) server.PublishScene(name, std::move(bundle));
+  server.Offer(offer);
   std::printf("ready: scenes %s; transport %s; real-time %s; domain %d\n", names.c_str(),
               transport.reason.c_str(), realtime.summary.c_str(), options.domain);
   std::fflush(stdout);
@@ -110,18 +113,31 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
   CLI::App app(kAbout, "palpate-server");
   app.footer(kExample);
-  app.add_option("--scene", options.scenes, "scenes to serve: names from the catalogue, or files")
+  app.add_option(
+         "SCENE,--scene", options.scenes,
+         "scenes to serve: names from the catalogue, scene files, or meshes (STL, OBJ, PLY, "
+         "3DS, glTF), each of which becomes a scene with a ball as tool")
       ->required();
+  AddMeshOptions(app, options.mesh);
   app.add_option("--transport", options.transport,
                  "auto: shared memory where RouDi answers, else UDP; shm or udp insist")
       ->capture_default_str();
   AddRealtimeOptions(app, "the servo loop", options.realtime);
   app.add_option("--models", options.models,
                  "folder with the meshes that are not installed (or PALPATE_MODELS)");
+  app.add_option("--hand-seed", options.hand_seed,
+                 "which hand to make for a scene without a script (NAME.path.json)")
+      ->capture_default_str();
   AddNetworkOptions(app, "a station or viewer", options.network);
   AddCommonOptions(app, "which set of servers and stations this belongs to", options.domain,
                    options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
+  const bool of_mesh = !options.mesh.unit.empty() || options.mesh.ball_m > 0.0;
+  if (of_mesh && std::ranges::none_of(options.scenes, IsMeshFile)) {
+    throw UsageError(
+        "--unit and --ball are for a mesh, and no scene named here is one; a scene file says both "
+        "itself");
+  }
   return options;
 }
 

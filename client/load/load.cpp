@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <ctime>
-#include <filesystem>
-#include <map>
+#include <optional>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -18,7 +17,6 @@
 #include "client/load/scene_copies.h"
 #include "common/error.h"
 #include "common/output.h"
-#include "scenes/catalogue.h"
 
 namespace palpate {
 namespace {
@@ -46,37 +44,16 @@ std::string NowUtc() {
   return text;
 }
 
-/// What the server calls the scene of a name or a file.
-std::string NameOf(const std::string& scene) {
-  return scene.empty() ? "" : std::filesystem::path(FindSceneFile(scene)).stem().string();
-}
-
-/// The hand's path for each tool: that given, the scene's own, or none: the tool stays at its
-/// start.
+/// The hand's path for each tool: that given, the server's, or none: the tool stays at its start.
 std::vector<PoseScript> ScriptsOf(const LoadRunOptions& options,
                                   const std::vector<OfferedTool>& tools) {
-  std::map<std::string, std::optional<PoseScript>> of_scene;
+  std::optional<PoseScript> given;
+  if (!options.script.empty()) given = PoseScript::Load(options.script);
   std::vector<PoseScript> scripts;
   for (const OfferedTool& tool : tools) {
-    if (!of_scene.contains(tool.scene)) {
-      std::string file = options.script;
-      try {
-        const std::string& scene = options.scene.empty() ? tool.scene : options.scene;
-        if (file.empty()) file = ScriptFileBeside(scene);
-      } catch (const Error&) {  // not of the catalogue
-      }
-      auto& script = of_scene[tool.scene];
-      if (!options.script.empty() || (!file.empty() && std::filesystem::exists(file))) {
-        script = PoseScript::Load(file);
-      } else {
-        spdlog::warn(
-            "scene '{}' has no script here: its tools stay where they start; give --script, "
-            "or --scene with the scene's file",
-            tool.scene);
-      }
-    }
-    const auto& script = of_scene[tool.scene];
-    scripts.push_back(script ? *script : PoseScript({{0.0, tool.X_WT, "hold"}}));
+    const std::optional<PoseScript>& hand = given ? given : tool.hand;
+    if (!hand) spdlog::warn("{}: it stays where it starts; give --script", tool.remark);
+    scripts.push_back(hand ? *hand : PoseScript({{0.0, tool.X_WT, "hold"}}));
   }
   return scripts;
 }
@@ -212,7 +189,7 @@ void RunLoad(const LoadRunOptions& options, StopSignal& stop) {
   const dds::Participant service = dds::Participant::Service(options.domain);
   if (stations > 0 || options.find) {
     setting.tools =
-        AskForTools(service, options.domain, NameOf(options.scene), options.patience_s, stop);
+        AskForTools(service, {options.domain, {}, options.patience_s}, options.scene, stop);
     if (stop.stopped()) return;
     setting.scripts = ScriptsOf(options, setting.tools);
     if (stations > setting.tools.size()) {

@@ -8,7 +8,7 @@
 
 #include "client/load/load_figures.h"
 #include "client/load/options.h"
-#include "client/load/served_tools.h"
+#include "client/station/served_tools.h"
 #include "common/stop_signal.h"
 #include "scenes/pose_script.h"
 

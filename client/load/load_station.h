@@ -5,8 +5,8 @@
 #include <string>
 
 #include "client/load/options.h"
-#include "client/load/served_tools.h"
 #include "client/station/reply_ring.h"
+#include "client/station/served_tools.h"
 #include "client/station/servo_thread.h"
 #include "client/station/session_link.h"
 #include "client/station/station_core.h"

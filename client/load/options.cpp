@@ -91,7 +91,7 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
       ->capture_default_str();
   app.add_option("--scene", options.scene,
                  "scene that the stations drive, name or file; default: all that the server has");
-  app.add_option("--script", options.script, "poses of the hands (JSON); default: the scene's own");
+  app.add_option("--script", options.script, "poses of the hands (JSON); default: the server's");
   app.add_option("--name", options.name, "beginning of the stations' names, which end in numbers")
       ->capture_default_str();
   app.add_option("--transport", transport, "of poses and wrenches: auto, shm or udp")

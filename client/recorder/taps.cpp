@@ -38,7 +38,8 @@ Taps::Taps(int domain, const dds::Network& network, const dds::TransportChoice& 
       tools_(service_, dds::kToolStateTopic, dds::Qos::kRecord),
       statistics_(service_, dds::kLoopStatisticsTopic, dds::Qos::kRecord),
       guides_(service_, dds::kGuideTopic, dds::Qos::kRecord),
-      stations_(service_, dds::kStationStatisticsTopic, dds::Qos::kRecord) {
+      stations_(service_, dds::kStationStatisticsTopic, dds::Qos::kRecord),
+      offers_(service_, dds::kSceneOfferTopic, dds::Qos::kRecordSession) {
   RecordingTime_ns();
   service_channel_[0] = Channel(dds::kSessionRequestTopic, RecordedType::kSessionRequest);
   service_channel_[1] = Channel(dds::kSessionStateTopic, RecordedType::kSessionState);
@@ -49,6 +50,7 @@ Taps::Taps(int domain, const dds::Network& network, const dds::TransportChoice& 
   service_channel_[6] = Channel(dds::kLoopStatisticsTopic, RecordedType::kLoopStatistics);
   service_channel_[7] = Channel(dds::kGuideTopic, RecordedType::kGuideTarget);
   service_channel_[8] = Channel(dds::kStationStatisticsTopic, RecordedType::kStationStatistics);
+  service_channel_[9] = Channel(dds::kSceneOfferTopic, RecordedType::kSceneOffer);
 }
 
 // Readers first: their callbacks use what stands before them.
@@ -139,7 +141,9 @@ void Taps::Poll(std::int64_t now_ns) {
   wire::LoopStatistics statistics{};
   wire::GuideTarget guide{};
   wire::StationStatistics station{};
+  wire::SceneOffer offer{};
   Drain(bundles_, service_channel_[4], bundle);
+  Drain(offers_, service_channel_[9], offer);
   Drain(requests_, service_channel_[0], request);
   Drain(states_, service_channel_[1], state);
   Drain(changes_, service_channel_[2], change);

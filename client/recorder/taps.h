@@ -78,7 +78,8 @@ class Taps {
   dds::CdrReader<wire::LoopStatistics> statistics_;
   dds::CdrReader<wire::GuideTarget> guides_;
   dds::CdrReader<wire::StationStatistics> stations_;
-  std::uint32_t service_channel_[9];
+  dds::CdrReader<wire::SceneOffer> offers_;
+  std::uint32_t service_channel_[10];
   std::int64_t now_ns_ = 0;
   bool heard_ = false;
   std::map<std::string, Session> sessions_;  // by station

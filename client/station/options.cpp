@@ -59,12 +59,16 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_option("--model", options.model, "which arm; default: the first named below");
   app.add_option("--rate", options.rate_Hz, "how often the device is served, in Hz")
       ->capture_default_str();
-  app.add_option("--scene", options.link.scene, "scene, as the server names it")->required();
+  app.add_option("--scene", options.link.scene,
+                 "scene, as the server names it, or the file that the server has")
+      ->required();
   app.add_option("--tool", options.link.tool, "tool of the scene; not needed where it has but one");
   app.add_option("--id", options.link.station, "name of this station: 1 to 32 letters, digits or _")
       ->required();
-  app.add_option("--script", options.script,
-                 "poses that the simulated hand follows (JSON); default: the scene's own");
+  app.add_option(
+      "--script", options.script,
+      "poses that the simulated hand follows (JSON); default: what the server has for the "
+      "scene, its own script or one that is made for it");
   app.add_option(
       "--workspace", options.workspace,
       "how the device lies in the scene (JSON): calibration, frame, scale, clutch, walls");

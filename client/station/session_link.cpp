@@ -4,6 +4,7 @@
 #include <thread>
 #include <utility>
 
+#include "client/station/served_tools.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/random_run.h"
@@ -118,7 +119,9 @@ void SessionLink::Poll(std::int64_t now_ns) {
 void SessionLink::PollAsking(std::int64_t now_ns) {
   if (!state_) {
     const double asked_s = 1e-9 * static_cast<double>(now_ns - phase_since_ns_);
-    if (links_ == 0 && asked_s > options_.patience_s) throw Error(NobodyAnswers());
+    if (links_ == 0 && asked_s > options_.patience_s) {
+      throw Error(NobodyAnswers(options_.domain, options_.network, options_.scene));
+    }
     return;
   }
   if (state_->phase == palpate_SESSION_REFUSED) {
@@ -154,20 +157,6 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
   }
   phase_ = Phase::kMatching;
   phase_since_ns_ = now_ns;
-}
-
-std::string SessionLink::NobodyAnswers() const {
-  const std::string domain = std::to_string(options_.domain);
-  if (options_.network.this_host()) {
-    return "no server answers in domain " + domain +
-           " of this host; start 'palpate-server --scene " + options_.scene + " --domain " +
-           domain +
-           "', give the --domain of one that runs, or --network where it runs on another host";
-  }
-  return "no server answers in domain " + domain + " over " + options_.network.interface +
-         "; start 'palpate-server --scene " + options_.scene + " --domain " + domain +
-         " --network INTERFACE' there; where the network carries no multicast, give --peer ADDRESS "
-         "here or there";
 }
 
 void SessionLink::MakeReader() {

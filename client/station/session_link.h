@@ -77,7 +77,6 @@ class SessionLink {
   bool MayFallBack() const;
   void FallBackToUdp(const std::string& why, std::int64_t now_ns);
   void Close();
-  std::string NobodyAnswers() const;
   void MakeReader();
   void WriteRequest(bool leave);
 

@@ -1,18 +1,21 @@
 #include "client/station/station.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "client/station/guide_link.h"
 #include "client/station/live_table.h"
+#include "client/station/served_tools.h"
 #include "client/station/servo_thread.h"
 #include "client/station/station_core.h"
 #include "client/station/statistics_period.h"
@@ -22,33 +25,24 @@
 #include "common/error.h"
 #include "common/time/steady_clock.h"
 #include "devices/device_factory.h"
-#include "scenes/catalogue.h"
 
 namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{10};
 
-std::string ScriptOf(const std::string& scene) {
-  const std::string file = ScriptFileBeside(scene);
-  if (std::filesystem::exists(file)) return file;
-  throw Error("scene '" + scene + "' has no script of its own (looked for " + file +
-              "); give one with --script");
+/// The tool that is asked for, or the first of the scene: where that is not what was meant, the
+/// server says so when it is asked for a session.
+const OfferedTool& Meant(const std::vector<OfferedTool>& tools, const std::string& name) {
+  const auto found =
+      std::ranges::find_if(tools, [&](const OfferedTool& tool) { return tool.tool == name; });
+  return found == tools.end() ? tools.front() : *found;
 }
 
-/// Where a hand without a script begins: where the scene's own script does, else where the scene
-/// places its tool.
-Pose StartOf(const StationOptions& options) {
-  if (const std::string script = ScriptFileBeside(options.link.scene);
-      std::filesystem::exists(script)) {
-    return PoseScript::Load(script).At(0.0);
-  }
-  const Scene scene = LoadScene(options.link.scene);
-  for (const Body& tool : scene.tools) {
-    if (options.link.tool.empty() || tool.name == options.link.tool) return tool.X_WB;
-  }
-  throw Error("scene '" + options.link.scene + "' has no tool '" + options.link.tool +
-              "'; give --tool with one of its own");
+PoseScript HandOf(const OfferedTool& tool) {
+  if (!tool.hand) throw Error(tool.remark + "; give one with --script");
+  if (!tool.remark.empty()) spdlog::info("{}", tool.remark);
+  return *tool.hand;
 }
 
 std::optional<Workspace> WorkspaceOf(const StationOptions& options) {
@@ -60,7 +54,8 @@ std::optional<Workspace> WorkspaceOf(const StationOptions& options) {
   return workspace;
 }
 
-std::unique_ptr<Device> OpenDevice(const StationOptions& options) {
+/// What the command line says of the device, and the files that it names.
+DeviceOptions DeviceOf(const StationOptions& options) {
   DeviceOptions device{.name = options.link.device,
                        .script = std::nullopt,
                        .loop = options.loop,
@@ -70,13 +65,14 @@ std::unique_ptr<Device> OpenDevice(const StationOptions& options) {
                        .arm = options.device_name,
                        .calibrate = options.calibrate,
                        .realtime = options.link.realtime};
-  if (DeviceNeedsScript(device.name) || !options.script.empty()) {
-    const std::string file = options.script.empty() ? ScriptOf(options.link.scene) : options.script;
-    device.script = PoseScript::Load(file);
-    device.start = device.script->At(0.0);
-  } else {
-    device.start = StartOf(options);
-  }
+  if (!options.script.empty()) device.script = PoseScript::Load(options.script);
+  return device;
+}
+
+/// The rest is the server's word.
+std::unique_ptr<Device> OpenDevice(DeviceOptions device, const OfferedTool& tool) {
+  if (!device.script && DeviceNeedsScript(device.name)) device.script = HandOf(tool);
+  device.start = device.script ? device.script->At(0.0) : tool.Start();
   return MakeDevice(device);
 }
 
@@ -111,8 +107,21 @@ StationSummary Summarise(const StationOptions& options, const Device& device,
 
 }  // namespace
 
-void RunStation(const StationOptions& options, StopSignal& stop) {
-  const std::unique_ptr<Device> device = OpenDevice(options);
+void RunStation(const StationOptions& given, StopSignal& stop) {
+  // What fails without a server fails at once.
+  DeviceOptions device_options = DeviceOf(given);
+  dds::ChooseTransport(given.link.transport, given.link.network);
+  // Kept open, so that the domain is not made anew for the session.
+  const dds::Participant service = dds::Participant::Service(given.link.domain, given.link.network);
+  const std::vector<OfferedTool> tools =
+      AskForTools(service, {given.link.domain, given.link.network, given.link.patience_s},
+                  given.link.scene, stop);
+  if (stop.stopped()) return;
+  const OfferedTool& tool = Meant(tools, given.link.tool);
+  StationOptions options = given;
+  options.link.scene = tool.scene;  // it may have been named by its file
+
+  const std::unique_ptr<Device> device = OpenDevice(std::move(device_options), tool);
   StationCore core(*device);
   const bool forces = options.enable_forces || device->info().simulated;
   core.EnableForces(forces);
@@ -152,8 +161,6 @@ void RunStation(const StationOptions& options, StopSignal& stop) {
   if (options.accept_guide)
     guide.emplace(options.link.domain, options.link.network, options.link.station);
 
-  const dds::Participant service =
-      dds::Participant::Service(options.link.domain, options.link.network);
   dds::Writer<wire::StationStatistics> statistics(service, dds::kStationStatisticsTopic,
                                                   dds::Qos::kStream);
   StatisticsPeriod period(options.link.station, device->info().model);

@@ -31,6 +31,7 @@ template class CdrReader<wire::ToolState>;
 template class CdrReader<wire::LoopStatistics>;
 template class CdrReader<wire::StationStatistics>;
 template class CdrReader<wire::SceneBundle>;
+template class CdrReader<wire::SceneOffer>;
 template class CdrReader<wire::GuideTarget>;
 
 }  // namespace palpate::dds

@@ -231,6 +231,7 @@ template class Writer<wire::GuideTarget>;
 template class Writer<wire::LoopStatistics>;
 template class Writer<wire::StationStatistics>;
 template class Writer<wire::SceneBundle>;
+template class Writer<wire::SceneOffer>;
 template class Reader<wire::HapticPose>;
 template class Reader<wire::Wrench>;
 template class Reader<wire::SessionRequest>;
@@ -242,5 +243,6 @@ template class Reader<wire::GuideTarget>;
 template class Reader<wire::LoopStatistics>;
 template class Reader<wire::StationStatistics>;
 template class Reader<wire::SceneBundle>;
+template class Reader<wire::SceneOffer>;
 
 }  // namespace palpate::dds

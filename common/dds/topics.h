@@ -20,6 +20,7 @@ inline constexpr const char* kSceneChangeTopic = "palpate/scene_change";
 inline constexpr const char* kLeafTakenTopic = "palpate/leaf_taken";
 inline constexpr const char* kGuideTopic = "palpate/guide";
 inline constexpr const char* kToolStateTopic = "palpate/tool_state";
+inline constexpr const char* kSceneOfferTopic = "palpate/scene_offer";
 inline constexpr const char* kSceneBundleTopic = "palpate/scene_bundle";
 inline constexpr const char* kLoopStatisticsTopic = "palpate/loop_statistics";
 inline constexpr const char* kStationStatisticsTopic = "palpate/station_statistics";

@@ -7,6 +7,7 @@
 
 #include "common/math/pose.h"
 #include "idl/haptics.h"
+#include "idl/offer.h"
 #include "idl/session.h"
 #include "idl/teaching.h"
 
@@ -26,6 +27,10 @@ using GuideTarget = palpate_GuideTarget;
 using LoopStatistics = palpate_LoopStatistics;
 using StationStatistics = palpate_StationStatistics;
 using SceneBundle = palpate_SceneBundle;
+using HandKey = palpate_HandKey;
+using OfferedTool = palpate_OfferedTool;
+using OfferedScene = palpate_OfferedScene;
+using SceneOffer = palpate_SceneOffer;
 
 /// Topic descriptor of a wire type.
 template <class T>
@@ -73,6 +78,10 @@ inline const dds_topic_descriptor_t& Descriptor<StationStatistics>() {
 template <>
 inline const dds_topic_descriptor_t& Descriptor<SceneBundle>() {
   return palpate_SceneBundle_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<SceneOffer>() {
+  return palpate_SceneOffer_desc;
 }
 
 // Loop types have no padding, so that the C struct is the CDR payload byte for byte (a test

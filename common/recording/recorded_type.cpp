@@ -13,7 +13,8 @@ struct Entry {
 };
 
 const Entry& EntryOf(RecordedType type) {
-  static const std::string haptics = kHapticsIdl, session = kSessionIdl, teaching = kTeachingIdl;
+  static const std::string haptics = kHapticsIdl, offer = kOfferIdl, session = kSessionIdl,
+                           teaching = kTeachingIdl;
   static const std::array<Entry, kRecordedTypes> entries = {{
       {"palpate::HapticPose", &haptics},
       {"palpate::Wrench", &haptics},
@@ -26,6 +27,7 @@ const Entry& EntryOf(RecordedType type) {
       {"palpate::SceneBundle", &teaching},
       {"palpate::GuideTarget", &teaching},
       {"palpate::StationStatistics", &teaching},
+      {"palpate::SceneOffer", &offer},
   }};
   return entries[static_cast<std::size_t>(type)];
 }

@@ -21,8 +21,9 @@ enum class RecordedType {
   kSceneBundle,
   kGuideTarget,
   kStationStatistics,
+  kSceneOffer,
 };
-inline constexpr int kRecordedTypes = 11;
+inline constexpr int kRecordedTypes = 12;
 
 /// "palpate::HapticPose"
 const char* SchemaName(RecordedType type);
@@ -52,6 +53,8 @@ template <>
 inline constexpr RecordedType kTypeOf<wire::GuideTarget> = RecordedType::kGuideTarget;
 template <>
 inline constexpr RecordedType kTypeOf<wire::StationStatistics> = RecordedType::kStationStatistics;
+template <>
+inline constexpr RecordedType kTypeOf<wire::SceneOffer> = RecordedType::kSceneOffer;
 
 /// Counts what a topic's samples number themselves by, so that each hole is known.
 class SequenceCount {

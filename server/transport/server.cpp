@@ -14,6 +14,7 @@
 #include "common/random_run.h"
 #include "common/step_fault.h"
 #include "scenes/scene_bundle.h"
+#include "server/transport/scene_offer.h"
 
 namespace palpate {
 namespace {
@@ -100,6 +101,7 @@ Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
       scene_changes_(service_domain_, dds::kSceneChangeTopic, dds::Qos::kSession),
       leaves_taken_(service_domain_, dds::kLeafTakenTopic, dds::Qos::kSession),
       scene_bundles_(service_domain_, dds::kSceneBundleTopic, dds::Qos::kSession),
+      offers_(service_domain_, dds::kSceneOfferTopic, dds::Qos::kSession),
       tool_states_(service_domain_, dds::kToolStateTopic, dds::Qos::kStream),
       statistics_(service_domain_, dds::kLoopStatisticsTopic, dds::Qos::kStream) {}
 
@@ -119,6 +121,14 @@ void Server::PublishScene(const std::string& name, std::vector<std::uint8_t> bun
   if (!scene_bundles_.Write(sample)) {
     throw Error("scene '" + name + "': DDS does not take its bundle of " +
                 std::to_string(bundle.size()) + " bytes; is the memory used up?");
+  }
+}
+
+void Server::Offer(const std::vector<ServedScene>& scenes) {
+  const SceneOffer offer(scenes, server_run_);
+  if (!offers_.Write(offer.sample())) {
+    throw Error("DDS does not take the offer of " + std::to_string(scenes.size()) +
+                " scenes; serve fewer");
   }
 }
 

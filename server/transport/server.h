@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/dds/endpoint.h"
+#include "server/offer/served_scene.h"
 #include "server/session/session_table.h"
 #include "server/transport/station_link.h"
 
@@ -31,6 +32,11 @@ class Server {
   /// Gives viewers the scene, those of now and those that come later.
   /// @param bundle  the scene as PackScene makes it.  Throws Error where DDS refuses it.
   void PublishScene(const std::string& name, std::vector<std::uint8_t> bundle);
+
+  /// Tells stations, those of now and those that come later, what they can drive, and what a hand
+  /// does there.  All of it in one: a second one takes the first's place.  Throws Error where DDS
+  /// refuses it.
+  void Offer(const std::vector<ServedScene>& scenes);
 
   /// To be called every 5 ms or so.
   void Poll(std::int64_t now_ns);
@@ -60,6 +66,7 @@ class Server {
   dds::Writer<wire::SceneChange> scene_changes_;
   dds::Writer<wire::LeafTaken> leaves_taken_;
   dds::Writer<wire::SceneBundle> scene_bundles_;
+  dds::Writer<wire::SceneOffer> offers_;
   dds::Writer<wire::ToolState> tool_states_;
   dds::Writer<wire::LoopStatistics> statistics_;
   std::map<std::string, Station> stations_;

@@ -114,7 +114,7 @@ TEST_F(DeadServer, WhoseSuccessorHasAnotherSceneGivesNoForceAndSaysWhy) {
 
   const auto next = Station("scripted", "hold.json");
   EXPECT_EQ(next->Exit(60.0), 1);
-  EXPECT_THAT(next->Output(), HasSubstr("the server refuses the session"));
+  EXPECT_THAT(next->Output(), HasSubstr("scene 'cube' is not served here"));
   EXPECT_THAT(next->Output(), Not(HasSubstr("poses sent"))) << "none was served";
 }
 

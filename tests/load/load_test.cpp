@@ -180,7 +180,7 @@ TEST_F(Load, NamesTheProgramThatDoesNotRun) {
   const auto no_server = Start({"--wait", "0.5"});
   EXPECT_EQ(no_server->Exit(), 1);
   EXPECT_THAT(no_server->Output(),
-              HasSubstr("no palpate-server answers in domain " + std::to_string(kDomain)));
+              HasSubstr("no server answers in domain " + std::to_string(kDomain)));
   EXPECT_THAT(no_server->Output(), HasSubstr("palpate-server --scene cube --domain"));
 
   StartServer();
@@ -201,7 +201,8 @@ TEST_F(Load, NamesWhatTheServerDoesNotOffer) {
   EXPECT_THAT(find->Output(), HasSubstr("--stations 5: the server offers 4 tools"));
   const auto scene = Start({"--scene", "friction", "--wait", "2"});
   EXPECT_EQ(scene->Exit(), 1);
-  EXPECT_THAT(scene->Output(), HasSubstr("has no scene 'friction', but: many"));
+  EXPECT_THAT(scene->Output(),
+              HasSubstr("scene 'friction' is not served here; give --scene with one of: many"));
   StartGateway();
   const auto viewers = Start(Arguments({"--viewers", "4", "--viewer-url", url_}));
   EXPECT_EQ(viewers->Exit(), 1);

@@ -1,4 +1,7 @@
 // The page in a real browser, at the real server, station and gateway.
+import {mkdtempSync, rmSync, writeFileSync} from "node:fs";
+import {tmpdir} from "node:os";
+import {join} from "node:path";
 import {fileURLToPath} from "node:url";
 
 import {afterAll, afterEach, beforeAll, beforeEach, describe, expect} from "vitest";
@@ -28,17 +31,37 @@ const startGateway = async (port: string): Promise<void> => {
   url = (await gateway.says(/http:\/\/127\.0\.0\.1:\d+\//))[0];
 };
 
+/// A pyramid that nobody has made a scene of; in millimetres.
+function writeTooth(file: string): void {
+  const corners = ["-10 0 -10", "-10 0 10", "10 0 10", "10 0 -10", "0 14 0"];
+  const faces = [
+    [0, 2, 1],
+    [0, 3, 2],
+    [0, 1, 4],
+    [1, 2, 4],
+    [2, 3, 4],
+    [3, 0, 4],
+  ];
+  const facet = (face: number[]): string =>
+    `facet normal 0 0 0\nouter loop\n${face.map((i) => `vertex ${corners[i]}\n`).join("")}endloop\nendfacet\n`;
+  writeFileSync(file, `solid tooth\n${faces.map(facet).join("")}endsolid tooth\n`);
+}
+
 beforeAll(async () => {
   if (!kHasChromium) return;
   browser = await launch();
+  const folder = mkdtempSync(join(tmpdir(), "palpate-tooth-"));
+  writeTooth(join(folder, "tooth.stl"));
   server = new Program("palpate-server", [
     "--scene",
     "bunny-bunny",
+    join(folder, "tooth.stl"),
     "--realtime",
     "off",
     ...kCommon,
   ]);
   await server.says(/^ready/m, 120_000);
+  rmSync(folder, {recursive: true}); // nobody but the server has it
   await startGateway("0");
 });
 afterAll(async () => {
@@ -194,6 +217,19 @@ const release = async (page: Page): Promise<void> => {
 };
 
 const kSilenced = /station mouse_\w+: ended: no pose came for more than 100 ms/;
+
+test("the mouse takes the ball of a mesh, and feels it", async () => {
+  const page = await open("?scene=tooth");
+  for (let tries = 1; ; tries++) {
+    const said = server.output.length;
+    if (await press(page)) break;
+    expect(server.output.slice(said)).toMatch(kSilenced);
+    expect(tries).toBeLessThan(3);
+    await release(page);
+  }
+  await release(page);
+  await page.close();
+});
 
 test("the mouse presses the bunny, and the page shows the force", async () => {
   const page = await open("?scene=bunny-bunny");

@@ -69,6 +69,7 @@ class RecorderProgramTest : public testing::Test {
     EXPECT_GE(messages["palpate::SessionRequest"], 1u);
     EXPECT_GE(messages["palpate::SessionState"], 3u);
     EXPECT_EQ(messages["palpate::SceneBundle"], 1u);
+    EXPECT_EQ(messages["palpate::SceneOffer"], 1u);
     const Verification verification = Verify({file_}, {});
     EXPECT_TRUE(verification.good()) << ToText(verification);
   }

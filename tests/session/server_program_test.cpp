@@ -111,6 +111,9 @@ INSTANTIATE_TEST_SUITE_P(
         std::vector<std::string>{"--scene", "cube", "--transport", "udp", "--realtime", "maybe"},
         std::vector<std::string>{"--scene", "cube", "--transport", "udp", "--cpu", "4096"},
         std::vector<std::string>{"--scene", "cube", "--cpu", "-2"},
+        std::vector<std::string>{"--scene", "cube", "--unit", "mm"},
+        std::vector<std::string>{"part.stl", "--unit", "furlong"},
+        std::vector<std::string>{"part.stl", "--ball", "0"},
         std::vector<std::string>{"--scene", "cube", "--log-level", "loud"},
         std::vector<std::string>{"--scene", "cube", "--nonsense"}));
 

@@ -192,16 +192,18 @@ TEST_F(OpenHapticsStation, GivesForcesWhileTheButtonIsHeldAndNoLonger) {
 }
 
 TEST_F(OpenHapticsStation, EndsWithOneAndTheReasonWhereTheArmDoesNotOpen) {
+  StartServer();
   station_ = std::make_unique<Program>(
       PALPATE_BIN_DIR "/palpate-station",
       std::vector<std::string>{"--device", "openhaptics", "--scene", "cube", "--id", "arm",
-                               "--device-name", "left", "--domain", kDomain});
+                               "--transport", "udp", "--device-name", "left", "--domain", kDomain});
   EXPECT_EQ(station_->Exit(), 1);
   EXPECT_THAT(station_->Output(), HasSubstr("tried left"));
   setenv(hd::kLibraryVariable, "/nowhere/libHD.so", 1);
   station_ = std::make_unique<Program>(
       PALPATE_BIN_DIR "/palpate-station",
-      std::vector<std::string>{"--device", "openhaptics", "--scene", "cube", "--id", "arm"});
+      std::vector<std::string>{"--device", "openhaptics", "--scene", "cube", "--id", "arm",
+                               "--transport", "udp", "--domain", kDomain});
   EXPECT_EQ(station_->Exit(), 1);
   EXPECT_THAT(station_->Output(), HasSubstr("/nowhere/libHD.so: cannot open"));
 }

@@ -1,0 +1,118 @@
+#include "client/station/served_tools.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "common/dds/cdr_reader.h"
+#include "common/dds/topics.h"
+#include "common/error.h"
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+/// The offer of the newest server, once there is one.
+class OfferReader {
+ public:
+  explicit OfferReader(const dds::Participant& service)
+      : reader_(service, dds::kSceneOfferTopic, dds::Qos::kSession) {}
+  ~OfferReader() { dds::FreeContents(offer_); }
+
+  bool Take() {
+    dds::CdrSample raw;
+    bool any = false;
+    while (reader_.Take(raw, offer_)) any = true;
+    return any;
+  }
+  std::span<const wire::OfferedScene> scenes() const {
+    return {offer_.scenes._buffer, offer_.scenes._length};
+  }
+
+ private:
+  dds::CdrReader<wire::SceneOffer> reader_;
+  wire::SceneOffer offer_{};
+};
+
+/// Throws Error where the hand is none that could be followed.
+template <class Sequence>
+std::optional<PoseScript> ToHand(const Sequence& sequence) {
+  std::vector<PoseScript::Key> keys;
+  for (const wire::HandKey& key : std::span(sequence._buffer, sequence._length)) {
+    const Pose X_WH = wire::ToPose(key.position_m, key.orientation_wxyz);
+    const double size = X_WH.q.norm();
+    if (!X_WH.p.allFinite() || !std::isfinite(size) || !(size > 0.5) ||
+        !std::isfinite(key.time_s)) {
+      throw Error(
+          "the hand that the server offers is not finite, or has no rotation; give one with "
+          "--script, or start a palpate-server of this version");
+    }
+    keys.push_back({key.time_s, {X_WH.p, X_WH.q.normalized()}, key.label});
+  }
+  if (keys.empty()) return std::nullopt;
+  return PoseScript(std::move(keys));
+}
+
+bool IsMeant(const wire::OfferedScene& offered, const std::string& scene) {
+  if (scene.empty() || scene == offered.scene) return true;
+  return std::filesystem::path(scene).filename() == offered.file;
+}
+
+void AddTools(const wire::OfferedScene& scene, std::vector<OfferedTool>& tools) {
+  const std::optional<PoseScript> script = ToHand(scene.hand);
+  for (const wire::OfferedTool& offered : std::span(scene.tools._buffer, scene.tools._length)) {
+    OfferedTool& tool = tools.emplace_back();
+    tool.scene = scene.scene;
+    tool.tool = offered.tool;
+    tool.X_WT = wire::ToPose(offered.start_position_m, offered.start_orientation_wxyz);
+    tool.hand = ToHand(offered.hand);
+    if (!tool.hand) tool.hand = script;
+    tool.remark = offered.remark;
+  }
+}
+
+}  // namespace
+
+std::vector<OfferedTool> AskForTools(const dds::Participant& service, const AskOptions& options,
+                                     const std::string& scene, StopSignal& stop) {
+  OfferReader offer(service);
+  const std::int64_t until_ns =
+      SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * options.wait_s);
+  while (!offer.Take()) {
+    if (SteadyNanoseconds() > until_ns) {
+      throw Error(NobodyAnswers(options.domain, options.network, scene));
+    }
+    if (stop.WaitFor(std::chrono::milliseconds(10))) return {};
+  }
+  std::vector<OfferedTool> tools;
+  std::string names;
+  for (const wire::OfferedScene& offered : offer.scenes()) {
+    names += (names.empty() ? "" : ", ") + std::string(offered.scene);
+    if (IsMeant(offered, scene)) AddTools(offered, tools);
+  }
+  if (tools.empty()) {
+    throw Error("scene '" + scene + "' is not served here; give --scene with one of: " + names +
+                ", or start palpate-server with yours (--domain " + std::to_string(options.domain) +
+                ")");
+  }
+  return tools;
+}
+
+std::string NobodyAnswers(int domain, const dds::Network& network, const std::string& scene) {
+  const std::string number = std::to_string(domain);
+  const std::string start =
+      "palpate-server --scene " + (scene.empty() ? "cube" : scene) + " --domain " + number;
+  if (network.this_host()) {
+    return "no server answers in domain " + number + " of this host; start '" + start +
+           "', give the --domain of one that runs, or --network where it runs on another host";
+  }
+  return "no server answers in domain " + number + " over " + network.interface + "; start '" +
+         start +
+         " --network INTERFACE' there; where the network carries no multicast, give --peer ADDRESS "
+         "here or there";
+}
+
+}  // namespace palpate

@@ -1,0 +1,51 @@
+#include "server/offer/served_scene.h"
+
+#include <filesystem>
+#include <optional>
+
+#include "scenes/catalogue.h"
+#include "server/offer/generated_hand.h"
+#include "server/physics/scene_model.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+void AddGeneratedHand(const Scene& scene, const Body& body, std::uint64_t seed,
+                      ServedScene::Tool& tool) {
+  const std::string about = "scene '" + scene.name + "' has no script of its own, ";
+  if (const std::optional<PoseScript> hand = MakeHandFor(scene, body, tool.served->model, seed)) {
+    tool.hand = hand->keys();
+    tool.remark = about + "so the server made a hand for '" + body.name + "' (--hand-seed " +
+                  std::to_string(seed) +
+                  "): it comes to the nearest face, presses 3 mm, slides, and lifts";
+  } else {
+    tool.remark = about + "and on the way from '" + body.name +
+                  "' to the nearest face nothing pushes back, so no hand was made for it";
+  }
+}
+
+}  // namespace
+
+ServedScene ServeScene(const Scene& scene, const std::string& name_or_path,
+                       std::uint64_t hand_seed) {
+  ServedScene served;
+  served.name = scene.name;
+  served.file = fs::path(FindSceneFile(name_or_path)).filename().string();
+  const std::string script = ScriptFileBeside(name_or_path);
+  if (fs::exists(script)) served.hand = PoseScript::Load(script).keys();
+
+  const auto objects = MakeObjects(scene);
+  const auto whole = scene.features.removal ? std::make_shared<const SceneRemains>(scene) : nullptr;
+  for (const Body& body : scene.tools) {
+    ServedScene::Tool& tool = served.tools.emplace_back();
+    tool.served = std::make_shared<const ServedTool>(
+        ServedTool{scene.name, body.name, MakeModel(scene, body, objects), whole});
+    tool.X_WT = body.X_WB;
+    if (served.hand.empty()) AddGeneratedHand(scene, body, hand_seed, tool);
+  }
+  return served;
+}
+
+}  // namespace palpate

@@ -1,0 +1,170 @@
+// A scene that only the server has: what stations and mice know of it comes from there.
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/rig.h"
+
+namespace palpate::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr char kScene[] = R"({
+  "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.004}, "leaves": 1,
+             "start": {"position_mm": [0, 40, 0]}}],
+  "objects": [{"name": "box", "mesh": {"shape": "box", "size_m": [0.04, 0.02, 0.03]},
+               "leaves": 64}]})";
+// 2 mm below the box's top face, with the ball.
+constexpr char kHand[] = R"({"keys": [
+  {"t": 0, "position_mm": [0, 30, 0], "label": "own approach"},
+  {"t": 1, "position_mm": [0, 12, 0], "label": "own press"},
+  {"t": 2, "position_mm": [5, 12, 0], "label": "own slide"}]})";
+
+/// A pyramid of ASCII STL, 20 units wide and 14 high.
+std::string Pyramid() {
+  const char* const kBase[] = {"-10 0 -10", "-10 0 10", "10 0 10", "10 0 -10"};
+  std::string text = "solid tooth\n";
+  const auto facet = [&](const char* a, const char* b, const char* c) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const char* corner : {a, b, c}) text += std::string("vertex ") + corner + "\n";
+    text += "endloop\nendfacet\n";
+  };
+  facet(kBase[0], kBase[2], kBase[1]);
+  facet(kBase[0], kBase[3], kBase[2]);
+  for (int i = 0; i < 4; ++i) facet(kBase[i], kBase[(i + 1) % 4], "0 14 0");
+  return text + "endsolid tooth\n";
+}
+
+/// The server has its files in a folder that is gone when stations come.
+struct OwnScene : testing::Test {
+  const fs::path folder =
+      fs::path(testing::TempDir()) / ("palpate_own_" + std::to_string(getpid()));
+  const std::string json = testing::TempDir() + "palpate_own_" + std::to_string(getpid()) + ".json";
+  std::unique_ptr<Program> server;
+
+  OwnScene() {
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  }
+  ~OwnScene() override {
+    fs::remove_all(folder);
+    fs::remove(json);
+  }
+
+  void Write(const char* name, const std::string& text) { std::ofstream(folder / name) << text; }
+
+  static std::vector<std::string> Here(std::vector<std::string> words) {
+    words.insert(words.end(),
+                 {"--realtime", "off", "--transport", "udp", "--domain", std::to_string(kDomain)});
+    return words;
+  }
+  void Serve(std::vector<std::string> words) {
+    server = std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-server", Here(std::move(words)));
+    ASSERT_TRUE(server->Says("ready: ", 60.0) && server->Says("\n")) << server->Output();
+    fs::remove_all(folder);
+  }
+  std::unique_ptr<Program> Station(std::vector<std::string> words) {
+    words.insert(words.end(), {"--id", "hand", "--no-table"});
+    return std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station", Here(std::move(words)));
+  }
+  /// What a station felt, of which --json is this file, once it has ended.
+  nlohmann::json Felt() const {
+    std::ifstream in(json);
+    return nlohmann::json::parse(in);
+  }
+};
+
+TEST_F(OwnScene, IsFeltByAStationThatNamesItOrItsFile) {
+  Write("mine.json", kScene);
+  Serve({"--scene", (folder / "mine.json").string()});
+  for (const std::string scene : {"mine", "./mine.json"}) {
+    const auto station =
+        Station({"--device", "scripted", "--scene", scene, "--for", "5", "--json", json});
+    EXPECT_EQ(station->Exit(60.0), 0) << station->Output();
+    EXPECT_THAT(station->Output(), HasSubstr("the server made a hand for 'ball'"));
+    const nlohmann::json felt = Felt();
+    EXPECT_EQ(felt["scene"], "mine");
+    EXPECT_EQ(felt["tool"], "ball");
+    EXPECT_NEAR(felt["force_N_max"], 3.0, 0.5) << "3 mm deep, at 1 N/mm";
+  }
+}
+
+TEST_F(OwnScene, GivesItsScriptToStationsThatHaveNoFileOfIt) {
+  Write("mine.json", kScene);
+  Write("mine.path.json", kHand);
+  Serve({"--scene", (folder / "mine.json").string()});
+  const auto station =
+      Station({"--device", "scripted", "--scene", "mine", "--for", "3", "--json", json});
+  EXPECT_EQ(station->Exit(60.0), 0) << station->Output();
+  EXPECT_THAT(station->Output(), HasSubstr("own slide"));
+  EXPECT_THAT(station->Output(), Not(HasSubstr("made a hand")));
+  EXPECT_NEAR(Felt()["force_N_max"], 2.0, 0.3);
+}
+
+TEST_F(OwnScene, IsHeldWithTheMouseWhereTheServerSaysThatAHandBegins) {
+  Write("mine.json", kScene);
+  Serve({"--scene", (folder / "mine.json").string()});
+  // Its input stays open for a while and says nothing.
+  Program mouse("/bin/sh", {"-c", "sleep 3 | " PALPATE_BIN_DIR
+                                  "/palpate-station --device mouse --scene mine --id m --no-table "
+                                  "--realtime off --transport udp --domain " +
+                                      std::to_string(kDomain)});
+  EXPECT_TRUE(mouse.Says("session: tool 'ball' of scene 'mine'")) << mouse.Output();
+  EXPECT_TRUE(server->Says("station m: active")) << server->Output();
+  EXPECT_EQ(mouse.Exit(), 0) << mouse.Output();
+}
+
+TEST_F(OwnScene, ThatIsNotServedIsNamedWithThoseThatAre) {
+  Write("mine.json", kScene);
+  Serve({"--scene", (folder / "mine.json").string()});
+  const auto station = Station({"--device", "simulated", "--scene", "yours"});
+  EXPECT_EQ(station->Exit(), 1);
+  EXPECT_THAT(station->Output(), HasSubstr("scene 'yours' is not served here; give --scene with "
+                                           "one of: mine, or start palpate-server with yours"));
+}
+
+TEST_F(OwnScene, IsNotAskedForByAStationWhoseDeviceIsMissing) {
+  Write("mine.json", kScene);
+  Serve({"--scene", (folder / "mine.json").string()});
+  const auto station =
+      Station({"--device", "spacemouse", "--scene", "mine", "--log-level", "debug"});
+  EXPECT_EQ(station->Exit(), 1);
+  EXPECT_THAT(station->Output(), HasSubstr("no connection to spacenavd"));
+  EXPECT_THAT(server->Output(), Not(HasSubstr("station hand")));
+}
+
+TEST_F(OwnScene, IsMadeOfAMeshAndFeltAtOnce) {
+  Write("tooth.stl", Pyramid());
+  const std::string mesh = (folder / "tooth.stl").string();
+  Serve({mesh});
+  const std::string said = server->Output();
+  EXPECT_THAT(said, HasSubstr("unit: mm, guessed by the size, so it is 20 x 14 x 20 mm"));
+  EXPECT_THAT(said, HasSubstr("a ball of 1 mm radius, a twentieth of the longest side (--ball MM"));
+  EXPECT_THAT(said, HasSubstr("contact: by the mesh's own triangles, hard, without friction"));
+  EXPECT_THAT(said, HasSubstr("scenes tooth;"));
+  const auto station =
+      Station({"--device", "simulated", "--scene", "tooth.stl", "--for", "6", "--json", json});
+  EXPECT_EQ(station->Exit(60.0), 0) << station->Output();
+  const nlohmann::json felt = Felt();
+  EXPECT_EQ(felt["scene"], "tooth");
+  EXPECT_GT(felt["contact_fraction"], 0.2);
+  EXPECT_GT(felt["force_N_max"], 0.1);
+}
+
+TEST_F(OwnScene, OfAMeshHasTheUnitAndTheBallThatAreGiven) {
+  Write("tooth.stl", Pyramid());
+  Serve({"--unit", "cm", "--ball", "12", "--scene", (folder / "tooth.stl").string()});
+  EXPECT_THAT(server->Output(), HasSubstr("unit: cm, as given, so it is 200 x 140 x 200 mm"));
+  EXPECT_THAT(server->Output(), HasSubstr("a ball of 12 mm radius (--ball MM"));
+}
+
+}  // namespace
+}  // namespace palpate::test
