@@ -1,12 +1,12 @@
 import {DirectionalLight, HemisphereLight, Scene, WebGLRenderer} from "three";
 
-import type {SceneModel} from "../model/bundle";
+import type {FirstSight, SceneModel} from "../model/bundle";
 import {add, angleBetween, norm, type Pose, rotate, subtract, type Vec3} from "../model/pose";
 import type {Remains} from "../model/remains";
 import type {ToolState} from "../protocol/messages";
 import {ForceMarks} from "./arrows";
 import {BodyMesh, place, SurfaceCache} from "./body_mesh";
-import {Camera} from "./camera";
+import {Camera, kUsualSight} from "./camera";
 import {Ghost} from "./ghost";
 import type {Palette} from "./palette";
 import {SphereCloud} from "./sphere_cloud";
@@ -76,9 +76,8 @@ export class SceneView {
     this.paint(this.palette);
     this.updateRemains();
     this.makeClouds();
-    const {centre, radiusM} = boundsOf(model);
-    this.radiusM = objectsRadius(model);
-    this.camera.frame(centre, radiusM);
+    this.radiusM = model.firstSight?.radiusM ?? objectsRadius(model);
+    this.camera.frame(model.firstSight ?? boundsOf(model));
     this.changed();
   }
 
@@ -220,7 +219,7 @@ function objectsRadius(model: SceneModel): number {
 
 /// What a first look should hold: all objects, and the tools where they start; of long ones, which
 /// would make the rest small, their tips.
-function boundsOf(model: SceneModel): {centre: Vec3; radiusM: number} {
+function boundsOf(model: SceneModel): FirstSight {
   const spheres = model.objects.map(sphereOf);
   const around = enclose(spheres);
   const tools = model.tools.map((tool) =>
@@ -228,7 +227,7 @@ function boundsOf(model: SceneModel): {centre: Vec3; radiusM: number} {
       ? sphereOf(tool)
       : {centre: tool.pose.p, radiusM: 0.15 * around.radiusM},
   );
-  return enclose([...spheres, ...tools]);
+  return {...enclose([...spheres, ...tools]), from: kUsualSight};
 }
 
 const sphereOf = (body: SceneModel["objects"][number]): {centre: Vec3; radiusM: number} => ({
