@@ -32,15 +32,6 @@ TEST(MeshSimplify, LeavesASolidOfTheSameShapeWithFewerTriangles) {
   }
 }
 
-TEST(MeshSimplify, KeepsWhatIsCurvedFinerThanWhatIsFlat) {
-  // A flat-topped ball.
-  const Field field = [](const Vec3& p) { return std::max(p.norm() - 1.0, p.y() - 0.4); };
-  const TriangleMesh few = Simplified(MeshOfField(field, kBox, 0.1), 0.005);
-  std::size_t flat = 0;
-  for (const Vec3& p : few.vertices) flat += p.y() > 0.399 && p.norm() < 0.9;
-  EXPECT_LT(flat, few.vertices.size() / 20);  // of a fifth of its surface
-}
-
 TEST(MeshSimplify, ChangesNothingWhereNothingMayMove) {
   const TriangleMesh fine = MeshOfField([](const Vec3& p) { return p.norm() - 1.0; }, kBox, 0.2);
   EXPECT_EQ(Simplified(fine, 1e-9).triangles, fine.triangles);

@@ -83,7 +83,8 @@ const face: Look = {
     const away = subtract(p, kCavity);
     const outwards = (n[0] * away[0] + n[1] * away[1] + n[2] * away[2]) / norm(away);
     out.copy(kCheek).lerp(kLip, step(-0.5, 0.1, outwards));
-    out.lerp(kSkin, step(0.72, 0.93, outwards));
+    const far = step(42, 54, Math.hypot(p[0], p[1])) * step(-0.1, 0.3, outwards);
+    out.lerp(kSkin, Math.max(far, step(0.72, 0.93, outwards)));
     out.multiplyScalar(1 + 0.03 * mottle(p, 1.4));
   },
 };
