@@ -149,7 +149,7 @@ TriangleMesh MakeTongue(double length) {
 TriangleMesh MakeFace(double mouth_width, double mouth_height) {
   const double half_width = 500.0 * mouth_width;
   const double half_height = 500.0 * mouth_height;
-  const Field skin = EllipsoidField({0, 0, -46}, {88, 80, 60});
+  const Field skin = EllipsoidField({0, 0, -46}, {100, 88, 60});
   const Field cavity = EllipsoidField({0, 0, -34}, {38, 36, 46});
   // The lips: a roll round the mouth, fuller below, with a bow above.
   std::vector<Vec3> rim;
@@ -174,7 +174,7 @@ TriangleMesh MakeFace(double mouth_width, double mouth_height) {
     flesh = SmoothMin(flesh, lips(p), 5.0);
     return SmoothMin(flesh, uvula(p), 3.0);
   };
-  return SoftMesh(face, {Vec3(-92, -84, -110), Vec3(92, 84, 20)}, 2.2, 0.045);
+  return SoftMesh(face, {Vec3(-104, -92, -110), Vec3(104, 92, 20)}, 2.2, 0.045);
 }
 
 }  // namespace palpate
