@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "scenes/ambient_light.h"
 #include "scenes/curved_mesh.h"
 #include "scenes/json_file.h"
 #include "scenes/leaf_paint.h"
@@ -184,6 +185,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   scene.name = description.name;
   scene.coupling = description.coupling;
   scene.features = description.features;
+  scene.first_sight = description.first_sight;
   std::vector<std::pair<const BodyDescription*, Shape>> done;
   const auto compile = [&](const BodyDescription& from) {
     const auto known = std::find_if(done.begin(), done.end(), [&](const auto& made) {
@@ -192,14 +194,21 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
     const Shape& shape = known != done.end()
                              ? known->second
                              : done.emplace_back(&from, MakeShape(from, options)).second;
-    Body body{from.name, shape.mesh, shape.tree, {}};
+    Body body;
+    body.name = from.name;
+    body.mesh = shape.mesh;
+    body.tree = shape.tree;
     body.X_WB = from.X_WB;
+    body.look = from.look;
     PaintLeaves(from, shape.groups, body);
     return body;
   };
   for (const BodyDescription& tool : description.tools) scene.tools.push_back(compile(tool));
   for (const BodyDescription& object : description.objects) {
     scene.objects.push_back(compile(object));
+  }
+  if (std::ranges::none_of(scene.objects, [](const Body& body) { return body.look.empty(); })) {
+    LightObjects(scene.objects);
   }
   return scene;
 }

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "scenes/implicit_mesh.h"
+#include "scenes/mesh_simplify.h"
 #include "scenes/swept_mesh.h"
+#include "scenes/tooth_forms.h"
 
 namespace palpate {
 namespace {
@@ -64,8 +67,16 @@ const CrownShape& ShapeOf(ToothKind kind) {
   return kShapes[static_cast<int>(kind)];
 }
 
+ToothNumber NumberOfKind(ToothKind kind) {
+  return NumberOf(std::size_t(kind) - std::size_t(ToothKind::kFirstByNumber));
+}
+ToothMeasures InTable(const ToothSize& size) {
+  return {size.width, size.depth, size.crown, size.root};
+}
+
 /// A tooth of a size in mm.
 Field ToothField(ToothKind kind, const ToothSize& size) {
+  if (kind >= ToothKind::kFirstByNumber) return ToothFormField(NumberOfKind(kind), InTable(size));
   const CrownShape& shape = ShapeOf(kind);
   const double half_width = 0.5 * size.width;
   const double half_depth = 0.5 * size.depth;
@@ -114,15 +125,33 @@ Eigen::AlignedBox3d ToothBox(const ToothSize& size, double margin) {
              -0.5 * size.depth - margin, 0.5 * size.depth + margin);
 }
 
-/// Points on a half ellipse from the right end over the front to the left.
-std::vector<Vec3> ArchCurve(const Arch& arch) {
-  constexpr int kSteps = 40;
-  std::vector<Vec3> curve;
-  for (int i = 0; i <= kSteps; ++i) {
-    const double a = kPi * i / kSteps;
-    curve.emplace_back(arch.half_width * std::cos(a), 0.0, arch.length * std::sin(a));
+/// Number from -1 to 1 at a point of the whole-numbered lattice: of the bits of a hash.
+double AtLattice(int i, int j, int k) {
+  std::uint32_t h = std::uint32_t(i) * 0x8da6b343u ^ std::uint32_t(j) * 0xd8163841u ^
+                    std::uint32_t(k) * 0xcb1ab31fu;
+  h = (h ^ (h >> 15)) * 0x2c1b3c6du;
+  h = (h ^ (h >> 12)) * 0x297a2d39u;
+  return double(h >> 8) / double(1u << 23) - 1.0;
+}
+
+/// Smooth noise from -1 to 1 whose grains are about 1 wide: random numbers at the lattice's points,
+/// blended between them (Perlin, "An image synthesizer", SIGGRAPH 1985, as value noise).
+double Noise(const Vec3& p) {
+  const Eigen::Vector3i cell = p.array().floor().cast<int>();
+  const Vec3 t = p - cell.cast<double>();
+  const Vec3 w = t.cwiseProduct(t).cwiseProduct(Vec3::Constant(3.0) - 2.0 * t);
+  double sum = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1.0;
+    Eigen::Vector3i at = cell;
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool upper = (corner >> axis & 1) != 0;
+      weight *= upper ? w[axis] : 1.0 - w[axis];
+      at[axis] += upper;
+    }
+    sum += weight * AtLattice(at.x(), at.y(), at.z());
   }
-  return curve;
+  return sum;
 }
 
 /// Curve of an instrument from the tip on, rounded at the corners of a polyline, with radii.
@@ -170,7 +199,20 @@ TriangleMesh Instrument(const std::vector<Vec3>& corners, const std::vector<doub
 
 }  // namespace
 
+std::span<const std::string_view> ToothKindNames() {
+  static const std::vector<std::string_view> kNames = [] {
+    std::vector<std::string_view> names{"incisor", "canine", "premolar", "molar"};
+    names.insert(names.end(), ToothNames().begin(), ToothNames().end());
+    return names;
+  }();
+  return kNames;
+}
+
 ToothSize UsualSize(ToothKind kind) {
+  if (kind >= ToothKind::kFirstByNumber) {
+    const ToothMeasures mm = MeasuresOf(NumberOfKind(kind));
+    return {1e-3 * mm.width, 1e-3 * mm.depth, 1e-3 * mm.crown, 1e-3 * mm.root};
+  }
   switch (kind) {
     case ToothKind::kIncisor:
       return {0.0085, 0.007, 0.0105, 0.013};
@@ -185,24 +227,24 @@ ToothSize UsualSize(ToothKind kind) {
 
 TriangleMesh MakeTooth(ToothKind kind, const ToothSize& metres) {
   const ToothSize size = InMillimetres(metres);
+  if (kind >= ToothKind::kFirstByNumber) return MakeToothForm(NumberOfKind(kind), InTable(size));
   return InMetres(MeshOfField(ToothField(kind, size), ToothBox(size, 1.5), size.width / 8.0));
 }
 
-TriangleMesh MakeGingiva(ToothKind kind, const ToothSize& metres, double pocket_depth,
-                         double pocket_width) {
+TriangleMesh MakeGingiva(ToothKind kind, const ToothSize& metres, const GumSize& gum_metres) {
   const ToothSize size = InMillimetres(metres);
-  const double depth = pocket_depth / kMillimetre;
-  const double width = pocket_width / kMillimetre;
+  const double depth = gum_metres.pocket_depth / kMillimetre;
+  const double width = gum_metres.pocket_width / kMillimetre;
   const double x = 0.5 * size.width + 3.5;
   const double z = 0.5 * size.depth + 4.5;
   const double floor = -size.root - 2.0;
-  constexpr double kRound = 2.5;
-  // A block whose top rises between the teeth, as the papillae do.
+  const double margin = 0.8 - gum_metres.recession / kMillimetre;
+  // A ridge with round shoulders whose top rises between the teeth, as the papillae do.
   const Field block = [=](const Vec3& p) {
-    const double rise = 1.4 * std::pow(std::min(std::abs(p.x()) / x, 1.0), 2.0);
-    const Vec3 half(x - kRound, 0.5 * (0.8 - floor) - kRound, z - kRound);
-    const Vec3 q = Vec3(p.x(), p.y() - rise - 0.5 * (0.8 + floor), p.z()).cwiseAbs() - half;
-    return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0) - kRound;
+    const double rise = 2.2 * std::pow(std::min(std::abs(p.x()) / x, 1.0), 2.4);
+    const double wall = std::abs(p.z()) - z - 0.06 * (margin - p.y());
+    const double ridge = SmoothMax(wall, 0.95 * (p.y() - margin - rise), 7.0);
+    return SmoothMax(SmoothMax(ridge, std::abs(p.x()) - x, 3.0), floor - p.y(), 2.0);
   };
   const Field tooth = ToothField(kind, size);
   const Field socket = [=](const Vec3& p) { return tooth(p) + 0.1; };  // gum grips the tooth
@@ -225,8 +267,9 @@ TriangleMesh MakeGingiva(ToothKind kind, const ToothSize& metres, double pocket_
                      0.8);
   };
   const Field gum = Without(Without(block, socket, 0.4), pocket, 0.5);
-  return InMetres(
-      MeshOfField(gum, Box(x + 1.0, floor - 1.5, 4.0, -z - 1.0, z + 1.0), size.width / 8.5));
+  const Eigen::AlignedBox3d box = Box(x + 1.0, floor - 1.5, 5.0, -z - 2.5, z + 2.5);
+  constexpr double kCell = 0.7;  // half of the pocket's width
+  return InMetres(Simplified(MeshOfField(gum, box, kCell), 0.015));
 }
 
 TriangleMesh MakeCalculus(ToothKind kind, const ToothSize& metres, double across) {
@@ -237,16 +280,17 @@ TriangleMesh MakeCalculus(ToothKind kind, const ToothSize& metres, double across
   double surface = 0.0;  // z of the tooth's outer side at that height
   while (tooth({0, y, surface}) < 0.0) surface += 0.01;
   const Field lump = [=](const Vec3& p) {
-    const double rough = 0.06 * std::sin(5.1 * p.x()) * std::sin(4.3 * p.y() + 1.0) +
-                         0.03 * std::sin(9.0 * p.x() + 2.0) * std::sin(8.1 * p.y());
+    // Grains on lumps, and a rim that frays.
+    const double lumps = Noise(1.3 * p);
+    const double grains = Noise(3.1 * p + Vec3(7.3, 1.9, 4.1));
+    const double e = std::hypot(p.x(), p.y() - y) / r + 0.16 * lumps;
     // A crust that thins out towards its rim, a little of it inside the tooth.
-    const double e = std::hypot(p.x(), p.y() - y) / r;
-    const double thickness = 0.5 * (1.0 - e * e) + rough;
+    const double thickness = 0.5 * (1.0 - e * e) + 0.2 * lumps + 0.12 * grains;
     return SmoothMax(SmoothMax(tooth(p) - thickness, r * (e - 1.1), 0.4),
                      SmoothMax(-(tooth(p) + 0.6), -(p.z() - surface + 2.5), 0.3), 0.3);
   };
   return InMetres(MeshOfField(
-      lump, Box(r + 1.0, y - r - 1.0, y + r + 1.0, surface - 4.0, surface + 2.0), r / 8.0));
+      lump, Box(r + 1.5, y - r - 1.5, y + r + 1.5, surface - 4.0, surface + 2.5), r / 10.0));
 }
 
 TriangleMesh MakeProbe(double tip_radius, double length) {
@@ -279,114 +323,6 @@ TriangleMesh MakeScaler(double tip_radius, double length) {
                               {0, l, 9.9 + 0.2 * (l - 27.0)}},
                              {r, 1.5 * r, 1.9 * r, 2.2 * r, 2.6 * r, 1.0, 1.2, 1.7, 2.3, 2.1},
                              1.0));
-}
-
-Arch UsualArch(bool upper) {
-  return upper ? Arch{0.025, 0.045} : Arch{0.0235, 0.043};
-}
-
-TriangleMesh MakeJaw(bool upper) {
-  const Arch metres = UsualArch(upper);
-  const Arch arch{metres.half_width / kMillimetre, metres.length / kMillimetre};
-  const std::vector<Vec3> curve = ArchCurve(arch);
-  const Field distance = RopeField(curve, 0.0);
-  constexpr double kDeep = 17.0;
-  constexpr double kRound = 3.0;
-  const Field ridge = [=](const Vec3& p) {
-    const double d = distance({p.x(), 0.0, p.z()});
-    const double half = 6.2 + 0.1 * std::max(-p.y(), 0.0);  // wider below
-    const double qx = d - (half - kRound);
-    const double qy = std::abs(p.y() + 0.5 * kDeep) - (0.5 * kDeep - kRound);
-    return std::hypot(std::max(qx, 0.0), std::max(qy, 0.0)) + std::min(std::max(qx, qy), 0.0) -
-           kRound;
-  };
-  // One socket for each tooth, every fourteenth of the arch.
-  std::vector<Field> sockets;
-  const double quarter = double(curve.size() - 1);
-  double whole = 0.0;
-  for (std::size_t i = 1; i < curve.size(); ++i) whole += (curve[i] - curve[i - 1]).norm();
-  for (int tooth = 0; tooth < 14; ++tooth) {
-    double left = whole * (tooth + 0.5) / 14.0;
-    std::size_t i = 1;
-    while (i < std::size_t(quarter) && left > (curve[i] - curve[i - 1]).norm()) {
-      left -= (curve[i] - curve[i - 1]).norm();
-      ++i;
-    }
-    const Vec3 along = (curve[i] - curve[i - 1]).normalized();
-    const Vec3 at = curve[i - 1] + left * along;
-    sockets.push_back(EllipsoidField(at, {2.9, 3.2, 2.9}));
-  }
-  Field jaw = Without(ridge, UnionOf(sockets, 0.3), 0.8);
-  if (upper) {
-    const Field palate = [=](const Vec3& p) {
-      const double e = std::hypot(p.x() / arch.half_width, p.z() / arch.length);
-      const double vault = -13.0 + 8.0 * e * e;
-      return std::max({std::abs(p.y() - vault) - 1.6, (e - 1.0) * arch.half_width, -p.z() - 2.0});
-    };
-    jaw = UnionOf({jaw, palate}, 1.5);
-  }
-  return InMetres(
-      MeshOfField(jaw, Box(arch.half_width + 10, -kDeep - 2, 2, -10, arch.length + 10), 3.0));
-}
-
-TriangleMesh MakeTongue(double length) {
-  const double l = length / kMillimetre / 60.0;  // drawn 60 mm long
-  const Field body =
-      UnionOf({EllipsoidField({0, -3, -12}, {18, 11, 18}), EllipsoidField({0, 0, 2}, {16, 7, 20}),
-               EllipsoidField({0, 1.5, 18}, {11, 4.5, 12})},
-              8.0);
-  const Field tongue = [=](const Vec3& drawn) {
-    const Vec3 p = drawn / l;
-    const double groove =
-        1.6 * std::exp(-p.x() * p.x() / 5.0) * std::clamp((p.y() + 2) / 4, 0., 1.);
-    return l * (body(p) + groove * std::clamp((28.0 - p.z()) / 12.0, 0.0, 1.0));
-  };
-  return InMetres(MeshOfField(tongue, Box(21 * l, -17 * l, 10 * l, -33 * l, 33 * l), 2.8 * l));
-}
-
-TriangleMesh MakeFace(double mouth_width, double mouth_height) {
-  const double half_width = 0.5 * mouth_width / kMillimetre;
-  const double half_height = 0.5 * mouth_height / kMillimetre;
-  constexpr double kThick = 8.0;
-  const Field head = EllipsoidField({0, 25, -75}, {76, 112, 88});
-  std::vector<Vec3> lips;
-  for (int i = 0; i <= 32; ++i) {
-    const double a = 2.0 * kPi * i / 32;
-    const double x = (half_width + 3.0) * std::cos(a);
-    lips.emplace_back(x, (half_height + 3.0) * std::sin(a), 12.0 - 0.006 * x * x);
-  }
-  const auto pair = [](std::vector<Field>& to, auto make) {
-    to.push_back(make(-1.0));
-    to.push_back(make(1.0));
-  };
-  std::vector<Field> front{head, EllipsoidField({0, -half_height - 24, 1}, {20, 14, 13}),  // chin
-                           ConeField({0, 74, 10}, 6, {0, half_height + 22, 30}, 8.5),      // nose
-                           RopeField(lips, 4.2)};
-  pair(front, [&](double s) {  // wings of the nose
-    return EllipsoidField({9.5 * s, half_height + 21, 20}, {6, 6, 8});
-  });
-  pair(front, [](double s) {  // cheekbones
-    return EllipsoidField({43 * s, 38, -16}, {22, 16, 18});
-  });
-  pair(front, [](double s) {  // brows
-    return ConeField({14 * s, 82, 9}, 5, {44 * s, 79, -5}, 4.5);
-  });
-  std::vector<Field> hollows;
-  pair(hollows, [](double s) { return EllipsoidField({31 * s, 65, 14}, {16, 10, 12}); });
-  pair(hollows, [&](double s) {  // nostrils
-    return EllipsoidField({5 * s, half_height + 14, 24}, {2.6, 5, 3.6});
-  });
-  const Field skin = UnionOf({Without(UnionOf(front, 11.0), UnionOf(hollows, 2.0), 5.0),
-                              EllipsoidField({31, 65, -3}, {12, 10.5, 12}),  // eyes
-                              EllipsoidField({-31, 65, -3}, {12, 10.5, 12})},
-                             1.0);
-  const Field inside = [=](const Vec3& p) { return head(p) + kThick; };
-  const Field mouth = EllipsoidField({0, 0, 8}, {half_width, half_height, 60});
-  const Field mask = [=](const Vec3& p) {
-    const double shell = SmoothMax(skin(p), -inside(p), 2.0);
-    return SmoothMax(SmoothMax(shell, -mouth(p), 3.0), -(p.z() + 60.0), 3.0);
-  };
-  return InMetres(MeshOfField(mask, Box(84, -96, 145, -68, 45), 6.0));
 }
 
 }  // namespace palpate

@@ -1,14 +1,20 @@
 #pragma once
 
+#include <span>
+#include <string_view>
+
 #include "common/math/pose.h"
 #include "scenes/scene.h"
 
 namespace palpate {
 
-// A mouth's worth of shapes, closed, manifold and oriented, in metres.  They are recognisable, not
-// anatomical: measures are about those of Wheeler's Dental Anatomy.
+// Teeth, what is about them, and instruments: closed, manifold and oriented, in metres.
 
-enum class ToothKind { kIncisor, kCanine, kPremolar, kMolar };
+/// A simple tooth of four kinds, which only stands for one; or, from kFirstByNumber on, the teeth
+/// of an adult in the order of ToothNames() (tooth_forms.h), true to form.
+enum class ToothKind { kIncisor, kCanine, kPremolar, kMolar, kFirstByNumber };
+/// What scene files call them.
+std::span<const std::string_view> ToothKindNames();
 
 struct ToothSize {
   double width = 0.0;  ///< of the crown along the arch, x [m]
@@ -21,14 +27,19 @@ struct ToothSize {
 ToothSize UsualSize(ToothKind kind);
 
 /// Frame of a tooth: origin in the middle of its neck, y towards the chewing surface, z outwards to
-/// lip or cheek.  A molar has four cusps and two roots, a premolar two cusps, a canine one; an
-/// incisor has an edge.
+/// lip or cheek.  A simple molar has four cusps and two roots, a premolar two cusps, a canine one;
+/// an incisor has an edge.
 TriangleMesh MakeTooth(ToothKind kind, const ToothSize& size);
 
-/// Gum round that tooth, in the tooth's frame: it lies close to it but for a pocket at the outer
-/// side (z > 0), `pocket_width` wide and `pocket_depth` deep below the neck.
-TriangleMesh MakeGingiva(ToothKind kind, const ToothSize& size, double pocket_depth,
-                         double pocket_width);
+struct GumSize {
+  double pocket_depth = 0.0;  ///< below the neck [m]
+  double pocket_width = 0.0;  ///< [m]
+  double recession = 0.0;     ///< how far the margin has gone down from the neck [m]
+};
+
+/// Piece of a jaw with the gum round that tooth, in the tooth's frame: it lies close to it but for
+/// a pocket at the outer side (z > 0), and rises towards the neighbours, from which it is cut.
+TriangleMesh MakeGingiva(ToothKind kind, const ToothSize& size, const GumSize& gum);
 
 /// Rough lump that lies on that tooth's outer side just above its neck and reaches into it, in the
 /// tooth's frame; about `width` across.
@@ -39,21 +50,5 @@ TriangleMesh MakeCalculus(ToothKind kind, const ToothSize& size, double width);
 TriangleMesh MakeProbe(double tip_radius, double length);
 /// Scaler: as the probe, but its tip is a hook that points to -z and ends sharper.
 TriangleMesh MakeScaler(double tip_radius, double length);
-
-/// Half-axes of the ellipse along which the teeth of a jaw stand: across, x, and forward, z [m].
-/// The arch is its front half; teeth point to +y and their necks lie in y = 0.
-struct Arch {
-  double half_width = 0.0, length = 0.0;
-};
-Arch UsualArch(bool upper);
-/// Ridge with sockets for 14 teeth; an upper jaw has a palate.
-TriangleMesh MakeJaw(bool upper);
-
-/// Tongue with a groove along its middle and a tip towards +z; `length` from root to tip.
-TriangleMesh MakeTongue(double length);
-
-/// Mask of a face, open behind, with nose, eyes, chin, lips and an open mouth, whose middle is the
-/// origin; y up, z forward.
-TriangleMesh MakeFace(double mouth_width, double mouth_height);
 
 }  // namespace palpate

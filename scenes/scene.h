@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,10 @@ struct Body {
   /// Material of each leaf, as an index into `materials`; empty: all are of materials[0].
   std::vector<std::uint8_t> leaf_material;
   std::vector<Material> materials{Material{}};
-  Pose X_WB{};  ///< objects: where they stand.  Tools: where the tool starts.
+  Pose X_WB{};         ///< objects: where they stand.  Tools: where the tool starts.
+  std::string look{};  ///< what viewers draw it as; empty: what its material is
+  /// Share of the room that each vertex sees, 0 to 255 (ambient_light.h); empty: all of it.
+  std::vector<std::uint8_t> ambient{};
 };
 
 enum class ContactModel : std::uint8_t {
@@ -63,6 +67,13 @@ struct Coupling {
   double torsional_stiffness = 1.0;  ///< k_r [N m/rad]
 };
 
+/// From where a viewer looks at first: along -from at a ball, which fills the picture.
+struct FirstSight {
+  Vec3 centre = Vec3::Zero();  ///< W [m]
+  double radius = 0.0;         ///< [m]
+  Vec3 from = Vec3::UnitZ();   ///< unit
+};
+
 /// A scene, compiled: what the server loads and the wire carries (scene_bundle.h).  Immutable.
 struct Scene {
   std::string name;
@@ -70,6 +81,7 @@ struct Scene {
   std::vector<Body> objects;  ///< fixed in W
   Coupling coupling;
   Features features;
+  std::optional<FirstSight> first_sight;  ///< none: all the objects
 };
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -226,6 +227,10 @@ class GeometryReader {
   Body& out_;
 };
 
+Vec3 FromWire(const wire::Vec3& in) {
+  return {in.x(), in.y(), in.z()};
+}
+
 Pose FromWire(const wire::Pose* in) {
   if (in == nullptr) throw Error("a body has no pose");
   Pose pose;
@@ -260,6 +265,14 @@ void ReadMaterials(const wire::Body& in, Body& out) {
   }
 }
 
+void ReadAmbient(const wire::Body& in, Body& out) {
+  if (in.ambient() == nullptr) return;
+  out.ambient.assign(in.ambient()->begin(), in.ambient()->end());
+  if (out.ambient.size() != out.mesh.vertices.size()) {
+    throw Error("the vertices' light does not add up");
+  }
+}
+
 Features FromWire(const wire::Features& in) {
   if (in.contact() > wire::Contact::MAX || in.friction() > wire::Friction::MAX) {
     throw Error("its features are not known");
@@ -285,6 +298,8 @@ Scene ReadScene(const wire::Scene& in) {
       bodies.push_back(geometries[body->geometry()]);
       bodies.back().name = body->name()->str();
       bodies.back().X_WB = FromWire(body->pose());
+      if (body->look() != nullptr) bodies.back().look = body->look()->str();
+      ReadAmbient(*body, bodies.back());
       ReadMaterials(*body, bodies.back());
     }
     return bodies;
@@ -299,6 +314,13 @@ Scene ReadScene(const wire::Scene& in) {
     throw Error("the coupling is not positive");
   }
   scene.features = FromWire(*in.features());
+  if (const wire::FirstSight* sight = in.first_sight()) {
+    scene.first_sight = {FromWire(sight->centre()), sight->radius(), FromWire(sight->from())};
+    if (!positive(sight->radius()) || !scene.first_sight->centre.allFinite() ||
+        !(std::abs(scene.first_sight->from.squaredNorm() - 1.0) < 1e-6)) {
+      throw Error("the first sight is none");
+    }
+  }
   return scene;
 }
 
@@ -367,7 +389,9 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
       const auto name = out.CreateString(body.name);
       const auto materials_at = out.CreateVectorOfStructs(materials);
       const auto leaf_material = out.CreateVector(body.leaf_material);
-      packed.push_back(wire::CreateBody(out, name, geometry, &pose, materials_at, leaf_material));
+      packed.push_back(wire::CreateBody(out, name, geometry, &pose, materials_at, leaf_material,
+                                        body.look.empty() ? 0 : out.CreateString(body.look),
+                                        body.ambient.empty() ? 0 : out.CreateVector(body.ambient)));
     }
     return out.CreateVector(packed);
   };
@@ -376,9 +400,15 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
   const auto geometries_at = out.CreateVector(geometries);
   const auto name = out.CreateString(scene.name);
   const wire::Features features = ToWire(scene.features);
-  out.Finish(wire::CreateScene(out, name, geometries_at, tools, objects, scene.coupling.stiffness,
-                               scene.coupling.torsional_stiffness, &features),
-             wire::SceneIdentifier());
+  std::optional<wire::FirstSight> sight;
+  if (scene.first_sight) {
+    sight.emplace(ToWire(scene.first_sight->centre), scene.first_sight->radius,
+                  ToWire(scene.first_sight->from));
+  }
+  out.Finish(
+      wire::CreateScene(out, name, geometries_at, tools, objects, scene.coupling.stiffness,
+                        scene.coupling.torsional_stiffness, &features, sight ? &*sight : nullptr),
+      wire::SceneIdentifier());
 
   Header header{};
   std::memcpy(header.magic, kMagic, sizeof kMagic);

@@ -207,6 +207,18 @@ RegionDescription ReadRegion(const JsonNode& node) {
   return region;
 }
 
+FirstSight ReadFirstSight(const JsonNode& node) {
+  node.AllowOnly({"centre_mm", "radius_mm", "from"});
+  FirstSight sight;
+  sight.centre = 1e-3 * node.At("centre_mm").Vector();
+  sight.radius = 1e-3 * node.At("radius_mm").PositiveNumber();
+  const JsonNode from = node.At("from");
+  sight.from = from.Vector();
+  if (!(sight.from.norm() > 1e-6)) from.Fail("is no direction; give one that is not 0");
+  sight.from.normalize();
+  return sight;
+}
+
 /// As HapticModel has it: a finite stiffness or hardness anywhere.
 bool FeltByLeaves(const BodyDescription& body) {
   const auto gives = [](const MaterialDescription& m) {
@@ -282,9 +294,9 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   const bool object = kind == BodyKind::kObject;
   const std::string_view pose_field = object ? "pose" : "start";
   if (object) {
-    node.AllowOnly({"name", "mesh", "leaves", pose_field, "material", "regions"});
+    node.AllowOnly({"name", "mesh", "leaves", pose_field, "look", "material", "regions"});
   } else {
-    node.AllowOnly({"name", "mesh", "leaves", pose_field});
+    node.AllowOnly({"name", "mesh", "leaves", pose_field, "look"});
   }
   BodyDescription body;
   body.name = ReadName(node.At("name"));
@@ -296,6 +308,9 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   if (auto pose = node.Find(pose_field)) {
     pose->AllowOnly({"position_mm", "rotation_deg", "quaternion_wxyz"});
     body.X_WB = pose->ReadPose();
+  }
+  if (auto look = node.Find("look")) {
+    body.look = look->OneOf({std::begin(kLooks), std::end(kLooks)});
   }
   if (object) {
     if (auto material = node.Find("material")) body.material = ReadMaterial(*material);
@@ -333,7 +348,8 @@ double MetresPerUnit(std::string_view unit) {
 
 SceneDescription ParseScene(std::string_view text, const std::string& file) {
   const JsonNode root = JsonNode::Parse(text, file);
-  root.AllowOnly({"name", "description", "tools", "objects", "coupling", "contact", "friction"});
+  root.AllowOnly({"name", "description", "tools", "objects", "coupling", "contact", "friction",
+                  "first_sight"});
   SceneDescription scene;
   const fs::path path(file);
   scene.name = path.stem().string();
@@ -351,6 +367,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
       scene.coupling.torsional_stiffness = k->PositiveNumber();
     }
   }
+  if (auto sight = root.Find("first_sight")) scene.first_sight = ReadFirstSight(*sight);
   scene.features = ReadFeatures(root, scene);
   CheckCurved(root, scene);
   return scene;

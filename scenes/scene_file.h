@@ -65,7 +65,13 @@ struct BodyDescription {
   Pose X_WB;
   MaterialDescription material;            ///< objects: of what no region paints
   std::vector<RegionDescription> regions;  ///< objects: later ones over earlier ones
+  std::string look;                        ///< one of kLooks; empty: what its material is
 };
+
+/// What viewers know how to draw.  That of teeth, gums and tongues follows the frames that
+/// catalogue/README.md gives for their shapes.
+inline constexpr std::string_view kLooks[] = {"tooth", "gum",      "tongue",
+                                              "face",  "calculus", "steel"};
 
 /// A scene as people write it (catalogue/README.md has every field).
 struct SceneDescription {
@@ -73,6 +79,7 @@ struct SceneDescription {
   std::vector<BodyDescription> tools, objects;
   Coupling coupling;
   Features features;  ///< compliance and removal follow from the materials
+  std::optional<FirstSight> first_sight;
 };
 
 inline constexpr std::size_t kMaxLeaves = 1u << 20;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scenes/dental_shapes.h"
+#include "scenes/mouth_shapes.h"
 #include "scenes/shapes.h"
 
 namespace palpate {
@@ -35,7 +36,8 @@ using Values = std::span<const double>;
 }  // namespace
 
 std::span<const ShapeKind> ShapeKinds() {
-  static const std::vector<std::string_view> kTeeth{"incisor", "canine", "premolar", "molar"};
+  static const std::vector<std::string_view> kTeeth(ToothKindNames().begin(),
+                                                    ToothKindNames().end());
   static const std::vector<ShapeKind> kKinds{
       {"tooth", kTeeth, WithToothSize({}),
        [](std::size_t variant, Values v) {
@@ -43,11 +45,12 @@ std::span<const ShapeKind> ShapeKinds() {
          return MakeTooth(kind, SizeFrom(kind, v));
        }},
       {"gingiva", kTeeth,
-       WithToothSize(
-           {Millimetres("pocket_depth_mm", 6, 1, 12), Millimetres("pocket_width_mm", 1.2, 0.4, 4)}),
+       WithToothSize({Millimetres("pocket_depth_mm", 6, 1, 12),
+                      Millimetres("pocket_width_mm", 1.2, 0.4, 4),
+                      Millimetres("recession_mm", 0, 0, 4)}),
        [](std::size_t variant, Values v) {
          const auto kind = static_cast<ToothKind>(variant);
-         return MakeGingiva(kind, SizeFrom(kind, v), v[4], v[5]);
+         return MakeGingiva(kind, SizeFrom(kind, v), {v[4], v[5], v[6]});
        }},
       {"calculus", kTeeth, WithToothSize({Millimetres("across_mm", 4, 1, 10)}),
        [](std::size_t variant, Values v) {
@@ -72,7 +75,7 @@ std::span<const ShapeKind> ShapeKinds() {
        [](std::size_t, Values v) { return MakeTongue(v[0]); }},
       {"face",
        {},
-       {Millimetres("mouth_width_mm", 52, 40, 60), Millimetres("mouth_height_mm", 40, 20, 48)},
+       {Millimetres("mouth_width_mm", 58, 40, 66), Millimetres("mouth_height_mm", 54, 30, 62)},
        [](std::size_t, Values v) { return MakeFace(v[0], v[1]); }},
       {"pipe",
        {},

@@ -9,7 +9,7 @@
 namespace palpate {
 
 /// Changes with every change of what a shape looks like, so that cached scenes are built anew.
-inline constexpr std::uint32_t kShapesVersion = 1;
+inline constexpr std::uint32_t kShapesVersion = 8;
 
 // Closed meshes round the origin [m], wound counter-clockwise seen from outside.
 

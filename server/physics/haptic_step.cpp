@@ -263,8 +263,10 @@ bool Clear(StepContext& context) {
   }
   context.arrived = false;
   context.state.friction = context.friction_before;  // of no trial
-  while (context.v.norm() + meshes.tool().mesh.reach() * context.phi.norm() >
-         limits::mesh::kRounding) {
+  const auto way = [&] {
+    return context.v.norm() + meshes.tool().mesh.reach() * context.phi.norm();
+  };
+  while (!meshes.IsFull() && way() > limits::mesh::kRounding) {
     context.v *= 0.5;
     context.phi *= 0.5;
     if (is_free()) return true;

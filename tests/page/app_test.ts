@@ -31,6 +31,17 @@ const kWearing: TestScene = {
   ],
 };
 
+const kTeeth: TestScene = {
+  ...kTestScene,
+  name: "teeth",
+  objects: ["upper-left-canine", "lower-right-first-molar"].map((name, i) => ({
+    name,
+    mesh: box(0.05),
+    leaves: leafPerTriangle(box(0.05), 0.004),
+    pose: {p: [0.03 * i, 0, 0], q: [1, 0, 0, 0]},
+  })),
+};
+
 let browser: Browser | undefined;
 let gateway: FakeGateway;
 let page: Page;
@@ -55,7 +66,7 @@ afterEach(async () => {
 
 const startGateway = (port = 0): Promise<FakeGateway> =>
   FakeGateway.start(
-    new Map([kTestScene, kWearing].map((scene) => [scene.name, sceneBytes(scene)])),
+    new Map([kTestScene, kWearing, kTeeth].map((scene) => [scene.name, sceneBytes(scene)])),
     port,
   );
 
@@ -611,4 +622,26 @@ test("a channel that the page cannot read disturbs no other", async () => {
   } finally {
     (kChannels[1] as {schema: string}).schema = schema;
   }
+});
+
+test("teeth are numbered on demand, where there are any", async () => {
+  page = await open();
+  expect(await page.locator("#numbers").isVisible()).toBe(false);
+  page = await open({}, "?scene=teeth");
+  await eventually("a button", () => page.locator("#numbers").isVisible());
+  expect(await page.locator("#labels").isVisible()).toBe(false);
+  await page.keyboard.press("n");
+  await eventually(
+    "two numbers",
+    async () => (await page.locator("#labels span:visible").allInnerTexts()).join() === "23,46",
+  );
+  const picture = (await page.locator("#view").boundingBox())!;
+  await eventually("both within the picture", async () => {
+    const boxes = await Promise.all(
+      (await page.locator("#labels span").all()).map((label) => label.boundingBox()),
+    );
+    return boxes.every((b) => b && b.x > picture.x + 1 && b.y > picture.y + 1);
+  });
+  await page.keyboard.press("n");
+  expect(await page.locator("#labels").isVisible()).toBe(false);
 });

@@ -94,6 +94,25 @@ TEST(SceneBundle, GivesBackTheScene) {
   EXPECT_EQ(PackScene(back, 7), bytes);
 }
 
+TEST(SceneBundle, GivesBackHowItIsToBeSeen) {
+  Scene scene = SmallScene();
+  EXPECT_FALSE(UnpackScene(PackScene(scene), "s").first_sight.has_value());
+  scene.objects[0].look = "gum";
+  scene.objects[0].ambient.assign(scene.objects[0].mesh.vertices.size(), 200);
+  scene.first_sight = {Vec3(1, 2, 3), 0.5, Vec3(0.6, 0, 0.8)};
+  const Scene back = UnpackScene(PackScene(scene), "s");
+  EXPECT_EQ(back.objects[0].look, "gum");
+  EXPECT_EQ(back.objects[0].ambient, scene.objects[0].ambient);
+  EXPECT_EQ(back.objects[1].look, "");
+  ASSERT_TRUE(back.first_sight.has_value());
+  EXPECT_EQ(back.first_sight->centre, scene.first_sight->centre);
+  EXPECT_EQ(back.first_sight->radius, 0.5);
+  EXPECT_EQ(back.first_sight->from, scene.first_sight->from);
+
+  scene.objects[0].ambient.pop_back();
+  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("the vertices' light does not add up"));
+}
+
 TEST(SceneBundle, KeepsGeometryThatBodiesShareOnce) {
   Scene one = SmallScene();
   one.objects.pop_back();

@@ -112,6 +112,30 @@ TEST(SceneFile, ReadsHowTrulyAMeshStandsForACurvedSurface) {
   }
 }
 
+TEST(SceneFile, ReadsHowTheSceneIsToBeSeen) {
+  const std::string bodies = R"("tools": [{"name": "t", "leaves": 8, "look": "steel",
+      "mesh": {"shape": "box", "size_m": [1, 1, 1]}}],
+    "objects": [{"name": "o", "leaves": 8, "mesh": {"shape": "box", "size_m": [1, 1, 1]}}])";
+  const SceneDescription scene = ParseScene(
+      "{\"first_sight\": {\"centre_mm\": [0, 5, 0], \"radius_mm\": 30, \"from\": [0, 3, 4]}, " +
+          bodies + "}",
+      "f.json");
+  EXPECT_EQ(scene.tools[0].look, "steel");
+  EXPECT_EQ(scene.objects[0].look, "");
+  ASSERT_TRUE(scene.first_sight.has_value());
+  EXPECT_EQ(scene.first_sight->centre, Vec3(0, 0.005, 0));
+  EXPECT_EQ(scene.first_sight->radius, 0.03);
+  EXPECT_TRUE(scene.first_sight->from.isApprox(Vec3(0, 0.6, 0.8)));
+  EXPECT_THAT(ComplaintOf([&] {
+                ParseScene(
+                    "{\"first_sight\": {\"centre_mm\": [0, 5, 0], \"radius_mm\": 30, "
+                    "\"from\": [0, 0, 0]}, " +
+                        bodies + "}",
+                    "f.json");
+              }),
+              HasSubstr("first_sight.from: is no direction; give one that is not 0"));
+}
+
 TEST(SceneFile, TakesSurfaceContactAndNothingElseWhereNothingIsSaid) {
   const Features features = ParseScene(kGood, "f.json").features;
   EXPECT_EQ(features.contact, ContactModel::kSurface);

@@ -186,11 +186,6 @@ void MeshContact::Cover(double translation, double rotation) {
   for (int f = 0; f < found; ++f) {
     const SeparationFront::Index i = found_[static_cast<std::size_t>(f)];
     if (seen_[static_cast<std::size_t>(i)] == substep_) continue;
-    if (!front_->IsKept(i)) {
-      const SeparationFront::Pair& pair = front_->pair(i);
-      const Vec3 n = front_->Normal(i);
-      front_->Set(i, n, Low(pair.tool, n, from_) - objects_.tree.Highest(pair.object, n));
-    }
     found_[static_cast<std::size_t>(count++)] = i;
   }
   for (int done = 0; done < count; done += kRefreshed) {
@@ -204,6 +199,12 @@ void MeshContact::Cover(double translation, double rotation) {
 /// Adds those of some pairs of the front that a motion of such a length could bring together.  Most
 /// could not: an expiry counts every motion as one against the plane.
 void MeshContact::AddNear(const SeparationFront::Index* index, int count, double way) {
+  for (int i = 0; i < count; ++i) {
+    if (front_->IsKept(index[i])) continue;
+    const SeparationFront::Pair& pair = front_->pair(index[i]);
+    const Vec3 n = front_->Normal(index[i]);
+    front_->Set(index[i], n, Low(pair.tool, n, from_) - objects_.tree.Highest(pair.object, n));
+  }
   const auto first = static_cast<int>(near_.size());
   front_->Refresh(*kernels_, index, count, first, planes_);
   refreshed_ += count;

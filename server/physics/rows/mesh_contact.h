@@ -71,6 +71,8 @@ class MeshContact {
   std::int64_t looks() const { return tested_ + refreshed_ / limits::mesh::kRefreshesALook; }
   /// The sub-step may look no closer (limits::mesh::kMaxLooks): what needs it is not apart.
   bool IsExhausted() const { return looks() >= limits::mesh::kMaxLooks; }
+  /// More pairs are near than the sub-step may bring up to date: none of its trials is free.
+  bool IsFull() const { return full_; }
   /// Whether no triangle of the tool meets one of the objects at a pose.  What lies wholly inside a
   /// closed mesh meets none.  Not real-time.
   bool IsFree(const ToolPose& at) const;

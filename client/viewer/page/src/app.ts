@@ -61,6 +61,7 @@ export class App {
   private readonly sentence = element("sentence", HTMLParagraphElement);
   private readonly readout = element("readout", HTMLDivElement);
   private readonly level = element("level", HTMLInputElement);
+  private readonly numbers = element("numbers", HTMLButtonElement);
 
   private readonly world = new World((change, scene) => this.worldChanged(change, scene));
   private readonly connection: Connection;
@@ -98,7 +99,15 @@ export class App {
       this.view.paint(readPalette());
       this.plots.build();
     });
-    this.view = new SceneView(this.canvas, readPalette(), calm, () => this.askFrame());
+    this.view = new SceneView(
+      this.canvas,
+      element("labels", HTMLDivElement),
+      this.readout,
+      element("buttons", HTMLDivElement),
+      readPalette(),
+      calm,
+      () => this.askFrame(),
+    );
     this.plots = new Plots(element("plots", HTMLDivElement));
     const spoken = element("spoken", HTMLParagraphElement);
     this.announcer = new Announcer((sentence) => setText(spoken, sentence));
@@ -267,6 +276,7 @@ export class App {
   private showScene(): void {
     const model = this.fetched.get(this.scene)?.model;
     this.view.setScene(model, this.world.remainsOf(this.scene));
+    this.numbers.hidden = this.view.teeth === 0;
     this.drawn = [];
     document.title = this.scene === "" ? "Palpate" : `${this.scene} · Palpate`;
     this.canvas.setAttribute(
@@ -551,6 +561,11 @@ export class App {
         element("level-pick", HTMLLabelElement).hidden = !on;
         this.showLevel();
       },
+      numbers: () => {
+        if (this.numbers.hidden) return;
+        this.view.showsNumbers = !this.view.showsNumbers;
+        this.numbers.setAttribute("aria-pressed", String(this.view.showsNumbers));
+      },
       level: (by: number) => {
         this.level.value = String(Number(this.level.value) + by);
         this.showLevel();
@@ -563,6 +578,7 @@ export class App {
     };
     follow.addEventListener("click", actions.follow);
     spheres.addEventListener("click", actions.spheres);
+    this.numbers.addEventListener("click", actions.numbers);
     element("reset", HTMLButtonElement).addEventListener("click", actions.reset);
     element("help", HTMLButtonElement).addEventListener("click", actions.help);
     panelToggle.addEventListener("click", actions.panel);
@@ -593,6 +609,7 @@ export class App {
       f: actions.follow,
       r: actions.reset,
       s: actions.spheres,
+      n: actions.numbers,
       "[": () => actions.level(-1),
       "]": () => actions.level(1),
       p: actions.panel,

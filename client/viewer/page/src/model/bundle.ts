@@ -33,6 +33,15 @@ export interface Body {
   readonly pose: Pose; // X_WB
   readonly materials: readonly Material[];
   readonly leafMaterial: Uint8Array; // empty: all leaves have the first
+  readonly look: string; // what it is to look like; empty: what its material is
+  readonly ambient: Uint8Array; // share of the room that a vertex sees; empty: all see all
+}
+
+/// From where one looks at first: along -from at a ball, which fills the picture.
+export interface FirstSight {
+  readonly centre: Vec3;
+  readonly radiusM: number;
+  readonly from: Vec3; // unit
 }
 
 export interface SceneModel {
@@ -41,6 +50,7 @@ export interface SceneModel {
   readonly objects: readonly Body[];
   readonly soft: boolean; // finite stiffness counts
   readonly wears: boolean; // finite hardness counts
+  readonly firstSight: FirstSight | undefined;
 }
 
 /// A bundle file has a header of this length before the FlatBuffer, which the wire may leave out.
@@ -71,6 +81,19 @@ export function readBundle(bytes: Uint8Array): SceneModel {
     objects: bodies(scene.objectsLength(), (i) => scene.objects(i)),
     soft: features?.compliance() ?? false,
     wears: features?.removal() ?? false,
+    firstSight: readFirstSight(scene),
+  };
+}
+
+function readFirstSight(scene: WireScene): FirstSight | undefined {
+  const sight = scene.firstSight();
+  const centre = sight?.centre();
+  const from = sight?.from();
+  if (!sight || !centre || !from) return undefined;
+  return {
+    centre: [centre.x(), centre.y(), centre.z()],
+    radiusM: sight.radius(),
+    from: [from.x(), from.y(), from.z()],
   };
 }
 
@@ -93,6 +116,8 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
         : kIdentity,
     materials,
     leafMaterial: body.leafMaterialArray() ?? new Uint8Array(),
+    look: body.look() ?? "",
+    ambient: body.ambientArray() ?? new Uint8Array(),
   };
 }
 

@@ -2,9 +2,11 @@ import {
   BufferAttribute,
   BufferGeometry,
   Color,
+  DoubleSide,
   FrontSide,
   Group,
   Mesh,
+  type MeshMatcapMaterial,
   MeshStandardMaterial,
 } from "three";
 
@@ -12,6 +14,8 @@ import type {Body, Geometry, SceneModel} from "../model/bundle";
 import type {Pose} from "../model/pose";
 import {makeSurface, type Surface} from "../model/surface";
 import {kTissues, tissueByVertex, tissueOf} from "../model/tissue";
+import {colourAt, glossy} from "./gloss";
+import {type Look, lookOf} from "./looks";
 import {objectColour, type Palette} from "./palette";
 
 /// Buffers that bodies of one geometry share: uploaded once.
@@ -49,9 +53,10 @@ export function place(group: Group, pose: Pose): void {
 /// A body as a solid thing.
 export class BodyMesh {
   readonly group = new Group();
-  readonly mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
+  readonly mesh: Mesh<BufferGeometry, MeshStandardMaterial | MeshMatcapMaterial>;
   private readonly surface: Surface;
   private readonly tissues: Uint8Array | undefined;
+  private readonly look: Look | undefined;
   private ownIndex: BufferAttribute | undefined;
   private gone = 0;
 
@@ -65,12 +70,18 @@ export class BodyMesh {
     const {surface, buffers} = cache.of(body.geometry);
     this.surface = surface;
     this.tissues = role === "object" ? tissueByVertex(body, scene) : undefined;
-    const material = new MeshStandardMaterial({
-      roughness: 0.62,
-      metalness: role === "tool" ? 0.08 : 0,
-      side: FrontSide,
-      vertexColors: this.tissues !== undefined,
-    });
+    this.look = lookOf(body.look);
+    const material = this.look
+      ? glossy(this.look)
+      : new MeshStandardMaterial({
+          roughness: 0.62,
+          metalness: role === "tool" ? 0.08 : 0,
+          vertexColors: this.tissues !== undefined,
+        });
+    // Where something is scraped off one sees walls, not what is behind them.
+    const wears = body.materials.some((of) => tissueOf(of, scene) === "wearing");
+    material.side = role === "object" && wears ? DoubleSide : FrontSide;
+    if (this.look) buffers.setAttribute("color", colourAt(this.look, surface, body.ambient));
     this.mesh = new Mesh(buffers, material);
     this.group.add(this.mesh);
     place(this.group, body.pose);
@@ -78,6 +89,7 @@ export class BodyMesh {
 
   paint(palette: Palette): void {
     const material = this.mesh.material;
+    if (this.look) return; // by day and by night the same
     if (this.role === "tool") {
       material.color.copy(palette.tools[this.place_ % palette.tools.length]!);
       return;

@@ -1,12 +1,13 @@
 import {MathUtils, PerspectiveCamera, Vector3} from "three";
 import {OrbitControls} from "three/examples/jsm/controls/OrbitControls.js";
 
+import type {FirstSight} from "../model/bundle";
 import type {Vec3} from "../model/pose";
 import type {ViewFrame} from "../mouse/tool_motion";
 
 const kFieldOfViewDeg = 32;
 /// From where one looks at first: a little from the right and above.
-const kFirstSight = new Vector3(0.32, 0.3, 1).normalize();
+export const kUsualSight: Vec3 = [0.32, 0.3, 1];
 
 /// The eye: orbits what it looks at, follows the tool if asked to, and comes back.
 export class Camera {
@@ -15,6 +16,7 @@ export class Camera {
   following = false;
   private centre = new Vector3();
   private radiusM = 0.1;
+  private from = new Vector3();
   private lastTool: Vector3 | undefined;
 
   constructor(
@@ -30,8 +32,9 @@ export class Camera {
   }
 
   /// Sets what a reset shows.
-  frame(centre: Vec3, radiusM: number): void {
+  frame({centre, radiusM, from}: FirstSight): void {
     this.centre.set(...centre);
+    this.from.set(...from).normalize();
     this.radiusM = radiusM;
     this.controls.minDistance = 0.3 * radiusM;
     this.controls.maxDistance = 20 * radiusM;
@@ -44,7 +47,7 @@ export class Camera {
     const half = Math.atan(Math.tan(MathUtils.degToRad(kFieldOfViewDeg / 2)) * narrow);
     const distance = (1.08 * this.radiusM) / Math.sin(half);
     this.controls.target.copy(this.centre);
-    this.eye.position.copy(this.centre).addScaledVector(kFirstSight, distance);
+    this.eye.position.copy(this.centre).addScaledVector(this.from, distance);
     this.eye.near = distance / 200;
     this.eye.far = 40 * distance;
     this.eye.updateProjectionMatrix();

@@ -1,13 +1,14 @@
 import {DirectionalLight, HemisphereLight, Scene, WebGLRenderer} from "three";
 
-import type {SceneModel} from "../model/bundle";
+import type {FirstSight, SceneModel} from "../model/bundle";
 import {add, angleBetween, norm, type Pose, rotate, subtract, type Vec3} from "../model/pose";
 import type {Remains} from "../model/remains";
 import type {ToolState} from "../protocol/messages";
 import {ForceMarks} from "./arrows";
 import {BodyMesh, place, SurfaceCache} from "./body_mesh";
-import {Camera} from "./camera";
+import {Camera, kUsualSight} from "./camera";
 import {Ghost} from "./ghost";
+import {ToothLabels} from "./labels";
 import type {Palette} from "./palette";
 import {SphereCloud} from "./sphere_cloud";
 
@@ -33,14 +34,20 @@ export class SceneView {
   private sphereLevel: number | undefined;
   private radiusM = 0.1;
   private remains: Remains | undefined;
+  private readonly labels: ToothLabels;
+  private numberedTeeth = 0;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
+    labelSheet: HTMLElement,
+    figures: HTMLElement,
+    buttons: HTMLElement,
     private palette: Palette,
     calm: boolean,
     private readonly changed: () => void,
   ) {
     this.renderer = makeRenderer(canvas);
+    this.labels = new ToothLabels(labelSheet, figures, buttons);
     this.camera = new Camera(canvas, calm, changed);
     const key = new DirectionalLight(0xffffff, 1.9);
     key.position.set(0.5, 0.9, 0.8);
@@ -68,6 +75,7 @@ export class SceneView {
       return {body: solid, ghost: new Ghost(solid.mesh.geometry), marks: new ForceMarks()};
     });
     for (const object of this.objects) this.scene.add(object.group);
+    this.numberedTeeth = this.labels.setObjects(this.objects);
     for (const {body, ghost, marks} of this.tools) {
       this.scene.add(body.group, ghost.group, marks.group);
       ghost.setDistance(0);
@@ -76,9 +84,8 @@ export class SceneView {
     this.paint(this.palette);
     this.updateRemains();
     this.makeClouds();
-    const {centre, radiusM} = boundsOf(model);
-    this.radiusM = objectsRadius(model);
-    this.camera.frame(centre, radiusM);
+    this.radiusM = model.firstSight?.radiusM ?? objectsRadius(model);
+    this.camera.frame(model.firstSight ?? boundsOf(model));
     this.changed();
   }
 
@@ -148,6 +155,22 @@ export class SceneView {
 
   render(): void {
     this.renderer?.render(this.scene, this.camera.eye);
+    this.labels.update(
+      this.camera.eye,
+      this.tools.map(({body}) => body),
+    );
+  }
+
+  /// Teeth that have a number.
+  get teeth(): number {
+    return this.numberedTeeth;
+  }
+  get showsNumbers(): boolean {
+    return this.labels.shown;
+  }
+  set showsNumbers(on: boolean) {
+    this.labels.shown = on;
+    this.changed();
   }
 
   /// False where the browser has no WebGL: all but the picture goes on.
@@ -200,6 +223,7 @@ export class SceneView {
     }
     this.objects = [];
     this.tools = [];
+    this.numberedTeeth = this.labels.setObjects([]);
   }
 }
 
@@ -220,7 +244,7 @@ function objectsRadius(model: SceneModel): number {
 
 /// What a first look should hold: all objects, and the tools where they start; of long ones, which
 /// would make the rest small, their tips.
-function boundsOf(model: SceneModel): {centre: Vec3; radiusM: number} {
+function boundsOf(model: SceneModel): FirstSight {
   const spheres = model.objects.map(sphereOf);
   const around = enclose(spheres);
   const tools = model.tools.map((tool) =>
@@ -228,7 +252,7 @@ function boundsOf(model: SceneModel): {centre: Vec3; radiusM: number} {
       ? sphereOf(tool)
       : {centre: tool.pose.p, radiusM: 0.15 * around.radiusM},
   );
-  return enclose([...spheres, ...tools]);
+  return {...enclose([...spheres, ...tools]), from: kUsualSight};
 }
 
 const sphereOf = (body: SceneModel["objects"][number]): {centre: Vec3; radiusM: number} => ({

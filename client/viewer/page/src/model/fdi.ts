@@ -1,0 +1,20 @@
+/// A tooth's number after ISO 3950 (FDI): the quadrant, then the place from the middle.
+const kQuadrants = ["upper-right", "upper-left", "lower-left", "lower-right"] as const;
+const kPlaces = [
+  "central-incisor",
+  "lateral-incisor",
+  "canine",
+  "first-premolar",
+  "second-premolar",
+  "first-molar",
+  "second-molar",
+  "third-molar",
+] as const;
+
+/// @param name  a body's, such as upper-left-canine; undefined where it is no tooth's
+export function fdiOf(name: string): string | undefined {
+  const quadrant = kQuadrants.findIndex((of) => name.startsWith(`${of}-`));
+  if (quadrant < 0) return undefined;
+  const place = kPlaces.findIndex((of) => name === `${kQuadrants[quadrant]}-${of}`);
+  return place < 0 ? undefined : `${quadrant + 1}${place + 1}`;
+}

@@ -1,0 +1,79 @@
+/// Where labels go so that each can be read: near where they are wanted, apart from each other and
+/// from what they must not hide.  All in pixels; equal inputs, equal places.
+export interface Point {
+  readonly x: number;
+  readonly y: number;
+}
+export interface Circle extends Point {
+  readonly radius: number;
+}
+export interface Box {
+  readonly width: number;
+  readonly height: number;
+}
+
+const kRounds = 60;
+const kBack = 0.04; // of the way to where it is wanted, each round but the last ones
+const kSettle = 20;
+
+/// @param corner  what stands in the upper left corner of the room
+export function layOut(
+  wanted: readonly Point[],
+  label: Box,
+  keepClear: readonly Circle[],
+  room: Box,
+  corner: Box = {width: 0, height: 0},
+): Point[] {
+  const places = wanted.map(({x, y}) => ({x, y}));
+  const reach = 0.5 * Math.hypot(label.width, label.height);
+  for (let round = 0; round < kRounds; round++) {
+    places.forEach((place, i) => {
+      if (round < kRounds - kSettle) {
+        place.x += kBack * (wanted[i]!.x - place.x);
+        place.y += kBack * (wanted[i]!.y - place.y);
+      }
+      for (const circle of keepClear) pushOff(place, circle, circle.radius + reach);
+      for (let j = 0; j < i; j++) part(place, places[j]!, label);
+      leaveCorner(place, corner.width + 0.5 * label.width, corner.height + 0.5 * label.height);
+      place.x = clamp(place.x, 0.5 * label.width, room.width - 0.5 * label.width);
+      place.y = clamp(place.y, 0.5 * label.height, room.height - 0.5 * label.height);
+    });
+  }
+  return places;
+}
+
+const clamp = (x: number, low: number, high: number): number => Math.min(high, Math.max(low, x));
+
+function pushOff(place: {x: number; y: number}, from: Point, least: number): void {
+  const dx = place.x - from.x;
+  const dy = place.y - from.y;
+  const distance = Math.hypot(dx, dy);
+  if (distance >= least) return;
+  const out = distance > 1e-6 ? least / distance : 0;
+  place.x = from.x + (out > 0 ? out * dx : least);
+  place.y = from.y + out * dy;
+}
+
+function leaveCorner(place: {x: number; y: number}, right: number, below: number): void {
+  if (place.x >= right || place.y >= below) return;
+  if (right - place.x < below - place.y) place.x = right;
+  else place.y = below;
+}
+
+/// Half of the overlap each, along the shorter way out.
+function part(a: {x: number; y: number}, b: {x: number; y: number}, label: Box): void {
+  const dx = a.x - b.x;
+  const dy = a.y - b.y;
+  const overX = label.width - Math.abs(dx);
+  const overY = label.height - Math.abs(dy);
+  if (overX <= 0 || overY <= 0) return;
+  if (overX < overY) {
+    const half = 0.5 * overX * (dx < 0 ? -1 : 1);
+    a.x += half;
+    b.x -= half;
+  } else {
+    const half = 0.5 * overY * (dy < 0 ? -1 : 1);
+    a.y += half;
+    b.y -= half;
+  }
+}

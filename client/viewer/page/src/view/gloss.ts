@@ -1,0 +1,137 @@
+import {
+  BufferAttribute,
+  Color,
+  DataTexture,
+  DataUtils,
+  HalfFloatType,
+  LinearFilter,
+  MeshMatcapMaterial,
+  RGBAFormat,
+} from "three";
+
+import type {Vec3} from "../model/pose";
+import type {Surface} from "../model/surface";
+import type {Look} from "./looks";
+
+// Gloss for what has a look, at the cost of one texture: the lights hang at the eye, so how bright a
+// place is follows from its normal in the eye's frame alone, and is looked up (a "matcap").  Physically
+// based materials with an environment came to less than a picture a second without a graphics card.
+
+const kTexels = 192;
+
+/// A soft window that the surface mirrors, in the stereographic plane of mirrored directions.
+interface Window {
+  readonly x: number;
+  readonly y: number;
+  readonly half: readonly [number, number];
+  readonly bright: number;
+}
+const kWindows: readonly Window[] = [
+  {x: -0.26, y: 0.36, half: [0.15, 0.11], bright: 1},
+  {x: 0.4, y: 0.22, half: [0.05, 0.16], bright: 0.4},
+];
+
+const clamp01 = (x: number): number => Math.min(1, Math.max(0, x));
+
+/// Light that is mirrored towards the eye by a normal in its frame.
+function mirrored(n: Vec3, look: Look): number {
+  const r: Vec3 = [2 * n[2] * n[0], 2 * n[2] * n[1], 2 * n[2] * n[2] - 1];
+  const x = r[0] / (1.02 + r[2]);
+  const y = r[1] / (1.02 + r[2]);
+  // Rough surfaces spread the same light over a larger spot.
+  const soft = 0.03 + 0.5 * look.roughness;
+  let light = 0;
+  for (const {x: cx, y: cy, half, bright} of kWindows) {
+    const off = Math.hypot(
+      Math.max(0, Math.abs(x - cx) - half[0]),
+      Math.max(0, Math.abs(y - cy) - half[1]),
+    );
+    const area = (half[0] * half[1]) / ((half[0] + soft) * (half[1] + soft));
+    light += bright * Math.sqrt(area) * Math.exp(-((off / soft) ** 2));
+  }
+  if (look.metal) return 0.3 + 0.28 * r[1] + 0.25 * clamp01(r[2]) + light;
+  const rim = (1 - clamp01(n[2])) ** 4;
+  return light + 0.22 * rim * (1 - look.roughness);
+}
+
+/// Light that a normal in the eye's frame receives, as its colour has it.
+function received([x, y, z]: Vec3): number {
+  const key = clamp01((0.3 * x + 0.52 * y + 0.8 * z + 0.15) / 1.15);
+  const fill = clamp01(-0.85 * x + 0.1 * y + 0.5 * z);
+  return 0.25 + 0.1 * y + 0.7 * key + 0.1 * fill;
+}
+
+function matcapOf(look: Look): DataTexture {
+  const values = new Uint16Array(4 * kTexels * kTexels);
+  for (let row = 0; row < kTexels; row++) {
+    for (let column = 0; column < kTexels; column++) {
+      const x = (2 * (column + 0.5)) / kTexels - 1;
+      const y = (2 * (row + 0.5)) / kTexels - 1;
+      const r = Math.hypot(x, y);
+      const inside = r > 0.999 ? 0.999 / r : 1;
+      const [nx, ny] = [x * inside, y * inside];
+      const n: Vec3 = [nx, ny, Math.sqrt(1 - nx * nx - ny * ny)];
+      const colour = look.metal ? mirrored(n, look) : received(n);
+      const shine = look.metal ? 0 : look.shine * mirrored(n, look);
+      [colour, colour, colour, shine].forEach((value, i) => {
+        values[4 * (row * kTexels + column) + i] = DataUtils.toHalfFloat(value);
+      });
+    }
+  }
+  const texture = new DataTexture(values, kTexels, kTexels, RGBAFormat, HalfFloatType);
+  texture.minFilter = texture.magFilter = LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+const kMatcaps = new Map<Look, DataTexture>();
+
+export function glossy(look: Look): MeshMatcapMaterial {
+  let matcap = kMatcaps.get(look);
+  if (!matcap) kMatcaps.set(look, (matcap = matcapOf(look)));
+  const material = new MeshMatcapMaterial({matcap, vertexColors: true});
+  // What is mirrored comes on top, where the room is seen at all: vColor.a.
+  material.onBeforeCompile = (shader) => {
+    shader.fragmentShader = shader.fragmentShader.replace(
+      "vec3 outgoingLight = diffuseColor.rgb * matcapColor.rgb;",
+      "vec3 outgoingLight = diffuseColor.rgb * matcapColor.rgb + matcapColor.a * vColor.a;",
+    );
+  };
+  return material;
+}
+
+/// The look's colours at each vertex, and in the fourth place how much of the room it sees.
+export function colourAt(look: Look, surface: Surface, ambient: Uint8Array): BufferAttribute {
+  const {positions, normals, source} = surface;
+  const mm = positions.map((value) => 1e3 * value);
+  const at = (values: Float32Array, i: number): Vec3 => [
+    values[3 * i]!,
+    values[3 * i + 1]!,
+    values[3 * i + 2]!,
+  ];
+  let highestMm = -Infinity;
+  for (let i = 1; i < mm.length; i += 3) highestMm = Math.max(highestMm, mm[i]!);
+  const values = new Float32Array(4 * source.length);
+  const colour = new Color();
+  source.forEach((vertex, i) => {
+    look.tint(at(mm, i), at(normals, i), highestMm, colour);
+    const open = ambient.length > 0 ? ambient[vertex]! / 255 : 1;
+    values[4 * i] = colour.r * shaded(open, colour.r);
+    values[4 * i + 1] = colour.g * shaded(open, colour.g);
+    values[4 * i + 2] = colour.b * shaded(open, colour.b);
+    values[4 * i + 3] = clamp01(1.6 * open);
+  });
+  return new BufferAttribute(values, 4);
+}
+
+/// Light that reaches a place that sees the share `open` of the room: a lamp at the eye lights what
+/// one sees, the room the rest; and what the neighbours throw back has their colour (the polynomial of
+/// Jimenez et al., "Practical real-time strategies for accurate indirect occlusion", 2016).
+function shaded(open: number, albedo: number): number {
+  const kLamp = 0.3;
+  const a = 2.0404 * albedo - 0.3324;
+  const b = -4.7951 * albedo + 0.6417;
+  const c = 2.7552 * albedo + 0.6903;
+  const room = Math.max(open, ((open * a + b) * open + c) * open);
+  return kLamp + (1 - kLamp) * Math.min(1, 1.5 * room);
+}

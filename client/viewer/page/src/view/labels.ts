@@ -1,0 +1,116 @@
+import {type PerspectiveCamera, Vector3} from "three";
+
+import {fdiOf} from "../model/fdi";
+import {type Circle, layOut, type Point} from "../model/label_layout";
+import type {BodyMesh} from "./body_mesh";
+
+const kLabel = {width: 27, height: 19};
+const kAir = 2; // between labels
+const kSvg = "http://www.w3.org/2000/svg";
+
+interface Label {
+  readonly text: HTMLSpanElement;
+  readonly line: SVGLineElement;
+  readonly tooth: Vector3; // W
+  readonly wanted: Vector3; // W
+}
+
+/// The teeth's numbers, over the picture and clear of the tools, each with a line to its tooth.
+export class ToothLabels {
+  private readonly lines = document.createElementNS(kSvg, "svg");
+  private labels: Label[] = [];
+
+  /// @param figures  in the sheet's upper left corner
+  /// @param buttons  along its lower edge
+  constructor(
+    private readonly sheet: HTMLElement,
+    private readonly figures: HTMLElement,
+    private readonly buttons: HTMLElement,
+  ) {
+    sheet.append(this.lines);
+  }
+
+  /// @return how many of the objects are numbered teeth
+  setObjects(objects: readonly BodyMesh[]): number {
+    for (const {text, line} of this.labels) {
+      text.remove();
+      line.remove();
+    }
+    this.labels = objects.flatMap((object) => {
+      const number = fdiOf(object.body.name);
+      return number === undefined ? [] : [this.makeLabel(number, object)];
+    });
+    return this.labels.length;
+  }
+
+  get shown(): boolean {
+    return !this.sheet.hidden;
+  }
+  set shown(on: boolean) {
+    this.sheet.hidden = !on;
+  }
+
+  update(eye: PerspectiveCamera, tools: readonly BodyMesh[]): void {
+    if (!this.shown || this.labels.length === 0) return;
+    const room = {width: this.sheet.clientWidth, height: this.sheet.clientHeight};
+    const toPixels = (at: Vector3): Point => {
+      const p = at.clone().project(eye);
+      return {x: 0.5 * (p.x + 1) * room.width, y: 0.5 * (1 - p.y) * room.height};
+    };
+    const label = {width: kLabel.width + kAir, height: kLabel.height + kAir};
+    const clear = tools.flatMap((tool) => circlesOf(tool, eye, toPixels, room.height));
+    const wanted = this.labels.map((one) => toPixels(one.wanted));
+    const {offsetLeft, offsetTop, offsetWidth, offsetHeight} = this.figures;
+    const free = {width: room.width, height: this.buttons.offsetTop};
+    const corner = {width: offsetLeft + offsetWidth, height: offsetTop + offsetHeight};
+    layOut(wanted, label, clear, free, corner).forEach(({x, y}, i) => {
+      const {text, line, tooth} = this.labels[i]!;
+      text.style.transform = `translate(${x - 0.5 * kLabel.width}px, ${y - 0.5 * kLabel.height}px)`;
+      const end = toPixels(tooth);
+      const ends = {x1: x, y1: y, x2: end.x, y2: end.y};
+      for (const [name, value] of Object.entries(ends)) line.setAttribute(name, value.toFixed(1));
+    });
+  }
+
+  private makeLabel(number: string, {mesh, group}: BodyMesh): Label {
+    const text = document.createElement("span");
+    text.textContent = number;
+    text.style.width = `${kLabel.width}px`;
+    text.style.height = `${kLabel.height}px`;
+    this.sheet.append(text);
+    const line = document.createElementNS(kSvg, "line");
+    this.lines.append(line);
+    mesh.geometry.computeBoundingBox();
+    const {min, max} = mesh.geometry.boundingBox!;
+    group.updateMatrix();
+    // On the crown's outer side, and from there over the gum: where least is hidden.
+    const inWorld = (y: number, z: number): Vector3 =>
+      new Vector3(0, y, z).applyMatrix4(group.matrix);
+    return {
+      text,
+      line,
+      tooth: inWorld(0.55 * max.y, 0.9 * max.z),
+      wanted: inWorld(0.45 * min.y, 1.6 * max.z),
+    };
+  }
+}
+
+/// Circles that hold a tool in the picture: its tree's spheres, a level that follows its shape.
+function circlesOf(
+  tool: BodyMesh,
+  eye: PerspectiveCamera,
+  toPixels: (at: Vector3) => Point,
+  height: number,
+): Circle[] {
+  const {levels} = tool.body.geometry;
+  const {centres, radii} = levels[Math.min(1, levels.length - 1)]!;
+  tool.group.updateMatrix();
+  const perRadian = (0.5 * height) / Math.tan((0.5 * eye.fov * Math.PI) / 180);
+  return Array.from(radii, (radius, i) => {
+    const at = new Vector3().fromArray(centres, 3 * i).applyMatrix4(tool.group.matrix);
+    return {
+      ...toPixels(at),
+      radius: (perRadian * radius) / Math.max(1e-6, at.distanceTo(eye.position)),
+    };
+  });
+}
