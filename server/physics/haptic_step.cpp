@@ -312,6 +312,9 @@ void ReportLag(StepContext& context) {
     rows.SetGap(i, left);
     if (left > limits::mesh::kTouching) rows.Loosen(i);
   }
+  // The tool's place is free, whatever a row that was made for a trial elsewhere says of it.  So
+  // the wrench is never more than the spring's own.
+  rows.AdmitZero();
   context.v.setZero();
   context.phi.setZero();
   context.target = TargetOf(context.p_G, context.q_G, context.p_H, context.q_H);
