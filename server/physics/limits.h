@@ -175,7 +175,8 @@ inline constexpr int kIterates = 16;
 inline constexpr int kMaxLooks = 3400;
 /// Pairs that are brought up to date, and tested in the trials, in the time of one look.
 inline constexpr int kRefreshesALook = 8;
-/// Pairs that are looked at, or tried to be made one, before it is seen how to go on: taken.
+/// Pairs that are brought up to date, looked at, or tried to be made one, before it is seen how to
+/// go on: taken.
 inline constexpr int kBatch = 32;
 /// Pairs that are not apart in a trial for which there is another one: six rows hold a tool.
 inline constexpr int kEnough = 6;

@@ -18,8 +18,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using namespace limits::mesh;
 
 constexpr std::align_val_t kCacheLine{64};
-/// Pairs of the front that are brought up to date at a time, before it is known which are near.
-constexpr int kRefreshed = kBatch;
 constexpr std::int32_t kTag = static_cast<std::int32_t>(RowKind::kMeshes) << kRowKindShift;
 
 LeafPair KeyOf(BoxTree::Node tool, BoxTree::Node object, int slot) {
@@ -188,11 +186,11 @@ void MeshContact::Cover(double translation, double rotation) {
     if (seen_[static_cast<std::size_t>(i)] == substep_) continue;
     found_[static_cast<std::size_t>(count++)] = i;
   }
-  for (int done = 0; done < count; done += kRefreshed) {
+  for (int done = 0; done < count; done += kBatch) {
     // Those that are not brought up to date any more are not known to be apart.
-    full_ = IsExhausted() || near_.size() + kRefreshed > kMaxNear;
+    full_ = IsExhausted() || near_.size() + kBatch > kMaxNear;
     if (full_) return;
-    AddNear(found_.data() + done, std::min(kRefreshed, count - done), way);
+    AddNear(found_.data() + done, std::min(kBatch, count - done), way);
   }
 }
 

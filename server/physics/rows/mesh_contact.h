@@ -159,7 +159,7 @@ class MeshContact {
   PoseLanes ends_;  ///< the two of them
   Vec3 v_ = Vec3::Zero(), phi_ = Vec3::Zero();
   bool moved_ = false;
-  bool full_ = false;     ///< more pairs are near than there is room for
+  bool full_ = false;     ///< more pairs are near than may be brought up to date
   double covered_ = 0.0;  ///< way for which near_ has all pairs [m]
   std::uint32_t substep_ = 0;
   std::int32_t trial_ = 0;  ///< of the sub-step
