@@ -12,7 +12,8 @@
 namespace palpate::test {
 
 /// Watches, beside real processes, whether the machine let them run.  It knows nothing of Palpate,
-/// so no defect of Palpate can look like a stall to it.  A stall is the longest of
+/// so no defect of Palpate can look like a stall to it.  A stall is the most that was lost within
+/// 100 ms, at once or bit by bit, which is the same to a server that hears nothing meanwhile, by
 ///   - a thread of its own that woke later than it was due,
 ///   - a thread of a watched process that was ready to run, and waited for a processor
 ///     (/proc/PID/task/TID/schedstat),
@@ -26,7 +27,7 @@ class StallWitness {
   StallWitness& operator=(const StallWitness&) = delete;
 
   void Watch(pid_t process);
-  /// The longest stall so far [ms].
+  /// The longest stall so far: what was lost within 100 ms [ms].
   double longest_ms() const { return longest_ms_.load(); }
 
  private:

@@ -42,6 +42,21 @@ TEST(StallWitness, SeesThatAProcessWaitsForAProcessor) {
   EXPECT_GE(witness.longest_ms(), 5.0);
 }
 
+TEST(StallWitness, AddsUpWhatIsLostBitByBit) {
+  StallWitness witness;
+  const OneProcessor one;
+  // Two that compute share a processor in turns of a few milliseconds: of 100 ms each waits for
+  // about half, and never for long at once.
+  std::vector<std::unique_ptr<Program>> busy;
+  for (int i = 0; i < 2; ++i) {
+    busy.push_back(std::make_unique<Program>(
+        "/bin/sh", std::vector<std::string>{"-c", "while :; do :; done"}));
+    witness.Watch(busy.back()->id());
+  }
+  for (int i = 0; i < 2000 && witness.longest_ms() < 33.0; ++i) usleep(10'000);
+  EXPECT_GE(witness.longest_ms(), 33.0);
+}
+
 TEST(Shown, MakesNoFurtherAttemptOnceOneHasShownOrFailed) {
   int attempts = 0;
   EXPECT_TRUE(Shown([&](StallWitness&) { return ++attempts, Attempt::kShown; }));
