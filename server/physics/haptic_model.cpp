@@ -48,7 +48,6 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   positive(parameters_.stiffness, "stiffness");
   positive(parameters_.torsional_stiffness, "torsional_stiffness");
   positive(parameters_.max_translation, "max_translation");
-  positive(parameters_.max_truncation, "max_truncation");
   positive(parameters_.max_substeps, "max_substeps");
   positive(parameters_.max_rows, "max_rows");
   positive(parameters_.max_tested, "max_tested");
@@ -60,6 +59,10 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   tool_ = std::make_unique<const ToolTree>(tool, extent, ToolTree::ReferenceOf(tool));
   if (object_meshes() != nullptr) {
     tool_mesh_ = MakeToolMesh(tool_mesh, tool, tool_->reference());
+  }
+  if (parameters_.max_truncation <= 0.0) {
+    parameters_.max_truncation =
+        tool_mesh_ != nullptr ? limits::mesh::kMaxTruncation : limits::kMaxTruncation;
   }
   if (parameters_.max_rotation <= 0.0) {
     const double reach = tool_mesh_ != nullptr ? tool_mesh_->mesh.reach() : 0.0;

@@ -307,8 +307,7 @@ void Move(StepContext& context) {
 void ReportLag(StepContext& context) {
   ContactRows& rows = context.buffers.rows;
   for (int i = 0; i < rows.count(); ++i) {
-    const double left =
-        rows.gap(i) + rows.normal(i).dot(context.v) + rows.lever_cross_normal(i).dot(context.phi);
+    const double left = rows.Left(i, context.v, context.phi);
     rows.SetGap(i, left);
     if (left > limits::mesh::kTouching) rows.Loosen(i);
   }

@@ -143,10 +143,13 @@ inline constexpr double kLeastTurn = 1e-24;
 namespace mesh {
 /// delta: what rows keep between the meshes [m].  Taken: a thousandth of a newton at 1 N/mm.
 inline constexpr double kSeparation = 1e-6;
-/// h: what a pair must be separated by at the end of a sub-step [m].  A turning point's arc leaves
-/// its chord by up to a quarter of kMaxTruncation, 0.125 um: h covers it.  Rows ask for delta, so
-/// the rest, delta - h = kMaxTruncation, is what linearising a rotation may miss of it.
+/// h: what a pair must be separated by at the end of a sub-step [m].  The other half of delta is
+/// for what a row may miss of it.
 inline constexpr double kFree = 0.5 * kSeparation;
+/// kMaxTruncation between meshes.  Rows are exact where a trial ends, so what linearising misses
+/// costs a trial and no more.  But a turning point's arc leaves its chord by up to a quarter of
+/// this, h/2, which a pair has in between, even one of edges (MeshContact::HoldsAcross).
+inline constexpr double kMaxTruncation = 2.0 * kFree;
 /// What a pair nearer than delta regains in a sub-step [m], where that does not lift the tool
 /// against the spring: less than h, so that no force comes of it that could be felt.
 inline constexpr double kRegain = 0.3e-6;
@@ -163,9 +166,6 @@ inline constexpr double kWitnessRatio = 1.02, kWitness = (kWitnessRatio - 1.0) *
 /// A ball's row is turned again where its direction leaves the smooth normal by more [rad]: a
 /// thousandth of the force.
 inline constexpr double kTurned = 1e-3;
-/// The first bounds, as the other kBoundsOverHand, and nothing across.  Tighter, for a row that a
-/// wider trial asks for may hold back a nearer one, and a trial beyond them costs but one sub-step.
-inline constexpr double kBoundsOverHand = 1.25;
 /// A row that its contact lets the tool go by less than this [m] holds it: twice delta.
 inline constexpr double kTouching = 2.0 * kSeparation;
 /// Iterates of a sub-step: taken.  Three are usual.

@@ -33,8 +33,8 @@ struct StepParameters {
   /// Greatest bound on |phi| of one sub-step [rad].  0: sqrt(2 e / L) with e = max_truncation and L
   /// the tool's longest lever arm, so that linearising a rotation is never off by more than e.
   double max_rotation = 0.0;
-  double max_truncation = limits::kMaxTruncation;  ///< [m]
-  int max_substeps = limits::kMaxSubsteps;         ///< per cycle; a count, never a clock
+  double max_truncation = 0.0;              ///< [m]; 0: kMaxTruncation of the contact (limits.h)
+  int max_substeps = limits::kMaxSubsteps;  ///< per cycle; a count, never a clock
   int max_rows = limits::kMaxRows;
   /// A further sub-step is begun where one like the last would leave the cycle's packet pairs,
   /// which take some 10 ns each, within this: what a snap over a ledge costs at most, and the next

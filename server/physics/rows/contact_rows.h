@@ -53,6 +53,10 @@ class ContactRows {
   NodePair pair(int row) const { return columns_.pair[row]; }
   /// Gap of a row [m].
   double gap(int row) const { return -columns_.b[row]; }
+  /// What the row has to spare after a step.
+  double Left(int row, const Vec3& v, const Vec3& phi) const {
+    return gap(row) + normal(row).dot(v) + lever_cross_normal(row).dot(phi);
+  }
   Vec3 normal(int row) const {
     return {columns_.a[0][row], columns_.a[1][row], columns_.a[2][row]};
   }

@@ -255,7 +255,7 @@ void MeshContact::Begin(const Kernels& kernels, SeparationFront& front, const To
     });
     if (!was || touches_.size() == kMaxTouches) continue;
     Touch& touch = TouchOf(near);
-    if (!touch.in_cone || touch.plane.of != Plane::Of::kNone) continue;
+    if (touch.distance <= 0.0 || touch.plane.of != Plane::Of::kNone) continue;
     touch.plane = ChoosePlane(near, touch);
     PutRows(near, touch, true, rows);
   }
@@ -671,9 +671,7 @@ int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noex
     const double length = std::sqrt(nearest.squared);
     const Vec3 u = (nearest.p - nearest.q) / length;
     // The row's own point, at the trial.
-    const double gap = rows.gap(static_cast<int>(row)) + kSeparation +
-                       rows.normal(static_cast<int>(row)).dot(v_) +
-                       rows.lever_cross_normal(static_cast<int>(row)).dot(phi_);
+    const double gap = rows.Left(static_cast<int>(row), v_, phi_) + kSeparation;
     if (InCone(near, nearest, u, to_) &&
         gap <= kWitnessRatio * (length - tool_.radius) + kWitness) {
       if (TurnSmoothed(near, touch, static_cast<int>(row), nearest, u, rows)) ++changed;

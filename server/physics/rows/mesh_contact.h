@@ -38,10 +38,10 @@ class MeshContact {
   /// @param max_rows  of the ContactRows that it is going to fill.
   MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, int max_rows);
 
-  /// Begins a sub-step from `from`, within |v| <= translation, |phi| <= rotation: updates the
-  /// front, gathers the pairs that the bounds could bring together, and adds rows for the `active`
-  /// pairs that still touch within their cones. At most limits::mesh::kMaxLooks pairs are looked at
-  /// closely in a sub-step; the others count as not apart where their planes do not hold.
+  /// Begins a sub-step from `from`: updates the front, and adds the rows of the `active` pairs that
+  /// still touch: those out of their cones too, or a tool at rest would find them anew in each
+  /// step, a little off.  At most limits::mesh::kMaxLooks pairs are looked at closely in a
+  /// sub-step; the others count as not apart where their planes do not hold.
   void Begin(const Kernels& kernels, SeparationFront& front, const ToolPose& from,
              const LeafPair* active, int actives, ContactRows& rows) noexcept;
 

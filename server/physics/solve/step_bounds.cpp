@@ -19,8 +19,8 @@ StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexce
   const double rho = model.rotation_length();
   const double v = hand_step.v.norm(), phi = hand_step.phi.norm();
   const bool meshes = model.object_meshes() != nullptr;
-  const double over = meshes ? limits::mesh::kBoundsOverHand : limits::kBoundsOverHand;
   const double across = meshes ? 0.0 : limits::kBoundsAcross;
+  constexpr double over = limits::kBoundsOverHand;
   return Narrowed(
       {over * (v + across * rho * phi) + limits::kLeastBounds * parameters.max_translation,
        over * (phi + across * v / rho) + limits::kLeastBounds * parameters.max_rotation},

@@ -7,10 +7,12 @@
 
 namespace palpate {
 
-/// Bounds of a cycle's first sub-step: kBoundsOverHand times what the hand moved, and a little;
-/// limits.h has that factor for leaves and another for meshes.  A step nearest to the hand's moves
-/// no further than the hand does while the same contacts hold; where it does (a ledge ends, a
-/// jump), the sub-steps after it have wider bounds.  Tight bounds mean few rows.
+/// Bounds of a cycle's first sub-step: kBoundsOverHand times what the hand moved, and a little.  A
+/// step nearest to the hand's moves no further than the hand does while the same contacts hold;
+/// where it does (a ledge ends, a jump), the sub-steps after it have wider bounds.  Tight bounds
+/// mean few rows.  Between meshes a rotation adds nothing to the bound on translation, nor the
+/// other way round: a trial that is cut short costs but one sub-step, and a row that a wider trial
+/// asks for may hold back a nearer one.
 /// @param hand_step  what the hand moved since the last cycle.
 StepBounds FirstBounds(const HapticModel& model, const Target& hand_step) noexcept;
 

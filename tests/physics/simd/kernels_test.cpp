@@ -134,7 +134,9 @@ TEST(Kernels, FindThePlanesThatAMotionUsesUpAtEverySimdLevel) {
         for (const std::int32_t i : got) {
           double left = planes.slack[i] - motion.angle * planes.radius[i];
           for (int c = 0; c < 6; ++c) left += planes.along[c][i] * motion.step[c];
-          if (std::isfinite(left)) ASSERT_NEAR(planes.left[i], left, 1e-14);
+          if (std::isfinite(left)) {
+            ASSERT_NEAR(planes.left[i], left, 1e-14);
+          }
         }
       }
     }

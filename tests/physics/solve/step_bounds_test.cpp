@@ -39,12 +39,12 @@ TEST(StepBounds, FollowTheHandUpToTheWidest) {
   EXPECT_EQ(fast.rotation, parameters.max_rotation);
 }
 
-TEST(StepBounds, AreTighterBetweenMeshes) {
+TEST(StepBounds, AddNothingAcrossBetweenMeshes) {
   const Scene scene = test::MakeScene(MakeBox(Vec3::Constant(0.02)), 64,
                                       MakeBox(Vec3::Constant(0.05)), 64, ContactModel::kSurface);
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
   const Target slow{Vec3(0.0, 30e-6, 40e-6), Vec3(2e-5, 0.0, 0.0)};
-  EXPECT_NEAR(FirstBounds(model, slow).translation, 20e-6 + 1.25 * 50e-6, 1e-12);
+  EXPECT_NEAR(FirstBounds(model, slow).translation, 20e-6 + 2.0 * 50e-6, 1e-12);
 }
 
 TEST(StepBounds, AreTheWidestInTheThirdSubStepAtTheLatest) {
@@ -63,6 +63,15 @@ TEST(StepBounds, HoldTheLinearisationErrorBelowItsLimit) {
   const StepParameters& parameters = bench.model().parameters();
   const double phi = parameters.max_rotation;
   EXPECT_NEAR(0.5 * phi * phi * bench.model().tool().max_lever(), parameters.max_truncation, 1e-15);
+}
+
+TEST(StepBounds, BendAnArcBetweenMeshesByHalfOfWhatKeepsThemApart) {
+  const Scene scene = test::MakeScene(MakeBox(Vec3::Constant(0.02)), 64,
+                                      MakeBox(Vec3::Constant(0.05)), 64, ContactModel::kSurface);
+  const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
+  const double reach = std::sqrt(3.0) * 0.01;  // of a corner from the middle
+  const double arc = reach * (1.0 - std::cos(0.5 * model.parameters().max_rotation));
+  EXPECT_NEAR(arc, 0.5 * limits::mesh::kFree, 1e-9);
 }
 
 TEST(PartWithin, IsWhatBothBoundsAllow) {
