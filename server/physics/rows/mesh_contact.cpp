@@ -560,6 +560,16 @@ MeshContact::Plane MeshContact::ChoosePlane(const NearPair& near, const Touch& t
   return plane;
 }
 
+/// Whether the edges of a plane are what is lowest of the tool's triangle and highest of the
+/// object's at the trial.  Where a corner has come past them, the row of the edges would have the
+/// lever of the one and the gap of the other.
+bool MeshContact::EdgesTouch(const NearPair& near, const Plane& plane) const {
+  const Vec3 n = NormalAt(near, plane, to_);
+  const Vec3 a = to_.R * tool_.mesh.Corner(BoxTree::TriangleOf(near.tool), plane.tool_edge) + to_.p;
+  const Vec3 b = objects_.mesh.Corner(BoxTree::TriangleOf(near.object), plane.object_edge);
+  return Gap(near, n, to_) > n.dot(a - b) - tool_.radius - kWitness;
+}
+
 /// The normal of a ball's row: that of the smooth surface that the mesh approximates.  The
 /// right-hand side is that of the triangles, which the ball may not enter.
 Vec3 MeshContact::SmoothedRow(const NearPair& near, const Vec3& n) const {
@@ -589,6 +599,13 @@ bool MeshContact::GiveUpRegain(ContactRows& rows) noexcept {
 /// the corners that the trial leaves too low.  Their right-hand sides are exact at the trial.
 bool MeshContact::PutRows(NearPair& near, Touch& touch, bool all, ContactRows& rows) {
   const Plane& plane = touch.plane;
+  if (plane.of == Plane::Of::kEdges && !EdgesTouch(near, plane)) {
+    if (touch.row[0] >= 0) rows.Loosen(touch.row[0]);
+    touch.row[0] = -1;
+    touch.plane = Plane{};
+    touch.plane.of = Plane::Of::kObject;
+    touch.plane.n = touch.u;
+  }
   const Vec3 n_old = NormalAt(near, plane, from_), n_new = NormalAt(near, plane, to_);
   const double before = Gap(near, n_old, from_);
   const double asked = Asked(before);

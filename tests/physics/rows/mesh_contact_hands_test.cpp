@@ -185,6 +185,37 @@ TEST(MeshContactHands, NeverBringMeshesIntoEachOtherHoweverWild) {
   }
 }
 
+// A tool that lags stands still in a free place, whatever the rows say that were made for trials
+// elsewhere: nothing there can push it beyond the hand.
+TEST(MeshContactHands, GetNoMoreForceThanTheSpringHas) {
+  for (const Case& c : kCases) {
+    const Scene scene = c.make();
+    const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
+    const StepParameters& spring = model.parameters();
+    const double rho2 = spring.torsional_stiffness / spring.stiffness;
+    StepWorkspace workspace(model);
+    StepState state(model);
+    int far = 0;
+    for (const std::uint64_t seed : {3, 4}) {
+      const std::vector<Pose> hand = WildHand(c.size, seed, 1000);
+      if (seed == 3) state.X_WG = state.X_WH = hand.front();
+      for (const Pose& X_WH : hand) {
+        const StepReport report = HapticStep(model, X_WH, state, workspace);
+        far += (report.faults & kFaultTargetFar) != 0;
+        const Vec3 away = X_WH * model.reference() - report.X_WG * model.reference();
+        const double turned = RotationLog(X_WH.q * report.X_WG.q.conjugate()).norm();
+        // Lengths in the metric of the spring: rho = sqrt(k_r / k_t).
+        const double pull =
+            std::hypot(report.wrench.force.norm() / spring.stiffness,
+                       report.wrench.torque.norm() / (std::sqrt(rho2) * spring.stiffness));
+        const double stretch = std::hypot(away.norm(), std::sqrt(rho2) * turned);
+        ASSERT_LE(pull, stretch + 1e-6) << c.name << ", seed " << seed;
+      }
+    }
+    EXPECT_GT(far, 40) << c.name;
+  }
+}
+
 // Ten metres: bounds and tolerances are lengths, and sizes are not.
 TEST(MeshContactHands, KeepOutAtTenMetres) {
   Scene scene = MeshScene(Scaled(MakeBox(Vec3(0.03, 0.02, 0.04)), 100.0),
