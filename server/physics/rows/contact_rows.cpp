@@ -51,7 +51,12 @@ void ContactRows::AddRow(const Vec3& normal, const Vec3& lever, double gap,
 }
 
 void ContactRows::SetRow(int row, const Vec3& normal, const Vec3& lever, double gap) noexcept {
-  const Vec3 turned = lever.cross(normal) / rho_;
+  SetRow(row, normal, lever, lever.cross(normal), gap);
+}
+
+void ContactRows::SetRow(int row, const Vec3& normal, const Vec3& lever, const Vec3& by_turning,
+                         double gap) noexcept {
+  const Vec3 turned = by_turning / rho_;
   for (int c = 0; c < 3; ++c) {
     columns_.a[c][row] = normal[c];
     if (degrees_of_freedom_ == 6) columns_.a[3 + c][row] = turned[c];

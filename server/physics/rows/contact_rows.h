@@ -36,6 +36,9 @@ class ContactRows {
   void AddRow(const Vec3& normal, const Vec3& lever, double gap, NodePair pair) noexcept;
   /// Changes a row: all but its pair.
   void SetRow(int row, const Vec3& normal, const Vec3& lever, double gap) noexcept;
+  /// ... whose gap grows otherwise by a rotation than by lever x normal: its normal turns too.
+  void SetRow(int row, const Vec3& normal, const Vec3& lever, const Vec3& by_turning,
+              double gap) noexcept;
   void SetGap(int row, double gap) noexcept { columns_.b[row] = -gap; }
   /// Lets a row always hold.
   void Loosen(int row) noexcept { columns_.b[row] = -1e300; }

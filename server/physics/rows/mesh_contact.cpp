@@ -560,14 +560,30 @@ MeshContact::Plane MeshContact::ChoosePlane(const NearPair& near, const Touch& t
   return plane;
 }
 
-/// Whether the edges of a plane are what is lowest of the tool's triangle and highest of the
-/// object's at the trial.  Where a corner has come past them, the row of the edges would have the
-/// lever of the one and the gap of the other.
-bool MeshContact::EdgesTouch(const NearPair& near, const Plane& plane) const {
-  const Vec3 n = NormalAt(near, plane, to_);
-  const Vec3 a = to_.R * tool_.mesh.Corner(BoxTree::TriangleOf(near.tool), plane.tool_edge) + to_.p;
-  const Vec3 b = objects_.mesh.Corner(BoxTree::TriangleOf(near.object), plane.object_edge);
-  return Gap(near, n, to_) > n.dot(a - b) - tool_.radius - kWitness;
+/// How the gap along a plane of crossing edges grows by a rotation at the trial, exactly: what is
+/// lowest of the tool moves, and n turns with the tool's edge, while that and what is highest of
+/// the object are d apart.  With w = (d - n (n . d)) / ((ea x eb) . n), that is
+///   (x - p) x n + ea x (eb x w).
+/// Where the edges themselves are nearest it is l x n, with l the lever of the place where they
+/// cross.  At a trial that turns far a corner has come past them, and that lever is not its own: in
+/// a peg's hole such a row shut the tool's own place out by 150 um.
+Vec3 MeshContact::EdgesTurning(const NearPair& near, const Plane& plane, const Vec3& n) const {
+  const Corners corners = CornersAt(near.tool, near.object, to_);
+  // Where a corner is but as near as the edges, the touch is theirs.
+  const auto farthest = [](const Vec3* corner, int edge, const Vec3& way) {
+    Vec3 best = corner[edge];
+    for (int c = 0; c < 3; ++c) {
+      if (way.dot(corner[c] - best) > kWitness) best = corner[c];
+    }
+    return best;
+  };
+  const int i = plane.tool_edge, j = plane.object_edge;
+  const Vec3 lowest = farthest(corners.a, i, -n);
+  const Vec3 d = lowest - farthest(corners.b, j, n);
+  const Vec3 ea = corners.a[(i + 1) % 3] - corners.a[i];
+  const Vec3 eb = corners.b[(j + 1) % 3] - corners.b[j];
+  const Vec3 w = (d - n.dot(d) * n) / ea.cross(eb).dot(n);
+  return (lowest - to_.p).cross(n) + ea.cross(eb.cross(w));
 }
 
 /// The normal of a ball's row: that of the smooth surface that the mesh approximates.  The
@@ -599,20 +615,14 @@ bool MeshContact::GiveUpRegain(ContactRows& rows) noexcept {
 /// the corners that the trial leaves too low.  Their right-hand sides are exact at the trial.
 bool MeshContact::PutRows(NearPair& near, Touch& touch, bool all, ContactRows& rows) {
   const Plane& plane = touch.plane;
-  if (plane.of == Plane::Of::kEdges && !EdgesTouch(near, plane)) {
-    if (touch.row[0] >= 0) rows.Loosen(touch.row[0]);
-    touch.row[0] = -1;
-    touch.plane = Plane{};
-    touch.plane.of = Plane::Of::kObject;
-    touch.plane.n = touch.u;
-  }
   const Vec3 n_old = NormalAt(near, plane, from_), n_new = NormalAt(near, plane, to_);
   const double before = Gap(near, n_old, from_);
   const double asked = Asked(before);
   const double loss = TurnLoss(plane, touch, n_old, n_new);
   const double least = LeastNew(touch.distance);
   bool changed = false;
-  const auto put = [&](int slot, int k, const Vec3& n, const Vec3& lever, double gap, double now) {
+  const auto put = [&](int slot, int k, const Vec3& n, const Vec3& lever, double gap, double now,
+                       const Vec3* turning = nullptr) {
     int& row = touch.row[k];
     if (all ? gap > kWitnessRatio * before + kWitness : now >= least) return;
     if (row < 0) {
@@ -624,17 +634,19 @@ bool MeshContact::PutRows(NearPair& near, Touch& touch, bool all, ContactRows& r
     }
     // a . x >= asked at the trial, where the exact gap is `now`.
     const Vec3 along = SmoothedRow(near, n);
-    const double at_trial = along.dot(v_) + lever.cross(along).dot(phi_);
-    rows.SetRow(row, along, lever, now - asked - at_trial);
+    const Vec3 by_turning = turning != nullptr ? *turning : lever.cross(along);
+    const double at_trial = along.dot(v_) + by_turning.dot(phi_);
+    rows.SetRow(row, along, lever, by_turning, now - asked - at_trial);
     regain_[static_cast<std::size_t>(row)] = asked - std::min(kSeparation, before);
     changed = true;
   };
   if (plane.of == Plane::Of::kEdges) {
     const Vec3 lever = to_.R * (from_.R.transpose() * (touch.nearest.p - from_.p));
+    const Vec3 turning = EdgesTurning(near, plane, n_new);
     const double now = Gap(near, n_new, to_);
     const bool holds = std::min(before, now) - loss >= 0.5 * std::min(kFree, before);
     put(3, 0, n_new, lever - tool_.radius * n_new, before,
-        holds ? now : std::min(now, least) - loss);
+        holds ? now : std::min(now, least) - loss, &turning);
     return changed;
   }
   const Corners old = CornersAt(near.tool, near.object, from_),

@@ -147,7 +147,7 @@ class MeshContact {
   void ForEachFace(const NearPair& near, const NearestPoints& nearest, Visit visit) const;
   double Asked(double before) const;
   Plane ChoosePlane(const NearPair& near, const Touch& touch) const;
-  bool EdgesTouch(const NearPair& near, const Plane& plane) const;
+  Vec3 EdgesTurning(const NearPair& near, const Plane& plane, const Vec3& n) const;
   bool TurnSmoothed(const NearPair& near, const Touch& touch, int row, const NearestPoints& nearest,
                     const Vec3& u, ContactRows& rows);
   Vec3 SmoothedRow(const NearPair& near, const Vec3& n) const;
