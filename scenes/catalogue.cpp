@@ -158,6 +158,11 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
   std::map<std::string, std::uint64_t> hashes;  // of each mesh file once
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
     for (const BodyDescription& body : *bodies) {
+      for (const RegionDescription& region : body.regions) {
+        if (region.kind == RegionDescription::Kind::kGroup) {
+          key = HashBytes(std::to_string(kGroupPaintVersion), key);
+        }
+      }
       if (!IsImported(body.mesh)) continue;
       const std::string file = MeshFile(body.mesh, models_dir);
       const auto [it, fresh] = hashes.try_emplace(file, 0);

@@ -14,6 +14,7 @@ namespace palpate {
 namespace {
 
 using test::FreshFolder;
+using testing::EndsWith;
 using testing::HasSubstr;
 
 struct Outcome {
@@ -54,12 +55,55 @@ TEST(PalpateScene, ChecksScenesAndMeshes) {
   EXPECT_EQ(scene.exit_code, 0) << scene.text;
   EXPECT_THAT(scene.text, HasSubstr("outside   mean 0.0  p99 0.0  max 0.0 um"));
   EXPECT_THAT(scene.text, HasSubstr("uncovered mean "));
+  EXPECT_THAT(scene.text, EndsWith("verdict: good to touch\n"));
   const std::string mesh =
       test::WriteFile(folder + "/t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   const Outcome open = PalpateScene("check " + mesh, folder);
   EXPECT_EQ(open.exit_code, 0) << open.text;
   EXPECT_THAT(open.text, HasSubstr("closed no"));
   EXPECT_THAT(open.text, HasSubstr("note: 3 edges are open"));
+  EXPECT_THAT(open.text,
+              HasSubstr("verdict: usable with these limits:\n  - mesh: 3 edges are open"));
+  const std::string points =
+      test::WriteFile(folder + "/p.obj", "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n");
+  const Outcome nothing = PalpateScene("check " + points, folder);
+  EXPECT_EQ(nothing.exit_code, 1) << nothing.text;
+  EXPECT_THAT(nothing.text, HasSubstr("verdict: not usable:\n  - mesh: the mesh has no "));
+}
+
+/// A box, and a second one in it, as an OBJ of two named parts.
+std::string BoxInABox() {
+  std::string text;
+  int first = 1;
+  for (const auto& [name, side] : {std::pair{"crown", 10.0}, {"gum", 4.0}}) {
+    const TriangleMesh box = MakeBox(Vec3::Constant(side));
+    text += std::string("o ") + name + "\n";
+    for (const Vec3& v : box.vertices) {
+      text += "v " + std::to_string(v.x()) + " " + std::to_string(v.y()) + " " +
+              std::to_string(v.z()) + "\n";
+    }
+    for (const auto& [a, b, c] : box.triangles) {
+      text += "f " + std::to_string(a + first) + " " + std::to_string(b + first) + " " +
+              std::to_string(c + first) + "\n";
+    }
+    first += 8;
+  }
+  return text;
+}
+
+TEST(PalpateScene, WarnsOfPartsThatOverlap) {
+  const std::string folder = FreshFolder();
+  const std::string mesh = test::WriteFile(folder + "/tooth.obj", BoxInABox());
+  const Outcome alone = PalpateScene("check " + mesh, folder);
+  EXPECT_EQ(alone.exit_code, 0) << alone.text;
+  EXPECT_THAT(alone.text,
+              HasSubstr("warning: parts overlap: 14 % of the surface lies inside other"));
+  EXPECT_THAT(alone.text, HasSubstr(", of \"gum\"; "));
+  EXPECT_EQ(PalpateScene("new " + mesh + " -o " + folder + "/tooth.json", folder).exit_code, 0);
+  const Outcome scene = PalpateScene("check " + folder + "/tooth.json", folder);
+  EXPECT_EQ(scene.exit_code, 0) << scene.text;
+  EXPECT_THAT(scene.text, HasSubstr("verdict: usable with these limits:\n  - object tooth: parts "
+                                    "overlap: 14 % of the surface lies inside other parts"));
 }
 
 TEST(PalpateScene, EndsWithOneForAFailureAndTwoForWrongUsage) {
