@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/nearest_word.h"
 #include "scenes/ambient_light.h"
 #include "scenes/curved_mesh.h"
 #include "scenes/json_file.h"

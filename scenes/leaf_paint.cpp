@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "common/error.h"
+#include "common/nearest_word.h"
 #include "scenes/hidden_surface.h"
 #include "scenes/json_file.h"
 

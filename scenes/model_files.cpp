@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "common/error.h"
+#include "common/nearest_word.h"
 #include "scenes/json_file.h"
 
 namespace palpate {
