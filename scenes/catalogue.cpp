@@ -260,6 +260,16 @@ std::vector<std::string> CatalogueNames() {
   return names;
 }
 
+std::vector<CatalogueEntry> ListCatalogue() {
+  std::vector<CatalogueEntry> entries;
+  for (const std::string& name : CatalogueNames()) {
+    const JsonNode scene = JsonNode::Load(FindSceneFile(name));
+    const std::optional<JsonNode> description = scene.Find("description");
+    entries.push_back({name, description ? description->String() : ""});
+  }
+  return entries;
+}
+
 std::string FindSceneFile(const std::string& name_or_path) {
   if (name_or_path.find('/') != std::string::npos || fs::path(name_or_path).has_extension()) {
     return name_or_path;

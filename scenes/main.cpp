@@ -244,6 +244,10 @@ void Check(const Arguments& arguments) {
 }
 
 void Render(const Arguments& arguments) {
+  if (!arguments.output.ends_with(".png")) {
+    throw UsageError("-o " + arguments.output +
+                     ": pictures are PNG; give a name that ends in .png");
+  }
   if (arguments.whole && arguments.level) {
     throw UsageError("--whole and --level exclude each other; keep one");
   }
@@ -253,6 +257,12 @@ void Render(const Arguments& arguments) {
     DrawScene(Load(arguments), arguments.level, arguments.output);
   }
   std::printf("wrote %s\n", arguments.output.c_str());
+}
+
+void List() {
+  for (const CatalogueEntry& entry : ListCatalogue()) {
+    std::printf("%-16s  %s\n", entry.name.c_str(), entry.description.c_str());
+  }
 }
 
 /// Never over a file that is there: somebody may have worked on it.
@@ -277,6 +287,7 @@ int Main(int argc, char** argv) {
       "(.json),\n"
       "a bundle (.palpate), or a mesh, which is given a ball as tool.\n\n"
       "Example:\n"
+      "  palpate-scene list\n"
       "  palpate-scene new tooth.stl -o tooth.json\n"
       "  palpate-scene build bunny-bunny -o bunny.palpate\n"
       "  palpate-scene render bunny.palpate -o bunny.png",
@@ -314,8 +325,11 @@ int Main(int argc, char** argv) {
   AddMeshOptions(*make, arguments.mesh);
   render->add_flag("--whole", arguments.whole, "The scene as it stands, instead of its bodies");
 
+  const CLI::App* list = app.add_subcommand("list", "Lists the scenes of the catalogue");
+
   if (!ParseCommandLine(app, argc, argv)) return 0;
   SetUpLog("palpate-scene", arguments.log_level);
+  if (list->parsed()) List();
   if (build->parsed()) Build(arguments);
   if (info->parsed()) Info(arguments);
   if (check->parsed()) Check(arguments);

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include "scenes/catalogue.h"
 #include "tests/scenes/support.h"
 
 namespace palpate {
@@ -106,13 +107,24 @@ TEST(PalpateScene, WarnsOfPartsThatOverlap) {
                                     "overlap: 14 % of the surface lies inside other parts"));
 }
 
+TEST(PalpateScene, ListsTheCatalogue) {
+  const Outcome list = PalpateScene("list", FreshFolder());
+  EXPECT_EQ(list.exit_code, 0) << list.text;
+  for (const std::string& name : CatalogueNames()) EXPECT_THAT(list.text, HasSubstr(name + " "));
+  EXPECT_THAT(list.text, HasSubstr("cube              A ball of 5 mm radius on a cube"));
+}
+
 TEST(PalpateScene, EndsWithOneForAFailureAndTwoForWrongUsage) {
   const std::string folder = FreshFolder();
   for (const std::string wrong :
        {"", "fly", "build", "render cube", "render cube -o x.png --level 9",
-        "render cube -o x.png --whole --level 1", "info cube --log-level loud"}) {
+        "render cube -o x.png --whole --level 1", "render cube -o x.jpg", "render cube -o x",
+        "lsit", "info cube --log-level loud"}) {
     EXPECT_EQ(PalpateScene(wrong, folder).exit_code, 2) << wrong;
   }
+  EXPECT_THAT(PalpateScene("lsit", folder).text, HasSubstr("did you mean 'list'?"));
+  EXPECT_THAT(PalpateScene("render cube -o x.jpg", folder).text,
+              HasSubstr("-o x.jpg: pictures are PNG; give a name that ends in .png"));
   const Outcome missing = PalpateScene("info nothing", folder);
   EXPECT_EQ(missing.exit_code, 1);
   EXPECT_THAT(missing.text, HasSubstr("palpate-scene: there is no scene \"nothing\""));
