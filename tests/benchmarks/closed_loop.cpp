@@ -344,9 +344,9 @@ void AddClosedLoop(CLI::App& app) {
       "virtual time: does a contact come to rest, how much energy does the hand get, and how "
       "stiff\n"
       "may it be?  --out measures that for each delay, with and without the local model and the\n"
-      "passivity controller, and writes what there is after each: with its slides half a minute of "
-      "a\n"
-      "processor for the wall, about a quarter of an hour for the bunny.\n"
+      "passivity controller, and writes what there is after each: on an idle core half a minute "
+      "for\n"
+      "the wall, three to four for the bunny.\n"
       "Example: palpate-bench closed-loop --delay-ms 10 --local-model on --out closed-loop");
   const auto on_off = CLI::IsMember({"on", "off"});
   std::string hands;
