@@ -1,15 +1,19 @@
 #include "common/command_line.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <sched.h>
 
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/nearest_word.h"
 
 namespace palpate {
 namespace {
@@ -24,6 +28,42 @@ void MakeNumbersFinite(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     if (option->get_type_name().starts_with("FLOAT")) option->check(finite);
   }
+}
+
+/// The options and commands that may stand where the words of these apps do, as they are written.
+std::vector<std::string> WordsOf(const std::vector<const CLI::App*>& apps, bool options) {
+  std::vector<std::string> words;
+  for (const CLI::App* app : apps) {
+    if (options) {
+      for (const CLI::Option* option : app->get_options()) {
+        for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+      }
+    } else {
+      const auto all = [](const CLI::App*) { return true; };
+      for (const CLI::App* command : app->get_subcommands(all))
+        words.push_back(command->get_name());
+    }
+  }
+  return words;
+}
+
+/// Names the first word that nothing takes, an option before all else, and what it may have been
+/// meant to be; empty where there is none.
+std::string UnknownWord(const CLI::App& app) {
+  const std::vector<std::string> unknown = app.remaining(true);
+  if (unknown.empty()) return "";
+  const auto is_option = [](const std::string& word) { return word.starts_with("-"); };
+  const auto option = std::ranges::find_if(unknown, is_option);
+  const std::string word = option != unknown.end() ? *option : unknown.front();
+  std::vector<const CLI::App*> apps{&app};
+  const auto given = [](const CLI::App* command) { return command->parsed(); };
+  for (const CLI::App* command : app.get_subcommands(given)) apps.push_back(command);
+  const std::vector<std::string> words = WordsOf(apps, option != unknown.end());
+  const std::string_view guess =
+      NearestWord(word.substr(0, word.find('=')), {words.begin(), words.end()});
+  std::string text = "'" + word + "' is not known";
+  if (!guess.empty()) text.append("; did you mean '").append(guess).append("'?");
+  return text;
 }
 
 }  // namespace
@@ -68,7 +108,14 @@ bool ParseCommandLine(CLI::App& app, int argc, const char* const* argv) {
     app.exit(wanted);  // prints the help or the version
     return false;
   } catch (const CLI::ParseError& error) {
-    throw UsageError(std::string(error.what()) + "; '" + app.get_name() + " --help' shows how");
+    std::string what = error.what();
+    // What is missing may be there, misspelt.
+    const bool words_left = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
+                            dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+    if (const std::string unknown = words_left ? UnknownWord(app) : ""; !unknown.empty()) {
+      what = unknown;
+    }
+    throw UsageError(what + "; '" + app.get_name() + " --help' shows how");
   }
   return true;
 }

@@ -1,26 +1,48 @@
 #include "common/step_fault.h"
 
-#include <utility>
-
 namespace palpate {
+namespace {
 
-std::string FaultWords(std::uint32_t faults) {
-  static constexpr std::pair<std::uint32_t, const char*> kWords[] = {
-      {kFaultBadPose, "bad pose"},      {kFaultTargetFar, "target far"},
-      {kFaultRowsFull, "rows full"},    {kFaultJammed, "jammed"},
-      {kFaultUnsolved, "unsolved"},     {kFaultPoseRejected, "pose rejected"},
-      {kFaultNotStarted, "not started"}};
+struct Fault {
+  std::uint32_t bit;
+  const char* word;
+  const char* meaning;
+};
+constexpr Fault kFaults[] = {
+    {kFaultBadPose, "bad pose", "the device sent a pose that is none, and the force faded"},
+    {kFaultTargetFar, "target far", "the hand was quicker than the tool, which follows"},
+    {kFaultRowsFull, "rows full", "more contacts at once than are computed; the tightest count"},
+    {kFaultJammed, "jammed", "the tool was wedged between surfaces"},
+    {kFaultUnsolved, "unsolved", "a contact problem was not solved, and the tool stood still"},
+    {kFaultPoseRejected, "pose rejected", "the hand leapt further than a hand comes"},
+    {kFaultNotStarted, "not started", "no force yet: the tool just came, or is inside an object"}};
+
+/// @param say  makes text of a known fault.
+template <class Say>
+std::string Listed(std::uint32_t faults, Say say) {
   std::string words;
   const auto add = [&words](const std::string& word) {
     if (!words.empty()) words += ", ";
     words += word;
   };
-  for (const auto& [bit, word] : kWords) {
-    if (faults & bit) add(word);
-    faults &= ~bit;
+  for (const Fault& fault : kFaults) {
+    if (faults & fault.bit) add(say(fault));
+    faults &= ~fault.bit;
   }
   if (faults != 0) add("unknown");
   return words.empty() ? "none" : words;
+}
+
+}  // namespace
+
+std::string FaultWords(std::uint32_t faults) {
+  return Listed(faults, [](const Fault& fault) { return std::string(fault.word); });
+}
+
+std::string FaultMeanings(std::uint32_t faults) {
+  return Listed(faults, [](const Fault& fault) {
+    return std::string(fault.word) + " (" + fault.meaning + ")";
+  });
 }
 
 }  // namespace palpate

@@ -34,4 +34,8 @@ enum StepFault : std::uint32_t {
 /// The bits in words, for people: "rows full, jammed"; "none" where there is none.  Not real-time.
 std::string FaultWords(std::uint32_t faults);
 
+/// The same with what each means: "target far (the hand was quicker than the tool, which
+/// follows)".
+std::string FaultMeanings(std::uint32_t faults);
+
 }  // namespace palpate

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/nearest_word.h"
 #include "scenes/ambient_light.h"
 #include "scenes/curved_mesh.h"
 #include "scenes/json_file.h"
@@ -158,6 +159,11 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
   std::map<std::string, std::uint64_t> hashes;  // of each mesh file once
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
     for (const BodyDescription& body : *bodies) {
+      for (const RegionDescription& region : body.regions) {
+        if (region.kind == RegionDescription::Kind::kGroup) {
+          key = HashBytes(std::to_string(kGroupPaintVersion), key);
+        }
+      }
       if (!IsImported(body.mesh)) continue;
       const std::string file = MeshFile(body.mesh, models_dir);
       const auto [it, fresh] = hashes.try_emplace(file, 0);
@@ -252,6 +258,16 @@ std::vector<std::string> CatalogueNames() {
   }
   std::sort(names.begin(), names.end());
   return names;
+}
+
+std::vector<CatalogueEntry> ListCatalogue() {
+  std::vector<CatalogueEntry> entries;
+  for (const std::string& name : CatalogueNames()) {
+    const JsonNode scene = JsonNode::Load(FindSceneFile(name));
+    const std::optional<JsonNode> description = scene.Find("description");
+    entries.push_back({name, description ? description->String() : ""});
+  }
+  return entries;
 }
 
 std::string FindSceneFile(const std::string& name_or_path) {

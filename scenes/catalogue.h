@@ -37,4 +37,10 @@ std::string ScriptFileBeside(const std::string& name_or_path);
 /// Names of the catalogue's scenes, sorted.
 std::vector<std::string> CatalogueNames();
 
+struct CatalogueEntry {
+  std::string name, description;
+};
+/// The same, with what their files say of them.  Throws Error where a file is no JSON.
+std::vector<CatalogueEntry> ListCatalogue();
+
 }  // namespace palpate

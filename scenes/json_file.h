@@ -59,9 +59,6 @@ class JsonNode {
   std::string path_;  ///< "tools[0].leaves"; empty at the root
 };
 
-/// Of `words`, the one that a person who wrote `word` most likely meant; empty where none is near.
-std::string_view NearestWord(std::string_view word, const std::vector<std::string_view>& words);
-
 /// The whole file; throws Error with the reason and a remedy.
 std::string ReadWholeFile(const std::string& file);
 

@@ -6,6 +6,8 @@
 #include <string_view>
 
 #include "common/error.h"
+#include "common/nearest_word.h"
+#include "scenes/hidden_surface.h"
 #include "scenes/json_file.h"
 
 namespace palpate {
@@ -13,8 +15,12 @@ namespace {
 
 using LeafSet = std::vector<bool>;
 
+Vec3 CentreOf(const SphereTree& tree, std::size_t leaf) {
+  return {tree.leaf_x[leaf], tree.leaf_y[leaf], tree.leaf_z[leaf]};
+}
+
 /// Surface that each leaf stands for [m^2]: a triangle is shared evenly by the leaves that have it.
-/// @param counts  tells which triangles count.
+/// @param counts  tells which triangles count for which leaf.
 template <class Counts>
 std::vector<double> LeafAreas(const Body& body, Counts counts) {
   const SphereTree& tree = body.tree;
@@ -24,7 +30,7 @@ std::vector<double> LeafAreas(const Body& body, Counts counts) {
   for (std::size_t leaf = 0; leaf < tree.leaves(); ++leaf) {
     for (auto k = tree.leaf_triangle_begin[leaf]; k < tree.leaf_triangle_begin[leaf + 1]; ++k) {
       const std::uint32_t t = tree.leaf_triangle[k];
-      if (!counts(t)) continue;
+      if (!counts(leaf, t)) continue;
       const auto& [a, b, c] = body.mesh.triangles[t];
       const Vec3& v = body.mesh.vertices[a];
       areas[leaf] +=
@@ -34,9 +40,41 @@ std::vector<double> LeafAreas(const Body& body, Counts counts) {
   return areas;
 }
 
-/// Leaves most of whose surface belongs to the part.
+[[noreturn]] void RefuseUnknownPart(const RegionDescription& region,
+                                    const std::vector<MeshGroup>& groups) {
+  std::vector<std::string_view> names;
+  for (const MeshGroup& group : groups) {
+    if (std::ranges::find(names, group.name) == names.end()) names.push_back(group.name);
+  }
+  std::string message = region.where + ".group: the mesh has no part \"" + region.group + "\"";
+  const std::string_view guess = NearestWord(region.group, names);
+  if (!guess.empty()) message.append("; did you mean \"").append(guess).append("\"?");
+  if (names.empty()) {
+    throw Error(message + "; its file names no parts, give a box or a sphere");
+  }
+  message += " It has:";
+  for (std::string_view name : names) message.append("\n  \"").append(name).append("\"");
+  throw Error(message);
+}
+
+/// The exposed triangles of the leaves: what lies inside another part of the mesh is touched by
+/// nothing, and decides no material.  Only bodies of several materials, or of layers, ask for it.
+class Exposed {
+ public:
+  explicit Exposed(const Body& body) : body_(body), hidden_(body.mesh) {}
+
+  bool operator()(std::size_t leaf, std::uint32_t triangle) const {
+    return !hidden_.NearestTo(triangle, CentreOf(body_.tree, leaf));
+  }
+
+ private:
+  const Body& body_;
+  HiddenSurface hidden_;
+};
+
+/// Leaves most of whose exposed surface belongs to the part.
 LeafSet LeavesOfGroup(const RegionDescription& region, const std::vector<MeshGroup>& groups,
-                      const Body& body, const std::vector<double>& areas) {
+                      const Body& body, const std::vector<double>& areas, const Exposed& exposed) {
   std::vector<bool> named(body.mesh.triangles.size(), false);
   bool known = false;
   for (const MeshGroup& group : groups) {
@@ -44,30 +82,22 @@ LeafSet LeavesOfGroup(const RegionDescription& region, const std::vector<MeshGro
     known = true;
     std::fill(named.begin() + group.begin, named.begin() + group.end, true);
   }
-  if (!known) {
-    std::string message = region.where + ".group: the mesh has no part \"" + region.group + "\"";
-    std::vector<std::string_view> names;
-    for (const MeshGroup& group : groups) names.push_back(group.name);
-    const std::string_view guess = NearestWord(region.group, names);
-    if (!guess.empty()) message.append("; did you mean \"").append(guess).append("\"?");
-    message += names.empty() ? "; its file names no parts, give a box or a sphere" : " (it has:";
-    for (std::string_view name : names) message.append(" ").append(name);
-    throw Error(message + (names.empty() ? "" : ")"));
-  }
-  const std::vector<double> inside = LeafAreas(body, [&](std::uint32_t t) { return named[t]; });
+  if (!known) RefuseUnknownPart(region, groups);
+  const std::vector<double> ours = LeafAreas(
+      body, [&](std::size_t leaf, std::uint32_t t) { return named[t] && exposed(leaf, t); });
   LeafSet leaves(areas.size());
-  for (std::size_t i = 0; i < areas.size(); ++i) leaves[i] = inside[i] > 0.5 * areas[i];
+  for (std::size_t i = 0; i < areas.size(); ++i) leaves[i] = ours[i] > 0.5 * areas[i];
   return leaves;
 }
 
 LeafSet LeavesOf(const RegionDescription& region, const std::vector<MeshGroup>& groups,
-                 const Body& body, const std::vector<double>& areas) {
+                 const Body& body, const std::vector<double>& areas, const Exposed& exposed) {
   if (region.kind == RegionDescription::Kind::kGroup) {
-    return LeavesOfGroup(region, groups, body, areas);
+    return LeavesOfGroup(region, groups, body, areas, exposed);
   }
   LeafSet leaves(body.tree.leaves());
   for (std::size_t i = 0; i < leaves.size(); ++i) {
-    const Vec3 centre(body.tree.leaf_x[i], body.tree.leaf_y[i], body.tree.leaf_z[i]);
+    const Vec3 centre = CentreOf(body.tree, i);
     leaves[i] = region.kind == RegionDescription::Kind::kBox
                     ? region.box.contains(centre)
                     : (centre - region.ball.centre).norm() <= region.ball.radius;
@@ -99,15 +129,23 @@ Material Resolve(const MaterialDescription& description, std::uint8_t index, con
 
 void PaintLeaves(const BodyDescription& description, const std::vector<MeshGroup>& groups,
                  Body& body) {
-  const std::vector<double> areas = LeafAreas(body, [](std::uint32_t) { return true; });
+  body.materials = {description.material.material};
+  if (description.regions.empty() && description.material.youngs_modulus <= 0.0) return;
+  const Exposed exposed(body);
+  const std::vector<double> areas = LeafAreas(body, exposed);
   if (!description.regions.empty()) body.leaf_material.assign(body.tree.leaves(), 0);
   std::vector<const MaterialDescription*> written{&description.material};
   for (const RegionDescription& region : description.regions) {
-    const LeafSet leaves = LeavesOf(region, groups, body, areas);
+    const LeafSet leaves = LeavesOf(region, groups, body, areas, exposed);
     if (std::find(leaves.begin(), leaves.end(), true) == leaves.end()) {
-      throw Error(region.where + ": paints no leaf of \"" + body.name +
-                  "\"; move or enlarge it (its frame is the body's, in mm), or give the body more "
-                  "leaves");
+      throw Error(
+          region.where + ": paints no leaf of \"" + body.name +
+          (region.kind == RegionDescription::Kind::kGroup
+               ? "\"; all of the part may lie inside others, where nothing touches it "
+                 "('palpate-scene check' tells); leave the region out, or give the body "
+                 "more leaves"
+               : "\"; move or enlarge it (its frame is the body's, in mm), or give the body "
+                 "more leaves"));
     }
     const auto index = static_cast<std::uint8_t>(written.size());
     written.push_back(&region.material);

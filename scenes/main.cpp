@@ -17,12 +17,15 @@
 #include "common/log.h"
 #include "scenes/catalogue.h"
 #include "scenes/coverage.h"
+#include "scenes/hidden_surface.h"
 #include "scenes/mesh_import.h"
 #include "scenes/mesh_options.h"
+#include "scenes/mesh_orient.h"
 #include "scenes/mesh_report.h"
 #include "scenes/mesh_scene.h"
 #include "scenes/picture.h"
 #include "scenes/scene_bundle.h"
+#include "scenes/scene_verdict.h"
 
 namespace palpate {
 namespace {
@@ -177,32 +180,74 @@ void PrintReport(const MeshReport& r) {
   for (const std::string& remark : r.remarks) std::printf("    note: %s\n", remark.c_str());
 }
 
-void PrintSpread(const char* name, const Spread& s) {
-  std::printf("    %s mean %.1f  p99 %.1f  max %.1f um\n", name, 1e6 * s.mean, 1e6 * s.p99,
+/// @param allowed  of p99 [m]; 0: the spheres are not felt.
+void PrintSpread(const char* name, const Spread& s, double allowed) {
+  std::printf("    %s mean %.1f  p99 %.1f  max %.1f um", name, 1e6 * s.mean, 1e6 * s.p99,
               1e6 * s.max);
+  allowed > 0.0 ? std::printf("  (p99 should be at most %.0f)\n", 1e6 * allowed)
+                : std::printf("  (not felt)\n");
+}
+
+/// Prints the verdict; a scene or mesh that is not usable is a failure.
+void Conclude(const std::string& what, const Verdict& verdict) {
+  std::fputs(ToText(verdict).c_str(), stdout);
+  if (!verdict.usable()) throw Error(what + ": is not usable: " + verdict.faults.front());
+}
+
+/// Says what the parts of a mesh hide of each other.
+void CheckOverlap(const std::string& whose, const HiddenParts& hidden, double scale,
+                  const std::string& unit, Verdict& verdict) {
+  const std::string remark = HiddenRemark(hidden, scale, unit);
+  if (remark.empty()) return;
+  std::printf("    warning: %s\n", remark.c_str());
+  verdict.limits.push_back(whose + ": " + remark);
+}
+
+Verdict CheckBody(const Scene& scene, const char* kind, const Body& body) {
+  PrintBody(kind, body);
+  const MeshReport report = InspectMesh(body.mesh);
+  PrintReport(report);
+  const Coverage coverage = MeasureCoverage(body.mesh, body.tree);
+  const bool by_spheres = FeltBySpheres(scene, body, kind == std::string("tool"));
+  const double allowed = by_spheres ? AllowedGap(report) : 0.0;
+  PrintSpread("outside  ", coverage.outside, allowed);
+  PrintSpread("uncovered", coverage.uncovered, allowed);
+  const std::string whose = kind + (" " + body.name);
+  Verdict verdict = JudgeMesh(whose, report);
+  if (by_spheres) verdict.Add(JudgeCoverage(whose, report, coverage, body.tree.leaves()));
+  CheckOverlap(whose, FindHiddenParts(body.mesh), 1e3, "mm", verdict);
+  return verdict;
+}
+
+void CheckMesh(const std::string& file) {
+  std::vector<MeshGroup> groups;
+  TriangleMesh mesh = ImportMesh(file, &groups);
+  const MeshReport report = InspectMesh(mesh);
+  std::printf("%s (lengths in the file's unit)\n", file.c_str());
+  PrintReport(report);
+  Verdict verdict = JudgeMesh("mesh", report);
+  if (verdict.usable()) {
+    OrientTriangles(mesh);
+    CheckOverlap("mesh", FindHiddenParts(mesh, groups), 1.0, "of the file's unit", verdict);
+  }
+  Conclude(file, verdict);
 }
 
 void Check(const Arguments& arguments) {
-  if (IsMeshFile(arguments.scene)) {
-    const MeshReport report = InspectMesh(ImportMesh(arguments.scene));
-    std::printf("%s (lengths in the file's unit)\n", arguments.scene.c_str());
-    PrintReport(report);
-    if (!report.refusal.empty()) throw Error(arguments.scene + ": " + report.refusal);
-    return;
-  }
+  if (IsMeshFile(arguments.scene)) return CheckMesh(arguments.scene);
   const Scene scene = Load(arguments);
+  Verdict verdict;
   for (const auto& [kind, bodies] : {std::pair{"tool", &scene.tools}, {"object", &scene.objects}}) {
-    for (const Body& body : *bodies) {
-      PrintBody(kind, body);
-      PrintReport(InspectMesh(body.mesh));
-      const Coverage coverage = MeasureCoverage(body.mesh, body.tree);
-      PrintSpread("outside  ", coverage.outside);
-      PrintSpread("uncovered", coverage.uncovered);
-    }
+    for (const Body& body : *bodies) verdict.Add(CheckBody(scene, kind, body));
   }
+  Conclude(arguments.scene, verdict);
 }
 
 void Render(const Arguments& arguments) {
+  if (!arguments.output.ends_with(".png")) {
+    throw UsageError("-o " + arguments.output +
+                     ": pictures are PNG; give a name that ends in .png");
+  }
   if (arguments.whole && arguments.level) {
     throw UsageError("--whole and --level exclude each other; keep one");
   }
@@ -212,6 +257,12 @@ void Render(const Arguments& arguments) {
     DrawScene(Load(arguments), arguments.level, arguments.output);
   }
   std::printf("wrote %s\n", arguments.output.c_str());
+}
+
+void List() {
+  for (const CatalogueEntry& entry : ListCatalogue()) {
+    std::printf("%-16s  %s\n", entry.name.c_str(), entry.description.c_str());
+  }
 }
 
 /// Never over a file that is there: somebody may have worked on it.
@@ -236,6 +287,7 @@ int Main(int argc, char** argv) {
       "(.json),\n"
       "a bundle (.palpate), or a mesh, which is given a ball as tool.\n\n"
       "Example:\n"
+      "  palpate-scene list\n"
       "  palpate-scene new tooth.stl -o tooth.json\n"
       "  palpate-scene build bunny-bunny -o bunny.palpate\n"
       "  palpate-scene render bunny.palpate -o bunny.png",
@@ -261,8 +313,9 @@ int Main(int argc, char** argv) {
   build->add_option("-o,--output", arguments.output, "Bundle to write (.palpate)");
   CLI::App* info =
       add("info", "Prints features, bodies, levels, materials, sizes and the hash", scene_help);
-  CLI::App* check = add("check", "Judges meshes, and how well the spheres cover them",
-                        scene_help + "; or a mesh file");
+  CLI::App* check =
+      add("check", "Judges meshes, and how well the spheres cover them; ends with a verdict",
+          scene_help + "; or a mesh file");
   CLI::App* render = add("render", "Draws mesh and spheres of every level as a PNG", scene_help);
   render->add_option("-o,--output", arguments.output, "Picture to write (.png)")->required();
   render->add_option("--level", arguments.level, "Only this level, from 1");
@@ -272,8 +325,11 @@ int Main(int argc, char** argv) {
   AddMeshOptions(*make, arguments.mesh);
   render->add_flag("--whole", arguments.whole, "The scene as it stands, instead of its bodies");
 
+  const CLI::App* list = app.add_subcommand("list", "Lists the scenes of the catalogue");
+
   if (!ParseCommandLine(app, argc, argv)) return 0;
   SetUpLog("palpate-scene", arguments.log_level);
+  if (list->parsed()) List();
   if (build->parsed()) Build(arguments);
   if (info->parsed()) Info(arguments);
   if (check->parsed()) Check(arguments);

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "common/error.h"
+#include "common/nearest_word.h"
 #include "scenes/json_file.h"
 
 namespace palpate {
@@ -22,8 +23,10 @@ constexpr Model kModels[] = {
      "run deploy/setup, or \"npm ci --ignore-scripts\" in a copy of scenes/models, and name its "
      "node_modules in PALPATE_MODELS_NPM"},
     {"buddha", "buddha.obj",
-     "it does not come with the project: name the folder that holds it with --models or in "
-     "PALPATE_MODELS"},
+     "it does not come with the project.  The Stanford 3D Scanning Repository has it "
+     "(https://graphics.stanford.edu/data/3Dscanrep/, \"Happy Buddha\", happy_recon.tar.gz), for "
+     "research and with its conditions: save happy_vrip_res2.ply from there as an OBJ, as with "
+     "MeshLab or Blender, and name its folder with --models or in PALPATE_MODELS"},
 };
 
 std::string FromEnvironment(const char* variable) {

@@ -127,7 +127,7 @@ class Load {
           if (!figures || stop_.stopped()) return std::nullopt;
           Say(fmt::format("{} {}: {:.3f} % late, {:.1f} % of the frames lost: {}\n", n, what,
                           100.0 * figures->sum.late_fraction(), 100.0 * figures->lost_fraction(),
-                          Holds(*figures) ? "holds" : "does not hold"));
+                          VerdictText(*figures)));
           return figures;
         });
     if (stop_.stopped()) return;

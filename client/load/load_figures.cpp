@@ -83,6 +83,24 @@ bool Holds(const LoadFigures& f) {
   return f.sum.late_fraction() < kMost && f.lost_fraction() < kMost && f.viewers_gone == 0;
 }
 
+std::string VerdictText(const LoadFigures& f) {
+  std::string because;
+  const auto add = [&](const std::string& reason) {
+    because += (because.empty() ? "" : "; ") + reason;
+  };
+  const double most = 100.0 * kMost;
+  if (f.sum.late_fraction() >= kMost) {
+    add(fmt::format("{:.3f} % of the poses were late, and {:g} % is too much",
+                    100.0 * f.sum.late_fraction(), most));
+  }
+  if (f.lost_fraction() >= kMost) {
+    add(fmt::format("{:.2f} % of the frames were lost, and {:g} % is too much",
+                    100.0 * f.lost_fraction(), most));
+  }
+  if (f.viewers_gone > 0) add(fmt::format("{} viewers are gone", f.viewers_gone));
+  return because.empty() ? "holds" : "does not hold, because " + because;
+}
+
 std::string LimitingResource(const LoadFigures& f, int cores) {
   std::vector<std::pair<std::string, ProcessUse>> processes{{"palpate-load", f.self}};
   if (f.server) processes.emplace_back("palpate-server", *f.server);
@@ -126,7 +144,7 @@ std::string ToText(const LoadFigures& f) {
     text += f.sum.reconnects > 0 ? fmt::format(", {} reconnects\n", f.sum.reconnects) : "\n";
     text += "  round trip   " + PercentileText(f.sum.round_trip, kToUs, "us") + "\n";
     text += "  server step  " + PercentileText(f.sum.server_step, kToUs, "us") + "\n";
-    if (f.sum.faults != 0) text += "  faults       " + FaultWords(f.sum.faults) + "\n";
+    if (f.sum.faults != 0) text += "  faults       " + FaultMeanings(f.sum.faults) + "\n";
   }
   if (f.viewers > 0) {
     text += fmt::format(
@@ -143,7 +161,7 @@ std::string ToText(const LoadFigures& f) {
   text += fmt::format(
       "  cores used   server {}, gateway {}, this program {:.2f}; machine {:.0f} % busy\n",
       CpuText(f.server), CpuText(f.gateway), f.self.cpu, 100.0 * f.machine_busy);
-  return text;
+  return text + VerdictText(f) + "\n";
 }
 
 std::string ToJson(const LoadFigures& f) {
@@ -152,6 +170,7 @@ std::string ToJson(const LoadFigures& f) {
                                        {"stalled_viewers", f.stalled},
                                        {"dds_viewers", f.dds_viewers},
                                        {"seconds", f.seconds},
+                                       {"holds", Holds(f)},
                                        {"transport", f.transport},
                                        {"achieved_hz", f.sum.hz()},
                                        {"achieved_hz_worst", f.sum.worst_hz},

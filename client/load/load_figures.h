@@ -62,11 +62,14 @@ struct LoadFigures {
 /// Under 1 % of the poses late, under 1 % of the frames lost, no viewer gone.
 bool Holds(const LoadFigures& figures);
 
+/// For people: "holds", or "does not hold, because" and each of those that it breaks.
+std::string VerdictText(const LoadFigures& figures);
+
 /// The resource that sets the limit, where a run does not hold: a process's thread that fills a
 /// core, or the cores together, and who uses them; or neither.
 std::string LimitingResource(const LoadFigures& figures, int cores);
 
-/// For people.
+/// For people; ends with the verdict.
 std::string ToText(const LoadFigures& figures);
 /// For programs: one JSON object; percentile groups as in palpate-bench.
 std::string ToJson(const LoadFigures& figures);

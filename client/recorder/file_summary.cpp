@@ -8,6 +8,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/dds/cdr_reader.h"
+#include "common/dds/topics.h"
 #include "common/output.h"
 #include "common/recording/recording_reader.h"
 
@@ -26,6 +27,10 @@ std::string Value(const mcap::StringMap& map, const std::string& key) {
 std::uint64_t Number(const std::string& text) {
   return std::strtoull(text.c_str(), nullptr, 10);
 }
+
+/// More often nothing is sent (a loop runs at most at 4 kHz): what is kept for those who come late
+/// reaches them all at once, and has no rate.
+constexpr double kMostHz = 10'000.0;
 
 /// The number that the sample gives itself, or a count.  False where its bytes are not of its type.
 bool Look(const RecordedSample& sample, FileSummary& summary, std::uint64_t& sequence) {
@@ -50,7 +55,7 @@ bool Look(const RecordedSample& sample, FileSummary& summary, std::uint64_t& seq
         return session.station == state.station && session.run == state.run;
       });
       if (it == summary.sessions.end()) {
-        summary.sessions.push_back({state.station, state.scene, state.tool, state.run, 0});
+        summary.sessions.push_back({state.station, state.scene, state.tool, state.run, 0, 0});
         it = summary.sessions.end() - 1;
       }
       it->start_sequence = std::max<std::uint64_t>(it->start_sequence, state.start_sequence);
@@ -138,9 +143,14 @@ FileSummary Summarise(const std::vector<std::string>& files) {
                                  FileSummary::Scene{Value(values, "hash"), false});
     }
   }
+  for (FileSummary::Session& session : summary.sessions) {
+    const auto poses = summary.topics.find(dds::PoseTopic(session.station, session.run));
+    if (poses != summary.topics.end()) session.poses = poses->second.messages;
+  }
   for (auto& [name, topic] : summary.topics) {
     const double span_s = 1e-9 * static_cast<double>(topic.last_ns - topic.first_ns);
-    if (span_s > 0.0) topic.rate_hz = static_cast<double>(topic.messages - 1) / span_s;
+    const double rate_hz = static_cast<double>(topic.messages - 1) / span_s;
+    if (topic.messages > 1 && rate_hz <= kMostHz) topic.rate_hz = rate_hz;
     summary.missing += topic.sequence.missing();
     summary.dropped += topic.dropped;
     summary.broken += topic.broken;
@@ -164,18 +174,28 @@ std::string ToText(const FileSummary& summary) {
     text += fmt::format("  scene {}: hash {}, {}\n", name, scene.hash,
                         scene.bundle ? "itself in the recording" : "not in the recording");
   }
+  std::size_t before = 0;
   for (const FileSummary::Session& session : summary.sessions) {
+    if (session.poses == 0) {
+      ++before;
+      continue;
+    }
     text += fmt::format("  station {} (run {}): tool {} of scene {}, {}\n", session.station,
                         Hex(session.run), session.tool, session.scene,
                         session.start_sequence == 0
                             ? "no forces"
                             : fmt::format("forces from pose {}", session.start_sequence));
   }
+  if (before > 0) {
+    text += fmt::format("  {} {} told of that had no poses while this was recorded\n", before,
+                        before == 1 ? "session is" : "sessions are");
+  }
   text += fmt::format("\n  {:<52} {:>9} {:>8} {:>8} {:>8} {:>9}\n", "topic", "messages", "Hz",
                       "missing", "dropped", "MB raw");
   for (const auto& [name, topic] : summary.topics) {
-    text += fmt::format("  {:<52} {:>9} {:>8.1f} {:>8} {:>8} {:>9.3f}\n", name, topic.messages,
-                        topic.rate_hz, topic.sequence.missing(), topic.dropped,
+    text += fmt::format("  {:<52} {:>9} {:>8} {:>8} {:>8} {:>9.3f}\n", name, topic.messages,
+                        topic.rate_hz > 0.0 ? fmt::format("{:.1f}", topic.rate_hz) : "-",
+                        topic.sequence.missing(), topic.dropped,
                         1e-6 * static_cast<double>(topic.bytes));
     if (topic.broken > 0) {
       text += fmt::format("  {:<52} {} of them are not of type {}\n", "", topic.broken, topic.type);
@@ -224,7 +244,8 @@ void WriteJson(const FileSummary& summary, const std::string& file) {
                                 {"run", Hex(session.run)},
                                 {"scene", session.scene},
                                 {"tool", session.tool},
-                                {"start_sequence", session.start_sequence}});
+                                {"start_sequence", session.start_sequence},
+                                {"poses", session.poses}});
   }
   for (const auto& [name, topic] : summary.topics) {
     json["topics"].push_back({{"topic", name},

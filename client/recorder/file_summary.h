@@ -14,7 +14,9 @@ struct FileSummary {
   struct Topic {
     std::string type;
     std::uint64_t messages = 0, bytes = 0, dropped = 0, broken = 0;
-    double rate_hz = 0.0;  ///< between its first and last
+    /// Between its first and last; 0 where there is none, as where what was said before came at
+    /// once.
+    double rate_hz = 0.0;
     std::int64_t first_ns = 0, last_ns = 0;
     SequenceCount sequence;
     /// Answers of the server's loop before the first that is here: a loop counts from 1.
@@ -28,6 +30,8 @@ struct FileSummary {
     std::string station, scene, tool;
     std::uint64_t run = 0;
     std::uint64_t start_sequence = 0;  ///< 0: forces never began
+    /// In the recording; 0: the server still told of the session, which had ended before.
+    std::uint64_t poses = 0;
   };
 
   std::vector<std::string> files;

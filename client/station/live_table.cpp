@@ -41,7 +41,7 @@ bool IsWell(const StationSnapshot& s) {
 }
 
 std::string Ailments(const StationSnapshot& snapshot) {
-  std::string words = FaultWords(snapshot.faults);
+  std::string words = FaultMeanings(snapshot.faults);
   if (snapshot.fading) {
     words = (snapshot.faults == 0 ? "" : words + ", ") +
             std::string("force held back (late or missing replies)");

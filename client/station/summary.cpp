@@ -70,7 +70,7 @@ std::string ToText(const StationSummary& s) {
   text += Text(
       "  local model  %.0f %% of the ticks by rows, %.1f %% of these beyond their region\n",
       100.0 * Fraction(t.evaluations, t.ticks), 100.0 * Fraction(t.beyond_region, t.evaluations));
-  text += "  faults       " + FaultWords(t.faults) + "\n";
+  text += "  faults       " + FaultMeanings(t.faults) + "\n";
   text += Text(
       "  limiter      %llu fades, %llu clamped, %llu slewed, %llu braked, %llu warm, "
       "%llu not finite; %d reconnects\n",

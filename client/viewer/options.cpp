@@ -60,7 +60,8 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
   app.add_option("--bind", options.address,
                  "address to listen at; 0.0.0.0: every network of this host")
       ->capture_default_str();
-  app.add_option("--page", options.page, "folder of the built page")->capture_default_str();
+  const CLI::Option* page =
+      app.add_option("--page", options.page, "folder of the built page")->capture_default_str();
   app.add_option("--rate", options.rate_hz, "tool states a second and station, for each viewer")
       ->check(CLI::Range(10.0, 60.0))
       ->capture_default_str();
@@ -81,6 +82,11 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
   AddCommonOptions(app, "which server: the same number as there", options.domain,
                    options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
+  if (page->count() > 0 && !std::filesystem::is_directory(options.page)) {
+    throw UsageError("--page " + options.page +
+                     ": there is no such folder; give the one that the target 'page' builds "
+                     "(build/page), or leave it out");
+  }
   boost::system::error_code error;
   boost::asio::ip::make_address(options.address, error);
   if (error) {

@@ -29,7 +29,10 @@ std::string WhyNoFifo(int priority, int error) {
          LimitText(RLIMIT_RTPRIO) +
          " and CAP_SYS_NICE or the cgroup's cpu.rt_runtime_us is missing: put '* - rtprio 95' in "
          "/etc/security/limits.d and log in again, or 'setcap cap_sys_nice,cap_ipc_lock+ep' on the "
-         "program; in a container --cap-add SYS_NICE --ulimit rtprio=95)";
+         "program; in docker, and in podman that root runs, --cap-add SYS_NICE --ulimit rtprio=95; "
+         "in "
+         "podman without root the host's limits count: raise them there, log in again, and run it "
+         "with --ulimit host)";
 }
 
 std::string WhyNoLock(int error) {

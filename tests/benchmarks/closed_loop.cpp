@@ -27,6 +27,8 @@ struct Options {
 
 const std::vector<double> kDelays_ms{0.0, 5.0, 10.0, 20.0};
 
+constexpr std::size_t kCurves = 4;  // local model and passivity controller, each on and off
+
 /// One way of closing the loop, at each of kDelays_ms.
 struct Curve {
   bool local_model, passivity;
@@ -38,7 +40,10 @@ struct Curve {
   }
 };
 
-std::vector<Curve> MeasureCurves(const ClosedLoopScene& scene, const ClosedLoopCase& asked) {
+/// @param one_more  is told what there is after each curve.
+template <class OneMore>
+std::vector<Curve> MeasureCurves(const ClosedLoopScene& scene, const ClosedLoopCase& asked,
+                                 OneMore one_more) {
   std::vector<Curve> curves;
   for (const bool passivity : {false, true}) {
     for (const bool local_model : {true, false}) {
@@ -52,6 +57,7 @@ std::vector<Curve> MeasureCurves(const ClosedLoopScene& scene, const ClosedLoopC
         curve.width.push_back(MeasureZWidth(scene, c));
         curve.asked.push_back(RunClosedLoop(scene, c));
       }
+      one_more(curves);
     }
   }
   Progress("");
@@ -96,7 +102,9 @@ struct DelayedSlides {
   }
 };
 
-std::vector<DelayedSlides> MeasureSlides(const Options& options) {
+/// @param one_more  is told what there is after each delay.
+template <class OneMore>
+std::vector<DelayedSlides> MeasureSlides(const Options& options, OneMore one_more) {
   const Scene scene = LoadScene("bunny-bunny");
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
   const std::vector<SlidePath> paths = SlidePaths(model, options.slides, options.loop.seed);
@@ -111,6 +119,7 @@ std::vector<DelayedSlides> MeasureSlides(const Options& options) {
       slides.path.emplace_back(path.name, ErrorsOf({&ticks.back(), 1}));
     }
     slides.all = ErrorsOf(ticks);
+    one_more(all);
   }
   Progress("");
   return all;
@@ -198,8 +207,7 @@ std::string TableOf(const std::vector<Curve>& curves, double stiffness_N_per_m) 
   return text + "\n";
 }
 
-void WriteReport(const Options& options, const std::vector<Curve>& curves,
-                 const std::vector<DelayedSlides>& slides) {
+void DrawCurves(const Options& options, const std::vector<Curve>& curves) {
   const std::filesystem::path folder = options.out;
   const auto plot_of = [&](const std::string& title, const std::string& y, auto values) {
     Plot plot;
@@ -226,13 +234,21 @@ void WriteReport(const Options& options, const std::vector<Curve>& curves,
               [](const Curve& c) { return Each(c.asked, &ClosedLoopFigures::limit_cycle_mm); })};
   plots[0].y.log = plots[1].y.log = true;
   WriteSvg((folder / "z_width.svg").string(), plots);
+}
+
+/// What there is so far, so that a run that is ended leaves what it has measured.
+void WriteReport(const Options& options, const std::vector<Curve>& curves,
+                 const std::vector<DelayedSlides>& slides) {
+  const std::filesystem::path folder = options.out;
+  const bool all = slides.size() == kDelays_ms.size() && curves.size() == kCurves;
+  if (!curves.empty()) DrawCurves(options, curves);
 
   const PublishedHand& hand = PublishedHandOf(options.loop.hand);
   const PhantomSheet arm = PhantomSheetOf(options.loop.arm);
   WriteOutput(
       "--out", (folder / "report.md").string(),
       fmt::format(
-          "# A contact across a network\n\n![Z-width](z_width.svg)\n\n"
+          "# A contact across a network\n\n{}{}"
           "Scene `{}`, arm `{}`, hand `{}` ({}), jitter {:g} ms, loss {:g} each way, seed {}. "
           "Delays are there and back; a reply is never there before the tick after its pose.\n\n"
           "Stable is what comes to rest after a tap: in the last {:g} of {:g} s the handle moves "
@@ -242,8 +258,10 @@ void WriteReport(const Options& options, const std::vector<Curve>& curves,
           "Robotics 22 (2006) 256-268). The torsional spring goes with the other.\n\n{}\n"
           "## Sliding\n\nA hand slides on the bunny at 0.1 m/s: error of the force against that "
           "of a server which answers at once, of that force.\n\n{}",
-          options.scene, options.loop.arm, hand.name, hand.source, options.loop.jitter_ms,
-          options.loop.loss, options.loop.seed, kClosedLoopCycle_s, kClosedLoopWatch_s, kStiffest,
+          all ? "" : "**Not all is measured: the run goes on, or was ended.**\n\n",
+          curves.empty() ? "" : "![Z-width](z_width.svg)\n\n", options.scene, options.loop.arm,
+          hand.name, hand.source, options.loop.jitter_ms, options.loop.loss, options.loop.seed,
+          kClosedLoopCycle_s, kClosedLoopWatch_s, kStiffest,
           2.0 * arm.dynamics.coulomb_force_N / arm.info.position_resolution_m,
           TableOf(curves, options.loop.stiffness_N_per_m), TableOf(slides)));
 }
@@ -293,19 +311,24 @@ void Run(Options options) {
                               {"max_stable_stiffness_N_per_m", width.stiffness_N_per_m},
                               {"felt_stiffness_N_per_m", width.felt_N_per_m}};
   if (options.slide || !options.out.empty()) {
-    const std::vector<DelayedSlides> slides = MeasureSlides(options);
+    const bool report = !options.out.empty();
+    const std::vector<DelayedSlides> slides =
+        MeasureSlides(options, [&](const std::vector<DelayedSlides>& some) {
+          if (report) WriteReport(options, {}, some);
+        });
     fmt::print(stderr,
                "\nsliding on the bunny at 0.1 m/s, error of the force against the undelayed "
                "step's\n{}",
                TableOf(slides));
     json["slide"] = ToJson(slides);
-    if (!options.out.empty()) {
-      const std::vector<Curve> curves = MeasureCurves(scene, options.loop);
+    if (report) {
+      const std::vector<Curve> curves = MeasureCurves(
+          scene, options.loop,
+          [&](const std::vector<Curve>& some) { WriteReport(options, some, slides); });
       fmt::print(stderr, "\n{}", TableOf(curves, options.loop.stiffness_N_per_m));
       for (const Curve& curve : curves) {
         json["z_width"].push_back(ToJson(curve, options.loop.stiffness_N_per_m));
       }
-      WriteReport(options, curves, slides);
     }
   }
   if (!options.json.empty()) WriteJson(options.json, json);
@@ -321,7 +344,9 @@ void AddClosedLoop(CLI::App& app) {
       "virtual time: does a contact come to rest, how much energy does the hand get, and how "
       "stiff\n"
       "may it be?  --out measures that for each delay, with and without the local model and the\n"
-      "passivity controller: seconds for the wall, about ten minutes for the bunny.\n"
+      "passivity controller, and writes what there is after each: on an idle core half a minute "
+      "for\n"
+      "the wall, three to four for the bunny.\n"
       "Example: palpate-bench closed-loop --delay-ms 10 --local-model on --out closed-loop");
   const auto on_off = CLI::IsMember({"on", "off"});
   std::string hands;

@@ -485,6 +485,23 @@ TEST_F(PalpateBench, ParetoRefusesPeersAndScenesThatNobodyKnows) {
   EXPECT_THAT(said_, HasSubstr("bunny-bunny"));
 }
 
+TEST_F(PalpateBench, ClosedLoopLeavesWhatItHasMeasuredWhereItIsEnded) {
+  Program program(PALPATE_BIN_DIR "/palpate-bench",
+                  {"closed-loop", "--slides", "1", "--out", File("report")});
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(100);
+  while (!fs::exists(File("report/report.md")) && program.Runs() &&
+         std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  ASSERT_TRUE(program.Runs()) << "the first figures are not the last: " << program.Output();
+  program.Signal(SIGKILL);
+  program.Exit();
+  const std::string report = Read("report/report.md");
+  EXPECT_THAT(report, HasSubstr("**Not all is measured: the run goes on, or was ended.**"));
+  EXPECT_THAT(report, HasSubstr("| 0 | **all** |"));
+  EXPECT_THAT(report, testing::Not(HasSubstr("z_width.svg")));
+}
+
 TEST_F(PalpateBench, ReadsItsCommandLineAsEveryProgramDoes) {
   EXPECT_EQ(Run({"--version"}), 0);
   EXPECT_THAT(said_, testing::StartsWith("palpate-bench "));
@@ -494,6 +511,10 @@ TEST_F(PalpateBench, ReadsItsCommandLineAsEveryProgramDoes) {
   EXPECT_THAT(said_, HasSubstr("'palpate-bench --help' shows how"));
   EXPECT_EQ(Run({"stability", "--domain", "-1"}), 2);
   EXPECT_EQ(Run({}), 2);
+  EXPECT_EQ(Run({"paretto"}), 2);
+  EXPECT_THAT(said_, HasSubstr("did you mean 'pareto'?"));
+  EXPECT_EQ(Run({"cycle", "--scen", "cube"}), 2);
+  EXPECT_THAT(said_, HasSubstr("did you mean '--scene'?"));
 }
 
 TEST_F(PalpateBench, RefusesWhatItHasNot) {

@@ -133,7 +133,11 @@ class Pareto {
       known.push_back(kind.id);
       if (!options_.peers.empty() && !has("all") && !has(kind.id.c_str())) continue;
       results_.peers_asked.push_back(kind.id);
-      if (kind.installed()) peers_.push_back(kind);
+      if (kind.installed()) {
+        peers_.push_back(kind);
+      } else {
+        fmt::print(stderr, "{} is left out: it {}\n", kind.name, HowToInstall(kind));
+      }
     }
     for (const std::string& name : options_.peers) {
       if (std::find(known.begin(), known.end(), name) != known.end()) continue;

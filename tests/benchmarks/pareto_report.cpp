@@ -498,15 +498,10 @@ void Peers(Markdown& md, const ParetoResults& r) {
   for (const PeerKind& kind : PeerKinds()) {
     const bool asked =
         std::find(r.peers_asked.begin(), r.peers_asked.end(), kind.id) != r.peers_asked.end();
-    items.push_back(
-        !kind.installed()
-            ? fmt::format(
-                  "**{}** was not installed when this was configured: `apt-get install {}`, "
-                  "then configure and build anew.",
-                  kind.name, kind.package)
-        : asked ? fmt::format("**{} {}** (`{}`): {}.", kind.name, kind.version, kind.package,
-                              kind.settings)
-                : fmt::format("**{} {}** was not asked for.", kind.name, kind.version));
+    items.push_back(!kind.installed() ? fmt::format("**{}** {}.", kind.name, HowToInstall(kind))
+                    : asked ? fmt::format("**{} {}** (`{}`): {}.", kind.name, kind.version,
+                                          kind.package, kind.settings)
+                            : fmt::format("**{} {}** was not asked for.", kind.name, kind.version));
   }
   md.List(items);
   const auto speed = [](const Measured& m, double Percentiles::*which) {

@@ -48,6 +48,27 @@ struct Program {
   std::string log_level = "info";
 };
 
+TEST(CommandLine, NamesATypoWithTheNearestRightWord) {
+  EXPECT_THAT(Program().Complaint({"--dommain", "3"}),
+              HasSubstr("'--dommain' is not known; did you mean '--domain'?; 'palpate-it --help'"));
+  EXPECT_THAT(Program().Complaint({"--log-levl=off"}), HasSubstr("did you mean '--log-level'?"));
+  EXPECT_THAT(Program().Complaint({"--elephant"}),
+              testing::StartsWith("'--elephant' is not known; 'palpate-it --help'"));
+}
+
+TEST(CommandLine, NamesATypoWhereTheRightWordIsMissing) {
+  Program required;
+  required.app.get_option("--rate")->required();
+  EXPECT_THAT(required.Complaint({"--rat", "2"}), HasSubstr("did you mean '--rate'?"));
+  EXPECT_THAT(required.Complaint({}), HasSubstr("--rate is required"));
+
+  Program commands;
+  commands.app.require_subcommand(1);
+  commands.app.add_subcommand("pareto")->add_option("--scene");
+  EXPECT_THAT(commands.Complaint({"paretto"}), HasSubstr("did you mean 'pareto'?"));
+  EXPECT_THAT(commands.Complaint({"pareto", "--scen", "x"}), HasSubstr("did you mean '--scene'?"));
+}
+
 TEST(CommandLine, HasWhatEveryProgramHas) {
   Program program;
   EXPECT_TRUE(program.Parse({}));

@@ -31,7 +31,7 @@ const std::vector<Rule> kRules = {
     // its library.
     {"common/command_line.h", {"common/realtime/realtime.h", "common/dds/network.h"}, {}, {}},
     {"common/command_line.cpp",
-     {"common/command_line.h", "common/error.h", "common/dds/topics.h"},
+     {"common/command_line.h", "common/dds/topics.h", "common/error.h", "common/nearest_word.h"},
      {},
      {"CLI11"}},
     // The one place that knows Cyclone DDS: everybody else sees typed readers and writers.

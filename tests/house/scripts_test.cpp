@@ -138,6 +138,42 @@ TEST_F(ContainerRun, TakesNoOtherEngineThanTheOneNamed) {
   EXPECT_THAT(Calls(), Not(HasSubstr("buildah from")));
 }
 
+TEST_F(ContainerRun, HandsPodmanTheLimitsOfTheHostAndSaysWhatTheyLack) {
+  StandIn("podman", R"(case $* in
+  *iox-roudi*) echo 'RouDi is ready for clients'; exec sleep 1000 ;;
+  *palpate-server\ --scene*) echo 'ready: scenes cube'; exec sleep 1000 ;;
+esac
+)");
+  StandIn("id", "echo 1000\n");  // not root
+  test::Program run(
+      "/usr/bin/env",
+      {"PATH=" + In("bin") + ":/usr/sbin:/usr/bin:/sbin:/bin", "prlimit", "--rtprio=0:0",
+       "--memlock=65536:65536", In("deploy/container/run"), "--engine", "podman", "--no-build"});
+  ASSERT_TRUE(run.Says("Ctrl-C ends the containers")) << run.Output();
+  run.Signal(SIGTERM);
+  EXPECT_EQ(run.Exit(), 0) << run.Output();
+  EXPECT_THAT(Calls(), HasSubstr("--ulimit rtprio=0:0 --ulimit memlock=65536:65536"));
+  EXPECT_THAT(run.Output(), HasSubstr("podman runs without root, and this user has no real-time"));
+  EXPECT_THAT(run.Output(), HasSubstr("in /etc/security/limits.d/palpate.conf, log in again"));
+}
+
+TEST(Demo, BuildsTheProgramsThatReadmeSaysItBuilds) {
+  const std::string demo = ReadFile((kRoot / "deploy/demo").string());
+  static const std::regex kBuild("build release (palpate-.*?) \\|\\|");
+  std::smatch built;
+  ASSERT_TRUE(std::regex_search(demo, built, kBuild));
+  const std::string readme = ReadFile((kRoot / "README.md").string());
+  static const std::regex kSaid("`deploy/demo` builds ([^;]*);");
+  std::smatch said;
+  ASSERT_TRUE(std::regex_search(readme, said, kSaid));
+  const auto programs = [](const std::string& text) {
+    static const std::regex kProgram("palpate-[a-z]+");
+    return std::vector<std::string>(std::sregex_token_iterator(text.begin(), text.end(), kProgram),
+                                    {});
+  };
+  EXPECT_EQ(programs(said[1]), programs(built[1]));
+}
+
 TEST(SharedMemory, IsOneFigureWhereverItIsNamed) {
   const Output needed =
       RunCommand({"bash", "-c",

@@ -75,6 +75,23 @@ TEST(LoadFigures, HoldWithLessThanAHundredthLateAndLost) {
   EXPECT_FALSE(Holds(f));
 }
 
+TEST(LoadFigures, EndWithWhetherTheLoadHoldsAndWhyNot) {
+  LoadFigures f;
+  f.sum.Add(Totals(1001, 1000, 9), 0, 0);
+  f.frames_due = 1000;
+  EXPECT_THAT(ToText(f), testing::EndsWith("\nholds\n"));
+  EXPECT_EQ(nlohmann::json::parse(ToJson(f))["holds"], true);
+  f.sum.Add(Totals(1001, 1000, 21), 0, 0);
+  EXPECT_THAT(ToText(f), testing::EndsWith("\ndoes not hold, because 1.500 % of the poses were "
+                                           "late, and 1 % is too much\n"));
+  EXPECT_EQ(nlohmann::json::parse(ToJson(f))["holds"], false);
+  f.lost = 20;
+  f.viewers_gone = 2;
+  EXPECT_THAT(VerdictText(f),
+              HasSubstr("late, and 1 % is too much; 2.00 % of the frames were lost, "
+                        "and 1 % is too much; 2 viewers are gone"));
+}
+
 TEST(LoadFigures, NameTheThreadThatFillsACore) {
   LoadFigures f = TwoStations();
   f.server = ProcessUse{1.1, 0.95, "recvUC"};

@@ -109,6 +109,28 @@ TEST_F(FileSummaryTest, TellsOfATopicAllOfWhichWasDropped) {
   EXPECT_FALSE(summary.whole());
 }
 
+TEST_F(FileSummaryTest, CountsOnlyWhatWasThere) {
+  {
+    RecordingWriter writer({.file = file_});
+    // A server tells whoever comes of the sessions that were: all at once.
+    Add(writer, dds::kSessionStateTopic, SampleState("gone", 4), kMs);
+    Add(writer, dds::kSessionStateTopic, SampleState("hand", 5), kMs + 538);
+    Add(writer, dds::PoseTopic("hand", 5), SamplePose(1), 2 * kMs);
+    Add(writer, dds::PoseTopic("hand", 5), SamplePose(2), 3 * kMs);
+    writer.Close("");
+  }
+  const FileSummary summary = Summarise({file_});
+  EXPECT_EQ(summary.topics.at(dds::kSessionStateTopic).rate_hz, 0.0);
+  EXPECT_NEAR(summary.topics.at(dds::PoseTopic("hand", 5)).rate_hz, 1000.0, 1e-6);
+  ASSERT_THAT(summary.sessions, SizeIs(2));
+  EXPECT_EQ(summary.sessions[0].poses, 0u);
+  EXPECT_EQ(summary.sessions[1].poses, 2u);
+  const std::string text = ToText(summary);
+  EXPECT_THAT(text, HasSubstr("  station hand (run"));
+  EXPECT_THAT(text, Not(HasSubstr("  station gone")));
+  EXPECT_THAT(text, HasSubstr("1 session is told of that had no poses while this was recorded"));
+}
+
 TEST_F(FileSummaryTest, ReadsAFileThatWasCutOffAndSaysSo) {
   Record(file_, 0, 0);
   std::vector<std::uint8_t> bytes = BytesOf(file_);

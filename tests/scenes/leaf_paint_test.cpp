@@ -1,5 +1,7 @@
 #include "scenes/leaf_paint.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -152,7 +154,81 @@ TEST(LeafPaint, PaintsTheNamedPartOfAMeshFile) {
                 LoadScene(test::WriteFile(folder + "/t.json", SceneWithGroup("rot")), options);
               }),
               HasSubstr("objects[0].regions[0].group: the mesh has no part \"rot\"; did you mean "
-                        "\"root\"? (it has:"));
+                        "\"root\"? It has:\n  \"crown\"\n  \"root\""));
+}
+
+/// Two parts in one mesh, each painted with a stiffness of its own.
+struct Parts {
+  Body body{"tooth", {}, {}, {}};
+  std::vector<MeshGroup> groups;
+
+  void Add(const std::string& name, const TriangleMesh& part, const Vec3& at) {
+    const auto first = static_cast<std::uint32_t>(body.mesh.vertices.size());
+    const auto begin = static_cast<std::uint32_t>(body.mesh.triangles.size());
+    for (const Vec3& v : part.vertices) body.mesh.vertices.push_back(v + at);
+    for (const auto& [a, b, c] : part.triangles) {
+      body.mesh.triangles.push_back({a + first, b + first, c + first});
+    }
+    groups.push_back({name, begin, static_cast<std::uint32_t>(body.mesh.triangles.size())});
+  }
+
+  void PaintGum(std::size_t leaves) {
+    body.tree = BuildSphereTree(body.mesh, leaves);
+    BodyDescription description;
+    description.regions = {{}};
+    description.regions[0].kind = RegionDescription::Kind::kGroup;
+    description.regions[0].group = "gum";
+    description.regions[0].where = "f.json:9: objects[0].regions[0]";
+    description.regions[0].material.youngs_modulus = 5e6;
+    description.regions[0].material.thickness = 0.002;
+    PaintLeaves(description, groups, body);
+  }
+
+  std::size_t Soft() const { return std::ranges::count(body.leaf_material, 1); }
+};
+
+TriangleMesh Sheet(double side) {
+  TriangleMesh sheet;
+  sheet.vertices = {{-side / 2, 0, -side / 2},
+                    {side / 2, 0, -side / 2},
+                    {side / 2, 0, side / 2},
+                    {-side / 2, 0, side / 2}};
+  sheet.triangles = {{0, 2, 1}, {0, 3, 2}};
+  return sheet;
+}
+
+TEST(LeafPaint, SheetInsideABoxMakesNoLeafSoft) {
+  for (const double below_the_top : {0.0005, 0.001, 0.003, 0.005}) {
+    Parts parts;
+    parts.Add("crown", MakeBox(Vec3(0.01, 0.01, 0.01)), Vec3::Zero());
+    parts.Add("gum", Sheet(0.009), Vec3(0, 0.005 - below_the_top, 0));
+    EXPECT_THAT(
+        ComplaintOf([&] { parts.PaintGum(280); }),
+        HasSubstr("f.json:9: objects[0].regions[0]: paints no leaf of \"tooth\"; all of the "
+                  "part may lie inside others"))
+        << below_the_top;
+    EXPECT_EQ(parts.Soft(), 0u);
+  }
+}
+
+TEST(LeafPaint, PartThatSticksOutIsSoftWhereItDoes) {
+  Parts parts;
+  parts.Add("crown", MakeBox(Vec3(0.01, 0.01, 0.01)), Vec3::Zero());
+  parts.Add("gum", MakeBox(Vec3(0.018, 0.004, 0.004)), Vec3(0.006, 0, 0));  // x from -3 to 15 mm
+  parts.PaintGum(600);
+  EXPECT_GT(parts.Soft(), 60u);
+  for (std::size_t i = 0; i < parts.body.tree.leaves(); ++i) {
+    const Vec3 c = Centre(parts.body.tree, i);
+    const bool soft = parts.body.leaf_material[i] == 1;
+    // In a corner between the two, a leaf may touch both.
+    if (soft) {
+      EXPECT_GT(c.x(), 0.004) << c.transpose();
+    }
+    if (c.x() > 0.006 &&
+        parts.body.tree.leaf_triangle_begin[i] != parts.body.tree.leaf_triangle_begin[i + 1]) {
+      EXPECT_TRUE(soft) << c.transpose();
+    }
+  }
 }
 
 }  // namespace

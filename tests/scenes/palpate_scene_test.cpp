@@ -8,12 +8,14 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include "scenes/catalogue.h"
 #include "tests/scenes/support.h"
 
 namespace palpate {
 namespace {
 
 using test::FreshFolder;
+using testing::EndsWith;
 using testing::HasSubstr;
 
 struct Outcome {
@@ -54,21 +56,75 @@ TEST(PalpateScene, ChecksScenesAndMeshes) {
   EXPECT_EQ(scene.exit_code, 0) << scene.text;
   EXPECT_THAT(scene.text, HasSubstr("outside   mean 0.0  p99 0.0  max 0.0 um"));
   EXPECT_THAT(scene.text, HasSubstr("uncovered mean "));
+  EXPECT_THAT(scene.text, EndsWith("verdict: good to touch\n"));
   const std::string mesh =
       test::WriteFile(folder + "/t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   const Outcome open = PalpateScene("check " + mesh, folder);
   EXPECT_EQ(open.exit_code, 0) << open.text;
   EXPECT_THAT(open.text, HasSubstr("closed no"));
   EXPECT_THAT(open.text, HasSubstr("note: 3 edges are open"));
+  EXPECT_THAT(open.text,
+              HasSubstr("verdict: usable with these limits:\n  - mesh: 3 edges are open"));
+  const std::string points =
+      test::WriteFile(folder + "/p.obj", "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n");
+  const Outcome nothing = PalpateScene("check " + points, folder);
+  EXPECT_EQ(nothing.exit_code, 1) << nothing.text;
+  EXPECT_THAT(nothing.text, HasSubstr("verdict: not usable:\n  - mesh: the mesh has no "));
+}
+
+/// A box, and a second one in it, as an OBJ of two named parts.
+std::string BoxInABox() {
+  std::string text;
+  int first = 1;
+  for (const auto& [name, side] : {std::pair{"crown", 10.0}, {"gum", 4.0}}) {
+    const TriangleMesh box = MakeBox(Vec3::Constant(side));
+    text += std::string("o ") + name + "\n";
+    for (const Vec3& v : box.vertices) {
+      text += "v " + std::to_string(v.x()) + " " + std::to_string(v.y()) + " " +
+              std::to_string(v.z()) + "\n";
+    }
+    for (const auto& [a, b, c] : box.triangles) {
+      text += "f " + std::to_string(a + first) + " " + std::to_string(b + first) + " " +
+              std::to_string(c + first) + "\n";
+    }
+    first += 8;
+  }
+  return text;
+}
+
+TEST(PalpateScene, WarnsOfPartsThatOverlap) {
+  const std::string folder = FreshFolder();
+  const std::string mesh = test::WriteFile(folder + "/tooth.obj", BoxInABox());
+  const Outcome alone = PalpateScene("check " + mesh, folder);
+  EXPECT_EQ(alone.exit_code, 0) << alone.text;
+  EXPECT_THAT(alone.text,
+              HasSubstr("warning: parts overlap: 14 % of the surface lies inside other"));
+  EXPECT_THAT(alone.text, HasSubstr(", of \"gum\"; "));
+  EXPECT_EQ(PalpateScene("new " + mesh + " -o " + folder + "/tooth.json", folder).exit_code, 0);
+  const Outcome scene = PalpateScene("check " + folder + "/tooth.json", folder);
+  EXPECT_EQ(scene.exit_code, 0) << scene.text;
+  EXPECT_THAT(scene.text, HasSubstr("verdict: usable with these limits:\n  - object tooth: parts "
+                                    "overlap: 14 % of the surface lies inside other parts"));
+}
+
+TEST(PalpateScene, ListsTheCatalogue) {
+  const Outcome list = PalpateScene("list", FreshFolder());
+  EXPECT_EQ(list.exit_code, 0) << list.text;
+  for (const std::string& name : CatalogueNames()) EXPECT_THAT(list.text, HasSubstr(name + " "));
+  EXPECT_THAT(list.text, HasSubstr("cube              A ball of 5 mm radius on a cube"));
 }
 
 TEST(PalpateScene, EndsWithOneForAFailureAndTwoForWrongUsage) {
   const std::string folder = FreshFolder();
   for (const std::string wrong :
        {"", "fly", "build", "render cube", "render cube -o x.png --level 9",
-        "render cube -o x.png --whole --level 1", "info cube --log-level loud"}) {
+        "render cube -o x.png --whole --level 1", "render cube -o x.jpg", "render cube -o x",
+        "lsit", "info cube --log-level loud"}) {
     EXPECT_EQ(PalpateScene(wrong, folder).exit_code, 2) << wrong;
   }
+  EXPECT_THAT(PalpateScene("lsit", folder).text, HasSubstr("did you mean 'list'?"));
+  EXPECT_THAT(PalpateScene("render cube -o x.jpg", folder).text,
+              HasSubstr("-o x.jpg: pictures are PNG; give a name that ends in .png"));
   const Outcome missing = PalpateScene("info nothing", folder);
   EXPECT_EQ(missing.exit_code, 1);
   EXPECT_THAT(missing.text, HasSubstr("palpate-scene: there is no scene \"nothing\""));

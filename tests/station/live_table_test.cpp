@@ -8,6 +8,7 @@
 namespace palpate {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 StationView View() {
@@ -48,7 +49,8 @@ TEST(LiveTable, NamesFaultsAndAFadedForce) {
   view.snapshot.faults = kFaultJammed | kFaultRowsFull;
   view.snapshot.fading = true;
   LiveTable table(stdout, LiveTable::Style::kInPlace);
-  EXPECT_THAT(table.Lines(view).back(), HasSubstr("rows full, jammed, force held back"));
+  EXPECT_THAT(table.Lines(view).back(), AllOf(HasSubstr("rows full (more contacts"),
+                                              HasSubstr("surfaces), force held back")));
 }
 
 TEST(LiveTable, GrowsItsScaleWithTheForce) {

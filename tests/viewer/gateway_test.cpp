@@ -410,10 +410,14 @@ TEST(Gateway, ServesThePageAndNothingBesideIt) {
 }
 
 TEST(Gateway, SaysThatThePageIsNotBuiltAndHowToBuildIt) {
-  Gateway gateway({"--page", "/nowhere/page"});
+  const std::filesystem::path empty =
+      std::filesystem::temp_directory_path() / ("palpate_no_page_" + std::to_string(getpid()));
+  std::filesystem::create_directories(empty);
+  Gateway gateway({"--page", empty.string()});
   const HttpAnswer index = Get(gateway.port(), "/");
   EXPECT_EQ(index.status, 200);
-  EXPECT_THAT(index.body, HasSubstr("/nowhere/page"));
+  EXPECT_THAT(index.body, HasSubstr(empty.string()));
+  std::filesystem::remove(empty);
   EXPECT_THAT(index.body, HasSubstr("cmake --build --preset release --target page"));
 }
 

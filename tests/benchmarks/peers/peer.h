@@ -71,6 +71,9 @@ struct PeerKind {
 /// All that this program knows, installed or not.
 const std::vector<PeerKind>& PeerKinds();
 
+/// Of a kind that is not installed: the package that brings it, and what to do then.
+std::string HowToInstall(const PeerKind& kind);
+
 // One for each file beside this one.
 PeerKind BulletPeer();
 PeerKind OdePeer();

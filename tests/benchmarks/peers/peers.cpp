@@ -36,4 +36,9 @@ const std::vector<PeerKind>& PeerKinds() {
   return kinds;
 }
 
+std::string HowToInstall(const PeerKind& kind) {
+  return "was not installed when this was configured: `apt-get install " + kind.package +
+         "`, then configure and build anew";
+}
+
 }  // namespace palpate::bench

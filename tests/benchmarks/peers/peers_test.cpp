@@ -109,6 +109,7 @@ TEST(PeerKinds, NameTheirPackageWhetherItIsThereOrNot) {
     EXPECT_TRUE(ids.insert(kind.id).second) << kind.id << " stands there twice";
     EXPECT_THAT(kind.package, testing::MatchesRegex("lib.*-dev"));
     EXPECT_EQ(kind.installed(), static_cast<bool>(kind.make)) << kind.name;
+    EXPECT_THAT(HowToInstall(kind), testing::HasSubstr("`apt-get install " + kind.package + "`"));
   }
   EXPECT_THAT(ids, testing::UnorderedElementsAre("bullet", "ode", "fcl", "mujoco"));
 }

@@ -1,6 +1,6 @@
 import {expect, test} from "vitest";
 
-import {type LinkFacts, linkReport} from "@page/model/link_report";
+import {type LinkFacts, linkReport, Pulse} from "@page/model/link_report";
 
 const kFine: LinkFacts = {
   link: "open",
@@ -13,6 +13,7 @@ const kFine: LinkFacts = {
   refusal: "none",
   mayTake: true,
   draws: true,
+  busyS: -Infinity,
 };
 
 test("nothing is said while data flow", () => {
@@ -70,4 +71,29 @@ test("a page without a picture says so, but not before an alarm", () => {
 
 test("a link that has just been opened is given time", () => {
   expect(linkReport({...kFine, openedS: 99, lastStateS: 20}).tone).toBe("none");
+});
+
+test("a browser that draws slowly does not blame the server", () => {
+  const quiet: LinkFacts = {...kFine, lastStateS: 95};
+  expect(linkReport({...quiet, busyS: 99.9})).toMatchObject({
+    tone: "info",
+    text: expect.stringMatching(/This browser draws slowly/),
+  });
+  // What came while the page drew has been heard by now: the silence is the server's.
+  expect(linkReport({...quiet, busyS: 98}).tone).toBe("alarm");
+  expect(linkReport({...kFine, busyS: 99.9}).tone).toBe("none");
+  expect(linkReport({...quiet, busyS: 99.9, link: "lost"}).tone).toBe("alarm");
+});
+
+test("a timer that comes late tells that the page could not run, unless nobody sees it", () => {
+  const pulse = new Pulse();
+  pulse.beat(10, true);
+  pulse.beat(10.1, true);
+  expect(pulse.busyS).toBe(-Infinity);
+  pulse.beat(12.5, true);
+  expect(pulse.busyS).toBe(12.5);
+  pulse.beat(13.5, false);
+  pulse.beat(14.5, false);
+  pulse.beat(16, true);
+  expect(pulse.busyS).toBe(12.5);
 });

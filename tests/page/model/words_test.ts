@@ -66,6 +66,13 @@ describe("the loop's lines", () => {
     expect(good.Refused).toBeUndefined();
   });
 
+  test("praise no rate at which a load no longer holds", () => {
+    const tooSlow = {remark: "should be a thousand", tone: "bad"};
+    expect(lines({rate_hz: 953}).Rate).toMatchObject({value: "953 / s", ...tooSlow});
+    expect(lines({rate_hz: 1060}).Rate).toMatchObject(tooSlow);
+    expect(lines({rate_hz: 995}).Rate).toMatchObject({remark: "as it should be", tone: "good"});
+  });
+
   test("name what is wrong", () => {
     const bad = lines({
       rate_hz: 700,

@@ -1,7 +1,7 @@
 import {norm} from "./model/pose";
 import type {Pose, Vec3} from "./model/pose";
 import type {SceneModel} from "./model/bundle";
-import {type LinkFacts, type LinkReport, linkReport} from "./model/link_report";
+import {type LinkFacts, type LinkReport, linkReport, Pulse} from "./model/link_report";
 import {looksTheSame} from "./model/pose_track";
 import {depthM, figure, statusSentence} from "./model/words";
 import {type Change, kTopics, Station, World} from "./model/world";
@@ -87,6 +87,7 @@ export class App {
   private loadAgain = false;
   private drawn: ToolState[] = [];
   private frameAsked = false;
+  private readonly pulse = new Pulse();
   private dirty = true;
   private staleWho = true;
   private firstPictureMs: number | undefined;
@@ -386,6 +387,7 @@ export class App {
   private tick(): void {
     this.goWhereSomethingMoves();
     const now = nowS();
+    this.pulse.beat(now, !document.hidden);
     this.wakeWhereSomethingStops(now);
     const station = this.station;
     const state = station?.isMoving(now) ? station.track.latest : undefined;
@@ -448,6 +450,7 @@ export class App {
       refusal: this.refusal,
       mayTake: this.mayTake,
       draws: this.view.draws,
+      busyS: this.pulse.busyS,
     });
     this.banner.hidden = report.tone === "none";
     this.banner.classList.toggle("alarm", report.tone === "alarm");

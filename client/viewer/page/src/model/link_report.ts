@@ -18,10 +18,27 @@ export interface LinkFacts {
   readonly refusal: "none" | "full" | "this page";
   readonly mayTake: boolean; // a tool, with the mouse
   readonly draws: boolean; // the browser has WebGL
+  readonly busyS: number; // when this page last could not run for a while; -Infinity: never
 }
 
 /// Tool states come 30 times a second: silence of this length is one [s].
 export const kSilenceS = 1.5;
+
+/// A page whose timer is later than this could not run: its browser was drawing [s].
+const kBusyS = 0.5;
+
+/// Tells when a page could not run for a while, from a timer that should go regularly.
+export class Pulse {
+  private lastS = Number.NaN;
+  /// When it last could not; -Infinity: never.
+  busyS = -Infinity;
+
+  /// @param visible  browsers slow down the timers of pages that nobody sees.
+  beat(nowS: number, visible: boolean): void {
+    if (visible && nowS - this.lastS > kBusyS) this.busyS = nowS;
+    this.lastS = visible ? nowS : Number.NaN;
+  }
+}
 
 export function linkReport(facts: LinkFacts): LinkReport {
   if (facts.link !== "open") {
@@ -44,8 +61,18 @@ export function linkReport(facts: LinkFacts): LinkReport {
       : {tone: "info", text: "Connecting…"};
   }
   const since = Math.max(facts.lastStateS, facts.openedS);
-  const silent = facts.nowS - since >= kSilenceS;
-  if (silent && facts.sessions > 0) {
+  const quiet = facts.nowS - since >= kSilenceS;
+  // What came meanwhile waits until the page runs again: only then is it known who was silent.
+  const busy = facts.nowS - facts.busyS < kSilenceS;
+  if (quiet && busy) {
+    return {
+      tone: "info",
+      text:
+        "This browser draws slowly, and is behind: a smaller window helps, or a browser with " +
+        "hardware acceleration.",
+    };
+  }
+  if (quiet && facts.sessions > 0) {
     return {
       tone: "alarm",
       text:
@@ -56,7 +83,7 @@ export function linkReport(facts: LinkFacts): LinkReport {
   if (!facts.draws) {
     return {tone: "info", text: "No picture: this browser has no WebGL. The figures are live."};
   }
-  if (!silent) return {tone: "none", text: ""};
+  if (!quiet) return {tone: "none", text: ""};
   if (facts.scenes === 0) {
     return {tone: "info", text: "The gateway is there, but no server has told it of a scene yet."};
   }

@@ -58,11 +58,13 @@ export interface Line {
 }
 
 const kRateHz = 1000;
+/// Of the poses that may be late or missing before a load no longer holds, as palpate-load has it.
+const kMostAmiss = 0.01;
 
 /// The loop's last second as lines of a table.
 export function statisticsLines(statistics: LoopStatistics): Line[] {
   const {p50, p99, p999} = statistics.stepUs;
-  const onTime = Math.abs(statistics.rateHz - kRateHz) < 0.05 * kRateHz;
+  const onTime = Math.abs(statistics.rateHz - kRateHz) < kMostAmiss * kRateHz;
   const time = (us: number): string =>
     us >= 1000 ? `${figure(us / 1000, 1)} ms` : `${figure(us, 1)} µs`;
   const faults = faultWords(statistics.faults);
@@ -88,7 +90,7 @@ export function statisticsLines(statistics: LoopStatistics): Line[] {
       tone:
         statistics.late === 0
           ? "good"
-          : statistics.late > 0.01 * statistics.steps
+          : statistics.late > kMostAmiss * statistics.steps
             ? "bad"
             : "plain",
     },

@@ -1,0 +1,90 @@
+#include "scenes/scene_verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace palpate {
+namespace {
+
+constexpr double kAllowed = 0.01;  // of the longest side
+constexpr double kTooMuch = 0.10;  // of it: the tool stands visibly inside, or in the air
+
+double LongestSide(const MeshReport& report) {
+  return (report.box_max - report.box_min).maxCoeff();
+}
+
+/// "{:.3g} mm".
+std::string Millimetres(double metres) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g mm", 1e3 * metres);
+  return text;
+}
+
+/// A gap's finding, if it is one.
+/// @param what  "1 % of the surface lies over"   @param then  what is felt of it, and the remedy.
+void JudgeGap(const std::string& what, double gap, const std::string& then,
+              const MeshReport& report, Verdict& verdict) {
+  if (gap <= AllowedGap(report)) return;
+  const bool too_much = gap > kTooMuch * LongestSide(report);
+  (too_much ? verdict.faults : verdict.limits)
+      .push_back(what + " " + Millimetres(gap) + ", which should be at most " +
+                 Millimetres(AllowedGap(report)) + then);
+}
+
+bool IsFinite(const Material& material) {
+  return std::isfinite(material.stiffness) || std::isfinite(material.hardness);
+}
+
+}  // namespace
+
+void Verdict::Add(const Verdict& other) {
+  limits.insert(limits.end(), other.limits.begin(), other.limits.end());
+  faults.insert(faults.end(), other.faults.begin(), other.faults.end());
+}
+
+bool FeltBySpheres(const Scene& scene, const Body& body, bool is_tool) {
+  if (is_tool && body.tree.leaves() == 1) return false;  // it is that ball, exactly
+  if (scene.features.contact == ContactModel::kSpheres) return true;
+  const auto yields = [](const Body& object) {
+    return std::ranges::any_of(object.materials, IsFinite);
+  };
+  return is_tool ? std::ranges::any_of(scene.objects, yields) : yields(body);
+}
+
+double AllowedGap(const MeshReport& report) {
+  return kAllowed * LongestSide(report);
+}
+
+Verdict JudgeMesh(const std::string& whose, const MeshReport& report) {
+  Verdict verdict;
+  if (!report.refusal.empty()) verdict.faults.push_back(whose + ": " + report.refusal);
+  for (const std::string& remark : report.remarks) {
+    verdict.limits.push_back(whose + ": " + remark);
+  }
+  return verdict;
+}
+
+Verdict JudgeCoverage(const std::string& whose, const MeshReport& report, const Coverage& coverage,
+                      std::size_t leaves) {
+  Verdict verdict;
+  const std::string more = std::to_string(leaves) + " leaves";
+  JudgeGap(whose + ": a hundredth of its surface lies bare of spheres by", coverage.uncovered.p99,
+           "; the tool sinks in so far there: give it more than " + more, report, verdict);
+  JudgeGap(whose + ": a hundredth of its spheres stick out by", coverage.outside.p99,
+           "; the tool is stopped so far in the air: close the mesh, or give it more than " + more,
+           report, verdict);
+  return verdict;
+}
+
+std::string ToText(const Verdict& verdict) {
+  const bool usable = verdict.usable();
+  const std::vector<std::string>& findings = usable ? verdict.limits : verdict.faults;
+  std::string text = "verdict: ";
+  if (findings.empty()) return text + "good to touch\n";
+  text += usable ? "usable with these limits:\n" : "not usable:\n";
+  for (const std::string& finding : findings) text += "  - " + finding + "\n";
+  return text;
+}
+
+}  // namespace palpate

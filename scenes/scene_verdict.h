@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenes/coverage.h"
+#include "scenes/mesh_report.h"
+#include "scenes/scene.h"
+
+namespace palpate {
+
+/// What a scene, or a mesh, is good for: findings, each a sentence with its remedy.
+struct Verdict {
+  std::vector<std::string> limits;  ///< it can be touched, but these show
+  std::vector<std::string> faults;  ///< it should not be
+
+  bool usable() const { return faults.empty(); }
+  void Add(const Verdict& other);
+};
+
+/// Whether a body's spheres are what is felt of it, and not its mesh (catalogue/README.md,
+/// "contact").  Tools are asked for by what they touch.
+bool FeltBySpheres(const Scene& scene, const Body& body, bool is_tool);
+
+/// How far spheres may stick out of a body whose spheres are felt, and its surface lie from them
+/// [m]: a hundredth of the longest side, which is five pixels where the body fills half a screen.
+double AllowedGap(const MeshReport& report);
+
+/// @param whose  begins each finding: "object cheek".
+Verdict JudgeMesh(const std::string& whose, const MeshReport& report);
+Verdict JudgeCoverage(const std::string& whose, const MeshReport& report, const Coverage& coverage,
+                      std::size_t leaves);
+
+/// For people, to end a report with: "verdict: good to touch", or the limits or faults, a line
+/// each.
+std::string ToText(const Verdict& verdict);
+
+}  // namespace palpate

@@ -1,0 +1,82 @@
+#include "scenes/scene_verdict.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/sphere_tree_builder.h"
+#include "tests/scenes/support.h"
+
+namespace palpate {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+MeshReport BoxReport(double side) {
+  return InspectMesh(MakeBox(Vec3::Constant(side)));
+}
+
+Coverage Bare(double p99) {
+  Coverage coverage;
+  coverage.uncovered.p99 = p99;
+  return coverage;
+}
+
+TEST(SceneVerdict, SaysWhatANumberShouldBe) {
+  const MeshReport box = BoxReport(0.1);
+  EXPECT_DOUBLE_EQ(AllowedGap(box), 0.001);
+  EXPECT_EQ(ToText(JudgeCoverage("object cheek", box, Bare(0.001), 64)),
+            "verdict: good to touch\n");
+  const Verdict limited = JudgeCoverage("object cheek", box, Bare(0.002), 64);
+  EXPECT_TRUE(limited.usable());
+  EXPECT_EQ(
+      ToText(limited),
+      "verdict: usable with these limits:\n"
+      "  - object cheek: a hundredth of its surface lies bare of spheres by 2 mm, which "
+      "should be at most 1 mm; the tool sinks in so far there: give it more than 64 leaves\n");
+}
+
+TEST(SceneVerdict, WhereTheToolFallsInTheSceneIsNotUsable) {
+  const Verdict verdict = JudgeCoverage("object cheek", BoxReport(0.1), Bare(0.011), 2);
+  EXPECT_FALSE(verdict.usable());
+  EXPECT_THAT(ToText(verdict), HasSubstr("verdict: not usable:\n  - object cheek: a hundredth"));
+}
+
+TEST(SceneVerdict, SpheresThatStickOutAreALimit) {
+  Coverage coverage;
+  coverage.outside.p99 = 0.003;
+  EXPECT_THAT(JudgeCoverage("tool probe", BoxReport(0.1), coverage, 64).limits,
+              ElementsAre(HasSubstr("tool probe: a hundredth of its spheres stick out by 3 mm")));
+}
+
+TEST(SceneVerdict, MeshThatIsRefusedIsAFaultAndARemarkALimit) {
+  TriangleMesh open = MakeBox(Vec3::Ones());
+  open.triangles.pop_back();
+  EXPECT_THAT(JudgeMesh("mesh", InspectMesh(open)).limits,
+              ElementsAre(HasSubstr("mesh: 3 edges are open")));
+  EXPECT_THAT(JudgeMesh("mesh", InspectMesh({})).faults, ElementsAre(HasSubstr("no triangles")));
+  EXPECT_THAT(JudgeMesh("mesh", BoxReport(1.0)).limits, IsEmpty());
+}
+
+TEST(SceneVerdict, SpheresAreFeltWhereSomethingYieldsOrTheContactIsOfSpheres) {
+  Scene scene;
+  scene.objects.resize(2);
+  scene.tools.resize(1);
+  Body& tool = scene.tools[0];
+  tool.mesh = MakeBox(Vec3::Constant(0.01));
+  tool.tree = BuildSphereTree(tool.mesh, 8);
+  EXPECT_FALSE(FeltBySpheres(scene, scene.objects[0], false));
+  EXPECT_FALSE(FeltBySpheres(scene, tool, true));
+  scene.objects[1].materials[0].stiffness = 500.0;
+  EXPECT_FALSE(FeltBySpheres(scene, scene.objects[0], false));
+  EXPECT_TRUE(FeltBySpheres(scene, scene.objects[1], false));
+  EXPECT_TRUE(FeltBySpheres(scene, tool, true));
+  scene.features.contact = ContactModel::kSpheres;
+  EXPECT_TRUE(FeltBySpheres(scene, scene.objects[0], false));
+  tool.tree = SingleSphereTree(tool.mesh, {Vec3::Zero(), 0.005});
+  EXPECT_FALSE(FeltBySpheres(scene, tool, true));
+}
+
+}  // namespace
+}  // namespace palpate
