@@ -21,6 +21,8 @@ import {SceneView} from "./view/scene_view";
 const kTickMs = 100; // plots and figures
 const kRetrySceneMs = 1000;
 const kWarmUp = 3;
+const kOldNewsS = 1; // what comes so soon after the link was opened was said before
+const kWholeShownMs = 5000;
 /// The gateway is asked how it is this often; that also tells a link that only looks open.
 const kAskHealthMs = 4000;
 const kAnswerWithinMs = 3000;
@@ -62,6 +64,7 @@ export class App {
   private readonly readout = element("readout", HTMLDivElement);
   private readonly level = element("level", HTMLInputElement);
   private readonly numbers = element("numbers", HTMLButtonElement);
+  private readonly wholeButton = element("whole", HTMLButtonElement);
 
   private readonly world = new World((change, scene) => this.worldChanged(change, scene));
   private readonly connection: Connection;
@@ -78,6 +81,8 @@ export class App {
   private lostS = -Infinity; // the first of them
   private gateway = {saidS: -Infinity, full: false, silences: 0};
   private mayTake = true; // a tool: until the gateway says otherwise
+  private wholeAsked = false;
+  private wholeTimer: number | undefined;
   private moving = ""; // the stations that move
   private scene = "";
   private chosenScene = new URLSearchParams(location.search).get("scene") ?? "";
@@ -207,6 +212,11 @@ export class App {
         break;
       case "remains":
         if (scene === this.scene) this.view.updateRemains();
+        if (scene === this.scene) this.showWhole();
+        break;
+      case "whole":
+        if (scene === this.scene) this.view.updateRemains();
+        this.wholeAnswered(scene);
         break;
       case "serverRun":
         // It may serve other scenes, or another one under the same name.
@@ -277,6 +287,7 @@ export class App {
     const model = this.fetched.get(this.scene)?.model;
     this.view.setScene(model, this.world.remainsOf(this.scene));
     this.numbers.hidden = this.view.teeth === 0;
+    this.showWhole();
     this.drawn = [];
     document.title = this.scene === "" ? "Palpate" : `${this.scene} · Palpate`;
     this.canvas.setAttribute(
@@ -493,6 +504,36 @@ export class App {
   private mayTakeChanged(may: boolean): void {
     this.mayTake = may;
     for (const part of document.querySelectorAll<HTMLElement>(".of-mouse")) part.hidden = !may;
+    this.showWhole();
+  }
+
+  private showWhole(): void {
+    const wears = this.fetched.get(this.scene)?.model.wears ?? false;
+    this.wholeButton.hidden = !this.mayTake || !wears;
+    this.wholeButton.disabled = this.world.remainsOf(this.scene).isWhole;
+  }
+
+  private makeWhole(): void {
+    if (this.wholeButton.hidden || this.wholeButton.disabled) return;
+    this.wholeAsked = true;
+    this.showHint("Asking the server to make it whole…", false);
+    this.connection.publish(kTopics.mouse, {op: "whole", scene: this.scene});
+  }
+
+  /// Who looks on should know why the objects have changed; who comes later need not.
+  private wholeAnswered(scene: string): void {
+    this.showWhole();
+    const whole = this.world.wholeOf(scene);
+    const isNews = nowS() - this.openedS > kOldNewsS || this.wholeAsked;
+    if (scene !== this.scene || whole === undefined || !isNews) return;
+    this.wholeAsked = false;
+    const text =
+      whole.refusal === ""
+        ? `The ${scene} is whole again (${whole.by}).`
+        : `It is not made whole: ${whole.refusal}.`;
+    this.showHint(text, whole.refusal !== "");
+    window.clearTimeout(this.wholeTimer);
+    this.wholeTimer = window.setTimeout(() => this.showHold(), kWholeShownMs);
   }
 
   private showHold(): void {
@@ -579,6 +620,7 @@ export class App {
     follow.addEventListener("click", actions.follow);
     spheres.addEventListener("click", actions.spheres);
     this.numbers.addEventListener("click", actions.numbers);
+    this.wholeButton.addEventListener("click", () => this.makeWhole());
     element("reset", HTMLButtonElement).addEventListener("click", actions.reset);
     element("help", HTMLButtonElement).addEventListener("click", actions.help);
     panelToggle.addEventListener("click", actions.panel);
@@ -610,6 +652,7 @@ export class App {
       r: actions.reset,
       s: actions.spheres,
       n: actions.numbers,
+      w: () => this.makeWhole(),
       "[": () => actions.level(-1),
       "]": () => actions.level(1),
       p: actions.panel,
