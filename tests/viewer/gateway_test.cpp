@@ -639,7 +639,8 @@ TEST(Mouse, IsRefusedAToolThatIsTakenAndToldWhy) {
               HasSubstr("no server serves scene '--help'"));
   viewer.SendMouse({{"op", "dance"}});
   EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("the tool is refused"));
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("take, pose, release and whole"));
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""),
+              HasSubstr("take, pose, release and whole"));
   EXPECT_TRUE(viewer.open());
 }
 
