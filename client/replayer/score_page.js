@@ -6,6 +6,7 @@ const clock = document.getElementById("clock");
 const {time, tracks} = score;
 let azimuth = 0.6;
 let height = 0.45;
+let nearer = 1; // then about where the expert is
 
 const all = tracks.flatMap(({p}) => p);
 const middle = [0, 1, 2].map((i) => {
@@ -17,8 +18,8 @@ const colour = (i) => getComputedStyle(document.body).getPropertyValue(`--c${i %
 const ink = (name) => getComputedStyle(document.body).getPropertyValue(name);
 
 /// To the right and up, in millimetres from the middle: y is up, as in the scenes.
-function onPaper(p) {
-  const [x, y, z] = p.map((value, i) => value - middle[i]);
+function onPaper(p, about) {
+  const [x, y, z] = p.map((value, i) => value - about[i]);
   const right = x * Math.cos(azimuth) - z * Math.sin(azimuth);
   const near = x * Math.sin(azimuth) + z * Math.cos(azimuth);
   return [right, y * Math.cos(height) - near * Math.sin(height)];
@@ -31,12 +32,13 @@ function draw() {
   canvas.height = h * scale;
   const pen = canvas.getContext("2d");
   pen.scale(scale, scale);
-  const zoom = (0.46 * Math.min(w, h)) / reach;
+  const zoom = (0.46 * nearer * Math.min(w, h)) / reach;
+  const k = Number(slider.value);
+  const about = nearer > 1 ? tracks[0].p[k] : middle;
   const at = (p) => {
-    const [x, y] = onPaper(p);
+    const [x, y] = onPaper(p, about);
     return [w / 2 + zoom * x, h / 2 - zoom * y];
   };
-  const k = Number(slider.value);
   pen.lineJoin = "round";
   tracks.forEach(({p}, i) => {
     for (const [from, to, strength] of [[0, p.length, 0.35], [0, k + 1, 1]]) {
@@ -56,7 +58,7 @@ function draw() {
     pen.fill();
   });
   // A length to measure by.
-  const round = 10 ** Math.floor(Math.log10(reach));
+  const round = 10 ** Math.floor(Math.log10(reach / nearer));
   pen.strokeStyle = pen.fillStyle = ink("--quiet");
   pen.lineWidth = 1.5;
   pen.beginPath();
@@ -92,6 +94,15 @@ canvas.addEventListener("pointermove", (event) => {
   height = Math.min(1.57, Math.max(-1.57, height + 0.01 * event.movementY));
   draw();
 });
+canvas.addEventListener(
+  "wheel",
+  (event) => {
+    event.preventDefault();
+    nearer = Math.min(20, Math.max(1, nearer * Math.exp(-0.002 * event.deltaY)));
+    draw();
+  },
+  {passive: false},
+);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
 new ResizeObserver(draw).observe(canvas);
 show();

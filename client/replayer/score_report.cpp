@@ -334,7 +334,8 @@ std::string ToHtml(const Report& report) {
       "paths; drag to look from elsewhere\"></canvas>\n<div class=\"at\"><label "
       "for=\"time\">Time of the expert</label><input id=\"time\" type=\"range\" min=\"0\" "
       "max=\"1\" value=\"0\"><output id=\"clock\" for=\"time\"></output></div>\n<ul id=\"now\" "
-      "class=\"now\"></ul>\n<p class=\"quiet\">Drag to look from elsewhere. The paths are "
+      "class=\"now\"></ul>\n<p class=\"quiet\">Drag to look from elsewhere, wheel to come nearer. "
+      "The paths are "
       "aligned in time: where the slider stands, each is where it is nearest to the "
       "expert's.</p>\n<h2>Over time</h2>\n" +
       ToSvg(PlotsOf(trials)) + "\n" + FiguresHtml(report);

@@ -109,6 +109,11 @@ void Session::Remove(std::int32_t leaf) {
   loop_.Remove(leaf);
 }
 
+void Session::Leave() {
+  left_ = true;
+  End("the station left");
+}
+
 void Session::MakeWhole() {
   if (whole_wanted_ && loop_.is_whole()) return;  // asked again before the loop could begin anew
   start_wear_ = StepState(tool_->model).wear;

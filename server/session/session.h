@@ -45,6 +45,9 @@ class Session {
   /// When that was last tried.
   std::int64_t tried_ns() const { return tried_ns_; }
   void End(std::string reason);
+  /// Ends it by its station's own wish.
+  void Leave();
+  bool left() const { return left_; }
   /// The next leaf that has gone from the loop's scene: scraped off by this session's tool, or
   /// taken away after another's; or the word that the loop has made it whole.
   std::optional<Removal> TakeRemoval();
@@ -86,6 +89,7 @@ class Session {
   std::string reason_;
   double start_depth_ = 0.0;
   Pose X_WG_start_;
+  bool left_ = false;
   bool start_seen_ = false;         // by the loop
   std::uint64_t former_start_ = 0;  // of the loop, before the scene was made whole
   bool whole_wanted_ = false;       // the loop has not been seen to have made it so

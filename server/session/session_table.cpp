@@ -57,7 +57,7 @@ void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now
   if (held == sessions_.end()) {
     if (!request.leave) Admit(request, now_ns);
   } else if (request.leave) {
-    if (held->second->run() == request.run) held->second->End("the station left");
+    if (held->second->run() == request.run) held->second->Leave();
   } else if (held->second->run() != request.run) {
     if (held->second->phase() == palpate_SESSION_WAITING) {
       held->second->End("the station started again");
@@ -84,6 +84,7 @@ void SessionTable::Update(std::int64_t now_ns) {
     Session& session = *it->second;
     if (session.Update(now_ns, !next || &session == next) || session.ended()) Publish(session);
     PassOnRemovals(session);
+    if (session.ended()) cut_off_[session.tool().scene] = session.left() ? "" : session.station();
     it = session.ended() ? sessions_.erase(it) : std::next(it);
   }
   for (auto it = waiting_.begin(); it != waiting_.end();) {
@@ -223,7 +224,8 @@ void SessionTable::Admit(const wire::SessionRequest& request, std::int64_t now_n
     // Who works there already would find the work undone.
     const bool alone = std::ranges::none_of(
         sessions_, [&](const auto& entry) { return entry.second->tool().scene == scene->first; });
-    if (session->tool().whole_at_start && alone && !scene->second.gone().empty()) {
+    const bool resumes = cut_off_[scene->first] == session->station();
+    if (session->tool().whole_at_start && alone && !resumes && !scene->second.gone().empty()) {
       wire::SceneWhole whole{};
       wire::FromText(scene->first, whole.scene);
       wire::FromText(session->station(), whole.by);

@@ -67,6 +67,7 @@ class SessionTable {
   std::map<std::string, std::shared_ptr<Session>> sessions_;  // by station
   std::map<std::string, Waiting> waiting_;                    // by station
   std::vector<wire::SessionState> changes_;
+  std::map<std::string, std::string> cut_off_;  // by scene: whose session did not end by its wish
   std::map<std::string, SceneChanges> scenes_;  // by name; those that declare removal
   std::vector<wire::SceneChange> scene_changes_;
   std::vector<wire::LeafTaken> leaves_taken_;

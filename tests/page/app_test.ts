@@ -114,7 +114,7 @@ const eventually = async (what: string, condition: () => Promise<boolean>): Prom
 };
 /// What is drawn, without the words above it.
 const picture = async (): Promise<string> => {
-  const style = ".stage > :not(canvas) { visibility: hidden }";
+  const style = ".picture > :not(canvas) { visibility: hidden }";
   return (await page.locator("#view").screenshot({style})).toString("base64");
 };
 /// The same, once it is drawn to its end: a busy machine shows the one before it for a while.
@@ -281,6 +281,33 @@ test("the loop's figures and who drives what are told in words", async () => {
     /late_one was refused the ball/.test(await text("#who")),
   );
   expect(await text("#who")).toMatch(/hand drives the ball of test-box/);
+});
+
+test("a student's view has force, depth, what is touched and a goal, and is a switch apart", async () => {
+  press(2);
+  page = await open({}, "?view=student&goal=Press%20gently&limit=1");
+  await eventually("two newtons", async () => (await text("#force")) === "2.00");
+  expect(await text("#goal")).toBe("Goal: Press gently, at most 1 N");
+  expect(await page.locator("#touched").innerText()).not.toBe("nothing");
+  expect(await page.locator("#readout").getAttribute("class")).toContain("over");
+  for (const hidden of ["#loop", "#arm", "#torque", "#contacts", "#goal-text"])
+    expect(await page.locator(hidden).isVisible()).toBe(false);
+  expect(await page.locator(".plot").count()).toBe(2);
+  const readout = (await page.locator("#readout").boundingBox())!;
+  const canvas = (await page.locator("#view").boundingBox())!;
+  expect(readout.y + readout.height).toBeLessThanOrEqual(canvas.y);
+  await page.locator("#audience").click();
+  for (const shown of ["#torque", "#contacts", "#goal-text"])
+    expect(await page.locator(shown).isVisible()).toBe(true);
+  expect(await page.locator("#goal").isVisible()).toBe(false);
+  expect(await page.locator(".plot").count()).toBe(4);
+  await page.locator("#goal-limit").fill("3");
+  await eventually("not over it any more", async () => {
+    const classes = await page.locator("#readout").getAttribute("class");
+    return !/\bover\b/.test(classes ?? "");
+  });
+  expect(page.url()).toContain("limit=3");
+  expect(page.url()).not.toContain("view=");
 });
 
 test("spheres come on demand, level by level", async () => {

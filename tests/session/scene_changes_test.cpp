@@ -321,13 +321,19 @@ TEST(SceneChanges, BeginAnewWithASessionWhereTheSceneSaysSo) {
   EXPECT_THAT(table.TakeWholes(), IsEmpty());
   table.Request(RequestOf("b", "right"), kMs);
   EXPECT_THAT(table.TakeWholes(), IsEmpty()) << "a works there";
-  wire::SessionRequest leave = RequestOf("a", "left");
-  leave.leave = true;
-  table.Request(leave, kMs);
-  leave = RequestOf("b", "right");
+  wire::SessionRequest leave = RequestOf("b", "right");
   leave.leave = true;
   table.Request(leave, kMs);
   table.Update(kMs);
+  // `a` falls silent, and goes on where it was.
+  table.Update(1000 * kMs);
+  ASSERT_THAT(table.sessions(), IsEmpty());
+  table.Request(RequestOf("a", "left"), 1000 * kMs);
+  EXPECT_THAT(table.TakeWholes(), IsEmpty()) << "a resumes its session";
+  leave = RequestOf("a", "left");
+  leave.leave = true;
+  table.Request(leave, 1000 * kMs);
+  table.Update(1000 * kMs);
   EXPECT_GT(scrape(), 5u);
   const auto wholes = table.TakeWholes();
   ASSERT_EQ(wholes.size(), 1u);

@@ -3,7 +3,8 @@ import type {Pose, Vec3} from "./model/pose";
 import type {SceneModel} from "./model/bundle";
 import {type LinkFacts, type LinkReport, linkReport} from "./model/link_report";
 import {looksTheSame} from "./model/pose_track";
-import {depthM, figure, statusSentence} from "./model/words";
+import {touchedObjects} from "./model/touched";
+import {depthM, figure, statusSentence, touchedWords} from "./model/words";
 import {type Change, kTopics, Station, World} from "./model/world";
 import {MouseDevice} from "./mouse/mouse_device";
 import {Connection, type LinkState} from "./protocol/connection";
@@ -12,6 +13,7 @@ import {type FetchedScene, fetchHealth, fetchScene} from "./protocol/scene_fetch
 import {Announcer} from "./ui/announcer";
 import {element, setOptions, setText} from "./ui/elements";
 import {listenForKeys} from "./ui/keys";
+import {Lesson} from "./ui/lesson";
 import {Plots} from "./ui/plots";
 import {Tables} from "./ui/tables";
 import {ThemeSwitch} from "./ui/theme";
@@ -62,6 +64,7 @@ export class App {
   private readonly contactsText = element("contacts", HTMLOutputElement);
   private readonly sentence = element("sentence", HTMLParagraphElement);
   private readonly readout = element("readout", HTMLDivElement);
+  private readonly touchedText = element("touched", HTMLOutputElement);
   private readonly level = element("level", HTMLInputElement);
   private readonly numbers = element("numbers", HTMLButtonElement);
   private readonly wholeButton = element("whole", HTMLButtonElement);
@@ -72,6 +75,7 @@ export class App {
   private readonly mouse: MouseDevice;
   private readonly plots: Plots;
   private readonly tables = new Tables();
+  private readonly lesson: Lesson;
   private readonly announcer: Announcer;
 
   private link: LinkState = "connecting";
@@ -107,13 +111,15 @@ export class App {
     this.view = new SceneView(
       this.canvas,
       element("labels", HTMLDivElement),
-      this.readout,
       element("buttons", HTMLDivElement),
       readPalette(),
       calm,
       () => this.askFrame(),
     );
     this.plots = new Plots(element("plots", HTMLDivElement));
+    this.lesson = new Lesson(this.readout, rememberInAddress, (student) =>
+      this.plots.showFor(student),
+    );
     const spoken = element("spoken", HTMLParagraphElement);
     this.announcer = new Announcer((sentence) => setText(spoken, sentence));
 
@@ -405,6 +411,10 @@ export class App {
     setText(this.torqueText, state ? figure(1000 * norm(state.torqueNm), 1) : "–");
     setText(this.depthText, state ? figure(1000 * depthM(state)) : "–");
     setText(this.contactsText, state ? String(state.contacts) : "–");
+    const model = this.fetched.get(this.scene)?.model;
+    const touched = state && model ? touchedObjects(model, state.points) : [];
+    setText(this.touchedText, state ? touchedWords(touched) : "–");
+    this.lesson.show(state ? norm(state.forceN) : 0);
     const sentence = statusSentence(state);
     setText(this.sentence, sentence);
     const report = this.showLink();
@@ -653,6 +663,7 @@ export class App {
       s: actions.spheres,
       n: actions.numbers,
       w: () => this.makeWhole(),
+      v: () => this.lesson.switchAudience(),
       "[": () => actions.level(-1),
       "]": () => actions.level(1),
       p: actions.panel,
@@ -722,7 +733,8 @@ type ToolNow = (
 /// So that a teacher can hand on a link to what is seen.
 function rememberInAddress(name: string, value: string): void {
   const url = new URL(location.href);
-  url.searchParams.set(name, value);
+  if (value === "") url.searchParams.delete(name);
+  else url.searchParams.set(name, value);
   history.replaceState(null, "", url);
 }
 

@@ -110,7 +110,14 @@ const atRest = (state: ToolState): ToolState => ({
 });
 
 /// What changed, so that only that is drawn anew.
-export type Change = "tool" | "sessions" | "statistics" | "scenes" | "remains" | "whole" | "serverRun";
+export type Change =
+  | "tool"
+  | "sessions"
+  | "statistics"
+  | "scenes"
+  | "remains"
+  | "whole"
+  | "serverRun";
 
 /// Everything that the gateway has told.  Knows no socket and no screen.
 export class World {
