@@ -244,6 +244,37 @@ test("what is scraped off vanishes, and a server's new run makes it whole", asyn
   expect((await until(page, "a picture", () => true)).triangles).toBe(whole);
 });
 
+test("a worn scene is made whole by a button, which is of no use before it is worn", async () => {
+  gateway.retain("/palpate/session_state", sessionState("hand", "active", "wearing", "ball"));
+  page = await open({}, "?scene=wearing");
+  const button = page.locator("#whole");
+  await eventually("the button", () => button.isVisible());
+  expect(await button.isDisabled()).toBe(true);
+  const before = await stillPicture();
+  [2, 3, 6, 7].forEach((triangle, i) => {
+    gateway.send("/palpate/scene_change", sceneChange("wearing", i + 1, 0, triangle, [triangle]));
+  });
+  await eventually("a hole", async () => (await picture()) !== before);
+  gateway.onPublish = ({op, scene}) => {
+    if (op !== "whole" || scene !== "wearing") return;
+    gateway.send("/palpate/scene_whole", {
+      scene,
+      server_run: 1n,
+      last_change: 4n,
+      request: 9n,
+      by: "the page here",
+      refusal: "",
+    });
+  };
+  await button.click();
+  await eventually(
+    "the news",
+    async () => (await text("#hint")) === "The wearing is whole again (the page here).",
+  );
+  await eventually("the whole box", async () => (await picture()) === before);
+  expect(await button.isDisabled()).toBe(true);
+});
+
 test("scenes are chosen, and remembered in the address", async () => {
   press(1);
   page = await open();
