@@ -66,4 +66,15 @@ ServerLock::~ServerLock() {
   close(file_);
 }
 
+std::vector<std::pair<int, std::string>> ServersOnThisHost(int most) {
+  std::vector<std::pair<int, std::string>> servers;
+  for (int domain = 0; domain <= most; ++domain) {
+    const int file = open(ServerLockFile(domain).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (file < 0) continue;
+    if (flock(file, LOCK_SH | LOCK_NB) != 0) servers.emplace_back(domain, HolderOf(file));
+    close(file);
+  }
+  return servers;
+}
+
 }  // namespace palpate

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace palpate {
 
 /// One server per `--domain` and host: a file in /tmp, locked while this object lives.  The lock
@@ -16,5 +20,9 @@ class ServerLock {
  private:
   int file_ = -1;
 };
+
+/// The servers of this host, for who looks in the wrong domain: domains from 0 to `most`, each with
+/// who holds it ("palpate-server (pid 7)").
+std::vector<std::pair<int, std::string>> ServersOnThisHost(int most);
 
 }  // namespace palpate

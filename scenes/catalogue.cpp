@@ -290,6 +290,13 @@ std::string ScriptFileBeside(const std::string& name_or_path) {
   return fs::path(FindSceneFile(name_or_path)).replace_extension(".path.json").string();
 }
 
+bool IsWholeAtStart(const std::string& name_or_path) {
+  const std::string file = FindSceneFile(name_or_path);
+  if (IsMeshFile(file)) return false;
+  const std::string text = ReadWholeFile(file);
+  return !LooksLikeBundle(text) && ParseScene(text, file).whole_at_start;
+}
+
 Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   const std::string file = FindSceneFile(name_or_path);
   const std::string text = IsMeshFile(file) ? SceneTextOfMesh(file, options) : ReadWholeFile(file);

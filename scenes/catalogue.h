@@ -31,6 +31,10 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options = {}
 /// ../share/palpate/catalogue from the program, else in the source folder.
 std::string FindSceneFile(const std::string& name_or_path);
 
+/// The scene file says that a session begins with the scene whole (SceneDescription).  False for
+/// what is no scene file: a mesh, a bundle.  Throws Error.
+bool IsWholeAtStart(const std::string& name_or_path);
+
 /// The hand's script that stands, or would stand, beside that file: NAME.path.json.
 std::string ScriptFileBeside(const std::string& name_or_path);
 

@@ -299,6 +299,10 @@ std::int64_t JsonNode::Integer(std::int64_t min, std::int64_t max) const {
   return static_cast<std::int64_t>(number);
 }
 
+bool JsonNode::Boolean() const {
+  return Expect(Value::kBool, "true or false").number != 0.0;
+}
+
 bool JsonNode::IsFalse() const {
   return value_->kind == Value::kBool && value_->number == 0.0;
 }

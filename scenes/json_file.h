@@ -35,6 +35,7 @@ class JsonNode {
   double Number(double min = -std::numeric_limits<double>::infinity(),
                 double max = std::numeric_limits<double>::infinity()) const;
   double PositiveNumber() const;
+  bool Boolean() const;
   bool IsFalse() const;  ///< the word false, not 0
   std::int64_t Integer(std::int64_t min, std::int64_t max) const;
   /// @param most  size of an entry.

@@ -349,7 +349,7 @@ double MetresPerUnit(std::string_view unit) {
 SceneDescription ParseScene(std::string_view text, const std::string& file) {
   const JsonNode root = JsonNode::Parse(text, file);
   root.AllowOnly({"name", "description", "tools", "objects", "coupling", "contact", "friction",
-                  "first_sight"});
+                  "first_sight", "whole_at_start"});
   SceneDescription scene;
   const fs::path path(file);
   scene.name = path.stem().string();
@@ -370,6 +370,12 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
   if (auto sight = root.Find("first_sight")) scene.first_sight = ReadFirstSight(*sight);
   scene.features = ReadFeatures(root, scene);
   CheckCurved(root, scene);
+  if (auto whole = root.Find("whole_at_start")) {
+    scene.whole_at_start = whole->Boolean();
+    if (scene.whole_at_start && !scene.features.removal) {
+      whole->Fail("has no effect where nothing wears: no material has \"hardness_J\"; drop it");
+    }
+  }
   return scene;
 }
 

@@ -80,6 +80,7 @@ struct SceneDescription {
   Coupling coupling;
   Features features;  ///< compliance and removal follow from the materials
   std::optional<FirstSight> first_sight;
+  bool whole_at_start = false;  ///< a session begins with what former ones have scraped off
 };
 
 inline constexpr std::size_t kMaxLeaves = 1u << 20;

@@ -12,7 +12,9 @@
 
 #include "client/recorder/sample_queue.h"
 #include "client/recorder/taps.h"
+#include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/server_lock.h"
 #include "common/time/steady_clock.h"
 
 namespace palpate {
@@ -125,6 +127,24 @@ class ProgressLine {
   double shown_s_ = 0.0;
 };
 
+/// What to say where no server is heard, and where there would be one.
+std::string Silence(const RecorderOptions& options, double seconds) {
+  const bool here = options.network.this_host();
+  std::string text =
+      fmt::format("nothing heard of a server in domain {} of {} for {:.0f} s", options.domain,
+                  here ? "this host" : options.network.interface, seconds);
+  if (!here) return text;
+  std::string others;
+  for (const auto& [domain, holder] : ServersOnThisHost(dds::kMaxDomain)) {
+    if (domain == options.domain) {
+      text += fmt::format("; {} has it: was one of them given --network?", holder);
+    } else {
+      others += fmt::format("{}--domain {} is {}'s", others.empty() ? "; " : ", ", domain, holder);
+    }
+  }
+  return text + others;
+}
+
 }  // namespace
 
 void Record(const RecorderOptions& options, StopSignal& stop) {
@@ -154,9 +174,7 @@ void Record(const RecorderOptions& options, StopSignal& stop) {
     if (!silence_said && !taps.heard() && seconds() > 5.0) {
       silence_said = true;
       progress.End();
-      spdlog::warn("nothing heard of a server in domain {} of {} for 5 s: recording what comes",
-                   options.domain,
-                   options.network.this_host() ? "this host" : options.network.interface);
+      spdlog::warn("{}: recording what comes", Silence(options, 5.0));
     }
     if (options.seconds && seconds() >= *options.seconds) {
       reason = "its time was over";
@@ -182,6 +200,7 @@ void Record(const RecorderOptions& options, StopSignal& stop) {
     throw Error(what);
   }
   recording.Close(reason);
+  if (!taps.heard() && !silence_said) spdlog::warn("{}", Silence(options, seconds()));
   const auto& totals = writer.totals();
   std::printf("%s%s: %.1f s, %llu messages, %.1f MB, missing %llu, dropped %llu\n",
               recording.files().front().c_str(), recording.files().size() > 1 ? " and on" : "",

@@ -39,7 +39,9 @@ Taps::Taps(int domain, const dds::Network& network, const dds::TransportChoice& 
       statistics_(service_, dds::kLoopStatisticsTopic, dds::Qos::kRecord),
       guides_(service_, dds::kGuideTopic, dds::Qos::kRecord),
       stations_(service_, dds::kStationStatisticsTopic, dds::Qos::kRecord),
-      offers_(service_, dds::kSceneOfferTopic, dds::Qos::kRecordSession) {
+      offers_(service_, dds::kSceneOfferTopic, dds::Qos::kRecordSession),
+      wishes_(service_, dds::kWholeRequestTopic, dds::Qos::kRecordSession),
+      wholes_(service_, dds::kSceneWholeTopic, dds::Qos::kRecordSession) {
   RecordingTime_ns();
   service_channel_[0] = Channel(dds::kSessionRequestTopic, RecordedType::kSessionRequest);
   service_channel_[1] = Channel(dds::kSessionStateTopic, RecordedType::kSessionState);
@@ -51,6 +53,8 @@ Taps::Taps(int domain, const dds::Network& network, const dds::TransportChoice& 
   service_channel_[7] = Channel(dds::kGuideTopic, RecordedType::kGuideTarget);
   service_channel_[8] = Channel(dds::kStationStatisticsTopic, RecordedType::kStationStatistics);
   service_channel_[9] = Channel(dds::kSceneOfferTopic, RecordedType::kSceneOffer);
+  service_channel_[10] = Channel(dds::kWholeRequestTopic, RecordedType::kWholeRequest);
+  service_channel_[11] = Channel(dds::kSceneWholeTopic, RecordedType::kSceneWhole);
 }
 
 // Readers first: their callbacks use what stands before them.
@@ -93,9 +97,9 @@ void Taps::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, T& sample) {
       topic(channel).dropped.fetch_add(1, std::memory_order_relaxed);
     }
     if constexpr (std::is_same_v<T, wire::SessionState>) OnState(sample, now_ns_);
-    constexpr bool kFromServer = !std::is_same_v<T, wire::SessionRequest> &&
-                                 !std::is_same_v<T, wire::GuideTarget> &&
-                                 !std::is_same_v<T, wire::StationStatistics>;
+    constexpr bool kFromServer =
+        !std::is_same_v<T, wire::SessionRequest> && !std::is_same_v<T, wire::WholeRequest> &&
+        !std::is_same_v<T, wire::GuideTarget> && !std::is_same_v<T, wire::StationStatistics>;
     heard_ = heard_ || kFromServer;
   }
   dds::FreeContents(sample);
@@ -142,12 +146,16 @@ void Taps::Poll(std::int64_t now_ns) {
   wire::GuideTarget guide{};
   wire::StationStatistics station{};
   wire::SceneOffer offer{};
+  wire::WholeRequest wish{};
+  wire::SceneWhole whole{};
   Drain(bundles_, service_channel_[4], bundle);
   Drain(offers_, service_channel_[9], offer);
   Drain(requests_, service_channel_[0], request);
   Drain(states_, service_channel_[1], state);
   Drain(changes_, service_channel_[2], change);
   Drain(leaves_, service_channel_[3], leaf);
+  Drain(wishes_, service_channel_[10], wish);
+  Drain(wholes_, service_channel_[11], whole);
   Drain(tools_, service_channel_[5], tool);
   Drain(statistics_, service_channel_[6], statistics);
   Drain(guides_, service_channel_[7], guide);

@@ -79,7 +79,9 @@ class Taps {
   dds::CdrReader<wire::GuideTarget> guides_;
   dds::CdrReader<wire::StationStatistics> stations_;
   dds::CdrReader<wire::SceneOffer> offers_;
-  std::uint32_t service_channel_[10];
+  dds::CdrReader<wire::WholeRequest> wishes_;
+  dds::CdrReader<wire::SceneWhole> wholes_;
+  std::uint32_t service_channel_[12];
   std::int64_t now_ns_ = 0;
   bool heard_ = false;
   std::map<std::string, Session> sessions_;  // by station

@@ -19,7 +19,13 @@ struct HandSample {
   std::uint64_t sequence;
   std::int64_t time_ns;
   Pose X_WH;
+  Pose X_WG;
   Wrench wrench{};
+
+  void Answer(const wire::Wrench& answer) {
+    wrench = wire::ToWrench(answer);
+    X_WG = wire::ToPose(answer.graphic_position_m, answer.graphic_orientation_wxyz);
+  }
 };
 
 /// A topic of poses or wrenches without its last part: the same for both of a session.
@@ -60,7 +66,7 @@ HandPath ReadHandPath(const std::vector<std::string>& files) {
   const auto find = [&](std::uint64_t sequence) {
     return std::ranges::lower_bound(hand, sequence, {}, &HandSample::sequence);
   };
-  std::vector<std::pair<std::uint64_t, Wrench>> early;  // wrenches that overtook their poses
+  std::vector<wire::Wrench> early;  // wrenches that overtook their poses
   reader.Restart();
   while (longest != sessions.end() && reader.Next(sample)) {
     wire::HapticPose pose;
@@ -70,20 +76,20 @@ HandPath ReadHandPath(const std::vector<std::string>& files) {
       const auto X_WH = UsablePose(pose);
       // In their order, each once.
       if (X_WH && (hand.empty() || pose.pose_sequence > hand.back().sequence)) {
-        hand.push_back({pose.pose_sequence, pose.sample_time_ns, *X_WH});
+        hand.push_back({pose.pose_sequence, pose.sample_time_ns, *X_WH, *X_WH});
       }
     } else if (sample.To(wrench)) {
       const auto at = find(wrench.pose_sequence);
       if (at != hand.end() && at->sequence == wrench.pose_sequence) {
-        at->wrench = wire::ToWrench(wrench);
+        at->Answer(wrench);
       } else {
-        early.emplace_back(wrench.pose_sequence, wire::ToWrench(wrench));
+        early.push_back(wrench);
       }
     }
   }
-  for (const auto& [sequence, wrench] : early) {
-    const auto at = find(sequence);
-    if (at != hand.end() && at->sequence == sequence) at->wrench = wrench;
+  for (const wire::Wrench& wrench : early) {
+    const auto at = find(wrench.pose_sequence);
+    if (at != hand.end() && at->sequence == wrench.pose_sequence) at->Answer(wrench);
   }
   if (hand.size() < 2) {
     throw Error(files.front() + ": holds no hand's path; record it without --no-loop");
@@ -94,6 +100,7 @@ HandPath ReadHandPath(const std::vector<std::string>& files) {
   for (const HandSample& at : hand) {
     path.time_s.push_back(1e-9 * static_cast<double>(at.time_ns - hand.front().time_ns));
     path.X_WH.push_back(at.X_WH);
+    path.X_WG.push_back(at.X_WG);
     path.force_N.push_back(at.wrench.force);
     path.torque_Nm.push_back(at.wrench.torque);
   }

@@ -4,7 +4,7 @@
 #include "client/replayer/hand_path.h"
 #include "client/replayer/options.h"
 #include "client/replayer/player.h"
-#include "client/replayer/score.h"
+#include "client/replayer/score_report.h"
 #include "client/replayer/verify.h"
 #include "common/command_line.h"
 #include "common/log.h"
@@ -32,13 +32,22 @@ int Run(const ReplayOptions& options) {
       return 0;
     }
     case ReplayOptions::What::kScore: {
-      const Score score =
-          ScorePath(ReadHandPath({options.expert}), ReadHandPath({options.trainee}));
-      if (options.json != "-") std::fputs(ToText(score).c_str(), stdout);
-      if (!options.json.empty()) WriteJson(score, options.json);
-      if (!options.out.empty()) WriteReport(score, options.out);
+      const Report report = MakeReport(options.expert, options.trials, options.criteria);
+      if (options.json != "-") std::fputs(ToText(report).c_str(), stdout);
+      if (!options.json.empty()) WriteJson(report, options.json);
+      if (!options.out.empty()) {
+        WriteReport(report, options.out);
+        std::fprintf(stderr, "open %s/score.html\n", options.out.c_str());
+      }
       return 0;
     }
+    case ReplayOptions::What::kCriteria:
+      WriteNewCriteria(options.new_criteria);
+      std::printf(
+          "%s: change what you like, and grade by it with 'palpate-replay score "
+          "--criteria %s'\n",
+          options.new_criteria.c_str(), options.new_criteria.c_str());
+      return 0;
   }
   return 1;
 }

@@ -26,8 +26,10 @@ constexpr const char* kExamples =
       computes every wrench again and compares all bits
   palpate-replay expert.mcap --guide trainee
       leads the hand at station 'trainee', which accepts it with --accept-guide
-  palpate-replay score expert.mcap trainee.mcap --out report
-      distance of the paths, forces, time, with plots
+  palpate-replay criteria mine.json
+      writes what to grade by, for you to edit: 25 g for periodontal probing, depths of sites
+  palpate-replay score expert.mcap try1.mcap try2.mcap try3.mcap --criteria mine.json --out report
+      report/score.html: paths in space, distance, forces, marks and their average
 
 Exit status: 0 done, 1 failed or not verified, 2 wrong usage.)";
 
@@ -75,19 +77,28 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
   AddNetworkOptions(app, "a viewer or the guided station", options.network);
   AddCommonOptions(app, "which viewers and stations: the same number as there", options.domain,
                    options.log_level);
-  CLI::App* score = app.add_subcommand("score", "how near a trainee came to an expert");
+  CLI::App* score = app.add_subcommand(
+      "score", "how near a trainee came to an expert, trial by trial and on average");
   score->add_option("expert", options.expert, "recording of the expert")->required();
-  score->add_option("trainee", options.trainee, "recording of the trainee")->required();
-  score->add_option("--out", options.out, "folder for the report and its plots (SVG)");
+  score
+      ->add_option("trials", options.trials,
+                   "recordings of the trainee; several, because one predicts nothing")
+      ->required();
+  score->add_option("--criteria", options.criteria,
+                    "file to grade by; 'palpate-replay criteria FILE' writes one to begin with");
+  score->add_option("--out", options.out, "folder for the report: score.html, and its figures");
   score->add_option("--json", options.json, "write the score as JSON to this file; - is stdout");
+
+  CLI::App* criteria = app.add_subcommand("criteria", "write a file to grade by, for you to edit");
+  criteria->add_option("file", options.new_criteria, "file to write, FILE.json")->required();
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
 
-  if (*score) {
+  if (*score || *criteria) {
     if (!options.files.empty() || verify || *guide) {
-      throw UsageError("score takes its two recordings alone: 'palpate-replay score --help'");
+      throw UsageError("score takes its recordings alone: 'palpate-replay score --help'");
     }
-    options.what = ReplayOptions::What::kScore;
+    options.what = *score ? ReplayOptions::What::kScore : ReplayOptions::What::kCriteria;
     return options;
   }
   if (options.files.empty()) {

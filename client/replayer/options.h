@@ -11,7 +11,7 @@
 namespace palpate {
 
 struct ReplayOptions {
-  enum class What { kPlay, kVerify, kGuide, kScore };
+  enum class What { kPlay, kVerify, kGuide, kScore, kCriteria };
   What what = What::kPlay;
   std::vector<std::string> files;
   VerifyOptions verify;
@@ -29,8 +29,13 @@ struct ReplayOptions {
   bool waits = true;  ///< the guide, for a hand that stays behind
 
   // kScore
-  std::string expert, trainee;
-  std::string out;  ///< folder for plots and report; empty: none
+  std::string expert;
+  std::vector<std::string> trials;  ///< recordings of the trainee
+  std::string criteria;             ///< file to grade by; empty: no grade
+  std::string out;                  ///< folder for the report; empty: none
+
+  // kCriteria
+  std::string new_criteria;  ///< file to write
 
   std::string log_level = "info";
 };

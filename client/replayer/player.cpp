@@ -28,8 +28,9 @@ constexpr std::chrono::milliseconds kPoll{2};
 
 bool IsForViewers(RecordedType type) {
   return type == RecordedType::kSessionState || type == RecordedType::kSceneChange ||
-         type == RecordedType::kSceneBundle || type == RecordedType::kToolState ||
-         type == RecordedType::kLoopStatistics || type == RecordedType::kStationStatistics;
+         type == RecordedType::kSceneWhole || type == RecordedType::kSceneBundle ||
+         type == RecordedType::kToolState || type == RecordedType::kLoopStatistics ||
+         type == RecordedType::kStationStatistics;
 }
 
 /// What holds on once it is said, and is said even of the time before the replay begins.
@@ -63,6 +64,7 @@ class Voice {
       : service_(dds::Participant::Service(domain, network)),
         states_(service_, dds::kSessionStateTopic, dds::Qos::kSession),
         changes_(service_, dds::kSceneChangeTopic, dds::Qos::kSession),
+        wholes_(service_, dds::kSceneWholeTopic, dds::Qos::kSession),
         bundles_(service_, dds::kSceneBundleTopic, dds::Qos::kSession),
         tools_(service_, dds::kToolStateTopic, dds::Qos::kStream),
         statistics_(service_, dds::kLoopStatisticsTopic, dds::Qos::kStream),
@@ -74,6 +76,8 @@ class Voice {
         return Say(sample, states_);
       case RecordedType::kSceneChange:
         return Say(sample, changes_);
+      case RecordedType::kSceneWhole:
+        return Say(sample, wholes_);
       case RecordedType::kSceneBundle:
         return Say(sample, bundles_);
       case RecordedType::kToolState:
@@ -126,6 +130,7 @@ class Voice {
   dds::Participant service_;
   dds::Writer<wire::SessionState> states_;
   dds::Writer<wire::SceneChange> changes_;
+  dds::Writer<wire::SceneWhole> wholes_;
   dds::Writer<wire::SceneBundle> bundles_;
   dds::Writer<wire::ToolState> tools_;
   dds::Writer<wire::LoopStatistics> statistics_;

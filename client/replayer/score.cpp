@@ -2,17 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <numbers>
 
-#include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
 #include "common/math/rotation.h"
-#include "common/output.h"
-#include "common/plot/svg_plot.h"
 
 namespace palpate {
 namespace {
@@ -120,20 +116,6 @@ double Frechet(const Track& a, const Track& b) {
   return before[m - 1];
 }
 
-nlohmann::ordered_json JsonOf(const Score& s) {
-  return {{"expert_s", s.expert_s},
-          {"trainee_s", s.trainee_s},
-          {"path_mean_mm", s.path_mean_mm},
-          {"path_max_mm", s.path_max_mm},
-          {"frechet_mm", s.frechet_mm},
-          {"turn_mean_deg", s.turn_mean_deg},
-          {"force_rms_N", s.force_rms_N},
-          {"expert_peak_N", s.expert_peak_N},
-          {"trainee_peak_N", s.trainee_peak_N},
-          {"expert_contact_s", s.expert_contact_s},
-          {"trainee_contact_s", s.trainee_contact_s}};
-}
-
 }  // namespace
 
 Score ScorePath(const HandPath& expert, const HandPath& trainee) {
@@ -161,6 +143,8 @@ Score ScorePath(const HandPath& expert, const HandPath& trainee) {
     score.distance_mm.push_back(distance);
     score.expert_force_N.push_back(a.force_N[i]);
     score.trainee_force_N.push_back(b.force_N[j]);
+    score.expert_m.push_back(a.p[i]);
+    score.trainee_m.push_back(b.p[j]);
   }
   const auto count = static_cast<double>(pairs.size());
   score.path_mean_mm /= count;
@@ -183,32 +167,44 @@ std::string ToText(const Score& s) {
       s.force_rms_N);
 }
 
-void WriteJson(const Score& score, const std::string& file) {
-  WriteOutput("--json", file, JsonOf(score).dump(2) + "\n");
+std::vector<std::pair<const char*, double>> NumbersOf(const Score& s) {
+  return {{"expert_s", s.expert_s},
+          {"trainee_s", s.trainee_s},
+          {"path_mean_mm", s.path_mean_mm},
+          {"path_max_mm", s.path_max_mm},
+          {"frechet_mm", s.frechet_mm},
+          {"turn_mean_deg", s.turn_mean_deg},
+          {"force_rms_N", s.force_rms_N},
+          {"expert_peak_N", s.expert_peak_N},
+          {"trainee_peak_N", s.trainee_peak_N},
+          {"expert_contact_s", s.expert_contact_s},
+          {"trainee_contact_s", s.trainee_contact_s}};
 }
 
-void WriteReport(const Score& score, const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw Error(folder + ": " + error.message() + "; give --out another place");
+std::vector<Plot> PlotsOf(const std::vector<Trial>& trials) {
+  const Score& first = trials.front().score;
   Plot path;
-  path.title = "Distance between the paths";
+  path.title = "Distance from the expert's path";
   path.subtitle = "after alignment in time";
   path.x.title = "Time of the expert [s]";
+  path.x.min = 0.0;
+  path.x.max = first.time_s.back();
   path.y.title = "Distance [mm]";
   path.y.min = 0.0;
-  path.series = {{.name = "trainee from expert", .x = score.time_s, .y = score.distance_mm}};
-  path.references = {{.value = score.path_mean_mm, .text = "mean"}};
   Plot force;
   force.title = "Force on the hand";
   force.subtitle = "after the same alignment";
   force.x = path.x;
   force.y.title = "Force [N]";
   force.y.min = 0.0;
-  force.series = {{.name = "expert", .x = score.time_s, .y = score.expert_force_N},
-                  {.name = "trainee", .x = score.time_s, .y = score.trainee_force_N}};
-  WriteSvg(folder + "/score.svg", {path, force});
-  WriteOutput("--out", folder + "/score.json", JsonOf(score).dump(2) + "\n");
+  force.series.push_back({.name = "expert", .x = first.time_s, .y = first.expert_force_N});
+  // So that each has the same colour in both.
+  path.series.push_back({.name = "expert", .x = {0.0, first.time_s.back()}, .y = {0.0, 0.0}});
+  for (const auto& [name, score] : trials) {
+    path.series.push_back({.name = name, .x = score.time_s, .y = score.distance_mm});
+    force.series.push_back({.name = name, .x = score.time_s, .y = score.trainee_force_N});
+  }
+  return {path, force};
 }
 
 }  // namespace palpate

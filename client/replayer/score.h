@@ -1,9 +1,11 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "client/replayer/hand_path.h"
+#include "common/plot/svg_plot.h"
 
 namespace palpate {
 
@@ -20,6 +22,7 @@ struct Score {
 
   // Along the expert's time: for plots.
   std::vector<double> time_s, distance_mm, expert_force_N, trainee_force_N;
+  std::vector<Vec3> expert_m, trainee_m;  ///< where the hands were, in W
 };
 
 /// Both paths are thinned to at most 3000 points, evenly in time.  Throws Error where a hand never
@@ -27,9 +30,15 @@ struct Score {
 Score ScorePath(const HandPath& expert, const HandPath& trainee);
 
 std::string ToText(const Score& score);
-/// @param file  "-" is stdout.  Throws Error.
-void WriteJson(const Score& score, const std::string& file);
-/// score.svg and score.json into a folder, which is made.  Throws Error.
-void WriteReport(const Score& score, const std::string& folder);
+
+/// A trainee's trial beside the expert.
+struct Trial {
+  std::string name;
+  Score score;
+};
+/// Its numbers, each by the name that it has here.
+std::vector<std::pair<const char*, double>> NumbersOf(const Score& score);
+/// Distance and forces of all trials over the expert's time, which their plots have in common.
+std::vector<Plot> PlotsOf(const std::vector<Trial>& trials);
 
 }  // namespace palpate

@@ -158,8 +158,7 @@ class Scenes {
 struct SessionFacts {
   std::string station, scene, tool;
   std::uint64_t run = 0;
-  std::uint64_t start_sequence = 0;
-  Pose X_WG_start;
+  std::map<std::uint64_t, Pose> starts;             ///< X_WG by the pose that it begins with
   std::map<std::uint64_t, wire::LeafTaken> leaves;  ///< by number
 };
 
@@ -174,6 +173,7 @@ class SessionReplay {
     verdict_.tool = facts.tool;
     verdict_.run = facts.run;
     next_leaf_ = facts_.leaves.begin();
+    next_start_ = facts_.starts.begin();
   }
 
   void Add(const wire::HapticPose& pose) {
@@ -273,20 +273,24 @@ class SessionReplay {
   }
 
   bool Feed(const wire::HapticPose& pose, wire::Wrench& answer) {
-    if (facts_.start_sequence != 0 && !started_ && pose.pose_sequence >= facts_.start_sequence) {
-      if (pose.pose_sequence != facts_.start_sequence) {
+    if (next_start_ != facts_.starts.end() && pose.pose_sequence >= next_start_->first) {
+      if (pose.pose_sequence != next_start_->first) {
         Stop(fmt::format("pose {}, with which forces began, is not in the recording",
-                         facts_.start_sequence));
+                         next_start_->first));
         return false;
       }
-      loop_.Start(facts_.X_WG_start);
-      started_ = true;
+      loop_.Start(next_start_->second);
+      ++next_start_;
     }
     for (; next_leaf_ != facts_.leaves.end() &&
            next_leaf_->second.pose_sequence <= pose.pose_sequence;
          ++next_leaf_) {
       const ObjectForest& forest = model_.objects();
       const wire::LeafTaken& taken = next_leaf_->second;
+      if (taken.leaf == wire::kNoLeaf) {
+        loop_.MakeWhole();
+        continue;
+      }
       const auto first_of = [&](std::size_t object) {
         return object < objects_ ? std::int64_t{forest.FirstLeafOf(static_cast<int>(object))}
                                  : std::int64_t{forest.leaf_count()};
@@ -316,9 +320,9 @@ class SessionReplay {
   std::map<std::uint64_t, wire::HapticPose> poses_;  // not yet used
   std::deque<std::pair<wire::Wrench, std::int64_t>> waiting_;
   std::map<std::uint64_t, wire::LeafTaken>::const_iterator next_leaf_;
+  std::map<std::uint64_t, Pose>::const_iterator next_start_;
   std::uint64_t newest_pose_ = 0;
   std::uint32_t taken_ = 0;
-  bool started_ = false;
   std::int64_t began_ns_, first_ns_ = 0, last_ns_ = 0, computed_ns_ = 0;
 };
 
@@ -348,8 +352,8 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(RecordingReader& reader, Scene
       facts.scene = state.scene;
       facts.tool = state.tool;
       if (state.start_sequence != 0) {
-        facts.start_sequence = state.start_sequence;
-        facts.X_WG_start = wire::ToPose(state.start_position_m, state.start_orientation_wxyz);
+        facts.starts[state.start_sequence] =
+            wire::ToPose(state.start_position_m, state.start_orientation_wxyz);
       }
     } else if (sample.To(taken)) {
       facts_of(taken.station, taken.run).leaves[taken.number] = taken;

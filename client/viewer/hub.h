@@ -35,6 +35,10 @@ class Hub {
   const ViewerOptions& options() const { return options_; }
   const PageFiles& page() const { return page_; }
   const TopicFeed& feed() const { return feed_; }
+  /// Asks the server to make a scene whole again; false where there is no such scene.
+  bool AskForWhole(const std::string& scene, const std::string& by) {
+    return feed_.scenes().contains(scene) && feed_.AskForWhole(scene, by);
+  }
   MouseRoom& mice() { return mice_; }
   const std::string& session_id() const { return session_id_; }
 

@@ -43,11 +43,11 @@ std::optional<MouseCommand> ParseMouseCommand(std::string_view text, std::string
   const std::string op = Text(json, "op");
   MouseCommand command;
   if (op == "release") return command;
-  if (op == "take") {
-    command.op = MouseCommand::Op::kTake;
+  if (op == "take" || op == "whole") {
+    command.op = op == "take" ? MouseCommand::Op::kTake : MouseCommand::Op::kWhole;
     command.scene = Text(json, "scene");
     command.tool = Text(json, "tool");
-    if (command.scene.empty()) return refuse("'take' needs the name of a scene");
+    if (command.scene.empty()) return refuse("'take' and 'whole' need the name of a scene");
     if (std::max(command.scene.size(), command.tool.size()) > kLongestName) {
       return refuse("the name of a scene or a tool has 64 bytes at most");
     }
@@ -63,7 +63,7 @@ std::optional<MouseCommand> ParseMouseCommand(std::string_view text, std::string
     command.X_WT = {Vec3(p[0], p[1], p[2]), Quat(q[0], q[1], q[2], q[3])};
     return command;
   }
-  return refuse("its op is none of take, pose and release");
+  return refuse("its op is none of take, pose, release and whole");
 }
 
 std::string ToMouseLine(const Pose& X) {

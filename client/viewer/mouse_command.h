@@ -12,8 +12,9 @@ namespace palpate {
 ///   {"op": "take", "scene": NAME, "tool": NAME}          the tool may be left out
 ///   {"op": "pose", "p": [x, y, z], "q": [w, x, y, z]}    where the tool is dragged to, in W
 ///   {"op": "release"}
+///   {"op": "whole", "scene": NAME}                       makes a worn scene whole again
 struct MouseCommand {
-  enum class Op { kTake, kPose, kRelease };
+  enum class Op { kTake, kPose, kRelease, kWhole };
   Op op = Op::kRelease;
   std::string scene;
   std::string tool;

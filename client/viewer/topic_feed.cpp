@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/dds/topics.h"
+#include "common/random_run.h"
 #include "common/recording/recorded_type.h"
 
 namespace palpate {
@@ -38,6 +39,7 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice) {
       CdrChannel<wire::StationStatistics>(kStationStatistics, dds::kStationStatisticsTopic),
       CdrChannel<wire::SessionState>(kSessionState, dds::kSessionStateTopic),
       CdrChannel<wire::SceneChange>(kSceneChange, dds::kSceneChangeTopic),
+      CdrChannel<wire::SceneWhole>(kSceneWhole, dds::kSceneWholeTopic),
       CdrChannel<wire::SceneBundle>(kSceneBundle, dds::kSceneBundleTopic)};
   if (mice) {
     channels.push_back({kMouseState, "/palpate/mouse_state", "json", "palpate.MouseState",
@@ -53,7 +55,9 @@ TopicFeed::TopicFeed(int domain, const dds::Network& network)
       stations_(participant_, dds::kStationStatisticsTopic, dds::Qos::kStream),
       sessions_(participant_, dds::kSessionStateTopic, dds::Qos::kSession),
       changes_(participant_, dds::kSceneChangeTopic, dds::Qos::kSession),
-      bundles_(participant_, dds::kSceneBundleTopic, dds::Qos::kSession) {}
+      wholes_(participant_, dds::kSceneWholeTopic, dds::Qos::kSession),
+      bundles_(participant_, dds::kSceneBundleTopic, dds::Qos::kSession),
+      wishes_(participant_, dds::kWholeRequestTopic, dds::Qos::kSession) {}
 
 TopicFeed::~TopicFeed() = default;
 
@@ -63,6 +67,7 @@ bool TopicFeed::IsCurrent(std::uint64_t server_run) {
   if (server_run_ != 0) former_runs_.insert(server_run_);
   server_run_ = server_run;
   kept_.clear();
+  undone_.clear();
   scenes_.clear();
   phases_.clear();
   return true;
@@ -100,8 +105,21 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
     on_frame(frame);
   });
   Drain(changes_, kSceneChange, [&](const FramePtr& frame, const wire::SceneChange& sample) {
-    if (!IsCurrent(sample.server_run)) return;
+    if (!IsCurrent(sample.server_run) || sample.change <= undone_[sample.scene]) return;
     Keep(frame, sample.scene, sample.change);
+    on_frame(frame);
+  });
+  // After the changes: those that it undoes are forgotten.
+  Drain(wholes_, kSceneWhole, [&](const FramePtr& frame, const wire::SceneWhole& sample) {
+    if (!IsCurrent(sample.server_run)) return;
+    std::uint64_t& undone = undone_[sample.scene];
+    if (sample.last_change < undone) return;  // an older word, on a slower way
+    undone = sample.last_change;
+    std::erase_if(kept_, [&](const auto& entry) {
+      const auto& [channel, scene, number] = entry.first;
+      return channel == kSceneChange && scene == sample.scene && number <= sample.last_change;
+    });
+    Keep(frame, sample.scene, 0);
     on_frame(frame);
   });
   Drain(sessions_, kSessionState, [&](const FramePtr& frame, const wire::SessionState& sample) {
@@ -115,6 +133,14 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
   Drain(tool_states_, kToolState, pass_on);
   Drain(statistics_, kLoopStatistics, pass_on);
   Drain(stations_, kStationStatistics, pass_on);
+}
+
+bool TopicFeed::AskForWhole(const std::string& scene, const std::string& by) {
+  wire::WholeRequest request{};
+  wire::FromText(scene, request.scene);
+  request.request = RandomRun();
+  wire::FromText(by, request.by);
+  return wishes_.Write(request);
 }
 
 std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {

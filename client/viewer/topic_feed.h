@@ -37,6 +37,7 @@ class TopicFeed {
     kSceneBundle,
     kMouseState,  ///< not of DDS: the gateway's own, to each viewer of the mouse that it has
     kStationStatistics,
+    kSceneWhole,
   };
   /// What viewers are offered.
   static std::vector<foxglove::Channel> Channels(bool mice);
@@ -52,6 +53,8 @@ class TopicFeed {
 
   /// What who subscribes now must hear first, in the order in which it took place.
   std::vector<FramePtr> Kept(std::uint32_t channel) const;
+  /// Asks the server to make a scene whole again.  False where DDS refuses.
+  bool AskForWhole(const std::string& scene, const std::string& by);
   const std::map<std::string, SceneBytes>& scenes() const { return scenes_; }
   /// Stations that have a session, as the server last said.
   std::vector<std::string> stations() const;
@@ -73,11 +76,14 @@ class TopicFeed {
   dds::CdrReader<wire::StationStatistics> stations_;
   dds::CdrReader<wire::SessionState> sessions_;
   dds::CdrReader<wire::SceneChange> changes_;
+  dds::CdrReader<wire::SceneWhole> wholes_;
   dds::CdrReader<wire::SceneBundle> bundles_;
+  dds::Writer<wire::WholeRequest> wishes_;
 
   std::uint64_t server_run_ = 0;
   std::set<std::uint64_t> former_runs_;
   std::map<KeptKey, FramePtr> kept_;
+  std::map<std::string, std::uint64_t> undone_;  // by scene: the last change that is void
   std::map<std::string, SceneBytes> scenes_;
   std::map<std::string, wire::SessionPhase> phases_;  // by station
 };

@@ -205,6 +205,11 @@ void ViewerSession::OnMouse(std::string_view json) {
       return mice.Drag(id_, command->X_WT, now_ns);
     case MouseCommand::Op::kRelease:
       return mice.Release(id_, "", now_ns);
+    case MouseCommand::Op::kWhole:
+      if (!hub_.AskForWhole(command->scene, "the page at " + peer_)) {
+        Say(foxglove::Level::kError, "scene " + Quoted(command->scene) + " is not served here");
+      }
+      return;
   }
 }
 

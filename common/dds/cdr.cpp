@@ -79,6 +79,8 @@ PALPATE_CDR(wire::SessionRequest);
 PALPATE_CDR(wire::SessionState);
 PALPATE_CDR(wire::SceneChange);
 PALPATE_CDR(wire::LeafTaken);
+PALPATE_CDR(wire::WholeRequest);
+PALPATE_CDR(wire::SceneWhole);
 PALPATE_CDR(wire::ToolState);
 PALPATE_CDR(wire::LoopStatistics);
 PALPATE_CDR(wire::StationStatistics);

@@ -27,6 +27,8 @@ template class CdrReader<wire::SessionRequest>;
 template class CdrReader<wire::SessionState>;
 template class CdrReader<wire::SceneChange>;
 template class CdrReader<wire::LeafTaken>;
+template class CdrReader<wire::WholeRequest>;
+template class CdrReader<wire::SceneWhole>;
 template class CdrReader<wire::ToolState>;
 template class CdrReader<wire::LoopStatistics>;
 template class CdrReader<wire::StationStatistics>;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string_view>
 
 #include <dds/dds.h>
@@ -21,6 +22,8 @@ using SessionRequest = palpate_SessionRequest;
 using SessionState = palpate_SessionState;
 using SceneChange = palpate_SceneChange;
 using LeafTaken = palpate_LeafTaken;
+using WholeRequest = palpate_WholeRequest;
+using SceneWhole = palpate_SceneWhole;
 using ToolState = palpate_ToolState;
 using ContactPoint = palpate_ContactPoint;
 using GuideTarget = palpate_GuideTarget;
@@ -31,6 +34,9 @@ using HandKey = palpate_HandKey;
 using OfferedTool = palpate_OfferedTool;
 using OfferedScene = palpate_OfferedScene;
 using SceneOffer = palpate_SceneOffer;
+
+/// LeafTaken.leaf where none has gone, but all are there again.
+inline constexpr std::uint32_t kNoLeaf = 0xffffffff;
 
 /// Topic descriptor of a wire type.
 template <class T>
@@ -58,6 +64,14 @@ inline const dds_topic_descriptor_t& Descriptor<SceneChange>() {
 template <>
 inline const dds_topic_descriptor_t& Descriptor<LeafTaken>() {
   return palpate_LeafTaken_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<WholeRequest>() {
+  return palpate_WholeRequest_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<SceneWhole>() {
+  return palpate_SceneWhole_desc;
 }
 template <>
 inline const dds_topic_descriptor_t& Descriptor<ToolState>() {

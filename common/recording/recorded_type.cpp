@@ -28,6 +28,8 @@ const Entry& EntryOf(RecordedType type) {
       {"palpate::GuideTarget", &teaching},
       {"palpate::StationStatistics", &teaching},
       {"palpate::SceneOffer", &offer},
+      {"palpate::WholeRequest", &session},
+      {"palpate::SceneWhole", &session},
   }};
   return entries[static_cast<std::size_t>(type)];
 }

@@ -22,8 +22,10 @@ enum class RecordedType {
   kGuideTarget,
   kStationStatistics,
   kSceneOffer,
+  kWholeRequest,
+  kSceneWhole,
 };
-inline constexpr int kRecordedTypes = 12;
+inline constexpr int kRecordedTypes = 14;
 
 /// "palpate::HapticPose"
 const char* SchemaName(RecordedType type);
@@ -55,6 +57,10 @@ template <>
 inline constexpr RecordedType kTypeOf<wire::StationStatistics> = RecordedType::kStationStatistics;
 template <>
 inline constexpr RecordedType kTypeOf<wire::SceneOffer> = RecordedType::kSceneOffer;
+template <>
+inline constexpr RecordedType kTypeOf<wire::WholeRequest> = RecordedType::kWholeRequest;
+template <>
+inline constexpr RecordedType kTypeOf<wire::SceneWhole> = RecordedType::kSceneWhole;
 
 /// Counts what a topic's samples number themselves by, so that each hole is known.
 class SequenceCount {

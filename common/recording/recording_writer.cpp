@@ -199,6 +199,11 @@ std::uint64_t RecordingWriter::Look(const std::string& name, Topic& topic,
       keep(std::string("/") + change.scene + number, change.server_run);
       return count;
     }
+    case RecordedType::kSceneWhole: {
+      wire::SceneWhole whole{};
+      if (dds::FromCdr(cdr, whole)) keep(std::string("/") + whole.scene, whole.server_run);
+      return count;
+    }
     case RecordedType::kSceneBundle:
       KeepScene(name, cdr);
       return count;

@@ -8,7 +8,7 @@
 namespace palpate {
 
 SceneChanges::SceneChanges(std::string scene, const SceneRemains& whole, std::uint64_t server_run)
-    : scene_(std::move(scene)), remains_(whole), server_run_(server_run) {}
+    : scene_(std::move(scene)), whole_(whole), remains_(whole), server_run_(server_run) {}
 
 std::vector<wire::SceneChange> SceneChanges::Remove(const Session& session,
                                                     const Removal& removal) {
@@ -39,6 +39,12 @@ std::vector<wire::SceneChange> SceneChanges::Remove(const Session& session,
     changes.push_back(change);
   } while (told < triangles.size());
   return changes;
+}
+
+void SceneChanges::MakeWhole() {
+  remains_ = whole_;
+  gone_.clear();
+  undone_ = count_;
 }
 
 }  // namespace palpate

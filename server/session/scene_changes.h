@@ -10,9 +10,9 @@
 
 namespace palpate {
 
-/// What tools have scraped off one scene since the server began: the order that all sessions and
-/// viewers follow.  A leaf goes once, whoever was first; a session that begins later begins with
-/// what is left.
+/// What tools have scraped off one scene since the server began, or since it was made whole: the
+/// order that all sessions and viewers follow.  A leaf goes once, whoever was first; a session that
+/// begins later begins with what is left.
 ///
 /// Thread contract: service thread.
 class SceneChanges {
@@ -23,14 +23,20 @@ class SceneChanges {
   /// Records that a leaf has gone.  Returns what to publish: one change, or several where its
   /// triangles are many; none where the leaf had gone before.
   std::vector<wire::SceneChange> Remove(const Session& session, const Removal& removal);
+  /// All leaves are there again.  Changes are numbered on.
+  void MakeWhole();
+  /// Number of the last change that is undone.
+  std::uint64_t undone() const { return undone_; }
   /// Leaves that have gone, first to last, as the forest numbers them.
   const std::vector<std::int32_t>& gone() const { return gone_; }
 
  private:
   std::string scene_;
+  const SceneRemains whole_;
   SceneRemains remains_;
   std::uint64_t server_run_;
   std::uint64_t count_ = 0;
+  std::uint64_t undone_ = 0;
   std::vector<std::int32_t> gone_;
 };
 

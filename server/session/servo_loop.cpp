@@ -54,13 +54,23 @@ void SetScaled(const Wrench& full, double gain, wire::Wrench& answer) noexcept {
 
 }  // namespace
 
-// A leaf goes at most once, so logs of as many as there are can never be full.
 ServoLoop::ServoLoop(const HapticModel& model)
-    : model_(model),
-      workspace_(model),
-      state_(model),
-      removed_by_others_(state_.wear.leaf_count()),
-      removals_(state_.wear.leaf_count()) {}
+    : model_(model), workspace_(model), state_(model), whole_(state_.wear) {
+  periods_.emplace_back(whole_.leaf_count());
+  newest_ = period_ = &periods_.back();
+}
+
+void ServoLoop::MakeWhole() {
+  periods_.emplace_back(whole_.leaf_count());
+  // Release: who sees the period sees its logs.
+  newest_.store(&periods_.back(), std::memory_order_release);
+}
+
+bool ServoLoop::has_left_period() const {
+  // A period that was over before the loop could enter it stays empty, so it is any of the others.
+  return std::any_of(std::next(periods_.begin()), periods_.end(),
+                     [](const WearPeriod& period) { return period.removals.size() > 0; });
+}
 
 bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexcept {
   const std::int64_t taken_ns = SteadyNanoseconds();
@@ -79,6 +89,8 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
     start_sequence_.store(pose.pose_sequence, std::memory_order_release);
   }
 
+  // After the start: one that was found in the worn scene is void.
+  TakeWhole(pose.pose_sequence);
   TakeRemovals(pose.pose_sequence);
 
   Clear(answer);
@@ -99,10 +111,23 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
   return true;
 }
 
+void ServoLoop::TakeWhole(std::uint64_t pose_sequence) noexcept {
+  WearPeriod* const newest = newest_.load(std::memory_order_acquire);
+  if (newest == period_) return;
+  period_ = newest;
+  removals_taken_ = 0;
+  state_.wear = whole_;  // of the same size: allocates nothing
+  started_ = false;
+  gain_ = 0.0;
+  // Last of what is done to a period: the service thread takes it as the end of those before.
+  period_->removals.Append({Removal::kMadeWhole, false, pose_sequence});
+}
+
 void ServoLoop::TakeRemovals(std::uint64_t pose_sequence) noexcept {
-  for (const std::size_t size = removed_by_others_.size(); removals_taken_ < size;) {
-    const std::int32_t leaf = removed_by_others_[removals_taken_++];
-    if (state_.wear.Remove(leaf)) removals_.Append({leaf, false, pose_sequence});
+  const AppendLog<std::int32_t>& removed = period_->removed_by_others;
+  for (const std::size_t size = removed.size(); removals_taken_ < size;) {
+    const std::int32_t leaf = removed[removals_taken_++];
+    if (state_.wear.Remove(leaf)) period_->removals.Append({leaf, false, pose_sequence});
   }
 }
 
@@ -164,7 +189,7 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
   }
   snapshot_.points = report.contacts;
   for (int i = 0; i < report.removals; ++i) {
-    removals_.Append({report.removed[i], true, answer.pose_sequence});
+    period_->removals.Append({report.removed[i], true, answer.pose_sequence});
   }
   // A station computes the full force from the rows: none are given while less is due, nor where
   // they are not all that pushes: soft ones, and a jam's seventh.

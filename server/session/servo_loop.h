@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <tuple>
 
 #include "common/dds/wire.h"
@@ -52,9 +53,18 @@ struct LoopSnapshot {
 
 /// A leaf that went before or with the step of a pose.
 struct Removal {
-  std::int32_t leaf;            ///< as the forest numbers it
+  static constexpr std::int32_t kMadeWhole = -1;
+  std::int32_t leaf;            ///< as the forest numbers it; kMadeWhole: all are there again
   bool own;                     ///< scraped off by this loop's tool; else by another
   std::uint64_t pose_sequence;  ///< own: went with this pose's step; else: before it
+};
+
+/// What goes from a loop's scene between two times that it is whole.  In that time each leaf goes
+/// at most once, so logs of as many as there are can never be full.
+struct WearPeriod {
+  explicit WearPeriod(std::size_t leaves) : removed_by_others(leaves), removals(leaves + 1) {}
+  AppendLog<std::int32_t> removed_by_others;  ///< service thread -> loop
+  AppendLog<Removal> removals;                ///< loop -> service thread
 };
 
 /// The servo loop of one session: turns each pose into a wrench, on the pose's arrival.
@@ -83,10 +93,24 @@ class ServoLoop {
   std::uint64_t start_sequence() const { return start_sequence_.load(std::memory_order_acquire); }
   /// Takes a leaf away that another tool has scraped off, before the next pose's step.  Each leaf
   /// once.
-  void Remove(std::int32_t leaf) { removed_by_others_.Append(leaf); }
-  /// Every leaf that has gone from this loop's scene.  With the poses and the start, all that a
-  /// replay needs: the same bits follow.
-  const AppendLog<Removal>& removals() const { return removals_; }
+  void Remove(std::int32_t leaf) { periods_.back().removed_by_others.Append(leaf); }
+  /// Makes the scene whole again before the next pose's step.  What had gone may now be where the
+  /// tool is, so there are no forces from that pose on, until a Start that is called once
+  /// made_whole().
+  void MakeWhole();
+  /// The loop has done what the last MakeWhole said.
+  bool made_whole() const { return periods_.back().removals.size() > 0; }
+  /// Nothing was removed since the last MakeWhole by others; by this loop's tool nothing can be, as
+  /// long as no Start is called.
+  bool is_whole() const { return periods_.back().removed_by_others.size() == 0; }
+  /// Every leaf that has gone from this loop's scene, in the first of the periods that are kept.
+  /// With the poses and the starts, all that a replay needs: the same bits follow.
+  const AppendLog<Removal>& removals() const { return periods_.front().removals; }
+  /// The first period is over: the loop adds nothing to it any more.
+  bool has_left_period() const;
+  /// Drops the first period, which is over.
+  void ForgetPeriod() { periods_.pop_front(); }
+  bool in_last_period() const { return periods_.size() == 1; }
   /// The latest step, where one was made since the last call.
   bool ReadSnapshot(LoopSnapshot& snapshot) { return snapshots_.Read(snapshot); }
   /// Poses heard that were not mere repeats: stands still where the station is silent.
@@ -99,6 +123,7 @@ class ServoLoop {
   bool InSequence(const wire::HapticPose& pose) noexcept;
   /// Sets X_WH_ where the pose can be used; else returns the fault.
   std::uint32_t UsePose(const wire::HapticPose& pose) noexcept;
+  void TakeWhole(std::uint64_t pose_sequence) noexcept;
   void TakeRemovals(std::uint64_t pose_sequence) noexcept;
   void Step(wire::Wrench& answer) noexcept;
   void Hold(std::uint32_t fault, wire::Wrench& answer) noexcept;
@@ -133,9 +158,11 @@ class ServoLoop {
   LatestMailbox<Pose> start_;
   LatestMailbox<LoopSnapshot> snapshots_;
   LatestMailbox<LoopCounters> reports_;
-  AppendLog<std::int32_t> removed_by_others_;
-  std::size_t removals_taken_ = 0;  // of removed_by_others_
-  AppendLog<Removal> removals_;
+  const LeafWear whole_;
+  std::deque<WearPeriod> periods_;  // the service thread's; an element stays where it is
+  std::atomic<WearPeriod*> newest_;
+  WearPeriod* period_;              // the loop's
+  std::size_t removals_taken_ = 0;  // of the period's removed_by_others
 };
 
 }  // namespace palpate

@@ -47,14 +47,21 @@ bool Session::Update(std::int64_t now_ns, bool may_start) {
                       "it is cut");
     return true;
   }
-  if (phase_ == palpate_SESSION_ACTIVE) {
-    return !start_seen_ && (start_seen_ = loop_.start_sequence() != 0);
+  // Before the start is looked at: of a start and a making whole, the loop does the start first.
+  const bool made_whole = whole_wanted_ && loop_.made_whole();
+  if (phase_ == palpate_SESSION_ACTIVE && !start_seen_ && loop_.start_sequence() != former_start_) {
+    start_seen_ = true;
+    return true;
   }
+  if (made_whole) BeginAgain();
+  if (phase_ == palpate_SESSION_ACTIVE) return false;
   return may_start && wants_start(now_ns) && TryStart(now_ns);
 }
 
 bool Session::wants_start(std::int64_t now_ns) const {
-  if (phase_ == palpate_SESSION_ACTIVE || ended() || !snapshot_.has_pose) return false;
+  if (phase_ == palpate_SESSION_ACTIVE || ended() || whole_wanted_ || !snapshot_.has_pose) {
+    return false;
+  }
   const Pose& X_WH = snapshot_.X_WH;
   if (phase_ == palpate_SESSION_WAITING) return true;
   const std::int64_t since_ns = now_ns - tried_ns_;
@@ -86,14 +93,41 @@ bool Session::TryStart(std::int64_t now_ns) {
 }
 
 std::optional<Removal> Session::TakeRemoval() {
-  const AppendLog<Removal>& removals = loop_.removals();
-  if (removals_taken_ == removals.size()) return std::nullopt;
-  return removals[removals_taken_++];
+  for (;;) {
+    // Asked first: what the loop adds before it leaves is then seen.
+    const bool left = loop_.has_left_period();
+    const AppendLog<Removal>& removals = loop_.removals();
+    if (removals_taken_ < removals.size()) return removals[removals_taken_++];
+    if (!left) return std::nullopt;
+    loop_.ForgetPeriod();
+    removals_taken_ = 0;
+  }
 }
 
 void Session::Remove(std::int32_t leaf) {
   start_wear_.Remove(leaf);
   loop_.Remove(leaf);
+}
+
+void Session::Leave() {
+  left_ = true;
+  End("the station left");
+}
+
+void Session::MakeWhole() {
+  if (whole_wanted_ && loop_.is_whole()) return;  // asked again before the loop could begin anew
+  start_wear_ = StepState(tool_->model).wear;
+  whole_wanted_ = true;
+  loop_.MakeWhole();
+}
+
+void Session::BeginAgain() {
+  whole_wanted_ = false;
+  former_start_ = loop_.start_sequence();
+  start_seen_ = false;
+  if (!start_workspace_) start_workspace_.emplace(tool_->model);
+  phase_ = palpate_SESSION_WAITING;
+  reason_.clear();
 }
 
 void Session::End(std::string reason) {

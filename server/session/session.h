@@ -18,6 +18,7 @@ struct ServedTool {
   std::string tool;
   HapticModel model;
   std::shared_ptr<const SceneRemains> whole = nullptr;  ///< where its features name removal
+  bool whole_at_start = false;  ///< made whole for whoever is the first, or alone, to begin there
 };
 
 /// One station driving one tool: waiting for poses -> acquiring (only where the tool starts inside
@@ -44,13 +45,21 @@ class Session {
   /// When that was last tried.
   std::int64_t tried_ns() const { return tried_ns_; }
   void End(std::string reason);
+  /// Ends it by its station's own wish.
+  void Leave();
+  bool left() const { return left_; }
   /// The next leaf that has gone from the loop's scene: scraped off by this session's tool, or
-  /// taken away after another's.
+  /// taken away after another's; or the word that the loop has made it whole.
   std::optional<Removal> TakeRemoval();
+  /// False where what TakeRemoval gave went before the scene was last made whole.
+  bool removals_are_current() const { return loop_.in_last_period(); }
   /// Numbers those of other tools, from 1.
   std::uint64_t CountTaken() { return ++taken_; }
   /// Takes a leaf away that another has scraped off.  Each leaf once.
   void Remove(std::int32_t leaf);
+  /// All leaves are there again.  The tool may be among them: forces are off until it is found to
+  /// be free, as at the session's beginning.
+  void MakeWhole();
 
   ServoLoop& loop() { return loop_; }
   const std::string& station() const { return station_; }
@@ -61,13 +70,14 @@ class Session {
   const std::string& reason() const { return reason_; }
   double start_depth() const { return start_depth_; }
   /// The first pose that a force answers, 0 until the loop has had it, and where it put the tool.
-  std::uint64_t start_sequence() const { return loop_.start_sequence(); }
+  std::uint64_t start_sequence() const { return start_seen_ ? loop_.start_sequence() : 0; }
   const Pose& start() const { return X_WG_start_; }
   /// What the loop did last, as of the last Update; has_pose is false before the first pose.
   const LoopSnapshot& snapshot() const { return snapshot_; }
 
  private:
   bool TryStart(std::int64_t now_ns);
+  void BeginAgain();
 
   std::string station_;
   std::uint64_t run_;
@@ -79,7 +89,10 @@ class Session {
   std::string reason_;
   double start_depth_ = 0.0;
   Pose X_WG_start_;
-  bool start_seen_ = false;  // by the loop
+  bool left_ = false;
+  bool start_seen_ = false;         // by the loop
+  std::uint64_t former_start_ = 0;  // of the loop, before the scene was made whole
+  bool whole_wanted_ = false;       // the loop has not been seen to have made it so
   LoopSnapshot snapshot_;
   std::size_t removals_taken_ = 0;
   std::uint64_t taken_ = 0;

@@ -15,13 +15,17 @@ void AddName(std::string& list, const std::string& name) {
 }
 
 wire::LeafTaken LeafTakenBy(Session& session, const Removal& removal) {
-  const ObjectForest& objects = session.tool().model.objects();
-  const int object = objects.ObjectOf(removal.leaf);
   wire::LeafTaken taken{};
   wire::FromText(session.station(), taken.station);
   taken.run = session.run();
   taken.number = session.CountTaken();
   taken.pose_sequence = removal.pose_sequence;
+  if (removal.leaf == Removal::kMadeWhole) {
+    taken.leaf = wire::kNoLeaf;
+    return taken;
+  }
+  const ObjectForest& objects = session.tool().model.objects();
+  const int object = objects.ObjectOf(removal.leaf);
   taken.object_index = static_cast<std::uint32_t>(object);
   taken.leaf = static_cast<std::uint32_t>(removal.leaf - objects.FirstLeafOf(object));
   return taken;
@@ -53,7 +57,7 @@ void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now
   if (held == sessions_.end()) {
     if (!request.leave) Admit(request, now_ns);
   } else if (request.leave) {
-    if (held->second->run() == request.run) held->second->End("the station left");
+    if (held->second->run() == request.run) held->second->Leave();
   } else if (held->second->run() != request.run) {
     if (held->second->phase() == palpate_SESSION_WAITING) {
       held->second->End("the station started again");
@@ -80,6 +84,7 @@ void SessionTable::Update(std::int64_t now_ns) {
     Session& session = *it->second;
     if (session.Update(now_ns, !next || &session == next) || session.ended()) Publish(session);
     PassOnRemovals(session);
+    if (session.ended()) cut_off_[session.tool().scene] = session.left() ? "" : session.station();
     it = session.ended() ? sessions_.erase(it) : std::next(it);
   }
   for (auto it = waiting_.begin(); it != waiting_.end();) {
@@ -109,6 +114,7 @@ void SessionTable::PassOnRemovals(Session& from) {
       leaves_taken_.push_back(LeafTakenBy(from, *removal));
       continue;
     }
+    if (!from.removals_are_current()) continue;  // it is back already
     const std::vector<wire::SceneChange> changes = scene->second.Remove(from, *removal);
     if (changes.empty()) continue;
     scene_changes_.insert(scene_changes_.end(), changes.begin(), changes.end());
@@ -118,6 +124,32 @@ void SessionTable::PassOnRemovals(Session& from) {
       }
     }
   }
+}
+
+void SessionTable::Request(const wire::WholeRequest& request) {
+  const auto served =
+      std::ranges::find_if(tools_, [&](const auto& tool) { return tool->scene == request.scene; });
+  if (served == tools_.end()) return;
+  wire::SceneWhole answer{};
+  wire::FromText(request.scene, answer.scene);
+  wire::FromText(request.by, answer.by);
+  answer.request = request.request;
+  if (const auto scene = scenes_.find(request.scene); scene != scenes_.end()) {
+    return MakeWhole(scene->second, answer);
+  }
+  answer.server_run = server_run_;
+  wire::FromText("nothing wears there: no material of the scene has a hardness_J", answer.refusal);
+  wholes_.push_back(answer);
+}
+
+void SessionTable::MakeWhole(SceneChanges& scene, wire::SceneWhole answer) {
+  for (const auto& [station, session] : sessions_) {
+    if (session->tool().scene == answer.scene) session->MakeWhole();
+  }
+  scene.MakeWhole();
+  answer.server_run = server_run_;
+  answer.last_change = scene.undone();
+  wholes_.push_back(answer);
 }
 
 void SessionTable::EndAll(const std::string& reason) {
@@ -139,6 +171,10 @@ std::vector<wire::SceneChange> SessionTable::TakeSceneChanges() {
 
 std::vector<wire::LeafTaken> SessionTable::TakeLeavesTaken() {
   return std::exchange(leaves_taken_, {});
+}
+
+std::vector<wire::SceneWhole> SessionTable::TakeWholes() {
+  return std::exchange(wholes_, {});
 }
 
 std::shared_ptr<const ServedTool> SessionTable::Find(const wire::SessionRequest& request,
@@ -185,6 +221,16 @@ void SessionTable::Admit(const wire::SessionRequest& request, std::int64_t now_n
   const auto session =
       std::make_shared<Session>(request.station, request.run, std::move(tool), now_ns);
   if (const auto scene = scenes_.find(session->tool().scene); scene != scenes_.end()) {
+    // Who works there already would find the work undone.
+    const bool alone = std::ranges::none_of(
+        sessions_, [&](const auto& entry) { return entry.second->tool().scene == scene->first; });
+    const bool resumes = cut_off_[scene->first] == session->station();
+    if (session->tool().whole_at_start && alone && !resumes && !scene->second.gone().empty()) {
+      wire::SceneWhole whole{};
+      wire::FromText(scene->first, whole.scene);
+      wire::FromText(session->station(), whole.by);
+      MakeWhole(scene->second, whole);
+    }
     for (const std::int32_t leaf : scene->second.gone()) session->Remove(leaf);
   }
   sessions_[request.station] = session;

@@ -26,6 +26,9 @@ class SessionTable {
   SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools, std::uint64_t server_run);
 
   void Request(const wire::SessionRequest& request, std::int64_t now_ns);
+  /// Makes a scene whole again for all its tools, and answers.  A request for a scene that is not
+  /// served here gets no answer: it may be another server's.
+  void Request(const wire::WholeRequest& request);
   /// Looks after all sessions; ended ones leave the table.
   void Update(std::int64_t now_ns);
   /// Ends every session: the server stops.
@@ -39,6 +42,8 @@ class SessionTable {
   std::vector<wire::SceneChange> TakeSceneChanges();
   /// Of those, what has reached the loops of other sessions since the last call.
   std::vector<wire::LeafTaken> TakeLeavesTaken();
+  /// Scenes that were made whole since the last call, and refusals to do so.
+  std::vector<wire::SceneWhole> TakeWholes();
 
  private:
   struct Waiting {
@@ -52,6 +57,7 @@ class SessionTable {
   void Admit(const wire::SessionRequest& request, std::int64_t now_ns);
   void Refuse(const wire::SessionRequest& request, const std::string& reason);
   void Publish(const Session& session);
+  void MakeWhole(SceneChanges& scene, wire::SceneWhole answer);
   /// Passes on what a session's tool has scraped off to the others of its scene, and tells of what
   /// it has got of theirs.
   void PassOnRemovals(Session& from);
@@ -61,9 +67,11 @@ class SessionTable {
   std::map<std::string, std::shared_ptr<Session>> sessions_;  // by station
   std::map<std::string, Waiting> waiting_;                    // by station
   std::vector<wire::SessionState> changes_;
+  std::map<std::string, std::string> cut_off_;  // by scene: whose session did not end by its wish
   std::map<std::string, SceneChanges> scenes_;  // by name; those that declare removal
   std::vector<wire::SceneChange> scene_changes_;
   std::vector<wire::LeafTaken> leaves_taken_;
+  std::vector<wire::SceneWhole> wholes_;
 };
 
 }  // namespace palpate

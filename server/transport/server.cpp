@@ -100,6 +100,8 @@ Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
       states_(service_domain_, dds::kSessionStateTopic, dds::Qos::kSession),
       scene_changes_(service_domain_, dds::kSceneChangeTopic, dds::Qos::kSession),
       leaves_taken_(service_domain_, dds::kLeafTakenTopic, dds::Qos::kSession),
+      whole_requests_(service_domain_, dds::kWholeRequestTopic, dds::Qos::kRecordSession),
+      wholes_(service_domain_, dds::kSceneWholeTopic, dds::Qos::kSession),
       scene_bundles_(service_domain_, dds::kSceneBundleTopic, dds::Qos::kSession),
       offers_(service_domain_, dds::kSceneOfferTopic, dds::Qos::kSession),
       tool_states_(service_domain_, dds::kToolStateTopic, dds::Qos::kStream),
@@ -135,6 +137,8 @@ void Server::Offer(const std::vector<ServedScene>& scenes) {
 void Server::Poll(std::int64_t now_ns) {
   wire::SessionRequest request;
   while (requests_.Take(request)) table_.Request(request, now_ns);
+  wire::WholeRequest whole;
+  while (whole_requests_.Take(whole)) table_.Request(whole);
   table_.Update(now_ns);
   UpdateLinks(now_ns);
   PublishChanges();
@@ -176,6 +180,12 @@ void Server::PublishChanges() {
   }
   for (const wire::SceneChange& change : table_.TakeSceneChanges()) scene_changes_.Write(change);
   for (const wire::LeafTaken& taken : table_.TakeLeavesTaken()) leaves_taken_.Write(taken);
+  for (const wire::SceneWhole& whole : table_.TakeWholes()) {
+    spdlog::info("scene {}: {}{}, asked by {}", whole.scene,
+                 whole.refusal[0] == '\0' ? "whole again" : "not made whole: ", whole.refusal,
+                 whole.by);
+    wholes_.Write(whole);
+  }
 }
 
 void Server::CheckSharedMemory(std::int64_t now_ns) {

@@ -65,6 +65,8 @@ class Server {
   dds::Writer<wire::SessionState> states_;
   dds::Writer<wire::SceneChange> scene_changes_;
   dds::Writer<wire::LeafTaken> leaves_taken_;
+  dds::Reader<wire::WholeRequest> whole_requests_;
+  dds::Writer<wire::SceneWhole> wholes_;
   dds::Writer<wire::SceneBundle> scene_bundles_;
   dds::Writer<wire::SceneOffer> offers_;
   dds::Writer<wire::ToolState> tool_states_;

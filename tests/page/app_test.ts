@@ -114,7 +114,7 @@ const eventually = async (what: string, condition: () => Promise<boolean>): Prom
 };
 /// What is drawn, without the words above it.
 const picture = async (): Promise<string> => {
-  const style = ".stage > :not(canvas) { visibility: hidden }";
+  const style = ".picture > :not(canvas) { visibility: hidden }";
   return (await page.locator("#view").screenshot({style})).toString("base64");
 };
 /// The same, once it is drawn to its end: a busy machine shows the one before it for a while.
@@ -244,6 +244,37 @@ test("what is scraped off vanishes, and a server's new run makes it whole", asyn
   expect((await until(page, "a picture", () => true)).triangles).toBe(whole);
 });
 
+test("a worn scene is made whole by a button, which is of no use before it is worn", async () => {
+  gateway.retain("/palpate/session_state", sessionState("hand", "active", "wearing", "ball"));
+  page = await open({}, "?scene=wearing");
+  const button = page.locator("#whole");
+  await eventually("the button", () => button.isVisible());
+  expect(await button.isDisabled()).toBe(true);
+  const before = await stillPicture();
+  [2, 3, 6, 7].forEach((triangle, i) => {
+    gateway.send("/palpate/scene_change", sceneChange("wearing", i + 1, 0, triangle, [triangle]));
+  });
+  await eventually("a hole", async () => (await picture()) !== before);
+  gateway.onPublish = ({op, scene}) => {
+    if (op !== "whole" || scene !== "wearing") return;
+    gateway.send("/palpate/scene_whole", {
+      scene,
+      server_run: 1n,
+      last_change: 4n,
+      request: 9n,
+      by: "the page here",
+      refusal: "",
+    });
+  };
+  await button.click();
+  await eventually(
+    "the news",
+    async () => (await text("#hint")) === "The wearing is whole again (the page here).",
+  );
+  await eventually("the whole box", async () => (await picture()) === before);
+  expect(await button.isDisabled()).toBe(true);
+});
+
 test("scenes are chosen, and remembered in the address", async () => {
   press(1);
   page = await open();
@@ -281,6 +312,33 @@ test("the loop's figures and who drives what are told in words", async () => {
     /late_one was refused the ball/.test(await text("#who")),
   );
   expect(await text("#who")).toMatch(/hand drives the ball of test-box/);
+});
+
+test("a student's view has force, depth, what is touched and a goal, and is a switch apart", async () => {
+  press(2);
+  page = await open({}, "?view=student&goal=Press%20gently&limit=1");
+  await eventually("two newtons", async () => (await text("#force")) === "2.00");
+  expect(await text("#goal")).toBe("Goal: Press gently, at most 1 N");
+  expect(await page.locator("#touched").innerText()).not.toBe("nothing");
+  expect(await page.locator("#readout").getAttribute("class")).toContain("over");
+  for (const hidden of ["#loop", "#arm", "#torque", "#contacts", "#goal-text"])
+    expect(await page.locator(hidden).isVisible()).toBe(false);
+  expect(await page.locator(".plot").count()).toBe(2);
+  const readout = (await page.locator("#readout").boundingBox())!;
+  const canvas = (await page.locator("#view").boundingBox())!;
+  expect(readout.y + readout.height).toBeLessThanOrEqual(canvas.y);
+  await page.locator("#audience").click();
+  for (const shown of ["#torque", "#contacts", "#goal-text"])
+    expect(await page.locator(shown).isVisible()).toBe(true);
+  expect(await page.locator("#goal").isVisible()).toBe(false);
+  expect(await page.locator(".plot").count()).toBe(4);
+  await page.locator("#goal-limit").fill("3");
+  await eventually("not over it any more", async () => {
+    const classes = await page.locator("#readout").getAttribute("class");
+    return !/\bover\b/.test(classes ?? "");
+  });
+  expect(page.url()).toContain("limit=3");
+  expect(page.url()).not.toContain("view=");
 });
 
 test("spheres come on demand, level by level", async () => {

@@ -9,6 +9,7 @@
 #include "client/recorder/file_summary.h"
 #include "client/replayer/verify.h"
 #include "common/recording/recording_reader.h"
+#include "common/server_lock.h"
 #include "tests/common/dds/roudi.h"
 #include "tests/common/recording/samples.h"
 #include "tests/integration/rig.h"
@@ -77,6 +78,16 @@ class RecorderProgramTest : public testing::Test {
   Folder folder_;
   std::string file_ = folder_ / "a.mcap";
 };
+
+TEST_F(RecorderProgramTest, NamesTheDomainsOfThisHostThatHaveAServerWhereItHearsNone) {
+  const int other = kDomain + 1;
+  const ServerLock lock(other);
+  RecorderProgram recorder(file_, "udp", {"--for", "1"});
+  EXPECT_EQ(recorder.Exit(), 0);
+  EXPECT_THAT(recorder.Output(), HasSubstr("nothing heard of a server in domain " +
+                                           std::to_string(kDomain) + " of this host for 1 s"));
+  EXPECT_THAT(recorder.Output(), HasSubstr("--domain " + std::to_string(other) + " is "));
+}
 
 TEST_F(RecorderProgramTest, RecordsEverySampleOverUdpAndOthersReadThem) {
   RecordAStation("udp");

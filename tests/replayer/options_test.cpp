@@ -31,7 +31,7 @@ TEST(ReplayOptions, VerifyGuideAndScore) {
   const auto score = Parse({"score", "a.mcap", "b.mcap", "--out", "report"});
   EXPECT_EQ(score->what, What::kScore);
   EXPECT_EQ(score->expert, "a.mcap");
-  EXPECT_EQ(score->trainee, "b.mcap");
+  EXPECT_THAT(score->trials, testing::ElementsAre("b.mcap"));
 }
 
 TEST(ReplayOptions, RefuseWhatMakesNoSense) {

@@ -1,7 +1,6 @@
 #include "client/replayer/score.h"
 
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 
 #include <gmock/gmock.h>
@@ -92,14 +91,6 @@ TEST(Score, RefusesAHandThatNeverMoves) {
   HandPath still = Stroke(2.0);
   for (Pose& X : still.X_WH) X = Pose{};
   EXPECT_THROW(ScorePath(Stroke(2.0), still), Error);
-}
-
-TEST(Score, IsWrittenWithPlots) {
-  const Folder folder;
-  WriteReport(ScorePath(Stroke(2.0), Stroke(3.0)), folder / "report");
-  EXPECT_GT(std::filesystem::file_size(folder / "report/score.svg"), 1000u);
-  const auto json = BytesOf(folder / "report/score.json");
-  EXPECT_THAT(std::string(json.begin(), json.end()), testing::HasSubstr("frechet_mm"));
 }
 
 TEST(HandPath, IsThatOfTheLongestSession) {

@@ -34,6 +34,8 @@ struct Story {
   bool state_lost = false;
   std::uint64_t leaf_goes_before = 0;  ///< pose; 0: never
   bool leaf_lost = false;
+  std::uint64_t whole_before = 0;  ///< pose; 0: never.  Forces begin again 20 poses later
+  bool whole_lost = false;
 };
 
 /// The hand slides along the cube's top face, 1 mm deep; of the calculus, it scrapes.
@@ -84,6 +86,14 @@ void Record(const Story& story, const std::string& file) {
   StepWorkspace workspace(model);
   const LeafWear whole = StepState(model).wear;
   const Pose X_WG = ResolveStart(model, wire::ToPose(start), workspace, &whole).X_WG;
+  const auto say_start = [&](std::uint64_t sequence, const Pose& X, std::int64_t now_ns) {
+    wire::SessionState state = SampleState("hand", 9);
+    wire::FromText(scene.name, state.scene);
+    wire::FromText(scene.tools.front().name, state.tool);
+    state.start_sequence = sequence;
+    wire::FromPose(X, state.start_position_m, state.start_orientation_wxyz);
+    Add(writer, dds::kSessionStateTopic, state, now_ns);
+  };
   for (std::uint64_t i = 1; i <= kPoses; ++i) {
     const wire::HapticPose pose = PoseAt(scene, i);
     const std::int64_t now_ns = static_cast<std::int64_t>(i) * kMs;
@@ -103,20 +113,27 @@ void Record(const Story& story, const std::string& file) {
           leaf - model.objects().FirstLeafOf(model.objects().ObjectOf(leaf)));
       if (!story.leaf_lost) Add(writer, dds::kLeafTakenTopic, taken, now_ns);
     }
+    if (i == story.whole_before) {
+      loop.MakeWhole();
+      wire::LeafTaken taken{};
+      wire::FromText("hand", taken.station);
+      taken.run = 9;
+      taken.number = 2;
+      taken.pose_sequence = i;
+      taken.leaf = wire::kNoLeaf;
+      if (!story.whole_lost) Add(writer, dds::kLeafTakenTopic, taken, now_ns);
+    }
+    if (story.whole_before != 0 && i == story.whole_before + 20) {
+      loop.Start(wire::ToPose(pose));
+      say_start(i, wire::ToPose(pose), now_ns);
+    }
     wire::Wrench wrench{};
     loop.OnPose(pose, wrench);
     if (!story.wrenches_lost.contains(i)) {
       Add(writer, dds::WrenchTopic("hand", 9), wrench, now_ns);
     }
   }
-  wire::SessionState state = SampleState("hand", 9);
-  wire::FromText(scene.name, state.scene);
-  wire::FromText(scene.tools.front().name, state.tool);
-  state.start_sequence = kStart;
-  wire::FromPose(X_WG, state.start_position_m, state.start_orientation_wxyz);
-  if (!story.state_lost) {
-    Add(writer, dds::kSessionStateTopic, state, static_cast<std::int64_t>(kPoses) * kMs);
-  }
+  if (!story.state_lost) say_start(kStart, X_WG, static_cast<std::int64_t>(kPoses) * kMs);
   writer.Close("");
 }
 
@@ -210,6 +227,17 @@ TEST_F(VerifyTest, TakesLeavesAwayBeforeTheSamePose) {
   EXPECT_GT(verdict.different, 0u);
   ASSERT_TRUE(verdict.first.has_value());
   EXPECT_GE(verdict.first->pose_sequence, 100u);
+}
+
+TEST_F(VerifyTest, MakesTheSceneWholeBeforeTheSamePose) {
+  Story story{.scene = "calculus", .leaf_goes_before = 100, .whole_before = 150};
+  SessionVerdict verdict = VerdictOf(story);
+  EXPECT_TRUE(verdict.good()) << verdict.ends;
+  story.whole_lost = true;
+  verdict = VerdictOf(story);
+  EXPECT_GT(verdict.different, 0u);
+  ASSERT_TRUE(verdict.first.has_value());
+  EXPECT_EQ(verdict.first->pose_sequence, 150u);
 }
 
 TEST_F(VerifyTest, NamesTheTamperedMessageAndItsField) {

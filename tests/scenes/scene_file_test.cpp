@@ -171,6 +171,21 @@ TEST(SceneFile, ReadsMaterialsAndTheFeaturesThatFollow) {
   EXPECT_EQ(part.regions[2].material.material.static_friction, 0.2);
 }
 
+TEST(SceneFile, BeginsWholeWhereItSaysSoAndSomethingWears) {
+  const auto with = [](const std::string& word, const std::string& material) {
+    std::string text = WithObject("\"material\": {" + material + "}");
+    return text.insert(1, "\"whole_at_start\": " + word + ", ");
+  };
+  const std::string wears = "\"hardness_J\": 1e-3";
+  EXPECT_TRUE(ParseScene(with("true", wears), "f.json").whole_at_start);
+  EXPECT_FALSE(ParseScene(with("false", wears), "f.json").whole_at_start);
+  EXPECT_FALSE(ParseScene(kGood, "f.json").whole_at_start);
+  EXPECT_THAT(ComplaintOf([&] { ParseScene(with("true", ""), "f.json"); }),
+              HasSubstr("whole_at_start: has no effect where nothing wears"));
+  EXPECT_THAT(ComplaintOf([&] { ParseScene(with("1", wears), "f.json"); }),
+              HasSubstr("true or false"));
+}
+
 TEST(SceneFile, ReadsContactAndFriction) {
   const std::string frictional = WithObject("\"material\": {\"static_friction\": 0.5}");
   const auto features = [&](const std::string& fields) {

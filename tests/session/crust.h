@@ -43,13 +43,14 @@ inline Scene Crust() {
   return scene;
 }
 
-inline std::vector<std::shared_ptr<const ServedTool>> ToolsOf(const Scene& scene) {
+inline std::vector<std::shared_ptr<const ServedTool>> ToolsOf(const Scene& scene,
+                                                              bool whole_at_start = false) {
   const auto whole = std::make_shared<const SceneRemains>(scene);
   const auto objects = MakeObjects(scene);
   std::vector<std::shared_ptr<const ServedTool>> tools;
   for (const Body& tool : scene.tools) {
     tools.push_back(std::make_shared<const ServedTool>(
-        ServedTool{scene.name, tool.name, MakeModel(scene, tool, objects), whole}));
+        ServedTool{scene.name, tool.name, MakeModel(scene, tool, objects), whole, whole_at_start}));
   }
   return tools;
 }

@@ -1,5 +1,6 @@
 #include "server/session/scene_changes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -210,11 +211,158 @@ TEST_F(SceneChangesTest, TellManyTrianglesInSeveralChanges) {
   EXPECT_THAT(changes.gone(), testing::ElementsAre(0));
 }
 
+wire::WholeRequest WholeRequestOf(const std::string& scene) {
+  wire::WholeRequest request{};
+  wire::FromText(scene, request.scene);
+  request.request = 12;
+  wire::FromText("teacher", request.by);
+  return request;
+}
+
+TEST_F(SceneChangesTest, AreUndoneForAllToolsWhereTheSceneIsMadeWhole) {
+  Admit("a", "left");
+  Admit("b", "right");
+  Scrape({{"a", 0.0}, {"b", 0.0005}}, 4000);
+  const std::size_t before = changes_.size();
+  ASSERT_GT(before, 5u);
+  table_.Request(WholeRequestOf("crust"));
+  const auto wholes = table_.TakeWholes();
+  ASSERT_EQ(wholes.size(), 1u);
+  EXPECT_STREQ(wholes[0].scene, "crust");
+  EXPECT_STREQ(wholes[0].by, "teacher");
+  EXPECT_STREQ(wholes[0].refusal, "");
+  EXPECT_EQ(wholes[0].request, 12u);
+  EXPECT_EQ(wholes[0].server_run, kServerRun);
+  EXPECT_EQ(wholes[0].last_change, before);
+
+  // The same strokes scrape the same leaves off once more, under numbers of their own.
+  strokes_.clear();
+  Scrape({{"a", 0.0}, {"b", 0.0005}}, 4000);
+  std::vector<std::uint32_t> first, second;
+  for (std::size_t i = 0; i < changes_.size(); ++i) {
+    EXPECT_EQ(changes_[i].change, i + 1);
+    (i < before ? first : second).push_back(changes_[i].leaf);
+  }
+  EXPECT_GT(second.size(), 5u);
+  std::ranges::sort(first);
+  std::ranges::sort(second);
+  std::vector<std::uint32_t> both;
+  std::ranges::set_intersection(first, second, std::back_inserter(both));
+  EXPECT_GT(both.size(), 3u);
+}
+
+TEST_F(SceneChangesTest, TellEachLoopsPoseBeforeWhichTheSceneWasWhole) {
+  Admit("a", "left");
+  Admit("b", "right");
+  Scrape({{"a", 0.0}, {"b", 0.0005}}, 2000);
+  taken_.clear();
+  table_.Request(WholeRequestOf("crust"));
+  Scrape({{"a", 0.0}, {"b", 0.0005}}, 1);
+  ASSERT_EQ(taken_.size(), 2u);
+  for (const wire::LeafTaken& taken : taken_) {
+    EXPECT_EQ(taken.leaf, wire::kNoLeaf);
+    EXPECT_EQ(taken.pose_sequence, 2001u);
+  }
+}
+
+TEST_F(SceneChangesTest, UndoneWhileTheToolIsAmongThemBringItOutAndItsForceBackFromNothing) {
+  Admit("a", "left");
+  Scrape({{"a", 0.0}}, 8000);  // a groove, through which the tool reaches now
+  const Session& session = *table_.sessions().at("a");
+  ASSERT_EQ(session.phase(), palpate_SESSION_ACTIVE);
+  const Vec3 within(0, 0, 0.0005);
+  wire::Wrench answer = Send("a", within);
+  ASSERT_LT(answer.graphic_position_m[2], 0.002);
+  table_.Request(WholeRequestOf("crust"));
+  answer = Send("a", within);
+  EXPECT_EQ(wire::ToVec3(answer.force_N).norm(), 0.0);
+  EXPECT_NE(answer.faults & kFaultNotStarted, 0u);
+  table_.Update(now_ += kMs);
+  EXPECT_EQ(session.phase(), palpate_SESSION_ACTIVE);
+  EXPECT_EQ(session.start_sequence(), 0u) << "of the start before";
+  EXPECT_GT(session.start().p.z(), 0.0029) << "on the floor at 0, with a ball of 3 mm";
+  const double first = wire::ToVec3(Send("a", within).force_N).norm();
+  table_.Update(now_ += kMs);
+  EXPECT_EQ(session.start_sequence(), 8003u);
+  for (int i = 0; i < 200; ++i) answer = Send("a", within);
+  const double full = wire::ToVec3(answer.force_N).norm();
+  EXPECT_GT(full, 2.0);
+  EXPECT_LT(first, 0.02 * full);
+}
+
+TEST_F(SceneChangesTest, UndoneTwiceBeforeAPoseAreUndoneOnce) {
+  Admit("a", "left");
+  Scrape({{"a", 0.0}}, 3000);
+  taken_.clear();
+  table_.Request(WholeRequestOf("crust"));
+  table_.Request(WholeRequestOf("crust"));
+  EXPECT_EQ(table_.TakeWholes().size(), 2u);
+  Scrape({{"a", 0.0}}, 3000);
+  EXPECT_EQ(taken_.size(), 1u);
+  EXPECT_EQ(table_.sessions().at("a")->phase(), palpate_SESSION_ACTIVE);
+}
+
+TEST(SceneChanges, BeginAnewWithASessionWhereTheSceneSaysSo) {
+  const Scene scene = Crust();
+  SessionTable table(ToolsOf(scene, true), kServerRun);
+  Hand hand;
+  const auto scrape = [&] {
+    table.Request(RequestOf("a", "left"), kMs);
+    for (int i = 0; i < 4000; ++i) {
+      wire::Wrench answer{};
+      const double z = i < 500 ? 0.004 - 6e-6 * i : 0.001;
+      table.sessions().at("a")->loop().OnPose(hand.At(Vec3(0.008 * std::sin(5e-3 * i), 0, z)),
+                                              answer);
+      table.Update(kMs);
+    }
+    return table.TakeSceneChanges().size();
+  };
+  ASSERT_GT(scrape(), 5u);
+  EXPECT_THAT(table.TakeWholes(), IsEmpty());
+  table.Request(RequestOf("b", "right"), kMs);
+  EXPECT_THAT(table.TakeWholes(), IsEmpty()) << "a works there";
+  wire::SessionRequest leave = RequestOf("b", "right");
+  leave.leave = true;
+  table.Request(leave, kMs);
+  table.Update(kMs);
+  // `a` falls silent, and goes on where it was.
+  table.Update(1000 * kMs);
+  ASSERT_THAT(table.sessions(), IsEmpty());
+  table.Request(RequestOf("a", "left"), 1000 * kMs);
+  EXPECT_THAT(table.TakeWholes(), IsEmpty()) << "a resumes its session";
+  leave = RequestOf("a", "left");
+  leave.leave = true;
+  table.Request(leave, 1000 * kMs);
+  table.Update(1000 * kMs);
+  EXPECT_GT(scrape(), 5u);
+  const auto wholes = table.TakeWholes();
+  ASSERT_EQ(wholes.size(), 1u);
+  EXPECT_STREQ(wholes[0].by, "a");
+  EXPECT_EQ(wholes[0].request, 0u);
+}
+
+TEST(SceneChanges, CannotBeUndoneWhereNothingWears) {
+  SessionTable table({BallTool()}, kServerRun);
+  table.Request(WholeRequestOf("ball"));
+  const auto wholes = table.TakeWholes();
+  ASSERT_EQ(wholes.size(), 1u);
+  EXPECT_THAT(wholes[0].refusal, testing::HasSubstr("hardness_J"));
+  table.Request(WholeRequestOf("another server's"));
+  EXPECT_THAT(table.TakeWholes(), IsEmpty());
+}
+
 TEST_F(SceneChangesTest, AllocateNothingInTheLoop) {
   Admit("a", "left");
   Scrape({{"a", 0.0}}, 600);
-  table_.sessions().at("a")->Remove(5);
   ServoLoop& loop = table_.sessions().at("a")->loop();
+  table_.sessions().at("a")->MakeWhole();
+  wire::Wrench whole{};
+  const wire::HapticPose next = hands_["a"].At(Vec3(0, 0, 0.004));
+  const auto allocations_before = AllocationsOfThisThread();
+  loop.OnPose(next, whole);
+  EXPECT_EQ(AllocationsOfThisThread(), allocations_before);
+  table_.Update(now_ += kMs);  // forces begin again
+  table_.sessions().at("a")->Remove(5);
   const std::size_t before = loop.removals().size();
   std::vector<wire::HapticPose> poses;
   for (int i = 600; i < 3000; ++i) {

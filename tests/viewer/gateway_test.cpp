@@ -140,6 +140,7 @@ TEST(Gateway, TellsEachViewerWhatItIsAndWhichChannelsThereAre) {
            {"/palpate/station_statistics", "palpate::StationStatistics"},
            {"/palpate/session_state", "palpate::SessionState"},
            {"/palpate/scene_change", "palpate::SceneChange"},
+           {"/palpate/scene_whole", "palpate::SceneWhole"},
            {"/palpate/scene_bundle", "palpate::SceneBundle"}}) {
     ASSERT_TRUE(by_topic.contains(topic));
     EXPECT_EQ(by_topic[topic]["encoding"], "cdr");
@@ -642,7 +643,8 @@ TEST(Mouse, IsRefusedAToolThatIsTakenAndToldWhy) {
               HasSubstr("no server serves scene '--help'"));
   viewer.SendMouse({{"op", "dance"}});
   EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("the tool is refused"));
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("take, pose and release"));
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""),
+              HasSubstr("take, pose, release and whole"));
   EXPECT_TRUE(viewer.open());
 }
 

@@ -18,7 +18,7 @@ std::optional<MouseCommand> Parse(std::string_view text) {
   return command;
 }
 
-TEST(MouseCommand, TakesDragsAndReleases) {
+TEST(MouseCommand, TakesDragsReleasesAndMakesWhole) {
   const auto take = Parse(R"({"op":"take","scene":"cube","tool":"ball"})");
   ASSERT_TRUE(take);
   EXPECT_EQ(take->op, Op::kTake);
@@ -31,13 +31,17 @@ TEST(MouseCommand, TakesDragsAndReleases) {
   EXPECT_EQ(pose->X_WT.p, Vec3(0.1, -2, 0.003));
   EXPECT_EQ(pose->X_WT.q.y(), 0.5);
   EXPECT_EQ(Parse(R"({"op":"release"})")->op, Op::kRelease);
+  const auto whole = Parse(R"({"op":"whole","scene":"calculus"})");
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->op, Op::kWhole);
+  EXPECT_EQ(whole->scene, "calculus");
 }
 
 TEST(MouseCommand, IsRefusedWhereItIsNone) {
   for (const char* text :
-       {"", "{", "[]", "{}", R"({"op":"jump"})", R"({"op":"take"})", R"({"op":"take","scene":3})",
-        R"({"op":"pose"})", R"({"op":"pose","p":[1,2],"q":[1,0,0,0]})",
-        R"({"op":"pose","p":[1,2,"3"],"q":[1,0,0,0]})",
+       {"", "{", "[]", "{}", R"({"op":"jump"})", R"({"op":"take"})", R"({"op":"whole"})",
+        R"({"op":"take","scene":3})", R"({"op":"pose"})",
+        R"({"op":"pose","p":[1,2],"q":[1,0,0,0]})", R"({"op":"pose","p":[1,2,"3"],"q":[1,0,0,0]})",
         R"({"op":"pose","p":[1,2,null],"q":[1,0,0,0]})",
         R"({"op":"pose","p":[1,2,1e999],"q":[1,0,0,0]})",
         R"({"op":"pose","p":[1,2,3],"q":[1,0,0]})"}) {

@@ -56,6 +56,7 @@ class TopicFeedTest : public testing::Test {
   dds::Writer<wire::SessionState> states_{participant_, dds::kSessionStateTopic,
                                           dds::Qos::kSession};
   dds::Writer<wire::SceneChange> changes_{participant_, dds::kSceneChangeTopic, dds::Qos::kSession};
+  dds::Writer<wire::SceneWhole> wholes_{participant_, dds::kSceneWholeTopic, dds::Qos::kSession};
   dds::Writer<wire::ToolState> tools_{participant_, dds::kToolStateTopic, dds::Qos::kStream};
   TopicFeed feed_{kDomain};
   std::vector<FramePtr> frames_;
@@ -104,6 +105,24 @@ TEST_F(TopicFeedTest, KeepsWhatHasAStateInItsOrderAndNothingElse) {
   EXPECT_TRUE(feed_.Kept(TopicFeed::kToolState).empty());
 }
 
+TEST_F(TopicFeedTest, ForgetsChangesThatAreUndoneWhicheverIsHeardFirst) {
+  for (std::uint64_t number = 1; number <= 5; ++number) WriteChange(number, 1);
+  ASSERT_TRUE(PollUntil([&] { return feed_.Kept(TopicFeed::kSceneChange).size() == 5; }));
+  wire::SceneChange change{};
+  ASSERT_TRUE(dds::FromCdr(feed_.Kept(TopicFeed::kSceneChange)[0]->payload, change));
+  wire::SceneWhole whole{};
+  wire::FromText(change.scene, whole.scene);
+  whole.server_run = 1;
+  whole.last_change = 7;
+  wholes_.Write(whole);
+  ASSERT_TRUE(PollUntil([&] { return !feed_.Kept(TopicFeed::kSceneWhole).empty(); }));
+  EXPECT_TRUE(feed_.Kept(TopicFeed::kSceneChange).empty());
+  for (std::uint64_t number = 6; number <= 9; ++number) WriteChange(number, 1);
+  ASSERT_TRUE(PollUntil([&] { return feed_.Kept(TopicFeed::kSceneChange).size() == 2; }));
+  ASSERT_TRUE(dds::FromCdr(feed_.Kept(TopicFeed::kSceneChange)[0]->payload, change));
+  EXPECT_EQ(change.change, 8u);
+}
+
 TEST_F(TopicFeedTest, LetsANewServerTakeThePlaceOfTheFormerWhoseRestIsNotHeard) {
   WriteBundle("s", 1, {1});
   WriteBundle("gone", 1, {2});
@@ -127,8 +146,8 @@ TEST_F(TopicFeedTest, LetsANewServerTakeThePlaceOfTheFormerWhoseRestIsNotHeard) 
 
 TEST_F(TopicFeedTest, OffersEachTopicWithASchemaThatDeclaresItsType) {
   const auto channels = TopicFeed::Channels(true);
-  EXPECT_EQ(channels.size(), 7u);
-  EXPECT_EQ(TopicFeed::Channels(false).size(), 6u);
+  EXPECT_EQ(channels.size(), 8u);
+  EXPECT_EQ(TopicFeed::Channels(false).size(), 7u);
   for (const foxglove::Channel& channel : TopicFeed::Channels(false)) {
     EXPECT_THAT(channel.schema,
                 testing::HasSubstr("struct " + channel.schema_name.substr(9) + " {"));

@@ -25,6 +25,25 @@ test("what goes adds up, in whatever order and however often it is told", () => 
   expect(remains.trianglesOf(0).size).toBe(0);
 });
 
+test("what was undone stays so, whether the changes come before or after the word of it", () => {
+  const before = new Remains();
+  const after = new Remains();
+  for (const number of [1, 2, 3]) before.apply(change(number, [number]));
+  before.undo(2);
+  after.undo(2);
+  for (const number of [3, 2, 1]) after.apply(change(number, [number]));
+  for (const remains of [before, after]) {
+    expect([...remains.leavesOf(1)]).toEqual([3]);
+    expect([...remains.trianglesOf(1)]).toEqual([3]);
+    expect(remains.isWhole).toBe(false);
+    remains.undo(3);
+    expect(remains.isWhole).toBe(true);
+    // The same leaf goes again, by another change.
+    remains.apply(change(4, [3], {leaf: 3}));
+    expect([...remains.leavesOf(1)]).toEqual([3]);
+  }
+});
+
 test("what is whole again has nothing gone", () => {
   const remains = new Remains();
   remains.apply(change(1, [1]));

@@ -45,6 +45,7 @@ export const kChannels: readonly FakeChannel[] = [
   cdrChannel(3, "/palpate/session_state", "palpate::SessionState", kIdl("session")),
   cdrChannel(4, "/palpate/scene_change", "palpate::SceneChange", kIdl("session")),
   cdrChannel(6, "/palpate/station_statistics", "palpate::StationStatistics", kIdl("teaching")),
+  cdrChannel(7, "/palpate/scene_whole", "palpate::SceneWhole", kIdl("session")),
   {
     id: 5,
     topic: "/palpate/mouse_state",

@@ -3,7 +3,8 @@ import type {Pose, Vec3} from "./model/pose";
 import type {SceneModel} from "./model/bundle";
 import {type LinkFacts, type LinkReport, linkReport, Pulse} from "./model/link_report";
 import {looksTheSame} from "./model/pose_track";
-import {depthM, figure, statusSentence} from "./model/words";
+import {touchedObjects} from "./model/touched";
+import {depthM, figure, statusSentence, touchedWords} from "./model/words";
 import {type Change, kTopics, Station, World} from "./model/world";
 import {MouseDevice} from "./mouse/mouse_device";
 import {Connection, type LinkState} from "./protocol/connection";
@@ -12,6 +13,7 @@ import {type FetchedScene, fetchHealth, fetchScene} from "./protocol/scene_fetch
 import {Announcer} from "./ui/announcer";
 import {element, setOptions, setText} from "./ui/elements";
 import {listenForKeys} from "./ui/keys";
+import {Lesson} from "./ui/lesson";
 import {Plots} from "./ui/plots";
 import {Tables} from "./ui/tables";
 import {ThemeSwitch} from "./ui/theme";
@@ -21,6 +23,8 @@ import {SceneView} from "./view/scene_view";
 const kTickMs = 100; // plots and figures
 const kRetrySceneMs = 1000;
 const kWarmUp = 3;
+const kOldNewsS = 1; // what comes so soon after the link was opened was said before
+const kWholeShownMs = 5000;
 /// The gateway is asked how it is this often; that also tells a link that only looks open.
 const kAskHealthMs = 4000;
 const kAnswerWithinMs = 3000;
@@ -60,8 +64,10 @@ export class App {
   private readonly contactsText = element("contacts", HTMLOutputElement);
   private readonly sentence = element("sentence", HTMLParagraphElement);
   private readonly readout = element("readout", HTMLDivElement);
+  private readonly touchedText = element("touched", HTMLOutputElement);
   private readonly level = element("level", HTMLInputElement);
   private readonly numbers = element("numbers", HTMLButtonElement);
+  private readonly wholeButton = element("whole", HTMLButtonElement);
 
   private readonly world = new World((change, scene) => this.worldChanged(change, scene));
   private readonly connection: Connection;
@@ -69,6 +75,7 @@ export class App {
   private readonly mouse: MouseDevice;
   private readonly plots: Plots;
   private readonly tables = new Tables();
+  private readonly lesson: Lesson;
   private readonly announcer: Announcer;
 
   private link: LinkState = "connecting";
@@ -78,6 +85,8 @@ export class App {
   private lostS = -Infinity; // the first of them
   private gateway = {saidS: -Infinity, full: false, silences: 0};
   private mayTake = true; // a tool: until the gateway says otherwise
+  private wholeAsked = false;
+  private wholeTimer: number | undefined;
   private moving = ""; // the stations that move
   private scene = "";
   private chosenScene = new URLSearchParams(location.search).get("scene") ?? "";
@@ -103,13 +112,15 @@ export class App {
     this.view = new SceneView(
       this.canvas,
       element("labels", HTMLDivElement),
-      this.readout,
       element("buttons", HTMLDivElement),
       readPalette(),
       calm,
       () => this.askFrame(),
     );
     this.plots = new Plots(element("plots", HTMLDivElement));
+    this.lesson = new Lesson(this.readout, rememberInAddress, (student) =>
+      this.plots.showFor(student),
+    );
     const spoken = element("spoken", HTMLParagraphElement);
     this.announcer = new Announcer((sentence) => setText(spoken, sentence));
 
@@ -208,6 +219,11 @@ export class App {
         break;
       case "remains":
         if (scene === this.scene) this.view.updateRemains();
+        if (scene === this.scene) this.showWhole();
+        break;
+      case "whole":
+        if (scene === this.scene) this.view.updateRemains();
+        this.wholeAnswered(scene);
         break;
       case "serverRun":
         // It may serve other scenes, or another one under the same name.
@@ -278,6 +294,7 @@ export class App {
     const model = this.fetched.get(this.scene)?.model;
     this.view.setScene(model, this.world.remainsOf(this.scene));
     this.numbers.hidden = this.view.teeth === 0;
+    this.showWhole();
     this.drawn = [];
     document.title = this.scene === "" ? "Palpate" : `${this.scene} · Palpate`;
     this.canvas.setAttribute(
@@ -396,6 +413,10 @@ export class App {
     setText(this.torqueText, state ? figure(1000 * norm(state.torqueNm), 1) : "–");
     setText(this.depthText, state ? figure(1000 * depthM(state)) : "–");
     setText(this.contactsText, state ? String(state.contacts) : "–");
+    const model = this.fetched.get(this.scene)?.model;
+    const touched = state && model ? touchedObjects(model, state.points) : [];
+    setText(this.touchedText, state ? touchedWords(touched) : "–");
+    this.lesson.show(state ? norm(state.forceN) : 0);
     const sentence = statusSentence(state);
     setText(this.sentence, sentence);
     const report = this.showLink();
@@ -496,6 +517,36 @@ export class App {
   private mayTakeChanged(may: boolean): void {
     this.mayTake = may;
     for (const part of document.querySelectorAll<HTMLElement>(".of-mouse")) part.hidden = !may;
+    this.showWhole();
+  }
+
+  private showWhole(): void {
+    const wears = this.fetched.get(this.scene)?.model.wears ?? false;
+    this.wholeButton.hidden = !this.mayTake || !wears;
+    this.wholeButton.disabled = this.world.remainsOf(this.scene).isWhole;
+  }
+
+  private makeWhole(): void {
+    if (this.wholeButton.hidden || this.wholeButton.disabled) return;
+    this.wholeAsked = true;
+    this.showHint("Asking the server to make it whole…", false);
+    this.connection.publish(kTopics.mouse, {op: "whole", scene: this.scene});
+  }
+
+  /// Who looks on should know why the objects have changed; who comes later need not.
+  private wholeAnswered(scene: string): void {
+    this.showWhole();
+    const whole = this.world.wholeOf(scene);
+    const isNews = nowS() - this.openedS > kOldNewsS || this.wholeAsked;
+    if (scene !== this.scene || whole === undefined || !isNews) return;
+    this.wholeAsked = false;
+    const text =
+      whole.refusal === ""
+        ? `The ${scene} is whole again (${whole.by}).`
+        : `It is not made whole: ${whole.refusal}.`;
+    this.showHint(text, whole.refusal !== "");
+    window.clearTimeout(this.wholeTimer);
+    this.wholeTimer = window.setTimeout(() => this.showHold(), kWholeShownMs);
   }
 
   private showHold(): void {
@@ -582,6 +633,7 @@ export class App {
     follow.addEventListener("click", actions.follow);
     spheres.addEventListener("click", actions.spheres);
     this.numbers.addEventListener("click", actions.numbers);
+    this.wholeButton.addEventListener("click", () => this.makeWhole());
     element("reset", HTMLButtonElement).addEventListener("click", actions.reset);
     element("help", HTMLButtonElement).addEventListener("click", actions.help);
     panelToggle.addEventListener("click", actions.panel);
@@ -613,6 +665,8 @@ export class App {
       r: actions.reset,
       s: actions.spheres,
       n: actions.numbers,
+      w: () => this.makeWhole(),
+      v: () => this.lesson.switchAudience(),
       "[": () => actions.level(-1),
       "]": () => actions.level(1),
       p: actions.panel,
@@ -682,7 +736,8 @@ type ToolNow = (
 /// So that a teacher can hand on a link to what is seen.
 function rememberInAddress(name: string, value: string): void {
   const url = new URL(location.href);
-  url.searchParams.set(name, value);
+  if (value === "") url.searchParams.delete(name);
+  else url.searchParams.set(name, value);
   history.replaceState(null, "", url);
 }
 

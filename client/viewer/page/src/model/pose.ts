@@ -24,6 +24,8 @@ export function multiply(a: Quat, b: Quat): Quat {
   ];
 }
 
+export const conjugate = (q: Quat): Quat => [q[0], -q[1], -q[2], -q[3]];
+
 export function normalised(q: Quat): Quat {
   const length = Math.hypot(q[0], q[1], q[2], q[3]);
   return length > 0 ? [q[0] / length, q[1] / length, q[2] / length, q[3] / length] : kIdentity.q;

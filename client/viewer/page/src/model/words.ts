@@ -25,6 +25,14 @@ export function figure(value: number, digits = 2): string {
 const plural = (count: number, one: string, many = `${one}s`): string =>
   `${count.toLocaleString("en")} ${count === 1 ? one : many}`;
 
+/// What pushes the tool; a tooth by its number and not as one of twenty-eight.
+export function touchedWords(names: readonly string[]): string {
+  if (names.length === 0) return "nothing";
+  const [first, second] = names.map((name) => name.replace(/[-_]/g, " "));
+  if (second === undefined) return first!;
+  return names.length === 2 ? `${first}, ${second}` : `${first} and ${names.length - 1} more`;
+}
+
 /// One sentence for those who do not see the picture.
 export function statusSentence(state: ToolState | undefined): string {
   if (!state) return "No tool is moving.";

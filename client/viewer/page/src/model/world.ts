@@ -1,9 +1,11 @@
 import {
   type LoopStatistics,
+  type SceneWhole,
   type SessionState,
   type StationStatistics,
   toLoopStatistics,
   toSceneChange,
+  toSceneWhole,
   toSessionState,
   toStationStatistics,
   type ToolState,
@@ -21,6 +23,7 @@ export const kTopics = {
   stationStatistics: "/palpate/station_statistics",
   sessionState: "/palpate/session_state",
   sceneChange: "/palpate/scene_change",
+  sceneWhole: "/palpate/scene_whole",
   mouse: "/palpate/mouse",
   mouseState: "/palpate/mouse_state",
 } as const;
@@ -107,7 +110,14 @@ const atRest = (state: ToolState): ToolState => ({
 });
 
 /// What changed, so that only that is drawn anew.
-export type Change = "tool" | "sessions" | "statistics" | "scenes" | "remains" | "serverRun";
+export type Change =
+  | "tool"
+  | "sessions"
+  | "statistics"
+  | "scenes"
+  | "remains"
+  | "whole"
+  | "serverRun";
 
 /// Everything that the gateway has told.  Knows no socket and no screen.
 export class World {
@@ -115,6 +125,7 @@ export class World {
   scenes: ReadonlySet<string> = new Set(); // by name: those that the gateway has
   lastStateS = -Infinity;
   private readonly remains = new Map<string, Remains>(); // by scene
+  private readonly wholes = new Map<string, SceneWhole>(); // by scene
   private serverRun = "";
   private readonly formerRuns = new Set<string>();
 
@@ -146,6 +157,14 @@ export class World {
         this.changed("remains", change.scene);
         break;
       }
+      case kTopics.sceneWhole: {
+        const whole = toSceneWhole(value);
+        if (!this.isOfServer(whole.serverRun)) break;
+        this.remainsOf(whole.scene).undo(whole.lastChange);
+        this.wholes.set(whole.scene, whole);
+        this.changed("whole", whole.scene);
+        break;
+      }
     }
   }
 
@@ -170,6 +189,11 @@ export class World {
     let remains = this.remains.get(scene);
     if (!remains) this.remains.set(scene, (remains = new Remains()));
     return remains;
+  }
+
+  /// What was last said of making it whole.
+  wholeOf(scene: string): SceneWhole | undefined {
+    return this.wholes.get(scene);
   }
 
   /// The stations that are of use to look at, those with a tool first.
@@ -222,6 +246,7 @@ export class World {
     this.serverRun = run;
     if (former === "") return true;
     this.formerRuns.add(former);
+    this.wholes.clear();
     this.forgetSessions();
     for (const [scene, remains] of this.remains) {
       remains.clear();

@@ -91,6 +91,16 @@ export interface SceneChange {
   readonly triangles: readonly number[];
 }
 
+/// A worn scene has been made whole, or why it has not.
+export interface SceneWhole {
+  readonly scene: string;
+  readonly serverRun: string;
+  readonly lastChange: number; // changes up to this one are undone
+  readonly request: string;
+  readonly by: string;
+  readonly refusal: string;
+}
+
 /// What became of the page's own wish to take a tool.
 export interface MouseState {
   readonly station: string;
@@ -225,6 +235,18 @@ export function toSceneChange(value: unknown): SceneChange {
     objectIndex: fields.number("object_index"),
     leaf: fields.number("leaf"),
     triangles: fields.numbers("triangle").slice(0, fields.number("triangles")),
+  };
+}
+
+export function toSceneWhole(value: unknown): SceneWhole {
+  const fields = new Fields(value);
+  return {
+    scene: fields.text("scene"),
+    serverRun: fields.id("server_run"),
+    lastChange: fields.number("last_change"),
+    request: fields.id("request"),
+    by: fields.text("by"),
+    refusal: fields.text("refusal"),
   };
 }
 

@@ -21,11 +21,18 @@ const kKinds: Readonly<Record<(typeof kFigures)[number], PlotKind>> = {
 
 /// Live plots of one station, one under the other on one axis of time.
 export class Plots {
-  private plots: {plot: uPlot; value: HTMLOutputElement; unit: string}[] = [];
+  private plots: {plot: uPlot; value: HTMLOutputElement; unit: string; figure: number}[] = [];
+  private wanted: readonly (typeof kFigures)[number][] = kFigures;
 
   constructor(private readonly parent: HTMLElement) {
     this.build();
     new ResizeObserver(() => this.resize()).observe(parent);
+  }
+
+  /// A student needs force and depth alone.
+  showFor(student: boolean): void {
+    this.wanted = student ? ["force", "depth"] : kFigures;
+    this.build();
   }
 
   /// Anew, in the style sheet's present colours.
@@ -34,9 +41,9 @@ export class Plots {
     const style = getComputedStyle(document.documentElement);
     const colour = (name: string): string => style.getPropertyValue(`--${name}`).trim();
     this.parent.replaceChildren();
-    this.plots = kFigures.map((name, i) => {
+    this.plots = this.wanted.map((name, i) => {
       const kind = kKinds[name];
-      const isLast = i === kFigures.length - 1;
+      const isLast = i === this.wanted.length - 1;
       const box = document.createElement("div");
       box.className = isLast ? "plot last" : "plot";
       const header = document.createElement("header");
@@ -53,13 +60,13 @@ export class Plots {
       box.append(header, chart);
       this.parent.append(box);
       const plot = new uPlot(options(kind, chart, isLast, colour), [[], []], chart);
-      return {plot, value, unit: kind.unit};
+      return {plot, value, unit: kind.unit, figure: kFigures.indexOf(name)};
     });
   }
 
   update(station: Station | undefined, nowS: number): void {
     if (this.parent.clientWidth === 0) return; // the panel is closed
-    this.plots.forEach(({plot, value, unit}, i) => {
+    this.plots.forEach(({plot, value, unit, figure: i}) => {
       const [times, figures] = station?.history.series(i, nowS) ?? [[], []];
       plot.setData([times, figures]);
       const last = figures.at(-1);

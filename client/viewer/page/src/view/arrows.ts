@@ -15,10 +15,13 @@ import {
 import {norm, type Vec3} from "../model/pose";
 import type {ContactPoint} from "../protocol/messages";
 
-/// Force and torque as arrows that show through everything, each with a halo that sets it off.
-/// Lengths follow one rule, so that the contacts' arrows add up to the force's.
+/// Force and torque as arrows that show through everything, each with a halo that sets it off.  The
+/// tool shows through them in turn.  Lengths follow one rule, so that the contacts' arrows add up to
+/// the force's, up to the longest that a picture has room for.
 const kLengthPerNewton = 0.3; // of the scene's radius
-const kLongest = 1.1;
+const kLongest = 0.6;
+const kOpacity = 0.72;
+const kHaloOpacity = 0.3;
 const kWeakestN = 0.01;
 const kUp = new Vector3(0, 1, 0);
 
@@ -30,6 +33,13 @@ function layered(
   const mesh = new Mesh(geometry, material);
   mesh.renderOrder = order;
   return {mesh, material};
+}
+
+function paintAll(materials: readonly MeshBasicMaterial[], colour: Color, opacity: number): void {
+  for (const material of materials) {
+    material.color.copy(colour);
+    material.opacity = opacity;
+  }
 }
 
 const kShaft = new CylinderGeometry(1, 1, 1, 20).translate(0, 0.5, 0);
@@ -57,8 +67,8 @@ class Arrow {
   }
 
   paint(colour: Color, halo: Color): void {
-    for (const material of this.colours) material.color.copy(colour);
-    for (const material of this.halos) material.color.copy(halo);
+    paintAll(this.colours, colour, kOpacity);
+    paintAll(this.halos, halo, kHaloOpacity);
   }
 
   set(from: Vec3, vectorN: Vec3, radiusM: number): void {
@@ -102,8 +112,8 @@ class TorqueArrow {
   }
 
   paint(colour: Color, halo: Color): void {
-    for (const material of this.colours) material.color.copy(colour);
-    for (const material of this.halos) material.color.copy(halo);
+    paintAll(this.colours, colour, kOpacity);
+    paintAll(this.halos, halo, kHaloOpacity);
   }
 
   /// A newton at the scene's radius gives a circle of kAtOne of it; area goes with torque.
@@ -161,7 +171,8 @@ export class ForceMarks {
       dot.visible = point !== undefined;
       arrow.group.visible = false;
       if (!point) return;
-      arrow.set(point.positionM, point.forceN, radiusM);
+      // One contact's arrow would be the force's own.
+      if (points.length > 1) arrow.set(point.positionM, point.forceN, radiusM);
       dot.position.set(...point.positionM);
       dot.scale.setScalar(radiusM * (0.01 + 0.012 * Math.min(1, Math.sqrt(norm(point.forceN)))));
     });

@@ -20,11 +20,9 @@ export class ToothLabels {
   private readonly lines = document.createElementNS(kSvg, "svg");
   private labels: Label[] = [];
 
-  /// @param figures  in the sheet's upper left corner
   /// @param buttons  along its lower edge
   constructor(
     private readonly sheet: HTMLElement,
-    private readonly figures: HTMLElement,
     private readonly buttons: HTMLElement,
   ) {
     sheet.append(this.lines);
@@ -60,10 +58,8 @@ export class ToothLabels {
     const label = {width: kLabel.width + kAir, height: kLabel.height + kAir};
     const clear = tools.flatMap((tool) => circlesOf(tool, eye, toPixels, room.height));
     const wanted = this.labels.map((one) => toPixels(one.wanted));
-    const {offsetLeft, offsetTop, offsetWidth, offsetHeight} = this.figures;
     const free = {width: room.width, height: this.buttons.offsetTop};
-    const corner = {width: offsetLeft + offsetWidth, height: offsetTop + offsetHeight};
-    layOut(wanted, label, clear, free, corner).forEach(({x, y}, i) => {
+    layOut(wanted, label, clear, free).forEach(({x, y}, i) => {
       const {text, line, tooth} = this.labels[i]!;
       text.style.transform = `translate(${x - 0.5 * kLabel.width}px, ${y - 0.5 * kLabel.height}px)`;
       const end = toPixels(tooth);

@@ -3,6 +3,7 @@ import {DirectionalLight, HemisphereLight, Scene, WebGLRenderer} from "three";
 import type {FirstSight, SceneModel} from "../model/bundle";
 import {add, angleBetween, norm, type Pose, rotate, subtract, type Vec3} from "../model/pose";
 import type {Remains} from "../model/remains";
+import {middleOfPush} from "../model/touched";
 import type {ToolState} from "../protocol/messages";
 import {ForceMarks} from "./arrows";
 import {BodyMesh, place, SurfaceCache} from "./body_mesh";
@@ -40,14 +41,13 @@ export class SceneView {
   constructor(
     private readonly canvas: HTMLCanvasElement,
     labelSheet: HTMLElement,
-    figures: HTMLElement,
     buttons: HTMLElement,
     private palette: Palette,
     calm: boolean,
     private readonly changed: () => void,
   ) {
     this.renderer = makeRenderer(canvas);
-    this.labels = new ToothLabels(labelSheet, figures, buttons);
+    this.labels = new ToothLabels(labelSheet, buttons);
     this.camera = new Camera(canvas, calm, changed);
     const key = new DirectionalLight(0xffffff, 1.9);
     key.position.set(0.5, 0.9, 0.8);
@@ -140,7 +140,8 @@ export class SceneView {
       norm(subtract(pointOf(state.haptic, centroid), pointOf(state.graphic, centroid))) +
       radiusM * angleBetween(state.haptic.q, state.graphic.q);
     tool.ghost.setDistance(apart);
-    const at = pointOf(state.graphic, centroid);
+    // Where the objects push: a long tool's centroid is often out of the picture.
+    const at = middleOfPush(state.points) ?? pointOf(state.graphic, centroid);
     tool.marks.set(at, state.forceN, state.torqueNm, state.points, this.radiusM);
   }
 

@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "common/command_line.h"
+#include "common/dds/cdr_reader.h"
+#include "common/dds/endpoint.h"
+#include "common/dds/topics.h"
+#include "common/error.h"
+#include "common/log.h"
+#include "common/random_run.h"
+#include "common/stop_signal.h"
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::chrono::milliseconds kPoll{5};
+constexpr std::int64_t kPatience_ns = 5'000'000'000;
+
+constexpr const char* kAbout =
+    R"(Gives a lesson again: 'whole' makes scenes whole whose objects have worn, for all who feel and see
+them.  Forces are off for a moment, and come back once the tool is free of what has come back.
+)";
+
+constexpr const char* kExample =
+    R"(Example: palpate-lesson whole calculus
+The page has a button for it, and a scene file's "whole_at_start" does it whenever a session begins
+where no other works.
+
+Exit status: 0 done, 1 failed, 2 wrong usage.)";
+
+struct Options {
+  std::vector<std::string> scenes;
+  dds::Network network;
+  int domain = 0;
+  std::string log_level = "info";
+};
+
+/// What a server says that it serves; none before one is heard.
+class Served {
+ public:
+  explicit Served(const dds::Participant& service)
+      : reader_(service, dds::kSceneOfferTopic, dds::Qos::kSession) {}
+  ~Served() { dds::FreeContents(offer_); }
+  Served(const Served&) = delete;
+  Served& operator=(const Served&) = delete;
+
+  const std::optional<std::vector<std::string>>& Take() {
+    dds::CdrSample raw;
+    while (reader_.Take(raw, offer_)) {
+      names_.emplace();
+      for (const wire::OfferedScene& scene :
+           std::span(offer_.scenes._buffer, offer_.scenes._length)) {
+        names_->push_back(scene.scene);
+      }
+    }
+    return names_;
+  }
+
+ private:
+  dds::CdrReader<wire::SceneOffer> reader_;
+  wire::SceneOffer offer_{};
+  std::optional<std::vector<std::string>> names_;
+};
+
+void RefuseUnserved(const std::string& scene, const std::vector<std::string>& served) {
+  if (std::ranges::find(served, scene) != served.end()) return;
+  std::string list;
+  for (const std::string& name : served) list += (list.empty() ? "" : ", ") + name;
+  throw Error("scene '" + scene + "' is not served here; served are: " + list);
+}
+
+std::string Silence(const Options& options, bool heard) {
+  const std::string where = "domain " + std::to_string(options.domain) + " of " +
+                            (options.network.this_host() ? "this host" : options.network.interface);
+  return heard ? "the server in " + where + " does not answer; is it of this version?"
+               : "no server is heard in " + where +
+                     "; start palpate-server, or give its --domain and --network";
+}
+
+/// False where the user ended it.
+bool MakeWhole(const Options& options, StopSignal& stop) {
+  const dds::Participant service = dds::Participant::Service(options.domain, options.network);
+  Served served(service);
+  dds::Reader<wire::SceneWhole> wholes(service, dds::kSceneWholeTopic, dds::Qos::kRecordSession);
+  dds::Writer<wire::WholeRequest> requests(service, dds::kWholeRequestTopic, dds::Qos::kSession);
+  std::map<std::uint64_t, std::string> asked;  // and not answered
+  bool any_asked = false;
+  for (const std::int64_t began_ns = SteadyNanoseconds();;) {
+    const auto& names = served.Take();
+    if (names && !any_asked) {
+      any_asked = true;
+      for (const std::string& scene : options.scenes) RefuseUnserved(scene, *names);
+      for (const std::string& scene : options.scenes) {
+        wire::WholeRequest request{};
+        wire::FromText(scene, request.scene);
+        request.request = RandomRun();
+        wire::FromText("palpate-lesson", request.by);
+        asked[request.request] = scene;
+        requests.Write(request);
+      }
+    }
+    for (wire::SceneWhole whole; wholes.Take(whole);) {
+      if (asked.erase(whole.request) == 0) continue;
+      if (whole.refusal[0] != '\0') {
+        throw Error(std::string("scene '") + whole.scene + "': " + whole.refusal);
+      }
+      std::printf("%s: whole again\n", whole.scene);
+    }
+    if (any_asked && asked.empty()) return true;
+    if (SteadyNanoseconds() - began_ns > kPatience_ns) {
+      throw Error(Silence(options, names.has_value()));
+    }
+    if (stop.WaitFor(kPoll)) return false;
+  }
+}
+
+/// Nothing where --help or --version was asked for.  Throws UsageError.
+std::optional<Options> ParseOptions(int argc, const char* const* argv) {
+  Options options;
+  CLI::App app(kAbout, "palpate-lesson");
+  app.footer(kExample);
+  AddNetworkOptions(app, "the server", options.network);
+  AddCommonOptions(app, "which server: the same number as there", options.domain,
+                   options.log_level);
+  CLI::App* whole = app.add_subcommand("whole", "make scenes whole again");
+  whole->fallthrough();
+  whole->add_option("SCENE", options.scenes, "names of scenes that are served")->required();
+  app.require_subcommand(0, 1);
+  if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
+  if (!*whole) throw UsageError("say what to do: 'palpate-lesson whole SCENE', or --help");
+  for (const std::string& scene : options.scenes) {
+    if (scene.size() > 64) throw UsageError("SCENE: a scene's name has 64 letters at most");
+  }
+  return options;
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  return palpate::RunProgram("palpate-lesson", [&] {
+    const auto options = palpate::ParseOptions(argc, argv);
+    if (!options) return 0;
+    palpate::SetUpLog("palpate-lesson", options->log_level);
+    palpate::StopSignal stop;
+    return palpate::MakeWhole(*options, stop) ? 0 : 1;
+  });
+}

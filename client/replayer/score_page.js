@@ -1,0 +1,108 @@
+// The paths in space, at the time that the slider says.  `score` is written before this script.
+const canvas = document.getElementById("space");
+const slider = document.getElementById("time");
+const now = document.getElementById("now");
+const clock = document.getElementById("clock");
+const {time, tracks} = score;
+let azimuth = 0.6;
+let height = 0.45;
+let nearer = 1; // then about where the expert is
+
+const all = tracks.flatMap(({p}) => p);
+const middle = [0, 1, 2].map((i) => {
+  const values = all.map((p) => p[i]);
+  return (Math.min(...values) + Math.max(...values)) / 2;
+});
+const reach = Math.max(1, ...all.map((p) => Math.hypot(...p.map((x, i) => x - middle[i]))));
+const colour = (i) => getComputedStyle(document.body).getPropertyValue(`--c${i % 8}`);
+const ink = (name) => getComputedStyle(document.body).getPropertyValue(name);
+
+/// To the right and up, in millimetres from the middle: y is up, as in the scenes.
+function onPaper(p, about) {
+  const [x, y, z] = p.map((value, i) => value - about[i]);
+  const right = x * Math.cos(azimuth) - z * Math.sin(azimuth);
+  const near = x * Math.sin(azimuth) + z * Math.cos(azimuth);
+  return [right, y * Math.cos(height) - near * Math.sin(height)];
+}
+
+function draw() {
+  const scale = window.devicePixelRatio || 1;
+  const {clientWidth: w, clientHeight: h} = canvas;
+  canvas.width = w * scale;
+  canvas.height = h * scale;
+  const pen = canvas.getContext("2d");
+  pen.scale(scale, scale);
+  const zoom = (0.46 * nearer * Math.min(w, h)) / reach;
+  const k = Number(slider.value);
+  const about = nearer > 1 ? tracks[0].p[k] : middle;
+  const at = (p) => {
+    const [x, y] = onPaper(p, about);
+    return [w / 2 + zoom * x, h / 2 - zoom * y];
+  };
+  pen.lineJoin = "round";
+  tracks.forEach(({p}, i) => {
+    for (const [from, to, strength] of [[0, p.length, 0.35], [0, k + 1, 1]]) {
+      pen.globalAlpha = strength;
+      pen.strokeStyle = colour(i);
+      pen.lineWidth = i === 0 ? 3 : 2;
+      pen.beginPath();
+      for (let j = from; j < to; j++) pen.lineTo(...at(p[j]));
+      pen.stroke();
+    }
+  });
+  pen.globalAlpha = 1;
+  tracks.forEach(({p}, i) => {
+    pen.fillStyle = colour(i);
+    pen.beginPath();
+    pen.arc(...at(p[k]), 5, 0, 2 * Math.PI);
+    pen.fill();
+  });
+  // A length to measure by.
+  const round = 10 ** Math.floor(Math.log10(reach / nearer));
+  pen.strokeStyle = pen.fillStyle = ink("--quiet");
+  pen.lineWidth = 1.5;
+  pen.beginPath();
+  pen.moveTo(16, h - 16);
+  pen.lineTo(16 + zoom * round, h - 16);
+  pen.stroke();
+  pen.font = "13px system-ui, sans-serif";
+  pen.fillText(`${round} mm`, 16, h - 22);
+}
+
+function show() {
+  const k = Number(slider.value);
+  clock.textContent = `${time[k].toFixed(2)} s`;
+  const lines = tracks.map(({name, f, d}, i) => {
+    const line = document.createElement("li");
+    const dot = document.createElement("i");
+    dot.style.background = `var(--c${i % 8})`;
+    const away = d ? `, ${d[k].toFixed(1)} mm away` : "";
+    line.append(dot, `${name}: ${f[k].toFixed(2)} N${away}`);
+    return line;
+  });
+  now.replaceChildren(...lines);
+  draw();
+}
+
+slider.max = String(time.length - 1);
+slider.value = slider.max;
+slider.addEventListener("input", show);
+canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
+canvas.addEventListener("pointermove", (event) => {
+  if (event.buttons === 0) return;
+  azimuth -= 0.01 * event.movementX;
+  height = Math.min(1.57, Math.max(-1.57, height + 0.01 * event.movementY));
+  draw();
+});
+canvas.addEventListener(
+  "wheel",
+  (event) => {
+    event.preventDefault();
+    nearer = Math.min(20, Math.max(1, nearer * Math.exp(-0.002 * event.deltaY)));
+    draw();
+  },
+  {passive: false},
+);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+new ResizeObserver(draw).observe(canvas);
+show();

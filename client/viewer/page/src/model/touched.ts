@@ -1,0 +1,53 @@
+import type {ContactPoint} from "../protocol/messages";
+import type {Body, SceneModel} from "./bundle";
+import {add, conjugate, norm, rotate, scale, subtract, type Vec3} from "./pose";
+
+/// A contact is at most this far from what it touches: soft surfaces give way [m].
+const kReachM = 3e-3;
+const kLeastN = 0.01;
+
+/// The objects that push the tool, by name, the one that pushes hardest first.
+export function touchedObjects(model: SceneModel, points: readonly ContactPoint[]): string[] {
+  const newtons = new Map<string, number>();
+  for (const {positionM, forceN} of points) {
+    const force = norm(forceN);
+    if (force < kLeastN) continue;
+    const body = nearest(model.objects, positionM);
+    if (body) newtons.set(body.name, (newtons.get(body.name) ?? 0) + force);
+  }
+  return [...newtons].sort(([, a], [, b]) => b - a).map(([name]) => name);
+}
+
+function nearest(objects: readonly Body[], at: Vec3): Body | undefined {
+  // Vertices stand apart: what lies between three of them is further from each than from the face.
+  let found: Body | undefined;
+  let least = Infinity;
+  for (const body of objects) {
+    const local = rotate(conjugate(body.pose.q), subtract(at, body.pose.p));
+    const {centre, radiusM, vertices} = body.geometry;
+    if (norm(subtract(local, centre)) > radiusM + kReachM) continue;
+    for (let i = 0; i < vertices.length; i += 3) {
+      const dx = vertices[i]! - local[0];
+      const dy = vertices[i + 1]! - local[1];
+      const dz = vertices[i + 2]! - local[2];
+      const square = dx * dx + dy * dy + dz * dz;
+      if (square < least) {
+        least = square;
+        found = body;
+      }
+    }
+  }
+  return found;
+}
+
+/// Where all contacts together push: their points' mean by force; none where nothing pushes.
+export function middleOfPush(points: readonly ContactPoint[]): Vec3 | undefined {
+  let sum: Vec3 = [0, 0, 0];
+  let newtons = 0;
+  for (const {positionM, forceN} of points) {
+    const force = norm(forceN);
+    sum = add(sum, scale(positionM, force));
+    newtons += force;
+  }
+  return newtons < kLeastN ? undefined : scale(sum, 1 / newtons);
+}

@@ -1,0 +1,114 @@
+// A worn scene made whole, with everybody there: server, hand, recorder, command and replay.
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "common/dds/endpoint.h"
+#include "common/dds/topics.h"
+#include "tests/support/program.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+const int kDomain = 10 + getpid() % 25;  // as in tests/integration/rig.h
+
+Program Here(const std::string& program, std::vector<std::string> words) {
+  words.insert(words.end(), {"--domain", std::to_string(kDomain)});
+  return {PALPATE_BIN_DIR "/" + program, std::move(words)};
+}
+
+bool Until(const std::function<bool()>& done) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!done()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return true;
+}
+
+TEST(LessonProgram, TeachesItselfWithAnExample) {
+  Program program(PALPATE_BIN_DIR "/palpate-lesson", {"--help"});
+  EXPECT_EQ(program.Exit(), 0);
+  EXPECT_THAT(program.Output(), HasSubstr("Example: palpate-lesson whole calculus"));
+}
+
+TEST(LessonProgram, SaysWhatThereIsToDoWhereNothingIsAskedFor) {
+  Program program(PALPATE_BIN_DIR "/palpate-lesson", {});
+  EXPECT_EQ(program.Exit(), 2);
+  EXPECT_THAT(program.Output(), HasSubstr("palpate-lesson whole SCENE"));
+}
+
+TEST(LessonProgram, SaysThatNoServerIsThere) {
+  Program program = Here("palpate-lesson", {"whole", "calculus"});
+  EXPECT_EQ(program.Exit(), 1);
+  EXPECT_THAT(program.Output(), HasSubstr("no server is heard in domain"));
+}
+
+TEST(LessonProgram, MakesWholeWhatAHandScrapesOffAndTheRecordingOfItIsVerified) {
+  const std::string file =
+      testing::TempDir() + "palpate_lesson_" + std::to_string(getpid()) + ".mcap";
+  Program server =
+      Here("palpate-server", {"calculus", "cube", "--transport", "udp", "--realtime", "off"});
+  ASSERT_TRUE(server.Says("ready: ", 60.0)) << server.Output();
+  Program recorder = Here("palpate-record", {"-o", file, "--overwrite", "--transport", "udp"});
+  ASSERT_TRUE(recorder.Says("recording to ")) << recorder.Output();
+  Program station =
+      Here("palpate-station", {"--device", "simulated", "--scene", "calculus", "--id", "hand",
+                               "--loop", "--no-table", "--transport", "udp", "--realtime", "off"});
+  const dds::Participant viewer = dds::Participant::Service(kDomain);
+  dds::Reader<wire::SceneChange> changes(viewer, dds::kSceneChangeTopic, dds::Qos::kRecordSession);
+  dds::Reader<wire::SceneWhole> wholes(viewer, dds::kSceneWholeTopic, dds::Qos::kSession);
+  wire::SceneChange change{};
+  const auto worn_past = [&](std::uint64_t number) {
+    return Until([&] {
+      server.Output();  // a full pipe would stop it
+      while (changes.Take(change)) continue;
+      return change.change > number;
+    });
+  };
+  ASSERT_TRUE(worn_past(5)) << station.Output() << server.Output();
+
+  Program lesson = Here("palpate-lesson", {"whole", "calculus"});
+  EXPECT_EQ(lesson.Exit(), 0);
+  EXPECT_THAT(lesson.Output(), HasSubstr("calculus: whole again"));
+  wire::SceneWhole whole{};
+  ASSERT_TRUE(Until([&] { return wholes.Take(whole); }));
+  EXPECT_GE(whole.last_change, 5u);
+  EXPECT_STREQ(whole.by, "palpate-lesson");
+  // The hand goes on, and scrapes again.
+  EXPECT_TRUE(worn_past(whole.last_change + 3)) << station.Output();
+
+  for (const auto& [scene, why] : {std::pair{"cube", "nothing wears there"},
+                                   std::pair{"mould", "served are: calculus, cube"}}) {
+    Program refused = Here("palpate-lesson", {"whole", scene});
+    EXPECT_EQ(refused.Exit(), 1);
+    EXPECT_THAT(refused.Output(), HasSubstr(why));
+  }
+  station.Signal(SIGINT);
+  EXPECT_EQ(station.Exit(), 0);
+  recorder.Signal(SIGINT);
+  EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
+  server.Signal(SIGINT);
+  EXPECT_EQ(server.Exit(), 0);
+
+  Program verify(PALPATE_BIN_DIR "/palpate-replay", {file, "--verify"});
+  EXPECT_EQ(verify.Exit(60.0), 0) << verify.Output();
+  EXPECT_THAT(verify.Output(), HasSubstr("same: station hand"));
+  Program info(PALPATE_BIN_DIR "/palpate-record", {"info", file});
+  EXPECT_EQ(info.Exit(), 0);
+  EXPECT_THAT(info.Output(), HasSubstr("palpate/scene_whole"));
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace palpate::test
