@@ -1,12 +1,10 @@
 #include "client/station/options.h"
 
-#include <cstdio>
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include "common/error.h"
 
@@ -27,24 +25,6 @@ std::string Complaint(const std::vector<const char*>& arguments) {
     return error.what();
   }
   return "";
-}
-
-/// Runs the program; its exit status and what it printed.
-struct Outcome {
-  int status;
-  std::string text;
-};
-Outcome RunProgram(const std::string& arguments) {
-  const std::string command =
-      std::string(PALPATE_BIN_DIR) + "/palpate-station " + arguments + " 2>&1";
-  Outcome outcome{-1, ""};
-  std::FILE* pipe = popen(command.c_str(), "r");
-  char buffer[4096];
-  for (std::size_t n; (n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) {
-    outcome.text.append(buffer, n);
-  }
-  outcome.status = WEXITSTATUS(pclose(pipe));
-  return outcome;
 }
 
 TEST(StationOptions, ReadsWhatItIsGiven) {
@@ -122,40 +102,6 @@ TEST(StationOptions, NamesTheArgumentThatIsWrong) {
   EXPECT_THAT(with({"--cpu", "-2"}), HasSubstr("--cpu"));
   EXPECT_THAT(with({"--scale", "nan"}), HasSubstr("--scale"));
   EXPECT_THAT(with({"--frobnicate"}), HasSubstr("--frobnicate"));
-}
-
-TEST(PalpateStation, ExitsWithTwoForWrongUsage) {
-  const Outcome outcome = RunProgram("--device simulated --scene cube");
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_THAT(outcome.text, HasSubstr("--id"));
-  EXPECT_EQ(RunProgram("--device simulated --scene cube --id a --log-level loud").status, 2);
-}
-
-TEST(PalpateStation, ExitsWithOneWhereItFails) {
-  const Outcome no_script =
-      RunProgram("--device simulated --scene cube --id a --script /nowhere/path.json");
-  EXPECT_EQ(no_script.status, 1);
-  EXPECT_THAT(no_script.text, HasSubstr("/nowhere/path.json"));
-  const Outcome no_workspace =
-      RunProgram("--device simulated --scene cube --id a --workspace /nowhere/desk.json");
-  EXPECT_EQ(no_workspace.status, 1);
-  EXPECT_THAT(no_workspace.text, HasSubstr("/nowhere/desk.json"));
-  // A domain that no other test takes.
-  const Outcome no_scene =
-      RunProgram("--device simulated --scene no-such-scene --id a --domain 35 --wait 0.2");
-  EXPECT_EQ(no_scene.status, 1);
-  EXPECT_THAT(no_scene.text, HasSubstr("no server answers in domain 35"));
-  EXPECT_THAT(no_scene.text, HasSubstr("start 'palpate-server --scene no-such-scene"));
-}
-
-TEST(PalpateStation, HelpsWithAnExample) {
-  const Outcome help = RunProgram("--help");
-  EXPECT_EQ(help.status, 0);
-  EXPECT_THAT(help.text, HasSubstr("palpate-server --scene bunny-bunny"));
-  EXPECT_THAT(help.text, HasSubstr("--model premium-3.0, premium-1.5, touch"));
-  const Outcome version = RunProgram("--version");
-  EXPECT_EQ(version.status, 0);
-  EXPECT_THAT(version.text, HasSubstr("palpate-station 0."));
 }
 
 TEST(StationOptions, FindAServerOnAnotherHostAndATracesFile) {

@@ -1,0 +1,68 @@
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/program.h"
+
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+
+/// The exit status of palpate-station, and what it printed.
+struct Outcome {
+  int status;
+  std::string text;
+};
+Outcome RunStation(const std::vector<std::string>& arguments) {
+  test::Program program(test::OwnFolder() + "/palpate-station", arguments);
+  const int status = program.Exit();
+  return {status, program.Output()};
+}
+
+/// A station that is right but for what `more` says.
+Outcome RunSimulated(std::vector<std::string> more) {
+  more.insert(more.begin(), {"--device", "simulated", "--scene", "cube", "--id", "a"});
+  return RunStation(more);
+}
+
+TEST(PalpateStation, ExitsWithTwoForWrongUsage) {
+  const Outcome outcome = RunStation({"--device", "simulated", "--scene", "cube"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.text, HasSubstr("--id"));
+  EXPECT_EQ(RunSimulated({"--log-level", "loud"}).status, 2);
+}
+
+TEST(PalpateStation, ExitsWithOneForAFileThatIsNotThere) {
+  for (const auto& [option, file] : {std::pair{"--script", "/nowhere/path.json"},
+                                     std::pair{"--workspace", "/nowhere/desk.json"}}) {
+    const Outcome outcome = RunSimulated({option, file});
+    EXPECT_EQ(outcome.status, 1) << option;
+    EXPECT_THAT(outcome.text, HasSubstr(file));
+  }
+}
+
+TEST(PalpateStation, ExitsWithOneWhereNoServerAnswers) {
+  // DDS domains 100 and 101, which the tests of this executable have to themselves.
+  const Outcome outcome = RunStation({"--device", "simulated", "--scene", "no-such-scene", "--id",
+                                      "a", "--domain", "50", "--wait", "0.2"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.text, HasSubstr("no server answers in domain 50"));
+  EXPECT_THAT(outcome.text, HasSubstr("start 'palpate-server --scene no-such-scene"));
+}
+
+TEST(PalpateStation, HelpsWithAnExample) {
+  const Outcome help = RunStation({"--help"});
+  EXPECT_EQ(help.status, 0);
+  EXPECT_THAT(help.text, HasSubstr("palpate-server --scene bunny-bunny"));
+  EXPECT_THAT(help.text, HasSubstr("--model premium-3.0, premium-1.5, touch"));
+  const Outcome version = RunStation({"--version"});
+  EXPECT_EQ(version.status, 0);
+  EXPECT_THAT(version.text, HasSubstr("palpate-station 0."));
+}
+
+}  // namespace
+}  // namespace palpate
