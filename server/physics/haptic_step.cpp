@@ -251,9 +251,11 @@ bool Clear(StepContext& context) {
   };
   const bool goes_on = context.iterates < limits::mesh::kIterates;
   if (is_free()) {
-    if (context.arrived && goes_on &&
-        meshes.Retract(optimum.qp.row, optimum.qp.active, buffers.rows) != 0) {
-      return false;
+    if (context.arrived && goes_on) {
+      if (meshes.Retract(optimum.qp.row, optimum.qp.active, buffers.rows) != 0) return false;
+      // A ball's rows follow the smooth surface, and have its normals at the trial: there the ball
+      // rests, though the facets on the way may have lifted it.
+      if (meshes.tool().radius > 0.0) return true;
     }
     if (!Lifts(context, context.v, context.phi) || Rubs(context)) return true;
     StepDown(context);

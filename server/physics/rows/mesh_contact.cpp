@@ -528,7 +528,7 @@ MeshContact::Plane MeshContact::ChoosePlane(const NearPair& near, const Touch& t
   if (touch.distance <= 0.0) return plane;
   if (!touch.in_cone) {
     // The touch is a neighbour's: its face, where that separates this pair as well.
-    const double least = LeastOld(touch.distance);
+    const double least = LeastNew(touch.distance);
     double best = -kInfinity;
     ForEachFace(near, touch.nearest, [&](const Plane& face) {
       if (!(Gap(near, NormalAt(near, face, from_), from_) >= least)) return;

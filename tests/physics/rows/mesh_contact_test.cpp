@@ -232,6 +232,20 @@ TEST(MeshContact, LetsABallFeelTheSphereThatAMeshStandsFor) {
   EXPECT_LT(worst, 0.03);
 }
 
+TEST(MeshContact, LetsABallComeSlowlyOverFacets) {
+  // Its rows follow the smooth sphere, which leads over the facets' edges and so a little away from
+  // the hand.  That is no reason to stop there.
+  const double outer = 0.03, radius = 0.005;
+  Touch touch(MakeScene(Ball(radius), MakeBody("sphere", MakeSphere(outer, 1280), 64)),
+              Vec3(0.0, 0.0, outer + radius + 1e-3));
+  for (int i = 0; i <= 4000; ++i) {
+    const double depth = std::min(3e-3, 1e-5 * i), angle = 6e-4 * i;
+    const Vec3 out(std::sin(angle), 0.3 * std::sin(0.7 * angle), std::cos(angle));
+    touch.Step({(outer + radius - depth) * out.normalized(), Quat::Identity()});
+  }
+  EXPECT_EQ(touch.far, 0);
+}
+
 TEST(MeshContact, FeelsAReliefByItsSlopeAlone) {
   // 10 um of waves, 27 mm long: 2.4 mrad of slope, 7 mN of 3 N.
   Touch touch(
