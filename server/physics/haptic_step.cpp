@@ -253,9 +253,9 @@ bool Clear(StepContext& context) {
   if (is_free()) {
     if (context.arrived && goes_on) {
       if (meshes.Retract(optimum.qp.row, optimum.qp.active, buffers.rows) != 0) return false;
-      // A ball's rows have the smooth surface's normals at the trial, so the ball rests there, though
-      // the facets on the way may have lifted it.  At a crease they have those of the beginning: the
-      // next sub-step goes on round it.
+      // A ball's rows have the smooth surface's normals at the trial, so the ball rests there,
+      // though the facets on the way may have lifted it.  At a crease they have those of the
+      // beginning: the next sub-step goes on round it.
       if (meshes.tool().radius > 0.0) return true;
     }
     if (!Lifts(context, context.v, context.phi) || Rubs(context)) return true;
