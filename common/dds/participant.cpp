@@ -9,11 +9,14 @@
 #include <optional>
 #include <utility>
 
+#include <ifaddrs.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "common/dds/ports.h"
 #include "common/dds/shared_memory_watch.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
@@ -51,29 +54,58 @@ std::string Quoted(const std::string& text) {
   return quoted + "\"";
 }
 
+/// True for an interface of this host that has an address of IPv4.
+bool HasAddress(const std::string& interface) {
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) return false;
+  bool found = false;
+  for (const ifaddrs* each = all; each != nullptr; each = each->ifa_next) {
+    found |= each->ifa_addr != nullptr && each->ifa_addr->sa_family == AF_INET &&
+             interface == each->ifa_name;
+  }
+  freeifaddrs(all);
+  return found;
+}
+
+std::string WhyNoDomain(int domain_id, const Network& network) {
+  if (!HasAddress(network.interface)) {
+    return "there is no interface '" + network.interface +
+           "' with an address (give another --network)";
+  }
+  const std::string why = WhyPortsFail(domain_id, PortsInUse(), PortsOfAnyone());
+  return why.empty() ? "Cyclone DDS says above why" : why;
+}
+
+std::string DiscoveryConfig(const Network& network) {
+  std::string peers;
+  for (const std::string& peer : network.peers) peers += "<Peer Address=" + Quoted(peer) + "/>";
+  return "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
+         std::to_string(kMaxParticipantIndex) + "</MaxAutoParticipantIndex><Ports><Base>" +
+         std::to_string(kFirstPort) + "</Base><DomainGain>" + std::to_string(kPortsPerDomain) +
+         "</DomainGain></Ports>" + (network.this_host() ? "" : "<SPDPInterval>1s</SPDPInterval>") +
+         "<Peers>" + peers + "</Peers></Discovery>";
+}
+
 /// Why each line is there:
 /// - `lo` has no MULTICAST flag, so discovery over it must be told that it may; only discovery uses
 ///   multicast (`spdp`), data goes to each reader by itself.
 /// - A network loses announcements, and the next is due after 30 s by default.
 /// - Peers are asked beside multicast, not instead of it.
-/// - A participant index gives fixed ports, so that a crowded domain is an error at start.
+/// - A participant index gives fixed ports, those of common/dds/ports.h, so that a crowded domain
+/// is
+///   an error at start.
 /// - Shared memory does not know domains: without a prefix per domain, another domain's writer on
 ///   the same topic fills our reader until it dies.
 /// - The locator says "same machine"; by default it is made of a network interface's address, and
 ///   two containers that share memory would then get every sample twice.
 std::string DomainConfig(int domain_id, bool shared_memory, const Network& network) {
-  std::string peers;
-  for (const std::string& peer : network.peers) peers += "<Peer Address=" + Quoted(peer) + "/>";
   std::string xml =
       "<CycloneDDS><Domain id=\"any\">"
       "<General><Interfaces><NetworkInterface name=" +
       Quoted(network.interface) +
       " multicast=\"true\"/></Interfaces>"
-      "<AllowMulticast>spdp</AllowMulticast></General>"
-      "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
-      "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex>" +
-      (network.this_host() ? "" : "<SPDPInterval>1s</SPDPInterval>") + "<Peers>" + peers +
-      "</Peers></Discovery>"
+      "<AllowMulticast>spdp</AllowMulticast></General>" +
+      DiscoveryConfig(network) +
       "<Tracing><Verbosity>severe</Verbosity><OutputFile>stderr</OutputFile></Tracing>";
   xml += shared_memory ? "<SharedMemory><Enable>true</Enable><LogLevel>warn</LogLevel>"
                          "<Prefix>palpate_" +
@@ -151,9 +183,7 @@ class Participant::Domain {
                                 DomainConfig(id, shared_memory, network).c_str());
     if (entity_ < 0) {
       throw Error("DDS domain " + std::to_string(id) + " cannot be made (" +
-                  dds_strretcode(entity_) +
-                  "): its UDP ports are taken (give another --domain), or there is no interface '" +
-                  network.interface + "' with an address (give another --network)");
+                  dds_strretcode(entity_) + "): " + WhyNoDomain(id, network));
     }
     // Runs before what iceoryx has registered by now: its leave of RouDi, which may hang too.
     if (shared_memory) [[maybe_unused]]
@@ -190,8 +220,7 @@ Participant Participant::Make(int domain_id, bool shared_memory, const Network& 
       dds_create_participant(static_cast<dds_domainid_t>(domain_id), nullptr, nullptr);
   if (participant < 0) {
     throw Error("DDS domain " + std::to_string(domain_id) + ": no participant (" +
-                dds_strretcode(participant) +
-                "): too many processes use this domain; give another --domain");
+                dds_strretcode(participant) + "): " + WhyNoDomain(domain_id, network));
   }
   return {std::move(domain), participant};
 }

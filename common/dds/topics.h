@@ -32,10 +32,10 @@ bool IsStationName(const std::string& name);
 
 /// `--domain N` (0 to 114) names a pair of DDS domains.
 inline constexpr int kMaxDomain = 114;
-inline int LoopDomainId(int domain) {
+constexpr int LoopDomainId(int domain) {
   return 2 * domain;
 }
-inline int ServiceDomainId(int domain) {
+constexpr int ServiceDomainId(int domain) {
   return 2 * domain + 1;
 }
 

@@ -25,11 +25,12 @@
 #include "devices/device.h"
 #include "devices/wrench_limiter.h"
 #include "tests/support/program.h"
+#include "tests/support/test_domain.h"
 
 // The real palpate-server with scene `cube`, and what drives it.
 namespace palpate::test {
 
-inline const int kDomain = 10 + getpid() % 25;
+inline const int kDomain = OwnDomain();
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 /// Stiffness of 1 N/mm, 1 mm deep.
 constexpr double kDepth_m = 0.001;

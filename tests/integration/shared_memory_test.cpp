@@ -11,13 +11,14 @@
 #include "tests/integration/quick_station.h"
 #include "tests/integration/rig.h"
 #include "tests/support/stall_witness.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate::test {
 namespace {
 
 using std::chrono::milliseconds;
 
-constexpr int kForeignDomain = 35;
+const int kForeignDomain = OwnDomain();
 
 TEST(SharedMemory, CarriesTheForceFromTheServerToTheStation) {
   RouDi roudi;

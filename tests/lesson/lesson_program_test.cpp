@@ -14,13 +14,14 @@
 #include "common/dds/endpoint.h"
 #include "common/dds/topics.h"
 #include "tests/support/program.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate::test {
 namespace {
 
 using testing::HasSubstr;
 
-const int kDomain = 10 + getpid() % 25;  // as in tests/integration/rig.h
+const int kDomain = OwnDomain();
 
 Program Here(const std::string& program, std::vector<std::string> words) {
   words.insert(words.end(), {"--domain", std::to_string(kDomain)});

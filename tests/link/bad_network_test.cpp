@@ -20,11 +20,12 @@
 #include "devices/wrench_limiter.h"
 #include "tests/link/silence.h"
 #include "tests/link/two_hosts.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate::test {
 namespace {
 
-constexpr const char* kDomain = "36";
+const std::string kDomain = std::to_string(OwnDomain());
 /// What the scripted hand of tests/integration/press.json feels, 1 mm deep at 1 N/mm.
 constexpr double kForce_N = 1.0;
 /// Of the device that plays it.
@@ -213,12 +214,13 @@ TEST_F(BadNetwork, IsNoPlaceForTwoServersOfADomainAndTheStationSaysSo) {
   ASSERT_TRUE(StartServer()) << server->Output();
   const auto station = StartStation("60");
   ASSERT_TRUE(station->Says("session: tool")) << station->Output();
-  std::filesystem::remove(ServerLockFile(std::atoi(kDomain)));  // hosts have a /tmp of their own
+  std::filesystem::remove(ServerLockFile(std::stoi(kDomain)));  // hosts have a /tmp of their own
   const auto second = ServerOn(1);
   EXPECT_EQ(station->Exit(60.0), 1) << station->Output() << second->Output();
-  EXPECT_THAT(station->Output(),
-              testing::HasSubstr("palpate-station: two servers answer in domain 36: end one of "
-                                 "them, or give it and its stations another --domain"));
+  EXPECT_THAT(
+      station->Output(),
+      testing::HasSubstr("palpate-station: two servers answer in domain " + kDomain +
+                         ": end one of them, or give it and its stations another --domain"));
 }
 
 TEST(Network, IsNotForSharedMemory) {

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "tests/support/program.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate::test {
 namespace {
@@ -23,7 +24,7 @@ using Json = nlohmann::json;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-const int kDomain = 1 + getpid() % 9;
+const int kDomain = OwnDomain();
 
 class Load : public testing::Test {
  protected:

@@ -12,11 +12,11 @@ import type {Probe} from "@page/app";
 import {norm, subtract} from "@page/model/pose";
 
 import {kHasChromium, launch, probe, until} from "./support/browser";
+import {ownDomain} from "./support/domain";
 import {Program} from "./support/programs";
 import {browserTest as test} from "./support/skip";
 
-// Domains that no other test takes: those of the others are up to 34, 36, 40 to 93 and 100 up.
-const kDomain = String(37 + (process.pid % 3));
+const kDomain = await ownDomain();
 const kPage = fileURLToPath(new URL("../../build/page", import.meta.url));
 const kCommon = ["--transport", "udp", "--domain", kDomain];
 

@@ -14,6 +14,7 @@
 #include "tests/common/recording/samples.h"
 #include "tests/integration/rig.h"
 #include "tests/recorder/others_readers.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate::test {
 namespace {
@@ -80,7 +81,7 @@ class RecorderProgramTest : public testing::Test {
 };
 
 TEST_F(RecorderProgramTest, NamesTheDomainsOfThisHostThatHaveAServerWhereItHearsNone) {
-  const int other = kDomain + 1;
+  const int other = OwnDomain();
   const ServerLock lock(other);
   RecorderProgram recorder(file_, "udp", {"--for", "1"});
   EXPECT_EQ(recorder.Exit(), 0);

@@ -11,6 +11,7 @@
 #include "common/server_lock.h"
 #include "tests/common/dds/roudi.h"
 #include "tests/support/program.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate::test {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const int kDomain = 40 + getpid() % 35;
+const int kDomain = OwnDomain();
 
 /// palpate-server with these words.
 Program Server(std::vector<std::string> words) {

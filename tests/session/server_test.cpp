@@ -17,6 +17,7 @@
 #include "scenes/scene_bundle.h"
 #include "tests/session/ball_tool.h"
 #include "tests/session/crust.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate::test {
 namespace {
@@ -26,7 +27,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 // Of its own, because a server answers every station of its domain.
-const int kDomain = 40 + getpid() % 35;
+const int kDomain = OwnDomain();
 const dds::TransportChoice kUdp{dds::Transport::kUdp, ""};
 
 /// A server and stations in one process, over UDP.

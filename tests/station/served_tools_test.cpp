@@ -10,13 +10,14 @@
 #include "common/dds/endpoint.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate {
 namespace {
 
 using testing::HasSubstr;
 
-constexpr int kDomain = 101;  // as SessionLink's tests have it
+const int kDomain = test::OwnDomain();
 
 template <class T, class Sequence>
 void PointTo(std::vector<T>& items, Sequence& sequence) {

@@ -13,13 +13,15 @@
 #include "common/time/steady_clock.h"
 #include "tests/station/fake_server.h"
 #include "tests/station/still_device.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate {
 namespace {
 
 using test::FakeServer;
 
-constexpr int kDomain = 101;
+const int kDomain = test::OwnDomain();
+const std::string kNumber = std::to_string(kDomain);
 const dds::TransportChoice kUdp{dds::Transport::kUdp, "UDP (as asked)"};
 
 /// A whole station but for main: a device pressed 2 mm into the fake server's floor.
@@ -111,7 +113,8 @@ TEST(SessionLink, SaysWhenNoServerAnswers) {
     station.Until([] { return false; });
     FAIL() << "waited for ever";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("no server answers in domain 101"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("no server answers in domain " + kNumber),
+              std::string::npos);
     EXPECT_NE(std::string(error.what()).find("palpate-server --scene floor"), std::string::npos);
   }
 }
@@ -144,9 +147,8 @@ TEST(SessionLink, LeavesTheHandWithoutAForceWhereTwoServersAnswer) {
     station.Until([] { return false; });
     FAIL() << "between two servers";
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "two servers answer in domain 101: end one of them, or give it and its stations "
-                 "another --domain");
+    EXPECT_EQ(error.what(), "two servers answer in domain " + kNumber +
+                                ": end one of them, or give it and its stations another --domain");
   }
   station.link.reset();
   station.servo->Stop();

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate {
 namespace {
@@ -46,11 +47,11 @@ TEST(PalpateStation, ExitsWithOneForAFileThatIsNotThere) {
 }
 
 TEST(PalpateStation, ExitsWithOneWhereNoServerAnswers) {
-  // DDS domains 100 and 101, which the tests of this executable have to themselves.
+  const std::string domain = std::to_string(test::OwnDomain());
   const Outcome outcome = RunStation({"--device", "simulated", "--scene", "no-such-scene", "--id",
-                                      "a", "--domain", "50", "--wait", "0.2"});
+                                      "a", "--domain", domain, "--wait", "0.2"});
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_THAT(outcome.text, HasSubstr("no server answers in domain 50"));
+  EXPECT_THAT(outcome.text, HasSubstr("no server answers in domain " + domain));
   EXPECT_THAT(outcome.text, HasSubstr("start 'palpate-server --scene no-such-scene"));
 }
 

@@ -23,6 +23,7 @@
 #include "scenes/scene_bundle.h"
 #include "tests/support/program.h"
 #include "tests/support/random.h"
+#include "tests/support/test_domain.h"
 #include "tests/viewer/web_client.h"
 
 namespace palpate::test {
@@ -31,7 +32,7 @@ namespace {
 using Json = nlohmann::json;
 using testing::HasSubstr;
 
-const int kDomain = 102 + getpid() % 12;
+const int kDomain = OwnDomain();
 enum : std::uint32_t { kToolState = 1, kStatistics, kSession, kChange, kBundle, kMouse, kStation };
 
 template <class T>

@@ -6,13 +6,14 @@
 
 #include "common/dds/cdr.h"
 #include "common/dds/topics.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate {
 namespace {
 
 using testing::ElementsAre;
 
-constexpr int kDomain = 100;
+const int kDomain = test::OwnDomain();
 
 /// A server's service side and a feed, in one process.
 class TopicFeedTest : public testing::Test {
@@ -65,8 +66,10 @@ class TopicFeedTest : public testing::Test {
 
 TEST_F(TopicFeedTest, FindsTheBundleInTheBytesThatTravelled) {
   for (std::size_t size = 1; size < 9; ++size) {
-    std::vector<std::uint8_t> bytes(size);
-    for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::uint8_t>(17 * i + size);
+    std::vector<std::uint8_t> bytes;
+    while (bytes.size() < size) {
+      bytes.push_back(static_cast<std::uint8_t>(17 * bytes.size() + size));
+    }
     const std::string name = "scene" + std::string(size, 'x');
     WriteBundle(name, 1, bytes);
     ASSERT_TRUE(PollUntil([&] { return feed_.scenes().contains(name); }));

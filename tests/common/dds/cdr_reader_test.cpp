@@ -8,11 +8,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/common/dds/peer.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate::dds {
 namespace {
 
-constexpr int kDomain = 93;
+const int kDomain = test::OwnDomain();
 
 std::string OwnTopic(const std::string& name) {
   return "test/" + std::to_string(getpid()) + "/" + name;

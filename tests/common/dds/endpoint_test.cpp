@@ -14,14 +14,15 @@
 #include "common/dds/topics.h"
 #include "tests/common/dds/peer.h"
 #include "tests/common/dds/roudi.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate::dds {
 namespace {
 
 using std::chrono::milliseconds;
 
-constexpr int kDomain = 91;
-constexpr int kForeignDomain = 92;
+const int kDomain = test::OwnDomain();
+const int kForeignDomain = test::OwnDomain();
 const TransportChoice kUdp{Transport::kUdp, ""};
 const TransportChoice kShm{Transport::kSharedMemory, ""};
 

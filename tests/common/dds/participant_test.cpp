@@ -3,6 +3,8 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -12,16 +14,18 @@
 #include <unistd.h>
 
 #include "common/dds/endpoint.h"
+#include "common/dds/ports.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "tests/common/dds/roudi.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate::dds {
 namespace {
 
 using testing::HasSubstr;
 
-constexpr int kDomain = 90;
+const int kDomain = test::OwnDomain();
 const TransportChoice kUdp{Transport::kUdp, ""};
 
 TEST(ParseTransport, KnowsThreeNames) {
@@ -54,31 +58,69 @@ TEST(RouDiChoice, TakesSharedMemoryWhereRouDiAnswersAndNotWhereItsSocketIsStale)
   }
 }
 
-TEST(Participant, SaysThatADomainsPortsAreTaken) {
-  constexpr int kCrowded = 89;
-  std::vector<int> sockets;
-  for (int index = 0; index <= 100; ++index) {
+/// A UDP port that is this process's while the object lives.
+class TakenPort {
+ public:
+  explicit TakenPort(int port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
-    // The port of a participant's discovery: RTPS 2.3, 9.6.1.1.
-    address.sin_port =
-        htons(static_cast<std::uint16_t>(7400 + 250 * ServiceDomainId(kCrowded) + 10 + 2 * index));
-    sockets.push_back(socket(AF_INET, SOCK_DGRAM, 0));
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
     // A port that is another program's already is taken just as well.
-    const bool taken =
-        bind(sockets.back(), reinterpret_cast<sockaddr*>(&address), sizeof address) == 0 ||
-        errno == EADDRINUSE;
-    EXPECT_TRUE(taken) << errno;
+    EXPECT_TRUE(bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0 ||
+                errno == EADDRINUSE)
+        << errno;
   }
+  TakenPort(TakenPort&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
+  ~TakenPort() {
+    if (socket_ >= 0) close(socket_);
+  }
+
+ private:
+  int socket_;
+};
+
+/// What is said where a participant of the service domain cannot be made.
+std::string Complaint(int domain, const Network& network = {}) {
   try {
-    Participant::Service(kCrowded);
-    ADD_FAILURE() << "made without a port";
+    Participant::Service(domain, network);
   } catch (const Error& e) {
-    EXPECT_THAT(e.what(), HasSubstr("ports"));
-    EXPECT_THAT(e.what(), HasSubstr("--domain"));
+    return e.what();
   }
-  for (const int socket : sockets) close(socket);
-  EXPECT_NO_THROW(Participant::Service(kCrowded)) << "and leaves nothing behind";
+  ADD_FAILURE() << "made";
+  return "";
+}
+
+TEST(Participant, SaysThatADomainsPortsAreTaken) {
+  const PortRange ports = PortsOf(ServiceDomainId(kDomain));
+  std::vector<TakenPort> taken;
+  for (int index = 0; index <= kMaxParticipantIndex; ++index) {
+    taken.emplace_back(ports.first + 10 + 2 * index);  // its discovery: RTPS 2.3, 9.6.1.1
+  }
+  const std::string complaint = Complaint(kDomain);
+  EXPECT_THAT(complaint, HasSubstr("DDS domain " + std::to_string(ServiceDomainId(kDomain))));
+  EXPECT_THAT(complaint, HasSubstr("of its UDP ports, " + std::to_string(ports.first) + " to "));
+  EXPECT_THAT(complaint, HasSubstr("(the first is " + std::to_string(ports.first + 10) + ")"));
+  EXPECT_THAT(complaint, HasSubstr("free on this host: --domain "));
+  taken.clear();
+  EXPECT_NO_THROW(Participant::Service(kDomain)) << "and leaves nothing behind";
+}
+
+TEST(Participant, SaysThatAnInterfaceIsNotThere) {
+  const Participant other = Participant::Service(kDomain);  // whose ports are not the reason
+  EXPECT_THAT(Complaint(test::OwnDomain(), {.interface = "nowhere0", .peers = {}}),
+              HasSubstr("no interface 'nowhere0'"));
+}
+
+TEST(Participant, ComesUpWhereAConnectionSitsOnTheStandardsPortsOfItsDomain) {
+  // By RTPS they are 7400 + 250 d, which for this one the kernel gives to any connection.
+  constexpr int kFarDomain = 60;
+  std::vector<TakenPort> taken;
+  for (const int id : {LoopDomainId(kFarDomain), ServiceDomainId(kFarDomain)}) {
+    taken.emplace_back(7400 + 250 * id);
+    taken.emplace_back(7400 + 250 * id + 1);
+  }
+  EXPECT_NO_THROW(Participant::Loop(kFarDomain, kUdp));
+  EXPECT_NO_THROW(Participant::Service(kFarDomain));
 }
 
 TEST(Participant, IsNotConfiguredByTheEnvironment) {

@@ -22,13 +22,14 @@
 #include "tests/link/silence.h"
 #include "tests/support/program.h"
 #include "tests/support/stall_witness.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate::test {
 namespace {
 
 using testing::HasSubstr;
 
-constexpr const char* kDomain = "75";
+const std::string kDomain = std::to_string(OwnDomain());
 /// A machine that held nothing up for longer than the age stage lets pass without a change cannot
 /// have spoilt a touch.
 constexpr double kStallThatIsFelt_ms = 1e3 * AgeStage::kSilenceWhole_s;

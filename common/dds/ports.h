@@ -1,0 +1,51 @@
+#pragma once
+
+#include <istream>
+#include <set>
+#include <string>
+
+namespace palpate::dds {
+
+// Which UDP ports a DDS domain has.  RTPS gives each domain 250 ports from 7400 on (RTPS 2.3,
+// 9.6.1.1), so that those of domains from 102 on lie where the kernel puts any connection that asks
+// for a port (32768 to 60999 where nobody has changed it): such a domain fails to open now and
+// then.  With fewer ports each, every DDS domain of `--domain` lies below.  Only the number of
+// ports differs from the standard, so that a tool of DDS needs one setting to come in (README.md).
+//
+//   first      first + 1     first + 10 + 2 i   first + 11 + 2 i     first + 108, + 109
+//   multicast: discovery,    each process i:    discovery, data      spare; a test claims its
+//   data                                                             domain by the last
+inline constexpr int kFirstPort = 7400;
+inline constexpr int kPortsPerDomain = 110;
+/// The last i: 49 processes can be in a DDS domain on one host, where a server admits 32 stations.
+inline constexpr int kMaxParticipantIndex = (kPortsPerDomain - 12) / 2 - 1;
+
+struct PortRange {
+  int first = 0;
+  int last = 0;
+  bool Has(int port) const { return first <= port && port <= last; }
+  bool Meets(const PortRange& other) const { return first <= other.last && other.first <= last; }
+};
+
+/// Of a DDS domain, by its own number (LoopDomainId, ServiceDomainId).
+constexpr PortRange PortsOf(int domain_id) {
+  const int first = kFirstPort + kPortsPerDomain * domain_id;
+  return {first, first + kPortsPerDomain - 1};
+}
+
+/// UDP ports that somebody holds, from the text of /proc/net/udp.
+std::set<int> PortsIn(std::istream& proc_net_udp);
+/// On this host.
+std::set<int> PortsInUse();
+
+/// Ports that the kernel gives to whoever asks for any, from the text of
+/// /proc/sys/net/ipv4/ip_local_port_range.
+PortRange PortsOfAnyone(std::istream& ip_local_port_range);
+/// On this host.
+PortRange PortsOfAnyone();
+
+/// Why a DDS domain could not be opened, as far as its ports tell, and which numbers of `--domain`
+/// have theirs free.  Empty where nobody holds any of its ports.
+std::string WhyPortsFail(int domain_id, const std::set<int>& in_use, const PortRange& anyone);
+
+}  // namespace palpate::dds
