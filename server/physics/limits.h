@@ -168,10 +168,12 @@ inline constexpr double kWitnessRatio = 1.02, kWitness = (kWitnessRatio - 1.0) *
 inline constexpr double kTurned = 1e-3;
 /// A row that its contact lets the tool go by less than this [m] holds it: twice delta.
 inline constexpr double kTouching = 2.0 * kSeparation;
-/// Iterates of a sub-step: taken.  Three are usual.
+/// Iterates of a sub-step, of which three are usual; and directions in which a plane between two
+/// patches is looked for, of which four are.  Taken.
 inline constexpr int kIterates = 16;
-/// Pairs that a sub-step looks at closely at most, some 130 ns each: 450 us.  A further sub-step is
-/// begun where one like the last would leave the cycle's below this.
+/// Looks of a sub-step at most, some 130 ns each: 450 us.  A look is a direction in which a plane
+/// is looked for, or the nearest points of two triangles.  A further sub-step is begun where one
+/// like the last would leave the cycle's below this.
 inline constexpr int kMaxLooks = 3400;
 /// Pairs that are brought up to date, and tested in the trials, in the time of one look.
 inline constexpr int kRefreshesALook = 8;

@@ -20,10 +20,10 @@ using namespace limits::mesh;
 constexpr std::align_val_t kCacheLine{64};
 constexpr std::int32_t kTag = static_cast<std::int32_t>(RowKind::kMeshes) << kRowKindShift;
 
-LeafPair KeyOf(BoxTree::Node tool, BoxTree::Node object, int slot) {
-  return {kTag | static_cast<std::int32_t>(BoxTree::TriangleOf(tool) << 2 |
+LeafPair KeyOf(HullTree::Node tool, HullTree::Node object, int slot) {
+  return {kTag | static_cast<std::int32_t>(HullTree::TriangleOf(tool) << 2 |
                                            static_cast<std::uint32_t>(slot)),
-          static_cast<std::int32_t>(BoxTree::TriangleOf(object))};
+          static_cast<std::int32_t>(HullTree::TriangleOf(object))};
 }
 
 /// What a plane must separate a pair by before and after a sub-step, whose best plane separates it
@@ -34,19 +34,6 @@ double LeastOld(double distance) {
 }
 double LeastNew(double distance) {
   return distance > 0.5 * kFree ? std::min(kFree, distance) - kRounding : distance;
-}
-
-/// The first four lanes at the one pose, the others at the other.
-PoseLanes LanesOf(const ToolPose& from, const ToolPose& to) {
-  PoseLanes lanes;
-  for (int k = 0; k < 8; ++k) {
-    const ToolPose& at = k < 4 ? from : to;
-    for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c) lanes.R[r][c][k] = at.R(r, c);
-      lanes.p[r][k] = at.p[r];
-    }
-  }
-  return lanes;
 }
 
 /// A pair of near_ whose plane does not hold at a trial, and the gap that is left along it: one
@@ -61,8 +48,8 @@ std::int32_t NearOf(std::int64_t doubt) {
   return static_cast<std::int32_t>(doubt & static_cast<std::int64_t>(kMaxNear - 1));
 }
 
-bool AreTriangles(BoxTree::Node tool, BoxTree::Node object) {
-  return BoxTree::IsLeaf(tool) && BoxTree::IsLeaf(object);
+bool AreTriangles(HullTree::Node tool, HullTree::Node object) {
+  return HullTree::IsLeaf(tool) && HullTree::IsLeaf(object);
 }
 
 }  // namespace
@@ -90,12 +77,20 @@ MeshContact::MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, 
   regain_.resize(static_cast<std::size_t>(max_rows));
 }
 
-double MeshContact::Low(BoxTree::Node tool, const Vec3& n, const ToolPose& at) const {
-  return n.dot(at.p) - tool_.tree.Highest(tool, -(at.R.transpose() * n)) - tool_.radius;
+PatchPair MeshContact::PairOf(HullTree::Node tool, HullTree::Node object) const {
+  return {tool_.tree, tool, tool_.radius, objects_.tree, object};
+}
+
+double MeshContact::Low(HullTree::Node tool, const Vec3& n, const ToolPose& at) const {
+  return n.dot(at.p) - tool_.tree.Highest(tool, -(at.R.transpose() * n), *kernels_) - tool_.radius;
+}
+
+double MeshContact::High(HullTree::Node object, const Vec3& n) const {
+  return objects_.tree.Highest(object, n, *kernels_);
 }
 
 double MeshContact::Gap(const NearPair& near, const Vec3& n, const ToolPose& at) const {
-  return Low(near.tool, n, at) - objects_.tree.Highest(near.object, n);
+  return Low(near.tool, n, at) - High(near.object, n);
 }
 
 bool MeshContact::HoldsAlong(NearPair& near, const Vec3& n, double least_old, double least_new) {
@@ -113,7 +108,7 @@ Vec3 MeshContact::NormalAt(const NearPair& near, const Plane& plane, const ToolP
     case Plane::Of::kTool:
       return at.R * plane.n;
     case Plane::Of::kEdges: {
-      const auto a = BoxTree::TriangleOf(near.tool), b = BoxTree::TriangleOf(near.object);
+      const auto a = HullTree::TriangleOf(near.tool), b = HullTree::TriangleOf(near.object);
       const int i = plane.tool_edge, j = plane.object_edge;
       const Vec3 ea = tool_.mesh.Corner(a, (i + 1) % 3) - tool_.mesh.Corner(a, i);
       const Vec3 eb = objects_.mesh.Corner(b, (j + 1) % 3) - objects_.mesh.Corner(b, j);
@@ -201,7 +196,7 @@ void MeshContact::AddNear(const SeparationFront::Index* index, int count, double
     if (front_->IsKept(index[i])) continue;
     const SeparationFront::Pair& pair = front_->pair(index[i]);
     const Vec3 n = front_->Normal(index[i]);
-    front_->Set(index[i], n, Low(pair.tool, n, from_) - objects_.tree.Highest(pair.object, n));
+    front_->Set(index[i], n, Low(pair.tool, n, from_) - High(pair.object, n));
   }
   const auto first = static_cast<int>(near_.size());
   front_->Refresh(*kernels_, index, count, first, planes_);
@@ -266,7 +261,6 @@ int MeshContact::Check(const Vec3& v, const Vec3& phi, ContactRows& rows) noexce
   phi_ = phi;
   moved_ = v != Vec3::Zero() || phi != Vec3::Zero();
   to_ = moved_ ? from_.Moved(v, phi) : from_;
-  ends_ = LanesOf(from_, to_);
   const double angle = phi.norm();
   // The rotation's second order is 1/2 |phi|^2 of a point's lever at most.
   const double bend = 0.5 * angle * angle * (tool_.mesh.reach() + tool_.radius);
@@ -313,13 +307,13 @@ bool MeshContact::LookCloser(std::int32_t k, ContactRows& rows) {
   NearPair& near = near_[static_cast<std::size_t>(k)];
   near.looked_at = trial_;
   if (IsExhausted()) return false;
-  ++tested_;
-  if (!AreTriangles(near.tool, near.object)) return FirstLook(near) || Split(k);
+  if (!AreTriangles(near.tool, near.object)) return IsSeparable(near) || Split(k);
   const bool has_plane =
       near.touch >= 0 &&
       touches_[static_cast<std::size_t>(near.touch)].plane.of != Plane::Of::kNone;
-  if (!has_plane && FirstLook(near)) return true;
+  if (!has_plane && IsSeparable(near)) return true;
   if (near.touch < 0 && touches_.size() == kMaxTouches) return false;
+  ++tested_;
   if (TrianglesApart(near)) return true;
   if (!moved_) return false;
   if (TouchOf(near).in_cone) {
@@ -343,47 +337,16 @@ void MeshContact::GiveDeferredRows(ContactRows& rows) {
   for (const std::int32_t k : deferred_) GiveRows(near_[static_cast<std::size_t>(k)], rows);
 }
 
-/// The planes that are likely to separate two pieces: `own`, those of the flattest sides of their
-/// boxes, or of triangles, and the one between their middles.
-MeshContact::FourPlanes MeshContact::LikelyPlanes(BoxTree::Node tool, BoxTree::Node object,
-                                                  const ToolPose& at, const Vec3& own) const {
-  const Vec3 between = at.R * tool_.tree.Centre(tool) + at.p - objects_.tree.Centre(object);
-  const auto flattest = [](const MeshWithTree& of, BoxTree::Node node) -> Vec3 {
-    if (BoxTree::IsLeaf(node)) return of.mesh.triangles()[BoxTree::TriangleOf(node)].normal;
-    return of.tree.box(node).Flattest();
-  };
-  // A side faces both ways; the way that the other piece lies will do.
-  const auto outward = [&](const Vec3& n) { return n.dot(between) < 0.0 ? Vec3(-n) : n; };
-  const double length = between.norm();
-  return {own, outward(flattest(objects_, object)), outward(at.R * flattest(tool_, tool)),
-          length > 0.0 ? Vec3(between / length) : own};
-}
-
-/// The gaps along four planes, first with the tool at the beginning of the lanes' motion, then at
-/// its end.
-std::array<double, 8> MeshContact::GapsAlong(BoxTree::Node tool, BoxTree::Node object,
-                                             const PoseLanes& X, const FourPlanes& planes) const {
-  VectorLanes n;
-  for (int k = 0; k < 4; ++k) {
-    for (int c = 0; c < 3; ++c) n.x[c][k] = n.x[c][4 + k] = planes[static_cast<std::size_t>(k)][c];
-  }
-  alignas(64) std::array<double, 8> gap;
-  kernels_->gaps_along(tool_.tree.PieceOf(tool), objects_.tree.PieceOf(object), X, n, gap.data());
-  for (double& g : gap) g -= tool_.radius;
-  return gap;
-}
-
-/// Tries the planes that are at hand.
-bool MeshContact::FirstLook(NearPair& near) {
-  const FourPlanes planes = LikelyPlanes(near.tool, near.object, from_, NormalOf(near));
-  const auto gap = GapsAlong(near.tool, near.object, ends_, planes);
-  for (std::size_t k = 0; k < 4; ++k) {
-    if (!(gap[k] >= kFree && gap[4 + k] >= kFree)) continue;
-    SetPlane(near, planes[k], gap[k]);
-    next_[static_cast<std::size_t>(&near - near_.data())] = {planes[k], gap[4 + k]};
-    return true;
-  }
-  return false;
+/// Whether a plane separates the hulls of two patches at the trial.
+bool MeshContact::IsSeparable(NearPair& near) {
+  SeparatingPlane plane;
+  const bool found = FindPlane(PairOf(near.tool, near.object), {from_, to_}, NormalOf(near), kFree,
+                               *kernels_, plane);
+  tested_ += plane.tries;
+  if (!found) return false;
+  SetPlane(near, plane.n, plane.before);
+  next_[static_cast<std::size_t>(&near - near_.data())] = {plane.n, plane.after};
+  return true;
 }
 
 bool MeshContact::Split(std::int32_t k) {
@@ -406,20 +369,20 @@ bool MeshContact::Split(std::int32_t k) {
   return true;
 }
 
-MeshContact::Corners MeshContact::CornersAt(BoxTree::Node tool, BoxTree::Node object,
+MeshContact::Corners MeshContact::CornersAt(HullTree::Node tool, HullTree::Node object,
                                             const ToolPose& at) const {
   Corners corners;
   for (int c = 0; c < 3; ++c) {
-    corners.a[c] = at.R * tool_.mesh.Corner(BoxTree::TriangleOf(tool), c) + at.p;
-    corners.b[c] = objects_.mesh.Corner(BoxTree::TriangleOf(object), c);
+    corners.a[c] = at.R * tool_.mesh.Corner(HullTree::TriangleOf(tool), c) + at.p;
+    corners.b[c] = objects_.mesh.Corner(HullTree::TriangleOf(object), c);
   }
   return corners;
 }
 
 bool MeshContact::InCone(const NearPair& near, const NearestPoints& nearest, const Vec3& u,
                          const ToolPose& at) const {
-  const auto holds = [](const ContactMesh& mesh, BoxTree::Node node, Feature of, const Vec3& n) {
-    const ContactMesh::Triangle& t = mesh.triangles()[BoxTree::TriangleOf(node)];
+  const auto holds = [](const ContactMesh& mesh, HullTree::Node node, Feature of, const Vec3& n) {
+    const ContactMesh::Triangle& t = mesh.triangles()[HullTree::TriangleOf(node)];
     if (of.kind == Feature::kEdge) return mesh.EdgeConeHolds(t.edge[of.index], n);
     if (of.kind == Feature::kVertex) return mesh.VertexConeHolds(t.vertex[of.index], n);
     return true;
@@ -492,8 +455,8 @@ bool MeshContact::TrianglesApart(NearPair& near) {
 template <class Visit>
 void MeshContact::ForEachFace(const NearPair& near, const NearestPoints& nearest,
                               Visit visit) const {
-  const auto each = [&](const ContactMesh& mesh, BoxTree::Node node, Feature of, auto use) {
-    const std::uint32_t own = BoxTree::TriangleOf(node);
+  const auto each = [&](const ContactMesh& mesh, HullTree::Node node, Feature of, auto use) {
+    const std::uint32_t own = HullTree::TriangleOf(node);
     const ContactMesh::Triangle& t = mesh.triangles()[own];
     if (of.kind == Feature::kFace) {
       use(t.normal);
@@ -543,8 +506,8 @@ MeshContact::Plane MeshContact::ChoosePlane(const NearPair& near, const Touch& t
     plane.of = Plane::Of::kTool;
     plane.n = from_.R.transpose() * touch.u;
   } else if (a.kind == Feature::kEdge && b.kind == Feature::kEdge) {
-    const auto edge = [](const ContactMesh& mesh, BoxTree::Node node, int i) -> Vec3 {
-      const std::uint32_t t = BoxTree::TriangleOf(node);
+    const auto edge = [](const ContactMesh& mesh, HullTree::Node node, int i) -> Vec3 {
+      const std::uint32_t t = HullTree::TriangleOf(node);
       return mesh.Corner(t, (i + 1) % 3) - mesh.Corner(t, i);
     };
     const Vec3 ea = from_.R * edge(tool_.mesh, near.tool, a.index);
@@ -592,7 +555,7 @@ Vec3 MeshContact::SmoothedRow(const NearPair& near, const Vec3& n) const {
   if (tool_.radius == 0.0) return n;
   const Corners corners = CornersAt(near.tool, near.object, to_);
   const NearestPoints nearest = NearestOfTriangles(corners.a, corners.b);
-  return objects_.mesh.SmoothNormal(BoxTree::TriangleOf(near.object), nearest.q, n);
+  return objects_.mesh.SmoothNormal(HullTree::TriangleOf(near.object), nearest.q, n);
 }
 
 /// What a row asks for of a pair that has `before`.
@@ -652,8 +615,7 @@ bool MeshContact::PutRows(NearPair& near, Touch& touch, bool all, ContactRows& r
   const Corners old = CornersAt(near.tool, near.object, from_),
                 now = CornersAt(near.tool, near.object, to_);
   const bool of_tool = plane.of == Plane::Of::kObject;
-  const double plane_old =
-      of_tool ? objects_.tree.Highest(near.object, n_old) : Low(near.tool, n_old, from_);
+  const double plane_old = of_tool ? High(near.object, n_old) : Low(near.tool, n_old, from_);
   const double plane_new = of_tool ? plane_old : Low(near.tool, n_new, to_);
   const int corners = of_tool && tool_.radius > 0.0 ? 1 : 3;
   for (int c = 0; c < corners; ++c) {
@@ -675,7 +637,7 @@ bool MeshContact::PutRows(NearPair& near, Touch& touch, bool all, ContactRows& r
 bool MeshContact::TurnSmoothed(const NearPair& near, const Touch& touch, int row,
                                const NearestPoints& nearest, const Vec3& u, ContactRows& rows) {
   if (tool_.radius == 0.0) return false;
-  const Vec3 along = objects_.mesh.SmoothNormal(BoxTree::TriangleOf(near.object), nearest.q, u);
+  const Vec3 along = objects_.mesh.SmoothNormal(HullTree::TriangleOf(near.object), nearest.q, u);
   if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
   const double now = std::sqrt(nearest.squared) - tool_.radius;
   const double asked = Asked(touch.distance);
@@ -739,9 +701,9 @@ int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noex
   return changed;
 }
 
-/// Merges pairs of the front that one plane keeps apart as a whole, with some room.  Where none of
-/// the planes tried does, the pair is tried again when the tool has gone as far as the best one
-/// lacks: no gap changes faster.
+/// Merges pairs of the front that one plane keeps apart as a whole, with some room: one of the two
+/// that keep their parts apart.  Where neither does, the pair is tried again when the tool has gone
+/// as far as the better one lacks: no gap changes faster.
 void MeshContact::Merge() {
   for (int i = 0; i < kBatch; ++i) {
     SeparationFront::Index index = front_->NextMergeable();
@@ -750,16 +712,19 @@ void MeshContact::Merge() {
     for (; index >= 0 && front_->IsMergeable(index); index = front_->pair(index).parent) {
       const SeparationFront::Pair& pair = front_->pair(index);
       ++tested_;
-      const FourPlanes planes =
-          LikelyPlanes(pair.tool, pair.object, to_, front_->Normal(pair.child));
-      const auto gap = GapsAlong(pair.tool, pair.object, ends_, planes);
-      const auto best = std::max_element(gap.begin() + 4, gap.end());
-      const double margin = kTouching;
-      if (!(*best >= margin)) {
-        front_->RetryAfter(index, margin - *best);
+      Vec3 n;
+      double gap = -kInfinity;
+      for (int side = 0; side < 2; ++side) {
+        const Vec3 along = front_->Normal(pair.child + side);
+        const double here = Low(pair.tool, along, to_) - High(pair.object, along);
+        if (here > gap) n = along;
+        gap = std::max(here, gap);
+      }
+      if (!(gap >= kTouching)) {
+        front_->RetryAfter(index, kTouching - gap);
         break;
       }
-      front_->Merge(index, planes[static_cast<std::size_t>(best - gap.begin()) - 4], *best);
+      front_->Merge(index, n, gap);
     }
   }
 }
@@ -769,7 +734,6 @@ void MeshContact::Stay() noexcept {
   v_.setZero();
   phi_.setZero();
   moved_ = false;
-  ends_ = LanesOf(from_, to_);
 }
 
 void MeshContact::Accept() noexcept {
@@ -791,28 +755,28 @@ void MeshContact::Accept() noexcept {
 }
 
 bool MeshContact::IsFree(const ToolPose& at) const {
-  const PoseLanes lanes = LanesOf(at, at);
-  std::vector<std::pair<BoxTree::Node, BoxTree::Node>> left{
+  std::vector<std::pair<HullTree::Node, HullTree::Node>> left{
       {tool_.tree.root(), objects_.tree.root()}};
   while (!left.empty()) {
     const auto [tool, object] = left.back();
     left.pop_back();
-    const FourPlanes planes = LikelyPlanes(tool, object, at, Vec3::UnitZ());
-    const auto gap = GapsAlong(tool, object, lanes, planes);
-    if (*std::max_element(gap.begin(), gap.end()) > limits::mesh::kRounding) continue;
+    SeparatingPlane plane;
+    if (FindPlane(PairOf(tool, object), {at, at}, Vec3::UnitZ(), kRounding, *kernels_, plane)) {
+      continue;
+    }
     if (AreTriangles(tool, object)) {
       const Corners corners = CornersAt(tool, object, at);
       const NearestPoints nearest = NearestOfTriangles(corners.a, corners.b);
       const double length = std::sqrt(nearest.squared);
       if (!(length > 0.0)) return false;
       const Vec3 n = (nearest.p - nearest.q) / length;
-      if (!(Low(tool, n, at) - objects_.tree.Highest(object, n) > limits::mesh::kRounding)) {
+      if (!(Low(tool, n, at) - High(object, n) > kRounding)) {
         return false;
       }
     } else if (tool_.tree.IsLarger(tool, objects_.tree, object)) {
-      for (BoxTree::Node child : tool_.tree.box(tool).child) left.emplace_back(child, object);
+      for (HullTree::Node child : tool_.tree.inner(tool).child) left.emplace_back(child, object);
     } else {
-      for (BoxTree::Node child : objects_.tree.box(object).child) left.emplace_back(tool, child);
+      for (HullTree::Node child : objects_.tree.inner(object).child) left.emplace_back(tool, child);
     }
   }
   return true;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "server/physics/limits.h"
 #include "server/physics/rows/contact_rows.h"
 #include "server/physics/surface/body_meshes.h"
+#include "server/physics/surface/separating_plane.h"
 #include "server/physics/surface/separation_front.h"
 #include "server/physics/surface/triangle_distance.h"
 
@@ -40,8 +40,8 @@ class MeshContact {
 
   /// Begins a sub-step from `from`: updates the front, and adds the rows of the `active` pairs that
   /// still touch: those out of their cones too, or a tool at rest would find them anew in each
-  /// step, a little off.  At most limits::mesh::kMaxLooks pairs are looked at closely in a
-  /// sub-step; the others count as not apart where their planes do not hold.
+  /// step, a little off.  A sub-step has limits::mesh::kMaxLooks looks; pairs that there are none
+  /// left for count as not apart where their planes do not hold.
   void Begin(const Kernels& kernels, SeparationFront& front, const ToolPose& from,
              const LeafPair* active, int actives, ContactRows& rows) noexcept;
 
@@ -66,8 +66,8 @@ class MeshContact {
   /// after Stay it stays.  The planes go into the front.
   void Accept() noexcept;
 
-  /// Pairs looked at closely since Begin, and brought up to date: what the sub-step costs, as a
-  /// count of looks.
+  /// What the sub-step has cost since Begin, in looks (limits::mesh::kMaxLooks): pairs brought up
+  /// to date count as well.
   std::int64_t looks() const { return tested_ + refreshed_ / limits::mesh::kRefreshesALook; }
   /// The sub-step may look no closer (limits::mesh::kMaxLooks): what needs it is not apart.
   bool IsExhausted() const { return looks() >= limits::mesh::kMaxLooks; }
@@ -101,7 +101,7 @@ class MeshContact {
   /// A pair of the front that the bounds could bring together.  Its plane at the sub-step's
   /// beginning, which every trial reads, stands in planes_ at the same index.
   struct NearPair {
-    BoxTree::Node tool, object;
+    HullTree::Node tool, object;
     SeparationFront::Index index;  ///< in the front
     std::int32_t touch;            ///< -1: none
     std::int32_t looked_at;        ///< closely, at this trial: then next_ has its plane there
@@ -111,23 +111,20 @@ class MeshContact {
     Vec3 n;
     double slack;
   };
-  using FourPlanes = std::array<Vec3, 4>;
   struct Corners {
     Vec3 a[3], b[3];
   };
 
-  double Low(BoxTree::Node tool, const Vec3& n, const ToolPose& at) const;
+  PatchPair PairOf(HullTree::Node tool, HullTree::Node object) const;
+  double Low(HullTree::Node tool, const Vec3& n, const ToolPose& at) const;
+  double High(HullTree::Node object, const Vec3& n) const;
   double TurnLoss(const Plane& plane, const Touch& touch, const Vec3& n_old,
                   const Vec3& n_new) const;
   double Gap(const NearPair& near, const Vec3& n, const ToolPose& at) const;
   bool HoldsAlong(NearPair& near, const Vec3& n, double least_old, double least_new);
   bool HoldsAcross(NearPair& near, const Plane& plane, const Touch& touch);
   Vec3 NormalAt(const NearPair& near, const Plane& plane, const ToolPose& at) const;
-  FourPlanes LikelyPlanes(BoxTree::Node tool, BoxTree::Node object, const ToolPose& at,
-                          const Vec3& own) const;
-  std::array<double, 8> GapsAlong(BoxTree::Node tool, BoxTree::Node object, const PoseLanes& X,
-                                  const FourPlanes& planes) const;
-  bool FirstLook(NearPair& near);
+  bool IsSeparable(NearPair& near);
   bool TrianglesApart(NearPair& near);
   bool LookCloser(std::int32_t k, ContactRows& rows);
   bool GiveRows(NearPair& near, ContactRows& rows);
@@ -139,7 +136,7 @@ class MeshContact {
   void AddNear(const SeparationFront::Index* index, int count, double way);
   void Cover(double translation, double rotation);
   void Merge();
-  Corners CornersAt(BoxTree::Node tool, BoxTree::Node object, const ToolPose& at) const;
+  Corners CornersAt(HullTree::Node tool, HullTree::Node object, const ToolPose& at) const;
   Touch& TouchOf(NearPair& near);
   bool InCone(const NearPair& near, const NearestPoints& nearest, const Vec3& u,
               const ToolPose& at) const;
@@ -157,7 +154,6 @@ class MeshContact {
   const MeshWithTree& objects_;
   const Kernels* kernels_ = &ActiveKernels();
   ToolPose from_, to_;
-  PoseLanes ends_;  ///< the two of them
   Vec3 v_ = Vec3::Zero(), phi_ = Vec3::Zero();
   bool moved_ = false;
   bool full_ = false;     ///< more pairs are near than may be brought up to date

@@ -54,19 +54,8 @@ struct PlaneMotion {
   double least_old, least_new;  ///< [m], before and after
 };
 
-/// A convex piece of a mesh, in the frame of its mesh: a box, its centre and the three vectors from
-/// there to its sides; or a triangle, its corners.
-struct Piece {
-  const double* x;  ///< 12 or 9 coordinates [m]
-  bool triangle;
-};
-
-/// Eight poses of the tool in W, and eight vectors.
-struct alignas(64) PoseLanes {
-  double R[3][3][8];
-  double p[3][8];
-};
-struct alignas(64) VectorLanes {
+/// Points of a convex hull [m]: x[coordinate][point].
+struct alignas(64) EightPoints {
   double x[3][8];
 };
 
@@ -145,10 +134,9 @@ struct Kernels {
   /// write up to 8 beyond the last.  Returns how many.
   int (*find_below)(const double* value, int count, double limit, std::int32_t* out);
 
-  /// How far the tool's piece lies above the object's along n, with the tool at X, lane by lane
-  /// [|n| m]: below 0 where they overlap.
-  void (*gaps_along)(const Piece& tool, const Piece& object, const PoseLanes& X,
-                     const VectorLanes& n, double gap[8]);
+  /// Index of the point that is lowest along m, of those whose place in their eight has its bit in
+  /// `lanes`; of several one that is the same everywhere.
+  int (*lowest_point)(const EightPoints* eights, int count, std::uint32_t lanes, const double m[3]);
 
   /// The planes of `count` slots as they are now, as columns from `first` on: each slack less by
   /// what its node moved against n since its epoch, and what it turned times its radius.

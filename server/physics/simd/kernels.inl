@@ -145,35 +145,27 @@ int FindBelow(const double* value, int count, double limit, std::int32_t* out) {
   return found;
 }
 
-/// The least of m . x over a piece, in each lane.
-[[gnu::always_inline]] inline D8 Lowest(const Piece& piece, const D8 m[3]) {
-  const auto along = [&](int k) {
-    const double* x = piece.x + 3 * k;
-    return Fma(m[2], Set1(x[2]), Fma(m[1], Set1(x[1]), m[0] * Set1(x[0])));
+int LowestPoint(const EightPoints* eights, int count, std::uint32_t lanes, const double m[3]) {
+  const auto along = [&](const EightPoints& p) {
+    return Fma(Set1(m[2]), Load(p.x[2]), Fma(Set1(m[1]), Load(p.x[1]), Set1(m[0]) * Load(p.x[0])));
   };
-  if (piece.triangle) return Min(Min(along(0), along(1)), along(2));
-  D8 least = along(0);
-  for (int k = 1; k < 4; ++k) {
-    const D8 side = along(k);
-    least = least + Min(side, Set1(0.0) - side);
+  D8 least = along(eights[0]), in = Set1(0.0);
+  for (int k = 1; k < count; ++k) {
+    const D8 here = along(eights[k]);
+    in = SelectLess(here, least, Set1(static_cast<double>(k)), in);
+    least = Min(here, least);
   }
-  return least;
-}
-
-void GapsAlong(const Piece& tool, const Piece& object, const PoseLanes& X, const VectorLanes& n,
-               double gap[8]) {
-  D8 along[3], back[3], in_tool[3];
-  for (int c = 0; c < 3; ++c) {
-    along[c] = Load(n.x[c]);
-    back[c] = Set1(0.0) - along[c];
+  double value[8], eight[8];
+  Store(value, least);
+  Store(eight, in);
+  for (int k = 0; k < 8; ++k) value[k] = (lanes >> k & 1u) != 0 ? value[k] : kInfinity;
+  for (int half = 4; half > 0; half /= 2) {
+    for (int k = 0; k < half; ++k) {
+      value[k] = value[k + half] < value[k] ? value[k + half] : value[k];
+    }
   }
-  D8 least = Set1(0.0);
-  for (int c = 0; c < 3; ++c) {
-    in_tool[c] = Fma(Load(X.R[2][c]), along[2],
-                     Fma(Load(X.R[1][c]), along[1], Load(X.R[0][c]) * along[0]));
-    least = Fma(Load(X.p[c]), along[c], least);
-  }
-  Store(gap, least + Lowest(tool, in_tool) + Lowest(object, back));
+  const int best = __builtin_ctz(~Less(Set1(value[0]), least) & lanes);
+  return 8 * static_cast<int>(eight[best]) + best;
 }
 
 void RefreshPlanes(const PlaneRecord* records, const std::uint32_t* epochs,
@@ -231,18 +223,9 @@ int FindUsedUp(const PlaneColumns& planes, int first, int count, const PlaneMoti
 }
 
 constexpr Kernels MakeKernels(const char* name) {
-  return {name,
-          ExpandPairs,
-          BuildRows<6>,
-          BuildRows<3>,
-          FindBelow,
-          GapsAlong,
-          RefreshPlanes,
-          FindUsedUp,
-          Solve<6>,
-          Solve<3>,
-          SolveCompliantRows<6>,
-          SolveCompliantRows<3>};
+  return {name,      ExpandPairs, BuildRows<6>,          BuildRows<3>,
+          FindBelow, LowestPoint, RefreshPlanes,         FindUsedUp,
+          Solve<6>,  Solve<3>,    SolveCompliantRows<6>, SolveCompliantRows<3>};
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 #include "common/math/pose.h"
 #include "scenes/sphere_tree.h"
 #include "server/physics/step_types.h"
-#include "server/physics/surface/box_tree.h"
 #include "server/physics/surface/contact_mesh.h"
+#include "server/physics/surface/hull_tree.h"
 
 namespace palpate {
 
@@ -25,7 +25,7 @@ struct MeshWithTree {
   MeshWithTree& operator=(const MeshWithTree&) = delete;
 
   const ContactMesh mesh;
-  const BoxTree tree;
+  const HullTree tree;
   const double radius;
 };
 

@@ -13,14 +13,6 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 /// Pairs of siblings that NextMergeable looks at in a call.
 constexpr int kMergeScan = 2 * limits::mesh::kBatch;
 
-}  // namespace
-
-ToolPose ToolPose::Moved(const Vec3& v, const Vec3& phi) const {
-  return {p + v, (RotationExp(phi) * q).normalized()};
-}
-
-namespace {
-
 constexpr SeparationFront::Eight kUnused{
     {kNever, kNever, kNever, kNever, kNever, kNever, kNever, kNever}};
 
@@ -34,7 +26,7 @@ void SeparationFront::Reserve() {
   unused_.reserve(kMaxSlots / 2);
 }
 
-void SeparationFront::Restart(const BoxTree& tool, const BoxTree& objects, const ToolPose& at) {
+void SeparationFront::Restart(const HullTree& tool, const HullTree& objects, const ToolPose& at) {
   Reserve();
   pairs_.assign(2, Pair{});
   planes_.assign(2, PlaneRecord{});
@@ -51,8 +43,8 @@ void SeparationFront::Restart(const BoxTree& tool, const BoxTree& objects, const
   Set(0, Vec3::UnitZ(), -1.0);
 }
 
-void SeparationFront::Put(Index i, const BoxTree& tool, BoxTree::Node of_tool,
-                          BoxTree::Node of_object, Index parent) {
+void SeparationFront::Put(Index i, const HullTree& tool, HullTree::Node of_tool,
+                          HullTree::Node of_object, Index parent) {
   PlaneRecord& plane = planes_[static_cast<std::size_t>(i)];
   for (int c = 0; c < 3; ++c) plane.centre[c] = tool.Centre(of_tool)[c];
   plane.radius = tool.Radius(of_tool);
@@ -100,8 +92,9 @@ void SeparationFront::Set(Index i, const Vec3& n, double slack) {
   ExpiryOf(i) = way_ + slack;
 }
 
-SeparationFront::Index SeparationFront::Split(Index i, const BoxTree& tool, const BoxTree& objects,
-                                              const Vec3& n, double slack) {
+SeparationFront::Index SeparationFront::Split(Index i, const HullTree& tool,
+                                              const HullTree& objects, const Vec3& n,
+                                              double slack) {
   Index child;
   if (!unused_.empty()) {
     child = unused_.back();
@@ -117,8 +110,8 @@ SeparationFront::Index SeparationFront::Split(Index i, const BoxTree& tool, cons
   Pair& whole = pairs_[static_cast<std::size_t>(i)];
   const bool of_tool = tool.IsLarger(whole.tool, objects, whole.object);
   for (int side = 0; side < 2; ++side) {
-    const BoxTree::Node a = of_tool ? tool.box(whole.tool).child[side] : whole.tool;
-    const BoxTree::Node b = of_tool ? whole.object : objects.box(whole.object).child[side];
+    const HullTree::Node a = of_tool ? tool.inner(whole.tool).child[side] : whole.tool;
+    const HullTree::Node b = of_tool ? whole.object : objects.inner(whole.object).child[side];
     Put(child + side, tool, a, b, i);
     Set(child + side, n, slack);
   }

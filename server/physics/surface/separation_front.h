@@ -6,20 +6,10 @@
 
 #include "common/math/pose.h"
 #include "server/physics/simd/kernels.h"
-#include "server/physics/surface/box_tree.h"
+#include "server/physics/surface/hull_tree.h"
+#include "server/physics/surface/tool_pose.h"
 
 namespace palpate {
-
-/// Where the graphic tool is: its reference point in W, and its orientation.
-struct ToolPose {
-  Vec3 p;
-  Quat q;
-  Mat3 R;
-  ToolPose(const Vec3& position, const Quat& orientation)
-      : p(position), q(orientation), R(orientation.toRotationMatrix()) {}
-  /// After the step [v; phi].
-  ToolPose Moved(const Vec3& v, const Vec3& phi) const;
-};
 
 /// Planes that show tool and objects apart, kept from step to step.  The pairs of nodes of their
 /// two trees form a tree themselves: a pair's children are those in which the larger of its nodes
@@ -38,7 +28,7 @@ class SeparationFront {
   using Index = std::int32_t;
   /// A pair of nodes.
   struct Pair {
-    BoxTree::Node tool, object;
+    HullTree::Node tool, object;
     Index parent, child;  ///< child: the first of two; -1 where the pair is of the front
   };
   struct Epoch {
@@ -58,7 +48,7 @@ class SeparationFront {
   std::size_t size() const { return size_; }
 
   /// The roots' pair alone, not known to be apart, for the tool at `at`.
-  void Restart(const BoxTree& tool, const BoxTree& objects, const ToolPose& at);
+  void Restart(const HullTree& tool, const HullTree& objects, const ToolPose& at);
   /// The tool has gone to `at`.  `reach`: of its farthest point from the reference point [m].
   /// Returns the way of that point at most [m].
   double Move(const ToolPose& at, double reach);
@@ -87,7 +77,7 @@ class SeparationFront {
   void Set(Index i, const Vec3& n, double slack);
   /// Opens a pair of the front: its children take the plane that it has at the pose of now.  -1
   /// where there is no room.
-  Index Split(Index i, const BoxTree& tool, const BoxTree& objects, const Vec3& n, double slack);
+  Index Split(Index i, const HullTree& tool, const HullTree& objects, const Vec3& n, double slack);
   /// Closes a pair whose children are of the front; it has the plane (n, slack).
   void Merge(Index i, const Vec3& n, double slack);
   /// Whether a pair is open and its children are both of the front.
@@ -110,7 +100,7 @@ class SeparationFront {
     return expiry_[static_cast<std::size_t>(i) / 8].v[static_cast<std::size_t>(i) % 8];
   }
 
-  void Put(Index i, const BoxTree& tool, BoxTree::Node of_tool, BoxTree::Node of_object,
+  void Put(Index i, const HullTree& tool, HullTree::Node of_tool, HullTree::Node of_object,
            Index parent);
 
   std::vector<Pair> pairs_;  ///< siblings beside each other, from an even index on; 0 is the root

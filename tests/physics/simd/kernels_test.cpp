@@ -143,55 +143,38 @@ TEST(Kernels, FindThePlanesThatAMotionUsesUpAtEverySimdLevel) {
   }
 }
 
-TEST(Kernels, TellHowFarPiecesLieAboveEachOtherAtEverySimdLevel) {
+TEST(Kernels, FindTheLowestPointAtEverySimdLevel) {
   const Kernels* level[3];
   const int levels = AvailableKernels(level);
   Random random(16);
-  // The corners of a piece.
-  const auto corners = [](const std::array<double, 12>& x, bool triangle) {
-    const auto at = [&](std::size_t k) { return Vec3(x[3 * k], x[3 * k + 1], x[3 * k + 2]); };
-    if (triangle) return std::vector<Vec3>{at(0), at(1), at(2)};
-    std::vector<Vec3> all;
-    for (int bits = 0; bits < 8; ++bits) {
-      Vec3 corner = at(0);
-      for (int k = 0; k < 3; ++k)
-        corner += ((bits >> k & 1) != 0 ? 1.0 : -1.0) * at(1 + static_cast<std::size_t>(k));
-      all.push_back(corner);
-    }
-    return all;
-  };
-  for (int trial = 0; trial < 400; ++trial) {
-    std::array<double, 12> tool, object;
-    for (double& x : tool) x = random.Uniform(-0.05, 0.05);
-    for (double& x : object) x = random.Uniform(-0.05, 0.05);
-    const Piece a{tool.data(), (trial & 1) != 0}, b{object.data(), (trial & 2) != 0};
-    PoseLanes X;
-    VectorLanes n;
-    double want[8];
-    for (int k = 0; k < 8; ++k) {
-      const Mat3 R = random.Rotation().toRotationMatrix();
-      const Vec3 p = random.InCube(0.1), along = random.Direction();
-      for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c) X.R[r][c][k] = R(r, c);
-        X.p[r][k] = p[r];
-        n.x[r][k] = along[r];
-      }
-      want[k] = std::numeric_limits<double>::infinity();
-      for (const Vec3& x : corners(tool, a.triangle)) {
-        for (const Vec3& y : corners(object, b.triangle)) {
-          want[k] = std::min(want[k], along.dot(R * x + p - y));
-        }
+  for (int trial = 0; trial < 2000; ++trial) {
+    const int count = trial % 2 == 0 ? 1 : 1 + trial % 33;
+    // Of one eight any lanes, but for none; of several all.
+    const std::uint32_t lanes = count == 1 ? 1 + static_cast<std::uint32_t>(trial / 2) % 255 : 0xff;
+    std::vector<EightPoints> points(static_cast<std::size_t>(count));
+    for (EightPoints& eight : points) {
+      // Coarse, so that several are as low.
+      for (auto& row : eight.x) {
+        for (double& x : row)
+          x = trial % 3 == 0 ? std::round(random.Uniform(-2, 2)) : random.Uniform(-0.1, 0.1);
       }
     }
-    double first[8];
-    for (int l = 0; l < levels; ++l) {
-      double got[8];
-      level[l]->gaps_along(a, b, X, n, got);
-      if (l == 0) std::copy(got, got + 8, first);
-      for (int k = 0; k < 8; ++k) {
-        ASSERT_NEAR(got[k], want[k], 1e-15) << level[l]->name << ", trial " << trial;
-        ASSERT_EQ(got[k], first[k]) << level[l]->name << ", trial " << trial;
-      }
+    const Vec3 m =
+        trial % 3 == 0 ? Vec3(0.0, trial % 5 == 0 ? 0.0 : 1.0, -1.0) : random.Direction();
+    const auto along = [&](int i) {
+      const EightPoints& eight = points[static_cast<std::size_t>(i / 8)];
+      return m.dot(Vec3(eight.x[0][i % 8], eight.x[1][i % 8], eight.x[2][i % 8]));
+    };
+    double lowest = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 8 * count; ++i) {
+      if ((lanes >> (i % 8) & 1u) != 0) lowest = std::min(lowest, along(i));
+    }
+    const int first = level[0]->lowest_point(points.data(), count, lanes, m.data());
+    ASSERT_TRUE(first >= 0 && first < 8 * count && (lanes >> (first % 8) & 1u) != 0);
+    ASSERT_NEAR(along(first), lowest, 1e-15) << "trial " << trial;
+    for (int l = 1; l < levels; ++l) {
+      ASSERT_EQ(level[l]->lowest_point(points.data(), count, lanes, m.data()), first)
+          << level[l]->name << ", trial " << trial;
     }
   }
 }

@@ -27,16 +27,16 @@ struct Side {
       : placed{&source, {}}, mesh(std::span(&placed, 1)), tree(mesh) {}
   Side(const Side&) = delete;
   Side& operator=(const Side&) = delete;
-  std::vector<std::uint32_t> Below(BoxTree::Node node) const {
-    if (BoxTree::IsLeaf(node)) return {BoxTree::TriangleOf(node)};
-    std::vector<std::uint32_t> all = Below(tree.box(node).child[0]);
-    const std::vector<std::uint32_t> rest = Below(tree.box(node).child[1]);
+  std::vector<std::uint32_t> Below(HullTree::Node node) const {
+    if (HullTree::IsLeaf(node)) return {HullTree::TriangleOf(node)};
+    std::vector<std::uint32_t> all = Below(tree.inner(node).child[0]);
+    const std::vector<std::uint32_t> rest = Below(tree.inner(node).child[1]);
     all.insert(all.end(), rest.begin(), rest.end());
     return all;
   }
   PlacedMesh placed;
   ContactMesh mesh;
-  BoxTree tree;
+  HullTree tree;
 };
 
 /// Room for the planes of eight pairs.
@@ -109,7 +109,7 @@ class FrontBench {
   void SplitOne() {
     std::vector<Index> open = Front();
     std::erase_if(open, [&](Index i) {
-      return BoxTree::IsLeaf(front.pair(i).tool) && BoxTree::IsLeaf(front.pair(i).object);
+      return HullTree::IsLeaf(front.pair(i).tool) && HullTree::IsLeaf(front.pair(i).object);
     });
     if (open.empty()) return;
     const Index i = Pick(open);
@@ -268,7 +268,7 @@ TEST(SeparationFront, OpensTheLargerNodeOfAPair) {
   const Index child = bench.front.Split(0, bench.tool.tree, bench.object.tree, Vec3::UnitZ(), 0.1);
   for (Index side = 0; side < 2; ++side) {
     EXPECT_EQ(bench.front.pair(child + side).tool, bench.tool.tree.root());
-    EXPECT_EQ(bench.front.pair(child + side).object, bench.object.tree.box(0).child[side]);
+    EXPECT_EQ(bench.front.pair(child + side).object, bench.object.tree.inner(0).child[side]);
   }
 }
 
@@ -316,7 +316,7 @@ TEST(SeparationFront, HasRoomForTheMostPairsAndSaysSoWhereThereIsNoMore) {
   front.Restart(a.tree, b.tree, at);
   Index next = 0, refused = -1;
   const auto is_pair_of_triangles = [&](Index i) {
-    return BoxTree::IsLeaf(front.pair(i).tool) && BoxTree::IsLeaf(front.pair(i).object);
+    return HullTree::IsLeaf(front.pair(i).tool) && HullTree::IsLeaf(front.pair(i).object);
   };
   for (; refused < 0; ++next) {
     if (next == 1 || is_pair_of_triangles(next)) continue;

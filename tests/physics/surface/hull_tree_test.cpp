@@ -1,4 +1,4 @@
-#include "server/physics/surface/box_tree.h"
+#include "server/physics/surface/hull_tree.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,10 +21,10 @@ ContactMesh Place(const TriangleMesh& mesh) {
 }
 
 /// All triangles below a node.
-std::vector<std::uint32_t> Below(const BoxTree& tree, BoxTree::Node node) {
-  if (BoxTree::IsLeaf(node)) return {BoxTree::TriangleOf(node)};
+std::vector<std::uint32_t> Below(const HullTree& tree, HullTree::Node node) {
+  if (HullTree::IsLeaf(node)) return {HullTree::TriangleOf(node)};
   std::vector<std::uint32_t> all;
-  for (const BoxTree::Node child : tree.box(node).child) {
+  for (const HullTree::Node child : tree.inner(node).child) {
     const std::vector<std::uint32_t> part = Below(tree, child);
     all.insert(all.end(), part.begin(), part.end());
   }
@@ -34,13 +34,14 @@ std::vector<std::uint32_t> Below(const BoxTree& tree, BoxTree::Node node) {
 /// Of a tree what whoever uses it relies on, of every node.
 void Judge(const TriangleMesh& source, double size) {
   const ContactMesh mesh = Place(source);
-  const BoxTree tree(mesh);
+  const HullTree tree(mesh);
+  const Kernels& kernels = ActiveKernels();
   Random random(41);
   std::vector<int> seen(mesh.triangles().size(), 0);
-  std::vector<BoxTree::Node> left{tree.root()};
+  std::vector<HullTree::Node> left{tree.root()};
   EXPECT_EQ(tree.Parent(tree.root()), -1);
   while (!left.empty()) {
-    const BoxTree::Node node = left.back();
+    const HullTree::Node node = left.back();
     left.pop_back();
     const std::vector<std::uint32_t> below = Below(tree, node);
     for (int trial = 0; trial < 6; ++trial) {
@@ -50,12 +51,14 @@ void Judge(const TriangleMesh& source, double size) {
       for (const std::uint32_t t : below) {
         for (int c = 0; c < 3; ++c) highest = std::max(highest, n.dot(mesh.Corner(t, c)));
       }
-      EXPECT_GE(tree.Highest(node, n), highest - 1e-15 * size);
-      if (BoxTree::IsLeaf(node)) {
-        EXPECT_EQ(tree.Highest(node, n), highest);
+      const double told = tree.Highest(node, n, kernels);
+      EXPECT_GE(told, highest - 1e-15 * size);
+      EXPECT_NEAR(n.dot(tree.Lowest(node, -n, kernels)), told, 1e-15 * size);
+      if (below.size() <= 32) {
+        EXPECT_LE(told, highest + 1e-15 * size);
       } else {
         // Not more than the box is long either.
-        EXPECT_LE(tree.Highest(node, n), highest + 2.1 * n.norm() * tree.box(node).sides.norm());
+        EXPECT_LE(told, highest + 2.1 * n.norm() * tree.inner(node).sides.norm());
       }
     }
     for (const std::uint32_t t : below) {
@@ -63,25 +66,22 @@ void Judge(const TriangleMesh& source, double size) {
         EXPECT_LE((mesh.Corner(t, c) - tree.Centre(node)).norm(), tree.Radius(node) + 1e-15 * size);
       }
     }
-    if (BoxTree::IsLeaf(node)) {
-      ++seen[BoxTree::TriangleOf(node)];
+    if (HullTree::IsLeaf(node)) {
+      ++seen[HullTree::TriangleOf(node)];
       EXPECT_FALSE(tree.IsLarger(node, tree, node));
       continue;
     }
-    const Mat3 squares = tree.box(node).sides.transpose() * tree.box(node).sides;
+    const Mat3 squares = tree.inner(node).sides.transpose() * tree.inner(node).sides;
     const Vec3 lengths2 = squares.diagonal();
     EXPECT_LE((squares - Mat3(lengths2.asDiagonal())).cwiseAbs().maxCoeff(),
               1e-12 * lengths2.maxCoeff());
     EXPECT_LE(lengths2[0], lengths2[1] * (1.0 + 1e-12));
     EXPECT_LE(lengths2[1], lengths2[2] * (1.0 + 1e-12));
-    if (lengths2.maxCoeff() > 0.0) {
-      EXPECT_NEAR(tree.box(node).Flattest().norm(), 1.0, 1e-12);
-    }
     EXPECT_TRUE(tree.IsLarger(node, tree, node));
-    for (const BoxTree::Node child : tree.box(node).child) {
+    for (const HullTree::Node child : tree.inner(node).child) {
       EXPECT_EQ(tree.Parent(child), node);
       // A triangle is never opened, not even beside a point.
-      if (BoxTree::IsLeaf(child)) {
+      if (HullTree::IsLeaf(child)) {
         EXPECT_FALSE(tree.IsLarger(child, tree, node));
         EXPECT_TRUE(tree.IsLarger(node, tree, child));
       } else if (tree.Radius(child) < tree.Radius(node)) {
@@ -108,13 +108,13 @@ TriangleMesh CoplanarGrid(int n, double spacing) {
   return grid;
 }
 
-TEST(BoxTree, HoldsEveryTriangleInEveryBoxAboveIt) {
+TEST(HullTree, HoldsEveryTriangleInEveryNodeAboveIt) {
   Judge(MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280), 0.1);
   Judge(MakeBox(Vec3(0.06, 0.05, 1e-4)), 0.1);
   Judge(MakeBentPipe(0.01, 0.002, 0.1, 0.05), 0.1);
 }
 
-TEST(BoxTree, HoldsRandomSoupsOfAnySize) {
+TEST(HullTree, HoldsRandomSoupsOfAnySize) {
   for (const double size : {1e-3, 1.0, 10.0}) {
     Random random(42);
     for (const int count : {2, 3, 5, 64, 333}) {
@@ -130,30 +130,30 @@ TEST(BoxTree, HoldsRandomSoupsOfAnySize) {
   }
 }
 
-TEST(BoxTree, IsOneTriangleWhereThereIsOne) {
+TEST(HullTree, IsOneTriangleWhereThereIsOne) {
   TriangleMesh one;
   one.vertices = {Vec3(0.01, 0, 0), Vec3(0, 0.02, 0), Vec3(0, 0, 0.03)};
   one.triangles = {{0, 1, 2}};
   const ContactMesh mesh = Place(one);
-  const BoxTree tree(mesh);
-  ASSERT_TRUE(BoxTree::IsLeaf(tree.root()));
-  EXPECT_EQ(BoxTree::TriangleOf(tree.root()), 0u);
+  const HullTree tree(mesh);
+  ASSERT_TRUE(HullTree::IsLeaf(tree.root()));
+  EXPECT_EQ(HullTree::TriangleOf(tree.root()), 0u);
   EXPECT_EQ(tree.Parent(tree.root()), -1);
-  EXPECT_EQ(tree.Highest(tree.root(), Vec3::UnitZ()), 0.03);
+  EXPECT_EQ(tree.Highest(tree.root(), Vec3::UnitZ(), ActiveKernels()), 0.03);
   const ContactMesh point = ContactMesh::Point();
-  const BoxTree of_point(point);
-  EXPECT_TRUE(BoxTree::IsLeaf(of_point.root()));
+  const HullTree of_point(point);
+  EXPECT_TRUE(HullTree::IsLeaf(of_point.root()));
   EXPECT_EQ(of_point.Radius(of_point.root()), 0.0);
 }
 
-TEST(BoxTree, HoldsATriangleThatIsThereAHundredTimes) {
+TEST(HullTree, HoldsATriangleThatIsThereAHundredTimes) {
   TriangleMesh many;
   many.vertices = {Vec3(0.01, 0, 0), Vec3(0, 0.02, 0), Vec3(0, 0, 0.03)};
   many.triangles.assign(100, {0, 1, 2});
   Judge(many, 0.1);
 }
 
-TEST(BoxTree, HoldsTrianglesWithoutArea) {
+TEST(HullTree, HoldsTrianglesWithoutArea) {
   TriangleMesh line;
   for (int i = 0; i < 20; ++i) line.vertices.push_back(Vec3(0.001 * i, 0.002 * i, 0.0));
   for (std::uint32_t i = 0; i + 2 < 20; ++i) line.triangles.push_back({i, i + 1, i + 2});
@@ -165,9 +165,9 @@ TEST(BoxTree, HoldsTrianglesWithoutArea) {
   Judge(place, 4.0);
 }
 
-// What the boxes are for: a flat patch, however it is turned, is known to lie below a plane as near
-// to it as can be.
-TEST(BoxTree, IsThinWhereTheSurfaceIsFlat) {
+// What boxes and hulls are for: a flat patch, however it is turned, is known to lie below a plane
+// as near to it as can be.
+TEST(HullTree, IsThinWhereTheSurfaceIsFlat) {
   TriangleMesh grid = CoplanarGrid(16, 0.005);
   Judge(grid, 0.1);
   const Quat q(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
@@ -175,15 +175,15 @@ TEST(BoxTree, IsThinWhereTheSurfaceIsFlat) {
   const Vec3 n = q * Vec3::UnitZ();
   const double height = n.dot(grid.vertices[0]);
   const ContactMesh mesh = Place(grid);
-  const BoxTree tree(mesh);
-  std::vector<BoxTree::Node> left{tree.root()};
+  const HullTree tree(mesh);
+  std::vector<HullTree::Node> left{tree.root()};
   while (!left.empty()) {
-    const BoxTree::Node node = left.back();
+    const HullTree::Node node = left.back();
     left.pop_back();
-    EXPECT_NEAR(tree.Highest(node, n), height, 1e-9);
-    EXPECT_NEAR(tree.Highest(node, -n), -height, 1e-9);
-    if (BoxTree::IsLeaf(node)) continue;
-    for (const BoxTree::Node child : tree.box(node).child) left.push_back(child);
+    EXPECT_NEAR(tree.Highest(node, n, ActiveKernels()), height, 1e-9);
+    EXPECT_NEAR(tree.Highest(node, -n, ActiveKernels()), -height, 1e-9);
+    if (HullTree::IsLeaf(node)) continue;
+    for (const HullTree::Node child : tree.inner(node).child) left.push_back(child);
   }
 }
 

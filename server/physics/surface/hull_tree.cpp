@@ -1,4 +1,4 @@
-#include "server/physics/surface/box_tree.h"
+#include "server/physics/surface/hull_tree.h"
 
 #include <algorithm>
 #include <array>
@@ -13,6 +13,10 @@ namespace palpate {
 namespace {
 
 using Triangles = std::span<std::uint32_t>;
+
+/// A patch of more eights of corners has its box instead: to go through this many costs as much as
+/// two further looks at its halves, taken.
+constexpr std::size_t kMostEights = 32;
 
 /// Principal axes of a patch, by the second moments of its area; of its corners where it has none.
 Mat3 PrincipalAxes(const ContactMesh& mesh, Triangles patch) {
@@ -40,7 +44,7 @@ Mat3 PrincipalAxes(const ContactMesh& mesh, Triangles patch) {
 
 }  // namespace
 
-BoxTree::BoxTree(const ContactMesh& mesh) {
+HullTree::HullTree(const ContactMesh& mesh) {
   const std::size_t count = mesh.triangles().size();
   leaf_parent_.assign(count, -1);
   for (std::uint32_t t = 0; t < count; ++t) {
@@ -55,7 +59,7 @@ BoxTree::BoxTree(const ContactMesh& mesh) {
   if (count < 2) return;
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
-  boxes_.reserve(count - 1);
+  inner_.reserve(count - 1);
   struct Work {
     Triangles patch;
     Node parent;
@@ -67,7 +71,7 @@ BoxTree::BoxTree(const ContactMesh& mesh) {
     left.pop_back();
     const auto attach = [&](Node node) {
       if (work.parent >= 0) {
-        boxes_[static_cast<std::size_t>(work.parent)].child[work.side] = node;
+        inner_[static_cast<std::size_t>(work.parent)].child[work.side] = node;
       }
     };
     if (work.patch.size() == 1) {
@@ -75,7 +79,7 @@ BoxTree::BoxTree(const ContactMesh& mesh) {
       leaf_parent_[work.patch[0]] = work.parent;
       continue;
     }
-    Box box{};
+    Inner box{};
     box.parent = work.parent;
     const Mat3 axes = PrincipalAxes(mesh, work.patch);
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -101,11 +105,9 @@ BoxTree::BoxTree(const ContactMesh& mesh) {
         box.radius = std::max(box.radius, (mesh.Corner(t, c) - box.centre).norm());
       }
     }
-    const double shortest = half[order_of[0]];
-    box.scale = shortest > 0.0 ? 1.0 / shortest : 0.0;
-    const auto node = static_cast<Node>(boxes_.size());
+    const auto node = static_cast<Node>(inner_.size());
     attach(node);
-    boxes_.push_back(box);
+    inner_.push_back(box);
     // Halved across its longest side.
     const Vec3 axis = axes.col(order_of[2]);
     std::sort(work.patch.begin(), work.patch.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -116,6 +118,94 @@ BoxTree::BoxTree(const ContactMesh& mesh) {
     left.push_back({work.patch.subspan(middle), node, 1});
     left.push_back({work.patch.first(middle), node, 0});
   }
+  corners_.resize(inner_.size());
+  if (const std::vector<Vec3> all = Gather(root()); !all.empty()) AddEight(root(), all);
+}
+
+/// The corners below a node, each once, where they are no more than eight; else none, and they have
+/// been added to points_.
+std::vector<Vec3> HullTree::Gather(Node node) {
+  std::vector<Vec3> few;
+  const auto add = [&few](const Vec3& x) {
+    if (std::find(few.begin(), few.end(), x) == few.end()) few.push_back(x);
+  };
+  if (IsLeaf(node)) {
+    for (int c = 0; c < 3; ++c) add(leaf_corners_[TriangleOf(node)].col(c));
+    return few;
+  }
+  const std::size_t first = points_.size();
+  const auto& child = inner(node).child;
+  const std::vector<Vec3> below[2] = {Gather(child[0]), Gather(child[1])};
+  if (!below[0].empty() && !below[1].empty()) {
+    for (const std::vector<Vec3>& of_child : below)
+      std::for_each(of_child.begin(), of_child.end(), add);
+    if (few.size() <= 8) return few;
+  }
+  for (int side = 0; side < 2; ++side) {
+    if (!below[side].empty()) AddEight(child[side], below[side]);
+  }
+  const std::size_t eights = points_.size() - first;
+  corners_[static_cast<std::size_t>(node)] = {
+      static_cast<std::uint32_t>(first),
+      eights <= kMostEights ? static_cast<std::uint32_t>(eights) : 0u, 0xff};
+  return {};
+}
+
+/// The corners of a node that nobody has added yet; the last is repeated to make eight.
+void HullTree::AddEight(Node node, const std::vector<Vec3>& corners) {
+  EightPoints& eight = points_.emplace_back();
+  for (std::size_t k = 0; k < 8; ++k) {
+    const Vec3& x = corners[std::min(k, corners.size() - 1)];
+    for (int c = 0; c < 3; ++c) eight.x[c][k] = x[c];
+  }
+  Assign(node, static_cast<std::uint32_t>(points_.size() - 1));
+}
+
+/// To a node and all below it their lanes of an eight; returns the node's, a bit each.
+std::uint32_t HullTree::Assign(Node node, std::uint32_t eight) {
+  std::uint32_t lanes = 0;
+  if (!IsLeaf(node)) {
+    for (const Node child : inner(node).child) lanes |= Assign(child, eight);
+    corners_[static_cast<std::size_t>(node)] = {eight, 1, lanes};
+    return lanes;
+  }
+  const EightPoints& points = points_[eight];
+  for (unsigned k = 0; k < 8; ++k) {
+    const Vec3 x(points.x[0][k], points.x[1][k], points.x[2][k]);
+    for (int c = 0; c < 3; ++c) {
+      if (x == leaf_corners_[TriangleOf(node)].col(c)) lanes |= 1u << k;
+    }
+  }
+  return lanes;
+}
+
+Vec3 HullTree::Lowest(Node node, const Vec3& m, const Kernels& kernels) const {
+  if (IsLeaf(node)) {
+    const Mat3& x = leaf_corners_[TriangleOf(node)];
+    int best = 0;
+    double least = m.dot(x.col(0));
+    for (int c = 1; c < 3; ++c) {
+      const double along = m.dot(x.col(c));
+      if (along < least) best = c;
+      least = std::min(along, least);
+    }
+    return x.col(best);
+  }
+  const Corners& corners = corners_[static_cast<std::size_t>(node)];
+  if (corners.eights > 0) {
+    const EightPoints* const points = points_.data() + corners.first;
+    const int best =
+        kernels.lowest_point(points, static_cast<int>(corners.eights), corners.lanes, m.data());
+    const EightPoints& eight = points[best / 8];
+    return {eight.x[0][best % 8], eight.x[1][best % 8], eight.x[2][best % 8]};
+  }
+  const Inner& inner = inner_[static_cast<std::size_t>(node)];
+  Vec3 corner = inner.centre;
+  for (int c = 0; c < 3; ++c) {
+    const Vec3 side = inner.sides.col(c);
+    corner += m.dot(side) < 0.0 ? side : Vec3(-side);
+  }
+  return corner;
 }
 
 }  // namespace palpate

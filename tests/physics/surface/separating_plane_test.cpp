@@ -1,0 +1,173 @@
+#include "server/physics/surface/separating_plane.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "scenes/shapes.h"
+#include "tests/support/random.h"
+
+namespace palpate {
+namespace {
+
+using test::Random;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+HullTree TreeOf(const std::vector<Vec3>& corners) {
+  TriangleMesh mesh;
+  mesh.vertices = corners;
+  for (std::uint32_t i = 0; i + 2 < corners.size(); ++i)
+    mesh.triangles.push_back({i, i + 1, i + 2});
+  const PlacedMesh placed{&mesh, {}};
+  return HullTree(ContactMesh(std::span(&placed, 1)));
+}
+
+/// Differences of the tool's corners, at both ends of a motion, and the object's.
+std::vector<Vec3> Differences(const std::vector<Vec3>& tool, const std::vector<Vec3>& object,
+                              const ToolMotion& motion) {
+  std::vector<Vec3> all;
+  for (const ToolPose* at : {&motion.from, &motion.to}) {
+    for (const Vec3& a : tool) {
+      for (const Vec3& b : object) all.push_back(at->R * a + at->p - b);
+    }
+  }
+  return all;
+}
+
+double LeastAlong(const std::vector<Vec3>& points, const Vec3& n) {
+  double least = kInfinity;
+  for (const Vec3& x : points) least = std::min(least, n.dot(x));
+  return least;
+}
+
+/// The most by which any plane separates them, by trying each that can be the best: across a point,
+/// an edge or a face of the differences' hull.  Not positive where none does.
+double MostSeparation(const std::vector<Vec3>& points) {
+  double most = -kInfinity;
+  const auto consider = [&](const Vec3& direction) {
+    const double length = direction.norm();
+    if (!(length > 1e-12)) return;
+    most = std::max(most, LeastAlong(points, direction / length));
+  };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    consider(points[i]);
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vec3 edge = points[j] - points[i];
+      if (edge.squaredNorm() > 0.0) {
+        consider(points[i] - points[i].dot(edge) / edge.squaredNorm() * edge);
+      }
+      for (std::size_t k = 0; k < j; ++k) {
+        const Vec3 normal = edge.cross(points[k] - points[i]);
+        consider(normal);
+        consider(-normal);
+      }
+    }
+  }
+  return most;
+}
+
+struct Case {
+  std::vector<Vec3> tool, object;
+  double radius = 0.0;
+  ToolPose from{Vec3::Zero(), Quat::Identity()}, to{Vec3::Zero(), Quat::Identity()};
+};
+
+/// Patches of three to five corners, from flat to round, near each other or in each other.
+Case MakeCase(Random& random, int trial) {
+  Case c;
+  const auto corners = [&](int count, double flat) {
+    std::vector<Vec3> all;
+    for (int i = 0; i < count; ++i) {
+      const Vec3 x = random.InCube(0.01);
+      all.push_back({x.x(), x.y(), flat * x.z()});
+    }
+    return all;
+  };
+  const double flat[3] = {1.0, 0.01, 0.0};
+  c.tool = corners(3 + trial % 3, flat[trial / 3 % 3]);
+  c.object = corners(3 + trial / 9 % 3, flat[trial / 27 % 3]);
+  if (trial % 4 == 0) c.radius = 0.001;
+  const Vec3 p = random.Direction() * random.Uniform(0.0, 0.03);
+  const Quat q = random.Rotation();
+  c.from = {p, q};
+  c.to = trial % 2 == 0 ? c.from : c.from.Moved(random.InCube(0.001), random.InCube(0.05));
+  return c;
+}
+
+TEST(SeparatingPlane, IsFoundWhereThereIsOneAndOnlyThere) {
+  Random random(81);
+  int apart = 0, not_apart = 0;
+  for (int trial = 0; trial < 600; ++trial) {
+    const Case c = MakeCase(random, trial);
+    const ToolMotion motion{c.from, c.to};
+    const HullTree tool = TreeOf(c.tool), object = TreeOf(c.object);
+    const PatchPair pair{tool, tool.root(), c.radius, object, object.root()};
+    const std::vector<Vec3> differences = Differences(c.tool, c.object, motion);
+    const double most = MostSeparation(differences) - c.radius;
+    for (const double least : {1e-9, 0.5e-6, 1e-4, 2e-3}) {
+      SCOPED_TRACE("trial " + std::to_string(trial) + ", least " + std::to_string(least));
+      SeparatingPlane plane;
+      const Vec3 guess = random.Direction();
+      if (FindPlane(pair, motion, guess, least, ActiveKernels(), plane)) {
+        ++apart;
+        EXPECT_NEAR(plane.n.norm(), 1.0, 1e-12);
+        EXPECT_GE(std::min(plane.before, plane.after), least);
+        // The gaps are those of the plane.
+        EXPECT_NEAR(std::min(plane.before, plane.after),
+                    LeastAlong(differences, plane.n) - c.radius, 1e-15);
+      } else {
+        ++not_apart;
+        EXPECT_LE(most, least * (1.0 + 1e-6) + 1e-12);
+      }
+    }
+  }
+  EXPECT_GT(apart, 400);
+  EXPECT_GT(not_apart, 300);
+}
+
+TEST(SeparatingPlane, IsTheGuessWhereThatHolds) {
+  const HullTree tool = TreeOf({Vec3(0, 0, 0.02), Vec3(0.01, 0, 0.02), Vec3(0, 0.01, 0.02)});
+  const HullTree object = TreeOf({Vec3(0, 0, 0), Vec3(0.01, 0, 0), Vec3(0, 0.01, 0)});
+  const ToolPose at(Vec3::Zero(), Quat::Identity());
+  const Vec3 guess = Vec3(0.1, -0.1, 1.0).normalized();
+  SeparatingPlane plane;
+  ASSERT_TRUE(FindPlane({tool, tool.root(), 0.0, object, object.root()}, {at, at}, guess, 1e-6,
+                        ActiveKernels(), plane));
+  EXPECT_EQ(plane.n, guess);
+  EXPECT_EQ(plane.tries, 1);
+}
+
+// Whole surfaces, whose hulls hold hundreds of corners: spheres of triangles, as near as they say.
+TEST(SeparatingPlane, TellsRoundPatchesApart) {
+  const TriangleMesh ball = MakeEllipsoid(Vec3::Constant(0.01), 80);
+  const HullTree tree = TreeOf(ball.vertices);
+  Random random(82);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Vec3 way = random.Direction();
+    const auto at = [&](double distance) { return ToolPose(distance * way, random.Rotation()); };
+    SeparatingPlane plane;
+    const PatchPair pair{tree, tree.root(), 0.0, tree, tree.root()};
+    const ToolPose away = at(0.0201), in = at(0.017);
+    EXPECT_TRUE(FindPlane(pair, {away, away}, random.Direction(), 1e-6, ActiveKernels(), plane));
+    EXPECT_FALSE(FindPlane(pair, {in, in}, random.Direction(), 1e-6, ActiveKernels(), plane));
+    EXPECT_FALSE(FindPlane(pair, {away, in}, random.Direction(), 1e-6, ActiveKernels(), plane));
+    EXPECT_FALSE(FindPlane(pair, {in, away}, random.Direction(), 1e-6, ActiveKernels(), plane));
+  }
+}
+
+// Nothing to go by: pieces that are one point, at one place.
+TEST(SeparatingPlane, IsNoneBetweenPointsAtOnePlace) {
+  const HullTree point = TreeOf({Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
+  const ToolPose at(Vec3::Zero(), Quat::Identity());
+  SeparatingPlane plane;
+  EXPECT_FALSE(FindPlane({point, point.root(), 0.0, point, point.root()}, {at, at}, Vec3::UnitZ(),
+                         1e-9, ActiveKernels(), plane));
+}
+
+}  // namespace
+}  // namespace palpate
