@@ -175,7 +175,8 @@ inline constexpr int kIterates = 16;
 /// is looked for, or the nearest points of two triangles.  A further sub-step is begun where one
 /// like the last would leave the cycle's below this.
 inline constexpr int kMaxLooks = 3400;
-/// Pairs that are brought up to date, and tested in the trials, in the time of one look.
+/// Pairs that are brought up to date, or found not to hold in a trial, in the time of one look;
+/// eight times as many are tested in it.
 inline constexpr int kRefreshesALook = 8;
 /// Pairs that are brought up to date, looked at, or tried to be made one, before it is seen how to
 /// go on: taken.

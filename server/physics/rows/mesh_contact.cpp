@@ -278,6 +278,7 @@ int MeshContact::Check(const Vec3& v, const Vec3& phi, ContactRows& rows) noexce
     // them.
     const auto all = static_cast<int>(near_.size());
     const int found = kernels_->find_used_up(planes_, collected, all, motion, found_.data());
+    refreshed_ += found + (all - collected) / 8;
     collected = all;
     if (IsExhausted()) {
       apart_not += found + static_cast<int>(doubts_.size());
