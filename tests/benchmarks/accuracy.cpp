@@ -2,16 +2,20 @@
 // Figs. 2.16-2.18).
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <memory>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "common/error.h"
 #include "common/plot/svg_plot.h"
 #include "scenes/mesh_query.h"
 #include "server/physics/simd/kernels.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"
+#include "tests/benchmarks/machine.h"
 #include "tests/benchmarks/sliding_force.h"
 
 namespace palpate::bench {
@@ -22,6 +26,7 @@ struct Options {
   std::vector<std::size_t> spheres{64, 512, 4096};
   FeatureOptions features{"surface", "off"};
   std::string json, plot;
+  std::vector<std::string> draw;
 };
 
 /// "A polygonal mesh with over 4,000 triangles", which the chapter compares 64 spheres with.
@@ -95,7 +100,50 @@ void WritePlot(const Options& options, const std::vector<SlidingForce>& rows) {
   WriteSvg(options.plot, plots);
 }
 
+/// What a run has written with --json.
+nlohmann::json ReadRun(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw Error(file + ": cannot be opened; make one with accuracy --json");
+  nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
+  if (!run.is_object() || !run.contains("object") || !run.contains("contact")) {
+    throw Error(file + ": is not what accuracy --json writes; name files of that alone");
+  }
+  return run;
+}
+
+/// Error by count of spheres, a line for each of the runs.
+void DrawRuns(const Options& options) {
+  std::vector<Plot> plots;
+  for (const auto& [which, name] : {std::pair("mean", "mean"), std::pair("max", "greatest")}) {
+    Plot plot{.title = fmt::format("Force error against the analytic truth, {}", name),
+              .subtitle = "A ball of 5 mm slides with 1 N over a cube and an ellipsoid",
+              .x = {.title = "Spheres of the object's tree", .log = true},
+              .y = {.title = "|δF| of eq. 2.36 [of 1 N]", .log = true, .min = 1e-4},
+              .height = 220};
+    for (const std::string& file : options.draw) {
+      const nlohmann::json run = ReadRun(file);
+      PlotSeries series{.name = fmt::format("{}, {} contact", run["object"].get<std::string>(),
+                                            run["contact"].get<std::string>()),
+                        .style = PlotSeries::Style::kLineAndPoints};
+      for (const auto& row : run.contains("results") ? run["results"] : nlohmann::json{run}) {
+        series.x.push_back(row.at("spheres"));
+        series.y.push_back(row.at("force_error").at("magnitude").at(which));
+      }
+      plot.series.push_back(std::move(series));
+    }
+    plot.references = {{.value = 0.08, .text = "just noticed: 8 %"},
+                       {.value = 0.06, .text = "6 %"}};
+    plots.push_back(std::move(plot));
+  }
+  WriteSvg(options.plot, plots);
+}
+
 void Run(Options options) {
+  if (!options.draw.empty()) {
+    if (options.plot.empty()) throw UsageError("accuracy: --draw needs --plot FILE.svg");
+    DrawRuns(options);
+    return;
+  }
   options.experiment.features = options.features.features();
   std::vector<SlidingForce> rows;
   for (const std::size_t spheres : options.spheres) {
@@ -114,11 +162,10 @@ void Run(Options options) {
     table += fmt::format("  {:<22} {}  {:>10.4f} {:>10.2f}\n", row.spheres, Columns(row.errors),
                          row.truncation_um.max, PercentilesOf(row.step_us.best()).p999);
   }
-  nlohmann::ordered_json json{{"object", options.experiment.object},
-                              {"contact", options.features.contact},
-                              {"steps", options.experiment.steps},
-                              {"repeats", options.experiment.repeats},
-                              {"simd", ActiveKernels().name}};
+  nlohmann::ordered_json json{
+      {"object", options.experiment.object}, {"contact", options.features.contact},
+      {"steps", options.experiment.steps},   {"repeats", options.experiment.repeats},
+      {"simd", ActiveKernels().name},        {"machine", ToJson(ThisMachine())}};
   if (rows.size() == 1) {
     json.update(ToJson(rows.front()));
   } else {
@@ -182,6 +229,11 @@ void AddAccuracy(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
   command->add_option("--plot", options->plot, "Draw the errors over time into FILE.svg");
+  command
+      ->add_option("--draw", options->draw,
+                   "Measure nothing: draw what runs have written with --json, error by count of "
+                   "spheres, into the --plot")
+      ->delimiter(',');
   command->callback([options] { Run(*options); });
 }
 

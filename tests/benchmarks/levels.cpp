@@ -17,6 +17,7 @@
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"
+#include "tests/benchmarks/machine.h"
 #include "tests/benchmarks/pose_source.h"
 #include "tests/benchmarks/scene_run.h"
 
@@ -177,7 +178,8 @@ void Run(Options options) {
                               {"friction", options.features.friction},
                               {"steps", poses.size()},
                               {"repeats", options.repeats},
-                              {"simd", ActiveKernels().name}};
+                              {"simd", ActiveKernels().name},
+                              {"machine", ToJson(ThisMachine())}};
   for (const Level& level : levels) {
     const Percentiles best = PercentilesOf(level.step_us.best());
     const Percentiles detection = PercentilesOf(level.prediction_us);

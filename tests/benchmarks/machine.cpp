@@ -8,4 +8,11 @@ Machine ThisMachine() {
   return {ThisHost(), ActiveKernels().name};
 }
 
+nlohmann::ordered_json ToJson(const Machine& machine) {
+  return {{"cpu", machine.cpu},
+          {"cores", machine.cores},
+          {"simd", machine.simd},
+          {"compiler", machine.compiler}};
+}
+
 }  // namespace palpate::bench

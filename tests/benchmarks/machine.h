@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "common/machine.h"
 
 namespace palpate::bench {
@@ -11,5 +13,7 @@ struct Machine : HostMachine {
   std::string simd;  ///< level that the physics chose
 };
 Machine ThisMachine();
+/// {"cpu", "cores", "simd", "compiler"}
+nlohmann::ordered_json ToJson(const Machine& machine);
 
 }  // namespace palpate::bench

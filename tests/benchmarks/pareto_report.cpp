@@ -620,11 +620,7 @@ nlohmann::ordered_json ToJson(const ParetoResults& r) {
       {"command", r.command},
       {"quick", r.quick},
       {"complete", r.complete},
-      {"machine",
-       {{"cpu", r.machine.cpu},
-        {"cores", r.machine.cores},
-        {"simd", r.machine.simd},
-        {"compiler", r.machine.compiler}}},
+      {"machine", ToJson(r.machine)},
       {"human", {{"force_jnd", {kJndLow, kJndHigh}}}},
       {"chapter",
        {{"cube_mean_at_4096", kChapterCubeMean}, {"ellipsoid_max_at_512", kChapterEllipsoidMax}}}};

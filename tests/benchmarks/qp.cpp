@@ -15,6 +15,7 @@
 #include "server/physics/solve/response.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/figures.h"
+#include "tests/benchmarks/machine.h"
 #include "tests/benchmarks/pose_source.h"
 #include "tests/benchmarks/scene_run.h"
 
@@ -265,7 +266,10 @@ void Measure(const Options& options, std::vector<Problem>& problems, bool warm_f
   table.Line("unsolved", fmt::format("{} ({} contradictory, relaxed)", unsolved, relaxed));
   table.Print();
   if (!options.json.empty()) {
-    WriteJson(options.json, {{"problems", problems.size()},
+    WriteJson(options.json, {{"source", warm_from_step ? options.scene : options.load},
+                             {"repeats", options.repeats},
+                             {"machine", ToJson(ThisMachine())},
+                             {"problems", problems.size()},
                              {"best_us", ToJson(cold)},
                              {"best_warm_us", ToJson(warm)},
                              {"raw_us", ToJson(PercentilesOf(cold_us.all()))},

@@ -10,6 +10,7 @@
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"
+#include "tests/benchmarks/machine.h"
 #include "tests/benchmarks/stability_case.h"
 
 namespace palpate::bench {
@@ -71,6 +72,7 @@ void Run(const Options& options) {
   StopSignal stop;
   nlohmann::ordered_json json{{"contact", options.features.contact},
                               {"friction", options.features.friction},
+                              {"machine", ToJson(ThisMachine())},
                               {"cases", nlohmann::ordered_json::array()}};
   long held = 0, total = 0, steps = 0, tunnelled = 0, nonfinite = 0;
   double penetration = 0.0;

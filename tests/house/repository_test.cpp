@@ -90,6 +90,15 @@ TEST(Repository, LinksOnlyToFilesThatExist) {
   }
 }
 
+TEST(Repository, LinksFromReadmeToEveryReportOfFigures) {
+  const std::string readme = ReadFile(kRoot + "/README.md");
+  const std::string folder = "tests/benchmarks/results/";
+  for (const std::string& file : SourceFiles(kRoot)) {
+    if (!file.starts_with(folder)) continue;
+    EXPECT_NE(readme.find("](" + file + ")"), std::string::npos) << file;
+  }
+}
+
 TEST(Repository, LeavesNothingForLaterAndNamesNoPlaceOfItsMakers) {
   for (const std::string& file : SourceFiles(kRoot)) {
     if (!IsText(file)) continue;

@@ -64,6 +64,7 @@ TEST_F(DeployScripts, TeachFromWhateverFolderTheyAreCalled) {
        std::map<std::string, std::string>{{"deploy", "./demo"},
                                           {"deploy/container", "./run"},
                                           {"tests", "./run"},
+                                          {"tests/benchmarks", "./publish"},
                                           {"", "deploy/demo"}}) {
     const Output help =
         RunCommand({"sh", "-c", "cd '" + (kRoot / folder).string() + "' && " + script + " --help"});

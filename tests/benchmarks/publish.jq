@@ -1,0 +1,212 @@
+# The reports of tests/benchmarks/publish, in Markdown, from what palpate-bench has written as JSON.
+# Called with all files slurped; $report says which report, $head what was done and where.  Each
+# sentence about figures is computed from them.
+
+# ---- numbers as people read them: three digits
+
+def num:
+  if type != "number" then "–"
+  elif . == 0 then "0"
+  else (fabs | log10 | floor) as $e
+    | if $e < -4 or $e > 5 then
+        (. / pow(10; $e) * 100 | round / 100 | tostring) + "e" + ($e | tostring)
+      elif $e >= 2 then round | tostring
+      else pow(10; 2 - $e) as $scale | . * $scale | round / $scale | tostring
+      end
+  end;
+def percent: (100 * . | num) + " %";
+def cell: tostring | gsub("\\|"; "\\|") | gsub("\n"; " ");
+def row: "| " + (map(cell) | join(" | ")) + " |";
+
+# table("lr"; ["a", "b"]): of an array of rows.
+def table($align; $head):
+  [$head | row]
+  + ["|" + ($align / "" | map(if . == "r" then "---:" else "---" end) | join("|")) + "|"]
+  + map(row) | join("\n");
+def plural($one): "\(.) \($one)" + (if . == 1 then "" else "s" end);
+
+# ---- what every report begins with
+
+def head($title; $machine):
+  $head.load[0] as $load
+  | "# \($title)\n\n```sh\n\($head.publish)\n```\n\nwhich runs\n\n```sh\n"
+  + ($head.commands | join("\n")) + "\n```\n\n"
+  + ([["processor", $machine.cpu], ["cores", $machine.cores], ["SIMD", $machine.simd],
+      ["compiler", $machine.compiler], ["build", $head.build], ["begun", $head.begun],
+      ["load averages before", ($head.load | map(tostring) | join(" "))]] | table("ll"; ["", ""]))
+  + (if $head.smoke then
+      "\n\n**A smoke run:** tiny, to try the script. These are no figures to quote." else "" end)
+  + (if $load > 0.25 * $machine.cores then
+      "\n\n**The machine was not at rest:** a load average of \($load) on "
+      + "\($machine.cores | plural("core")) before the first measurement. Times are as long or "
+      + "longer than on a quiet machine, p99.9 and raw times most of all: a process may lose its core. Errors do "
+      + "not depend on it." else "" end);
+
+# ---- accuracy
+
+def accuracy_rows: [.[] | {object, contact} as $run | (.results // [.])[] | $run + .];
+def accuracy_contact($name):
+  map(select(.contact == $name)) as $rows
+  | if $rows == [] then empty else
+      ($rows | max_by(.force_error.strength.max)) as $worst
+      | ($rows | map(select(.force_error.strength.max <= 0.06)) | length) as $fine
+      | "With \($name) contact the force's strength is at most "
+        + "\($worst.force_error.strength.max | percent) off (\($worst.object), \($worst.spheres) "
+        + "spheres) and its direction \($rows | map(.direction_deg.max) | max | num)°; in \($fine) of "
+        + "\($rows | length) rows the strength stays within the 6 % that people begin to notice, at "
+        + "every sample."
+    end;
+def accuracy_short:
+  map(select(.force_error.strength.max > 0.06)
+      | "\(.object), \(.spheres) spheres, \(.contact) (\(.force_error.strength.max | percent))")
+  | if length == 0 then "No row passes 6 %."
+    else "Short of it: " + join("; ") + "." end;
+def accuracy_meshes:
+  [.[] | select(.mesh) | .mesh] | unique_by(.triangles)
+  | map("The \(.triangles) flat triangles of the ellipsoid's mesh, felt exactly, would be "
+        + "\(.force_error.magnitude.max | percent) off at most: an object that is not declared curved "
+        + "is felt so.") | join(" ");
+def accuracy:
+  accuracy_rows as $rows
+  | head("Force against the analytic truth"; .[0].machine) + "\n\n"
+  + "A ball of 5 mm radius, commanded 1 mm deep at 1 N/mm, slides along a cube of 50 mm side and an "
+  + "ellipsoid of semi-axes 40, 25 and 30 mm (the chapter's 2.5.1); \(.[0].steps) samples. The error is "
+  + "δF of eq. 2.36, of the true 1 N; *strength* is the part of it that changes how strong the force "
+  + "is.\n\n"
+  + ([$rows | accuracy_contact("surface", "spheres")] | join(" ")) + " " + ($rows | accuracy_short)
+  + "\n\n" + accuracy_meshes + "\n\n"
+  + "![Force error against the count of spheres, mean and greatest](accuracy.svg)\n\n"
+  + ($rows | map([.object, .contact, .spheres, .felt_triangles,
+                  (.force_error.magnitude | .mean, .max | num),
+                  (.force_error.strength | .mean, .max | num),
+                  (.direction_deg | .mean, .max | num),
+                  (.best_step_us | .p50, .p999 | num)])
+     | table("llrrrrrrrrrr"; ["object", "contact", "spheres", "triangles felt", "error, mean", "max",
+                              "of the strength, mean", "max", "direction, mean [°]", "max",
+                              "step, best p50 [µs]", "best p99.9"]));
+
+# ---- stability
+
+def models: "\(.contact) contact, friction \(.friction)";
+def not_held:
+  [.[] | models as $with | .cases[] | select(.held | not)
+   | "`\(.name)` (\($with)): \(.figure | num) \(.unit) where \(.bound | num) \(.unit) is the bound, "
+     + "overlap \(.penetration_um | num) µm"
+   | gsub(" +"; " ")];
+def stability:
+  head("Hard cases against their bounds"; .[0].machine) + "\n\n"
+  + "Each case holds where its figure keeps its bound, nothing tunnels, every number is finite, and no "
+  + "overlap passes 10 µm where a pose without any exists. `palpate-bench stability --list` gives the "
+  + "reason of each bound.\n\n"
+  + "\(map(.held) | add) of \(map(.total) | add | plural("case")) held over \(map(.steps) | add) steps, "
+  + "every choice of models counted: \(map(.tunnelled) | add) steps tunnelled, \(map(.nonfinite) | add) "
+  + "were not finite, and the deepest overlap was \(map(.penetration_um) | max | num) µm. "
+  + (not_held | if length == 0 then "None fell short."
+                else "Short: " + join("; ") + "." end) + "\n\n"
+  + "These cases are made to be hard and are all of the project's own; they do not prove that no other "
+  + "case fails.\n\n"
+  + (map("## \(models[0:1] | ascii_upcase)\(models[1:])\n\n"
+         + "\(.held) of \(.total) held over \(.steps) steps.\n\n"
+         + (.cases | map(["`\(.name)`", .what, .steps, (.figure | num), (.bound | num), .unit,
+                          (.penetration_um | num), (if .held then "held" else "**not held**" end)])
+            | table("llrrrlrl"; ["case", "figure of", "steps", "figure", "bound", "", "overlap [µm]", ""])))
+     | join("\n\n"));
+
+# ---- levels
+
+def levels_told:
+  (.levels | first) as $coarse | (.levels | last) as $fine
+  | (.levels[:-1] | map(select(.against_finest.force <= 0.06))) as $alike
+  | (.levels | map(select(.best_step_us.p999 > 1000))) as $slow
+  | "`\(.scene)`, \(.contact) contact: from \($coarse.leaves) to \($fine.leaves) leaves a step's best "
+  + "p99.9 goes from \($coarse.best_step_us.p999 | num) to \($fine.best_step_us.p999 | num) µs"
+  + (if $slow == [] then ", and every level fits into the millisecond. "
+     else "; over a millisecond: \($slow | map(.leaves | tostring) | join(", ")) leaves. " end)
+  + (if $alike == [] then "No coarser level comes within 6 % of the finest's force on average. "
+     else "Within 6 % of the finest's force on average: \($alike | map(.leaves | tostring) | join(", ")) "
+          + "leaves. " end)
+  + "The finest level is compared with nothing: its own error against the mesh is not in these columns, "
+  + "only how much of the surface its spheres leave uncovered (\($fine.uncovered_um.mean | num) µm on "
+  + "average, \($fine.uncovered_um.max | num) at most).";
+def levels_faults:
+  (map(.levels | map(.unsolved) | add) | add) as $unsolved
+  | (map(.levels | map(.rows_full) | add) | add) as $full
+  | "Steps whose problem was not solved: \($unsolved); with more rows than there is room for: \($full).";
+def levels:
+  head("Cost by level of detail"; .[0].machine) + "\n\n"
+  + "The scene's own path with trees of so many leaves for each body (the chapter's Fig. 2.23c). "
+  + "*Force* and *torque* are mean differences from the finest level's, of its mean.\n\n"
+  + (map(levels_told) | join("\n\n")) + "\n\n" + levels_faults + "\n\n"
+  + (map("## `\(.scene)`, \(.contact) contact\n\n\(.steps) steps, best of \(.repeats).\n\n"
+         + (.levels | map([.leaves, (.best_step_us | .p50, .p99, .p999 | num),
+                           (.raw_stage_us | .detection.p999, .solve.p999 | num),
+                           (.pairs | .p50, .max | num), (.uncovered_um | .mean, .max | num),
+                           (.against_finest | .force, .torque | num), (.build_s | num)])
+            | table("rrrrrrrrrrrrr"; ["leaves", "step, best p50 [µs]", "best p99", "best p99.9",
+                                      "detection, raw p99.9 [µs]", "solving, raw p99.9", "pairs, p50",
+                                      "max", "uncovered, mean [µm]", "max", "force", "torque",
+                                      "build [s]"])))
+     | join("\n\n"));
+
+# ---- qp
+
+def qp:
+  (max_by(.best_us.p999)) as $slow
+  | (map(select(.best_warm_us.p50 >= .best_us.p50) | .source)) as $no_gain
+  | head("The solver alone"; .[0].machine) + "\n\n"
+  + "The quadratic problem of each step of a scene's path with sphere contact, solved cold and from the "
+  + "rows that the step before had active (*warm*). The residual is the worst violation of the "
+  + "optimality conditions, computed anew from the problem, in its own units.\n\n"
+  + "The slowest scene is `\($slow.source)`: \($slow.best_us.p999 | num) µs at p99.9 from cold, "
+  + "\($slow.best_us.max | num) at most. "
+  + (if $no_gain == [] then "A warm start is faster at the median in every scene. "
+     else "A warm start is no faster at the median in " + ($no_gain | map("`\(.)`") | join(", ")) + ". "
+     end)
+  + "Of \(map(.problems) | add) problems \(map(.unsolved) | add) were not solved and "
+  + "\(map(.relaxed) | add) contradict themselves and were relaxed; the greatest residual is "
+  + "\(map(.kkt_residual_max) | max | num). Only these scenes' problems are measured: other hands give "
+  + "others, and contact between meshes is not among them.\n\n"
+  + (map(["`\(.source)`", .problems, (.rows | .p50, .max | num), (.best_us | .p50, .p99, .p999, .max | num),
+          (.best_warm_us | .p50, .p999, .max | num), (.raw_us.p999 | num), (.kkt_residual_max | num),
+          .unsolved, .relaxed])
+     | table("lrrrrrrrrrrrrrr"; ["scene", "problems", "rows, p50", "max", "cold, best p50 [µs]", "p99",
+                                 "p99.9", "max", "warm, best p50 [µs]", "p99.9", "max",
+                                 "cold, raw p99.9 [µs]", "residual, max", "unsolved", "relaxed"]));
+
+# A figure that three digits cannot tell from its bound is given with all of its own.
+def beyond: if (.figure | num) == (.bound | num) then .figure | tostring else .figure | num end;
+
+# ---- pareto: what stands before the report that palpate-bench has written
+
+def pareto:
+  .[0] as $r
+  | [$r.scenes[] | .scene as $s | .runs[] | select(.available) | {scene: $s} + .] as $runs
+  | [$r.goals[] | select(has("figure"))] as $known
+  | ($known | map(select(.held | not))) as $missed
+  | ($r.goals | map(select(has("figure") | not))) as $unknown
+  | ($runs | map(select(.best_step_us.p999 > 1000))) as $slow
+  | head("Speed against error"; $r.machine) + "\n\n"
+  + (if $runs == [] then "" else
+      ($runs | max_by(.best_step_us.p999)) as $slowest
+      | "\($runs | length) runs (scene, contact and friction model): a step's best p99.9 is "
+      + "\($slowest.best_step_us.p999 | num) µs or less (`\($slowest.scene)`, \($slowest | models)). "
+      + (if $slow == [] then "So in each all but one in a thousand steps fit into the millisecond, by their best time; raw "
+              + "times, with whatever else the machine did, are longer. "
+         else "Over a millisecond: "
+              + ($slow | map("`\(.scene)`, \(models)") | join("; ")) + ". " end) end)
+  + "\($known | map(select(.held)) | length) of \($known | length) figures to reach are held"
+  + (if $missed == [] then ". "
+     else "; missed: " + ($missed | map("\(.what) (\(beyond), bound \(.bound | num))") | join("; "))
+          + ". " end)
+  + (if $unknown == [] then ""
+     else "Not measured: " + ($unknown | map(.what) | join("; ")) + ". " end)
+  + ($r.scenes | map(select(.not_available) | "`\(.scene)`")
+     | if length == 0 then "" else "Scenes that were not there: " + join(", ") + "." end);
+
+if $report == "accuracy" then accuracy
+elif $report == "stability" then stability
+elif $report == "levels" then levels
+elif $report == "qp" then qp
+elif $report == "pareto" then pareto
+else error("no report '\($report)'")
+end

@@ -1,0 +1,136 @@
+// tests/benchmarks/publish: the reports that README links to.
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "tests/support/program.h"
+
+namespace palpate {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+namespace fs = std::filesystem;
+
+const std::string kScript = PALPATE_SOURCE_DIR "/tests/benchmarks/publish";
+const std::vector<std::string> kReports = {"pareto", "accuracy", "stability", "levels", "qp"};
+
+/// The script with a folder of its own, which goes with the test.
+class Publish : public testing::Test {
+ protected:
+  ~Publish() override { fs::remove_all(folder_); }
+
+  std::string File(const std::string& name) const { return (folder_ / name).string(); }
+  std::string Read(const std::string& name) const {
+    const std::ifstream file(File(name));
+    EXPECT_TRUE(file) << name;
+    std::stringstream text;
+    text << file.rdbuf();
+    return text.str();
+  }
+  /// To its end, with this build's palpate-bench; what it said is in said_.
+  int Run(std::vector<std::string> arguments) {
+    const std::string preset = fs::path(PALPATE_BIN_DIR).parent_path().filename();
+    arguments.insert(arguments.end(), {"--no-build", "--preset", preset});
+    test::Program program(kScript, std::move(arguments));
+    const int status = program.Exit(100.0);
+    said_ = program.Output();
+    return status;
+  }
+
+  std::string said_;
+  const fs::path folder_ =
+      fs::temp_directory_path() / ("palpate-publish-" + std::to_string(getpid()));
+};
+
+/// Cells of each row of a Markdown table; separate tables follow each other.
+std::vector<std::vector<std::string>> TableRows(const std::string& markdown) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(markdown);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("|")) continue;
+    std::vector<std::string> cells;
+    for (std::size_t from = 1, to = 0; (to = line.find('|', from)) != std::string::npos;) {
+      cells.push_back(line.substr(from, to - from));
+      from = to + 1;
+    }
+    rows.push_back(cells);
+  }
+  return rows;
+}
+
+TEST_F(Publish, WritesEachReportWithItsFiguresAndWhatTheyWereMeasuredOn) {
+  ASSERT_EQ(Run({"--smoke", "--out", folder_.string()}), 0) << said_;
+  for (const std::string& name : kReports) {
+    SCOPED_TRACE(name);
+    const std::string report = Read(name + ".md");
+    EXPECT_TRUE(report.starts_with("# "));
+    EXPECT_THAT(report, HasSubstr("\ntests/benchmarks/publish --only " + name + " --smoke"));
+    EXPECT_THAT(report, HasSubstr("\npalpate-bench " + name + " "));
+    EXPECT_THAT(report, HasSubstr("**A smoke run:**"));
+    for (const char* what :
+         {R"(\| processor \| \S)", R"(\| cores \| [0-9]+ \|)", R"(\| compiler \| \S)",
+          R"(\| build \| preset \S+, \S)", R"(\| begun \| 20\d\d-\d\d-\d\d \d\d:\d\d UTC \|)",
+          R"(\| load averages before \| [0-9.]+ [0-9.]+ [0-9.]+ \|)"}) {
+      EXPECT_TRUE(std::regex_search(report, std::regex(what))) << what;
+    }
+    // Rows of figures, each as long as its head.
+    std::size_t figures = 0, columns = 0;
+    const auto rows = TableRows(report);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const bool head = i + 1 < rows.size() && rows[i + 1][0].find("---") != std::string::npos;
+      if (head) columns = rows[i].size();
+      EXPECT_EQ(rows[i].size(), columns) << "row " << i;
+      if (columns <= 2) continue;
+      for (const std::string& cell : rows[i]) {
+        figures += std::regex_match(cell, std::regex(R"( -?[0-9][0-9.,]*(e-?[0-9]+)? )"));
+      }
+    }
+    EXPECT_GT(figures, 3U);
+    EXPECT_THAT(report, Not(HasSubstr("null")));
+  }
+  // A plot is where a report shows it, and nothing else is left behind.
+  std::size_t files = 0;
+  for (const auto& entry : fs::directory_iterator(folder_)) files += !entry.path().empty();
+  EXPECT_EQ(files, kReports.size() + 2);
+  for (const std::string name : {"pareto", "accuracy"}) {
+    EXPECT_THAT(Read(name + ".md"), HasSubstr("](" + name + ".svg)"));
+    EXPECT_THAT(Read(name + ".svg"), HasSubstr("prefers-color-scheme"));
+  }
+}
+
+TEST_F(Publish, LeavesFormerReportsWholeWhenItIsEnded) {
+  fs::create_directories(folder_);
+  for (const char* name : {"stability.md", "pareto.md"}) std::ofstream(File(name)) << "former\n";
+  const std::string preset = fs::path(PALPATE_BIN_DIR).parent_path().filename();
+  test::Program program(kScript, {"--only", "stability,pareto", "--smoke", "--no-build", "--preset",
+                                  preset, "--out", folder_.string()});
+  ASSERT_TRUE(program.Says("palpate-bench pareto")) << program.Output();
+  program.Signal(SIGINT);
+  EXPECT_EQ(program.Exit(20.0), 130) << program.Output();
+  EXPECT_THAT(Read("stability.md"), HasSubstr("# Hard cases"));
+  EXPECT_EQ(Read("pareto.md"), "former\n");
+  std::size_t files = 0;
+  for (const auto& entry : fs::directory_iterator(folder_)) files += !entry.path().empty();
+  EXPECT_EQ(files, 2U) << "what was begun is taken away";
+}
+
+TEST_F(Publish, RefusesWhatItDoesNotKnowAndSmokeAmongTheResults) {
+  EXPECT_EQ(Run({"--only", "accuracy,speed", "--out", folder_.string()}), 2);
+  EXPECT_THAT(said_, HasSubstr("--only speed is not one of pareto accuracy stability levels qp"));
+  EXPECT_EQ(Run({"--smoke"}), 2);
+  EXPECT_THAT(said_, HasSubstr("--smoke needs --out DIR"));
+  EXPECT_EQ(Run({"--only"}), 2);
+  EXPECT_FALSE(fs::exists(folder_));
+}
+
+}  // namespace
+}  // namespace palpate
