@@ -122,8 +122,9 @@ void DrawRuns(const Options& options) {
               .height = 220};
     for (const std::string& file : options.draw) {
       const nlohmann::json run = ReadRun(file);
+      const bool spheres = run["contact"] == "spheres";
       PlotSeries series{.name = fmt::format("{}, {} contact", run["object"].get<std::string>(),
-                                            run["contact"].get<std::string>()),
+                                            spheres ? "sphere" : "surface"),
                         .style = PlotSeries::Style::kLineAndPoints};
       for (const auto& row : run.contains("results") ? run["results"] : nlohmann::json{run}) {
         series.x.push_back(row.at("spheres"));

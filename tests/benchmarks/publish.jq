@@ -23,6 +23,7 @@ def table($align; $head):
   [$head | row]
   + ["|" + ($align / "" | map(if . == "r" then "---:" else "---" end) | join("|")) + "|"]
   + map(row) | join("\n");
+def contact: (if . == "spheres" then "sphere" else . end) + " contact";
 def plural($one): "\(.) \($one)" + (if . == 1 then "" else "s" end);
 
 # ---- what every report begins with
@@ -50,7 +51,7 @@ def accuracy_contact($name):
   | if $rows == [] then empty else
       ($rows | max_by(.force_error.strength.max)) as $worst
       | ($rows | map(select(.force_error.strength.max <= 0.06)) | length) as $fine
-      | "With \($name) contact the force's strength is at most "
+      | "With \($name | contact) the force's strength is at most "
         + "\($worst.force_error.strength.max | percent) off (\($worst.object), \($worst.spheres) "
         + "spheres) and its direction \($rows | map(.direction_deg.max) | max | num)°; in \($fine) of "
         + "\($rows | length) rows the strength stays within the 6 % that people begin to notice, at "
@@ -58,7 +59,7 @@ def accuracy_contact($name):
     end;
 def accuracy_short:
   map(select(.force_error.strength.max > 0.06)
-      | "\(.object), \(.spheres) spheres, \(.contact) (\(.force_error.strength.max | percent))")
+      | "\(.object), \(.spheres) spheres, \(.contact | contact) (\(.force_error.strength.max | percent))")
   | if length == 0 then "No row passes 6 %."
     else "Short of it: " + join("; ") + "." end;
 def accuracy_meshes:
@@ -87,7 +88,7 @@ def accuracy:
 
 # ---- stability
 
-def models: "\(.contact) contact, friction \(.friction)";
+def models: "\(.contact | contact), friction \(.friction)";
 def not_held:
   [.[] | models as $with | .cases[] | select(.held | not)
    | "`\(.name)` (\($with)): \(.figure | num) \(.unit) where \(.bound | num) \(.unit) is the bound, "
@@ -118,7 +119,7 @@ def levels_told:
   (.levels | first) as $coarse | (.levels | last) as $fine
   | (.levels[:-1] | map(select(.against_finest.force <= 0.06))) as $alike
   | (.levels | map(select(.best_step_us.p999 > 1000))) as $slow
-  | "`\(.scene)`, \(.contact) contact: from \($coarse.leaves) to \($fine.leaves) leaves a step's best "
+  | "`\(.scene)`, \(.contact | contact): from \($coarse.leaves) to \($fine.leaves) leaves a step's best "
   + "p99.9 goes from \($coarse.best_step_us.p999 | num) to \($fine.best_step_us.p999 | num) µs"
   + (if $slow == [] then ", and every level fits into the millisecond. "
      else "; over a millisecond: \($slow | map(.leaves | tostring) | join(", ")) leaves. " end)
@@ -137,7 +138,7 @@ def levels:
   + "The scene's own path with trees of so many leaves for each body (the chapter's Fig. 2.23c). "
   + "*Force* and *torque* are mean differences from the finest level's, of its mean.\n\n"
   + (map(levels_told) | join("\n\n")) + "\n\n" + levels_faults + "\n\n"
-  + (map("## `\(.scene)`, \(.contact) contact\n\n\(.steps) steps, best of \(.repeats).\n\n"
+  + (map("## `\(.scene)`, \(.contact | contact)\n\n\(.steps) steps, best of \(.repeats).\n\n"
          + (.levels | map([.leaves, (.best_step_us | .p50, .p99, .p999 | num),
                            (.raw_stage_us | .detection.p999, .solve.p999 | num),
                            (.pairs | .p50, .max | num), (.uncovered_um | .mean, .max | num),
@@ -191,7 +192,7 @@ def pareto:
       | "\($runs | length) runs (scene, contact and friction model): a step's best p99.9 is "
       + "\($slowest.best_step_us.p999 | num) µs or less (`\($slowest.scene)`, \($slowest | models)). "
       + (if $slow == [] then "So in each all but one in a thousand steps fit into the millisecond, by their best time; raw "
-              + "times, with whatever else the machine did, are longer. "
+              + "times, which hold what else the machine did, are not counted here. "
          else "Over a millisecond: "
               + ($slow | map("`\(.scene)`, \(models)") | join("; ")) + ". " end) end)
   + "\($known | map(select(.held)) | length) of \($known | length) figures to reach are held"
