@@ -24,6 +24,7 @@ def table($align; $head):
   + ["|" + ($align / "" | map(if . == "r" then "---:" else "---" end) | join("|")) + "|"]
   + map(row) | join("\n");
 def contact: (if . == "spheres" then "sphere" else . end) + " contact";
+def unit: sub("^um$"; "µm");
 def plural($one): "\(.) \($one)" + (if . == 1 then "" else "s" end);
 
 # ---- what every report begins with
@@ -91,7 +92,7 @@ def accuracy:
 def models: "\(.contact | contact), friction \(.friction)";
 def not_held:
   [.[] | models as $with | .cases[] | select(.held | not)
-   | "`\(.name)` (\($with)): \(.figure | num) \(.unit) where \(.bound | num) \(.unit) is the bound, "
+   | "`\(.name)` (\($with)): \(.figure | num) \(.unit | unit) where \(.bound | num) \(.unit | unit) is the bound, "
      + "overlap \(.penetration_um | num) µm"
    | gsub(" +"; " ")];
 def stability:
@@ -108,7 +109,7 @@ def stability:
   + "case fails.\n\n"
   + (map("## \(models[0:1] | ascii_upcase)\(models[1:])\n\n"
          + "\(.held) of \(.total) held over \(.steps) steps.\n\n"
-         + (.cases | map(["`\(.name)`", .what, .steps, (.figure | num), (.bound | num), .unit,
+         + (.cases | map(["`\(.name)`", .what, .steps, (.figure | num), (.bound | num), (.unit | unit),
                           (.penetration_um | num), (if .held then "held" else "**not held**" end)])
             | table("llrrrlrl"; ["case", "figure of", "steps", "figure", "bound", "", "overlap [µm]", ""])))
      | join("\n\n"));
@@ -179,6 +180,23 @@ def beyond: if (.figure | num) == (.bound | num) then .figure | tostring else .f
 
 # ---- pareto: what stands before the report that palpate-bench has written
 
+# Beside the peers: by speed at p99.9, and by how deep the meshes are in each other.
+def peers:
+  .peers as $peers
+  | [$peers.path[] | select(.available)]
+  | (.[] | select(.id == "palpate" and (.name | test("surface")))) as $own
+  | map(select(.id != "palpate")) as $others
+  | if $others == [] then empty else
+      ($others | map(select(.best_step_us.p999 < $own.best_step_us.p999))) as $faster
+      | ($others | map(select(.penetration_um.max > $own.penetration_um.max))) as $deeper
+      | "On the path of `\($peers.scene)`, \($own.name) takes \($own.best_step_us.p999 | num) µs at p99.9 and "
+      + "is \($own.penetration_um.max | num) µm deep at most. "
+      + (if $faster == [] then "No peer is faster there" else "Faster there: "
+         + ($faster | map("\(.name) (\(.best_step_us.p999 | num) µs, \(.penetration_um.max | num) µm, "
+                          + "\(.free_force_N | num) N where the hand is free)") | join(", ")) end)
+      + (if $deeper == [] then "; none is deeper. " else "; deeper: " + ($deeper | map(.name) | join(", ")) + ". " end)
+    end;
+
 def pareto:
   .[0] as $r
   | [$r.scenes[] | .scene as $s | .runs[] | select(.available) | {scene: $s} + .] as $runs
@@ -201,6 +219,7 @@ def pareto:
           + ". " end)
   + (if $unknown == [] then ""
      else "Not measured: " + ($unknown | map(.what) | join("; ")) + ". " end)
+  + ([$r | peers] | join(""))
   + ($r.scenes | map(select(.not_available) | "`\(.scene)`")
      | if length == 0 then "" else "Scenes that were not there: " + join(", ") + "." end);
 
