@@ -90,11 +90,17 @@ def accuracy:
 # ---- stability
 
 def models: "\(.contact | contact), friction \(.friction)";
+# A case is held by more than its figure: what it broke is named.
+def broken:
+  [(if .figure > .bound then
+      "\(.figure | num) \(.unit | unit) where \(.bound | num) \(.unit | unit) is the bound" | gsub("  +"; " ")
+    else empty end),
+   (if .tunnelled > 0 then (.tunnelled | plural("step")) + " tunnelled" else empty end),
+   (if .nonfinite > 0 then (.nonfinite | plural("step")) + " not finite" else empty end),
+   (if .penetration_um > 10 then "overlap of \(.penetration_um | num) µm" else empty end)]
+  | join(", ");
 def not_held:
-  [.[] | models as $with | .cases[] | select(.held | not)
-   | "`\(.name)` (\($with)): \(.figure | num) \(.unit | unit) where \(.bound | num) \(.unit | unit) is the bound, "
-     + "overlap \(.penetration_um | num) µm"
-   | gsub(" +"; " ")];
+  [.[] | models as $with | .cases[] | select(.held | not) | "`\(.name)` (\($with)): \(broken)"];
 def stability:
   head("Hard cases against their bounds"; .[0].machine) + "\n\n"
   + "Each case holds where its figure keeps its bound, nothing tunnels, every number is finite, and no "
@@ -110,8 +116,10 @@ def stability:
   + (map("## \(models[0:1] | ascii_upcase)\(models[1:])\n\n"
          + "\(.held) of \(.total) held over \(.steps) steps.\n\n"
          + (.cases | map(["`\(.name)`", .what, .steps, (.figure | num), (.bound | num), (.unit | unit),
-                          (.penetration_um | num), (if .held then "held" else "**not held**" end)])
-            | table("llrrrlrl"; ["case", "figure of", "steps", "figure", "bound", "", "overlap [µm]", ""])))
+                          (.penetration_um | num), .tunnelled, .nonfinite,
+                          (if .held then "held" else "**not held**" end)])
+            | table("llrrrlrrrl"; ["case", "figure of", "steps", "figure", "bound", "", "overlap [µm]",
+                                   "tunnelled", "not finite", ""])))
      | join("\n\n"));
 
 # ---- levels

@@ -123,6 +123,23 @@ TEST_F(Publish, LeavesFormerReportsWholeWhenItIsEnded) {
   EXPECT_EQ(files, 2U) << "what was begun is taken away";
 }
 
+TEST_F(Publish, SaysOfACaseThatTunnelledThatItDidAlthoughItsFigureHolds) {
+  fs::create_directories(folder_);
+  std::ofstream(File("run.json")) << R"({"contact": "spheres", "friction": "off",
+    "machine": {"cpu": "a", "cores": 2, "simd": "b", "compiler": "c"},
+    "cases": [{"name": "jam", "steps": 9, "figure": 0, "bound": 10, "unit": "um", "held": false,
+               "what": "overlap", "tunnelled": 42, "nonfinite": 0, "penetration_um": 0}],
+    "held": 0, "total": 1, "steps": 9, "tunnelled": 42, "nonfinite": 0, "penetration_um": 0})";
+  test::Program jq("/usr/bin/env",
+                   {"jq", "-rs", "--arg", "report", "stability", "--argjson", "head",
+                    R"({"load": [0, 0, 0], "smoke": false, "commands": []})", "-f",
+                    PALPATE_SOURCE_DIR "/tests/benchmarks/publish.jq", File("run.json")});
+  ASSERT_EQ(jq.Exit(), 0) << jq.Output();
+  EXPECT_THAT(jq.Output(), HasSubstr("0 of 1 case held over 9 steps"));
+  EXPECT_THAT(jq.Output(), HasSubstr("`jam` (sphere contact, friction off): 42 steps tunnelled"));
+  EXPECT_THAT(jq.Output(), HasSubstr("| `jam` | overlap | 9 | 0 | 10 | µm | 0 | 42 | 0 |"));
+}
+
 TEST_F(Publish, RefusesWhatItDoesNotKnowAndSmokeAmongTheResults) {
   EXPECT_EQ(Run({"--only", "accuracy,speed", "--out", folder_.string()}), 2);
   EXPECT_THAT(said_, HasSubstr("--only speed is not one of pareto accuracy stability levels qp"));
