@@ -258,7 +258,8 @@ bool Clear(StepContext& context) {
       // beginning: the next sub-step goes on round it.
       if (meshes.tool().radius > 0.0) return true;
     }
-    if (!Lifts(context, context.v, context.phi) || Rubs(context)) return true;
+    // What yields pushes as well: the optimum of both may lie farther from the hand.
+    if (!Lifts(context, context.v, context.phi) || Rubs(context) || context.soft) return true;
     StepDown(context);
     if (is_free()) return true;
   } else if (goes_on && !meshes.IsExhausted()) {
