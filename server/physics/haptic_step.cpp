@@ -12,6 +12,7 @@
 #include "server/physics/solve/coulomb_friction.h"
 #include "server/physics/solve/nearest_step.h"
 #include "server/physics/solve/response.h"
+#include "server/physics/solve/round_creases.h"
 #include "server/physics/solve/step_bounds.h"
 #include "server/physics/solve/step_context.h"
 #include "server/physics/stage_clock.h"
@@ -29,6 +30,7 @@ bool Begin(const Pose& X_WH, StepContext& context);
 bool GoesOn(const StepContext& context);
 void Predict(StepContext& context);
 void Solve(StepContext& context);
+void Round(StepContext& context);
 void Rub(StepContext& context);
 void Remember(StepContext& context);
 bool Clear(StepContext& context);
@@ -50,6 +52,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
     StageClock clock(times);
     for (bool clear = false; !clear;) {
       Solve(context);
+      Round(context);
       Rub(context);
       Remember(context);
       clock.Lap(&StageTimes::solve);
@@ -171,6 +174,17 @@ bool Rubs(const StepContext& context) {
   return context.model.parameters().features.friction == FrictionModel::kCoulomb;
 }
 
+/// Whether the tool is a ball that nothing but a mesh and the spring holds.
+bool IsFreeBall(const StepContext& context) {
+  return context.buffers.meshes && context.buffers.meshes->tool().radius > 0.0 && !context.soft &&
+         !Rubs(context);
+}
+
+/// The same for a ball that goes round creases.
+void Round(StepContext& context) {
+  context.rounds = IsFreeBall(context) && RoundCreases(context);
+}
+
 /// The same with friction, where the model has it and a row is active.
 void Rub(StepContext& context) {
   FrictionState& friction = context.state.friction;
@@ -255,11 +269,14 @@ bool Clear(StepContext& context) {
       if (meshes.Retract(optimum.qp.row, optimum.qp.active, buffers.rows) != 0) return false;
       // A ball's rows have the smooth surface's normals at the trial, so the ball rests there,
       // though the facets on the way may have lifted it.  At a crease they have those of the
-      // beginning: the next sub-step goes on round it.
+      // beginning: the ball has not arrived, and goes on round it.
+      if (IsFreeBall(context)) context.arrived = meshes.turned() <= limits::mesh::kTurned;
       if (meshes.tool().radius > 0.0) return true;
     }
-    // What yields pushes as well: the optimum of both may lie farther from the hand.
-    if (!Lifts(context, context.v, context.phi) || Rubs(context) || context.soft) return true;
+    // What yields pushes as well: the optimum of both may lie farther from the hand.  So may a
+    // straight way past a crease, where the arc ends nearer.
+    if (!Lifts(context, context.v, context.phi) || Rubs(context) || context.soft || context.rounds)
+      return true;
     StepDown(context);
     if (is_free()) return true;
   } else if (goes_on && !meshes.IsExhausted()) {

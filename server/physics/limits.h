@@ -166,6 +166,9 @@ inline constexpr double kWitnessRatio = 1.02, kWitness = (kWitnessRatio - 1.0) *
 /// A ball's row is turned again where its direction leaves the smooth normal by more [rad]: a
 /// thousandth of the force.
 inline constexpr double kTurned = 1e-3;
+/// Of a ball that goes round an edge, the depth over its radius: more is taken as this.  And the
+/// squared sine between a row and those before it below which it stops nothing new.  Taken.
+inline constexpr double kMostBend = 0.99, kLeastFree = 1e-12;
 /// A row that its contact lets the tool go by less than this [m] holds it: twice delta.
 inline constexpr double kTouching = 2.0 * kSeparation;
 /// Iterates of a sub-step, of which three are usual; and directions in which a plane between two

@@ -1,5 +1,6 @@
 #include "tests/support/jump_cause.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -42,7 +43,8 @@ JumpJudge::JumpJudge(const Scene& scene, const HapticModel& model)
     : centroid_(model.reference()),
       stiffness_(model.parameters().stiffness),
       // No contact turns a ball, and no turn of the hand moves it.
-      rotation_length_(model.degrees_of_freedom() == 3 ? 0.0 : model.rotation_length()) {
+      rotation_length_(model.degrees_of_freedom() == 3 ? 0.0 : model.rotation_length()),
+      radius_(model.degrees_of_freedom() == 3 ? model.tool().leaves().front().radius : 0.0) {
   Vec3 low = Vec3::Constant(INFINITY), high = -low;
   for (const Vec3& v : scene.tools.front().mesh.vertices) {
     low = low.cwiseMin(v);
@@ -59,6 +61,12 @@ double JumpJudge::Motion(const Pose& from, const Pose& to) const {
 double JumpJudge::Stretch(const Wrench& wrench) const {
   const double turn = rotation_length_ > 0.0 ? wrench.torque.norm() / rotation_length_ : 0.0;
   return std::hypot(wrench.force.norm(), turn) / stiffness_;
+}
+
+double JumpJudge::SpringFactor(double stretch) const {
+  // Pressed deeper than its radius a ball does not go round an edge: it leaves it at a ledge.
+  if (!(stretch < radius_)) return kSpringFactor;
+  return std::max(kSpringFactor, radius_ / (radius_ - stretch));
 }
 
 bool JumpJudge::Has(const StepReport& report, const ActiveRow& contact) const {
@@ -80,7 +88,8 @@ JumpCause JumpJudge::Judge(const Pose& X_WH_before, const StepReport& before, co
   const double jump = (after.wrench.force - before.wrench.force).norm();
   if (!(jump > kJump)) return std::isfinite(jump) ? JumpCause::kNone : JumpCause::kUnexplained;
   const double hand = Motion(X_WH_before, X_WH);
-  if (jump <= kSpringFactor * stiffness_ * hand) return JumpCause::kHand;
+  const double deepest = std::max(Stretch(before.wrench), Stretch(after.wrench));
+  if (jump <= SpringFactor(deepest) * stiffness_ * hand) return JumpCause::kHand;
 
   bool gained = false, lost = before.removals > 0;
   for (int i = 0; i < after.contacts; ++i) {

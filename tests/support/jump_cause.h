@@ -20,7 +20,8 @@ namespace palpate::test {
 ///        \__|___|_____       least stretch can end in more than it had, plus what the hand moved.
 enum class JumpCause {
   kNone,    ///< |dF| <= kJump
-  kHand,    ///< |dF| <= kSpringFactor k_t |dx|: a fast hand on a spring
+  kHand,    ///< |dF| <= kSpringFactor k_t |dx|: a fast hand on a spring.  Of a ball of radius r,
+            ///< s deep, r / (r - s) where that is more
   kLedge,   ///< the graphic tool moved more than kSnapFactor |dx|, and with the same contacts:
             ///< from where it had arrived, to a lesser stretch
   kGained,  ///< no ledge, and a contact came that was not there
@@ -36,7 +37,8 @@ const char* NameOf(JumpCause cause);
 /// A tenth of a common hand's 5 N and what a finger notices [N].
 inline constexpr double kJump = 0.5;
 /// On ground of radius R a hand d below it moves the tool R / (R - d) as far as itself: 2 lets it
-/// be half the radius deep.
+/// be half the radius deep.  The ground that a ball's centre goes on is nowhere sharper than the
+/// ball: there R is known.
 inline constexpr double kSpringFactor = 2.0;
 /// "Much more than the hand": what the spring's factor allows, F = k (x_G - x_H), is 3 at most.
 inline constexpr double kSnapFactor = 3.0;
@@ -64,9 +66,12 @@ class JumpJudge {
   /// The spring's stretch, by its wrench [m].
   double Stretch(const Wrench& wrench) const;
   bool Has(const StepReport& report, const ActiveRow& contact) const;
+  /// How much further than the hand the tool may move, the spring stretched so much [m].
+  double SpringFactor(double stretch) const;
 
   Vec3 centroid_;
   double stiffness_, rotation_length_, reach_;
+  double radius_;  ///< of a tool that is a ball; else 0
 };
 
 }  // namespace palpate::test

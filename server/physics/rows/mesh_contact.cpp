@@ -396,6 +396,7 @@ MeshContact::Touch& MeshContact::TouchOf(NearPair& near) {
   if (near.touch >= 0) return touches_[static_cast<std::size_t>(near.touch)];
   near.touch = static_cast<std::int32_t>(touches_.size());
   Touch& touch = touches_.emplace_back();
+  touch.object = near.object;
   touch.row[0] = touch.row[1] = touch.row[2] = -1;
   touch.retracted = false;
   const Corners corners = CornersAt(near.tool, near.object, from_);
@@ -634,26 +635,52 @@ bool MeshContact::PutRows(NearPair& near, Touch& touch, bool all, ContactRows& r
 
 /// A ball's row goes along the smooth surface's normal where the ball comes to, not where it was:
 /// true where that is another direction, which the force would feel.  A crease is not smooth: the
-/// ball goes straight past it, and round it in the next sub-steps.
+/// ball goes straight past it, and round it in the next sub-steps (turned).
 bool MeshContact::TurnSmoothed(const NearPair& near, const Touch& touch, int row,
                                const NearestPoints& nearest, const Vec3& u, ContactRows& rows) {
   if (tool_.radius == 0.0) return false;
   const Vec3 along = objects_.mesh.SmoothNormal(HullTree::TriangleOf(near.object), nearest.q, u);
-  if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
+  const double turn = (along - rows.normal(row)).norm();
+  if (along == u) turned_ = std::max(turned_, turn);
+  if (along == u || turn <= kTurned) return false;
   const double now = std::sqrt(nearest.squared) - tool_.radius;
   const double asked = Asked(touch.distance);
   rows.SetRow(row, along, rows.lever(row), now - asked - along.dot(v_));
   return true;
 }
 
+Mat3 MeshContact::CurvatureOf(int row) const noexcept {
+  const auto r = static_cast<std::size_t>(row);
+  if (tool_.radius == 0.0 || r >= touch_of_row_.size() || touch_of_row_[r] < 0) return Mat3::Zero();
+  const Touch& touch = touches_[static_cast<std::size_t>(touch_of_row_[r])];
+  const Feature of = touch.nearest.of_q;
+  if (!touch.in_cone || of.kind == Feature::kFace) return Mat3::Zero();
+  const ContactMesh& mesh = objects_.mesh;
+  const std::uint32_t triangle = HullTree::TriangleOf(touch.object);
+  const ContactMesh::Triangle& t = mesh.triangles()[triangle];
+  const auto faces = of.kind == Feature::kEdge ? mesh.FacesAtEdge(t.edge[of.index])
+                                               : mesh.FacesAtVertex(t.vertex[of.index]);
+  const Vec3& u = touch.u;
+  const bool flat = std::all_of(faces.begin(), faces.end(), [&](std::uint32_t face) {
+    return mesh.triangles()[face].normal.cross(u).norm() <= kTurned;
+  });
+  if (flat || mesh.SmoothNormal(triangle, touch.nearest.q, u) != u) return Mat3::Zero();
+  const double length = std::sqrt(touch.nearest.squared);
+  if (of.kind == Feature::kVertex) return (Mat3::Identity() - u * u.transpose()) / length;
+  const Vec3 edge = mesh.Corner(triangle, (of.index + 1) % 3) - mesh.Corner(triangle, of.index);
+  const Vec3 across = edge.cross(u).normalized();
+  return across * across.transpose() / length;
+}
+
 int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noexcept {
+  turned_ = 0.0;
   int changed = 0;
   for (int i = 0; i < actives; ++i) {
     const auto row = static_cast<std::size_t>(active[i]);
     if (row >= touch_of_row_.size() || touch_of_row_[row] < 0) continue;
     const std::int32_t index = touch_of_row_[row];
     Touch& touch = touches_[static_cast<std::size_t>(index)];
-    if (touch.distance <= 0.0 || touch.retracted) continue;
+    if (touch.distance <= 0.0 || (touch.retracted && tool_.radius == 0.0)) continue;
     const auto found = std::find_if(near_.begin(), near_.end(),
                                     [&](const NearPair& near) { return near.touch == index; });
     NearPair& near = *found;
@@ -662,6 +689,13 @@ int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noex
     if (!(nearest.squared > 0.0)) continue;
     const double length = std::sqrt(nearest.squared);
     const Vec3 u = (nearest.p - nearest.q) / length;
+    // Round the crease that it touched, if only to a face beside it: as far as it has turned, and
+    // as the curvature made it go.
+    if (const Mat3 curvature = CurvatureOf(static_cast<int>(row)); !curvature.isZero(0.0)) {
+      turned_ = std::max(
+          {turned_, (u - rows.normal(static_cast<int>(row))).norm(), (curvature * v_).norm()});
+    }
+    if (touch.retracted) continue;
     // The row's own point, at the trial.
     const double gap = rows.Left(static_cast<int>(row), v_, phi_) + kSeparation;
     if (InCone(near, nearest, u, to_) &&

@@ -55,6 +55,13 @@ class MeshContact {
   /// is not 0, the rows are to be solved again.
   int Retract(const int* active, int actives, ContactRows& rows) noexcept;
 
+  /// A ball's row goes straight past the edge or the corner that it touches: the derivative [1/m]
+  /// of its normal by the ball's way round it.  Zero of other rows.
+  Mat3 CurvatureOf(int row) const noexcept;
+  /// How far the directions in which a ball touches at the trial have left those of the active rows
+  /// that Retract saw last [rad], across creases.
+  double turned() const { return turned_; }
+
   /// Rows ask for some of the separation that a pair has lost.  Where that would lift the tool
   /// against the spring a tool at rest would never stay: from here on, to the sub-step's end, they
   /// ask for what the pair has.  False where they did so before.
@@ -90,6 +97,7 @@ class MeshContact {
   };
   /// A pair of triangles that the front's own plane does not keep apart.
   struct Touch {
+    HullTree::Node object;
     NearestPoints nearest;  ///< at the sub-step's beginning, in W
     Vec3 u;                 ///< direction between them
     double distance;        ///< the gap along u: negative where they intersect
@@ -156,6 +164,7 @@ class MeshContact {
   ToolPose from_, to_;
   Vec3 v_ = Vec3::Zero(), phi_ = Vec3::Zero();
   bool moved_ = false;
+  double turned_ = 0.0;
   bool full_ = false;     ///< more pairs are near than may be brought up to date
   double covered_ = 0.0;  ///< way for which near_ has all pairs [m]
   std::uint32_t substep_ = 0;

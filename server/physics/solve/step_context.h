@@ -60,6 +60,7 @@ struct StepContext {
   // Solve and rub: the pose that the tool should have.
   int iterates = 0;  ///< of the sub-step: rows between meshes come on violation
   Optimum optimum;
+  bool rounds = false;    ///< with the curvature of a ball's rows
   SoftContacts yielding;  ///< the soft rows that push there
 
   // Move: the way that it went.

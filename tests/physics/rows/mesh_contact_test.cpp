@@ -246,6 +246,49 @@ TEST(MeshContact, LetsABallComeSlowlyOverFacets) {
   EXPECT_EQ(touch.far, 0);
 }
 
+// The place of a ball that a hand presses into a cube's rounded outside: the cube's nearest point
+// decides, and no linearisation.  Past an edge it moves up to ten times as fast as the hand here.
+TEST(MeshContact, LetsABallGoRoundEdgesAndCornersWithTheAnalyticForce) {
+  const double half = 0.025, radius = 0.005;
+  const Vec3 corner = Vec3::Constant(half);
+  const auto nearest = [&](const Vec3& p) { return Vec3(p.cwiseMax(-half).cwiseMin(half)); };
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    Vec3 hand = corner + 0.0051 * Vec3(0.1, 0.2, 1.0).normalized();
+    Touch touch(MakeScene(Ball(radius), Box(Vec3::Constant(2.0 * half))), hand);
+    Vec3 way = Vec3::Zero();
+    double turned = 0.0;
+    Vec3 last = Vec3::UnitZ();
+    for (int i = 0; i < 3000; ++i) {
+      // 0.3 m/s, on and on until it would leave: to beside the corner, the cube or its outside.
+      Vec3 to = hand + way;
+      const auto leaves = [&] {
+        const double out = (to - nearest(to)).norm();
+        return !(out > 0.5e-3 && out < 4.9e-3 && (to - corner).norm() < 0.008);
+      };
+      for (int tries = 0; leaves() && tries < 1000; ++tries) {
+        way = 3e-4 * random.Direction();
+        to = hand + way;
+      }
+      hand = to;
+      const StepReport report = touch.Step({hand, Quat::Identity()});
+      if ((report.faults & kFaultTargetFar) != 0) continue;
+      const double outside = (hand - nearest(hand)).norm();
+      const Vec3 out = (hand - nearest(hand)) / outside;
+      const Vec3 force = 1000.0 * (radius - outside) * out;
+      // 2 um apart at most; and what a row turns by unseen, some 1.5 mrad, moves the ball by as
+      // much more as the hand is deep.
+      const double unseen = 1.5e-3 * radius / outside;
+      ASSERT_LT((report.wrench.force - force).norm(), 2e-3 + unseen * force.norm()) << i;
+      turned += std::acos(std::min(1.0, out.dot(last)));
+      last = out;
+    }
+    EXPECT_LE(touch.far, 15);
+    EXPECT_GT(turned, 30.0) << "the hand hardly went round anything";
+  }
+}
+
 TEST(MeshContact, FeelsAReliefByItsSlopeAlone) {
   // 10 um of waves, 27 mm long: 2.4 mrad of slope, 7 mN of 3 N.
   Touch touch(
