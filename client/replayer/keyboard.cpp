@@ -13,6 +13,11 @@ int NextByte() {
   return poll(&input, 1, 0) == 1 && read(STDIN_FILENO, &byte, 1) == 1 ? byte : -1;
 }
 
+Keyboard::Key Arrow(int byte) {
+  if (byte == 'C') return Keyboard::Key::kRight;
+  return byte == 'D' ? Keyboard::Key::kLeft : Keyboard::Key::kNone;
+}
+
 }  // namespace
 
 Keyboard::Keyboard() {
@@ -34,10 +39,20 @@ Keyboard::Key Keyboard::Read() {
   switch (NextByte()) {
     case ' ':
       return Key::kSpace;
+    case 'n':
+      return Key::kNext;
+    case 'p':
+      return Key::kPrevious;
+    case '+':
+      return Key::kFaster;
+    case '-':
+      return Key::kSlower;
+    case 'b':
+      return Key::kBookmark;
     case 'q':
       return Key::kQuit;
-    case 0x1b:  // ESC [ C
-      return NextByte() == '[' && NextByte() == 'C' ? Key::kRight : Key::kNone;
+    case 0x1b:  // ESC [ C, ESC [ D
+      return NextByte() == '[' ? Arrow(NextByte()) : Key::kNone;
     default:
       return Key::kNone;
   }

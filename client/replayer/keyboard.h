@@ -7,7 +7,18 @@ namespace palpate {
 /// Single keys from the terminal on standard input, without Enter; silent where that is none.
 class Keyboard {
  public:
-  enum class Key { kNone, kSpace, kRight, kQuit };
+  enum class Key {
+    kNone,
+    kSpace,
+    kLeft,
+    kRight,
+    kNext,
+    kPrevious,
+    kFaster,
+    kSlower,
+    kBookmark,
+    kQuit
+  };
 
   Keyboard();
   ~Keyboard();

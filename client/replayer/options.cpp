@@ -20,8 +20,11 @@ every bit, or to another hand as a gentle guide; and scores a trainee against an
 constexpr const char* kExamples =
     R"(Examples:
   palpate-replay lesson.mcap --rate 0.5 --loop
-      to viewers, at half the speed, again and again; on a terminal the space bar pauses, the
-      right arrow steps, q ends
+      to viewers, at half the speed, again and again; on a terminal the space bar pauses, the left
+      and right arrows go 5 s back and on (while paused, the right one steps), q ends
+  palpate-replay lesson.mcap --from 30 --stay
+      for a class: viewers play, pause and seek it, and keep bookmarks in lesson.bookmarks.json
+      beside it; --locked leaves all that to this terminal
   palpate-replay lesson.mcap --verify
       computes every wrench again and compares all bits
   palpate-replay expert.mcap --guide trainee
@@ -63,7 +66,17 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
       ->check(CLI::Range(0.01, 100.0))
       ->excludes(verify_option)
       ->capture_default_str();
-  app.add_flag("--loop", options.loop, "again and again, until Ctrl-C")->excludes(verify_option);
+  CLI::Option* loop = app.add_flag("--loop", options.loop, "again and again, until Ctrl-C")
+                          ->excludes(verify_option);
+  app.add_flag("--stay", options.stays,
+               "wait at the end, to be sought back; without it, where a viewer has steered")
+      ->excludes(verify_option)
+      ->excludes(guide)
+      ->excludes(loop);
+  app.add_flag("--locked", options.locked,
+               "viewers may look, and not steer: neither pause, nor seek, nor keep bookmarks")
+      ->excludes(verify_option)
+      ->excludes(guide);
   app.add_flag("--step", options.stepping, "begin paused: space goes on, the right arrow steps")
       ->excludes(verify_option)
       ->excludes(guide);

@@ -21,6 +21,8 @@ struct ReplayOptions {
   double rate = 1.0;
   bool loop = false;
   bool stepping = false;  ///< begins paused
+  bool locked = false;    ///< viewers may not steer
+  bool stays = false;     ///< waits at the end
   double from_s = 0.0;
   double to_s = std::numeric_limits<double>::infinity();
   int domain = 0;

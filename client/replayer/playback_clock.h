@@ -24,7 +24,12 @@ class PlaybackClock {
     Begin(At(now_ns), now_ns);
     paused_ = paused;
   }
+  void SetRate(double rate, std::int64_t now_ns) {
+    Begin(At(now_ns), now_ns);
+    rate_ = rate;
+  }
   bool paused() const { return paused_; }
+  double rate() const { return rate_; }
 
  private:
   double rate_;

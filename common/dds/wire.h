@@ -9,6 +9,7 @@
 #include "common/math/pose.h"
 #include "idl/haptics.h"
 #include "idl/offer.h"
+#include "idl/replay.h"
 #include "idl/session.h"
 #include "idl/teaching.h"
 
@@ -34,6 +35,11 @@ using HandKey = palpate_HandKey;
 using OfferedTool = palpate_OfferedTool;
 using OfferedScene = palpate_OfferedScene;
 using SceneOffer = palpate_SceneOffer;
+using ReplayMark = palpate_ReplayMark;
+using ReplayGap = palpate_ReplayGap;
+using ReplayContents = palpate_ReplayContents;
+using ReplayState = palpate_ReplayState;
+using ReplayRequest = palpate_ReplayRequest;
 
 /// LeafTaken.leaf where none has gone, but all are there again.
 inline constexpr std::uint32_t kNoLeaf = 0xffffffff;
@@ -96,6 +102,18 @@ inline const dds_topic_descriptor_t& Descriptor<SceneBundle>() {
 template <>
 inline const dds_topic_descriptor_t& Descriptor<SceneOffer>() {
   return palpate_SceneOffer_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<ReplayContents>() {
+  return palpate_ReplayContents_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<ReplayState>() {
+  return palpate_ReplayState_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<ReplayRequest>() {
+  return palpate_ReplayRequest_desc;
 }
 
 // Loop types have no padding, so that the C struct is the CDR payload byte for byte (a test

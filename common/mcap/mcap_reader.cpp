@@ -1,5 +1,6 @@
 #include "common/mcap/mcap_reader.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -116,6 +117,7 @@ void Reader::End() {
   ended_ = true;
   // A reader of many splits keeps those that it has read.
   std::vector<std::uint8_t>().swap(chunk_);
+  if (std::exchange(read_once_, true)) return;
   for (const auto& [channel, messages] : undeclared_) {
     Damaged(source_ + ": " + std::to_string(messages) + " messages of channel " +
             std::to_string(channel) + ", which is nowhere declared: left out");
@@ -124,12 +126,16 @@ void Reader::End() {
 
 void Reader::Stop(const std::string& problem) {
   End();
-  problems_.push_back(problem);
+  AddProblem(problem);
 }
 
 void Reader::Damaged(const std::string& problem) {
   damaged_ = true;
-  if (problems_.size() < kMaxProblems) problems_.push_back(problem);
+  if (problems_.size() < kMaxProblems) AddProblem(problem);
+}
+
+void Reader::AddProblem(const std::string& problem) {
+  if (std::ranges::find(problems_, problem) == problems_.end()) problems_.push_back(problem);
 }
 
 bool Reader::TakeBasic(const Record& record, Message& message) {
@@ -167,7 +173,7 @@ bool Reader::TakeBasic(const Record& record, Message& message) {
 }
 
 void Reader::OpenChunk(std::span<const std::uint8_t> content, std::size_t offset) {
-  ++chunks_;
+  first_chunk_ = std::min(first_chunk_, offset);
   Fields fields(content);
   fields.TakeBytes(16);  // the times of its messages, which they say themselves
   const auto size = fields.Take<std::uint64_t>();
@@ -205,6 +211,13 @@ void Reader::OpenChunk(std::span<const std::uint8_t> content, std::size_t offset
   damaged_ = damaged;
 }
 
+void Reader::GoTo(std::size_t offset) {
+  at_ = offset;
+  chunk_.clear();
+  chunk_at_ = 0;
+  ended_ = false;
+}
+
 bool Reader::Next(Message& message) {
   Record record{};
   while (!ended_) {
@@ -218,7 +231,7 @@ bool Reader::Next(Message& message) {
       }
       continue;
     }
-    const std::size_t offset = at_;
+    const std::size_t offset = offset_ = at_;
     if (at_ == bytes_.size()) {
       Stop(source_ + ": has no end: its recorder was cut off" + At(offset));
     } else if (!TakeRecord(bytes_, at_, record)) {
@@ -230,7 +243,8 @@ bool Reader::Next(Message& message) {
       Metadata metadata;
       metadata.name = fields.TakeString();
       metadata.values = fields.TakeMap();
-      if (fields.ok()) metadata_.push_back(std::move(metadata));
+      if (fields.ok() && offset >= seen_) metadata_.push_back(std::move(metadata));
+      seen_ = std::max(seen_, at_);
     } else if (record.opcode == kDataEnd) {
       const auto crc = Fields(record.content).Take<std::uint32_t>();
       if (crc != 0 && crc != static_cast<std::uint32_t>(crc32_z(0, bytes_.data(), offset))) {
@@ -245,7 +259,7 @@ bool Reader::Next(Message& message) {
         Stop(source_ + ": is cut off within its index; all its data are there");
       }
     } else if (record.opcode == 0 || record.opcode == kFooter ||
-               (record.opcode == kMessage && chunks_ > 0)) {
+               (record.opcode == kMessage && offset > first_chunk_)) {
       // Who writes chunks writes no messages outside of them.
       damaged_ = true;
       Stop(source_ + ": has a record that cannot be there" + At(offset));

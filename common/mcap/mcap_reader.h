@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <span>
 #include <string>
@@ -45,6 +46,12 @@ class Reader {
   /// The next message, in the file's order; false at the end, or where it cannot go on.
   bool Next(Message& message);
 
+  /// Where the chunk of the last message begins (or that message, where it is in none).
+  std::size_t offset() const { return offset_; }
+  /// Goes on from an offset that it has given, or from kMagicSize, the beginning.  What is met
+  /// again is not told again: neither problems nor metadata.
+  void GoTo(std::size_t offset);
+
   /// Once Next has returned false: true where the file has its end (a footer).
   bool complete() const { return complete_; }
   /// True where bytes have changed, as opposed to being cut off.
@@ -69,13 +76,16 @@ class Reader {
   void End();
   void Stop(const std::string& problem);
   void Damaged(const std::string& problem);
+  void AddProblem(const std::string& problem);
 
   std::span<const std::uint8_t> bytes_;
   std::string source_;
-  std::size_t at_ = 0;
+  std::size_t at_ = 0, offset_ = 0;
   std::vector<std::uint8_t> chunk_;
-  std::size_t chunk_at_ = 0, chunk_offset_ = 0, chunks_ = 0;
-  bool ended_ = false, complete_ = false, damaged_ = false;
+  std::size_t chunk_at_ = 0, chunk_offset_ = 0;
+  std::size_t first_chunk_ = std::numeric_limits<std::size_t>::max();  // its offset
+  std::size_t seen_ = 0;  // metadata up to here have been told
+  bool ended_ = false, read_once_ = false, complete_ = false, damaged_ = false;
   std::vector<std::string> problems_;
   std::vector<Metadata> metadata_;
   std::map<std::uint16_t, Schema> schemas_;

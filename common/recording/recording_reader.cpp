@@ -13,21 +13,31 @@ RecordingReader::RecordingReader(const std::vector<std::string>& files) : names_
 
 void RecordingReader::Restart() {
   readers_.clear();
+  begun_ = 0;
   complete_ = true;
   unknown_ = 0;
+}
+
+void RecordingReader::GoTo(const Place& place) {
+  begun_ = place.file + 1;
+  readers_[place.file]->GoTo(place.offset);
 }
 
 bool RecordingReader::Next(RecordedSample& sample) {
   mcap::Message message;
   for (;;) {
-    if (readers_.empty() || !readers_.back()->Next(message)) {
-      if (!readers_.empty()) complete_ = complete_ && readers_.back()->complete();
-      const std::size_t next = readers_.size();
-      if (next == files_.size()) return false;
-      readers_.push_back(std::make_unique<mcap::Reader>(files_[next]->bytes(), names_[next]));
+    if (begun_ == 0 || !readers_[begun_ - 1]->Next(message)) {
+      if (begun_ > 0) complete_ = complete_ && readers_[begun_ - 1]->complete();
+      if (begun_ == files_.size()) return false;
+      if (begun_ < readers_.size()) {
+        readers_[begun_]->GoTo(mcap::kMagicSize);
+      } else {
+        readers_.push_back(std::make_unique<mcap::Reader>(files_[begun_]->bytes(), names_[begun_]));
+      }
+      ++begun_;
       continue;
     }
-    const auto& schemas = readers_.back()->schemas();
+    const auto& schemas = readers_[begun_ - 1]->schemas();
     const auto schema = schemas.find(message.channel->schema_id);
     const auto type = schema == schemas.end() ? std::nullopt : TypeOfSchema(schema->second.name);
     if (!type || message.channel->message_encoding != "cdr") {

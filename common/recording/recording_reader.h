@@ -37,6 +37,17 @@ class RecordingReader {
   /// Begins anew.
   void Restart();
 
+  /// Where to go to for the last sample, with those before it in its chunk.  To be asked for after
+  /// a Next that was true.
+  struct Place {
+    std::size_t file = 0, offset = 0;
+    friend bool operator==(const Place&, const Place&) = default;
+  };
+  Place place() const { return {begun_ - 1, readers_[begun_ - 1]->offset()}; }
+  /// Goes on from a place that it has given since it last began anew.  What is read again counts
+  /// again in unknown().
+  void GoTo(const Place& place);
+
   // Of what has been read; so, of all of it once Next has returned false.
   bool complete() const { return complete_; }  ///< every file has its end
   bool damaged() const;                        ///< bytes of some have changed
@@ -48,7 +59,8 @@ class RecordingReader {
  private:
   std::vector<std::string> names_;
   std::vector<std::unique_ptr<mcap::MappedFile>> files_;
-  std::vector<std::unique_ptr<mcap::Reader>> readers_;  // of those begun
+  std::vector<std::unique_ptr<mcap::Reader>> readers_;  // of those that were ever begun
+  std::size_t begun_ = 0;                               // of them, on the present way
   bool complete_ = true;
   std::uint64_t unknown_ = 0;
 };
