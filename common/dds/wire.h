@@ -40,6 +40,7 @@ using ReplayGap = palpate_ReplayGap;
 using ReplayContents = palpate_ReplayContents;
 using ReplayState = palpate_ReplayState;
 using ReplayRequest = palpate_ReplayRequest;
+using ReplayWish = palpate_ReplayWish;
 
 /// LeafTaken.leaf where none has gone, but all are there again.
 inline constexpr std::uint32_t kNoLeaf = 0xffffffff;
