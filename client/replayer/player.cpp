@@ -33,6 +33,8 @@ constexpr std::chrono::milliseconds kPoll{2};
 /// So often viewers hear where the replay is, and the terminal shows it.
 constexpr std::int64_t kTell_ns = 200'000'000;
 constexpr std::int64_t kShow_ns = 100'000'000;
+/// While it is paused, viewers who come then are shown the tools too.
+constexpr std::int64_t kRepeat_ns = 1'000'000'000;
 /// An arrow key's way.
 constexpr std::int64_t kArrow_ns = 5'000'000'000;
 /// From a mark that has only just passed, the way back leads to the one before it; and one at which
@@ -132,6 +134,9 @@ class Player {
       if (!more) return true;
       told_up_to_ns_ = playhead_.passed_ns() - 1;
       told_some_of_ns_ = playhead_.passed_ns();
+      if (!Stays(sample.type)) {
+        latest_[Timeline::SourceOf(sample)].assign(sample.cdr.begin(), sample.cdr.end());
+      }
       if (!Say(sample.type, sample.cdr)) return false;
     }
   }
@@ -164,15 +169,17 @@ class Player {
       if (!Say(rest[i]->type, rest[i]->cdr)) return false;
     }
     told_up_to_ns_ = told_some_of_ns_ = time_ns;
-    for (const auto& [source, cdr] : playhead_.GoTo(time_ns)) {
-      const auto& [type, station] = source;
-      const bool is_over = wanted.holds.contains({RecordedType::kSessionState, station, 0}) &&
-                           !voice_.has_session(station);
-      if (!is_over) Say(type, cdr);
-    }
+    latest_ = playhead_.GoTo(time_ns);
+    std::erase_if(latest_, [&](const auto& entry) {
+      const std::string& station = entry.first.second;
+      return wanted.holds.contains({RecordedType::kSessionState, station, 0}) &&
+             !voice_.has_session(station);
+    });
+    for (const auto& [source, cdr] : latest_) Say(source.first, cdr);
     // What came before takes its time.
     const std::int64_t now_ns = SteadyNanoseconds();
     clock_.Begin(time_ns, now_ns);
+    repeated_ns_ = now_ns;
     Tell(now_ns);
     return !stop_.stopped();
   }
@@ -233,7 +240,15 @@ class Player {
     }
     if (changed) Tell(now_ns);
     TellIfDue();
+    if (clock_.paused() && now_ns - repeated_ns_ >= kRepeat_ns) Repeat(now_ns);
     return Wait::kCome;
+  }
+
+  void Repeat(std::int64_t now_ns) {
+    repeated_ns_ = now_ns;
+    for (const auto& [source, cdr] : latest_) {
+      if (voice_.has_session(source.second)) voice_.Say(source.first, cdr);
+    }
   }
 
   void Press(Keyboard::Key key, std::int64_t now_ns) {
@@ -348,7 +363,8 @@ class Player {
   std::optional<std::int64_t> sought_ns_;  // to where it is sent now
   // Viewers have heard all up to the first, and perhaps some of the second.
   std::int64_t told_up_to_ns_ = 0, told_some_of_ns_ = 0;
-  std::int64_t shared_ns_ = 0, shown_ns_ = 0;
+  std::int64_t shared_ns_ = 0, shown_ns_ = 0, repeated_ns_ = 0;
+  Playhead::Streams latest_;  // what viewers were shown last of what streams
   bool step_ = false;
   const bool terminal_ = isatty(STDERR_FILENO) == 1;
   std::uint64_t said_ = 0;

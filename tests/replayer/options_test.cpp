@@ -34,6 +34,19 @@ TEST(ReplayOptions, VerifyGuideAndScore) {
   EXPECT_THAT(score->trials, testing::ElementsAre("b.mcap"));
 }
 
+TEST(ReplayOptions, SayWhoSteersAndWhatComesAtTheEnd) {
+  const auto plain = Parse({"a.mcap"});
+  EXPECT_FALSE(plain->locked);
+  EXPECT_FALSE(plain->stays);
+  const auto lesson = Parse({"a.mcap", "--from", "2.5", "--stay", "--locked"});
+  EXPECT_EQ(lesson->from_s, 2.5);
+  EXPECT_TRUE(lesson->stays);
+  EXPECT_TRUE(lesson->locked);
+  EXPECT_THROW(Parse({"a.mcap", "--stay", "--loop"}), UsageError);
+  EXPECT_THROW(Parse({"a.mcap", "--verify", "--locked"}), UsageError);
+  EXPECT_THROW(Parse({"a.mcap", "--guide", "hand", "--stay"}), UsageError);
+}
+
 TEST(ReplayOptions, RefuseWhatMakesNoSense) {
   EXPECT_THROW(Parse({}), UsageError);
   EXPECT_THROW(Parse({"a.mcap", "--from", "5", "--to", "4"}), UsageError);

@@ -22,6 +22,18 @@ TEST(PlaybackClock, StandsWhilePausedAndGoesOnFromThere) {
   EXPECT_EQ(clock.At(501), 1022);
 }
 
+TEST(PlaybackClock, GoesOnFromWhereItIsAtAnotherRate) {
+  PlaybackClock clock(1.0, false);
+  clock.Begin(1000, 0);
+  clock.SetRate(4.0, 10);
+  EXPECT_EQ(clock.rate(), 4.0);
+  EXPECT_EQ(clock.At(10), 1010);
+  EXPECT_EQ(clock.At(20), 1050);
+  clock.SetPaused(true, 20);
+  clock.SetRate(0.5, 30);
+  EXPECT_EQ(clock.At(1000), 1050) << "still paused";
+}
+
 TEST(PlaybackClock, StepsToWhereItIsTold) {
   PlaybackClock clock(1.0, true);
   clock.Begin(1000, 0);

@@ -1,4 +1,6 @@
 // The replayer as a program: to viewers, and to a station's hand.
+#include "tests/replayer/replayer_program.h"
+
 #include <atomic>
 #include <csignal>
 
@@ -8,7 +10,6 @@
 #include "common/dds/cdr_reader.h"
 #include "common/server_lock.h"
 #include "tests/common/recording/samples.h"
-#include "tests/integration/rig.h"
 
 namespace palpate::test {
 namespace {
@@ -16,14 +17,6 @@ namespace {
 using testing::HasSubstr;
 
 constexpr std::int64_t kFrame_ns = 16'000'000;
-
-class ReplayerProgram : public Program {
- public:
-  explicit ReplayerProgram(std::vector<std::string> arguments)
-      : Program(PALPATE_BIN_DIR "/palpate-replay", std::move(arguments)) {}
-};
-
-const std::string kDomainText = std::to_string(kDomain);
 
 /// Two seconds for viewers: a scene, a session, a leaf at each half second, 60 tool states a
 /// second.
