@@ -20,6 +20,11 @@ class Keyboard {
     kQuit
   };
 
+  /// What they do, for people who read it.
+  static constexpr const char* kHelp =
+      R"(Keys: space pauses and goes on    <- 5 s back    -> 5 s on, or a step while paused
+      p, n to the mark before, after    -, + slower, faster    b sets a bookmark    q ends)";
+
   Keyboard();
   ~Keyboard();
   Keyboard(const Keyboard&) = delete;

@@ -1,7 +1,10 @@
 #include "client/replayer/options.h"
 
+#include <string>
+
 #include <CLI/CLI.hpp>
 
+#include "client/replayer/keyboard.h"
 #include "common/command_line.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
@@ -20,11 +23,12 @@ every bit, or to another hand as a gentle guide; and scores a trainee against an
 constexpr const char* kExamples =
     R"(Examples:
   palpate-replay lesson.mcap --rate 0.5 --loop
-      to viewers, at half the speed, again and again; on a terminal the space bar pauses, the left
-      and right arrows go 5 s back and on (while paused, the right one steps), q ends
+      to viewers, at half the speed, again and again, until q at its terminal or Ctrl-C
   palpate-replay lesson.mcap --from 30 --stay
-      for a class: viewers play, pause and seek it, and keep bookmarks in lesson.bookmarks.json
-      beside it; --locked leaves all that to this terminal
+      for a class: it waits at its end, and whoever watches may pause it, go to any moment, change
+      its speed and set bookmarks, which are kept in lesson.bookmarks.json beside it
+  palpate-replay lesson.mcap --locked
+      for an examination: it is steered by the keys of this terminal alone
   palpate-replay lesson.mcap --verify
       computes every wrench again and compares all bits
   palpate-replay expert.mcap --guide trainee
@@ -32,9 +36,8 @@ constexpr const char* kExamples =
   palpate-replay criteria mine.json
       writes what to grade by, for you to edit: 25 g for periodontal probing, depths of sites
   palpate-replay score expert.mcap try1.mcap try2.mcap try3.mcap --criteria mine.json --out report
-      report/score.html: paths in space, distance, forces, marks and their average
-
-Exit status: 0 done, 1 failed or not verified, 2 wrong usage.)";
+      report/score.html: paths in space, distance, forces, marks and their average)";
+constexpr const char* kStatus = "Exit status: 0 done, 1 failed or not verified, 2 wrong usage.";
 
 }  // namespace
 
@@ -43,7 +46,7 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
   bool verify = false;
 
   CLI::App app(kAbout, "palpate-replay");
-  app.footer(kExamples);
+  app.footer(std::string(kExamples) + "\n\n" + Keyboard::kHelp + "\n\n" + kStatus);
   app.add_option("files", options.files, "a recording, or its splits in their order");
   CLI::Option* verify_option =
       app.add_flag("--verify", verify, "compute every wrench again and compare all bits");
@@ -68,13 +71,15 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
       ->capture_default_str();
   CLI::Option* loop = app.add_flag("--loop", options.loop, "again and again, until Ctrl-C")
                           ->excludes(verify_option);
-  app.add_flag("--stay", options.stays,
-               "wait at the end, to be sought back; without it, where a viewer has steered")
+  app.add_flag(
+         "--stay", options.stays,
+         "wait at the end until Ctrl-C, for who wants to see something again; without it, the "
+         "replay waits where a viewer has steered it")
       ->excludes(verify_option)
       ->excludes(guide)
       ->excludes(loop);
   app.add_flag("--locked", options.locked,
-               "viewers may look, and not steer: neither pause, nor seek, nor keep bookmarks")
+               "viewers may look, and not steer: neither pause, nor seek, nor set bookmarks")
       ->excludes(verify_option)
       ->excludes(guide);
   app.add_flag("--step", options.stepping, "begin paused: space goes on, the right arrow steps")

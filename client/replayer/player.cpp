@@ -42,10 +42,6 @@ constexpr std::int64_t kArrow_ns = 5'000'000'000;
 constexpr double kJustPassed_s = 0.8, kHere_s = 0.05;
 constexpr std::array<double, 7> kRates = {0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0};
 
-constexpr const char* kKeys =
-    "keys: space pauses and goes on    <- 5 s back    -> 5 s on, or a step while paused\n"
-    "      p, n to the mark before, after    -, + slower, faster    b sets a bookmark    q ends\n";
-
 Timeline Look(RecordingReader& reader, const StopSignal& stop) {
   Timeline timeline;
   RecordedSample sample{};
@@ -107,7 +103,7 @@ class Player {
         clock_(options.rate, options.stepping) {}
 
   void Play() {
-    if (terminal_) std::fputs(kKeys, stderr);
+    if (terminal_) std::fprintf(stderr, "%s\n", Keyboard::kHelp);
     while (!stop_.stopped() && PlayOnce() && options_.loop) {
     }
     voice_.EndSessions("the replay has ended");
