@@ -140,6 +140,39 @@ TEST_F(McapReaderTest, GoesOnBehindABrokenChunkAndNamesIt) {
   EXPECT_TRUE(reader.complete());
 }
 
+TEST_F(McapReaderTest, GoesOnFromAnyChunkAndTellsNothingTwice) {
+  // The second of three chunks is broken.
+  std::vector<std::uint8_t> bytes = bytes_;
+  bytes[(ends_[0] + ends_[1]) / 2] ^= 1;
+  Reader reader(bytes, "a");
+  std::vector<std::pair<std::size_t, int>> places;  // and the first message from there
+  Message message;
+  while (reader.Next(message)) {
+    if (places.empty() || places.back().first != reader.offset()) {
+      places.emplace_back(reader.offset(), static_cast<int>(message.sequence));
+    }
+  }
+  ASSERT_THAT(places, SizeIs(2));
+  const std::vector<std::string> problems = reader.problems();
+  EXPECT_THAT(problems, SizeIs(2)) << "the chunk, and the file as a whole";
+  places.emplace_back(kMagicSize, 0);
+  for (const auto& [offset, first] : {places[1], places[0], places[2], places[1]}) {
+    reader.GoTo(offset);
+    const std::vector<int> numbers = Read(reader);
+    ASSERT_THAT(numbers, testing::Not(IsEmpty()));
+    EXPECT_EQ(numbers.front(), first);
+    EXPECT_EQ(numbers.back(), kChunks * kPerChunk - 1);
+    EXPECT_TRUE(reader.complete());
+    EXPECT_EQ(reader.problems(), problems);
+    EXPECT_THAT(reader.metadata(), SizeIs(1));
+  }
+  // Within a chunk, too, before its end was met.
+  reader.GoTo(places[0].first);
+  ASSERT_TRUE(reader.Next(message));
+  reader.GoTo(places[1].first);
+  EXPECT_THAT(Read(reader), SizeIs(kPerChunk));
+}
+
 TEST_F(McapReaderTest, RefusesWhatIsNoSuchFile) {
   const std::vector<std::uint8_t> text = {'h', 'e', 'l', 'l', 'o', '!', '!', '!', '!'};
   EXPECT_THROW(Reader(text, "a"), Error);
