@@ -13,6 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/dds/cdr.h"
 #include "common/error.h"
 #include "tests/replayer/lesson_recording.h"
 #include "tests/support/test_domain.h"
@@ -179,22 +180,16 @@ TEST_F(SteeringTest, PassesOverWishesOfAnotherReplay) {
   EXPECT_THAT(taken, ElementsAre(own));
 }
 
-TEST_F(SteeringTest, DoesNothingForAWishThatItDoesNotKnow) {
-  Begin();
-  wire::ReplayRequest unknown = Request(palpate_REPLAY_PAUSE);
-  unknown.wish = static_cast<wire::ReplayWish>(99);
-  unknown.replay = contents_.replay;
-  unknown.request = ++last_;
-  // DDS may refuse to send it; where it does not, it is none of ours.
-  wishes_.Write(unknown);
-  const std::uint64_t own = Wish(Request(palpate_REPLAY_PLAY));
-  std::vector<std::uint64_t> taken;
+TEST(ReplayRequest, IsNoneWithAWishThatNobodyKnows) {
+  std::vector<std::uint8_t> cdr;
+  dds::ToCdr(Request(palpate_REPLAY_DROP_BOOKMARK), cdr);
+  // Behind the encoding's name, kind and filling, replay and request.
+  const std::size_t wish = 4 + 4 + 4 + 8 + 8;
   wire::ReplayRequest request{};
-  ASSERT_TRUE(Eventually([&] {
-    while (steering_->Take({}, request)) taken.push_back(request.request);
-    return !taken.empty();
-  }));
-  EXPECT_THAT(taken, ElementsAre(own));
+  ASSERT_EQ(cdr[wish], palpate_REPLAY_DROP_BOOKMARK);
+  EXPECT_TRUE(dds::FromCdr(cdr, request));
+  cdr[wish] += 1;
+  EXPECT_FALSE(dds::FromCdr(cdr, request));
 }
 
 TEST_F(SteeringTest, RefusesWhatCannotBeDoneAndSaysWhy) {
