@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/viewer/json_text.h"
 #include "client/viewer/quoted.h"
 
 namespace palpate::foxglove {
@@ -17,11 +18,6 @@ using Json = nlohmann::json;
 constexpr std::uint8_t kMessageData = 1;
 constexpr std::size_t kMostItems = 256;  // of a list that a client sends
 static_assert(std::endian::native == std::endian::little, "the protocol's integers are");
-
-/// What a client has sent may come back in a message, and need not be UTF-8.
-std::string Dump(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 bool ReadId(const Json& value, std::uint32_t& id) {
   if (!value.is_number_unsigned()) return false;
@@ -98,7 +94,7 @@ std::string ServerInfo(const std::string& session_id, bool clients_may_publish) 
     info["capabilities"].push_back("clientPublish");
     info["supportedEncodings"] = {"json"};
   }
-  return Dump(info);
+  return ToText(info);
 }
 
 std::string Advertise(const std::vector<Channel>& channels) {
@@ -111,11 +107,11 @@ std::string Advertise(const std::vector<Channel>& channels) {
                     {"schema", channel.schema},
                     {"schemaEncoding", channel.schema_encoding}});
   }
-  return Dump({{"op", "advertise"}, {"channels", list}});
+  return ToText(Json({{"op", "advertise"}, {"channels", list}}));
 }
 
 std::string Status(Level level, const std::string& message) {
-  return Dump({{"op", "status"}, {"level", static_cast<int>(level)}, {"message", message}});
+  return ToText(Json({{"op", "status"}, {"level", static_cast<int>(level)}, {"message", message}}));
 }
 
 MessageHeader MakeMessageHeader(std::uint32_t subscription, std::int64_t time_ns) {

@@ -9,7 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "client/viewer/json_text.h"
 #include "client/viewer/viewer_session.h"
+#include "common/random_run.h"
 #include "common/time/steady_clock.h"
 
 namespace palpate {
@@ -35,9 +37,17 @@ std::string Joined(const std::vector<std::string>& names) {
   return text.empty() ? "none" : text;
 }
 
-/// Names come from elsewhere, and need not be UTF-8.
-std::string Dump(const nlohmann::json& json) {
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+/// What the gateway itself has to say.
+FramePtr OwnFrame(TopicFeed::Channel channel, std::uint64_t instance, const std::string& json) {
+  auto frame = std::make_shared<Frame>();
+  frame->channel = channel;
+  frame->instance = instance;
+  frame->time_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
+                       std::chrono::system_clock::now().time_since_epoch())
+                       .count();
+  frame->payload.assign(json.begin(), json.end());
+  frame->state = true;
+  return frame;
 }
 
 template <class Map>
@@ -111,23 +121,26 @@ void Hub::BeginToEnd(std::int64_t now_ns) {
 void Hub::Tell(const MouseRoom::News& news) {
   const auto viewer = viewers_.find(news.holder);
   if (viewer == viewers_.end()) return;
-  const std::string text = Dump({{"station", news.station},
-                                 {"scene", news.scene},
-                                 {"tool", news.tool},
-                                 {"phase", news.phase},
-                                 {"reason", news.reason}});
-  auto frame = std::make_shared<Frame>();
-  frame->channel = TopicFeed::kMouseState;
-  frame->time_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
-                       std::chrono::system_clock::now().time_since_epoch())
-                       .count();
-  frame->payload.assign(text.begin(), text.end());
-  frame->state = true;
+  const FramePtr frame = OwnFrame(TopicFeed::kMouseState, 0,
+                                  ToText(nlohmann::json({{"station", news.station},
+                                                         {"scene", news.scene},
+                                                         {"tool", news.tool},
+                                                         {"phase", news.phase},
+                                                         {"reason", news.reason}})));
   const std::shared_ptr<ViewerSession> keep = viewer->second;
   if (news.phase == "refused") {
     keep->Say(foxglove::Level::kError, "the tool is refused: " + news.reason);
   }
   keep->TellMouseState(frame);
+}
+
+FramePtr Hub::AskReplay(ReplayWish wish, const std::string& by) {
+  wish.request.request = RandomRun();
+  wire::FromText(by, wish.request.by);
+  const std::string refusal = feed_.AskReplay(wish.request);
+  // Wishes of one kind wait for each other; those of another do not take their answer's place.
+  return OwnFrame(TopicFeed::kReplayAnswer, wish.request.kind,
+                  ReplayAnswer(wish.tag, wish.request.request, refusal));
 }
 
 std::uint64_t Hub::FramesLost() const {
@@ -137,16 +150,16 @@ std::uint64_t Hub::FramesLost() const {
 }
 
 std::string Hub::Health() const {
-  return Dump({{"viewers", viewers_.size()},
-               {"max_viewers", options_.max_viewers},
-               {"frames_sent", frames_sent_},
-               {"frames_dropped", FramesLost()},
-               {"bytes_sent", bytes_sent_},
-               {"mice", mice_.size()},
-               {"stations", feed_.stations()},
-               {"scenes", KeysOf(feed_.scenes())},
-               {"server_run", fmt::format("{:x}", feed_.server_run())},
-               {"version", PALPATE_VERSION}});
+  return ToText(nlohmann::json({{"viewers", viewers_.size()},
+                                {"max_viewers", options_.max_viewers},
+                                {"frames_sent", frames_sent_},
+                                {"frames_dropped", FramesLost()},
+                                {"bytes_sent", bytes_sent_},
+                                {"mice", mice_.size()},
+                                {"stations", feed_.stations()},
+                                {"scenes", KeysOf(feed_.scenes())},
+                                {"server_run", fmt::format("{:x}", feed_.server_run())},
+                                {"version", PALPATE_VERSION}}));
 }
 
 void Hub::LogStatistics(std::int64_t now_ns) {

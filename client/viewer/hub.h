@@ -12,6 +12,7 @@
 #include "client/viewer/mouse_room.h"
 #include "client/viewer/options.h"
 #include "client/viewer/page_files.h"
+#include "client/viewer/replay_messages.h"
 #include "client/viewer/scene_packer.h"
 #include "client/viewer/topic_feed.h"
 
@@ -39,6 +40,8 @@ class Hub {
   bool AskForWhole(const std::string& scene, const std::string& by) {
     return feed_.scenes().contains(scene) && feed_.AskForWhole(scene, by);
   }
+  /// Passes a page's wish on to its replay, and makes what the page is answered.
+  FramePtr AskReplay(ReplayWish wish, const std::string& by);
   MouseRoom& mice() { return mice_; }
   const std::string& session_id() const { return session_id_; }
 

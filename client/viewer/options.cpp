@@ -26,7 +26,8 @@ constexpr const char* kExamples =
   palpate-viewer --http 8765 --allow-origin https://app.foxglove.dev
       Foxglove's web application may attach, too
   palpate-viewer --http 8765 --bind 0.0.0.0 --max-mice 0
-      for a class in the same network: all may look, nobody may take a tool with the mouse
+      for a class in the same network: all may look, nobody may take a tool with the mouse; a replay
+      is steered by all, unless it was started with --locked
   palpate-viewer --http 8765 --network eth0
       of a server on another host, which runs with --network too
 

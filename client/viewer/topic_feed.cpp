@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/viewer/replay_messages.h"
 #include "common/dds/topics.h"
 #include "common/random_run.h"
 #include "common/recording/recorded_type.h"
+#include "common/time/steady_clock.h"
 
 namespace palpate {
 namespace {
@@ -14,10 +16,23 @@ constexpr const char* kMouseSchema =
     R"({"type":"object","properties":{"station":{"type":"string"},"scene":{"type":"string"},)"
     R"("tool":{"type":"string"},"phase":{"type":"string"},"reason":{"type":"string"}}})";
 
+constexpr const char* kAnswerSchema =
+    R"({"type":"object","properties":{"tag":{"type":"integer"},"request":{"type":"string"},)"
+    R"("refusal":{"type":"string"}}})";
+constexpr const char* kReplaySchema =
+    R"({"type":"object","properties":{"replay":{"type":"string"}}})";
+/// Replayers speak five times a second.
+constexpr std::int64_t kReplaySilent_ns = 5'000'000'000;
+
 template <class T>
 foxglove::Channel CdrChannel(TopicFeed::Channel id, const char* topic) {
   return {id,      std::string("/") + topic, "cdr", SchemaName(kTypeOf<T>), SchemaText(kTypeOf<T>),
           "omgidl"};
+}
+
+foxglove::Channel JsonChannel(TopicFeed::Channel id, const std::string& topic,
+                              const std::string& type, const char* schema) {
+  return {id, "/palpate/" + topic, "json", "palpate." + type, schema, "jsonschema"};
 }
 
 /// The bundle's bytes within those that travelled: the type's last member, before the filling up to
@@ -32,7 +47,7 @@ std::span<const std::uint8_t> BundleIn(const std::vector<std::uint8_t>& cdr,
 
 }  // namespace
 
-std::vector<foxglove::Channel> TopicFeed::Channels(bool mice) {
+std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers) {
   std::vector<foxglove::Channel> channels = {
       CdrChannel<wire::ToolState>(kToolState, dds::kToolStateTopic),
       CdrChannel<wire::LoopStatistics>(kLoopStatistics, dds::kLoopStatisticsTopic),
@@ -40,10 +55,14 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice) {
       CdrChannel<wire::SessionState>(kSessionState, dds::kSessionStateTopic),
       CdrChannel<wire::SceneChange>(kSceneChange, dds::kSceneChangeTopic),
       CdrChannel<wire::SceneWhole>(kSceneWhole, dds::kSceneWholeTopic),
-      CdrChannel<wire::SceneBundle>(kSceneBundle, dds::kSceneBundleTopic)};
+      CdrChannel<wire::SceneBundle>(kSceneBundle, dds::kSceneBundleTopic),
+      JsonChannel(kReplayContents, "replay_contents", "ReplayContents", kReplaySchema),
+      JsonChannel(kReplayState, "replay_state", "ReplayState", kReplaySchema)};
   if (mice) {
-    channels.push_back({kMouseState, "/palpate/mouse_state", "json", "palpate.MouseState",
-                        kMouseSchema, "jsonschema"});
+    channels.push_back(JsonChannel(kMouseState, "mouse_state", "MouseState", kMouseSchema));
+  }
+  if (steers) {
+    channels.push_back(JsonChannel(kReplayAnswer, "replay_answer", "ReplayAnswer", kAnswerSchema));
   }
   return channels;
 }
@@ -57,7 +76,10 @@ TopicFeed::TopicFeed(int domain, const dds::Network& network)
       changes_(participant_, dds::kSceneChangeTopic, dds::Qos::kSession),
       wholes_(participant_, dds::kSceneWholeTopic, dds::Qos::kSession),
       bundles_(participant_, dds::kSceneBundleTopic, dds::Qos::kSession),
-      wishes_(participant_, dds::kWholeRequestTopic, dds::Qos::kSession) {}
+      wishes_(participant_, dds::kWholeRequestTopic, dds::Qos::kSession),
+      replay_contents_(participant_, dds::kReplayContentsTopic, dds::Qos::kSession),
+      replay_states_(participant_, dds::kReplayStateTopic, dds::Qos::kSession),
+      replay_requests_(participant_, dds::kReplayRequestTopic, dds::Qos::kSession) {}
 
 TopicFeed::~TopicFeed() = default;
 
@@ -129,10 +151,44 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
     on_frame(frame);
     on_session(sample);
   });
+  // Before what it replays: who sees that should know what it is.
+  PollReplays(on_frame);
   const auto pass_on = [&](const FramePtr& frame, const auto&) { on_frame(frame); };
   Drain(tool_states_, kToolState, pass_on);
   Drain(statistics_, kLoopStatistics, pass_on);
   Drain(stations_, kStationStatistics, pass_on);
+}
+
+void TopicFeed::PollReplays(const std::function<void(const FramePtr&)>& on_frame) {
+  const auto tell = [&](const std::shared_ptr<Frame>& frame, const std::string& json) {
+    frame->payload.assign(json.begin(), json.end());
+    on_frame(frame);
+  };
+  Drain(replay_contents_, kReplayContents,
+        [&](const std::shared_ptr<Frame>& frame, const wire::ReplayContents& sample) {
+          ReplayOf(sample.replay).contents = frame;
+          tell(frame, ToJson(sample));
+        });
+  Drain(replay_states_, kReplayState,
+        [&](const std::shared_ptr<Frame>& frame, const wire::ReplayState& sample) {
+          Replay& replay = ReplayOf(sample.replay);
+          replay.state = frame;
+          replay.heard_ns = SteadyNanoseconds();
+          tell(frame, ToJson(sample));
+        });
+}
+
+TopicFeed::Replay& TopicFeed::ReplayOf(std::uint64_t number) {
+  if (!replays_.contains(number)) {
+    const std::int64_t silent_ns = SteadyNanoseconds() - kReplaySilent_ns;
+    std::erase_if(replays_, [&](const auto& entry) { return entry.second.heard_ns < silent_ns; });
+  }
+  return replays_[number];
+}
+
+std::string TopicFeed::AskReplay(const wire::ReplayRequest& request) {
+  if (!replays_.contains(request.replay)) return "that replay is not there any more";
+  return replay_requests_.Write(request) ? "" : "the network does not take it now; try again";
 }
 
 bool TopicFeed::AskForWhole(const std::string& scene, const std::string& by) {
@@ -145,6 +201,12 @@ bool TopicFeed::AskForWhole(const std::string& scene, const std::string& by) {
 
 std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {
   std::vector<FramePtr> frames;
+  for (const auto& [number, replay] : replays_) {
+    if (channel == kReplayContents && replay.contents) frames.push_back(replay.contents);
+    // What a replayer said that has died since would pass for news.
+    const bool speaks = SteadyNanoseconds() - replay.heard_ns < kReplaySilent_ns;
+    if (channel == kReplayState && replay.state && speaks) frames.push_back(replay.state);
+  }
   for (auto it = kept_.lower_bound({channel, "", 0});
        it != kept_.end() && std::get<0>(it->first) == channel; ++it) {
     frames.push_back(it->second);

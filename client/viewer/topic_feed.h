@@ -38,9 +38,15 @@ class TopicFeed {
     kMouseState,  ///< not of DDS: the gateway's own, to each viewer of the mouse that it has
     kStationStatistics,
     kSceneWhole,
+    // As JSON, since pages are to read their numbers.
+    kReplayContents,
+    kReplayState,
+    kReplayAnswer,  ///< not of DDS: the gateway's own, to each viewer of its own wishes
   };
   /// What viewers are offered.
-  static std::vector<foxglove::Channel> Channels(bool mice);
+  /// @param mice    who may have a mouse hears of it.
+  /// @param steers  who may steer a replay is answered.
+  static std::vector<foxglove::Channel> Channels(bool mice, bool steers);
 
   /// Throws Error where DDS refuses.
   explicit TopicFeed(int domain, const dds::Network& network = {});
@@ -55,6 +61,9 @@ class TopicFeed {
   std::vector<FramePtr> Kept(std::uint32_t channel) const;
   /// Asks the server to make a scene whole again.  False where DDS refuses.
   bool AskForWhole(const std::string& scene, const std::string& by);
+  /// Passes a wish on to its replay.  Returns why not; empty: it has.
+  /// @param request  with a number and its `by`.
+  std::string AskReplay(const wire::ReplayRequest& request);
   const std::map<std::string, SceneBytes>& scenes() const { return scenes_; }
   /// Stations that have a session, as the server last said.
   std::vector<std::string> stations() const;
@@ -62,6 +71,12 @@ class TopicFeed {
   std::uint64_t server_run() const { return server_run_; }
 
  private:
+  /// What a replayer says of itself.
+  struct Replay {
+    FramePtr contents;
+    FramePtr state;
+    std::int64_t heard_ns = 0;  // its state, by the steady clock
+  };
   using KeptKey = std::tuple<std::uint32_t, std::string, std::uint64_t>;  // channel, name, number
 
   template <class T, class Use>
@@ -69,6 +84,9 @@ class TopicFeed {
   /// False for what a former server left behind.  A new one's first word clears the former's.
   bool IsCurrent(std::uint64_t server_run);
   void Keep(const FramePtr& frame, const std::string& name, std::uint64_t number);
+  void PollReplays(const std::function<void(const FramePtr&)>& on_frame);
+  /// Of this number, new or known.  A new one takes the place of those that are silent.
+  Replay& ReplayOf(std::uint64_t number);
 
   dds::Participant participant_;
   dds::CdrReader<wire::ToolState> tool_states_;
@@ -79,6 +97,9 @@ class TopicFeed {
   dds::CdrReader<wire::SceneWhole> wholes_;
   dds::CdrReader<wire::SceneBundle> bundles_;
   dds::Writer<wire::WholeRequest> wishes_;
+  dds::CdrReader<wire::ReplayContents> replay_contents_;
+  dds::CdrReader<wire::ReplayState> replay_states_;
+  dds::Writer<wire::ReplayRequest> replay_requests_;
 
   std::uint64_t server_run_ = 0;
   std::set<std::uint64_t> former_runs_;
@@ -86,6 +107,9 @@ class TopicFeed {
   std::map<std::string, std::uint64_t> undone_;  // by scene: the last change that is void
   std::map<std::string, SceneBytes> scenes_;
   std::map<std::string, wire::SessionPhase> phases_;  // by station
+  // By number.  Apart from what is kept: where a replay goes elsewhere, it speaks as another
+  // server.
+  std::map<std::uint64_t, Replay> replays_;
 };
 
 }  // namespace palpate

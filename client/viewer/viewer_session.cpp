@@ -26,6 +26,7 @@ constexpr std::size_t kMostChannels = 16;           // that a client may publish
 /// What the kernel may hold of what a stalled viewer does not read: some seconds of tool states.
 constexpr int kSendBuffer = 64 * 1024;
 constexpr const char* kMouseTopic = "/palpate/mouse";
+constexpr const char* kReplayTopic = "/palpate/replay";
 
 std::string PeerOf(const beast::tcp_stream& stream) {
   boost::system::error_code error;
@@ -39,6 +40,7 @@ ViewerSession::ViewerSession(beast::tcp_stream stream, Hub& hub, std::uint64_t i
     : socket_(std::move(stream)),
       hub_(hub),
       id_(id),
+      may_publish_(may_publish),
       mouse_(may_publish && hub.options().max_mice > 0),
       peer_(PeerOf(socket_.next_layer())) {}
 
@@ -75,8 +77,8 @@ void ViewerSession::Open() {
   open_ = true;
   signs_.Heard(SteadyNanoseconds());
   spdlog::debug("viewer {} has come", peer_);
-  Send(foxglove::ServerInfo(hub_.session_id(), mouse_));
-  Send(foxglove::Advertise(TopicFeed::Channels(mouse_)));
+  Send(foxglove::ServerInfo(hub_.session_id(), may_publish_));
+  Send(foxglove::Advertise(TopicFeed::Channels(mouse_, may_publish_)));
   Read();
 }
 
@@ -132,17 +134,8 @@ std::string ViewerSession::OnText(std::string_view text) {
       break;
     case Op::kAdvertise:
       for (const foxglove::ClientChannel& channel : request->channels) {
-        if (!mouse_ || channel.topic != kMouseTopic || channel.encoding != "json") {
-          Say(foxglove::Level::kWarning,
-              "channel " + Quoted(channel.topic) + " is of no use here: " +
-                  (mouse_ ? std::string("give ") + kMouseTopic + ", encoding json"
-                          : "this client may look, and publish nothing (palpate-viewer --max-mice, "
-                            "--allow-origin)"));
-        } else if (published_.size() >= kMostChannels) {
-          return "too many channels";
-        } else {
-          published_.insert(channel.id);
-        }
+        if (published_.size() >= kMostChannels) return "too many channels";
+        Publish(channel);
       }
       break;
     case Op::kUnadvertise:
@@ -156,9 +149,25 @@ std::string ViewerSession::OnText(std::string_view text) {
   return "";
 }
 
+void ViewerSession::Publish(const foxglove::ClientChannel& channel) {
+  const bool json = channel.encoding == "json";
+  if (json && ((mouse_ && channel.topic == kMouseTopic) ||
+               (may_publish_ && channel.topic == kReplayTopic))) {
+    published_.insert_or_assign(channel.id, channel.topic);
+    return;
+  }
+  std::string use = "this client may look, and publish nothing (palpate-viewer --allow-origin)";
+  if (may_publish_) {
+    use = std::string("give ") + kReplayTopic +
+          (mouse_ ? std::string(" or ") + kMouseTopic + ", encoding json"
+                  : ", encoding json; nobody takes a tool here (palpate-viewer --max-mice)");
+  }
+  Say(foxglove::Level::kWarning, "channel " + Quoted(channel.topic) + " is of no use here: " + use);
+}
+
 void ViewerSession::Subscribe(const foxglove::Request& request) {
   const std::int64_t now_ns = SteadyNanoseconds();
-  const std::vector<foxglove::Channel> channels = TopicFeed::Channels(mouse_);
+  const std::vector<foxglove::Channel> channels = TopicFeed::Channels(mouse_, may_publish_);
   for (const foxglove::Subscription& wanted : request.subscriptions) {
     const bool known =
         std::ranges::find(channels, wanted.channel, &foxglove::Channel::id) != channels.end();
@@ -182,11 +191,16 @@ std::string ViewerSession::OnBinary(std::span<const std::uint8_t> bytes) {
   std::string wrong;
   const auto message = foxglove::ParseMessage(bytes, wrong);
   if (!message) return wrong;
-  if (!published_.contains(message->channel)) {
+  const auto channel = published_.find(message->channel);
+  if (channel == published_.end()) {
     return "a message on channel " + std::to_string(message->channel) +
            ", which it has not advertised";
   }
-  OnMouse(message->payload);
+  if (channel->second == kMouseTopic) {
+    OnMouse(message->payload);
+  } else {
+    OnReplay(message->payload);
+  }
   return "";
 }
 
@@ -211,6 +225,16 @@ void ViewerSession::OnMouse(std::string_view json) {
       }
       return;
   }
+}
+
+void ViewerSession::OnReplay(std::string_view json) {
+  std::string wrong;
+  const auto wish = ParseReplayWish(json, wrong);
+  if (!wish) {
+    return Say(foxglove::Level::kWarning, std::string(kReplayTopic) + ": the message " + wrong);
+  }
+  // OnRead flushes.
+  queue_.Push(hub_.AskReplay(*wish, "the page at " + peer_), SteadyNanoseconds());
 }
 
 void ViewerSession::Watch(std::int64_t now_ns) {

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
-#include <set>
 #include <string>
 
 #include <boost/beast/core.hpp>
@@ -25,7 +25,7 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
  public:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
-  /// @param may_publish  false: it looks, and takes no tool.
+  /// @param may_publish  false: it looks, takes no tool, and steers no replay.
   ViewerSession(boost::beast::tcp_stream stream, Hub& hub, std::uint64_t id, bool may_publish);
 
   /// Answers the handshake, then reads and writes until the viewer has gone.
@@ -54,7 +54,9 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   std::string OnText(std::string_view text);
   std::string OnBinary(std::span<const std::uint8_t> bytes);
   void Subscribe(const foxglove::Request& request);
+  void Publish(const foxglove::ClientChannel& channel);
   void OnMouse(std::string_view json);
+  void OnReplay(std::string_view json);
   void Send(std::string text);
   void Write();
   void OnWritten(boost::beast::error_code error);
@@ -63,6 +65,7 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
   Hub& hub_;
   std::uint64_t id_;
+  bool may_publish_;
   bool mouse_;  // it may have one
   std::string peer_;
   boost::beast::flat_buffer input_;
@@ -80,7 +83,7 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   FrameQueue::Next frame_;
   foxglove::MessageHeader header_{};
 
-  std::set<std::uint32_t> published_;  // the client's channels for its mouse
+  std::map<std::uint32_t, std::string> published_;  // topics, by the client's channels
   FramePtr mouse_state_;
   SignsOfLife signs_;
   bool pinging_ = false;

@@ -33,7 +33,19 @@ using Json = nlohmann::json;
 using testing::HasSubstr;
 
 const int kDomain = OwnDomain();
-enum : std::uint32_t { kToolState = 1, kStatistics, kSession, kChange, kBundle, kMouse, kStation };
+enum : std::uint32_t {
+  kToolState = 1,
+  kStatistics,
+  kSession,
+  kChange,
+  kBundle,
+  kMouse,
+  kStation,
+  kWhole,
+  kContents,
+  kReplay,
+  kAnswer
+};
 
 template <class T>
 T Decoded(const WebClient::Message& message) {
@@ -703,6 +715,119 @@ TEST(Mouse, LetsGoOfAPageThatStandsStill) {
   const Json held = MouseUntil(viewer, "active");
   ASSERT_FALSE(held.is_null());
   EXPECT_TRUE(server->Says(Left(held), 60.0)) << "nothing is read any more, so no ping is answered";
+}
+
+/// What a replayer says, without one.
+class Replayer {
+ public:
+  Replayer() {
+    wire::ReplayContents contents{};
+    contents.replay = kNumber;
+    wire::FromText("lesson.mcap", contents.recording);
+    contents.length_s = 60;
+    EXPECT_TRUE(contents_.Write(contents));
+    Tell(1.5, 0);
+  }
+  void Tell(double at_s, std::uint64_t request) {
+    wire::ReplayState state{};
+    state.replay = kNumber;
+    state.at_s = at_s;
+    state.request = request;
+    EXPECT_TRUE(states_.Write(state));
+  }
+  std::optional<wire::ReplayRequest> Asked() {
+    wire::ReplayRequest request{};
+    for (int i = 0; i < 2000; ++i) {
+      if (requests_.Take(request)) return request;
+      usleep(10'000);
+    }
+    return std::nullopt;
+  }
+
+  static constexpr std::uint64_t kNumber = 0xfedcba9876543210;
+
+ private:
+  dds::Participant participant_ = dds::Participant::Service(kDomain);
+  dds::Writer<wire::ReplayContents> contents_{participant_, dds::kReplayContentsTopic,
+                                              dds::Qos::kSession};
+  dds::Writer<wire::ReplayState> states_{participant_, dds::kReplayStateTopic, dds::Qos::kSession};
+  dds::Reader<wire::ReplayRequest> requests_{participant_, dds::kReplayRequestTopic,
+                                             dds::Qos::kRecordSession};
+};
+
+Json NextOf(WebClient& viewer, std::uint32_t subscription) {
+  const auto message = viewer.Next(subscription);
+  return message ? Json::parse(message->payload) : Json();
+}
+
+TEST(Replay, IsToldToPagesAndSteeredByThemAlsoWhereNobodyTakesATool) {
+  Gateway gateway({"--max-mice", "0"});
+  WebClient viewer(gateway.port());
+  EXPECT_EQ(viewer.NextJson("serverInfo")["capabilities"], Json::array({"clientPublish"}));
+  viewer.Subscribe(20, kContents);
+  viewer.Subscribe(21, kReplay);
+  viewer.Subscribe(22, kAnswer);
+  Replayer replayer;
+  EXPECT_EQ(NextOf(viewer, 20)["recording"], "lesson.mcap");
+  const Json state = NextOf(viewer, 21);
+  EXPECT_EQ(state["replay"], "fedcba9876543210");
+  EXPECT_EQ(state["at_s"], 1.5);
+  viewer.SendReplay({{"replay", state["replay"]},
+                     {"tag", 7},
+                     {"wish", "add_bookmark"},
+                     {"value", 1.25},
+                     {"text", "the slip"}});
+  const auto asked = replayer.Asked();
+  ASSERT_TRUE(asked);
+  EXPECT_EQ(asked->replay, Replayer::kNumber);
+  EXPECT_EQ(asked->wish, palpate_REPLAY_ADD_BOOKMARK);
+  EXPECT_EQ(asked->value, 1.25);
+  EXPECT_STREQ(asked->text, "the slip");
+  EXPECT_THAT(asked->by, HasSubstr("the page at 127.0.0.1:"));
+  EXPECT_NE(asked->request, 0u);
+  EXPECT_EQ(NextOf(viewer, 22),
+            Json({{"tag", 7}, {"request", fmt::format("{:x}", asked->request)}, {"refusal", ""}}));
+  replayer.Tell(2.5, asked->request);
+  EXPECT_EQ(NextOf(viewer, 21)["request"], fmt::format("{:x}", asked->request));
+  // Who comes later hears of it, too.
+  WebClient late(gateway.port());
+  late.Subscribe(20, kContents);
+  late.Subscribe(21, kReplay);
+  EXPECT_EQ(NextOf(late, 20)["length_s"], 60);
+  EXPECT_EQ(NextOf(late, 21)["at_s"], 2.5);
+  // The mouse stays ruled out.
+  viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("--max-mice"));
+  EXPECT_EQ(viewer.closed(), 1008);
+}
+
+TEST(Replay, AnswersWishesThatCannotBeFulfilledAndStandsThoseThatAreNone) {
+  Gateway gateway;
+  WebClient viewer(gateway.port());
+  viewer.Subscribe(22, kAnswer);
+  viewer.SendReplay({{"replay", "1"}, {"tag", 3}, {"wish", "play"}});
+  const Json answer = NextOf(viewer, 22);
+  EXPECT_EQ(answer["tag"], 3);
+  EXPECT_THAT(answer.value("refusal", ""), HasSubstr("not there any more"));
+  viewer.SendReplay({{"op", "take"}, {"scene", "cube"}});
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("/palpate/replay: "));
+  // Each channel is what it was advertised for.
+  viewer.SendMouse({{"replay", "1"}, {"tag", 3}, {"wish", "play"}});
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("/palpate/mouse: "));
+  EXPECT_TRUE(viewer.open());
+}
+
+TEST(Replay, IsNotSteeredByWhoMayOnlyLook) {
+  Gateway gateway;
+  Replayer replayer;
+  WebClient viewer(gateway.port(), "foxglove.websocket.v1", "file://");
+  viewer.Subscribe(21, kReplay);
+  const Json state = NextOf(viewer, 21);
+  viewer.Subscribe(22, kAnswer);
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("no such channel"));
+  viewer.SendReplay({{"replay", state["replay"]}, {"tag", 1}, {"wish", "pause"}});
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("may look"));
+  EXPECT_EQ(viewer.closed(), 1008);
 }
 
 TEST(Gateway, EndsOnASignalAndTakesLeaveOfViewersAndMice) {

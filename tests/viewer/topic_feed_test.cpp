@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "common/dds/cdr.h"
@@ -147,11 +148,61 @@ TEST_F(TopicFeedTest, LetsANewServerTakeThePlaceOfTheFormerWhoseRestIsNotHeard) 
   EXPECT_THAT(feed_.stations(), ElementsAre("b"));
 }
 
+TEST_F(TopicFeedTest, KeepsWhatAReplaySaysWhoeverElseSpeaks) {
+  dds::Writer<wire::ReplayContents> contents(participant_, dds::kReplayContentsTopic,
+                                             dds::Qos::kSession);
+  dds::Writer<wire::ReplayState> states(participant_, dds::kReplayStateTopic, dds::Qos::kSession);
+  wire::ReplayContents of{};
+  of.replay = 0xab;
+  wire::FromText("lesson.mcap", of.recording);
+  ASSERT_TRUE(contents.Write(of));
+  wire::ReplayState state{};
+  state.replay = 0xab;
+  state.at_s = 2.5;
+  ASSERT_TRUE(states.Write(state));
+  ASSERT_TRUE(PollUntil([&] { return !feed_.Kept(TopicFeed::kReplayState).empty(); }));
+  // Where it goes elsewhere it speaks as another server; it is the same replay.
+  WriteBundle("s", 1, {1});
+  WriteBundle("s", 2, {2});
+  ASSERT_TRUE(PollUntil([&] { return feed_.server_run() == 2; }));
+  const auto kept = feed_.Kept(TopicFeed::kReplayContents);
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_TRUE(kept[0]->state);
+  EXPECT_EQ(kept[0]->channel, static_cast<std::uint32_t>(TopicFeed::kReplayContents));
+  const auto json = nlohmann::json::parse(kept[0]->payload);
+  EXPECT_EQ(json["replay"], "ab");
+  EXPECT_EQ(json["recording"], "lesson.mcap");
+  EXPECT_EQ(nlohmann::json::parse(feed_.Kept(TopicFeed::kReplayState).at(0)->payload)["at_s"], 2.5);
+}
+
+TEST_F(TopicFeedTest, PassesWishesOnToAReplayThatIsThere) {
+  wire::ReplayRequest request{};
+  request.replay = 0xab;
+  EXPECT_THAT(feed_.AskReplay(request), testing::HasSubstr("not there any more"));
+  dds::Writer<wire::ReplayState> states(participant_, dds::kReplayStateTopic, dds::Qos::kSession);
+  dds::Reader<wire::ReplayRequest> requests(participant_, dds::kReplayRequestTopic,
+                                            dds::Qos::kRecordSession);
+  wire::ReplayState state{};
+  state.replay = 0xab;
+  ASSERT_TRUE(states.Write(state));
+  ASSERT_TRUE(PollUntil([&] { return !feed_.Kept(TopicFeed::kReplayState).empty(); }));
+  request.request = 5;
+  request.wish = palpate_REPLAY_SEEK;
+  request.value = 1.5;
+  EXPECT_EQ(feed_.AskReplay(request), "");
+  wire::ReplayRequest heard{};
+  ASSERT_TRUE(PollUntil([&] { return requests.Take(heard); }));
+  EXPECT_EQ(heard.request, 5u);
+  EXPECT_EQ(heard.value, 1.5);
+}
+
 TEST_F(TopicFeedTest, OffersEachTopicWithASchemaThatDeclaresItsType) {
-  const auto channels = TopicFeed::Channels(true);
-  EXPECT_EQ(channels.size(), 8u);
-  EXPECT_EQ(TopicFeed::Channels(false).size(), 7u);
-  for (const foxglove::Channel& channel : TopicFeed::Channels(false)) {
+  EXPECT_EQ(TopicFeed::Channels(true, true).size(), 11u);
+  EXPECT_EQ(TopicFeed::Channels(false, true).size(), 10u);
+  const auto channels = TopicFeed::Channels(false, false);
+  EXPECT_EQ(channels.size(), 9u);
+  for (const foxglove::Channel& channel : channels) {
+    if (channel.encoding != "cdr") continue;
     EXPECT_THAT(channel.schema,
                 testing::HasSubstr("struct " + channel.schema_name.substr(9) + " {"));
   }

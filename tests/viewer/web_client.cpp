@@ -204,15 +204,23 @@ void WebClient::Subscribe(std::uint32_t id, std::uint32_t channel) {
 }
 
 void WebClient::SendMouse(const Json& command) {
-  if (!mouse_) {
-    SendText(
-        Json{{"op", "advertise"},
-             {"channels",
-              {{{"id", 1}, {"topic", "/palpate/mouse"}, {"encoding", "json"}, {"schemaName", ""}}}}}
-            .dump());
-    mouse_ = true;
+  SendOn(1, "/palpate/mouse", command);
+}
+
+void WebClient::SendReplay(const Json& wish) {
+  SendOn(2, "/palpate/replay", wish);
+}
+
+void WebClient::SendOn(std::uint32_t channel, const std::string& topic, const Json& message) {
+  if (advertised_.insert(channel).second) {
+    SendText(Json{{"op", "advertise"},
+                  {"channels",
+                   {{{"id", channel}, {"topic", topic}, {"encoding", "json"}, {"schemaName", ""}}}}}
+                 .dump());
   }
-  SendBinary(std::string("\x01\x01\0\0\0", 5) + command.dump());
+  std::string header("\x01\0\0\0\0", 5);
+  header[1] = static_cast<char>(channel);
+  SendBinary(header + message.dump());
 }
 
 Json WebClient::NextJson(const std::string& op) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -66,6 +67,8 @@ class WebClient {
   void Subscribe(std::uint32_t id, std::uint32_t channel);
   /// On the client's channel 1, which it advertises first.
   void SendMouse(const nlohmann::json& command);
+  /// On its channel 2.
+  void SendReplay(const nlohmann::json& wish);
 
   /// The next JSON message with this `op`; earlier ones of others are passed over.  Null: none
   /// came.
@@ -78,7 +81,9 @@ class WebClient {
  private:
   struct State;
   std::unique_ptr<State> state_;
-  bool mouse_ = false;
+  void SendOn(std::uint32_t channel, const std::string& topic, const nlohmann::json& message);
+
+  std::set<std::uint32_t> advertised_;
 };
 
 }  // namespace palpate::test

@@ -1,0 +1,182 @@
+#include "client/viewer/replay_messages.h"
+
+#include <limits>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/random.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+std::optional<ReplayWish> Parse(const std::string& text, std::string* why = nullptr) {
+  std::string complaint;
+  const auto wish = ParseReplayWish(text, complaint);
+  EXPECT_EQ(wish.has_value(), complaint.empty()) << text;
+  if (why != nullptr) *why = complaint;
+  return wish;
+}
+
+/// A wish that is good, with one field as given; null: without it.
+std::string With(const std::string& field, const Json& value,
+                 const std::string& wish = "add_bookmark") {
+  Json json = {
+      {"replay", "5f3a"}, {"tag", 1}, {"wish", wish}, {"value", 1.5}, {"text", "the slip"}};
+  if (value.is_null()) {
+    json.erase(field);
+  } else {
+    json[field] = value;
+  }
+  return json.dump();
+}
+
+TEST(ReplayWish, IsReadWithAllThatItNeeds) {
+  const auto play = Parse(R"({"replay":"ffffffffffffffff","tag":4294967295,"wish":"play"})");
+  ASSERT_TRUE(play);
+  EXPECT_EQ(play->request.replay, 0xffffffffffffffffu);
+  EXPECT_EQ(play->tag, 4294967295u);
+  EXPECT_EQ(play->request.wish, palpate_REPLAY_PLAY);
+  const auto seek = Parse(With("value", 12.5, "seek"));
+  ASSERT_TRUE(seek);
+  EXPECT_EQ(seek->request.wish, palpate_REPLAY_SEEK);
+  EXPECT_EQ(seek->request.value, 12.5);
+  EXPECT_EQ(Parse(With("value", 2, "rate"))->request.wish, palpate_REPLAY_RATE);
+  EXPECT_EQ(Parse(With("value", 2, "pause"))->request.wish, palpate_REPLAY_PAUSE);
+  EXPECT_EQ(Parse(With("value", 3, "drop_bookmark"))->request.wish, palpate_REPLAY_DROP_BOOKMARK);
+  const auto bookmark = Parse(With("value", 0));
+  ASSERT_TRUE(bookmark);
+  EXPECT_EQ(bookmark->request.wish, palpate_REPLAY_ADD_BOOKMARK);
+  EXPECT_EQ(bookmark->request.kind, static_cast<std::uint32_t>(palpate_REPLAY_ADD_BOOKMARK));
+  EXPECT_STREQ(bookmark->request.text, "the slip");
+}
+
+TEST(ReplayWish, IsRefusedWhereTheReplaysNumberIsNone) {
+  for (const Json& id :
+       std::vector<Json>{nullptr, 5, "", "0", "00", "05f3a", "0x5f", "-1", "+1", " 5", "5 ", "5F",
+                         "5g", "10000000000000000", "1ffffffffffffffff", std::string("5\0", 2),
+                         Json::array({"5f3a"})}) {
+    std::string why;
+    EXPECT_FALSE(Parse(With("replay", id), &why)) << id;
+    EXPECT_THAT(why, HasSubstr("hexadecimal"));
+  }
+}
+
+TEST(ReplayWish, IsRefusedWhereItIsNone) {
+  for (const char* text : {"", "{", "[]", "{}", "3"}) EXPECT_FALSE(Parse(text)) << text;
+  for (const Json& wish : std::vector<Json>{nullptr, "", "jump", "PLAY", "play ", 0, true}) {
+    std::string why;
+    EXPECT_FALSE(Parse(With("wish", wish), &why)) << wish;
+    EXPECT_THAT(why, HasSubstr("none of play, pause"));
+  }
+  for (const Json& tag : std::vector<Json>{nullptr, "1", -1, 1.5, 4294967296}) {
+    EXPECT_FALSE(Parse(With("tag", tag))) << tag;
+  }
+}
+
+TEST(ReplayWish, NeedsAFiniteValueWhereItNeedsOne) {
+  for (const char* wish : {"seek", "rate", "add_bookmark", "drop_bookmark"}) {
+    for (const Json& value : std::vector<Json>{nullptr, "1", true}) {
+      EXPECT_FALSE(Parse(With("value", value, wish))) << wish << value;
+    }
+  }
+  for (const char* value : {"1e999", "-1e999", "NaN", "Infinity", "null", "nan"}) {
+    EXPECT_FALSE(
+        Parse(std::string(R"({"replay":"5","tag":1,"wish":"seek","value":)") + value + "}"))
+        << value;
+  }
+}
+
+TEST(ReplayWish, CountsATextsBytesAndNotItsLetters) {
+  std::string letters;
+  for (int i = 0; i < 60; ++i) letters += "é";
+  const auto most = Parse(With("text", letters));
+  ASSERT_TRUE(most);
+  EXPECT_EQ(most->request.text, letters);
+  std::string why;
+  EXPECT_FALSE(Parse(With("text", letters + "x"), &why));
+  EXPECT_THAT(why, HasSubstr("120 bytes"));
+  EXPECT_FALSE(Parse(With("text", 3)));
+  EXPECT_FALSE(Parse(With("text", nullptr)));
+  EXPECT_FALSE(Parse(With("text", std::string("a\0b", 3))));
+  EXPECT_FALSE(
+      Parse("{\"replay\":\"5\",\"tag\":1,\"wish\":\"add_bookmark\",\"value\":1,"
+            "\"text\":\"caf\xe9\"}"))
+      << "no UTF-8";
+}
+
+TEST(ReplayWish, StandsAnyBytes) {
+  test::Random random(5);
+  const std::string good = With("value", 0.25);
+  for (int i = 0; i < 50'000; ++i) {
+    std::string text = good;
+    text.resize(random.Below(text.size() + 1));
+    for (int n = 0; n < 3 && !text.empty(); ++n) {
+      text[random.Below(text.size())] = static_cast<char>(random.Below(256));
+    }
+    const auto wish = Parse(text);
+    if (wish) {
+      ASSERT_NE(wish->request.replay, 0u);
+    }
+  }
+}
+
+TEST(ReplayJson, TellsContentsWithNumbersThatJavaScriptHas) {
+  wire::ReplayMark marks[2]{};
+  marks[0] = {.at_s = 1.5, .number = 7, .kind = palpate_REPLAY_BOOKMARK, .text = {}};
+  wire::FromText("the slip", marks[0].text);
+  marks[1].kind = palpate_REPLAY_WHOLE;
+  wire::ReplayGap gap{.from_s = 2, .to_s = 3, .station = "arm", .reason = "silent"};
+  wire::ReplayContents contents{};
+  contents.replay = 0xfedcba9876543210;
+  wire::FromText("les\xe9on.mcap", contents.recording);
+  contents.begun_ns = 1'700'000'000'250'000'000;
+  contents.length_s = 60;
+  contents.locked = true;
+  contents.marks = {2, 2, marks, false};
+  contents.gaps = {1, 1, &gap, false};
+  const Json json = Json::parse(ToJson(contents));
+  EXPECT_EQ(json["replay"], "fedcba9876543210");
+  EXPECT_EQ(json["recording"], "les\xef\xbf\xbdon.mcap");
+  EXPECT_NEAR(json["begun_s"].get<double>(), 1'700'000'000.25, 1e-6);
+  EXPECT_EQ(json["length_s"], 60);
+  EXPECT_EQ(json["locked"], true);
+  EXPECT_EQ(json["marks"][0],
+            Json({{"at_s", 1.5}, {"number", 7}, {"kind", "bookmark"}, {"text", "the slip"}}));
+  EXPECT_EQ(json["marks"][1]["kind"], "whole");
+  EXPECT_EQ(
+      json["gaps"],
+      Json::array({{{"from_s", 2.}, {"to_s", 3.}, {"station", "arm"}, {"reason", "silent"}}}));
+  wire::ReplayContents empty{};
+  empty.replay = 1;
+  EXPECT_EQ(Json::parse(ToJson(empty))["marks"], Json::array());
+}
+
+TEST(ReplayJson, TellsTheStateAndTheAnswer) {
+  wire::ReplayState state{};
+  state.replay = 0x12;
+  state.at_s = 3.25;
+  state.rate = 0.5;
+  state.sought = 1;
+  state.playing = true;
+  state.request = 0xffffffffffffffff;
+  wire::FromText("no", state.refusal);
+  EXPECT_EQ(Json::parse(ToJson(state)), Json({{"replay", "12"},
+                                              {"at_s", 3.25},
+                                              {"rate", 0.5},
+                                              {"sought", 1.},
+                                              {"playing", true},
+                                              {"ended", false},
+                                              {"request", "ffffffffffffffff"},
+                                              {"refusal", "no"}}));
+  EXPECT_EQ(Json::parse(ReplayAnswer(7, 0xab, "")),
+            Json({{"tag", 7}, {"request", "ab"}, {"refusal", ""}}));
+}
+
+}  // namespace
+}  // namespace palpate
