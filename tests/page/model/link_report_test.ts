@@ -13,6 +13,9 @@ const kFine: LinkFacts = {
   refusal: "none",
   mayTake: true,
   draws: true,
+  replay: "none",
+  recording: "lesson.mcap",
+  replaySilenceS: 0.1,
   busyS: -Infinity,
 };
 
@@ -96,4 +99,20 @@ test("a timer that comes late tells that the page could not run, unless nobody s
   pulse.beat(14.5, false);
   pulse.beat(16, true);
   expect(pulse.busyS).toBe(12.5);
+});
+
+test("a replay may stand still, and says when it is over", () => {
+  const paused: LinkFacts = {...kFine, lastStateS: 50, replay: "paused"};
+  expect(linkReport(paused).tone).toBe("none");
+  expect(linkReport({...paused, replay: "playing"}).tone).toBe("none");
+  expect(linkReport({...paused, replay: "ended"})).toEqual({
+    tone: "info",
+    text: "The replay of lesson.mcap has ended. What you see is the last of it.",
+  });
+  expect(linkReport({...paused, replay: "silent", replaySilenceS: 4.9})).toMatchObject({
+    tone: "alarm",
+    text: expect.stringMatching(/lesson\.mcap has not been heard of for 4 s: its program has stop/),
+  });
+  // What is nearer goes first.
+  expect(linkReport({...paused, replay: "silent", link: "lost"}).text).toMatch(/link to the gate/);
 });

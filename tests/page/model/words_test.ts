@@ -3,10 +3,14 @@ import {readFileSync} from "node:fs";
 import {describe, expect, test} from "vitest";
 
 import {
+  clock,
   deviceLines,
   faultWords,
   figure,
+  fitBytes,
+  markWords,
   sessionWords,
+  spokenTime,
   statisticsLines,
   statusSentence,
 } from "@page/model/words";
@@ -182,4 +186,32 @@ test("a session's words say who has what, or why not", () => {
   expect(sessionWords(inside)).toBe(
     "starts with the ball of cube 3.2 mm inside an object: no force until it is out",
   );
+});
+
+test("times of a recording are written as players write them, and said in words", () => {
+  expect([0, 5.99, 65, 600, 3723, -1].map(clock)).toEqual([
+    "0:00",
+    "0:05",
+    "1:05",
+    "10:00",
+    "1:02:03",
+    "0:00",
+  ]);
+  expect(spokenTime(1)).toBe("1 second");
+  expect(spokenTime(125.4)).toBe("2 minutes 5 seconds");
+});
+
+test("a text is cut by its bytes, and between letters", () => {
+  expect(fitBytes("slip", 4)).toBe("slip");
+  expect(fitBytes("slips", 4)).toBe("slip");
+  expect(fitBytes("éé", 3)).toBe("é");
+  expect(fitBytes("a🦷b", 4)).toBe("a");
+  expect(fitBytes("a🦷b", 5)).toBe("a🦷");
+});
+
+test("a mark says what it is, and a bookmark its name", () => {
+  const mark = {atS: 1, number: 0, kind: "contact", text: "hand: ball"} as const;
+  expect(markWords(mark)).toBe("contact: hand: ball");
+  expect(markWords({...mark, text: ""})).toBe("contact");
+  expect(markWords({...mark, kind: "bookmark", text: "the slip"})).toBe("the slip");
 });

@@ -35,6 +35,7 @@ function rig() {
   const messages: {topic: string; value: unknown}[] = [];
   const statuses: string[] = [];
   const allowed: boolean[] = [];
+  const offered: ReadonlySet<string>[] = [];
   let timer: {callback: () => void; milliseconds: number} | undefined;
   const connection = new Connection(
     "ws://somewhere/",
@@ -44,6 +45,7 @@ function rig() {
       message: (topic, value) => messages.push({topic, value}),
       status: (_level, message) => statuses.push(message),
       mayPublish: (may) => allowed.push(may),
+      offers: (topics) => offered.push(topics),
     },
     {
       openSocket: () => {
@@ -64,7 +66,17 @@ function rig() {
     due.callback();
     return due.milliseconds;
   };
-  return {connection, sockets, links, messages, statuses, allowed, fire, timer: () => timer};
+  return {
+    connection,
+    sockets,
+    links,
+    messages,
+    statuses,
+    allowed,
+    offered,
+    fire,
+    timer: () => timer,
+  };
 }
 
 const kServerInfo = {op: "serverInfo", name: "x", capabilities: ["clientPublish"]};
@@ -148,6 +160,16 @@ describe("a connection", () => {
     expect(links).toEqual(["connecting", "open", "lost", "connecting"]);
     sockets[1]!.open();
     expect(links.at(-1)).toBe("open");
+  });
+
+  test("tells which topics the gateway has", () => {
+    const {connection, sockets, offered} = rig();
+    connection.start();
+    sockets[0]!.open();
+    sockets[0]!.say(kServerInfo);
+    expect(offered).toEqual([]);
+    sockets[0]!.say(kAdvertise);
+    expect([...offered[0]!]).toEqual(kChannels.map(({topic}) => topic));
   });
 
   test("tells whether the gateway takes messages", () => {

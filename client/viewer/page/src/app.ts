@@ -2,10 +2,11 @@ import {norm} from "./model/pose";
 import type {Pose, Vec3} from "./model/pose";
 import type {SceneModel} from "./model/bundle";
 import {type LinkFacts, type LinkReport, linkReport, Pulse} from "./model/link_report";
+import type {ReplayPhase} from "./model/replay";
 import {looksTheSame} from "./model/pose_track";
 import {touchedObjects} from "./model/touched";
 import {depthM, figure, statusSentence, touchedWords} from "./model/words";
-import {type Change, kTopics, Station, World} from "./model/world";
+import {type Change, kOwnTopics, kTopics, Station, World} from "./model/world";
 import {MouseDevice} from "./mouse/mouse_device";
 import {Connection, type LinkState} from "./protocol/connection";
 import {toMouseState, type ToolState} from "./protocol/messages";
@@ -84,6 +85,7 @@ export class App {
   private losses = 0; // since the link was last open: the loss itself, and tries that failed
   private lostS = -Infinity; // the first of them
   private gateway = {saidS: -Infinity, full: false, silences: 0};
+  private maySteer = false; // a replay
   private mayTake = true; // a tool: until the gateway says otherwise
   private wholeAsked = false;
   private wholeTimer: number | undefined;
@@ -128,14 +130,17 @@ export class App {
     url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
     this.connection = new Connection(
       url.href,
-      new Set(Object.values(kTopics).filter((topic) => topic !== kTopics.mouse)),
+      new Set(Object.values(kTopics).filter((topic) => !kOwnTopics.has(topic))),
       {
         link: (state) => this.linkChanged(state),
         message: (topic, value, stampS) => this.received(topic, value, stampS),
         status: (level, message) => {
           if (level > 0) console.warn(`gateway: ${message}`);
         },
-        mayPublish: (may) => this.mayTakeChanged(may),
+        mayPublish: (may) => {
+          this.maySteer = may;
+        },
+        offers: (topics) => this.mayTakeChanged(this.maySteer && topics.has(kTopics.mouseState)),
       },
       {
         openSocket: (address, protocols) => new WebSocket(address, protocols),
@@ -208,6 +213,8 @@ export class App {
 
   private worldChanged(change: Change, scene: string): void {
     switch (change) {
+      case "replay":
+        break;
       case "tool":
         if (scene === this.scene) this.wake();
         break;
@@ -471,12 +478,23 @@ export class App {
       refusal: this.refusal,
       mayTake: this.mayTake,
       draws: this.view.draws,
+      replay: this.replayPhase,
+      recording: this.world.replay.name,
+      replaySilenceS: this.world.replay.silenceS(nowS(), this.heardSinceS),
       busyS: this.pulse.busyS,
     });
     this.banner.hidden = report.tone === "none";
     this.banner.classList.toggle("alarm", report.tone === "alarm");
     setText(this.banner, report.text);
     return report;
+  }
+
+  /// Since when this page hears what is said: the link is open, and the page runs.
+  private get heardSinceS(): number {
+    return Math.max(this.openedS, this.pulse.busyS);
+  }
+  private get replayPhase(): ReplayPhase {
+    return this.world.replay.phase(nowS(), this.heardSinceS);
   }
 
   /// What keeps the link from opening, where it is not the way to the gateway.
@@ -503,7 +521,7 @@ export class App {
       return;
     }
     this.gateway = {saidS: nowS(), full: health.full, silences: 0};
-    this.world.receiveHealth(health.scenes, health.serverRun);
+    this.world.receiveHealth(health.scenes, health.serverRun, nowS());
   }
 
   private showHint(text: string, alarm: boolean): void {

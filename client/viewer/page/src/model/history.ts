@@ -21,6 +21,10 @@ export class History {
     if (old > 64) for (const column of this.columns) column.splice(0, old);
   }
 
+  clear(): void {
+    for (const column of this.columns) column.length = 0;
+  }
+
   /// Times relative to `nowS` (at most 0), and figure `i`.
   series(i: number, nowS: number): [number[], number[]] {
     const times = this.columns[0]!;

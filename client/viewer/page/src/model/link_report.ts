@@ -1,4 +1,5 @@
 import type {LinkState} from "../protocol/connection";
+import type {ReplayPhase} from "./replay";
 
 /// What the banner says of the way from the server to this page.
 export interface LinkReport {
@@ -18,6 +19,9 @@ export interface LinkFacts {
   readonly refusal: "none" | "full" | "this page";
   readonly mayTake: boolean; // a tool, with the mouse
   readonly draws: boolean; // the browser has WebGL
+  readonly replay: ReplayPhase;
+  readonly recording: string; // its name, of a replay
+  readonly replaySilenceS: number;
   readonly busyS: number; // when this page last could not run for a while; -Infinity: never
 }
 
@@ -60,8 +64,24 @@ export function linkReport(facts: LinkFacts): LinkReport {
       ? {tone: "alarm", text: "The gateway does not answer. Trying again…"}
       : {tone: "info", text: "Connecting…"};
   }
+  if (facts.replay === "ended") {
+    return {
+      tone: "info",
+      text: `The replay of ${facts.recording} has ended. What you see is the last of it.`,
+    };
+  }
+  if (facts.replay === "silent") {
+    return {
+      tone: "alarm",
+      text:
+        `The replay of ${facts.recording} has not been heard of for ` +
+        `${Math.floor(facts.replaySilenceS)} s: its program has stopped, or cannot be reached. ` +
+        "What you see is the last of it.",
+    };
+  }
   const since = Math.max(facts.lastStateS, facts.openedS);
-  const quiet = facts.nowS - since >= kSilenceS;
+  // A replay may stand still, and hold moments at which nothing moved.
+  const quiet = facts.replay === "none" && facts.nowS - since >= kSilenceS;
   // What came meanwhile waits until the page runs again: only then is it known who was silent.
   const busy = facts.nowS - facts.busyS < kSilenceS;
   if (quiet && busy) {

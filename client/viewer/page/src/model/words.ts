@@ -2,6 +2,7 @@ import {
   kLimiterStages,
   type LimiterStage,
   type LoopStatistics,
+  type ReplayMark,
   type SessionState,
   type StationStatistics,
   type ToolState,
@@ -20,6 +21,36 @@ export function figure(value: number, digits = 2): string {
   if (magnitude >= 100) return value.toFixed(0);
   if (magnitude >= 10) return value.toFixed(Math.min(1, digits));
   return value.toFixed(digits);
+}
+
+/// A time of a recording, as players show it: 1:05, 1:02:03.
+export function clock(seconds: number): string {
+  const whole = Math.max(0, Math.floor(seconds + 1e-6));
+  const two = (value: number): string => String(value).padStart(2, "0");
+  const [hours, minutes] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60];
+  const rest = two(whole % 60);
+  return hours > 0 ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`;
+}
+
+/// The same for those who hear it.
+export function spokenTime(seconds: number): string {
+  const whole = Math.max(0, Math.floor(seconds + 1e-6));
+  const minutes = Math.floor(whole / 60);
+  const rest = plural(whole % 60, "second");
+  return minutes > 0 ? `${plural(minutes, "minute")} ${rest}` : rest;
+}
+
+/// A text that has so many bytes at most, cut between letters.
+export function fitBytes(text: string, most: number): string {
+  const encoder = new TextEncoder();
+  let fit = "";
+  let bytes = 0;
+  for (const letter of text) {
+    bytes += encoder.encode(letter).length;
+    if (bytes > most) return fit;
+    fit += letter;
+  }
+  return text;
 }
 
 const plural = (count: number, one: string, many = `${one}s`): string =>
@@ -233,6 +264,29 @@ export function deviceLines(device: StationStatistics): Line[] {
   }
   lines.push(silenceLine(device));
   return lines;
+}
+
+const kMarkWords: Readonly<Record<ReplayMark["kind"], string>> = {
+  bookmark: "bookmark",
+  session: "session",
+  contact: "contact",
+  fault: "fault",
+  whole: "made whole",
+};
+
+/// What a mark of a replay is: a bookmark's name speaks for itself.
+export function markWords(mark: ReplayMark): string {
+  if (mark.text === "") return kMarkWords[mark.kind];
+  return mark.kind === "bookmark" ? mark.text : `${kMarkWords[mark.kind]}: ${mark.text}`;
+}
+
+/// The name, when it was recorded, and how fast it goes.
+export function replayWords(recording: string, begunS: number): string {
+  const when =
+    begunS > 0
+      ? new Date(1000 * begunS).toLocaleString("en", {dateStyle: "medium", timeStyle: "short"})
+      : "";
+  return when === "" ? recording : `${recording}, recorded ${when}`;
 }
 
 export function sessionWords(session: SessionState): string {

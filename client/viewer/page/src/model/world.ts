@@ -1,9 +1,12 @@
 import {
   type LoopStatistics,
+  type ReplayState,
   type SceneWhole,
   type SessionState,
   type StationStatistics,
   toLoopStatistics,
+  toReplayContents,
+  toReplayState,
   toSceneChange,
   toSceneWhole,
   toSessionState,
@@ -15,6 +18,7 @@ import {History} from "./history";
 import {norm} from "./pose";
 import {PoseTrack, StreamClock} from "./pose_track";
 import {Remains} from "./remains";
+import {Replay} from "./replay";
 import {depthM, holdsTool} from "./words";
 
 export const kTopics = {
@@ -26,7 +30,14 @@ export const kTopics = {
   sceneWhole: "/palpate/scene_whole",
   mouse: "/palpate/mouse",
   mouseState: "/palpate/mouse_state",
+  replay: "/palpate/replay",
+  replayContents: "/palpate/replay_contents",
+  replayState: "/palpate/replay_state",
+  replayAnswer: "/palpate/replay_answer",
 } as const;
+
+/// What the page itself publishes.
+export const kOwnTopics: ReadonlySet<string> = new Set([kTopics.mouse, kTopics.replay]);
 
 /// Seconds that the plots look back.
 export const kHistoryS = 12;
@@ -50,16 +61,36 @@ export class Station {
   private deviceS = -Infinity;
   session: SessionState | undefined;
   lastArrivalS = -Infinity;
+  private heldS = -Infinity;
   frames = 0;
   private readonly clock = new StreamClock();
 
   constructor(readonly id: string) {}
 
-  push(state: ToolState, stampS: number, nowS: number): void {
+  /// @param recordedS  the recording's time, where this is a replay
+  push(state: ToolState, stampS: number, nowS: number, recordedS?: number): void {
     const timeS = this.clock.toLocal(stampS, nowS);
     this.track.push(timeS, state);
     this.lastArrivalS = nowS;
     this.frames += 1;
+    this.keep(state, recordedS ?? timeS);
+  }
+
+  /// Nothing moves a tool while a replay is paused, and yet it is not left alone.
+  hold(nowS: number): void {
+    if (this.isMoving(nowS)) this.heldS = nowS;
+  }
+
+  /// The plots begin anew, at a time of the recording where there is one.
+  /// @param sinceS  what came after this moment is of there already
+  restartHistory(recordedS: number | undefined, sinceS: number): void {
+    this.history.clear();
+    const latest = this.track.latest;
+    if (recordedS === undefined || !latest || this.lastArrivalS < sinceS) return;
+    this.keep(latest, recordedS);
+  }
+
+  private keep(state: ToolState, timeS: number): void {
     this.history.push(
       timeS,
       norm(state.forceN),
@@ -80,7 +111,7 @@ export class Station {
   }
 
   isMoving(nowS: number): boolean {
-    return nowS - this.lastArrivalS < kAliveS;
+    return nowS - Math.max(this.lastArrivalS, this.heldS) < kAliveS;
   }
   /// The picture's state now: a little in the past, between two frames.  A tool that nothing moves
   /// any more stands where it was, and nothing is known of a force on it.
@@ -117,6 +148,7 @@ export type Change =
   | "scenes"
   | "remains"
   | "whole"
+  | "replay"
   | "serverRun";
 
 /// Everything that the gateway has told.  Knows no socket and no screen.
@@ -124,14 +156,17 @@ export class World {
   readonly stations = new Map<string, Station>();
   scenes: ReadonlySet<string> = new Set(); // by name: those that the gateway has
   lastStateS = -Infinity;
+  readonly replay = new Replay();
   private readonly remains = new Map<string, Remains>(); // by scene
   private readonly wholes = new Map<string, SceneWhole>(); // by scene
+  private nowS = -Infinity; // when something was last heard
   private serverRun = "";
   private readonly formerRuns = new Set<string>();
 
   constructor(private readonly changed: (change: Change, scene: string) => void) {}
 
   receive(topic: string, value: unknown, stampS: number, nowS: number): void {
+    this.nowS = nowS;
     switch (topic) {
       case kTopics.toolState:
         this.receiveToolState(toToolState(value), stampS, nowS);
@@ -147,6 +182,13 @@ export class World {
         this.station(statistics.station).pushDevice(statistics, nowS);
         break;
       }
+      case kTopics.replayContents:
+        this.replay.receiveContents(toReplayContents(value));
+        this.changed("replay", "");
+        break;
+      case kTopics.replayState:
+        this.receiveReplay(toReplayState(value), stampS, nowS);
+        break;
       case kTopics.sessionState:
         this.receiveSession(toSessionState(value));
         break;
@@ -169,7 +211,8 @@ export class World {
   }
 
   /// What the gateway says of itself: its scenes, and which server they are of.
-  receiveHealth(scenes: readonly string[], serverRun: string): void {
+  receiveHealth(scenes: readonly string[], serverRun: string, nowS = this.nowS): void {
+    this.nowS = nowS;
     if (!this.isOfServer(serverRun)) return;
     const same =
       scenes.length === this.scenes.size && scenes.every((name) => this.scenes.has(name));
@@ -226,9 +269,29 @@ export class World {
   }
 
   private receiveToolState(state: ToolState, stampS: number, nowS: number): void {
-    this.station(state.station).push(state, stampS, nowS);
+    const recordedS = this.replay.state && this.replay.timeOf(stampS);
+    this.station(state.station).push(state, stampS, nowS, recordedS);
     this.lastStateS = nowS;
     this.changed("tool", state.scene);
+  }
+
+  private receiveReplay(state: ReplayState, stampS: number, nowS: number): void {
+    const formerS = nowS - this.replay.silenceS(nowS);
+    const leapt = this.replay.receiveState(state, stampS, nowS);
+    for (const station of this.stations.values()) {
+      if (!state.playing) station.hold(nowS);
+      if (leapt) station.restartHistory(state.atS, formerS);
+    }
+    this.changed("replay", "");
+  }
+
+  /// Somebody else speaks after a replay is over: what is seen from now on is not of it.
+  private forgetReplay(): void {
+    const phase = this.replay.phase(this.nowS);
+    if (phase !== "ended" && phase !== "silent") return;
+    this.replay.forget();
+    for (const station of this.stations.values()) station.restartHistory(undefined, this.nowS);
+    this.changed("replay", "");
   }
 
   private receiveSession(session: SessionState): void {
@@ -246,6 +309,7 @@ export class World {
     this.serverRun = run;
     if (former === "") return true;
     this.formerRuns.add(former);
+    this.forgetReplay();
     this.wholes.clear();
     this.forgetSessions();
     for (const [scene, remains] of this.remains) {

@@ -9,6 +9,8 @@ export interface ConnectionEvents {
   status(level: number, message: string): void;
   /// The gateway takes messages of this page, or none.
   mayPublish(may: boolean): void;
+  /// The topics that it has for this page.
+  offers(topics: ReadonlySet<string>): void;
 }
 
 /// What the connection needs of the world outside; tests bring their own.
@@ -152,6 +154,7 @@ export class Connection {
         break;
       case "advertise":
         this.subscribe(message.channels);
+        this.events.offers(new Set(message.channels.map(({topic}) => topic)));
         break;
       case "unadvertise":
         for (const [id, {channel}] of this.subscriptions) {

@@ -1,6 +1,6 @@
 import type {Pose, Quat, Vec3} from "../model/pose";
 
-/// What travels, as the page uses it: idl/teaching.idl and idl/session.idl.  A field that the
+/// What travels, as the page uses it: idl/teaching.idl, idl/session.idl and idl/replay.idl.  A field that the
 /// sender does not have is zero or empty: an older server is no obstacle.
 
 export interface ContactPoint {
@@ -108,6 +108,48 @@ export interface MouseState {
   readonly reason: string;
 }
 
+export const kMarkKinds = ["bookmark", "session", "contact", "fault", "whole"] as const;
+export type MarkKind = (typeof kMarkKinds)[number];
+
+export interface ReplayMark {
+  readonly atS: number; // from the recording's beginning, as all that follow
+  readonly number: number; // of a bookmark
+  readonly kind: MarkKind;
+  readonly text: string;
+}
+export interface ReplayGap {
+  readonly fromS: number;
+  readonly toS: number;
+  readonly station: string;
+  readonly reason: string;
+}
+/// What is played.
+export interface ReplayContents {
+  readonly replay: string;
+  readonly recording: string;
+  readonly begunS: number; // wall clock, since 1970
+  readonly lengthS: number;
+  readonly locked: boolean;
+  readonly marks: readonly ReplayMark[]; // by time
+  readonly gaps: readonly ReplayGap[];
+}
+export interface ReplayState {
+  readonly replay: string;
+  readonly atS: number;
+  readonly rate: number;
+  readonly sought: number; // of the way to where it was sent
+  readonly playing: boolean;
+  readonly ended: boolean;
+  readonly request: string; // that it answered last
+  readonly refusal: string;
+}
+/// The gateway's word on a wish of this page.
+export interface ReplayAnswer {
+  readonly tag: number;
+  readonly request: string;
+  readonly refusal: string;
+}
+
 /// A decoded message, field by field.
 class Fields {
   private readonly fields: Readonly<Record<string, unknown>>;
@@ -118,6 +160,9 @@ class Fields {
   number(name: string): number {
     const value = this.fields[name];
     return typeof value === "number" || typeof value === "bigint" ? Number(value) : 0;
+  }
+  flag(name: string): boolean {
+    return this.fields[name] === true;
   }
   text(name: string): string {
     const value = this.fields[name];
@@ -260,5 +305,51 @@ export function toMouseState(value: unknown): MouseState {
     station: fields.text("station"),
     phase: kPhases.find((known) => known === phase) ?? "",
     reason: fields.text("reason"),
+  };
+}
+
+export function toReplayContents(value: unknown): ReplayContents {
+  const fields = new Fields(value);
+  return {
+    replay: fields.text("replay"),
+    recording: fields.text("recording"),
+    begunS: fields.number("begun_s"),
+    lengthS: fields.number("length_s"),
+    locked: fields.flag("locked"),
+    marks: fields.items("marks").map((mark) => ({
+      atS: mark.number("at_s"),
+      number: mark.number("number"),
+      kind: kMarkKinds.find((known) => known === mark.text("kind")) ?? "session",
+      text: mark.text("text"),
+    })),
+    gaps: fields.items("gaps").map((gap) => ({
+      fromS: gap.number("from_s"),
+      toS: gap.number("to_s"),
+      station: gap.text("station"),
+      reason: gap.text("reason"),
+    })),
+  };
+}
+
+export function toReplayState(value: unknown): ReplayState {
+  const fields = new Fields(value);
+  return {
+    replay: fields.text("replay"),
+    atS: fields.number("at_s"),
+    rate: fields.number("rate"),
+    sought: fields.number("sought"),
+    playing: fields.flag("playing"),
+    ended: fields.flag("ended"),
+    request: fields.text("request"),
+    refusal: fields.text("refusal"),
+  };
+}
+
+export function toReplayAnswer(value: unknown): ReplayAnswer {
+  const fields = new Fields(value);
+  return {
+    tag: fields.number("tag"),
+    request: fields.text("request"),
+    refusal: fields.text("refusal"),
   };
 }
