@@ -64,6 +64,7 @@ test("a leap is told from the way that time goes", () => {
   const replay = new Replay();
   expect(replay.receiveState(kState, 1000, 5)).toBe(true);
   expect(replay.receiveState({...kState, atS: 10.2}, 1000.2, 5.9)).toBe(false); // it was read late
+  expect(replay.receiveState({...kState, atS: 10.2}, 1001, 5.9)).toBe(false); // it was held up
   expect(replay.receiveState({...kState, atS: 10.0}, 1000.3, 6)).toBe(true);
   expect(replay.receiveState({...kState, atS: 10.3}, 1000.6, 6.3)).toBe(false);
   expect(replay.receiveState({...kState, atS: 11.2}, 1000.8, 6.5)).toBe(true);
@@ -100,4 +101,5 @@ test("marks are found before and after a moment, and going back twice goes on", 
   expect(markBefore(marks, 5.5, 0.25)?.atS).toBe(5);
   expect(markBefore(marks, 9.9, 1)?.atS).toBe(9);
   expect(markBefore(marks, 1, 1)).toBeUndefined();
+  expect(markBefore(marks, 5.001, 0)?.atS).toBe(1); // it stands at 5
 });

@@ -8,6 +8,7 @@ import {
   faultWords,
   figure,
   fitBytes,
+  gapWords,
   markWords,
   sessionWords,
   spokenTime,
@@ -207,6 +208,12 @@ test("a text is cut by its bytes, and between letters", () => {
   expect(fitBytes("éé", 3)).toBe("é");
   expect(fitBytes("a🦷b", 4)).toBe("a");
   expect(fitBytes("a🦷b", 5)).toBe("a🦷");
+});
+
+test("a gap says whose it is, and why where that is known", () => {
+  const gap = {fromS: 1, toS: 2, station: "hand", reason: "silent"};
+  expect(gapWords(gap)).toBe("nothing of hand: silent");
+  expect(gapWords({...gap, reason: ""})).toBe("nothing of hand");
 });
 
 test("a mark says what it is, and a bookmark its name", () => {

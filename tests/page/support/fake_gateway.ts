@@ -39,6 +39,15 @@ const cdrChannel = (id: number, topic: string, schemaName: string, idl: string):
   schemaEncoding: "omgidl",
 });
 
+const jsonChannel = (id: number, topic: string): FakeChannel => ({
+  id,
+  topic,
+  encoding: "json",
+  schemaName: "",
+  schema: "",
+  schemaEncoding: "",
+});
+
 export const kChannels: readonly FakeChannel[] = [
   cdrChannel(1, "/palpate/tool_state", "palpate::ToolState", kIdl("teaching")),
   cdrChannel(2, "/palpate/loop_statistics", "palpate::LoopStatistics", kIdl("teaching")),
@@ -46,14 +55,10 @@ export const kChannels: readonly FakeChannel[] = [
   cdrChannel(4, "/palpate/scene_change", "palpate::SceneChange", kIdl("session")),
   cdrChannel(6, "/palpate/station_statistics", "palpate::StationStatistics", kIdl("teaching")),
   cdrChannel(7, "/palpate/scene_whole", "palpate::SceneWhole", kIdl("session")),
-  {
-    id: 5,
-    topic: "/palpate/mouse_state",
-    encoding: "json",
-    schemaName: "",
-    schema: "",
-    schemaEncoding: "",
-  },
+  jsonChannel(5, "/palpate/mouse_state"),
+  jsonChannel(9, "/palpate/replay_contents"),
+  jsonChannel(10, "/palpate/replay_state"),
+  jsonChannel(11, "/palpate/replay_answer"),
 ];
 
 const kWriters = new Map(

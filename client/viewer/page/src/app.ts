@@ -9,13 +9,14 @@ import {depthM, figure, statusSentence, touchedWords} from "./model/words";
 import {type Change, kOwnTopics, kTopics, Station, World} from "./model/world";
 import {MouseDevice} from "./mouse/mouse_device";
 import {Connection, type LinkState} from "./protocol/connection";
-import {toMouseState, type ToolState} from "./protocol/messages";
+import {toMouseState, toReplayAnswer, type ToolState} from "./protocol/messages";
 import {type FetchedScene, fetchHealth, fetchScene} from "./protocol/scene_fetch";
 import {Announcer} from "./ui/announcer";
 import {element, setOptions, setText} from "./ui/elements";
 import {listenForKeys} from "./ui/keys";
 import {Lesson} from "./ui/lesson";
-import {Plots} from "./ui/plots";
+import {Plots, type PlotTime} from "./ui/plots";
+import {ReplayControls} from "./ui/replay_controls";
 import {Tables} from "./ui/tables";
 import {ThemeSwitch} from "./ui/theme";
 import {readPalette} from "./view/palette";
@@ -25,7 +26,7 @@ const kTickMs = 100; // plots and figures
 const kRetrySceneMs = 1000;
 const kWarmUp = 3;
 const kOldNewsS = 1; // what comes so soon after the link was opened was said before
-const kWholeShownMs = 5000;
+const kHintShownMs = 5000;
 /// The gateway is asked how it is this often; that also tells a link that only looks open.
 const kAskHealthMs = 4000;
 const kAnswerWithinMs = 3000;
@@ -74,6 +75,7 @@ export class App {
   private readonly connection: Connection;
   private readonly view: SceneView;
   private readonly mouse: MouseDevice;
+  private readonly replayControls: ReplayControls;
   private readonly plots: Plots;
   private readonly tables = new Tables();
   private readonly lesson: Lesson;
@@ -86,9 +88,10 @@ export class App {
   private lostS = -Infinity; // the first of them
   private gateway = {saidS: -Infinity, full: false, silences: 0};
   private maySteer = false; // a replay
-  private mayTake = true; // a tool: until the gateway says otherwise
+  private allowsMice = true; // until the gateway says otherwise
+  private isReplay = false;
   private wholeAsked = false;
-  private wholeTimer: number | undefined;
+  private hintTimer: number | undefined;
   private moving = ""; // the stations that move
   private scene = "";
   private chosenScene = new URLSearchParams(location.search).get("scene") ?? "";
@@ -140,7 +143,10 @@ export class App {
         mayPublish: (may) => {
           this.maySteer = may;
         },
-        offers: (topics) => this.mayTakeChanged(this.maySteer && topics.has(kTopics.mouseState)),
+        offers: (topics) => {
+          this.allowsMice = this.maySteer && topics.has(kTopics.mouseState);
+          this.showRights();
+        },
       },
       {
         openSocket: (address, protocols) => new WebSocket(address, protocols),
@@ -153,6 +159,11 @@ export class App {
       changed: () => this.showHold(),
       viewFrame: (at) => this.view.camera.viewFrame(at),
       tool: (scene, tool) => this.toolNow(scene, tool),
+    });
+
+    this.replayControls = new ReplayControls(this.world.replay, {
+      publish: (message) => this.connection.publish(kTopics.replay, message),
+      say: (text, alarm) => this.showForAWhile(text, alarm),
     });
 
     this.listen(theme);
@@ -206,6 +217,8 @@ export class App {
   private received(topic: string, value: unknown, stampS: number): void {
     if (topic === kTopics.mouseState) {
       this.mouse.receive(toMouseState(value));
+    } else if (topic === kTopics.replayAnswer) {
+      this.replayControls.answered(toReplayAnswer(value));
     } else {
       this.world.receive(topic, value, stampS, nowS());
     }
@@ -213,8 +226,12 @@ export class App {
 
   private worldChanged(change: Change, scene: string): void {
     switch (change) {
-      case "replay":
+      case "replay": {
+        const {state} = this.world.replay;
+        if (state) this.replayControls.told(state);
+        this.showReplay(nowS());
         break;
+      }
       case "tool":
         if (scene === this.scene) this.wake();
         break;
@@ -303,7 +320,7 @@ export class App {
     this.numbers.hidden = this.view.teeth === 0;
     this.showWhole();
     this.drawn = [];
-    document.title = this.scene === "" ? "Palpate" : `${this.scene} · Palpate`;
+    this.showTitle();
     this.canvas.setAttribute(
       "aria-label",
       model ? pictureWords(model) : "The scene in three dimensions",
@@ -318,6 +335,11 @@ export class App {
     if (atFinest) this.level.value = this.level.max;
     this.showHold();
     this.showLevel();
+  }
+
+  private showTitle(): void {
+    const parts = [this.isReplay ? "Replay" : "", this.scene, "Palpate"];
+    document.title = parts.filter((part) => part !== "").join(" · ");
   }
 
   /// The station whose figures are shown: the reader's choice, else the page's own, else the one
@@ -428,7 +450,8 @@ export class App {
     setText(this.sentence, sentence);
     const report = this.showLink();
     this.announcer.offer(report.tone === "alarm" ? report.text : sentence, performance.now());
-    this.plots.update(station, now);
+    this.showReplay(now);
+    this.plots.update(station, this.plotTime(station, now));
     this.tables.updateLoop(station);
     this.tables.updateArm(station, now);
     if (this.staleWho) {
@@ -436,6 +459,25 @@ export class App {
       this.tables.updateWho(this.world.listed(now), this.mouse.station);
     }
     this.showLists(station);
+  }
+
+  private showReplay(now: number): void {
+    const phase = this.replayPhase;
+    if ((phase !== "none") !== this.isReplay) {
+      this.isReplay = phase !== "none";
+      if (this.isReplay && this.mouse.hold !== "none") this.mouse.release();
+      this.showRights();
+      this.showTitle();
+    }
+    this.replayControls.show(phase, this.maySteer, now);
+  }
+
+  /// Figures of a replay stand at the recording's time, with what it lacks of their station.
+  private plotTime(station: Station | undefined, nowS: number): PlotTime {
+    const {replay} = this.world;
+    if (!this.isReplay) return {nowS, isRecorded: false, gaps: []};
+    const gaps = replay.contents?.gaps.filter((gap) => gap.station === station?.id) ?? [];
+    return {nowS: replay.atS(nowS), isRecorded: true, gaps};
   }
 
   /// Where nothing comes any more, nothing else would draw that.
@@ -532,9 +574,15 @@ export class App {
 
   // --- the mouse ---
 
-  private mayTakeChanged(may: boolean): void {
-    this.mayTake = may;
-    for (const part of document.querySelectorAll<HTMLElement>(".of-mouse")) part.hidden = !may;
+  /// A tool of a replay is in no one's reach.
+  private get mayTake(): boolean {
+    return this.allowsMice && !this.isReplay;
+  }
+
+  private showRights(): void {
+    for (const part of document.querySelectorAll<HTMLElement>(".of-mouse")) {
+      part.hidden = !this.mayTake;
+    }
     this.showWhole();
   }
 
@@ -562,9 +610,13 @@ export class App {
       whole.refusal === ""
         ? `The ${scene} is whole again (${whole.by}).`
         : `It is not made whole: ${whole.refusal}.`;
-    this.showHint(text, whole.refusal !== "");
-    window.clearTimeout(this.wholeTimer);
-    this.wholeTimer = window.setTimeout(() => this.showHold(), kWholeShownMs);
+    this.showForAWhile(text, whole.refusal !== "");
+  }
+
+  private showForAWhile(text: string, alarm: boolean): void {
+    this.showHint(text, alarm);
+    window.clearTimeout(this.hintTimer);
+    this.hintTimer = window.setTimeout(() => this.showHold(), kHintShownMs);
   }
 
   private showHold(): void {
@@ -698,6 +750,7 @@ export class App {
       ArrowDown: nudge(0, turn, 1),
       "+": nudge(0, 0, 0.9),
       "-": nudge(0, 0, 1 / 0.9),
+      ...this.replayControls.keys,
     });
     new ResizeObserver(() => this.view.resize()).observe(this.canvas);
     // A tool in the hand of a page that is gone would stay taken.

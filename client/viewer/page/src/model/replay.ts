@@ -2,13 +2,13 @@ import type {ReplayContents, ReplayMark, ReplayState} from "../protocol/messages
 
 /// Replayers speak five times a second: one that is silent for this long has stopped [s].
 export const kReplaySilentS = 3;
-/// Of the recording's time, between two states: what is more was a leap [s].
+/// Of the recording's time, back, and on beyond what went by: what is more was a leap [s].
 const kLeapBackS = 0.1;
 const kLeapS = 0.5;
 /// From a mark that has only just passed, the way back leads to the one before it [s].
 const kJustPassedS = 0.8;
 /// A mark at which the replay stands is not the next one [s].
-const kHereS = 0.05;
+export const kHereS = 0.05;
 
 /// none: what the page sees is live.
 export type ReplayPhase = "none" | "playing" | "paused" | "silent" | "ended";
@@ -57,13 +57,13 @@ export class Replay {
     const phase = this.phase(nowS);
     // Of two at once the first is shown until it is over.
     if (isOther && (phase === "playing" || phase === "paused")) return false;
-    const expectedS = this.timeOf(stampS);
-    const beyondS = state.atS - expectedS;
+    const beyondS = state.atS - this.timeOf(stampS);
+    const backS = (this.last?.atS ?? 0) - state.atS;
     const leapS = kLeapS * Math.max(1, state.rate);
     this.last = state;
     this.stampS = stampS;
     this.heardS = nowS;
-    return isOther || beyondS < -kLeapBackS || beyondS > leapS;
+    return isOther || backS > kLeapBackS || beyondS > leapS;
   }
 
   /// The recording's time of what the replayer sent at a moment of its clock.
@@ -98,7 +98,8 @@ export function markBefore(
   atS: number,
   rate: number,
 ): ReplayMark | undefined {
-  return marks.filter((mark) => mark.atS < atS - kJustPassedS * rate).at(-1);
+  const passedS = Math.max(kHereS, kJustPassedS * rate);
+  return marks.filter((mark) => mark.atS < atS - passedS).at(-1);
 }
 
 export function markAfter(marks: readonly ReplayMark[], atS: number): ReplayMark | undefined {

@@ -2,6 +2,7 @@ import {
   kLimiterStages,
   type LimiterStage,
   type LoopStatistics,
+  type ReplayGap,
   type ReplayMark,
   type SessionState,
   type StationStatistics,
@@ -280,13 +281,15 @@ export function markWords(mark: ReplayMark): string {
   return mark.kind === "bookmark" ? mark.text : `${kMarkWords[mark.kind]}: ${mark.text}`;
 }
 
-/// The name, when it was recorded, and how fast it goes.
-export function replayWords(recording: string, begunS: number): string {
-  const when =
-    begunS > 0
-      ? new Date(1000 * begunS).toLocaleString("en", {dateStyle: "medium", timeStyle: "short"})
-      : "";
-  return when === "" ? recording : `${recording}, recorded ${when}`;
+export function gapWords({station, reason}: ReplayGap): string {
+  return `nothing of ${station}${reason === "" ? "" : `: ${reason}`}`;
+}
+
+/// When something was recorded, in the reader's own time; empty where that is not known.
+export function recordedWhen(begunS: number): string {
+  if (begunS <= 0) return "";
+  const when = new Date(1000 * begunS);
+  return `recorded ${when.toLocaleString("en-GB", {dateStyle: "medium", timeStyle: "short"})}`;
 }
 
 export function sessionWords(session: SessionState): string {

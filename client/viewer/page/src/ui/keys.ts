@@ -1,15 +1,24 @@
+const kScrolls = new Set(["Home", "End"]);
+const kMovesSlider = (key: string): boolean => key.length > 1;
+
 /// One key, one thing to do.  Keys that are typed into a control, or belong to the browser, are
 /// left alone; and those that scroll, as arrows do, to whatever else than the picture has the focus.
+/// A slider takes no letters, so that it keeps only those that move it.
 export function listenForKeys(actions: Readonly<Record<string, () => void>>): void {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
     const target = event.target;
-    if (target instanceof HTMLSelectElement || target instanceof HTMLInputElement) return;
+    const isSlider = target instanceof HTMLInputElement && target.type === "range";
+    if (isSlider && kMovesSlider(event.key)) return;
+    if (target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && !isSlider))
+      return;
     if (document.querySelector("dialog[open]")) return;
     const isFree = target === document.body || target instanceof HTMLCanvasElement;
-    if (event.key.startsWith("Arrow") && !isFree) return;
+    if ((event.key.startsWith("Arrow") || kScrolls.has(event.key)) && !isFree) return;
+    // Space presses a button that has the focus, and scrolls elsewhere.
+    if (event.key === " " && !isFree && !isSlider) return;
     const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-    if (!action) return;
+    if (!action || (event.repeat && event.key === " ")) return;
     event.preventDefault();
     action();
   });

@@ -1,7 +1,7 @@
 import uPlot from "uplot";
 
 import {kFigures, kHistoryS, type Station} from "../model/world";
-import {figure} from "../model/words";
+import {clock, figure} from "../model/words";
 import {setText} from "./elements";
 
 interface PlotKind {
@@ -19,9 +19,17 @@ const kKinds: Readonly<Record<(typeof kFigures)[number], PlotKind>> = {
   step: {title: "Time for a step", unit: "µs", colour: "step", least: 20},
 };
 
+/// The plots' time: this page's own, which ends now, or a recording's.
+export interface PlotTime {
+  readonly nowS: number;
+  readonly isRecorded: boolean;
+  readonly gaps: readonly {readonly fromS: number; readonly toS: number}[]; // nothing was recorded
+}
+
 /// Live plots of one station, one under the other on one axis of time.
 export class Plots {
   private plots: {plot: uPlot; value: HTMLOutputElement; unit: string; figure: number}[] = [];
+  private time: PlotTime = {nowS: 0, isRecorded: false, gaps: []};
   private wanted: readonly (typeof kFigures)[number][] = kFigures;
 
   constructor(private readonly parent: HTMLElement) {
@@ -59,16 +67,24 @@ export class Plots {
       chart.setAttribute("aria-label", `${kind.title} over the last ${kHistoryS} seconds`);
       box.append(header, chart);
       this.parent.append(box);
-      const plot = new uPlot(options(kind, chart, isLast, colour), [[], []], chart);
+      const plot = new uPlot(
+        options(kind, chart, isLast, colour, () => this.time),
+        [[], []],
+        chart,
+      );
       return {plot, value, unit: kind.unit, figure: kFigures.indexOf(name)};
     });
   }
 
-  update(station: Station | undefined, nowS: number): void {
+  update(station: Station | undefined, time: PlotTime): void {
     if (this.parent.clientWidth === 0) return; // the panel is closed
+    const wasRecorded = this.time.isRecorded;
+    this.time = time;
     this.plots.forEach(({plot, value, unit, figure: i}) => {
-      const [times, figures] = station?.history.series(i, nowS) ?? [[], []];
+      const [times, figures] = station?.history.series(i, time.nowS) ?? [[], []];
       plot.setData([times, figures]);
+      // Its axis goes along, while its range stays.
+      if (wasRecorded || time.isRecorded) plot.redraw(false, true);
       const last = figures.at(-1);
       setText(value, last === undefined ? "–" : `${figure(last)} ${unit}`);
     });
@@ -83,11 +99,32 @@ export class Plots {
   }
 }
 
+/// Every five seconds of a recording that are in sight, counted from now.
+function fullSeconds(nowS: number): number[] {
+  const seconds: number[] = [];
+  for (let at = 5 * Math.ceil((nowS - kHistoryS) / 5); at <= nowS; at += 5) {
+    if (at >= 0) seconds.push(at - nowS);
+  }
+  return seconds;
+}
+
+function shadeGaps(plot: uPlot, {nowS, gaps}: PlotTime, colour: string): void {
+  const {left, top, width, height} = plot.bbox;
+  for (const {fromS, toS} of gaps) {
+    const from = Math.max(left, plot.valToPos(fromS - nowS, "x", true));
+    const to = Math.min(left + width, plot.valToPos(toS - nowS, "x", true));
+    if (to <= from) continue;
+    plot.ctx.fillStyle = colour;
+    plot.ctx.fillRect(from, top, to - from, height);
+  }
+}
+
 function options(
   kind: PlotKind,
   chart: HTMLElement,
   isLast: boolean,
   colour: (name: string) => string,
+  time: () => PlotTime,
 ): uPlot.Options {
   const font = `11px ${getComputedStyle(document.body).fontFamily}`;
   const line = {stroke: colour("line"), width: 1};
@@ -95,6 +132,7 @@ function options(
     width: Math.max(1, chart.clientWidth),
     height: Math.max(1, chart.clientHeight),
     legend: {show: false},
+    hooks: {drawClear: [(plot) => shadeGaps(plot, time(), colour("gap"))]},
     cursor: {show: false},
     padding: [6, 14, isLast ? 0 : 4, 0],
     scales: {
@@ -110,8 +148,11 @@ function options(
         gap: 2,
         grid: {show: false},
         ticks: {show: false},
-        splits: [-10, -5, 0],
-        values: (_plot, splits) => splits.map((split) => (split === 0 ? "now" : `${split} s`)),
+        splits: () => (time().isRecorded ? fullSeconds(time().nowS) : [-10, -5, 0]),
+        values: (_plot, splits) =>
+          splits.map((split) =>
+            time().isRecorded ? clock(split + time().nowS) : split === 0 ? "now" : `${split} s`,
+          ),
       },
       {
         stroke: colour("quiet"),

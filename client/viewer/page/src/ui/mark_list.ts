@@ -1,0 +1,82 @@
+import {kHereS} from "../model/replay";
+import {clock, markWords} from "../model/words";
+import type {ReplayMark} from "../protocol/messages";
+import {element, setText} from "./elements";
+
+/// More contacts than these are on the bar alone: nobody reads them all.
+const kMostContacts = 100;
+
+/// A replay's marks by time: to go to, and bookmarks to take away.
+export class MarkList {
+  private readonly section = element("marks-section", HTMLElement);
+  private readonly list = element("marks", HTMLOListElement);
+  private readonly none = element("marks-none", HTMLParagraphElement);
+  private rows: {atS: number; item: HTMLLIElement}[] = [];
+  private current: HTMLLIElement | undefined;
+
+  constructor(
+    private readonly chosen: (mark: ReplayMark) => void,
+    private readonly dropped: (mark: ReplayMark) => void,
+  ) {}
+
+  setVisible(visible: boolean): void {
+    this.section.hidden = !visible;
+  }
+
+  setMarks(marks: readonly ReplayMark[]): void {
+    const contacts = marks.filter(({kind}) => kind === "contact").length;
+    const tooMany = contacts > kMostContacts;
+    const listed = tooMany ? marks.filter(({kind}) => kind !== "contact") : marks;
+    this.rows = listed.map((mark) => ({atS: mark.atS, item: this.row(mark)}));
+    this.current = undefined;
+    this.list.replaceChildren(...this.rows.map(({item}) => item));
+    this.none.hidden = listed.length > 0 && !tooMany;
+    const left = `${contacts.toLocaleString("en")} contacts are on the bar alone.`;
+    setText(this.none, tooMany ? left : "None yet: a bookmark (B) names a moment.");
+  }
+
+  /// Marks the one that was passed last.
+  show(atS: number): void {
+    const current = this.rows.filter((row) => row.atS <= atS + kHereS).at(-1)?.item;
+    if (current === this.current) return;
+    this.current?.removeAttribute("aria-current");
+    current?.setAttribute("aria-current", "true");
+    this.current = current;
+    if (!current) return;
+    // Within the list: the page stays where the reader has it.
+    const {list} = this;
+    const top = current.offsetTop - list.offsetTop;
+    const isAbove = top < list.scrollTop;
+    const isBelow = top + current.offsetHeight > list.scrollTop + list.clientHeight;
+    if (isAbove || isBelow) list.scrollTop = top - list.clientHeight / 2;
+  }
+
+  private row(mark: ReplayMark): HTMLLIElement {
+    const item = document.createElement("li");
+    item.className = mark.kind;
+    const go = document.createElement("button");
+    go.type = "button";
+    go.className = "go";
+    const time = document.createElement("span");
+    time.className = "time";
+    time.textContent = clock(mark.atS);
+    const words = document.createElement("span");
+    words.className = "words";
+    words.textContent = markWords(mark);
+    words.title = markWords(mark);
+    go.append(document.createElement("i"), time, " ", words);
+    go.addEventListener("click", () => this.chosen(mark));
+    item.append(go);
+    if (mark.kind === "bookmark") {
+      const drop = document.createElement("button");
+      drop.type = "button";
+      drop.className = "drop";
+      drop.textContent = "×";
+      drop.title = "Take this bookmark away, for everybody";
+      drop.setAttribute("aria-label", `Take away the bookmark ${markWords(mark)}`);
+      drop.addEventListener("click", () => this.dropped(mark));
+      item.append(drop);
+    }
+    return item;
+  }
+}
