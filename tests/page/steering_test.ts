@@ -38,7 +38,7 @@ beforeEach(async () => {
   gateway = await FakeGateway.start(new Map([[kWearing.name, sceneBytes(kWearing)]]));
   replay = new FakeReplay(gateway);
   replay.contents.marks = [
-    {at_s: 4, number: 0, kind: "contact", text: "hand: ball"},
+    {at_s: 4, number: 0, kind: "contact", text: "hand touches"},
     {at_s: 20, number: 1, kind: "bookmark", text: "the slip"},
     {at_s: 40, number: 0, kind: "fault", text: "it was quicker"},
   ];
@@ -231,8 +231,8 @@ test("a bar is dragged: few wishes on the way, and the last is where it was let 
 
 test("plots stand at the recording's times, with its gaps, and begin anew after a seek", async () => {
   replay.state.at_s = 28;
-  replay.state.playing = true;
   page = await openReplay();
+  replay.state.playing = true;
   await eventually("past the gap", () => replay.state.at_s > 35);
   replay.state.playing = false;
   await eventually("the force is the time's", async () => {

@@ -216,9 +216,9 @@ test("a gap says whose it is, and why where that is known", () => {
   expect(gapWords({...gap, reason: ""})).toBe("nothing of hand");
 });
 
-test("a mark says what it is, and a bookmark its name", () => {
-  const mark = {atS: 1, number: 0, kind: "contact", text: "hand: ball"} as const;
-  expect(markWords(mark)).toBe("contact: hand: ball");
+test("a mark says what took place, and a bookmark its name", () => {
+  const mark = {atS: 1, number: 0, kind: "contact", text: "hand touches"} as const;
+  expect(markWords(mark)).toBe("hand touches");
   expect(markWords({...mark, text: ""})).toBe("contact");
   expect(markWords({...mark, kind: "bookmark", text: "the slip"})).toBe("the slip");
 });

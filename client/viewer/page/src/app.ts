@@ -603,7 +603,8 @@ export class App {
   private wholeAnswered(scene: string): void {
     this.showWhole();
     const whole = this.world.wholeOf(scene);
-    const isNews = nowS() - this.openedS > kOldNewsS || this.wholeAsked;
+    // In a replay it is of then, and a mark.
+    const isNews = !this.isReplay && (nowS() - this.openedS > kOldNewsS || this.wholeAsked);
     if (scene !== this.scene || whole === undefined || !isNews) return;
     this.wholeAsked = false;
     const text =

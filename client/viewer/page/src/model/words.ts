@@ -275,10 +275,9 @@ const kMarkWords: Readonly<Record<ReplayMark["kind"], string>> = {
   whole: "made whole",
 };
 
-/// What a mark of a replay is: a bookmark's name speaks for itself.
+/// What a mark of a replay is, in the replayer's words where it has some.
 export function markWords(mark: ReplayMark): string {
-  if (mark.text === "") return kMarkWords[mark.kind];
-  return mark.kind === "bookmark" ? mark.text : `${kMarkWords[mark.kind]}: ${mark.text}`;
+  return mark.text === "" ? kMarkWords[mark.kind] : mark.text;
 }
 
 export function gapWords({station, reason}: ReplayGap): string {

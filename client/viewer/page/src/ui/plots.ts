@@ -170,7 +170,8 @@ function options(
         stroke: colour(kind.colour),
         width: 1.75,
         fill: `color-mix(in srgb, ${colour(kind.colour)} 12%, transparent)`,
-        points: {show: false},
+        // One alone, as after a seek of a replay that is paused, is no line.
+        points: {show: (plot) => plot.data[0].length === 1, size: 6},
         // A pause of the data is a gap and not a line.
         gaps: (plot, _series, first, last) => {
           const times = plot.data[0];
