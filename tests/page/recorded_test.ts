@@ -1,0 +1,103 @@
+// A recording on the page in a real browser: recorded, replayed and served by the real programs.
+import {mkdtempSync, readFileSync, rmSync} from "node:fs";
+import {tmpdir} from "node:os";
+import {join} from "node:path";
+import {fileURLToPath} from "node:url";
+
+import {afterAll, beforeAll, expect} from "vitest";
+
+import type {Browser, Page} from "playwright-core";
+
+import {kHasChromium, launch, until} from "./support/browser";
+import {ownDomain} from "./support/domain";
+import {Program} from "./support/programs";
+import {browserTest as test} from "./support/skip";
+
+const kDomain = ["--domain", await ownDomain()];
+const kCommon = ["--transport", "udp", ...kDomain];
+const kPage = fileURLToPath(new URL("../../build/page", import.meta.url));
+const kLengthS = 5;
+
+let browser: Browser;
+let folder = "";
+let page: Page;
+const running: Program[] = [];
+
+function run(name: string, args: readonly string[]): Program {
+  const program = new Program(name, args);
+  running.push(program);
+  return program;
+}
+
+/// Some seconds of a hand that presses on the cube.
+async function record(file: string): Promise<void> {
+  const server = run("palpate-server", ["--scene", "cube", "--realtime", "off", ...kCommon]);
+  await server.says(/^ready/m, 120_000);
+  const recorder = run("palpate-record", ["-o", file, ...kCommon]);
+  await recorder.says(/recording|ready/i);
+  const station = run("palpate-station", [
+    ...["--device", "scripted", "--scene", "cube", "--id", "hand", "--loop"],
+    ...["--no-table", "--realtime", "off"],
+    ...kCommon,
+  ]);
+  await server.says(/station hand: active/);
+  await new Promise((resolve) => setTimeout(resolve, 1000 * kLengthS));
+  for (const program of [station, recorder, server]) await program.stop("SIGINT");
+}
+
+beforeAll(async () => {
+  if (!kHasChromium) return;
+  folder = mkdtempSync(join(tmpdir(), "palpate-lesson-"));
+  await record(join(folder, "lesson.mcap"));
+  browser = await launch();
+});
+afterAll(async () => {
+  if (!kHasChromium) return;
+  await browser?.close();
+  for (const program of running) await program.stop();
+  rmSync(folder, {recursive: true});
+});
+
+const text = (selector: string): Promise<string> => page.locator(selector).innerText();
+const eventually = async (
+  what: string,
+  condition: () => Promise<boolean> | boolean,
+): Promise<void> => {
+  const end = Date.now() + 60_000;
+  while (!(await condition())) {
+    if (Date.now() > end) throw new Error(`${what}: not so within 60 s`);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+};
+
+test("a recording is replayed to the page, which steers it, until the replayer is killed", async () => {
+  const replayer = run("palpate-replay", [join(folder, "lesson.mcap"), "--stay", ...kDomain]);
+  const gateway = run("palpate-viewer", ["--http", "0", "--page", kPage, ...kCommon]);
+  const [url] = await gateway.says(/http:\/\/127\.0\.0\.1:\d+\//);
+  page = await browser.newPage({viewport: {width: 640, height: 600}});
+  await page.goto(url!);
+  await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined, 60_000);
+  await page.locator("#scrub").waitFor({state: "visible"});
+  expect(await text("#replay-name")).toBe("lesson.mcap");
+  await eventually("it waits at its end", async () =>
+    /^Replay, paused$/.test(await text("#replay-word")),
+  );
+  const seen = await until(page, "the tool", ({stations}) => stations.hand !== undefined);
+  await page.keyboard.press("Home");
+  await eventually("its beginning", async () => (await text("#replay-time")).startsWith("0:00 /"));
+  await page.keyboard.press("."); // the session
+  await page.keyboard.press("."); // a contact
+  await eventually("a contact", async () => (await text("#replay-where")) === "hand touches");
+  await eventually("its force", async () => Number.parseFloat(await text("#force")) > 0);
+  const {poseSequence} = seen.stations.hand!;
+  await until(page, "earlier", ({stations}) => stations.hand!.poseSequence < poseSequence);
+  await page.keyboard.press("b");
+  await page.keyboard.type("Hier fängt es an");
+  await page.keyboard.press("Enter");
+  await page.locator("#marks li.bookmark", {hasText: "Hier fängt es an"}).waitFor();
+  expect(readFileSync(join(folder, "lesson.bookmarks.json"), "utf8")).toContain("fängt es an");
+  await replayer.stop("SIGKILL");
+  await eventually("it is said", async () =>
+    (await text("#banner")).includes("lesson.mcap has not been heard of"),
+  );
+});
