@@ -162,6 +162,14 @@ test("buttons do what keys do, and every key that the help names is one", async 
   await eventually("the contact", () => replay.state.at_s === 4);
   await page.locator("#rate").selectOption("0.25");
   await eventually("a quarter", () => replay.state.rate === 0.25);
+  await page.locator("#play").focus();
+  await page.keyboard.press("Home"); // a button has no use for it
+  await eventually("the beginning", () => replay.state.at_s === 0);
+  await page.locator("#panel").focus();
+  await page.keyboard.press("End"); // and the panel scrolls
+  await page.keyboard.press(".");
+  await eventually("the contact", () => replay.state.at_s === 4);
+  expect(values("seek").at(-2)).toBe(0);
   await page.keyboard.press("?");
   expect(await text("#replay-keys")).toMatch(/Space[\s\S]*,[\s\S]*Home[\s\S]*End[\s\S]*B/);
   expect(await page.locator(".keys.of-mouse").isVisible()).toBe(false);

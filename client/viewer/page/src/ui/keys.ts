@@ -1,3 +1,4 @@
+/// What they scroll is the panel.
 const kScrolls = new Set(["Home", "End"]);
 const kMovesSlider = (key: string): boolean => key.length > 1;
 
@@ -14,7 +15,8 @@ export function listenForKeys(actions: Readonly<Record<string, () => void>>): vo
       return;
     if (document.querySelector("dialog[open]")) return;
     const isFree = target === document.body || target instanceof HTMLCanvasElement;
-    if ((event.key.startsWith("Arrow") || kScrolls.has(event.key)) && !isFree) return;
+    if (event.key.startsWith("Arrow") && !isFree) return;
+    if (kScrolls.has(event.key) && target instanceof Element && target.closest(".panel")) return;
     // Space presses a button that has the focus, and scrolls elsewhere.
     if (event.key === " " && !isFree && !isSlider) return;
     const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
