@@ -84,13 +84,14 @@ test("a recording is replayed to the page, which steers it, until the replayer i
   );
   const seen = await until(page, "the tool", ({stations}) => stations.hand !== undefined);
   await page.keyboard.press("Home");
-  await eventually("its beginning", async () => (await text("#replay-time")).startsWith("0:00 /"));
-  await page.keyboard.press("."); // the session
-  await page.keyboard.press("."); // a contact
-  await eventually("a contact", async () => (await text("#replay-where")) === "hand touches");
-  await eventually("its force", async () => Number.parseFloat(await text("#force")) > 0);
+  // Where nobody had taken the tool yet.
+  await eventually("its beginning", async () => (await text("#replay-where")) === "");
+  await eventually("no tool", async () => (await text("#force")) === "–");
+  await page.locator("#marks li.contact .go").first().click();
   const {poseSequence} = seen.stations.hand!;
   await until(page, "earlier", ({stations}) => stations.hand!.poseSequence < poseSequence);
+  await eventually("its force", async () => Number.parseFloat(await text("#force")) > 0);
+  expect(await text("#replay-where")).toBe("hand touches");
   await page.keyboard.press("b");
   await page.keyboard.type("Hier fängt es an");
   await page.keyboard.press("Enter");

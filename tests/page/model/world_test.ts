@@ -208,12 +208,20 @@ test("the plots begin anew where a replay goes elsewhere, with what it shows the
 test("a tool is not left alone while a replay is paused", () => {
   const world = new World(() => {});
   world.receive(kTopics.replayState, replayState(40), 1000, 1);
+  world.receive(kTopics.sessionState, session("hand", 2), 1000, 1);
   world.receive(kTopics.toolState, state("hand", 1), 1000, 1);
   for (let nowS = 1.2; nowS < 20; nowS += 0.2) {
     world.receive(kTopics.replayState, replayState(40.2, {playing: false}), 999 + nowS, nowS);
   }
   expect(world.stations.get("hand")!.isMoving(20)).toBe(true);
   expect(world.stations.get("hand")!.isMoving(22)).toBe(false);
+  // It is sent to where nobody had the tool: as another server, and of no session.
+  world.receive(kTopics.sessionState, session("other", 2, {server_run: 2n}), 1021, 22);
+  world.receive(kTopics.toolState, state("hand", 2), 1021, 22);
+  for (let nowS = 22.2; nowS < 25; nowS += 0.2) {
+    world.receive(kTopics.replayState, replayState(0, {playing: false}), 999 + nowS, nowS);
+  }
+  expect(world.stations.get("hand")!.isMoving(25)).toBe(false);
 });
 
 test("what another server says after a replay is live, and while it plays it is the replay's", () => {

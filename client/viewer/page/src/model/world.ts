@@ -76,9 +76,10 @@ export class Station {
     this.keep(state, recordedS ?? timeS);
   }
 
-  /// Nothing moves a tool while a replay is paused, and yet it is not left alone.
+  /// Nothing moves a tool while a replay is paused, and yet it is not left alone, unless the replay
+  /// stands where nobody has it.
   hold(nowS: number): void {
-    if (this.isMoving(nowS)) this.heldS = nowS;
+    if (this.isMoving(nowS) && this.holdsTool) this.heldS = nowS;
   }
 
   /// The plots begin anew, at a time of the recording where there is one.
