@@ -91,7 +91,7 @@ test("a recording is replayed to the page, which steers it, until the replayer i
   const {poseSequence} = seen.stations.hand!;
   await until(page, "earlier", ({stations}) => stations.hand!.poseSequence < poseSequence);
   await eventually("its force", async () => Number.parseFloat(await text("#force")) > 0);
-  expect(await text("#replay-where")).toBe("hand touches");
+  await eventually("where", async () => (await text("#replay-where")) === "hand touches");
   await page.keyboard.press("b");
   await page.keyboard.type("Hier fängt es an");
   await page.keyboard.press("Enter");

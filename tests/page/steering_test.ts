@@ -147,7 +147,7 @@ test("keys play and pause, go from mark to mark and to both ends, and change the
   await eventually("four times the speed", () => replay.state.rate === 4);
   await page.keyboard.press("<");
   await eventually("half of that", () => replay.state.rate === 2);
-  expect(await page.locator("#rate").inputValue()).toBe("2");
+  await eventually("shown", async () => (await page.locator("#rate").inputValue()) === "2");
 });
 
 test("buttons do what keys do, and every key that the help names is one", async () => {
@@ -234,7 +234,9 @@ test("a bar is dragged: few wishes on the way, and the last is where it was let 
   await page.locator("#scrub").focus();
   await page.keyboard.press("ArrowRight");
   await eventually("a second on", () => Math.abs(replay.state.at_s - 41) < 0.5);
-  expect(await page.locator("#scrub").getAttribute("aria-valuetext")).toMatch(/^4\d seconds of 1 /);
+  await eventually("said", async () =>
+    /^4\d seconds of 1 /.test((await page.locator("#scrub").getAttribute("aria-valuetext"))!),
+  );
 });
 
 test("plots stand at the recording's times, with its gaps, and begin anew after a seek", async () => {
@@ -275,7 +277,10 @@ test("plots stand at the recording's times, with its gaps, and begin anew after 
   await eventually("its force", async () =>
     (await text("#plots .plot:first-child output")).startsWith("0.00"),
   );
-  expect(await colours(replay.state.at_s - 5)).not.toContain("curve");
+  await eventually(
+    "no curve of before",
+    async () => !(await colours(replay.state.at_s - 5)).includes("curve"),
+  );
 });
 
 test("a replayer that dies, or ends, leaves no doubt of it", async () => {
