@@ -270,7 +270,10 @@ bool Clear(StepContext& context) {
       // A ball's rows have the smooth surface's normals at the trial, so the ball rests there,
       // though the facets on the way may have lifted it.  At a crease they have those of the
       // beginning: the ball has not arrived, and goes on round it.
-      if (IsFreeBall(context)) context.arrived = meshes.turned() <= limits::mesh::kTurned;
+      if (IsFreeBall(context)) {
+        context.arrived =
+            meshes.Turned(optimum.qp.row, optimum.qp.active, buffers.rows) <= limits::mesh::kTurned;
+      }
       if (meshes.tool().radius > 0.0) return true;
     }
     // What yields pushes as well: the optimum of both may lie farther from the hand.  So may a

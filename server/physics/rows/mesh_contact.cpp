@@ -635,14 +635,12 @@ bool MeshContact::PutRows(NearPair& near, Touch& touch, bool all, ContactRows& r
 
 /// A ball's row goes along the smooth surface's normal where the ball comes to, not where it was:
 /// true where that is another direction, which the force would feel.  A crease is not smooth: the
-/// ball goes straight past it, and round it in the next sub-steps (turned).
+/// ball goes straight past it, and round it in the next sub-steps (Turned).
 bool MeshContact::TurnSmoothed(const NearPair& near, const Touch& touch, int row,
                                const NearestPoints& nearest, const Vec3& u, ContactRows& rows) {
   if (tool_.radius == 0.0) return false;
   const Vec3 along = objects_.mesh.SmoothNormal(HullTree::TriangleOf(near.object), nearest.q, u);
-  const double turn = (along - rows.normal(row)).norm();
-  if (along == u) turned_ = std::max(turned_, turn);
-  if (along == u || turn <= kTurned) return false;
+  if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
   const double now = std::sqrt(nearest.squared) - tool_.radius;
   const double asked = Asked(touch.distance);
   rows.SetRow(row, along, rows.lever(row), now - asked - along.dot(v_));
@@ -672,15 +670,42 @@ Mat3 MeshContact::CurvatureOf(int row) const noexcept {
   return across * across.transpose() / length;
 }
 
+double MeshContact::Turned(const int* active, int actives, const ContactRows& rows) const noexcept {
+  if (actives == 0) return 0.0;
+  // The direction in which it touches is that of the nearest triangle: of one that it touches, but
+  // for what a straight way is off an arc.
+  const double touching = kTouching + 0.5 * v_.squaredNorm() / tool_.radius;
+  double nearest = kInfinity;
+  Vec3 u = Vec3::Zero();
+  bool smooth = false;
+  for (std::size_t k = 0; k < near_.size(); ++k) {
+    const NearPair& near = near_[k];
+    const bool may_touch = planes_.left[k] <= touching;
+    if (!may_touch || near.split || !AreTriangles(near.tool, near.object)) continue;
+    const Corners corners = CornersAt(near.tool, near.object, to_);
+    const NearestPoints points = NearestOfTriangles(corners.a, corners.b);
+    if (!(points.squared > 0.0 && points.squared < nearest)) continue;
+    nearest = points.squared;
+    u = (points.p - points.q) / std::sqrt(nearest);
+    smooth = objects_.mesh.SmoothNormal(HullTree::TriangleOf(near.object), points.q, u) != u;
+  }
+  double least = kInfinity, most = 0.0;
+  for (int i = 0; i < actives; ++i) {
+    least = std::min(least, (u - rows.normal(active[i])).norm());
+    most = std::max(most, (CurvatureOf(active[i]) * v_).norm());
+  }
+  // Where it is smooth, Retract has turned the rows.
+  return smooth || !(nearest < kInfinity) ? most : std::max(least, most);
+}
+
 int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noexcept {
-  turned_ = 0.0;
   int changed = 0;
   for (int i = 0; i < actives; ++i) {
     const auto row = static_cast<std::size_t>(active[i]);
     if (row >= touch_of_row_.size() || touch_of_row_[row] < 0) continue;
     const std::int32_t index = touch_of_row_[row];
     Touch& touch = touches_[static_cast<std::size_t>(index)];
-    if (touch.distance <= 0.0 || (touch.retracted && tool_.radius == 0.0)) continue;
+    if (touch.distance <= 0.0 || touch.retracted) continue;
     const auto found = std::find_if(near_.begin(), near_.end(),
                                     [&](const NearPair& near) { return near.touch == index; });
     NearPair& near = *found;
@@ -689,13 +714,6 @@ int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noex
     if (!(nearest.squared > 0.0)) continue;
     const double length = std::sqrt(nearest.squared);
     const Vec3 u = (nearest.p - nearest.q) / length;
-    // Round the crease that it touched, if only to a face beside it: as far as it has turned, and
-    // as the curvature made it go.
-    if (const Mat3 curvature = CurvatureOf(static_cast<int>(row)); !curvature.isZero(0.0)) {
-      turned_ = std::max(
-          {turned_, (u - rows.normal(static_cast<int>(row))).norm(), (curvature * v_).norm()});
-    }
-    if (touch.retracted) continue;
     // The row's own point, at the trial.
     const double gap = rows.Left(static_cast<int>(row), v_, phi_) + kSeparation;
     if (InCone(near, nearest, u, to_) &&

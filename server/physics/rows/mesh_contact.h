@@ -58,9 +58,9 @@ class MeshContact {
   /// A ball's row goes straight past the edge or the corner that it touches: the derivative [1/m]
   /// of its normal by the ball's way round it.  Zero of other rows.
   Mat3 CurvatureOf(int row) const noexcept;
-  /// How far the directions in which a ball touches at the trial have left those of the active rows
-  /// that Retract saw last [rad], across creases.
-  double turned() const { return turned_; }
+  /// How far the direction in which a ball touches at the trial has left those of the active rows,
+  /// or the curvature of one has made the ball go past it [rad].
+  double Turned(const int* active, int actives, const ContactRows& rows) const noexcept;
 
   /// Rows ask for some of the separation that a pair has lost.  Where that would lift the tool
   /// against the spring a tool at rest would never stay: from here on, to the sub-step's end, they
@@ -164,7 +164,6 @@ class MeshContact {
   ToolPose from_, to_;
   Vec3 v_ = Vec3::Zero(), phi_ = Vec3::Zero();
   bool moved_ = false;
-  double turned_ = 0.0;
   bool full_ = false;     ///< more pairs are near than may be brought up to date
   double covered_ = 0.0;  ///< way for which near_ has all pairs [m]
   std::uint32_t substep_ = 0;
