@@ -12,7 +12,7 @@ import {
   stationStatistics,
   toolState,
 } from "./support/fake_gateway";
-import {kHasChromium, launch, until} from "./support/browser";
+import {eventually, kHasChromium, launch, until} from "./support/browser";
 import {box, kTestScene, leafPerTriangle, sceneBytes, type TestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 
@@ -105,13 +105,6 @@ function press(newtons: number, x = 0): void {
 }
 
 const text = (selector: string): Promise<string> => page.locator(selector).innerText();
-const eventually = async (what: string, condition: () => Promise<boolean>): Promise<void> => {
-  const end = Date.now() + 60_000;
-  while (!(await condition())) {
-    if (Date.now() > end) throw new Error(`${what}: not so within 60 s`);
-    await new Promise((resolve) => setTimeout(resolve, 50));
-  }
-};
 /// What is drawn, without the words above it.
 const picture = async (): Promise<string> => {
   const style = ".picture > :not(canvas) { visibility: hidden }";

@@ -8,7 +8,7 @@ import {afterAll, beforeAll, expect} from "vitest";
 
 import type {Browser, Page} from "playwright-core";
 
-import {kHasChromium, launch, until} from "./support/browser";
+import {eventually, kHasChromium, launch, until} from "./support/browser";
 import {ownDomain} from "./support/domain";
 import {Program} from "./support/programs";
 import {browserTest as test} from "./support/skip";
@@ -59,16 +59,6 @@ afterAll(async () => {
 });
 
 const text = (selector: string): Promise<string> => page.locator(selector).innerText();
-const eventually = async (
-  what: string,
-  condition: () => Promise<boolean> | boolean,
-): Promise<void> => {
-  const end = Date.now() + 60_000;
-  while (!(await condition())) {
-    if (Date.now() > end) throw new Error(`${what}: not so within 60 s`);
-    await new Promise((resolve) => setTimeout(resolve, 50));
-  }
-};
 
 test("a recording is replayed to the page, which steers it, until the replayer is killed", async () => {
   const replayer = run("palpate-replay", [join(folder, "lesson.mcap"), "--stay", ...kDomain]);

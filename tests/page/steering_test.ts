@@ -3,7 +3,7 @@ import {afterAll, afterEach, beforeAll, beforeEach, expect} from "vitest";
 
 import type {Browser, Page} from "playwright-core";
 
-import {kHasChromium, launch, until} from "./support/browser";
+import {eventually, kHasChromium, launch, until} from "./support/browser";
 import {FakeGateway, sessionState} from "./support/fake_gateway";
 import {FakeReplay} from "./support/fake_replay";
 import {box, kTestScene, leafPerTriangle, sceneBytes, type TestScene} from "./support/scene_bytes";
@@ -74,16 +74,6 @@ async function openReplay(options: Parameters<typeof open>[0] = {}): Promise<Pag
 
 const text = (selector: string): Promise<string> => page.locator(selector).innerText();
 const isVisible = (selector: string): Promise<boolean> => page.locator(selector).isVisible();
-const eventually = async (
-  what: string,
-  condition: () => Promise<boolean> | boolean,
-): Promise<void> => {
-  const end = Date.now() + 60_000;
-  while (!(await condition())) {
-    if (Date.now() > end) throw new Error(`${what}: not so within 60 s`);
-    await new Promise((resolve) => setTimeout(resolve, 50));
-  }
-};
 const last = (): Record<string, unknown> => replay.wishes.at(-1) ?? {};
 const values = (wish: string): unknown[] =>
   replay.wishes.filter((one) => one.wish === wish).map(({value}) => value);

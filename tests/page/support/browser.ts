@@ -56,3 +56,15 @@ export async function until(
     await new Promise((resolve) => setTimeout(resolve, 50));
   }
 }
+
+/// Waits until something is so; throws where it is not within a minute.
+export async function eventually(
+  what: string,
+  condition: () => Promise<boolean> | boolean,
+): Promise<void> {
+  const end = Date.now() + 60_000;
+  while (!(await condition())) {
+    if (Date.now() > end) throw new Error(`${what}: not so within 60 s`);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}

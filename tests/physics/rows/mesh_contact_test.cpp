@@ -599,5 +599,20 @@ TEST(MeshContact, AllocatesNothingInAStep) {
   EXPECT_EQ(test::AllocationsOfThisThread(), before);
 }
 
+TEST(MeshContact, AllocatesNothingWhereABallGoesRoundAnEdge) {
+  const double half = 0.025;
+  Touch touch(MakeScene(Ball(0.005), Box(Vec3::Constant(2.0 * half))), Vec3(0.0, half, 0.032));
+  const std::uint64_t before = test::AllocationsOfThisThread();
+  int held = 0;
+  for (int i = 0; i < 200; ++i) {
+    const double angle = 0.01 * i;
+    const Vec3 hand(0.0, half + 0.002 * std::sin(angle), half + 0.002 * std::cos(angle));
+    held +=
+        HapticStep(touch.model, {hand, Quat::Identity()}, touch.state, touch.workspace).contacts;
+  }
+  EXPECT_EQ(test::AllocationsOfThisThread(), before);
+  EXPECT_GT(held, 100);
+}
+
 }  // namespace
 }  // namespace palpate
