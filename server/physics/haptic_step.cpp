@@ -7,6 +7,7 @@
 #include "server/physics/limits.h"
 #include "server/physics/rows/step_buffers.h"
 #include "server/physics/solve/chapter_friction.h"
+#include "server/physics/solve/clear_way.h"
 #include "server/physics/solve/contact_report.h"
 #include "server/physics/solve/contact_wear.h"
 #include "server/physics/solve/coulomb_friction.h"
@@ -32,8 +33,6 @@ void Predict(StepContext& context);
 void Solve(StepContext& context);
 void Round(StepContext& context);
 void Rub(StepContext& context);
-void Remember(StepContext& context);
-bool Clear(StepContext& context);
 void Move(StepContext& context);
 void Report(StepContext& context);
 void GiveUp(StepContext& context);
@@ -61,7 +60,7 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
         End(X_WH, context);
         return report;
       }
-      clear = Clear(context);
+      clear = ClearWay(context);
       clock.Lap(&StageTimes::rows);
     }
     Move(context);
@@ -98,10 +97,10 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   return true;
 }
 
-/// A further sub-step is taken to cost what the last one did.
+/// A further sub-step between leaves is taken to cost what the last one did.
 bool GoesOn(const StepContext& context) {
   const StepParameters& parameters = context.model.parameters();
-  if (context.looks + context.last_looks > limits::mesh::kMaxLooks) return false;
+  if (limits::mesh::kMaxLooks - context.looks < limits::mesh::kLeastLooks) return false;
   return context.report.substeps < parameters.max_substeps && !context.arrived &&
          context.spent + context.last <= parameters.max_tested &&
          (context.report.faults & kFaultUnsolved) == 0;
@@ -125,23 +124,12 @@ void Predict(StepContext& context) {
     const bool turns = context.model.degrees_of_freedom() == 6;
     buffers.meshes->Begin(context.kernels, context.state.front,
                           {context.p_G, turns ? context.q_G : Quat::Identity()},
-                          context.state.active_pairs.data(), context.state.active, buffers.rows);
+                          context.state.active_pairs.data(), context.state.active,
+                          limits::mesh::kMaxLooks - context.looks, buffers.rows);
     clock.Lap(&StageTimes::prediction);
   }
   context.report.predicted_pairs = buffers.rows.count();
   if (buffers.rows.overflowed()) context.report.faults |= kFaultRowsFull;
-}
-
-/// Whether a step ends farther from the hand than it begins: |x - t| > |t|, with x = [v; rho phi]
-/// and t the hand's.
-bool Lifts(const StepContext& context, const Vec3& v, const Vec3& phi) {
-  double length2 = v.squaredNorm(), along = v.dot(context.target.v);
-  if (context.model.degrees_of_freedom() == 6) {
-    const double rho2 = std::pow(context.model.rotation_length(), 2);
-    length2 += rho2 * phi.squaredNorm();
-    along += rho2 * phi.dot(context.target.phi);
-  }
-  return along < 0.5 * length2;
 }
 
 /// The pose nearest to the hand's that the rows allow.
@@ -161,7 +149,7 @@ void Solve(StepContext& context) {
   context.optimum = NearestStep(context, context.target, context.soft);
   if (buffers.meshes && !context.soft &&
       (context.optimum.qp.status == QpStatus::kRelaxed ||
-       Lifts(context, context.optimum.v, context.optimum.phi)) &&
+       context.Gain(context.optimum.v, context.optimum.phi) < 0.0) &&
       buffers.meshes->GiveUpRegain(buffers.rows)) {
     context.optimum = NearestStep(context, context.target, context.soft);
   }
@@ -170,26 +158,16 @@ void Solve(StepContext& context) {
   context.report.qp_iterations += context.optimum.qp.iterations;
 }
 
-bool Rubs(const StepContext& context) {
-  return context.model.parameters().features.friction == FrictionModel::kCoulomb;
-}
-
-/// Whether the tool is a ball that nothing but a mesh and the spring holds.
-bool IsFreeBall(const StepContext& context) {
-  return context.buffers.meshes && context.buffers.meshes->tool().radius > 0.0 && !context.soft &&
-         !Rubs(context);
-}
-
 /// The same for a ball that goes round creases.
 void Round(StepContext& context) {
-  context.rounds = IsFreeBall(context) && RoundCreases(context);
+  context.rounds = context.IsFreeBall() && RoundCreases(context);
 }
 
 /// The same with friction, where the model has it and a row is active.
 void Rub(StepContext& context) {
   FrictionState& friction = context.state.friction;
   if (context.iterates > 1) friction = context.friction_before;
-  if (!Rubs(context)) return;
+  if (!context.Rubs()) return;
   if (context.optimum.qp.active == 0 || friction.suspended ||
       context.optimum.qp.status == QpStatus::kIterationLimit) {
     return;
@@ -197,122 +175,17 @@ void Rub(StepContext& context) {
   AddCoulombFriction(context);
 }
 
-/// The rows that hold the tool: the solver's first guess next time.
-void Remember(StepContext& context) {
-  context.state.active = context.optimum.qp.active;
-  for (int i = 0; i < context.state.active; ++i) {
-    context.state.active_pairs[static_cast<std::size_t>(i)] =
-        context.buffers.rows.pair(context.optimum.qp.row[i]);
-  }
-}
-
-/// Whether anything holds the tool.
-bool IsHeld(const StepContext& context) {
-  return context.optimum.qp.active != 0 || context.yielding.count != 0;
-}
-
-/// The part of the way to the optimum that the bounds allow: the step under the same rows that is
-/// nearest to a nearer target.  A step that were only scaled down would make good only a part of
-/// what the last rotation left violated, and the errors of many short steps would add up.
-void ShortenWay(StepContext& context, double part) {
-  const int degrees_of_freedom = context.model.degrees_of_freedom();
-  const Target nearer{limits::kBoundShare * part * context.v,
-                      limits::kBoundShare * part * context.phi};
-  // The way to where the soft rows balance the spring: they have no part in it.
-  const Optimum partial = NearestStep(context, nearer, nullptr);
-  context.report.qp_iterations += partial.qp.iterations;
-  const bool unsolved = partial.qp.status == QpStatus::kIterationLimit;
-  if (unsolved) context.report.faults |= kFaultUnsolved;
-  const double clip =
-      unsolved ? 0.0 : PartWithin(context.bounds, degrees_of_freedom, partial.v, partial.phi);
-  context.v = clip * partial.v;
-  context.phi = clip * partial.phi;
-}
-
-/// A way nearer to the hand, where rows that were made for a trial let only such through as lead
-/// away from it: under the same rows, lowered to what the tool's own place allows.
-/// Without it a tool in a hollow that is sharper than the hand is deep would go beyond the bottom,
-/// and back in the next step, and never rest.
-void StepDown(StepContext& context) {
-  context.buffers.rows.AdmitZero();
-  context.optimum = NearestStep(context, context.target, nullptr);
-  context.report.qp_iterations += context.optimum.qp.iterations;
-  Remember(context);
-  const double part = PartWithin(context.bounds, context.model.degrees_of_freedom(),
-                                 context.optimum.v, context.optimum.phi);
-  context.arrived = part == 1.0;
-  context.v = part * context.optimum.v;
-  context.phi = part * context.optimum.phi;
-}
-
-/// The way to the optimum, as far as the bounds go; and whether the meshes are apart at its end. If
-/// not, there are new rows, and it all begins again.  A way that is still not free in the end is
-/// halved until it is: the tool's own place always is.
-bool Clear(StepContext& context) {
-  StepBuffers& buffers = context.buffers;
-  const Optimum& optimum = context.optimum;
-  context.v = optimum.v;
-  context.phi = optimum.phi;
-  const double part =
-      PartWithin(context.bounds, context.model.degrees_of_freedom(), optimum.v, optimum.phi);
-  context.arrived = part == 1.0;
-  if (!context.arrived) ShortenWay(context, part);
-  if (!buffers.meshes) return true;
-  MeshContact& meshes = *buffers.meshes;
-  const auto is_free = [&] {
-    const bool turns = context.model.degrees_of_freedom() == 6;
-    return meshes.Check(context.v, turns ? context.phi : Vec3::Zero(), buffers.rows) == 0;
-  };
-  const bool goes_on = context.iterates < limits::mesh::kIterates;
-  if (is_free()) {
-    if (context.arrived && goes_on) {
-      if (meshes.Retract(optimum.qp.row, optimum.qp.active, buffers.rows) != 0) return false;
-      // A ball's rows have the smooth surface's normals at the trial, so the ball rests there,
-      // though the facets on the way may have lifted it.  At a crease they have those of the
-      // beginning: the ball has not arrived, and goes on round it.
-      if (IsFreeBall(context)) {
-        context.arrived =
-            meshes.Turned(optimum.qp.row, optimum.qp.active, buffers.rows) <= limits::mesh::kTurned;
-      }
-      if (meshes.tool().radius > 0.0) return true;
-    }
-    // What yields pushes as well: the optimum of both may lie farther from the hand.  So may a
-    // straight way past a crease, where the arc ends nearer.
-    if (!Lifts(context, context.v, context.phi) || Rubs(context) || context.soft || context.rounds)
-      return true;
-    StepDown(context);
-    if (is_free()) return true;
-  } else if (goes_on && !meshes.IsExhausted()) {
-    return false;
-  }
-  context.arrived = false;
-  context.state.friction = context.friction_before;  // of no trial
-  const auto way = [&] {
-    return context.v.norm() + meshes.tool().mesh.reach() * context.phi.norm();
-  };
-  while (!meshes.IsFull() && way() > limits::mesh::kRounding) {
-    context.v *= 0.5;
-    context.phi *= 0.5;
-    if (is_free()) return true;
-  }
-  context.v.setZero();
-  context.phi.setZero();
-  meshes.Stay();
-  return true;
-}
-
 /// Takes the tool there.
 void Move(StepContext& context) {
   const bool meshes = context.buffers.meshes.has_value();
   if (meshes) {
     context.buffers.meshes->Accept();
-    context.last_looks = context.buffers.meshes->looks();
-    context.looks += context.last_looks;
+    context.looks += context.buffers.meshes->looks();
   }
-  if (Rubs(context) && context.optimum.qp.active == 0 && (context.arrived || !meshes)) {
+  if (context.Rubs() && context.optimum.qp.active == 0 && (context.arrived || !meshes)) {
     context.state.friction.Forget();
   }
-  if (context.arrived && !IsHeld(context)) {
+  if (context.arrived && !context.IsHeld()) {
     context.p_G = context.p_H;
     context.q_G = context.q_H;
     return;
@@ -355,7 +228,7 @@ void Report(StepContext& context) {
   const Optimum& optimum = context.optimum;
   if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
   report.wrench = Wrench{};
-  if (IsHeld(context)) {
+  if (context.IsHeld()) {
     report.wrench =
         SpringWrench(context.target, optimum.v, optimum.phi, model.parameters().stiffness,
                      model.parameters().torsional_stiffness);

@@ -163,8 +163,8 @@ inline constexpr double kParallel = 0.02;
 /// A corner is the place that touches where it is no farther than the nearest points by this share,
 /// and by the same share of delta.
 inline constexpr double kWitnessRatio = 1.02, kWitness = (kWitnessRatio - 1.0) * kSeparation;
-/// A ball's row is turned again where its direction leaves the smooth normal by more [rad]: a
-/// thousandth of the force.
+/// A row is made anew where its direction at the trial has turned by more [rad]: a thousandth of
+/// the force.
 inline constexpr double kTurned = 1e-3;
 /// Of a ball that goes round an edge, the depth over its radius: more is taken as this.  And the
 /// squared sine between a row and those before it below which it stops nothing new.  Taken.
@@ -174,10 +174,10 @@ inline constexpr double kTouching = 2.0 * kSeparation;
 /// Iterates of a sub-step, of which three are usual; and directions in which a plane between two
 /// patches is looked for, of which four are.  Taken.
 inline constexpr int kIterates = 16;
-/// Looks of a sub-step at most, some 130 ns each: 450 us.  A look is a direction in which a plane
-/// is looked for, or the nearest points of two triangles.  A further sub-step is begun where one
-/// like the last would leave the cycle's below this.
-inline constexpr int kMaxLooks = 3400;
+/// Looks of a cycle at most, some 130 ns each: 450 us.  A look is a direction in which a plane is
+/// looked for, or the nearest points of two triangles.  A further sub-step is begun where a quarter
+/// of them is left: with less, most sub-steps would end where they began.
+inline constexpr int kMaxLooks = 3400, kLeastLooks = kMaxLooks / 4;
 /// Pairs that are brought up to date, or found not to hold in a trial, in the time of one look;
 /// eight times as many are tested in it.
 inline constexpr int kRefreshesALook = 8;

@@ -44,6 +44,7 @@ class ContactReport {
     json_["arrived_fraction"] = f.arrived_fraction();
     Group("lag where far", "mm", 1e3, f.lag, json_["lag_mm"]);
     Group("force error", "N", 1.0, f.force_error, json_["force_error_N"]);
+    Group("force error, arrived", "N", 1.0, f.arrived_error, json_["force_error_arrived_N"]);
     json_["unconverged"] = f.unconverged;
     json_["force_rms_N"] = f.force_rms;
     json_["mean_speed_m_per_s"] = f.mean_speed;

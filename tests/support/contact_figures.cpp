@@ -217,6 +217,7 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
       const Converged truth = Converge(path, motion, X_WH, state);
       figures.unconverged += !truth.converged;
       figures.force_error.push_back((wrench.force - truth.report.wrench.force).norm());
+      if (!far) figures.arrived_error.push_back(figures.force_error.back());
       if (far) {
         figures.lag.push_back(
             (motion.Centroid(report.X_WG) - motion.Centroid(truth.report.X_WG)).norm());

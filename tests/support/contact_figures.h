@@ -52,9 +52,10 @@ struct ContactFigures {
 
   /// Against the converged answer: the step's state stepped on with the same hand, until no point
   /// of the tool moves by 1e-8 m in a step, 200 steps at most.  (Leaves wear meanwhile.)
-  std::vector<double> lag;          ///< of centroids, at steps that did not arrive [m]
-  std::vector<double> force_error;  ///< |F - F_converged| at all steps looked at [N]
-  std::size_t unconverged = 0;      ///< still moving after the 200
+  std::vector<double> lag;            ///< of centroids, at steps that did not arrive [m]
+  std::vector<double> force_error;    ///< |F - F_converged| at all steps looked at [N]
+  std::vector<double> arrived_error;  ///< of those, at the steps that arrived [N]
+  std::size_t unconverged = 0;        ///< still moving after the 200
 
   struct Jumps {
     double force_max = 0.0, torque_max = 0.0;      ///< [N], [N m]

@@ -1,6 +1,7 @@
 #include "server/physics/rows/contact_rows.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <new>
 #include <numeric>
@@ -121,6 +122,12 @@ QpRows ContactRows::view() const {
 Vec3 ContactRows::lever_cross_normal(int row) const {
   if (degrees_of_freedom_ == 3) return Vec3::Zero();
   return rho_ * Vec3(columns_.a[3][row], columns_.a[4][row], columns_.a[5][row]);
+}
+
+double ContactRows::Turned(int row, const Vec3& n, const Vec3& by_turning) const {
+  return std::hypot(
+      (n - normal(row)).norm(),
+      degrees_of_freedom_ == 3 ? 0.0 : (by_turning - lever_cross_normal(row)).norm() / rho_);
 }
 
 int ContactRows::Find(const LeafPair* pairs, int count, int* row) const noexcept {

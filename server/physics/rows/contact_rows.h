@@ -65,6 +65,9 @@ class ContactRows {
   }
   /// l x n [m]; zero where there are 3 degrees of freedom.
   Vec3 lever_cross_normal(int row) const;
+  /// How far the row's direction in the configuration space, [n; l x n / rho], is from another one
+  /// with these parts [rad, for small ones].
+  double Turned(int row, const Vec3& n, const Vec3& by_turning) const;
   /// Lever arm of the contact point [m], in W: of rows from AddRow.
   Vec3 lever(int row) const {
     return {columns_.lever[0][row], columns_.lever[1][row], columns_.lever[2][row]};

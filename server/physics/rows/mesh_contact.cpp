@@ -103,12 +103,12 @@ bool MeshContact::HoldsAlong(NearPair& near, const Vec3& n, double least_old, do
   return true;
 }
 
-Vec3 MeshContact::NormalAt(const NearPair& near, const Plane& plane, const ToolPose& at) const {
+Vec3 MeshContact::NormalAt(const Touch& touch, const Plane& plane, const ToolPose& at) const {
   switch (plane.of) {
     case Plane::Of::kTool:
       return at.R * plane.n;
     case Plane::Of::kEdges: {
-      const auto a = HullTree::TriangleOf(near.tool), b = HullTree::TriangleOf(near.object);
+      const auto a = HullTree::TriangleOf(touch.tool), b = HullTree::TriangleOf(touch.object);
       const int i = plane.tool_edge, j = plane.object_edge;
       const Vec3 ea = tool_.mesh.Corner(a, (i + 1) % 3) - tool_.mesh.Corner(a, i);
       const Vec3 eb = objects_.mesh.Corner(b, (j + 1) % 3) - objects_.mesh.Corner(b, j);
@@ -128,11 +128,13 @@ double MeshContact::TurnLoss(const Plane& plane, const Touch& touch, const Vec3&
   return 0.25 * (n_new - n_old).norm() * (v_ + phi_.cross(lever)).norm();
 }
 
-/// As HoldsAlong, for a plane that may move with the tool.
-bool MeshContact::HoldsAcross(NearPair& near, const Plane& plane, const Touch& touch) {
-  const double least_old = LeastOld(touch.distance), least_new = LeastNew(touch.distance);
+/// As HoldsAlong, for a plane of a touch, which may move with the tool, and a pair that is
+/// `distance` apart at the sub-step's beginning: the touch's own, or a neighbour.
+bool MeshContact::HoldsAcross(NearPair& near, double distance, const Plane& plane,
+                              const Touch& touch) {
+  const double least_old = LeastOld(distance), least_new = LeastNew(distance);
   if (plane.of == Plane::Of::kObject) return HoldsAlong(near, plane.n, least_old, least_new);
-  const Vec3 n_old = NormalAt(near, plane, from_), n_new = NormalAt(near, plane, to_);
+  const Vec3 n_old = NormalAt(touch, plane, from_), n_new = NormalAt(touch, plane, to_);
   const double before = Gap(near, n_old, from_), now = Gap(near, n_new, to_);
   if (!(before >= least_old && now >= least_new)) return false;
   if (std::min(before, now) - TurnLoss(plane, touch, n_old, n_new) <
@@ -212,8 +214,10 @@ void MeshContact::AddNear(const SeparationFront::Index* index, int count, double
 }
 
 void MeshContact::Begin(const Kernels& kernels, SeparationFront& front, const ToolPose& from,
-                        const LeafPair* active, int actives, ContactRows& rows) noexcept {
+                        const LeafPair* active, int actives, std::int64_t most_looks,
+                        ContactRows& rows) noexcept {
   tested_ = refreshed_ = 0;
+  most_looks_ = most_looks;
   kernels_ = &kernels;
   front_ = &front;
   from_ = to_ = from;
@@ -252,11 +256,23 @@ void MeshContact::Begin(const Kernels& kernels, SeparationFront& front, const To
     Touch& touch = TouchOf(near);
     if (touch.distance <= 0.0 || touch.plane.of != Plane::Of::kNone) continue;
     touch.plane = ChoosePlane(near, touch);
-    PutRows(near, touch, true, rows);
+    PutRows(near, true, rows);
   }
 }
 
 int MeshContact::Check(const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept {
+  const int apart_not = Look(v, phi, &rows);
+  GiveDeferredRows(rows);
+  return apart_not;
+}
+
+bool MeshContact::IsFree(const Vec3& v, const Vec3& phi) noexcept {
+  return Look(v, phi, nullptr) == 0;
+}
+
+/// Check, but for rows of pairs out of their cones; without rows, of the first pair that is not
+/// apart.
+int MeshContact::Look(const Vec3& v, const Vec3& phi, ContactRows* rows) {
   v_ = v;
   phi_ = phi;
   moved_ = v != Vec3::Zero() || phi != Vec3::Zero();
@@ -289,22 +305,23 @@ int MeshContact::Check(const Vec3& v, const Vec3& phi, ContactRows& rows) noexce
       doubts_.push_back(DoubtOf(planes_.left[k], k));
       std::push_heap(doubts_.begin(), doubts_.end(), std::greater<>());
     }
-    if (doubts_.empty() || (moved_ && apart_not >= kEnough)) break;
+    if (doubts_.empty() || (moved_ && apart_not >= (rows != nullptr ? kEnough : 1))) break;
     // The deepest first.  With a good many rows the next trial is another one: the rest can wait.
-    for (int i = 0; i < kBatch && !doubts_.empty() && !IsExhausted(); ++i) {
+    const int last = rows != nullptr ? std::numeric_limits<int>::max() : 0;
+    for (int i = 0; i < kBatch && !doubts_.empty() && !IsExhausted() && apart_not <= last; ++i) {
       std::pop_heap(doubts_.begin(), doubts_.end(), std::greater<>());
       const std::int32_t k = NearOf(doubts_.back());
       doubts_.pop_back();
       if (!LookCloser(k, rows)) ++apart_not;
     }
   }
-  GiveDeferredRows(rows);
   return apart_not;
 }
 
 /// Whether a pair is apart at the trial, whatever the front's own plane says.  Patches that no
-/// plane separates are opened: their parts say.  Triangles that no plane separates get their rows.
-bool MeshContact::LookCloser(std::int32_t k, ContactRows& rows) {
+/// plane separates are opened: their parts say.  Triangles that no plane separates get their rows;
+/// the planes that may be those of a contact are few, and no other one is looked for.
+bool MeshContact::LookCloser(std::int32_t k, ContactRows* rows) {
   NearPair& near = near_[static_cast<std::size_t>(k)];
   near.looked_at = trial_;
   if (IsExhausted()) return false;
@@ -312,13 +329,17 @@ bool MeshContact::LookCloser(std::int32_t k, ContactRows& rows) {
   const bool has_plane =
       near.touch >= 0 &&
       touches_[static_cast<std::size_t>(near.touch)].plane.of != Plane::Of::kNone;
-  if (!has_plane && IsSeparable(near)) return true;
+  // A ball's row goes along the smooth surface and not along the pair's plane: any plane will do.
+  const bool apart =
+      !has_plane &&
+      (tool_.radius > 0.0 ? IsSeparable(near) : HoldsAlong(near, NormalOf(near), kFree, kFree));
+  if (apart) return true;
   if (near.touch < 0 && touches_.size() == kMaxTouches) return false;
   ++tested_;
   if (TrianglesApart(near)) return true;
-  if (!moved_) return false;
+  if (!moved_ || rows == nullptr) return false;
   if (TouchOf(near).in_cone) {
-    touched_ = GiveRows(near, rows) || touched_;
+    touched_ = GiveRows(near, *rows) || touched_;
   } else {
     deferred_.push_back(k);
   }
@@ -328,7 +349,7 @@ bool MeshContact::LookCloser(std::int32_t k, ContactRows& rows) {
 bool MeshContact::GiveRows(NearPair& near, ContactRows& rows) {
   Touch& touch = TouchOf(near);
   if (touch.plane.of == Plane::Of::kNone) touch.plane = ChoosePlane(near, touch);
-  return PutRows(near, touch, false, rows);
+  return PutRows(near, false, rows);
 }
 
 /// Of pairs out of their cones a neighbour is nearer, and its rows mostly keep them apart too.  So
@@ -396,9 +417,10 @@ MeshContact::Touch& MeshContact::TouchOf(NearPair& near) {
   if (near.touch >= 0) return touches_[static_cast<std::size_t>(near.touch)];
   near.touch = static_cast<std::int32_t>(touches_.size());
   Touch& touch = touches_.emplace_back();
+  touch.tool = near.tool;
   touch.object = near.object;
   touch.row[0] = touch.row[1] = touch.row[2] = -1;
-  touch.retracted = false;
+  touch.retracted = touch.relinearised = false;
   const Corners corners = CornersAt(near.tool, near.object, from_);
   touch.nearest = NearestOfTriangles(corners.a, corners.b);
   const double length = std::sqrt(touch.nearest.squared);
@@ -435,21 +457,32 @@ MeshContact::Touch& MeshContact::TouchOf(NearPair& near) {
 
 bool MeshContact::TrianglesApart(NearPair& near) {
   const Touch& touch = TouchOf(near);
-  if (touch.plane.of != Plane::Of::kNone && HoldsAcross(near, touch.plane, touch)) return true;
+  const auto across = [&](const Plane& plane) {
+    return HoldsAcross(near, touch.distance, plane, touch);
+  };
+  if (touch.plane.of != Plane::Of::kNone && across(touch.plane)) return true;
   const double least_old = LeastOld(touch.distance), least_new = LeastNew(touch.distance);
   const auto holds = [&](const Vec3& n) { return HoldsAlong(near, n, least_old, least_new); };
   if (holds(touch.u) || holds(NormalOf(near))) return true;
   bool held = false;
-  ForEachFace(near, touch.nearest,
-              [&](const Plane& plane) { held = held || HoldsAcross(near, plane, touch); });
+  ForEachFace(near, touch.nearest, [&](const Plane& plane) { held = held || across(plane); });
   if (held || !moved_) return held;
   const Corners corners = CornersAt(near.tool, near.object, to_);
   const NearestPoints nearest = NearestOfTriangles(corners.a, corners.b);
   if (nearest.squared > 0.0 && holds((nearest.p - nearest.q) / std::sqrt(nearest.squared))) {
     return true;
   }
-  return touch.in_cone && touch.plane.of == Plane::Of::kNone &&
-         HoldsAcross(near, ChoosePlane(near, touch), touch);
+  if (!touch.in_cone) return NeighbourHolds(near, touch.distance);
+  return touch.plane.of == Plane::Of::kNone && across(ChoosePlane(near, touch));
+}
+
+/// Whether the plane of a contact keeps this pair apart too, which is out of its cones: it hinders
+/// nothing that the contact does not.
+bool MeshContact::NeighbourHolds(NearPair& near, double distance) {
+  return std::any_of(touches_.begin(), touches_.end(), [&](const Touch& touch) {
+    return touch.in_cone && !touch.retracted && touch.plane.of != Plane::Of::kNone &&
+           HoldsAcross(near, distance, touch.plane, touch);
+  });
 }
 
 /// Calls visit(plane) for the faces that meet at the nearest points, of either mesh, turned to look
@@ -496,8 +529,8 @@ MeshContact::Plane MeshContact::ChoosePlane(const NearPair& near, const Touch& t
     const double least = LeastNew(touch.distance);
     double best = -kInfinity;
     ForEachFace(near, touch.nearest, [&](const Plane& face) {
-      if (!(Gap(near, NormalAt(near, face, from_), from_) >= least)) return;
-      const double gap = Gap(near, NormalAt(near, face, to_), to_);
+      if (!(Gap(near, NormalAt(touch, face, from_), from_) >= least)) return;
+      const double gap = Gap(near, NormalAt(touch, face, to_), to_);
       if (gap <= best) return;
       best = gap;
       plane = face;
@@ -532,8 +565,8 @@ MeshContact::Plane MeshContact::ChoosePlane(const NearPair& near, const Touch& t
 /// Where the edges themselves are nearest it is l x n, with l the lever of the place where they
 /// cross.  At a trial that turns far a corner has come past them, and that lever is not its own: in
 /// a peg's hole such a row shut the tool's own place out by 150 um.
-Vec3 MeshContact::EdgesTurning(const NearPair& near, const Plane& plane, const Vec3& n) const {
-  const Corners corners = CornersAt(near.tool, near.object, to_);
+Vec3 MeshContact::EdgesTurning(const Touch& touch, const Vec3& n) const {
+  const Corners corners = CornersAt(touch.tool, touch.object, to_);
   // Where a corner is but as near as the edges, the touch is theirs.
   const auto farthest = [](const Vec3* corner, int edge, const Vec3& way) {
     Vec3 best = corner[edge];
@@ -542,7 +575,7 @@ Vec3 MeshContact::EdgesTurning(const NearPair& near, const Plane& plane, const V
     }
     return best;
   };
-  const int i = plane.tool_edge, j = plane.object_edge;
+  const int i = touch.plane.tool_edge, j = touch.plane.object_edge;
   const Vec3 lowest = farthest(corners.a, i, -n);
   const Vec3 d = lowest - farthest(corners.b, j, n);
   const Vec3 ea = corners.a[(i + 1) % 3] - corners.a[i];
@@ -576,61 +609,96 @@ bool MeshContact::GiveUpRegain(ContactRows& rows) noexcept {
   return true;
 }
 
-/// Adds or mends the rows of a pair's plane: `all` those of the corners that touch, else those of
-/// the corners that the trial leaves too low.  Their right-hand sides are exact at the trial.
-bool MeshContact::PutRows(NearPair& near, Touch& touch, bool all, ContactRows& rows) {
+/// The rows of a pair's plane, which are exact at the trial in value and in direction.  Returns how
+/// many there are.
+int MeshContact::RowsOf(const NearPair& near, const Touch& touch, PlaneRow (&of)[3]) const {
   const Plane& plane = touch.plane;
-  const Vec3 n_old = NormalAt(near, plane, from_), n_new = NormalAt(near, plane, to_);
-  const double before = Gap(near, n_old, from_);
-  const double asked = Asked(before);
-  const double loss = TurnLoss(plane, touch, n_old, n_new);
-  const double least = LeastNew(touch.distance);
-  bool changed = false;
-  const auto put = [&](int slot, int k, const Vec3& n, const Vec3& lever, double gap, double now,
-                       const Vec3* turning = nullptr) {
-    int& row = touch.row[k];
-    if (all ? gap > kWitnessRatio * before + kWitness : now >= least) return;
-    if (row < 0) {
-      if (rows.count() >= rows.max_rows()) return;
-      row = rows.count();
-      rows.AddRow(n, lever, gap, KeyOf(near.tool, near.object, slot));
-      touch_of_row_.resize(static_cast<std::size_t>(rows.count()), -1);
-      touch_of_row_[static_cast<std::size_t>(row)] = near.touch;
-    }
-    // a . x >= asked at the trial, where the exact gap is `now`.
-    const Vec3 along = SmoothedRow(near, n);
-    const Vec3 by_turning = turning != nullptr ? *turning : lever.cross(along);
-    const double at_trial = along.dot(v_) + by_turning.dot(phi_);
-    rows.SetRow(row, along, lever, by_turning, now - asked - at_trial);
-    regain_[static_cast<std::size_t>(row)] = asked - std::min(kSeparation, before);
-    changed = true;
-  };
+  const Vec3 n_old = NormalAt(touch, plane, from_), n_new = NormalAt(touch, plane, to_);
+  // phi grows on the left of a rotation by phi: w . J_l(phi) dphi, with J_l = 1 + 1/2 [phi]x.
+  const auto by_phi = [&](const Vec3& w) -> Vec3 { return w - 0.5 * phi_.cross(w); };
   if (plane.of == Plane::Of::kEdges) {
     const Vec3 lever = to_.R * (from_.R.transpose() * (touch.nearest.p - from_.p));
-    const Vec3 turning = EdgesTurning(near, plane, n_new);
-    const double now = Gap(near, n_new, to_);
+    const double before = Gap(near, n_old, from_), now = Gap(near, n_new, to_);
+    const double loss = TurnLoss(plane, touch, n_old, n_new);
     const bool holds = std::min(before, now) - loss >= 0.5 * std::min(kFree, before);
-    put(3, 0, n_new, lever - tool_.radius * n_new, before,
-        holds ? now : std::min(now, least) - loss, &turning);
-    return changed;
+    of[0] = {3,
+             n_new,
+             lever - tool_.radius * n_new,
+             by_phi(EdgesTurning(touch, n_new)),
+             before,
+             holds ? now : std::min(now, LeastNew(touch.distance)) - loss};
+    return 1;
   }
   const Corners old = CornersAt(near.tool, near.object, from_),
                 now = CornersAt(near.tool, near.object, to_);
   const bool of_tool = plane.of == Plane::Of::kObject;
   const double plane_old = of_tool ? High(near.object, n_old) : Low(near.tool, n_old, from_);
   const double plane_new = of_tool ? plane_old : Low(near.tool, n_new, to_);
+  const Vec3 along = SmoothedRow(near, n_new);
+  const Vec3 down = of_tool ? Vec3(tool_.radius * n_new) : Vec3::Zero();
+  const double sign = of_tool ? 1.0 : -1.0;
   const int corners = of_tool && tool_.radius > 0.0 ? 1 : 3;
   for (int c = 0; c < corners; ++c) {
-    if (of_tool) {
-      put(c, c, n_old, old.a[c] - from_.p - tool_.radius * n_old,
-          n_old.dot(old.a[c]) - tool_.radius - plane_old,
-          n_new.dot(now.a[c]) - tool_.radius - plane_new);
-    } else {
-      put(c, c, n_old, old.b[c] - from_.p, plane_old - n_old.dot(old.b[c]),
-          plane_new - n_new.dot(old.b[c]));
-    }
+    const Vec3 &corner_old = of_tool ? old.a[c] : old.b[c],
+               &corner_new = of_tool ? now.a[c] : now.b[c];
+    of[c] = {c,
+             along,
+             corner_old - from_.p - down,
+             by_phi((corner_new - to_.p - down).cross(along)),
+             sign * (n_old.dot(corner_old - down) - plane_old),
+             sign * (n_new.dot(corner_new - down) - plane_new)};
   }
-  return changed;
+  return corners;
+}
+
+/// Adds or mends a row: a . x >= what it asks for at the trial, where the gap is `now`.
+void MeshContact::SetRow(const NearPair& near, const PlaneRow& of, ContactRows& rows) {
+  Touch& touch = touches_[static_cast<std::size_t>(near.touch)];
+  int& row = touch.row[of.slot % 3];
+  if (row < 0) {
+    if (rows.count() >= rows.max_rows()) return;
+    row = rows.count();
+    rows.AddRow(of.n, of.lever, of.before, KeyOf(near.tool, near.object, of.slot));
+    touch_of_row_.resize(static_cast<std::size_t>(rows.count()), -1);
+    touch_of_row_[static_cast<std::size_t>(row)] = near.touch;
+  }
+  const double before = Gap(near, NormalAt(touch, touch.plane, from_), from_);
+  const double asked = Asked(before);
+  rows.SetRow(row, of.n, of.lever, of.by_turning,
+              of.now - asked - of.n.dot(v_) - of.by_turning.dot(phi_));
+  regain_[static_cast<std::size_t>(row)] = asked - std::min(kSeparation, before);
+}
+
+/// Puts the rows of a pair's plane: `all` those of the corners that touch, else those of the
+/// corners that the trial leaves too low.
+bool MeshContact::PutRows(const NearPair& near, bool all, ContactRows& rows) {
+  const Touch& touch = touches_[static_cast<std::size_t>(near.touch)];
+  PlaneRow of[3];
+  const int count = RowsOf(near, touch, of);
+  const double touching =
+      kWitnessRatio * Gap(near, NormalAt(touch, touch.plane, from_), from_) + kWitness;
+  const double least = LeastNew(touch.distance);
+  bool put = false;
+  for (int i = 0; i < count; ++i) {
+    if (all ? of[i].before > touching : of[i].now >= least) continue;
+    SetRow(near, of[i], rows);
+    put = true;
+  }
+  return put;
+}
+
+MeshContact::NearPair& MeshContact::PairOf(const Touch& touch) {
+  const auto index = static_cast<std::int32_t>(&touch - touches_.data());
+  return *std::find_if(near_.begin(), near_.end(),
+                       [&](const NearPair& near) { return near.touch == index; });
+}
+
+/// Takes a pair's rows out.
+void MeshContact::TakeOut(Touch& touch, ContactRows& rows) {
+  for (int& row : touch.row) {
+    if (row >= 0) rows.Loosen(row);
+    row = -1;
+  }
 }
 
 /// A ball's row goes along the smooth surface's normal where the ball comes to, not where it was:
@@ -698,60 +766,121 @@ double MeshContact::Turned(const int* active, int actives, const ContactRows& ro
   return smooth || !(nearest < kInfinity) ? most : std::max(least, most);
 }
 
-int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noexcept {
+/// The touch whose row this is; null of leaves, and where the pair intersects.
+MeshContact::Touch* MeshContact::TouchOfRow(int row) {
+  const auto r = static_cast<std::size_t>(row);
+  if (r >= touch_of_row_.size() || touch_of_row_[r] < 0) return nullptr;
+  Touch& touch = touches_[static_cast<std::size_t>(touch_of_row_[r])];
+  return touch.distance > 0.0 ? &touch : nullptr;
+}
+
+/// Calls mend(row, touch) for the active rows at the trial, and returns how many it changed.  Pairs
+/// that meet at one corner have the same row each, and the QP takes one of them: where it changes
+/// that, it is called for the others too, or they would come one a trial.
+template <class Mend>
+int MeshContact::MendRows(const int* active, int actives, const ContactRows& rows, Mend mend) {
   int changed = 0;
-  for (int i = 0; i < actives; ++i) {
-    const auto row = static_cast<std::size_t>(active[i]);
-    if (row >= touch_of_row_.size() || touch_of_row_[row] < 0) continue;
-    const std::int32_t index = touch_of_row_[row];
-    Touch& touch = touches_[static_cast<std::size_t>(index)];
-    if (touch.distance <= 0.0 || touch.retracted) continue;
-    const auto found = std::find_if(near_.begin(), near_.end(),
-                                    [&](const NearPair& near) { return near.touch == index; });
-    NearPair& near = *found;
-    const Corners corners = CornersAt(near.tool, near.object, to_);
-    const NearestPoints nearest = NearestOfTriangles(corners.a, corners.b);
-    if (!(nearest.squared > 0.0)) continue;
-    const double length = std::sqrt(nearest.squared);
-    const Vec3 u = (nearest.p - nearest.q) / length;
-    // The row's own point, at the trial.
-    const double gap = rows.Left(static_cast<int>(row), v_, phi_) + kSeparation;
-    if (InCone(near, nearest, u, to_) &&
-        gap <= kWitnessRatio * (length - tool_.radius) + kWitness) {
-      if (TurnSmoothed(near, touch, static_cast<int>(row), nearest, u, rows)) ++changed;
-      continue;
-    }
-    Plane other;
-    double best = kSeparation - kWitness;
-    const auto consider = [&](const Plane& plane) {
-      if (plane.of == touch.plane.of && plane.n == touch.plane.n) return;
-      const double both = std::min(Gap(near, NormalAt(near, plane, from_), from_),
-                                   Gap(near, NormalAt(near, plane, to_), to_));
-      if (both <= best) return;
-      best = both;
-      other = plane;
-    };
-    ForEachFace(near, touch.nearest, consider);
-    ForEachFace(near, nearest, consider);
-    for (const Vec3& n : {touch.u, u}) {
-      Plane plane;
-      plane.of = Plane::Of::kObject;
-      plane.n = n;
-      consider(plane);
-      plane.of = Plane::Of::kTool;
-      plane.n = from_.R.transpose() * n;
-      consider(plane);
-    }
-    if (other.of == Plane::Of::kNone) continue;
-    for (int& r : touch.row) {
-      if (r >= 0) rows.Loosen(r);
-      r = -1;
-    }
-    touch.plane = other;
-    touch.retracted = true;
-    ++changed;
+  const auto mend_row = [&](int row) {
+    Touch* touch = TouchOfRow(row);
+    return touch != nullptr && mend(row, *touch);
+  };
+  for (int i = 0; i < actives; ++i) changed += mend_row(active[i]) ? 1 : 0;
+  if (changed == 0 || tool_.radius > 0.0) return changed;
+  for (int row = 0; row < rows.count(); ++row) {
+    if (rows.Left(row, v_, phi_) <= kWitness) mend_row(row);
   }
   return changed;
+}
+
+int MeshContact::Relinearise(const int* active, int actives, ContactRows& rows) noexcept {
+  return MendRows(active, actives, rows, [&](int row, Touch& touch) {
+    if (touch.relinearised) return false;
+    const NearPair& near = PairOf(touch);
+    PlaneRow of[3];
+    const int count = RowsOf(near, touch, of);
+    for (int k = 0; k < count; ++k) {
+      if (touch.row[of[k].slot % 3] != row) continue;
+      if (rows.Turned(row, of[k].n, of[k].by_turning) <= kTurned) return false;
+      SetRow(near, of[k], rows);
+      touch.relinearised = true;
+    }
+    return touch.relinearised;
+  });
+}
+
+int MeshContact::Release(const int* active, int actives, ContactRows& rows) noexcept {
+  return MendRows(active, actives, rows, [&](int row, Touch& touch) {
+    // The pair is farther apart at the trial than its row says.
+    const Corners corners = CornersAt(touch.tool, touch.object, to_);
+    const double apart = std::sqrt(NearestOfTriangles(corners.a, corners.b).squared);
+    const double gap = rows.Left(row, v_, phi_) + kSeparation;
+    if (apart - tool_.radius <= kWitnessRatio * gap + kWitness) return false;
+    TakeOut(touch, rows);
+    return true;
+  });
+}
+
+int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noexcept {
+  return MendRows(active, actives, rows, [&](int row, Touch& touch) {
+    return !touch.retracted && Retract(row, touch, rows);
+  });
+}
+
+bool MeshContact::Retract(int row, Touch& touch, ContactRows& rows) {
+  NearPair& near = PairOf(touch);
+  const Corners corners = CornersAt(near.tool, near.object, to_);
+  const NearestPoints nearest = NearestOfTriangles(corners.a, corners.b);
+  if (!(nearest.squared > 0.0)) return false;
+  const double length = std::sqrt(nearest.squared);
+  const Vec3 u = (nearest.p - nearest.q) / length;
+  // The row's own point, at the trial.
+  const double gap = rows.Left(row, v_, phi_) + kSeparation;
+  if (InCone(near, nearest, u, to_) && gap <= kWitnessRatio * (length - tool_.radius) + kWitness) {
+    return TurnSmoothed(near, touch, row, nearest, u, rows);
+  }
+  if (tool_.radius == 0.0 && !touch.in_cone && NeighbourHolds(near, touch.distance)) {
+    TakeOut(touch, rows);
+    touch.plane = Plane{};
+    return true;
+  }
+  const Plane other = OtherPlane(near, touch, nearest, u);
+  if (other.of == Plane::Of::kNone) return false;
+  TakeOut(touch, rows);
+  touch.plane = other;
+  touch.retracted = true;
+  return true;
+}
+
+/// The plane that a pair has most room along at the trial, of those that keep it apart at the
+/// sub-step's beginning too; none where there is no other one.
+MeshContact::Plane MeshContact::OtherPlane(const NearPair& near, const Touch& touch,
+                                           const NearestPoints& nearest, const Vec3& u) const {
+  Plane other;
+  constexpr double kEnoughRoom = kSeparation - kWitness;
+  double best = kEnoughRoom;
+  const auto consider = [&](const Plane& plane) {
+    if (plane.of == touch.plane.of && plane.n == touch.plane.n) return;
+    if (!(Gap(near, NormalAt(touch, plane, from_), from_) > kEnoughRoom)) return;
+    const double gap = Gap(near, NormalAt(touch, plane, to_), to_);
+    if (gap <= best) return;
+    best = gap;
+    other = plane;
+  };
+  ForEachFace(near, touch.nearest, consider);
+  ForEachFace(near, nearest, consider);
+  // Of triangles a micrometre apart the direction between is off a face's by what they have slid
+  // past its rim: noise, unless there is more room along it.
+  if (tool_.radius == 0.0) best += kWitness;
+  for (const Vec3& n : {touch.u, u}) {
+    Plane plane;
+    plane.of = Plane::Of::kObject;
+    plane.n = n;
+    consider(plane);
+    plane.of = Plane::Of::kTool;
+    plane.n = from_.R.transpose() * n;
+    consider(plane);
+  }
+  return other;
 }
 
 /// Merges pairs of the front that one plane keeps apart as a whole, with some room: one of the two

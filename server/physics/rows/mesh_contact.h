@@ -29,7 +29,7 @@ namespace palpate {
 /// Which plane: where the nearest features touch within their normal cones, the plane across the
 /// nearest points, fixed to the side that has the face or edge; of two edges that cross, the plane
 /// of both, which turns with them.  Out of the cones a neighbour is nearer, and the touch is the
-/// neighbour's: the pair gets a face of either mesh that separates it as well.
+/// neighbour's: its plane keeps this pair apart too, or else a face of either mesh.
 /// Drawings: server/ARCHITECTURE.md, Contact between meshes.
 ///
 /// Real-time but for construction: no allocation, lock, log or clock.  Deterministic.
@@ -40,20 +40,31 @@ class MeshContact {
 
   /// Begins a sub-step from `from`: updates the front, and adds the rows of the `active` pairs that
   /// still touch: those out of their cones too, or a tool at rest would find them anew in each
-  /// step, a little off.  A sub-step has limits::mesh::kMaxLooks looks; pairs that there are none
+  /// step, a little off.  It may look at most `most_looks` times; pairs that there are no looks
   /// left for count as not apart where their planes do not hold.
   void Begin(const Kernels& kernels, SeparationFront& front, const ToolPose& from,
-             const LeafPair* active, int actives, ContactRows& rows) noexcept;
+             const LeafPair* active, int actives, std::int64_t most_looks,
+             ContactRows& rows) noexcept;
 
   /// Looks at the trial [v; phi]: 0 where every pair has a plane.  Else more: a count of pairs that
   /// have none or were not looked at, for it ends with limits::mesh::kEnough that have none.  Rows
   /// of those that have none are added, or made anew where the trial breaks them.
   int Check(const Vec3& v, const Vec3& phi, ContactRows& rows) noexcept;
+  /// Whether the trial is free, without rows: it ends with the first pair that has no plane.
+  bool IsFree(const Vec3& v, const Vec3& phi) noexcept;
 
   /// Of the rows active at the trial that Check found free: takes those out whose pair does not
   /// touch there, and which another plane keeps apart.  Returns how many pairs it changed; where it
   /// is not 0, the rows are to be solved again.
   int Retract(const int* active, int actives, ContactRows& rows) noexcept;
+  /// The same for rows whose direction in the configuration space is another one at the trial than
+  /// where they were made, by limits::mesh::kTurned: makes them anew, once in a sub-step.
+  int Relinearise(const int* active, int actives, ContactRows& rows) noexcept;
+
+  /// Takes out the active rows whose pair does not touch at the trial: its plane is not that of a
+  /// contact, and hinders the tool without a cause.  Returns how many pairs those are; 0 where the
+  /// trial is where the contacts hold the tool.
+  int Release(const int* active, int actives, ContactRows& rows) noexcept;
 
   /// A ball's row goes straight past the edge or the corner that it touches: the derivative [1/m]
   /// of its normal by the ball's way round it.  Zero of other rows.
@@ -76,8 +87,8 @@ class MeshContact {
   /// What the sub-step has cost since Begin, in looks (limits::mesh::kMaxLooks): pairs brought up
   /// to date count as well.
   std::int64_t looks() const { return tested_ + refreshed_ / limits::mesh::kRefreshesALook; }
-  /// The sub-step may look no closer (limits::mesh::kMaxLooks): what needs it is not apart.
-  bool IsExhausted() const { return looks() >= limits::mesh::kMaxLooks; }
+  /// The sub-step may look no closer: what needs it is not apart.
+  bool IsExhausted() const { return looks() >= most_looks_; }
   /// More pairs are near than the sub-step may bring up to date: none of its trials is free.
   bool IsFull() const { return full_; }
   /// Whether no triangle of the tool meets one of the objects at a pose.  What lies wholly inside a
@@ -97,14 +108,15 @@ class MeshContact {
   };
   /// A pair of triangles that the front's own plane does not keep apart.
   struct Touch {
-    HullTree::Node object;
+    HullTree::Node tool, object;
     NearestPoints nearest;  ///< at the sub-step's beginning, in W
     Vec3 u;                 ///< direction between them
     double distance;        ///< the gap along u: negative where they intersect
     bool in_cone;
-    Plane plane;     ///< where it has rows
-    bool retracted;  ///< once in a sub-step: two planes could be taken for each other in turn
-    int row[3];      ///< of the corners, or the one row of kEdges; -1 where there is none
+    Plane plane;  ///< where it has rows
+    /// Once in a sub-step: two planes, or two directions, could be taken for each other in turn.
+    bool retracted, relinearised;
+    int row[3];  ///< of the corners, or the one row of kEdges; -1 where there is none
   };
   /// A pair of the front that the bounds could bring together.  Its plane at the sub-step's
   /// beginning, which every trial reads, stands in planes_ at the same index.
@@ -119,6 +131,14 @@ class MeshContact {
     Vec3 n;
     double slack;
   };
+  /// A row of a pair's plane, exact at the trial.
+  struct PlaneRow {
+    int slot;         ///< which of the pair's rows it is: a corner, or 3 of edges
+    Vec3 n;           ///< what the gap grows by as the tool moves
+    Vec3 lever;       ///< of the contact at the sub-step's beginning, from the tool's reference [m]
+    Vec3 by_turning;  ///< what the gap grows by as phi grows [m]
+    double before, now;  ///< gap at the sub-step's beginning and at the trial [m]
+  };
   struct Corners {
     Vec3 a[3], b[3];
   };
@@ -130,11 +150,13 @@ class MeshContact {
                   const Vec3& n_new) const;
   double Gap(const NearPair& near, const Vec3& n, const ToolPose& at) const;
   bool HoldsAlong(NearPair& near, const Vec3& n, double least_old, double least_new);
-  bool HoldsAcross(NearPair& near, const Plane& plane, const Touch& touch);
-  Vec3 NormalAt(const NearPair& near, const Plane& plane, const ToolPose& at) const;
+  bool HoldsAcross(NearPair& near, double distance, const Plane& plane, const Touch& touch);
+  Vec3 NormalAt(const Touch& touch, const Plane& plane, const ToolPose& at) const;
   bool IsSeparable(NearPair& near);
   bool TrianglesApart(NearPair& near);
-  bool LookCloser(std::int32_t k, ContactRows& rows);
+  bool NeighbourHolds(NearPair& near, double distance);
+  int Look(const Vec3& v, const Vec3& phi, ContactRows* rows);
+  bool LookCloser(std::int32_t k, ContactRows* rows);
   bool GiveRows(NearPair& near, ContactRows& rows);
   void GiveDeferredRows(ContactRows& rows);
   Vec3 NormalOf(const NearPair& near) const;
@@ -152,11 +174,21 @@ class MeshContact {
   void ForEachFace(const NearPair& near, const NearestPoints& nearest, Visit visit) const;
   double Asked(double before) const;
   Plane ChoosePlane(const NearPair& near, const Touch& touch) const;
-  Vec3 EdgesTurning(const NearPair& near, const Plane& plane, const Vec3& n) const;
+  Vec3 EdgesTurning(const Touch& touch, const Vec3& n) const;
   bool TurnSmoothed(const NearPair& near, const Touch& touch, int row, const NearestPoints& nearest,
                     const Vec3& u, ContactRows& rows);
   Vec3 SmoothedRow(const NearPair& near, const Vec3& n) const;
-  bool PutRows(NearPair& near, Touch& touch, bool all, ContactRows& rows);
+  int RowsOf(const NearPair& near, const Touch& touch, PlaneRow (&of)[3]) const;
+  void SetRow(const NearPair& near, const PlaneRow& row, ContactRows& rows);
+  bool PutRows(const NearPair& near, bool all, ContactRows& rows);
+  NearPair& PairOf(const Touch& touch);
+  Touch* TouchOfRow(int row);
+  template <class Mend>
+  int MendRows(const int* active, int actives, const ContactRows& rows, Mend mend);
+  bool Retract(int row, Touch& touch, ContactRows& rows);
+  Plane OtherPlane(const NearPair& near, const Touch& touch, const NearestPoints& nearest,
+                   const Vec3& u) const;
+  void TakeOut(Touch& touch, ContactRows& rows);
 
   const MeshWithTree& tool_;
   const MeshWithTree& objects_;
@@ -183,7 +215,7 @@ class MeshContact {
   std::vector<double> regain_;  ///< of each row: what it asks for beyond what its pair has [m]
   bool regains_ = true;
   SeparationFront* front_ = nullptr;  ///< during a sub-step
-  std::int64_t tested_ = 0, refreshed_ = 0;
+  std::int64_t tested_ = 0, refreshed_ = 0, most_looks_ = 0;
 };
 
 }  // namespace palpate

@@ -11,4 +11,7 @@ namespace palpate {
 /// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
 Optimum NearestStep(const StepContext& context, const Target& target, SoftRows* soft) noexcept;
 
+/// Keeps which rows hold the tool at the context's optimum: the solver's first guess next time.
+void Remember(StepContext& context) noexcept;
+
 }  // namespace palpate

@@ -34,6 +34,26 @@ struct StepContext {
               StepReport& the_report)
       : model(the_model), state(the_state), buffers(the_buffers), report(the_report) {}
 
+  /// Whether the model has friction by Coulomb's law.
+  bool Rubs() const { return model.parameters().features.friction == FrictionModel::kCoulomb; }
+  /// Whether nothing but meshes and the spring holds the tool.
+  bool IsRigid() const { return buffers.meshes && soft == nullptr && !Rubs(); }
+  /// Whether the tool is a ball that nothing but a mesh and the spring holds.
+  bool IsFreeBall() const { return IsRigid() && buffers.meshes->tool().radius > 0.0; }
+  /// How much nearer to the hand a step ends than it begins: |t|^2 - |x - t|^2, with x = [v; rho
+  /// phi] and t the hand's [m^2].
+  double Gain(const Vec3& step_v, const Vec3& step_phi) const {
+    double length2 = step_v.squaredNorm(), along = step_v.dot(target.v);
+    if (model.degrees_of_freedom() == 6) {
+      const double rho2 = model.rotation_length() * model.rotation_length();
+      length2 += rho2 * step_phi.squaredNorm();
+      along += rho2 * step_phi.dot(target.phi);
+    }
+    return 2.0 * along - length2;
+  }
+  /// Whether anything holds the tool.
+  bool IsHeld() const { return optimum.qp.active != 0 || yielding.count != 0; }
+
   const HapticModel& model;
   const Kernels& kernels = ActiveKernels();
   StepState& state;
@@ -54,8 +74,8 @@ struct StepContext {
   QpRows rigid{};            ///< what no step may violate
   SoftRows* soft = nullptr;  ///< the rows that yield; null where none does
 
-  std::int64_t looks = 0, last_looks = 0;  ///< likewise, pairs between meshes looked at closely
-  FrictionState friction_before;           ///< as the sub-step found it
+  std::int64_t looks = 0;         ///< of the cycle so far, between meshes (limits::mesh::kMaxLooks)
+  FrictionState friction_before;  ///< as the sub-step found it
 
   // Solve and rub: the pose that the tool should have.
   int iterates = 0;  ///< of the sub-step: rows between meshes come on violation

@@ -1,5 +1,6 @@
 // Hands that nobody tuned to, over small meshes of all kinds: what the invariant promises, judged
 // by an oracle that shares nothing with it.
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "server/physics/scene_model.h"
 #include "tests/physics/rows/contact_scenes.h"
 #include "tests/support/contact_figures.h"
+#include "tests/support/hand_path.h"
 #include "tests/support/hand_trial.h"
 #include "tests/support/mesh_oracle.h"
 #include "tests/support/random.h"
@@ -25,6 +27,7 @@ using test::kCrowded;
 using test::MakeBlock;
 using test::MakeCrumpled;
 using test::MakeFinnedBox;
+using test::MakeHand;
 using test::MakeL;
 using test::MakeSheet;
 using test::MeshScene;
@@ -104,6 +107,26 @@ TEST(MeshContactHands, KeepOutArriveAndSettleWithoutJumpsThatNothingExplains) {
                     .settled_50ms = 1.0};
     EXPECT_EQ(TryHands(c.make(), trial), "") << c.name;
   }
+}
+
+// A tool has arrived where its contacts hold it, not where planes do that were made for a place on
+// the way: further cycles with the same hand would not change the force.  What is left are tools
+// about to slip, and edges that lie on a face beyond its rim.
+TEST(MeshContactHands, ArriveWhereFurtherCyclesWouldNotMoveThem) {
+  std::vector<double> error;
+  for (const Case& c : kCases) {
+    const Scene scene = c.make();
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      const test::ContactFigures figures =
+          test::MeasureContact(scene, MakeHand(scene, {.seed = seed, .speed = 0.1, .steps = 400}),
+                               {.oracle_every = 0, .converge_every = 2});
+      error.insert(error.end(), figures.arrived_error.begin(), figures.arrived_error.end());
+    }
+  }
+  ASSERT_GT(error.size(), 6000u);
+  std::sort(error.begin(), error.end());
+  EXPECT_LT(error[error.size() * 99 / 100], 0.005) << "N, of a few";
+  EXPECT_LT(error[error.size() * 998 / 1000], 0.05);
 }
 
 // Of crumples this fine several touch within the separation, and which of them a pair's own

@@ -1,0 +1,169 @@
+#include "server/physics/solve/clear_way.h"
+
+#include "server/physics/limits.h"
+#include "server/physics/solve/nearest_step.h"
+#include "server/physics/solve/step_bounds.h"
+
+namespace palpate {
+namespace {
+
+/// Goes some part of the way to the optimum.
+void GoTo(StepContext& context, double part) {
+  context.v = part * context.optimum.v;
+  context.phi = part * context.optimum.phi;
+}
+
+/// The part of the way to the optimum that the bounds allow.
+double PartWithin(const StepContext& context) {
+  return PartWithin(context.bounds, context.model.degrees_of_freedom(), context.optimum.v,
+                    context.optimum.phi);
+}
+
+/// The optimum again, under rows that have changed.
+void SolveAgain(StepContext& context) {
+  context.optimum = NearestStep(context, context.target, nullptr);
+  context.report.qp_iterations += context.optimum.qp.iterations;
+  Remember(context);
+}
+
+/// The part of the way to the optimum that the bounds allow: the step under the same rows that is
+/// nearest to a nearer target.  A step that were only scaled down would make good only a part of
+/// what the last rotation left violated, and the errors of many short steps would add up.
+void ShortenWay(StepContext& context, double part) {
+  const int degrees_of_freedom = context.model.degrees_of_freedom();
+  const Target nearer{limits::kBoundShare * part * context.v,
+                      limits::kBoundShare * part * context.phi};
+  // The way to where the soft rows balance the spring: they have no part in it.
+  const Optimum partial = NearestStep(context, nearer, nullptr);
+  context.report.qp_iterations += partial.qp.iterations;
+  const bool unsolved = partial.qp.status == QpStatus::kIterationLimit;
+  if (unsolved) context.report.faults |= kFaultUnsolved;
+  const double clip =
+      unsolved ? 0.0 : PartWithin(context.bounds, degrees_of_freedom, partial.v, partial.phi);
+  context.v = clip * partial.v;
+  context.phi = clip * partial.phi;
+}
+
+/// How far a point of the tool's mesh goes at most.
+double Way(const StepContext& context) {
+  return context.v.norm() + context.buffers.meshes->tool().mesh.reach() * context.phi.norm();
+}
+
+/// With 3 degrees of freedom no rotation moves a mesh.
+Vec3 TurnOfMesh(const StepContext& context) {
+  return context.model.degrees_of_freedom() == 6 ? context.phi : Vec3::Zero();
+}
+
+/// Whether the meshes are apart at the motion's end, and were on the way.
+bool IsFree(StepContext& context) {
+  return context.buffers.meshes->IsFree(context.v, TurnOfMesh(context));
+}
+
+/// Of a tool that has arrived: whether rows change because they are not true of that place.
+bool Mend(StepContext& context) {
+  MeshContact& meshes = *context.buffers.meshes;
+  ContactRows& rows = context.buffers.rows;
+  const QpResult& qp = context.optimum.qp;
+  if (meshes.Retract(qp.row, qp.active, rows) != 0) return true;
+  if (context.IsFreeBall()) {
+    // A ball's rows have the smooth surface's normals at the trial, so the ball rests there, though
+    // the facets on the way may have lifted it.  At a crease they have those of the beginning: the
+    // ball has not arrived, and goes on round it.
+    context.arrived = meshes.Turned(qp.row, qp.active, rows) <= limits::mesh::kTurned;
+    return false;
+  }
+  return context.IsRigid() && meshes.Relinearise(qp.row, qp.active, rows) != 0;
+}
+
+/// A way nearer to the hand, where rows that were made for a trial let only such through as lead
+/// away from it: under the same rows, lowered to what the tool's own place allows.
+/// Without it a tool in a hollow that is sharper than the hand is deep would go beyond the bottom,
+/// and back in the next step, and never rest.
+void StepDown(StepContext& context) {
+  context.buffers.rows.AdmitZero();
+  SolveAgain(context);
+  const double part = PartWithin(context);
+  context.arrived = part == 1.0;
+  GoTo(context, part);
+}
+
+/// Where pairs that do not touch hold the tool at the trial, it has not arrived: the next sub-step
+/// makes planes for them at the place that it comes to.  But without them the optimum may be free;
+/// and a tool that they keep where it is goes as far towards it as is free.
+/// False where nothing is free.
+bool GoPast(StepContext& context) {
+  const auto release = [&] {
+    const QpResult& qp = context.optimum.qp;
+    return context.buffers.meshes->Release(qp.row, qp.active, context.buffers.rows);
+  };
+  if (release() == 0) return true;
+  const Vec3 v = context.v, phi = context.phi;
+  const bool stays = Way(context) < limits::mesh::kTouching;
+  SolveAgain(context);
+  double part = PartWithin(context);
+  context.arrived = part == 1.0;
+  do {
+    GoTo(context, part);
+    if (IsFree(context)) {
+      context.arrived = context.arrived && release() == 0;
+      return true;
+    }
+    context.arrived = false;
+    part *= 0.5;
+  } while (stays && Way(context) > limits::mesh::kTouching);
+  context.v = v;
+  context.phi = phi;
+  return IsFree(context);
+}
+
+/// Of a motion that is free: whether it is the one to make, perhaps after it has been changed.
+bool Improve(StepContext& context) {
+  // What yields pushes as well: the optimum of both may lie farther from the hand.  So may a
+  // straight way past a crease, where the arc ends nearer.
+  if (!context.IsRigid() || context.rounds) return true;
+  if (context.Gain(context.v, context.phi) < 0.0) {
+    StepDown(context);
+    if (!IsFree(context)) return false;
+  }
+  return !context.arrived || GoPast(context);
+}
+
+/// The longest half, quarter, ... of a motion that is not free.
+void Halve(StepContext& context) {
+  MeshContact& meshes = *context.buffers.meshes;
+  context.arrived = false;
+  context.state.friction = context.friction_before;  // of no trial
+  while (!meshes.IsFull() && Way(context) > limits::mesh::kRounding) {
+    context.v *= 0.5;
+    context.phi *= 0.5;
+    if (IsFree(context)) return;
+  }
+  context.v.setZero();
+  context.phi.setZero();
+  meshes.Stay();
+}
+
+}  // namespace
+
+bool ClearWay(StepContext& context) noexcept {
+  const double part = PartWithin(context);
+  context.arrived = part == 1.0;
+  GoTo(context, 1.0);
+  if (!context.arrived) ShortenWay(context, part);
+  if (!context.buffers.meshes) return true;
+  MeshContact& meshes = *context.buffers.meshes;
+  const bool goes_on = context.iterates < limits::mesh::kIterates;
+  if (meshes.Check(context.v, TurnOfMesh(context), context.buffers.rows) == 0) {
+    if (context.arrived && goes_on) {
+      if (Mend(context)) return false;
+      if (meshes.tool().radius > 0.0) return true;
+    }
+    if (Improve(context)) return true;
+  } else if (goes_on && !meshes.IsExhausted()) {
+    return false;
+  }
+  Halve(context);
+  return true;
+}
+
+}  // namespace palpate
