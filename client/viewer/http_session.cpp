@@ -25,10 +25,12 @@ constexpr std::chrono::seconds kIdle{2};       // between an answer and the next
 /// An answer is given up where less of it is taken, on the whole [bytes/s].
 constexpr std::uint64_t kLeastRate = 16 * 1024;
 /// The page needs nothing from elsewhere, and nobody's page may hold it in a frame and have a click
-/// take a tool.  Plots and the page that stands in for it set styles.
+/// take a tool.  Plots and the page that stands in for it set styles; what makes coarser meshes is
+/// WebAssembly.
 constexpr const char* kContentPolicy =
-    "default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; "
-    "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; img-src 'self' data:; "
+    "style-src 'self' 'unsafe-inline'; object-src 'none'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'";
 constexpr std::string_view kScene = "/scene/";
 constexpr std::string_view kBundle = ".bundle";
 

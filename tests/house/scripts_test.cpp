@@ -65,6 +65,7 @@ TEST_F(DeployScripts, TeachFromWhateverFolderTheyAreCalled) {
                                           {"deploy/container", "./run"},
                                           {"tests", "./run"},
                                           {"tests/benchmarks", "./publish"},
+                                          {"tests/benchmarks", "../benchmarks/page"},
                                           {"", "deploy/demo"}}) {
     const Output help =
         RunCommand({"sh", "-c", "cd '" + (kRoot / folder).string() + "' && " + script + " --help"});

@@ -86,22 +86,24 @@ function press(newtons: number, x = 0): void {
   clearInterval(moving);
   gateway.retained.length = 0;
   gateway.retain("/palpate/session_state", sessionState("hand", "active", "test-box", "ball"));
-  moving = setInterval(() => {
-    sequence += 33;
-    gateway.send(
-      "/palpate/tool_state",
-      toolState({
-        station: "hand",
-        scene: "test-box",
-        tool: "ball",
-        sequence,
-        haptic: {p: [x, 0.037 - newtons / 1000, 0], q: [1, 0, 0, 0]},
-        graphic: {p: [x, 0.037, 0], q: [1, 0, 0, 0]},
-        forceN: [0, newtons, 0],
-        points: newtons > 0 ? [{positionM: [x, 0.025, 0], forceN: [0, newtons, 0]}] : [],
-      }),
-    );
-  }, 33);
+  moving = setInterval(() => tellPress(newtons, x), 33);
+}
+
+function tellPress(newtons: number, x: number): void {
+  sequence += 33;
+  gateway.send(
+    "/palpate/tool_state",
+    toolState({
+      station: "hand",
+      scene: "test-box",
+      tool: "ball",
+      sequence,
+      haptic: {p: [x, 0.037 - newtons / 1000, 0], q: [1, 0, 0, 0]},
+      graphic: {p: [x, 0.037, 0], q: [1, 0, 0, 0]},
+      forceN: [0, newtons, 0],
+      points: newtons > 0 ? [{positionM: [x, 0.025, 0], forceN: [0, newtons, 0]}] : [],
+    }),
+  );
 }
 
 const text = (selector: string): Promise<string> => page.locator(selector).innerText();
@@ -187,6 +189,85 @@ test("nothing is drawn while nothing changes", async () => {
     ({stations}) => (stations.hand?.frames ?? 0) > before.stations.hand!.frames + 30,
   );
   expect(after.pictures - before.pictures).toBeLessThanOrEqual(2);
+});
+
+/// The tool to and fro along the box.
+function slide(newtons: number): void {
+  press(newtons);
+  let step = 0;
+  clearInterval(moving);
+  moving = setInterval(() => tellPress(newtons, 0.01 * Math.sin(0.2 * step++)), 33);
+}
+
+test("what stands still is drawn once, however the tool moves", async () => {
+  slide(1);
+  page = await open({}, "?quality=full");
+  const before = await until(
+    page,
+    "the tool",
+    ({pictures, stations}) => !!stations.hand && pictures > 10,
+  );
+  const after = await until(page, "more", ({pictures}) => pictures > before.pictures + 30);
+  expect(after.drawnAnew).toBe(before.drawnAnew);
+  expect(after.costs.still.triangles).toBeGreaterThan(0);
+  await page.locator("#view").focus();
+  await page.keyboard.press("ArrowLeft");
+  await until(page, "from elsewhere", ({drawnAnew}) => drawnAnew > after.drawnAnew);
+});
+
+/// As if each picture took so long: what the browser says of its time is all that the page judges by.
+const slowPictures = (ms: number): void => {
+  let atMs = 0;
+  const ask = window.requestAnimationFrame.bind(window);
+  window.requestAnimationFrame = (callback) => ask(() => callback((atMs += ms)));
+};
+const canvasWidth = (): Promise<number> =>
+  page.evaluate(() => (document.getElementById("view") as HTMLCanvasElement).width);
+
+async function openSlow(query = ""): Promise<void> {
+  const context = await browser!.newContext({viewport: {width: 800, height: 600}});
+  await context.addInitScript(slowPictures, 100);
+  page = await context.newPage();
+  await page.goto(gateway.url + query);
+  await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
+}
+
+test("where pictures take too long they are drawn less well, which is said, and figures stay", async () => {
+  slide(1);
+  await openSlow();
+  const width = await page.evaluate(() => document.getElementById("view")!.clientWidth);
+  await until(page, "half the pixels", ({quality}) => quality.rest === "low");
+  expect(await canvasWidth()).toBe(Math.floor(width / 2));
+  expect(await text("#quality-words")).toMatch(/^At rest low: 50 % of the screen's pixels a side/);
+  expect(await text("#force")).toBe("1.00");
+  expect(await page.locator(".plot").count()).toBe(4);
+});
+
+test("a quality that the reader has settled stays, and is in the address", async () => {
+  slide(1);
+  await openSlow("?quality=full");
+  const width = await page.evaluate(() => document.getElementById("view")!.clientWidth);
+  await until(page, "many pictures", ({pictures}) => pictures > 60);
+  expect(await canvasWidth()).toBe(width);
+  await page.selectOption("#quality", "fair");
+  await eventually("fewer pixels", async () => (await canvasWidth()) === Math.floor(0.65 * width));
+  expect(page.url()).toContain("quality=fair");
+});
+
+test("what was drawn in haste while the view turned is drawn well when it rests", async () => {
+  page = await open({}, "?quality=low");
+  await page.locator("#view").focus();
+  const before = await stillPicture();
+  const {drawnAnew} = await until(page, "a picture", ({pictures}) => pictures > 0);
+  for (const [times, key] of [
+    [2, "ArrowLeft"],
+    [4, "r"],
+  ] as const) {
+    await page.keyboard.press(key);
+    // In haste, and then well.
+    await until(page, "drawn twice", (now) => now.drawnAnew >= drawnAnew + times);
+  }
+  await eventually("as before", async () => (await picture()) === before);
 });
 
 test("a lost link is said, comes back by itself, and data flow again", async () => {

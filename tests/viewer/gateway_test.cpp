@@ -405,6 +405,9 @@ TEST(Gateway, ServesThePageAndNothingBesideIt) {
   EXPECT_EQ(index.body, "<p>the page");
   EXPECT_EQ(index.headers.at("content-type"), "text/html; charset=utf-8");
   EXPECT_THAT(index.headers.at("content-security-policy"), HasSubstr("frame-ancestors 'none'"));
+  EXPECT_THAT(index.headers.at("content-security-policy"),
+              HasSubstr("script-src 'self' 'wasm-unsafe-eval';"))
+      << "what makes coarser meshes of the page's";
   EXPECT_EQ(Get(gateway.port(), "/assets/a1.js").body, "plain");
   const HttpAnswer packed = Get(gateway.port(), "/assets/a1.js", {{"Accept-Encoding", "gzip"}});
   EXPECT_EQ(packed.body, "packed");

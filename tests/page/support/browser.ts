@@ -20,22 +20,26 @@ export const kHasChromium = kChromium !== "";
 
 /// Drawing by software takes all that a small machine has; a station that shares it with a browser
 /// must not fall silent for that.
-function politeChromium(): string {
+const kNiceness = 15;
+
+function politeChromium(niceness: number): string {
   const script = join(mkdtempSync(join(tmpdir(), "palpate-page-")), "chromium");
-  writeFileSync(script, `#!/bin/sh\nexec nice -n 15 '${kChromium}' "$@"\n`, {mode: 0o755});
+  writeFileSync(script, `#!/bin/sh\nexec nice -n ${niceness} '${kChromium}' "$@"\n`, {mode: 0o755});
   return script;
 }
 
-export const launch = (): Promise<Browser> =>
+/// The page itself is put together by the drawing library, too.
+const kAllBySoftwareGl = ["--use-gl=angle", "--use-angle=swiftshader"];
+/// Only WebGL is: as in a browser on a machine without a graphics card.
+export const kWithoutCard: readonly string[] = ["--disable-gpu"];
+
+export const launch = (
+  drawing: readonly string[] = kAllBySoftwareGl,
+  niceness = kNiceness,
+): Promise<Browser> =>
   chromium.launch({
-    executablePath: politeChromium(),
-    args: [
-      "--no-sandbox",
-      "--use-gl=angle",
-      "--use-angle=swiftshader",
-      "--enable-unsafe-swiftshader",
-      "--disable-dev-shm-usage",
-    ],
+    executablePath: politeChromium(niceness),
+    args: [...drawing, "--no-sandbox", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage"],
   });
 
 export const probe = (page: Page): Promise<Probe> => page.evaluate(() => window.palpate.probe);

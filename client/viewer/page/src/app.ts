@@ -2,8 +2,9 @@ import {norm} from "./model/pose";
 import type {Pose, Vec3} from "./model/pose";
 import type {SceneModel} from "./model/bundle";
 import {type LinkFacts, type LinkReport, linkReport, Pulse} from "./model/link_report";
-import type {ReplayPhase} from "./model/replay";
 import {looksTheSame} from "./model/pose_track";
+import {type Drawn, PictureQuality, qualityOf} from "./model/quality";
+import type {ReplayPhase} from "./model/replay";
 import {touchedObjects} from "./model/touched";
 import {depthM, figure, statusSentence, touchedWords} from "./model/words";
 import {type Change, kOwnTopics, kTopics, Station, World} from "./model/world";
@@ -16,11 +17,13 @@ import {element, setOptions, setText} from "./ui/elements";
 import {listenForKeys} from "./ui/keys";
 import {Lesson} from "./ui/lesson";
 import {Plots, type PlotTime} from "./ui/plots";
+import {QualityPick} from "./ui/quality_pick";
 import {ReplayControls} from "./ui/replay_controls";
 import {Tables} from "./ui/tables";
 import {ThemeSwitch} from "./ui/theme";
 import {readPalette} from "./view/palette";
-import {SceneView} from "./view/scene_view";
+import {drawsBySoftware} from "./view/renderer";
+import {type Cost, SceneView} from "./view/scene_view";
 
 const kTickMs = 100; // plots and figures
 const kRetrySceneMs = 1000;
@@ -44,6 +47,9 @@ export interface Probe {
   pictures: number;
   scriptMs: {last: number; mean: number; max: number}; // of a picture, without the card's time
   triangles: number;
+  costs: {still: Cost; moving: Cost}; // of what stands still, when it was drawn last, and of the rest
+  drawnAnew: number; // times that what stands still was drawn
+  quality: {rest: string; motion: string};
   stations: Record<
     string,
     {poseSequence: number; haptic: Pose; graphic: Pose; forceN: Vec3; frames: number}
@@ -74,6 +80,8 @@ export class App {
   private readonly world = new World((change, scene) => this.worldChanged(change, scene));
   private readonly connection: Connection;
   private readonly view: SceneView;
+  private readonly quality: PictureQuality;
+  private readonly qualityPick: QualityPick;
   private readonly mouse: MouseDevice;
   private readonly replayControls: ReplayControls;
   private readonly plots: Plots;
@@ -106,9 +114,15 @@ export class App {
   private staleWho = true;
   private firstPictureMs: number | undefined;
   private pictures = 0;
+  private drawnAnew = 0;
+  private before: {drawn: Drawn; atMs: number} | undefined; // in the frame before
+  private settling: number | undefined; // timer
   private scriptMs = {last: 0, total: 0, max: 0};
 
   constructor() {
+    const bySoftware = drawsBySoftware();
+    const fixed = qualityOf(new URLSearchParams(location.search).get("quality") ?? "");
+    this.quality = new PictureQuality(bySoftware, fixed);
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     const theme = new ThemeSwitch(element("theme", HTMLButtonElement), () => {
       this.view.paint(readPalette());
@@ -119,9 +133,12 @@ export class App {
       element("labels", HTMLDivElement),
       element("buttons", HTMLDivElement),
       readPalette(),
+      this.quality,
+      !bySoftware || fixed === "full", // smoothed edges take a third of a processor's time
       calm,
       () => this.askFrame(),
     );
+    this.qualityPick = new QualityPick(this.quality, rememberInAddress, () => this.view.resize());
     this.plots = new Plots(element("plots", HTMLDivElement));
     this.lesson = new Lesson(this.readout, rememberInAddress, (student) =>
       this.plots.showFor(student),
@@ -190,7 +207,10 @@ export class App {
       firstPictureMs: this.firstPictureMs,
       pictures: this.pictures,
       scriptMs: {last, mean: total / Math.max(1, this.pictures - kWarmUp), max},
-      triangles: this.view.triangles,
+      triangles: this.view.costs.still.triangles + this.view.costs.moving.triangles,
+      costs: this.view.costs,
+      drawnAnew: this.drawnAnew,
+      quality: this.quality.names,
       stations,
       hold: this.mouse.hold,
     };
@@ -316,7 +336,9 @@ export class App {
 
   private showScene(): void {
     const model = this.fetched.get(this.scene)?.model;
+    this.quality.restart();
     this.view.setScene(model, this.world.remainsOf(this.scene));
+    this.view.resize();
     this.numbers.hidden = this.view.teeth === 0;
     this.showWhole();
     this.drawn = [];
@@ -387,13 +409,13 @@ export class App {
   private wake(): void {
     if (this.frameAsked) return;
     this.frameAsked = true;
-    requestAnimationFrame(() => this.frame());
+    requestAnimationFrame((atMs) => this.frame(atMs));
   }
 
-  private frame(): void {
+  private frame(atMs: number): void {
     const startMs = performance.now();
     this.frameAsked = false;
-    if (this.view.isEmpty) return;
+    this.judge(atMs);
     const now = startMs / 1000;
     let catchingUp = false;
     const tools = this.fetched.get(this.scene)?.model.tools ?? [];
@@ -411,21 +433,45 @@ export class App {
     this.dirty = this.view.camera.controls.update() || this.dirty;
     if (this.dirty) {
       this.dirty = false;
-      this.view.render();
-      const tookMs = performance.now() - startMs;
-      this.pictures += this.view.draws ? 1 : 0;
-      this.scriptMs.last = tookMs;
-      // The first pictures upload meshes and compile shaders: once, and not what a picture costs.
-      if (this.pictures > kWarmUp) {
-        this.scriptMs.total += tookMs;
-        this.scriptMs.max = Math.max(this.scriptMs.max, tookMs);
-      }
-      if (this.firstPictureMs === undefined && this.view.draws) {
-        this.firstPictureMs = performance.now();
-        performance.mark("palpate-first-picture");
-      }
+      const drawn = this.view.render(startMs);
+      this.before = {drawn, atMs};
+      if (this.view.draws && !this.view.isEmpty) this.countPicture(drawn, startMs);
+      this.settleLater(startMs);
+      this.wake(); // it tells by when the browser was ready for another one
     }
     if (catchingUp) this.wake();
+  }
+
+  private countPicture(drawn: Drawn, startMs: number): void {
+    const tookMs = performance.now() - startMs;
+    this.pictures += 1;
+    this.drawnAnew += drawn === "tools" ? 0 : 1;
+    this.scriptMs.last = tookMs;
+    // The first pictures upload meshes and compile shaders: once, and not what a picture costs.
+    if (this.pictures > kWarmUp) {
+      this.scriptMs.total += tookMs;
+      this.scriptMs.max = Math.max(this.scriptMs.max, tookMs);
+    }
+    if (this.firstPictureMs === undefined) {
+      this.firstPictureMs = performance.now();
+      performance.mark("palpate-first-picture");
+    }
+  }
+
+  /// Where the frame before drew, how long it took tells how well pictures can be drawn.
+  private judge(atMs: number): void {
+    const {before} = this;
+    this.before = undefined;
+    if (!before || !this.quality.took(before.drawn, atMs - before.atMs)) return;
+    this.view.resize();
+    this.qualityPick.show();
+  }
+
+  /// What was drawn in haste, while the eye moved, is drawn well once it rests.
+  private settleLater(nowMs: number): void {
+    window.clearTimeout(this.settling);
+    const inMs = this.view.settlesInMs(nowMs);
+    if (inMs !== undefined) this.settling = window.setTimeout(() => this.askFrame(), inMs);
   }
 
   // --- figures and words ---

@@ -17,6 +17,8 @@ import {kTissues, tissueByVertex, tissueOf} from "../model/tissue";
 import {colourAt, glossy} from "./gloss";
 import {type Look, lookOf} from "./looks";
 import {objectColour, type Palette} from "./palette";
+import {coarsen} from "./coarsen";
+import {paintForScreen} from "./still_layer";
 
 /// Buffers that bodies of one geometry share: uploaded once.
 export class SurfaceCache {
@@ -24,6 +26,14 @@ export class SurfaceCache {
     Geometry,
     {surface: Surface; position: BufferAttribute; normal: BufferAttribute; index: BufferAttribute}
   >();
+  private readonly coarse = new Map<Surface, Promise<BufferAttribute[]>>();
+
+  /// @return indices of fewer triangles over the same vertices
+  coarser(surface: Surface, distancesM: readonly number[]): Promise<BufferAttribute[]> {
+    let made = this.coarse.get(surface);
+    if (!made) this.coarse.set(surface, (made = coarsen(surface, distancesM)));
+    return made;
+  }
 
   of(geometry: Geometry): {surface: Surface; buffers: BufferGeometry} {
     let entry = this.made.get(geometry);
@@ -53,11 +63,15 @@ export function place(group: Group, pose: Pose): void {
 /// A body as a solid thing.
 export class BodyMesh {
   readonly group = new Group();
+  readonly over = new Group(); // at the same place, for what is drawn over tools, too
   readonly mesh: Mesh<BufferGeometry, MeshStandardMaterial | MeshMatcapMaterial>;
   private readonly surface: Surface;
   private readonly tissues: Uint8Array | undefined;
   private readonly look: Look | undefined;
+  private readonly wears: boolean;
   private ownIndex: BufferAttribute | undefined;
+  private readonly allTriangles: BufferAttribute;
+  private coarse: readonly BufferAttribute[] = [];
   private gone = 0;
 
   constructor(
@@ -65,10 +79,11 @@ export class BodyMesh {
     private readonly scene: SceneModel,
     private readonly role: "tool" | "object",
     private readonly place_: number,
-    cache: SurfaceCache,
+    private readonly cache: SurfaceCache,
   ) {
     const {surface, buffers} = cache.of(body.geometry);
     this.surface = surface;
+    this.allTriangles = buffers.getIndex()!;
     this.tissues = role === "object" ? tissueByVertex(body, scene) : undefined;
     this.look = lookOf(body.look);
     const material = this.look
@@ -78,13 +93,15 @@ export class BodyMesh {
           metalness: role === "tool" ? 0.08 : 0,
           vertexColors: this.tissues !== undefined,
         });
+    if (!this.look) material.onBeforeCompile = paintForScreen;
     // Where something is scraped off one sees walls, not what is behind them.
-    const wears = body.materials.some((of) => tissueOf(of, scene) === "wearing");
-    material.side = role === "object" && wears ? DoubleSide : FrontSide;
+    this.wears = body.materials.some((of) => tissueOf(of, scene) === "wearing");
+    material.side = role === "object" && this.wears ? DoubleSide : FrontSide;
     if (this.look) buffers.setAttribute("color", colourAt(this.look, surface, body.ambient));
     this.mesh = new Mesh(buffers, material);
     this.group.add(this.mesh);
     place(this.group, body.pose);
+    place(this.over, body.pose);
   }
 
   paint(palette: Palette): void {
@@ -125,6 +142,17 @@ export class BodyMesh {
     this.gone = triangles.size;
     this.ownIndex.needsUpdate = true;
     return true;
+  }
+
+  /// Makes coarser triangles; what is scraped off is told by the triangles that there are.
+  async makeCoarser(distancesM: readonly number[]): Promise<void> {
+    if (!this.wears) this.coarse = await this.cache.coarser(this.surface, distancesM);
+  }
+
+  /// @param detail  0: all triangles, as where there are no others
+  setDetail(detail: number): void {
+    if (this.coarse.length === 0) return;
+    this.mesh.geometry.setIndex(this.coarse[detail - 1] ?? this.allTriangles);
   }
 
   dispose(): void {

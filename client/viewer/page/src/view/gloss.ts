@@ -12,6 +12,7 @@ import {
 import type {Vec3} from "../model/pose";
 import type {Surface} from "../model/surface";
 import type {Look} from "./looks";
+import {paintForScreen} from "./still_layer";
 
 // Gloss for what has a look, at the cost of one texture: the lights hang at the eye, so how bright a
 // place is follows from its normal in the eye's frame alone, and is looked up (a "matcap").  Physically
@@ -92,6 +93,7 @@ export function glossy(look: Look): MeshMatcapMaterial {
   const material = new MeshMatcapMaterial({matcap, vertexColors: true});
   // What is mirrored comes on top, where the room is seen at all: vColor.a.
   material.onBeforeCompile = (shader) => {
+    paintForScreen(shader);
     shader.fragmentShader = shader.fragmentShader.replace(
       "vec3 outgoingLight = diffuseColor.rgb * matcapColor.rgb;",
       "vec3 outgoingLight = diffuseColor.rgb * matcapColor.rgb + matcapColor.a * vColor.a;",

@@ -11,6 +11,8 @@ export interface Palette {
   readonly halo: Color;
   readonly ghost: Color;
   readonly ink: Color;
+  readonly paper: Color;
+  readonly glow: Color;
   readonly tools: readonly Color[];
   readonly objects: readonly Color[];
   readonly soft: Color;
@@ -29,6 +31,8 @@ export function readPalette(): Palette {
     halo: colour("halo"),
     ghost: colour("ghost"),
     ink: colour("ink"),
+    paper: colour("paper"),
+    glow: colour("paper-glow"),
     tools: [1, 2, 3, 4].map((i) => colour(`tool-${i}`)),
     objects: [1, 2, 3, 4].map((i) => colour(`object-${i}`)),
     soft: colour("soft"),

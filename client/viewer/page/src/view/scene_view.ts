@@ -1,7 +1,8 @@
-import {DirectionalLight, HemisphereLight, Scene, WebGLRenderer} from "three";
+import {DirectionalLight, Group, HemisphereLight, Scene, type WebGLRenderer} from "three";
 
 import type {FirstSight, SceneModel} from "../model/bundle";
 import {add, angleBetween, norm, type Pose, rotate, subtract, type Vec3} from "../model/pose";
+import {type Drawn, kDetails, type PictureQuality} from "../model/quality";
 import type {Remains} from "../model/remains";
 import {middleOfPush} from "../model/touched";
 import type {ToolState} from "../protocol/messages";
@@ -11,7 +12,9 @@ import {Camera, kUsualSight} from "./camera";
 import {Ghost} from "./ghost";
 import {ToothLabels} from "./labels";
 import type {Palette} from "./palette";
+import {makeRenderer} from "./renderer";
 import {SphereCloud} from "./sphere_cloud";
+import {StillLayer} from "./still_layer";
 
 /// Phones with three pixels to a point would draw nine times as much for no visible gain.
 const kMostPixelsPerPoint = 2;
@@ -22,11 +25,21 @@ interface ToolView {
   readonly marks: ForceMarks;
 }
 
-/// The picture.  Draws only when asked to; whoever changes something says so through `changed`.
+/// What a picture costs a graphics card.
+export interface Cost {
+  triangles: number;
+  calls: number;
+}
+
+/// The picture.  Draws only when asked to; whoever changes something says so through `changed`.  What
+/// stands still is drawn anew only where it is seen from elsewhere, or has changed.
 export class SceneView {
   readonly camera: Camera;
   private readonly renderer: WebGLRenderer | undefined;
   private readonly scene = new Scene();
+  private readonly still = new Group();
+  private readonly moving = new Group();
+  private readonly layer: StillLayer | undefined;
   private readonly hemisphere = new HemisphereLight();
   private model: SceneModel | undefined;
   private objects: BodyMesh[] = [];
@@ -34,6 +47,10 @@ export class SceneView {
   private clouds: {cloud: SphereCloud; body: BodyMesh; isLeaves: boolean; object: number}[] = [];
   private sphereLevel: number | undefined;
   private radiusM = 0.1;
+  private sightM = 0.1; // radius of what is looked at first
+  private coarserAsked = false;
+  private sized = "";
+  private readonly cost = {still: {triangles: 0, calls: 0}, moving: {triangles: 0, calls: 0}};
   private remains: Remains | undefined;
   private readonly labels: ToothLabels;
   private numberedTeeth = 0;
@@ -43,10 +60,12 @@ export class SceneView {
     labelSheet: HTMLElement,
     buttons: HTMLElement,
     private palette: Palette,
+    private readonly quality: PictureQuality,
+    antialias: boolean,
     calm: boolean,
     private readonly changed: () => void,
   ) {
-    this.renderer = makeRenderer(canvas);
+    this.renderer = makeRenderer(canvas, antialias);
     this.labels = new ToothLabels(labelSheet, buttons);
     this.camera = new Camera(canvas, calm, changed);
     const key = new DirectionalLight(0xffffff, 1.9);
@@ -55,7 +74,15 @@ export class SceneView {
     fill.position.set(-0.9, 0.1, 0.5);
     // Lights that hang at the eye: whatever side one looks at is lit the same way.
     this.camera.eye.add(key, key.target, fill, fill.target);
-    this.scene.add(this.camera.eye, this.hemisphere);
+    this.scene.add(this.camera.eye, this.hemisphere, this.still, this.moving);
+    if (this.renderer) {
+      this.layer = new StillLayer(this.renderer);
+      this.still.add(this.layer.background);
+      this.moving.add(this.layer.copy);
+    }
+    // Where a card has lost all that it was given it is given it again.
+    canvas.addEventListener("webglcontextrestored", () => this.restartLayer());
+    this.paint(palette);
     this.resize();
   }
 
@@ -64,20 +91,21 @@ export class SceneView {
     this.clear();
     this.model = model;
     this.remains = remains;
-    if (!model) {
-      this.render(); // what was there is another scene's
-      return;
-    }
+    this.restartLayer(); // what was there is another scene's
+    if (!model) return;
     const cache = new SurfaceCache();
     this.objects = model.objects.map((body, i) => new BodyMesh(body, model, "object", i, cache));
     this.tools = model.tools.map((body, i) => {
       const solid = new BodyMesh(body, model, "tool", i, cache);
       return {body: solid, ghost: new Ghost(solid.mesh.geometry), marks: new ForceMarks()};
     });
-    for (const object of this.objects) this.scene.add(object.group);
+    for (const object of this.objects) {
+      this.still.add(object.group);
+      this.moving.add(object.over);
+    }
     this.numberedTeeth = this.labels.setObjects(this.objects);
     for (const {body, ghost, marks} of this.tools) {
-      this.scene.add(body.group, ghost.group, marks.group);
+      this.moving.add(body.group, ghost.group, marks.group);
       ghost.setDistance(0);
       marks.set([0, 0, 0], [0, 0, 0], [0, 0, 0], [], 1);
     }
@@ -85,8 +113,9 @@ export class SceneView {
     this.updateRemains();
     this.makeClouds();
     this.radiusM = model.firstSight?.radiusM ?? objectsRadius(model);
-    this.camera.frame(model.firstSight ?? boundsOf(model));
-    this.changed();
+    const sight = model.firstSight ?? boundsOf(model);
+    this.sightM = sight.radiusM;
+    this.camera.frame(sight);
   }
 
   paint(palette: Palette): void {
@@ -101,6 +130,7 @@ export class SceneView {
       marks.paint(palette);
     });
     this.paintClouds();
+    this.layer?.paint(palette);
     this.changed();
   }
 
@@ -113,7 +143,7 @@ export class SceneView {
     for (const {cloud, isLeaves, object} of this.clouds) {
       if (isLeaves && object >= 0) cloud.setGone(this.remains.leavesOf(object));
     }
-    if (any) this.changed();
+    if (any) this.changeLayer();
   }
 
   /// The levels that there are; the last one is the leaves.
@@ -127,7 +157,7 @@ export class SceneView {
     if (level === this.sphereLevel) return;
     this.sphereLevel = level;
     this.makeClouds();
-    this.changed();
+    this.restartLayer();
   }
 
   setTool(name: string, state: ToolState): void {
@@ -148,18 +178,29 @@ export class SceneView {
   resize(): void {
     const {clientWidth: width, clientHeight: height} = this.canvas;
     if (width === 0 || height === 0) return;
-    this.renderer?.setPixelRatio(Math.min(devicePixelRatio, kMostPixelsPerPoint));
+    const ratio = this.quality.share * Math.min(devicePixelRatio, kMostPixelsPerPoint);
+    const sized = `${width} ${height} ${ratio}`;
+    if (sized === this.sized) return;
+    this.sized = sized;
+    this.renderer?.setPixelRatio(ratio);
     this.renderer?.setSize(width, height, false);
     this.camera.resize(width / height);
     this.changed();
   }
 
-  render(): void {
-    this.renderer?.render(this.scene, this.camera.eye);
+  /// @return what was drawn anew
+  render(nowMs: number): Drawn {
+    const drawn = this.draw(nowMs);
     this.labels.update(
       this.camera.eye,
       this.tools.map(({body}) => body),
     );
+    return drawn;
+  }
+
+  /// When a better picture of the same will be due; undefined: it is as good as can be.
+  settlesInMs(nowMs: number): number | undefined {
+    return this.layer?.settlesInMs(nowMs);
   }
 
   /// Teeth that have a number.
@@ -181,8 +222,59 @@ export class SceneView {
   get isEmpty(): boolean {
     return this.model === undefined;
   }
-  get triangles(): number {
-    return this.renderer?.info.render.triangles ?? 0;
+  /// Of what stands still, when it was drawn last, and of what is drawn in each picture.
+  get costs(): {still: Cost; moving: Cost} {
+    return this.cost;
+  }
+
+  private draw(nowMs: number): Drawn {
+    const {renderer, layer, scene, cost} = this;
+    const {eye} = this.camera;
+    if (!renderer || !layer) return "else";
+    const {inMotion} = this.quality;
+    if (inMotion.detail > 0) void this.makeCoarser();
+    const info = (): Cost => ({
+      triangles: renderer.info.render.triangles,
+      calls: renderer.info.render.calls,
+    });
+    this.show(this.still);
+    renderer.info.reset();
+    const drawn = layer.update(scene, eye, nowMs, inMotion, (detail) => {
+      for (const object of this.objects) object.setDetail(detail);
+    });
+    if (renderer.info.render.calls > 0) cost.still = info();
+    this.show(this.moving);
+    renderer.info.reset();
+    renderer.render(scene, eye);
+    cost.moving = info();
+    return drawn;
+  }
+
+  private show(part: Group): void {
+    this.still.visible = part === this.still;
+    this.moving.visible = part === this.moving;
+  }
+
+  private changeLayer(): void {
+    this.layer?.change();
+    this.changed();
+  }
+  private restartLayer(): void {
+    this.layer?.restart();
+    this.changed();
+  }
+
+  /// One after the other, with pictures between.
+  private async makeCoarser(): Promise<void> {
+    if (this.coarserAsked) return;
+    this.coarserAsked = true;
+    const objects = this.objects;
+    const distances = kDetails.map((share) => share * this.sightM);
+    for (const object of objects) {
+      if (this.objects !== objects) return; // another scene's
+      await object.makeCoarser(distances);
+      await new Promise((resolve) => setTimeout(resolve));
+    }
   }
 
   private makeClouds(): void {
@@ -197,7 +289,9 @@ export class SceneView {
       const fromLeaves = this.sphereLevels - 1 - this.sphereLevel;
       const level = Math.max(0, levels.length - 1 - fromLeaves);
       const isLeaves = level === levels.length - 1;
-      const cloud = new SphereCloud(levels[level]!, body.group, isLeaves);
+      const isTool = !this.objects.includes(body);
+      const parent = isTool || isLeaves ? body.group : body.over;
+      const cloud = new SphereCloud(levels[level]!, parent, isLeaves);
       body.mesh.visible = !isLeaves;
       this.clouds.push({cloud, body, isLeaves, object: this.objects.indexOf(body)});
     }
@@ -214,25 +308,19 @@ export class SceneView {
     for (const {cloud} of this.clouds) cloud.dispose();
     this.clouds = [];
     for (const object of this.objects) {
-      this.scene.remove(object.group);
+      this.still.remove(object.group);
+      this.moving.remove(object.over);
       object.dispose();
     }
     for (const {body, ghost, marks} of this.tools) {
-      this.scene.remove(body.group, ghost.group, marks.group);
+      this.moving.remove(body.group, ghost.group, marks.group);
       body.dispose();
       ghost.dispose();
     }
     this.objects = [];
     this.tools = [];
+    this.coarserAsked = false;
     this.numberedTeeth = this.labels.setObjects([]);
-  }
-}
-
-function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer | undefined {
-  try {
-    return new WebGLRenderer({canvas, antialias: true, alpha: true});
-  } catch {
-    return undefined;
   }
 }
 

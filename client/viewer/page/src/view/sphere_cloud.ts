@@ -9,6 +9,7 @@ import {
 } from "three";
 
 import type {SphereLevel} from "../model/bundle";
+import {paintForScreen} from "./still_layer";
 
 /// So many spheres are drawn rounder than more of them: the picture's triangles stay bounded.
 const kRoundness = [
@@ -21,6 +22,7 @@ const kRoundness = [
 /// Clear in the middle, with a rim: so that spheres within spheres can be told apart.
 function asBubble(material: MeshStandardMaterial): void {
   material.onBeforeCompile = (shader) => {
+    paintForScreen(shader);
     shader.fragmentShader = shader.fragmentShader.replace(
       "#include <opaque_fragment>",
       `float facing = abs(dot(normalize(normal), normalize(vViewPosition)));
@@ -48,7 +50,8 @@ export class SphereCloud {
       transparent: !isLeaves,
       depthWrite: isLeaves,
     });
-    if (!isLeaves) asBubble(material);
+    if (isLeaves) material.onBeforeCompile = paintForScreen;
+    else asBubble(material);
     this.mesh = new InstancedMesh(new IcosahedronGeometry(1, detail), material, count);
     this.mesh.frustumCulled = false;
     this.mesh.renderOrder = isLeaves ? 0 : 5;

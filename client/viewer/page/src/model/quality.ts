@@ -1,0 +1,100 @@
+import {Ladder} from "./ladder";
+
+/// How well pictures are drawn.  Two ladders, since a picture in which only tools move costs a machine
+/// without a graphics card a tenth of one in which all is seen from elsewhere.
+
+export const kQualities = ["full", "good", "fair", "low"] as const;
+export type Quality = (typeof kQualities)[number];
+
+/// What the objects are drawn with while the eye moves, or while they are scraped at.
+export interface InMotion {
+  readonly share: number; // of the canvas's pixels, along a side
+  readonly samples: number; // a pixel; 0: edges are not smoothed
+  readonly detail: number; // 0: all triangles; else which of kDetails
+}
+
+/// Along a side, of the pixels that the screen has.
+const kAtRest: readonly number[] = [1, 0.8, 0.65, 0.5];
+const kInMotion: readonly InMotion[] = [
+  {share: 1, samples: 4, detail: 0},
+  {share: 1, samples: 0, detail: 1},
+  {share: 0.7, samples: 0, detail: 1},
+  {share: 0.4, samples: 0, detail: 2},
+];
+/// How far a coarser surface may be from the surface, as a share of the radius of what is looked at:
+/// one and four pixels, where that fills 500.
+export const kDetails: readonly number[] = [0.004, 0.016];
+
+/// What has been drawn: with tools alone moved, or the objects anew; "else": neither tells a pace.
+export type Drawn = "tools" | "objects" | "else";
+
+export const qualityOf = (text: string): Quality | undefined =>
+  kQualities.find((name) => name === text);
+
+export class PictureQuality {
+  private readonly rest: Ladder;
+  private readonly motion: Ladder;
+  private before: Drawn = "else";
+
+  /// @param slow  there is no graphics card, so that the eye's first turn need not show it
+  constructor(
+    slow: boolean,
+    public fixed: Quality | undefined,
+  ) {
+    this.rest = new Ladder(kQualities.length);
+    this.motion = new Ladder(kQualities.length, slow ? kQualities.length - 1 : 0);
+  }
+
+  get share(): number {
+    return kAtRest[this.rungOf(this.rest)]!;
+  }
+  get inMotion(): InMotion {
+    return kInMotion[this.rungOf(this.motion)]!;
+  }
+  get names(): {rest: Quality; motion: Quality} {
+    return {
+      rest: kQualities[this.rungOf(this.rest)]!,
+      motion: kQualities[this.rungOf(this.motion)]!,
+    };
+  }
+
+  /// Another scene is looked at.
+  restart(): void {
+    this.rest.restart();
+    this.motion.restart();
+    this.before = "else";
+  }
+
+  /// @param ms  from this picture until the browser was ready for another.
+  /// @return whether pictures are drawn otherwise from now on
+  took(drawn: Drawn, ms: number): boolean {
+    // A card works on one picture while the next one is prepared: the time may be the former's.
+    const tells = drawn === this.before;
+    this.before = drawn;
+    if (!tells || drawn === "else" || this.fixed) return false;
+    return (drawn === "tools" ? this.rest : this.motion).took(ms);
+  }
+
+  private rungOf(ladder: Ladder): number {
+    return this.fixed ? kQualities.indexOf(this.fixed) : ladder.rung;
+  }
+}
+
+const percent = (share: number): string => `${Math.round(100 * share)} %`;
+
+/// What the page says of it.
+export function qualityWords(quality: PictureQuality): string {
+  const {rest, motion} = quality.names;
+  const {share, samples, detail} = quality.inMotion;
+  const still =
+    quality.share === 1
+      ? "all of the screen's pixels"
+      : `${percent(quality.share)} of the screen's pixels a side`;
+  const less = [
+    share < 1 ? `${percent(share)} of the pixels a side` : "",
+    samples === 0 ? "rougher edges" : "",
+    detail > 0 ? "fewer triangles" : "",
+  ].filter((word) => word !== "");
+  const turning = less.length === 0 ? "as at rest" : less.join(", ");
+  return `At rest ${rest}: ${still}. While the view turns ${motion}: ${turning}.`;
+}

@@ -1,0 +1,30 @@
+import {kQualities, type PictureQuality, qualityOf, qualityWords} from "../model/quality";
+import {element, setText} from "./elements";
+
+/// Says how well pictures are drawn, and lets the reader settle it.
+export class QualityPick {
+  private readonly select = element("quality", HTMLSelectElement);
+  private readonly words = element("quality-words", HTMLParagraphElement);
+
+  /// @param remember  keeps a choice, empty for none, in the page's address
+  constructor(
+    private readonly quality: PictureQuality,
+    remember: (name: string, value: string) => void,
+    changed: () => void,
+  ) {
+    this.select.add(new Option("as fast as 30 a second", ""));
+    for (const name of kQualities) this.select.add(new Option(`always ${name}`, name));
+    this.select.value = quality.fixed ?? "";
+    this.select.addEventListener("change", () => {
+      quality.fixed = qualityOf(this.select.value);
+      remember("quality", this.select.value);
+      this.show();
+      changed();
+    });
+    this.show();
+  }
+
+  show(): void {
+    setText(this.words, qualityWords(this.quality));
+  }
+}

@@ -1,0 +1,196 @@
+import {
+  AlwaysDepth,
+  Color,
+  DepthTexture,
+  LinearFilter,
+  Matrix4,
+  Mesh,
+  NearestFilter,
+  type Object3D,
+  type PerspectiveCamera,
+  PlaneGeometry,
+  ShaderMaterial,
+  Vector2,
+  type WebGLProgramParametersWithUniforms,
+  type WebGLRenderer,
+  WebGLRenderTarget,
+} from "three";
+
+import type {Drawn, InMotion} from "../model/quality";
+import type {Palette} from "./palette";
+
+// What stands still is drawn once, with its depth, and copied under each picture: without a graphics
+// card the mouth's 123,000 triangles cost ten times what the tool and the copy do.
+
+/// The eye has come to rest where it has not moved for so long.
+const kRestMs = 300;
+const kSamples = 4;
+
+// Both fill the picture, from wherever it is seen.
+const kVertexShader = `
+varying vec2 vUv;
+void main() {
+  vUv = uv;
+  gl_Position = vec4(position.xy, 1.0, 1.0);
+}`;
+
+// As .picture in the style sheet, which shows where there is no WebGL.
+const kBackgroundShader = `
+uniform vec3 uGlow;
+uniform vec3 uPaper;
+varying vec2 vUv;
+void main() {
+  float away = length((vUv - vec2(0.5, 0.58)) / vec2(0.75, 0.7));
+  gl_FragColor = vec4(mix(uGlow, uPaper, min(away, 1.0)), 1.0);
+}`;
+
+const kCopyShader = `
+uniform sampler2D uColour;
+uniform highp sampler2D uDepth;
+varying vec2 vUv;
+void main() {
+  gl_FragColor = texture2D(uColour, vUv);
+  gl_FragDepth = texture2D(uDepth, vUv).r;
+}`;
+
+/// Colours as a screen wants them, also where a material paints into the layer: 8 bits of linear light
+/// would show steps.  For a material's onBeforeCompile.
+export function paintForScreen(shader: WebGLProgramParametersWithUniforms): void {
+  shader.fragmentShader = shader.fragmentShader.replace(
+    "#include <colorspace_fragment>",
+    "gl_FragColor = sRGBTransferOETF(gl_FragColor);",
+  );
+}
+
+type FullPicture = Mesh<PlaneGeometry, ShaderMaterial>;
+
+function fullPicture(fragmentShader: string, uniforms: Record<string, unknown>): FullPicture {
+  const material = new ShaderMaterial({
+    vertexShader: kVertexShader,
+    fragmentShader,
+    uniforms: Object.fromEntries(Object.entries(uniforms).map(([name, value]) => [name, {value}])),
+    depthFunc: AlwaysDepth,
+  });
+  const mesh = new Mesh(new PlaneGeometry(2, 2), material);
+  mesh.frustumCulled = false;
+  mesh.renderOrder = -1; // before all else
+  return mesh;
+}
+
+function makeSheet(
+  samples: number,
+  filter: typeof NearestFilter | typeof LinearFilter,
+): WebGLRenderTarget {
+  const depthTexture = new DepthTexture(1, 1);
+  depthTexture.minFilter = depthTexture.magFilter = NearestFilter;
+  return new WebGLRenderTarget(1, 1, {
+    samples,
+    depthTexture,
+    minFilter: filter,
+    magFilter: filter,
+  });
+}
+
+export class StillLayer {
+  /// To be drawn with what stands still, and with what moves.
+  readonly background = fullPicture(kBackgroundShader, {uGlow: new Color(), uPaper: new Color()});
+  readonly copy = fullPicture(kCopyShader, {uColour: null, uDepth: null});
+
+  private readonly whole = makeSheet(kSamples, NearestFilter);
+  private readonly hurried = makeSheet(0, LinearFilter); // while the eye moves
+  private shows: "nothing" | "whole" | "hurried" = "nothing";
+  private stale = true;
+  private changedMs = -Infinity;
+  private readonly seenFrom = new Matrix4();
+  private readonly projection = new Matrix4();
+  private readonly size = new Vector2();
+
+  constructor(private readonly renderer: WebGLRenderer) {
+    this.background.material.depthWrite = false;
+  }
+
+  paint({glow, paper}: Palette): void {
+    const {uGlow, uPaper} = this.background.material.uniforms;
+    (uGlow!.value as Color).copy(glow).convertLinearToSRGB();
+    (uPaper!.value as Color).copy(paper).convertLinearToSRGB();
+    this.restart();
+  }
+
+  /// Something in it has changed.
+  change(): void {
+    this.stale = true;
+  }
+  /// All of it has, and none of it should be seen in haste.
+  restart(): void {
+    this.stale = true;
+    this.shows = "nothing";
+  }
+
+  /// Draws it where it shows no longer what there is to see, and in full where it has shown that in
+  /// haste and the eye has come to rest.
+  /// @param setDetail  gives the objects the triangles of that detail
+  update(
+    scene: Object3D,
+    eye: PerspectiveCamera,
+    nowMs: number,
+    inMotion: InMotion,
+    setDetail: (detail: number) => void,
+  ): Drawn {
+    if (this.hasChanged(eye)) {
+      const isFirst = this.shows === "nothing";
+      this.changedMs = nowMs;
+      if (isFirst || inMotion.samples > 0) {
+        this.draw(scene, eye, "whole", 1);
+      } else {
+        setDetail(inMotion.detail);
+        this.draw(scene, eye, "hurried", inMotion.share);
+        setDetail(0);
+      }
+      return isFirst ? "else" : "objects";
+    }
+    if (this.settlesInMs(nowMs) !== 0) return "tools";
+    this.draw(scene, eye, "whole", 1);
+    return "else";
+  }
+
+  /// When the eye will have come to rest and a better layer be due; undefined: it is as good as can be.
+  settlesInMs(nowMs: number): number | undefined {
+    if (this.shows !== "hurried") return undefined;
+    return Math.max(0, this.changedMs + kRestMs - nowMs);
+  }
+
+  private hasChanged(eye: PerspectiveCamera): boolean {
+    const {x, y} = this.renderer.getDrawingBufferSize(new Vector2());
+    eye.updateMatrixWorld();
+    const same =
+      !this.stale &&
+      this.seenFrom.equals(eye.matrixWorld) &&
+      this.projection.equals(eye.projectionMatrix) &&
+      this.size.x === x &&
+      this.size.y === y;
+    if (same) return false;
+    this.stale = false;
+    this.seenFrom.copy(eye.matrixWorld);
+    this.projection.copy(eye.projectionMatrix);
+    if (this.size.x !== x || this.size.y !== y) this.shows = "nothing";
+    this.size.set(x, y);
+    return true;
+  }
+
+  private draw(
+    scene: Object3D,
+    eye: PerspectiveCamera,
+    how: "whole" | "hurried",
+    share: number,
+  ): void {
+    const sheet = this[how];
+    sheet.setSize(Math.ceil(share * this.size.x), Math.ceil(share * this.size.y));
+    this.renderer.setRenderTarget(sheet);
+    this.renderer.render(scene, eye);
+    this.renderer.setRenderTarget(null);
+    const {uColour, uDepth} = this.copy.material.uniforms;
+    uColour!.value = sheet.texture;
+    uDepth!.value = sheet.depthTexture;
+    this.shows = how;
+  }
+}
