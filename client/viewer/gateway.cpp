@@ -96,9 +96,11 @@ std::string Urls(const tcp::endpoint& endpoint) {
 void Announce(const ViewerOptions& options, const Hub& hub, const std::string& urls) {
   if (!IsLoopback(options.address)) {
     spdlog::warn(
-        "every host that reaches {} can look, and steer a replay that is not --locked{}; --bind "
-        "127.0.0.1 is for this host alone",
+        "every host that reaches {} can look{}{}; --bind 127.0.0.1 is for this host alone",
         options.address,
+        options.no_steering
+            ? ""
+            : ", and steer a replay that is not --locked (--no-steering rules it out)",
         options.max_mice > 0 ? ", and take a tool with the mouse (--max-mice 0 rules it out)" : "");
   }
   if (!hub.page().built()) {

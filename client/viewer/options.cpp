@@ -25,9 +25,9 @@ constexpr const char* kExamples =
       Foxglove and Lichtblick attach to ws://127.0.0.1:8765/, and look
   palpate-viewer --http 8765 --allow-origin https://app.foxglove.dev
       Foxglove's web application may attach, too
-  palpate-viewer --http 8765 --bind 0.0.0.0 --max-mice 0
-      for a class in the same network: all may look, nobody may take a tool with the mouse; a replay
-      is steered by all, unless it was started with --locked
+  palpate-viewer --http 8765 --bind 0.0.0.0 --max-mice 0 --no-steering
+      for a class in the same network: all may look, nobody may take a tool with the mouse, nor steer
+      a replay; a second gateway, for the teacher's own host alone, may
   palpate-viewer --http 8765 --network eth0
       of a server on another host, which runs with --network too
 
@@ -73,6 +73,10 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
                  "tools that viewers may hold with the mouse, at once; 0: none")
       ->check(CLI::Range(0, 16))
       ->capture_default_str();
+  app.add_flag(
+      "--no-steering", options.no_steering,
+      "viewers see a replay and cannot steer it from here; palpate-replay --locked rules it "
+      "out for every gateway");
   app.add_option("--allow-origin", options.origins,
                  "another page that may attach and take a tool, as https://app.example.org; *: any "
                  "page; this gateway's own, and programs that are no page, always may; "

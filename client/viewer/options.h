@@ -16,6 +16,7 @@ struct ViewerOptions {
   double rate_hz = 30.0;
   std::size_t max_viewers = 300;
   int max_mice = 4;
+  bool no_steering = false;          ///< nobody steers a replay from here
   std::vector<std::string> origins;  ///< of other pages that may attach; "*": of any
   std::string transport = "auto";    ///< of the mice's stations
   dds::Network network;

@@ -42,6 +42,7 @@ ViewerSession::ViewerSession(beast::tcp_stream stream, Hub& hub, std::uint64_t i
       id_(id),
       may_publish_(may_publish),
       mouse_(may_publish && hub.options().max_mice > 0),
+      steers_(may_publish && !hub.options().no_steering),
       peer_(PeerOf(socket_.next_layer())) {}
 
 void ViewerSession::Accept(const Request& request, std::string_view subprotocol) {
@@ -77,8 +78,8 @@ void ViewerSession::Open() {
   open_ = true;
   signs_.Heard(SteadyNanoseconds());
   spdlog::debug("viewer {} has come", peer_);
-  Send(foxglove::ServerInfo(hub_.session_id(), may_publish_));
-  Send(foxglove::Advertise(TopicFeed::Channels(mouse_, may_publish_)));
+  Send(foxglove::ServerInfo(hub_.session_id(), mouse_ || steers_));
+  Send(foxglove::Advertise(TopicFeed::Channels(mouse_, steers_)));
   Read();
 }
 
@@ -151,23 +152,35 @@ std::string ViewerSession::OnText(std::string_view text) {
 
 void ViewerSession::Publish(const foxglove::ClientChannel& channel) {
   const bool json = channel.encoding == "json";
-  if (json && ((mouse_ && channel.topic == kMouseTopic) ||
-               (may_publish_ && channel.topic == kReplayTopic))) {
+  if (json &&
+      ((mouse_ && channel.topic == kMouseTopic) || (steers_ && channel.topic == kReplayTopic))) {
     published_.insert_or_assign(channel.id, channel.topic);
     return;
   }
-  std::string use = "this client may look, and publish nothing (palpate-viewer --allow-origin)";
-  if (may_publish_) {
-    use = std::string("give ") + kReplayTopic +
-          (mouse_ ? std::string(" or ") + kMouseTopic + ", encoding json"
-                  : ", encoding json; nobody takes a tool here (palpate-viewer --max-mice)");
+  Say(foxglove::Level::kWarning,
+      "channel " + Quoted(channel.topic) + " is of no use here: " + WhatIsOfUse());
+}
+
+std::string ViewerSession::WhatIsOfUse() const {
+  if (!may_publish_) {
+    return "this client may look, and publish nothing (palpate-viewer --allow-origin)";
   }
-  Say(foxglove::Level::kWarning, "channel " + Quoted(channel.topic) + " is of no use here: " + use);
+  std::string use;
+  if (steers_ || mouse_) {
+    use = std::string("give ") + (steers_ ? kReplayTopic : "") + (steers_ && mouse_ ? " or " : "") +
+          (mouse_ ? kMouseTopic : "") + ", encoding json";
+  }
+  const auto add = [&](const char* reason) {
+    use += (use.empty() ? "" : "; ") + std::string(reason);
+  };
+  if (!mouse_) add("nobody takes a tool here (palpate-viewer --max-mice)");
+  if (!steers_) add("nobody steers a replay from here (palpate-viewer --no-steering)");
+  return use;
 }
 
 void ViewerSession::Subscribe(const foxglove::Request& request) {
   const std::int64_t now_ns = SteadyNanoseconds();
-  const std::vector<foxglove::Channel> channels = TopicFeed::Channels(mouse_, may_publish_);
+  const std::vector<foxglove::Channel> channels = TopicFeed::Channels(mouse_, steers_);
   for (const foxglove::Subscription& wanted : request.subscriptions) {
     const bool known =
         std::ranges::find(channels, wanted.channel, &foxglove::Channel::id) != channels.end();

@@ -55,6 +55,8 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   std::string OnBinary(std::span<const std::uint8_t> bytes);
   void Subscribe(const foxglove::Request& request);
   void Publish(const foxglove::ClientChannel& channel);
+  /// What a client may publish instead, or why it may not.
+  std::string WhatIsOfUse() const;
   void OnMouse(std::string_view json);
   void OnReplay(std::string_view json);
   void Send(std::string text);
@@ -66,7 +68,8 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   Hub& hub_;
   std::uint64_t id_;
   bool may_publish_;
-  bool mouse_;  // it may have one
+  bool mouse_;   // it may have one
+  bool steers_;  // it may steer a replay
   std::string peer_;
   boost::beast::flat_buffer input_;
 

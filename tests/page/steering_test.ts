@@ -67,7 +67,8 @@ async function open(options: Parameters<Browser["newContext"]>[0] = {}): Promise
 async function openReplay(options: Parameters<typeof open>[0] = {}): Promise<Page> {
   replay.start();
   const opened = await open(options);
-  const wanted = replay.contents.locked || !gateway.takesMessages ? "#replay-sign" : "#scrub";
+  const maySteer = !replay.contents.locked && gateway.takesMessages && gateway.allowsSteering;
+  const wanted = maySteer ? "#scrub" : "#replay-sign";
   await opened.locator(wanted).waitFor({state: "visible"});
   return opened;
 }
@@ -310,10 +311,12 @@ test("who may not steer sees the sign alone, and no key does anything", async ()
   replay.tellContents();
   await eventually("unlocked", () => isVisible("#scrub"));
   expect(replay.wishes).toEqual([]);
-  replay.die();
-  gateway.takesMessages = false;
-  page = await openReplay();
-  await isSignAlone();
+  for (const rule of ["allowsSteering", "takesMessages"] as const) {
+    replay.die();
+    gateway[rule] = false;
+    page = await openReplay();
+    await isSignAlone();
+  }
   expect(replay.wishes).toEqual([]);
 });
 

@@ -833,6 +833,32 @@ TEST(Replay, IsNotSteeredByWhoMayOnlyLook) {
   EXPECT_EQ(viewer.closed(), 1008);
 }
 
+TEST(Replay, IsSteeredByNobodyWhereTheGatewayRulesItOut) {
+  Gateway gateway({"--no-steering"});
+  Replayer replayer;
+  WebClient viewer(gateway.port());
+  EXPECT_EQ(viewer.NextJson("serverInfo")["capabilities"], Json::array({"clientPublish"}))
+      << "a mouse may be had";
+  viewer.Subscribe(21, kReplay);
+  const Json state = NextOf(viewer, 21);
+  EXPECT_EQ(state["at_s"], 1.5) << "it is seen";
+  viewer.Subscribe(22, kAnswer);
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("no such channel"));
+  viewer.SendReplay({{"replay", state["replay"]}, {"tag", 1}, {"wish", "pause"}});
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""),
+              AllOf(HasSubstr("give /palpate/mouse, encoding json"), HasSubstr("--no-steering")));
+  EXPECT_EQ(viewer.closed(), 1008);
+}
+
+TEST(Replay, TellsAPageThatMayOnlyLookThatItMayPublishNothing) {
+  Gateway gateway({"--no-steering", "--max-mice", "0"});
+  WebClient viewer(gateway.port());
+  EXPECT_EQ(viewer.NextJson("serverInfo")["capabilities"], Json::array());
+  viewer.SendReplay({{"replay", "1"}, {"tag", 1}, {"wish", "pause"}});
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""),
+              AllOf(HasSubstr("--max-mice"), HasSubstr("--no-steering"), Not(HasSubstr("give"))));
+}
+
 TEST(Gateway, EndsOnASignalAndTakesLeaveOfViewersAndMice) {
   const auto server = StartServer();
   Gateway gateway;

@@ -27,6 +27,7 @@ TEST(ViewerOptions, AreForThisHostAloneUnlessTold) {
   EXPECT_EQ(options->rate_hz, 30.0);
   EXPECT_EQ(options->max_viewers, 300u);
   EXPECT_EQ(options->max_mice, 4);
+  EXPECT_FALSE(options->no_steering);
   EXPECT_THAT(options->page, HasSubstr("/page"));
 }
 

@@ -227,6 +227,7 @@ export class FakeGateway {
   readonly published: Record<string, unknown>[] = []; // what clients sent on their channels
   health: object = {}; // what it says besides its scenes
   takesMessages = true;
+  allowsSteering = true; // of a replay
   turnsAway = false; // who wants to attach
   onPublish: (message: Record<string, unknown>) => void = () => {};
   private readonly http: Server;
@@ -301,7 +302,10 @@ export class FakeGateway {
         sessionId: "fake",
       }),
     );
-    socket.send(JSON.stringify({op: "advertise", channels: kChannels}));
+    const channels = kChannels.filter(
+      ({topic}) => this.allowsSteering || topic !== "/palpate/replay_answer",
+    );
+    socket.send(JSON.stringify({op: "advertise", channels}));
     socket.on("message", (data: Buffer, isBinary) => {
       if (isBinary) {
         const message = JSON.parse(data.subarray(5).toString()) as Record<string, unknown>;

@@ -95,6 +95,7 @@ export class App {
   private losses = 0; // since the link was last open: the loss itself, and tries that failed
   private lostS = -Infinity; // the first of them
   private gateway = {saidS: -Infinity, full: false, silences: 0};
+  private mayPublish = false;
   private maySteer = false; // a replay
   private allowsMice = true; // until the gateway says otherwise
   private isReplay = false;
@@ -158,10 +159,11 @@ export class App {
           if (level > 0) console.warn(`gateway: ${message}`);
         },
         mayPublish: (may) => {
-          this.maySteer = may;
+          this.mayPublish = may;
         },
         offers: (topics) => {
-          this.allowsMice = this.maySteer && topics.has(kTopics.mouseState);
+          this.allowsMice = this.mayPublish && topics.has(kTopics.mouseState);
+          this.maySteer = this.mayPublish && topics.has(kTopics.replayAnswer);
           this.showRights();
         },
       },
