@@ -1,18 +1,11 @@
 import {expect, test} from "vitest";
 
 import {markAfter, markBefore, Replay} from "@page/model/replay";
-import type {ReplayContents, ReplayState} from "@page/protocol/messages";
+import type {ReplayContents} from "@page/protocol/messages";
 
-const kState: ReplayState = {
-  replay: "ab",
-  atS: 10,
-  rate: 1,
-  sought: 1,
-  playing: true,
-  ended: false,
-  request: "0",
-  refusal: "",
-};
+import {replayState} from "../support/replay_state";
+
+const kState = replayState(10);
 const kContents: ReplayContents = {
   replay: "ab",
   recording: "lesson.mcap",

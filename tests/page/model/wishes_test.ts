@@ -3,20 +3,13 @@ import {expect, test} from "vitest";
 import {type Wish, Wishes} from "@page/model/wishes";
 import type {ReplayState} from "@page/protocol/messages";
 
+import {replayState} from "../support/replay_state";
+
 interface Sent extends Wish {
   readonly tag: number;
   readonly replay: string;
 }
-const answer = (request: string, refusal = ""): ReplayState => ({
-  replay: "ab",
-  atS: 0,
-  rate: 1,
-  sought: 1,
-  playing: true,
-  ended: false,
-  request,
-  refusal,
-});
+const answer = (request: string, refusal = ""): ReplayState => replayState(0, {request, refusal});
 
 function rig() {
   const sent: Sent[] = [];

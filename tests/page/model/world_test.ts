@@ -2,6 +2,8 @@ import {expect, test} from "vitest";
 
 import {kTopics, World} from "@page/model/world";
 
+import {replayStateSent} from "../support/replay_state";
+
 const state = (station: string, sequence: number, more: object = {}) => ({
   station,
   scene: "cube",
@@ -161,24 +163,13 @@ test("between two frames is where the picture is, however seldom they come", () 
   }
 });
 
-const replayState = (atS: number, more: object = {}) => ({
-  replay: "ab",
-  at_s: atS,
-  rate: 1,
-  sought: 1,
-  playing: true,
-  ended: false,
-  request: "0",
-  refusal: "",
-  ...more,
-});
 const force = (world: World, nowS: number): [number[], number[]] =>
   world.stations.get("hand")!.history.series(0, nowS);
 
 test("a replay's figures stand at the recording's times", () => {
   const world = new World(() => {});
   world.receive(kTopics.toolState, state("hand", 1), 900, 1); // nobody knows of a replay yet
-  world.receive(kTopics.replayState, replayState(40, {rate: 0.5}), 1000, 2);
+  world.receive(kTopics.replayState, replayStateSent(40, {rate: 0.5}), 1000, 2);
   // However late the page comes to read them.
   world.receive(kTopics.toolState, state("hand", 2), 1000.2, 2.9);
   world.receive(kTopics.toolState, state("hand", 3), 1000.4, 2.9);
@@ -192,26 +183,26 @@ test("a replay's figures stand at the recording's times", () => {
 
 test("the plots begin anew where a replay goes elsewhere, with what it shows there", () => {
   const world = new World(() => {});
-  world.receive(kTopics.replayState, replayState(40), 1000, 1);
+  world.receive(kTopics.replayState, replayStateSent(40), 1000, 1);
   world.receive(kTopics.toolState, state("hand", 1), 1000.1, 1.1);
-  world.receive(kTopics.replayState, replayState(40.2), 1000.2, 1.2);
+  world.receive(kTopics.replayState, replayStateSent(40.2), 1000.2, 1.2);
   expect(force(world, 40.2)[0].length).toBe(1);
   // A seek while it is paused: one state of the tool, and then where it is.
   world.receive(kTopics.toolState, state("hand", 2, {force_N: [7, 0, 0]}), 1000.3, 1.3);
-  world.receive(kTopics.replayState, replayState(12, {playing: false}), 1000.31, 1.31);
+  world.receive(kTopics.replayState, replayStateSent(12, {playing: false}), 1000.31, 1.31);
   expect(force(world, 12)).toEqual([[0], [7]]);
   // On again: what was shown before the leap is none of it.
-  world.receive(kTopics.replayState, replayState(30), 1003, 4);
+  world.receive(kTopics.replayState, replayStateSent(30), 1003, 4);
   expect(force(world, 30)).toEqual([[], []]);
 });
 
 test("a tool is not left alone while a replay is paused", () => {
   const world = new World(() => {});
-  world.receive(kTopics.replayState, replayState(40), 1000, 1);
+  world.receive(kTopics.replayState, replayStateSent(40), 1000, 1);
   world.receive(kTopics.sessionState, session("hand", 2), 1000, 1);
   world.receive(kTopics.toolState, state("hand", 1), 1000, 1);
   for (let nowS = 1.2; nowS < 20; nowS += 0.2) {
-    world.receive(kTopics.replayState, replayState(40.2, {playing: false}), 999 + nowS, nowS);
+    world.receive(kTopics.replayState, replayStateSent(40.2, {playing: false}), 999 + nowS, nowS);
   }
   expect(world.stations.get("hand")!.isMoving(20)).toBe(true);
   expect(world.stations.get("hand")!.isMoving(22)).toBe(false);
@@ -219,7 +210,7 @@ test("a tool is not left alone while a replay is paused", () => {
   world.receive(kTopics.sessionState, session("other", 2, {server_run: 2n}), 1021, 22);
   world.receive(kTopics.toolState, state("hand", 2), 1021, 22);
   for (let nowS = 22.2; nowS < 25; nowS += 0.2) {
-    world.receive(kTopics.replayState, replayState(0, {playing: false}), 999 + nowS, nowS);
+    world.receive(kTopics.replayState, replayStateSent(0, {playing: false}), 999 + nowS, nowS);
   }
   expect(world.stations.get("hand")!.isMoving(25)).toBe(false);
 });
@@ -227,15 +218,15 @@ test("a tool is not left alone while a replay is paused", () => {
 test("what another server says after a replay is live, and while it plays it is the replay's", () => {
   const world = new World(() => {});
   world.receive(kTopics.sessionState, session("hand", 2, {server_run: 1n}), 0, 0);
-  world.receive(kTopics.replayState, replayState(40), 1000, 1);
+  world.receive(kTopics.replayState, replayStateSent(40), 1000, 1);
   world.receive(kTopics.sessionState, session("hand", 2, {server_run: 2n}), 1000, 1);
   expect(world.replay.phase(1)).toBe("playing");
-  world.receive(kTopics.replayState, replayState(41, {ended: true}), 1001, 2);
+  world.receive(kTopics.replayState, replayStateSent(41, {ended: true}), 1001, 2);
   expect(world.replay.phase(60)).toBe("ended");
   world.receiveHealth(["cube"], "3", 60);
   expect(world.replay.phase(60)).toBe("none");
   // Likewise after one that has only fallen silent.
-  world.receive(kTopics.replayState, replayState(40), 2000, 100);
+  world.receive(kTopics.replayState, replayStateSent(40), 2000, 100);
   world.receiveHealth(["cube"], "4", 101);
   expect(world.replay.phase(101)).toBe("playing");
   world.receiveHealth(["cube"], "5", 110);

@@ -1,4 +1,5 @@
 import {type FakeGateway, sessionState, toolState} from "./fake_gateway";
+import {replayStateSent} from "./replay_state";
 
 export interface Mark {
   at_s: number;
@@ -14,16 +15,7 @@ const kStateEverySteps = 6;
 /// Its tool is pressed on the box with as many newtons as the recording has gone seconds.
 export class FakeReplay {
   readonly wishes: Record<string, unknown>[] = [];
-  readonly state = {
-    replay: "fedcba9876543210",
-    at_s: 0,
-    rate: 1,
-    sought: 1,
-    playing: true,
-    ended: false,
-    request: "0",
-    refusal: "",
-  };
+  readonly state = replayStateSent(0, {replay: "fedcba9876543210"});
   readonly contents = {
     replay: this.state.replay,
     recording: "lesson-3.mcap",
