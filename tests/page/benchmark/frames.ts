@@ -237,6 +237,8 @@ async function main(): Promise<void> {
   ];
   const browser = await launch(kWithoutCard, 0);
   const rows: Row[] = [];
+  // What waits for the browser fails then, and all is ended below.
+  for (const signal of ["SIGINT", "SIGTERM"]) process.once(signal, () => void browser.close());
   try {
     await programs[0]!.says(/^ready/m, 300_000);
     const [url] = await programs[1]!.says(/http:\/\/127\.0\.0\.1:\d+\//);
