@@ -12,7 +12,7 @@ import {
   stationStatistics,
   toolState,
 } from "./support/fake_gateway";
-import {eventually, kHasChromium, launch, until} from "./support/browser";
+import {eventually, kHasChromium, launch, probe, until} from "./support/browser";
 import {box, kTestScene, leafPerTriangle, sceneBytes, type TestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 
@@ -267,6 +267,20 @@ test("what was drawn in haste while the view turned is drawn well when it rests"
     // In haste, and then well.
     await until(page, "drawn twice", (now) => now.drawnAnew >= drawnAnew + times);
   }
+  await eventually("as before", async () => (await picture()) === before);
+});
+
+test("a picture that the graphics card has lost comes back", async () => {
+  page = await open();
+  const before = await stillPicture();
+  await page.evaluate(() => {
+    const canvas = document.getElementById("view") as HTMLCanvasElement;
+    const lose = canvas.getContext("webgl2")!.getExtension("WEBGL_lose_context")!;
+    canvas.addEventListener("webglcontextlost", () => setTimeout(() => lose.restoreContext()));
+    lose.loseContext();
+  });
+  const {drawnAnew} = await probe(page);
+  await until(page, "another picture", (now) => now.drawnAnew > drawnAnew);
   await eventually("as before", async () => (await picture()) === before);
 });
 

@@ -12,7 +12,7 @@ export class QualityPick {
     remember: (name: string, value: string) => void,
     changed: () => void,
   ) {
-    this.select.add(new Option("as fast as 30 a second", ""));
+    this.select.add(new Option("what 30 a second allow", ""));
     for (const name of kQualities) this.select.add(new Option(`always ${name}`, name));
     this.select.value = quality.fixed ?? "";
     this.select.addEventListener("change", () => {
