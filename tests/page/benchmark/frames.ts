@@ -200,6 +200,12 @@ function reportOf(rows: readonly Row[], options: Options, begun: string, load: s
     ["begun", begun],
     ["load averages before", load],
   ];
+  const isBusy = Number(load.split(" ")[0]) > 0.25 * cpus().length;
+  const notAtRest = `
+
+**The machine was not at rest:** a load average of ${load.split(" ")[0]!} on ${cpus().length} cores before the first
+measurement. Pictures a second are fewer than on a quiet machine, the middle ones most of all, and a picture's
+processor time is longer, since caches are shared and plots, ten times a second, fall on fewer pictures.`;
   return `# The page's pictures
 
 \`\`\`sh
@@ -208,11 +214,12 @@ ${options.command}
 
 | | |
 |---|---|
-${machine.map((cells) => `| ${cells.join(" | ")} |`).join("\n")}
+${machine.map((cells) => `| ${cells.join(" | ")} |`).join("\n")}${isBusy ? notAtRest : ""}
 
 The page at the real server in \`${options.scene}\`, a simulated hand moving the tool, the teacher's view
 with its plots, in headless Chromium. *The tool*: the eye stands still, and what stands still is copied
-under each picture. *The eye*: the view is dragged to and fro meanwhile, so that all of it is drawn anew.
+under each picture. *The eye*: the view is dragged to and fro meanwhile, so that all of it is drawn anew;
+at full quality that is what every picture cost before what stands still was kept.
 *Chosen* is what the page's own ladder came to; the others are fixed with \`?quality=\`. Pictures a second are
 the best and the middle of ${options.repeats} runs of ${options.seconds} s: other processes take cores away, and
 headless Chromium shows 60 a second at most. Processor time is that of all of Chromium's processes, the least of
@@ -237,8 +244,6 @@ async function main(): Promise<void> {
   ];
   const browser = await launch(kWithoutCard, 0);
   const rows: Row[] = [];
-  // What waits for the browser fails then, and all is ended below.
-  for (const signal of ["SIGINT", "SIGTERM"]) process.once(signal, () => void browser.close());
   try {
     await programs[0]!.says(/^ready/m, 300_000);
     const [url] = await programs[1]!.says(/http:\/\/127\.0\.0\.1:\d+\//);

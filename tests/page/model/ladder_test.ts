@@ -48,6 +48,16 @@ test("who has time to spare climbs, and holds what is fast enough there", () => 
   expect(draw(ladder, cost, 30)).toEqual([3, 2, 1]);
 });
 
+test("while a page is hidden no time is won to climb", () => {
+  const ladder = new Ladder(2, 1);
+  draw(ladder, 12, 1);
+  ladder.took(60_000);
+  draw(ladder, 12, 1);
+  expect(ladder.rung).toBe(1);
+  draw(ladder, 12, 2);
+  expect(ladder.rung).toBe(0);
+});
+
 test("a rung that was too much is tried again more and more seldom", () => {
   const ladder = new Ladder(2, 1);
   const cost = (rung: number): number => [50, 12][rung]!;

@@ -3,6 +3,12 @@ import {join} from "node:path";
 
 const kBin = process.env.PALPATE_BIN_DIR ?? join(process.cwd(), "../../build/release/bin");
 
+/// What still runs when this process ends before its time, as at Ctrl-C.
+const kRunning = new Set<ChildProcess>();
+process.once("exit", () => {
+  for (const child of kRunning) child.kill();
+});
+
 /// One of Palpate's programs, as a test runs it.
 export class Program {
   output = "";
@@ -18,7 +24,11 @@ export class Program {
     this.child.stdout!.on("data", keep);
     this.child.stderr!.on("data", keep);
     this.child.on("error", (error) => (this.output += String(error)));
-    this.child.on("close", () => (this.ended = true));
+    kRunning.add(this.child);
+    this.child.on("close", () => {
+      this.ended = true;
+      kRunning.delete(this.child);
+    });
   }
 
   /// The first match in what it says; throws with all that it said where there is none in time.

@@ -18,6 +18,8 @@ const kSettling = 2;
 const kPatienceMs = 3000;
 const kLongestPatienceMs = 60_000;
 const kSoonMs = 5000;
+/// What takes longer is a page that was hidden, and no time that a machine had to spare.
+const kLongestMs = 1000;
 
 export class Ladder {
   private current: number;
@@ -47,7 +49,8 @@ export class Ladder {
   }
 
   /// @return whether the rung is another one now
-  took(ms: number): boolean {
+  took(pictureMs: number): boolean {
+    const ms = Math.min(kLongestMs, pictureMs);
     this.sinceClimbMs += ms;
     if (this.settling > 0) {
       this.settling -= 1;
