@@ -22,6 +22,7 @@
 #include "scenes/model_files.h"
 #include "scenes/scene_bundle.h"
 #include "scenes/scene_file.h"
+#include "scenes/scene_size.h"
 #include "scenes/shape_kinds.h"
 #include "scenes/shapes.h"
 
@@ -149,6 +150,12 @@ std::string DefaultCacheFolder() {
   return home == nullptr ? "" : (fs::path(home) / ".cache/palpate").string();
 }
 
+std::uint64_t HashOfMesh(const std::string& file) {
+  std::uint64_t hash = 0;
+  for (const std::string& part : FilesOfMesh(file)) hash = HashBytes(ReadWholeFile(part), hash);
+  return hash;
+}
+
 /// Hash of all that decides what a compiled scene holds.
 std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
                     const std::string& models_dir) {
@@ -168,7 +175,7 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
       const std::string file = MeshFile(body.mesh, models_dir);
       const auto [it, fresh] = hashes.try_emplace(file, 0);
       if (fresh) {
-        it->second = About(body.mesh.where, [&] { return HashBytes(ReadWholeFile(file), 0); });
+        it->second = About(body.mesh.where, [&] { return HashOfMesh(file); });
       }
       key = HashBytes(std::to_string(it->second), key);
     }
@@ -193,6 +200,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   scene.features = description.features;
   scene.first_sight = description.first_sight;
   std::vector<std::pair<const BodyDescription*, Shape>> done;
+  SceneSize size;
   const auto compile = [&](const BodyDescription& from) {
     const auto known = std::find_if(done.begin(), done.end(), [&](const auto& made) {
       return SameGeometry(from, *made.first);  // two bunnies are built once
@@ -200,6 +208,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
     const Shape& shape = known != done.end()
                              ? known->second
                              : done.emplace_back(&from, MakeShape(from, options)).second;
+    About(from.mesh.where, [&] { size.Add(from.name, shape.mesh, shape.tree); });
     Body body;
     body.name = from.name;
     body.mesh = shape.mesh;

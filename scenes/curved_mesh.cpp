@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 #include <span>
+#include <unordered_map>
 #include <utility>
 
 namespace palpate {
@@ -391,11 +392,11 @@ class Divider {
     for (std::uint32_t t = 0; t < from_.triangles.size(); ++t) {
       parent_ = t;
       std::array<Indices, 3> sides;
-      place_.clear();
+      place_ = {};
       Lay();
       for (std::size_t c = 0; c < 3; ++c) sides[c] = SideOf(t, c);
       Fill(sides, 0);
-      if (to_.mesh.triangles.size() > most_) return std::nullopt;
+      if (Full()) return std::nullopt;
     }
     return std::move(to_);
   }
@@ -403,6 +404,10 @@ class Divider {
  private:
   /// Where a vertex lies in the parent, in parts of its corners.
   using Place = Vec3;
+
+  /// What is made is thrown away then.  One patch may be divided into 4096 x 4096 triangles, so it
+  /// is asked before as well as after.
+  bool Full(std::size_t more = 0) const { return to_.mesh.triangles.size() + more > most_; }
 
   std::size_t Segments(double rise) const {
     if (!(rise > limit_)) return 1;
@@ -436,7 +441,7 @@ class Divider {
       Place place = Place::Zero();
       place[static_cast<int>(c)] = 1.0 - s;
       place[static_cast<int>((c + 1) % 3)] = s;
-      if (i + 1 < side.size()) place_.emplace_back(side[i], place);
+      if (i + 1 < side.size()) place_[side[i]] = place;
     }
     return side;
   }
@@ -446,11 +451,7 @@ class Divider {
     return static_cast<std::uint32_t>(to_.mesh.vertices.size() - 1);
   }
 
-  Vec3 PlaceOf(std::uint32_t vertex) const {
-    const auto it = std::find_if(place_.rbegin(), place_.rend(),
-                                 [&](const auto& known) { return known.first == vertex; });
-    return it->second;
-  }
+  const Place& PlaceOf(std::uint32_t vertex) const { return place_.at(vertex); }
 
   const Vec3& RiseOf(std::size_t c) const { return patches_.rise(patches_.edge(parent_, c)); }
 
@@ -464,7 +465,7 @@ class Divider {
     const auto& v = from_.vertices;
     const std::uint32_t made =
         Add(place[0] * v[a] + place[1] * v[b] + place[2] * v[c] + 4.0 * Quadratic(place));
-    place_.emplace_back(made, place);
+    place_[made] = place;
     return made;
   }
 
@@ -526,7 +527,7 @@ class Divider {
   /// Fills a triangle of the patch between sides that are divided already.
   /// @param side  in turn, each from corner to corner.
   void Fill(std::array<Indices, 3> side, int depth) {
-    if (to_.mesh.triangles.size() > most_) return;
+    if (Full()) return;
     const std::array<bool, 3> split{side[0].size() > 2, side[1].size() > 2, side[2].size() > 2};
     const int splits = int(split[0]) + int(split[1]) + int(split[2]);
     if (splits == 0) return Emit(side[0][0], side[1][0], side[2][0]);
@@ -568,6 +569,10 @@ class Divider {
   /// All sides have n segments: n rows of the patch's own grid, whose segments rise as the sides'.
   void Grid(const std::array<Indices, 3>& side) {
     const std::size_t n = side[0].size() - 1;
+    if (Full(n * n)) {
+      to_.mesh.triangles.resize(most_ + 1);
+      return;
+    }
     const std::array<Place, 3> corner{PlaceOf(side[0][0]), PlaceOf(side[1][0]),
                                       PlaceOf(side[2][0])};
     Indices above{side[0][0]};
@@ -597,9 +602,9 @@ class Divider {
   std::size_t most_;
   std::vector<Indices> points_;  ///< of each parent's edge, between its ends
   std::uint32_t parent_ = 0;
-  Vec3 normal_ = Vec3::Zero();                          ///< of the parent
-  double steep_ = 0.0;                                  ///< of its patch against it
-  std::vector<std::pair<std::uint32_t, Place>> place_;  ///< of the vertices of the parent's patch
+  Vec3 normal_ = Vec3::Zero();                      ///< of the parent
+  double steep_ = 0.0;                              ///< of its patch against it
+  std::unordered_map<std::uint32_t, Place> place_;  ///< of the vertices of the parent's patch
   CurvedMesh to_;
 };
 

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <sstream>
 #include <system_error>
+#include <unordered_set>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -36,6 +37,8 @@ namespace {
 
 using Value = JsonNode::Value;
 constexpr std::size_t kMaxDepth = 32;  // far beyond any scene; bounds the recursion of destructors
+/// Each takes 112 bytes, however few of the text: so they take 200 MB at most.
+constexpr std::size_t kMaxValues = 2'000'000;
 
 [[noreturn]] void FailAt(const std::string& file, int line, const std::string& message) {
   throw Error(file + ":" + std::to_string(line) + ": " + message);
@@ -113,9 +116,8 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   bool end_object() override { return Close(); }
   bool end_array() override { return Close(); }
   bool key(string_t& name) override {
-    for (const auto& [other, value] : open_.back()->members) {
-      if (other == name)
-        FailAt(file_, position_.line, name + ": stands twice; keep one of the two");
+    if (!names_.back().insert(name).second) {
+      FailAt(file_, position_.line, name + ": stands twice; keep one of the two");
     }
     open_.back()->members.emplace_back(std::move(name), Value{});
     return true;
@@ -139,6 +141,11 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     return Add(std::move(v));
   }
   Value* Place(Value value) {
+    if (++values_ > kMaxValues) {
+      FailAt(
+          file_, position_.line,
+          "has more than " + std::to_string(kMaxValues) + " values; no scene or mesh needs them");
+    }
     value.line = position_.line;
     // The end of a number shows only in the character after it, which may be the line's end.
     if (value.kind == Value::kNumber && position_.at_line_end) --value.line;
@@ -161,10 +168,12 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     Value v;
     v.kind = kind;
     open_.push_back(Place(std::move(v)));
+    names_.emplace_back();
     return true;
   }
   bool Close() {
     open_.pop_back();
+    names_.pop_back();
     return true;
   }
 
@@ -172,6 +181,8 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   std::string_view text_;
   const Position& position_;
   std::vector<Value*> open_;
+  std::vector<std::unordered_set<std::string>> names_;  ///< of the members of each that is open
+  std::size_t values_ = 0;
 };
 
 }  // namespace

@@ -1,165 +1,177 @@
 #include "scenes/mesh_import.h"
 
-#include <algorithm>
-#include <array>
-#include <cctype>
+#include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <memory>
-#include <numeric>
-#include <vector>
+#include <system_error>
+#include <utility>
 
-#include <assimp/Importer.hpp>
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-#include <zlib.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+extern "C" {
+#include <sys/pidfd.h>  // which glibc 2.36 leaves without C linkage
+}
 
 #include "common/error.h"
 #include "scenes/json_file.h"
+#include "scenes/mesh_import_limits.h"
+#include "scenes/mesh_references.h"
 #include "scenes/mesh_report.h"
+#include "scenes/model_files.h"
 
 namespace palpate {
 namespace {
 
-constexpr std::size_t kLargestUnpacked = std::size_t{2} << 30;  // no mesh; a mistake or an attack
+namespace fs = std::filesystem;
 
-std::string Unpack(const std::string& file) {
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> gz(gzopen(file.c_str(), "rb"), gzclose);
-  if (!gz) throw Error(file + ": cannot be opened; check the name and the rights");
-  std::string text;
-  std::array<char, 1 << 16> block;
-  for (;;) {
-    const int got = gzread(gz.get(), block.data(), block.size());
-    int status = Z_OK;
-    const char* why = gzerror(gz.get(), &status);
-    if (got < 0 || (got == 0 && status != Z_OK && status != Z_STREAM_END)) {
-      throw Error(file + ": is damaged (" + why + "); fetch it again");
-    }
-    if (got == 0) return text;
-    text.append(block.data(), got);
-    if (text.size() > kLargestUnpacked) {
-      throw Error(file + ": unpacks to more than 2 GiB; simplify the mesh first");
-    }
-  }
+[[noreturn]] void FailToStart(const std::string& what, int error) {
+  throw Error("palpate-import, which reads meshes, cannot be started (" + what + ": " +
+              std::generic_category().message(error) + "); install or build it beside " +
+              ProgramFolder());
 }
 
-/// "ply" for "dragon.PLY.gz".
-std::string FormatOf(const std::string& file) {
-  std::filesystem::path path(file);
-  if (path.extension() == ".gz") path.replace_extension();
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension.empty() ? extension : extension.substr(1);
-}
+/// A file in memory that a child writes, and whose contents are read when it has ended: nobody
+/// waits for the other as at a pipe.
+class MemoryFile {
+ public:
+  explicit MemoryFile(const char* name) : descriptor_(memfd_create(name, MFD_CLOEXEC)) {
+    if (descriptor_ < 0) FailToStart("memory", errno);
+  }
+  ~MemoryFile() {
+    if (size_ > 0) munmap(text_, size_);
+    close(descriptor_);
+  }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
 
-/// Vertices at the same place become one; the order of first use stays.
-void Weld(TriangleMesh& mesh) {
-  std::vector<std::uint32_t> order(mesh.vertices.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto place = [&](std::uint32_t i) {
-    const Vec3& v = mesh.vertices[i];
-    std::array<std::uint64_t, 3> bits;  // bits, for NaN has a place in the order, too
-    const Vec3 positive_zero = v + Vec3::Zero();
-    std::memcpy(bits.data(), positive_zero.data(), sizeof bits);
-    return bits;
-  };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const auto pa = place(a);
-    const auto pb = place(b);
-    return pa < pb || (pa == pb && a < b);
-  });
-  std::vector<std::uint32_t> first(mesh.vertices.size());
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const bool same = k > 0 && place(order[k]) == place(order[k - 1]);
-    first[order[k]] = same ? first[order[k - 1]] : order[k];
-  }
-  std::vector<std::uint32_t> renamed(mesh.vertices.size());
-  std::uint32_t kept = 0;
-  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (first[v] != v) continue;
-    renamed[v] = kept;
-    mesh.vertices[kept++] = mesh.vertices[v];
-  }
-  mesh.vertices.resize(kept);
-  for (auto& triangle : mesh.triangles) {
-    for (std::uint32_t& v : triangle) v = renamed[first[v]];
-  }
-}
+  int descriptor() const { return descriptor_; }
 
-/// Formats differ in whether a part's name is its mesh's or its node's: both are taken.
-/// @param begin  first triangle of each of the scene's meshes, and the end.
-void NameParts(const aiScene& scene, const aiNode& node, const std::vector<std::uint32_t>& begin,
-               std::vector<MeshGroup>& groups) {
-  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-    const unsigned m = node.mMeshes[i];
-    const std::string of_node = node.mName.C_Str();
-    const std::string of_mesh = scene.mMeshes[m]->mName.C_Str();
-    if (!of_mesh.empty()) groups.push_back({of_mesh, begin[m], begin[m + 1]});
-    if (!of_node.empty() && of_node != of_mesh) {
-      groups.push_back({of_node, begin[m], begin[m + 1]});
+  /// What was written; to be called once, when nobody writes any more.
+  std::string_view Contents() {
+    struct stat status {};
+    if (fstat(descriptor_, &status) != 0 || status.st_size == 0) return {};
+    const auto size = static_cast<std::size_t>(status.st_size);
+    void* const text = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor_, 0);
+    if (text == MAP_FAILED) throw std::bad_alloc();
+    text_ = text;
+    size_ = size;
+    return {static_cast<const char*>(text_), size_};
+  }
+
+ private:
+  int descriptor_;
+  void* text_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// A program that has been started and is waited for, or killed.
+class Child {
+ public:
+  /// Signals as a program expects them, no other descriptors, and nothing that a thread of this
+  /// process could have left half done: posix_spawn is made for that.
+  Child(const std::string& program, const std::string& file, int output, int errors) {
+    posix_spawn_file_actions_t files;
+    posix_spawnattr_t attributes;
+    posix_spawn_file_actions_init(&files);
+    posix_spawnattr_init(&attributes);
+    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&files, errors, STDERR_FILENO);
+    posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 1);
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &all);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    std::string words[] = {program, "--log-level", "error", "--", file};
+    char* arguments[] = {words[0].data(), words[1].data(), words[2].data(),
+                         words[3].data(), words[4].data(), nullptr};
+    const int error = posix_spawn(&pid_, program.c_str(), &files, &attributes, arguments, environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&files);
+    if (error != 0) FailToStart(program, error);
+  }
+
+  /// Its wait status; kills it after `seconds`.
+  int Wait(std::size_t seconds) {
+    const int handle = pidfd_open(pid_, 0);
+    pollfd ended{handle, POLLIN, 0};
+    const bool in_time = handle >= 0 && poll(&ended, 1, static_cast<int>(1000 * seconds)) > 0;
+    if (handle >= 0) close(handle);
+    if (!in_time) kill(pid_, SIGKILL);
+    int status = 0;
+    while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
     }
+    return status;
   }
-  for (unsigned i = 0; i < node.mNumChildren; ++i) {
-    NameParts(scene, *node.mChildren[i], begin, groups);
+
+ private:
+  pid_t pid_ = -1;
+};
+
+/// Says why there is no mesh.
+[[noreturn]] void Refuse(const std::string& file, const std::string& program, int status,
+                         std::string_view said, const ImportLimits& limits) {
+  const std::string prefix = "palpate-import: ";
+  if (WIFEXITED(status) && said.starts_with(prefix)) {
+    said.remove_prefix(prefix.size());
+    throw Error(std::string(said.substr(0, said.find_last_not_of('\n') + 1)));
   }
+  if (WIFSIGNALED(status)) {
+    const int signal = WTERMSIG(status);
+    if (signal == SIGINT || signal == SIGTERM) throw Error(file + ": its reading was interrupted");
+    if (signal == SIGKILL || signal == SIGXCPU) {
+      throw Error(file + ": was not read within " + std::to_string(limits.cpu_s) +
+                  " s; it is damaged, export it again, or simplify it");
+    }
+    throw Error(file + ": is damaged so that reading it crashes (" + strsignal(signal) +
+                "); export it again, or in another format");
+  }
+  throw Error(file + ": was not read (palpate-import ended with " +
+              std::to_string(WEXITSTATUS(status)) + "); '" + program + " " + file + "' tells more");
 }
 
 }  // namespace
 
-bool IsMeshFile(const std::string& file) {
-  static constexpr std::array kKnown{"obj", "stl", "ply", "3ds", "gltf", "glb"};
-  return std::find(kKnown.begin(), kKnown.end(), FormatOf(file)) != kKnown.end();
-}
-
 TriangleMesh ImportMesh(const std::string& file, std::vector<MeshGroup>* groups) {
-  namespace fs = std::filesystem;
   std::error_code ignored;
   if (!fs::exists(file, ignored)) throw Error(file + ": there is no such file; check the name");
-  Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
-                              aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  importer.SetPropertyBool(AI_CONFIG_PP_PTV_KEEP_HIERARCHY, true);  // else parts lose their names
-  const unsigned flags =
-      aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_PreTransformVertices;
-  const std::string format = FormatOf(file);
   if (!IsMeshFile(file)) {
-    throw Error(file + ": the format \"" + format +
+    throw Error(file + ": the format \"" + MeshFormatOf(file) +
                 "\" is not known; convert it to OBJ, STL, PLY, 3DS or glTF");
   }
-  const aiScene* scene = nullptr;
-  if (fs::path(file).extension() == ".gz") {
-    const std::string text = Unpack(file);
-    scene = importer.ReadFileFromMemory(text.data(), text.size(), flags, format.c_str());
-  } else {
-    ReadWholeFile(file);  // for its message, which says why; assimp's does not
-    scene = importer.ReadFile(file, flags);
+  const ImportLimits limits = ImportLimitsFor(file);
+  const std::string program = (fs::path(ProgramFolder()) / "palpate-import").string();
+  MemoryFile mesh("mesh"), errors("errors");
+  const int status =
+      Child(program, file, mesh.descriptor(), errors.descriptor()).Wait(limits.clock_s);
+  if (status != 0) Refuse(file, program, status, errors.Contents(), limits);
+  ImportedMesh read;
+  try {
+    read = UnpackMesh(mesh.Contents());
+  } catch (const Error& error) {
+    throw Error(file + ": is damaged (" + error.what() + "); export it again");
   }
-  if (scene == nullptr) {
-    throw Error(file + ": cannot be read (" + importer.GetErrorString() +
-                "); the file is damaged or in another format than its name says, export it again");
+  if (groups != nullptr) groups->insert(groups->end(), read.groups.begin(), read.groups.end());
+  return std::move(read.mesh);
+}
+
+std::vector<std::string> FilesOfMesh(const std::string& file) {
+  std::vector<std::string> files{file};
+  // A packed mesh that refers to others is refused when it is read.
+  const std::string format = MeshFormatOf(file);
+  if (IsPackedMesh(file) || (format != "gltf" && format != "glb")) return files;
+  for (const MeshReference& reference : FindMeshReferences(file, ReadWholeFile(file))) {
+    files.push_back(reference.file);
   }
-  TriangleMesh mesh;
-  std::vector<std::uint32_t> begin;  // first triangle of each part
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-    const aiMesh& part = *scene->mMeshes[m];
-    const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
-    begin.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
-    for (unsigned v = 0; v < part.mNumVertices; ++v) {
-      mesh.vertices.emplace_back(part.mVertices[v].x, part.mVertices[v].y, part.mVertices[v].z);
-    }
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3) continue;
-      mesh.triangles.push_back(
-          {offset + face.mIndices[0], offset + face.mIndices[1], offset + face.mIndices[2]});
-    }
-  }
-  begin.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
-  if (groups != nullptr) NameParts(*scene, *scene->mRootNode, begin, *groups);
-  Weld(mesh);
-  return mesh;
+  return files;
 }
 
 void PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh) {

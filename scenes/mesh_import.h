@@ -1,30 +1,29 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "scenes/mesh_format.h"
+#include "scenes/mesh_packet.h"
 #include "scenes/scene.h"
 
 namespace palpate {
 
-/// A named part of a mesh file (an OBJ's object or group, a 3DS or glTF mesh or node, an STL
-/// solid): triangles [begin, end).  A part may come in several pieces of one name.
-struct MeshGroup {
-  std::string name;
-  std::uint32_t begin = 0, end = 0;
-};
-
-/// Reads a mesh in the file's own unit and frame: OBJ, STL, PLY, 3DS, glTF (.gltf, .glb), each also
-/// gzipped (.gz), except for glTF whose data stand in a second file.  Polygons become triangles,
-/// a file's many parts one mesh, and corners at the same place one vertex.
+/// Reads a mesh in the file's own unit and frame: OBJ, STL, PLY, 3DS, glTF 2.0 (.gltf, .glb), each
+/// also gzipped (.gz), except for glTF whose data stand in a second file.  Polygons become
+/// triangles, a file's many parts one mesh, and corners at the same place one vertex.
+///
+/// The file is read by a process of its own, palpate-import, with limits on its time and memory
+/// (mesh_import_limits.h): a file that crashes its importer, or hangs it, is an Error like any
+/// other.
 /// @param groups  where given, the file's named parts are added to it.
 /// Throws Error with the reason and a remedy.  The mesh is not judged yet: see mesh_report.h.
 TriangleMesh ImportMesh(const std::string& file, std::vector<MeshGroup>* groups = nullptr);
 
-/// True where the name ends as a mesh file's does.
-bool IsMeshFile(const std::string& file);
+/// Every file that decides what ImportMesh returns: the mesh, and what it refers to
+/// (mesh_references.h).  Throws Error where one of them is not there.
+std::vector<std::string> FilesOfMesh(const std::string& file);
 
 /// How a mesh comes from its file's unit and frame into the scene's, in metres.
 struct MeshPlacement {

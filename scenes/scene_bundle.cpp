@@ -15,6 +15,7 @@
 
 #include "common/error.h"
 #include "idl/scene_generated.h"
+#include "scenes/scene_size.h"
 
 namespace palpate {
 namespace {
@@ -33,6 +34,10 @@ static_assert(sizeof(Header) == 40);
 
 // The second half shows at once where a transfer mangled line ends, as PNG's signature does.
 constexpr char kMagic[8] = {'P', 'A', 'L', 'P', '\r', '\n', '\x1a', '\n'};
+
+/// A level of a tree that branches doubles the nodes at least, and a million leaves is the most.
+/// What takes a step through every level must not be given thirty thousand of one node each.
+constexpr std::size_t kMaxLevels = 24;
 
 template <class T>
 bool SameBytes(const std::vector<T>& a, const std::vector<T>& b) {
@@ -186,6 +191,7 @@ class GeometryReader {
                 radius.size() == nodes && child.size() == nodes,
             "the nodes' counts differ");
     const auto& level = tree.level_begin;
+    Require(level.size() <= kMaxLevels + 1, "a tree has more than 24 levels");
     Require(level.size() >= 2 && level[0] == 0 && level[1] == 1 &&
                 static_cast<std::size_t>(level.back()) == packets,
             "the levels do not add up");
@@ -291,10 +297,18 @@ Scene ReadScene(const wire::Scene& in) {
   for (const wire::Geometry* geometry : *in.geometries()) {
     GeometryReader(*geometry, geometries.emplace_back()).Read();
   }
+  SceneSize size;  // before any copy is made
+  for (const auto* list : {in.tools(), in.objects()}) {
+    if (list->size() == 0) throw Error("it has no tool, or no object");
+    for (const wire::Body* body : *list) {
+      if (body->geometry() >= geometries.size()) throw Error("a body names no geometry");
+      const Body& geometry = geometries[body->geometry()];
+      size.Add(body->name()->str(), geometry.mesh, geometry.tree);
+    }
+  }
   const auto read_bodies = [&](const auto& list) {
     std::vector<Body> bodies;
     for (const wire::Body* body : list) {
-      if (body->geometry() >= geometries.size()) throw Error("a body names no geometry");
       bodies.push_back(geometries[body->geometry()]);
       bodies.back().name = body->name()->str();
       bodies.back().X_WB = FromWire(body->pose());

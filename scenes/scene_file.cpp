@@ -266,9 +266,10 @@ Features ReadFeatures(const JsonNode& root, const SceneDescription& scene) {
 /// A finer mesh where nobody feels the mesh would cost and give nothing.
 void CheckCurved(const JsonNode& root, const SceneDescription& scene) {
   const auto check = [&](const char* list, const std::vector<BodyDescription>& bodies) {
+    const std::vector<JsonNode> nodes = root.At(list).Items();
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       if (!bodies[i].mesh.curved) continue;
-      const JsonNode curved = root.At(list).Items()[i].At("mesh").At("curved");
+      const JsonNode curved = nodes[i].At("mesh").At("curved");
       if (scene.features.contact == ContactModel::kSpheres) {
         curved.Fail("has no effect where the contact is of spheres; drop it, or take \"surface\"");
       }

@@ -44,11 +44,12 @@ const std::vector<Rule> kRules = {
      {"common", "scenes", "idl/scene_generated.h"},
      {"common/dds"},
      {"Eigen", "spdlog", "CLI11", "nlohmann-json", "FlatBuffers", "xxHash", "libpng", "nanoflann"}},
-    // assimp's headers and its many formats stay behind one door; zlib for meshes that come as .gz.
-    {"scenes/mesh_import.cpp",
+    // assimp's headers and its many formats stay in one small program; zlib for meshes that come as
+    // .gz.
+    {"scenes/importer",
      {"common", "scenes"},
      {"common/dds"},
-     {"Eigen", "spdlog", "assimp", "zlib"}},
+     {"Eigen", "spdlog", "CLI11", "assimp", "zlib"}},
     // A pure function of tree, state and pose: no transport, no log, no files.
     {"server/physics",
      {"common", "server/physics", "scenes/scene.h", "scenes/sphere_tree.h",

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "tests/scenes/support.h"
 
 namespace palpate {
 namespace {
 
+using test::ComplaintOf;
 using testing::HasSubstr;
 
 /// What Parse or `read` says about `text`.
@@ -103,6 +105,20 @@ TEST(JsonFile, SaysWhyAFileCannotBeRead) {
     EXPECT_THAT(error.what(), HasSubstr("/nowhere/scene.json: No such file"));
   }
   EXPECT_THROW(JsonNode::Load("/"), Error);
+}
+
+TEST(JsonNode, HasABoundOnItsValuesThatItNames) {
+  std::string text = "[0";
+  for (int i = 0; i < 2'000'000; ++i) text += ",0";
+  EXPECT_THAT(ComplaintOf([&] { JsonNode::Parse(text + "]", "long.json"); }),
+              HasSubstr("long.json:1: has more than 2000000 values"));
+}
+
+TEST(JsonNode, FindsAKeyThatStandsTwiceAmongMany) {
+  std::string text = "{";
+  for (int i = 0; i < 200'000; ++i) text += "\"k" + std::to_string(i) + "\":0,\n";
+  EXPECT_THAT(ComplaintOf([&] { JsonNode::Parse(text + "\"k7\":1}", "keys.json"); }),
+              HasSubstr("keys.json:200001: k7: stands twice"));
 }
 
 }  // namespace

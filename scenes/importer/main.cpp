@@ -1,0 +1,94 @@
+// palpate-import: reads one mesh file for the program that started it, and dies in its place where
+// the file is damaged.
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <new>
+#include <string>
+#include <system_error>
+
+#include <CLI/CLI.hpp>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "common/command_line.h"
+#include "common/error.h"
+#include "common/log.h"
+#include "scenes/importer/mesh_reader.h"
+#include "scenes/mesh_import_limits.h"
+
+namespace palpate {
+namespace {
+
+void Limit(__rlimit_resource what, std::size_t most) {
+  const rlimit limit{most, most};
+  if (setrlimit(what, &limit) != 0) {
+    throw Error("cannot limit itself (" + std::generic_category().message(errno) + ")");
+  }
+}
+
+/// Before the file is looked at.
+void LimitItself(const std::string& file) {
+  // What starts it may be killed: nobody would take the mesh.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  prctl(PR_SET_DUMPABLE, 0);  // no core, not by a handler either
+  const ImportLimits limits = ImportLimitsFor(file);
+  Limit(RLIMIT_CORE, 0);
+  Limit(RLIMIT_CPU, limits.cpu_s);
+  Limit(RLIMIT_FSIZE, limits.bytes);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  // The sanitizers lay out terabytes of address space that they never touch.
+  Limit(RLIMIT_AS, limits.bytes);
+#endif
+}
+
+void Write(const std::string& bytes) {
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t wrote = write(STDOUT_FILENO, bytes.data() + done, bytes.size() - done);
+    if (wrote < 0 && errno == EINTR) continue;
+    if (wrote < 0)
+      throw Error("cannot hand the mesh over (" + std::generic_category().message(errno) + ")");
+    done += static_cast<std::size_t>(wrote);
+  }
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app(
+      "Reads a mesh (OBJ, STL, PLY, 3DS, glTF) for the other programs, which start it and find it\n"
+      "in their own folder.  It limits its own time and memory, so that a damaged file ends it "
+      "and\n"
+      "not them.  By hand it tells whether a file can be read.\n\n"
+      "Example: palpate-import tooth.stl",
+      "palpate-import");
+  std::string file;
+  std::string log_level = "info";
+  int domain = 0;
+  app.add_option("MESH", file, "Mesh file, which may be gzipped (.gz)")->required();
+  AddCommonOptions(app, "Understood as by the other programs; this one talks to none", domain,
+                   log_level);
+  if (!ParseCommandLine(app, argc, argv)) return 0;
+  SetUpLog("palpate-import", log_level);
+  LimitItself(file);
+  try {
+    const ImportedMesh read = ReadMeshFile(file);
+    if (isatty(STDOUT_FILENO) != 0) {
+      std::printf("%s: %zu triangles, %zu vertices, %zu named parts\n", file.c_str(),
+                  read.mesh.triangles.size(), read.mesh.vertices.size(), read.groups.size());
+    } else {
+      Write(PackMesh(read));
+    }
+  } catch (const std::bad_alloc&) {
+    throw Error(file + ": " + kNoMemoryToImport);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  return palpate::RunProgram("palpate-import", [&] { return palpate::Main(argc, argv); });
+}
