@@ -177,7 +177,7 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
       if (fresh) {
         it->second = About(body.mesh.where, [&] { return HashOfMesh(file); });
       }
-      key = HashBytes(std::to_string(it->second), key);
+      key = HashBytes(std::to_string(it->second), key + kMeshOrientVersion);
     }
   }
   return key;

@@ -146,6 +146,7 @@ void Build(const Arguments& arguments) {
   std::printf("%s: ready in %.2f s\n", scene.name.c_str(), seconds);
   for (const Body& body : scene.tools) PrintBody("tool", body);
   for (const Body& body : scene.objects) PrintBody("object", body);
+  std::fputs(ToText(JudgeScene(scene)).c_str(), stdout);
   if (arguments.output.empty()) return;
   const std::vector<std::uint8_t> bytes = PackScene(scene);
   WriteFileAtomically(arguments.output, bytes);
@@ -167,6 +168,7 @@ void Info(const Arguments& arguments) {
       if (bodies == &scene.objects) PrintMaterials(body);
     }
   }
+  std::fputs(ToText(JudgeScene(scene)).c_str(), stdout);
 }
 
 void PrintReport(const MeshReport& r) {
@@ -203,20 +205,15 @@ void CheckOverlap(const std::string& whose, const HiddenParts& hidden, double sc
   verdict.limits.push_back(whose + ": " + remark);
 }
 
-Verdict CheckBody(const Scene& scene, const char* kind, const Body& body) {
-  PrintBody(kind, body);
-  const MeshReport report = InspectMesh(body.mesh);
-  PrintReport(report);
-  const Coverage coverage = MeasureCoverage(body.mesh, body.tree);
-  const bool by_spheres = FeltBySpheres(scene, body, kind == std::string("tool"));
-  const double allowed = by_spheres ? AllowedGap(report) : 0.0;
-  PrintSpread("outside  ", coverage.outside, allowed);
-  PrintSpread("uncovered", coverage.uncovered, allowed);
-  const std::string whose = kind + (" " + body.name);
-  Verdict verdict = JudgeMesh(whose, report);
-  if (by_spheres) verdict.Add(JudgeCoverage(whose, report, coverage, body.tree.leaves()));
-  CheckOverlap(whose, FindHiddenParts(body.mesh), 1e3, "mm", verdict);
-  return verdict;
+Verdict CheckBody(const Scene& scene, const Body& body, bool is_tool) {
+  PrintBody(is_tool ? "tool" : "object", body);
+  const BodyFindings found = JudgeBody(scene, body, is_tool, MeasureGaps::kAlways);
+  PrintReport(found.report);
+  const double allowed = found.by_spheres ? AllowedGap(found.report) : 0.0;
+  PrintSpread("outside  ", found.coverage.outside, allowed);
+  PrintSpread("uncovered", found.coverage.uncovered, allowed);
+  if (!found.hidden.empty()) std::printf("    warning: %s\n", found.hidden.c_str());
+  return found.verdict;
 }
 
 void CheckMesh(const std::string& file) {
@@ -227,7 +224,14 @@ void CheckMesh(const std::string& file) {
   PrintReport(report);
   Verdict verdict = JudgeMesh("mesh", report);
   if (verdict.usable()) {
-    OrientTriangles(mesh);
+    if (const std::size_t turned = OrientTriangles(mesh);
+        turned > 0 && report.oriented() && !report.inside_out()) {
+      const std::string remark = std::to_string(turned) +
+                                 " triangles are of pieces that are inside out: they are turned; "
+                                 "flip their normals in a mesh editor";
+      std::printf("    note: %s\n", remark.c_str());
+      verdict.limits.push_back("mesh: " + remark);
+    }
     CheckOverlap("mesh", FindHiddenParts(mesh, groups), 1.0, "of the file's unit", verdict);
   }
   Conclude(file, verdict);
@@ -237,8 +241,8 @@ void Check(const Arguments& arguments) {
   if (IsMeshFile(arguments.scene)) return CheckMesh(arguments.scene);
   const Scene scene = Load(arguments);
   Verdict verdict;
-  for (const auto& [kind, bodies] : {std::pair{"tool", &scene.tools}, {"object", &scene.objects}}) {
-    for (const Body& body : *bodies) verdict.Add(CheckBody(scene, kind, body));
+  for (const auto* bodies : {&scene.tools, &scene.objects}) {
+    for (const Body& body : *bodies) verdict.Add(CheckBody(scene, body, bodies == &scene.tools));
   }
   Conclude(arguments.scene, verdict);
 }

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <memory>
+#include <numeric>
 #include <utility>
 #include <vector>
 
+#include "scenes/mesh_query.h"
 #include "scenes/mesh_report.h"
 
 namespace palpate {
@@ -49,6 +53,78 @@ std::vector<std::vector<Neighbour>> FindNeighbours(const TriangleMesh& mesh) {
   return neighbours;
 }
 
+/// A connected piece of a mesh, with numbers of its own for its vertices.
+struct Piece {
+  TriangleMesh mesh;
+  std::vector<std::uint32_t> triangle;  ///< of the whole mesh, of each
+  MeshReport report;
+};
+
+std::vector<Piece> PiecesOf(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto root = [&](std::uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const auto& [i, j, k] : mesh.triangles) {
+    parent[root(i)] = root(j);
+    parent[root(j)] = root(k);
+  }
+  constexpr std::uint32_t kNone = 0xffffffffu;
+  std::vector<std::uint32_t> piece_of(mesh.vertices.size(), kNone), renamed(piece_of);
+  std::vector<Piece> pieces;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    std::uint32_t& number = piece_of[root(mesh.triangles[t][0])];
+    if (number == kNone) {
+      number = static_cast<std::uint32_t>(pieces.size());
+      pieces.emplace_back();
+    }
+    Piece& piece = pieces[number];
+    auto corners = mesh.triangles[t];
+    for (std::uint32_t& v : corners) {
+      if (renamed[v] == kNone) {
+        renamed[v] = static_cast<std::uint32_t>(piece.mesh.vertices.size());
+        piece.mesh.vertices.push_back(mesh.vertices[v]);
+      }
+      v = renamed[v];
+    }
+    piece.mesh.triangles.push_back(corners);
+    piece.triangle.push_back(t);
+  }
+  for (Piece& piece : pieces) piece.report = InspectMesh(piece.mesh);
+  return pieces;
+}
+
+/// How many of the other pieces wind round this one.
+std::size_t Depth(const Piece& piece, const std::vector<Piece>& pieces,
+                  std::vector<std::unique_ptr<MeshQuery>>& queries) {
+  std::size_t depth = 0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const Piece& other = pieces[i];
+    const bool within = &other != &piece && other.report.solid() &&
+                        (other.report.box_min.array() <= piece.report.box_min.array()).all() &&
+                        (other.report.box_max.array() >= piece.report.box_max.array()).all();
+    if (!within) continue;
+    if (!queries[i]) queries[i] = std::make_unique<MeshQuery>(other.mesh);
+    depth += std::abs(queries[i]->WindingNumber(piece.mesh.vertices.front())) > 0.5;
+  }
+  return depth;
+}
+
+/// Closed pieces that wind the wrong way, by their numbers of triangles.
+std::vector<std::uint32_t> TrianglesInsideOut(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> wrong;
+  const std::vector<Piece> pieces = PiecesOf(mesh);
+  if (pieces.size() < 2) return wrong;
+  std::vector<std::unique_ptr<MeshQuery>> queries(pieces.size());
+  for (const Piece& piece : pieces) {
+    if (!piece.report.inside_out() || Depth(piece, pieces, queries) % 2 == 1) continue;
+    wrong.insert(wrong.end(), piece.triangle.begin(), piece.triangle.end());
+  }
+  return wrong;
+}
+
 }  // namespace
 
 std::size_t OrientTriangles(TriangleMesh& mesh) {
@@ -84,6 +160,10 @@ std::size_t OrientTriangles(TriangleMesh& mesh) {
       turn(t);
       turned[t] = !turned[t];
     }
+  }
+  for (std::uint32_t t : TrianglesInsideOut(mesh)) {
+    turn(t);
+    turned[t] = !turned[t];
   }
   return std::count(turned.begin(), turned.end(), true);
 }

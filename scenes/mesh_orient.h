@@ -1,12 +1,20 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+
 #include "scenes/scene.h"
 
 namespace palpate {
 
-/// Turns triangles until neighbours wind alike, as most of their area did before, and a closed mesh
-/// encloses a positive volume.  Neighbours share an edge of exactly two triangles.  What cannot be
-/// made to agree (a Moebius strip) is left as it comes out.  Returns how many were turned.
+/// Changes with every change of what comes out, so that cached scenes are built anew.
+inline constexpr std::uint32_t kMeshOrientVersion = 2;
+
+/// Turns triangles until neighbours wind alike, as most of their area did before, and each closed
+/// piece encloses a positive volume.  A piece inside an odd number of others may be a cavity, and
+/// stays as the rest of the mesh has it.  Neighbours share an edge of exactly two triangles.  What
+/// cannot be made to agree (a Moebius strip) is left as it comes out.  Returns how many were
+/// turned.
 std::size_t OrientTriangles(TriangleMesh& mesh);
 
 }  // namespace palpate

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "scenes/hidden_surface.h"
+
 namespace palpate {
 namespace {
 
@@ -30,6 +32,29 @@ void JudgeGap(const std::string& what, double gap, const std::string& then,
   (too_much ? verdict.faults : verdict.limits)
       .push_back(what + " " + Millimetres(gap) + ", which should be at most " +
                  Millimetres(AllowedGap(report)) + then);
+}
+
+/// A body that is larger or smaller than these has hardly the unit that it was taken for [m].
+constexpr double kMost = 50.0, kLeast = 1e-4;
+
+void JudgeSize(const std::string& whose, const MeshReport& report, Verdict& verdict) {
+  const double longest = LongestSide(report);
+  if (longest <= kMost && longest >= kLeast) return;
+  verdict.limits.push_back(whose + ": its longest side is " + Millimetres(longest) +
+                           ", an unusual size for what a hand feels; see whether \"unit\" is what "
+                           "its file means");
+}
+
+/// The physics takes no ball without a radius; where the builder found none larger, nothing is
+/// inside.
+void JudgeBalls(const std::string& whose, const SphereTree& tree, Verdict& verdict) {
+  const auto empty = std::ranges::count_if(tree.leaf_radius, [](double r) { return !(r > 0.0); });
+  if (empty == 0) return;
+  verdict.faults.push_back(
+      whose + ": " + std::to_string(empty) + " of its " + std::to_string(tree.leaves()) +
+      " spheres have no radius, for its mesh encloses nothing there: it is a sheet, or has a "
+      "vertex "
+      "far away; give it a thickness in a mesh editor (Solidify), or remove the vertex");
 }
 
 bool IsFinite(const Material& material) {
@@ -74,6 +99,37 @@ Verdict JudgeCoverage(const std::string& whose, const MeshReport& report, const 
   JudgeGap(whose + ": a hundredth of its spheres stick out by", coverage.outside.p99,
            "; the tool is stopped so far in the air: close the mesh, or give it more than " + more,
            report, verdict);
+  return verdict;
+}
+
+BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, MeasureGaps measure) {
+  BodyFindings found;
+  const std::string whose = (is_tool ? "tool " : "object ") + body.name;
+  found.report = InspectMesh(body.mesh);
+  found.by_spheres = FeltBySpheres(scene, body, is_tool);
+  found.verdict = JudgeMesh(whose, found.report);
+  if (!found.report.refusal.empty()) return found;
+  JudgeSize(whose, found.report, found.verdict);
+  JudgeBalls(whose, body.tree, found.verdict);
+  if (found.by_spheres || measure == MeasureGaps::kAlways) {
+    found.coverage = MeasureCoverage(body.mesh, body.tree);
+  }
+  if (found.by_spheres) {
+    found.verdict.Add(JudgeCoverage(whose, found.report, found.coverage, body.tree.leaves()));
+  }
+  found.hidden = HiddenRemark(FindHiddenParts(body.mesh), 1e3, "mm");
+  if (!found.hidden.empty()) found.verdict.limits.push_back(whose + ": " + found.hidden);
+  return found;
+}
+
+Verdict JudgeScene(const Scene& scene) {
+  Verdict verdict;
+  for (const auto* bodies : {&scene.tools, &scene.objects}) {
+    for (const Body& body : *bodies) {
+      const bool is_tool = bodies == &scene.tools;
+      verdict.Add(JudgeBody(scene, body, is_tool, MeasureGaps::kWhereFelt).verdict);
+    }
+  }
   return verdict;
 }
 

@@ -31,6 +31,21 @@ Verdict JudgeMesh(const std::string& whose, const MeshReport& report);
 Verdict JudgeCoverage(const std::string& whose, const MeshReport& report, const Coverage& coverage,
                       std::size_t leaves);
 
+/// What is known of a body that a scene holds.
+struct BodyFindings {
+  MeshReport report;
+  Coverage coverage;        ///< where it was measured
+  bool by_spheres = false;  ///< what is felt
+  std::string hidden;       ///< what parts of the mesh hide of each other; empty: nothing
+  Verdict verdict;
+};
+
+enum class MeasureGaps { kWhereFelt, kAlways };
+BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, MeasureGaps measure);
+
+/// Of all its bodies: what palpate-scene says of a scene, and palpate-server before it serves it.
+Verdict JudgeScene(const Scene& scene);
+
 /// For people, to end a report with: "verdict: good to touch", or the limits or faults, a line
 /// each.
 std::string ToText(const Verdict& verdict);

@@ -24,6 +24,7 @@
 #include "scenes/mesh_import.h"
 #include "scenes/mesh_options.h"
 #include "scenes/scene_bundle.h"
+#include "scenes/scene_verdict.h"
 #include "server/offer/served_scene.h"
 #include "server/transport/server.h"
 
@@ -52,10 +53,25 @@ struct Options {
   RealtimeOptions realtime;
   std::string models;
   MeshSceneOptions mesh;
+  bool unusable_too = false;
   std::uint64_t hand_seed = 1;
   int domain = 0;
   std::string log_level = "info";
 };
+
+/// Says what `palpate-scene check` says of a scene; refuses one that is not usable, unless it is
+/// wanted all the same.
+void Judge(const std::string& name, const Scene& scene, bool unusable_too) {
+  const Verdict verdict = JudgeScene(scene);
+  for (const std::string& limit : verdict.limits) spdlog::warn("{}: {}", scene.name, limit);
+  for (const std::string& fault : verdict.faults) {
+    if (!unusable_too) {
+      throw Error(name + ": is not usable: " + fault +
+                  " ('palpate-scene check' tells more; --unusable-too serves it all the same)");
+    }
+    spdlog::warn("{}: not usable: {}", scene.name, fault);
+  }
+}
 
 int Serve(const Options& options) {
   StopSignal stop;
@@ -79,6 +95,7 @@ int Serve(const Options& options) {
   std::string names;
   for (const std::string& name : options.scenes) {
     const Scene scene = LoadScene(name, load);
+    Judge(name, scene, options.unusable_too);
     if (bundles.contains(scene.name)) {
       throw UsageError(
           "--scene " + name + ": '" + scene.name +
@@ -125,6 +142,8 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   AddRealtimeOptions(app, "the servo loop", options.realtime);
   app.add_option("--models", options.models,
                  "folder with the meshes that are not installed (or PALPATE_MODELS)");
+  app.add_flag("--unusable-too", options.unusable_too,
+               "serve scenes that 'palpate-scene check' calls not usable, with a warning");
   app.add_option("--hand-seed", options.hand_seed,
                  "which hand to make for a scene without a script (NAME.path.json)")
       ->capture_default_str();

@@ -19,6 +19,7 @@
 #include <assimp/importerdesc.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <spdlog/fmt/fmt.h>
 #include <zlib.h>
 
 #include "common/error.h"
@@ -228,6 +229,26 @@ ImportedMesh Read(const std::string& file, std::string_view text) {
   return MeshOf(file, *scene);
 }
 
+/// assimp keeps coordinates in single precision, as most formats' files do: far from the origin
+/// they lie further apart than a hand feels, and triangles collapse.  Nothing after can mend that.
+void RefuseFarOff(const std::string& file, const TriangleMesh& mesh) {
+  constexpr double kStep = 0x1p-23;   // from one number to the next, by its size
+  constexpr double kCoarsest = 1e-4;  // of the longest side: 5 um of 50 mm
+  Eigen::AlignedBox3d box;
+  for (const Vec3& v : mesh.vertices) {
+    if (v.allFinite()) box.extend(v);
+  }
+  if (box.isEmpty()) return;
+  const double farthest =
+      std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+  const double longest = box.sizes().maxCoeff();
+  if (kStep * farthest <= kCoarsest * longest || !(longest > 0.0)) return;
+  throw Error(fmt::format(
+      "{}: is {:.3g} across and lies {:.3g} from its origin, where numbers of single precision are "
+      "{:.2g} apart; move the mesh to its origin in a mesh editor and export it again",
+      file, longest, farthest, kStep * farthest));
+}
+
 }  // namespace
 
 ImportedMesh ReadMeshFile(const std::string& file) {
@@ -236,6 +257,7 @@ ImportedMesh ReadMeshFile(const std::string& file) {
 
 ImportedMesh ReadMeshText(const std::string& file, std::string_view text) {
   ImportedMesh read = Read(file, text);
+  RefuseFarOff(file, read.mesh);
   Weld(read.mesh);
   return read;
 }

@@ -106,6 +106,16 @@ TEST(MeshImport, LeavesNonFiniteNumbersForTheReportToRefuse) {
               testing::Not(HasSubstr("no complaint")));
 }
 
+TEST(MeshImport, RefusesAMeshSoFarOffThatItsTrianglesCollapse) {
+  const auto mesh = [](const std::string& x) {
+    return WriteFile(FreshFolder() + "/far.obj",
+                     "v " + x + " 0 0\nv " + x + ".5 0 0\nv " + x + " 1 0\nf 1 2 3\n");
+  };
+  EXPECT_THAT(ComplaintOf([&] { ImportMesh(mesh("1000000")); }),
+              HasSubstr("far.obj: is 1 across and lies 1e+06 from its origin"));
+  EXPECT_EQ(ImportMesh(mesh("100")).triangles.size(), 1u);
+}
+
 TEST(PlaceMesh, ScalesByUnitOrLongestSideAndMovesTheOrigin) {
   const auto placed = [](const MeshPlacement& placement) {
     TriangleMesh box = MakeBox(Vec3(10, 20, 40));

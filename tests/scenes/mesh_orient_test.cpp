@@ -64,5 +64,41 @@ TEST(OrientTriangles, EndsForAMoebiusStripAndForDegenerateTriangles) {
   EXPECT_FALSE(InspectMesh(strip).oriented());
 }
 
+/// Two boxes as one mesh; `turned` says which of them are inside out.
+TriangleMesh TwoBoxes(const Vec3& size, const Vec3& other, const Vec3& at,
+                      std::array<bool, 2> turned) {
+  TriangleMesh both = MakeBox(size);
+  const TriangleMesh second = MakeBox(other);
+  const auto first = static_cast<std::uint32_t>(both.vertices.size());
+  for (const Vec3& v : second.vertices) both.vertices.push_back(v + at);
+  for (const auto& [i, j, k] : second.triangles) {
+    both.triangles.push_back({first + i, first + j, first + k});
+  }
+  for (std::size_t t = 0; t < both.triangles.size(); ++t) {
+    if (turned[t / 12]) std::swap(both.triangles[t][1], both.triangles[t][2]);
+  }
+  return both;
+}
+
+TEST(OrientTriangles, TurnsThePieceThatIsInsideOutAndNoOther) {
+  const Vec3 one = Vec3::Ones(), two = Vec3::Constant(2.0), apart(5, 0, 0);
+  for (const auto turned :
+       {std::array{true, false}, std::array{false, true}, std::array{true, true}}) {
+    TriangleMesh mesh = TwoBoxes(one, two, apart, turned);
+    EXPECT_EQ(OrientTriangles(mesh), 12u * (turned[0] + turned[1]));
+    EXPECT_NEAR(InspectMesh(mesh).volume, 9.0, 1e-12);
+  }
+}
+
+TEST(OrientTriangles, KeepsCavitiesAndSolidsWithinThem) {
+  const Vec3 one = Vec3::Ones(), three = Vec3::Constant(3.0);
+  TriangleMesh hollow = TwoBoxes(three, one, Vec3::Zero(), {false, true});
+  EXPECT_EQ(OrientTriangles(hollow), 0u);
+  EXPECT_NEAR(InspectMesh(hollow).volume, 26.0, 1e-12);
+  TriangleMesh outside_in = TwoBoxes(three, one, Vec3::Zero(), {true, false});
+  EXPECT_EQ(OrientTriangles(outside_in), 24u);
+  EXPECT_NEAR(InspectMesh(outside_in).volume, 26.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace palpate

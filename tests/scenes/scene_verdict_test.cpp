@@ -78,5 +78,39 @@ TEST(SceneVerdict, SpheresAreFeltWhereSomethingYieldsOrTheContactIsOfSpheres) {
   EXPECT_FALSE(FeltBySpheres(scene, tool, true));
 }
 
+Scene BallOn(const TriangleMesh& mesh, std::size_t leaves) {
+  Scene scene;
+  Body ball{"ball", MakeSphere(0.005, 20), {}, {}};
+  ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), 0.005});
+  Body object{"object", mesh, {}, {}};
+  object.tree = BuildSphereTree(mesh, leaves);
+  scene.tools = {ball};
+  scene.objects = {object};
+  return scene;
+}
+
+TEST(SceneVerdict, OfAGoodSceneIsGood) {
+  EXPECT_EQ(ToText(JudgeScene(BallOn(MakeBox(Vec3::Constant(0.05)), 64))),
+            "verdict: good to touch\n");
+}
+
+TEST(SceneVerdict, OfASheetOfTwoFacesBackToBackIsNotUsable) {
+  TriangleMesh sheet;
+  sheet.vertices = {Vec3(0, 0, 0), Vec3(0.1, 0, 0), Vec3(0, 0.1, 0)};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 1}};
+  const Verdict verdict = JudgeScene(BallOn(sheet, 16));
+  EXPECT_FALSE(verdict.usable());
+  EXPECT_THAT(ToText(verdict), HasSubstr("have no radius"));
+  EXPECT_THAT(ToText(verdict), HasSubstr("give it a thickness"));
+}
+
+TEST(SceneVerdict, SaysThatABodyIsOfAnUnusualSize) {
+  for (const double side : {1000.0, 1e-9}) {
+    EXPECT_THAT(JudgeScene(BallOn(MakeBox(Vec3::Constant(side)), 64)).limits,
+                ElementsAre(HasSubstr("an unusual size")))
+        << side;
+  }
+}
+
 }  // namespace
 }  // namespace palpate

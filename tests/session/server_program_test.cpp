@@ -1,5 +1,6 @@
 // palpate-server as a person meets it: what it says and how it exits.
 #include <csignal>
+#include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,6 +55,42 @@ TEST(ServerProgram, IsReadyAndStopsOnASignal) {
     program.Signal(signal);
     EXPECT_EQ(program.Exit(), 0);
   }
+}
+
+/// A scene of one object that is felt by its spheres.
+std::string SceneOf(const std::string& name, const std::string& mesh, int leaves) {
+  const std::string file = testing::TempDir() + name + ".json";
+  std::ofstream(file) << R"({"tools":[{"name":"ball","mesh":{"shape":"sphere","radius_m":0.005},
+"leaves":1,"start":{"position_mm":[0,80,0]}}],"objects":[{"name":"thing","mesh":)"
+                      << mesh << R"(,"leaves":)" << leaves << R"(}],"contact":"spheres"})";
+  return file;
+}
+
+TEST(ServerProgram, ServesWhatIsNotUsableOnlyWhereItIsToldTo) {
+  const std::string scene = SceneOf("bare", R"({"shape":"box","size_m":[0.1,0.1,0.002]})", 2);
+  Program refused = Server(Here({"--scene", scene, "--transport", "udp"}));
+  EXPECT_EQ(refused.Exit(), 1);
+  EXPECT_THAT(refused.Output(), HasSubstr("bare.json: is not usable: object thing: "));
+  EXPECT_THAT(refused.Output(), HasSubstr("--unusable-too"));
+  Program served = Server(Here({"--scene", scene, "--transport", "udp", "--unusable-too"}));
+  EXPECT_TRUE(served.Says("ready: scenes bare", 60.0)) << served.Output();
+  EXPECT_THAT(served.Output(), HasSubstr("bare: not usable: object thing: "));
+}
+
+TEST(ServerProgram, SaysWhatAMeshThatItServesIsNot) {
+  const std::string mesh = testing::TempDir() + "open.obj";
+  std::ofstream(mesh) << "v 0 0 0\nv 50 0 0\nv 0 50 0\nv 0 0 50\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
+  Program program = Server(Here({mesh, "--unit", "mm", "--transport", "udp"}));
+  EXPECT_TRUE(program.Says("ready: scenes open", 60.0)) << program.Output();
+  EXPECT_THAT(program.Output(), HasSubstr("open: object open: 3 edges are open"));
+}
+
+TEST(ServerProgram, EndsWithAReasonWhereAMeshIsDamaged) {
+  const std::string mesh = testing::TempDir() + "cut.ply";
+  std::ofstream(mesh) << "ply\nformat ascii 1.0\nelement vertex 8\nprope";
+  Program program = Server(Here({mesh, "--transport", "udp"}));
+  EXPECT_EQ(program.Exit(), 1);
+  EXPECT_THAT(program.Output(), HasSubstr("cut.ply: its PLY header has no end"));
 }
 
 TEST(ServerProgram, RefusesADomainInUse) {
