@@ -20,6 +20,7 @@
 #include "scenes/mesh_report.h"
 #include "scenes/scene_bundle.h"
 #include "scenes/scene_file.h"
+#include "scenes/scene_verdict.h"
 #include "scenes/sphere_tree_builder.h"
 #include "server/physics/scene_model.h"
 #include "tests/fuzz/spoilt_bytes.h"
@@ -137,6 +138,7 @@ TEST(FuzzedBundle, IsReadOrRefusedByName) {
     std::memcpy(bundle.data() + kChecksum, &checksum, sizeof checksum);
     try {
       const Scene scene = UnpackScene(bundle, name);
+      if (!JudgeScene(scene).usable()) return true;  // the server goes no further
       const auto objects = MakeObjects(scene);
       for (const Body& tool : scene.tools) MakeModel(scene, tool, objects);
       return true;
