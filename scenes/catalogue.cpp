@@ -129,11 +129,10 @@ Shape MakeShape(const BodyDescription& description, const LoadOptions& options) 
     body.tree = SingleSphereTree(body.mesh, {Vec3::Zero(), description.mesh.size.x()});
     return body;
   }
-  body.tree =
-      BuildSphereTree(body.mesh, description.leaves, [&](std::string_view stage, double fraction) {
-        if (!options.progress) return;
-        options.progress(description.name + ": " + std::string(stage), fraction);
-      });
+  const auto tell = [&](std::string_view stage, double fraction) {
+    if (options.progress) options.progress(description.name + ": " + std::string(stage), fraction);
+  };
+  body.tree = BuildSphereTree(body.mesh, description.leaves, tell, description.tree);
   return body;
 }
 
@@ -186,9 +185,10 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
 bool SameGeometry(const BodyDescription& a, const BodyDescription& b) {
   const MeshSource& m = a.mesh;
   const MeshSource& n = b.mesh;
-  return a.leaves == b.leaves && m.kind == n.kind && m.what == n.what && m.size == n.size &&
-         m.triangles == n.triangles && m.variant == n.variant && m.values == n.values &&
-         m.curved == n.curved && m.placement.metres_per_unit == n.placement.metres_per_unit &&
+  return a.leaves == b.leaves && a.tree == b.tree && m.kind == n.kind && m.what == n.what &&
+         m.size == n.size && m.triangles == n.triangles && m.variant == n.variant &&
+         m.values == n.values && m.curved == n.curved &&
+         m.placement.metres_per_unit == n.placement.metres_per_unit &&
          m.placement.longest_side == n.placement.longest_side &&
          m.placement.origin == n.placement.origin;
 }

@@ -6,11 +6,6 @@
 namespace palpate {
 namespace {
 
-// Largest radius of a touching ball, in spacings: half-way to its neighbour such a ball lies 1/40
-// of the spacing below a flat surface.  Larger ones are hardly flatter, but each comes near so many
-// more balls of the other body that on the bunny (22,332 leaves) the haptic step had twice as many
-// pairs of packets to test, for a surface covered 7 % better on average.
-constexpr double kLargestTouching = 5.0;
 constexpr double kLatticePoints = 20000.0;  // in the bounding box; what Fill tries to cover
 constexpr double kFilled = 0.5;             // of the spacing: smaller voids count as filled
 
@@ -22,13 +17,14 @@ double Gap(const Sphere& ball, const SurfaceSample& s, double spacing) {
 
 }  // namespace
 
-InnerBalls::InnerBalls(const MeshReport& report, const MeshQuery& query, double spacing)
+InnerBalls::InnerBalls(const MeshReport& report, const MeshQuery& query, double spacing,
+                       double largest_touching)
     : report_(report), query_(query), spacing_(spacing) {
   const Vec3 extent = report.box_max - report.box_min;
   largest_ = 0.5 * extent.minCoeff();
   // An open sheet has no inside: its balls lie behind it, as flat as their spacing needs.
   if (!report.closed()) largest_ = std::max(largest_, 2.0 * spacing);
-  largest_touching_ = std::min(largest_, kLargestTouching * spacing);
+  largest_touching_ = std::min(largest_, largest_touching * spacing);
 }
 
 Sphere InnerBalls::Shrink(const Vec3& point, const Vec3& outward, double depth,

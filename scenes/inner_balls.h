@@ -15,7 +15,15 @@ class InnerBalls {
  public:
   /// @param spacing  distance between neighbouring balls' touching points [m], which decides how
   ///                 a ball that touches exactly is weighed against a flatter one a little deeper.
-  InnerBalls(const MeshReport& report, const MeshQuery& query, double spacing);
+  /// @param largest_touching  radius of the largest ball of Tangent, in spacings.
+  InnerBalls(const MeshReport& report, const MeshQuery& query, double spacing,
+             double largest_touching = kLargestTouching);
+
+  // Half-way to its neighbour such a ball lies 1/40 of the spacing below a flat surface.  Larger
+  // ones are hardly flatter, but each comes near so many more balls of the other body that on the
+  // bunny (22,332 leaves) the haptic step had twice as many pairs of packets to test, for a surface
+  // covered 7 % better on average.
+  static constexpr double kLargestTouching = 5.0;
 
   /// The ball that covers the surface round a sample best.  Shrinking ball (Ma, Bae & Choi, Vis.
   /// Comput. 28 (2012) 7-19), against the triangles themselves instead of a point cloud.

@@ -295,9 +295,9 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   const bool object = kind == BodyKind::kObject;
   const std::string_view pose_field = object ? "pose" : "start";
   if (object) {
-    node.AllowOnly({"name", "mesh", "leaves", pose_field, "look", "material", "regions"});
+    node.AllowOnly({"name", "mesh", "leaves", "tree", pose_field, "look", "material", "regions"});
   } else {
-    node.AllowOnly({"name", "mesh", "leaves", pose_field, "look"});
+    node.AllowOnly({"name", "mesh", "leaves", "tree", pose_field, "look"});
   }
   BodyDescription body;
   body.name = ReadName(node.At("name"));
@@ -306,6 +306,9 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   body.mesh.curved = ReadCurved(mesh);
   body.mesh.where = mesh.Where();
   body.leaves = node.At("leaves").Integer(1, kMaxLeaves);
+  if (auto tree = node.Find("tree")) {
+    body.tree = TreeModeNamed(tree->OneOf({kTreeModes.begin(), kTreeModes.end()}));
+  }
   if (auto pose = node.Find(pose_field)) {
     pose->AllowOnly({"position_mm", "rotation_deg", "quaternion_wxyz"});
     body.X_WB = pose->ReadPose();

@@ -11,6 +11,7 @@
 #include "scenes/mesh_import.h"
 #include "scenes/scene.h"
 #include "scenes/sphere.h"
+#include "scenes/tree_mode.h"
 
 namespace palpate {
 
@@ -62,6 +63,7 @@ struct BodyDescription {
   std::string name;
   MeshSource mesh;
   std::size_t leaves = 0;
+  TreeMode tree = TreeMode::kInside;
   Pose X_WB;
   MaterialDescription material;            ///< objects: of what no region paints
   std::vector<RegionDescription> regions;  ///< objects: later ones over earlier ones

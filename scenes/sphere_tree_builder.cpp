@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/error.h"
+#include "scenes/balanced_balls.h"
 #include "scenes/inner_balls.h"
 #include "scenes/mesh_query.h"
 #include "scenes/mesh_report.h"
@@ -21,6 +22,8 @@ constexpr std::size_t kCandidatesPerLeaf = 5;  // Yuksel's advice
 constexpr std::size_t kFewestCandidates = 2000;
 constexpr double kEvenShare = 0.8;    // of the leaves: touching points spread evenly
 constexpr double kInsideShare = 0.1;  // at most
+constexpr std::size_t kSamplesPerBalancedLeaf = 24;
+constexpr double kLargestBalanced = 10.0;  // spacings
 
 /// Surface samples and how far each lies from the nearest ball, kept as balls are added.
 class Bareness {
@@ -116,47 +119,94 @@ MeshReport RequireRenderable(const TriangleMesh& mesh) {
   return report;
 }
 
+/// The leaves of a tree, each in its mode; what all modes share is where the balls begin.
+class LeafMaker {
+ public:
+  LeafMaker(const TriangleMesh& mesh, std::size_t count, TreeMode mode, const Progress& progress)
+      : count_(count),
+        mode_(mode),
+        progress_(progress),
+        report_(RequireRenderable(mesh)),
+        query_(mesh),
+        samples_(Scatter(mesh, kCandidatesPerLeaf)),
+        even_(static_cast<std::size_t>(kEvenShare * static_cast<double>(count))),
+        spacing_(2.0 * PoissonRadius(report_.area, std::max<std::size_t>(even_, 1))),
+        inner_(report_, query_, spacing_,
+               mode == TreeMode::kInside ? InnerBalls::kLargestTouching : kLargestBalanced) {}
+
+  std::vector<Sphere> Make(const TriangleMesh& mesh) const {
+    std::vector<Sphere> leaves = Touching();
+    Tell("filling the inside", 0.5);
+    const auto inside = static_cast<std::size_t>(std::ceil(kInsideShare * double(count_)));
+    const std::vector<Sphere> fill = inner_.Fill(leaves, std::min(inside, count_ - leaves.size()));
+    const bool balanced = mode_ == TreeMode::kBalanced;
+    if (!balanced) leaves.insert(leaves.end(), fill.begin(), fill.end());
+    Tell("covering the barest places", 0.6);
+    CoverBarest(samples_, inner_, spacing_, count_ - leaves.size() - (balanced ? fill.size() : 0),
+                leaves);
+    if (!balanced) return leaves;
+    const std::vector<SurfaceSample> dense = Scatter(mesh, kSamplesPerBalancedLeaf);
+    BalanceBalls({query_, inner_, dense, spacing_}, leaves,
+                 [&](double done) { Tell("balancing", 0.6 + 0.2 * done); });
+    leaves.insert(leaves.end(), fill.begin(), fill.end());
+    return leaves;
+  }
+
+  const MeshReport& report() const { return report_; }
+  const std::vector<SurfaceSample>& samples() const { return samples_; }
+
+ private:
+  void Tell(std::string_view stage, double fraction) const {
+    if (progress_) progress_(stage, fraction);
+  }
+
+  std::vector<SurfaceSample> Scatter(const TriangleMesh& mesh, std::size_t per_leaf) const {
+    Tell("scattering samples", 0.05);
+    return ScatterSamples(mesh, report_, query_, std::max(per_leaf * count_, kFewestCandidates));
+  }
+
+  /// Balls that touch the surface at points spread evenly.
+  std::vector<Sphere> Touching() const {
+    Tell("touching balls", 0.1);
+    std::vector<Sphere> leaves;
+    if (even_ == 0) return leaves;
+    for (std::uint32_t i : ThinOut(samples_, even_, report_.area)) {
+      const Sphere ball = inner_.Tangent(samples_[i]);
+      if (ball.radius > 0.0) leaves.push_back(ball);
+      if (leaves.size() % 256 == 0) {
+        Tell("touching balls", 0.1 + 0.4 * double(leaves.size()) / double(even_));
+      }
+    }
+    return leaves;
+  }
+
+  std::size_t count_;
+  TreeMode mode_;
+  const Progress& progress_;
+  MeshReport report_;
+  MeshQuery query_;
+  std::vector<SurfaceSample> samples_;
+  std::size_t even_;
+  double spacing_;
+  InnerBalls inner_;
+};
+
 }  // namespace
 
-SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Progress& progress) {
+SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Progress& progress,
+                           TreeMode mode) {
   if (count == 0) throw Error("a sphere tree of 0 leaves is not possible; ask for at least 1");
   const auto tell = [&](std::string_view stage, double fraction) {
     if (progress) progress(stage, fraction);
   };
   tell("inspecting", 0.0);
-  const MeshReport report = RequireRenderable(mesh);
-  const MeshQuery query(mesh);
-
-  tell("scattering samples", 0.05);
-  const std::vector<SurfaceSample> samples =
-      ScatterSamples(mesh, report, query, std::max(kCandidatesPerLeaf * count, kFewestCandidates));
-  const auto even = static_cast<std::size_t>(kEvenShare * static_cast<double>(count));
-  const double spacing = 2.0 * PoissonRadius(report.area, std::max<std::size_t>(even, 1));
-  const InnerBalls inner(report, query, spacing);
-
-  tell("touching balls", 0.1);
-  std::vector<Sphere> leaves;
-  if (even > 0) {
-    for (std::uint32_t i : ThinOut(samples, even, report.area)) {
-      const Sphere ball = inner.Tangent(samples[i]);
-      if (ball.radius > 0.0) leaves.push_back(ball);
-      if (leaves.size() % 256 == 0) tell("touching balls", 0.1 + 0.4 * leaves.size() / even);
-    }
-  }
-
-  tell("filling the inside", 0.5);
-  const auto inside = static_cast<std::size_t>(std::ceil(kInsideShare * double(count)));
-  const std::vector<Sphere> fill = inner.Fill(leaves, std::min(inside, count - leaves.size()));
-  leaves.insert(leaves.end(), fill.begin(), fill.end());
-
-  tell("covering the barest places", 0.6);
-  CoverBarest(samples, inner, spacing, count - leaves.size(), leaves);
-
+  const LeafMaker maker(mesh, count, mode, progress);
+  const std::vector<Sphere> leaves = maker.Make(mesh);
   tell("arranging the tree", 0.8);
   SphereTree tree = ArrangeLeaves(leaves).tree;
   tell("sharing out triangles", 0.9);
-  ShareOutTriangles(mesh, samples, tree);
-  tree.centroid = report.centroid;
+  ShareOutTriangles(mesh, maker.samples(), tree);
+  tree.centroid = maker.report().centroid;
   tell("done", 1.0);
   return tree;
 }

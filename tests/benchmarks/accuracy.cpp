@@ -23,6 +23,7 @@ namespace {
 
 struct Options {
   SlidingExperiment experiment;
+  std::string mode{kTreeModes[0]};
   std::vector<std::size_t> spheres{64, 512, 4096};
   FeatureOptions features{"surface", "off"};
   std::string json, plot;
@@ -146,6 +147,7 @@ void Run(Options options) {
     return;
   }
   options.experiment.features = options.features.features();
+  options.experiment.mode = TreeModeNamed(options.mode);
   std::vector<SlidingForce> rows;
   for (const std::size_t spheres : options.spheres) {
     rows.push_back(MeasureSlidingForce(options.experiment, spheres));
@@ -163,10 +165,13 @@ void Run(Options options) {
     table += fmt::format("  {:<22} {}  {:>10.4f} {:>10.2f}\n", row.spheres, Columns(row.errors),
                          row.truncation_um.max, PercentilesOf(row.step_us.best()).p999);
   }
-  nlohmann::ordered_json json{
-      {"object", options.experiment.object}, {"contact", options.features.contact},
-      {"steps", options.experiment.steps},   {"repeats", options.experiment.repeats},
-      {"simd", ActiveKernels().name},        {"machine", ToJson(ThisMachine())}};
+  nlohmann::ordered_json json{{"object", options.experiment.object},
+                              {"contact", options.features.contact},
+                              {"mode", options.mode},
+                              {"steps", options.experiment.steps},
+                              {"repeats", options.experiment.repeats},
+                              {"simd", ActiveKernels().name},
+                              {"machine", ToJson(ThisMachine())}};
   if (rows.size() == 1) {
     json.update(ToJson(rows.front()));
   } else {
@@ -220,6 +225,9 @@ void AddAccuracy(CLI::App& app) {
           "scene's \"curved\" says; 0: felt as it is  [3]")
       ->check(CLI::Range(0.0, 1e6));
   options->features.AddTo(*command);
+  command->add_option("--mode", options->mode, "Mode of the object's tree")
+      ->check(CLI::IsMember(std::vector<std::string>(kTreeModes.begin(), kTreeModes.end())))
+      ->capture_default_str();
   command->add_option("--steps", options->experiment.steps, "Samples of steady sliding")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -18,5 +18,6 @@ void AddLoop(CLI::App& app, const int& domain);
 void AddPareto(CLI::App& app);
 void AddQp(CLI::App& app);
 void AddStability(CLI::App& app);
+void AddTree(CLI::App& app);
 
 }  // namespace palpate::bench

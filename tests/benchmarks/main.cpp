@@ -30,6 +30,7 @@ int Main(int argc, char** argv) {
   AddPareto(app);
   AddQp(app);
   AddStability(app);
+  AddTree(app);
   ParseCommandLine(app, argc, argv);
   return 0;
 }

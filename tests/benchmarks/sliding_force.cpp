@@ -68,10 +68,13 @@ Scene SlidingScene(const SlidingExperiment& experiment, std::size_t spheres) {
   if (experiment.tolerance > 0.0 && experiment.features.contact == ContactModel::kSurface) {
     object.mesh = RefineCurved(object.mesh, {.tolerance = experiment.tolerance}).mesh;
   }
-  object.tree = BuildSphereTree(object.mesh, spheres, [&](std::string_view stage, double done) {
-    Progress(fmt::format("{} of {} spheres: {} {:.0f} % ...", experiment.object, spheres, stage,
-                         100.0 * done));
-  });
+  object.tree = BuildSphereTree(
+      object.mesh, spheres,
+      [&](std::string_view stage, double done) {
+        Progress(fmt::format("{} of {} spheres: {} {:.0f} % ...", experiment.object, spheres, stage,
+                             100.0 * done));
+      },
+      experiment.mode);
   scene.tools.push_back(std::move(ball));
   scene.objects.push_back(std::move(object));
   return scene;

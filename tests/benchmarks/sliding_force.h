@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "scenes/scene.h"
+#include "scenes/sphere_tree_builder.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/sliding_path.h"
 
@@ -36,6 +37,7 @@ struct SlidingExperiment {
   /// surfaces [m]; 0: its triangles are taken as they are.
   double tolerance = 3e-6;
   Features features{.contact = ContactModel::kSpheres};
+  TreeMode mode = TreeMode::kInside;
   int steps = 4000;  ///< of steady sliding
   int repeats = 5;
 

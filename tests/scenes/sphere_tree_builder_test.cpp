@@ -1,6 +1,7 @@
 #include "scenes/sphere_tree_builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -10,6 +11,7 @@
 #include "scenes/mesh_query.h"
 #include "scenes/mesh_report.h"
 #include "scenes/scene_bundle.h"
+#include "scenes/tree_error.h"
 #include "tests/scenes/support.h"
 
 namespace palpate {
@@ -20,6 +22,16 @@ using testing::HasSubstr;
 
 Vec3 Centre(const SphereTree& tree, std::size_t i) {
   return {tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]};
+}
+
+/// A ball with bumps on it, which nothing was tuned to.
+TriangleMesh MakeBumpy(double radius) {
+  TriangleMesh mesh = MakeSphere(radius, 5120);
+  for (Vec3& v : mesh.vertices) {
+    const Vec3 u = v / radius;
+    v *= 1.0 + 0.08 * std::sin(7.0 * u.x()) * std::cos(5.0 * u.y() + 3.0 * u.z());
+  }
+  return mesh;
 }
 
 /// All bytes of a tree.
@@ -143,6 +155,41 @@ TEST(SphereTreeBuilder, GivesLargeTrianglesToAllLeavesThatTouchThem) {
 TEST(SphereTreeBuilder, GivesTheSameBytesAgain) {
   const TriangleMesh mesh = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280);
   EXPECT_EQ(BytesOf(mesh, BuildSphereTree(mesh, 777)), BytesOf(mesh, BuildSphereTree(mesh, 777)));
+}
+
+TEST(SphereTreeBuilder, BalancesTheSameBytesAgain) {
+  const TriangleMesh mesh = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280);
+  const auto build = [&] { return BuildSphereTree(mesh, 300, {}, TreeMode::kBalanced); };
+  EXPECT_EQ(BytesOf(mesh, build()), BytesOf(mesh, build()));
+}
+
+TEST(SphereTreeBuilder, BalancesLeavesRoundTheSurface) {
+  for (const TriangleMesh& mesh : {MakeBox(Vec3(0.05, 0.04, 0.03)),
+                                   MakeEllipsoid(Vec3(0.05, 0.02, 0.03), 5120), MakeBumpy(0.03)}) {
+    Body inside, balanced;
+    inside.mesh = balanced.mesh = mesh;
+    inside.tree = BuildSphereTree(mesh, 512);
+    balanced.tree = BuildSphereTree(mesh, 512, {}, TreeMode::kBalanced);
+    ASSERT_EQ(balanced.tree.leaves(), 512u);
+    const UnionError before = MeasureLevels(inside, 20011).back();
+    const UnionError after = MeasureLevels(balanced, 20011).back();
+    EXPECT_LT(after.offset.rms, 0.8 * before.offset.rms);
+    EXPECT_LT(std::abs(after.offset.mean), 0.6 * std::abs(before.offset.mean));
+    EXPECT_LT(after.tilt.rms, 1.02 * before.tilt.rms);
+    // 1/40 of the spacing: 2 sqrt(area / (2 sqrt 3 * 0.8 * leaves)), and what rounds.
+    const double spacing =
+        2.0 * std::sqrt(InspectMesh(mesh).area / (2.0 * std::sqrt(3.0) * 0.8 * 512));
+    EXPECT_LT(after.protrusion.max, 0.026 * spacing);
+  }
+}
+
+TEST(SphereTreeBuilder, BalancesAFewLeavesToo) {
+  const TriangleMesh mesh = MakeSphere(0.03, 1280);
+  for (const std::size_t count : {1, 2, 9}) {
+    const SphereTree tree = BuildSphereTree(mesh, count, {}, TreeMode::kBalanced);
+    ASSERT_EQ(tree.leaves(), count);
+    for (const double radius : tree.leaf_radius) EXPECT_GT(radius, 0.0);
+  }
 }
 
 TEST(SphereTreeBuilder, GivesTheSameBytesInEveryBuild) {

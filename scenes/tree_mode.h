@@ -1,0 +1,32 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace palpate {
+
+/// How the leaves of a sphere tree stand for the solid.
+enum class TreeMode : std::uint8_t {
+  /// Every leaf inside it: most touch the surface at points spread evenly over it, some fill what
+  /// these leave free inside, and the rest goes where the surface lies furthest from all others.
+  kInside,
+  /// Those at the surface moved and resized, until what a hand feels of them errs least
+  /// (balanced_balls.h): their surface lies outside the solid's as much as inside.
+  kBalanced,
+};
+
+/// What scene files and programs call them, in the order of TreeMode.
+inline constexpr std::array<std::string_view, 2> kTreeModes{"inside", "balanced"};
+inline std::string_view NameOf(TreeMode mode) {
+  return kTreeModes[static_cast<std::size_t>(mode)];
+}
+/// @param name  one of kTreeModes.
+inline TreeMode TreeModeNamed(std::string_view name) {
+  return static_cast<TreeMode>(std::find(kTreeModes.begin(), kTreeModes.end(), name) -
+                               kTreeModes.begin());
+}
+
+}  // namespace palpate
