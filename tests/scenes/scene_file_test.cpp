@@ -112,6 +112,23 @@ TEST(SceneFile, ReadsHowTrulyAMeshStandsForACurvedSurface) {
   }
 }
 
+TEST(SceneFile, ReadsHowTheLeavesStandForTheMesh) {
+  const auto with = [](const std::string& tree) {
+    return ParseScene(R"({"tools": [{"name": "t", "mesh": {"shape": "sphere", "radius_m": 0.01},
+                                     "leaves": 1}],
+                          "objects": [{"name": "o", "mesh": {"shape": "box", "size_m": [1, 1, 1]},
+                                       "leaves": 8)" +
+                          tree + "}]}",
+                      "demo.json")
+        .objects[0]
+        .tree;
+  };
+  EXPECT_EQ(with(""), TreeMode::kInside);
+  EXPECT_EQ(with(R"(, "tree": "inside")"), TreeMode::kInside);
+  EXPECT_EQ(with(R"(, "tree": "balanced")"), TreeMode::kBalanced);
+  EXPECT_THAT(ComplaintOf([&] { with(R"(, "tree": "outside")"); }), HasSubstr("balanced"));
+}
+
 TEST(SceneFile, ReadsHowTheSceneIsToBeSeen) {
   const std::string bodies = R"("tools": [{"name": "t", "leaves": 8, "look": "steel",
       "mesh": {"shape": "box", "size_m": [1, 1, 1]}}],
