@@ -30,8 +30,8 @@ std::vector<std::pair<const char*, double>> FiguresOf(const UnionError& e) {
 
 template <class... Values>
 std::string Format(const char* format, Values... values) {
-  char line[256];
-  std::snprintf(line, sizeof line, format, values...);
+  std::string line(static_cast<std::size_t>(std::snprintf(nullptr, 0, format, values...)), '\0');
+  std::snprintf(line.data(), line.size() + 1, format, values...);
   return line;
 }
 
