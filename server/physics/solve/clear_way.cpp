@@ -125,7 +125,9 @@ bool Improve(StepContext& context) {
     StepDown(context);
     if (!IsFree(context)) return false;
   }
-  return !context.arrived || GoPast(context);
+  // Of a ball, Turned says whether it has arrived.
+  const bool is_ball = context.buffers.meshes->tool().radius > 0.0;
+  return is_ball || !context.arrived || GoPast(context);
 }
 
 /// The longest half, quarter, ... of a motion that is not free.
