@@ -129,6 +129,31 @@ TEST(MeshContactHands, ArriveWhereFurtherCyclesWouldNotMoveThem) {
   EXPECT_LT(error[error.size() * 998 / 1000], 0.05);
 }
 
+// The same of meshes whose triangles are small beside what the tool moves in a cycle: contacts go
+// on from one to the next all the time.
+TEST(MeshContactHands, ArriveOnFineMeshes) {
+  const Scene scenes[] = {
+      MeshScene(MakeCrumpled(40, 0.02, 0.0005, 9), MakeCrumpled(60, 0.04, 0.0005, 7)),
+      MeshScene(MakeCrumpled(40, 0.02, 0.001, 9), MakeBlock(60, 0.04, 0.02, Waves(0.004, 0.04))),
+      MeshScene(MakeBlock(60, 0.02, 0.01, Waves(0.003, 0.01)),
+                MakeBlock(80, 0.04, 0.02, Waves(0.003, 0.015)))};
+  std::vector<double> error;
+  std::size_t steps = 0, arrived = 0;
+  for (const Scene& scene : scenes) {
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      const test::ContactFigures figures =
+          test::MeasureContact(scene, MakeHand(scene, {.seed = seed, .speed = 0.3, .steps = 400}),
+                               {.oracle_every = 0, .converge_every = 4});
+      error.insert(error.end(), figures.arrived_error.begin(), figures.arrived_error.end());
+      steps += figures.steps;
+      arrived += figures.arrived;
+    }
+  }
+  std::sort(error.begin(), error.end());
+  EXPECT_GT(arrived, steps * 99 / 100);
+  EXPECT_LT(error[error.size() * 99 / 100], 0.01) << "N";
+}
+
 // Of crumples this fine several touch within the separation, and which of them a pair's own
 // features are is not clear: a tool at rest must not find that out anew in each step.
 TEST(MeshContactHands, ComeToRestOnCrumplesThatHardlyStandOut) {
