@@ -135,7 +135,8 @@ class Child {
                 "); export it again, or in another format");
   }
   throw Error(file + ": was not read (palpate-import ended with " +
-              std::to_string(WEXITSTATUS(status)) + "); '" + program + " " + file + "' tells more");
+              std::to_string(WEXITSTATUS(status)) + "); export it again, or see what '" + program +
+              " " + file + "' says");
 }
 
 }  // namespace
