@@ -713,6 +713,26 @@ test("nothing is cut off, from a phone to a projector", async () => {
   }
 });
 
+test("the picture stays where it is whatever the line above it says", async () => {
+  for (const [width, height] of [
+    [360, 640],
+    [1400, 900],
+  ] as const) {
+    page = await open({viewport: {width, height}});
+    const tops = await page.evaluate(() => {
+      const top = (): number => document.querySelector("#view")!.getBoundingClientRect().top;
+      const before = top();
+      document.querySelector("#touched")!.textContent =
+        "upper left second premolar, upper left first molar, lower jaw";
+      document.querySelector("#sentence")!.textContent =
+        "Contact, 12.3 newtons, hand 10.4 millimetres past the surface.";
+      return [before, top()];
+    });
+    expect(tops[1], `${width} × ${height}`).toBe(tops[0]);
+    await page.context().close();
+  }
+});
+
 test("every control has a name, and every key in the help does something", async () => {
   press(0);
   page = await open();

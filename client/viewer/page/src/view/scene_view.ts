@@ -50,6 +50,7 @@ export class SceneView {
   private sightM = 0.1; // radius of what is looked at first
   private coarserAsked = false;
   private sized = "";
+  private mayHaveResized = true;
   private readonly cost = {still: {triangles: 0, calls: 0}, moving: {triangles: 0, calls: 0}};
   private remains: Remains | undefined;
   private readonly labels: ToothLabels;
@@ -175,7 +176,16 @@ export class SceneView {
     tool.marks.set(at, state.forceN, state.torqueNm, state.points, this.radiusM);
   }
 
+  /// The canvas, or how many pixels it should have, may be another size: the next picture takes it.
   resize(): void {
+    this.mayHaveResized = true;
+    this.changed();
+  }
+
+  /// With the picture and not before it, for a canvas of another size is empty.
+  private fit(): void {
+    if (!this.mayHaveResized) return;
+    this.mayHaveResized = false;
     const {clientWidth: width, clientHeight: height} = this.canvas;
     if (width === 0 || height === 0) return;
     const ratio = this.quality.share * Math.min(devicePixelRatio, kMostPixelsPerPoint);
@@ -185,11 +195,11 @@ export class SceneView {
     this.renderer?.setPixelRatio(ratio);
     this.renderer?.setSize(width, height, false);
     this.camera.resize(width / height);
-    this.changed();
   }
 
   /// @return what was drawn anew
   render(nowMs: number): Drawn {
+    this.fit();
     const drawn = this.draw(nowMs);
     this.labels.update(
       this.camera.eye,
