@@ -176,7 +176,7 @@ inline constexpr double kTouching = 2.0 * kSeparation;
 inline constexpr int kIterates = 16;
 /// Looks of a cycle at most, some 130 ns each: 450 us.  A look is a direction in which a plane is
 /// looked for, or the nearest points of two triangles.  A further sub-step is begun where a quarter
-/// of them is left: with less, most sub-steps would end where they began.
+/// of them is left.  Taken.
 inline constexpr int kMaxLooks = 3400, kLeastLooks = kMaxLooks / 4;
 /// Pairs that are brought up to date, or found not to hold in a trial, in the time of one look;
 /// eight times as many are tested in it.

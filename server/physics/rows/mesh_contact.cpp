@@ -305,10 +305,11 @@ int MeshContact::Look(const Vec3& v, const Vec3& phi, ContactRows* rows) {
       doubts_.push_back(DoubtOf(planes_.left[k], k));
       std::push_heap(doubts_.begin(), doubts_.end(), std::greater<>());
     }
-    if (doubts_.empty() || (moved_ && apart_not >= (rows != nullptr ? kEnough : 1))) break;
+    const int enough = rows != nullptr ? kEnough : 1;
+    if (doubts_.empty() || (moved_ && apart_not >= enough)) break;
     // The deepest first.  With a good many rows the next trial is another one: the rest can wait.
-    const int last = rows != nullptr ? std::numeric_limits<int>::max() : 0;
-    for (int i = 0; i < kBatch && !doubts_.empty() && !IsExhausted() && apart_not <= last; ++i) {
+    for (int i = 0; i < kBatch && !doubts_.empty() && !IsExhausted(); ++i) {
+      if (rows == nullptr && apart_not > 0) break;
       std::pop_heap(doubts_.begin(), doubts_.end(), std::greater<>());
       const std::int32_t k = NearOf(doubts_.back());
       doubts_.pop_back();

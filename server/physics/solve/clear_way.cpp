@@ -19,11 +19,18 @@ double PartWithin(const StepContext& context) {
                     context.optimum.phi);
 }
 
-/// The optimum again, under rows that have changed.
-void SolveAgain(StepContext& context) {
+/// Goes to the optimum under rows that have changed, as far as the bounds allow, and returns which
+/// part of the way that is.  Where the QP does not end the tool stays, and has not arrived.
+double GoToNewOptimum(StepContext& context) {
   context.optimum = NearestStep(context, context.target, nullptr);
   context.report.qp_iterations += context.optimum.qp.iterations;
   Remember(context);
+  const bool solved = context.optimum.qp.status != QpStatus::kIterationLimit;
+  if (!solved) context.report.faults |= kFaultUnsolved;
+  const double part = solved ? PartWithin(context) : 0.0;
+  context.arrived = part == 1.0;
+  GoTo(context, part);
+  return part;
 }
 
 /// The part of the way to the optimum that the bounds allow: the step under the same rows that is
@@ -81,10 +88,7 @@ bool Mend(StepContext& context) {
 /// and back in the next step, and never rest.
 void StepDown(StepContext& context) {
   context.buffers.rows.AdmitZero();
-  SolveAgain(context);
-  const double part = PartWithin(context);
-  context.arrived = part == 1.0;
-  GoTo(context, part);
+  GoToNewOptimum(context);
 }
 
 /// Where pairs that do not touch hold the tool at the trial, it has not arrived: the next sub-step
@@ -99,18 +103,17 @@ bool GoPast(StepContext& context) {
   if (release() == 0) return true;
   const Vec3 v = context.v, phi = context.phi;
   const bool stays = Way(context) < limits::mesh::kTouching;
-  SolveAgain(context);
-  double part = PartWithin(context);
-  context.arrived = part == 1.0;
-  do {
-    GoTo(context, part);
+  double part = GoToNewOptimum(context);
+  for (;;) {
     if (IsFree(context)) {
       context.arrived = context.arrived && release() == 0;
       return true;
     }
     context.arrived = false;
+    if (!stays || Way(context) <= limits::mesh::kTouching) break;
     part *= 0.5;
-  } while (stays && Way(context) > limits::mesh::kTouching);
+    GoTo(context, part);
+  }
   context.v = v;
   context.phi = phi;
   return IsFree(context);

@@ -36,9 +36,9 @@ struct StepContext {
 
   /// Whether the model has friction by Coulomb's law.
   bool Rubs() const { return model.parameters().features.friction == FrictionModel::kCoulomb; }
-  /// Whether nothing but meshes and the spring holds the tool.
+  /// Whether meshes may hold the tool, and nothing that does rubs or yields.
   bool IsRigid() const { return buffers.meshes && soft == nullptr && !Rubs(); }
-  /// Whether the tool is a ball that nothing but a mesh and the spring holds.
+  /// The same of a ball.
   bool IsFreeBall() const { return IsRigid() && buffers.meshes->tool().radius > 0.0; }
   /// How much nearer to the hand a step ends than it begins: |t|^2 - |x - t|^2, with x = [v; rho
   /// phi] and t the hand's [m^2].
