@@ -124,7 +124,7 @@ constexpr std::uint64_t kGoldenHash = 14194503118701785297u;
 constexpr std::uint64_t kGoldenChapterHash = 14483219452744595238u;
 constexpr std::uint64_t kGoldenCoulombHash = 17059170457642929297u;
 constexpr std::uint64_t kGoldenHashOfMaterials = 1653539582228119285u;
-constexpr std::uint64_t kGoldenHashOfMeshes = 16295815299762938054u;
+constexpr std::uint64_t kGoldenHashOfMeshes = 4188522040857198167u;
 
 TEST(HapticStepDeterminism, GivesTheGoldenBitsAtEverySimdLevel) {
   const Kernels* level[3];

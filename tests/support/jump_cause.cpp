@@ -106,7 +106,8 @@ JumpCause JumpJudge::Judge(const Pose& X_WH_before, const StepReport& before, co
     return snapped ? JumpCause::kLedge : gained ? JumpCause::kGained : JumpCause::kLost;
   }
   if (FrictionOf(before) - FrictionOf(after) >= 0.5 * jump) return JumpCause::kLetGo;
-  return snapped && had_arrived && stretched < 0.0 ? JumpCause::kLedge : JumpCause::kUnexplained;
+  const bool relaxed = Stretch(after.wrench) < Motion(before.X_WG, X_WH);
+  return snapped && had_arrived && relaxed ? JumpCause::kLedge : JumpCause::kUnexplained;
 }
 
 }  // namespace palpate::test

@@ -16,14 +16,14 @@ namespace palpate::test {
 ///
 ///     hand o   o dx          A ledge: the place that held the tool ends, and the tool snaps to the
 ///   ____   G . . G'          next one, nearer to the hand: the spring's stretch s = sqrt(|F|^2 +
-///       \   |   |            |tau|^2 / rho^2) / k_t is less after it.  No step that looks for the
-///        \__|___|_____       least stretch can end in more than it had, plus what the hand moved.
+///       \   |   |            |tau|^2 / rho^2) / k_t is less than if it had stayed.  No step that
+///        \__|___|_____       looks for the least stretch can end in more than that.
 enum class JumpCause {
   kNone,    ///< |dF| <= kJump
   kHand,    ///< |dF| <= kSpringFactor k_t |dx|: a fast hand on a spring.  Of a ball of radius r,
             ///< s deep, r / (r - s) where that is more
   kLedge,   ///< the graphic tool moved more than kSnapFactor |dx|, and with the same contacts:
-            ///< from where it had arrived, to a lesser stretch
+            ///< from where it had arrived, to a lesser stretch than if it had stayed there
   kGained,  ///< no ledge, and a contact came that was not there
   kLost,    ///< no ledge, none came, and one went, or its leaf was scraped off
   kLetGo,   ///< the same contacts hold, but friction does less: what stuck slips

@@ -129,7 +129,18 @@ TEST_F(JumpCauseTest, IsALedgeWhereTheGraphicToolSnapsTowardsTheHand) {
   after_.X_WG.p.x() = 2.9e-4;
   EXPECT_EQ(Cause(), JumpCause::kUnexplained);
   after_.X_WG.p.x() = 3.1e-4;
+  EXPECT_EQ(Cause(), JumpCause::kUnexplained) << "no nearer to the hand than it was";
+  X_WH_before_.p.y() = X_WH_.p.y() = -2e-3;
   EXPECT_EQ(Cause(), JumpCause::kLedge) << "over a bump, with the same contact";
+  // The hand goes on meanwhile: the stretch grows to 2.18 mm, by less than if the tool had stayed.
+  after_.wrench.force = Vec3(0.6, 2.1, 0.0);
+  after_.X_WG.p.x() = 0.7e-3;
+  X_WH_before_.p.y() = -1.95e-3;
+  X_WH_.p = Vec3(0.0, -2.15e-3, 0.0);
+  EXPECT_EQ(Cause(), JumpCause::kUnexplained) << "2.15 mm, had it stayed";
+  X_WH_before_.p.y() = -2e-3;
+  X_WH_.p.y() = -2.2e-3;
+  EXPECT_EQ(Cause(), JumpCause::kLedge);
   before_.faults = kFaultTargetFar;
   EXPECT_EQ(Cause(), JumpCause::kUnexplained) << "it was only behind";
   after_.contacts = 0;

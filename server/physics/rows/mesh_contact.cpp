@@ -481,7 +481,7 @@ bool MeshContact::TrianglesApart(NearPair& near) {
 /// nothing that the contact does not.
 bool MeshContact::NeighbourHolds(NearPair& near, double distance) {
   return std::any_of(touches_.begin(), touches_.end(), [&](const Touch& touch) {
-    return touch.in_cone && !touch.retracted && touch.plane.of != Plane::Of::kNone &&
+    return touch.in_cone && touch.plane.of != Plane::Of::kNone &&
            HoldsAcross(near, distance, touch.plane, touch);
   });
 }
@@ -839,11 +839,6 @@ bool MeshContact::Retract(int row, Touch& touch, ContactRows& rows) {
   if (InCone(near, nearest, u, to_) && gap <= kWitnessRatio * (length - tool_.radius) + kWitness) {
     return TurnSmoothed(near, touch, row, nearest, u, rows);
   }
-  if (tool_.radius == 0.0 && !touch.in_cone && NeighbourHolds(near, touch.distance)) {
-    TakeOut(touch, rows);
-    touch.plane = Plane{};
-    return true;
-  }
   const Plane other = OtherPlane(near, touch, nearest, u);
   if (other.of == Plane::Of::kNone) return false;
   TakeOut(touch, rows);
@@ -869,9 +864,6 @@ MeshContact::Plane MeshContact::OtherPlane(const NearPair& near, const Touch& to
   };
   ForEachFace(near, touch.nearest, consider);
   ForEachFace(near, nearest, consider);
-  // Of triangles a micrometre apart the direction between is off a face's by what they have slid
-  // past its rim: noise, unless there is more room along it.
-  if (tool_.radius == 0.0) best += kWitness;
   for (const Vec3& n : {touch.u, u}) {
     Plane plane;
     plane.of = Plane::Of::kObject;

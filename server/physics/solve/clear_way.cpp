@@ -19,9 +19,9 @@ double PartWithin(const StepContext& context) {
                     context.optimum.phi);
 }
 
-/// Goes to the optimum under rows that have changed, as far as the bounds allow, and returns which
-/// part of the way that is.  Where the QP does not end the tool stays, and has not arrived.
-double GoToNewOptimum(StepContext& context) {
+/// Goes to the optimum under rows that have changed, as far as the bounds allow.  Where the QP does
+/// not end the tool stays, and has not arrived.
+void GoToNewOptimum(StepContext& context) {
   context.optimum = NearestStep(context, context.target, nullptr);
   context.report.qp_iterations += context.optimum.qp.iterations;
   Remember(context);
@@ -30,7 +30,6 @@ double GoToNewOptimum(StepContext& context) {
   const double part = solved ? PartWithin(context) : 0.0;
   context.arrived = part == 1.0;
   GoTo(context, part);
-  return part;
 }
 
 /// The part of the way to the optimum that the bounds allow: the step under the same rows that is
@@ -92,9 +91,8 @@ void StepDown(StepContext& context) {
 }
 
 /// Where pairs that do not touch hold the tool at the trial, it has not arrived: the next sub-step
-/// makes planes for them at the place that it comes to.  But without them the optimum may be free;
-/// and a tool that they keep where it is goes as far towards it as is free.
-/// False where nothing is free.
+/// makes planes for them at the place that it comes to.  But without them the optimum may be free:
+/// then it goes there.  False where nothing is free.
 bool GoPast(StepContext& context) {
   const auto release = [&] {
     const QpResult& qp = context.optimum.qp;
@@ -102,18 +100,12 @@ bool GoPast(StepContext& context) {
   };
   if (release() == 0) return true;
   const Vec3 v = context.v, phi = context.phi;
-  const bool stays = Way(context) < limits::mesh::kTouching;
-  double part = GoToNewOptimum(context);
-  for (;;) {
-    if (IsFree(context)) {
-      context.arrived = context.arrived && release() == 0;
-      return true;
-    }
-    context.arrived = false;
-    if (!stays || Way(context) <= limits::mesh::kTouching) break;
-    part *= 0.5;
-    GoTo(context, part);
+  GoToNewOptimum(context);
+  if (IsFree(context)) {
+    context.arrived = context.arrived && release() == 0;
+    return true;
   }
+  context.arrived = false;
   context.v = v;
   context.phi = phi;
   return IsFree(context);

@@ -55,6 +55,11 @@ NearestPoints NearestOfTriangles(const Vec3 a[3], const Vec3 b[3]) noexcept {
         best.q = b[j] + t * eb[j];
         best.of_p = At(s, i);
         best.of_q = At(t, j);
+        // A slab across the way between keeps the third corners out too: nothing is nearer
+        // (Larsen, Gottschalk, Lin & Manocha, UNC TR99-018 (1999)).
+        const bool apart =
+            away.dot(a[(i + 2) % 3] - best.p) >= 0.0 && away.dot(b[(j + 2) % 3] - best.q) <= 0.0;
+        if (apart && squared > 0.0) return best;
       }
     }
   }
