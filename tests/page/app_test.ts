@@ -270,16 +270,61 @@ test("what was drawn in haste while the view turned is drawn well when it rests"
   await eventually("as before", async () => (await picture()) === before);
 });
 
+interface Shown {
+  pixels: number; // of the canvas, along its width
+  points: number; // that it takes on the page
+  darkest: number; // of the picture's corner, 0 to 255
+}
+/// Keeps what is shown at the end of each frame in which the page has drawn.
+const watchPictures = (): void => {
+  const shown: Shown[] = [];
+  Object.assign(window, {shown});
+  const small = document.createElement("canvas").getContext("2d", {willReadFrequently: true})!;
+  const ask = window.requestAnimationFrame.bind(window);
+  window.requestAnimationFrame = (callback) =>
+    ask((atMs) => {
+      const pictures = (): number => window.palpate?.probe.pictures ?? 0;
+      const before = pictures();
+      callback(atMs);
+      const canvas = document.getElementById("view") as HTMLCanvasElement;
+      if (pictures() === before) return;
+      small.drawImage(canvas, 0, 0, 8, 8, 0, 0, 1, 1);
+      const darkest = Math.min(...small.getImageData(0, 0, 1, 1).data);
+      shown.push({pixels: canvas.width, points: canvas.getBoundingClientRect().width, darkest});
+    });
+};
+
+test("while the view turns without a graphics card the canvas has fewer pixels, and none is blank", async () => {
+  const context = await browser!.newContext({viewport: {width: 800, height: 600}});
+  await context.addInitScript(watchPictures);
+  page = await context.newPage();
+  await page.goto(gateway.url);
+  await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
+  await page.locator("#view").focus();
+  const before = await stillPicture();
+  const width = await canvasWidth();
+  const {drawnAnew} = await probe(page);
+  for (let i = 0; i < 5; i++) await page.keyboard.press("ArrowLeft");
+  await until(page, "it turned, and was drawn well", (now) => now.drawnAnew > drawnAnew + 1);
+  await page.keyboard.press("r");
+  await eventually("as before", async () => (await picture()) === before);
+  expect(await canvasWidth()).toBe(width);
+  const shown = await page.evaluate(() => (window as unknown as {shown: Shown[]}).shown);
+  expect(Math.min(...shown.map(({pixels}) => pixels))).toBe(Math.floor(width / 2));
+  expect(new Set(shown.map(({points}) => points)).size).toBe(1);
+  expect(Math.min(...shown.map(({darkest}) => darkest))).toBeGreaterThan(100);
+});
+
 test("a picture that the graphics card has lost comes back", async () => {
   page = await open();
   const before = await stillPicture();
+  const {drawnAnew} = await probe(page);
   await page.evaluate(() => {
     const canvas = document.getElementById("view") as HTMLCanvasElement;
     const lose = canvas.getContext("webgl2")!.getExtension("WEBGL_lose_context")!;
     canvas.addEventListener("webglcontextlost", () => setTimeout(() => lose.restoreContext()));
     lose.loseContext();
   });
-  const {drawnAnew} = await probe(page);
   await until(page, "another picture", (now) => now.drawnAnew > drawnAnew);
   await eventually("as before", async () => (await picture()) === before);
 });

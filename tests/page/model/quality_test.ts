@@ -28,13 +28,21 @@ test("without a graphics card the first turn is in haste already", () => {
   expect(new PictureQuality(true, undefined).names).toEqual({rest: "full", motion: "low"});
 });
 
+test("a turn has never more pixels than the view at rest, nor the objects more than the canvas", () => {
+  for (const name of ["full", "good", "fair", "low"] as const) {
+    const {share, inMotion} = new PictureQuality(false, name);
+    expect(inMotion.canvas).toBeLessThanOrEqual(share);
+    expect(inMotion.share).toBeLessThanOrEqual(inMotion.canvas);
+  }
+});
+
 test("the words say what is left out", () => {
   expect(qualityWords(new PictureQuality(false, undefined))).toBe(
     "At rest full: all of the screen's pixels. While the view turns full: as at rest.",
   );
   expect(qualityWords(new PictureQuality(false, "low"))).toBe(
     "At rest low: 50 % of the screen's pixels a side. While the view turns low: " +
-      "40 % of the pixels a side, rougher edges, fewer triangles.",
+      "30 % for the objects, rougher edges, fewer triangles.",
   );
 });
 

@@ -6,9 +6,10 @@ import {Ladder} from "./ladder";
 export const kQualities = ["full", "good", "fair", "low"] as const;
 export type Quality = (typeof kQualities)[number];
 
-/// What the objects are drawn with while the eye moves, or while they are scraped at.
+/// What pictures are drawn with while the eye moves, or while the objects are scraped at.
 export interface InMotion {
-  readonly share: number; // of the canvas's pixels, along a side
+  readonly canvas: number; // share of the screen's pixels, along a side
+  readonly share: number; // the same of the objects, which the canvas shows enlarged
   readonly samples: number; // a pixel; 0: edges are not smoothed
   readonly detail: number; // 0: all triangles; else which of kDetails
 }
@@ -16,10 +17,10 @@ export interface InMotion {
 /// Along a side, of the pixels that the screen has.
 const kAtRest: readonly number[] = [1, 0.8, 0.65, 0.5];
 const kInMotion: readonly InMotion[] = [
-  {share: 1, samples: 4, detail: 0},
-  {share: 1, samples: 0, detail: 1},
-  {share: 0.7, samples: 0, detail: 1},
-  {share: 0.4, samples: 0, detail: 2},
+  {canvas: 1, share: 1, samples: 4, detail: 0},
+  {canvas: 1, share: 1, samples: 0, detail: 1},
+  {canvas: 0.8, share: 0.6, samples: 0, detail: 1},
+  {canvas: 0.5, share: 0.3, samples: 0, detail: 2},
 ];
 /// How far a coarser surface may be from the surface, as a share of the radius of what is looked at:
 /// one and four pixels, where that fills 500.
@@ -48,8 +49,11 @@ export class PictureQuality {
   get share(): number {
     return kAtRest[this.rungOf(this.rest)]!;
   }
+  /// Never more pixels than at rest.
   get inMotion(): InMotion {
-    return kInMotion[this.rungOf(this.motion)]!;
+    const {canvas, share, ...rest} = kInMotion[this.rungOf(this.motion)]!;
+    const least = (one: number): number => Math.min(one, this.share);
+    return {canvas: least(canvas), share: least(share), ...rest};
   }
   get names(): {rest: Quality; motion: Quality} {
     return {
@@ -85,16 +89,15 @@ const percent = (share: number): string => `${Math.round(100 * share)} %`;
 /// What the page says of it.
 export function qualityWords(quality: PictureQuality): string {
   const {rest, motion} = quality.names;
-  const {share, samples, detail} = quality.inMotion;
-  const still =
-    quality.share === 1
-      ? "all of the screen's pixels"
-      : `${percent(quality.share)} of the screen's pixels a side`;
+  const {canvas, share, samples, detail} = quality.inMotion;
+  const pixels = (of: number): string =>
+    of === 1 ? "all of the screen's pixels" : `${percent(of)} of the screen's pixels a side`;
   const less = [
-    share < 1 ? `${percent(share)} of the pixels a side` : "",
+    canvas < quality.share ? pixels(canvas) : "",
+    share < canvas ? `${percent(share)} for the objects` : "",
     samples === 0 ? "rougher edges" : "",
     detail > 0 ? "fewer triangles" : "",
   ].filter((word) => word !== "");
   const turning = less.length === 0 ? "as at rest" : less.join(", ");
-  return `At rest ${rest}: ${still}. While the view turns ${motion}: ${turning}.`;
+  return `At rest ${rest}: ${pixels(quality.share)}. While the view turns ${motion}: ${turning}.`;
 }

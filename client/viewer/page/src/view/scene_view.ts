@@ -50,6 +50,8 @@ export class SceneView {
   private sightM = 0.1; // radius of what is looked at first
   private coarserAsked = false;
   private sized = "";
+  private screen = {width: 1, height: 1, pixels: 1}; // [points], [points], a point along a side
+  private canvasShare = 0; // of the screen's pixels; 0: not yet sized
   private mayHaveResized = true;
   private readonly cost = {still: {triangles: 0, calls: 0}, moving: {triangles: 0, calls: 0}};
   private remains: Remains | undefined;
@@ -176,25 +178,34 @@ export class SceneView {
     tool.marks.set(at, state.forceN, state.torqueNm, state.points, this.radiusM);
   }
 
-  /// The canvas, or how many pixels it should have, may be another size: the next picture takes it.
+  /// The canvas, or how many pixels it should have at rest, may be another size: the next picture takes it.
   resize(): void {
     this.mayHaveResized = true;
     this.changed();
   }
 
-  /// With the picture and not before it, for a canvas of another size is empty.
   private fit(): void {
     if (!this.mayHaveResized) return;
     this.mayHaveResized = false;
     const {clientWidth: width, clientHeight: height} = this.canvas;
     if (width === 0 || height === 0) return;
-    const ratio = this.quality.share * Math.min(devicePixelRatio, kMostPixelsPerPoint);
-    const sized = `${width} ${height} ${ratio}`;
+    const pixels = Math.min(devicePixelRatio, kMostPixelsPerPoint);
+    const sized = `${width} ${height} ${pixels} ${this.quality.share}`;
     if (sized === this.sized) return;
     this.sized = sized;
-    this.renderer?.setPixelRatio(ratio);
-    this.renderer?.setSize(width, height, false);
+    this.screen = {width, height, pixels};
     this.camera.resize(width / height);
+    this.canvasShare = 0;
+    this.layer?.restart();
+  }
+
+  /// Only together with a picture: a canvas that is given another size is empty.
+  /// @param share  of the screen's pixels, along a side
+  private sizeCanvas(renderer: WebGLRenderer, share: number): void {
+    if (share === this.canvasShare) return;
+    this.canvasShare = share;
+    const {width, height, pixels} = this.screen;
+    renderer.setDrawingBufferSize(width, height, share * pixels);
   }
 
   /// @return what was drawn anew
@@ -247,17 +258,26 @@ export class SceneView {
       triangles: renderer.info.render.triangles,
       calls: renderer.info.render.calls,
     });
-    this.show(this.still);
-    renderer.info.reset();
-    const drawn = layer.update(scene, eye, nowMs, inMotion, (detail) => {
-      for (const object of this.objects) object.setDetail(detail);
-    });
-    if (renderer.info.render.calls > 0) cost.still = info();
+    const step = layer.next(eye, nowMs, inMotion);
+    const hurried = step.sheet === "hurried";
+    this.sizeCanvas(renderer, hurried ? inMotion.canvas : this.quality.share);
+    if (step.anew) {
+      this.show(this.still);
+      renderer.info.reset();
+      this.setDetail(hurried ? inMotion.detail : 0);
+      layer.draw(scene, eye, step.sheet, hurried ? inMotion.share / inMotion.canvas : 1);
+      this.setDetail(0);
+      cost.still = info();
+    }
     this.show(this.moving);
     renderer.info.reset();
     renderer.render(scene, eye);
     cost.moving = info();
-    return drawn;
+    return step.drawn;
+  }
+
+  private setDetail(detail: number): void {
+    for (const object of this.objects) object.setDetail(detail);
   }
 
   private show(part: Group): void {

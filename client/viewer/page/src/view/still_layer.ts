@@ -91,6 +91,16 @@ function makeSheet(
   });
 }
 
+/// How well it is drawn: as well as can be, or in haste, while the eye moves.
+export type Sheet = "whole" | "hurried";
+
+/// What a picture makes of it.
+export interface Step {
+  readonly sheet: Sheet; // that the picture shows
+  readonly anew: boolean; // it is drawn first
+  readonly drawn: Drawn;
+}
+
 export class StillLayer {
   /// To be drawn with what stands still, and with what moves.
   readonly background = fullPicture(kBackgroundShader, {uGlow: new Color(), uPaper: new Color()});
@@ -98,12 +108,11 @@ export class StillLayer {
 
   private readonly whole = makeSheet(kSamples, NearestFilter);
   private readonly hurried = makeSheet(0, LinearFilter); // while the eye moves
-  private shows: "nothing" | "whole" | "hurried" = "nothing";
+  private shows: "nothing" | Sheet = "nothing";
   private stale = true;
   private changedMs = -Infinity;
   private readonly seenFrom = new Matrix4();
   private readonly projection = new Matrix4();
-  private readonly size = new Vector2();
 
   constructor(private readonly renderer: WebGLRenderer) {
     this.background.material.depthWrite = false;
@@ -126,31 +135,34 @@ export class StillLayer {
     this.shows = "nothing";
   }
 
-  /// Draws it where it shows no longer what there is to see, and in full where it has shown that in
-  /// haste and the eye has come to rest.
-  /// @param setDetail  gives the objects the triangles of that detail
-  update(
-    scene: Object3D,
-    eye: PerspectiveCamera,
-    nowMs: number,
-    inMotion: InMotion,
-    setDetail: (detail: number) => void,
-  ): Drawn {
+  /// It is drawn anew where it shows no longer what there is to see, and in full where it has shown that
+  /// in haste and the eye has come to rest.
+  next(eye: PerspectiveCamera, nowMs: number, inMotion: InMotion): Step {
+    const {shows} = this;
     if (this.hasChanged(eye)) {
-      const isFirst = this.shows === "nothing";
       this.changedMs = nowMs;
-      if (isFirst || inMotion.samples > 0) {
-        this.draw(scene, eye, "whole", 1);
-      } else {
-        setDetail(inMotion.detail);
-        this.draw(scene, eye, "hurried", inMotion.share);
-        setDetail(0);
-      }
-      return isFirst ? "else" : "objects";
+      if (shows === "nothing") return {sheet: "whole", anew: true, drawn: "else"};
+      return {sheet: inMotion.samples > 0 ? "whole" : "hurried", anew: true, drawn: "objects"};
     }
-    if (this.settlesInMs(nowMs) !== 0) return "tools";
-    this.draw(scene, eye, "whole", 1);
-    return "else";
+    if (this.settlesInMs(nowMs) === 0) return {sheet: "whole", anew: true, drawn: "else"};
+    // With a canvas for haste a picture tells nothing of what it costs at rest.
+    return shows === "hurried"
+      ? {sheet: "hurried", anew: false, drawn: "else"}
+      : {sheet: "whole", anew: false, drawn: "tools"};
+  }
+
+  /// @param share  of the canvas's pixels, along a side
+  draw(scene: Object3D, eye: PerspectiveCamera, how: Sheet, share: number): void {
+    const sheet = this[how];
+    const {x, y} = this.renderer.getDrawingBufferSize(new Vector2());
+    sheet.setSize(Math.ceil(share * x), Math.ceil(share * y));
+    this.renderer.setRenderTarget(sheet);
+    this.renderer.render(scene, eye);
+    this.renderer.setRenderTarget(null);
+    const {uColour, uDepth} = this.copy.material.uniforms;
+    uColour!.value = sheet.texture;
+    uDepth!.value = sheet.depthTexture;
+    this.shows = how;
   }
 
   /// When the eye will have come to rest and a better layer be due; undefined: it is as good as can be.
@@ -160,37 +172,15 @@ export class StillLayer {
   }
 
   private hasChanged(eye: PerspectiveCamera): boolean {
-    const {x, y} = this.renderer.getDrawingBufferSize(new Vector2());
     eye.updateMatrixWorld();
     const same =
       !this.stale &&
       this.seenFrom.equals(eye.matrixWorld) &&
-      this.projection.equals(eye.projectionMatrix) &&
-      this.size.x === x &&
-      this.size.y === y;
+      this.projection.equals(eye.projectionMatrix);
     if (same) return false;
     this.stale = false;
     this.seenFrom.copy(eye.matrixWorld);
     this.projection.copy(eye.projectionMatrix);
-    if (this.size.x !== x || this.size.y !== y) this.shows = "nothing";
-    this.size.set(x, y);
     return true;
-  }
-
-  private draw(
-    scene: Object3D,
-    eye: PerspectiveCamera,
-    how: "whole" | "hurried",
-    share: number,
-  ): void {
-    const sheet = this[how];
-    sheet.setSize(Math.ceil(share * this.size.x), Math.ceil(share * this.size.y));
-    this.renderer.setRenderTarget(sheet);
-    this.renderer.render(scene, eye);
-    this.renderer.setRenderTarget(null);
-    const {uColour, uDepth} = this.copy.material.uniforms;
-    uColour!.value = sheet.texture;
-    uDepth!.value = sheet.depthTexture;
-    this.shows = how;
   }
 }
