@@ -1,6 +1,8 @@
 #include "scenes/shape_kinds.h"
 
+#include <cctype>
 #include <cmath>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,57 +30,54 @@ std::vector<double> UsualValues(const ShapeKind& kind) {
   return values;
 }
 
-struct MadeShape {
-  std::string name;
-  TriangleMesh mesh;
-};
-
-/// Every shape; what is made about a tooth, about five of them.
-const std::vector<MadeShape>& EveryShape() {
-  static const std::vector<MadeShape> shapes = [] {
-    std::vector<MadeShape> all;
-    for (const ShapeKind& kind : ShapeKinds()) {
-      const bool about_a_tooth = kind.name == "gingiva" || kind.name == "calculus";
-      for (std::size_t v = 0; v < std::max<std::size_t>(kind.variants.size(), 1); ++v) {
-        if (about_a_tooth && v > 3 && kind.variants[v] != "36") continue;
-        const std::string variant(kind.variants.empty() ? "" : kind.variants[v]);
-        all.push_back({std::string(kind.name) + " " + variant, kind.make(v, UsualValues(kind))});
-      }
-    }
-    return all;
-  }();
-  return shapes;
+/// Closed, of one piece, and neither coarse nor heavy.
+void ExpectASolidOfModerateSize(const TriangleMesh& mesh) {
+  const MeshReport r = InspectMesh(mesh);
+  EXPECT_TRUE(r.closed());
+  EXPECT_TRUE(r.manifold());
+  EXPECT_TRUE(r.oriented());
+  EXPECT_EQ(r.components, 1u);
+  EXPECT_EQ(r.degenerate_triangles, 0u);
+  EXPECT_EQ(r.duplicate_triangles, 0u);
+  EXPECT_GT(r.volume, 0.0);
+  EXPECT_GT(r.triangles, 500u);
+  EXPECT_LT(r.triangles, 40000u);
 }
 
-TEST(ShapeKinds, AreSolidsOfOnePieceAndOfModerateSize) {
-  for (const auto& [name, mesh] : EveryShape()) {
-    SCOPED_TRACE(name);
-    const MeshReport r = InspectMesh(mesh);
-    EXPECT_TRUE(r.closed());
-    EXPECT_TRUE(r.manifold());
-    EXPECT_TRUE(r.oriented());
-    EXPECT_EQ(r.components, 1u);
-    EXPECT_EQ(r.degenerate_triangles, 0u);
-    EXPECT_EQ(r.duplicate_triangles, 0u);
-    EXPECT_GT(r.volume, 0.0);
-    EXPECT_GT(r.triangles, 500u);
-    EXPECT_LT(r.triangles, 40000u);
+void ExpectNoPassageThroughItself(const TriangleMesh& mesh) {
+  const MeshQuery query(mesh);
+  int folded = 0;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); t += 5) {
+    const auto& [i, j, k] = mesh.triangles[t];
+    const Vec3 middle = (mesh.vertices[i] + mesh.vertices[j] + mesh.vertices[k]) / 3.0;
+    const Vec3 off = 1e-6 * query.FaceNormal(t);
+    folded += query.Inside(middle + off) || !query.Inside(middle - off);
+  }
+  EXPECT_EQ(folded, 0);
+}
+
+// Every shape; what is made about a tooth, about five of them.  One test of each kind, since to
+// make them takes longest.
+class EveryShape : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(EveryShape, IsASolidOfOnePieceThatDoesNotPassThroughItself) {
+  const ShapeKind& kind = ShapeKinds()[GetParam()];
+  const bool about_a_tooth = kind.name == "gingiva" || kind.name == "calculus";
+  for (std::size_t v = 0; v < std::max<std::size_t>(kind.variants.size(), 1); ++v) {
+    if (about_a_tooth && v > 3 && kind.variants[v] != "36") continue;
+    SCOPED_TRACE(kind.variants.empty() ? "" : kind.variants[v]);
+    const TriangleMesh mesh = kind.make(v, UsualValues(kind));
+    ExpectASolidOfModerateSize(mesh);
+    ExpectNoPassageThroughItself(mesh);
   }
 }
 
-TEST(ShapeKinds, DoNotPassThroughThemselves) {
-  for (const auto& [name, mesh] : EveryShape()) {
-    const MeshQuery query(mesh);
-    int folded = 0;
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); t += 5) {
-      const auto& [i, j, k] = mesh.triangles[t];
-      const Vec3 middle = (mesh.vertices[i] + mesh.vertices[j] + mesh.vertices[k]) / 3.0;
-      const Vec3 off = 1e-6 * query.FaceNormal(t);
-      folded += query.Inside(middle + off) || !query.Inside(middle - off);
-    }
-    EXPECT_EQ(folded, 0) << name;
-  }
-}
+INSTANTIATE_TEST_SUITE_P(OfKind, EveryShape, testing::Range<std::size_t>(0, ShapeKinds().size()),
+                         [](const auto& kind) {
+                           std::string name(ShapeKinds()[kind.param].name);
+                           std::erase_if(name, [](unsigned char c) { return !std::isalnum(c); });
+                           return name;
+                         });
 
 TEST(ShapeKinds, ToothHasTheSizeThatIsAskedFor) {
   for (const ToothKind kind :
