@@ -9,7 +9,7 @@ namespace {
 
 double ShareWithin(const Vec3& v, double bound) noexcept {
   const double norm = v.norm();
-  return norm <= bound ? 1.0 : bound / norm * kInside;
+  return norm <= bound ? 1.0 : bound / norm * kShortOfBound;
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace palpate {
 
 /// Keeps a shortened vector inside its bound after rounding.
-inline constexpr double kInside = 1.0 - 8.0 * std::numeric_limits<double>::epsilon();
+inline constexpr double kShortOfBound = 1.0 - 8.0 * std::numeric_limits<double>::epsilon();
 
 /// Shortens a finite v to the bound, direction kept; true where that was needed.  Does not
 /// overflow. Projection on a ball: two vectors are never further apart after it than before.
@@ -17,7 +17,7 @@ inline bool Shorten(Vec3& v, double bound) noexcept {
   const Vec3 unit_ish = v / largest;  // norm in [1, sqrt 3]
   const double norm = unit_ish.norm();
   if (largest <= bound / norm) return false;
-  v = unit_ish * (bound / norm * kInside);
+  v = unit_ish * (bound / norm * kShortOfBound);
   return true;
 }
 
