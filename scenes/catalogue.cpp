@@ -253,6 +253,26 @@ std::string SceneTextOfMesh(const std::string& file, const LoadOptions& options)
   return scene.text;
 }
 
+/// What is to be compiled: the scene file, and what the options say otherwise.
+SceneDescription Describe(const std::string& text, const std::string& file,
+                          const LoadOptions& options) {
+  SceneDescription scene = ParseScene(text, file);
+  if (!options.tree) return scene;
+  for (auto* bodies : {&scene.tools, &scene.objects}) {
+    for (BodyDescription& body : *bodies) body.tree = *options.tree;
+  }
+  return scene;
+}
+
+Scene LoadBundle(const std::string& bytes, const std::string& file, const LoadOptions& options) {
+  if (options.tree) {
+    throw Error(file +
+                ": is a bundle, whose trees are built; give the scene file or leave the "
+                "mode out");
+  }
+  return UnpackScene(Bytes(bytes), file);
+}
+
 }  // namespace
 
 std::vector<std::string> CatalogueNames() {
@@ -309,13 +329,14 @@ bool IsWholeAtStart(const std::string& name_or_path) {
 Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   const std::string file = FindSceneFile(name_or_path);
   const std::string text = IsMeshFile(file) ? SceneTextOfMesh(file, options) : ReadWholeFile(file);
-  if (LooksLikeBundle(text)) return UnpackScene(Bytes(text), file);
+  if (LooksLikeBundle(text)) return LoadBundle(text, file, options);
   RefuseWhatIsNoScene(file, text);
-  const SceneDescription description = ParseScene(text, file);
+  const SceneDescription description = Describe(text, file, options);
   if (!options.use_cache) return Compile(description, options);
 
   const std::string folder = options.cache_dir.empty() ? DefaultCacheFolder() : options.cache_dir;
-  const std::uint64_t key = KeyOf(description, text, options.models_dir);
+  std::uint64_t key = KeyOf(description, text, options.models_dir);
+  if (options.tree) key = HashBytes(NameOf(*options.tree), key);  // the text does not tell
   std::ostringstream name;
   name << description.name << '-' << std::hex << std::setw(16) << std::setfill('0') << key
        << ".palpate";

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,8 @@ struct LoadOptions {
   std::string models_dir;  ///< looked in first for models; empty: model_files.h
   std::string cache_dir;   ///< empty: $XDG_CACHE_HOME/palpate, else ~/.cache/palpate
   bool use_cache = true;
-  Progress progress;  ///< stages are "body: stage"; only while something is built
+  std::optional<TreeMode> tree;  ///< of every body; left out: as the scene file says
+  Progress progress;             ///< stages are "body: stage"; only while something is built
   /// Told what went wrong and was mended, such as a broken cache file.  Default: to standard error.
   std::function<void(const std::string&)> warn;
   MeshSceneOptions mesh;  ///< where a mesh file is named in place of a scene

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <unistd.h>
@@ -26,6 +27,7 @@
 #include "scenes/picture.h"
 #include "scenes/scene_bundle.h"
 #include "scenes/scene_verdict.h"
+#include "scenes/tree_mode.h"
 
 namespace palpate {
 namespace {
@@ -37,6 +39,7 @@ struct Arguments {
   std::string cache;
   std::string log_level = "info";
   std::optional<int> level;
+  std::string mode;  ///< one of kTreeModes; empty: as the scene file says
   bool rebuild = false;
   bool whole = false;
   MeshSceneOptions mesh;
@@ -77,6 +80,7 @@ Scene Load(const Arguments& arguments) {
   options.models_dir = arguments.models;
   options.cache_dir = arguments.cache;
   options.use_cache = !arguments.rebuild;
+  if (!arguments.mode.empty()) options.tree = TreeModeNamed(arguments.mode);
   options.progress = [&](std::string_view stage, double fraction) { progress(stage, fraction); };
   options.warn = [&](const std::string& text) {
     progress.Clear();
@@ -315,6 +319,11 @@ int Main(int argc, char** argv) {
   const std::string scene_help = "Scene: a file, or one of " + names;
   CLI::App* build = add("build", "Builds a scene into the cache, and into a bundle", scene_help);
   build->add_option("-o,--output", arguments.output, "Bundle to write (.palpate)");
+  build
+      ->add_option("--mode", arguments.mode,
+                   "How the leaves of all trees stand for their meshes, whatever the scene file "
+                   "says")
+      ->check(CLI::IsMember(std::vector<std::string>(kTreeModes.begin(), kTreeModes.end())));
   CLI::App* info =
       add("info", "Prints features, bodies, levels, materials, sizes and the hash", scene_help);
   CLI::App* check =

@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 
 #include "scenes/catalogue.h"
+#include "scenes/coverage.h"
 #include "tests/scenes/support.h"
 
 namespace palpate {
@@ -48,6 +49,35 @@ TEST(PalpateScene, BuildsABundleAndTellsWhatIsInIt) {
       PalpateScene("render " + folder + "/e.palpate -o " + folder + "/e.png", folder);
   EXPECT_EQ(render.exit_code, 0) << render.text;
   EXPECT_TRUE(std::filesystem::exists(folder + "/e.png"));
+}
+
+TEST(PalpateScene, BuildsTreesInTheModeThatIsNamed) {
+  const std::string folder = FreshFolder();
+  const auto outside = [&](const std::string& mode) {
+    const std::string bundle = folder + "/" + mode + ".palpate";
+    const Outcome build = PalpateScene("build ellipsoid --mode " + mode + " -o " + bundle, folder);
+    EXPECT_EQ(build.exit_code, 0) << build.text;
+    const Scene scene = LoadScene(bundle);
+    return MeasureCoverage(scene.objects[0].mesh, scene.objects[0].tree).outside.max;
+  };
+  // One cache for both: neither is taken for the other.
+  EXPECT_LT(outside("inside"), 1e-6);
+  EXPECT_GT(outside("balanced"), 1e-5);
+  EXPECT_LT(outside("inside"), 1e-6);
+}
+
+TEST(PalpateScene, SaysWhatAModeCanBeAndOfWhat) {
+  const std::string folder = FreshFolder();
+  const Outcome unknown = PalpateScene("build ellipsoid --mode outside", folder);
+  EXPECT_EQ(unknown.exit_code, 2) << unknown.text;
+  EXPECT_THAT(unknown.text, HasSubstr("inside"));
+  EXPECT_THAT(unknown.text, HasSubstr("balanced"));
+  const std::string bundle = folder + "/e.palpate";
+  ASSERT_EQ(PalpateScene("build ellipsoid -o " + bundle, folder).exit_code, 0);
+  const Outcome built = PalpateScene("build " + bundle + " --mode balanced", folder);
+  EXPECT_EQ(built.exit_code, 1) << built.text;
+  EXPECT_THAT(built.text, HasSubstr("e.palpate: is a bundle, whose trees are built"));
+  EXPECT_THAT(built.text, HasSubstr("give the scene file or leave the mode out"));
 }
 
 TEST(PalpateScene, ChecksScenesAndMeshes) {
