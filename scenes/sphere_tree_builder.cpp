@@ -9,6 +9,7 @@
 
 #include "common/error.h"
 #include "scenes/balanced_balls.h"
+#include "scenes/cover_balls.h"
 #include "scenes/inner_balls.h"
 #include "scenes/mesh_query.h"
 #include "scenes/mesh_report.h"
@@ -136,18 +137,19 @@ class LeafMaker {
 
   std::vector<Sphere> Make(const TriangleMesh& mesh) const {
     std::vector<Sphere> leaves = Touching();
-    Tell("filling the inside", 0.5);
-    const auto inside = static_cast<std::size_t>(std::ceil(kInsideShare * double(count_)));
-    const std::vector<Sphere> fill = inner_.Fill(leaves, std::min(inside, count_ - leaves.size()));
-    const bool balanced = mode_ == TreeMode::kBalanced;
-    if (!balanced) leaves.insert(leaves.end(), fill.begin(), fill.end());
+    const std::vector<Sphere> fill = Fill(leaves);
+    if (mode_ == TreeMode::kInside) leaves.insert(leaves.end(), fill.begin(), fill.end());
     Tell("covering the barest places", 0.6);
-    CoverBarest(samples_, inner_, spacing_, count_ - leaves.size() - (balanced ? fill.size() : 0),
-                leaves);
-    if (!balanced) return leaves;
-    const std::vector<SurfaceSample> dense = Scatter(mesh, kSamplesPerBalancedLeaf);
-    BalanceBalls({query_, inner_, dense, spacing_}, leaves,
-                 [&](double done) { Tell("balancing", 0.6 + 0.2 * done); });
+    const std::size_t kept = mode_ == TreeMode::kInside ? 0 : fill.size();
+    CoverBarest(samples_, inner_, spacing_, count_ - leaves.size() - kept, leaves);
+    if (mode_ == TreeMode::kInside) return leaves;
+    const auto done = [&](double share) { Tell(NameOf(mode_), 0.6 + 0.2 * share); };
+    if (mode_ == TreeMode::kBalanced) {
+      const std::vector<SurfaceSample> dense = Scatter(mesh, kSamplesPerBalancedLeaf);
+      BalanceBalls({query_, inner_, dense, spacing_}, leaves, done);
+    } else {
+      CoverWithBalls({mesh, query_, inner_, spacing_}, leaves, done);
+    }
     leaves.insert(leaves.end(), fill.begin(), fill.end());
     return leaves;
   }
@@ -163,6 +165,15 @@ class LeafMaker {
   std::vector<SurfaceSample> Scatter(const TriangleMesh& mesh, std::size_t per_leaf) const {
     Tell("scattering samples", 0.05);
     return ScatterSamples(mesh, report_, query_, std::max(per_leaf * count_, kFewestCandidates));
+  }
+
+  /// Balls for what those at the surface leave free inside.  Where they hold the surface there is
+  /// no way in.
+  std::vector<Sphere> Fill(const std::vector<Sphere>& leaves) const {
+    if (mode_ == TreeMode::kCover) return {};
+    Tell("filling the inside", 0.5);
+    const auto most = static_cast<std::size_t>(std::ceil(kInsideShare * double(count_)));
+    return inner_.Fill(leaves, std::min(most, count_ - leaves.size()));
   }
 
   /// Balls that touch the surface at points spread evenly.

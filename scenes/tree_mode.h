@@ -16,10 +16,13 @@ enum class TreeMode : std::uint8_t {
   /// Those at the surface moved and resized, until what a hand feels of them errs least
   /// (balanced_balls.h): their surface lies outside the solid's as much as inside.
   kBalanced,
+  /// Those at the surface moved and resized, until they hold all of it and stick out least
+  /// (cover_balls.h): they bound it.
+  kCover,
 };
 
 /// What scene files and programs call them, in the order of TreeMode.
-inline constexpr std::array<std::string_view, 2> kTreeModes{"inside", "balanced"};
+inline constexpr std::array<std::string_view, 3> kTreeModes{"inside", "balanced", "cover"};
 inline std::string_view NameOf(TreeMode mode) {
   return kTreeModes[static_cast<std::size_t>(mode)];
 }

@@ -126,6 +126,7 @@ TEST(SceneFile, ReadsHowTheLeavesStandForTheMesh) {
   EXPECT_EQ(with(""), TreeMode::kInside);
   EXPECT_EQ(with(R"(, "tree": "inside")"), TreeMode::kInside);
   EXPECT_EQ(with(R"(, "tree": "balanced")"), TreeMode::kBalanced);
+  EXPECT_EQ(with(R"(, "tree": "cover")"), TreeMode::kCover);
   EXPECT_THAT(ComplaintOf([&] { with(R"(, "tree": "outside")"); }), HasSubstr("balanced"));
 }
 

@@ -183,6 +183,78 @@ TEST(SphereTreeBuilder, BalancesLeavesRoundTheSurface) {
   }
 }
 
+/// Whether balls hold all of a triangle: one holds it whole, or some do its quarters; what is
+/// smaller than `least` by the corner that lies deepest.
+bool AreHeld(const SphereQuery& query, const std::vector<Sphere>& balls, const Vec3& a,
+             const Vec3& b, const Vec3& c, double least) {
+  const auto holds = [&](const Sphere& ball, const Vec3& x) {
+    return (x - ball.centre).norm() <= ball.radius;
+  };
+  const Vec3 middle = (a + b + c) / 3.0;
+  for (const std::uint32_t k : query.NearestFew(middle, 8)) {
+    if (holds(balls[k], a) && holds(balls[k], b) && holds(balls[k], c)) return true;
+  }
+  if ((b - a).norm() + (c - a).norm() < least) return query.Nearest(middle).distance <= least;
+  const Vec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
+  return AreHeld(query, balls, a, ab, ca, least) && AreHeld(query, balls, ab, b, bc, least) &&
+         AreHeld(query, balls, ca, bc, c, least) && AreHeld(query, balls, ab, bc, ca, least);
+}
+
+std::size_t TrianglesNotHeld(const TriangleMesh& mesh, const SphereTree& tree) {
+  const std::vector<Sphere> balls = BallsByLevel(tree).back();
+  const SphereQuery query(balls);
+  const MeshReport report = InspectMesh(mesh);
+  const double least = 1e-6 * (report.box_max - report.box_min).norm();
+  std::size_t bare = 0;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vec3 &a = mesh.vertices[i], &b = mesh.vertices[j], &c = mesh.vertices[k];
+    bare += !AreHeld(query, balls, a, b, c, least);
+  }
+  return bare;
+}
+
+TEST(SphereTreeBuilder, HoldsEveryTriangleInItsLeaves) {
+  TriangleMesh open = MakeSphere(0.03, 1280);
+  open.triangles.resize(900);
+  for (const TriangleMesh& mesh : {MakeBox(Vec3(0.05, 0.04, 0.03)), MakeBumpy(0.03), open,
+                                   MakeEllipsoid(Vec3(0.05, 0.002, 0.03), 1280)}) {
+    for (const std::size_t count : {1, 7, 300}) {
+      const SphereTree tree = BuildSphereTree(mesh, count, {}, TreeMode::kCover);
+      ASSERT_EQ(tree.leaves(), count);
+      EXPECT_EQ(TrianglesNotHeld(mesh, tree), 0u) << count;
+    }
+  }
+  // The oracle sees a leaf that lacks.
+  const TriangleMesh box = MakeBox(Vec3(0.05, 0.04, 0.03));
+  SphereTree tree = BuildSphereTree(box, 64, {}, TreeMode::kCover);
+  tree.leaf_radius[5] *= 0.9;
+  EXPECT_GT(TrianglesNotHeld(box, tree), 0u);
+  EXPECT_GT(TrianglesNotHeld(box, BuildSphereTree(box, 64)), 0u);
+}
+
+TEST(SphereTreeBuilder, CoversAsCloselyAsItCan) {
+  for (const TriangleMesh& mesh : {MakeBox(Vec3(0.05, 0.04, 0.03)), MakeBumpy(0.03)}) {
+    Body inside, cover;
+    inside.mesh = cover.mesh = mesh;
+    inside.tree = BuildSphereTree(mesh, 512);
+    cover.tree = BuildSphereTree(mesh, 512, {}, TreeMode::kCover);
+    // What the leaves inside would stick out by, were all grown until nothing is uncovered.
+    const double grown = MeasureCoverage(mesh, inside.tree).uncovered.max;
+    const Coverage covered = MeasureCoverage(mesh, cover.tree);
+    EXPECT_EQ(covered.uncovered.max, 0.0);
+    EXPECT_LT(covered.outside.max, 0.9 * grown);
+  }
+  const TriangleMesh ball = MakeSphere(0.03, 20480);
+  EXPECT_LT(MeasureCoverage(ball, BuildSphereTree(ball, 1, {}, TreeMode::kCover)).outside.max,
+            0.001 * 0.03);
+}
+
+TEST(SphereTreeBuilder, CoversWithTheSameBytesAgain) {
+  const TriangleMesh mesh = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280);
+  const auto build = [&] { return BuildSphereTree(mesh, 300, {}, TreeMode::kCover); };
+  EXPECT_EQ(BytesOf(mesh, build()), BytesOf(mesh, build()));
+}
+
 TEST(SphereTreeBuilder, BalancesAFewLeavesToo) {
   const TriangleMesh mesh = MakeSphere(0.03, 1280);
   for (const std::size_t count : {1, 2, 9}) {
