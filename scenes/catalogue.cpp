@@ -16,9 +16,11 @@
 #include "scenes/json_file.h"
 #include "scenes/leaf_paint.h"
 #include "scenes/mesh_import.h"
+#include "scenes/mesh_mend.h"
 #include "scenes/mesh_orient.h"
 #include "scenes/mesh_report.h"
 #include "scenes/mesh_scene.h"
+#include "scenes/mesh_solid.h"
 #include "scenes/model_files.h"
 #include "scenes/scene_bundle.h"
 #include "scenes/scene_file.h"
@@ -57,10 +59,17 @@ std::string MeshFile(const MeshSource& source, const std::string& models_dir) {
   return About(source.where, [&] { return FindModel(source.what, models_dir); });
 }
 
+/// Mesh and tree of a body, and the mesh's named parts.
+struct Shape {
+  TriangleMesh mesh;
+  SphereTree tree;
+  std::vector<MeshGroup> groups;
+  std::vector<std::string> remarks;  ///< MendMesh's
+};
+
 /// Complaints name the scene file's line.
-/// @param groups  gets the named parts of a mesh file.
-TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir,
-                      std::vector<MeshGroup>& groups) {
+/// @param body  gets the named parts of a mesh file, and what was mended of it.
+TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir, Shape& body) {
   switch (source.kind) {
     case MeshSource::Kind::kBox:
       return MakeBox(source.size);
@@ -76,21 +85,17 @@ TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir,
   }
   const std::string file = MeshFile(source, models_dir);
   return About(source.where, [&] {
-    TriangleMesh mesh = ImportMesh(file, &groups);
+    TriangleMesh mesh = ImportMesh(file, &body.groups);
     const MeshReport report = InspectMesh(mesh);
     if (!report.refusal.empty()) throw Error(file + ": " + report.refusal);
-    OrientTriangles(mesh);
+    body.remarks = MendMesh(mesh);
     PlaceMesh(source.placement, mesh);
+    if (source.thickness && !Thicken(*source.thickness, mesh)) {
+      throw Error("thickness_mm: " + file + " is closed, it has no sheets; drop it");
+    }
     return mesh;
   });
 }
-
-/// Mesh and tree of a body, and the mesh's named parts.
-struct Shape {
-  TriangleMesh mesh;
-  SphereTree tree;
-  std::vector<MeshGroup> groups;
-};
 
 void Warn(const LoadOptions& options, const std::string& what) {
   options.warn ? options.warn(what) : void(std::cerr << "warning: " << what << '\n');
@@ -123,7 +128,7 @@ void Curve(const MeshSource& source, const LoadOptions& options, Shape& body) {
 
 Shape MakeShape(const BodyDescription& description, const LoadOptions& options) {
   Shape body;
-  body.mesh = MakeMesh(description.mesh, options.models_dir, body.groups);
+  body.mesh = MakeMesh(description.mesh, options.models_dir, body);
   if (description.mesh.curved) Curve(description.mesh, options, body);
   if (description.mesh.kind == MeshSource::Kind::kSphere && description.leaves == 1) {
     body.tree = SingleSphereTree(body.mesh, {Vec3::Zero(), description.mesh.size.x()});
@@ -177,6 +182,7 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
         it->second = About(body.mesh.where, [&] { return HashOfMesh(file); });
       }
       key = HashBytes(std::to_string(it->second), key + kMeshOrientVersion);
+      key = HashBytes(std::to_string(kMeshMendVersion), key);
     }
   }
   return key;
@@ -187,7 +193,7 @@ bool SameGeometry(const BodyDescription& a, const BodyDescription& b) {
   const MeshSource& n = b.mesh;
   return a.leaves == b.leaves && a.tree == b.tree && m.kind == n.kind && m.what == n.what &&
          m.size == n.size && m.triangles == n.triangles && m.variant == n.variant &&
-         m.values == n.values && m.curved == n.curved &&
+         m.values == n.values && m.curved == n.curved && m.thickness == n.thickness &&
          m.placement.metres_per_unit == n.placement.metres_per_unit &&
          m.placement.longest_side == n.placement.longest_side &&
          m.placement.origin == n.placement.origin;
@@ -215,6 +221,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
     body.tree = shape.tree;
     body.X_WB = from.X_WB;
     body.look = from.look;
+    body.remarks = shape.remarks;
     PaintLeaves(from, shape.groups, body);
     return body;
   };
@@ -355,7 +362,7 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   Scene scene = Compile(description, options);
   if (folder.empty()) return scene;
   try {
-    WriteFileAtomically(cached, PackScene(scene, key));
+    WriteFileAtomically(cached, PackScene(scene, key, Remarks::kKeep));
   } catch (const Error& error) {
     warn(std::string(error.what()) + " (the scene is used without being cached)");
   }

@@ -152,7 +152,7 @@ void Build(const Arguments& arguments) {
   for (const Body& body : scene.objects) PrintBody("object", body);
   std::fputs(ToText(JudgeScene(scene)).c_str(), stdout);
   if (arguments.output.empty()) return;
-  const std::vector<std::uint8_t> bytes = PackScene(scene);
+  const std::vector<std::uint8_t> bytes = PackScene(scene, 0, Remarks::kKeep);
   WriteFileAtomically(arguments.output, bytes);
   std::printf("wrote %s (%.1f MB)\n", arguments.output.c_str(), 1e-6 * double(bytes.size()));
 }

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <memory>
-#include <numeric>
 #include <utility>
 #include <vector>
 
+#include "scenes/mesh_pieces.h"
 #include "scenes/mesh_query.h"
 #include "scenes/mesh_report.h"
 
@@ -53,55 +54,12 @@ std::vector<std::vector<Neighbour>> FindNeighbours(const TriangleMesh& mesh) {
   return neighbours;
 }
 
-/// A connected piece of a mesh, with numbers of its own for its vertices.
-struct Piece {
-  TriangleMesh mesh;
-  std::vector<std::uint32_t> triangle;  ///< of the whole mesh, of each
-  MeshReport report;
-};
-
-std::vector<Piece> PiecesOf(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const auto& [i, j, k] : mesh.triangles) {
-    parent[root(i)] = root(j);
-    parent[root(j)] = root(k);
-  }
-  constexpr std::uint32_t kNone = 0xffffffffu;
-  std::vector<std::uint32_t> piece_of(mesh.vertices.size(), kNone), renamed(piece_of);
-  std::vector<Piece> pieces;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    std::uint32_t& number = piece_of[root(mesh.triangles[t][0])];
-    if (number == kNone) {
-      number = static_cast<std::uint32_t>(pieces.size());
-      pieces.emplace_back();
-    }
-    Piece& piece = pieces[number];
-    auto corners = mesh.triangles[t];
-    for (std::uint32_t& v : corners) {
-      if (renamed[v] == kNone) {
-        renamed[v] = static_cast<std::uint32_t>(piece.mesh.vertices.size());
-        piece.mesh.vertices.push_back(mesh.vertices[v]);
-      }
-      v = renamed[v];
-    }
-    piece.mesh.triangles.push_back(corners);
-    piece.triangle.push_back(t);
-  }
-  for (Piece& piece : pieces) piece.report = InspectMesh(piece.mesh);
-  return pieces;
-}
-
 /// How many of the other pieces wind round this one.
-std::size_t Depth(const Piece& piece, const std::vector<Piece>& pieces,
+std::size_t Depth(const MeshPiece& piece, const std::vector<MeshPiece>& pieces,
                   std::vector<std::unique_ptr<MeshQuery>>& queries) {
   std::size_t depth = 0;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
-    const Piece& other = pieces[i];
+    const MeshPiece& other = pieces[i];
     const bool within = &other != &piece && other.report.solid() &&
                         (other.report.box_min.array() <= piece.report.box_min.array()).all() &&
                         (other.report.box_max.array() >= piece.report.box_max.array()).all();
@@ -115,14 +73,76 @@ std::size_t Depth(const Piece& piece, const std::vector<Piece>& pieces,
 /// Closed pieces that wind the wrong way, by their numbers of triangles.
 std::vector<std::uint32_t> TrianglesInsideOut(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> wrong;
-  const std::vector<Piece> pieces = PiecesOf(mesh);
+  const std::vector<MeshPiece> pieces = PiecesOf(mesh);
   if (pieces.size() < 2) return wrong;
   std::vector<std::unique_ptr<MeshQuery>> queries(pieces.size());
-  for (const Piece& piece : pieces) {
+  for (const MeshPiece& piece : pieces) {
     if (!piece.report.inside_out() || Depth(piece, pieces, queries) % 2 == 1) continue;
     wrong.insert(wrong.end(), piece.triangle.begin(), piece.triangle.end());
   }
   return wrong;
+}
+
+/// The most patches whose surroundings are asked: each takes a few winding numbers.
+constexpr std::size_t kMostPatches = 200'000;
+constexpr std::size_t kMostOpenPieces = 1000;
+constexpr int kPasses = 3;  // a patch is judged by its neighbours, which may have to turn, too
+
+/// Winding number of all but a patch in front of it less that behind it, on average: near -1 where
+/// the others enclose what the patch is turned away from, near 1 where it is turned the wrong way,
+/// and near 0 where they say nothing of it.
+double WindingAcross(const MeshPiece& patch, const MeshQuery& all) {
+  constexpr std::size_t kMostSamples = 16;
+  const MeshQuery own(patch.mesh);
+  double sum = 0.0;
+  std::size_t samples = 0;
+  const std::size_t count = patch.mesh.triangles.size();
+  for (std::size_t t = 0; t < count; t += 1 + count / kMostSamples) {
+    const auto& [i, j, k] = patch.mesh.triangles[t];
+    const Vec3& a = patch.mesh.vertices[i];
+    const Vec3& b = patch.mesh.vertices[j];
+    const Vec3& c = patch.mesh.vertices[k];
+    // Half of a triangle's size away, a hole of its size hides little of what surrounds it.
+    const double away = 0.5 * std::sqrt(0.5 * (b - a).cross(c - a).norm());
+    const Vec3 step = away * own.FaceNormal(static_cast<std::uint32_t>(t));
+    const Vec3 middle = (a + b + c) / 3.0;
+    const auto rest = [&](const Vec3& p) { return all.WindingNumber(p) - own.WindingNumber(p); };
+    sum += rest(middle + step) - rest(middle - step);
+    ++samples;
+  }
+  return sum / static_cast<double>(samples);
+}
+
+/// Patches that no edge joins to the others, but which close a hole in them.
+template <class Turn>
+void TurnPatches(TriangleMesh& mesh, const std::vector<std::uint32_t>& patch_of, Turn turn) {
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const MeshQuery all(mesh);
+    std::vector<std::uint32_t> wrong;
+    for (const MeshPiece& patch : PiecesBy(mesh, patch_of)) {
+      if (patch.report.closed() || WindingAcross(patch, all) < 0.5) continue;
+      wrong.insert(wrong.end(), patch.triangle.begin(), patch.triangle.end());
+    }
+    if (wrong.empty()) return;
+    for (const std::uint32_t t : wrong) turn(t);
+  }
+}
+
+/// Open pieces that would enclose more if they were turned, the largest first.
+template <class Turn>
+void TurnOpenShells(TriangleMesh& mesh, Turn turn) {
+  std::vector<MeshPiece> pieces = PiecesOf(mesh);
+  std::erase_if(pieces, [](const MeshPiece& piece) { return piece.report.closed(); });
+  if (pieces.size() > kMostOpenPieces) return;
+  std::ranges::stable_sort(pieces, std::greater(),
+                           [](const MeshPiece& piece) { return piece.report.area; });
+  std::unique_ptr<MeshQuery> all;
+  for (const MeshPiece& piece : pieces) {
+    if (!all) all = std::make_unique<MeshQuery>(mesh);
+    if (Enclosure(piece.mesh, *all) > kInsideOutShell) continue;
+    for (const std::uint32_t t : piece.triangle) turn(t);
+    all.reset();
+  }
 }
 
 }  // namespace
@@ -131,6 +151,8 @@ std::size_t OrientTriangles(TriangleMesh& mesh) {
   const auto neighbours = FindNeighbours(mesh);
   std::vector<bool> turned(mesh.triangles.size(), false);
   std::vector<bool> seen(mesh.triangles.size(), false);
+  std::vector<std::uint32_t> patch_of(mesh.triangles.size());
+  std::uint32_t patches = 0;
   for (std::uint32_t start = 0; start < mesh.triangles.size(); ++start) {
     if (seen[start]) continue;
     seen[start] = true;
@@ -138,6 +160,7 @@ std::size_t OrientTriangles(TriangleMesh& mesh) {
     double area[2] = {0.0, 0.0};  // as it was, turned
     for (std::size_t next = 0; next < patch.size(); ++next) {
       const std::uint32_t t = patch[next];
+      patch_of[t] = patches;
       const auto& [i, j, k] = mesh.triangles[t];
       const Vec3& a = mesh.vertices[i];
       area[turned[t]] += (mesh.vertices[j] - a).cross(mesh.vertices[k] - a).norm();
@@ -148,22 +171,25 @@ std::size_t OrientTriangles(TriangleMesh& mesh) {
         patch.push_back(n.triangle);
       }
     }
+    ++patches;
     if (area[1] <= area[0]) continue;
     for (std::uint32_t t : patch) turned[t] = !turned[t];
   }
-  const auto turn = [&](std::uint32_t t) { std::swap(mesh.triangles[t][1], mesh.triangles[t][2]); };
   for (std::uint32_t t = 0; t < turned.size(); ++t) {
-    if (turned[t]) turn(t);
+    if (turned[t]) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
   }
-  if (InspectMesh(mesh).inside_out()) {
-    for (std::uint32_t t = 0; t < turned.size(); ++t) {
-      turn(t);
-      turned[t] = !turned[t];
-    }
-  }
-  for (std::uint32_t t : TrianglesInsideOut(mesh)) {
-    turn(t);
+  const auto turn = [&](std::uint32_t t) {
+    std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
     turned[t] = !turned[t];
+  };
+  const MeshReport report = InspectMesh(mesh);
+  if (report.inside_out()) {
+    for (std::uint32_t t = 0; t < turned.size(); ++t) turn(t);
+  }
+  for (std::uint32_t t : TrianglesInsideOut(mesh)) turn(t);
+  if (!report.closed() && report.area > 0.0) {
+    if (patches > 1 && patches <= kMostPatches) TurnPatches(mesh, patch_of, turn);
+    TurnOpenShells(mesh, turn);
   }
   return std::count(turned.begin(), turned.end(), true);
 }

@@ -41,6 +41,8 @@ struct Body {
   std::string look{};  ///< what viewers draw it as; empty: what its material is
   /// Share of the room that each vertex sees, 0 to 255 (ambient_light.h); empty: all of it.
   std::vector<std::uint8_t> ambient{};
+  /// What was mended of its mesh when it was read, for people: a sentence each.
+  std::vector<std::string> remarks{};
 };
 
 enum class ContactModel : std::uint8_t {

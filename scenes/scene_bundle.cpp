@@ -313,6 +313,9 @@ Scene ReadScene(const wire::Scene& in) {
       bodies.back().name = body->name()->str();
       bodies.back().X_WB = FromWire(body->pose());
       if (body->look() != nullptr) bodies.back().look = body->look()->str();
+      if (body->remarks() != nullptr) {
+        for (const auto* remark : *body->remarks()) bodies.back().remarks.push_back(remark->str());
+      }
       ReadAmbient(*body, bodies.back());
       ReadMaterials(*body, bodies.back());
     }
@@ -381,7 +384,8 @@ bool LooksLikeBundle(std::string_view bytes) {
   return bytes.substr(0, sizeof kMagic) == std::string_view(kMagic, sizeof kMagic);
 }
 
-std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_key) {
+std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_key,
+                                    Remarks remarks) {
   flatbuffers::FlatBufferBuilder out(1 << 20);
   std::vector<const Body*> distinct;
   std::vector<flatbuffers::Offset<wire::Geometry>> geometries;
@@ -405,7 +409,10 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
       const auto leaf_material = out.CreateVector(body.leaf_material);
       packed.push_back(wire::CreateBody(out, name, geometry, &pose, materials_at, leaf_material,
                                         body.look.empty() ? 0 : out.CreateString(body.look),
-                                        body.ambient.empty() ? 0 : out.CreateVector(body.ambient)));
+                                        body.ambient.empty() ? 0 : out.CreateVector(body.ambient),
+                                        remarks == Remarks::kLeaveOut || body.remarks.empty()
+                                            ? 0
+                                            : out.CreateVectorOfStrings(body.remarks)));
     }
     return out.CreateVector(packed);
   };

@@ -13,10 +13,15 @@ namespace palpate {
 /// Version of the bundle's layout.  Bundles of another version are refused, never guessed at.
 inline constexpr std::uint32_t kBundleVersion = 2;
 
+/// Whether Body::remarks are packed, too: they are for those who read a file, and a scene that
+/// travels has the same bytes with and without them.
+enum class Remarks { kLeaveOut, kKeep };
+
 /// A scene as bytes: a 40-byte header (magic, version, content key, size, XXH64) and a FlatBuffer
 /// (idl/scene.fbs), little-endian.  Equal scenes give equal bytes.
 /// @param content_key  what the scene was made from, kept for the cache; 0 where nobody asks.
-std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_key = 0);
+std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_key = 0,
+                                    Remarks remarks = Remarks::kLeaveOut);
 
 /// Checks everything before it believes anything: magic, version, size, checksum, the FlatBuffer's
 /// structure, and that all indices and counts agree.  Throws Error with what is wrong and a remedy.

@@ -114,7 +114,7 @@ MeshSource ReadShape(const JsonNode& node) {
 
 MeshSource ReadImported(const JsonNode& node, const fs::path& folder) {
   MeshSource source;
-  node.AllowOnly({"model", "file", "unit", "longest_side_m", "origin", "curved"});
+  node.AllowOnly({"model", "file", "unit", "longest_side_m", "origin", "thickness_mm", "curved"});
   if (auto model = node.Find("model")) {
     if (node.Has("file")) node.Fail("names a model and a file; keep one of the two");
     source.kind = MeshSource::Kind::kModel;
@@ -133,6 +133,9 @@ MeshSource ReadImported(const JsonNode& node, const fs::path& folder) {
   }
   if (unit) source.placement.metres_per_unit = ReadUnit(*unit);
   if (longest) source.placement.longest_side = ReadLength(*longest);
+  if (auto thickness = node.Find("thickness_mm")) {
+    source.thickness = 1e-3 * thickness->PositiveNumber();
+  }
   if (auto origin = node.Find("origin")) {
     const std::string at = origin->OneOf({"box_centre", "centroid", "file"});
     source.placement.origin = at == "file"       ? MeshPlacement::Origin::kFile

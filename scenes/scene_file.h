@@ -33,6 +33,7 @@ struct MeshSource {
   std::size_t variant = 0;              ///< of a kShape
   std::vector<double> values;           ///< of a kShape: its parameters in SI
   std::optional<CurvedOptions> curved;  ///< none: the triangles are taken as they are
+  std::optional<double> thickness;      ///< of a model's or file's open pieces [m]; none: stay open
   std::string where;                    ///< "file:line: field", for complaints that come later
 };
 

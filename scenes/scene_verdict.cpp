@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "scenes/hidden_surface.h"
+#include "scenes/mesh_solid.h"
 
 namespace palpate {
 namespace {
@@ -108,11 +109,18 @@ BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, Measu
   found.report = InspectMesh(body.mesh);
   found.by_spheres = FeltBySpheres(scene, body, is_tool);
   found.verdict = JudgeMesh(whose, found.report);
+  for (const std::string& remark : body.remarks) {
+    found.verdict.limits.push_back(whose + ": " + remark);
+  }
   if (!found.report.refusal.empty()) return found;
+  const MeshSolid solid = SolidOf(body.mesh);
+  if (found.by_spheres && solid.added()) {
+    found.verdict.limits.push_back(whose + ": " + SolidRemark(solid, 1e3, "mm"));
+  }
   JudgeSize(whose, found.report, found.verdict);
   JudgeBalls(whose, body.tree, found.verdict);
   if (found.by_spheres || measure == MeasureGaps::kAlways) {
-    found.coverage = MeasureCoverage(body.mesh, body.tree);
+    found.coverage = MeasureCoverage(solid.mesh, body.tree);
   }
   if (found.by_spheres) {
     found.verdict.Add(JudgeCoverage(whose, found.report, found.coverage, body.tree.leaves()));

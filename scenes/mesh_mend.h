@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scenes/scene.h"
+
+namespace palpate {
+
+/// Changes with every change of what comes out, so that cached scenes are built anew.
+inline constexpr std::uint32_t kMeshMendVersion = 1;
+
+/// Makes of a mesh as it was read what a body is made of: welds (mesh_weld.h) and orients
+/// (mesh_orient.h).  A clean mesh stays as it is, to the bit.
+/// @param mesh  not refused by InspectMesh.
+/// Returns what was done, for people: a sentence each, with the remedy.  What stays as it was,
+/// holes say, InspectMesh tells of.
+std::vector<std::string> MendMesh(TriangleMesh& mesh);
+
+}  // namespace palpate

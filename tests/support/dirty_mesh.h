@@ -1,0 +1,136 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "scenes/mesh_query.h"
+#include "scenes/scene.h"
+#include "scenes/sphere.h"
+#include "tests/support/random.h"
+
+// Ways in which meshes come out of scanners, CAD programs and converters, and what tells by brute
+// force whether a ball lies in the clean original.
+namespace palpate::test {
+
+inline Vec3 Corner(const TriangleMesh& mesh, std::size_t triangle, int corner) {
+  return mesh.vertices[mesh.triangles[triangle][static_cast<std::size_t>(corner)]];
+}
+
+inline void TurnTriangle(TriangleMesh& mesh, std::size_t triangle) {
+  std::swap(mesh.triangles[triangle][1], mesh.triangles[triangle][2]);
+}
+
+/// Each triangle with three corners of its own, moved by at most `jitter` along each axis.
+inline TriangleMesh Unwelded(const TriangleMesh& mesh, double jitter, Random& random) {
+  TriangleMesh soup;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+    for (int c = 0; c < 3; ++c) {
+      soup.vertices.push_back(Corner(mesh, t, c) + random.InCube(jitter));
+    }
+    soup.triangles.push_back({first, first + 1, first + 2});
+  }
+  return soup;
+}
+
+/// Turns that share of the triangles, 0 to 1.
+inline void TurnSome(TriangleMesh& mesh, double share, Random& random) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (random.Uniform(0.0, 1.0) < share) TurnTriangle(mesh, t);
+  }
+}
+
+inline TriangleMesh TurnedOver(TriangleMesh mesh) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) TurnTriangle(mesh, t);
+  return mesh;
+}
+
+inline TriangleMesh Moved(TriangleMesh mesh, const Vec3& by) {
+  for (Vec3& v : mesh.vertices) v += by;
+  return mesh;
+}
+
+/// Two meshes as one.
+inline TriangleMesh Both(TriangleMesh mesh, const TriangleMesh& other) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const auto& [i, j, k] : other.triangles) {
+    mesh.triangles.push_back({first + i, first + j, first + k});
+  }
+  return mesh;
+}
+
+/// Without the triangles whose middle the predicate takes.
+template <class Predicate>
+TriangleMesh Without(TriangleMesh mesh, Predicate taken) {
+  std::erase_if(mesh.triangles, [&](const std::array<std::uint32_t, 3>& t) {
+    return taken(Vec3((mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0));
+  });
+  return mesh;
+}
+
+/// A sheet of n x n squares over [-half, half]^2, y by the function, facing up (y).
+template <class Height>
+TriangleMesh MakeSheet(double half, int n, Height height) {
+  TriangleMesh sheet;
+  for (int i = 0; i <= n; ++i) {
+    for (int j = 0; j <= n; ++j) {
+      const double x = half * (2.0 * i / n - 1.0), z = half * (2.0 * j / n - 1.0);
+      sheet.vertices.push_back({x, height(x, z), z});
+    }
+  }
+  const auto at = [n](int i, int j) { return static_cast<std::uint32_t>(i * (n + 1) + j); };
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      sheet.triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j)});
+      sheet.triangles.push_back({at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)});
+    }
+  }
+  return sheet;
+}
+
+/// As an OBJ, to the last digit.
+inline std::string ObjOf(const TriangleMesh& mesh) {
+  std::string text;
+  char line[120];
+  for (const Vec3& v : mesh.vertices) {
+    std::snprintf(line, sizeof line, "v %.17g %.17g %.17g\n", v.x(), v.y(), v.z());
+    text += line;
+  }
+  for (const auto& [i, j, k] : mesh.triangles) {
+    std::snprintf(line, sizeof line, "f %u %u %u\n", i + 1, j + 1, k + 1);
+    text += line;
+  }
+  return text;
+}
+
+/// Winding number, triangle by triangle (Van Oosterom & Strackee 1983).
+inline double BruteWinding(const TriangleMesh& mesh, const Vec3& p) {
+  double angle = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 a = Corner(mesh, t, 0) - p, b = Corner(mesh, t, 1) - p, c = Corner(mesh, t, 2) - p;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    angle += 2.0 * std::atan2(a.dot(b.cross(c)),
+                              la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return angle / (4.0 * 3.14159265358979323846);
+}
+
+/// How far a ball sticks out of a closed, clean mesh; 0 where it lies inside.
+inline double SticksOut(const TriangleMesh& clean, const Sphere& ball) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t t = 0; t < clean.triangles.size(); ++t) {
+    const Vec3 q = NearestOnTriangle(ball.centre, Corner(clean, t, 0), Corner(clean, t, 1),
+                                     Corner(clean, t, 2));
+    nearest = std::min(nearest, (q - ball.centre).norm());
+  }
+  const bool inside = BruteWinding(clean, ball.centre) > 0.5;
+  return std::max(0.0, ball.radius + (inside ? -nearest : nearest));
+}
+
+}  // namespace palpate::test
