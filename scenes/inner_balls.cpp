@@ -7,6 +7,7 @@ namespace palpate {
 namespace {
 
 constexpr double kLatticePoints = 20000.0;  // in the bounding box; what Fill tries to cover
+constexpr double kLeast = 1e-6;             // of the spacing: a smaller ball is none
 constexpr double kFilled = 0.5;             // of the spacing: smaller voids count as filled
 
 /// How far the surface lies from the ball at half the spacing from where it should touch.
@@ -22,8 +23,6 @@ InnerBalls::InnerBalls(const MeshReport& report, const MeshQuery& query, double 
     : report_(report), query_(query), spacing_(spacing) {
   const Vec3 extent = report.box_max - report.box_min;
   largest_ = 0.5 * extent.minCoeff();
-  // An open sheet has no inside: its balls lie behind it, as flat as their spacing needs.
-  if (!report.closed()) largest_ = std::max(largest_, 2.0 * spacing);
   largest_touching_ = std::min(largest_, largest_touching * spacing);
 }
 
@@ -44,7 +43,11 @@ Sphere InnerBalls::Shrink(const Vec3& point, const Vec3& outward, double depth,
     r = smaller;
     centre = point - r * outward;
   }
-  return {centre, query_.Nearest(centre).distance};
+  const double within = query_.Nearest(centre).distance;
+  if (report_.closed()) return {centre, within};
+  // Through a hole, it leaves the solid, but not the mesh's box.
+  const double to_box = (centre - report_.box_min).cwiseMin(report_.box_max - centre).minCoeff();
+  return {centre, std::clamp(to_box, 0.0, within)};
 }
 
 Sphere InnerBalls::Tangent(const SurfaceSample& s) const {
@@ -65,9 +68,8 @@ Sphere InnerBalls::Tangent(const SurfaceSample& s) const {
     }
   }
   // Where the surface folds over itself, a facet faces the wrong way: its ball would lie outside.
-  if (report_.closed() && !query_.Inside(best.centre)) {
-    return {s.point, 0.0};
-  }
+  // Between two faces back to back only rounding leaves it a radius.
+  if (best.radius < kLeast * spacing_ || !query_.Inside(best.centre)) return {s.point, 0.0};
   return best;
 }
 

@@ -13,6 +13,7 @@
 #include "scenes/inner_balls.h"
 #include "scenes/mesh_query.h"
 #include "scenes/mesh_report.h"
+#include "scenes/mesh_solid.h"
 #include "scenes/sphere_hierarchy.h"
 #include "scenes/surface_samples.h"
 
@@ -69,9 +70,17 @@ void CoverBarest(const std::vector<SurfaceSample>& samples, const InnerBalls& in
   for (std::uint32_t i = 0; i < samples.size(); ++i) worst.push({bare[i], i});
   std::vector<std::optional<Sphere>> known(samples.size());
   while (count > 0) {
+    if (worst.empty()) {
+      throw Error(
+          "the mesh encloses nothing, so that no sphere has a radius: it is two faces back to "
+          "back, "
+          "or has a vertex far away; give \"thickness_mm\" in the scene file, or remove the "
+          "vertex");
+    }
     const auto [score, i] = worst.top();
     worst.pop();
     if (!known[i]) known[i] = inner.Tangent(samples[i]);
+    if (!(known[i]->radius > 0.0)) continue;  // for good
     // A ball in a sharp edge is as small as its distance from the edge, and covers little.
     const double now = bare[i] * std::min(1.0, known[i]->radius / spacing);
     if (now < score && !(worst.empty() || now >= worst.top().first)) {
@@ -86,7 +95,8 @@ void CoverBarest(const std::vector<SurfaceSample>& samples, const InnerBalls& in
 }
 
 /// Gives every leaf the triangles that it stands for: those that lie nearest to it, told by points
-/// all over the surface, of which every triangle has at least one.
+/// all over the surface, of which every triangle has at least one.  Samples may be of triangles
+/// behind the mesh's own (mesh_solid.h), which nobody sees.
 void ShareOutTriangles(const TriangleMesh& mesh, const std::vector<SurfaceSample>& samples,
                        SphereTree& tree) {
   std::vector<Sphere> balls;
@@ -96,7 +106,10 @@ void ShareOutTriangles(const TriangleMesh& mesh, const std::vector<SurfaceSample
   const SphereQuery query(std::move(balls));
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  // leaf, triangle
   pairs.reserve(samples.size() + mesh.triangles.size());
-  for (const SurfaceSample& s : samples) pairs.push_back({query.Nearest(s.point).ball, s.triangle});
+  for (const SurfaceSample& s : samples) {
+    if (s.triangle >= mesh.triangles.size()) continue;
+    pairs.push_back({query.Nearest(s.point).ball, s.triangle});
+  }
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& [i, j, k] = mesh.triangles[t];
     const Vec3 middle = (mesh.vertices[i] + mesh.vertices[j] + mesh.vertices[k]) / 3.0;
@@ -154,7 +167,6 @@ class LeafMaker {
     return leaves;
   }
 
-  const MeshReport& report() const { return report_; }
   const std::vector<SurfaceSample>& samples() const { return samples_; }
 
  private:
@@ -211,13 +223,15 @@ SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Pr
     if (progress) progress(stage, fraction);
   };
   tell("inspecting", 0.0);
-  const LeafMaker maker(mesh, count, mode, progress);
-  const std::vector<Sphere> leaves = maker.Make(mesh);
+  const MeshReport report = RequireRenderable(mesh);
+  const MeshSolid solid = SolidOf(mesh);
+  const LeafMaker maker(solid.mesh, count, mode, progress);
+  const std::vector<Sphere> leaves = maker.Make(solid.mesh);
   tell("arranging the tree", 0.8);
   SphereTree tree = ArrangeLeaves(leaves).tree;
   tell("sharing out triangles", 0.9);
   ShareOutTriangles(mesh, maker.samples(), tree);
-  tree.centroid = maker.report().centroid;
+  tree.centroid = report.centroid;
   tell("done", 1.0);
   return tree;
 }

@@ -94,14 +94,12 @@ TEST(SceneVerdict, OfAGoodSceneIsGood) {
             "verdict: good to touch\n");
 }
 
-TEST(SceneVerdict, OfASheetOfTwoFacesBackToBackIsNotUsable) {
-  TriangleMesh sheet;
-  sheet.vertices = {Vec3(0, 0, 0), Vec3(0.1, 0, 0), Vec3(0, 0.1, 0)};
-  sheet.triangles = {{0, 1, 2}, {0, 2, 1}};
-  const Verdict verdict = JudgeScene(BallOn(sheet, 16));
+TEST(SceneVerdict, OfSpheresWithoutRadiusIsNotUsable) {
+  Scene scene = BallOn(MakeBox(Vec3::Constant(0.05)), 64);
+  scene.objects[0].tree.leaf_radius[7] = 0.0;
+  const Verdict verdict = JudgeScene(scene);
   EXPECT_FALSE(verdict.usable());
-  EXPECT_THAT(ToText(verdict), HasSubstr("have no radius"));
-  EXPECT_THAT(ToText(verdict), HasSubstr("give it a thickness"));
+  EXPECT_THAT(ToText(verdict), HasSubstr("1 of its 64 spheres have no radius"));
 }
 
 TEST(SceneVerdict, SaysThatABodyIsOfAnUnusualSize) {
