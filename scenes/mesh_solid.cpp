@@ -131,15 +131,13 @@ std::string SolidRemark(const MeshSolid& solid, double scale, const std::string&
   if (solid.opening > 0.0) {
     remark = fmt::format(
         "its spheres fill it as if a flat lid closed each opening, the widest {:.3g} {} wide; "
-        "close "
-        "it in a mesh editor, or give \"thickness_mm\" in the scene file where it should be a thin "
-        "shell",
+        "close it in a mesh editor, or give \"thickness_mm\" in the scene file where it should be "
+        "a thin shell",
         scale * solid.opening, unit);
   }
   if (solid.thickness > 0.0) {
     remark += fmt::format(
-        "{}it is a sheet, which encloses nothing: its spheres fill a plate behind its faces that "
-        "is "
+        "{}it is a sheet, which encloses nothing: its spheres fill a plate behind its faces, "
         "{:.3g} {} thick; give \"thickness_mm\" in the scene file for another",
         remark.empty() ? "" : "; a part of ", scale * solid.thickness, unit);
   }

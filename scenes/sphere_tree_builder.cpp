@@ -73,8 +73,7 @@ void CoverBarest(const std::vector<SurfaceSample>& samples, const InnerBalls& in
     if (worst.empty()) {
       throw Error(
           "the mesh encloses nothing, so that no sphere has a radius: it is two faces back to "
-          "back, "
-          "or has a vertex far away; give \"thickness_mm\" in the scene file, or remove the "
+          "back, or has a vertex far away; give \"thickness_mm\" in the scene file, or remove the "
           "vertex");
     }
     const auto [score, i] = worst.top();

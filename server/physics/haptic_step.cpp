@@ -216,6 +216,10 @@ void ReportLag(StepContext& context) {
   context.target = TargetOf(context.p_G, context.q_G, context.p_H, context.q_H);
   Solve(context);
   Remember(context);
+  // A QP that does not end has the optimum under some of its rows: less force than under all.
+  if (context.optimum.qp.status == QpStatus::kIterationLimit) {
+    context.report.faults |= kFaultUnsolved;
+  }
 }
 
 /// The wrench of the spring at the optimum, and the contacts.  Where the sub-step falls short of it
