@@ -20,8 +20,8 @@
 #include "scenes/coverage.h"
 #include "scenes/hidden_surface.h"
 #include "scenes/mesh_import.h"
+#include "scenes/mesh_mend.h"
 #include "scenes/mesh_options.h"
-#include "scenes/mesh_orient.h"
 #include "scenes/mesh_report.h"
 #include "scenes/mesh_scene.h"
 #include "scenes/picture.h"
@@ -143,6 +143,12 @@ void PrintMaterials(const Body& body) {
   }
 }
 
+/// Prints the verdict; a scene or mesh that is not usable is a failure.
+void Conclude(const std::string& what, const Verdict& verdict) {
+  std::fputs(ToText(verdict).c_str(), stdout);
+  if (!verdict.usable()) throw Error(what + ": is not usable: " + verdict.faults.front());
+}
+
 void Build(const Arguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
   const Scene scene = Load(arguments);
@@ -150,7 +156,7 @@ void Build(const Arguments& arguments) {
   std::printf("%s: ready in %.2f s\n", scene.name.c_str(), seconds);
   for (const Body& body : scene.tools) PrintBody("tool", body);
   for (const Body& body : scene.objects) PrintBody("object", body);
-  std::fputs(ToText(JudgeScene(scene)).c_str(), stdout);
+  Conclude(arguments.scene, JudgeScene(scene));
   if (arguments.output.empty()) return;
   const std::vector<std::uint8_t> bytes = PackScene(scene, 0, Remarks::kKeep);
   WriteFileAtomically(arguments.output, bytes);
@@ -172,7 +178,7 @@ void Info(const Arguments& arguments) {
       if (bodies == &scene.objects) PrintMaterials(body);
     }
   }
-  std::fputs(ToText(JudgeScene(scene)).c_str(), stdout);
+  Conclude(arguments.scene, JudgeScene(scene));
 }
 
 void PrintReport(const MeshReport& r) {
@@ -194,21 +200,6 @@ void PrintSpread(const char* name, const Spread& s, double allowed) {
                 : std::printf("  (not felt)\n");
 }
 
-/// Prints the verdict; a scene or mesh that is not usable is a failure.
-void Conclude(const std::string& what, const Verdict& verdict) {
-  std::fputs(ToText(verdict).c_str(), stdout);
-  if (!verdict.usable()) throw Error(what + ": is not usable: " + verdict.faults.front());
-}
-
-/// Says what the parts of a mesh hide of each other.
-void CheckOverlap(const std::string& whose, const HiddenParts& hidden, double scale,
-                  const std::string& unit, Verdict& verdict) {
-  const std::string remark = HiddenRemark(hidden, scale, unit);
-  if (remark.empty()) return;
-  std::printf("    warning: %s\n", remark.c_str());
-  verdict.limits.push_back(whose + ": " + remark);
-}
-
 Verdict CheckBody(const Scene& scene, const Body& body, bool is_tool) {
   PrintBody(is_tool ? "tool" : "object", body);
   const BodyFindings found = JudgeBody(scene, body, is_tool, MeasureGaps::kAlways);
@@ -220,29 +211,25 @@ Verdict CheckBody(const Scene& scene, const Body& body, bool is_tool) {
   return found.verdict;
 }
 
-void CheckMesh(const std::string& file) {
+/// What the file holds, before it is made a scene of as every program makes one.
+void PrintMesh(const std::string& file) {
   std::vector<MeshGroup> groups;
   TriangleMesh mesh = ImportMesh(file, &groups);
   const MeshReport report = InspectMesh(mesh);
   std::printf("%s (lengths in the file's unit)\n", file.c_str());
   PrintReport(report);
-  Verdict verdict = JudgeMesh("mesh", report);
-  if (verdict.usable()) {
-    if (const std::size_t turned = OrientTriangles(mesh);
-        turned > 0 && report.oriented() && !report.inside_out()) {
-      const std::string remark = std::to_string(turned) +
-                                 " triangles are of pieces that are inside out: they are turned; "
-                                 "flip their normals in a mesh editor";
-      std::printf("    note: %s\n", remark.c_str());
-      verdict.limits.push_back("mesh: " + remark);
-    }
-    CheckOverlap("mesh", FindHiddenParts(mesh, groups), 1.0, "of the file's unit", verdict);
+  if (!report.refusal.empty()) {
+    Verdict verdict;
+    verdict.faults.push_back("mesh: " + report.refusal);
+    Conclude(file, verdict);
   }
-  Conclude(file, verdict);
+  MendMesh(mesh);
+  const std::string hidden = HiddenRemark(FindHiddenParts(mesh, groups), 1.0, "of the file's unit");
+  if (!hidden.empty()) std::printf("    warning: %s\n", hidden.c_str());
 }
 
 void Check(const Arguments& arguments) {
-  if (IsMeshFile(arguments.scene)) return CheckMesh(arguments.scene);
+  if (IsMeshFile(arguments.scene)) PrintMesh(arguments.scene);
   const Scene scene = Load(arguments);
   Verdict verdict;
   for (const auto* bodies : {&scene.tools, &scene.objects}) {

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -471,8 +472,30 @@ Scene UnpackScene(std::span<const std::uint8_t> bytes, const std::string& source
   }
 }
 
+namespace {
+
+/// Ctrl-C waits until it is gone.
+class UndisturbedBySignals {
+ public:
+  UndisturbedBySignals() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+    pthread_sigmask(SIG_BLOCK, &signals, &before_);
+  }
+  ~UndisturbedBySignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  UndisturbedBySignals(const UndisturbedBySignals&) = delete;
+  UndisturbedBySignals& operator=(const UndisturbedBySignals&) = delete;
+
+ private:
+  sigset_t before_;
+};
+
+}  // namespace
+
 void WriteFileAtomically(const std::string& file, std::span<const std::uint8_t> bytes) {
   namespace fs = std::filesystem;
+  const UndisturbedBySignals undisturbed;
   const fs::path path(file);
   const std::string temporary = file + "." + std::to_string(getpid()) + ".tmp";
   std::error_code error;

@@ -37,7 +37,8 @@ std::uint64_t BundleHash(std::span<const std::uint8_t> bytes);
 /// True where the bytes begin as a bundle does.
 bool LooksLikeBundle(std::string_view bytes);
 
-/// Writes the whole file or, where that fails, leaves what was there.  Throws Error.
+/// Writes the whole file or, where that fails, leaves what was there; Ctrl-C waits for it.  Throws
+/// Error.
 void WriteFileAtomically(const std::string& file, std::span<const std::uint8_t> bytes);
 
 /// XXH64 of the bytes, chained by the seed.

@@ -24,6 +24,7 @@
 
 #include "common/error.h"
 #include "scenes/importer/declared_size.h"
+#include "scenes/importer/far_off.h"
 #include "scenes/json_file.h"
 #include "scenes/mesh_format.h"
 #include "scenes/mesh_references.h"
@@ -229,24 +230,44 @@ ImportedMesh Read(const std::string& file, std::string_view text) {
   return MeshOf(file, *scene);
 }
 
-/// assimp keeps coordinates in single precision, as most formats' files do: far from the origin
-/// they lie further apart than a hand feels, and triangles collapse.  Nothing after can mend that.
-void RefuseFarOff(const std::string& file, const TriangleMesh& mesh) {
-  constexpr double kStep = 0x1p-23;   // from one number to the next, by its size
-  constexpr double kCoarsest = 1e-4;  // of the longest side: 5 um of 50 mm
+/// How far from its origin a mesh lies, and how large it is.
+struct Place {
+  double farthest = 0.0, longest = 0.0;
+};
+
+Place PlaceOf(const TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
   for (const Vec3& v : mesh.vertices) {
     if (v.allFinite()) box.extend(v);
   }
-  if (box.isEmpty()) return;
-  const double farthest =
-      std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
-  const double longest = box.sizes().maxCoeff();
-  if (kStep * farthest <= kCoarsest * longest || !(longest > 0.0)) return;
+  if (box.isEmpty()) return {};
+  return {std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()),
+          box.sizes().maxCoeff()};
+}
+
+constexpr double kStep = 0x1p-23;  // from one number to the next, by its size
+
+/// assimp keeps coordinates in single precision, as most formats' files do: far from the origin
+/// they lie further apart than a hand feels, and triangles collapse.
+bool IsFarOff(const Place& place) {
+  constexpr double kCoarsest = 1e-4;  // of the longest side: 5 um of 50 mm
+  return kStep * place.farthest > kCoarsest * place.longest;
+}
+
+/// The mesh once more, in double precision where the file has it; nothing after can mend what
+/// collapsed.
+ImportedMesh ReadFarOff(const std::string& file, std::string_view text, const Place& place) {
+  if (const auto moved = MoveToOrigin(MeshFormatOf(file), text)) {
+    ImportedMesh read = Read(file, moved->text);
+    if (const Place near = PlaceOf(read.mesh); !IsFarOff(near) && near.longest > 0.0) {
+      for (Vec3& v : read.mesh.vertices) v += moved->by;
+      return read;
+    }
+  }
   throw Error(fmt::format(
       "{}: is {:.3g} across and lies {:.3g} from its origin, where numbers of single precision are "
       "{:.2g} apart; move the mesh to its origin in a mesh editor and export it again",
-      file, longest, farthest, kStep * farthest));
+      file, place.longest, place.farthest, kStep * place.farthest));
 }
 
 }  // namespace
@@ -257,7 +278,9 @@ ImportedMesh ReadMeshFile(const std::string& file) {
 
 ImportedMesh ReadMeshText(const std::string& file, std::string_view text) {
   ImportedMesh read = Read(file, text);
-  RefuseFarOff(file, read.mesh);
+  if (const Place place = PlaceOf(read.mesh); IsFarOff(place)) {
+    read = ReadFarOff(file, text, place);
+  }
   Weld(read.mesh);
   return read;
 }

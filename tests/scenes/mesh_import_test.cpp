@@ -12,6 +12,7 @@
 #include "scenes/json_file.h"
 #include "scenes/mesh_report.h"
 #include "tests/scenes/support.h"
+#include "tests/support/dirty_mesh.h"
 #include "tests/support/exported_box.h"
 
 namespace palpate {
@@ -106,14 +107,41 @@ TEST(MeshImport, LeavesNonFiniteNumbersForTheReportToRefuse) {
               testing::Not(HasSubstr("no complaint")));
 }
 
-TEST(MeshImport, RefusesAMeshSoFarOffThatItsTrianglesCollapse) {
-  const auto mesh = [](const std::string& x) {
-    return WriteFile(FreshFolder() + "/far.obj",
-                     "v " + x + " 0 0\nv " + x + ".5 0 0\nv " + x + " 1 0\nf 1 2 3\n");
-  };
-  EXPECT_THAT(ComplaintOf([&] { ImportMesh(mesh("1000000")); }),
-              HasSubstr("far.obj: is 1 across and lies 1e+06 from its origin"));
-  EXPECT_EQ(ImportMesh(mesh("100")).triangles.size(), 1u);
+/// The box of 1 x 2 x 3 about (1e6, -2e6, 3e6) in a tenth of a millimetre's steps: no float there
+/// holds any of it.
+const Vec3 kFar(1e6 + 0.0625, -2e6 - 0.4375, 3e6 + 0.3125);
+
+void ExpectTheBoxFarOff(const std::string& file) {
+  const MeshReport r = InspectMesh(ImportMesh(file));
+  EXPECT_EQ(r.vertices, 8u);
+  EXPECT_TRUE(r.solid());
+  EXPECT_NEAR(r.volume, 6.0, 1e-6);
+  EXPECT_NEAR((0.5 * (r.box_min + r.box_max) - kFar).norm(), 0.0, 1e-6);
+}
+
+TEST(MeshImport, ReadsInDoublePrecisionFarFromTheOrigin) {
+  const std::string folder = FreshFolder();
+  const TriangleMesh box = test::Moved(MakeBox(Vec3(1, 2, 3)), kFar);
+  ExpectTheBoxFarOff(WriteFile(folder + "/far.obj", "o box\n" + test::ObjOf(box)));
+  ExpectTheBoxFarOff(WriteFile(folder + "/far.stl", test::TextStlOf(box)));
+  ExpectTheBoxFarOff(WriteFile(folder + "/text.ply", test::PlyOf(box, false)));
+  ExpectTheBoxFarOff(WriteFile(folder + "/double.ply", test::PlyOf(box, true)));
+}
+
+TEST(MeshImport, RefusesAMeshThatItsFileHasCollapsed) {
+  // In a binary STL numbers are of single precision, and they lie a quarter apart at 3 million.
+  const std::string file = ExportBox("stlb", FreshFolder() + "/far.stl");
+  std::string bytes = ReadWholeFile(file);
+  for (std::size_t facet = 84; facet < bytes.size(); facet += 50) {
+    for (std::size_t at = facet + 12; at < facet + 48; at += 4) {
+      float value = 0;
+      std::memcpy(&value, &bytes[at], 4);
+      value += 3e6f;
+      std::memcpy(&bytes[at], &value, 4);
+    }
+  }
+  EXPECT_THAT(ComplaintOf([&] { ImportMesh(WriteFile(file, bytes)); }),
+              HasSubstr("far.stl: is 3 across and lies 3e+06 from its origin"));
 }
 
 TEST(PlaceMesh, ScalesByUnitOrLongestSideAndMovesTheOrigin) {

@@ -11,6 +11,7 @@
 #include "scenes/catalogue.h"
 #include "scenes/coverage.h"
 #include "tests/scenes/support.h"
+#include "tests/support/dirty_mesh.h"
 
 namespace palpate {
 namespace {
@@ -94,7 +95,7 @@ TEST(PalpateScene, ChecksScenesAndMeshes) {
   EXPECT_THAT(open.text, HasSubstr("closed no"));
   EXPECT_THAT(open.text, HasSubstr("note: 3 edges are open"));
   EXPECT_THAT(open.text,
-              HasSubstr("verdict: usable with these limits:\n  - mesh: 3 edges are open"));
+              HasSubstr("verdict: usable with these limits:\n  - object t: 3 edges are open"));
   const std::string points =
       test::WriteFile(folder + "/p.obj", "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n");
   const Outcome nothing = PalpateScene("check " + points, folder);
@@ -135,6 +136,47 @@ TEST(PalpateScene, WarnsOfPartsThatOverlap) {
   EXPECT_EQ(scene.exit_code, 0) << scene.text;
   EXPECT_THAT(scene.text, HasSubstr("verdict: usable with these limits:\n  - object tooth: parts "
                                     "overlap: 14 % of the surface lies inside other parts"));
+}
+
+/// What a program says from its verdict on; each finding of a server's is a line of its log.
+std::string VerdictOf(const Outcome& run) {
+  const std::size_t at = run.text.find("verdict: ");
+  if (at == std::string::npos) return "none: " + run.text;
+  const std::size_t end = run.text.find("palpate-scene: ", at);
+  return run.text.substr(at, end == std::string::npos ? end : end - at);
+}
+
+TEST(PalpateScene, ChecksBuildsAndInformsWithOneVerdict) {
+  const std::string folder = FreshFolder();
+  test::Random random(3);
+  TriangleMesh soup = test::Unwelded(MakeSphere(0.02, 320), 4e-8, random);
+  test::TurnSome(soup, 0.05, random);
+  const std::string mesh = test::WriteFile(folder + "/soup.obj", test::ObjOf(soup));
+  const std::string bundle = folder + "/soup.palpate";
+  const std::string check = VerdictOf(PalpateScene("check " + mesh, folder));
+  EXPECT_THAT(check, testing::AllOf(HasSubstr("usable with these limits"), HasSubstr("welded"),
+                                    HasSubstr("they are turned")));
+  EXPECT_EQ(VerdictOf(PalpateScene("info " + mesh, folder)), check);
+  const Outcome build = PalpateScene("build " + mesh + " -o " + bundle, folder);
+  EXPECT_EQ(build.exit_code, 0) << build.text;
+  EXPECT_EQ(VerdictOf(build).find(check), 0u) << build.text;
+  EXPECT_EQ(VerdictOf(PalpateScene("check " + bundle, folder)), check) << "what was mended stays";
+}
+
+TEST(PalpateScene, ChecksBuildsAndInformsAsFailuresOfWhatIsNotUsable) {
+  const std::string folder = FreshFolder();
+  const std::string scene = test::WriteFile(
+      folder + "/bare.json",
+      R"({"contact":"spheres","tools":[{"name":"b","mesh":{"shape":"sphere","radius_m":0.01},
+"leaves":1}],"objects":[{"name":"o","mesh":{"shape":"box","size_m":[0.1,0.2,0.3]},"leaves":1}]})");
+  const std::string bundle = folder + "/bare.palpate";
+  for (const std::string& command :
+       {std::string("check "), std::string("info "), "build -o " + bundle + " "}) {
+    const Outcome run = PalpateScene(command + scene, folder);
+    EXPECT_EQ(run.exit_code, 1) << command << run.text;
+    EXPECT_THAT(run.text, HasSubstr("verdict: not usable:\n  - object o: a hundredth"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(bundle));
 }
 
 TEST(PalpateScene, ListsTheCatalogue) {

@@ -109,6 +109,55 @@ inline std::string ObjOf(const TriangleMesh& mesh) {
   return text;
 }
 
+/// As a text STL, to the last digit.
+inline std::string TextStlOf(const TriangleMesh& mesh) {
+  std::string text = "solid mesh\n";
+  char line[120];
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (int c = 0; c < 3; ++c) {
+      const Vec3 v = Corner(mesh, t, c);
+      std::snprintf(line, sizeof line, "vertex %.17g %.17g %.17g\n", v.x(), v.y(), v.z());
+      text += line;
+    }
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid mesh\n";
+}
+
+/// As a PLY with a property before its coordinates, as text or with doubles.
+inline std::string PlyOf(const TriangleMesh& mesh, bool binary) {
+  std::string text = std::string("ply\nformat ") + (binary ? "binary_little_endian" : "ascii") +
+                     " 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
+                     "\nproperty uchar red\nproperty double x\nproperty double y\n"
+                     "property double z\nelement face " +
+                     std::to_string(mesh.triangles.size()) +
+                     "\nproperty list uchar int vertex_indices\nend_header\n";
+  char line[120];
+  const auto raw = [&](const auto& value) {
+    text.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  for (const Vec3& v : mesh.vertices) {
+    if (binary) {
+      text += '\7';
+      for (int axis = 0; axis < 3; ++axis) raw(v[axis]);
+    } else {
+      std::snprintf(line, sizeof line, "7 %.17g %.17g %.17g\n", v.x(), v.y(), v.z());
+      text += line;
+    }
+  }
+  for (const auto& corners : mesh.triangles) {
+    if (binary) {
+      text += '\3';
+      for (const std::uint32_t v : corners) raw(static_cast<std::int32_t>(v));
+    } else {
+      std::snprintf(line, sizeof line, "3 %u %u %u\n", corners[0], corners[1], corners[2]);
+      text += line;
+    }
+  }
+  return text;
+}
+
 /// Winding number, triangle by triangle (Van Oosterom & Strackee 1983).
 inline double BruteWinding(const TriangleMesh& mesh, const Vec3& p) {
   double angle = 0.0;
