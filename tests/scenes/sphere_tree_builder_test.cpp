@@ -218,7 +218,7 @@ TEST(SphereTreeBuilder, HoldsEveryTriangleInItsLeaves) {
   open.triangles.resize(900);
   for (const TriangleMesh& mesh : {MakeBox(Vec3(0.05, 0.04, 0.03)), MakeBumpy(0.03), open,
                                    MakeEllipsoid(Vec3(0.05, 0.002, 0.03), 1280)}) {
-    for (const std::size_t count : {1, 7, 300}) {
+    for (const std::size_t count : {1, 7, 100}) {
       const SphereTree tree = BuildSphereTree(mesh, count, {}, TreeMode::kCover);
       ASSERT_EQ(tree.leaves(), count);
       EXPECT_EQ(TrianglesNotHeld(mesh, tree), 0u) << count;
@@ -236,22 +236,22 @@ TEST(SphereTreeBuilder, CoversAsCloselyAsItCan) {
   for (const TriangleMesh& mesh : {MakeBox(Vec3(0.05, 0.04, 0.03)), MakeBumpy(0.03)}) {
     Body inside, cover;
     inside.mesh = cover.mesh = mesh;
-    inside.tree = BuildSphereTree(mesh, 512);
-    cover.tree = BuildSphereTree(mesh, 512, {}, TreeMode::kCover);
+    inside.tree = BuildSphereTree(mesh, 200);
+    cover.tree = BuildSphereTree(mesh, 200, {}, TreeMode::kCover);
     // What the leaves inside would stick out by, were all grown until nothing is uncovered.
     const double grown = MeasureCoverage(mesh, inside.tree).uncovered.max;
     const Coverage covered = MeasureCoverage(mesh, cover.tree);
     EXPECT_EQ(covered.uncovered.max, 0.0);
     EXPECT_LT(covered.outside.max, 0.9 * grown);
   }
-  const TriangleMesh ball = MakeSphere(0.03, 20480);
+  const TriangleMesh ball = MakeSphere(0.03, 5120);
   EXPECT_LT(MeasureCoverage(ball, BuildSphereTree(ball, 1, {}, TreeMode::kCover)).outside.max,
-            0.001 * 0.03);
+            0.002 * 0.03);
 }
 
 TEST(SphereTreeBuilder, CoversWithTheSameBytesAgain) {
   const TriangleMesh mesh = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280);
-  const auto build = [&] { return BuildSphereTree(mesh, 300, {}, TreeMode::kCover); };
+  const auto build = [&] { return BuildSphereTree(mesh, 100, {}, TreeMode::kCover); };
   EXPECT_EQ(BytesOf(mesh, build()), BytesOf(mesh, build()));
 }
 
