@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kOfDiagonal = 1e-5;
 constexpr double kOfMedianEdge = 0.05;
+/// Of the farthest coordinate: what is less is rounding, and cells of it could not be counted.
+constexpr double kRounding = 1e-15;
 
 /// Which vertices end an open edge; empty where there is none.
 std::vector<bool> EndsOfOpenEdges(const TriangleMesh& mesh, std::size_t& open) {
@@ -26,6 +28,7 @@ std::vector<bool> EndsOfOpenEdges(const TriangleMesh& mesh, std::size_t& open) {
   return ends;
 }
 
+/// 0 where there is none.
 double ToleranceOf(const TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
   std::vector<double> lengths;
@@ -40,7 +43,10 @@ double ToleranceOf(const TriangleMesh& mesh) {
   }
   const auto middle = lengths.begin() + std::ssize(lengths) / 2;
   std::nth_element(lengths.begin(), middle, lengths.end());
-  return std::min(kOfDiagonal * box.diagonal().norm(), kOfMedianEdge * *middle);
+  const double tolerance = std::min(kOfDiagonal * box.diagonal().norm(), kOfMedianEdge * *middle);
+  const double farthest =
+      std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+  return tolerance > kRounding * farthest ? tolerance : 0.0;
 }
 
 /// Vertices by cells of the tolerance's size.
@@ -91,7 +97,6 @@ Welding WeldOpenEdges(TriangleMesh& mesh) {
   if (open == 0) return {};
   Welding welding;
   welding.tolerance = ToleranceOf(mesh);
-  // Below it a cell's number is no integer any more.
   if (!(welding.tolerance > 0.0)) return {};
   Cells cells(mesh.vertices, welding.tolerance);
   std::vector<std::uint32_t> renamed(mesh.vertices.size());

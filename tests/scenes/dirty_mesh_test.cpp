@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/catalogue.h"
+#include "scenes/mesh_weld.h"
 #include "scenes/scene_verdict.h"
 #include "tests/scenes/support.h"
 
@@ -100,6 +101,18 @@ TEST(DirtyMesh, SoupOfJitteredCornersAndTurnedFacesIsWeldedAndOriented) {
   EXPECT_TRUE(InspectMesh(scene.objects[0].mesh).solid());
   EXPECT_THAT(Verdict(scene), AllOf(HasSubstr("usable with these limits"),
                                     HasSubstr("welded within"), HasSubstr("they are turned")));
+}
+
+TEST(DirtyMesh, ScrapsTooSmallToCountAreNotWelded) {
+  // Edges of 1e-21 m in a mesh of a metre: cells of a twentieth of that have no numbers.
+  Random random(4);
+  TriangleMesh mesh = test::Unwelded(Bumpy(), 1e-6 * 0.04, random);
+  for (Vec3& v : mesh.vertices) v *= 1e-18;
+  TriangleMesh alone = mesh;
+  EXPECT_GT(WeldOpenEdges(alone).vertices, 0u);
+  mesh.vertices.push_back(Vec3::Ones());
+  mesh.triangles.push_back({0, 1, static_cast<std::uint32_t>(mesh.vertices.size() - 1)});
+  EXPECT_EQ(WeldOpenEdges(mesh).vertices, 0u);
 }
 
 TEST(DirtyMesh, SoupThatCannotBeWeldedIsOrientedByWhatWindsRoundIt) {
