@@ -1,17 +1,11 @@
 #include "scenes/sphere_tree_builder.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
-#include <queue>
 #include <utility>
 #include <vector>
 
 #include "common/error.h"
-#include "scenes/balanced_balls.h"
-#include "scenes/cover_balls.h"
-#include "scenes/inner_balls.h"
-#include "scenes/mesh_query.h"
+#include "scenes/leaf_maker.h"
 #include "scenes/mesh_report.h"
 #include "scenes/mesh_solid.h"
 #include "scenes/sphere_hierarchy.h"
@@ -19,79 +13,6 @@
 
 namespace palpate {
 namespace {
-
-constexpr std::size_t kCandidatesPerLeaf = 5;  // Yuksel's advice
-constexpr std::size_t kFewestCandidates = 2000;
-constexpr double kEvenShare = 0.8;    // of the leaves: touching points spread evenly
-constexpr double kInsideShare = 0.1;  // at most
-constexpr std::size_t kSamplesPerBalancedLeaf = 24;
-constexpr double kLargestBalanced = 10.0;  // spacings
-
-/// Surface samples and how far each lies from the nearest ball, kept as balls are added.
-class Bareness {
- public:
-  Bareness(const std::vector<SurfaceSample>& samples, const std::vector<Sphere>& leaves)
-      : samples_(samples), distance_(samples.size()) {
-    const SphereQuery query(leaves);
-    // The samples as degenerate triangles would do for a box tree, but a sort along one axis is
-    // enough: a ball reaches few of them.
-    for (std::uint32_t i = 0; i < samples.size(); ++i) {
-      distance_[i] = query.Nearest(samples[i].point).distance;
-      largest_ = std::max(largest_, distance_[i]);
-      along_.push_back({samples[i].point.x(), i});
-    }
-    std::sort(along_.begin(), along_.end());
-  }
-
-  double operator[](std::uint32_t sample) const { return distance_[sample]; }
-
-  void Add(const Sphere& ball) {
-    const double reach = ball.radius + largest_;
-    auto it = std::lower_bound(along_.begin(), along_.end(),
-                               std::pair<double, std::uint32_t>(ball.centre.x() - reach, 0u));
-    for (; it != along_.end() && it->first <= ball.centre.x() + reach; ++it) {
-      const double d = (samples_[it->second].point - ball.centre).norm() - ball.radius;
-      distance_[it->second] = std::min(distance_[it->second], d);
-    }
-  }
-
- private:
-  const std::vector<SurfaceSample>& samples_;
-  std::vector<double> distance_;
-  double largest_ = 0.0;
-  std::vector<std::pair<double, std::uint32_t>> along_;
-};
-
-/// Adds `count` tangent balls where the surface is barest.
-void CoverBarest(const std::vector<SurfaceSample>& samples, const InnerBalls& inner, double spacing,
-                 std::size_t count, std::vector<Sphere>& leaves) {
-  Bareness bare(samples, leaves);
-  std::priority_queue<std::pair<double, std::uint32_t>> worst;
-  for (std::uint32_t i = 0; i < samples.size(); ++i) worst.push({bare[i], i});
-  std::vector<std::optional<Sphere>> known(samples.size());
-  while (count > 0) {
-    if (worst.empty()) {
-      throw Error(
-          "the mesh encloses nothing, so that no sphere has a radius: it is two faces back to "
-          "back, or has a vertex far away; give \"thickness_mm\" in the scene file, or remove the "
-          "vertex");
-    }
-    const auto [score, i] = worst.top();
-    worst.pop();
-    if (!known[i]) known[i] = inner.Tangent(samples[i]);
-    if (!(known[i]->radius > 0.0)) continue;  // for good
-    // A ball in a sharp edge is as small as its distance from the edge, and covers little.
-    const double now = bare[i] * std::min(1.0, known[i]->radius / spacing);
-    if (now < score && !(worst.empty() || now >= worst.top().first)) {
-      worst.push({now, i});
-      continue;
-    }
-    leaves.push_back(*known[i]);
-    bare.Add(*known[i]);
-    worst.push({0.0, i});  // last resort, should all samples be taken
-    --count;
-  }
-}
 
 /// Gives every leaf the triangles that it stands for: those that lie nearest to it, told by points
 /// all over the surface, of which every triangle has at least one.  Samples may be of triangles
@@ -126,120 +47,49 @@ void ShareOutTriangles(const TriangleMesh& mesh, const std::vector<SurfaceSample
   }
 }
 
-MeshReport RequireRenderable(const TriangleMesh& mesh) {
-  MeshReport report = InspectMesh(mesh);
-  if (!report.refusal.empty()) throw Error(report.refusal);
-  return report;
+/// The one way from balls to a tree, wherever they come from.
+SphereTree Assemble(const TriangleMesh& mesh, const std::vector<Sphere>& balls,
+                    const std::vector<SurfaceSample>& samples, const Vec3& centroid,
+                    const Progress& progress = {}) {
+  if (progress) progress("arranging the tree", 0.8);
+  SphereTree tree = ArrangeLeaves(balls).tree;
+  if (progress) progress("sharing out triangles", 0.9);
+  ShareOutTriangles(mesh, samples, tree);
+  tree.centroid = centroid;
+  if (progress) progress("done", 1.0);
+  return tree;
 }
 
-/// The leaves of a tree, each in its mode; what all modes share is where the balls begin.
-class LeafMaker {
- public:
-  LeafMaker(const TriangleMesh& mesh, std::size_t count, TreeMode mode, const Progress& progress)
-      : count_(count),
-        mode_(mode),
-        progress_(progress),
-        report_(RequireRenderable(mesh)),
-        query_(mesh),
-        samples_(Scatter(mesh, kCandidatesPerLeaf)),
-        even_(static_cast<std::size_t>(kEvenShare * static_cast<double>(count))),
-        spacing_(2.0 * PoissonRadius(report_.area, std::max<std::size_t>(even_, 1))),
-        inner_(report_, query_, spacing_,
-               mode == TreeMode::kInside ? InnerBalls::kLargestTouching : kLargestBalanced) {}
-
-  std::vector<Sphere> Make(const TriangleMesh& mesh) const {
-    std::vector<Sphere> leaves = Touching();
-    const std::vector<Sphere> fill = Fill(leaves);
-    if (mode_ == TreeMode::kInside) leaves.insert(leaves.end(), fill.begin(), fill.end());
-    Tell("covering the barest places", 0.6);
-    const std::size_t kept = mode_ == TreeMode::kInside ? 0 : fill.size();
-    CoverBarest(samples_, inner_, spacing_, count_ - leaves.size() - kept, leaves);
-    if (mode_ == TreeMode::kInside) return leaves;
-    const auto done = [&](double share) { Tell(NameOf(mode_), 0.6 + 0.2 * share); };
-    if (mode_ == TreeMode::kBalanced) {
-      const std::vector<SurfaceSample> dense = Scatter(mesh, kSamplesPerBalancedLeaf);
-      BalanceBalls({query_, inner_, dense, spacing_}, leaves, done);
-    } else {
-      CoverWithBalls({mesh, query_, inner_, spacing_}, leaves, done);
-    }
-    leaves.insert(leaves.end(), fill.begin(), fill.end());
-    return leaves;
-  }
-
-  const std::vector<SurfaceSample>& samples() const { return samples_; }
-
- private:
-  void Tell(std::string_view stage, double fraction) const {
-    if (progress_) progress_(stage, fraction);
-  }
-
-  std::vector<SurfaceSample> Scatter(const TriangleMesh& mesh, std::size_t per_leaf) const {
-    Tell("scattering samples", 0.05);
-    return ScatterSamples(mesh, report_, query_, std::max(per_leaf * count_, kFewestCandidates));
-  }
-
-  /// Balls for what those at the surface leave free inside.  Where they hold the surface there is
-  /// no way in.
-  std::vector<Sphere> Fill(const std::vector<Sphere>& leaves) const {
-    if (mode_ == TreeMode::kCover) return {};
-    Tell("filling the inside", 0.5);
-    const auto most = static_cast<std::size_t>(std::ceil(kInsideShare * double(count_)));
-    return inner_.Fill(leaves, std::min(most, count_ - leaves.size()));
-  }
-
-  /// Balls that touch the surface at points spread evenly.
-  std::vector<Sphere> Touching() const {
-    Tell("touching balls", 0.1);
-    std::vector<Sphere> leaves;
-    if (even_ == 0) return leaves;
-    for (std::uint32_t i : ThinOut(samples_, even_, report_.area)) {
-      const Sphere ball = inner_.Tangent(samples_[i]);
-      if (ball.radius > 0.0) leaves.push_back(ball);
-      if (leaves.size() % 256 == 0) {
-        Tell("touching balls", 0.1 + 0.4 * double(leaves.size()) / double(even_));
-      }
-    }
-    return leaves;
-  }
-
-  std::size_t count_;
-  TreeMode mode_;
-  const Progress& progress_;
-  MeshReport report_;
-  MeshQuery query_;
-  std::vector<SurfaceSample> samples_;
-  std::size_t even_;
-  double spacing_;
-  InnerBalls inner_;
-};
+/// Throws where the mesh cannot be rendered, before a solid is made of it.
+Vec3 CentroidOf(const TriangleMesh& mesh) {
+  const MeshReport report = InspectMesh(mesh);
+  if (!report.refusal.empty()) throw Error(report.refusal);
+  return report.centroid;
+}
 
 }  // namespace
 
 SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Progress& progress,
                            TreeMode mode) {
   if (count == 0) throw Error("a sphere tree of 0 leaves is not possible; ask for at least 1");
-  const auto tell = [&](std::string_view stage, double fraction) {
-    if (progress) progress(stage, fraction);
-  };
-  tell("inspecting", 0.0);
-  const MeshReport report = RequireRenderable(mesh);
+  if (progress) progress("inspecting", 0.0);
+  const Vec3 centroid = CentroidOf(mesh);
   const MeshSolid solid = SolidOf(mesh);
-  const LeafMaker maker(solid.mesh, count, mode, progress);
-  const std::vector<Sphere> leaves = maker.Make(solid.mesh);
-  tell("arranging the tree", 0.8);
-  SphereTree tree = ArrangeLeaves(leaves).tree;
-  tell("sharing out triangles", 0.9);
-  ShareOutTriangles(mesh, maker.samples(), tree);
-  tree.centroid = report.centroid;
-  tell("done", 1.0);
-  return tree;
+  if (progress) progress("scattering samples", 0.05);
+  const SampledSolid sampled(solid.mesh, count);
+  const std::vector<Sphere> leaves = MakeLeaves(sampled, count, mode, progress);
+  return Assemble(mesh, leaves, sampled.samples, centroid, progress);
+}
+
+SphereTree TreeOverBalls(const TriangleMesh& mesh, const std::vector<Sphere>& balls) {
+  if (balls.empty()) throw Error("a sphere tree of 0 leaves is not possible; give at least 1");
+  const Vec3 centroid = CentroidOf(mesh);
+  const MeshSolid solid = SolidOf(mesh);
+  return Assemble(mesh, balls, SampledSolid(solid.mesh, balls.size()).samples, centroid);
 }
 
 SphereTree SingleSphereTree(const TriangleMesh& mesh, const Sphere& ball) {
-  SphereTree tree = ArrangeLeaves({ball}).tree;
-  ShareOutTriangles(mesh, {}, tree);
-  tree.centroid = ball.centre;
-  return tree;
+  return Assemble(mesh, {ball}, {}, ball.centre);
 }
 
 }  // namespace palpate

@@ -19,10 +19,14 @@ enum class TreeMode : std::uint8_t {
   /// Those at the surface moved and resized, until they hold all of it and stick out least
   /// (cover_balls.h): they bound it.
   kCover,
+  /// The circumscribed balls of an octree's cells (octree_balls.h): what textbooks begin with, to
+  /// compare the others with.
+  kOctree,
 };
 
 /// What scene files and programs call them, in the order of TreeMode.
-inline constexpr std::array<std::string_view, 3> kTreeModes{"inside", "balanced", "cover"};
+inline constexpr std::array<std::string_view, 4> kTreeModes{"inside", "balanced", "cover",
+                                                            "octree"};
 inline std::string_view NameOf(TreeMode mode) {
   return kTreeModes[static_cast<std::size_t>(mode)];
 }

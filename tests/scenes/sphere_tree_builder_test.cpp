@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -222,11 +223,16 @@ TEST(SphereTreeBuilder, HoldsEveryTriangleInItsLeaves) {
       const SphereTree tree = BuildSphereTree(mesh, count, {}, TreeMode::kCover);
       ASSERT_EQ(tree.leaves(), count);
       EXPECT_EQ(TrianglesNotHeld(mesh, tree), 0u) << count;
+      EXPECT_EQ(TrianglesNotHeld(mesh, BuildSphereTree(mesh, count, {}, TreeMode::kOctree)), 0u)
+          << count;
     }
   }
   // The oracle sees a leaf that lacks.
   const TriangleMesh box = MakeBox(Vec3(0.05, 0.04, 0.03));
   SphereTree tree = BuildSphereTree(box, 64, {}, TreeMode::kCover);
+  tree.leaf_radius[5] *= 0.9;
+  EXPECT_GT(TrianglesNotHeld(box, tree), 0u);
+  tree = BuildSphereTree(box, 64, {}, TreeMode::kOctree);
   tree.leaf_radius[5] *= 0.9;
   EXPECT_GT(TrianglesNotHeld(box, tree), 0u);
   EXPECT_GT(TrianglesNotHeld(box, BuildSphereTree(box, 64)), 0u);
@@ -253,6 +259,29 @@ TEST(SphereTreeBuilder, CoversWithTheSameBytesAgain) {
   const TriangleMesh mesh = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280);
   const auto build = [&] { return BuildSphereTree(mesh, 100, {}, TreeMode::kCover); };
   EXPECT_EQ(BytesOf(mesh, build()), BytesOf(mesh, build()));
+}
+
+TEST(SphereTreeBuilder, MakesOfItsOwnLeavesTheSameTreeAgain) {
+  const TriangleMesh mesh = MakeBumpy(0.03);
+  const SphereTree built = BuildSphereTree(mesh, 100);
+  const std::vector<Sphere> leaves = BallsByLevel(built).back();
+  const SphereTree again = TreeOverBalls(mesh, leaves);
+  ASSERT_EQ(again.leaves(), 100u);
+  EXPECT_EQ(again.centroid, built.centroid);
+  // The order of the leaves may be another one; the triangles of each are the same.
+  const auto shared = [](const SphereTree& tree) {
+    std::set<std::tuple<double, double, double, std::vector<std::uint32_t>>> all;
+    for (std::size_t i = 0; i < tree.leaves(); ++i) {
+      const auto of = tree.leaf_triangle.begin();
+      all.insert({tree.leaf_x[i],
+                  tree.leaf_y[i],
+                  tree.leaf_z[i],
+                  {of + tree.leaf_triangle_begin[i], of + tree.leaf_triangle_begin[i + 1]}});
+    }
+    return all;
+  };
+  EXPECT_EQ(shared(again), shared(built));
+  EXPECT_THAT(ComplaintOf([&] { TreeOverBalls(mesh, {}); }), HasSubstr("at least 1"));
 }
 
 TEST(SphereTreeBuilder, BalancesAFewLeavesToo) {
