@@ -11,6 +11,8 @@
 
 #include "scenes/pose_script.h"
 #include "scenes/scene_file.h"
+#include "scenes/sph_file.h"
+#include "scenes/sphere_tree_builder.h"
 #include "tests/scenes/support.h"
 #include "tests/support/random.h"
 
@@ -143,6 +145,36 @@ TEST(SpoiltText, OfAScriptIsReadOrRefusedByName) {
   std::filesystem::remove(file);
   EXPECT_GT(read, 75) << "else nothing but refusals was tried";
   EXPECT_GT(refused, 75);
+}
+
+TEST(SpoiltText, OfASphereTreeIsReadOrRefusedByName) {
+  test::Random random(13);
+  const std::string good =
+      ToSph(SphOf(BuildSphereTree(MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 320), 20), 2), 1e-3);
+  int read = 0, refused = 0;
+  for (int i = 0; i < 5 * kTries; ++i) {
+    const std::string text = Spoilt(good, random);
+    try {
+      const SphTree tree = ParseSph(text, "folder/demo.sph", 1e-3);
+      ++read;
+      // Nothing that the text could not hold was made room for.
+      ASSERT_LE(tree.nodes.size(), text.size()) << text;
+      for (const SphTree::Node& node : tree.nodes) {
+        ASSERT_TRUE(node.ball.centre.allFinite() && std::isfinite(node.ball.radius) &&
+                    std::isfinite(node.importance))
+            << text;
+      }
+      for (int level = 1; level <= tree.levels; ++level) {
+        for (const Sphere& ball : BallsOfLevel(tree, level)) ASSERT_GT(ball.radius, 0.0) << text;
+      }
+      ASSERT_FALSE(BallsOfLevel(tree, tree.levels).empty()) << text;
+    } catch (const Error& error) {
+      ++refused;
+      ASSERT_THAT(error.what(), StartsWith("folder/demo.sph:")) << text;
+    }
+  }
+  EXPECT_GT(read, 300) << "else nothing but refusals was tried";
+  EXPECT_GT(refused, 300);
 }
 
 }  // namespace
