@@ -27,6 +27,8 @@
 #include "scenes/scene_size.h"
 #include "scenes/shape_kinds.h"
 #include "scenes/shapes.h"
+#include "scenes/sph_file.h"
+#include "scenes/tree_import.h"
 
 namespace palpate {
 namespace {
@@ -64,11 +66,12 @@ struct Shape {
   TriangleMesh mesh;
   SphereTree tree;
   std::vector<MeshGroup> groups;
-  std::vector<std::string> remarks;  ///< MendMesh's
+  std::vector<std::string> remarks;  ///< MendMesh's, and where a tree's file does not fit
+  double metres_per_unit = 1.0;      ///< what a number in the mesh's file means
 };
 
 /// Complaints name the scene file's line.
-/// @param body  gets the named parts of a mesh file, and what was mended of it.
+/// @param body  gets the named parts of a mesh file, what was mended of it, and its unit.
 TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir, Shape& body) {
   switch (source.kind) {
     case MeshSource::Kind::kBox:
@@ -89,7 +92,7 @@ TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir, S
     const MeshReport report = InspectMesh(mesh);
     if (!report.refusal.empty()) throw Error(file + ": " + report.refusal);
     body.remarks = MendMesh(mesh);
-    PlaceMesh(source.placement, mesh);
+    body.metres_per_unit = PlaceMesh(source.placement, mesh);
     if (source.thickness && !Thicken(*source.thickness, mesh)) {
       throw Error("thickness_mm: " + file + " is closed, it has no sheets; drop it");
     }
@@ -99,6 +102,10 @@ TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir, S
 
 void Warn(const LoadOptions& options, const std::string& what) {
   options.warn ? options.warn(what) : void(std::cerr << "warning: " << what << '\n');
+}
+
+void Tell(const LoadOptions& options, const std::string& what) {
+  options.tell ? options.tell(what) : void(std::cerr << what << '\n');
 }
 
 /// Refines the body's mesh as its scene file asks.  What follows, trees, bundles, viewers, physics
@@ -137,7 +144,16 @@ Shape MakeShape(const BodyDescription& description, const LoadOptions& options) 
   const auto tell = [&](std::string_view stage, double fraction) {
     if (options.progress) options.progress(description.name + ": " + std::string(stage), fraction);
   };
-  body.tree = BuildSphereTree(body.mesh, description.leaves, tell, description.tree);
+  if (description.tree.built()) {
+    body.tree = BuildSphereTree(body.mesh, description.leaves, tell, description.tree.mode);
+    return body;
+  }
+  ImportedTree imported = About(description.tree.where, [&] {
+    return ImportTree(description.tree, body.mesh, body.metres_per_unit);
+  });
+  Tell(options, description.name + ": " + imported.found);
+  if (!imported.misfit.empty()) body.remarks.push_back(imported.misfit);
+  body.tree = std::move(imported.tree);
   return body;
 }
 
@@ -175,6 +191,10 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
           key = HashBytes(std::to_string(kGroupPaintVersion), key);
         }
       }
+      if (!body.tree.built()) {
+        const std::string sph = About(body.tree.where, [&] { return ReadSphText(body.tree.file); });
+        key = HashBytes(sph, key + kTreeImportVersion);
+      }
       if (!IsImported(body.mesh)) continue;
       const std::string file = MeshFile(body.mesh, models_dir);
       const auto [it, fresh] = hashes.try_emplace(file, 0);
@@ -188,15 +208,16 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
   return key;
 }
 
-bool SameGeometry(const BodyDescription& a, const BodyDescription& b) {
-  const MeshSource& m = a.mesh;
-  const MeshSource& n = b.mesh;
-  return a.leaves == b.leaves && a.tree == b.tree && m.kind == n.kind && m.what == n.what &&
-         m.size == n.size && m.triangles == n.triangles && m.variant == n.variant &&
-         m.values == n.values && m.curved == n.curved && m.thickness == n.thickness &&
-         m.placement.metres_per_unit == n.placement.metres_per_unit &&
+bool SameMesh(const MeshSource& m, const MeshSource& n) {
+  return m.kind == n.kind && m.what == n.what && m.size == n.size && m.triangles == n.triangles &&
+         m.variant == n.variant && m.values == n.values && m.curved == n.curved &&
+         m.thickness == n.thickness && m.placement.metres_per_unit == n.placement.metres_per_unit &&
          m.placement.longest_side == n.placement.longest_side &&
          m.placement.origin == n.placement.origin;
+}
+
+bool SameGeometry(const BodyDescription& a, const BodyDescription& b) {
+  return a.leaves == b.leaves && a.tree == b.tree && SameMesh(a.mesh, b.mesh);
 }
 
 Scene Compile(const SceneDescription& description, const LoadOptions& options) {
@@ -248,15 +269,10 @@ void RefuseWhatIsNoScene(const std::string& file, const std::string& text) {
 
 std::string SceneTextOfMesh(const std::string& file, const LoadOptions& options) {
   const MeshScene scene = MakeMeshScene(file, options.mesh, fs::path(file).parent_path().string());
-  const auto tell = [&](const std::string& text) {
-    options.tell ? options.tell(text) : void(std::cerr << text << '\n');
-  };
-  for (const std::string& assumption : scene.assumptions) {
-    tell(assumption);
-  }
+  for (const std::string& assumption : scene.assumptions) Tell(options, assumption);
   const std::string quote = file.find(' ') == std::string::npos ? "" : "\"";
-  tell("to change any of it: 'palpate-scene new " + quote + file + quote + " -o " + scene.name +
-       ".json' writes a scene file of it");
+  Tell(options, "to change any of it: 'palpate-scene new " + quote + file + quote + " -o " +
+                    scene.name + ".json' writes a scene file of it");
   return scene.text;
 }
 
@@ -264,18 +280,35 @@ std::string SceneTextOfMesh(const std::string& file, const LoadOptions& options)
 SceneDescription Describe(const std::string& text, const std::string& file,
                           const LoadOptions& options) {
   SceneDescription scene = ParseScene(text, file);
+  if (options.tree_file) {
+    const MeshSource mesh = scene.objects.front().mesh;
+    for (auto* bodies : {&scene.tools, &scene.objects}) {
+      for (BodyDescription& body : *bodies) {
+        if (!SameMesh(body.mesh, mesh)) continue;
+        body.tree = *options.tree_file;
+        body.leaves = 0;
+      }
+    }
+  }
   if (!options.tree) return scene;
   for (auto* bodies : {&scene.tools, &scene.objects}) {
-    for (BodyDescription& body : *bodies) body.tree = *options.tree;
+    for (BodyDescription& body : *bodies) {
+      if (body.tree.built()) {
+        body.tree.mode = *options.tree;
+      } else {
+        Warn(options, body.tree.where + ": is a tree from a file, " + body.tree.file +
+                          ", and stays as it is: only trees that are built have the mode \"" +
+                          std::string(NameOf(*options.tree)) + "\"");
+      }
+    }
   }
   return scene;
 }
 
 Scene LoadBundle(const std::string& bytes, const std::string& file, const LoadOptions& options) {
-  if (options.tree) {
-    throw Error(file +
-                ": is a bundle, whose trees are built; give the scene file or leave the "
-                "mode out");
+  if (options.tree || options.tree_file) {
+    throw Error(file + ": is a bundle, whose trees are built; give the scene file or leave the " +
+                (options.tree ? "mode out" : "tree's file out"));
   }
   return UnpackScene(Bytes(bytes), file);
 }
@@ -339,7 +372,7 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   if (LooksLikeBundle(text)) return LoadBundle(text, file, options);
   RefuseWhatIsNoScene(file, text);
   const SceneDescription description = Describe(text, file, options);
-  if (!options.use_cache) return Compile(description, options);
+  if (!options.use_cache || options.tree_file) return Compile(description, options);
 
   const std::string folder = options.cache_dir.empty() ? DefaultCacheFolder() : options.cache_dir;
   std::uint64_t key = KeyOf(description, text, options.models_dir);

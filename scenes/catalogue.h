@@ -8,6 +8,7 @@
 #include "scenes/mesh_scene.h"
 #include "scenes/scene.h"
 #include "scenes/sphere_tree_builder.h"
+#include "scenes/tree_source.h"
 
 namespace palpate {
 
@@ -15,12 +16,17 @@ struct LoadOptions {
   std::string models_dir;  ///< looked in first for models; empty: model_files.h
   std::string cache_dir;   ///< empty: $XDG_CACHE_HOME/palpate, else ~/.cache/palpate
   bool use_cache = true;
-  std::optional<TreeMode> tree;  ///< of every body; left out: as the scene file says
-  Progress progress;             ///< stages are "body: stage"; only while something is built
+  /// Of every body whose tree is built; left out: as the scene file says.
+  std::optional<TreeMode> tree;
+  /// Of the first object and whoever has its mesh, whatever the scene file says; nothing of it is
+  /// cached.
+  std::optional<TreeSource> tree_file;
+  Progress progress;  ///< stages are "body: stage"; only while something is built
   /// Told what went wrong and was mended, such as a broken cache file.  Default: to standard error.
   std::function<void(const std::string&)> warn;
   MeshSceneOptions mesh;  ///< where a mesh file is named in place of a scene
-  /// Told what was assumed of such a mesh.  Default: to standard error.
+  /// Told what was assumed of such a mesh, and how a tree from a file was brought to its mesh.
+  /// Default: to standard error.
   std::function<void(const std::string&)> tell;
 };
 

@@ -318,6 +318,10 @@ bool JsonNode::IsFalse() const {
   return value_->kind == Value::kBool && value_->number == 0.0;
 }
 
+bool JsonNode::IsObject() const {
+  return value_->kind == Value::kObject;
+}
+
 Vec3 JsonNode::Vector(double most) const {
   const std::vector<JsonNode> items = Items();
   if (items.size() != 3) {

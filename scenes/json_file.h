@@ -37,6 +37,7 @@ class JsonNode {
   double PositiveNumber() const;
   bool Boolean() const;
   bool IsFalse() const;  ///< the word false, not 0
+  bool IsObject() const;
   std::int64_t Integer(std::int64_t min, std::int64_t max) const;
   /// @param most  size of an entry.
   Vec3 Vector(double most = std::numeric_limits<double>::infinity()) const;

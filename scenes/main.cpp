@@ -86,6 +86,10 @@ Scene Load(const Arguments& arguments) {
     progress.Clear();
     std::cerr << "warning: " << text << '\n';
   };
+  options.tell = [&](const std::string& text) {
+    progress.Clear();
+    std::cerr << text << '\n';
+  };
   return LoadScene(arguments.scene, options);
 }
 
@@ -309,7 +313,7 @@ int Main(int argc, char** argv) {
   build
       ->add_option("--mode", arguments.mode,
                    "How the leaves of all trees stand for their meshes, whatever the scene file "
-                   "says")
+                   "says; those that it has from a .sph file stay")
       ->check(CLI::IsMember(std::vector<std::string>(kTreeModes.begin(), kTreeModes.end())));
   CLI::App* info =
       add("info", "Prints features, bodies, levels, materials, sizes and the hash", scene_help);

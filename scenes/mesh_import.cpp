@@ -175,7 +175,7 @@ std::vector<std::string> FilesOfMesh(const std::string& file) {
   return files;
 }
 
-void PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh) {
+double PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh) {
   const MeshReport report = InspectMesh(mesh);
   double scale = placement.metres_per_unit;
   if (placement.longest_side) {
@@ -188,6 +188,7 @@ void PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh) {
     origin = report.centroid;
   }
   for (Vec3& v : mesh.vertices) v = scale * (v - origin);
+  return scale;
 }
 
 }  // namespace palpate

@@ -38,6 +38,7 @@ struct MeshPlacement {
 };
 
 /// Scales and centres.  The mesh must have an extent (mesh_report.h).
-void PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh);
+/// Returns what a number in the file means [m].
+double PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh);
 
 }  // namespace palpate

@@ -10,6 +10,7 @@
 #include "common/error.h"
 #include "scenes/json_file.h"
 #include "scenes/shape_kinds.h"
+#include "scenes/sph_file.h"
 
 namespace palpate {
 namespace {
@@ -294,6 +295,29 @@ void CheckCurved(const JsonNode& root, const SceneDescription& scene) {
   check("objects", scene.objects);
 }
 
+TreeSource ReadTree(const JsonNode& node, const fs::path& folder) {
+  TreeSource tree;
+  tree.where = node.Where();
+  if (!node.IsObject()) {
+    tree.mode = TreeModeNamed(node.OneOf({kTreeModes.begin(), kTreeModes.end()}));
+    return tree;
+  }
+  node.AllowOnly({"file", "level", "unit", "align"});
+  const JsonNode file = node.At("file");
+  tree.file = (folder / file.String()).lexically_normal().string();
+  if (fs::path(tree.file).extension() != ".sph") {
+    file.Fail(
+        "is no .sph file; give one of the Sphere-Tree Construction Toolkit, or of "
+        "palpate-scene export");
+  }
+  if (auto level = node.Find("level")) {
+    tree.level = static_cast<int>(level->Integer(1, kMaxSphLevels));
+  }
+  if (auto unit = node.Find("unit")) tree.metres_per_unit = ReadUnit(*unit);
+  if (auto align = node.Find("align")) tree.align = align->Boolean();
+  return tree;
+}
+
 BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& folder) {
   const bool object = kind == BodyKind::kObject;
   const std::string_view pose_field = object ? "pose" : "start";
@@ -308,9 +332,11 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   body.mesh = mesh.Has("shape") ? ReadShape(mesh) : ReadImported(mesh, folder);
   body.mesh.curved = ReadCurved(mesh);
   body.mesh.where = mesh.Where();
-  body.leaves = node.At("leaves").Integer(1, kMaxLeaves);
-  if (auto tree = node.Find("tree")) {
-    body.tree = TreeModeNamed(tree->OneOf({kTreeModes.begin(), kTreeModes.end()}));
+  if (auto tree = node.Find("tree")) body.tree = ReadTree(*tree, folder);
+  if (body.tree.built()) {
+    body.leaves = node.At("leaves").Integer(1, kMaxLeaves);
+  } else if (auto leaves = node.Find("leaves")) {
+    leaves->Fail("is not to be given where \"tree\" names a file, whose level decides it; drop it");
   }
   if (auto pose = node.Find(pose_field)) {
     pose->AllowOnly({"position_mm", "rotation_deg", "quaternion_wxyz"});

@@ -11,7 +11,7 @@
 #include "scenes/mesh_import.h"
 #include "scenes/scene.h"
 #include "scenes/sphere.h"
-#include "scenes/tree_mode.h"
+#include "scenes/tree_source.h"
 
 namespace palpate {
 
@@ -63,8 +63,8 @@ struct RegionDescription {
 struct BodyDescription {
   std::string name;
   MeshSource mesh;
-  std::size_t leaves = 0;
-  TreeMode tree = TreeMode::kInside;
+  std::size_t leaves = 0;  ///< 0: as many as the tree's file has
+  TreeSource tree;
   Pose X_WB;
   MaterialDescription material;            ///< objects: of what no region paints
   std::vector<RegionDescription> regions;  ///< objects: later ones over earlier ones

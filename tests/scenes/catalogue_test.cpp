@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -14,6 +15,9 @@
 #include "scenes/pose_script.h"
 #include "scenes/scene_bundle.h"
 #include "scenes/scene_file.h"
+#include "scenes/scene_verdict.h"
+#include "scenes/sph_file.h"
+#include "scenes/tree_error.h"
 #include "tests/scenes/support.h"
 
 namespace palpate {
@@ -23,6 +27,7 @@ namespace fs = std::filesystem;
 using test::ComplaintOf;
 using test::FreshFolder;
 using test::WriteFile;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -226,6 +231,108 @@ TEST(LoadScene, SaysWhereTrianglesDoNotSufficeForTheTolerance) {
   EXPECT_THAT(f.warnings,
               ElementsAre(HasSubstr("objects[0].mesh.curved: 3000 triangles do not suffice for 5 "
                                     "um; the mesh is true to 80 um with")));
+}
+
+/// The fixture's scene, its object's leaves from a file.
+std::string TreeText(const std::string& tree) {
+  return R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
+  "objects": [{"name": "box", "mesh": {"file": "box.obj", "unit": "mm"},
+               "tree": )" +
+         tree + "}]}";
+}
+
+/// Writes the tree that the fixture builds of so many leaves, moved, in millimetres.
+SphereTree WriteTree(Fixture& f, int leaves, const Vec3& moved) {
+  WriteFile(f.scene, SceneText(leaves));
+  const SphereTree tree = f.Load().objects[0].tree;
+  SphTree sph = SphOf(tree);
+  for (SphTree::Node& node : sph.nodes) node.ball.centre += moved;
+  WriteFile(f.folder + "/box.sph", ToSph(sph, 1e-3));
+  return tree;
+}
+
+TEST(LoadScene, TakesLeavesFromAFileAndMovesThemToTheMesh) {
+  Fixture f;
+  std::vector<std::string> told;
+  f.options.tell = [&](const std::string& text) { told.push_back(text); };
+  const Vec3 moved(-0.03, 0.01, 0.005);
+  const SphereTree built = WriteTree(f, 700, moved);
+  WriteFile(f.scene, TreeText(R"({"file": "box.sph"})"));
+  const Body body = f.Load().objects[0];
+  ASSERT_EQ(body.tree.leaves(), 700u);
+  EXPECT_THAT(body.remarks, IsEmpty());
+  EXPECT_THAT(told, ElementsAre(AllOf(HasSubstr("box: "), HasSubstr("box.sph: level 5 of 5"),
+                                      HasSubstr("700 balls, moved by (30."))));
+  // A thousandth of the diagonal, which the shift is right within.
+  const SphereQuery leaves(BallsByLevel(built).back());
+  const std::vector<Sphere> read = BallsByLevel(body.tree).back();
+  for (const Sphere& ball : read) EXPECT_LT(leaves.Nearest(ball.centre).distance, 17e-6);
+  EXPECT_EQ(body.tree.leaf_triangle_begin.size(), 701u);
+  EXPECT_EQ(std::set<std::uint32_t>(body.tree.leaf_triangle.begin(), body.tree.leaf_triangle.end())
+                .size(),
+            body.mesh.triangles.size());
+  // The cache knows the file: the same is not read again, another one is.
+  EXPECT_EQ(PackScene(f.Load()), PackScene(f.Load()));
+  const std::size_t cached = f.Cached().size();
+  WriteTree(f, 70, moved);
+  WriteFile(f.scene, TreeText(R"({"file": "box.sph"})"));
+  EXPECT_EQ(f.Load().objects[0].tree.leaves(), 70u);
+  EXPECT_EQ(f.Cached().size(), cached + 2);
+}
+
+TEST(LoadScene, TakesTheLevelAndTheUnitThatItIsTold) {
+  Fixture f;
+  f.options.tell = [](const std::string&) {};
+  const SphereTree built = WriteTree(f, 70, Vec3::Zero());
+  const auto load = [&](const std::string& tree) {
+    WriteFile(f.scene, TreeText(tree));
+    return f.Load().objects[0].tree;
+  };
+  // Level 1 is the root, which our trees have no node for.
+  EXPECT_EQ(load(R"({"file": "box.sph", "level": 1})").leaves(), 1u);
+  EXPECT_EQ(load(R"({"file": "box.sph", "level": 2})").leaves(), 2u);
+  EXPECT_EQ(load(R"({"file": "box.sph", "level": 3})").leaves(), 9u);
+  EXPECT_EQ(load(R"({"file": "box.sph", "level": 4})").leaves(), 70u);
+  const SphereTree still = load(R"({"file": "box.sph", "align": false, "unit": "mm"})");
+  EXPECT_NEAR(still.leaf_x[0], built.leaf_x[0], 1e-9);
+  EXPECT_THAT(ComplaintOf([&] { load(R"({"file": "box.sph", "level": 5})"); }),
+              AllOf(HasSubstr("s.json:3: objects[0].tree: "), HasSubstr("there is no level 5"),
+                    HasSubstr("to 4, its finest")));
+  EXPECT_THAT(ComplaintOf([&] { load(R"({"file": "box.sph", "unit": "m"})"); }),
+              AllOf(HasSubstr("objects[0].tree: "), HasSubstr("box.sph: its balls take a box"),
+                    HasSubstr("give the \"unit\"")));
+  EXPECT_THAT(ComplaintOf([&] { load(R"({"file": "none.sph"})"); }),
+              AllOf(HasSubstr("objects[0].tree: "), HasSubstr("none.sph: No such file")));
+}
+
+TEST(LoadScene, KeepsTheRemarkThatATreeHardlyFits) {
+  Fixture f;
+  int made = 0;
+  f.options.tell = [&](const std::string&) { ++made; };
+  WriteTree(f, 70, Vec3::Zero());
+  WriteFile(f.folder + "/box.obj",
+            "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 10 10 0\nv 5 5 5\nf 1 4 2\nf 1 3 4\n"
+            "f 1 2 5\nf 2 4 5\nf 4 3 5\nf 3 1 5\n");
+  WriteFile(f.scene, TreeText(R"({"file": "box.sph"})"));
+  for (int load = 0; load < 2; ++load) {
+    const Scene scene = f.Load();
+    EXPECT_EQ(made, 1) << "the second time it is from the cache";
+    EXPECT_THAT(scene.objects[0].remarks,
+                ElementsAre(HasSubstr("as if they were of another mesh")));
+    EXPECT_THAT(ToText(JudgeScene(scene)), HasSubstr("as if they were of another mesh"));
+  }
+}
+
+TEST(LoadScene, LeavesATreeFromAFileAloneWhereAModeIsNamed) {
+  Fixture f;
+  f.options.tell = [](const std::string&) {};
+  WriteTree(f, 70, Vec3::Zero());
+  WriteFile(f.scene, TreeText(R"({"file": "box.sph"})"));
+  const std::vector<std::uint8_t> plain = PackScene(f.Load());
+  f.options.tree = TreeMode::kCover;
+  EXPECT_EQ(PackScene(f.Load()), plain);
+  EXPECT_THAT(f.warnings,
+              ElementsAre(AllOf(HasSubstr("objects[0].tree: "), HasSubstr("stays as it is"))));
 }
 
 TEST(LoadScene, MendsABrokenCacheAndSaysSo) {
