@@ -16,6 +16,7 @@
 #include "common/command_line.h"
 #include "common/error.h"
 #include "common/log.h"
+#include "common/nearest_word.h"
 #include "scenes/catalogue.h"
 #include "scenes/coverage.h"
 #include "scenes/hidden_surface.h"
@@ -26,7 +27,9 @@
 #include "scenes/mesh_scene.h"
 #include "scenes/picture.h"
 #include "scenes/scene_bundle.h"
+#include "scenes/scene_file.h"
 #include "scenes/scene_verdict.h"
+#include "scenes/tree_export.h"
 #include "scenes/tree_mode.h"
 
 namespace palpate {
@@ -40,6 +43,8 @@ struct Arguments {
   std::string log_level = "info";
   std::optional<int> level;
   std::string mode;  ///< one of kTreeModes; empty: as the scene file says
+  std::string body;  ///< whose tree is exported; empty: the first object's
+  std::string unit;  ///< of what is exported
   bool rebuild = false;
   bool whole = false;
   MeshSceneOptions mesh;
@@ -258,6 +263,33 @@ void Render(const Arguments& arguments) {
   std::printf("wrote %s\n", arguments.output.c_str());
 }
 
+const Body& FindBody(const Scene& scene, const std::string& name) {
+  if (name.empty()) return scene.objects.front();
+  std::vector<std::string_view> names;
+  for (const auto* bodies : {&scene.objects, &scene.tools}) {
+    for (const Body& body : *bodies) {
+      if (body.name == name) return body;
+      names.push_back(body.name);
+    }
+  }
+  std::string message = "--body " + name + ": there is no such body in " + scene.name;
+  const std::string_view guess = NearestWord(name, names);
+  if (!guess.empty()) message.append("; did you mean \"").append(guess).append("\"?");
+  message += " (there are:";
+  for (const std::string_view known : names) message.append(" ").append(known);
+  throw UsageError(message + ")");
+}
+
+void Export(const Arguments& arguments) {
+  const Scene scene = Load(arguments);
+  const Body& body = FindBody(scene, arguments.body);
+  const std::vector<std::uint8_t> bytes =
+      ExportTree(body, {arguments.level, arguments.unit}, arguments.output);
+  WriteFileAtomically(arguments.output, bytes);
+  std::printf("wrote %s: the tree of %s (%.1f MB)\n", arguments.output.c_str(), body.name.c_str(),
+              1e-6 * double(bytes.size()));
+}
+
 void List() {
   for (const CatalogueEntry& entry : ListCatalogue()) {
     std::printf("%-16s  %s\n", entry.name.c_str(), entry.description.c_str());
@@ -289,7 +321,8 @@ int Main(int argc, char** argv) {
       "  palpate-scene list\n"
       "  palpate-scene new tooth.stl -o tooth.json\n"
       "  palpate-scene build bunny-bunny -o bunny.palpate\n"
-      "  palpate-scene render bunny.palpate -o bunny.png",
+      "  palpate-scene render bunny.palpate -o bunny.png\n"
+      "  palpate-scene export bunny-bunny -o bunny.glb",
       "palpate-scene");
   Arguments arguments;
   app.require_subcommand(1);
@@ -329,6 +362,31 @@ int Main(int argc, char** argv) {
   AddMeshOptions(*make, arguments.mesh);
   render->add_flag("--whole", arguments.whole, "The scene as it stands, instead of its bodies");
 
+  CLI::App* export_tree = add(
+      "export",
+      "Writes a body's sphere tree, in the body's frame, as a file for other programs:\n"
+      "  .sph  of the Sphere-Tree Construction Toolkit: \"levels degree\", then a line x y z "
+      "radius\n"
+      "        importance for each slot, breadth first, radius -1 where none is used.  The root\n"
+      "        is added, so that level N here is level N + 1 there.  A scene file's\n"
+      "        \"tree\": {\"file\": ...} reads it\n"
+      "  .ply  the balls of a level as small coloured icospheres, binary; any viewer shows it\n"
+      "  .glb  the same as glTF, in metres\n"
+      "Example: palpate-scene export bunny-bunny -o bunny.sph --unit mm",
+      scene_help);
+  export_tree->add_option("-o,--output", arguments.output, "File to write (.sph, .ply or .glb)")
+      ->required();
+  export_tree->add_option("--body", arguments.body,
+                          "Tool or object by its name (default: the first object)");
+  export_tree->add_option("--level", arguments.level,
+                          "From 1, the coarsest, as info counts: of a .ply or .glb the one that is "
+                          "written (default: the leaves), of a .sph the last one (default: all)");
+  export_tree
+      ->add_option("--unit", arguments.unit,
+                   "What a number in a .sph or .ply is to mean (default: mm; a .sph has six "
+                   "decimals)")
+      ->check(CLI::IsMember(std::vector<std::string>(kUnits.begin(), kUnits.end())));
+
   const CLI::App* list = app.add_subcommand("list", "Lists the scenes of the catalogue");
 
   if (!ParseCommandLine(app, argc, argv)) return 0;
@@ -339,6 +397,7 @@ int Main(int argc, char** argv) {
   if (check->parsed()) Check(arguments);
   if (render->parsed()) Render(arguments);
   if (make->parsed()) New(arguments);
+  if (export_tree->parsed()) Export(arguments);
   return 0;
 }
 

@@ -67,6 +67,41 @@ TEST(PalpateScene, BuildsTreesInTheModeThatIsNamed) {
   EXPECT_LT(outside("inside"), 1e-6);
 }
 
+TEST(PalpateScene, ExportsTreesAndTakesThemBack) {
+  const std::string folder = FreshFolder();
+  for (const std::string ending : {"sph", "ply", "glb"}) {
+    const std::string file = folder + "/e." + ending;
+    const Outcome exported = PalpateScene("export ellipsoid -o " + file, folder);
+    EXPECT_EQ(exported.exit_code, 0) << exported.text;
+    EXPECT_THAT(exported.text, HasSubstr("wrote " + file + ": the tree of ellipsoid"));
+    EXPECT_TRUE(std::filesystem::exists(file));
+  }
+  test::WriteFile(folder + "/s.json", R"({
+    "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
+    "objects": [{"name": "egg", "tree": {"file": "e.sph", "unit": "mm"},
+                 "mesh": {"shape": "ellipsoid", "semi_axes_m": [0.04, 0.025, 0.03]}}]})");
+  const Outcome build = PalpateScene("build " + folder + "/s.json --mode cover", folder);
+  EXPECT_EQ(build.exit_code, 0) << build.text;
+  EXPECT_THAT(build.text,
+              HasSubstr("egg: " + folder + "/e.sph: level 4 of 4, 512 balls, moved by"));
+  EXPECT_THAT(build.text, HasSubstr("objects[0].tree: is a tree from a file"));
+  EXPECT_THAT(build.text, HasSubstr("object egg: 512 leaves in 3 levels"));
+
+  const Outcome body =
+      PalpateScene("export ellipsoid --body elipsoid -o " + folder + "/f.ply", folder);
+  EXPECT_EQ(body.exit_code, 2) << body.text;
+  EXPECT_THAT(body.text, HasSubstr("did you mean \"ellipsoid\"?"));
+  const Outcome ball = PalpateScene("export ellipsoid --body ball -o " + folder + "/f.ply", folder);
+  EXPECT_THAT(ball.text, HasSubstr("the tree of ball"));
+  const Outcome ending = PalpateScene("export ellipsoid -o " + folder + "/f.obj", folder);
+  EXPECT_EQ(ending.exit_code, 2) << ending.text;
+  EXPECT_THAT(ending.text, HasSubstr("give .sph"));
+  EXPECT_FALSE(std::filesystem::exists(folder + "/f.obj"));
+  const Outcome help = PalpateScene("export --help", folder);
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_THAT(help.text, HasSubstr("Example: palpate-scene export"));
+}
+
 TEST(PalpateScene, SaysWhatAModeCanBeAndOfWhat) {
   const std::string folder = FreshFolder();
   const Outcome unknown = PalpateScene("build ellipsoid --mode outside", folder);
