@@ -281,6 +281,7 @@ const Body& FindBody(const Scene& scene, const std::string& name) {
 }
 
 void Export(const Arguments& arguments) {
+  ExportFormatOf(arguments.output);  // before anything is built
   const Scene scene = Load(arguments);
   const Body& body = FindBody(scene, arguments.body);
   const std::vector<std::uint8_t> bytes =

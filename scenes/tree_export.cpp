@@ -173,13 +173,18 @@ Bytes ToGlb(const std::vector<Sphere>& balls, const std::string& name) {
   return bytes;
 }
 
-Bytes ExportTree(const Body& body, const TreeExportOptions& options, const std::string& file) {
+std::string ExportFormatOf(const std::string& file) {
   const std::string ending = std::filesystem::path(file).extension().string();
   if (ending != ".sph" && ending != ".ply" && ending != ".glb") {
     throw UsageError(file +
                      ": the ending says what is written; give .sph (the Sphere-Tree Construction "
                      "Toolkit's), .ply or .glb (for any viewer)");
   }
+  return ending;
+}
+
+Bytes ExportTree(const Body& body, const TreeExportOptions& options, const std::string& file) {
+  const std::string ending = ExportFormatOf(file);
   const int levels = body.tree.levels();
   if (options.level && (*options.level < 1 || *options.level > levels)) {
     throw UsageError(fmt::format("--level {}: the tree of {} has levels 1 to {}", *options.level,

@@ -28,8 +28,11 @@ struct TreeExportOptions {
   std::string unit{};  ///< of a .sph or .ply, one of kUnits; empty: mm
 };
 
-/// The bytes of a file of a body's tree, in its frame: a .sph (sph_file.h), .ply or .glb, by the
-/// file's ending.  Throws Error or UsageError.
+/// ".sph", ".ply" or ".glb", by the file's ending.  Throws UsageError where it is another.
+std::string ExportFormatOf(const std::string& file);
+
+/// The bytes of a file of a body's tree, in its frame, in the format of the file's ending
+/// (sph_file.h).  Throws Error or UsageError.
 std::vector<std::uint8_t> ExportTree(const Body& body, const TreeExportOptions& options,
                                      const std::string& file);
 

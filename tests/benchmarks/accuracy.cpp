@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -17,6 +18,7 @@
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
 #include "tests/benchmarks/sliding_force.h"
+#include "tests/benchmarks/tree_file_option.h"
 
 namespace palpate::bench {
 namespace {
@@ -26,6 +28,7 @@ struct Options {
   std::string mode{kTreeModes[0]};
   std::vector<std::size_t> spheres{64, 512, 4096};
   FeatureOptions features{"surface", "off"};
+  TreeSource file;  ///< beside the trees that are built; none where it names no file
   std::string json, plot;
   std::vector<std::string> draw;
 };
@@ -147,10 +150,16 @@ void Run(Options options) {
     return;
   }
   options.experiment.features = options.features.features();
-  options.experiment.mode = TreeModeNamed(options.mode);
+  options.experiment.tree.mode = TreeModeNamed(options.mode);
   std::vector<SlidingForce> rows;
   for (const std::size_t spheres : options.spheres) {
     rows.push_back(MeasureSlidingForce(options.experiment, spheres));
+  }
+  std::optional<SlidingForce> of_file;
+  if (!options.file.built()) {
+    SlidingExperiment experiment = options.experiment;
+    experiment.tree = options.file;
+    of_file = MeasureSlidingForce(experiment, 0);
   }
 
   std::string table = fmt::format(
@@ -161,10 +170,12 @@ void Run(Options options) {
       options.experiment.repeats, ActiveKernels().name, "", "force error |dF|", "of the strength",
       "direction, deg", "truncation", "step p99.9", "spheres", "mean", "max", "mean", "max", "mean",
       "max", "max, um", "us");
-  for (const SlidingForce& row : rows) {
-    table += fmt::format("  {:<22} {}  {:>10.4f} {:>10.2f}\n", row.spheres, Columns(row.errors),
+  const auto add_row = [&](const SlidingForce& row, const std::string& name) {
+    table += fmt::format("  {:<22} {}  {:>10.4f} {:>10.2f}\n", name, Columns(row.errors),
                          row.truncation_um.max, PercentilesOf(row.step_us.best()).p999);
-  }
+  };
+  for (const SlidingForce& row : rows) add_row(row, fmt::format("{}", row.spheres));
+  if (of_file) add_row(*of_file, fmt::format("{}, of the file", of_file->spheres));
   nlohmann::ordered_json json{{"object", options.experiment.object},
                               {"contact", options.features.contact},
                               {"mode", options.mode},
@@ -176,6 +187,10 @@ void Run(Options options) {
     json.update(ToJson(rows.front()));
   } else {
     for (const SlidingForce& row : rows) json["results"].push_back(ToJson(row));
+  }
+  if (of_file) {
+    json["tree_file"] = ToJson(*of_file);
+    json["tree_file"]["file"] = options.file.file;
   }
   if (!options.experiment.cube()) {
     const TriangleMesh mesh = ObjectMesh(options.experiment, kComparedTriangles);
@@ -228,6 +243,7 @@ void AddAccuracy(CLI::App& app) {
   command->add_option("--mode", options->mode, "Mode of the object's tree")
       ->check(CLI::IsMember(std::vector<std::string>(kTreeModes.begin(), kTreeModes.end())))
       ->capture_default_str();
+  AddTreeFileOptions(*command, "m", options->file);
   command->add_option("--steps", options->experiment.steps, "Samples of steady sliding")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

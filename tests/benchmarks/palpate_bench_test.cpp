@@ -17,6 +17,9 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "scenes/shapes.h"
+#include "scenes/sph_file.h"
+#include "scenes/sphere_tree_builder.h"
 #include "tests/support/program.h"
 
 namespace palpate {
@@ -326,6 +329,58 @@ TEST_F(PalpateBench, AccuracySetsTheTrianglesOfAMeshBesideTheSpheres) {
   EXPECT_EQ(json["mesh"]["triangles"], 5120);
   EXPECT_GT(json["mesh"]["force_error"]["magnitude"]["max"], 0.01);
   EXPECT_LT(json["mesh"]["force_error"]["magnitude"]["max"], 0.1);
+}
+
+/// The tree that 512 leaves inside the ellipsoid make, as a .sph file in millimetres somewhere
+/// else.
+std::string EllipsoidTree(const std::string& file) {
+  SphTree sph = SphOf(BuildSphereTree(MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 20480), 512));
+  for (SphTree::Node& node : sph.nodes) node.ball.centre += Vec3(0.07, 0.0, -0.02);
+  std::ofstream(file) << ToSph(sph, 1e-3);
+  return file;
+}
+
+TEST_F(PalpateBench, AccuracySetsATreeFromAFileBesideOurs) {
+  const std::string tree = EllipsoidTree(File("e.sph"));
+  ASSERT_EQ(Run({"accuracy", "--object", "ellipsoid", "--spheres", "512", "--contact", "spheres",
+                 "--steps", "400", "--repeats", "1", "--tree", tree, "--unit", "mm", "--json",
+                 File("e.json")}),
+            0)
+      << said_;
+  EXPECT_THAT(said_, HasSubstr("level 4 of 4, 512 balls, moved by (-70."));
+  EXPECT_THAT(said_, HasSubstr("512, of the file"));
+  const nlohmann::json json = Json("e.json");
+  EXPECT_EQ(json["tree_file"]["spheres"], 512);
+  EXPECT_EQ(json["tree_file"]["file"], tree);
+  // The same leaves but for a shift of some micrometres.
+  const double ours = json["force_error"]["magnitude"]["mean"];
+  EXPECT_NEAR(json["tree_file"]["force_error"]["magnitude"]["mean"], ours, 0.1 * ours);
+  EXPECT_EQ(Run({"accuracy", "--object", "ellipsoid", "--spheres", "64", "--contact", "spheres",
+                 "--steps", "40", "--repeats", "1", "--tree", tree}),
+            1);
+  EXPECT_THAT(said_, HasSubstr("give the \"unit\""));
+}
+
+TEST_F(PalpateBench, TreeSetsATreeFromAFileBesideOurs) {
+  const std::string tree = EllipsoidTree(File("e.sph"));
+  const auto run = [&](const std::string& level) {
+    EXPECT_EQ(Run({"tree", "--scene", "ellipsoid", "--modes", "octree,inside", "--samples", "2003",
+                   "--no-force", "--tree", tree, "--level", level, "--unit", "mm", "--json",
+                   File("t.json")}),
+              0)
+        << said_;
+    return Json("t.json")["modes"];
+  };
+  const nlohmann::json modes = run("4");
+  ASSERT_EQ(modes.size(), 3u);
+  EXPECT_EQ(modes[1]["mode"], "inside");
+  EXPECT_EQ(modes[2]["mode"], tree);
+  EXPECT_FALSE(modes[2].contains("build_s"));
+  const auto leaves = [](const nlohmann::json& mode) { return mode["bodies"][0]["levels"].back(); };
+  // Each is built of the scene's count, whatever came before it.
+  EXPECT_EQ(leaves(modes[1])["spheres"], 512);
+  EXPECT_EQ(leaves(modes[2])["spheres"], 512);
+  EXPECT_EQ(leaves(run("3")[2])["spheres"], 64);
 }
 
 TEST_F(PalpateBench, StabilityRunsACaseByItsNameAndExitsWithOneWhereItDoesNotHold) {

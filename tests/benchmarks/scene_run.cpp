@@ -11,9 +11,11 @@
 
 namespace palpate::bench {
 
-Scene LoadForBench(const std::string& scene, const std::string& models_dir) {
+Scene LoadForBench(const std::string& scene, const std::string& models_dir,
+                   const TreeSource& tree_file) {
   LoadOptions options;
   options.models_dir = models_dir;
+  if (!tree_file.built()) options.tree_file = tree_file;
   options.progress = [](std::string_view stage, double fraction) {
     Progress(fmt::format("{} {:.0f} % ...", stage, 100.0 * fraction));
   };

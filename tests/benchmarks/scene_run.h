@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scenes/scene.h"
+#include "scenes/tree_source.h"
 #include "server/physics/haptic_step.h"
 
 namespace palpate::bench {
@@ -39,6 +40,8 @@ class SceneRun {
 };
 
 /// Loads a scene as LoadScene does, and says so on stderr while something is built.
-Scene LoadForBench(const std::string& scene, const std::string& models_dir);
+/// @param tree_file  LoadOptions::tree_file, where it names one.
+Scene LoadForBench(const std::string& scene, const std::string& models_dir,
+                   const TreeSource& tree_file = {});
 
 }  // namespace palpate::bench

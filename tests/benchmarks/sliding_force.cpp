@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "scenes/curved_mesh.h"
 #include "scenes/shapes.h"
 #include "scenes/sphere_tree_builder.h"
+#include "scenes/tree_import.h"
 #include "server/physics/haptic_step.h"
 #include "server/physics/scene_model.h"
 
@@ -28,6 +31,24 @@ double Truncation(const StepReport& report, const SphereTree& object) {
     worst = std::max(worst, std::abs(gap + row.offset));
   }
   return worst;
+}
+
+SphereTree TreeOf(const SlidingExperiment& experiment, const TriangleMesh& mesh,
+                  std::size_t spheres) {
+  if (experiment.tree.built()) {
+    return BuildSphereTree(
+        mesh, spheres,
+        [&](std::string_view stage, double done) {
+          Progress(fmt::format("{} of {} spheres: {} {:.0f} % ...", experiment.object, spheres,
+                               stage, 100.0 * done));
+        },
+        experiment.tree.mode);
+  }
+  ImportedTree imported = ImportTree(experiment.tree, mesh, 1.0);
+  for (const std::string& said : {imported.found, imported.misfit}) {
+    if (!said.empty()) std::fprintf(stderr, "%s\n", said.c_str());
+  }
+  return std::move(imported.tree);
 }
 
 }  // namespace
@@ -68,13 +89,7 @@ Scene SlidingScene(const SlidingExperiment& experiment, std::size_t spheres) {
   if (experiment.tolerance > 0.0 && experiment.features.contact == ContactModel::kSurface) {
     object.mesh = RefineCurved(object.mesh, {.tolerance = experiment.tolerance}).mesh;
   }
-  object.tree = BuildSphereTree(
-      object.mesh, spheres,
-      [&](std::string_view stage, double done) {
-        Progress(fmt::format("{} of {} spheres: {} {:.0f} % ...", experiment.object, spheres, stage,
-                             100.0 * done));
-      },
-      experiment.mode);
+  object.tree = TreeOf(experiment, object.mesh, spheres);
   scene.tools.push_back(std::move(ball));
   scene.objects.push_back(std::move(object));
   return scene;
@@ -115,7 +130,7 @@ SlidingForce MeasureSlidingForce(const SlidingExperiment& experiment, std::size_
     step_us.Add(us);
   }
   Progress("");
-  return {spheres,
+  return {scene.objects.front().tree.leaves(),
           ObjectMesh(experiment, experiment.triangles).triangles.size(),
           scene.objects.front().mesh.triangles.size(),
           ForceErrors(path, forces),

@@ -5,6 +5,7 @@
 
 #include "scenes/scene.h"
 #include "scenes/sphere_tree_builder.h"
+#include "scenes/tree_source.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/sliding_path.h"
 
@@ -37,8 +38,8 @@ struct SlidingExperiment {
   /// surfaces [m]; 0: its triangles are taken as they are.
   double tolerance = 3e-6;
   Features features{.contact = ContactModel::kSpheres};
-  TreeMode mode = TreeMode::kInside;
-  int steps = 4000;  ///< of steady sliding
+  TreeSource tree{};  ///< of the object; a file's numbers are metres where it has no unit
+  int steps = 4000;   ///< of steady sliding
   int repeats = 5;
 
   bool cube() const { return object == "cube"; }
@@ -46,12 +47,12 @@ struct SlidingExperiment {
 SlidingPath PathOf(const SlidingExperiment& experiment);
 /// As made, not refined.
 TriangleMesh ObjectMesh(const SlidingExperiment& experiment, std::size_t triangles);
-/// Ball and object; the object's tree has so many leaves.
+/// Ball and object; the object's tree has so many leaves, or those of its file.
 Scene SlidingScene(const SlidingExperiment& experiment, std::size_t spheres);
 
 struct SlidingForce {
-  std::size_t spheres = 0, triangles = 0;
-  std::size_t felt_triangles = 0;  ///< what those are refined into
+  std::size_t spheres = 0, triangles = 0;  ///< of the object
+  std::size_t felt_triangles = 0;          ///< what those are refined into
   ForceErrors errors;
   MeanMax truncation_um;
   BestOf step_us;

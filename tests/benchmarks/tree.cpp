@@ -20,6 +20,7 @@
 #include "tests/benchmarks/machine.h"
 #include "tests/benchmarks/pose_source.h"
 #include "tests/benchmarks/scene_run.h"
+#include "tests/benchmarks/tree_file_option.h"
 
 namespace palpate::bench {
 namespace {
@@ -31,6 +32,7 @@ struct Options {
   std::size_t samples = 100003;
   std::optional<int> steps;
   bool no_force = false;
+  TreeSource file;  ///< beside the trees that are built; none where it names no file
 };
 
 struct ModeResult {
@@ -120,26 +122,33 @@ void MeasureBodies(const Scene& scene, std::size_t samples, ModeResult& result) 
 }
 
 void Run(const Options& options) {
-  Scene scene = LoadForBench(options.scene, options.models);
+  const Scene loaded = LoadForBench(options.scene, options.models);
   std::vector<Pose> poses;
   std::vector<Wrench> truth;
   if (!options.no_force) {
     poses = ScriptPoses(options.scene, options.steps);
     Progress("the meshes themselves ...");
-    truth = WrenchesOf(scene, ContactModel::kSurface, poses);
+    truth = WrenchesOf(loaded, ContactModel::kSurface, poses);
   }
   nlohmann::ordered_json json{{"scene", options.scene},
                               {"samples", options.samples},
                               {"steps", poses.size()},
                               {"machine", ToJson(ThisMachine())}};
   std::string csv, text;
-  for (const std::string& name : options.modes) {
+  std::vector<std::string> names = options.modes;
+  if (!options.file.built()) names.push_back(options.file.file);
+  for (const std::string& name : names) {
+    const bool of_file = name == options.file.file;
+    Scene scene = of_file ? LoadForBench(options.scene, options.models, options.file) : loaded;
     ModeResult result;
     result.mode = name;
-    result.build_s = Rebuild(scene, TreeModeNamed(name), options.leaves);
+    if (!of_file) result.build_s = Rebuild(scene, TreeModeNamed(name), options.leaves);
     MeasureBodies(scene, options.samples, result);
-    text += fmt::format("{}, {}: built in {:.2f} s\n", options.scene, name, result.build_s);
-    nlohmann::ordered_json entry{{"mode", name}, {"build_s", result.build_s}};
+    text += of_file
+                ? fmt::format("{}, tree of {}\n", options.scene, name)
+                : fmt::format("{}, {}: built in {:.2f} s\n", options.scene, name, result.build_s);
+    nlohmann::ordered_json entry{{"mode", name}};
+    if (!of_file) entry["build_s"] = result.build_s;
     for (const BodyTreeError& body : result.bodies) {
       text += ToText(body);
       csv += ToCsv(body, name, csv.empty());
@@ -183,6 +192,7 @@ void AddTree(CLI::App& app) {
       ->check(CLI::IsMember(std::vector<std::string>(kTreeModes.begin(), kTreeModes.end())));
   command->add_option("--leaves", options->leaves, "Leaves of each tree (default: the scene's)")
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 20));
+  AddTreeFileOptions(*command, "the mesh's", options->file);
   command->add_option("--samples", options->samples, "Points of the surface")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "scenes/tree_source.h"
+
+namespace palpate::bench {
+
+/// Adds --tree FILE.sph, --level and --unit, which bring a tree of the Sphere-Tree Construction
+/// Toolkit beside ours.
+/// @param usual_unit  what the file's numbers mean where --unit is left out, for --help.
+void AddTreeFileOptions(CLI::App& command, const char* usual_unit, TreeSource& source);
+
+}  // namespace palpate::bench
