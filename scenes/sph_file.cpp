@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kShortestLine = 8;  // "0 0 0 1\n"
 constexpr double kFurthest = 1e6;         // [m]: beyond it a unit was forgotten
 
-constexpr std::size_t kMostSlots = std::size_t{1} << 25;  // of a file that is written
+constexpr std::size_t kMostSlots = kLargestSphFile / 48;  // some 48 bytes each: can be read again
 
 /// What isspace says of a text without a locale.
 bool IsBlank(char c) {

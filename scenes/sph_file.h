@@ -32,9 +32,9 @@ struct SphTree {
   std::vector<Node> nodes;
 };
 
-/// A tree that is no deeper than this and whose file is no larger.
+/// A tree is no deeper than this, and its file no larger: a million leaves of degree 8 fit.
 inline constexpr int kMaxSphLevels = 24;
-inline constexpr std::size_t kLargestSphFile = std::size_t{512} << 20;
+inline constexpr std::size_t kLargestSphFile = std::size_t{128} << 20;
 
 /// Throws Error "file:line: what; remedy" where the file is damaged, cut short, not such a file, or
 /// too large; takes no more memory than six times the text's.

@@ -31,18 +31,20 @@ ImportedTree ImportTree(const TreeSource& source, const TriangleMesh& mesh,
                     level, balls.size(), kMaxLeaves));
   }
   // The finest tells best where the mesh was, and whether it was this one.
+  int finest = sph.levels;
+  while (BallsOfLevel(sph, finest).size() > kMaxLeaves) --finest;
   ImportedTree made;
   TreeAlignment fit;
   try {
-    fit = AlignBalls(mesh, BallsOfLevel(sph, sph.levels), source.align);
+    fit = AlignBalls(mesh, BallsOfLevel(sph, finest), source.align);
   } catch (const Error& error) {
     throw Error(file + ": " + error.what());
   }
   for (Sphere& ball : balls) ball.centre += fit.shift;
   const Vec3 mm = 1e3 * fit.shift;
   made.found = fmt::format(
-      "{}: level {} of {}, {} balls, {}; the surface lies {:.3g} +- {:.2g} mm outside its finest "
-      "level's, {:.3g} % of it uncovered",
+      "{}: level {} of {}, {} balls, {}; the surface lies {:.3g} +- {:.2g} mm outside the balls of "
+      "its finest level, {:.3g} % of it uncovered",
       file, level, sph.levels, balls.size(),
       source.align ? fmt::format("moved by ({:.3f}, {:.3f}, {:.3f}) mm, {}", mm.x(), mm.y(), mm.z(),
                                  fit.fitted           ? "which fits best"

@@ -104,7 +104,7 @@ TEST(SphFile, TakesNoMemoryForNodesThatTheFileCannotHold) {
   const std::string file = folder + "/large.sph";
   std::ofstream(file) << "1 8\n";
   std::filesystem::resize_file(file, kLargestSphFile + 1);
-  EXPECT_THAT(ComplaintOf([&] { ReadSph(file, 1.0); }), HasSubstr("has 512 MB"));
+  EXPECT_THAT(ComplaintOf([&] { ReadSph(file, 1.0); }), HasSubstr("has 128 MB"));
   std::filesystem::remove(file);
 }
 
