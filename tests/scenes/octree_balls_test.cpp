@@ -45,6 +45,24 @@ TEST(OctreeBalls, AreAsManyAsTheSplitsAllow) {
   }
 }
 
+TEST(OctreeBalls, AreOnlyRoundCellsThatMeetTheSolid) {
+  // |x| + |y| + |z| <= 1, of which a cell meets some where its nearest corner does.
+  TriangleMesh octahedron;
+  for (int k = 0; k < 3; ++k) {
+    octahedron.vertices.push_back(Vec3::Unit(k));
+    octahedron.vertices.push_back(-Vec3::Unit(k));
+  }
+  octahedron.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                          {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  for (const std::size_t count : {100, 1000}) {
+    for (const Sphere& ball : Balls(octahedron, count)) {
+      const Vec3 half = Vec3::Constant(ball.radius / std::sqrt(3.0));
+      const Vec3 nearest = (ball.centre.cwiseAbs() - half).cwiseMax(0.0);
+      EXPECT_LE(nearest.sum(), 1.0 + 1e-9) << ball.centre.transpose();
+    }
+  }
+}
+
 TEST(OctreeBalls, HoldTheWholeSolid) {
   const Vec3 axes(0.04, 0.025, 0.03);
   const TriangleMesh mesh = MakeEllipsoid(axes, 1280);

@@ -96,7 +96,8 @@ TEST(SphFile, SaysInWhichLineItIsDamaged) {
 }
 
 TEST(SphFile, TakesNoMemoryForNodesThatTheFileCannotHold) {
-  for (const std::string header : {"24 2", "7 1000", "3 2147483647", "2 100", "24 2147483647"}) {
+  for (const std::string header :
+       {"2 7", "24 2", "7 1000", "3 2147483647", "2 100", "24 2147483647"}) {
     EXPECT_THAT(ComplaintAbout(header + "\n0 0 0 1 1\n"), HasSubstr("more nodes than its"))
         << header;
   }
