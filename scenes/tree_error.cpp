@@ -7,10 +7,10 @@
 
 #include "scenes/mesh_query.h"
 #include "scenes/mesh_report.h"
+#include "scenes/mesh_solid.h"
 #include "scenes/surface_samples.h"
 
 namespace palpate {
-namespace {
 
 Distribution DistributionOf(std::vector<double> values) {
   if (values.empty()) return {};
@@ -32,6 +32,8 @@ Distribution DistributionOf(std::vector<double> values) {
   d.max = values.back();
   return d;
 }
+
+namespace {
 
 struct Exit {
   double height;
@@ -96,11 +98,12 @@ UnionError MeasureUnion(const TriangleMesh& mesh, const std::vector<Sphere>& bal
   const MeshQuery query(mesh);
   const SphereQuery nearest(balls);
   const double furthest = (report.box_max - report.box_min).norm();
-  std::vector<double> offset, tilt;
+  std::vector<double> offset, tilt, bareness;
   std::size_t uncovered = 0, missed = 0;
   const std::vector<SurfaceSample> points = ScatterSamples(mesh, report, query, samples);
   for (const SurfaceSample& s : points) {
-    uncovered += nearest.Nearest(s.point).distance > 0.0;
+    bareness.push_back(std::max(0.0, nearest.Nearest(s.point).distance));
+    uncovered += bareness.back() > 0.0;
     const std::optional<Exit> exit = FindExit(nearest, s, furthest);
     if (!exit) {
       ++missed;
@@ -115,6 +118,7 @@ UnionError MeasureUnion(const TriangleMesh& mesh, const std::vector<Sphere>& bal
   error.missed_share = double(missed) / count;
   error.offset = DistributionOf(std::move(offset));
   error.tilt = DistributionOf(std::move(tilt));
+  error.bareness = DistributionOf(std::move(bareness));
   error.protrusion = DistributionOf(Protrusions(query, balls));
   if (report.solid() && report.volume > 0.0) {
     error.volume_ratio = VolumeOf(balls, nearest, samples) / report.volume;
@@ -142,10 +146,12 @@ std::vector<std::vector<Sphere>> BallsByLevel(const SphereTree& tree) {
   return levels;
 }
 
-std::vector<UnionError> MeasureLevels(const Body& body, std::size_t samples) {
+std::vector<UnionError> MeasureLevels(const TriangleMesh& mesh, const SphereTree& tree,
+                                      std::size_t samples) {
+  const MeshSolid solid = SolidOf(mesh);
   std::vector<UnionError> levels;
-  for (const std::vector<Sphere>& balls : BallsByLevel(body.tree)) {
-    levels.push_back(MeasureUnion(body.mesh, balls, samples));
+  for (const std::vector<Sphere>& balls : BallsByLevel(tree)) {
+    levels.push_back(MeasureUnion(solid.mesh, balls, samples));
   }
   return levels;
 }

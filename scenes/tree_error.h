@@ -13,6 +13,9 @@ struct Distribution {
   double mean = 0.0, rms = 0.0, p1 = 0.0, p50 = 0.0, p99 = 0.0, min = 0.0, max = 0.0;
 };
 
+/// All zero of no values.
+Distribution DistributionOf(std::vector<double> values);
+
 /// How far a union of balls is from the solid that it stands for.  At points all over the surface,
 /// as many on equal areas, the line along the triangle's normal is followed to where it leaves the
 /// union: at once or from inside the solid where the union does not reach the point.
@@ -21,6 +24,7 @@ struct UnionError {
   Distribution offset;           ///< height of the union over the surface [m]; below it < 0
   Distribution tilt;             ///< angle between both normals there [rad]
   Distribution protrusion;       ///< of each ball: how far it sticks out of the solid [m]
+  Distribution bareness;         ///< of the surface: distance to the union, 0 within it [m]
   double uncovered_share = 0.0;  ///< of the surface: lies in no ball
   double missed_share = 0.0;     ///< of the surface: its normal meets no ball at all
   /// Volume of the union over the solid's; 0 where the mesh encloses none.
@@ -36,7 +40,8 @@ UnionError MeasureUnion(const TriangleMesh& mesh, const std::vector<Sphere>& bal
 /// what is below them.
 std::vector<std::vector<Sphere>> BallsByLevel(const SphereTree& tree);
 
-/// MeasureUnion of each level.
-std::vector<UnionError> MeasureLevels(const Body& body, std::size_t samples = 100003);
+/// MeasureUnion of each level, against the solid that the mesh stands for (mesh_solid.h).
+std::vector<UnionError> MeasureLevels(const TriangleMesh& mesh, const SphereTree& tree,
+                                      std::size_t samples = 100003);
 
 }  // namespace palpate

@@ -243,7 +243,7 @@ void AddAccuracy(CLI::App& app) {
   command->add_option("--mode", options->mode, "Mode of the object's tree")
       ->check(CLI::IsMember(std::vector<std::string>(kTreeModes.begin(), kTreeModes.end())))
       ->capture_default_str();
-  AddTreeFileOptions(*command, "m", options->file);
+  AddTreeFileOptions(*command, "m", options->file)->needs(command->get_option("--tree"));
   command->add_option("--steps", options->experiment.steps, "Samples of steady sliding")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

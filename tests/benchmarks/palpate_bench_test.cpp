@@ -20,51 +20,15 @@
 #include "scenes/shapes.h"
 #include "scenes/sph_file.h"
 #include "scenes/sphere_tree_builder.h"
-#include "tests/support/program.h"
+#include "tests/benchmarks/bench_fixture.h"
 
 namespace palpate {
 namespace {
 
+using test::PalpateBench;
 using test::Program;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
-
-/// palpate-bench in a folder of its own, which goes with the test.
-class PalpateBench : public testing::Test {
- protected:
-  PalpateBench() : folder_(fs::temp_directory_path() / ("palpate-bench-" + Unique())) {
-    fs::create_directory(folder_);
-  }
-  ~PalpateBench() override { fs::remove_all(folder_); }
-
-  std::string File(const std::string& name) const { return (folder_ / name).string(); }
-  nlohmann::json Json(const std::string& name) const {
-    return nlohmann::json::parse(std::ifstream(File(name)));
-  }
-  std::string Read(const std::string& name) const {
-    const std::ifstream file(File(name));
-    EXPECT_TRUE(file) << name;
-    std::stringstream text;
-    text << file.rdbuf();
-    return text.str();
-  }
-  /// Runs it to its end; what it said is in said_.
-  int Run(std::vector<std::string> arguments) {
-    Program program(PALPATE_BIN_DIR "/palpate-bench", std::move(arguments));
-    const int status = program.Exit(100.0);
-    said_ = program.Output();
-    return status;
-  }
-
-  std::string said_;
-
- private:
-  static std::string Unique() {
-    return std::to_string(getpid()) + "-" +
-           testing::UnitTest::GetInstance()->current_test_info()->name();
-  }
-  fs::path folder_;
-};
 
 TEST_F(PalpateBench, CycleMeasuresAScenesPathAndItsPenetration) {
   ASSERT_EQ(Run({"cycle", "--scene", "cube", "--steps", "3000", "--repeats", "2", "--json",

@@ -1,20 +1,22 @@
-// palpate-bench tree: how well sphere trees stand for the meshes of a scene, level by level, and
-// what that is worth in the force on the scene's own path.
+// palpate-bench tree: how well sphere trees stand for a mesh, or for those of a scene, level by
+// level, and what that is worth in the force on the scene's own path.
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <fstream>
-#include <map>
 #include <memory>
 #include <optional>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
-#include "scenes/catalogue.h"
+#include "common/output.h"
+#include "scenes/mesh_import.h"
+#include "scenes/mesh_mend.h"
+#include "scenes/mesh_report.h"
+#include "scenes/scene_file.h"
 #include "scenes/sphere_tree_builder.h"
 #include "scenes/tree_error.h"
 #include "scenes/tree_error_table.h"
+#include "scenes/tree_import.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
@@ -26,8 +28,8 @@ namespace palpate::bench {
 namespace {
 
 struct Options {
-  std::string scene = "bunny-bunny", models, json, csv;
-  std::vector<std::string> modes{kTreeModes.begin(), kTreeModes.end()};
+  std::string scene = "bunny-bunny", mesh, models, json, csv, out;
+  std::vector<std::string> modes;  ///< empty: all of a scene, the first of a mesh
   std::optional<std::size_t> leaves;
   std::size_t samples = 100003;
   std::optional<int> steps;
@@ -37,12 +39,20 @@ struct Options {
 
 struct ModeResult {
   std::string mode;
-  double build_s = 0.0;
+  std::optional<double> build_s;  ///< none of a tree from a file
   std::vector<BodyTreeError> bodies;
   double force = 0.0, force_max = 0.0, torque = 0.0;  ///< off the surface's, of its mean
 };
 
 using Clock = std::chrono::steady_clock;
+
+SphereTree Build(const TriangleMesh& mesh, std::size_t leaves, TreeMode mode,
+                 const std::string& name) {
+  const auto tell = [&](std::string_view stage, double done) {
+    Progress(fmt::format("{}: {} {:.0f} % ...", name, stage, 100.0 * done));
+  };
+  return BuildSphereTree(mesh, leaves, tell, mode);
+}
 
 /// Builds each body anew; bodies of one mesh and count share a tree.
 double Rebuild(Scene& scene, TreeMode mode, std::optional<std::size_t> leaves) {
@@ -61,12 +71,7 @@ double Rebuild(Scene& scene, TreeMode mode, std::optional<std::size_t> leaves) {
         continue;
       }
       const auto began = Clock::now();
-      body.tree = BuildSphereTree(
-          body.mesh, count,
-          [&](std::string_view stage, double done) {
-            Progress(fmt::format("{}: {} {:.0f} % ...", body.name, stage, 100.0 * done));
-          },
-          mode);
+      body.tree = Build(body.mesh, count, mode, body.name);
       seconds += std::chrono::duration<double>(Clock::now() - began).count();
       built.push_back(&body);
     }
@@ -114,14 +119,111 @@ void MeasureBodies(const Scene& scene, std::size_t samples, ModeResult& result) 
       });
       if (again || body.tree.leaves() == 1) continue;
       Progress(fmt::format("measuring {} ...", body.name));
-      result.bodies.push_back({body.name, MeasureLevels(body, samples)});
+      result.bodies.push_back({body.name, MeasureLevels(body.mesh, body.tree, samples)});
       known.push_back(&body);
     }
   }
   Progress("");
 }
 
-void Run(const Options& options) {
+/// The measured trees, as text, CSV and JSON.
+struct Report {
+  std::string text, csv;
+  nlohmann::ordered_json json;
+
+  /// @returns the JSON of the mode.
+  nlohmann::ordered_json Add(const std::string& of, const ModeResult& result) {
+    text += result.build_s
+                ? fmt::format("{}, {}: built in {:.2f} s\n", of, result.mode, *result.build_s)
+                : fmt::format("{}, tree of {}\n", of, result.mode);
+    nlohmann::ordered_json entry{{"mode", result.mode}};
+    if (result.build_s) entry["build_s"] = *result.build_s;
+    for (const BodyTreeError& body : result.bodies) {
+      text += ToText(body);
+      csv += ToCsv(body, result.mode, csv.empty());
+      entry["bodies"].push_back(nlohmann::ordered_json::parse(ToJsonText(body)));
+    }
+    return entry;
+  }
+
+  void Write(const Options& options) const {
+    std::fputs(text.c_str(), stderr);
+    std::fprintf(stderr, "  %s\n", std::string(kWhatLevelsAre).c_str());
+    if (!options.json.empty()) WriteJson(options.json, json);
+    if (!options.csv.empty()) WriteOutput("--csv", options.csv, csv);
+  }
+};
+
+/// In metres and in the frame of its file, so that what --out writes can be laid over it.
+TriangleMesh LoadMesh(const Options& options) {
+  TriangleMesh mesh = ImportMesh(options.mesh);
+  const MeshReport report = InspectMesh(mesh);
+  if (!report.refusal.empty()) throw Error(options.mesh + ": " + report.refusal);
+  for (const std::string& remark : MendMesh(mesh)) {
+    std::fprintf(stderr, "note: %s\n", remark.c_str());
+  }
+  PlaceMesh({.metres_per_unit = options.file.metres_per_unit.value_or(1.0),
+             .origin = MeshPlacement::Origin::kFile},
+            mesh);
+  return mesh;
+}
+
+/// "x y z r" of each leaf [m].
+std::string LeavesAsText(const SphereTree& tree) {
+  std::string text;
+  for (std::size_t i = 0; i < tree.leaves(); ++i) {
+    text += fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}\n", tree.leaf_x[i], tree.leaf_y[i],
+                        tree.leaf_z[i], tree.leaf_radius[i]);
+  }
+  return text;
+}
+
+void RunMesh(const Options& options, std::vector<std::string> modes) {
+  if (modes.empty() && options.leaves) modes = {std::string(kTreeModes[0])};
+  if (!options.leaves && (!modes.empty() || options.file.built())) {
+    throw UsageError("tree: --mesh needs --spheres N");
+  }
+  if (!options.file.built()) modes.push_back(options.file.file);
+  if (modes.size() > 1 && !options.out.empty()) {
+    throw UsageError("tree: --out takes the leaves of one tree; give one --mode");
+  }
+  const TriangleMesh mesh = LoadMesh(options);
+  Report report;
+  report.json = {{"mesh", options.mesh},
+                 {"metres_per_unit", options.file.metres_per_unit.value_or(1.0)},
+                 {"samples", options.samples},
+                 {"machine", ToJson(ThisMachine())}};
+  for (const std::string& name : modes) {
+    const bool of_file = name == options.file.file;
+    const auto began = Clock::now();
+    const SphereTree tree = of_file
+                                ? ImportTree(options.file, mesh, 1.0).tree
+                                : Build(mesh, *options.leaves, TreeModeNamed(name), options.mesh);
+    ModeResult result{.mode = name};
+    if (!of_file) {
+      result.build_s = std::chrono::duration<double>(Clock::now() - began).count();
+    }
+    Progress("measuring ...");
+    result.bodies.push_back({options.mesh, MeasureLevels(mesh, tree, options.samples)});
+    Progress("");
+    nlohmann::ordered_json entry = report.Add(options.mesh, result);
+    // There is but one body.
+    entry["levels"] = std::move(entry["bodies"][0]["levels"]);
+    entry.erase("bodies");
+    if (modes.size() == 1) {
+      report.json.update(entry);
+    } else {
+      report.json["modes"].push_back(std::move(entry));
+    }
+    if (!options.out.empty()) WriteOutput("--out", options.out, LeavesAsText(tree));
+  }
+  report.Write(options);
+}
+
+void RunScene(const Options& options, std::vector<std::string> modes) {
+  if (!options.out.empty()) throw UsageError("tree: --out is for the leaves of a --mesh");
+  if (modes.empty()) modes = {kTreeModes.begin(), kTreeModes.end()};
+  if (!options.file.built()) modes.push_back(options.file.file);
   const Scene loaded = LoadForBench(options.scene, options.models);
   std::vector<Pose> poses;
   std::vector<Wrench> truth;
@@ -130,69 +232,71 @@ void Run(const Options& options) {
     Progress("the meshes themselves ...");
     truth = WrenchesOf(loaded, ContactModel::kSurface, poses);
   }
-  nlohmann::ordered_json json{{"scene", options.scene},
-                              {"samples", options.samples},
-                              {"steps", poses.size()},
-                              {"machine", ToJson(ThisMachine())}};
-  std::string csv, text;
-  std::vector<std::string> names = options.modes;
-  if (!options.file.built()) names.push_back(options.file.file);
-  for (const std::string& name : names) {
+  Report report;
+  report.json = {{"scene", options.scene},
+                 {"samples", options.samples},
+                 {"steps", poses.size()},
+                 {"machine", ToJson(ThisMachine())}};
+  for (const std::string& name : modes) {
     const bool of_file = name == options.file.file;
     Scene scene = of_file ? LoadForBench(options.scene, options.models, options.file) : loaded;
     ModeResult result;
     result.mode = name;
     if (!of_file) result.build_s = Rebuild(scene, TreeModeNamed(name), options.leaves);
     MeasureBodies(scene, options.samples, result);
-    text += of_file
-                ? fmt::format("{}, tree of {}\n", options.scene, name)
-                : fmt::format("{}, {}: built in {:.2f} s\n", options.scene, name, result.build_s);
-    nlohmann::ordered_json entry{{"mode", name}};
-    if (!of_file) entry["build_s"] = result.build_s;
-    for (const BodyTreeError& body : result.bodies) {
-      text += ToText(body);
-      csv += ToCsv(body, name, csv.empty());
-      entry["bodies"].push_back(nlohmann::ordered_json::parse(ToJsonText(body)));
-    }
+    nlohmann::ordered_json entry = report.Add(options.scene, result);
     if (!options.no_force) {
       Progress("forces ...");
       Compare(result, WrenchesOf(scene, ContactModel::kSpheres, poses), truth);
       Progress("");
-      text += fmt::format(
+      report.text += fmt::format(
           "  force off that of the meshes' surface, of its mean: mean {:.4f}, max {:.3f}; torque "
           "mean {:.4f}; {} steps\n",
           result.force, result.force_max, result.torque, poses.size());
       entry["against_surface"] = {
           {"force", result.force}, {"force_max", result.force_max}, {"torque", result.torque}};
     }
-    json["modes"].push_back(std::move(entry));
+    report.json["modes"].push_back(std::move(entry));
   }
-  std::fputs(text.c_str(), stderr);
-  if (!options.json.empty()) WriteJson(options.json, json);
-  if (options.csv.empty()) return;
-  std::ofstream out(options.csv);
-  out << csv;
-  if (!out.flush()) throw Error(options.csv + ": could not be written; check the folder and space");
+  report.Write(options);
+}
+
+void Run(const Options& options) {
+  for (const auto& [option, file] :
+       {std::pair("--json", options.json), std::pair("--csv", options.csv),
+        std::pair("--out", options.out)}) {
+    if (!file.empty()) CheckOutput(option, file);
+  }
+  options.mesh.empty() ? RunScene(options, options.modes) : RunMesh(options, options.modes);
 }
 
 }  // namespace
 
 void AddTree(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("tree",
-                         "How far sphere trees are from their meshes, for every level and mode, "
-                         "and how far the force\n"
-                         "of sphere contact is from surface contact's on the scene's own path.\n"
-                         "Example: palpate-bench tree --scene bunny-bunny --csv tree.csv");
-  command->add_option("--scene", options->scene, "Catalogue name, scene file or mesh")
-      ->capture_default_str();
-  command->add_option("--modes", options->modes, "Modes of the trees")
+  CLI::App* command = app.add_subcommand(
+      "tree",
+      "How far the sphere tree of a mesh, or those of a scene, are from it, for every level and "
+      "mode,\n"
+      "and how far the force of sphere contact is from surface contact's on the scene's own path.\n"
+      "Example: palpate-bench tree --mesh tooth.stl --unit mm --spheres 512 --mode balanced --json "
+      "-");
+  CLI::Option* scene =
+      command->add_option("--scene", options->scene, "Catalogue name, scene file or mesh")
+          ->capture_default_str();
+  command->add_option("--mesh", options->mesh, "Mesh file, in place of a scene")->excludes(scene);
+  command
+      ->add_option(
+          "--modes,--mode", options->modes,
+          "Modes of the trees (default: all, for a mesh " + std::string(kTreeModes[0]) + ")")
       ->delimiter(',')
       ->check(CLI::IsMember(std::vector<std::string>(kTreeModes.begin(), kTreeModes.end())));
-  command->add_option("--leaves", options->leaves, "Leaves of each tree (default: the scene's)")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 20));
-  AddTreeFileOptions(*command, "the mesh's", options->file);
+  command
+      ->add_option("--leaves,--spheres", options->leaves,
+                   "Leaves of each tree (default: the scene's)")
+      ->check(CLI::Range(std::size_t{1}, kMaxLeaves));
+  AddTreeFileOptions(*command, "m for --mesh, whose frame stays; else as the scene's mesh",
+                     options->file);
   command->add_option("--samples", options->samples, "Points of the surface")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -200,8 +304,11 @@ void AddTree(CLI::App& app) {
       ->check(CLI::PositiveNumber);
   command->add_flag("--no-force", options->no_force, "Measure the geometry alone");
   command->add_option("--models", options->models, "Folder of models that are not packaged");
+  command->add_option("--out", options->out,
+                      "Write the leaves of --mesh into FILE (- is stdout): x y z r in m, a line "
+                      "each");
   command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->add_option("--csv", options->csv, "Write a line for each level into FILE");
+  command->add_option("--csv", options->csv, "Write a line for each level into FILE (- is stdout)");
   command->callback([options] { Run(*options); });
 }
 

@@ -8,7 +8,7 @@
 
 namespace palpate::bench {
 
-void AddTreeFileOptions(CLI::App& command, const char* usual_unit, TreeSource& source) {
+CLI::Option* AddTreeFileOptions(CLI::App& command, const char* usual_unit, TreeSource& source) {
   source.where = "--tree";
   CLI::Option* tree = command.add_option("--tree", source.file,
                                          "A tree of the Sphere-Tree Construction Toolkit of the "
@@ -17,13 +17,12 @@ void AddTreeFileOptions(CLI::App& command, const char* usual_unit, TreeSource& s
   command.add_option("--level", source.level, "Level of that file, from 1 (default: its finest)")
       ->check(CLI::Range(1, kMaxSphLevels))
       ->needs(tree);
-  command
+  return command
       .add_option_function<std::string>(
           "--unit",
           [&source](const std::string& unit) { source.metres_per_unit = MetresPerUnit(unit); },
-          std::string("What a number in that file means (default: ") + usual_unit + ")")
-      ->check(CLI::IsMember(std::vector<std::string>(kUnits.begin(), kUnits.end())))
-      ->needs(tree);
+          std::string("What a number in the file means (default: ") + usual_unit + ")")
+      ->check(CLI::IsMember(std::vector<std::string>(kUnits.begin(), kUnits.end())));
 }
 
 }  // namespace palpate::bench

@@ -172,8 +172,8 @@ TEST(SphereTreeBuilder, BalancesLeavesRoundTheSurface) {
     inside.tree = BuildSphereTree(mesh, 512);
     balanced.tree = BuildSphereTree(mesh, 512, {}, TreeMode::kBalanced);
     ASSERT_EQ(balanced.tree.leaves(), 512u);
-    const UnionError before = MeasureLevels(inside, 20011).back();
-    const UnionError after = MeasureLevels(balanced, 20011).back();
+    const UnionError before = MeasureLevels(mesh, inside.tree, 20011).back();
+    const UnionError after = MeasureLevels(mesh, balanced.tree, 20011).back();
     EXPECT_LT(after.offset.rms, 0.8 * before.offset.rms);
     EXPECT_LT(std::abs(after.offset.mean), 0.6 * std::abs(before.offset.mean));
     EXPECT_LT(after.tilt.rms, 1.02 * before.tilt.rms);

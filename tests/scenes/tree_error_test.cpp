@@ -53,7 +53,7 @@ TEST(TreeError, MeasuresEveryLevelAndSaysWhatItIs) {
   Body body;
   body.mesh = MakeBox(Vec3(0.05, 0.05, 0.05));
   body.tree = BuildSphereTree(body.mesh, 100);
-  const BodyTreeError error{"box", MeasureLevels(body, 5003)};
+  const BodyTreeError error{"box", MeasureLevels(body.mesh, body.tree, 5003)};
   ASSERT_EQ(error.levels.size(), 3u);
   EXPECT_EQ(error.levels.back().spheres, 100u);
   EXPECT_EQ(error.levels.back().protrusion.max < 1e-9, true);
