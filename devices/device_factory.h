@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
+#include "common/json/pose_script.h"
 #include "common/realtime/realtime.h"
 #include "devices/device.h"
 #include "devices/workspace.h"
-#include "scenes/pose_script.h"
 
 namespace palpate {
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "common/json/pose_script.h"
 #include "common/math/pose.h"
-#include "scenes/pose_script.h"
 
 namespace palpate {
 

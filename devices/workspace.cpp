@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/json/json_file.h"
 #include "devices/wrench_limiter.h"
-#include "scenes/json_file.h"
 
 namespace palpate {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "scenes/mesh_scene.h"
+#include "scenes/files/mesh_scene.h"
 #include "scenes/scene.h"
-#include "scenes/sphere_tree_builder.h"
-#include "scenes/tree_source.h"
+#include "scenes/tree/sphere_tree_builder.h"
+#include "scenes/tree/tree_source.h"
 
 namespace palpate {
 

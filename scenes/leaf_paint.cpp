@@ -6,9 +6,9 @@
 #include <string_view>
 
 #include "common/error.h"
+#include "common/json/json_file.h"
 #include "common/nearest_word.h"
-#include "scenes/hidden_surface.h"
-#include "scenes/json_file.h"
+#include "scenes/mesh/hidden_surface.h"
 
 namespace palpate {
 namespace {

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "scenes/mesh_import.h"
+#include "scenes/files/scene_file.h"
+#include "scenes/mesh/mesh_import.h"
 #include "scenes/scene.h"
-#include "scenes/scene_file.h"
 
 namespace palpate {
 

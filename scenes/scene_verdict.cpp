@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "scenes/hidden_surface.h"
-#include "scenes/mesh_solid.h"
+#include "scenes/mesh/hidden_surface.h"
+#include "scenes/mesh/mesh_solid.h"
 
 namespace palpate {
 namespace {

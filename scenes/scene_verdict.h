@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "scenes/coverage.h"
-#include "scenes/mesh_report.h"
+#include "scenes/mesh/mesh_report.h"
 #include "scenes/scene.h"
+#include "scenes/tree/coverage.h"
 
 namespace palpate {
 

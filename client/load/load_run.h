@@ -9,8 +9,8 @@
 #include "client/load/load_figures.h"
 #include "client/load/options.h"
 #include "client/station/served_tools.h"
+#include "common/json/pose_script.h"
 #include "common/stop_signal.h"
-#include "scenes/pose_script.h"
 
 namespace palpate {
 

@@ -10,8 +10,8 @@
 #include "client/station/servo_thread.h"
 #include "client/station/session_link.h"
 #include "client/station/station_core.h"
+#include "common/json/pose_script.h"
 #include "devices/device.h"
-#include "scenes/pose_script.h"
 
 namespace palpate {
 

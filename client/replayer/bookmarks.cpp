@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
-#include "scenes/json_file.h"
+#include "common/json/json_file.h"
 
 namespace palpate {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/error.h"
-#include "scenes/json_file.h"
+#include "common/json/json_file.h"
 
 namespace palpate {
 namespace {

@@ -19,7 +19,7 @@
 #include "common/recording/recording_reader.h"
 #include "common/time/steady_clock.h"
 #include "scenes/catalogue.h"
-#include "scenes/scene_bundle.h"
+#include "scenes/files/scene_bundle.h"
 #include "server/physics/scene_model.h"
 #include "server/physics/tree/sphere_tree_query.h"
 #include "server/session/servo_loop.h"

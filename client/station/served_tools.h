@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "common/dds/participant.h"
+#include "common/json/pose_script.h"
 #include "common/math/pose.h"
 #include "common/stop_signal.h"
-#include "scenes/pose_script.h"
 
 namespace palpate {
 

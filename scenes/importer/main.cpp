@@ -18,7 +18,7 @@
 #include "common/error.h"
 #include "common/log.h"
 #include "scenes/importer/mesh_reader.h"
-#include "scenes/mesh_import_limits.h"
+#include "scenes/mesh/mesh_import_limits.h"
 
 namespace palpate {
 namespace {

@@ -23,11 +23,11 @@
 #include <zlib.h>
 
 #include "common/error.h"
+#include "common/json/json_file.h"
 #include "scenes/importer/declared_size.h"
 #include "scenes/importer/far_off.h"
-#include "scenes/json_file.h"
-#include "scenes/mesh_format.h"
-#include "scenes/mesh_references.h"
+#include "scenes/mesh/mesh_format.h"
+#include "scenes/mesh/mesh_references.h"
 
 namespace palpate {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "scenes/mesh_packet.h"
+#include "scenes/mesh/mesh_packet.h"
 
 namespace palpate {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/math/random.h"
-#include "scenes/mesh_query.h"
+#include "scenes/mesh/mesh_query.h"
 #include "server/physics/haptic_step.h"
 #include "server/physics/start_pose.h"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "scenes/pose_script.h"
+#include "common/json/pose_script.h"
 #include "scenes/scene.h"
 #include "server/physics/haptic_model.h"
 

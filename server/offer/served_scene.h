@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/pose_script.h"
+#include "common/json/pose_script.h"
 #include "scenes/scene.h"
 #include "server/session/session.h"
 

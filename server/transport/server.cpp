@@ -13,7 +13,7 @@
 #include "common/error.h"
 #include "common/random_run.h"
 #include "common/step_fault.h"
-#include "scenes/scene_bundle.h"
+#include "scenes/files/scene_bundle.h"
 #include "server/transport/scene_offer.h"
 
 namespace palpate {

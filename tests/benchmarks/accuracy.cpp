@@ -11,7 +11,7 @@
 
 #include "common/error.h"
 #include "common/plot/svg_plot.h"
-#include "scenes/mesh_query.h"
+#include "scenes/mesh/mesh_query.h"
 #include "server/physics/simd/kernels.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"

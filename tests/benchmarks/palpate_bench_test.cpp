@@ -17,9 +17,9 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "scenes/shapes.h"
-#include "scenes/sph_file.h"
-#include "scenes/sphere_tree_builder.h"
+#include "scenes/shapes/shapes.h"
+#include "scenes/tree/sph_file.h"
+#include "scenes/tree/sphere_tree_builder.h"
 #include "tests/benchmarks/bench_fixture.h"
 
 namespace palpate {

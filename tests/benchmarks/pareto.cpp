@@ -12,7 +12,7 @@
 #include "common/error.h"
 #include "common/stop_signal.h"
 #include "scenes/catalogue.h"
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 #include "server/physics/tree/leaf_wear.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"

@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "common/error.h"
+#include "common/json/pose_script.h"
 #include "scenes/catalogue.h"
-#include "scenes/pose_script.h"
 
 namespace palpate::bench {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scenes/scene.h"
-#include "scenes/tree_source.h"
+#include "scenes/tree/tree_source.h"
 #include "server/physics/haptic_step.h"
 
 namespace palpate::bench {

@@ -8,10 +8,10 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "scenes/curved_mesh.h"
-#include "scenes/shapes.h"
-#include "scenes/sphere_tree_builder.h"
-#include "scenes/tree_import.h"
+#include "scenes/mesh/curved_mesh.h"
+#include "scenes/shapes/shapes.h"
+#include "scenes/tree/sphere_tree_builder.h"
+#include "scenes/tree/tree_import.h"
 #include "server/physics/haptic_step.h"
 #include "server/physics/scene_model.h"
 

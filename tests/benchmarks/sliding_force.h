@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "scenes/scene.h"
-#include "scenes/sphere_tree_builder.h"
-#include "scenes/tree_source.h"
+#include "scenes/tree/sphere_tree_builder.h"
+#include "scenes/tree/tree_source.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/sliding_path.h"
 
@@ -34,8 +34,8 @@ struct ForceErrors {
 struct SlidingExperiment {
   std::string object = "cube";    ///< or ellipsoid
   std::size_t triangles = 20480;  ///< of the ellipsoid's mesh, at least
-  /// How truly that mesh stands for the ellipsoid (scenes/curved_mesh.h) where the contact is of
-  /// surfaces [m]; 0: its triangles are taken as they are.
+  /// How truly that mesh stands for the ellipsoid (scenes/mesh/curved_mesh.h) where the contact is
+  /// of surfaces [m]; 0: its triangles are taken as they are.
   double tolerance = 3e-6;
   Features features{.contact = ContactModel::kSpheres};
   TreeSource tree{};  ///< of the object; a file's numbers are metres where it has no unit

@@ -7,8 +7,8 @@
 #include <map>
 #include <tuple>
 
-#include "scenes/shapes.h"
-#include "scenes/sphere_tree_builder.h"
+#include "scenes/shapes/shapes.h"
+#include "scenes/tree/sphere_tree_builder.h"
 #include "server/physics/scene_model.h"
 
 namespace palpate::bench {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scene_file.h"
-#include "scenes/sph_file.h"
+#include "scenes/files/scene_file.h"
+#include "scenes/tree/sph_file.h"
 
 namespace palpate::bench {
 

@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "scenes/tree_source.h"
+#include "scenes/tree/tree_source.h"
 
 namespace palpate::bench {
 

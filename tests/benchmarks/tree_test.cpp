@@ -9,10 +9,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scenes/shapes.h"
-#include "scenes/sph_file.h"
-#include "scenes/sphere.h"
-#include "scenes/sphere_tree_builder.h"
+#include "scenes/shapes/shapes.h"
+#include "scenes/tree/sph_file.h"
+#include "scenes/tree/sphere.h"
+#include "scenes/tree/sphere_tree_builder.h"
 #include "tests/benchmarks/bench_fixture.h"
 #include "tests/support/dirty_mesh.h"
 

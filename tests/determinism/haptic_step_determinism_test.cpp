@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
-#include "scenes/shapes.h"
-#include "scenes/sphere_tree_builder.h"
+#include "scenes/shapes/shapes.h"
+#include "scenes/tree/sphere_tree_builder.h"
 #include "server/physics/scene_model.h"
 #include "tests/support/step_bench.h"
 

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "common/json/json_file.h"
 #include "devices/simulated/simulated_phantom.h"
-#include "scenes/json_file.h"
 #include "tests/devices/limiter_support.h"
 
 namespace palpate {

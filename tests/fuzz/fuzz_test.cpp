@@ -12,16 +12,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/json/json_file.h"
+#include "scenes/files/scene_bundle.h"
+#include "scenes/files/scene_file.h"
 #include "scenes/importer/declared_size.h"
 #include "scenes/importer/mesh_reader.h"
-#include "scenes/json_file.h"
-#include "scenes/mesh_orient.h"
-#include "scenes/mesh_references.h"
-#include "scenes/mesh_report.h"
-#include "scenes/scene_bundle.h"
-#include "scenes/scene_file.h"
+#include "scenes/mesh/mesh_orient.h"
+#include "scenes/mesh/mesh_references.h"
+#include "scenes/mesh/mesh_report.h"
 #include "scenes/scene_verdict.h"
-#include "scenes/sphere_tree_builder.h"
+#include "scenes/tree/sphere_tree_builder.h"
 #include "server/physics/scene_model.h"
 #include "tests/fuzz/spoilt_bytes.h"
 #include "tests/fuzz/worker.h"

@@ -40,6 +40,8 @@ const std::vector<Rule> kRules = {
     {"common/mcap", {"common"}, {"common/dds"}, {"zlib", "zstd"}},
     // What the project puts into them: samples, as DDS serialises them.
     {"common/recording", {"common"}, {}, {"Eigen", "spdlog"}},
+    // What people write, for scenes and devices alike.
+    {"common/json", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "nlohmann-json"}},
     {"scenes",
      {"common", "scenes", "idl/scene_generated.h"},
      {"common/dds"},
@@ -65,11 +67,7 @@ const std::vector<Rule> kRules = {
      {"Eigen", "spdlog"}},
     {"server", {"common", "scenes", "server"}, {}, {"Eigen", "spdlog", "CLI11"}},
     // A device knows no server and no wire.
-    // json_file.h: a workspace is a file that people write, read as scenes are.
-    {"devices",
-     {"common", "devices", "scenes/pose_script.h", "scenes/json_file.h"},
-     {"common/dds"},
-     {"Eigen", "spdlog"}},
+    {"devices", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog"}},
     {"devices/openhaptics",
      {"common", "devices"},
      {"common/dds"},
@@ -96,33 +94,61 @@ const std::vector<Rule> kRules = {
      {"Eigen", "spdlog", "CLI11", "nlohmann-json"}},
 };
 
-// server/physics from the bottom up.  A file includes what stands on its own floor or below, so
-// data run down: pairs of spheres (tree) and what they stand for (surface) become rows, rows a pose
-// and its forces (solve), and the step calls them in turn.  The kernels are at the very bottom in a
-// folder of their own, not split among the floors that they serve: they are one table, compiled
-// once for each instruction set.  The model stands above tree and surface because it owns both, and
-// below rows because every stage reads it.  Files are named without their suffix.
-const std::vector<Paths> kPhysicsFloors = {
-    {"server/physics/limits"},
-    {"server/physics/simd"},
-    {"server/physics/leaf_pair", "server/physics/step_types", "server/physics/stage_clock"},
-    {"server/physics/tree"},
-    {"server/physics/surface"},
-    {"server/physics/haptic_model", "server/physics/scene_model", "server/physics/step_state"},
-    {"server/physics/rows"},
-    {"server/physics/solve"},
-    {"server/physics/haptic_step"},
-    // It walks with the step.
-    {"server/physics/start_pose"},
+/// A folder whose data run down: a file includes what stands on its own floor or below.
+struct Floors {
+  std::string folder;
+  std::vector<Paths> from_below;  ///< folders and files, these without their suffix
+  /// Files that are named nowhere stand on top; false: each must be entered.
+  bool rest_on_top;
 };
 
-/// Floor of a file of server/physics, from 0; nullopt where the table has none.
-std::optional<std::size_t> PhysicsFloorOf(const std::string& path) {
-  for (std::size_t floor = 0; floor < kPhysicsFloors.size(); ++floor) {
-    for (const std::string& place : kPhysicsFloors[floor]) {
+// server/physics: pairs of spheres (tree) and what they stand for (surface) become rows, rows a
+// pose and its forces (solve), and the step calls them in turn.  The kernels are at the very bottom
+// in a folder of their own, not split among the floors that they serve: they are one table,
+// compiled once for each instruction set.  The model stands above tree and surface because it owns
+// both, and below rows because every stage reads it. scenes: meshes are read or generated, trees
+// built over them, and the compiler joins them as a scene's file says.
+const std::vector<Floors> kFloors = {
+    {"server/physics",
+     {
+         {"server/physics/limits"},
+         {"server/physics/simd"},
+         {"server/physics/leaf_pair", "server/physics/step_types", "server/physics/stage_clock"},
+         {"server/physics/tree"},
+         {"server/physics/surface"},
+         {"server/physics/haptic_model", "server/physics/scene_model", "server/physics/step_state"},
+         {"server/physics/rows"},
+         {"server/physics/solve"},
+         {"server/physics/haptic_step"},
+         // It walks with the step.
+         {"server/physics/start_pose"},
+     },
+     false},
+    {"scenes",
+     {
+         {"scenes/scene", "scenes/sphere_tree", "scenes/sphere_packet", "scenes/progress"},
+         {"scenes/mesh"},
+         {"scenes/importer", "scenes/shapes"},
+         {"scenes/tree"},
+         {"scenes/files"},
+     },
+     true},
+};
+
+const Floors* FloorsOf(const std::string& path) {
+  const auto found = std::find_if(kFloors.begin(), kFloors.end(),
+                                  [&](const Floors& f) { return IsBelow(path, f.folder); });
+  return found == kFloors.end() ? nullptr : &*found;
+}
+
+/// From 0; nullopt where the file is to be entered, and is not.
+std::optional<std::size_t> FloorOf(const Floors& floors, const std::string& path) {
+  for (std::size_t floor = 0; floor < floors.from_below.size(); ++floor) {
+    for (const std::string& place : floors.from_below[floor]) {
       if (IsBelow(path, place) || path.starts_with(place + ".")) return floor;
     }
   }
+  if (floors.rest_on_top) return floors.from_below.size();
   return std::nullopt;
 }
 
@@ -219,11 +245,11 @@ const std::regex kInclude(R"re(^\s*#?\s*include\s*([<"])([^>"]+)[>"])re");
 std::vector<std::string> IncludeViolations(const std::string& path, const std::string& text,
                                            const std::function<bool(const std::string&)>& exists) {
   std::vector<std::string> violations;
-  const std::optional<std::size_t> floor = PhysicsFloorOf(path);
-  if (IsBelow(path, "server/physics") && !floor) {
-    violations.push_back(path +
-                         ":1: stands on no floor of server/physics: enter it in "
-                         "tests/house/include_rules.cpp");
+  const Floors* floors = FloorsOf(path);
+  const std::optional<std::size_t> floor = floors ? FloorOf(*floors, path) : std::nullopt;
+  if (floors && !floor) {
+    violations.push_back(path + ":1: stands on no floor of " + floors->folder +
+                         ": enter it in tests/house/include_rules.cpp");
   }
   const Rule* rule = RuleFor(path);
   std::istringstream lines(text);
@@ -243,8 +269,9 @@ std::vector<std::string> IncludeViolations(const std::string& path, const std::s
       } else if (rule && !Allows(*rule, path, include)) {
         violation(rule->who + " may include of the project: " + Join(rule->project) +
                   (rule->not_these.empty() ? "" : ", but not " + Join(rule->not_these)));
-      } else if (floor && PhysicsFloorOf(include).value_or(0) > *floor) {
-        violation("stands above " + Join(kPhysicsFloors[*floor]) +
+      } else if (floor && FloorsOf(include) == floors &&
+                 FloorOf(*floors, include).value_or(0) > *floor) {
+        violation("stands above " + Join(floors->from_below[*floor]) +
                   ": move what both want down, or what wants it up");
       }
     } else if (const auto library = LibraryOf(include)) {

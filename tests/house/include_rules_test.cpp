@@ -26,8 +26,12 @@ std::vector<std::string> Check(const std::string& path, const std::string& text)
                                                "idl/haptics.idl",
                                                "idl/scene.fbs",
                                                "scenes/catalogue.h",
+                                               "scenes/files/scene_file.h",
+                                               "scenes/mesh/mesh_query.h",
                                                "scenes/scene.h",
+                                               "scenes/shapes/shapes.h",
                                                "scenes/sphere_tree.h",
+                                               "scenes/tree/sphere.h",
                                                "server/physics/haptic_model.h",
                                                "server/physics/haptic_step.h",
                                                "server/physics/limits.h",
@@ -51,8 +55,9 @@ TEST(IncludeRules, LetPhysicsSeeSphereTreeMathAndEigen) {
 }
 
 TEST(IncludeRules, KeepPhysicsFromTheRestAndNameFileAndLine) {
-  EXPECT_THAT(Check("server/physics/haptic_step.cpp", "\n#include \"scenes/scene_file.h\"\n"),
-              ElementsAre(HasSubstr("server/physics/haptic_step.cpp:2: scenes/scene_file.h: ")));
+  EXPECT_THAT(
+      Check("server/physics/haptic_step.cpp", "\n#include \"scenes/files/scene_file.h\"\n"),
+      ElementsAre(HasSubstr("server/physics/haptic_step.cpp:2: scenes/files/scene_file.h: ")));
   EXPECT_THAT(Check("server/physics/haptic_step.h", "#include \"server/session/servo_loop.h\"\n"),
               ElementsAre(HasSubstr("servo_loop.h")));
   EXPECT_THAT(Check("server/physics/haptic_step.h", "#include \"common/dds/endpoint.h\"\n"),
@@ -90,6 +95,19 @@ TEST(IncludeRules, LetEachFloorOfPhysicsLookDownAndNoneUp) {
   }
 }
 
+TEST(IncludeRules, LetScenesLookDownFromCompilerToMesh) {
+  const std::vector<std::string> from_below = {
+      "scenes/scene.h",       "scenes/mesh/mesh_query.h",  "scenes/shapes/shapes.h",
+      "scenes/tree/sphere.h", "scenes/files/scene_file.h", "scenes/catalogue.h"};
+  for (std::size_t from = 0; from < from_below.size(); ++from) {
+    for (std::size_t to = 0; to < from_below.size(); ++to) {
+      EXPECT_EQ(Check(from_below[from], "#include \"" + from_below[to] + "\"\n").empty(),
+                to <= from)
+          << from_below[from] << " includes " << from_below[to];
+    }
+  }
+}
+
 TEST(IncludeRules, AskForTheFloorOfWhatIsNewInPhysics) {
   EXPECT_THAT(Check("server/physics/attic/a.h", ""), ElementsAre(HasSubstr("on no floor")));
   EXPECT_THAT(Check("server/physics/rows_of_mine.h", ""), ElementsAre(HasSubstr("on no floor")));
@@ -122,7 +140,7 @@ TEST(IncludeRules, KeepDdsInItsFolder) {
 
 TEST(IncludeRules, KeepAssimpToTheMeshImport) {
   EXPECT_THAT(Check("scenes/importer/mesh_reader.cpp", "#include <assimp/scene.h>\n"), IsEmpty());
-  EXPECT_THAT(Check("scenes/mesh_query.cpp", "#include <assimp/scene.h>\n"),
+  EXPECT_THAT(Check("scenes/mesh/mesh_query.cpp", "#include <assimp/scene.h>\n"),
               ElementsAre(HasSubstr("assimp/scene.h")));
 }
 

@@ -8,8 +8,8 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/json/pose_script.h"
 #include "scenes/catalogue.h"
-#include "scenes/pose_script.h"
 
 namespace palpate {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 #include "server/physics/haptic_step.h"
 #include "server/physics/scene_model.h"
 #include "tests/support/mesh_oracle.h"

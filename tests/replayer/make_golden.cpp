@@ -10,10 +10,10 @@
 
 #include "common/dds/cdr.h"
 #include "common/dds/topics.h"
+#include "common/json/pose_script.h"
 #include "common/recording/recording_writer.h"
 #include "scenes/catalogue.h"
-#include "scenes/pose_script.h"
-#include "scenes/scene_bundle.h"
+#include "scenes/files/scene_bundle.h"
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"
 #include "server/session/servo_loop.h"

@@ -6,10 +6,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/json/pose_script.h"
 #include "common/recording/recording_reader.h"
 #include "scenes/catalogue.h"
-#include "scenes/pose_script.h"
-#include "scenes/scene_bundle.h"
+#include "scenes/files/scene_bundle.h"
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"
 #include "server/physics/tree/sphere_tree_query.h"

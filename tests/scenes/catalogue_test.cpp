@@ -10,14 +10,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scenes/json_file.h"
-#include "scenes/mesh_report.h"
-#include "scenes/pose_script.h"
-#include "scenes/scene_bundle.h"
-#include "scenes/scene_file.h"
+#include "common/json/json_file.h"
+#include "common/json/pose_script.h"
+#include "scenes/files/scene_bundle.h"
+#include "scenes/files/scene_file.h"
+#include "scenes/mesh/mesh_report.h"
 #include "scenes/scene_verdict.h"
-#include "scenes/sph_file.h"
-#include "scenes/tree_error.h"
+#include "scenes/tree/sph_file.h"
+#include "scenes/tree/tree_error.h"
 #include "tests/scenes/support.h"
 
 namespace palpate {

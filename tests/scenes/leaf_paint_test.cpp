@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "scenes/catalogue.h"
-#include "scenes/mesh_report.h"
-#include "scenes/sphere_tree_builder.h"
+#include "scenes/mesh/mesh_report.h"
+#include "scenes/tree/sphere_tree_builder.h"
 #include "tests/scenes/support.h"
 
 namespace palpate {

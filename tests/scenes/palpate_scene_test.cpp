@@ -9,7 +9,7 @@
 #include <sys/wait.h>
 
 #include "scenes/catalogue.h"
-#include "scenes/coverage.h"
+#include "scenes/tree/coverage.h"
 #include "tests/scenes/support.h"
 #include "tests/support/dirty_mesh.h"
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "scenes/sphere_tree_builder.h"
+#include "scenes/tree/sphere_tree_builder.h"
 #include "tests/scenes/support.h"
 
 namespace palpate {

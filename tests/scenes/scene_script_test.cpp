@@ -12,10 +12,10 @@
 
 #include <gtest/gtest.h>
 
+#include "common/json/json_file.h"
+#include "common/json/pose_script.h"
 #include "scenes/catalogue.h"
-#include "scenes/json_file.h"
-#include "scenes/pose_script.h"
-#include "scenes/scene_file.h"
+#include "scenes/files/scene_file.h"
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"
 #include "server/physics/tree/sphere_tree_query.h"

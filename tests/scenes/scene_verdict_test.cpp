@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scenes/sphere_tree_builder.h"
+#include "scenes/tree/sphere_tree_builder.h"
 #include "tests/scenes/support.h"
 
 namespace palpate {

@@ -11,7 +11,7 @@
 #include "common/error.h"
 #include "common/math/pose.h"
 #include "scenes/scene.h"
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 
 namespace palpate::test {
 

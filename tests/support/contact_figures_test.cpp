@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 #include "server/physics/scene_model.h"
 #include "tests/support/test_scenes.h"
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
-#include "scenes/mesh_query.h"
+#include "scenes/mesh/mesh_query.h"
 #include "scenes/scene.h"
-#include "scenes/sphere.h"
+#include "scenes/tree/sphere.h"
 #include "tests/support/random.h"
 
 // Ways in which meshes come out of scanners, CAD programs and converters, and what tells by brute

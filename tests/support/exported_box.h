@@ -6,7 +6,7 @@
 #include <assimp/scene.h>
 
 #include "common/error.h"
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 
 namespace palpate::test {
 

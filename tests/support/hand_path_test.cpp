@@ -7,7 +7,7 @@
 
 #include "common/error.h"
 #include "common/math/rotation.h"
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 #include "tests/support/mesh_oracle.h"
 #include "tests/support/test_scenes.h"
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/catalogue.h"
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 #include "tests/support/test_scenes.h"
 
 namespace palpate::test {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 #include "tests/support/random.h"
 #include "tests/support/triangle_tree.h"
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "scenes/scene.h"
-#include "scenes/sphere_tree_builder.h"
+#include "scenes/tree/sphere_tree_builder.h"
 
 namespace palpate::test {
 

@@ -20,7 +20,7 @@
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
 #include "common/time/steady_clock.h"
-#include "scenes/scene_bundle.h"
+#include "scenes/files/scene_bundle.h"
 #include "tests/support/program.h"
 #include "tests/support/random.h"
 #include "tests/support/test_domain.h"

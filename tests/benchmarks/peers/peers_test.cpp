@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 #include "tests/benchmarks/peers/peer.h"
 
 namespace palpate::bench {

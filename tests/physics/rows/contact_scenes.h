@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 #include "tests/support/random.h"
 #include "tests/support/test_scenes.h"
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 #include "server/physics/haptic_step.h"
 #include "server/physics/scene_model.h"
 #include "tests/physics/rows/contact_scenes.h"

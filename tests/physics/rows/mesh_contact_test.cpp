@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
-#include "scenes/shapes.h"
-#include "scenes/sphere_tree_builder.h"
+#include "scenes/shapes/shapes.h"
+#include "scenes/tree/sphere_tree_builder.h"
 #include "server/physics/haptic_step.h"
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"

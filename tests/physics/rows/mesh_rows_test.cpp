@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 #include "server/physics/rows/mesh_contact.h"
 #include "tests/support/random.h"
 

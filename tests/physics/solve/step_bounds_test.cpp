@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 #include "server/physics/limits.h"
 #include "server/physics/scene_model.h"
 #include "tests/support/step_bench.h"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 #include "tests/support/test_scenes.h"
 
 namespace palpate {

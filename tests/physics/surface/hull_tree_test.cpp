@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scenes/shapes.h"
+#include "scenes/shapes/shapes.h"
 #include "tests/support/random.h"
 
 namespace palpate {

@@ -1,0 +1,513 @@
+#include "scenes/files/scene_bundle.h"
+
+#include <bit>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "common/error.h"
+#include "idl/scene_generated.h"
+#include "scenes/files/scene_size.h"
+
+namespace palpate {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "bundles are little-endian");
+
+struct Header {
+  char magic[8];
+  std::uint32_t version;
+  std::uint32_t reserved;  ///< 0
+  std::uint64_t content_key;
+  std::uint64_t size;      ///< of what follows
+  std::uint64_t checksum;  ///< XXH64 of what follows, seeded with the content key
+};
+static_assert(sizeof(Header) == 40);
+
+// The second half shows at once where a transfer mangled line ends, as PNG's signature does.
+constexpr char kMagic[8] = {'P', 'A', 'L', 'P', '\r', '\n', '\x1a', '\n'};
+
+/// A level of a tree that branches doubles the nodes at least, and a million leaves is the most.
+/// What takes a step through every level must not be given thirty thousand of one node each.
+constexpr std::size_t kMaxLevels = 24;
+
+template <class T>
+bool SameBytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+bool SameGeometry(const Body& a, const Body& b) {
+  const SphereTree& s = a.tree;
+  const SphereTree& t = b.tree;
+  return SameBytes(a.mesh.vertices, b.mesh.vertices) &&
+         SameBytes(a.mesh.triangles, b.mesh.triangles) && SameBytes(s.leaf_x, t.leaf_x) &&
+         SameBytes(s.leaf_y, t.leaf_y) && SameBytes(s.leaf_z, t.leaf_z) &&
+         SameBytes(s.leaf_radius, t.leaf_radius) && SameBytes(s.packets, t.packets) &&
+         s.level_begin == t.level_begin && s.leaf_triangle_begin == t.leaf_triangle_begin &&
+         s.leaf_triangle == t.leaf_triangle && s.centroid == t.centroid;
+}
+
+wire::Vec3 ToWire(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+flatbuffers::Offset<wire::Geometry> PackGeometry(const Body& body,
+                                                 flatbuffers::FlatBufferBuilder& out) {
+  const SphereTree& tree = body.tree;
+  // A member of all packets as one vector, eight entries a packet.
+  const auto nodes = [&]<class T>(T(SpherePacket::*member)[kTreeArity]) {
+    std::vector<T> all;
+    all.reserve(tree.packets.size() * kTreeArity);
+    for (const SpherePacket& p : tree.packets) {
+      all.insert(all.end(), std::begin(p.*member), std::end(p.*member));
+    }
+    return out.CreateVector(all);
+  };
+  std::vector<double> vertices;
+  vertices.reserve(3 * body.mesh.vertices.size());
+  for (const Vec3& v : body.mesh.vertices) vertices.insert(vertices.end(), v.begin(), v.end());
+  std::vector<std::uint32_t> triangles;
+  triangles.reserve(3 * body.mesh.triangles.size());
+  for (const auto& t : body.mesh.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
+
+  const auto vertices_at = out.CreateVector(vertices);
+  const auto triangles_at = out.CreateVector(triangles);
+  const auto leaf_x = out.CreateVector(tree.leaf_x);
+  const auto leaf_y = out.CreateVector(tree.leaf_y);
+  const auto leaf_z = out.CreateVector(tree.leaf_z);
+  const auto leaf_radius = out.CreateVector(tree.leaf_radius);
+  const auto leaf_triangle_begin = out.CreateVector(tree.leaf_triangle_begin);
+  const auto leaf_triangle = out.CreateVector(tree.leaf_triangle);
+  const auto node_x = nodes(&SpherePacket::x);
+  const auto node_y = nodes(&SpherePacket::y);
+  const auto node_z = nodes(&SpherePacket::z);
+  const auto node_radius = nodes(&SpherePacket::radius);
+  const auto node_child = nodes(&SpherePacket::child);
+  const auto level_begin = out.CreateVector(tree.level_begin);
+  const wire::Vec3 centroid = ToWire(tree.centroid);
+  return wire::CreateGeometry(out, vertices_at, triangles_at, leaf_x, leaf_y, leaf_z, leaf_radius,
+                              leaf_triangle_begin, leaf_triangle, node_x, node_y, node_z,
+                              node_radius, node_child, level_begin, &centroid);
+}
+
+/// Reads one geometry; what does not agree is thrown as text, and named by the caller.
+class GeometryReader {
+ public:
+  GeometryReader(const wire::Geometry& in, Body& out) : in_(in), out_(out) {}
+
+  void Read() {
+    ReadMesh();
+    ReadLeaves();
+    ReadPackets();
+    const wire::Vec3* centroid = in_.centroid();
+    Require(centroid != nullptr, "no centroid");
+    out_.tree.centroid = {centroid->x(), centroid->y(), centroid->z()};
+    Require(out_.tree.centroid.allFinite(), "the centroid is not finite");
+  }
+
+ private:
+  static void Require(bool holds, const char* what) {
+    if (!holds) throw Error(what);
+  }
+  template <class T>
+  static std::span<const T> All(const flatbuffers::Vector<T>* vector) {
+    Require(vector != nullptr, "a list is missing");
+    return {vector->data(), vector->size()};
+  }
+  template <class T>
+  static void Copy(const flatbuffers::Vector<T>* from, std::vector<T>& to) {
+    const auto all = All(from);
+    to.assign(all.begin(), all.end());
+  }
+
+  void ReadMesh() {
+    const auto vertices = All(in_.vertices());
+    const auto triangles = All(in_.triangles());
+    Require(vertices.size() % 3 == 0 && triangles.size() % 3 == 0, "the mesh is cut short");
+    out_.mesh.vertices.reserve(vertices.size() / 3);
+    for (std::size_t i = 0; i < vertices.size(); i += 3) {
+      out_.mesh.vertices.emplace_back(vertices[i], vertices[i + 1], vertices[i + 2]);
+      Require(out_.mesh.vertices.back().allFinite(), "a vertex is not finite");
+    }
+    out_.mesh.triangles.reserve(triangles.size() / 3);
+    for (std::size_t i = 0; i < triangles.size(); i += 3) {
+      out_.mesh.triangles.push_back({triangles[i], triangles[i + 1], triangles[i + 2]});
+      for (std::uint32_t v : out_.mesh.triangles.back()) {
+        Require(v < out_.mesh.vertices.size(), "a triangle names no vertex");
+      }
+    }
+  }
+
+  void ReadLeaves() {
+    SphereTree& tree = out_.tree;
+    Copy(in_.leaf_x(), tree.leaf_x);
+    Copy(in_.leaf_y(), tree.leaf_y);
+    Copy(in_.leaf_z(), tree.leaf_z);
+    Copy(in_.leaf_radius(), tree.leaf_radius);
+    Copy(in_.leaf_triangle_begin(), tree.leaf_triangle_begin);
+    Copy(in_.leaf_triangle(), tree.leaf_triangle);
+    const std::size_t leaves = tree.leaves();
+    Require(leaves > 0 && tree.leaf_x.size() == leaves && tree.leaf_y.size() == leaves &&
+                tree.leaf_z.size() == leaves,
+            "the leaves' counts differ");
+    for (std::size_t i = 0; i < leaves; ++i) {
+      Require(std::isfinite(tree.leaf_x[i]) && std::isfinite(tree.leaf_y[i]) &&
+                  std::isfinite(tree.leaf_z[i]) && std::isfinite(tree.leaf_radius[i]) &&
+                  tree.leaf_radius[i] >= 0.0,
+              "a leaf is not a ball");
+    }
+    const auto& begin = tree.leaf_triangle_begin;
+    Require(begin.size() == leaves + 1 && begin.front() == 0 &&
+                begin.back() == tree.leaf_triangle.size(),
+            "the leaves' triangles do not add up");
+    for (std::size_t i = 0; i < leaves; ++i) {
+      Require(begin[i] <= begin[i + 1], "the leaves' triangles do not add up");
+    }
+    for (std::uint32_t t : tree.leaf_triangle) {
+      Require(t < out_.mesh.triangles.size(), "a leaf names no triangle");
+    }
+  }
+
+  void ReadPackets() {
+    SphereTree& tree = out_.tree;
+    Copy(in_.level_begin(), tree.level_begin);
+    const auto x = All(in_.node_x());
+    const auto y = All(in_.node_y());
+    const auto z = All(in_.node_z());
+    const auto radius = All(in_.node_radius());
+    const auto child = All(in_.node_child());
+    const std::size_t nodes = x.size();
+    const std::size_t packets = nodes / kTreeArity;
+    Require(nodes % kTreeArity == 0 && y.size() == nodes && z.size() == nodes &&
+                radius.size() == nodes && child.size() == nodes,
+            "the nodes' counts differ");
+    const auto& level = tree.level_begin;
+    Require(level.size() <= kMaxLevels + 1, "a tree has more than 24 levels");
+    Require(level.size() >= 2 && level[0] == 0 && level[1] == 1 &&
+                static_cast<std::size_t>(level.back()) == packets,
+            "the levels do not add up");
+    tree.packets.resize(packets);
+    for (int l = 0; l < tree.levels(); ++l) {
+      Require(level[l] < level[l + 1], "the levels do not add up");
+      // Every child is named once, in order: what the traversal and the leaves' bounds rest on.
+      const bool last = l + 1 == tree.levels();
+      std::int64_t next = 0;  // counts within the next level
+      for (std::int32_t p = level[l]; p < level[l + 1]; ++p) {
+        for (int lane = 0; lane < kTreeArity; ++lane) {
+          const std::size_t n = std::size_t(p) * kTreeArity + lane;
+          SpherePacket& packet = tree.packets[p];
+          packet.x[lane] = x[n];
+          packet.y[lane] = y[n];
+          packet.z[lane] = z[n];
+          packet.radius[lane] = radius[n];
+          packet.child[lane] = child[n];
+          if (child[n] < 0) {
+            Require(child[n] == -1 && std::isnan(x[n]) && std::isnan(y[n]) && std::isnan(z[n]) &&
+                        std::isnan(radius[n]),
+                    "an empty lane is not empty");
+          } else {
+            Require(child[n] == next++, "the nodes' children are out of order");
+            Require(std::isfinite(x[n]) && std::isfinite(y[n]) && std::isfinite(z[n]) &&
+                        std::isfinite(radius[n]) && radius[n] >= 0.0f,
+                    "a node is not a ball");
+          }
+        }
+      }
+      const std::int64_t end = last                        ? std::int64_t(tree.leaves())
+                               : l + 2 < int(level.size()) ? level[l + 2] - level[l + 1]
+                                                           : 0;
+      Require(next == end, "the nodes' children do not add up");
+    }
+  }
+
+  const wire::Geometry& in_;
+  Body& out_;
+};
+
+Vec3 FromWire(const wire::Vec3& in) {
+  return {in.x(), in.y(), in.z()};
+}
+
+Pose FromWire(const wire::Pose* in) {
+  if (in == nullptr) throw Error("a body has no pose");
+  Pose pose;
+  pose.p = {in->p().x(), in->p().y(), in->p().z()};
+  pose.q = Quat(in->qw(), in->qx(), in->qy(), in->qz());
+  if (!pose.p.allFinite() || !(std::abs(pose.q.squaredNorm() - 1.0) < 1e-6)) {
+    throw Error("a body's pose is none");
+  }
+  return pose;
+}
+
+void ReadMaterials(const wire::Body& in, Body& out) {
+  const auto count = [](const auto* list) { return list == nullptr ? 0 : list->size(); };
+  out.materials.clear();
+  for (const wire::Material* m : *in.materials()) {
+    const bool fine = m->stiffness() > 0.0 && m->hardness() > 0.0 && m->dynamic_friction() >= 0.0 &&
+                      m->dynamic_friction() <= m->static_friction() &&
+                      std::isfinite(m->static_friction());
+    if (!fine) throw Error("a material is none");
+    out.materials.push_back(
+        {m->stiffness(), m->static_friction(), m->dynamic_friction(), m->hardness()});
+  }
+  if (out.materials.empty()) throw Error("a body is made of nothing");
+  out.leaf_material.clear();
+  if (count(in.leaf_material()) == 0) return;
+  if (count(in.leaf_material()) != out.tree.leaves()) {
+    throw Error("the leaves' materials do not add up");
+  }
+  for (const std::uint8_t m : *in.leaf_material()) {
+    if (m >= out.materials.size()) throw Error("a leaf names no material");
+    out.leaf_material.push_back(m);
+  }
+}
+
+void ReadAmbient(const wire::Body& in, Body& out) {
+  if (in.ambient() == nullptr) return;
+  out.ambient.assign(in.ambient()->begin(), in.ambient()->end());
+  if (out.ambient.size() != out.mesh.vertices.size()) {
+    throw Error("the vertices' light does not add up");
+  }
+}
+
+Features FromWire(const wire::Features& in) {
+  if (in.contact() > wire::Contact::MAX || in.friction() > wire::Friction::MAX) {
+    throw Error("its features are not known");
+  }
+  return {static_cast<ContactModel>(in.contact()), static_cast<FrictionModel>(in.friction()),
+          in.compliance(), in.removal()};
+}
+
+wire::Features ToWire(const Features& f) {
+  return {static_cast<wire::Contact>(f.contact), static_cast<wire::Friction>(f.friction),
+          f.compliance, f.removal};
+}
+
+Scene ReadScene(const wire::Scene& in) {
+  std::vector<Body> geometries;
+  for (const wire::Geometry* geometry : *in.geometries()) {
+    GeometryReader(*geometry, geometries.emplace_back()).Read();
+  }
+  SceneSize size;  // before any copy is made
+  for (const auto* list : {in.tools(), in.objects()}) {
+    if (list->size() == 0) throw Error("it has no tool, or no object");
+    for (const wire::Body* body : *list) {
+      if (body->geometry() >= geometries.size()) throw Error("a body names no geometry");
+      const Body& geometry = geometries[body->geometry()];
+      size.Add(body->name()->str(), geometry.mesh, geometry.tree);
+    }
+  }
+  const auto read_bodies = [&](const auto& list) {
+    std::vector<Body> bodies;
+    for (const wire::Body* body : list) {
+      bodies.push_back(geometries[body->geometry()]);
+      bodies.back().name = body->name()->str();
+      bodies.back().X_WB = FromWire(body->pose());
+      if (body->look() != nullptr) bodies.back().look = body->look()->str();
+      if (body->remarks() != nullptr) {
+        for (const auto* remark : *body->remarks()) bodies.back().remarks.push_back(remark->str());
+      }
+      ReadAmbient(*body, bodies.back());
+      ReadMaterials(*body, bodies.back());
+    }
+    return bodies;
+  };
+  Scene scene;
+  scene.name = in.name()->str();
+  scene.tools = read_bodies(*in.tools());
+  scene.objects = read_bodies(*in.objects());
+  scene.coupling = {in.stiffness(), in.torsional_stiffness()};
+  const auto positive = [](double k) { return std::isfinite(k) && k > 0.0; };
+  if (!positive(scene.coupling.stiffness) || !positive(scene.coupling.torsional_stiffness)) {
+    throw Error("the coupling is not positive");
+  }
+  scene.features = FromWire(*in.features());
+  if (const wire::FirstSight* sight = in.first_sight()) {
+    scene.first_sight = {FromWire(sight->centre()), sight->radius(), FromWire(sight->from())};
+    if (!positive(sight->radius()) || !scene.first_sight->centre.allFinite() ||
+        !(std::abs(scene.first_sight->from.squaredNorm() - 1.0) < 1e-6)) {
+      throw Error("the first sight is none");
+    }
+  }
+  return scene;
+}
+
+/// The checked header; what follows it has its size.
+Header ReadHeader(std::span<const std::uint8_t> bytes, const std::string& source) {
+  const auto refuse = [&](const std::string& why) { throw Error(source + ": " + why); };
+  const std::size_t magic = std::min(bytes.size(), sizeof kMagic);
+  if (bytes.empty() || std::memcmp(bytes.data(), kMagic, magic) != 0) {
+    refuse("is not a Palpate scene bundle; make one with palpate-scene build");
+  }
+  if (bytes.size() < sizeof(Header)) {
+    refuse("is cut short (" + std::to_string(bytes.size()) +
+           " bytes, not even a header); build or copy it again");
+  }
+  Header header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  if (header.version != kBundleVersion) {
+    refuse("has bundle version " + std::to_string(header.version) + ", this program reads " +
+           std::to_string(kBundleVersion) + "; build it again with palpate-scene build");
+  }
+  const std::size_t size = bytes.size() - sizeof header;
+  if (size < header.size) {
+    refuse("is cut short (" + std::to_string(size) + " of " + std::to_string(header.size) +
+           " bytes); build or copy it again");
+  }
+  if (size > header.size) {
+    refuse("is longer than it says (" + std::to_string(size) + ", not " +
+           std::to_string(header.size) + " bytes); build or copy it again");
+  }
+  return header;
+}
+
+}  // namespace
+
+std::uint64_t HashBytes(std::string_view bytes, std::uint64_t seed) {
+  return XXH64(bytes.data(), bytes.size(), seed);
+}
+
+std::uint64_t BundleHash(std::span<const std::uint8_t> bytes) {
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
+
+bool LooksLikeBundle(std::string_view bytes) {
+  return bytes.substr(0, sizeof kMagic) == std::string_view(kMagic, sizeof kMagic);
+}
+
+std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_key,
+                                    Remarks remarks) {
+  flatbuffers::FlatBufferBuilder out(1 << 20);
+  std::vector<const Body*> distinct;
+  std::vector<flatbuffers::Offset<wire::Geometry>> geometries;
+  const auto pack_bodies = [&](const std::vector<Body>& bodies) {
+    std::vector<flatbuffers::Offset<wire::Body>> packed;
+    for (const Body& body : bodies) {
+      std::uint32_t geometry = 0;
+      while (geometry < distinct.size() && !SameGeometry(body, *distinct[geometry])) ++geometry;
+      if (geometry == distinct.size()) {
+        distinct.push_back(&body);
+        geometries.push_back(PackGeometry(body, out));
+      }
+      const Quat& q = body.X_WB.q;
+      const wire::Pose pose(ToWire(body.X_WB.p), q.w(), q.x(), q.y(), q.z());
+      std::vector<wire::Material> materials;
+      for (const Material& m : body.materials) {
+        materials.emplace_back(m.stiffness, m.static_friction, m.dynamic_friction, m.hardness);
+      }
+      const auto name = out.CreateString(body.name);
+      const auto materials_at = out.CreateVectorOfStructs(materials);
+      const auto leaf_material = out.CreateVector(body.leaf_material);
+      packed.push_back(wire::CreateBody(out, name, geometry, &pose, materials_at, leaf_material,
+                                        body.look.empty() ? 0 : out.CreateString(body.look),
+                                        body.ambient.empty() ? 0 : out.CreateVector(body.ambient),
+                                        remarks == Remarks::kLeaveOut || body.remarks.empty()
+                                            ? 0
+                                            : out.CreateVectorOfStrings(body.remarks)));
+    }
+    return out.CreateVector(packed);
+  };
+  const auto tools = pack_bodies(scene.tools);
+  const auto objects = pack_bodies(scene.objects);
+  const auto geometries_at = out.CreateVector(geometries);
+  const auto name = out.CreateString(scene.name);
+  const wire::Features features = ToWire(scene.features);
+  std::optional<wire::FirstSight> sight;
+  if (scene.first_sight) {
+    sight.emplace(ToWire(scene.first_sight->centre), scene.first_sight->radius,
+                  ToWire(scene.first_sight->from));
+  }
+  out.Finish(
+      wire::CreateScene(out, name, geometries_at, tools, objects, scene.coupling.stiffness,
+                        scene.coupling.torsional_stiffness, &features, sight ? &*sight : nullptr),
+      wire::SceneIdentifier());
+
+  Header header{};
+  std::memcpy(header.magic, kMagic, sizeof kMagic);
+  header.version = kBundleVersion;
+  header.content_key = content_key;
+  header.size = out.GetSize();
+  header.checksum = XXH64(out.GetBufferPointer(), out.GetSize(), content_key);
+  std::vector<std::uint8_t> bytes(sizeof header + out.GetSize());
+  std::memcpy(bytes.data(), &header, sizeof header);
+  std::memcpy(bytes.data() + sizeof header, out.GetBufferPointer(), out.GetSize());
+  return bytes;
+}
+
+std::uint64_t ContentKey(std::span<const std::uint8_t> bytes, const std::string& source) {
+  return ReadHeader(bytes, source).content_key;
+}
+
+Scene UnpackScene(std::span<const std::uint8_t> bytes, const std::string& source) {
+  const Header header = ReadHeader(bytes, source);
+  std::span<const std::uint8_t> payload = bytes.subspan(sizeof header);
+  if (header.reserved != 0 ||
+      XXH64(payload.data(), payload.size(), header.content_key) != header.checksum) {
+    throw Error(source + ": is damaged (its checksum does not match); build or copy it again");
+  }
+  std::vector<std::uint64_t> aligned;  // a FlatBuffer wants its doubles on their boundaries
+  if (reinterpret_cast<std::uintptr_t>(payload.data()) % alignof(double) != 0) {
+    aligned.resize(payload.size() / sizeof aligned[0] + 1);
+    std::memcpy(aligned.data(), payload.data(), payload.size());
+    payload = {reinterpret_cast<const std::uint8_t*>(aligned.data()), payload.size()};
+  }
+  flatbuffers::Verifier verifier(payload.data(), payload.size());
+  if (!wire::VerifySceneBuffer(verifier)) {
+    throw Error(source + ": is not built as a scene bundle is; build it again");
+  }
+  try {
+    return ReadScene(*wire::GetScene(payload.data()));
+  } catch (const Error& error) {
+    throw Error(source + ": contradicts itself (" + error.what() + "); build it again");
+  }
+}
+
+namespace {
+
+/// Ctrl-C waits until it is gone.
+class UndisturbedBySignals {
+ public:
+  UndisturbedBySignals() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+    pthread_sigmask(SIG_BLOCK, &signals, &before_);
+  }
+  ~UndisturbedBySignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  UndisturbedBySignals(const UndisturbedBySignals&) = delete;
+  UndisturbedBySignals& operator=(const UndisturbedBySignals&) = delete;
+
+ private:
+  sigset_t before_;
+};
+
+}  // namespace
+
+void WriteFileAtomically(const std::string& file, std::span<const std::uint8_t> bytes) {
+  namespace fs = std::filesystem;
+  const UndisturbedBySignals undisturbed;
+  const fs::path path(file);
+  const std::string temporary = file + "." + std::to_string(getpid()) + ".tmp";
+  std::error_code error;
+  if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
+  std::ofstream out(temporary, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
+  out.close();
+  if (out) fs::rename(temporary, path, error);
+  if (!out || error) {
+    fs::remove(temporary, error);
+    throw Error(file + ": cannot be written; check the rights and the space left on the disk");
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,411 @@
+#include "scenes/files/scene_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <utility>
+
+#include "common/error.h"
+#include "common/json/json_file.h"
+#include "scenes/shapes/shape_kinds.h"
+#include "scenes/tree/sph_file.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class BodyKind { kTool, kObject };
+
+constexpr std::size_t kMaxMaterials = 256;  // of a body: Body::leaf_material is of bytes
+constexpr std::size_t kShapeTriangles = 5120;
+constexpr double kLongest = 1000.0;  // [m]: a length beyond it is a forgotten unit
+
+double ReadUnit(const JsonNode& node) {
+  return MetresPerUnit(node.OneOf({kUnits.begin(), kUnits.end()}));
+}
+
+/// Names end up in file names, topics and command lines.
+std::string ReadName(const JsonNode& node) {
+  std::string name = node.String();
+  const bool fine = name.size() <= kLongestName && std::all_of(name.begin(), name.end(), IsOfName);
+  if (!fine) {
+    node.Fail("\"" + name + "\" is not a name; give at most 64 letters, digits, - _ or .");
+  }
+  return name;
+}
+
+Vec3 ReadSize(const JsonNode& node) {
+  const Vec3 size = node.Vector();
+  if (!(size.minCoeff() > 0.0) || size.maxCoeff() > kLongest) {
+    node.Fail("lengths must be above 0 and at most 1000 m; give metres");
+  }
+  return size;
+}
+
+double ReadLength(const JsonNode& node) {
+  const double length = node.PositiveNumber();
+  if (length > kLongest) node.Fail("is more than 1000 m; give metres");
+  return length;
+}
+
+/// What is left out or false: the mesh's triangles are what is felt.
+std::optional<CurvedOptions> ReadCurved(const JsonNode& mesh) {
+  const auto curved = mesh.Find("curved");
+  if (!curved || curved->IsFalse()) return std::nullopt;
+  curved->AllowOnly({"tolerance_um", "max_triangles"});
+  CurvedOptions options;
+  options.tolerance = 1e-6 * curved->At("tolerance_um").Number(0.1, 1e6);
+  if (auto most = curved->Find("max_triangles")) {
+    options.max_triangles = static_cast<std::size_t>(most->Integer(1, kMaxCurvedTriangles));
+  }
+  return options;
+}
+
+MeshSource ReadShapeKind(const JsonNode& node, const ShapeKind& shape) {
+  MeshSource source;
+  source.kind = MeshSource::Kind::kShape;
+  source.what = shape.name;
+  std::vector<std::string_view> fields{"shape", "curved"};
+  if (!shape.variants.empty()) fields.push_back("kind");
+  for (const ShapeParameter& parameter : shape.parameters) fields.push_back(parameter.field);
+  node.AllowOnly(fields);
+  if (!shape.variants.empty()) {
+    const std::string variant = node.At("kind").OneOf(shape.variants);
+    source.variant =
+        std::find(shape.variants.begin(), shape.variants.end(), variant) - shape.variants.begin();
+  }
+  for (const ShapeParameter& parameter : shape.parameters) {
+    double value = parameter.usual;
+    if (auto given = node.Find(parameter.field)) {
+      value = given->Number(parameter.smallest, parameter.largest);
+    }
+    source.values.push_back(parameter.unit * value);
+  }
+  return source;
+}
+
+MeshSource ReadShape(const JsonNode& node) {
+  MeshSource source;
+  std::vector<std::string_view> names{"box", "ellipsoid", "sphere"};
+  for (const ShapeKind& kind : ShapeKinds()) names.push_back(kind.name);
+  const std::string shape = node.At("shape").OneOf(names);
+  if (const ShapeKind* kind = FindShapeKind(shape)) return ReadShapeKind(node, *kind);
+  if (shape == "box") {
+    source.kind = MeshSource::Kind::kBox;
+    node.AllowOnly({"shape", "size_m", "curved"});
+    source.size = ReadSize(node.At("size_m"));
+    return source;
+  }
+  if (shape == "ellipsoid") {
+    source.kind = MeshSource::Kind::kEllipsoid;
+    node.AllowOnly({"shape", "semi_axes_m", "triangles", "curved"});
+    source.size = ReadSize(node.At("semi_axes_m"));
+  } else {
+    source.kind = MeshSource::Kind::kSphere;
+    node.AllowOnly({"shape", "radius_m", "triangles", "curved"});
+    source.size = Vec3::Constant(ReadLength(node.At("radius_m")));
+  }
+  source.triangles = kShapeTriangles;
+  if (auto triangles = node.Find("triangles")) source.triangles = triangles->Integer(20, 1 << 20);
+  return source;
+}
+
+MeshSource ReadImported(const JsonNode& node, const fs::path& folder) {
+  MeshSource source;
+  node.AllowOnly({"model", "file", "unit", "longest_side_m", "origin", "thickness_mm", "curved"});
+  if (auto model = node.Find("model")) {
+    if (node.Has("file")) node.Fail("names a model and a file; keep one of the two");
+    source.kind = MeshSource::Kind::kModel;
+    source.what = model->String();
+  } else if (auto file = node.Find("file")) {
+    source.kind = MeshSource::Kind::kFile;
+    source.what = (folder / file->String()).lexically_normal().string();
+  } else {
+    node.Fail("names no mesh; add \"model\", \"file\" or \"shape\"");
+  }
+  const auto unit = node.Find("unit");
+  const auto longest = node.Find("longest_side_m");
+  if (unit && longest) longest->Fail("the scale is given twice; keep unit or longest_side_m");
+  if (!unit && !longest) {
+    node.Fail("has no scale; add \"unit\" (m, cm, mm or inch) or \"longest_side_m\"");
+  }
+  if (unit) source.placement.metres_per_unit = ReadUnit(*unit);
+  if (longest) source.placement.longest_side = ReadLength(*longest);
+  if (auto thickness = node.Find("thickness_mm")) {
+    source.thickness = 1e-3 * thickness->PositiveNumber();
+  }
+  if (auto origin = node.Find("origin")) {
+    const std::string at = origin->OneOf({"box_centre", "centroid", "file"});
+    source.placement.origin = at == "file"       ? MeshPlacement::Origin::kFile
+                              : at == "centroid" ? MeshPlacement::Origin::kCentroid
+                                                 : MeshPlacement::Origin::kBoxCentre;
+  }
+  return source;
+}
+
+MaterialDescription ReadMaterial(const JsonNode& node) {
+  node.AllowOnly({"stiffness_N_per_m", "youngs_modulus_Pa", "thickness_mm", "static_friction",
+                  "dynamic_friction", "hardness_J"});
+  MaterialDescription read;
+  Material& material = read.material;
+  read.where = node.Where();
+  const auto stiffness = node.Find("stiffness_N_per_m");
+  const auto modulus = node.Find("youngs_modulus_Pa");
+  const auto thickness = node.Find("thickness_mm");
+  if (stiffness && modulus) {
+    modulus->Fail("the stiffness is given twice; keep stiffness_N_per_m or youngs_modulus_Pa");
+  }
+  if (modulus && !thickness) {
+    modulus->Fail("says nothing without the layer's thickness; add thickness_mm");
+  }
+  if (thickness && !modulus) {
+    thickness->Fail("belongs to a Young's modulus; add youngs_modulus_Pa or drop it");
+  }
+  if (stiffness) material.stiffness = stiffness->PositiveNumber();
+  if (modulus) {
+    read.youngs_modulus = modulus->PositiveNumber();
+    read.thickness = 1e-3 * thickness->PositiveNumber();
+  }
+  const auto mu_s = node.Find("static_friction");
+  const auto mu_d = node.Find("dynamic_friction");
+  constexpr double kRoughest = 10.0;  // rubber on rubber is below 4
+  if (mu_s) material.static_friction = mu_s->Number(0.0, kRoughest);
+  if (mu_d) material.dynamic_friction = mu_d->Number(0.0, kRoughest);
+  if (!mu_s) material.static_friction = material.dynamic_friction;
+  if (!mu_d) material.dynamic_friction = material.static_friction;
+  if (material.dynamic_friction > material.static_friction) {
+    mu_d->Fail("is above static_friction, which no material is; give at most that");
+  }
+  if (auto hardness = node.Find("hardness_J")) material.hardness = hardness->PositiveNumber();
+  return read;
+}
+
+RegionDescription ReadRegion(const JsonNode& node) {
+  node.AllowOnly({"box", "sphere", "group", "material"});
+  RegionDescription region;
+  region.where = node.Where();
+  region.material = ReadMaterial(node.At("material"));
+  const auto box = node.Find("box");
+  const auto sphere = node.Find("sphere");
+  const auto group = node.Find("group");
+  if (int(box.has_value()) + int(sphere.has_value()) + int(group.has_value()) != 1) {
+    node.Fail("must say which leaves it paints in one way; give \"box\", \"sphere\" or \"group\"");
+  }
+  if (box) {
+    box->AllowOnly({"min_mm", "max_mm"});
+    region.kind = RegionDescription::Kind::kBox;
+    region.box = {1e-3 * box->At("min_mm").Vector(), 1e-3 * box->At("max_mm").Vector()};
+    if (region.box.isEmpty()) box->Fail("is empty; no entry of min_mm may be above max_mm's");
+  } else if (sphere) {
+    sphere->AllowOnly({"centre_mm", "radius_mm"});
+    region.kind = RegionDescription::Kind::kSphere;
+    region.ball = {1e-3 * sphere->At("centre_mm").Vector(),
+                   1e-3 * sphere->At("radius_mm").PositiveNumber()};
+  } else {
+    region.kind = RegionDescription::Kind::kGroup;
+    region.group = group->String();
+  }
+  return region;
+}
+
+FirstSight ReadFirstSight(const JsonNode& node) {
+  node.AllowOnly({"centre_mm", "radius_mm", "from"});
+  FirstSight sight;
+  sight.centre = 1e-3 * node.At("centre_mm").Vector();
+  sight.radius = 1e-3 * node.At("radius_mm").PositiveNumber();
+  const JsonNode from = node.At("from");
+  sight.from = from.Vector();
+  if (!(sight.from.norm() > 1e-6)) from.Fail("is no direction; give one that is not 0");
+  sight.from.normalize();
+  return sight;
+}
+
+/// As HapticModel has it: a finite stiffness or hardness anywhere.
+bool FeltByLeaves(const BodyDescription& body) {
+  const auto gives = [](const MaterialDescription& m) {
+    return m.youngs_modulus > 0.0 || std::isfinite(m.material.stiffness) ||
+           std::isfinite(m.material.hardness);
+  };
+  return gives(body.material) ||
+         std::any_of(body.regions.begin(), body.regions.end(),
+                     [&](const RegionDescription& region) { return gives(region.material); });
+}
+
+bool AnyMaterial(const SceneDescription& scene, bool (*holds)(const MaterialDescription&)) {
+  return std::any_of(scene.objects.begin(), scene.objects.end(), [&](const BodyDescription& body) {
+    return holds(body.material) ||
+           std::any_of(body.regions.begin(), body.regions.end(),
+                       [&](const RegionDescription& region) { return holds(region.material); });
+  });
+}
+
+Features ReadFeatures(const JsonNode& root, const SceneDescription& scene) {
+  Features features;
+  if (auto contact = root.Find("contact")) {
+    features.contact = contact->OneOf({"surface", "spheres"}) == "surface" ? ContactModel::kSurface
+                                                                           : ContactModel::kSpheres;
+  }
+  if (auto friction = root.Find("friction")) {
+    const std::string model = friction->OneOf({"off", "chapter", "coulomb"});
+    features.friction = model == "off"       ? FrictionModel::kOff
+                        : model == "chapter" ? FrictionModel::kChapter
+                                             : FrictionModel::kCoulomb;
+    if (model != "off" && !AnyMaterial(scene, [](const MaterialDescription& m) {
+          return m.material.static_friction > 0.0;
+        })) {
+      friction->Fail("no object's material has friction; add static_friction, or take \"off\"");
+    }
+  }
+  features.compliance = AnyMaterial(scene, [](const MaterialDescription& m) {
+    return m.youngs_modulus > 0.0 || std::isfinite(m.material.stiffness);
+  });
+  features.removal = AnyMaterial(
+      scene, [](const MaterialDescription& m) { return std::isfinite(m.material.hardness); });
+  return features;
+}
+
+/// A finer mesh where nobody feels the mesh would cost and give nothing.
+void CheckCurved(const JsonNode& root, const SceneDescription& scene) {
+  const auto check = [&](const char* list, const std::vector<BodyDescription>& bodies) {
+    const std::vector<JsonNode> nodes = root.At(list).Items();
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (!bodies[i].mesh.curved) continue;
+      const JsonNode curved = nodes[i].At("mesh").At("curved");
+      if (scene.features.contact == ContactModel::kSpheres) {
+        curved.Fail("has no effect where the contact is of spheres; drop it, or take \"surface\"");
+      }
+      if (FeltByLeaves(bodies[i])) {
+        curved.Fail(
+            "has no effect on an object that is soft or wears, which is felt by its leaves; "
+            "drop it");
+      }
+    }
+  };
+  for (const BodyDescription& tool : scene.tools) {
+    if (tool.mesh.curved && tool.leaves == 1) {
+      throw Error(
+          tool.mesh.where +
+          ".curved: has no effect on a tool of one leaf, which is felt as that ball; drop it");
+    }
+  }
+  check("tools", scene.tools);
+  check("objects", scene.objects);
+}
+
+TreeSource ReadTree(const JsonNode& node, const fs::path& folder) {
+  TreeSource tree;
+  tree.where = node.Where();
+  if (!node.IsObject()) {
+    tree.mode = TreeModeNamed(node.OneOf({kTreeModes.begin(), kTreeModes.end()}));
+    return tree;
+  }
+  node.AllowOnly({"file", "level", "unit", "align"});
+  const JsonNode file = node.At("file");
+  tree.file = (folder / file.String()).lexically_normal().string();
+  if (fs::path(tree.file).extension() != ".sph") {
+    file.Fail(
+        "is no .sph file; give one of the Sphere-Tree Construction Toolkit, or of "
+        "palpate-scene export");
+  }
+  if (auto level = node.Find("level")) {
+    tree.level = static_cast<int>(level->Integer(1, kMaxSphLevels));
+  }
+  if (auto unit = node.Find("unit")) tree.metres_per_unit = ReadUnit(*unit);
+  if (auto align = node.Find("align")) tree.align = align->Boolean();
+  return tree;
+}
+
+BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& folder) {
+  const bool object = kind == BodyKind::kObject;
+  const std::string_view pose_field = object ? "pose" : "start";
+  if (object) {
+    node.AllowOnly({"name", "mesh", "leaves", "tree", pose_field, "look", "material", "regions"});
+  } else {
+    node.AllowOnly({"name", "mesh", "leaves", "tree", pose_field, "look"});
+  }
+  BodyDescription body;
+  body.name = ReadName(node.At("name"));
+  const JsonNode mesh = node.At("mesh");
+  body.mesh = mesh.Has("shape") ? ReadShape(mesh) : ReadImported(mesh, folder);
+  body.mesh.curved = ReadCurved(mesh);
+  body.mesh.where = mesh.Where();
+  if (auto tree = node.Find("tree")) body.tree = ReadTree(*tree, folder);
+  if (body.tree.built()) {
+    body.leaves = node.At("leaves").Integer(1, kMaxLeaves);
+  } else if (auto leaves = node.Find("leaves")) {
+    leaves->Fail("is not to be given where \"tree\" names a file, whose level decides it; drop it");
+  }
+  if (auto pose = node.Find(pose_field)) {
+    pose->AllowOnly({"position_mm", "rotation_deg", "quaternion_wxyz"});
+    body.X_WB = pose->ReadPose();
+  }
+  if (auto look = node.Find("look")) {
+    body.look = look->OneOf({std::begin(kLooks), std::end(kLooks)});
+  }
+  if (object) {
+    if (auto material = node.Find("material")) body.material = ReadMaterial(*material);
+    if (auto regions = node.Find("regions")) {
+      for (const JsonNode& region : regions->Items()) body.regions.push_back(ReadRegion(region));
+      if (body.regions.size() >= kMaxMaterials) {
+        regions->Fail("are too many; give at most " + std::to_string(kMaxMaterials - 1));
+      }
+    }
+  }
+  return body;
+}
+
+std::vector<BodyDescription> ReadBodies(const JsonNode& list, BodyKind kind, const fs::path& folder,
+                                        std::set<std::string>& names) {
+  std::vector<BodyDescription> bodies;
+  for (const JsonNode& item : list.Items(1)) {
+    bodies.push_back(ReadBody(item, kind, folder));
+    if (!names.insert(bodies.back().name).second) {
+      item.At("name").Fail("\"" + bodies.back().name + "\" is taken; give each body its own name");
+    }
+  }
+  return bodies;
+}
+
+}  // namespace
+
+bool IsOfName(unsigned char c) {
+  return std::isalnum(c) || c == '-' || c == '_' || c == '.';
+}
+
+SceneDescription ParseScene(std::string_view text, const std::string& file) {
+  const JsonNode root = JsonNode::Parse(text, file);
+  root.AllowOnly({"name", "description", "tools", "objects", "coupling", "contact", "friction",
+                  "first_sight", "whole_at_start"});
+  SceneDescription scene;
+  const fs::path path(file);
+  scene.name = path.stem().string();
+  if (auto name = root.Find("name")) scene.name = ReadName(*name);
+  if (auto description = root.Find("description")) description->String();
+  std::set<std::string> names;
+  scene.tools = ReadBodies(root.At("tools"), BodyKind::kTool, path.parent_path(), names);
+  scene.objects = ReadBodies(root.At("objects"), BodyKind::kObject, path.parent_path(), names);
+  if (auto coupling = root.Find("coupling")) {
+    coupling->AllowOnly({"stiffness_N_per_m", "torsional_stiffness_Nm_per_rad"});
+    if (auto k = coupling->Find("stiffness_N_per_m")) {
+      scene.coupling.stiffness = k->PositiveNumber();
+    }
+    if (auto k = coupling->Find("torsional_stiffness_Nm_per_rad")) {
+      scene.coupling.torsional_stiffness = k->PositiveNumber();
+    }
+  }
+  if (auto sight = root.Find("first_sight")) scene.first_sight = ReadFirstSight(*sight);
+  scene.features = ReadFeatures(root, scene);
+  CheckCurved(root, scene);
+  if (auto whole = root.Find("whole_at_start")) {
+    scene.whole_at_start = whole->Boolean();
+    if (scene.whole_at_start && !scene.features.removal) {
+      whole->Fail("has no effect where nothing wears: no material has \"hardness_J\"; drop it");
+    }
+  }
+  return scene;
+}
+
+}  // namespace palpate

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenes/mesh/curved_mesh.h"
+#include "scenes/mesh/mesh_import.h"
+#include "scenes/mesh/units.h"
+#include "scenes/scene.h"
+#include "scenes/tree/sphere.h"
+#include "scenes/tree/tree_source.h"
+
+namespace palpate {
+
+/// Where a body's mesh comes from.
+struct MeshSource {
+  enum class Kind {
+    kModel,  ///< a well-known mesh by its name: model_files.h
+    kFile,   ///< a mesh file, `what` its path
+    kBox,
+    kEllipsoid,
+    kSphere,
+    kShape,  ///< `what` names one of shape_kinds.h
+  };
+  Kind kind = Kind::kFile;
+  std::string what;                     ///< name or path
+  MeshPlacement placement;              ///< of models and files
+  Vec3 size = Vec3::Zero();             ///< of shapes [m]: side lengths, or semi-axes
+  std::size_t triangles = 0;            ///< of shapes: at least so many
+  std::size_t variant = 0;              ///< of a kShape
+  std::vector<double> values;           ///< of a kShape: its parameters in SI
+  std::optional<CurvedOptions> curved;  ///< none: the triangles are taken as they are
+  std::optional<double> thickness;      ///< of a model's or file's open pieces [m]; none: stay open
+  std::string where;                    ///< "file:line: field", for complaints that come later
+};
+
+/// A material as written.  What a Young's modulus means is known once there are leaves.
+struct MaterialDescription {
+  Material material;            ///< its stiffness counts where there is no modulus
+  double youngs_modulus = 0.0;  ///< E [Pa]; 0: none is given
+  double thickness = 0.0;       ///< L of the layer that gives way [m]
+  std::string where;            ///< "file:line: field", for complaints that come later
+};
+
+/// Leaves of a body that are of another material than the body.
+struct RegionDescription {
+  enum class Kind {
+    kBox,     ///< leaves whose centre lies in `box`
+    kSphere,  ///< leaves whose centre lies in `ball`
+    kGroup,   ///< leaves most of whose surface is of the mesh file's part `group`
+  };
+  Kind kind = Kind::kBox;
+  Eigen::AlignedBox3d box;  ///< frame B [m]
+  Sphere ball;              ///< frame B [m]
+  std::string group;
+  MaterialDescription material;
+  std::string where;
+};
+
+struct BodyDescription {
+  std::string name;
+  MeshSource mesh;
+  std::size_t leaves = 0;  ///< 0: as many as the tree's file has
+  TreeSource tree;
+  Pose X_WB;
+  MaterialDescription material;            ///< objects: of what no region paints
+  std::vector<RegionDescription> regions;  ///< objects: later ones over earlier ones
+  std::string look;                        ///< one of kLooks; empty: what its material is
+};
+
+/// What viewers know how to draw.  That of teeth, gums and tongues follows the frames that
+/// catalogue/README.md gives for their shapes.
+inline constexpr std::string_view kLooks[] = {"tooth", "gum",      "tongue",
+                                              "face",  "calculus", "steel"};
+
+/// A scene as people write it (catalogue/README.md has every field).
+struct SceneDescription {
+  std::string name;
+  std::vector<BodyDescription> tools, objects;
+  Coupling coupling;
+  Features features;  ///< compliance and removal follow from the materials
+  std::optional<FirstSight> first_sight;
+  bool whole_at_start = false;  ///< a session begins with what former ones have scraped off
+};
+
+/// What a scene or a body may be called: so many bytes at most, all of them letters, digits, - _ .
+inline constexpr std::size_t kLongestName = 64;
+bool IsOfName(unsigned char c);
+
+/// Checks every field; throws Error "file:line: field: what is wrong; remedy".
+/// @param file  names the scene where the text does not; mesh paths are relative to its folder.
+SceneDescription ParseScene(std::string_view text, const std::string& file);
+
+}  // namespace palpate

@@ -1,0 +1,104 @@
+#include "scenes/mesh/hidden_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "scenes/mesh/mesh_report.h"
+
+namespace palpate {
+namespace {
+
+// Of the way to a triangle's middle: a point on an edge would be judged by the neighbours, too.
+constexpr double kFromTheEdge = 0.1;
+// Of a triangle's size: how far from its plane the winding number is asked for.
+constexpr double kStep = 1e-3;
+// Outside a surface that is exposed the winding number is 0.  On either side of a sheet inside a
+// solid it is at least 1/2, for the sheet takes away at most half of the solid's 1.
+constexpr double kHidden = 0.25;
+// Of the surface: less is what neighbouring parts of one model share by rounding.
+constexpr double kWorthSaying = 1e-4;
+constexpr std::size_t kMostTriangles = 20000;  // that are looked at, evenly over the mesh
+
+struct Corners {
+  Vec3 a, b, c;
+  Vec3 middle() const { return (a + b + c) / 3.0; }
+  double area() const { return 0.5 * (b - a).cross(c - a).norm(); }
+};
+
+Corners CornersOf(const TriangleMesh& mesh, std::uint32_t triangle) {
+  const auto& [i, j, k] = mesh.triangles[triangle];
+  return {mesh.vertices[i], mesh.vertices[j], mesh.vertices[k]};
+}
+
+bool MayHide(const MeshReport& report) {
+  return !report.solid() || report.components > 1;
+}
+
+}  // namespace
+
+HiddenSurface::HiddenSurface(const TriangleMesh& mesh)
+    : mesh_(mesh), query_(mesh), possible_(MayHide(InspectMesh(mesh))) {}
+
+bool HiddenSurface::At(std::uint32_t triangle, const Vec3& near) const {
+  if (!possible_) return false;
+  const Corners corners = CornersOf(mesh_, triangle);
+  const Vec3 p = near + kFromTheEdge * (corners.middle() - near);
+  const Vec3 step = kStep * std::sqrt(corners.area()) * query_.FaceNormal(triangle);
+  return query_.WindingNumber(p + step) > kHidden && query_.WindingNumber(p - step) > kHidden;
+}
+
+bool HiddenSurface::NearestTo(std::uint32_t triangle, const Vec3& p) const {
+  const Corners corners = CornersOf(mesh_, triangle);
+  return At(triangle, NearestOnTriangle(p, corners.a, corners.b, corners.c));
+}
+
+HiddenParts FindHiddenParts(const TriangleMesh& mesh, const std::vector<MeshGroup>& groups) {
+  HiddenParts hidden;
+  const HiddenSurface surface(mesh);
+  std::vector<std::uint32_t> found;
+  double looked_at = 0.0;
+  double inside = 0.0;
+  const std::size_t stride = 1 + mesh.triangles.size() / kMostTriangles;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); t += std::uint32_t(stride)) {
+    const Corners corners = CornersOf(mesh, t);
+    const std::array<Vec3, 4> points{corners.middle(), corners.a, corners.b, corners.c};
+    const double area = corners.area();
+    looked_at += area;
+    if (!(area > 0.0)) continue;
+    const auto is_hidden = [&](const Vec3& p) { return surface.At(t, p); };
+    const auto first = std::ranges::find_if(points, is_hidden);
+    if (first == points.end()) continue;
+    if (found.empty()) hidden.at = *first;
+    found.push_back(t);
+    inside += area * double(std::ranges::count_if(points, is_hidden)) / double(points.size());
+  }
+  hidden.share = looked_at > 0.0 ? inside / looked_at : 0.0;
+  for (const MeshGroup& group : groups) {
+    const auto it = std::ranges::lower_bound(found, group.begin);
+    if (it == found.end() || *it >= group.end) continue;
+    if (std::ranges::find(hidden.of, group.name) == hidden.of.end())
+      hidden.of.push_back(group.name);
+  }
+  return hidden;
+}
+
+std::string HiddenRemark(const HiddenParts& hidden, double scale, const std::string& unit) {
+  if (hidden.share < kWorthSaying) return "";
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "parts overlap: %.2g %% of the surface lies inside other parts, as at (%.4g, %.4g, "
+                "%.4g) %s",
+                100.0 * hidden.share, scale * hidden.at.x(), scale * hidden.at.y(),
+                scale * hidden.at.z(), unit.c_str());
+  std::string remark = text;
+  for (std::size_t i = 0; i < hidden.of.size(); ++i) {
+    remark += (i == 0 ? ", of \"" : ", \"") + hidden.of[i] + "\"";
+  }
+  return remark +
+         "; nothing touches it there, and a material painted on it counts only where it is "
+         "exposed; unite the parts in the modeller if they should be one";
+}
+
+}  // namespace palpate

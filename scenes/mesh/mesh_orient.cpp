@@ -1,0 +1,197 @@
+#include "scenes/mesh/mesh_orient.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "scenes/mesh/mesh_pieces.h"
+#include "scenes/mesh/mesh_query.h"
+#include "scenes/mesh/mesh_report.h"
+
+namespace palpate {
+namespace {
+
+struct Neighbour {
+  std::uint32_t triangle;
+  bool agrees;  ///< runs along the shared edge the other way, as it should
+};
+
+/// Each triangle's neighbours over edges of exactly two triangles.
+std::vector<std::vector<Neighbour>> FindNeighbours(const TriangleMesh& mesh) {
+  struct Side {
+    std::uint32_t low, high, triangle;
+    bool forward;
+  };
+  std::vector<Side> sides;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [i, j, k] = mesh.triangles[t];
+    if (i == j || j == k || k == i) continue;
+    for (const auto& [from, to] : {std::pair{i, j}, std::pair{j, k}, std::pair{k, i}}) {
+      sides.push_back({std::min(from, to), std::max(from, to), t, from < to});
+    }
+  }
+  const auto key = [](const Side& s) { return std::array{s.low, s.high, s.triangle}; };
+  std::sort(sides.begin(), sides.end(),
+            [&](const Side& a, const Side& b) { return key(a) < key(b); });
+  std::vector<std::vector<Neighbour>> neighbours(mesh.triangles.size());
+  for (std::size_t i = 0; i < sides.size();) {
+    std::size_t end = i;
+    while (end < sides.size() && sides[end].low == sides[i].low &&
+           sides[end].high == sides[i].high) {
+      ++end;
+    }
+    if (end - i == 2) {
+      const bool agrees = sides[i].forward != sides[i + 1].forward;
+      neighbours[sides[i].triangle].push_back({sides[i + 1].triangle, agrees});
+      neighbours[sides[i + 1].triangle].push_back({sides[i].triangle, agrees});
+    }
+    i = end;
+  }
+  return neighbours;
+}
+
+/// How many of the other pieces wind round this one.
+std::size_t Depth(const MeshPiece& piece, const std::vector<MeshPiece>& pieces,
+                  std::vector<std::unique_ptr<MeshQuery>>& queries) {
+  std::size_t depth = 0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const MeshPiece& other = pieces[i];
+    const bool within = &other != &piece && other.report.solid() &&
+                        (other.report.box_min.array() <= piece.report.box_min.array()).all() &&
+                        (other.report.box_max.array() >= piece.report.box_max.array()).all();
+    if (!within) continue;
+    if (!queries[i]) queries[i] = std::make_unique<MeshQuery>(other.mesh);
+    depth += std::abs(queries[i]->WindingNumber(piece.mesh.vertices.front())) > 0.5;
+  }
+  return depth;
+}
+
+/// Closed pieces that wind the wrong way, by their numbers of triangles.
+std::vector<std::uint32_t> TrianglesInsideOut(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> wrong;
+  const std::vector<MeshPiece> pieces = PiecesOf(mesh);
+  if (pieces.size() < 2) return wrong;
+  std::vector<std::unique_ptr<MeshQuery>> queries(pieces.size());
+  for (const MeshPiece& piece : pieces) {
+    if (!piece.report.inside_out() || Depth(piece, pieces, queries) % 2 == 1) continue;
+    wrong.insert(wrong.end(), piece.triangle.begin(), piece.triangle.end());
+  }
+  return wrong;
+}
+
+/// The most patches whose surroundings are asked: each takes a few winding numbers.
+constexpr std::size_t kMostPatches = 200'000;
+constexpr std::size_t kMostOpenPieces = 1000;
+constexpr int kPasses = 3;  // a patch is judged by its neighbours, which may have to turn, too
+
+/// Winding number of all but a patch in front of it less that behind it, on average: near -1 where
+/// the others enclose what the patch is turned away from, near 1 where it is turned the wrong way,
+/// and near 0 where they say nothing of it.
+double WindingAcross(const MeshPiece& patch, const MeshQuery& all) {
+  constexpr std::size_t kMostSamples = 16;
+  const MeshQuery own(patch.mesh);
+  double sum = 0.0;
+  std::size_t samples = 0;
+  const std::size_t count = patch.mesh.triangles.size();
+  for (std::size_t t = 0; t < count; t += 1 + count / kMostSamples) {
+    const auto& [i, j, k] = patch.mesh.triangles[t];
+    const Vec3& a = patch.mesh.vertices[i];
+    const Vec3& b = patch.mesh.vertices[j];
+    const Vec3& c = patch.mesh.vertices[k];
+    // Half of a triangle's size away, a hole of its size hides little of what surrounds it.
+    const double away = 0.5 * std::sqrt(0.5 * (b - a).cross(c - a).norm());
+    const Vec3 step = away * own.FaceNormal(static_cast<std::uint32_t>(t));
+    const Vec3 middle = (a + b + c) / 3.0;
+    const auto rest = [&](const Vec3& p) { return all.WindingNumber(p) - own.WindingNumber(p); };
+    sum += rest(middle + step) - rest(middle - step);
+    ++samples;
+  }
+  return sum / static_cast<double>(samples);
+}
+
+/// Patches that no edge joins to the others, but which close a hole in them.
+template <class Turn>
+void TurnPatches(TriangleMesh& mesh, const std::vector<std::uint32_t>& patch_of, Turn turn) {
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const MeshQuery all(mesh);
+    std::vector<std::uint32_t> wrong;
+    for (const MeshPiece& patch : PiecesBy(mesh, patch_of)) {
+      if (patch.report.closed() || WindingAcross(patch, all) < 0.5) continue;
+      wrong.insert(wrong.end(), patch.triangle.begin(), patch.triangle.end());
+    }
+    if (wrong.empty()) return;
+    for (const std::uint32_t t : wrong) turn(t);
+  }
+}
+
+/// Open pieces that would enclose more if they were turned, the largest first.
+template <class Turn>
+void TurnOpenShells(TriangleMesh& mesh, Turn turn) {
+  std::vector<MeshPiece> pieces = PiecesOf(mesh);
+  std::erase_if(pieces, [](const MeshPiece& piece) { return piece.report.closed(); });
+  if (pieces.size() > kMostOpenPieces) return;
+  std::ranges::stable_sort(pieces, std::greater(),
+                           [](const MeshPiece& piece) { return piece.report.area; });
+  std::unique_ptr<MeshQuery> all;
+  for (const MeshPiece& piece : pieces) {
+    if (!all) all = std::make_unique<MeshQuery>(mesh);
+    if (Enclosure(piece.mesh, *all) > kInsideOutShell) continue;
+    for (const std::uint32_t t : piece.triangle) turn(t);
+    all.reset();
+  }
+}
+
+}  // namespace
+
+std::size_t OrientTriangles(TriangleMesh& mesh) {
+  const auto neighbours = FindNeighbours(mesh);
+  std::vector<bool> turned(mesh.triangles.size(), false);
+  std::vector<bool> seen(mesh.triangles.size(), false);
+  std::vector<std::uint32_t> patch_of(mesh.triangles.size());
+  std::uint32_t patches = 0;
+  for (std::uint32_t start = 0; start < mesh.triangles.size(); ++start) {
+    if (seen[start]) continue;
+    seen[start] = true;
+    std::vector<std::uint32_t> patch{start};
+    double area[2] = {0.0, 0.0};  // as it was, turned
+    for (std::size_t next = 0; next < patch.size(); ++next) {
+      const std::uint32_t t = patch[next];
+      patch_of[t] = patches;
+      const auto& [i, j, k] = mesh.triangles[t];
+      const Vec3& a = mesh.vertices[i];
+      area[turned[t]] += (mesh.vertices[j] - a).cross(mesh.vertices[k] - a).norm();
+      for (const Neighbour& n : neighbours[t]) {
+        if (seen[n.triangle]) continue;
+        seen[n.triangle] = true;
+        turned[n.triangle] = turned[t] == n.agrees;
+        patch.push_back(n.triangle);
+      }
+    }
+    ++patches;
+    if (area[1] <= area[0]) continue;
+    for (std::uint32_t t : patch) turned[t] = !turned[t];
+  }
+  for (std::uint32_t t = 0; t < turned.size(); ++t) {
+    if (turned[t]) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+  }
+  const auto turn = [&](std::uint32_t t) {
+    std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+    turned[t] = !turned[t];
+  };
+  const MeshReport report = InspectMesh(mesh);
+  if (report.inside_out()) {
+    for (std::uint32_t t = 0; t < turned.size(); ++t) turn(t);
+  }
+  for (std::uint32_t t : TrianglesInsideOut(mesh)) turn(t);
+  if (!report.closed() && report.area > 0.0) {
+    if (patches > 1 && patches <= kMostPatches) TurnPatches(mesh, patch_of, turn);
+    TurnOpenShells(mesh, turn);
+  }
+  return std::count(turned.begin(), turned.end(), true);
+}
+
+}  // namespace palpate

@@ -1,0 +1,178 @@
+#include "scenes/mesh/mesh_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+namespace palpate {
+namespace {
+
+/// Disjoint sets of vertices.
+class Pieces {
+ public:
+  explicit Pieces(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0u);
+  }
+  std::uint32_t Find(std::uint32_t v) {
+    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
+    return v;
+  }
+  void Join(std::uint32_t a, std::uint32_t b) { parent_[Find(a)] = Find(b); }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+struct Edge {
+  std::uint32_t low, high;
+  bool forward;  ///< the triangle runs from low to high
+  bool operator<(const Edge& o) const {
+    return std::tie(low, high, forward) < std::tie(o.low, o.high, o.forward);
+  }
+  bool Same(const Edge& o) const { return low == o.low && high == o.high; }
+};
+
+void CountEdges(std::vector<Edge>& edges, MeshReport& report) {
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i;
+    std::size_t forward = 0;
+    for (; end < edges.size() && edges[end].Same(edges[i]); ++end) forward += edges[end].forward;
+    const std::size_t count = end - i;
+    report.boundary_edges += count == 1;
+    report.non_manifold_edges += count > 2;
+    report.inconsistent_edges += count == 2 && forward != 1;
+    i = end;
+  }
+}
+
+std::string Count(std::size_t n, const char* one, const char* many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+void Judge(MeshReport& r) {
+  const double longest = (r.box_max - r.box_min).maxCoeff();
+  if (r.triangles == 0) {
+    r.refusal = "the mesh has no triangles; export surfaces, not only points, lines or curves";
+  } else if (r.bad_triangles > 0) {
+    r.refusal = Count(r.bad_triangles, "triangle names", "triangles name") +
+                " a vertex that does not exist; the file is damaged, export it again";
+  } else if (r.non_finite_vertices > 0) {
+    r.refusal = Count(r.non_finite_vertices, "vertex is", "vertices are") +
+                " not finite (NaN or infinity); the file is damaged, export it again";
+  } else if (!(longest > 0.0) || !(r.area > 0.0)) {
+    r.refusal =
+        "the mesh has no extent: all of its triangles are degenerate; check the exported scale";
+  }
+  if (!r.refusal.empty()) return;
+  if (!r.closed()) {
+    r.remarks.push_back(Count(r.boundary_edges, "edge is", "edges are") +
+                        " open: what is inside is decided by winding number, and spheres may show "
+                        "through large holes; close them in a mesh editor");
+  }
+  if (!r.manifold()) {
+    r.remarks.push_back(Count(r.non_manifold_edges, "edge has", "edges have") +
+                        " more than two triangles: spheres stop at inner walls; remove them in a "
+                        "mesh editor");
+  }
+  if (!r.oriented()) {
+    r.remarks.push_back(Count(r.inconsistent_edges, "edge joins", "edges join") +
+                        " triangles that wind against each other: the fewer of them are turned; "
+                        "recalculate the normals in a mesh editor");
+  }
+  if (r.inside_out()) {
+    r.remarks.push_back(
+        "the mesh is inside out: all of it is turned; flip its normals in a mesh editor");
+  }
+  if (r.degenerate_triangles > 0) {
+    r.remarks.push_back(Count(r.degenerate_triangles, "triangle has", "triangles have") +
+                        " no area: ignored");
+  }
+  if (r.duplicate_triangles > 0) {
+    r.remarks.push_back(Count(r.duplicate_triangles, "triangle stands", "triangles stand") +
+                        " there twice: merge by distance in a mesh editor");
+  }
+  if (r.unused_vertices > 0) {
+    r.remarks.push_back(Count(r.unused_vertices, "vertex belongs", "vertices belong") +
+                        " to no triangle: ignored");
+  }
+}
+
+}  // namespace
+
+MeshReport InspectMesh(const TriangleMesh& mesh) {
+  MeshReport r;
+  r.vertices = mesh.vertices.size();
+  r.triangles = mesh.triangles.size();
+
+  std::vector<bool> finite(r.vertices);
+  for (std::size_t v = 0; v < r.vertices; ++v) finite[v] = mesh.vertices[v].allFinite();
+  r.non_finite_vertices = std::count(finite.begin(), finite.end(), false);
+
+  std::vector<bool> used(r.vertices, false);
+  Pieces pieces(r.vertices);
+  std::vector<Edge> edges;
+  std::vector<std::array<std::uint32_t, 3>> corners;
+  r.box_min = Vec3::Constant(std::numeric_limits<double>::infinity());
+  r.box_max = -r.box_min;
+  Vec3 solid_moment = Vec3::Zero();
+  Vec3 surface_moment = Vec3::Zero();
+  Vec3 origin =
+      Vec3::Zero();  // near the mesh, so that volumes far from W's origin keep their digits
+  for (const auto& triangle : mesh.triangles) {
+    const auto [i, j, k] = triangle;
+    if (i >= r.vertices || j >= r.vertices || k >= r.vertices) {
+      ++r.bad_triangles;
+      continue;
+    }
+    if (!(finite[i] && finite[j] && finite[k])) continue;
+    if (corners.empty()) origin = mesh.vertices[i];
+    for (std::uint32_t v : triangle) {
+      used[v] = true;
+      r.box_min = r.box_min.cwiseMin(mesh.vertices[v]);
+      r.box_max = r.box_max.cwiseMax(mesh.vertices[v]);
+    }
+    corners.push_back(triangle);
+    std::sort(corners.back().begin(), corners.back().end());
+    pieces.Join(i, j);
+    pieces.Join(j, k);
+    const Vec3 a = mesh.vertices[i] - origin;
+    const Vec3 b = mesh.vertices[j] - origin;
+    const Vec3 c = mesh.vertices[k] - origin;
+    const double area = 0.5 * (b - a).cross(c - a).norm();
+    if (!(area > 0.0)) {
+      ++r.degenerate_triangles;
+      if (i == j || j == k || k == i) continue;  // has no three edges to count
+    }
+    r.area += area;
+    surface_moment += area / 3.0 * (a + b + c);
+    const double volume = a.dot(b.cross(c)) / 6.0;
+    r.volume += volume;
+    solid_moment += volume / 4.0 * (a + b + c);
+    for (const auto& [from, to] : {std::pair{i, j}, std::pair{j, k}, std::pair{k, i}}) {
+      edges.push_back({std::min(from, to), std::max(from, to), from < to});
+    }
+  }
+  if (corners.empty()) r.box_min = r.box_max = Vec3::Zero();
+  CountEdges(edges, r);
+  std::sort(corners.begin(), corners.end());
+  for (std::size_t i = 1; i < corners.size(); ++i) {
+    r.duplicate_triangles += corners[i] == corners[i - 1];
+  }
+  for (std::uint32_t v = 0; v < r.vertices; ++v) {
+    r.unused_vertices += !used[v];
+    r.components += used[v] && pieces.Find(v) == v;
+  }
+  if (r.solid() && r.volume != 0.0) {
+    r.centroid = origin + solid_moment / r.volume;
+  } else if (r.area > 0.0) {
+    r.centroid = origin + surface_moment / r.area;
+  }
+  Judge(r);
+  return r;
+}
+
+}  // namespace palpate

@@ -1,0 +1,328 @@
+#include "scenes/shapes/dental_shapes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "scenes/mesh/mesh_simplify.h"
+#include "scenes/shapes/implicit_mesh.h"
+#include "scenes/shapes/swept_mesh.h"
+#include "scenes/shapes/tooth_forms.h"
+
+namespace palpate {
+namespace {
+
+// Everything below is in millimetres, the unit of the trade, and scaled last.
+constexpr double kMillimetre = 1e-3;
+constexpr double kPi = 3.14159265358979323846;
+
+TriangleMesh InMetres(TriangleMesh mesh) {
+  for (Vec3& v : mesh.vertices) v *= kMillimetre;
+  return mesh;
+}
+
+ToothSize InMillimetres(const ToothSize& s) {
+  return {s.width / kMillimetre, s.depth / kMillimetre, s.crown / kMillimetre,
+          s.root / kMillimetre};
+}
+
+Eigen::AlignedBox3d Box(double x, double y_min, double y_max, double z_min, double z_max) {
+  return {Vec3(-x, y_min, z_min), Vec3(x, y_max, z_max)};
+}
+
+/// How the crown's half width changes with height: at the neck, at the bulge, at the top.
+struct Outline {
+  double neck, bulge, top;
+  double At(double s) const {
+    constexpr double kBulge = 0.45;
+    if (s < kBulge) {
+      return neck + (bulge - neck) * std::sin(0.5 * kPi * std::clamp(s / kBulge, 0.0, 1.0));
+    }
+    const double t = (s - kBulge) / (1.0 - kBulge);
+    return std::max(bulge + (top - bulge) * t * t, 0.5 * top);
+  }
+};
+
+struct CrownShape {
+  Outline along, across;
+  double squareness;                         ///< exponent of the superellipse
+  double rim;                                ///< height without cusps, of the crown's
+  double cusp_width;                         ///< of the crown's width
+  std::vector<std::array<double, 2>> cusps;  ///< x, z in half widths and half depths
+};
+
+const CrownShape& ShapeOf(ToothKind kind) {
+  static const CrownShape kShapes[] = {
+      {{0.68, 0.92, 1.0}, {0.85, 1.0, 0.16}, 2.6, 0.97, 0.2, {{-0.6, 0}, {0, 0}, {0.6, 0}}},
+      {{0.7, 1.0, 0.55}, {0.85, 1.0, 0.3}, 2.3, 0.66, 0.22, {{0, 0.05}}},
+      {{0.7, 1.0, 0.85}, {0.8, 1.0, 0.78}, 2.4, 0.62, 0.2, {{0, 0.5}, {0, -0.5}}},
+      {{0.78, 1.0, 0.92},
+       {0.8, 1.0, 0.84},
+       3.0,
+       0.64,
+       0.16,
+       {{0.52, 0.5}, {-0.52, 0.5}, {0.5, -0.5}, {-0.5, -0.5}}}};
+  return kShapes[static_cast<int>(kind)];
+}
+
+ToothNumber NumberOfKind(ToothKind kind) {
+  return NumberOf(std::size_t(kind) - std::size_t(ToothKind::kFirstByNumber));
+}
+ToothMeasures InTable(const ToothSize& size) {
+  return {size.width, size.depth, size.crown, size.root};
+}
+
+/// A tooth of a size in mm.
+Field ToothField(ToothKind kind, const ToothSize& size) {
+  if (kind >= ToothKind::kFirstByNumber) return ToothFormField(NumberOfKind(kind), InTable(size));
+  const CrownShape& shape = ShapeOf(kind);
+  const double half_width = 0.5 * size.width;
+  const double half_depth = 0.5 * size.depth;
+  const Field crown = [=](const Vec3& p) {
+    const double s = p.y() / size.crown;
+    const double a = half_width * shape.along.At(s);
+    const double b = half_depth * shape.across.At(s);
+    const double n = shape.squareness;
+    const double r =
+        std::pow(std::pow(std::abs(p.x()) / a, n) + std::pow(std::abs(p.z()) / b, n), 1.0 / n);
+    const double side = (r - 1.0) * std::min(a, b);
+    double top = shape.rim * size.crown;
+    const double sigma = shape.cusp_width * size.width;
+    for (const auto& [x, z] : shape.cusps) {
+      const double dx = p.x() - x * half_width;
+      const double dz = p.z() - z * half_depth;
+      top +=
+          (1.0 - shape.rim) * size.crown * std::exp(-0.5 * (dx * dx + dz * dz) / (sigma * sigma));
+    }
+    const double lid = 0.75 * (p.y() - top);
+    return SmoothMax(SmoothMax(side, lid, 1.0), -(p.y() + 1.5), 1.0);
+  };
+  std::vector<Field> parts{crown};
+  if (kind == ToothKind::kMolar) {
+    parts.push_back(EllipsoidField({0, -1.5, 0}, {0.4 * size.width, 3.2, 0.4 * size.depth}));
+    for (const double side : {-1.0, 1.0}) {  // flattened: wider across the arch than along it
+      const Field root = ConeField({side * 0.22 * size.width, -1.0, 0}, 0.19 * size.width,
+                                   {side * 0.3 * size.width, -size.root + 1.0, 0}, 1.0);
+      parts.push_back([=](const Vec3& p) {
+        const double bend = 1.2 * side * std::pow(std::min(p.y(), 0.0) / size.root, 2.0);
+        return root({p.x() + bend, p.y(), 0.62 * p.z()});
+      });
+    }
+  } else {
+    const double flat = size.width / size.depth;
+    const Field root = ConeField({0, -0.5, 0}, 0.35 * size.width, {0, -size.root + 0.8, 0}, 0.8);
+    parts.push_back([=](const Vec3& p) {
+      return root({p.x(), p.y(), (0.3 + 0.7 * flat) * p.z()});
+    });
+  }
+  return UnionOf(std::move(parts), 1.6);
+}
+
+Eigen::AlignedBox3d ToothBox(const ToothSize& size, double margin) {
+  return Box(0.5 * size.width + margin, -size.root - margin, size.crown + margin,
+             -0.5 * size.depth - margin, 0.5 * size.depth + margin);
+}
+
+/// Number from -1 to 1 at a point of the whole-numbered lattice: of the bits of a hash.
+double AtLattice(int i, int j, int k) {
+  std::uint32_t h = std::uint32_t(i) * 0x8da6b343u ^ std::uint32_t(j) * 0xd8163841u ^
+                    std::uint32_t(k) * 0xcb1ab31fu;
+  h = (h ^ (h >> 15)) * 0x2c1b3c6du;
+  h = (h ^ (h >> 12)) * 0x297a2d39u;
+  return double(h >> 8) / double(1u << 23) - 1.0;
+}
+
+/// Smooth noise from -1 to 1 whose grains are about 1 wide: random numbers at the lattice's points,
+/// blended between them (Perlin, "An image synthesizer", SIGGRAPH 1985, as value noise).
+double Noise(const Vec3& p) {
+  const Eigen::Vector3i cell = p.array().floor().cast<int>();
+  const Vec3 t = p - cell.cast<double>();
+  const Vec3 w = t.cwiseProduct(t).cwiseProduct(Vec3::Constant(3.0) - 2.0 * t);
+  double sum = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1.0;
+    Eigen::Vector3i at = cell;
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool upper = (corner >> axis & 1) != 0;
+      weight *= upper ? w[axis] : 1.0 - w[axis];
+      at[axis] += upper;
+    }
+    sum += weight * AtLattice(at.x(), at.y(), at.z());
+  }
+  return sum;
+}
+
+/// Curve of an instrument from the tip on, rounded at the corners of a polyline, with radii.
+TriangleMesh Instrument(const std::vector<Vec3>& corners, const std::vector<double>& radii,
+                        double step) {
+  std::vector<Vec3> curve;
+  std::vector<double> thickness;
+  // Cubic Hermite pieces; the direction at a corner is that between its neighbours, as Catmull and
+  // Rom have it, as long as each piece, so that a short piece beside a long one does not overshoot.
+  const auto direction = [&](std::size_t i) {
+    const Vec3& before = corners[i == 0 ? 0 : i - 1];
+    const Vec3& after = corners[std::min(i + 1, corners.size() - 1)];
+    return (after - before).normalized();
+  };
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const Vec3& a = corners[i];
+    const Vec3& b = corners[i + 1];
+    const double length = (b - a).norm();
+    const int pieces = std::max(1, int(std::lround(length / step)));
+    for (int k = 0; k < pieces; ++k) {
+      const double t = double(k) / pieces;
+      const double u = 1.0 - t;
+      curve.push_back(u * u * (1.0 + 2.0 * t) * a + t * t * (1.0 + 2.0 * u) * b +
+                      length * t * u * (u * direction(i) - t * direction(i + 1)));
+      thickness.push_back(radii[i] + t * (radii[i + 1] - radii[i]));
+    }
+  }
+  curve.push_back(corners.back());
+  thickness.push_back(radii.back());
+  // Round ends: half a ball of rings before the first and after the last point.
+  const Vec3 front = (curve[0] - curve[1]).normalized();
+  const Vec3 back = (curve.back() - curve[curve.size() - 2]).normalized();
+  const double r0 = thickness.front();
+  const double r1 = thickness.back();
+  const Vec3 first = curve.front();
+  const Vec3 last = curve.back();
+  for (const double a : {0.35, 0.7, 1.05, 1.4}) {
+    curve.insert(curve.begin(), first + r0 * std::sin(a) * front);
+    thickness.insert(thickness.begin(), r0 * std::cos(a));
+    curve.push_back(last + r1 * std::sin(a) * back);
+    thickness.push_back(r1 * std::cos(a));
+  }
+  return MakeRod(curve, thickness, 16);
+}
+
+}  // namespace
+
+std::span<const std::string_view> ToothKindNames() {
+  static const std::vector<std::string_view> kNames = [] {
+    std::vector<std::string_view> names{"incisor", "canine", "premolar", "molar"};
+    names.insert(names.end(), ToothNames().begin(), ToothNames().end());
+    return names;
+  }();
+  return kNames;
+}
+
+ToothSize UsualSize(ToothKind kind) {
+  if (kind >= ToothKind::kFirstByNumber) {
+    const ToothMeasures mm = MeasuresOf(NumberOfKind(kind));
+    return {1e-3 * mm.width, 1e-3 * mm.depth, 1e-3 * mm.crown, 1e-3 * mm.root};
+  }
+  switch (kind) {
+    case ToothKind::kIncisor:
+      return {0.0085, 0.007, 0.0105, 0.013};
+    case ToothKind::kCanine:
+      return {0.0075, 0.008, 0.010, 0.017};
+    case ToothKind::kPremolar:
+      return {0.007, 0.009, 0.0085, 0.014};
+    default:
+      return {0.0105, 0.0105, 0.0075, 0.013};
+  }
+}
+
+TriangleMesh MakeTooth(ToothKind kind, const ToothSize& metres) {
+  const ToothSize size = InMillimetres(metres);
+  if (kind >= ToothKind::kFirstByNumber) return MakeToothForm(NumberOfKind(kind), InTable(size));
+  return InMetres(MeshOfField(ToothField(kind, size), ToothBox(size, 1.5), size.width / 8.0));
+}
+
+TriangleMesh MakeGingiva(ToothKind kind, const ToothSize& metres, const GumSize& gum_metres) {
+  const ToothSize size = InMillimetres(metres);
+  const double depth = gum_metres.pocket_depth / kMillimetre;
+  const double width = gum_metres.pocket_width / kMillimetre;
+  const double x = 0.5 * size.width + 3.5;
+  const double z = 0.5 * size.depth + 4.5;
+  const double floor = -size.root - 2.0;
+  const double margin = 0.8 - gum_metres.recession / kMillimetre;
+  // A ridge with round shoulders whose top rises between the teeth, as the papillae do.
+  const Field block = [=](const Vec3& p) {
+    const double rise = 2.2 * std::pow(std::min(std::abs(p.x()) / x, 1.0), 2.4);
+    const double wall = std::abs(p.z()) - z - 0.06 * (margin - p.y());
+    const double ridge = SmoothMax(wall, 0.95 * (p.y() - margin - rise), 7.0);
+    return SmoothMax(SmoothMax(ridge, std::abs(p.x()) - x, 3.0), floor - p.y(), 2.0);
+  };
+  const Field tooth = ToothField(kind, size);
+  const Field socket = [=](const Vec3& p) { return tooth(p) + 0.1; };  // gum grips the tooth
+  const double reach = 0.32 * size.width;
+  // The tooth's field counts lengths along z short; here the width matters.
+  const auto from_tooth = [=](const Vec3& p) {
+    constexpr double kStep = 1e-3;
+    Vec3 slope;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 e = kStep * Vec3::Unit(k);
+      slope[k] = (tooth(p + e) - tooth(p - e)) / (2.0 * kStep);
+    }
+    return tooth(p) / std::max(slope.norm(), 0.3);
+  };
+  const Field pocket = [=](const Vec3& p) {
+    const double beside = std::abs(p.x()) - reach;
+    const double below = -depth - p.y();
+    const double behind = 0.15 * size.depth - p.z();
+    return SmoothMax(SmoothMax(from_tooth(p) - width, beside, 0.8), SmoothMax(below, behind, 0.6),
+                     0.8);
+  };
+  const Field gum = Without(Without(block, socket, 0.4), pocket, 0.5);
+  const Eigen::AlignedBox3d box = Box(x + 1.0, floor - 1.5, 5.0, -z - 2.5, z + 2.5);
+  constexpr double kCell = 0.7;  // half of the pocket's width
+  return InMetres(Simplified(MeshOfField(gum, box, kCell), 0.015));
+}
+
+TriangleMesh MakeCalculus(ToothKind kind, const ToothSize& metres, double across) {
+  const ToothSize size = InMillimetres(metres);
+  const double r = 0.5 * across / kMillimetre;
+  const Field tooth = ToothField(kind, size);
+  const double y = 0.3 * size.crown;
+  double surface = 0.0;  // z of the tooth's outer side at that height
+  while (tooth({0, y, surface}) < 0.0) surface += 0.01;
+  const Field lump = [=](const Vec3& p) {
+    // Grains on lumps, and a rim that frays.
+    const double lumps = Noise(1.3 * p);
+    const double grains = Noise(3.1 * p + Vec3(7.3, 1.9, 4.1));
+    const double e = std::hypot(p.x(), p.y() - y) / r + 0.16 * lumps;
+    // A crust that thins out towards its rim, a little of it inside the tooth.
+    const double thickness = 0.5 * (1.0 - e * e) + 0.2 * lumps + 0.12 * grains;
+    return SmoothMax(SmoothMax(tooth(p) - thickness, r * (e - 1.1), 0.4),
+                     SmoothMax(-(tooth(p) + 0.6), -(p.z() - surface + 2.5), 0.3), 0.3);
+  };
+  return InMetres(MeshOfField(
+      lump, Box(r + 1.5, y - r - 1.5, y + r + 1.5, surface - 4.0, surface + 2.5), r / 10.0));
+}
+
+TriangleMesh MakeProbe(double tip_radius, double length) {
+  const double r = tip_radius / kMillimetre;
+  const double l = length / kMillimetre;
+  return InMetres(Instrument({{0, r, 0},
+                              {0, 4, 0},
+                              {0, 9, 0},
+                              {0, 13, 1.2},
+                              {0, 18, 7},
+                              {0, 24, 12},
+                              {0, 30, 14.5},
+                              {0, l - 2.0, 14.5 + 0.2 * (l - 30.0)},
+                              {0, l, 14.9 + 0.2 * (l - 30.0)}},
+                             {r, 1.2 * r, 1.5 * r, 1.8 * r, 2.2 * r, 1.1, 1.6, 2.2, 2.0}, 1.5));
+}
+
+TriangleMesh MakeScaler(double tip_radius, double length) {
+  const double r = tip_radius / kMillimetre;
+  const double l = length / kMillimetre;
+  return InMetres(Instrument({{0, 0, -3.6},
+                              {0, 0.5, -2.2},
+                              {0, 2.0, -0.6},
+                              {0, 4.5, 0.2},
+                              {0, 9, 0.6},
+                              {0, 14, 3.4},
+                              {0, 20, 7.5},
+                              {0, 27, 9.5},
+                              {0, l - 2.0, 9.5 + 0.2 * (l - 27.0)},
+                              {0, l, 9.9 + 0.2 * (l - 27.0)}},
+                             {r, 1.5 * r, 1.9 * r, 2.2 * r, 2.6 * r, 1.0, 1.2, 1.7, 2.3, 2.1},
+                             1.0));
+}
+
+}  // namespace palpate

@@ -1,0 +1,105 @@
+#include "scenes/shapes/shape_kinds.h"
+
+#include <algorithm>
+
+#include "scenes/shapes/dental_shapes.h"
+#include "scenes/shapes/mouth_shapes.h"
+#include "scenes/shapes/shapes.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+ShapeParameter Millimetres(std::string_view field, double usual, double smallest, double largest) {
+  return {field, usual, smallest, largest, 1e-3};
+}
+
+std::vector<ShapeParameter> WithToothSize(std::vector<ShapeParameter> more) {
+  std::vector<ShapeParameter> all{
+      Millimetres("width_mm", 0, 2, 30), Millimetres("depth_mm", 0, 2, 30),
+      Millimetres("crown_mm", 0, 2, 30), Millimetres("root_mm", 0, 4, 40)};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+/// What the file leaves out is as usual for the kind of tooth.
+ToothSize SizeFrom(ToothKind kind, std::span<const double> values) {
+  const ToothSize usual = UsualSize(kind);
+  const auto or_usual = [](double value, double of_kind) { return value > 0.0 ? value : of_kind; };
+  return {or_usual(values[0], usual.width), or_usual(values[1], usual.depth),
+          or_usual(values[2], usual.crown), or_usual(values[3], usual.root)};
+}
+
+using Values = std::span<const double>;
+
+}  // namespace
+
+std::span<const ShapeKind> ShapeKinds() {
+  static const std::vector<std::string_view> kTeeth(ToothKindNames().begin(),
+                                                    ToothKindNames().end());
+  static const std::vector<ShapeKind> kKinds{
+      {"tooth", kTeeth, WithToothSize({}),
+       [](std::size_t variant, Values v) {
+         const auto kind = static_cast<ToothKind>(variant);
+         return MakeTooth(kind, SizeFrom(kind, v));
+       }},
+      {"gingiva", kTeeth,
+       WithToothSize({Millimetres("pocket_depth_mm", 6, 1, 12),
+                      Millimetres("pocket_width_mm", 1.2, 0.4, 4),
+                      Millimetres("recession_mm", 0, 0, 4)}),
+       [](std::size_t variant, Values v) {
+         const auto kind = static_cast<ToothKind>(variant);
+         return MakeGingiva(kind, SizeFrom(kind, v), {v[4], v[5], v[6]});
+       }},
+      {"calculus", kTeeth, WithToothSize({Millimetres("across_mm", 4, 1, 10)}),
+       [](std::size_t variant, Values v) {
+         const auto kind = static_cast<ToothKind>(variant);
+         return MakeCalculus(kind, SizeFrom(kind, v), v[4]);
+       }},
+      {"probe",
+       {},
+       {Millimetres("tip_radius_mm", 0.4, 0.2, 1), Millimetres("length_mm", 60, 40, 150)},
+       [](std::size_t, Values v) { return MakeProbe(v[0], v[1]); }},
+      {"scaler",
+       {},
+       {Millimetres("tip_radius_mm", 0.3, 0.15, 0.6), Millimetres("length_mm", 60, 40, 150)},
+       [](std::size_t, Values v) { return MakeScaler(v[0], v[1]); }},
+      {"jaw",
+       {"upper", "lower"},
+       {},
+       [](std::size_t variant, Values) { return MakeJaw(variant == 0); }},
+      {"tongue",
+       {},
+       {Millimetres("length_mm", 60, 20, 120)},
+       [](std::size_t, Values v) { return MakeTongue(v[0]); }},
+      {"face",
+       {},
+       {Millimetres("mouth_width_mm", 58, 40, 66), Millimetres("mouth_height_mm", 54, 30, 62)},
+       [](std::size_t, Values v) { return MakeFace(v[0], v[1]); }},
+      {"pipe",
+       {},
+       {Millimetres("inner_radius_mm", 20, 0.1, 1e5),
+        Millimetres("wall_mm", 2, 0.01, 1e5),
+        Millimetres("length_mm", 100, 0.1, 1e6),
+        {"bend_deg", 0, 0, 300, kDegree}},
+       [](std::size_t, Values v) { return MakeBentPipe(v[0], v[1], v[2], v[3]); }},
+      {"mould",
+       {"mould", "tool"},
+       {Millimetres("radius_mm", 30, 1, 1000), Millimetres("depth_mm", 10, 0.1, 500),
+        Millimetres("wave_mm", 1, 0.0, 50), Millimetres("thickness_mm", 8, 0.1, 500)},
+       [](std::size_t variant, Values v) {
+         return MakeMould(variant == 0, v[0], v[1], v[2], v[3]);
+       }},
+  };
+  return kKinds;
+}
+
+const ShapeKind* FindShapeKind(std::string_view name) {
+  const auto kinds = ShapeKinds();
+  const auto it = std::find_if(kinds.begin(), kinds.end(),
+                               [&](const ShapeKind& kind) { return kind.name == name; });
+  return it == kinds.end() ? nullptr : &*it;
+}
+
+}  // namespace palpate

@@ -1,0 +1,272 @@
+#include "scenes/tree/balanced_balls.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+namespace palpate {
+namespace {
+
+constexpr double kDepth = 0.15;        // of the spacing
+constexpr double kLost = 0.3;          // relative force error beyond which it is all the same
+constexpr double kProtrusion = 0.025;  // of the spacing
+constexpr double kLargest = 10.0;      // spacings
+constexpr int kRounds = 12;
+constexpr int kMovingRounds = 8;      // of them: balls are moved to where they are worth more
+constexpr double kMovedShare = 0.04;  // of the balls, each round
+constexpr std::size_t kNear = 4;      // balls looked at for each sample
+constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kFewestSamples = 4;  // a ball has four unknowns
+constexpr int kTrials = 4;                   // of each step, shorter and shorter
+constexpr double kDamping = 0.01;
+// What a ball more is worth where there was one: halving the area of a cell halves tilt^2.
+constexpr double kGainOfSplit = 0.5;
+
+using Vec4 = Eigen::Vector4d;
+using Mat4 = Eigen::Matrix4d;
+
+double Dull(double squared) {
+  return squared / (1.0 + squared / (kLost * kLost));
+}
+
+/// Weight of a residual whose square is `squared` in a least-squares step: the slope of Dull.
+double DullSlope(double squared) {
+  const double w = 1.0 / (1.0 + squared / (kLost * kLost));
+  return w * w;
+}
+
+class Balancer {
+ public:
+  Balancer(const BallsToBalance& work, std::vector<Sphere>& balls)
+      : work_(work),
+        balls_(balls),
+        depth_(kDepth * work.spacing),
+        protrusion_(kProtrusion * work.spacing),
+        largest_(kLargest * work.spacing) {}
+
+  void Run(const std::function<void(double)>& done) {
+    std::vector<Sphere> best;
+    double best_cost = std::numeric_limits<double>::infinity();
+    for (int round = 0; round <= kRounds; ++round) {
+      const bool moving = round < kMovingRounds;
+      const double cost = Assign();
+      if (cost < best_cost) {
+        best_cost = cost;
+        best = balls_;
+      }
+      if (round == kRounds) break;
+      fresh_.assign(balls_.size(), false);
+      if (moving) Move();
+      for (std::uint32_t b = 0; b < balls_.size(); ++b) Fit(b);
+      done(double(round + 1) / kRounds);
+    }
+    balls_ = std::move(best);
+  }
+
+ private:
+  double ErrorSquared(const Sphere& ball, const SurfaceSample& s) const {
+    const Vec3 d = s.point - ball.centre;
+    const double length = d.norm();
+    if (!(length > 0.0)) return std::numeric_limits<double>::max();
+    const double offset = (ball.radius - length) / depth_;
+    return offset * offset + (d / length - s.outward).squaredNorm();
+  }
+
+  double Offset(const Sphere& ball, const SurfaceSample& s) const {
+    return ball.radius - (s.point - ball.centre).norm();
+  }
+
+  /// Cost of the samples that ball b is near to, were it `ball`: at each the outermost of the
+  /// sample's near balls is felt.
+  double Cost(const Sphere& ball, std::uint32_t b) const {
+    double sum = 0.0;
+    for (const std::uint32_t s : NearTo(b)) {
+      const SurfaceSample& sample = work_.samples[s];
+      const Sphere* felt = &ball;
+      double outermost = Offset(ball, sample);
+      for (const std::uint32_t other : near_[s]) {
+        if (other == b || other == kNone) continue;
+        const double offset = Offset(balls_[other], sample);
+        if (offset > outermost) {
+          outermost = offset;
+          felt = &balls_[other];
+        }
+      }
+      sum += Dull(ErrorSquared(*felt, sample));
+    }
+    return sum;
+  }
+
+  /// Cost of the samples at which ball b is the one that is felt.
+  double CostWhereFelt(std::uint32_t b) const {
+    double sum = 0.0;
+    for (const std::uint32_t s : FeltAt(b)) {
+      sum += Dull(ErrorSquared(balls_[b], work_.samples[s]));
+    }
+    return sum;
+  }
+
+  std::span<const std::uint32_t> NearTo(std::uint32_t b) const {
+    return {member_.data() + begin_[b], member_.data() + begin_[b + 1]};
+  }
+  std::span<const std::uint32_t> FeltAt(std::uint32_t b) const { return NearTo(b).first(felt_[b]); }
+
+  /// Tells for each sample its nearest balls, the first of which is the outermost and is felt; and
+  /// for each ball the samples that it is near to, first those at which it is felt.
+  /// @returns the mean cost.
+  double Assign() {
+    const SphereQuery query(balls_);
+    const std::size_t count = work_.samples.size();
+    loss_.assign(balls_.size(), 0.0);
+    felt_.assign(balls_.size(), 0);
+    begin_.assign(balls_.size() + 1, 0);
+    near_.resize(count);
+    double total = 0.0;
+    for (std::size_t s = 0; s < count; ++s) {
+      const SurfaceSample& sample = work_.samples[s];
+      const std::vector<std::uint32_t> few = query.NearestFew(sample.point, kNear);
+      near_[s].fill(kNone);
+      std::copy(few.begin(), few.end(), near_[s].begin());
+      const double cost = Dull(ErrorSquared(balls_[few[0]], sample));
+      const double without = few.size() > 1 ? Dull(ErrorSquared(balls_[few[1]], sample)) : 1.0;
+      loss_[few[0]] += without - cost;
+      total += cost;
+      ++felt_[few[0]];
+      for (const std::uint32_t b : few) ++begin_[b + 1];
+    }
+    for (std::size_t b = 0; b < balls_.size(); ++b) begin_[b + 1] += begin_[b];
+    member_.resize(begin_.back());
+    std::vector<std::uint32_t> at(begin_.begin(), begin_.end() - 1);
+    for (std::size_t rank = 0; rank < kNear; ++rank) {
+      for (std::uint32_t s = 0; s < count; ++s) {
+        if (near_[s][rank] != kNone) member_[at[near_[s][rank]]++] = s;
+      }
+    }
+    return total / static_cast<double>(count);
+  }
+
+  /// Takes the balls that would be missed least to where one more helps most.
+  void Move() {
+    std::vector<std::pair<double, std::uint32_t>> spare, needy;
+    for (std::uint32_t b = 0; b < balls_.size(); ++b) {
+      spare.emplace_back(loss_[b], b);
+      needy.emplace_back(-CostWhereFelt(b), b);
+    }
+    std::sort(spare.begin(), spare.end());
+    std::sort(needy.begin(), needy.end());
+    const auto most = static_cast<std::size_t>(kMovedShare * static_cast<double>(balls_.size()));
+    std::vector<bool> touched(balls_.size(), false);
+    std::size_t from = 0;
+    for (std::size_t n = 0; n < std::min(most, needy.size()); ++n) {
+      const std::uint32_t to = needy[n].second;
+      if (touched[to] || felt_[to] < kFewestSamples) continue;
+      while (from < spare.size() && touched[spare[from].second]) ++from;
+      if (from == spare.size() || !(spare[from].first < -kGainOfSplit * needy[n].first)) break;
+      const std::uint32_t moved = spare[from].second;
+      if (moved == to) break;
+      const Sphere ball = work_.inner.Tangent(work_.samples[WorstOf(to)]);
+      touched[to] = true;
+      if (!(ball.radius > 0.0)) continue;
+      touched[moved] = true;
+      fresh_[moved] = true;
+      balls_[moved] = ball;
+    }
+  }
+
+  std::uint32_t WorstOf(std::uint32_t b) const {
+    std::uint32_t worst = FeltAt(b).front();
+    double most = -1.0;
+    for (const std::uint32_t s : FeltAt(b)) {
+      const double error = ErrorSquared(balls_[b], work_.samples[s]);
+      if (error > most) {
+        most = error;
+        worst = s;
+      }
+    }
+    return worst;
+  }
+
+  /// The radius that is right on average for a ball at `centre`, as far as it may stick out.
+  double RadiusAt(const Vec3& centre, const Sphere& before, std::uint32_t b) const {
+    double sum = 0.0, weights = 0.0;
+    for (const std::uint32_t k : FeltAt(b)) {
+      const SurfaceSample& s = work_.samples[k];
+      const double w = DullSlope(ErrorSquared(before, s));
+      sum += w * (s.point - centre).norm();
+      weights += w;
+    }
+    const double room = work_.query.Nearest(centre).distance + protrusion_;
+    return std::min({weights > 0.0 ? sum / weights : before.radius, room, largest_});
+  }
+
+  /// One damped Gauss-Newton step of a ball on the samples that it is felt at.
+  void Fit(std::uint32_t b) {
+    if (fresh_[b] || felt_[b] < kFewestSamples) return;
+    const Sphere ball = balls_[b];
+    const Vec3 step = StepOf(ball, b);
+    const double cost = Cost(ball, b);
+    double share = 1.0;
+    // Within its own radius the centre stays inside the solid.
+    const double longest = 0.5 * ball.radius;
+    if (step.norm() > longest) share = longest / step.norm();
+    // The last trial changes the radius alone.
+    for (int trial = 0; trial < kTrials; ++trial, share *= trial + 1 < kTrials ? 0.4 : 0.0) {
+      const Vec3 centre = ball.centre + share * step;
+      const Sphere moved{centre, RadiusAt(centre, ball, b)};
+      if (!(moved.radius > 0.0)) continue;
+      if (Cost(moved, b) < cost) {
+        balls_[b] = moved;
+        return;
+      }
+    }
+  }
+
+  Vec3 StepOf(const Sphere& ball, std::uint32_t b) const {
+    Mat4 normal = Mat4::Zero();
+    Vec4 right = Vec4::Zero();
+    double weights = 0.0;
+    for (const std::uint32_t k : FeltAt(b)) {
+      const SurfaceSample& s = work_.samples[k];
+      const Vec3 d = s.point - ball.centre;
+      const double length = d.norm();
+      if (!(length > 0.0)) continue;
+      const Vec3 u = d / length;
+      const double w = DullSlope(ErrorSquared(ball, s));
+      Vec4 row;
+      row << u / depth_, 1.0 / depth_;
+      normal += w * row * row.transpose();
+      right -= w * (ball.radius - length) / depth_ * row;
+      const Mat3 turn = (Mat3::Identity() - u * u.transpose()) / length;  // -du/dc
+      normal.topLeftCorner<3, 3>() += w * turn * turn;
+      right.head<3>() += w * turn * (u - s.outward);
+      weights += w / (length * length);
+    }
+    normal += kDamping * weights * Mat4::Identity();
+    return Vec3(normal.ldlt().solve(right).head<3>());
+  }
+
+  const BallsToBalance& work_;
+  std::vector<Sphere>& balls_;
+  double depth_, protrusion_, largest_;
+  std::vector<std::array<std::uint32_t, kNear>> near_;  ///< balls of each sample, nearest first
+  std::vector<std::uint32_t> begin_, member_;           ///< samples of each ball, by rank
+  std::vector<std::uint32_t> felt_;                     ///< how many of these feel it
+  std::vector<double> loss_;                            ///< cost, were the ball not there
+  std::vector<bool> fresh_;  ///< moved in this round: its samples are not known
+};
+
+}  // namespace
+
+void BalanceBalls(const BallsToBalance& work, std::vector<Sphere>& balls,
+                  const std::function<void(double)>& done) {
+  if (balls.empty() || work.samples.empty()) return;
+  Balancer(work, balls).Run(done);
+}
+
+}  // namespace palpate

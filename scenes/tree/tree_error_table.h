@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenes/tree/tree_error.h"
+
+namespace palpate {
+
+/// MeasureLevels of a body, as programs print and write it.
+struct BodyTreeError {
+  std::string body;
+  std::vector<UnionError> levels;  ///< coarsest first; the last are the leaves
+};
+
+/// What the levels of a tree are, for people who read the figures.
+inline constexpr std::string_view kWhatLevelsAre =
+    "levels 1 to N-1 bound the leaves below them (for the contact prediction); the leaves are what "
+    "is felt";
+
+/// A table for people: lengths in micrometres, or in millimetres where the body is large; degrees;
+/// percent.
+std::string LevelTable(const std::vector<UnionError>& levels);
+/// The same under the body's name.
+std::string ToText(const BodyTreeError& error);
+/// A line a level; every figure's name ends in its unit and what it is of the spread, as
+/// "signed_offset_um_p99".
+/// @param mode  of the tree.   @param heading  begin with the line of names.
+std::string ToCsv(const BodyTreeError& error, std::string_view mode, bool heading);
+/// {"body": ..., "levels": [...]}, the same figures: "signed_offset_um": {"p99": ...}.
+std::string ToJsonText(const BodyTreeError& error);
+
+}  // namespace palpate

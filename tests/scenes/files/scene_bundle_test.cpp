@@ -1,0 +1,329 @@
+#include "scenes/files/scene_bundle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/json/json_file.h"
+#include "scenes/tree/sphere_tree_builder.h"
+#include "tests/scenes/support.h"
+#include "tests/support/optimised.h"
+#include "tests/support/random.h"
+
+namespace palpate {
+namespace {
+
+using test::ComplaintOf;
+using testing::AnyOf;
+using testing::HasSubstr;
+
+Scene SmallScene() {
+  Scene scene;
+  scene.name = "small";
+  Body ball{"ball", MakeSphere(0.005, 20), {}, {}};
+  ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), 0.005});
+  ball.X_WB.p = Vec3(0, 0.1, 0);
+  Body box{"box", MakeBox(Vec3(0.1, 0.2, 0.3)), {}, {}};
+  box.tree = BuildSphereTree(box.mesh, 20);
+  box.X_WB.q = Quat(0.6, 0, 0.8, 0);
+  scene.tools = {ball};
+  scene.objects = {box, box};
+  scene.objects[1].name = "other";
+  scene.coupling = {500, 0.25};
+  scene.features = {ContactModel::kSpheres, FrictionModel::kCoulomb, true, true};
+  scene.objects[1].materials = {{}, {2000, 0.8, 0.3, 0.01}};
+  scene.objects[1].leaf_material.assign(20, 0);
+  scene.objects[1].leaf_material[7] = 1;
+  return scene;
+}
+
+bool SameMaterials(const std::vector<Material>& a, const std::vector<Material>& b) {
+  return std::equal(
+      a.begin(), a.end(), b.begin(), b.end(), [](const Material& m, const Material& n) {
+        return m.stiffness == n.stiffness && m.hardness == n.hardness &&
+               m.static_friction == n.static_friction && m.dynamic_friction == n.dynamic_friction;
+      });
+}
+
+std::string Complaint(std::span<const std::uint8_t> bytes) {
+  return ComplaintOf([&] { UnpackScene(bytes, "s.palpate"); });
+}
+
+TEST(SceneBundle, GivesBackTheScene) {
+  const Scene scene = SmallScene();
+  const auto bytes = PackScene(scene, 7);
+  EXPECT_EQ(ContentKey(bytes, "s"), 7u);
+  const Scene back = UnpackScene(bytes, "s");
+  EXPECT_EQ(back.name, "small");
+  EXPECT_EQ(back.coupling.stiffness, 500);
+  EXPECT_EQ(back.coupling.torsional_stiffness, 0.25);
+  EXPECT_EQ(back.features.contact, ContactModel::kSpheres);
+  EXPECT_EQ(back.features.friction, FrictionModel::kCoulomb);
+  EXPECT_TRUE(back.features.compliance);
+  EXPECT_TRUE(back.features.removal);
+  ASSERT_EQ(back.tools.size(), 1u);
+  ASSERT_EQ(back.objects.size(), 2u);
+  EXPECT_EQ(back.objects[1].name, "other");
+  for (const auto& [a, b] : {std::pair{&scene.tools[0], &back.tools[0]},
+                             {&scene.objects[0], &back.objects[0]},
+                             {&scene.objects[1], &back.objects[1]}}) {
+    EXPECT_EQ(a->name, b->name);
+    EXPECT_EQ(a->X_WB.p, b->X_WB.p);
+    EXPECT_EQ(a->X_WB.q.coeffs(), b->X_WB.q.coeffs());
+    EXPECT_EQ(a->mesh.vertices, b->mesh.vertices);
+    EXPECT_EQ(a->mesh.triangles, b->mesh.triangles);
+    EXPECT_EQ(a->tree.leaf_x, b->tree.leaf_x);
+    EXPECT_EQ(a->tree.leaf_y, b->tree.leaf_y);
+    EXPECT_EQ(a->tree.leaf_z, b->tree.leaf_z);
+    EXPECT_EQ(a->tree.leaf_radius, b->tree.leaf_radius);
+    EXPECT_EQ(a->tree.level_begin, b->tree.level_begin);
+    EXPECT_EQ(a->tree.leaf_triangle_begin, b->tree.leaf_triangle_begin);
+    EXPECT_EQ(a->tree.leaf_triangle, b->tree.leaf_triangle);
+    EXPECT_EQ(a->tree.centroid, b->tree.centroid);
+    EXPECT_EQ(a->leaf_material, b->leaf_material);
+    EXPECT_TRUE(SameMaterials(a->materials, b->materials));
+    ASSERT_EQ(a->tree.packets.size(), b->tree.packets.size());
+    for (std::size_t p = 0; p < a->tree.packets.size(); ++p) {
+      EXPECT_EQ(std::memcmp(&a->tree.packets[p], &b->tree.packets[p], sizeof(SpherePacket)), 0);
+    }
+  }
+  EXPECT_EQ(PackScene(back, 7), bytes);
+}
+
+TEST(SceneBundle, GivesBackHowItIsToBeSeen) {
+  Scene scene = SmallScene();
+  EXPECT_FALSE(UnpackScene(PackScene(scene), "s").first_sight.has_value());
+  scene.objects[0].look = "gum";
+  scene.objects[0].ambient.assign(scene.objects[0].mesh.vertices.size(), 200);
+  scene.first_sight = {Vec3(1, 2, 3), 0.5, Vec3(0.6, 0, 0.8)};
+  const Scene back = UnpackScene(PackScene(scene), "s");
+  EXPECT_EQ(back.objects[0].look, "gum");
+  EXPECT_EQ(back.objects[0].ambient, scene.objects[0].ambient);
+  EXPECT_EQ(back.objects[1].look, "");
+  ASSERT_TRUE(back.first_sight.has_value());
+  EXPECT_EQ(back.first_sight->centre, scene.first_sight->centre);
+  EXPECT_EQ(back.first_sight->radius, 0.5);
+  EXPECT_EQ(back.first_sight->from, scene.first_sight->from);
+
+  scene.objects[0].ambient.pop_back();
+  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("the vertices' light does not add up"));
+}
+
+TEST(SceneBundle, KeepsGeometryThatBodiesShareOnce) {
+  Scene one = SmallScene();
+  one.objects.pop_back();
+  EXPECT_LT(PackScene(SmallScene()).size(), PackScene(one).size() + 300);
+}
+
+TEST(SceneBundle, ReadsBytesThatAreNotAligned) {
+  const auto bytes = PackScene(SmallScene());
+  for (std::size_t offset = 1; offset < 8; ++offset) {
+    std::vector<std::uint8_t> moved(offset, 0);
+    moved.insert(moved.end(), bytes.begin(), bytes.end());
+    EXPECT_EQ(UnpackScene(std::span(moved).subspan(offset), "s").name, "small");
+  }
+}
+
+TEST(SceneBundle, RefusesEveryBeginningOfItself) {
+  const auto bytes = PackScene(SmallScene());
+  for (std::size_t size = 0; size < bytes.size(); size += size < 100 ? 1 : 97) {
+    // A copy of its own, so that a sanitizer sees a read beyond it.
+    const std::vector<std::uint8_t> part(bytes.begin(), bytes.begin() + size);
+    EXPECT_THAT(Complaint(part), HasSubstr(size == 0 ? "is not a Palpate scene" : "is cut short"));
+  }
+}
+
+TEST(SceneBundle, RefusesWhatIsLongerThanItSays) {
+  auto bytes = PackScene(SmallScene());
+  bytes.push_back(0);
+  EXPECT_THAT(Complaint(bytes), HasSubstr("is longer than it says"));
+}
+
+TEST(SceneBundle, RefusesEveryFlippedBit) {
+  const auto good = PackScene(SmallScene());
+  for (std::size_t bit = 0; bit < 8 * good.size(); bit += bit < 8 * 40 ? 1 : 61) {
+    auto bytes = good;
+    bytes[bit / 8] ^= std::uint8_t(1u << bit % 8);
+    const std::string complaint = Complaint(bytes);
+    if (bit < 64) {
+      EXPECT_THAT(complaint, HasSubstr("is not a Palpate scene bundle"));
+    } else if (bit < 96) {
+      EXPECT_THAT(complaint, HasSubstr("bundle version"));
+    } else {
+      EXPECT_THAT(complaint,
+                  AnyOf(HasSubstr("is damaged"), HasSubstr("cut short"), HasSubstr("longer")));
+    }
+  }
+}
+
+TEST(SceneBundle, RefusesForeignFilesAndOtherVersions) {
+  const std::string foreign = "solid box\nfacet normal 0 0 1\n";
+  EXPECT_THAT(Complaint({reinterpret_cast<const std::uint8_t*>(foreign.data()), foreign.size()}),
+              HasSubstr("s.palpate: is not a Palpate scene bundle; make one with"));
+  EXPECT_FALSE(LooksLikeBundle(foreign));
+  auto bytes = PackScene(SmallScene());
+  EXPECT_TRUE(LooksLikeBundle({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+  bytes[8] = 99;
+  EXPECT_THAT(Complaint(bytes),
+              HasSubstr("has bundle version 99, this program reads 2; build it again"));
+}
+
+TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
+  using Mend = void (*)(Body&);
+  const std::pair<Mend, const char*> cases[] = {
+      {[](Body& b) { b.mesh.triangles[0][1] = 99; }, "a triangle names no vertex"},
+      {[](Body& b) { b.mesh.vertices[0].x() = NAN; }, "a vertex is not finite"},
+      {[](Body& b) { b.tree.leaf_x.pop_back(); }, "the leaves' counts differ"},
+      {[](Body& b) { b.tree.leaf_radius[3] = -1; }, "a leaf is not a ball"},
+      {[](Body& b) { b.tree.leaf_triangle[0] = 12; }, "a leaf names no triangle"},
+      {[](Body& b) { b.tree.leaf_triangle_begin[1] = 9999; }, "do not add up"},
+      {[](Body& b) { b.tree.level_begin[1] = 2; }, "the levels do not add up"},
+      {[](Body& b) { b.tree.level_begin.pop_back(); }, "the levels do not add up"},
+      {[](Body& b) { b.tree.packets[0].child[1] = 7; }, "children are out of order"},
+      {[](Body& b) { b.tree.packets[0].child[0] = -1; }, "an empty lane is not empty"},
+      {[](Body& b) { b.tree.packets.back().radius[0] = NAN; }, "a node is not a ball"},
+      {[](Body& b) { b.tree.centroid.x() = INFINITY; }, "the centroid is not finite"},
+      {[](Body& b) { b.X_WB.q.w() = 5; }, "a body's pose is none"},
+      {[](Body& b) { b.materials.clear(); }, "a body is made of nothing"},
+      {[](Body& b) { b.materials[0].stiffness = 0; }, "a material is none"},
+      {[](Body& b) { b.materials[0].stiffness = NAN; }, "a material is none"},
+      {[](Body& b) { b.materials[0].hardness = -1; }, "a material is none"},
+      {[](Body& b) { b.materials[0].dynamic_friction = 0.1; }, "a material is none"},
+      {[](Body& b) { b.materials[0].static_friction = INFINITY; }, "a material is none"},
+      {[](Body& b) { b.leaf_material = {0}; }, "the leaves' materials do not add up"},
+      {[](Body& b) { b.leaf_material.assign(20, 1); }, "a leaf names no material"},
+  };
+  for (const auto& [mend, why] : cases) {
+    Scene scene = SmallScene();
+    mend(scene.objects[0]);
+    const std::string complaint = Complaint(PackScene(scene));
+    EXPECT_THAT(complaint, HasSubstr("contradicts itself (")) << why;
+    EXPECT_THAT(complaint, HasSubstr(why));
+  }
+  Scene scene = SmallScene();
+  scene.coupling.stiffness = 0;
+  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("the coupling is not positive"));
+  scene = SmallScene();
+  scene.features.friction = static_cast<FrictionModel>(3);
+  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("its features are not known"));
+}
+
+/// What any scene must hold before the physics may index with its numbers; said here once more, and
+/// otherwise than the loader says it.
+void ExpectUsable(const Scene& scene) {
+  ASSERT_TRUE(std::isfinite(scene.coupling.stiffness) && scene.coupling.stiffness > 0.0);
+  for (const auto* bodies : {&scene.tools, &scene.objects}) {
+    for (const Body& body : *bodies) {
+      const std::size_t vertices = body.mesh.vertices.size();
+      for (const Vec3& v : body.mesh.vertices) ASSERT_TRUE(v.allFinite());
+      for (const auto& triangle : body.mesh.triangles) {
+        for (const auto corner : triangle) ASSERT_LT(corner, vertices);
+      }
+      const SphereTree& tree = body.tree;
+      const std::size_t leaves = tree.leaves();
+      for (const auto* column : {&tree.leaf_x, &tree.leaf_y, &tree.leaf_z, &tree.leaf_radius}) {
+        ASSERT_EQ(column->size(), leaves);
+        for (const double x : *column) ASSERT_TRUE(std::isfinite(x));
+      }
+      for (const double r : tree.leaf_radius) ASSERT_GT(r, 0.0);
+      ASSERT_EQ(tree.leaf_triangle_begin.size(), leaves + 1);
+      ASSERT_TRUE(std::ranges::is_sorted(tree.leaf_triangle_begin));
+      ASSERT_EQ(tree.leaf_triangle_begin.back(), tree.leaf_triangle.size());
+      for (const auto t : tree.leaf_triangle) ASSERT_LT(t, body.mesh.triangles.size());
+      // Every leaf is reached once from the top.
+      ASSERT_TRUE(std::ranges::is_sorted(tree.level_begin));
+      ASSERT_EQ(static_cast<std::size_t>(tree.level_begin.back()), tree.packets.size());
+      std::vector<int> reached(leaves, 0);
+      for (int l = 0; l < tree.levels(); ++l) {
+        const bool lowest = l + 1 == tree.levels();
+        const std::size_t below = lowest ? leaves : tree.level(l + 1).size();
+        for (const SpherePacket& packet : tree.level(l)) {
+          for (const auto child : packet.child) {
+            if (child < 0) continue;
+            ASSERT_LT(static_cast<std::size_t>(child), below);
+            if (lowest) ++reached[static_cast<std::size_t>(child)];
+          }
+        }
+      }
+      EXPECT_EQ(std::ranges::count(reached, 1), static_cast<std::ptrdiff_t>(leaves));
+      ASSERT_TRUE(body.X_WB.p.allFinite());
+      ASSERT_NEAR(body.X_WB.q.norm(), 1.0, 1e-6);
+      ASSERT_FALSE(body.materials.empty());
+      ASSERT_TRUE(body.leaf_material.empty() || body.leaf_material.size() == leaves);
+      for (const auto m : body.leaf_material) ASSERT_LT(m, body.materials.size());
+    }
+  }
+}
+
+TEST(SceneBundle, ThatIsSpoiltAndSealedAgainIsRefusedOrStillAScene) {
+  constexpr std::size_t kKeyAt = 16, kChecksumAt = 32, kHeader = 40;
+  const std::vector<std::uint8_t> good = PackScene(SmallScene());
+  test::Random random(17);
+  int taken = 0, refused = 0;
+  const int tries = test::kOptimised ? 40'000 : 4'000;
+  for (int i = 0; i < tries; ++i) {
+    std::vector<std::uint8_t> bytes = good;
+    const auto any = [&] {
+      return kHeader +
+             static_cast<std::size_t>(random.Below(static_cast<int>(bytes.size() - kHeader)));
+    };
+    for (int change = 1 + random.Below(3); change > 0; --change) {
+      switch (random.Below(3)) {
+        case 0:
+          bytes[any()] ^= static_cast<std::uint8_t>(1 << random.Below(8));
+          break;
+        case 1:
+          bytes[any()] = static_cast<std::uint8_t>(random.Below(256));
+          break;
+        default: {  // a whole number or offset
+          const std::size_t at = std::min(any() / 4 * 4, bytes.size() - 4);
+          const std::uint32_t odd[] = {0, 1, 0x7fffffff, 0x80000000, 0xffffffff, 0x7ff00000};
+          std::memcpy(&bytes[at], &odd[random.Below(6)], 4);
+        }
+      }
+    }
+    std::uint64_t key = 0;
+    std::memcpy(&key, &bytes[kKeyAt], sizeof key);
+    const std::uint64_t checksum =
+        HashBytes({reinterpret_cast<const char*>(&bytes[kHeader]), bytes.size() - kHeader}, key);
+    std::memcpy(&bytes[kChecksumAt], &checksum, sizeof checksum);
+    try {
+      const Scene scene = UnpackScene(bytes, "s.palpate");
+      ++taken;
+      ASSERT_NO_FATAL_FAILURE(ExpectUsable(scene)) << i;
+    } catch (const Error& error) {
+      ++refused;
+      ASSERT_THAT(error.what(), testing::StartsWith("s.palpate: ")) << i;
+    }
+  }
+  EXPECT_GT(taken, tries / 20) << "else nothing but refusals was tried";
+  EXPECT_GT(refused, tries / 20);
+}
+
+TEST(WriteFileAtomically, ReplacesAFileAndLeavesNothingElse) {
+  const std::string folder = test::FreshFolder();
+  const std::string file = folder + "/new/deep/file";
+  const std::uint8_t bytes[] = {'o', 'n', 'e'};
+  WriteFileAtomically(file, bytes);
+  WriteFileAtomically(file, std::span(bytes).first(2));
+  EXPECT_EQ(ReadWholeFile(file), "on");
+  const std::filesystem::directory_iterator all(folder + "/new/deep");
+  EXPECT_EQ(std::distance(begin(all), end(all)), 1);
+}
+
+TEST(WriteFileAtomically, SaysWhereItCannotWrite) {
+  const std::string folder = test::FreshFolder();
+  const std::uint8_t bytes[] = {1};
+  test::WriteFile(folder + "/file", "x");
+  EXPECT_THAT(ComplaintOf([&] { WriteFileAtomically(folder + "/file/below", bytes); }),
+              HasSubstr("file/below: cannot be written; check the rights"));
+  EXPECT_THAT(ComplaintOf([&] { WriteFileAtomically(folder, bytes); }),
+              HasSubstr("cannot be written"));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,387 @@
+#include "scenes/files/scene_file.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/scenes/support.h"
+
+namespace palpate {
+namespace {
+
+using test::ComplaintOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr char kGood[] = R"({
+  "tools": [
+    {"name": "probe", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1,
+     "start": {"position_mm": [0, 80, 0]}}
+  ],
+  "objects": [
+    {"name": "part", "mesh": {"file": "part.stl", "unit": "mm"}, "leaves": 100}
+  ]
+})";
+
+/// The good scene with one text put in another's place.
+std::string With(const std::string& old_text, const std::string& new_text) {
+  std::string text = kGood;
+  const std::size_t at = text.find(old_text);
+  if (at == std::string::npos) throw Error("the test's text is not there: " + old_text);
+  return text.replace(at, old_text.size(), new_text);
+}
+
+TEST(SceneFile, ReadsAScene) {
+  const SceneDescription scene = ParseScene(kGood, "folder/demo.json");
+  EXPECT_EQ(scene.name, "demo");
+  ASSERT_EQ(scene.tools.size(), 1u);
+  EXPECT_EQ(scene.tools[0].mesh.kind, MeshSource::Kind::kSphere);
+  EXPECT_EQ(scene.tools[0].mesh.size.x(), 0.005);
+  EXPECT_EQ(scene.tools[0].leaves, 1u);
+  EXPECT_NEAR(scene.tools[0].X_WB.p.y(), 0.08, 1e-15);
+  ASSERT_EQ(scene.objects.size(), 1u);
+  EXPECT_EQ(scene.objects[0].mesh.what, "folder/part.stl");
+  EXPECT_EQ(scene.objects[0].mesh.placement.metres_per_unit, 0.001);
+  EXPECT_EQ(scene.objects[0].mesh.placement.origin, MeshPlacement::Origin::kBoxCentre);
+  EXPECT_EQ(scene.coupling.stiffness, 1000.0);
+  EXPECT_EQ(scene.coupling.torsional_stiffness, 1.0);
+}
+
+TEST(SceneFile, ReadsEveryKindOfMeshAndCoupling) {
+  const SceneDescription scene = ParseScene(R"({
+    "name": "all", "description": "d",
+    "coupling": {"stiffness_N_per_m": 500, "torsional_stiffness_Nm_per_rad": 0.5},
+    "tools": [{"name": "a", "leaves": 8, "mesh": {"shape": "box", "size_m": [1, 2, 3]}}],
+    "objects": [
+      {"name": "b", "leaves": 8, "mesh": {"shape": "ellipsoid", "semi_axes_m": [1, 2, 3],
+                                          "triangles": 99}},
+      {"name": "c", "leaves": 8, "mesh": {"model": "bunny", "longest_side_m": 0.15,
+                                          "origin": "centroid"},
+       "pose": {"rotation_deg": {"axis": [0, 0, 1], "angle": 180}}},
+      {"name": "d", "leaves": 8, "mesh": {"file": "/x.ply", "unit": "inch", "origin": "file"}}]
+  })",
+                                            "f.json");
+  EXPECT_EQ(scene.name, "all");
+  EXPECT_EQ(scene.coupling.stiffness, 500.0);
+  EXPECT_EQ(scene.coupling.torsional_stiffness, 0.5);
+  EXPECT_EQ(scene.tools[0].mesh.size, Vec3(1, 2, 3));
+  EXPECT_EQ(scene.objects[0].mesh.triangles, 99u);
+  EXPECT_EQ(scene.objects[1].mesh.what, "bunny");
+  EXPECT_EQ(scene.objects[1].mesh.placement.longest_side, 0.15);
+  EXPECT_EQ(scene.objects[1].mesh.placement.origin, MeshPlacement::Origin::kCentroid);
+  EXPECT_NEAR(std::abs(scene.objects[1].X_WB.q.z()), 1.0, 1e-12);
+  EXPECT_EQ(scene.objects[2].mesh.what, "/x.ply");
+  EXPECT_EQ(scene.objects[2].mesh.placement.metres_per_unit, 0.0254);
+}
+
+/// The good scene with these fields in its object.
+std::string WithObject(const std::string& fields) {
+  return With("\"leaves\": 100", "\"leaves\": 100, " + fields);
+}
+
+TEST(SceneFile, ReadsHowTrulyAMeshStandsForACurvedSurface) {
+  const auto curved = [](const std::string& field) {
+    return ParseScene(With("\"unit\": \"mm\"", "\"unit\": \"mm\"" + field), "f.json")
+        .objects[0]
+        .mesh.curved;
+  };
+  EXPECT_FALSE(curved("").has_value()) << "triangles are taken as they are";
+  EXPECT_FALSE(curved(", \"curved\": false").has_value());
+  ASSERT_TRUE(curved(", \"curved\": {\"tolerance_um\": 2.5}").has_value());
+  EXPECT_DOUBLE_EQ(curved(", \"curved\": {\"tolerance_um\": 2.5}")->tolerance, 2.5e-6);
+  EXPECT_EQ(curved(", \"curved\": {\"tolerance_um\": 2.5}")->max_triangles,
+            CurvedOptions{}.max_triangles);
+  EXPECT_EQ(curved(", \"curved\": {\"tolerance_um\": 5, \"max_triangles\": 9000}")->max_triangles,
+            9000u);
+  // Every kind of mesh has it.
+  const SceneDescription all = ParseScene(R"({
+    "tools": [{"name": "a", "leaves": 8, "mesh": {"shape": "probe", "curved": {"tolerance_um": 1}}}],
+    "objects": [
+      {"name": "b", "leaves": 8, "mesh": {"shape": "ellipsoid", "semi_axes_m": [1, 2, 3],
+                                          "curved": {"tolerance_um": 2}}},
+      {"name": "c", "leaves": 8, "mesh": {"shape": "sphere", "radius_m": 1,
+                                          "curved": {"tolerance_um": 3}}},
+      {"name": "d", "leaves": 8, "mesh": {"shape": "box", "size_m": [1, 2, 3],
+                                          "curved": {"tolerance_um": 4}}}]
+  })",
+                                          "f.json");
+  EXPECT_EQ(all.tools[0].mesh.curved->tolerance, 1e-6);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_DOUBLE_EQ(all.objects[i].mesh.curved->tolerance, (2.0 + i) * 1e-6);
+  }
+}
+
+TEST(SceneFile, ReadsHowTheLeavesStandForTheMesh) {
+  const auto with = [](const std::string& tree) {
+    return ParseScene(R"({"tools": [{"name": "t", "mesh": {"shape": "sphere", "radius_m": 0.01},
+                                     "leaves": 1}],
+                          "objects": [{"name": "o", "mesh": {"shape": "box", "size_m": [1, 1, 1]},
+                                       "leaves": 8)" +
+                          tree + "}]}",
+                      "demo.json")
+        .objects[0]
+        .tree.mode;
+  };
+  EXPECT_EQ(with(""), TreeMode::kInside);
+  EXPECT_EQ(with(R"(, "tree": "inside")"), TreeMode::kInside);
+  EXPECT_EQ(with(R"(, "tree": "balanced")"), TreeMode::kBalanced);
+  EXPECT_EQ(with(R"(, "tree": "cover")"), TreeMode::kCover);
+  EXPECT_EQ(with(R"(, "tree": "octree")"), TreeMode::kOctree);
+  EXPECT_THAT(ComplaintOf([&] { with(R"(, "tree": "outside")"); }), HasSubstr("balanced"));
+}
+
+TEST(SceneFile, ReadsWhichFileTheLeavesAreFrom) {
+  const auto with = [](const std::string& tree) {
+    return ParseScene(R"({"tools": [{"name": "t", "mesh": {"shape": "sphere", "radius_m": 0.01},
+                                     "leaves": 1}],
+                          "objects": [{"name": "o", "mesh": {"shape": "box", "size_m": [1, 1, 1]},
+                                       "tree": )" +
+                          tree + "}]}",
+                      "folder/demo.json")
+        .objects[0];
+  };
+  const TreeSource plain = with(R"({"file": "o.sph"})").tree;
+  EXPECT_EQ(plain.file, "folder/o.sph");
+  EXPECT_EQ(plain.level, 0);
+  EXPECT_TRUE(plain.align);
+  EXPECT_FALSE(plain.metres_per_unit);
+  const BodyDescription body =
+      with(R"({"file": "../o.sph", "level": 3, "unit": "inch", "align": false})");
+  EXPECT_EQ(body.leaves, 0u);
+  EXPECT_EQ(body.tree.file, "o.sph");
+  EXPECT_EQ(body.tree.level, 3);
+  EXPECT_EQ(body.tree.metres_per_unit, 0.0254);
+  EXPECT_FALSE(body.tree.align);
+  const auto complaint = [&](const std::string& tree) { return ComplaintOf([&] { with(tree); }); };
+  EXPECT_THAT(complaint(R"({"file": "o.sph"}, "leaves": 8)"),
+              HasSubstr("objects[0].leaves: is not to be given where \"tree\" names a file"));
+  EXPECT_THAT(complaint("\"cover\""), HasSubstr("leaves is missing"));
+  EXPECT_THAT(complaint(R"({"file": "o.ply"})"), HasSubstr("tree.file: is no .sph file"));
+  EXPECT_THAT(complaint(R"({"level": 2})"), HasSubstr("file is missing"));
+  EXPECT_THAT(complaint(R"({"file": "o.sph", "level": 0})"), HasSubstr("tree.level: 0 is not"));
+  EXPECT_THAT(complaint(R"({"file": "o.sph", "mode": "cover"})"),
+              HasSubstr("tree.mode: there is no"));
+}
+
+TEST(SceneFile, ReadsHowTheSceneIsToBeSeen) {
+  const std::string bodies = R"("tools": [{"name": "t", "leaves": 8, "look": "steel",
+      "mesh": {"shape": "box", "size_m": [1, 1, 1]}}],
+    "objects": [{"name": "o", "leaves": 8, "mesh": {"shape": "box", "size_m": [1, 1, 1]}}])";
+  const SceneDescription scene = ParseScene(
+      "{\"first_sight\": {\"centre_mm\": [0, 5, 0], \"radius_mm\": 30, \"from\": [0, 3, 4]}, " +
+          bodies + "}",
+      "f.json");
+  EXPECT_EQ(scene.tools[0].look, "steel");
+  EXPECT_EQ(scene.objects[0].look, "");
+  ASSERT_TRUE(scene.first_sight.has_value());
+  EXPECT_EQ(scene.first_sight->centre, Vec3(0, 0.005, 0));
+  EXPECT_EQ(scene.first_sight->radius, 0.03);
+  EXPECT_TRUE(scene.first_sight->from.isApprox(Vec3(0, 0.6, 0.8)));
+  EXPECT_THAT(ComplaintOf([&] {
+                ParseScene(
+                    "{\"first_sight\": {\"centre_mm\": [0, 5, 0], \"radius_mm\": 30, "
+                    "\"from\": [0, 0, 0]}, " +
+                        bodies + "}",
+                    "f.json");
+              }),
+              HasSubstr("first_sight.from: is no direction; give one that is not 0"));
+}
+
+TEST(SceneFile, TakesSurfaceContactAndNothingElseWhereNothingIsSaid) {
+  const Features features = ParseScene(kGood, "f.json").features;
+  EXPECT_EQ(features.contact, ContactModel::kSurface);
+  EXPECT_EQ(features.friction, FrictionModel::kOff);
+  EXPECT_FALSE(features.compliance);
+  EXPECT_FALSE(features.removal);
+}
+
+TEST(SceneFile, ReadsMaterialsAndTheFeaturesThatFollow) {
+  const SceneDescription scene =
+      ParseScene(WithObject(R"("material": {"static_friction": 0.8, "dynamic_friction": 0.3},
+        "regions": [
+          {"box": {"min_mm": [0, 0, 0], "max_mm": [1, 2, 3]},
+           "material": {"youngs_modulus_Pa": 5e6, "thickness_mm": 2}},
+          {"sphere": {"centre_mm": [1, 2, 3], "radius_mm": 4}, "material": {"hardness_J": 0.01}},
+          {"group": "gum", "material": {"stiffness_N_per_m": 700, "dynamic_friction": 0.2}}])"),
+                 "f.json");
+  EXPECT_TRUE(scene.features.compliance);
+  EXPECT_TRUE(scene.features.removal);
+  const BodyDescription& part = scene.objects[0];
+  EXPECT_EQ(part.material.material.static_friction, 0.8);
+  EXPECT_EQ(part.material.material.dynamic_friction, 0.3);
+  EXPECT_TRUE(std::isinf(part.material.material.stiffness));
+  ASSERT_EQ(part.regions.size(), 3u);
+  EXPECT_NEAR(part.regions[0].box.max().z(), 0.003, 1e-15);
+  EXPECT_EQ(part.regions[0].material.youngs_modulus, 5e6);
+  EXPECT_EQ(part.regions[0].material.thickness, 0.002);
+  EXPECT_EQ(part.regions[1].ball.radius, 0.004);
+  EXPECT_EQ(part.regions[1].material.material.hardness, 0.01);
+  EXPECT_EQ(part.regions[1].material.material.static_friction, 0.0);
+  EXPECT_EQ(part.regions[2].group, "gum");
+  EXPECT_EQ(part.regions[2].material.material.stiffness, 700);
+  EXPECT_EQ(part.regions[2].material.material.static_friction, 0.2);
+}
+
+TEST(SceneFile, BeginsWholeWhereItSaysSoAndSomethingWears) {
+  const auto with = [](const std::string& word, const std::string& material) {
+    std::string text = WithObject("\"material\": {" + material + "}");
+    return text.insert(1, "\"whole_at_start\": " + word + ", ");
+  };
+  const std::string wears = "\"hardness_J\": 1e-3";
+  EXPECT_TRUE(ParseScene(with("true", wears), "f.json").whole_at_start);
+  EXPECT_FALSE(ParseScene(with("false", wears), "f.json").whole_at_start);
+  EXPECT_FALSE(ParseScene(kGood, "f.json").whole_at_start);
+  EXPECT_THAT(ComplaintOf([&] { ParseScene(with("true", ""), "f.json"); }),
+              HasSubstr("whole_at_start: has no effect where nothing wears"));
+  EXPECT_THAT(ComplaintOf([&] { ParseScene(with("1", wears), "f.json"); }),
+              HasSubstr("true or false"));
+}
+
+TEST(SceneFile, ReadsContactAndFriction) {
+  const std::string frictional = WithObject("\"material\": {\"static_friction\": 0.5}");
+  const auto features = [&](const std::string& fields) {
+    std::string text = frictional;
+    return ParseScene(text.insert(1, fields), "f.json").features;
+  };
+  EXPECT_EQ(features("\"contact\": \"spheres\",").contact, ContactModel::kSpheres);
+  EXPECT_EQ(features("\"contact\": \"surface\",").contact, ContactModel::kSurface);
+  EXPECT_EQ(features("\"friction\": \"off\",").friction, FrictionModel::kOff);
+  EXPECT_EQ(features("\"friction\": \"chapter\",").friction, FrictionModel::kChapter);
+  EXPECT_EQ(features("\"friction\": \"coulomb\",").friction, FrictionModel::kCoulomb);
+}
+
+struct Bad {
+  const char* name;
+  const char* old_text;
+  std::string new_text;
+  const char* complaint;
+};
+
+Bad BadMaterial(const char* name, const std::string& fields, const char* complaint) {
+  const std::string text = "\"leaves\": 100, \"material\": {" + fields + "}";
+  return {name, "\"leaves\": 100", text, complaint};
+}
+Bad BadRegion(const char* name, const std::string& fields, const char* complaint) {
+  const std::string text = "\"leaves\": 100, \"regions\": [{" + fields + "}]";
+  return {name, "\"leaves\": 100", text, complaint};
+}
+
+Bad BadCurved(const char* name, const std::string& value, const char* complaint) {
+  return {name, "\"unit\": \"mm\"", "\"unit\": \"mm\", \"curved\": " + value, complaint};
+}
+
+class BadScene : public testing::TestWithParam<Bad> {};
+
+TEST_P(BadScene, IsRefusedWithLineFieldAndRemedy) {
+  const Bad& bad = GetParam();
+  const std::string text = With(bad.old_text, bad.new_text);
+  const std::string complaint = ComplaintOf([&] { ParseScene(text, "f.json"); });
+  EXPECT_THAT(complaint, StartsWith("f.json:"));
+  EXPECT_THAT(complaint, HasSubstr(bad.complaint));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    SceneFile, BadScene,
+    testing::Values(
+        Bad{"NoLeaves", "\"leaves\": 1,", "", "f.json:3: tools[0]: leaves is missing; add it"},
+        Bad{"ZeroLeaves", "\"leaves\": 1,", "\"leaves\": 0,",
+            "f.json:3: tools[0].leaves: 0 is not allowed; give a number from 1 to"},
+        Bad{"HalfALeaf", "\"leaves\": 1,", "\"leaves\": 1.5,",
+            "tools[0].leaves: 1.5 is not a whole number"},
+        Bad{"TooManyLeaves", "\"leaves\": 100", "\"leaves\": 1e9",
+            "objects[0].leaves: 1e+09 is not"},
+        Bad{"LeavesInWords", "\"leaves\": 100", "\"leaves\": \"many\"",
+            "f.json:7: objects[0].leaves: is a string; give a number"},
+        Bad{"UnknownField", "\"leaves\": 100", "\"leafs\": 100",
+            "f.json:7: objects[0].leafs: there is no such field; did you mean \"leaves\"?"},
+        Bad{"UnknownTopField", "\"objects\"", "\"object\"", "did you mean \"objects\"?"},
+        Bad{"PoseForATool", "\"start\"", "\"pose\"", "tools[0].pose: there is no such field"},
+        Bad{"NoTools", "\"tools\": [\n    {\"name\"",
+            "\"tools\": [], \"objects\": [\n    {\"name\"", "stands twice"},
+        Bad{"NoShape", "\"sphere\"", "\"cone\"",
+            "tools[0].mesh.shape: \"cone\" is not known; give one of box, ellipsoid, sphere"},
+        Bad{"NegativeRadius", "0.005", "-0.005", "tools[0].mesh.radius_m: -0.005"},
+        Bad{"ForgottenUnit", "0.005", "5000", "tools[0].mesh.radius_m: is more than 1000 m"},
+        Bad{"NoScale", ", \"unit\": \"mm\"", "",
+            "objects[0].mesh: has no scale; add \"unit\" (m, cm, mm or inch) or"},
+        Bad{"TwoScales", "\"unit\": \"mm\"", "\"unit\": \"mm\", \"longest_side_m\": 1",
+            "objects[0].mesh.longest_side_m: the scale is given twice"},
+        Bad{"UnknownUnit", "\"mm\"", "\"feet\"",
+            "\"feet\" is not known; give one of m, cm, mm, inch"},
+        Bad{"NoMesh", "\"file\": \"part.stl\", ", "",
+            "objects[0].mesh: names no mesh; add \"model\", \"file\" or \"shape\""},
+        Bad{"ModelAndFile", "\"unit\"", "\"model\": \"bunny\", \"unit\"",
+            "names a model and a file; keep one"},
+        Bad{"ShortPosition", "[0, 80, 0]", "[0, 80]",
+            "f.json:4: tools[0].start.position_mm: has 2 entries; give three"},
+        Bad{"SameNames", "\"part\"", "\"probe\"", "objects[0].name: \"probe\" is taken"},
+        Bad{"NameWithSpace", "\"part\"", "\"my part\"", "\"my part\" is not a name"},
+        Bad{"EmptyName", "\"part\"", "\"\"", "objects[0].name: is empty"},
+        Bad{"ListForObject", "{\"shape\": \"sphere\", \"radius_m\": 0.005}", "[1]",
+            "tools[0].mesh: is a list; give an object"},
+        Bad{"NoStiffness", "\"objects\"", "\"coupling\": {\"stiffness_N_per_m\": 0}, \"objects\"",
+            "coupling.stiffness_N_per_m: 0.000000 is not allowed; give a number above 0"},
+        Bad{"UnknownContact", "\"objects\"", "\"contact\": \"mesh\", \"objects\"",
+            "contact: \"mesh\" is not known; give one of surface, spheres"},
+        Bad{"FrictionOfNothing", "\"objects\"", "\"friction\": \"coulomb\", \"objects\"",
+            "friction: no object's material has friction; add static_friction"},
+        Bad{"MaterialOfATool", "\"leaves\": 1,", "\"leaves\": 1, \"material\": {},",
+            "tools[0].material: there is no such field"},
+        BadMaterial("TwoStiffnesses",
+                    "\"stiffness_N_per_m\": 1, \"youngs_modulus_Pa\": 1, \"thickness_mm\": 1",
+                    "youngs_modulus_Pa: the stiffness is given twice; keep"),
+        BadMaterial("ModulusWithoutThickness", "\"youngs_modulus_Pa\": 1",
+                    "youngs_modulus_Pa: says nothing without the layer's thickness; add"),
+        BadMaterial("ThicknessAlone", "\"thickness_mm\": 1", "thickness_mm: belongs to a Young's"),
+        BadMaterial("NoThickness", "\"youngs_modulus_Pa\": 1, \"thickness_mm\": 0",
+                    "thickness_mm: 0.000000 is not allowed"),
+        BadMaterial("NegativeStiffness", "\"stiffness_N_per_m\": -1",
+                    "stiffness_N_per_m: -1.000000 is not allowed; give a number above 0"),
+        BadMaterial("DynamicAboveStatic", "\"static_friction\": 0.3, \"dynamic_friction\": 0.8",
+                    "objects[0].material.dynamic_friction: is above static_friction"),
+        BadMaterial("NegativeFriction", "\"static_friction\": -0.1",
+                    "static_friction: -0.1 is not"),
+        BadMaterial("ForgottenPoint", "\"static_friction\": 80", "give a number from 0 to 10"),
+        BadMaterial("NoHardness", "\"hardness_J\": 0", "hardness_J: 0.000000 is not allowed"),
+        BadMaterial("UnknownProperty", "\"hardness\": 1", "did you mean \"hardness_J\"?"),
+        BadRegion("RegionOfNothing", "\"material\": {}", "regions[0]: must say which leaves"),
+        BadRegion("RegionTwice",
+                  "\"group\": \"a\", \"sphere\": {\"centre_mm\": [0, 0, 0], \"radius_mm\": 1}, "
+                  "\"material\": {}",
+                  "regions[0]: must say which leaves it paints in one way"),
+        BadRegion("RegionWithoutMaterial", "\"group\": \"a\"", "regions[0]: material is missing"),
+        BadRegion("EmptyBox",
+                  "\"box\": {\"min_mm\": [0, 0, 2], \"max_mm\": [1, 1, 1]}, \"material\": {}",
+                  "regions[0].box: is empty; no entry of min_mm"),
+        BadCurved("CurvedBare", "true", "mesh.curved: is true or false; give an object"),
+        BadCurved("CurvedNumber", "3", "mesh.curved: is a number; give an object"),
+        BadCurved("CurvedWithoutTolerance", "{}",
+                  "f.json:7: objects[0].mesh.curved: tolerance_um is missing; add it"),
+        BadCurved("CurvedExactly", "{\"tolerance_um\": 0}",
+                  "curved.tolerance_um: 0 is not allowed; give a number from 0.1 to"),
+        BadCurved("CurvedInMetres", "{\"tolerance_um\": 3e-6}", "give a number from 0.1 to"),
+        BadCurved("CurvedMisspelt", "{\"tolerance_mm\": 3}", "did you mean \"tolerance_um\"?"),
+        BadCurved("CurvedToNothing", "{\"tolerance_um\": 3, \"max_triangles\": 0}",
+                  "curved.max_triangles: 0 is not allowed; give a number from 1 to"),
+        Bad{"CurvedSpheres", "\"unit\": \"mm\"}, \"leaves\": 100}\n  ]",
+            "\"unit\": \"mm\", \"curved\": {\"tolerance_um\": 3}}, \"leaves\": 100}\n  ], "
+            "\"contact\": \"spheres\"",
+            "objects[0].mesh.curved: has no effect where the contact is of spheres; drop it"},
+        Bad{"CurvedSoftObject", "\"unit\": \"mm\"}",
+            "\"unit\": \"mm\", \"curved\": {\"tolerance_um\": 3}}, "
+            "\"material\": {\"stiffness_N_per_m\": 500}",
+            "objects[0].mesh.curved: has no effect on an object that is soft or wears"},
+        Bad{"CurvedBall", "\"radius_m\": 0.005",
+            "\"radius_m\": 0.005, \"curved\": {\"tolerance_um\": 3}",
+            "f.json:3: tools[0].mesh.curved: has no effect on a tool of one leaf"},
+        Bad{"NotJson", "\"leaves\": 100", "\"leaves\" 100", "f.json:7: this is not JSON"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(SceneFile, RefusesEmptyLists) {
+  EXPECT_THAT(ComplaintOf([] { ParseScene("{\"tools\": [], \"objects\": []}", "f.json"); }),
+              HasSubstr("tools: has 0 entries; give at least 1"));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,217 @@
+// Mesh files that are cut short, or lie about themselves, or cannot be survived: each is refused by
+// an Error that names the file, and this process goes on.
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/json/json_file.h"
+#include "scenes/catalogue.h"
+#include "scenes/files/scene_bundle.h"
+#include "scenes/files/scene_size.h"
+#include "scenes/mesh/mesh_import.h"
+#include "scenes/mesh/mesh_report.h"
+#include "scenes/tree/sphere_tree_builder.h"
+#include "tests/scenes/support.h"
+#include "tests/support/exported_box.h"
+
+namespace palpate {
+namespace {
+
+using test::ComplaintOf;
+using test::ExportBox;
+using test::FreshFolder;
+using test::WriteFile;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::string Import(const std::string& file) {
+  return ComplaintOf([&] { ImportMesh(file); });
+}
+
+TEST(DamagedMesh, OfTextCutAmongItsFacesSaysHowManyThereAre) {
+  const std::string file = ExportBox("ply", FreshFolder() + "/box.ply");
+  const std::string text = ReadWholeFile(file);
+  const std::size_t body = text.find("end_header\n") + 11;
+  std::size_t end = body;
+  for (int line = 0; line < 8 + 5; ++line) end = text.find('\n', end) + 1;
+  WriteFile(file, text.substr(0, end));
+  EXPECT_THAT(Import(file), AllOf(StartsWith(file), HasSubstr("declares 12 elements \"face\""),
+                                  HasSubstr("5 are there"), HasSubstr("export")));
+}
+
+TEST(DamagedMesh, IsRefusedWhereverItIsCut) {
+  for (const auto& [format, name] :
+       {std::pair{"ply", "t.ply"}, {"plyb", "b.ply"}, {"stlb", "b.stl"}, {"glb2", "b.glb"}}) {
+    const std::string file = ExportBox(format, FreshFolder() + "/" + name);
+    const std::string whole = ReadWholeFile(file);
+    // The last bytes of a text may be a number's, which nobody can tell from another.
+    for (std::size_t bytes = 1; bytes + 3 < whole.size(); bytes += bytes < 200 ? 9 : 41) {
+      WriteFile(file, whole.substr(0, bytes));
+      EXPECT_THAT(Import(file), StartsWith(file)) << bytes << " bytes";
+    }
+  }
+}
+
+TEST(DamagedMesh, WhoseTextEndsAmongItsFacetsIsRefused) {
+  const std::string file = ExportBox("stl", FreshFolder() + "/box.stl");
+  const std::string text = ReadWholeFile(file);
+  const std::size_t facet = text.find("facet", text.size() / 2);
+  WriteFile(file, text.substr(0, text.find("facet", facet + 5)));
+  EXPECT_THAT(Import(file), AllOf(StartsWith(file), HasSubstr("facets")));
+}
+
+TEST(DamagedMesh, WithoutAnySceneIsRefused) {
+  const std::string file = FreshFolder() + "/empty.glb";
+  const std::uint32_t header[] = {0x46546c67, 2, 24, 4, 0x4e4f534a, 0x20207d7b};  // "{}  "
+  WriteFile(file, {reinterpret_cast<const char*>(header), sizeof header});
+  EXPECT_THAT(Import(file), StartsWith(file));
+  WriteFile(file, {reinterpret_cast<const char*>(header), 16});
+  EXPECT_THAT(Import(file), StartsWith(file));
+}
+
+/// A chunk of a 3DS: type, length, contents.
+std::string Chunk(std::uint16_t type, const std::string& contents) {
+  const auto length = static_cast<std::uint32_t>(6 + contents.size());
+  return std::string(reinterpret_cast<const char*>(&type), 2) +
+         std::string(reinterpret_cast<const char*>(&length), 4) + contents;
+}
+
+template <class T>
+std::string Bytes(std::initializer_list<T> values) {
+  return {reinterpret_cast<const char*>(std::data(values)), values.size() * sizeof(T)};
+}
+
+TEST(DamagedMesh, WhoseKeyframesNameNoMeshIsReadOrRefused) {
+  const std::string object =
+      Chunk(0x4000, std::string("box\0", 4) +
+                        Chunk(0x4100, Chunk(0x4110, Bytes<std::uint16_t>({3}) +
+                                                        Bytes<float>({0, 0, 0, 1, 0, 0, 0, 1, 0})) +
+                                          Chunk(0x4120, Bytes<std::uint16_t>({1, 0, 1, 2, 0}))));
+  for (const std::string node : {"box", "bax"}) {
+    const std::string header = node + std::string(1, '\0') + Bytes<std::uint16_t>({0, 0, 0xffff});
+    const std::string keys = Chunk(0xb000, Chunk(0xb002, Chunk(0xb010, header)));
+    const std::string file =
+        WriteFile(FreshFolder() + "/" + node + ".3ds", Chunk(0x4d4d, Chunk(0x3d3d, object) + keys));
+    try {
+      EXPECT_EQ(ImportMesh(file).triangles.size(), 1u) << node;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), AllOf(StartsWith(file), HasSubstr("export it again")));
+      EXPECT_EQ(node, "bax");
+    }
+  }
+}
+
+TEST(DamagedMesh, IsNotReadAsAnotherFormatThanItsName) {
+  const std::string folder = FreshFolder();
+  const std::string collada =
+      "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
+      "version=\"1.4.1\"></COLLADA>";
+  for (const std::string name : {"a.glb", "a.gltf", "a.3ds", "a.stl", "a.ply"}) {
+    const std::string file = folder + "/" + name;
+    EXPECT_THAT(Import(WriteFile(file, collada)), StartsWith(file)) << name;
+  }
+  const std::string stl = ExportBox("stlb", folder + "/box.stl");
+  for (const std::string name : {"box.glb", "box.ply", "box.3ds"}) {
+    const std::string file = folder + "/" + name;
+    std::filesystem::copy_file(stl, file);
+    EXPECT_THAT(Import(file), StartsWith(file)) << name;
+  }
+}
+
+TEST(DamagedMesh, ThatTakesTooMuchMemoryIsRefused) {
+  // A sparse accessor of glTF declares zeros without a byte for them.
+  const std::string file = WriteFile(
+      FreshFolder() + "/huge.gltf",
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+"buffers":[{"byteLength":8,"uri":"data:application/octet-stream;base64,AAAAAAAAAAA="}],
+"bufferViews":[{"buffer":0,"byteLength":8}],
+"accessors":[{"componentType":5126,"count":200000001,"type":"VEC3",
+"sparse":{"count":1,"indices":{"bufferView":0,"componentType":5125},
+"values":{"bufferView":0}}}]})");
+  EXPECT_THAT(Import(file), StartsWith(file));
+}
+
+TEST(FilesOfMesh, AreTheBuffersThatItNamesToo) {
+  const std::string folder = FreshFolder();
+  const std::string file = ExportBox("gltf2", folder + "/box.gltf");
+  EXPECT_THAT(FilesOfMesh(file), ElementsAre(file, folder + "/box.bin"));
+  EXPECT_THAT(FilesOfMesh(ExportBox("glb2", folder + "/box.glb")),
+              ElementsAre(folder + "/box.glb"));
+  std::filesystem::remove(folder + "/box.bin");
+  EXPECT_THAT(Import(file), AllOf(StartsWith(file), HasSubstr("box.bin")));
+}
+
+TEST(FilesOfMesh, MustStandBesideIt) {
+  const std::string file = FreshFolder() + "/spy.gltf";
+  for (const std::string uri : {"/etc/passwd", "../../secret.bin", "http://a/b", "%2e%2e/x"}) {
+    WriteFile(file,
+              R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":8,"uri":")" + uri + "\"}]}");
+    EXPECT_THAT(ComplaintOf([&] { FilesOfMesh(file); }), HasSubstr("leads out of")) << uri;
+    EXPECT_THAT(Import(file), HasSubstr("leads out of")) << uri;
+  }
+}
+
+TEST(LoadScene, BuildsAnewWhereABufferOfItsMeshHasChanged) {
+  const std::string folder = FreshFolder();
+  ExportBox("gltf2", folder + "/box.gltf");
+  const std::string scene =
+      WriteFile(folder + "/s.json",
+                R"({"tools":[{"name":"b","mesh":{"shape":"sphere","radius_m":0.1},"leaves":1}],
+"objects":[{"name":"o","mesh":{"file":"box.gltf","unit":"m","origin":"file"},"leaves":8}]})");
+  LoadOptions options;
+  options.cache_dir = folder + "/cache";
+  const auto box = [&] { return InspectMesh(LoadScene(scene, options).objects[0].mesh); };
+  EXPECT_NEAR(box().box_max.maxCoeff(), 1.5, 1e-6);
+  std::string buffer = ReadWholeFile(folder + "/box.bin");
+  for (std::size_t i = 0; i + 4 <= buffer.size(); i += 4) {
+    float value = 0;
+    std::memcpy(&value, buffer.data() + i, 4);
+    if (value != 1.5f) continue;
+    value = 4.0f;
+    std::memcpy(buffer.data() + i, &value, 4);
+  }
+  WriteFile(folder + "/box.bin", buffer);
+  EXPECT_NEAR(box().box_max.maxCoeff(), 4.0, 1e-6);
+}
+
+TEST(SceneSize, HasABoundForBodiesOfOneGeometryToo) {
+  const TriangleMesh mesh = MakeSphere(0.1, 20480);
+  const SphereTree tree = SingleSphereTree(mesh, {Vec3::Zero(), 0.1});
+  SceneSize size;
+  std::size_t bodies = 0;
+  EXPECT_THAT(ComplaintOf([&] {
+                for (; bodies < 10'000; ++bodies) size.Add("last", mesh, tree);
+              }),
+              AllOf(HasSubstr("\"last\""), HasSubstr("more than 1024 MB")));
+  EXPECT_NEAR(double(bodies), 2000.0, 200.0);  // half a megabyte each
+}
+
+Scene BallOnABall() {
+  Scene scene;
+  scene.name = "balls";
+  Body ball{"ball", MakeSphere(0.005, 20), {}, {}};
+  ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), 0.005});
+  scene.tools = {ball};
+  scene.objects = {ball};
+  return scene;
+}
+
+TEST(UnpackScene, RefusesATreeOfManyLevels) {
+  Scene deep = BallOnABall();
+  SphereTree& tree = deep.objects[0].tree;
+  for (int level = 0; level < 30000; ++level) {
+    tree.level_begin.push_back(tree.level_begin.back() + 1);
+    tree.packets.push_back(tree.packets.front());
+  }
+  EXPECT_THAT(ComplaintOf([&] { UnpackScene(PackScene(deep), "deep.palpate"); }),
+              AllOf(StartsWith("deep.palpate"), HasSubstr("more than 24 levels")));
+}
+
+}  // namespace
+}  // namespace palpate

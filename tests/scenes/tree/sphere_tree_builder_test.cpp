@@ -1,0 +1,368 @@
+#include "scenes/tree/sphere_tree_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/files/scene_bundle.h"
+#include "scenes/mesh/mesh_query.h"
+#include "scenes/mesh/mesh_report.h"
+#include "scenes/tree/coverage.h"
+#include "scenes/tree/tree_error.h"
+#include "tests/scenes/support.h"
+
+namespace palpate {
+namespace {
+
+using test::ComplaintOf;
+using testing::HasSubstr;
+
+Vec3 Centre(const SphereTree& tree, std::size_t i) {
+  return {tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]};
+}
+
+/// A ball with bumps on it, which nothing was tuned to.
+TriangleMesh MakeBumpy(double radius) {
+  TriangleMesh mesh = MakeSphere(radius, 5120);
+  for (Vec3& v : mesh.vertices) {
+    const Vec3 u = v / radius;
+    v *= 1.0 + 0.08 * std::sin(7.0 * u.x()) * std::cos(5.0 * u.y() + 3.0 * u.z());
+  }
+  return mesh;
+}
+
+/// All bytes of a tree.
+std::vector<std::uint8_t> BytesOf(const TriangleMesh& mesh, const SphereTree& tree) {
+  Scene scene;
+  scene.name = "s";
+  scene.tools.push_back({"t", mesh, tree, {}});
+  return PackScene(scene);
+}
+
+TEST(SphereTreeBuilder, GivesExactlyTheLeavesAskedFor) {
+  const TriangleMesh mesh = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 320);
+  for (const std::size_t count : {1, 2, 7, 8, 9, 63, 64, 65, 512, 1000, 3076}) {
+    EXPECT_EQ(BuildSphereTree(mesh, count).leaves(), count);
+  }
+}
+
+TEST(SphereTreeBuilder, PutsEveryLeafInsideTheMesh) {
+  for (const TriangleMesh& mesh :
+       {MakeBox(Vec3(0.05, 0.05, 0.05)), MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280)}) {
+    const SphereTree tree = BuildSphereTree(mesh, 512);
+    const MeshQuery query(mesh);
+    for (std::size_t i = 0; i < tree.leaves(); ++i) {
+      EXPECT_TRUE(query.Inside(Centre(tree, i)));
+      EXPECT_LE(tree.leaf_radius[i], query.Nearest(Centre(tree, i)).distance * (1 + 1e-12));
+      EXPECT_GT(tree.leaf_radius[i], 0.0);
+    }
+  }
+}
+
+TEST(SphereTreeBuilder, LetsNearlyAllLeavesTouchTheSurface) {
+  const TriangleMesh mesh = MakeBox(Vec3(0.05, 0.05, 0.05));
+  const SphereTree tree = BuildSphereTree(mesh, 512);
+  std::size_t touching = 0;
+  for (std::size_t i = 0; i < tree.leaves(); ++i) {
+    const Vec3 c = Centre(tree, i);
+    touching += 0.025 - c.cwiseAbs().maxCoeff() - tree.leaf_radius[i] < 1e-9;  // analytic faces
+  }
+  EXPECT_GE(touching, 512 * 85 / 100);
+}
+
+TEST(SphereTreeBuilder, CoversTheSurfaceBetterWithMoreLeaves) {
+  const TriangleMesh mesh = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 5120);
+  double last = 1.0;
+  for (const std::size_t count : {64, 512, 4096}) {
+    const Coverage coverage = MeasureCoverage(mesh, BuildSphereTree(mesh, count), 20000);
+    // Tangent balls of spacing h and radius r leave h^2/8r: with r of 20 mm and h = 2 sqrt(A/N/3.5)
+    // that is A/(7 N r), halved on average; three times that much is allowed.
+    EXPECT_LT(coverage.uncovered.mean, 3.0 * 0.5 * 0.0125 / (7.0 * double(count) * 0.02) + 2e-6);
+    EXPECT_LT(coverage.uncovered.max, 10.0 * 0.0125 / (7.0 * double(count) * 0.02) + 10e-6);
+    EXPECT_LT(coverage.uncovered.mean, last);
+    last = coverage.uncovered.mean;
+  }
+}
+
+TEST(SphereTreeBuilder, LeavesNoWayBetweenNeighbours) {
+  // A ball of a tenth of the leaves' spacing must not get deeper than the surface allows: rays from
+  // far away towards the middle meet a leaf within 0.2 mm of the surface.
+  const TriangleMesh mesh = MakeSphere(0.03, 5120);
+  const SphereTree tree = BuildSphereTree(mesh, 2000);
+  test::Numbers numbers;
+  for (int k = 0; k < 2000; ++k) {
+    const Vec3 p = 0.0298 * numbers.Point(1).normalized();
+    double nearest = 1.0;
+    for (std::size_t i = 0; i < tree.leaves(); ++i) {
+      nearest = std::min(nearest, (p - Centre(tree, i)).norm() - tree.leaf_radius[i]);
+    }
+    EXPECT_LT(nearest, 0.0);
+  }
+}
+
+TEST(SphereTreeBuilder, FillsTheInside) {
+  const TriangleMesh mesh = MakeBox(Vec3(0.1, 0.1, 0.1));
+  const SphereTree tree = BuildSphereTree(mesh, 1000);
+  test::Numbers numbers;
+  for (int k = 0; k < 2000; ++k) {
+    const Vec3 p = numbers.Point(0.04);
+    double nearest = 1.0;
+    for (std::size_t i = 0; i < tree.leaves(); ++i) {
+      nearest = std::min(nearest, (p - Centre(tree, i)).norm() - tree.leaf_radius[i]);
+    }
+    EXPECT_LT(nearest, 0.005) << p.transpose();
+  }
+}
+
+TEST(SphereTreeBuilder, GivesEveryTriangleToTheLeafNearestToIt) {
+  const TriangleMesh mesh = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280);
+  for (const std::size_t count : {1, 50, 1000}) {
+    const SphereTree tree = BuildSphereTree(mesh, count);
+    ASSERT_EQ(tree.leaf_triangle_begin.size(), count + 1);
+    std::vector<std::set<std::uint32_t>> leaves_of(mesh.triangles.size());
+    for (std::uint32_t i = 0; i < count; ++i) {
+      for (auto k = tree.leaf_triangle_begin[i]; k < tree.leaf_triangle_begin[i + 1]; ++k) {
+        leaves_of[tree.leaf_triangle[k]].insert(i);
+      }
+    }
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const auto& [a, b, c] = mesh.triangles[t];
+      const Vec3 middle = (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3.0;
+      double best = 1e300;
+      double best_with = 1e300;  // of the leaves that have the triangle
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const double d = (middle - Centre(tree, i)).norm() - tree.leaf_radius[i];
+        best = std::min(best, d);
+        if (leaves_of[t].contains(i)) best_with = std::min(best_with, d);
+      }
+      EXPECT_NEAR(best_with, best, 1e-15);
+    }
+  }
+}
+
+TEST(SphereTreeBuilder, GivesLargeTrianglesToAllLeavesThatTouchThem) {
+  const SphereTree tree = BuildSphereTree(MakeBox(Vec3(1, 1, 1)), 512);  // 12 triangles
+  std::size_t with = 0;
+  for (std::size_t i = 0; i < tree.leaves(); ++i) {
+    with += tree.leaf_triangle_begin[i + 1] > tree.leaf_triangle_begin[i];
+  }
+  EXPECT_GT(with, 512 * 90 / 100);
+}
+
+TEST(SphereTreeBuilder, GivesTheSameBytesAgain) {
+  const TriangleMesh mesh = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280);
+  EXPECT_EQ(BytesOf(mesh, BuildSphereTree(mesh, 777)), BytesOf(mesh, BuildSphereTree(mesh, 777)));
+}
+
+TEST(SphereTreeBuilder, BalancesTheSameBytesAgain) {
+  const TriangleMesh mesh = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280);
+  const auto build = [&] { return BuildSphereTree(mesh, 300, {}, TreeMode::kBalanced); };
+  EXPECT_EQ(BytesOf(mesh, build()), BytesOf(mesh, build()));
+}
+
+TEST(SphereTreeBuilder, BalancesLeavesRoundTheSurface) {
+  for (const TriangleMesh& mesh : {MakeBox(Vec3(0.05, 0.04, 0.03)),
+                                   MakeEllipsoid(Vec3(0.05, 0.02, 0.03), 5120), MakeBumpy(0.03)}) {
+    Body inside, balanced;
+    inside.mesh = balanced.mesh = mesh;
+    inside.tree = BuildSphereTree(mesh, 512);
+    balanced.tree = BuildSphereTree(mesh, 512, {}, TreeMode::kBalanced);
+    ASSERT_EQ(balanced.tree.leaves(), 512u);
+    const UnionError before = MeasureLevels(mesh, inside.tree, 20011).back();
+    const UnionError after = MeasureLevels(mesh, balanced.tree, 20011).back();
+    EXPECT_LT(after.offset.rms, 0.8 * before.offset.rms);
+    EXPECT_LT(std::abs(after.offset.mean), 0.6 * std::abs(before.offset.mean));
+    EXPECT_LT(after.tilt.rms, 1.02 * before.tilt.rms);
+    // 1/40 of the spacing: 2 sqrt(area / (2 sqrt 3 * 0.8 * leaves)), and what rounds.
+    const double spacing =
+        2.0 * std::sqrt(InspectMesh(mesh).area / (2.0 * std::sqrt(3.0) * 0.8 * 512));
+    EXPECT_LT(after.protrusion.max, 0.026 * spacing);
+  }
+}
+
+/// Whether balls hold all of a triangle: one holds it whole, or some do its quarters; what is
+/// smaller than `least` by the corner that lies deepest.
+bool AreHeld(const SphereQuery& query, const std::vector<Sphere>& balls, const Vec3& a,
+             const Vec3& b, const Vec3& c, double least) {
+  const auto holds = [&](const Sphere& ball, const Vec3& x) {
+    return (x - ball.centre).norm() <= ball.radius;
+  };
+  const Vec3 middle = (a + b + c) / 3.0;
+  for (const std::uint32_t k : query.NearestFew(middle, 8)) {
+    if (holds(balls[k], a) && holds(balls[k], b) && holds(balls[k], c)) return true;
+  }
+  if ((b - a).norm() + (c - a).norm() < least) return query.Nearest(middle).distance <= least;
+  const Vec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
+  return AreHeld(query, balls, a, ab, ca, least) && AreHeld(query, balls, ab, b, bc, least) &&
+         AreHeld(query, balls, ca, bc, c, least) && AreHeld(query, balls, ab, bc, ca, least);
+}
+
+std::size_t TrianglesNotHeld(const TriangleMesh& mesh, const SphereTree& tree) {
+  const std::vector<Sphere> balls = BallsByLevel(tree).back();
+  const SphereQuery query(balls);
+  const MeshReport report = InspectMesh(mesh);
+  const double least = 1e-6 * (report.box_max - report.box_min).norm();
+  std::size_t bare = 0;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vec3 &a = mesh.vertices[i], &b = mesh.vertices[j], &c = mesh.vertices[k];
+    bare += !AreHeld(query, balls, a, b, c, least);
+  }
+  return bare;
+}
+
+TEST(SphereTreeBuilder, HoldsEveryTriangleInItsLeaves) {
+  TriangleMesh open = MakeSphere(0.03, 1280);
+  open.triangles.resize(900);
+  for (const TriangleMesh& mesh : {MakeBox(Vec3(0.05, 0.04, 0.03)), MakeBumpy(0.03), open,
+                                   MakeEllipsoid(Vec3(0.05, 0.002, 0.03), 1280)}) {
+    for (const std::size_t count : {1, 7, 100}) {
+      const SphereTree tree = BuildSphereTree(mesh, count, {}, TreeMode::kCover);
+      ASSERT_EQ(tree.leaves(), count);
+      EXPECT_EQ(TrianglesNotHeld(mesh, tree), 0u) << count;
+      EXPECT_EQ(TrianglesNotHeld(mesh, BuildSphereTree(mesh, count, {}, TreeMode::kOctree)), 0u)
+          << count;
+    }
+  }
+  // The oracle sees a leaf that lacks.
+  const TriangleMesh box = MakeBox(Vec3(0.05, 0.04, 0.03));
+  SphereTree tree = BuildSphereTree(box, 64, {}, TreeMode::kCover);
+  tree.leaf_radius[5] *= 0.9;
+  EXPECT_GT(TrianglesNotHeld(box, tree), 0u);
+  tree = BuildSphereTree(box, 64, {}, TreeMode::kOctree);
+  tree.leaf_radius[5] *= 0.9;
+  EXPECT_GT(TrianglesNotHeld(box, tree), 0u);
+  EXPECT_GT(TrianglesNotHeld(box, BuildSphereTree(box, 64)), 0u);
+}
+
+TEST(SphereTreeBuilder, CoversAsCloselyAsItCan) {
+  for (const TriangleMesh& mesh : {MakeBox(Vec3(0.05, 0.04, 0.03)), MakeBumpy(0.03)}) {
+    Body inside, cover;
+    inside.mesh = cover.mesh = mesh;
+    inside.tree = BuildSphereTree(mesh, 200);
+    cover.tree = BuildSphereTree(mesh, 200, {}, TreeMode::kCover);
+    // What the leaves inside would stick out by, were all grown until nothing is uncovered.
+    const double grown = MeasureCoverage(mesh, inside.tree).uncovered.max;
+    const Coverage covered = MeasureCoverage(mesh, cover.tree);
+    EXPECT_EQ(covered.uncovered.max, 0.0);
+    EXPECT_LT(covered.outside.max, 0.9 * grown);
+  }
+  const TriangleMesh ball = MakeSphere(0.03, 5120);
+  EXPECT_LT(MeasureCoverage(ball, BuildSphereTree(ball, 1, {}, TreeMode::kCover)).outside.max,
+            0.002 * 0.03);
+}
+
+TEST(SphereTreeBuilder, CoversWithTheSameBytesAgain) {
+  const TriangleMesh mesh = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280);
+  const auto build = [&] { return BuildSphereTree(mesh, 100, {}, TreeMode::kCover); };
+  EXPECT_EQ(BytesOf(mesh, build()), BytesOf(mesh, build()));
+}
+
+TEST(SphereTreeBuilder, MakesOfItsOwnLeavesTheSameTreeAgain) {
+  const TriangleMesh mesh = MakeBumpy(0.03);
+  const SphereTree built = BuildSphereTree(mesh, 100);
+  const std::vector<Sphere> leaves = BallsByLevel(built).back();
+  const SphereTree again = TreeOverBalls(mesh, leaves);
+  ASSERT_EQ(again.leaves(), 100u);
+  EXPECT_EQ(again.centroid, built.centroid);
+  // The order of the leaves may be another one; the triangles of each are the same.
+  const auto shared = [](const SphereTree& tree) {
+    std::set<std::tuple<double, double, double, std::vector<std::uint32_t>>> all;
+    for (std::size_t i = 0; i < tree.leaves(); ++i) {
+      const auto of = tree.leaf_triangle.begin();
+      all.insert({tree.leaf_x[i],
+                  tree.leaf_y[i],
+                  tree.leaf_z[i],
+                  {of + tree.leaf_triangle_begin[i], of + tree.leaf_triangle_begin[i + 1]}});
+    }
+    return all;
+  };
+  EXPECT_EQ(shared(again), shared(built));
+  EXPECT_THAT(ComplaintOf([&] { TreeOverBalls(mesh, {}); }), HasSubstr("at least 1"));
+}
+
+TEST(SphereTreeBuilder, BalancesAFewLeavesToo) {
+  const TriangleMesh mesh = MakeSphere(0.03, 1280);
+  for (const std::size_t count : {1, 2, 9}) {
+    const SphereTree tree = BuildSphereTree(mesh, count, {}, TreeMode::kBalanced);
+    ASSERT_EQ(tree.leaves(), count);
+    for (const double radius : tree.leaf_radius) EXPECT_GT(radius, 0.0);
+  }
+}
+
+TEST(SphereTreeBuilder, GivesTheSameBytesInEveryBuild) {
+  // A new value needs a new kSphereTreeBuilderVersion, so that cached scenes are built anew; where
+  // the bundle has changed, it has its own kBundleVersion.
+  const TriangleMesh mesh = MakeBox(Vec3(0.05, 0.04, 0.03));
+  const auto bytes = BytesOf(mesh, BuildSphereTree(mesh, 100));
+  EXPECT_EQ(HashBytes({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, 0),
+            0xb63d84b7ba8a4678u);
+}
+
+TEST(SphereTreeBuilder, TakesMeshesThatAreOpenDoubledOrPartlyDegenerate) {
+  const TriangleMesh sphere = MakeSphere(0.03, 1280);
+  TriangleMesh open = sphere;
+  open.triangles.resize(1200);
+  TriangleMesh doubled = sphere;
+  doubled.triangles.insert(doubled.triangles.end(), sphere.triangles.begin(),
+                           sphere.triangles.end());
+  TriangleMesh degenerate = sphere;
+  degenerate.triangles.push_back({0, 0, 1});
+  for (const TriangleMesh& mesh : {open, doubled, degenerate}) {
+    const SphereTree tree = BuildSphereTree(mesh, 300);
+    ASSERT_EQ(tree.leaves(), 300u);
+    for (std::size_t i = 0; i < tree.leaves(); ++i) {
+      // Inside the sphere, but for what shows a little through the hole.
+      EXPECT_LT(Centre(tree, i).norm() + tree.leaf_radius[i], 0.0305);
+    }
+  }
+}
+
+TEST(SphereTreeBuilder, TakesAFlatSheet) {
+  TriangleMesh sheet;
+  sheet.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 0, 1), Vec3(0, 0, 1)};
+  sheet.triangles = {{0, 2, 1}, {0, 3, 2}};  // faces up (y)
+  const SphereTree tree = BuildSphereTree(sheet, 200);
+  EXPECT_EQ(tree.leaves(), 200u);
+  for (std::size_t i = 0; i < tree.leaves(); ++i) {
+    EXPECT_LT(tree.leaf_y[i] + tree.leaf_radius[i], 1e-9);
+  }
+}
+
+TEST(SphereTreeBuilder, KeepsTheSolidsCentroid) {
+  TriangleMesh box = MakeBox(Vec3(0.1, 0.1, 0.1));
+  for (Vec3& v : box.vertices) v += Vec3(0.3, 0, 0);
+  EXPECT_NEAR((BuildSphereTree(box, 9).centroid - Vec3(0.3, 0, 0)).norm(), 0.0, 1e-12);
+}
+
+TEST(SphereTreeBuilder, MakesASphereToolOfOneExactLeaf) {
+  const TriangleMesh mesh = MakeSphere(0.005, 320);
+  const SphereTree tree = SingleSphereTree(mesh, {Vec3::Zero(), 0.005});
+  ASSERT_EQ(tree.leaves(), 1u);
+  EXPECT_EQ(tree.leaf_radius[0], 0.005);
+  EXPECT_EQ(Centre(tree, 0), Vec3(0, 0, 0));
+  EXPECT_GE(tree.packets[0].radius[0], 0.005);
+  EXPECT_EQ(tree.leaf_triangle.size(), mesh.triangles.size());
+}
+
+TEST(SphereTreeBuilder, RefusesNoLeavesAndMeshesThatCannotBeRendered) {
+  EXPECT_THAT(ComplaintOf([] { BuildSphereTree(MakeBox(Vec3(1, 1, 1)), 0); }),
+              HasSubstr("ask for at least 1"));
+  EXPECT_THAT(ComplaintOf([] { BuildSphereTree({}, 8); }), HasSubstr("no triangles"));
+}
+
+TEST(SphereTreeBuilder, TellsItsProgressInOrder) {
+  double last = 0.0;
+  BuildSphereTree(MakeBox(Vec3(1, 1, 1)), 600, [&](std::string_view stage, double fraction) {
+    EXPECT_FALSE(stage.empty());
+    EXPECT_GE(fraction, last);
+    last = fraction;
+  });
+  EXPECT_EQ(last, 1.0);
+}
+
+}  // namespace
+}  // namespace palpate
