@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <queue>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -23,10 +24,166 @@ class Random {
   std::uint64_t state_ = 0;
 };
 
+/// Uniform over the triangle.
+Vec3 PointOf(const TriangleMesh& mesh, std::size_t triangle, Random& random) {
+  const double root = std::sqrt(random.Uniform());
+  const double v = root * random.Uniform();
+  const auto& [a, b, c] = mesh.triangles[triangle];
+  return (1.0 - root) * mesh.vertices[a] + (root - v) * mesh.vertices[b] + v * mesh.vertices[c];
+}
+
 /// A wall has solid on both sides, by the winding number a little to either side.
 bool IsWall(const MeshQuery& query, const SurfaceSample& s, double step) {
   return query.Inside(s.point - step * s.outward) && query.Inside(s.point + step * s.outward);
 }
+
+/// What a ball can roll over: a face, the arc of directions of an edge, the cap of a corner.
+struct RolledOver {
+  enum class Kind : std::uint8_t { kFace, kEdge, kCorner } kind;
+  std::uint32_t triangle;
+  std::uint32_t from = 0, to = 0;  ///< vertices of an edge; `from` of a corner
+  Vec3 a = Vec3::Zero();           ///< normals on both sides of an edge; axis of a corner's cap
+  Vec3 b = Vec3::Zero();
+  double cosine = 1.0;  ///< between a and b, or of the cap's half angle
+};
+
+/// Each with the area of the ball's centres over it, or a little more: what is too much is refused
+/// when points are drawn.
+class RolledSurface {
+ public:
+  RolledSurface(const TriangleMesh& mesh, const MeshQuery& query, double height)
+      : mesh_(mesh), query_(query), height_(height) {
+    struct Side {
+      std::uint32_t low, high, triangle;
+      bool operator<(const Side& other) const {
+        return std::tie(low, high, triangle) < std::tie(other.low, other.high, other.triangle);
+      }
+    };
+    std::vector<Side> sides;
+    std::vector<Vec3> axes(mesh.vertices.size(), Vec3::Zero());
+    std::vector<Vec3> normals;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      const auto& [i, j, k] = mesh.triangles[t];
+      const Vec3& a = mesh.vertices[i];
+      normals.push_back(query.FaceNormal(t));
+      if (normals[t].isZero()) continue;
+      Add({RolledOver::Kind::kFace, t},
+          0.5 * (mesh.vertices[j] - a).cross(mesh.vertices[k] - a).norm());
+      for (const auto& [v, w] : {std::pair{i, j}, std::pair{j, k}, std::pair{k, i}}) {
+        sides.push_back({std::min(v, w), std::max(v, w), t});
+        axes[v] += normals[t];
+      }
+    }
+    std::sort(sides.begin(), sides.end());
+    for (std::size_t s = 0; s + 1 < sides.size(); ++s) {
+      if (sides[s].low != sides[s + 1].low || sides[s].high != sides[s + 1].high) continue;
+      AddEdge(sides[s].low, sides[s].high, sides[s].triangle, sides[s + 1].triangle, normals);
+    }
+    AddCorners(axes, normals);
+  }
+
+  double area() const { return area_to_.empty() ? 0.0 : area_to_.back(); }
+
+  /// @param at  of the area, 0 to 1, never less than the last time.
+  /// @returns false: the point counts too much, or is nowhere.
+  bool Draw(double at, Random& random, SurfaceSample& sample) {
+    while (next_ + 1 < area_to_.size() && area_to_[next_] <= at * area()) ++next_;
+    const RolledOver& part = parts_[next_];
+    sample.triangle = part.triangle;
+    Vec3 foot;
+    switch (part.kind) {
+      case RolledOver::Kind::kFace:
+        foot = PointOf(mesh_, part.triangle, random);
+        sample.outward = part.a;
+        break;
+      case RolledOver::Kind::kEdge: {
+        const double share = random.Uniform();
+        foot = (1.0 - share) * mesh_.vertices[part.from] + share * mesh_.vertices[part.to];
+        // On the chord between both normals, the middle of the arc is the densest: 1/|chord|^2.
+        const double along = random.Uniform();
+        const Vec3 chord = (1.0 - along) * part.a + along * part.b;
+        const double squared = chord.squaredNorm();
+        if (random.Uniform() * squared > 0.5 * (1.0 + part.cosine)) return false;
+        sample.outward = chord / std::sqrt(squared);
+        break;
+      }
+      case RolledOver::Kind::kCorner:
+        foot = mesh_.vertices[part.from];
+        sample.outward = DirectionIn(part, random);
+        break;
+    }
+    sample.point = foot + height_ * sample.outward;
+    return query_.Nearest(sample.point, (1.0 - 1e-6) * height_).triangle == MeshQuery::kNone;
+  }
+
+  void Rewind() { next_ = 0; }
+
+ private:
+  void Add(RolledOver part, double area) {
+    if (!(area > 0.0)) return;
+    if (part.kind == RolledOver::Kind::kFace) part.a = query_.FaceNormal(part.triangle);
+    parts_.push_back(part);
+    area_to_.push_back(area_to_.empty() ? area : area_to_.back() + area);
+  }
+
+  void AddEdge(std::uint32_t from, std::uint32_t to, std::uint32_t s, std::uint32_t t,
+               const std::vector<Vec3>& normals) {
+    const Vec3 along = mesh_.vertices[to] - mesh_.vertices[from];
+    const double cosine = normals[s].dot(normals[t]);
+    for (const std::uint32_t v : mesh_.triangles[t]) {
+      if (normals[s].dot(mesh_.vertices[v] - mesh_.vertices[from]) > 0.0 && v != from && v != to) {
+        return;  // a crease
+      }
+    }
+    if (!(cosine > -0.99)) return;  // a fold: the corners at its ends have caps
+    // Twice the tangent of half the angle is the arc's length, counted as its middle.
+    const double tangent = normals[s].cross(normals[t]).norm() / (1.0 + cosine);
+    Add({RolledOver::Kind::kEdge, s, from, to, normals[s], normals[t], cosine},
+        2.0 * tangent * height_ * along.norm());
+  }
+
+  void AddCorners(std::vector<Vec3>& axes, const std::vector<Vec3>& normals) {
+    std::vector<double> cosine(axes.size(), 1.0);
+    std::vector<std::uint32_t> triangle(axes.size(), 0);
+    for (Vec3& axis : axes) {
+      axis.stableNormalize();
+      if (axis.isZero()) axis = Vec3::UnitZ();  // a fold: every direction is tried
+    }
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      if (normals[t].isZero()) continue;
+      for (const std::uint32_t v : mesh_.triangles[t]) {
+        cosine[v] = std::min(cosine[v], axes[v].dot(normals[t]));
+        triangle[v] = t;
+      }
+    }
+    for (std::uint32_t v = 0; v < axes.size(); ++v) {
+      if (cosine[v] < 0.1) cosine[v] = -1.0;  // a spike, which may touch with any side
+      Add({RolledOver::Kind::kCorner, triangle[v], v, v, axes[v], Vec3::Zero(), cosine[v]},
+          2.0 * M_PI * (1.0 - cosine[v]) * height_ * height_);
+    }
+  }
+
+  /// Uniform over the cap.
+  static Vec3 DirectionIn(const RolledOver& cap, Random& random) {
+    const double z = 1.0 - random.Uniform() * (1.0 - cap.cosine);
+    double x = 0.0, y = 0.0, squared = 0.0;
+    do {
+      x = 2.0 * random.Uniform() - 1.0;
+      y = 2.0 * random.Uniform() - 1.0;
+      squared = x * x + y * y;
+    } while (!(squared > 0.0 && squared <= 1.0));
+    const double across = std::sqrt(std::max(0.0, 1.0 - z * z) / squared);
+    const Vec3 first = cap.a.unitOrthogonal();
+    return z * cap.a + across * (x * first + y * cap.a.cross(first));
+  }
+
+  const TriangleMesh& mesh_;
+  const MeshQuery& query_;
+  double height_;
+  std::vector<RolledOver> parts_;
+  std::vector<double> area_to_;
+  std::size_t next_ = 0;
+};
 
 }  // namespace
 
@@ -54,18 +211,38 @@ std::vector<SurfaceSample> ScatterSamples(const TriangleMesh& mesh, const MeshRe
     // One sample in every count-th part of the area: evener than independent ones.
     const double at = (static_cast<double>(k) + random.Uniform()) / static_cast<double>(count);
     while (t + 1 < area_to.size() && area_to[t] <= at * total) ++t;
-    const double root = std::sqrt(random.Uniform());
-    const double v = root * random.Uniform();
-    const auto& [a, b, c] = mesh.triangles[t];
     SurfaceSample s;
     s.triangle = static_cast<std::uint32_t>(t);
-    s.point =
-        (1.0 - root) * mesh.vertices[a] + (root - v) * mesh.vertices[b] + v * mesh.vertices[c];
+    s.point = PointOf(mesh, t, random);
     s.outward = query.FaceNormal(s.triangle);
     if (s.outward.isZero()) continue;
     (!no_walls && IsWall(query, s, step) ? walls : samples).push_back(s);
   }
   return samples.empty() ? walls : samples;
+}
+
+std::vector<SurfaceSample> ScatterAbove(const TriangleMesh& mesh, const MeshReport& report,
+                                        const MeshQuery& query, double height, std::size_t count) {
+  RolledSurface surface(mesh, query, height);
+  const bool nothing_inside = report.solid() && report.components == 1;
+  std::vector<SurfaceSample> samples;
+  // First few, to learn which share of the points drawn can be used; then enough.
+  std::size_t drawn = count / 8 + 1;
+  for (int pass = 0; pass < 2; ++pass) {
+    Random random;
+    surface.Rewind();
+    samples.clear();
+    for (std::size_t k = 0; k < drawn; ++k) {
+      SurfaceSample s;
+      const double at = (static_cast<double>(k) + random.Uniform()) / static_cast<double>(drawn);
+      if (!surface.Draw(at, random, s)) continue;
+      if (nothing_inside || !query.Inside(s.point)) samples.push_back(s);
+    }
+    if (samples.empty()) return samples;
+    const double enough = double(drawn) * double(count) / double(samples.size());
+    drawn = static_cast<std::size_t>(std::min(enough, 8.0 * double(count)));
+  }
+  return samples;
 }
 
 std::vector<std::uint32_t> ThinOut(const std::vector<SurfaceSample>& samples, std::size_t keep,

@@ -19,6 +19,7 @@ constexpr double kProtrusion = 0.025;  // of the spacing
 constexpr double kLargest = 10.0;      // spacings
 constexpr int kRounds = 12;
 constexpr int kMovingRounds = 8;      // of them: balls are moved to where they are worth more
+constexpr std::uint32_t kStride = 2;  // of the samples that these look at
 constexpr double kMovedShare = 0.04;  // of the balls, each round
 constexpr std::size_t kNear = 4;      // balls looked at for each sample
 constexpr std::uint32_t kNone = 0xffffffffu;
@@ -55,6 +56,8 @@ class Balancer {
     double best_cost = std::numeric_limits<double>::infinity();
     for (int round = 0; round <= kRounds; ++round) {
       const bool moving = round < kMovingRounds;
+      if (round == kMovingRounds) best_cost = std::numeric_limits<double>::infinity();
+      stride_ = moving ? kStride : 1;
       const double cost = Assign();
       if (cost < best_cost) {
         best_cost = cost;
@@ -74,10 +77,11 @@ class Balancer {
     const Vec3 d = s.point - ball.centre;
     const double length = d.norm();
     if (!(length > 0.0)) return std::numeric_limits<double>::max();
-    const double offset = (ball.radius - length) / depth_;
+    const double offset = (ball.radius + work_.probe - length) / depth_;
     return offset * offset + (d / length - s.outward).squaredNorm();
   }
 
+  /// Of the union over the surface, less the same for every ball.
   double Offset(const Sphere& ball, const SurfaceSample& s) const {
     return ball.radius - (s.point - ball.centre).norm();
   }
@@ -126,12 +130,14 @@ class Balancer {
     loss_.assign(balls_.size(), 0.0);
     felt_.assign(balls_.size(), 0);
     begin_.assign(balls_.size() + 1, 0);
-    near_.resize(count);
+    if (near_.empty()) near_.resize(count, Unknown());
     double total = 0.0;
-    for (std::size_t s = 0; s < count; ++s) {
+    std::size_t looked_at = 0;
+    for (std::size_t s = 0; s < count; s += stride_, ++looked_at) {
       const SurfaceSample& sample = work_.samples[s];
-      const std::vector<std::uint32_t> few = query.NearestFew(sample.point, kNear);
-      near_[s].fill(kNone);
+      const std::vector<std::uint32_t> few =
+          query.NearestFew(sample.point, kNear, WithinWhich(near_[s], sample));
+      near_[s] = Unknown();
       std::copy(few.begin(), few.end(), near_[s].begin());
       const double cost = Dull(ErrorSquared(balls_[few[0]], sample));
       const double without = few.size() > 1 ? Dull(ErrorSquared(balls_[few[1]], sample)) : 1.0;
@@ -144,11 +150,28 @@ class Balancer {
     member_.resize(begin_.back());
     std::vector<std::uint32_t> at(begin_.begin(), begin_.end() - 1);
     for (std::size_t rank = 0; rank < kNear; ++rank) {
-      for (std::uint32_t s = 0; s < count; ++s) {
+      for (std::uint32_t s = 0; s < count; s += stride_) {
         if (near_[s][rank] != kNone) member_[at[near_[s][rank]]++] = s;
       }
     }
-    return total / static_cast<double>(count);
+    return total / static_cast<double>(looked_at);
+  }
+
+  using NearBalls = std::array<std::uint32_t, kNear>;  ///< nearest first; kNone: no more
+  static NearBalls Unknown() {
+    NearBalls none;
+    none.fill(kNone);
+    return none;
+  }
+
+  /// The nearest balls of the last time bound how far the nearest are now.
+  double WithinWhich(const NearBalls& last, const SurfaceSample& s) const {
+    double within = 0.0;
+    for (const std::uint32_t b : last) {
+      if (b == kNone) return std::numeric_limits<double>::infinity();
+      within = std::max(within, -Offset(balls_[b], s) + 1e-9 * work_.spacing);
+    }
+    return within;
   }
 
   /// Takes the balls that would be missed least to where one more helps most.
@@ -170,7 +193,9 @@ class Balancer {
       if (from == spare.size() || !(spare[from].first < -kGainOfSplit * needy[n].first)) break;
       const std::uint32_t moved = spare[from].second;
       if (moved == to) break;
-      const Sphere ball = work_.inner.Tangent(work_.samples[WorstOf(to)]);
+      SurfaceSample foot = work_.samples[WorstOf(to)];
+      foot.point -= work_.probe * foot.outward;
+      const Sphere ball = work_.inner.Tangent(foot);
       touched[to] = true;
       if (!(ball.radius > 0.0)) continue;
       touched[moved] = true;
@@ -192,17 +217,23 @@ class Balancer {
     return worst;
   }
 
-  /// The radius that is right on average for a ball at `centre`, as far as it may stick out.
+  /// The radius that is right on average for a ball at `centre`.
   double RadiusAt(const Vec3& centre, const Sphere& before, std::uint32_t b) const {
     double sum = 0.0, weights = 0.0;
     for (const std::uint32_t k : FeltAt(b)) {
       const SurfaceSample& s = work_.samples[k];
       const double w = DullSlope(ErrorSquared(before, s));
-      sum += w * (s.point - centre).norm();
+      sum += w * ((s.point - centre).norm() - work_.probe);
       weights += w;
     }
-    const double room = work_.query.Nearest(centre).distance + protrusion_;
-    return std::min({weights > 0.0 ? sum / weights : before.radius, room, largest_});
+    return std::min(weights > 0.0 ? sum / weights : before.radius, largest_);
+  }
+
+  /// No larger than a ball there may be to stick out nowhere too far.
+  double Within(const Vec3& centre, double radius) const {
+    const double least = radius - protrusion_;
+    return least > 0.0 ? std::min(work_.query.Nearest(centre, least).distance, least) + protrusion_
+                       : radius;
   }
 
   /// One damped Gauss-Newton step of a ball on the samples that it is felt at.
@@ -217,13 +248,15 @@ class Balancer {
     if (step.norm() > longest) share = longest / step.norm();
     // The last trial changes the radius alone.
     for (int trial = 0; trial < kTrials; ++trial, share *= trial + 1 < kTrials ? 0.4 : 0.0) {
-      const Vec3 centre = ball.centre + share * step;
-      const Sphere moved{centre, RadiusAt(centre, ball, b)};
-      if (!(moved.radius > 0.0)) continue;
-      if (Cost(moved, b) < cost) {
-        balls_[b] = moved;
-        return;
-      }
+      Sphere moved{ball.centre + share * step, 0.0};
+      moved.radius = RadiusAt(moved.centre, ball, b);
+      const auto helps = [&] { return moved.radius > 0.0 && Cost(moved, b) < cost; };
+      if (!helps()) continue;  // before the dear question how much room there is
+      const double wanted = moved.radius;
+      moved.radius = Within(moved.centre, wanted);
+      if (moved.radius < wanted && !helps()) continue;
+      balls_[b] = moved;
+      return;
     }
   }
 
@@ -241,7 +274,7 @@ class Balancer {
       Vec4 row;
       row << u / depth_, 1.0 / depth_;
       normal += w * row * row.transpose();
-      right -= w * (ball.radius - length) / depth_ * row;
+      right -= w * (ball.radius + work_.probe - length) / depth_ * row;
       const Mat3 turn = (Mat3::Identity() - u * u.transpose()) / length;  // -du/dc
       normal.topLeftCorner<3, 3>() += w * turn * turn;
       right.head<3>() += w * turn * (u - s.outward);
@@ -254,11 +287,12 @@ class Balancer {
   const BallsToBalance& work_;
   std::vector<Sphere>& balls_;
   double depth_, protrusion_, largest_;
-  std::vector<std::array<std::uint32_t, kNear>> near_;  ///< balls of each sample, nearest first
-  std::vector<std::uint32_t> begin_, member_;           ///< samples of each ball, by rank
-  std::vector<std::uint32_t> felt_;                     ///< how many of these feel it
-  std::vector<double> loss_;                            ///< cost, were the ball not there
-  std::vector<bool> fresh_;  ///< moved in this round: its samples are not known
+  std::uint32_t stride_ = 1;                   ///< of the samples that a round looks at
+  std::vector<NearBalls> near_;                ///< of each sample
+  std::vector<std::uint32_t> begin_, member_;  ///< samples of each ball, by rank
+  std::vector<std::uint32_t> felt_;            ///< how many of these feel it
+  std::vector<double> loss_;                   ///< cost, were the ball not there
+  std::vector<bool> fresh_;                    ///< moved in this round: its samples are not known
 };
 
 }  // namespace

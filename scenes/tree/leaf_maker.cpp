@@ -21,6 +21,7 @@ constexpr double kEvenShare = 0.8;    // of the leaves: touching points spread e
 constexpr double kInsideShare = 0.1;  // at most
 constexpr std::size_t kSamplesPerBalancedLeaf = 24;
 constexpr double kLargestBalanced = 10.0;  // spacings
+constexpr double kProbe = 0.5;             // of the spacing: the radius that feels balanced leaves
 
 /// Surface samples and how far each lies from the nearest ball, kept as balls are added.
 class Bareness {
@@ -117,10 +118,11 @@ class BallFitter {
     if (mode_ == TreeMode::kInside) return leaves;
     const auto done = [&](double share) { Tell(NameOf(mode_), 0.6 + 0.2 * share); };
     if (mode_ == TreeMode::kBalanced) {
+      const double probe = kProbe * spacing_;
       const std::vector<SurfaceSample> dense =
-          ScatterSamples(solid_.mesh, solid_.report, solid_.query,
-                         std::max(kSamplesPerBalancedLeaf * count_, kFewestCandidates));
-      BalanceBalls({solid_.query, inner_, dense, spacing_}, leaves, done);
+          ScatterAbove(solid_.mesh, solid_.report, solid_.query, probe,
+                       std::max(kSamplesPerBalancedLeaf * count_, kFewestCandidates));
+      BalanceBalls({solid_.query, inner_, dense, probe, spacing_}, leaves, done);
     } else {
       CoverWithBalls({solid_.mesh, solid_.query, inner_, spacing_}, leaves, done);
     }

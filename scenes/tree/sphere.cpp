@@ -164,11 +164,10 @@ double SphereQuery::Bound(const Node& node, const Vec3& p) const {
 }
 
 template <class Visit>
-void SphereQuery::Walk(const Vec3& p, Visit visit) const {
+void SphereQuery::Walk(const Vec3& p, double within, Visit visit) const {
   if (balls_.empty()) return;
   std::pair<double, std::int32_t> stack[64];  // the tree halves its balls: never so deep
   int top = 0;
-  double within = std::numeric_limits<double>::infinity();
   stack[top++] = {Bound(nodes_[0], p), 0};
   while (top > 0) {
     const auto [bound, index] = stack[--top];
@@ -192,20 +191,22 @@ void SphereQuery::Walk(const Vec3& p, Visit visit) const {
 
 SphereQuery::Hit SphereQuery::Nearest(const Vec3& p) const {
   Hit hit;
-  Walk(p, [&](std::uint32_t ball, double distance) {
+  Walk(p, hit.distance, [&](std::uint32_t ball, double distance) {
     hit = {ball, distance};
     return distance;
   });
   return hit;
 }
 
-std::vector<std::uint32_t> SphereQuery::NearestFew(const Vec3& p, std::size_t count) const {
+std::vector<std::uint32_t> SphereQuery::NearestFew(const Vec3& p, std::size_t count,
+                                                   double within) const {
   std::vector<std::pair<double, std::uint32_t>> few;  // sorted
-  Walk(p, [&](std::uint32_t ball, double distance) {
+  few.reserve(count + 1);
+  Walk(p, within, [&](std::uint32_t ball, double distance) {
     const std::pair entry{distance, ball};
     few.insert(std::upper_bound(few.begin(), few.end(), entry), entry);
     if (few.size() > count) few.pop_back();
-    return few.size() < count ? std::numeric_limits<double>::infinity() : few.back().first;
+    return few.size() < count ? within : few.back().first;
   });
   std::vector<std::uint32_t> balls;
   for (const auto& [distance, ball] : few) balls.push_back(ball);

@@ -28,8 +28,10 @@ class SphereQuery {
     double distance = std::numeric_limits<double>::infinity();  ///< to its surface, < 0 inside
   };
   Hit Nearest(const Vec3& p) const;
-  /// The `count` nearest, nearest first; fewer where there are not as many.
-  std::vector<std::uint32_t> NearestFew(const Vec3& p, std::size_t count) const;
+  /// The `count` nearest, nearest first; fewer where there are not as many nearer than `within`.
+  std::vector<std::uint32_t> NearestFew(
+      const Vec3& p, std::size_t count,
+      double within = std::numeric_limits<double>::infinity()) const;
 
  private:
   struct Node {
@@ -39,9 +41,9 @@ class SphereQuery {
     std::uint32_t begin = 0, end = 0;
   };
   void Build(std::int32_t node);
-  /// Shows visit(ball, distance) every ball nearer than what it returned last.
+  /// Shows visit(ball, distance) every ball nearer than `within`, which is then what it returned.
   template <class Visit>
-  void Walk(const Vec3& p, Visit visit) const;
+  void Walk(const Vec3& p, double within, Visit visit) const;
   double Bound(const Node& node, const Vec3& p) const;
 
   std::vector<Sphere> balls_;

@@ -13,7 +13,7 @@
 namespace palpate {
 
 /// Changes with every change of what the builder makes, so that older cached scenes are built anew.
-inline constexpr std::uint32_t kSphereTreeBuilderVersion = 3;
+inline constexpr std::uint32_t kSphereTreeBuilderVersion = 4;
 
 /// Sphere tree of exactly `leaves` leaves over a mesh (chapter 2.2.3); TreeMode::kOctree may have a
 /// few less.

@@ -1,6 +1,7 @@
 #include "scenes/mesh/surface_samples.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -50,6 +51,79 @@ TEST(SurfaceSamples, LeaveOutWallsInsideTheSolid) {
     mesh.vertices.push_back(v);
   mesh.triangles.push_back({first, first + 1, first + 2});
   for (const SurfaceSample& s : Surface(mesh).Scatter(2000)) EXPECT_GT(s.point.norm(), 0.9);
+}
+
+// The offset surface of a box: faces, quarter cylinders along the edges, eighths of a ball at
+// corners.
+TEST(SamplesAbove, AreAsManyAsTheAreaThatABallsCentreRollsOver) {
+  const Surface box(MakeBox(Vec3(1, 2, 4)));
+  const double height = 0.5;
+  const auto samples = ScatterAbove(box.mesh, box.report, box.query, height, 40000);
+  ASSERT_NEAR(double(samples.size()), 40000.0, 2000.0);
+  std::size_t faces = 0, edges = 0, corners = 0;
+  for (const SurfaceSample& s : samples) {
+    EXPECT_NEAR(box.query.Nearest(s.point).distance, height, 1e-6);
+    EXPECT_LT((box.query.Nearest(s.point).point - (s.point - height * s.outward)).norm(), 1e-6);
+    const long beyond = (s.point.array().abs() > Eigen::Array3d(0.5, 1, 2)).count();
+    (beyond == 1 ? faces : beyond == 2 ? edges : corners) += 1;
+  }
+  const double over_faces = 28.0, over_edges = M_PI / 2.0 * height * 28.0,
+               over_corners = 4.0 * M_PI * height * height;
+  const double all = over_faces + over_edges + over_corners;
+  EXPECT_NEAR(double(faces) / double(samples.size()), over_faces / all, 0.01);
+  EXPECT_NEAR(double(edges) / double(samples.size()), over_edges / all, 0.01);
+  EXPECT_NEAR(double(corners) / double(samples.size()), over_corners / all, 0.01);
+}
+
+TEST(SamplesAbove, AreEvenRoundAnEdge) {
+  const Surface box(MakeBox(Vec3(1, 1, 40)));
+  std::array<int, 6> sixths{};
+  int all = 0;
+  for (const SurfaceSample& s : ScatterAbove(box.mesh, box.report, box.query, 1.0, 60000)) {
+    if (!(s.point.x() > 0.5 && s.point.y() > 0.5 && std::abs(s.point.z()) < 20.0)) continue;
+    const double turned = std::atan2(s.point.y() - 0.5, s.point.x() - 0.5) / (M_PI / 2.0);
+    ++sixths.at(std::min<std::size_t>(static_cast<std::size_t>(6.0 * turned), 5));
+    ++all;
+  }
+  ASSERT_GT(all, 3000);
+  for (const int count : sixths) EXPECT_NEAR(double(count) / all, 1.0 / 6.0, 0.02);
+}
+
+TEST(SamplesAbove, LeaveOutCreasesThatTheBallDoesNotReach) {
+  // A post stands on a slab, through it: round its foot runs a crease, inside are walls.
+  TriangleMesh mesh = MakeBox(Vec3(4, 4, 1));
+  const TriangleMesh post = MakeBox(Vec3(1, 1, 6));
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), post.vertices.begin(), post.vertices.end());
+  for (const auto& [i, j, k] : post.triangles) {
+    mesh.triangles.push_back({first + i, first + j, first + k});
+  }
+  const Surface both(mesh);
+  const double height = 0.4;
+  const auto samples = ScatterAbove(both.mesh, both.report, both.query, height, 5000);
+  ASSERT_GT(samples.size(), 4000u);
+  for (const SurfaceSample& s : samples) {
+    EXPECT_GT(both.query.Nearest(s.point).distance, (1.0 - 2e-6) * height);
+    EXPECT_FALSE(both.query.Inside(s.point));
+    // Beside the post's foot a ball's centre keeps its distance from both.
+    const bool beside_post = s.point.head<2>().cwiseAbs().maxCoeff() < 0.5 + 0.99 * height;
+    EXPECT_FALSE(beside_post && std::abs(s.point.z()) < 0.5 + 0.99 * height);
+  }
+}
+
+TEST(SamplesAbove, AreOfEverySideOfAFold) {
+  TriangleMesh mesh = MakeSphere(1.0, 320);
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (const Vec3& v : {Vec3(2, 0, 0), Vec3(3, 0, 0), Vec3(2, 1, 0)}) mesh.vertices.push_back(v);
+  mesh.triangles.push_back({first, first + 1, first + 2});
+  mesh.triangles.push_back({first, first + 2, first + 1});
+  const Surface fold(mesh);
+  std::set<int> sides;
+  for (const SurfaceSample& s : ScatterAbove(fold.mesh, fold.report, fold.query, 0.3, 5000)) {
+    ASSERT_TRUE(s.point.allFinite());
+    if (s.triangle + 2 >= mesh.triangles.size()) sides.insert(s.point.z() > 0.0 ? 1 : -1);
+  }
+  EXPECT_EQ(sides.size(), 2u);
 }
 
 TEST(ThinOut, KeepsExactlyAsManyAsAskedForAndFarApart) {

@@ -94,6 +94,8 @@ TEST(SphereQuery, FindsTheSameNearestAsLookingAtAll) {
     const auto few = query.NearestFew(p, 5);
     ASSERT_EQ(few.size(), 5u);
     for (int i = 0; i < 5; ++i) EXPECT_EQ(few[i], all[i].second);
+    EXPECT_EQ(query.NearestFew(p, 5, all[5].first), few);
+    EXPECT_EQ(query.NearestFew(p, 5, all[3].first).size(), 3u);
   }
   EXPECT_EQ(SphereQuery({balls[0], balls[1]}).NearestFew(Vec3::Zero(), 5).size(), 2u);
 }
