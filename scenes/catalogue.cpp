@@ -182,7 +182,7 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
   std::uint64_t key = HashBytes(
       text, std::uint64_t{kBundleVersion} << 32 | kShapesVersion << 16 | kSphereTreeBuilderVersion);
   key = HashBytes(scene.name, key);
-  key = HashBytes(std::to_string(kCurvedMeshVersion), key);
+  key = HashBytes(std::to_string(kCurvedMeshVersion), key + kRemarksVersion);
   std::map<std::string, std::uint64_t> hashes;  // of each mesh file once
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
     for (const BodyDescription& body : *bodies) {

@@ -78,18 +78,25 @@ SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Pr
   if (progress) progress("scattering samples", 0.05);
   const SampledSolid sampled(solid.mesh, count);
   const std::vector<Sphere> leaves = MakeLeaves(sampled, count, mode, progress);
-  return Assemble(mesh, leaves, sampled.samples, centroid, progress);
+  SphereTree tree = Assemble(mesh, leaves, sampled.samples, centroid, progress);
+  tree.origin = OriginOf(mode);
+  return tree;
 }
 
 SphereTree TreeOverBalls(const TriangleMesh& mesh, const std::vector<Sphere>& balls) {
   if (balls.empty()) throw Error("a sphere tree of 0 leaves is not possible; give at least 1");
   const Vec3 centroid = CentroidOf(mesh);
   const MeshSolid solid = SolidOf(mesh);
-  return Assemble(mesh, balls, SampledSolid(solid.mesh, balls.size()).samples, centroid);
+  SphereTree tree =
+      Assemble(mesh, balls, SampledSolid(solid.mesh, balls.size()).samples, centroid);
+  tree.origin = TreeOrigin::kFile;
+  return tree;
 }
 
 SphereTree SingleSphereTree(const TriangleMesh& mesh, const Sphere& ball) {
-  return Assemble(mesh, {ball}, {}, ball.centre);
+  SphereTree tree = Assemble(mesh, {ball}, {}, ball.centre);
+  tree.origin = TreeOrigin::kBall;
+  return tree;
 }
 
 }  // namespace palpate
