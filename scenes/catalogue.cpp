@@ -137,7 +137,9 @@ Shape MakeShape(const BodyDescription& description, const LoadOptions& options) 
   Shape body;
   body.mesh = MakeMesh(description.mesh, options.models_dir, body);
   if (description.mesh.curved) Curve(description.mesh, options, body);
-  if (description.mesh.kind == MeshSource::Kind::kSphere && description.leaves == 1) {
+  const bool ball = description.mesh.kind == MeshSource::Kind::kSphere;
+  // No count is truer to a sphere than the ball that it is.
+  if (ball && (description.leaves == 1 || description.tolerance)) {
     body.tree = SingleSphereTree(body.mesh, {Vec3::Zero(), description.mesh.size.x()});
     return body;
   }
@@ -191,6 +193,14 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
           key = HashBytes(std::to_string(kGroupPaintVersion), key);
         }
       }
+  if (description.tolerance) {
+    TolerantTree built =
+        BuildToTolerance(body.mesh, *description.tolerance, tell, description.tree.mode);
+    Tell(options, description.name + ": " + built.found);
+    if (!built.shortfall.empty()) body.remarks.push_back(built.shortfall);
+    body.tree = std::move(built.tree);
+    return body;
+  }
       if (!body.tree.built()) {
         const std::string sph = About(body.tree.where, [&] { return ReadSphText(body.tree.file); });
         key = HashBytes(sph, key + kTreeImportVersion);
@@ -217,7 +227,8 @@ bool SameMesh(const MeshSource& m, const MeshSource& n) {
 }
 
 bool SameGeometry(const BodyDescription& a, const BodyDescription& b) {
-  return a.leaves == b.leaves && a.tree == b.tree && SameMesh(a.mesh, b.mesh);
+  return a.leaves == b.leaves && a.tolerance == b.tolerance && a.tree == b.tree &&
+         SameMesh(a.mesh, b.mesh);
 }
 
 Scene Compile(const SceneDescription& description, const LoadOptions& options) {
@@ -242,6 +253,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
     body.tree = shape.tree;
     body.X_WB = from.X_WB;
     body.look = from.look;
+      if (body.tolerance) key = HashBytes(std::to_string(kLeafCountVersion), key);
     body.remarks = shape.remarks;
     PaintLeaves(from, shape.groups, body);
     return body;
@@ -306,9 +318,11 @@ SceneDescription Describe(const std::string& text, const std::string& file,
 }
 
 Scene LoadBundle(const std::string& bytes, const std::string& file, const LoadOptions& options) {
-  if (options.tree || options.tree_file) {
+  if (options.tree || options.tree_file || options.leaves) {
     throw Error(file + ": is a bundle, whose trees are built; give the scene file or leave the " +
-                (options.tree ? "mode out" : "tree's file out"));
+                (options.tree     ? "mode out"
+                 : options.leaves ? "tolerance out"
+                                  : "tree's file out"));
   }
   return UnpackScene(Bytes(bytes), file);
 }
@@ -358,6 +372,17 @@ std::string FindSceneFile(const std::string& name_or_path) {
 std::string ScriptFileBeside(const std::string& name_or_path) {
   return fs::path(FindSceneFile(name_or_path)).replace_extension(".path.json").string();
 }
+        body.tolerance.reset();
+      }
+    }
+  }
+  if (options.leaves) {
+    for (auto* bodies : {&scene.tools, &scene.objects}) {
+      for (BodyDescription& body : *bodies) {
+        // What one leaf is, it is meant to be.
+        if (!body.tree.built() || body.leaves == 1) continue;
+        body.leaves = 0;
+        body.tolerance = options.leaves;
 
 bool IsWholeAtStart(const std::string& name_or_path) {
   const std::string file = FindSceneFile(name_or_path);
@@ -376,7 +401,9 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
 
   const std::string folder = options.cache_dir.empty() ? DefaultCacheFolder() : options.cache_dir;
   std::uint64_t key = KeyOf(description, text, options.models_dir);
-  if (options.tree) key = HashBytes(NameOf(*options.tree), key);  // the text does not tell
+  // What the text does not tell.
+  if (options.tree) key = HashBytes(NameOf(*options.tree), key);
+  if (options.leaves) key = HashBytes(ToText(*options.leaves), key);
   std::ostringstream name;
   name << description.name << '-' << std::hex << std::setw(16) << std::setfill('0') << key
        << ".palpate";

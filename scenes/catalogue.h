@@ -18,6 +18,8 @@ struct LoadOptions {
   bool use_cache = true;
   /// Of every body whose tree is built; left out: as the scene file says.
   std::optional<TreeMode> tree;
+  /// Of every body whose tree is built of more than one leaf; left out: as the scene file says.
+  std::optional<LeafTolerance> leaves;
   /// Of the first object and whoever has its mesh, whatever the scene file says; nothing of it is
   /// cached.
   std::optional<TreeSource> tree_file;
