@@ -133,8 +133,55 @@ void Curve(const MeshSource& source, const LoadOptions& options, Shape& body) {
   body.mesh = std::move(refined.mesh);
 }
 
-Shape MakeShape(const BodyDescription& description, const LoadOptions& options) {
+/// About what the building of a body costs, of another's: only the ratio counts.
+double WorkOf(const BodyDescription& body) {
+  const bool ball = body.mesh.kind == MeshSource::Kind::kSphere;
+  double leaves = double(body.leaves);
+  if (body.tolerance) leaves = ball ? 1.0 : 8192.0;  // of all counts together
+  if (!body.tree.built()) leaves = 2048.0;
+  const bool moved = body.tree.built() &&
+                     (body.tree.mode == TreeMode::kBalanced || body.tree.mode == TreeMode::kCover);
+  return 100.0 + (moved ? 6.0 : 1.0) * leaves;  // 100: of the mesh
+}
+
+/// How much of a scene is done, body after body: never less than before.
+class SceneProgress {
+ public:
+  /// @param bodies  all that are built, in turn.
+  SceneProgress(const std::vector<const BodyDescription*>& bodies, const Progress& progress)
+      : bodies_(bodies), progress_(progress) {
+    for (const BodyDescription* body : bodies) all_ += WorkOf(*body);
+  }
+  void Begin(const BodyDescription& body) {
+    before_ += now_;
+    now_ = WorkOf(body);
+    ++count_;
+    who_ = body.name + ": ";
+    if (bodies_.size() > 1) {
+      who_ =
+          "body " + std::to_string(count_) + " of " + std::to_string(bodies_.size()) + ", " + who_;
+    }
+  }
+  /// @param fraction  of the body.
+  void Tell(std::string_view stage, double fraction) {
+    shown_ = std::max(shown_, (before_ + now_ * fraction) / all_);
+    if (progress_) progress_(who_ + std::string(stage), shown_);
+  }
+
+ private:
+  std::vector<const BodyDescription*> bodies_;
+  const Progress& progress_;
+  double all_ = 0.0, before_ = 0.0, now_ = 0.0, shown_ = 0.0;
+  std::size_t count_ = 0;
+  std::string who_;
+};
+
+Shape MakeShape(const BodyDescription& description, const LoadOptions& options,
+                const Progress& progress) {
+  // The mesh has a twentieth: what comes first, and is not known yet.
+  constexpr double kMeshShare = 0.05;
   Shape body;
+  progress("reading the mesh", 0.0);
   body.mesh = MakeMesh(description.mesh, options.models_dir, body);
   if (description.mesh.curved) Curve(description.mesh, options, body);
   const bool ball = description.mesh.kind == MeshSource::Kind::kSphere;
@@ -144,8 +191,16 @@ Shape MakeShape(const BodyDescription& description, const LoadOptions& options) 
     return body;
   }
   const auto tell = [&](std::string_view stage, double fraction) {
-    if (options.progress) options.progress(description.name + ": " + std::string(stage), fraction);
+    progress(stage, kMeshShare + (1.0 - kMeshShare) * fraction);
   };
+  if (description.tolerance) {
+    TolerantTree built =
+        BuildToTolerance(body.mesh, *description.tolerance, tell, description.tree.mode);
+    Tell(options, description.name + ": " + built.found);
+    if (!built.shortfall.empty()) body.remarks.push_back(built.shortfall);
+    body.tree = std::move(built.tree);
+    return body;
+  }
   if (description.tree.built()) {
     body.tree = BuildSphereTree(body.mesh, description.leaves, tell, description.tree.mode);
     return body;
@@ -193,18 +248,11 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
           key = HashBytes(std::to_string(kGroupPaintVersion), key);
         }
       }
-  if (description.tolerance) {
-    TolerantTree built =
-        BuildToTolerance(body.mesh, *description.tolerance, tell, description.tree.mode);
-    Tell(options, description.name + ": " + built.found);
-    if (!built.shortfall.empty()) body.remarks.push_back(built.shortfall);
-    body.tree = std::move(built.tree);
-    return body;
-  }
       if (!body.tree.built()) {
         const std::string sph = About(body.tree.where, [&] { return ReadSphText(body.tree.file); });
         key = HashBytes(sph, key + kTreeImportVersion);
       }
+      if (body.tolerance) key = HashBytes(std::to_string(kLeafCountVersion), key);
       if (!IsImported(body.mesh)) continue;
       const std::string file = MeshFile(body.mesh, models_dir);
       const auto [it, fresh] = hashes.try_emplace(file, 0);
@@ -231,6 +279,20 @@ bool SameGeometry(const BodyDescription& a, const BodyDescription& b) {
          SameMesh(a.mesh, b.mesh);
 }
 
+/// Those that are built: of several of one geometry the first.
+std::vector<const BodyDescription*> DistinctBodies(const SceneDescription& scene) {
+  std::vector<const BodyDescription*> distinct;
+  for (const auto* bodies : {&scene.tools, &scene.objects}) {
+    for (const BodyDescription& body : *bodies) {
+      if (std::ranges::none_of(
+              distinct, [&](const BodyDescription* other) { return SameGeometry(body, *other); })) {
+        distinct.push_back(&body);
+      }
+    }
+  }
+  return distinct;
+}
+
 Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   Scene scene;
   scene.name = description.name;
@@ -238,14 +300,23 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   scene.features = description.features;
   scene.first_sight = description.first_sight;
   std::vector<std::pair<const BodyDescription*, Shape>> done;
+  SceneProgress progress(DistinctBodies(description), options.progress);
   SceneSize size;
   const auto compile = [&](const BodyDescription& from) {
     const auto known = std::find_if(done.begin(), done.end(), [&](const auto& made) {
       return SameGeometry(from, *made.first);  // two bunnies are built once
     });
-    const Shape& shape = known != done.end()
-                             ? known->second
-                             : done.emplace_back(&from, MakeShape(from, options)).second;
+    const auto make = [&] {
+      progress.Begin(from);
+      const auto tell = [&](std::string_view stage, double fraction) {
+        progress.Tell(stage, fraction);
+      };
+      Shape made = MakeShape(from, options, tell);
+      tell("done", 1.0);
+      return made;
+    };
+    const Shape& shape =
+        known != done.end() ? known->second : done.emplace_back(&from, make()).second;
     About(from.mesh.where, [&] { size.Add(from.name, shape.mesh, shape.tree); });
     Body body;
     body.name = from.name;
@@ -253,7 +324,6 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
     body.tree = shape.tree;
     body.X_WB = from.X_WB;
     body.look = from.look;
-      if (body.tolerance) key = HashBytes(std::to_string(kLeafCountVersion), key);
     body.remarks = shape.remarks;
     PaintLeaves(from, shape.groups, body);
     return body;
@@ -299,6 +369,17 @@ SceneDescription Describe(const std::string& text, const std::string& file,
         if (!SameMesh(body.mesh, mesh)) continue;
         body.tree = *options.tree_file;
         body.leaves = 0;
+        body.tolerance.reset();
+      }
+    }
+  }
+  if (options.leaves) {
+    for (auto* bodies : {&scene.tools, &scene.objects}) {
+      for (BodyDescription& body : *bodies) {
+        // What one leaf is, it is meant to be.
+        if (!body.tree.built() || body.leaves == 1) continue;
+        body.leaves = 0;
+        body.tolerance = options.leaves;
       }
     }
   }
@@ -372,17 +453,6 @@ std::string FindSceneFile(const std::string& name_or_path) {
 std::string ScriptFileBeside(const std::string& name_or_path) {
   return fs::path(FindSceneFile(name_or_path)).replace_extension(".path.json").string();
 }
-        body.tolerance.reset();
-      }
-    }
-  }
-  if (options.leaves) {
-    for (auto* bodies : {&scene.tools, &scene.objects}) {
-      for (BodyDescription& body : *bodies) {
-        // What one leaf is, it is meant to be.
-        if (!body.tree.built() || body.leaves == 1) continue;
-        body.leaves = 0;
-        body.tolerance = options.leaves;
 
 bool IsWholeAtStart(const std::string& name_or_path) {
   const std::string file = FindSceneFile(name_or_path);

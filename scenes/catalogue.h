@@ -23,7 +23,9 @@ struct LoadOptions {
   /// Of the first object and whoever has its mesh, whatever the scene file says; nothing of it is
   /// cached.
   std::optional<TreeSource> tree_file;
-  Progress progress;  ///< stages are "body: stage"; only while something is built
+  /// Of the whole scene, never going back; stages are "body 2 of 5, name: stage".  Only while
+  /// something is built.
+  Progress progress;
   /// Told what went wrong and was mended, such as a broken cache file.  Default: to standard error.
   std::function<void(const std::string&)> warn;
   MeshSceneOptions mesh;  ///< where a mesh file is named in place of a scene

@@ -375,6 +375,29 @@ TEST(LoadScene, TakesAToleranceForThatOfTheSceneFile) {
               AllOf(HasSubstr("b.palpate: is a bundle"), HasSubstr("leave the tolerance out")));
 }
 
+TEST(LoadScene, TellsHowMuchOfTheWholeSceneIsDoneWithoutGoingBack) {
+  Fixture f;
+  f.options.tell = [](const std::string&) {};
+  WriteFile(f.scene, R"({
+    "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
+    "objects": [{"name": "a", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 20},
+                {"name": "again", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 20},
+                {"name": "b", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 30,
+                 "tree": "balanced"}]})");
+  double before = 0.0;
+  std::vector<std::string> bodies;
+  f.options.progress = [&](std::string_view stage, double fraction) {
+    EXPECT_GE(fraction, before) << stage;
+    EXPECT_LE(fraction, 1.0);
+    before = fraction;
+    const std::string body(stage.substr(0, stage.find(':')));
+    if (bodies.empty() || bodies.back() != body) bodies.push_back(body);
+  };
+  f.Load();
+  EXPECT_DOUBLE_EQ(before, 1.0);
+  EXPECT_THAT(bodies, ElementsAre("body 1 of 3, ball", "body 2 of 3, a", "body 3 of 3, b"));
+}
+
 TEST(LoadScene, KeepsTheRemarkThatAToleranceIsOutOfReach) {
   Fixture f;
   f.options.tell = [](const std::string&) {};
