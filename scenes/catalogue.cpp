@@ -133,28 +133,43 @@ void Curve(const MeshSource& source, const LoadOptions& options, Shape& body) {
   body.mesh = std::move(refined.mesh);
 }
 
-/// About what the building of a body costs, of another's: only the ratio counts.
-double WorkOf(const BodyDescription& body) {
+/// About what the building of a body costs, in leaves that lie inside a mesh.
+struct Work {
+  double mesh = 0.0, tree = 0.0;
+  double all() const { return mesh + tree; }
+};
+
+/// Of files, by their size.  As measured with 2,000,000 triangles (mesh-import.md) and a bunny of
+/// 70,000: a triangle takes a hundredth of what a leaf does to be read and mended, and half of that
+/// again in the building of the tree.
+Work WorkOf(const BodyDescription& body, const std::string& models_dir) {
+  constexpr double kBytesPerTriangle = 40.0;
   const bool ball = body.mesh.kind == MeshSource::Kind::kSphere;
+  double triangles = double(body.mesh.triangles);
+  if (IsImported(body.mesh)) {
+    std::error_code none;
+    const auto bytes = fs::file_size(MeshFile(body.mesh, models_dir), none);
+    triangles = none ? 0.0 : double(bytes) / kBytesPerTriangle;
+  }
   double leaves = double(body.leaves);
   if (body.tolerance) leaves = ball ? 1.0 : 8192.0;  // of all counts together
   if (!body.tree.built()) leaves = 2048.0;
   const bool moved = body.tree.built() &&
                      (body.tree.mode == TreeMode::kBalanced || body.tree.mode == TreeMode::kCover);
-  return 100.0 + (moved ? 6.0 : 1.0) * leaves;  // 100: of the mesh
+  return {1.0 + 0.01 * triangles, (moved ? 6.0 : 1.0) * leaves + 0.005 * triangles};
 }
 
 /// How much of a scene is done, body after body: never less than before.
 class SceneProgress {
  public:
   /// @param bodies  all that are built, in turn.
-  SceneProgress(const std::vector<const BodyDescription*>& bodies, const Progress& progress)
-      : bodies_(bodies), progress_(progress) {
-    for (const BodyDescription* body : bodies) all_ += WorkOf(*body);
+  SceneProgress(const std::vector<const BodyDescription*>& bodies, const LoadOptions& options)
+      : bodies_(bodies), options_(options) {
+    for (const BodyDescription* body : bodies) all_ += WorkOf(*body, options.models_dir).all();
   }
   void Begin(const BodyDescription& body) {
     before_ += now_;
-    now_ = WorkOf(body);
+    now_ = WorkOf(body, options_.models_dir).all();
     ++count_;
     who_ = body.name + ": ";
     if (bodies_.size() > 1) {
@@ -165,12 +180,12 @@ class SceneProgress {
   /// @param fraction  of the body.
   void Tell(std::string_view stage, double fraction) {
     shown_ = std::max(shown_, (before_ + now_ * fraction) / all_);
-    if (progress_) progress_(who_ + std::string(stage), shown_);
+    if (options_.progress) options_.progress(who_ + std::string(stage), shown_);
   }
 
  private:
   std::vector<const BodyDescription*> bodies_;
-  const Progress& progress_;
+  const LoadOptions& options_;
   double all_ = 0.0, before_ = 0.0, now_ = 0.0, shown_ = 0.0;
   std::size_t count_ = 0;
   std::string who_;
@@ -178,8 +193,7 @@ class SceneProgress {
 
 Shape MakeShape(const BodyDescription& description, const LoadOptions& options,
                 const Progress& progress) {
-  // The mesh has a twentieth: what comes first, and is not known yet.
-  constexpr double kMeshShare = 0.05;
+  const Work work = WorkOf(description, options.models_dir);
   Shape body;
   progress("reading the mesh", 0.0);
   body.mesh = MakeMesh(description.mesh, options.models_dir, body);
@@ -191,7 +205,7 @@ Shape MakeShape(const BodyDescription& description, const LoadOptions& options,
     return body;
   }
   const auto tell = [&](std::string_view stage, double fraction) {
-    progress(stage, kMeshShare + (1.0 - kMeshShare) * fraction);
+    progress(stage, (work.mesh + work.tree * fraction) / work.all());
   };
   if (description.tolerance) {
     TolerantTree built =
@@ -300,7 +314,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   scene.features = description.features;
   scene.first_sight = description.first_sight;
   std::vector<std::pair<const BodyDescription*, Shape>> done;
-  SceneProgress progress(DistinctBodies(description), options.progress);
+  SceneProgress progress(DistinctBodies(description), options);
   SceneSize size;
   const auto compile = [&](const BodyDescription& from) {
     const auto known = std::find_if(done.begin(), done.end(), [&](const auto& made) {
@@ -350,6 +364,7 @@ void RefuseWhatIsNoScene(const std::string& file, const std::string& text) {
 }
 
 std::string SceneTextOfMesh(const std::string& file, const LoadOptions& options) {
+  if (options.progress) options.progress("reading " + file, 0.0);
   const MeshScene scene = MakeMeshScene(file, options.mesh, fs::path(file).parent_path().string());
   for (const std::string& assumption : scene.assumptions) Tell(options, assumption);
   const std::string quote = file.find(' ') == std::string::npos ? "" : "\"";

@@ -24,7 +24,7 @@ struct LoadOptions {
   /// cached.
   std::optional<TreeSource> tree_file;
   /// Of the whole scene, never going back; stages are "body 2 of 5, name: stage".  Only while
-  /// something is built.
+  /// something is built, or a mesh that is named in place of a scene is read.
   Progress progress;
   /// Told what went wrong and was mended, such as a broken cache file.  Default: to standard error.
   std::function<void(const std::string&)> warn;
