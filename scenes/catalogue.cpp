@@ -133,17 +133,88 @@ void Curve(const MeshSource& source, const LoadOptions& options, Shape& body) {
   body.mesh = std::move(refined.mesh);
 }
 
-Shape MakeShape(const BodyDescription& description, const LoadOptions& options) {
+/// About what the building of a body costs, in leaves that lie inside a mesh.
+struct Work {
+  double mesh = 0.0, tree = 0.0;
+  double all() const { return mesh + tree; }
+};
+
+/// Of files, by their size.  As measured with 2,000,000 triangles (mesh-import.md) and a bunny of
+/// 70,000: a triangle takes a hundredth of what a leaf does to be read and mended, and half of that
+/// again in the building of the tree.
+Work WorkOf(const BodyDescription& body, const std::string& models_dir) {
+  constexpr double kBytesPerTriangle = 40.0;
+  const bool ball = body.mesh.kind == MeshSource::Kind::kSphere;
+  double triangles = double(body.mesh.triangles);
+  if (IsImported(body.mesh)) {
+    std::error_code none;
+    const auto bytes = fs::file_size(MeshFile(body.mesh, models_dir), none);
+    triangles = none ? 0.0 : double(bytes) / kBytesPerTriangle;
+  }
+  double leaves = double(body.leaves);
+  if (body.tolerance) leaves = ball ? 1.0 : 8192.0;  // of all counts together
+  if (!body.tree.built()) leaves = 2048.0;
+  const bool moved = body.tree.built() &&
+                     (body.tree.mode == TreeMode::kBalanced || body.tree.mode == TreeMode::kCover);
+  return {1.0 + 0.01 * triangles, (moved ? 6.0 : 1.0) * leaves + 0.005 * triangles};
+}
+
+/// How much of a scene is done, body after body: never less than before.
+class SceneProgress {
+ public:
+  /// @param bodies  all that are built, in turn.
+  SceneProgress(const std::vector<const BodyDescription*>& bodies, const LoadOptions& options)
+      : bodies_(bodies), options_(options) {
+    for (const BodyDescription* body : bodies) all_ += WorkOf(*body, options.models_dir).all();
+  }
+  void Begin(const BodyDescription& body) {
+    before_ += now_;
+    now_ = WorkOf(body, options_.models_dir).all();
+    ++count_;
+    who_ = body.name + ": ";
+    if (bodies_.size() > 1) {
+      who_ =
+          "body " + std::to_string(count_) + " of " + std::to_string(bodies_.size()) + ", " + who_;
+    }
+  }
+  /// @param fraction  of the body.
+  void Tell(std::string_view stage, double fraction) {
+    shown_ = std::max(shown_, (before_ + now_ * fraction) / all_);
+    if (options_.progress) options_.progress(who_ + std::string(stage), shown_);
+  }
+
+ private:
+  std::vector<const BodyDescription*> bodies_;
+  const LoadOptions& options_;
+  double all_ = 0.0, before_ = 0.0, now_ = 0.0, shown_ = 0.0;
+  std::size_t count_ = 0;
+  std::string who_;
+};
+
+Shape MakeShape(const BodyDescription& description, const LoadOptions& options,
+                const Progress& progress) {
+  const Work work = WorkOf(description, options.models_dir);
   Shape body;
+  progress("reading the mesh", 0.0);
   body.mesh = MakeMesh(description.mesh, options.models_dir, body);
   if (description.mesh.curved) Curve(description.mesh, options, body);
-  if (description.mesh.kind == MeshSource::Kind::kSphere && description.leaves == 1) {
+  const bool ball = description.mesh.kind == MeshSource::Kind::kSphere;
+  // No count is truer to a sphere than the ball that it is.
+  if (ball && (description.leaves == 1 || description.tolerance)) {
     body.tree = SingleSphereTree(body.mesh, {Vec3::Zero(), description.mesh.size.x()});
     return body;
   }
   const auto tell = [&](std::string_view stage, double fraction) {
-    if (options.progress) options.progress(description.name + ": " + std::string(stage), fraction);
+    progress(stage, (work.mesh + work.tree * fraction) / work.all());
   };
+  if (description.tolerance) {
+    TolerantTree built =
+        BuildToTolerance(body.mesh, *description.tolerance, tell, description.tree.mode);
+    Tell(options, description.name + ": " + built.found);
+    if (!built.shortfall.empty()) body.remarks.push_back(built.shortfall);
+    body.tree = std::move(built.tree);
+    return body;
+  }
   if (description.tree.built()) {
     body.tree = BuildSphereTree(body.mesh, description.leaves, tell, description.tree.mode);
     return body;
@@ -182,7 +253,7 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
   std::uint64_t key = HashBytes(
       text, std::uint64_t{kBundleVersion} << 32 | kShapesVersion << 16 | kSphereTreeBuilderVersion);
   key = HashBytes(scene.name, key);
-  key = HashBytes(std::to_string(kCurvedMeshVersion), key);
+  key = HashBytes(std::to_string(kCurvedMeshVersion), key + kRemarksVersion);
   std::map<std::string, std::uint64_t> hashes;  // of each mesh file once
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
     for (const BodyDescription& body : *bodies) {
@@ -195,6 +266,7 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
         const std::string sph = About(body.tree.where, [&] { return ReadSphText(body.tree.file); });
         key = HashBytes(sph, key + kTreeImportVersion);
       }
+      if (body.tolerance) key = HashBytes(std::to_string(kLeafCountVersion), key);
       if (!IsImported(body.mesh)) continue;
       const std::string file = MeshFile(body.mesh, models_dir);
       const auto [it, fresh] = hashes.try_emplace(file, 0);
@@ -217,7 +289,22 @@ bool SameMesh(const MeshSource& m, const MeshSource& n) {
 }
 
 bool SameGeometry(const BodyDescription& a, const BodyDescription& b) {
-  return a.leaves == b.leaves && a.tree == b.tree && SameMesh(a.mesh, b.mesh);
+  return a.leaves == b.leaves && a.tolerance == b.tolerance && a.tree == b.tree &&
+         SameMesh(a.mesh, b.mesh);
+}
+
+/// Those that are built: of several of one geometry the first.
+std::vector<const BodyDescription*> DistinctBodies(const SceneDescription& scene) {
+  std::vector<const BodyDescription*> distinct;
+  for (const auto* bodies : {&scene.tools, &scene.objects}) {
+    for (const BodyDescription& body : *bodies) {
+      if (std::ranges::none_of(
+              distinct, [&](const BodyDescription* other) { return SameGeometry(body, *other); })) {
+        distinct.push_back(&body);
+      }
+    }
+  }
+  return distinct;
 }
 
 Scene Compile(const SceneDescription& description, const LoadOptions& options) {
@@ -227,14 +314,23 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   scene.features = description.features;
   scene.first_sight = description.first_sight;
   std::vector<std::pair<const BodyDescription*, Shape>> done;
+  SceneProgress progress(DistinctBodies(description), options);
   SceneSize size;
   const auto compile = [&](const BodyDescription& from) {
     const auto known = std::find_if(done.begin(), done.end(), [&](const auto& made) {
       return SameGeometry(from, *made.first);  // two bunnies are built once
     });
-    const Shape& shape = known != done.end()
-                             ? known->second
-                             : done.emplace_back(&from, MakeShape(from, options)).second;
+    const auto make = [&] {
+      progress.Begin(from);
+      const auto tell = [&](std::string_view stage, double fraction) {
+        progress.Tell(stage, fraction);
+      };
+      Shape made = MakeShape(from, options, tell);
+      tell("done", 1.0);
+      return made;
+    };
+    const Shape& shape =
+        known != done.end() ? known->second : done.emplace_back(&from, make()).second;
     About(from.mesh.where, [&] { size.Add(from.name, shape.mesh, shape.tree); });
     Body body;
     body.name = from.name;
@@ -268,6 +364,7 @@ void RefuseWhatIsNoScene(const std::string& file, const std::string& text) {
 }
 
 std::string SceneTextOfMesh(const std::string& file, const LoadOptions& options) {
+  if (options.progress) options.progress("reading " + file, 0.0);
   const MeshScene scene = MakeMeshScene(file, options.mesh, fs::path(file).parent_path().string());
   for (const std::string& assumption : scene.assumptions) Tell(options, assumption);
   const std::string quote = file.find(' ') == std::string::npos ? "" : "\"";
@@ -287,6 +384,17 @@ SceneDescription Describe(const std::string& text, const std::string& file,
         if (!SameMesh(body.mesh, mesh)) continue;
         body.tree = *options.tree_file;
         body.leaves = 0;
+        body.tolerance.reset();
+      }
+    }
+  }
+  if (options.leaves) {
+    for (auto* bodies : {&scene.tools, &scene.objects}) {
+      for (BodyDescription& body : *bodies) {
+        // What one leaf is, it is meant to be.
+        if (!body.tree.built() || body.leaves == 1) continue;
+        body.leaves = 0;
+        body.tolerance = options.leaves;
       }
     }
   }
@@ -306,9 +414,11 @@ SceneDescription Describe(const std::string& text, const std::string& file,
 }
 
 Scene LoadBundle(const std::string& bytes, const std::string& file, const LoadOptions& options) {
-  if (options.tree || options.tree_file) {
+  if (options.tree || options.tree_file || options.leaves) {
     throw Error(file + ": is a bundle, whose trees are built; give the scene file or leave the " +
-                (options.tree ? "mode out" : "tree's file out"));
+                (options.tree     ? "mode out"
+                 : options.leaves ? "tolerance out"
+                                  : "tree's file out"));
   }
   return UnpackScene(Bytes(bytes), file);
 }
@@ -376,7 +486,9 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
 
   const std::string folder = options.cache_dir.empty() ? DefaultCacheFolder() : options.cache_dir;
   std::uint64_t key = KeyOf(description, text, options.models_dir);
-  if (options.tree) key = HashBytes(NameOf(*options.tree), key);  // the text does not tell
+  // What the text does not tell.
+  if (options.tree) key = HashBytes(NameOf(*options.tree), key);
+  if (options.leaves) key = HashBytes(ToText(*options.leaves), key);
   std::ostringstream name;
   name << description.name << '-' << std::hex << std::setw(16) << std::setfill('0') << key
        << ".palpate";

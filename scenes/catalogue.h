@@ -18,10 +18,14 @@ struct LoadOptions {
   bool use_cache = true;
   /// Of every body whose tree is built; left out: as the scene file says.
   std::optional<TreeMode> tree;
+  /// Of every body whose tree is built of more than one leaf; left out: as the scene file says.
+  std::optional<LeafTolerance> leaves;
   /// Of the first object and whoever has its mesh, whatever the scene file says; nothing of it is
   /// cached.
   std::optional<TreeSource> tree_file;
-  Progress progress;  ///< stages are "body: stage"; only while something is built
+  /// Of the whole scene, never going back; stages are "body 2 of 5, name: stage".  Only while
+  /// something is built, or a mesh that is named in place of a scene is read.
+  Progress progress;
   /// Told what went wrong and was mended, such as a broken cache file.  Default: to standard error.
   std::function<void(const std::string&)> warn;
   MeshSceneOptions mesh;  ///< where a mesh file is named in place of a scene

@@ -1,23 +1,24 @@
 // palpate-scene: mesh -> sphere tree -> scene bundle, and what there is to know about one.
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <unistd.h>
 
 #include "common/command_line.h"
 #include "common/error.h"
 #include "common/log.h"
-#include "common/nearest_word.h"
 #include "scenes/catalogue.h"
+#include "scenes/compiler/body_lines.h"
+#include "scenes/compiler/scene_info.h"
+#include "scenes/error_picture.h"
 #include "scenes/files/mesh_options.h"
 #include "scenes/files/mesh_scene.h"
 #include "scenes/files/scene_bundle.h"
@@ -27,8 +28,10 @@
 #include "scenes/mesh/mesh_mend.h"
 #include "scenes/mesh/mesh_report.h"
 #include "scenes/picture.h"
+#include "scenes/progress_line.h"
 #include "scenes/scene_verdict.h"
 #include "scenes/tree/coverage.h"
+#include "scenes/tree/leaf_count.h"
 #include "scenes/tree/tree_export.h"
 #include "scenes/tree/tree_mode.h"
 
@@ -43,11 +46,14 @@ struct Arguments {
   std::string log_level = "info";
   std::optional<int> level;
   std::string mode;  ///< one of kTreeModes; empty: as the scene file says
+  std::optional<LeafTolerance> leaves;
   std::string body;  ///< whose tree is exported; empty: the first object's
   std::string unit;  ///< of what is exported
   bool rebuild = false;
   bool whole = false;
+  bool error = false;  ///< what is drawn
   MeshSceneOptions mesh;
+  InfoOptions info;
   int domain = 0;
 };
 
@@ -55,38 +61,15 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Progress on one line of standard error: rewritten on a terminal, one line a stage elsewhere.
-class ProgressLine {
- public:
-  ~ProgressLine() { Clear(); }
-
-  void operator()(std::string_view stage, double fraction) {
-    const bool terminal = isatty(STDERR_FILENO) != 0;
-    if (!terminal && stage == stage_) return;
-    stage_ = stage;
-    std::fprintf(stderr, terminal ? "\r\033[K%3.0f %%  %s" : "%3.0f %%  %s\n", 100.0 * fraction,
-                 stage_.c_str());
-    shown_ = terminal;
-  }
-
-  void Clear() {
-    if (shown_) std::fputs("\r\033[K", stderr);
-    shown_ = false;
-  }
-
- private:
-  std::string stage_;
-  bool shown_ = false;
-};
-
 Scene Load(const Arguments& arguments) {
   ProgressLine progress;
   LoadOptions options;
   options.models_dir = arguments.models;
   options.cache_dir = arguments.cache;
   options.use_cache = !arguments.rebuild;
+  options.leaves = arguments.leaves;
   if (!arguments.mode.empty()) options.tree = TreeModeNamed(arguments.mode);
-  options.progress = [&](std::string_view stage, double fraction) { progress(stage, fraction); };
+  options.progress = std::ref(progress);
   options.warn = [&](const std::string& text) {
     progress.Clear();
     std::cerr << "warning: " << text << '\n';
@@ -98,63 +81,9 @@ Scene Load(const Arguments& arguments) {
   return LoadScene(arguments.scene, options);
 }
 
-void PrintTree(const SphereTree& tree) {
-  for (int l = 0; l < tree.levels(); ++l) {
-    std::size_t nodes = 0;
-    double smallest = 1e300;
-    double largest = 0.0;
-    for (const SpherePacket& packet : tree.level(l)) {
-      for (int lane = 0; lane < kTreeArity; ++lane) {
-        if (packet.child[lane] < 0) continue;
-        ++nodes;
-        smallest = std::min(smallest, double(packet.radius[lane]));
-        largest = std::max(largest, double(packet.radius[lane]));
-      }
-    }
-    const std::size_t packets = tree.level(l).size();
-    std::printf(
-        "    level %d  %6zu spheres in %5zu packets (%3.0f %% full)  radius %.2f to %.2f mm\n",
-        l + 1, nodes, packets, 100.0 * double(nodes) / double(kTreeArity * packets), 1e3 * smallest,
-        1e3 * largest);
-  }
-}
-
-void PrintBody(const char* kind, const Body& body) {
-  const Vec3& p = body.X_WB.p;
-  std::printf("  %s %s: %zu leaves in %d levels, %zu triangles, %zu vertices, at (%g, %g, %g) mm\n",
-              kind, body.name.c_str(), body.tree.leaves(), body.tree.levels(),
-              body.mesh.triangles.size(), body.mesh.vertices.size(), 1e3 * p.x(), 1e3 * p.y(),
-              1e3 * p.z());
-}
-
-void PrintFeatures(const Features& features) {
-  static constexpr const char* kFriction[] = {"off", "chapter", "coulomb"};
-  const auto on = [](bool b) { return b ? "on" : "off"; };
-  std::printf("  contact %s, friction %s, compliance %s, removal %s\n",
-              features.contact == ContactModel::kSurface ? "surface" : "spheres",
-              kFriction[static_cast<int>(features.friction)], on(features.compliance),
-              on(features.removal));
-}
-
-void PrintMaterials(const Body& body) {
-  for (std::size_t m = 0; m < body.materials.size(); ++m) {
-    const auto leaves = body.leaf_material.empty()
-                            ? std::ptrdiff_t(body.tree.leaves())
-                            : std::count(body.leaf_material.begin(), body.leaf_material.end(), m);
-    const Material& material = body.materials[m];
-    std::printf("    material %zu, %td leaves: ", m, leaves);
-    std::isfinite(material.stiffness) ? std::printf("%g N/m a leaf", material.stiffness)
-                                      : std::printf("rigid");
-    std::printf(", friction %g static %g dynamic", material.static_friction,
-                material.dynamic_friction);
-    if (std::isfinite(material.hardness)) std::printf(", %g J remove a leaf", material.hardness);
-    std::printf("\n");
-  }
-}
-
 /// Prints the verdict; a scene or mesh that is not usable is a failure.
-void Conclude(const std::string& what, const Verdict& verdict) {
-  std::fputs(ToText(verdict).c_str(), stdout);
+void Conclude(const std::string& what, const Verdict& verdict, std::FILE* to = stdout) {
+  std::fputs(ToText(verdict).c_str(), to);
   if (!verdict.usable()) throw Error(what + ": is not usable: " + verdict.faults.front());
 }
 
@@ -163,8 +92,8 @@ void Build(const Arguments& arguments) {
   const Scene scene = Load(arguments);
   const double seconds = SecondsSince(start);
   std::printf("%s: ready in %.2f s\n", scene.name.c_str(), seconds);
-  for (const Body& body : scene.tools) PrintBody("tool", body);
-  for (const Body& body : scene.objects) PrintBody("object", body);
+  for (const Body& body : scene.tools) std::fputs(BodyLine("tool", body).c_str(), stdout);
+  for (const Body& body : scene.objects) std::fputs(BodyLine("object", body).c_str(), stdout);
   Conclude(arguments.scene, JudgeScene(scene));
   if (arguments.output.empty()) return;
   const std::vector<std::uint8_t> bytes = PackScene(scene, 0, Remarks::kKeep);
@@ -174,20 +103,11 @@ void Build(const Arguments& arguments) {
 
 void Info(const Arguments& arguments) {
   const Scene scene = Load(arguments);
-  const std::vector<std::uint8_t> bytes = PackScene(scene);
-  const std::string_view view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  std::printf("%s: %zu bytes, XXH64 %016llx, coupling %g N/m and %g N m/rad\n", scene.name.c_str(),
-              bytes.size(), static_cast<unsigned long long>(HashBytes(view, 0)),
-              scene.coupling.stiffness, scene.coupling.torsional_stiffness);
-  PrintFeatures(scene.features);
-  for (const auto& [kind, bodies] : {std::pair{"tool", &scene.tools}, {"object", &scene.objects}}) {
-    for (const Body& body : *bodies) {
-      PrintBody(kind, body);
-      PrintTree(body.tree);
-      if (bodies == &scene.objects) PrintMaterials(body);
-    }
-  }
-  Conclude(arguments.scene, JudgeScene(scene));
+  const std::string text = SceneInfo(scene, arguments.info);
+  // What is for a program has standard output for itself.
+  const bool piped = arguments.info.csv == "-" || arguments.info.json == "-";
+  std::fputs(text.c_str(), piped ? stderr : stdout);
+  Conclude(arguments.scene, JudgeScene(scene), piped ? stderr : stdout);
 }
 
 void PrintReport(const MeshReport& r) {
@@ -210,7 +130,7 @@ void PrintSpread(const char* name, const Spread& s, double allowed) {
 }
 
 Verdict CheckBody(const Scene& scene, const Body& body, bool is_tool) {
-  PrintBody(is_tool ? "tool" : "object", body);
+  std::fputs(BodyLine(is_tool ? "tool" : "object", body).c_str(), stdout);
   const BodyFindings found = JudgeBody(scene, body, is_tool, MeasureGaps::kAlways);
   PrintReport(found.report);
   const double allowed = found.by_spheres ? AllowedGap(found.report) : 0.0;
@@ -252,32 +172,22 @@ void Render(const Arguments& arguments) {
     throw UsageError("-o " + arguments.output +
                      ": pictures are PNG; give a name that ends in .png");
   }
-  if (arguments.whole && arguments.level) {
-    throw UsageError("--whole and --level exclude each other; keep one");
+  if (arguments.whole && (arguments.level || arguments.error)) {
+    throw UsageError(std::string("--whole and ") + (arguments.error ? "--error" : "--level") +
+                     " exclude each other; keep one");
   }
-  if (arguments.whole) {
+  if (!arguments.body.empty() && !arguments.error) {
+    throw UsageError("--body chooses whose --error is drawn; add that or drop it");
+  }
+  if (arguments.error) {
+    const Scene scene = Load(arguments);
+    DrawError(FindBody(scene, arguments.body), arguments.level, arguments.output);
+  } else if (arguments.whole) {
     DrawWhole(Load(arguments), arguments.output);
   } else {
     DrawScene(Load(arguments), arguments.level, arguments.output);
   }
   std::printf("wrote %s\n", arguments.output.c_str());
-}
-
-const Body& FindBody(const Scene& scene, const std::string& name) {
-  if (name.empty()) return scene.objects.front();
-  std::vector<std::string_view> names;
-  for (const auto* bodies : {&scene.objects, &scene.tools}) {
-    for (const Body& body : *bodies) {
-      if (body.name == name) return body;
-      names.push_back(body.name);
-    }
-  }
-  std::string message = "--body " + name + ": there is no such body in " + scene.name;
-  const std::string_view guess = NearestWord(name, names);
-  if (!guess.empty()) message.append("; did you mean \"").append(guess).append("\"?");
-  message += " (there are:";
-  for (const std::string_view known : names) message.append(" ").append(known);
-  throw UsageError(message + ")");
 }
 
 void Export(const Arguments& arguments) {
@@ -312,6 +222,25 @@ void New(const Arguments& arguments) {
               arguments.output.c_str());
 }
 
+void AddToleranceOptions(CLI::App& app, std::optional<LeafTolerance>& leaves) {
+  const auto sets = [&leaves](LeafTolerance::Of of, double unit) {
+    return [&leaves, of, unit](double value) {
+      leaves = LeafTolerance{.of = of, .most = unit * value};
+    };
+  };
+  CLI::Option* um = app.add_option_function<double>(
+                           "--tolerance-um", sets(LeafTolerance::Of::kHeight, 1e-6),
+                           "As many leaves as it takes for their surface to lie within so "
+                           "many um of the mesh's at 95 of 100 places, whatever the scene "
+                           "file says; a tool of one leaf stays")
+                        ->check(CLI::Range(kLeastTolerance_um, kMostTolerance_um));
+  app.add_option_function<double>("--tolerance-deg", sets(LeafTolerance::Of::kLean, M_PI / 180.0),
+                                  "Likewise, for it to lean by at most so many degrees on average, "
+                                  "as the force of a touch does")
+      ->check(CLI::Range(kLeastTolerance_deg, kMostTolerance_deg))
+      ->excludes(um);
+}
+
 int Main(int argc, char** argv) {
   CLI::App app(
       "Compiles scenes: reads meshes, builds sphere trees over them, and keeps the result as a\n"
@@ -322,6 +251,7 @@ int Main(int argc, char** argv) {
       "  palpate-scene list\n"
       "  palpate-scene new tooth.stl -o tooth.json\n"
       "  palpate-scene build bunny-bunny -o bunny.palpate\n"
+      "  palpate-scene build tooth.stl --tolerance-um 50\n"
       "  palpate-scene render bunny.palpate -o bunny.png\n"
       "  palpate-scene export bunny-bunny -o bunny.glb",
       "palpate-scene");
@@ -349,14 +279,35 @@ int Main(int argc, char** argv) {
                    "How the leaves of all trees stand for their meshes, whatever the scene file "
                    "says; those that it has from a .sph file stay")
       ->check(CLI::IsMember(std::vector<std::string>(kTreeModes.begin(), kTreeModes.end())));
+  AddToleranceOptions(*build, arguments.leaves);
   CLI::App* info =
-      add("info", "Prints features, bodies, levels, materials, sizes and the hash", scene_help);
+      add("info",
+          "Prints features, bodies, materials, sizes and the hash, and how far each level of each\n"
+          "tree is from its mesh\n"
+          "Example: palpate-scene info bunny-bunny --csv levels.csv",
+          scene_help);
+  info->add_option("--samples", arguments.info.samples,
+                   "Points of each surface that the levels are measured at")
+      ->check(CLI::Range(std::size_t{100}, std::size_t{10'000'000}))
+      ->capture_default_str();
+  info->add_option("--csv", arguments.info.csv,
+                   "Write the errors, a line for each level, into FILE (- is stdout)");
+  info->add_option("--json", arguments.info.json,
+                   "Write the errors as one JSON object into FILE (- is stdout)");
   CLI::App* check =
       add("check", "Judges meshes, and how well the spheres cover them; ends with a verdict",
           scene_help + "; or a mesh file");
-  CLI::App* render = add("render", "Draws mesh and spheres of every level as a PNG", scene_help);
+  CLI::App* render = add("render",
+                         "Draws mesh and spheres of every level as a PNG\n"
+                         "Example: palpate-scene render bunny-bunny --error -o error.png",
+                         scene_help);
   render->add_option("-o,--output", arguments.output, "Picture to write (.png)")->required();
   render->add_option("--level", arguments.level, "Only this level, from 1");
+  render->add_flag("--error", arguments.error,
+                   "How far the spheres of a body's last levels are from its mesh, in colours with "
+                   "a scale");
+  render->add_option("--body", arguments.body,
+                     "Of --error: tool or object by its name (default: the first object)");
   CLI::App* make = add("new", "Writes a scene file for a mesh, with a ball as tool, to begin with",
                        "Mesh: OBJ, STL, PLY, 3DS or glTF");
   make->add_option("-o,--output", arguments.output, "Scene file to write (.json)")->required();

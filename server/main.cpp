@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -24,6 +25,7 @@
 #include "scenes/files/mesh_options.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/mesh/mesh_import.h"
+#include "scenes/progress_line.h"
 #include "scenes/scene_verdict.h"
 #include "server/offer/served_scene.h"
 #include "server/transport/server.h"
@@ -94,6 +96,8 @@ int Serve(const Options& options) {
   std::map<std::string, std::vector<std::uint8_t>> bundles;
   std::string names;
   for (const std::string& name : options.scenes) {
+    ProgressLog progress([&](const std::string& text) { spdlog::info("{}: {}", name, text); });
+    load.progress = std::ref(progress);
     const Scene scene = LoadScene(name, load);
     Judge(name, scene, options.unusable_too);
     if (bundles.contains(scene.name)) {

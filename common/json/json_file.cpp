@@ -322,6 +322,10 @@ bool JsonNode::IsObject() const {
   return value_->kind == Value::kObject;
 }
 
+bool JsonNode::IsString() const {
+  return value_->kind == Value::kString;
+}
+
 Vec3 JsonNode::Vector(double most) const {
   const std::vector<JsonNode> items = Items();
   if (items.size() != 3) {

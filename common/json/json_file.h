@@ -38,6 +38,7 @@ class JsonNode {
   bool Boolean() const;
   bool IsFalse() const;  ///< the word false, not 0
   bool IsObject() const;
+  bool IsString() const;
   std::int64_t Integer(std::int64_t min, std::int64_t max) const;
   /// @param most  size of an entry.
   Vec3 Vector(double most = std::numeric_limits<double>::infinity()) const;

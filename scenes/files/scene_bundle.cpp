@@ -272,6 +272,12 @@ void ReadMaterials(const wire::Body& in, Body& out) {
   }
 }
 
+TreeOrigin FromWire(wire::TreeOrigin origin) {
+  static_assert(static_cast<int>(wire::TreeOrigin::MAX) == static_cast<int>(TreeOrigin::kBall));
+  if (origin > wire::TreeOrigin::MAX) throw Error("where a tree comes from is not known");
+  return static_cast<TreeOrigin>(origin);
+}
+
 void ReadAmbient(const wire::Body& in, Body& out) {
   if (in.ambient() == nullptr) return;
   out.ambient.assign(in.ambient()->begin(), in.ambient()->end());
@@ -317,6 +323,7 @@ Scene ReadScene(const wire::Scene& in) {
       if (body->remarks() != nullptr) {
         for (const auto* remark : *body->remarks()) bodies.back().remarks.push_back(remark->str());
       }
+      bodies.back().tree.origin = FromWire(body->tree_origin());
       ReadAmbient(*body, bodies.back());
       ReadMaterials(*body, bodies.back());
     }
@@ -408,12 +415,13 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
       const auto name = out.CreateString(body.name);
       const auto materials_at = out.CreateVectorOfStructs(materials);
       const auto leaf_material = out.CreateVector(body.leaf_material);
-      packed.push_back(wire::CreateBody(out, name, geometry, &pose, materials_at, leaf_material,
-                                        body.look.empty() ? 0 : out.CreateString(body.look),
-                                        body.ambient.empty() ? 0 : out.CreateVector(body.ambient),
-                                        remarks == Remarks::kLeaveOut || body.remarks.empty()
-                                            ? 0
-                                            : out.CreateVectorOfStrings(body.remarks)));
+      const bool keep = remarks == Remarks::kKeep;
+      packed.push_back(wire::CreateBody(
+          out, name, geometry, &pose, materials_at, leaf_material,
+          body.look.empty() ? 0 : out.CreateString(body.look),
+          body.ambient.empty() ? 0 : out.CreateVector(body.ambient),
+          keep && !body.remarks.empty() ? out.CreateVectorOfStrings(body.remarks) : 0,
+          keep ? static_cast<wire::TreeOrigin>(body.tree.origin) : wire::TreeOrigin::Unknown));
     }
     return out.CreateVector(packed);
   };

@@ -13,9 +13,11 @@ namespace palpate {
 /// Version of the bundle's layout.  Bundles of another version are refused, never guessed at.
 inline constexpr std::uint32_t kBundleVersion = 2;
 
-/// Whether Body::remarks are packed, too: they are for those who read a file, and a scene that
-/// travels has the same bytes with and without them.
+/// Whether what is for people is packed, too, Body::remarks and SphereTree::origin: they are for
+/// those who read a file, and a scene that travels has the same bytes with and without them.
 enum class Remarks { kLeaveOut, kKeep };
+/// Changes with what kKeep keeps, so that older cached scenes are built anew and say it.
+inline constexpr std::uint32_t kRemarksVersion = 1;
 
 /// A scene as bytes: a 40-byte header (magic, version, content key, size, XXH64) and a FlatBuffer
 /// (idl/scene.fbs), little-endian.  Equal scenes give equal bytes.

@@ -285,6 +285,12 @@ void CheckCurved(const JsonNode& root, const SceneDescription& scene) {
     }
   };
   for (const BodyDescription& tool : scene.tools) {
+    if (tool.mesh.curved && tool.tolerance && tool.mesh.kind == MeshSource::Kind::kSphere) {
+      throw Error(
+          tool.mesh.where +
+          ".curved: leaves it open whether the ball is felt as a mesh or as one leaf, which "
+          "a tolerance may choose; drop it, or give \"leaves\" a number");
+    }
     if (tool.mesh.curved && tool.leaves == 1) {
       throw Error(
           tool.mesh.where +
@@ -318,6 +324,42 @@ TreeSource ReadTree(const JsonNode& node, const fs::path& folder) {
   return tree;
 }
 
+LeafTolerance ReadTolerance(const JsonNode& node) {
+  node.AllowOnly({"tolerance_um", "tolerance_deg", "most_leaves"});
+  const auto um = node.Find("tolerance_um");
+  const auto degrees = node.Find("tolerance_deg");
+  if (um && degrees)
+    degrees->Fail("the tolerance is given twice; keep tolerance_um or tolerance_deg");
+  if (!um && !degrees) {
+    node.Fail("has no tolerance; add \"tolerance_um\" or \"tolerance_deg\", or give \"auto\"");
+  }
+  LeafTolerance tolerance;
+  if (um) tolerance.most = 1e-6 * um->Number(kLeastTolerance_um, kMostTolerance_um);
+  if (degrees) {
+    tolerance.of = LeafTolerance::Of::kLean;
+    tolerance.most = M_PI / 180.0 * degrees->Number(kLeastTolerance_deg, kMostTolerance_deg);
+  }
+  if (auto most = node.Find("most_leaves")) {
+    tolerance.most_leaves = static_cast<std::size_t>(most->Integer(1, kMaxLeaves));
+  }
+  return tolerance;
+}
+
+/// 4096, "auto", {"tolerance_um": 100} or {"tolerance_deg": 5}.
+void ReadLeaves(const JsonNode& node, BodyDescription& body) {
+  if (node.IsObject()) {
+    body.tolerance = ReadTolerance(node);
+  } else if (node.IsString()) {
+    if (node.String() != "auto") {
+      node.Fail("\"" + node.String() +
+                "\" is no count; give a number, \"auto\" or {\"tolerance_um\": 100}");
+    }
+    body.tolerance = LeafTolerance{};
+  } else {
+    body.leaves = node.Integer(1, kMaxLeaves);
+  }
+}
+
 BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& folder) {
   const bool object = kind == BodyKind::kObject;
   const std::string_view pose_field = object ? "pose" : "start";
@@ -334,7 +376,7 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   body.mesh.where = mesh.Where();
   if (auto tree = node.Find("tree")) body.tree = ReadTree(*tree, folder);
   if (body.tree.built()) {
-    body.leaves = node.At("leaves").Integer(1, kMaxLeaves);
+    ReadLeaves(node.At("leaves"), body);
   } else if (auto leaves = node.Find("leaves")) {
     leaves->Fail("is not to be given where \"tree\" names a file, whose level decides it; drop it");
   }

@@ -11,6 +11,7 @@
 #include "scenes/mesh/mesh_import.h"
 #include "scenes/mesh/units.h"
 #include "scenes/scene.h"
+#include "scenes/tree/leaf_count.h"
 #include "scenes/tree/sphere.h"
 #include "scenes/tree/tree_source.h"
 
@@ -64,7 +65,8 @@ struct RegionDescription {
 struct BodyDescription {
   std::string name;
   MeshSource mesh;
-  std::size_t leaves = 0;  ///< 0: as many as the tree's file has
+  std::size_t leaves = 0;  ///< 0: as many as the tolerance needs, or as the tree's file has
+  std::optional<LeafTolerance> tolerance;  ///< of a tree that is built, where its leaves say none
   TreeSource tree;
   Pose X_WB;
   MaterialDescription material;            ///< objects: of what no region paints

@@ -1,6 +1,7 @@
 #include "scenes/tree/sphere_tree_builder.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "scenes/mesh/surface_samples.h"
 #include "scenes/tree/leaf_maker.h"
 #include "scenes/tree/sphere_hierarchy.h"
+#include "scenes/tree/tree_error.h"
 
 namespace palpate {
 namespace {
@@ -78,18 +80,79 @@ SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Pr
   if (progress) progress("scattering samples", 0.05);
   const SampledSolid sampled(solid.mesh, count);
   const std::vector<Sphere> leaves = MakeLeaves(sampled, count, mode, progress);
-  return Assemble(mesh, leaves, sampled.samples, centroid, progress);
+  SphereTree tree = Assemble(mesh, leaves, sampled.samples, centroid, progress);
+  tree.origin = OriginOf(mode);
+  return tree;
+}
+
+TolerantTree BuildToTolerance(const TriangleMesh& mesh, const LeafTolerance& tolerance,
+                              const Progress& progress, TreeMode mode) {
+  constexpr std::size_t kSamples = 10007;
+  constexpr double kSearchShare = 0.9;  // of the work; Assemble has the rest
+  const bool height = tolerance.of == LeafTolerance::Of::kHeight;
+  if (progress) progress("inspecting", 0.0);
+  const Vec3 centroid = CentroidOf(mesh);
+  const MeshSolid solid = SolidOf(mesh);
+  const SurfaceGauge gauge(solid.mesh, kSamples);
+  const double bound = tolerance.most > 0.0 ? tolerance.most : kAutoShare * gauge.diagonal();
+  const std::size_t most = tolerance.most_leaves > 0 ? tolerance.most_leaves : kMostByTolerance;
+
+  // The best of what was tried is kept, so that nothing is made twice: the last that was enough, or
+  // the most there may be.
+  std::vector<Sphere> best;
+  std::vector<SurfaceSample> best_samples;
+  std::size_t trying = 0;
+  double begin = 0.0, end = 0.0;
+  const auto tell = [&](std::string_view, double share) {
+    if (!progress) return;
+    progress("trying " + std::to_string(trying) + " leaves",
+             kSearchShare * (begin + (end - begin) * share));
+  };
+  const auto error_of = [&](std::size_t count) {
+    const SampledSolid sampled(solid.mesh, count);
+    std::vector<Sphere> leaves = MakeLeaves(sampled, count, mode, tell);
+    const UnionError measured = gauge.Measure(leaves, SurfaceGauge::Figures::kSurface);
+    const double error = height ? measured.off_p95 : measured.mean_lean;
+    if (error <= bound || count == most) {
+      best = std::move(leaves);
+      best_samples = sampled.samples;
+    }
+    return error;
+  };
+  const auto next = [&](std::size_t count, double from, double to) {
+    trying = count;
+    begin = from;
+    end = to;
+    tell("", 0.0);
+  };
+  TolerantTree built;
+  built.chosen = ChooseLeafCount(bound, most, error_of, next);
+  built.tree = Assemble(mesh, best, best_samples, centroid);
+  if (progress) progress("done", 1.0);
+  built.tree.origin = OriginOf(mode);
+  built.found = ToText(built.chosen, tolerance, bound);
+  if (!built.chosen.reached) {
+    built.shortfall =
+        "the tolerance of its leaves is not reached: " + built.found + "; raise " +
+        (height ? "tolerance_um" : "tolerance_deg") + " or most_leaves" +
+        (mode == TreeMode::kBalanced ? "" : ", or take \"tree\": \"balanced\", which needs fewer");
+  }
+  return built;
 }
 
 SphereTree TreeOverBalls(const TriangleMesh& mesh, const std::vector<Sphere>& balls) {
   if (balls.empty()) throw Error("a sphere tree of 0 leaves is not possible; give at least 1");
   const Vec3 centroid = CentroidOf(mesh);
   const MeshSolid solid = SolidOf(mesh);
-  return Assemble(mesh, balls, SampledSolid(solid.mesh, balls.size()).samples, centroid);
+  SphereTree tree = Assemble(mesh, balls, SampledSolid(solid.mesh, balls.size()).samples, centroid);
+  tree.origin = TreeOrigin::kFile;
+  return tree;
 }
 
 SphereTree SingleSphereTree(const TriangleMesh& mesh, const Sphere& ball) {
-  return Assemble(mesh, {ball}, {}, ball.centre);
+  SphereTree tree = Assemble(mesh, {ball}, {}, ball.centre);
+  tree.origin = TreeOrigin::kBall;
+  return tree;
 }
 
 }  // namespace palpate

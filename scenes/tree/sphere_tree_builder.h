@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "scenes/progress.h"
 #include "scenes/scene.h"
 #include "scenes/sphere_tree.h"
+#include "scenes/tree/leaf_count.h"
 #include "scenes/tree/sphere.h"
 #include "scenes/tree/tree_mode.h"
 
@@ -22,6 +24,18 @@ inline constexpr std::uint32_t kSphereTreeBuilderVersion = 4;
 /// Throws Error where InspectMesh refuses the mesh or leaves is 0.
 SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t leaves,
                            const Progress& progress = {}, TreeMode mode = TreeMode::kInside);
+
+/// The same of as many leaves as a tolerance needs (leaf_count.h): the tree that BuildSphereTree
+/// makes of their count.
+struct TolerantTree {
+  SphereTree tree;
+  LeafCount chosen;
+  std::string found;      ///< for people: ToText of what was chosen
+  std::string shortfall;  ///< for people: the tolerance was not reached, and what to do; or empty
+};
+/// Errors are measured at 10,007 points of the solid that the mesh stands for (mesh_solid.h).
+TolerantTree BuildToTolerance(const TriangleMesh& mesh, const LeafTolerance& tolerance,
+                              const Progress& progress = {}, TreeMode mode = TreeMode::kInside);
 
 /// Tree whose leaves are balls that come from elsewhere, in any order [m].  The mesh's triangles
 /// are shared out among them as BuildSphereTree does.

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <random>
 
-#include "scenes/mesh/mesh_query.h"
-#include "scenes/mesh/mesh_report.h"
 #include "scenes/mesh/mesh_solid.h"
-#include "scenes/mesh/surface_samples.h"
 
 namespace palpate {
 
@@ -89,41 +87,68 @@ double VolumeOf(const std::vector<Sphere>& balls, const SphereQuery& query, std:
 
 }  // namespace
 
-UnionError MeasureUnion(const TriangleMesh& mesh, const std::vector<Sphere>& balls,
-                        std::size_t samples) {
+std::vector<double> OffsetsAt(const std::vector<SurfaceSample>& points, const SphereQuery& balls,
+                              double furthest) {
+  std::vector<double> offsets;
+  offsets.reserve(points.size());
+  for (const SurfaceSample& s : points) {
+    const std::optional<Exit> exit = FindExit(balls, s, furthest);
+    offsets.push_back(exit ? exit->height : std::numeric_limits<double>::quiet_NaN());
+  }
+  return offsets;
+}
+
+SurfaceGauge::SurfaceGauge(const TriangleMesh& solid, std::size_t samples)
+    : samples_(samples),
+      report_(InspectMesh(solid)),
+      query_(solid),
+      points_(ScatterSamples(solid, report_, query_, samples)) {}
+
+UnionError SurfaceGauge::Measure(const std::vector<Sphere>& balls, Figures figures) const {
   UnionError error;
   error.spheres = balls.size();
   if (balls.empty()) return error;
-  const MeshReport report = InspectMesh(mesh);
-  const MeshQuery query(mesh);
   const SphereQuery nearest(balls);
-  const double furthest = (report.box_max - report.box_min).norm();
-  std::vector<double> offset, tilt, bareness;
+  std::vector<double> offset, tilt, bareness, off;
   std::size_t uncovered = 0, missed = 0;
-  const std::vector<SurfaceSample> points = ScatterSamples(mesh, report, query, samples);
-  for (const SurfaceSample& s : points) {
+  for (const SurfaceSample& s : points_) {
     bareness.push_back(std::max(0.0, nearest.Nearest(s.point).distance));
     uncovered += bareness.back() > 0.0;
-    const std::optional<Exit> exit = FindExit(nearest, s, furthest);
+    const std::optional<Exit> exit = FindExit(nearest, s, diagonal());
+    off.push_back(exit ? std::abs(exit->height) : bareness.back());
     if (!exit) {
       ++missed;
+      error.mean_lean += M_PI / 2.0;
       continue;
     }
     offset.push_back(exit->height);
     const Vec3 normal = s.point + exit->height * s.outward - balls[exit->ball].centre;
     tilt.push_back(std::atan2(normal.cross(s.outward).norm(), normal.dot(s.outward)));
+    error.mean_lean += tilt.back();
   }
-  const auto count = static_cast<double>(std::max<std::size_t>(points.size(), 1));
+  const auto count = static_cast<double>(std::max<std::size_t>(points_.size(), 1));
   error.uncovered_share = double(uncovered) / count;
   error.missed_share = double(missed) / count;
+  error.mean_lean /= count;
+  if (!off.empty()) {
+    const auto at = off.begin() + std::ptrdiff_t(0.95 * double(off.size() - 1));
+    std::nth_element(off.begin(), at, off.end());
+    error.off_p95 = *at;
+  }
   error.offset = DistributionOf(std::move(offset));
   error.tilt = DistributionOf(std::move(tilt));
   error.bareness = DistributionOf(std::move(bareness));
-  error.protrusion = DistributionOf(Protrusions(query, balls));
-  if (report.solid() && report.volume > 0.0) {
-    error.volume_ratio = VolumeOf(balls, nearest, samples) / report.volume;
+  if (figures == Figures::kSurface) return error;
+  error.protrusion = DistributionOf(Protrusions(query_, balls));
+  if (report_.solid() && report_.volume > 0.0) {
+    error.volume_ratio = VolumeOf(balls, nearest, samples_) / report_.volume;
   }
   return error;
+}
+
+UnionError MeasureUnion(const TriangleMesh& mesh, const std::vector<Sphere>& balls,
+                        std::size_t samples) {
+  return SurfaceGauge(mesh, samples).Measure(balls);
 }
 
 std::vector<std::vector<Sphere>> BallsByLevel(const SphereTree& tree) {
@@ -149,9 +174,10 @@ std::vector<std::vector<Sphere>> BallsByLevel(const SphereTree& tree) {
 std::vector<UnionError> MeasureLevels(const TriangleMesh& mesh, const SphereTree& tree,
                                       std::size_t samples) {
   const MeshSolid solid = SolidOf(mesh);
+  const SurfaceGauge gauge(solid.mesh, samples);
   std::vector<UnionError> levels;
   for (const std::vector<Sphere>& balls : BallsByLevel(tree)) {
-    levels.push_back(MeasureUnion(solid.mesh, balls, samples));
+    levels.push_back(gauge.Measure(balls));
   }
   return levels;
 }

@@ -12,8 +12,6 @@ namespace {
 
 constexpr double kDegrees = 180.0 / M_PI;
 constexpr double kMicro = 1e6;
-/// A table whose offsets reach this far shows millimetres, to a micrometre [m].
-constexpr double kLarge = 0.1;
 
 /// What a level is: the last is felt; those above bound it.
 const char* KindOf(const std::vector<UnionError>& levels, std::size_t level) {
@@ -46,43 +44,74 @@ std::vector<Figure> FiguresOf(const UnionError& e) {
           {"normal_deg", "mean", kDegrees * e.tilt.mean},
           {"normal_deg", "p99", kDegrees * e.tilt.p99},
           {"normal_deg", "max", kDegrees * e.tilt.max},
-          {"volume_ratio", "", e.volume_ratio}};
+          {"volume_ratio", "", e.volume_ratio},
+          {"off_um", "p95", kMicro * e.off_p95},
+          {"lean_deg", "mean", kDegrees * e.mean_lean}};
 }
 
 }  // namespace
 
-std::string LevelTable(const std::vector<UnionError>& levels) {
-  const bool large = std::ranges::any_of(levels, [](const UnionError& e) {
-    return std::max({-e.offset.min, e.offset.max, e.protrusion.max}) >= kLarge;
-  });
-  const char* unit = large ? "mm" : "um";
-  const double scale = large ? 1e3 : kMicro;
-  const int digits = large ? 3 : 1;
+std::string AboutLevelTable() {
+  return fmt::format(
+      "  signed offset  how high the balls' surface lies over the mesh's, along its normal; below "
+      "it < 0\n"
+      "  off            its size at 95 of 100 places, however high or low\n"
+      "  sticks out     how far a ball reaches out of the solid\n"
+      "  bare           share of the surface that lies in no ball\n"
+      "  normal         angle between the balls' surface and the mesh's\n"
+      "  volume         of all balls together, of the solid's\n"
+      "  {}.\n"
+      "  A coarser shape that may be felt is a tree of its own with fewer \"leaves\" "
+      "(palpate-bench "
+      "levels).\n",
+      kWhatLevelsAre);
+}
+
+LengthUnit UnitOf(const std::vector<BodyTreeError>& errors) {
+  // A sign and a narrower column cost a place.
+  double high = 0.0, low = 0.0;
+  for (const BodyTreeError& error : errors) {
+    for (const UnionError& e : error.levels) {
+      high = std::max({high, e.offset.max, e.protrusion.max});
+      low = std::max({low, -e.offset.min, e.off_p95});
+    }
+  }
+  const double longest = std::max(high, 10.0 * low);
+  if (longest < 0.0999) return {"um", kMicro, 1};
+  if (longest < 0.999) return {"mm", 1e3, 3};
+  if (longest < 9.99) return {"mm", 1e3, 2};
+  return {"m", 1.0, longest < 999.0 ? 3 : 1};
+}
+
+std::string LevelTable(const std::vector<UnionError>& levels, const LengthUnit& unit) {
   std::string text = fmt::format(
-      "    {:<11} {:>7}  {:^49}  {:^29}  {:^14}  {:>5} {:>7}\n"
-      "    {:<11} {:>7}  {:>9} {:>9} {:>9} {:>9} {:>9}  {:>9} {:>9} {:>9}  {:>6} {:>7}  {:>5} "
-      "{:>7}\n",
-      "level", "spheres", fmt::format("signed offset of the union, {}", unit),
-      fmt::format("outside of the solid, {}", unit), "normal, deg", "bare", "volume", "", "",
-      "mean", "p1", "p99", "min", "max", "mean", "p99", "max", "mean", "p99", "%", "%");
+      "    {:<9}{:>8}{:^40}{:>7}{:^16}{:>6}{:^12}{:>7}\n"
+      "    {:<9}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>7}{:>8}{:>8}{:>6}{:>6}{:>6}{:>7}\n",
+      "level", "spheres", fmt::format("   signed offset, {}", unit.name), "off",
+      fmt::format("  sticks out, {}", unit.name), "bare", " normal, deg", "volume", "", "", "mean",
+      "p1", "p99", "min", "max", "p95", "p99", "max", "%", "mean", "p99", "%");
   for (std::size_t l = 0; l < levels.size(); ++l) {
     const UnionError& e = levels[l];
-    text += fmt::format("    {:<11} {:>7} ", fmt::format("{}, {}", l + 1, KindOf(levels, l)),
-                        e.spheres);
-    const auto lengths = [&](std::initializer_list<double> values) {
-      for (const double v : values) text += fmt::format(" {:>9.{}f}", scale * v, digits);
-      text += ' ';
-    };
-    lengths({e.offset.mean, e.offset.p1, e.offset.p99, e.offset.min, e.offset.max});
-    lengths({e.protrusion.mean, e.protrusion.p99, e.protrusion.max});
-    text += fmt::format(" {:>6.2f} {:>7.2f}  {:>5.1f} {:>7.2f}\n", kDegrees * e.tilt.mean,
-                        kDegrees * e.tilt.p99, 100.0 * e.uncovered_share, 100.0 * e.volume_ratio);
+    text +=
+        fmt::format("    {:<9}{:>8}", fmt::format("{}, {}", l + 1, KindOf(levels, l)), e.spheres);
+    for (const auto& [length, width] : {std::pair{e.offset.mean, 8},
+                                        {e.offset.p1, 8},
+                                        {e.offset.p99, 8},
+                                        {e.offset.min, 8},
+                                        {e.offset.max, 8},
+                                        {e.off_p95, 7},
+                                        {e.protrusion.p99, 8},
+                                        {e.protrusion.max, 8}}) {
+      text += fmt::format("{:>{}.{}f}", unit.per_metre * length, width, unit.digits);
+    }
+    text += fmt::format("{:>6.1f}{:>6.1f}{:>6.1f}{:>7.1f}\n", 100.0 * e.uncovered_share,
+                        kDegrees * e.tilt.mean, kDegrees * e.tilt.p99, 100.0 * e.volume_ratio);
   }
   return text;
 }
 
 std::string ToText(const BodyTreeError& error) {
-  return "  " + error.body + "\n" + LevelTable(error.levels);
+  return "  " + error.body + "\n" + LevelTable(error.levels, UnitOf({error}));
 }
 
 std::string ToCsv(const BodyTreeError& error, std::string_view mode, bool heading) {

@@ -19,9 +19,20 @@ inline constexpr std::string_view kWhatLevelsAre =
     "levels 1 to N-1 bound the leaves below them (for the contact prediction); the leaves are what "
     "is felt";
 
-/// A table for people: lengths in micrometres, or in millimetres where the body is large; degrees;
-/// percent.
-std::string LevelTable(const std::vector<UnionError>& levels);
+/// What the columns of a table are, a line each, and kWhatLevelsAre.
+std::string AboutLevelTable();
+
+/// What a table's lengths are in.
+struct LengthUnit {
+  const char* name;
+  double per_metre;
+  int digits;  ///< behind the point
+};
+/// In which no length of the tables takes more than seven places: um, mm or m.
+LengthUnit UnitOf(const std::vector<BodyTreeError>& errors);
+
+/// A table for people, 109 columns wide: lengths, degrees, percent.
+std::string LevelTable(const std::vector<UnionError>& levels, const LengthUnit& unit);
 /// The same under the body's name.
 std::string ToText(const BodyTreeError& error);
 /// A line a level; every figure's name ends in its unit and what it is of the spread, as

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "scenes/sphere_tree.h"
+
 namespace palpate {
 
 /// How the leaves of a sphere tree stand for the solid.
@@ -34,6 +36,26 @@ inline std::string_view NameOf(TreeMode mode) {
 inline TreeMode TreeModeNamed(std::string_view name) {
   return static_cast<TreeMode>(std::find(kTreeModes.begin(), kTreeModes.end(), name) -
                                kTreeModes.begin());
+}
+
+/// Of a tree that was built in the mode.
+inline TreeOrigin OriginOf(TreeMode mode) {
+  static_assert(static_cast<int>(TreeOrigin::kInside) == 1 + static_cast<int>(TreeMode::kInside) &&
+                static_cast<int>(TreeOrigin::kOctree) == 1 + static_cast<int>(TreeMode::kOctree));
+  return static_cast<TreeOrigin>(1 + static_cast<int>(mode));
+}
+/// One of kTreeModes, "file", "ball" or "unknown".
+inline std::string_view NameOf(TreeOrigin origin) {
+  switch (origin) {
+    case TreeOrigin::kUnknown:
+      return "unknown";
+    case TreeOrigin::kFile:
+      return "file";
+    case TreeOrigin::kBall:
+      return "ball";
+    default:
+      return kTreeModes[static_cast<std::size_t>(origin) - 1];
+  }
 }
 
 }  // namespace palpate

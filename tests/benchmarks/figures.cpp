@@ -56,7 +56,7 @@ void Table::Print() const {
 
 void Progress(const std::string& line) {
   static const bool terminal = isatty(STDERR_FILENO) != 0;
-  if (terminal) fmt::print(stderr, "\r{:<70}\r{}", "", line);
+  if (terminal) fmt::print(stderr, "\r\033[K{}", line);
 }
 
 void WriteJson(const std::string& file, const nlohmann::ordered_json& json) {

@@ -11,6 +11,7 @@
 #include "common/error.h"
 #include "common/plot/svg_plot.h"
 #include "scenes/catalogue.h"
+#include "scenes/progress_line.h"
 #include "scenes/tree/coverage.h"
 #include "scenes/tree/sphere_tree_builder.h"
 #include "server/physics/simd/kernels.h"
@@ -53,8 +54,9 @@ struct Level {
 /// The body with a tree of `leaves`.  A single ball is what it is at any level.
 void Refine(Body& body, std::size_t leaves) {
   if (body.tree.leaves() == 1 || body.tree.leaves() == leaves) return;
+  ProgressText text;
   body.tree = BuildSphereTree(body.mesh, leaves, [&](std::string_view stage, double done) {
-    Progress(fmt::format("{}, {} leaves: {} {:.0f} % ...", body.name, leaves, stage, 100.0 * done));
+    Progress(text(fmt::format("{}, {} leaves: {}", body.name, leaves, stage), done));
   });
   if (!body.leaf_material.empty()) {
     throw Error("levels: body '" + body.name +
@@ -151,7 +153,9 @@ void WritePlot(const Options& options, const std::vector<Level>& levels) {
 void Run(Options options) {
   LoadOptions load;
   load.models_dir = options.models;
-  load.progress = [](std::string_view stage, double) { Progress(std::string(stage) + " ..."); };
+  load.progress = [text = ProgressText()](std::string_view stage, double done) mutable {
+    Progress(text(stage, done));
+  };
   Scene scene = LoadScene(options.scene, load);
   options.features.ApplyTo(scene);
   options.features = {NameOf(scene.features.contact), NameOf(scene.features.friction)};

@@ -5,6 +5,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "scenes/catalogue.h"
+#include "scenes/progress_line.h"
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"
 #include "tests/benchmarks/figures.h"
@@ -16,8 +17,8 @@ Scene LoadForBench(const std::string& scene, const std::string& models_dir,
   LoadOptions options;
   options.models_dir = models_dir;
   if (!tree_file.built()) options.tree_file = tree_file;
-  options.progress = [](std::string_view stage, double fraction) {
-    Progress(fmt::format("{} {:.0f} % ...", stage, 100.0 * fraction));
+  options.progress = [text = ProgressText()](std::string_view stage, double fraction) mutable {
+    Progress(text(stage, fraction));
   };
   return LoadScene(scene, options);
 }

@@ -13,6 +13,7 @@
 #include "scenes/mesh/mesh_import.h"
 #include "scenes/mesh/mesh_mend.h"
 #include "scenes/mesh/mesh_report.h"
+#include "scenes/progress_line.h"
 #include "scenes/tree/sphere_tree_builder.h"
 #include "scenes/tree/tree_error.h"
 #include "scenes/tree/tree_error_table.h"
@@ -48,8 +49,9 @@ using Clock = std::chrono::steady_clock;
 
 SphereTree Build(const TriangleMesh& mesh, std::size_t leaves, TreeMode mode,
                  const std::string& name) {
+  ProgressText text;
   const auto tell = [&](std::string_view stage, double done) {
-    Progress(fmt::format("{}: {} {:.0f} % ...", name, stage, 100.0 * done));
+    Progress(text(fmt::format("{}: {}", name, stage), done));
   };
   return BuildSphereTree(mesh, leaves, tell, mode);
 }

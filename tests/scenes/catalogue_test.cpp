@@ -323,6 +323,105 @@ TEST(LoadScene, KeepsTheRemarkThatATreeHardlyFits) {
   }
 }
 
+std::string WithLeaves(const std::string& leaves, const std::string& more = "") {
+  return R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": "auto"}],
+    "objects": [{"name": "egg", "mesh": {"shape": "ellipsoid", "semi_axes_m": [0.04, 0.025, 0.03]}, "leaves": )" +
+         leaves + more + "}]}";
+}
+
+TEST(LoadScene, FindsTheLeavesThatAToleranceNeedsAndKeepsThem) {
+  Fixture f;
+  std::vector<std::string> told;
+  f.options.tell = [&](const std::string& text) { told.push_back(text); };
+  std::size_t before = 0;
+  for (const std::string leaves : {"\"auto\"", R"({"tolerance_um": 400})"}) {
+    WriteFile(f.scene, WithLeaves(leaves));
+    told.clear();
+    const Scene scene = f.Load();
+    EXPECT_TRUE(f.built);
+    // 1/500 of the ellipsoid's diagonal, 112 mm, is 224 um, or little less of its mesh's.
+    EXPECT_THAT(told, ElementsAre(AllOf(testing::StartsWith("egg: "), HasSubstr(" leaves for "))));
+    if (leaves[0] == '"') {
+      EXPECT_THAT(told[0], HasSubstr("for 22"));
+    }
+    EXPECT_NE(scene.objects[0].tree.leaves(), before);
+    before = scene.objects[0].tree.leaves();
+    // No count is truer to a sphere than the one that is exactly it.
+    EXPECT_EQ(scene.tools[0].tree.origin, TreeOrigin::kBall);
+    EXPECT_THAT(scene.objects[0].remarks, IsEmpty());
+    EXPECT_EQ(f.Load().objects[0].tree.leaves(), before);
+    EXPECT_FALSE(f.built);
+  }
+  EXPECT_EQ(f.Cached().size(), 2u);
+}
+
+TEST(LoadScene, TakesAToleranceForThatOfTheSceneFile) {
+  Fixture f;
+  f.options.tell = [](const std::string&) {};
+  const std::size_t written = f.Load().objects[0].tree.leaves();
+  EXPECT_EQ(written, 20u);
+  f.options.leaves = LeafTolerance{.most = 500e-6};
+  const std::size_t loose = f.Load().objects[0].tree.leaves();
+  f.options.leaves->most = 250e-6;
+  EXPECT_GT(f.Load().objects[0].tree.leaves(), loose);
+  EXPECT_GE(loose, kFewestByTolerance);
+  f.options.leaves.reset();
+  EXPECT_EQ(f.Load().objects[0].tree.leaves(), written);
+  EXPECT_EQ(f.Cached().size(), 3u);
+  const std::string bundle = f.folder + "/b.palpate";
+  WriteFileAtomically(bundle, PackScene(f.Load()));
+  f.options.leaves = LeafTolerance{};
+  EXPECT_THAT(ComplaintOf([&] { LoadScene(bundle, f.options); }),
+              AllOf(HasSubstr("b.palpate: is a bundle"), HasSubstr("leave the tolerance out")));
+}
+
+TEST(LoadScene, TellsHowMuchOfTheWholeSceneIsDoneWithoutGoingBack) {
+  Fixture f;
+  f.options.tell = [](const std::string&) {};
+  WriteFile(f.scene, R"({
+    "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
+    "objects": [{"name": "a", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 20},
+                {"name": "again", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 20},
+                {"name": "b", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 30,
+                 "tree": "balanced"}]})");
+  double before = 0.0;
+  std::vector<std::string> bodies;
+  f.options.progress = [&](std::string_view stage, double fraction) {
+    EXPECT_GE(fraction, before) << stage;
+    EXPECT_LE(fraction, 1.0);
+    before = fraction;
+    const std::string body(stage.substr(0, stage.find(':')));
+    if (bodies.empty() || bodies.back() != body) bodies.push_back(body);
+  };
+  f.Load();
+  EXPECT_DOUBLE_EQ(before, 1.0);
+  EXPECT_THAT(bodies, ElementsAre("body 1 of 3, ball", "body 2 of 3, a", "body 3 of 3, b"));
+}
+
+TEST(LoadScene, KeepsTheRemarkThatAToleranceIsOutOfReach) {
+  Fixture f;
+  f.options.tell = [](const std::string&) {};
+  WriteFile(f.scene, WithLeaves(R"({"tolerance_um": 1, "most_leaves": 70})"));
+  for (int load = 0; load < 2; ++load) {
+    const Scene scene = f.Load();
+    EXPECT_EQ(scene.objects[0].tree.leaves(), 70u);
+    EXPECT_THAT(
+        ToText(JudgeScene(scene)),
+        AllOf(HasSubstr("object egg: the tolerance of its leaves is not reached: 70 leaves"),
+              HasSubstr("raise tolerance_um or most_leaves")));
+  }
+}
+
+TEST(LoadScene, NamesTheRegionThatTheLeavesOfAToleranceAreTooFewFor) {
+  Fixture f;
+  f.options.tell = [](const std::string&) {};
+  WriteFile(f.scene, WithLeaves("\"auto\"", R"(, "regions": [
+      {"sphere": {"centre_mm": [90, 0, 0], "radius_mm": 0.01}, "material": {}}])"));
+  EXPECT_THAT(ComplaintOf([&] { f.Load(); }),
+              AllOf(HasSubstr("objects[0].regions[0]: paints no leaf of \"egg\""),
+                    HasSubstr("more leaves")));
+}
+
 TEST(LoadScene, LeavesATreeFromAFileAloneWhereAModeIsNamed) {
   Fixture f;
   f.options.tell = [](const std::string&) {};

@@ -1,5 +1,6 @@
 // The program palpate-scene, as people meet it.
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include "common/json/json_file.h"
 #include "scenes/catalogue.h"
 #include "scenes/tree/coverage.h"
 #include "tests/scenes/support.h"
@@ -50,6 +52,48 @@ TEST(PalpateScene, BuildsABundleAndTellsWhatIsInIt) {
       PalpateScene("render " + folder + "/e.palpate -o " + folder + "/e.png", folder);
   EXPECT_EQ(render.exit_code, 0) << render.text;
   EXPECT_TRUE(std::filesystem::exists(folder + "/e.png"));
+}
+
+TEST(PalpateScene, TellsHowFarEachLevelIsFromTheMeshAndInWhichMode) {
+  const std::string folder = FreshFolder();
+  const std::string bundle = folder + "/e.palpate";
+  const std::string scene = test::WriteFile(folder + "/e.json", R"({
+    "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
+    "objects": [{"name": "egg", "leaves": 100, "mesh": {"shape": "ellipsoid",
+                                                        "semi_axes_m": [0.04, 0.025, 0.03]}}]})");
+  const Outcome build = PalpateScene("build " + scene + " --mode balanced -o " + bundle, folder);
+  EXPECT_THAT(build.text, HasSubstr("100 leaves in 3 levels, mode \"balanced\""));
+  EXPECT_THAT(build.text, HasSubstr("tool ball: 1 leaves in 1 levels, exactly the ball it is"));
+  const Outcome info = PalpateScene(
+      "info " + bundle + " --samples 1009 --csv " + folder + "/e.csv --json -", folder);
+  EXPECT_EQ(info.exit_code, 0) << info.text;
+  EXPECT_THAT(info.text, HasSubstr("100 leaves in 3 levels, mode \"balanced\""));
+  EXPECT_THAT(info.text, HasSubstr("1, bounds"));
+  EXPECT_THAT(info.text, HasSubstr("3, leaves"));
+  EXPECT_THAT(info.text, HasSubstr("a single ball is what it is"));
+  EXPECT_THAT(info.text, HasSubstr("bound the leaves below them (for the contact prediction)"));
+  const std::string csv = ReadWholeFile(folder + "/e.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
+  EXPECT_THAT(csv, testing::StartsWith("body,mode,level,kind,spheres,outside_um_mean"));
+  EXPECT_THAT(csv, HasSubstr("\negg,balanced,3,leaves,100,"));
+  const std::size_t json = info.text.find('{');
+  ASSERT_NE(json, std::string::npos);
+  EXPECT_THAT(info.text.substr(json), HasSubstr("\"mode\": \"ball\",\n      \"levels\": []"));
+  const Outcome both = PalpateScene("info " + bundle + " --csv - --json -", folder);
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_THAT(both.text, HasSubstr("give one of them a file"));
+
+  const Outcome picture =
+      PalpateScene("render " + bundle + " --error --body egg -o " + folder + "/e.png", folder);
+  EXPECT_EQ(picture.exit_code, 0) << picture.text;
+  EXPECT_TRUE(std::filesystem::exists(folder + "/e.png"));
+  const Outcome whose =
+      PalpateScene("render " + bundle + " --body egg -o " + folder + "/f.png", folder);
+  EXPECT_EQ(whose.exit_code, 2);
+  EXPECT_THAT(whose.text, HasSubstr("--body chooses whose --error is drawn"));
+  const Outcome loose = PalpateScene("build " + scene + " --tolerance-um 800", folder);
+  EXPECT_THAT(loose.text, HasSubstr("egg: 64 leaves for 800 um: "));
+  EXPECT_EQ(PalpateScene("build " + scene + " --tolerance-um 0", folder).exit_code, 2);
 }
 
 TEST(PalpateScene, BuildsTreesInTheModeThatIsNamed) {

@@ -113,6 +113,27 @@ TEST(SceneBundle, GivesBackHowItIsToBeSeen) {
   EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("the vertices' light does not add up"));
 }
 
+TEST(SceneBundle, SaysHowEachTreeStandsForItsMesh) {
+  Scene scene = SmallScene();
+  EXPECT_EQ(scene.tools[0].tree.origin, TreeOrigin::kBall);
+  EXPECT_EQ(scene.objects[0].tree.origin, TreeOrigin::kInside);
+  for (int origin = 0; origin <= static_cast<int>(TreeOrigin::kBall); ++origin) {
+    scene.objects[1].tree.origin = static_cast<TreeOrigin>(origin);
+    const Scene back = UnpackScene(PackScene(scene, 0, Remarks::kKeep), "s");
+    EXPECT_EQ(back.tools[0].tree.origin, TreeOrigin::kBall);
+    EXPECT_EQ(back.objects[0].tree.origin, TreeOrigin::kInside);
+    EXPECT_EQ(back.objects[1].tree.origin, scene.objects[1].tree.origin);
+  }
+  // A scene that travels has the same bytes as ever.
+  const auto travelling = PackScene(scene);
+  scene.objects[1].tree.origin = TreeOrigin::kUnknown;
+  EXPECT_EQ(PackScene(scene), travelling);
+  EXPECT_EQ(UnpackScene(travelling, "s").objects[0].tree.origin, TreeOrigin::kUnknown);
+  scene.objects[1].tree.origin = static_cast<TreeOrigin>(99);
+  EXPECT_THAT(Complaint(PackScene(scene, 0, Remarks::kKeep)),
+              HasSubstr("where a tree comes from is not known"));
+}
+
 TEST(SceneBundle, KeepsGeometryThatBodiesShareOnce) {
   Scene one = SmallScene();
   one.objects.pop_back();

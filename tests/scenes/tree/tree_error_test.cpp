@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,6 +30,8 @@ TEST(TreeError, FindsABallAsHighAsItIsOverItsMesh) {
     EXPECT_EQ(error.uncovered_share, radius < 0.03 ? 1.0 : 0.0);
     EXPECT_NEAR(error.volume_ratio, std::pow(radius / 0.03, 3), 0.03);
     EXPECT_NEAR(error.protrusion.max, std::max(0.0, radius - 0.03), 12e-6);
+    EXPECT_NEAR(error.off_p95, std::abs(radius - 0.03), 12e-6);
+    EXPECT_NEAR(error.mean_lean, error.tilt.mean, 1e-12);
   }
 }
 
@@ -39,6 +44,38 @@ TEST(TreeError, FollowsTheNormalOfABoxIntoTheBallWithin) {
   EXPECT_NEAR(error.tilt.mean, M_PI / 4.0, 0.01);
   EXPECT_NEAR(error.volume_ratio, M_PI / 6.0, 0.01);
   EXPECT_GE(error.uncovered_share, 0.99);
+  // The places that no normal leads to the ball from count: by a right angle, and by the way to it.
+  const double shadow = M_PI / 4.0;
+  EXPECT_NEAR(error.mean_lean, shadow * error.tilt.mean + (1.0 - shadow) * M_PI / 2.0, 0.01);
+  // In the shadow more than x is off on (1 - x)^2 of it, and beside it at most sqrt(3) - 1 = 0.73.
+  EXPECT_NEAR(error.off_p95, 1.0 - std::sqrt(0.05 / shadow), 0.01);
+}
+
+TEST(TreeError, TellsAtPointsWhatItTellsOfTheWhole) {
+  const TriangleMesh mesh = MakeBox(Vec3(2, 2, 2));
+  SurfaceSample up, edge;
+  up.point = Vec3(0.3, 0.4, 1.0);
+  edge.point = Vec3(0.9, 0.9, 1.0);
+  up.outward = edge.outward = Vec3::UnitZ();
+  const std::vector<double> at = OffsetsAt({up, edge}, SphereQuery({{Vec3::Zero(), 1.0}}), 4.0);
+  EXPECT_NEAR(at[0], std::sqrt(0.75) - 1.0, 1e-8);
+  EXPECT_TRUE(std::isnan(at[1]));
+}
+
+TEST(TreeError, IsATableOfOneUnitThatFitsATerminal) {
+  BodyTreeError error{"b", std::vector<UnionError>(2)};
+  error.levels[0].spheres = 1048576;
+  error.levels[0].uncovered_share = error.levels[0].volume_ratio = 1.0;
+  for (const double longest : {0.0099, 0.0999, 0.999, 99.0}) {
+    error.levels[0].offset.min = error.levels[0].offset.mean = -longest;
+    const std::string text = ToText(error);
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 109u) << line;
+    // No two numbers run into each other.
+    EXPECT_THAT(text, testing::Not(testing::ContainsRegex("[0-9]-[0-9]"))) << text;
+  }
+  EXPECT_STREQ(UnitOf({error}).name, "m");
+  EXPECT_THAT(AboutLevelTable(), HasSubstr("levels 1 to N-1 bound the leaves below them"));
 }
 
 TEST(TreeError, FollowsTheUnionThroughBallsThatOverlap) {

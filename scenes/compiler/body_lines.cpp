@@ -1,0 +1,55 @@
+#include "scenes/compiler/body_lines.h"
+
+#include <string_view>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/error.h"
+#include "common/nearest_word.h"
+#include "scenes/tree/tree_mode.h"
+
+namespace palpate {
+namespace {
+
+std::string ModeOf(const SphereTree& tree) {
+  switch (tree.origin) {
+    case TreeOrigin::kUnknown:
+      return "of a mode that is not known";
+    case TreeOrigin::kFile:
+      return "from a .sph file";
+    case TreeOrigin::kBall:
+      return "exactly the ball it is";
+    default:
+      return "mode \"" + std::string(NameOf(tree.origin)) + "\"";
+  }
+}
+
+}  // namespace
+
+std::string BodyLine(const char* kind, const Body& body) {
+  const Vec3& p = body.X_WB.p;
+  return fmt::format(
+      "  {} {}: {} leaves in {} levels, {}, {} triangles, {} vertices, at ({:g}, {:g}, {:g}) mm\n",
+      kind, body.name, body.tree.leaves(), body.tree.levels(), ModeOf(body.tree),
+      body.mesh.triangles.size(), body.mesh.vertices.size(), 1e3 * p.x(), 1e3 * p.y(), 1e3 * p.z());
+}
+
+const Body& FindBody(const Scene& scene, const std::string& name) {
+  if (name.empty()) return scene.objects.front();
+  std::vector<std::string_view> names;
+  for (const auto* bodies : {&scene.objects, &scene.tools}) {
+    for (const Body& body : *bodies) {
+      if (body.name == name) return body;
+      names.push_back(body.name);
+    }
+  }
+  std::string message = "--body " + name + ": there is no such body in " + scene.name;
+  const std::string_view guess = NearestWord(name, names);
+  if (!guess.empty()) message.append("; did you mean \"").append(guess).append("\"?");
+  message += " (there are:";
+  for (const std::string_view known : names) message.append(" ").append(known);
+  throw UsageError(message + ")");
+}
+
+}  // namespace palpate

@@ -1,0 +1,122 @@
+#include "scenes/tree/leaf_count.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+
+namespace palpate {
+namespace {
+
+constexpr int kHalvings = 3;  // of the last doubling: 2^(1/8), a tenth
+
+/// Between two counts by the logarithm, as errors fall by powers of the count.
+std::size_t Between(std::size_t low, std::size_t high) {
+  return static_cast<std::size_t>(std::lround(std::sqrt(double(low) * double(high))));
+}
+
+/// How much is done, by leaves: what a count costs is about in proportion to it.
+class Work {
+ public:
+  Work(double tolerance, std::size_t most) : tolerance_(tolerance), most_(double(most)) {}
+
+  void Tried(std::size_t count, double error) {
+    // How errors fall is known once there are two: as a power of the count, by half at first.
+    if (before_count_ > 0.0 && error > 0.0 && before_ > error) {
+      power_ =
+          std::clamp(std::log(before_ / error) / std::log(double(count) / before_count_), 0.3, 2.0);
+    }
+    before_count_ = double(count);
+    before_ = error;
+    done_ += double(count);
+  }
+  /// How much is done before and after `count` is tried, while counts are doubled.
+  std::pair<double, double> Doubling(std::size_t count) {
+    double last = double(count);
+    if (before_count_ > 0.0) {
+      last = before_count_ * std::pow(std::max(1.0, before_ / tolerance_), 1.0 / power_);
+    }
+    last = std::clamp(last, double(count), most_);
+    return Share(double(count), 2.0 * last - 2.0 * double(count) + kHalvings * 0.75 * last);
+  }
+  /// The same between two counts, of which so many are left, this one with them.
+  std::pair<double, double> Halving(std::size_t count, int left) {
+    return Share(double(count), (left - 1) * double(count));
+  }
+
+ private:
+  /// @param then  what is likely to come after `now`: a guess, which may grow; what is shown does
+  /// not fall for it.
+  std::pair<double, double> Share(double now, double then) {
+    const double all = done_ + now + std::max(then, 0.0);
+    const double from = std::max(shown_, done_ / all);
+    shown_ = std::max(from, (done_ + now) / all);
+    return {from, shown_};
+  }
+
+  double tolerance_, most_;
+  double done_ = 0.0, shown_ = 0.0;
+  double before_count_ = 0.0, before_ = 0.0;
+  double power_ = 1.0;
+};
+
+std::string WithCommas(std::size_t number) {
+  std::string text = std::to_string(number);
+  for (int at = static_cast<int>(text.size()) - 3; at > 0; at -= 3) text.insert(at, ",");
+  return text;
+}
+
+}  // namespace
+
+LeafCount ChooseLeafCount(double tolerance, std::size_t most,
+                          const std::function<double(std::size_t count)>& error_of,
+                          const LeafCountProgress& progress) {
+  Work work(tolerance, most);
+  LeafCount chosen;
+  const auto enough = [&](std::size_t count, const std::pair<double, double>& share) {
+    if (progress) progress(count, share.first, share.second);
+    const double error = error_of(count);
+    ++chosen.tried;
+    work.Tried(count, error);
+    if (error <= tolerance || count == most) {
+      chosen.count = count;
+      chosen.error = error;
+      chosen.reached = error <= tolerance;
+    }
+    return error <= tolerance;
+  };
+  std::size_t low = 0;
+  std::size_t high = std::min(kFewestByTolerance, most);
+  while (!enough(high, work.Doubling(high))) {
+    if (high == most) return chosen;
+    low = high;
+    high = std::min(2 * high, most);
+  }
+  for (int left = kHalvings; low > 0 && left > 0; --left) {
+    const std::size_t middle = Between(low, high);
+    if (middle <= low || middle >= high) break;
+    (enough(middle, work.Halving(middle, left)) ? high : low) = middle;
+  }
+  return chosen;
+}
+
+std::string ToText(const LeafTolerance& tolerance) {
+  return fmt::format("{} {:.17g} {}", static_cast<int>(tolerance.of), tolerance.most,
+                     tolerance.most_leaves);
+}
+
+std::string ToText(const LeafCount& chosen, const LeafTolerance& tolerance, double bound) {
+  const auto figure = [&](double value) {
+    return tolerance.of == LeafTolerance::Of::kHeight
+               ? fmt::format("{:.3g} um", 1e6 * value)
+               : fmt::format("{:.3g} degrees", 180.0 / M_PI * value);
+  };
+  return fmt::format(
+      "{} leaves for {}: {} {} ({} counts tried)", WithCommas(chosen.count), figure(bound),
+      figure(chosen.error),
+      tolerance.of == LeafTolerance::Of::kHeight ? "off at 95 of 100 places" : "off on average",
+      chosen.tried);
+}
+
+}  // namespace palpate
