@@ -252,7 +252,7 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
                     const std::string& models_dir) {
   std::uint64_t key = HashBytes(
       text, std::uint64_t{kBundleVersion} << 32 | kShapesVersion << 16 | kSphereTreeBuilderVersion);
-  key = HashBytes(scene.name, key);
+  key = HashBytes(scene.name, key + static_cast<std::uint64_t>(scene.features.contact));
   key = HashBytes(std::to_string(kCurvedMeshVersion), key + kRemarksVersion);
   std::map<std::string, std::uint64_t> hashes;  // of each mesh file once
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
@@ -266,6 +266,7 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
         const std::string sph = About(body.tree.where, [&] { return ReadSphText(body.tree.file); });
         key = HashBytes(sph, key + kTreeImportVersion);
       }
+      if (body.tree.built()) key = HashBytes(NameOf(body.tree.mode), key);
       if (body.tolerance) key = HashBytes(std::to_string(kLeafCountVersion), key);
       if (!IsImported(body.mesh)) continue;
       const std::string file = MeshFile(body.mesh, models_dir);
@@ -377,12 +378,17 @@ std::string SceneTextOfMesh(const std::string& file, const LoadOptions& options)
 SceneDescription Describe(const std::string& text, const std::string& file,
                           const LoadOptions& options) {
   SceneDescription scene = ParseScene(text, file);
+  if (options.contact) {
+    scene.features.contact = *options.contact;
+    ChooseModes(scene);
+  }
   if (options.tree_file) {
     const MeshSource mesh = scene.objects.front().mesh;
     for (auto* bodies : {&scene.tools, &scene.objects}) {
       for (BodyDescription& body : *bodies) {
         if (!SameMesh(body.mesh, mesh)) continue;
         body.tree = *options.tree_file;
+        body.tree_left_open = false;
         body.leaves = 0;
         body.tolerance.reset();
       }
@@ -487,7 +493,6 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   const std::string folder = options.cache_dir.empty() ? DefaultCacheFolder() : options.cache_dir;
   std::uint64_t key = KeyOf(description, text, options.models_dir);
   // What the text does not tell.
-  if (options.tree) key = HashBytes(NameOf(*options.tree), key);
   if (options.leaves) key = HashBytes(ToText(*options.leaves), key);
   std::ostringstream name;
   name << description.name << '-' << std::hex << std::setw(16) << std::setfill('0') << key

@@ -16,6 +16,8 @@ struct LoadOptions {
   std::string models_dir;  ///< looked in first for models; empty: model_files.h
   std::string cache_dir;   ///< empty: $XDG_CACHE_HOME/palpate, else ~/.cache/palpate
   bool use_cache = true;
+  /// In place of the scene file's; trees whose mode it leaves open follow (ChooseModes).
+  std::optional<ContactModel> contact;
   /// Of every body whose tree is built; left out: as the scene file says.
   std::optional<TreeMode> tree;
   /// Of every body whose tree is built of more than one leaf; left out: as the scene file says.

@@ -374,7 +374,10 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   body.mesh = mesh.Has("shape") ? ReadShape(mesh) : ReadImported(mesh, folder);
   body.mesh.curved = ReadCurved(mesh);
   body.mesh.where = mesh.Where();
-  if (auto tree = node.Find("tree")) body.tree = ReadTree(*tree, folder);
+  if (auto tree = node.Find("tree")) {
+    body.tree = ReadTree(*tree, folder);
+    body.tree_left_open = false;
+  }
   if (body.tree.built()) {
     ReadLeaves(node.At("leaves"), body);
   } else if (auto leaves = node.Find("leaves")) {
@@ -417,6 +420,15 @@ bool IsOfName(unsigned char c) {
   return std::isalnum(c) || c == '-' || c == '_' || c == '.';
 }
 
+void ChooseModes(SceneDescription& scene) {
+  const TreeMode mode = ModeFor(scene.features.contact);
+  for (auto* bodies : {&scene.tools, &scene.objects}) {
+    for (BodyDescription& body : *bodies) {
+      if (body.tree_left_open) body.tree.mode = mode;
+    }
+  }
+}
+
 SceneDescription ParseScene(std::string_view text, const std::string& file) {
   const JsonNode root = JsonNode::Parse(text, file);
   root.AllowOnly({"name", "description", "tools", "objects", "coupling", "contact", "friction",
@@ -440,6 +452,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
   }
   if (auto sight = root.Find("first_sight")) scene.first_sight = ReadFirstSight(*sight);
   scene.features = ReadFeatures(root, scene);
+  ChooseModes(scene);
   CheckCurved(root, scene);
   if (auto whole = root.Find("whole_at_start")) {
     scene.whole_at_start = whole->Boolean();

@@ -68,6 +68,7 @@ struct BodyDescription {
   std::size_t leaves = 0;  ///< 0: as many as the tolerance needs, or as the tree's file has
   std::optional<LeafTolerance> tolerance;  ///< of a tree that is built, where its leaves say none
   TreeSource tree;
+  bool tree_left_open = true;  ///< its mode follows the contact: ChooseModes
   Pose X_WB;
   MaterialDescription material;            ///< objects: of what no region paints
   std::vector<RegionDescription> regions;  ///< objects: later ones over earlier ones
@@ -92,6 +93,9 @@ struct SceneDescription {
 /// What a scene or a body may be called: so many bytes at most, all of them letters, digits, - _ .
 inline constexpr std::size_t kLongestName = 64;
 bool IsOfName(unsigned char c);
+
+/// Gives the trees that the scene file leaves open the mode that suits the contact (ModeFor).
+void ChooseModes(SceneDescription& scene);
 
 /// Checks every field; throws Error "file:line: field: what is wrong; remedy".
 /// @param file  names the scene where the text does not; mesh paths are relative to its folder.

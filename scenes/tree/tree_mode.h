@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "scenes/sphere_tree.h"
+#include "scenes/scene.h"
 
 namespace palpate {
 
@@ -36,6 +36,12 @@ inline std::string_view NameOf(TreeMode mode) {
 inline TreeMode TreeModeNamed(std::string_view name) {
   return static_cast<TreeMode>(std::find(kTreeModes.begin(), kTreeModes.end(), name) -
                                kTreeModes.begin());
+}
+
+/// What suits a contact, where nobody says otherwise: balanced leaves where they are what is felt;
+/// else those inside, which never reach further than the mesh.
+inline TreeMode ModeFor(ContactModel contact) {
+  return contact == ContactModel::kSpheres ? TreeMode::kBalanced : TreeMode::kInside;
 }
 
 /// Of a tree that was built in the mode.

@@ -25,7 +25,7 @@ namespace {
 
 struct Options {
   SlidingExperiment experiment;
-  std::string mode{kTreeModes[0]};
+  std::string mode;  ///< empty: what suits the contact
   std::vector<std::size_t> spheres{64, 512, 4096};
   FeatureOptions features{"surface", "off"};
   TreeSource file;  ///< beside the trees that are built; none where it names no file
@@ -150,6 +150,7 @@ void Run(Options options) {
     return;
   }
   options.experiment.features = options.features.features();
+  if (options.mode.empty()) options.mode = NameOf(ModeFor(options.experiment.features.contact));
   options.experiment.tree.mode = TreeModeNamed(options.mode);
   std::vector<SlidingForce> rows;
   for (const std::size_t spheres : options.spheres) {
@@ -240,9 +241,10 @@ void AddAccuracy(CLI::App& app) {
           "scene's \"curved\" says; 0: felt as it is  [3]")
       ->check(CLI::Range(0.0, 1e6));
   options->features.AddTo(*command);
-  command->add_option("--mode", options->mode, "Mode of the object's tree")
-      ->check(CLI::IsMember(std::vector<std::string>(kTreeModes.begin(), kTreeModes.end())))
-      ->capture_default_str();
+  command
+      ->add_option("--mode", options->mode,
+                   "Mode of the object's tree (default: balanced for spheres, else inside)")
+      ->check(CLI::IsMember(std::vector<std::string>(kTreeModes.begin(), kTreeModes.end())));
   AddTreeFileOptions(*command, "m", options->file)->needs(command->get_option("--tree"));
   command->add_option("--steps", options->experiment.steps, "Samples of steady sliding")
       ->check(CLI::PositiveNumber)

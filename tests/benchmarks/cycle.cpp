@@ -28,7 +28,7 @@ void Run(Options& options) {
       poses.size() > static_cast<std::size_t>(*options.steps)) {
     poses.resize(static_cast<std::size_t>(*options.steps));
   }
-  Scene scene = LoadForBench(options.scene, options.models);
+  Scene scene = LoadForBench(options.scene, options.models, options.features.contact_model());
   options.features.ApplyTo(scene);
   options.cycle.name = options.scene;
   SceneRun run(std::move(scene), std::move(poses));

@@ -6,9 +6,7 @@ namespace palpate::bench {
 namespace {
 
 void Override(const FeatureOptions& options, Features& features) {
-  for (const ContactModel model : {ContactModel::kSpheres, ContactModel::kSurface}) {
-    if (options.contact == NameOf(model)) features.contact = model;
-  }
+  features.contact = options.contact_model().value_or(features.contact);
   for (const FrictionModel model :
        {FrictionModel::kOff, FrictionModel::kChapter, FrictionModel::kCoulomb}) {
     if (options.friction == NameOf(model)) features.friction = model;
@@ -47,6 +45,13 @@ void FeatureOptions::AddTo(CLI::App& command) {
   if (!scenes_own.empty()) return;
   contact_option->capture_default_str();
   friction_option->capture_default_str();
+}
+
+std::optional<ContactModel> FeatureOptions::contact_model() const {
+  for (const ContactModel model : {ContactModel::kSpheres, ContactModel::kSurface}) {
+    if (contact == NameOf(model)) return model;
+  }
+  return std::nullopt;
 }
 
 Features FeatureOptions::features() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -15,6 +16,8 @@ struct FeatureOptions {
   std::string friction = {};
 
   void AddTo(CLI::App& command);
+  /// None: as the scene says.
+  std::optional<ContactModel> contact_model() const;
   /// Of an experiment that is no scene.
   Features features() const;
   /// What they say replaces what the scene says.  Where friction is asked of a scene that names no

@@ -112,7 +112,7 @@ void RunSeeds(const Options& options, const Scene& scene) {
 }
 
 void Run(Options& options) {
-  Scene scene = LoadForBench(options.scene, options.models);
+  Scene scene = LoadForBench(options.scene, options.models, options.features.contact_model());
   options.features.ApplyTo(scene);
   if (!options.seeds.empty()) {
     RunSeeds(options, scene);

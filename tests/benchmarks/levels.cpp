@@ -52,12 +52,15 @@ struct Level {
 };
 
 /// The body with a tree of `leaves`.  A single ball is what it is at any level.
-void Refine(Body& body, std::size_t leaves) {
+void Refine(Body& body, std::size_t leaves, TreeMode mode) {
   if (body.tree.leaves() == 1 || body.tree.leaves() == leaves) return;
   ProgressText text;
-  body.tree = BuildSphereTree(body.mesh, leaves, [&](std::string_view stage, double done) {
-    Progress(text(fmt::format("{}, {} leaves: {}", body.name, leaves, stage), done));
-  });
+  body.tree = BuildSphereTree(
+      body.mesh, leaves,
+      [&](std::string_view stage, double done) {
+        Progress(text(fmt::format("{}, {} leaves: {}", body.name, leaves, stage), done));
+      },
+      mode);
   if (!body.leaf_material.empty()) {
     throw Error("levels: body '" + body.name +
                 "' has materials on its leaves, which a tree of another size does not know; choose "
@@ -71,8 +74,9 @@ Level Measure(const Options& options, const Scene& original, const std::vector<P
   level.leaves = leaves;
   Scene scene = original;
   const auto began = Clock::now();
-  for (Body& object : scene.objects) Refine(object, leaves);
-  if (!options.objects_only) Refine(scene.tools.front(), leaves);
+  const TreeMode mode = ModeFor(scene.features.contact);
+  for (Body& object : scene.objects) Refine(object, leaves, mode);
+  if (!options.objects_only) Refine(scene.tools.front(), leaves, mode);
   level.build_s = std::chrono::duration<double>(Clock::now() - began).count();
   level.coverage = MeasureCoverage(scene.objects.front().mesh, scene.objects.front().tree, 20000);
 
@@ -153,6 +157,7 @@ void WritePlot(const Options& options, const std::vector<Level>& levels) {
 void Run(Options options) {
   LoadOptions load;
   load.models_dir = options.models;
+  load.contact = options.features.contact_model();
   load.progress = [text = ProgressText()](std::string_view stage, double done) mutable {
     Progress(text(stage, done));
   };

@@ -218,10 +218,12 @@ class Pareto {
     auto loaded = std::make_unique<Loaded>();
     loaded->name = name;
     loaded->scene = LoadForBench(name, options_.models);
+    loaded->of_spheres = LoadForBench(name, options_.models, ContactModel::kSpheres);
     loaded->poses = PathOf(name);
     loaded->judge = std::make_unique<PathJudge>(loaded->scene, loaded->poses, checks(), stop_);
-    loaded->oracle = std::make_unique<OverlapOracle>(loaded->scene.tools.front().tree,
-                                                     loaded->scene.objects, loaded->scene.features);
+    loaded->oracle =
+        std::make_unique<OverlapOracle>(loaded->of_spheres.tools.front().tree,
+                                        loaded->of_spheres.objects, loaded->of_spheres.features);
     loaded_ = std::move(loaded);
   }
 
@@ -230,7 +232,7 @@ class Pareto {
     model.contact = contact;
     model.friction = friction;
     OrReason(model.not_available, [&] {
-      Scene scene = loaded_->scene;
+      Scene scene = contact == "spheres" ? loaded_->of_spheres : loaded_->scene;
       FeatureOptions{contact, friction}.ApplyTo(scene);
       SceneRun run(std::move(scene), loaded_->poses);
       const TimedRun timed = TimeRun(run, repeats(), stop_);
@@ -434,7 +436,7 @@ class Pareto {
   /// The scene that is being measured; only one is in memory.
   struct Loaded {
     std::string name;
-    Scene scene;
+    Scene scene, of_spheres;  ///< as the scene says, and with the trees of sphere contact
     std::vector<Pose> poses;
     std::unique_ptr<PathJudge> judge;
     std::unique_ptr<OverlapOracle> oracle;

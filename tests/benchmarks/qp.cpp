@@ -101,7 +101,7 @@ std::vector<Problem> ReadProblems(const std::string& file) {
 /// The problem of each step of a scene's path, with as many rows as the widest bounds give, and the
 /// rows that the step before had active.
 std::vector<Problem> ProblemsOf(const Options& options) {
-  Scene scene = LoadForBench(options.scene, options.models);
+  Scene scene = LoadForBench(options.scene, options.models, ContactModel::kSpheres);
   scene.features = {.contact = ContactModel::kSpheres};
   SceneRun run(std::move(scene), ScriptPoses(options.scene, options.steps));
   const HapticModel& model = run.model();

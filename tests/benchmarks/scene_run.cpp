@@ -13,8 +13,9 @@
 namespace palpate::bench {
 
 Scene LoadForBench(const std::string& scene, const std::string& models_dir,
-                   const TreeSource& tree_file) {
+                   std::optional<ContactModel> contact, const TreeSource& tree_file) {
   LoadOptions options;
+  options.contact = contact;
   options.models_dir = models_dir;
   if (!tree_file.built()) options.tree_file = tree_file;
   options.progress = [text = ProgressText()](std::string_view stage, double fraction) mutable {

@@ -40,8 +40,9 @@ class SceneRun {
 };
 
 /// Loads a scene as LoadScene does, and says so on stderr while something is built.
+/// @param contact    LoadOptions::contact.
 /// @param tree_file  LoadOptions::tree_file, where it names one.
 Scene LoadForBench(const std::string& scene, const std::string& models_dir,
-                   const TreeSource& tree_file = {});
+                   std::optional<ContactModel> contact = {}, const TreeSource& tree_file = {});
 
 }  // namespace palpate::bench

@@ -241,7 +241,8 @@ void RunScene(const Options& options, std::vector<std::string> modes) {
                  {"machine", ToJson(ThisMachine())}};
   for (const std::string& name : modes) {
     const bool of_file = name == options.file.file;
-    Scene scene = of_file ? LoadForBench(options.scene, options.models, options.file) : loaded;
+    Scene scene =
+        of_file ? LoadForBench(options.scene, options.models, std::nullopt, options.file) : loaded;
     ModeResult result;
     result.mode = name;
     if (!of_file) result.build_s = Rebuild(scene, TreeModeNamed(name), options.leaves);

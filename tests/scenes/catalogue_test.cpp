@@ -422,6 +422,25 @@ TEST(LoadScene, NamesTheRegionThatTheLeavesOfAToleranceAreTooFewFor) {
                     HasSubstr("more leaves")));
 }
 
+TEST(LoadScene, BuildsTreesForTheContactThatIsAskedFor) {
+  Fixture f;
+  const Scene by_file = f.Load();
+  EXPECT_EQ(by_file.features.contact, ContactModel::kSurface);
+  EXPECT_EQ(by_file.objects[0].tree.origin, TreeOrigin::kInside);
+  f.options.contact = ContactModel::kSpheres;
+  for (int load = 0; load < 2; ++load) {
+    const Scene by_spheres = f.Load();
+    EXPECT_EQ(f.built, load == 0);
+    EXPECT_EQ(by_spheres.features.contact, ContactModel::kSpheres);
+    EXPECT_EQ(by_spheres.objects[0].tree.origin, TreeOrigin::kBalanced);
+    EXPECT_EQ(by_spheres.objects[0].tree.leaves(), by_file.objects[0].tree.leaves());
+    f.built = false;
+  }
+  f.options.contact.reset();
+  EXPECT_EQ(f.Load().objects[0].tree.origin, TreeOrigin::kInside);
+  EXPECT_FALSE(f.built);
+}
+
 TEST(LoadScene, LeavesATreeFromAFileAloneWhereAModeIsNamed) {
   Fixture f;
   f.options.tell = [](const std::string&) {};

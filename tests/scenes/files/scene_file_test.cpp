@@ -131,6 +131,25 @@ TEST(SceneFile, ReadsHowTheLeavesStandForTheMesh) {
   EXPECT_THAT(ComplaintOf([&] { with(R"(, "tree": "outside")"); }), HasSubstr("balanced"));
 }
 
+TEST(SceneFile, BalancesLeavesThatAreFeltUnlessItSaysOtherwise) {
+  const auto with = [](const std::string& tree, const std::string& contact) {
+    const SceneDescription scene =
+        ParseScene(R"({"tools": [{"name": "t", "mesh": {"shape": "sphere", "radius_m": 0.01},
+                                  "leaves": 8)" +
+                       tree + R"(}], "objects": [{"name": "o", "leaves": 8,
+                        "mesh": {"shape": "box", "size_m": [1, 1, 1]})" +
+                       tree + "}]" + contact + "}",
+                   "demo.json");
+    EXPECT_EQ(scene.tools[0].tree.mode, scene.objects[0].tree.mode);
+    return scene.objects[0].tree.mode;
+  };
+  EXPECT_EQ(with("", ""), TreeMode::kInside);
+  EXPECT_EQ(with("", R"(, "contact": "surface")"), TreeMode::kInside);
+  EXPECT_EQ(with("", R"(, "contact": "spheres")"), TreeMode::kBalanced);
+  EXPECT_EQ(with(R"(, "tree": "inside")", R"(, "contact": "spheres")"), TreeMode::kInside);
+  EXPECT_EQ(with(R"(, "tree": "balanced")", ""), TreeMode::kBalanced);
+}
+
 TEST(SceneFile, ReadsWhichFileTheLeavesAreFrom) {
   const auto with = [](const std::string& tree) {
     return ParseScene(R"({"tools": [{"name": "t", "mesh": {"shape": "sphere", "radius_m": 0.01},
