@@ -32,14 +32,33 @@ Corners CornersOf(const TriangleMesh& mesh, std::uint32_t triangle) {
   return {mesh.vertices[i], mesh.vertices[j], mesh.vertices[k]};
 }
 
-bool MayHide(const MeshReport& report) {
-  return !report.solid() || report.components > 1;
+// Triangles that are asked whether one solid piece passes through itself.
+constexpr std::size_t kProbes = 128;
+
+std::array<Vec3, 4> PointsOf(const Corners& corners) {
+  return {corners.middle(), corners.a, corners.b, corners.c};
 }
 
 }  // namespace
 
 HiddenSurface::HiddenSurface(const TriangleMesh& mesh)
-    : mesh_(mesh), query_(mesh), possible_(MayHide(InspectMesh(mesh))) {}
+    : mesh_(mesh), query_(mesh), possible_(true) {
+  const MeshReport report = InspectMesh(mesh);
+  closed_ = report.closed();
+  if (!report.solid() || report.components > 1) return;
+  const std::size_t count = mesh.triangles.size(), probes = std::min(kProbes, count);
+  bool folds = false;
+  for (std::size_t i = 0; !folds && i < probes; ++i) {
+    folds = Whole(static_cast<std::uint32_t>(i * count / probes));
+  }
+  possible_ = folds;
+}
+
+bool HiddenSurface::Whole(std::uint32_t triangle) const {
+  const Corners corners = CornersOf(mesh_, triangle);
+  return corners.area() > 0.0 &&
+         std::ranges::all_of(PointsOf(corners), [&](const Vec3& p) { return At(triangle, p); });
+}
 
 bool HiddenSurface::At(std::uint32_t triangle, const Vec3& near) const {
   if (!possible_) return false;
@@ -63,7 +82,7 @@ HiddenParts FindHiddenParts(const TriangleMesh& mesh, const std::vector<MeshGrou
   const std::size_t stride = 1 + mesh.triangles.size() / kMostTriangles;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); t += std::uint32_t(stride)) {
     const Corners corners = CornersOf(mesh, t);
-    const std::array<Vec3, 4> points{corners.middle(), corners.a, corners.b, corners.c};
+    const std::array<Vec3, 4> points = PointsOf(corners);
     const double area = corners.area();
     looked_at += area;
     if (!(area > 0.0)) continue;

@@ -21,13 +21,18 @@ class HiddenSurface {
   /// holes of an open mesh that is a matter of degree.
   /// @param near  a point of the triangle.
   bool At(std::uint32_t triangle, const Vec3& near) const;
+  /// Whether all of it has, told at its middle and near its corners.
+  bool Whole(std::uint32_t triangle) const;
+  /// False where nothing can be hidden: of one closed piece that does not pass through itself.
+  bool possible() const { return possible_; }
+  bool closed() const { return closed_; }
   /// The same, at the point of the triangle that is nearest to p.
   bool NearestTo(std::uint32_t triangle, const Vec3& p) const;
 
  private:
   const TriangleMesh& mesh_;
   MeshQuery query_;
-  bool possible_;  ///< one solid piece hides nothing, but where it goes through itself
+  bool closed_, possible_;
 };
 
 /// What a mesh hides of itself.

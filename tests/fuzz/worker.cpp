@@ -8,7 +8,9 @@
 #include <cstring>
 #include <stdexcept>
 
+#include <malloc.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/time.h>
 #include <sys/wait.h>
@@ -32,6 +34,11 @@ constexpr std::size_t kTriesOfAWorker = 20'000;
 void Limit() {
   const rlimit none{0, 0};
   setrlimit(RLIMIT_CORE, &none);
+  prctl(PR_SET_DUMPABLE, 0);  // no core, not by a handler either
+  // assimp takes a buffer of a megabyte or more for each file, which the kernel would have to find
+  // and clear anew each time.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   const rlimit gigabyte{std::size_t{1} << 30, std::size_t{1} << 30};
   setrlimit(RLIMIT_AS, &gigabyte);
@@ -59,7 +66,7 @@ void Limit() {
 }  // namespace
 
 void Worker::Enter(Code code) {
-  progress->code = code;
+  if (progress != nullptr) progress->code = code;
 }
 
 Tries Worker::RunAll(std::size_t count, const Run& run) {
