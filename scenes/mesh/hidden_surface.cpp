@@ -35,10 +35,6 @@ Corners CornersOf(const TriangleMesh& mesh, std::uint32_t triangle) {
 // Triangles that are asked whether one solid piece passes through itself.
 constexpr std::size_t kProbes = 128;
 
-std::array<Vec3, 4> PointsOf(const Corners& corners) {
-  return {corners.middle(), corners.a, corners.b, corners.c};
-}
-
 }  // namespace
 
 HiddenSurface::HiddenSurface(const TriangleMesh& mesh)
@@ -49,23 +45,32 @@ HiddenSurface::HiddenSurface(const TriangleMesh& mesh)
   const std::size_t count = mesh.triangles.size(), probes = std::min(kProbes, count);
   bool folds = false;
   for (std::size_t i = 0; !folds && i < probes; ++i) {
-    folds = Whole(static_cast<std::uint32_t>(i * count / probes));
+    const auto t = static_cast<std::uint32_t>(i * count / probes);
+    const Corners corners = CornersOf(mesh, t);
+    folds = Places(t, {corners.a, corners.b, corners.c}) == kAllPlaces;
   }
   possible_ = folds;
 }
 
-bool HiddenSurface::Whole(std::uint32_t triangle) const {
-  const Corners corners = CornersOf(mesh_, triangle);
-  return corners.area() > 0.0 &&
-         std::ranges::all_of(PointsOf(corners), [&](const Vec3& p) { return At(triangle, p); });
+bool HiddenSurface::HiddenAt(std::uint32_t triangle, const Vec3& p) const {
+  const double area = CornersOf(mesh_, triangle).area();
+  const Vec3 step = kStep * std::sqrt(area) * query_.FaceNormal(triangle);
+  return query_.WindingNumber(p + step) > kHidden && query_.WindingNumber(p - step) > kHidden;
+}
+
+int HiddenSurface::Places(std::uint32_t triangle, const std::array<Vec3, 3>& part) const {
+  if (!possible_ || !(CornersOf(mesh_, triangle).area() > 0.0)) return 0;
+  const Vec3 middle = (part[0] + part[1] + part[2]) / 3.0;
+  int places = HiddenAt(triangle, middle);
+  for (const Vec3& corner : part) {
+    places += HiddenAt(triangle, corner + kFromTheEdge * (middle - corner));
+  }
+  return places;
 }
 
 bool HiddenSurface::At(std::uint32_t triangle, const Vec3& near) const {
   if (!possible_) return false;
-  const Corners corners = CornersOf(mesh_, triangle);
-  const Vec3 p = near + kFromTheEdge * (corners.middle() - near);
-  const Vec3 step = kStep * std::sqrt(corners.area()) * query_.FaceNormal(triangle);
-  return query_.WindingNumber(p + step) > kHidden && query_.WindingNumber(p - step) > kHidden;
+  return HiddenAt(triangle, near + kFromTheEdge * (CornersOf(mesh_, triangle).middle() - near));
 }
 
 bool HiddenSurface::NearestTo(std::uint32_t triangle, const Vec3& p) const {
@@ -82,7 +87,7 @@ HiddenParts FindHiddenParts(const TriangleMesh& mesh, const std::vector<MeshGrou
   const std::size_t stride = 1 + mesh.triangles.size() / kMostTriangles;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); t += std::uint32_t(stride)) {
     const Corners corners = CornersOf(mesh, t);
-    const std::array<Vec3, 4> points = PointsOf(corners);
+    const std::array<Vec3, 4> points{corners.middle(), corners.a, corners.b, corners.c};
     const double area = corners.area();
     looked_at += area;
     if (!(area > 0.0)) continue;

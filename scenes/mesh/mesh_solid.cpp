@@ -139,49 +139,118 @@ constexpr std::size_t kProbes = 128;
 /// Of all patches together.
 constexpr std::size_t kMostProbes = 20'000;
 
-/// Takes the area of triangles that have solid on both sides.  Nothing touches them, and a ball
-/// inside would have to end at them: the inner of two shells of which one was to thicken the other,
-/// what of two shells that pass through each other lies in the other, a wall inside.  They become
-/// points of a triangle that is left, so that the others keep their numbers.
-void TakeInnerWalls(TriangleMesh& mesh) {
-  const HiddenSurface surface(mesh);
-  if (!surface.possible()) return;
-  const std::vector<std::uint32_t> patch_of = PatchesOf(mesh);
-  std::vector<std::vector<std::uint32_t>> patches;
-  for (std::uint32_t t = 0; t < patch_of.size(); ++t) {
-    if (patch_of[t] >= patches.size()) patches.emplace_back();
-    patches[patch_of[t]].push_back(t);
-  }
-  // What an open surface has behind itself alone is a matter of degree, and no wall.
-  if (patches.size() > kMostProbes || (patches.size() == 1 && !surface.closed())) return;
-  const std::size_t probes = std::clamp<std::size_t>(kMostProbes / patches.size(), 1, kProbes);
-  std::vector<bool> hidden(mesh.triangles.size(), false);
-  bool any = false;
-  for (const std::vector<std::uint32_t>& patch : patches) {
-    bool found = patch.size() <= probes;
-    for (std::size_t i = 0; !found && i < probes; ++i) {
-      found = surface.Whole(patch[i * patch.size() / probes]);
+/// Takes surface that has solid on both sides.  Nothing touches it, and a ball inside would have to
+/// end there: the inner of two shells of which one was to thicken the other, what of two shells
+/// that pass through each other lies in the other, a wall inside.  A triangle of which a part is
+/// left becomes that part, with new triangles for what it does not hold; one of which nothing is
+/// left, a point of another one.  So the others keep their numbers.
+class WallTaker {
+ public:
+  /// @param mesh  must outlive this.
+  explicit WallTaker(const TriangleMesh& mesh) : from_(mesh), surface_(mesh) {}
+
+  /// @param mesh  a copy of that one.
+  void Run(TriangleMesh& mesh) {
+    if (!surface_.possible()) return;
+    const std::vector<std::vector<std::uint32_t>> patches = Patches();
+    // What an open surface has behind itself alone is a matter of degree, and no wall.
+    if (patches.size() > kMostProbes || (patches.size() == 1 && !surface_.closed())) return;
+    for (const std::vector<std::uint32_t>& patch : patches) {
+      if (!MayHide(patch, patches.size())) continue;
+      for (const std::uint32_t t : patch) Take(t, mesh);
     }
-    if (!found) continue;
-    for (const std::uint32_t t : patch) {
-      hidden[t] = surface.Whole(t);
-      any = any || hidden[t];
+    std::vector<bool> gone(from_.triangles.size(), false);
+    for (const std::uint32_t t : gone_) gone[t] = true;
+    const auto left = std::ranges::find(gone, false);
+    if (left == gone.end()) return;  // of such a tangle nothing is known
+    const std::uint32_t point = mesh.triangles[static_cast<std::size_t>(left - gone.begin())][0];
+    for (const std::uint32_t t : gone_) mesh.triangles[t] = {point, point, point};
+  }
+
+ private:
+  /// Of the box's diagonal: parts of triangles that are smaller are not divided, for a ball that
+  /// ends there does so near the surface that is left.
+  static constexpr double kSmall = 0.01;
+  /// Of it: larger ones are, for more may lie inside than at four places.
+  static constexpr double kLarge = 0.1;
+
+  std::vector<std::vector<std::uint32_t>> Patches() {
+    const std::vector<std::uint32_t> patch_of = PatchesOf(from_);
+    std::vector<std::vector<std::uint32_t>> patches;
+    Eigen::AlignedBox3d box;
+    for (std::uint32_t t = 0; t < patch_of.size(); ++t) {
+      if (patch_of[t] >= patches.size()) patches.emplace_back();
+      patches[patch_of[t]].push_back(t);
+      for (const std::uint32_t v : from_.triangles[t]) box.extend(from_.vertices[v]);
+    }
+    diagonal_ = box.isEmpty() ? 0.0 : box.diagonal().norm();
+    return patches;
+  }
+
+  std::array<Vec3, 3> CornersOf(const std::array<std::uint32_t, 3>& part,
+                                const TriangleMesh& mesh) const {
+    return {mesh.vertices[part[0]], mesh.vertices[part[1]], mesh.vertices[part[2]]};
+  }
+
+  bool MayHide(const std::vector<std::uint32_t>& patch, std::size_t patches) const {
+    const std::size_t probes = std::clamp<std::size_t>(kMostProbes / patches, 1, kProbes);
+    if (patch.size() <= probes) return true;
+    for (std::size_t i = 0; i < probes; ++i) {
+      const std::uint32_t t = patch[i * patch.size() / probes];
+      if (surface_.Places(t, CornersOf(from_.triangles[t], from_)) > 0) return true;
+    }
+    return false;
+  }
+
+  void Take(std::uint32_t t, TriangleMesh& mesh) {
+    const std::size_t vertices = mesh.vertices.size();
+    kept_.clear();
+    if (Divide(t, from_.triangles[t], mesh)) {
+      mesh.vertices.resize(vertices);  // none of it lies inside: it stays as it was
+    } else if (kept_.empty()) {
+      gone_.push_back(t);
+    } else {
+      mesh.triangles[t] = kept_.front();
+      mesh.triangles.insert(mesh.triangles.end(), kept_.begin() + 1, kept_.end());
     }
   }
-  if (!any) return;
-  const auto seen = std::ranges::find(hidden, false);
-  if (seen == hidden.end()) return;  // of such a tangle nothing is known
-  const std::uint32_t point = mesh.triangles[static_cast<std::size_t>(seen - hidden.begin())][0];
-  for (std::size_t t = 0; t < hidden.size(); ++t) {
-    if (hidden[t]) mesh.triangles[t] = {point, point, point};
+
+  /// Keeps what of a part of triangle t does not lie inside.  True where that is all of it.
+  bool Divide(std::uint32_t t, const std::array<std::uint32_t, 3>& part, TriangleMesh& mesh) {
+    const std::array<Vec3, 3> corner = CornersOf(part, mesh);
+    const int places = surface_.Places(t, corner);
+    if (places == HiddenSurface::kAllPlaces) return false;
+    double longest = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      longest = std::max(longest, (corner[(c + 1) % 3] - corner[c]).norm());
+    }
+    if (!(longest > (places > 0 ? kSmall : kLarge) * diagonal_)) {
+      kept_.push_back(part);
+      return true;
+    }
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (std::size_t c = 0; c < 3; ++c) {
+      mesh.vertices.push_back(0.5 * (corner[c] + corner[(c + 1) % 3]));
+    }
+    bool all = true;
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      all = Divide(t, {part[c], first + c, first + (c + 2) % 3}, mesh) && all;
+    }
+    return Divide(t, {first, first + 1, first + 2}, mesh) && all;
   }
-}
+
+  const TriangleMesh& from_;
+  HiddenSurface surface_;
+  double diagonal_ = 0.0;
+  std::vector<std::uint32_t> gone_;
+  std::vector<std::array<std::uint32_t, 3>> kept_;
+};
 
 }  // namespace
 
 MeshSolid SolidOf(const TriangleMesh& mesh) {
   MeshSolid solid{mesh, 0.0, 0.0};
-  TakeInnerWalls(solid.mesh);
+  WallTaker(mesh).Run(solid.mesh);
   const MeshReport report = InspectMesh(mesh);
   if (report.closed()) return solid;
   const double diagonal = (report.box_max - report.box_min).norm();
