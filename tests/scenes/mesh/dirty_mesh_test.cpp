@@ -376,8 +376,7 @@ TEST(DirtyMesh, OpenScanWithCrumbsInTheAirIsFilledAndTheyAreLeftOut) {
   }
   const Scene scene = Felt(dirty);
   EXPECT_EQ(scene.objects[0].mesh.triangles.size(), Jaw().triangles.size());
-  EXPECT_EQ(scene.objects[0].mesh.vertices.size(),
-            InspectMesh(Felt(Jaw()).objects[0].mesh).vertices);
+  EXPECT_EQ(InspectMesh(scene.objects[0].mesh).unused_vertices, 0u);
   EXPECT_LT(MostOutside(scene, Bumpy()), 1e-8);
   EXPECT_THAT(Verdict(scene), AllOf(HasSubstr("30 small pieces float apart"), HasSubstr("left out"),
                                     HasSubstr("flat lid")));
@@ -451,7 +450,7 @@ TEST(DirtyMesh, TwoScansWithACrackBetweenThemAreOneSolidAndSoWhereOneIsInsideOut
 
 TEST(DirtyMesh, ChainsOfTJunctionsAreNoWideOpening) {
   Random random(9);
-  const TriangleMesh clean = Bumpy();
+  const TriangleMesh clean = Bumpy(kCoarse);
   TriangleMesh dirty;
   dirty.vertices = clean.vertices;
   for (const auto& [i, j, k] : clean.triangles) {
@@ -463,7 +462,7 @@ TEST(DirtyMesh, ChainsOfTJunctionsAreNoWideOpening) {
   }
   const Scene scene = Felt(dirty);
   EXPECT_LT(MostOutside(scene, clean), 1e-8);
-  EXPECT_LT(MostBare(scene, clean), kCleanBare);
+  EXPECT_LE(MostBare(scene, clean), 1.2 * MostBare(Felt(clean), clean));
   EXPECT_THAT(Verdict(scene), HasSubstr("edges are open"));
 }
 
