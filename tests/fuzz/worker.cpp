@@ -30,6 +30,8 @@ Progress* progress = nullptr;
 
 /// assimp loses memory where it throws: a worker's share of it ends with him.
 constexpr std::size_t kTriesOfAWorker = 20'000;
+/// How often a long run says how far it is, so that one that is ended has told something.
+constexpr std::size_t kTold = 20'000;
 
 void Limit() {
   const rlimit none{0, 0};
@@ -75,6 +77,7 @@ Tries Worker::RunAll(std::size_t count, const Run& run) {
   if (shared == MAP_FAILED) throw std::runtime_error("no memory to share with workers");
   progress = new (shared) Progress;
   Tries tries;
+  std::size_t told = 0;
   while (progress->number < count) {
     progress->fault[0] = '\0';
     const pid_t worker = fork();
@@ -83,6 +86,12 @@ Tries Worker::RunAll(std::size_t count, const Run& run) {
     int status = 0;
     rusage use{};
     while (wait4(worker, &status, 0, &use) < 0 && errno == EINTR) {
+    }
+    if (progress->number / kTold > told) {
+      told = progress->number / kTold;
+      std::printf("%zu tries, %zu accepted, %zu deaths of assimp\n", progress->number,
+                  progress->accepted, tries.deaths_in_theirs);
+      std::fflush(stdout);
     }
     tries.peak_bytes = std::max(tries.peak_bytes, static_cast<std::size_t>(use.ru_maxrss) * 1024);
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) continue;
