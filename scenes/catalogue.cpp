@@ -24,6 +24,7 @@
 #include "scenes/mesh/mesh_orient.h"
 #include "scenes/mesh/mesh_report.h"
 #include "scenes/mesh/mesh_solid.h"
+#include "scenes/mesh/mesh_spike.h"
 #include "scenes/mesh/model_files.h"
 #include "scenes/shapes/shape_kinds.h"
 #include "scenes/shapes/shapes.h"
@@ -66,8 +67,9 @@ struct Shape {
   TriangleMesh mesh;
   SphereTree tree;
   std::vector<MeshGroup> groups;
-  std::vector<std::string> remarks;  ///< MendMesh's, and where a tree's file does not fit
-  double metres_per_unit = 1.0;      ///< what a number in the mesh's file means
+  std::vector<std::string>
+      remarks;                   ///< of the file: what was mended, and what looks like a mistake
+  double metres_per_unit = 1.0;  ///< what a number in the mesh's file means
 };
 
 /// Complaints name the scene file's line.
@@ -91,8 +93,15 @@ TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir, S
     TriangleMesh mesh = ImportMesh(file, &body.groups);
     const MeshReport report = InspectMesh(mesh);
     if (!report.refusal.empty()) throw Error(file + ": " + report.refusal);
-    body.remarks = MendMesh(mesh);
+    body.remarks = MendMesh(mesh, &body.groups);
+    if (const auto spike = FindSpike(mesh)) {
+      if (spike->certain()) throw Error(file + ": " + SpikeRemark(*spike));
+      body.remarks.push_back(SpikeRemark(*spike));
+    }
     body.metres_per_unit = PlaceMesh(source.placement, mesh);
+    if (const std::string remark = UnitRemark(source.placement, mesh); !remark.empty()) {
+      body.remarks.push_back(remark);
+    }
     if (source.thickness && !Thicken(*source.thickness, mesh)) {
       throw Error("thickness_mm: " + file + " is closed, it has no sheets; drop it");
     }

@@ -152,7 +152,7 @@ void PrintMesh(const std::string& file) {
     verdict.faults.push_back("mesh: " + report.refusal);
     Conclude(file, verdict);
   }
-  MendMesh(mesh);
+  MendMesh(mesh, &groups);
   const std::string hidden = HiddenRemark(FindHiddenParts(mesh, groups), 1.0, "of the file's unit");
   if (!hidden.empty()) std::printf("    warning: %s\n", hidden.c_str());
 }

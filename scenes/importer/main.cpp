@@ -1,6 +1,7 @@
 // palpate-import: reads one mesh file for the program that started it, and dies in its place where
 // the file is damaged.
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -23,9 +24,14 @@
 namespace palpate {
 namespace {
 
+/// No more than what its user has limited it to already, which nobody may raise.
 void Limit(__rlimit_resource what, std::size_t most) {
-  const rlimit limit{most, most};
-  if (setrlimit(what, &limit) != 0) {
+  rlimit limit{};
+  bool done = getrlimit(what, &limit) == 0;
+  limit.rlim_max = std::min<rlim_t>(limit.rlim_max, most);
+  limit.rlim_cur = limit.rlim_max;
+  done = done && setrlimit(what, &limit) == 0;
+  if (!done) {
     throw Error("cannot limit itself (" + std::generic_category().message(errno) + ")");
   }
 }

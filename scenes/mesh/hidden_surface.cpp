@@ -32,21 +32,45 @@ Corners CornersOf(const TriangleMesh& mesh, std::uint32_t triangle) {
   return {mesh.vertices[i], mesh.vertices[j], mesh.vertices[k]};
 }
 
-bool MayHide(const MeshReport& report) {
-  return !report.solid() || report.components > 1;
-}
+// Triangles that are asked whether one solid piece passes through itself.
+constexpr std::size_t kProbes = 128;
 
 }  // namespace
 
 HiddenSurface::HiddenSurface(const TriangleMesh& mesh)
-    : mesh_(mesh), query_(mesh), possible_(MayHide(InspectMesh(mesh))) {}
+    : mesh_(mesh), query_(mesh), possible_(true) {
+  const MeshReport report = InspectMesh(mesh);
+  closed_ = report.closed();
+  if (!report.solid() || report.components > 1) return;
+  const std::size_t count = mesh.triangles.size(), probes = std::min(kProbes, count);
+  bool folds = false;
+  for (std::size_t i = 0; !folds && i < probes; ++i) {
+    const auto t = static_cast<std::uint32_t>(i * count / probes);
+    const Corners corners = CornersOf(mesh, t);
+    folds = Places(t, {corners.a, corners.b, corners.c}) == kAllPlaces;
+  }
+  possible_ = folds;
+}
+
+bool HiddenSurface::HiddenAt(std::uint32_t triangle, const Vec3& p) const {
+  const double area = CornersOf(mesh_, triangle).area();
+  const Vec3 step = kStep * std::sqrt(area) * query_.FaceNormal(triangle);
+  return query_.WindingNumber(p + step) > kHidden && query_.WindingNumber(p - step) > kHidden;
+}
+
+int HiddenSurface::Places(std::uint32_t triangle, const std::array<Vec3, 3>& part) const {
+  if (!possible_ || !(CornersOf(mesh_, triangle).area() > 0.0)) return 0;
+  const Vec3 middle = (part[0] + part[1] + part[2]) / 3.0;
+  int places = HiddenAt(triangle, middle);
+  for (const Vec3& corner : part) {
+    places += HiddenAt(triangle, corner + kFromTheEdge * (middle - corner));
+  }
+  return places;
+}
 
 bool HiddenSurface::At(std::uint32_t triangle, const Vec3& near) const {
   if (!possible_) return false;
-  const Corners corners = CornersOf(mesh_, triangle);
-  const Vec3 p = near + kFromTheEdge * (corners.middle() - near);
-  const Vec3 step = kStep * std::sqrt(corners.area()) * query_.FaceNormal(triangle);
-  return query_.WindingNumber(p + step) > kHidden && query_.WindingNumber(p - step) > kHidden;
+  return HiddenAt(triangle, near + kFromTheEdge * (CornersOf(mesh_, triangle).middle() - near));
 }
 
 bool HiddenSurface::NearestTo(std::uint32_t triangle, const Vec3& p) const {

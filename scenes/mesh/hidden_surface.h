@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -21,13 +22,22 @@ class HiddenSurface {
   /// holes of an open mesh that is a matter of degree.
   /// @param near  a point of the triangle.
   bool At(std::uint32_t triangle, const Vec3& near) const;
+  /// At how many of four places of a part of the triangle it has: in the part's middle, and near
+  /// its corners.
+  int Places(std::uint32_t triangle, const std::array<Vec3, 3>& part) const;
+  static constexpr int kAllPlaces = 4;
+  /// False where nothing can be hidden: of one closed piece that does not pass through itself.
+  bool possible() const { return possible_; }
+  bool closed() const { return closed_; }
   /// The same, at the point of the triangle that is nearest to p.
   bool NearestTo(std::uint32_t triangle, const Vec3& p) const;
 
  private:
+  bool HiddenAt(std::uint32_t triangle, const Vec3& p) const;
+
   const TriangleMesh& mesh_;
   MeshQuery query_;
-  bool possible_;  ///< one solid piece hides nothing, but where it goes through itself
+  bool closed_, possible_;
 };
 
 /// What a mesh hides of itself.

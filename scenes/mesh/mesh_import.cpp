@@ -1,15 +1,18 @@
 #include "scenes/mesh/mesh_import.h"
 
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <system_error>
 #include <utility>
 
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <spdlog/fmt/fmt.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -24,6 +27,7 @@ extern "C" {
 #include "scenes/mesh/mesh_references.h"
 #include "scenes/mesh/mesh_report.h"
 #include "scenes/mesh/model_files.h"
+#include "scenes/mesh/units.h"
 
 namespace palpate {
 namespace {
@@ -189,6 +193,39 @@ double PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh) {
   }
   for (Vec3& v : mesh.vertices) v = scale * (v - origin);
   return scale;
+}
+
+std::string UnitRemark(const MeshPlacement& placement, const TriangleMesh& mesh) {
+  // A file of mm that is taken for m, or of m for mm, is beyond these from 4 mm, or up to 0.5 m,
+  // on.
+  constexpr double kMost_m = 4.0, kLeast_m = 5e-4;
+  constexpr double kUsual_m = 0.05;  // a tooth, a tool, a statuette
+  if (placement.longest_side) return "";
+  const MeshReport report = InspectMesh(mesh);
+  const double longest = (report.box_max - report.box_min).maxCoeff();
+  if (longest >= kLeast_m && longest <= kMost_m) return "";
+  const auto in = [&](std::string_view unit) {
+    return longest / placement.metres_per_unit * MetresPerUnit(unit);
+  };
+  std::string_view taken = "its unit", likely;
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::string_view unit : kUnits) {
+    if (MetresPerUnit(unit) == placement.metres_per_unit) taken = unit;
+    const double off = std::abs(std::log(in(unit) / kUsual_m));
+    if (off >= least || in(unit) < kLeast_m || in(unit) > kMost_m) continue;
+    least = off;
+    likely = unit;
+  }
+  if (likely.empty()) {
+    return fmt::format(
+        "in {} its longest side is {:.3g} mm, and no other unit gives it a size that a hand feels; "
+        "say by \"longest_side_m\" how long it is to be",
+        taken, 1e3 * longest);
+  }
+  return fmt::format(
+      "in {} its longest side is {:.3g} mm; its file more likely means {}, which makes it {:.3g} "
+      "mm: give \"unit\": \"{}\"",
+      taken, 1e3 * longest, likely, 1e3 * in(likely), likely);
 }
 
 }  // namespace palpate

@@ -41,4 +41,9 @@ struct MeshPlacement {
 /// Returns what a number in the file means [m].
 double PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh);
 
+/// For people: the unit that a file more likely means, where the mesh has hardly the size that
+/// somebody wants to feel; else empty, as where the scene says how long it is to be.
+/// @param mesh  placed.
+std::string UnitRemark(const MeshPlacement& placement, const TriangleMesh& mesh);
+
 }  // namespace palpate

@@ -54,6 +54,18 @@ std::vector<std::vector<Neighbour>> FindNeighbours(const TriangleMesh& mesh) {
   return neighbours;
 }
 
+/// Of a piece's vertices so many tell whether another winds round it.
+constexpr std::size_t kMostVerticesAsked = 64;
+
+/// Whether a piece lies in another as a whole: what the other's surface passes through does not.
+bool LiesIn(const MeshPiece& piece, const MeshQuery& other) {
+  const auto& vertices = piece.mesh.vertices;
+  for (std::size_t v = 0; v < vertices.size(); v += 1 + vertices.size() / kMostVerticesAsked) {
+    if (!(std::abs(other.WindingNumber(vertices[v])) > 0.5)) return false;
+  }
+  return true;
+}
+
 /// How many of the other pieces wind round this one.
 std::size_t Depth(const MeshPiece& piece, const std::vector<MeshPiece>& pieces,
                   std::vector<std::unique_ptr<MeshQuery>>& queries) {
@@ -65,7 +77,7 @@ std::size_t Depth(const MeshPiece& piece, const std::vector<MeshPiece>& pieces,
                         (other.report.box_max.array() >= piece.report.box_max.array()).all();
     if (!within) continue;
     if (!queries[i]) queries[i] = std::make_unique<MeshQuery>(other.mesh);
-    depth += std::abs(queries[i]->WindingNumber(piece.mesh.vertices.front())) > 0.5;
+    depth += LiesIn(piece, *queries[i]);
   }
   return depth;
 }
@@ -128,6 +140,15 @@ void TurnPatches(TriangleMesh& mesh, const std::vector<std::uint32_t>& patch_of,
   }
 }
 
+/// How much nearer to 1, what it is behind the surface of a solid, the winding number behind an
+/// open piece would be if the piece were turned.  Where that is E, and E0 by the piece alone, it
+/// would be 1 - E0 + (E - E0): the sides change places, and what the others add stays.
+double GainOfTurning(const MeshPiece& piece, const MeshQuery& all) {
+  const double now = Enclosure(piece.mesh, all);
+  const double turned = 1.0 + now - 2.0 * Enclosure(piece.mesh, MeshQuery(piece.mesh));
+  return std::abs(now - 1.0) - std::abs(turned - 1.0);
+}
+
 /// Open pieces that would enclose more if they were turned, the largest first.
 template <class Turn>
 void TurnOpenShells(TriangleMesh& mesh, Turn turn) {
@@ -139,7 +160,7 @@ void TurnOpenShells(TriangleMesh& mesh, Turn turn) {
   std::unique_ptr<MeshQuery> all;
   for (const MeshPiece& piece : pieces) {
     if (!all) all = std::make_unique<MeshQuery>(mesh);
-    if (Enclosure(piece.mesh, *all) > kInsideOutShell) continue;
+    if (GainOfTurning(piece, *all) < kShell - kInsideOutShell) continue;
     for (const std::uint32_t t : piece.triangle) turn(t);
     all.reset();
   }

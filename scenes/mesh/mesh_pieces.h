@@ -17,8 +17,14 @@ struct MeshPiece {
   MeshReport report;
 };
 
-/// Pieces that share no vertex, in the order of their first triangles.
+/// Pieces, in the order of their first triangles.  What edges of two triangles join, and is closed,
+/// is one, whatever touches it at a vertex or an edge: a body with a fin is a body and a sheet.  Of
+/// all else, pieces share no vertex.
 std::vector<MeshPiece> PiecesOf(const TriangleMesh& mesh);
+
+/// Of each triangle the number of its patch, from 0: what edges of exactly two triangles join.  No
+/// patch is of two pieces.
+std::vector<std::uint32_t> PatchesOf(const TriangleMesh& mesh);
 
 /// The triangles of each number 0, 1, ..., of which `number` gives one to each triangle.
 std::vector<MeshPiece> PiecesBy(const TriangleMesh& mesh, const std::vector<std::uint32_t>& number);

@@ -75,8 +75,8 @@ void Judge(MeshReport& r) {
   }
   if (!r.manifold()) {
     r.remarks.push_back(Count(r.non_manifold_edges, "edge has", "edges have") +
-                        " more than two triangles: spheres stop at inner walls; remove them in a "
-                        "mesh editor");
+                        " more than two triangles: walls inside are passed over, and sheets that "
+                        "stand on the body are felt; remove them in a mesh editor");
   }
   if (!r.oriented()) {
     r.remarks.push_back(Count(r.inconsistent_edges, "edge joins", "edges join") +

@@ -9,6 +9,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "scenes/mesh/hidden_surface.h"
 #include "scenes/mesh/mesh_edges.h"
 #include "scenes/mesh/mesh_pieces.h"
 #include "scenes/mesh/mesh_query.h"
@@ -47,22 +48,38 @@ void AddPlate(const MeshPiece& piece, double thickness, TriangleMesh& mesh) {
   }
 }
 
-/// Open edges end to end.
+/// Open edges of a mesh, by their ends, the lower one first.
+using EdgeSet = std::set<std::pair<std::uint32_t, std::uint32_t>>;
+
+/// Open edges end to end, which pass no vertex twice.
 using Loop = std::vector<OpenEdge>;
 
-std::vector<Loop> LoopsOf(const TriangleMesh& mesh) {
-  const std::vector<OpenEdge> edges = OpenEdges(mesh);
+/// @param open  edges of the whole mesh: others are none.
+std::vector<Loop> LoopsOf(const MeshPiece& piece, const EdgeSet& open) {
+  std::vector<OpenEdge> edges = OpenEdges(piece.mesh);
+  std::erase_if(edges, [&](const OpenEdge& edge) {
+    return !open.contains(std::minmax(piece.vertex[edge.from], piece.vertex[edge.to]));
+  });
   std::multimap<std::uint32_t, std::size_t> from;
   for (std::size_t e = 0; e < edges.size(); ++e) from.emplace(edges[e].from, e);
   std::vector<Loop> loops;
   while (!from.empty()) {
-    Loop loop;
-    for (auto it = from.begin(); it != from.end(); it = from.find(loop.back().to)) {
-      loop.push_back(edges[it->second]);
+    Loop way;
+    std::map<std::uint32_t, std::size_t> passed;  // vertex: how much of the way leads to it
+    for (auto it = from.begin(); it != from.end(); it = from.find(way.back().to)) {
+      passed.emplace(edges[it->second].from, way.size());
+      way.push_back(edges[it->second]);
       from.erase(it);
-      if (loop.back().to == loop.front().from) break;
+      const auto again = passed.find(way.back().to);
+      if (again == passed.end()) continue;
+      // Two openings that meet in a vertex, as in a chain of T-junctions, are two.
+      const auto begin = way.begin() + static_cast<std::ptrdiff_t>(again->second);
+      loops.emplace_back(begin, way.end());
+      for (const OpenEdge& edge : loops.back()) passed.erase(edge.from);
+      way.erase(begin, way.end());
+      if (way.empty()) break;
     }
-    loops.push_back(std::move(loop));
+    if (!way.empty()) loops.push_back(std::move(way));
   }
   return loops;
 }
@@ -73,38 +90,177 @@ double WidthOf(const Loop& loop, const TriangleMesh& mesh) {
   return box.diagonal().norm();
 }
 
-/// Adds a cone over each opening of a piece, its tip in the middle of the rim.
-/// Returns how wide the widest is.
-double AddLids(const MeshPiece& piece, const std::vector<Loop>& loops, TriangleMesh& mesh) {
-  double widest = 0.0;
-  for (const Loop& loop : loops) {
-    widest = std::max(widest, WidthOf(loop, piece.mesh));
+/// The cone over an opening, its tip in the middle of the rim.
+struct Lid {
+  Vec3 tip = Vec3::Zero();
+  const Loop* loop = nullptr;
+};
+
+Lid LidOver(const Loop& loop, const TriangleMesh& mesh) {
+  Vec3 middle = Vec3::Zero();
+  double length = 0.0;
+  for (const OpenEdge& edge : loop) {
+    const Vec3& a = mesh.vertices[edge.from];
+    const Vec3& b = mesh.vertices[edge.to];
+    middle += 0.5 * (b - a).norm() * (a + b);
+    length += (b - a).norm();
+  }
+  return {length > 0.0 ? Vec3(middle / length) : mesh.vertices[loop.front().from], &loop};
+}
+
+/// Whether the solid goes on beyond an opening, as at a crack between two scans that were put
+/// together: a lid would be a wall inside.  In an opening that is one the winding number is 1/2.
+bool GoesOnBeyond(const Lid& lid, const TriangleMesh& mesh, const MeshQuery& all) {
+  constexpr std::size_t kMostAsked = 16;
+  constexpr double kGoesOn = 0.75;
+  double sum = 0.0;
+  std::size_t asked = 0;
+  for (std::size_t i = 0; i < lid.loop->size(); i += 1 + lid.loop->size() / kMostAsked) {
+    const OpenEdge& edge = (*lid.loop)[i];
+    sum += all.WindingNumber((mesh.vertices[edge.from] + mesh.vertices[edge.to] + lid.tip) / 3.0);
+    ++asked;
+  }
+  return sum > kGoesOn * static_cast<double>(asked);
+}
+
+/// Adds lids over openings of a piece.
+void AddLids(const MeshPiece& piece, const std::vector<Lid>& lids, TriangleMesh& mesh) {
+  for (const Lid& lid : lids) {
     const auto tip = static_cast<std::uint32_t>(mesh.vertices.size());
-    Vec3 middle = Vec3::Zero();
-    double length = 0.0;
-    for (const OpenEdge& edge : loop) {
-      const Vec3& a = piece.mesh.vertices[edge.from];
-      const Vec3& b = piece.mesh.vertices[edge.to];
-      middle += 0.5 * (b - a).norm() * (a + b);
-      length += (b - a).norm();
+    for (const OpenEdge& edge : *lid.loop) {
       mesh.triangles.push_back({piece.vertex[edge.to], piece.vertex[edge.from], tip});
     }
-    mesh.vertices.push_back(length > 0.0 ? Vec3(middle / length)
-                                         : piece.mesh.vertices[loop.front().from]);
+    mesh.vertices.push_back(lid.tip);
   }
-  return widest;
 }
+
+/// Triangles of a patch that are asked first: where none of them lies inside, none does.
+constexpr std::size_t kProbes = 128;
+/// Of all patches together.
+constexpr std::size_t kMostProbes = 20'000;
+
+/// Takes surface that has solid on both sides.  Nothing touches it, and a ball inside would have to
+/// end there: the inner of two shells of which one was to thicken the other, what of two shells
+/// that pass through each other lies in the other, a wall inside.  A triangle of which a part is
+/// left becomes that part, with new triangles for what it does not hold; one of which nothing is
+/// left, a point of another one.  So the others keep their numbers.
+class WallTaker {
+ public:
+  /// @param mesh  must outlive this.
+  explicit WallTaker(const TriangleMesh& mesh) : from_(mesh), surface_(mesh) {}
+
+  /// @param mesh  a copy of that one.
+  void Run(TriangleMesh& mesh) {
+    if (!surface_.possible()) return;
+    const std::vector<std::vector<std::uint32_t>> patches = Patches();
+    // What an open surface has behind itself alone is a matter of degree, and no wall.
+    if (patches.size() > kMostProbes || (patches.size() == 1 && !surface_.closed())) return;
+    for (const std::vector<std::uint32_t>& patch : patches) {
+      if (!MayHide(patch, patches.size())) continue;
+      for (const std::uint32_t t : patch) Take(t, mesh);
+    }
+    std::vector<bool> gone(from_.triangles.size(), false);
+    for (const std::uint32_t t : gone_) gone[t] = true;
+    const auto left = std::ranges::find(gone, false);
+    if (left == gone.end()) return;  // of such a tangle nothing is known
+    const std::uint32_t point = mesh.triangles[static_cast<std::size_t>(left - gone.begin())][0];
+    for (const std::uint32_t t : gone_) mesh.triangles[t] = {point, point, point};
+  }
+
+ private:
+  /// Of the box's diagonal: parts of triangles that are smaller are not divided, for a ball that
+  /// ends there does so near the surface that is left.
+  static constexpr double kSmall = 0.01;
+  /// Of it: larger ones are, for more may lie inside than at four places.
+  static constexpr double kLarge = 0.1;
+
+  std::vector<std::vector<std::uint32_t>> Patches() {
+    const std::vector<std::uint32_t> patch_of = PatchesOf(from_);
+    std::vector<std::vector<std::uint32_t>> patches;
+    Eigen::AlignedBox3d box;
+    for (std::uint32_t t = 0; t < patch_of.size(); ++t) {
+      if (patch_of[t] >= patches.size()) patches.emplace_back();
+      patches[patch_of[t]].push_back(t);
+      for (const std::uint32_t v : from_.triangles[t]) box.extend(from_.vertices[v]);
+    }
+    diagonal_ = box.isEmpty() ? 0.0 : box.diagonal().norm();
+    return patches;
+  }
+
+  std::array<Vec3, 3> CornersOf(const std::array<std::uint32_t, 3>& part,
+                                const TriangleMesh& mesh) const {
+    return {mesh.vertices[part[0]], mesh.vertices[part[1]], mesh.vertices[part[2]]};
+  }
+
+  bool MayHide(const std::vector<std::uint32_t>& patch, std::size_t patches) const {
+    const std::size_t probes = std::clamp<std::size_t>(kMostProbes / patches, 1, kProbes);
+    if (patch.size() <= probes) return true;
+    for (std::size_t i = 0; i < probes; ++i) {
+      const std::uint32_t t = patch[i * patch.size() / probes];
+      if (surface_.Places(t, CornersOf(from_.triangles[t], from_)) > 0) return true;
+    }
+    return false;
+  }
+
+  void Take(std::uint32_t t, TriangleMesh& mesh) {
+    const std::size_t vertices = mesh.vertices.size();
+    kept_.clear();
+    if (Divide(t, from_.triangles[t], mesh)) {
+      mesh.vertices.resize(vertices);  // none of it lies inside: it stays as it was
+    } else if (kept_.empty()) {
+      gone_.push_back(t);
+    } else {
+      mesh.triangles[t] = kept_.front();
+      mesh.triangles.insert(mesh.triangles.end(), kept_.begin() + 1, kept_.end());
+    }
+  }
+
+  /// Keeps what of a part of triangle t does not lie inside.  True where that is all of it.
+  bool Divide(std::uint32_t t, const std::array<std::uint32_t, 3>& part, TriangleMesh& mesh) {
+    const std::array<Vec3, 3> corner = CornersOf(part, mesh);
+    const int places = surface_.Places(t, corner);
+    if (places == HiddenSurface::kAllPlaces) return false;
+    double longest = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      longest = std::max(longest, (corner[(c + 1) % 3] - corner[c]).norm());
+    }
+    if (!(longest > (places > 0 ? kSmall : kLarge) * diagonal_)) {
+      kept_.push_back(part);
+      return true;
+    }
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (std::size_t c = 0; c < 3; ++c) {
+      mesh.vertices.push_back(0.5 * (corner[c] + corner[(c + 1) % 3]));
+    }
+    bool all = true;
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      all = Divide(t, {part[c], first + c, first + (c + 2) % 3}, mesh) && all;
+    }
+    return Divide(t, {first, first + 1, first + 2}, mesh) && all;
+  }
+
+  const TriangleMesh& from_;
+  HiddenSurface surface_;
+  double diagonal_ = 0.0;
+  std::vector<std::uint32_t> gone_;
+  std::vector<std::array<std::uint32_t, 3>> kept_;
+};
 
 }  // namespace
 
 MeshSolid SolidOf(const TriangleMesh& mesh) {
   MeshSolid solid{mesh, 0.0, 0.0};
+  WallTaker(mesh).Run(solid.mesh);
   const MeshReport report = InspectMesh(mesh);
   if (report.closed()) return solid;
   const double diagonal = (report.box_max - report.box_min).norm();
-  const MeshQuery all(mesh);
-  const std::vector<MeshPiece> pieces = PiecesOf(mesh);
+  const TriangleMesh outside = solid.mesh;
+  const MeshQuery all(outside);
+  const std::vector<MeshPiece> pieces = PiecesOf(outside);
   if (pieces.size() > kMostPieces) return solid;
+  // Where an inner wall was taken, nothing is open.
+  EdgeSet open;
+  for (const OpenEdge& edge : OpenEdges(mesh)) open.insert(std::minmax(edge.from, edge.to));
   for (const MeshPiece& piece : pieces) {
     // A scrap of which most edges are open is a part of a soup, unless it stands alone.
     const bool scrap = piece.report.boundary_edges > piece.report.triangles && pieces.size() > 1;
@@ -116,12 +272,18 @@ MeshSolid SolidOf(const TriangleMesh& mesh) {
       AddPlate(piece, solid.thickness, solid.mesh);
       continue;
     }
-    const std::vector<Loop> loops = LoopsOf(piece.mesh);
-    const bool wide = std::ranges::any_of(loops, [&](const Loop& loop) {
-      return WidthOf(loop, piece.mesh) > kWideOpening * diagonal;
-    });
-    if (!wide || scrap) continue;
-    solid.opening = std::max(solid.opening, AddLids(piece, loops, solid.mesh));
+    const std::vector<Loop> loops = LoopsOf(piece, open);
+    std::vector<Lid> lids;
+    double widest = 0.0;
+    for (const Loop& loop : loops) {
+      const Lid lid = LidOver(loop, piece.mesh);
+      if (GoesOnBeyond(lid, piece.mesh, all)) continue;
+      lids.push_back(lid);
+      widest = std::max(widest, WidthOf(loop, piece.mesh));
+    }
+    if (!(widest > kWideOpening * diagonal) || scrap) continue;
+    solid.opening = std::max(solid.opening, widest);
+    AddLids(piece, lids, solid.mesh);
   }
   return solid;
 }

@@ -10,7 +10,8 @@ namespace palpate {
 /// where meshes are felt, is the mesh; spheres, and what is said of them, go by this solid.
 /// A piece that encloses something (Enclosure, mesh_pieces.h) and has a wide opening gets a lid,
 /// the flat cone over each of its openings; small holes stay, for no sphere comes far through them.
-/// A sheet encloses nothing: it gets a plate behind its faces.
+/// A sheet encloses nothing: it gets a plate behind its faces.  Surface inside the solid is
+/// taken, for balls need not end there.
 struct MeshSolid {
   TriangleMesh mesh;       ///< the triangles that came, and after them the new ones
   double opening = 0.0;    ///< the widest that a lid closes: its box's diagonal; 0: no lid

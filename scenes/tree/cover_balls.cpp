@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -41,8 +42,15 @@ struct Bit {
   }
 };
 
-/// Halves across their longest edges until none is longer than `longest`.
-std::vector<Bit> CutUp(const TriangleMesh& mesh, double longest) {
+/// The most bits that a mesh is cut into.  One whose triangles are no needles has some 40 for each
+/// ball; a needle a thousand times as long as the balls are apart would have millions.
+std::size_t MostBits(const TriangleMesh& mesh, std::size_t balls) {
+  return (std::size_t{1} << 19) + 2 * mesh.triangles.size() + 100 * balls;
+}
+
+/// Halves across their longest edges until none is longer than `longest`; nothing where there would
+/// be more than `most`.
+std::optional<std::vector<Bit>> CutUp(const TriangleMesh& mesh, double longest, std::size_t most) {
   std::vector<Bit> bits, left;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& [i, j, k] = mesh.triangles[t];
@@ -51,13 +59,14 @@ std::vector<Bit> CutUp(const TriangleMesh& mesh, double longest) {
       const Bit bit = left.back();
       left.pop_back();
       int edge = 0;
-      double most = 0.0;
+      double length_of_edge = 0.0;
       for (int e = 0; e < 3; ++e) {
         const double length = (bit.corner[(e + 1) % 3] - bit.corner[e]).norm();
-        if (length > most) edge = e;
-        most = std::max(most, length);
+        if (length > length_of_edge) edge = e;
+        length_of_edge = std::max(length_of_edge, length);
       }
-      if (!(most > longest)) {
+      if (!(length_of_edge > longest)) {
+        if (bits.size() == most) return std::nullopt;
         bits.push_back(bit);
         continue;
       }
@@ -71,10 +80,19 @@ std::vector<Bit> CutUp(const TriangleMesh& mesh, double longest) {
   return bits;
 }
 
+/// As small as they need be, or as they may be many: larger ones are held by larger balls.
+std::vector<Bit> BitsOfMesh(const TriangleMesh& mesh, double longest, std::size_t balls) {
+  for (;; longest *= 2.0) {
+    if (auto bits = CutUp(mesh, longest, MostBits(mesh, balls))) return *std::move(bits);
+  }
+}
+
 class Coverer {
  public:
   Coverer(const SurfaceToCover& work, std::vector<Sphere>& balls)
-      : work_(work), balls_(balls), bits_(CutUp(work.mesh, kBitSize * work.spacing)) {}
+      : work_(work),
+        balls_(balls),
+        bits_(BitsOfMesh(work.mesh, kBitSize * work.spacing, balls.size())) {}
 
   void Run(const std::function<void(double)>& done) {
     for (Sphere& ball : balls_) ball.radius = PlaceOf(ball.centre).room;

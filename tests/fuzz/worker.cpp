@@ -8,7 +8,9 @@
 #include <cstring>
 #include <stdexcept>
 
+#include <malloc.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/time.h>
 #include <sys/wait.h>
@@ -28,10 +30,17 @@ Progress* progress = nullptr;
 
 /// assimp loses memory where it throws: a worker's share of it ends with him.
 constexpr std::size_t kTriesOfAWorker = 20'000;
+/// How often a long run says how far it is, so that one that is ended has told something.
+constexpr std::size_t kTold = 20'000;
 
 void Limit() {
   const rlimit none{0, 0};
   setrlimit(RLIMIT_CORE, &none);
+  prctl(PR_SET_DUMPABLE, 0);  // no core, not by a handler either
+  // assimp takes a buffer of a megabyte or more for each file, which the kernel would have to find
+  // and clear anew each time.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   const rlimit gigabyte{std::size_t{1} << 30, std::size_t{1} << 30};
   setrlimit(RLIMIT_AS, &gigabyte);
@@ -59,7 +68,7 @@ void Limit() {
 }  // namespace
 
 void Worker::Enter(Code code) {
-  progress->code = code;
+  if (progress != nullptr) progress->code = code;
 }
 
 Tries Worker::RunAll(std::size_t count, const Run& run) {
@@ -68,6 +77,7 @@ Tries Worker::RunAll(std::size_t count, const Run& run) {
   if (shared == MAP_FAILED) throw std::runtime_error("no memory to share with workers");
   progress = new (shared) Progress;
   Tries tries;
+  std::size_t told = 0;
   while (progress->number < count) {
     progress->fault[0] = '\0';
     const pid_t worker = fork();
@@ -76,6 +86,12 @@ Tries Worker::RunAll(std::size_t count, const Run& run) {
     int status = 0;
     rusage use{};
     while (wait4(worker, &status, 0, &use) < 0 && errno == EINTR) {
+    }
+    if (progress->number / kTold > told) {
+      told = progress->number / kTold;
+      std::printf("%zu tries, %zu accepted, %zu deaths of assimp\n", progress->number,
+                  progress->accepted, tries.deaths_in_theirs);
+      std::fflush(stdout);
     }
     tries.peak_bytes = std::max(tries.peak_bytes, static_cast<std::size_t>(use.ru_maxrss) * 1024);
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) continue;

@@ -28,6 +28,7 @@ struct Tries {
 class Worker {
  public:
   using Run = std::function<bool(std::size_t number, std::string& fault)>;
+  /// Outside a worker it says nothing.
   static void Enter(Code code);
   static Tries RunAll(std::size_t count, const Run& run);
 };

@@ -1,8 +1,10 @@
 // The program palpate-scene, as people meet it.
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #include <gmock/gmock.h>
@@ -11,9 +13,11 @@
 
 #include "common/json/json_file.h"
 #include "scenes/catalogue.h"
+#include "scenes/scene_verdict.h"
 #include "scenes/tree/coverage.h"
 #include "tests/scenes/support.h"
 #include "tests/support/dirty_mesh.h"
+#include "tests/support/program.h"
 
 namespace palpate {
 namespace {
@@ -21,6 +25,7 @@ namespace {
 using test::FreshFolder;
 using testing::EndsWith;
 using testing::HasSubstr;
+using testing::Not;
 
 struct Outcome {
   int exit_code = -1;
@@ -225,16 +230,21 @@ std::string VerdictOf(const Outcome& run) {
   return run.text.substr(at, end == std::string::npos ? end : end - at);
 }
 
-TEST(PalpateScene, ChecksBuildsAndInformsWithOneVerdict) {
+TEST(PalpateScene, ChecksBuildsAndInformsWithTheServersVerdict) {
   const std::string folder = FreshFolder();
   test::Random random(3);
   TriangleMesh soup = test::Unwelded(MakeSphere(0.02, 320), 4e-8, random);
   test::TurnSome(soup, 0.05, random);
+  soup = test::Both(soup, MakeSphere(0.019, 320));
   const std::string mesh = test::WriteFile(folder + "/soup.obj", test::ObjOf(soup));
   const std::string bundle = folder + "/soup.palpate";
   const std::string check = VerdictOf(PalpateScene("check " + mesh, folder));
   EXPECT_THAT(check, testing::AllOf(HasSubstr("usable with these limits"), HasSubstr("welded"),
-                                    HasSubstr("they are turned")));
+                                    HasSubstr("they are turned"), HasSubstr("parts overlap")));
+  LoadOptions options;
+  options.cache_dir = folder + "/palpate";
+  options.tell = [](const std::string&) {};
+  EXPECT_EQ(ToText(JudgeScene(LoadScene(mesh, options))), check) << "which the server logs";
   EXPECT_EQ(VerdictOf(PalpateScene("info " + mesh, folder)), check);
   const Outcome build = PalpateScene("build " + mesh + " -o " + bundle, folder);
   EXPECT_EQ(build.exit_code, 0) << build.text;
@@ -256,6 +266,43 @@ TEST(PalpateScene, ChecksBuildsAndInformsAsFailuresOfWhatIsNotUsable) {
     EXPECT_THAT(run.text, HasSubstr("verdict: not usable:\n  - object o: a hundredth"));
   }
   EXPECT_FALSE(std::filesystem::exists(bundle));
+}
+
+/// What stands in a folder, by name, with its contents.
+std::map<std::string, std::string> FilesIn(const std::string& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    files[entry.path().filename()] = ReadWholeFile(entry.path());
+  }
+  return files;
+}
+
+TEST(PalpateScene, LeavesNothingBehindWhereCtrlCEndsABuild) {
+  const std::string folder = FreshFolder();
+  const std::string cache = folder + "/cache", out = folder + "/out";
+  std::filesystem::create_directories(out);
+  const auto scene = [&](const std::string& name, int leaves) {
+    return test::WriteFile(
+        folder + "/" + name + ".json",
+        R"({"tools":[{"name":"b","mesh":{"shape":"sphere","radius_m":0.01},"leaves":1}],
+"objects":[{"name":"o","mesh":{"shape":"ellipsoid","semi_axes_m":[0.1,0.2,0.3]},"leaves":)" +
+            std::to_string(leaves) + "}]}");
+  };
+  const std::string small = scene("small", 64);
+  ASSERT_EQ(PalpateScene("build " + small + " --cache " + cache, folder).exit_code, 0);
+  const auto before = FilesIn(cache);
+  ASSERT_EQ(before.size(), 1u);
+  test::Program build(
+      test::OwnFolder() + "/palpate-scene",
+      {"build", scene("large", 500'000), "--cache", cache, "-o", out + "/x.palpate"});
+  ASSERT_TRUE(build.Says("touching balls")) << build.Output();
+  build.Signal(SIGINT);
+  EXPECT_EQ(build.Exit(), -SIGINT);
+  EXPECT_TRUE(std::filesystem::is_empty(out));
+  EXPECT_EQ(FilesIn(cache), before);
+  const Outcome again = PalpateScene("info " + small + " --cache " + cache, folder);
+  EXPECT_EQ(again.exit_code, 0) << again.text;
+  EXPECT_THAT(again.text, Not(HasSubstr("touching balls"))) << "it is not built anew";
 }
 
 TEST(PalpateScene, ListsTheCatalogue) {

@@ -182,4 +182,40 @@ inline double SticksOut(const TriangleMesh& clean, const Sphere& ball) {
   return std::max(0.0, ball.radius + (inside ? -nearest : nearest));
 }
 
+/// Whether any of 26 places of a ball, a thousandth of its radius below its surface, lies outside a
+/// closed mesh, which may pass through itself.
+inline bool AnyPlaceOutside(const TriangleMesh& mesh, const Sphere& ball) {
+  for (int n = 0; n < 27; ++n) {
+    if (n == 13) continue;
+    const Vec3 way = Vec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).normalized();
+    if (BruteWinding(mesh, ball.centre + 0.999 * ball.radius * way) < 0.5) return true;
+  }
+  return false;
+}
+
+/// Whether a closed mesh has solid on one side only of a point of a triangle.
+inline bool IsExposed(const TriangleMesh& mesh, std::size_t triangle, const Vec3& at) {
+  const Vec3 a = Corner(mesh, triangle, 0);
+  const Vec3 area = (Corner(mesh, triangle, 1) - a).cross(Corner(mesh, triangle, 2) - a);
+  const Vec3 step = 1e-3 * std::sqrt(area.norm()) * area.normalized();
+  return (BruteWinding(mesh, at + step) > 0.5) != (BruteWinding(mesh, at - step) > 0.5);
+}
+
+/// The triangles of a closed mesh that lie outside it as a whole, told at their middles and near
+/// their corners.
+inline TriangleMesh Exposed(const TriangleMesh& mesh) {
+  TriangleMesh exposed;
+  exposed.vertices = mesh.vertices;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 a = Corner(mesh, t, 0), b = Corner(mesh, t, 1), c = Corner(mesh, t, 2);
+    const Vec3 middle = (a + b + c) / 3.0;
+    bool whole = IsExposed(mesh, t, middle);
+    for (const Vec3& corner : {a, b, c}) {
+      whole = whole && IsExposed(mesh, t, corner + 0.1 * (middle - corner));
+    }
+    if (whole) exposed.triangles.push_back(mesh.triangles[t]);
+  }
+  return exposed;
+}
+
 }  // namespace palpate::test

@@ -1,11 +1,17 @@
 // Mesh files that are cut short, or lie about themselves, or cannot be survived: each is refused by
 // an Error that names the file, and this process goes on.
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "common/json/json_file.h"
 #include "scenes/catalogue.h"
@@ -16,6 +22,7 @@
 #include "scenes/tree/sphere_tree_builder.h"
 #include "tests/scenes/support.h"
 #include "tests/support/exported_box.h"
+#include "tests/support/program.h"
 
 namespace palpate {
 namespace {
@@ -135,6 +142,64 @@ TEST(DamagedMesh, ThatTakesTooMuchMemoryIsRefused) {
 "sparse":{"count":1,"indices":{"bufferView":0,"componentType":5125},
 "values":{"bufferView":0}}}]})");
   EXPECT_THAT(Import(file), StartsWith(file));
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // where memory has a limit
+  EXPECT_THAT(Import(file), AllOf(HasSubstr("needs more memory"), HasSubstr("simplify it")));
+#endif
+}
+
+TEST(DamagedMesh, ThatTakesTooMuchTimeIsRefused) {
+  // In the importer's place, one that a file holds up, with less time.
+  const std::string folder = FreshFolder();
+  const std::string scene = folder + "/palpate-scene", importer = folder + "/palpate-import";
+  std::filesystem::copy_file(test::OwnFolder() + "/palpate-scene", scene);
+  WriteFile(importer, "#!/bin/sh\nulimit -t 1\nwhile :; do :; done\n");
+  std::filesystem::permissions(importer, std::filesystem::perms::owner_all);
+  const std::string file = WriteFile(folder + "/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  test::Program program(scene, {"check", file});
+  EXPECT_EQ(program.Exit(60.0), 1);
+  EXPECT_THAT(program.Output(), AllOf(HasSubstr("palpate-scene: " + file + ": was not read within"),
+                                      HasSubstr("export it again, or simplify it")));
+}
+
+TEST(DamagedMesh, IsReadByAProcessThatHasLimitedItself) {
+  // A file that never begins: nobody writes into the pipe.
+  const std::string pipe = FreshFolder() + "/pipe.obj";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  test::Program importer(test::OwnFolder() + "/palpate-import", {pipe});
+  const std::string limits = "/proc/" + std::to_string(importer.id()) + "/limits";
+  std::string found;
+  for (int i = 0; i < 2000 && found.find("Max cpu time              10 ") == std::string::npos;
+       ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    found = ReadWholeFile(limits);
+  }
+  EXPECT_THAT(found, HasSubstr("Max cpu time              10                   10 "));
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  while (importer.Runs() &&
+         found.find("Max address space         1073741824 ") == std::string::npos) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    found = ReadWholeFile(limits);
+  }
+  EXPECT_THAT(found, HasSubstr("Max address space         1073741824           1073741824 "));
+#endif
+}
+
+TEST(DamagedMesh, OfANeedleATreeIsBuiltInBoundedMemory) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizers' memory has no limit";
+#endif
+  TriangleMesh cube = MakeBox(Vec3::Constant(1e-3));
+  std::ranges::max_element(cube.vertices, {}, [](const Vec3& v) { return v.sum(); })->x() = 100.0;
+  for (const TreeMode mode :
+       {TreeMode::kInside, TreeMode::kBalanced, TreeMode::kCover, TreeMode::kOctree}) {
+    const auto build = [&] {
+      const rlimit half_a_gigabyte{std::size_t{1} << 29, std::size_t{1} << 29};
+      setrlimit(RLIMIT_AS, &half_a_gigabyte);
+      BuildSphereTree(cube, 64, {}, mode);
+      _exit(0);
+    };
+    EXPECT_EXIT(build(), testing::ExitedWithCode(0), "") << NameOf(mode);
+  }
 }
 
 TEST(FilesOfMesh, AreTheBuffersThatItNamesToo) {
