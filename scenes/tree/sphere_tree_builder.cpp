@@ -15,8 +15,8 @@ namespace palpate {
 namespace {
 
 /// Gives every leaf the triangles that it stands for: those that lie nearest to it, told by points
-/// all over the surface, of which every triangle has at least one.  Samples may be of triangles
-/// behind the mesh's own (mesh_solid.h), which nobody sees.
+/// all over the surface, of which every triangle has at least one.
+/// @param samples  of the mesh's own triangles.
 void ShareOutTriangles(const TriangleMesh& mesh, const std::vector<SurfaceSample>& samples,
                        SphereTree& tree) {
   std::vector<Sphere> balls;
@@ -27,7 +27,6 @@ void ShareOutTriangles(const TriangleMesh& mesh, const std::vector<SurfaceSample
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  // leaf, triangle
   pairs.reserve(samples.size() + mesh.triangles.size());
   for (const SurfaceSample& s : samples) {
-    if (s.triangle >= mesh.triangles.size()) continue;
     pairs.push_back({query.Nearest(s.point).ball, s.triangle});
   }
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -60,6 +59,14 @@ SphereTree Assemble(const TriangleMesh& mesh, const std::vector<Sphere>& balls,
   return tree;
 }
 
+/// The samples of what a mesh's solid has of the mesh itself, by the mesh's triangles.
+std::vector<SurfaceSample> SamplesOfMesh(const MeshSolid& solid, const TriangleMesh& mesh,
+                                         std::vector<SurfaceSample> samples) {
+  for (SurfaceSample& s : samples) s.triangle = solid.OriginOf(s.triangle, mesh.triangles.size());
+  std::erase_if(samples, [](const SurfaceSample& s) { return s.triangle == MeshSolid::kNone; });
+  return samples;
+}
+
 /// Throws where the mesh cannot be rendered, before a solid is made of it.
 Vec3 CentroidOf(const TriangleMesh& mesh) {
   const MeshReport report = InspectMesh(mesh);
@@ -78,14 +85,15 @@ SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Pr
   if (progress) progress("scattering samples", 0.05);
   const SampledSolid sampled(solid.mesh, count);
   const std::vector<Sphere> leaves = MakeLeaves(sampled, count, mode, progress);
-  return Assemble(mesh, leaves, sampled.samples, centroid, progress);
+  return Assemble(mesh, leaves, SamplesOfMesh(solid, mesh, sampled.samples), centroid, progress);
 }
 
 SphereTree TreeOverBalls(const TriangleMesh& mesh, const std::vector<Sphere>& balls) {
   if (balls.empty()) throw Error("a sphere tree of 0 leaves is not possible; give at least 1");
   const Vec3 centroid = CentroidOf(mesh);
   const MeshSolid solid = SolidOf(mesh);
-  return Assemble(mesh, balls, SampledSolid(solid.mesh, balls.size()).samples, centroid);
+  const SampledSolid sampled(solid.mesh, balls.size());
+  return Assemble(mesh, balls, SamplesOfMesh(solid, mesh, sampled.samples), centroid);
 }
 
 SphereTree SingleSphereTree(const TriangleMesh& mesh, const Sphere& ball) {
