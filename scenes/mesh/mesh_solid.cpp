@@ -149,15 +149,19 @@ class WallTaker {
   /// @param mesh  must outlive this.
   explicit WallTaker(const TriangleMesh& mesh) : from_(mesh), surface_(mesh) {}
 
-  /// @param mesh  a copy of that one.
-  void Run(TriangleMesh& mesh) {
+  /// @param mesh     a copy of that one.
+  /// @param part_of  what triangles the new ones are parts of.
+  void Run(TriangleMesh& mesh, std::vector<std::uint32_t>& part_of) {
     if (!surface_.possible()) return;
     const std::vector<std::vector<std::uint32_t>> patches = Patches();
     // What an open surface has behind itself alone is a matter of degree, and no wall.
     if (patches.size() > kMostProbes || (patches.size() == 1 && !surface_.closed())) return;
     for (const std::vector<std::uint32_t>& patch : patches) {
       if (!MayHide(patch, patches.size())) continue;
-      for (const std::uint32_t t : patch) Take(t, mesh);
+      for (const std::uint32_t t : patch) {
+        Take(t, mesh);
+        part_of.resize(mesh.triangles.size() - from_.triangles.size(), t);
+      }
     }
     std::vector<bool> gone(from_.triangles.size(), false);
     for (const std::uint32_t t : gone_) gone[t] = true;
@@ -249,8 +253,8 @@ class WallTaker {
 }  // namespace
 
 MeshSolid SolidOf(const TriangleMesh& mesh) {
-  MeshSolid solid{mesh, 0.0, 0.0};
-  WallTaker(mesh).Run(solid.mesh);
+  MeshSolid solid{mesh, {}, 0.0, 0.0};
+  WallTaker(mesh).Run(solid.mesh, solid.part_of);
   const MeshReport report = InspectMesh(mesh);
   if (report.closed()) return solid;
   const double diagonal = (report.box_max - report.box_min).norm();

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "scenes/scene.h"
 
@@ -13,11 +15,21 @@ namespace palpate {
 /// A sheet encloses nothing: it gets a plate behind its faces.  Surface inside the solid is
 /// taken, for balls need not end there.
 struct MeshSolid {
-  TriangleMesh mesh;       ///< the triangles that came, and after them the new ones
+  TriangleMesh mesh;  ///< the triangles that came, and after them the new ones
+  /// Of the first of the new ones, which are parts of triangles that came: which.
+  std::vector<std::uint32_t> part_of;
   double opening = 0.0;    ///< the widest that a lid closes: its box's diagonal; 0: no lid
   double thickness = 0.0;  ///< of the plate behind a sheet; 0: no sheet
 
   bool added() const { return opening > 0.0 || thickness > 0.0; }
+
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+  /// Of a triangle of the solid, the one that it is, or is a part of; kNone where there is none.
+  /// @param came  how many there were.
+  std::uint32_t OriginOf(std::uint32_t triangle, std::size_t came) const {
+    if (triangle < came) return triangle;
+    return triangle - came < part_of.size() ? part_of[triangle - came] : kNone;
+  }
 };
 
 /// @param mesh  finite, oriented as far as it can be (mesh_orient.h).  Deterministic.

@@ -17,8 +17,8 @@ namespace palpate {
 namespace {
 
 /// Gives every leaf the triangles that it stands for: those that lie nearest to it, told by points
-/// all over the surface, of which every triangle has at least one.  Samples may be of triangles
-/// behind the mesh's own (mesh_solid.h), which nobody sees.
+/// all over the surface, of which every triangle has at least one.
+/// @param samples  of the mesh's own triangles.
 void ShareOutTriangles(const TriangleMesh& mesh, const std::vector<SurfaceSample>& samples,
                        SphereTree& tree) {
   std::vector<Sphere> balls;
@@ -29,7 +29,6 @@ void ShareOutTriangles(const TriangleMesh& mesh, const std::vector<SurfaceSample
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  // leaf, triangle
   pairs.reserve(samples.size() + mesh.triangles.size());
   for (const SurfaceSample& s : samples) {
-    if (s.triangle >= mesh.triangles.size()) continue;
     pairs.push_back({query.Nearest(s.point).ball, s.triangle});
   }
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -62,6 +61,14 @@ SphereTree Assemble(const TriangleMesh& mesh, const std::vector<Sphere>& balls,
   return tree;
 }
 
+/// The samples of what a mesh's solid has of the mesh itself, by the mesh's triangles.
+std::vector<SurfaceSample> SamplesOfMesh(const MeshSolid& solid, const TriangleMesh& mesh,
+                                         std::vector<SurfaceSample> samples) {
+  for (SurfaceSample& s : samples) s.triangle = solid.OriginOf(s.triangle, mesh.triangles.size());
+  std::erase_if(samples, [](const SurfaceSample& s) { return s.triangle == MeshSolid::kNone; });
+  return samples;
+}
+
 /// Throws where the mesh cannot be rendered, before a solid is made of it.
 Vec3 CentroidOf(const TriangleMesh& mesh) {
   const MeshReport report = InspectMesh(mesh);
@@ -80,7 +87,8 @@ SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Pr
   if (progress) progress("scattering samples", 0.05);
   const SampledSolid sampled(solid.mesh, count);
   const std::vector<Sphere> leaves = MakeLeaves(sampled, count, mode, progress);
-  SphereTree tree = Assemble(mesh, leaves, sampled.samples, centroid, progress);
+  SphereTree tree =
+      Assemble(mesh, leaves, SamplesOfMesh(solid, mesh, sampled.samples), centroid, progress);
   tree.origin = OriginOf(mode);
   return tree;
 }
@@ -127,7 +135,7 @@ TolerantTree BuildToTolerance(const TriangleMesh& mesh, const LeafTolerance& tol
   };
   TolerantTree built;
   built.chosen = ChooseLeafCount(bound, most, error_of, next);
-  built.tree = Assemble(mesh, best, best_samples, centroid);
+  built.tree = Assemble(mesh, best, SamplesOfMesh(solid, mesh, best_samples), centroid);
   if (progress) progress("done", 1.0);
   built.tree.origin = OriginOf(mode);
   built.found = ToText(built.chosen, tolerance, bound);
@@ -144,7 +152,8 @@ SphereTree TreeOverBalls(const TriangleMesh& mesh, const std::vector<Sphere>& ba
   if (balls.empty()) throw Error("a sphere tree of 0 leaves is not possible; give at least 1");
   const Vec3 centroid = CentroidOf(mesh);
   const MeshSolid solid = SolidOf(mesh);
-  SphereTree tree = Assemble(mesh, balls, SampledSolid(solid.mesh, balls.size()).samples, centroid);
+  const SampledSolid sampled(solid.mesh, balls.size());
+  SphereTree tree = Assemble(mesh, balls, SamplesOfMesh(solid, mesh, sampled.samples), centroid);
   tree.origin = TreeOrigin::kFile;
   return tree;
 }

@@ -48,14 +48,15 @@ TriangleMesh Scaled(TriangleMesh mesh, double by) {
   return mesh;
 }
 
-/// The scene of a mesh that is felt by its spheres, as a file of metres would make it.
+/// The scene of a mesh that is felt by its spheres, as a file of metres would make it; they stay
+/// inside, so that whatever sticks out is a fault.
 Scene Felt(const TriangleMesh& mesh, const std::string& more = "") {
   const std::string folder = FreshFolder();
   WriteFile(folder + "/mesh.obj", test::ObjOf(mesh));
   const std::string scene = WriteFile(
       folder + "/scene.json",
       R"({"contact":"spheres","tools":[{"name":"ball","mesh":{"shape":"sphere","radius_m":0.002},
-"leaves":1}],"objects":[{"name":"object","leaves":)" +
+"leaves":1}],"objects":[{"name":"object","tree":"inside","leaves":)" +
           std::to_string(kLeaves) + R"(,"mesh":{"file":"mesh.obj","unit":"m","origin":"file")" +
           more + "}}]}");
   LoadOptions options;

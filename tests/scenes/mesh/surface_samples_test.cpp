@@ -63,7 +63,8 @@ TEST(SamplesAbove, AreAsManyAsTheAreaThatABallsCentreRollsOver) {
   std::size_t faces = 0, edges = 0, corners = 0;
   for (const SurfaceSample& s : samples) {
     EXPECT_NEAR(box.query.Nearest(s.point).distance, height, 1e-6);
-    EXPECT_LT((box.query.Nearest(s.point).point - (s.point - height * s.outward)).norm(), 1e-6);
+    // A millionth in front of another place is a thousandth beside it.
+    EXPECT_LT((box.query.Nearest(s.point).point - (s.point - height * s.outward)).norm(), 2e-3);
     const long beyond = (s.point.array().abs() > Eigen::Array3d(0.5, 1, 2)).count();
     (beyond == 1 ? faces : beyond == 2 ? edges : corners) += 1;
   }
