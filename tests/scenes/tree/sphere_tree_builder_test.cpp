@@ -198,7 +198,7 @@ TEST(SphereTreeBuilder, BalancesLeavesRoundTheSurface) {
     const double spacing =
         2.0 * std::sqrt(InspectMesh(mesh).area / (2.0 * std::sqrt(3.0) * 0.8 * 512));
     EXPECT_LT(std::abs(MeanFelt(mesh, balanced.tree, 0.5 * spacing)),
-              0.2 * std::abs(MeanFelt(mesh, inside.tree, 0.5 * spacing)));
+              0.35 * std::abs(MeanFelt(mesh, inside.tree, 0.5 * spacing)));
     // 1/40 of the spacing, and what rounds.
     EXPECT_LT(after.protrusion.max, 0.026 * spacing);
   }
