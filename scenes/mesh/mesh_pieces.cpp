@@ -3,29 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <utility>
+
+#include "scenes/mesh/disjoint_sets.h"
 
 namespace palpate {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-
-/// Disjoint sets of numbers.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
-  std::uint32_t Find(std::uint32_t v) {
-    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
-    return v;
-  }
-  void Join(std::uint32_t a, std::uint32_t b) { parent_[Find(a)] = Find(b); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// Calls `work` with the triangles at each edge, in the order of their numbers.
 template <class Work>
@@ -72,7 +57,7 @@ std::vector<bool> ClosedPatches(const TriangleMesh& mesh, const std::vector<std:
 }  // namespace
 
 std::vector<std::uint32_t> PatchesOf(const TriangleMesh& mesh) {
-  Sets patches(mesh.triangles.size());
+  DisjointSets patches(mesh.triangles.size());
   ForEachEdge(mesh, [&](const std::vector<std::uint32_t>& triangles) {
     if (triangles.size() == 2) patches.Join(triangles[0], triangles[1]);
   });
@@ -89,7 +74,7 @@ std::vector<std::uint32_t> PatchesOf(const TriangleMesh& mesh) {
 std::vector<MeshPiece> PiecesOf(const TriangleMesh& mesh) {
   const std::vector<std::uint32_t> patch = PatchesOf(mesh);
   const std::vector<bool> closed = ClosedPatches(mesh, patch);
-  Sets vertices(mesh.vertices.size());
+  DisjointSets vertices(mesh.vertices.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (closed[patch[t]]) continue;
     const auto& [i, j, k] = mesh.triangles[t];

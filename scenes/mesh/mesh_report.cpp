@@ -4,27 +4,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
+
+#include "scenes/mesh/disjoint_sets.h"
 
 namespace palpate {
 namespace {
-
-/// Disjoint sets of vertices.
-class Pieces {
- public:
-  explicit Pieces(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
-  std::uint32_t Find(std::uint32_t v) {
-    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
-    return v;
-  }
-  void Join(std::uint32_t a, std::uint32_t b) { parent_[Find(a)] = Find(b); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 struct Edge {
   std::uint32_t low, high;
@@ -113,7 +98,7 @@ MeshReport InspectMesh(const TriangleMesh& mesh) {
   r.non_finite_vertices = std::count(finite.begin(), finite.end(), false);
 
   std::vector<bool> used(r.vertices, false);
-  Pieces pieces(r.vertices);
+  DisjointSets pieces(r.vertices);
   std::vector<Edge> edges;
   std::vector<std::array<std::uint32_t, 3>> corners;
   r.box_min = Vec3::Constant(std::numeric_limits<double>::infinity());
