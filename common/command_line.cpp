@@ -79,14 +79,23 @@ void AddCommonOptions(CLI::App& app, const std::string& domain_help, int& domain
 }
 
 void AddNetworkOptions(CLI::App& app, const std::string& peer, dds::Network& network) {
-  app.add_option("--network", network.interface,
-                 "interface of the network where server, stations and viewers meet, to be given on "
-                 "the server's host too; lo: this host alone.  Nothing that is sent is encrypted")
+  app.add_option(
+         "--network", network.interface,
+         "interface of the network where server, stations and viewers meet, to be given on "
+         "the server's host too; lo: this host alone.  Nothing that is sent is encrypted, but "
+         "with --identity")
       ->type_name("INTERFACE")
       ->capture_default_str();
   app.add_option("--peer", network.peers,
                  "address of " + peer + ", where that network carries no multicast")
       ->type_name("ADDRESS");
+  app.add_option(
+         "--identity", network.identity,
+         "who this is in a secured domain: a folder that 'deploy/security/identities add' "
+         "made.  Then all that is sent is encrypted, over UDP, and only who has an identity "
+         "of the same authority is heard, in what its role may say")
+      ->type_name("FOLDER")
+      ->check(CLI::ExistingDirectory);
 }
 
 void AddRealtimeOptions(CLI::App& app, const std::string& loop, RealtimeOptions& realtime) {

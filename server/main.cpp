@@ -56,6 +56,7 @@ struct Options {
   std::string models;
   MeshSceneOptions mesh;
   bool unusable_too = false;
+  bool admit_by_hand = false;
   std::uint64_t hand_seed = 1;
   int domain = 0;
   std::string log_level = "info";
@@ -113,11 +114,14 @@ int Serve(const Options& options) {
   }
   malloc_trim(0);  // what the models were made from: as much again
 
-  Server server(std::move(loop_domain), dds::Participant::Service(options.domain, options.network),
-                std::move(tools), [](const std::string& line) {
-                  std::puts(line.c_str());
-                  std::fflush(stdout);
-                });
+  Server server(
+      std::move(loop_domain), dds::Participant::Service(options.domain, options.network),
+      std::move(tools),
+      [](const std::string& line) {
+        std::puts(line.c_str());
+        std::fflush(stdout);
+      },
+      options.admit_by_hand);
   for (auto& [name, bundle] : bundles) server.PublishScene(name, std::move(bundle));
   server.Offer(offer);
   std::printf("ready: scenes %s; transport %s; real-time %s; domain %d\n", names.c_str(),
@@ -148,6 +152,9 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
                  "folder with the meshes that are not installed (or PALPATE_MODELS)");
   app.add_flag("--unusable-too", options.unusable_too,
                "serve scenes that 'palpate-scene check' calls not usable, with a warning");
+  app.add_flag(
+      "--admit-by-hand", options.admit_by_hand,
+      "stations wait until somebody admits them, at the page of a gateway that may operate");
   app.add_option("--hand-seed", options.hand_seed,
                  "which hand to make for a scene without a script (NAME.path.json)")
       ->capture_default_str();

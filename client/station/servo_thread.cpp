@@ -120,6 +120,7 @@ void ServoThread::Tick(std::int64_t now_ns) noexcept {
   const bool sending = path != nullptr && IsTimeToSend();
   const OutgoingPose pose = core_.Sense(now_ns, sending);
   if (by_button_.load(std::memory_order_relaxed)) MindTheButton(pose.sample);
+  core_.Mute(muted_.load(std::memory_order_relaxed));
   // A device keeps what it was told last: that is to be nothing.
   const bool stopping = stop_.load(std::memory_order_relaxed);
   if (stopping) core_.EnableForces(false);

@@ -45,6 +45,8 @@ class ServoThread {
   /// From now on forces are enabled while the device's first button is held, and only then.  It
   /// must have been seen up since the device last was in order: one that is stuck enables nothing.
   void EnableForcesByButton() { by_button_.store(true); }
+  /// Forces ramp to zero and stay there; or ramp in again, where nothing else keeps them off.
+  void Mute(bool on) { muted_.store(on, std::memory_order_relaxed); }
   /// Where a guide wants the hand to be; the newest counts.
   void SetAim(const GuideAim& aim) { aims_.Write(aim); }
   /// Counts from the next tick on (StationCore::RestartTotals); the missed ticks, too.
@@ -91,6 +93,7 @@ class ServoThread {
   double poses_due_ = 0.0;
   bool button_ready_ = false;
   std::atomic<bool> by_button_{false};
+  std::atomic<bool> muted_{false};
   std::atomic<bool> done_{false};
   std::atomic<PosePath*> path_{nullptr};
   std::atomic<bool> started_{false};

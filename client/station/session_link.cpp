@@ -1,5 +1,6 @@
 #include "client/station/session_link.h"
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -20,6 +21,7 @@ constexpr std::int64_t kSettle_ns = 100'000'000;
 /// A match that does not come about is tried anew, under a new run.
 constexpr std::int64_t kMatchPatience_ns = 5 * kSecond_ns;
 constexpr std::int64_t kSilence_ns = kSecond_ns;
+constexpr std::int64_t kAskAgain_ns = 2 * kSecond_ns;
 /// Readers that may stay deaf in one run before the transport is to blame.
 constexpr int kReadersPerRun = 3;
 /// A server that refuses a station which it served before may still hold its former session.
@@ -65,6 +67,9 @@ void SessionLink::WriteRequest(bool leave) {
   wire::FromText(options_.tool, request.tool);
   wire::FromText(options_.device, request.device);
   request.leave = leave;
+  std::ranges::copy(leave_key_, request.leave_key);
+  std::ranges::copy(dds::SealOf(request.leave_key), request.leave_seal);
+  if (!leave) std::ranges::fill(request.leave_key, 0);
   requests_.Write(request);
 }
 
@@ -78,13 +83,14 @@ void SessionLink::Ask(std::int64_t now_ns) {
   Close();
   if (server_restarted_) former_servers_.insert(server_run_);
   run_ = RandomRun();
+  leave_key_ = dds::NewLeaveKey();
   server_run_ = 0;
   server_restarted_ = false;
   state_.reset();
   readers_made_ = 0;
   matched_since_ns_ = 0;
   phase_ = Phase::kAsking;
-  phase_since_ns_ = now_ns;
+  phase_since_ns_ = asked_ns_ = now_ns;
   WriteRequest(false);
 }
 
@@ -106,6 +112,12 @@ void SessionLink::TakeStates() {
 
 void SessionLink::Poll(std::int64_t now_ns) {
   TakeStates();
+  if (const bool muted = state_ ? state_->muted : muted_; muted != muted_) {
+    muted_ = muted;
+    servo_->Mute(muted);
+    say_(muted ? "muted: forces are off until somebody at the server's gateway unmutes this station"
+               : "no longer muted: forces ramp in");
+  }
   switch (phase_) {
     case Phase::kAsking:
       return PollAsking(now_ns);
@@ -122,8 +134,19 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
     if (links_ == 0 && asked_s > options_.patience_s) {
       throw Error(NobodyAnswers(options_.domain, options_.network, options_.scene));
     }
+    // A server that is flooded with requests answers some of them only.
+    if (now_ns - asked_ns_ > kAskAgain_ns) {
+      asked_ns_ = now_ns;
+      WriteRequest(false);
+    }
     return;
   }
+  if (state_->phase == palpate_SESSION_HELD) {
+    if (!held_said_) say_(std::string("the session is held: ") + state_->reason);
+    held_said_ = true;
+    return;
+  }
+  held_said_ = false;
   if (state_->phase == palpate_SESSION_REFUSED) {
     const std::string refusal = std::string("the server refuses the session: ") + state_->reason;
     if (links_ == 0 ||
@@ -253,9 +276,13 @@ void SessionLink::FallBackToUdp(const std::string& why, std::int64_t now_ns) {
 }
 
 std::string SessionLink::PhaseText() const {
-  if (phase_ == Phase::kAsking) return links_ > 0 ? "asking again" : "asking";
+  if (phase_ == Phase::kAsking) {
+    if (held_said_) return "held";
+    return links_ > 0 ? "asking again" : "asking";
+  }
   if (phase_ == Phase::kMatching) return "matching";
   if (silence_said_) return "no replies";
+  if (muted_) return "muted";
   switch (state_->phase) {
     case palpate_SESSION_ACQUIRING:
       return "tool starts inside";

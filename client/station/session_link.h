@@ -10,6 +10,7 @@
 #include "client/station/reply_ring.h"
 #include "client/station/servo_thread.h"
 #include "common/dds/endpoint.h"
+#include "common/dds/leave_seal.h"
 #include "common/dds/participant.h"
 #include "common/realtime/realtime.h"
 
@@ -34,7 +35,8 @@ struct LinkOptions {
 ///   matching  accepted; the reader waits for the server's writer, the poses for its reader
 ///   linked    poses go out; the servo thread sends them
 ///
-/// Each round has a run number of its own, and topics named for it (common/dds/topics.h).
+/// Each round has a run number of its own, topics named for it (common/dds/topics.h), and a key
+/// without which nobody ends its session (common/dds/leave_seal.h).
 /// Thread contract: one thread, not the servo thread.
 class SessionLink {
  public:
@@ -55,7 +57,7 @@ class SessionLink {
   void Poll(std::int64_t now_ns);
 
   Phase phase() const { return phase_; }
-  /// What to show of it: "asking", "matching", "acquiring", "active".
+  /// What to show of it: "asking", "held", "matching", "acquiring", "active", "muted".
   std::string PhaseText() const;
   /// Of the session that it has or asks for (SessionRequest.run).
   std::uint64_t run() const { return run_; }
@@ -93,7 +95,9 @@ class SessionLink {
 
   Phase phase_ = Phase::kAsking;
   std::int64_t phase_since_ns_ = 0;
+  std::int64_t asked_ns_ = 0;
   std::uint64_t run_ = 0;
+  dds::LeaveKey leave_key_{};                // of that run
   std::uint64_t server_run_ = 0;             // of the server that accepted
   std::optional<wire::SessionState> state_;  // latest answer to this run
   bool server_restarted_ = false;
@@ -108,6 +112,8 @@ class SessionLink {
   std::int64_t silent_since_ns_ = 0;  // last reply, last reader or link: whichever is the latest
   int readers_made_ = 0;              // in this run
   bool silence_said_ = false;
+  bool held_said_ = false;
+  bool muted_ = false;
 };
 
 }  // namespace palpate

@@ -77,7 +77,7 @@ void StationCore::Take(const Reply& reply) noexcept {
 }
 
 void StationCore::Act(std::int64_t now_ns) noexcept {
-  limiter_.Enable(forces_wanted_ && !(sample_.status & kDeviceFault));
+  limiter_.Enable(forces_wanted_ && !muted_ && !(sample_.status & kDeviceFault));
   LimiterInput in;
   in.X_WH = sample_.X_WH;
   in.V_WH = sample_.V_WH;

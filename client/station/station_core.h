@@ -98,6 +98,8 @@ class StationCore {
   Device& device() noexcept { return device_; }
 
   void EnableForces(bool on) noexcept { forces_wanted_ = on; }
+  /// While muted there are no forces, whoever wants them.
+  void Mute(bool on) noexcept { muted_ = on; }
   /// The session's spring: where its wrench acts, what the local contact model goes by, and what a
   /// contact's force must have stored (EnergyStage).
   void SetSpring(const CouplingSpring& spring) noexcept;
@@ -146,6 +148,7 @@ class StationCore {
   WrenchLimiter limiter_;
   Guide guide_;
   bool forces_wanted_ = false;
+  bool muted_ = false;
   bool started_ = false;  // the server's force, by the newest reply
   std::int64_t entered_until_ns_ = 0;
   Vec3 tool_reference_ = Vec3::Zero();

@@ -12,6 +12,7 @@ namespace palpate {
 /// A message for viewers: serialised once, shared by all of them.
 struct Frame {
   std::uint32_t channel = 0;
+  std::uint64_t origin = 0;    ///< the participant that wrote it (common/dds/cdr_reader.h)
   std::uint64_t instance = 0;  ///< of its topic's key: a station, a scene, ...
   std::int64_t time_ns = 0;    ///< wall clock
   std::vector<std::uint8_t> payload;

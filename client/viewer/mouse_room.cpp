@@ -80,6 +80,7 @@ void MouseRoom::Start(int number, Mouse& mouse, std::int64_t now_ns) {
                                      "--transport=" + options_.transport,
                                      "--network=" + options_.network.interface,
                                      "--no-table"};
+  if (options_.network.secured()) arguments.push_back("--identity=" + options_.network.identity);
   for (const std::string& peer : options_.network.peers) arguments.push_back("--peer=" + peer);
   if (!mouse.tool.empty()) arguments.push_back("--tool=" + mouse.tool);
   try {

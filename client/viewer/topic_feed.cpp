@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include <spdlog/spdlog.h>
+#include <xxhash.h>
+
 #include "client/viewer/replay_messages.h"
 #include "common/dds/topics.h"
+#include "common/error.h"
 #include "common/random_run.h"
 #include "common/recording/recorded_type.h"
 #include "common/time/steady_clock.h"
@@ -23,6 +27,7 @@ constexpr const char* kReplaySchema =
     R"({"type":"object","properties":{"replay":{"type":"string"}}})";
 /// Replayers speak five times a second.
 constexpr std::int64_t kReplaySilent_ns = 5'000'000'000;
+constexpr std::int64_t kLook_ns = 100'000'000;
 
 template <class T>
 foxglove::Channel CdrChannel(TopicFeed::Channel id, const char* topic) {
@@ -67,25 +72,71 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers) {
   return channels;
 }
 
+/// What a server, stations and a replayer say.
+struct TopicFeed::Readers {
+  explicit Readers(const dds::Participant& participant)
+      : tool_states(participant, dds::kToolStateTopic, dds::Qos::kStream),
+        statistics(participant, dds::kLoopStatisticsTopic, dds::Qos::kStream),
+        stations(participant, dds::kStationStatisticsTopic, dds::Qos::kStream),
+        sessions(participant, dds::kSessionStateTopic, dds::Qos::kSession),
+        changes(participant, dds::kSceneChangeTopic, dds::Qos::kSession),
+        wholes(participant, dds::kSceneWholeTopic, dds::Qos::kSession),
+        bundles(participant, dds::kSceneBundleTopic, dds::Qos::kSession),
+        replay_contents(participant, dds::kReplayContentsTopic, dds::Qos::kSession),
+        replay_states(participant, dds::kReplayStateTopic, dds::Qos::kSession) {}
+
+  dds::CdrReader<wire::ToolState> tool_states;
+  dds::CdrReader<wire::LoopStatistics> statistics;
+  dds::CdrReader<wire::StationStatistics> stations;
+  dds::CdrReader<wire::SessionState> sessions;
+  dds::CdrReader<wire::SceneChange> changes;
+  dds::CdrReader<wire::SceneWhole> wholes;
+  dds::CdrReader<wire::SceneBundle> bundles;
+  dds::CdrReader<wire::ReplayContents> replay_contents;
+  dds::CdrReader<wire::ReplayState> replay_states;
+};
+
 TopicFeed::TopicFeed(int domain, const dds::Network& network)
     : participant_(dds::Participant::Service(domain, network)),
-      tool_states_(participant_, dds::kToolStateTopic, dds::Qos::kStream),
-      statistics_(participant_, dds::kLoopStatisticsTopic, dds::Qos::kStream),
-      stations_(participant_, dds::kStationStatisticsTopic, dds::Qos::kStream),
-      sessions_(participant_, dds::kSessionStateTopic, dds::Qos::kSession),
-      changes_(participant_, dds::kSceneChangeTopic, dds::Qos::kSession),
-      wholes_(participant_, dds::kSceneWholeTopic, dds::Qos::kSession),
-      bundles_(participant_, dds::kSceneBundleTopic, dds::Qos::kSession),
-      wishes_(participant_, dds::kWholeRequestTopic, dds::Qos::kSession),
-      replay_contents_(participant_, dds::kReplayContentsTopic, dds::Qos::kSession),
-      replay_states_(participant_, dds::kReplayStateTopic, dds::Qos::kSession),
-      replay_requests_(participant_, dds::kReplayRequestTopic, dds::Qos::kSession) {}
+      readers_(std::make_unique<Readers>(participant_)) {
+  try {
+    wishes_ = {participant_, dds::kWholeRequestTopic, dds::Qos::kSession};
+    replay_requests_ = {participant_, dds::kReplayRequestTopic, dds::Qos::kSession};
+  } catch (const Error&) {
+    if (!network.secured()) throw;
+    spdlog::info("this gateway's --identity may look, and ask nothing");
+  }
+}
 
 TopicFeed::~TopicFeed() = default;
 
-bool TopicFeed::IsCurrent(std::uint64_t server_run) {
-  if (server_run == server_run_) return true;
-  if (former_runs_.contains(server_run)) return false;
+bool TopicFeed::CurrentLives() const {
+  // Servers and replayers have writers of all of these.
+  return origin_ != 0 && readers_->sessions.Hears(origin_);
+}
+
+bool TopicFeed::IsCurrent(std::uint64_t server_run, std::uint64_t origin) {
+  if (origin == origin_) {
+    // A participant may take another run's name, as a replayer does that goes elsewhere.
+    if (server_run == server_run_) return true;
+    if (former_runs_.contains(server_run)) return false;
+  } else if (lives_ = CurrentLives(); lives_) {
+    if (!others_heard_) {
+      spdlog::warn(
+          "another server ({:x}) speaks in this domain and is not heard: the one that was "
+          "first lives ({:x}); give one of them, its stations and its viewers another "
+          "--domain",
+          server_run, server_run_);
+    }
+    others_heard_ = true;
+    return false;
+  } else {
+    origin_ = origin;
+    lives_ = true;
+    others_heard_ = false;
+    if (server_run == server_run_) return true;
+    former_runs_.clear();
+  }
   if (server_run_ != 0) former_runs_.insert(server_run_);
   server_run_ = server_run;
   kept_.clear();
@@ -95,19 +146,40 @@ bool TopicFeed::IsCurrent(std::uint64_t server_run) {
   return true;
 }
 
+bool TopicFeed::IsForeign(std::uint64_t origin) const {
+  return lives_ && origin != origin_;
+}
+
+void TopicFeed::Succeed() {
+  const std::int64_t now_ns = SteadyNanoseconds();
+  if (now_ns - looked_ns_ < kLook_ns) return;
+  looked_ns_ = now_ns;
+  lives_ = CurrentLives();
+  if (lives_ || !others_heard_) return;
+  others_heard_ = false;
+  // What was passed over has been taken; a new reader is told all that holds.
+  readers_ = std::make_unique<Readers>(participant_);
+}
+
 void TopicFeed::Keep(const FramePtr& frame, const std::string& name, std::uint64_t number) {
   kept_[{frame->channel, name, number}] = frame;
 }
 
-/// @param use  (frame, sample): false where the sample is of no interest any more.
-template <class T, class Use>
-void TopicFeed::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use) {
+/// @param use   (frame, sample)   @param over  (origin, sample): its instance is disposed; the
+///              sample is its key.
+template <class T, class Use, class Over>
+void TopicFeed::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use, Over over) {
   dds::CdrSample raw;
   T sample{};
-  while (reader.Take(raw, sample)) {
+  while (reader.Take(raw, sample, true)) {
+    if (raw.over) {
+      over(raw.origin, sample);
+      continue;
+    }
     auto frame = std::make_shared<Frame>();
     frame->channel = channel;
     frame->instance = raw.instance;
+    frame->origin = raw.origin;
     frame->time_ns = raw.source_time_ns;
     frame->payload = std::move(raw.cdr);
     frame->state =
@@ -117,23 +189,36 @@ void TopicFeed::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use)
   dds::FreeContents(sample);
 }
 
+template <class T, class Use>
+void TopicFeed::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use) {
+  Drain(reader, channel, use, [](std::uint64_t, const T&) {});
+}
+
 void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
                      const std::function<void(const wire::SessionState&)>& on_session) {
+  Succeed();
   // Scenes first: who hears of a station should know where it is.
-  Drain(bundles_, kSceneBundle, [&](const FramePtr& frame, const wire::SceneBundle& sample) {
-    if (!IsCurrent(sample.server_run)) return;
-    Keep(frame, sample.scene, 0);
-    scenes_[sample.scene] = {frame, sample.hash, BundleIn(frame->payload, sample)};
-    on_frame(frame);
-  });
-  Drain(changes_, kSceneChange, [&](const FramePtr& frame, const wire::SceneChange& sample) {
-    if (!IsCurrent(sample.server_run) || sample.change <= undone_[sample.scene]) return;
-    Keep(frame, sample.scene, sample.change);
-    on_frame(frame);
-  });
+  Drain(readers_->bundles, kSceneBundle,
+        [&](const FramePtr& frame, const wire::SceneBundle& sample) {
+          if (!IsCurrent(sample.server_run, frame->origin)) return;
+          const std::span<const std::uint8_t> bundle = BundleIn(frame->payload, sample);
+          if (XXH3_64bits(bundle.data(), bundle.size()) != sample.hash) {
+            return spdlog::warn("a scene's bundle is not what its hash says, and is not shown");
+          }
+          Keep(frame, sample.scene, 0);
+          scenes_[sample.scene] = {frame, sample.hash, bundle};
+          on_frame(frame);
+        });
+  Drain(readers_->changes, kSceneChange,
+        [&](const FramePtr& frame, const wire::SceneChange& sample) {
+          if (!IsCurrent(sample.server_run, frame->origin)) return;
+          if (sample.change <= undone_[sample.scene]) return;
+          Keep(frame, sample.scene, sample.change);
+          on_frame(frame);
+        });
   // After the changes: those that it undoes are forgotten.
-  Drain(wholes_, kSceneWhole, [&](const FramePtr& frame, const wire::SceneWhole& sample) {
-    if (!IsCurrent(sample.server_run)) return;
+  Drain(readers_->wholes, kSceneWhole, [&](const FramePtr& frame, const wire::SceneWhole& sample) {
+    if (!IsCurrent(sample.server_run, frame->origin)) return;
     std::uint64_t& undone = undone_[sample.scene];
     if (sample.last_change < undone) return;  // an older word, on a slower way
     undone = sample.last_change;
@@ -144,19 +229,30 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
     Keep(frame, sample.scene, 0);
     on_frame(frame);
   });
-  Drain(sessions_, kSessionState, [&](const FramePtr& frame, const wire::SessionState& sample) {
-    if (!IsCurrent(sample.server_run)) return;
-    Keep(frame, sample.station, 0);
-    phases_[sample.station] = sample.phase;
-    on_frame(frame);
-    on_session(sample);
-  });
+  Drain(
+      readers_->sessions, kSessionState,
+      [&](const FramePtr& frame, const wire::SessionState& sample) {
+        if (!IsCurrent(sample.server_run, frame->origin)) return;
+        Keep(frame, sample.station, 0);
+        phases_[sample.station] = sample.phase;
+        on_frame(frame);
+        on_session(sample);
+      },
+      [&](std::uint64_t origin, const wire::SessionState& sample) {
+        // It was refused, or has ended, some time ago; who sees it there may go on seeing it.
+        if (origin != origin_) return;
+        kept_.erase({kSessionState, sample.station, 0});
+        phases_.erase(sample.station);
+      });
   // Before what it replays: who sees that should know what it is.
   PollReplays(on_frame);
-  const auto pass_on = [&](const FramePtr& frame, const auto&) { on_frame(frame); };
-  Drain(tool_states_, kToolState, pass_on);
-  Drain(statistics_, kLoopStatistics, pass_on);
-  Drain(stations_, kStationStatistics, pass_on);
+  const auto of_server = [&](const FramePtr& frame, const auto&) {
+    if (!IsForeign(frame->origin)) on_frame(frame);
+  };
+  Drain(readers_->tool_states, kToolState, of_server);
+  Drain(readers_->statistics, kLoopStatistics, of_server);
+  Drain(readers_->stations, kStationStatistics,
+        [&](const FramePtr& frame, const auto&) { on_frame(frame); });
 }
 
 void TopicFeed::PollReplays(const std::function<void(const FramePtr&)>& on_frame) {
@@ -164,12 +260,12 @@ void TopicFeed::PollReplays(const std::function<void(const FramePtr&)>& on_frame
     frame->payload.assign(json.begin(), json.end());
     on_frame(frame);
   };
-  Drain(replay_contents_, kReplayContents,
+  Drain(readers_->replay_contents, kReplayContents,
         [&](const std::shared_ptr<Frame>& frame, const wire::ReplayContents& sample) {
           ReplayOf(sample.replay).contents = frame;
           tell(frame, ToJson(sample));
         });
-  Drain(replay_states_, kReplayState,
+  Drain(readers_->replay_states, kReplayState,
         [&](const std::shared_ptr<Frame>& frame, const wire::ReplayState& sample) {
           Replay& replay = ReplayOf(sample.replay);
           replay.state = frame;
@@ -188,10 +284,12 @@ TopicFeed::Replay& TopicFeed::ReplayOf(std::uint64_t number) {
 
 std::string TopicFeed::AskReplay(const wire::ReplayRequest& request) {
   if (!replays_.contains(request.replay)) return "that replay is not there any more";
+  if (!replay_requests_) return "this gateway's identity may look, and steer nothing";
   return replay_requests_.Write(request) ? "" : "the network does not take it now; try again";
 }
 
 bool TopicFeed::AskForWhole(const std::string& scene, const std::string& by) {
+  if (!wishes_) return false;
   wire::WholeRequest request{};
   wire::FromText(scene, request.scene);
   request.request = RandomRun();
@@ -217,8 +315,10 @@ std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {
 std::vector<std::string> TopicFeed::stations() const {
   std::vector<std::string> names;
   for (const auto& [station, phase] : phases_) {
-    if (phase != palpate_SESSION_ENDED && phase != palpate_SESSION_REFUSED)
+    if (phase != palpate_SESSION_ENDED && phase != palpate_SESSION_REFUSED &&
+        phase != palpate_SESSION_HELD) {
       names.push_back(station);
+    }
   }
   return names;
 }

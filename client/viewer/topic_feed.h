@@ -24,9 +24,9 @@ struct SceneBytes {
 };
 
 /// The topics that viewers see, from the service domain, as frames: what has a state is kept for
-/// those who come later.  A server that comes back under another run takes the place of the former;
-/// while there is none, what is known stays.
-/// Thread contract: one thread.
+/// those who come later.  One server is heard, the current one, for as long as it lives: what
+/// others say meanwhile counts for nothing.  Once it has gone, the next takes its place; while
+/// there is none, what is known stays. Thread contract: one thread.
 class TopicFeed {
  public:
   enum Channel : std::uint32_t {
@@ -79,30 +79,35 @@ class TopicFeed {
   };
   using KeptKey = std::tuple<std::uint32_t, std::string, std::uint64_t>;  // channel, name, number
 
+  template <class T, class Use, class Over>
+  void Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use, Over over);
   template <class T, class Use>
   void Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use);
-  /// False for what a former server left behind.  A new one's first word clears the former's.
-  bool IsCurrent(std::uint64_t server_run);
+  struct Readers;
+  /// False for a word that is not the current server's.  A new one's first word clears the
+  /// former's.
+  bool IsCurrent(std::uint64_t server_run, std::uint64_t origin);
+  bool CurrentLives() const;
+  /// True for what is not the current server's, while that lives.
+  bool IsForeign(std::uint64_t origin) const;
+  /// Once the current server has gone, what another has said meanwhile is heard anew.
+  void Succeed();
   void Keep(const FramePtr& frame, const std::string& name, std::uint64_t number);
   void PollReplays(const std::function<void(const FramePtr&)>& on_frame);
   /// Of this number, new or known.  A new one takes the place of those that are silent.
   Replay& ReplayOf(std::uint64_t number);
 
   dds::Participant participant_;
-  dds::CdrReader<wire::ToolState> tool_states_;
-  dds::CdrReader<wire::LoopStatistics> statistics_;
-  dds::CdrReader<wire::StationStatistics> stations_;
-  dds::CdrReader<wire::SessionState> sessions_;
-  dds::CdrReader<wire::SceneChange> changes_;
-  dds::CdrReader<wire::SceneWhole> wholes_;
-  dds::CdrReader<wire::SceneBundle> bundles_;
+  std::unique_ptr<Readers> readers_;
   dds::Writer<wire::WholeRequest> wishes_;
-  dds::CdrReader<wire::ReplayContents> replay_contents_;
-  dds::CdrReader<wire::ReplayState> replay_states_;
   dds::Writer<wire::ReplayRequest> replay_requests_;
 
   std::uint64_t server_run_ = 0;
-  std::set<std::uint64_t> former_runs_;
+  std::uint64_t origin_ = 0;             // of the server: its participant
+  std::set<std::uint64_t> former_runs_;  // of that participant
+  bool others_heard_ = false;            // while it lives
+  bool lives_ = false;                   // when it was last looked at
+  std::int64_t looked_ns_ = 0;
   std::map<KeptKey, FramePtr> kept_;
   std::map<std::string, std::uint64_t> undone_;  // by scene: the last change that is void
   std::map<std::string, SceneBytes> scenes_;

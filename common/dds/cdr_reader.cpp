@@ -1,26 +1,72 @@
 #include "common/dds/cdr_reader.h"
 
+#include <algorithm>
+#include <memory>
+
 #include <dds/ddsi/ddsi_serdata.h>
 
 namespace palpate::dds {
+namespace {
+
+constexpr std::size_t kMostWriters = 256;  // of one topic, that are remembered
+
+/// 0 where the writer has gone.
+std::uint64_t ParticipantOf(dds_entity_t reader, dds_instance_handle_t writer) {
+  const std::unique_ptr<dds_builtintopic_endpoint_t, decltype(&dds_builtintopic_free_endpoint)>
+      endpoint(dds_get_matched_publication_data(reader, writer), dds_builtintopic_free_endpoint);
+  return endpoint ? endpoint->participant_instance_handle : 0;
+}
+
+}  // namespace
 
 template <class T>
-bool CdrReader<T>::Take(CdrSample& raw, T& sample) {
+bool CdrReader<T>::Take(CdrSample& raw, T& sample, bool overs) {
   ddsi_serdata* data = nullptr;
   dds_sample_info_t info;
   while (dds_takecdr(reader_.handle(), &data, 1, &info, DDS_ANY_STATE) == 1) {
     FreeContents(sample);
-    const bool taken = info.valid_data && ddsi_serdata_to_sample(data, &sample, nullptr, nullptr);
+    raw.over =
+        overs && !info.valid_data && info.instance_state == DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE;
+    // Of what is over there is the key alone, in a form without a type.
+    const bool taken =
+        raw.over ? dds_instance_get_key(reader_.handle(), info.instance_handle, &sample) ==
+                       DDS_RETCODE_OK
+                 : info.valid_data && ddsi_serdata_to_sample(data, &sample, nullptr, nullptr);
     if (taken) {
-      raw.cdr.resize(ddsi_serdata_size(data));
-      ddsi_serdata_to_ser(data, 0, raw.cdr.size(), raw.cdr.data());
+      raw.cdr.clear();
+      if (info.valid_data) {
+        raw.cdr.resize(ddsi_serdata_size(data));
+        ddsi_serdata_to_ser(data, 0, raw.cdr.size(), raw.cdr.data());
+      }
       raw.instance = info.instance_handle;
       raw.source_time_ns = info.source_timestamp;
+      raw.origin = OriginOf(info.publication_handle);
     }
     ddsi_serdata_unref(data);
     if (taken) return true;
   }
   return false;
+}
+
+template <class T>
+std::uint64_t CdrReader<T>::OriginOf(dds_instance_handle_t writer) {
+  if (const auto known = origins_.find(writer); known != origins_.end()) return known->second;
+  const std::uint64_t origin = ParticipantOf(reader_.handle(), writer);
+  if (origins_.size() >= kMostWriters) origins_.clear();  // of those that have gone
+  if (origin != 0) origins_[writer] = origin;
+  return origin;
+}
+
+template <class T>
+bool CdrReader<T>::Hears(std::uint64_t origin) const {
+  std::vector<dds_instance_handle_t> writers(
+      static_cast<std::size_t>(std::max(0, reader_.matched_writers())));
+  const dds_return_t count =
+      dds_get_matched_publications(reader_.handle(), writers.data(), writers.size());
+  writers.resize(std::clamp<std::size_t>(count < 0 ? 0 : count, 0, writers.size()));
+  return std::ranges::any_of(writers, [&](dds_instance_handle_t writer) {
+    return ParticipantOf(reader_.handle(), writer) == origin;
+  });
 }
 
 template class CdrReader<wire::SessionRequest>;

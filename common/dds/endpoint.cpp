@@ -30,8 +30,8 @@ int DepthOf(Qos role) {
 ///                                                       be able to slow the writer
 /// kRecord, kRecordSession: as those that they read, keep last 256
 /// Nothing is keep-all (a writer would block, and shared memory is off for it), and no deadline is
-/// finite (that too turns shared memory off).  Writers do not dispose what they leave behind: the
-/// last SessionState says ENDED in words.
+/// finite (that too turns shared memory off).  Writers do not dispose what they leave behind: what
+/// a server said last is known while there is none; what is over they dispose themselves.
 QosPtr MakeQos(const Participant& participant, Qos role) {
   QosPtr qos(dds_create_qos());
   if (role == Qos::kSession || role == Qos::kRecordSession) {
@@ -51,11 +51,20 @@ QosPtr MakeQos(const Participant& participant, Qos role) {
   return qos;
 }
 
+/// Why DDS makes no `what` of that name, and in a secured domain the remedy.
+Error CannotMake(const std::string& what, const std::string& name, dds_return_t why) {
+  const bool secured = why == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY;
+  return Error("DDS " + what + " '" + name + "': " + dds_strretcode(why) +
+               (secured ? "; the role of this --identity may not: 'deploy/security/identities "
+                          "--help' says which may"
+                        : ""));
+}
+
 template <class T>
 dds_entity_t MakeTopic(const Participant& participant, const std::string& name) {
   const dds_entity_t topic = dds_create_topic(participant.handle(), &wire::Descriptor<T>(),
                                               name.c_str(), nullptr, nullptr);
-  if (topic < 0) throw Error("DDS topic '" + name + "': " + dds_strretcode(topic));
+  if (topic < 0) throw CannotMake("topic", name, topic);
   return topic;
 }
 
@@ -63,7 +72,7 @@ dds_entity_t Made(dds_entity_t endpoint, dds_entity_t topic, const char* what,
                   const std::string& name) {
   if (endpoint > 0) return endpoint;
   dds_delete(topic);
-  throw Error(std::string("DDS ") + what + " of topic '" + name + "': " + dds_strretcode(endpoint));
+  throw CannotMake(std::string(what) + " of topic", name, endpoint);
 }
 
 /// Over the making or deleting of an endpoint, where that concerns shared memory.
@@ -119,6 +128,12 @@ Writer<T>& Writer<T>::operator=(Writer&& other) noexcept {
 template <class T>
 bool Writer<T>::Write(const T& sample) noexcept {
   return dds_write(writer_, &sample) == DDS_RETCODE_OK;
+}
+
+template <class T>
+void Writer<T>::Dispose(const T& sample) noexcept {
+  dds_dispose(writer_, &sample);
+  dds_unregister_instance(writer_, &sample);
 }
 
 template <class T>
@@ -226,6 +241,7 @@ template class Writer<wire::SessionRequest>;
 template class Writer<wire::SessionState>;
 template class Writer<wire::SceneChange>;
 template class Writer<wire::LeafTaken>;
+template class Writer<wire::OperateRequest>;
 template class Writer<wire::WholeRequest>;
 template class Writer<wire::SceneWhole>;
 template class Writer<wire::ReplayContents>;
@@ -243,6 +259,7 @@ template class Reader<wire::SessionRequest>;
 template class Reader<wire::SessionState>;
 template class Reader<wire::SceneChange>;
 template class Reader<wire::LeafTaken>;
+template class Reader<wire::OperateRequest>;
 template class Reader<wire::WholeRequest>;
 template class Reader<wire::SceneWhole>;
 template class Reader<wire::ReplayContents>;

@@ -35,6 +35,9 @@ class Writer {
   /// Real-time where the topic is a loop topic: one dds_write, no allocation of ours.
   /// Returns false where DDS refuses (out of chunks, say); never throws.
   bool Write(const T& sample) noexcept;
+  /// Tells readers that this instance is over, and forgets it: who comes later hears nothing of it.
+  /// @param sample  its key fields count.   Not real-time.
+  void Dispose(const T& sample) noexcept;
   int matched_readers() const noexcept;
   bool uses_shared_memory() const noexcept;
   dds_entity_t handle() const { return writer_; }

@@ -1,5 +1,6 @@
 #include "common/dds/participant.h"
 
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -9,14 +10,17 @@
 #include <optional>
 #include <utility>
 
+#include <fcntl.h>
 #include <ifaddrs.h>
 #include <netinet/in.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
 #include "common/dds/ports.h"
+#include "common/dds/security.h"
 #include "common/dds/shared_memory_watch.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
@@ -25,6 +29,7 @@ namespace palpate::dds {
 namespace {
 
 constexpr const char* kRouDiSocket = "/tmp/roudi";  // iceoryx 2.0: IPC channel "roudi"
+constexpr const char* kRouDiLock = "/tmp/iox-unique-roudi.lock";
 constexpr const char* kStartRouDi = "iox-roudi -c deploy/cyclonedds/roudi.toml";
 
 /// Tells one RouDi from the next: each makes its socket anew.
@@ -39,6 +44,17 @@ SocketIdentity RouDiIdentity() {
   if (stat(kRouDiSocket, &status) != 0) return {};
   return {status.st_ino,
           status.st_ctim.tv_sec * std::int64_t{1'000'000'000} + status.st_ctim.tv_nsec};
+}
+
+/// True where a process of this user holds the lock file.
+bool IsHeld(const char* lock_file) {
+  const int fd = open(lock_file, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (fd < 0) return false;
+  struct stat status {};
+  const bool ours = fstat(fd, &status) == 0 && status.st_uid == geteuid();
+  const bool held = flock(fd, LOCK_SH | LOCK_NB) != 0;
+  close(fd);  // unlocks
+  return ours && held;
 }
 
 /// An attribute's value.
@@ -76,13 +92,14 @@ std::string WhyNoDomain(int domain_id, const Network& network) {
   return why.empty() ? "Cyclone DDS says above why" : why;
 }
 
-std::string DiscoveryConfig(const Network& network) {
+std::string DiscoveryConfig(int domain_id, const Network& network) {
   std::string peers;
   for (const std::string& peer : network.peers) peers += "<Peer Address=" + Quoted(peer) + "/>";
   return "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
          std::to_string(kMaxParticipantIndex) + "</MaxAutoParticipantIndex><Ports><Base>" +
          std::to_string(kFirstPort) + "</Base><DomainGain>" + std::to_string(kPortsPerDomain) +
-         "</DomainGain></Ports>" + (network.this_host() ? "" : "<SPDPInterval>1s</SPDPInterval>") +
+         "</DomainGain></Ports><LeaseDuration>" + (IsServiceDomain(domain_id) ? "3s" : "10s") +
+         "</LeaseDuration>" + (network.this_host() ? "" : "<SPDPInterval>1s</SPDPInterval>") +
          "<Peers>" + peers + "</Peers></Discovery>";
 }
 
@@ -90,6 +107,9 @@ std::string DiscoveryConfig(const Network& network) {
 /// - `lo` has no MULTICAST flag, so discovery over it must be told that it may; only discovery uses
 ///   multicast (`spdp`), data goes to each reader by itself.
 /// - A network loses announcements, and the next is due after 30 s by default.
+/// - Who has been killed is there until its lease ends: a gateway waits that long before it hears a
+///   server's successor.  Not so for the loop, where a peer that is frozen meanwhile would come
+///   back as a writer that nobody knows, whose samples leak chunks; there stations look at silence.
 /// - Peers are asked beside multicast, not instead of it.
 /// - A participant index gives fixed ports, those of common/dds/ports.h, so that a crowded domain
 /// is
@@ -105,8 +125,11 @@ std::string DomainConfig(int domain_id, bool shared_memory, const Network& netwo
       Quoted(network.interface) +
       " multicast=\"true\"/></Interfaces>"
       "<AllowMulticast>spdp</AllowMulticast></General>" +
-      DiscoveryConfig(network) +
-      "<Tracing><Verbosity>severe</Verbosity><OutputFile>stderr</OutputFile></Tracing>";
+      DiscoveryConfig(domain_id, network) +
+      // Refusals in a secured domain are warnings.
+      "<Tracing><Verbosity>" + (network.secured() ? "warning" : "severe") +
+      "</Verbosity><OutputFile>stderr</OutputFile></Tracing>";
+  if (network.secured()) xml += SecurityConfig(network.identity);
   xml += shared_memory ? "<SharedMemory><Enable>true</Enable><LogLevel>warn</LogLevel>"
                          "<Prefix>palpate_" +
                              std::to_string(domain_id) +
@@ -143,19 +166,39 @@ const char* ToString(Transport transport) {
   }
 }
 
-bool RouDiAnswers() {
+std::optional<std::string> WhyNoRouDi() {
+  const std::string none = std::string("no RouDi listens at ") + kRouDiSocket;
+  struct stat status {};
+  if (lstat(kRouDiSocket, &status) != 0 || !S_ISSOCK(status.st_mode)) return none;
+  if (status.st_uid != geteuid()) {
+    return std::string(kRouDiSocket) + " is another user's (uid " + std::to_string(status.st_uid) +
+           "), and shared memory joins programs of one user";
+  }
   const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (fd < 0) return false;
+  if (fd < 0) return std::string("no socket can be made: ") + std::strerror(errno);
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::strcpy(address.sun_path, kRouDiSocket);
   // A datagram socket that nobody holds open any more refuses the connection.
   const bool answers = connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
   close(fd);
-  return answers;
+  if (!answers) return none;
+  if (!IsHeld(kRouDiLock)) {
+    return std::string("what listens at ") + kRouDiSocket + " is no RouDi: it does not hold " +
+           kRouDiLock;
+  }
+  return std::nullopt;
 }
 
 TransportChoice ChooseTransport(Transport wanted, const Network& network) {
+  if (network.secured()) {
+    if (wanted == Transport::kSharedMemory) {
+      throw Error(
+          "--transport shm and --identity exclude each other: whoever may open the shared memory "
+          "reads and writes past the security; leave one of them out");
+    }
+    return {Transport::kUdp, "UDP (secured, over " + network.interface + ")"};
+  }
   if (!network.this_host()) {
     if (wanted == Transport::kSharedMemory) {
       throw Error("--transport shm joins programs of one host; leave --network '" +
@@ -164,14 +207,14 @@ TransportChoice ChooseTransport(Transport wanted, const Network& network) {
     return {Transport::kUdp, "UDP (over " + network.interface + ")"};
   }
   if (wanted == Transport::kUdp) return {Transport::kUdp, "UDP (as asked)"};
-  if (RouDiAnswers()) return {Transport::kSharedMemory, "shared memory (RouDi answers)"};
+  const std::optional<std::string> why_not = WhyNoRouDi();
+  if (!why_not) return {Transport::kSharedMemory, "shared memory (RouDi answers)"};
   if (wanted == Transport::kSharedMemory) {
-    throw Error(std::string("--transport shm: no RouDi listens at ") + kRouDiSocket +
-                "; start it with '" + kStartRouDi +
+    throw Error("--transport shm: " + *why_not + "; start '" + kStartRouDi +
                 "' (same user and same /tmp), or give --transport auto or udp");
   }
   return {Transport::kUdp,
-          std::string("UDP (no RouDi: start '") + kStartRouDi + "' first for shared memory)"};
+          "UDP (" + *why_not + "; start '" + kStartRouDi + "' first for shared memory)"};
 }
 
 /// A domain entity; one per process and id, because DDS allows no second.
@@ -179,6 +222,7 @@ class Participant::Domain {
  public:
   Domain(int id, bool shared_memory, const Network& network)
       : shared_memory_(shared_memory), roudi_(RouDiIdentity()) {
+    if (network.secured()) LogWhatDdsSays();
     entity_ = dds_create_domain(static_cast<dds_domainid_t>(id),
                                 DomainConfig(id, shared_memory, network).c_str());
     if (entity_ < 0) {
@@ -195,7 +239,7 @@ class Participant::Domain {
 
   bool shared_memory() const { return shared_memory_; }
   bool shared_memory_lost() const {
-    return shared_memory_ && !(RouDiAnswers() && RouDiIdentity() == roudi_);
+    return shared_memory_ && (WhyNoRouDi() || RouDiIdentity() != roudi_);
   }
 
  private:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <dds/dds.h>
@@ -26,8 +27,10 @@ struct TransportChoice {
   std::string reason;
 };
 
-/// True where a live RouDi listens at its socket; a socket left by a killed one does not count.
-bool RouDiAnswers();
+/// Nothing where a live RouDi of this user listens at its socket; else why not, for a person.  A
+/// socket left by a killed one does not count, nor one behind which there is no RouDi: iceoryx
+/// would wait for it and then end this process.
+std::optional<std::string> WhyNoRouDi();
 
 /// Looks for RouDi first: without it dds_create_participant would block for 60 s and abort.
 /// Throws Error where shared memory is asked for and RouDi does not answer or the network is not

@@ -18,6 +18,7 @@ inline constexpr const char* kSessionRequestTopic = "palpate/session_request";
 inline constexpr const char* kSessionStateTopic = "palpate/session_state";
 inline constexpr const char* kSceneChangeTopic = "palpate/scene_change";
 inline constexpr const char* kLeafTakenTopic = "palpate/leaf_taken";
+inline constexpr const char* kOperateRequestTopic = "palpate/operate_request";
 inline constexpr const char* kWholeRequestTopic = "palpate/whole_request";
 inline constexpr const char* kSceneWholeTopic = "palpate/scene_whole";
 inline constexpr const char* kReplayContentsTopic = "palpate/replay_contents";
@@ -40,6 +41,9 @@ constexpr int LoopDomainId(int domain) {
 }
 constexpr int ServiceDomainId(int domain) {
   return 2 * domain + 1;
+}
+constexpr bool IsServiceDomain(int domain_id) {
+  return domain_id % 2 == 1;
 }
 
 }  // namespace palpate::dds

@@ -9,6 +9,7 @@
 #include "common/math/pose.h"
 #include "idl/haptics.h"
 #include "idl/offer.h"
+#include "idl/operate.h"
 #include "idl/replay.h"
 #include "idl/session.h"
 #include "idl/teaching.h"
@@ -23,6 +24,8 @@ using SessionRequest = palpate_SessionRequest;
 using SessionState = palpate_SessionState;
 using SceneChange = palpate_SceneChange;
 using LeafTaken = palpate_LeafTaken;
+using OperateRequest = palpate_OperateRequest;
+using OperateWish = palpate_OperateWish;
 using WholeRequest = palpate_WholeRequest;
 using SceneWhole = palpate_SceneWhole;
 using ToolState = palpate_ToolState;
@@ -71,6 +74,10 @@ inline const dds_topic_descriptor_t& Descriptor<SceneChange>() {
 template <>
 inline const dds_topic_descriptor_t& Descriptor<LeafTaken>() {
   return palpate_LeafTaken_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<OperateRequest>() {
+  return palpate_OperateRequest_desc;
 }
 template <>
 inline const dds_topic_descriptor_t& Descriptor<WholeRequest>() {

@@ -3,6 +3,13 @@
 #include <algorithm>
 
 namespace palpate {
+namespace {
+
+/// Bytes that a type may have got since a recording was made; more than it has fields for are not
+/// looked at.
+constexpr std::size_t kMostAdded = 256;
+
+}  // namespace
 
 RecordingReader::RecordingReader(const std::vector<std::string>& files) : names_(files) {
   for (const std::string& file : files) {
@@ -45,6 +52,12 @@ bool RecordingReader::Next(RecordedSample& sample) {
       continue;
     }
     sample = {*type, &message.channel->topic, message.log_time_ns, message.data};
+    const bool of_loop = *type == RecordedType::kHapticPose || *type == RecordedType::kWrench;
+    if (!of_loop && schema->second.data != SchemaText(*type)) {
+      older_.assign(message.data.begin(), message.data.end());
+      older_.resize(older_.size() + kMostAdded);
+      sample.cdr = older_;
+    }
     return true;
   }
 }

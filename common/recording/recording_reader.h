@@ -26,7 +26,8 @@ struct RecordedSample {
   }
 };
 
-/// Reads a recording in order: a file, or its splits one after the other.
+/// Reads a recording in order: a file, or its splits one after the other.  Samples that an older
+/// version recorded have zeros where a type has got fields since (idl/session.idl).
 class RecordingReader {
  public:
   /// Throws Error where a file cannot be read, or is no MCAP file.
@@ -61,6 +62,7 @@ class RecordingReader {
   std::vector<std::unique_ptr<mcap::MappedFile>> files_;
   std::vector<std::unique_ptr<mcap::Reader>> readers_;  // of those that were ever begun
   std::size_t begun_ = 0;                               // of them, on the present way
+  std::vector<std::uint8_t> older_;  // the last sample, where it needs more bytes
   bool complete_ = true;
   std::uint64_t unknown_ = 0;
 };

@@ -24,10 +24,11 @@ std::string InsideText(double depth_m) {
 }  // namespace
 
 Session::Session(std::string station, std::uint64_t run, std::shared_ptr<const ServedTool> tool,
-                 std::int64_t now_ns)
+                 std::int64_t now_ns, const SessionClient& client)
     : station_(std::move(station)),
       run_(run),
       tool_(std::move(tool)),
+      client_(client),
       loop_(tool_->model),
       start_workspace_(std::in_place, tool_->model),
       start_wear_(StepState(tool_->model).wear),
@@ -36,7 +37,8 @@ Session::Session(std::string station, std::uint64_t run, std::shared_ptr<const S
 bool Session::Update(std::int64_t now_ns, bool may_start) {
   if (ended()) return false;
   loop_.ReadSnapshot(snapshot_);
-  if (const std::uint64_t heard = loop_.heard(); heard != heard_) {
+  const std::uint64_t heard = loop_.heard() + unanswered_.load(std::memory_order_relaxed);
+  if (heard != heard_) {
     heard_ = heard;
     heard_ns_ = now_ns;
   }

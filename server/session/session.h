@@ -1,10 +1,12 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "common/dds/leave_seal.h"
 #include "common/dds/wire.h"
 #include "scenes/scene_remains.h"
 #include "server/physics/haptic_step.h"
@@ -21,6 +23,12 @@ struct ServedTool {
   bool whole_at_start = false;  ///< made whole for whoever is the first, or alone, to begin there
 };
 
+/// What counts of who asks for a session.
+struct SessionClient {
+  dds::LeaveKey leave_seal{};  ///< who may end it
+  bool below_arms = false;     ///< a mouse: its hand feels nothing, so arms go before it
+};
+
 /// One station driving one tool: waiting for poses -> acquiring (only where the tool starts inside
 /// an object) -> active -> ended.
 ///
@@ -33,7 +41,7 @@ class Session {
   static constexpr double kMaxStartDepth_m = 0.010;
 
   Session(std::string station, std::uint64_t run, std::shared_ptr<const ServedTool> tool,
-          std::int64_t now_ns);
+          std::int64_t now_ns, const SessionClient& client = {});
 
   /// Looks after the session; to be called every few milliseconds.  True where phase, depth or
   /// reason changed, or the loop has begun to compute forces.
@@ -62,9 +70,14 @@ class Session {
   void MakeWhole();
 
   ServoLoop& loop() { return loop_; }
+  /// A pose has come that the loop is not given, or not yet: the station is not silent.  From any
+  /// thread.  Real-time: wait-free.
+  void HearUnanswered() noexcept { unanswered_.fetch_add(1, std::memory_order_relaxed); }
   const std::string& station() const { return station_; }
   std::uint64_t run() const { return run_; }
   const ServedTool& tool() const { return *tool_; }
+  const dds::LeaveKey& leave_seal() const { return client_.leave_seal; }
+  bool below_arms() const { return client_.below_arms; }
   wire::SessionPhase phase() const { return phase_; }
   bool ended() const { return phase_ == palpate_SESSION_ENDED; }
   const std::string& reason() const { return reason_; }
@@ -82,6 +95,7 @@ class Session {
   std::string station_;
   std::uint64_t run_;
   std::shared_ptr<const ServedTool> tool_;
+  SessionClient client_;
   ServoLoop loop_;
   std::optional<StepWorkspace> start_workspace_;  // only until the session is active
   LeafWear start_wear_;                           // also
@@ -96,6 +110,7 @@ class Session {
   LoopSnapshot snapshot_;
   std::size_t removals_taken_ = 0;
   std::uint64_t taken_ = 0;
+  std::atomic<std::uint64_t> unanswered_{0};
   std::uint64_t heard_ = 0;
   std::int64_t heard_ns_;
   std::int64_t tried_ns_ = 0;

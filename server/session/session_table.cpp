@@ -1,6 +1,7 @@
 #include "server/session/session_table.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "common/dds/topics.h"
@@ -12,6 +13,13 @@ namespace {
 void AddName(std::string& list, const std::string& name) {
   if (!list.empty()) list += ", ";
   list += name;
+}
+
+/// The device that palpate-station names so: its hand feels nothing.
+constexpr const char* kMouse = "mouse";
+
+dds::LeaveKey ToSeal(const wire::SessionRequest& request) {
+  return std::to_array(request.leave_seal);
 }
 
 wire::LeafTaken LeafTakenBy(Session& session, const Removal& removal) {
@@ -34,8 +42,8 @@ wire::LeafTaken LeafTakenBy(Session& session, const Removal& removal) {
 }  // namespace
 
 SessionTable::SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools,
-                           std::uint64_t server_run)
-    : tools_(std::move(tools)), server_run_(server_run) {
+                           std::uint64_t server_run, bool admit_by_hand)
+    : tools_(std::move(tools)), server_run_(server_run), admit_by_hand_(admit_by_hand) {
   for (const auto& tool : tools_) {
     if (tool->whole) {
       scenes_.try_emplace(tool->scene, tool->scene, *tool->whole, server_run_);
@@ -43,33 +51,101 @@ SessionTable::SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools,
   }
 }
 
+template <class Requests>
+void SessionTable::Withdraw(Requests& requests, const wire::SessionRequest& request) {
+  const auto asked = requests.find(request.station);
+  if (asked == requests.end()) return;
+  const wire::SessionRequest& before = asked->second.request;
+  // What a run asked for, it may take back or ask anew; a leave of the run before is not its.
+  if (!request.leave ||
+      (before.run == request.run && dds::Opens(request.leave_key, ToSeal(before)))) {
+    requests.erase(asked);
+  }
+}
+
 void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now_ns) {
   if (!dds::IsStationName(request.station)) {
-    return Refuse(request, std::string("'") + request.station +
-                               "' is no name for a station; give 1 to 32 letters, digits or '_'");
+    return Refuse(request,
+                  std::string("'") + request.station +
+                      "' is no name for a station; give 1 to 32 letters, digits or '_'",
+                  now_ns);
   }
-  // What a run asked for, it may take back or ask anew; a leave of the run before is not its.
-  if (const auto waiting = waiting_.find(request.station);
-      waiting != waiting_.end() && (!request.leave || waiting->second.request.run == request.run)) {
-    waiting_.erase(waiting);
-  }
+  Withdraw(waiting_, request);
+  Withdraw(held_, request);
   const auto held = sessions_.find(request.station);
   if (held == sessions_.end()) {
-    if (!request.leave) Admit(request, now_ns);
+    if (!request.leave && MayBegin(request, now_ns)) Admit(request, now_ns);
   } else if (request.leave) {
-    if (held->second->run() == request.run) held->second->Leave();
+    const Session& session = *held->second;
+    if (session.run() == request.run && dds::Opens(request.leave_key, session.leave_seal())) {
+      held->second->Leave();
+    }
   } else if (held->second->run() != request.run) {
     if (held->second->phase() == palpate_SESSION_WAITING) {
       held->second->End("the station started again");
     }
     waiting_[request.station] = {request, now_ns};
-  } else if (held->second->tool().scene == request.scene &&
-             (request.tool[0] == '\0' || held->second->tool().tool == request.tool)) {
-    Publish(*held->second);  // asked again: tell again
   } else {
-    Refuse(request, "this run already drives '" + held->second->tool().tool + "' of scene '" +
-                        held->second->tool().scene + "'; leave that first");
+    Publish(*held->second);  // asked again: told again what it has
   }
+}
+
+bool SessionTable::MayBegin(const wire::SessionRequest& request, std::int64_t now_ns) {
+  const auto standing = standings_.find(request.station);
+  const bool known = standing != standings_.end();
+  if (known && standing->second.admitted) return true;
+  const bool taken_back = known && !standing->second.taken_back_by.empty();
+  if (!admit_by_hand_ && !taken_back) return true;
+  if (held_.size() >= kMaxStations) {
+    Refuse(request, "so many stations wait to be admitted that this one cannot; try again later",
+           now_ns);
+    return false;
+  }
+  held_[request.station] = {request, now_ns};
+  changes_.push_back(AnswerTo(
+      request, palpate_SESSION_HELD,
+      taken_back ? "taken back by " + standing->second.taken_back_by + ", who may admit it again"
+                 : "waits to be admitted: somebody at the server's "
+                   "gateway decides"));
+  return false;
+}
+
+bool SessionTable::Operate(const wire::OperateRequest& request, std::int64_t now_ns) {
+  if (request.server_run != server_run_) return false;
+  const auto session = sessions_.find(request.station);
+  const auto held = held_.find(request.station);
+  const bool here = session != sessions_.end() || held != held_.end();
+  if (!here && !standings_.contains(request.station)) return false;
+  if (standings_.size() >= kMostNames && !standings_.contains(request.station)) return false;
+  Standing& standing = standings_[request.station];
+  switch (request.wish) {
+    case palpate_OPERATE_ADMIT:
+      standing.admitted = true;
+      standing.taken_back_by.clear();
+      if (held != held_.end()) {
+        const wire::SessionRequest asked = held->second.request;
+        held_.erase(held);
+        Admit(asked, now_ns);
+      }
+      break;
+    case palpate_OPERATE_TAKE_BACK:
+      standing.admitted = false;
+      standing.taken_back_by = request.by[0] == '\0' ? "somebody" : request.by;
+      if (session != sessions_.end())
+        session->second->End("taken back by " + standing.taken_back_by);
+      if (held != held_.end()) {
+        const wire::SessionRequest asked = held->second.request;
+        held_.erase(held);
+        Refuse(asked, "not admitted by " + standing.taken_back_by, now_ns);
+      }
+      break;
+    case palpate_OPERATE_MUTE:
+    case palpate_OPERATE_UNMUTE:
+      standing.muted = request.wish == palpate_OPERATE_MUTE;
+      if (session != sessions_.end()) Publish(*session->second);
+      break;
+  }
+  return true;
 }
 
 void SessionTable::Update(std::int64_t now_ns) {
@@ -98,8 +174,10 @@ void SessionTable::Update(std::int64_t now_ns) {
     if (free) {
       Admit(waiting.request, now_ns);
     } else {
-      Refuse(waiting.request, std::string("a station named '") + waiting.request.station +
-                                  "' is connected and sends poses; give another --id");
+      Refuse(waiting.request,
+             std::string("a station named '") + waiting.request.station +
+                 "' is connected and sends poses; give another --id",
+             now_ns);
       // Who comes later must not take the refusal for the word on who drives.
       Publish(*sessions_.at(waiting.request.station));
     }
@@ -159,6 +237,7 @@ void SessionTable::EndAll(const std::string& reason) {
   }
   sessions_.clear();
   waiting_.clear();
+  held_.clear();
 }
 
 std::vector<wire::SessionState> SessionTable::TakeChanges() {
@@ -206,20 +285,25 @@ std::shared_ptr<const ServedTool> SessionTable::Find(const wire::SessionRequest&
 void SessionTable::Admit(const wire::SessionRequest& request, std::int64_t now_ns) {
   std::string refusal;
   std::shared_ptr<const ServedTool> tool = Find(request, refusal);
-  if (!tool) return Refuse(request, refusal);
+  if (!tool) return Refuse(request, refusal, now_ns);
   const auto holder = std::ranges::find_if(
       sessions_, [&](const auto& entry) { return &entry.second->tool() == tool.get(); });
   if (holder != sessions_.end()) {
-    return Refuse(request, "tool '" + tool->tool + "' of scene '" + tool->scene +
-                               "' is driven by station '" + holder->first +
-                               "'; end that station, or drive another tool");
+    return Refuse(request,
+                  "tool '" + tool->tool + "' of scene '" + tool->scene +
+                      "' is driven by station '" + holder->first +
+                      "'; end that station, or drive another tool",
+                  now_ns);
   }
   if (sessions_.size() >= kMaxStations) {
-    return Refuse(request, "this server holds " + std::to_string(kMaxStations) +
-                               " stations, its most; end one of them");
+    return Refuse(request,
+                  "this server holds " + std::to_string(kMaxStations) +
+                      " stations, its most; end one of them",
+                  now_ns);
   }
+  const SessionClient client{ToSeal(request), std::string(request.device) == kMouse};
   const auto session =
-      std::make_shared<Session>(request.station, request.run, std::move(tool), now_ns);
+      std::make_shared<Session>(request.station, request.run, std::move(tool), now_ns, client);
   if (const auto scene = scenes_.find(session->tool().scene); scene != scenes_.end()) {
     // Who works there already would find the work undone.
     const bool alone = std::ranges::none_of(
@@ -237,16 +321,27 @@ void SessionTable::Admit(const wire::SessionRequest& request, std::int64_t now_n
   Publish(*session);
 }
 
-void SessionTable::Refuse(const wire::SessionRequest& request, const std::string& reason) {
+wire::SessionState SessionTable::AnswerTo(const wire::SessionRequest& request,
+                                          wire::SessionPhase phase,
+                                          const std::string& reason) const {
   wire::SessionState state{};
   wire::FromText(request.station, state.station);
   state.run = request.run;
   state.server_run = server_run_;
-  state.phase = palpate_SESSION_REFUSED;
+  state.phase = phase;
   wire::FromText(request.scene, state.scene);
   wire::FromText(request.tool, state.tool);
   wire::FromText(reason, state.reason);
-  changes_.push_back(state);
+  return state;
+}
+
+void SessionTable::Refuse(const wire::SessionRequest& request, const std::string& reason,
+                          std::int64_t now_ns) {
+  if (!refusals_.Take(now_ns)) {
+    ++untold_;
+    return;
+  }
+  changes_.push_back(AnswerTo(request, palpate_SESSION_REFUSED, reason));
 }
 
 void SessionTable::Publish(const Session& session) {
@@ -258,6 +353,8 @@ void SessionTable::Publish(const Session& session) {
   wire::FromText(session.tool().scene, state.scene);
   wire::FromText(session.tool().tool, state.tool);
   wire::FromText(session.reason(), state.reason);
+  const auto standing = standings_.find(session.station());
+  state.muted = standing != standings_.end() && standing->second.muted;
   state.start_depth_m = session.start_depth();
   wire::FromVec3(session.tool().model.reference(), state.tool_reference_m);
   state.stiffness_N_per_m = session.tool().model.parameters().stiffness;

@@ -4,9 +4,11 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/dds/wire.h"
+#include "common/realtime/token_bucket.h"
 #include "server/session/scene_changes.h"
 #include "server/session/session.h"
 
@@ -15,6 +17,9 @@ namespace palpate {
 /// Who drives what: admits stations, refuses them with a reason, ends their sessions.  A tool is
 /// driven by one station at a time.  Knows no transport: requests come in, states go out.
 ///
+/// What strangers ask costs no more than it must: a name is remembered only with a session, or by a
+/// teacher's word about one, and refusals are so many a second.  Who is not answered asks again.
+///
 /// Thread contract: service thread.
 class SessionTable {
  public:
@@ -22,10 +27,18 @@ class SessionTable {
   /// How long a request under a name in use waits for the former run to prove dead (a station that
   /// was killed and started again) before it is refused.
   static constexpr std::int64_t kTakeOver_ns = 3 * Session::kSilence_ns;
+  static constexpr double kRefusalsPerSecond = 20.0;
+  static constexpr double kRefusalsAtOnce = 50.0;  ///< a class that starts at the same time
+  static constexpr std::size_t kMostNames = 1024;  ///< that teachers have spoken of
 
-  SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools, std::uint64_t server_run);
+  /// @param admit_by_hand  stations wait until somebody admits them (Operate).
+  SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools, std::uint64_t server_run,
+               bool admit_by_hand = false);
 
   void Request(const wire::SessionRequest& request, std::int64_t now_ns);
+  /// What a teacher decides of a station.  It holds for the name until another word, whatever
+  /// sessions come and go.  False: it is of another server, or of a station that is not here.
+  bool Operate(const wire::OperateRequest& request, std::int64_t now_ns);
   /// Makes a scene whole again for all its tools, and answers.  A request for a scene that is not
   /// served here gets no answer: it may be another server's.
   void Request(const wire::WholeRequest& request);
@@ -44,19 +57,35 @@ class SessionTable {
   std::vector<wire::LeafTaken> TakeLeavesTaken();
   /// Scenes that were made whole since the last call, and refusals to do so.
   std::vector<wire::SceneWhole> TakeWholes();
+  /// Refusals that were not told since the last call, there being so many.
+  std::uint64_t TakeUntold() { return std::exchange(untold_, 0); }
 
  private:
   struct Waiting {
     wire::SessionRequest request;
     std::int64_t since_ns;
   };
+  /// By a teacher's word, of a name.
+  struct Standing {
+    bool admitted = false;
+    std::string taken_back_by;  ///< empty: it is not
+    bool muted = false;
+  };
 
   /// The tool that the request means; null, with the reason, where it cannot be had.
   std::shared_ptr<const ServedTool> Find(const wire::SessionRequest& request,
                                          std::string& refusal) const;
   void Admit(const wire::SessionRequest& request, std::int64_t now_ns);
-  void Refuse(const wire::SessionRequest& request, const std::string& reason);
+  /// Takes back what a run asked for and has not got yet.
+  template <class Requests>
+  static void Withdraw(Requests& requests, const wire::SessionRequest& request);
+  /// False where the station has to wait for a teacher; then it does.
+  bool MayBegin(const wire::SessionRequest& request, std::int64_t now_ns);
+  void Refuse(const wire::SessionRequest& request, const std::string& reason, std::int64_t now_ns);
   void Publish(const Session& session);
+  /// What is the same in each answer to a request.
+  wire::SessionState AnswerTo(const wire::SessionRequest& request, wire::SessionPhase phase,
+                              const std::string& reason) const;
   void MakeWhole(SceneChanges& scene, wire::SceneWhole answer);
   /// Passes on what a session's tool has scraped off to the others of its scene, and tells of what
   /// it has got of theirs.
@@ -65,7 +94,12 @@ class SessionTable {
   std::vector<std::shared_ptr<const ServedTool>> tools_;
   std::uint64_t server_run_;
   std::map<std::string, std::shared_ptr<Session>> sessions_;  // by station
-  std::map<std::string, Waiting> waiting_;                    // by station
+  std::map<std::string, Waiting> waiting_;                    // by station: for its former run
+  std::map<std::string, Waiting> held_;                       // by station: for a teacher
+  std::map<std::string, Standing> standings_;                 // by station
+  bool admit_by_hand_;
+  TokenBucket refusals_{kRefusalsPerSecond, kRefusalsAtOnce};
+  std::uint64_t untold_ = 0;
   std::vector<wire::SessionState> changes_;
   std::map<std::string, std::string> cut_off_;  // by scene: whose session did not end by its wish
   std::map<std::string, SceneChanges> scenes_;  // by name; those that declare removal

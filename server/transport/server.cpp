@@ -21,6 +21,9 @@ namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 constexpr std::int64_t kFrame_ns = kSecond_ns / 60;
+/// Long enough for a station that asks, and for a viewer that has just come, to hear the reason.
+constexpr std::int64_t kKeepEnded_ns = 5 * kSecond_ns;
+constexpr int kMostRequests = 256;  // of one kind, in one poll
 
 const char* PhaseText(wire::SessionPhase phase) {
   switch (phase) {
@@ -32,8 +35,23 @@ const char* PhaseText(wire::SessionPhase phase) {
       return "active";
     case palpate_SESSION_REFUSED:
       return "refused";
+    case palpate_SESSION_HELD:
+      return "held";
     default:
       return "ended";
+  }
+}
+
+const char* WishText(wire::OperateWish wish) {
+  switch (wish) {
+    case palpate_OPERATE_ADMIT:
+      return "admit it";
+    case palpate_OPERATE_TAKE_BACK:
+      return "take its tool back";
+    case palpate_OPERATE_MUTE:
+      return "mute it";
+    default:
+      return "unmute it";
   }
 }
 
@@ -90,17 +108,18 @@ void SetContactPoints(const LoopSnapshot& snapshot, wire::ToolState& state) {
 
 Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
                std::vector<std::shared_ptr<const ServedTool>> tools,
-               std::function<void(const std::string&)> print_line)
+               std::function<void(const std::string&)> print_line, bool admit_by_hand)
     : loop_domain_(std::move(loop_domain)),
       service_domain_(std::move(service_domain)),
       server_run_(RandomRun()),
-      table_(std::move(tools), server_run_),
+      table_(std::move(tools), server_run_, admit_by_hand),
       print_line_(std::move(print_line)),
       requests_(service_domain_, dds::kSessionRequestTopic, dds::Qos::kRecordSession),
       states_(service_domain_, dds::kSessionStateTopic, dds::Qos::kSession),
       scene_changes_(service_domain_, dds::kSceneChangeTopic, dds::Qos::kSession),
       leaves_taken_(service_domain_, dds::kLeafTakenTopic, dds::Qos::kSession),
       whole_requests_(service_domain_, dds::kWholeRequestTopic, dds::Qos::kRecordSession),
+      operate_requests_(service_domain_, dds::kOperateRequestTopic, dds::Qos::kRecordSession),
       wholes_(service_domain_, dds::kSceneWholeTopic, dds::Qos::kSession),
       scene_bundles_(service_domain_, dds::kSceneBundleTopic, dds::Qos::kSession),
       offers_(service_domain_, dds::kSceneOfferTopic, dds::Qos::kSession),
@@ -110,7 +129,7 @@ Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
 Server::~Server() {
   stations_.clear();
   table_.EndAll("the server stops");
-  PublishChanges();
+  PublishChanges(0);
 }
 
 void Server::PublishScene(const std::string& name, std::vector<std::uint8_t> bundle) {
@@ -135,13 +154,11 @@ void Server::Offer(const std::vector<ServedScene>& scenes) {
 }
 
 void Server::Poll(std::int64_t now_ns) {
-  wire::SessionRequest request;
-  while (requests_.Take(request)) table_.Request(request, now_ns);
-  wire::WholeRequest whole;
-  while (whole_requests_.Take(whole)) table_.Request(whole);
+  TakeRequests(now_ns);
   table_.Update(now_ns);
   UpdateLinks(now_ns);
-  PublishChanges();
+  PublishChanges(now_ns);
+  DisposeOfEnded(now_ns);
   CheckSharedMemory(now_ns);
   // Steps of a sixtieth, or else polls of 5 ms would make it fifty a second.
   const bool tool_states_due = now_ns - tool_states_ns_ >= kFrame_ns;
@@ -152,17 +169,36 @@ void Server::Poll(std::int64_t now_ns) {
   }
 }
 
+void Server::TakeRequests(std::int64_t now_ns) {
+  // No more than the readers hold: who floods them does not hold this thread.
+  wire::SessionRequest request;
+  for (int i = 0; i < kMostRequests && requests_.Take(request); ++i) {
+    table_.Request(request, now_ns);
+  }
+  wire::WholeRequest whole;
+  for (int i = 0; i < kMostRequests && whole_requests_.Take(whole); ++i) table_.Request(whole);
+  wire::OperateRequest operate;
+  for (int i = 0; i < kMostRequests && operate_requests_.Take(operate); ++i) {
+    if (!table_.Operate(operate, now_ns)) continue;
+    spdlog::info("station {}: {} asks to {}", operate.station, operate.by, WishText(operate.wish));
+  }
+}
+
 void Server::UpdateLinks(std::int64_t now_ns) {
   std::erase_if(stations_, [&](const auto& entry) {
     const auto session = table_.sessions().find(entry.first);
-    return session == table_.sessions().end() ||
-           session->second.get() != &entry.second.link->session();
+    const bool over = session == table_.sessions().end() ||
+                      session->second.get() != &entry.second.link->session();
+    if (over) ForgetStreams(entry.first);
+    return over;
   });
+  const auto arms = std::ranges::count_if(
+      table_.sessions(), [](const auto& entry) { return !entry.second->below_arms(); });
   for (const auto& [name, session] : table_.sessions()) {
     try {
       Station& station = stations_[name];
       if (!station.link) station.link = std::make_unique<StationLink>(loop_domain_, session);
-      station.link->Update(now_ns);
+      station.link->Update(now_ns, arms <= 1);
     } catch (const Error& error) {
       // DDS is out of something; the other stations go on.
       spdlog::error("station {}: {}", name, error.what());
@@ -172,10 +208,15 @@ void Server::UpdateLinks(std::int64_t now_ns) {
   }
 }
 
-void Server::PublishChanges() {
+void Server::PublishChanges(std::int64_t now_ns) {
   for (const wire::SessionState& state : table_.TakeChanges()) {
-    spdlog::info("station {}: {}{}{}", state.station, PhaseText(state.phase),
-                 state.reason[0] != '\0' ? ": " : "", state.reason);
+    if (state.phase == palpate_SESSION_REFUSED || state.phase == palpate_SESSION_ENDED) {
+      over_since_ns_[state.station] = now_ns;
+    } else {
+      over_since_ns_.erase(state.station);
+    }
+    spdlog::info("station {}: {}{}{}{}", state.station, PhaseText(state.phase),
+                 state.muted ? ", muted" : "", state.reason[0] != '\0' ? ": " : "", state.reason);
     states_.Write(state);
   }
   for (const wire::SceneChange& change : table_.TakeSceneChanges()) scene_changes_.Write(change);
@@ -188,6 +229,21 @@ void Server::PublishChanges() {
   }
 }
 
+void Server::DisposeOfEnded(std::int64_t now_ns) {
+  std::erase_if(over_since_ns_, [&](const auto& entry) {
+    if (now_ns - entry.second < kKeepEnded_ns) return false;
+    wire::SessionState state{};
+    wire::FromText(entry.first, state.station);
+    states_.Dispose(state);
+    return true;
+  });
+  untold_ += table_.TakeUntold();
+  if (untold_ == 0 || now_ns - untold_said_ns_ < kSecond_ns) return;
+  spdlog::warn("{} more requests were refused without a word: there are so many", untold_);
+  untold_ = 0;
+  untold_said_ns_ = now_ns;
+}
+
 void Server::CheckSharedMemory(std::int64_t now_ns) {
   if (memory_lost_ || now_ns - memory_checked_ns_ < kSecond_ns) return;
   memory_checked_ns_ = now_ns;
@@ -197,6 +253,15 @@ void Server::CheckSharedMemory(std::int64_t now_ns) {
         "RouDi has gone: sessions go on, new ones use UDP; for shared memory restart RouDi, server "
         "and stations together");
   }
+}
+
+void Server::ForgetStreams(const std::string& station) {
+  wire::ToolState state{};
+  wire::FromText(station, state.station);
+  tool_states_.Dispose(state);
+  wire::LoopStatistics statistics{};
+  wire::FromText(station, statistics.station);
+  statistics_.Dispose(statistics);
 }
 
 void Server::PublishToolState(Session& session) {
@@ -234,8 +299,8 @@ void Server::ReportStatistics(Station& station, std::int64_t now_ns) {
   station.report_wanted = false;
   statistics_.Write(statistics);
   if (const std::uint64_t refused = station.link->refused(); refused != station.refused) {
-    spdlog::warn("station {}: {} poses more than {} a second, not heard", statistics.station,
-                 refused - station.refused, PoseBudget::kPerSecond);
+    spdlog::warn("station {}: {} poses beyond its share ({} a second, half of the time), not heard",
+                 statistics.station, refused - station.refused, ServoBudget::kPosesPerSecond);
     station.refused = refused;
   }
   if (print_line_) print_line_(StatisticsLine(statistics));

@@ -21,9 +21,10 @@ namespace palpate {
 class Server {
  public:
   /// @param print_line  takes a line of text per station and second; may be empty.
+  /// @param admit_by_hand  stations wait until somebody admits them.
   Server(dds::Participant loop_domain, dds::Participant service_domain,
          std::vector<std::shared_ptr<const ServedTool>> tools,
-         std::function<void(const std::string&)> print_line);
+         std::function<void(const std::string&)> print_line, bool admit_by_hand = false);
   /// Ends every session and tells the stations so.
   ~Server();
   Server(const Server&) = delete;
@@ -50,9 +51,13 @@ class Server {
     std::uint64_t refused = 0;  // of link->refused(), said
   };
 
-  void PublishChanges();
+  void TakeRequests(std::int64_t now_ns);
+  void PublishChanges(std::int64_t now_ns);
+  /// Of sessions that are over for some time: nobody needs to hear of them any more.
+  void DisposeOfEnded(std::int64_t now_ns);
   void CheckSharedMemory(std::int64_t now_ns);
   void UpdateLinks(std::int64_t now_ns);
+  void ForgetStreams(const std::string& station);
   void PublishToolState(Session& session);
   void ReportStatistics(Station& station, std::int64_t now_ns);
 
@@ -66,12 +71,16 @@ class Server {
   dds::Writer<wire::SceneChange> scene_changes_;
   dds::Writer<wire::LeafTaken> leaves_taken_;
   dds::Reader<wire::WholeRequest> whole_requests_;
+  dds::Reader<wire::OperateRequest> operate_requests_;
   dds::Writer<wire::SceneWhole> wholes_;
   dds::Writer<wire::SceneBundle> scene_bundles_;
   dds::Writer<wire::SceneOffer> offers_;
   dds::Writer<wire::ToolState> tool_states_;
   dds::Writer<wire::LoopStatistics> statistics_;
   std::map<std::string, Station> stations_;
+  std::map<std::string, std::int64_t> over_since_ns_;  // by station: refused, or ended
+  std::int64_t untold_said_ns_ = 0;
+  std::uint64_t untold_ = 0;
   std::int64_t tool_states_ns_ = 0;
   std::int64_t memory_checked_ns_ = 0;
   bool memory_lost_ = false;

@@ -17,9 +17,14 @@ StationLink::StationLink(const dds::Participant& loop_domain, std::shared_ptr<Se
       session_(std::move(session)),
       pose_topic_(dds::PoseTopic(session_->station(), session_->run())),
       wrench_writer_(loop_domain, dds::WrenchTopic(session_->station(), session_->run()),
-                     dds::Qos::kLoop) {}
+                     dds::Qos::kLoop) {
+  if (session_->below_arms()) {
+    background_.emplace([this](const wire::HapticPose& pose) { Answer(pose); });
+  }
+}
 
-void StationLink::Update(std::int64_t now_ns) {
+void StationLink::Update(std::int64_t now_ns, bool alone) {
+  alone_.store(alone, std::memory_order_relaxed);
   if (!pose_reader_ && dds::WriterDiscovered(loop_domain_, pose_topic_)) {
     pose_reader_ =
         dds::Reader<wire::HapticPose>(loop_domain_, pose_topic_, dds::Qos::kLoop,
@@ -36,10 +41,21 @@ void StationLink::Update(std::int64_t now_ns) {
 }
 
 void StationLink::OnPose(const wire::HapticPose& pose) noexcept {
-  if (!budget_.Take(SteadyNanoseconds())) {
+  const std::int64_t begun_ns = SteadyNanoseconds();
+  if (!budget_.Take(begun_ns, alone_.load(std::memory_order_relaxed))) {
     refused_.fetch_add(1, std::memory_order_relaxed);
     return;
   }
+  if (background_) {
+    session_->HearUnanswered();
+    return background_->Give(pose);
+  }
+  Answer(pose);
+  const std::int64_t ended_ns = SteadyNanoseconds();
+  budget_.Took(ended_ns - begun_ns, ended_ns);
+}
+
+void StationLink::Answer(const wire::HapticPose& pose) noexcept {
   if (session_->loop().OnPose(pose, answer_) && open_.load(std::memory_order_relaxed)) {
     wrench_writer_.Write(answer_);
   }

@@ -37,14 +37,15 @@ constexpr int kKeepAlive = 25;        // the other one gets a pose every so many
                                       // session that is silent for 100 ms
 constexpr int kWarmUpBlocks = 2;      // one each: not counted
 constexpr milliseconds kSettle{100};  // as stations do: TRANSPORT, chunk leak of early samples
-constexpr const char* kServed = "bench";
-constexpr const char* kEchoed = "bench_echo";
+/// Of both ways: their topics differ by the run.
+constexpr const char* kStation = "bench";
 
 struct Options {
   std::string transport = "shm";
   double seconds = 20.0;
   std::string scene = "cube";
   std::string realtime = "prefer";
+  std::string authority;  // a folder that deploy/security/identities made; empty: not secured
   int domain = dds::kMaxDomain;
   std::string json;
 };
@@ -52,14 +53,26 @@ struct Options {
 struct EchoOptions {
   std::string transport;
   std::string realtime;
+  std::string identity;
   int domain = 0;
   std::uint64_t run = 0;
 };
 
-dds::Participant LoopDomain(int domain, const std::string& transport, const std::string& realtime) {
-  const dds::TransportChoice choice = dds::ChooseTransport(dds::ParseTransport(transport));
+dds::Network NetworkOf(const std::string& identity) {
+  dds::Network network;
+  network.identity = identity;
+  return network;
+}
+
+std::string IdentityOf(const std::string& authority, const std::string& name) {
+  return authority.empty() ? "" : authority + "/identities/" + name;
+}
+
+dds::Participant LoopDomain(int domain, const std::string& transport, const std::string& realtime,
+                            const dds::Network& network) {
+  const dds::TransportChoice choice = dds::ChooseTransport(dds::ParseTransport(transport), network);
   EnterRealtime({.mode = ParseRealtimeMode(realtime)});
-  dds::Participant participant = dds::Participant::Loop(domain, choice);
+  dds::Participant participant = dds::Participant::Loop(domain, choice, network);
   LeaveRealtime();
   return participant;
 }
@@ -167,8 +180,8 @@ class Path {
 /// The session with the server that the poses go through.
 class ServerSession {
  public:
-  ServerSession(int domain, std::string scene, Path& path)
-      : service_(dds::Participant::Service(domain)),
+  ServerSession(int domain, const dds::Network& network, std::string scene, Path& path)
+      : service_(dds::Participant::Service(domain, network)),
         requests_(service_, dds::kSessionRequestTopic, dds::Qos::kSession),
         states_(service_, dds::kSessionStateTopic, dds::Qos::kSession),
         scene_(std::move(scene)),
@@ -176,7 +189,7 @@ class ServerSession {
 
   void Begin() {
     wire::SessionRequest request{};
-    wire::FromText(kServed, request.station);
+    wire::FromText(kStation, request.station);
     request.run = run_ = RandomRun();
     wire::FromText(scene_, request.scene);
     wire::FromText("palpate-bench loop", request.device);
@@ -239,22 +252,31 @@ void Run(const Options& options) {
   const std::string bin = test::OwnFolder();
   const std::string domain = std::to_string(options.domain);
   const std::uint64_t echo_run = RandomRun();
-  test::Program server(bin + "/palpate-server",
-                       {"--scene", options.scene, "--transport", options.transport, "--realtime",
-                        options.realtime, "--domain", domain, "--log-level", "warn"});
-  test::Program echo(bin + "/palpate-bench",
-                     {"echo", "--transport", options.transport, "--realtime", options.realtime,
-                      "--domain", domain, "--run", std::to_string(echo_run)});
+  std::vector<std::string> serve{
+      "--scene",        options.scene, "--transport", options.transport, "--realtime",
+      options.realtime, "--domain",    domain,        "--log-level",     "warn"};
+  std::vector<std::string> echoes{"echo",       "--transport",    options.transport,
+                                  "--realtime", options.realtime, "--domain",
+                                  domain,       "--run",          std::to_string(echo_run)};
+  if (!options.authority.empty()) {
+    for (std::vector<std::string>* arguments : {&serve, &echoes}) {
+      arguments->insert(arguments->end(),
+                        {"--identity", IdentityOf(options.authority, "bench_server")});
+    }
+  }
+  test::Program server(bin + "/palpate-server", serve);
+  test::Program echo(bin + "/palpate-bench", echoes);
   Progress("waiting for the server ...");
   if (!server.Says("ready: ", 120.0)) {
     throw Error("loop: the server does not start:\n" + server.Output());
   }
 
-  dds::Participant loop = LoopDomain(options.domain, options.transport, options.realtime);
+  const dds::Network network = NetworkOf(IdentityOf(options.authority, kStation));
+  dds::Participant loop = LoopDomain(options.domain, options.transport, options.realtime, network);
   const int blocks = kWarmUpBlocks + std::max(2, static_cast<int>(options.seconds * 1000 / kBlock));
   const auto most = static_cast<std::size_t>(blocks) * kBlock + 100'000;
-  Path served(loop, kServed, most), echoed(loop, kEchoed, most);
-  ServerSession session(options.domain, options.scene, served);
+  Path served(loop, kStation, most), echoed(loop, kStation, most);
+  ServerSession session(options.domain, network, options.scene, served);
   Hand hand(ScriptPoses(options.scene, std::nullopt));
   served.Send(hand.Next(), false);  // nobody hears it; it sets the pose that the first ones repeat
   echoed.Open(echo_run);            // first: the server would not wait for it
@@ -335,9 +357,11 @@ void Run(const Options& options) {
 /// The other process of the bare echo: what a server is without sessions and physics.
 void Echo(const EchoOptions& options) {
   StopSignal stop;
-  const dds::Participant loop = LoopDomain(options.domain, options.transport, options.realtime);
-  dds::Writer<wire::Wrench> wrenches(loop, dds::WrenchTopic(kEchoed, options.run), dds::Qos::kLoop);
-  const std::string pose_topic = dds::PoseTopic(kEchoed, options.run);
+  const dds::Participant loop =
+      LoopDomain(options.domain, options.transport, options.realtime, NetworkOf(options.identity));
+  dds::Writer<wire::Wrench> wrenches(loop, dds::WrenchTopic(kStation, options.run),
+                                     dds::Qos::kLoop);
+  const std::string pose_topic = dds::PoseTopic(kStation, options.run);
   while (!dds::WriterDiscovered(loop, pose_topic)) {
     if (stop.WaitFor(milliseconds(5))) return;
   }
@@ -381,6 +405,11 @@ void AddLoop(CLI::App& app, const int& domain) {
       ->capture_default_str();
   command->add_option("--scene", options->scene, "Catalogue name or scene file")
       ->capture_default_str();
+  command
+      ->add_option("--authority", options->authority,
+                   "Over UDP in a secured domain: a folder of deploy/security/identities, with a "
+                   "server 'bench_server' and a station 'bench'")
+      ->check(CLI::ExistingDirectory);
   command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
   command->callback([options, &domain] {
     options->domain = domain;
@@ -391,6 +420,7 @@ void AddLoop(CLI::App& app, const int& domain) {
   CLI::App* peer = app.add_subcommand("echo", "The other end of loop's bare echo")->group("");
   common(*peer, echo->transport, echo->realtime);
   peer->add_option("--run", echo->run)->required();
+  peer->add_option("--identity", echo->identity);
   peer->callback([echo, &domain] {
     echo->domain = domain;
     Echo(*echo);

@@ -35,7 +35,7 @@ const std::vector<Rule> kRules = {
      {},
      {"CLI11"}},
     // The one place that knows Cyclone DDS: everybody else sees typed readers and writers.
-    {"common/dds", {"common", "idl"}, {}, {"Eigen", "spdlog", "Cyclone DDS"}},
+    {"common/dds", {"common", "idl"}, {}, {"Eigen", "spdlog", "Cyclone DDS", "OpenSSL"}},
     // Files alone: who wants them need not know DDS.
     {"common/mcap", {"common"}, {"common/dds"}, {"zlib", "zstd"}},
     // What the project puts into them: samples, as DDS serialises them.
@@ -74,11 +74,12 @@ const std::vector<Rule> kRules = {
      {"Eigen", "spdlog", "OpenHaptics"}},
     {"devices/spacemouse", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog", "spacenav"}},
     // Never the server or another client; own folder added below.
-    // Boost for its HTTP server and WebSockets (Asio, Beast); zlib to give a scene compressed.
+    // Boost for its HTTP server and WebSockets (Asio, Beast); zlib to give a scene compressed;
+    // xxHash to see that it is what it says.
     {"client/viewer",
      {"common", "client/viewer"},
      {},
-     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost", "zlib"}},
+     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost", "xxHash", "zlib"}},
     // A simulated station is what the load consists of, so this client may use another: the
     // station.
     // Boost for the viewers' WebSockets, as in the gateway.
@@ -170,6 +171,8 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"zstd.h", "zstd"},
     {"nanoflann.hpp", "nanoflann"},
     {"boost/", "Boost"},
+    // Hashes and random keys.
+    {"openssl/", "OpenSSL"},
     {"fmt/", "spdlog"},
     {"HD/", "OpenHaptics"},
     {"HDU/", "OpenHaptics"},

@@ -118,7 +118,7 @@ TEST(ServerProgram, RefusesSharedMemoryWithoutRouDiAndSaysHowToStartIt) {
   if (RouDi::AnotherRuns()) GTEST_SKIP() << "a RouDi of somebody else's runs on this machine";
   Program program = Server(Here({"--scene", "cube", "--transport", "shm"}));
   EXPECT_EQ(program.Exit(), 1);
-  EXPECT_THAT(program.Output(), HasSubstr("no RouDi listens at /tmp/roudi; start it with"));
+  EXPECT_THAT(program.Output(), HasSubstr("no RouDi listens at /tmp/roudi; start"));
 }
 
 TEST(ServerProgram, RefusesRequiredRealTimeWithoutTheRightAndNamesTheLimit) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <thread>
 
@@ -71,6 +72,7 @@ class ServerTest : public testing::Test {
       request.run = run;
       wire::FromText(scene, request.scene);
       wire::FromText(tool, request.tool);
+      wire::FromText(device, request.device);
       request.leave = leave;
       requests.Write(request);
     }
@@ -103,6 +105,7 @@ class ServerTest : public testing::Test {
     const dds::Participant& loop;
     const dds::Participant& service;
     std::string name;
+    std::string device;
     std::uint64_t run;
     dds::Writer<wire::SessionRequest> requests;
     dds::Reader<wire::SessionState> states;
@@ -178,7 +181,7 @@ TEST_F(ServerTest, AnswersEachPoseOfAStationBesideOneThatFloodsAndOfThatOneItsSh
   const double took_s = 1e-9 * static_cast<double>(SteadyNanoseconds() - began_ns);
   const std::uint64_t heard = flood.answers - flood_before;
   EXPECT_GT(heard, 0u);
-  EXPECT_LE(heard, PoseBudget::kAtOnce + 1 + PoseBudget::kPerSecond * took_s);
+  EXPECT_LE(heard, ServoBudget::kPosesAtOnce + 1 + ServoBudget::kPosesPerSecond * took_s);
   EXPECT_LT(heard, kRounds * kPerRound);
 }
 
@@ -203,6 +206,101 @@ TEST_F(ServerTest, RefusesADrivenToolUntilItIsFree) {
     other.Send(0.2);
     return other.State().phase == palpate_SESSION_ACTIVE;
   }));
+}
+
+TEST_F(ServerTest, ForgetsAStationThatItRefusedSomeSecondsAgo) {
+  Station refused(*this, "refused", 1);
+  refused.Ask("nowhere");
+  ASSERT_TRUE(ServeUntil([&] { return refused.State().phase == palpate_SESSION_REFUSED; }));
+  const std::int64_t now_ns = SteadyNanoseconds();
+  server_->Poll(now_ns + 6'000'000'000);
+  // Who comes later hears of those alone that are there.
+  Station there(*this, "there", 1);
+  there.Ask("one");
+  const dds::Participant viewer = dds::Participant::Service(kDomain);
+  dds::Reader<wire::SessionState> states(viewer, dds::kSessionStateTopic, dds::Qos::kSession);
+  wire::SessionState state;
+  std::vector<std::string> heard;
+  ASSERT_TRUE(ServeUntil([&] {
+    while (states.Take(state)) heard.push_back(state.station);
+    return !heard.empty();
+  }));
+  for (int i = 0; i < 50; ++i) ServeUntil([] { return true; });
+  while (states.Take(state)) heard.push_back(state.station);
+  EXPECT_THAT(heard, testing::Each("there"));
+}
+
+/// Resident memory of this process [MB].
+double Resident_MB() {
+  std::ifstream file("/proc/self/statm");
+  long all = 0, resident = 0;
+  file >> all >> resident;
+  return 1e-6 * static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+TEST_F(ServerTest, RemembersNoNamesThatSomebodyMakesUp) {
+  Station there(*this, "there", 1);
+  there.Ask("one");
+  dds::Writer<wire::SessionRequest> requests(service_, dds::kSessionRequestTopic,
+                                             dds::Qos::kSession);
+  std::int64_t now_ns = SteadyNanoseconds();
+  const auto flood = [&](int first, int count) {
+    for (int i = first; i < first + count; ++i) {
+      wire::SessionRequest request{};
+      const std::string number = std::to_string(i);
+      wire::FromText("s" + number, request.station);
+      request.run = 1;
+      wire::FromText("nowhere", request.scene);
+      requests.Write(request);
+      if (i % 100 == 0) server_->Poll(now_ns += 50'000'000);
+    }
+  };
+  flood(0, 5'000);  // warm
+  const double before_MB = Resident_MB();
+  flood(5'000, 60'000);
+  // They took 381 MB for 80,000 once.
+  EXPECT_LT(Resident_MB() - before_MB, 20.0);
+}
+
+TEST_F(ServerTest, ServesAMouseWithoutItsServoThread) {
+  Station mouse(*this, "mouse", 1), arm(*this, "arm", 1);
+  mouse.device = "mouse";
+  mouse.Ask("one");
+  arm.Ask("two", "left");
+  ASSERT_TRUE(ServeUntil([&] {
+    mouse.Send(kTouch - 0.002);
+    arm.Send(kTouch - 0.001);
+    return mouse.force_N > 2.0 - 1e-4 && arm.force_N > 1.0 - 1e-4;
+  }));
+  EXPECT_NEAR(mouse.force_N, 2.0, 1e-4);
+  EXPECT_TRUE(server_->table().sessions().at("mouse")->below_arms());
+  EXPECT_FALSE(server_->table().sessions().at("arm")->below_arms());
+}
+
+TEST_F(ServerTest, DoesWhatATeacherAsks) {
+  Station station(*this, "a", 1);
+  station.Ask("one");
+  ASSERT_TRUE(ServeUntil([&] {
+    station.Send(0.2);
+    return station.State().phase == palpate_SESSION_ACTIVE;
+  }));
+  dds::Writer<wire::OperateRequest> wishes(service_, dds::kOperateRequestTopic, dds::Qos::kSession);
+  wire::OperateRequest wish{};
+  wire::FromText("a", wish.station);
+  wish.server_run = station.State().server_run;
+  wish.wish = palpate_OPERATE_MUTE;
+  ASSERT_TRUE(wishes.Write(wish));
+  EXPECT_TRUE(ServeUntil([&] {
+    station.Send(0.2);
+    return station.State().muted;
+  }));
+  wish.wish = palpate_OPERATE_TAKE_BACK;
+  ASSERT_TRUE(wishes.Write(wish));
+  EXPECT_TRUE(ServeUntil([&] {
+    station.Send(0.2);
+    return station.State().phase == palpate_SESSION_ENDED;
+  }));
+  EXPECT_THAT(station.state.reason, HasSubstr("taken back"));
 }
 
 TEST_F(ServerTest, LosesASilentStationAndTakesItBack) {

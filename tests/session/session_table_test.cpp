@@ -1,5 +1,7 @@
 #include "server/session/session_table.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -229,6 +231,155 @@ TEST_F(SessionTableTest, KeepsARequestThatALeaveOfTheRunBeforeOvertakes) {
   table_.Request(leave, now_);
   Pass(10, {});
   EXPECT_TRUE(Holds("a", 2));
+}
+
+std::string NumberedName(std::size_t number) {
+  const std::string text = std::to_string(number);
+  return "s" + text;
+}
+
+wire::SessionRequest Sealed(wire::SessionRequest request, std::uint8_t key) {
+  std::ranges::fill(request.leave_key, key);
+  std::ranges::copy(dds::SealOf(request.leave_key), request.leave_seal);
+  return request;
+}
+
+TEST_F(SessionTableTest, IsEndedByNobodyWhoLacksTheKeyOfItsRequest) {
+  const wire::SessionRequest asked = Sealed(MakeRequest("a", 1, "one"), 7);
+  wire::SessionRequest request = asked;
+  std::ranges::fill(request.leave_key, 0);  // as it travels
+  Ask(request);
+  Pass(10, {"a"});
+  wire::SessionRequest leave = request;
+  leave.leave = true;
+  for (int key = 0; key < 256; ++key) {
+    if (key == 7) continue;
+    std::ranges::fill(leave.leave_key, static_cast<std::uint8_t>(key));
+    table_.Request(leave, now_);
+  }
+  std::ranges::copy(request.leave_seal, leave.leave_key);
+  table_.Request(leave, now_);
+  table_.Update(now_);
+  ASSERT_TRUE(Holds("a", 1));
+  leave = asked;
+  leave.leave = true;
+  table_.Request(leave, now_);
+  table_.Update(now_);
+  EXPECT_FALSE(Holds("a", 1));
+}
+
+TEST_F(SessionTableTest, IsNotRefusedBySomebodysWordInItsName) {
+  Ask(MakeRequest("a", 1, "one"));
+  Pass(10, {"a"});
+  const wire::SessionState state = Ask(MakeRequest("a", 1, "three"));
+  EXPECT_NE(state.phase, palpate_SESSION_REFUSED);
+  EXPECT_STREQ(state.scene, "one");
+  EXPECT_TRUE(Holds("a", 1));
+}
+
+TEST_F(SessionTableTest, TellsSoManyRefusalsAtOnceAndASecondAndCountsTheRest) {
+  const auto flood = [&](std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      table_.Request(MakeRequest(NumberedName(i), 1, "three"), now_);
+    }
+    return table_.TakeChanges().size();
+  };
+  EXPECT_EQ(flood(80'000), SessionTable::kRefusalsAtOnce);
+  EXPECT_EQ(table_.TakeUntold(), 80'000 - SessionTable::kRefusalsAtOnce);
+  EXPECT_EQ(table_.TakeUntold(), 0u);
+  now_ += 1000 * kMs;
+  EXPECT_EQ(flood(80'000), SessionTable::kRefusalsPerSecond);
+  // Whoever can have what it asks for is not held up.
+  EXPECT_EQ(Ask(MakeRequest("a", 1, "one")).phase, palpate_SESSION_WAITING);
+}
+
+wire::OperateRequest MakeWish(const std::string& station, wire::OperateWish wish) {
+  wire::OperateRequest request{};
+  wire::FromText(station, request.station);
+  request.server_run = kServerRun;
+  request.wish = wish;
+  wire::FromText("the teacher", request.by);
+  return request;
+}
+
+TEST_F(SessionTableTest, TakesAToolBackAndHoldsItsStationUntilItIsAdmittedAgain) {
+  Ask(MakeRequest("a", 1, "one"));
+  Pass(10, {"a"});
+  EXPECT_TRUE(table_.Operate(MakeWish("a", palpate_OPERATE_TAKE_BACK), now_));
+  table_.Update(now_);
+  wire::SessionState state = LastChange();
+  EXPECT_EQ(state.phase, palpate_SESSION_ENDED);
+  EXPECT_THAT(state.reason, HasSubstr("taken back by the teacher"));
+  // As stations do.
+  state = Ask(MakeRequest("a", 2, "one"));
+  EXPECT_EQ(state.phase, palpate_SESSION_HELD);
+  EXPECT_THAT(state.reason, HasSubstr("the teacher"));
+  EXPECT_EQ(Ask(MakeRequest("b", 1, "one")).phase, palpate_SESSION_WAITING) << "the tool is free";
+  wire::SessionRequest leave = MakeRequest("b", 1, "one");
+  leave.leave = true;
+  table_.Request(leave, now_);
+  table_.Update(now_);
+  LastChange();
+  EXPECT_TRUE(table_.Operate(MakeWish("a", palpate_OPERATE_ADMIT), now_));
+  state = LastChange();
+  EXPECT_EQ(state.phase, palpate_SESSION_WAITING);
+  EXPECT_EQ(state.run, 2u);
+}
+
+TEST_F(SessionTableTest, RefusesAHeldStationThatIsTakenBack) {
+  SessionTable table({BallTool("one")}, kServerRun, true);
+  table.Request(MakeRequest("a", 1, "one"), now_);
+  EXPECT_EQ(table.TakeChanges().back().phase, palpate_SESSION_HELD);
+  table.Operate(MakeWish("a", palpate_OPERATE_TAKE_BACK), now_);
+  const wire::SessionState state = table.TakeChanges().back();
+  EXPECT_EQ(state.phase, palpate_SESSION_REFUSED);
+  EXPECT_THAT(state.reason, HasSubstr("not admitted by the teacher"));
+}
+
+TEST_F(SessionTableTest, HoldsEachNewcomerWhereStationsAreAdmittedByHand) {
+  SessionTable table({BallTool("one")}, kServerRun, true);
+  table.Request(MakeRequest("a", 1, "one"), now_);
+  table.Update(now_ += 1000 * kMs);
+  EXPECT_EQ(table.TakeChanges().back().phase, palpate_SESSION_HELD);
+  EXPECT_THAT(table.sessions(), IsEmpty());
+  EXPECT_TRUE(table.Operate(MakeWish("a", palpate_OPERATE_ADMIT), now_));
+  EXPECT_EQ(table.sessions().size(), 1u);
+  // The name is known from then on: a station that lost its server comes back by itself.
+  table.EndAll("");
+  table.TakeChanges();
+  table.Request(MakeRequest("a", 2, "one"), now_);
+  EXPECT_EQ(table.TakeChanges().back().phase, palpate_SESSION_WAITING);
+}
+
+TEST_F(SessionTableTest, HoldsNoMoreStationsThanItServes) {
+  SessionTable table({BallTool("one")}, kServerRun, true);
+  for (std::size_t i = 0; i <= SessionTable::kMaxStations; ++i) {
+    table.Request(MakeRequest(NumberedName(i), 1, "one"), now_);
+  }
+  EXPECT_EQ(table.TakeChanges().back().phase, palpate_SESSION_REFUSED);
+}
+
+TEST_F(SessionTableTest, KeepsAStationMutedWhateverSessionsComeAndGo) {
+  Ask(MakeRequest("a", 1, "one"));
+  Pass(10, {"a"});
+  EXPECT_FALSE(LastChange().muted);
+  EXPECT_TRUE(table_.Operate(MakeWish("a", palpate_OPERATE_MUTE), now_));
+  EXPECT_TRUE(LastChange().muted);
+  Pass(200, {});
+  EXPECT_TRUE(Ask(MakeRequest("a", 2, "one")).muted) << "it would unmute itself";
+  EXPECT_TRUE(table_.Operate(MakeWish("a", palpate_OPERATE_UNMUTE), now_));
+  EXPECT_FALSE(LastChange().muted);
+}
+
+TEST_F(SessionTableTest, DoesNothingForAnotherServersTeacherOrAStationThatIsNotHere) {
+  Ask(MakeRequest("a", 1, "one"));
+  wire::OperateRequest other = MakeWish("a", palpate_OPERATE_TAKE_BACK);
+  other.server_run = kServerRun + 1;
+  EXPECT_FALSE(table_.Operate(other, now_));
+  for (std::size_t i = 0; i < 10'000; ++i) {
+    EXPECT_FALSE(table_.Operate(MakeWish(NumberedName(i), palpate_OPERATE_TAKE_BACK), now_));
+  }
+  EXPECT_TRUE(Holds("a", 1));
 }
 
 TEST_F(SessionTableTest, TellsEveryStationWhenTheServerStops) {

@@ -35,6 +35,7 @@ void FakeServer::Publish(wire::SessionPhase phase, const std::string& reason) {
   wire::FromText(request_.scene, state.scene);
   wire::FromText("sphere", state.tool);
   wire::FromText(reason, state.reason);
+  state.muted = muted_;
   states_.Write(state);
 }
 
@@ -45,6 +46,7 @@ void FakeServer::OnRequest(const wire::SessionRequest& request) {
     has_session_ = false;
     return Publish(palpate_SESSION_ENDED, "the station left");
   }
+  if (held_ = hold_.load(); held_) return Publish(palpate_SESSION_HELD, "waits to be admitted");
   if (refusing_.load()) return Publish(palpate_SESSION_REFUSED, refusal_);
   pose_reader_ = {};
   wrenches_ = {loop_, dds::WrenchTopic(request.station, request.run), dds::Qos::kLoop};
@@ -75,6 +77,11 @@ void FakeServer::Run() {
       pose_reader_ = {loop_, dds::PoseTopic(request_.station, request_.run), dds::Qos::kLoop,
                       [this](const wire::HapticPose& pose) noexcept { OnPose(pose); }};
       ++sessions_;
+      Publish(palpate_SESSION_ACTIVE, "");
+    }
+    if (held_ && !hold_.load()) OnRequest(request_);
+    if (has_session_ && muted_ != station_mute_.load()) {
+      muted_ = station_mute_.load();
       Publish(palpate_SESSION_ACTIVE, "");
     }
     if (end_session_.exchange(false)) {

@@ -24,6 +24,10 @@ class FakeServer {
   void Mute(bool on) { mute_.store(on); }
   /// Says of each pose another time than it came with.
   void LieAboutTime(bool on) { lie_.store(on); }
+  /// Tells the station to render no force, or to render it again.
+  void MuteStation(bool on) { station_mute_.store(on); }
+  /// Holds whoever asks from now on, or lets the held one begin.
+  void Hold(bool on) { hold_.store(on); }
   /// Ends the session in words.
   void EndSession() { end_session_.store(true); }
 
@@ -48,12 +52,16 @@ class FakeServer {
   dds::Reader<wire::HapticPose> pose_reader_;
   wire::SessionRequest request_{};
   bool has_session_ = false;
+  bool muted_ = false;
+  bool held_ = false;
   const std::uint64_t server_run_;
   std::string refusal_;
 
   std::atomic<bool> stop_{false};
   std::atomic<bool> mute_{false};
   std::atomic<bool> lie_{false};
+  std::atomic<bool> station_mute_{false};
+  std::atomic<bool> hold_{false};
   std::atomic<bool> end_session_{false};
   std::atomic<std::uint64_t> poses_{0};
   std::atomic<std::uint64_t> last_sequence_{0};

@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.h"
@@ -181,6 +182,38 @@ TEST(SessionLink, AsksAgainWhenTheServerEndsTheSession) {
   ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == 1; }));
   ASSERT_TRUE(station.UntilForce(2.0));
   EXPECT_EQ(server.sessions(), 2);
+}
+
+TEST(SessionLink, TakesTheForceOutWhileItIsMutedAndFollowsTheHand) {
+  FakeServer server(kDomain, kUdp);
+  Station station;
+  ASSERT_TRUE(station.UntilForce(2.0));
+  server.MuteStation(true);
+  ASSERT_TRUE(station.UntilForce(0.0));
+  EXPECT_EQ(station.link->PhaseText(), "muted");
+  EXPECT_THAT(station.said.back(), testing::HasSubstr("muted: forces are off"));
+  const std::uint64_t poses = server.poses();
+  ASSERT_TRUE(station.Until([&] { return server.poses() > poses + 100; }));
+  EXPECT_EQ(station.snapshot.force_N, 0.0);
+  server.EndSession();  // a new session does not unmute
+  ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == 1; }));
+  station.Until([] { return false; }, 0.5);
+  EXPECT_EQ(station.snapshot.peak_force_N, 0.0);
+  server.MuteStation(false);
+  EXPECT_TRUE(station.UntilForce(2.0));
+  EXPECT_EQ(station.link->PhaseText(), "active");
+}
+
+TEST(SessionLink, WaitsAsLongAsItIsHeld) {
+  FakeServer server(kDomain, kUdp);
+  server.Hold(true);
+  Station station(0.5);
+  ASSERT_TRUE(station.Until([&] { return station.link->PhaseText() == "held"; }));
+  EXPECT_FALSE(station.Until([&] { return station.link->PhaseText() != "held"; }, 1.0))
+      << "its patience is for a server that does not answer";
+  EXPECT_EQ(station.said.back(), "the session is held: waits to be admitted");
+  server.Hold(false);
+  EXPECT_TRUE(station.UntilForce(2.0));
 }
 
 TEST(SessionLink, RebuildsItsReaderAndThenItsSessionWhenMatchedButDeaf) {

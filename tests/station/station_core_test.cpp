@@ -137,6 +137,25 @@ TEST(StationCore, KeepsForcesOffUntilTheyAreEnabled) {
   EXPECT_TRUE(bench.core.Sense(bench.now, false).sample.status & kDeviceForcesEnabled);
 }
 
+TEST(StationCore, RampsToZeroWhileItIsMutedWhoeverWantsForces) {
+  Bench bench;
+  for (int i = 0; i < 400; ++i) bench.Tick(true);
+  ASSERT_EQ(bench.force(), 2.0);
+  bench.core.Mute(true);
+  double last = bench.force();
+  for (int i = 0; i < 400; ++i) {
+    bench.core.EnableForces(true);
+    bench.Tick(true);
+    EXPECT_LE(bench.force(), last);
+    EXPECT_GE(bench.force(), last - 0.16) << "smooth";
+    last = bench.force();
+  }
+  EXPECT_EQ(last, 0.0);
+  bench.core.Mute(false);
+  for (int i = 0; i < 400; ++i) bench.Tick(true);
+  EXPECT_EQ(bench.force(), 2.0);
+}
+
 TEST(StationCore, FadesToZeroWithinTwentyFiveMillisecondsOfTheServersDeath) {
   Bench bench;
   for (int i = 0; i < 400; ++i) bench.Tick(true);

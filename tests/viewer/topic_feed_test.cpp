@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include "common/dds/cdr.h"
 #include "common/dds/topics.h"
@@ -33,7 +34,7 @@ class TopicFeedTest : public testing::Test {
     wire::SceneBundle sample{};
     wire::FromText(scene, sample.scene);
     sample.server_run = run;
-    sample.hash = bytes.size();
+    sample.hash = XXH3_64bits(bytes.data(), bytes.size());
     sample.bundle._buffer = bytes.data();
     sample.bundle._length = sample.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
     ASSERT_TRUE(bundles_.Write(sample));
@@ -75,7 +76,7 @@ TEST_F(TopicFeedTest, FindsTheBundleInTheBytesThatTravelled) {
     WriteBundle(name, 1, bytes);
     ASSERT_TRUE(PollUntil([&] { return feed_.scenes().contains(name); }));
     const SceneBytes& scene = feed_.scenes().at(name);
-    EXPECT_EQ(scene.hash, size);
+    EXPECT_EQ(scene.hash, XXH3_64bits(bytes.data(), bytes.size()));
     EXPECT_EQ(std::vector(scene.bundle.begin(), scene.bundle.end()), bytes);
   }
 }
@@ -146,6 +147,113 @@ TEST_F(TopicFeedTest, LetsANewServerTakeThePlaceOfTheFormerWhoseRestIsNotHeard) 
   WriteSession("b", 2, palpate_SESSION_ACTIVE);
   ASSERT_TRUE(PollUntil([&] { return sessions_.size() > heard; }));
   EXPECT_THAT(feed_.stations(), ElementsAre("b"));
+}
+
+/// Another participant that speaks as a server, for as long as it lives.
+struct Stranger {
+  explicit Stranger(const std::string& scene, std::uint64_t run, std::uint8_t content) {
+    wire::SessionState state{};
+    wire::FromText("forged", state.station);
+    state.server_run = run;
+    state.phase = palpate_SESSION_ACTIVE;
+    EXPECT_TRUE(states.Write(state));
+    wire::SceneBundle bundle{};
+    wire::FromText(scene, bundle.scene);
+    bundle.server_run = run;
+    bundle.hash = XXH3_64bits(&content, 1);
+    bundle.bundle._buffer = &content;
+    bundle.bundle._length = bundle.bundle._maximum = 1;
+    EXPECT_TRUE(bundles.Write(bundle));
+  }
+  dds::Participant participant = dds::Participant::Service(kDomain);
+  dds::Writer<wire::SceneBundle> bundles{participant, dds::kSceneBundleTopic, dds::Qos::kSession};
+  dds::Writer<wire::SessionState> states{participant, dds::kSessionStateTopic, dds::Qos::kSession};
+  dds::Writer<wire::ToolState> tools{participant, dds::kToolStateTopic, dds::Qos::kStream};
+};
+
+TEST_F(TopicFeedTest, HearsTheServerThatLivesWhateverAnotherSays) {
+  WriteBundle("s", 1, {1});
+  WriteSession("a", 1, palpate_SESSION_ACTIVE);
+  ASSERT_TRUE(
+      PollUntil([&] { return feed_.scenes().size() == 1 && feed_.stations().size() == 1; }));
+  for (const std::uint64_t run : {1, 2}) {  // under the server's own run, too
+    const Stranger stranger("s", run, 7);
+    // Each of its words has been passed over once later ones of the server's own have come.
+    const std::string name = "after" + std::to_string(run);
+    ASSERT_TRUE(PollUntil([&] {
+      wire::ToolState state{};
+      wire::FromText("forged", state.station);
+      const_cast<Stranger&>(stranger).tools.Write(state);
+      WriteSession(name, 1, palpate_SESSION_ACTIVE);
+      return feed_.Kept(TopicFeed::kSessionState).size() == 1 + run;
+    }));
+    usleep(200'000);
+    PollUntil([] { return true; });
+    EXPECT_EQ(feed_.server_run(), 1u);
+    EXPECT_EQ(feed_.scenes().at("s").bundle[0], 1);
+  }
+  EXPECT_THAT(feed_.stations(), ElementsAre("a", "after1", "after2"));
+  WriteSession("b", 1, palpate_SESSION_ACTIVE);
+  EXPECT_TRUE(PollUntil([&] { return feed_.stations().size() == 4; })) << "it is blind since then";
+  for (const FramePtr& frame : frames_) {
+    EXPECT_NE(frame->channel, static_cast<std::uint32_t>(TopicFeed::kToolState));
+  }
+}
+
+TEST_F(TopicFeedTest, HearsAllThatAnotherHasSaidOnceTheFirstHasGone) {
+  auto first = std::make_unique<Stranger>("s", 1, 7);
+  ASSERT_TRUE(PollUntil([&] { return feed_.server_run() == 1; }));
+  WriteBundle("s", 2, {1});
+  WriteBundle("t", 2, {2});
+  WriteSession("a", 2, palpate_SESSION_ACTIVE);
+  for (int i = 0; i < 200; ++i) {
+    PollUntil([] { return true; });
+    usleep(1000);
+  }
+  ASSERT_EQ(feed_.server_run(), 1u);
+  first.reset();
+  EXPECT_TRUE(
+      PollUntil([&] { return feed_.scenes().size() == 2 && feed_.stations().size() == 1; }));
+  EXPECT_EQ(feed_.server_run(), 2u);
+  EXPECT_THAT(feed_.stations(), ElementsAre("a"));
+}
+
+TEST_F(TopicFeedTest, KeepsWhatAServerHasSaidWhileThereIsNone) {
+  std::make_unique<Stranger>("s", 1, 7);
+  auto server = std::make_unique<Stranger>("s", 2, 8);
+  ASSERT_TRUE(PollUntil([&] { return feed_.server_run() == 2; }));
+  server.reset();
+  for (int i = 0; i < 300; ++i) {
+    PollUntil([] { return true; });
+    usleep(1000);
+  }
+  EXPECT_EQ(feed_.server_run(), 2u);
+  EXPECT_EQ(feed_.scenes().at("s").bundle[0], 8);
+}
+
+TEST_F(TopicFeedTest, ForgetsASessionThatIsOverForTheServerThatSaysSo) {
+  WriteSession("a", 1, palpate_SESSION_REFUSED);
+  WriteSession("b", 1, palpate_SESSION_ACTIVE);
+  ASSERT_TRUE(PollUntil([&] { return feed_.Kept(TopicFeed::kSessionState).size() == 2; }));
+  wire::SessionState over{};
+  wire::FromText("a", over.station);
+  states_.Dispose(over);
+  EXPECT_TRUE(PollUntil([&] { return feed_.Kept(TopicFeed::kSessionState).size() == 1; }));
+  EXPECT_THAT(feed_.stations(), ElementsAre("b"));
+}
+
+TEST_F(TopicFeedTest, ShowsNoBundleThatIsNotWhatItsHashSays) {
+  std::vector<std::uint8_t> bytes = {1, 2, 3};
+  wire::SceneBundle forged{};
+  wire::FromText("forged", forged.scene);
+  forged.server_run = 1;
+  forged.hash = XXH3_64bits(bytes.data(), bytes.size()) + 1;
+  forged.bundle._buffer = bytes.data();
+  forged.bundle._length = forged.bundle._maximum = 3;
+  ASSERT_TRUE(bundles_.Write(forged));
+  WriteBundle("true", 1, bytes);
+  ASSERT_TRUE(PollUntil([&] { return feed_.scenes().contains("true"); }));
+  EXPECT_EQ(feed_.scenes().size(), 1u);
 }
 
 TEST_F(TopicFeedTest, KeepsWhatAReplaySaysWhoeverElseSpeaks) {

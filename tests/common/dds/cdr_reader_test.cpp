@@ -50,6 +50,70 @@ TEST(CdrReader, GivesTheBytesAsTheyTravelledAndTheStructThatTheyMean) {
   EXPECT_FALSE(reader.Take(raw, taken));
 }
 
+TEST(CdrReader, TellsThatAnInstanceIsOverToWhoWantsToKnow) {
+  const Participant participant = Participant::Service(kDomain);
+  const std::string topic = OwnTopic("over");
+  Writer<wire::ToolState> writer(participant, topic, Qos::kSession);
+  CdrReader<wire::ToolState> told(participant, topic, Qos::kSession);
+  CdrReader<wire::ToolState> untold(participant, topic, Qos::kSession);
+  wire::ToolState state{};
+  CdrSample raw;
+  wire::ToolState taken{};
+  for (const char* station : {"a", "b"}) {
+    wire::FromText(station, state.station);
+    ASSERT_TRUE(writer.Write(state));
+  }
+  while (!TakeWithin20s(told, raw, taken) || taken.station[0] != 'b') {
+  }
+  wire::FromText("a", state.station);
+  writer.Dispose(state);
+  bool over = false;
+  for (int i = 0; i < 10'000 && !over; ++i) {
+    over = told.Take(raw, taken, true);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  ASSERT_TRUE(over);
+  EXPECT_TRUE(raw.over);
+  EXPECT_STREQ(taken.station, "a");
+  EXPECT_TRUE(raw.cdr.empty());
+  while (untold.Take(raw, taken)) EXPECT_FALSE(raw.over);
+  // Who comes later hears of b alone.
+  CdrReader<wire::ToolState> late(participant, topic, Qos::kSession);
+  ASSERT_TRUE(TakeWithin20s(late, raw, taken));
+  EXPECT_STREQ(taken.station, "b");
+  EXPECT_FALSE(late.Take(raw, taken, true));
+}
+
+TEST(CdrReader, TellsParticipantsApartAndWhetherTheyAreThere) {
+  const std::string topic = OwnTopic("origin");
+  const Participant here = Participant::Service(kDomain);
+  CdrReader<wire::ToolState> reader(here, topic, Qos::kSession);
+  CdrSample raw;
+  wire::ToolState state{}, taken{};
+  std::vector<std::uint64_t> origins;
+  Participant lasting = Participant::Service(kDomain);
+  Writer<wire::ToolState> lasting_writer(lasting, topic, Qos::kSession);
+  {
+    Participant passing = Participant::Service(kDomain);
+    Writer<wire::ToolState> first(passing, topic, Qos::kSession);
+    Writer<wire::ToolState> second(passing, topic, Qos::kSession);
+    for (Writer<wire::ToolState>* writer : {&first, &second, &lasting_writer}) {
+      ASSERT_TRUE(writer->Write(state));
+      ASSERT_TRUE(TakeWithin20s(reader, raw, taken));
+      origins.push_back(raw.origin);
+    }
+    EXPECT_NE(origins[0], 0u);
+    EXPECT_EQ(origins[0], origins[1]);
+    EXPECT_NE(origins[0], origins[2]);
+    EXPECT_TRUE(reader.Hears(origins[0]));
+  }
+  for (int i = 0; i < 10'000 && reader.Hears(origins[0]); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_FALSE(reader.Hears(origins[0]));
+  EXPECT_TRUE(reader.Hears(origins[2]));
+}
+
 TEST(CdrReader, TellsInstancesApartByTheirKeys) {
   const Participant participant = Participant::Service(kDomain);
   const std::string topic = OwnTopic("instances");

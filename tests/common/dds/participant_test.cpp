@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include "common/dds/endpoint.h"
@@ -45,17 +47,52 @@ TEST(RouDiChoice, TakesSharedMemoryWhereRouDiAnswersAndNotWhereItsSocketIsStale)
   EXPECT_EQ(ChooseTransport(Transport::kSharedMemory).transport, Transport::kSharedMemory);
 
   roudi.Kill();
-  EXPECT_FALSE(RouDiAnswers());
+  EXPECT_TRUE(WhyNoRouDi());
   const TransportChoice choice = ChooseTransport(Transport::kAuto);
   EXPECT_EQ(choice.transport, Transport::kUdp);
-  EXPECT_THAT(choice.reason, HasSubstr("no RouDi: start 'iox-roudi -c"));
+  EXPECT_THAT(choice.reason, HasSubstr("no RouDi listens at /tmp/roudi; start 'iox-roudi -c"));
   try {
     ChooseTransport(Transport::kSharedMemory);
     FAIL() << "shared memory without RouDi";
   } catch (const Error& e) {
-    EXPECT_THAT(e.what(), HasSubstr("--transport shm: no RouDi"));
+    EXPECT_THAT(e.what(), HasSubstr("--transport shm: no RouDi listens"));
     EXPECT_THAT(e.what(), HasSubstr("iox-roudi -c deploy/cyclonedds/roudi.toml"));
   }
+}
+
+/// Something that listens where RouDi does, while the object lives.
+class ForeignSocket {
+ public:
+  ForeignSocket() : socket_(socket(AF_UNIX, SOCK_DGRAM, 0)) {
+    unlink(kPath);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strcpy(address.sun_path, kPath);
+    EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  }
+  ~ForeignSocket() {
+    close(socket_);
+    unlink(kPath);
+  }
+  static constexpr const char* kPath = "/tmp/roudi";
+
+ private:
+  int socket_;
+};
+
+TEST(RouDiChoice, TakesUdpWhereWhatListensIsNoRouDiOfThisUser) {
+  RouDi roudi;  // for its lock: no other test's RouDi is to find the socket taken
+  roudi.Kill();
+  const ForeignSocket foreign;
+  TransportChoice choice = ChooseTransport(Transport::kAuto);
+  EXPECT_EQ(choice.transport, Transport::kUdp);
+  EXPECT_THAT(choice.reason, HasSubstr("is no RouDi: it does not hold /tmp/iox-unique-roudi.lock"));
+  EXPECT_THROW(ChooseTransport(Transport::kSharedMemory), Error);
+  if (geteuid() != 0) GTEST_SKIP() << "only root can make another user's socket";
+  ASSERT_EQ(chown(ForeignSocket::kPath, 1, 1), 0);
+  choice = ChooseTransport(Transport::kAuto);
+  EXPECT_EQ(choice.transport, Transport::kUdp);
+  EXPECT_THAT(choice.reason, HasSubstr("another user's (uid 1)"));
 }
 
 /// A UDP port that is this process's while the object lives.

@@ -49,7 +49,7 @@ kill $killer
 RouDi::RouDi() {
   const int lock = open(kLock, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (lock < 0 || flock(lock, LOCK_EX) != 0) throw Error(std::string(kLock) + ": cannot lock");
-  if (!Eventually([] { return !dds::RouDiAnswers(); })) {
+  if (!Eventually([] { return dds::WhyNoRouDi().has_value(); })) {
     throw Error("another iox-roudi runs on this machine; stop it first");
   }
   int to_guardian[2];
@@ -75,14 +75,14 @@ RouDi::RouDi() {
   char text[32] = {};
   if (read(from_guardian[0], text, sizeof text - 1) > 0) pid_ = std::stoi(text);
   close(from_guardian[0]);
-  if (!Eventually(dds::RouDiAnswers)) {
+  if (!Eventually([] { return !dds::WhyNoRouDi(); })) {
     throw Error("iox-roudi does not come up; is the package 'iceoryx' installed?");
   }
 }
 
 void RouDi::Kill() {
   kill(pid_, SIGKILL);
-  Eventually([] { return !dds::RouDiAnswers(); });
+  Eventually([] { return dds::WhyNoRouDi().has_value(); });
 }
 
 void RouDi::Hang() {
@@ -92,7 +92,7 @@ void RouDi::Hang() {
 bool RouDi::AnotherRuns() {
   const int lock = open(kLock, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (lock < 0 || flock(lock, LOCK_EX) != 0) throw Error(std::string(kLock) + ": cannot lock");
-  const bool answers = dds::RouDiAnswers();
+  const bool answers = !dds::WhyNoRouDi();
   close(lock);
   return answers;
 }

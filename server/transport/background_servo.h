@@ -1,0 +1,42 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <thread>
+
+#include "common/dds/wire.h"
+#include "common/realtime/latest_mailbox.h"
+
+namespace palpate {
+
+/// Answers the poses of one session in a thread of its own, below all servo threads in priority:
+/// for mice, whose hand feels nothing, so that a late answer is no wrong one.  Of poses that come
+/// while one is answered, or while the thread rests for its share, the newest counts; the others
+/// are as lost on their way.
+class BackgroundServo {
+ public:
+  /// Of a core, for each mouse.
+  static constexpr double kShare = 0.1;
+
+  /// @param answer  called in the thread, with each pose that is answered; must not throw.
+  explicit BackgroundServo(std::function<void(const wire::HapticPose&)> answer);
+  /// Returns when no pose is being answered any more.
+  ~BackgroundServo();
+  BackgroundServo(const BackgroundServo&) = delete;
+  BackgroundServo& operator=(const BackgroundServo&) = delete;
+
+  /// From one thread.  Real-time: no allocation, lock or wait; it wakes the other thread.
+  void Give(const wire::HapticPose& pose) noexcept;
+
+ private:
+  void Run();
+
+  std::function<void(const wire::HapticPose&)> answer_;
+  LatestMailbox<wire::HapticPose> poses_;
+  std::atomic<std::uint32_t> given_{0};
+  std::atomic<bool> stop_{false};
+  std::thread thread_;  // last: it uses all of these
+};
+
+}  // namespace palpate

@@ -1,0 +1,47 @@
+#include "common/dds/leave_seal.h"
+
+#include <algorithm>
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace palpate::dds {
+namespace {
+
+TEST(LeaveSeal, IsTheHashThatStandardsName) {
+  // FIPS 180-4's SHA-256 of 32 bytes of zero.
+  const std::uint8_t zeros[32] = {};
+  const LeaveKey seal = SealOf(zeros);
+  EXPECT_EQ(seal[0], 0x66);
+  EXPECT_EQ(seal[1], 0x68);
+  EXPECT_EQ(seal[31], 0x25);
+}
+
+TEST(LeaveSeal, IsOpenedByItsKeyAlone) {
+  const LeaveKey key = NewLeaveKey();
+  std::uint8_t bytes[32];
+  std::ranges::copy(key, bytes);
+  const LeaveKey seal = SealOf(bytes);
+  EXPECT_TRUE(Opens(bytes, seal));
+  for (int i = 0; i < 32 * 8; ++i) {
+    bytes[i / 8] ^= static_cast<std::uint8_t>(1 << i % 8);
+    EXPECT_FALSE(Opens(bytes, seal)) << i;
+    bytes[i / 8] ^= static_cast<std::uint8_t>(1 << i % 8);
+  }
+  std::ranges::copy(seal, bytes);  // what everybody can read
+  EXPECT_FALSE(Opens(bytes, seal));
+}
+
+TEST(LeaveSeal, OfZerosIsOpenToAll) {
+  const std::uint8_t none[32] = {};
+  EXPECT_TRUE(Opens(none, LeaveKey{}));
+}
+
+TEST(LeaveSeal, DrawsAnotherKeyEachTime) {
+  std::set<LeaveKey> keys;
+  for (int i = 0; i < 100; ++i) keys.insert(NewLeaveKey());
+  EXPECT_EQ(keys.size(), 100u);
+}
+
+}  // namespace
+}  // namespace palpate::dds

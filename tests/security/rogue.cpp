@@ -1,0 +1,90 @@
+// Somebody who tries to say or hear what is not for him, in a process of his own: a process has one
+// identity.
+//   rogue DOMAIN IDENTITY|- write|read TOPIC SECONDS
+// Prints `not allowed: …`, or `matched N`, and for a reader `heard N`.
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <thread>
+
+#include "common/dds/endpoint.h"
+#include "common/dds/participant.h"
+#include "common/dds/topics.h"
+#include "common/error.h"
+
+namespace palpate::dds {
+namespace {
+
+using std::chrono::steady_clock;
+
+struct Order {
+  int domain;
+  Network network;
+  bool write;
+  std::string topic;
+  double seconds;
+};
+
+template <class T>
+void Try(const Participant& participant, const Order& order, Qos qos) {
+  const auto end = steady_clock::now() + std::chrono::duration<double>(order.seconds);
+  int matched = 0, heard = 0;
+  const auto go_on = [&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return steady_clock::now() < end;
+  };
+  if (order.write) {
+    Writer<T> writer(participant, order.topic, qos);
+    for (T sample{}; go_on(); writer.Write(sample)) {
+      matched = std::max(matched, writer.matched_readers());
+    }
+    std::printf("matched %d\n", matched);
+  } else {
+    Reader<T> reader(participant, order.topic, qos);
+    while (go_on()) {
+      matched = std::max(matched, reader.matched_writers());
+      for (T sample{}; reader.Take(sample);) ++heard;
+    }
+    std::printf("matched %d\nheard %d\n", matched, heard);
+  }
+}
+
+void Run(const Order& order) {
+  const bool loop = order.topic.ends_with("/pose") || order.topic.ends_with("/wrench");
+  const Participant participant =
+      loop ? Participant::Loop(order.domain, {Transport::kUdp, ""}, order.network)
+           : Participant::Service(order.domain, order.network);
+  if (order.topic.ends_with("/pose")) return Try<wire::HapticPose>(participant, order, Qos::kLoop);
+  if (order.topic.ends_with("/wrench")) return Try<wire::Wrench>(participant, order, Qos::kLoop);
+  if (order.topic == kToolStateTopic) {
+    return Try<wire::ToolState>(participant, order, Qos::kStream);
+  }
+  if (order.topic == kSessionStateTopic) {
+    return Try<wire::SessionState>(participant, order, Qos::kSession);
+  }
+  if (order.topic == kSessionRequestTopic) {
+    return Try<wire::SessionRequest>(participant, order, Qos::kSession);
+  }
+  if (order.topic == kOperateRequestTopic) {
+    return Try<wire::OperateRequest>(participant, order, Qos::kSession);
+  }
+  throw Error("rogue knows no topic " + order.topic);
+}
+
+}  // namespace
+}  // namespace palpate::dds
+
+int main(int argc, char** argv) {
+  if (argc != 6) return 2;
+  palpate::dds::Order order{
+      std::atoi(argv[1]), {}, std::string(argv[3]) == "write", argv[4], std::atof(argv[5])};
+  if (std::string(argv[2]) != "-") order.network.identity = argv[2];
+  try {
+    palpate::dds::Run(order);
+    return 0;
+  } catch (const palpate::Error& error) {
+    std::printf("not allowed: %s\n", error.what());
+    return 1;
+  }
+}

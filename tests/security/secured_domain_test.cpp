@@ -1,0 +1,226 @@
+// A secured domain as a lab would have it: identities by the script, the real programs, and people
+// who try what is not for them.
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "common/dds/participant.h"
+#include "common/dds/security.h"
+#include "common/error.h"
+#include "tests/support/program.h"
+#include "tests/support/test_domain.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+namespace fs = std::filesystem;
+
+const int kDomain = OwnDomain();
+const std::string kNumber = std::to_string(kDomain);
+
+/// An authority with an identity for each of these.
+class Authority {
+ public:
+  explicit Authority(const std::string& name)
+      : folder_(fs::temp_directory_path() /
+                ("palpate_security_" + name + "_" + std::to_string(getpid()))) {
+    fs::remove_all(folder_);
+    Script({"new", folder_});
+  }
+  ~Authority() { fs::remove_all(folder_); }
+  Authority(const Authority&) = delete;
+  Authority& operator=(const Authority&) = delete;
+
+  std::string Add(const std::string& role, const std::string& name) const {
+    Script({"add", folder_, role, name});
+    return folder_ / "identities" / name;
+  }
+  static void Script(std::vector<std::string> arguments, int exit = 0) {
+    Program script(PALPATE_SOURCE_DIR "/deploy/security/identities", std::move(arguments));
+    EXPECT_EQ(script.Exit(60.0), exit) << script.Output();
+  }
+
+ private:
+  fs::path folder_;
+};
+
+const Authority& Lab() {
+  static const Authority authority("lab");
+  return authority;
+}
+std::string IdentityOf(const std::string& role, const std::string& name) {
+  static std::map<std::string, std::string> made;
+  std::string& identity = made[name];
+  if (identity.empty()) identity = Lab().Add(role, name);
+  return identity;
+}
+
+Program RunProgram(const std::string& name, std::vector<std::string> arguments,
+                   const std::string& identity) {
+  arguments.insert(arguments.end(), {"--domain", kNumber});
+  if (!identity.empty()) arguments.insert(arguments.end(), {"--identity", identity});
+  return Program(OwnFolder() + "/" + name, std::move(arguments));
+}
+
+/// The server and a station that drives its cube, both with their identities.
+struct SecuredLab {
+  Program server =
+      RunProgram("palpate-server", {"cube", "--realtime", "off"}, IdentityOf("server", "srv"));
+  bool serves = server.Says("ready", 120.0);
+  Program station = RunProgram(
+      "palpate-station",
+      {"--device", "simulated", "--scene", "cube", "--id", "left", "--loop", "--realtime", "off"},
+      IdentityOf("station", "left"));
+};
+
+std::string Rogue(const std::string& identity, const std::string& does, const std::string& topic) {
+  Program rogue(OwnFolder() + "/rogue",
+                {kNumber, identity.empty() ? "-" : identity, does, topic, "4"});
+  rogue.Exit(60.0);
+  return rogue.Output();
+}
+
+TEST(SecuredDomain, LetsAStationFeelAViewerLookAndARecorderRecord) {
+  SecuredLab lab;
+  ASSERT_TRUE(lab.serves) << lab.server.Output();
+  EXPECT_THAT(lab.server.Output(), HasSubstr("UDP (secured"));
+  EXPECT_TRUE(lab.station.Says("session: tool", 60.0)) << lab.station.Output();
+  EXPECT_TRUE(lab.server.Says("left", 20.0));
+  const fs::path file =
+      fs::temp_directory_path() / ("palpate_secured_" + std::to_string(getpid()) + ".mcap");
+  Program recorder =
+      RunProgram("palpate-record", {"-o", file, "--for", "4"}, IdentityOf("recorder", "rec"));
+  EXPECT_EQ(recorder.Exit(60.0), 0) << recorder.Output();
+  Program info(OwnFolder() + "/palpate-record", {"info", file});
+  info.Exit(60.0);
+  EXPECT_THAT(info.Output(), HasSubstr("palpate/left/"));
+  fs::remove(file);
+  EXPECT_THAT(Rogue(IdentityOf("viewer", "class"), "read", "palpate/tool_state"),
+              Not(HasSubstr("heard 0")));
+}
+
+TEST(SecuredDomain, NeitherHearsNorIsHeardByWhoHasNoIdentityOrAnotherAuthoritys) {
+  const Authority elsewhere("elsewhere");
+  SecuredLab lab;
+  ASSERT_TRUE(lab.serves) << lab.server.Output();
+  ASSERT_TRUE(lab.station.Says("session: tool", 60.0)) << lab.station.Output();
+  for (const std::string& identity : {std::string(), elsewhere.Add("gateway", "gate")}) {
+    for (const std::string topic : {"palpate/tool_state", "palpate/session_state"}) {
+      EXPECT_THAT(Rogue(identity, "read", topic), HasSubstr("matched 0\nheard 0")) << topic;
+    }
+    EXPECT_THAT(Rogue(identity, "write", "palpate/operate_request"), HasSubstr("matched 0"));
+  }
+  lab.server.Output();
+  // Another authority's is told of; who has no identity is no participant of this domain at all.
+  EXPECT_TRUE(lab.server.Says("", 0.1));
+  EXPECT_THAT(lab.server.Output(), HasSubstr("DDS: ")) << "a refusal that nobody logged";
+}
+
+TEST(SecuredDomain, AllowsEachRoleItsOwnWordsAndNoMore) {
+  struct Attempt {
+    std::string role, name, does, topic;
+    bool allowed;
+  };
+  const std::string run = "/00000000000000ab/";
+  for (const Attempt& attempt : std::vector<Attempt>{
+           {"station", "left", "write", "palpate/left" + run + "pose", true},
+           {"station", "left", "read", "palpate/left" + run + "wrench", true},
+           {"station", "left", "write", "palpate/right" + run + "pose", false},
+           {"station", "left", "write", "palpate/left2" + run + "pose", false},
+           {"station", "left", "write", "palpate/left" + run + "wrench", false},
+           {"station", "left", "read", "palpate/right" + run + "wrench", false},
+           {"station", "left", "read", "palpate/right" + run + "pose", false},
+           {"station", "left", "write", "palpate/session_state", false},
+           {"station", "left", "write", "palpate/operate_request", false},
+           {"station", "left", "read", "palpate/tool_state", false},
+           {"viewer", "class", "read", "palpate/tool_state", true},
+           {"viewer", "class", "write", "palpate/tool_state", false},
+           {"viewer", "class", "write", "palpate/left" + run + "pose", false},
+           {"viewer", "class", "write", "palpate/session_request", false},
+           {"viewer", "class", "write", "palpate/operate_request", false},
+           {"viewer", "class", "read", "palpate/left" + run + "pose", false},
+           {"gateway", "gate", "write", "palpate/operate_request", true},
+           {"gateway", "gate", "write", "palpate/mouse_1a2b_1" + run + "pose", true},
+           {"gateway", "gate", "write", "palpate/left" + run + "pose", false},
+           {"gateway", "gate", "write", "palpate/session_state", false},
+           {"recorder", "rec", "read", "palpate/left" + run + "pose", true},
+           {"recorder", "rec", "write", "palpate/left" + run + "pose", false},
+           {"recorder", "rec", "write", "palpate/session_request", false},
+           {"server", "srv", "write", "palpate/left" + run + "wrench", true},
+           {"server", "srv", "write", "palpate/left" + run + "pose", false},
+           {"server", "srv", "write", "palpate/session_request", false},
+       }) {
+    Program rogue(OwnFolder() + "/rogue", {kNumber, IdentityOf(attempt.role, attempt.name),
+                                           attempt.does, attempt.topic, "0.01"});
+    rogue.Exit(60.0);
+    if (attempt.allowed) {
+      EXPECT_THAT(rogue.Output(), HasSubstr("matched")) << attempt.role << attempt.topic;
+    } else {
+      EXPECT_THAT(rogue.Output(), HasSubstr("not allowed: "))
+          << attempt.role << " " << attempt.does << " " << attempt.topic;
+      EXPECT_THAT(rogue.Output(),
+                  HasSubstr("Not Allowed By Security; the role of this --identity"));
+    }
+  }
+}
+
+TEST(SecuredDomain, TakesNoIdentityThatSomebodyHasChanged) {
+  const fs::path identity = Lab().Add("viewer", "changed");
+  std::ifstream in(identity / "permissions.p7s");
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  const std::size_t at = text.find("palpate/tool_state");
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, 18, "palpate/all_states");
+  std::ofstream(identity / "permissions.p7s") << text;
+  EXPECT_THAT(Rogue(identity, "read", "palpate/tool_state"), HasSubstr("not allowed: "));
+}
+
+TEST(Identity, SaysWhatItLacksAndThatItsKeyIsItsOwnersAlone) {
+  const fs::path identity = Lab().Add("viewer", "lacking");
+  EXPECT_THAT(dds::SecurityConfig(identity), HasSubstr("key.pem"));
+  fs::permissions(identity / "key.pem", fs::perms::group_read, fs::perm_options::add);
+  try {
+    dds::SecurityConfig(identity);
+    FAIL() << "a key that others may read";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("key.pem may be read by others"));
+    EXPECT_THAT(error.what(), HasSubstr("chmod 600"));
+  }
+  fs::permissions(identity / "key.pem", fs::perms::owner_read);
+  fs::remove(identity / "governance.p7s");
+  try {
+    dds::SecurityConfig(identity);
+    FAIL() << "without its governance";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("governance.p7s: No such file"));
+  }
+}
+
+TEST(Identity, IsNotForSharedMemory) {
+  dds::Network network;
+  network.identity = "/tmp";
+  EXPECT_EQ(dds::ChooseTransport(dds::Transport::kAuto, network).transport, dds::Transport::kUdp);
+  EXPECT_THROW(dds::ChooseTransport(dds::Transport::kSharedMemory, network), Error);
+}
+
+TEST(IdentitiesScript, OverwritesNothingAndNamesWhatItDoesNotKnow) {
+  Lab().Add("viewer", "once");
+  const std::string folder = fs::path(IdentityOf("server", "srv")).parent_path().parent_path();
+  Authority::Script({"add", folder, "viewer", "once"}, 1);
+  Authority::Script({"new", folder}, 1);
+  Authority::Script({"add", folder, "king", "k"}, 2);
+  Authority::Script({"add", folder, "viewer", "../../x"}, 2);
+  Authority::Script({"add", folder, "viewer", "<x/>"}, 2);
+  Authority::Script({"--help"});
+}
+
+}  // namespace
+}  // namespace palpate::test
