@@ -1,0 +1,477 @@
+#include "tests/faults/faults.h"
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <thread>
+
+#include <spdlog/fmt/fmt.h>
+#include <sys/mount.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include "client/recorder/file_summary.h"
+#include "common/error.h"
+#include "common/math/random.h"
+#include "common/time/steady_clock.h"
+#include "tests/common/dds/roudi.h"
+#include "tests/faults/hostile.h"
+
+namespace palpate::faults {
+namespace {
+
+namespace fs = std::filesystem;
+using Findings = std::vector<Finding>;
+
+void Wait(double seconds) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
+
+Finding Lives(const std::string& who, test::Program& program) {
+  const bool runs = program.Runs();
+  return {who + " lives", runs ? "yes" : "ended:\n" + program.Output(), runs};
+}
+Finding LoopRuns(Lab& lab) {
+  const bool runs = lab.Answers();
+  return {"the station's poses are answered", runs ? "yes" : lab.station->Output(), runs};
+}
+Finding Resumes(Lab& lab) {
+  const double seconds = lab.SecondsUntilResumed();
+  return {
+      "the station resumes untouched once the server is ready (goal 3 s)",
+      seconds < 0.0 ? "not within 60 s:\n" + lab.station->Output() : "after " + Seconds(seconds),
+      seconds >= 0.0};
+}
+/// What happened to others is nothing to the loop.
+Finding Undisturbed(Lab& lab, const std::string& said_before) {
+  const std::string said = lab.station->Output().substr(said_before.size());
+  const bool disturbed = said.find("asking") != std::string::npos ||
+                         said.find("no replies") != std::string::npos || !lab.station->Runs();
+  return {"the loop goes on", disturbed ? said : "no session was lost", !disturbed};
+}
+Finding Says(const std::string& must, test::Program& program, const std::string& text) {
+  const bool says = program.Says(text, 30.0);
+  return {must, says ? "'" + text + "'" : program.Output(), says};
+}
+Finding EndsInOrder(const std::string& who, test::Program& program) {
+  program.Signal(SIGTERM);
+  const int exit = program.Exit(30.0);
+  return {who + " ends cleanly", fmt::format("exit status {}", exit), exit == 0};
+}
+
+Findings ServerKilled(int domain) {
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartStation();
+  Wait(1.5);
+  lab.server->Signal(SIGKILL);
+  Wait(1.0);
+  lab.StartServer();
+  Findings findings{Resumes(lab), LoopRuns(lab)};
+  findings.push_back(lab.JudgeTheHand());
+  return findings;
+}
+
+Findings ServerFrozen(int domain) {
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartStation();
+  Wait(1.5);
+  lab.server->Signal(SIGSTOP);
+  Wait(5.0);
+  lab.server->Signal(SIGCONT);
+  Findings findings{LoopRuns(lab), Lives("the server", *lab.server)};
+  findings.push_back(lab.JudgeTheHand());
+  return findings;
+}
+
+Findings StationKilled(int domain) {
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartStation();
+  Wait(1.0);
+  lab.station->Signal(SIGKILL);
+  const auto successor = lab.AnotherStation("next", "cube");
+  // It is refused while the server does not know yet, and then a person starts it again.
+  Finding free{"its tool is free for another", "", false};
+  auto next = lab.AnotherStation("other", "cube");
+  for (int i = 0; i < 10 && !free.held; ++i) {
+    free.held = next->Says("session: tool", 3.0);
+    if (!free.held && !next->Runs()) next = lab.AnotherStation("other", "cube");
+  }
+  free.held |= successor->Says("session: tool", 0.1);
+  free.found = free.held ? "another has it" : next->Output();
+  return {free, Lives("the server", *lab.server)};
+}
+
+Findings StationFrozen(int domain) {
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartStation();
+  Wait(1.5);
+  lab.station->Signal(SIGSTOP);
+  Wait(4.0);
+  lab.station->Signal(SIGCONT);
+  Findings findings{Says("the server says why it ended the session", *lab.server,
+                         "no pose came for more than 100 ms"),
+                    LoopRuns(lab)};
+  findings.push_back(lab.JudgeTheHand());
+  return findings;
+}
+
+Findings GatewayKilledAndFrozen(int domain) {
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartStation();
+  lab.StartGateway();
+  Wait(1.0);
+  const std::string before = lab.station->Output();
+  lab.gateway->Signal(SIGSTOP);
+  Wait(5.0);
+  lab.gateway->Signal(SIGCONT);
+  Wait(0.5);
+  lab.gateway->Signal(SIGKILL);
+  lab.gateway->Exit();
+  lab.StartGateway();
+  Finding sees{"a new gateway shows the scene", "", false};
+  for (int i = 0; i < 100 && !sees.held; ++i) {
+    sees.held = lab.Get("/healthz").find("\"cube\"") != std::string::npos;
+    Wait(0.1);
+  }
+  sees.found = sees.held ? "it does" : lab.gateway->Output();
+  return {sees, Undisturbed(lab, before), lab.JudgeTheHand()};
+}
+
+Findings GatewayBlinded(int domain) {
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartGateway();
+  Finding sees{"the gateway goes on showing the server that lives", "", false};
+  for (int i = 0; i < 100 && !sees.held; ++i) {
+    sees.held = lab.Get("/healthz").find("\"cube\"") != std::string::npos;
+    Wait(0.1);
+  }
+  FloodDomain(domain, 1, 2.0);
+  sees.held &= lab.Get("/healthz").find("\"cube\"") != std::string::npos;
+  sees.found = lab.Get("/healthz").substr(0, 20);
+  return {sees, Lives("the gateway", *lab.gateway)};
+}
+
+Findings RecorderKilled(int domain) {
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartRecorder();
+  lab.StartStation();
+  Wait(4.0);
+  const std::string before = lab.station->Output();
+  lab.recorder->Signal(SIGKILL);
+  lab.recorder->Exit();
+  Findings findings{Undisturbed(lab, before)};
+  const FileSummary summary = Summarise({lab.recording()});
+  // The station has sent for 4 s and the time that it took to come up.
+  findings.push_back({"what it had written is whole",
+                      fmt::format("{} messages, {} missing", summary.messages, summary.missing),
+                      summary.messages > 2000 && summary.missing == 0});
+  findings.push_back(lab.JudgeTheHand());
+  return findings;
+}
+
+Findings RecorderFrozen(int domain) {
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartRecorder();
+  lab.StartStation();
+  Wait(1.0);
+  const std::string before = lab.station->Output();
+  lab.recorder->Signal(SIGSTOP);
+  Wait(4.0);
+  lab.recorder->Signal(SIGCONT);
+  Wait(1.0);
+  return {Undisturbed(lab, before), EndsInOrder("the recorder", *lab.recorder), lab.JudgeTheHand()};
+}
+
+Findings DiskFull(int domain) {
+  Lab lab(domain);
+  const fs::path disk = lab.folder() / "disk";
+  fs::create_directories(disk);
+  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=2m") != 0) {
+    return {{"a full disk is told", "skipped: only root can make a small disk", true}};
+  }
+  Findings findings;
+  {
+    lab.StartServer();
+    const std::string file = disk / "lesson.mcap";
+    test::Program recorder(test::OwnFolder() + "/palpate-record",
+                           {"-o", file, "--transport", "udp", "--domain", std::to_string(domain)});
+    recorder.Says("recording to ");
+    lab.StartStation();
+    const int exit = recorder.Exit(60.0);
+    findings.push_back({"the recorder ends and says that the disk is full",
+                        fmt::format("exit status {}", exit),
+                        exit == 1 && recorder.Output().find("No space left") != std::string::npos});
+    const FileSummary summary = Summarise({file});
+    findings.push_back({"what it had written is whole",
+                        fmt::format("{} messages, {} missing", summary.messages, summary.missing),
+                        summary.messages > 100 && summary.missing == 0});
+    findings.push_back(LoopRuns(lab));
+    findings.push_back(lab.JudgeTheHand());
+  }
+  umount(disk.c_str());
+  return findings;
+}
+
+/// Only one RouDi can run on a host.
+bool Skip(Findings& findings) {
+  if (!RouDi::AnotherRuns()) return false;
+  findings.push_back({"(RouDi)", "skipped: another RouDi runs on this host", true});
+  return true;
+}
+
+Findings RouDiKilled(int domain) {
+  Findings findings;
+  if (Skip(findings)) return findings;
+  auto roudi = std::make_unique<RouDi>();
+  Lab lab(domain, "auto");
+  lab.StartServer();
+  lab.StartStation();
+  Wait(1.0);
+  const std::string before = lab.station->Output();
+  roudi->Kill();
+  Wait(2.0);
+  findings.push_back(Undisturbed(lab, before));
+  findings.push_back(Lives("the server", *lab.server));
+  findings.push_back(Says("the server says what to do", *lab.server, "RouDi has gone"));
+  roudi.reset();
+  roudi = std::make_unique<RouDi>();  // as systemd does
+  lab.server->Signal(SIGTERM);
+  lab.server->Exit(30.0);
+  lab.StartServer();
+  findings.push_back(Resumes(lab));
+  findings.push_back(LoopRuns(lab));
+  findings.push_back(lab.JudgeTheHand());
+  lab.server.reset();
+  return findings;
+}
+
+Findings SharedMemoryFull(int domain) {
+  Findings findings;
+  struct statvfs space {};
+  if (statvfs("/dev/shm", &space) != 0) return {{"(/dev/shm)", "skipped: there is none", true}};
+  if (Skip(findings)) return findings;
+  const RouDi roudi;
+  Lab lab(domain, "auto");
+  lab.StartServer();
+  lab.StartStation();
+  Wait(1.0);
+  const std::string before = lab.station->Output();
+  const std::string file = "/dev/shm/palpate_faults_full";
+  const std::uint64_t free = static_cast<std::uint64_t>(space.f_bavail) * space.f_frsize;
+  if (free > (1ull << 30)) {
+    return {{"a full /dev/shm", "skipped: more than 1 GB would have to be filled", true}};
+  }
+  std::ofstream(file) << std::string(free, 'x');
+  Wait(2.0);
+  findings.push_back(Undisturbed(lab, before));
+  fs::remove(file);
+  findings.push_back(lab.JudgeTheHand());
+  return findings;
+}
+
+Findings NoMemory(int domain) {
+  Lab lab(domain);
+  Findings findings;
+  for (const char* kilobytes : {"60000", "150000", "300000"}) {
+    try {
+      lab.StartServer(
+          {"--scene", "bunny-bunny"},
+          {"/bin/sh", "-c", std::string("ulimit -v ") + kilobytes + "; exec \"$0\" \"$@\""});
+      findings.push_back({fmt::format("with {} kB it serves, or says what it lacks", kilobytes),
+                          "it serves", true});
+    } catch (const Error& error) {
+      const std::string said = error.what();
+      const int exit = lab.server ? lab.server->Exit(5.0) : 1;
+      findings.push_back({fmt::format("with {} kB it serves, or says what it lacks", kilobytes),
+                          said.substr(0, 160),
+                          exit >= 0 && said.find("rror") != std::string::npos});
+    }
+    lab.server.reset();
+  }
+  return findings;
+}
+
+Findings HostileSamples(int domain) {
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartGateway();
+  lab.StartRecorder();
+  lab.StartStation();
+  Wait(1.0);
+  const std::uint64_t samples = FloodDomain(domain, 7, 5.0);
+  Findings findings{Lives("the server", *lab.server), Lives("the gateway", *lab.gateway),
+                    Lives("the recorder", *lab.recorder), LoopRuns(lab)};
+  findings.back().found += fmt::format(", after {} samples", samples);
+  const bool forged = lab.server->Output().find('\x1b') != std::string::npos;
+  findings.push_back(
+      {"no control character reaches the terminal", forged ? "one does" : "none does", !forged});
+  findings.push_back(lab.JudgeTheHand());
+  return findings;
+}
+
+Findings HostilePort(int domain) {
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartStation();
+  lab.StartGateway();
+  const std::string before = lab.station->Output();
+  const std::uint64_t connections = FloodPort(lab.port(), 7, 5.0);
+  Finding answers{"the gateway answers", "", !lab.Get("/healthz").empty()};
+  answers.found = fmt::format("after {} connections", connections);
+  return {answers, Undisturbed(lab, before), lab.JudgeTheHand()};
+}
+
+Findings SlowLorisAtThePort(int domain) {
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartGateway();
+  SlowLoris loris(lab.port(), 500);
+  int answered = 0;
+  for (int i = 0; i < 20; ++i) {
+    loris.Go();
+    answered += !lab.Get("/healthz").empty();
+    Wait(0.1);
+  }
+  return {{"newcomers are answered beside 500 that never end their request",
+           fmt::format("{} of 20", answered), answered == 20}};
+}
+
+Findings SceneSwapped(int domain) {
+  Lab lab(domain);
+  const fs::path scene = lab.folder() / "own.json";
+  fs::copy(PALPATE_SOURCE_DIR "/scenes/catalogue/cube.json", scene);
+  lab.StartServer({"--scene", scene});
+  lab.StartStation({"--scene", "own"});
+  Wait(1.0);
+  const std::string before = lab.station->Output();
+  std::ofstream(scene) << "{ this is no scene";
+  Wait(1.0);
+  Findings findings{Undisturbed(lab, before), Lives("the server", *lab.server)};
+  const auto other = lab.AnotherStation("late", "own");
+  findings.push_back(
+      Says("who comes later is told of the scene as it is served", *other, "driven by"));
+  findings.push_back(lab.JudgeTheHand());
+  return findings;
+}
+
+Findings TwoServers(int domain) {
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartStation();
+  const std::string before = lab.station->Output();
+  test::Program second(
+      test::OwnFolder() + "/palpate-server",
+      {"cube", "--realtime", "off", "--transport", "udp", "--domain", std::to_string(domain)});
+  const int exit = second.Exit(60.0);
+  return {{"the second says that the domain is taken", fmt::format("exit status {}", exit),
+           exit == 1 && second.Output().find("is in use by") != std::string::npos},
+          Undisturbed(lab, before),
+          lab.JudgeTheHand()};
+}
+
+Findings TwoRouDis(int domain) {
+  Findings findings;
+  if (Skip(findings)) return findings;
+  const RouDi roudi;
+  Lab lab(domain, "auto");
+  lab.StartServer();
+  lab.StartStation();
+  const std::string before = lab.station->Output();
+  test::Program second("/usr/bin/iox-roudi",
+                       {"-c", PALPATE_SOURCE_DIR "/deploy/cyclonedds/roudi.toml"});
+  second.Exit(10.0);
+  Wait(1.0);
+  findings.push_back(Undisturbed(lab, before));
+  findings.push_back(LoopRuns(lab));
+  findings.push_back(lab.JudgeTheHand());
+  return findings;
+}
+
+}  // namespace
+
+const std::vector<Fault>& AllFaults() {
+  static const std::vector<Fault> faults = {
+      {"server-killed", "kill -9 of the server, and a new one", true, ServerKilled},
+      {"server-frozen", "SIGSTOP of the server for 5 s", true, ServerFrozen},
+      {"station-killed", "kill -9 of a station", true, StationKilled},
+      {"station-frozen", "SIGSTOP of a station for 4 s", true, StationFrozen},
+      {"gateway", "SIGSTOP and kill -9 of the gateway, and a new one", true,
+       GatewayKilledAndFrozen},
+      {"gateway-blinded", "samples of other runs", true, GatewayBlinded},
+      {"recorder-killed", "kill -9 of the recorder", true, RecorderKilled},
+      {"recorder-frozen", "SIGSTOP of the recorder for 4 s", true, RecorderFrozen},
+      {"disk-full", "a disk of 2 MB for the recording", true, DiskFull},
+      {"roudi-killed", "kill -9 of RouDi, and a new one with a new server", false, RouDiKilled},
+      {"shm-full", "/dev/shm filled", false, SharedMemoryFull},
+      {"no-memory", "a server that may have little memory", true, NoMemory},
+      {"hostile-samples", "samples with anything in them on every topic", true, HostileSamples},
+      {"hostile-port", "anything at the gateway's port", true, HostilePort},
+      {"slow-loris", "500 requests that never end", true, SlowLorisAtThePort},
+      {"scene-swapped", "the scene's file overwritten under the server", true, SceneSwapped},
+      {"two-servers", "a second server in the domain", true, TwoServers},
+      {"two-roudis", "a second RouDi", false, TwoRouDis},
+  };
+  return faults;
+}
+
+std::vector<Finding> RandomFaults(int domain, std::uint64_t seed, int rounds) {
+  Random random(seed);
+  Lab lab(domain);
+  lab.StartServer();
+  lab.StartStation();
+  lab.StartGateway();
+  std::string done;
+  for (int i = 0; i < rounds; ++i) {
+    Wait(random.Uniform(0.2, 1.5));
+    switch (random.Below(5)) {
+      case 0:
+        done += " kill-server";
+        lab.server->Signal(SIGKILL);
+        Wait(random.Uniform(0.0, 1.0));
+        lab.StartServer();
+        break;
+      case 1: {
+        done += " freeze-server";
+        lab.server->Signal(SIGSTOP);
+        Wait(random.Uniform(0.01, 4.0));
+        lab.server->Signal(SIGCONT);
+        break;
+      }
+      case 2:
+        done += " freeze-station";
+        lab.station->Signal(SIGSTOP);
+        Wait(random.Uniform(0.01, 2.0));
+        lab.station->Signal(SIGCONT);
+        break;
+      case 3:
+        done += " kill-gateway";
+        lab.gateway->Signal(SIGKILL);
+        lab.gateway->Exit();
+        lab.StartGateway();
+        break;
+      default:
+        done += " flood";
+        FloodDomain(domain, random.Bits(), random.Uniform(0.1, 1.0));
+        break;
+    }
+    lab.station->Output();
+    lab.gateway->Output();
+    lab.server->Output();
+  }
+  Findings findings{LoopRuns(lab), Lives("the server", *lab.server),
+                    Lives("the gateway", *lab.gateway)};
+  findings.front().found += "; seed " + std::to_string(seed) + ":" + done;
+  findings.push_back(lab.JudgeTheHand());
+  return findings;
+}
+
+}  // namespace palpate::faults
