@@ -195,7 +195,7 @@ Findings DiskFull(int domain) {
   Lab lab(domain);
   const fs::path disk = lab.folder() / "disk";
   fs::create_directories(disk);
-  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=2m") != 0) {
+  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=640k") != 0) {
     return {{"a full disk is told", "skipped: only root can make a small disk", true}};
   }
   Findings findings;
@@ -409,7 +409,7 @@ const std::vector<Fault>& AllFaults() {
       {"gateway-blinded", "samples of other runs", true, GatewayBlinded},
       {"recorder-killed", "kill -9 of the recorder", true, RecorderKilled},
       {"recorder-frozen", "SIGSTOP of the recorder for 4 s", true, RecorderFrozen},
-      {"disk-full", "a disk of 2 MB for the recording", true, DiskFull},
+      {"disk-full", "a disk of 640 kB for the recording", true, DiskFull},
       {"roudi-killed", "kill -9 of RouDi, and a new one with a new server", false, RouDiKilled},
       {"shm-full", "/dev/shm filled", false, SharedMemoryFull},
       {"no-memory", "a server that may have little memory", true, NoMemory},
