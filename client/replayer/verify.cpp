@@ -12,10 +12,12 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "common/bundle_hash.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/output.h"
+#include "common/quoted.h"
 #include "common/recording/recording_reader.h"
 #include "common/time/steady_clock.h"
 #include "scenes/catalogue.h"
@@ -95,7 +97,10 @@ class Scenes {
  public:
   explicit Scenes(const VerifyOptions& options) : options_(options) {}
 
+  /// Throws Error where it is not the one that its hash names.
   void AddBundle(const wire::SceneBundle& bundle) {
+    CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
+                    "the recording's scene " + Quoted(bundle.scene));
     bundles_[bundle.scene] = {bundle.bundle._buffer, bundle.bundle._buffer + bundle.bundle._length};
   }
   void AddHash(const std::string& scene, const std::string& hash) { hashes_[scene] = hash; }
@@ -330,10 +335,10 @@ class SessionReplay {
 std::vector<std::unique_ptr<SessionFacts>> Gather(RecordingReader& reader, Scenes& scenes,
                                                   std::int64_t& began_ns) {
   std::vector<std::unique_ptr<SessionFacts>> sessions;
+  std::map<std::pair<std::string, std::uint64_t>, std::size_t> place;  // by station and run
   const auto facts_of = [&](const std::string& station, std::uint64_t run) -> SessionFacts& {
-    for (const auto& facts : sessions) {
-      if (facts->station == station && facts->run == run) return *facts;
-    }
+    const auto [it, is_new] = place.try_emplace({station, run}, sessions.size());
+    if (!is_new) return *sessions[it->second];
     sessions.push_back(std::make_unique<SessionFacts>());
     sessions.back()->station = station;
     sessions.back()->run = run;
@@ -345,7 +350,7 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(RecordingReader& reader, Scene
     if (began_ns == 0) began_ns = sample.log_time_ns;
     wire::SessionState state{};
     wire::LeafTaken taken{};
-    wire::SceneBundle bundle{};
+    dds::Owned<wire::SceneBundle> bundle;
     if (sample.To(state)) {
       if (state.phase == palpate_SESSION_REFUSED) continue;
       SessionFacts& facts = facts_of(state.station, state.run);
@@ -357,9 +362,8 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(RecordingReader& reader, Scene
       }
     } else if (sample.To(taken)) {
       facts_of(taken.station, taken.run).leaves[taken.number] = taken;
-    } else if (sample.type == RecordedType::kSceneBundle) {
-      if (sample.To(bundle)) scenes.AddBundle(bundle);
-      dds::FreeContents(bundle);
+    } else if (sample.To(bundle.value)) {
+      scenes.AddBundle(bundle.value);
     }
   }
   for (const mcap::Metadata& metadata : reader.metadata()) {
@@ -411,19 +415,27 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
   verification.problems = reader.problems();
   verification.damaged = reader.damaged();
 
-  std::map<std::string, std::unique_ptr<SessionReplay>> replay;  // by topic, both of a session
+  struct Replayed {
+    const SessionFacts* facts;
+    std::unique_ptr<SessionReplay> replay;  // from its first sample on: most of many may have none
+  };
+  std::map<std::string, Replayed> replayed;   // by its poses' topic
+  std::map<std::string, Replayed*> by_topic;  // both of a session
   for (const auto& facts : sessions) {
     if (facts->scene.empty()) continue;  // only leaves of it: its states are in another split
-    const HapticModel& model = scenes.ModelOf(facts->scene, facts->tool);
-    replay[dds::PoseTopic(facts->station, facts->run)] =
-        std::make_unique<SessionReplay>(*facts, model, scenes.ObjectsOf(facts->scene), began_ns);
+    const std::string poses = dds::PoseTopic(facts->station, facts->run);
+    Replayed& session = replayed[poses];
+    session.facts = facts.get();
+    by_topic[poses] = by_topic[dds::WrenchTopic(facts->station, facts->run)] = &session;
   }
-  std::map<std::string, SessionReplay*> by_topic;
-  for (const auto& facts : sessions) {
-    const auto it = replay.find(dds::PoseTopic(facts->station, facts->run));
-    if (it == replay.end()) continue;
-    by_topic[it->first] = by_topic[dds::WrenchTopic(facts->station, facts->run)] = it->second.get();
-  }
+  const auto replay_of = [&](Replayed& session) -> SessionReplay& {
+    if (!session.replay) {
+      const SessionFacts& facts = *session.facts;
+      session.replay = std::make_unique<SessionReplay>(
+          facts, scenes.ModelOf(facts.scene, facts.tool), scenes.ObjectsOf(facts.scene), began_ns);
+    }
+    return *session.replay;
+  };
 
   reader.Restart();
   RecordedSample sample{};
@@ -435,20 +447,20 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
     if (it == by_topic.end()) {
       if (sample.type == RecordedType::kWrench) ++stray[*sample.topic];
     } else if (sample.To(pose)) {
-      it->second->Add(pose);
+      replay_of(*it->second).Add(pose);
     } else if (sample.To(wrench)) {
-      it->second->Add(wrench, sample.log_time_ns);
+      replay_of(*it->second).Add(wrench, sample.log_time_ns);
     } else if (sample.type == RecordedType::kWrench) {
-      it->second->AddBrokenWrench();
+      replay_of(*it->second).AddBrokenWrench();
     }
   }
-  for (const auto& [topic, session] : replay) {
-    verification.sessions.push_back(session->End(!reader.complete()));
+  for (const auto& [topic, session] : replayed) {
+    // A session that never came to send a pose has nothing to verify.
+    if (!session.replay) continue;
+    const SessionVerdict verdict = session.replay->End(!reader.complete());
+    if (verdict.poses + verdict.recorded + verdict.cut_off == 0) continue;
+    verification.sessions.push_back(verdict);
   }
-  // A session that never came to send a pose has nothing to verify.
-  std::erase_if(verification.sessions, [](const SessionVerdict& v) {
-    return v.poses == 0 && v.recorded == 0 && v.cut_off == 0;
-  });
   for (const auto& [topic, count] : stray) {
     SessionVerdict verdict;
     verdict.station = topic;
@@ -463,10 +475,11 @@ std::string ToText(const Verification& verification) {
   std::string text;
   for (const SessionVerdict& v : verification.sessions) {
     const std::uint64_t computed = v.verified + v.different;
-    text += fmt::format("{}: station {}{}: {} of {} wrenches verified, bit for bit",
-                        v.good() ? "same" : "NOT VERIFIED", v.station,
-                        v.scene.empty() ? "" : fmt::format(" with {} in {}", v.tool, v.scene),
-                        v.verified, v.recorded);
+    text += fmt::format(
+        "{}: station {}{}: {} of {} wrenches verified, bit for bit",
+        v.good() ? "same" : "NOT VERIFIED", Printable(v.station),
+        v.scene.empty() ? "" : fmt::format(" with {} in {}", Printable(v.tool), Printable(v.scene)),
+        v.verified, v.recorded);
     if (computed > 0 && v.computed_s > 0.0) {
       text += fmt::format("; {:.2f} s in {:.3f} s, {:.0f} x real time", v.recorded_s, v.computed_s,
                           v.recorded_s / v.computed_s);
@@ -484,13 +497,13 @@ std::string ToText(const Verification& verification) {
     }
     if (v.broken > 0) text += fmt::format("  {} of them are no wrenches: broken bytes\n", v.broken);
     if (!v.ends.empty()) {
-      text +=
-          fmt::format("  {} could not be computed: {}\n", v.recorded - computed - v.broken, v.ends);
+      text += fmt::format("  {} could not be computed: {}\n", v.recorded - computed - v.broken,
+                          Printable(v.ends));
     }
   }
   if (verification.damaged) text += "NOT VERIFIED: a file has changed since it was written\n";
   if (verification.sessions.empty()) text += "NOT VERIFIED: there is no wrench in the recording\n";
-  for (const std::string& problem : verification.problems) text += "  " + problem + "\n";
+  for (const std::string& problem : verification.problems) text += "  " + Printable(problem) + "\n";
   return text;
 }
 
@@ -514,7 +527,8 @@ void WriteJson(const Verification& verification, const std::string& file) {
     }
     json["sessions"].push_back(session);
   }
-  WriteOutput("--json", file, json.dump(2) + "\n");
+  WriteOutput("--json", file,
+              json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace palpate
