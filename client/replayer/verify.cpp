@@ -31,6 +31,8 @@ namespace {
 
 /// A wrench may overtake its pose in the recording, by what a burst holds.
 constexpr std::size_t kMostAhead = 1000;
+/// Of sessions; a server has 32, and a recording may be of several.
+constexpr std::size_t kMostAtOnce = 256;
 
 enum class Number { kDouble, kUint64, kInt64, kUint32 };
 struct Field {
@@ -332,8 +334,10 @@ class SessionReplay {
 };
 
 /// The first pass: what sessions there were, and the scenes.
-std::vector<std::unique_ptr<SessionFacts>> Gather(RecordingReader& reader, Scenes& scenes,
-                                                  std::int64_t& began_ns) {
+/// @param last_samples  the number of the last sample of each topic of a loop.
+std::vector<std::unique_ptr<SessionFacts>> Gather(
+    RecordingReader& reader, Scenes& scenes, std::int64_t& began_ns,
+    std::map<std::string, std::uint64_t>& last_samples) {
   std::vector<std::unique_ptr<SessionFacts>> sessions;
   std::map<std::pair<std::string, std::uint64_t>, std::size_t> place;  // by station and run
   const auto facts_of = [&](const std::string& station, std::uint64_t run) -> SessionFacts& {
@@ -346,8 +350,12 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(RecordingReader& reader, Scene
   };
   RecordedSample sample{};
   began_ns = 0;
-  while (reader.Next(sample)) {
+  for (std::uint64_t number = 1; reader.Next(sample); ++number) {
     if (began_ns == 0) began_ns = sample.log_time_ns;
+    if (sample.type == RecordedType::kHapticPose || sample.type == RecordedType::kWrench) {
+      last_samples[*sample.topic] = number;
+      continue;
+    }
     wire::SessionState state{};
     wire::LeafTaken taken{};
     dds::Owned<wire::SceneBundle> bundle;
@@ -411,13 +419,19 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
   RecordingReader reader(files);
   Scenes scenes(options);
   std::int64_t began_ns = 0;
-  const auto sessions = Gather(reader, scenes, began_ns);
+  std::map<std::string, std::uint64_t> last_samples;
+  const auto sessions = Gather(reader, scenes, began_ns, last_samples);
   verification.problems = reader.problems();
   verification.damaged = reader.damaged();
 
+  const bool complete = reader.complete();
+
   struct Replayed {
     const SessionFacts* facts;
-    std::unique_ptr<SessionReplay> replay;  // from its first sample on: most of many may have none
+    std::uint64_t last_sample = 0;  // by its number in the recording
+    // From its first sample to its last: a loop has a megabyte, and there may be many sessions.
+    std::unique_ptr<SessionReplay> replay;
+    std::optional<SessionVerdict> verdict;
   };
   std::map<std::string, Replayed> replayed;   // by its poses' topic
   std::map<std::string, Replayed*> by_topic;  // both of a session
@@ -426,10 +440,20 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
     const std::string poses = dds::PoseTopic(facts->station, facts->run);
     Replayed& session = replayed[poses];
     session.facts = facts.get();
-    by_topic[poses] = by_topic[dds::WrenchTopic(facts->station, facts->run)] = &session;
+    for (const std::string& topic : {poses, dds::WrenchTopic(facts->station, facts->run)}) {
+      by_topic[topic] = &session;
+      const auto last = last_samples.find(topic);
+      if (last == last_samples.end()) continue;
+      session.last_sample = std::max(session.last_sample, last->second);
+    }
   }
+  std::size_t open = 0;
   const auto replay_of = [&](Replayed& session) -> SessionReplay& {
     if (!session.replay) {
+      if (++open > kMostAtOnce) {
+        throw Error(files.front() + ": has more than " + std::to_string(kMostAtOnce) +
+                    " sessions at once, which no server has; verify it in parts");
+      }
       const SessionFacts& facts = *session.facts;
       session.replay = std::make_unique<SessionReplay>(
           facts, scenes.ModelOf(facts.scene, facts.tool), scenes.ObjectsOf(facts.scene), began_ns);
@@ -439,27 +463,37 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
 
   reader.Restart();
   RecordedSample sample{};
+  std::uint64_t number = 0;
   std::map<std::string, std::uint64_t> stray;  // wrenches of sessions whose states are missing
   while (reader.Next(sample)) {
+    ++number;
     wire::HapticPose pose;
     wire::Wrench wrench;
     const auto it = by_topic.find(*sample.topic);
     if (it == by_topic.end()) {
       if (sample.type == RecordedType::kWrench) ++stray[*sample.topic];
-    } else if (sample.To(pose)) {
-      replay_of(*it->second).Add(pose);
+      continue;
+    }
+    Replayed& session = *it->second;
+    if (sample.To(pose)) {
+      replay_of(session).Add(pose);
     } else if (sample.To(wrench)) {
-      replay_of(*it->second).Add(wrench, sample.log_time_ns);
+      replay_of(session).Add(wrench, sample.log_time_ns);
     } else if (sample.type == RecordedType::kWrench) {
-      replay_of(*it->second).AddBrokenWrench();
+      replay_of(session).AddBrokenWrench();
+    }
+    if (number == session.last_sample && session.replay) {
+      session.verdict = session.replay->End(!complete);
+      session.replay.reset();
+      --open;
     }
   }
   for (const auto& [topic, session] : replayed) {
     // A session that never came to send a pose has nothing to verify.
-    if (!session.replay) continue;
-    const SessionVerdict verdict = session.replay->End(!reader.complete());
-    if (verdict.poses + verdict.recorded + verdict.cut_off == 0) continue;
-    verification.sessions.push_back(verdict);
+    const bool any =
+        session.verdict &&
+        session.verdict->poses + session.verdict->recorded + session.verdict->cut_off > 0;
+    if (any) verification.sessions.push_back(*session.verdict);
   }
   for (const auto& [topic, count] : stray) {
     SessionVerdict verdict;

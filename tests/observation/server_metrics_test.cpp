@@ -47,10 +47,11 @@ class ServerMetricsTest : public testing::Test {
 TEST_F(ServerMetricsTest, TellsHowTheServerRuns) {
   const std::string text = Text();
   EXPECT_THAT(text, HasSubstr("palpate_server_build_info{version=\"" PALPATE_VERSION "\"} 1\n"));
-  EXPECT_THAT(text, HasSubstr(R"(palpate_server_transport_info{transport="udp",reason="UDP (as asked)"
-} 1)"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(R"x(palpate_server_transport_info{transport="udp",reason="UDP (as asked)"} 1)x"));
   EXPECT_THAT(text, HasSubstr(R"(palpate_server_realtime{grant="fifo"} 1)"));
-EXPECT_THAT(text, HasSubstr(R"(palpate_server_realtime{grant="memory"} 0)"));
+  EXPECT_THAT(text, HasSubstr(R"(palpate_server_realtime{grant="memory"} 0)"));
 }
 
 TEST_F(ServerMetricsTest, CountsSessionsByTheirPhaseAndRun) {
