@@ -13,6 +13,7 @@
 
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/log.h"
 #include "common/nearest_word.h"
 
 namespace palpate {
@@ -76,6 +77,10 @@ void AddCommonOptions(CLI::App& app, const std::string& domain_help, int& domain
       ->capture_default_str();
   app.add_option("--log-level", log_level, "trace, debug, info, warn, error or off")
       ->capture_default_str();
+  app.add_option_function<std::string>(
+         "--log-format", [](const std::string& text) { SetLogFormat(ParseLogFormat(text)); },
+         "of the log, on standard error: text, or json, an object a line")
+      ->default_str("text");
 }
 
 void AddNetworkOptions(CLI::App& app, const std::string& peer, dds::Network& network) {
@@ -131,7 +136,7 @@ bool ParseCommandLine(CLI::App& app, int argc, const char* const* argv) {
 
 int RunProgram(const std::string& program, const std::function<int()>& run) noexcept {
   const auto fail = [&](const std::exception& error, int status) {
-    std::fprintf(stderr, "%s: %s\n", program.c_str(), error.what());
+    std::fputs(LogLine(program, error.what()).c_str(), stderr);
     return status;
   };
   try {

@@ -14,7 +14,7 @@ namespace palpate {
 
 // What every program owes its user on the command line, in one place.
 
-/// Adds --version, --domain and --log-level.
+/// Adds --version, --domain, --log-level and --log-format, which holds for SetUpLog at once.
 /// @param app          named for the program.
 /// @param domain_help  what a domain is to it.   @param domain, log_level  defaults; must outlive
 /// it.

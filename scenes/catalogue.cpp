@@ -12,6 +12,8 @@
 #include "common/error.h"
 #include "common/json/json_file.h"
 #include "common/nearest_word.h"
+#include "common/quoted.h"
+#include "scenes/files/cache_folder.h"
 #include "scenes/files/mesh_scene.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_file.h"
@@ -110,11 +112,11 @@ TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir, S
 }
 
 void Warn(const LoadOptions& options, const std::string& what) {
-  options.warn ? options.warn(what) : void(std::cerr << "warning: " << what << '\n');
+  options.warn ? options.warn(what) : void(std::cerr << "warning: " << Printable(what) << '\n');
 }
 
 void Tell(const LoadOptions& options, const std::string& what) {
-  options.tell ? options.tell(what) : void(std::cerr << what << '\n');
+  options.tell ? options.tell(what) : void(std::cerr << Printable(what) << '\n');
 }
 
 /// Refines the body's mesh as its scene file asks.  What follows, trees, bundles, viewers, physics
@@ -239,15 +241,6 @@ Shape MakeShape(const BodyDescription& description, const LoadOptions& options,
 
 std::span<const std::uint8_t> Bytes(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-}
-
-/// Empty where there is no home either: nothing is cached then.
-std::string DefaultCacheFolder() {
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache != '\0') {
-    return (fs::path(cache) / "palpate").string();
-  }
-  const char* home = std::getenv("HOME");
-  return home == nullptr ? "" : (fs::path(home) / ".cache/palpate").string();
 }
 
 std::uint64_t HashOfMesh(const std::string& file) {
@@ -499,7 +492,15 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   const SceneDescription description = Describe(text, file, options);
   if (!options.use_cache || options.tree_file) return Compile(description, options);
 
+  const auto warn = [&](const std::string& what) { Warn(options, what); };
   const std::string folder = options.cache_dir.empty() ? DefaultCacheFolder() : options.cache_dir;
+  if (folder.empty()) return Compile(description, options);
+  try {
+    PrepareCacheFolder(folder);
+  } catch (const Error& error) {
+    warn(std::string(error.what()) + " (the scene is used without being cached)");
+    return Compile(description, options);
+  }
   std::uint64_t key = KeyOf(description, text, options.models_dir);
   // What the text does not tell.
   if (options.leaves) key = HashBytes(ToText(*options.leaves), key);
@@ -507,10 +508,10 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   name << description.name << '-' << std::hex << std::setw(16) << std::setfill('0') << key
        << ".palpate";
   const std::string cached = (fs::path(folder) / name.str()).string();
-  const auto warn = [&](const std::string& what) { Warn(options, what); };
   std::error_code ignored;
-  if (!folder.empty() && fs::exists(cached, ignored)) {
+  if (fs::exists(cached, ignored)) {
     try {
+      if (!IsOwnFile(cached)) throw Error(cached + ": is not a file of this user's");
       const std::string bundle = ReadWholeFile(cached);
       if (ContentKey(Bytes(bundle), cached) != key) throw Error(cached + ": is of another scene");
       return UnpackScene(Bytes(bundle), cached);
@@ -519,7 +520,6 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
     }
   }
   Scene scene = Compile(description, options);
-  if (folder.empty()) return scene;
   try {
     WriteFileAtomically(cached, PackScene(scene, key, Remarks::kKeep));
   } catch (const Error& error) {

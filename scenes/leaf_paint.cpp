@@ -53,7 +53,8 @@ std::vector<double> LeafAreas(const Body& body, Counts counts) {
     throw Error(message + "; its file names no parts, give a box or a sphere");
   }
   message += " It has:";
-  for (std::string_view name : names) message.append("\n  \"").append(name).append("\"");
+  for (std::string_view name : names) message.append(" \"").append(name).append("\",");
+  message.back() = '.';
   throw Error(message);
 }
 

@@ -15,6 +15,7 @@
 #include "common/command_line.h"
 #include "common/error.h"
 #include "common/log.h"
+#include "common/quoted.h"
 #include "scenes/catalogue.h"
 #include "scenes/compiler/body_lines.h"
 #include "scenes/compiler/scene_info.h"
@@ -72,11 +73,11 @@ Scene Load(const Arguments& arguments) {
   options.progress = std::ref(progress);
   options.warn = [&](const std::string& text) {
     progress.Clear();
-    std::cerr << "warning: " << text << '\n';
+    std::cerr << "warning: " << Printable(text) << '\n';
   };
   options.tell = [&](const std::string& text) {
     progress.Clear();
-    std::cerr << text << '\n';
+    std::cerr << Printable(text) << '\n';
   };
   return LoadScene(arguments.scene, options);
 }
@@ -118,7 +119,8 @@ void PrintReport(const MeshReport& r) {
   std::printf("    closed %s, manifold %s, oriented %s; degenerate %zu, duplicate %zu triangles\n",
               yes(r.closed()), yes(r.manifold()), yes(r.oriented()), r.degenerate_triangles,
               r.duplicate_triangles);
-  for (const std::string& remark : r.remarks) std::printf("    note: %s\n", remark.c_str());
+  for (const std::string& remark : r.remarks)
+    std::printf("    note: %s\n", Printable(remark).c_str());
 }
 
 /// @param allowed  of p99 [m]; 0: the spheres are not felt.
@@ -136,7 +138,7 @@ Verdict CheckBody(const Scene& scene, const Body& body, bool is_tool) {
   const double allowed = found.by_spheres ? AllowedGap(found.report) : 0.0;
   PrintSpread("outside  ", found.coverage.outside, allowed);
   PrintSpread("uncovered", found.coverage.uncovered, allowed);
-  if (!found.hidden.empty()) std::printf("    warning: %s\n", found.hidden.c_str());
+  if (!found.hidden.empty()) std::printf("    warning: %s\n", Printable(found.hidden).c_str());
   return found.verdict;
 }
 
@@ -154,7 +156,7 @@ void PrintMesh(const std::string& file) {
   }
   MendMesh(mesh, &groups);
   const std::string hidden = HiddenRemark(FindHiddenParts(mesh, groups), 1.0, "of the file's unit");
-  if (!hidden.empty()) std::printf("    warning: %s\n", hidden.c_str());
+  if (!hidden.empty()) std::printf("    warning: %s\n", Printable(hidden).c_str());
 }
 
 void Check(const Arguments& arguments) {
@@ -217,7 +219,7 @@ void New(const Arguments& arguments) {
                                         fs::path(arguments.output).parent_path().string());
   WriteFileAtomically(arguments.output, {reinterpret_cast<const std::uint8_t*>(scene.text.data()),
                                          scene.text.size()});
-  for (const std::string& assumption : scene.assumptions) std::puts(assumption.c_str());
+  for (const std::string& assumption : scene.assumptions) std::puts(Printable(assumption).c_str());
   std::printf("wrote %s; serve it with 'palpate-server --scene %s'\n", arguments.output.c_str(),
               arguments.output.c_str());
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/quoted.h"
 #include "scenes/mesh/hidden_surface.h"
 #include "scenes/mesh/mesh_solid.h"
 
@@ -147,7 +148,7 @@ std::string ToText(const Verdict& verdict) {
   std::string text = "verdict: ";
   if (findings.empty()) return text + "good to touch\n";
   text += usable ? "usable with these limits:\n" : "not usable:\n";
-  for (const std::string& finding : findings) text += "  - " + finding + "\n";
+  for (const std::string& finding : findings) text += "  - " + Printable(finding) + "\n";
   return text;
 }
 

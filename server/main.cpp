@@ -17,6 +17,7 @@
 #include "common/command_line.h"
 #include "common/error.h"
 #include "common/log.h"
+#include "common/metrics/metrics_port.h"
 #include "common/realtime/realtime.h"
 #include "common/server_lock.h"
 #include "common/stop_signal.h"
@@ -27,6 +28,8 @@
 #include "scenes/mesh/mesh_import.h"
 #include "scenes/progress_line.h"
 #include "scenes/scene_verdict.h"
+#include "server/observation/event_log.h"
+#include "server/observation/server_metrics.h"
 #include "server/offer/served_scene.h"
 #include "server/transport/server.h"
 
@@ -58,6 +61,8 @@ struct Options {
   bool unusable_too = false;
   bool admit_by_hand = false;
   std::uint64_t hand_seed = 1;
+  std::optional<MetricsEndpoint> metrics;
+  std::string event_log;
   int domain = 0;
   std::string log_level = "info";
 };
@@ -76,6 +81,53 @@ void Judge(const std::string& name, const Scene& scene, bool unusable_too) {
   }
 }
 
+/// What is kept of a server's doings for those who run it: metrics and events, where asked for.
+class Record {
+ public:
+  Record(const Options& options, const dds::TransportChoice& transport,
+         const RealtimeReport& realtime)
+      : start_{{"version", PALPATE_VERSION},
+               {"domain", std::to_string(options.domain)},
+               {"transport", transport.reason},
+               {"realtime", realtime.summary}},
+        metrics_(transport, realtime) {
+    if (!options.event_log.empty()) events_ = std::make_unique<EventLog>(options.event_log);
+    if (!options.metrics) return;
+    port_ = std::make_unique<MetricsPort>(*options.metrics,
+                                          [this](MetricsPage& page) { metrics_.Fill(page); });
+    spdlog::info("metrics: {}", port_->url());
+  }
+
+  void Follow(Server& server) {
+    server.Observe({.session =
+                        [this](const wire::SessionState& state) {
+                          metrics_.OnSession(state);
+                          if (events_) events_->OnSession(state, SteadyNanoseconds());
+                        },
+                    .whole =
+                        [this](const wire::SceneWhole& whole) {
+                          metrics_.OnWhole(whole);
+                          if (events_) events_->OnWhole(whole, SteadyNanoseconds());
+                        },
+                    .statistics =
+                        [this](const wire::LoopStatistics& statistics) {
+                          metrics_.OnStatistics(statistics);
+                          if (events_) events_->OnStatistics(statistics, SteadyNanoseconds());
+                        }});
+  }
+
+  void Start(const std::string& scenes) {
+    start_.emplace_back("scenes", scenes);
+    if (events_) events_->OnStart(start_);
+  }
+
+ private:
+  EventLog::Fields start_;
+  ServerMetrics metrics_;
+  std::unique_ptr<EventLog> events_;
+  std::unique_ptr<MetricsPort> port_;  // its threads ask metrics_
+};
+
 int Serve(const Options& options) {
   StopSignal stop;
   const ServerLock lock(options.domain);
@@ -86,6 +138,9 @@ int Serve(const Options& options) {
   const RealtimeReport realtime = EnterRealtime(options.realtime);
   dds::Participant loop_domain = dds::Participant::Loop(options.domain, transport, options.network);
   LeaveRealtime();
+
+  // Before scenes are built: what cannot be had is said at once.
+  Record record(options, transport, realtime);
 
   LoadOptions load;
   load.models_dir = options.models;
@@ -122,11 +177,13 @@ int Serve(const Options& options) {
         std::fflush(stdout);
       },
       options.admit_by_hand);
+  record.Follow(server);
   for (auto& [name, bundle] : bundles) server.PublishScene(name, std::move(bundle));
   server.Offer(offer);
   std::printf("ready: scenes %s; transport %s; real-time %s; domain %d\n", names.c_str(),
               transport.reason.c_str(), realtime.summary.c_str(), options.domain);
   std::fflush(stdout);
+  record.Start(names);
   do {
     server.Poll(SteadyNanoseconds());
   } while (!stop.WaitFor(kPoll));
@@ -158,6 +215,16 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   app.add_option("--hand-seed", options.hand_seed,
                  "which hand to make for a scene without a script (NAME.path.json)")
       ->capture_default_str();
+  app.add_option_function<std::string>(
+         "--metrics",
+         [&options](const std::string& text) { options.metrics = ParseMetricsEndpoint(text); },
+         "give metrics to Prometheus at http://ADDRESS:PORT/metrics; without an address to this "
+         "host alone.  Default: to nobody")
+      ->type_name("[ADDRESS:]PORT");
+  app.add_option(
+         "--event-log", options.event_log,
+         "append what takes place, sessions, refusals and faults, as JSON, an object a line")
+      ->type_name("FILE");
   AddNetworkOptions(app, "a station or viewer", options.network);
   AddCommonOptions(app, "which set of servers and stations this belongs to", options.domain,
                    options.log_level);

@@ -15,6 +15,7 @@
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/log.h"
+#include "common/quoted.h"
 #include "common/random_run.h"
 #include "common/stop_signal.h"
 #include "common/time/steady_clock.h"
@@ -113,7 +114,7 @@ bool MakeWhole(const Options& options, StopSignal& stop) {
       if (whole.refusal[0] != '\0') {
         throw Error(std::string("scene '") + whole.scene + "': " + whole.refusal);
       }
-      std::printf("%s: whole again\n", whole.scene);
+      std::printf("%s: whole again\n", Printable(whole.scene).c_str());
     }
     if (any_asked && asked.empty()) return true;
     if (SteadyNanoseconds() - began_ns > kPatience_ns) {

@@ -3,13 +3,18 @@
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
+#include <iterator>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "common/bundle_hash.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
+#include "common/error.h"
 #include "common/output.h"
+#include "common/quoted.h"
 #include "common/recording/recording_reader.h"
 
 namespace palpate {
@@ -32,8 +37,12 @@ std::uint64_t Number(const std::string& text) {
 /// reaches them all at once, and has no rate.
 constexpr double kMostHz = 10'000.0;
 
+using SessionKey = std::pair<std::string, std::uint64_t>;  // station, run
+
 /// The number that the sample gives itself, or a count.  False where its bytes are not of its type.
-bool Look(const RecordedSample& sample, FileSummary& summary, std::uint64_t& sequence) {
+/// @param place  of each session in the summary.
+bool Look(const RecordedSample& sample, FileSummary& summary,
+          std::map<SessionKey, std::size_t>& place, std::uint64_t& sequence) {
   switch (sample.type) {
     case RecordedType::kHapticPose: {
       wire::HapticPose pose;
@@ -51,22 +60,27 @@ bool Look(const RecordedSample& sample, FileSummary& summary, std::uint64_t& seq
       wire::SessionState state{};
       if (!sample.To(state)) return false;
       if (state.phase == palpate_SESSION_REFUSED) return true;
-      auto it = std::ranges::find_if(summary.sessions, [&](const FileSummary::Session& session) {
-        return session.station == state.station && session.run == state.run;
-      });
-      if (it == summary.sessions.end()) {
+      const auto [it, is_new] =
+          place.try_emplace({state.station, state.run}, summary.sessions.size());
+      if (is_new) {
         summary.sessions.push_back({state.station, state.scene, state.tool, state.run, 0, 0});
-        it = summary.sessions.end() - 1;
       }
-      it->start_sequence = std::max<std::uint64_t>(it->start_sequence, state.start_sequence);
+      std::uint64_t& start = summary.sessions[it->second].start_sequence;
+      start = std::max<std::uint64_t>(start, state.start_sequence);
       return true;
     }
     case RecordedType::kSceneBundle: {
-      wire::SceneBundle bundle{};
-      const bool good = sample.To(bundle);
-      if (good) summary.scenes[bundle.scene] = {Hex(bundle.hash), true};
-      dds::FreeContents(bundle);
-      return good;
+      dds::Owned<wire::SceneBundle> owned;
+      const wire::SceneBundle& bundle = owned.value;
+      if (!sample.To(owned.value)) return false;
+      summary.scenes[bundle.scene] = {Hex(bundle.hash), true};
+      try {
+        CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
+                        "scene " + Quoted(bundle.scene));
+      } catch (const Error& error) {
+        summary.problems.push_back(error.what());
+      }
+      return true;
     }
     default:
       return true;
@@ -91,7 +105,7 @@ std::uint64_t FileSummary::Topic::before() const {
 
 bool FileSummary::whole() const {
   const auto begins_late = [](const auto& topic) { return topic.second.before() > 0; };
-  return complete && problems.empty() && missing + dropped + broken + unknown == 0 &&
+  return complete && problems.empty() && missing + dropped + no_channel + broken + unknown == 0 &&
          std::ranges::none_of(topics, begins_late);
 }
 
@@ -100,6 +114,7 @@ FileSummary Summarise(const std::vector<std::string>& files) {
   summary.files = files;
   RecordingReader reader(files);
   RecordedSample sample{};
+  std::map<SessionKey, std::size_t> place;
   std::int64_t last_ns = 0;
   while (reader.Next(sample)) {
     FileSummary::Topic& topic = summary.topics[*sample.topic];
@@ -114,7 +129,7 @@ FileSummary Summarise(const std::vector<std::string>& files) {
     topic.bytes += sample.cdr.size();
     topic.last_ns = std::max(topic.last_ns, sample.log_time_ns);
     last_ns = std::max(last_ns, sample.log_time_ns);
-    if (Look(sample, summary, sequence)) {
+    if (Look(sample, summary, place, sequence)) {
       topic.sequence.Add(sequence);
     } else {
       ++topic.broken;
@@ -123,7 +138,7 @@ FileSummary Summarise(const std::vector<std::string>& files) {
   summary.bytes = reader.bytes();
   summary.duration_s = 1e-9 * static_cast<double>(last_ns - summary.first_ns);
   summary.complete = reader.complete();
-  summary.problems = reader.problems();
+  std::ranges::copy(reader.problems(), std::back_inserter(summary.problems));
   summary.unknown = reader.unknown();
   for (const mcap::Metadata& metadata : reader.metadata()) {
     const mcap::StringMap& values = metadata.values;
@@ -132,6 +147,8 @@ FileSummary Summarise(const std::vector<std::string>& files) {
     if (metadata.name == "palpate.topic") {
       const std::uint64_t dropped = Number(Value(values, "dropped"));
       const std::string name = Value(values, "topic");
+      const std::uint64_t left_out = Number(Value(values, "no_channel"));
+      summary.no_channel += left_out;
       // Without a single message where all of its samples were dropped.
       if (dropped > 0) summary.topics[name].type = Value(values, "type");
       if (const auto it = summary.topics.find(name); it != summary.topics.end()) {
@@ -160,18 +177,18 @@ FileSummary Summarise(const std::vector<std::string>& files) {
 
 std::string ToText(const FileSummary& summary) {
   std::string text = fmt::format(
-      "{}{}: {}\n", summary.files.front(),
+      "{}{}: {}\n", Printable(summary.files.front()),
       summary.files.size() > 1 ? fmt::format(" and {} more", summary.files.size() - 1) : "",
       summary.complete ? "complete" : "CUT OFF");
-  if (!summary.end_reason.empty()) text += "  ended: " + summary.end_reason + "\n";
+  if (!summary.end_reason.empty()) text += "  ended: " + Printable(summary.end_reason) + "\n";
   text += fmt::format(
       "  {:.1f} s from {}, {} messages, {:.2f} MB ({:.3f} MB/s), palpate {}\n", summary.duration_s,
       TimeText(summary.first_ns), summary.messages, 1e-6 * static_cast<double>(summary.bytes),
       summary.duration_s > 0.0 ? 1e-6 * static_cast<double>(summary.bytes) / summary.duration_s
                                : 0.0,
-      summary.build.empty() ? "of an unknown build" : summary.build);
+      summary.build.empty() ? "of an unknown build" : Printable(summary.build));
   for (const auto& [name, scene] : summary.scenes) {
-    text += fmt::format("  scene {}: hash {}, {}\n", name, scene.hash,
+    text += fmt::format("  scene {}: hash {}, {}\n", Printable(name), Printable(scene.hash),
                         scene.bundle ? "itself in the recording" : "not in the recording");
   }
   std::size_t before = 0;
@@ -180,11 +197,11 @@ std::string ToText(const FileSummary& summary) {
       ++before;
       continue;
     }
-    text += fmt::format("  station {} (run {}): tool {} of scene {}, {}\n", session.station,
-                        Hex(session.run), session.tool, session.scene,
-                        session.start_sequence == 0
-                            ? "no forces"
-                            : fmt::format("forces from pose {}", session.start_sequence));
+    text += fmt::format(
+        "  station {} (run {}): tool {} of scene {}, {}\n", Printable(session.station),
+        Hex(session.run), Printable(session.tool), Printable(session.scene),
+        session.start_sequence == 0 ? "no forces"
+                                    : fmt::format("forces from pose {}", session.start_sequence));
   }
   if (before > 0) {
     text += fmt::format("  {} {} told of that had no poses while this was recorded\n", before,
@@ -193,12 +210,13 @@ std::string ToText(const FileSummary& summary) {
   text += fmt::format("\n  {:<52} {:>9} {:>8} {:>8} {:>8} {:>9}\n", "topic", "messages", "Hz",
                       "missing", "dropped", "MB raw");
   for (const auto& [name, topic] : summary.topics) {
-    text += fmt::format("  {:<52} {:>9} {:>8} {:>8} {:>8} {:>9.3f}\n", name, topic.messages,
-                        topic.rate_hz > 0.0 ? fmt::format("{:.1f}", topic.rate_hz) : "-",
-                        topic.sequence.missing(), topic.dropped,
-                        1e-6 * static_cast<double>(topic.bytes));
+    text += fmt::format(
+        "  {:<52} {:>9} {:>8} {:>8} {:>8} {:>9.3f}\n", Printable(name), topic.messages,
+        topic.rate_hz > 0.0 ? fmt::format("{:.1f}", topic.rate_hz) : "-", topic.sequence.missing(),
+        topic.dropped, 1e-6 * static_cast<double>(topic.bytes));
     if (topic.broken > 0) {
-      text += fmt::format("  {:<52} {} of them are not of type {}\n", "", topic.broken, topic.type);
+      text += fmt::format("  {:<52} {} of them are not of type {}\n", "", topic.broken,
+                          Printable(topic.type));
     }
     if (topic.before() > 0) {
       text += fmt::format("  {:<52} begins with answer {}: cannot be verified from here on alone\n",
@@ -212,9 +230,11 @@ std::string ToText(const FileSummary& summary) {
   };
   say(summary.missing, "are missing, by the numbers of those before and after");
   say(summary.dropped, "came and were dropped by the recorder: its disk was too slow");
+  say(summary.no_channel,
+      "came and were left out: an MCAP file holds 65535 topics, and theirs came later");
   say(summary.broken, "are not of their type");
   say(summary.unknown, "are of types that this version does not know");
-  for (const std::string& problem : summary.problems) text += "  " + problem + "\n";
+  for (const std::string& problem : summary.problems) text += "  " + Printable(problem) + "\n";
   return text;
 }
 
@@ -229,6 +249,7 @@ void WriteJson(const FileSummary& summary, const std::string& file) {
                               {"messages", summary.messages},
                               {"missing", summary.missing},
                               {"dropped", summary.dropped},
+                              {"no_channel", summary.no_channel},
                               {"broken", summary.broken},
                               {"unknown", summary.unknown},
                               {"whole", summary.whole()},
@@ -261,7 +282,8 @@ void WriteJson(const FileSummary& summary, const std::string& file) {
                               {"dropped", topic.dropped},
                               {"broken", topic.broken}});
   }
-  WriteOutput("--json", file, json.dump(2) + "\n");
+  WriteOutput("--json", file,
+              json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace palpate

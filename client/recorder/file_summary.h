@@ -45,8 +45,9 @@ struct FileSummary {
   std::map<std::string, Scene> scenes;
   std::vector<Session> sessions;
   std::uint64_t messages = 0, missing = 0, dropped = 0;
-  std::uint64_t broken = 0;   ///< not of their type
-  std::uint64_t unknown = 0;  ///< of types that this version does not know
+  std::uint64_t no_channel = 0;  ///< left out: the file had as many topics as MCAP allows
+  std::uint64_t broken = 0;      ///< not of their type
+  std::uint64_t unknown = 0;     ///< of types that this version does not know
 
   /// True where all that came while it was recorded is in it, and nothing else.
   bool whole() const;

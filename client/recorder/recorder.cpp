@@ -1,19 +1,18 @@
 #include "client/recorder/recorder.h"
 
-#include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <exception>
-#include <thread>
+#include <string>
 
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "client/recorder/sample_queue.h"
+#include "client/recorder/tapped_topics.h"
 #include "client/recorder/taps.h"
+#include "client/recorder/writer_thread.h"
 #include "common/dds/topics.h"
-#include "common/error.h"
 #include "common/server_lock.h"
 #include "common/time/steady_clock.h"
 
@@ -21,84 +20,8 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{5};
-constexpr std::chrono::milliseconds kDrain{20};
-/// Twice in the second that may be lost at most.
-constexpr std::int64_t kFlush_ns = 500'000'000;
 /// How long the disk may stand still: more than a minute of one station, four seconds of sixteen.
 constexpr std::size_t kQueue = std::size_t{64} << 20;
-
-/// Writes what comes out of the queue, in a thread of its own: a disk may stand still for seconds.
-class WriterThread {
- public:
-  struct Totals {
-    std::atomic<std::uint64_t> messages{0}, bytes{0}, missing{0}, dropped{0};
-  };
-
-  WriterThread(RecordingWriter& recording, SampleQueue& queue, Taps& taps)
-      : recording_(recording), queue_(queue), taps_(taps), thread_([this] { Run(); }) {}
-  ~WriterThread() { Stop(); }
-  WriterThread(const WriterThread&) = delete;
-  WriterThread& operator=(const WriterThread&) = delete;
-
-  /// Writes what is left.
-  void Stop() {
-    stop_ = true;
-    if (thread_.joinable()) thread_.join();
-  }
-  bool failed() const { return failed_; }
-  /// Once stopped: what went wrong, if anything did.
-  std::exception_ptr error() const { return error_; }
-  const Totals& totals() const { return totals_; }
-
- private:
-  void Run() {
-    try {
-      std::int64_t flushed_ns = SteadyNanoseconds();
-      bool last = false;
-      while (!last) {
-        last = stop_;
-        if (!last) std::this_thread::sleep_for(kDrain);
-        queue_.Swap(drained_);
-        SampleQueue::ForEach(drained_, [&](const SampleQueue::Head& head, auto bytes) {
-          const TappedTopic& topic = taps_.topic(head.channel);
-          recording_.Add(topic.name, topic.type, head.time_ns, bytes);
-        });
-        Count();
-        const std::int64_t now_ns = SteadyNanoseconds();
-        if (now_ns - flushed_ns >= kFlush_ns || last) {
-          recording_.Flush();
-          flushed_ns = now_ns;
-        }
-      }
-    } catch (const Error&) {
-      error_ = std::current_exception();
-      failed_ = true;
-    }
-  }
-
-  void Count() {
-    std::uint64_t dropped = 0;
-    for (std::uint32_t i = 0; i < taps_.topics(); ++i) {
-      const TappedTopic& topic = taps_.topic(i);
-      const std::uint64_t of_topic = topic.dropped.load(std::memory_order_relaxed);
-      if (of_topic > 0) recording_.SetDropped(topic.name, topic.type, of_topic);
-      dropped += of_topic;
-    }
-    totals_.messages = recording_.messages();
-    totals_.bytes = recording_.bytes();
-    totals_.missing = recording_.missing();
-    totals_.dropped = dropped;
-  }
-
-  RecordingWriter& recording_;
-  SampleQueue& queue_;
-  Taps& taps_;
-  std::vector<std::uint8_t> drained_;
-  Totals totals_;
-  std::atomic<bool> stop_{false}, failed_{false};
-  std::exception_ptr error_;
-  std::thread thread_;
-};
 
 class ProgressLine {
  public:
@@ -154,10 +77,11 @@ void Record(const RecorderOptions& options, StopSignal& stop) {
   recording_options.about["loop"] = options.loop ? transport.reason : "not recorded";
 
   SampleQueue queue(kQueue);
-  Taps taps(options.domain, options.network, transport, options.loop, queue);
+  TappedTopics topics;
+  Taps taps(options.domain, options.network, transport, options.loop, queue, topics);
   // Last: what it overwrites is lost only when there is something to record with.
   RecordingWriter recording(recording_options);
-  WriterThread writer(recording, queue, taps);
+  WriterThread writer(recording, queue, topics);
   std::printf("recording to %s; domain %d; poses and wrenches: %s\n",
               recording.files().front().c_str(), options.domain,
               recording_options.about["loop"].c_str());
@@ -182,24 +106,8 @@ void Record(const RecorderOptions& options, StopSignal& stop) {
     }
   }
   taps.Poll(SteadyNanoseconds());
-  writer.Stop();
   progress.End();
-  if (writer.failed()) {
-    std::string what;
-    try {
-      std::rethrow_exception(writer.error());
-    } catch (const Error& error) {
-      what = error.what();
-    }
-    try {
-      recording.Close("a write failed");
-      what += " (what was recorded until then is whole, and has its index)";
-    } catch (const Error&) {
-      what += " (what was recorded until then is whole, without an index)";
-    }
-    throw Error(what);
-  }
-  recording.Close(reason);
+  writer.Finish(reason);
   if (!taps.heard() && !silence_said) spdlog::warn("{}", Silence(options, seconds()));
   const auto& totals = writer.totals();
   std::printf("%s%s: %.1f s, %llu messages, %.1f MB, missing %llu, dropped %llu\n",

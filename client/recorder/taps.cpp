@@ -24,8 +24,9 @@ std::int64_t RecordingTime_ns() {
 }
 
 Taps::Taps(int domain, const dds::Network& network, const dds::TransportChoice& transport,
-           bool loop, SampleQueue& queue)
+           bool loop, SampleQueue& queue, TappedTopics& topics)
     : queue_(queue),
+      topics_(topics),
       service_(dds::Participant::Service(domain, network)),
       loop_(loop ? std::make_unique<dds::Participant>(
                        dds::Participant::Loop(domain, transport, network))
@@ -43,44 +44,24 @@ Taps::Taps(int domain, const dds::Network& network, const dds::TransportChoice& 
       wishes_(service_, dds::kWholeRequestTopic, dds::Qos::kRecordSession),
       wholes_(service_, dds::kSceneWholeTopic, dds::Qos::kRecordSession) {
   RecordingTime_ns();
-  service_channel_[0] = Channel(dds::kSessionRequestTopic, RecordedType::kSessionRequest);
-  service_channel_[1] = Channel(dds::kSessionStateTopic, RecordedType::kSessionState);
-  service_channel_[2] = Channel(dds::kSceneChangeTopic, RecordedType::kSceneChange);
-  service_channel_[3] = Channel(dds::kLeafTakenTopic, RecordedType::kLeafTaken);
-  service_channel_[4] = Channel(dds::kSceneBundleTopic, RecordedType::kSceneBundle);
-  service_channel_[5] = Channel(dds::kToolStateTopic, RecordedType::kToolState);
-  service_channel_[6] = Channel(dds::kLoopStatisticsTopic, RecordedType::kLoopStatistics);
-  service_channel_[7] = Channel(dds::kGuideTopic, RecordedType::kGuideTarget);
-  service_channel_[8] = Channel(dds::kStationStatisticsTopic, RecordedType::kStationStatistics);
-  service_channel_[9] = Channel(dds::kSceneOfferTopic, RecordedType::kSceneOffer);
-  service_channel_[10] = Channel(dds::kWholeRequestTopic, RecordedType::kWholeRequest);
-  service_channel_[11] = Channel(dds::kSceneWholeTopic, RecordedType::kSceneWhole);
+  service_channel_[0] = topics_.NumberOf(dds::kSessionRequestTopic, RecordedType::kSessionRequest);
+  service_channel_[1] = topics_.NumberOf(dds::kSessionStateTopic, RecordedType::kSessionState);
+  service_channel_[2] = topics_.NumberOf(dds::kSceneChangeTopic, RecordedType::kSceneChange);
+  service_channel_[3] = topics_.NumberOf(dds::kLeafTakenTopic, RecordedType::kLeafTaken);
+  service_channel_[4] = topics_.NumberOf(dds::kSceneBundleTopic, RecordedType::kSceneBundle);
+  service_channel_[5] = topics_.NumberOf(dds::kToolStateTopic, RecordedType::kToolState);
+  service_channel_[6] = topics_.NumberOf(dds::kLoopStatisticsTopic, RecordedType::kLoopStatistics);
+  service_channel_[7] = topics_.NumberOf(dds::kGuideTopic, RecordedType::kGuideTarget);
+  service_channel_[8] =
+      topics_.NumberOf(dds::kStationStatisticsTopic, RecordedType::kStationStatistics);
+  service_channel_[9] = topics_.NumberOf(dds::kSceneOfferTopic, RecordedType::kSceneOffer);
+  service_channel_[10] = topics_.NumberOf(dds::kWholeRequestTopic, RecordedType::kWholeRequest);
+  service_channel_[11] = topics_.NumberOf(dds::kSceneWholeTopic, RecordedType::kSceneWhole);
 }
 
 // Readers first: their callbacks use what stands before them.
 Taps::~Taps() {
   sessions_.clear();
-}
-
-std::uint32_t Taps::Channel(const std::string& name, RecordedType type) {
-  const std::lock_guard lock(topics_mutex_);
-  const auto [it, is_new] = channels_.try_emplace(name, static_cast<std::uint32_t>(topics_.size()));
-  if (is_new) {
-    TappedTopic& topic = topics_.emplace_back();
-    topic.name = name;
-    topic.type = type;
-  }
-  return it->second;
-}
-
-TappedTopic& Taps::topic(std::uint32_t channel) {
-  const std::lock_guard lock(topics_mutex_);
-  return topics_[channel];
-}
-
-std::uint32_t Taps::topics() const {
-  const std::lock_guard lock(topics_mutex_);
-  return static_cast<std::uint32_t>(topics_.size());
 }
 
 int Taps::sessions() const {
@@ -94,7 +75,7 @@ void Taps::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, T& sample) {
   dds::CdrSample raw;
   while (reader.Take(raw, sample)) {
     if (!queue_.Put(channel, RecordingTime_ns, raw.cdr)) {
-      topic(channel).dropped.fetch_add(1, std::memory_order_relaxed);
+      topics_[channel].dropped.fetch_add(1, std::memory_order_relaxed);
     }
     if constexpr (std::is_same_v<T, wire::SessionState>) OnState(sample, now_ns_);
     constexpr bool kFromServer =
@@ -109,8 +90,8 @@ template <class T>
 void Taps::Tap(dds::Reader<T>& reader, const std::string& name) {
   // Over shared memory a reader that is there before it knows the writer loses chunks for ever.
   if (reader || !dds::WriterDiscovered(*loop_, name)) return;
-  const std::uint32_t channel = Channel(name, kTypeOf<T>);
-  TappedTopic* const tapped = &topic(channel);
+  const std::uint32_t channel = topics_.NumberOf(name, kTypeOf<T>);
+  TappedTopic* const tapped = &topics_[channel];
   reader = {*loop_, name, dds::Qos::kRecord, [this, channel, tapped](const T& sample) {
               // The struct is its own CDR payload (common/dds/wire.h).
               const std::span payload(reinterpret_cast<const std::uint8_t*>(&sample),

@@ -1,15 +1,13 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "client/recorder/sample_queue.h"
+#include "client/recorder/tapped_topics.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/participant.h"
@@ -17,32 +15,22 @@
 
 namespace palpate {
 
-/// A topic that is recorded.  Numbers are given once and stay.
-struct TappedTopic {
-  std::string name;
-  RecordedType type;
-  std::atomic<std::uint64_t> dropped{0};  ///< came, and had no room in the queue
-};
-
 /// Everything that is heard of a server: readers on all service topics, and on the two loop topics
 /// of each session as sessions come and go.  All samples go into the queue; nothing else is done in
 /// the threads that receive them.
-/// Thread contract: one thread; topic() from any.
+/// Thread contract: one thread.
 class Taps {
  public:
   /// @param loop  false: service topics alone.
   /// Throws Error.
   Taps(int domain, const dds::Network& network, const dds::TransportChoice& transport, bool loop,
-       SampleQueue& queue);
+       SampleQueue& queue, TappedTopics& topics);
   ~Taps();
   Taps(const Taps&) = delete;
   Taps& operator=(const Taps&) = delete;
 
   /// To be called every few milliseconds.
   void Poll(std::int64_t now_ns);
-  /// By the queue's channel number.
-  TappedTopic& topic(std::uint32_t channel);
-  std::uint32_t topics() const;
   /// Sessions whose loop topics are being read.
   int sessions() const;
   /// True once a sample came from a server.
@@ -56,7 +44,6 @@ class Taps {
     dds::Reader<wire::Wrench> wrenches;
   };
 
-  std::uint32_t Channel(const std::string& name, RecordedType type);
   template <class T>
   void Drain(dds::CdrReader<T>& reader, std::uint32_t channel, T& sample);
   template <class T>
@@ -64,9 +51,7 @@ class Taps {
   void OnState(const wire::SessionState& state, std::int64_t now_ns);
 
   SampleQueue& queue_;
-  mutable std::mutex topics_mutex_;
-  std::deque<TappedTopic> topics_;  // stays where it is as it grows
-  std::map<std::string, std::uint32_t> channels_;
+  TappedTopics& topics_;
   dds::Participant service_;
   std::unique_ptr<dds::Participant> loop_;
   dds::CdrReader<wire::SessionRequest> requests_;

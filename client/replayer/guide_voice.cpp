@@ -13,6 +13,7 @@
 #include "common/dds/endpoint.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/quoted.h"
 #include "common/random_run.h"
 #include "common/time/steady_clock.h"
 
@@ -70,8 +71,8 @@ void Guide(const ReplayOptions& options, StopSignal& stop) {
   const dds::Participant service = dds::Participant::Service(options.domain, options.network);
   dds::Writer<wire::GuideTarget> writer(service, dds::kGuideTopic, dds::Qos::kStream);
   std::printf("leading station %s along %.1f s of %s's path at %g x, domain %d\n",
-              options.guide.c_str(), end_s - options.from_s, path.station.c_str(), options.rate,
-              options.domain);
+              options.guide.c_str(), end_s - options.from_s, Printable(path.station).c_str(),
+              options.rate, options.domain);
   std::fflush(stdout);
 
   LedHand hand(service, options.guide);

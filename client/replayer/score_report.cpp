@@ -13,6 +13,7 @@
 #include "client/replayer/score_page.h"
 #include "common/error.h"
 #include "common/output.h"
+#include "common/quoted.h"
 
 namespace palpate {
 namespace {
@@ -304,8 +305,9 @@ std::string ToText(const Report& report) {
   }
   if (report.criteria) {
     const Average points = PointsOf(report);
-    text += fmt::format("{}: {} of 100 points, {}\n", report.criteria->title, ToText(points, 0),
-                        points.mean >= report.criteria->pass ? "passed" : "not yet");
+    text +=
+        fmt::format("{}: {} of 100 points, {}\n", Printable(report.criteria->title),
+                    ToText(points, 0), points.mean >= report.criteria->pass ? "passed" : "not yet");
   }
   if (report.trials.size() == 1) text += std::string(kOneTrial) + "\n";
   return text;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "common/bundle_hash.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
+#include "common/quoted.h"
 #include "common/step_fault.h"
 
 namespace palpate {
@@ -179,18 +181,19 @@ void Timeline::AddWhole(const RecordedSample& sample) {
 }
 
 void Timeline::AddBundle(const RecordedSample& sample) {
-  wire::SceneBundle bundle{};
-  if (sample.To(bundle)) {
-    const bool is_first = !last_.contains({sample.type, bundle.scene, 0});
-    if (is_first && last_ns_ - first_ns_ <= kTold_ns) opening_ns_ = last_ns_;
-    Keep({sample.type,
-          last_ns_,
-          bundle.server_run,
-          bundle.scene,
-          0,
-          {sample.cdr.begin(), sample.cdr.end()}});
-  }
-  dds::FreeContents(bundle);
+  dds::Owned<wire::SceneBundle> owned;
+  if (!sample.To(owned.value)) return;
+  const wire::SceneBundle& bundle = owned.value;
+  CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
+                  "the recording's scene " + Quoted(bundle.scene));
+  const bool is_first = !last_.contains({sample.type, bundle.scene, 0});
+  if (is_first && last_ns_ - first_ns_ <= kTold_ns) opening_ns_ = last_ns_;
+  Keep({sample.type,
+        last_ns_,
+        bundle.server_run,
+        bundle.scene,
+        0,
+        {sample.cdr.begin(), sample.cdr.end()}});
 }
 
 void Timeline::AddTool(const RecordedSample& sample) {
@@ -301,11 +304,10 @@ Timeline::Moment Timeline::At(std::int64_t time_ns) const {
     if (whole != nullptr && state.number <= whole->number) continue;
     moment.holds[{state.type, state.name, is_change ? state.number : 0}] = &state;
     if (state.type != RecordedType::kSceneWhole) continue;
-    std::erase_if(moment.holds, [&](const auto& entry) {
-      const State& held = *entry.second;
-      return held.type == RecordedType::kSceneChange && held.name == state.name &&
-             held.number <= state.number;
-    });
+    // Of the scene's changes those up to the last that is undone.
+    moment.holds.erase(
+        moment.holds.lower_bound({RecordedType::kSceneChange, state.name, 0}),
+        moment.holds.upper_bound({RecordedType::kSceneChange, state.name, state.number}));
   }
   return moment;
 }

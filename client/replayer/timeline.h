@@ -71,6 +71,7 @@ class Timeline {
   static std::int64_t TurnOf(const RecordedSample& sample, std::int64_t passed_ns);
 
   /// @param place  the reader's, of this sample.
+  /// Throws Error where a scene's bundle is not the one that its hash names.
   void Add(const RecordedSample& sample, const RecordingReader::Place& place);
   /// No more samples come.
   void Finish();

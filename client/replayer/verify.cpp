@@ -12,10 +12,12 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "common/bundle_hash.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/output.h"
+#include "common/quoted.h"
 #include "common/recording/recording_reader.h"
 #include "common/time/steady_clock.h"
 #include "scenes/catalogue.h"
@@ -29,6 +31,8 @@ namespace {
 
 /// A wrench may overtake its pose in the recording, by what a burst holds.
 constexpr std::size_t kMostAhead = 1000;
+/// Of sessions; a server has 32, and a recording may be of several.
+constexpr std::size_t kMostAtOnce = 256;
 
 enum class Number { kDouble, kUint64, kInt64, kUint32 };
 struct Field {
@@ -95,7 +99,10 @@ class Scenes {
  public:
   explicit Scenes(const VerifyOptions& options) : options_(options) {}
 
+  /// Throws Error where it is not the one that its hash names.
   void AddBundle(const wire::SceneBundle& bundle) {
+    CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
+                    "the recording's scene " + Quoted(bundle.scene));
     bundles_[bundle.scene] = {bundle.bundle._buffer, bundle.bundle._buffer + bundle.bundle._length};
   }
   void AddHash(const std::string& scene, const std::string& hash) { hashes_[scene] = hash; }
@@ -327,13 +334,15 @@ class SessionReplay {
 };
 
 /// The first pass: what sessions there were, and the scenes.
-std::vector<std::unique_ptr<SessionFacts>> Gather(RecordingReader& reader, Scenes& scenes,
-                                                  std::int64_t& began_ns) {
+/// @param last_samples  the number of the last sample of each topic of a loop.
+std::vector<std::unique_ptr<SessionFacts>> Gather(
+    RecordingReader& reader, Scenes& scenes, std::int64_t& began_ns,
+    std::map<std::string, std::uint64_t>& last_samples) {
   std::vector<std::unique_ptr<SessionFacts>> sessions;
+  std::map<std::pair<std::string, std::uint64_t>, std::size_t> place;  // by station and run
   const auto facts_of = [&](const std::string& station, std::uint64_t run) -> SessionFacts& {
-    for (const auto& facts : sessions) {
-      if (facts->station == station && facts->run == run) return *facts;
-    }
+    const auto [it, is_new] = place.try_emplace({station, run}, sessions.size());
+    if (!is_new) return *sessions[it->second];
     sessions.push_back(std::make_unique<SessionFacts>());
     sessions.back()->station = station;
     sessions.back()->run = run;
@@ -341,11 +350,15 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(RecordingReader& reader, Scene
   };
   RecordedSample sample{};
   began_ns = 0;
-  while (reader.Next(sample)) {
+  for (std::uint64_t number = 1; reader.Next(sample); ++number) {
     if (began_ns == 0) began_ns = sample.log_time_ns;
+    if (sample.type == RecordedType::kHapticPose || sample.type == RecordedType::kWrench) {
+      last_samples[*sample.topic] = number;
+      continue;
+    }
     wire::SessionState state{};
     wire::LeafTaken taken{};
-    wire::SceneBundle bundle{};
+    dds::Owned<wire::SceneBundle> bundle;
     if (sample.To(state)) {
       if (state.phase == palpate_SESSION_REFUSED) continue;
       SessionFacts& facts = facts_of(state.station, state.run);
@@ -357,9 +370,8 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(RecordingReader& reader, Scene
       }
     } else if (sample.To(taken)) {
       facts_of(taken.station, taken.run).leaves[taken.number] = taken;
-    } else if (sample.type == RecordedType::kSceneBundle) {
-      if (sample.To(bundle)) scenes.AddBundle(bundle);
-      dds::FreeContents(bundle);
+    } else if (sample.To(bundle.value)) {
+      scenes.AddBundle(bundle.value);
     }
   }
   for (const mcap::Metadata& metadata : reader.metadata()) {
@@ -407,48 +419,82 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
   RecordingReader reader(files);
   Scenes scenes(options);
   std::int64_t began_ns = 0;
-  const auto sessions = Gather(reader, scenes, began_ns);
+  std::map<std::string, std::uint64_t> last_samples;
+  const auto sessions = Gather(reader, scenes, began_ns, last_samples);
   verification.problems = reader.problems();
   verification.damaged = reader.damaged();
 
-  std::map<std::string, std::unique_ptr<SessionReplay>> replay;  // by topic, both of a session
+  const bool complete = reader.complete();
+
+  struct Replayed {
+    const SessionFacts* facts;
+    std::uint64_t last_sample = 0;  // by its number in the recording
+    // From its first sample to its last: a loop has a megabyte, and there may be many sessions.
+    std::unique_ptr<SessionReplay> replay;
+    std::optional<SessionVerdict> verdict;
+  };
+  std::map<std::string, Replayed> replayed;   // by its poses' topic
+  std::map<std::string, Replayed*> by_topic;  // both of a session
   for (const auto& facts : sessions) {
     if (facts->scene.empty()) continue;  // only leaves of it: its states are in another split
-    const HapticModel& model = scenes.ModelOf(facts->scene, facts->tool);
-    replay[dds::PoseTopic(facts->station, facts->run)] =
-        std::make_unique<SessionReplay>(*facts, model, scenes.ObjectsOf(facts->scene), began_ns);
+    const std::string poses = dds::PoseTopic(facts->station, facts->run);
+    Replayed& session = replayed[poses];
+    session.facts = facts.get();
+    for (const std::string& topic : {poses, dds::WrenchTopic(facts->station, facts->run)}) {
+      by_topic[topic] = &session;
+      const auto last = last_samples.find(topic);
+      if (last == last_samples.end()) continue;
+      session.last_sample = std::max(session.last_sample, last->second);
+    }
   }
-  std::map<std::string, SessionReplay*> by_topic;
-  for (const auto& facts : sessions) {
-    const auto it = replay.find(dds::PoseTopic(facts->station, facts->run));
-    if (it == replay.end()) continue;
-    by_topic[it->first] = by_topic[dds::WrenchTopic(facts->station, facts->run)] = it->second.get();
-  }
+  std::size_t open = 0;
+  const auto replay_of = [&](Replayed& session) -> SessionReplay& {
+    if (!session.replay) {
+      if (++open > kMostAtOnce) {
+        throw Error(files.front() + ": has more than " + std::to_string(kMostAtOnce) +
+                    " sessions at once, which no server has; verify it in parts");
+      }
+      const SessionFacts& facts = *session.facts;
+      session.replay = std::make_unique<SessionReplay>(
+          facts, scenes.ModelOf(facts.scene, facts.tool), scenes.ObjectsOf(facts.scene), began_ns);
+    }
+    return *session.replay;
+  };
 
   reader.Restart();
   RecordedSample sample{};
+  std::uint64_t number = 0;
   std::map<std::string, std::uint64_t> stray;  // wrenches of sessions whose states are missing
   while (reader.Next(sample)) {
+    ++number;
     wire::HapticPose pose;
     wire::Wrench wrench;
     const auto it = by_topic.find(*sample.topic);
     if (it == by_topic.end()) {
       if (sample.type == RecordedType::kWrench) ++stray[*sample.topic];
-    } else if (sample.To(pose)) {
-      it->second->Add(pose);
+      continue;
+    }
+    Replayed& session = *it->second;
+    if (sample.To(pose)) {
+      replay_of(session).Add(pose);
     } else if (sample.To(wrench)) {
-      it->second->Add(wrench, sample.log_time_ns);
+      replay_of(session).Add(wrench, sample.log_time_ns);
     } else if (sample.type == RecordedType::kWrench) {
-      it->second->AddBrokenWrench();
+      replay_of(session).AddBrokenWrench();
+    }
+    if (number == session.last_sample && session.replay) {
+      session.verdict = session.replay->End(!complete);
+      session.replay.reset();
+      --open;
     }
   }
-  for (const auto& [topic, session] : replay) {
-    verification.sessions.push_back(session->End(!reader.complete()));
+  for (const auto& [topic, session] : replayed) {
+    // A session that never came to send a pose has nothing to verify.
+    const bool any =
+        session.verdict &&
+        session.verdict->poses + session.verdict->recorded + session.verdict->cut_off > 0;
+    if (any) verification.sessions.push_back(*session.verdict);
   }
-  // A session that never came to send a pose has nothing to verify.
-  std::erase_if(verification.sessions, [](const SessionVerdict& v) {
-    return v.poses == 0 && v.recorded == 0 && v.cut_off == 0;
-  });
   for (const auto& [topic, count] : stray) {
     SessionVerdict verdict;
     verdict.station = topic;
@@ -463,10 +509,11 @@ std::string ToText(const Verification& verification) {
   std::string text;
   for (const SessionVerdict& v : verification.sessions) {
     const std::uint64_t computed = v.verified + v.different;
-    text += fmt::format("{}: station {}{}: {} of {} wrenches verified, bit for bit",
-                        v.good() ? "same" : "NOT VERIFIED", v.station,
-                        v.scene.empty() ? "" : fmt::format(" with {} in {}", v.tool, v.scene),
-                        v.verified, v.recorded);
+    text += fmt::format(
+        "{}: station {}{}: {} of {} wrenches verified, bit for bit",
+        v.good() ? "same" : "NOT VERIFIED", Printable(v.station),
+        v.scene.empty() ? "" : fmt::format(" with {} in {}", Printable(v.tool), Printable(v.scene)),
+        v.verified, v.recorded);
     if (computed > 0 && v.computed_s > 0.0) {
       text += fmt::format("; {:.2f} s in {:.3f} s, {:.0f} x real time", v.recorded_s, v.computed_s,
                           v.recorded_s / v.computed_s);
@@ -484,13 +531,13 @@ std::string ToText(const Verification& verification) {
     }
     if (v.broken > 0) text += fmt::format("  {} of them are no wrenches: broken bytes\n", v.broken);
     if (!v.ends.empty()) {
-      text +=
-          fmt::format("  {} could not be computed: {}\n", v.recorded - computed - v.broken, v.ends);
+      text += fmt::format("  {} could not be computed: {}\n", v.recorded - computed - v.broken,
+                          Printable(v.ends));
     }
   }
   if (verification.damaged) text += "NOT VERIFIED: a file has changed since it was written\n";
   if (verification.sessions.empty()) text += "NOT VERIFIED: there is no wrench in the recording\n";
-  for (const std::string& problem : verification.problems) text += "  " + problem + "\n";
+  for (const std::string& problem : verification.problems) text += "  " + Printable(problem) + "\n";
   return text;
 }
 
@@ -514,7 +561,8 @@ void WriteJson(const Verification& verification, const std::string& file) {
     }
     json["sessions"].push_back(session);
   }
-  WriteOutput("--json", file, json.dump(2) + "\n");
+  WriteOutput("--json", file,
+              json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace palpate

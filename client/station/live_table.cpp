@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdarg>
 
+#include "common/quoted.h"
 #include "common/step_fault.h"
 
 namespace palpate {
@@ -90,7 +91,7 @@ std::string LiveTable::Line(const StationView& view) {
       view.seconds, s.rate_hz, Micros(s.round_trip_us_p50, s, 0).c_str(),
       Micros(s.round_trip_us_p99, s, 0).c_str(), Micros(s.server_step_us_p50, s, 1).c_str(),
       s.contacts, s.force_N, s.torque_Nm, static_cast<unsigned long long>(s.late),
-      static_cast<unsigned long long>(s.lost), view.phase.c_str());
+      static_cast<unsigned long long>(s.lost), Printable(view.phase).c_str());
   if (*s.activity) line += Text("  %s", s.activity);
   if (!IsWell(s)) line += "  " + Ailments(s);
   return line;
@@ -113,7 +114,7 @@ std::vector<std::string> LiveTable::Lines(const StationView& view) {
   const bool well = view.phase == "active" && !s.fading;
   return {
       label("time") + Text("%7.1f s     session  ", view.seconds) +
-          Painted(well ? kGreen : kYellow, Text("%-14s", view.phase.c_str())) +
+          Painted(well ? kGreen : kYellow, Text("%-14s", Printable(view.phase).c_str())) +
           Text("  hand  %s", *s.activity ? s.activity : "-"),
       label("rate") + Text("%7.0f Hz    late %llu   lost %llu   fades %llu   braked %llu",
                            s.rate_hz, count(s.late), count(s.lost), count(s.fades),

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/output.h"
+#include "common/quoted.h"
 #include "common/step_fault.h"
 
 namespace palpate {
@@ -54,9 +55,10 @@ unsigned long long Number(std::uint64_t n) {
 
 std::string ToText(const StationSummary& s) {
   const StationTotals& t = s.totals;
-  std::string text = Text("%.1f s as '%s', %s\n", s.seconds, s.station.c_str(), s.device.c_str());
-  text += Text("  scene        %s, tool %s, over %s\n", s.scene.c_str(),
-               s.tool.empty() ? "-" : s.tool.c_str(), s.transport.c_str());
+  std::string text =
+      Text("%.1f s as '%s', %s\n", s.seconds, s.station.c_str(), Printable(s.device).c_str());
+  text += Text("  scene        %s, tool %s, over %s\n", Printable(s.scene).c_str(),
+               s.tool.empty() ? "-" : Printable(s.tool).c_str(), Printable(s.transport).c_str());
   text += Text("  rate         %.1f Hz, %llu poses sent, %llu ticks missed\n", Rate(s),
                Number(t.sent), Number(s.missed_ticks));
   text += "  round trip   " + Percentiles(t.round_trip) + "\n";
@@ -123,7 +125,7 @@ std::string ToJson(const StationSummary& s) {
                                {"energy_J", s.energy_J},
                                {"energy_J_min", s.energy_J_min},
                                {"warmth", s.warmth}};
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 void WriteJson(const StationSummary& summary, const std::string& file) {

@@ -11,6 +11,7 @@
 #include "client/viewer/foxglove.h"
 #include "client/viewer/quoted.h"
 #include "client/viewer/viewer_session.h"
+#include "common/metrics/metrics_page.h"
 #include "common/time/steady_clock.h"
 
 namespace palpate {
@@ -114,6 +115,9 @@ void HttpSession::Answer(const Request& request) {
     last_ = true;  // asked every few seconds by every page: none should hold a connection for that
     return GiveText(request, http::status::ok, hub_.Health(), "application/json");
   }
+  if (*path == "/metrics") {
+    return GiveText(request, http::status::ok, hub_.Metrics(), kMetricsContentType);
+  }
   if (path->starts_with(kScene) && path->ends_with(kBundle) &&
       path->size() > kScene.size() + kBundle.size()) {
     return GiveScene(request,
@@ -128,6 +132,7 @@ void HttpSession::Upgrade(const Request& request) {
                                  IsLoopback(hub_.options().address), hub_.options().origins);
   if (access == Access::kNone) {
     const std::string who = Quoted(origin);
+    hub_.CountRefusal();
     spdlog::warn("a page of {} wanted to attach and was refused; --allow-origin lets it in", who);
     return GiveText(request, http::status::forbidden,
                     "a page from elsewhere may not attach: its Origin is " + who +
@@ -140,6 +145,7 @@ void HttpSession::Upgrade(const Request& request) {
                     "offer the subprotocol foxglove.websocket.v1 or foxglove.sdk.v1\n");
   }
   if (hub_.full()) {
+    hub_.CountRefusal();
     return GiveText(request, http::status::service_unavailable,
                     "there are as many viewers as this gateway takes (--max-viewers)\n");
   }

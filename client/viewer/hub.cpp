@@ -11,6 +11,7 @@
 
 #include "client/viewer/json_text.h"
 #include "client/viewer/viewer_session.h"
+#include "common/metrics/metrics_page.h"
 #include "common/random_run.h"
 #include "common/time/steady_clock.h"
 
@@ -160,6 +161,23 @@ std::string Hub::Health() const {
                                 {"scenes", KeysOf(feed_.scenes())},
                                 {"server_run", fmt::format("{:x}", feed_.server_run())},
                                 {"version", PALPATE_VERSION}}));
+}
+
+std::string Hub::Metrics() const {
+  MetricsPage page;
+  page.Add(metric::kGatewayBuild, 1.0, {{"version", PALPATE_VERSION}});
+  page.Add(metric::kGatewayMemory, ResidentMemoryBytes());
+  page.Add(metric::kGatewayViewers, std::uint64_t{viewers_.size()});
+  page.Add(metric::kGatewayViewersLimit, std::uint64_t{options_.max_viewers});
+  page.Add(metric::kGatewayMice, std::uint64_t{mice_.size()});
+  page.Add(metric::kGatewayStations, std::uint64_t{feed_.stations().size()});
+  page.Add(metric::kGatewayScenes, std::uint64_t{feed_.scenes().size()});
+  page.Add(metric::kGatewayIn, frames_taken_);
+  page.Add(metric::kGatewayOut, frames_sent_);
+  page.Add(metric::kGatewayDropped, FramesLost());
+  page.Add(metric::kGatewayBytes, bytes_sent_);
+  page.Add(metric::kGatewayRefusals, refusals_);
+  return page.ToText();
 }
 
 void Hub::LogStatistics(std::int64_t now_ns) {

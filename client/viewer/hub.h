@@ -52,6 +52,9 @@ class Hub {
 
   /// What GET /healthz answers.
   std::string Health() const;
+  /// What GET /metrics answers, for Prometheus.
+  std::string Metrics() const;
+  void CountRefusal() { ++refusals_; }
   /// The scene's bundle, compressed: now, or once another thread has done it.  Null: that failed.
   void WithPacked(const SceneBytes& scene, std::function<void(const ScenePacker::Bytes&)> use);
 
@@ -71,6 +74,7 @@ class Hub {
   std::uint64_t bytes_sent_ = 0;
   std::uint64_t frames_lost_ = 0;  // of viewers that have left
   std::uint64_t frames_taken_ = 0;
+  std::uint64_t refusals_ = 0;  // of viewers who were not let in
   std::int64_t logged_ns_ = 0;
   std::uint64_t logged_sent_ = 0;
   std::uint64_t logged_bytes_ = 0;

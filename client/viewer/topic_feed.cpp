@@ -4,9 +4,9 @@
 #include <utility>
 
 #include <spdlog/spdlog.h>
-#include <xxhash.h>
 
 #include "client/viewer/replay_messages.h"
+#include "common/bundle_hash.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/random_run.h"
@@ -202,7 +202,7 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
         [&](const FramePtr& frame, const wire::SceneBundle& sample) {
           if (!IsCurrent(sample.server_run, frame->origin)) return;
           const std::span<const std::uint8_t> bundle = BundleIn(frame->payload, sample);
-          if (XXH3_64bits(bundle.data(), bundle.size()) != sample.hash) {
+          if (BundleHash(bundle) != sample.hash) {
             return spdlog::warn("a scene's bundle is not what its hash says, and is not shown");
           }
           Keep(frame, sample.scene, 0);

@@ -49,4 +49,14 @@ void FreeContents(T& sample) noexcept {
   sample = T{};
 }
 
+/// A sample that frees its sequences with itself, however its scope is left.
+template <class T>
+struct Owned {
+  T value{};
+  Owned() = default;
+  ~Owned() { FreeContents(value); }
+  Owned(const Owned&) = delete;
+  Owned& operator=(const Owned&) = delete;
+};
+
 }  // namespace palpate::dds

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -15,6 +16,10 @@ inline constexpr char kMagic[] = "\x89MCAP0\r\n";
 inline constexpr std::size_t kMagicSize = 8;
 /// Opcode and length before each record's content.
 inline constexpr std::size_t kRecordHead = 9;
+
+/// Ids are 16 bits wide, and those of schemas are not 0.
+inline constexpr std::size_t kMostSchemas = 65'535;
+inline constexpr std::size_t kMostChannels = 65'535;
 
 enum Opcode : std::uint8_t {
   kHeader = 0x01,
@@ -39,6 +44,7 @@ struct Schema {
   std::string name;
   std::string encoding;
   std::string data;
+  friend bool operator==(const Schema&, const Schema&) = default;
 };
 
 struct Channel {
@@ -47,6 +53,7 @@ struct Channel {
   std::string topic;
   std::string message_encoding;
   StringMap metadata;
+  friend bool operator==(const Channel&, const Channel&) = default;
 };
 
 struct Metadata {

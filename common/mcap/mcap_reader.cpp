@@ -138,6 +138,20 @@ void Reader::AddProblem(const std::string& problem) {
   if (std::ranges::find(problems_, problem) == problems_.end()) problems_.push_back(problem);
 }
 
+/// A file may say again what it has said, but an id stands for one thing: else messages would be
+/// given out under another's name.
+template <class Declared>
+void Reader::Declare(std::map<std::uint16_t, Declared>& all, Declared declared, const char* what,
+                     std::string Declared::*name) {
+  const std::uint16_t id = declared.id;
+  const auto [known, is_new] = all.try_emplace(id, declared);
+  if (is_new || known->second == declared) return;
+  damaged_ = true;
+  Stop(source_ + ": " + what + " " + std::to_string(id) + " is declared twice, as '" +
+       known->second.*name + "' and as '" + declared.*name + "': nothing from there on is read" +
+       At(offset_));
+}
+
 bool Reader::TakeBasic(const Record& record, Message& message) {
   Fields fields(record.content);
   if (record.opcode == kSchema) {
@@ -146,7 +160,7 @@ bool Reader::TakeBasic(const Record& record, Message& message) {
     schema.name = fields.TakeString();
     schema.encoding = fields.TakeString();
     schema.data = fields.TakeString();
-    if (fields.ok()) schemas_.try_emplace(schema.id, std::move(schema));
+    if (fields.ok()) Declare(schemas_, std::move(schema), "schema", &Schema::name);
   } else if (record.opcode == kChannel) {
     Channel channel;
     channel.id = fields.Take<std::uint16_t>();
@@ -154,7 +168,7 @@ bool Reader::TakeBasic(const Record& record, Message& message) {
     channel.topic = fields.TakeString();
     channel.message_encoding = fields.TakeString();
     channel.metadata = fields.TakeMap();
-    if (fields.ok()) channels_.try_emplace(channel.id, std::move(channel));
+    if (fields.ok()) Declare(channels_, std::move(channel), "channel", &Channel::topic);
   } else if (record.opcode == kMessage) {
     const auto id = fields.Take<std::uint16_t>();
     const auto channel = channels_.find(id);

@@ -72,6 +72,9 @@ class Reader {
   static bool TakeRecord(std::span<const std::uint8_t> bytes, std::size_t& at, Record& record);
   /// Schema, Channel or Message; true for a message that can be given out.
   bool TakeBasic(const Record& record, Message& message);
+  template <class Declared>
+  void Declare(std::map<std::uint16_t, Declared>& all, Declared declared, const char* what,
+               std::string Declared::*name);
   void OpenChunk(std::span<const std::uint8_t> content, std::size_t offset);
   void End();
   void Stop(const std::string& problem);

@@ -126,7 +126,7 @@ Writer::Writer(const std::string& file, const std::string& library, bool overwri
 Writer::~Writer() {
   try {
     Close();
-  } catch (const Error&) {
+  } catch (...) {
     // Close() is there for those who want to know.
   }
   ZSTD_freeCCtx(zstd_);
@@ -154,6 +154,8 @@ void Writer::Put(std::span<const std::uint8_t> bytes) {
 
 std::uint16_t Writer::AddSchema(const std::string& name, const std::string& encoding,
                                 const std::string& data) {
+  if (schemas_.size() == kMostSchemas)
+    throw Error(file_ + ": has all the schemas that MCAP allows");
   const auto id = static_cast<std::uint16_t>(schemas_.size() + 1);
   schemas_.push_back({id, name, encoding, data});
   return id;
@@ -161,6 +163,9 @@ std::uint16_t Writer::AddSchema(const std::string& name, const std::string& enco
 
 std::uint16_t Writer::AddChannel(std::uint16_t schema, const std::string& topic,
                                  const std::string& message_encoding, const StringMap& metadata) {
+  if (channels_.size() == kMostChannels) {
+    throw Error(file_ + ": has all the channels that MCAP allows");
+  }
   const auto id = static_cast<std::uint16_t>(channels_.size() + 1);
   channels_.push_back({id, schema, topic, message_encoding, metadata});
   return id;
@@ -182,6 +187,18 @@ void Writer::Write(std::uint16_t channel, std::uint32_t sequence, std::int64_t l
 }
 
 void Writer::Flush() {
+  try {
+    WritePending();
+  } catch (...) {
+    // Memory, too, which may be what there was too little of.
+    index_.clear();
+    Bytes().swap(chunk_);
+    Bytes().swap(out_);
+    throw;
+  }
+}
+
+void Writer::WritePending() {
   out_.clear();
   // Outside of the chunk, so that a chunk may be skipped, and is found before its messages.
   for (std::size_t i = schemas_written_; i < schemas_.size(); ++i) PutSchema(out_, schemas_[i]);
@@ -357,7 +374,7 @@ void Writer::Close() {
     BuildSummary(out_);
     Put(out_);
     Synchronise();
-  } catch (const Error&) {
+  } catch (...) {
     end();
     throw;
   }

@@ -27,8 +27,10 @@ class Writer {
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
+  /// Throws Error where the file has kMostSchemas.
   std::uint16_t AddSchema(const std::string& name, const std::string& encoding,
                           const std::string& data);
+  /// Throws Error where the file has kMostChannels.
   std::uint16_t AddChannel(std::uint16_t schema, const std::string& topic,
                            const std::string& message_encoding, const StringMap& metadata = {});
   /// Puts a message into the open chunk.  Times in ns since 1970.
@@ -37,7 +39,7 @@ class Writer {
   /// Bytes of the open chunk, uncompressed.
   std::size_t pending() const { return chunk_.size(); }
   /// Closes the open chunk and writes it.  Throws Error (file, the system's reason) where that
-  /// fails; the file is then as it was before, and the chunk is dropped.
+  /// fails, or bad_alloc; the file is then as it was before, and the chunk is dropped.
   void Flush();
   /// Waits until the disk has what was flushed.  Throws Error where it does not take it.
   void Synchronise();
@@ -51,6 +53,7 @@ class Writer {
   /// Bytes in the file.
   std::uint64_t size() const { return size_; }
   std::uint64_t messages() const { return messages_; }
+  std::size_t channels() const { return channels_.size(); }
 
  private:
   struct ChunkPlace {
@@ -61,6 +64,7 @@ class Writer {
     std::uint64_t time_ns, offset;
   };
 
+  void WritePending();
   void Put(std::span<const std::uint8_t> bytes);
   void BuildSummary(std::vector<std::uint8_t>& out) const;
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,9 +18,10 @@ struct RecordingOptions {
   std::string file;  ///< FILE.mcap; with a split FILE_000.mcap, FILE_001.mcap, ...
   /// Of what a split does not repeat; 0: never.
   std::uint64_t split_bytes = 0;
-  double split_s = 0.0;     ///< 0: never
-  bool bundles = true;      ///< false: of scenes, only their names and hashes are kept
-  bool overwrite = false;   ///< the splits of a former recording of that name go, all of them
+  double split_s = 0.0;  ///< 0: never
+  bool bundles = true;   ///< false: of scenes, only their names and hashes are kept
+  /// Recordings of that name go, with a split all of its splits; what is no recording never does.
+  bool overwrite = false;
   mcap::StringMap about{};  ///< what else the recording is to say of itself
 };
 
@@ -31,7 +33,8 @@ class RecordingWriter {
   /// A chunk is closed at the latest when it holds this much.
   static constexpr std::size_t kChunk = 1 << 20;
 
-  /// Throws Error where the file cannot be made, or one that a split may want is there already.
+  /// Throws Error where the file cannot be made, or one that a split may want is there already;
+  /// with `overwrite`, where what has the name is no recording, or no split of this one.
   explicit RecordingWriter(RecordingOptions options);
 
   /// Throws Error where a write fails; what was written before is whole.
@@ -51,7 +54,7 @@ class RecordingWriter {
   std::uint64_t messages() const { return messages_; }
   std::uint64_t bytes() const { return closed_bytes_ + (finished_ ? 0 : file_->size()); }
   /// Missing by their numbers, all topics together.
-  std::uint64_t missing() const;
+  std::uint64_t missing() const { return missing_; }
   /// Names of the files so far.
   const std::vector<std::string>& files() const { return files_; }
 
@@ -59,19 +62,19 @@ class RecordingWriter {
   struct Topic {
     explicit Topic(RecordedType what) : type(what) {}
     RecordedType type;
-    std::uint16_t channel = 0;  ///< 0: not yet in this file
+    std::optional<std::uint16_t> channel;  ///< nothing: not yet in this file
     std::uint64_t messages = 0;
     std::uint64_t dropped = 0;
+    std::uint64_t no_channel = 0;  ///< came when the file had all the channels that MCAP allows
     SequenceCount sequence;
   };
   /// What every split repeats.
   struct Kept {
     std::string topic;
-    RecordedType type;
-    std::uint64_t server_run;
     std::vector<std::uint8_t> cdr;
   };
 
+  bool splits() const { return options_.split_bytes > 0 || options_.split_s > 0.0; }
   void Open();
   void Finish(const std::string& reason);
   void SplitIfDue(std::int64_t log_time_ns);
@@ -87,11 +90,13 @@ class RecordingWriter {
   std::uint64_t repeated_bytes_ = 0;  // of file_: what it repeats of the splits before
   std::vector<std::string> files_;
   std::int64_t file_began_ns_ = 0;
-  std::uint64_t messages_ = 0, closed_bytes_ = 0;
+  std::uint64_t messages_ = 0, missing_ = 0, closed_bytes_ = 0;
+  std::uint64_t changes_run_ = 0;  // the run of the server that the kept SceneChanges are of
+  bool told_of_no_channel_ = false;
   std::array<std::uint16_t, kRecordedTypes> schema_{};  ///< in this file; 0: not yet
   std::map<std::string, Topic> topics_;
   std::map<std::string, mcap::StringMap> scenes_;
-  std::map<std::string, Kept> kept_;  // by what they replace
+  std::map<std::string, Kept> kept_, kept_changes_;  // by what they replace
 };
 
 }  // namespace palpate

@@ -66,7 +66,7 @@ Library LoadLibrary(const std::vector<std::string>& candidates) {
       throw Error("openhaptics: " + file + " is there, but needs " + needs +
                   ", which is missing; " + RemedyFor(needs) + " (dlopen: " + message + ")");
     }
-    tried += "\n  " + file + ": " + message;
+    tried += (tried.empty() ? " " : "; ") + file + ": " + message;
   }
   throw Error(
       "openhaptics: no HD library could be loaded; install OpenHaptics 3.0 or later and the arm's "

@@ -1,5 +1,6 @@
 #include "scenes/files/scene_bundle.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <csignal>
@@ -15,7 +16,9 @@
 #include <xxhash.h>
 
 #include "common/error.h"
+#include "common/quoted.h"
 #include "idl/scene_generated.h"
+#include "scenes/files/scene_file.h"
 #include "scenes/files/scene_size.h"
 
 namespace palpate {
@@ -299,6 +302,15 @@ wire::Features ToWire(const Features& f) {
           f.compliance, f.removal};
 }
 
+/// Names end up in file names, topics, command lines and on terminals, as those of scene files do.
+std::string ReadName(const flatbuffers::String& in) {
+  std::string name = in.str();
+  if (name.size() > kLongestName || !std::ranges::all_of(name, IsOfName)) {
+    throw Error(Quoted(name) + " is not a name");
+  }
+  return name;
+}
+
 Scene ReadScene(const wire::Scene& in) {
   std::vector<Body> geometries;
   for (const wire::Geometry* geometry : *in.geometries()) {
@@ -317,7 +329,7 @@ Scene ReadScene(const wire::Scene& in) {
     std::vector<Body> bodies;
     for (const wire::Body* body : list) {
       bodies.push_back(geometries[body->geometry()]);
-      bodies.back().name = body->name()->str();
+      bodies.back().name = ReadName(*body->name());
       bodies.back().X_WB = FromWire(body->pose());
       if (body->look() != nullptr) bodies.back().look = body->look()->str();
       if (body->remarks() != nullptr) {
@@ -330,7 +342,7 @@ Scene ReadScene(const wire::Scene& in) {
     return bodies;
   };
   Scene scene;
-  scene.name = in.name()->str();
+  scene.name = ReadName(*in.name());
   scene.tools = read_bodies(*in.tools());
   scene.objects = read_bodies(*in.objects());
   scene.coupling = {in.stiffness(), in.torsional_stiffness()};
@@ -382,10 +394,6 @@ Header ReadHeader(std::span<const std::uint8_t> bytes, const std::string& source
 
 std::uint64_t HashBytes(std::string_view bytes, std::uint64_t seed) {
   return XXH64(bytes.data(), bytes.size(), seed);
-}
-
-std::uint64_t BundleHash(std::span<const std::uint8_t> bytes) {
-  return XXH3_64bits(bytes.data(), bytes.size());
 }
 
 bool LooksLikeBundle(std::string_view bytes) {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/bundle_hash.h"
 #include "scenes/scene.h"
 
 namespace palpate {
@@ -32,9 +33,6 @@ Scene UnpackScene(std::span<const std::uint8_t> bytes, const std::string& source
 
 /// The key that PackScene was given.  Throws Error like UnpackScene, for the header.
 std::uint64_t ContentKey(std::span<const std::uint8_t> bytes, const std::string& source);
-
-/// XXH3 (64 bits) of a bundle's bytes: what SceneBundle.hash names a scene by.
-std::uint64_t BundleHash(std::span<const std::uint8_t> bytes);
 
 /// True where the bytes begin as a bundle does.
 bool LooksLikeBundle(std::string_view bytes);

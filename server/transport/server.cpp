@@ -218,6 +218,7 @@ void Server::PublishChanges(std::int64_t now_ns) {
     spdlog::info("station {}: {}{}{}{}", state.station, PhaseText(state.phase),
                  state.muted ? ", muted" : "", state.reason[0] != '\0' ? ": " : "", state.reason);
     states_.Write(state);
+    if (events_.session) events_.session(state);
   }
   for (const wire::SceneChange& change : table_.TakeSceneChanges()) scene_changes_.Write(change);
   for (const wire::LeafTaken& taken : table_.TakeLeavesTaken()) leaves_taken_.Write(taken);
@@ -226,6 +227,7 @@ void Server::PublishChanges(std::int64_t now_ns) {
                  whole.refusal[0] == '\0' ? "whole again" : "not made whole: ", whole.refusal,
                  whole.by);
     wholes_.Write(whole);
+    if (events_.whole) events_.whole(whole);
   }
 }
 
@@ -298,6 +300,7 @@ void Server::ReportStatistics(Station& station, std::int64_t now_ns) {
   station.reported_ns = now_ns;
   station.report_wanted = false;
   statistics_.Write(statistics);
+  if (events_.statistics) events_.statistics(statistics);
   if (const std::uint64_t refused = station.link->refused(); refused != station.refused) {
     spdlog::warn("station {}: {} poses beyond its share ({} a second, half of the time), not heard",
                  statistics.station, refused - station.refused, ServoBudget::kPosesPerSecond);

@@ -5,11 +5,13 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/dds/endpoint.h"
 #include "server/offer/served_scene.h"
 #include "server/session/session_table.h"
+#include "server/transport/server_events.h"
 #include "server/transport/station_link.h"
 
 namespace palpate {
@@ -39,6 +41,9 @@ class Server {
   /// refuses it.
   void Offer(const std::vector<ServedScene>& scenes);
 
+  /// What it calls must outlive the server.
+  void Observe(ServerEvents events) { events_ = std::move(events); }
+
   /// To be called every 5 ms or so.
   void Poll(std::int64_t now_ns);
   const SessionTable& table() const { return table_; }
@@ -66,6 +71,7 @@ class Server {
   const std::uint64_t server_run_;
   SessionTable table_;
   std::function<void(const std::string&)> print_line_;
+  ServerEvents events_;
   dds::Reader<wire::SessionRequest> requests_;
   dds::Writer<wire::SessionState> states_;
   dds::Writer<wire::SceneChange> scene_changes_;

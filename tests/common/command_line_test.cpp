@@ -78,6 +78,8 @@ TEST(CommandLine, HasWhatEveryProgramHas) {
   EXPECT_EQ(program.domain, 114);
   EXPECT_EQ(program.log_level, "off");
   EXPECT_EQ(program.rate, 2.0);
+  EXPECT_TRUE(program.Parse({"--log-format", "text"}));
+  EXPECT_THAT(Program().Complaint({"--log-format", "xml"}), HasSubstr("give text or json"));
 }
 
 TEST(CommandLine, SaysWhereOthersAreAndHowALoopIsScheduled) {

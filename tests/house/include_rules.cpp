@@ -31,15 +31,20 @@ const std::vector<Rule> kRules = {
     // its library.
     {"common/command_line.h", {"common/realtime/realtime.h", "common/dds/network.h"}, {}, {}},
     {"common/command_line.cpp",
-     {"common/command_line.h", "common/dds/topics.h", "common/error.h", "common/nearest_word.h"},
+     {"common/command_line.h", "common/dds/topics.h", "common/error.h", "common/log.h",
+      "common/nearest_word.h"},
      {},
      {"CLI11"}},
+    // What a scene's name and its content have in common, for whoever takes one in.
+    {"common/bundle_hash.cpp", {"common/bundle_hash.h", "common/error.h"}, {}, {"xxHash"}},
     // The one place that knows Cyclone DDS: everybody else sees typed readers and writers.
     {"common/dds", {"common", "idl"}, {}, {"Eigen", "spdlog", "Cyclone DDS", "OpenSSL"}},
     // Files alone: who wants them need not know DDS.
     {"common/mcap", {"common"}, {"common/dds"}, {"zlib", "zstd"}},
     // What the project puts into them: samples, as DDS serialises them.
     {"common/recording", {"common"}, {}, {"Eigen", "spdlog"}},
+    // The one place that names metrics, and that gives them to Prometheus.
+    {"common/metrics", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "Prometheus"}},
     // What people write, for scenes and devices alike.
     {"common/json", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "nlohmann-json"}},
     {"scenes",
@@ -74,12 +79,11 @@ const std::vector<Rule> kRules = {
      {"Eigen", "spdlog", "OpenHaptics"}},
     {"devices/spacemouse", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog", "spacenav"}},
     // Never the server or another client; own folder added below.
-    // Boost for its HTTP server and WebSockets (Asio, Beast); zlib to give a scene compressed;
-    // xxHash to see that it is what it says.
+    // Boost for its HTTP server and WebSockets (Asio, Beast); zlib to give a scene compressed.
     {"client/viewer",
      {"common", "client/viewer"},
      {},
-     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost", "xxHash", "zlib"}},
+     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost", "zlib"}},
     // A simulated station is what the load consists of, so this client may use another: the
     // station.
     // Boost for the viewers' WebSockets, as in the gateway.
@@ -178,6 +182,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"HDU/", "OpenHaptics"},
     {"HL/", "OpenHaptics"},
     {"spnav.h", "spacenav"},
+    {"prometheus/", "Prometheus"},
     {"gtest/", "GoogleTest"},
     {"gmock/", "GoogleTest"},
     {"benchmark/", "benchmark"},

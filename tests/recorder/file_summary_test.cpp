@@ -48,7 +48,7 @@ TEST_F(FileSummaryTest, TellsWhatIsInARecording) {
   EXPECT_EQ(summary.missing, 0u);
   EXPECT_NEAR(summary.duration_s, 1.0, 1e-9);
   EXPECT_EQ(summary.build, PALPATE_VERSION);
-  EXPECT_EQ(summary.scenes.at("cube").hash, "123456789abcdef0");
+  EXPECT_EQ(summary.scenes.at("cube").hash, "ebce9b7632ae733b") << "XXH3 of 1, 2, 3";
   ASSERT_THAT(summary.sessions, SizeIs(1)) << "who was refused had none";
   EXPECT_EQ(summary.sessions[0].start_sequence, 3u);
   const FileSummary::Topic& poses = summary.topics.at(dds::PoseTopic("hand", 5));
@@ -129,6 +129,61 @@ TEST_F(FileSummaryTest, CountsOnlyWhatWasThere) {
   EXPECT_THAT(text, HasSubstr("  station hand (run"));
   EXPECT_THAT(text, Not(HasSubstr("  station gone")));
   EXPECT_THAT(text, HasSubstr("1 session is told of that had no poses while this was recorded"));
+}
+
+TEST_F(FileSummaryTest, TellsThatABundleIsNotTheOneOfItsHash) {
+  {
+    RecordingWriter writer({.file = file_});
+    AddForgedBundle(writer, kMs);
+    writer.Close("");
+  }
+  const FileSummary summary = Summarise({file_});
+  EXPECT_FALSE(summary.whole());
+  EXPECT_THAT(ToText(summary), HasSubstr("scene 'cube': its bytes have the hash"));
+}
+
+TEST_F(FileSummaryTest, TellsOfTopicsThatTheFileHadNoRoomFor) {
+  {
+    RecordingWriter writer({.file = file_});
+    for (std::uint64_t i = 1; i <= 65'540; ++i) {
+      Add(writer, dds::PoseTopic("hand", i), SamplePose(1), kMs);
+    }
+    writer.Close("");
+  }
+  const FileSummary summary = Summarise({file_});
+  EXPECT_TRUE(summary.complete);
+  EXPECT_FALSE(summary.whole());
+  EXPECT_EQ(summary.no_channel, 5u);
+  EXPECT_THAT(ToText(summary), HasSubstr("5 samples came and were left out"));
+}
+
+// Which took a minute and more where each state was looked for among all sessions; a test that is
+// as slow again is ended by its time limit.
+TEST_F(FileSummaryTest, TellsOfManySessionsInTheOrderInWhichTheyCame) {
+  constexpr std::uint64_t kSessions = 60'000;
+  {
+    RecordingWriter writer({.file = file_});
+    for (std::uint64_t i = 1; i <= kSessions; ++i) {
+      Add(writer, dds::kSessionStateTopic, SampleState("hand", i), kMs);
+    }
+    writer.Close("");
+  }
+  const FileSummary summary = Summarise({file_});
+  ASSERT_THAT(summary.sessions, SizeIs(kSessions));
+  EXPECT_EQ(summary.sessions.front().run, 1u);
+  EXPECT_EQ(summary.sessions.back().run, kSessions);
+}
+
+TEST_F(FileSummaryTest, QuotesNamesThatPretendToBeALine) {
+  {
+    RecordingWriter writer({.file = file_});
+    Add(writer, dds::kSessionStateTopic, SampleState("a\n  nothing is missing\x1b[2K", 5), kMs);
+    Add(writer, dds::PoseTopic("a\n  nothing is missing\x1b[2K", 5), SamplePose(1), kMs);
+    writer.Close("");
+  }
+  const std::string text = ToText(Summarise({file_}));
+  EXPECT_THAT(text, HasSubstr(R"(station a\n  nothing is missing\x1b[2K)"));
+  EXPECT_THAT(text, Not(HasSubstr("\x1b")));
 }
 
 TEST_F(FileSummaryTest, ReadsAFileThatWasCutOffAndSaysSo) {

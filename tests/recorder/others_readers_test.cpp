@@ -146,8 +146,10 @@ TEST_F(OthersReadersTest, FindEverySampleOfEveryTopicAsItWas) {
   Put(dds::kStationStatisticsTopic, station, figures);
 
   AddBundle(writer_, std::vector<std::uint8_t>(70'001, 2), ++time_ns_);
-  expected_.push_back({dds::kSceneBundleTopic,
-                       {"cube", "77", std::to_string(0x123456789abcdef0), 70'001, 140'002}});
+  expected_.push_back(
+      {dds::kSceneBundleTopic,
+       {"cube", "77", std::to_string(BundleHash(std::vector<std::uint8_t>(70'001, 2))), 70'001,
+        140'002}});
   writer_.Close("the test is over");
 
   const auto found = ReadByOthers(file_);

@@ -65,6 +65,7 @@ class LessonWriter {
     wire::SceneBundle bundle{};
     wire::FromText("cube", bundle.scene);
     bundle.server_run = server_run;
+    bundle.hash = BundleHash(bytes);
     bundle.bundle._buffer = bytes.data();
     bundle.bundle._length = bundle.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
     At(at_ms, dds::kSceneBundleTopic, bundle);

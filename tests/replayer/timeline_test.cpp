@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/error.h"
 #include "tests/replayer/lesson_recording.h"
 
 namespace palpate::test {
@@ -110,6 +111,37 @@ TEST_F(TimelineTest, BringsBackWhatWasScrapedOffAndScrapesItOffAgain) {
   EXPECT_TRUE(leads(3000, 6000)) << "the whole scene undoes them";
   EXPECT_FALSE(leads(6000, 3000)) << "a whole scene is never worn by older changes";
   EXPECT_FALSE(leads(8000, 9500)) << "another server";
+}
+
+TEST_F(TimelineTest, RefusesABundleThatIsNotTheOneOfItsHash) {
+  {
+    RecordingWriter writer({.file = folder_ / "forged.mcap"});
+    AddForgedBundle(writer, kBegin_ns);
+    writer.Close("");
+  }
+  RecordingReader reader({folder_ / "forged.mcap"});
+  EXPECT_THAT([&] { TimelineOf(reader); },
+              testing::ThrowsMessage<Error>(HasSubstr("scene 'cube': its bytes have the hash")));
+}
+
+// Which would take minutes if each whole scene were a walk through all that holds; a test that is
+// as slow again is ended by its time limit.
+TEST_F(TimelineTest, HoldsAMomentOfManyStationsAndWholes) {
+  constexpr std::uint64_t kMany = 30'000;
+  {
+    RecordingWriter writer({.file = folder_ / "many.mcap"});
+    for (std::uint64_t i = 1; i <= kMany; ++i) {
+      Add(writer, dds::kSessionStateTopic, SampleState("hand" + std::to_string(i), i), kBegin_ns);
+      wire::SceneWhole whole{};
+      wire::FromText("cube", whole.scene);
+      whole.server_run = 77;
+      whole.last_change = i;
+      Add(writer, dds::kSceneWholeTopic, whole, kBegin_ns);
+    }
+    writer.Close("");
+  }
+  RecordingReader reader({folder_ / "many.mcap"});
+  EXPECT_EQ(TimelineOf(reader).At(kBegin_ns).holds.size(), kMany + 1);
 }
 
 TEST_F(TimelineTest, MarksWhatTookPlace) {

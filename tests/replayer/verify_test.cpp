@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/error.h"
 #include "common/json/pose_script.h"
 #include "common/recording/recording_reader.h"
 #include "scenes/catalogue.h"
@@ -304,6 +305,38 @@ TEST_F(VerifyTest, DoesNotPassOverASessionWithoutWrenches) {
   const SessionVerdict verdict = VerdictOf({.wrenches_lost = all});
   EXPECT_FALSE(verdict.good());
   EXPECT_THAT(verdict.ends, HasSubstr("no wrench of it, and 300 poses"));
+}
+
+TEST_F(VerifyTest, RefusesMoreSessionsAtOnceThanServersHave) {
+  const std::string file = folder_ / "crowd.mcap";
+  {
+    RecordingWriter writer({.file = file});
+    for (int round = 0; round < 2; ++round) {
+      for (std::uint64_t i = 1; i <= 300; ++i) {
+        const std::string station = "hand" + std::to_string(i);
+        if (round == 0) Add(writer, dds::kSessionStateTopic, SampleState(station, i), kMs);
+        Add(writer, dds::PoseTopic(station, i), SamplePose(1), kMs);
+      }
+    }
+    writer.Close("");
+  }
+  EXPECT_THAT([&] { Verify({file}, {}); },
+              testing::ThrowsMessage<Error>(HasSubstr("more than 256 sessions at once")));
+}
+
+TEST_F(VerifyTest, RefusesASceneThatIsNotTheOneOfItsHash) {
+  const std::string file = folder_ / "good.mcap", forged = folder_ / "forged.mcap";
+  Record({}, file);
+  {
+    RecordingWriter writer({.file = forged});
+    AddForgedBundle(writer, kMs);
+    writer.Close("");
+  }
+  EXPECT_THAT(
+      [&] {
+        Verify({forged, file}, {});
+      },
+      testing::ThrowsMessage<Error>(HasSubstr("it is damaged or forged")));
 }
 
 TEST_F(VerifyTest, SaysThatAnAnswerComesAgain) {

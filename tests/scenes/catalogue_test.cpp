@@ -479,6 +479,28 @@ TEST(LoadScene, GoesOnWithoutACacheThatCannotBeWritten) {
   EXPECT_THAT(f.warnings, ElementsAre(HasSubstr("without being cached")));
 }
 
+TEST(LoadScene, TakesNothingFromACacheThatOthersMayWriteTo) {
+  Fixture f;
+  f.Load();
+  fs::permissions(f.options.cache_dir, fs::perms::all | fs::perms::sticky_bit);
+  EXPECT_EQ(f.Load().objects[0].tree.leaves(), 20u);
+  EXPECT_TRUE(f.built);
+  EXPECT_THAT(f.warnings, ElementsAre(AllOf(HasSubstr("others may write to it"),
+                                            HasSubstr("without being cached"))));
+}
+
+TEST(LoadScene, TakesNoLinkFromItsCache) {
+  Fixture f;
+  f.Load();
+  const std::string cached = f.Cached()[0];
+  fs::rename(cached, f.folder + "/elsewhere");
+  fs::create_symlink(f.folder + "/elsewhere", cached);
+  f.Load();
+  EXPECT_TRUE(f.built);
+  EXPECT_THAT(f.warnings, ElementsAre(HasSubstr("it is being rebuilt")));
+  EXPECT_FALSE(fs::is_symlink(cached));
+}
+
 TEST(LoadScene, KeepsItsCacheWhereTheUsersCacheIs) {
   Fixture f;
   f.options.cache_dir.clear();

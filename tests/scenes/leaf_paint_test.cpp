@@ -154,7 +154,7 @@ TEST(LeafPaint, PaintsTheNamedPartOfAMeshFile) {
                 LoadScene(test::WriteFile(folder + "/t.json", SceneWithGroup("rot")), options);
               }),
               HasSubstr("objects[0].regions[0].group: the mesh has no part \"rot\"; did you mean "
-                        "\"root\"? It has:\n  \"crown\"\n  \"root\""));
+                        "\"root\"? It has: \"crown\", \"root\"."));
 }
 
 /// Two parts in one mesh, each painted with a stiffness of its own.

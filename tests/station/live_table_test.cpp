@@ -38,6 +38,15 @@ TEST(LiveTable, TellsAMomentInALine) {
   }
 }
 
+TEST(LiveTable, LetsNoServerCommandTheTerminal) {
+  StationView view = View();
+  view.phase = "refused: a\nready\x1b[2J";
+  EXPECT_THAT(LiveTable::Line(view), HasSubstr(R"(refused: a\nready\x1b[2J)"));
+  for (const std::string& line : LiveTable(stdout, LiveTable::Style::kLines).Lines(view)) {
+    EXPECT_THAT(line, testing::Not(HasSubstr("\x1b[2J")));
+  }
+}
+
 TEST(LiveTable, ShowsNoTimesWhereNoReplyCame) {
   StationView view = View();
   view.snapshot.replies = 0;

@@ -173,6 +173,34 @@ TEST_F(McapReaderTest, GoesOnFromAnyChunkAndTellsNothingTwice) {
   EXPECT_THAT(Read(reader), SizeIs(kPerChunk));
 }
 
+TEST_F(McapReaderTest, ReadsNoFurtherWhereAnIdStandsForSomethingElse) {
+  // A channel record of id 1 for another topic, between the second chunk and the third.
+  std::vector<std::uint8_t> record = {kChannel, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0};
+  for (const std::string text : {"other", "cdr"}) {
+    record.insert(record.end(), {static_cast<std::uint8_t>(text.size()), 0, 0, 0});
+    record.insert(record.end(), text.begin(), text.end());
+  }
+  record.insert(record.end(), {0, 0, 0, 0});
+  record[1] = static_cast<std::uint8_t>(record.size() - kRecordHead);
+  // Behind the second chunk's index, so that records stay whole: found by where the third begins.
+  Reader places(bytes_, "a");
+  Message message;
+  std::vector<std::size_t> chunks;
+  while (places.Next(message)) {
+    if (chunks.empty() || chunks.back() != places.offset()) chunks.push_back(places.offset());
+  }
+  ASSERT_THAT(chunks, SizeIs(kChunks));
+  bytes_.insert(bytes_.begin() + static_cast<std::ptrdiff_t>(chunks[2]), record.begin(),
+                record.end());
+  Reader reader(bytes_, "a");
+  EXPECT_THAT(Read(reader), SizeIs(2 * kPerChunk));
+  EXPECT_FALSE(reader.complete());
+  EXPECT_TRUE(reader.damaged());
+  ASSERT_THAT(reader.problems(), SizeIs(1));
+  EXPECT_THAT(reader.problems()[0], HasSubstr("channel 1 is declared twice, as 'topic'"));
+  EXPECT_THAT(reader.problems()[0], HasSubstr("'other'"));
+}
+
 TEST_F(McapReaderTest, RefusesWhatIsNoSuchFile) {
   const std::vector<std::uint8_t> text = {'h', 'e', 'l', 'l', 'o', '!', '!', '!', '!'};
   EXPECT_THROW(Reader(text, "a"), Error);

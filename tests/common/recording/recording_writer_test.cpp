@@ -1,6 +1,8 @@
 #include "common/recording/recording_writer.h"
 
 #include <algorithm>
+#include <cinttypes>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -73,7 +75,10 @@ TEST(RecordingWriter, KeepsASceneOrItsHashAlone) {
     EXPECT_EQ(reader.Next(sample), bundles);
     while (reader.Next(sample)) {
     }
-    EXPECT_EQ(MetadataOf(reader, "palpate.scene").at("hash"), "123456789abcdef0");
+    char hash[17];
+    std::snprintf(hash, sizeof hash, "%016" PRIx64,
+                  BundleHash(std::vector<std::uint8_t>(100'000, 3)));
+    EXPECT_EQ(MetadataOf(reader, "palpate.scene").at("hash"), hash);
   }
 }
 
@@ -160,18 +165,92 @@ TEST(RecordingWriter, DoesNotCountWhatASplitRepeats) {
   EXPECT_LT(writer.files().size(), 30u) << "a file for a sample or two";
 }
 
+/// Three splits of a.mcap.
+void RecordThreeSplits(const Folder& folder) {
+  RecordingWriter writer({.file = folder / "a.mcap", .split_s = 1.0});
+  for (const std::int64_t at_ms : {1, 1001, 2001}) {
+    Add(writer, dds::PoseTopic("hand", 1), SamplePose(1), at_ms * kMs);
+  }
+  writer.Close("");
+}
+
 TEST(RecordingWriter, LeavesTheSplitsOfAFormerRecordingOrTakesThemAllAway) {
   const Folder folder;
-  std::ofstream(folder / "a_007.mcap") << "yesterday";
-  std::ofstream(folder / "a_b.mcap") << "no split";
+  RecordThreeSplits(folder);
+  std::filesystem::remove(folder / "a_000.mcap");
+  const std::vector<std::string> others = {"a_b.mcap", "a_20261122.mcap", "a_7.mcap", "b_001.mcap"};
+  for (const std::string& name : others) std::ofstream(folder / name) << "no split";
   const RecordingOptions options{.file = folder / "a.mcap", .split_s = 10.0};
   EXPECT_THROW(RecordingWriter{options}, Error);
   EXPECT_FALSE(std::filesystem::exists(folder / "a_000.mcap"));
   RecordingOptions over = options;
   over.overwrite = true;
   RecordingWriter writer(over);
-  EXPECT_FALSE(std::filesystem::exists(folder / "a_007.mcap"));
-  EXPECT_TRUE(std::filesystem::exists(folder / "a_b.mcap"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "a_000.mcap"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a_001.mcap"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a_002.mcap"));
+  for (const std::string& name : others) {
+    EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+  }
+}
+
+TEST(RecordingWriter, RemovesNoSplitWhereOneOfThemIsSomethingElse) {
+  const Folder folder;
+  RecordThreeSplits(folder);
+  std::ofstream(folder / "a_017.mcap") << "something else";
+  try {
+    RecordingWriter writer({.file = folder / "a.mcap", .split_s = 10.0, .overwrite = true});
+    FAIL() << "it began to record";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr(folder / "a_017.mcap"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("move it away"));
+  }
+  for (const char* name : {"a_000.mcap", "a_001.mcap", "a_002.mcap", "a_017.mcap"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+  }
+}
+
+TEST(RecordingWriter, OverwritesNothingThatComesToHaveASplitsName) {
+  const Folder folder;
+  RecordingWriter writer({.file = folder / "a.mcap", .split_s = 1.0, .overwrite = true});
+  Add(writer, dds::PoseTopic("hand", 1), SamplePose(1), kMs);
+  WriteBytes(folder / "a_001.mcap", {1, 2, 3});
+  EXPECT_THROW(Add(writer, dds::PoseTopic("hand", 1), SamplePose(2), 2000 * kMs), Error);
+  EXPECT_EQ(BytesOf(folder / "a_001.mcap").size(), 3u);
+}
+
+TEST(RecordingWriter, OverwritesNoFileButARecording) {
+  const Folder folder;
+  WriteBytes(folder / "thesis.pdf", {1, 2, 3});
+  EXPECT_THROW(RecordingWriter({.file = folder / "thesis.pdf", .overwrite = true}), Error);
+  EXPECT_EQ(BytesOf(folder / "thesis.pdf").size(), 3u);
+}
+
+TEST(RecordingWriter, FilesNoTopicUnderAnothersWhereThereAreTooMany) {
+  const Folder folder;
+  constexpr std::uint64_t kTopics = 70'000;
+  {
+    RecordingWriter writer({.file = folder / "a.mcap"});
+    for (std::uint64_t i = 1; i <= kTopics; ++i) {
+      Add(writer, dds::PoseTopic("hand", i), SamplePose(i), kMs);
+    }
+    writer.Close("the test is over");
+  }
+  RecordingReader reader({folder / "a.mcap"});
+  RecordedSample sample{};
+  std::uint64_t count = 0;
+  while (reader.Next(sample)) {
+    wire::HapticPose pose;
+    ASSERT_TRUE(sample.To(pose));
+    ASSERT_EQ(*sample.topic, dds::PoseTopic("hand", pose.pose_sequence));
+    ++count;
+  }
+  EXPECT_EQ(count, 65'535u);
+  EXPECT_THAT(reader.problems(), IsEmpty());
+  EXPECT_EQ(MetadataOf(reader, "palpate.topic", dds::PoseTopic("hand", 1)).at("no_channel"), "0");
+  EXPECT_EQ(MetadataOf(reader, "palpate.topic", dds::PoseTopic("hand", kTopics)).at("no_channel"),
+            "1")
+      << "the recording says what it lacks";
 }
 
 TEST(RecordingWriter, ReplacesAFileThatIsBeingReadWithoutHarmToItsReader) {

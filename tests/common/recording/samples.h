@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "common/bundle_hash.h"
 #include "common/dds/cdr.h"
 #include "common/dds/topics.h"
 #include "common/recording/recording_writer.h"
@@ -95,7 +96,19 @@ inline void AddBundle(RecordingWriter& writer, std::vector<std::uint8_t> bytes,
   wire::SceneBundle bundle{};
   wire::FromText("cube", bundle.scene);
   bundle.server_run = 77;
-  bundle.hash = 0x123456789abcdef0;
+  bundle.hash = BundleHash(bytes);
+  bundle.bundle._buffer = bytes.data();
+  bundle.bundle._length = bundle.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
+  Add(writer, dds::kSceneBundleTopic, bundle, time_ns);
+}
+
+/// With the hash of another one.
+inline void AddForgedBundle(RecordingWriter& writer, std::int64_t time_ns) {
+  std::vector<std::uint8_t> bytes = {1, 2, 3};
+  wire::SceneBundle bundle{};
+  wire::FromText("cube", bundle.scene);
+  bundle.server_run = 77;
+  bundle.hash = BundleHash(bytes) ^ 1;
   bundle.bundle._buffer = bytes.data();
   bundle.bundle._length = bundle.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
   Add(writer, dds::kSceneBundleTopic, bundle, time_ns);

@@ -1,0 +1,100 @@
+#include "client/recorder/writer_thread.h"
+
+#include <chrono>
+#include <new>
+
+#include "common/error.h"
+#include "common/time/steady_clock.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::chrono::milliseconds kDrain{20};
+/// Twice in the second that may be lost at most.
+constexpr std::int64_t kFlush_ns = 500'000'000;
+
+std::string WordsOf(const std::exception_ptr& error, const std::string& file) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    return file + ": there is no memory left to record with; end other programs, or record less";
+  } catch (const std::exception& known) {
+    return known.what();
+  } catch (...) {
+    return file + ": writing failed for a reason that does not tell itself";
+  }
+}
+
+}  // namespace
+
+WriterThread::WriterThread(RecordingWriter& recording, SampleQueue& queue, TappedTopics& topics)
+    : recording_(recording), queue_(queue), topics_(topics), thread_([this] { Run(); }) {}
+
+WriterThread::~WriterThread() {
+  Stop();
+}
+
+void WriterThread::Stop() {
+  stop_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void WriterThread::Finish(const std::string& reason) {
+  Stop();
+  if (!failed_) {
+    recording_.Close(reason);
+    return;
+  }
+  // To close it takes memory, too.
+  std::vector<std::uint8_t>().swap(drained_);
+  std::string what = WordsOf(error_, recording_.files().back());
+  try {
+    recording_.Close("a write failed");
+    what += " (what was recorded until then is whole, and has its index)";
+  } catch (const std::exception&) {
+    what += " (what was recorded until then is whole, without an index)";
+  }
+  throw Error(what);
+}
+
+void WriterThread::Run() {
+  try {
+    std::int64_t flushed_ns = SteadyNanoseconds();
+    bool last = false;
+    while (!last) {
+      last = stop_;
+      if (!last) std::this_thread::sleep_for(kDrain);
+      queue_.Swap(drained_);
+      SampleQueue::ForEach(drained_, [&](const SampleQueue::Head& head, auto bytes) {
+        const TappedTopic& topic = topics_[head.channel];
+        recording_.Add(topic.name, topic.type, head.time_ns, bytes);
+      });
+      Count();
+      const std::int64_t now_ns = SteadyNanoseconds();
+      if (now_ns - flushed_ns >= kFlush_ns || last) {
+        recording_.Flush();
+        flushed_ns = now_ns;
+      }
+    }
+  } catch (...) {
+    // Out of a thread nothing may be thrown: Finish tells it.
+    error_ = std::current_exception();
+    failed_ = true;
+  }
+}
+
+void WriterThread::Count() {
+  std::uint64_t dropped = 0;
+  for (std::uint32_t i = 0; i < topics_.size(); ++i) {
+    const TappedTopic& topic = topics_[i];
+    const std::uint64_t of_topic = topic.dropped.load(std::memory_order_relaxed);
+    if (of_topic > 0) recording_.SetDropped(topic.name, topic.type, of_topic);
+    dropped += of_topic;
+  }
+  totals_.messages = recording_.messages();
+  totals_.bytes = recording_.bytes();
+  totals_.missing = recording_.missing();
+  totals_.dropped = dropped;
+}
+
+}  // namespace palpate

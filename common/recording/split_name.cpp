@@ -1,0 +1,103 @@
+#include "common/recording/split_name.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include "common/error.h"
+#include "common/mcap/mcap_reader.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The number in a split's name; nothing where SplitName gives no such name.
+std::optional<std::size_t> NumberIn(const fs::path& split, const fs::path& recording) {
+  const std::string name = split.filename().string();
+  const std::string begin = recording.stem().string() + "_", end = recording.extension().string();
+  if (name.size() <= begin.size() + end.size() || !name.starts_with(begin)) return std::nullopt;
+  std::size_t number = 0;
+  const auto [rest, error] =
+      std::from_chars(name.data() + begin.size(), name.data() + name.size() - end.size(), number);
+  if (error != std::errc() || number >= kMostSplits) return std::nullopt;
+  const fs::path exact = SplitName(recording.string(), number);
+  return exact.filename() == name ? std::optional(number) : std::nullopt;
+}
+
+/// What the file says of itself as a recording; nothing where it is none.
+std::optional<mcap::StringMap> AboutOf(const std::string& file) {
+  try {
+    const mcap::MappedFile mapped(file);
+    mcap::Reader reader(mapped.bytes(), file);
+    // It is written before any message.
+    mcap::Message first;
+    reader.Next(first);
+    for (const mcap::Metadata& metadata : reader.metadata()) {
+      if (metadata.name == kRecordingRecord) return metadata.values;
+    }
+  } catch (const Error&) {
+    // It cannot be read, or is no MCAP file.
+  }
+  return std::nullopt;
+}
+
+std::string ValueOf(const mcap::StringMap& about, const char* key) {
+  const auto found = about.find(key);
+  return found == about.end() ? "" : found->second;
+}
+
+}  // namespace
+
+std::string SplitName(const std::string& file, std::size_t number) {
+  fs::path path(file);
+  char digits[24];
+  std::snprintf(digits, sizeof digits, "_%03zu", number);
+  path.replace_filename(path.stem().string() + digits + path.extension().string());
+  return path.string();
+}
+
+std::vector<NamedSplit> FindSplits(const std::string& file) {
+  const fs::path path(file);
+  std::vector<NamedSplit> found;
+  std::error_code none;  // where it cannot be listed, the writer says why
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    if (const auto number = NumberIn(entry.path(), path)) {
+      found.push_back({entry.path().string(), *number});
+    }
+  }
+  std::ranges::sort(found, {}, &NamedSplit::number);
+  return found;
+}
+
+void CheckMayReplace(const std::string& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (!fs::exists(status) || fs::is_fifo(status) || fs::is_character_file(status)) return;
+  const bool is_file = fs::is_regular_file(status);
+  if (is_file && fs::file_size(file, error) == 0 && !error) return;
+  if (!is_file || !AboutOf(file)) {
+    throw Error(file +
+                ": is no recording that palpate-record has made, so it is not overwritten; give "
+                "another name, or move it away");
+  }
+}
+
+void CheckIsSplitOf(const std::string& recording, const NamedSplit& split) {
+  std::error_code error;
+  // The name itself, not what a link leads to: that would be another's file.
+  const bool is_file = fs::is_regular_file(fs::symlink_status(split.file, error));
+  const std::optional<mcap::StringMap> about = is_file ? AboutOf(split.file) : std::nullopt;
+  const bool is_split = about && ValueOf(*about, kSplitNumberKey) == std::to_string(split.number) &&
+                        ValueOf(*about, kSplitOfKey) == fs::path(recording).filename();
+  if (!is_split) {
+    throw Error(split.file + ": does not say that it is split " + std::to_string(split.number) +
+                " of " + recording +
+                ", so it is not removed; move it away, or give the recording another name");
+  }
+}
+
+}  // namespace palpate

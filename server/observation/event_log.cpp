@@ -1,0 +1,138 @@
+#include "server/observation/event_log.h"
+
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <spdlog/spdlog.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "common/log.h"
+#include "common/step_fault.h"
+#include "server/observation/phase_name.h"
+
+namespace palpate {
+namespace {
+
+/// As long as this no old entry is looked for.
+constexpr std::size_t kMostTold = 1000;
+constexpr std::uint32_t kUsualFaults = kFaultTargetFar | kFaultNotStarted;
+
+void PutField(std::string& line, const char* name, const std::string& value) {
+  line.append(line.empty() ? "{\"" : ",\"").append(name).append("\":\"");
+  line.append(JsonEscaped(value)).append("\"");
+}
+
+}  // namespace
+
+EventLog::EventLog(const std::string& file) : file_(file) {
+  fd_ = open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0640);
+  if (fd_ < 0) {
+    throw Error("--event-log " + file + ": " + std::strerror(errno) +
+                "; give a file in a folder that can be written to");
+  }
+}
+
+EventLog::~EventLog() {
+  if (started_) Write("stop", {});
+  close(fd_);
+}
+
+void EventLog::OnStart(const Fields& fields) {
+  started_ = true;
+  Write("start", fields);
+}
+
+void EventLog::OnSession(const wire::SessionState& state, std::int64_t now_ns) {
+  const std::string station = state.station;
+  if (state.phase == palpate_SESSION_ENDED) {
+    const auto known = sessions_.find(station);
+    if (known == sessions_.end() || known->second.run != state.run) return;
+    sessions_.erase(known);
+    faults_.erase(station);
+  } else if (state.phase != palpate_SESSION_REFUSED) {
+    const Session now{state.run, state.phase};
+    const auto [known, is_new] = sessions_.try_emplace(station, now);
+    if (!is_new && std::exchange(known->second, now) == now) return;
+  }
+  char run[17];
+  std::snprintf(run, sizeof run, "%016llx", static_cast<unsigned long long>(state.run));
+  Fields fields{{"station", station}, {"run", run}, {"scene", state.scene}, {"tool", state.tool}};
+  if (state.reason[0] != '\0') fields.emplace_back("reason", state.reason);
+  const bool begins = state.phase == palpate_SESSION_WAITING;
+  Tell(begins ? "begun" : PhaseName(state.phase), station, fields, now_ns);
+}
+
+void EventLog::OnWhole(const wire::SceneWhole& whole, std::int64_t now_ns) {
+  const bool refused = whole.refusal[0] != '\0';
+  Fields fields{{"scene", whole.scene}, {"by", whole.by}};
+  if (refused) fields.emplace_back("reason", whole.refusal);
+  Tell(refused ? "refused" : "whole", whole.scene, fields, now_ns);
+}
+
+void EventLog::OnStatistics(const wire::LoopStatistics& statistics, std::int64_t now_ns) {
+  std::uint32_t& before = faults_[statistics.station];
+  const std::uint32_t fresh = statistics.faults & ~before & ~kUsualFaults;
+  before = statistics.faults;
+  if (fresh == 0) return;
+  Tell(
+      "fault", statistics.station,
+      {{"station", statistics.station}, {"scene", statistics.scene}, {"faults", FaultWords(fresh)}},
+      now_ns);
+}
+
+void EventLog::Tell(const char* event, const std::string& station, const Fields& fields,
+                    std::int64_t now_ns) {
+  Budget& budget = budgets_[event];
+  if (budget.written == 0 || now_ns - budget.since_ns >= kApart_ns) budget = {now_ns, 0};
+  if (told_.size() > kMostTold) {
+    std::erase_if(told_, [&](const auto& entry) { return now_ns - entry.second >= kApart_ns; });
+  }
+  const auto told = told_.find({event, station});
+  const bool is_apart = told == told_.end() || now_ns - told->second >= kApart_ns;
+  if (!is_apart || budget.written >= kMostOfAKind) {
+    ++left_out_;
+    return;
+  }
+  ++budget.written;
+  told_[{event, station}] = now_ns;
+  Write(event, fields);
+}
+
+void EventLog::Write(const char* event, const Fields& fields) {
+  std::string line;
+  PutField(line, "time", UtcTime());
+  PutField(line, "event", event);
+  for (const auto& [name, value] : fields) PutField(line, name, value);
+  if (left_out_ > 0) line += ",\"left_out\":" + std::to_string(left_out_);
+  line += "}\n";
+  if (Append(line)) {
+    left_out_ = 0;
+    if (std::exchange(failing_, false)) spdlog::info("{}: takes events again", file_);
+    return;
+  }
+  const std::string why = std::strerror(errno);
+  ++left_out_;
+  if (!std::exchange(failing_, true)) {
+    spdlog::error("{}: {}: no events are written to it until that is mended; the server goes on",
+                  file_, why);
+  }
+}
+
+/// All of it, or nothing.
+bool EventLog::Append(const std::string& line) {
+  struct stat before {};
+  const bool is_file = fstat(fd_, &before) == 0 && S_ISREG(before.st_mode);
+  const ssize_t written = write(fd_, line.data(), line.size());
+  if (written == static_cast<ssize_t>(line.size())) return true;
+  if (written >= 0) {
+    // Half a line would spoil the next one, too.
+    if (is_file && ftruncate(fd_, before.st_size) != 0) return false;
+    errno = ENOSPC;
+  }
+  return false;
+}
+
+}  // namespace palpate

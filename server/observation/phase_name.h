@@ -1,0 +1,31 @@
+#pragma once
+
+#include <array>
+
+#include "common/dds/wire.h"
+
+namespace palpate {
+
+/// The phases of a session that has not ended.
+inline constexpr std::array kLivePhases = {palpate_SESSION_WAITING, palpate_SESSION_ACQUIRING,
+                                           palpate_SESSION_ACTIVE};
+
+/// A phase as a word, for programs.
+constexpr const char* PhaseName(wire::SessionPhase phase) {
+  switch (phase) {
+    case palpate_SESSION_WAITING:
+      return "waiting";
+    case palpate_SESSION_ACQUIRING:
+      return "acquiring";
+    case palpate_SESSION_ACTIVE:
+      return "active";
+    case palpate_SESSION_REFUSED:
+      return "refused";
+    case palpate_SESSION_ENDED:
+      return "ended";
+    default:
+      return "other";
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,31 @@
+#include "common/bundle_hash.h"
+
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+TEST(BundleHash, IsXxh3OfTheBytes) {
+  EXPECT_EQ(BundleHash({}), 0x2d06800538d394c2u) << "as its specification has it of nothing";
+}
+
+TEST(BundleHash, NamesOneContentAlone) {
+  const std::vector<std::uint8_t> bytes = {1, 2, 3};
+  EXPECT_NO_THROW(CheckBundleHash(bytes, BundleHash(bytes), "scene 'cube'"));
+  try {
+    CheckBundleHash(bytes, 0x123456789abcdef0, "scene 'cube'");
+    FAIL() << "bytes of another hash were taken";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("scene 'cube'"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("not 123456789abcdef0"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("damaged or forged"));
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,114 @@
+#include "client/recorder/writer_thread.h"
+
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "client/recorder/file_summary.h"
+#include "common/error.h"
+#include "tests/common/recording/samples.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+void Put(SampleQueue& queue, TappedTopics& topics, std::uint64_t sequence) {
+  std::vector<std::uint8_t> cdr;
+  dds::ToCdr(SamplePose(sequence), cdr);
+  const std::uint32_t number =
+      topics.NumberOf(dds::PoseTopic("hand", 1), RecordedType::kHapticPose);
+  EXPECT_TRUE(queue.Put(
+      number, [&] { return static_cast<std::int64_t>(sequence); }, cdr));
+}
+
+TEST(WriterThread, WritesWhatComesAndWhatIsLeftAtTheEnd) {
+  const Folder folder;
+  SampleQueue queue(1 << 20);
+  TappedTopics topics;
+  RecordingWriter recording({.file = folder / "a.mcap"});
+  WriterThread writer(recording, queue, topics);
+  for (std::uint64_t i = 1; i <= 100; ++i) Put(queue, topics, i);
+  writer.Finish("the test is over");
+  EXPECT_FALSE(writer.failed());
+  EXPECT_EQ(writer.totals().messages, 100u);
+  EXPECT_TRUE(Summarise({folder / "a.mcap"}).whole());
+}
+
+TEST(WriterThread, TellsThatAWriteFailedAndClosesTheFile) {
+  const Folder folder;
+  std::signal(SIGXFSZ, SIG_IGN);
+  SampleQueue queue(1 << 20);
+  TappedTopics topics;
+  RecordingWriter recording({.file = folder / "a.mcap"});
+  for (std::uint64_t i = 1; i <= 100; ++i) {
+    Add(recording, dds::PoseTopic("hand", 1), SamplePose(i), static_cast<std::int64_t>(i));
+  }
+  recording.Flush();
+  rlimit former{}, limit{};
+  getrlimit(RLIMIT_FSIZE, &former);
+  limit = {recording.bytes() + 10, former.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &limit);
+  WriterThread writer(recording, queue, topics);
+  Put(queue, topics, 101);
+  try {
+    writer.Finish("the test is over");
+    FAIL() << "the file grew beyond its limit";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("a.mcap: File too large"));
+    EXPECT_THAT(error.what(), HasSubstr("whole, without an index"));
+  }
+  setrlimit(RLIMIT_FSIZE, &former);
+  EXPECT_EQ(Summarise({folder / "a.mcap"}).messages, 100u);
+}
+
+std::size_t MemoryOfThisProcess() {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::size_t>(getpagesize());
+}
+
+/// In a process of its own, whose memory is limited: the second buffer of the queue finds none.
+void RunOutOfMemory(const std::string& file) {
+  constexpr std::size_t kQueue = std::size_t{1} << 30;
+  SampleQueue queue(kQueue);
+  TappedTopics topics;
+  RecordingWriter recording({.file = file});
+  Add(recording, dds::PoseTopic("hand", 1), SamplePose(1), 1);
+  const rlimit limit{MemoryOfThisProcess() + kQueue / 2, RLIM_INFINITY};
+  setrlimit(RLIMIT_AS, &limit);
+  WriterThread writer(recording, queue, topics);
+  Put(queue, topics, 2);
+  try {
+    writer.Finish("the test is over");
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    _exit(writer.failed() ? 1 : 3);
+  }
+  _exit(0);
+}
+
+TEST(WriterThreadDeathTest, TellsThatMemoryRanOutAndClosesTheFile) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer's shadow takes more than the limit";
+#endif
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const std::string file = testing::TempDir() + "/palpate_out_of_memory.mcap";
+  std::remove(file.c_str());
+  EXPECT_EXIT(RunOutOfMemory(file), testing::ExitedWithCode(1),
+              "no memory left to record with.*is whole, and has its index");
+  const FileSummary summary = Summarise({file});
+  EXPECT_TRUE(summary.complete);
+  EXPECT_EQ(summary.messages, 1u);
+  EXPECT_EQ(summary.end_reason, "a write failed");
+  std::remove(file.c_str());
+}
+
+}  // namespace
+}  // namespace palpate::test
