@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
 #include <string_view>
 #include <vector>
 
@@ -143,6 +144,10 @@ int RunProgram(const std::string& program, const std::function<int()>& run) noex
     return run();
   } catch (const UsageError& error) {
     return fail(error, 2);
+  } catch (const std::bad_alloc&) {
+    return fail(Error("there is not enough memory for this; 'free' says what the host has, and "
+                      "'ulimit -v' what this program may take"),
+                1);
   } catch (const std::exception& error) {
     return fail(error, 1);
   }

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace palpate::fuzz {
+
+/// What anybody may give to a program, as bytes.  Each takes any bytes whatever and comes back:
+/// where they are nothing, by an Error of ours.  Anything else is a fault: it aborts.
+void SceneFile(const std::uint8_t* bytes, std::size_t size);  ///< JSON that people write
+void Bundle(const std::uint8_t* bytes, std::size_t size);     ///< a scene at rest
+void Recording(const std::uint8_t* bytes, std::size_t size);  ///< MCAP
+void Client(const std::uint8_t* bytes, std::size_t size);  ///< a viewer's messages, text and binary
+void Wire(const std::uint8_t* bytes, std::size_t size);    ///< CDR of each type that travels
+void Qp(const std::uint8_t* bytes, std::size_t size);  ///< rows and a target; the answer is judged
+
+struct Target {
+  const char* name;
+  void (*run)(const std::uint8_t*, std::size_t);
+  /// Whole inputs to begin with.
+  std::vector<std::string> (*seeds)();
+};
+const std::vector<Target>& AllTargets();
+
+}  // namespace palpate::fuzz

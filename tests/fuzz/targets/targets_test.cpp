@@ -1,0 +1,34 @@
+// What libFuzzer runs for long, here for seconds: whole inputs, and these spoilt.
+#include "tests/fuzz/targets/targets.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/fuzz/spoilt_bytes.h"
+#include "tests/support/optimised.h"
+
+namespace palpate::test {
+namespace {
+
+class FuzzTarget : public testing::TestWithParam<fuzz::Target> {};
+
+TEST_P(FuzzTarget, ComesBackFromAnything) {
+  const std::vector<std::string> seeds = GetParam().seeds();
+  ASSERT_FALSE(seeds.empty());
+  const auto run = [](const std::string& input) {
+    GetParam().run(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
+  };
+  Random random(1);
+  const int tries = kOptimised ? 3000 : 200;
+  run("");
+  for (const std::string& seed : seeds) {
+    ASSERT_GT(seed.size(), 4u);
+    run(seed);
+    for (int i = 0; i < tries; ++i) run(Spoilt(seed, random));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, FuzzTarget, testing::ValuesIn(fuzz::AllTargets()),
+                         [](const auto& each) { return each.param.name; });
+
+}  // namespace
+}  // namespace palpate::test
