@@ -79,7 +79,8 @@ TopicFeed::TopicFeed(int domain, const dds::Network& network)
       wishes_(participant_, dds::kWholeRequestTopic, dds::Qos::kSession),
       replay_contents_(participant_, dds::kReplayContentsTopic, dds::Qos::kSession),
       replay_states_(participant_, dds::kReplayStateTopic, dds::Qos::kSession),
-      replay_requests_(participant_, dds::kReplayRequestTopic, dds::Qos::kSession) {}
+      replay_requests_(participant_, dds::kReplayRequestTopic, dds::Qos::kSession),
+      operate_requests_(participant_, dds::kOperateRequestTopic, dds::Qos::kSession) {}
 
 TopicFeed::~TopicFeed() = default;
 
@@ -197,6 +198,10 @@ bool TopicFeed::AskForWhole(const std::string& scene, const std::string& by) {
   request.request = RandomRun();
   wire::FromText(by, request.by);
   return wishes_.Write(request);
+}
+
+bool TopicFeed::AskOperate(const wire::OperateRequest& request) {
+  return operate_requests_.Write(request);
 }
 
 std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {

@@ -20,6 +20,7 @@ inline constexpr const char* kSceneChangeTopic = "palpate/scene_change";
 inline constexpr const char* kLeafTakenTopic = "palpate/leaf_taken";
 inline constexpr const char* kWholeRequestTopic = "palpate/whole_request";
 inline constexpr const char* kSceneWholeTopic = "palpate/scene_whole";
+inline constexpr const char* kOperateRequestTopic = "palpate_operate_request";
 inline constexpr const char* kReplayContentsTopic = "palpate/replay_contents";
 inline constexpr const char* kReplayStateTopic = "palpate/replay_state";
 inline constexpr const char* kReplayRequestTopic = "palpate/replay_request";

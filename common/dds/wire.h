@@ -9,6 +9,7 @@
 #include "common/math/pose.h"
 #include "idl/haptics.h"
 #include "idl/offer.h"
+#include "idl/operate.h"
 #include "idl/replay.h"
 #include "idl/session.h"
 #include "idl/teaching.h"
@@ -41,6 +42,8 @@ using ReplayContents = palpate_ReplayContents;
 using ReplayState = palpate_ReplayState;
 using ReplayRequest = palpate_ReplayRequest;
 using ReplayWish = palpate_ReplayWish;
+using OperateRequest = palpate_OperateRequest;
+using OperateWish = palpate_OperateWish;
 
 /// LeafTaken.leaf where none has gone, but all are there again.
 inline constexpr std::uint32_t kNoLeaf = 0xffffffff;
@@ -115,6 +118,10 @@ inline const dds_topic_descriptor_t& Descriptor<ReplayState>() {
 template <>
 inline const dds_topic_descriptor_t& Descriptor<ReplayRequest>() {
   return palpate_ReplayRequest_desc;
+}
+template <>
+inline const dds_topic_descriptor_t& Descriptor<OperateRequest>() {
+  return palpate_OperateRequest_desc;
 }
 
 // Loop types have no padding, so that the C struct is the CDR payload byte for byte (a test
