@@ -21,6 +21,8 @@ const char* PhaseName(wire::SessionPhase phase) {
       return "active";
     case palpate_SESSION_REFUSED:
       return "refused";
+    case palpate_SESSION_HELD:
+      return "held";
     default:
       return "ended";
   }

@@ -31,8 +31,8 @@ class MouseRoom {
     /// Of the stations' names, before their numbers; no other station of the domain has it.
     std::string prefix = "mouse_";
   };
-  /// What became of a viewer's mouse: `phase` is "waiting", "acquiring", "active", "refused" or
-  /// "ended", as in SessionState; empty while there is no answer.
+  /// What became of a viewer's mouse: `phase` is "waiting", "acquiring", "active", "refused",
+  /// "ended" or "held", as in SessionState; empty while there is no answer.
   struct News {
     Holder holder = 0;
     std::string station, scene, tool, phase, reason;
