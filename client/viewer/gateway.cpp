@@ -99,16 +99,15 @@ std::string Urls(const tcp::endpoint& endpoint, bool secure) {
   return urls;
 }
 
-void Announce(const ViewerOptions& options, const Hub& hub, const std::string& urls) {
-  const bool wants_tokens = !options.tokens.empty();
-  const bool speaks_tls = !options.tls_cert.empty();
-  if (wants_tokens && !speaks_tls && !IsLoopback(options.address)) {
+/// What it means that other hosts reach this gateway.
+void WarnOfNetwork(const ViewerOptions& options) {
+  if (options.tls_cert.empty()) {
     spdlog::warn(
-        "tokens go in the clear at {}: everybody on their way can read one and use it; --tls-cert "
-        "and --tls-key encrypt them",
-        options.address);
+        "all goes in the clear at {}: whoever is on the way can read it{}; --tls-cert and "
+        "--tls-key encrypt it",
+        options.address, options.tokens.empty() ? "" : ", and use the tokens that he reads");
   }
-  if (!wants_tokens && !IsLoopback(options.address)) {
+  if (options.tokens.empty()) {
     spdlog::warn(
         "every host that reaches {} can look{}{}; --tokens lets in whom you give one, --bind "
         "127.0.0.1 is for this host alone",
@@ -118,6 +117,10 @@ void Announce(const ViewerOptions& options, const Hub& hub, const std::string& u
             : ", and steer a replay that is not --locked (--no-steering rules it out)",
         options.max_mice > 0 ? ", and take a tool with the mouse (--max-mice 0 rules it out)" : "");
   }
+}
+
+void Announce(const ViewerOptions& options, const Hub& hub, const std::string& urls) {
+  if (!IsLoopback(options.address)) WarnOfNetwork(options);
   if (!hub.page().built()) {
     spdlog::warn("the page is not built (looked for in {}); a page that says so stands in",
                  options.page);

@@ -42,7 +42,9 @@ constexpr std::array<std::pair<const char*, const char*>, 7> kSafeHeaders = {{
     {"Permissions-Policy",
      "camera=(), microphone=(), geolocation=(), usb=(), serial=(), hid=(), payment=()"},
 }};
-constexpr const char* kOnlyTls = "max-age=31536000";  // a year
+/// Of every port of this name; so a month and not a year: a host that gives up its certificate is
+/// reached in the clear again before the next course.
+constexpr const char* kOnlyTls = "max-age=2592000";
 constexpr std::string_view kHealth = "/healthz";
 constexpr std::string_view kScene = "/scene/";
 constexpr std::string_view kBundle = ".bundle";
@@ -88,7 +90,7 @@ void HttpSession::Begin() {
     if (const auto self = weak.lock()) self->stream_.next_layer().close();
   };
   // A proxy asks for many: what is its share is to be settled there.
-  const bool is_bounded = !visitor_.is_local && !hub_.options().IsProxy(peer_.address());
+  const bool is_bounded = !visitor_.is_local && !IsProxy(peer_.address(), hub_.options().proxies);
   place_ = lobby_->Enter(is_bounded ? visitor_.address : "", close, SteadyNanoseconds());
   if (!place_) return;
   if (tls_ != nullptr) return Secure();

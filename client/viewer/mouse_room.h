@@ -62,6 +62,7 @@ class MouseRoom {
     std::string scene, tool;
     std::uint64_t run = 0;  // of its session; 0: it never had one
     std::int64_t moved_ns = 0;
+    bool held = false;  // until a teacher admits it: nobody can move it
   };
   const Mouse* Find(Holder holder) const;
   std::string NameOf(int number) const { return options_.prefix + std::to_string(number); }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -33,10 +32,6 @@ struct ViewerOptions {
     std::string name;
   };
   std::optional<NewToken> make_token;
-
-  bool IsProxy(const boost::asio::ip::address& peer) const {
-    return std::find(proxies.begin(), proxies.end(), peer) != proxies.end();
-  }
   std::string transport = "auto";  ///< of the mice's stations
   dds::Network network;
   int domain = 0;

@@ -39,10 +39,14 @@ std::optional<ip::address> LastAddress(std::string_view list) {
 
 }  // namespace
 
+bool IsProxy(const ip::address& address, const std::vector<ip::address>& proxies) {
+  return std::ranges::find(proxies, Plain(address)) != proxies.end();
+}
+
 Visitor VisitorAt(const ip::tcp::endpoint& peer, std::string_view forwarded,
                   const std::vector<ip::address>& proxies) {
   const ip::address address = Plain(peer.address());
-  const bool is_proxy = std::ranges::find(proxies, address) != proxies.end();
+  const bool is_proxy = IsProxy(address, proxies);
   if (const auto seen = is_proxy ? LastAddress(forwarded) : std::nullopt) {
     return {fmt::format("{} (by the proxy {})", seen->to_string(), address.to_string()),
             ShareOf(*seen), false};

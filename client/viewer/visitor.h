@@ -15,6 +15,10 @@ struct Visitor {
   bool is_local = false;  ///< this host itself, and nobody whom a proxy of it speaks for
 };
 
+/// True for the address of a proxy, also where a socket of IPv6 says it.
+bool IsProxy(const boost::asio::ip::address& address,
+             const std::vector<boost::asio::ip::address>& proxies);
+
 /// @param forwarded  X-Forwarded-For (or Forwarded), as it came.  Believed of a proxy alone, and
 /// then the last address, which is the one that the proxy has seen; of others it only says that
 /// they are not local.
