@@ -178,7 +178,8 @@ void HttpSession::SendToTls(const Request& request) {
                   "this port speaks TLS: ask https:// or wss://, and take a token that was sent in "
                   "the clear for known");
   }
-  http::response<http::empty_body> response{http::status::permanent_redirect, 11};
+  // For now: a port that gives up its certificate is to be found again.
+  http::response<http::empty_body> response{http::status::temporary_redirect, 11};
   response.set(http::field::location, "https://" + std::string(View(request[http::field::host])) +
                                           std::string(View(request.target())));
   response.prepare_payload();

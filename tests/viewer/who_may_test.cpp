@@ -424,7 +424,7 @@ TEST_F(Guarded, TellsWhoSpeaksInTheClearWhereTlsIsSpoken) {
       {"--tls-cert", certificate.certificate(), "--tls-key", certificate.key(), "--tokens", path_});
   const std::string at = "127.0.0.1:" + std::to_string(gateway.port());
   const HttpAnswer answer = Get(gateway.port(), "/?scene=cube");
-  EXPECT_EQ(answer.status, 308);
+  EXPECT_EQ(answer.status, 307);
   EXPECT_EQ(answer.headers.at("location"), "https://" + at + "/?scene=cube");
   EXPECT_FALSE(answer.headers.contains("strict-transport-security"));
   EXPECT_EQ(Get(gateway.port(), "/", {{"Host", "evil.example"}}).status, 421);
