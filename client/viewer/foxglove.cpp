@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/viewer/json_text.h"
-#include "client/viewer/quoted.h"
+#include "common/quoted.h"
 
 namespace palpate::foxglove {
 namespace {
@@ -85,10 +85,12 @@ std::string_view ChooseSubprotocol(std::string_view offered) {
   return {};
 }
 
-std::string ServerInfo(const std::string& session_id, bool clients_may_publish) {
+std::string ServerInfo(const std::string& session_id, bool clients_may_publish,
+                       const std::string& role) {
   Json info = {{"op", "serverInfo"},
                {"name", "palpate-viewer " PALPATE_VERSION},
                {"capabilities", Json::array()},
+               {"metadata", {{"role", role}}},
                {"sessionId", session_id}};
   if (clients_may_publish) {
     info["capabilities"].push_back("clientPublish");

@@ -31,7 +31,9 @@ struct Channel {
 enum class Level { kInfo = 0, kWarning = 1, kError = 2 };
 
 /// @param session_id  tells a client whether it has come back to the same gateway.
-std::string ServerInfo(const std::string& session_id, bool clients_may_publish);
+/// @param role        what the client may do, as metadata; of the protocol's own is no word for it.
+std::string ServerInfo(const std::string& session_id, bool clients_may_publish,
+                       const std::string& role);
 std::string Advertise(const std::vector<Channel>& channels);
 std::string Status(Level level, const std::string& message);
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "client/viewer/http_session.h"
 #include "client/viewer/hub.h"
 #include "client/viewer/lobby.h"
+#include "client/viewer/tls.h"
 #include "common/error.h"
 #include "common/time/steady_clock.h"
 
@@ -34,7 +36,9 @@ constexpr std::int64_t kFarewell_ns = 2'000'000'000;
 
 class Listener {
  public:
-  Listener(net::io_context& io, Hub& hub) : acceptor_(io), retry_(io), hub_(hub) {
+  /// @param tls  null: in the clear.
+  Listener(net::io_context& io, Hub& hub, net::ssl::context* tls)
+      : acceptor_(io), retry_(io), hub_(hub), tls_(tls) {
     const ViewerOptions& options = hub.options();
     const tcp::endpoint at(net::ip::make_address(options.address),
                            static_cast<unsigned short>(options.port));
@@ -70,7 +74,7 @@ class Listener {
         });
         return;
       }
-      std::make_shared<HttpSession>(std::move(socket), hub_, lobby_)->Begin();
+      std::make_shared<HttpSession>(std::move(socket), hub_, lobby_, tls_)->Begin();
       Accept();
     });
   }
@@ -78,31 +82,45 @@ class Listener {
   tcp::acceptor acceptor_;
   net::steady_timer retry_;
   Hub& hub_;
+  net::ssl::context* tls_;
   // Its connections may outlive this object, within handlers that never run.
   std::shared_ptr<Lobby> lobby_ = std::make_shared<Lobby>(kHttpConnections, kHttpConnections / 2);
 };
 
 /// Where the page is, for who is told to open it.
-std::string Urls(const tcp::endpoint& endpoint) {
+std::string Urls(const tcp::endpoint& endpoint, bool secure) {
   const net::ip::address address = endpoint.address();
   std::string urls;
   for (const net::ip::address& host :
        address.is_unspecified() ? HostAddresses(address.is_v6()) : std::vector{address}) {
-    urls += fmt::format("{}http://{}:{}/", urls.empty() ? "" : " ", InUrl(host), endpoint.port());
+    urls += fmt::format("{}{}://{}:{}/", urls.empty() ? "" : " ", secure ? "https" : "http",
+                        InUrl(host), endpoint.port());
   }
   return urls;
 }
 
-void Announce(const ViewerOptions& options, const Hub& hub, const std::string& urls) {
-  if (!IsLoopback(options.address)) {
+/// What it means that other hosts reach this gateway.
+void WarnOfNetwork(const ViewerOptions& options) {
+  if (options.tls_cert.empty()) {
     spdlog::warn(
-        "every host that reaches {} can look{}{}; --bind 127.0.0.1 is for this host alone",
+        "all goes in the clear at {}: whoever is on the way can read it{}; --tls-cert and "
+        "--tls-key encrypt it",
+        options.address, options.tokens.empty() ? "" : ", and use the tokens that he reads");
+  }
+  if (options.tokens.empty()) {
+    spdlog::warn(
+        "every host that reaches {} can look{}{}; --tokens lets in whom you give one, --bind "
+        "127.0.0.1 is for this host alone",
         options.address,
         options.no_steering
             ? ""
             : ", and steer a replay that is not --locked (--no-steering rules it out)",
         options.max_mice > 0 ? ", and take a tool with the mouse (--max-mice 0 rules it out)" : "");
   }
+}
+
+void Announce(const ViewerOptions& options, const Hub& hub, const std::string& urls) {
+  if (!IsLoopback(options.address)) WarnOfNetwork(options);
   if (!hub.page().built()) {
     spdlog::warn("the page is not built (looked for in {}); a page that says so stands in",
                  options.page);
@@ -116,10 +134,13 @@ void Announce(const ViewerOptions& options, const Hub& hub, const std::string& u
 
 void RunGateway(const ViewerOptions& options, StopSignal& stop) {
   std::signal(SIGPIPE, SIG_IGN);  // a station's input may be gone
+  // Outlives the handlers that the io_context holds to its end.
+  std::optional<net::ssl::context> tls;
+  if (!options.tls_cert.empty()) tls = MakeTls(options.tls_cert, options.tls_key);
   net::io_context io(1);
   Hub hub(io, options);
-  Listener listener(io, hub);
-  Announce(options, hub, Urls(listener.endpoint()));
+  Listener listener(io, hub, tls ? &*tls : nullptr);
+  Announce(options, hub, Urls(listener.endpoint(), tls.has_value()));
 
   net::steady_timer timer(io, kTick);
   std::int64_t ending_ns = 0;

@@ -1,15 +1,13 @@
 #include "client/viewer/http_session.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
-#include "client/viewer/access.h"
 #include "client/viewer/foxglove.h"
-#include "client/viewer/quoted.h"
 #include "client/viewer/viewer_session.h"
 #include "common/metrics/metrics_page.h"
 #include "common/time/steady_clock.h"
@@ -32,6 +30,23 @@ constexpr const char* kContentPolicy =
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; img-src 'self' data:; "
     "style-src 'self' 'unsafe-inline'; object-src 'none'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'";
+/// What browsers are told with every answer: nothing guesses types, no other page frames, opens or
+/// embeds what is given here, no address of it (which may name a scene) goes elsewhere, and the
+/// page asks for no camera and the like.
+constexpr std::array<std::pair<const char*, const char*>, 7> kSafeHeaders = {{
+    {"X-Content-Type-Options", "nosniff"},
+    {"X-Frame-Options", "DENY"},
+    {"Content-Security-Policy", kContentPolicy},
+    {"Referrer-Policy", "no-referrer"},
+    {"Cross-Origin-Opener-Policy", "same-origin"},
+    {"Cross-Origin-Resource-Policy", "same-origin"},
+    {"Permissions-Policy",
+     "camera=(), microphone=(), geolocation=(), usb=(), serial=(), hid=(), payment=()"},
+}};
+/// Of every port of this name; so a month and not a year: a host that gives up its certificate is
+/// reached in the clear again before the next course.
+constexpr const char* kOnlyTls = "max-age=2592000";
+constexpr std::string_view kHealth = "/healthz";
 constexpr std::string_view kScene = "/scene/";
 constexpr std::string_view kBundle = ".bundle";
 
@@ -44,6 +59,14 @@ std::string TagOf(std::uint64_t hash, bool gzip) {
   return fmt::format("\"{:016x}{}\"", hash, gzip ? "-gz" : "");
 }
 
+/// For whom a proxy says that it asks: what it has seen itself stands in the last line.
+std::string_view Forwarded(const http::fields& fields) {
+  std::string_view last = View(fields[http::field::forwarded]);
+  const auto [begin, end] = fields.equal_range("X-Forwarded-For");
+  for (auto it = begin; it != end; ++it) last = View(it->value());
+  return last;
+}
+
 std::uint64_t NextViewerId() {
   static std::uint64_t last = 0;
   return ++last;
@@ -52,8 +75,8 @@ std::uint64_t NextViewerId() {
 }  // namespace
 
 HttpSession::HttpSession(boost::asio::ip::tcp::socket socket, Hub& hub,
-                         std::shared_ptr<Lobby> lobby)
-    : stream_(std::move(socket)), hub_(hub), lobby_(std::move(lobby)) {}
+                         std::shared_ptr<Lobby> lobby, boost::asio::ssl::context* tls)
+    : stream_(std::move(socket)), hub_(hub), lobby_(std::move(lobby)), tls_(tls) {}
 
 HttpSession::~HttpSession() {
   if (place_) lobby_->Leave(*place_);
@@ -61,13 +84,32 @@ HttpSession::~HttpSession() {
 
 void HttpSession::Begin() {
   beast::error_code error;
-  const auto peer = stream_.socket().remote_endpoint(error).address();
+  peer_ = stream_.next_layer().socket().remote_endpoint(error);
   if (error) return;  // it has gone
+  visitor_ = VisitorAt(peer_, "", {});
   const auto close = [weak = weak_from_this()] {
-    if (const auto self = weak.lock()) self->stream_.close();
+    if (const auto self = weak.lock()) self->stream_.next_layer().close();
   };
-  place_ = lobby_->Enter(peer.is_loopback() ? "" : peer.to_string(), close, SteadyNanoseconds());
-  if (place_) Read();
+  // A proxy asks for many: what is its share is to be settled there.
+  const bool is_bounded = !visitor_.is_local && !IsProxy(peer_.address(), hub_.options().proxies);
+  place_ = lobby_->Enter(is_bounded ? visitor_.address : "", close, SteadyNanoseconds());
+  if (!place_) return;
+  if (tls_ != nullptr) return Secure();
+  Read();
+}
+
+void HttpSession::Secure() {
+  stream_.next_layer().expires_after(kPatience);
+  const auto self = shared_from_this();
+  beast::async_detect_ssl(
+      stream_.next_layer(), input_, [self](beast::error_code error, bool wants_tls) {
+        if (error) return self->stream_.next_layer().close();
+        if (!wants_tls) return self->Read();
+        self->stream_.AsyncSecure(*self->tls_, self->input_, [self](beast::error_code result) {
+          if (result) return self->stream_.next_layer().close();
+          self->Read();
+        });
+      });
 }
 
 void HttpSession::Read() {
@@ -75,7 +117,7 @@ void HttpSession::Read() {
   parser_->header_limit(kLargestHeader);
   parser_->body_limit(0);
   lobby_->Wait(*place_, SteadyNanoseconds());
-  stream_.expires_after(answered_ ? kIdle : kPatience);
+  stream_.next_layer().expires_after(answered_ ? kIdle : kPatience);
   http::async_read_some(
       stream_, input_, *parser_,
       [self = shared_from_this()](beast::error_code error, std::size_t) { self->OnBegun(error); });
@@ -83,7 +125,7 @@ void HttpSession::Read() {
 
 void HttpSession::OnBegun(beast::error_code error) {
   if (error || parser_->is_done()) return OnRead(error);
-  stream_.expires_after(kPatience);
+  stream_.next_layer().expires_after(kPatience);
   http::async_read(
       stream_, input_, *parser_,
       [self = shared_from_this()](beast::error_code result, std::size_t) { self->OnRead(result); });
@@ -91,27 +133,82 @@ void HttpSession::OnBegun(beast::error_code error) {
 
 void HttpSession::OnRead(beast::error_code error) {
   if (error == http::error::end_of_stream || error == beast::error::timeout) {
-    stream_.close();
+    stream_.next_layer().close();
     return;
   }
   lobby_->Serve(*place_);
   if (error) {
-    const Request none;
     if (error.category() != http::make_error_code(http::error::bad_method).category()) return;
-    return GiveText(none, http::status::bad_request,
-                    "this is no HTTP request that is understood here: " + error.message() + "\n");
+    return Refuse(Request(), http::status::bad_request, Refusal::kRequest,
+                  "this is no HTTP request that is understood here: " + error.message());
   }
   Answer(parser_->get());
 }
 
+Asker HttpSession::AskerOf(const Request& request) const {
+  Asker asker;
+  asker.host = View(request[http::field::host]);
+  asker.origin = View(request[http::field::origin]);
+  asker.authorization = View(request[http::field::authorization]);
+  asker.subprotocols = View(request[http::field::sec_websocket_protocol]);
+  asker.hosts = static_cast<int>(request.count(http::field::host));
+  asker.authorizations = static_cast<int>(request.count(http::field::authorization));
+  asker.is_local = visitor_.is_local;
+  asker.is_secure = stream_.is_secure();
+  return asker;
+}
+
+void HttpSession::Refuse(const Request& request, const Verdict& verdict) {
+  Refuse(request, static_cast<http::status>(verdict.status), verdict.refusal, verdict.reason);
+}
+
+void HttpSession::Refuse(const Request& request, http::status status, Refusal refusal,
+                         const std::string& reason) {
+  hub_.refusals().Say(refusal, visitor_.name, reason, SteadyNanoseconds());
+  GiveText(request, status, reason + "\n");
+}
+
+void HttpSession::SendToTls(const Request& request) {
+  // What it sent has been in the clear already: with a token, or as a socket, it is to be told.
+  const bool is_plain_get =
+      (request.method() == http::verb::get || request.method() == http::verb::head) &&
+      !beast::websocket::is_upgrade(request) && request.count(http::field::authorization) == 0 &&
+      PathOfTarget(View(request.target()));
+  if (!is_plain_get) {
+    return Refuse(request, http::status::bad_request, Refusal::kTls,
+                  "this port speaks TLS: ask https:// or wss://, and take a token that was sent in "
+                  "the clear for known");
+  }
+  // For now: a port that gives up its certificate is to be found again.
+  http::response<http::empty_body> response{http::status::temporary_redirect, 11};
+  response.set(http::field::location, "https://" + std::string(View(request[http::field::host])) +
+                                          std::string(View(request.target())));
+  response.prepare_payload();
+  last_ = true;  // its next request is another connection's
+  Send(std::move(response), request);
+}
+
 void HttpSession::Answer(const Request& request) {
+  visitor_ = VisitorAt(peer_, Forwarded(request), hub_.options().proxies);
+  const Asker asker = AskerOf(request);
+  if (const Verdict verdict = hub_.gate().JudgeHost(asker); verdict.access == Access::kNone) {
+    return Refuse(request, verdict);
+  }
+  if (tls_ != nullptr && !stream_.is_secure()) return SendToTls(request);
   if (beast::websocket::is_upgrade(request)) return Upgrade(request);
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
-    return GiveText(request, http::status::method_not_allowed, "only GET and HEAD\n");
+    return Refuse(request, http::status::method_not_allowed, Refusal::kRequest,
+                  "only GET and HEAD");
   }
   const auto path = PathOfTarget(View(request.target()));
-  if (!path) return GiveText(request, http::status::bad_request, "no path\n");
-  if (*path == "/healthz") {
+  if (!path) return Refuse(request, http::status::bad_request, Refusal::kRequest, "no path");
+  // The page's own files are the same for everybody, and what a page needs to hand over a token.
+  const bool is_of_page = *path != kHealth && !path->starts_with(kScene);
+  if (const Verdict verdict = hub_.gate().JudgeToken(asker);
+      !is_of_page && verdict.access == Access::kNone) {
+    return Refuse(request, verdict);
+  }
+  if (*path == kHealth) {
     last_ = true;  // asked every few seconds by every page: none should hold a connection for that
     return GiveText(request, http::status::ok, hub_.Health(), "application/json");
   }
@@ -127,30 +224,21 @@ void HttpSession::Answer(const Request& request) {
 }
 
 void HttpSession::Upgrade(const Request& request) {
-  const std::string_view origin = View(request[http::field::origin]);
-  const Access access = AccessOf(origin, View(request[http::field::host]),
-                                 IsLoopback(hub_.options().address), hub_.options().origins);
-  if (access == Access::kNone) {
-    const std::string who = Quoted(origin);
-    hub_.CountRefusal();
-    spdlog::warn("a page of {} wanted to attach and was refused; --allow-origin lets it in", who);
-    return GiveText(request, http::status::forbidden,
-                    "a page from elsewhere may not attach: its Origin is " + who +
-                        "; palpate-viewer --allow-origin lets it in\n");
-  }
+  const Verdict verdict = hub_.gate().JudgeSocket(AskerOf(request));
+  if (verdict.access == Access::kNone) return Refuse(request, verdict);
   const std::string_view subprotocol =
       foxglove::ChooseSubprotocol(View(request[http::field::sec_websocket_protocol]));
   if (subprotocol.empty()) {
-    return GiveText(request, http::status::bad_request,
-                    "offer the subprotocol foxglove.websocket.v1 or foxglove.sdk.v1\n");
+    return Refuse(request, http::status::bad_request, Refusal::kRequest,
+                  "offer the subprotocol foxglove.websocket.v1 or foxglove.sdk.v1");
   }
-  if (hub_.full()) {
-    hub_.CountRefusal();
-    return GiveText(request, http::status::service_unavailable,
-                    "there are as many viewers as this gateway takes (--max-viewers)\n");
+  if (!hub_.MakeRoom(visitor_.address)) {
+    return Refuse(request, http::status::service_unavailable, Refusal::kFull,
+                  "there are as many viewers as this gateway takes (--max-viewers), and none of an "
+                  "address that has more of them than this one");
   }
-  auto viewer = std::make_shared<ViewerSession>(std::move(stream_), hub_, NextViewerId(),
-                                                access == Access::kAll);
+  auto viewer =
+      std::make_shared<ViewerSession>(std::move(stream_), hub_, NextViewerId(), visitor_, verdict);
   hub_.Join(viewer);
   viewer->Accept(request, subprotocol);
 }
@@ -160,17 +248,21 @@ void HttpSession::Send(http::response<Body> response, const Request& request,
                        std::shared_ptr<const void> owner) {
   response.version(11);
   response.set(http::field::server, "palpate-viewer/" PALPATE_VERSION);
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set("Content-Security-Policy", kContentPolicy);
+  for (const auto& [name, value] : kSafeHeaders) response.set(name, value);
+  if (stream_.is_secure()) response.set("Strict-Transport-Security", kOnlyTls);
+  if (response.result() == http::status::unauthorized) {
+    response.set(http::field::www_authenticate, "Bearer realm=\"palpate\"");
+  }
   response.keep_alive(request.version() >= 11 && request.keep_alive() && !last_ &&
                       response.result_int() < 400);
   answered_ = true;
-  stream_.expires_after(kPatience);
+  stream_.next_layer().expires_after(kPatience);
   const auto sent = [self = shared_from_this(), owner](const auto& message,
                                                        beast::error_code error) {
     if (error || message.need_eof()) {
       beast::error_code ignored;
-      self->stream_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);
+      self->stream_.next_layer().socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send,
+                                                   ignored);
       return;
     }
     self->Read();
@@ -190,7 +282,8 @@ void HttpSession::Send(http::response<Body> response, const Request& request,
   *step = [self = shared_from_this(), whole, serializer, sent, end, weak = std::weak_ptr(step)](
               beast::error_code error, std::size_t) {
     if (error || serializer->is_done()) return sent(*whole, error);
-    self->stream_.expires_at(std::min(end, std::chrono::steady_clock::now() + kPatience));
+    self->stream_.next_layer().expires_at(
+        std::min(end, std::chrono::steady_clock::now() + kPatience));
     http::async_write_some(
         self->stream_, *serializer,
         [next = weak.lock()](beast::error_code e, std::size_t n) { (*next)(e, n); });
@@ -248,7 +341,7 @@ void HttpSession::GiveScene(const Request& request, const std::string& name) {
     return Send(std::move(response), request);
   }
   if (!gzip) return GiveBytes(request, scene.frame, scene.bundle, scene.hash, false);
-  stream_.expires_never();
+  stream_.next_layer().expires_never();
   hub_.WithPacked(scene,
                   [self = shared_from_this(), request, scene](const ScenePacker::Bytes& packed) {
                     if (packed) {

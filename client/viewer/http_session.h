@@ -9,15 +9,20 @@
 
 #include "client/viewer/hub.h"
 #include "client/viewer/lobby.h"
+#include "client/viewer/visitor.h"
+#include "client/viewer/web_stream.h"
 
 namespace palpate {
 
-/// One connection that speaks HTTP: gives files, or becomes a viewer's WebSocket.  Whoever is slow
-/// is given up: with a request, between two of them, and with taking an answer.
-/// Thread contract: the network thread.  May outlive the hub, within a handler that never runs.
+/// One connection that speaks HTTP, over TLS where there is a certificate: gives files, or becomes
+/// a viewer's WebSocket.  Whoever is slow is given up: with shaking hands, with a request, between
+/// two of them, and with taking an answer. Thread contract: the network thread.  May outlive the
+/// hub, within a handler that never runs.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  HttpSession(boost::asio::ip::tcp::socket socket, Hub& hub, std::shared_ptr<Lobby> lobby);
+  /// @param tls  null: in the clear.  Outlives all sessions.
+  HttpSession(boost::asio::ip::tcp::socket socket, Hub& hub, std::shared_ptr<Lobby> lobby,
+              boost::asio::ssl::context* tls);
   ~HttpSession();
 
   /// Serves the connection, where the lobby has room for it.
@@ -26,10 +31,19 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
  private:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
+  /// Shakes hands with who wants TLS; who does not is told that it is spoken here.
+  void Secure();
   void Read();
   void OnBegun(boost::beast::error_code error);
   void OnRead(boost::beast::error_code error);
   void Answer(const Request& request);
+  Asker AskerOf(const Request& request) const;
+  /// Tells of a refusal: whoever asks, and the log.
+  void Refuse(const Request& request, const Verdict& verdict);
+  void Refuse(const Request& request, boost::beast::http::status status, Refusal refusal,
+              const std::string& reason);
+  /// Where TLS is spoken, to who asked in the clear.
+  void SendToTls(const Request& request);
   void Upgrade(const Request& request);
   void GiveText(const Request& request, boost::beast::http::status status, std::string text,
                 const char* type = "text/plain; charset=utf-8");
@@ -42,9 +56,12 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void Send(boost::beast::http::response<Body> response, const Request& request,
             std::shared_ptr<const void> owner = nullptr);
 
-  boost::beast::tcp_stream stream_;
+  WebStream stream_;
   Hub& hub_;
   std::shared_ptr<Lobby> lobby_;
+  boost::asio::ssl::context* tls_;
+  boost::asio::ip::tcp::endpoint peer_;
+  Visitor visitor_;  // of the last request: a proxy may ask for several over one connection
   std::optional<Lobby::Id> place_;
   bool answered_ = false;  // one request at least
   bool last_ = false;      // the connection ends with this answer

@@ -62,6 +62,9 @@ std::vector<std::string> KeysOf(const Map& map) {
 
 Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
     : options_(options),
+      gate_({options.host_names, options.origins},
+            options.tokens.empty() ? std::nullopt : std::optional(Tokens::Read(options.tokens))),
+      places_(options.max_viewers),
       page_(options.page),
       feed_(options.domain, options.network),
       session_id_(RandomId()),
@@ -72,17 +75,37 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
       packer_(io),
       logged_ns_(SteadyNanoseconds()) {}
 
+bool Hub::MakeRoom(const std::string& address) {
+  const std::int64_t now_ns = SteadyNanoseconds();
+  const ViewerPlaces::Room room = places_.RoomFor(address, now_ns);
+  if (room.leaves) {
+    // At once: one that reads nothing would take its time to be told.
+    const std::shared_ptr<ViewerSession> leaves = viewers_.at(*room.leaves);
+    refusals_.Say(Refusal::kFull, leaves->visitor().name,
+                  "its place is another address's, which has fewer (--max-viewers)", now_ns);
+    leaves->Drop();
+  }
+  return room.is_there;
+}
+
 void Hub::Join(const std::shared_ptr<ViewerSession>& viewer) {
   viewers_[viewer->id()] = viewer;
+  places_.Enter(viewer->id(), viewer->visitor().address, SteadyNanoseconds());
+}
+
+void Hub::Subscribed(const ViewerSession& viewer) {
+  places_.Subscribed(viewer.id());
 }
 
 void Hub::Leave(const ViewerSession& viewer) {
   frames_lost_ += viewer.frames_lost();
   if (viewer.frames_lost() > 0) {
-    spdlog::info("viewer {} has left: {} frames sent, {} lost because it was slow", viewer.peer(),
-                 viewer.frames_sent(), viewer.frames_lost());
+    spdlog::info("viewer {} has left: {} frames sent, {} lost because it was slow",
+                 viewer.visitor().name, viewer.frames_sent(), viewer.frames_lost());
   }
   const std::uint64_t id = viewer.id();
+  places_.Leave(id);
+  takes_.Leave(id);
   viewers_.erase(id);  // a handler may be the last to hold it
   mice_.Release(id, "its page has gone", SteadyNanoseconds());
 }
@@ -100,6 +123,7 @@ void Hub::Tick(std::int64_t now_ns) {
       },
       [&](const wire::SessionState& state) { mice_.OnSession(state, now_ns); });
   mice_.Poll(now_ns);
+  refusals_.Poll(now_ns);
   // Flushing may find that one has gone.
   std::vector<std::shared_ptr<ViewerSession>> viewers;
   viewers.reserve(viewers_.size());
@@ -129,6 +153,7 @@ void Hub::Tell(const MouseRoom::News& news) {
                                                          {"phase", news.phase},
                                                          {"reason", news.reason}})));
   const std::shared_ptr<ViewerSession> keep = viewer->second;
+  places_.Holds(news.holder, mice_.holds(news.holder));
   if (news.phase == "refused") {
     keep->Say(foxglove::Level::kError, "the tool is refused: " + news.reason);
   }
@@ -144,6 +169,28 @@ FramePtr Hub::AskReplay(ReplayWish wish, const std::string& by) {
                   ReplayAnswer(wish.tag, wish.request.request, refusal));
 }
 
+std::string Hub::AskOperate(const OperateCommand& command, const std::string& by) {
+  if (feed_.server_run() == 0) return "no server has been heard of";
+  wire::OperateRequest request{};
+  wire::FromText(command.station, request.station);
+  request.server_run = feed_.server_run();
+  request.request = RandomRun();
+  request.wish = command.wish;
+  wire::FromText(by, request.by);
+  if (!feed_.AskOperate(request)) return "the network does not take it now; try again";
+  spdlog::info("{}: {} station '{}'", by, OperateWishName(command.wish), command.station);
+  return "";
+}
+
+void Hub::Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns) {
+  if (takes_.Pass(viewer.id(), viewer.visitor().address, now_ns)) {
+    return mice_.Take(viewer.id(), command, feed_.scenes().contains(command.scene), now_ns);
+  }
+  const std::string reason = "tools are taken too often from here; wait some seconds";
+  refusals_.Say(Refusal::kTakes, viewer.visitor().name, reason, now_ns);
+  Tell({viewer.id(), "", command.scene, command.tool, "refused", reason});
+}
+
 std::uint64_t Hub::FramesLost() const {
   std::uint64_t lost = frames_lost_;
   for (const auto& [id, viewer] : viewers_) lost += viewer->frames_lost();
@@ -157,6 +204,7 @@ std::string Hub::Health() const {
                                 {"frames_dropped", FramesLost()},
                                 {"bytes_sent", bytes_sent_},
                                 {"mice", mice_.size()},
+                                {"refusals", refusals_.count()},
                                 {"stations", feed_.stations()},
                                 {"scenes", KeysOf(feed_.scenes())},
                                 {"server_run", fmt::format("{:x}", feed_.server_run())},
@@ -176,7 +224,7 @@ std::string Hub::Metrics() const {
   page.Add(metric::kGatewayOut, frames_sent_);
   page.Add(metric::kGatewayDropped, FramesLost());
   page.Add(metric::kGatewayBytes, bytes_sent_);
-  page.Add(metric::kGatewayRefusals, refusals_);
+  page.Add(metric::kGatewayRefusals, refusals_.count());
   return page.ToText();
 }
 

@@ -9,22 +9,27 @@
 
 #include <boost/asio/io_context.hpp>
 
+#include "client/viewer/gate.h"
 #include "client/viewer/mouse_room.h"
+#include "client/viewer/operate_command.h"
 #include "client/viewer/options.h"
 #include "client/viewer/page_files.h"
+#include "client/viewer/refusal_log.h"
 #include "client/viewer/replay_messages.h"
 #include "client/viewer/scene_packer.h"
+#include "client/viewer/take_limits.h"
 #include "client/viewer/topic_feed.h"
+#include "client/viewer/viewer_places.h"
 
 namespace palpate {
 
 class ViewerSession;
 
-/// What the gateway's connections share: the topics, the viewers, the mice, the page.
+/// What the gateway's connections share: the topics, the viewers, the mice, the page, and who may.
 /// Thread contract: the network thread.
 class Hub {
  public:
-  /// Throws Error where DDS refuses.
+  /// Throws Error where DDS refuses, or a file of tokens is not as it should be.
   Hub(boost::asio::io_context& io, const ViewerOptions& options);
 
   /// Passes on what has come; 120 times a second.
@@ -36,17 +41,25 @@ class Hub {
   const ViewerOptions& options() const { return options_; }
   const PageFiles& page() const { return page_; }
   const TopicFeed& feed() const { return feed_; }
+  const Gate& gate() const { return gate_; }
+  RefusalLog& refusals() { return refusals_; }
   /// Asks the server to make a scene whole again; false where there is no such scene.
   bool AskForWhole(const std::string& scene, const std::string& by) {
     return feed_.scenes().contains(scene) && feed_.AskForWhole(scene, by);
   }
   /// Passes a page's wish on to its replay, and makes what the page is answered.
   FramePtr AskReplay(ReplayWish wish, const std::string& by);
+  /// Passes on what a teacher decides about a station.  Returns why not; empty: it has.
+  std::string AskOperate(const OperateCommand& command, const std::string& by);
+  /// Gives a viewer a tool, unless it takes them too often.
+  void Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns);
   MouseRoom& mice() { return mice_; }
   const std::string& session_id() const { return session_id_; }
 
-  bool full() const { return viewers_.size() >= options_.max_viewers; }
+  /// Makes room for one more viewer of this address, where it can; another may have to go for it.
+  bool MakeRoom(const std::string& address);
   void Join(const std::shared_ptr<ViewerSession>& viewer);
+  void Subscribed(const ViewerSession& viewer);
   void Leave(const ViewerSession& viewer);
   void CountSent(std::size_t bytes);
 
@@ -54,7 +67,6 @@ class Hub {
   std::string Health() const;
   /// What GET /metrics answers, for Prometheus.
   std::string Metrics() const;
-  void CountRefusal() { ++refusals_; }
   /// The scene's bundle, compressed: now, or once another thread has done it.  Null: that failed.
   void WithPacked(const SceneBytes& scene, std::function<void(const ScenePacker::Bytes&)> use);
 
@@ -64,6 +76,10 @@ class Hub {
   std::uint64_t FramesLost() const;
 
   ViewerOptions options_;
+  Gate gate_;
+  RefusalLog refusals_;
+  ViewerPlaces places_;
+  TakeLimits takes_;
   PageFiles page_;
   TopicFeed feed_;
   std::string session_id_;
@@ -74,7 +90,6 @@ class Hub {
   std::uint64_t bytes_sent_ = 0;
   std::uint64_t frames_lost_ = 0;  // of viewers that have left
   std::uint64_t frames_taken_ = 0;
-  std::uint64_t refusals_ = 0;  // of viewers who were not let in
   std::int64_t logged_ns_ = 0;
   std::uint64_t logged_sent_ = 0;
   std::uint64_t logged_bytes_ = 0;

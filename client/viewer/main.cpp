@@ -1,5 +1,10 @@
+#include <cstdio>
+
+#include <spdlog/spdlog.h>
+
 #include "client/viewer/gateway.h"
 #include "client/viewer/options.h"
+#include "client/viewer/tokens.h"
 #include "common/command_line.h"
 #include "common/log.h"
 #include "common/stop_signal.h"
@@ -9,6 +14,16 @@ int main(int argc, char** argv) {
     const auto options = palpate::ParseViewerOptions(argc, argv);
     if (!options) return 0;
     palpate::SetUpLog("palpate-viewer", options->log_level);
+    if (options->make_token) {
+      const auto& [role, name] = *options->make_token;
+      std::printf("%s\n", palpate::MakeToken(options->tokens, role, name).c_str());
+      spdlog::info(
+          "'{}' may {}; its token stands nowhere else, so keep it.  The page is opened with "
+          "#token=TOKEN at the end of its address; gateways that run read {} anew when they "
+          "are started",
+          name, palpate::RoleName(role), options->tokens);
+      return 0;
+    }
     palpate::StopSignal stop;
     palpate::RunGateway(*options, stop);
     return 0;

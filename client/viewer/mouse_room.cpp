@@ -21,6 +21,8 @@ const char* PhaseName(wire::SessionPhase phase) {
       return "active";
     case palpate_SESSION_REFUSED:
       return "refused";
+    case palpate_SESSION_HELD:
+      return "held";
     default:
       return "ended";
   }
@@ -125,6 +127,8 @@ void MouseRoom::OnSession(const wire::SessionState& state, std::int64_t now_ns) 
     if (ended && state.run != mouse.run) continue;
     mouse.run = state.run;  // another one each time that it asks
     mouse.tool = state.tool;
+    if (mouse.held) mouse.moved_ns = now_ns;
+    mouse.held = state.phase == palpate_SESSION_HELD;
     // A station whose session the server ended asks again by itself: its tool is not lost yet.
     tell_({mouse.holder, NameOf(number), mouse.scene, mouse.tool,
            ended ? "" : PhaseName(state.phase), state.reason});
@@ -134,7 +138,7 @@ void MouseRoom::OnSession(const wire::SessionState& state, std::int64_t now_ns) 
 void MouseRoom::Poll(std::int64_t now_ns) {
   for (auto it = mice_.begin(); it != mice_.end();) {
     auto& [number, mouse] = *it;
-    if (mouse.holder != 0 && now_ns - mouse.moved_ns > kIdle_ns) {
+    if (mouse.holder != 0 && !mouse.held && now_ns - mouse.moved_ns > kIdle_ns) {
       LetGo(number, mouse, "ended", "nobody has moved it for 5 minutes", now_ns);
     }
     if (!mouse.station && mouse.holder != 0 && !StillHeld(mouse)) Start(number, mouse, now_ns);

@@ -31,8 +31,8 @@ class MouseRoom {
     /// Of the stations' names, before their numbers; no other station of the domain has it.
     std::string prefix = "mouse_";
   };
-  /// What became of a viewer's mouse: `phase` is "waiting", "acquiring", "active", "refused" or
-  /// "ended", as in SessionState; empty while there is no answer.
+  /// What became of a viewer's mouse: `phase` is "waiting", "acquiring", "active", "refused",
+  /// "ended" or "held", as in SessionState; empty while there is no answer.
   struct News {
     Holder holder = 0;
     std::string station, scene, tool, phase, reason;
@@ -62,6 +62,7 @@ class MouseRoom {
     std::string scene, tool;
     std::uint64_t run = 0;  // of its session; 0: it never had one
     std::int64_t moved_ns = 0;
+    bool held = false;  // until a teacher admits it: nobody can move it
   };
   const Mouse* Find(Holder holder) const;
   std::string NameOf(int number) const { return options_.prefix + std::to_string(number); }

@@ -5,6 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <boost/asio/ip/address.hpp>
 
+#include "client/viewer/host_name.h"
+#include "client/viewer/lower_case.h"
 #include "common/command_line.h"
 #include "common/dds/participant.h"
 #include "common/error.h"
@@ -28,11 +30,18 @@ constexpr const char* kExamples =
   palpate-viewer --http 8765 --bind 0.0.0.0 --max-mice 0 --no-steering
       for a class in the same network: all may look, nobody may take a tool with the mouse, nor steer
       a replay; a second gateway, for the teacher's own host alone, may
+  palpate-viewer --make-token operate teacher --tokens tokens.txt
+  palpate-viewer --http 8765 --bind 0.0.0.0 --tokens tokens.txt --tls-cert lab.pem --tls-key lab.key \
+                 --host-name lab.example
+      prints a teacher's token once; then the page at https://lab.example:8765/#token=TOKEN is for
+      those who have one: watch sees, drive takes tools and steers replays, operate decides about
+      stations, too
   palpate-viewer --http 8765 --network eth0
       of a server on another host, which runs with --network too
 
 Each viewer has a queue of its own that holds the newest messages only: one that stalls loses
 frames and disturbs nobody.  GET /healthz tells how it goes, GET /scene/NAME.bundle gives a scene.
+Where all places are taken, the address that has most of them makes room for one that has fewer.
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 /// build/page beside build/<preset>/bin, where this program stands; in a checkout's build folder.
@@ -40,6 +49,26 @@ std::string DefaultPage() {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
   return (program.parent_path().parent_path().parent_path() / "page").string();
+}
+
+boost::asio::ip::address ToAddress(const char* flag, const std::string& text) {
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address(text, error);
+  if (error) {
+    throw UsageError(std::string(flag) + " '" + text +
+                     "' is no address; give one in numbers, as 127.0.0.1 or 0.0.0.0");
+  }
+  return address;
+}
+
+ViewerOptions::NewToken ToNewToken(const std::vector<std::string>& words, const std::string& file) {
+  const auto role = ParseRole(words.at(0));
+  if (!role) {
+    throw UsageError("--make-token " + words[0] +
+                     ": is no role; give watch, drive or operate, and a name");
+  }
+  if (file.empty()) throw UsageError("--make-token: --tokens FILE says where it is entered");
+  return {*role, words.at(1)};
 }
 
 }  // namespace
@@ -55,9 +84,9 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
   options.page = DefaultPage();
   CLI::App app(kAbout, "palpate-viewer");
   app.footer(kExamples);
-  app.add_option("--http", options.port, "port of page and WebSocket; 0: a free one")
-      ->required()
-      ->check(CLI::Range(0, 65535));
+  const CLI::Option* port =
+      app.add_option("--http", options.port, "port of page and WebSocket; 0: a free one")
+          ->check(CLI::Range(0, 65535));
   app.add_option("--bind", options.address,
                  "address to listen at; 0.0.0.0: every network of this host")
       ->capture_default_str();
@@ -81,23 +110,53 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
                  "another page that may attach and take a tool, as https://app.example.org; *: any "
                  "page; this gateway's own, and programs that are no page, always may; "
                  "file://, as desktop applications call themselves, may look unless it is named");
+  app.add_option("--host-name", options.host_names,
+                 "a name of this host by which browsers may ask for the page, as lab.example; "
+                 "addresses in numbers and localhost always may.  All others are refused, since "
+                 "somebody's page may lead its name here; so is this host's own until it is named")
+      ->check([](const std::string& name) {
+        return IsHostName(name) ? "" : "'" + name + "' is no host's name, as lab.example";
+      });
+  std::vector<std::string> proxies;
+  app.add_option("--proxy", proxies,
+                 "address of a reverse proxy, whose X-Forwarded-For says for whom it asks: shares "
+                 "are then theirs");
+  app.add_option("--tokens", options.tokens,
+                 "file of tokens: whoever asks for more than the page's own files needs one");
+  std::vector<std::string> make_token;
+  const CLI::Option* make =
+      app.add_option(
+             "--make-token", make_token,
+             "prints a new token of this ROLE (watch, drive or operate) and NAME, enters it "
+             "in --tokens and ends")
+          ->expected(2);
+  app.add_option("--tls-cert", options.tls_cert,
+                 "the server's certificate chain, PEM: HTTPS and wss, TLS 1.2 or newer");
+  app.add_option("--tls-key", options.tls_key, "its private key, PEM, that others cannot read");
   app.add_option("--transport", options.transport, "of the mice's stations: auto, shm or udp")
       ->capture_default_str();
   AddNetworkOptions(app, "the server", options.network);
   AddCommonOptions(app, "which server: the same number as there", options.domain,
                    options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
+  if (make->count() > 0) {
+    options.make_token = ToNewToken(make_token, options.tokens);
+    return options;
+  }
+  if (port->count() == 0) {
+    throw UsageError("--http is missing: the port of page and WebSocket, as --http 8765");
+  }
+  if (options.tls_cert.empty() != options.tls_key.empty()) {
+    throw UsageError("--tls-cert and --tls-key belong together: a certificate and its key");
+  }
+  for (std::string& name : options.host_names) name = LowerCase(name);
+  for (const std::string& proxy : proxies) options.proxies.push_back(ToAddress("--proxy", proxy));
   if (page->count() > 0 && !std::filesystem::is_directory(options.page)) {
     throw UsageError("--page " + options.page +
                      ": there is no such folder; give the one that the target 'page' builds "
                      "(build/page), or leave it out");
   }
-  boost::system::error_code error;
-  boost::asio::ip::make_address(options.address, error);
-  if (error) {
-    throw UsageError("--bind '" + options.address +
-                     "' is no address; give one in numbers, as 127.0.0.1 or 0.0.0.0");
-  }
+  ToAddress("--bind", options.address);
   dds::ParseTransport(options.transport);  // throws
   return options;
 }

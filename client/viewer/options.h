@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include <boost/asio/ip/address.hpp>
+
+#include "client/viewer/access.h"
 #include "common/dds/network.h"
 
 namespace palpate {
@@ -16,9 +19,20 @@ struct ViewerOptions {
   double rate_hz = 30.0;
   std::size_t max_viewers = 300;
   int max_mice = 4;
-  bool no_steering = false;          ///< nobody steers a replay from here
-  std::vector<std::string> origins;  ///< of other pages that may attach; "*": of any
-  std::string transport = "auto";    ///< of the mice's stations
+  bool no_steering = false;                       ///< nobody steers a replay from here
+  std::vector<std::string> origins;               ///< of other pages that may attach; "*": of any
+  std::vector<std::string> host_names;            ///< of this host, in small letters
+  std::vector<boost::asio::ip::address> proxies;  ///< that say for whom they ask
+  std::string tokens;                             ///< file; empty: none are asked for
+  std::string tls_cert;                           ///< file; empty: in the clear
+  std::string tls_key;
+  /// Makes a token in place of serving.
+  struct NewToken {
+    Access role = Access::kNone;
+    std::string name;
+  };
+  std::optional<NewToken> make_token;
+  std::string transport = "auto";  ///< of the mice's stations
   dds::Network network;
   int domain = 0;
   std::string log_level = "info";

@@ -102,6 +102,7 @@ TopicFeed::TopicFeed(int domain, const dds::Network& network)
   try {
     wishes_ = {participant_, dds::kWholeRequestTopic, dds::Qos::kSession};
     replay_requests_ = {participant_, dds::kReplayRequestTopic, dds::Qos::kSession};
+    operate_requests_ = {participant_, dds::kOperateRequestTopic, dds::Qos::kSession};
   } catch (const Error&) {
     if (!network.secured()) throw;
     spdlog::info("this gateway's --identity may look, and ask nothing");
@@ -295,6 +296,10 @@ bool TopicFeed::AskForWhole(const std::string& scene, const std::string& by) {
   request.request = RandomRun();
   wire::FromText(by, request.by);
   return wishes_.Write(request);
+}
+
+bool TopicFeed::AskOperate(const wire::OperateRequest& request) {
+  return operate_requests_ && operate_requests_.Write(request);
 }
 
 std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {

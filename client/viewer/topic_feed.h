@@ -64,6 +64,8 @@ class TopicFeed {
   /// Passes a wish on to its replay.  Returns why not; empty: it has.
   /// @param request  with a number and its `by`.
   std::string AskReplay(const wire::ReplayRequest& request);
+  /// Passes on what a teacher decides about a station.  False where DDS refuses.
+  bool AskOperate(const wire::OperateRequest& request);
   const std::map<std::string, SceneBytes>& scenes() const { return scenes_; }
   /// Stations that have a session, as the server last said.
   std::vector<std::string> stations() const;
@@ -101,6 +103,7 @@ class TopicFeed {
   std::unique_ptr<Readers> readers_;
   dds::Writer<wire::WholeRequest> wishes_;
   dds::Writer<wire::ReplayRequest> replay_requests_;
+  dds::Writer<wire::OperateRequest> operate_requests_;
 
   std::uint64_t server_run_ = 0;
   std::uint64_t origin_ = 0;             // of the server: its participant

@@ -9,7 +9,7 @@
 #include <boost/asio/post.hpp>
 #include <spdlog/spdlog.h>
 
-#include "client/viewer/quoted.h"
+#include "common/quoted.h"
 #include "common/time/steady_clock.h"
 
 namespace palpate {
@@ -27,26 +27,23 @@ constexpr std::size_t kMostChannels = 16;           // that a client may publish
 constexpr int kSendBuffer = 64 * 1024;
 constexpr const char* kMouseTopic = "/palpate/mouse";
 constexpr const char* kReplayTopic = "/palpate/replay";
-
-std::string PeerOf(const beast::tcp_stream& stream) {
-  boost::system::error_code error;
-  const auto endpoint = stream.socket().remote_endpoint(error);
-  return error ? "?" : endpoint.address().to_string() + ":" + std::to_string(endpoint.port());
-}
+constexpr const char* kOperateTopic = "/palpate/operate";
 
 }  // namespace
 
-ViewerSession::ViewerSession(beast::tcp_stream stream, Hub& hub, std::uint64_t id, bool may_publish)
+ViewerSession::ViewerSession(WebStream stream, Hub& hub, std::uint64_t id, Visitor visitor,
+                             const Verdict& verdict)
     : socket_(std::move(stream)),
       hub_(hub),
       id_(id),
-      may_publish_(may_publish),
-      mouse_(may_publish && hub.options().max_mice > 0),
-      steers_(may_publish && !hub.options().no_steering),
-      peer_(PeerOf(socket_.next_layer())) {}
+      visitor_(std::move(visitor)),
+      access_(verdict.access),
+      token_name_(verdict.name),
+      mouse_(access_ >= Access::kDrive && hub.options().max_mice > 0),
+      steers_(access_ >= Access::kDrive && !hub.options().no_steering) {}
 
 void ViewerSession::Accept(const Request& request, std::string_view subprotocol) {
-  beast::tcp_stream& stream = socket_.next_layer();
+  beast::tcp_stream& stream = socket_.next_layer().next_layer();
   stream.expires_never();  // the WebSocket has times of its own
   boost::system::error_code ignored;
   stream.socket().set_option(net::ip::tcp::no_delay(true), ignored);
@@ -77,8 +74,9 @@ void ViewerSession::Accept(const Request& request, std::string_view subprotocol)
 void ViewerSession::Open() {
   open_ = true;
   signs_.Heard(SteadyNanoseconds());
-  spdlog::debug("viewer {} has come", peer_);
-  Send(foxglove::ServerInfo(hub_.session_id(), mouse_ || steers_));
+  spdlog::debug("viewer {} has come", Who());
+  const bool publishes = mouse_ || steers_ || access_ == Access::kOperate;
+  Send(foxglove::ServerInfo(hub_.session_id(), publishes, RoleName(access_)));
   Send(foxglove::Advertise(TopicFeed::Channels(mouse_, steers_)));
   Read();
 }
@@ -86,9 +84,8 @@ void ViewerSession::Open() {
 void ViewerSession::Gone() {
   if (std::exchange(gone_, true)) return;
   open_ = false;
-  spdlog::debug("viewer {} has gone", peer_);
-  beast::error_code ignored;
-  socket_.next_layer().socket().close(ignored);
+  spdlog::debug("viewer {} has gone", Who());
+  socket_.next_layer().next_layer().close();
   hub_.Leave(*this);
 }
 
@@ -151,28 +148,49 @@ std::string ViewerSession::OnText(std::string_view text) {
 }
 
 void ViewerSession::Publish(const foxglove::ClientChannel& channel) {
-  const bool json = channel.encoding == "json";
-  if (json &&
-      ((mouse_ && channel.topic == kMouseTopic) || (steers_ && channel.topic == kReplayTopic))) {
+  const bool may = (mouse_ && channel.topic == kMouseTopic) ||
+                   (steers_ && channel.topic == kReplayTopic) ||
+                   (access_ == Access::kOperate && channel.topic == kOperateTopic);
+  if (may && channel.encoding == "json") {
     published_.insert_or_assign(channel.id, channel.topic);
     return;
   }
-  Say(foxglove::Level::kWarning,
-      "channel " + Quoted(channel.topic) + " is of no use here: " + WhatIsOfUse());
+  const std::string why =
+      "channel " + Quoted(channel.topic) + " is of no use here: " + WhatIsOfUse();
+  Say(foxglove::Level::kWarning, why);
+  hub_.refusals().Say(Refusal::kRole, Who(), why, SteadyNanoseconds());
+}
+
+std::string ViewerSession::Who() const {
+  return token_name_.empty() ? "the page at " + visitor_.name
+                             : token_name_ + " at " + visitor_.name;
 }
 
 std::string ViewerSession::WhatIsOfUse() const {
-  if (!may_publish_) {
-    return "this client may look, and publish nothing (palpate-viewer --allow-origin)";
+  if (access_ < Access::kDrive) {
+    return hub_.gate().wants_tokens()
+               ? "this client may look, and publish nothing: its token's role is watch, or its "
+                 "page "
+                 "is none of this gateway's"
+               : "this client may look, and publish nothing (palpate-viewer --allow-origin)";
   }
+  const bool operates = access_ == Access::kOperate;
   std::string use;
-  if (steers_ || mouse_) {
-    use = std::string("give ") + (steers_ ? kReplayTopic : "") + (steers_ && mouse_ ? " or " : "") +
-          (mouse_ ? kMouseTopic : "") + ", encoding json";
+  for (const auto& [may, topic] : {std::pair(steers_, kReplayTopic), std::pair(mouse_, kMouseTopic),
+                                   std::pair(operates, kOperateTopic)}) {
+    if (may) use += (use.empty() ? "give " : " or ") + std::string(topic);
   }
+  if (!use.empty()) use += ", encoding json";
   const auto add = [&](const char* reason) {
     use += (use.empty() ? "" : "; ") + std::string(reason);
   };
+  if (!operates) {
+    add(hub_.gate().wants_tokens()
+            ? "to decide about stations is for tokens of the role operate, on this gateway's page"
+            : "to decide about stations is for pages at the gateway's own host, or for tokens of "
+              "the "
+              "role operate (palpate-viewer --tokens)");
+  }
   if (!mouse_) add("nobody takes a tool here (palpate-viewer --max-mice)");
   if (!steers_) add("nobody steers a replay from here (palpate-viewer --no-steering)");
   return use;
@@ -195,6 +213,7 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
     const bool rated = wanted.channel == TopicFeed::kToolState;
     queue_.Subscribe(wanted.channel, wanted.id,
                      rated ? static_cast<std::int64_t>(1e9 / hub_.options().rate_hz) : 0);
+    hub_.Subscribed(*this);
     for (const FramePtr& frame : hub_.feed().Kept(wanted.channel)) queue_.Push(frame, now_ns);
     if (wanted.channel == TopicFeed::kMouseState && mouse_state_) queue_.Push(mouse_state_, now_ns);
   }
@@ -211,6 +230,8 @@ std::string ViewerSession::OnBinary(std::span<const std::uint8_t> bytes) {
   }
   if (channel->second == kMouseTopic) {
     OnMouse(message->payload);
+  } else if (channel->second == kOperateTopic) {
+    OnOperate(message->payload);
   } else {
     OnReplay(message->payload);
   }
@@ -227,13 +248,13 @@ void ViewerSession::OnMouse(std::string_view json) {
   const std::int64_t now_ns = SteadyNanoseconds();
   switch (command->op) {
     case MouseCommand::Op::kTake:
-      return mice.Take(id_, *command, hub_.feed().scenes().contains(command->scene), now_ns);
+      return hub_.Take(*this, *command, now_ns);
     case MouseCommand::Op::kPose:
       return mice.Drag(id_, command->X_WT, now_ns);
     case MouseCommand::Op::kRelease:
       return mice.Release(id_, "", now_ns);
     case MouseCommand::Op::kWhole:
-      if (!hub_.AskForWhole(command->scene, "the page at " + peer_)) {
+      if (!hub_.AskForWhole(command->scene, Who())) {
         Say(foxglove::Level::kError, "scene " + Quoted(command->scene) + " is not served here");
       }
       return;
@@ -247,7 +268,17 @@ void ViewerSession::OnReplay(std::string_view json) {
     return Say(foxglove::Level::kWarning, std::string(kReplayTopic) + ": the message " + wrong);
   }
   // OnRead flushes.
-  queue_.Push(hub_.AskReplay(*wish, "the page at " + peer_), SteadyNanoseconds());
+  queue_.Push(hub_.AskReplay(*wish, Who()), SteadyNanoseconds());
+}
+
+void ViewerSession::OnOperate(std::string_view json) {
+  std::string wrong;
+  const auto command = ParseOperateCommand(json, wrong);
+  if (!command) {
+    return Say(foxglove::Level::kWarning, std::string(kOperateTopic) + ": the message " + wrong);
+  }
+  const std::string refusal = hub_.AskOperate(*command, Who());
+  if (!refusal.empty()) Say(foxglove::Level::kError, std::string(kOperateTopic) + ": " + refusal);
 }
 
 void ViewerSession::Watch(std::int64_t now_ns) {

@@ -14,6 +14,8 @@
 #include "client/viewer/frame_queue.h"
 #include "client/viewer/hub.h"
 #include "client/viewer/signs_of_life.h"
+#include "client/viewer/visitor.h"
+#include "client/viewer/web_stream.h"
 
 namespace palpate {
 
@@ -25,14 +27,15 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
  public:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
-  /// @param may_publish  false: it looks, takes no tool, and steers no replay.
-  ViewerSession(boost::beast::tcp_stream stream, Hub& hub, std::uint64_t id, bool may_publish);
+  /// @param verdict  what it may do, and by whose token.
+  ViewerSession(WebStream stream, Hub& hub, std::uint64_t id, Visitor visitor,
+                const Verdict& verdict);
 
   /// Answers the handshake, then reads and writes until the viewer has gone.
   void Accept(const Request& request, std::string_view subprotocol);
 
   std::uint64_t id() const { return id_; }
-  const std::string& peer() const { return peer_; }
+  const Visitor& visitor() const { return visitor_; }
   std::uint64_t frames_lost() const { return queue_.lost(); }
   std::uint64_t frames_sent() const { return frames_sent_; }
 
@@ -43,6 +46,8 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   void TellMouseState(const FramePtr& frame);
   /// Looks whether the viewer is there while it holds a tool.
   void Watch(std::int64_t now_ns);
+  /// Ends the connection at once, without a word.
+  void Drop() { Gone(); }
   /// Closes in order, once what is to be said has been said.
   void Close(boost::beast::websocket::close_code code, const std::string& reason);
 
@@ -59,18 +64,22 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   std::string WhatIsOfUse() const;
   void OnMouse(std::string_view json);
   void OnReplay(std::string_view json);
+  void OnOperate(std::string_view json);
+  /// Whose wish it is, for those who read it elsewhere.
+  std::string Who() const;
   void Send(std::string text);
   void Write();
   void OnWritten(boost::beast::error_code error);
   void Gone();
 
-  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  boost::beast::websocket::stream<WebStream> socket_;
   Hub& hub_;
   std::uint64_t id_;
-  bool may_publish_;
-  bool mouse_;   // it may have one
-  bool steers_;  // it may steer a replay
-  std::string peer_;
+  Visitor visitor_;
+  Access access_;
+  std::string token_name_;  // empty: without one
+  bool mouse_;              // it may have one
+  bool steers_;             // it may steer a replay
   boost::beast::flat_buffer input_;
 
   std::deque<std::string> texts_;

@@ -84,6 +84,7 @@ PALPATE_CDR(wire::SceneWhole);
 PALPATE_CDR(wire::ReplayContents);
 PALPATE_CDR(wire::ReplayState);
 PALPATE_CDR(wire::ReplayRequest);
+PALPATE_CDR(wire::OperateRequest);
 PALPATE_CDR(wire::ToolState);
 PALPATE_CDR(wire::LoopStatistics);
 PALPATE_CDR(wire::StationStatistics);

@@ -78,6 +78,7 @@ template class CdrReader<wire::SceneWhole>;
 template class CdrReader<wire::ReplayContents>;
 template class CdrReader<wire::ReplayState>;
 template class CdrReader<wire::ReplayRequest>;
+template class CdrReader<wire::OperateRequest>;
 template class CdrReader<wire::ToolState>;
 template class CdrReader<wire::LoopStatistics>;
 template class CdrReader<wire::StationStatistics>;

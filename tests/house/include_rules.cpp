@@ -79,11 +79,12 @@ const std::vector<Rule> kRules = {
      {"Eigen", "spdlog", "OpenHaptics"}},
     {"devices/spacemouse", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog", "spacenav"}},
     // Never the server or another client; own folder added below.
-    // Boost for its HTTP server and WebSockets (Asio, Beast); zlib to give a scene compressed.
+    // Boost for its HTTP server and WebSockets (Asio, Beast); OpenSSL for TLS and tokens; zlib to
+    // give a scene compressed.
     {"client/viewer",
      {"common", "client/viewer"},
      {},
-     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost", "zlib"}},
+     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost", "OpenSSL", "zlib"}},
     // A simulated station is what the load consists of, so this client may use another: the
     // station.
     // Boost for the viewers' WebSockets, as in the gateway.

@@ -40,6 +40,7 @@ nlohmann::json ValuesOf(const wire::SessionState& state) {
   PutDoubles(out, state.tool_reference_m, 3 + 2);
   out.push_back(std::to_string(state.start_sequence));
   PutDoubles(out, state.start_position_m, 7);
+  out.push_back(static_cast<bool>(state.muted));
   return out;
 }
 nlohmann::json ValuesOf(const wire::SceneChange& change) {

@@ -28,12 +28,12 @@ TEST(Subprotocol, IsTheFirstThatBothSpeak) {
 }
 
 TEST(ServerInfo, IsWhatTheProtocolSays) {
-  const Json info = Json::parse(ServerInfo("abc", true));
+  const Json info = Json::parse(ServerInfo("abc", true, "drive"));
   EXPECT_EQ(info["op"], "serverInfo");
   EXPECT_EQ(info["capabilities"], Json::array({"clientPublish"}));
   EXPECT_EQ(info["supportedEncodings"], Json::array({"json"}));
   EXPECT_EQ(info["sessionId"], "abc");
-  const Json closed = Json::parse(ServerInfo("abc", false));
+  const Json closed = Json::parse(ServerInfo("abc", false, "watch"));
   EXPECT_EQ(closed["capabilities"], Json::array());
   EXPECT_FALSE(closed.contains("supportedEncodings"));
 }

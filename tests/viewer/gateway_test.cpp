@@ -24,6 +24,7 @@
 #include "tests/support/program.h"
 #include "tests/support/random.h"
 #include "tests/support/test_domain.h"
+#include "tests/viewer/viewer_program.h"
 #include "tests/viewer/web_client.h"
 
 namespace palpate::test {
@@ -102,37 +103,8 @@ std::unique_ptr<Program> StartStation(const std::string& id, const std::string& 
   return std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station", arguments);
 }
 
-class Gateway {
- public:
-  explicit Gateway(std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments{"--http", "0",        "--transport",
-                                       "udp",    "--domain", std::to_string(kDomain)};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    program_ = std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-viewer", arguments);
-    EXPECT_TRUE(program_->Says("ready: page http://127.0.0.1:")) << program_->Output();
-    EXPECT_TRUE(program_->Says("/; domain"));
-    const std::string& said = program_->Output();
-    const std::string begin = "ready: page http://127.0.0.1:";
-    port_ = std::atoi(said.c_str() + said.find(begin) + begin.size());
-  }
-  int port() const { return port_; }
-  Program& program() { return *program_; }
-  Json Health() { return Json::parse(Get(port_, "/healthz").body); }
-  /// Asks until the gateway says so.
-  bool Until(const std::function<bool(const Json&)>& condition) {
-    for (int i = 0; i < 2000; ++i) {
-      if (condition(Health())) return true;
-      usleep(10'000);
-    }
-    return false;
-  }
-  bool KnowsScenes(std::size_t n) {
-    return Until([n](const Json& health) { return health["scenes"].size() == n; });
-  }
-
- private:
-  std::unique_ptr<Program> program_;
-  int port_ = 0;
+struct Gateway : ViewerProgram {
+  explicit Gateway(std::vector<std::string> more = {}) : ViewerProgram(kDomain, std::move(more)) {}
 };
 
 TEST(Gateway, TellsEachViewerWhatItIsAndWhichChannelsThereAre) {
@@ -846,13 +818,16 @@ TEST(Replay, IsSteeredByNobodyWhereTheGatewayRulesItOut) {
   EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("no such channel"));
   viewer.SendReplay({{"replay", state["replay"]}, {"tag", 1}, {"wish", "pause"}});
   EXPECT_THAT(viewer.NextJson("status").value("message", ""),
-              AllOf(HasSubstr("give /palpate/mouse, encoding json"), HasSubstr("--no-steering")));
+              AllOf(HasSubstr("give /palpate/mouse or /palpate/operate, encoding json"),
+                    HasSubstr("--no-steering")));
   EXPECT_EQ(viewer.closed(), 1008);
 }
 
 TEST(Replay, TellsAPageThatMayOnlyLookThatItMayPublishNothing) {
   Gateway gateway({"--no-steering", "--max-mice", "0"});
-  WebClient viewer(gateway.port());
+  // From this host it could decide about stations; from elsewhere, as a proxy says, it cannot.
+  WebClient viewer(gateway.port(), "foxglove.websocket.v1", "", 0,
+                   {{"X-Forwarded-For", "192.168.0.7"}});
   EXPECT_EQ(viewer.NextJson("serverInfo")["capabilities"], Json::array());
   viewer.SendReplay({{"replay", "1"}, {"tag", 1}, {"wish", "pause"}});
   EXPECT_THAT(viewer.NextJson("status").value("message", ""),

@@ -110,6 +110,17 @@ TEST_F(MouseRoomTest, LetsGoOfAToolThatNobodyMoves) {
   EXPECT_THAT(news_.back().reason, HasSubstr("5 minutes"));
 }
 
+TEST_F(MouseRoomTest, WaitsForATeacherAsLongAsThatTakes) {
+  Take(7);
+  Session("mouse_1", palpate_SESSION_HELD, "waits to be admitted");
+  EXPECT_EQ(news_.back().phase, "held");
+  room_.Poll(SteadyNanoseconds() + 2 * MouseRoom::kIdle_ns);
+  EXPECT_TRUE(room_.holds(7)) << "nobody can move what has not begun";
+  Session("mouse_1", palpate_SESSION_ACTIVE);
+  room_.Poll(SteadyNanoseconds() + 2 * MouseRoom::kIdle_ns);
+  EXPECT_FALSE(room_.holds(7));
+}
+
 TEST_F(MouseRoomTest, RefusesASecondToolOneTooManyAndScenesThatNobodyServes) {
   Take(7);
   Take(7);

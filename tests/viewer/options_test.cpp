@@ -43,6 +43,27 @@ TEST(ViewerOptions, NameTheArgumentThatIsWrong) {
               HasSubstr("--page /nonexistent: there is no such folder; give the one"));
 }
 
+TEST(ViewerOptions, NameWhatIsWrongWithWhoMay) {
+  EXPECT_THAT(Complaint({"--http", "1", "--host-name", "http://lab"}), HasSubstr("--host-name"));
+  EXPECT_THAT(Complaint({"--http", "1", "--proxy", "lab"}), HasSubstr("--proxy 'lab'"));
+  EXPECT_THAT(Complaint({"--http", "1", "--tls-cert", "a.pem"}), HasSubstr("--tls-key"));
+  EXPECT_THAT(Complaint({"--http", "1", "--tls-key", "a.pem"}), HasSubstr("--tls-cert"));
+  EXPECT_THAT(Complaint({"--make-token", "admin", "x", "--tokens", "f"}),
+              HasSubstr("watch, drive or operate"));
+  EXPECT_THAT(Complaint({"--make-token", "watch", "x"}), HasSubstr("--tokens FILE"));
+}
+
+TEST(ViewerOptions, AreForAHostsNamesInSmallLettersAndForANewTokenInPlaceOfAPort) {
+  const auto named = Parse({"--http", "1", "--host-name", "Lab.Example", "--host-name", "lab"});
+  ASSERT_TRUE(named);
+  EXPECT_EQ(named->host_names, (std::vector<std::string>{"lab.example", "lab"}));
+  EXPECT_FALSE(named->make_token);
+  const auto make = Parse({"--make-token", "operate", "teacher", "--tokens", "f"});
+  ASSERT_TRUE(make && make->make_token);
+  EXPECT_EQ(make->make_token->role, Access::kOperate);
+  EXPECT_EQ(make->make_token->name, "teacher");
+}
+
 TEST(Loopback, IsWhatOnlyThisHostReaches) {
   for (const char* address : {"127.0.0.1", "127.8.8.8", "::1"}) {
     EXPECT_TRUE(IsLoopback(address)) << address;

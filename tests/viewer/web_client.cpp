@@ -34,8 +34,8 @@ HttpAnswer Get(int port, const std::string& target,
   beast::error_code error;
   stream.socket().connect(At(port), error);
   if (error) return answer;
-  std::string request =
-      method + " " + target + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) + "\r\n";
+  std::string request = method + " " + target + " HTTP/1.1\r\n";
+  if (!headers.contains("Host")) request += "Host: 127.0.0.1:" + std::to_string(port) + "\r\n";
   for (const auto& [name, value] : headers) request += name + ": " + value + "\r\n";
   if (!headers.contains("Connection")) request += "Connection: close\r\n";
   net::write(stream.socket(), net::buffer(request + "\r\n"), error);
@@ -55,11 +55,12 @@ HttpAnswer Get(int port, const std::string& target,
   return answer;
 }
 
-HttpAnswer Handshake(int port, const std::string& subprotocols, const std::string& origin) {
-  std::map<std::string, std::string> headers = {{"Upgrade", "websocket"},
-                                                {"Connection", "Upgrade"},
-                                                {"Sec-WebSocket-Version", "13"},
-                                                {"Sec-WebSocket-Key", "AAAAAAAAAAAAAAAAAAAAAA=="}};
+HttpAnswer Handshake(int port, const std::string& subprotocols, const std::string& origin,
+                     std::map<std::string, std::string> headers) {
+  headers.insert({{"Upgrade", "websocket"},
+                  {"Connection", "Upgrade"},
+                  {"Sec-WebSocket-Version", "13"},
+                  {"Sec-WebSocket-Key", "AAAAAAAAAAAAAAAAAAAAAA=="}});
   if (!subprotocols.empty()) headers["Sec-WebSocket-Protocol"] = subprotocols;
   if (!origin.empty()) headers["Origin"] = origin;
   return Get(port, "/", headers);
@@ -147,7 +148,7 @@ struct WebClient::State {
 };
 
 WebClient::WebClient(int port, const std::string& subprotocols, const std::string& origin,
-                     int receive_buffer)
+                     int receive_buffer, const std::map<std::string, std::string>& headers)
     : state_(std::make_unique<State>()) {
   State& s = *state_;
   beast::error_code error;
@@ -163,6 +164,7 @@ WebClient::WebClient(int port, const std::string& subprotocols, const std::strin
       request.set(http::field::sec_websocket_protocol, subprotocols);
     }
     if (!origin.empty()) request.set(http::field::origin, origin);
+    for (const auto& [name, value] : headers) request.set(name, value);
   }));
   websocket::response_type response;
   s.socket.handshake(response, "127.0.0.1:" + std::to_string(port), "/", error);
@@ -209,6 +211,10 @@ void WebClient::SendMouse(const Json& command) {
 
 void WebClient::SendReplay(const Json& wish) {
   SendOn(2, "/palpate/replay", wish);
+}
+
+void WebClient::SendOperate(const Json& command) {
+  SendOn(3, "/palpate/operate", command);
 }
 
 void WebClient::SendOn(std::uint32_t channel, const std::string& topic, const Json& message) {

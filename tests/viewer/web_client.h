@@ -19,13 +19,15 @@ struct HttpAnswer {
   std::map<std::string, std::string> headers;  ///< names in small letters
   std::string body;
 };
-/// @param target  sent as it is.
+/// @param target   sent as it is.
+/// @param headers  beside Host, which is the address unless it is given, and Connection.
 HttpAnswer Get(int port, const std::string& target,
                const std::map<std::string, std::string>& headers = {},
                const std::string& method = "GET");
 
 /// What a handshake is answered: status 101 where it succeeds.
-HttpAnswer Handshake(int port, const std::string& subprotocols, const std::string& origin = "");
+HttpAnswer Handshake(int port, const std::string& subprotocols, const std::string& origin = "",
+                     std::map<std::string, std::string> headers = {});
 
 /// A connection that speaks HTTP, and is kept.
 class KeptConnection {
@@ -54,7 +56,8 @@ class WebClient {
 
   /// @param receive_buffer  what the kernel holds of what is not read [bytes]; 0: its own choice.
   explicit WebClient(int port, const std::string& subprotocols = "foxglove.websocket.v1",
-                     const std::string& origin = "", int receive_buffer = 0);
+                     const std::string& origin = "", int receive_buffer = 0,
+                     const std::map<std::string, std::string>& headers = {});
   ~WebClient();
 
   bool open() const;
@@ -69,6 +72,8 @@ class WebClient {
   void SendMouse(const nlohmann::json& command);
   /// On its channel 2.
   void SendReplay(const nlohmann::json& wish);
+  /// On its channel 3.
+  void SendOperate(const nlohmann::json& command);
 
   /// The next JSON message with this `op`; earlier ones of others are passed over.  Null: none
   /// came.

@@ -54,6 +54,7 @@ test("a gateway that turns this page away is not one that does not answer", () =
     expect(linkReport({...lost, refusal: "full"}).text).toMatch(/as many viewers as it takes/);
     expect(linkReport({...lost, refusal: "this page"}).text).toMatch(/does not let this page/);
     expect(linkReport({...lost, refusal: "this page"}).tone).toBe("alarm");
+    expect(linkReport({...lost, refusal: "token"}).text).toMatch(/link that you were given/);
   }
 });
 

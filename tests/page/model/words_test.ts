@@ -10,6 +10,7 @@ import {
   fitBytes,
   gapWords,
   markWords,
+  consoleWords,
   sessionWords,
   spokenTime,
   statisticsLines,
@@ -108,7 +109,7 @@ test("every fault bit that there is has its words, and no other", () => {
 test("phases are those of the IDL, in its order", () => {
   const phases = /enum SessionPhase \{([^}]*)\}/.exec(source("idl/session.idl"))![1]!;
   const names = [...phases.matchAll(/SESSION_(\w+)/g)].map(([, name]) => name!.toLowerCase());
-  expect(names.length).toBe(5);
+  expect(names.length).toBe(6);
   names.forEach((name, phase) => expect(toSessionState({phase}).phase).toBe(name));
 });
 
@@ -183,6 +184,9 @@ test("a session's words say who has what, or why not", () => {
   expect(session(2)).toBe("drives the ball of cube");
   expect(session(3, "it is driven by 'other'")).toContain("it is driven by 'other'");
   expect(session(4)).toContain("has left");
+  expect(session(5)).toBe("waits to be admitted (the ball of cube)");
+  const muted = toSessionState({phase: 2, muted: true, scene: "cube", tool: "ball"});
+  expect(consoleWords(muted)).toBe("drives the ball of cube, without forces");
   const inside = toSessionState({phase: 1, scene: "cube", tool: "ball", start_depth_m: 0.0032});
   expect(sessionWords(inside)).toBe(
     "starts with the ball of cube 3.2 mm inside an object: no force until it is out",

@@ -113,20 +113,21 @@ export function toolState(state: FakeToolState): object {
   };
 }
 
-const kPhases = ["waiting", "acquiring", "active", "refused", "ended"];
+const kPhases = ["waiting", "acquiring", "active", "refused", "ended", "held"];
 
 export function sessionState(
   station: string,
   phase: string,
   scene: string,
   tool: string,
-  {reason = "", serverRun = 1n} = {},
+  {reason = "", serverRun = 1n, muted = false} = {},
 ): object {
   return {
     station,
     run: 1n,
     server_run: serverRun,
     phase: kPhases.indexOf(phase),
+    muted,
     scene,
     tool,
     reason,
@@ -229,6 +230,8 @@ export class FakeGateway {
   takesMessages = true;
   allowsSteering = true; // of a replay
   turnsAway = false; // who wants to attach
+  role = ""; // of each client; empty: as a gateway of before there were roles
+  token = ""; // that it wants of all but the page's files; empty: none
   onPublish: (message: Record<string, unknown>) => void = () => {};
   private readonly http: Server;
   private readonly sockets: WebSocketServer;
@@ -238,7 +241,11 @@ export class FakeGateway {
     this.http = createServer((request, response) => this.serve(request, response));
     this.sockets = new WebSocketServer({
       server: this.http,
-      verifyClient: () => !this.turnsAway,
+      verifyClient: ({req}: {req: IncomingMessage}) => {
+        const offered = req.headers["sec-websocket-protocol"]?.split(/, */) ?? [];
+        const isKnown = this.token === "" || offered.includes(`palpate.token.${this.token}`);
+        return isKnown && !this.turnsAway;
+      },
       handleProtocols: (offered) =>
         offered.has("foxglove.websocket.v1") ? "foxglove.websocket.v1" : false,
     });
@@ -300,6 +307,7 @@ export class FakeGateway {
         capabilities: this.takesMessages ? ["clientPublish"] : [],
         supportedEncodings: ["json"],
         sessionId: "fake",
+        ...(this.role === "" ? {} : {metadata: {role: this.role}}),
       }),
     );
     const channels = kChannels.filter(
@@ -330,6 +338,12 @@ export class FakeGateway {
 
   private serve(request: IncomingMessage, response: ServerResponse): void {
     const path = new URL(request.url ?? "/", "http://localhost").pathname;
+    const isGuarded = path === "/healthz" || path.startsWith("/scene/");
+    const bears = this.token === "" || request.headers.authorization === `Bearer ${this.token}`;
+    if (isGuarded && !bears) {
+      response.writeHead(401).end();
+      return;
+    }
     const scene = /^\/scene\/(.+)\.bundle$/.exec(path)?.[1];
     if (scene !== undefined) {
       this.serveScene(request, response, decodeURIComponent(scene));

@@ -12,7 +12,9 @@ import {MouseDevice} from "./mouse/mouse_device";
 import {Connection, type LinkState} from "./protocol/connection";
 import {toMouseState, toReplayAnswer, type ToolState} from "./protocol/messages";
 import {type FetchedScene, fetchHealth, fetchScene} from "./protocol/scene_fetch";
+import {AccessToken} from "./protocol/token";
 import {Announcer} from "./ui/announcer";
+import {Console} from "./ui/console";
 import {element, setOptions, setText} from "./ui/elements";
 import {listenForKeys} from "./ui/keys";
 import {Lesson} from "./ui/lesson";
@@ -21,6 +23,7 @@ import {QualityPick} from "./ui/quality_pick";
 import {ReplayControls} from "./ui/replay_controls";
 import {Tables} from "./ui/tables";
 import {ThemeSwitch} from "./ui/theme";
+import {browserTokenHost} from "./ui/token_host";
 import {readPalette} from "./view/palette";
 import {drawsBySoftware} from "./view/renderer";
 import {type Cost, SceneView} from "./view/scene_view";
@@ -86,6 +89,8 @@ export class App {
   private readonly replayControls: ReplayControls;
   private readonly plots: Plots;
   private readonly tables = new Tables();
+  private readonly console: Console;
+  private readonly token = new AccessToken(browserTokenHost);
   private readonly lesson: Lesson;
   private readonly announcer: Announcer;
 
@@ -94,9 +99,10 @@ export class App {
   private openedS = -Infinity;
   private losses = 0; // since the link was last open: the loss itself, and tries that failed
   private lostS = -Infinity; // the first of them
-  private gateway = {saidS: -Infinity, full: false, silences: 0};
+  private gateway = {saidS: -Infinity, full: false, wantsToken: false, silences: 0};
   private mayPublish = false;
   private maySteer = false; // a replay
+  private mayOperate = false; // decide about stations
   private allowsMice = true; // until the gateway says otherwise
   private isReplay = false;
   private wholeAsked = false;
@@ -158,8 +164,9 @@ export class App {
         status: (level, message) => {
           if (level > 0) console.warn(`gateway: ${message}`);
         },
-        mayPublish: (may) => {
+        mayPublish: (may, role) => {
           this.mayPublish = may;
+          this.mayOperate = may && role === "operate";
         },
         offers: (topics) => {
           this.allowsMice = this.mayPublish && topics.has(kTopics.mouseState);
@@ -168,7 +175,7 @@ export class App {
         },
       },
       {
-        openSocket: (address, protocols) => new WebSocket(address, protocols),
+        openSocket: (address, protocols) => new WebSocket(address, this.token.protocols(protocols)),
         setTimer: (callback, milliseconds) => window.setTimeout(callback, milliseconds),
         clearTimer: (timer) => window.clearTimeout(timer),
       },
@@ -184,6 +191,10 @@ export class App {
       publish: (message) => this.connection.publish(kTopics.replay, message),
       say: (text, alarm) => this.showForAWhile(text, alarm),
     });
+
+    this.console = new Console((op, station) =>
+      this.connection.publish(kTopics.operate, {op, station}),
+    );
 
     this.listen(theme);
     this.connection.start();
@@ -315,7 +326,7 @@ export class App {
     this.loading.hidden = !this.view.isEmpty;
     try {
       const have = this.fetched.get(name);
-      const scene = await fetchScene(name, have);
+      const scene = await fetchScene(name, this.token.headers, have);
       this.fetched.set(name, scene);
       if (name !== this.scene) return;
       if (scene !== have) this.showScene();
@@ -502,6 +513,7 @@ export class App {
     this.plots.update(station, this.plotTime(station, now));
     this.tables.updateLoop(station);
     this.tables.updateArm(station, now);
+    this.console.update(this.world.listed(now), performance.now());
     if (this.staleWho) {
       this.staleWho = false;
       this.tables.updateWho(this.world.listed(now), this.mouse.station);
@@ -589,6 +601,7 @@ export class App {
 
   /// What keeps the link from opening, where it is not the way to the gateway.
   private get refusal(): LinkFacts["refusal"] {
+    if (this.gateway.wantsToken) return "token";
     if (this.losses < 2 || this.gateway.saidS < this.lostS) return "none";
     return this.gateway.full ? "full" : "this page";
   }
@@ -605,12 +618,15 @@ export class App {
   }
 
   private async askHealth(): Promise<void> {
-    const health = await fetchHealth(kAnswerWithinMs);
+    const health = await fetchHealth(kAnswerWithinMs, this.token.headers);
     if (!health) {
       this.gateway.silences += 1;
       return;
     }
-    this.gateway = {saidS: nowS(), full: health.full, silences: 0};
+    const wantsToken = health === "token";
+    const full = !wantsToken && health.full;
+    this.gateway = {saidS: nowS(), full, wantsToken, silences: 0};
+    if (wantsToken) return;
     this.world.receiveHealth(health.scenes, health.serverRun, nowS());
   }
 
@@ -631,6 +647,8 @@ export class App {
     for (const part of document.querySelectorAll<HTMLElement>(".of-mouse")) {
       part.hidden = !this.mayTake;
     }
+    // Of a replay nothing is to be decided: it has been.
+    this.console.setVisible(this.mayOperate && !this.isReplay);
     this.showWhole();
   }
 
@@ -802,6 +820,12 @@ export class App {
       ...this.replayControls.keys,
     });
     new ResizeObserver(() => this.view.resize()).observe(this.canvas);
+    // A link with another token, followed in this tab, changes the address and loads nothing.
+    addEventListener("hashchange", () => {
+      if (!this.token.takeFromAddress()) return;
+      this.connection.restart();
+      void this.askHealth();
+    });
     // A tool in the hand of a page that is gone would stay taken.
     addEventListener("pagehide", () => this.mouse.release());
   }

@@ -16,7 +16,7 @@ export interface LinkFacts {
   readonly sessions: number; // that have a tool
   readonly scenes: number; // that are known
   /// Why a gateway that answers lets no link come about, where that is so.
-  readonly refusal: "none" | "full" | "this page";
+  readonly refusal: "none" | "full" | "this page" | "token";
   readonly mayTake: boolean; // a tool, with the mouse
   readonly draws: boolean; // the browser has WebGL
   readonly replay: ReplayPhase;
@@ -48,6 +48,14 @@ export function linkReport(facts: LinkFacts): LinkReport {
   if (facts.link !== "open") {
     if (facts.refusal === "full") {
       return {tone: "alarm", text: "The gateway has as many viewers as it takes. Trying again…"};
+    }
+    if (facts.refusal === "token") {
+      return {
+        tone: "alarm",
+        text:
+          "The gateway lets in who has a token: open this page by the link that you were given, " +
+          "which ends in #token=…",
+      };
     }
     if (facts.refusal === "this page") {
       return {

@@ -307,7 +307,14 @@ export function sessionWords(session: SessionState): string {
       return `waits for its first sample (${tool} of ${session.scene})`;
     case "ended":
       return `has left (${tool} of ${session.scene})`;
+    case "held":
+      return `waits to be admitted (${tool} of ${session.scene})`;
   }
+}
+
+/// The same for who decides about it.
+export function consoleWords(session: SessionState): string {
+  return sessionWords(session) + (session.muted ? ", without forces" : "");
 }
 
 /// True for a session that has its tool.

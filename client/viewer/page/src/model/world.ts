@@ -34,10 +34,15 @@ export const kTopics = {
   replayContents: "/palpate/replay_contents",
   replayState: "/palpate/replay_state",
   replayAnswer: "/palpate/replay_answer",
+  operate: "/palpate/operate",
 } as const;
 
 /// What the page itself publishes.
-export const kOwnTopics: ReadonlySet<string> = new Set([kTopics.mouse, kTopics.replay]);
+export const kOwnTopics: ReadonlySet<string> = new Set([
+  kTopics.mouse,
+  kTopics.replay,
+  kTopics.operate,
+]);
 
 /// Seconds that the plots look back.
 export const kHistoryS = 12;

@@ -83,6 +83,12 @@ export class MouseDevice {
         this.message = state.phase === "acquiring" ? state.reason : "";
         this.host.changed();
         break;
+      case "held":
+        // It is a teacher's to say when.
+        window.clearTimeout(this.patience);
+        this.message = "Waiting until a teacher admits you…";
+        this.host.changed();
+        break;
       case "":
         if (this.hold === "asking") this.waitFor("The server did not answer.", kSessionWithinMs);
         break;

@@ -7,8 +7,8 @@ export interface ConnectionEvents {
   link(state: LinkState): void;
   message(topic: string, value: unknown, stampS: number): void;
   status(level: number, message: string): void;
-  /// The gateway takes messages of this page, or none.
-  mayPublish(may: boolean): void;
+  /// The gateway takes messages of this page, or none; and the role that it gives it.
+  mayPublish(may: boolean, role: string): void;
   /// The topics that it has for this page.
   offers(topics: ReadonlySet<string>): void;
 }
@@ -147,7 +147,7 @@ export class Connection {
     switch (message.op) {
       case "serverInfo":
         this.canPublish = message.capabilities.includes("clientPublish");
-        this.events.mayPublish(this.canPublish);
+        this.events.mayPublish(this.canPublish, message.role);
         break;
       case "status":
         this.events.status(message.level, message.message);

@@ -12,7 +12,7 @@ export interface Channel {
 }
 
 export type ServerMessage =
-  | {readonly op: "serverInfo"; readonly capabilities: readonly string[]}
+  | {readonly op: "serverInfo"; readonly capabilities: readonly string[]; readonly role: string}
   | {readonly op: "status"; readonly level: number; readonly message: string}
   | {readonly op: "advertise"; readonly channels: readonly Channel[]}
   | {readonly op: "unadvertise"; readonly channelIds: readonly number[]}
@@ -43,6 +43,7 @@ export function parseText(source: string): ServerMessage {
       return {
         op: "serverInfo",
         capabilities: list(message.capabilities).map(text),
+        role: isObject(message.metadata) ? text(message.metadata.role) : "",
       };
     case "status":
       return {

@@ -69,13 +69,14 @@ export const kLimiterStages = [
 ] as const;
 export type LimiterStage = (typeof kLimiterStages)[number];
 
-export type SessionPhase = "waiting" | "acquiring" | "active" | "refused" | "ended";
-const kPhases: readonly SessionPhase[] = ["waiting", "acquiring", "active", "refused", "ended"];
+const kPhases = ["waiting", "acquiring", "active", "refused", "ended", "held"] as const;
+export type SessionPhase = (typeof kPhases)[number];
 
 export interface SessionState {
   readonly station: string;
   readonly serverRun: string;
   readonly phase: SessionPhase;
+  readonly muted: boolean; // its forces are held at zero
   readonly scene: string;
   readonly tool: string;
   readonly reason: string;
@@ -264,6 +265,7 @@ export function toSessionState(value: unknown): SessionState {
     station: fields.text("station"),
     serverRun: fields.id("server_run"),
     phase: kPhases[fields.number("phase")] ?? "ended",
+    muted: fields.flag("muted"),
     scene: fields.text("scene"),
     tool: fields.text("tool"),
     reason: fields.text("reason"),

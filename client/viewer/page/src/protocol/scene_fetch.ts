@@ -8,10 +8,16 @@ export interface FetchedScene {
 }
 
 /// The scene's bundle over HTTP, which the browser keeps and asks for anew only by its tag.
-/// @param have  what the page shows already; given back as it is where nothing has changed
+/// @param headers  with the token, where there is one
+/// @param have     what the page shows already; given back as it is where nothing has changed
 /// Throws with a sentence for the reader.
-export async function fetchScene(name: string, have?: FetchedScene): Promise<FetchedScene> {
-  const response = await fetch(`scene/${encodeURIComponent(name)}.bundle`, {cache: "no-cache"});
+export async function fetchScene(
+  name: string,
+  headers: Record<string, string>,
+  have?: FetchedScene,
+): Promise<FetchedScene> {
+  const path = `scene/${encodeURIComponent(name)}.bundle`;
+  const response = await fetch(path, {cache: "no-cache", headers});
   if (response.status === 404) {
     throw new Error(`The gateway does not have the scene '${name}' yet.`);
   }
@@ -33,11 +39,15 @@ export interface Health {
   readonly full: boolean; // takes no more viewers
 }
 
-/// undefined where it does not answer.
-export async function fetchHealth(withinMs: number): Promise<Health | undefined> {
+/// undefined where it does not answer; "token" where it wants one, or another one.
+export async function fetchHealth(
+  withinMs: number,
+  headers: Record<string, string>,
+): Promise<Health | "token" | undefined> {
   try {
     const signal = AbortSignal.timeout(withinMs);
-    const response = await fetch("healthz", {cache: "no-store", signal});
+    const response = await fetch("healthz", {cache: "no-store", signal, headers});
+    if (response.status === 401) return "token";
     if (!response.ok) return undefined;
     const said = parseObject(await response.text());
     const {scenes, server_run: run, viewers, max_viewers: most} = said ?? {};

@@ -1,0 +1,99 @@
+#include "client/viewer/gate.h"
+
+#include <algorithm>
+
+#include "client/viewer/host_name.h"
+#include "client/viewer/lower_case.h"
+#include "common/quoted.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kBadRequest = 400;
+constexpr int kUnauthorized = 401;
+constexpr int kForbidden = 403;
+constexpr int kMisdirected = 421;
+
+Verdict Refused(int status, Refusal refusal, std::string reason) {
+  return {Access::kNone, "", status, refusal, std::move(reason)};
+}
+
+std::string_view Trimmed(std::string_view text) {
+  while (text.starts_with(' ') || text.starts_with('\t')) text.remove_prefix(1);
+  while (text.ends_with(' ') || text.ends_with('\t')) text.remove_suffix(1);
+  return text;
+}
+
+/// The tokens that a request presents, in whichever place.
+std::vector<std::string_view> Presented(const Asker& asker) {
+  std::vector<std::string_view> tokens;
+  constexpr std::string_view kScheme = "bearer ";
+  const std::string_view header = Trimmed(asker.authorization);
+  if (LowerCase(header.substr(0, kScheme.size())) == kScheme) {
+    tokens.push_back(Trimmed(header.substr(kScheme.size())));
+  } else if (!header.empty()) {
+    tokens.emplace_back();  // another scheme: no token that is known here
+  }
+  std::string_view rest = asker.subprotocols;
+  while (!rest.empty()) {
+    const std::size_t comma = std::min(rest.find(','), rest.size());
+    const std::string_view entry = Trimmed(rest.substr(0, comma));
+    if (entry.starts_with(kTokenSubprotocol)) {
+      tokens.push_back(entry.substr(kTokenSubprotocol.size()));
+    }
+    rest.remove_prefix(std::min(comma + 1, rest.size()));
+  }
+  return tokens;
+}
+
+}  // namespace
+
+Verdict Gate::JudgeHost(const Asker& asker) const {
+  if (asker.hosts != 1) {
+    return Refused(kBadRequest, Refusal::kHost,
+                   "a request names one Host, not " + std::to_string(asker.hosts));
+  }
+  if (!IsOwnHost(asker.host, options_.host_names)) {
+    return Refused(kMisdirected, Refusal::kHost,
+                   "its Host is " + Quoted(asker.host) +
+                       ", which is no address in numbers, nor localhost; palpate-viewer "
+                       "--host-name lets it in, where that name is this gateway's");
+  }
+  return {Access::kWatch, "", 0, Refusal::kHost, ""};
+}
+
+Verdict Gate::JudgeToken(const Asker& asker) const {
+  if (!tokens_) return {Access::kOperate, "", 0, Refusal::kToken, ""};
+  const std::vector<std::string_view> presented = Presented(asker);
+  if (presented.empty()) {
+    return Refused(kUnauthorized, Refusal::kToken,
+                   "it has no token; give one as 'Authorization: Bearer TOKEN', or open the page "
+                   "with #token=TOKEN at the end of its address");
+  }
+  if (presented.size() > 1 || asker.authorizations > 1) {
+    return Refused(kBadRequest, Refusal::kToken, "it presents more than one token");
+  }
+  const auto holder = tokens_->Find(presented.front());
+  if (!holder) {
+    // What it presents is told to nobody: it may be a good one with a slip.
+    return Refused(kUnauthorized, Refusal::kToken,
+                   "its token is none of this gateway's (palpate-viewer --tokens)");
+  }
+  return {holder->role, holder->name, 0, Refusal::kToken, ""};
+}
+
+Verdict Gate::JudgeSocket(const Asker& asker) const {
+  const Access page = AccessOfOrigin(asker.origin, asker.host, asker.is_secure, options_.origins);
+  if (page == Access::kNone) {
+    return Refused(kForbidden, Refusal::kOrigin,
+                   "a page from elsewhere may not attach: its Origin is " + Quoted(asker.origin) +
+                       "; palpate-viewer --allow-origin lets it in");
+  }
+  Verdict verdict = JudgeToken(asker);
+  // Without tokens a teacher is who sits at this host.
+  if (!tokens_ && !asker.is_local) verdict.access = Access::kDrive;
+  verdict.access = std::min(verdict.access, page);
+  return verdict;
+}
+
+}  // namespace palpate

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/viewer/access.h"
+#include "client/viewer/refusal_log.h"
+#include "client/viewer/tokens.h"
+
+namespace palpate {
+
+/// What a request says of who asks, before any of it is believed: headers as they came, empty where
+/// there are none, and how many there are of those of which there may be one.
+struct Asker {
+  std::string_view host;
+  std::string_view origin;
+  std::string_view authorization;
+  std::string_view subprotocols;
+  int hosts = 0;
+  int authorizations = 0;
+  bool is_local = false;   ///< comes from this host, and through no proxy
+  bool is_secure = false;  ///< over TLS
+};
+
+/// What a request is given.
+struct Verdict {
+  Access access = Access::kNone;
+  std::string name;  ///< of its token; empty: without one
+
+  // Where access is kNone.
+  int status = 0;  ///< of HTTP
+  Refusal refusal = Refusal::kRequest;
+  std::string reason;  ///< for whoever asks, and for the log; names the flag
+};
+
+/// Who may: the one place that decides it, for every request, by its Host, its token and its
+/// Origin.  Knows no socket.
+class Gate {
+ public:
+  struct Options {
+    std::vector<std::string> host_names;  ///< in small letters
+    std::vector<std::string> origins;     ///< of other pages; "*": of any
+  };
+  /// @param tokens  nothing: none are asked for.
+  Gate(Options options, std::optional<Tokens> tokens)
+      : options_(std::move(options)), tokens_(std::move(tokens)) {}
+
+  bool wants_tokens() const { return tokens_.has_value(); }
+
+  /// For every request.  Access::kWatch is no more here than "go on".
+  Verdict JudgeHost(const Asker& asker) const;
+  /// For what is not the same for everybody: scenes, health.  After JudgeHost.
+  Verdict JudgeToken(const Asker& asker) const;
+  /// For a WebSocket, and so for all that its page may do.  After JudgeHost.
+  Verdict JudgeSocket(const Asker& asker) const;
+
+ private:
+  Options options_;
+  std::optional<Tokens> tokens_;
+};
+
+/// Before a token among a WebSocket's subprotocols, which is where a page can put one: browsers set
+/// no other header of it.
+inline constexpr std::string_view kTokenSubprotocol = "palpate.token.";
+
+}  // namespace palpate

@@ -1,0 +1,141 @@
+import type {Station} from "../model/world";
+import {consoleWords, faultWords} from "../model/words";
+import type {SessionState} from "../protocol/messages";
+import {element, setText} from "./elements";
+
+export type OperateOp = "admit" | "take_back" | "mute" | "unmute";
+
+/// A wish that the server's next word on the station answers; given up where it says none [ms].
+const kAnswerWithinMs = 4000;
+
+interface Row {
+  readonly item: HTMLLIElement;
+  readonly name: HTMLElement;
+  readonly words: HTMLElement;
+  readonly faults: HTMLElement;
+  readonly admit: HTMLButtonElement;
+  readonly mute: HTMLButtonElement;
+  readonly back: HTMLButtonElement;
+  session: SessionState | undefined; // as the server last said
+  asked: {readonly of: SessionState | undefined; readonly untilMs: number} | undefined;
+}
+
+const answers = (before: SessionState | undefined, now: SessionState): boolean =>
+  before?.phase !== now.phase || before.muted !== now.muted;
+
+/// A teacher's console: every station with what it drives and how that goes, and what a teacher
+/// decides about it.  What is shown is what the server says; a wish greys its row until then.
+export class Console {
+  private readonly section = element("console-section", HTMLElement);
+  private readonly list = element("console", HTMLUListElement);
+  private readonly none = element("console-none", HTMLParagraphElement);
+  private readonly rows = new Map<string, Row>();
+
+  constructor(private readonly wish: (op: OperateOp, station: string) => boolean) {}
+
+  setVisible(visible: boolean): void {
+    this.section.hidden = !visible;
+    document.body.classList.toggle("operates", visible);
+  }
+
+  /// @param stations  those to look at first come first
+  update(stations: readonly Station[], nowMs: number): void {
+    if (this.section.hidden) return;
+    // Those who have left are no one's to decide about.
+    const here = stations.filter(
+      ({session}) =>
+        session !== undefined && session.phase !== "ended" && session.phase !== "refused",
+    );
+    this.none.hidden = here.length > 0;
+    const ids = new Set(here.map(({id}) => id));
+    for (const [id, {item}] of this.rows) {
+      if (ids.has(id)) continue;
+      item.remove();
+      this.rows.delete(id);
+    }
+    // Those who wait at the door are seen first.
+    const waits = ({session}: Station): number => (session!.phase === "held" ? 0 : 1);
+    [...here]
+      .sort((a, b) => waits(a) - waits(b) || a.id.localeCompare(b.id))
+      .forEach((station, place) => {
+        const row = this.rows.get(station.id) ?? this.addRow(station.id);
+        this.show(row, station, nowMs);
+        if (this.list.children[place] !== row.item)
+          this.list.insertBefore(row.item, this.list.children[place] ?? null);
+      });
+  }
+
+  private show(row: Row, station: Station, nowMs: number): void {
+    const session = station.session!;
+    const {muted} = session;
+    const isHeld = session.phase === "held";
+    row.session = session;
+    const {asked} = row;
+    if (asked && (answers(asked.of, session) || nowMs > asked.untilMs)) row.asked = undefined;
+    setText(row.words, consoleWords(session));
+    const faults = station.isMoving(nowMs / 1000) ? (station.statistics?.faults ?? 0) : 0;
+    const told = faultWords(faults).join("; ");
+    setText(row.faults, told);
+    row.faults.hidden = told === "";
+    row.item.classList.toggle("held", isHeld);
+    row.item.classList.toggle("muted", muted);
+    row.admit.hidden = !isHeld;
+    row.mute.hidden = isHeld;
+    setText(row.mute, muted ? "Unmute" : "Mute");
+    row.mute.title = muted
+      ? "Let forces come back"
+      : "Fade the forces to zero and keep them there; the tool still follows the hand";
+    setText(row.back, isHeld ? "Refuse" : "Take back");
+    row.back.title = isHeld ? "Do not let it begin" : "End its session, and free its tool";
+    for (const button of [row.admit, row.mute, row.back]) button.disabled = row.asked !== undefined;
+    row.item.setAttribute("aria-busy", String(row.asked !== undefined));
+  }
+
+  private addRow(id: string): Row {
+    const item = document.createElement("li");
+    const name = document.createElement("b");
+    name.textContent = id;
+    const words = document.createElement("span");
+    words.className = "words";
+    const faults = document.createElement("span");
+    faults.className = "faults";
+    const choices = document.createElement("span");
+    choices.className = "choices";
+    choices.role = "group";
+    choices.ariaLabel = `Decide about ${id}`;
+    const button = (text: string, op: () => OperateOp): HTMLButtonElement => {
+      const made = document.createElement("button");
+      made.type = "button";
+      made.textContent = text;
+      made.addEventListener("click", () => this.ask(id, op()));
+      choices.append(made);
+      return made;
+    };
+    const row: Row = {
+      item,
+      name,
+      words,
+      faults,
+      admit: button("Admit", () => "admit"),
+      mute: button("Mute", () => (row.session?.muted ? "unmute" : "mute")),
+      back: button("Take back", () => "take_back"),
+      session: undefined,
+      asked: undefined,
+    };
+    row.admit.className = "primary";
+    row.admit.title = "Let it begin";
+    const who = document.createElement("p");
+    who.append(name, " ", words);
+    item.append(who, faults, choices);
+    this.rows.set(id, row);
+    this.list.append(item);
+    return row;
+  }
+
+  private ask(id: string, op: OperateOp): void {
+    const row = this.rows.get(id);
+    if (!row || row.asked || !this.wish(op, id)) return;
+    row.asked = {of: row.session, untilMs: performance.now() + kAnswerWithinMs};
+    for (const button of [row.admit, row.mute, row.back]) button.disabled = true;
+  }
+}

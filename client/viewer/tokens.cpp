@@ -1,0 +1,176 @@
+#include "client/viewer/tokens.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <openssl/crypto.h>
+#include <openssl/rand.h>
+#include <openssl/sha.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "client/viewer/private_file.h"
+#include "common/error.h"
+#include "common/quoted.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kRandomBytes = 32;
+/// So that one that has got into a log or a repository is known for what it is.
+constexpr std::string_view kPrefix = "palpate_";
+constexpr std::size_t kTokenLength = kPrefix.size() + 2 * kRandomBytes;
+constexpr std::size_t kLongestName = 32;
+
+bool IsLetterOrDigit(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+bool IsName(std::string_view name) {
+  return !name.empty() && name.size() <= kLongestName && std::ranges::all_of(name, [](char c) {
+    return IsLetterOrDigit(c) || c == '_' || c == '.' || c == '-';
+  });
+}
+
+std::string ToHex(const unsigned char* bytes, std::size_t size) {
+  std::string hex;
+  for (std::size_t i = 0; i < size; ++i) hex += fmt::format("{:02x}", bytes[i]);
+  return hex;
+}
+
+bool FromHex(std::string_view hex, unsigned char* bytes, std::size_t size) {
+  if (hex.size() != 2 * size) return false;
+  for (std::size_t i = 0; i < size; ++i) {
+    const char* at = hex.data() + 2 * i;
+    const auto [end, error] = std::from_chars(at, at + 2, bytes[i], 16);
+    if (error != std::errc{} || end != at + 2) return false;
+  }
+  return true;
+}
+
+std::string TextOf(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  if (!file) throw Error(fmt::format("--tokens {}: cannot be read", path));
+  return text.str();
+}
+
+}  // namespace
+
+bool LooksLikeToken(std::string_view text) {
+  return text.size() == kTokenLength && text.starts_with(kPrefix) &&
+         std::ranges::all_of(text.substr(kPrefix.size()), IsLetterOrDigit);
+}
+
+Tokens::Hash Tokens::HashOf(std::string_view token) {
+  Hash hash;
+  SHA256(reinterpret_cast<const unsigned char*>(token.data()), token.size(), hash.data());
+  return hash;
+}
+
+Tokens Tokens::Parse(const std::string& path, const std::string& text) {
+  Tokens tokens;
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    std::istringstream words(line);
+    std::string role, name, hash, more;
+    words >> role;
+    if (role.empty() || role.starts_with('#')) continue;
+    words >> name >> hash >> more;
+    const auto refuse = [&](const std::string& why) {
+      throw Error(fmt::format("--tokens {}:{}: {}; palpate-viewer --make-token writes such lines",
+                              path, number, why));
+    };
+    Line entry;
+    if (const auto known = ParseRole(role)) {
+      entry.holder = {*known, name};
+    } else {
+      refuse("role " + Quoted(role) + " is none of watch, drive and operate");
+    }
+    if (!IsName(name)) refuse("a name has letters, digits, '_', '.' and '-', 32 at most");
+    if (!FromHex(hash, entry.hash.data(), entry.hash.size()) || !more.empty()) {
+      refuse("the name is followed by the token's SHA-256, 64 hexadecimal digits, and no more");
+    }
+    for (const Line& other : tokens.lines_) {
+      if (other.holder.name == name) refuse("the name " + Quoted(name) + " stands there twice");
+      if (other.hash == entry.hash) refuse("it has the token of " + Quoted(other.holder.name));
+    }
+    tokens.lines_.push_back(std::move(entry));
+  }
+  return tokens;
+}
+
+Tokens Tokens::Read(const std::string& path) {
+  CheckPrivate("--tokens", path);
+  Tokens tokens = Parse(path, TextOf(path));
+  if (tokens.lines_.empty()) {
+    throw Error(
+        fmt::format("--tokens {}: holds none, so that nobody could look; make one with "
+                    "palpate-viewer --make-token operate NAME --tokens {}",
+                    path, path));
+  }
+  return tokens;
+}
+
+std::optional<Tokens::Holder> Tokens::Find(std::string_view token) const {
+  if (!LooksLikeToken(token)) return std::nullopt;
+  const Hash hash = HashOf(token);
+  const Line* found = nullptr;
+  for (const Line& line : lines_) {
+    if (CRYPTO_memcmp(line.hash.data(), hash.data(), hash.size()) == 0) found = &line;
+  }
+  if (found == nullptr) return std::nullopt;
+  return found->holder;
+}
+
+std::string MakeToken(const std::string& path, Access role, const std::string& name) {
+  if (!IsName(name)) {
+    throw UsageError("--make-token: the name " + Quoted(name) +
+                     " may have letters, digits, '_', '.' and '-', 32 at most");
+  }
+  const int file = open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
+  if (file < 0) throw Error(fmt::format("--tokens {}: {}", path, std::strerror(errno)));
+  const auto text = [&] {
+    CheckPrivate("--tokens", path);
+    return TextOf(path);
+  };
+  std::string before;
+  try {
+    before = text();
+    for (const Tokens::Line& line : Tokens::Parse(path, before).lines_) {
+      if (line.holder.name == name) {
+        throw UsageError(
+            fmt::format("--make-token: {} has a token of that name in {}; take its "
+                        "line out first, or give another name",
+                        Quoted(name), path));
+      }
+    }
+  } catch (...) {
+    close(file);
+    throw;
+  }
+  unsigned char random[kRandomBytes];
+  const bool is_random = RAND_bytes(random, sizeof random) == 1;
+  const std::string token = std::string(kPrefix) + ToHex(random, sizeof random);
+  const Tokens::Hash hash = Tokens::HashOf(token);
+  const std::string line =
+      (before.empty() || before.ends_with('\n') ? "" : "\n") +
+      fmt::format("{} {} {}\n", RoleName(role), name, ToHex(hash.data(), hash.size()));
+  const bool is_written =
+      is_random && write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size());
+  const int error = errno;
+  close(file);
+  if (!is_random) throw Error("--make-token: there are no random numbers");
+  if (!is_written) throw Error(fmt::format("--tokens {}: {}", path, std::strerror(error)));
+  return token;
+}
+
+}  // namespace palpate

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/viewer/access.h"
+
+namespace palpate {
+
+/// Who may: tokens with a role and a name.  The file has a line for each,
+///   ROLE NAME SHA256       operate teacher 9f86d081884c7d65…
+/// with the token's hash in hexadecimal digits; empty lines and those that begin with '#' are
+/// passed over.  A token is 256 random bits, so that one round of SHA-256 keeps it: there is
+/// nothing to guess, and who reads the file cannot present what it holds.
+class Tokens {
+ public:
+  struct Holder {
+    Access role = Access::kNone;
+    std::string name;
+  };
+
+  /// Throws Error: the file, the line and the remedy.
+  static Tokens Read(const std::string& path);
+
+  /// Whose token this is; nothing: nobody's.  Takes the same time for all of them.
+  std::optional<Holder> Find(std::string_view token) const;
+
+ private:
+  friend std::string MakeToken(const std::string& path, Access role, const std::string& name);
+
+  using Hash = std::array<unsigned char, 32>;
+  struct Line {
+    Holder holder;
+    Hash hash;
+  };
+  static Hash HashOf(std::string_view token);
+  static Tokens Parse(const std::string& path, const std::string& text);
+
+  std::vector<Line> lines_;
+};
+
+/// What tokens consist of besides letters and digits, and how long they are: other text is none,
+/// and is hashed nowhere.  They fit an Authorization header (RFC 6750), a WebSocket's subprotocol
+/// and a URL's fragment as they are.
+bool LooksLikeToken(std::string_view text);
+
+/// Makes a token, enters its hash at the file's end and returns it: it is kept nowhere else.  A
+/// file that is not there is made, for its owner alone.
+/// @param name  [A-Za-z0-9_.-]{1,32}, that no other line has.
+/// Throws Error, UsageError.
+std::string MakeToken(const std::string& path, Access role, const std::string& name);
+
+}  // namespace palpate

@@ -1,0 +1,58 @@
+#include "client/viewer/visitor.h"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "client/viewer/host_addresses.h"
+
+namespace palpate {
+namespace {
+
+namespace ip = boost::asio::ip;
+
+/// A host of IPv6 has as many addresses as it likes of a network of its own: 64 bits of it.
+std::string ShareOf(const ip::address& address) {
+  if (address.is_v4()) return address.to_string();
+  auto bytes = address.to_v6().to_bytes();
+  std::fill(bytes.begin() + 8, bytes.end(), std::uint8_t{0});
+  return ip::address_v6(bytes).to_string() + "/64";
+}
+
+/// Where a socket of IPv6 takes IPv4, too, it says ::ffff:192.168.0.7.
+ip::address Plain(const ip::address& address) {
+  if (address.is_v6() && address.to_v6().is_v4_mapped()) {
+    return ip::make_address_v4(ip::v4_mapped, address.to_v6());
+  }
+  return address;
+}
+
+std::optional<ip::address> LastAddress(std::string_view list) {
+  std::string last(list.substr(list.rfind(',') + 1));
+  std::erase(last, ' ');
+  boost::system::error_code error;
+  const ip::address address = ip::make_address(last, error);
+  if (error) return std::nullopt;
+  return Plain(address);
+}
+
+}  // namespace
+
+bool IsProxy(const ip::address& address, const std::vector<ip::address>& proxies) {
+  return std::ranges::find(proxies, Plain(address)) != proxies.end();
+}
+
+Visitor VisitorAt(const ip::tcp::endpoint& peer, std::string_view forwarded,
+                  const std::vector<ip::address>& proxies) {
+  const ip::address address = Plain(peer.address());
+  const bool is_proxy = IsProxy(address, proxies);
+  if (const auto seen = is_proxy ? LastAddress(forwarded) : std::nullopt) {
+    return {fmt::format("{} (by the proxy {})", seen->to_string(), address.to_string()),
+            ShareOf(*seen), false};
+  }
+  return {fmt::format("{}:{}", InUrl(address), peer.port()), ShareOf(address),
+          address.is_loopback() && forwarded.empty() && !is_proxy};
+}
+
+}  // namespace palpate

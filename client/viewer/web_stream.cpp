@@ -1,0 +1,73 @@
+#include "client/viewer/web_stream.h"
+
+#include <variant>
+
+#include <boost/asio/ssl/stream.hpp>
+#include <boost/beast/ssl/ssl_stream.hpp>
+#include <boost/beast/websocket/ssl.hpp>
+#include <boost/beast/websocket/teardown.hpp>
+
+namespace palpate {
+
+namespace beast = boost::beast;
+namespace net = boost::asio;
+
+using Plain = beast::tcp_stream;
+using Secure = beast::ssl_stream<beast::tcp_stream>;
+
+struct WebStream::State {
+  std::variant<Plain, Secure> stream;
+
+  /// Calls it with the stream that there is.
+  template <class Use>
+  void With(Use use) {
+    std::visit([&](auto& there) { use(there); }, stream);
+  }
+};
+
+WebStream::WebStream(net::ip::tcp::socket socket)
+    : state_(std::make_unique<State>(State{Plain(std::move(socket))})) {}
+WebStream::WebStream(WebStream&& other) noexcept = default;
+WebStream& WebStream::operator=(WebStream&& other) noexcept = default;
+WebStream::~WebStream() = default;
+
+beast::tcp_stream& WebStream::next_layer() noexcept {
+  if (auto* const secure = std::get_if<Secure>(&state_->stream)) return secure->next_layer();
+  return *std::get_if<Plain>(&state_->stream);
+}
+const beast::tcp_stream& WebStream::next_layer() const noexcept {
+  return const_cast<WebStream*>(this)->next_layer();
+}
+
+bool WebStream::is_secure() const noexcept {
+  return std::holds_alternative<Secure>(state_->stream);
+}
+
+void WebStream::AsyncSecure(net::ssl::context& context, beast::flat_buffer& read,
+                            std::function<void(beast::error_code)> done) {
+  Plain plain = std::move(std::get<Plain>(state_->stream));
+  Secure& secure = state_->stream.emplace<Secure>(std::move(plain), context);
+  secure.async_handshake(net::ssl::stream_base::server, read.data(),
+                         [&read, done = std::move(done)](beast::error_code error, std::size_t n) {
+                           read.consume(n);
+                           done(error);
+                         });
+}
+
+void WebStream::Read(std::vector<net::mutable_buffer> buffers, Done done) {
+  state_->With([&](auto& stream) { stream.async_read_some(buffers, std::move(done)); });
+}
+
+void WebStream::Write(std::vector<net::const_buffer> buffers, Done done) {
+  state_->With([&](auto& stream) { stream.async_write_some(buffers, std::move(done)); });
+}
+
+void WebStream::TearDown(beast::role_type role, Done done) {
+  state_->With([&](auto& stream) {
+    using beast::websocket::async_teardown;
+    async_teardown(role, stream,
+                   [done = std::move(done)](beast::error_code error) { done(error, 0); });
+  });
+}
+
+}  // namespace palpate

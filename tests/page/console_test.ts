@@ -1,0 +1,164 @@
+// A teacher's console and the token that a page hands over, in a real browser at a gateway that does
+// what a test says.
+import {afterAll, afterEach, beforeAll, beforeEach, expect} from "vitest";
+
+import type {Browser, Page} from "playwright-core";
+
+import {eventually, kHasChromium, launch, until} from "./support/browser";
+import {FakeGateway, loopStatistics, sessionState, toolState} from "./support/fake_gateway";
+import {kTestScene, sceneBytes} from "./support/scene_bytes";
+import {browserTest as test} from "./support/skip";
+
+let browser: Browser | undefined;
+let gateway: FakeGateway;
+let moving: NodeJS.Timeout | undefined;
+
+beforeAll(async () => {
+  if (kHasChromium) browser = await launch();
+});
+afterAll(() => browser?.close());
+beforeEach(async () => {
+  if (!browser) return;
+  gateway = await FakeGateway.start(new Map([[kTestScene.name, sceneBytes(kTestScene)]]));
+});
+afterEach(async () => {
+  clearInterval(moving);
+  await Promise.all((browser?.contexts() ?? []).map((context) => context.close()));
+  await gateway?.stop();
+});
+
+async function open(after = ""): Promise<Page> {
+  const context = await browser!.newContext({viewport: {width: 1280, height: 800}});
+  const page = await context.newPage();
+  page.on("pageerror", (error) => {
+    throw error;
+  });
+  await page.goto(gateway.url + after);
+  return page;
+}
+
+const tell = (station: string, phase: string, more: object = {}): void =>
+  gateway.retain("/palpate/session_state", sessionState(station, phase, "test-box", "ball", more));
+
+/// The right hand presses beyond what its tool can follow.
+function pressOn(): void {
+  let sequence = 0;
+  moving = setInterval(() => {
+    sequence += 33;
+    gateway.send(
+      "/palpate/tool_state",
+      toolState({
+        station: "right",
+        scene: "test-box",
+        tool: "ball",
+        sequence,
+        haptic: {p: [0, 0.035, 0], q: [1, 0, 0, 0]},
+        graphic: {p: [0, 0.037, 0], q: [1, 0, 0, 0]},
+        forceN: [0, 2, 0],
+        points: [{positionM: [0, 0.025, 0], forceN: [0, 2, 0]}],
+      }),
+    );
+    if (sequence % 660 === 0)
+      gateway.send("/palpate/loop_statistics", loopStatistics("right", "test-box", {faults: 8}));
+  }, 33);
+}
+
+const row = (page: Page, station: string) =>
+  page.locator("#console li").filter({has: page.locator("b", {hasText: station})});
+
+test("a teacher sees who is there and how that goes, those who wait first, and decides", async () => {
+  gateway.role = "operate";
+  tell("left", "active", {muted: true});
+  tell("right", "active");
+  tell("zoe", "held");
+  tell("gone", "ended");
+  pressOn();
+  const page = await open();
+  await row(page, "zoe").waitFor();
+  expect(await page.locator("#console li b").allInnerTexts()).toEqual(["zoe", "left", "right"]);
+  expect(await row(page, "left").innerText()).toMatch(
+    /drives the ball of test-box, without forces/,
+  );
+  await eventually("the fault", async () =>
+    /jammed between surfaces/.test(await row(page, "right").innerText()),
+  );
+  expect(await page.locator("#who-section").isVisible()).toBe(false);
+  if (process.env.PALPATE_PICTURE) await page.screenshot({path: process.env.PALPATE_PICTURE});
+
+  const press = (station: string, button: string): Promise<void> =>
+    row(page, station).getByRole("button", {name: button, exact: true}).click();
+  await press("zoe", "Admit");
+  expect(await row(page, "zoe").getByRole("button", {name: "Admit"}).isDisabled()).toBe(true);
+  await press("left", "Unmute");
+  await press("right", "Mute");
+  await eventually("three wishes", () => gateway.published.length === 3);
+  expect(gateway.published).toEqual([
+    {op: "admit", station: "zoe"},
+    {op: "unmute", station: "left"},
+    {op: "mute", station: "right"},
+  ]);
+  // The server answers by what it says of the stations.
+  tell("zoe", "active");
+  tell("right", "active", {muted: true});
+  await eventually(
+    "all in the order of their names",
+    async () => (await page.locator("#console li b").allInnerTexts()).join() === "left,right,zoe",
+  );
+  await row(page, "right").getByRole("button", {name: "Unmute"}).waitFor();
+  await press("zoe", "Take back");
+  await eventually("the wish", () => gateway.published.length === 4);
+  expect(gateway.published[3]).toEqual({op: "take_back", station: "zoe"});
+  tell("zoe", "ended");
+  await row(page, "zoe").waitFor({state: "detached"});
+});
+
+test("a wish that nobody answers can be made again", async () => {
+  gateway.role = "operate";
+  tell("right", "active");
+  const page = await open();
+  const mute = row(page, "right").getByRole("button", {name: "Mute"});
+  await mute.click();
+  expect(await mute.isDisabled()).toBe(true);
+  await eventually("the button", () => mute.isEnabled());
+});
+
+test("the console is not for those who may not decide, nor in a student's view", async () => {
+  gateway.role = "drive";
+  tell("right", "active");
+  const page = await open();
+  await page.locator("#who li").waitFor();
+  expect(await page.locator("#console-section").isVisible()).toBe(false);
+  gateway.role = "operate";
+  await page.reload();
+  await page.locator("#console-section").waitFor();
+  await page.keyboard.press("v");
+  await page.locator("#console-section").waitFor({state: "hidden"});
+  expect(await page.locator("#who-section").isVisible()).toBe(true);
+});
+
+test("a page hands over the token of its address, which stands there no longer", async () => {
+  gateway.token = "palpate_0123";
+  const page = await open();
+  await eventually("what is missing", async () =>
+    /link that you were given/.test(await page.locator("#banner").innerText()),
+  );
+  await page.goto(gateway.url + "#token=wrong");
+  await eventually("that it is wrong", async () =>
+    /link that you were given/.test(await page.locator("#banner").innerText()),
+  );
+  // In the same tab, without loading the page anew.
+  await page.goto(gateway.url + "#token=palpate_0123");
+  await until(
+    page,
+    "the link and the scene",
+    ({link, firstPictureMs}) => link === "open" && firstPictureMs !== undefined,
+  );
+  expect(page.url()).toBe(gateway.url);
+  await page.reload();
+  await until(page, "the link again", ({link}) => link === "open");
+  // Another tab knows nothing of it.
+  const other = await open();
+  await eventually("its own banner", async () =>
+    /link that you were given/.test(await other.locator("#banner").innerText()),
+  );
+});

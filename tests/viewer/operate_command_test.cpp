@@ -1,0 +1,37 @@
+#include "client/viewer/operate_command.h"
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+namespace {
+
+TEST(OperateCommand, IsAWishForAStation) {
+  for (const wire::OperateWish wish : {palpate_OPERATE_ADMIT, palpate_OPERATE_TAKE_BACK,
+                                       palpate_OPERATE_MUTE, palpate_OPERATE_UNMUTE}) {
+    std::string wrong;
+    const auto command = ParseOperateCommand(
+        std::string(R"({"op": ")") + OperateWishName(wish) + R"(", "station": "left_2"})", wrong);
+    ASSERT_TRUE(command) << wrong;
+    EXPECT_EQ(command->wish, wish);
+    EXPECT_EQ(command->station, "left_2");
+  }
+}
+
+TEST(OperateCommand, IsNothingElse) {
+  for (const char* text :
+       {"", "[]", "null", "{}", R"({"op": "mute"})", R"({"station": "left"})",
+        R"({"op": "dance", "station": "left"})", R"({"op": "MUTE", "station": "left"})",
+        R"({"op": 1, "station": "left"})", R"({"op": "mute", "station": 7})",
+        R"({"op": "mute", "station": ""})", R"({"op": "mute", "station": "left/right"})",
+        R"({"op": "mute", "station": "left\n"})",
+        R"({"op": "mute", "station": "a23456789012345678901234567890123"})",
+        R"({"op": "mute", "station": "left", "by": "me"})",
+        R"({"op": "mute", "station": "left"} {})", "{\"op\": \"mute\", \"station\": \"\xff\"}"}) {
+    std::string wrong;
+    EXPECT_FALSE(ParseOperateCommand(text, wrong)) << text;
+    EXPECT_NE(wrong, "") << text;
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,136 @@
+#include "client/viewer/tokens.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class TokensTest : public testing::Test {
+ protected:
+  TokensTest() { std::filesystem::create_directories(folder_); }
+  ~TokensTest() override { std::filesystem::remove_all(folder_); }
+
+  void Write(const std::string& text, mode_t mode = 0600) {
+    std::ofstream(path_) << text;
+    chmod(path_.c_str(), mode);
+  }
+  std::string Text() {
+    std::ifstream file(path_);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  std::string Complaint() {
+    try {
+      Tokens::Read(path_);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  std::string folder_ =
+      std::filesystem::temp_directory_path() / ("palpate_tokens_" + std::to_string(getpid()));
+  std::string path_ = folder_ + "/tokens.txt";
+  const std::string hash_ = std::string(64, 'a');
+};
+
+TEST_F(TokensTest, KnowThoseThatWereMadeByTheirRoleAndName) {
+  const std::string teacher = MakeToken(path_, Access::kOperate, "teacher");
+  const std::string student = MakeToken(path_, Access::kWatch, "class-7");
+  EXPECT_NE(teacher, student);
+  const Tokens tokens = Tokens::Read(path_);
+  ASSERT_TRUE(tokens.Find(teacher));
+  EXPECT_EQ(tokens.Find(teacher)->role, Access::kOperate);
+  EXPECT_EQ(tokens.Find(teacher)->name, "teacher");
+  ASSERT_TRUE(tokens.Find(student));
+  EXPECT_EQ(tokens.Find(student)->role, Access::kWatch);
+}
+
+TEST_F(TokensTest, KnowNothingElse) {
+  const std::string token = MakeToken(path_, Access::kDrive, "hand");
+  const Tokens tokens = Tokens::Read(path_);
+  std::string other = token;
+  other.back() = other.back() == '0' ? '1' : '0';
+  for (const std::string& text :
+       {std::string(), other, token.substr(1), token + "0", " " + token, token + '\n', hash_,
+        std::string("palpate_"), std::string(100'000, 'a')}) {
+    EXPECT_FALSE(tokens.Find(text)) << text.substr(0, 100);
+  }
+  // What the file holds is no token.
+  const std::string line = Text();
+  EXPECT_FALSE(tokens.Find("palpate_" + line.substr(line.rfind(' ') + 1, 64)));
+}
+
+TEST_F(TokensTest, StandNowhereInTheFileWhichIsForItsOwnerAlone) {
+  const std::string token = MakeToken(path_, Access::kDrive, "hand");
+  EXPECT_THAT(Text(), testing::Not(HasSubstr(token.substr(8))));
+  struct stat file {};
+  stat(path_.c_str(), &file);
+  EXPECT_EQ(file.st_mode & 0777, 0600u);
+}
+
+TEST_F(TokensTest, AreOfAFileThatOthersCannotReadOrChange) {
+  for (const mode_t mode : {0644u, 0620u, 0604u, 0602u, 0666u}) {
+    Write("watch a " + hash_ + "\n", mode);
+    EXPECT_THAT(Complaint(), AllOf(HasSubstr("--tokens " + path_), HasSubstr("chmod 0600")))
+        << mode;
+    EXPECT_THROW(MakeToken(path_, Access::kWatch, "b"), Error);
+  }
+  for (const mode_t mode : {0600u, 0640u}) {
+    Write("watch a " + hash_ + "\n", mode);
+    EXPECT_EQ(Complaint(), "");
+  }
+  std::filesystem::remove(path_);
+  EXPECT_THAT(Complaint(), HasSubstr(path_));
+  std::filesystem::create_directory(path_);
+  EXPECT_THAT(Complaint(), HasSubstr("no regular file"));
+}
+
+TEST_F(TokensTest, NameTheLineThatIsWrong) {
+  const std::string good = "# a remark\n\nwatch a " + hash_ + "\n";
+  const std::string other = std::string(64, 'b');
+  Write(good);
+  EXPECT_EQ(Complaint(), "");
+  for (const auto& [line, what] : std::vector<std::pair<std::string, std::string>>{
+           {"admin b " + other, "'admin' is none of watch, drive and operate"},
+           {"drive", "a name has"},
+           {"drive b", "64 hexadecimal digits"},
+           {"drive b " + other + "0", "64 hexadecimal digits"},
+           {"drive b " + std::string(63, 'b') + "g", "64 hexadecimal digits"},
+           {"drive b " + other + " more", "no more"},
+           {"drive " + std::string(33, 'n') + " " + other, "32 at most"},
+           {"drive b/ " + other, "a name has"},
+           {"drive a " + other, "stands there twice"},
+           {"drive b " + hash_, "has the token of 'a'"}}) {
+    Write(good + line + "\n");
+    EXPECT_THAT(Complaint(), AllOf(HasSubstr(path_ + ":4: "), HasSubstr(what))) << line;
+  }
+  Write("# nobody\n");
+  EXPECT_THAT(Complaint(), HasSubstr("holds none"));
+}
+
+TEST_F(TokensTest, AreMadeOnceForEachName) {
+  MakeToken(path_, Access::kWatch, "a");
+  const std::string before = Text();
+  EXPECT_THROW(MakeToken(path_, Access::kOperate, "a"), UsageError);
+  EXPECT_THROW(MakeToken(path_, Access::kOperate, "a b"), UsageError);
+  EXPECT_THROW(MakeToken(path_, Access::kOperate, "a\noperate"), UsageError);
+  EXPECT_EQ(Text(), before);
+  // A line that an editor left without its end stays one line.
+  Write("watch a " + hash_);
+  MakeToken(path_, Access::kWatch, "b");
+  EXPECT_EQ(Complaint(), "");
+}
+
+}  // namespace
+}  // namespace palpate

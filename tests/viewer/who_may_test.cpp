@@ -1,0 +1,543 @@
+// Who may, at the real palpate-viewer over real sockets: by which Host, from which address, how
+// often, with which token, over TLS or not.  No server is needed: a stand-in says what one would.
+#include <filesystem>
+#include <fstream>
+#include <regex>
+
+#include <boost/asio/ssl.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/ssl.hpp>
+#include <boost/beast/websocket.hpp>
+#include <boost/beast/websocket/ssl.hpp>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/dds/endpoint.h"
+#include "common/dds/topics.h"
+#include "tests/support/random.h"
+#include "tests/support/test_domain.h"
+#include "tests/viewer/test_certificate.h"
+#include "tests/viewer/viewer_program.h"
+
+namespace palpate::test {
+namespace {
+
+namespace beast = boost::beast;
+namespace net = boost::asio;
+using Json = nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using Headers = std::map<std::string, std::string>;
+
+const int kDomain = OwnDomain();
+constexpr const char* kV1 = "foxglove.websocket.v1";
+
+struct Gateway : ViewerProgram {
+  explicit Gateway(std::vector<std::string> more = {}) : ViewerProgram(kDomain, std::move(more)) {}
+  /// It has logged this by now, or does so before long.
+  bool Logs(const std::string& text) {
+    for (int i = 0; i < 500; ++i) {
+      if (program().Output().find(text) != std::string::npos) return true;
+      usleep(10'000);
+    }
+    return false;
+  }
+};
+
+Headers From(const std::string& address) {
+  return {{"X-Forwarded-For", address}};
+}
+Headers Bearing(const std::string& token) {
+  return {{"Authorization", "Bearer " + token}};
+}
+
+// --- Host ---
+
+TEST(Host, IsCheckedOfEveryRequestWhateverTheGatewayIsBoundTo) {
+  for (const char* bound : {"127.0.0.1", "0.0.0.0"}) {
+    Gateway gateway({"--bind", bound, "--host-name", "lab.example"});
+    for (const char* host : {"evil.example", "evil.example:80", "localhost.evil.example", "lab",
+                             "127.0.0.1.evil.example", "2130706433", ""}) {
+      for (const char* target : {"/healthz", "/", "/scene/cube.bundle", "/assets/x.js"}) {
+        const HttpAnswer answer = Get(gateway.port(), target, {{"Host", host}});
+        EXPECT_EQ(answer.status, 421) << bound << ' ' << host << ' ' << target;
+        EXPECT_THAT(answer.body, AllOf(HasSubstr("--host-name"), Not(HasSubstr("scenes"))));
+      }
+      EXPECT_EQ(Handshake(gateway.port(), kV1, "", {{"Host", host}}).status, 421) << host;
+      EXPECT_EQ(
+          Handshake(gateway.port(), kV1, fmt::format("http://{}", host), {{"Host", host}}).status,
+          421)
+          << host;
+    }
+    for (const char* host :
+         {"127.0.0.1", "localhost:8765", "[::1]", "10.1.2.3:80", "LAB.example"}) {
+      EXPECT_EQ(Get(gateway.port(), "/healthz", {{"Host", host}}).status, 200) << host;
+      EXPECT_EQ(
+          Handshake(gateway.port(), kV1, fmt::format("http://{}", host), {{"Host", host}}).status,
+          101)
+          << host;
+    }
+    EXPECT_TRUE(gateway.Logs("refused (host) 127.0.0.1:"));
+  }
+}
+
+TEST(Host, IsNamedOnceByARequestAndNotByItsTarget) {
+  Gateway gateway;
+  EXPECT_EQ(Get(gateway.port(), "/healthz", {{"Host", "127.0.0.1\r\nHost: evil.example"}}).status,
+            400);
+  EXPECT_EQ(Get(gateway.port(), "http://evil.example/healthz").status, 400);
+}
+
+TEST(Refusals, AreLoggedOnceASecondAndCountedAll) {
+  Gateway gateway;
+  for (int i = 0; i < 400; ++i) Get(gateway.port(), "/healthz", {{"Host", "evil.example"}});
+  EXPECT_EQ(gateway.Health()["refusals"], 400);
+  EXPECT_TRUE(gateway.Logs(" more\n")) << "those that had no line of their own are counted in one";
+  const std::string said = gateway.program().Output();
+  const std::regex line("refused \\(host\\)");
+  const auto lines = std::distance(std::sregex_iterator(said.begin(), said.end(), line), {});
+  EXPECT_LT(lines, 60) << said;
+}
+
+TEST(Refusals, DoNotForgeLinesOfTheLog) {
+  Gateway gateway;
+  Handshake(gateway.port(), kV1, "http://x\x1b[2J");
+  Get(gateway.port(), "/healthz", {{"Host", "x\x1b[2J\x7f"}});
+  EXPECT_TRUE(gateway.Logs("refused ("));
+  EXPECT_THAT(gateway.program().Output(), Not(HasSubstr("\x1b[2J")));
+}
+
+// --- places and takes ---
+
+TEST(Places, AreNotAllOneClientsHoweverManyItOpens) {
+  Gateway gateway({"--max-viewers", "30", "--proxy", "127.0.0.1"});
+  std::vector<std::unique_ptr<WebClient>> flood;
+  for (int i = 0; i < 60; ++i) {
+    flood.push_back(std::make_unique<WebClient>(gateway.port(), kV1, "", 0, From("192.168.0.66")));
+    if (flood.back()->open()) flood.back()->Subscribe(1, 1);
+  }
+  ASSERT_TRUE(gateway.Until([](const Json& health) { return health["viewers"] == 30; }));
+  std::vector<std::unique_ptr<WebClient>> pupils;
+  for (int i = 0; i < 15; ++i) {
+    pupils.push_back(std::make_unique<WebClient>(gateway.port(), kV1, "", 0, From("192.168.0.7")));
+    EXPECT_TRUE(pupils.back()->open()) << i;
+    pupils.back()->Subscribe(1, 1);
+  }
+  EXPECT_EQ(gateway.Health()["viewers"], 30);
+  EXPECT_EQ(Handshake(gateway.port(), kV1, "", From("192.168.0.66")).status, 503);
+  EXPECT_EQ(Handshake(gateway.port(), kV1, "", From("192.168.0.7")).status, 503);
+  EXPECT_TRUE(WebClient(gateway.port(), kV1, "", 0, From("192.168.0.8")).open());
+  for (const auto& pupil : pupils) EXPECT_TRUE(pupil->open());
+  EXPECT_TRUE(gateway.Logs("refused (full)"));
+}
+
+/// Says that there is a scene, and notes who wants to drive a tool of it.
+class StandIn {
+ public:
+  StandIn() {
+    static std::uint8_t byte = 1;
+    wire::SceneBundle bundle{};
+    wire::FromText("cube", bundle.scene);
+    bundle.server_run = kRun;
+    bundle.bundle._buffer = &byte;
+    bundle.bundle._length = bundle.bundle._maximum = 1;
+    EXPECT_TRUE(bundles_.Write(bundle));
+  }
+  std::optional<wire::OperateRequest> Asked() {
+    wire::OperateRequest request{};
+    for (int i = 0; i < 2000; ++i) {
+      if (operations_.Take(request)) return request;
+      usleep(10'000);
+    }
+    return std::nullopt;
+  }
+  bool WasAsked() {
+    wire::OperateRequest request{};
+    return operations_.Take(request);
+  }
+
+  static constexpr std::uint64_t kRun = 0x1234;
+
+ private:
+  dds::Participant participant_ = dds::Participant::Service(kDomain);
+  dds::Writer<wire::SceneBundle> bundles_{participant_, dds::kSceneBundleTopic, dds::Qos::kSession};
+  dds::Reader<wire::OperateRequest> operations_{participant_, dds::kOperateRequestTopic,
+                                                dds::Qos::kRecordSession};
+};
+
+TEST(Takes, AreLimitedHoweverQuicklyAViewerTakesAndLetsGo) {
+  StandIn server;
+  Gateway gateway({"--max-mice", "16"});
+  ASSERT_TRUE(gateway.KnowsScenes(1));
+  WebClient viewer(gateway.port());
+  viewer.Subscribe(9, 6);
+  for (int i = 0; i < 100; ++i) {
+    viewer.SendMouse({{"op", "take"}, {"scene", "cube"}, {"tool", fmt::format("t{}", i % 2)}});
+    viewer.SendMouse({{"op", "release"}});
+  }
+  // Those in between are refused for the mice that are still on their way out.
+  std::string said_to_it;
+  for (int i = 0; i < 100 && said_to_it.find("taken too often") == std::string::npos; ++i) {
+    said_to_it = viewer.NextJson("status").value("message", "");
+  }
+  EXPECT_THAT(said_to_it, HasSubstr("taken too often"));
+  EXPECT_TRUE(gateway.Logs("refused (takes)"));
+  ASSERT_TRUE(gateway.Until([](const Json& health) { return health["refusals"] > 50; }));
+  const std::string said = gateway.program().Output();
+  const std::regex take("takes a tool of scene");
+  EXPECT_LT(std::distance(std::sregex_iterator(said.begin(), said.end(), take), {}), 30);
+}
+
+// --- tokens ---
+
+class Guarded : public testing::Test {
+ protected:
+  Guarded() {
+    std::filesystem::remove(path_);
+    watch_ = Make("watch", "class");
+    drive_ = Make("drive", "hand");
+    operate_ = Make("operate", "teacher");
+  }
+  ~Guarded() override { std::filesystem::remove(path_); }
+
+  std::string Make(const std::string& role, const std::string& name) {
+    Program program(PALPATE_BIN_DIR "/palpate-viewer",
+                    {"--make-token", role, name, "--tokens", path_, "--log-level", "error"});
+    EXPECT_EQ(program.Exit(), 0) << program.Output();
+    std::string token = program.Output();
+    while (token.ends_with('\n')) token.pop_back();
+    return token;
+  }
+  WebClient Viewer(int port, const std::string& token, const std::string& origin = "") {
+    return WebClient(port, std::string(kV1) + ", palpate.token." + token, origin);
+  }
+
+  const std::string path_ =
+      std::filesystem::temp_directory_path() / ("palpate_who_may_" + std::to_string(getpid()));
+  std::string watch_, drive_, operate_;
+  StandIn server_;
+};
+
+TEST_F(Guarded, GivesScenesHealthAndSocketsToTokensAloneAndThePagesFilesToAll) {
+  Gateway gateway({"--tokens", path_});
+  const std::vector<Headers> unauthorised = {
+      {},
+      {{"Authorization", "Bearer"}},
+      {{"Authorization", "Bearer " + operate_.substr(0, 71)}},
+      {{"Authorization", "Bearer " + operate_ + "0"}},
+      {{"Authorization", "Bearer palpate_" + std::string(64, '0')}},
+      {{"Authorization", "Basic " + operate_}},
+      {{"Authorization", operate_}},
+      {{"Authorization", "Bearer " + std::string(4000, 'a')}},
+      {{"Authorization", "Bearer \x01\xff"}},
+      {{"Cookie", "token=" + operate_}},
+      {{"X-Token", operate_}}};
+  int tries = 0;
+  for (const Headers& headers : unauthorised) {
+    for (const char* target : {"/healthz", "/scene/cube.bundle", "/scene/", "/%68ealthz",
+                               "/healthz?token=x", "/scene/%63ube.bundle"}) {
+      const HttpAnswer answer = Get(gateway.port(), target, headers);
+      // What is no header at all is no request.
+      EXPECT_THAT(answer.status, testing::AnyOf(401, 400)) << target;
+      EXPECT_THAT(answer.body, Not(HasSubstr("viewers")));
+      if (answer.status == 401) {
+        EXPECT_EQ(answer.headers.at("www-authenticate"), "Bearer realm=\"palpate\"");
+      }
+      ++tries;
+    }
+    EXPECT_THAT(Handshake(gateway.port(), kV1, "", headers).status, testing::AnyOf(401, 400));
+    ++tries;
+  }
+  for (const std::string& offered :
+       {std::string("palpate.token."), "palpate.token." + operate_.substr(1), operate_,
+        "palpate.token." + operate_ + ", palpate.token." + operate_}) {
+    EXPECT_GE(Handshake(gateway.port(), std::string(kV1) + ", " + offered).status, 400) << offered;
+    ++tries;
+  }
+  const Json health = gateway.Health(Bearing(watch_));
+  EXPECT_EQ(health["refusals"], tries) << "each is counted";
+  EXPECT_EQ(health["viewers"], 0);
+  EXPECT_TRUE(gateway.Logs("refused (token)"));
+  EXPECT_THAT(gateway.program().Output(), Not(HasSubstr(operate_.substr(8, 16))));
+  for (const std::string& token : {watch_, drive_, operate_}) {
+    EXPECT_EQ(Get(gateway.port(), "/healthz", Bearing(token)).status, 200);
+    EXPECT_EQ(Get(gateway.port(), "/scene/none.bundle", Bearing(token)).status, 404);
+    EXPECT_EQ(Handshake(gateway.port(), kV1, "", Bearing(token)).status, 101);
+  }
+  EXPECT_EQ(Get(gateway.port(), "/").status, 200);
+}
+
+TEST_F(Guarded, GivesAPageWhatItsTokensRoleAllowsAndNeverEchoesTheToken) {
+  Gateway gateway({"--tokens", path_});
+  const std::string own = "http://127.0.0.1:" + std::to_string(gateway.port());
+  WebClient watcher = Viewer(gateway.port(), watch_, own);
+  ASSERT_TRUE(watcher.open());
+  EXPECT_EQ(watcher.subprotocol(), kV1);
+  EXPECT_EQ(watcher.NextJson("serverInfo")["metadata"]["role"], "watch");
+  watcher.SendMouse({{"op", "take"}, {"scene", "cube"}});
+  EXPECT_THAT(watcher.NextJson("status").value("message", ""), HasSubstr("role is watch"));
+  EXPECT_EQ(watcher.closed(), 1008);
+
+  WebClient driver = Viewer(gateway.port(), drive_, own);
+  EXPECT_EQ(driver.NextJson("serverInfo")["metadata"]["role"], "drive");
+  driver.SendOperate({{"op", "mute"}, {"station", "left"}});
+  EXPECT_THAT(driver.NextJson("status").value("message", ""), HasSubstr("role operate"));
+  EXPECT_EQ(driver.closed(), 1008);
+  EXPECT_FALSE(server_.WasAsked());
+
+  EXPECT_TRUE(gateway.Logs("refused (role) class at 127.0.0.1:"));
+  EXPECT_TRUE(gateway.Logs("refused (role)"));
+  EXPECT_EQ(gateway.Health(Bearing(watch_))["refusals"], 2);
+  EXPECT_EQ(Handshake(gateway.port(), std::string(kV1) + ", palpate.token." + operate_,
+                      "http://evil.example")
+                .status,
+            403)
+      << "a token is no way around the Origin";
+}
+
+TEST_F(Guarded, PassesOnWhatATeacherDecidesWithHisName) {
+  Gateway gateway({"--tokens", path_});
+  WebClient teacher = Viewer(gateway.port(), operate_);
+  EXPECT_EQ(teacher.NextJson("serverInfo")["metadata"]["role"], "operate");
+  for (int i = 0; i < 500 && gateway.Health(Bearing(watch_))["server_run"] != "1234"; ++i) {
+    usleep(10'000);
+  }
+  const std::vector<std::pair<const char*, wire::OperateWish>> wishes = {
+      {"admit", palpate_OPERATE_ADMIT},
+      {"take_back", palpate_OPERATE_TAKE_BACK},
+      {"mute", palpate_OPERATE_MUTE},
+      {"unmute", palpate_OPERATE_UNMUTE}};
+  std::set<std::uint64_t> numbers;
+  for (const auto& [op, wish] : wishes) {
+    teacher.SendOperate({{"op", op}, {"station", "left"}});
+    const auto asked = server_.Asked();
+    ASSERT_TRUE(asked) << op;
+    EXPECT_EQ(asked->wish, wish);
+    EXPECT_STREQ(asked->station, "left");
+    EXPECT_EQ(asked->server_run, StandIn::kRun);
+    EXPECT_THAT(asked->by, HasSubstr("teacher at 127.0.0.1:"));
+    numbers.insert(asked->request);
+  }
+  EXPECT_EQ(numbers.size(), wishes.size());
+  for (const Json& wrong : {Json{{"op", "mute"}, {"station", "left\nready: fake"}},
+                            Json{{"op", "dance"}, {"station", "left"}},
+                            Json{{"op", "mute"}, {"station", "left"}, {"by", "me"}}}) {
+    teacher.SendOperate(wrong);
+    EXPECT_THAT(teacher.NextJson("status").value("message", ""), HasSubstr("/palpate/operate: "));
+  }
+  EXPECT_FALSE(server_.WasAsked());
+  EXPECT_TRUE(teacher.open());
+}
+
+TEST(Operate, IsWithoutTokensForPagesOfThisHostAndForNoneThatAProxyBrings) {
+  StandIn server;
+  Gateway gateway;
+  ASSERT_TRUE(gateway.KnowsScenes(1));
+  WebClient own(gateway.port(), kV1, "http://127.0.0.1:" + std::to_string(gateway.port()));
+  EXPECT_EQ(own.NextJson("serverInfo")["metadata"]["role"], "operate");
+  own.SendOperate({{"op", "mute"}, {"station", "left"}});
+  const auto asked = server.Asked();
+  ASSERT_TRUE(asked);
+  EXPECT_THAT(asked->by, HasSubstr("the page at 127.0.0.1:"));
+  WebClient far(gateway.port(), kV1, "", 0, From("192.168.0.7"));
+  EXPECT_EQ(far.NextJson("serverInfo")["metadata"]["role"], "drive");
+  far.SendOperate({{"op", "mute"}, {"station", "left"}});
+  EXPECT_THAT(far.NextJson("status").value("message", ""), HasSubstr("--tokens"));
+  EXPECT_EQ(far.closed(), 1008);
+  EXPECT_TRUE(gateway.Logs("refused (role)"));
+}
+
+TEST_F(Guarded, DoesNotBeginWithAFileThatOthersCanChange) {
+  chmod(path_.c_str(), 0666);
+  Program program(PALPATE_BIN_DIR "/palpate-viewer",
+                  {"--http", "0", "--domain", std::to_string(kDomain), "--tokens", path_});
+  EXPECT_EQ(program.Exit(), 1);
+  EXPECT_THAT(program.Output(), AllOf(HasSubstr(path_), HasSubstr("chmod 0600")));
+}
+
+// --- TLS ---
+
+/// A request over TLS; its certificate is taken for what it is.
+HttpAnswer GetSecure(int port, const std::string& target, const Headers& headers = {},
+                     int most_tls = 0) {
+  HttpAnswer answer;
+  net::io_context io;
+  net::ssl::context context(net::ssl::context::tls_client);
+  if (most_tls != 0) SSL_CTX_set_max_proto_version(context.native_handle(), most_tls);
+  beast::ssl_stream<net::ip::tcp::socket> stream(io, context);
+  beast::error_code error;
+  stream.next_layer().connect(
+      {net::ip::make_address("127.0.0.1"), static_cast<unsigned short>(port)}, error);
+  stream.handshake(net::ssl::stream_base::client, error);
+  if (error) return answer;
+  beast::http::request<beast::http::empty_body> request{beast::http::verb::get, target, 11};
+  request.set(beast::http::field::host, "127.0.0.1");
+  for (const auto& [name, value] : headers) request.set(name, value);
+  beast::http::write(stream, request, error);
+  beast::flat_buffer buffer;
+  beast::http::response<beast::http::string_body> response;
+  beast::http::read(stream, buffer, response, error);
+  if (error) return answer;
+  answer.status = static_cast<int>(response.result_int());
+  for (const auto& field : response) {
+    std::string name(field.name_string());
+    for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    answer.headers[name] = std::string(field.value());
+  }
+  answer.body = response.body();
+  return answer;
+}
+
+TEST_F(Guarded, SpeaksTlsWithSafeHeadersAndNoOlderThanOneTwo) {
+  const TestCertificate certificate;
+  Gateway gateway(
+      {"--tls-cert", certificate.certificate(), "--tls-key", certificate.key(), "--tokens", path_});
+  EXPECT_THAT(gateway.program().Output(), HasSubstr("ready: page https://127.0.0.1:"));
+  const HttpAnswer answer = GetSecure(gateway.port(), "/healthz", Bearing(watch_));
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_THAT(answer.body, HasSubstr("\"scenes\""));
+  for (const auto& [name, value] : Headers{{"strict-transport-security", "max-age="},
+                                           {"referrer-policy", "no-referrer"},
+                                           {"x-frame-options", "DENY"},
+                                           {"x-content-type-options", "nosniff"},
+                                           {"cross-origin-opener-policy", "same-origin"},
+                                           {"cross-origin-resource-policy", "same-origin"},
+                                           {"permissions-policy", "camera=()"},
+                                           {"content-security-policy", "frame-ancestors 'none'"}}) {
+    ASSERT_TRUE(answer.headers.contains(name)) << name;
+    EXPECT_THAT(answer.headers.at(name), HasSubstr(value));
+  }
+  EXPECT_EQ(GetSecure(gateway.port(), "/healthz").status, 401);
+  EXPECT_EQ(GetSecure(gateway.port(), "/", {}, TLS1_2_VERSION).status, 200);
+  EXPECT_EQ(GetSecure(gateway.port(), "/", {}, TLS1_1_VERSION).status, 0);
+}
+
+TEST_F(Guarded, TellsWhoSpeaksInTheClearWhereTlsIsSpoken) {
+  const TestCertificate certificate;
+  Gateway gateway(
+      {"--tls-cert", certificate.certificate(), "--tls-key", certificate.key(), "--tokens", path_});
+  const std::string at = "127.0.0.1:" + std::to_string(gateway.port());
+  const HttpAnswer answer = Get(gateway.port(), "/?scene=cube");
+  EXPECT_EQ(answer.status, 307);
+  EXPECT_EQ(answer.headers.at("location"), "https://" + at + "/?scene=cube");
+  EXPECT_FALSE(answer.headers.contains("strict-transport-security"));
+  EXPECT_EQ(Get(gateway.port(), "/", {{"Host", "evil.example"}}).status, 421);
+  EXPECT_EQ(Get(gateway.port(), "/healthz", Bearing(operate_)).status, 400);
+  const HttpAnswer socket = Handshake(gateway.port(), kV1, "", Bearing(operate_));
+  EXPECT_EQ(socket.status, 400);
+  EXPECT_THAT(socket.body, HasSubstr("wss://"));
+  EXPECT_TRUE(gateway.Logs("refused (tls)"));
+}
+
+TEST_F(Guarded, OutlivesAnyBytesAtItsTlsPortAndThoseWhoNeverShakeHands) {
+  const TestCertificate certificate;
+  Gateway gateway(
+      {"--tls-cert", certificate.certificate(), "--tls-key", certificate.key(), "--tokens", path_});
+  net::io_context io;
+  std::vector<net::ip::tcp::socket> silent;
+  Random random(5);
+  for (int i = 0; i < 250; ++i) {
+    net::ip::tcp::socket& socket = silent.emplace_back(io);
+    beast::error_code error;
+    socket.connect(
+        {net::ip::make_address("127.0.0.1"), static_cast<unsigned short>(gateway.port())}, error);
+    // As a handshake begins, and goes on as it likes.
+    std::string bytes = i % 2 == 0 ? std::string("\x16\x03\x01\x01\x00\x01", 6) : "";
+    for (std::size_t k = random.Below(i % 3 == 0 ? 1 : 300); k > 0; --k) {
+      bytes += static_cast<char>(random.Below(256));
+    }
+    net::write(socket, net::buffer(bytes), error);
+  }
+  EXPECT_EQ(GetSecure(gateway.port(), "/").status, 200);
+  EXPECT_EQ(GetSecure(gateway.port(), "/healthz", Bearing(watch_)).status, 200);
+  EXPECT_TRUE(gateway.program().Runs());
+}
+
+TEST_F(Guarded, GivesAWebSocketOverTlsWhatItGivesInTheClear) {
+  const TestCertificate certificate;
+  Gateway gateway(
+      {"--tls-cert", certificate.certificate(), "--tls-key", certificate.key(), "--tokens", path_});
+  net::io_context io;
+  net::ssl::context context(net::ssl::context::tls_client);
+  beast::websocket::stream<beast::ssl_stream<net::ip::tcp::socket>> socket(io, context);
+  socket.next_layer().next_layer().connect(
+      {net::ip::make_address("127.0.0.1"), static_cast<unsigned short>(gateway.port())});
+  socket.next_layer().handshake(net::ssl::stream_base::client);
+  socket.set_option(
+      beast::websocket::stream_base::decorator([&](beast::websocket::request_type& request) {
+        request.set(beast::http::field::sec_websocket_protocol,
+                    std::string(kV1) + ", palpate.token." + operate_);
+        request.set(beast::http::field::origin,
+                    "https://127.0.0.1:" + std::to_string(gateway.port()));
+      }));
+  beast::error_code error;
+  socket.handshake("127.0.0.1:" + std::to_string(gateway.port()), "/", error);
+  ASSERT_FALSE(error) << error.message();
+  const auto next = [&] {
+    beast::flat_buffer buffer;
+    socket.read(buffer, error);
+    return beast::buffers_to_string(buffer.data());
+  };
+  EXPECT_THAT(next(), HasSubstr("\"role\":\"operate\""));
+  EXPECT_THAT(next(), HasSubstr("/palpate/scene_bundle"));
+  for (int i = 0;
+       i < 500 && GetSecure(gateway.port(), "/healthz", Bearing(watch_)).body.find("\"cube\"") ==
+                      std::string::npos;
+       ++i) {
+    usleep(10'000);
+  }
+  socket.write(net::buffer(
+      std::string(R"({"op": "subscribe", "subscriptions": [{"id": 7, "channelId": 5}]})")));
+  const std::string bundle = next();
+  EXPECT_EQ(bundle.substr(0, 5), std::string("\x01\x07\0\0\0", 5));
+  EXPECT_THAT(bundle, HasSubstr("cube"));
+  // A farewell, in order.
+  gateway.program().Signal(SIGTERM);
+  next();
+  EXPECT_EQ(error, beast::websocket::error::closed);
+  EXPECT_EQ(socket.reason().code, beast::websocket::close_code::going_away);
+  EXPECT_EQ(gateway.program().Exit(), 0);
+}
+
+TEST(Tls, NamesTheFileThatItCannotUse) {
+  const TestCertificate certificate;
+  const auto complaint = [&](const std::string& cert, const std::string& key) {
+    Program program(
+        PALPATE_BIN_DIR "/palpate-viewer",
+        {"--http", "0", "--domain", std::to_string(kDomain), "--tls-cert", cert, "--tls-key", key});
+    EXPECT_EQ(program.Exit(), 1);
+    return program.Output();
+  };
+  EXPECT_THAT(complaint("/nonexistent", certificate.key()), HasSubstr("--tls-cert /nonexistent"));
+  EXPECT_THAT(complaint(certificate.certificate(), "/nonexistent"),
+              HasSubstr("--tls-key /nonexistent"));
+  EXPECT_THAT(complaint(certificate.key(), certificate.key()), HasSubstr("--tls-cert"));
+  chmod(certificate.key().c_str(), 0644);
+  EXPECT_THAT(complaint(certificate.certificate(), certificate.key()), HasSubstr("chmod 0600"));
+}
+
+// --- what one is told at the start ---
+
+TEST(Warnings, SayWhatABoundGatewayMeansWithoutTokensAndWithoutTls) {
+  Gateway open({"--bind", "0.0.0.0"});
+  EXPECT_TRUE(open.Logs("every host that reaches 0.0.0.0 can look"));
+  EXPECT_THAT(open.program().Output(), AllOf(HasSubstr("--tokens"), HasSubstr("--tls-cert"),
+                                             HasSubstr("all goes in the clear")));
+  Gateway local;
+  EXPECT_THAT(local.program().Output(), Not(HasSubstr("warning")));
+}
+
+TEST_F(Guarded, WarnsThatTokensGoInTheClear) {
+  Gateway gateway({"--bind", "0.0.0.0", "--tokens", path_});
+  EXPECT_TRUE(gateway.Logs("use the tokens"));
+  EXPECT_THAT(gateway.program().Output(), Not(HasSubstr("can look")));
+}
+
+}  // namespace
+}  // namespace palpate::test
