@@ -104,6 +104,11 @@ class Record {
                           metrics_.OnSession(state);
                           if (events_) events_->OnSession(state, SteadyNanoseconds());
                         },
+                    .untold =
+                        [this](std::uint64_t count) {
+                          metrics_.OnUntold(count);
+                          if (events_) events_->OnUntold(count);
+                        },
                     .whole =
                         [this](const wire::SceneWhole& whole) {
                           metrics_.OnWhole(whole);

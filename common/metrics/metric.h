@@ -28,6 +28,10 @@ inline constexpr Metric kServerMemory{Metric::Kind::kGauge, "palpate_server_resi
                                       "Memory that the server has at hand"};
 inline constexpr Metric kServerSessions{Metric::Kind::kGauge, "palpate_server_sessions",
                                         "Sessions that have not ended, by their phase"};
+inline constexpr Metric kServerMuted{Metric::Kind::kGauge, "palpate_server_muted_sessions",
+                                     "Of those, sessions whose station renders no force by order"};
+inline constexpr Metric kServerHeld{Metric::Kind::kCounter, "palpate_server_held_requests_total",
+                                    "Requests that wait, or waited, for somebody to admit them"};
 inline constexpr Metric kServerSessionsBegun{
     Metric::Kind::kCounter, "palpate_server_sessions_begun_total", "Sessions that were accepted"};
 inline constexpr Metric kServerSessionsEnded{Metric::Kind::kCounter,

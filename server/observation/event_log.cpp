@@ -47,22 +47,26 @@ void EventLog::OnStart(const Fields& fields) {
 
 void EventLog::OnSession(const wire::SessionState& state, std::int64_t now_ns) {
   const std::string station = state.station;
+  const char* event = state.phase == palpate_SESSION_WAITING ? "begun" : PhaseName(state.phase);
   if (state.phase == palpate_SESSION_ENDED) {
     const auto known = sessions_.find(station);
     if (known == sessions_.end() || known->second.run != state.run) return;
     sessions_.erase(known);
     faults_.erase(station);
-  } else if (state.phase != palpate_SESSION_REFUSED) {
-    const Session now{state.run, state.phase};
+  } else if (state.phase != palpate_SESSION_REFUSED && state.phase != palpate_SESSION_HELD) {
+    const Session now{state.run, state.phase, state.muted};
     const auto [known, is_new] = sessions_.try_emplace(station, now);
-    if (!is_new && std::exchange(known->second, now) == now) return;
+    const Session before = std::exchange(known->second, now);
+    if (!is_new && before == now) return;
+    const bool only_muted = !is_new && before.run == now.run && before.phase == now.phase;
+    if (only_muted) event = now.muted ? "muted" : "unmuted";
   }
   char run[17];
   std::snprintf(run, sizeof run, "%016llx", static_cast<unsigned long long>(state.run));
   Fields fields{{"station", station}, {"run", run}, {"scene", state.scene}, {"tool", state.tool}};
   if (state.reason[0] != '\0') fields.emplace_back("reason", state.reason);
-  const bool begins = state.phase == palpate_SESSION_WAITING;
-  Tell(begins ? "begun" : PhaseName(state.phase), station, fields, now_ns);
+  if (state.muted) fields.emplace_back("muted", "yes");
+  Tell(event, station, fields, now_ns);
 }
 
 void EventLog::OnWhole(const wire::SceneWhole& whole, std::int64_t now_ns) {

@@ -30,8 +30,11 @@ class EventLog {
 
   /// {"time":"...","event":"start","domain":"0",...}; the destructor then writes a "stop".
   void OnStart(const Fields& fields);
-  /// Events "begun", "active", "acquiring", "ended", "refused": what is said again is none.
+  /// Events "held", "begun", "active", "acquiring", "muted", "unmuted", "ended", "refused": what is
+  /// said again is none.
   void OnSession(const wire::SessionState& state, std::int64_t now_ns);
+  /// Refusals that nobody was told of: left out here, too.
+  void OnUntold(std::uint64_t count) { left_out_ += count; }
   /// "whole", or "refused" to make it so.
   void OnWhole(const wire::SceneWhole& whole, std::int64_t now_ns);
   /// "fault", for bits that the station did not have the second before.  That a hand is quicker
@@ -50,6 +53,7 @@ class EventLog {
   struct Session {
     std::uint64_t run;
     wire::SessionPhase phase;
+    bool muted;
     friend bool operator==(const Session&, const Session&) = default;
   };
   std::map<std::string, Session> sessions_;      // by station

@@ -23,6 +23,8 @@ constexpr const char* PhaseName(wire::SessionPhase phase) {
       return "refused";
     case palpate_SESSION_ENDED:
       return "ended";
+    case palpate_SESSION_HELD:
+      return "held";
     default:
       return "other";
   }

@@ -35,6 +35,10 @@ void ServerMetrics::OnSession(const wire::SessionState& state) {
     ++refusals_;
     return;
   }
+  if (state.phase == palpate_SESSION_HELD) {
+    ++held_;
+    return;
+  }
   const auto known = stations_.find(state.station);
   const bool is_its = known != stations_.end() && known->second.run == state.run;
   if (state.phase == palpate_SESSION_ENDED) {
@@ -50,6 +54,12 @@ void ServerMetrics::OnSession(const wire::SessionState& state) {
   Station& station = stations_[state.station];
   station.run = state.run;
   station.phase = state.phase;
+  station.muted = state.muted;
+}
+
+void ServerMetrics::OnUntold(std::uint64_t refusals) {
+  const std::lock_guard lock(mutex_);
+  refusals_ += refusals;
 }
 
 void ServerMetrics::OnWhole(const wire::SceneWhole& whole) {
@@ -117,6 +127,10 @@ void ServerMetrics::Fill(MetricsPage& page) const {
   for (const auto& [phase, count] : sessions) {
     page.Add(metric::kServerSessions, count, {{"phase", phase}});
   }
+  std::uint64_t muted = 0;
+  for (const auto& [name, station] : stations_) muted += station.muted;
+  page.Add(metric::kServerMuted, muted);
+  page.Add(metric::kServerHeld, held_);
   page.Add(metric::kServerSessionsBegun, begun_);
   page.Add(metric::kServerSessionsEnded, ended_);
   page.Add(metric::kServerRefusals, refusals_);

@@ -20,6 +20,7 @@ class ServerMetrics {
   ServerMetrics(const dds::TransportChoice& transport, const RealtimeReport& realtime);
 
   void OnSession(const wire::SessionState& state);
+  void OnUntold(std::uint64_t refusals);
   void OnWhole(const wire::SceneWhole& whole);
   void OnStatistics(const wire::LoopStatistics& statistics);
 
@@ -29,6 +30,7 @@ class ServerMetrics {
   struct Station {
     std::uint64_t run = 0;
     wire::SessionPhase phase{};
+    bool muted = false;
     bool has_statistics = false;
     wire::LoopStatistics last{};  // of the last second
     // Since the session began.
@@ -43,7 +45,7 @@ class ServerMetrics {
   const double start_s_;
   mutable std::mutex mutex_;
   std::map<std::string, Station> stations_;  // by name; those that have a session
-  std::uint64_t begun_ = 0, ended_ = 0, refusals_ = 0, wholes_ = 0;
+  std::uint64_t begun_ = 0, ended_ = 0, held_ = 0, refusals_ = 0, wholes_ = 0;
 };
 
 }  // namespace palpate

@@ -239,7 +239,9 @@ void Server::DisposeOfEnded(std::int64_t now_ns) {
     states_.Dispose(state);
     return true;
   });
-  untold_ += table_.TakeUntold();
+  const std::uint64_t untold = table_.TakeUntold();
+  if (untold > 0 && events_.untold) events_.untold(untold);
+  untold_ += untold;
   if (untold_ == 0 || now_ns - untold_said_ns_ < kSecond_ns) return;
   spdlog::warn("{} more requests were refused without a word: there are so many", untold_);
   untold_ = 0;

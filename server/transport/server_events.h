@@ -11,6 +11,7 @@ namespace palpate {
 /// that calls Poll, and in its destructor.  Any may be empty; none throws.
 struct ServerEvents {
   std::function<void(const wire::SessionState&)> session;
+  std::function<void(std::uint64_t)> untold;  ///< refusals that were too many to be published
   std::function<void(const wire::SceneWhole&)> whole;
   std::function<void(const wire::LoopStatistics&)> statistics;  ///< per station and second
 };

@@ -23,9 +23,10 @@ constexpr std::int64_t kMs = 1'000'000;
 class EventLogTest : public testing::Test {
  protected:
   void Tell(const std::string& station, wire::SessionPhase phase, std::int64_t now_ns,
-            std::uint64_t run = 1) {
-    wire::SessionState state = SampleState(station, run);
+            bool muted = false) {
+    wire::SessionState state = SampleState(station, 1);
     state.phase = phase;
+    state.muted = muted;
     log_->OnSession(state, now_ns);
   }
   void Fault(std::uint32_t faults, std::int64_t now_ns) {
@@ -70,6 +71,17 @@ TEST_F(EventLogTest, TellsASessionFromItsBeginningToItsEnd) {
   EXPECT_EQ(ended["reason"], "as a test wants it");
   EXPECT_EQ(Lines()[0]["domain"], "7");
   EXPECT_THAT(ended["time"].get<std::string>(), testing::MatchesRegex("[-0-9T:.]+Z"));
+}
+
+TEST_F(EventLogTest, TellsWhoIsHeldAndMuted) {
+  Tell("hand", palpate_SESSION_HELD, 1 * kMs);
+  Tell("hand", palpate_SESSION_WAITING, 2 * kMs);
+  Tell("hand", palpate_SESSION_ACTIVE, 3 * kMs);
+  Tell("hand", palpate_SESSION_ACTIVE, 4 * kMs, true);
+  log_->OnUntold(30);
+  Tell("hand", palpate_SESSION_ACTIVE, 5 * kMs, false);
+  EXPECT_THAT(Events(), ElementsAre("held", "begun", "active", "muted", "unmuted"));
+  EXPECT_EQ(Lines().back()["left_out"], 30);
 }
 
 TEST_F(EventLogTest, AppendsToWhatIsThere) {

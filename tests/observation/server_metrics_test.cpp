@@ -14,9 +14,11 @@ using testing::Not;
 
 class ServerMetricsTest : public testing::Test {
  protected:
-  void Tell(const std::string& station, std::uint64_t run, wire::SessionPhase phase) {
+  void Tell(const std::string& station, std::uint64_t run, wire::SessionPhase phase,
+            bool muted = false) {
     wire::SessionState state = SampleState(station, run);
     state.phase = phase;
+    state.muted = muted;
     metrics_.OnSession(state);
   }
   static wire::LoopStatistics Second(const std::string& station) {
@@ -72,6 +74,18 @@ TEST_F(ServerMetricsTest, CountsSessionsByTheirPhaseAndRun) {
   text = Text();
   EXPECT_THAT(text, HasSubstr(R"(palpate_server_sessions{phase="active"} 0)"));
   EXPECT_THAT(text, HasSubstr("palpate_server_sessions_ended_total 1\n"));
+}
+
+TEST_F(ServerMetricsTest, CountsWhoIsHeldMutedOrRefusedWithoutAWord) {
+  Tell("left", 1, palpate_SESSION_HELD);
+  EXPECT_THAT(Text(), HasSubstr("palpate_server_held_requests_total 1\n"));
+  EXPECT_THAT(Text(), HasSubstr("palpate_server_sessions_begun_total 0\n"));
+  Tell("left", 1, palpate_SESSION_ACTIVE, true);
+  EXPECT_THAT(Text(), HasSubstr("palpate_server_muted_sessions 1\n"));
+  Tell("left", 1, palpate_SESSION_ACTIVE, false);
+  EXPECT_THAT(Text(), HasSubstr("palpate_server_muted_sessions 0\n"));
+  metrics_.OnUntold(500);
+  EXPECT_THAT(Text(), HasSubstr("palpate_server_refusals_total 500\n"));
 }
 
 TEST_F(ServerMetricsTest, AddsUpASessionsSecondsAsLongAsItLasts) {
