@@ -47,6 +47,7 @@ constexpr std::array<std::pair<const char*, const char*>, 7> kSafeHeaders = {{
 /// reached in the clear again before the next course.
 constexpr const char* kOnlyTls = "max-age=2592000";
 constexpr std::string_view kHealth = "/healthz";
+constexpr std::string_view kMetrics = "/metrics";
 constexpr std::string_view kScene = "/scene/";
 constexpr std::string_view kBundle = ".bundle";
 
@@ -203,7 +204,7 @@ void HttpSession::Answer(const Request& request) {
   const auto path = PathOfTarget(View(request.target()));
   if (!path) return Refuse(request, http::status::bad_request, Refusal::kRequest, "no path");
   // The page's own files are the same for everybody, and what a page needs to hand over a token.
-  const bool is_of_page = *path != kHealth && !path->starts_with(kScene);
+  const bool is_of_page = *path != kHealth && *path != kMetrics && !path->starts_with(kScene);
   if (const Verdict verdict = hub_.gate().JudgeToken(asker);
       !is_of_page && verdict.access == Access::kNone) {
     return Refuse(request, verdict);
@@ -212,7 +213,7 @@ void HttpSession::Answer(const Request& request) {
     last_ = true;  // asked every few seconds by every page: none should hold a connection for that
     return GiveText(request, http::status::ok, hub_.Health(), "application/json");
   }
-  if (*path == "/metrics") {
+  if (*path == kMetrics) {
     return GiveText(request, http::status::ok, hub_.Metrics(), kMetricsContentType);
   }
   if (path->starts_with(kScene) && path->ends_with(kBundle) &&

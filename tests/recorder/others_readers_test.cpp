@@ -88,7 +88,8 @@ TEST_F(OthersReadersTest, FindEverySampleOfEveryTopicAsItWas) {
   wire::FromText("simulated", request.device);
   request.leave = true;
   request.leave_seal[0] = 9;  // the sum of bytes is told
-  Put(dds::kSessionRequestTopic, request, {"hand", "5", "cube", "", "simulated", true, 32, 9, 32, 0});
+  Put(dds::kSessionRequestTopic, request,
+      {"hand", "5", "cube", "", "simulated", true, 32, 9, 32, 0});
 
   wire::LeafTaken taken{};
   wire::FromText("hand", taken.station);

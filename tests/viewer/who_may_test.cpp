@@ -240,8 +240,9 @@ TEST_F(Guarded, GivesScenesHealthAndSocketsToTokensAloneAndThePagesFilesToAll) {
       {{"X-Token", operate_}}};
   int tries = 0;
   for (const Headers& headers : unauthorised) {
-    for (const char* target : {"/healthz", "/scene/cube.bundle", "/scene/", "/%68ealthz",
-                               "/healthz?token=x", "/scene/%63ube.bundle"}) {
+    for (const char* target :
+         {"/healthz", "/scene/cube.bundle", "/scene/", "/%68ealthz", "/healthz?token=x",
+          "/scene/%63ube.bundle", "/metrics", "/%6detrics"}) {
       const HttpAnswer answer = Get(gateway.port(), target, headers);
       // What is no header at all is no request.
       EXPECT_THAT(answer.status, testing::AnyOf(401, 400)) << target;
