@@ -8,6 +8,7 @@
 #include "common/command_line.h"
 #include "common/dds/participant.h"
 #include "common/error.h"
+#include "common/project_files.h"
 
 namespace palpate {
 namespace {
@@ -35,13 +36,6 @@ Each viewer has a queue of its own that holds the newest messages only: one that
 frames and disturbs nobody.  GET /healthz tells how it goes, GET /scene/NAME.bundle gives a scene.
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
-/// build/page beside build/<preset>/bin, where this program stands; in a checkout's build folder.
-std::string DefaultPage() {
-  std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
-  return (program.parent_path().parent_path().parent_path() / "page").string();
-}
-
 }  // namespace
 
 bool IsLoopback(const std::string& address) {
@@ -52,7 +46,7 @@ bool IsLoopback(const std::string& address) {
 
 std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* argv) {
   ViewerOptions options;
-  options.page = DefaultPage();
+  options.page = PlaceOf(ProjectFile::kPage);
   CLI::App app(kAbout, "palpate-viewer");
   app.footer(kExamples);
   app.add_option("--http", options.port, "port of page and WebSocket; 0: a free one")
