@@ -98,7 +98,15 @@ shared_memory_needed_MB() {
 }
 
 # RouDi holds this lock as long as it lives.
-roudi_runs() { [[ -e /tmp/iox-unique-roudi.lock ]] && ! flock -n /tmp/iox-unique-roudi.lock true; }
+readonly kRouDiLock=/tmp/iox-unique-roudi.lock
+roudi_runs() { [[ -e $kRouDiLock ]] && ! flock -n $kRouDiLock true; }
+
+# A RouDi that has ended leaves its lock, and one that was killed its books, which only its own user may
+# open: another's would not start.
+forget_ended_roudi() {
+  ((EUID == 0)) && ! roudi_runs || return 0
+  rm -f $kRouDiLock /tmp/roudi /tmp/roudi.lock /dev/shm/iceoryx_mgmt
+}
 
 # Sets `as_user` to the words that run a command as that user and group, without any right of root's but
 # a loop's: by limits, or, where this root may not raise them, by two capabilities.

@@ -14,8 +14,9 @@
 namespace palpate::doctor {
 namespace {
 
-constexpr const char* kSocket = "/tmp/roudi";                // iceoryx 2.0: IPC channel "roudi"
-constexpr const char* kLock = "/tmp/iox-unique-roudi.lock";  // held as long as RouDi lives
+constexpr const char* kSocket = "/tmp/roudi";                 // iceoryx 2.0: IPC channel "roudi"
+constexpr const char* kLock = "/tmp/iox-unique-roudi.lock";   // held as long as RouDi lives
+constexpr const char* kManagement = "/dev/shm/iceoryx_mgmt";  // RouDi's books
 constexpr long long kMega = 1'000'000;
 
 /// True where the user may open the socket; `answers`, where a process holds it open.
@@ -34,7 +35,7 @@ bool Connects(const std::string& path, bool& answers) {
 
 bool IsLocked(const std::string& path) {
   const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return errno == EACCES;  // another user's: it is there, and nobody else's business
+  if (fd < 0) return false;  // another user's: it is there, and nobody else's business
   const bool locked = flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   close(fd);
   return locked;
@@ -75,7 +76,11 @@ RouDiState LookAtRouDi(const HostFiles& host) {
     roudi.owner = status.st_uid;
     roudi.may_connect = Connects(host.At(kSocket), roudi.answers);
   }
-  roudi.lock_held = IsLocked(host.At(kLock));
+  const auto closed = [&](const char* file) { return host.Has(file) && !host.MayOpen(file); };
+  for (const char* file : {kLock, kManagement}) {
+    if (closed(file)) roudi.closed.append(" ").append(file);
+  }
+  roudi.lock_held = closed(kLock) ? roudi.answers : IsLocked(host.At(kLock));
   roudi.pools = PoolsOfRunning(host);
   return roudi;
 }
@@ -113,6 +118,14 @@ Finding CheckRouDi(const RouDiState& roudi, dds::Transport wanted, long long use
   Finding finding{.check = "RouDi"};
   const Status missing =
       wanted == dds::Transport::kSharedMemory ? Status::kFault : Status::kWarning;
+  if (!roudi.closed.empty() && !roudi.socket && wanted != dds::Transport::kUdp) {
+    finding.status = missing;
+    finding.found = "another user's has left" + roudi.closed +
+                    ", or runs in another /tmp: none can be started as this user";
+    finding.remedy =
+        "where 'pgrep iox-roudi' names none: sudo rm" + roudi.closed + "; then " + start;
+    return finding;
+  }
   if (!roudi.answers && !roudi.lock_held) {
     finding.found = roudi.socket ? "does not run; a killed one has left its socket, /tmp/roudi"
                                  : "does not run";

@@ -21,9 +21,13 @@ std::optional<Space> SpaceIn(const HostFiles& host, const std::string& folder);
 
 /// RouDi, the keeper of the shared memory, as this host shows it.
 struct RouDiState {
-  bool socket = false;                 ///< /tmp/roudi is there
-  bool answers = false;                ///< and a process holds it open
-  bool lock_held = false;              ///< as a living RouDi holds it
+  bool socket = false;   ///< /tmp/roudi is there
+  bool answers = false;  ///< and a process holds it open
+  /// As a living RouDi holds it, or where that cannot be seen, the socket answers.
+  bool lock_held = false;
+  /// Its files that are another user's, who alone may start a RouDi while they are there; each with
+  /// a space before it.
+  std::string closed{};
   long long owner = -1;                ///< user id of the socket's owner
   bool may_connect = false;            ///< this user may open the socket
   std::optional<std::string> pools{};  ///< file that it was started with; "" without one

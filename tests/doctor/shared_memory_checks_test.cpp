@@ -108,6 +108,22 @@ TEST_F(MadeUpRouDi, WhoseSocketIsInAnotherTmpIsAFault) {
   EXPECT_THAT(finding.remedy, HasSubstr("PrivateTmp=no"));
 }
 
+TEST_F(MadeUpRouDi, OfAnotherUserWhoseLockIsClosedIsFineWhereItAnswers) {
+  Listen();
+  HoldLock();
+  host.files.may_open = [](const std::string& path) { return !path.ends_with(".lock"); };
+  EXPECT_EQ(Check(Transport::kSharedMemory).status, Status::kOk);
+}
+
+TEST_F(MadeUpRouDi, OfAnotherUserThatHasLeftItsLockIsToldHowToRemoveIt) {
+  host.Write("/tmp/iox-unique-roudi.lock", "");
+  host.files.may_open = [](const std::string&) { return false; };
+  const Finding finding = Check(Transport::kSharedMemory);
+  EXPECT_EQ(finding.status, Status::kFault);
+  EXPECT_THAT(finding.remedy, HasSubstr("sudo rm /tmp/iox-unique-roudi.lock"));
+  EXPECT_EQ(Check(Transport::kUdp).status, Status::kOk);
+}
+
 TEST(RouDi, OfAnotherUserIsToldWithTheGroup) {
   const RouDiState roudi{.socket = true, .lock_held = true, .owner = 998};
   const Finding finding = CheckRouDi(roudi, Transport::kAuto, kUser, kPools);
