@@ -25,6 +25,10 @@ TEST(Trials, PackagesInstallRunAndLeaveNothingBehindInACleanDebian) {
   Try("try_packages", "deploy/package");
 }
 
+TEST(Trials, ServicesRunHardenedAndComeBackWithRouDi) {
+  Try("try_services", "deploy/package");
+}
+
 TEST(Trials, ContainersAreHealthyWithTheLeastRightsAndAHandFeelsTheScene) {
   Try("try_containers", "deploy/package");
 }
