@@ -116,7 +116,7 @@ set_as_user() {
     as_user=(prlimit --rtprio=45 --memlock=unlimited "${as_user[@]}" --bounding-set=-all)
   else
     local rights=-all,+sys_nice,+ipc_lock
-    as_user+=(--inh-caps=$rights --ambient-caps=$rights --bounding-set=$rights)
+    as_user+=("--inh-caps=$rights" "--ambient-caps=$rights" "--bounding-set=$rights")
   fi
 }
 
