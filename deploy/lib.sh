@@ -98,4 +98,46 @@ shared_memory_needed_MB() {
 }
 
 # RouDi holds this lock as long as it lives.
-roudi_runs() { [[ -e /tmp/iox-unique-roudi.lock ]] && ! flock -n /tmp/iox-unique-roudi.lock true; }
+readonly kRouDiLock=/tmp/iox-unique-roudi.lock
+roudi_runs() { [[ -e $kRouDiLock ]] && ! flock -n $kRouDiLock true; }
+
+# A RouDi that has ended leaves its lock, and one that was killed its books, which only its own user may
+# open: another's would not start.
+forget_ended_roudi() {
+  ((EUID == 0)) && ! roudi_runs || return 0
+  rm -f $kRouDiLock /tmp/roudi /tmp/roudi.lock /dev/shm/iceoryx_mgmt
+}
+
+# Sets `as_user` to the words that run a command as that user and group, without any right of root's but
+# a loop's: by limits, or, where this root may not raise them, by two capabilities.
+set_as_user() {
+  as_user=(setpriv --reuid "$1" --regid "$2" --clear-groups --no-new-privs)
+  if prlimit --rtprio=45 --memlock=unlimited true 2>/dev/null; then
+    as_user=(prlimit --rtprio=45 --memlock=unlimited "${as_user[@]}" --bounding-set=-all)
+  else
+    local rights=-all,+sys_nice,+ipc_lock
+    as_user+=("--inh-caps=$rights" "--ambient-caps=$rights" "--bounding-set=$rights")
+  fi
+}
+
+# --- a Debian of one's own, for containers and for trying packages ---
+
+readonly kDebian=build/debian/bookworm.tar
+
+# A minimal Debian 12 in $kDebian, unless it is there: made with debootstrap from the mirror that this
+# host's own apt uses, or debootstrap's.
+make_debian() {
+  local folder mirrors as_root=()
+  [[ ! -f $kDebian ]] || return 0
+  ((EUID == 0)) || as_root=(sudo)
+  folder=$(mktemp -d)
+  # shellcheck disable=SC2016  # apt's own variable
+  mapfile -t mirrors < <(apt-get indextargets --format '$(SITE)' 'Codename: bookworm' \
+    'Created-By: Packages' 2>/dev/null | sort -u)
+  quietly "making a minimal Debian 12" build/logs/debootstrap.log \
+    "${as_root[@]}" debootstrap --variant=minbase bookworm "$folder/root" "${mirrors[@]:0:1}" || return
+  mkdir -p "${kDebian%/*}"
+  "${as_root[@]}" tar -C "$folder/root" -c . >"$kDebian.part"
+  mv "$kDebian.part" $kDebian
+  "${as_root[@]}" rm -rf "$folder"
+}

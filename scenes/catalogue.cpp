@@ -12,6 +12,7 @@
 #include "common/error.h"
 #include "common/json/json_file.h"
 #include "common/nearest_word.h"
+#include "common/project_files.h"
 #include "common/quoted.h"
 #include "scenes/files/cache_folder.h"
 #include "scenes/files/mesh_scene.h"
@@ -40,9 +41,7 @@ namespace fs = std::filesystem;
 
 fs::path CatalogueFolder() {
   if (const char* folder = std::getenv("PALPATE_CATALOGUE")) return folder;
-  const fs::path installed = fs::path(ProgramFolder()) / "../share/palpate/catalogue";
-  std::error_code ignored;
-  return fs::is_directory(installed, ignored) ? installed : fs::path(PALPATE_CATALOGUE_SOURCE);
+  return PlaceOf(ProjectFile::kCatalogue);
 }
 
 /// Says which body a complaint is about.

@@ -12,6 +12,7 @@
 #include "client/viewer/json_text.h"
 #include "client/viewer/viewer_session.h"
 #include "common/metrics/metrics_page.h"
+#include "common/project_files.h"
 #include "common/random_run.h"
 #include "common/time/steady_clock.h"
 
@@ -27,9 +28,7 @@ std::string RandomId() {
 
 /// palpate-station stands where this program does.
 std::string StationProgram() {
-  std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
-  return (program.parent_path() / "palpate-station").string();
+  return (std::filesystem::path(ProgramFolder()) / "palpate-station").string();
 }
 
 std::string Joined(const std::vector<std::string>& names) {

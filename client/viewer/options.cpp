@@ -10,6 +10,7 @@
 #include "common/command_line.h"
 #include "common/dds/participant.h"
 #include "common/error.h"
+#include "common/project_files.h"
 
 namespace palpate {
 namespace {
@@ -44,13 +45,6 @@ frames and disturbs nobody.  GET /healthz tells how it goes, GET /scene/NAME.bun
 Where all places are taken, the address that has most of them makes room for one that has fewer.
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
-/// build/page beside build/<preset>/bin, where this program stands; in a checkout's build folder.
-std::string DefaultPage() {
-  std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
-  return (program.parent_path().parent_path().parent_path() / "page").string();
-}
-
 boost::asio::ip::address ToAddress(const char* flag, const std::string& text) {
   boost::system::error_code error;
   const auto address = boost::asio::ip::make_address(text, error);
@@ -81,7 +75,7 @@ bool IsLoopback(const std::string& address) {
 
 std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* argv) {
   ViewerOptions options;
-  options.page = DefaultPage();
+  options.page = PlaceOf(ProjectFile::kPage);
   CLI::App app(kAbout, "palpate-viewer");
   app.footer(kExamples);
   const CLI::Option* port =

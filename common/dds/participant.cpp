@@ -1,5 +1,7 @@
 #include "common/dds/participant.h"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
@@ -46,15 +48,29 @@ SocketIdentity RouDiIdentity() {
           status.st_ctim.tv_sec * std::int64_t{1'000'000'000} + status.st_ctim.tv_nsec};
 }
 
-/// True where a process of this user holds the lock file.
-bool IsHeld(const char* lock_file) {
-  const int fd = open(lock_file, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-  if (fd < 0) return false;
+/// True for a socket of this user or root, or of a group of this process whose members alone may
+/// use it: who may open the shared memory could do as much harm there.
+bool IsTrusted(const struct stat& socket) {
+  if (socket.st_uid == geteuid() || socket.st_uid == 0) return true;
+  if ((socket.st_mode & S_IWOTH) != 0 || (socket.st_mode & S_IWGRP) == 0) return false;
+  if (socket.st_gid == getegid()) return true;
+  std::array<gid_t, 256> groups;
+  const int count = getgroups(static_cast<int>(groups.size()), groups.data());
+  return std::find(groups.begin(), groups.begin() + std::max(count, 0), socket.st_gid) !=
+         groups.begin() + std::max(count, 0);
+}
+
+/// True where a process of that user holds the lock file.
+bool IsHeld(const char* lock_file, uid_t user) {
   struct stat status {};
-  const bool ours = fstat(fd, &status) == 0 && status.st_uid == geteuid();
+  if (lstat(lock_file, &status) != 0 || !S_ISREG(status.st_mode) || status.st_uid != user) {
+    return false;
+  }
+  const int fd = open(lock_file, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (fd < 0) return errno == EACCES;  // another user's, who alone may look; it is there
   const bool held = flock(fd, LOCK_SH | LOCK_NB) != 0;
   close(fd);  // unlocks
-  return ours && held;
+  return held;
 }
 
 /// An attribute's value.
@@ -170,9 +186,9 @@ std::optional<std::string> WhyNoRouDi() {
   const std::string none = std::string("no RouDi listens at ") + kRouDiSocket;
   struct stat status {};
   if (lstat(kRouDiSocket, &status) != 0 || !S_ISSOCK(status.st_mode)) return none;
-  if (status.st_uid != geteuid()) {
+  if (!IsTrusted(status)) {
     return std::string(kRouDiSocket) + " is another user's (uid " + std::to_string(status.st_uid) +
-           "), and shared memory joins programs of one user";
+           ") and of no group of this one; shared memory joins programs of one user or group";
   }
   const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (fd < 0) return std::string("no socket can be made: ") + std::strerror(errno);
@@ -183,7 +199,7 @@ std::optional<std::string> WhyNoRouDi() {
   const bool answers = connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
   close(fd);
   if (!answers) return none;
-  if (!IsHeld(kRouDiLock)) {
+  if (!IsHeld(kRouDiLock, status.st_uid)) {
     return std::string("what listens at ") + kRouDiSocket + " is no RouDi: it does not hold " +
            kRouDiLock;
   }

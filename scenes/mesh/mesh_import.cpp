@@ -23,10 +23,10 @@ extern "C" {
 
 #include "common/error.h"
 #include "common/json/json_file.h"
+#include "common/project_files.h"
 #include "scenes/mesh/mesh_import_limits.h"
 #include "scenes/mesh/mesh_references.h"
 #include "scenes/mesh/mesh_report.h"
-#include "scenes/mesh/model_files.h"
 #include "scenes/mesh/units.h"
 
 namespace palpate {

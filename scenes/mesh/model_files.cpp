@@ -7,6 +7,7 @@
 #include "common/error.h"
 #include "common/json/json_file.h"
 #include "common/nearest_word.h"
+#include "common/project_files.h"
 
 namespace palpate {
 namespace {
@@ -36,11 +37,6 @@ std::string FromEnvironment(const char* variable) {
 
 }  // namespace
 
-std::string ProgramFolder() {
-  std::error_code error;
-  return fs::read_symlink("/proc/self/exe", error).parent_path().string();
-}
-
 std::string FindModel(const std::string& name, const std::string& models_dir) {
   std::vector<std::string_view> names;
   const Model* model = nullptr;
@@ -56,14 +52,12 @@ std::string FindModel(const std::string& name, const std::string& models_dir) {
     for (std::string_view known : names) message.append(" ").append(known);
     throw Error(message + ")");
   }
-  const fs::path program = ProgramFolder();
   std::string places;
   for (const fs::path& folder : {
            fs::path(models_dir),
            fs::path(FromEnvironment("PALPATE_MODELS")),
            fs::path(FromEnvironment("PALPATE_MODELS_NPM")),
-           program / "../../models/node_modules",
-           program / "../share/palpate/models/node_modules",
+           fs::path(PlaceOf(ProjectFile::kModels)),
            fs::path("build/models/node_modules"),
            fs::path("/usr/share/glmark2/models"),
        }) {

@@ -8,13 +8,10 @@ namespace palpate {
 /// Finds the mesh file of a well-known model, "bunny", "dragon" or "buddha", in these folders, in
 /// this order:
 ///   `models_dir` (--models), $PALPATE_MODELS, $PALPATE_MODELS_NPM,
-///   models/node_modules beside the program's build folder or under share/palpate of its prefix,
+///   models/node_modules of what comes with the programs (common/project_files.h),
 ///   build/models/node_modules of the working folder,
 ///   /usr/share/glmark2/models.
 /// Throws Error with the places and how to get the model.
 std::string FindModel(const std::string& name, const std::string& models_dir);
-
-/// Folder of the running program.
-std::string ProgramFolder();
 
 }  // namespace palpate

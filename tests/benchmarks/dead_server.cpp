@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/project_files.h"
 #include "common/time/steady_clock.h"
 #include "devices/simulated/phantom_sheets.h"
 #include "tests/benchmarks/commands.h"
@@ -61,7 +62,7 @@ std::vector<test::Silence> Silences(const Options& options, int count, int done)
   test::Program station(
       test::OwnFolder() + "/palpate-station",
       {"--device", "simulated", "--scene", "cube", "--id", "bench", "--script",
-       PALPATE_SOURCE_DIR "/tests/link/hold.json", "--transport", options.transport, "--domain",
+       PlaceOf(ProjectFile::kHeldHand), "--transport", options.transport, "--domain",
        std::to_string(options.domain), "--no-table", "--trace", trace});
   Await(station, "session: tool");
   std::vector<std::int64_t> silenced_ns;

@@ -64,7 +64,8 @@ TEST(Programs, EndWithTwoWhereTheCommandLineIsWrong) {
 
 TEST(Scripts, TeachAndRefuseLikeThePrograms) {
   for (const std::string script :
-       {"deploy/demo", "deploy/setup", "deploy/container/run", "tests/run",
+       {"deploy/demo", "deploy/setup", "deploy/package", "deploy/container/run", "tests/run",
+        "tests/deploy/try_packages", "tests/deploy/try_containers", "tests/deploy/try_services",
         "tests/benchmarks/publish", "tests/benchmarks/page"}) {
     const std::string path = std::string(PALPATE_SOURCE_DIR) + "/" + script;
     const Output help = RunCommand({path, "--help"});

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <map>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -110,6 +111,7 @@ TEST_F(ContainerRun, EndsTheContainersThatItHasStarted) {
   StandIn("podman", R"(case $* in
   *iox-roudi*) echo 'RouDi is ready for clients'; exec sleep 1000 ;;
   *palpate-server\ --scene*) echo 'ready: scenes cube'; exec sleep 1000 ;;
+  *palpate-viewer\ --http*) echo 'ready: page http://127.0.0.1:8765/'; exec sleep 1000 ;;
 esac
 )");
   test::Program run("/usr/bin/env",
@@ -121,11 +123,47 @@ esac
   const std::string calls = Calls();
   EXPECT_THAT(calls, HasSubstr("--name palpate-roudi"));
   EXPECT_THAT(calls, HasSubstr("--name palpate-server"));
+  EXPECT_THAT(calls, HasSubstr("podman stop --ignore --time 5 palpate-viewer"));
   const std::size_t server = calls.find("podman stop --ignore --time 5 palpate-server");
   const std::size_t roudi = calls.find("podman stop --ignore --time 5 palpate-roudi");
   ASSERT_NE(server, std::string::npos) << calls;
   ASSERT_NE(roudi, std::string::npos) << calls;
   EXPECT_LT(server, roudi) << "RouDi ends its clients with it";
+}
+
+TEST_F(ContainerRun, GivesEachContainerTheLeastRightsThatItCanDoWith) {
+  StandIn("podman", R"(case $* in
+  *iox-roudi*) echo 'RouDi is ready for clients'; exec sleep 1000 ;;
+  *palpate-server\ --scene*) echo 'ready: scenes cube'; exec sleep 1000 ;;
+  *palpate-viewer\ --http*) echo 'ready: page http://127.0.0.1:8765/'; exec sleep 1000 ;;
+esac
+)");
+  test::Program run("/usr/bin/env",
+                    {"PATH=" + In("bin") + ":/usr/sbin:/usr/bin:/sbin:/bin",
+                     In("deploy/container/run"), "--engine", "podman", "--no-build"});
+  ASSERT_TRUE(run.Says("Ctrl-C ends the containers")) << run.Output();
+  run.Signal(SIGTERM);
+  EXPECT_EQ(run.Exit(), 0) << run.Output();
+  std::istringstream calls(Calls());
+  int started = 0;
+  for (std::string call; std::getline(calls, call);) {
+    if (call.find("--name palpate-") == std::string::npos) continue;
+    ++started;
+    for (const std::string right : {"--cap-drop ALL", "--security-opt no-new-privileges",
+                                    "--read-only", "--health-cmd healthy"}) {
+      EXPECT_THAT(call, HasSubstr(right));
+    }
+    // A root that may not raise limits gives the server two capabilities in their place.
+    if (call.find("--name palpate-server") == std::string::npos) {
+      EXPECT_THAT(call, Not(HasSubstr("--cap-add")));
+    }
+    EXPECT_THAT(call, Not(HasSubstr("--user 0:")));
+    const bool viewer = call.find("--name palpate-viewer") != std::string::npos;
+    for (const std::string shared : {"--ipc host", "--pid host", "/tmp:/tmp"}) {
+      EXPECT_EQ(call.find(shared) == std::string::npos, viewer) << shared << " in " << call;
+    }
+  }
+  EXPECT_EQ(started, 3);
 }
 
 TEST_F(ContainerRun, TakesNoOtherEngineThanTheOneNamed) {
@@ -144,6 +182,7 @@ TEST_F(ContainerRun, HandsPodmanTheLimitsOfTheHostAndSaysWhatTheyLack) {
   StandIn("podman", R"(case $* in
   *iox-roudi*) echo 'RouDi is ready for clients'; exec sleep 1000 ;;
   *palpate-server\ --scene*) echo 'ready: scenes cube'; exec sleep 1000 ;;
+  *palpate-viewer\ --http*) echo 'ready: page http://127.0.0.1:8765/'; exec sleep 1000 ;;
 esac
 )");
   StandIn("id", "echo 1000\n");  // not root
@@ -188,6 +227,8 @@ TEST(SharedMemory, IsOneFigureWhereverItIsNamed) {
            {"deploy/cyclonedds/roudi.toml", "/dev/shm must have "}}) {
     EXPECT_THAT(ReadFile((kRoot / file).string()), HasSubstr(begin + figure + " MB")) << file;
   }
+  EXPECT_THAT(ReadFile((kRoot / "client/doctor/shared_memory_checks.h").string()),
+              HasSubstr("kSharedMemoryNeeded_MB = " + figure + ";"));
 }
 
 }  // namespace

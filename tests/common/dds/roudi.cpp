@@ -13,6 +13,7 @@
 
 #include "common/dds/participant.h"
 #include "common/error.h"
+#include "common/project_files.h"
 
 namespace palpate {
 namespace {
@@ -56,6 +57,7 @@ RouDi::RouDi() {
   int from_guardian[2];
   if (pipe(to_guardian) != 0 || pipe(from_guardian) != 0) throw Error("no pipe");
   fcntl(to_guardian[1], F_SETFD, FD_CLOEXEC);
+  const std::string pools = PlaceOf(ProjectFile::kSharedMemory);
   if (fork() == 0) {
     dup2(to_guardian[0], STDIN_FILENO);
     dup2(from_guardian[1], STDOUT_FILENO);
@@ -64,8 +66,7 @@ RouDi::RouDi() {
     close(from_guardian[1]);
     dup2(lock, 9);
     setsid();  // a Ctrl-C at the test must not end RouDi before its clients
-    execlp("sh", "sh", "-c", kGuardian, "sh", PALPATE_SOURCE_DIR "/deploy/cyclonedds/roudi.toml",
-           nullptr);
+    execlp("sh", "sh", "-c", kGuardian, "sh", pools.c_str(), nullptr);
     _exit(127);
   }
   // The guardian holds the lock from now on, until RouDi has ended.

@@ -1,0 +1,89 @@
+#include "client/doctor/doctor.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include "client/doctor/device_checks.h"
+#include "client/doctor/host_files.h"
+#include "client/doctor/kernel_checks.h"
+#include "client/doctor/loop_check.h"
+#include "client/doctor/network_checks.h"
+#include "client/doctor/processor_checks.h"
+#include "client/doctor/rights_checks.h"
+#include "client/doctor/shared_memory_checks.h"
+#include "common/machine.h"
+#include "common/project_files.h"
+
+namespace palpate::doctor {
+namespace {
+
+/// What the loop that is tried is to be carried by.
+dds::Transport Expected(const Options& options, const RouDiState& roudi) {
+  if (options.transport == dds::Transport::kUdp || !options.network.this_host()) {
+    return dds::Transport::kUdp;
+  }
+  if (options.transport == dds::Transport::kSharedMemory) return dds::Transport::kSharedMemory;
+  return roudi.answers && roudi.lock_held ? dds::Transport::kSharedMemory : dds::Transport::kUdp;
+}
+
+}  // namespace
+
+std::string HostLine() {
+  char name[256] = "this host";
+  gethostname(name, sizeof name - 1);
+  const HostMachine machine = ThisHost();
+  return fmt::format("{}: {}, {} core{}", name, machine.cpu, machine.cores,
+                     machine.cores == 1 ? "" : "s");
+}
+
+std::optional<Report> Examine(const Options& options, StopSignal& stop,
+                              const std::function<void(const Finding&)>& found,
+                              const std::function<void(const std::string&)>& measuring) {
+  const HostFiles host;
+  Report report{.host = HostLine()};
+  const auto add = [&](Finding finding) {
+    found(finding);
+    report.findings.push_back(std::move(finding));
+  };
+  add(CheckKernel(host));
+  add(CheckClockSource(host));
+
+  const Rights rights = TryRights(options.realtime);
+  add(CheckScheduling(host, rights, options.realtime.priority));
+  add(CheckThrottling(host));
+  add(CheckLockedMemory(rights));
+
+  add(CheckGovernor(host));
+  add(CheckIdleStates(host));
+  add(CheckIsolatedCores(host));
+  add(CheckHyperThreading(host));
+
+  const dds::Transport wanted =
+      options.network.this_host() ? options.transport : dds::Transport::kUdp;
+  const RouDiState roudi = LookAtRouDi(host);
+  add(CheckSharedMemory(SpaceIn(host, "/dev/shm"), roudi.lock_held, wanted));
+  add(CheckRouDi(roudi, wanted, getuid(), PlaceOf(ProjectFile::kSharedMemory)));
+
+  add(CheckNetwork(InterfacesOfThisHost(), options.network));
+  add(CheckPorts(host, options.domain, ServerRuns(host, options.domain)));
+
+  measuring("a loop of poses and wrenches");
+  const dds::Transport expected = Expected(options, roudi);
+  add(CheckLoop(TryLoop({.domain = options.domain,
+                         .transport = expected,
+                         .network = options.network,
+                         .realtime = options.realtime},
+                        stop),
+                expected));
+  add(CheckDevice(host, options.device, LoadOpenHaptics));
+
+  if (options.seconds > 0.0 && !stop.stopped()) {
+    measuring(fmt::format("how late a loop wakes up, for {:g} s", options.seconds));
+    report.jitter = MeasureJitter(options.seconds, options.realtime, stop);
+    if (!stop.stopped()) add(CheckJitter(*report.jitter));
+  }
+  if (stop.stopped()) return std::nullopt;
+  return report;
+}
+
+}  // namespace palpate::doctor

@@ -1,0 +1,213 @@
+#include "client/doctor/loop_check.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <functional>
+#include <thread>
+
+#include <poll.h>
+#include <spdlog/fmt/fmt.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "common/dds/endpoint.h"
+#include "common/dds/topics.h"
+#include "common/error.h"
+#include "common/random_run.h"
+#include "common/stats/histogram.h"
+#include "common/time/steady_clock.h"
+
+namespace palpate::doctor {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr const char* kStation = "palpate_doctor";
+constexpr std::int64_t kPeriod_ns = 1'000'000;
+constexpr int kPoses = 1000;
+constexpr int kMeetWithin_ms = 5000;
+// As stations do before their first pose: a reader over shared memory leaks what comes earlier.
+constexpr milliseconds kSettle{100};
+constexpr int kAllWithin_ms = 15'000;
+// A round trip beyond the millisecond is a late wrench.
+constexpr double kBearable_us = 500.0;
+constexpr double kOneTick_us = 1000.0;
+
+/// Participant with the loop's rights: its receiving threads inherit them.
+dds::Participant Open(const LoopOptions& options) {
+  const dds::TransportChoice choice = dds::ChooseTransport(options.transport, options.network);
+  EnterRealtime(options.realtime);
+  dds::Participant participant = dds::Participant::Loop(options.domain, choice, options.network);
+  LeaveRealtime();
+  return participant;
+}
+
+void Await(const char* what, const std::function<bool()>& condition) {
+  for (int i = 0; i < kMeetWithin_ms; ++i) {
+    if (condition()) return;
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  throw Error(std::string(what) + " was not found within 5 s");
+}
+
+/// As the server does: answers in the thread that received the pose, until it is told to end.
+void Echo(const LoopOptions& options, std::uint64_t run, StopSignal& stop) {
+  const dds::Participant participant = Open(options);
+  dds::Writer<wire::Wrench> wrenches(participant, dds::WrenchTopic(kStation, run), dds::Qos::kLoop);
+  const std::string pose_topic = dds::PoseTopic(kStation, run);
+  Await("the station", [&] { return dds::WriterDiscovered(participant, pose_topic); });
+  const dds::Reader<wire::HapticPose> poses(participant, pose_topic, dds::Qos::kLoop,
+                                            [&](const wire::HapticPose& pose) {
+                                              wire::Wrench wrench{};
+                                              wrench.pose_sequence = pose.pose_sequence;
+                                              wrench.pose_time_ns = pose.sample_time_ns;
+                                              wrenches.Write(wrench);
+                                            });
+  while (!stop.WaitFor(kSettle)) {
+  }
+}
+
+/// As the station does.
+LoopTrial Ask(const LoopOptions& options, std::uint64_t run, const StopSignal& stop) {
+  LoopTrial trial;
+  const dds::Participant participant = Open(options);
+  dds::Writer<wire::HapticPose> poses(participant, dds::PoseTopic(kStation, run), dds::Qos::kLoop);
+  const std::string wrench_topic = dds::WrenchTopic(kStation, run);
+  Await("the echo", [&] { return dds::WriterDiscovered(participant, wrench_topic); });
+  Histogram round_trip;             // of the receiving thread, until the reader has gone
+  std::atomic<bool> counts{false};  // the first poses find caches cold
+  std::atomic<std::uint64_t> first{0};
+  dds::Reader<wire::Wrench> wrenches(participant, wrench_topic, dds::Qos::kLoop,
+                                     [&](const wire::Wrench& wrench) {
+                                       if (!counts || wrench.pose_sequence < first) return;
+                                       round_trip.Add(SteadyNanoseconds() - wrench.pose_time_ns);
+                                     });
+  Await("the echo's reader", [&] { return poses.matched_readers() > 0; });
+  Await("the echo's writer", [&] { return wrenches.matched_writers() > 0; });
+  std::this_thread::sleep_for(kSettle);
+  wire::HapticPose pose{};
+  std::int64_t due_ns = SteadyNanoseconds();
+  for (int i = -kPoses / 10; i < kPoses && !stop.stopped(); ++i) {
+    due_ns += kPeriod_ns;
+    const timespec due{.tv_sec = due_ns / 1'000'000'000, .tv_nsec = due_ns % 1'000'000'000};
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
+    ++pose.pose_sequence;
+    if (i == 0) {
+      first = pose.pose_sequence;
+      counts = true;
+    }
+    pose.sample_time_ns = SteadyNanoseconds();
+    poses.Write(pose);
+  }
+  std::this_thread::sleep_for(kSettle);
+  trial.shared_memory = poses.uses_shared_memory() && wrenches.uses_shared_memory();
+  wrenches = {};  // no callback runs any more
+  trial.sent = kPoses;
+  trial.lost = trial.sent - std::min(trial.sent, round_trip.count());
+  trial.p50_us = 1e-3 * static_cast<double>(round_trip.Quantile(0.5));
+  trial.p99_us = 1e-3 * static_cast<double>(round_trip.Quantile(0.99));
+  trial.max_us = 1e-3 * static_cast<double>(round_trip.max());
+  trial.finished = !stop.stopped();
+  return trial;
+}
+
+/// A process that does the work, and sends how it ended into the pipe.
+pid_t Start(int pipe, const std::function<LoopTrial()>& work) {
+  const pid_t parent = getpid();
+  const pid_t child = fork();
+  if (child != 0) return child;
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (getppid() != parent) _exit(1);
+  LoopTrial trial;
+  try {
+    trial = work();
+  } catch (const std::exception& error) {
+    std::snprintf(trial.error, sizeof trial.error, "%s", error.what());
+  }
+  [[maybe_unused]] const auto written = write(pipe, &trial, sizeof trial);
+  std::exit(0);  // in order: iceoryx takes its leave of RouDi
+}
+
+/// Asks first: a client that is killed in the middle of a write leaves RouDi a lock.
+void End(pid_t child) {
+  if (child <= 0) return;
+  kill(child, SIGTERM);
+  for (int i = 0; i < 200; ++i) {
+    if (waitpid(child, nullptr, WNOHANG) == child) return;
+    std::this_thread::sleep_for(milliseconds(10));
+  }
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+}
+
+}  // namespace
+
+LoopTrial TryLoop(const LoopOptions& options, StopSignal& stop) {
+  LoopTrial trial;
+  int ends[2];
+  if (pipe(ends) != 0) return trial;
+  std::fflush(nullptr);  // or the children would say it again
+  const std::uint64_t run = RandomRun();
+  const pid_t echo = Start(ends[1], [&] {
+    Echo(options, run, stop);
+    return LoopTrial{};
+  });
+  const pid_t station = Start(ends[1], [&] { return Ask(options, run, stop); });
+  close(ends[1]);
+  // The first to say something is the station, or the one that failed.
+  pollfd readable{.fd = ends[0], .events = POLLIN, .revents = 0};
+  if (poll(&readable, 1, kAllWithin_ms) > 0 &&
+      read(ends[0], &trial, sizeof trial) != static_cast<ssize_t>(sizeof trial)) {
+    trial = {};
+  }
+  End(station);
+  End(echo);
+  close(ends[0]);
+  return trial;
+}
+
+Finding CheckLoop(const LoopTrial& trial, dds::Transport expected) {
+  Finding finding{.check = "loop", .status = Status::kFault};
+  if (!trial.finished) {
+    const std::string why = trial.error;
+    finding.found = why.empty() ? "it hung or died on the way" : why;
+    finding.remedy =
+        why.empty() ? "start RouDi anew, and server and stations with it; programs say why with "
+                      "--log-level "
+                      "debug; --transport udp needs no RouDi"
+                    : "mend what stands above; a firewall must let UDP through on the interface";
+    return finding;
+  }
+  finding.found = fmt::format("{}: {:.0f} us round trip, p99 {:.0f}, most {:.0f}; {} of {} lost",
+                              trial.shared_memory ? "shared memory" : "UDP", trial.p50_us,
+                              trial.p99_us, trial.max_us, trial.lost, trial.sent);
+  if (expected == dds::Transport::kSharedMemory && !trial.shared_memory) {
+    finding.found += "; RouDi answers, and it is not used";
+    finding.remedy =
+        "start RouDi anew, and server and stations with it; 'ls -l /dev/shm /tmp/roudi' "
+        "must show this user, or a group of its own";
+    return finding;
+  }
+  if (trial.p99_us > kOneTick_us || 100 * trial.lost > trial.sent) {
+    finding.remedy = "mend the rights, the cores and the kernel (above), and end other programs";
+    return finding;
+  }
+  finding.status = Status::kOk;
+  if (trial.p99_us > kBearable_us || trial.lost > 0) {
+    finding.status = Status::kWarning;
+    finding.remedy =
+        "mend the rights, the cores and the kernel (above), and end other programs; "
+        "deploy/REALTIME.md says what helps most";
+  }
+  return finding;
+}
+
+}  // namespace palpate::doctor

@@ -1,0 +1,141 @@
+#include "client/doctor/report.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+namespace palpate::doctor {
+namespace {
+
+// Columns: "  warning  real-time throttling  text".
+constexpr int kStatusWidth = 7;
+constexpr int kCheckWidth = 20;
+constexpr int kTextColumn = 2 + kStatusWidth + 2 + kCheckWidth + 2;
+constexpr int kLeastTextWidth = 30;
+
+constexpr std::array kQuantiles = {0.5, 0.99, 0.999, 1.0};
+
+std::string Coloured(const char* code, const std::string& text, const Style& style) {
+  return style.colours ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : text;
+}
+
+const char* ColourOf(Status status) {
+  switch (status) {
+    case Status::kOk:
+      return "32";
+    case Status::kWarning:
+      return "33";
+    default:
+      return "1;31";
+  }
+}
+
+/// Lines of at most `width` letters, broken at spaces; a longer word (a path) stays whole.
+std::vector<std::string> Wrapped(const std::string& text, int width) {
+  std::vector<std::string> lines(1);
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const std::string_view word = rest.substr(0, rest.find(' '));
+    rest.remove_prefix(std::min(rest.size(), word.size() + 1));
+    std::string& line = lines.back();
+    if (!line.empty() && static_cast<int>(line.size() + 1 + word.size()) > width) {
+      lines.emplace_back(word);
+    } else {
+      line.append(line.empty() ? "" : " ").append(word);
+    }
+  }
+  return lines;
+}
+
+double Quantile_us(const Jitter& jitter, double q) {
+  return 1e-3 * static_cast<double>(jitter.lateness.Quantile(q));
+}
+
+std::string Table(const Jitter& jitter) {
+  std::string text = fmt::format("\n  a loop of 1 kHz, {} times: how late it woke up [us]\n",
+                                 jitter.lateness.count());
+  text += fmt::format("  {:>10}{:>10}{:>10}{:>10}\n", "p50", "p99", "p99.9", "max");
+  text += "  ";
+  for (const double q : kQuantiles) text += fmt::format("{:>10.1f}", Quantile_us(jitter, q));
+  return text + "\n";
+}
+
+}  // namespace
+
+const char* Verdict(const Report& report) {
+  switch (Worst(report.findings)) {
+    case Status::kOk:
+      return "fit";
+    case Status::kWarning:
+      return "fit, with warnings";
+    default:
+      return "not fit";
+  }
+}
+
+std::string ToText(const Finding& finding, const Style& style) {
+  const int width = std::max(kLeastTextWidth, style.columns - kTextColumn);
+  std::string text =
+      "  " +
+      Coloured(ColourOf(finding.status),
+               fmt::format("{:<{}}", ToString(finding.status), kStatusWidth), style) +
+      fmt::format("  {:<{}}  ", finding.check, kCheckWidth);
+  std::string indent;
+  for (const std::string& line : Wrapped(finding.found, width)) {
+    text += indent + line + "\n";
+    indent.assign(kTextColumn, ' ');
+  }
+  std::string begin = "-> ";
+  if (finding.remedy.empty()) return text;
+  for (const std::string& line : Wrapped(finding.remedy, width - 3)) {
+    text += std::string(kTextColumn, ' ') + Coloured("36", begin + line, style) + "\n";
+    begin = "   ";
+  }
+  return text;
+}
+
+std::string Summary(const Report& report, const Style& style) {
+  const auto count = [&](Status status) {
+    return std::ranges::count(report.findings, status, &Finding::status);
+  };
+  const auto counted = [](std::ptrdiff_t number, const char* one) {
+    return fmt::format("{} {}{}", number, one, number == 1 ? "" : "s");
+  };
+  std::string text = report.jitter ? Table(*report.jitter) : "";
+  text += "\n" +
+          Coloured(ColourOf(Worst(report.findings)),
+                   std::string("verdict: ") + Verdict(report) + " for 1 kHz", style) +
+          " (" + counted(count(Status::kFault), "fault") + ", " +
+          counted(count(Status::kWarning), "warning") + ")";
+  if (!report.jitter) text += "; how late a loop wakes up was not measured";
+  return text + "\n";
+}
+
+std::string ToJson(const Report& report) {
+  nlohmann::ordered_json json;
+  json["host"] = report.host;
+  json["version"] = PALPATE_VERSION;
+  json["findings"] = nlohmann::ordered_json::array();
+  for (const Finding& finding : report.findings) {
+    json["findings"].push_back({{"check", finding.check},
+                                {"status", ToString(finding.status)},
+                                {"found", finding.found},
+                                {"remedy", finding.remedy}});
+  }
+  if (report.jitter) {
+    json["jitter"] = {{"wake_ups", report.jitter->lateness.count()},
+                      {"missed", report.jitter->missed},
+                      {"p50_us", Quantile_us(*report.jitter, 0.5)},
+                      {"p99_us", Quantile_us(*report.jitter, 0.99)},
+                      {"p999_us", Quantile_us(*report.jitter, 0.999)},
+                      {"max_us", Quantile_us(*report.jitter, 1.0)}};
+  }
+  json["verdict"] = Verdict(report);
+  // What others have said, as a kernel's file, need not be UTF-8.
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace palpate::doctor

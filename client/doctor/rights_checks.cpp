@@ -1,0 +1,157 @@
+#include "client/doctor/rights_checks.h"
+
+#include <cstdlib>
+#include <sstream>
+#include <string>
+#include <thread>
+
+#include <linux/capability.h>
+#include <sys/resource.h>
+
+#include "common/error.h"
+
+namespace palpate::doctor {
+namespace {
+
+constexpr const char* kLimitsFile = "/etc/security/limits.d/palpate.conf";
+
+std::optional<long long> Limit(__rlimit_resource_t resource, long long unit) {
+  rlimit limit{};
+  getrlimit(resource, &limit);
+  if (limit.rlim_cur == RLIM_INFINITY) return std::nullopt;
+  return static_cast<long long>(limit.rlim_cur) / unit;
+}
+
+std::string Text(const std::optional<long long>& limit) {
+  return limit ? std::to_string(*limit) : "unlimited";
+}
+
+bool HasCapability(const HostFiles& host, int capability) {
+  std::istringstream status(host.Read("/proc/self/status").value_or(""));
+  for (std::string line; std::getline(status, line);) {
+    if (!line.starts_with("CapEff:")) continue;
+    const unsigned long long bits = std::strtoull(line.c_str() + 7, nullptr, 16);
+    return (bits >> capability & 1) != 0;
+  }
+  return false;
+}
+
+/// Of cgroup v1 with CONFIG_RT_GROUP_SCHED: the file that gives this process's group its real-time
+/// share, where there is one.
+std::optional<std::string> GroupShareFile(const HostFiles& host) {
+  std::istringstream groups(host.Read("/proc/self/cgroup").value_or(""));
+  for (std::string line; std::getline(groups, line);) {
+    // "1:cpu,cpuacct:/palpate"
+    const std::size_t first = line.find(':');
+    const std::size_t second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    std::istringstream controllers(line.substr(first + 1, second - first - 1));
+    bool of_cpu = false;
+    for (std::string name; std::getline(controllers, name, ',');) of_cpu |= name == "cpu";
+    if (!of_cpu) continue;
+    const std::string group = line.substr(second + 1) == "/" ? "" : line.substr(second + 1);
+    for (const std::string folder : {"/sys/fs/cgroup/cpu", "/sys/fs/cgroup/cpu,cpuacct"}) {
+      // In a container the group's own folder is the mount's root.
+      for (const std::string& place : {folder + group, folder}) {
+        const std::string file = place + "/cpu.rt_runtime_us";
+        if (host.Has(file)) return file;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Rights TryRights(const RealtimeOptions& realtime) {
+  Rights rights;
+  rights.rtprio = Limit(RLIMIT_RTPRIO, 1);
+  rights.memlock_kB = Limit(RLIMIT_MEMLOCK, 1024);
+  std::thread([&] {
+    const RealtimeReport report =
+        EnterRealtime({.mode = RealtimeMode::kPrefer, .priority = realtime.priority});
+    rights.fifo = report.fifo;
+    rights.memory_locked = report.memory_locked;
+  }).join();
+  return rights;
+}
+
+Finding CheckScheduling(const HostFiles& host, const Rights& rights, int priority) {
+  const bool capable = HasCapability(host, CAP_SYS_NICE);
+  const std::string wanted = "SCHED_FIFO " + std::to_string(priority);
+  Finding finding{.check = "real-time rights"};
+  if (rights.fifo) {
+    finding.found = wanted + " is granted";
+    return finding;
+  }
+  finding.status = Status::kFault;
+  finding.found = wanted + " is refused";
+  const auto share_file = GroupShareFile(host);
+  if ((capable || rights.rtprio.value_or(priority) >= priority) && share_file &&
+      host.ReadNumber(*share_file).value_or(-1) == 0) {
+    finding.found +=
+        ": the control group of this process has no real-time share (" + *share_file + " is 0)";
+    finding.remedy = "echo 400000 | sudo tee " + *share_file +
+                     " (the groups above it first, 800000 each), or start it outside of the group; "
+                     "in a container, --cpu-rt-runtime=400000 --cpu-rt-period=1000000";
+  } else if (!capable && rights.rtprio.value_or(priority) < priority) {
+    finding.found += ": ulimit -r is " + Text(rights.rtprio) + ", and CAP_SYS_NICE is missing";
+    finding.remedy =
+        std::string("put '@palpate - rtprio 45' and '@palpate - memlock unlimited' into ") +
+        kLimitsFile +
+        " (the package palpate-common does), sudo adduser $USER palpate, and log in "
+        "again; for a service, LimitRTPRIO=45; in a container, --cap-add SYS_NICE "
+        "--ulimit rtprio=45:45";
+  } else {
+    finding.found += ", though limits and capabilities allow it";
+    finding.remedy =
+        "what runs this (a container, a sandbox of systemd) forbids it: allow "
+        "sched_setscheduler in its seccomp profile, set RestrictRealtime=no in its unit, and in "
+        "podman without root raise the user's limits on the host and give --ulimit host";
+  }
+  return finding;
+}
+
+Finding CheckLockedMemory(const Rights& rights) {
+  Finding finding{.check = "locked memory"};
+  if (rights.memory_locked) {
+    finding.found = "is granted";
+    return finding;
+  }
+  finding.status = Status::kWarning;
+  finding.found = "is refused (ulimit -l is " + Text(rights.memlock_kB) +
+                  " kB): under memory pressure a loop waits for the disk";
+  finding.remedy =
+      std::string("put '@palpate - memlock unlimited' into ") + kLimitsFile +
+      " (the package palpate-common does), sudo adduser $USER palpate, and log in again; "
+      "for a service, LimitMEMLOCK=infinity; in a container, --ulimit memlock=-1:-1";
+  return finding;
+}
+
+Finding CheckThrottling(const HostFiles& host) {
+  Finding finding{.check = "real-time throttling"};
+  const auto runtime_us = host.ReadNumber("/proc/sys/kernel/sched_rt_runtime_us");
+  const auto period_us = host.ReadNumber("/proc/sys/kernel/sched_rt_period_us");
+  if (!runtime_us || !period_us) {
+    finding.found = "this kernel has none";
+    return finding;
+  }
+  constexpr const char* kRemedy =
+      "sudo sysctl kernel.sched_rt_runtime_us=950000, and the same line in "
+      "/etc/sysctl.d/palpate.conf";
+  if (*runtime_us < 0) {
+    finding.status = Status::kWarning;
+    finding.found = "off: a real-time thread that spins takes the host with it";
+    finding.remedy = kRemedy;
+    return finding;
+  }
+  const long long share = 100 * *runtime_us / (*period_us > 0 ? *period_us : 1);
+  finding.found = "real-time threads may take " + std::to_string(share) + " % of the time";
+  if (share >= 50) return finding;
+  finding.status = share == 0 ? Status::kFault : Status::kWarning;
+  finding.found += ": loops are held up when it is spent";
+  finding.remedy = kRemedy;
+  return finding;
+}
+
+}  // namespace palpate::doctor

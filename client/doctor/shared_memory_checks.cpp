@@ -1,0 +1,179 @@
+#include "client/doctor/shared_memory_checks.h"
+
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+namespace palpate::doctor {
+namespace {
+
+constexpr const char* kSocket = "/tmp/roudi";                 // iceoryx 2.0: IPC channel "roudi"
+constexpr const char* kLock = "/tmp/iox-unique-roudi.lock";   // held as long as RouDi lives
+constexpr const char* kManagement = "/dev/shm/iceoryx_mgmt";  // RouDi's books
+constexpr long long kMega = 1'000'000;
+
+/// True where the user may open the socket; `answers`, where a process holds it open.
+bool Connects(const std::string& path, bool& answers) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof address.sun_path) return false;
+  std::strcpy(address.sun_path, path.c_str());
+  const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return false;
+  answers = connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  const bool refused = !answers && (errno == EACCES || errno == EPERM);
+  close(fd);
+  return !refused;
+}
+
+bool IsLocked(const std::string& path) {
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return false;  // another user's: it is there, and nobody else's business
+  const bool locked = flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  close(fd);
+  return locked;
+}
+
+/// What iox-roudi was started with as its pools, from its command line.
+std::optional<std::string> PoolsOfRunning(const HostFiles& host) {
+  for (const std::string& process : host.Names("/proc")) {
+    if (host.Read("/proc/" + process + "/comm") != "iox-roudi") continue;
+    const std::string words = host.Read("/proc/" + process + "/cmdline").value_or("");
+    // Each word ends with a zero.
+    for (const char* name : {"-c", "--config-file"}) {
+      const std::string option = std::string(1, '\0') + name + std::string(1, '\0');
+      if (const std::size_t at = words.find(option); at != std::string::npos) {
+        return std::string(words.c_str() + at + option.size());
+      }
+    }
+    return "";
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Space> SpaceIn(const HostFiles& host, const std::string& folder) {
+  struct statvfs status {};
+  if (statvfs(host.At(folder).c_str(), &status) != 0) return std::nullopt;
+  const auto block = static_cast<long long>(status.f_frsize);
+  return Space{.size_MB = static_cast<long long>(status.f_blocks) * block / kMega,
+               .free_MB = static_cast<long long>(status.f_bavail) * block / kMega};
+}
+
+RouDiState LookAtRouDi(const HostFiles& host) {
+  RouDiState roudi;
+  struct stat status {};
+  roudi.socket = stat(host.At(kSocket).c_str(), &status) == 0;
+  if (roudi.socket) {
+    roudi.owner = status.st_uid;
+    roudi.may_connect = Connects(host.At(kSocket), roudi.answers);
+  }
+  const auto closed = [&](const char* file) { return host.Has(file) && !host.MayOpen(file); };
+  for (const char* file : {kLock, kManagement}) {
+    if (closed(file)) roudi.closed.append(" ").append(file);
+  }
+  roudi.lock_held = closed(kLock) ? roudi.answers : IsLocked(host.At(kLock));
+  roudi.pools = PoolsOfRunning(host);
+  return roudi;
+}
+
+Finding CheckSharedMemory(const std::optional<Space>& space, bool roudi_runs,
+                          dds::Transport wanted) {
+  Finding finding{.check = "/dev/shm"};
+  if (!space) {
+    finding.status = wanted == dds::Transport::kUdp ? Status::kWarning : Status::kFault;
+    finding.found = "is not there";
+    finding.remedy = "sudo mount -t tmpfs tmpfs /dev/shm";
+    return finding;
+  }
+  finding.found =
+      std::to_string(space->free_MB) + " of " + std::to_string(space->size_MB) + " MB free";
+  const bool enough = roudi_runs || space->free_MB >= kSharedMemoryNeeded_MB;
+  if (enough || wanted == dds::Transport::kUdp) return finding;
+  finding.status = wanted == dds::Transport::kSharedMemory ? Status::kFault : Status::kWarning;
+  finding.found +=
+      ": RouDi needs " + std::to_string(kSharedMemoryNeeded_MB) + " MB, and dies of less (SIGBUS)";
+  finding.remedy = space->size_MB < kSharedMemoryNeeded_MB
+                       ? "sudo mount -o remount,size=256m /dev/shm; in a container, --ipc host or "
+                         "--shm-size 256m"
+                       : "'ls -l /dev/shm' shows who has it: end those programs, and remove files "
+                         "of programs that "
+                         "have ended (iceoryx_*, where no RouDi runs)";
+  return finding;
+}
+
+Finding CheckRouDi(const RouDiState& roudi, dds::Transport wanted, long long user,
+                   const std::string& pools) {
+  const std::string start =
+      "sudo systemctl start palpate-roudi (package palpate-server), or iox-roudi -c " + pools +
+      " as the user of the server and the stations";
+  Finding finding{.check = "RouDi"};
+  const Status missing =
+      wanted == dds::Transport::kSharedMemory ? Status::kFault : Status::kWarning;
+  if (!roudi.closed.empty() && !roudi.socket && wanted != dds::Transport::kUdp) {
+    finding.status = missing;
+    finding.found = "another user's has left" + roudi.closed +
+                    ", or runs in another /tmp: none can be started as this user";
+    finding.remedy =
+        "where 'pgrep iox-roudi' names none: sudo rm" + roudi.closed + "; then " + start;
+    return finding;
+  }
+  if (!roudi.answers && !roudi.lock_held) {
+    finding.found = roudi.socket ? "does not run; a killed one has left its socket, /tmp/roudi"
+                                 : "does not run";
+    if (wanted == dds::Transport::kUdp) return finding;
+    finding.status = missing;
+    finding.found += ": programs meet over UDP";
+    finding.remedy = start;
+    return finding;
+  }
+  if (roudi.socket && !roudi.may_connect) {
+    finding.status = wanted == dds::Transport::kUdp ? Status::kOk : missing;
+    finding.found = "runs as another user (id " + std::to_string(roudi.owner) +
+                    "), whose socket this one may not open";
+    finding.remedy =
+        finding.status == Status::kOk
+            ? ""
+            : "run RouDi, server and stations as one user, or sudo adduser $USER palpate "
+              "where RouDi runs as the service palpate-roudi, and log in again";
+    return finding;
+  }
+  if (roudi.answers && !roudi.lock_held) {
+    finding.status = wanted == dds::Transport::kUdp ? Status::kWarning : Status::kFault;
+    finding.found = "something that is no RouDi (it holds no " + std::string(kLock) +
+                    ") listens at /tmp/roudi, of user id " + std::to_string(roudi.owner);
+    finding.remedy = "sudo ss -xlp | grep /tmp/roudi names the process: end it; then " + start;
+    return finding;
+  }
+  if (!roudi.answers) {
+    finding.status = wanted == dds::Transport::kUdp ? Status::kOk : Status::kFault;
+    finding.found = "holds its lock, but does not answer at /tmp/roudi";
+    finding.remedy =
+        finding.status == Status::kOk
+            ? ""
+            : "share the host's /tmp (a container: --volume /tmp:/tmp; a service: "
+              "PrivateTmp=no), or stop it and start it again, with server and stations";
+    return finding;
+  }
+  finding.found = "answers";
+  if (roudi.owner != user) finding.found += ", as user id " + std::to_string(roudi.owner);
+  if (!roudi.pools) return finding;  // in another process namespace: nobody can see
+  if (roudi.pools->empty()) {
+    finding.status = Status::kWarning;
+    finding.found += ", with pools of its own (149 MB): it was started without -c";
+    finding.remedy = "end it, and server and stations with it; then " + start;
+    return finding;
+  }
+  finding.found += ", with the pools of " + *roudi.pools;
+  return finding;
+}
+
+}  // namespace palpate::doctor

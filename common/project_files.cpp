@@ -1,0 +1,48 @@
+#include "common/project_files.h"
+
+#include <filesystem>
+#include <string_view>
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// @field installed  below share/palpate.   @field checkout  below the repository's root.
+struct Places {
+  std::string_view installed, checkout;
+};
+
+Places PlacesOf(ProjectFile file) {
+  switch (file) {
+    case ProjectFile::kCatalogue:
+      return {"catalogue", "scenes/catalogue"};
+    case ProjectFile::kPage:
+      return {"page", "build/page"};
+    case ProjectFile::kModels:
+      return {"models/node_modules", "build/models/node_modules"};
+    case ProjectFile::kSharedMemory:
+      return {"roudi.toml", "deploy/cyclonedds/roudi.toml"};
+    case ProjectFile::kHeldHand:
+      return {"hold.json", "tests/link/hold.json"};
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string ProgramFolder() {
+  std::error_code error;
+  return fs::read_symlink("/proc/self/exe", error).parent_path().string();
+}
+
+std::string PlaceOf(ProjectFile file, const std::string& program_folder) {
+  const Places places = PlacesOf(file);
+  const fs::path folder = program_folder;
+  const fs::path installed = folder / "../share/palpate" / places.installed;
+  std::error_code ignored;
+  if (fs::exists(installed, ignored)) return installed.lexically_normal().string();
+  return (folder / "../../.." / places.checkout).lexically_normal().string();
+}
+
+}  // namespace palpate

@@ -1,0 +1,14 @@
+#!/bin/sh
+# manual.sh PROGRAM PAGE.gz: a manual of the program's own --help.
+set -eu
+program=$1
+page=$2
+command -v help2man >/dev/null || {
+  echo "help2man is missing: deploy/setup --for packages installs it" >&2
+  exit 1
+}
+help2man --no-info --no-discard-stderr --section 1 \
+  --name "$("$program" --help | sed -n '1{s/[:.,;] .*//;p}')" \
+  "$program" >"$page.part"
+gzip -9n <"$page.part" >"$page"
+rm "$page.part"

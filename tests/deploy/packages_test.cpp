@@ -1,0 +1,53 @@
+// What deploy/package packs.  tests/deploy/try_packages installs and runs it.
+#include <map>
+#include <sstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/house/source_tree.h"
+
+namespace palpate::house {
+namespace {
+
+using testing::HasSubstr;
+
+std::string Read(const std::string& file) {
+  return ReadFile(PALPATE_SOURCE_DIR "/" + file);
+}
+
+/// The words between "palpate_package(" and its ")".
+std::map<std::string, int> PackedPrograms() {
+  std::map<std::string, int> packed;
+  const std::string text = Read("deploy/packages/CMakeLists.txt");
+  for (const std::string call : {"\npalpate_package(", "\n  palpate_package("}) {
+    for (std::size_t at = text.find(call); at != std::string::npos; at = text.find(call, at + 1)) {
+      const std::size_t end = text.find(')', at);
+      std::istringstream words(text.substr(at + call.size(), end - at - call.size()));
+      for (std::string word; words >> word;) {
+        if (word.starts_with("palpate-")) ++packed[word];
+      }
+    }
+  }
+  return packed;
+}
+
+TEST(Packages, HoldEachProgramOnce) {
+  std::map<std::string, int> built;
+  std::istringstream programs(PALPATE_PROGRAMS);
+  for (std::string program; std::getline(programs, program, ',');) built[program] = 1;
+  EXPECT_EQ(PackedPrograms(), built)
+      << "enter a new program in deploy/packages/CMakeLists.txt, in the package of its users";
+}
+
+TEST(Packages, HoldTheUnitsAndWhatTheUnitsRead) {
+  const std::string rules = Read("deploy/packages/CMakeLists.txt");
+  for (const std::string& file : SourceFiles(PALPATE_SOURCE_DIR)) {
+    if (!file.starts_with("deploy/systemd/")) continue;
+    EXPECT_THAT(rules, HasSubstr(file.substr(file.rfind('/') + 1))) << file << " is not packed";
+  }
+}
+
+}  // namespace
+}  // namespace palpate::house
