@@ -291,7 +291,7 @@ Findings SharedMemoryFull(int domain) {
 Findings NoMemory(int domain) {
   Lab lab(domain);
   Findings findings;
-  for (const char* kilobytes : {"60000", "150000", "300000"}) {
+  for (const char* kilobytes : {"150000", "300000", "900000"}) {
     try {
       lab.StartServer(
           {"--scene", "bunny-bunny"},

@@ -16,7 +16,7 @@ const std::string kDomain = std::to_string(OwnDomain());
 class RouDiFaults : public testing::TestWithParam<const char*> {};
 
 TEST_P(RouDiFaults, LeaveTrueWhatMustBe) {
-  Program faults(OwnFolder() + "/palpate-faults", {"--only", GetParam(), "--domain", kDomain});
+  Program faults(OwnFolder() + "/fault_harness", {"--only", GetParam(), "--domain", kDomain});
   EXPECT_EQ(faults.Exit(220.0), 0) << faults.Output();
   EXPECT_THAT(faults.Output(), testing::HasSubstr(" held\n"));
 }

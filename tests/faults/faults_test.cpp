@@ -16,7 +16,7 @@ const std::string kDomain = std::to_string(OwnDomain());
 class Faults : public testing::TestWithParam<const char*> {};
 
 TEST_P(Faults, LeaveTrueWhatMustBe) {
-  Program faults(OwnFolder() + "/palpate-faults", {"--only", GetParam(), "--domain", kDomain});
+  Program faults(OwnFolder() + "/fault_harness", {"--only", GetParam(), "--domain", kDomain});
   EXPECT_EQ(faults.Exit(220.0), 0) << faults.Output();
   EXPECT_THAT(faults.Output(), testing::HasSubstr(" held\n"));
 }
@@ -33,7 +33,7 @@ INSTANTIATE_TEST_SUITE_P(Each, Faults,
                          });
 
 TEST(FaultsProgram, NamesAFaultThatThereIsNot) {
-  Program faults(OwnFolder() + "/palpate-faults", {"--only", "flood"});
+  Program faults(OwnFolder() + "/fault_harness", {"--only", "flood"});
   EXPECT_EQ(faults.Exit(20.0), 2);
   EXPECT_THAT(faults.Output(), testing::HasSubstr("--list names all"));
 }

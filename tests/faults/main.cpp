@@ -1,4 +1,4 @@
-// palpate-faults: what goes wrong in a laboratory, done to the real programs, and what must be true
+// fault_harness: what goes wrong in a laboratory, done to the real programs, and what must be true
 // nevertheless; as a table.
 #include <cstdio>
 #include <optional>
@@ -20,9 +20,9 @@ anything at all, and looks at what must be true nevertheless.  Prints a table.  
 all held, 1 where something did not.
 )";
 constexpr const char* kExample = R"(Examples:
-  palpate-faults                        all, some minutes
-  palpate-faults --only server-killed
-  palpate-faults --random 50 --seed 7   fifty faults one after another, as the seed says)";
+  fault_harness                        all, some minutes
+  fault_harness --only server-killed
+  fault_harness --random 50 --seed 7   fifty faults one after another, as the seed says)";
 
 struct Options {
   std::vector<std::string> only;
@@ -90,7 +90,7 @@ int Run(const Options& options) {
 
 std::optional<Options> Parse(int argc, char** argv) {
   Options options;
-  CLI::App app(kAbout, "palpate-faults");
+  CLI::App app(kAbout, "fault_harness");
   app.footer(kExample);
   app.add_option("--only", options.only, "these faults alone");
   app.add_flag("--quick", options.quick, "those that need no RouDi of their own");
@@ -108,10 +108,10 @@ std::optional<Options> Parse(int argc, char** argv) {
 }  // namespace palpate::faults
 
 int main(int argc, char** argv) {
-  return palpate::RunProgram("palpate-faults", [&] {
+  return palpate::RunProgram("fault_harness", [&] {
     const auto options = palpate::faults::Parse(argc, argv);
     if (!options) return 0;
-    palpate::SetUpLog("palpate-faults", options->log_level);
+    palpate::SetUpLog("fault_harness", options->log_level);
     return palpate::faults::Run(*options);
   });
 }

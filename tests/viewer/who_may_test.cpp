@@ -17,6 +17,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/bundle_hash.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/topics.h"
 #include "tests/support/random.h"
@@ -145,6 +146,7 @@ class StandIn {
     wire::SceneBundle bundle{};
     wire::FromText("cube", bundle.scene);
     bundle.server_run = kRun;
+    bundle.hash = BundleHash({&byte, 1});
     bundle.bundle._buffer = &byte;
     bundle.bundle._length = bundle.bundle._maximum = 1;
     EXPECT_TRUE(bundles_.Write(bundle));
