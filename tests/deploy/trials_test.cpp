@@ -33,5 +33,9 @@ TEST(Trials, ContainersAreHealthyWithTheLeastRightsAndAHandFeelsTheScene) {
   Try("try_containers", "deploy/package");
 }
 
+TEST(Trials, PodOfAStationHostFeelsTheSceneAndIsStartedAnewWithRouDi) {
+  Try("try_pod", "deploy/container/run --try 10");
+}
+
 }  // namespace
 }  // namespace palpate::house
