@@ -21,12 +21,23 @@ namespace palpate {
 
 struct JsonNode::Value {
   enum Kind { kNull, kBool, kNumber, kString, kArray, kObject };
+  // Defined below, where a pair that holds one is complete; clang asks for that.
+  Value();
+  Value(Value&& other) noexcept;
+  Value& operator=(Value&& other) noexcept;
+  ~Value();
+
   Kind kind = kNull;
   int line = 1;
   double number = 0.0;
   std::string string;
   std::vector<std::pair<std::string, Value>> members;  // of arrays, too, with empty names
 };
+
+JsonNode::Value::Value() = default;
+JsonNode::Value::Value(Value&& other) noexcept = default;
+JsonNode::Value& JsonNode::Value::operator=(Value&& other) noexcept = default;
+JsonNode::Value::~Value() = default;
 
 struct JsonNode::Document {
   std::string file;
