@@ -43,7 +43,7 @@ SessionLink::SessionLink(LinkOptions options, ReplyRing& replies,
 
   service_.emplace(dds::Participant::Service(options_.domain, options_.network));
   requests_ = {*service_, dds::kSessionRequestTopic, dds::Qos::kSession};
-  states_ = {*service_, dds::kSessionStateTopic, dds::Qos::kRecordSession};
+  states_.emplace(*service_, dds::kSessionStateTopic, dds::Qos::kRecordSession);
   Ask(SteadyNanoseconds());
 }
 
@@ -86,6 +86,7 @@ void SessionLink::Ask(std::int64_t now_ns) {
   leave_key_ = dds::NewLeaveKey();
   server_run_ = 0;
   server_restarted_ = false;
+  others_heard_ = false;
   state_.reset();
   readers_made_ = 0;
   matched_since_ns_ = 0;
@@ -95,11 +96,22 @@ void SessionLink::Ask(std::int64_t now_ns) {
 }
 
 void SessionLink::TakeStates() {
-  wire::SessionState state;
-  while (states_.Take(state)) {
+  dds::CdrSample raw;
+  wire::SessionState state{};
+  while (states_->Take(raw, state)) {
     if (options_.station != state.station) continue;
+    if (IsForeign(raw.origin)) {
+      if (!others_heard_) {
+        say_(
+            "another program speaks in this station's server's place, and is not heard while the "
+            "server answers");
+      }
+      others_heard_ = true;
+      continue;
+    }
     if (state.run == run_) {
       state_ = state;
+      state_origin_ = raw.origin;
     } else if (state_ && state.server_run == server_run_ &&
                state.phase != palpate_SESSION_REFUSED) {
       // Only the last word of each name is kept: what ended this run's session may be overwritten.
@@ -108,6 +120,14 @@ void SessionLink::TakeStates() {
     }
     if (server_run_ != 0 && state.server_run != server_run_) server_restarted_ = true;
   }
+}
+
+bool SessionLink::IsForeign(std::uint64_t origin) const {
+  // Who answers poses holds the session, whoever else speaks under the station's name and run,
+  // which are public.  A successor is heard once the server has gone, or has fallen silent: one
+  // that was killed passes for alive until its lease ends.
+  return phase_ == Phase::kLinked && !silence_said_ && origin != server_origin_ &&
+         states_->Hears(server_origin_);
 }
 
 void SessionLink::Poll(std::int64_t now_ns) {
@@ -134,16 +154,13 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
     if (links_ == 0 && asked_s > options_.patience_s) {
       throw Error(NobodyAnswers(options_.domain, options_.network, options_.scene));
     }
-    // A server that is flooded with requests answers some of them only.
-    if (now_ns - asked_ns_ > kAskAgain_ns) {
-      asked_ns_ = now_ns;
-      WriteRequest(false);
-    }
+    AskAgain(now_ns);  // a server that is flooded with requests answers some of them only
     return;
   }
   if (state_->phase == palpate_SESSION_HELD) {
     if (!held_said_) say_(std::string("the session is held: ") + state_->reason);
     held_said_ = true;
+    AskAgain(now_ns);  // who does not ask passes for gone
     return;
   }
   held_said_ = false;
@@ -167,6 +184,7 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
                 ": end one of them, or give it and its stations another --domain");
   }
   server_run_ = state_->server_run;
+  server_origin_ = state_origin_;
   tool_ = state_->tool;
   path_ = std::make_unique<PosePath>();
   path_->spring = {state_->stiffness_N_per_m, state_->torsional_stiffness_Nm_per_rad,
@@ -180,6 +198,12 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
   }
   phase_ = Phase::kMatching;
   phase_since_ns_ = now_ns;
+}
+
+void SessionLink::AskAgain(std::int64_t now_ns) {
+  if (now_ns - asked_ns_ <= kAskAgain_ns) return;
+  asked_ns_ = now_ns;
+  WriteRequest(false);
 }
 
 void SessionLink::MakeReader() {
@@ -216,6 +240,8 @@ void SessionLink::PollMatching(std::int64_t now_ns) {
 }
 
 void SessionLink::PollLinked(std::int64_t now_ns) {
+  // It answers poses, too: forces of two servers must not take turns.
+  if (others_heard_ && wrenches_.matched_writers() > 1) server_restarted_ = true;
   if (server_restarted_) {
     say_("the server was restarted: asking for the session again");
     return Ask(now_ns);
@@ -236,6 +262,8 @@ void SessionLink::OnSilence(std::int64_t now_ns) {
   silent_since_ns_ = now_ns;
   if (!silence_said_) say_("no replies for 1 s: forces are zero until they come again");
   silence_said_ = true;
+  // What another server has answered to this run is lost: it is to answer the next.
+  if (others_heard_) return Ask(now_ns);
   if (wrenches_.matched_writers() == 0)
     return;  // nobody there: its successor will find our request
   if (readers_made_ < kReadersPerRun) {

@@ -9,6 +9,7 @@
 
 #include "client/station/reply_ring.h"
 #include "client/station/servo_thread.h"
+#include "common/dds/cdr_reader.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/leave_seal.h"
 #include "common/dds/participant.h"
@@ -69,7 +70,10 @@ class SessionLink {
 
  private:
   void Ask(std::int64_t now_ns);
+  void AskAgain(std::int64_t now_ns);
   void TakeStates();
+  /// True for the word of another than the server that holds the session and lives.
+  bool IsForeign(std::uint64_t origin) const;
   void PollAsking(std::int64_t now_ns);
   void PollMatching(std::int64_t now_ns);
   void PollLinked(std::int64_t now_ns);
@@ -91,7 +95,7 @@ class SessionLink {
   ServoThread* servo_ = nullptr;
   std::optional<dds::Participant> service_;
   dds::Writer<wire::SessionRequest> requests_;
-  dds::Reader<wire::SessionState> states_;
+  std::optional<dds::CdrReader<wire::SessionState>> states_;
 
   Phase phase_ = Phase::kAsking;
   std::int64_t phase_since_ns_ = 0;
@@ -100,6 +104,9 @@ class SessionLink {
   dds::LeaveKey leave_key_{};                // of that run
   std::uint64_t server_run_ = 0;             // of the server that accepted
   std::optional<wire::SessionState> state_;  // latest answer to this run
+  std::uint64_t state_origin_ = 0;           // the participant whose it is
+  std::uint64_t server_origin_ = 0;          // the participant of the server that accepted
+  bool others_heard_ = false;                // beside it, in this run
   bool server_restarted_ = false;
   std::set<std::uint64_t> former_servers_;  // by server_run: one that has gone answers no more
   std::int64_t refused_since_ns_ = 0;

@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/quoted.h"
 
 namespace palpate::dds {
 namespace {
@@ -47,7 +48,14 @@ std::string Named(const char* element, const fs::path& folder, const char* file)
     throw Error("--identity: " + path.string() + ": " + std::strerror(errno) +
                 "; 'deploy/security/identities add' makes a folder with all that belongs to one");
   }
-  return std::string("<") + element + ">file:" + fs::absolute(path).string() + "</" + element + ">";
+  const std::string whole = fs::absolute(path).string();
+  // It stands in an XML text, in which Cyclone DDS looks for ${VARIABLES}, too.
+  if (whole.find_first_of("<&$\\") != std::string::npos) {
+    throw Error("--identity: " + Quoted(whole) +
+                ": DDS takes no path with one of < & $ \\; carry the identity to another "
+                "folder");
+  }
+  return std::string("<") + element + ">file:" + whole + "</" + element + ">";
 }
 
 void SeeThatOnlyTheOwnerReads(const fs::path& key) {

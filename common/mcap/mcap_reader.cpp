@@ -74,7 +74,8 @@ std::string At(std::size_t offset) {
 }  // namespace
 
 MappedFile::MappedFile(const std::string& file) {
-  const int fd = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  const int fd =
+      open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe would be waited for
   struct stat status {};
   if (fd < 0 || fstat(fd, &status) != 0) {
     const std::string why = std::strerror(errno);

@@ -25,16 +25,6 @@ constexpr double kBallShare = 0.05;
 /// Of a rigid mesh the spheres only tell what is inside.
 constexpr int kLeaves = 2048;
 
-/// The file's name without its endings, as a scene may be called.
-std::string NameOf(fs::path file) {
-  file = file.filename();
-  if (file.extension() == ".gz") file = file.stem();
-  std::string name = file.stem().string().substr(0, kLongestName);
-  std::ranges::replace_if(
-      name, [](unsigned char c) { return !IsOfName(c); }, '-');
-  return name;
-}
-
 std::string Size(const Vec3& size, double metres_per_unit) {
   const Vec3 m = metres_per_unit * size;
   const bool large = m.maxCoeff() >= 1.0;
@@ -99,7 +89,8 @@ MeshScene MakeMeshScene(const std::string& mesh_file, const MeshSceneOptions& op
   const Vec3 size_m = MetresPerUnit(unit) * size;
   const bool given = options.ball_m > 0.0;
   const double ball_m = given ? options.ball_m : Rounded(kBallShare * size_m.maxCoeff());
-  const std::string name = NameOf(mesh_file);
+  const fs::path path(mesh_file);
+  const std::string name = SceneNameOf(path.extension() == ".gz" ? path.stem() : path);
   std::error_code ignored;
   const fs::path from = folder.empty() ? fs::path(".") : fs::path(folder);
   const std::string file = fs::proximate(mesh_file, from, ignored).string();

@@ -420,6 +420,13 @@ bool IsOfName(unsigned char c) {
   return std::isalnum(c) || c == '-' || c == '_' || c == '.';
 }
 
+std::string SceneNameOf(const fs::path& file) {
+  std::string name = file.stem().string().substr(0, kLongestName);
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return !IsOfName(c); }, '-');
+  return name;
+}
+
 void ChooseModes(SceneDescription& scene) {
   const TreeMode mode = ModeFor(scene.features.contact);
   for (auto* bodies : {&scene.tools, &scene.objects}) {
@@ -435,7 +442,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
                   "first_sight", "whole_at_start"});
   SceneDescription scene;
   const fs::path path(file);
-  scene.name = path.stem().string();
+  scene.name = SceneNameOf(path);
   if (auto name = root.Find("name")) scene.name = ReadName(*name);
   if (auto description = root.Find("description")) description->String();
   std::set<std::string> names;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -93,6 +94,9 @@ struct SceneDescription {
 /// What a scene or a body may be called: so many bytes at most, all of them letters, digits, - _ .
 inline constexpr std::size_t kLongestName = 64;
 bool IsOfName(unsigned char c);
+/// What a scene is called that its file gives no name: as the file, without folder and last ending,
+/// and with - where there is what no name has.
+std::string SceneNameOf(const std::filesystem::path& file);
 
 /// Gives the trees that the scene file leaves open the mode that suits the contact (ModeFor).
 void ChooseModes(SceneDescription& scene);

@@ -71,6 +71,11 @@ void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now
                   now_ns);
   }
   Withdraw(waiting_, request);
+  if (const auto asked = held_.find(request.station);
+      asked != held_.end() && !request.leave && asked->second.request.run == request.run) {
+    asked->second = {request, now_ns};  // it is still there, and has been told that it is held
+    return;
+  }
   Withdraw(held_, request);
   const auto held = sessions_.find(request.station);
   if (held == sessions_.end()) {
@@ -85,8 +90,10 @@ void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now
       held->second->End("the station started again");
     }
     waiting_[request.station] = {request, now_ns};
-  } else {
+  } else if (refusals_.Take(now_ns)) {
     Publish(*held->second);  // asked again: told again what it has
+  } else {
+    ++untold_;
   }
 }
 
@@ -99,6 +106,10 @@ bool SessionTable::MayBegin(const wire::SessionRequest& request, std::int64_t no
   if (held_.size() >= kMaxStations) {
     Refuse(request, "so many stations wait to be admitted that this one cannot; try again later",
            now_ns);
+    return false;
+  }
+  if (!refusals_.Take(now_ns)) {
+    ++untold_;
     return false;
   }
   held_[request.station] = {request, now_ns};
@@ -182,6 +193,16 @@ void SessionTable::Update(std::int64_t now_ns) {
       Publish(*sessions_.at(waiting.request.station));
     }
   }
+  ForgetHeld(now_ns);
+}
+
+void SessionTable::ForgetHeld(std::int64_t now_ns) {
+  std::erase_if(held_, [&](const auto& entry) {
+    if (now_ns - entry.second.since_ns <= kHeld_ns) return false;
+    changes_.push_back(AnswerTo(entry.second.request, palpate_SESSION_ENDED,
+                                "it was held, and asks no more: the station has gone"));
+    return true;
+  });
 }
 
 void SessionTable::PassOnRemovals(Session& from) {

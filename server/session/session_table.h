@@ -29,6 +29,8 @@ class SessionTable {
   static constexpr std::int64_t kTakeOver_ns = 3 * Session::kSilence_ns;
   static constexpr double kRefusalsPerSecond = 20.0;
   static constexpr double kRefusalsAtOnce = 50.0;  ///< a class that starts at the same time
+  /// A held station asks again every 2 s; one that does so no more has gone, and holds no place.
+  static constexpr std::int64_t kHeld_ns = 10'000'000'000;
   static constexpr std::size_t kMostNames = 1024;  ///< that teachers have spoken of
 
   /// @param admit_by_hand  stations wait until somebody admits them (Operate).
@@ -63,7 +65,7 @@ class SessionTable {
  private:
   struct Waiting {
     wire::SessionRequest request;
-    std::int64_t since_ns;
+    std::int64_t since_ns;  // of one that is held: when it asked last
   };
   /// By a teacher's word, of a name.
   struct Standing {
@@ -81,6 +83,7 @@ class SessionTable {
   static void Withdraw(Requests& requests, const wire::SessionRequest& request);
   /// False where the station has to wait for a teacher; then it does.
   bool MayBegin(const wire::SessionRequest& request, std::int64_t now_ns);
+  void ForgetHeld(std::int64_t now_ns);
   void Refuse(const wire::SessionRequest& request, const std::string& reason, std::int64_t now_ns);
   void Publish(const Session& session);
   /// What is the same in each answer to a request.

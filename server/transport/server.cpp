@@ -7,6 +7,7 @@
 #include <iterator>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
 #include "common/dds/topics.h"
@@ -169,6 +170,14 @@ void Server::Poll(std::int64_t now_ns) {
   }
 }
 
+void Server::LogWish(std::int64_t now_ns, const std::string& line) {
+  if (lines_.Take(now_ns)) {
+    spdlog::info("{}", line);
+  } else {
+    ++lines_left_out_;
+  }
+}
+
 void Server::TakeRequests(std::int64_t now_ns) {
   // No more than the readers hold: who floods them does not hold this thread.
   wire::SessionRequest request;
@@ -176,11 +185,19 @@ void Server::TakeRequests(std::int64_t now_ns) {
     table_.Request(request, now_ns);
   }
   wire::WholeRequest whole;
-  for (int i = 0; i < kMostRequests && whole_requests_.Take(whole); ++i) table_.Request(whole);
+  for (int i = 0; i < kMostRequests && whole_requests_.Take(whole); ++i) {
+    // Each takes the forces from all tools of the scene, until they begin anew.
+    if (wishes_to_make_whole_.Take(now_ns)) {
+      table_.Request(whole);
+    } else {
+      ++untold_;
+    }
+  }
   wire::OperateRequest operate;
   for (int i = 0; i < kMostRequests && operate_requests_.Take(operate); ++i) {
     if (!table_.Operate(operate, now_ns)) continue;
-    spdlog::info("station {}: {} asks to {}", operate.station, operate.by, WishText(operate.wish));
+    LogWish(now_ns, fmt::format("station {}: {} asks to {}", operate.station, operate.by,
+                                WishText(operate.wish)));
   }
 }
 
@@ -215,17 +232,18 @@ void Server::PublishChanges(std::int64_t now_ns) {
     } else {
       over_since_ns_.erase(state.station);
     }
-    spdlog::info("station {}: {}{}{}{}", state.station, PhaseText(state.phase),
-                 state.muted ? ", muted" : "", state.reason[0] != '\0' ? ": " : "", state.reason);
+    LogWish(now_ns, fmt::format("station {}: {}{}{}{}", state.station, PhaseText(state.phase),
+                                state.muted ? ", muted" : "", state.reason[0] != '\0' ? ": " : "",
+                                state.reason));
     states_.Write(state);
     if (events_.session) events_.session(state);
   }
   for (const wire::SceneChange& change : table_.TakeSceneChanges()) scene_changes_.Write(change);
   for (const wire::LeafTaken& taken : table_.TakeLeavesTaken()) leaves_taken_.Write(taken);
   for (const wire::SceneWhole& whole : table_.TakeWholes()) {
-    spdlog::info("scene {}: {}{}, asked by {}", whole.scene,
-                 whole.refusal[0] == '\0' ? "whole again" : "not made whole: ", whole.refusal,
-                 whole.by);
+    LogWish(now_ns, fmt::format("scene {}: {}{}, asked by {}", whole.scene,
+                                whole.refusal[0] == '\0' ? "whole again" : "not made whole: ",
+                                whole.refusal, whole.by));
     wholes_.Write(whole);
     if (events_.whole) events_.whole(whole);
   }
@@ -242,9 +260,15 @@ void Server::DisposeOfEnded(std::int64_t now_ns) {
   const std::uint64_t untold = table_.TakeUntold();
   if (untold > 0 && events_.untold) events_.untold(untold);
   untold_ += untold;
-  if (untold_ == 0 || now_ns - untold_said_ns_ < kSecond_ns) return;
-  spdlog::warn("{} more requests were refused without a word: there are so many", untold_);
-  untold_ = 0;
+  if (untold_ + lines_left_out_ == 0 || now_ns - untold_said_ns_ < kSecond_ns) return;
+  if (untold_ > 0) {
+    spdlog::warn("{} more requests were refused without a word: there are so many", untold_);
+  }
+  if (lines_left_out_ > 0) {
+    spdlog::warn("{} more lines about stations and scenes are left out here: there are so many",
+                 lines_left_out_);
+  }
+  untold_ = lines_left_out_ = 0;
   untold_said_ns_ = now_ns;
 }
 

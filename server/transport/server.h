@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/dds/endpoint.h"
+#include "common/realtime/token_bucket.h"
 #include "server/offer/served_scene.h"
 #include "server/session/session_table.h"
 #include "server/transport/server_events.h"
@@ -57,6 +58,8 @@ class Server {
   };
 
   void TakeRequests(std::int64_t now_ns);
+  /// Logs what others have asked for: so much of it a second, for they may ask without an end.
+  void LogWish(std::int64_t now_ns, const std::string& line);
   void PublishChanges(std::int64_t now_ns);
   /// Of sessions that are over for some time: nobody needs to hear of them any more.
   void DisposeOfEnded(std::int64_t now_ns);
@@ -85,6 +88,9 @@ class Server {
   dds::Writer<wire::LoopStatistics> statistics_;
   std::map<std::string, Station> stations_;
   std::map<std::string, std::int64_t> over_since_ns_;  // by station: refused, or ended
+  TokenBucket lines_{50.0, 400.0};  // a class that starts at the same time is told of
+  std::uint64_t lines_left_out_ = 0;
+  TokenBucket wishes_to_make_whole_{1.0, 5.0};
   std::int64_t untold_said_ns_ = 0;
   std::uint64_t untold_ = 0;
   std::int64_t tool_states_ns_ = 0;

@@ -204,6 +204,16 @@ TEST(Identity, SaysWhatItLacksAndThatItsKeyIsItsOwnersAlone) {
   }
 }
 
+TEST(Identity, SaysWhichFoldersNamesAreNotForDds) {
+  const Authority authority("<a> & ${HOME}");
+  try {
+    dds::SecurityConfig(authority.Add("viewer", "far"));
+    FAIL() << "DDS would read another text";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("DDS takes no path with one of < & $"));
+  }
+}
+
 TEST(Identity, IsNotForSharedMemory) {
   dds::Network network;
   network.identity = "/tmp";

@@ -359,6 +359,33 @@ TEST_F(SessionTableTest, HoldsNoMoreStationsThanItServes) {
   EXPECT_EQ(table.TakeChanges().back().phase, palpate_SESSION_REFUSED);
 }
 
+TEST_F(SessionTableTest, GivesThePlacesOfHeldStationsThatAskNoMoreToOthers) {
+  SessionTable table({BallTool("one")}, kServerRun, true);
+  for (std::size_t i = 0; i < SessionTable::kMaxStations; ++i) {
+    table.Request(MakeRequest(NumberedName(i), 1, "one"), now_);
+  }
+  now_ += SessionTable::kHeld_ns;
+  table.Request(MakeRequest(NumberedName(0), 1, "one"), now_);
+  table.TakeChanges();
+  table.Update(now_ += kMs);
+  const std::vector<wire::SessionState> gone = table.TakeChanges();
+  EXPECT_EQ(gone.size(), SessionTable::kMaxStations - 1) << "one asks still";
+  EXPECT_EQ(gone.back().phase, palpate_SESSION_ENDED);
+  table.Request(MakeRequest("pupil", 1, "one"), now_);
+  EXPECT_EQ(table.TakeChanges().back().phase, palpate_SESSION_HELD);
+}
+
+TEST_F(SessionTableTest, TellsWhoeverAsksWithoutAnEndNoMoreThanItMust) {
+  SessionTable by_hand({BallTool("one")}, kServerRun, true);
+  SessionTable open({BallTool("one")}, kServerRun);
+  for (std::uint64_t i = 0; i < 10'000; ++i) {
+    by_hand.Request(MakeRequest("held", i, "one"), now_);
+    open.Request(MakeRequest("same", 1, "one"), now_);
+  }
+  EXPECT_LE(by_hand.TakeChanges().size(), SessionTable::kRefusalsAtOnce);
+  EXPECT_LE(open.TakeChanges().size(), 1 + SessionTable::kRefusalsAtOnce);
+}
+
 TEST_F(SessionTableTest, KeepsAStationMutedWhateverSessionsComeAndGo) {
   Ask(MakeRequest("a", 1, "one"));
   Pass(10, {"a"});

@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/time/steady_clock.h"
 #include "tests/station/fake_server.h"
@@ -154,6 +155,34 @@ TEST(SessionLink, LeavesTheHandWithoutAForceWhereTwoServersAnswer) {
   station.link.reset();
   station.servo->Stop();
   EXPECT_FALSE(station.core->renders_force());
+}
+
+TEST(SessionLink, IsNeitherEndedNorMutedByAStrangersWordInItsServersName) {
+  FakeServer server(kDomain, kUdp);
+  Station station;
+  ASSERT_TRUE(station.UntilForce(2.0));
+  const dds::Participant participant = dds::Participant::Service(kDomain);
+  dds::Reader<wire::SessionState> states(participant, dds::kSessionStateTopic,
+                                         dds::Qos::kRecordSession);
+  dds::Writer<wire::SessionState> stranger(participant, dds::kSessionStateTopic,
+                                           dds::Qos::kSession);
+  wire::SessionState state{};
+  ASSERT_TRUE(
+      station.Until([&] { return states.Take(state) && state.run == station.link->run(); }));
+  ASSERT_TRUE(station.Until([&] { return stranger.matched_readers() >= 2; }));
+  state.muted = true;
+  for (const wire::SessionPhase phase :
+       {palpate_SESSION_ACTIVE, palpate_SESSION_REFUSED, palpate_SESSION_ENDED}) {
+    state.phase = phase;
+    stranger.Write(state);
+  }
+  state.server_run += 1;
+  stranger.Write(state);
+  ASSERT_TRUE(station.Until([&] { return !station.said.empty() && station.said.size() > 1; }));
+  station.Until([] { return false; }, 0.5);
+  EXPECT_EQ(station.link->PhaseText(), "active");
+  EXPECT_EQ(station.link->reconnects(), 0);
+  EXPECT_EQ(station.snapshot.force_N, 2.0);
 }
 
 TEST(SessionLink, SaysWhatASuccessorRefusesAndThatItAsksOn) {

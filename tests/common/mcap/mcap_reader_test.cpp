@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "common/error.h"
 #include "common/mcap/mcap_writer.h"
@@ -205,6 +206,8 @@ TEST_F(McapReaderTest, RefusesWhatIsNoSuchFile) {
   const std::vector<std::uint8_t> text = {'h', 'e', 'l', 'l', 'o', '!', '!', '!', '!'};
   EXPECT_THROW(Reader(text, "a"), Error);
   EXPECT_THROW(MappedFile(folder_ / "none.mcap"), Error);
+  ASSERT_EQ(mkfifo((folder_ / "pipe.mcap").c_str(), 0600), 0);
+  EXPECT_THROW(MappedFile(folder_ / "pipe.mcap"), Error) << "nobody writes to it";
 }
 
 }  // namespace

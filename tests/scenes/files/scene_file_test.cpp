@@ -48,6 +48,11 @@ TEST(SceneFile, ReadsAScene) {
   EXPECT_EQ(scene.coupling.torsional_stiffness, 1.0);
 }
 
+TEST(SceneFile, CallsASceneByItsFileInLettersThatANameMayHave) {
+  EXPECT_EQ(ParseScene(kGood, "a\x1b[31m\nready: b.json").name, "a--31m-ready--b");
+  EXPECT_EQ(ParseScene(kGood, std::string(100, 'a') + ".json").name, std::string(64, 'a'));
+}
+
 TEST(SceneFile, ReadsEveryKindOfMeshAndCoupling) {
   const SceneDescription scene = ParseScene(R"({
     "name": "all", "description": "d",
