@@ -104,6 +104,10 @@ std::string WhyNoDomain(int domain_id, const Network& network) {
     return "there is no interface '" + network.interface +
            "' with an address (give another --network)";
   }
+  if (network.secured()) {
+    return "this --identity, or its network, is not what it takes; Cyclone DDS says above why "
+           "('deploy/security/identities list' says until when identities hold)";
+  }
   const std::string why = WhyPortsFail(domain_id, PortsInUse(), PortsOfAnyone());
   return why.empty() ? "Cyclone DDS says above why" : why;
 }
