@@ -46,8 +46,8 @@ std::vector<ip::address> HostAddresses(bool v6) {
     if (address.is_v6() && address.to_v6().is_link_local()) continue;
     addresses.push_back(address);
   }
-  std::ranges::stable_partition(addresses,
-                                [](const auto& address) { return !address.is_loopback(); });
+  std::stable_partition(addresses.begin(), addresses.end(),
+                        [](const auto& address) { return !address.is_loopback(); });
   return addresses;
 }
 
