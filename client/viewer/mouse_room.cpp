@@ -6,30 +6,10 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/dds/phase_name.h"
 #include "common/error.h"
 
 namespace palpate {
-namespace {
-
-const char* PhaseName(wire::SessionPhase phase) {
-  switch (phase) {
-    case palpate_SESSION_WAITING:
-      return "waiting";
-    case palpate_SESSION_ACQUIRING:
-      return "acquiring";
-    case palpate_SESSION_ACTIVE:
-      return "active";
-    case palpate_SESSION_REFUSED:
-      return "refused";
-    case palpate_SESSION_HELD:
-      return "held";
-    default:
-      return "ended";
-  }
-}
-
-}  // namespace
-
 const MouseRoom::Mouse* MouseRoom::Find(Holder holder) const {
   for (const auto& [number, mouse] : mice_) {
     if (mouse.holder == holder) return &mouse;

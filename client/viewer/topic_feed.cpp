@@ -111,17 +111,12 @@ TopicFeed::TopicFeed(int domain, const dds::Network& network)
 
 TopicFeed::~TopicFeed() = default;
 
-bool TopicFeed::CurrentLives() const {
-  // Servers and replayers have writers of all of these.
-  return origin_ != 0 && readers_->sessions.Hears(origin_);
-}
-
 bool TopicFeed::IsCurrent(std::uint64_t server_run, std::uint64_t origin) {
   if (origin == origin_) {
     // A participant may take another run's name, as a replayer does that goes elsewhere.
     if (server_run == server_run_) return true;
     if (former_runs_.contains(server_run)) return false;
-  } else if (lives_ = CurrentLives(); lives_) {
+  } else if (lives_) {
     if (!others_heard_) {
       spdlog::warn(
           "another server ({:x}) speaks in this domain and is not heard: the one that was "
@@ -155,7 +150,9 @@ void TopicFeed::Succeed() {
   const std::int64_t now_ns = SteadyNanoseconds();
   if (now_ns - looked_ns_ < kLook_ns) return;
   looked_ns_ = now_ns;
-  lives_ = CurrentLives();
+  // Servers and replayers have writers of all topics.  Not asked at each word: a stranger may
+  // flood.
+  lives_ = origin_ != 0 && readers_->sessions.Hears(origin_);
   if (lives_ || !others_heard_) return;
   others_heard_ = false;
   // What was passed over has been taken; a new reader is told all that holds.

@@ -89,10 +89,10 @@ class TopicFeed {
   /// False for a word that is not the current server's.  A new one's first word clears the
   /// former's.
   bool IsCurrent(std::uint64_t server_run, std::uint64_t origin);
-  bool CurrentLives() const;
   /// True for what is not the current server's, while that lives.
   bool IsForeign(std::uint64_t origin) const;
-  /// Once the current server has gone, what another has said meanwhile is heard anew.
+  /// Looks whether the current server lives.  Once it has gone, what another has said meanwhile is
+  /// heard anew.
   void Succeed();
   void Keep(const FramePtr& frame, const std::string& name, std::uint64_t number);
   void PollReplays(const std::function<void(const FramePtr&)>& on_frame);

@@ -8,10 +8,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/dds/phase_name.h"
 #include "common/error.h"
 #include "common/log.h"
 #include "common/step_fault.h"
-#include "server/observation/phase_name.h"
 
 namespace palpate {
 namespace {

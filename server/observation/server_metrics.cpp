@@ -2,8 +2,8 @@
 
 #include <chrono>
 
+#include "common/dds/phase_name.h"
 #include "common/step_fault.h"
-#include "server/observation/phase_name.h"
 
 namespace palpate {
 namespace {

@@ -104,22 +104,26 @@ class ContainerRun : public DeployScripts {
     Write("deploy/setup", "#!/bin/sh\n");
     fs::permissions(folder_ / "deploy/setup", fs::perms::owner_all);
   }
-};
-
-TEST_F(ContainerRun, EndsTheContainersThatItHasStarted) {
-  // As podman's client: what it runs goes on without it.
-  StandIn("podman", R"(case $* in
+  /// Starts it all and ends it; what podman was called with is in Calls().
+  void RunAndEnd() const {
+    // As podman's client: what it runs goes on without it.
+    StandIn("podman", R"(case $* in
   *iox-roudi*) echo 'RouDi is ready for clients'; exec sleep 1000 ;;
   *palpate-server\ --scene*) echo 'ready: scenes cube'; exec sleep 1000 ;;
   *palpate-viewer\ --http*) echo 'ready: page http://127.0.0.1:8765/'; exec sleep 1000 ;;
 esac
 )");
-  test::Program run("/usr/bin/env",
-                    {"PATH=" + In("bin") + ":/usr/sbin:/usr/bin:/sbin:/bin",
-                     In("deploy/container/run"), "--engine", "podman", "--no-build"});
-  ASSERT_TRUE(run.Says("Ctrl-C ends the containers")) << run.Output();
-  run.Signal(SIGTERM);
-  EXPECT_EQ(run.Exit(), 0) << run.Output();
+    test::Program run("/usr/bin/env",
+                      {"PATH=" + In("bin") + ":/usr/sbin:/usr/bin:/sbin:/bin",
+                       In("deploy/container/run"), "--engine", "podman", "--no-build"});
+    ASSERT_TRUE(run.Says("Ctrl-C ends the containers")) << run.Output();
+    run.Signal(SIGTERM);
+    EXPECT_EQ(run.Exit(), 0) << run.Output();
+  }
+};
+
+TEST_F(ContainerRun, EndsTheContainersThatItHasStarted) {
+  RunAndEnd();
   const std::string calls = Calls();
   EXPECT_THAT(calls, HasSubstr("--name palpate-roudi"));
   EXPECT_THAT(calls, HasSubstr("--name palpate-server"));
@@ -132,18 +136,7 @@ esac
 }
 
 TEST_F(ContainerRun, GivesEachContainerTheLeastRightsThatItCanDoWith) {
-  StandIn("podman", R"(case $* in
-  *iox-roudi*) echo 'RouDi is ready for clients'; exec sleep 1000 ;;
-  *palpate-server\ --scene*) echo 'ready: scenes cube'; exec sleep 1000 ;;
-  *palpate-viewer\ --http*) echo 'ready: page http://127.0.0.1:8765/'; exec sleep 1000 ;;
-esac
-)");
-  test::Program run("/usr/bin/env",
-                    {"PATH=" + In("bin") + ":/usr/sbin:/usr/bin:/sbin:/bin",
-                     In("deploy/container/run"), "--engine", "podman", "--no-build"});
-  ASSERT_TRUE(run.Says("Ctrl-C ends the containers")) << run.Output();
-  run.Signal(SIGTERM);
-  EXPECT_EQ(run.Exit(), 0) << run.Output();
+  RunAndEnd();
   std::istringstream calls(Calls());
   int started = 0;
   for (std::string call; std::getline(calls, call);) {
