@@ -7,7 +7,8 @@
 namespace palpate::test {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kMillisecond_ns = 1'000'000;
+constexpr std::int64_t kSecond_ns = 1000 * kMillisecond_ns;
 
 TEST(TokenBucket, GivesSoManyAtOnceAndThenItsRate) {
   TokenBucket bucket(10.0, 5.0);
@@ -15,7 +16,7 @@ TEST(TokenBucket, GivesSoManyAtOnceAndThenItsRate) {
   for (int i = 0; i < 100; ++i) taken += bucket.Take(kSecond_ns);
   EXPECT_EQ(taken, 5);
   EXPECT_EQ(bucket.WaitFor(1.0, kSecond_ns), kSecond_ns / 10);
-  for (int ms = 0; ms < 10'000; ++ms) taken += bucket.Take(kSecond_ns + 1'000'000 * ms);
+  for (int ms = 0; ms < 10'000; ++ms) taken += bucket.Take(kSecond_ns + kMillisecond_ns * ms);
   EXPECT_NEAR(taken, 105, 1);
 }
 
