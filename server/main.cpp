@@ -37,6 +37,8 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{5};
+/// A session's buffers are larger, tens of megabytes in all.
+constexpr int kOwnMapping_bytes = 1 << 20;
 
 constexpr const char* kAbout =
     R"(Serves scenes to haptic stations: each pose that a station sends is answered with the wrench that
@@ -135,6 +137,10 @@ class Record {
 
 int Serve(const Options& options) {
   StopSignal stop;
+  // Left to itself, malloc takes them from its heap once the first session has ended, and there
+  // they stay: after an hour of stations that came and went the server had grown by as much as it
+  // began with.
+  mallopt(M_MMAP_THRESHOLD, kOwnMapping_bytes);
   const ServerLock lock(options.domain);
   const dds::TransportChoice transport =
       dds::ChooseTransport(dds::ParseTransport(options.transport), options.network);
