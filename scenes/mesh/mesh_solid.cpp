@@ -7,8 +7,7 @@
 #include <set>
 #include <vector>
 
-#include <spdlog/fmt/fmt.h>
-
+#include "common/figure.h"
 #include "scenes/mesh/hidden_surface.h"
 #include "scenes/mesh/mesh_edges.h"
 #include "scenes/mesh/mesh_pieces.h"
@@ -295,17 +294,17 @@ MeshSolid SolidOf(const TriangleMesh& mesh) {
 std::string SolidRemark(const MeshSolid& solid, double scale, const std::string& unit) {
   std::string remark;
   if (solid.opening > 0.0) {
-    remark = fmt::format(
-        "its spheres fill it as if a flat lid closed each opening, the widest {:.3g} {} wide; "
-        "close it in a mesh editor, or give \"thickness_mm\" in the scene file where it should be "
-        "a thin shell",
-        scale * solid.opening, unit);
+    remark =
+        "its spheres fill it as if a flat lid closed each opening, the widest " +
+        Figure(scale * solid.opening, 3) + " " + unit +
+        " wide; close it in a mesh editor, or give \"thickness_mm\" in the scene file where it "
+        "should be a thin shell";
   }
   if (solid.thickness > 0.0) {
-    remark += fmt::format(
-        "{}it is a sheet, which encloses nothing: its spheres fill a plate behind its faces, "
-        "{:.3g} {} thick; give \"thickness_mm\" in the scene file for another",
-        remark.empty() ? "" : "; a part of ", scale * solid.thickness, unit);
+    remark += std::string(remark.empty() ? "" : "; a part of ") +
+              "it is a sheet, which encloses nothing: its spheres fill a plate behind its faces, " +
+              Figure(scale * solid.thickness, 3) + " " + unit +
+              " thick; give \"thickness_mm\" in the scene file for another";
   }
   return remark;
 }

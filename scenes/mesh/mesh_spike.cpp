@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include <spdlog/fmt/fmt.h>
+#include "common/figure.h"
 
 namespace palpate {
 namespace {
@@ -72,11 +72,11 @@ std::optional<Spike> FindSpike(const TriangleMesh& mesh) {
 }
 
 std::string SpikeRemark(const Spike& spike) {
-  return fmt::format(
-      "a vertex stands far out of all others, at ({:.6g}, {:.6g}, {:.6g}) of the file's unit: "
-      "without it the longest side is {:.3g} in place of {:.3g}; delete it in a mesh editor{}",
-      spike.at.x(), spike.at.y(), spike.at.z(), spike.without, spike.longest,
-      spike.certain() ? "" : ", if it is no tip that should be there");
+  return "a vertex stands far out of all others, at (" + Figure(spike.at.x(), 6) + ", " +
+         Figure(spike.at.y(), 6) + ", " + Figure(spike.at.z(), 6) +
+         ") of the file's unit: without it the longest side is " + Figure(spike.without, 3) +
+         " in place of " + Figure(spike.longest, 3) + "; delete it in a mesh editor" +
+         (spike.certain() ? "" : ", if it is no tip that should be there");
 }
 
 }  // namespace palpate

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include <spdlog/fmt/fmt.h>
+#include "common/figure.h"
 
 namespace palpate {
 namespace {
@@ -102,21 +102,20 @@ LeafCount ChooseLeafCount(double tolerance, std::size_t most,
 }
 
 std::string ToText(const LeafTolerance& tolerance) {
-  return fmt::format("{} {:.17g} {}", static_cast<int>(tolerance.of), tolerance.most,
-                     tolerance.most_leaves);
+  return std::to_string(static_cast<int>(tolerance.of)) + " " + Figure(tolerance.most, 17) + " " +
+         std::to_string(tolerance.most_leaves);
 }
 
 std::string ToText(const LeafCount& chosen, const LeafTolerance& tolerance, double bound) {
   const auto figure = [&](double value) {
     return tolerance.of == LeafTolerance::Of::kHeight
-               ? fmt::format("{:.3g} um", 1e6 * value)
-               : fmt::format("{:.3g} degrees", 180.0 / M_PI * value);
+               ? Figure(1e6 * value, 3) + " um"
+               : Figure(180.0 / M_PI * value, 3) + " degrees";
   };
-  return fmt::format(
-      "{} leaves for {}: {} {} ({} counts tried)", WithCommas(chosen.count), figure(bound),
-      figure(chosen.error),
-      tolerance.of == LeafTolerance::Of::kHeight ? "off at 95 of 100 places" : "off on average",
-      chosen.tried);
+  return WithCommas(chosen.count) + " leaves for " + figure(bound) + ": " + figure(chosen.error) +
+         (tolerance.of == LeafTolerance::Of::kHeight ? " off at 95 of 100 places ("
+                                                     : " off on average (") +
+         std::to_string(chosen.tried) + " counts tried)";
 }
 
 }  // namespace palpate

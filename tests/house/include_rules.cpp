@@ -50,7 +50,7 @@ const std::vector<Rule> kRules = {
     {"scenes",
      {"common", "scenes", "idl/scene_generated.h"},
      {"common/dds"},
-     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "FlatBuffers", "xxHash", "libpng", "nanoflann"}},
+     {"Eigen", "spdlog", "CLI11", "nlohmann-json", "FlatBuffers", "xxHash", "libpng"}},
     // assimp's headers and its many formats stay in one small program; zlib for meshes that come as
     // .gz.
     {"scenes/importer",
@@ -70,6 +70,11 @@ const std::vector<Rule> kRules = {
      {"common", "server/physics", "server/session", "scenes/scene.h", "scenes/scene_remains.h"},
      {},
      {"Eigen", "spdlog"}},
+    // What others link into programs of their own: Eigen, and nothing else of anybody's.
+    {"server/library",
+     {"common", "scenes", "server/physics", "server/library"},
+     {"common/dds"},
+     {"Eigen"}},
     {"server", {"common", "scenes", "server"}, {}, {"Eigen", "spdlog", "CLI11"}},
     // A device knows no server and no wire.
     {"devices", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog"}},
@@ -92,6 +97,8 @@ const std::vector<Rule> kRules = {
      {"common", "scenes", "devices", "client/load", "client/station"},
      {},
      {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost"}},
+    // Programs of other people's.
+    {"client/examples", {}, {}, {"Palpate"}},
     {"client", {"common", "scenes", "devices"}, {}, {"Eigen", "spdlog", "CLI11", "nlohmann-json"}},
     // The one client that knows the server's insides: to verify a recording is to run its loop.
     {"client/replayer",
@@ -174,7 +181,6 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"zlib.h", "zlib"},
     // Recordings are compressed: of the two that MCAP knows, zstd makes the smaller file.
     {"zstd.h", "zstd"},
-    {"nanoflann.hpp", "nanoflann"},
     {"boost/", "Boost"},
     // Hashes and random keys.
     {"openssl/", "OpenSSL"},
@@ -184,6 +190,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"HL/", "OpenHaptics"},
     {"spnav.h", "spacenav"},
     {"prometheus/", "Prometheus"},
+    {"palpate", "Palpate"},  // as it is installed
     {"gtest/", "GoogleTest"},
     {"gmock/", "GoogleTest"},
     {"benchmark/", "benchmark"},
@@ -203,7 +210,7 @@ bool IsSystemHeader(const std::string& header) {
   static const std::regex kSystem(
       R"([a-z_0-9]+|(sys|linux|netinet|arpa|net)/[a-z_0-9]+\.h|)"
       R"((cpuid|cxxabi|dirent|dlfcn|errno|execinfo|fcntl|features|getopt|ifaddrs|immintrin|malloc|poll|)"
-      R"(pthread|sched|semaphore|signal|spawn|stdio|stdlib|string|termios|time|unistd|x86intrin)\.h)");
+      R"(pthread|sched|semaphore|signal|spawn|stddef|stdint|stdio|stdlib|string|termios|time|unistd|x86intrin)\.h)");
   return std::regex_match(header, kSystem);
 }
 
@@ -237,12 +244,13 @@ std::string Join(const Paths& words) {
   return text.empty() ? "nothing" : text;
 }
 
-/// idlc and flatc make idl/x.h and idl/x_generated.h while building.
+/// idlc and flatc make idl/x.h and idl/x_generated.h while building, CMake x.h of x.h.in.
 bool IsGenerated(const std::string& include,
                  const std::function<bool(const std::string&)>& exists) {
   static const std::regex kIdl(R"((idl/[a-z_]+)\.h)"), kFlat(R"((idl/[a-z_]+)_generated\.h)");
   std::smatch match;
-  return (std::regex_match(include, match, kFlat) && exists(match[1].str() + ".fbs")) ||
+  return exists(include + ".in") ||
+         (std::regex_match(include, match, kFlat) && exists(match[1].str() + ".fbs")) ||
          (std::regex_match(include, match, kIdl) && exists(match[1].str() + ".idl"));
 }
 

@@ -1,0 +1,40 @@
+// A servo loop of one's own, at 1 kHz by the absolute clock.  Where this reads a made-up hand and
+// throws the force away, read your arm and command it - through a limiter: a proxy gives the force
+// of its spring, whatever an arm can bear.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <thread>
+
+#include <palpate/physics.h>
+
+int main(int argc, char** argv) {
+  using namespace palpate;
+  const double seconds = argc > 1 ? std::atof(argv[1]) : 2.0;
+  Scene scene;
+  scene.objects.push_back(MakeBody("egg", MakeEllipsoid({0.03, 0.02, 0.02}, 5000)));
+  scene.tools.push_back(MakeBall("ball", 0.004));
+  scene.coupling.stiffness = 800.0;  // N/m: what your arm holds without humming
+  const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
+  Pose X_WH;
+  X_WH.p = {0.0, 0.03, 0.0};
+  Proxy proxy(model, X_WH);  // all that allocates is behind us
+
+  using Clock = std::chrono::steady_clock;
+  auto next = Clock::now();
+  std::chrono::duration<double, std::micro> worst{};
+  double strongest_N = 0.0;
+  const int steps = static_cast<int>(1000.0 * seconds);
+  for (int i = 0; i < steps; ++i) {
+    std::this_thread::sleep_until(next += std::chrono::milliseconds(1));
+    const double t = 1e-3 * i;
+    X_WH.p = {0.01 * std::sin(2.0 * t), 0.026 - 0.005 * std::sin(5.0 * t), 0.0};  // your arm's pose
+    const auto before = Clock::now();
+    const StepReport report = proxy.Step(X_WH);
+    worst = std::max<decltype(worst)>(worst, Clock::now() - before);
+    strongest_N = std::max(strongest_N, report.wrench.force.norm());  // to your arm's limiter
+    if (report.faults != kFaultNone) std::printf("%s\n", FaultWords(report.faults).c_str());
+  }
+  std::printf("%d steps, longest %.0f us, strongest force %.2f N\n", steps, worst.count(),
+              strongest_N);
+}

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "scenes/progress.h"
+#include "scenes/scene.h"
+
+namespace palpate {
+
+/// Of a body that is felt by its mesh: the leaves tell only which side is inside.
+inline constexpr std::size_t kLeavesBesideMesh = 512;
+
+/// How a mesh becomes a body.
+struct BodyOptions {
+  /// Leaves of its sphere tree.  0: kLeavesBesideMesh where the mesh is what is felt; where the
+  /// leaves are, as many as bring them within a 500th of the body's size (LeafTolerance).
+  std::size_t leaves = 0;
+  /// What the scene is felt by (Features::contact): it decides how the leaves stand for the mesh.
+  ContactModel contact = ContactModel::kSurface;
+  Material material{};  ///< objects: of all of it
+  Progress progress{};
+};
+
+/// Makes of a mesh what can touch and be touched: mends it where that is needed (Body::remarks says
+/// what was done), and builds its sphere tree.  Deterministic; seconds for thousands of leaves.
+/// @param mesh  frame B [m]; open or closed, its faces counter-clockwise seen from outside.
+/// Throws Error, which begins with the body's name, where nothing can be made of the mesh.
+Body MakeBody(std::string name, TriangleMesh mesh, const BodyOptions& options = {});
+
+/// A ball round the origin of B: one leaf, which is exact, and a mesh that stands for it.
+/// @param radius  [m], above 0.
+Body MakeBall(std::string name, double radius, const Material& material = {});
+
+}  // namespace palpate

@@ -1,0 +1,254 @@
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <new>
+#include <string>
+#include <utility>
+
+#include "server/library/palpate.h"
+#include "server/library/physics.h"
+
+struct palpate_scene {
+  palpate::Scene scene;
+};
+struct palpate_model {
+  std::shared_ptr<const palpate::HapticModel> model;
+};
+struct palpate_proxy {
+  std::shared_ptr<const palpate::HapticModel> model;  // outlives the proxy below
+  palpate::Proxy proxy;
+};
+
+namespace palpate {
+namespace {
+
+/// Fixed, so that an error can be told where there is no memory.
+thread_local char last_error[512] = "nothing has gone wrong";
+
+void Tell(const char* what) {
+  std::snprintf(last_error, sizeof last_error, "%s", what);
+}
+
+/// Calls what may throw; `failed` where it does.
+template <class Result, class Function>
+Result Guarded(Result failed, const Function& function) noexcept {
+  try {
+    return function();
+  } catch (const std::bad_alloc&) {
+    Tell("there is no memory left");
+  } catch (const std::exception& error) {
+    Tell(error.what());
+  } catch (...) {
+    Tell("an exception of a kind that is not known");
+  }
+  return failed;
+}
+
+void Require(bool holds, const char* what) {
+  if (!holds) throw Error(what);
+}
+
+Pose ToPose(const palpate_pose& pose) {
+  return {Vec3::Map(pose.position_m), Quat(pose.orientation_wxyz[0], pose.orientation_wxyz[1],
+                                           pose.orientation_wxyz[2], pose.orientation_wxyz[3])};
+}
+
+palpate_pose FromPose(const Pose& X) {
+  return {{X.p.x(), X.p.y(), X.p.z()}, {X.q.w(), X.q.x(), X.q.y(), X.q.z()}};
+}
+
+/// Of where something stands, which is checked once, not in a step.
+Pose ToChecked(const palpate_pose& pose) {
+  Pose X = ToPose(pose);
+  Require(X.p.allFinite() && X.q.coeffs().allFinite(), "pose: a number is not finite");
+  Require(std::abs(X.q.squaredNorm() - 1.0) < 1e-3,
+          "pose.orientation_wxyz: is no unit quaternion; no rotation is 1 0 0 0");
+  X.q.normalize();
+  return X;
+}
+
+int Add(palpate_scene* scene, palpate_role role, const palpate_body& given,
+        const std::function<Body(const BodyOptions&)>& make) {
+  return Guarded(-1, [&] {
+    Require(scene != nullptr, "scene: is NULL");
+    Require(role == PALPATE_OBJECT || role == PALPATE_TOOL,
+            "role: is neither PALPATE_OBJECT nor PALPATE_TOOL");
+    Require(given.static_friction >= given.dynamic_friction && given.dynamic_friction >= 0.0,
+            "body: friction must be 0 <= dynamic <= static");
+    Require(
+        given.stiffness_N_m > 0.0 && given.hardness_J > 0.0,
+        "body: stiffness_N_m and hardness_J must be above 0; INFINITY is rigid, and stays; begin "
+        "with palpate_body_defaults()");
+    Features& features = scene->scene.features;
+    BodyOptions options;
+    options.leaves = given.leaves;
+    options.contact = features.contact;
+    options.material = {given.stiffness_N_m, given.static_friction, given.dynamic_friction,
+                        given.hardness_J};
+    Body body = make(options);
+    body.X_WB = ToChecked(given.pose);
+    if (role == PALPATE_TOOL) {
+      scene->scene.tools.push_back(std::move(body));
+      return 0;
+    }
+    // What a scene's file does, too: features follow from the materials.
+    if (given.static_friction > 0.0) features.friction = FrictionModel::kCoulomb;
+    if (std::isfinite(given.stiffness_N_m)) features.compliance = true;
+    if (std::isfinite(given.hardness_J)) features.removal = true;
+    scene->scene.objects.push_back(std::move(body));
+    return 0;
+  });
+}
+
+}  // namespace
+}  // namespace palpate
+
+using namespace palpate;
+
+extern "C" {
+
+const char* palpate_version(void) {
+  return PALPATE_VERSION;
+}
+const char* palpate_last_error(void) {
+  return last_error;
+}
+
+size_t palpate_fault_words(uint32_t faults, char* text, size_t size) {
+  return Guarded(std::size_t{0}, [&] {
+    const std::string words = FaultWords(faults);
+    if (text != nullptr && size > 0) std::snprintf(text, size, "%s", words.c_str());
+    return words.size();
+  });
+}
+
+palpate_body palpate_body_defaults(void) {
+  return {{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}}, 0, 0.0, 0.0, INFINITY, INFINITY};
+}
+
+palpate_scene* palpate_scene_new(palpate_contact contact) {
+  return Guarded<palpate_scene*>(nullptr, [&] {
+    Require(contact == PALPATE_SURFACE || contact == PALPATE_SPHERES,
+            "contact: is neither PALPATE_SURFACE nor PALPATE_SPHERES");
+    auto scene = std::make_unique<palpate_scene>();
+    scene->scene.features.contact =
+        contact == PALPATE_SPHERES ? ContactModel::kSpheres : ContactModel::kSurface;
+    return scene.release();
+  });
+}
+
+void palpate_scene_free(palpate_scene* scene) {
+  delete scene;
+}
+
+int palpate_scene_set_coupling(palpate_scene* scene, double stiffness_N_m,
+                               double torsional_stiffness_Nm_rad) {
+  return Guarded(-1, [&] {
+    Require(scene != nullptr, "scene: is NULL");
+    Require(stiffness_N_m > 0.0 && std::isfinite(stiffness_N_m) &&
+                torsional_stiffness_Nm_rad > 0.0 && std::isfinite(torsional_stiffness_Nm_rad),
+            "coupling: both stiffnesses must be above 0 and finite");
+    scene->scene.coupling = {stiffness_N_m, torsional_stiffness_Nm_rad};
+    return 0;
+  });
+}
+
+int palpate_scene_add_mesh(palpate_scene* scene, palpate_role role, const char* name,
+                           const double* vertices_m, size_t vertex_count, const uint32_t* triangles,
+                           size_t triangle_count, const palpate_body* body) {
+  return Add(scene, role, body ? *body : palpate_body_defaults(), [&](const BodyOptions& options) {
+    Require(name != nullptr && vertices_m != nullptr && triangles != nullptr,
+            "name, vertices_m or triangles: is NULL");
+    TriangleMesh mesh;
+    mesh.vertices.resize(vertex_count);
+    for (std::size_t i = 0; i < vertex_count; ++i) mesh.vertices[i] = Vec3::Map(vertices_m + 3 * i);
+    mesh.triangles.resize(triangle_count);
+    for (std::size_t t = 0; t < triangle_count; ++t) {
+      mesh.triangles[t] = {triangles[3 * t], triangles[3 * t + 1], triangles[3 * t + 2]};
+    }
+    return MakeBody(name, std::move(mesh), options);
+  });
+}
+
+int palpate_scene_add_box(palpate_scene* scene, palpate_role role, const char* name,
+                          const double size_m[3], const palpate_body* body) {
+  return Add(scene, role, body ? *body : palpate_body_defaults(), [&](const BodyOptions& options) {
+    Require(name != nullptr && size_m != nullptr, "name or size_m: is NULL");
+    return MakeBody(name, MakeBox(Vec3::Map(size_m)), options);
+  });
+}
+
+int palpate_scene_add_ball(palpate_scene* scene, palpate_role role, const char* name,
+                           double radius_m, const palpate_body* body) {
+  return Add(scene, role, body ? *body : palpate_body_defaults(), [&](const BodyOptions& options) {
+    Require(name != nullptr, "name: is NULL");
+    return MakeBall(name, radius_m, options.material);
+  });
+}
+
+palpate_model* palpate_model_new(const palpate_scene* scene, size_t tool) {
+  return Guarded<palpate_model*>(nullptr, [&] {
+    Require(scene != nullptr, "scene: is NULL");
+    if (tool >= scene->scene.tools.size()) {
+      throw Error("tool: there is no tool " + std::to_string(tool) + ", the scene has " +
+                  std::to_string(scene->scene.tools.size()) + "; add one as PALPATE_TOOL");
+    }
+    auto model = std::make_unique<palpate_model>();
+    model->model = std::make_shared<const HapticModel>(
+        MakeModel(scene->scene, scene->scene.tools[tool], MakeObjects(scene->scene)));
+    return model.release();
+  });
+}
+
+void palpate_model_free(palpate_model* model) {
+  delete model;
+}
+
+palpate_proxy* palpate_proxy_new(const palpate_model* model, const palpate_pose* hand) {
+  return Guarded<palpate_proxy*>(nullptr, [&] {
+    Require(model != nullptr && hand != nullptr, "model or hand: is NULL");
+    return new palpate_proxy{model->model, Proxy(*model->model, ToChecked(*hand))};
+  });
+}
+
+void palpate_proxy_free(palpate_proxy* proxy) {
+  delete proxy;
+}
+
+double palpate_proxy_start_depth(const palpate_proxy* proxy) {
+  return proxy ? proxy->proxy.start_depth() : 0.0;
+}
+
+uint32_t palpate_proxy_step(palpate_proxy* proxy, const palpate_pose* hand,
+                            palpate_report* report) {
+  if (report == nullptr) return kFaultNotStarted;
+  if (proxy == nullptr || hand == nullptr) {
+    *report = palpate_report{};
+    report->tool.orientation_wxyz[0] = 1.0;
+    return report->faults = kFaultNotStarted;
+  }
+  const StepReport step = proxy->proxy.Step(ToPose(*hand));
+  Vec3::Map(report->force_N) = step.wrench.force;
+  Vec3::Map(report->torque_Nm) = step.wrench.torque;
+  report->tool = FromPose(step.X_WG);
+  report->faults = step.faults;
+  int rigid = 0;
+  while (rigid < step.contacts && std::isinf(step.active[rigid].stiffness)) ++rigid;
+  report->contacts = rigid + step.soft_contacts;
+  report->points = step.contacts;
+  for (int i = 0; i < PALPATE_POINTS; ++i) {
+    palpate_point& point = report->point[i];
+    if (i >= step.contacts) {
+      point = palpate_point{};
+      continue;
+    }
+    Vec3::Map(point.point_m) = step.active[i].contact_W;
+    Vec3::Map(point.force_N) =
+        step.active[i].force * step.active[i].normal + step.active[i].friction;
+  }
+  return report->faults;
+}
+
+}  // extern "C"

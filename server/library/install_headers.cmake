@@ -1,0 +1,30 @@
+# Run when the library is installed.  Headers lie in the prefix as they do in the sources, below
+# include/palpate, and their include lines say so: nobody's own common/error.h is in the way.
+# Only what palpate/physics.h leads to is installed.
+#
+# Given: folders, where headers are looked for; include, the prefix's folder of headers.
+cmake_policy(SET CMP0057 NEW)  # if(IN_LIST)
+set(target "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/${include}/palpate")
+set(todo server/library/physics.h)
+set(done "")
+while(todo)
+  list(POP_FRONT todo header)
+  list(APPEND done ${header})
+  foreach(folder IN LISTS folders)
+    if(EXISTS "${folder}/${header}")
+      file(READ "${folder}/${header}" text)
+    endif()
+  endforeach()
+  string(REGEX MATCHALL "#include \"[^\"]+\"" lines "${text}")
+  foreach(line IN LISTS lines)
+    string(REGEX REPLACE "#include \"(.*)\"" "\\1" other "${line}")
+    if(NOT other IN_LIST done AND NOT other IN_LIST todo)
+      list(APPEND todo ${other})
+    endif()
+  endforeach()
+  string(REPLACE "#include \"" "#include \"palpate/" text "${text}")
+  string(REPLACE "server/library/physics.h" "physics.h" place ${header})
+  file(WRITE "${target}/${place}" "${text}")
+endwhile()
+list(LENGTH done count)
+message(STATUS "Installed: ${count} headers below ${target}")

@@ -1,0 +1,24 @@
+#include "server/library/proxy.h"
+
+#include <utility>
+
+#include "server/physics/start_pose.h"
+
+namespace palpate {
+
+Proxy::Proxy(const HapticModel& model, const Pose& X_WH)
+    : model_(model), workspace_(model), state_(model) {
+  Restart(X_WH);
+}
+
+void Proxy::Restart(const Pose& X_WH) {
+  const StartPose start = ResolveStart(model_, X_WH, workspace_, &state_.wear);
+  StepState fresh(model_);
+  fresh.wear = std::move(state_.wear);
+  state_ = std::move(fresh);
+  state_.X_WG = start.X_WG;
+  state_.X_WH = X_WH;
+  start_depth_ = start.depth;
+}
+
+}  // namespace palpate

@@ -1,0 +1,72 @@
+#include "server/library/body_builder.h"
+
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "scenes/shapes/shapes.h"
+#include "scenes/tree/leaf_count.h"
+
+namespace palpate::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string ComplaintOf(TriangleMesh mesh) {
+  try {
+    MakeBody("thing", std::move(mesh), {.leaves = 64});
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(BodyBuilder, TakesAsManyLeavesAsTheShapeNeedsWhereNobodySays) {
+  const Body box = MakeBody("box", MakeBox({0.04, 0.04, 0.04}));
+  const BodyOptions by_leaves{.contact = ContactModel::kSpheres};
+  const Body egg = MakeBody("egg", MakeEllipsoid({0.03, 0.02, 0.01}, 1280), by_leaves);
+  const Body sphere = MakeBody("sphere", MakeSphere(0.02, 1280), by_leaves);
+  EXPECT_EQ(box.tree.leaves(), kLeavesBesideMesh);
+  EXPECT_GT(egg.tree.leaves(), sphere.tree.leaves());
+  EXPECT_GE(sphere.tree.leaves(), kFewestByTolerance);
+  EXPECT_EQ(MakeBody("box", MakeBox({0.04, 0.04, 0.04}), {.leaves = 200}).tree.leaves(), 200u);
+  EXPECT_EQ(box.tree.origin, TreeOrigin::kInside);
+  EXPECT_EQ(MakeBody("box", MakeBox({1, 1, 1}), {.leaves = 64, .contact = ContactModel::kSpheres})
+                .tree.origin,
+            TreeOrigin::kBalanced);
+}
+
+TEST(BodyBuilder, MendsWhatIsInsideOutAndSaysSo) {
+  TriangleMesh mesh = MakeBox({0.04, 0.04, 0.04});
+  for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
+  const Body body = MakeBody("box", mesh, {.leaves = 64});
+  ASSERT_EQ(body.remarks.size(), 1u);
+  EXPECT_THAT(body.remarks[0], HasSubstr("inside out"));
+  EXPECT_EQ(body.mesh.triangles.size(), mesh.triangles.size());
+}
+
+TEST(BodyBuilder, RefusesByNameWhatIsNoMesh) {
+  EXPECT_THAT(ComplaintOf({}), StartsWith("thing: "));
+  TriangleMesh mesh = MakeBox({0.04, 0.04, 0.04});
+  mesh.triangles[3][1] = 1'000'000;
+  EXPECT_THAT(ComplaintOf(mesh), StartsWith("thing: "));
+  mesh = MakeBox({0.04, 0.04, 0.04});
+  mesh.vertices[2].x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(ComplaintOf(mesh), StartsWith("thing: "));
+}
+
+TEST(BodyBuilder, MakesABallOfOneExactLeaf) {
+  const Body ball = MakeBall("ball", 0.005);
+  ASSERT_EQ(ball.tree.leaves(), 1u);
+  EXPECT_EQ(ball.tree.leaf_radius[0], 0.005);
+  for (const double radius : {0.0, -1.0, std::numeric_limits<double>::infinity(),
+                              std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(MakeBall("ball", radius), Error) << radius;
+  }
+}
+
+}  // namespace
+}  // namespace palpate::test

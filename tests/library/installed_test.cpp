@@ -1,0 +1,125 @@
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/program.h"
+
+namespace palpate::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// The library, installed where nobody has looked.
+class Installed : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "palpate-installed-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    ASSERT_EQ(Run(std::string(PALPATE_CMAKE) + " --install " + PALPATE_BUILD_DIR + " --prefix " +
+                  Prefix()),
+              0)
+        << said_;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string Prefix() const { return (folder_ / "usr").string(); }
+  /// In a shell.  Its exit status; what it says is `said_`.
+  int Run(const std::string& command) {
+    Program shell("/bin/sh", {"-c", command});
+    const int status = shell.Exit(250.0);
+    said_ = shell.Output();
+    return status;
+  }
+  static std::string Text(const fs::path& file) {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+
+  fs::path folder_;
+  std::string said_;
+};
+
+TEST_F(Installed, ExamplesBuildAgainstItAndFeelWhatTheyShould) {
+  const std::string build = (folder_ / "examples").string();
+  ASSERT_EQ(
+      Run(std::string(PALPATE_CMAKE) + " -S " PALPATE_SOURCE_DIR "/client/examples -B " + build +
+          " -D CMAKE_BUILD_TYPE=Release -D CMAKE_CXX_COMPILER_LAUNCHER= -D CMAKE_PREFIX_PATH=" +
+          Prefix() + " && " PALPATE_CMAKE " --build " + build + " --parallel 2"),
+      0)
+      << said_;
+  ASSERT_EQ(Run(build + "/first_force"), 0) << said_;
+  EXPECT_THAT(said_, HasSubstr("hand at 22.0 mm, probe at 25.0 mm"));
+  EXPECT_THAT(said_, HasSubstr("3.00 "));
+  ASSERT_EQ(Run(build + "/first_force_c"), 0) << said_;
+  EXPECT_THAT(said_, HasSubstr("ball at 25.0 mm, force 3.00 N"));
+  ASSERT_EQ(Run(build + "/own_loop 0.5"), 0) << said_;
+  EXPECT_THAT(said_, HasSubstr("500 steps"));
+  ASSERT_EQ(Run(build + "/own_material"), 0) << said_;
+  EXPECT_THAT(said_, HasSubstr("hard and rough   press 3.0"));
+  // Of DDS, assimp and the like it has nothing.
+  ASSERT_EQ(Run("ldd " + build + "/first_force " + build + "/first_force_c"), 0) << said_;
+  for (const char* library : {"dds", "assimp", "boost", "png", "spdlog", "fmt"}) {
+    EXPECT_THAT(said_, Not(HasSubstr(std::string("lib") + library)));
+  }
+}
+
+TEST_F(Installed, FirstForceTakesThirtyLinesAtMost) {
+  const std::string text = Text(PALPATE_SOURCE_DIR "/client/examples/first_force.cpp");
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 30);
+}
+
+TEST_F(Installed, IsFoundByPkgConfig) {
+  const std::string source = (folder_ / "own.cpp").string(), program = (folder_ / "own").string();
+  std::ofstream(source)
+      << "#include <palpate/physics.h>\n"
+         "#include \"common/error.h\"\n"  // one's own, which palpate's is not to hide
+         "int main() { return palpate::MakeBall(\"b\", kMine).tree.leaves() == 1 ? 0 : 1; }\n";
+  fs::create_directories(folder_ / "mine/common");
+  std::ofstream(folder_ / "mine/common/error.h") << "constexpr double kMine = 0.01;\n";
+  const std::string flags = "$(PKG_CONFIG_PATH=$(dirname $(find " + Prefix() +
+                            " -name palpate.pc)) pkg-config --cflags --libs ";
+  ASSERT_EQ(Run("g++ -std=c++20 -mavx2 -Wall -Wextra -I" + (folder_ / "mine").string() + " " +
+                source + " -o " + program + " " + flags + "palpate-physics) && " + program),
+            0)
+      << said_;
+  ASSERT_EQ(Run("gcc -std=c11 -Wall -Wextra -Wpedantic -Werror " PALPATE_SOURCE_DIR
+                "/client/examples/first_force.c -o " +
+                program + " " + flags + "palpate) && LD_LIBRARY_PATH=$(dirname $(find " + Prefix() +
+                " -name libpalpate.so)) " + program),
+            0)
+      << said_;
+}
+
+TEST_F(Installed, SaysWhereEigenIsAlignedOtherwise) {
+  const std::string source = (folder_ / "avx.cpp").string();
+  std::ofstream(source) << "#include <palpate/physics.h>\nint main() {}\n";
+  EXPECT_NE(Run("g++ -std=c++20 -mavx2 -fsyntax-only $(pkg-config --cflags eigen3) -I" + Prefix() +
+                "/include " + source),
+            0);
+  EXPECT_THAT(said_, HasSubstr("-DEIGEN_MAX_STATIC_ALIGN_BYTES=16"));
+}
+
+TEST_F(Installed, CLibraryShowsItsOwnNamesAlone) {
+  ASSERT_EQ(
+      Run("nm -D --defined-only $(find " + Prefix() + " -name libpalpate.so) | awk '{print $3}'"),
+      0);
+  std::istringstream names(said_);
+  int count = 0;
+  for (std::string name; std::getline(names, name); ++count) {
+    EXPECT_TRUE(name.starts_with("palpate_")) << name;
+  }
+  EXPECT_GT(count, 10);
+}
+
+}  // namespace
+}  // namespace palpate::test
