@@ -77,6 +77,11 @@ const std::vector<Rule> kRules = {
      {"common", "devices"},
      {"common/dds"},
      {"Eigen", "spdlog", "OpenHaptics"}},
+    // A service that speaks JSON over a WebSocket.
+    {"devices/haply",
+     {"common", "devices"},
+     {"common/dds"},
+     {"Eigen", "spdlog", "nlohmann-json", "Boost"}},
     {"devices/spacemouse", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog", "spacenav"}},
     // Never the server or another client; own folder added below.
     // Boost for its HTTP server and WebSockets (Asio, Beast); OpenSSL for TLS and tokens; zlib to
