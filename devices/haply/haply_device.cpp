@@ -28,7 +28,7 @@ constexpr double kJump_m = 0.05;
 HaplyDevice::HaplyDevice(const HaplyOptions& options)
     : gate_(options.rate_Hz),
       turn_rate_(options.rate_Hz),
-      client_(options.service, options.device_id) {
+      client_(options.service, options.device_id, options.realtime) {
   const haply::Inventory& inventory = client_.inventory();
   const bool small = inventory.type == "minverse";
   info_.model = "Haply " + inventory.type + " (" + inventory.device_id + ")";

@@ -15,6 +15,7 @@ struct HaplyOptions {
   std::string device_id;  ///< as the Haply Hub has it; empty: the first
   double rate_Hz = 1000.0;
   haply::Address service = haply::ServiceAddress();
+  RealtimeOptions realtime{RealtimeMode::kOff, -1, 40};  ///< of the thread that speaks with it
 };
 
 /// Haply's Inverse3, Inverse3x or Minverse, through the Inverse Service; a VerseGrip, where there
@@ -23,8 +24,8 @@ struct HaplyOptions {
 /// Thread contract: as Device; a thread of its own speaks with the service (InverseClient).
 class HaplyDevice final : public Device {
  public:
-  /// Ticks without a reply after which the device is at fault, and gets nothing: at 1 kHz 15 ms.
-  static constexpr int kStaleTicks = 15;
+  /// Ticks without a reply after which the device is at fault, and gets nothing: at 1 kHz 10 ms.
+  static constexpr int kStaleTicks = 10;
 
   /// Throws Error, with the remedy, where there is no service or no device.
   explicit HaplyDevice(const HaplyOptions& options);

@@ -14,6 +14,7 @@ DeviceKind HaplyKind() {
             HaplyOptions arm;
             arm.device_id = options.arm;
             arm.rate_Hz = options.rate_Hz;
+            arm.realtime = options.realtime;
             return std::make_unique<HaplyDevice>(arm);
           }};
 }

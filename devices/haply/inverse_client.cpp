@@ -107,9 +107,10 @@ class InverseClient::Link {
   std::string text_;
 };
 
-InverseClient::InverseClient(Address address, std::string wanted)
+InverseClient::InverseClient(Address address, std::string wanted, const RealtimeOptions& realtime)
     : address_(std::move(address)),
       wanted_(std::move(wanted)),
+      realtime_(realtime),
       wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
       stop_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   std::future<void> opened = opened_.get_future();
@@ -154,6 +155,7 @@ void InverseClient::Run() {
   std::string trouble;
   for (;;) {
     try {
+      if (!opened && realtime_.mode != RealtimeMode::kOff) EnterRealtime(realtime_);
       Link link(address_, stop_);
       // The first message is the service's.
       const Inventory inventory = ParseInventory(link.Read(), wanted_);

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "common/realtime/latest_mailbox.h"
+#include "common/realtime/realtime.h"
 #include "devices/haply/inverse_message.h"
 
 namespace palpate::haply {
@@ -40,8 +41,9 @@ struct ServiceState {
 /// Thread contract: Read and Send from one thread; the others from that which made it.
 class InverseClient {
  public:
-  /// @param wanted  id of the device; empty: the first.  Throws Error, with the remedy.
-  InverseClient(Address address, std::string wanted);
+  /// @param wanted    id of the device; empty: the first.
+  /// @param realtime  of its thread.   Throws Error, with the remedy.
+  InverseClient(Address address, std::string wanted, const RealtimeOptions& realtime);
   ~InverseClient();
   InverseClient(const InverseClient&) = delete;
   InverseClient& operator=(const InverseClient&) = delete;
@@ -64,6 +66,7 @@ class InverseClient {
 
   Address address_;
   std::string wanted_;
+  RealtimeOptions realtime_;
   Inventory inventory_;
   LatestMailbox<Vec3> forces_;
   LatestMailbox<ServiceState> states_;

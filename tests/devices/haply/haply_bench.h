@@ -18,7 +18,10 @@ namespace palpate::test {
 class HaplyBench {
  public:
   explicit HaplyBench(const FakeInverseService& service)
-      : arm({.device_id = "", .rate_Hz = 1000.0, .service = service.address()}) {}
+      : arm({.device_id = "",
+             .rate_Hz = 1000.0,
+             .service = service.address(),
+             .realtime = {RealtimeMode::kOff}}) {}
 
   void Tick() {
     const std::int64_t now = SteadyNanoseconds();

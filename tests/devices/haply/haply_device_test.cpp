@@ -18,7 +18,10 @@ class Haply : public testing::Test {
  protected:
   std::string OpeningError(const std::string& id = "") {
     try {
-      HaplyDevice device({.device_id = id, .rate_Hz = 1000.0, .service = service.address()});
+      HaplyDevice device({.device_id = id,
+                          .rate_Hz = 1000.0,
+                          .service = service.address(),
+                          .realtime = {RealtimeMode::kOff}});
     } catch (const Error& error) {
       return error.what();
     }
@@ -44,7 +47,10 @@ class Haply : public testing::Test {
 };
 
 TEST_F(Haply, IsBoundedWithoutTorqueByTheTypeThatTheServiceNames) {
-  const HaplyDevice arm({.device_id = "", .rate_Hz = 1000.0, .service = service.address()});
+  const HaplyDevice arm({.device_id = "",
+                         .rate_Hz = 1000.0,
+                         .service = service.address(),
+                         .realtime = {RealtimeMode::kOff}});
   EXPECT_EQ(arm.info().model, "Haply inverse3 (049D)");
   EXPECT_EQ(arm.info().force_axes, 3);
   EXPECT_EQ(arm.info().torque_axes, 0);
@@ -173,7 +179,10 @@ TEST_F(Haply, TakesItsServicesAddressFromTheEnvironment) {
 
 TEST_F(Haply, AsksForNoMemoryInATick) {
   if (!kCountsAllocations) GTEST_SKIP();
-  HaplyDevice arm({.device_id = "", .rate_Hz = 1000.0, .service = service.address()});
+  HaplyDevice arm({.device_id = "",
+                   .rate_Hz = 1000.0,
+                   .service = service.address(),
+                   .realtime = {RealtimeMode::kOff}});
   StationCore core(arm);
   core.Act(SteadyNanoseconds());
   const std::uint64_t before = AllocationsOfThisThread();

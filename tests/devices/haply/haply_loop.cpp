@@ -36,7 +36,9 @@ void EachMillisecond(HaplyBench& bench, So go_on) {
   } while (go_on());
 }
 
-int Main() {
+/// @param realtime  the threads of station, driver and service run with SCHED_FIFO, where granted.
+int Main(bool realtime) {
+  if (realtime) std::printf("%s\n", EnterRealtime({RealtimeMode::kPrefer}).summary.c_str());
   std::vector<double> trips_us, gone_us, stalled_us;
   {
     FakeInverseService service;
@@ -83,6 +85,6 @@ int Main() {
 }  // namespace
 }  // namespace palpate::test
 
-int main() {
-  return palpate::test::Main();
+int main(int count, char** words) {
+  return palpate::test::Main(count > 1 && std::string(words[1]) == "--realtime");
 }
