@@ -63,9 +63,9 @@ std::string DeviceNames() {
 std::string DeviceHelp() {
   std::ostringstream help;
   for (const DeviceKind& kind : AllDeviceKinds()) {
-    help << "  " << kind.name << std::string(12 - std::min<std::size_t>(11, kind.name.size()), ' ')
+    help << "  " << kind.name << std::string(16 - std::min<std::size_t>(15, kind.name.size()), ' ')
          << kind.what << "\n";
-    if (!kind.models.empty()) help << "              --model " << Joined(kind.models) << "\n";
+    if (!kind.models.empty()) help << "                  --model " << Joined(kind.models) << "\n";
   }
   return help.str();
 }

@@ -1,10 +1,13 @@
 #include "client/doctor/device_checks.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <sys/stat.h>
 
 #include "common/error.h"
+#include "devices/forcedimension/dhd_library.h"
+#include "devices/haply/inverse_client.h"
 #include "devices/openhaptics/device_nodes.h"
 #include "devices/openhaptics/hd_library.h"
 
@@ -13,6 +16,8 @@ namespace {
 
 constexpr const char* kSpacenavSocket = "/var/run/spnav.sock";
 constexpr const char* kArm = "openhaptics";
+constexpr const char* kDelta = "forcedimension";
+constexpr const char* kInverse = "haply";
 constexpr const char* kPuck = "spacemouse";
 
 std::string Listed(const HostFiles& host, const std::vector<std::string>& nodes) {
@@ -21,19 +26,25 @@ std::string Listed(const HostFiles& host, const std::vector<std::string>& nodes)
   return text;
 }
 
-Finding CheckArm(const HostFiles& host, const LoadArmLibrary& load) {
+/// What the probe found, or a fault with this remedy.
+Finding Probed(const char* device, const Probe& probe, const std::string& remedy) {
   Finding finding{.check = "device"};
   try {
-    finding.found = std::string(kArm) + ": " + load() + " is loaded";
+    finding.found = std::string(device) + ": " + probe();
   } catch (const Error& error) {
     finding.status = Status::kFault;
     finding.found = error.what();
-    finding.remedy =
-        "install OpenHaptics and the arm's driver, both of its vendor's "
-        "(devices/openhaptics/README.md), or name the library in " +
-        std::string(hd::kLibraryVariable);
-    return finding;
+    finding.remedy = remedy;
   }
+  return finding;
+}
+
+Finding CheckArm(const HostFiles& host, const Probe& probe) {
+  Finding finding = Probed(kArm, probe,
+                           "install OpenHaptics and the arm's driver, both of its vendor's "
+                           "(devices/openhaptics/README.md), or name the library in " +
+                               std::string(hd::kLibraryVariable));
+  if (finding.status == Status::kFault) return finding;
   const DeviceNodes nodes = FindDeviceNodes(host.At("/dev"), [&](const std::string& path) {
     return host.MayOpen(path.substr(host.root.size()));
   });
@@ -53,6 +64,59 @@ Finding CheckArm(const HostFiles& host, const LoadArmLibrary& load) {
     finding.found += "; may be opened:" + Listed(host, nodes.open);
   }
   return finding;
+}
+
+/// Nodes of the USB devices of Force Dimension's that are plugged in.
+std::vector<std::string> DeltaNodes(const HostFiles& host) {
+  std::vector<std::string> nodes;
+  const std::string folder = "/sys/bus/usb/devices";
+  for (const std::string& name : host.Names(folder, "")) {
+    const auto file = [&](const char* what) {
+      std::string text = host.Read(folder + "/" + name + "/" + what).value_or("");
+      text.erase(text.find_last_not_of(" \n") + 1);
+      return text;
+    };
+    const auto three = [](const std::string& digits) {
+      return std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits;
+    };
+    if (file("idVendor") != "1451") continue;
+    nodes.push_back("/dev/bus/usb/" + three(file("busnum")) + "/" + three(file("devnum")));
+  }
+  return nodes;
+}
+
+Finding CheckDelta(const HostFiles& host, const Probe& probe) {
+  Finding finding = Probed(kDelta, probe,
+                           "install Force Dimension's SDK (devices/forcedimension/README.md), or "
+                           "name the library in " +
+                               std::string(dhd::kLibraryVariable));
+  if (finding.status == Status::kFault) return finding;
+  const std::vector<std::string> nodes = DeltaNodes(host);
+  if (nodes.empty()) {
+    finding.status = Status::kWarning;
+    finding.found += "; no arm is plugged in (no USB device of vendor 1451)";
+    finding.remedy = "check its USB cable and power";
+  }
+  for (const std::string& node : nodes) {
+    if (host.MayOpen(node)) {
+      finding.found += "; may be opened: " + node;
+    } else {
+      finding.status = Status::kFault;
+      finding.found += "; this user may not open " + node;
+      finding.remedy =
+          "add a udev rule, SUBSYSTEM==\"usb\", ATTR{idVendor}==\"1451\", MODE=\"0666\" "
+          "(devices/forcedimension/README.md), and plug the arm in again";
+    }
+  }
+  return finding;
+}
+
+Finding CheckInverse(const Probe& probe) {
+  return Probed(
+      kInverse, probe,
+      "install the Inverse Service with the Haply Hub (devices/haply/README.md) and start "
+      "it: sudo systemctl start haply-inverse-service; or name its address in " +
+          std::string(haply::kServiceVariable));
 }
 
 /// True where a puck of 3Dconnexion's (or of Logitech's, as they were sold before) is plugged in.
@@ -95,19 +159,34 @@ Finding CheckPuck(const HostFiles& host) {
 
 }  // namespace
 
-std::string LoadOpenHaptics() {
-  return hd::LoadLibrary(hd::LibraryCandidates()).file;
+ArmProbes RealArmProbes() {
+  return {
+      .openhaptics = [] { return hd::LoadLibrary(hd::LibraryCandidates()).file + " is loaded"; },
+      .forcedimension =
+          [] { return dhd::LoadLibrary(dhd::LibraryCandidates()).file + " is loaded"; },
+      .haply =
+          [] {
+            const haply::Address address = haply::ServiceAddress();
+            haply::CheckService(address);
+            return "somebody listens at ws://" + address.host + ":" + address.port;
+          }};
 }
 
-Finding CheckDevice(const HostFiles& host, const std::string& device, const LoadArmLibrary& load) {
-  if (device == kArm) return CheckArm(host, load);
+Finding CheckDevice(const HostFiles& host, const std::string& device, const ArmProbes& probes) {
+  if (device == kArm) return CheckArm(host, probes.openhaptics);
+  if (device == kDelta) return CheckDelta(host, probes.forcedimension);
+  if (device == kInverse) return CheckInverse(probes.haply);
   if (device == kPuck) return CheckPuck(host);
   if (!device.empty()) return {.check = "device", .found = device + ": needs nothing of the host"};
-  const bool arm = CheckArm(host, load).status != Status::kFault;
-  const bool puck = CheckPuck(host).status != Status::kFault;
-  return {.check = "device",
-          .found = std::string("none is named with --device; ready would be: simulated, mouse") +
-                   (arm ? ", openhaptics" : "") + (puck ? ", spacemouse" : "")};
+  std::string ready = "none is named with --device; ready would be: simulated, mouse";
+  const auto add = [&ready](const char* name, const Finding& finding) {
+    if (finding.status != Status::kFault) ready += std::string(", ") + name;
+  };
+  add(kArm, CheckArm(host, probes.openhaptics));
+  add(kDelta, CheckDelta(host, probes.forcedimension));
+  add(kInverse, CheckInverse(probes.haply));
+  add(kPuck, CheckPuck(host));
+  return {.check = "device", .found = ready};
 }
 
 }  // namespace palpate::doctor

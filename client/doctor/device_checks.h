@@ -8,13 +8,20 @@
 
 namespace palpate::doctor {
 
-/// Loads the arm's library; returns the file that it was found in, or throws Error.
-using LoadArmLibrary = std::function<std::string()>;
-/// The real one: OpenHaptics'.
-std::string LoadOpenHaptics();
+/// Whether what an arm needs beside the kernel answers: what was found, in a few words; throws
+/// Error.
+using Probe = std::function<std::string()>;
+
+/// Of the vendors' libraries and services, so that a test needs none of them.
+struct ArmProbes {
+  Probe openhaptics;     ///< loads the library
+  Probe forcedimension;  ///< loads the library
+  Probe haply;           ///< connects to the service
+};
+ArmProbes RealArmProbes();
 
 /// Whether palpate-station --device could open the device.
 /// @param device  as after --device, known; empty: none is named, and what is missing is no fault.
-Finding CheckDevice(const HostFiles& host, const std::string& device, const LoadArmLibrary& load);
+Finding CheckDevice(const HostFiles& host, const std::string& device, const ArmProbes& probes);
 
 }  // namespace palpate::doctor

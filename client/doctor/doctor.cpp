@@ -75,7 +75,7 @@ std::optional<Report> Examine(const Options& options, StopSignal& stop,
                          .realtime = options.realtime},
                         stop),
                 expected));
-  add(CheckDevice(host, options.device, LoadOpenHaptics));
+  add(CheckDevice(host, options.device, RealArmProbes()));
 
   if (options.seconds > 0.0 && !stop.stopped()) {
     measuring(fmt::format("how late a loop wakes up, for {:g} s", options.seconds));

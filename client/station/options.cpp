@@ -36,6 +36,12 @@ Examples:
   palpate-station --device openhaptics --scene cube --id me
       a PHANTOM or Touch arm, through the OpenHaptics library that is installed, or the file that
       PALPATE_OPENHAPTICS_LIBRARY names
+  palpate-station --device forcedimension --device-name 4711 --scene cube --id me
+      the omega, delta, sigma or lambda with that serial number, through libdhd.so.3, or the file
+      that PALPATE_FORCEDIMENSION_LIBRARY names
+  palpate-station --device haply --scene cube --id me
+      an Inverse3 with its VerseGrip, through the Inverse Service at ws://localhost:10001, or the
+      address that PALPATE_HAPLY_SERVICE names
   palpate-station --device simulated --scene cube --id far --network eth0
       a server on another host, which runs with --network too
 
@@ -82,7 +88,8 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_flag("--enable-forces", options.enable_forces,
                "let forces out to a real device (simulated ones need no leave)");
   app.add_option("--device-name", options.device_name,
-                 "arm, as its vendor's set-up program names it; default: the default one");
+                 "arm, as its vendor's set-up program names it, its serial number, or its id; "
+                 "default: the first");
   app.add_flag("--calibrate", options.calibrate,
                "calibrate the arm even if it is; it is in its reset position now, if it has one");
   app.add_option("--local-model", local_model,

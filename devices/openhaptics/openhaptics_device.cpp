@@ -11,10 +11,9 @@
 #include <pthread.h>
 
 #include "common/error.h"
-#include "common/math/rotation.h"
 #include "common/time/steady_clock.h"
+#include "devices/nearest_rotation.h"
 #include "devices/openhaptics/device_nodes.h"
-#include "devices/openhaptics/nearest_rotation.h"
 #include "devices/wrench_limiter.h"
 
 namespace palpate {
@@ -28,8 +27,6 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kMostErrorsPerDrain = 64;
 /// A scheduler that has not ticked for so long is dead: who waits for it would wait for ever.
 constexpr std::int64_t kDead_ns = 1'000'000'000;
-/// First-order low-pass of the angular velocity.
-constexpr double kVelocityCutOff_rad_s = 2.0 * 3.14159265358979 * 100.0;
 /// Above the strongest arm that there is (Premium 1.5 High Force: 37.5 N): a figure beyond it is
 /// in another unit.
 constexpr double kMostForce_N = 50.0;
@@ -253,6 +250,7 @@ void OpenHapticsDevice::Configure() {
     AddLine(notes_, "the arm does not take the rate asked for; it runs at 1000 Hz");
   }
   gate_ = OutputGate(info_.rate_Hz);
+  turn_rate_ = TurnRate(info_.rate_Hz);
   slow_period_ = static_cast<std::uint64_t>(std::max(1.0, info_.rate_Hz / 10.0));
   sample_.status = kDeviceCalibrating | kDeviceFault;
 }
@@ -354,15 +352,8 @@ void OpenHapticsDevice::ReadFrame() noexcept {
     return;
   }
   const Quat q(*R);
-  if (has_pose_) {
-    // By differences, as they are in W for certain.
-    const double k = kVelocityCutOff_rad_s / info_.rate_Hz;
-    const Vec3 w = RotationLog(q * sample_.X_WH.q.conjugate()) * info_.rate_Hz;
-    sample_.V_WH.w += k / (1.0 + k) * (w - sample_.V_WH.w);
-  }
-  has_pose_ = true;
   sample_.X_WH = {p, q};
-  sample_.V_WH.v = v;
+  sample_.V_WH = {v, turn_rate_.Of(q)};
 }
 
 template <class Get>

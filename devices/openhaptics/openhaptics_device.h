@@ -12,6 +12,7 @@
 #include "devices/device.h"
 #include "devices/openhaptics/hd_library.h"
 #include "devices/openhaptics/output_gate.h"
+#include "devices/turn_rate.h"
 
 namespace palpate {
 
@@ -129,12 +130,12 @@ class OpenHapticsDevice final : public Device {
 
   // Of the scheduler's thread while it runs.
   OutputGate gate_{1000.0};
+  TurnRate turn_rate_{1000.0};
   OpenHapticsState state_;
   DeviceSample sample_;
   std::array<std::uint64_t, 5> last_error_ticks_{};
   bool in_frame_ = false;
   bool motors_on_ = false;
-  bool has_pose_ = false;
   std::uint64_t slow_period_ = 100;  // ticks between two ReadNowAndThen
   bool has_encoders_ = true;
   bool has_temperature_ = true;

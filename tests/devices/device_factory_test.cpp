@@ -32,7 +32,8 @@ std::string MessageOf(const DeviceOptions& options) {
 }
 
 TEST(DeviceFactory, MakesWhatItNames) {
-  EXPECT_EQ(DeviceNames(), "mouse, openhaptics, scripted, simulated, spacemouse");
+  EXPECT_EQ(DeviceNames(),
+            "forcedimension, haply, mouse, openhaptics, scripted, simulated, spacemouse");
   for (const char* name : {"simulated", "scripted"}) {
     const auto device = MakeDevice(Of(name));
     EXPECT_NE(device->info().model.find(name), std::string::npos);
@@ -50,7 +51,8 @@ TEST(DeviceFactory, HelpsWithALineForEachDeviceAndItsModels) {
 
 TEST(DeviceFactory, NamesWhatThereIsWhereItIsAskedForWhatThereIsNot) {
   EXPECT_EQ(MessageOf(Of("omega")),
-            "--device omega: no such device; have: mouse, openhaptics, scripted, simulated, "
+            "--device omega: no such device; have: forcedimension, haply, mouse, openhaptics, "
+            "scripted, simulated, "
             "spacemouse");
   DeviceOptions options = Of("simulated");
   options.model = "omni";

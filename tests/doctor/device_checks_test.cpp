@@ -12,12 +12,13 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-std::string Loads() {
-  return "/usr/lib/libHD.so.3.5";
-}
-std::string LoadsNot() {
-  throw Error("openhaptics: no libHD.so here");
-}
+const ArmProbes Loads{.openhaptics = [] { return "/usr/lib/libHD.so.3.5 is loaded"; },
+                      .forcedimension = [] { return "libdhd.so.3 is loaded"; },
+                      .haply = [] { return "somebody listens at ws://localhost:10001"; }};
+const ArmProbes LoadsNot{
+    .openhaptics = []() -> std::string { throw Error("openhaptics: no libHD.so here"); },
+    .forcedimension = []() -> std::string { throw Error("forcedimension: no libdhd here"); },
+    .haply = []() -> std::string { throw Error("haply: no Inverse Service"); }};
 
 class Device : public testing::Test {
  protected:
@@ -46,6 +47,31 @@ TEST_F(Device, OfTheVendorWithoutItsLibraryIsAFaultAndWithoutANodeAWarning) {
   EXPECT_THAT(library.found, HasSubstr("no libHD.so here"));
   EXPECT_THAT(library.remedy, HasSubstr("PALPATE_OPENHAPTICS_LIBRARY"));
   EXPECT_EQ(CheckDevice(host.files, "openhaptics", Loads).status, Status::kWarning);
+}
+
+TEST_F(Device, OfForceDimensionNeedsItsLibraryAndAnArmThatMayBeOpened) {
+  const Finding library = CheckDevice(host.files, "forcedimension", LoadsNot);
+  EXPECT_EQ(library.status, Status::kFault);
+  EXPECT_THAT(library.remedy, HasSubstr("PALPATE_FORCEDIMENSION_LIBRARY"));
+  EXPECT_EQ(CheckDevice(host.files, "forcedimension", Loads).status, Status::kWarning);
+  host.Write("/sys/bus/usb/devices/1-2/idVendor", "1451\n");
+  host.Write("/sys/bus/usb/devices/1-2/busnum", "1\n");
+  host.Write("/sys/bus/usb/devices/1-2/devnum", "12\n");
+  const Finding fine = CheckDevice(host.files, "forcedimension", Loads);
+  EXPECT_EQ(fine.status, Status::kOk);
+  EXPECT_THAT(fine.found, HasSubstr("libdhd.so.3 is loaded; may be opened: /dev/bus/usb/001/012"));
+  closed = "/dev/bus/usb/001/012";
+  const Finding refused = CheckDevice(host.files, "forcedimension", Loads);
+  EXPECT_EQ(refused.status, Status::kFault);
+  EXPECT_THAT(refused.remedy, HasSubstr("udev rule"));
+}
+
+TEST_F(Device, OfHaplyNeedsItsService) {
+  EXPECT_EQ(CheckDevice(host.files, "haply", Loads).status, Status::kOk);
+  const Finding silent = CheckDevice(host.files, "haply", LoadsNot);
+  EXPECT_EQ(silent.status, Status::kFault);
+  EXPECT_THAT(silent.remedy, HasSubstr("systemctl start haply-inverse-service"));
+  EXPECT_THAT(silent.remedy, HasSubstr("PALPATE_HAPLY_SERVICE"));
 }
 
 TEST_F(Device, OfSpacenavdNeedsItToRun) {

@@ -82,6 +82,11 @@ const std::vector<Rule> kRules = {
      {"common", "devices"},
      {"common/dds"},
      {"Eigen", "spdlog", "OpenHaptics"}},
+    // A service that speaks JSON over a WebSocket.
+    {"devices/haply",
+     {"common", "devices"},
+     {"common/dds"},
+     {"Eigen", "spdlog", "nlohmann-json", "Boost"}},
     {"devices/spacemouse", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog", "spacenav"}},
     // Never the server or another client; own folder added below.
     // Boost for its HTTP server and WebSockets (Asio, Beast); OpenSSL for TLS and tokens; zlib to
@@ -209,7 +214,7 @@ const Paths kNotInHeaders = {"CLI11", "assimp", "nlohmann-json", "spdlog"};
 bool IsSystemHeader(const std::string& header) {
   static const std::regex kSystem(
       R"([a-z_0-9]+|(sys|linux|netinet|arpa|net)/[a-z_0-9]+\.h|)"
-      R"((cpuid|cxxabi|dirent|dlfcn|errno|execinfo|fcntl|features|getopt|ifaddrs|immintrin|malloc|poll|)"
+      R"((cpuid|cxxabi|dirent|dlfcn|errno|execinfo|fcntl|features|getopt|ifaddrs|immintrin|malloc|netdb|poll|)"
       R"(pthread|sched|semaphore|signal|spawn|stddef|stdint|stdio|stdlib|string|termios|time|unistd|x86intrin)\.h)");
   return std::regex_match(header, kSystem);
 }

@@ -86,9 +86,11 @@ TEST(StationOptions, NamesTheArgumentThatIsWrong) {
   EXPECT_THAT(Complaint({"--scene", "cube", "--id", "a"}), HasSubstr("--device"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--id", "a"}), HasSubstr("--scene"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube"}), HasSubstr("--id"));
-  EXPECT_THAT(Complaint({"--device", "omega", "--scene", "cube", "--id", "a"}),
-              HasSubstr("no such device; have: mouse, openhaptics, scripted, simulated, "
-                        "spacemouse"));
+  EXPECT_THAT(
+      Complaint({"--device", "omega", "--scene", "cube", "--id", "a"}),
+      HasSubstr(
+          "no such device; have: forcedimension, haply, mouse, openhaptics, scripted, simulated, "
+          "spacemouse"));
   EXPECT_THAT(with({"--model", "omni"}), HasSubstr("have: premium-3.0, premium-1.5, touch"));
   EXPECT_THAT(with({"--rate", "5000"}), HasSubstr("--rate 5000"));
   EXPECT_THAT(with({"--scale", "0"}), HasSubstr("--scale"));

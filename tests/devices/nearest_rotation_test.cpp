@@ -1,4 +1,4 @@
-#include "devices/openhaptics/nearest_rotation.h"
+#include "devices/nearest_rotation.h"
 
 #include <limits>
 #include <random>

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "devices/forcedimension/dhd_abi.h"
+
+namespace palpate::dhd {
+
+/// Why an arm renders no force, as its status says; the first that holds, in this order.
+enum class Condition {
+  kReady,
+  kNoPower,
+  kNotConnected,
+  kNotStarted,
+  kError,
+  kNotCalibrated,
+  kWristNotCalibrated,
+  // Causes for which the arm itself took its force away (DHD_STATUS_FORCEOFFCAUSE).
+  kOffByButton,
+  kOffByVelocity,
+  kOffByWatchdog,
+  kOffBySoftware,
+  kOffByUsb,
+  kOffByDeadMan,
+  kOffUnknown,  ///< one that this driver does not know
+  kBrake,
+  kIdle,
+  kForceOff,  ///< for none of these reasons
+};
+
+/// @field name    what it is, for the station's table.
+/// @field remedy  how the force comes back, as a clause that ends a message.
+struct ConditionText {
+  Condition condition;
+  const char* name;
+  const char* remedy;
+};
+
+/// All of them, in their order.
+std::span<const ConditionText> ConditionTexts() noexcept;
+const ConditionText& TextOf(Condition condition) noexcept;
+
+/// Of what dhdGetStatus gave.  Real-time.
+/// @param status  kStatusRoom values.
+Condition ConditionOf(const int* status) noexcept;
+
+/// "the arm's forces are off by its button: press ..."; "" where it is ready.
+std::string DescribeCondition(Condition condition);
+
+}  // namespace palpate::dhd

@@ -1,0 +1,70 @@
+#include "devices/forcedimension/arm_sheets.h"
+
+#include "devices/forcedimension/dhd_abi.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kMilli = 1e-3;
+constexpr double kDegree = 3.14159265358979 / 180.0;
+
+// [S] as the maker's data sheet is commonly quoted; none was at hand, so check it.  [C] what the
+// public driver of CHAI3D 3 takes for the arm.  Where both are known and differ, the lower bounds
+// the force.  The maker gives one force, as continuous; so the peak is no higher.  [E] estimate.
+struct Row {
+  double force_N, torque_Nm;
+  double across_m, along_m;  ///< diameter of the reach beside, and its depth towards the user
+  double position_m, rotation_deg;
+  double stiffness_N_m;
+};
+
+constexpr Row kOmega{12.0, 0.0, 0.160, 0.110, 0.01 * kMilli, 0.09, 14500.0};      // S (C: 12 N)
+constexpr Row kDelta{20.0, 0.2, 0.400, 0.260, 0.03 * kMilli, 0.04, 14500.0};      // S, C; torque C
+constexpr Row kSigma{12.0, 0.2, 0.190, 0.130, 0.0015 * kMilli, 0.013, 14500.0};   // C; S: 20, 0.4
+constexpr Row kLambda{12.0, 0.2, 0.240, 0.170, 0.0015 * kMilli, 0.013, 14500.0};  // as sigma; S: 20
+constexpr Row kFalcon{8.0, 0.0, 0.100, 0.100, 0.06 * kMilli, 0.0, 3000.0};        // C; reach S
+constexpr Row kUnknown{5.0, 0.05, 0.100, 0.100, 0.06 * kMilli, 0.1, 3000.0};      // E
+
+Row RowOf(int system_type) {
+  switch (system_type) {
+    case dhd::kOmega3:
+    case dhd::kOmega6:
+    case dhd::kOmega6Left:
+    case dhd::kOmega7:
+    case dhd::kOmega7Left:
+      return kOmega;
+    case dhd::kDelta3:
+    case dhd::kDelta6:
+      return kDelta;
+    case dhd::kSigma3:
+    case dhd::kSigma7:
+    case dhd::kSigma7Left:
+    case dhd::kSigma6Plus:
+    case dhd::kSigma6PlusLeft:
+      return kSigma;
+    case dhd::kLambda3:
+    case dhd::kLambda7:
+    case dhd::kLambda7Left:
+      return kLambda;
+    case dhd::kFalcon:
+      return kFalcon;
+    default:
+      return kUnknown;
+  }
+}
+
+}  // namespace
+
+DeviceInfo ForceDimensionSheet(int system_type) {
+  const Row row = RowOf(system_type);
+  DeviceInfo info;
+  info.max_force_N = info.continuous_force_N = row.force_N;
+  info.max_torque_Nm = info.continuous_torque_Nm = row.torque_Nm;
+  info.workspace_m = Vec3(row.across_m, row.across_m, row.along_m);
+  info.position_resolution_m = row.position_m;
+  info.rotation_resolution_rad = row.rotation_deg * kDegree;
+  info.max_stiffness_N_m = row.stiffness_N_m;
+  return info;
+}
+
+}  // namespace palpate

@@ -1,0 +1,125 @@
+#include "devices/haply/haply_device.h"
+
+#include "devices/wrench_limiter.h"
+
+namespace palpate {
+namespace {
+
+// No data sheet was at hand.  [I] 2 N is what Isaac Lab's driver for the Inverse3 allows by
+// default, and so taken for what it stands for ever; [E] the peak is twice that, and a Minverse
+// stands half.  Raise them only with the sheet of your device.
+constexpr double kContinuous_N = 2.0;
+constexpr double kPeak_N = 4.0;
+constexpr double kSmaller = 0.5;
+/// [D] The maker's tutorial for position control keeps within these radii of the reach's middle.
+constexpr double kReach_m = 0.10;
+constexpr double kMinverseReach_m = 0.04;
+/// [E] Of the encoders at the cursor.
+constexpr double kResolution_m = 0.1e-3;
+constexpr double kResolution_rad = 2e-3;
+/// [D] Where the maker's example of a first message has the cursor: about the middle of the reach,
+/// in W, where no preset puts the origin there.
+const Vec3 kCentre_m(0.0, 0.15, 0.12);
+/// Between two replies.  No hand moves so far in a millisecond; a device that is calibrated does.
+constexpr double kJump_m = 0.05;
+
+}  // namespace
+
+HaplyDevice::HaplyDevice(const HaplyOptions& options)
+    : gate_(options.rate_Hz),
+      turn_rate_(options.rate_Hz),
+      client_(options.service, options.device_id, options.realtime) {
+  const haply::Inventory& inventory = client_.inventory();
+  const bool small = inventory.type == "minverse";
+  info_.model = "Haply " + inventory.type + " (" + inventory.device_id + ")";
+  info_.max_force_N = kPeak_N * (small ? kSmaller : 1.0);
+  info_.continuous_force_N = kContinuous_N * (small ? kSmaller : 1.0);
+  info_.torque_axes = 0;
+  info_.workspace_m = Vec3::Constant(2.0 * (small ? kMinverseReach_m : kReach_m));
+  info_.position_resolution_m = kResolution_m;
+  info_.rotation_resolution_rad = kResolution_rad;
+  info_.rate_Hz = options.rate_Hz;
+  if (!inventory.centred) centre_ = kCentre_m;
+}
+
+DeviceSample HaplyDevice::Read() noexcept {
+  const Vec3 before = sample_.X_WH.p;
+  const bool first = state_.replies == 0;
+  silent_ticks_ = client_.Read(state_) ? 0 : silent_ticks_ + 1;
+  Condition condition = Condition::kReady;
+  if (state_.replies > 0 && !state_.up) {
+    condition = Condition::kNoService;
+  } else if (state_.replies == 0 || silent_ticks_ > kStaleTicks) {
+    condition = Condition::kStalled;
+  } else if (state_.lie != haply::Lie::kNone) {
+    condition = Condition::kLies;
+  } else if (!state_.reading.calibrated) {
+    condition = Condition::kNotCalibrated;
+  }
+  condition_.store(condition, std::memory_order_relaxed);
+  if (condition != Condition::kReady) {
+    // The pose is held, and nothing is pressed.
+    gate_.Fault();
+    sample_.V_WH = Twist{};
+    turn_rate_.Restart();
+    sample_.buttons = 0;
+  } else {
+    sample_.X_WH = {state_.reading.p - centre_, state_.reading.q};
+    sample_.V_WH = {state_.reading.v, turn_rate_.Of(state_.reading.q)};
+    sample_.buttons = state_.reading.buttons;
+    if (!first && (sample_.X_WH.p - before).norm() > kJump_m) gate_.Fault();
+  }
+  sample_.status = gate_.open()                             ? kDeviceOk
+                   : condition == Condition::kNotCalibrated ? kDeviceFault | kDeviceCalibrating
+                                                            : kDeviceFault;
+  return sample_;
+}
+
+void HaplyDevice::Apply(const LimitedWrench& wrench) noexcept {
+  sent_ = gate_.Passes(wrench.wrench()) ? wrench.wrench().force : Vec3::Zero().eval();
+  client_.Send(sent_);
+}
+
+std::string HaplyDevice::Attend() {
+  std::string news = client_.TakeNews();
+  const auto add = [&news](const char* line) {
+    news += (news.empty() ? "" : "\n");
+    news += line;
+  };
+  if (!told_grip_ && client_.inventory().grip_id.empty()) {
+    add("no VerseGrip: the tool does not turn, and forces need --enable-forces");
+  }
+  told_grip_ = true;
+  const Condition condition = condition_.load(std::memory_order_relaxed);
+  if (condition != told_) {
+    if (condition == Condition::kStalled) {
+      add("the Inverse Service does not answer in time: no force; end what loads the machine, or "
+          "start the service again ('sudo systemctl restart haply-inverse-service')");
+    } else if (condition == Condition::kNotCalibrated) {
+      add("forces are off; to calibrate the device: put the grip on its inkwell and wait until the "
+          "light is steady");
+    } else if (condition == Condition::kReady) {
+      add("the device is ready: forces come in by a ramp");
+    }
+    told_ = condition;
+  }
+  return news;
+}
+
+const char* HaplyDevice::activity() const noexcept {
+  switch (condition_.load(std::memory_order_relaxed)) {
+    case Condition::kNoService:
+      return "service gone";
+    case Condition::kStalled:
+      return "service silent";
+    case Condition::kLies:
+      return "service at fault";
+    case Condition::kNotCalibrated:
+      return "to be calibrated";
+    case Condition::kReady:
+      return "";
+  }
+  return "";
+}
+
+}  // namespace palpate

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "devices/device.h"
+#include "devices/haply/inverse_client.h"
+#include "devices/return_gate.h"
+#include "devices/turn_rate.h"
+
+namespace palpate {
+
+struct HaplyOptions {
+  std::string device_id;  ///< as the Haply Hub has it; empty: the first
+  double rate_Hz = 1000.0;
+  haply::Address service = haply::ServiceAddress();
+  RealtimeOptions realtime{RealtimeMode::kOff, -1, 40};  ///< of the thread that speaks with it
+};
+
+/// Haply's Inverse3, Inverse3x or Minverse, through the Inverse Service; a VerseGrip, where there
+/// is one, gives orientation and buttons.  Three axes of force, no torque.  W has x to the right,
+/// y up and z to the user; its origin is the middle of the reach.
+/// Thread contract: as Device; a thread of its own speaks with the service (InverseClient).
+class HaplyDevice final : public Device {
+ public:
+  /// Ticks without a reply after which the device is at fault, and gets nothing: at 1 kHz 10 ms.
+  static constexpr int kStaleTicks = 10;
+
+  /// Throws Error, with the remedy, where there is no service or no device.
+  explicit HaplyDevice(const HaplyOptions& options);
+
+  const DeviceInfo& info() const override { return info_; }
+  DeviceSample Read() noexcept override;
+  void Apply(const LimitedWrench& wrench) noexcept override;
+  std::string Attend() override;
+  const char* activity() const noexcept override;
+
+  /// Of the newest tick; of the loop's thread.
+  const haply::ServiceState& service() const noexcept { return state_; }
+  const Vec3& sent_force() const noexcept { return sent_; }
+
+ private:
+  enum class Condition { kReady, kNoService, kStalled, kLies, kNotCalibrated };
+
+  DeviceInfo info_;
+  Vec3 centre_ = Vec3::Zero();
+  // Of the loop.
+  haply::ServiceState state_;
+  DeviceSample sample_;
+  ReturnGate gate_;
+  TurnRate turn_rate_;
+  Vec3 sent_ = Vec3::Zero();
+  int silent_ticks_ = 0;
+
+  std::atomic<Condition> condition_{Condition::kStalled};
+  // Of the main thread.
+  Condition told_ = Condition::kStalled;
+  bool told_grip_ = false;
+  haply::InverseClient client_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,233 @@
+#include "devices/haply/inverse_client.h"
+
+#include <cstdlib>
+#include <exception>
+#include <system_error>
+#include <utility>
+
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/websocket.hpp>
+#include <poll.h>
+#include <signal.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "common/time/steady_clock.h"
+#include "devices/haply/timed_socket.h"
+
+namespace palpate::haply {
+namespace {
+
+/// Without a Send for so long, zero is sent, so that the pose stays new and no force stays on.
+constexpr int kKeepAlive_ms = 10;
+/// A service that does not answer for so long is dead; the device's forces are off long before.
+constexpr int kDead_ms = 1000;
+constexpr int kRetry_ms = 500;
+/// A state of some devices is 2 kB; who sends more is no Inverse Service.
+constexpr std::size_t kLongestMessage = 1 << 20;
+
+std::string Name(const Address& address) {
+  return "ws://" + address.host + ":" + address.port;
+}
+
+Error NoService(const Address& address, const std::string& why) {
+  return Error("haply: no Inverse Service at " + Name(address) + " (" + why +
+               "); install it with the Haply Hub and start it ('sudo systemctl start "
+               "haply-inverse-service'), or name its address in " +
+               kServiceVariable);
+}
+
+void Ring(int eventfd) noexcept {
+  const std::uint64_t one = 1;
+  if (write(eventfd, &one, sizeof one) < 0) {
+    // It rings already.
+  }
+}
+
+}  // namespace
+
+Address ServiceAddress() {
+  Address address;
+  const char* variable = std::getenv(kServiceVariable);
+  if (!variable || !*variable) return address;
+  std::string text = variable;
+  if (text.starts_with("ws://")) text = text.substr(5);
+  while (text.ends_with('/')) text.pop_back();
+  const std::size_t colon = text.rfind(':');
+  if (colon == 0 || colon == std::string::npos || colon + 1 == text.size() ||
+      text.find_first_not_of("0123456789", colon + 1) != std::string::npos) {
+    throw UsageError(std::string(kServiceVariable) + "='" + variable +
+                     "': give the service's address as ws://HOST:PORT");
+  }
+  address.host = text.substr(0, colon);
+  address.port = text.substr(colon + 1);
+  return address;
+}
+
+void CheckService(const Address& address) {
+  boost::asio::io_context io;
+  TimedSocket socket(io, -1);
+  try {
+    socket.Connect(address.host, address.port);
+  } catch (const std::system_error& error) {
+    throw NoService(address, error.code().message());
+  }
+}
+
+/// One connection.
+class InverseClient::Link {
+ public:
+  Link(const Address& address, int stop) : socket_(io_, stop) {
+    try {
+      socket_.next_layer().Connect(address.host, address.port);
+      socket_.read_message_max(kLongestMessage);
+      socket_.handshake(address.host + ":" + address.port, "/");
+    } catch (const std::system_error& error) {
+      throw NoService(address, error.code().message());
+    } catch (const boost::system::system_error& error) {
+      throw NoService(address, error.code().message());
+    }
+    socket_.text(true);
+  }
+  /// Throws boost::system::system_error.
+  void Write(const std::string& text) { socket_.write(boost::asio::buffer(text)); }
+  const std::string& Read() {
+    buffer_.clear();
+    socket_.read(buffer_);
+    text_.assign(static_cast<const char*>(buffer_.data().data()), buffer_.size());
+    return text_;
+  }
+  void set_timeout_ms(int timeout_ms) { socket_.next_layer().set_timeout_ms(timeout_ms); }
+
+ private:
+  boost::asio::io_context io_;
+  boost::beast::websocket::stream<TimedSocket, false> socket_;
+  boost::beast::flat_buffer buffer_;
+  std::string text_;
+};
+
+InverseClient::InverseClient(Address address, std::string wanted, const RealtimeOptions& realtime)
+    : address_(std::move(address)),
+      wanted_(std::move(wanted)),
+      realtime_(realtime),
+      wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      stop_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  std::future<void> opened = opened_.get_future();
+  thread_ = std::thread([this] { Run(); });
+  try {
+    opened.get();
+  } catch (...) {
+    thread_.join();
+    close(wake_);
+    close(stop_);
+    throw;
+  }
+}
+
+InverseClient::~InverseClient() {
+  Ring(stop_);
+  thread_.join();
+  close(wake_);
+  close(stop_);
+}
+
+void InverseClient::Send(const Vec3& force_W) noexcept {
+  forces_.Write(force_W);
+  Ring(wake_);
+}
+
+void InverseClient::Say(const std::string& news) {
+  const std::lock_guard lock(news_mutex_);
+  news_ += (news_.empty() ? "" : "\n") + news;
+}
+
+std::string InverseClient::TakeNews() {
+  const std::lock_guard lock(news_mutex_);
+  return std::exchange(news_, {});
+}
+
+void InverseClient::Run() {
+  sigset_t all;
+  sigfillset(&all);
+  pthread_sigmask(SIG_BLOCK, &all, nullptr);
+  bool opened = false;
+  std::string trouble;
+  for (;;) {
+    try {
+      if (!opened && realtime_.mode != RealtimeMode::kOff) EnterRealtime(realtime_);
+      Link link(address_, stop_);
+      // The first message is the service's.
+      const Inventory inventory = ParseInventory(link.Read(), wanted_);
+      if (!opened) {
+        // Later it is to be the same again: who holds it knows no other.
+        inventory_ = inventory;
+        wanted_ = inventory.device_id;
+        opened = true;
+        opened_.set_value();
+      } else {
+        Say("the Inverse Service is back");
+      }
+      trouble.clear();
+      Serve(link);
+      return;
+    } catch (const boost::system::system_error& error) {
+      if (!opened) {
+        opened_.set_exception(std::make_exception_ptr(NoService(address_, error.code().message())));
+        return;
+      }
+      if (trouble.empty()) {
+        trouble = "the Inverse Service has gone (" + error.code().message() +
+                  "): no force until it is back; see 'journalctl -u haply-inverse-service'";
+        Say(trouble);
+      }
+    } catch (const std::exception& error) {
+      if (!opened) {
+        opened_.set_exception(std::current_exception());
+        return;
+      }
+      if (error.what() != trouble) Say(trouble = error.what());
+    }
+    state_.up = false;
+    states_.Write(state_);
+    pollfd wait{stop_, POLLIN, 0};
+    if (poll(&wait, 1, kRetry_ms) > 0) return;
+  }
+}
+
+/// Until it is to stop; throws boost::system::system_error where the connection ends.
+void InverseClient::Serve(Link& link) {
+  link.set_timeout_ms(kDead_ms);
+  for (bool first = true;; first = false) {
+    pollfd wait[2] = {{wake_, POLLIN, 0}, {stop_, POLLIN, 0}};
+    if (!first) poll(wait, 2, kKeepAlive_ms);
+    Vec3 force = Vec3::Zero();
+    if (wait[1].revents != 0) {
+      link.Write(ForceMessage(inventory_, force));
+      return;
+    }
+    std::uint64_t rung = 0;
+    if (wait[0].revents != 0 && read(wake_, &rung, sizeof rung) == sizeof rung) {
+      forces_.Read(force);
+    }
+    const std::string message = ForceMessage(inventory_, force, first);
+    const std::int64_t sent_ns = SteadyNanoseconds();
+    link.Write(message);
+    const std::string& reply = link.Read();
+    state_.round_trip_ns = SteadyNanoseconds() - sent_ns;
+    Take(reply);
+  }
+}
+
+void InverseClient::Take(const std::string& reply) {
+  const Lie lie = ParseReply(reply, inventory_, state_.reading);
+  if (lie != state_.lie) {
+    Say(lie == Lie::kNone ? "the Inverse Service is in order again" : TextOf(lie));
+  }
+  state_.lie = lie;
+  state_.up = true;
+  ++state_.replies;
+  states_.Write(state_);
+}
+
+}  // namespace palpate::haply

@@ -1,0 +1,49 @@
+#include "devices/vendor_library.h"
+
+#include <cstdlib>
+
+namespace palpate {
+namespace {
+
+/// What else the loader asks for: "libncurses.so.5: cannot open shared object file: ..." while it
+/// was asked for another file.  Empty where that is not what it says.
+std::string MissingDependency(const std::string& message, const std::string& file) {
+  static const std::string kCannotOpen = ": cannot open shared object file";
+  const std::size_t end = message.find(kCannotOpen);
+  if (end == std::string::npos || message.compare(0, end, file) == 0) return "";
+  return message.substr(0, end);
+}
+
+std::string RemedyFor(const std::string& dependency, const VendorLibraryWords& words) {
+  const std::string remedy = words.remedy_for ? words.remedy_for(dependency) : "";
+  if (!remedy.empty()) return remedy;
+  return "install the package that has " + dependency + " ('apt-file search " + dependency + "')";
+}
+
+}  // namespace
+
+std::vector<std::string> VendorLibraryCandidates(const char* variable,
+                                                 std::vector<std::string> otherwise) {
+  if (const char* file = std::getenv(variable); file && *file) return {file};
+  return otherwise;
+}
+
+VendorLibrary LoadVendorLibrary(const std::vector<std::string>& candidates,
+                                const VendorLibraryWords& words) {
+  std::string tried;
+  for (const std::string& file : candidates) {
+    // NOW: a function that is missing shows here, and not within a tick.
+    if (void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) return {file, handle};
+    const char* said = dlerror();
+    const std::string message = said ? said : "no reason given";
+    if (const std::string needs = MissingDependency(message, file); !needs.empty()) {
+      throw Error(words.device + ": " + file + " is there, but needs " + needs +
+                  ", which is missing; " + RemedyFor(needs, words) + " (dlopen: " + message + ")");
+    }
+    tried += (tried.empty() ? " " : "; ") + file + ": " + message;
+  }
+  throw Error(words.device + ": no " + words.library + " could be loaded; " + words.install +
+              ", or name the file in " + words.variable + ".  Tried:" + tried);
+}
+
+}  // namespace palpate

@@ -1,0 +1,55 @@
+#include "devices/forcedimension/dhd_library.h"
+
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+
+namespace palpate::dhd {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string LoadError(const std::vector<std::string>& candidates) {
+  try {
+    LoadLibrary(candidates);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(DhdLibrary, BindsEveryFunction) {
+  const Library library = LoadLibrary({"libno-such-dhd.so", PALPATE_FAKE_DHD});
+  EXPECT_EQ(library.file, PALPATE_FAKE_DHD);
+#define PALPATE_DHD_LOOK(result, name, arguments) \
+  EXPECT_NE(library.functions.name, nullptr) << #name;
+  PALPATE_DHD_FUNCTIONS(PALPATE_DHD_LOOK)
+#undef PALPATE_DHD_LOOK
+}
+
+TEST(DhdLibrary, SaysWhatToInstallWhereThereIsNone) {
+  const std::string error = LoadError({"libno-such-dhd.so"});
+  EXPECT_THAT(error, HasSubstr("forcedimension: no DHD library could be loaded"));
+  EXPECT_THAT(error, HasSubstr("install Force Dimension's SDK"));
+  EXPECT_THAT(error, HasSubstr(kLibraryVariable));
+}
+
+TEST(DhdLibrary, NamesTheFunctionsThatAreMissing) {
+  const std::string error = LoadError({"libm.so.6"});
+  EXPECT_THAT(error, HasSubstr("libm.so.6 has no dhdErrorGetLast, "));
+  EXPECT_THAT(error, HasSubstr("it is not Force Dimension's DHD library"));
+}
+
+TEST(DhdLibrary, TriesTheFileThatTheVariableNamesAlone) {
+  setenv(kLibraryVariable, "/opt/sdk/libdhd.so.3", 1);
+  EXPECT_THAT(LibraryCandidates(), ElementsAre("/opt/sdk/libdhd.so.3"));
+  unsetenv(kLibraryVariable);
+  EXPECT_THAT(LibraryCandidates(), ElementsAre("libdhd.so.3", "libdhd.so"));
+}
+
+}  // namespace
+}  // namespace palpate::dhd

@@ -1,0 +1,225 @@
+// A library with the binary interface of Force Dimension's, written from its public documentation.
+#include "tests/devices/forcedimension/fake_dhd.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace palpate::test {
+namespace {
+
+constexpr char kId = 0;
+constexpr int kNoDeviceFound = 5;
+constexpr int kInvalidIndex = 15;
+constexpr int kNotEnabled = 19;
+
+class Fake final : public FakeDhd {
+ public:
+  void Reset(const FakeDhdSetup& new_setup) override {
+    *this = Fake();
+    setup = new_setup;
+    for (std::size_t i = 0; i < 3; ++i) rotation[i][i] = 1.0;
+    status[dhd::kStatusPower] = status[dhd::kStatusConnected] = 1;
+    status[dhd::kStatusStarted] = 1;
+    status[dhd::kStatusReset] = !setup.calibrated;
+    status[dhd::kStatusWristDetected] = status[dhd::kStatusWristInit] = setup.wrist;
+    status[dhd::kStatusForce] = setup.calibrated && !setup.forces_wait;
+    status[dhd::kStatusBrake] = !status[dhd::kStatusForce];
+  }
+  void Fail(const std::string& function, int nth, int code) override {
+    failing_ = function;
+    failing_in_ = nth;
+    failing_code_ = code;
+  }
+  bool FailurePending() override { return failing_in_ > 0; }
+  void TakeForce(int cause) override {
+    status[dhd::kStatusForce] = 0;
+    status[dhd::kStatusBrake] = 1;
+    status[dhd::kStatusForceOffCause] = cause;
+  }
+  void GiveForce() override {
+    status[dhd::kStatusForce] = 1;
+    status[dhd::kStatusBrake] = 0;
+  }
+  double MotorForce() override {
+    return status[dhd::kStatusForce] ? std::hypot(force_N[0], force_N[1], force_N[2]) : 0.0;
+  }
+  std::vector<std::string> Calls() override { return calls_; }
+  std::vector<std::string> Violations() override { return violations_; }
+
+  /// Each function begins with it: 0, or the negative answer with which it ends at once.
+  int Begin(const char* function, char id = kId, bool needs_arm = true) {
+    calls_.push_back(function);
+    if (needs_arm && (!open || id != kId)) {
+      violations_.push_back(std::string(function) + " without an arm");
+      return Refuse(kInvalidIndex);
+    }
+    if (failing_in_ > 0 && failing_ == function && --failing_in_ == 0) return Refuse(failing_code_);
+    return 0;
+  }
+  int Refuse(int code) {
+    error_ = code;
+    return -1;
+  }
+  void Violation(const std::string& what) { violations_.push_back(what); }
+  int error() const { return error_; }
+
+ private:
+  std::string failing_;
+  int failing_in_ = 0;
+  int failing_code_ = 0;
+  int error_ = 0;
+  std::vector<std::string> calls_, violations_;
+};
+
+Fake& TheFake() {
+  static Fake fake;
+  return fake;
+}
+
+int Give(const std::array<double, 3>& values, double* x, double* y, double* z) {
+  *x = values[0];
+  *y = values[1];
+  *z = values[2];
+  return TheFake().answer;
+}
+
+int Take(double fx, double fy, double fz, double tx, double ty, double tz) {
+  for (const double value : {fx, fy, fz, tx, ty, tz}) {
+    if (!std::isfinite(value)) TheFake().Violation("a force that is no number");
+  }
+  TheFake().force_N = {fx, fy, fz};
+  TheFake().torque_Nm = {tx, ty, tz};
+  return TheFake().answer;
+}
+
+}  // namespace
+}  // namespace palpate::test
+
+using palpate::test::FakeDhd;
+using palpate::test::TheFake;
+namespace dhd = palpate::dhd;
+
+extern "C" {
+
+FakeDhd* palpate_fake_dhd() {
+  return &TheFake();
+}
+
+int dhdErrorGetLast() {
+  return TheFake().error();
+}
+void dhdGetSDKVersion(int* major, int* minor, int* release, int* revision) {
+  *major = 3;
+  *minor = 17;
+  *release = *revision = 1;
+}
+int dhdGetDeviceCount() {
+  return TheFake().setup.arms;
+}
+int dhdOpen() {
+  if (const int failed = TheFake().Begin("dhdOpen", 0, false)) return failed;
+  if (TheFake().setup.arms == 0) return TheFake().Refuse(palpate::test::kNoDeviceFound);
+  TheFake().open = true;
+  return palpate::test::kId;
+}
+int dhdOpenSerial(int serial) {
+  if (const int failed = TheFake().Begin("dhdOpenSerial", 0, false)) return failed;
+  if (TheFake().setup.arms == 0 || serial != TheFake().setup.serial) {
+    return TheFake().Refuse(palpate::test::kNoDeviceFound);
+  }
+  TheFake().open = true;
+  return palpate::test::kId;
+}
+int dhdClose(char id) {
+  if (const int failed = TheFake().Begin("dhdClose", id)) return failed;
+  TheFake().open = false;
+  return 0;
+}
+int dhdStop(char id) {
+  if (const int failed = TheFake().Begin("dhdStop", id)) return failed;
+  TheFake().TakeForce(4);
+  return 0;
+}
+int dhdReset(char id) {
+  if (const int failed = TheFake().Begin("dhdReset", id)) return failed;
+  TheFake().TakeForce(0);
+  TheFake().status[dhd::kStatusReset] = 1;
+  return 0;
+}
+int dhdEnableForce(unsigned char on, char id) {
+  if (const int failed = TheFake().Begin("dhdEnableForce", id)) return failed;
+  if (!on) {
+    TheFake().TakeForce(4);
+  } else if (TheFake().status[dhd::kStatusReset]) {
+    return TheFake().Refuse(palpate::test::kNotEnabled);
+  } else {
+    TheFake().GiveForce();
+  }
+  return 0;
+}
+int dhdSetGravityCompensation(int on, char id) {
+  if (const int failed = TheFake().Begin("dhdSetGravityCompensation", id)) return failed;
+  TheFake().gravity = on != 0;
+  return 0;
+}
+int dhdEmulateButton(unsigned char on, char id) {
+  if (const int failed = TheFake().Begin("dhdEmulateButton", id)) return failed;
+  TheFake().emulates_button = on != 0;
+  return 0;
+}
+int dhdGetSystemType(char id) {
+  if (const int failed = TheFake().Begin("dhdGetSystemType", id)) return failed;
+  return TheFake().setup.type;
+}
+const char* dhdGetSystemName(char) {
+  return TheFake().setup.name.c_str();
+}
+int dhdGetSerialNumber(unsigned short* serial, char id) {
+  if (const int failed = TheFake().Begin("dhdGetSerialNumber", id)) return failed;
+  *serial = static_cast<unsigned short>(TheFake().setup.serial);
+  return 0;
+}
+bool dhdHasWrist(char) {
+  return TheFake().setup.wrist;
+}
+bool dhdHasActiveWrist(char) {
+  return TheFake().setup.active_wrist;
+}
+bool dhdHasActiveGripper(char) {
+  return TheFake().setup.active_gripper;
+}
+int dhdGetStatus(int* status, char id) {
+  if (const int failed = TheFake().Begin("dhdGetStatus", id)) return failed;
+  std::memcpy(status, TheFake().status.data(), sizeof TheFake().status);
+  return 0;
+}
+unsigned dhdGetButtonMask(char) {
+  return TheFake().buttons;
+}
+int dhdGetPosition(double* x, double* y, double* z, char id) {
+  if (const int failed = TheFake().Begin("dhdGetPosition", id)) return failed;
+  return palpate::test::Give(TheFake().position_m, x, y, z);
+}
+int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double matrix[3][3],
+                                      char id) {
+  if (const int failed = TheFake().Begin("dhdGetPositionAndOrientationFrame", id)) return failed;
+  if (!TheFake().setup.wrist) TheFake().Violation("a rotation of an arm without a wrist");
+  std::memcpy(matrix, TheFake().rotation.data(), sizeof TheFake().rotation);
+  return palpate::test::Give(TheFake().position_m, x, y, z);
+}
+int dhdGetLinearVelocity(double* x, double* y, double* z, char id) {
+  if (const int failed = TheFake().Begin("dhdGetLinearVelocity", id)) return failed;
+  return palpate::test::Give(TheFake().velocity_m_s, x, y, z);
+}
+int dhdSetForce(double fx, double fy, double fz, char id) {
+  if (const int failed = TheFake().Begin("dhdSetForce", id)) return failed;
+  return palpate::test::Take(fx, fy, fz, 0.0, 0.0, 0.0);
+}
+int dhdSetForceAndTorque(double fx, double fy, double fz, double tx, double ty, double tz,
+                         char id) {
+  if (const int failed = TheFake().Begin("dhdSetForceAndTorque", id)) return failed;
+  if (!TheFake().setup.active_wrist) TheFake().Violation("torque for an arm without its motors");
+  return palpate::test::Take(fx, fy, fz, tx, ty, tz);
+}
+
+}  // extern "C"
