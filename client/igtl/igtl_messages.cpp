@@ -23,7 +23,7 @@ Eigen::Matrix3d SceneToRas() {
 void Append(igtl::MessageBase& message, const std::string& name, std::int64_t system_ns,
             std::vector<std::uint8_t>& out) {
   message.SetDeviceName(name.c_str());
-  const auto time = igtl::TimeStamp::New();
+  igtl::TimeStamp::Pointer time = igtl::TimeStamp::New();
   time->SetTime(static_cast<igtlUint32>(system_ns / 1'000'000'000),
                 static_cast<igtlUint32>(system_ns % 1'000'000'000));
   message.SetTimeStamp(time);
@@ -32,8 +32,8 @@ void Append(igtl::MessageBase& message, const std::string& name, std::int64_t sy
   out.insert(out.end(), bytes, bytes + message.GetPackSize());
 }
 
-void AppendSensor(const std::string& name, const Vec3& value, igtlUnit unit, std::int64_t system_ns,
-                  std::vector<std::uint8_t>& out) {
+void AppendSensor(const std::string& name, const Vec3& value, igtl::igtlUnit unit,
+                  std::int64_t system_ns, std::vector<std::uint8_t>& out) {
   const auto sensor = igtl::SensorMessage::New();
   sensor->SetLength(3);
   sensor->SetUnit(unit);
@@ -41,7 +41,7 @@ void AppendSensor(const std::string& name, const Vec3& value, igtlUnit unit, std
   Append(*sensor, name, system_ns, out);
 }
 
-igtlUnit NewtonTimes(int metres) {
+igtl::igtlUnit NewtonTimes(int metres) {
   const auto unit = igtl::Unit::New();
   unit->Append(igtl::Unit::SI_DERIVED_NEWTON, 1);
   if (metres > 0) unit->Append(igtl::Unit::SI_BASE_METER, metres);

@@ -39,14 +39,14 @@
 
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
+namespace fast = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 using Bytes = std::vector<unsigned char>;
 
 constexpr std::uint32_t kMostBytes = 4096;
 
 /// A message of ROS as its bytes, CDR with its encapsulation.
-class RawType : public dds::TopicDataType {
+class RawType : public fast::TopicDataType {
  public:
   explicit RawType(const std::string& name) {
     setName(name.c_str());
@@ -117,13 +117,13 @@ std::string Hex(const Bytes& bytes) {
 }
 
 /// A topic that is heard.
-class Heard : public dds::DataReaderListener {
+class Heard : public fast::DataReaderListener {
  public:
   explicit Heard(int numbers) : numbers_(numbers) {}
 
-  void on_data_available(dds::DataReader* reader) override {
+  void on_data_available(fast::DataReader* reader) override {
     Bytes bytes;
-    dds::SampleInfo info;
+    fast::SampleInfo info;
     while (reader->take_next_sample(&bytes, &info) == ReturnCode_t::RETCODE_OK) {
       const auto now = std::chrono::system_clock::now().time_since_epoch();
       if (!info.valid_data) continue;
@@ -147,8 +147,8 @@ class Heard : public dds::DataReaderListener {
     }
     return json;
   }
-  void on_subscription_matched(dds::DataReader*,
-                               const dds::SubscriptionMatchedStatus& status) override {
+  void on_subscription_matched(fast::DataReader*,
+                               const fast::SubscriptionMatchedStatus& status) override {
     matched_ = status.current_count;
   }
 
@@ -187,9 +187,9 @@ class Heard : public dds::DataReaderListener {
 };
 
 /// What the writers of the domain say of their types.
-class Discovery : public dds::DomainParticipantListener {
+class Discovery : public fast::DomainParticipantListener {
  public:
-  void on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) override {
+  void on_publisher_discovery(fast::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) override {
     const std::lock_guard lock(mutex_);
     const auto& data = info.info.m_qos.m_userData.data_vec();
     writers_[info.info.topicName().to_string()] = {info.info.typeName().to_string(),
@@ -217,40 +217,40 @@ T* Made(T* made, const char* what) {
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
   const std::string name = argv[2];
-  dds::DomainParticipantQos qos;
+  fast::DomainParticipantQos qos;
   qos.transport().use_builtin_transports = false;
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->interfaceWhiteList.emplace_back("127.0.0.1");
   qos.transport().user_transports.push_back(udp);
   Discovery discovery;
-  auto* const participant = Made(dds::DomainParticipantFactory::get_instance()->create_participant(
+  auto* const participant = Made(fast::DomainParticipantFactory::get_instance()->create_participant(
                                      static_cast<std::uint32_t>(std::stoul(argv[1])), qos,
-                                     &discovery, dds::StatusMask::none()),
+                                     &discovery, fast::StatusMask::none()),
                                  "participant");
   for (const char* type :
        {"geometry_msgs::msg::dds_::PoseStamped_", "geometry_msgs::msg::dds_::TwistStamped_",
         "geometry_msgs::msg::dds_::WrenchStamped_", "crtk_msgs::msg::dds_::OperatingState_",
         "crtk_msgs::msg::dds_::StringStamped_"}) {
-    dds::TypeSupport(new RawType(type)).register_type(participant);
+    fast::TypeSupport(new RawType(type)).register_type(participant);
   }
   auto* const subscriber =
-      Made(participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT), "subscriber");
+      Made(participant->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT), "subscriber");
   auto* const publisher =
-      Made(participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "publisher");
+      Made(participant->create_publisher(fast::PUBLISHER_QOS_DEFAULT), "publisher");
   const auto topic = [&](const std::string& what, const std::string& type) {
-    return Made(participant->create_topic("rt" + name + "/" + what, type, dds::TOPIC_QOS_DEFAULT),
+    return Made(participant->create_topic("rt" + name + "/" + what, type, fast::TOPIC_QOS_DEFAULT),
                 "topic");
   };
 
   // Quality of service as ROS 2's default.
-  dds::DataReaderQos reads = dds::DATAREADER_QOS_DEFAULT;
-  reads.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
-  reads.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+  fast::DataReaderQos reads = fast::DATAREADER_QOS_DEFAULT;
+  reads.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+  reads.history().kind = fast::KEEP_LAST_HISTORY_QOS;
   reads.history().depth = 10;
   reads.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
-  dds::DataWriterQos writes = dds::DATAWRITER_QOS_DEFAULT;
-  writes.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
-  writes.durability().kind = dds::VOLATILE_DURABILITY_QOS;
+  fast::DataWriterQos writes = fast::DATAWRITER_QOS_DEFAULT;
+  writes.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+  writes.durability().kind = fast::VOLATILE_DURABILITY_QOS;
   writes.history().depth = 10;
   writes.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
 
@@ -322,6 +322,6 @@ int main(int argc, char** argv) {
   ends = true;
   pulling.join();
   participant->delete_contained_entities();
-  dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
+  fast::DomainParticipantFactory::get_instance()->delete_participant(participant);
   return 0;
 }
