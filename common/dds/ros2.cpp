@@ -5,7 +5,11 @@
 namespace palpate::ros2 {
 namespace {
 
+/// Of a reader, as ROS 2's default.
 constexpr int kDepth = 10;
+/// Of a writer: a second at 1 kHz, so that who is held up, or loses datagrams, gets them again.
+/// What readers have acknowledged is not kept, and a writer's depth need not be its reader's.
+constexpr int kWriterDepth = 1000;
 /// Numbers of domains within this process, apart from those of Palpate's own; on the wire a domain
 /// has ROS's number.
 constexpr int kFirstLocal = 1000;
@@ -38,12 +42,12 @@ struct QosDelete {
 };
 using QosPtr = std::unique_ptr<dds_qos_t, QosDelete>;
 
-QosPtr MakeQos(Wants wants, const std::string& user_data) {
+QosPtr MakeQos(Wants wants, int depth, const std::string& user_data) {
   QosPtr qos(dds_create_qos());
   const bool all = wants == Wants::kAll;
   dds_qset_reliability(qos.get(), all ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, 0);
   dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, all ? kDepth : 1);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth);
   dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
   return qos;
 }
@@ -90,7 +94,7 @@ Participant::Participant(int domain, const dds::Network& network) {
   domain_ = dds_create_domain(local, Config(domain, network).c_str());
   if (domain_ < 0) throw Error(what + " cannot be joined: " + dds_strretcode(domain_) + remedy);
   // By it ROS 2 knows a participant for one of its own.
-  const QosPtr qos = MakeQos(Wants::kAll, "enclave=/;");
+  const QosPtr qos = MakeQos(Wants::kAll, kDepth, "enclave=/;");
   participant_ = dds_create_participant(local, qos.get(), nullptr);
   if (participant_ < 0) {
     const dds_entity_t why = participant_;
@@ -108,9 +112,10 @@ Writer<T>::Writer(const Participant& participant, const std::string& ros_name)
     : topic_(Checked(dds_create_topic(participant.handle(), &Descriptor<T>(),
                                       DdsTopic(ros_name).c_str(), nullptr, nullptr),
                      "topic " + ros_name)),
-      writer_(Checked(dds_create_writer(participant.handle(), topic_,
-                                        MakeQos(Wants::kAll, UserData<T>()).get(), nullptr),
-                      "writer of " + ros_name)) {}
+      writer_(Checked(
+          dds_create_writer(participant.handle(), topic_,
+                            MakeQos(Wants::kAll, kWriterDepth, UserData<T>()).get(), nullptr),
+          "writer of " + ros_name)) {}
 
 template <class T>
 Writer<T>::~Writer() {
@@ -136,9 +141,11 @@ Reader<T>::Reader(const Participant& participant, const std::string& ros_name, W
     : topic_(Checked(dds_create_topic(participant.handle(), &Descriptor<T>(),
                                       DdsTopic(ros_name).c_str(), nullptr, nullptr),
                      "topic " + ros_name)),
-      reader_(Checked(dds_create_reader(participant.handle(), topic_,
-                                        MakeQos(wants, UserData<T>()).get(), nullptr),
-                      "reader of " + ros_name)) {}
+      reader_(Checked(
+          dds_create_reader(participant.handle(), topic_,
+                            MakeQos(wants, wants == Wants::kAll ? kDepth : 1, UserData<T>()).get(),
+                            nullptr),
+          "reader of " + ros_name)) {}
 
 template <class T>
 Reader<T>::~Reader() {

@@ -63,8 +63,8 @@ class Participant {
   dds_entity_t domain_ = 0, participant_ = 0;
 };
 
-/// Reliable, volatile, keep last 10, as a publisher of ROS 2 that says nothing else.  Never blocks:
-/// a reader that does not keep up loses the oldest.
+/// Reliable and volatile, as a publisher of ROS 2 that says nothing else, but keeps the last 1000.
+/// Never blocks: a reader that does not keep up for a second loses the oldest.
 template <class T>
 class Writer {
  public:
