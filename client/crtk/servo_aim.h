@@ -20,9 +20,11 @@ inline std::optional<Pose> ServoAim(const Pose& X_WH, const Wrench& wanted,
   if (!wanted.force.allFinite() || !wanted.torque.allFinite() || !(limits.force_N > 0.0)) {
     return std::nullopt;
   }
+  // Beyond the reach, by a rounding error even, a guide takes a hand at rest for one that resists.
+  constexpr double kWithin = 1.0 - 1e-9;
   const auto part = [](const Vec3& v, double limit, double reach) {
     const double norm = v.stableNorm();
-    return Vec3(v * (reach / std::max(norm, limit)));
+    return Vec3(v * (kWithin * reach / std::max(norm, limit)));
   };
   const Vec3 step = part(wanted.force, limits.force_N, Guide::kReach_m);
   const Vec3 turn = part(wanted.torque, limits.torque_Nm, Guide::kReach_rad);
