@@ -6,6 +6,7 @@
 
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
+#include <sys/utsname.h>
 #include <unistd.h>
 
 #include "client/recorder/sample_queue.h"
@@ -13,6 +14,7 @@
 #include "client/recorder/taps.h"
 #include "client/recorder/writer_thread.h"
 #include "common/dds/topics.h"
+#include "common/machine.h"
 #include "common/server_lock.h"
 #include "common/time/steady_clock.h"
 
@@ -74,6 +76,11 @@ void Record(const RecorderOptions& options, StopSignal& stop) {
   const dds::TransportChoice transport = dds::ChooseTransport(options.transport, options.network);
   RecordingOptions recording_options = options.recording;
   recording_options.about["domain"] = std::to_string(options.domain);
+  // For who writes of it (palpate-replay export).
+  const HostMachine host = ThisHost();
+  recording_options.about["cpu"] = host.cpu;
+  recording_options.about["cores"] = std::to_string(host.cores);
+  if (utsname system{}; uname(&system) == 0) recording_options.about["kernel"] = system.release;
   recording_options.about["loop"] = options.loop ? transport.reason : "not recorded";
 
   SampleQueue queue(kQueue);

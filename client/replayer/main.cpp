@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "client/replayer/export.h"
 #include "client/replayer/guide_voice.h"
 #include "client/replayer/hand_path.h"
 #include "client/replayer/options.h"
@@ -39,6 +40,11 @@ int Run(const ReplayOptions& options) {
         WriteReport(report, options.out);
         std::fprintf(stderr, "open %s/score.html\n", options.out.c_str());
       }
+      return 0;
+    }
+    case ReplayOptions::What::kExport: {
+      StopSignal stop;
+      Export(options.columns, stop);
       return 0;
     }
     case ReplayOptions::What::kCriteria:

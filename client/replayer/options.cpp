@@ -17,7 +17,8 @@ constexpr double kMostGuideRate = 2.0;
 
 constexpr const char* kAbout =
     R"(Replays what palpate-record has recorded: to viewers as if live, through the physics to verify
-every bit, or to another hand as a gentle guide; and scores a trainee against an expert.
+every bit, or to another hand as a gentle guide; scores a trainee against an expert; and exports it as
+columns for a paper's figures.
 )";
 
 constexpr const char* kExamples =
@@ -36,7 +37,10 @@ constexpr const char* kExamples =
   palpate-replay criteria mine.json
       writes what to grade by, for you to edit: 25 g for periodontal probing, depths of sites
   palpate-replay score expert.mcap try1.mcap try2.mcap try3.mcap --criteria mine.json --out report
-      report/score.html: paths in space, distance, forces, marks and their average)";
+      report/score.html: paths in space, distance, forces, marks and their average
+  palpate-replay export lesson.mcap -o figures
+      figures/hand_…/poses.csv and so on, for pandas.read_csv or MATLAB's readtable, and METHODS.md;
+      with --format npy for numpy.load)";
 constexpr const char* kStatus = "Exit status: 0 done, 1 failed or not verified, 2 wrong usage.";
 
 }  // namespace
@@ -110,8 +114,29 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
   CLI::App* criteria = app.add_subcommand("criteria", "write a file to grade by, for you to edit");
   criteria->add_option("file", options.new_criteria, "file to write, FILE.json")->required();
 
+  std::string format = "csv";
+  CLI::App* columns = app.add_subcommand(
+      "export",
+      "write poses, wrenches, contacts and the limiter's work as columns, with what a "
+      "paper's methods section needs");
+  columns->add_option("files", options.columns.files, "a recording, or its splits in their order")
+      ->required();
+  columns->add_option("-o,--output", options.columns.folder, "folder to make")->required();
+  columns->add_option("--format", format, "csv, or npy: arrays of NumPy with named fields")
+      ->capture_default_str();
+  columns->add_flag("--overwrite", options.columns.overwrite,
+                    "replace the folder if it is a former export");
+
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
 
+  if (*columns) {
+    if (!options.files.empty() || verify || *guide) {
+      throw UsageError("export takes its recordings alone: 'palpate-replay export --help'");
+    }
+    options.columns.format = ParseColumnFormat(format);
+    options.what = ReplayOptions::What::kExport;
+    return options;
+  }
   if (*score || *criteria) {
     if (!options.files.empty() || verify || *guide) {
       throw UsageError("score takes its recordings alone: 'palpate-replay score --help'");

@@ -5,13 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "client/replayer/export.h"
 #include "client/replayer/verify.h"
 #include "common/dds/network.h"
 
 namespace palpate {
 
 struct ReplayOptions {
-  enum class What { kPlay, kVerify, kGuide, kScore, kCriteria };
+  enum class What { kPlay, kVerify, kGuide, kScore, kCriteria, kExport };
   What what = What::kPlay;
   std::vector<std::string> files;
   VerifyOptions verify;
@@ -38,6 +39,9 @@ struct ReplayOptions {
 
   // kCriteria
   std::string new_criteria;  ///< file to write
+
+  // kExport
+  ExportOptions columns;
 
   std::string log_level = "info";
 };

@@ -104,6 +104,12 @@ const std::vector<Rule> kRules = {
      {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost"}},
     // Programs of other people's.
     {"client/examples", {}, {}, {"Palpate"}},
+    // A force that ROS asks for becomes an aim of the station's guide, by that guide's own figures.
+    {"client/crtk",
+     {"common", "client/crtk", "client/station/guide.h"},
+     {},
+     {"Eigen", "spdlog", "CLI11"}},
+    {"client/igtl", {"common", "client/igtl"}, {}, {"Eigen", "spdlog", "CLI11", "OpenIGTLink"}},
     {"client", {"common", "scenes", "devices"}, {}, {"Eigen", "spdlog", "CLI11", "nlohmann-json"}},
     // The one client that knows the server's insides: to verify a recording is to run its loop.
     {"client/replayer",
@@ -196,6 +202,10 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"spnav.h", "spacenav"},
     {"prometheus/", "Prometheus"},
     {"palpate", "Palpate"},  // as it is installed
+    {"igtl", "OpenIGTLink"},
+    // Another vendor's DDS, in tests/crtk alone.
+    {"fastcdr/", "Fast DDS"},
+    {"fastdds/", "Fast DDS"},
     {"gtest/", "GoogleTest"},
     {"gmock/", "GoogleTest"},
     {"benchmark/", "benchmark"},

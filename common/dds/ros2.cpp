@@ -1,0 +1,167 @@
+#include "common/dds/ros2.h"
+
+#include "common/error.h"
+
+namespace palpate::ros2 {
+namespace {
+
+/// Of a reader, as ROS 2's default.
+constexpr int kDepth = 10;
+/// Of a writer: a second at 1 kHz, so that who is held up, or loses datagrams, gets them again.
+/// What readers have acknowledged is not kept, and a writer's depth need not be its reader's.
+constexpr int kWriterDepth = 1000;
+/// Numbers of domains within this process, apart from those of Palpate's own; on the wire a domain
+/// has ROS's number.
+constexpr int kFirstLocal = 1000;
+
+template <class T>
+const dds_topic_descriptor_t& Descriptor();
+template <>
+const dds_topic_descriptor_t& Descriptor<PoseStamped>() {
+  return geometry_msgs_msg_dds__PoseStamped__desc;
+}
+template <>
+const dds_topic_descriptor_t& Descriptor<TwistStamped>() {
+  return geometry_msgs_msg_dds__TwistStamped__desc;
+}
+template <>
+const dds_topic_descriptor_t& Descriptor<WrenchStamped>() {
+  return geometry_msgs_msg_dds__WrenchStamped__desc;
+}
+template <>
+const dds_topic_descriptor_t& Descriptor<OperatingState>() {
+  return crtk_msgs_msg_dds__OperatingState__desc;
+}
+template <>
+const dds_topic_descriptor_t& Descriptor<StringStamped>() {
+  return crtk_msgs_msg_dds__StringStamped__desc;
+}
+
+struct QosDelete {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+using QosPtr = std::unique_ptr<dds_qos_t, QosDelete>;
+
+QosPtr MakeQos(Wants wants, int depth, const std::string& user_data) {
+  QosPtr qos(dds_create_qos());
+  const bool all = wants == Wants::kAll;
+  dds_qset_reliability(qos.get(), all ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, 0);
+  dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth);
+  dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
+  return qos;
+}
+
+template <class T>
+std::string UserData() {
+  return std::string("typehash=") + kTypeHash<T> + ";";
+}
+
+dds_entity_t Checked(dds_entity_t entity, const std::string& what) {
+  if (entity > 0) return entity;
+  throw Error(what + ": " + dds_strretcode(entity));
+}
+
+std::string Config(int domain, const dds::Network& network) {
+  std::string peers;
+  for (const std::string& peer : network.peers) peers += "<Peer Address=\"" + peer + "\"/>";
+  // `lo` has no MULTICAST flag, so discovery over it must be told that it may; data goes to each
+  // reader by itself.
+  return "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface name=\"" +
+         network.interface +
+         "\" multicast=\"true\"/></Interfaces><AllowMulticast>spdp</AllowMulticast></General>"
+         "<Discovery><ExternalDomainId>" +
+         std::to_string(domain) +
+         "</ExternalDomainId><ParticipantIndex>auto</ParticipantIndex>"
+         "<MaxAutoParticipantIndex>99</MaxAutoParticipantIndex><Peers>" +
+         peers +
+         "</Peers></Discovery>"
+         "<Tracing><Verbosity>severe</Verbosity><OutputFile>stderr</OutputFile></Tracing>"
+         "<SharedMemory><Enable>false</Enable></SharedMemory></Domain></CycloneDDS>";
+}
+
+}  // namespace
+
+std::string DdsTopic(const std::string& ros_name) {
+  return "rt" + ros_name;
+}
+
+Participant::Participant(int domain, const dds::Network& network) {
+  const std::string what =
+      "ROS domain " + std::to_string(domain) + " on '" + network.interface + "'";
+  const auto local = static_cast<dds_domainid_t>(kFirstLocal + domain);
+  const std::string remedy = " (is there such an interface, with an address?  give another)";
+  domain_ = dds_create_domain(local, Config(domain, network).c_str());
+  if (domain_ < 0) throw Error(what + " cannot be joined: " + dds_strretcode(domain_) + remedy);
+  // By it ROS 2 knows a participant for one of its own.
+  const QosPtr qos = MakeQos(Wants::kAll, kDepth, "enclave=/;");
+  participant_ = dds_create_participant(local, qos.get(), nullptr);
+  if (participant_ < 0) {
+    const dds_entity_t why = participant_;
+    dds_delete(domain_);
+    throw Error(what + " cannot be joined: " + dds_strretcode(why) + remedy);
+  }
+}
+
+Participant::~Participant() {
+  dds_delete(domain_);  // with all that is in it
+}
+
+template <class T>
+Writer<T>::Writer(const Participant& participant, const std::string& ros_name)
+    : topic_(Checked(dds_create_topic(participant.handle(), &Descriptor<T>(),
+                                      DdsTopic(ros_name).c_str(), nullptr, nullptr),
+                     "topic " + ros_name)),
+      writer_(Checked(
+          dds_create_writer(participant.handle(), topic_,
+                            MakeQos(Wants::kAll, kWriterDepth, UserData<T>()).get(), nullptr),
+          "writer of " + ros_name)) {}
+
+template <class T>
+Writer<T>::~Writer() {
+  dds_delete(writer_);
+  dds_delete(topic_);
+}
+
+template <class T>
+bool Writer<T>::Write(const T& message) noexcept {
+  return dds_write(writer_, &message) == DDS_RETCODE_OK;
+}
+
+template <class T>
+int Writer<T>::matched_readers() const noexcept {
+  dds_publication_matched_status_t status{};
+  return dds_get_publication_matched_status(writer_, &status) == DDS_RETCODE_OK
+             ? static_cast<int>(status.current_count)
+             : 0;
+}
+
+template <class T>
+Reader<T>::Reader(const Participant& participant, const std::string& ros_name, Wants wants)
+    : topic_(Checked(dds_create_topic(participant.handle(), &Descriptor<T>(),
+                                      DdsTopic(ros_name).c_str(), nullptr, nullptr),
+                     "topic " + ros_name)),
+      reader_(Checked(
+          dds_create_reader(participant.handle(), topic_,
+                            MakeQos(wants, wants == Wants::kAll ? kDepth : 1, UserData<T>()).get(),
+                            nullptr),
+          "reader of " + ros_name)) {}
+
+template <class T>
+Reader<T>::~Reader() {
+  dds_delete(reader_);
+  dds_delete(topic_);
+}
+
+template class Writer<PoseStamped>;
+template class Writer<TwistStamped>;
+template class Writer<WrenchStamped>;
+template class Writer<OperatingState>;
+template class Writer<StringStamped>;
+template class Reader<PoseStamped>;
+template class Reader<TwistStamped>;
+template class Reader<WrenchStamped>;
+template class Reader<OperatingState>;
+template class Reader<StringStamped>;
+
+}  // namespace palpate::ros2

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <dds/dds.h>
+
+#include "common/dds/network.h"
+#include "idl/ros2.h"
+
+/// DDS as ROS 2 uses it, for a bridge (client/crtk): its names, its quality of service, its ports.
+namespace palpate::ros2 {
+
+using PoseStamped = geometry_msgs_msg_dds__PoseStamped_;
+using TwistStamped = geometry_msgs_msg_dds__TwistStamped_;
+using WrenchStamped = geometry_msgs_msg_dds__WrenchStamped_;
+using OperatingState = crtk_msgs_msg_dds__OperatingState_;
+using StringStamped = crtk_msgs_msg_dds__StringStamped_;
+using Header = std_msgs_msg_dds__Header_;
+
+/// What ROS 2 (Iron and later) publishes of a message type in the USER_DATA of each endpoint, as
+/// "typehash=RIHS01_...;": SHA-256 of the type's description as JSON (REP-2016).  A test computes
+/// them from the definitions and compares them with published ones.
+template <class T>
+constexpr const char* kTypeHash = nullptr;
+template <>
+inline constexpr const char* kTypeHash<PoseStamped> =
+    "RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8";
+template <>
+inline constexpr const char* kTypeHash<TwistStamped> =
+    "RIHS01_5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d475229b1121db6f64";
+template <>
+inline constexpr const char* kTypeHash<WrenchStamped> =
+    "RIHS01_8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77";
+template <>
+inline constexpr const char* kTypeHash<OperatingState> =
+    "RIHS01_5cc57eea589b217fe5194bf2735b91d4a7f2dd5ac1245ae657f7ea7590c2c80e";
+template <>
+inline constexpr const char* kTypeHash<StringStamped> =
+    "RIHS01_83efb802e6596e03f69ac322e3231037329946f2bd13ed48874d97f5b8f5db1d";
+
+/// The DDS topic of a topic of ROS: "rt" before its full name, which begins with '/'.
+std::string DdsTopic(const std::string& ros_name);
+
+/// ROS_DOMAIN_ID: ports of higher domains lie beyond the last.
+inline constexpr int kMaxDomain = 232;
+
+/// A participant in a domain of ROS 2, with the ports of the standard (7400 + 250 N), which are not
+/// those of Palpate's own domains, and never over shared memory.
+class Participant {
+ public:
+  /// @param domain   ROS_DOMAIN_ID.
+  /// @param network  its interface and peers; ROS's side knows no identity.
+  /// Throws Error.
+  Participant(int domain, const dds::Network& network);
+  ~Participant();
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+  dds_entity_t handle() const { return participant_; }
+
+ private:
+  dds_entity_t domain_ = 0, participant_ = 0;
+};
+
+/// Reliable and volatile, as a publisher of ROS 2 that says nothing else, but keeps the last 1000.
+/// Never blocks: a reader that does not keep up for a second loses the oldest.
+template <class T>
+class Writer {
+ public:
+  /// Throws Error.
+  Writer(const Participant& participant, const std::string& ros_name);
+  ~Writer();
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+  /// Thread contract: any.  False where DDS refuses.
+  bool Write(const T& message) noexcept;
+  int matched_readers() const noexcept;
+
+ private:
+  dds_entity_t topic_ = 0, writer_ = 0;
+};
+
+enum class Wants {
+  kAll,     ///< reliable, keep last 10
+  kNewest,  ///< best effort, keep last 1: takes what comes of reliable writers too
+};
+
+/// Takes messages that anybody in the domain may send.
+template <class T>
+class Reader {
+ public:
+  /// Throws Error.
+  Reader(const Participant& participant, const std::string& ros_name, Wants wants);
+  ~Reader();
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+  /// Calls take(message) for each that has come.  Its texts are valid within the call.
+  template <class Take>
+  void Poll(Take take) {
+    for (;;) {
+      void* loan[1] = {nullptr};
+      dds_sample_info_t info;
+      if (dds_take(reader_, loan, &info, 1, 1) != 1) return;
+      if (info.valid_data) take(*static_cast<const T*>(loan[0]));
+      dds_return_loan(reader_, loan, 1);
+    }
+  }
+
+ private:
+  dds_entity_t topic_ = 0, reader_ = 0;
+};
+
+}  // namespace palpate::ros2

@@ -1,0 +1,212 @@
+// palpate-crtk between a real server with a station, and another vendor's DDS in another process.
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/integration/rig.h"
+
+namespace palpate::test {
+namespace {
+
+using nlohmann::json;
+
+/// The Fast DDS program, with its standard input and output as pipes.
+class Peer {
+ public:
+  Peer(int domain, const std::string& ros_namespace) {
+    int down[2], up[2];
+    if (pipe(down) != 0 || pipe(up) != 0) return;
+    pid_ = fork();
+    if (pid_ == 0) {
+      dup2(down[0], STDIN_FILENO);
+      dup2(up[1], STDOUT_FILENO);
+      for (const int fd : {down[0], down[1], up[0], up[1]}) close(fd);
+      execl(PALPATE_BIN_DIR "/palpate_fastdds_peer", "palpate_fastdds_peer",
+            std::to_string(domain).c_str(), ros_namespace.c_str(), nullptr);
+      _exit(127);
+    }
+    close(down[0]);
+    close(up[1]);
+    to_ = fdopen(down[1], "w");
+    from_ = fdopen(up[0], "r");
+    EXPECT_EQ(Line(), "peer: ready\n");
+  }
+  ~Peer() {
+    fclose(to_);  // by which it ends
+    fclose(from_);
+    waitpid(pid_, nullptr, 0);
+  }
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+
+  void Tell(const std::string& line) {
+    std::fputs((line + "\n").c_str(), to_);
+    std::fflush(to_);
+  }
+  json Report() {
+    Tell("report");
+    return json::parse(Line(), nullptr, false);
+  }
+
+ private:
+  std::string Line() {
+    std::string line;
+    for (int c = 0; (c = std::fgetc(from_)) != EOF;) {
+      line += static_cast<char>(c);
+      if (c == '\n') break;
+    }
+    return line;
+  }
+  pid_t pid_ = -1;
+  FILE *to_ = nullptr, *from_ = nullptr;
+};
+
+class BridgeProgram : public Program {
+ public:
+  explicit BridgeProgram(std::vector<std::string> more = {})
+      : Program(PALPATE_BIN_DIR "/palpate-crtk", Arguments(std::move(more))) {}
+
+ private:
+  static std::vector<std::string> Arguments(std::vector<std::string> more) {
+    std::vector<std::string> arguments{
+        "--domain",     std::to_string(kDomain), "--transport",   "udp",
+        "--ros-domain", std::to_string(kDomain), "--guide-force", "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+};
+
+/// What rosmsg2-serialization makes of the messages; none where Node.js or the package is missing.
+std::optional<json> DecodedByFoxglove(const json& report) {
+  const std::string packages = PALPATE_SOURCE_DIR "/build/ros2";
+  if (!std::filesystem::exists(packages + "/node_modules") ||
+      std::system("node --version >/dev/null 2>&1") != 0) {
+    return std::nullopt;
+  }
+  const std::string file = testing::TempDir() + "crtk_" + std::to_string(getpid()) + ".json";
+  std::ofstream(file) << report;
+  const std::string command =
+      "node '" PALPATE_SOURCE_DIR "/tests/crtk/decode.mjs' '" + packages + "' '" + file + "'";
+  FILE* const pipe = popen(command.c_str(), "r");
+  std::string text;
+  std::array<char, 4096> part;
+  for (std::size_t n = 0; (n = std::fread(part.data(), 1, part.size(), pipe)) > 0;) {
+    text.append(part.data(), n);
+  }
+  EXPECT_EQ(pclose(pipe), 0) << command;
+  std::filesystem::remove(file);
+  return json::parse(text, nullptr, false);
+}
+
+class CrtkProgram : public testing::Test {
+ protected:
+  /// Looks at the peer's reports until one is as wanted.
+  bool Becomes(Peer& peer, const std::function<bool(const json&)>& wanted) {
+    return Eventually(
+        [&] {
+          last = peer.Report();
+          if (!last.is_object()) return false;
+          if (wanted(last)) return true;
+          usleep(50'000);
+          return false;
+        },
+        60.0);
+  }
+  json last;
+};
+
+TEST_F(CrtkProgram, GivesEverySampleToAnotherVendorsDdsAsRos2NamesIt) {
+  ServerProgram server("udp");
+  ASSERT_TRUE(server.Ready());
+  Peer peer(kDomain, "/hand");
+  BridgeProgram bridge;
+  ASSERT_TRUE(bridge.Says("ready:"));
+  StationProgram station("hand", "udp", {"--loop"});
+  ASSERT_TRUE(Becomes(peer, [](const json& r) { return r["measured_cf"]["count"] > 2000; }))
+      << last.dump().substr(0, 2000) << bridge.Output() << station.Output();
+
+  for (const char* topic : {"measured_cp", "measured_cv", "measured_cf"}) {
+    EXPECT_EQ(last[topic]["lost"], 0) << topic;
+    EXPECT_EQ(last[topic]["frame"], "cube") << topic;
+  }
+  // The hand is 1 mm deep in the cube's top face, 1 N/mm.
+  EXPECT_NEAR(last["measured_cp"]["numbers"][1].get<double>(), 0.030, 0.004);
+  EXPECT_NEAR(last["measured_cp"]["numbers"][6].get<double>(), 1.0, 1e-6);  // w comes last
+  EXPECT_EQ(last["operating_state"]["state"], "ENABLED");
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  EXPECT_NEAR(last["measured_cp"]["stamp"].get<double>(), static_cast<double>(now.tv_sec), 10.0);
+
+  const json& writers = last["writers"];
+  EXPECT_EQ(writers["rt/hand/measured_cp"][0], "geometry_msgs::msg::dds_::PoseStamped_");
+  EXPECT_EQ(writers["rt/hand/measured_cp"][1],
+            "typehash=RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8;");
+  EXPECT_EQ(writers["rt/hand/operating_state"][0], "crtk_msgs::msg::dds_::OperatingState_");
+
+  const auto decoded = DecodedByFoxglove(last);
+  if (!decoded) GTEST_SKIP() << "Node.js or build/ros2 is missing: deploy/setup --for tests";
+  for (const char* topic : {"measured_cp", "measured_cv", "measured_cf"}) {
+    EXPECT_EQ((*decoded)[topic]["frame"], "cube");
+    EXPECT_EQ((*decoded)[topic]["numbers"], last[topic]["numbers"]) << topic;
+  }
+  EXPECT_EQ((*decoded)["operating_state"]["state"], "ENABLED");
+}
+
+TEST_F(CrtkProgram, TakesCommandsAndPullsTheHandOnlyWhileItIsAskedTo) {
+  ServerProgram server("udp");
+  ASSERT_TRUE(server.Ready());
+  Peer peer(kDomain, "/hand");
+  BridgeProgram bridge;
+  ASSERT_TRUE(bridge.Says("ready:"));
+  StationProgram station("hand", "udp", {"--loop", "--accept-guide", "--guide-force", "1"});
+  ASSERT_TRUE(
+      Becomes(peer, [](const json& r) { return r["operating_state"]["state"] == "ENABLED"; }));
+
+  // What the station hears is what another listener in its domain hears.
+  GuideLink link(kDomain, {}, "hand");
+  std::optional<GuideAim> aim;
+  std::int64_t aim_ns = 0;
+  const auto hear = [&] {
+    link.Poll([&](const GuideAim& heard) {
+      aim = heard;
+      aim_ns = SteadyNanoseconds();
+    });
+  };
+  peer.Tell("force 0.2 0 0 another_frame");
+  ASSERT_TRUE(bridge.Says("in frame"));
+  hear();
+  EXPECT_FALSE(aim) << "a force in a frame that nobody knows";
+  peer.Tell("force 1 0 0");
+  ASSERT_TRUE(Eventually([&] {
+    hear();
+    return aim.has_value();
+  }));
+  peer.Tell("quiet");
+  // Within the guide's own silence the station has let go; the bridge itself adds no aim.
+  EXPECT_TRUE(Eventually([&] {
+    hear();
+    return SteadyNanoseconds() - aim_ns > Guide::kSilent_ns;
+  }));
+
+  peer.Tell("command pause");
+  EXPECT_TRUE(
+      Becomes(peer, [](const json& r) { return r["operating_state"]["state"] == "PAUSED"; }));
+  peer.Tell("command resume");
+  EXPECT_TRUE(
+      Becomes(peer, [](const json& r) { return r["operating_state"]["state"] == "ENABLED"; }));
+  peer.Tell("command dance");
+  EXPECT_TRUE(bridge.Says("not done"));
+  bridge.Signal(SIGINT);
+  EXPECT_EQ(bridge.Exit(), 0);
+}
+
+}  // namespace
+}  // namespace palpate::test

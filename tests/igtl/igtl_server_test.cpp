@@ -1,0 +1,134 @@
+#include "client/igtl/igtl_server.h"
+
+#include <memory>
+#include <numeric>
+#include <vector>
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <igtlClientSocket.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "common/error.h"
+
+namespace palpate::test {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+/// A client of whom anything may be expected.
+class RawClient {
+ public:
+  explicit RawClient(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in place{};
+    place.sin_family = AF_INET;
+    place.sin_port = htons(static_cast<std::uint16_t>(port));
+    place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(connect(socket_, reinterpret_cast<sockaddr*>(&place), sizeof place), 0);
+  }
+  ~RawClient() { close(socket_); }
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+  int socket_;
+};
+
+std::vector<std::uint8_t> Frame(std::size_t size) {
+  std::vector<std::uint8_t> frame(size);
+  std::iota(frame.begin(), frame.end(), std::uint8_t{1});
+  return frame;
+}
+
+TEST(IgtlServer, SendsToAClientOfTheLibrary) {
+  IgtlServer server("127.0.0.1", 0);
+  const auto client = igtl::ClientSocket::New();
+  ASSERT_EQ(client->ConnectToServer("127.0.0.1", server.port()), 0);
+  server.Poll(0);
+  ASSERT_EQ(server.clients(), 1u);
+  const auto frame = Frame(500);
+  server.Send(frame, 0);
+  std::vector<std::uint8_t> got(frame.size());
+  ASSERT_EQ(client->Receive(got.data(), static_cast<int>(got.size())), 500);
+  EXPECT_EQ(got, frame);
+  client->CloseSocket();
+  server.Poll(1);
+  EXPECT_EQ(server.clients(), 0u);
+}
+
+TEST(IgtlServer, IsHeldUpByNobodyWhoTakesNothingAndGivesOthersWholeMessages) {
+  IgtlServer server("127.0.0.1", 0);
+  RawClient dead(server.port()), honest(server.port());
+  server.Poll(0);
+  ASSERT_EQ(server.clients(), 2u);
+  const auto frame = Frame(100'000);
+  std::vector<std::uint8_t> got(frame.size());
+  std::int64_t now_ns = 0;
+  int frames = 0;
+  for (; server.clients() == 2 && frames < 1000; ++frames) {
+    now_ns += kSecond_ns / 10;
+    server.Send(frame, now_ns);
+    // What is sent on loopback comes, in parts.
+    for (std::size_t at = 0; at < got.size();) {
+      const ssize_t n = recv(honest.socket_, got.data() + at, got.size() - at, MSG_DONTWAIT);
+      if (n > 0) {
+        at += static_cast<std::size_t>(n);
+      } else {
+        server.Send({}, now_ns);
+      }
+    }
+    ASSERT_EQ(got, frame);
+  }
+  EXPECT_EQ(server.clients(), 1u) << "the dead one is still there";
+  EXPECT_EQ(server.counts().closed, 1u);
+  EXPECT_GT(server.counts().passed_over, 0u);
+}
+
+TEST(IgtlServer, HeedsNothingThatItIsSent) {
+  IgtlServer server("127.0.0.1", 0);
+  RawClient hostile(server.port());
+  server.Poll(0);
+  std::vector<std::uint8_t> noise(1 << 20);
+  std::uint32_t seed = 1;
+  for (auto& byte : noise)
+    byte = static_cast<std::uint8_t>((seed = seed * 1664525 + 1013904223) >> 24);
+  std::size_t sent = 0;
+  for (int i = 0; i < 100; ++i) {
+    const ssize_t n =
+        send(hostile.socket_, noise.data(), noise.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (n > 0) sent += static_cast<std::size_t>(n);
+    server.Poll(i);
+    const auto frame = Frame(64);
+    server.Send(frame, i);
+    std::vector<std::uint8_t> got(frame.size());
+    ASSERT_EQ(recv(hostile.socket_, got.data(), got.size(), MSG_WAITALL), 64);
+    ASSERT_EQ(got, frame);
+  }
+  EXPECT_GT(sent, noise.size());
+  EXPECT_EQ(server.clients(), 1u);
+}
+
+TEST(IgtlServer, HasRoomForSoManyAndClosesThoseBeyond) {
+  IgtlServer server("127.0.0.1", 0);
+  std::vector<std::unique_ptr<RawClient>> clients;
+  for (std::size_t i = 0; i < IgtlServer::kMostClients + 3; ++i) {
+    clients.push_back(std::make_unique<RawClient>(server.port()));
+    server.Poll(0);
+  }
+  EXPECT_EQ(server.clients(), IgtlServer::kMostClients);
+  EXPECT_EQ(server.counts().refused, 3u);
+  clients.front().reset();
+  server.Poll(1);
+  RawClient next(server.port());
+  server.Poll(2);
+  EXPECT_EQ(server.clients(), IgtlServer::kMostClients);
+}
+
+TEST(IgtlServer, SaysWhichAddressItCannotHave) {
+  IgtlServer server("127.0.0.1", 0);
+  EXPECT_THROW(IgtlServer("127.0.0.1", server.port()), Error);
+  EXPECT_THROW(IgtlServer("localhost", 0), UsageError);
+}
+
+}  // namespace
+}  // namespace palpate::test
