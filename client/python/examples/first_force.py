@@ -1,0 +1,15 @@
+#!/usr/bin/python3
+"""First force from a mesh file: first_force.py MESH [UNIT]; a ball is led 1 mm into its top."""
+
+import sys
+
+import palpate
+
+vertices, triangles = palpate.read_mesh(sys.argv[1], *sys.argv[2:])
+thing = palpate.body("thing", vertices, triangles)
+model = palpate.Model([thing], palpate.ball("ball", 0.002))
+top = vertices[vertices[:, 2].argmax()]
+proxy = palpate.Proxy(model, top + [0, 0, 0.003])
+for lower in range(200):  # to 2 mm above the top, where the ball touches, and 1 mm on
+    report = proxy.step(top + [0, 0, 0.003 - 1e-5 * lower])
+print("force", report.force, "N, faults", palpate.fault_words(report.faults))

@@ -1,0 +1,410 @@
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "server/library/physics.h"
+
+// The module palpate._physics: palpate/__init__.pyi says what each of these is for.  Arrays are
+// numpy's, of double; poses are rows of x y z, or x y z and w x y z.
+
+namespace palpate {
+namespace {
+
+namespace py = pybind11;
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Indices = py::array_t<std::uint32_t, py::array::c_style | py::array::forcecast>;
+
+Vec3 ToVec3(const Doubles& array, const char* what) {
+  if (array.ndim() != 1 || array.shape(0) != 3) {
+    throw Error(std::string(what) + ": must be three numbers");
+  }
+  return Vec3::Map(array.data());
+}
+
+py::array_t<double> FromNumbers(const double* numbers, py::ssize_t count) {
+  return py::array_t<double>(count, numbers);
+}
+
+/// @param row  `width` numbers, 3 or 7.
+Pose ToPose(const double* row, py::ssize_t width) {
+  Pose X;
+  X.p = Vec3::Map(row);
+  if (width == 7) X.q = Quat(row[3], row[4], row[5], row[6]);
+  return X;
+}
+
+Pose ToPose(const Doubles& array, const char* what = "pose") {
+  if (array.ndim() != 1 || (array.shape(0) != 3 && array.shape(0) != 7)) {
+    throw Error(std::string(what) +
+                ": must be x y z, or x y z w x y z, in metres and as a unit quaternion");
+  }
+  return ToPose(array.data(), array.shape(0));
+}
+
+void FromPose(const Pose& X, double* row) {
+  Vec3::Map(row) = X.p;
+  row[3] = X.q.w();
+  row[4] = X.q.x();
+  row[5] = X.q.y();
+  row[6] = X.q.z();
+}
+
+py::array_t<double> FromPose(const Pose& X) {
+  double row[7];
+  FromPose(X, row);
+  return FromNumbers(row, 7);
+}
+
+TriangleMesh ToMesh(const Doubles& vertices, const Indices& triangles) {
+  if (vertices.ndim() != 2 || vertices.shape(1) != 3 || triangles.ndim() != 2 ||
+      triangles.shape(1) != 3) {
+    throw Error("mesh: vertices must be an array (n, 3), triangles one (m, 3) of vertices from 0");
+  }
+  TriangleMesh mesh;
+  mesh.vertices.resize(static_cast<std::size_t>(vertices.shape(0)));
+  std::memcpy(static_cast<void*>(mesh.vertices.data()), vertices.data(),
+              sizeof(Vec3) * mesh.vertices.size());
+  mesh.triangles.resize(static_cast<std::size_t>(triangles.shape(0)));
+  std::memcpy(mesh.triangles.data(), triangles.data(), 12 * mesh.triangles.size());
+  return mesh;
+}
+
+/// A view of numbers that live as long as `owner`: nothing is copied, and nothing can be written.
+py::array View(py::handle owner, const double* data, std::vector<py::ssize_t> shape) {
+  py::array_t<double> array(std::move(shape), data, owner);
+  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return array;
+}
+
+/// A model, which proxies keep when Python has let it go.
+struct Shared {
+  std::shared_ptr<const HapticModel> model;
+};
+
+struct Hand {
+  Hand(std::shared_ptr<const HapticModel> m, const Pose& X_WH)
+      : model(std::move(m)), proxy(*model, X_WH) {}
+  std::shared_ptr<const HapticModel> model;  // outlives the proxy
+  Proxy proxy;
+  std::atomic_flag busy{};
+};
+
+/// While a step has let Python's lock go, no other thread may step the same hand.
+class Busy {
+ public:
+  explicit Busy(Hand& hand) : hand_(hand) {
+    if (hand.busy.test_and_set(std::memory_order_acquire)) {
+      throw Error("proxy: another thread is stepping it; give each thread a proxy of its own");
+    }
+  }
+  ~Busy() { hand_.busy.clear(std::memory_order_release); }
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+
+ private:
+  Hand& hand_;
+};
+
+int Contacts(const StepReport& report) {
+  int rigid = 0;
+  while (rigid < report.contacts && std::isinf(report.active[rigid].stiffness)) ++rigid;
+  return rigid + report.soft_contacts;
+}
+
+/// What came of a path of poses, a row each.
+struct Steps {
+  explicit Steps(const std::vector<py::ssize_t>& leading)
+      : wrench(With(leading, 6)), pose(With(leading, 7)), contacts(leading), faults(leading) {}
+  static std::vector<py::ssize_t> With(std::vector<py::ssize_t> shape, py::ssize_t last) {
+    shape.push_back(last);
+    return shape;
+  }
+  py::array_t<double> wrench, pose;
+  py::array_t<std::int32_t> contacts;
+  py::array_t<std::uint32_t> faults;
+};
+
+/// Where the steps of one path go.
+struct Rows {
+  double *wrench, *pose;
+  std::int32_t* contacts;
+  std::uint32_t* faults;
+};
+
+void Walk(Proxy& proxy, const double* poses, py::ssize_t count, py::ssize_t width, Rows out) {
+  for (py::ssize_t i = 0; i < count; ++i) {
+    const StepReport report = proxy.Step(ToPose(poses + i * width, width));
+    Vec3::Map(out.wrench + 6 * i) = report.wrench.force;
+    Vec3::Map(out.wrench + 6 * i + 3) = report.wrench.torque;
+    FromPose(report.X_WG, out.pose + 7 * i);
+    out.contacts[i] = Contacts(report);
+    out.faults[i] = report.faults;
+  }
+}
+
+void RequireWidth(const Doubles& poses, py::ssize_t dimensions, const char* shape) {
+  const py::ssize_t width = poses.ndim() > 0 ? poses.shape(poses.ndim() - 1) : 0;
+  if (poses.ndim() != dimensions || (width != 3 && width != 7)) {
+    throw Error(std::string("poses: must be an array ") + shape);
+  }
+}
+
+Steps StepAll(Hand& hand, const Doubles& poses) {
+  RequireWidth(poses, 2, "(steps, 3) or (steps, 7)");
+  const Busy busy(hand);
+  Steps steps({poses.shape(0)});
+  const Rows rows{steps.wrench.mutable_data(), steps.pose.mutable_data(),
+                  steps.contacts.mutable_data(), steps.faults.mutable_data()};
+  const py::gil_scoped_release free;
+  Walk(hand.proxy, poses.data(), poses.shape(0), poses.shape(1), rows);
+  return steps;
+}
+
+/// Each path by a proxy of its own, which begins at its first pose.
+Steps Follow(const Shared& shared, const Doubles& paths, int threads) {
+  RequireWidth(paths, 3, "(paths, steps, 3) or (paths, steps, 7)");
+  if (threads < 0) throw Error("threads: must be 0, for all cores, or more");
+  const py::ssize_t count = paths.shape(0), length = paths.shape(1), width = paths.shape(2);
+  Steps steps({count, length});
+  const Rows all{steps.wrench.mutable_data(), steps.pose.mutable_data(),
+                 steps.contacts.mutable_data(), steps.faults.mutable_data()};
+  if (count == 0 || length == 0) return steps;
+  const double* data = paths.data();
+  const py::gil_scoped_release free;
+  std::atomic<py::ssize_t> next{0};
+  std::exception_ptr wrong;
+  std::mutex wrong_mutex;
+  const auto work = [&] {
+    try {
+      std::optional<Proxy> proxy;
+      for (py::ssize_t path; (path = next.fetch_add(1)) < count;) {
+        const double* poses = data + path * length * width;
+        // Made anew: what one path scrapes off is whole for the next, whoever walks it.
+        proxy.emplace(*shared.model, ToPose(poses, width));
+        Walk(*proxy, poses, length, width,
+             {all.wrench + 6 * path * length, all.pose + 7 * path * length,
+              all.contacts + path * length, all.faults + path * length});
+      }
+    } catch (...) {
+      const std::lock_guard lock(wrong_mutex);
+      wrong = std::current_exception();
+    }
+  };
+  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+  const auto wanted = static_cast<py::ssize_t>(threads == 0 ? cores : unsigned(threads));
+  std::vector<std::jthread> others;
+  for (py::ssize_t i = 1; i < std::min(wanted, count); ++i) others.emplace_back(work);
+  work();
+  others.clear();
+  if (wrong) std::rethrow_exception(wrong);
+  return steps;
+}
+
+Material ToMaterial(double static_friction, double dynamic_friction, double stiffness,
+                    double hardness) {
+  if (!(static_friction >= dynamic_friction && dynamic_friction >= 0.0)) {
+    throw Error("friction: must be 0 <= dynamic_friction <= static_friction");
+  }
+  if (!(stiffness > 0.0) || !(hardness > 0.0)) {
+    throw Error("stiffness and hardness must be above 0; infinite: rigid, and stays");
+  }
+  return {stiffness, static_friction, dynamic_friction, hardness};
+}
+
+ContactModel ToContact(const std::string& contact) {
+  if (contact == "surface") return ContactModel::kSurface;
+  if (contact == "spheres") return ContactModel::kSpheres;
+  throw Error("contact: '" + contact + "' is neither 'surface' nor 'spheres'");
+}
+
+Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std::string& contact,
+                  double stiffness, double torsional_stiffness) {
+  Scene scene;
+  scene.objects = objects;
+  scene.tools = {tool};
+  scene.coupling = {stiffness, torsional_stiffness};
+  scene.features.contact = ToContact(contact);
+  // Features follow from the materials, as in a scene's file.
+  for (const Body& object : objects) {
+    const Material& material = object.materials[0];
+    if (material.static_friction > 0.0) scene.features.friction = FrictionModel::kCoulomb;
+    if (std::isfinite(material.stiffness)) scene.features.compliance = true;
+    if (std::isfinite(material.hardness)) scene.features.removal = true;
+  }
+  const py::gil_scoped_release free;
+  return {
+      std::make_shared<const HapticModel>(MakeModel(scene, scene.tools[0], MakeObjects(scene)))};
+}
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+PYBIND11_MODULE(_physics, module) {
+  py::register_exception<Error>(module, "Error", PyExc_ValueError);
+  module.attr("__version__") = PALPATE_VERSION;
+
+  py::class_<Body, std::shared_ptr<Body>>(module, "Body")
+      .def_readonly("name", &Body::name)
+      .def_readonly("remarks", &Body::remarks)
+      .def_property(
+          "pose", [](const Body& body) { return FromPose(body.X_WB); },
+          [](Body& body, const Doubles& pose) {
+            Pose X = ToPose(pose);
+            if (!X.p.allFinite() || !(std::abs(X.q.squaredNorm() - 1.0) < 1e-3)) {
+              throw Error("pose: must be finite, its quaternion w x y z of length 1");
+            }
+            X.q.normalize();
+            body.X_WB = X;
+          })
+      .def_property_readonly("leaves", [](const Body& body) { return body.tree.leaves(); })
+      .def_property_readonly("vertices",
+                             [](py::object self) {
+                               const auto& mesh = self.cast<const Body&>().mesh;
+                               return View(self, mesh.vertices[0].data(),
+                                           {static_cast<py::ssize_t>(mesh.vertices.size()), 3});
+                             })
+      .def_property_readonly(
+          "triangles",
+          [](const Body& body) {
+            Indices triangles(
+                {static_cast<py::ssize_t>(body.mesh.triangles.size()), py::ssize_t{3}});
+            std::memcpy(triangles.mutable_data(), body.mesh.triangles.data(),
+                        12 * body.mesh.triangles.size());
+            return triangles;
+          })
+      .def_property_readonly("leaf_centres",
+                             [](const Body& body) {
+                               const auto n = static_cast<py::ssize_t>(body.tree.leaves());
+                               py::array_t<double> centres({n, py::ssize_t{3}});
+                               auto at = centres.mutable_unchecked<2>();
+                               for (py::ssize_t i = 0; i < n; ++i) {
+                                 at(i, 0) = body.tree.leaf_x[static_cast<std::size_t>(i)];
+                                 at(i, 1) = body.tree.leaf_y[static_cast<std::size_t>(i)];
+                                 at(i, 2) = body.tree.leaf_z[static_cast<std::size_t>(i)];
+                               }
+                               return centres;
+                             })
+      .def_property_readonly("leaf_radii", [](py::object self) {
+        const auto& radii = self.cast<const Body&>().tree.leaf_radius;
+        return View(self, radii.data(), {static_cast<py::ssize_t>(radii.size())});
+      });
+
+  module.def(
+      "body",
+      [](const std::string& name, const Doubles& vertices, const Indices& triangles,
+         std::size_t leaves, const std::string& contact, double static_friction,
+         double dynamic_friction, double stiffness, double hardness) {
+        TriangleMesh mesh = ToMesh(vertices, triangles);
+        const BodyOptions options{
+            .leaves = leaves,
+            .contact = ToContact(contact),
+            .material = ToMaterial(static_friction, dynamic_friction, stiffness, hardness)};
+        const py::gil_scoped_release free;
+        return MakeBody(name, std::move(mesh), options);
+      },
+      py::arg("name"), py::arg("vertices"), py::arg("triangles"), py::kw_only(),
+      py::arg("leaves") = 0, py::arg("contact") = "surface", py::arg("static_friction") = 0.0,
+      py::arg("dynamic_friction") = 0.0, py::arg("stiffness") = kInfinity,
+      py::arg("hardness") = kInfinity);
+  module.def(
+      "ball", [](const std::string& name, double radius) { return MakeBall(name, radius); },
+      py::arg("name"), py::arg("radius"));
+  const auto arrays = [](const TriangleMesh& mesh) {
+    py::array_t<double> vertices({static_cast<py::ssize_t>(mesh.vertices.size()), py::ssize_t{3}});
+    std::memcpy(vertices.mutable_data(), mesh.vertices.data(), 24 * mesh.vertices.size());
+    Indices triangles({static_cast<py::ssize_t>(mesh.triangles.size()), py::ssize_t{3}});
+    std::memcpy(triangles.mutable_data(), mesh.triangles.data(), 12 * mesh.triangles.size());
+    return py::make_tuple(vertices, triangles);
+  };
+  module.def(
+      "box", [=](const Doubles& size) { return arrays(MakeBox(ToVec3(size, "size"))); },
+      py::arg("size"));
+  module.def(
+      "ellipsoid",
+      [=](const Doubles& semi_axes, std::size_t triangles) {
+        return arrays(MakeEllipsoid(ToVec3(semi_axes, "semi_axes"), triangles));
+      },
+      py::arg("semi_axes"), py::arg("triangles") = 5120);
+  module.def("fault_words", &FaultWords, py::arg("faults"));
+
+  py::class_<StepReport>(module, "Report")
+      .def_property_readonly(
+          "force", [](const StepReport& r) { return FromNumbers(r.wrench.force.data(), 3); })
+      .def_property_readonly(
+          "torque", [](const StepReport& r) { return FromNumbers(r.wrench.torque.data(), 3); })
+      .def_property_readonly("pose", [](const StepReport& r) { return FromPose(r.X_WG); })
+      .def_property_readonly("contacts", &Contacts)
+      .def_property_readonly(
+          "points",
+          [](const StepReport& r) {
+            py::array_t<double> points({py::ssize_t{r.contacts}, py::ssize_t{6}});
+            for (int i = 0; i < r.contacts; ++i) {
+              double* row = points.mutable_data(i, 0);
+              const ActiveRow& active = r.active[static_cast<std::size_t>(i)];
+              Vec3::Map(row) = active.contact_W;
+              Vec3::Map(row + 3) = active.force * active.normal + active.friction;
+            }
+            return points;
+          })
+      .def_readonly("faults", &StepReport::faults)
+      .def_readonly("substeps", &StepReport::substeps);
+
+  py::class_<Steps>(module, "Steps")
+      .def_readonly("wrench", &Steps::wrench)
+      .def_readonly("pose", &Steps::pose)
+      .def_readonly("contacts", &Steps::contacts)
+      .def_readonly("faults", &Steps::faults);
+
+  py::class_<Shared>(module, "Model")
+      .def(py::init([](const std::vector<Body>& objects, const Body& tool,
+                       const std::string& contact, double stiffness, double torsional_stiffness) {
+             return MakeShared(objects, tool, contact, stiffness, torsional_stiffness);
+           }),
+           py::arg("objects"), py::arg("tool"), py::kw_only(), py::arg("contact") = "surface",
+           py::arg("stiffness") = Coupling{}.stiffness,
+           py::arg("torsional_stiffness") = Coupling{}.torsional_stiffness)
+      .def("follow", &Follow, py::arg("paths"), py::kw_only(), py::arg("threads") = 0);
+
+  py::class_<Hand>(module, "Proxy")
+      .def(py::init([](const Shared& shared, const Doubles& pose) {
+             return std::make_unique<Hand>(shared.model, ToPose(pose));
+           }),
+           py::arg("model"), py::arg("pose"))
+      .def_property_readonly("start_depth",
+                             [](const Hand& hand) { return hand.proxy.start_depth(); })
+      .def(
+          "restart",
+          [](Hand& hand, const Doubles& pose) {
+            const Busy busy(hand);
+            hand.proxy.Restart(ToPose(pose));
+          },
+          py::arg("pose"))
+      .def(
+          "step",
+          [](Hand& hand, const Doubles& pose) {
+            const Pose X_WH = ToPose(pose);
+            const Busy busy(hand);
+            const py::gil_scoped_release free;
+            return hand.proxy.Step(X_WH);
+          },
+          py::arg("pose"))
+      .def("steps", &StepAll, py::arg("poses"));
+}
+
+}  // namespace palpate

@@ -1,0 +1,45 @@
+"""Haptic rendering in six degrees of freedom: from two meshes to a wrench.
+
+    import numpy, palpate
+    block = palpate.body("block", *palpate.box([0.04, 0.04, 0.04]))
+    model = palpate.Model([block], palpate.ball("ball", 0.005))
+    proxy = palpate.Proxy(model, [0, 0.03, 0])
+    print(proxy.step([0, 0.022, 0]).force)          # 3 N upwards
+
+Lengths are metres, forces newtons, torques newton metres; a pose is x y z, or x y z and the unit
+quaternion w x y z.  Arrays are numpy's.  What is wrong is told by palpate.Error, a ValueError.
+Equal poses give equal bits, those of C++.
+"""
+
+from palpate._physics import (
+    Body,
+    Error,
+    Model,
+    Proxy,
+    Report,
+    Steps,
+    __version__,
+    ball,
+    body,
+    box,
+    ellipsoid,
+    fault_words,
+)
+from palpate.files import read_mesh, read_recording
+
+__all__ = [
+    "Body",
+    "Error",
+    "Model",
+    "Proxy",
+    "Report",
+    "Steps",
+    "__version__",
+    "ball",
+    "body",
+    "box",
+    "ellipsoid",
+    "fault_words",
+    "read_mesh",
+    "read_recording",
+]

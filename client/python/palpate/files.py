@@ -1,0 +1,71 @@
+"""Meshes and recordings, as the programs palpate-import and palpate-replay read them."""
+
+import os
+import shutil
+import struct
+import subprocess
+import tempfile
+
+import numpy
+
+from palpate._physics import Error
+
+_METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
+_MESH_MAGIC = b"palpmsh1"  # scenes/mesh/mesh_packet.cpp
+
+
+def _program(name):
+    """A program of Palpate: in $PALPATE_PROGRAMS, or else on the PATH."""
+    folder = os.environ.get("PALPATE_PROGRAMS")
+    found = shutil.which(name, path=folder) if folder else shutil.which(name)
+    if not found:
+        raise Error(
+            f"{name}: is not {'in ' + folder if folder else 'on the PATH'}; install palpate-common and "
+            "palpate-tools, or let the environment's PALPATE_PROGRAMS name the folder that holds it"
+        )
+    return found
+
+
+def _complaint(name, done):
+    text = done.stderr.decode(errors="replace").strip().removeprefix(f"{name}: ")
+    return text or f"{name} ended with {done.returncode}"
+
+
+def read_mesh(file, unit="m"):
+    if unit not in _METRES:
+        raise Error(f"unit: '{unit}' is none of {', '.join(_METRES)}")
+    done = subprocess.run(
+        [_program("palpate-import"), os.fspath(file)], capture_output=True, check=False
+    )
+    if done.returncode != 0:
+        raise Error(_complaint("palpate-import", done))
+    packet = done.stdout
+    if len(packet) < 32 or packet[:8] != _MESH_MAGIC[:8]:
+        raise Error(f"{file}: palpate-import is of another version than this module; install both anew")
+    vertices, triangles = struct.unpack_from("=QQ", packet, 8)
+    if 32 + 24 * vertices + 12 * triangles > len(packet):
+        raise Error(f"{file}: what was read of it does not add up")
+    points = numpy.frombuffer(packet, numpy.float64, 3 * vertices, 32).reshape(-1, 3)
+    faces = numpy.frombuffer(packet, numpy.uint32, 3 * triangles, 32 + 24 * vertices)
+    return points * _METRES[unit], faces.reshape(-1, 3).copy()
+
+
+def read_recording(file):
+    with tempfile.TemporaryDirectory(prefix="palpate-") as folder:
+        out = os.path.join(folder, "columns")
+        done = subprocess.run(
+            [_program("palpate-replay"), "export", os.fspath(file), "-o", out, "--format", "npy"],
+            capture_output=True,
+            check=False,
+        )
+        if done.returncode != 0:
+            raise Error(_complaint("palpate-replay", done))
+        return {
+            session.name: {
+                table.name.removesuffix(".npy"): numpy.load(table.path)
+                for table in sorted(os.scandir(session.path), key=lambda entry: entry.name)
+                if table.name.endswith(".npy")
+            }
+            for session in sorted(os.scandir(out), key=lambda entry: entry.name)
+            if session.is_dir()
+        }

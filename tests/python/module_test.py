@@ -1,0 +1,250 @@
+"""The module for Python: against the library in C for the bits, against geometry for the forces."""
+
+import ctypes
+import gc
+import math
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+import numpy
+
+import palpate
+
+SIZE = [0.04, 0.04, 0.04]
+
+
+def ball_on_block(**options):
+    block = palpate.body("block", *palpate.box(SIZE), **options)
+    return palpate.Model([block], palpate.ball("ball", 0.005), contact=options.get("contact", "surface"))
+
+
+def wandering_path(steps, seed):
+    """Poses of a hand that wanders about in the upper face, and turns."""
+    random = numpy.random.default_rng(seed)
+    positions = numpy.cumsum(random.normal(0.0, 2e-5, (steps, 3)), axis=0) + [0.0, 0.023, 0.0]
+    angles = numpy.cumsum(random.normal(0.0, 1e-3, steps))
+    poses = numpy.zeros((steps, 7))
+    poses[:, :3] = positions
+    poses[:, 3] = numpy.cos(angles / 2)
+    poses[:, 5] = numpy.sin(angles / 2)
+    return poses
+
+
+class Force(unittest.TestCase):
+    def test_is_the_springs_over_the_depth(self):
+        proxy = palpate.Proxy(ball_on_block(), [0, 0.03, 0])
+        for y in numpy.linspace(0.03, 0.022, 100):
+            report = proxy.step([0, y, 0])
+        numpy.testing.assert_allclose(report.force, [0, 3, 0], atol=5e-3)
+        numpy.testing.assert_allclose(report.pose[:3], [0, 0.025, 0], atol=5e-6)
+        self.assertEqual(report.contacts, len(report.points))
+        numpy.testing.assert_allclose(report.points[:, 3:].sum(axis=0), report.force, atol=1e-9)
+        self.assertEqual(report.faults, 0)
+
+    def test_grows_with_the_coupling(self):
+        block = palpate.body("block", *palpate.box(SIZE))
+        model = palpate.Model([block], palpate.ball("ball", 0.005), stiffness=500)
+        force = palpate.Proxy(model, [0, 0.022, 0]).step([0, 0.022, 0]).force
+        self.assertAlmostEqual(force[1], 1.5, places=2)
+
+    def test_holds_a_rough_block_back(self):
+        def drag(**material):
+            model = ball_on_block(contact="spheres", leaves=1000, **material)
+            path = numpy.array([[x, 0.022, 0] for x in numpy.linspace(0, 0.003, 300)])
+            return -palpate.Proxy(model, path[0]).steps(path).wrench[-1, 0]
+
+        self.assertGreater(drag(static_friction=0.6, dynamic_friction=0.4), drag() + 0.5)
+
+    def test_of_a_body_elsewhere_is_felt_there(self):
+        block = palpate.body("block", *palpate.box(SIZE))
+        block.pose = [0.1, 0, 0]
+        model = palpate.Model([block], palpate.ball("ball", 0.005))
+        self.assertEqual(palpate.Proxy(model, [0, 0.022, 0]).step([0, 0.022, 0]).force[1], 0)
+        self.assertAlmostEqual(palpate.Proxy(model, [0.1, 0.022, 0]).step([0.1, 0.022, 0]).force[1], 3, 2)
+
+
+class Pose(ctypes.Structure):
+    _fields_ = [("position", ctypes.c_double * 3), ("orientation", ctypes.c_double * 4)]
+
+
+class CReport(ctypes.Structure):
+    _fields_ = [
+        ("force", ctypes.c_double * 3),
+        ("torque", ctypes.c_double * 3),
+        ("tool", Pose),
+        ("faults", ctypes.c_uint32),
+        ("contacts", ctypes.c_int32),
+        ("points", ctypes.c_int32),
+        ("point", ctypes.c_double * 42),
+    ]
+
+
+class Bits(unittest.TestCase):
+    def test_are_those_of_the_library_in_c(self):
+        c = ctypes.CDLL(os.environ["PALPATE_C_LIBRARY"])
+        for name in ("palpate_scene_new", "palpate_model_new", "palpate_proxy_new"):
+            getattr(c, name).restype = ctypes.c_void_p
+        scene = ctypes.c_void_p(c.palpate_scene_new(0))
+        size = (ctypes.c_double * 3)(*SIZE)
+        self.assertEqual(c.palpate_scene_add_box(scene, 0, b"block", size, None), 0)
+        self.assertEqual(c.palpate_scene_add_ball(scene, 1, b"ball", ctypes.c_double(0.005), None), 0)
+        model = ctypes.c_void_p(c.palpate_model_new(scene, ctypes.c_size_t(0)))
+        path = wandering_path(2000, 1)
+        pose = Pose()
+
+        def at(row):
+            pose.position[:], pose.orientation[:] = row[:3], row[3:]
+            return ctypes.byref(pose)
+
+        hand = ctypes.c_void_p(c.palpate_proxy_new(model, at(path[0])))
+        steps = palpate.Proxy(ball_on_block(), path[0]).steps(path)
+        report = CReport()
+        for row, wrench, tool in zip(path, steps.wrench, steps.pose):
+            c.palpate_proxy_step(hand, at(row), ctypes.byref(report))
+            self.assertEqual(bytes(report.force) + bytes(report.torque), wrench.tobytes())
+            self.assertEqual(bytes(report.tool), tool.tobytes())
+        self.assertGreater((steps.contacts > 0).sum(), 500)
+
+    def test_are_the_same_step_by_step_in_one_call_and_on_all_cores(self):
+        model = ball_on_block()
+        paths = numpy.stack([wandering_path(300, seed) for seed in range(9)])
+        one = model.follow(paths, threads=1)
+        for threads in (0, 2, 5, 40):
+            many = model.follow(paths, threads=threads)
+            self.assertEqual(many.wrench.tobytes(), one.wrench.tobytes())
+            self.assertEqual(many.pose.tobytes(), one.pose.tobytes())
+        proxy = palpate.Proxy(model, paths[4, 0])
+        for i, pose in enumerate(paths[4]):
+            report = proxy.step(pose)
+            self.assertEqual(report.force.tobytes(), one.wrench[4, i, :3].tobytes())
+            self.assertEqual(report.torque.tobytes(), one.wrench[4, i, 3:].tobytes())
+
+    def test_do_not_change_where_a_path_scrapes_for_another(self):
+        block = palpate.body("block", *palpate.box(SIZE), leaves=500, contact="spheres", hardness=1e-6,
+                             static_friction=0.3, dynamic_friction=0.3)
+        model = palpate.Model([block], palpate.ball("ball", 0.005), contact="spheres")
+        path = numpy.array([[x, 0.0235, 0] for x in numpy.linspace(0, 0.01, 400)])
+        paths = numpy.stack([path] * 6)
+        steps = model.follow(paths, threads=3)
+        for other in steps.wrench[1:]:
+            self.assertEqual(other.tobytes(), steps.wrench[0].tobytes())
+
+
+class Errors(unittest.TestCase):
+    def test_have_the_words_of_the_library(self):
+        vertices, triangles = palpate.box(SIZE)
+        model = ball_on_block()
+        for words, wrong in {
+            "thing: ": lambda: palpate.body("thing", vertices, triangles + 1000),
+            "vertices must be": lambda: palpate.body("thing", vertices[:, :2], triangles),
+            "neither 'surface'": lambda: palpate.body("thing", vertices, triangles, contact="air"),
+            "friction: ": lambda: palpate.body("thing", vertices, triangles, dynamic_friction=1),
+            "stiffness": lambda: palpate.body("thing", vertices, triangles, stiffness=0),
+            "radius": lambda: palpate.ball("thing", math.nan),
+            "no object": lambda: palpate.Model([], palpate.ball("ball", 0.01)),
+            "pose: ": lambda: palpate.Proxy(model, [1, 2]),
+            "poses: ": lambda: palpate.Proxy(model, [0, 1, 0]).steps([[1, 2]]),
+            "threads": lambda: model.follow(numpy.zeros((1, 1, 3)), threads=-1),
+        }.items():
+            with self.subTest(words), self.assertRaisesRegex(palpate.Error, words):
+                wrong()
+        self.assertTrue(issubclass(palpate.Error, ValueError))
+
+    def test_of_poses_are_faults_and_give_no_force(self):
+        proxy = palpate.Proxy(ball_on_block(), [0, 0.022, 0])
+        self.assertEqual(proxy.step([0, math.nan, 0]).faults, 1)
+        self.assertEqual(list(proxy.step([0, math.inf, 0]).force), [0, 0, 0])
+        self.assertNotEqual(palpate.fault_words(1), palpate.fault_words(0))
+
+    def test_come_of_two_threads_at_one_proxy_not_a_crash(self):
+        proxy = palpate.Proxy(ball_on_block(), [0, 0.03, 0])
+        path = numpy.tile([0, 0.022, 0], (20_000, 1))
+        complaints = []
+
+        def step():
+            try:
+                proxy.steps(path)
+            except palpate.Error as error:
+                complaints.append(str(error))
+
+        threads = [threading.Thread(target=step) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for complaint in complaints:
+            self.assertIn("another thread", complaint)
+
+
+class Memory(unittest.TestCase):
+    def test_lives_as_long_as_what_looks_at_it(self):
+        radii = palpate.body("block", *palpate.box(SIZE), leaves=64).leaf_radii
+        proxy = palpate.Proxy(ball_on_block(), [0, 0.022, 0])
+        gc.collect()
+        self.assertEqual(len(radii), 64)
+        self.assertGreater(radii.min(), 0)
+        with self.assertRaises(ValueError):
+            radii[0] = 1
+        self.assertAlmostEqual(proxy.step([0, 0.022, 0]).force[1], 3, 2)
+
+    def test_of_vertices_is_not_copied(self):
+        block = palpate.body("block", *palpate.box(SIZE), leaves=64)
+        self.assertTrue(numpy.shares_memory(block.vertices, block.vertices))
+
+
+class Files(unittest.TestCase):
+    def test_of_meshes_are_read_in_their_unit(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "corner.obj")
+            file.write_text("v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+            vertices, triangles = palpate.read_mesh(file, unit="mm")
+            self.assertEqual(triangles.shape, (4, 3))
+            self.assertAlmostEqual(vertices.max(), 0.01)
+            self.assertEqual(palpate.body("corner", vertices, triangles, leaves=64).leaves, 64)
+            with self.assertRaisesRegex(palpate.Error, "unit"):
+                palpate.read_mesh(file, unit="furlong")
+            with self.assertRaisesRegex(palpate.Error, "nowhere.stl"):
+                palpate.read_mesh(pathlib.Path(folder, "nowhere.stl"))
+
+    def test_that_are_no_recording_are_told_by_name(self):
+        with tempfile.NamedTemporaryFile(suffix=".mcap") as file:
+            file.write(b"no recording")
+            file.flush()
+            with self.assertRaisesRegex(palpate.Error, os.path.basename(file.name)):
+                palpate.read_recording(file.name)
+
+
+class Examples(unittest.TestCase):
+    def test_draw_what_they_promise(self):
+        folder = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "client/python/examples")
+        examples = [file for file in sorted(folder.glob("*.py")) if "matplotlib" in file.read_text()]
+        self.assertGreaterEqual(len(examples), 3)
+        with tempfile.TemporaryDirectory() as out:
+            for example in examples:
+                with self.subTest(example.name):
+                    picture = pathlib.Path(out, example.stem + ".png")
+                    done = subprocess.run([sys.executable, example, "--quick", "-o", picture],
+                                          capture_output=True, text=True, check=False)
+                    self.assertEqual(done.returncode, 0, done.stderr)
+                    self.assertGreater(picture.stat().st_size, 5_000)
+
+    def test_give_a_first_force_in_twenty_lines(self):
+        example = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "client/python/examples/first_force.py")
+        self.assertLessEqual(len(example.read_text().splitlines()), 20)
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "pyramid.obj")
+            file.write_text("v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nv 0 0 6\n"
+                            "f 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n")
+            done = subprocess.run([sys.executable, example, file, "mm"], capture_output=True, text=True,
+                                  check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"force \[.* 0\.9\d.*\] N, faults none")
+
+
+if __name__ == "__main__":
+    unittest.main()
