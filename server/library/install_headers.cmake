@@ -3,6 +3,7 @@
 # Only what palpate/physics.h leads to is installed.
 #
 # Given: folders, where headers are looked for; include, the prefix's folder of headers.
+cmake_policy(PUSH)
 cmake_policy(SET CMP0057 NEW)  # if(IN_LIST)
 set(target "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/${include}/palpate")
 set(todo server/library/physics.h)
@@ -28,3 +29,4 @@ while(todo)
 endwhile()
 list(LENGTH done count)
 message(STATUS "Installed: ${count} headers below ${target}")
+cmake_policy(POP)

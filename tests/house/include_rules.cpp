@@ -102,6 +102,8 @@ const std::vector<Rule> kRules = {
      {"common", "scenes", "devices", "client/load", "client/station"},
      {},
      {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost"}},
+    // The library of server/library, for Python.
+    {"client/python", {"server/library/physics.h"}, {}, {"pybind11"}},
     // Programs of other people's.
     {"client/examples", {}, {}, {"Palpate"}},
     // A force that ROS asks for becomes an aim of the station's guide, by that guide's own figures.
@@ -201,6 +203,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"HL/", "OpenHaptics"},
     {"spnav.h", "spacenav"},
     {"prometheus/", "Prometheus"},
+    {"pybind11/", "pybind11"},
     {"palpate", "Palpate"},  // as it is installed
     {"igtl", "OpenIGTLink"},
     // Another vendor's DDS, in tests/crtk alone.
@@ -262,7 +265,7 @@ std::string Join(const Paths& words) {
 /// idlc and flatc make idl/x.h and idl/x_generated.h while building, CMake x.h of x.h.in.
 bool IsGenerated(const std::string& include,
                  const std::function<bool(const std::string&)>& exists) {
-  static const std::regex kIdl(R"((idl/[a-z_]+)\.h)"), kFlat(R"((idl/[a-z_]+)_generated\.h)");
+  static const std::regex kIdl(R"((idl/[a-z0-9_]+)\.h)"), kFlat(R"((idl/[a-z_]+)_generated\.h)");
   std::smatch match;
   return exists(include + ".in") ||
          (std::regex_match(include, match, kFlat) && exists(match[1].str() + ".fbs")) ||

@@ -21,7 +21,7 @@ arguments.add_argument("--quick", action="store_true", help="fewer trees")
 options = arguments.parse_args()
 
 AXES, RADIUS = numpy.array([0.03, 0.02, 0.02]), 0.004
-mesh = palpate.ellipsoid(AXES)
+mesh = palpate.ellipsoid(AXES, 5120 if options.quick else 20480)  # facets alone are off by 0.007 N
 tool = palpate.ball("ball", RADIUS)
 angle = numpy.linspace(0.1, numpy.pi - 0.1, 500 if options.quick else 2000)
 surface = numpy.column_stack([AXES[0] * numpy.cos(angle), AXES[1] * numpy.sin(angle), 0 * angle])
@@ -33,10 +33,13 @@ path = surface + (RADIUS - 1e-3) * normal  # 1 mm deep: the force should be 1 N 
 def measure(contact, leaves):
     egg = palpate.body("egg", *mesh, contact=contact, leaves=leaves)
     proxy = palpate.Proxy(palpate.Model([egg], tool, contact=contact), path[0])
-    began = time.perf_counter()
-    force = proxy.steps(path).wrench[:, :3]
-    taken = time.perf_counter() - began
-    return 1e6 * taken / len(path), numpy.linalg.norm(force - normal, axis=1)[50:].mean()
+    taken = []
+    for _ in range(5):  # the best of them: a machine has other work, too
+        proxy.restart(path[0])
+        began = time.perf_counter()
+        force = proxy.steps(path).wrench[:, :3]
+        taken.append(time.perf_counter() - began)
+    return 1e6 * min(taken) / len(path), numpy.linalg.norm(force - normal, axis=1)[50:].mean()
 
 
 figure, axes = plt.subplots(figsize=(7, 5))
@@ -47,6 +50,7 @@ for leaves in [128, 512] if options.quick else [128, 256, 512, 1024, 2048, 4096]
 us, error = measure("surface", 512)
 axes.loglog(us, error, "s", color="C1")
 axes.annotate("mesh", (us, error), xytext=(4, 4), textcoords="offset points")
+axes.set_title("an ellipsoid by the number of its spheres, and by its mesh")
 axes.set_xlabel("time of a step in us")
 axes.set_ylabel("mean error of a force of 1 N, in N")
 figure.tight_layout()
