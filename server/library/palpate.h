@@ -40,10 +40,15 @@ typedef struct {
 
 typedef enum {
   PALPATE_SURFACE = 0, /* meshes do not enter each other */
-  PALPATE_SPHERES = 1  /* leaves of their sphere trees do not; objects may be soft, and wear */
+  PALPATE_SPHERES = 1, /* leaves of their sphere trees do not; objects may be soft, and wear */
+  PALPATE_CONTACT_ANY_INT = 0x7fffffff /* lets a wrong number be told */
 } palpate_contact;
 
-typedef enum { PALPATE_OBJECT = 0, PALPATE_TOOL = 1 } palpate_role;
+typedef enum {
+  PALPATE_OBJECT = 0,
+  PALPATE_TOOL = 1,
+  PALPATE_ROLE_ANY_INT = 0x7fffffff
+} palpate_role;
 
 /* Start from palpate_body_defaults(). */
 typedef struct {

