@@ -138,8 +138,8 @@ class Record {
 int Serve(const Options& options) {
   StopSignal stop;
   // Left to itself, malloc takes them from its heap once the first session has ended, and there
-  // they stay: after an hour of stations that came and went the server had grown by as much as it
-  // began with.
+  // they stay: with four stations that came and went the server grew from 161 to 228 MB in seven
+  // minutes.
   mallopt(M_MMAP_THRESHOLD, kOwnMapping_bytes);
   const ServerLock lock(options.domain);
   const dds::TransportChoice transport =

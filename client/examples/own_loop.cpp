@@ -1,9 +1,11 @@
 // A servo loop of one's own, at 1 kHz by the absolute clock.  Where this reads a made-up hand and
 // throws the force away, read your arm and command it - through a limiter: a proxy gives the force
 // of its spring, whatever an arm can bear.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <thread>
 
 #include <palpate/physics.h>

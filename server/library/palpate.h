@@ -52,8 +52,9 @@ typedef enum {
 
 /* Start from palpate_body_defaults(). */
 typedef struct {
-  palpate_pose pose;       /* objects: where they stand */
-  size_t leaves;           /* of its sphere tree; 0: as many as its shape needs */
+  palpate_pose pose; /* objects: where they stand */
+  size_t leaves;     /* of its sphere tree; 0: 512 where its mesh is felt, else as many as its shape
+                        needs */
   double static_friction;  /* objects */
   double dynamic_friction; /* at most static_friction */
   double stiffness_N_m;    /* of a leaf's contact, PALPATE_SPHERES; infinite: rigid */
