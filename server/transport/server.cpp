@@ -202,13 +202,17 @@ void Server::TakeRequests(std::int64_t now_ns) {
 }
 
 void Server::UpdateLinks(std::int64_t now_ns) {
-  std::erase_if(stations_, [&](const auto& entry) {
-    const auto session = table_.sessions().find(entry.first);
-    const bool over = session == table_.sessions().end() ||
-                      session->second.get() != &entry.second.link->session();
-    if (over) ForgetStreams(entry.first);
-    return over;
-  });
+  for (auto entry = stations_.begin(); entry != stations_.end();) {
+    const auto& [name, station] = *entry;
+    const auto session = table_.sessions().find(name);
+    const bool over =
+        session == table_.sessions().end() || session->second.get() != &station.link->session();
+    if (over) {
+      TellUnheard(name, entry->second);
+      ForgetStreams(name);
+    }
+    entry = over ? stations_.erase(entry) : std::next(entry);
+  }
   const auto arms = std::ranges::count_if(
       table_.sessions(), [](const auto& entry) { return !entry.second->below_arms(); });
   for (const auto& [name, session] : table_.sessions()) {
@@ -327,12 +331,16 @@ void Server::ReportStatistics(Station& station, std::int64_t now_ns) {
   station.report_wanted = false;
   statistics_.Write(statistics);
   if (events_.statistics) events_.statistics(statistics);
-  if (const std::uint64_t refused = station.link->refused(); refused != station.refused) {
-    spdlog::warn("station {}: {} poses beyond its share ({} a second, half of the time), not heard",
-                 statistics.station, refused - station.refused, ServoBudget::kPosesPerSecond);
-    station.refused = refused;
-  }
+  TellUnheard(statistics.station, station);
   if (print_line_) print_line_(StatisticsLine(statistics));
+}
+
+void Server::TellUnheard(const std::string& name, Station& station) {
+  const std::uint64_t refused = station.link->refused();
+  if (refused == station.refused) return;
+  spdlog::warn("station {}: {} poses beyond its share ({} a second, half of the time), not heard",
+               name, refused - station.refused, ServoBudget::kPosesPerSecond);
+  station.refused = refused;
 }
 
 }  // namespace palpate

@@ -68,6 +68,8 @@ class Server {
   void ForgetStreams(const std::string& station);
   void PublishToolState(Session& session);
   void ReportStatistics(Station& station, std::int64_t now_ns);
+  /// Each second, and when the session is over: a flood may be shorter.
+  void TellUnheard(const std::string& name, Station& station);
 
   dds::Participant loop_domain_;
   dds::Participant service_domain_;

@@ -158,8 +158,9 @@ constexpr Misbehaviour kKinds[] = {
      kUnheard},
     {"a clock that jumps", 1,
      [](wire::HapticPose& pose) {
-       // Only these are in order then; they come often enough to keep the session.
-       pose.sample_time_ns += (pose.pose_sequence % 50 == 0 ? 1 : 0) * 3'600'000'000'000;
+       // Only these are in order then; they come often enough to keep the session where the
+       // machine is busy, too.
+       pose.sample_time_ns += (pose.pose_sequence % 10 == 0 ? 1 : 0) * 3'600'000'000'000;
      },
      kRejected},
     {"ten times the rate", 10, [](wire::HapticPose&) {}, kTooMany},

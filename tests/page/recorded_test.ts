@@ -42,7 +42,9 @@ async function record(file: string): Promise<void> {
   ]);
   await server.says(/station hand: active/);
   await new Promise((resolve) => setTimeout(resolve, 1000 * kLengthS));
-  for (const program of [station, recorder, server]) await program.stop("SIGINT");
+  // The recorder first: at the end of the recording the hand still holds the tool, which is thus
+  // shown to a page that comes when the replay has got there already.
+  for (const program of [recorder, station, server]) await program.stop("SIGINT");
 }
 
 beforeAll(async () => {

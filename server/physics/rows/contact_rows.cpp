@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <new>
-#include <numeric>
 
 namespace palpate {
 
@@ -25,7 +25,7 @@ ContactRows::ContactRows(int max_rows, int max_batch, int degrees_of_freedom, do
   const std::size_t stride = capacity + 8;
   storage_.reset(new (kCacheLine) double[10 * stride]());
   pairs_.resize(capacity);
-  order_.resize(capacity);
+  gaps_.resize(capacity);
   for (std::size_t c = 0; c < 6; ++c) columns_.a[c] = storage_.get() + c * stride;
   columns_.b = storage_.get() + 6 * stride;
   for (std::size_t c = 0; c < 3; ++c) columns_.lever[c] = storage_.get() + (7 + c) * stride;
@@ -90,17 +90,22 @@ void ContactRows::Move(int from, int to) noexcept {
   columns_.pair[to] = columns_.pair[from];
 }
 
+// The tightest by (gap, order), in the order that they have: the gaps alone are partitioned, as
+// plain numbers, and one pass then keeps what is tighter than the loosest that stays, and of its
+// equals the first ones.
 void ContactRows::KeepTightest() noexcept {
   overflowed_ = true;
-  std::iota(order_.begin(), order_.begin() + count_, 0);
   const double* b = columns_.b;
-  std::nth_element(
-      order_.begin(), order_.begin() + max_rows_ - 1, order_.begin() + count_,
-      [b](std::int32_t i, std::int32_t j) { return b[i] != b[j] ? b[i] > b[j] : i < j; });
-  loosest_ = b[order_[static_cast<std::size_t>(max_rows_ - 1)]];
-  std::sort(order_.begin(), order_.begin() + max_rows_);
-  for (int i = 0; i < max_rows_; ++i) Move(order_[static_cast<std::size_t>(i)], i);
-  count_ = max_rows_;
+  std::copy(b, b + count_, gaps_.begin());
+  const auto last = gaps_.begin() + max_rows_ - 1;
+  std::nth_element(gaps_.begin(), last, gaps_.begin() + count_, std::greater<>());
+  loosest_ = *last;
+  auto equals = std::count(gaps_.begin(), last + 1, loosest_);
+  int kept = 0;
+  for (int i = 0; i < count_; ++i) {
+    if (b[i] > loosest_ || (b[i] == loosest_ && equals-- > 0)) Move(i, kept++);
+  }
+  count_ = kept;
 }
 
 void ContactRows::Finish() noexcept {

@@ -91,7 +91,7 @@ class ContactRows {
   };
   std::unique_ptr<double[], AlignedDelete> storage_;
   std::vector<NodePair> pairs_;
-  std::vector<std::int32_t> order_;
+  std::vector<double> gaps_;  // scratch of KeepTightest
   RowColumns columns_{};
   int count_ = 0;
   bool overflowed_ = false;
