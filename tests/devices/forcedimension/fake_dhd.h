@@ -61,6 +61,5 @@ class FakeDhd {
 
 /// What the library exports beside DHD's own functions.
 inline constexpr const char* kFakeDhdFunction = "palpate_fake_dhd";
-using FakeDhdFunction = FakeDhd* (*)();
 
 }  // namespace palpate::test

@@ -112,6 +112,5 @@ class FakeHd {
 
 /// What the library exports beside HD's own functions.
 inline constexpr const char* kFakeHdFunction = "palpate_fake_hd";
-using FakeHdFunction = FakeHd* (*)();
 
 }  // namespace palpate::test

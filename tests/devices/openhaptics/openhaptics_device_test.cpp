@@ -4,7 +4,7 @@
 
 #include "common/math/rotation.h"
 #include "tests/devices/limiter_support.h"
-#include "tests/devices/openhaptics/arm_bench.h"
+#include "tests/devices/openhaptics/hd_bench.h"
 #include "tests/support/allocation_counter.h"
 
 namespace palpate::test {

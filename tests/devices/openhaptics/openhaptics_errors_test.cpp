@@ -1,7 +1,7 @@
 // Every error of the library, at every one of its calls.
 #include <set>
 
-#include "tests/devices/openhaptics/arm_bench.h"
+#include "tests/devices/openhaptics/hd_bench.h"
 
 namespace palpate::test {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "client/station/servo_thread.h"
 #include "common/time/steady_clock.h"
-#include "tests/devices/openhaptics/arm_bench.h"
+#include "tests/devices/openhaptics/hd_bench.h"
 
 namespace palpate::test {
 namespace {

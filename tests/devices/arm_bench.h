@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <utility>
+
+#include <dlfcn.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/station/station_core.h"
+#include "common/error.h"
+
+namespace palpate::test {
+
+/// A fake of a vendor's library, by the function of that file which gives it.
+template <class Fake>
+Fake& LoadFake(const char* file, const char* function) {
+  void* library = dlopen(file, RTLD_NOW);
+  void* symbol = library ? dlsym(library, function) : nullptr;
+  if (!symbol) {
+    ADD_FAILURE() << dlerror();
+    std::abort();
+  }
+  return *reinterpret_cast<Fake* (*)()>(symbol)();
+}
+
+/// The fake library, as new for each test; a test that violates its rules fails.
+template <class Fake, class Device, class DeviceOptions>
+class FakeLibraryTest : public testing::Test {
+ protected:
+  FakeLibraryTest(const char* file, const char* function)
+      : fake(LoadFake<Fake>(file, function)), file_(file) {
+    fake.Reset({});
+  }
+  void TearDown() override { EXPECT_THAT(fake.Violations(), testing::IsEmpty()); }
+
+  DeviceOptions Options() const {
+    DeviceOptions options;
+    options.libraries = {file_};
+    return options;
+  }
+  static std::string OpeningError(const DeviceOptions& options) {
+    try {
+      Device device(options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+  std::string OpeningError() const { return OpeningError(Options()); }
+
+  Fake& fake;
+
+ private:
+  const char* file_;
+};
+
+/// An arm with a station behind it whose server always answers with one wrench.
+template <class Device>
+struct AnsweredArm {
+  template <class... Arguments>
+  explicit AnsweredArm(Arguments&&... arguments) : arm(std::forward<Arguments>(arguments)...) {}
+
+  /// A tick of the station's servo loop; `now_ns` is its clock.
+  void Tick(std::int64_t now_ns) {
+    const OutgoingPose pose = core.Sense(now_ns, true);
+    sample = pose.sample;
+    if (fault_ends_forces) core.EnableForces((sample.status & kDeviceFault) == 0);
+    Reply reply;
+    reply.pose_sequence = pose.sequence;
+    reply.pose_time_ns = reply.received_ns = now_ns;
+    reply.wrench = wrench;
+    core.Take(reply);
+    core.Act(now_ns);
+  }
+  void Attend() {
+    if (const std::string more = arm.Attend(); !more.empty()) news += more + "\n";
+  }
+
+  Device arm;
+  StationCore core{arm};
+  Wrench wrench{Vec3(0.0, 2.0, 0.0), Vec3(0.0, 0.0, 0.03)};
+  DeviceSample sample;
+  std::string news;
+  bool fault_ends_forces = true;  ///< as a station does with a device at fault
+};
+
+/// One with motors of a fake, in virtual time; `Bench` has Run(ticks) and a fake.
+template <class Bench>
+bool RunUntilForce(Bench& bench, int most_ticks = 2000) {
+  const double all = bench.wrench.force.norm();
+  for (int i = 0; i < most_ticks && bench.fake.MotorForce() < all; ++i) bench.Run(1);
+  return bench.fake.MotorForce() == all;
+}
+
+}  // namespace palpate::test
