@@ -35,8 +35,8 @@ def eventually(condition, seconds=20):
 
 
 def script(text, *arguments):
-    return subprocess.Popen([sys.executable, "-c", text, str(DOMAIN), *arguments], stdout=subprocess.PIPE,
-                            stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen([sys.executable, "-c", text, str(DOMAIN), *arguments], stdin=subprocess.PIPE,
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 class Station(unittest.TestCase):
@@ -249,6 +249,44 @@ class DeadServer(unittest.TestCase):
             return True
         except live.Silence:
             return False
+
+
+class Secured(unittest.TestCase):
+    """In processes of their own: a process has one identity."""
+
+    def test_station_and_session_have_their_roles_and_no_others(self):
+        identities = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "deploy/security/identities")
+        domain = own_domain()
+        with tempfile.TemporaryDirectory() as folder:
+            lab = pathlib.Path(folder, "lab")
+            subprocess.run([identities, "new", lab], check=True, capture_output=True)
+            for role, name in (("server", "desk"), ("station", "script"), ("viewer", "class")):
+                subprocess.run([identities, "add", lab, role, name], check=True, capture_output=True)
+            who = {name: str(lab / "identities" / name) for name in ("desk", "script", "class")}
+            with server(domain, "--identity", who["desk"]):
+                hand = script("""
+import sys
+from palpate import live
+with live.Station("cube", sys.argv[3], domain=int(sys.argv[2]), identity=sys.argv[4]) as hand:
+    print(hand.move([0, 0.029, 0], 0.3).wanted_force[1].round(1), flush=True)
+    sys.stdin.readline()
+""", str(domain), "script", who["script"])
+                self.assertEqual(hand.stdout.readline(), "1.0\n", hand.poll() and hand.stderr.read())
+                look = script("""
+import sys
+from palpate import live
+print(live.Session(int(sys.argv[2]), identity=sys.argv[3]).tools(timeout=20)["station"][0].decode())
+""", str(domain), who["class"])
+                self.assertEqual(look.communicate(timeout=60)[0], "script\n")
+                for name, identity in (("other", who["script"]), ("class", who["class"])):
+                    wrong = script("""
+import sys
+from palpate import live
+live.Station("cube", sys.argv[3], domain=int(sys.argv[2]), identity=sys.argv[4])
+""", str(domain), name, identity)
+                    self.assertIn("palpate._physics.Error", (words := wrong.communicate(timeout=60)[1]))
+                    self.assertIn("the role of this --identity", words)
+                hand.communicate("\n", timeout=20)
 
 
 class Package(unittest.TestCase):
