@@ -278,6 +278,7 @@ from palpate import live
 print(live.Session(int(sys.argv[2]), identity=sys.argv[3]).tools(timeout=20)["station"][0].decode())
 """, str(domain), who["class"])
                 self.assertEqual(look.communicate(timeout=60)[0], "script\n")
+                hand.communicate("\n", timeout=20)  # which leaves the tool
                 for name, identity in (("other", who["script"]), ("class", who["class"])):
                     wrong = script("""
 import sys
@@ -286,7 +287,6 @@ live.Station("cube", sys.argv[3], domain=int(sys.argv[2]), identity=sys.argv[4])
 """, str(domain), name, identity)
                     self.assertIn("palpate._physics.Error", (words := wrong.communicate(timeout=60)[1]))
                     self.assertIn("the role of this --identity", words)
-                hand.communicate("\n", timeout=20)
 
 
 class Package(unittest.TestCase):
