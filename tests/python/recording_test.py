@@ -55,7 +55,8 @@ class Recording(unittest.TestCase):
         force = numpy.array([list(heard["force_N"]) for heard, _ in both])
         columns = numpy.array([[row["force_x_N"], row["force_y_N"], row["force_z_N"]] for _, row in both])
         numpy.testing.assert_array_equal(force, columns)
-        self.assertGreater(numpy.linalg.norm(columns, axis=1).max(), 0.5)
+        # The hand rests on the cube with a third of a newton.
+        self.assertGreater(numpy.linalg.norm(columns, axis=1).max(), 0.2)
         tool = numpy.array([list(heard["tool"][:3]) for heard, _ in both])
         numpy.testing.assert_array_equal(tool[:, 1], [row["tool_y_m"] for _, row in both])
 
