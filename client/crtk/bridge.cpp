@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <set>
+#include <string>
 
 #include <spdlog/spdlog.h>
 
@@ -18,6 +20,20 @@ namespace {
 constexpr std::chrono::milliseconds kPoll{2};
 /// As many as a server admits; of strangers' names no more are made into topics.
 constexpr std::size_t kMostStations = 32;
+
+using Stations = std::map<std::string, std::unique_ptr<CrtkStation>>;
+
+/// Why a station cannot be brought to ROS; empty where it can.
+std::string WhyLeftOut(const std::string& name, const Stations& stations) {
+  if (!dds::IsStationName(name)) return "no such name";
+  if (std::string why = WhyNoRosName(name); !why.empty()) return why;
+  for (const auto& [other, station] : stations) {
+    if (station->ros_namespace() == RosNamespace(name)) {
+      return "station " + other + " has that name in ROS; give one of them another --id";
+    }
+  }
+  return stations.size() == kMostStations ? "32 are here already" : "";
+}
 
 }  // namespace
 
@@ -36,7 +52,8 @@ void Bridge(const CrtkOptions& options, StopSignal& stop) {
     wishes = {service, dds::kOperateRequestTopic, dds::Qos::kSession};
   }
   const GuideLimits limits = GuideLimits::OfForce(options.guide_force_N);
-  std::map<std::string, std::unique_ptr<CrtkStation>> stations;
+  Stations stations;
+  std::set<std::string> left_out;  // of which it has been told
   std::printf("ready: domain %d to ROS domain %d on %s; poses and wrenches: %s\n", options.domain,
               options.ros_domain, options.ros_network.interface.c_str(), transport.reason.c_str());
   std::fflush(stdout);
@@ -51,10 +68,11 @@ void Bridge(const CrtkOptions& options, StopSignal& stop) {
       if (it == stations.end()) {
         if (state.phase == palpate_SESSION_ENDED || state.phase == palpate_SESSION_REFUSED)
           continue;
-        if (!dds::IsStationName(state.station) || stations.size() == kMostStations) {
+        if (const std::string why = WhyLeftOut(state.station, stations); !why.empty()) {
+          if (left_out.size() < kMostStations && left_out.contains(state.station)) continue;
           if (words.Pass(now_ns)) {
-            spdlog::warn("station {} is left out: {}", Quoted(state.station),
-                         stations.size() == kMostStations ? "32 are here already" : "no such name");
+            spdlog::warn("station {} is left out: {}", Quoted(state.station), why);
+            if (left_out.size() < kMostStations) left_out.insert(state.station);
           }
           continue;
         }

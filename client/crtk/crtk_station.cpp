@@ -50,6 +50,11 @@ std::string RosNamespace(const std::string& station) {
   return (digit ? "/station_" : "/") + station;
 }
 
+std::string WhyNoRosName(const std::string& station) {
+  if (station.find("__") == std::string::npos) return {};
+  return "names of ROS 2 have no '__'; give the station an --id without it";
+}
+
 CrtkStation::CrtkStation(const ros2::Participant& ros, const std::string& station, bool read_only,
                          const GuideLimits& limits, dds::Writer<wire::GuideTarget>& guide,
                          dds::Writer<wire::OperateRequest>& wishes)

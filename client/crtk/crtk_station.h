@@ -18,6 +18,11 @@ namespace palpate {
 /// "/hand": a station's name as a namespace of ROS, whose names begin with no digit.
 std::string RosNamespace(const std::string& station);
 
+/// Why a station's name cannot be a name of ROS 2, and what to do; empty where it can.  Names of
+/// ROS have no two underscores side by side (design.ros2.org, "Topic and Service name mapping to
+/// DDS"). They are refused and not made one, or two stations could come to have one name.
+std::string WhyNoRosName(const std::string& station);
+
 /// One station on ROS 2: each pose and wrench of its loop goes out in the thread that received it,
 /// so that nothing waits for another thread; what comes from ROS waits for Poll.
 /// Thread contract: all but the loop's callbacks one thread.

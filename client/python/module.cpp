@@ -17,6 +17,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "client/python/arrays.h"
 #include "server/library/physics.h"
 
 // The module palpate._physics: palpate/__init__.pyi says what each of these is for.  Arrays are
@@ -25,8 +26,6 @@
 namespace palpate {
 namespace {
 
-namespace py = pybind11;
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Indices = py::array_t<std::uint32_t, py::array::c_style | py::array::forcecast>;
 
 Vec3 ToVec3(const Doubles& array, const char* what) {
@@ -34,40 +33,6 @@ Vec3 ToVec3(const Doubles& array, const char* what) {
     throw Error(std::string(what) + ": must be three numbers");
   }
   return Vec3::Map(array.data());
-}
-
-py::array_t<double> FromNumbers(const double* numbers, py::ssize_t count) {
-  return py::array_t<double>(count, numbers);
-}
-
-/// @param row  `width` numbers, 3 or 7.
-Pose ToPose(const double* row, py::ssize_t width) {
-  Pose X;
-  X.p = Vec3::Map(row);
-  if (width == 7) X.q = Quat(row[3], row[4], row[5], row[6]);
-  return X;
-}
-
-Pose ToPose(const Doubles& array, const char* what = "pose") {
-  if (array.ndim() != 1 || (array.shape(0) != 3 && array.shape(0) != 7)) {
-    throw Error(std::string(what) +
-                ": must be x y z, or x y z w x y z, in metres and as a unit quaternion");
-  }
-  return ToPose(array.data(), array.shape(0));
-}
-
-void FromPose(const Pose& X, double* row) {
-  Vec3::Map(row) = X.p;
-  row[3] = X.q.w();
-  row[4] = X.q.x();
-  row[5] = X.q.y();
-  row[6] = X.q.z();
-}
-
-py::array_t<double> FromPose(const Pose& X) {
-  double row[7];
-  FromPose(X, row);
-  return FromNumbers(row, 7);
 }
 
 TriangleMesh ToMesh(const Doubles& vertices, const Indices& triangles) {
@@ -264,14 +229,7 @@ PYBIND11_MODULE(_physics, module) {
       .def_readonly("remarks", &Body::remarks)
       .def_property(
           "pose", [](const Body& body) { return FromPose(body.X_WB); },
-          [](Body& body, const Doubles& pose) {
-            Pose X = ToPose(pose);
-            if (!X.p.allFinite() || !(std::abs(X.q.squaredNorm() - 1.0) < 1e-3)) {
-              throw Error("pose: must be finite, its quaternion w x y z of length 1");
-            }
-            X.q.normalize();
-            body.X_WB = X;
-          })
+          [](Body& body, const Doubles& pose) { body.X_WB = ToUnitPose(pose); })
       .def_property_readonly("leaves", [](const Body& body) { return body.tree.leaves(); })
       .def_property_readonly("vertices",
                              [](py::object self) {
@@ -344,10 +302,9 @@ PYBIND11_MODULE(_physics, module) {
   module.def("fault_words", &FaultWords, py::arg("faults"));
 
   py::class_<StepReport>(module, "Report")
-      .def_property_readonly(
-          "force", [](const StepReport& r) { return FromNumbers(r.wrench.force.data(), 3); })
-      .def_property_readonly(
-          "torque", [](const StepReport& r) { return FromNumbers(r.wrench.torque.data(), 3); })
+      .def_property_readonly("force", [](const StepReport& r) { return FromVec3(r.wrench.force); })
+      .def_property_readonly("torque",
+                             [](const StepReport& r) { return FromVec3(r.wrench.torque); })
       .def_property_readonly("pose", [](const StepReport& r) { return FromPose(r.X_WG); })
       .def_property_readonly("contacts", &Contacts)
       .def_property_readonly(

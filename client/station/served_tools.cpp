@@ -77,7 +77,7 @@ void AddTools(const wire::OfferedScene& scene, std::vector<OfferedTool>& tools) 
 }  // namespace
 
 std::vector<OfferedTool> AskForTools(const dds::Participant& service, const AskOptions& options,
-                                     const std::string& scene, StopSignal& stop) {
+                                     const std::string& scene, const WaitOrStop& wait) {
   OfferReader offer(service);
   const std::int64_t until_ns =
       SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * options.wait_s);
@@ -85,7 +85,7 @@ std::vector<OfferedTool> AskForTools(const dds::Participant& service, const AskO
     if (SteadyNanoseconds() > until_ns) {
       throw Error(NobodyAnswers(options.domain, options.network, scene));
     }
-    if (stop.WaitFor(std::chrono::milliseconds(10))) return {};
+    if (wait(std::chrono::milliseconds(10))) return {};
   }
   std::vector<OfferedTool> tools;
   std::string names;
@@ -99,6 +99,12 @@ std::vector<OfferedTool> AskForTools(const dds::Participant& service, const AskO
                 ")");
   }
   return tools;
+}
+
+const OfferedTool& Meant(const std::vector<OfferedTool>& tools, const std::string& name) {
+  const auto found =
+      std::ranges::find_if(tools, [&](const OfferedTool& tool) { return tool.tool == name; });
+  return found == tools.end() ? tools.front() : *found;
 }
 
 std::string NobodyAnswers(int domain, const dds::Network& network, const std::string& scene) {

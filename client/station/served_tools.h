@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,14 +33,29 @@ struct AskOptions {
   double wait_s = 10.0;  ///< for the word of a server
 };
 
+/// Waits so long; true: give up.
+using WaitOrStop = std::function<bool(std::chrono::nanoseconds)>;
+
 /// What the server of a domain offers, by its own word: no file is looked for.
 /// @param service  a participant of that domain, over that network.
 /// @param scene    its name, or the file that the server has it from, in whatever folder; empty:
 /// all
 ///                 that there is.  The tools of each scene are in its order.
-/// Empty where `stop` came first.  Throws Error where no server answers, or has no such scene.
+/// Empty where `wait` gave up.  Throws Error where no server answers, or has no such scene.
 std::vector<OfferedTool> AskForTools(const dds::Participant& service, const AskOptions& options,
-                                     const std::string& scene, StopSignal& stop);
+                                     const std::string& scene, const WaitOrStop& wait);
+/// Until a signal comes.
+inline std::vector<OfferedTool> AskForTools(const dds::Participant& service,
+                                            const AskOptions& options, const std::string& scene,
+                                            StopSignal& stop) {
+  return AskForTools(service, options, scene,
+                     [&](std::chrono::nanoseconds time) { return stop.WaitFor(time); });
+}
+
+/// The tool of that name, or the first: where that is not what was meant, the server says so when
+/// it is asked for a session.
+/// @param tools  at least one.   @param name  empty: the first.
+const OfferedTool& Meant(const std::vector<OfferedTool>& tools, const std::string& name);
 
 /// The message where no server answers: what to do.
 std::string NobodyAnswers(int domain, const dds::Network& network, const std::string& scene);

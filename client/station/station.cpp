@@ -1,6 +1,5 @@
 #include "client/station/station.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -30,14 +29,6 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{10};
-
-/// The tool that is asked for, or the first of the scene: where that is not what was meant, the
-/// server says so when it is asked for a session.
-const OfferedTool& Meant(const std::vector<OfferedTool>& tools, const std::string& name) {
-  const auto found =
-      std::ranges::find_if(tools, [&](const OfferedTool& tool) { return tool.tool == name; });
-  return found == tools.end() ? tools.front() : *found;
-}
 
 PoseScript HandOf(const OfferedTool& tool) {
   if (!tool.hand) throw Error(tool.remark + "; give one with --script");

@@ -51,7 +51,7 @@ using LeafCountProgress = std::function<void(std::size_t count, double from, dou
 /// many each time, then three counts between the last two, by halves of their logarithm, so that
 /// the answer is within a tenth of the least.  A tighter tolerance never gives fewer, whatever the
 /// errors are.  Where no count up to `most` is enough, `most`.
-/// @param error_of  of the leaves of a count; asked at most once for each.
+/// `error_of`: of the leaves of a count; asked at most once for each.
 LeafCount ChooseLeafCount(double tolerance, std::size_t most,
                           const std::function<double(std::size_t count)>& error_of,
                           const LeafCountProgress& progress = {});
@@ -59,7 +59,7 @@ LeafCount ChooseLeafCount(double tolerance, std::size_t most,
 /// What is asked for, to the last bit: two that differ have different texts.
 std::string ToText(const LeafTolerance& tolerance);
 /// For people: "1,240 leaves for 100 um: 94 um off at 95 of 100 places (9 counts tried)".
-/// @param tolerance  what `tolerance.most` stands for, in the body's size.
+/// `bound`: what `tolerance.most` stands for, in the body's size.
 std::string ToText(const LeafCount& chosen, const LeafTolerance& tolerance, double bound);
 
 }  // namespace palpate

@@ -19,7 +19,7 @@ inline constexpr std::uint32_t kSphereTreeBuilderVersion = 4;
 
 /// Sphere tree of exactly `leaves` leaves over a mesh (chapter 2.2.3); TreeMode::kOctree may have a
 /// few less.
-/// @param mesh  may be open or not manifold, but must be oriented (mesh_orient.h).
+/// `mesh` may be open or not manifold, but must be oriented (mesh_orient.h).
 /// Deterministic: equal inputs, equal bits.  One thread; 22,332 leaves of the bunny take seconds.
 /// Throws Error where InspectMesh refuses the mesh or leaves is 0.
 SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t leaves,
@@ -39,7 +39,7 @@ TolerantTree BuildToTolerance(const TriangleMesh& mesh, const LeafTolerance& tol
 
 /// Tree whose leaves are balls that come from elsewhere, in any order [m].  The mesh's triangles
 /// are shared out among them as BuildSphereTree does.
-/// @param balls  at least one, finite, each with a radius above 0.
+/// `balls`: at least one, finite, each with a radius above 0.
 SphereTree TreeOverBalls(const TriangleMesh& mesh, const std::vector<Sphere>& balls);
 
 /// Tree of one leaf that is exactly `ball`: a spherical tool.

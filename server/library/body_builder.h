@@ -24,12 +24,16 @@ struct BodyOptions {
 
 /// Makes of a mesh what can touch and be touched: mends it where that is needed (Body::remarks says
 /// what was done), and builds its sphere tree.  Deterministic; seconds for thousands of leaves.
-/// @param mesh  frame B [m]; open or closed, its faces counter-clockwise seen from outside.
+/// @param name     for messages, and in scenes.
+/// @param mesh     frame B [m]; open or closed, its faces counter-clockwise seen from outside.
+/// @param options  what is not said has a default that suits a mesh that is felt.
 /// Throws Error, which begins with the body's name, where nothing can be made of the mesh.
 Body MakeBody(std::string name, TriangleMesh mesh, const BodyOptions& options = {});
 
 /// A ball round the origin of B: one leaf, which is exact, and a mesh that stands for it.
-/// @param radius  [m], above 0.
+/// @param name      for messages, and in scenes.
+/// @param radius    [m], above 0.
+/// @param material  objects: of its one leaf.
 Body MakeBall(std::string name, double radius, const Material& material = {});
 
 }  // namespace palpate

@@ -1,7 +1,8 @@
 #ifndef PALPATE_H
 #define PALPATE_H
 
-/* Palpate for programs in C, and all that can load a C library: Unity, Unreal, Julia, Python's
+/** @file
+ * Palpate for programs in C, and all that can load a C library: Unity, Unreal, Julia, Python's
  * ctypes.
  *
  * From meshes to a wrench: fill a scene, make a model of it, and a proxy for each hand; then step
@@ -29,19 +30,20 @@
 extern "C" {
 #endif
 
-typedef struct palpate_scene palpate_scene; /* what is felt, while it is put together */
-typedef struct palpate_model palpate_model; /* one tool of it against all objects; never changes */
-typedef struct palpate_proxy palpate_proxy; /* the tool that follows one hand */
+typedef struct palpate_scene palpate_scene; /**< what is felt, while it is put together */
+typedef struct palpate_model
+    palpate_model; /**< one tool of it against all objects; never changes */
+typedef struct palpate_proxy palpate_proxy; /**< the tool that follows one hand */
 
 typedef struct {
   double position_m[3];
-  double orientation_wxyz[4]; /* unit */
+  double orientation_wxyz[4]; /**< unit */
 } palpate_pose;
 
 typedef enum {
-  PALPATE_SURFACE = 0, /* meshes do not enter each other */
-  PALPATE_SPHERES = 1, /* leaves of their sphere trees do not; objects may be soft, and wear */
-  PALPATE_CONTACT_ANY_INT = 0x7fffffff /* lets a wrong number be told */
+  PALPATE_SURFACE = 0, /**< meshes do not enter each other */
+  PALPATE_SPHERES = 1, /**< leaves of their sphere trees do not; objects may be soft, and wear */
+  PALPATE_CONTACT_ANY_INT = 0x7fffffff /**< lets a wrong number be told */
 } palpate_contact;
 
 typedef enum {
@@ -50,50 +52,50 @@ typedef enum {
   PALPATE_ROLE_ANY_INT = 0x7fffffff
 } palpate_role;
 
-/* Start from palpate_body_defaults(). */
+/** Start from palpate_body_defaults(). */
 typedef struct {
-  palpate_pose pose; /* objects: where they stand */
-  size_t leaves;     /* of its sphere tree; 0: 512 where its mesh is felt, else as many as its shape
-                        needs */
-  double static_friction;  /* objects */
-  double dynamic_friction; /* at most static_friction */
-  double stiffness_N_m;    /* of a leaf's contact, PALPATE_SPHERES; infinite: rigid */
-  double hardness_J;       /* work after which a leaf is scraped off; infinite: it stays */
+  palpate_pose pose; /**< objects: where they stand */
+  size_t leaves; /**< of its sphere tree; 0: 512 where its mesh is felt, else as many as its shape
+                    needs */
+  double static_friction;  /**< objects */
+  double dynamic_friction; /**< at most static_friction */
+  double stiffness_N_m;    /**< of a leaf's contact, PALPATE_SPHERES; infinite: rigid */
+  double hardness_J;       /**< work after which a leaf is scraped off; infinite: it stays */
 } palpate_body;
 
 typedef struct {
-  double point_m[3]; /* on the tool, in the world */
-  double force_N[3]; /* on the tool */
+  double point_m[3]; /**< on the tool, in the world */
+  double force_N[3]; /**< on the tool */
 } palpate_point;
 
 #define PALPATE_POINTS 7
 
 typedef struct {
-  double force_N[3];   /* on the hand, at the centroid of the tool */
-  double torque_Nm[3]; /* about it */
-  palpate_pose tool;   /* of the graphic tool: what should be drawn */
-  uint32_t faults;     /* 0: none; palpate_fault_words says what */
-  int32_t contacts;    /* all; of them `points` are listed */
+  double force_N[3];   /**< on the hand, at the centroid of the tool */
+  double torque_Nm[3]; /**< about it */
+  palpate_pose tool;   /**< of the graphic tool: what should be drawn */
+  uint32_t faults;     /**< 0: none; palpate_fault_words says what */
+  int32_t contacts;    /**< all; of them `points` are listed */
   int32_t points;
   palpate_point point[PALPATE_POINTS];
 } palpate_report;
 
-/* "0.1.0". */
+/** "0.1.0". */
 PALPATE_API const char* palpate_version(void);
-/* What went wrong last in this thread; valid until its next failure. Never NULL. */
+/** What went wrong last in this thread; valid until its next failure. Never NULL. */
 PALPATE_API const char* palpate_last_error(void);
-/* Faults in words, for people, into `text` of `size` bytes; returns how many it would take. */
+/** Faults in words, for people, into `text` of `size` bytes; returns how many it would take. */
 PALPATE_API size_t palpate_fault_words(uint32_t faults, char* text, size_t size);
 
 PALPATE_API palpate_body palpate_body_defaults(void);
 
-/* NULL: there is no memory. */
+/** NULL: there is no memory. */
 PALPATE_API palpate_scene* palpate_scene_new(palpate_contact contact);
 PALPATE_API void palpate_scene_free(palpate_scene* scene);
-/* The spring between hand and tool: k_t [N/m], k_r [N m/rad]; from the start 1000 and 1. */
+/** The spring between hand and tool: k_t [N/m], k_r [N m/rad]; from the start 1000 and 1. */
 PALPATE_API int palpate_scene_set_coupling(palpate_scene* scene, double stiffness_N_m,
                                            double torsional_stiffness_Nm_rad);
-/* `vertices_m`: x y z of each.  `triangles`: three vertices each, from 0, counter-clockwise seen
+/** `vertices_m`: x y z of each.  `triangles`: three vertices each, from 0, counter-clockwise seen
  * from outside.  `body`: NULL: the defaults.  Takes seconds for a mesh that needs thousands of
  * leaves. */
 PALPATE_API int palpate_scene_add_mesh(palpate_scene* scene, palpate_role role, const char* name,
@@ -102,21 +104,22 @@ PALPATE_API int palpate_scene_add_mesh(palpate_scene* scene, palpate_role role, 
                                        const palpate_body* body);
 PALPATE_API int palpate_scene_add_box(palpate_scene* scene, palpate_role role, const char* name,
                                       const double size_m[3], const palpate_body* body);
-/* Exact: one leaf. */
+/** Exact: one leaf. */
 PALPATE_API int palpate_scene_add_ball(palpate_scene* scene, palpate_role role, const char* name,
                                        double radius_m, const palpate_body* body);
 
-/* `tool`: the how-many-eth tool of the scene, from 0.  The scene may be freed afterwards. */
+/** `tool`: the how-many-eth tool of the scene, from 0.  The scene may be freed afterwards. */
 PALPATE_API palpate_model* palpate_model_new(const palpate_scene* scene, size_t tool);
-PALPATE_API void palpate_model_free(palpate_model* model); /* proxies of it live on */
+PALPATE_API void palpate_model_free(palpate_model* model); /**< proxies of it live on */
 
-/* The tool begins at the hand, or at a free pose near it. */
+/** The tool begins at the hand, or at a free pose near it. */
 PALPATE_API palpate_proxy* palpate_proxy_new(const palpate_model* model, const palpate_pose* hand);
 PALPATE_API void palpate_proxy_free(palpate_proxy* proxy);
-/* How far the tool was from the hand at its start [m]: lead a hand that is deep inside an object
+/** How far the tool was from the hand at its start [m]: lead a hand that is deep inside an object
  * out before you give it forces. */
 PALPATE_API double palpate_proxy_start_depth(const palpate_proxy* proxy);
-/* One cycle.  A pose that is not finite is a fault, and gives no force.  Returns report->faults. */
+/** One cycle.  A pose that is not finite is a fault, and gives no force.  Returns report->faults.
+ */
 PALPATE_API uint32_t palpate_proxy_step(palpate_proxy* proxy, const palpate_pose* hand,
                                         palpate_report* report);
 

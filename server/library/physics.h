@@ -1,13 +1,16 @@
 #pragma once
 
+/// @file
 /// All of palpate::physics: from two meshes to a wrench.
 ///
-///   Scene scene;
-///   scene.objects.push_back(MakeBody("block", MakeBox({0.04, 0.04, 0.04})));
-///   scene.tools.push_back(MakeBall("ball", 0.005));
-///   const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
-///   Proxy proxy(model, X_WH);                       // not real-time, as all above
-///   const StepReport report = proxy.Step(X_WH);     // real-time, once a millisecond
+/// @code
+/// Scene scene;
+/// scene.objects.push_back(MakeBody("block", MakeBox({0.04, 0.04, 0.04})));
+/// scene.tools.push_back(MakeBall("ball", 0.005));
+/// const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
+/// Proxy proxy(model, X_WH);                       // not real-time, as all above
+/// const StepReport report = proxy.Step(X_WH);     // real-time, once a millisecond
+/// @endcode
 ///
 /// Lengths are metres, forces newtons, angles radians; X_AB is the pose of frame B in frame A: W
 /// the world, H the haptic tool (the hand), G the graphic tool, which never enters an object.  What

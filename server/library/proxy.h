@@ -14,6 +14,7 @@ class Proxy {
  public:
   /// Puts the tool where the hand is, or at a free pose near it.  Not real-time: milliseconds.
   /// @param model  must outlive the proxy.
+  /// @param X_WH   pose of the hand in W.
   Proxy(const HapticModel& model, const Pose& X_WH);
 
   /// The same again, with all that was scraped off still gone.  Not real-time.

@@ -27,8 +27,8 @@ class StepWorkspace {
 /// The haptic step, once per millisecond and tool: finds the pose of the graphic tool nearest to
 /// the haptic tool's without entering an object, and the wrench of the spring between the two.
 /// Chapter 2.3 and 2.4; ARCHITECTURE.md says where the project departs from it.
-/// @param X_WH  haptic tool, of the tool tree's frame.  Non-finite poses set kFaultBadPose.
-/// @param times null in the servo loop; where given, the stages are timed (the result is the same).
+/// `X_WH`: haptic tool, of the tool tree's frame.  Non-finite poses set kFaultBadPose.
+/// `times`: null in the servo loop; where given, the stages are timed (the result is the same).
 /// Real-time: no allocation, lock, log; a clock only where `times` is given.
 /// Deterministic: equal inputs, equal bits, whatever the build type, SIMD level or thread.
 StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& state,

@@ -15,7 +15,7 @@ struct StartPose {
 };
 
 /// Resolves a start in penetration.  Not real-time (milliseconds): called before forces begin.
-/// @param wear  what has gone; null: nothing has.
+/// `wear`: what has gone; null: nothing has.
 StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,
                        const LeafWear* wear = nullptr);
 

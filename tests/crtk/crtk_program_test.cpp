@@ -1,5 +1,6 @@
 // palpate-crtk between a real server with a station, and another vendor's DDS in another process.
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -158,6 +159,20 @@ TEST_F(CrtkProgram, GivesEverySampleToAnotherVendorsDdsAsRos2NamesIt) {
     EXPECT_EQ((*decoded)[topic]["numbers"], last[topic]["numbers"]) << topic;
   }
   EXPECT_EQ((*decoded)["operating_state"]["state"], "ENABLED");
+}
+
+TEST_F(CrtkProgram, LeavesOutAStationWhoseNameRosCannotHaveAndSaysWhatToDo) {
+  ServerProgram server("udp");
+  ASSERT_TRUE(server.Ready());
+  BridgeProgram bridge;
+  ASSERT_TRUE(bridge.Says("ready:"));
+  StationProgram station("left__hand", "udp", {"--loop"});
+  EXPECT_TRUE(bridge.Says(
+      "left__hand' is left out: names of ROS 2 have no '__'; give the station an --id without it"))
+      << bridge.Output();
+  bridge.Signal(SIGTERM);
+  EXPECT_EQ(bridge.Exit(), 0);
+  EXPECT_EQ(bridge.Output().find("measured_cp"), std::string::npos) << bridge.Output();
 }
 
 TEST_F(CrtkProgram, TakesCommandsAndPullsTheHandOnlyWhileItIsAskedTo) {

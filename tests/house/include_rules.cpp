@@ -103,7 +103,16 @@ const std::vector<Rule> kRules = {
      {},
      {"Eigen", "spdlog", "CLI11", "nlohmann-json", "Boost"}},
     // The library of server/library, for Python.
-    {"client/python", {"server/library/physics.h"}, {}, {"pybind11"}},
+    {"client/python",
+     {"server/library/physics.h", "common/error.h", "common/math/pose.h", "client/python/arrays.h"},
+     {},
+     {"pybind11"}},
+    // A station like any other, whose hand a program of Python's moves: it runs the station's own
+    // loop.
+    {"client/python/live",
+     {"common", "devices", "client/station", "client/python/arrays.h", "client/python/live"},
+     {},
+     {"Eigen", "pybind11"}},
     // Programs of other people's.
     {"client/examples", {}, {}, {"Palpate"}},
     // A force that ROS asks for becomes an aim of the station's guide, by that guide's own figures.

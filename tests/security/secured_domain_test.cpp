@@ -4,10 +4,15 @@
 #include <fstream>
 #include <map>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include "common/dds/participant.h"
@@ -19,6 +24,7 @@
 namespace palpate::test {
 namespace {
 
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 namespace fs = std::filesystem;
@@ -154,6 +160,17 @@ TEST(SecuredDomain, AllowsEachRoleItsOwnWordsAndNoMore) {
            {"recorder", "rec", "read", "palpate/left" + run + "pose", true},
            {"recorder", "rec", "write", "palpate/left" + run + "pose", false},
            {"recorder", "rec", "write", "palpate/session_request", false},
+           {"bridge", "ros", "read", "palpate/left" + run + "pose", true},
+           {"bridge", "ros", "read", "palpate/left" + run + "wrench", true},
+           {"bridge", "ros", "read", "palpate/session_state", true},
+           {"bridge", "ros", "read", "palpate/tool_state", true},
+           {"bridge", "ros", "write", "palpate/operate_request", true},
+           {"bridge", "ros", "read", "palpate/session_request", false},
+           {"bridge", "ros", "write", "palpate/session_request", false},
+           {"bridge", "ros", "write", "palpate/session_state", false},
+           {"bridge", "ros", "write", "palpate/tool_state", false},
+           {"bridge", "ros", "write", "palpate/left" + run + "pose", false},
+           {"bridge", "ros", "write", "palpate/left" + run + "wrench", false},
            {"server", "srv", "write", "palpate/left" + run + "wrench", true},
            {"server", "srv", "write", "palpate/left" + run + "pose", false},
            {"server", "srv", "write", "palpate/session_request", false},
@@ -170,6 +187,68 @@ TEST(SecuredDomain, AllowsEachRoleItsOwnWordsAndNoMore) {
                   HasSubstr("Not Allowed By Security; the role of this --identity"));
     }
   }
+}
+
+/// What somebody hears at a TCP port of this host within a while; at most 64 kB.
+std::size_t BytesAt(int port) {
+  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in place{};
+  place.sin_family = AF_INET;
+  place.sin_port = htons(static_cast<std::uint16_t>(port));
+  place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const timeval patience{10, 0};
+  setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  std::vector<char> bytes(65536);
+  ssize_t n = -1;
+  if (connect(fd, reinterpret_cast<sockaddr*>(&place), sizeof place) == 0) {
+    n = recv(fd, bytes.data(), bytes.size(), 0);
+  }
+  close(fd);
+  return n > 0 ? static_cast<std::size_t>(n) : 0;
+}
+
+TEST(SecuredDomain, LetsABridgeBringAStationToRosAndNobodyInItsPlace) {
+  SecuredLab lab;
+  ASSERT_TRUE(lab.serves) << lab.server.Output();
+  ASSERT_TRUE(lab.station.Says("session: tool", 60.0)) << lab.station.Output();
+  const std::vector<std::string> ros = {"--ros-domain", kNumber, "--for", "8"};
+  std::vector<std::string> looking = ros;
+  looking.push_back("--read-only");
+  for (const auto& [role, name, arguments] :
+       std::vector<std::tuple<std::string, std::string, std::vector<std::string>>>{
+           {"bridge", "ros", ros}, {"recorder", "rec", looking}}) {
+    Program bridge = RunProgram("palpate-crtk", arguments, IdentityOf(role, name));
+    EXPECT_EQ(bridge.Exit(60.0), 0) << bridge.Output();
+    EXPECT_THAT(bridge.Output(), HasSubstr("station left: /left/measured_cp")) << role;
+    EXPECT_THAT(bridge.Output(), ContainsRegex("station left: [1-9][0-9]+ poses, [1-9][0-9]+ wr"))
+        << role;
+  }
+  // Who may not write guides and wishes, and who may not hear the loop.
+  Program recorder = RunProgram("palpate-crtk", ros, IdentityOf("recorder", "rec"));
+  EXPECT_EQ(recorder.Exit(60.0), 1);
+  EXPECT_THAT(recorder.Output(), HasSubstr("palpate/guide"));
+  EXPECT_THAT(recorder.Output(), HasSubstr("the role of this --identity"));
+  Program station = RunProgram("palpate-crtk", looking, IdentityOf("station", "left"));
+  EXPECT_EQ(station.Exit(60.0), 1) << station.Output();
+  EXPECT_THAT(station.Output(), HasSubstr("the role of this --identity"));
+}
+
+TEST(SecuredDomain, LetsAViewerOrABridgeTellSlicerOfToolsAndNoStation) {
+  SecuredLab lab;
+  ASSERT_TRUE(lab.serves) << lab.server.Output();
+  ASSERT_TRUE(lab.station.Says("session: tool", 60.0)) << lab.station.Output();
+  for (const auto& [role, name] :
+       std::vector<std::pair<std::string, std::string>>{{"viewer", "class"}, {"bridge", "ros"}}) {
+    Program igtl = RunProgram("palpate-igtl", {"--port", "0"}, IdentityOf(role, name));
+    ASSERT_TRUE(igtl.Says("ready: OpenIGTLink at 127.0.0.1:", 60.0)) << igtl.Output();
+    ASSERT_TRUE(igtl.Says("\n"));
+    const std::string& said = igtl.Output();
+    EXPECT_GT(BytesAt(std::stoi(said.substr(said.find("127.0.0.1:") + 10))), 100u) << role;
+  }
+  Program station = RunProgram("palpate-igtl", {"--port", "0"}, IdentityOf("station", "left"));
+  EXPECT_EQ(station.Exit(60.0), 1) << station.Output();
+  EXPECT_THAT(station.Output(), HasSubstr("palpate/tool_state"));
+  EXPECT_THAT(station.Output(), HasSubstr("the role of this --identity"));
 }
 
 TEST(SecuredDomain, TakesNoIdentityThatSomebodyHasChanged) {

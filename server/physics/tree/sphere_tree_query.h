@@ -26,7 +26,7 @@ class ObjectForest {
   /// The radius [m] that a leaf of an object is taken to have, no larger than its own; 0: it
   /// touches nothing.
   using RadiusOf = double (*)(const PlacedTree& object, double radius);
-  /// @param radius_of  null: their own.
+  /// `radius_of`: null: their own.
   explicit ObjectForest(std::span<const PlacedTree> objects, RadiusOf radius_of = nullptr);
 
   /// False where no leaf can touch anything.
@@ -66,7 +66,7 @@ class ObjectForest {
 /// that of a leaf's centre, for a ball turns in place. Immutable.
 class ToolTree {
  public:
-  /// @param world_extent  how far the objects reach from W's origin [m], for the rounding margin
+  /// `world_extent`: how far the objects reach from W's origin [m], for the rounding margin
   ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference);
 
   const PacketLevels<ToolPacket>& levels() const { return levels_; }

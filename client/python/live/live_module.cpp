@@ -1,0 +1,230 @@
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "client/python/arrays.h"
+#include "client/python/live/live_session.h"
+#include "client/python/live/live_station.h"
+#include "common/dds/topics.h"
+#include "common/log.h"
+#include "common/time/steady_clock.h"
+
+// The module palpate._live, which palpate/live.py dresses: palpate/live.pyi says what each is for.
+// Where something is waited for Python's lock is free, and Ctrl-C ends it.
+
+namespace palpate {
+namespace {
+
+/// Waits without Python's lock, and looks now and then whether Ctrl-C was pressed.
+class Waiting {
+ public:
+  bool operator()(std::chrono::nanoseconds time) {
+    std::this_thread::sleep_for(time);
+    const std::int64_t now_ns = SteadyNanoseconds();
+    if (now_ns - looked_ns_ < kLook_ns) return false;
+    looked_ns_ = now_ns;
+    const py::gil_scoped_acquire lock;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    return false;
+  }
+
+ private:
+  static constexpr std::int64_t kLook_ns = 20'000'000;
+  std::int64_t looked_ns_ = SteadyNanoseconds();
+};
+
+void RequireDomain(int domain) {
+  if (domain < 0 || domain > dds::kMaxDomain) {
+    throw Error("domain: must be 0 to " + std::to_string(dds::kMaxDomain));
+  }
+}
+
+dds::Network ToNetwork(const std::string& interface, const std::vector<std::string>& peers,
+                       const std::string& identity) {
+  dds::Network network;
+  network.interface = interface;
+  network.peers = peers;
+  network.identity = identity;
+  return network;
+}
+
+double ToSeconds(double seconds, const char* what) {
+  if (!(seconds > 0.0) || !(seconds < 1e6)) throw Error(std::string(what) + ": must be above 0");
+  return seconds;
+}
+
+template <class Record>
+py::array_t<Record> ToArray(const std::vector<Record>& records) {
+  return py::array_t<Record>(static_cast<py::ssize_t>(records.size()), records.data());
+}
+
+/// A record of an array of one: numpy.void, or None.
+template <class Record>
+py::object ToRecord(const std::optional<Record>& record) {
+  if (!record) return py::none();
+  return py::object(py::array_t<Record>(1, &*record)[py::int_(0)]);
+}
+
+std::unique_ptr<LiveStation> MakeStation(const std::string& scene, const std::string& name,
+                                         const std::string& tool, int domain,
+                                         const std::string& interface,
+                                         const std::vector<std::string>& peers,
+                                         const std::string& identity, const std::string& transport,
+                                         const std::optional<Doubles>& start, double max_force,
+                                         double max_torque, bool local_model, double patience) {
+  RequireDomain(domain);
+  LiveStationOptions options;
+  options.link.station = name;
+  options.link.scene = scene;
+  options.link.tool = tool;
+  options.link.domain = domain;
+  options.link.transport = dds::ParseTransport(transport);
+  options.link.network = ToNetwork(interface, peers, identity);
+  options.link.patience_s = ToSeconds(patience, "patience");
+  if (start) options.start = ToUnitPose(*start, "start");
+  options.max_force_N = max_force;
+  options.max_torque_Nm = max_torque;
+  options.local_model = local_model;
+  const py::gil_scoped_release free;
+  Waiting waiting;
+  return std::make_unique<LiveStation>(std::move(options), std::ref(waiting));
+}
+
+std::unique_ptr<LiveSession> MakeSession(int domain, const std::string& interface,
+                                         const std::vector<std::string>& peers,
+                                         const std::string& identity, const std::string& transport,
+                                         bool wrenches) {
+  RequireDomain(domain);
+  const LiveSessionOptions options{domain, ToNetwork(interface, peers, identity),
+                                   dds::ParseTransport(transport), wrenches};
+  const py::gil_scoped_release free;
+  return std::make_unique<LiveSession>(options);
+}
+
+/// What ends only once threads have ended is let go without Python's lock.
+template <class T>
+struct Unlocked {
+  void operator()(T* object) const {
+    const py::gil_scoped_release free;
+    delete object;
+  }
+};
+template <class T>
+using Held = std::unique_ptr<T, Unlocked<T>>;
+
+}  // namespace
+
+PYBIND11_MODULE(_live, module) {
+  PYBIND11_NUMPY_DTYPE(ToolRecord, time_s, station, scene, tool_name, pose_sequence, hand, tool,
+                       force_N, torque_Nm, step_time_s, contacts, faults, points, point);
+  PYBIND11_NUMPY_DTYPE(WrenchRecord, time_s, pose_time_s, pose_sequence, answer, force_N, torque_Nm,
+                       tool, step_time_s, contacts, faults);
+  // Errors are palpate.Error, whichever of the modules throws them.
+  static py::object error = py::module_::import("palpate._physics").attr("Error");
+  error.inc_ref();  // outlives the interpreter's end, as the translator may
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const Error& wrong) {
+      PyErr_SetString(error.ptr(), wrong.what());
+    }
+  });
+  py::register_exception<Silence>(module, "Silence", error);
+  // What DDS has to say goes to stderr.
+  SetUpLog("palpate.live", "warn");
+
+  py::class_<Felt>(module, "Felt")
+      .def_property_readonly("force", [](const Felt& f) { return FromVec3(f.applied.force); })
+      .def_property_readonly("torque", [](const Felt& f) { return FromVec3(f.applied.torque); })
+      .def_property_readonly("wanted_force", [](const Felt& f) { return FromVec3(f.wanted.force); })
+      .def_property_readonly("wanted_torque",
+                             [](const Felt& f) { return FromVec3(f.wanted.torque); })
+      .def_property_readonly("hand", [](const Felt& f) { return FromPose(f.X_WH); })
+      .def_property_readonly("tool", [](const Felt& f) -> py::object {
+        if (!f.sees_tool) return py::none();
+        return FromPose(f.X_WG);
+      });
+
+  py::class_<LiveStation, Held<LiveStation>>(module, "Station")
+      .def(py::init([](const std::string& scene, const std::string& name, const std::string& tool,
+                       int domain, const std::string& interface,
+                       const std::vector<std::string>& peers, const std::string& identity,
+                       const std::string& transport, const std::optional<Doubles>& start,
+                       double max_force, double max_torque, bool local_model, double patience) {
+        return Held<LiveStation>(MakeStation(scene, name, tool, domain, interface, peers, identity,
+                                             transport, start, max_force, max_torque, local_model,
+                                             patience)
+                                     .release());
+      }))
+      .def("move",
+           [](LiveStation& station, const Doubles& pose, double seconds, double timeout) {
+             const Pose X_WH = ToUnitPose(pose);
+             const py::gil_scoped_release free;
+             Waiting waiting;
+             return station.Move(X_WH, seconds, timeout, std::ref(waiting));
+           })
+      .def_property_readonly("felt", &LiveStation::felt)
+      .def_property_readonly("phase", &LiveStation::phase)
+      .def_property_readonly("name", &LiveStation::name)
+      .def_property_readonly("scene", &LiveStation::scene)
+      .def_property_readonly("tool", &LiveStation::tool)
+      .def_property_readonly("counts",
+                             [](const LiveStation& station) {
+                               const LiveStation::Counts counts = station.counts();
+                               py::dict figures;
+                               figures["sent"] = counts.sent;
+                               figures["replies"] = counts.replies;
+                               figures["lost"] = counts.lost;
+                               return figures;
+                             })
+      .def("news", &LiveStation::TakeNews)
+      .def("close", &LiveStation::Close, py::call_guard<py::gil_scoped_release>());
+
+  py::class_<LiveSession, Held<LiveSession>>(module, "Session")
+      .def(py::init([](int domain, const std::string& interface,
+                       const std::vector<std::string>& peers, const std::string& identity,
+                       const std::string& transport, bool wrenches) {
+        return Held<LiveSession>(
+            MakeSession(domain, interface, peers, identity, transport, wrenches).release());
+      }))
+      .def("tools",
+           [](LiveSession& session, double timeout) {
+             {
+               const py::gil_scoped_release free;
+               Waiting waiting;
+               session.AwaitTools(timeout, std::ref(waiting));
+             }
+             return ToArray(session.TakeTools());
+           })
+      .def("wrenches",
+           [](LiveSession& session, const std::string& station, double timeout) {
+             {
+               const py::gil_scoped_release free;
+               Waiting waiting;
+               session.AwaitWrenches(station, timeout, std::ref(waiting));
+             }
+             return ToArray(session.TakeWrenches(station));
+           })
+      .def("latest_tool",
+           [](const LiveSession& session, const std::string& station) {
+             return ToRecord(session.LatestTool(station));
+           })
+      .def("latest_wrench",
+           [](const LiveSession& session, const std::string& station) {
+             return ToRecord(session.LatestWrench(station));
+           })
+      .def_property_readonly("phases", &LiveSession::phases)
+      .def_property_readonly("dropped", &LiveSession::dropped)
+      .def("close", &LiveSession::Close, py::call_guard<py::gil_scoped_release>());
+  module.attr("tool_dtype") = py::dtype::of<ToolRecord>();
+  module.attr("wrench_dtype") = py::dtype::of<WrenchRecord>();
+}
+
+}  // namespace palpate

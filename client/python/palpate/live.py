@@ -1,0 +1,93 @@
+"""A running server: hear what goes on at it, and be a station.
+
+    from palpate import live
+    for state in live.Session():                       # 60 a second and station
+        print(state["station"].decode(), state["force_N"])
+
+    with live.Station("cube") as station:
+        print(station.move([0, 0.03, 0]).force)
+
+It needs DDS, which palpate alone does not.  What is wrong is told by palpate.Error; Silence is the one
+of them that may pass: nobody answers any more, and forces are zero.
+"""
+
+import atexit
+import os
+import weakref
+
+from palpate import _live
+from palpate._live import Felt, Silence, tool_dtype, wrench_dtype
+
+__all__ = ["Felt", "Session", "Silence", "Station", "tool_dtype", "wrench_dtype"]
+
+_open = weakref.WeakSet()
+
+
+@atexit.register
+def _close_all():
+    """Before Python ends: threads that DDS runs are not to outlive it."""
+    for opened in list(_open):
+        opened.close()
+
+
+class _Opened:
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self):
+        self._live.close()
+
+
+class Station(_Opened):
+    def __init__(self, scene="", name="python", *, tool="", domain=0, network="lo", peers=(), identity="",
+                 transport="auto", start=None, max_force=100.0, max_torque=10.0, local_model=True, patience=10.0):
+        self._live = _live.Station(scene, name, tool, domain, network, list(peers), os.fspath(identity),
+                                   transport, start, max_force, max_torque, local_model, patience)
+        _open.add(self)
+
+    def move(self, pose, seconds=0.0, *, timeout=1.0):
+        return self._live.move(pose, seconds, timeout)
+
+    def follow(self, poses, period=0.01, *, timeout=1.0):
+        for pose in poses:
+            yield self._live.move(pose, period, timeout)
+
+    def news(self):
+        return self._live.news()
+
+    felt = property(lambda self: self._live.felt)
+    phase = property(lambda self: self._live.phase)
+    name = property(lambda self: self._live.name)
+    scene = property(lambda self: self._live.scene)
+    tool = property(lambda self: self._live.tool)
+    counts = property(lambda self: self._live.counts)
+
+
+class Session(_Opened):
+    def __init__(self, domain=0, *, network="lo", peers=(), identity="", transport="auto", wrenches=False,
+                 patience=5.0):
+        self._live = _live.Session(domain, network, list(peers), os.fspath(identity), transport, wrenches)
+        self.patience = patience
+        _open.add(self)
+
+    def __iter__(self):
+        while True:
+            yield from self.tools()
+
+    def tools(self, *, timeout=None):
+        return self._live.tools(self.patience if timeout is None else timeout)
+
+    def wrenches(self, station, *, timeout=None):
+        return self._live.wrenches(station, self.patience if timeout is None else timeout)
+
+    def latest_tool(self, station):
+        return self._live.latest_tool(station)
+
+    def latest_wrench(self, station):
+        return self._live.latest_wrench(station)
+
+    stations = property(lambda self: self._live.phases)
+    dropped = property(lambda self: self._live.dropped)
