@@ -17,7 +17,7 @@ file(COPY ${source}/server/library/palpate.h DESTINATION ${out}/headers)
 file(READ ${source}/server/ARCHITECTURE.md text)
 string(REGEX REPLACE "^# ([^\n]+)" "# \\1 {#architecture}" text "${text}")
 file(WRITE ${out}/architecture.md "${text}")
-foreach(page main_page python_page)
+foreach(page main_page examples_page python_page)
   configure_file(${source}/server/library/pages/${page}.md ${out}/${page}.md COPYONLY)
 endforeach()
 
@@ -35,8 +35,8 @@ function(pages html title of_python)
   endif()
 endfunction()
 
-pages(html "Palpate" NO ${out}/main_page.md ${out}/architecture.md ${out}/headers
-      ${also})
+pages(html "Palpate" NO ${out}/main_page.md ${out}/examples_page.md ${out}/architecture.md
+      ${out}/headers ${also})
 # Python's names are C++'s, so its pages are apart.  A module is named for its file: palpate itself is
 # __init__.pyi.
 file(GLOB stubs ${source}/client/python/palpate/*.pyi)
