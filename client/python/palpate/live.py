@@ -5,7 +5,7 @@
         print(state["station"].decode(), state["force_N"])
 
     with live.Station("cube") as station:
-        print(station.move([0, 0.03, 0]).force)
+        print(station.move([0, 0.03, 0], 0.5).force)   # there in half a second
 
 It needs DDS, which palpate alone does not.  What is wrong is told by palpate.Error; Silence is the one
 of them that may pass: nobody answers any more, and forces are zero.

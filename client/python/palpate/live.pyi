@@ -75,7 +75,8 @@ class Station:
     def move(self, pose: ArrayLike, seconds: float = 0.0, *, timeout: float = 1.0) -> Felt:
         """Moves the hand there, and returns what it feels there, once the server has answered that pose.
 
-        seconds  that the way takes; longer where the hand would be too fast
+        seconds  that the way takes; longer where the hand would be too fast.  Forces ramp in when a
+                 session begins, and are slew-limited: after a move in no time they are still rising
         timeout  seconds without an answer after which Silence is raised
         """
     def follow(self, poses: Iterable[ArrayLike], period: float = 0.01, *, timeout: float = 1.0) -> Iterator[Felt]:
