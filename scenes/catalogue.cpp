@@ -14,6 +14,7 @@
 #include "common/nearest_word.h"
 #include "common/project_files.h"
 #include "common/quoted.h"
+#include "common/whole_file.h"
 #include "scenes/files/cache_folder.h"
 #include "scenes/files/mesh_scene.h"
 #include "scenes/files/scene_bundle.h"
@@ -38,6 +39,9 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// A scene as text, or a bundle: what its bodies may hold, and their names, materials and remarks.
+constexpr std::uint64_t kLargestSceneFile = kMaxSceneBytes + (std::uint64_t{64} << 20);
 
 fs::path CatalogueFolder() {
   if (const char* folder = std::getenv("PALPATE_CATALOGUE")) return folder;
@@ -244,7 +248,8 @@ std::span<const std::uint8_t> Bytes(const std::string& text) {
 
 std::uint64_t HashOfMesh(const std::string& file) {
   std::uint64_t hash = 0;
-  for (const std::string& part : FilesOfMesh(file)) hash = HashBytes(ReadWholeFile(part), hash);
+  for (const std::string& part : FilesOfMesh(file))
+    hash = HashBytes(ReadWholeFile(part, kLargestMeshFile), hash);
   return hash;
 }
 
@@ -479,13 +484,14 @@ std::string ScriptFileBeside(const std::string& name_or_path) {
 bool IsWholeAtStart(const std::string& name_or_path) {
   const std::string file = FindSceneFile(name_or_path);
   if (IsMeshFile(file)) return false;
-  const std::string text = ReadWholeFile(file);
+  const std::string text = ReadWholeFile(file, kLargestSceneFile);
   return !LooksLikeBundle(text) && ParseScene(text, file).whole_at_start;
 }
 
 Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   const std::string file = FindSceneFile(name_or_path);
-  const std::string text = IsMeshFile(file) ? SceneTextOfMesh(file, options) : ReadWholeFile(file);
+  const std::string text =
+      IsMeshFile(file) ? SceneTextOfMesh(file, options) : ReadWholeFile(file, kLargestSceneFile);
   if (LooksLikeBundle(text)) return LoadBundle(text, file, options);
   RefuseWhatIsNoScene(file, text);
   const SceneDescription description = Describe(text, file, options);
@@ -511,7 +517,7 @@ Scene LoadScene(const std::string& name_or_path, const LoadOptions& options) {
   if (fs::exists(cached, ignored)) {
     try {
       if (!IsOwnFile(cached)) throw Error(cached + ": is not a file of this user's");
-      const std::string bundle = ReadWholeFile(cached);
+      const std::string bundle = ReadWholeFile(cached, kLargestSceneFile);
       if (ContentKey(Bytes(bundle), cached) != key) throw Error(cached + ": is of another scene");
       return UnpackScene(Bytes(bundle), cached);
     } catch (const Error& error) {

@@ -1,15 +1,22 @@
 #include "client/doctor/host_files.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include <string.h>
 #include <unistd.h>
 
+#include "common/whole_file.h"
+
 namespace palpate::doctor {
+namespace {
+
+/// What the kernel tells of itself and of a process has some kB, a table of mounts more.
+constexpr std::uint64_t kMostBytes = std::uint64_t{4} << 20;
+
+}  // namespace
 
 namespace fs = std::filesystem;
 
@@ -23,12 +30,10 @@ bool HostFiles::MayOpen(const std::string& path) const {
 }
 
 std::optional<std::string> HostFiles::Read(const std::string& path) const {
-  std::ifstream file(At(path), std::ios::binary);
-  if (!file) return std::nullopt;
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (file.bad()) return std::nullopt;
-  const std::size_t last = text.find_last_not_of(" \t\n");
-  text.resize(last == std::string::npos ? 0 : last + 1);
+  std::optional<std::string> text = TryReadWholeFile(At(path), kMostBytes);
+  if (!text) return std::nullopt;
+  const std::size_t last = text->find_last_not_of(" \t\n");
+  text->resize(last == std::string::npos ? 0 : last + 1);
   return text;
 }
 

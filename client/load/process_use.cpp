@@ -2,8 +2,8 @@
 
 #include <array>
 #include <charconv>
+#include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <set>
 #include <sstream>
 
@@ -13,17 +13,18 @@
 
 #include "common/server_lock_file.h"
 #include "common/time/steady_clock.h"
+#include "common/whole_file.h"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
 
+/// The longest is the table of sockets: 150 bytes for each of a hundred thousand.
+constexpr std::uint64_t kMostBytes = std::uint64_t{16} << 20;
+
 std::string TextOf(const fs::path& file) {
-  std::ifstream in(file);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
+  return TryReadWholeFile(file, kMostBytes).value_or("");
 }
 
 std::optional<int> NumberOf(const std::string& text) {

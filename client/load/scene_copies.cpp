@@ -2,11 +2,12 @@
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
 
 #include "common/error.h"
+#include "common/json/json_file.h"
+#include "common/whole_file.h"
 #include "scenes/catalogue.h"
 
 namespace palpate {
@@ -29,11 +30,8 @@ void MakeMeshPathsAbsolute(Json& bodies, const fs::path& folder) {
 void WriteSceneWithCopies(const std::string& scene, std::size_t copies, const std::string& file) {
   LoadScene(scene);  // complains better than what follows could
   const std::string from = FindSceneFile(scene);
-  std::ifstream in(from);
-  std::stringstream text;
-  text << in.rdbuf();
-  Json json = Json::parse(text.str(), nullptr, false, true);
-  if (!in || json.is_discarded()) {
+  Json json = Json::parse(ReadWholeFile(from, JsonNode::kMostBytes), nullptr, false, true);
+  if (json.is_discarded()) {
     throw Error(from + ": is no scene as people write it; give --scene a name or a .json file");
   }
   const fs::path folder = fs::path(from).parent_path();

@@ -13,11 +13,14 @@
 
 #include "common/error.h"
 #include "common/json/json_file.h"
+#include "common/whole_file.h"
 
 namespace palpate {
 namespace {
 
 constexpr double kLongest_s = 1e6;
+/// 200 of 100 bytes each, every one of which may be written as six letters, and room for layout.
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 
 bool IsUtf8(const std::string& text) {
   try {
@@ -47,7 +50,7 @@ std::string Shown(std::string name) {
 
 std::string TextOf(const std::string& file) {
   std::error_code ignored;
-  return std::filesystem::exists(file, ignored) ? ReadWholeFile(file) : "";
+  return std::filesystem::exists(file, ignored) ? ReadWholeFile(file, kMostBytes) : "";
 }
 
 }  // namespace

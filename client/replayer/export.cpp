@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -25,6 +24,7 @@
 #include "common/quoted.h"
 #include "common/recording/recording_reader.h"
 #include "common/time/steady_clock.h"
+#include "common/whole_file.h"
 
 namespace palpate {
 namespace {
@@ -35,6 +35,9 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostPending = std::size_t{64} << 20;
 /// Samples between looks at the clock and at Ctrl-C.
 constexpr std::uint64_t kLook = 4096;
+
+/// Of the file that names those of an export: some hundred thousand names.
+constexpr std::uint64_t kMostMethodsBytes = std::uint64_t{16} << 20;
 
 constexpr const char* kMethodsFile = "methods.json";
 constexpr const char* kMethodsText = "METHODS.md";
@@ -66,8 +69,9 @@ std::vector<std::string> FilesBelow(const fs::path& folder) {
 
 /// What a former export says that it made; none where it is no export.
 std::optional<std::set<std::string>> FilesOfExport(const fs::path& folder) {
-  std::ifstream in(folder / kMethodsFile);
-  const auto json = nlohmann::json::parse(in, nullptr, false);
+  const auto text = TryReadWholeFile(folder / kMethodsFile, kMostMethodsBytes);
+  if (!text) return std::nullopt;
+  const auto json = nlohmann::json::parse(*text, nullptr, false);
   if (!json.is_object() || json.value("made_by", "") != kExportMark) return std::nullopt;
   std::set<std::string> files{kMethodsFile, kMethodsText};
   const auto listed = json.find("files");

@@ -2,12 +2,14 @@
 
 #include <string>
 
+#include "common/whole_file.h"
+
 namespace palpate {
 
-/// A file that others must not read, as a key, or write, as a list of tokens: it is a regular one
-/// of this user or root, which others have no right to and the group cannot write (0600, 0400,
-/// 0640).  Throws Error, with the remedy.
+/// For ReadWholeFile, of what others must not read, as a key, or write, as a list of tokens: the
+/// file belongs to this user or root, others have no right to it, and the group cannot write it
+/// (0600, 0400, 0640).  Throws Error, with the remedy.
 /// @param flag  that named it: "--tokens".
-void CheckPrivate(const std::string& flag, const std::string& path);
+FileCheck IsPrivate(const std::string& flag, const std::string& path);
 
 }  // namespace palpate

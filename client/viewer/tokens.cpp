@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
-#include <fstream>
 #include <sstream>
 
 #include <fcntl.h>
@@ -18,6 +17,7 @@
 #include "client/viewer/private_file.h"
 #include "common/error.h"
 #include "common/quoted.h"
+#include "common/whole_file.h"
 
 namespace palpate {
 namespace {
@@ -27,6 +27,8 @@ constexpr std::size_t kRandomBytes = 32;
 constexpr std::string_view kPrefix = "palpate_";
 constexpr std::size_t kTokenLength = kPrefix.size() + 2 * kRandomBytes;
 constexpr std::size_t kLongestName = 32;
+/// Of the file: some nine thousand tokens.
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 
 bool IsLetterOrDigit(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
@@ -55,11 +57,7 @@ bool FromHex(std::string_view hex, unsigned char* bytes, std::size_t size) {
 }
 
 std::string TextOf(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  if (!file) throw Error(fmt::format("--tokens {}: cannot be read", path));
-  return text.str();
+  return ReadWholeFile(path, kMostBytes, "--tokens", IsPrivate("--tokens", path));
 }
 
 }  // namespace
@@ -109,7 +107,6 @@ Tokens Tokens::Parse(const std::string& path, const std::string& text) {
 }
 
 Tokens Tokens::Read(const std::string& path) {
-  CheckPrivate("--tokens", path);
   Tokens tokens = Parse(path, TextOf(path));
   if (tokens.lines_.empty()) {
     throw Error(
@@ -138,13 +135,9 @@ std::string MakeToken(const std::string& path, Access role, const std::string& n
   }
   const int file = open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
   if (file < 0) throw Error(fmt::format("--tokens {}: {}", path, std::strerror(errno)));
-  const auto text = [&] {
-    CheckPrivate("--tokens", path);
-    return TextOf(path);
-  };
   std::string before;
   try {
-    before = text();
+    before = TextOf(path);
     for (const Tokens::Line& line : Tokens::Parse(path, before).lines_) {
       if (line.holder.name == name) {
         throw UsageError(

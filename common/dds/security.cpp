@@ -17,11 +17,15 @@
 
 #include "common/error.h"
 #include "common/quoted.h"
+#include "common/whole_file.h"
 
 namespace palpate::dds {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Of each file of an identity: certificates, a key and signed permissions have some kB.
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 
 /// Debian keeps the plugins in a folder beside the library that loads them, off the loader's path.
 fs::path PluginFolder() {
@@ -48,6 +52,8 @@ std::string Named(const char* element, const fs::path& folder, const char* file)
     throw Error("--identity: " + path.string() + ": " + std::strerror(errno) +
                 "; 'deploy/security/identities add' makes a folder with all that belongs to one");
   }
+  // Cyclone DDS reads it by its name, and would wait for a pipe.
+  close(OpenRegularFile(path.string(), kMostBytes, "--identity:"));
   const std::string whole = fs::absolute(path).string();
   // It stands in an XML text, in which Cyclone DDS looks for ${VARIABLES}, too.
   if (whole.find_first_of("<&$\\") != std::string::npos) {

@@ -1,13 +1,9 @@
 #include "common/json/json_file.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <sstream>
-#include <system_error>
 #include <unordered_set>
 #include <utility>
 
@@ -16,6 +12,7 @@
 #include "common/error.h"
 #include "common/math/rotation.h"
 #include "common/nearest_word.h"
+#include "common/whole_file.h"
 
 namespace palpate {
 
@@ -202,10 +199,14 @@ JsonNode::JsonNode(std::shared_ptr<const Document> document, const Value* value,
     : document_(std::move(document)), value_(value), path_(std::move(path)) {}
 
 JsonNode JsonNode::Load(const std::string& file) {
-  return Parse(ReadWholeFile(file), file);
+  return Parse(ReadWholeFile(file, kMostBytes), file);
 }
 
 JsonNode JsonNode::Parse(std::string_view text, const std::string& file) {
+  if (text.size() > kMostBytes) {
+    throw Error(file + ": holds more than " + std::to_string(kMostBytes >> 20) +
+                " MiB, the most that such a file may; check that it is the right one");
+  }
   auto document = std::make_shared<Document>();
   document->file = file;
   Position position;
@@ -374,21 +375,6 @@ Pose JsonNode::ReadPose() const {
     pose.q.coeffs() /= norm;
   }
   return pose;
-}
-
-std::string ReadWholeFile(const std::string& file) {
-  const auto refuse = [&](const std::string& why) {
-    throw Error(file + ": " + why + "; check the name and the rights");
-  };
-  // A folder opens like a file and fails only when it is read.
-  if (std::filesystem::is_directory(file)) refuse("is a folder");
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) refuse(std::generic_category().message(errno));
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (stream.bad()) refuse("cannot be read");
-  return std::move(text).str();
 }
 
 }  // namespace palpate

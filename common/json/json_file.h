@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -18,6 +19,9 @@ namespace palpate {
 /// A node keeps its document alive; copies are cheap.
 class JsonNode {
  public:
+  /// Of a text: two million values, the most that one may have, of 32 letters each.
+  static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+
   /// Throws Error where the file cannot be read or is not JSON, or repeats a field.
   static JsonNode Load(const std::string& file);
   /// @param file  only named in messages.
@@ -61,8 +65,5 @@ class JsonNode {
   const Value* value_;
   std::string path_;  ///< "tools[0].leaves"; empty at the root
 };
-
-/// The whole file; throws Error with the reason and a remedy.
-std::string ReadWholeFile(const std::string& file);
 
 }  // namespace palpate

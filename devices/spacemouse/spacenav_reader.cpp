@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
-#include <fstream>
+#include <sstream>
 #include <vector>
 
 #include <poll.h>
@@ -24,12 +24,14 @@
 #include <spnav.h>
 
 #include "common/error.h"
+#include "common/whole_file.h"
 
 namespace palpate {
 namespace {
 
 constexpr const char* kDefaultSocket = "/var/run/spnav.sock";
 constexpr const char* kConfiguration = "/etc/spnavrc";
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;  // of it: people write it
 constexpr int kRetry_ms = 500;
 constexpr int kOpenings = 20;
 constexpr int kMostUnknown = 8;  // frames in a row
@@ -41,7 +43,7 @@ std::atomic<bool> in_use{false};
 std::vector<std::string> Sockets() {
   std::vector<std::string> sockets;
   if (const char* named = std::getenv("SPNAV_SOCKET")) sockets.push_back(named);
-  std::ifstream configuration(kConfiguration);
+  std::istringstream configuration(TryReadWholeFile(kConfiguration, kMostBytes).value_or(""));
   for (std::string line; std::getline(configuration, line);) {
     const std::size_t word = line.find_first_not_of(" \t");
     const std::size_t equals = line.find('=');

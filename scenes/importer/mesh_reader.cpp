@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <new>
@@ -20,10 +19,11 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <spdlog/fmt/fmt.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include "common/error.h"
-#include "common/json/json_file.h"
+#include "common/whole_file.h"
 #include "scenes/importer/declared_size.h"
 #include "scenes/importer/far_off.h"
 #include "scenes/mesh/mesh_format.h"
@@ -37,8 +37,12 @@ namespace {
 }
 
 std::string Unpack(const std::string& file) {
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> gz(gzopen(file.c_str(), "rb"), gzclose);
-  if (!gz) throw Error(file + ": cannot be opened; check the name and the rights");
+  const int fd = OpenRegularFile(file, kLargestMeshFile);
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> gz(gzdopen(fd, "rb"), gzclose);
+  if (!gz) {
+    close(fd);
+    throw Error(file + ": cannot be unpacked; there is no memory left");
+  }
   std::string text;
   std::array<char, 1 << 16> block;
   for (;;) {
@@ -52,13 +56,6 @@ std::string Unpack(const std::string& file) {
     text.append(block.data(), got);
     if (text.size() > kLargestMeshFile) RefuseLarge(file);
   }
-}
-
-std::string ReadBounded(const std::string& file) {
-  std::error_code ignored;
-  const auto size = std::filesystem::file_size(file, ignored);
-  if (!ignored && size > kLargestMeshFile) RefuseLarge(file);
-  return ReadWholeFile(file);
 }
 
 /// Vertices at the same place become one; the order of first use stays.
@@ -210,7 +207,7 @@ ImportedMesh Read(const std::string& file, std::string_view text) {
                   "\", which a packed mesh may not; unpack it, or export a .glb");
     }
     try {
-      files->Own(reference.uri, ReadBounded(reference.file));
+      files->Own(reference.uri, ReadWholeFile(reference.file, kLargestMeshFile));
     } catch (const Error& error) {
       throw Error(file + ": its buffer is missing (" + error.what() +
                   "); keep it beside the mesh, or export a .glb, which holds it");
@@ -273,7 +270,8 @@ ImportedMesh ReadFarOff(const std::string& file, std::string_view text, const Pl
 }  // namespace
 
 ImportedMesh ReadMeshFile(const std::string& file) {
-  return ReadMeshText(file, IsPackedMesh(file) ? Unpack(file) : ReadBounded(file));
+  return ReadMeshText(file,
+                      IsPackedMesh(file) ? Unpack(file) : ReadWholeFile(file, kLargestMeshFile));
 }
 
 ImportedMesh ReadMeshText(const std::string& file, std::string_view text) {

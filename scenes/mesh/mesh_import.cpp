@@ -24,6 +24,7 @@ extern "C" {
 #include "common/error.h"
 #include "common/json/json_file.h"
 #include "common/project_files.h"
+#include "common/whole_file.h"
 #include "scenes/mesh/mesh_import_limits.h"
 #include "scenes/mesh/mesh_references.h"
 #include "scenes/mesh/mesh_report.h"
@@ -173,7 +174,8 @@ std::vector<std::string> FilesOfMesh(const std::string& file) {
   // A packed mesh that refers to others is refused when it is read.
   const std::string format = MeshFormatOf(file);
   if (IsPackedMesh(file) || (format != "gltf" && format != "glb")) return files;
-  for (const MeshReference& reference : FindMeshReferences(file, ReadWholeFile(file))) {
+  for (const MeshReference& reference :
+       FindMeshReferences(file, ReadWholeFile(file, kLargestMeshFile))) {
     files.push_back(reference.file);
   }
   return files;

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <limits>
 #include <optional>
 #include <system_error>
@@ -12,13 +11,11 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
-#include "common/json/json_file.h"
+#include "common/whole_file.h"
 #include "scenes/tree/tree_error.h"
 
 namespace palpate {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::size_t kShortestLine = 8;  // "0 0 0 1\n"
 constexpr double kFurthest = 1e6;         // [m]: beyond it a unit was forgotten
@@ -175,14 +172,7 @@ SphTree ParseSph(std::string_view text, const std::string& file, double metres_p
 }
 
 std::string ReadSphText(const std::string& file) {
-  std::error_code error;
-  const std::uintmax_t bytes = fs::file_size(file, error);
-  if (!error && bytes > kLargestSphFile) {
-    throw Error(
-        fmt::format("{}: has {} MB, and no sphere tree has more than {}; give a coarser one", file,
-                    bytes >> 20, kLargestSphFile >> 20));
-  }
-  return ReadWholeFile(file);
+  return ReadWholeFile(file, kLargestSphFile);
 }
 
 SphTree ReadSph(const std::string& file, double metres_per_unit) {

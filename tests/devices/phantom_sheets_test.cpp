@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
-#include "common/json/json_file.h"
 #include "devices/simulated/simulated_phantom.h"
 #include "tests/devices/limiter_support.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {

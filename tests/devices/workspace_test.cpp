@@ -9,13 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
-#include "common/json/json_file.h"
 #include "common/math/rotation.h"
 #include "devices/simulated/simulated_phantom.h"
 #include "tests/devices/limiter_support.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/optimised.h"
 #include "tests/support/random.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {

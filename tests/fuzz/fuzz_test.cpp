@@ -12,7 +12,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/json/json_file.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/importer/declared_size.h"
@@ -30,6 +29,7 @@
 #include "tests/scenes/support.h"
 #include "tests/support/exported_box.h"
 #include "tests/support/optimised.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {

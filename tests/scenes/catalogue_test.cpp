@@ -10,7 +10,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/json/json_file.h"
 #include "common/json/pose_script.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_file.h"
@@ -19,6 +18,7 @@
 #include "scenes/tree/sph_file.h"
 #include "scenes/tree/tree_error.h"
 #include "tests/scenes/support.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {

@@ -11,13 +11,13 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include "common/json/json_file.h"
 #include "scenes/catalogue.h"
 #include "scenes/scene_verdict.h"
 #include "scenes/tree/coverage.h"
 #include "tests/scenes/support.h"
 #include "tests/support/dirty_mesh.h"
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {

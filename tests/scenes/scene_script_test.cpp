@@ -12,7 +12,6 @@
 
 #include <gtest/gtest.h>
 
-#include "common/json/json_file.h"
 #include "common/json/pose_script.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_file.h"
@@ -21,6 +20,7 @@
 #include "server/physics/tree/sphere_tree_query.h"
 #include "tests/support/mesh_oracle.h"
 #include "tests/support/random.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {

@@ -93,7 +93,7 @@ TEST_F(TokensTest, AreOfAFileThatOthersCannotReadOrChange) {
   std::filesystem::remove(path_);
   EXPECT_THAT(Complaint(), HasSubstr(path_));
   std::filesystem::create_directory(path_);
-  EXPECT_THAT(Complaint(), HasSubstr("no regular file"));
+  EXPECT_THAT(Complaint(), HasSubstr("is a folder; give the name of a regular file"));
 }
 
 TEST_F(TokensTest, NameTheLineThatIsWrong) {

@@ -8,11 +8,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/json/json_file.h"
 #include "scenes/tree/sphere_tree_builder.h"
 #include "tests/scenes/support.h"
 #include "tests/support/optimised.h"
 #include "tests/support/random.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {

@@ -13,7 +13,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "common/json/json_file.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_size.h"
@@ -23,6 +22,7 @@
 #include "tests/scenes/support.h"
 #include "tests/support/exported_box.h"
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {

@@ -9,11 +9,11 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
-#include "common/json/json_file.h"
 #include "scenes/mesh/mesh_report.h"
 #include "tests/scenes/support.h"
 #include "tests/support/dirty_mesh.h"
 #include "tests/support/exported_box.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {

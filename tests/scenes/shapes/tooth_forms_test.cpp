@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "common/json/json_file.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/mesh/mesh_query.h"
 #include "scenes/mesh/mesh_report.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {

@@ -105,7 +105,7 @@ TEST(SphFile, TakesNoMemoryForNodesThatTheFileCannotHold) {
   const std::string file = folder + "/large.sph";
   std::ofstream(file) << "1 8\n";
   std::filesystem::resize_file(file, kLargestSphFile + 1);
-  EXPECT_THAT(ComplaintOf([&] { ReadSph(file, 1.0); }), HasSubstr("has 128 MB"));
+  EXPECT_THAT(ComplaintOf([&] { ReadSph(file, 1.0); }), HasSubstr("holds more than 128 MiB"));
   std::filesystem::remove(file);
 }
 
