@@ -80,6 +80,10 @@ void SessionLink::Close() {
 }
 
 void SessionLink::Ask(std::int64_t now_ns) {
+  // A run that got no reply has the name for seconds yet, and this one would wait for it.  One that
+  // did is silent by now, and is cut off, which the server remembers of a scene that wears.
+  const bool replied = phase_ == Phase::kLinked && servo_->newest_reply_ns() >= phase_since_ns_;
+  if (run_ != 0 && !replied) WriteRequest(true);
   Close();
   if (server_restarted_) former_servers_.insert(server_run_);
   run_ = RandomRun();

@@ -1,9 +1,7 @@
 #include "common/dds/security.h"
 
-#include <array>
-#include <cerrno>
 #include <chrono>
-#include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <map>
 #include <mutex>
@@ -12,20 +10,15 @@
 #include <dds/ddsrt/log.h>
 #include <dlfcn.h>
 #include <spdlog/spdlog.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include "common/dds/identity.h"
 #include "common/error.h"
 #include "common/quoted.h"
-#include "common/whole_file.h"
 
 namespace palpate::dds {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Of each file of an identity: certificates, a key and signed permissions have some kB.
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 
 /// Debian keeps the plugins in a folder beside the library that loads them, off the loader's path.
 fs::path PluginFolder() {
@@ -48,12 +41,6 @@ std::string Plugin(const char* name, const char* function) {
 /// An element that names a file of the identity.
 std::string Named(const char* element, const fs::path& folder, const char* file) {
   const fs::path path = folder / file;
-  if (access(path.c_str(), R_OK) != 0) {
-    throw Error("--identity: " + path.string() + ": " + std::strerror(errno) +
-                "; 'deploy/security/identities add' makes a folder with all that belongs to one");
-  }
-  // Cyclone DDS reads it by its name, and would wait for a pipe.
-  close(OpenRegularFile(path.string(), kMostBytes, "--identity:"));
   const std::string whole = fs::absolute(path).string();
   // It stands in an XML text, in which Cyclone DDS looks for ${VARIABLES}, too.
   if (whole.find_first_of("<&$\\") != std::string::npos) {
@@ -62,14 +49,6 @@ std::string Named(const char* element, const fs::path& folder, const char* file)
                 "folder");
   }
   return std::string("<") + element + ">file:" + whole + "</" + element + ">";
-}
-
-void SeeThatOnlyTheOwnerReads(const fs::path& key) {
-  struct stat status {};
-  if (stat(key.c_str(), &status) == 0 && (status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
-    throw Error("--identity: " + key.string() +
-                " may be read by others, who could then pass for this program; chmod 600 it");
-  }
 }
 
 /// Called in DDS's threads.
@@ -97,7 +76,7 @@ void Log(void*, const dds_log_data_t* data) {
 
 std::string SecurityConfig(const std::string& identity) {
   const fs::path folder(identity);
-  SeeThatOnlyTheOwnerReads(folder / "key.pem");
+  CheckIdentity(identity, std::time(nullptr));
   return "<Security><Authentication>" + Plugin("auth", "authentication") +
          Named("IdentityCA", folder, "identity_ca.pem") +
          Named("IdentityCertificate", folder, "cert.pem") + Named("PrivateKey", folder, "key.pem") +

@@ -10,8 +10,8 @@ namespace palpate::dds {
 ///   identity_ca.pem, permissions_ca.pem   whom it trusts
 ///   cert.pem, key.pem                     who it is; the key is its owner's alone
 ///   governance.p7s, permissions.p7s       what holds for all, and what it may do
-/// Throws Error (file, remedy) where one is missing or the key may be read by others, or where
-/// Cyclone DDS has no security plugins here.
+/// Throws Error (file, remedy) where one is missing or not what it must be (common/dds/identity.h),
+/// or where Cyclone DDS has no security plugins here.
 std::string SecurityConfig(const std::string& identity);
 
 /// From now on what Cyclone DDS has to say goes to the log, no line twice a second: in a secured

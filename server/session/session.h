@@ -80,6 +80,8 @@ class Session {
   bool below_arms() const { return client_.below_arms; }
   wire::SessionPhase phase() const { return phase_; }
   bool ended() const { return phase_ == palpate_SESSION_ENDED; }
+  /// A pose has come, as of the last Update.
+  bool has_heard() const { return heard_ != 0; }
   const std::string& reason() const { return reason_; }
   double start_depth() const { return start_depth_; }
   /// The first pose that a force answers, 0 until the loop has had it, and where it put the tool.

@@ -22,6 +22,11 @@ dds::LeaveKey ToSeal(const wire::SessionRequest& request) {
   return std::to_array(request.leave_seal);
 }
 
+/// Both are public: who repeats them keeps the other's place for it, and gains nothing.
+bool IsSameRun(const wire::SessionRequest& one, const wire::SessionRequest& other) {
+  return one.run == other.run && ToSeal(one) == ToSeal(other);
+}
+
 wire::LeafTaken LeafTakenBy(Session& session, const Removal& removal) {
   wire::LeafTaken taken{};
   wire::FromText(session.station(), taken.station);
@@ -51,18 +56,6 @@ SessionTable::SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools,
   }
 }
 
-template <class Requests>
-void SessionTable::Withdraw(Requests& requests, const wire::SessionRequest& request) {
-  const auto asked = requests.find(request.station);
-  if (asked == requests.end()) return;
-  const wire::SessionRequest& before = asked->second.request;
-  // What a run asked for, it may take back or ask anew; a leave of the run before is not its.
-  if (!request.leave ||
-      (before.run == request.run && dds::Opens(request.leave_key, ToSeal(before)))) {
-    requests.erase(asked);
-  }
-}
-
 void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now_ns) {
   if (!dds::IsStationName(request.station)) {
     return Refuse(request,
@@ -70,30 +63,41 @@ void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now
                       "' is no name for a station; give 1 to 32 letters, digits or '_'",
                   now_ns);
   }
-  Withdraw(waiting_, request);
-  if (const auto asked = held_.find(request.station);
-      asked != held_.end() && !request.leave && asked->second.request.run == request.run) {
-    asked->second = {request, now_ns};  // it is still there, and has been told that it is held
-    return;
-  }
-  Withdraw(held_, request);
-  const auto held = sessions_.find(request.station);
-  if (held == sessions_.end()) {
-    if (!request.leave && MayBegin(request, now_ns)) Admit(request, now_ns);
-  } else if (request.leave) {
-    const Session& session = *held->second;
-    if (session.run() == request.run && dds::Opens(request.leave_key, session.leave_seal())) {
-      held->second->Leave();
+  if (request.leave) return Leave(request);
+  const auto successor = waiting_.find(request.station);
+  const auto held = held_.find(request.station);
+  const auto session = sessions_.find(request.station);
+  if (held != held_.end() && IsSameRun(held->second.request, request)) {
+    held->second.since_ns = now_ns;  // it is still there, and has been told that it is held
+  } else if (session != sessions_.end() && session->second->run() == request.run) {
+    if (refusals_.Take(now_ns)) {
+      Publish(*session->second);  // asked again: told again what it has
+    } else {
+      ++untold_;
     }
-  } else if (held->second->run() != request.run) {
-    if (held->second->phase() == palpate_SESSION_WAITING) {
-      held->second->End("the station started again");
-    }
+  } else if (successor != waiting_.end()) {
+    // Who came first has the place; a third asks again once that one is answered.
+    if (!IsSameRun(successor->second.request, request)) ++untold_;
+  } else if (held != held_.end() || session != sessions_.end()) {
     waiting_[request.station] = {request, now_ns};
-  } else if (refusals_.Take(now_ns)) {
-    Publish(*held->second);  // asked again: told again what it has
-  } else {
-    ++untold_;
+  } else if (MayBegin(request, now_ns)) {
+    Admit(request, now_ns);
+  }
+}
+
+void SessionTable::Leave(const wire::SessionRequest& request) {
+  for (auto* const requests : {&waiting_, &held_}) {
+    const auto asked = requests->find(request.station);
+    if (asked == requests->end()) continue;
+    const wire::SessionRequest& before = asked->second.request;
+    if (before.run == request.run && dds::Opens(request.leave_key, ToSeal(before))) {
+      requests->erase(asked);
+    }
+  }
+  const auto session = sessions_.find(request.station);
+  if (session != sessions_.end() && session->second->run() == request.run &&
+      dds::Opens(request.leave_key, session->second->leave_seal())) {
+    session->second->Leave();
   }
 }
 
@@ -113,12 +117,17 @@ bool SessionTable::MayBegin(const wire::SessionRequest& request, std::int64_t no
     return false;
   }
   held_[request.station] = {request, now_ns};
+  TellHeld(request);
+  return false;
+}
+
+void SessionTable::TellHeld(const wire::SessionRequest& request) {
+  const auto standing = standings_.find(request.station);
+  const bool taken_back = standing != standings_.end() && !standing->second.taken_back_by.empty();
   changes_.push_back(AnswerTo(
       request, palpate_SESSION_HELD,
       taken_back ? "taken back by " + standing->second.taken_back_by + ", who may admit it again"
-                 : "waits to be admitted: somebody at the server's "
-                   "gateway decides"));
-  return false;
+                 : "waits to be admitted: somebody at the server's gateway decides"));
 }
 
 bool SessionTable::Operate(const wire::OperateRequest& request, std::int64_t now_ns) {
@@ -171,34 +180,60 @@ void SessionTable::Update(std::int64_t now_ns) {
     Session& session = *it->second;
     if (session.Update(now_ns, !next || &session == next) || session.ended()) Publish(session);
     PassOnRemovals(session);
-    if (session.ended()) cut_off_[session.tool().scene] = session.left() ? "" : session.station();
+    // One that has sent no pose has left the scene as it was before it.
+    if (session.ended() && session.has_heard()) {
+      cut_off_[session.tool().scene] = session.left() ? "" : session.station();
+    }
     it = session.ended() ? sessions_.erase(it) : std::next(it);
   }
+  ForgetHeld(now_ns);
   for (auto it = waiting_.begin(); it != waiting_.end();) {
     const Waiting waiting = it->second;
-    const bool free = !sessions_.contains(it->first);
-    if (!free && now_ns - waiting.since_ns <= kTakeOver_ns) {
+    const Name name = StateOfName(waiting, now_ns);
+    if (name == Name::kUndecided) {
       ++it;
       continue;
     }
     it = waiting_.erase(it);
-    if (free) {
-      Admit(waiting.request, now_ns);
+    if (name == Name::kFree) {
+      if (MayBegin(waiting.request, now_ns)) Admit(waiting.request, now_ns);
     } else {
-      Refuse(waiting.request,
-             std::string("a station named '") + waiting.request.station +
-                 "' is connected and sends poses; give another --id",
-             now_ns);
-      // Who comes later must not take the refusal for the word on who drives.
-      Publish(*sessions_.at(waiting.request.station));
+      RefuseSuccessor(waiting.request, now_ns);
     }
   }
-  ForgetHeld(now_ns);
+}
+
+SessionTable::Name SessionTable::StateOfName(const Waiting& successor, std::int64_t now_ns) const {
+  if (const auto session = sessions_.find(successor.request.station); session != sessions_.end()) {
+    // One that has sent no pose yet has the time for its first.
+    const std::int64_t patience_ns =
+        session->second->has_heard() ? kTakeOver_ns : Session::kFirstPose_ns + kTakeOver_ns;
+    return now_ns - successor.since_ns > patience_ns ? Name::kTaken : Name::kUndecided;
+  }
+  if (const auto held = held_.find(successor.request.station); held != held_.end()) {
+    // It has asked since, as only one that lives does.
+    return held->second.since_ns > successor.since_ns ? Name::kTaken : Name::kUndecided;
+  }
+  return Name::kFree;
+}
+
+void SessionTable::RefuseSuccessor(const wire::SessionRequest& request, std::int64_t now_ns) {
+  const auto session = sessions_.find(request.station);
+  const auto held = held_.find(request.station);
+  Refuse(request,
+         std::string("a station named '") + request.station +
+             (session != sessions_.end() ? "' is connected and sends poses; give another --id"
+                                         : "' waits to be admitted; give another --id"),
+         now_ns);
+  // Who comes later must not take the refusal for the word on who has the name.
+  if (session != sessions_.end()) Publish(*session->second);
+  if (held != held_.end()) TellHeld(held->second.request);
 }
 
 void SessionTable::ForgetHeld(std::int64_t now_ns) {
   std::erase_if(held_, [&](const auto& entry) {
-    if (now_ns - entry.second.since_ns <= kHeld_ns) return false;
+    const bool awaited = waiting_.contains(entry.first);
+    if (now_ns - entry.second.since_ns <= (awaited ? kHeldAwaited_ns : kHeld_ns)) return false;
     changes_.push_back(AnswerTo(entry.second.request, palpate_SESSION_ENDED,
                                 "it was held, and asks no more: the station has gone"));
     return true;

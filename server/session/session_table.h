@@ -17,6 +17,10 @@ namespace palpate {
 /// Who drives what: admits stations, refuses them with a reason, ends their sessions.  A tool is
 /// driven by one station at a time.  Knows no transport: requests come in, states go out.
 ///
+/// A name is the run's that asked for it first, whether it is served, has sent no pose yet, or
+/// waits for a teacher: another run gets it once that one has left with its key or has proved dead
+/// by silence, and is refused where it lives.
+///
 /// What strangers ask costs no more than it must: a name is remembered only with a session, or by a
 /// teacher's word about one, and refusals are so many a second.  Who is not answered asks again.
 ///
@@ -25,12 +29,15 @@ class SessionTable {
  public:
   static constexpr std::size_t kMaxStations = 32;  ///< what the shared-memory pools are sized for
   /// How long a request under a name in use waits for the former run to prove dead (a station that
-  /// was killed and started again) before it is refused.
+  /// was killed and started again) before it is refused; longer where that run has not had the time
+  /// for its first pose.
   static constexpr std::int64_t kTakeOver_ns = 3 * Session::kSilence_ns;
   static constexpr double kRefusalsPerSecond = 20.0;
   static constexpr double kRefusalsAtOnce = 50.0;  ///< a class that starts at the same time
   /// A held station asks again every 2 s; one that does so no more has gone, and holds no place.
   static constexpr std::int64_t kHeld_ns = 10'000'000'000;
+  /// The same for one under whose name another asks: two of its askings have not come.
+  static constexpr std::int64_t kHeldAwaited_ns = 5'000'000'000;
   static constexpr std::size_t kMostNames = 1024;  ///< that teachers have spoken of
 
   /// @param admit_by_hand  stations wait until somebody admits them (Operate).
@@ -67,6 +74,8 @@ class SessionTable {
     wire::SessionRequest request;
     std::int64_t since_ns;  // of one that is held: when it asked last
   };
+  /// Whose a name is that another run asks for.
+  enum class Name { kUndecided, kFree, kTaken };
   /// By a teacher's word, of a name.
   struct Standing {
     bool admitted = false;
@@ -78,12 +87,14 @@ class SessionTable {
   std::shared_ptr<const ServedTool> Find(const wire::SessionRequest& request,
                                          std::string& refusal) const;
   void Admit(const wire::SessionRequest& request, std::int64_t now_ns);
-  /// Takes back what a run asked for and has not got yet.
-  template <class Requests>
-  static void Withdraw(Requests& requests, const wire::SessionRequest& request);
+  /// Takes back what a run asked for, or ends its session, where the request has its key.
+  void Leave(const wire::SessionRequest& request);
   /// False where the station has to wait for a teacher; then it does.
   bool MayBegin(const wire::SessionRequest& request, std::int64_t now_ns);
+  void TellHeld(const wire::SessionRequest& request);
   void ForgetHeld(std::int64_t now_ns);
+  Name StateOfName(const Waiting& successor, std::int64_t now_ns) const;
+  void RefuseSuccessor(const wire::SessionRequest& request, std::int64_t now_ns);
   void Refuse(const wire::SessionRequest& request, const std::string& reason, std::int64_t now_ns);
   void Publish(const Session& session);
   /// What is the same in each answer to a request.
@@ -97,7 +108,7 @@ class SessionTable {
   std::vector<std::shared_ptr<const ServedTool>> tools_;
   std::uint64_t server_run_;
   std::map<std::string, std::shared_ptr<Session>> sessions_;  // by station
-  std::map<std::string, Waiting> waiting_;                    // by station: for its former run
+  std::map<std::string, Waiting> waiting_;                    // by station: for who has the name
   std::map<std::string, Waiting> held_;                       // by station: for a teacher
   std::map<std::string, Standing> standings_;                 // by station
   bool admit_by_hand_;

@@ -16,8 +16,8 @@
 #include <unistd.h>
 
 #include "common/dds/participant.h"
-#include "common/dds/security.h"
 #include "common/error.h"
+#include "tests/security/authority.h"
 #include "tests/support/program.h"
 #include "tests/support/test_domain.h"
 
@@ -31,32 +31,6 @@ namespace fs = std::filesystem;
 
 const int kDomain = OwnDomain();
 const std::string kNumber = std::to_string(kDomain);
-
-/// An authority with an identity for each of these.
-class Authority {
- public:
-  explicit Authority(const std::string& name)
-      : folder_(fs::temp_directory_path() /
-                ("palpate_security_" + name + "_" + std::to_string(getpid()))) {
-    fs::remove_all(folder_);
-    Script({"new", folder_});
-  }
-  ~Authority() { fs::remove_all(folder_); }
-  Authority(const Authority&) = delete;
-  Authority& operator=(const Authority&) = delete;
-
-  std::string Add(const std::string& role, const std::string& name) const {
-    Script({"add", folder_, role, name});
-    return folder_ / "identities" / name;
-  }
-  static void Script(std::vector<std::string> arguments, int exit = 0) {
-    Program script(PALPATE_SOURCE_DIR "/deploy/security/identities", std::move(arguments));
-    EXPECT_EQ(script.Exit(60.0), exit) << script.Output();
-  }
-
- private:
-  fs::path folder_;
-};
 
 const Authority& Lab() {
   static const Authority authority("lab");
@@ -111,6 +85,23 @@ TEST(SecuredDomain, LetsAStationFeelAViewerLookAndARecorderRecord) {
   fs::remove(file);
   EXPECT_THAT(Rogue(IdentityOf("viewer", "class"), "read", "palpate/tool_state"),
               Not(HasSubstr("heard 0")));
+}
+
+TEST(SecuredDomain, IsPutUnderLoadByWhoMayDoSo) {
+  Program server =
+      RunProgram("palpate-server", {"cube", "--realtime", "off"}, IdentityOf("server", "srv"));
+  ASSERT_TRUE(server.Says("ready", 120.0)) << server.Output();
+  const std::vector<std::string> arguments{"--seconds",  "1",   "--dds-viewers", "1",
+                                           "--realtime", "off", "--name",        "crowd",
+                                           "--json",     "-"};
+  Program load = RunProgram("palpate-load", arguments, IdentityOf("load", "crowd"));
+  EXPECT_EQ(load.Exit(60.0), 0) << load.Output();
+  EXPECT_THAT(load.Output(), testing::ContainsRegex("\"achieved_hz\": ?[1-9]"));
+  EXPECT_THAT(load.Output(), testing::ContainsRegex("\"dds_viewer_frames\": ?[1-9]"));
+  EXPECT_TRUE(server.Says("station crowd_1: active", 1.0)) << server.Output();
+  Program stranger = RunProgram("palpate-load", arguments, IdentityOf("load", "others"));
+  EXPECT_EQ(stranger.Exit(60.0), 1) << stranger.Output();
+  EXPECT_THAT(stranger.Output(), HasSubstr("the role of this --identity"));
 }
 
 TEST(SecuredDomain, NeitherHearsNorIsHeardByWhoHasNoIdentityOrAnotherAuthoritys) {
@@ -260,37 +251,6 @@ TEST(SecuredDomain, TakesNoIdentityThatSomebodyHasChanged) {
   text.replace(at, 18, "palpate/all_states");
   std::ofstream(identity / "permissions.p7s") << text;
   EXPECT_THAT(Rogue(identity, "read", "palpate/tool_state"), HasSubstr("not allowed: "));
-}
-
-TEST(Identity, SaysWhatItLacksAndThatItsKeyIsItsOwnersAlone) {
-  const fs::path identity = Lab().Add("viewer", "lacking");
-  EXPECT_THAT(dds::SecurityConfig(identity), HasSubstr("key.pem"));
-  fs::permissions(identity / "key.pem", fs::perms::group_read, fs::perm_options::add);
-  try {
-    dds::SecurityConfig(identity);
-    FAIL() << "a key that others may read";
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("key.pem may be read by others"));
-    EXPECT_THAT(error.what(), HasSubstr("chmod 600"));
-  }
-  fs::permissions(identity / "key.pem", fs::perms::owner_read);
-  fs::remove(identity / "governance.p7s");
-  try {
-    dds::SecurityConfig(identity);
-    FAIL() << "without its governance";
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("governance.p7s: No such file"));
-  }
-}
-
-TEST(Identity, SaysWhichFoldersNamesAreNotForDds) {
-  const Authority authority("<a> & ${HOME}");
-  try {
-    dds::SecurityConfig(authority.Add("viewer", "far"));
-    FAIL() << "DDS would read another text";
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("DDS takes no path with one of < & $"));
-  }
 }
 
 TEST(Identity, IsNotForSharedMemory) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/session/ball_tool.h"
+#include "tests/session/crust.h"
 
 namespace palpate::test {
 namespace {
@@ -175,10 +176,62 @@ TEST_F(SessionTableTest, RefusesASecondStationUnderTheNameOfOneThatLives) {
   EXPECT_TRUE(Holds("a", 1));
 }
 
-TEST_F(SessionTableTest, ReplacesARunThatNeverSentAPoseAtOnce) {
+TEST_F(SessionTableTest, LeavesARunThatHasSentNoPoseYetTheTimeForItsFirst) {
+  constexpr int kFirstPose_ms = Session::kFirstPose_ns / kMs;
   Ask(MakeRequest("a", 1, "one"));
   table_.Request(MakeRequest("a", 2, "one"), now_);
-  table_.Update(now_);
+  Pass(kFirstPose_ms, {});
+  EXPECT_TRUE(Holds("a", 1));
+  EXPECT_EQ(LastChange().run, 0u) << "nothing is decided yet";
+  Pass(2, {});
+  EXPECT_TRUE(Holds("a", 2)) << "the first has proved dead";
+}
+
+TEST_F(SessionTableTest, RefusesAStrangerUnderTheNameOfARunWhoseFirstPoseComes) {
+  Ask(MakeRequest("a", 1, "one"));
+  table_.Request(MakeRequest("a", 2, "one"), now_);
+  Pass(2000, {});
+  Pass(2, {"a"});
+  const auto changes = table_.TakeChanges();
+  const auto refused = std::ranges::find(changes, 2u, &wire::SessionState::run);
+  ASSERT_NE(refused, changes.end());
+  EXPECT_EQ(refused->phase, palpate_SESSION_REFUSED);
+  EXPECT_THAT(refused->reason, HasSubstr("another --id"));
+  EXPECT_TRUE(Holds("a", 1));
+}
+
+TEST_F(SessionTableTest, IsNotEndedByAStrangerWhileItsSceneIsMadeWhole) {
+  SessionTable table(ToolsOf(Crust()), kServerRun);
+  table.Request(MakeRequest("a", 1, "crust", "left"), now_);
+  const auto pass = [&](int milliseconds) {
+    for (int i = 0; i < milliseconds; ++i) {
+      wire::Wrench answer{};
+      table.sessions().at("a")->loop().OnPose(hand_.At(0.2), answer);
+      table.Update(now_ += kMs);
+    }
+  };
+  pass(10);
+  wire::WholeRequest wish{};
+  wire::FromText("crust", wish.scene);
+  table.Request(wish);
+  wire::Wrench answer{};
+  Session& session = *table.sessions().at("a");
+  session.loop().OnPose(hand_.At(0.2), answer);
+  session.loop().OnPose(hand_.At(0.2), answer);
+  session.Update(now_, false);
+  ASSERT_EQ(session.phase(), palpate_SESSION_WAITING) << "it begins anew";
+  table.Request(MakeRequest("a", 2, "crust", "left"), now_);
+  pass(400);
+  EXPECT_EQ(table.sessions().at("a")->run(), 1u);
+  EXPECT_EQ(table.sessions().at("a")->phase(), palpate_SESSION_ACTIVE);
+}
+
+TEST_F(SessionTableTest, LetsNoStrangerTakeThePlaceOfOneThatWaitsForAFormerRun) {
+  Ask(MakeRequest("a", 1, "one"));
+  Pass(50, {"a"});
+  table_.Request(MakeRequest("a", 2, "one"), now_);
+  table_.Request(MakeRequest("a", 3, "one"), now_);
+  Pass(150, {});
   EXPECT_TRUE(Holds("a", 2));
 }
 
@@ -349,6 +402,94 @@ TEST_F(SessionTableTest, HoldsEachNewcomerWhereStationsAreAdmittedByHand) {
   table.TakeChanges();
   table.Request(MakeRequest("a", 2, "one"), now_);
   EXPECT_EQ(table.TakeChanges().back().phase, palpate_SESSION_WAITING);
+}
+
+/// A server whose stations are admitted by hand, where one named "a" waits.
+class HeldStationTest : public SessionTableTest {
+ protected:
+  HeldStationTest() {
+    asked_ = Sealed(MakeRequest("a", 1, "two", "left"), 7);
+    std::ranges::fill(asked_.leave_key, 0);  // as it travels
+    by_hand_.Request(asked_, now_);
+    EXPECT_EQ(by_hand_.TakeChanges().back().phase, palpate_SESSION_HELD);
+  }
+  /// Lets time pass; the station asks again every 2 s, as stations do, where it lives.
+  void Wait(int milliseconds, bool lives) {
+    for (int i = 0; i < milliseconds; ++i) {
+      by_hand_.Update(now_ += kMs);
+      if (lives && i % 2000 == 1999) by_hand_.Request(asked_, now_);
+    }
+  }
+  /// The run that has a session once the teacher admits the name; 0: none.
+  std::uint64_t AdmittedRun() {
+    by_hand_.Operate(MakeWish("a", palpate_OPERATE_ADMIT), now_);
+    const auto session = by_hand_.sessions().find("a");
+    return session == by_hand_.sessions().end() ? 0 : session->second->run();
+  }
+
+  SessionTable by_hand_{{BallTool("two", "left"), BallTool("two", "right")}, kServerRun, true};
+  wire::SessionRequest asked_;
+};
+
+TEST_F(HeldStationTest, KeepsItsNameWhileItLives) {
+  by_hand_.Request(MakeRequest("a", 2, "two", "right"), now_);
+  EXPECT_THAT(by_hand_.TakeChanges(), IsEmpty()) << "nobody knows yet which of the two lives";
+  Wait(2001, true);
+  const auto changes = by_hand_.TakeChanges();
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0].run, 2u);
+  EXPECT_EQ(changes[0].phase, palpate_SESSION_REFUSED);
+  EXPECT_THAT(changes[0].reason, HasSubstr("'a' waits to be admitted; give another --id"));
+  EXPECT_EQ(changes[1].run, 1u) << "who comes later learns who waits";
+  EXPECT_EQ(changes[1].phase, palpate_SESSION_HELD);
+  EXPECT_EQ(AdmittedRun(), 1u);
+}
+
+TEST_F(HeldStationTest, IsAdmittedThoughAStrangerAsksInTheMeantime) {
+  by_hand_.Request(MakeRequest("a", 2, "two", "right"), now_);
+  EXPECT_EQ(AdmittedRun(), 1u);
+  EXPECT_EQ(by_hand_.sessions().at("a")->tool().tool, "left");
+}
+
+TEST_F(HeldStationTest, DrivesWhatItAskedForWhoeverRepeatsItsPublicRun) {
+  wire::SessionRequest stranger = MakeRequest("a", 1, "two", "right");
+  by_hand_.Request(stranger, now_);
+  std::ranges::copy(asked_.leave_seal, stranger.leave_seal);
+  by_hand_.Request(stranger, now_);
+  ASSERT_EQ(AdmittedRun(), 1u);
+  EXPECT_EQ(by_hand_.sessions().at("a")->tool().tool, "left");
+  EXPECT_EQ(by_hand_.sessions().at("a")->leave_seal(), std::to_array(asked_.leave_seal));
+}
+
+TEST_F(HeldStationTest, IsTakenBackByNobodyWhoLacksItsKey) {
+  wire::SessionRequest leave = asked_;
+  leave.leave = true;
+  std::ranges::copy(asked_.leave_seal, leave.leave_key);
+  by_hand_.Request(leave, now_);
+  EXPECT_EQ(AdmittedRun(), 1u);
+}
+
+TEST_F(HeldStationTest, FreesItsNameWhenItLeaves) {
+  by_hand_.Request(MakeRequest("a", 2, "two", "left"), now_);
+  wire::SessionRequest leave = Sealed(MakeRequest("a", 1, "two", "left"), 7);
+  leave.leave = true;
+  by_hand_.Request(leave, now_);
+  by_hand_.Update(now_);
+  EXPECT_EQ(by_hand_.TakeChanges().back().phase, palpate_SESSION_HELD) << "its successor waits now";
+  EXPECT_EQ(AdmittedRun(), 2u);
+}
+
+TEST_F(HeldStationTest, GivesItsNameToASuccessorWhenItAsksNoMore) {
+  Wait(1000, false);
+  by_hand_.Request(MakeRequest("a", 2, "two", "left"), now_);
+  Wait(SessionTable::kHeldAwaited_ns / kMs - 1000, false);
+  EXPECT_THAT(by_hand_.TakeChanges(), IsEmpty());
+  Wait(1, false);
+  const auto changes = by_hand_.TakeChanges();
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0].phase, palpate_SESSION_ENDED);
+  EXPECT_EQ(changes[1].phase, palpate_SESSION_HELD) << "no newcomer passes the teacher by";
+  EXPECT_EQ(AdmittedRun(), 2u);
 }
 
 TEST_F(SessionTableTest, HoldsNoMoreStationsThanItServes) {

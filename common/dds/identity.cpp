@@ -1,0 +1,270 @@
+#include "common/dds/identity.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <regex>
+#include <set>
+
+#include <openssl/bio.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <openssl/pkcs7.h>
+#include <openssl/x509.h>
+#include <openssl/x509v3.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/error.h"
+#include "common/quoted.h"
+#include "common/whole_file.h"
+
+namespace palpate::dds {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class T, void (*kFree)(T*)>
+struct Freed {
+  void operator()(T* one) const { kFree(one); }
+};
+using Certificate = std::unique_ptr<X509, Freed<X509, X509_free>>;
+using Key = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY, EVP_PKEY_free>>;
+using Signed = std::unique_ptr<PKCS7, Freed<PKCS7, PKCS7_free>>;
+using Store = std::unique_ptr<X509_STORE, Freed<X509_STORE, X509_STORE_free>>;
+using Bytes = std::unique_ptr<BIO, Freed<BIO, BIO_free_all>>;
+using Time = std::unique_ptr<ASN1_TIME, Freed<ASN1_TIME, ASN1_TIME_free>>;
+
+constexpr const char* kMakeAnother =
+    "; 'deploy/security/identities add' makes another, of the authority that the others have";
+
+[[noreturn]] void Refuse(const fs::path& file, const std::string& what) {
+  throw Error("--identity: " + file.string() + what);
+}
+
+/// Of each file of an identity: certificates, a key and signed permissions have some kB.
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
+
+/// What a file holds.  Cyclone DDS reads it again by its name, and would wait for a pipe.
+Bytes Open(const fs::path& file, const FileCheck& check = {}) {
+  if (access(file.c_str(), R_OK) != 0) {
+    Refuse(file, std::string(": ") + std::strerror(errno) +
+                     "; 'deploy/security/identities add' makes a folder with all that belongs to "
+                     "one");
+  }
+  const std::string content = ReadWholeFile(file.string(), kMostBytes, "--identity:", check);
+  Bytes bytes(BIO_new(BIO_s_mem()));
+  BIO_set_mem_eof_return(bytes.get(), 0);
+  if (BIO_write(bytes.get(), content.data(), static_cast<int>(content.size())) !=
+      static_cast<int>(content.size())) {
+    Refuse(file, content.empty() ? ": is empty" : ": there is no memory for it");
+  }
+  return bytes;
+}
+
+Certificate ReadCertificate(const fs::path& file) {
+  Certificate certificate(PEM_read_bio_X509(Open(file).get(), nullptr, nullptr, nullptr));
+  if (!certificate) Refuse(file, std::string(" holds no certificate (PEM)") + kMakeAnother);
+  return certificate;
+}
+
+Key ReadKey(const fs::path& file) {
+  const Bytes bytes = Open(file, [&](const struct stat& status) {
+    if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
+      Refuse(file, " may be read by others, who could then pass for this program; chmod 600 it");
+    }
+  });
+  // Without a call-back OpenSSL would ask the terminal for a password.
+  Key key(PEM_read_bio_PrivateKey(
+      bytes.get(), nullptr, [](char*, int, int, void*) { return -1; }, nullptr));
+  if (!key) {
+    Refuse(file, std::string(" holds no private key (PEM) that is read without a password") +
+                     kMakeAnother);
+  }
+  return key;
+}
+
+std::string Utc(const std::tm& time) {
+  char text[40];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S UTC", &time);
+  return text;
+}
+
+std::string Utc(std::time_t time) {
+  std::tm parts{};
+  gmtime_r(&time, &parts);
+  return Utc(parts);
+}
+
+/// When something begins and ends to hold [s since 1970].
+struct Span {
+  std::time_t begin, end;
+};
+
+/// @param what  of the file: "the certificate".
+void SeeThatItHolds(const fs::path& file, const std::string& what, const Span& span,
+                    std::time_t now) {
+  if (now < span.begin) {
+    Refuse(file, ": " + what + " holds from " + Utc(span.begin) + " on, and by this host's clock " +
+                     "it is " + Utc(now) + "; set the clock, of this host or of the one where " +
+                     "the identity was made");
+  }
+  if (now > span.end) {
+    Refuse(file, ": " + what + " has expired: it held until " + Utc(span.end) +
+                     ", and by this host's clock it is " + Utc(now) +
+                     "; make a new one with 'deploy/security/identities', or set the clock");
+  }
+}
+
+std::time_t Seconds(const ASN1_TIME* time) {
+  std::tm parts{};
+  if (ASN1_TIME_to_tm(time, &parts) != 1) throw Error("a certificate's date cannot be read");
+  return timegm(&parts);
+}
+
+void SeeThatItHolds(const fs::path& file, const X509* certificate, std::time_t now) {
+  SeeThatItHolds(
+      file, "the certificate",
+      {Seconds(X509_get0_notBefore(certificate)), Seconds(X509_get0_notAfter(certificate))}, now);
+}
+
+/// The document in a file, once its signature is known to be the authority's.
+std::string ReadSigned(const fs::path& file, const fs::path& authority, X509* certificate) {
+  BIO* found = nullptr;
+  const Signed document(SMIME_read_PKCS7(Open(file).get(), &found));
+  const Bytes content(found);
+  if (!document) Refuse(file, std::string(" is no signed document (S/MIME)") + kMakeAnother);
+  const Store store(X509_STORE_new());
+  X509_STORE_add_cert(store.get(), certificate);
+  // Dates have words of their own; the authority is the one that is given, whatever it is made for.
+  X509_VERIFY_PARAM* const terms = X509_STORE_get0_param(store.get());
+  X509_VERIFY_PARAM_set_flags(terms, X509_V_FLAG_NO_CHECK_TIME);
+  X509_VERIFY_PARAM_set_purpose(terms, X509_PURPOSE_ANY);
+  const Bytes text(BIO_new(BIO_s_mem()));
+  if (PKCS7_verify(document.get(), nullptr, store.get(), content.get(), text.get(), PKCS7_TEXT) !=
+      1) {
+    Refuse(file, " is not what " + authority.string() +
+                     " signed: somebody has changed it, or it is another authority's" +
+                     kMakeAnother);
+  }
+  char* data = nullptr;
+  const long size = BIO_get_mem_data(text.get(), &data);
+  return {data, static_cast<std::size_t>(std::max(size, 0L))};
+}
+
+/// "CN=left,O=palpate" in parts, whose order does not count.
+std::set<std::string> PartsOf(const std::string& name) {
+  static const std::regex kPart(R"(\s*([^,]*[^,\s])\s*)");
+  std::set<std::string> parts;
+  for (std::sregex_iterator it(name.begin(), name.end(), kPart), end; it != end; ++it) {
+    parts.insert((*it)[1]);
+  }
+  return parts;
+}
+
+std::string SubjectOf(X509* certificate) {
+  const Bytes text(BIO_new(BIO_s_mem()));
+  X509_NAME_print_ex(text.get(), X509_get_subject_name(certificate), 0, XN_FLAG_RFC2253);
+  char* data = nullptr;
+  const long size = BIO_get_mem_data(text.get(), &data);
+  return {data, static_cast<std::size_t>(std::max(size, 0L))};
+}
+
+/// The text between two others, from `at` on, which is then behind both; nullopt where there is
+/// none.
+std::optional<std::string> Between(const std::string& text, const std::string& begin,
+                                   const std::string& end, std::size_t& at) {
+  const std::size_t first = text.find(begin, at);
+  if (first == std::string::npos) return std::nullopt;
+  const std::size_t last = text.find(end, first + begin.size());
+  if (last == std::string::npos) return std::nullopt;
+  at = last + end.size();
+  return text.substr(first + begin.size(), last - first - begin.size());
+}
+
+std::optional<std::string> Element(const std::string& xml, const std::string& name) {
+  std::size_t at = 0;
+  return Between(xml, "<" + name + ">", "</" + name + ">", at);
+}
+
+std::string WithoutComments(const std::string& xml) {
+  std::string text;
+  for (std::size_t at = 0, end = 0; at != std::string::npos; at = end) {
+    const std::size_t begin = xml.find("<!--", at);
+    text += xml.substr(at, begin - at);
+    end = begin == std::string::npos ? begin : xml.find("-->", begin);
+    if (end != std::string::npos) end += 3;
+  }
+  return text;
+}
+
+/// As XML Schema writes it, 2026-11-25T13:00:00, with Z, an offset or neither, which is UTC.
+std::optional<std::time_t> DateIn(const std::string& xml, const std::string& name) {
+  const std::optional<std::string> text = Element(xml, name);
+  if (!text) return std::nullopt;
+  static const std::regex kDate(R"(\s*(\S+?)(?:\.\d+)?(?:Z|([+-])(\d\d):(\d\d))?\s*)");
+  std::smatch match;
+  std::tm parts{};
+  if (!std::regex_match(*text, match, kDate)) return std::nullopt;
+  const std::string moment = match[1];
+  const char* const end = strptime(moment.c_str(), "%Y-%m-%dT%H:%M:%S", &parts);
+  if (end == nullptr || *end != '\0') return std::nullopt;
+  std::time_t offset = 0;
+  if (match[2].matched) {
+    offset = 60 * (60 * std::stoi(match[3]) + std::stoi(match[4])) * (match[2] == "-" ? -1 : 1);
+  }
+  return timegm(&parts) - offset;
+}
+
+void CheckPermissions(const fs::path& file, const std::string& document, X509* certificate,
+                      std::time_t now) {
+  const std::string xml = WithoutComments(document);
+  const std::string subject = SubjectOf(certificate);
+  std::size_t at = 0;
+  while (const std::optional<std::string> found = Between(xml, "<grant", "</grant>", at)) {
+    const std::string& grant = *found;
+    const std::optional<std::string> whose = Element(grant, "subject_name");
+    if (!whose || PartsOf(*whose) != PartsOf(subject)) continue;
+    const auto begins = DateIn(grant, "not_before");
+    const auto ends = DateIn(grant, "not_after");
+    if (!begins || !ends) {
+      Refuse(file, std::string(" does not say from when to when it holds") + kMakeAnother);
+    }
+    return SeeThatItHolds(file, "the permission", {*begins, *ends}, now);
+  }
+  Refuse(file, " permits nothing to '" + Printable(subject) +
+                   "', whose certificate stands beside it: it is another identity's" +
+                   kMakeAnother);
+}
+
+}  // namespace
+
+void CheckIdentity(const std::string& identity, std::time_t now) {
+  const fs::path folder(identity);
+  const fs::path authority = folder / "identity_ca.pem", own = folder / "cert.pem",
+                 signer = folder / "permissions_ca.pem", key_file = folder / "key.pem";
+  const Key key = ReadKey(key_file);
+  const Certificate certificate = ReadCertificate(own), issuer = ReadCertificate(authority),
+                    permitter = ReadCertificate(signer);
+  if (X509_check_private_key(certificate.get(), key.get()) != 1) {
+    Refuse(key_file, " is not the key of " + own.string() +
+                         ": two identities are mixed; carry the whole folder anew");
+  }
+  if (X509_verify(certificate.get(), X509_get0_pubkey(issuer.get())) != 1) {
+    Refuse(own, " is not issued by " + authority.string() +
+                    ": files of two authorities are mixed; carry the whole folder anew");
+  }
+  SeeThatItHolds(own, certificate.get(), now);
+  SeeThatItHolds(authority, issuer.get(), now);
+  SeeThatItHolds(signer, permitter.get(), now);
+  ReadSigned(folder / "governance.p7s", signer, permitter.get());
+  const fs::path permissions = folder / "permissions.p7s";
+  CheckPermissions(permissions, ReadSigned(permissions, signer, permitter.get()), certificate.get(),
+                   now);
+}
+
+}  // namespace palpate::dds
