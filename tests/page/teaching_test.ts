@@ -188,20 +188,26 @@ function watch(): Promise<[number, string][]> {
 const mouseOf = ({stations}: Probe): Probe["stations"][string] | undefined =>
   Object.entries(stations).find(([id]) => id.startsWith("mouse_"))?.[1];
 
-/// Takes the tool and drags it down on the fixed bunny until it pushes back; false where it met
-/// nothing.
+/// Takes the tool and drags it down on the fixed bunny until it pushes back, stroke by stroke as a
+/// hand does: where the machine is busy, the tool is slower than the pointer and a stroke ends
+/// above the bunny.  False where it met nothing.
 async function press(page: Page): Promise<boolean> {
   await page.locator("#take").click();
   await until(page, "the tool", ({hold}) => hold === "holding", 60_000);
   await until(page, "its station", (now) => mouseOf(now) !== undefined, 60_000);
   const view = (await page.locator("#view").boundingBox())!;
   const x = view.x + view.width / 2;
-  await page.mouse.move(x, view.y + 40);
-  await page.mouse.down();
-  for (let y = view.y + 40; y < view.y + view.height - 10; y += 3) {
-    await page.mouse.move(x, y);
-    await new Promise((resolve) => setTimeout(resolve, 50));
-    if (norm(mouseOf(await probe(page))!.forceN) > 0.5) return true;
+  for (let stroke = 0; stroke < 3; stroke++) {
+    await page.mouse.move(x, view.y + 40);
+    await page.mouse.down();
+    for (let y = view.y + 40; y < view.y + view.height - 10; y += 3) {
+      await page.mouse.move(x, y);
+      await new Promise((resolve) => setTimeout(resolve, 50));
+      const station = mouseOf(await probe(page));
+      if (station === undefined) return false; // its session has ended
+      if (norm(station.forceN) > 0.5) return true;
+    }
+    await page.mouse.up();
   }
   return false;
 }
