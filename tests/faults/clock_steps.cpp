@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
-#include <new>
 
 #include <fcntl.h>
 #include <spdlog/fmt/fmt.h>

@@ -1,20 +1,15 @@
 #include "tests/faults/faults.h"
 
-#include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <fstream>
-#include <thread>
 
 #include <spdlog/fmt/fmt.h>
 #include <sys/mount.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "client/recorder/file_summary.h"
 #include "common/error.h"
 #include "common/math/random.h"
-#include "common/time/steady_clock.h"
 #include "tests/common/dds/roudi.h"
 #include "tests/faults/clock_steps.h"
 #include "tests/faults/findings.h"
@@ -204,29 +199,6 @@ Findings RouDiKilled(int domain) {
   return findings;
 }
 
-Findings SharedMemoryFull(int domain) {
-  Findings findings;
-  struct statvfs space {};
-  if (statvfs("/dev/shm", &space) != 0) return {{"(/dev/shm)", "skipped: there is none", true}};
-  if (OwnRouDi(findings) == nullptr) return findings;
-  Lab lab(domain, "auto");
-  lab.StartServer();
-  lab.StartStation();
-  Wait(1.0);
-  const std::string before = lab.station->Output();
-  const std::string file = "/dev/shm/palpate_faults_full";
-  const std::uint64_t free = static_cast<std::uint64_t>(space.f_bavail) * space.f_frsize;
-  if (free > (1ull << 30)) {
-    return {{"a full /dev/shm", "skipped: more than 1 GB would have to be filled", true}};
-  }
-  std::ofstream(file) << std::string(free, 'x');
-  Wait(2.0);
-  findings.push_back(Undisturbed(lab, before));
-  fs::remove(file);
-  findings.push_back(lab.JudgeTheHand());
-  return findings;
-}
-
 Findings NoMemory(int domain) {
   Lab lab(domain);
   Findings findings;
@@ -358,7 +330,6 @@ const std::vector<Fault>& AllFaults() {
       {"recorder-killed", "kill -9 of the recorder, six times", true, RecorderKilled},
       {"recorder-frozen", "SIGSTOP of the recorder for 4 s", true, RecorderFrozen},
       {"disk-full", "a disk of 640 kB for the recording", true, DiskFull},
-      {"shm-full", "/dev/shm filled", false, SharedMemoryFull},
       {"shm-small", "a /dev/shm that is full before anything starts", true, SharedMemoryTooSmall},
       {"shm-fills", "a /dev/shm of its own that fills up under running programs", true,
        SharedMemoryFills},

@@ -1,6 +1,5 @@
 #include "tests/faults/small_memory.h"
 
-#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <optional>
