@@ -5,9 +5,10 @@
 
 namespace palpate {
 
-DdsViewers::DdsViewers(int domain, std::size_t viewers, FrameTally& tally) {
+DdsViewers::DdsViewers(int domain, const dds::Network& network, std::size_t viewers,
+                       FrameTally& tally) {
   for (std::size_t i = 0; i < viewers; ++i) {
-    Viewer& viewer = viewers_.emplace_back(Viewer{dds::Participant::Service(domain), {}});
+    Viewer& viewer = viewers_.emplace_back(Viewer{dds::Participant::Service(domain, network), {}});
     viewer.reader = {
         viewer.participant, dds::kToolStateTopic, dds::Qos::kStream,
         [i, &tally](const wire::ToolState& frame) { tally.Add(i, frame, SteadyNanoseconds()); }};

@@ -13,7 +13,7 @@ namespace palpate {
 class DdsViewers {
  public:
   /// The tally must outlive it.  Throws Error.
-  DdsViewers(int domain, std::size_t viewers, FrameTally& tally);
+  DdsViewers(int domain, const dds::Network& network, std::size_t viewers, FrameTally& tally);
 
  private:
   struct Viewer {

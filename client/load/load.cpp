@@ -186,10 +186,10 @@ void RunLoad(const LoadRunOptions& options, StopSignal& stop) {
   const std::size_t stations = *std::ranges::max_element(options.stations);
   LoadSetting setting{options, {}, {}, ShowProgress};
   // Kept open, so that the domain is not made anew for each run.
-  const dds::Participant service = dds::Participant::Service(options.domain);
+  const dds::Participant service = dds::Participant::Service(options.domain, options.network);
   if (stations > 0 || options.find) {
-    setting.tools =
-        AskForTools(service, {options.domain, {}, options.patience_s}, options.scene, stop);
+    setting.tools = AskForTools(service, {options.domain, options.network, options.patience_s},
+                                options.scene, stop);
     if (stop.stopped()) return;
     setting.scripts = ScriptsOf(options, setting.tools);
     if (stations > setting.tools.size()) {

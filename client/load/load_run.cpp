@@ -144,8 +144,8 @@ std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& s
   setup.rate_hz = kServerFrames_hz;
   FrameTally dds_tally(setup);
   if (!Link(setting, size.stations, stations, stop)) return std::nullopt;
-  std::optional<DdsViewers> dds_viewers(std::in_place, options.domain, options.dds_viewers,
-                                        dds_tally);
+  std::optional<DdsViewers> dds_viewers(std::in_place, options.domain, options.network,
+                                        options.dds_viewers, dds_tally);
   std::optional<WebViewers> web_viewers;
   // The stations are not polled while viewers attach; they go on by themselves.
   web_viewers.emplace(options.viewer_url, size.viewers, options.stalled, options.patience_s,

@@ -19,6 +19,7 @@ LinkOptions LinkOf(const std::string& name, const OfferedTool& tool,
   link.device = "scripted (palpate-load)";
   link.domain = options.domain;
   link.transport = options.transport;
+  link.network = options.network;
   link.realtime.mode = ParseRealtimeMode(options.realtime);
   link.patience_s = options.patience_s;
   return link;

@@ -29,6 +29,11 @@ constexpr const char* kExamples =
       sets the limit
   palpate-load --scene /tmp/many.json --stations 1,4,16 --viewers 0,50,200 --report capacity.md
       each number of stations with each number of viewers, as a table
+  palpate-load --stations 4 --network eth0
+      a server on another host, which runs with --network too
+  deploy/security/identities add lab load load
+  palpate-load --stations 4 --identity lab/identities/load
+      a secured domain: an identity of the role 'load', called as --name is
 
 A pose is late where its wrench takes more than 1 ms, or never comes, or where its station could not
 send it in its millisecond.  CPU fractions are of one core.  Frames are a viewer's tool states; their
@@ -96,6 +101,7 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
       ->capture_default_str();
   app.add_option("--transport", transport, "of poses and wrenches: auto, shm or udp")
       ->capture_default_str();
+  AddNetworkOptions(app, "the server", options.network);
   app.add_option("--realtime", options.realtime,
                  "scheduling of the stations' loops: require, prefer or off")
       ->capture_default_str();

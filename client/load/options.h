@@ -32,6 +32,7 @@ struct LoadRunOptions {
   std::string name = "load";
   int domain = 0;
   dds::Transport transport = dds::Transport::kAuto;
+  dds::Network network;
   std::string realtime = "prefer";
   double patience_s = 10.0;
   std::optional<int> server_pid, viewer_pid;

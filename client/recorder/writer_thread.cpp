@@ -10,8 +10,11 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds kDrain{20};
-/// Twice in the second that may be lost at most.
-constexpr std::int64_t kFlush_ns = 500'000'000;
+constexpr std::int64_t kFlush_ns = 400'000'000;
+/// What a recorder that is killed may lose: what came since the last flush, which is this long ago
+/// at most, and a pass through the loop.  The rest is for the machine, and for the flush itself.
+static_assert(kFlush_ns + std::chrono::nanoseconds(kDrain).count() <= 450'000'000,
+              "at most half a second is lost, with a tenth of it to spare");
 
 std::string WordsOf(const std::exception_ptr& error, const std::string& file) {
   try {

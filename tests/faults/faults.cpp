@@ -1,64 +1,26 @@
 #include "tests/faults/faults.h"
 
-#include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <fstream>
-#include <thread>
 
 #include <spdlog/fmt/fmt.h>
 #include <sys/mount.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "client/recorder/file_summary.h"
 #include "common/error.h"
 #include "common/math/random.h"
-#include "common/time/steady_clock.h"
 #include "tests/common/dds/roudi.h"
+#include "tests/faults/clock_steps.h"
+#include "tests/faults/findings.h"
 #include "tests/faults/hostile.h"
+#include "tests/faults/recorder_killed.h"
+#include "tests/faults/small_memory.h"
 
 namespace palpate::faults {
 namespace {
 
 namespace fs = std::filesystem;
-using Findings = std::vector<Finding>;
-
-void Wait(double seconds) {
-  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-}
-
-Finding Lives(const std::string& who, test::Program& program) {
-  const bool runs = program.Runs();
-  return {who + " lives", runs ? "yes" : "ended:\n" + program.Output(), runs};
-}
-Finding LoopRuns(Lab& lab) {
-  const bool runs = lab.Answers();
-  return {"the station's poses are answered", runs ? "yes" : lab.station->Output(), runs};
-}
-Finding Resumes(Lab& lab) {
-  const double seconds = lab.SecondsUntilResumed();
-  return {
-      "the station resumes untouched once the server is ready (goal 3 s)",
-      seconds < 0.0 ? "not within 60 s:\n" + lab.station->Output() : "after " + Seconds(seconds),
-      seconds >= 0.0};
-}
-/// What happened to others is nothing to the loop.
-Finding Undisturbed(Lab& lab, const std::string& said_before) {
-  const std::string said = lab.station->Output().substr(said_before.size());
-  const bool disturbed = said.find("asking") != std::string::npos ||
-                         said.find("no replies") != std::string::npos || !lab.station->Runs();
-  return {"the loop goes on", disturbed ? said : "no session was lost", !disturbed};
-}
-Finding Says(const std::string& must, test::Program& program, const std::string& text) {
-  const bool says = program.Says(text, 30.0);
-  return {must, says ? "'" + text + "'" : program.Output(), says};
-}
-Finding EndsInOrder(const std::string& who, test::Program& program) {
-  program.Signal(SIGTERM);
-  const int exit = program.Exit(30.0);
-  return {who + " ends cleanly", fmt::format("exit status {}", exit), exit == 0};
-}
 
 Findings ServerKilled(int domain) {
   Lab lab(domain);
@@ -134,47 +96,19 @@ Findings GatewayKilledAndFrozen(int domain) {
   lab.gateway->Signal(SIGKILL);
   lab.gateway->Exit();
   lab.StartGateway();
-  Finding sees{"a new gateway shows the scene", "", false};
-  for (int i = 0; i < 100 && !sees.held; ++i) {
-    sees.held = lab.Get("/healthz").find("\"cube\"") != std::string::npos;
-    Wait(0.1);
-  }
-  sees.found = sees.held ? "it does" : lab.gateway->Output();
-  return {sees, Undisturbed(lab, before), lab.JudgeTheHand()};
+  return {Shows("a new gateway shows the scene", lab), Undisturbed(lab, before),
+          lab.JudgeTheHand()};
 }
 
 Findings GatewayBlinded(int domain) {
   Lab lab(domain);
   lab.StartServer();
   lab.StartGateway();
-  Finding sees{"the gateway goes on showing the server that lives", "", false};
-  for (int i = 0; i < 100 && !sees.held; ++i) {
-    sees.held = lab.Get("/healthz").find("\"cube\"") != std::string::npos;
-    Wait(0.1);
-  }
+  Finding sees = Shows("the gateway goes on showing the server that lives", lab);
   FloodDomain(domain, 1, 2.0);
   sees.held &= lab.Get("/healthz").find("\"cube\"") != std::string::npos;
   sees.found = sees.held ? "it does" : "it does not";
   return {sees, Lives("the gateway", *lab.gateway)};
-}
-
-Findings RecorderKilled(int domain) {
-  Lab lab(domain);
-  lab.StartServer();
-  lab.StartRecorder();
-  lab.StartStation();
-  Wait(4.0);
-  const std::string before = lab.station->Output();
-  lab.recorder->Signal(SIGKILL);
-  lab.recorder->Exit();
-  Findings findings{Undisturbed(lab, before)};
-  const FileSummary summary = Summarise({lab.recording()});
-  // The station has sent for 4 s and the time that it took to come up.
-  findings.push_back({"what it had written is whole",
-                      fmt::format("{} messages, {} missing", summary.messages, summary.missing),
-                      summary.messages > 2000 && summary.missing == 0});
-  findings.push_back(lab.JudgeTheHand());
-  return findings;
 }
 
 Findings RecorderFrozen(int domain) {
@@ -262,29 +196,6 @@ Findings RouDiKilled(int domain) {
   findings.push_back(lab.JudgeTheHand());
   lab.server->Signal(SIGTERM);
   lab.server->Exit(30.0);
-  return findings;
-}
-
-Findings SharedMemoryFull(int domain) {
-  Findings findings;
-  struct statvfs space {};
-  if (statvfs("/dev/shm", &space) != 0) return {{"(/dev/shm)", "skipped: there is none", true}};
-  if (OwnRouDi(findings) == nullptr) return findings;
-  Lab lab(domain, "auto");
-  lab.StartServer();
-  lab.StartStation();
-  Wait(1.0);
-  const std::string before = lab.station->Output();
-  const std::string file = "/dev/shm/palpate_faults_full";
-  const std::uint64_t free = static_cast<std::uint64_t>(space.f_bavail) * space.f_frsize;
-  if (free > (1ull << 30)) {
-    return {{"a full /dev/shm", "skipped: more than 1 GB would have to be filled", true}};
-  }
-  std::ofstream(file) << std::string(free, 'x');
-  Wait(2.0);
-  findings.push_back(Undisturbed(lab, before));
-  fs::remove(file);
-  findings.push_back(lab.JudgeTheHand());
   return findings;
 }
 
@@ -416,10 +327,13 @@ const std::vector<Fault>& AllFaults() {
       {"gateway", "SIGSTOP and kill -9 of the gateway, and a new one", true,
        GatewayKilledAndFrozen},
       {"gateway-blinded", "samples of other runs", true, GatewayBlinded},
-      {"recorder-killed", "kill -9 of the recorder", true, RecorderKilled},
+      {"recorder-killed", "kill -9 of the recorder, six times", true, RecorderKilled},
       {"recorder-frozen", "SIGSTOP of the recorder for 4 s", true, RecorderFrozen},
       {"disk-full", "a disk of 640 kB for the recording", true, DiskFull},
-      {"shm-full", "/dev/shm filled", false, SharedMemoryFull},
+      {"shm-small", "a /dev/shm that is full before anything starts", true, SharedMemoryTooSmall},
+      {"shm-fills", "a /dev/shm of its own that fills up under running programs", true,
+       SharedMemoryFills},
+      {"clock-steps", "the wall clock of each program an hour ahead and back", true, ClockSteps},
       {"no-memory", "a server that may have little memory", true, NoMemory},
       {"hostile-samples", "samples with anything in them on every topic", true, HostileSamples},
       {"hostile-port", "anything at the gateway's port", true, HostilePort},

@@ -20,8 +20,7 @@ TEST_P(RouDiFaults, LeaveTrueWhatMustBe) {
   EXPECT_EQ(faults.Exit(220.0), 0) << faults.Output();
   EXPECT_THAT(faults.Output(), testing::HasSubstr(" held\n"));
 }
-INSTANTIATE_TEST_SUITE_P(Each, RouDiFaults,
-                         testing::Values("shm-full", "two-roudis", "roudi-killed"),
+INSTANTIATE_TEST_SUITE_P(Each, RouDiFaults, testing::Values("two-roudis", "roudi-killed"),
                          [](const auto& each) {
                            std::string name = each.param;
                            std::ranges::replace(name, '-', '_');

@@ -24,8 +24,9 @@ INSTANTIATE_TEST_SUITE_P(Each, Faults,
                          testing::Values("server-killed", "server-frozen", "station-killed",
                                          "station-frozen", "gateway", "gateway-blinded",
                                          "recorder-killed", "recorder-frozen", "disk-full",
-                                         "no-memory", "hostile-samples", "hostile-port",
-                                         "slow-loris", "scene-swapped", "two-servers"),
+                                         "clock-steps", "shm-small", "shm-fills", "no-memory",
+                                         "hostile-samples", "hostile-port", "slow-loris",
+                                         "scene-swapped", "two-servers"),
                          [](const auto& each) {
                            std::string name = each.param;
                            std::ranges::replace(name, '-', '_');

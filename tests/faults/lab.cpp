@@ -49,6 +49,9 @@ std::unique_ptr<test::Program> Lab::Run(const std::string& name, std::vector<std
                                         const std::vector<std::string>& before) const {
   arguments.insert(arguments.end(), {"--domain", std::to_string(domain_)});
   arguments.insert(arguments.begin(), test::OwnFolder() + "/" + name);
+  if (const auto words = start_with_.find(name); words != start_with_.end()) {
+    arguments.insert(arguments.begin(), words->second.begin(), words->second.end());
+  }
   arguments.insert(arguments.begin(), before.begin(), before.end());
   const std::string file = arguments.front();
   arguments.erase(arguments.begin());

@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/support/program.h"
@@ -28,8 +30,14 @@ class Lab {
   Lab(const Lab&) = delete;
   Lab& operator=(const Lab&) = delete;
 
+  /// From now on a program of that name ("palpate-server") starts with these words before its own,
+  /// as of another program that runs it.
+  void StartWith(const std::string& program, std::vector<std::string> words) {
+    start_with_[program] = std::move(words);
+  }
+
   /// Each throws Error, with what the program said, where it does not come up.
-  /// @param before  words before the program's own, as of a shell that limits it.
+  /// @param before  words before all others, as of a shell that limits it.
   void StartServer(const std::vector<std::string>& more = {},
                    const std::vector<std::string>& before = {});
   void StartStation(const std::vector<std::string>& more = {});
@@ -63,6 +71,7 @@ class Lab {
   std::string transport_;
   std::filesystem::path folder_;
   int port_ = 0;
+  std::map<std::string, std::vector<std::string>> start_with_;  // by program
 };
 
 /// "0.42 s"

@@ -11,7 +11,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <ifaddrs.h>
+#include <net/if.h>
 #include <nlohmann/json.hpp>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "tests/support/program.h"
@@ -25,6 +28,19 @@ using testing::HasSubstr;
 namespace fs = std::filesystem;
 
 const int kDomain = OwnDomain();
+
+/// One with an address of IPv4 that is not this host's alone; empty: there is none.
+std::string OtherInterface() {
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) return "";
+  std::string name;
+  for (const ifaddrs* each = all; each != nullptr && name.empty(); each = each->ifa_next) {
+    if (each->ifa_addr == nullptr || each->ifa_addr->sa_family != AF_INET) continue;
+    if ((each->ifa_flags & (IFF_UP | IFF_LOOPBACK)) == IFF_UP) name = each->ifa_name;
+  }
+  freeifaddrs(all);
+  return name;
+}
 
 class Load : public testing::Test {
  protected:
@@ -109,6 +125,40 @@ TEST_F(Load, MeasuresStationsAndViewersOfBothKinds) {
   EXPECT_THAT(ReadText("capacity.md"), HasSubstr("| 2 | 3 + 1 DDS |"));
   // All that it took is free again.
   EXPECT_TRUE(server_->Says("station load_2: ended")) << server_->Output();
+}
+
+TEST_F(Load, GoesOverTheNetworkAndToThePeersThatItIsGiven) {
+  StartServer();
+  const auto load = Start(Arguments(
+      {"--network", "lo", "--peer", "127.0.0.1", "--dds-viewers", "1", "--json", In("peer.json")},
+      "1"));
+  ASSERT_EQ(load->Exit(60.0), 0) << load->Output();
+  const Json json = Json::parse(ReadText("peer.json"));
+  EXPECT_GT(json["achieved_hz"].get<double>(), 0.0);
+  EXPECT_GT(json["dds_viewer_frames"].get<int>(), 0);
+
+  const auto nowhere = Start(Arguments({"--network", "nowhere0"}));
+  EXPECT_EQ(nowhere->Exit(60.0), 1);
+  EXPECT_THAT(nowhere->Output(), HasSubstr("there is no interface 'nowhere0'"));
+}
+
+TEST_F(Load, MeetsAServerOnAnotherInterfaceThanThisHosts) {
+  const std::string interface = OtherInterface();
+  if (interface.empty()) GTEST_SKIP() << "this host has no network beside lo";
+  const auto make = Start({"--make-scene", "4", In("many.json")});
+  ASSERT_EQ(make->Exit(), 0) << make->Output();
+  server_ = std::make_unique<Program>(
+      PALPATE_BIN_DIR "/palpate-server",
+      std::vector<std::string>{"--scene", In("many.json"), "--realtime", "off", "--network",
+                               interface, "--domain", std::to_string(kDomain)});
+  ASSERT_TRUE(server_->Says("ready: ", 60.0)) << server_->Output();
+  const auto load =
+      Start({"--scene", In("many.json"), "--realtime", "off", "--seconds", "1", "--network",
+             interface, "--stations", "2", "--dds-viewers", "1", "--json", In("network.json")});
+  ASSERT_EQ(load->Exit(60.0), 0) << load->Output();
+  const Json json = Json::parse(ReadText("network.json"));
+  EXPECT_GT(json["achieved_hz"].get<double>(), 0.0);
+  EXPECT_GT(json["dds_viewer_frames"].get<int>(), 0);
 }
 
 /// Whatever the machine held, the limit follows from the runs that the program tells of, each of

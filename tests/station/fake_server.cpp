@@ -12,7 +12,7 @@ FakeServer::FakeServer(int domain, const dds::TransportChoice& transport)
     : loop_(dds::Participant::Loop(domain, transport)),
       service_(dds::Participant::Service(domain)),
       states_(service_, dds::kSessionStateTopic, dds::Qos::kSession),
-      requests_(service_, dds::kSessionRequestTopic, dds::Qos::kSession),
+      requests_(service_, dds::kSessionRequestTopic, dds::Qos::kRecordSession),
       server_run_(std::random_device{}() + 1u),
       thread_([this] { Run(); }) {}
 

@@ -258,6 +258,17 @@ TEST(SessionLink, RebuildsItsReaderAndThenItsSessionWhenMatchedButDeaf) {
   server.Mute(true);
   ASSERT_TRUE(station.Until([&] { return server.sessions() > 1; }));
   EXPECT_EQ(station.snapshot.force_N, 0.0);
+  EXPECT_FALSE(server.left()) << "it was cut off, and has not left";
+  server.Mute(false);
+  EXPECT_TRUE(station.UntilForce(2.0));
+}
+
+TEST(SessionLink, LeavesARunThatNobodyAnsweredBeforeItAsksAnew) {
+  FakeServer server(kDomain, kUdp);
+  server.Mute(true);
+  Station station;
+  ASSERT_TRUE(station.Until([&] { return server.sessions() > 1; }, 40.0));
+  EXPECT_TRUE(server.left()) << "its name would be held against it";
   server.Mute(false);
   EXPECT_TRUE(station.UntilForce(2.0));
 }

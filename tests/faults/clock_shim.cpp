@@ -1,0 +1,116 @@
+// A library to be preloaded into a program, whose wall clock then steps as a test says, and nothing
+// else: CLOCK_REALTIME as it is read, and as it is waited for.  Without the second a wait until a
+// time of the false clock would last an hour by the kernel's, as no step of a real clock makes it.
+#include "tests/faults/clock_shim.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <ctime>
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+namespace {
+
+using palpate::faults::SteppedClock;
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+/// A wait looks so often whether the clock has stepped: what a kernel's does at once.
+constexpr std::int64_t kLook_ns = 10'000'000;
+/// A condition variable does not tell which clock it waits by; CLOCK_MONOTONIC counts from the
+/// host's start, and is not that old.
+constexpr std::time_t kSince1970_s = 1'000'000'000;
+
+SteppedClock* Map() {
+  const char* const file = std::getenv(palpate::faults::kSteppedClockFile);
+  if (file == nullptr) return nullptr;
+  const int fd = open(file, O_RDWR | O_CLOEXEC);
+  if (fd < 0) return nullptr;
+  void* const place =
+      mmap(nullptr, sizeof(SteppedClock), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+  close(fd);
+  return place == MAP_FAILED ? nullptr : static_cast<SteppedClock*>(place);
+}
+
+// Set once, before main: programs ask for the time before that, and get the right one.
+SteppedClock* stepped = nullptr;
+using ClockGetTime = int (*)(clockid_t, timespec*);
+ClockGetTime next_clock_gettime = nullptr;
+
+__attribute__((constructor)) void Begin() {
+  next_clock_gettime = reinterpret_cast<ClockGetTime>(dlsym(RTLD_NEXT, "clock_gettime"));
+  stepped = Map();
+}
+
+std::int64_t AheadNs() {
+  return stepped == nullptr ? 0 : stepped->ahead_ns.load(std::memory_order_relaxed);
+}
+
+std::int64_t ToNs(const timespec& time) {
+  return static_cast<std::int64_t>(time.tv_sec) * kSecond_ns + time.tv_nsec;
+}
+timespec ToTime(std::int64_t ns) {
+  return {static_cast<std::time_t>(ns / kSecond_ns), static_cast<long>(ns % kSecond_ns)};
+}
+
+int RightTime(clockid_t clock, timespec* time) {
+  if (next_clock_gettime != nullptr) return next_clock_gettime(clock, time);
+  return static_cast<int>(syscall(SYS_clock_gettime, clock, time));
+}
+
+std::int64_t WallNs() {
+  timespec time{};
+  clock_gettime(CLOCK_REALTIME, &time);
+  return ToNs(time);
+}
+
+}  // namespace
+
+extern "C" {
+
+int clock_gettime(clockid_t clock, timespec* time) {
+  const int result = RightTime(clock, time);
+  if (result != 0 || (clock != CLOCK_REALTIME && clock != CLOCK_REALTIME_COARSE)) return result;
+  if (const std::int64_t ahead_ns = AheadNs(); ahead_ns != 0) {
+    *time = ToTime(ToNs(*time) + ahead_ns);
+    stepped->asked.fetch_add(1, std::memory_order_relaxed);
+  }
+  return 0;
+}
+
+int gettimeofday(timeval* time, void* zone) {
+  if (zone != nullptr) *static_cast<struct timezone*>(zone) = {};
+  const timespec now = ToTime(WallNs());
+  *time = {now.tv_sec, now.tv_nsec / 1000};
+  return 0;
+}
+
+std::time_t time(std::time_t* time) {
+  const std::time_t now = WallNs() / kSecond_ns;
+  if (time != nullptr) *time = now;
+  return now;
+}
+
+int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex,
+                           const timespec* until) {
+  if (until->tv_sec < kSince1970_s) {
+    return pthread_cond_clockwait(condition, mutex, CLOCK_MONOTONIC, until);
+  }
+  for (;;) {
+    const std::int64_t left_ns = ToNs(*until) - WallNs();
+    if (left_ns <= 0) return ETIMEDOUT;
+    timespec right{};
+    RightTime(CLOCK_MONOTONIC, &right);
+    const timespec look = ToTime(ToNs(right) + std::min(left_ns, kLook_ns));
+    const int result = pthread_cond_clockwait(condition, mutex, CLOCK_MONOTONIC, &look);
+    if (result != ETIMEDOUT) return result;
+  }
+}
+
+}  // extern "C"
