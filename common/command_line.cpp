@@ -14,7 +14,9 @@
 
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/host_name.h"
 #include "common/log.h"
+#include "common/lower_case.h"
 #include "common/nearest_word.h"
 
 namespace palpate {
@@ -82,6 +84,20 @@ void AddCommonOptions(CLI::App& app, const std::string& domain_help, int& domain
          "--log-format", [](const std::string& text) { SetLogFormat(ParseLogFormat(text)); },
          "of the log, on standard error: text, or json, an object a line")
       ->default_str("text");
+}
+
+void AddHostNameOption(CLI::App& app, const std::string& what, std::vector<std::string>& names) {
+  // Validators run from the last to the first.
+  app.add_option("--host-name", names,
+                 "a name of this host by which " + what +
+                     " may be asked for, as lab.example; addresses in numbers and localhost always "
+                     "may.  All others are refused, since somebody's page may lead its name here; "
+                     "so is this host's own until it is named")
+      ->type_name("NAME")
+      ->transform([](const std::string& name) { return LowerCase(name); })
+      ->check([](const std::string& name) {
+        return IsHostName(name) ? "" : "'" + name + "' is no host's name, as lab.example";
+      });
 }
 
 void AddNetworkOptions(CLI::App& app, const std::string& peer, dds::Network& network) {

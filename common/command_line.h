@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/dds/network.h"
 #include "common/realtime/realtime.h"
@@ -28,6 +29,10 @@ void AddNetworkOptions(CLI::App& app, const std::string& peer, dds::Network& net
 /// Adds --realtime and --cpu, for a program with a loop.
 /// @param loop  whose scheduling it is: "the servo loops".   @param realtime  must outlive the app.
 void AddRealtimeOptions(CLI::App& app, const std::string& loop, RealtimeOptions& realtime);
+
+/// Adds --host-name, for a program that answers HTTP: names are then in small letters.
+/// @param what  browsers ask for: "the page".   @param names  must outlive the app.
+void AddHostNameOption(CLI::App& app, const std::string& what, std::vector<std::string>& names);
 
 /// False where --help or --version was asked for, and is printed.  Numbers are finite then.  Throws
 /// UsageError (argument, where to look).

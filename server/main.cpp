@@ -64,6 +64,7 @@ struct Options {
   bool admit_by_hand = false;
   std::uint64_t hand_seed = 1;
   std::optional<MetricsEndpoint> metrics;
+  std::vector<std::string> host_names;  // by which metrics may be asked for
   std::string event_log;
   int domain = 0;
   std::string log_level = "info";
@@ -95,8 +96,9 @@ class Record {
         metrics_(transport, realtime) {
     if (!options.event_log.empty()) events_ = std::make_unique<EventLog>(options.event_log);
     if (!options.metrics) return;
-    port_ = std::make_unique<MetricsPort>(*options.metrics,
-                                          [this](MetricsPage& page) { metrics_.Fill(page); });
+    port_ = std::make_unique<MetricsPort>(
+        MetricsPort::Options{.endpoint = *options.metrics, .host_names = options.host_names},
+        [this](MetricsPage& page) { metrics_.Fill(page); });
     spdlog::info("metrics: {}", port_->url());
   }
 
@@ -132,7 +134,7 @@ class Record {
   EventLog::Fields start_;
   ServerMetrics metrics_;
   std::unique_ptr<EventLog> events_;
-  std::unique_ptr<MetricsPort> port_;  // its threads ask metrics_
+  std::unique_ptr<MetricsPort> port_;  // its thread asks metrics_
 };
 
 int Serve(const Options& options) {
@@ -229,9 +231,11 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   app.add_option_function<std::string>(
          "--metrics",
          [&options](const std::string& text) { options.metrics = ParseMetricsEndpoint(text); },
-         "give metrics to Prometheus at http://ADDRESS:PORT/metrics; without an address to this "
-         "host alone.  Default: to nobody")
+         "give metrics to Prometheus at http://ADDRESS:PORT/metrics, an address of IPv6 in "
+         "brackets; "
+         "without an address to this host alone.  Default: to nobody")
       ->type_name("[ADDRESS:]PORT");
+  AddHostNameOption(app, "metrics", options.host_names);
   app.add_option(
          "--event-log", options.event_log,
          "append what takes place, sessions, refusals and faults, as JSON, an object a line")
@@ -240,6 +244,9 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   AddCommonOptions(app, "which set of servers and stations this belongs to", options.domain,
                    options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
+  if (!options.host_names.empty() && !options.metrics) {
+    throw UsageError("--host-name is of --metrics, which is not given; give both, or neither");
+  }
   const bool of_mesh = !options.mesh.unit.empty() || options.mesh.ball_m > 0.0;
   if (of_mesh && std::ranges::none_of(options.scenes, IsMeshFile)) {
     throw UsageError(

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "client/viewer/lower_case.h"
+#include "common/lower_case.h"
 
 namespace palpate {
 

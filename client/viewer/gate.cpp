@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "client/viewer/host_name.h"
-#include "client/viewer/lower_case.h"
+#include "common/host_name.h"
+#include "common/lower_case.h"
 #include "common/quoted.h"
 
 namespace palpate {
@@ -12,7 +12,6 @@ namespace {
 constexpr int kBadRequest = 400;
 constexpr int kUnauthorized = 401;
 constexpr int kForbidden = 403;
-constexpr int kMisdirected = 421;
 
 Verdict Refused(int status, Refusal refusal, std::string reason) {
   return {Access::kNone, "", status, refusal, std::move(reason)};
@@ -49,15 +48,8 @@ std::vector<std::string_view> Presented(const Asker& asker) {
 }  // namespace
 
 Verdict Gate::JudgeHost(const Asker& asker) const {
-  if (asker.hosts != 1) {
-    return Refused(kBadRequest, Refusal::kHost,
-                   "a request names one Host, not " + std::to_string(asker.hosts));
-  }
-  if (!IsOwnHost(asker.host, options_.host_names)) {
-    return Refused(kMisdirected, Refusal::kHost,
-                   "its Host is " + Quoted(asker.host) +
-                       ", which is no address in numbers, nor localhost; palpate-viewer "
-                       "--host-name lets it in, where that name is this gateway's");
+  if (auto refusal = RefuseHost(asker.hosts, asker.host, options_.host_names, "palpate-viewer")) {
+    return Refused(refusal->status, Refusal::kHost, std::move(refusal->reason));
   }
   return {Access::kWatch, "", 0, Refusal::kHost, ""};
 }

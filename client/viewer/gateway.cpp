@@ -18,9 +18,9 @@
 #include "client/viewer/host_addresses.h"
 #include "client/viewer/http_session.h"
 #include "client/viewer/hub.h"
-#include "client/viewer/lobby.h"
 #include "client/viewer/tls.h"
 #include "common/error.h"
+#include "common/lobby.h"
 #include "common/time/steady_clock.h"
 
 namespace palpate {

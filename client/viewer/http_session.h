@@ -8,9 +8,9 @@
 #include <boost/beast/http.hpp>
 
 #include "client/viewer/hub.h"
-#include "client/viewer/lobby.h"
 #include "client/viewer/visitor.h"
 #include "client/viewer/web_stream.h"
+#include "common/lobby.h"
 
 namespace palpate {
 

@@ -5,8 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <boost/asio/ip/address.hpp>
 
-#include "client/viewer/host_name.h"
-#include "client/viewer/lower_case.h"
 #include "common/command_line.h"
 #include "common/dds/participant.h"
 #include "common/error.h"
@@ -104,13 +102,7 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
                  "another page that may attach and take a tool, as https://app.example.org; *: any "
                  "page; this gateway's own, and programs that are no page, always may; "
                  "file://, as desktop applications call themselves, may look unless it is named");
-  app.add_option("--host-name", options.host_names,
-                 "a name of this host by which browsers may ask for the page, as lab.example; "
-                 "addresses in numbers and localhost always may.  All others are refused, since "
-                 "somebody's page may lead its name here; so is this host's own until it is named")
-      ->check([](const std::string& name) {
-        return IsHostName(name) ? "" : "'" + name + "' is no host's name, as lab.example";
-      });
+  AddHostNameOption(app, "the page", options.host_names);
   std::vector<std::string> proxies;
   app.add_option("--proxy", proxies,
                  "address of a reverse proxy, whose X-Forwarded-For says for whom it asks: shares "
@@ -143,7 +135,6 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
   if (options.tls_cert.empty() != options.tls_key.empty()) {
     throw UsageError("--tls-cert and --tls-key belong together: a certificate and its key");
   }
-  for (std::string& name : options.host_names) name = LowerCase(name);
   for (const std::string& proxy : proxies) options.proxies.push_back(ToAddress("--proxy", proxy));
   if (page->count() > 0 && !std::filesystem::is_directory(options.page)) {
     throw UsageError("--page " + options.page +

@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
+
+#include "common/lower_case.h"
 
 namespace palpate {
 
 std::string MeshFormatOf(const std::string& file) {
   std::filesystem::path path(file);
   if (IsPackedMesh(file)) path.replace_extension();
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  const std::string extension = LowerCase(path.extension().string());
   return extension.empty() ? extension : extension.substr(1);
 }
 

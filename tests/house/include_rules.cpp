@@ -31,8 +31,8 @@ const std::vector<Rule> kRules = {
     // its library.
     {"common/command_line.h", {"common/realtime/realtime.h", "common/dds/network.h"}, {}, {}},
     {"common/command_line.cpp",
-     {"common/command_line.h", "common/dds/topics.h", "common/error.h", "common/log.h",
-      "common/nearest_word.h"},
+     {"common/command_line.h", "common/dds/topics.h", "common/error.h", "common/host_name.h",
+      "common/log.h", "common/lower_case.h", "common/nearest_word.h"},
      {},
      {"CLI11"}},
     // What a scene's name and its content have in common, for whoever takes one in.
@@ -43,8 +43,9 @@ const std::vector<Rule> kRules = {
     {"common/mcap", {"common"}, {"common/dds"}, {"zlib", "zstd"}},
     // What the project puts into them: samples, as DDS serialises them.
     {"common/recording", {"common"}, {}, {"Eigen", "spdlog"}},
-    // The one place that names metrics, and that gives them to Prometheus.
-    {"common/metrics", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "Prometheus"}},
+    // The one place that names metrics, and that gives them to Prometheus: in its text format, by
+    // Boost's HTTP server.
+    {"common/metrics", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "Prometheus", "Boost"}},
     // What people write, for scenes and devices alike.
     {"common/json", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "nlohmann-json"}},
     {"scenes",

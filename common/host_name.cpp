@@ -1,16 +1,15 @@
-#include "client/viewer/host_name.h"
+#include "common/host_name.h"
 
 #include <algorithm>
 #include <optional>
 
-#include <boost/asio/ip/address.hpp>
+#include <arpa/inet.h>
 
-#include "client/viewer/lower_case.h"
+#include "common/lower_case.h"
+#include "common/quoted.h"
 
 namespace palpate {
 namespace {
-
-namespace ip = boost::asio::ip;
 
 constexpr std::size_t kLongestName = 253;  // RFC 1035
 
@@ -27,6 +26,11 @@ std::optional<std::string_view> WithoutPort(std::string_view authority, std::siz
   return authority.substr(0, host_ends);
 }
 
+bool IsAddress(int family, std::string_view text) {
+  in6_addr address;
+  return inet_pton(family, std::string(text).c_str(), &address) == 1;
+}
+
 }  // namespace
 
 bool IsHostName(std::string_view name) {
@@ -37,21 +41,34 @@ bool IsHostName(std::string_view name) {
 }
 
 bool IsOwnHost(std::string_view authority, const std::vector<std::string>& names) {
-  boost::system::error_code error;
   if (authority.starts_with('[')) {
     const std::size_t end = authority.find(']');
     if (end == std::string_view::npos) return false;
     const auto host = WithoutPort(authority, end + 1);
     if (!host) return false;
-    ip::make_address_v6(std::string(host->substr(1, end - 1)), error);
-    return !error;
+    const std::string_view address = host->substr(1, end - 1);
+    // inet_pton reads up to a zero; without an interface (%eth0), which no browser sends.
+    return address.find('\0') == std::string_view::npos && IsAddress(AF_INET6, address);
   }
   const auto host = WithoutPort(authority, std::min(authority.find(':'), authority.size()));
   if (!host || !IsHostName(*host)) return false;
   const std::string name = LowerCase(*host);
   if (name == "localhost" || std::ranges::find(names, name) != names.end()) return true;
-  ip::make_address_v4(name, error);  // four numbers: no other spelling of an address
-  return !error;
+  return IsAddress(AF_INET, name);  // four numbers: no other spelling of an address
+}
+
+std::optional<HostRefusal> RefuseHost(int hosts, std::string_view authority,
+                                      const std::vector<std::string>& names,
+                                      const std::string& program) {
+  constexpr int kBadRequest = 400, kMisdirected = 421;
+  if (hosts != 1) {
+    return HostRefusal{kBadRequest, "a request names one Host, not " + std::to_string(hosts)};
+  }
+  if (IsOwnHost(authority, names)) return std::nullopt;
+  return HostRefusal{kMisdirected, "its Host is " + Quoted(authority) +
+                                       ", which is no address in numbers, nor localhost; " +
+                                       program +
+                                       " --host-name lets it in, where that name is this host's"};
 }
 
 }  // namespace palpate

@@ -5,7 +5,8 @@
 
 namespace palpate {
 
-/// ASCII's letters made small, whatever the locale: for hosts, schemes and headers.
+/// ASCII's letters made small, whatever the locale: for hosts, schemes, headers and
+/// the endings of files.
 inline std::string LowerCase(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) {

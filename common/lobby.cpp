@@ -1,4 +1,4 @@
-#include "client/viewer/lobby.h"
+#include "common/lobby.h"
 
 #include <utility>
 

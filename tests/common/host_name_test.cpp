@@ -1,4 +1,4 @@
-#include "client/viewer/host_name.h"
+#include "common/host_name.h"
 
 #include <gtest/gtest.h>
 
