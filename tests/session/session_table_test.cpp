@@ -379,6 +379,18 @@ TEST_F(SessionTableTest, TakesAToolBackAndHoldsItsStationUntilItIsAdmittedAgain)
   EXPECT_EQ(state.run, 2u);
 }
 
+TEST_F(SessionTableTest, HoldsTheSuccessorOfAStationThatIsTakenBack) {
+  Ask(MakeRequest("a", 1, "one"));
+  Pass(10, {"a"});
+  table_.Request(MakeRequest("a", 2, "one"), now_);
+  EXPECT_TRUE(table_.Operate(MakeWish("a", palpate_OPERATE_TAKE_BACK), now_));
+  table_.Update(now_);
+  const wire::SessionState state = LastChange();
+  EXPECT_EQ(state.phase, palpate_SESSION_HELD);
+  EXPECT_EQ(state.run, 2u);
+  EXPECT_THAT(table_.sessions(), IsEmpty());
+}
+
 TEST_F(SessionTableTest, RefusesAHeldStationThatIsTakenBack) {
   SessionTable table({BallTool("one")}, kServerRun, true);
   table.Request(MakeRequest("a", 1, "one"), now_);
