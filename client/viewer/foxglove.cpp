@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/viewer/json_text.h"
+#include "client/viewer/viewer_limits.h"
 #include "common/quoted.h"
 
 namespace palpate::foxglove {
@@ -16,7 +17,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::uint8_t kMessageData = 1;
-constexpr std::size_t kMostItems = 256;  // of a list that a client sends
 static_assert(std::endian::native == std::endian::little, "the protocol's integers are");
 
 bool ReadId(const Json& value, std::uint32_t& id) {
@@ -41,7 +41,8 @@ bool ReadText(const Json& object, const char* field, std::string& text) {
 /// A bounded list of the request; null where there is none.
 const Json* List(const Json& object, const char* field) {
   const auto found = object.find(field);
-  if (found == object.end() || !found->is_array() || found->size() > kMostItems) return nullptr;
+  if (found == object.end() || !found->is_array() || found->size() > ViewerLimits::kMostItems)
+    return nullptr;
   return &*found;
 }
 

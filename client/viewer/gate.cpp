@@ -14,7 +14,7 @@ constexpr int kUnauthorized = 401;
 constexpr int kForbidden = 403;
 
 Verdict Refused(int status, Refusal refusal, std::string reason) {
-  return {Access::kNone, "", status, refusal, std::move(reason)};
+  return {Access::kNone, std::nullopt, status, refusal, std::move(reason)};
 }
 
 std::string_view Trimmed(std::string_view text) {
@@ -51,11 +51,11 @@ Verdict Gate::JudgeHost(const Asker& asker) const {
   if (auto refusal = RefuseHost(asker.hosts, asker.host, options_.host_names, "palpate-viewer")) {
     return Refused(refusal->status, Refusal::kHost, std::move(refusal->reason));
   }
-  return {Access::kWatch, "", 0, Refusal::kHost, ""};
+  return {Access::kWatch, std::nullopt, 0, Refusal::kHost, ""};
 }
 
 Verdict Gate::JudgeToken(const Asker& asker) const {
-  if (!tokens_) return {Access::kOperate, "", 0, Refusal::kToken, ""};
+  if (!tokens_) return {Access::kOperate, std::nullopt, 0, Refusal::kToken, ""};
   const std::vector<std::string_view> presented = Presented(asker);
   if (presented.empty()) {
     return Refused(kUnauthorized, Refusal::kToken,
@@ -71,7 +71,7 @@ Verdict Gate::JudgeToken(const Asker& asker) const {
     return Refused(kUnauthorized, Refusal::kToken,
                    "its token is none of this gateway's (palpate-viewer --tokens)");
   }
-  return {holder->role, holder->name, 0, Refusal::kToken, ""};
+  return {holder->role, holder, 0, Refusal::kToken, ""};
 }
 
 Verdict Gate::JudgeSocket(const Asker& asker) const {

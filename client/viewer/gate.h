@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "client/viewer/access.h"
@@ -27,7 +28,7 @@ struct Asker {
 /// What a request is given.
 struct Verdict {
   Access access = Access::kNone;
-  std::string name;  ///< of its token; empty: without one
+  std::optional<Tokens::Holder> holder;  ///< of its token; nothing: without one
 
   // Where access is kNone.
   int status = 0;  ///< of HTTP
@@ -47,6 +48,12 @@ class Gate {
   Gate(Options options, std::optional<Tokens> tokens)
       : options_(std::move(options)), tokens_(std::move(tokens)) {}
 
+  /// From now on these hold, and no others.
+  void Replace(Tokens tokens) { tokens_ = std::move(tokens); }
+  /// What a verdict once rested on, a token, holds still; none needs none.
+  bool StillHolds(const std::optional<Tokens::Holder>& holder) const {
+    return !tokens_ || (holder && tokens_->Has(*holder));
+  }
   bool wants_tokens() const { return tokens_.has_value(); }
 
   /// For every request.  Access::kWatch is no more here than "go on".

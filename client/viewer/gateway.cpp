@@ -8,12 +8,16 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "client/viewer/host_addresses.h"
 #include "client/viewer/http_session.h"
@@ -130,6 +134,43 @@ void Announce(const ViewerOptions& options, const Hub& hub, const std::string& u
   std::fflush(stdout);
 }
 
+bool HasTerminal() {
+  const int terminal = open("/dev/tty", O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (terminal >= 0) close(terminal);
+  return terminal >= 0;
+}
+
+/// SIGHUP, by which a service is asked to read its files anew.  It also comes when a terminal goes,
+/// and then ends the gateway that was started there, as it would without this.
+class ReloadSignal {
+ public:
+  ReloadSignal(net::io_context& io, std::function<void()> reload)
+      : signals_(io, SIGHUP), reload_(std::move(reload)) {
+    Wait();
+  }
+  void Stop() {
+    boost::system::error_code ignored;
+    signals_.cancel(ignored);
+  }
+
+ private:
+  void Wait() {
+    signals_.async_wait([this](boost::system::error_code stopped, int) {
+      if (stopped) return;
+      if (had_terminal_ && !HasTerminal()) {
+        std::raise(SIGTERM);
+      } else {
+        reload_();
+      }
+      Wait();
+    });
+  }
+
+  net::signal_set signals_;
+  const std::function<void()> reload_;
+  const bool had_terminal_ = HasTerminal();
+};
+
 }  // namespace
 
 void RunGateway(const ViewerOptions& options, StopSignal& stop) {
@@ -139,6 +180,7 @@ void RunGateway(const ViewerOptions& options, StopSignal& stop) {
   if (!options.tls_cert.empty()) tls = MakeTls(options.tls_cert, options.tls_key);
   net::io_context io(1);
   Hub hub(io, options);
+  ReloadSignal reload(io, [&hub] { hub.ReadTokensAnew(SteadyNanoseconds()); });
   Listener listener(io, hub, tls ? &*tls : nullptr);
   Announce(options, hub, Urls(listener.endpoint(), tls.has_value()));
 
@@ -149,6 +191,7 @@ void RunGateway(const ViewerOptions& options, StopSignal& stop) {
     if (stop.stopped() && ending_ns == 0) {
       ending_ns = now_ns;
       listener.Stop();
+      reload.Stop();
       hub.BeginToEnd(now_ns);
     }
     hub.Tick(now_ns);

@@ -11,6 +11,7 @@
 
 #include "client/viewer/json_text.h"
 #include "client/viewer/viewer_session.h"
+#include "common/error.h"
 #include "common/metrics/metrics_page.h"
 #include "common/project_files.h"
 #include "common/random_run.h"
@@ -104,7 +105,7 @@ void Hub::Leave(const ViewerSession& viewer) {
   }
   const std::uint64_t id = viewer.id();
   places_.Leave(id);
-  takes_.Leave(id);
+  wishes_.Leave(id);
   viewers_.erase(id);  // a handler may be the last to hold it
   mice_.Release(id, "its page has gone", SteadyNanoseconds());
 }
@@ -134,6 +135,30 @@ void Hub::Tick(std::int64_t now_ns) {
   if (now_ns - logged_ns_ >= kStatistics_ns) LogStatistics(now_ns);
 }
 
+void Hub::ReadTokensAnew(std::int64_t now_ns) {
+  if (options_.tokens.empty()) return spdlog::info("there are no --tokens to read anew");
+  std::size_t count = 0;
+  try {
+    Tokens tokens = Tokens::Read(options_.tokens);
+    count = tokens.size();
+    gate_.Replace(std::move(tokens));
+  } catch (const Error& error) {
+    return spdlog::error("{}; the tokens that were read before stay valid", error.what());
+  }
+  std::size_t ended = 0;
+  const auto viewers = viewers_;
+  for (const auto& [id, viewer] : viewers) {
+    if (gate_.StillHolds(viewer->holder())) continue;
+    ++ended;
+    mice_.Release(id, "its token was taken back", now_ns);
+    viewer->Say(foxglove::Level::kError,
+                "this connection ends: its token was taken back, or has another role now");
+    viewer->Close(boost::beast::websocket::close_code::policy_error, "its token was taken back");
+  }
+  spdlog::info("{} read anew: {} tokens are valid; connections that end for it: {}",
+               options_.tokens, count, ended);
+}
+
 void Hub::BeginToEnd(std::int64_t now_ns) {
   const auto viewers = viewers_;
   for (const auto& [id, viewer] : viewers) {
@@ -145,18 +170,32 @@ void Hub::BeginToEnd(std::int64_t now_ns) {
 void Hub::Tell(const MouseRoom::News& news) {
   const auto viewer = viewers_.find(news.holder);
   if (viewer == viewers_.end()) return;
-  const FramePtr frame = OwnFrame(TopicFeed::kMouseState, 0,
-                                  ToText(nlohmann::json({{"station", news.station},
-                                                         {"scene", news.scene},
-                                                         {"tool", news.tool},
-                                                         {"phase", news.phase},
-                                                         {"reason", news.reason}})));
   const std::shared_ptr<ViewerSession> keep = viewer->second;
   places_.Holds(news.holder, mice_.holds(news.holder));
   if (news.phase == "refused") {
     keep->Say(foxglove::Level::kError, "the tool is refused: " + news.reason);
   }
-  keep->TellMouseState(frame);
+  TellState(*keep, news);
+}
+
+void Hub::TellState(ViewerSession& viewer, const MouseRoom::News& news) {
+  viewer.TellMouseState(OwnFrame(TopicFeed::kMouseState, 0,
+                                 ToText(nlohmann::json({{"station", news.station},
+                                                        {"scene", news.scene},
+                                                        {"tool", news.tool},
+                                                        {"phase", news.phase},
+                                                        {"reason", news.reason}}))));
+}
+
+std::string Hub::RefuseWish(Wish wish, ViewerSession& viewer, std::int64_t now_ns) {
+  const WishLimits::Verdict verdict =
+      wishes_.Ask(wish, viewer.id(), viewer.visitor().address, now_ns);
+  if (verdict.granted) return "";
+  const std::string reason = TooOften(wish);
+  refusals_.Say(wish == Wish::kTake ? Refusal::kTakes : Refusal::kWishes, viewer.Who(), reason,
+                now_ns);
+  if (verdict.tell) viewer.Say(foxglove::Level::kError, reason);
+  return reason;
 }
 
 FramePtr Hub::AskReplay(ReplayWish wish, const std::string& by) {
@@ -166,6 +205,10 @@ FramePtr Hub::AskReplay(ReplayWish wish, const std::string& by) {
   // Wishes of one kind wait for each other; those of another do not take their answer's place.
   return OwnFrame(TopicFeed::kReplayAnswer, wish.request.kind,
                   ReplayAnswer(wish.tag, wish.request.request, refusal));
+}
+
+FramePtr Hub::RefuseReplay(const ReplayWish& wish, const std::string& refusal) {
+  return OwnFrame(TopicFeed::kReplayAnswer, wish.request.kind, ReplayAnswer(wish.tag, 0, refusal));
 }
 
 std::string Hub::AskOperate(const OperateCommand& command, const std::string& by) {
@@ -182,12 +225,12 @@ std::string Hub::AskOperate(const OperateCommand& command, const std::string& by
 }
 
 void Hub::Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns) {
-  if (takes_.Pass(viewer.id(), viewer.visitor().address, now_ns)) {
+  const std::string refusal = RefuseWish(Wish::kTake, viewer, now_ns);
+  if (refusal.empty()) {
     return mice_.Take(viewer.id(), command, feed_.scenes().contains(command.scene), now_ns);
   }
-  const std::string reason = "tools are taken too often from here; wait some seconds";
-  refusals_.Say(Refusal::kTakes, viewer.visitor().name, reason, now_ns);
-  Tell({viewer.id(), "", command.scene, command.tool, "refused", reason});
+  // The page waits for a word on each; of these the newest alone waits for the page.
+  TellState(viewer, {viewer.id(), "", command.scene, command.tool, "refused", refusal});
 }
 
 std::uint64_t Hub::FramesLost() const {

@@ -17,9 +17,9 @@
 #include "client/viewer/refusal_log.h"
 #include "client/viewer/replay_messages.h"
 #include "client/viewer/scene_packer.h"
-#include "client/viewer/take_limits.h"
 #include "client/viewer/topic_feed.h"
 #include "client/viewer/viewer_places.h"
+#include "client/viewer/wish_limits.h"
 
 namespace palpate {
 
@@ -34,6 +34,9 @@ class Hub {
 
   /// Passes on what has come; 120 times a second.
   void Tick(std::int64_t now_ns);
+  /// Reads --tokens anew: new ones are valid, and connections whose token is gone, or has another
+  /// role, end now.  A file that is not as it should be changes nothing; the log says so.
+  void ReadTokensAnew(std::int64_t now_ns);
   /// Bids viewers and mice farewell; their going is seen in later ticks.
   void BeginToEnd(std::int64_t now_ns);
   bool ended() const { return viewers_.empty() && mice_.size() == 0; }
@@ -43,12 +46,17 @@ class Hub {
   const TopicFeed& feed() const { return feed_; }
   const Gate& gate() const { return gate_; }
   RefusalLog& refusals() { return refusals_; }
+  /// Whether a viewer may have this wish now; empty: it may.  Where it has it too often, that is
+  /// why, and the log and, once, the viewer are told.
+  std::string RefuseWish(Wish wish, ViewerSession& viewer, std::int64_t now_ns);
   /// Asks the server to make a scene whole again; false where there is no such scene.
   bool AskForWhole(const std::string& scene, const std::string& by) {
     return feed_.scenes().contains(scene) && feed_.AskForWhole(scene, by);
   }
   /// Passes a page's wish on to its replay, and makes what the page is answered.
   FramePtr AskReplay(ReplayWish wish, const std::string& by);
+  /// What a page is answered of whose wish nobody is asked.
+  FramePtr RefuseReplay(const ReplayWish& wish, const std::string& refusal);
   /// Passes on what a teacher decides about a station.  Returns why not; empty: it has.
   std::string AskOperate(const OperateCommand& command, const std::string& by);
   /// Gives a viewer a tool, unless it takes them too often.
@@ -72,6 +80,7 @@ class Hub {
 
  private:
   void Tell(const MouseRoom::News& news);
+  void TellState(ViewerSession& viewer, const MouseRoom::News& news);
   void LogStatistics(std::int64_t now_ns);
   std::uint64_t FramesLost() const;
 
@@ -79,7 +88,7 @@ class Hub {
   Gate gate_;
   RefusalLog refusals_;
   ViewerPlaces places_;
-  TakeLimits takes_;
+  WishLimits wishes_;
   PageFiles page_;
   TopicFeed feed_;
   std::string session_id_;

@@ -19,8 +19,8 @@ int main(int argc, char** argv) {
       std::printf("%s\n", palpate::MakeToken(options->tokens, role, name).c_str());
       spdlog::info(
           "'{}' may {}; its token stands nowhere else, so keep it.  The page is opened with "
-          "#token=TOKEN at the end of its address; gateways that run read {} anew when they "
-          "are started",
+          "#token=TOKEN at the end of its address; gateways that run read {} anew at "
+          "SIGHUP (systemctl reload palpate-viewer)",
           name, palpate::RoleName(role), options->tokens);
       return 0;
     }

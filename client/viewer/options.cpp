@@ -107,8 +107,12 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
   app.add_option("--proxy", proxies,
                  "address of a reverse proxy, whose X-Forwarded-For says for whom it asks: shares "
                  "are then theirs");
-  app.add_option("--tokens", options.tokens,
-                 "file of tokens: whoever asks for more than the page's own files needs one");
+  app.add_option(
+      "--tokens", options.tokens,
+      "file of tokens: whoever asks for more than the page's own files needs one.  SIGHUP "
+      "(systemctl reload palpate-viewer) has it read anew: new tokens are valid, and a "
+      "connection ends at once whose token is gone, or has another role; a file that is "
+      "not as it should be changes nothing");
   std::vector<std::string> make_token;
   const CLI::Option* make =
       app.add_option(

@@ -23,6 +23,10 @@ const char* NameOf(Refusal kind) {
       return "full";
     case Refusal::kTakes:
       return "takes";
+    case Refusal::kWishes:
+      return "wishes";
+    case Refusal::kFlood:
+      return "flood";
   }
   return "?";
 }

@@ -18,6 +18,8 @@ enum class Refusal {
   kTls,      ///< in the clear, where TLS is spoken
   kFull,     ///< no room for one more viewer
   kTakes,    ///< tools taken too often
+  kWishes,   ///< anything else wished for too often
+  kFlood,    ///< messages faster than they are read
 };
 
 /// The log of those who are turned away: every one is counted there, and none can fill the disk.
@@ -32,7 +34,7 @@ class RefusalLog {
   std::uint64_t count() const { return count_; }
 
  private:
-  static constexpr std::size_t kKinds = 8;
+  static constexpr std::size_t kKinds = 10;
   std::array<RateLimit, kKinds> limits_;
   std::uint64_t count_ = 0;
 };

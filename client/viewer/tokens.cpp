@@ -87,9 +87,9 @@ Tokens Tokens::Parse(const std::string& path, const std::string& text) {
       throw Error(fmt::format("--tokens {}:{}: {}; palpate-viewer --make-token writes such lines",
                               path, number, why));
     };
-    Line entry;
+    Holder entry;
     if (const auto known = ParseRole(role)) {
-      entry.holder = {*known, name};
+      entry = {*known, name, {}};
     } else {
       refuse("role " + Quoted(role) + " is none of watch, drive and operate");
     }
@@ -97,18 +97,18 @@ Tokens Tokens::Parse(const std::string& path, const std::string& text) {
     if (!FromHex(hash, entry.hash.data(), entry.hash.size()) || !more.empty()) {
       refuse("the name is followed by the token's SHA-256, 64 hexadecimal digits, and no more");
     }
-    for (const Line& other : tokens.lines_) {
-      if (other.holder.name == name) refuse("the name " + Quoted(name) + " stands there twice");
-      if (other.hash == entry.hash) refuse("it has the token of " + Quoted(other.holder.name));
+    for (const Holder& other : tokens.holders_) {
+      if (other.name == name) refuse("the name " + Quoted(name) + " stands there twice");
+      if (other.hash == entry.hash) refuse("it has the token of " + Quoted(other.name));
     }
-    tokens.lines_.push_back(std::move(entry));
+    tokens.holders_.push_back(std::move(entry));
   }
   return tokens;
 }
 
 Tokens Tokens::Read(const std::string& path) {
   Tokens tokens = Parse(path, TextOf(path));
-  if (tokens.lines_.empty()) {
+  if (tokens.holders_.empty()) {
     throw Error(
         fmt::format("--tokens {}: holds none, so that nobody could look; make one with "
                     "palpate-viewer --make-token operate NAME --tokens {}",
@@ -120,12 +120,15 @@ Tokens Tokens::Read(const std::string& path) {
 std::optional<Tokens::Holder> Tokens::Find(std::string_view token) const {
   if (!LooksLikeToken(token)) return std::nullopt;
   const Hash hash = HashOf(token);
-  const Line* found = nullptr;
-  for (const Line& line : lines_) {
-    if (CRYPTO_memcmp(line.hash.data(), hash.data(), hash.size()) == 0) found = &line;
+  std::optional<Holder> found;
+  for (const Holder& holder : holders_) {
+    if (CRYPTO_memcmp(holder.hash.data(), hash.data(), hash.size()) == 0) found = holder;
   }
-  if (found == nullptr) return std::nullopt;
-  return found->holder;
+  return found;
+}
+
+bool Tokens::Has(const Holder& holder) const {
+  return std::ranges::find(holders_, holder) != holders_.end();
 }
 
 std::string MakeToken(const std::string& path, Access role, const std::string& name) {
@@ -138,8 +141,8 @@ std::string MakeToken(const std::string& path, Access role, const std::string& n
   std::string before;
   try {
     before = TextOf(path);
-    for (const Tokens::Line& line : Tokens::Parse(path, before).lines_) {
-      if (line.holder.name == name) {
+    for (const Tokens::Holder& holder : Tokens::Parse(path, before).holders_) {
+      if (holder.name == name) {
         throw UsageError(
             fmt::format("--make-token: {} has a token of that name in {}; take its "
                         "line out first, or give another name",

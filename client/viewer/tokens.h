@@ -17,9 +17,12 @@ namespace palpate {
 /// nothing to guess, and who reads the file cannot present what it holds.
 class Tokens {
  public:
+  using Hash = std::array<unsigned char, 32>;
   struct Holder {
     Access role = Access::kNone;
     std::string name;
+    Hash hash{};  ///< of the token itself: a new one of the same name is another
+    bool operator==(const Holder&) const = default;
   };
 
   /// Throws Error: the file, the line and the remedy.
@@ -27,19 +30,17 @@ class Tokens {
 
   /// Whose token this is; nothing: nobody's.  Takes the same time for all of them.
   std::optional<Holder> Find(std::string_view token) const;
+  /// What was found once is there still: the same token with the same role and name.
+  bool Has(const Holder& holder) const;
+  std::size_t size() const { return holders_.size(); }
 
  private:
   friend std::string MakeToken(const std::string& path, Access role, const std::string& name);
 
-  using Hash = std::array<unsigned char, 32>;
-  struct Line {
-    Holder holder;
-    Hash hash;
-  };
   static Hash HashOf(std::string_view token);
   static Tokens Parse(const std::string& path, const std::string& text);
 
-  std::vector<Line> lines_;
+  std::vector<Holder> holders_;
 };
 
 /// What tokens consist of besides letters and digits, and how long they are: other text is none,

@@ -19,12 +19,9 @@ namespace beast = boost::beast;
 namespace net = boost::asio;
 namespace websocket = beast::websocket;
 
-constexpr std::size_t kLargestMessage = 64 * 1024;  // of a client
-constexpr std::size_t kMostTexts = 64;              // that wait for one viewer,
-constexpr std::size_t kMostTextBytes = 128 * 1024;  // and all of them
-constexpr std::size_t kMostChannels = 16;           // that a client may publish on
 /// What the kernel may hold of what a stalled viewer does not read: some seconds of tool states.
 constexpr int kSendBuffer = 64 * 1024;
+constexpr std::int64_t kFarewell_ns = 2'000'000'000;
 constexpr const char* kMouseTopic = "/palpate/mouse";
 constexpr const char* kReplayTopic = "/palpate/replay";
 constexpr const char* kOperateTopic = "/palpate/operate";
@@ -38,9 +35,10 @@ ViewerSession::ViewerSession(WebStream stream, Hub& hub, std::uint64_t id, Visit
       id_(id),
       visitor_(std::move(visitor)),
       access_(verdict.access),
-      token_name_(verdict.name),
+      holder_(verdict.holder),
       mouse_(access_ >= Access::kDrive && hub.options().max_mice > 0),
-      steers_(access_ >= Access::kDrive && !hub.options().no_steering) {}
+      steers_(access_ >= Access::kDrive && !hub.options().no_steering),
+      rest_(socket_.get_executor()) {}
 
 void ViewerSession::Accept(const Request& request, std::string_view subprotocol) {
   beast::tcp_stream& stream = socket_.next_layer().next_layer();
@@ -58,7 +56,8 @@ void ViewerSession::Accept(const Request& request, std::string_view subprotocol)
         response.set(beast::http::field::server, "palpate-viewer/" PALPATE_VERSION);
         response.set(beast::http::field::sec_websocket_protocol, name);
       }));
-  socket_.read_message_max(kLargestMessage);
+  socket_.read_message_max(ViewerLimits::kLargestMessage);
+  socket_.next_layer().LimitReading(ViewerLimits::kBytesPerSecond, ViewerLimits::kBytesAtOnce);
   socket_.auto_fragment(false);  // a message is one frame, written from where it lies
   socket_.control_callback(
       [this](websocket::frame_type, beast::string_view) { signs_.Heard(SteadyNanoseconds()); });
@@ -85,6 +84,7 @@ void ViewerSession::Gone() {
   if (std::exchange(gone_, true)) return;
   open_ = false;
   spdlog::debug("viewer {} has gone", Who());
+  rest_.cancel();
   socket_.next_layer().next_layer().close();
   hub_.Leave(*this);
 }
@@ -111,11 +111,28 @@ void ViewerSession::OnRead(beast::error_code error) {
                          : OnBinary({static_cast<const std::uint8_t*>(data.data()), data.size()});
   input_.clear();
   if (!wrong.empty()) {
-    Say(foxglove::Level::kError, "this connection ends: it sent " + wrong);
+    Send(foxglove::Status(foxglove::Level::kError, "this connection ends: it sent " + wrong));
     return Close(websocket::close_code::policy_error, "not of the protocol");
   }
   Flush(now_ns);
-  Read();
+  ReadOn(now_ns);
+}
+
+void ViewerSession::ReadOn(std::int64_t now_ns) {
+  if (gone_) return;
+  messages_.Spend(1.0, now_ns);
+  const std::int64_t wait_ns = messages_.WaitFor(1.0, now_ns);
+  if (wait_ns == 0) return Read();
+  // What is beyond it waits in the network: nothing of it is kept here.
+  const std::string why = "this client sends more than " +
+                          std::to_string(static_cast<int>(ViewerLimits::kMessagesPerSecond)) +
+                          " messages a second; they are read later";
+  if (!std::exchange(told_of_flood_, true)) Say(foxglove::Level::kWarning, why);
+  hub_.refusals().Say(Refusal::kFlood, Who(), why, now_ns);
+  rest_.expires_after(std::chrono::nanoseconds(wait_ns));
+  rest_.async_wait([self = shared_from_this()](boost::system::error_code stopped) {
+    if (!stopped && !self->gone_) self->Read();
+  });
 }
 
 std::string ViewerSession::OnText(std::string_view text) {
@@ -132,7 +149,7 @@ std::string ViewerSession::OnText(std::string_view text) {
       break;
     case Op::kAdvertise:
       for (const foxglove::ClientChannel& channel : request->channels) {
-        if (published_.size() >= kMostChannels) return "too many channels";
+        if (published_.size() >= ViewerLimits::kMostChannels) return "too many channels";
         Publish(channel);
       }
       break;
@@ -162,8 +179,7 @@ void ViewerSession::Publish(const foxglove::ClientChannel& channel) {
 }
 
 std::string ViewerSession::Who() const {
-  return token_name_.empty() ? "the page at " + visitor_.name
-                             : token_name_ + " at " + visitor_.name;
+  return (holder_ ? holder_->name : "the page") + " at " + visitor_.name;
 }
 
 std::string ViewerSession::WhatIsOfUse() const {
@@ -211,6 +227,7 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
       continue;
     }
     const bool rated = wanted.channel == TopicFeed::kToolState;
+    if (!hub_.RefuseWish(Wish::kSubscribe, *this, now_ns).empty()) continue;
     queue_.Subscribe(wanted.channel, wanted.id,
                      rated ? static_cast<std::int64_t>(1e9 / hub_.options().rate_hz) : 0);
     hub_.Subscribed(*this);
@@ -254,6 +271,7 @@ void ViewerSession::OnMouse(std::string_view json) {
     case MouseCommand::Op::kRelease:
       return mice.Release(id_, "", now_ns);
     case MouseCommand::Op::kWhole:
+      if (!hub_.RefuseWish(Wish::kWhole, *this, now_ns).empty()) return;
       if (!hub_.AskForWhole(command->scene, Who())) {
         Say(foxglove::Level::kError, "scene " + Quoted(command->scene) + " is not served here");
       }
@@ -267,8 +285,11 @@ void ViewerSession::OnReplay(std::string_view json) {
   if (!wish) {
     return Say(foxglove::Level::kWarning, std::string(kReplayTopic) + ": the message " + wrong);
   }
+  const std::int64_t now_ns = SteadyNanoseconds();
+  const std::string refusal = hub_.RefuseWish(Wish::kReplay, *this, now_ns);
   // OnRead flushes.
-  queue_.Push(hub_.AskReplay(*wish, Who()), SteadyNanoseconds());
+  queue_.Push(refusal.empty() ? hub_.AskReplay(*wish, Who()) : hub_.RefuseReplay(*wish, refusal),
+              now_ns);
 }
 
 void ViewerSession::OnOperate(std::string_view json) {
@@ -277,11 +298,13 @@ void ViewerSession::OnOperate(std::string_view json) {
   if (!command) {
     return Say(foxglove::Level::kWarning, std::string(kOperateTopic) + ": the message " + wrong);
   }
+  if (!hub_.RefuseWish(Wish::kOperate, *this, SteadyNanoseconds()).empty()) return;
   const std::string refusal = hub_.AskOperate(*command, Who());
   if (!refusal.empty()) Say(foxglove::Level::kError, std::string(kOperateTopic) + ": " + refusal);
 }
 
 void ViewerSession::Watch(std::int64_t now_ns) {
+  if (closing_ && now_ns - closing_ns_ > kFarewell_ns) return Gone();
   if (!open_ || !hub_.mice().holds(id_)) return;
   if (signs_.gone(now_ns)) {
     return hub_.mice().Release(id_, "nothing was heard of this page for 3 s", now_ns);
@@ -296,7 +319,11 @@ void ViewerSession::Watch(std::int64_t now_ns) {
 // --- what it hears ---
 
 void ViewerSession::Say(foxglove::Level level, const std::string& message) {
-  Send(foxglove::Status(level, message));
+  if (!complaints_.Pass(SteadyNanoseconds())) return;
+  const std::uint64_t left_out = complaints_.TakeHeldBack();
+  Send(foxglove::Status(level, left_out == 0 ? message
+                                             : message + " (" + std::to_string(left_out) +
+                                                   " more were left out before it)"));
 }
 
 void ViewerSession::TellMouseState(const FramePtr& frame) {
@@ -309,7 +336,10 @@ void ViewerSession::TellMouseState(const FramePtr& frame) {
 void ViewerSession::Send(std::string text) {
   if (closing_ || !open_) return;
   // Who asks and does not read what it is told is not waited for.
-  if (texts_.size() >= kMostTexts || texts_size_ + text.size() > kMostTextBytes) return Gone();
+  if (texts_.size() >= ViewerLimits::kMostTexts ||
+      texts_size_ + text.size() > ViewerLimits::kMostTextBytes) {
+    return Gone();
+  }
   texts_size_ += text.size();
   texts_.push_back(std::move(text));
   Write();
@@ -366,6 +396,7 @@ void ViewerSession::OnWritten(beast::error_code error) {
 void ViewerSession::Close(websocket::close_code code, const std::string& reason) {
   if (std::exchange(closing_, true)) return;
   if (!open_) return Gone();
+  closing_ns_ = SteadyNanoseconds();
   close_reason_ = {code, reason};
   Write();
 }

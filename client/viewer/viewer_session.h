@@ -4,8 +4,10 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
@@ -14,8 +16,11 @@
 #include "client/viewer/frame_queue.h"
 #include "client/viewer/hub.h"
 #include "client/viewer/signs_of_life.h"
+#include "client/viewer/viewer_limits.h"
 #include "client/viewer/visitor.h"
 #include "client/viewer/web_stream.h"
+#include "common/rate_limit.h"
+#include "common/realtime/token_bucket.h"
 
 namespace palpate {
 
@@ -36,25 +41,33 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
 
   std::uint64_t id() const { return id_; }
   const Visitor& visitor() const { return visitor_; }
+  const std::optional<Tokens::Holder>& holder() const { return holder_; }
   std::uint64_t frames_lost() const { return queue_.lost(); }
   std::uint64_t frames_sent() const { return frames_sent_; }
 
   void Push(const FramePtr& frame, std::int64_t now_ns) { queue_.Push(frame, now_ns); }
   /// Writes what is due, unless a write is in flight.
   void Flush(std::int64_t now_ns);
+  /// Tells it what is wrong, as often as ViewerLimits has it: what asks for complaints without an
+  /// end gets some, and how many were left out.
   void Say(foxglove::Level level, const std::string& message);
+  /// Whose wish it is, for the log and for those who read it elsewhere.
+  std::string Who() const;
   void TellMouseState(const FramePtr& frame);
-  /// Looks whether the viewer is there while it holds a tool.
+  /// Looks whether the viewer is there while it holds a tool, and whether it goes that was told to.
   void Watch(std::int64_t now_ns);
   /// Ends the connection at once, without a word.
   void Drop() { Gone(); }
-  /// Closes in order, once what is to be said has been said.
+  /// Closes in order, once what is to be said has been said; whoever does not take that within 2 s
+  /// is dropped.  Nothing that it sends is heard from now on.
   void Close(boost::beast::websocket::close_code code, const std::string& reason);
 
  private:
   void Open();
   void Read();
   void OnRead(boost::beast::error_code error);
+  /// Reads on, at once or when it has rested.
+  void ReadOn(std::int64_t now_ns);
   /// What is wrong with the message; empty: nothing.
   std::string OnText(std::string_view text);
   std::string OnBinary(std::span<const std::uint8_t> bytes);
@@ -65,8 +78,6 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   void OnMouse(std::string_view json);
   void OnReplay(std::string_view json);
   void OnOperate(std::string_view json);
-  /// Whose wish it is, for those who read it elsewhere.
-  std::string Who() const;
   void Send(std::string text);
   void Write();
   void OnWritten(boost::beast::error_code error);
@@ -77,10 +88,14 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   std::uint64_t id_;
   Visitor visitor_;
   Access access_;
-  std::string token_name_;  // empty: without one
-  bool mouse_;              // it may have one
-  bool steers_;             // it may steer a replay
+  std::optional<Tokens::Holder> holder_;  // of its token
+  bool mouse_;                            // it may have one
+  bool steers_;                           // it may steer a replay
   boost::beast::flat_buffer input_;
+  TokenBucket messages_{ViewerLimits::kMessagesPerSecond, ViewerLimits::kMessagesAtOnce};
+  RateLimit complaints_{ViewerLimits::kComplaints.period_ns, ViewerLimits::kComplaints.at_once};
+  boost::asio::steady_timer rest_;
+  bool told_of_flood_ = false;
 
   std::deque<std::string> texts_;
   std::size_t texts_size_ = 0;  // of all of them [bytes]
@@ -88,6 +103,7 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   bool open_ = false;
   bool writing_ = false;
   bool closing_ = false;
+  std::int64_t closing_ns_ = 0;  // since when
   bool gone_ = false;
   boost::beast::websocket::close_reason close_reason_;
   // In flight.

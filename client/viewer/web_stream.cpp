@@ -1,11 +1,18 @@
 #include "client/viewer/web_stream.h"
 
+#include <chrono>
+#include <cstdint>
+#include <optional>
 #include <variant>
 
 #include <boost/asio/ssl/stream.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/ssl/ssl_stream.hpp>
 #include <boost/beast/websocket/ssl.hpp>
 #include <boost/beast/websocket/teardown.hpp>
+
+#include "common/realtime/token_bucket.h"
+#include "common/time/steady_clock.h"
 
 namespace palpate {
 
@@ -16,7 +23,14 @@ using Plain = beast::tcp_stream;
 using Secure = beast::ssl_stream<beast::tcp_stream>;
 
 struct WebStream::State {
+  /// What may be read, and who wakes up a reader that has to wait.
+  struct Rate {
+    TokenBucket bytes;
+    net::steady_timer rest;
+  };
+
   std::variant<Plain, Secure> stream;
+  std::optional<Rate> rate = std::nullopt;
 
   /// Calls it with the stream that there is.
   template <class Use>
@@ -55,7 +69,26 @@ void WebStream::AsyncSecure(net::ssl::context& context, beast::flat_buffer& read
 }
 
 void WebStream::Read(std::vector<net::mutable_buffer> buffers, Done done) {
-  state_->With([&](auto& stream) { stream.async_read_some(buffers, std::move(done)); });
+  // A reader is held by its handler, and holds this stream.
+  auto begin = [state = state_.get(), buffers = std::move(buffers),
+                done = std::move(done)]() mutable {
+    if (state->rate) {
+      done = [state, done = std::move(done)](beast::error_code error, std::size_t n) {
+        state->rate->bytes.Spend(static_cast<double>(n), SteadyNanoseconds());
+        done(error, n);
+      };
+    }
+    state->With([&](auto& stream) { stream.async_read_some(buffers, std::move(done)); });
+  };
+  const std::int64_t wait_ns =
+      state_->rate ? state_->rate->bytes.WaitFor(1.0, SteadyNanoseconds()) : 0;
+  if (wait_ns == 0) return begin();
+  state_->rate->rest.expires_after(std::chrono::nanoseconds(wait_ns));
+  state_->rate->rest.async_wait([begin](beast::error_code) mutable { begin(); });
+}
+
+void WebStream::LimitReading(double bytes_per_second, double at_once) {
+  state_->rate.emplace(TokenBucket(bytes_per_second, at_once), net::steady_timer(get_executor()));
 }
 
 void WebStream::Write(std::vector<net::const_buffer> buffers, Done done) {

@@ -42,6 +42,9 @@ class WebStream {
   void AsyncSecure(boost::asio::ssl::context& context, boost::beast::flat_buffer& read,
                    std::function<void(boost::beast::error_code)> done);
 
+  /// From now on no more is read than this: what comes beyond it waits in the network.
+  void LimitReading(double bytes_per_second, double at_once);
+
   template <class Buffers, class Handler>
   void async_read_some(const Buffers& buffers, Handler&& handler) {
     Read({boost::asio::buffer_sequence_begin(buffers), boost::asio::buffer_sequence_end(buffers)},

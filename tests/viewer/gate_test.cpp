@@ -92,7 +92,7 @@ TEST_F(GateTest, GivesEachTokenItsRoleWhereverItIsPresented) {
       Asker asker = With(header);
       asker.is_local = is_local;
       EXPECT_EQ(guarded_->JudgeSocket(asker).access, role);
-      EXPECT_EQ(guarded_->JudgeToken(asker).name, name);
+      EXPECT_EQ(guarded_->JudgeToken(asker).holder->name, name);
       asker = Plain(is_local);
       const std::string offered = "foxglove.sdk.v1,\tpalpate.token." + token + " , other";
       asker.subprotocols = offered;

@@ -96,6 +96,28 @@ TEST_F(TokensTest, AreOfAFileThatOthersCannotReadOrChange) {
   EXPECT_THAT(Complaint(), HasSubstr("is a folder; give the name of a regular file"));
 }
 
+TEST_F(TokensTest, KnowWhetherATokenIsStillTheSameOfTheSameRoleAndName) {
+  const auto found = [&](const std::string& line) {
+    Write(line + "\n");
+    return Tokens::Read(path_);
+  };
+  const std::string other = std::string(64, 'b');
+  const Tokens::Holder holder{
+      Access::kWatch, "a", [&] {
+        Tokens::Hash hash;
+        for (std::size_t i = 0; i < hash.size(); ++i) {
+          hash[i] = static_cast<unsigned char>(std::stoi(hash_.substr(2 * i, 2), nullptr, 16));
+        }
+        return hash;
+      }()};
+  EXPECT_TRUE(found("watch a " + hash_).Has(holder));
+  EXPECT_TRUE(found("drive b " + other + "\nwatch a " + hash_).Has(holder));
+  EXPECT_FALSE(found("watch a " + other).Has(holder)) << "another token of that name";
+  EXPECT_FALSE(found("drive a " + hash_).Has(holder)) << "another role";
+  EXPECT_FALSE(found("watch b " + hash_).Has(holder)) << "another name";
+  EXPECT_EQ(found("drive b " + other + "\nwatch a " + hash_).size(), 2u);
+}
+
 TEST_F(TokensTest, NameTheLineThatIsWrong) {
   const std::string good = "# a remark\n\nwatch a " + hash_ + "\n";
   const std::string other = std::string(64, 'b');

@@ -1,5 +1,6 @@
 // Who may, at the real palpate-viewer over real sockets: by which Host, from which address, how
 // often, with which token, over TLS or not.  No server is needed: a stand-in says what one would.
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -17,13 +18,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "common/bundle_hash.h"
-#include "common/dds/endpoint.h"
-#include "common/dds/topics.h"
 #include "tests/support/random.h"
 #include "tests/support/test_domain.h"
+#include "tests/viewer/stand_in.h"
 #include "tests/viewer/test_certificate.h"
-#include "tests/viewer/viewer_program.h"
 
 namespace palpate::test {
 namespace {
@@ -36,20 +34,7 @@ using testing::HasSubstr;
 using testing::Not;
 using Headers = std::map<std::string, std::string>;
 
-const int kDomain = OwnDomain();
 constexpr const char* kV1 = "foxglove.websocket.v1";
-
-struct Gateway : ViewerProgram {
-  explicit Gateway(std::vector<std::string> more = {}) : ViewerProgram(kDomain, std::move(more)) {}
-  /// It has logged this by now, or does so before long.
-  bool Logs(const std::string& text) {
-    for (int i = 0; i < 500; ++i) {
-      if (program().Output().find(text) != std::string::npos) return true;
-      usleep(10'000);
-    }
-    return false;
-  }
-};
 
 Headers From(const std::string& address) {
   return {{"X-Forwarded-For", address}};
@@ -137,41 +122,6 @@ TEST(Places, AreNotAllOneClientsHoweverManyItOpens) {
   for (const auto& pupil : pupils) EXPECT_TRUE(pupil->open());
   EXPECT_TRUE(gateway.Logs("refused (full)"));
 }
-
-/// Says that there is a scene, and notes who wants to drive a tool of it.
-class StandIn {
- public:
-  StandIn() {
-    static std::uint8_t byte = 1;
-    wire::SceneBundle bundle{};
-    wire::FromText("cube", bundle.scene);
-    bundle.server_run = kRun;
-    bundle.hash = BundleHash({&byte, 1});
-    bundle.bundle._buffer = &byte;
-    bundle.bundle._length = bundle.bundle._maximum = 1;
-    EXPECT_TRUE(bundles_.Write(bundle));
-  }
-  std::optional<wire::OperateRequest> Asked() {
-    wire::OperateRequest request{};
-    for (int i = 0; i < 2000; ++i) {
-      if (operations_.Take(request)) return request;
-      usleep(10'000);
-    }
-    return std::nullopt;
-  }
-  bool WasAsked() {
-    wire::OperateRequest request{};
-    return operations_.Take(request);
-  }
-
-  static constexpr std::uint64_t kRun = 0x1234;
-
- private:
-  dds::Participant participant_ = dds::Participant::Service(kDomain);
-  dds::Writer<wire::SceneBundle> bundles_{participant_, dds::kSceneBundleTopic, dds::Qos::kSession};
-  dds::Reader<wire::OperateRequest> operations_{participant_, dds::kOperateRequestTopic,
-                                                dds::Qos::kRecordSession};
-};
 
 TEST(Takes, AreLimitedHoweverQuicklyAViewerTakesAndLetsGo) {
   StandIn server;
@@ -359,9 +309,89 @@ TEST(Operate, IsWithoutTokensForPagesOfThisHostAndForNoneThatAProxyBrings) {
 TEST_F(Guarded, DoesNotBeginWithAFileThatOthersCanChange) {
   chmod(path_.c_str(), 0666);
   Program program(PALPATE_BIN_DIR "/palpate-viewer",
-                  {"--http", "0", "--domain", std::to_string(kDomain), "--tokens", path_});
+                  {"--http", "0", "--domain", std::to_string(OwnDomain()), "--tokens", path_});
   EXPECT_EQ(program.Exit(), 1);
   EXPECT_THAT(program.Output(), AllOf(HasSubstr(path_), HasSubstr("chmod 0600")));
+}
+
+TEST_F(Guarded, HoldAsTheFileHasThemWhenItIsReadAnew) {
+  Gateway gateway({"--tokens", path_});
+  WebClient watcher = Viewer(gateway.port(), watch_), driver = Viewer(gateway.port(), drive_),
+            teacher = Viewer(gateway.port(), operate_);
+  for (WebClient* viewer : {&watcher, &driver, &teacher}) {
+    ASSERT_TRUE(viewer->open());
+    EXPECT_FALSE(viewer->NextJson("serverInfo").is_null());
+  }
+  const std::string later = Make("watch", "later");
+  EXPECT_EQ(Get(gateway.port(), "/healthz", Bearing(later)).status, 401) << "not yet read";
+
+  // The class's token is taken back, the hand's has another role, the teacher's stays.
+  std::string text;
+  {
+    std::ifstream file(path_);
+    for (std::string line; std::getline(file, line);) {
+      if (line.starts_with("watch class ")) continue;
+      if (line.starts_with("drive hand ")) line.replace(0, 5, "watch");
+      text += line + "\n";
+    }
+  }
+  std::ofstream(path_) << text;
+  gateway.program().Signal(SIGHUP);
+  ASSERT_TRUE(gateway.Logs("read anew: 3 tokens are valid; connections that end for it: 2"));
+  for (WebClient* viewer : {&watcher, &driver}) {
+    EXPECT_THAT(viewer->NextJson("status").value("message", ""), HasSubstr("was taken back"));
+    EXPECT_EQ(viewer->closed(), 1008);
+  }
+  EXPECT_EQ(Get(gateway.port(), "/healthz", Bearing(watch_)).status, 401);
+  EXPECT_EQ(Get(gateway.port(), "/healthz", Bearing(later)).status, 200);
+  EXPECT_EQ(Handshake(gateway.port(), kV1, "", Bearing(watch_)).status, 401);
+  WebClient again = Viewer(gateway.port(), drive_);
+  EXPECT_EQ(again.NextJson("serverInfo")["metadata"]["role"], "watch");
+  for (int i = 0; i < 500 && gateway.Health(Bearing(later))["server_run"] != "1234"; ++i) {
+    usleep(10'000);
+  }
+  teacher.SendOperate({{"op", "mute"}, {"station", "left"}});
+  EXPECT_TRUE(server_.Asked()) << "whose token stays is not disturbed";
+}
+
+TEST_F(Guarded, HoldAsBeforeWhereTheFileIsBrokenWhenItIsReadAnew) {
+  Gateway gateway({"--tokens", path_});
+  WebClient watcher = Viewer(gateway.port(), watch_);
+  ASSERT_TRUE(watcher.open());
+  std::ofstream(path_, std::ios::app) << "dance x y\n";
+  gateway.program().Signal(SIGHUP);
+  EXPECT_TRUE(gateway.Logs(":4: role 'dance' is none of watch, drive and operate"));
+  EXPECT_TRUE(gateway.Logs("the tokens that were read before stay valid"));
+  std::filesystem::remove(path_);
+  gateway.program().Signal(SIGHUP);
+  EXPECT_TRUE(gateway.Logs("No such file"));
+  EXPECT_EQ(Get(gateway.port(), "/healthz", Bearing(watch_)).status, 200);
+  EXPECT_EQ(gateway.Health(Bearing(watch_))["viewers"], 1);
+  EXPECT_TRUE(watcher.open());
+}
+
+TEST_F(Guarded, DropsWhoseTokenIsTakenBackThoughItReadsNothing) {
+  Gateway gateway({"--tokens", path_});
+  // Never runs, and so answers no closing.
+  WebClient stalled = Viewer(gateway.port(), watch_);
+  ASSERT_TRUE(stalled.open());
+  std::ofstream(path_) << "";
+  const std::string only = Make("watch", "only");
+  gateway.program().Signal(SIGHUP);
+  ASSERT_TRUE(gateway.Logs("1 tokens are valid; connections that end for it: 1"));
+  bool gone = false;
+  for (int i = 0; i < 2000 && !gone; ++i) {
+    gone = gateway.Health(Bearing(only))["viewers"] == 0;
+    usleep(10'000);
+  }
+  EXPECT_TRUE(gone);
+}
+
+TEST(Reload, WithoutTokensEndsNothing) {
+  Gateway gateway;
+  gateway.program().Signal(SIGHUP);
+  EXPECT_TRUE(gateway.Logs("there are no --tokens to read anew"));
+  EXPECT_EQ(gateway.Health()["viewers"], 0);
 }
 
 // --- TLS ---
@@ -511,9 +541,9 @@ TEST_F(Guarded, GivesAWebSocketOverTlsWhatItGivesInTheClear) {
 TEST(Tls, NamesTheFileThatItCannotUse) {
   const TestCertificate certificate;
   const auto complaint = [&](const std::string& cert, const std::string& key) {
-    Program program(
-        PALPATE_BIN_DIR "/palpate-viewer",
-        {"--http", "0", "--domain", std::to_string(kDomain), "--tls-cert", cert, "--tls-key", key});
+    Program program(PALPATE_BIN_DIR "/palpate-viewer",
+                    {"--http", "0", "--domain", std::to_string(OwnDomain()), "--tls-cert", cert,
+                     "--tls-key", key});
     EXPECT_EQ(program.Exit(), 1);
     return program.Output();
   };
