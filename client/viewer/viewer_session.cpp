@@ -21,6 +21,9 @@ namespace websocket = beast::websocket;
 
 /// What the kernel may hold of what a stalled viewer does not read: some seconds of tool states.
 constexpr int kSendBuffer = 64 * 1024;
+/// And of what it sends that is not read yet: one message of the largest, with which a flood ends a
+/// second after who sent it has gone.
+constexpr int kReceiveBuffer = 64 * 1024;
 constexpr std::int64_t kFarewell_ns = 2'000'000'000;
 constexpr const char* kMouseTopic = "/palpate/mouse";
 constexpr const char* kReplayTopic = "/palpate/replay";
@@ -46,6 +49,7 @@ void ViewerSession::Accept(const Request& request, std::string_view subprotocol)
   boost::system::error_code ignored;
   stream.socket().set_option(net::ip::tcp::no_delay(true), ignored);
   stream.socket().set_option(net::socket_base::send_buffer_size(kSendBuffer), ignored);
+  stream.socket().set_option(net::socket_base::receive_buffer_size(kReceiveBuffer), ignored);
   websocket::stream_base::timeout times{};
   times.handshake_timeout = std::chrono::seconds(10);
   times.idle_timeout = std::chrono::seconds(30);

@@ -53,6 +53,23 @@ TEST(OwnHost, IsNothingThatIsSpelledInAnotherWay) {
     EXPECT_FALSE(IsOwnHost(host, {"lab"})) << host;
   }
   EXPECT_FALSE(IsOwnHost(std::string_view("localhost\0evil", 14), {}));
+  EXPECT_FALSE(IsOwnHost(std::string_view("[::1\0evil]", 10), {}));
+  EXPECT_FALSE(IsOwnHost("[fe80::1%eth0]", {}));
+}
+
+TEST(OwnHost, RefusesWithWhatLetsANameIn) {
+  EXPECT_FALSE(RefuseHost(1, "lab:80", {"lab"}, "palpate-viewer"));
+  const auto other = RefuseHost(1, "evil.example", {"lab"}, "palpate-viewer");
+  ASSERT_TRUE(other);
+  EXPECT_EQ(other->status, 421);
+  EXPECT_EQ(other->reason,
+            "its Host is 'evil.example', which is no address in numbers, nor localhost; "
+            "palpate-viewer --host-name lets it in, where that name is this host's");
+  for (const int hosts : {0, 2}) {
+    const auto refusal = RefuseHost(hosts, "lab", {"lab"}, "palpate-viewer");
+    ASSERT_TRUE(refusal);
+    EXPECT_EQ(refusal->status, 400);
+  }
 }
 
 TEST(HostName, HasTheLettersOfOne) {

@@ -130,5 +130,13 @@ TEST(ServerMetricsPort, NamesAPortThatIsNone) {
   EXPECT_THAT(server.Output(), HasSubstr("--metrics 'x': is no [ADDRESS:]PORT"));
 }
 
+TEST(ServerMetricsPort, TakesNoNameOfAHostWithoutAPortToAskAt) {
+  Program server(
+      PALPATE_BIN_DIR "/palpate-server",
+      {"--scene", "cube", "--domain", std::to_string(OwnDomain()), "--host-name", "lab"});
+  EXPECT_EQ(server.Exit(), 2);
+  EXPECT_THAT(server.Output(), HasSubstr("--host-name is of --metrics"));
+}
+
 }  // namespace
 }  // namespace palpate::test

@@ -17,10 +17,12 @@
 
 namespace palpate::test {
 
-/// The real gateway, in this program's own domain.
+/// Of all tests of this program.
+inline const int kDomain = OwnDomain();
+
+/// The real gateway, in that domain.
 struct Gateway : ViewerProgram {
-  explicit Gateway(std::vector<std::string> more = {})
-      : ViewerProgram(OwnDomain(), std::move(more)) {}
+  explicit Gateway(std::vector<std::string> more = {}) : ViewerProgram(kDomain, std::move(more)) {}
   /// It has logged this by now, or does so before long.
   bool Logs(const std::string& text) {
     for (int i = 0; i < 500; ++i) {
@@ -60,7 +62,7 @@ class StandIn {
   static constexpr std::uint64_t kRun = 0x1234;
 
  private:
-  dds::Participant participant_ = dds::Participant::Service(OwnDomain());
+  dds::Participant participant_ = dds::Participant::Service(kDomain);
   dds::Writer<wire::SceneBundle> bundles_{participant_, dds::kSceneBundleTopic, dds::Qos::kSession};
   dds::Reader<wire::OperateRequest> operations_{participant_, dds::kOperateRequestTopic,
                                                 dds::Qos::kRecordSession};

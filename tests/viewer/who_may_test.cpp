@@ -309,7 +309,7 @@ TEST(Operate, IsWithoutTokensForPagesOfThisHostAndForNoneThatAProxyBrings) {
 TEST_F(Guarded, DoesNotBeginWithAFileThatOthersCanChange) {
   chmod(path_.c_str(), 0666);
   Program program(PALPATE_BIN_DIR "/palpate-viewer",
-                  {"--http", "0", "--domain", std::to_string(OwnDomain()), "--tokens", path_});
+                  {"--http", "0", "--domain", std::to_string(kDomain), "--tokens", path_});
   EXPECT_EQ(program.Exit(), 1);
   EXPECT_THAT(program.Output(), AllOf(HasSubstr(path_), HasSubstr("chmod 0600")));
 }
@@ -541,9 +541,9 @@ TEST_F(Guarded, GivesAWebSocketOverTlsWhatItGivesInTheClear) {
 TEST(Tls, NamesTheFileThatItCannotUse) {
   const TestCertificate certificate;
   const auto complaint = [&](const std::string& cert, const std::string& key) {
-    Program program(PALPATE_BIN_DIR "/palpate-viewer",
-                    {"--http", "0", "--domain", std::to_string(OwnDomain()), "--tls-cert", cert,
-                     "--tls-key", key});
+    Program program(
+        PALPATE_BIN_DIR "/palpate-viewer",
+        {"--http", "0", "--domain", std::to_string(kDomain), "--tls-cert", cert, "--tls-key", key});
     EXPECT_EQ(program.Exit(), 1);
     return program.Output();
   };
