@@ -199,7 +199,7 @@ TEST(Flood, IsLeftInTheNetworkWhateverItConsistsOf) {
   StandIn server;
   Gateway gateway;
   ASSERT_TRUE(gateway.KnowsScenes(1));
-  const double before = ResidentMegabytes(gateway);
+  [[maybe_unused]] const double before = ResidentMegabytes(gateway);
   // More than the kernel's buffers and what may be read in these seconds; far less than what would
   // be read of it.
   constexpr std::size_t kMost = std::size_t{48} << 20;
@@ -224,7 +224,9 @@ TEST(Flood, IsLeftInTheNetworkWhateverItConsistsOf) {
     EXPECT_TRUE(other.Next(3)) << "the scene did not come, beside " << what;
   }
   EXPECT_TRUE(gateway.Logs("refused (flood)"));
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which keep what was freed
   EXPECT_LT(ResidentMegabytes(gateway) - before, 64.0);
+#endif
 }
 
 }  // namespace
