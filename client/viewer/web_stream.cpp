@@ -88,7 +88,8 @@ void WebStream::Read(std::vector<net::mutable_buffer> buffers, Done done) {
 }
 
 void WebStream::LimitReading(double bytes_per_second, double at_once) {
-  state_->rate.emplace(TokenBucket(bytes_per_second, at_once), net::steady_timer(get_executor()));
+  state_->rate =
+      State::Rate{TokenBucket(bytes_per_second, at_once), net::steady_timer(get_executor())};
 }
 
 void WebStream::Write(std::vector<net::const_buffer> buffers, Done done) {

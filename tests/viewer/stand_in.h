@@ -54,9 +54,20 @@ class StandIn {
     }
     return std::nullopt;
   }
-  bool WasAsked() {
+  /// How many more have come by the time that none has come for a fifth of a second.
+  int CountAsked() {
     wire::OperateRequest request{};
-    return operations_.Take(request);
+    int count = 0;
+    for (int quiet = 0; quiet < 20;) {
+      if (operations_.Take(request)) {
+        ++count;
+        quiet = 0;
+      } else {
+        usleep(10'000);
+        ++quiet;
+      }
+    }
+    return count;
   }
 
   static constexpr std::uint64_t kRun = 0x1234;
