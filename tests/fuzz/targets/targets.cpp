@@ -194,23 +194,25 @@ void Qp(const std::uint8_t* bytes, std::size_t size) {
     scale = std::max(scale, std::abs(b[r]));
   }
   // Karush, Kuhn and Tucker: no row is violated, none pulls, and what is left over is theirs.
-  // A sum is as exact as its terms are large: rows that nearly contradict each other meet far off,
-  // with multipliers a million million times as large as what they add up to.
-  double left_over[6], terms[6];
+  // A sum is as exact as its greatest term is large: rows that nearly contradict each other meet
+  // far off, with multipliers a million million times as large as what they add up to.  And a
+  // multiplier that rounding takes below zero is none, which a row of length `scale` makes that
+  // much of.
+  double left_over[6], greatest = 1.0;
   for (int i = 0; i < 6; ++i) {
     left_over[i] = result.x[i] - target[i];
-    terms[i] = 1.0 + std::abs(result.x[i]) + std::abs(target[i]);
+    greatest = std::max({greatest, std::abs(result.x[i]), std::abs(target[i])});
   }
   for (int k = 0; k < result.active; ++k) {
     if (!(result.multiplier[k] >= -1e-9)) Fault("a row that pulls");
     for (int i = 0; i < 6; ++i) {
       const double pull = result.multiplier[k] * a[i][result.row[k]];
       left_over[i] -= pull;
-      terms[i] += std::abs(pull);
+      greatest = std::max(greatest, std::abs(pull));
     }
   }
-  for (int i = 0; i < 6; ++i) {
-    if (!(std::abs(left_over[i]) <= 1e-9 * terms[i])) Fault("not the nearest point");
+  for (const double l : left_over) {
+    if (!(std::abs(l) <= 1e-9 * scale * greatest)) Fault("not the nearest point");
   }
   double size_of_x = 1.0;
   for (const double x : result.x) size_of_x = std::max(size_of_x, std::abs(x));
