@@ -12,6 +12,8 @@ namespace {
 constexpr int kIterationLimit = 400;
 /// A row whose part outside the span of the active ones is shorter than this lies inside it.
 constexpr double kDependent = 1e-9;
+/// A row shorter than this is none: what it asks for, over its length squared, has to be finite.
+constexpr double kShortestRow = 1e-75;
 /// A projection that leaves less of |a|^2 than this is done again.
 constexpr double kCancelled = 1e-2;
 /// Ratio test: an r_j below this is rounding.
@@ -206,10 +208,11 @@ class DualActiveSet {
 
   /// d = Q^T a and z = a - Q d.  Orthogonalised a second time where the first cancelled much
   /// ("twice is enough", Giraud & Langou 2005).  Returns |z|^2, 0 where a lies in the span of the
-  /// active rows.
+  /// active rows, or is none.
   double Project(const Lanes& a, Lanes& d, Lanes& z) const {
     z = a;
     const double aa = SumOfSquares(a);
+    if (!(aa > kShortestRow * kShortestRow)) return 0.0;
     if (active_ == 0) return aa;
     ProjectOnce(d, z);
     double zz = SumOfSquares(z);

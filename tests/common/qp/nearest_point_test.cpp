@@ -280,5 +280,21 @@ TEST(NearestPoint, StaysAtATargetThatSatisfiesEveryRowToTheBit) {
   EXPECT_EQ(SolverOf({Vec::Ones(kN), Mat(0, kN), Vec(0)}).status, QpStatus::kSolved) << "no rows";
 }
 
+TEST(NearestPoint, IsFiniteHoweverShortARowIs) {
+  for (int exponent = 0; exponent >= -320; --exponent) {
+    Problem problem{Vec::Constant(kN, -0.125), Mat::Zero(2, kN), Vec::Zero(2)};
+    problem.A(0, 2) = std::pow(Real{10}, exponent);
+    problem.b[0] = 15.875;
+    problem.A(1, 0) = 0.5;
+    for (const std::vector<int>& guess : {std::vector<int>{}, {0}, {1, 0}}) {
+      const QpResult result = SolverOf(problem, guess);
+      for (const double x : result.x) ASSERT_TRUE(std::isfinite(x)) << exponent;
+      for (int k = 0; k < result.active; ++k) ASSERT_TRUE(std::isfinite(result.multiplier[k]));
+      // One that is too short to be reached is a zero row, which asks for what it cannot have.
+      EXPECT_EQ(result.status, exponent > -75 ? QpStatus::kSolved : QpStatus::kRelaxed) << exponent;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace palpate
