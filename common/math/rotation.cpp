@@ -57,4 +57,18 @@ Vec3 RotationLog(const Quat& q) noexcept {
   return scale * q.vec();
 }
 
+Quat RotationBetween(const Vec3& from, const Vec3& to) noexcept {
+  const Vec3 a = from.normalized();
+  const Vec3 b = to.normalized();
+  const double cosine = b.dot(a);
+  if (cosine < -1.0 + 1e-12) {
+    const Vec3 across = a.unitOrthogonal();
+    return Quat(0.0, across.x(), across.y(), across.z());
+  }
+  const double s = std::sqrt((1.0 + cosine) * 2.0);  // twice the cosine of half the angle
+  const Vec3 axis = a.cross(b) * (1.0 / s);
+  const Quat q(0.5 * s, axis.x(), axis.y(), axis.z());
+  return cosine < 0.0 ? q.normalized() : q;  // where both are nearly opposite, s is a difference
+}
+
 }  // namespace palpate

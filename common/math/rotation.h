@@ -16,4 +16,10 @@ Quat RotationExp(const Vec3& phi) noexcept;
 /// way round), except at exactly half a turn, where both are shortest and the sign of q decides.
 Vec3 RotationLog(const Quat& q) noexcept;
 
+/// The shortest rotation that takes the direction of `from` to that of `to`, unit quaternion; of
+/// opposite ones half a turn about one of the axes across.  Both of any length but zero.  As
+/// Eigen's FromTwoVectors, whose singular value decomposition costs every file that calls it eight
+/// seconds of compilation.
+Quat RotationBetween(const Vec3& from, const Vec3& to) noexcept;
+
 }  // namespace palpate

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "common/math/rotation.h"
+
 namespace palpate {
 namespace {
 
@@ -16,7 +18,7 @@ class Sweep {
     Vec3 u = previous.unitOrthogonal();
     for (std::size_t i = 0; i < curve.size(); ++i) {
       const Vec3 t = Tangent(i);
-      u = Quat::FromTwoVectors(previous, t) * u;
+      u = RotationBetween(previous, t) * u;
       u = (u - u.dot(t) * t).normalized();
       u_.push_back(u);
       v_.push_back(t.cross(u));

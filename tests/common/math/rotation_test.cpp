@@ -44,6 +44,21 @@ TEST(Rotation, ManyTurnsAreTheirRemainder) {
   EXPECT_LT((left - 0.25 * axis).norm(), 1e-11);
 }
 
+TEST(Rotation, BetweenTakesOneDirectionToTheOtherTheShortestWay) {
+  Random random(73);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 from = random.Uniform(0.1, 9.0) * random.Direction();
+    const Vec3 to = i % 3 == 0   ? Vec3(-2.0 * from)
+                    : i % 3 == 1 ? Vec3(0.5 * from)
+                                 : random.Direction();
+    const Quat q = RotationBetween(from, to);
+    EXPECT_NEAR(q.norm(), 1.0, 1e-14);
+    EXPECT_LT((q * from.normalized() - to.normalized()).norm(), 1e-7);
+    // The shortest way turns about an axis across both.
+    EXPECT_NEAR(RotationLog(q).dot(from.normalized()), 0.0, 1e-7);
+  }
+}
+
 TEST(Rotation, ZeroIsTheIdentityToTheBit) {
   EXPECT_EQ(RotationExp(Vec3::Zero()).coeffs(), Quat::Identity().coeffs());
   EXPECT_EQ(RotationLog(Quat::Identity()), Vec3::Zero());

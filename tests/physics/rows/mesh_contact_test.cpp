@@ -480,7 +480,7 @@ TEST(MeshContact, BeginsOutsideWhereverTheHandDoes) {
 
 TEST(MeshContact, ComesOutWhereAStateIsSetAcrossASheet) {
   // No step leads there; a caller that sets a state can.  A corner of the box is 50 um through.
-  const Quat q = Quat::FromTwoVectors(Vec3(1, 1, 1).normalized(), -Vec3::UnitZ());
+  const Quat q = RotationBetween(Vec3(1, 1, 1).normalized(), -Vec3::UnitZ());
   const double height = 0.01 * std::sqrt(3.0);
   Touch touch(MakeScene(Box(Vec3::Constant(0.02)),
                         MakeBody("sheet", test::MakeSheet(4, 0.04, test::Flat), 64)),

@@ -19,7 +19,7 @@ using test::Random;
 /// highest.
 TriangleMesh BoxOnItsCorner(double size, bool upside_down) {
   TriangleMesh box = MakeBox(Vec3::Constant(size));
-  const Quat turn = Quat::FromTwoVectors(Vec3(1.0, 1.1, 1.3), Vec3::UnitZ());
+  const Quat turn = RotationBetween(Vec3(1.0, 1.1, 1.3), Vec3::UnitZ());
   for (Vec3& x : box.vertices) {
     x = turn * x;
     if (upside_down) x = Vec3(x.x(), -x.y(), -x.z());

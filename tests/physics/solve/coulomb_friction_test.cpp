@@ -63,7 +63,7 @@ TEST_P(FrictionTool, HoldsOnAnInclineUpToTheStaticAngle) {
     const Vec3 normal = Vec3(tangent, 0.0, 1.0).normalized();
     // The tool lies flat on the incline; its load is 1 N, straight down.
     Pose X_WG;
-    X_WG.q = Quat::FromTwoVectors(Vec3::UnitZ(), normal);
+    X_WG.q = RotationBetween(Vec3::UnitZ(), normal);
     X_WG.p = rest() * normal;
     Bench bench(tool(), {Plane(normal)}, Rubbing(FrictionModel::kCoulomb), Rough(0.6, 0.4));
     bench.state().X_WG = X_WG;
