@@ -35,6 +35,7 @@ quietly() {
 build() {
   local preset=$1 log=build/logs/build-$1.log
   local -x CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
+  local -x CCACHE_SLOPPINESS=pch_defines,time_macros  # without, nothing is kept where headers are precompiled
   shift
   if [[ ! -f build/$preset/build.ninja ]]; then
     quietly "configuring $preset" "build/logs/configure-$preset.log" cmake --preset "$preset" ||
