@@ -14,7 +14,6 @@
 #include <unistd.h>
 
 #include "client/recorder/file_summary.h"
-#include "common/server_lock_file.h"
 #include "common/time/steady_clock.h"
 #include "devices/scripted/scripted_device.h"
 #include "devices/wrench_limiter.h"
@@ -214,7 +213,6 @@ TEST_F(BadNetwork, IsNoPlaceForTwoServersOfADomainAndTheStationSaysSo) {
   ASSERT_TRUE(StartServer()) << server->Output();
   const auto station = StartStation("60");
   ASSERT_TRUE(station->Says("session: tool")) << station->Output();
-  std::filesystem::remove(ServerLockFile(std::stoi(kDomain)));  // hosts have a /tmp of their own
   const auto second = ServerOn(1);
   EXPECT_EQ(station->Exit(60.0), 1) << station->Output() << second->Output();
   EXPECT_THAT(

@@ -8,7 +8,7 @@
 
 #include "client/recorder/file_summary.h"
 #include "client/replayer/verify.h"
-#include "common/server_lock.h"
+#include "common/dds/server_lock.h"
 #include "common/recording/recording_reader.h"
 #include "tests/common/dds/roudi.h"
 #include "tests/common/recording/samples.h"
