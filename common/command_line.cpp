@@ -113,7 +113,7 @@ void AddNetworkOptions(CLI::App& app, const std::string& peer, dds::Network& net
       ->type_name("ADDRESS");
   app.add_option(
          "--identity", network.identity,
-         "who this is in a secured domain: a folder that 'deploy/security/identities add' "
+         "who this is in a secured domain: a folder that 'palpate-identities add' "
          "made.  Then all that is sent is encrypted, over UDP, and only who has an identity "
          "of the same authority is heard, in what its role may say")
       ->type_name("FOLDER")

@@ -15,11 +15,11 @@
 #include <spdlog/spdlog.h>
 
 #include "common/command_line.h"
+#include "common/dds/server_lock.h"
 #include "common/error.h"
 #include "common/log.h"
 #include "common/metrics/metrics_port.h"
 #include "common/realtime/realtime.h"
-#include "common/server_lock.h"
 #include "common/stop_signal.h"
 #include "common/time/steady_clock.h"
 #include "scenes/catalogue.h"

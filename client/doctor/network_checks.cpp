@@ -4,16 +4,13 @@
 #include <set>
 #include <sstream>
 
-#include <fcntl.h>
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <netinet/in.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include "common/dds/ports.h"
+#include "common/dds/server_lock.h"
 #include "common/dds/topics.h"
-#include "common/server_lock_file.h"
 
 namespace palpate::doctor {
 
@@ -62,11 +59,8 @@ Finding CheckNetwork(const std::vector<Interface>& interfaces, const dds::Networ
 }
 
 bool ServerRuns(const HostFiles& host, int domain) {
-  const int fd = open(host.At(ServerLockFile(domain)).c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return false;
-  const bool locked = flock(fd, LOCK_SH | LOCK_NB) != 0;
-  close(fd);
-  return locked;
+  std::istringstream sockets(host.Read("/proc/net/udp").value_or(""));
+  return dds::PortsIn(sockets).contains(ServerPort(domain));
 }
 
 Finding CheckPorts(const HostFiles& host, int domain, bool server_runs) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <map>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -56,16 +57,19 @@ IgtlServer::~IgtlServer() {
 
 void IgtlServer::Poll(std::int64_t now_ns) {
   for (int i = 0; i < kMostAccepted; ++i) {
-    const int socket = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    const int socket =
+        accept4(listener_, reinterpret_cast<sockaddr*>(&from), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (socket < 0) break;
-    if (clients_.size() == kMostClients) {
+    if (!MakeRoom(from.sin_addr.s_addr)) {
       close(socket);
       ++counts_.refused;
       continue;
     }
     const int yes = 1;
     setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-    clients_.push_back({socket, {}, now_ns, false});
+    clients_.push_back({socket, from.sin_addr.s_addr, {}, now_ns, false});
   }
   std::array<std::uint8_t, 8192> ignored;
   for (Client& client : clients_) {
@@ -112,6 +116,27 @@ void IgtlServer::Write(Client& client, std::span<const std::uint8_t> bytes, std:
   const std::size_t taken = n < 0 ? 0 : static_cast<std::size_t>(n);
   if (taken > 0) client.took_ns = now_ns;
   client.rest.assign(bytes.begin() + static_cast<std::ptrdiff_t>(taken), bytes.end());
+}
+
+bool IgtlServer::MakeRoom(std::uint32_t address) {
+  if (clients_.size() < kMostClients) return true;
+  std::map<std::uint32_t, std::size_t> places;
+  for (const Client& client : clients_) ++places[client.address];
+  const auto most =
+      *std::ranges::max_element(places, {}, [](const auto& entry) { return entry.second; });
+  const std::size_t own = places[address];
+  // One more here and one fewer there must not turn the tables.
+  const std::uint32_t gives = most.second > own + 1 ? most.first : address;
+  if (gives == address && own == 0) return false;
+  Client* leaves = nullptr;
+  for (Client& client : clients_) {
+    if (client.address != gives) continue;
+    if (!leaves || (leaves->rest.empty() && !client.rest.empty())) leaves = &client;
+  }
+  leaves->gone = true;
+  ++counts_.displaced;
+  DropGone();
+  return true;
 }
 
 void IgtlServer::DropGone() {

@@ -9,7 +9,9 @@
 namespace palpate {
 
 /// Sends the same bytes to all who have connected, over TCP, and lets none of them hold it up:
-///   many    those beyond kMostClients are closed at once
+///   many    beyond kMostClients the address that has most of the places gives one of them to an
+///           address that has fewer, and else the newcomer's own does: first of one that takes
+///           nothing, then the oldest; who connects and only sits there shuts nobody out
 ///   slow    gets whole messages or none: while it has not taken the last ones, newer ones are
 ///           passed over; after kPatience_ns without taking a byte it is closed
 ///   hostile what it sends is read and thrown away, a little at a time
@@ -34,7 +36,8 @@ class IgtlServer {
   int port() const { return port_; }
   std::size_t clients() const { return clients_.size(); }
   struct Counts {
-    std::uint64_t refused = 0;      ///< came where there was no room
+    std::uint64_t refused = 0;      ///< came where each place was another address's
+    std::uint64_t displaced = 0;    ///< gave its place to a newcomer
     std::uint64_t closed = 0;       ///< took nothing for too long
     std::uint64_t passed_over = 0;  ///< times that a client was too slow for
   };
@@ -43,16 +46,19 @@ class IgtlServer {
  private:
   struct Client {
     int socket = -1;
+    std::uint32_t address = 0;
     std::vector<std::uint8_t> rest;  ///< of messages whose beginning it has
     std::int64_t took_ns = 0;
     bool gone = false;
   };
   void Write(Client& client, std::span<const std::uint8_t> bytes, std::int64_t now_ns);
   void DropGone();
+  /// False where a newcomer of that address has to go.
+  bool MakeRoom(std::uint32_t address);
 
   int listener_ = -1;
   int port_ = 0;
-  std::vector<Client> clients_;
+  std::vector<Client> clients_;  // in the order of their coming
   Counts counts_;
 };
 

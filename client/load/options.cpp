@@ -31,7 +31,7 @@ constexpr const char* kExamples =
       each number of stations with each number of viewers, as a table
   palpate-load --stations 4 --network eth0
       a server on another host, which runs with --network too
-  deploy/security/identities add lab load load
+  palpate-identities add lab load load
   palpate-load --stations 4 --identity lab/identities/load
       a secured domain: an identity of the role 'load', called as --name is
 

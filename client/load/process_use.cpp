@@ -7,11 +7,10 @@
 #include <set>
 #include <sstream>
 
-#include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
-#include "common/server_lock_file.h"
+#include "common/dds/server_lock.h"
+#include "common/socket_owner.h"
 #include "common/time/steady_clock.h"
 #include "common/whole_file.h"
 
@@ -134,14 +133,7 @@ std::string LoadAverages() {
 }
 
 std::optional<int> ServerOf(int domain) {
-  const int file = open(ServerLockFile(domain).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-  if (file < 0) return std::nullopt;
-  // Who could lock it knows that nobody holds it; the lock goes with the file.
-  const bool held = flock(file, LOCK_SH | LOCK_NB) != 0;
-  close(file);
-  if (!held) return std::nullopt;
-  const auto pid = NumberOf(TextOf(ServerLockFile(domain)));
-  // A server in a container has another number here.
+  const std::optional<int> pid = ServerProcess(domain);
   if (!pid || TextOf(fs::path("/proc") / std::to_string(*pid) / "comm") != "palpate-server\n") {
     return std::nullopt;
   }
@@ -153,18 +145,7 @@ std::optional<int> ListenerAt(int port) {
   for (const char* table : {"/proc/net/tcp", "/proc/net/tcp6"}) {
     AddListeners(TextOf(table), port, sockets);
   }
-  if (sockets.empty()) return std::nullopt;
-  std::error_code error;
-  for (const auto& process : fs::directory_iterator("/proc", error)) {
-    const auto pid = NumberOf(process.path().filename().string());
-    if (!pid) continue;
-    std::error_code not_ours;
-    for (const auto& file : fs::directory_iterator(process.path() / "fd", not_ours)) {
-      std::error_code closed;
-      if (sockets.contains(fs::read_symlink(file.path(), closed).string())) return pid;
-    }
-  }
-  return std::nullopt;
+  return sockets.empty() ? std::nullopt : SocketOwner(sockets);
 }
 
 }  // namespace palpate

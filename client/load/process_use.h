@@ -48,7 +48,7 @@ double BusyBetween(const MachineTimes& begin, const MachineTimes& end);
 /// /proc/loadavg's first three.
 std::string LoadAverages();
 
-/// The process that holds the domain's lock; nothing where none does, or it is not of this host.
+/// The palpate-server of the domain; nothing where none runs that this user may look at.
 std::optional<int> ServerOf(int domain);
 /// The process of this user that listens at a TCP port of this host.
 std::optional<int> ListenerAt(int port);

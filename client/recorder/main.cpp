@@ -6,12 +6,14 @@
 #include "client/recorder/recorder.h"
 #include "common/command_line.h"
 #include "common/log.h"
+#include "common/private_file.h"
 #include "common/stop_signal.h"
 
 int main(int argc, char** argv) {
   return palpate::RunProgram("palpate-record", [&] {
     const auto options = palpate::ParseOptions(argc, argv);
     if (!options) return 0;
+    palpate::KeepFilesPrivate();
     palpate::SetUpLog("palpate-record", options->log_level);
     if (!options->info_files.empty()) {
       const palpate::FileSummary summary = palpate::Summarise(options->info_files);

@@ -13,9 +13,9 @@
 #include "client/recorder/tapped_topics.h"
 #include "client/recorder/taps.h"
 #include "client/recorder/writer_thread.h"
+#include "common/dds/server_lock.h"
 #include "common/dds/topics.h"
 #include "common/machine.h"
-#include "common/server_lock.h"
 #include "common/time/steady_clock.h"
 
 namespace palpate {

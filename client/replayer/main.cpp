@@ -9,6 +9,7 @@
 #include "client/replayer/verify.h"
 #include "common/command_line.h"
 #include "common/log.h"
+#include "common/private_file.h"
 #include "common/stop_signal.h"
 
 namespace palpate {
@@ -65,6 +66,7 @@ int main(int argc, char** argv) {
   return palpate::RunProgram("palpate-replay", [&] {
     const auto options = palpate::ParseOptions(argc, argv);
     if (!options) return 0;
+    palpate::KeepFilesPrivate();
     palpate::SetUpLog("palpate-replay", options->log_level);
     return palpate::Run(*options);
   });

@@ -22,9 +22,9 @@
 #include "client/replayer/steering.h"
 #include "client/replayer/timeline.h"
 #include "client/replayer/voice.h"
+#include "common/dds/server_lock.h"
 #include "common/error.h"
 #include "common/recording/recording_reader.h"
-#include "common/server_lock.h"
 #include "common/time/steady_clock.h"
 
 namespace palpate {

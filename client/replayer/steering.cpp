@@ -82,7 +82,8 @@ void Steering::TakeWishes() {
   dds::CdrSample raw;
   wire::ReplayRequest request{};
   while (requests_.Take(raw, request)) {
-    if (request.replay == replay_) wishes_.push_back({raw.source_time_ns, request});
+    if (request.replay != replay_ || !requests_heard_.IsNew(request.request)) continue;
+    wishes_.push_back({raw.source_time_ns, request});
   }
   std::ranges::stable_sort(wishes_, {}, &Wish::time_ns);
 }

@@ -11,6 +11,7 @@
 #include "common/dds/cdr_reader.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/topics.h"
+#include "common/request_memory.h"
 
 namespace palpate {
 
@@ -70,6 +71,7 @@ class Steering {
   bool steered_ = false, contents_told_ = false;
   std::vector<wire::ReplayMark> marks_;  // all, by time
   std::deque<Wish> wishes_;
+  RequestMemory requests_heard_;
   dds::Writer<wire::ReplayContents> contents_;
   dds::Writer<wire::ReplayState> states_;
   dds::CdrReader<wire::ReplayRequest> requests_;

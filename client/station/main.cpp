@@ -2,12 +2,14 @@
 #include "client/station/station.h"
 #include "common/command_line.h"
 #include "common/log.h"
+#include "common/private_file.h"
 #include "common/stop_signal.h"
 
 int main(int argc, char** argv) {
   return palpate::RunProgram("palpate-station", [&] {
     const auto options = palpate::ParseOptions(argc, argv);
     if (!options) return 0;
+    palpate::KeepFilesPrivate();
     palpate::SetUpLog("palpate-station", options->log_level);
     palpate::StopSignal stop;
     palpate::RunStation(*options, stop);

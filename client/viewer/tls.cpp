@@ -5,8 +5,8 @@
 #include <openssl/crypto.h>
 #include <openssl/ssl.h>
 
-#include "client/viewer/private_file.h"
 #include "common/error.h"
+#include "common/private_file.h"
 #include "common/whole_file.h"
 
 namespace palpate {

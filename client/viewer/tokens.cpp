@@ -14,8 +14,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "client/viewer/private_file.h"
 #include "common/error.h"
+#include "common/private_file.h"
 #include "common/quoted.h"
 #include "common/whole_file.h"
 

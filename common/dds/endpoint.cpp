@@ -54,10 +54,10 @@ QosPtr MakeQos(const Participant& participant, Qos role) {
 /// Why DDS makes no `what` of that name, and in a secured domain the remedy.
 Error CannotMake(const std::string& what, const std::string& name, dds_return_t why) {
   const bool secured = why == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY;
-  return Error("DDS " + what + " '" + name + "': " + dds_strretcode(why) +
-               (secured ? "; the role of this --identity may not: 'deploy/security/identities "
-                          "--help' says which may"
-                        : ""));
+  return Error(
+      "DDS " + what + " '" + name + "': " + dds_strretcode(why) +
+      (secured ? "; the role of this --identity may not: 'palpate-identities --help' says which may"
+               : ""));
 }
 
 template <class T>

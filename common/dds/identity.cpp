@@ -40,7 +40,7 @@ using Bytes = std::unique_ptr<BIO, Freed<BIO, BIO_free_all>>;
 using Time = std::unique_ptr<ASN1_TIME, Freed<ASN1_TIME, ASN1_TIME_free>>;
 
 constexpr const char* kMakeAnother =
-    "; 'deploy/security/identities add' makes another, of the authority that the others have";
+    "; 'palpate-identities add' makes another, of the authority that the others have";
 
 [[noreturn]] void Refuse(const fs::path& file, const std::string& what) {
   throw Error("--identity: " + file.string() + what);
@@ -53,7 +53,7 @@ constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 Bytes Open(const fs::path& file, const FileCheck& check = {}) {
   if (access(file.c_str(), R_OK) != 0) {
     Refuse(file, std::string(": ") + std::strerror(errno) +
-                     "; 'deploy/security/identities add' makes a folder with all that belongs to "
+                     "; 'palpate-identities add' makes a folder with all that belongs to "
                      "one");
   }
   const std::string content = ReadWholeFile(file.string(), kMostBytes, "--identity:", check);
@@ -116,7 +116,7 @@ void SeeThatItHolds(const fs::path& file, const std::string& what, const Span& s
   if (now > span.end) {
     Refuse(file, ": " + what + " has expired: it held until " + Utc(span.end) +
                      ", and by this host's clock it is " + Utc(now) +
-                     "; make a new one with 'deploy/security/identities', or set the clock");
+                     "; make a new one with 'palpate-identities', or set the clock");
   }
 }
 
@@ -241,6 +241,20 @@ void CheckPermissions(const fs::path& file, const std::string& document, X509* c
                    kMakeAnother);
 }
 
+/// Where neither whole messages nor submessages are authenticated, who has no identity can send
+/// what he has heard once again, under a sequence number that is new.
+void CheckGovernance(const fs::path& file, const std::string& document) {
+  const std::string xml = WithoutComments(document);
+  const auto leaves = [&](const std::string& what) {
+    return std::regex_search(xml, std::regex("<" + what + R"(_protection_kind>\s*NONE\s*<)"));
+  };
+  if (!leaves("rtps") || !leaves("metadata")) return;
+  Refuse(file,
+         ": these rules, an earlier version's, let anybody send again what he has heard; "
+         "'palpate-identities renew FOLDER' makes them anew, where FOLDER/authority is, for "
+         "all FOLDER/identities, to be carried to their hosts again");
+}
+
 }  // namespace
 
 void CheckIdentity(const std::string& identity, std::time_t now) {
@@ -261,7 +275,8 @@ void CheckIdentity(const std::string& identity, std::time_t now) {
   SeeThatItHolds(own, certificate.get(), now);
   SeeThatItHolds(authority, issuer.get(), now);
   SeeThatItHolds(signer, permitter.get(), now);
-  ReadSigned(folder / "governance.p7s", signer, permitter.get());
+  const fs::path governance = folder / "governance.p7s";
+  CheckGovernance(governance, ReadSigned(governance, signer, permitter.get()));
   const fs::path permissions = folder / "permissions.p7s";
   CheckPermissions(permissions, ReadSigned(permissions, signer, permitter.get()), certificate.get(),
                    now);

@@ -21,6 +21,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "common/dds/open_domain.h"
 #include "common/dds/ports.h"
 #include "common/dds/security.h"
 #include "common/dds/shared_memory_watch.h"
@@ -106,7 +107,7 @@ std::string WhyNoDomain(int domain_id, const Network& network) {
   }
   if (network.secured()) {
     return "this --identity, or its network, is not what it takes; Cyclone DDS says above why "
-           "('deploy/security/identities list' says until when identities hold)";
+           "('palpate-identities list' says until when identities hold)";
   }
   const std::string why = WhyPortsFail(domain_id, PortsInUse(), PortsOfAnyone());
   return why.empty() ? "Cyclone DDS says above why" : why;
@@ -243,8 +244,8 @@ class Participant::Domain {
   Domain(int id, bool shared_memory, const Network& network)
       : shared_memory_(shared_memory), roudi_(RouDiIdentity()) {
     if (network.secured()) LogWhatDdsSays();
-    entity_ = dds_create_domain(static_cast<dds_domainid_t>(id),
-                                DomainConfig(id, shared_memory, network).c_str());
+    entity_ = OpenDomain(static_cast<dds_domainid_t>(id), DomainConfig(id, shared_memory, network),
+                         network, PortsOf(id));
     if (entity_ < 0) {
       throw Error("DDS domain " + std::to_string(id) + " cannot be made (" +
                   dds_strretcode(entity_) + "): " + WhyNoDomain(id, network));

@@ -40,7 +40,8 @@ TransportChoice ChooseTransport(Transport wanted, const Network& network = {});
 /// A participant in one DDS domain, which is configured from code (never by CYCLONEDDS_URI).  Two
 /// are made: the loop domain (shared memory where chosen; HapticPose and Wrench alone) and the
 /// service domain (UDP; everything else).  Participants of one process share a domain; it ends with
-/// the last of them.  Both domains know one interface alone, that of the network.
+/// the last of them.  Both domains know one interface alone, that of the network,
+/// and where that is this host's own nothing else is heard (common/dds/open_domain.h).
 /// Not to be made by several threads at once.
 class Participant {
  public:

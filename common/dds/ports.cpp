@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <vector>
-
-#include "common/dds/topics.h"
+#include <sstream>
 
 namespace palpate::dds {
 namespace {
@@ -38,18 +36,30 @@ std::string FreeDomains(const std::set<int>& in_use) {
 
 }  // namespace
 
-std::set<int> PortsIn(std::istream& proc_net_udp) {
-  std::set<int> ports;
+std::vector<UdpSocket> UdpSocketsIn(std::istream& proc_net_udp) {
+  std::vector<UdpSocket> sockets;
   std::string line;
   std::getline(proc_net_udp, line);  // the heads of the columns
   while (std::getline(proc_net_udp, line)) {
-    // "  12: 0100007F:1CE8 00000000:0000 07 ...": number, own address, port in hexadecimal digits.
-    const std::size_t number = line.find(':');
-    if (number == std::string::npos) continue;
-    const std::size_t port = line.find(':', number + 1);
+    // "12: 0100007F:1CE8 00000000:0000 07 0:0 00:0 0 1000 0 5678 ...": number, own address and port
+    // in hexadecimal digits, ..., user, ..., inode.
+    std::istringstream words(line);
+    std::string number, address, skipped;
+    words >> number >> address;
+    const std::size_t port = address.find(':');
     if (port == std::string::npos) continue;
-    ports.insert(static_cast<int>(std::strtol(line.c_str() + port + 1, nullptr, 16)));
+    UdpSocket socket;
+    socket.port = static_cast<int>(std::strtol(address.c_str() + port + 1, nullptr, 16));
+    for (int i = 0; i < 5; ++i) words >> skipped;
+    words >> socket.user >> skipped >> socket.inode;
+    sockets.push_back(socket);
   }
+  return sockets;
+}
+
+std::set<int> PortsIn(std::istream& proc_net_udp) {
+  std::set<int> ports;
+  for (const UdpSocket& socket : UdpSocketsIn(proc_net_udp)) ports.insert(socket.port);
   return ports;
 }
 

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <istream>
 #include <set>
 #include <string>
+#include <vector>
+
+#include "common/dds/topics.h"
 
 namespace palpate::dds {
 
@@ -13,8 +17,8 @@ namespace palpate::dds {
 // ports differs from the standard, so that a tool of DDS needs one setting to come in (README.md).
 //
 //   first      first + 1     first + 10 + 2 i   first + 11 + 2 i     first + 108, + 109
-//   multicast: discovery,    each process i:    discovery, data      spare; a test claims its
-//   data                                                             domain by the last
+//   multicast: discovery,    each process i:    discovery, data      of a loop domain: its server's
+//   data                                                             (server_lock.h), its test's
 inline constexpr int kFirstPort = 7400;
 inline constexpr int kPortsPerDomain = 110;
 /// The last i: 49 processes can be in a DDS domain on one host, where a server admits 32 stations.
@@ -33,7 +37,14 @@ constexpr PortRange PortsOf(int domain_id) {
   return {first, first + kPortsPerDomain - 1};
 }
 
-/// UDP ports that somebody holds, from the text of /proc/net/udp.
+struct UdpSocket {
+  int port = 0;
+  std::uint32_t user = 0;
+  std::uint64_t inode = 0;
+};
+/// Of all, from the text of /proc/net/udp.
+std::vector<UdpSocket> UdpSocketsIn(std::istream& proc_net_udp);
+/// UDP ports that somebody holds, from the same text.
 std::set<int> PortsIn(std::istream& proc_net_udp);
 /// On this host.
 std::set<int> PortsInUse();

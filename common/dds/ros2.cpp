@@ -1,5 +1,6 @@
 #include "common/dds/ros2.h"
 
+#include "common/dds/open_domain.h"
 #include "common/error.h"
 
 namespace palpate::ros2 {
@@ -91,7 +92,9 @@ Participant::Participant(int domain, const dds::Network& network) {
       "ROS domain " + std::to_string(domain) + " on '" + network.interface + "'";
   const auto local = static_cast<dds_domainid_t>(kFirstLocal + domain);
   const std::string remedy = " (is there such an interface, with an address?  give another)";
-  domain_ = dds_create_domain(local, Config(domain, network).c_str());
+  const int first_port = 7400 + 250 * domain;  // RTPS 2.3, 9.6.1.1
+  domain_ =
+      dds::OpenDomain(local, Config(domain, network), network, {first_port, first_port + 249});
   if (domain_ < 0) throw Error(what + " cannot be joined: " + dds_strretcode(domain_) + remedy);
   // By it ROS 2 knows a participant for one of its own.
   const QosPtr qos = MakeQos(Wants::kAll, kDepth, "enclave=/;");

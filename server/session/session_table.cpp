@@ -131,7 +131,7 @@ void SessionTable::TellHeld(const wire::SessionRequest& request) {
 }
 
 bool SessionTable::Operate(const wire::OperateRequest& request, std::int64_t now_ns) {
-  if (request.server_run != server_run_) return false;
+  if (request.server_run != server_run_ || !requests_heard_.IsNew(request.request)) return false;
   const auto session = sessions_.find(request.station);
   const auto held = held_.find(request.station);
   const bool here = session != sessions_.end() || held != held_.end();
@@ -263,7 +263,7 @@ void SessionTable::PassOnRemovals(Session& from) {
 void SessionTable::Request(const wire::WholeRequest& request) {
   const auto served =
       std::ranges::find_if(tools_, [&](const auto& tool) { return tool->scene == request.scene; });
-  if (served == tools_.end()) return;
+  if (served == tools_.end() || !requests_heard_.IsNew(request.request)) return;
   wire::SceneWhole answer{};
   wire::FromText(request.scene, answer.scene);
   wire::FromText(request.by, answer.by);

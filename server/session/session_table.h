@@ -9,6 +9,7 @@
 
 #include "common/dds/wire.h"
 #include "common/realtime/token_bucket.h"
+#include "common/request_memory.h"
 #include "server/session/scene_changes.h"
 #include "server/session/session.h"
 
@@ -46,10 +47,11 @@ class SessionTable {
 
   void Request(const wire::SessionRequest& request, std::int64_t now_ns);
   /// What a teacher decides of a station.  It holds for the name until another word, whatever
-  /// sessions come and go.  False: it is of another server, or of a station that is not here.
+  /// sessions come and go.  False: it is of another server, of a station that is not here, or has
+  /// been heard before.
   bool Operate(const wire::OperateRequest& request, std::int64_t now_ns);
   /// Makes a scene whole again for all its tools, and answers.  A request for a scene that is not
-  /// served here gets no answer: it may be another server's.
+  /// served here gets no answer: it may be another server's.  Nor does one that has been heard.
   void Request(const wire::WholeRequest& request);
   /// Looks after all sessions; ended ones leave the table.
   void Update(std::int64_t now_ns);
@@ -112,6 +114,7 @@ class SessionTable {
   std::map<std::string, Waiting> held_;                       // by station: for a teacher
   std::map<std::string, Standing> standings_;                 // by station
   bool admit_by_hand_;
+  RequestMemory requests_heard_;
   TokenBucket refusals_{kRefusalsPerSecond, kRefusalsAtOnce};
   std::uint64_t untold_ = 0;
   std::vector<wire::SessionState> changes_;

@@ -49,5 +49,13 @@ TEST(Packages, HoldTheUnitsAndWhatTheUnitsRead) {
   }
 }
 
+TEST(Packages, HoldWhatALabReadsAndWhatTheProgramsTellItToCall) {
+  const std::string rules = Read("deploy/packages/CMakeLists.txt");
+  for (const char* file : {"deploy/README.md", "deploy/REALTIME.md", "deploy/SECURITY.md",
+                           "deploy/observability", "deploy/security/identities"}) {
+    EXPECT_THAT(rules, HasSubstr(std::string("${root}/") + file)) << file << " is not packed";
+  }
+}
+
 }  // namespace
 }  // namespace palpate::house

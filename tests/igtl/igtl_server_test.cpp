@@ -21,9 +21,12 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 /// A client of whom anything may be expected.
 class RawClient {
  public:
-  explicit RawClient(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+  /// @param host  the last byte of its address, 127.0.0.x.
+  explicit RawClient(int port, std::uint32_t host = 1) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in place{};
     place.sin_family = AF_INET;
+    place.sin_addr.s_addr = htonl((INADDR_LOOPBACK & ~0xffu) | host);
+    EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&place), sizeof place), 0);
     place.sin_port = htons(static_cast<std::uint16_t>(port));
     place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     EXPECT_EQ(connect(socket_, reinterpret_cast<sockaddr*>(&place), sizeof place), 0);
@@ -31,6 +34,11 @@ class RawClient {
   ~RawClient() { close(socket_); }
   RawClient(const RawClient&) = delete;
   RawClient& operator=(const RawClient&) = delete;
+  /// False where the server has closed the connection.
+  bool is_connected() const {
+    char byte;
+    return recv(socket_, &byte, 1, MSG_DONTWAIT) != 0;
+  }
   int socket_;
 };
 
@@ -108,7 +116,7 @@ TEST(IgtlServer, HeedsNothingThatItIsSent) {
   EXPECT_EQ(server.clients(), 1u);
 }
 
-TEST(IgtlServer, HasRoomForSoManyAndClosesThoseBeyond) {
+TEST(IgtlServer, HasRoomForSoManyOfWhomTheOldestGivesWayToANewcomerOfItsAddress) {
   IgtlServer server("127.0.0.1", 0);
   std::vector<std::unique_ptr<RawClient>> clients;
   for (std::size_t i = 0; i < IgtlServer::kMostClients + 3; ++i) {
@@ -116,12 +124,29 @@ TEST(IgtlServer, HasRoomForSoManyAndClosesThoseBeyond) {
     server.Poll(0);
   }
   EXPECT_EQ(server.clients(), IgtlServer::kMostClients);
-  EXPECT_EQ(server.counts().refused, 3u);
-  clients.front().reset();
-  server.Poll(1);
-  RawClient next(server.port());
-  server.Poll(2);
+  EXPECT_EQ(server.counts().displaced, 3u);
+  for (std::size_t i = 0; i < clients.size(); ++i) EXPECT_EQ(clients[i]->is_connected(), i >= 3);
+}
+
+TEST(IgtlServer, IsHeldByNoAddressAgainstAnother) {
+  IgtlServer server("127.0.0.1", 0);
+  std::vector<std::unique_ptr<RawClient>> idle;
+  const auto come = [&](std::uint32_t host) {
+    idle.push_back(std::make_unique<RawClient>(server.port(), host));
+    server.Poll(0);
+  };
+  for (std::size_t i = 0; i < IgtlServer::kMostClients; ++i) come(2);
+  const RawClient slicer(server.port(), 3);
+  server.Poll(0);
+  EXPECT_TRUE(slicer.is_connected());
+  for (std::size_t i = 0; i < 2 * IgtlServer::kMostClients; ++i) come(2);
+  EXPECT_TRUE(slicer.is_connected()) << "a flood is its own address's affair";
   EXPECT_EQ(server.clients(), IgtlServer::kMostClients);
+  EXPECT_EQ(server.counts().refused, 0u);
+  // One place for each of sixteen addresses: the seventeenth has to wait.
+  for (std::uint32_t host = 4; host < 4 + IgtlServer::kMostClients; ++host) come(host);
+  EXPECT_TRUE(slicer.is_connected());
+  EXPECT_EQ(server.counts().refused, 2u);
 }
 
 TEST(IgtlServer, SaysWhichAddressItCannotHave) {

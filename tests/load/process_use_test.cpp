@@ -1,16 +1,13 @@
 #include "client/load/process_use.h"
 
-#include <fstream>
-
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
-#include <sys/file.h>
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
 
-#include "common/server_lock_file.h"
+#include "common/dds/server_lock.h"
+#include "tests/support/test_domain.h"
 
 namespace palpate {
 namespace {
@@ -66,17 +63,12 @@ TEST(ProcessUse, SharesTheMachinesTimeIntoBusyAndIdle) {
   EXPECT_GT(MachineTimesNow().all, 0u);
 }
 
-TEST(ProcessUse, FindsNoServerWhereNobodyHoldsTheLock) {
-  const int domain = 100'000 + getpid();
-  EXPECT_FALSE(ServerOf(domain));
-  const std::string file = ServerLockFile(domain);
-  std::ofstream(file) << getpid();
-  EXPECT_FALSE(ServerOf(domain)) << "left by one that was killed";
-  const int lock = open(file.c_str(), O_RDONLY);
-  ASSERT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0);
-  EXPECT_FALSE(ServerOf(domain)) << "held, but what has that number is no server";
-  close(lock);
-  unlink(file.c_str());
+TEST(ProcessUse, FindsNoServerInWhatHoldsItsPlaceAndIsNone) {
+  const int domain = test::OwnDomain();
+  EXPECT_FALSE(ServerProcess(domain));
+  const ServerLock lock(domain);
+  EXPECT_EQ(ServerProcess(domain), getpid());
+  EXPECT_FALSE(ServerOf(domain)) << "by its name";
 }
 
 TEST(ProcessUse, FindsWhoListensAtAPort) {

@@ -8,8 +8,8 @@
 
 #include "client/recorder/file_summary.h"
 #include "client/replayer/verify.h"
+#include "common/dds/server_lock.h"
 #include "common/recording/recording_reader.h"
-#include "common/server_lock.h"
 #include "tests/common/dds/roudi.h"
 #include "tests/common/recording/samples.h"
 #include "tests/integration/rig.h"
@@ -93,6 +93,8 @@ TEST_F(RecorderProgramTest, NamesTheDomainsOfThisHostThatHaveAServerWhereItHears
 TEST_F(RecorderProgramTest, RecordsEverySampleOverUdpAndOthersReadThem) {
   RecordAStation("udp");
   if (HasFatalFailure()) return;
+  EXPECT_EQ(std::filesystem::status(file_).permissions() & std::filesystem::perms::others_all,
+            std::filesystem::perms::none);
   ExpectWholeAndTheSame();
   const auto others = ReadByOthers(file_);
   if (!others) GTEST_SKIP() << "deploy/setup --for tests fetches MCAP's readers";

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/dds/cdr_reader.h"
-#include "common/server_lock.h"
+#include "common/dds/server_lock.h"
 #include "tests/common/recording/samples.h"
 
 namespace palpate::test {

@@ -164,20 +164,23 @@ TEST_F(SteeringTest, LeavesToThePlayerTimesThatTheRecordingDoesNotHave) {
   EXPECT_STREQ(state_.refusal, "");
 }
 
-TEST_F(SteeringTest, PassesOverWishesOfAnotherReplay) {
+TEST_F(SteeringTest, PassesOverWishesOfAnotherReplayAndThoseThatItHasHeard) {
   Begin();
   wire::ReplayRequest others = Request(palpate_REPLAY_PAUSE);
   others.replay = contents_.replay + 1;
   Wish(others);
   // The other's was written before, and by the same writer.
   const std::uint64_t own = Wish(Request(palpate_REPLAY_PLAY));
+  --last_;
+  ASSERT_EQ(Wish(Request(palpate_REPLAY_PLAY)), own);
+  const std::uint64_t last = Wish(Request(palpate_REPLAY_PAUSE));
   std::vector<std::uint64_t> taken;
   wire::ReplayRequest request{};
   ASSERT_TRUE(Eventually([&] {
     while (steering_->Take({}, request)) taken.push_back(request.request);
-    return !taken.empty();
+    return !taken.empty() && taken.back() == last;
   }));
-  EXPECT_THAT(taken, ElementsAre(own));
+  EXPECT_THAT(taken, ElementsAre(own, last));
 }
 
 TEST(ReplayRequest, IsNoneWithAWishThatNobodyKnows) {

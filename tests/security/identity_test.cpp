@@ -111,7 +111,7 @@ TEST_F(IdentityTest, NamesEachFileThatItLacks) {
                            "governance.p7s", "permissions.p7s"}) {
     fs::rename(own_ / file, own_ / "away");
     EXPECT_THAT(Refusal(own_), AllOf(HasSubstr((own_ / file).string() + ": No such file"),
-                                     HasSubstr("deploy/security/identities add")));
+                                     HasSubstr("palpate-identities add")));
     fs::rename(own_ / "away", own_ / file);
   }
 }
@@ -234,6 +234,16 @@ TEST_F(IdentityTest, NeedsDocumentsThatNobodyHasChanged) {
   fs::copy(elsewhere.keys() / "permissions_ca.pem", own_ / "permissions_ca.pem",
            fs::copy_options::overwrite_existing);
   EXPECT_THAT(Refusal(own_), HasSubstr("another authority's"));
+}
+
+TEST_F(IdentityTest, NeedsRulesByWhichNothingCanBeSentAgain) {
+  SignAnew(Lab(), own_ / "governance.p7s", [](std::string& xml) {
+    Replace(xml, "<metadata_protection_kind>ENCRYPT<", "<metadata_protection_kind>NONE<");
+  });
+  EXPECT_THAT(Refusal(own_), AllOf(HasSubstr("governance.p7s: these rules, an earlier version's"),
+                                   HasSubstr("palpate-identities renew FOLDER")));
+  Lab().Script({"renew", own_.parent_path().parent_path()});
+  EXPECT_EQ(Refusal(own_), "");
 }
 
 TEST_F(IdentityTest, IsRefusedByTheProgramInTheSameWords) {

@@ -1,10 +1,13 @@
 // Somebody who tries to say or hear what is not for him, in a process of his own: a process has one
 // identity.
 //   rogue DOMAIN IDENTITY|- write|read TOPIC SECONDS
-// Prints `not allowed: …`, or `matched N`, and for a reader `heard N`.
+// Prints `not allowed: …`, or `matched N`, and for a reader `heard N`; on the way, with each
+// hundredth sample, `hears N`, and with each that it has had before `again`.  What it writes is
+// numbered.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <set>
 #include <string>
 #include <thread>
 
@@ -27,9 +30,17 @@ struct Order {
 };
 
 template <class T>
+std::uint64_t* NumberOf(T& sample) {
+  if constexpr (requires { sample.pose_sequence; }) return &sample.pose_sequence;
+  if constexpr (requires { sample.request; }) return &sample.request;
+  return nullptr;
+}
+
+template <class T>
 void Try(const Participant& participant, const Order& order, Qos qos) {
   const auto end = steady_clock::now() + std::chrono::duration<double>(order.seconds);
   int matched = 0, heard = 0;
+  std::set<std::uint64_t> numbers;
   const auto go_on = [&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     return steady_clock::now() < end;
@@ -38,13 +49,20 @@ void Try(const Participant& participant, const Order& order, Qos qos) {
     Writer<T> writer(participant, order.topic, qos);
     for (T sample{}; go_on(); writer.Write(sample)) {
       matched = std::max(matched, writer.matched_readers());
+      if (std::uint64_t* const number = NumberOf(sample)) ++*number;
     }
     std::printf("matched %d\n", matched);
   } else {
-    Reader<T> reader(participant, order.topic, qos);
+    // All that is sent, as the server's readers of requests hear it.
+    Reader<T> reader(participant, order.topic,
+                     qos == Qos::kSession ? Qos::kRecordSession : Qos::kRecord);
     while (go_on()) {
       matched = std::max(matched, reader.matched_writers());
-      for (T sample{}; reader.Take(sample);) ++heard;
+      for (T sample{}; reader.Take(sample);) {
+        const std::uint64_t* const number = NumberOf(sample);
+        if (number && !numbers.insert(*number).second) std::puts("again");
+        if (++heard % 100 == 0) std::printf("hears %d\n", heard);
+      }
     }
     std::printf("matched %d\nheard %d\n", matched, heard);
   }
@@ -77,6 +95,7 @@ void Run(const Order& order) {
 
 int main(int argc, char** argv) {
   if (argc != 6) return 2;
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
   palpate::dds::Order order{
       std::atoi(argv[1]), {}, std::string(argv[3]) == "write", argv[4], std::atof(argv[5])};
   if (std::string(argv[2]) != "-") order.network.identity = argv[2];

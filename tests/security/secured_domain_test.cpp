@@ -16,8 +16,11 @@
 #include <unistd.h>
 
 #include "common/dds/participant.h"
+#include "common/dds/ports.h"
+#include "common/dds/topics.h"
 #include "common/error.h"
 #include "tests/security/authority.h"
+#include "tests/security/eavesdropper.h"
 #include "tests/support/program.h"
 #include "tests/support/test_domain.h"
 
@@ -121,6 +124,39 @@ TEST(SecuredDomain, NeitherHearsNorIsHeardByWhoHasNoIdentityOrAnotherAuthoritys)
   EXPECT_THAT(lab.server.Output(), HasSubstr("DDS: ")) << "a refusal that nobody logged";
 }
 
+/// A teacher's wishes and a hand's forces, written and read by whom they are for.
+struct Talk {
+  std::string topic, from_role, from, to_role, to;
+};
+
+TEST(SecuredDomain, HearsNothingAgainFromWhoHasNoIdentity) {
+  const int first_port = dds::PortsOf(dds::LoopDomainId(kDomain)).first;
+  const int last_port = dds::PortsOf(dds::ServiceDomainId(kDomain)).last;
+  if (!Eavesdropper(first_port, last_port).hears()) {
+    GTEST_SKIP() << "no raw socket (root, or CAP_NET_RAW)";
+  }
+  for (const Talk& talk :
+       {Talk{"palpate/operate_request", "gateway", "gate", "server", "srv"},
+        Talk{"palpate/left/00000000000000ab/wrench", "server", "srv", "station", "left"}}) {
+    for (const bool secured : {false, true}) {
+      const auto run = [&](const std::string& role, const std::string& name, const char* does) {
+        const std::string identity = secured ? IdentityOf(role, name) : "-";
+        return Program(OwnFolder() + "/rogue", {kNumber, identity, does, talk.topic, "60"});
+      };
+      Program reader = run(talk.to_role, talk.to, "read");
+      Program writer = run(talk.from_role, talk.from, "write");
+      ASSERT_TRUE(reader.Says("hears 100\n", 30.0)) << reader.Output();
+      EXPECT_EQ(Eavesdropper(first_port, last_port).SendAgain(50), 50);
+      if (secured) {
+        EXPECT_TRUE(reader.Says("hears 200\n")) << talk.topic << ": silenced\n" << reader.Output();
+        EXPECT_THAT(reader.Output(), Not(HasSubstr("again"))) << talk.topic;
+      } else {
+        EXPECT_TRUE(reader.Says("again\n")) << "the attack is none";
+      }
+    }
+  }
+}
+
 TEST(SecuredDomain, AllowsEachRoleItsOwnWordsAndNoMore) {
   struct Attempt {
     std::string role, name, does, topic;
@@ -148,6 +184,12 @@ TEST(SecuredDomain, AllowsEachRoleItsOwnWordsAndNoMore) {
            {"gateway", "gate", "write", "palpate/mouse_1a2b_1" + run + "pose", true},
            {"gateway", "gate", "write", "palpate/left" + run + "pose", false},
            {"gateway", "gate", "write", "palpate/session_state", false},
+           {"load", "l", "write", "palpate/l_1" + run + "pose", true},
+           {"load", "l", "write", "palpate/l_32" + run + "pose", true},
+           {"load", "l", "read", "palpate/l_32" + run + "wrench", true},
+           {"load", "l", "write", "palpate/l_eft" + run + "pose", false},
+           {"load", "l", "write", "palpate/l_1eft" + run + "pose", false},
+           {"load", "l", "read", "palpate/l_eft" + run + "wrench", false},
            {"recorder", "rec", "read", "palpate/left" + run + "pose", true},
            {"recorder", "rec", "write", "palpate/left" + run + "pose", false},
            {"recorder", "rec", "write", "palpate/session_request", false},
@@ -268,6 +310,13 @@ TEST(IdentitiesScript, OverwritesNothingAndNamesWhatItDoesNotKnow) {
   Authority::Script({"add", folder, "king", "k"}, 2);
   Authority::Script({"add", folder, "viewer", "../../x"}, 2);
   Authority::Script({"add", folder, "viewer", "<x/>"}, 2);
+  // Whose stations another identity drives.
+  Authority::Script({"add", folder, "load", "many"});
+  Authority::Script({"add", folder, "station", "many_7"}, 1);
+  Authority::Script({"add", folder, "station", "many_seven"});
+  Authority::Script({"add", folder, "station", "few_1"});
+  Authority::Script({"add", folder, "load", "few"}, 1);
+  Authority::Script({"add", folder, "station", "mouse_1a2b_1"}, 2);
   Authority::Script({"--help"});
 }
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "common/server_lock.h"
+#include "common/dds/server_lock.h"
 #include "tests/common/dds/roudi.h"
 #include "tests/support/program.h"
 #include "tests/support/test_domain.h"

@@ -291,12 +291,14 @@ TEST_F(ServerTest, DoesWhatATeacherAsks) {
   wire::OperateRequest wish{};
   wire::FromText("a", wish.station);
   wish.server_run = station.State().server_run;
+  wish.request = 1;
   wish.wish = palpate_OPERATE_MUTE;
   ASSERT_TRUE(wishes.Write(wish));
   EXPECT_TRUE(ServeUntil([&] {
     station.Send(0.2);
     return station.State().muted;
   }));
+  wish.request = 2;
   wish.wish = palpate_OPERATE_TAKE_BACK;
   ASSERT_TRUE(wishes.Write(wish));
   EXPECT_TRUE(ServeUntil([&] {

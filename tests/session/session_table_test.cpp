@@ -350,6 +350,8 @@ wire::OperateRequest MakeWish(const std::string& station, wire::OperateWish wish
   wire::OperateRequest request{};
   wire::FromText(station, request.station);
   request.server_run = kServerRun;
+  static std::uint64_t number = 0;
+  request.request = ++number;
   request.wish = wish;
   wire::FromText("the teacher", request.by);
   return request;
@@ -549,6 +551,26 @@ TEST_F(SessionTableTest, KeepsAStationMutedWhateverSessionsComeAndGo) {
   EXPECT_TRUE(Ask(MakeRequest("a", 2, "one")).muted) << "it would unmute itself";
   EXPECT_TRUE(table_.Operate(MakeWish("a", palpate_OPERATE_UNMUTE), now_));
   EXPECT_FALSE(LastChange().muted);
+}
+
+TEST_F(SessionTableTest, DoesNoWishTwiceThatIsHeardTwice) {
+  Ask(MakeRequest("a", 1, "one"));
+  Pass(10, {"a"});
+  const wire::OperateRequest unmute = MakeWish("a", palpate_OPERATE_UNMUTE);
+  const wire::OperateRequest admit = MakeWish("a", palpate_OPERATE_ADMIT);
+  EXPECT_TRUE(table_.Operate(unmute, now_));
+  EXPECT_TRUE(table_.Operate(admit, now_));
+  EXPECT_TRUE(table_.Operate(MakeWish("a", palpate_OPERATE_MUTE), now_));
+  EXPECT_FALSE(table_.Operate(unmute, now_)) << "replayed, or told again by a gateway that is back";
+  EXPECT_TRUE(LastChange().muted);
+  EXPECT_TRUE(table_.Operate(MakeWish("a", palpate_OPERATE_TAKE_BACK), now_));
+  table_.Update(now_);
+  EXPECT_FALSE(table_.Operate(admit, now_));
+  EXPECT_EQ(Ask(MakeRequest("a", 2, "one")).phase, palpate_SESSION_HELD);
+  // Other wishes are done however many there were; those so long ago are forgotten.
+  for (std::size_t i = 0; i <= RequestMemory::kMost; ++i) {
+    EXPECT_TRUE(table_.Operate(MakeWish("a", palpate_OPERATE_MUTE), now_));
+  }
 }
 
 TEST_F(SessionTableTest, DoesNothingForAnotherServersTeacherOrAStationThatIsNotHere) {

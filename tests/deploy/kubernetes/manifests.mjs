@@ -30,6 +30,13 @@ function documents() {
     );
 }
 
+/// The services of deploy/container/compose.yaml, by name, with variables at what they are by default.
+export function composed() {
+  const {parse} = require("yaml");
+  const text = readFileSync(join(root, "deploy/container/compose.yaml"), "utf8");
+  return parse(text.replace(/\$\{\w+:-([^}]*)\}/g, "$1"), {merge: true}).services;
+}
+
 const isKustomization = ({object}) => object.kind === "Kustomization";
 
 /// `target` with the containers of a patch that adds some, which is all that the patches here do.

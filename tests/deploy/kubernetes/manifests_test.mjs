@@ -7,6 +7,7 @@ import {dirname, join} from "node:path";
 import {describe, it} from "node:test";
 
 import {
+  composed,
   containersOf,
   folder,
   isService,
@@ -224,6 +225,28 @@ describe("Manifests", () => {
       if (!/palpate-viewer .*--bind=0\.0\.0\.0/.test(words)) continue;
       assert.match(words, /--host-name=\$\(PALPATE_HOST_NAME\)/, `${where}: every name would get 421`);
       assert.match(words, /--max-mice=0 --no-steering/, `${where}: strangers would drive`);
+    }
+  });
+});
+
+describe("Containers of compose.yaml", () => {
+  it("have a share of the host, no right, and of its namespaces what they are for", () => {
+    const shared = {
+      roudi: {network_mode: "none", ipc: "host", pid: "host"},
+      server: {network_mode: "host", ipc: "host", pid: "host"},
+      viewer: {network_mode: "host", ipc: undefined, pid: undefined},
+    };
+    for (const [name, service] of Object.entries(composed())) {
+      const {network_mode, ipc, pid} = service;
+      assert.deepEqual({network_mode, ipc, pid}, shared[name], name);
+      assert.deepEqual(service.cap_drop, ["ALL"], name);
+      assert.deepEqual([service.cap_add, service.privileged, service.devices], [undefined, undefined, undefined], name);
+      assert.deepEqual(service.security_opt, ["no-new-privileges"], name);
+      assert.equal(service.read_only, true, name);
+      assert.match(service.user, /^[1-9]\d*:[1-9]\d*$/, name);
+      for (const limit of ["mem_limit", "cpus", "pids_limit"]) assert.ok(service[limit], `${name}: ${limit}`);
+      for (const tmpfs of service.tmpfs ?? []) assert.match(tmpfs, /size=\d+m/, name);
+      for (const volume of service.volumes ?? []) assert.match(volume, /^(\/tmp:\/tmp|.*:ro)$/, name);
     }
   });
 });

@@ -12,4 +12,9 @@ namespace palpate {
 /// @param flag  that named it: "--tokens".
 FileCheck IsPrivate(const std::string& flag, const std::string& path);
 
+/// Whatever this process writes from now on, of what people did with their hands, is not for others
+/// to read: new files have no right for them, and for the group what the umask leaves it (0640 with
+/// the usual 022).  To be called before threads are.
+void KeepFilesPrivate();
+
 }  // namespace palpate

@@ -1,4 +1,4 @@
-#include "client/viewer/private_file.h"
+#include "common/private_file.h"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -21,6 +21,10 @@ FileCheck IsPrivate(const std::string& flag, const std::string& path) {
                       flag, path, file.st_mode & 07777));
     }
   };
+}
+
+void KeepFilesPrivate() {
+  umask(umask(S_IRWXO) | S_IRWXO);
 }
 
 }  // namespace palpate
