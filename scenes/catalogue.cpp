@@ -256,8 +256,9 @@ std::uint64_t HashOfMesh(const std::string& file) {
 /// Hash of all that decides what a compiled scene holds.
 std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
                     const std::string& models_dir) {
-  std::uint64_t key = HashBytes(
-      text, std::uint64_t{kBundleVersion} << 32 | kShapesVersion << 16 | kSphereTreeBuilderVersion);
+  std::uint64_t key = HashBytes(text, std::uint64_t{kMeshReadersVersion} << 48 |
+                                          std::uint64_t{kBundleVersion} << 32 |
+                                          kShapesVersion << 16 | kSphereTreeBuilderVersion);
   key = HashBytes(scene.name, key + static_cast<std::uint64_t>(scene.features.contact));
   key = HashBytes(std::to_string(kCurvedMeshVersion), key + kRemarksVersion);
   std::map<std::string, std::uint64_t> hashes;  // of each mesh file once

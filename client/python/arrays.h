@@ -1,19 +1,46 @@
 #pragma once
 
-#include <cmath>
 #include <string>
+#include <string_view>
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include "common/error.h"
 #include "common/math/pose.h"
+#include "common/math/pose_check.h"
 
 /// Numpy's arrays as the modules of Python take and give them.
 namespace palpate {
 
 namespace py = pybind11;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// As numbers are given, which become others for numpy without a word where they are complex,
+/// masked, or written out; Error says so.
+/// @param what  for the message.
+inline py::array ToNumbers(const py::object& given, const std::string& what) {
+  py::array array;
+  try {
+    array = py::module_::import("numpy").attr("asanyarray")(given);
+    if (py::hasattr(array, "mask") &&
+        py::module_::import("numpy.ma").attr("is_masked")(array).cast<bool>()) {
+      throw Error(what + ": some of its numbers are masked; leave them out, or fill them");
+    }
+  } catch (const py::error_already_set& error) {
+    throw Error(what + ": is no array of numbers (" + py::str(error.value()).cast<std::string>() +
+                ")");
+  }
+  if (std::string_view("fiu").find(array.dtype().kind()) == std::string_view::npos) {
+    throw Error(what + ": is an array of " + py::str(array.dtype()).cast<std::string>() +
+                "; give real numbers, all of one type");
+  }
+  return array;
+}
+
+inline Doubles ToDoubles(const py::object& given, const std::string& what) {
+  return Doubles(ToNumbers(given, what));
+}
 
 inline py::array_t<double> FromNumbers(const double* numbers, py::ssize_t count) {
   return py::array_t<double>(count, numbers);
@@ -31,22 +58,18 @@ inline Pose ToPose(const double* row, py::ssize_t width) {
   return X;
 }
 
-/// Throws Error where the array has another shape; its numbers are as they come.
-/// @param array  x y z, or x y z w x y z.
+/// Throws Error where it has another shape, a number is not finite, or the quaternion is not of
+/// length 1.
+/// @param given  x y z, or x y z w x y z.
 /// @param what   for the message.
-inline Pose ToPose(const Doubles& array, const char* what = "pose") {
+inline Pose ToUnitPose(const py::object& given, const char* what = "pose") {
+  const Doubles array = ToDoubles(given, what);
   if (array.ndim() != 1 || (array.shape(0) != 3 && array.shape(0) != 7)) {
     throw Error(std::string(what) +
                 ": must be x y z, or x y z w x y z, in metres and as a unit quaternion");
   }
-  return ToPose(array.data(), array.shape(0));
-}
-
-/// The same with a quaternion of length 1.  Throws Error where it is not nearly so, or a number is
-/// not finite.
-inline Pose ToUnitPose(const Doubles& array, const char* what = "pose") {
-  Pose X = ToPose(array, what);
-  if (!X.p.allFinite() || !(std::abs(X.q.squaredNorm() - 1.0) < 1e-3)) {
+  Pose X = ToPose(array.data(), array.shape(0));
+  if (!IsPose(X)) {
     throw Error(std::string(what) + ": must be finite, its quaternion w x y z of length 1");
   }
   X.q.normalize();

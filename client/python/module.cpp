@@ -28,14 +28,28 @@ namespace {
 
 using Indices = py::array_t<std::uint32_t, py::array::c_style | py::array::forcecast>;
 
-Vec3 ToVec3(const Doubles& array, const char* what) {
+Vec3 ToVec3(const py::object& given, const char* what) {
+  const Doubles array = ToDoubles(given, what);
   if (array.ndim() != 1 || array.shape(0) != 3) {
     throw Error(std::string(what) + ": must be three numbers");
   }
   return Vec3::Map(array.data());
 }
 
-TriangleMesh ToMesh(const Doubles& vertices, const Indices& triangles) {
+/// Whole numbers, whatever their type; that each names a vertex is MakeBody's to see.
+std::uint32_t ToIndex(double index) {
+  if (!(index >= 0.0 && index <= std::numeric_limits<std::uint32_t>::max()) ||
+      index != std::floor(index)) {
+    throw Error("triangles: " + py::str(py::float_(index)).cast<std::string>() +
+                " is no vertex; give whole numbers from 0");
+  }
+  return static_cast<std::uint32_t>(index);
+}
+
+TriangleMesh ToMesh(const py::object& given_vertices, const py::object& given_triangles) {
+  const Doubles vertices = ToDoubles(given_vertices, "vertices");
+  // Beyond 2^53 they lose digits, and are no vertices.
+  const Doubles triangles = ToDoubles(given_triangles, "triangles");
   if (vertices.ndim() != 2 || vertices.shape(1) != 3 || triangles.ndim() != 2 ||
       triangles.shape(1) != 3) {
     throw Error("mesh: vertices must be an array (n, 3), triangles one (m, 3) of vertices from 0");
@@ -45,8 +59,20 @@ TriangleMesh ToMesh(const Doubles& vertices, const Indices& triangles) {
   std::memcpy(static_cast<void*>(mesh.vertices.data()), vertices.data(),
               sizeof(Vec3) * mesh.vertices.size());
   mesh.triangles.resize(static_cast<std::size_t>(triangles.shape(0)));
-  std::memcpy(mesh.triangles.data(), triangles.data(), 12 * mesh.triangles.size());
+  const double* index = triangles.data();
+  for (auto& triangle : mesh.triangles) {
+    for (std::uint32_t& v : triangle) v = ToIndex(*index++);
+  }
   return mesh;
+}
+
+/// Said aloud, where other remarks wait to be asked for.
+void WarnOfUnit(const Body& body) {
+  const std::string remark = MetresRemark(body.mesh);
+  if (remark.empty()) return;
+  if (PyErr_WarnEx(PyExc_UserWarning, (body.name + ": " + remark).c_str(), 1) != 0) {
+    throw py::error_already_set();
+  }
 }
 
 /// A view of numbers that live as long as `owner`: nothing is copied, and nothing can be written.
@@ -122,15 +148,25 @@ void Walk(Proxy& proxy, const double* poses, py::ssize_t count, py::ssize_t widt
   }
 }
 
-void RequireWidth(const Doubles& poses, py::ssize_t dimensions, const char* shape) {
+/// A row that is not finite is a fault of its step; a quaternion of another length is a mistake.
+Doubles ToPoses(const py::object& given, py::ssize_t dimensions, const char* shape) {
+  Doubles poses = ToDoubles(given, "poses");
   const py::ssize_t width = poses.ndim() > 0 ? poses.shape(poses.ndim() - 1) : 0;
   if (poses.ndim() != dimensions || (width != 3 && width != 7)) {
     throw Error(std::string("poses: must be an array ") + shape);
   }
+  for (const double* row = poses.data(); row < poses.data() + poses.size(); row += width) {
+    const Pose X = ToPose(row, width);
+    if (X.p.allFinite() && X.q.coeffs().allFinite() && !IsPose(X)) {
+      throw Error("poses: row " + std::to_string((row - poses.data()) / width) +
+                  " has a quaternion of length " + std::to_string(X.q.norm()) + "; it must be 1");
+    }
+  }
+  return poses;
 }
 
-Steps StepAll(Hand& hand, const Doubles& poses) {
-  RequireWidth(poses, 2, "(steps, 3) or (steps, 7)");
+Steps StepAll(Hand& hand, const py::object& given) {
+  const Doubles poses = ToPoses(given, 2, "(steps, 3) or (steps, 7)");
   const Busy busy(hand);
   Steps steps({poses.shape(0)});
   const Rows rows{steps.wrench.mutable_data(), steps.pose.mutable_data(),
@@ -141,8 +177,8 @@ Steps StepAll(Hand& hand, const Doubles& poses) {
 }
 
 /// Each path by a proxy of its own, which begins at its first pose.
-Steps Follow(const Shared& shared, const Doubles& paths, int threads) {
-  RequireWidth(paths, 3, "(paths, steps, 3) or (paths, steps, 7)");
+Steps Follow(const Shared& shared, const py::object& given, int threads) {
+  const Doubles paths = ToPoses(given, 3, "(paths, steps, 3) or (paths, steps, 7)");
   if (threads < 0) throw Error("threads: must be 0, for all cores, or more");
   const py::ssize_t count = paths.shape(0), length = paths.shape(1), width = paths.shape(2);
   Steps steps({count, length});
@@ -229,7 +265,7 @@ PYBIND11_MODULE(_physics, module) {
       .def_readonly("remarks", &Body::remarks)
       .def_property(
           "pose", [](const Body& body) { return FromPose(body.X_WB); },
-          [](Body& body, const Doubles& pose) { body.X_WB = ToUnitPose(pose); })
+          [](Body& body, const py::object& pose) { body.X_WB = ToUnitPose(pose); })
       .def_property_readonly("leaves", [](const Body& body) { return body.tree.leaves(); })
       .def_property_readonly("vertices",
                              [](py::object self) {
@@ -265,7 +301,7 @@ PYBIND11_MODULE(_physics, module) {
 
   module.def(
       "body",
-      [](const std::string& name, const Doubles& vertices, const Indices& triangles,
+      [](const std::string& name, const py::object& vertices, const py::object& triangles,
          std::size_t leaves, const std::string& contact, double static_friction,
          double dynamic_friction, double stiffness, double hardness) {
         TriangleMesh mesh = ToMesh(vertices, triangles);
@@ -273,15 +309,25 @@ PYBIND11_MODULE(_physics, module) {
             .leaves = leaves,
             .contact = ToContact(contact),
             .material = ToMaterial(static_friction, dynamic_friction, stiffness, hardness)};
-        const py::gil_scoped_release free;
-        return MakeBody(name, std::move(mesh), options);
+        Body body;
+        {
+          const py::gil_scoped_release free;
+          body = MakeBody(name, std::move(mesh), options);
+        }
+        WarnOfUnit(body);
+        return body;
       },
       py::arg("name"), py::arg("vertices"), py::arg("triangles"), py::kw_only(),
       py::arg("leaves") = 0, py::arg("contact") = "surface", py::arg("static_friction") = 0.0,
       py::arg("dynamic_friction") = 0.0, py::arg("stiffness") = kInfinity,
       py::arg("hardness") = kInfinity);
   module.def(
-      "ball", [](const std::string& name, double radius) { return MakeBall(name, radius); },
+      "ball",
+      [](const std::string& name, double radius) {
+        Body ball = MakeBall(name, radius);
+        WarnOfUnit(ball);
+        return ball;
+      },
       py::arg("name"), py::arg("radius"));
   const auto arrays = [](const TriangleMesh& mesh) {
     py::array_t<double> vertices({static_cast<py::ssize_t>(mesh.vertices.size()), py::ssize_t{3}});
@@ -291,11 +337,11 @@ PYBIND11_MODULE(_physics, module) {
     return py::make_tuple(vertices, triangles);
   };
   module.def(
-      "box", [=](const Doubles& size) { return arrays(MakeBox(ToVec3(size, "size"))); },
+      "box", [=](const py::object& size) { return arrays(MakeBox(ToVec3(size, "size"))); },
       py::arg("size"));
   module.def(
       "ellipsoid",
-      [=](const Doubles& semi_axes, std::size_t triangles) {
+      [=](const py::object& semi_axes, std::size_t triangles) {
         return arrays(MakeEllipsoid(ToVec3(semi_axes, "semi_axes"), triangles));
       },
       py::arg("semi_axes"), py::arg("triangles") = 5120);
@@ -339,23 +385,25 @@ PYBIND11_MODULE(_physics, module) {
       .def("follow", &Follow, py::arg("paths"), py::kw_only(), py::arg("threads") = 0);
 
   py::class_<Hand>(module, "Proxy")
-      .def(py::init([](const Shared& shared, const Doubles& pose) {
-             return std::make_unique<Hand>(shared.model, ToPose(pose));
+      .def(py::init([](const Shared& shared, const py::object& pose) {
+             return std::make_unique<Hand>(shared.model, ToUnitPose(pose));
            }),
            py::arg("model"), py::arg("pose"))
       .def_property_readonly("start_depth",
                              [](const Hand& hand) { return hand.proxy.start_depth(); })
       .def(
           "restart",
-          [](Hand& hand, const Doubles& pose) {
+          [](Hand& hand, const py::object& pose) {
+            const Pose X_WH = ToUnitPose(pose);
             const Busy busy(hand);
-            hand.proxy.Restart(ToPose(pose));
+            hand.proxy.Restart(X_WH);
           },
           py::arg("pose"))
       .def(
           "step",
-          [](Hand& hand, const Doubles& pose) {
-            const Pose X_WH = ToPose(pose);
+          [](Hand& hand, const py::object& pose) {
+            const Doubles row = ToPoses(pose, 1, "(3) or (7)");
+            const Pose X_WH = ToPose(row.data(), row.size());
             const Busy busy(hand);
             const py::gil_scoped_release free;
             return hand.proxy.Step(X_WH);

@@ -283,6 +283,10 @@ std::string JsonNode::String() const {
   return v.string;
 }
 
+std::string JsonNode::Text() const {
+  return Expect(Value::kString, "a string").string;
+}
+
 std::string JsonNode::OneOf(const std::vector<std::string_view>& words) const {
   const std::string word = String();
   if (std::find(words.begin(), words.end(), word) != words.end()) return word;

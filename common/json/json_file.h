@@ -35,6 +35,7 @@ class JsonNode {
   std::vector<JsonNode> Items(std::size_t at_least = 0) const;
 
   std::string String() const;  ///< not empty
+  std::string Text() const;    ///< may be empty
   std::string OneOf(const std::vector<std::string_view>& words) const;
   double Number(double min = -std::numeric_limits<double>::infinity(),
                 double max = std::numeric_limits<double>::infinity()) const;

@@ -2,32 +2,23 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
-#include <map>
+#include <iterator>
 #include <memory>
-#include <new>
 #include <numeric>
-#include <utility>
 #include <vector>
 
-#include <assimp/BaseImporter.h>
-#include <assimp/IOSystem.hpp>
-#include <assimp/Importer.hpp>
-#include <assimp/MemoryIOWrapper.h>
-#include <assimp/config.h>
-#include <assimp/importerdesc.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
+#include <Eigen/Geometry>
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 #include <zlib.h>
 
 #include "common/error.h"
 #include "common/whole_file.h"
-#include "scenes/importer/declared_size.h"
-#include "scenes/importer/far_off.h"
+#include "scenes/importer/readers.h"
 #include "scenes/mesh/mesh_format.h"
-#include "scenes/mesh/mesh_references.h"
 
 namespace palpate {
 namespace {
@@ -55,6 +46,63 @@ std::string Unpack(const std::string& file) {
     if (got == 0) return text;
     text.append(block.data(), got);
     if (text.size() > kLargestMeshFile) RefuseLarge(file);
+  }
+}
+
+/// Which format is read by what.
+FileContents ReadAsNamed(const std::string& file, std::string_view text) {
+  static constexpr struct {
+    const char* format;
+    FileContents (*read)(const std::string& file, std::string_view text);
+  } kReaders[] = {{"obj", ReadObj},   {"stl", ReadStl},  {"ply", ReadPly},
+                  {"gltf", ReadGltf}, {"glb", ReadGltf}, {"3ds", Read3ds}};
+  const std::string format = KnownMeshFormatOf(file);
+  try {
+    return std::ranges::find(kReaders, format,
+                             [](const auto& r) { return std::string_view(r.format); })
+        ->read(file, text);
+  } catch (const Error& error) {
+    const std::string why = error.what();
+    throw Error(why.starts_with(file) ? why : file + ": " + why);
+  }
+}
+
+/// How far from its origin a mesh lies, and how large it is.
+struct Place {
+  double farthest = 0.0, longest = 0.0;
+};
+
+Place PlaceOf(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& v : mesh.vertices) {
+    if (v.allFinite()) box.extend(v);
+  }
+  if (box.isEmpty()) return {};
+  return {std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()),
+          box.sizes().maxCoeff()};
+}
+
+/// Whether numbers lie further apart than a hand feels, so that triangles collapse.
+bool IsTooCoarse(double step, const Place& place) {
+  constexpr double kCoarsest = 1e-4;  // of the longest side: 5 um of 50 mm
+  return step > kCoarsest * place.longest;
+}
+
+/// Not inlined: where GCC 12 rounds two numbers at once (-O3), it drops both conversions.
+[[gnu::noinline]] double InSingle(double x) {
+  return static_cast<float>(x);
+}
+
+/// Leaves of each coordinate what single precision has, seen from near the mesh: corners that a
+/// program worked out in double, each for itself, differ in digits that nobody feels, and are one.
+void Round(const Place& place, TriangleMesh& mesh) {
+  Vec3 by = Vec3::Zero();
+  if (IsTooCoarse(kSingleStep * place.farthest, place)) {
+    for (int axis = 0; axis < 3; ++axis) by[axis] = std::trunc(mesh.vertices.front()[axis]);
+  }
+  if (!by.allFinite()) return;
+  for (Vec3& v : mesh.vertices) {
+    for (int axis = 0; axis < 3; ++axis) v[axis] = InSingle(v[axis] - by[axis]) + by[axis];
   }
 }
 
@@ -92,182 +140,11 @@ void Weld(TriangleMesh& mesh) {
   }
 }
 
-/// Formats differ in whether a part's name is its mesh's or its node's: both are taken.
-/// @param begin  first triangle of each of the scene's meshes, and the end.
-void NameParts(const aiScene& scene, const aiNode& node, const std::vector<std::uint32_t>& begin,
-               std::vector<MeshGroup>& groups) {
-  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-    const unsigned m = node.mMeshes[i];
-    const std::string of_node = node.mName.C_Str();
-    const std::string of_mesh = scene.mMeshes[m]->mName.C_Str();
-    if (!of_mesh.empty()) groups.push_back({of_mesh, begin[m], begin[m + 1]});
-    if (!of_node.empty() && of_node != of_mesh) {
-      groups.push_back({of_node, begin[m], begin[m + 1]});
-    }
-  }
-  for (unsigned i = 0; i < node.mNumChildren; ++i) {
-    NameParts(scene, *node.mChildren[i], begin, groups);
-  }
-}
-
-/// The mesh and its buffers, and nothing else of the disk: what a mesh names besides, as pictures
-/// and materials, is not there.
-class OnlyTheseFiles : public Assimp::IOSystem {
- public:
-  void Add(const std::string& name, std::string_view bytes) { files_[name] = bytes; }
-  void Own(const std::string& name, std::string bytes) {
-    owned_.push_back(std::make_unique<std::string>(std::move(bytes)));
-    Add(name, *owned_.back());
-  }
-
-  bool Exists(const char* name) const override { return files_.contains(name); }
-  char getOsSeparator() const override { return '/'; }
-  Assimp::IOStream* Open(const char* name, const char*) override {
-    const auto it = files_.find(name);
-    if (it == files_.end()) return nullptr;
-    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(it->second.data()),
-                                      it->second.size());
-  }
-  void Close(Assimp::IOStream* stream) override { delete stream; }
-
- private:
-  std::map<std::string, std::string_view, std::less<>> files_;
-  std::vector<std::unique_ptr<std::string>> owned_;
-};
-
-/// Leaves the one importer of a format: assimp would try all that it has on a file that the one
-/// declines.
-void KeepOnlyImporterOf(const std::string& format, Assimp::Importer& importer) {
-  static const std::map<std::string, std::string> kNames{
-      {"obj", "Wavefront Object Importer"},
-      {"stl", "Stereolithography (STL) Importer"},
-      {"ply", "Stanford Polygon Library (PLY) Importer"},
-      {"3ds", "Discreet 3DS Importer"},
-      {"gltf", "glTF2 Importer"},
-      {"glb", "glTF2 Importer"}};
-  const std::string& wanted = kNames.at(format);
-  std::vector<Assimp::BaseImporter*> others;
-  for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
-    if (importer.GetImporterInfo(i)->mName != wanted) others.push_back(importer.GetImporter(i));
-  }
-  for (Assimp::BaseImporter* other : others) {
-    importer.UnregisterLoader(other);
-    delete other;
-  }
-  if (importer.GetImporterCount() != 1) {
-    throw Error("this assimp does not read " + format + "; convert the mesh to another format");
-  }
-}
-
-ImportedMesh MeshOf(const std::string& file, const aiScene& scene) {
-  ImportedMesh read;
-  std::vector<std::uint32_t> begin;  // first triangle of each part
-  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-    const aiMesh& part = *scene.mMeshes[m];
-    const auto offset = static_cast<std::uint32_t>(read.mesh.vertices.size());
-    begin.push_back(static_cast<std::uint32_t>(read.mesh.triangles.size()));
-    for (unsigned v = 0; v < part.mNumVertices; ++v) {
-      read.mesh.vertices.emplace_back(part.mVertices[v].x, part.mVertices[v].y,
-                                      part.mVertices[v].z);
-    }
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3) continue;
-      const unsigned* const corner = face.mIndices;
-      if (std::max({corner[0], corner[1], corner[2]}) >= part.mNumVertices) {
-        throw Error(file + ": a face names a vertex that does not exist; export the mesh again");
-      }
-      read.mesh.triangles.push_back({offset + corner[0], offset + corner[1], offset + corner[2]});
-    }
-  }
-  begin.push_back(static_cast<std::uint32_t>(read.mesh.triangles.size()));
-  NameParts(scene, *scene.mRootNode, begin, read.groups);
-  return read;
-}
-
-ImportedMesh Read(const std::string& file, std::string_view text) {
-  const std::string format = MeshFormatOf(file);
-  try {
-    CheckDeclaredSize(format, text);
-  } catch (const Error& error) {
-    throw Error(file + ": " + error.what());
-  }
-  Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
-                              aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  importer.SetPropertyBool(AI_CONFIG_PP_PTV_KEEP_HIERARCHY, true);  // else parts lose their names
-  KeepOnlyImporterOf(format, importer);
-  auto* files = new OnlyTheseFiles;  // the importer's from now on
-  importer.SetIOHandler(files);
-  const std::string name = "mesh." + format;
-  files->Add(name, text);
-  for (const MeshReference& reference : FindMeshReferences(file, text)) {
-    if (IsPackedMesh(file)) {
-      throw Error(file + ": names a second file, \"" + reference.uri +
-                  "\", which a packed mesh may not; unpack it, or export a .glb");
-    }
-    try {
-      files->Own(reference.uri, ReadWholeFile(reference.file, kLargestMeshFile));
-    } catch (const Error& error) {
-      throw Error(file + ": its buffer is missing (" + error.what() +
-                  "); keep it beside the mesh, or export a .glb, which holds it");
-    }
-  }
-  const aiScene* scene = importer.ReadFile(
-      name, aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_PreTransformVertices);
-  const std::string why = scene == nullptr              ? importer.GetErrorString()
-                          : scene->mRootNode == nullptr ? "it holds no scene"
-                                                        : "";
-  // assimp catches this one, but not every one.
-  if (why == std::bad_alloc().what()) throw std::bad_alloc();
-  if (!why.empty()) {
-    throw Error(file + ": cannot be read (" + why +
-                "); the file is damaged or in another format than its name says, export it again");
-  }
-  return MeshOf(file, *scene);
-}
-
-/// How far from its origin a mesh lies, and how large it is.
-struct Place {
-  double farthest = 0.0, longest = 0.0;
-};
-
-Place PlaceOf(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& v : mesh.vertices) {
-    if (v.allFinite()) box.extend(v);
-  }
-  if (box.isEmpty()) return {};
-  return {std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff()),
-          box.sizes().maxCoeff()};
-}
-
-constexpr double kStep = 0x1p-23;  // from one number to the next, by its size
-
-/// assimp keeps coordinates in single precision, as most formats' files do: far from the origin
-/// they lie further apart than a hand feels, and triangles collapse.
-bool IsFarOff(const Place& place) {
-  constexpr double kCoarsest = 1e-4;  // of the longest side: 5 um of 50 mm
-  return kStep * place.farthest > kCoarsest * place.longest;
-}
-
-/// The mesh once more, in double precision where the file has it; nothing after can mend what
-/// collapsed.
-ImportedMesh ReadFarOff(const std::string& file, std::string_view text, const Place& place) {
-  if (const auto moved = MoveToOrigin(MeshFormatOf(file), text)) {
-    ImportedMesh read = Read(file, moved->text);
-    if (const Place near = PlaceOf(read.mesh); !IsFarOff(near) && near.longest > 0.0) {
-      for (Vec3& v : read.mesh.vertices) v += moved->by;
-      return read;
-    }
-  }
-  throw Error(fmt::format(
-      "{}: is {:.3g} across and lies {:.3g} from its origin, where numbers of single precision are "
-      "{:.2g} apart; move the mesh to its origin in a mesh editor and export it again",
-      file, place.longest, place.farthest, kStep * place.farthest));
-}
-
 }  // namespace
+
+double FarthestOf(const TriangleMesh& mesh) {
+  return PlaceOf(mesh).farthest;
+}
 
 ImportedMesh ReadMeshFile(const std::string& file) {
   return ReadMeshText(file,
@@ -275,10 +152,16 @@ ImportedMesh ReadMeshFile(const std::string& file) {
 }
 
 ImportedMesh ReadMeshText(const std::string& file, std::string_view text) {
-  ImportedMesh read = Read(file, text);
-  if (const Place place = PlaceOf(read.mesh); IsFarOff(place)) {
-    read = ReadFarOff(file, text, place);
+  auto [read, step] = ReadAsNamed(file, text);
+  const Place place = PlaceOf(read.mesh);
+  if (IsTooCoarse(step, place)) {
+    throw Error(fmt::format(
+        "{}: is {:.3g} across and lies {:.3g} from its origin, where its numbers, of single "
+        "precision, are {:.2g} apart; move the mesh to its origin in a mesh editor and export it "
+        "again",
+        file, place.longest, place.farthest, step));
   }
+  if (!read.mesh.vertices.empty()) Round(place, read.mesh);
   Weld(read.mesh);
   return read;
 }

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Reads a mesh file by assimp, in this process: a damaged file may crash it, or take all memory
-/// and time.  For palpate-import, which limits itself first; everybody else calls ImportMesh.
+/// Reads a mesh file in this process: a damaged one may take all memory and time, or crash assimp.
+/// For palpate-import, which limits itself first; everybody else calls ImportMesh.
 /// Vertices of the same place are one.  Throws Error with the file's name, the reason and a remedy.
 ImportedMesh ReadMeshFile(const std::string& file);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 
+#include "common/error.h"
 #include "common/lower_case.h"
 
 namespace palpate {
@@ -18,6 +19,16 @@ std::string MeshFormatOf(const std::string& file) {
 bool IsMeshFile(const std::string& file) {
   static constexpr std::array kKnown{"obj", "stl", "ply", "3ds", "gltf", "glb"};
   return std::find(kKnown.begin(), kKnown.end(), MeshFormatOf(file)) != kKnown.end();
+}
+
+std::string KnownMeshFormatOf(const std::string& file) {
+  const std::string format = MeshFormatOf(file);
+  if (IsMeshFile(file)) return format;
+  throw Error(file + (format.empty()
+                          ? ": its name has no ending, which tells a mesh's format; give it one of "
+                            ".obj, .stl, .ply, .3ds, .gltf and .glb"
+                          : ": the format \"" + format +
+                                "\" is not known; convert it to OBJ, STL, PLY, 3DS or glTF"));
 }
 
 bool IsPackedMesh(const std::string& file) {

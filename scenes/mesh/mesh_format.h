@@ -14,6 +14,9 @@ std::string MeshFormatOf(const std::string& file);
 /// True where the name ends as a mesh file's does.
 bool IsMeshFile(const std::string& file);
 
+/// The same where it is a mesh file's.  Throws Error with the remedy where it is none.
+std::string KnownMeshFormatOf(const std::string& file);
+
 /// True for "dragon.ply.gz".
 bool IsPackedMesh(const std::string& file);
 

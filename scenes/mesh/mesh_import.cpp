@@ -1,11 +1,10 @@
 #include "scenes/mesh/mesh_import.h"
 
+#include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -149,10 +148,7 @@ class Child {
 TriangleMesh ImportMesh(const std::string& file, std::vector<MeshGroup>* groups) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) throw Error(file + ": there is no such file; check the name");
-  if (!IsMeshFile(file)) {
-    throw Error(file + ": the format \"" + MeshFormatOf(file) +
-                "\" is not known; convert it to OBJ, STL, PLY, 3DS or glTF");
-  }
+  KnownMeshFormatOf(file);
   const ImportLimits limits = ImportLimitsFor(file);
   const std::string program = (fs::path(ProgramFolder()) / "palpate-import").string();
   MemoryFile mesh("mesh"), errors("errors");
@@ -198,36 +194,24 @@ double PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh) {
 }
 
 std::string UnitRemark(const MeshPlacement& placement, const TriangleMesh& mesh) {
-  // A file of mm that is taken for m, or of m for mm, is beyond these from 4 mm, or up to 0.5 m,
-  // on.
-  constexpr double kMost_m = 4.0, kLeast_m = 5e-4;
-  constexpr double kUsual_m = 0.05;  // a tooth, a tool, a statuette
   if (placement.longest_side) return "";
   const MeshReport report = InspectMesh(mesh);
   const double longest = (report.box_max - report.box_min).maxCoeff();
-  if (longest >= kLeast_m && longest <= kMost_m) return "";
-  const auto in = [&](std::string_view unit) {
-    return longest / placement.metres_per_unit * MetresPerUnit(unit);
-  };
-  std::string_view taken = "its unit", likely;
-  double least = std::numeric_limits<double>::infinity();
-  for (const std::string_view unit : kUnits) {
-    if (MetresPerUnit(unit) == placement.metres_per_unit) taken = unit;
-    const double off = std::abs(std::log(in(unit) / kUsual_m));
-    if (off >= least || in(unit) < kLeast_m || in(unit) > kMost_m) continue;
-    least = off;
-    likely = unit;
-  }
-  if (likely.empty()) {
-    return fmt::format(
-        "in {} its longest side is {:.3g} mm, and no other unit gives it a size that a hand feels; "
-        "say by \"longest_side_m\" how long it is to be",
-        taken, 1e3 * longest);
+  const double number = longest / placement.metres_per_unit;
+  const auto likely = LikelierUnit(number, placement.metres_per_unit);
+  if (!likely) return "";
+  const auto taken = std::ranges::find(kUnits, placement.metres_per_unit, MetresPerUnit);
+  const std::string said =
+      fmt::format("in {} its longest side is {:.3g} mm",
+                  taken == kUnits.end() ? std::string_view("its unit") : *taken, 1e3 * longest);
+  if (likely->empty()) {
+    return said +
+           ", and no other unit gives it a size that a hand feels; say by \"longest_side_m\" how "
+           "long it is to be";
   }
   return fmt::format(
-      "in {} its longest side is {:.3g} mm; its file more likely means {}, which makes it {:.3g} "
-      "mm: give \"unit\": \"{}\"",
-      taken, 1e3 * longest, likely, 1e3 * in(likely), likely);
+      "{}; its file more likely means {}, which makes it {:.3g} mm: give \"unit\": \"{}\"", said,
+      *likely, 1e3 * number * MetresPerUnit(*likely), *likely);
 }
 
 }  // namespace palpate

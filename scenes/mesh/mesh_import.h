@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,9 @@
 #include "scenes/scene.h"
 
 namespace palpate {
+
+/// Of what ImportMesh makes of a file: part of the key of cached scenes.
+inline constexpr std::uint32_t kMeshReadersVersion = 1;
 
 /// Reads a mesh in the file's own unit and frame: OBJ, STL, PLY, 3DS, glTF 2.0 (.gltf, .glb), each
 /// also gzipped (.gz), except for glTF whose data stand in a second file.  Polygons become

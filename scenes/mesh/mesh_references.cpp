@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "common/error.h"
 #include "common/json/json_file.h"
@@ -51,6 +52,18 @@ bool LeadsOut(const std::string& name) {
 
 }  // namespace
 
+std::optional<MeshReference> ReferenceOf(const std::string& file, const JsonNode& buffer) {
+  const auto uri = buffer.Find("uri");
+  if (!uri || uri->String().starts_with("data:")) return std::nullopt;
+  const std::string name = Decoded(uri->String());
+  if (LeadsOut(name)) {
+    uri->Fail("\"" + name +
+              "\" leads out of the mesh's folder; put the buffer beside the mesh, or export a "
+              ".glb, which holds it");
+  }
+  return MeshReference{uri->String(), (fs::path(file).parent_path() / name).string()};
+}
+
 std::vector<MeshReference> FindMeshReferences(const std::string& file, std::string_view text) {
   const std::string format = MeshFormatOf(file);
   if (format != "gltf" && format != "glb") return {};
@@ -62,15 +75,7 @@ std::vector<MeshReference> FindMeshReferences(const std::string& file, std::stri
   const auto buffers = root.Find("buffers");
   if (!buffers) return references;
   for (const JsonNode& buffer : buffers->Items()) {
-    const auto uri = buffer.Find("uri");
-    if (!uri || uri->String().starts_with("data:")) continue;
-    const std::string name = Decoded(uri->String());
-    if (LeadsOut(name)) {
-      uri->Fail("\"" + name +
-                "\" leads out of the mesh's folder; put the buffer beside the mesh, or export a "
-                ".glb, which holds it");
-    }
-    references.push_back({uri->String(), (fs::path(file).parent_path() / name).string()});
+    if (auto reference = ReferenceOf(file, buffer)) references.push_back(std::move(*reference));
   }
   return references;
 }

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "common/json/json_file.h"
 
 namespace palpate {
 
@@ -17,5 +20,8 @@ struct MeshReference {
 /// @param text  of the whole file.
 /// Throws Error where the mesh is damaged, or a reference leads out of the mesh's folder.
 std::vector<MeshReference> FindMeshReferences(const std::string& file, std::string_view text);
+
+/// The one of a glTF's buffer; nothing where its data stand in the mesh's own file.
+std::optional<MeshReference> ReferenceOf(const std::string& file, const JsonNode& buffer);
 
 }  // namespace palpate

@@ -1,11 +1,15 @@
 #include "server/library/body_builder.h"
 
 #include <cmath>
+#include <sstream>
 #include <utility>
+
+#include <Eigen/Geometry>
 
 #include "common/error.h"
 #include "scenes/mesh/mesh_mend.h"
 #include "scenes/mesh/mesh_report.h"
+#include "scenes/mesh/units.h"
 #include "scenes/shapes/shapes.h"
 #include "scenes/tree/sphere_tree_builder.h"
 
@@ -14,15 +18,52 @@ namespace {
 
 constexpr std::size_t kBallTriangles = 5120;  // within 2 um of a ball of 10 mm
 
+/// Says which number is wrong, where InspectMesh speaks of a file.
+void CheckNumbers(const TriangleMesh& mesh) {
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (mesh.vertices[v].allFinite()) continue;
+    throw Error("vertex " + std::to_string(v) + ", from 0, is not finite; leave it out");
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      if (v < mesh.vertices.size()) continue;
+      throw Error("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) +
+                  ", and there are " + std::to_string(mesh.vertices.size()) +
+                  "; both count from 0");
+    }
+  }
+}
+
 }  // namespace
+
+std::string MetresRemark(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t v : triangle) box.extend(mesh.vertices[v]);
+  }
+  const double longest = box.sizes().maxCoeff();
+  const auto likely = LikelierUnit(longest, 1.0);
+  if (!likely) return "";
+  std::ostringstream text;
+  text << "its longest side is " << longest << " m, which a hand hardly feels";
+  if (!likely->empty()) {
+    text << "; its numbers are more likely " << *likely << ": multiply them by "
+         << MetresPerUnit(*likely);
+  }
+  return text.str();
+}
 
 Body MakeBody(std::string name, TriangleMesh mesh, const BodyOptions& options) {
   Body body;
   try {
+    CheckNumbers(mesh);
     if (const MeshReport report = InspectMesh(mesh); !report.refusal.empty()) {
       throw Error(report.refusal);
     }
     body.remarks = MendMesh(mesh);
+    if (std::string remark = MetresRemark(mesh); !remark.empty()) {
+      body.remarks.push_back(std::move(remark));
+    }
     const TreeMode mode = ModeFor(options.contact);
     const bool felt_by_leaves = options.contact == ContactModel::kSpheres ||
                                 std::isfinite(options.material.stiffness) ||

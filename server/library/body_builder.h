@@ -22,6 +22,10 @@ struct BodyOptions {
   Progress progress{};
 };
 
+/// For people: that a mesh hardly has the size that a hand feels where its numbers are metres, and
+/// which unit they more likely are in; else empty.  MakeBody has it among the body's remarks.
+std::string MetresRemark(const TriangleMesh& mesh);
+
 /// Makes of a mesh what can touch and be touched: mends it where that is needed (Body::remarks says
 /// what was done), and builds its sphere tree.  Deterministic; seconds for thousands of leaves.
 /// @param name     for messages, and in scenes.

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "common/math/pose_check.h"
 #include "server/library/palpate.h"
 #include "server/library/physics.h"
 
@@ -63,8 +64,7 @@ palpate_pose FromPose(const Pose& X) {
 Pose ToChecked(const palpate_pose& pose) {
   Pose X = ToPose(pose);
   Require(X.p.allFinite() && X.q.coeffs().allFinite(), "pose: a number is not finite");
-  Require(std::abs(X.q.squaredNorm() - 1.0) < 1e-3,
-          "pose.orientation_wxyz: is no unit quaternion; no rotation is 1 0 0 0");
+  Require(IsPose(X), "pose.orientation_wxyz: is no unit quaternion; no rotation is 1 0 0 0");
   X.q.normalize();
   return X;
 }
@@ -229,7 +229,9 @@ uint32_t palpate_proxy_step(palpate_proxy* proxy, const palpate_pose* hand,
     report->tool.orientation_wxyz[0] = 1.0;
     return report->faults = kFaultNotStarted;
   }
-  const StepReport step = proxy->proxy.Step(ToPose(*hand));
+  Pose X_WH = ToPose(*hand);
+  if (!IsPose(X_WH)) X_WH.q.coeffs().setZero();  // a fault of the step
+  const StepReport step = proxy->proxy.Step(X_WH);
   Vec3::Map(report->force_N) = step.wrench.force;
   Vec3::Map(report->torque_Nm) = step.wrench.torque;
   report->tool = FromPose(step.X_WG);

@@ -118,8 +118,8 @@ PALPATE_API void palpate_proxy_free(palpate_proxy* proxy);
 /** How far the tool was from the hand at its start [m]: lead a hand that is deep inside an object
  * out before you give it forces. */
 PALPATE_API double palpate_proxy_start_depth(const palpate_proxy* proxy);
-/** One cycle.  A pose that is not finite is a fault, and gives no force.  Returns report->faults.
- */
+/** One cycle.  A pose that is not finite, or whose quaternion is not of length 1, is a fault, and
+ * gives no force.  Returns report->faults. */
 PALPATE_API uint32_t palpate_proxy_step(palpate_proxy* proxy, const palpate_pose* hand,
                                         palpate_report* report);
 

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "common/error.h"
+#include "common/math/pose_check.h"
 #include "server/physics/start_pose.h"
 
 namespace palpate {
@@ -12,6 +14,7 @@ Proxy::Proxy(const HapticModel& model, const Pose& X_WH)
 }
 
 void Proxy::Restart(const Pose& X_WH) {
+  if (!IsPose(X_WH)) throw Error("hand: its pose must be finite, its quaternion of length 1");
   const StartPose start = ResolveStart(model_, X_WH, workspace_, &state_.wear);
   StepState fresh(model_);
   fresh.wear = std::move(state_.wear);

@@ -15,6 +15,7 @@ class Proxy {
   /// Puts the tool where the hand is, or at a free pose near it.  Not real-time: milliseconds.
   /// @param model  must outlive the proxy.
   /// @param X_WH   pose of the hand in W.
+  /// Throws Error where that is not finite, or its quaternion is not of length 1.
   Proxy(const HapticModel& model, const Pose& X_WH);
 
   /// The same again, with all that was scraped off still gone.  Not real-time.

@@ -2,11 +2,17 @@
 
 #include <vector>
 
+#include "common/error.h"
+#include "common/math/pose_check.h"
+
 namespace palpate {
 
 std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
   std::vector<PlacedTree> placed;
   for (const Body& object : scene.objects) {
+    if (!IsPose(object.X_WB)) {
+      throw Error(object.name + ": its pose must be finite, its quaternion of length 1");
+    }
     placed.push_back(
         {&object.tree, object.X_WB, &object.mesh, object.leaf_material, object.materials});
   }

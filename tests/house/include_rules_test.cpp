@@ -138,8 +138,8 @@ TEST(IncludeRules, KeepDdsInItsFolder) {
               ElementsAre(HasSubstr("but not common/dds")));
 }
 
-TEST(IncludeRules, KeepAssimpToTheMeshImport) {
-  EXPECT_THAT(Check("scenes/importer/mesh_reader.cpp", "#include <assimp/scene.h>\n"), IsEmpty());
+TEST(IncludeRules, KeepAssimpToTheReaderOf3ds) {
+  EXPECT_THAT(Check("scenes/importer/3ds_reader.cpp", "#include <assimp/scene.h>\n"), IsEmpty());
   EXPECT_THAT(Check("scenes/mesh/mesh_query.cpp", "#include <assimp/scene.h>\n"),
               ElementsAre(HasSubstr("assimp/scene.h")));
 }

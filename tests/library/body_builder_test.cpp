@@ -12,6 +12,7 @@
 namespace palpate::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -51,10 +52,21 @@ TEST(BodyBuilder, RefusesByNameWhatIsNoMesh) {
   EXPECT_THAT(ComplaintOf({}), StartsWith("thing: "));
   TriangleMesh mesh = MakeBox({0.04, 0.04, 0.04});
   mesh.triangles[3][1] = 1'000'000;
-  EXPECT_THAT(ComplaintOf(mesh), StartsWith("thing: "));
+  EXPECT_THAT(ComplaintOf(mesh),
+              StartsWith("thing: triangle 3 names vertex 1000000, and there are 8"));
   mesh = MakeBox({0.04, 0.04, 0.04});
   mesh.vertices[2].x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(ComplaintOf(mesh), StartsWith("thing: "));
+  EXPECT_THAT(ComplaintOf(mesh), StartsWith("thing: vertex 2, from 0, is not finite"));
+}
+
+TEST(BodyBuilder, RemarksOnASizeThatIsHardlyInMetres) {
+  const auto remarks = [](double size) {
+    return MakeBody("thing", MakeBox(Vec3::Constant(size)), {.leaves = 64}).remarks;
+  };
+  EXPECT_TRUE(remarks(0.04).empty());
+  ASSERT_EQ(remarks(40.0).size(), 1u);
+  EXPECT_THAT(remarks(40.0)[0], AllOf(HasSubstr("40 m"), HasSubstr("more likely mm")));
+  EXPECT_THAT(remarks(1e-9)[0], HasSubstr("hardly feels"));
 }
 
 TEST(BodyBuilder, MakesABallOfOneExactLeaf) {

@@ -139,6 +139,7 @@ TEST(CInterface, SaysWhatIsWrongAndGoesOn) {
   const std::uint32_t bad[3] = {0, 1, 77};
   EXPECT_NE(palpate_scene_add_mesh(scene.get(), PALPATE_TOOL, "m", vertices, 3, bad, 1, nullptr),
             0);
+  EXPECT_THAT(palpate_last_error(), HasSubstr("m: triangle 0 names vertex 77, and there are 3"));
   EXPECT_NE(palpate_scene_add_mesh(scene.get(), PALPATE_TOOL, "m", vertices, 0, bad, 0, nullptr),
             0);
   palpate_body body{};  // not from palpate_body_defaults()
@@ -185,6 +186,12 @@ TEST(CInterface, GivesNoForceForAPoseThatIsNone) {
       for (const double position : report.tool.position_m) EXPECT_TRUE(std::isfinite(position));
     }
   }
+  hand = At(0.023);
+  hand.orientation_wxyz[0] = 2.0;
+  EXPECT_NE(palpate_proxy_step(proxy.get(), &hand, &report), 0u);
+  EXPECT_EQ(report.force_N[1], 0.0);
+  EXPECT_EQ(palpate_proxy_new(model.get(), &hand), nullptr);
+  EXPECT_THAT(palpate_last_error(), HasSubstr("no unit quaternion"));
   hand = At(0.023);
   EXPECT_NE(palpate_proxy_step(nullptr, &hand, &report), 0u);
   EXPECT_EQ(report.force_N[1], 0.0);

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/error.h"
 #include "common/math/rotation.h"
 #include "scenes/shapes/shapes.h"
 #include "server/library/body_builder.h"
@@ -111,6 +112,18 @@ TEST_P(ProxyOf, BeginsFreeWhereTheHandIsInside) {
   proxy.Restart(X_WH);
   EXPECT_EQ(proxy.start_depth(), 0.0);
   EXPECT_EQ(proxy.Step(X_WH).wrench.force, Vec3::Zero());
+}
+
+TEST(Proxy, RefusesPosesThatAreNone) {
+  Scene scene;
+  scene.objects.push_back(MakeBody("block", MakeBox({0.04, 0.04, 0.04}), {.leaves = 64}));
+  scene.tools.push_back(MakeBall("ball", 0.005));
+  const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
+  Pose turned;
+  turned.q.coeffs() *= 2.0;
+  EXPECT_THROW(Proxy(model, turned), Error);
+  scene.objects[0].X_WB = turned;
+  EXPECT_THROW(MakeObjects(scene), Error);
 }
 
 }  // namespace

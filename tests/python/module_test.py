@@ -10,6 +10,7 @@ import sys
 import tempfile
 import threading
 import unittest
+import warnings
 
 import numpy
 
@@ -154,6 +155,63 @@ class Errors(unittest.TestCase):
             with self.subTest(words), self.assertRaisesRegex(palpate.Error, words):
                 wrong()
         self.assertTrue(issubclass(palpate.Error, ValueError))
+
+    def test_say_what_is_wrong_with_numbers_that_numpy_would_make_others_of(self):
+        vertices, triangles = palpate.box(SIZE)
+        model = ball_on_block()
+        hidden = numpy.ma.masked_array(vertices, mask=numpy.zeros(vertices.shape))
+        hidden[3, 1] = numpy.ma.masked
+
+        def with_index(index, dtype=None):
+            changed = triangles.astype(dtype or type(index)).copy()
+            changed[2, 1] = index
+            return lambda: palpate.body("thing", vertices, changed)
+
+        turned = [0, 0.03, 0, 2, 0, 0, 0]
+        for words, wrong in {
+            "triangles: 0.5 is no vertex": with_index(0.5),
+            "triangles: 4294967297.0 is no vertex": with_index(2**32 + 1, numpy.int64),
+            "triangles: -1.0 is no vertex": with_index(-1, numpy.int64),
+            "triangles: nan is no vertex": with_index(math.nan),
+            "triangle 2 names vertex 8, and there are 8": with_index(8, numpy.int8),
+            "triangles: is an array of object": with_index(2**70, object),
+            "triangles: is an array of <U": lambda: palpate.body("thing", vertices, triangles.astype(str)),
+            "triangles: is an array of bool": lambda: palpate.body("thing", vertices, triangles > 3),
+            "vertices: is an array of complex128": lambda: palpate.body("thing", vertices + 0j, triangles),
+            "vertices: is an array of object": lambda: palpate.body("thing", vertices.astype(object), triangles),
+            "vertices: some of its numbers are masked": lambda: palpate.body("thing", hidden, triangles),
+            "vertices: is no array of numbers": lambda: palpate.body("thing", [[1, 2, 3], [4]], triangles),
+            "vertex 1, from 0, is not finite": lambda: palpate.body("thing", [[0, 0, 0], [1, 0, math.inf], [0, 1, 0]],
+                                                                    [[0, 1, 2]]),
+            "pose: .* length 1": lambda: palpate.Proxy(model, turned),
+            "row 1 has a quaternion of length 2": lambda: palpate.Proxy(model, [0, 1, 0]).steps(
+                [[0, 0.03, 0, 1, 0, 0, 0], turned]),
+            "row 0 has a quaternion of length 2": lambda: palpate.Proxy(model, [0, 1, 0]).step(turned),
+            "row 0 has": lambda: model.follow([[turned]]),
+            "pose: is an array of <U": lambda: palpate.Proxy(model, ["0", "1", "0"]),
+            "size: is an array of complex128": lambda: palpate.box([1j, 1, 1]),
+        }.items():
+            with self.subTest(words), self.assertRaisesRegex(palpate.Error, words):
+                wrong()
+
+    def test_are_none_where_numbers_are_whole_or_nothing_is_masked(self):
+        vertices, triangles = palpate.box(SIZE)
+        for same in (triangles.astype(float), triangles.tolist(), numpy.asfortranarray(triangles),
+                     numpy.ma.masked_array(triangles), triangles.astype(">i8")):
+            block = palpate.body("block", numpy.ma.masked_array(vertices), same, leaves=64)
+            self.assertEqual(block.triangles.tobytes(), triangles.tobytes())
+            self.assertEqual(block.vertices.tobytes(), vertices.tobytes())
+
+    def test_are_warnings_where_lengths_are_hardly_metres(self):
+        vertices, triangles = palpate.box(SIZE)
+        with self.assertWarnsRegex(UserWarning, "tooth: its longest side is 40 m.* likely mm: multiply them by 0.001"):
+            tooth = palpate.body("tooth", 1000 * vertices, triangles, leaves=64)
+        self.assertRegex(tooth.remarks[-1], "longest side is 40 m")
+        with self.assertWarnsRegex(UserWarning, "probe"):
+            palpate.ball("probe", 5)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            palpate.body("tooth", vertices, triangles, leaves=64)
 
     def test_of_poses_are_faults_and_give_no_force(self):
         proxy = palpate.Proxy(ball_on_block(), [0, 0.022, 0])

@@ -77,7 +77,7 @@ std::unique_ptr<LiveStation> MakeStation(const std::string& scene, const std::st
                                          const std::string& interface,
                                          const std::vector<std::string>& peers,
                                          const std::string& identity, const std::string& transport,
-                                         const std::optional<Doubles>& start, double max_force,
+                                         const std::optional<py::object>& start, double max_force,
                                          double max_torque, bool local_model, double patience) {
   RequireDomain(domain);
   LiveStationOptions options;
@@ -156,7 +156,7 @@ PYBIND11_MODULE(_live, module) {
       .def(py::init([](const std::string& scene, const std::string& name, const std::string& tool,
                        int domain, const std::string& interface,
                        const std::vector<std::string>& peers, const std::string& identity,
-                       const std::string& transport, const std::optional<Doubles>& start,
+                       const std::string& transport, const std::optional<py::object>& start,
                        double max_force, double max_torque, bool local_model, double patience) {
         return Held<LiveStation>(MakeStation(scene, name, tool, domain, interface, peers, identity,
                                              transport, start, max_force, max_torque, local_model,
@@ -164,7 +164,7 @@ PYBIND11_MODULE(_live, module) {
                                      .release());
       }))
       .def("move",
-           [](LiveStation& station, const Doubles& pose, double seconds, double timeout) {
+           [](LiveStation& station, const py::object& pose, double seconds, double timeout) {
              const Pose X_WH = ToUnitPose(pose);
              const py::gil_scoped_release free;
              Waiting waiting;

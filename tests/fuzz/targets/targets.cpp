@@ -1,12 +1,14 @@
 #include "tests/fuzz/targets/targets.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <new>
 
 #include "client/viewer/foxglove.h"
 #include "client/viewer/mouse_command.h"
@@ -18,6 +20,8 @@
 #include "common/qp/nearest_point.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_file.h"
+#include "scenes/importer/mesh_reader.h"
+#include "tests/support/written_mesh.h"
 
 namespace palpate::fuzz {
 namespace {
@@ -91,6 +95,20 @@ void SceneFile(const std::uint8_t* bytes, std::size_t size) {
     ParseScene(Text(bytes, size), "fuzzed.json");
   } catch (const Error& error) {
     if (std::string(error.what()).empty()) Fault("an error without a word");
+  }
+}
+
+constexpr std::array kMeshNames{"a.obj", "a.stl", "a.ply", "a.gltf", "a.glb"};
+
+void MeshFile(const std::uint8_t* bytes, std::size_t size) {
+  if (size == 0) return;
+  const std::string name = kMeshNames[bytes[0] % kMeshNames.size()];
+  try {
+    ReadMeshText(name, Text(bytes + 1, size - 1));
+  } catch (const Error& error) {
+    if (!std::string_view(error.what()).starts_with(name))
+      Fault("an error without the file's name");
+  } catch (const std::bad_alloc&) {
   }
 }
 
@@ -230,6 +248,20 @@ const std::vector<Target>& AllTargets() {
          std::vector<std::string> seeds;
          for (const char* name : {"cube", "calculus", "periodontal", "friction", "bunny-bunny"}) {
            seeds.push_back(File(std::string("scenes/catalogue/") + name + ".json"));
+         }
+         return seeds;
+       }},
+      {"mesh_file", MeshFile,
+       [] {
+         std::vector<std::string> seeds;
+         for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+           test::AnyHand hand(seed);
+           const TriangleMesh mesh = hand.Mesh();
+           seeds.push_back('\0' + test::AnyObj(mesh, hand));
+           seeds.push_back('\1' + test::AnyStl(mesh, hand));
+           seeds.push_back('\2' + test::AnyPly(mesh, hand));
+           seeds.push_back('\3' + test::Json({}));
+           seeds.push_back('\4' + test::AnyGlb(mesh, hand));
          }
          return seeds;
        }},

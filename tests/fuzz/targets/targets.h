@@ -10,6 +10,7 @@ namespace palpate::fuzz {
 /// What anybody may give to a program, as bytes.  Each takes any bytes whatever and comes back:
 /// where they are nothing, by an Error of ours.  Anything else is a fault: it aborts.
 void SceneFile(const std::uint8_t* bytes, std::size_t size);  ///< JSON that people write
+void MeshFile(const std::uint8_t* bytes, std::size_t size);   ///< of the format by its first byte
 void Bundle(const std::uint8_t* bytes, std::size_t size);     ///< a scene at rest
 void Recording(const std::uint8_t* bytes, std::size_t size);  ///< MCAP
 void Client(const std::uint8_t* bytes, std::size_t size);  ///< a viewer's messages, text and binary

@@ -47,7 +47,7 @@ TEST(DamagedMesh, OfTextCutAmongItsFacesSaysHowManyThereAre) {
   std::size_t end = body;
   for (int line = 0; line < 8 + 5; ++line) end = text.find('\n', end) + 1;
   WriteFile(file, text.substr(0, end));
-  EXPECT_THAT(Import(file), AllOf(StartsWith(file), HasSubstr("declares 12 elements \"face\""),
+  EXPECT_THAT(Import(file), AllOf(StartsWith(file), HasSubstr("declares 12 elements 'face'"),
                                   HasSubstr("5 are there"), HasSubstr("export")));
 }
 

@@ -1,0 +1,295 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "common/error.h"
+#include "common/quoted.h"
+#include "scenes/importer/mesh_text.h"
+#include "scenes/importer/polygons.h"
+#include "scenes/importer/readers.h"
+
+namespace palpate {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+
+struct TypeName {
+  std::string_view name, other;
+  Type type;
+  std::size_t bytes;
+};
+constexpr std::array<TypeName, 8> kTypes{{{"char", "int8", Type::kInt8, 1},
+                                          {"uchar", "uint8", Type::kUint8, 1},
+                                          {"short", "int16", Type::kInt16, 2},
+                                          {"ushort", "uint16", Type::kUint16, 2},
+                                          {"int", "int32", Type::kInt32, 4},
+                                          {"uint", "uint32", Type::kUint32, 4},
+                                          {"float", "float32", Type::kFloat, 4},
+                                          {"double", "float64", Type::kDouble, 8}}};
+
+[[noreturn]] void Refuse(const std::string& why) {
+  throw Error(why + kExportAgain);
+}
+
+/// What a property is to a mesh.
+enum class Role { kNone, kX, kY, kZ, kCorners };
+
+struct Property {
+  Role role = Role::kNone;
+  std::optional<Type> count;  ///< of a list
+  Type type = Type::kFloat;
+};
+struct Element {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<Property> properties;
+  bool Has(Role role) const {
+    return std::ranges::any_of(properties, [&](const Property& p) { return p.role == role; });
+  }
+};
+
+/// Faces and triangle strips, in text or in binary, of either byte order.
+class Ply {
+ public:
+  explicit Ply(std::string_view text) : text_(text) {
+    ReadHeader();
+    // Of lines that end with CR alone the last one's LF is the first byte of the body.
+    const std::size_t end = text.find_first_of("\r\n");
+    const bool cr_alone =
+        end != std::string_view::npos && text[end] == '\r' && text[end + 1] != '\n';
+    body_ = text_.rest();
+    if (cr_alone && body_.data()[-1] == '\n') body_ = {body_.data() - 1, body_.size() + 1};
+  }
+
+  FileContents Read() && {
+    for (const Element& element : elements_) {
+      // Each of the others takes a byte at least, so the walk ends with the file.
+      if (element.properties.empty() && element.count > 0) {
+        Refuse("element " + Quoted(element.name) + " has no properties");
+      }
+      for (std::uint64_t i = 0; i < element.count; ++i) {
+        if (ReadElement(element)) continue;
+        throw Error("it declares " + std::to_string(element.count) + " elements " +
+                    Quoted(element.name) + " (faces of a mesh, say), and " + std::to_string(i) +
+                    " are there; the file is cut short or damaged, export or copy it again");
+      }
+    }
+    FileContents file{TrianglesOf(std::move(mesh_))};
+    if (single_) file.step = kSingleStep * FarthestOf(file.read.mesh);
+    return file;
+  }
+
+ private:
+  // --- header ---
+
+  void ReadHeader() {
+    if (text_.Line() != "ply") Refuse("its PLY header does not begin with \"ply\"");
+    for (;;) {
+      if (text_.done()) Refuse("its PLY header has no end");
+      const std::string_view line = text_.Line();
+      if (line == "end_header") break;
+      ReadHeaderLine(line);
+    }
+    if (!known_format_) Refuse("its PLY header names no format");
+    CheckElements();
+  }
+
+  void ReadHeaderLine(std::string_view line) {
+    MeshText words(line);
+    const std::string_view what = words.Word();
+    if (what == "format") {
+      const std::string_view name = words.Word();
+      ascii_ = name == "ascii";
+      big_endian_ = name == "binary_big_endian";
+      known_format_ = ascii_ || big_endian_ || name == "binary_little_endian";
+    } else if (what == "element") {
+      Element element;
+      element.name = words.Word();
+      const std::string_view count = words.Word();
+      const auto [end, error] =
+          std::from_chars(count.data(), count.data() + count.size(), element.count);
+      if (error != std::errc() || end != count.data() + count.size()) {
+        Refuse("its PLY header does not say how many " + Quoted(element.name) + " there are");
+      }
+      elements_.push_back(std::move(element));
+    } else if (what == "property") {
+      ReadProperty(words);
+    } else if (what != "comment" && what != "obj_info" && !what.empty()) {
+      Refuse("its PLY header has a line that begins with " + Quoted(what));
+    }
+  }
+
+  static Type TypeOf(std::string_view name) {
+    for (const TypeName& known : kTypes) {
+      if (name == known.name || name == known.other) return known.type;
+    }
+    Refuse("its PLY header has a property of no known type, " + Quoted(name));
+  }
+
+  void ReadProperty(MeshText& words) {
+    if (elements_.empty()) Refuse("its PLY header has a property of no element");
+    Element& element = elements_.back();
+    Property property;
+    std::string_view type = words.Word();
+    if (type == "list") {
+      property.count = TypeOf(words.Word());
+      type = words.Word();
+    }
+    property.type = TypeOf(type);
+    const std::string_view name = words.Word();
+    if (property.count && (element.name == "face" || element.name == "tristrips") &&
+        (name == "vertex_indices" || name == "vertex_index")) {
+      property.role = Role::kCorners;
+    } else if (!property.count && element.name == "vertex" && name.size() == 1 && name >= "x" &&
+               name <= "z") {
+      property.role = static_cast<Role>(static_cast<int>(Role::kX) + (name[0] - 'x'));
+      single_ |= property.type == Type::kFloat && !ascii_;
+    }
+    element.properties.push_back(property);
+  }
+
+  void CheckElements() const {
+    bool faces = false;
+    for (const Element& element : elements_) {
+      const bool face = element.name == "face" || element.name == "tristrips";
+      faces |= face;
+      if (face && !element.Has(Role::kCorners)) {
+        Refuse("its " + element.name + " has no list \"vertex_indices\"");
+      }
+      for (const Role role : {Role::kX, Role::kY, Role::kZ}) {
+        if (element.name == "vertex" && !element.Has(role))
+          Refuse("its vertices have no x, y or z");
+      }
+    }
+    if (!faces) {
+      throw Error("it holds points and no faces; make a surface of them in a mesh editor");
+    }
+  }
+
+  // --- body ---
+
+  /// False where the file ends before.
+  bool ReadElement(const Element& element) {
+    Vec3 v = Vec3::Zero();
+    for (const Property& property : element.properties) {
+      double count = 1.0;
+      if (property.count && !Next(*property.count, count)) return false;
+      if (!(count >= 0.0) || count != std::floor(count)) {
+        Complain(element.name + " has a list of " + std::to_string(count) + " values");
+      }
+      corners_.clear();
+      for (; count > 0.0; --count) {
+        double value = 0.0;
+        if (!Next(property.type, value)) return false;
+        if (property.role == Role::kCorners) {
+          AddCorner(element, value);
+        } else if (property.role != Role::kNone) {
+          v[static_cast<int>(property.role) - static_cast<int>(Role::kX)] = value;
+        }
+      }
+      if (property.role == Role::kCorners) EndFace(element);
+    }
+    if (element.name == "vertex") mesh_.vertices.push_back(v);
+    return true;
+  }
+
+  void AddCorner(const Element& element, double value) {
+    if (value == -1.0 && element.name == "tristrips") return EndFace(element);
+    if (!(value >= 0.0) || value > std::numeric_limits<std::uint32_t>::max() ||
+        value != std::floor(value)) {
+      Complain(element.name + " names the vertex " + std::to_string(value));
+    }
+    corners_.push_back(static_cast<std::uint32_t>(value));
+  }
+
+  /// Of a strip every second triangle is turned; where two corners are one it only leads on.
+  void EndFace(const Element& element) {
+    if (element.name == "face") return mesh_.Add(corners_);
+    for (std::size_t i = 0; i + 2 < corners_.size(); ++i) {
+      std::array<std::uint32_t, 3> triangle{corners_[i], corners_[i + 1], corners_[i + 2]};
+      if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) {
+        continue;
+      }
+      if (i % 2 == 1) std::swap(triangle[0], triangle[1]);
+      mesh_.Add(triangle);
+    }
+    corners_.clear();
+  }
+
+  bool Next(Type type, double& value) {
+    if (ascii_) {
+      const std::string_view word = text_.Word();
+      if (word.empty()) return false;
+      if (!ReadNumber(word, value)) Complain(Quoted(word) + " is no number");
+      return true;
+    }
+    const std::size_t bytes = kTypes[static_cast<std::size_t>(type)].bytes;
+    if (bytes > body_.size()) return false;
+    std::array<char, 8> raw{};
+    std::copy_n(body_.data(), bytes, raw.data());
+    if (big_endian_) std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(bytes));
+    body_.remove_prefix(bytes);
+    const auto as = [&]<class T>(T number) {
+      std::memcpy(&number, raw.data(), sizeof number);
+      value = static_cast<double>(number);
+    };
+    switch (type) {
+      case Type::kInt8:
+        as(std::int8_t{});
+        break;
+      case Type::kUint8:
+        as(std::uint8_t{});
+        break;
+      case Type::kInt16:
+        as(std::int16_t{});
+        break;
+      case Type::kUint16:
+        as(std::uint16_t{});
+        break;
+      case Type::kInt32:
+        as(std::int32_t{});
+        break;
+      case Type::kUint32:
+        as(std::uint32_t{});
+        break;
+      case Type::kFloat:
+        as(float{});
+        break;
+      case Type::kDouble:
+        as(double{});
+        break;
+    }
+    return true;
+  }
+
+  [[noreturn]] void Complain(const std::string& why) const {
+    if (ascii_) text_.Fail(why);
+    Refuse(why);
+  }
+
+  MeshText text_;
+  std::string_view body_;
+  bool ascii_ = false, big_endian_ = false, known_format_ = false;
+  bool single_ = false;
+  std::vector<Element> elements_;
+  Polygons mesh_;
+  std::vector<std::uint32_t> corners_;
+};
+
+}  // namespace
+
+FileContents ReadPly(const std::string&, std::string_view text) {
+  return Ply(text).Read();
+}
+
+}  // namespace palpate
