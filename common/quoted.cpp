@@ -37,7 +37,8 @@ bool IsPrintable(std::uint32_t code) {
   const bool ends_line = code == 0x2028 || code == 0x2029;
   const bool turns = code == 0x200e || code == 0x200f || (code >= 0x202a && code <= 0x202e) ||
                      (code >= 0x2066 && code <= 0x2069);
-  return !is_control && !ends_line && !turns;
+  const bool is_none = (code & 0xfffe) == 0xfffe || (code >= 0xfdd0 && code <= 0xfdef);
+  return !is_control && !ends_line && !turns && !is_none;
 }
 
 void PutEscape(std::string& out, std::uint32_t code, const char* form) {
@@ -72,14 +73,37 @@ std::string Printable(std::string_view text) {
   return shown;
 }
 
+std::string_view BeginningOf(std::string_view text, std::size_t most) {
+  if (text.size() <= most) return text;
+  std::size_t end = most;
+  // Not within a character, which has four bytes at most.
+  while (end > 0 && end + 3 > most && (static_cast<std::uint8_t>(text[end]) & 0xc0) == 0x80) --end;
+  return text.substr(0, end);
+}
+
 std::string Quoted(std::string_view text) {
-  std::size_t end = text.size();
-  if (end > kLongest) {
-    // Not within a character.
-    end = kLongest;
-    while (end > kLongest - 3 && (static_cast<std::uint8_t>(text[end]) & 0xc0) == 0x80) --end;
+  const std::string_view begin = BeginningOf(text, kLongest);
+  std::string quoted = "'";
+  quoted += Printable(begin);
+  return quoted += begin.size() < text.size() ? "…'" : "'";
+}
+
+std::string ShellWord(std::string_view word) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_@%+=:,./-";
+  if (!word.empty() && word.find_first_not_of(kPlain) == word.npos) return std::string(word);
+  const bool is_printable = Printable(word) == word;
+  std::string quoted = is_printable ? "'" : "$'";
+  for (const char c : word) {
+    if (is_printable && c == '\'') {
+      quoted += "'\\''";
+    } else if (is_printable || (c >= ' ' && c < 0x7f && c != '\'' && c != '\\')) {
+      quoted += c;
+    } else {
+      PutEscape(quoted, static_cast<std::uint8_t>(c), "\\x%02x");
+    }
   }
-  return "'" + Printable(text.substr(0, end)) + (end < text.size() ? "…'" : "'");
+  return quoted + "'";
 }
 
 }  // namespace palpate

@@ -375,9 +375,8 @@ std::string SceneTextOfMesh(const std::string& file, const LoadOptions& options)
   if (options.progress) options.progress("reading " + file, 0.0);
   const MeshScene scene = MakeMeshScene(file, options.mesh, fs::path(file).parent_path().string());
   for (const std::string& assumption : scene.assumptions) Tell(options, assumption);
-  const std::string quote = file.find(' ') == std::string::npos ? "" : "\"";
-  Tell(options, "to change any of it: 'palpate-scene new " + quote + file + quote + " -o " +
-                    scene.name + ".json' writes a scene file of it");
+  Tell(options, "to change any of it, make a scene file of it: palpate-scene new " +
+                    ShellWord(file) + " -o " + ShellWord(scene.name + ".json"));
   return scene.text;
 }
 

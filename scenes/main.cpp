@@ -220,8 +220,8 @@ void New(const Arguments& arguments) {
   WriteFileAtomically(arguments.output, {reinterpret_cast<const std::uint8_t*>(scene.text.data()),
                                          scene.text.size()});
   for (const std::string& assumption : scene.assumptions) std::puts(Printable(assumption).c_str());
-  std::printf("wrote %s; serve it with 'palpate-server --scene %s'\n", arguments.output.c_str(),
-              arguments.output.c_str());
+  std::printf("wrote %s; serve it with: palpate-server --scene %s\n",
+              Printable(arguments.output).c_str(), ShellWord(arguments.output).c_str());
 }
 
 void AddToleranceOptions(CLI::App& app, std::optional<LeafTolerance>& leaves) {

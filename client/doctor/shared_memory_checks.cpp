@@ -11,6 +11,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "common/quoted.h"
+
 namespace palpate::doctor {
 namespace {
 
@@ -113,8 +115,8 @@ Finding CheckSharedMemory(const std::optional<Space>& space, bool roudi_runs,
 Finding CheckRouDi(const RouDiState& roudi, dds::Transport wanted, long long user,
                    const std::string& pools) {
   const std::string start =
-      "sudo systemctl start palpate-roudi (package palpate-server), or iox-roudi -c " + pools +
-      " as the user of the server and the stations";
+      "sudo systemctl start palpate-roudi (package palpate-server), or iox-roudi -c " +
+      ShellWord(pools) + " as the user of the server and the stations";
   Finding finding{.check = "RouDi"};
   const Status missing =
       wanted == dds::Transport::kSharedMemory ? Status::kFault : Status::kWarning;

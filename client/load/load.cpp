@@ -17,6 +17,7 @@
 #include "client/load/scene_copies.h"
 #include "common/error.h"
 #include "common/output.h"
+#include "common/quoted.h"
 
 namespace palpate {
 namespace {
@@ -176,8 +177,9 @@ void RunLoad(const LoadRunOptions& options, StopSignal& stop) {
   if (options.copies > 0) {
     WriteSceneWithCopies(options.scene.empty() ? "cube" : options.scene, options.copies,
                          options.copies_file);
-    std::printf("%s: %zu tools; serve it with 'palpate-server --scene %s'\n",
-                options.copies_file.c_str(), options.copies, options.copies_file.c_str());
+    std::printf("%s: %zu tools; serve it with: palpate-server --scene %s\n",
+                Printable(options.copies_file).c_str(), options.copies,
+                ShellWord(options.copies_file).c_str());
     return;
   }
   // Before the runs, which may take hours.

@@ -1,6 +1,7 @@
 #include "client/recorder/file_summary.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <ctime>
 #include <iterator>
@@ -27,10 +28,6 @@ std::string Hex(std::uint64_t value) {
 std::string Value(const mcap::StringMap& map, const std::string& key) {
   const auto it = map.find(key);
   return it == map.end() ? "" : it->second;
-}
-
-std::uint64_t Number(const std::string& text) {
-  return std::strtoull(text.c_str(), nullptr, 10);
 }
 
 /// More often nothing is sent (a loop runs at most at 4 kHz): what is kept for those who come late
@@ -79,6 +76,7 @@ bool Look(const RecordedSample& sample, FileSummary& summary,
                         "scene " + Quoted(bundle.scene));
       } catch (const Error& error) {
         summary.problems.push_back(error.what());
+        summary.damaged = true;
       }
       return true;
     }
@@ -103,9 +101,15 @@ std::uint64_t FileSummary::Topic::before() const {
   return counts_from_1 && sequence.first() > 1 ? sequence.first() - 1 : 0;
 }
 
+const char* FileSummary::verdict() const {
+  if (damaged) return "damaged";
+  if (!complete) return "cut off";
+  return whole() ? "whole" : "incomplete";
+}
+
 bool FileSummary::whole() const {
   const auto begins_late = [](const auto& topic) { return topic.second.before() > 0; };
-  return complete && problems.empty() && missing + dropped + no_channel + broken + unknown == 0 &&
+  return intact() && problems.empty() && missing + dropped + no_channel + unknown == 0 &&
          std::ranges::none_of(topics, begins_late);
 }
 
@@ -138,17 +142,28 @@ FileSummary Summarise(const std::vector<std::string>& files) {
   summary.bytes = reader.bytes();
   summary.duration_s = 1e-9 * static_cast<double>(last_ns - summary.first_ns);
   summary.complete = reader.complete();
+  summary.damaged = summary.damaged || reader.damaged();
   std::ranges::copy(reader.problems(), std::back_inserter(summary.problems));
   summary.unknown = reader.unknown();
   for (const mcap::Metadata& metadata : reader.metadata()) {
     const mcap::StringMap& values = metadata.values;
-    if (metadata.name == "palpate.recording") summary.build = Value(values, "build");
+    if (metadata.name == "palpate.recording") {
+      summary.build = Value(values, "build");
+      summary.stations = Value(values, "stations");
+    }
     if (metadata.name == "palpate.end") summary.end_reason = Value(values, "reason");
     if (metadata.name == "palpate.topic") {
-      const std::uint64_t dropped = Number(Value(values, "dropped"));
+      const auto count = [&](const std::string& key) {
+        const auto said = CountIn(values, key);
+        if (said) return *said;
+        summary.problems.push_back("its recorder's figure is no count: " + key + ' ' +
+                                   Quoted(values.at(key)));
+        summary.damaged = true;
+        return std::uint64_t{0};
+      };
+      const std::uint64_t dropped = count("dropped");
       const std::string name = Value(values, "topic");
-      const std::uint64_t left_out = Number(Value(values, "no_channel"));
-      summary.no_channel += left_out;
+      summary.no_channel += count("no_channel");
       // Without a single message where all of its samples were dropped.
       if (dropped > 0) summary.topics[name].type = Value(values, "type");
       if (const auto it = summary.topics.find(name); it != summary.topics.end()) {
@@ -171,15 +186,22 @@ FileSummary Summarise(const std::vector<std::string>& files) {
     summary.missing += topic.sequence.missing();
     summary.dropped += topic.dropped;
     summary.broken += topic.broken;
+    summary.astray += topic.sequence.astray();
   }
+  summary.damaged = summary.damaged || summary.broken + summary.astray > 0;
   return summary;
 }
 
 std::string ToText(const FileSummary& summary) {
+  std::string verdict = summary.verdict();
+  if (!summary.intact()) std::ranges::transform(verdict, verdict.begin(), ::toupper);
   std::string text = fmt::format(
       "{}{}: {}\n", Printable(summary.files.front()),
       summary.files.size() > 1 ? fmt::format(" and {} more", summary.files.size() - 1) : "",
-      summary.complete ? "complete" : "CUT OFF");
+      verdict);
+  if (!summary.stations.empty()) {
+    text += "  of no station but " + Printable(summary.stations) + "\n";
+  }
   if (!summary.end_reason.empty()) text += "  ended: " + Printable(summary.end_reason) + "\n";
   text += fmt::format(
       "  {:.1f} s from {}, {} messages, {:.2f} MB ({:.3f} MB/s), palpate {}\n", summary.duration_s,
@@ -233,6 +255,7 @@ std::string ToText(const FileSummary& summary) {
   say(summary.no_channel,
       "came and were left out: an MCAP file holds 65535 topics, and theirs came later");
   say(summary.broken, "are not of their type");
+  say(summary.astray, "have numbers that do not go on from those before");
   say(summary.unknown, "are of types that this version does not know");
   for (const std::string& problem : summary.problems) text += "  " + Printable(problem) + "\n";
   return text;
@@ -240,6 +263,7 @@ std::string ToText(const FileSummary& summary) {
 
 void WriteJson(const FileSummary& summary, const std::string& file) {
   nlohmann::ordered_json json{{"files", summary.files},
+                              {"verdict", summary.verdict()},
                               {"complete", summary.complete},
                               {"ended", summary.end_reason},
                               {"build", summary.build},
@@ -251,6 +275,7 @@ void WriteJson(const FileSummary& summary, const std::string& file) {
                               {"dropped", summary.dropped},
                               {"no_channel", summary.no_channel},
                               {"broken", summary.broken},
+                              {"astray", summary.astray},
                               {"unknown", summary.unknown},
                               {"whole", summary.whole()},
                               {"problems", summary.problems},

@@ -39,7 +39,9 @@ struct FileSummary {
   double duration_s = 0.0;
   std::int64_t first_ns = 0;
   std::string build, end_reason;
+  std::string stations;   ///< that it was to be of alone; empty: of all
   bool complete = false;  ///< has its end
+  bool damaged = false;   ///< holds what no recorder wrote there
   std::vector<std::string> problems;
   std::map<std::string, Topic> topics;
   std::map<std::string, Scene> scenes;
@@ -47,10 +49,15 @@ struct FileSummary {
   std::uint64_t messages = 0, missing = 0, dropped = 0;
   std::uint64_t no_channel = 0;  ///< left out: the file had as many topics as MCAP allows
   std::uint64_t broken = 0;      ///< not of their type
+  std::uint64_t astray = 0;      ///< with numbers that their topics' counts do not lead to
   std::uint64_t unknown = 0;     ///< of types that this version does not know
 
-  /// True where all that came while it was recorded is in it, and nothing else.
+  /// How it is, in a word: "whole", where all that came while it was recorded is in it and nothing
+  /// else; "damaged", "cut off" or "incomplete", the first of these that is true.
+  const char* verdict() const;
   bool whole() const;
+  /// As its recorder wrote it, whatever that had not.
+  bool intact() const { return complete && !damaged; }
 };
 
 /// Throws Error where a file cannot be read.

@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
       const palpate::FileSummary summary = palpate::Summarise(options->info_files);
       if (options->json != "-") std::fputs(palpate::ToText(summary).c_str(), stdout);
       if (!options->json.empty()) palpate::WriteJson(summary, options->json);
-      return 0;
+      return summary.intact() ? 0 : 1;
     }
     // A file that has grown to its limit (ulimit -f) is then an error of the write, as a full disk.
     std::signal(SIGXFSZ, SIG_IGN);

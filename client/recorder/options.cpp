@@ -1,8 +1,11 @@
 #include "client/recorder/options.h"
 
+#include <filesystem>
+
 #include <CLI/CLI.hpp>
 
 #include "common/command_line.h"
+#include "common/dds/topics.h"
 #include "common/error.h"
 
 namespace palpate {
@@ -19,13 +22,16 @@ constexpr const char* kExamples =
       until Ctrl-C; start it before the stations, so that their first poses are in it
   palpate-record -o day.mcap --split-time 600
       a file for each ten minutes: day_000.mcap, day_001.mcap, ...
+  palpate-record -o anna.mcap --station anna
+      one hand of a class, as palpate-replay score wants it
   palpate-record info lesson.mcap
       what is in it, and whether anything is missing
   palpate-record -o far.mcap --network eth0
       of a server on another host, which runs with --network too
 
 What was recorded a second ago is on the disk, even if this program or the machine fails.
-Exit status: 0 done, 1 failed, 2 wrong usage.)";
+Exit status: 0 done, 1 failed, 2 wrong usage; of info 0 where the file is whole, or lacks only what
+its recorder never had, and 1 where it is damaged or cut off, or cannot be read.)";
 
 }  // namespace
 
@@ -47,6 +53,14 @@ std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv) {
   CLI::Option* for_option =
       app.add_option("--for", seconds, "end after so many seconds; default: at Ctrl-C")
           ->check(CLI::PositiveNumber);
+  app.add_option("--station", options.stations,
+                 "of this station's hand and session alone, beside scenes and what is scraped off "
+                 "them; may be given again.  Default: of all")
+      ->type_name("NAME")
+      ->allow_extra_args(false)
+      ->check([](const std::string& name) {
+        return dds::IsStationName(name) ? "" : "'" + name + "' is no station's name, as its --id";
+      });
   app.add_flag("--no-loop", no_loop, "without poses and wrenches: what viewers see alone");
   app.add_flag("--no-bundle", no_bundle,
                "without the scenes themselves: a replay takes them from the catalogue");
@@ -65,6 +79,11 @@ std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv) {
 
   if (!*info && options.recording.file.empty()) {
     throw UsageError("-o FILE.mcap is missing; 'palpate-record --help' shows how");
+  }
+  if (!*info && std::filesystem::path(options.recording.file).extension() != ".mcap") {
+    throw UsageError("-o " + options.recording.file +
+                     ": a recording is MCAP, whatever its name; give a name that ends in .mcap.  "
+                     "Of that, 'palpate-replay export' makes CSV");
   }
   options.recording.split_bytes = static_cast<std::uint64_t>(1e6 * split_mb);
   options.recording.bundles = !no_bundle;

@@ -16,6 +16,7 @@ struct RecorderOptions {
 
   RecordingOptions recording;
   bool loop = true;
+  std::vector<std::string> stations;  ///< these alone; empty: all
   std::optional<double> seconds;
   int domain = 0;
   dds::Network network;

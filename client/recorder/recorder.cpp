@@ -16,6 +16,7 @@
 #include "common/dds/server_lock.h"
 #include "common/dds/topics.h"
 #include "common/machine.h"
+#include "common/quoted.h"
 #include "common/time/steady_clock.h"
 
 namespace palpate {
@@ -81,16 +82,21 @@ void Record(const RecorderOptions& options, StopSignal& stop) {
   recording_options.about["cpu"] = host.cpu;
   recording_options.about["cores"] = std::to_string(host.cores);
   if (utsname system{}; uname(&system) == 0) recording_options.about["kernel"] = system.release;
+  for (const std::string& station : options.stations) {
+    std::string& stations = recording_options.about["stations"];
+    stations += (stations.empty() ? "" : ", ") + station;
+  }
   recording_options.about["loop"] = options.loop ? transport.reason : "not recorded";
 
   SampleQueue queue(kQueue);
   TappedTopics topics;
-  Taps taps(options.domain, options.network, transport, options.loop, queue, topics);
+  Taps taps(options.domain, options.network, transport, options.loop, options.stations, queue,
+            topics);
   // Last: what it overwrites is lost only when there is something to record with.
   RecordingWriter recording(recording_options);
   WriterThread writer(recording, queue, topics);
   std::printf("recording to %s; domain %d; poses and wrenches: %s\n",
-              recording.files().front().c_str(), options.domain,
+              Printable(recording.files().front()).c_str(), options.domain,
               recording_options.about["loop"].c_str());
   std::fflush(stdout);
 
@@ -118,8 +124,9 @@ void Record(const RecorderOptions& options, StopSignal& stop) {
   if (!taps.heard() && !silence_said) spdlog::warn("{}", Silence(options, seconds()));
   const auto& totals = writer.totals();
   std::printf("%s%s: %.1f s, %llu messages, %.1f MB, missing %llu, dropped %llu\n",
-              recording.files().front().c_str(), recording.files().size() > 1 ? " and on" : "",
-              seconds(), static_cast<unsigned long long>(totals.messages.load()),
+              Printable(recording.files().front()).c_str(),
+              recording.files().size() > 1 ? " and on" : "", seconds(),
+              static_cast<unsigned long long>(totals.messages.load()),
               1e-6 * static_cast<double>(recording.bytes()),
               static_cast<unsigned long long>(totals.missing.load()),
               static_cast<unsigned long long>(totals.dropped.load()));

@@ -1,7 +1,9 @@
 #include "client/recorder/taps.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <utility>
 
 #include "common/dds/topics.h"
 #include "common/time/steady_clock.h"
@@ -24,8 +26,9 @@ std::int64_t RecordingTime_ns() {
 }
 
 Taps::Taps(int domain, const dds::Network& network, const dds::TransportChoice& transport,
-           bool loop, SampleQueue& queue, TappedTopics& topics)
-    : queue_(queue),
+           bool loop, std::vector<std::string> stations, SampleQueue& queue, TappedTopics& topics)
+    : wanted_(std::move(stations)),
+      queue_(queue),
       topics_(topics),
       service_(dds::Participant::Service(domain, network)),
       loop_(loop ? std::make_unique<dds::Participant>(
@@ -70,18 +73,30 @@ int Taps::sessions() const {
   return count;
 }
 
+bool Taps::IsWanted(const std::string& station) const {
+  return wanted_.empty() || std::ranges::find(wanted_, station) != wanted_.end();
+}
+
 template <class T>
 void Taps::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, T& sample) {
+  constexpr bool kFromServer =
+      !std::is_same_v<T, wire::SessionRequest> && !std::is_same_v<T, wire::WholeRequest> &&
+      !std::is_same_v<T, wire::GuideTarget> && !std::is_same_v<T, wire::StationStatistics>;
+  // Of a scene, others' work on it is a part.
+  constexpr bool kOfAStation = requires {
+    sample.station;
+  }
+  &&!std::is_same_v<T, wire::SceneChange>;
   dds::CdrSample raw;
   while (reader.Take(raw, sample)) {
+    heard_ = heard_ || kFromServer;
+    if constexpr (kOfAStation) {
+      if (!IsWanted(sample.station)) continue;
+    }
     if (!queue_.Put(channel, RecordingTime_ns, raw.cdr)) {
       topics_[channel].dropped.fetch_add(1, std::memory_order_relaxed);
     }
     if constexpr (std::is_same_v<T, wire::SessionState>) OnState(sample, now_ns_);
-    constexpr bool kFromServer =
-        !std::is_same_v<T, wire::SessionRequest> && !std::is_same_v<T, wire::WholeRequest> &&
-        !std::is_same_v<T, wire::GuideTarget> && !std::is_same_v<T, wire::StationStatistics>;
-    heard_ = heard_ || kFromServer;
   }
   dds::FreeContents(sample);
 }
@@ -103,7 +118,9 @@ void Taps::Tap(dds::Reader<T>& reader, const std::string& name) {
 }
 
 void Taps::OnState(const wire::SessionState& state, std::int64_t now_ns) {
-  if (!loop_ || state.phase == palpate_SESSION_REFUSED) return;
+  // No server gives a session to another name, of which a topic's is made.
+  if (!loop_ || state.phase == palpate_SESSION_REFUSED || !dds::IsStationName(state.station))
+    return;
   const auto it = sessions_.find(state.station);
   if (state.phase == palpate_SESSION_ENDED) {
     if (it != sessions_.end() && it->second.run == state.run) it->second.ended_ns = now_ns;

@@ -21,10 +21,11 @@ namespace palpate {
 /// Thread contract: one thread.
 class Taps {
  public:
-  /// @param loop  false: service topics alone.
+  /// @param loop      false: service topics alone.
+  /// @param stations  whose sessions are recorded; empty: all.
   /// Throws Error.
   Taps(int domain, const dds::Network& network, const dds::TransportChoice& transport, bool loop,
-       SampleQueue& queue, TappedTopics& topics);
+       std::vector<std::string> stations, SampleQueue& queue, TappedTopics& topics);
   ~Taps();
   Taps(const Taps&) = delete;
   Taps& operator=(const Taps&) = delete;
@@ -49,7 +50,9 @@ class Taps {
   template <class T>
   void Tap(dds::Reader<T>& reader, const std::string& topic);
   void OnState(const wire::SessionState& state, std::int64_t now_ns);
+  bool IsWanted(const std::string& station) const;
 
+  const std::vector<std::string> wanted_;
   SampleQueue& queue_;
   TappedTopics& topics_;
   dds::Participant service_;

@@ -160,7 +160,7 @@ std::string ColumnFile::Head(std::uint64_t rows) const {
 
 void ColumnFile::Flush() {
   if (pending_.empty()) return;
-  if (!std::exchange(made_, true)) WriteAll(file_, "wb", Head(0));
+  if (!std::exchange(made_, true)) WriteAll(file_, "wbx", Head(0));
   WriteAll(file_, "ab", pending_);
   pending_.clear();
 }

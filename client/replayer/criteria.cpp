@@ -9,9 +9,6 @@
 namespace palpate {
 namespace {
 
-/// Above it a hand is in contact [N]; as in score.cpp.
-constexpr double kContact_N = 0.05;
-
 std::vector<std::string_view> MeasureNames() {
   std::vector<std::string_view> names;
   for (const Measure& measure : kMeasures) names.emplace_back(measure.name);

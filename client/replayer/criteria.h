@@ -66,6 +66,7 @@ Criteria LoadCriteria(const std::string& file);
 /// For a teacher to begin with: periodontal probing with 25 g.
 extern const char* const kCriteriaToBeginWith;
 
+/// @param trainee  the trial (TrialIn) that the score is of.
 Grade GradeTrial(const Criteria& criteria, const Score& score, const HandPath& trainee);
 
 }  // namespace palpate

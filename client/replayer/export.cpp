@@ -1,21 +1,19 @@
 #include "client/replayer/export.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <utility>
 
-#include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "client/replayer/export_folder.h"
 #include "client/replayer/methods.h"
 #include "client/replayer/session_columns.h"
 #include "common/dds/topics.h"
@@ -24,7 +22,6 @@
 #include "common/quoted.h"
 #include "common/recording/recording_reader.h"
 #include "common/time/steady_clock.h"
-#include "common/whole_file.h"
 
 namespace palpate {
 namespace {
@@ -36,110 +33,9 @@ constexpr std::size_t kMostPending = std::size_t{64} << 20;
 /// Samples between looks at the clock and at Ctrl-C.
 constexpr std::uint64_t kLook = 4096;
 
-/// Of the file that names those of an export: some hundred thousand names.
-constexpr std::uint64_t kMostMethodsBytes = std::uint64_t{16} << 20;
-
-constexpr const char* kMethodsFile = "methods.json";
 constexpr const char* kMethodsText = "METHODS.md";
 
 using SessionKey = std::pair<std::string, std::uint64_t>;  // station, run
-
-/// Of a loop topic's name, palpate/STATION/RUN/...; none where it is not one.
-std::optional<SessionKey> SessionOfTopic(const std::string& topic) {
-  constexpr std::string_view kBegin = "palpate/";
-  if (!topic.starts_with(kBegin)) return std::nullopt;
-  const std::size_t run_at = topic.find('/', kBegin.size());
-  if (run_at == std::string::npos) return std::nullopt;
-  std::uint64_t run = 0;
-  const char* const digits = topic.data() + run_at + 1;
-  const auto [end, problem] = std::from_chars(digits, topic.data() + topic.size(), run, 16);
-  const std::string station = topic.substr(kBegin.size(), run_at - kBegin.size());
-  if (problem != std::errc() || !dds::IsStationName(station)) return std::nullopt;
-  return SessionKey{station, run};
-}
-
-std::vector<std::string> FilesBelow(const fs::path& folder) {
-  std::vector<std::string> files;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_directory() && !entry.is_symlink()) continue;
-    files.push_back(entry.path().lexically_relative(folder).string());
-  }
-  return files;
-}
-
-/// What a former export says that it made; none where it is no export.
-std::optional<std::set<std::string>> FilesOfExport(const fs::path& folder) {
-  const auto text = TryReadWholeFile(folder / kMethodsFile, kMostMethodsBytes);
-  if (!text) return std::nullopt;
-  const auto json = nlohmann::json::parse(*text, nullptr, false);
-  if (!json.is_object() || json.value("made_by", "") != kExportMark) return std::nullopt;
-  std::set<std::string> files{kMethodsFile, kMethodsText};
-  const auto listed = json.find("files");
-  if (listed == json.end() || !listed->is_array()) return std::nullopt;
-  for (const auto& file : *listed) {
-    if (file.is_string()) files.insert(file.get<std::string>());
-  }
-  return files;
-}
-
-/// Throws Error where the folder may not give way to a new export.
-void CheckMayMake(const ExportOptions& options) {
-  const fs::path folder = options.folder;
-  if (!fs::exists(fs::symlink_status(folder))) return;
-  if (!fs::is_directory(fs::symlink_status(folder))) {
-    throw Error("-o " + options.folder + ": is there already and is no folder; give another name");
-  }
-  if (fs::is_empty(folder)) return;
-  if (!options.overwrite) {
-    throw Error("-o " + options.folder +
-                ": is there already; give another name, or --overwrite for a former export");
-  }
-  const auto made = FilesOfExport(folder);
-  if (!made) {
-    throw Error("-o " + options.folder + ": has no " + kMethodsFile +
-                " of an export, and so is not overwritten; give another name");
-  }
-  for (const std::string& file : FilesBelow(folder)) {
-    if (made->contains(file)) continue;
-    throw Error("-o " + options.folder + ": holds " + Quoted(file) +
-                ", which no export made; move it away, or give another name");
-  }
-}
-
-/// The folder while it grows: gone with this object, unless it has got its name.
-class GrowingFolder {
- public:
-  explicit GrowingFolder(const std::string& folder) : name_(folder) {
-    while (name_.has_relative_path() && !name_.has_filename()) name_ = name_.parent_path();
-    part_ = name_;
-    part_ += ".part";
-    std::error_code problem;
-    if (name_.has_parent_path()) fs::create_directories(name_.parent_path(), problem);
-    if (!fs::create_directory(part_, problem)) {
-      throw Error(part_.string() +
-                  (problem ? ": cannot be made (" + problem.message() + "); give another folder"
-                           : ": is there already, of an export that was killed or is at work; "
-                             "remove it, or give another name"));
-    }
-  }
-  ~GrowingFolder() {
-    std::error_code ignored;
-    if (!part_.empty()) fs::remove_all(part_, ignored);
-  }
-  GrowingFolder(const GrowingFolder&) = delete;
-  GrowingFolder& operator=(const GrowingFolder&) = delete;
-
-  const fs::path& path() const { return part_; }
-  /// What has the name goes; CheckMayMake has looked at it.
-  void Finish() {
-    fs::remove_all(name_);
-    fs::rename(part_, name_);
-    part_.clear();
-  }
-
- private:
-  fs::path name_, part_;
-};
 
 class Progress {
  public:
@@ -176,8 +72,8 @@ class Progress {
 /// Gives each sample to its session.
 class Sorter {
  public:
-  Sorter(fs::path folder, ColumnFormat format, Methods& methods)
-      : folder_(std::move(folder)), format_(format), methods_(methods) {}
+  Sorter(ExportFolder& folder, ColumnFormat format, Methods& methods)
+      : folder_(folder), format_(format), methods_(methods) {}
 
   void Add(const RecordedSample& sample, double time_s) {
     wire::HapticPose pose;
@@ -188,9 +84,9 @@ class Sorter {
     wire::StationStatistics station{};
     wire::GuideTarget guide{};
     if (sample.To(pose)) {
-      Give(SessionOfTopic(*sample.topic), pose, time_s);
+      Give(dds::SessionOfTopic(*sample.topic), pose, time_s);
     } else if (sample.To(wrench)) {
-      Give(SessionOfTopic(*sample.topic), wrench, time_s);
+      Give(dds::SessionOfTopic(*sample.topic), wrench, time_s);
     } else if (sample.To(state)) {
       if (state.phase == palpate_SESSION_REFUSED) return;
       if (state.phase != palpate_SESSION_ENDED) run_of_[state.station] = state.run;
@@ -213,7 +109,7 @@ class Sorter {
       session->Close();
       methods_.SessionOf(key.first, key.second).folder = FolderOf(key);
       std::ranges::transform(session->files(), std::back_inserter(files), [&](const auto& file) {
-        return fs::path(file).lexically_relative(folder_).string();
+        return fs::path(file).lexically_relative(folder_.path()).string();
       });
     }
     return files;
@@ -234,9 +130,10 @@ class Sorter {
     if (!key || !dds::IsStationName(key->first)) return methods_.CountLeftOut();
     std::unique_ptr<SessionColumns>& session = sessions_[*key];
     if (!session) {
-      const fs::path folder = folder_ / FolderOf(*key);
+      const fs::path folder = folder_.Make(folder_.path() / FolderOf(*key));
       fs::create_directory(folder);
       session = std::make_unique<SessionColumns>(folder.string(), format_);
+      for (const std::string& file : session->names()) folder_.Make(file);
     }
     session->Add(sample, time_s);
     // Rows are a few hundred bytes: to look at every one's table each time would be the work.
@@ -247,7 +144,7 @@ class Sorter {
     for (const auto& [each, columns] : sessions_) columns->Flush();
   }
 
-  fs::path folder_;
+  ExportFolder& folder_;
   ColumnFormat format_;
   Methods& methods_;
   std::map<SessionKey, std::unique_ptr<SessionColumns>> sessions_;
@@ -259,10 +156,9 @@ class Sorter {
 
 void Export(const ExportOptions& options, StopSignal& stop) {
   RecordingReader reader(options.files);
-  CheckMayMake(options);
-  GrowingFolder folder(options.folder);
+  ExportFolder folder(options.folder, options.overwrite);
   Methods methods;
-  Sorter sorter(folder.path(), options.format, methods);
+  Sorter sorter(folder, options.format, methods);
   {
     Progress progress(options.files);
     RecordedSample sample{};
@@ -285,11 +181,13 @@ void Export(const ExportOptions& options, StopSignal& stop) {
     throw Error(options.files.front() +
                 ": holds no sample of a session; 'palpate-record info' says what it holds");
   }
-  WriteOutput("-o", (folder.path() / kMethodsFile).string(), methods.ToJson(options.files, files));
-  WriteOutput("-o", (folder.path() / kMethodsText).string(), methods.ToMarkdown(options.files));
-  folder.Finish();
+  WriteOutput("-o", folder.Make(folder.path() / kMethodsText).string(),
+              methods.ToMarkdown(options.files));
+  std::vector<std::string> all = files;
+  all.emplace_back(kMethodsText);
+  folder.Finish(methods.ToJson(options.files, files, folder.HashesOf(all)));
   std::printf("%s: %zu tables of %zu sessions, methods.json and METHODS.md\n",
-              options.folder.c_str(), files.size(), sorter.sessions());
+              Printable(options.folder).c_str(), files.size(), sorter.sessions());
 }
 
 }  // namespace palpate

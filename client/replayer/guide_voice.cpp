@@ -65,7 +65,7 @@ double Now_s() {
 }  // namespace
 
 void Guide(const ReplayOptions& options, StopSignal& stop) {
-  const HandPath path = ReadHandPath(options.files);
+  const HandPath path = ReadHandPath(options.files, {options.station});
   const double end_s = std::min(options.to_s, path.duration_s());
   if (options.from_s >= end_s) throw UsageError("--from is behind the path's end");
   const dds::Participant service = dds::Participant::Service(options.domain, options.network);

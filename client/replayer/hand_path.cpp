@@ -2,109 +2,212 @@
 
 #include <algorithm>
 #include <map>
+#include <numbers>
 #include <optional>
+#include <tuple>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/recording/recording_reader.h"
+#include "common/time/span.h"
 
 namespace palpate {
 namespace {
 
+/// A hand that holds still trembles by less; the angle moves a tip that is 57 mm off as far.
+constexpr double kMoved_m = 1e-3, kTurned_rad = std::numbers::pi / 180.0;
+/// No arm reaches further, or presses harder: what a recording says beyond is no measurement.
+constexpr double kFarthest_m = 1e3, kHardest_N = 1e6, kHardest_Nm = 1e6;
+constexpr double kLongestPause_s = 86'400.0;  // no trial is left for a day
+/// A list of more is for palpate-record info.
+constexpr std::size_t kMostListed = 20;
+
 struct Session {
-  std::string station, scene;
-  std::uint64_t poses = 0;
+  std::string station, scene, tool;
+  std::uint64_t run = 0, poses = 0;
+  std::int64_t first_ns = 0, last_ns = 0;  // of its poses
 };
+using SessionKey = std::pair<std::string, std::uint64_t>;  // station, run
+
 struct HandSample {
   std::uint64_t sequence;
   std::int64_t time_ns;
   Pose X_WH;
   Pose X_WG;
   Wrench wrench{};
-
-  void Answer(const wire::Wrench& answer) {
-    wrench = wire::ToWrench(answer);
-    X_WG = wire::ToPose(answer.graphic_position_m, answer.graphic_orientation_wxyz);
-  }
 };
 
-/// A topic of poses or wrenches without its last part: the same for both of a session.
-std::string SessionOf(const std::string& topic) {
-  return topic.substr(0, topic.rfind('/'));
-}
-
-std::optional<Pose> UsablePose(const wire::HapticPose& pose) {
-  Pose X_WH = wire::ToPose(pose);
-  if (!X_WH.p.allFinite() || !X_WH.q.coeffs().allFinite() || !(X_WH.q.squaredNorm() > 0.25)) {
+std::optional<Pose> Usable(Pose X) {
+  if (!(X.p.norm() < kFarthest_m) || !X.q.coeffs().allFinite() || !(X.q.squaredNorm() > 0.25)) {
     return std::nullopt;
   }
-  X_WH.q.normalize();
-  return X_WH;
+  X.q.normalize();
+  return X;
+}
+
+void Answer(HandSample& at, const wire::Wrench& answer) {
+  const Wrench wrench = wire::ToWrench(answer);
+  if (!(wrench.force.norm() < kHardest_N) || !(wrench.torque.norm() < kHardest_Nm)) return;
+  at.wrench = wrench;
+  at.X_WG = Usable(wire::ToPose(answer.graphic_position_m, answer.graphic_orientation_wxyz))
+                .value_or(at.X_WH);
+}
+
+/// In their order and their time, each once; what leaps is no measurement either, and would shut
+/// out all that comes after.
+bool GoesOn(const HandSample& last, const wire::HapticPose& pose) {
+  const double after_s = SecondsBetween(last.time_ns, pose.sample_time_ns);
+  return pose.pose_sequence > last.sequence &&
+         pose.pose_sequence - last.sequence <= SequenceCount::kMostHole && after_s > 0.0 &&
+         after_s < kLongestPause_s;
+}
+
+/// Those that have poses, by when they begin.
+/// @param began_ns  the recording's first sample.
+std::vector<Session> SessionsOf(RecordingReader& reader, std::int64_t& began_ns) {
+  std::map<SessionKey, Session> sessions;
+  RecordedSample sample{};
+  for (bool any = false; reader.Next(sample); any = true) {
+    if (!any) began_ns = sample.log_time_ns;
+    wire::SessionState state{};
+    if (sample.type == RecordedType::kHapticPose) {
+      const auto key = dds::SessionOfTopic(*sample.topic);
+      if (!key) continue;
+      Session& session = sessions[*key];
+      if (session.poses++ == 0) session.first_ns = session.last_ns = sample.log_time_ns;
+      session.last_ns = std::max(session.last_ns, sample.log_time_ns);
+    } else if (sample.To(state)) {
+      Session& session = sessions[{state.station, state.run}];
+      session.scene = state.scene;
+      session.tool = state.tool;
+    }
+  }
+  std::vector<Session> found;
+  for (auto& [key, session] : sessions) {
+    if (session.poses == 0) continue;
+    std::tie(session.station, session.run) = key;
+    found.push_back(std::move(session));
+  }
+  std::ranges::stable_sort(found, {}, &Session::first_ns);
+  return found;
+}
+
+Session Choose(const std::string& file, const std::vector<Session>& sessions, std::int64_t began_ns,
+               const SessionChoice& choice) {
+  const auto with_run = [](const Session& s) {
+    return fmt::format("{}/{:016x}", s.station, s.run);
+  };
+  const auto fits = [&](const Session& s) {
+    return choice.wanted.empty() || choice.wanted == s.station || choice.wanted == with_run(s);
+  };
+  if (sessions.empty()) {
+    throw Error(file + ": holds no hand's path; record it without --no-loop");
+  }
+  const auto first = std::ranges::find_if(sessions, fits);
+  if (first != sessions.end() && std::none_of(first + 1, sessions.end(), fits)) return *first;
+
+  std::string list;
+  std::size_t listed = 0;
+  for (const Session& s : sessions) {
+    // All, where none fits.
+    if (first != sessions.end() && !fits(s)) continue;
+    if (++listed > kMostListed) continue;
+    const bool is_only = std::ranges::count(sessions, s.station, &Session::station) == 1;
+    list += fmt::format("{}{} {} (tool {}, from {:.1f} s, {:.1f} s long)", list.empty() ? "" : ", ",
+                        choice.option, is_only ? s.station : with_run(s),
+                        s.tool.empty() ? "not known" : s.tool, SecondsBetween(began_ns, s.first_ns),
+                        SecondsBetween(s.first_ns, s.last_ns));
+  }
+  if (listed > kMostListed) list += fmt::format(" and {} more", listed - kMostListed);
+  throw Error(file + ": holds " +
+              (first == sessions.end()
+                   ? fmt::format("no session of station '{}'; give one of these: ", choice.wanted)
+                   : fmt::format("{} sessions; choose one: ", listed)) +
+              list);
 }
 
 }  // namespace
 
-HandPath ReadHandPath(const std::vector<std::string>& files) {
+HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice& choice) {
   RecordingReader reader(files);
-  RecordedSample sample{};
-  std::map<std::string, Session> sessions;
-  while (reader.Next(sample)) {
-    wire::SessionState state{};
-    if (sample.type == RecordedType::kHapticPose) {
-      ++sessions[SessionOf(*sample.topic)].poses;
-    } else if (sample.To(state)) {
-      Session& session = sessions[SessionOf(dds::PoseTopic(state.station, state.run))];
-      session.station = state.station;
-      session.scene = state.scene;
-    }
-  }
-  const auto longest =
-      std::ranges::max_element(sessions, {}, [](const auto& entry) { return entry.second.poses; });
+  std::int64_t began_ns = 0;
+  const std::vector<Session> sessions = SessionsOf(reader, began_ns);
+  const Session session = Choose(files.front(), sessions, began_ns, choice);
+  const std::string poses = dds::PoseTopic(session.station, session.run);
+  const std::string wrenches = dds::WrenchTopic(session.station, session.run);
 
   // A second time, because whole sessions of a class do not fit into memory.
   std::vector<HandSample> hand;
-  const auto find = [&](std::uint64_t sequence) {
-    return std::ranges::lower_bound(hand, sequence, {}, &HandSample::sequence);
-  };
   std::vector<wire::Wrench> early;  // wrenches that overtook their poses
+  const auto take = [&](const wire::Wrench& wrench) {
+    const auto at = std::ranges::lower_bound(hand, wrench.pose_sequence, {}, &HandSample::sequence);
+    const bool is_there = at != hand.end() && at->sequence == wrench.pose_sequence;
+    if (is_there) Answer(*at, wrench);
+    return is_there;
+  };
+  RecordedSample sample{};
   reader.Restart();
-  while (longest != sessions.end() && reader.Next(sample)) {
+  while (reader.Next(sample)) {
     wire::HapticPose pose;
     wire::Wrench wrench;
-    if (SessionOf(*sample.topic) != longest->first) continue;
-    if (sample.To(pose)) {
-      const auto X_WH = UsablePose(pose);
-      // In their order, each once.
-      if (X_WH && (hand.empty() || pose.pose_sequence > hand.back().sequence)) {
+    if (*sample.topic == poses && sample.To(pose)) {
+      const auto X_WH = Usable(wire::ToPose(pose));
+      if (X_WH && (hand.empty() || GoesOn(hand.back(), pose))) {
         hand.push_back({pose.pose_sequence, pose.sample_time_ns, *X_WH, *X_WH});
       }
-    } else if (sample.To(wrench)) {
-      const auto at = find(wrench.pose_sequence);
-      if (at != hand.end() && at->sequence == wrench.pose_sequence) {
-        at->Answer(wrench);
-      } else {
-        early.push_back(wrench);
-      }
+    } else if (*sample.topic == wrenches && sample.To(wrench)) {
+      if (!take(wrench)) early.push_back(wrench);
     }
   }
-  for (const wire::Wrench& wrench : early) {
-    const auto at = find(wrench.pose_sequence);
-    if (at != hand.end() && at->sequence == wrench.pose_sequence) at->Answer(wrench);
-  }
+  for (const wire::Wrench& wrench : early) take(wrench);
   if (hand.size() < 2) {
     throw Error(files.front() + ": holds no hand's path; record it without --no-loop");
   }
   HandPath path;
-  path.station = longest->second.station;
-  path.scene = longest->second.scene;
+  path.station = session.station;
+  path.scene = session.scene;
   for (const HandSample& at : hand) {
-    path.time_s.push_back(1e-9 * static_cast<double>(at.time_ns - hand.front().time_ns));
+    path.time_s.push_back(SecondsBetween(hand.front().time_ns, at.time_ns));
     path.X_WH.push_back(at.X_WH);
     path.X_WG.push_back(at.X_WG);
     path.force_N.push_back(at.wrench.force);
     path.torque_Nm.push_back(at.wrench.torque);
   }
   return path;
+}
+
+HandPath TrialIn(const HandPath& path, const std::string& file) {
+  const std::size_t size = path.size();
+  const auto touches = [&](std::size_t i) { return path.force_N[i].norm() > kContact_N; };
+  const auto is_away = [&](std::size_t i, const Pose& from) {
+    return (path.X_WH[i].p - from.p).norm() > kMoved_m ||
+           path.X_WH[i].q.angularDistance(from.q) > kTurned_rad;
+  };
+  const auto moves_off = [&](std::size_t i) {
+    return i + 1 < size && is_away(i + 1, path.X_WH.front());
+  };
+  const auto arrives = [&](std::size_t i) { return i > 0 && is_away(i - 1, path.X_WH.back()); };
+  std::size_t begin = 0, end = size;
+  while (begin < end && !touches(begin) && !moves_off(begin)) ++begin;
+  while (end > begin && !touches(end - 1) && !arrives(end - 1)) --end;
+  if (end - begin < 2) {
+    throw Error(file +
+                ": the hand neither moves by more than 1 mm or 1 degree nor touches anything; give "
+                "a recording of a trial");
+  }
+  const auto part = [&](const auto& all) {
+    using All = std::remove_cvref_t<decltype(all)>;
+    if (all.empty()) return All{};
+    const auto at = [&](std::size_t i) { return all.begin() + static_cast<std::ptrdiff_t>(i); };
+    return All(at(begin), at(end));
+  };
+  HandPath trial{path.station,    path.scene,         part(path.time_s),   part(path.X_WH),
+                 part(path.X_WG), part(path.force_N), part(path.torque_Nm)};
+  for (double& t : trial.time_s) t -= path.time_s[begin];
+  return trial;
 }
 
 }  // namespace palpate

@@ -10,6 +10,7 @@
 #include "common/command_line.h"
 #include "common/log.h"
 #include "common/private_file.h"
+#include "common/quoted.h"
 #include "common/stop_signal.h"
 
 namespace palpate {
@@ -34,12 +35,12 @@ int Run(const ReplayOptions& options) {
       return 0;
     }
     case ReplayOptions::What::kScore: {
-      const Report report = MakeReport(options.expert, options.trials, options.criteria);
+      const Report report = MakeReport(options.score);
       if (options.json != "-") std::fputs(ToText(report).c_str(), stdout);
       if (!options.json.empty()) WriteJson(report, options.json);
       if (!options.out.empty()) {
         WriteReport(report, options.out);
-        std::fprintf(stderr, "open %s/score.html\n", options.out.c_str());
+        std::fprintf(stderr, "open %s\n", ShellWord(options.out + "/score.html").c_str());
       }
       return 0;
     }
@@ -51,9 +52,9 @@ int Run(const ReplayOptions& options) {
     case ReplayOptions::What::kCriteria:
       WriteNewCriteria(options.new_criteria);
       std::printf(
-          "%s: change what you like, and grade by it with 'palpate-replay score "
-          "--criteria %s'\n",
-          options.new_criteria.c_str(), options.new_criteria.c_str());
+          "%s: change what you like, and grade by it with: palpate-replay score EXPERT TRIALS "
+          "--criteria %s\n",
+          Printable(options.new_criteria).c_str(), ShellWord(options.new_criteria).c_str());
       return 0;
   }
   return 1;

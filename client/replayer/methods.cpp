@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <ctime>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
@@ -40,10 +40,17 @@ nlohmann::ordered_json Finite(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
-/// A cell of a table in Markdown.
+/// A cell of a table in Markdown: text, in which nothing is markup.
 std::string Cell(const std::string& text) {
   std::string cell;
-  for (const char c : Printable(text)) cell += c == '|' ? "\\|" : std::string(1, c);
+  for (const char c : Printable(text)) {
+    if (c == '<' || c == '>' || c == '&') {
+      cell += c == '<' ? "&lt;" : c == '>' ? "&gt;" : "&amp;";
+    } else {
+      if (std::string_view("\\`*_~|[]!").find(c) != std::string_view::npos) cell += '\\';
+      cell += c;
+    }
+  }
   return cell;
 }
 
@@ -143,8 +150,7 @@ void Methods::Finish(const RecordingReader& reader) {
       scenes_.try_emplace(Value(metadata.values, "scene"), Value(metadata.values, "hash"));
     }
     if (metadata.name != "palpate.topic") continue;
-    const std::uint64_t dropped =
-        std::strtoull(Value(metadata.values, "dropped").c_str(), nullptr, 10);
+    const std::uint64_t dropped = CountIn(metadata.values, "dropped").value_or(0);
     if (dropped > 0) topics_[Value(metadata.values, "topic")].dropped = dropped;
   }
 }
@@ -153,20 +159,27 @@ double Methods::duration_s() const {
   return 1e-9 * static_cast<double>(last_ns_ - first_ns_);
 }
 
-std::uint64_t Methods::Missing() const {
+std::uint64_t Methods::Sum(std::uint64_t (*of)(const Topic&)) const {
   std::uint64_t sum = 0;
-  for (const auto& [name, topic] : topics_) sum += topic.sequence.missing();
+  for (const auto& [name, topic] : topics_) sum += of(topic);
   return sum;
+}
+
+std::uint64_t Methods::Missing() const {
+  return Sum([](const Topic& topic) { return topic.sequence.missing(); });
+}
+
+std::uint64_t Methods::Astray() const {
+  return Sum([](const Topic& topic) { return topic.sequence.astray(); });
 }
 
 std::uint64_t Methods::Dropped() const {
-  std::uint64_t sum = 0;
-  for (const auto& [name, topic] : topics_) sum += topic.dropped;
-  return sum;
+  return Sum([](const Topic& topic) { return topic.dropped; });
 }
 
 std::string Methods::ToJson(const std::vector<std::string>& recording,
-                            const std::vector<std::string>& files) const {
+                            const std::vector<std::string>& files,
+                            const std::map<std::string, std::string>& hashes) const {
   using Json = nlohmann::ordered_json;
   Json json{
       {"made_by", kExportMark},
@@ -187,12 +200,14 @@ std::string Methods::ToJson(const std::vector<std::string>& recording,
        {{"missing", Missing()},
         {"dropped_by_recorder", Dropped()},
         {"broken", broken_},
+        {"astray", Astray()},
         {"unknown_type", unknown_},
         {"left_out", left_out_}}},
       {"scenes", Json::array()},
       {"sessions", Json::array()},
       {"topics", Json::array()},
-      {"files", files}};
+      {"files", files},
+      {"hashes", hashes}};
   for (const auto& [name, hash] : scenes_)
     json["scenes"].push_back({{"scene", name}, {"hash", hash}});
   for (const Session& s : sessions_) {
@@ -245,11 +260,14 @@ std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const
   line("samples missing, by their numbers", std::to_string(Missing()));
   line("samples dropped by the recorder", std::to_string(Dropped()));
   line("samples that are not of their type", std::to_string(broken_));
+  if (Astray() > 0) {
+    line("samples with numbers that do not go on from those before", std::to_string(Astray()));
+  }
   if (left_out_ > 0) line("samples left out, of no station", std::to_string(left_out_));
   for (const std::string& problem : problems_) line("problem", problem);
   text += "\n## Scenes\n\n| scene | hash (XXH3 of its bundle) |\n|---|---|\n";
   for (const auto& [name, hash] : scenes_) {
-    text += fmt::format("| {} | `{}` |\n", Cell(name), Cell(hash));
+    text += fmt::format("| {} | {} |\n", Cell(name), Cell(hash));
   }
   text +=
       "\n## Sessions\n\n| station | run | scene | tool | device | spring | pose rate | wrench rate "

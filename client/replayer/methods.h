@@ -48,14 +48,19 @@ class Methods {
   Session& SessionOf(const std::string& station, std::uint64_t run);
   void CountLeftOut() { ++left_out_; }
 
-  /// @param recording  names of its files.   @param files  that were written, within the folder.
+  /// @param recording  names of its files.
+  /// @param files       that were written, within the folder.
+  /// @param hashes      of these and of METHODS.md, by name.
   std::string ToJson(const std::vector<std::string>& recording,
-                     const std::vector<std::string>& files) const;
+                     const std::vector<std::string>& files,
+                     const std::map<std::string, std::string>& hashes) const;
   std::string ToMarkdown(const std::vector<std::string>& recording) const;
 
  private:
   double duration_s() const;
+  std::uint64_t Sum(std::uint64_t (*of)(const Topic&)) const;
   std::uint64_t Missing() const;
+  std::uint64_t Astray() const;
   std::uint64_t Dropped() const;
 
   std::map<std::string, Topic> topics_;

@@ -38,6 +38,8 @@ constexpr const char* kExamples =
       writes what to grade by, for you to edit: 25 g for periodontal probing, depths of sites
   palpate-replay score expert.mcap try1.mcap try2.mcap try3.mcap --criteria mine.json --out report
       report/score.html: paths in space, distance, forces, marks and their average
+  palpate-replay score class.mcap class.mcap --expert-station teacher --station anna
+      both of one recording; without these options it says whose sessions there are to choose from
   palpate-replay export lesson.mcap -o figures
       figures/hand_…/poses.csv and so on, for pandas.read_csv or MATLAB's readtable, and METHODS.md;
       with --format npy for numpy.load)";
@@ -68,6 +70,12 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_flag_callback(
          "--no-wait", [&options] { options.waits = false; },
          "with --guide: keep the pace, though the hand stays behind")
+      ->needs(guide);
+  app.add_option(
+         "--station", options.station,
+         "with --guide: of a recording with several sessions that of this station; NAME/RUN "
+         "where it has several")
+      ->type_name("NAME")
       ->needs(guide);
   app.add_option("--rate", options.rate, "times the speed that it had; at most 2 with --guide")
       ->check(CLI::Range(0.01, 100.0))
@@ -101,12 +109,22 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
                    options.log_level);
   CLI::App* score = app.add_subcommand(
       "score", "how near a trainee came to an expert, trial by trial and on average");
-  score->add_option("expert", options.expert, "recording of the expert")->required();
+  score->add_option("expert", options.score.expert, "recording of the expert")->required();
   score
-      ->add_option("trials", options.trials,
+      ->add_option("trials", options.score.trials,
                    "recordings of the trainee; several, because one predicts nothing")
       ->required();
-  score->add_option("--criteria", options.criteria,
+  score
+      ->add_option("--station", options.score.stations,
+                   "the trainee, where a trial's recording has several sessions: a station's name; "
+                   "NAME/RUN where it has several.  Once for all trials, or once for each")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  score
+      ->add_option("--expert-station", options.score.expert_station,
+                   "the same of the expert's recording")
+      ->type_name("NAME");
+  score->add_option("--criteria", options.score.criteria,
                     "file to grade by; 'palpate-replay criteria FILE' writes one to begin with");
   score->add_option("--out", options.out, "folder for the report: score.html, and its figures");
   score->add_option("--json", options.json, "write the score as JSON to this file; - is stdout");
@@ -140,6 +158,10 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
   if (*score || *criteria) {
     if (!options.files.empty() || verify || *guide) {
       throw UsageError("score takes its recordings alone: 'palpate-replay score --help'");
+    }
+    const std::size_t stations = options.score.stations.size();
+    if (stations > 1 && stations != options.score.trials.size()) {
+      throw UsageError("--station: give it once for all trials, or once for each");
     }
     options.what = *score ? ReplayOptions::What::kScore : ReplayOptions::What::kCriteria;
     return options;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client/replayer/export.h"
+#include "client/replayer/score_report.h"
 #include "client/replayer/verify.h"
 #include "common/dds/network.h"
 
@@ -28,14 +29,13 @@ struct ReplayOptions {
   double to_s = std::numeric_limits<double>::infinity();
   int domain = 0;
   dds::Network network;
-  std::string guide;  ///< station to be guided
-  bool waits = true;  ///< the guide, for a hand that stays behind
+  std::string guide;    ///< station to be guided
+  std::string station;  ///< whose path guides it, as SessionChoice
+  bool waits = true;    ///< the guide, for a hand that stays behind
 
   // kScore
-  std::string expert;
-  std::vector<std::string> trials;  ///< recordings of the trainee
-  std::string criteria;             ///< file to grade by; empty: no grade
-  std::string out;                  ///< folder for the report; empty: none
+  ScoreOptions score;
+  std::string out;  ///< folder for the report; empty: none
 
   // kCriteria
   std::string new_criteria;  ///< file to write

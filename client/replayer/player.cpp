@@ -24,6 +24,7 @@
 #include "client/replayer/voice.h"
 #include "common/dds/server_lock.h"
 #include "common/error.h"
+#include "common/quoted.h"
 #include "common/recording/recording_reader.h"
 #include "common/time/steady_clock.h"
 
@@ -375,7 +376,7 @@ void Play(const ReplayOptions& options, StopSignal& stop) {
   const ServerLock lock(options.domain);
   const dds::Participant service = dds::Participant::Service(options.domain, options.network);
   Player player(options, material, service, stop);
-  std::printf("replaying %s: %.1f s at %g x, domain %d\n", options.files.front().c_str(),
+  std::printf("replaying %s: %.1f s at %g x, domain %d\n", Printable(options.files.front()).c_str(),
               1e-9 * static_cast<double>(material.to_ns - material.from_ns), options.rate,
               options.domain);
   std::fflush(stdout);

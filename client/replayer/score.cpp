@@ -7,14 +7,11 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/error.h"
 #include "common/math/rotation.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kMoved_m = 1e-3;
-constexpr double kContact_N = 0.05;
 constexpr std::size_t kMostPoints = 3000;
 
 struct Track {
@@ -25,34 +22,24 @@ struct Track {
   double duration_s = 0.0, peak_N = 0.0, contact_s = 0.0;
 };
 
-/// From the first move to the last, thinned.
-Track TrackOf(const HandPath& path, const char* whose) {
-  const auto far = [&](std::size_t i, std::size_t from) {
-    return (path.X_WH[i].p - path.X_WH[from].p).norm() > kMoved_m;
-  };
-  std::size_t begin = 0, end = path.size() - 1;
-  while (begin < path.size() && !far(begin, 0)) ++begin;
-  while (end > begin && !far(end, path.size() - 1)) --end;
-  if (begin >= end) {
-    throw Error(std::string("the ") + whose + "'s hand never moves by more than 1 mm");
-  }
+/// The trial, thinned.
+Track TrackOf(const HandPath& trial) {
   Track track;
-  const double from_s = path.time_s[begin];
-  track.duration_s = path.time_s[end] - from_s;
-  for (std::size_t i = begin; i <= end; ++i) {
-    const double force = path.force_N[i].norm();
+  track.duration_s = trial.duration_s();
+  for (std::size_t i = 0; i < trial.size(); ++i) {
+    const double force = trial.force_N[i].norm();
     track.peak_N = std::max(track.peak_N, force);
-    if (force > kContact_N && i > begin) track.contact_s += path.time_s[i] - path.time_s[i - 1];
+    if (force > kContact_N && i > 0) track.contact_s += trial.time_s[i] - trial.time_s[i - 1];
   }
-  const std::size_t points = std::min(kMostPoints, end - begin + 1);
-  std::size_t at = begin;
+  const std::size_t points = std::min(kMostPoints, trial.size());
+  std::size_t at = 0;
   for (std::size_t k = 0; k < points; ++k) {
     const double t = track.duration_s * static_cast<double>(k) / static_cast<double>(points - 1);
-    while (at < end && path.time_s[at + 1] - from_s <= t) ++at;
-    track.time_s.push_back(path.time_s[at] - from_s);
-    track.p.push_back(path.X_WH[at].p);
-    track.q.push_back(path.X_WH[at].q);
-    track.force_N.push_back(path.force_N[at].norm());
+    while (at + 1 < trial.size() && trial.time_s[at + 1] <= t) ++at;
+    track.time_s.push_back(trial.time_s[at]);
+    track.p.push_back(trial.X_WH[at].p);
+    track.q.push_back(trial.X_WH[at].q);
+    track.force_N.push_back(trial.force_N[at].norm());
   }
   return track;
 }
@@ -119,7 +106,7 @@ double Frechet(const Track& a, const Track& b) {
 }  // namespace
 
 Score ScorePath(const HandPath& expert, const HandPath& trainee) {
-  const Track a = TrackOf(expert, "expert"), b = TrackOf(trainee, "trainee");
+  const Track a = TrackOf(expert), b = TrackOf(trainee);
   Score score;
   score.expert_s = a.duration_s;
   score.trainee_s = b.duration_s;

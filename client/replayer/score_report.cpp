@@ -64,12 +64,36 @@ Average PointsOf(const Report& report) {
   return AverageOf(Each(report, [&](std::size_t i) { return report.grades[i].points; }));
 }
 
+/// Text as HTML, whatever it is.
 std::string Escaped(const std::string& text) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : Printable(text)) {
     out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
   }
   return out;
+}
+
+/// JSON as an expression in a script element, where HTML ends the script at "</script", and does
+/// not end it after "<!--<script": no such letter is left, in what can be text alone.
+std::string Embedded(const nlohmann::ordered_json& json) {
+  std::string script;
+  for (const char c : json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)) {
+    script += c == '<'   ? "\\u003c"
+              : c == '>' ? "\\u003e"
+              : c == '&' ? "\\u0026"
+                         : std::string(1, c);
+  }
+  return script;
+}
+
+/// By what a recording is called in a report, where it heads a column.
+/// @param station  as it was chosen; empty: it was not.
+std::string NameOf(const std::string& file, const std::string& station) {
+  constexpr std::size_t kMost = 60;
+  const std::string all = Printable(std::filesystem::path(file).stem().string());
+  std::string name(BeginningOf(all, kMost));
+  if (name.size() < all.size()) name += "…";
+  return station.empty() ? name : name + " (" + station + ")";
 }
 
 std::string Cell(const std::string& text) {
@@ -193,7 +217,7 @@ nlohmann::ordered_json TrackJson(const std::string& name, const std::vector<Vec3
   return track;
 }
 
-std::string TracksOf(const Report& report) {
+nlohmann::ordered_json TracksOf(const Report& report) {
   const Score& first = report.trials.front().score;
   const std::size_t stride = first.time_s.size() / kMostPoints + 1;
   nlohmann::ordered_json json{{"time", nlohmann::ordered_json::array()}};
@@ -206,12 +230,7 @@ std::string TracksOf(const Report& report) {
     json["tracks"].push_back(
         TrackJson(name, score.trainee_m, score.trainee_force_N, &score.distance_mm, stride));
   }
-  std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  // Names come from files' names: none of them is to end the script.
-  for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos;) {
-    text.replace(at, 2, "<\\/");
-  }
-  return text;
+  return json;
 }
 
 nlohmann::ordered_json JsonOf(const Score& score) {
@@ -252,6 +271,10 @@ nlohmann::ordered_json JsonOf(const Report& report) {
   return json;
 }
 
+std::string JsonText(const Report& report) {
+  return JsonOf(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
 
 Average AverageOf(const std::vector<double>& values) {
@@ -265,22 +288,27 @@ Average AverageOf(const std::vector<double>& values) {
   return average;
 }
 
-Report MakeReport(const std::string& expert, const std::vector<std::string>& trials,
-                  const std::string& criteria) {
+Report MakeReport(const ScoreOptions& options) {
   Report report;
-  report.expert = std::filesystem::path(expert).stem().string();
-  if (!criteria.empty()) report.criteria = LoadCriteria(criteria);
-  const HandPath expert_path = ReadHandPath({expert});
-  for (const std::string& file : trials) {
-    const HandPath path = ReadHandPath({file});
-    if (path.scene != expert_path.scene) {
-      throw Error(file + ": is of scene '" + path.scene + "', and the expert's of '" +
-                  expert_path.scene + "'; give recordings of one scene");
+  report.expert = NameOf(options.expert, options.expert_station);
+  if (!options.criteria.empty()) report.criteria = LoadCriteria(options.criteria);
+  const auto read = [](const std::string& file, const SessionChoice& choice) {
+    return TrialIn(ReadHandPath({file}, choice), file);
+  };
+  const HandPath expert = read(options.expert, {options.expert_station, "--expert-station"});
+  for (std::size_t i = 0; i < options.trials.size(); ++i) {
+    const std::string& file = options.trials[i];
+    const std::string station = options.stations.empty()       ? ""
+                                : options.stations.size() == 1 ? options.stations.front()
+                                                               : options.stations[i];
+    const HandPath trial = read(file, {station});
+    if (trial.scene != expert.scene) {
+      throw Error(file + ": is of scene '" + trial.scene + "', and the expert's of '" +
+                  expert.scene + "'; give recordings of one scene");
     }
-    report.trials.push_back(
-        {std::filesystem::path(file).stem().string(), ScorePath(expert_path, path)});
+    report.trials.push_back({NameOf(file, station), ScorePath(expert, trial)});
     if (report.criteria) {
-      report.grades.push_back(GradeTrial(*report.criteria, report.trials.back().score, path));
+      report.grades.push_back(GradeTrial(*report.criteria, report.trials.back().score, trial));
     }
   }
   return report;
@@ -314,7 +342,7 @@ std::string ToText(const Report& report) {
 }
 
 void WriteJson(const Report& report, const std::string& file) {
-  WriteOutput("--json", file, JsonOf(report).dump(2) + "\n");
+  WriteOutput("--json", file, JsonText(report));
 }
 
 std::string ToHtml(const Report& report) {
@@ -344,7 +372,7 @@ std::string ToHtml(const Report& report) {
   if (report.criteria) {
     html += "<p class=\"quiet\">Graded by " + Escaped(report.criteria->file) + "</p>\n";
   }
-  return html + "<script>\nconst score = " + TracksOf(report) + ";\n" + kScorePageJs +
+  return html + "<script>\nconst score = " + Embedded(TracksOf(report)) + ";\n" + kScorePageJs +
          "</script>\n</body>\n</html>\n";
 }
 
@@ -354,7 +382,7 @@ void WriteReport(const Report& report, const std::string& folder) {
   if (error) throw Error(folder + ": " + error.message() + "; give --out another place");
   WriteOutput("--out", folder + "/score.html", ToHtml(report));
   WriteSvg(folder + "/score.svg", PlotsOf(report.trials));
-  WriteOutput("--out", folder + "/score.json", JsonOf(report).dump(2) + "\n");
+  WriteOutput("--out", folder + "/score.json", JsonText(report));
 }
 
 void WriteNewCriteria(const std::string& file) {

@@ -24,9 +24,18 @@ struct Average {
 };
 Average AverageOf(const std::vector<double>& values);
 
-/// @param criteria  file; empty: no grades.  Throws Error.
-Report MakeReport(const std::string& expert, const std::vector<std::string>& trials,
-                  const std::string& criteria);
+/// What is to be set beside what.
+struct ScoreOptions {
+  std::string expert;               ///< recording
+  std::vector<std::string> trials;  ///< recordings of the trainee
+  /// Whose session, as SessionChoice says; of the trials one for all, or one each.
+  std::string expert_station;
+  std::vector<std::string> stations;
+  std::string criteria;  ///< file to grade by; empty: no grades
+};
+
+/// Throws Error.
+Report MakeReport(const ScoreOptions& options);
 std::string ToText(const Report& report);
 /// @param file  "-" is stdout.  Throws Error.
 void WriteJson(const Report& report, const std::string& file);

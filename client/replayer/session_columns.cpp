@@ -6,6 +6,7 @@
 #include "common/dds/phase_name.h"
 #include "common/quoted.h"
 #include "common/step_fault.h"
+#include "common/time/span.h"
 
 namespace palpate {
 namespace {
@@ -42,7 +43,7 @@ void SessionColumns::Add(const wire::HapticPose& pose, double time_s) {
   ColumnFile& t = poses_;
   t.Add("time_s", time_s);
   t.Add("pose_sequence", std::uint64_t{pose.pose_sequence});
-  t.Add("station_time_s", 1e-9 * static_cast<double>(pose.sample_time_ns - first_sample_ns_));
+  t.Add("station_time_s", SecondsBetween(first_sample_ns_, pose.sample_time_ns));
   t.AddPose("hand", pose.position_m, pose.orientation_wxyz);
   t.AddVector("hand_velocity", "m_per_s", pose.linear_velocity_m_s);
   t.AddVector("hand_turning", "rad_per_s", pose.angular_velocity_rad_s);
@@ -221,6 +222,12 @@ void SessionColumns::Flush() {
 void SessionColumns::Close() {
   WriteAnswered(true);
   for (ColumnFile* table : tables()) table->Close();
+}
+
+std::vector<std::string> SessionColumns::names() {
+  std::vector<std::string> names;
+  for (const ColumnFile* table : tables()) names.push_back(table->file());
+  return names;
 }
 
 std::vector<std::string> SessionColumns::files() {

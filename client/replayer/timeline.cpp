@@ -53,9 +53,8 @@ Timeline::Source Timeline::SourceOf(const RecordedSample& sample) {
   }
 }
 
-/// No earlier than 1970, so that no difference of two overflows, whatever a file says.
 std::int64_t Timeline::TurnOf(const RecordedSample& sample, std::int64_t passed_ns) {
-  return std::max({sample.log_time_ns, passed_ns, std::int64_t{0}});
+  return std::max(sample.log_time_ns, passed_ns);
 }
 
 void Timeline::Add(const RecordedSample& sample, const RecordingReader::Place& place) {
@@ -210,9 +209,7 @@ void Timeline::AddTool(const RecordedSample& sample) {
 void Timeline::AddPose(const std::string& topic) {
   const auto [it, is_new] = station_of_.try_emplace(topic);
   if (is_new) {
-    // palpate/STATION/RUN/pose; a station's name has no slash.
-    const std::size_t begin = topic.find('/') + 1;
-    it->second = topic.substr(begin, topic.find('/', begin) - begin);
+    if (const auto session = dds::SessionOfTopic(topic)) it->second = session->first;
   }
   if (const auto station = stations_.find(it->second); station != stations_.end()) {
     ++station->second.poses;

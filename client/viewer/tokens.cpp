@@ -112,7 +112,7 @@ Tokens Tokens::Read(const std::string& path) {
     throw Error(
         fmt::format("--tokens {}: holds none, so that nobody could look; make one with "
                     "palpate-viewer --make-token operate NAME --tokens {}",
-                    path, path));
+                    path, ShellWord(path)));
   }
   return tokens;
 }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 
 namespace palpate::dds {
 
@@ -14,6 +16,8 @@ namespace palpate::dds {
 // a station restarted under the same name: each such sample would leak a chunk for ever.
 std::string PoseTopic(const std::string& station, std::uint64_t run);
 std::string WrenchTopic(const std::string& station, std::uint64_t run);
+/// Station and run of such a name; nothing where it is none.
+std::optional<std::pair<std::string, std::uint64_t>> SessionOfTopic(const std::string& topic);
 inline constexpr const char* kSessionRequestTopic = "palpate/session_request";
 inline constexpr const char* kSessionStateTopic = "palpate/session_state";
 inline constexpr const char* kSceneChangeTopic = "palpate/scene_change";

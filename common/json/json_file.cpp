@@ -124,6 +124,10 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   bool end_object() override { return Close(); }
   bool end_array() override { return Close(); }
   bool key(string_t& name) override {
+    if (name.size() > JsonNode::kMostText) {
+      FailAt(file_, position_.line,
+             "a field's name has " + std::to_string(name.size()) + " bytes; mend it");
+    }
     if (!names_.back().insert(name).second) {
       FailAt(file_, position_.line, name + ": stands twice; keep one of the two");
     }
@@ -280,6 +284,10 @@ std::vector<JsonNode> JsonNode::Items(std::size_t at_least) const {
 std::string JsonNode::String() const {
   const Value& v = Expect(Value::kString, "a string");
   if (v.string.empty()) Fail("is empty; give a name");
+  if (v.string.size() > kMostText) {
+    Fail("has " + std::to_string(v.string.size()) + " bytes; give " + std::to_string(kMostText) +
+         " at most");
+  }
   return v.string;
 }
 

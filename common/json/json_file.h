@@ -21,6 +21,8 @@ class JsonNode {
  public:
   /// Of a text: two million values, the most that one may have, of 32 letters each.
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+  /// Of a field's name, and of a string that is asked for: they are names, and stand in messages.
+  static constexpr std::size_t kMostText = 4096;
 
   /// Throws Error where the file cannot be read or is not JSON, or repeats a field.
   static JsonNode Load(const std::string& file);
@@ -34,8 +36,8 @@ class JsonNode {
   std::optional<JsonNode> Find(std::string_view field) const;
   std::vector<JsonNode> Items(std::size_t at_least = 0) const;
 
-  std::string String() const;  ///< not empty
-  std::string Text() const;    ///< may be empty
+  std::string String() const;  ///< not empty, and not longer than kMostText
+  std::string Text() const;    ///< may be empty, and of any length: a buffer in a glTF
   std::string OneOf(const std::vector<std::string_view>& words) const;
   double Number(double min = -std::numeric_limits<double>::infinity(),
                 double max = std::numeric_limits<double>::infinity()) const;

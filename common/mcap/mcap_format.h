@@ -21,6 +21,10 @@ inline constexpr std::size_t kRecordHead = 9;
 inline constexpr std::size_t kMostSchemas = 65'535;
 inline constexpr std::size_t kMostChannels = 65'535;
 
+/// Of what names something, and of what metadata say [bytes]: what is longer is no name of ours,
+/// and would fill terminals and pages.
+inline constexpr std::size_t kMostText = 4096;
+
 enum Opcode : std::uint8_t {
   kHeader = 0x01,
   kFooter = 0x02,

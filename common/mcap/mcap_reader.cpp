@@ -13,6 +13,7 @@
 #include <zstd.h>
 
 #include "common/error.h"
+#include "common/quoted.h"
 
 namespace palpate::mcap {
 namespace {
@@ -20,8 +21,10 @@ namespace {
 /// No chunk of ours comes near; a file that says more is broken, or means to use up the memory.
 constexpr std::uint64_t kMaxChunk = std::uint64_t{1} << 30;
 constexpr std::size_t kMaxProblems = 20;
+constexpr std::uint64_t kLatest_ns = std::numeric_limits<std::int64_t>::max() / 2;
 
-/// Takes fields off a record; once one does not fit, ok() is false and all further ones are empty.
+/// Takes fields off a record; once one does not fit, or is a longer text than there may be, ok() is
+/// false and all further ones are empty.
 class Fields {
  public:
   explicit Fields(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
@@ -45,9 +48,14 @@ class Fields {
     rest_ = rest_.subspan(size);
     return taken;
   }
-  std::string TakeString() {
-    const auto bytes = TakeBytes(Take<std::uint32_t>());
+  std::string TakeString(std::size_t most = kMostText) {
+    const auto size = Take<std::uint32_t>();
+    if (size > most) too_long_ = true;
+    const auto bytes = TakeBytes(too_long_ ? std::numeric_limits<std::uint64_t>::max() : size);
     return {bytes.begin(), bytes.end()};
+  }
+  std::int64_t TakeTime_ns() {
+    return static_cast<std::int64_t>(std::min(Take<std::uint64_t>(), kLatest_ns));
   }
   StringMap TakeMap() {
     Fields entries(TakeBytes(Take<std::uint32_t>()));
@@ -57,14 +65,20 @@ class Fields {
       map[std::move(key)] = entries.TakeString();
     }
     ok_ = ok_ && entries.ok_;
+    too_long_ = too_long_ || entries.too_long_;
     return map;
   }
   std::span<const std::uint8_t> rest() const { return rest_; }
   bool ok() const { return ok_; }
+  /// What is wrong with the record where that is false.
+  std::string Problem() const {
+    return too_long_ ? "has a name of more than " + std::to_string(kMostText) + " bytes: left out"
+                     : "is too short for its fields: left out";
+  }
 
  private:
   std::span<const std::uint8_t> rest_;
-  bool ok_ = true;
+  bool ok_ = true, too_long_ = false;
 };
 
 std::string At(std::size_t offset) {
@@ -148,9 +162,9 @@ void Reader::Declare(std::map<std::uint16_t, Declared>& all, Declared declared, 
   const auto [known, is_new] = all.try_emplace(id, declared);
   if (is_new || known->second == declared) return;
   damaged_ = true;
-  Stop(source_ + ": " + what + " " + std::to_string(id) + " is declared twice, as '" +
-       known->second.*name + "' and as '" + declared.*name + "': nothing from there on is read" +
-       At(offset_));
+  Stop(source_ + ": " + what + " " + std::to_string(id) + " is declared twice, as " +
+       Quoted(known->second.*name) + " and as " + Quoted(declared.*name) +
+       ": nothing from there on is read" + At(offset_));
 }
 
 bool Reader::TakeBasic(const Record& record, Message& message) {
@@ -160,7 +174,7 @@ bool Reader::TakeBasic(const Record& record, Message& message) {
     schema.id = fields.Take<std::uint16_t>();
     schema.name = fields.TakeString();
     schema.encoding = fields.TakeString();
-    schema.data = fields.TakeString();
+    schema.data = fields.TakeString(record.content.size());
     if (fields.ok()) Declare(schemas_, std::move(schema), "schema", &Schema::name);
   } else if (record.opcode == kChannel) {
     Channel channel;
@@ -174,8 +188,8 @@ bool Reader::TakeBasic(const Record& record, Message& message) {
     const auto id = fields.Take<std::uint16_t>();
     const auto channel = channels_.find(id);
     message.sequence = fields.Take<std::uint32_t>();
-    message.log_time_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
-    message.publish_time_ns = static_cast<std::int64_t>(fields.Take<std::uint64_t>());
+    message.log_time_ns = fields.TakeTime_ns();
+    message.publish_time_ns = fields.TakeTime_ns();
     message.data = fields.rest();
     if (fields.ok() && channel != channels_.end()) {
       message.channel = &channel->second;
@@ -183,7 +197,7 @@ bool Reader::TakeBasic(const Record& record, Message& message) {
     }
     if (fields.ok()) ++undeclared_[id];
   }
-  if (!fields.ok()) Damaged(source_ + ": a record is too short for its fields, before" + At(at_));
+  if (!fields.ok()) Damaged(source_ + ": a record before" + At(at_) + ' ' + fields.Problem());
   return false;
 }
 
@@ -203,7 +217,7 @@ void Reader::OpenChunk(std::span<const std::uint8_t> content, std::size_t offset
   } else if (compression.empty()) {
     chunk_.assign(records.begin(), records.end());
   } else if (compression != "zstd") {
-    problem = "is compressed by '" + compression + "', which this version does not read";
+    problem = "is compressed by " + Quoted(compression) + ", which this version does not read";
     changed = false;
   } else if (ZSTD_getFrameContentSize(records.data(), records.size()) != size) {
     problem = "contradicts itself about its size";
@@ -258,7 +272,11 @@ bool Reader::Next(Message& message) {
       Metadata metadata;
       metadata.name = fields.TakeString();
       metadata.values = fields.TakeMap();
-      if (fields.ok() && offset >= seen_) metadata_.push_back(std::move(metadata));
+      if (!fields.ok()) {
+        Damaged(source_ + ": a record" + At(offset) + ' ' + fields.Problem());
+      } else if (offset >= seen_) {
+        metadata_.push_back(std::move(metadata));
+      }
       seen_ = std::max(seen_, at_);
     } else if (record.opcode == kDataEnd) {
       const auto crc = Fields(record.content).Take<std::uint32_t>();

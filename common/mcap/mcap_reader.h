@@ -14,6 +14,8 @@ namespace palpate::mcap {
 struct Message {
   const Channel* channel = nullptr;
   std::uint32_t sequence = 0;
+  // No earlier than 1970 and no later than 2116, so that no sum of two overflows, whatever a file
+  // says.
   std::int64_t log_time_ns = 0;
   std::int64_t publish_time_ns = 0;
   std::span<const std::uint8_t> data;  ///< until the next call

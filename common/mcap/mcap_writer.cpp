@@ -12,6 +12,7 @@
 #include <zstd.h>
 
 #include "common/error.h"
+#include "common/quoted.h"
 
 namespace palpate::mcap {
 namespace {
@@ -35,11 +36,13 @@ void PutString(Bytes& out, const std::string& text) {
   PutInteger(out, static_cast<std::uint32_t>(text.size()));
   PutBytes(out, text.data(), text.size());
 }
+/// Values come from elsewhere: a file's name, a scene's, a reason.  Readers take them for UTF-8,
+/// and ours for no more than so long.
 void PutMap(Bytes& out, const StringMap& map) {
   Bytes content;
   for (const auto& [key, value] : map) {
     PutString(content, key);
-    PutString(content, value);
+    PutString(content, std::string(BeginningOf(Printable(value), kMostText)));
   }
   PutInteger(out, static_cast<std::uint32_t>(content.size()));
   PutBytes(out, content.data(), content.size());

@@ -9,6 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
+#include "common/quoted.h"
 
 namespace palpate {
 namespace {
@@ -44,9 +45,10 @@ std::string Css(const Colours& c) {
   return css + "\n";
 }
 
+/// Text as XML, which has no control characters, and is UTF-8.
 std::string Escape(const std::string& text) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : Printable(text)) {
     switch (c) {
       case '&':
         out += "&amp;";

@@ -1,5 +1,6 @@
 #include "common/recording/recorded_type.h"
 
+#include <algorithm>
 #include <array>
 
 #include "common/recording/idl_texts.h"
@@ -56,6 +57,10 @@ void SequenceCount::Add(std::uint64_t sequence) {
   if (!any_) {
     any_ = true;
     first_ = last_ = sequence;
+    return;
+  }
+  if (std::max(sequence, last_) - std::min(sequence, last_) > kMostHole) {
+    ++astray_;
     return;
   }
   // What comes again, as after a split, is not missing.

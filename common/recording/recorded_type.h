@@ -65,15 +65,20 @@ inline constexpr RecordedType kTypeOf<wire::SceneWhole> = RecordedType::kSceneWh
 /// Counts what a topic's samples number themselves by, so that each hole is known.
 class SequenceCount {
  public:
+  /// Numbers that lie further apart are not of one count: a loop of 4 kHz takes three days to them.
+  static constexpr std::uint64_t kMostHole = std::uint64_t{1} << 30;
+
   void Add(std::uint64_t sequence);
   std::uint64_t first() const { return first_; }
   std::uint64_t last() const { return last_; }
   std::uint64_t holes() const { return holes_; }
   std::uint64_t missing() const { return missing_; }
+  /// Samples whose number the count does not lead to; they are passed over.
+  std::uint64_t astray() const { return astray_; }
 
  private:
   bool any_ = false;
-  std::uint64_t first_ = 0, last_ = 0, holes_ = 0, missing_ = 0;
+  std::uint64_t first_ = 0, last_ = 0, holes_ = 0, missing_ = 0, astray_ = 0;
 };
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #include "common/recording/recording_reader.h"
 
 #include <algorithm>
+#include <charconv>
 
 namespace palpate {
 namespace {
@@ -9,7 +10,20 @@ namespace {
 /// looked at.
 constexpr std::size_t kMostAdded = 256;
 
+/// No recorder counts further in a lifetime, and 65,535 topics together do not overflow.
+constexpr std::uint64_t kMostCount = std::uint64_t{1} << 47;
+
 }  // namespace
+
+std::optional<std::uint64_t> CountIn(const mcap::StringMap& metadata, const std::string& key) {
+  const auto found = metadata.find(key);
+  if (found == metadata.end()) return 0;
+  const std::string& text = found->second;
+  std::uint64_t count = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), count);
+  const bool is_count = problem == std::errc() && end == text.data() + text.size();
+  return is_count && count < kMostCount ? std::optional(count) : std::nullopt;
+}
 
 RecordingReader::RecordingReader(const std::vector<std::string>& files) : names_(files) {
   for (const std::string& file : files) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,6 +26,10 @@ struct RecordedSample {
     return type == kTypeOf<T> && dds::FromCdr(cdr, sample);
   }
 };
+
+/// A count that its recorder says in metadata; 0 where it says none, nothing where it says what no
+/// count can be: not a number, or one of which a few more would overflow.
+std::optional<std::uint64_t> CountIn(const mcap::StringMap& metadata, const std::string& key);
 
 /// Reads a recording in order: a file, or its splits one after the other.  Samples that an older
 /// version recorded have zeros where a type has got fields since (idl/session.idl).

@@ -53,7 +53,7 @@ void RecordingWriter::Open() {
   mcap::StringMap about = options_.about;
   about["build"] = PALPATE_VERSION;
   about[kSplitNumberKey] = std::to_string(files_.size() - 1);
-  if (splits()) about[kSplitOfKey] = std::filesystem::path(options_.file).filename().string();
+  if (splits()) about[kSplitOfKey] = NameInSplits(options_.file);
   file_->WriteMetadata({kRecordingRecord, about});
   for (const auto& [name, scene] : scenes_) file_->WriteMetadata({"palpate.scene", scene});
 }

@@ -8,6 +8,7 @@
 
 #include "common/error.h"
 #include "common/mcap/mcap_reader.h"
+#include "common/quoted.h"
 
 namespace palpate {
 namespace {
@@ -59,6 +60,10 @@ std::string SplitName(const std::string& file, std::size_t number) {
   return path.string();
 }
 
+std::string NameInSplits(const std::string& recording) {
+  return Printable(fs::path(recording).filename().string());
+}
+
 std::vector<NamedSplit> FindSplits(const std::string& file) {
   const fs::path path(file);
   std::vector<NamedSplit> found;
@@ -92,7 +97,7 @@ void CheckIsSplitOf(const std::string& recording, const NamedSplit& split) {
   const bool is_file = fs::is_regular_file(fs::symlink_status(split.file, error));
   const std::optional<mcap::StringMap> about = is_file ? AboutOf(split.file) : std::nullopt;
   const bool is_split = about && ValueOf(*about, kSplitNumberKey) == std::to_string(split.number) &&
-                        ValueOf(*about, kSplitOfKey) == fs::path(recording).filename();
+                        ValueOf(*about, kSplitOfKey) == NameInSplits(recording);
   if (!is_split) {
     throw Error(split.file + ": does not say that it is split " + std::to_string(split.number) +
                 " of " + recording +

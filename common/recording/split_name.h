@@ -30,9 +30,12 @@ void CheckMayReplace(const std::string& file);
 /// @param recording  FILE.mcap, as for SplitName.
 void CheckIsSplitOf(const std::string& recording, const NamedSplit& split);
 
+/// FILE.mcap without its folder, as its splits say whose they are.
+std::string NameInSplits(const std::string& recording);
+
 /// What a recording says of itself with its first record, and what its writer puts there.
 inline constexpr char kRecordingRecord[] = "palpate.recording";
 inline constexpr char kSplitNumberKey[] = "split";
-inline constexpr char kSplitOfKey[] = "split_of";  ///< FILE.mcap without its folder
+inline constexpr char kSplitOfKey[] = "split_of";
 
 }  // namespace palpate

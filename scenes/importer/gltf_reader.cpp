@@ -70,7 +70,7 @@ Chunks ChunksOf(std::string_view glb) {
 std::string Decoded(const JsonNode& uri) {
   constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const std::string text = uri.String();
+  const std::string text = uri.Text();
   const std::size_t begin = text.find(";base64,");
   if (begin == std::string::npos) uri.Fail("is no base64; export a .glb");
   std::string bytes;

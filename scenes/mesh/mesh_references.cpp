@@ -54,7 +54,7 @@ bool LeadsOut(const std::string& name) {
 
 std::optional<MeshReference> ReferenceOf(const std::string& file, const JsonNode& buffer) {
   const auto uri = buffer.Find("uri");
-  if (!uri || uri->String().starts_with("data:")) return std::nullopt;
+  if (!uri || uri->Text().starts_with("data:")) return std::nullopt;
   const std::string name = Decoded(uri->String());
   if (LeadsOut(name)) {
     uri->Fail("\"" + name +

@@ -17,8 +17,8 @@ void AddGeneratedHand(const Scene& scene, const Body& body, std::uint64_t seed,
   const std::string about = "scene '" + scene.name + "' has no script of its own, ";
   if (const std::optional<PoseScript> hand = MakeHandFor(scene, body, tool.served->model, seed)) {
     tool.hand = hand->keys();
-    tool.remark = about + "so the server made a hand for '" + body.name + "' (--hand-seed " +
-                  std::to_string(seed) +
+    tool.remark = about + "so the server made a hand for '" + body.name +
+                  "' (palpate-server --hand-seed " + std::to_string(seed) +
                   "): it comes to the nearest face, presses 3 mm, slides, and lifts";
   } else {
     tool.remark = about + "and on the way from '" + body.name +

@@ -1,5 +1,7 @@
 #include "common/quoted.h"
 
+#include <cstdio>
+
 #include <gtest/gtest.h>
 
 namespace palpate {
@@ -31,6 +33,25 @@ TEST(Printable, EscapesWhatEndsALineOrCommandsATerminal) {
             R"(\u0085\u009b31m)")
       << "C1: NEL and CSI";
   EXPECT_EQ(Printable("a\u2028b\u202ec"), R"(a\u2028b\u202ec)");
+}
+
+TEST(Printable, EscapesCodesOfNoCharacter) {
+  EXPECT_EQ(Printable("a\uffff\ufdd0\U0001fffe"), R"(a\uffff\ufdd0\u1fffe)");
+}
+
+TEST(ShellWord, IsOneWordToAShellWhateverIsInIt) {
+  EXPECT_EQ(ShellWord("day/lesson_1.mcap"), "day/lesson_1.mcap");
+  EXPECT_EQ(ShellWord("my tooth.stl"), "'my tooth.stl'");
+  for (const std::string word : {"", "my tooth.stl", "it's", "$(touch x)", "~", "a\\b", "Zähne",
+                                 "a\nb\x1b[2K'\\\xff", "*"}) {
+    const std::string command = "bash -c " + ShellWord("printf %s " + ShellWord(word));
+    std::FILE* const shell = popen(command.c_str(), "r");
+    char said[64] = {};
+    const std::size_t size = std::fread(said, 1, sizeof said, shell);
+    pclose(shell);
+    EXPECT_EQ(std::string(said, size), word) << command;
+    EXPECT_EQ(Printable(command), command);
+  }
 }
 
 TEST(Printable, EscapesBytesThatAreNoUtf8) {

@@ -1,9 +1,12 @@
 // Each fault of the harness is a test of its own; the table of them all is by hand.
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "tests/support/program.h"
 #include "tests/support/test_domain.h"
@@ -24,14 +27,32 @@ INSTANTIATE_TEST_SUITE_P(Each, Faults,
                          testing::Values("server-killed", "server-frozen", "station-killed",
                                          "station-frozen", "gateway", "gateway-blinded",
                                          "recorder-killed", "recorder-frozen", "disk-full",
-                                         "clock-steps", "shm-small", "shm-fills", "no-memory",
-                                         "hostile-samples", "hostile-port", "slow-loris",
-                                         "scene-swapped", "two-servers"),
+                                         "clock-steps", "shm-fills", "no-memory", "hostile-samples",
+                                         "hostile-port", "slow-loris", "scene-swapped",
+                                         "two-servers"),
                          [](const auto& each) {
                            std::string name = each.param;
                            std::ranges::replace(name, '-', '_');
                            return name;
                          });
+
+// The programs start in another /tmp.
+TEST(FaultsProgram, ShowsThatSharedMemoryIsTooSmallToABuildThatLiesInTmp) {
+  namespace fs = std::filesystem;
+  const fs::path within = fs::path(OwnFolder()).lexically_relative(PALPATE_SOURCE_DIR);
+  if (*within.begin() == "..") GTEST_SKIP() << "the build is not within the sources";
+  std::string place = "/tmp/palpate_XXXXXX";
+  ASSERT_NE(mkdtemp(place.data()), nullptr);
+  Program faults("/usr/bin/unshare",
+                 {geteuid() == 0 ? "-m" : "-mr", "sh", "-c",
+                  R"(mount --bind "$1" "$2" && exec "$2/$3" --only shm-small --domain "$4")", "sh",
+                  PALPATE_SOURCE_DIR, place, within / "fault_harness", kDomain});
+  const int status = faults.Exit(220.0);
+  fs::remove(place);
+  if (faults.Output().starts_with("unshare: ")) GTEST_SKIP() << faults.Output();
+  EXPECT_EQ(status, 0) << faults.Output();
+  EXPECT_THAT(faults.Output(), testing::HasSubstr(" held\n"));
+}
 
 TEST(FaultsProgram, NamesAFaultThatThereIsNot) {
   Program faults(OwnFolder() + "/fault_harness", {"--only", "flood"});

@@ -10,16 +10,24 @@
 namespace palpate::faults {
 namespace {
 
-/// RouDi's socket and lock stand in /tmp, so that has to be another one, too; the laboratory's
-/// folder stays in its place there.  $1: size of /dev/shm, $2: that folder.
+/// RouDi's socket and lock stand in /tmp, so that has to be another one, too; what the programs
+/// need of the old one stays in its place there, with all beside it.  $1: size of /dev/shm; then
+/// paths of what they need.
 constexpr const char* kMounts = R"(
 set -e
 mount --make-rprivate /
-mount -t tmpfs palpate_test /mnt
-mkdir -p "/mnt/${2#/tmp/}"
-mount --bind "$2" "/mnt/${2#/tmp/}"
-mount --rbind /mnt /tmp
 mount -t tmpfs -o "size=$1" palpate_test /dev/shm
+shift
+mount -t tmpfs palpate_test /mnt
+for path; do
+  case $path in /tmp/*)
+    path=${path#/tmp/}
+    mkdir -p "/mnt/${path%%/*}"
+    mount --rbind "/tmp/${path%%/*}" "/mnt/${path%%/*}" ;;
+  esac
+done
+mount --rbind /mnt /tmp
+umount -l /mnt
 echo mounted
 exec sleep 3600
 )";
@@ -28,7 +36,8 @@ exec sleep 3600
 class OwnMemory {
  public:
   OwnMemory(Lab& lab, const std::string& size)
-      : holder_("/usr/bin/unshare", Namespaces({"sh", "-c", kMounts, "sh", size, lab.folder()})) {
+      : holder_("/usr/bin/unshare", Namespaces({"sh", "-c", kMounts, "sh", size, PALPATE_SOURCE_DIR,
+                                                test::OwnFolder(), lab.folder()})) {
     if (!holder_.Says("mounted", 10.0)) return;
     words_ = {"/usr/bin/nsenter", "-t", std::to_string(holder_.id()), "-m"};
     if (geteuid() != 0) words_->insert(words_->end(), {"-U", "--preserve-credentials"});

@@ -89,7 +89,8 @@ TEST_F(OwnScene, IsFeltByAStationThatNamesItOrItsFile) {
     const auto station =
         Station({"--device", "scripted", "--scene", scene, "--for", "5", "--json", json});
     EXPECT_EQ(station->Exit(60.0), 0) << station->Output();
-    EXPECT_THAT(station->Output(), HasSubstr("the server made a hand for 'ball'"));
+    EXPECT_THAT(station->Output(),
+                HasSubstr("the server made a hand for 'ball' (palpate-server --hand-seed 1)"));
     const nlohmann::json felt = Felt();
     EXPECT_EQ(felt["scene"], "mine");
     EXPECT_EQ(felt["tool"], "ball");

@@ -57,6 +57,48 @@ TEST_F(FileSummaryTest, TellsWhatIsInARecording) {
   EXPECT_THAT(ToText(summary), HasSubstr("nothing is missing"));
 }
 
+TEST_F(FileSummaryTest, GivesOneVerdict) {
+  Record(file_, 0, 0);
+  const std::vector<std::uint8_t> bytes = BytesOf(file_);
+  const auto judge = [&](const std::string& verdict, const std::string& head, bool intact) {
+    const FileSummary summary = Summarise({file_});
+    EXPECT_EQ(summary.verdict(), verdict);
+    EXPECT_EQ(summary.whole(), verdict == "whole");
+    EXPECT_EQ(summary.intact(), intact);
+    EXPECT_THAT(ToText(summary), testing::StartsWith(file_ + ": " + head + "\n"));
+  };
+  judge("whole", "whole", true);
+  // In the header, before all chunks: of these all are whole, and the file is at its end, too.
+  std::vector<std::uint8_t> changed = bytes;
+  changed[30] ^= 1;
+  WriteBytes(file_, changed);
+  judge("damaged", "DAMAGED", false);
+  WriteBytes(file_, {bytes.begin(), bytes.end() - 20});
+  judge("cut off", "CUT OFF", false);
+  std::filesystem::remove(file_);
+  Record(file_, 100, 110);
+  judge("incomplete", "incomplete", true);
+}
+
+TEST_F(FileSummaryTest, NeverClaimsThatMoreIsMissingThanThereCouldBe) {
+  {
+    RecordingWriter writer({.file = file_});
+    for (const std::uint64_t i : {std::uint64_t{1}, ~std::uint64_t{0}, std::uint64_t{2}}) {
+      Add(writer, dds::PoseTopic("hand", 5), SamplePose(i), kMs);
+    }
+    writer.SetDropped("a", RecordedType::kHapticPose, ~std::uint64_t{0});
+    writer.Close("");
+  }
+  const FileSummary summary = Summarise({file_});
+  EXPECT_EQ(summary.missing, 0u);
+  EXPECT_EQ(summary.astray, 1u);
+  EXPECT_EQ(summary.dropped, 0u);
+  EXPECT_EQ(summary.verdict(), std::string("damaged"));
+  EXPECT_THAT(ToText(summary), HasSubstr("1 samples have numbers that do not go on from those"));
+  EXPECT_THAT(ToText(summary),
+              HasSubstr("its recorder's figure is no count: dropped '18446744073709551615'"));
+}
+
 TEST_F(FileSummaryTest, TellsWhatIsMissing) {
   Record(file_, 100, 110);
   const FileSummary summary = Summarise({file_});

@@ -45,6 +45,24 @@ TEST(RecorderOptions, AskForInfoOfOneFileOrSeveral) {
   EXPECT_THROW(Parse({"info"}), UsageError);
 }
 
+TEST(RecorderOptions, TakeStationsAndNothingElseForTheirNames) {
+  const auto options = Parse({"--station", "anna", "-o", "a.mcap", "--station", "ben"});
+  EXPECT_THAT(options->stations, ElementsAre("anna", "ben"));
+  EXPECT_THROW(Parse({"-o", "a.mcap", "--station", "a/b"}), UsageError);
+}
+
+TEST(RecorderOptions, SayThatARecordingIsNoCsv) {
+  for (const char* file : {"a.csv", "a", "mcap", "a.mcap.gz"}) {
+    try {
+      Parse({"-o", file});
+      ADD_FAILURE() << file;
+    } catch (const UsageError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("ends in .mcap"));
+      EXPECT_THAT(error.what(), testing::HasSubstr("'palpate-replay export' makes CSV"));
+    }
+  }
+}
+
 TEST(RecorderOptions, RefuseWhatMakesNoSense) {
   EXPECT_THROW(Parse({"-o", "a.mcap", "--split-time", "0"}), UsageError);
   EXPECT_THROW(Parse({"-o", "a.mcap", "--domain", "999"}), UsageError);

@@ -154,15 +154,24 @@ TEST_F(RecorderProgramTest, SaysThatTheDiskIsFullAndKeepsWhatIsThere) {
   EXPECT_TRUE(Verify({file_}, {}).good());
 }
 
-TEST_F(RecorderProgramTest, RecordsForViewersAloneWhereTold) {
+TEST_F(RecorderProgramTest, RecordsForViewersOrOfAStationAloneWhereTold) {
   ServerProgram server("udp");
   ASSERT_TRUE(server.Ready()) << server.Output();
   RecorderProgram recorder(file_, "udp", {"--no-loop", "--no-bundle"});
+  RecorderProgram of_another(folder_ / "other.mcap", "udp", {"--station", "other"});
   ASSERT_TRUE(recorder.Ready()) << recorder.Output();
+  ASSERT_TRUE(of_another.Ready()) << of_another.Output();
   StationProgram station("hand", "udp", {"--for", "1"});
   ASSERT_EQ(station.Exit(), 0) << station.Output();
-  recorder.Signal(SIGTERM);
-  EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
+  for (RecorderProgram* each : {&recorder, &of_another}) {
+    each->Signal(SIGTERM);
+    EXPECT_EQ(each->Exit(), 0) << each->Output();
+  }
+  const FileSummary others = Summarise({folder_ / "other.mcap"});
+  EXPECT_TRUE(others.sessions.empty());
+  EXPECT_TRUE(others.scenes.at("cube").bundle);
+  EXPECT_FALSE(others.topics.contains("palpate/tool_state"));
+  EXPECT_THAT(ToText(others), HasSubstr("of no station but other"));
   const FileSummary summary = Summarise({file_});
   for (const auto& [name, topic] : summary.topics) {
     EXPECT_NE(topic.type, "palpate::HapticPose");
@@ -183,6 +192,15 @@ TEST_F(RecorderProgramTest, NeedsAFileAndLeavesThoseThatAreThere) {
   Program info(PALPATE_BIN_DIR "/palpate-record", {"info", file_});
   EXPECT_EQ(info.Exit(), 1);
   EXPECT_THAT(info.Output(), HasSubstr("is not an MCAP file"));
+
+  std::vector<std::uint8_t> bytes = BytesOf(PALPATE_SOURCE_DIR "/tests/replayer/golden/cube.mcap");
+  for (const int status : {0, 1}) {
+    WriteBytes(file_, bytes);
+    Program judged(PALPATE_BIN_DIR "/palpate-record", {"info", file_});
+    EXPECT_EQ(judged.Exit(), status) << judged.Output();
+    EXPECT_THAT(judged.Output(), HasSubstr(status == 0 ? ": whole\n" : ": DAMAGED\n"));
+    bytes[30] ^= 1;
+  }
 }
 
 }  // namespace

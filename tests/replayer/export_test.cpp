@@ -12,6 +12,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "client/replayer/export_folder.h"
+#include "client/replayer/methods.h"
 #include "common/error.h"
 #include "common/step_fault.h"
 #include "tests/common/recording/samples.h"
@@ -341,8 +343,86 @@ TEST_P(ExportOf, ReplacesAFormerExportAloneAndOnlyWhereAsked) {
   EXPECT_EQ(Read("hand_0000000000000005/poses").rows(), 1u);
 
   std::filesystem::remove(out + "/thesis.txt");
+  std::filesystem::create_directory(out + "/drafts");
+  EXPECT_THROW(Run(true), Error) << "nobody's folder goes";
+  std::filesystem::remove(out + "/drafts");
+  Run(true);
   std::filesystem::remove(out + "/methods.json");
   EXPECT_THROW(Run(true), Error);  // no export, as far as anyone can tell
+}
+
+TEST_P(ExportOf, LeavesWhatSomebodyHasChangedInAFormerExport) {
+  RecordingWriter writer({.file = recording});
+  Add(writer, dds::PoseTopic("hand", 5), SamplePose(1), kBegin_ns);
+  writer.Close("");
+  for (const std::string& name : {std::string("hand_0000000000000005/poses") + Suffix(GetParam()),
+                                  std::string("METHODS.md"), std::string("methods.json")}) {
+    const std::string file = out + "/" + name;
+    Run();
+    std::ofstream(file, std::ios::app) << " ";
+    const std::string changed = Contents(file);
+    EXPECT_THROW(Run(true), Error) << name;
+    EXPECT_EQ(Contents(file), changed);
+    std::filesystem::remove_all(out);
+  }
+}
+
+TEST(ExportFolder, LeavesWhatComesWhileItGrows) {
+  const Folder folder;
+  const std::string out = folder / "out", part = out + ".part";
+  const auto make = [&](ExportFolder& made, const std::string& text) {
+    std::ofstream(made.Make(made.path() / "poses.csv")) << text;
+    const nlohmann::json hashes = made.HashesOf({"poses.csv"});
+    made.Finish(nlohmann::json{{"made_by", kExportMark}, {"hashes", hashes}}.dump(2) + "\n");
+  };
+  {
+    // Somebody has made the folder, and put something into it.
+    ExportFolder first(out, false);
+    std::filesystem::create_directory(out);
+    std::ofstream(out + "/thesis.txt") << "mine";
+    EXPECT_THROW(make(first, "1"), Error);
+  }
+  EXPECT_EQ(Contents(out + "/thesis.txt"), "mine");
+  EXPECT_EQ(Contents(part + "/poses.csv"), "1") << "the work is not lost";
+  std::filesystem::remove_all(out);
+  std::filesystem::rename(part, out);
+  {
+    ExportFolder second(out, true);
+    std::ofstream(out + "/thesis.txt") << "mine";
+    EXPECT_THROW(make(second, "2"), Error);
+  }
+  EXPECT_EQ(Contents(out + "/thesis.txt"), "mine");
+  EXPECT_EQ(Contents(out + "/poses.csv"), "1") << "and the former export is whole";
+  EXPECT_EQ(Contents(part + "/poses.csv"), "2");
+  std::filesystem::remove(out + "/thesis.txt");
+  std::filesystem::remove_all(part);
+  {
+    ExportFolder stopped(out, true);
+    std::ofstream(stopped.Make(stopped.path() / "poses.csv")) << "3";
+    std::ofstream(part + "/notes.txt") << "mine, too";
+  }
+  EXPECT_EQ(Contents(part + "/notes.txt"), "mine, too");
+  EXPECT_FALSE(std::filesystem::exists(part + "/poses.csv"));
+  std::filesystem::remove_all(part);
+  ExportFolder last(out, true);
+  make(last, "4");
+  EXPECT_EQ(Contents(out + "/poses.csv"), "4");
+  EXPECT_FALSE(std::filesystem::exists(part));
+}
+
+TEST_P(ExportOf, TellsInItsTextWhatANameIsAndNoMore) {
+  RecordingWriter writer({.file = recording});
+  wire::SessionState state = SampleState("hand", 5);
+  wire::FromText("<img src=x onerror=alert(1)>|`*_[a](b)\\", state.scene);
+  Add(writer, dds::kSessionStateTopic, state, kBegin_ns);
+  Add(writer, dds::PoseTopic("hand", 5), SamplePose(1), kBegin_ns);
+  Add(writer, dds::PoseTopic("hand", 5), SamplePose(~std::uint64_t{0}), kBegin_ns);
+  writer.Close("");
+  Run();
+  const std::string text = Contents(out + "/METHODS.md");
+  EXPECT_THAT(text, HasSubstr(R"(| &lt;img src=x onerror=alert(1)&gt;\|\`\*\_\[a\](b)\\ |)"));
+  EXPECT_THAT(text, HasSubstr("| samples missing, by their numbers | 0 |"));
+  EXPECT_THAT(text, HasSubstr("| samples with numbers that do not go on from those before | 1 |"));
 }
 
 }  // namespace

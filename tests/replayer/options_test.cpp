@@ -30,8 +30,20 @@ TEST(ReplayOptions, VerifyGuideAndScore) {
   EXPECT_EQ(Parse({"a.mcap", "--guide", "hand"})->what, What::kGuide);
   const auto score = Parse({"score", "a.mcap", "b.mcap", "--out", "report"});
   EXPECT_EQ(score->what, What::kScore);
-  EXPECT_EQ(score->expert, "a.mcap");
-  EXPECT_THAT(score->trials, testing::ElementsAre("b.mcap"));
+  EXPECT_EQ(score->score.expert, "a.mcap");
+  EXPECT_THAT(score->score.trials, testing::ElementsAre("b.mcap"));
+}
+
+TEST(ReplayOptions, SayWhoseSessionIsMeant) {
+  const auto score = Parse({"score", "--station", "anna", "a.mcap", "b.mcap", "c.mcap", "--station",
+                            "ben/0000000000000001", "--expert-station", "teacher"});
+  EXPECT_THAT(score->score.stations, ElementsAre("anna", "ben/0000000000000001"));
+  EXPECT_EQ(score->score.expert_station, "teacher");
+  EXPECT_THAT(score->score.trials, ElementsAre("b.mcap", "c.mcap"));
+  EXPECT_THROW(Parse({"score", "a.mcap", "b.mcap", "--station", "anna", "--station", "ben"}),
+               UsageError);
+  EXPECT_EQ(Parse({"a.mcap", "--guide", "hand", "--station", "anna"})->station, "anna");
+  EXPECT_THROW(Parse({"a.mcap", "--station", "anna"}), UsageError);
 }
 
 TEST(ReplayOptions, SayWhoSteersAndWhatComesAtTheEnd) {

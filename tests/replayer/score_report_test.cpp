@@ -4,7 +4,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
+
+#include "common/error.h"
+#include "tests/common/recording/samples.h"
 
 namespace palpate::test {
 namespace {
@@ -75,16 +79,61 @@ TEST(ScoreReport, IsWrittenAsAPageWithPlotsAndFigures) {
   std::filesystem::remove_all(folder);
 }
 
+/// What is between a tag and its end.
+std::string Inside(const std::string& html, const std::string& tag, const std::string& end) {
+  const std::size_t begin = html.find(tag) + tag.size();
+  return html.substr(begin, html.find(end, begin) - begin);
+}
+
 TEST(ScoreReport, StandsAloneAndLetsNoNameIntoItsMarkup) {
-  Report report = ReportOf({0.001});
-  report.trials[0].name = "</script><b>";
-  const std::string html = ToHtml(report);
-  EXPECT_THAT(html, HasSubstr("A &lt; B"));
-  EXPECT_THAT(html, Not(HasSubstr("</script><b>")));
-  EXPECT_THAT(html, HasSubstr("&lt;/script&gt;"));
-  for (const char* elsewhere : {"src=", "@import", "<link"}) {
-    EXPECT_THAT(html, Not(HasSubstr(elsewhere)));
+  for (const std::string name :
+       {"</script><b>", "x<!--<script>", "a&b\u2028", "-->]]>", "\xff\x1b[2K"}) {
+    Report report = ReportOf({0.001});
+    report.trials[0].name = report.expert = report.criteria->file = name;
+    const std::string html = ToHtml(report);
+    const std::string script = Inside(html, "<script>\nconst score = ", ";\n");
+    EXPECT_EQ(script.find_first_of("<>&"), script.npos) << name;
+    EXPECT_THAT(script, testing::Each(testing::AllOf(testing::Ge(' '), testing::Lt('\x7f'))))
+        << name;
+    const auto tracks = nlohmann::json::parse(script)["tracks"];
+    EXPECT_EQ(tracks[1]["name"], name[0] == '\xff' ? "\ufffd\x1b[2K" : name);
+    for (const char* raw : {"</script><b>", "<!--<script>", "]]>", "\xff", "\x1b"}) {
+      EXPECT_THAT(html, Not(HasSubstr(raw))) << name;
+      EXPECT_THAT(ToSvg(PlotsOf(report.trials)), Not(HasSubstr(raw))) << name;
+    }
+    EXPECT_THAT(html, HasSubstr("A &lt; B"));
+    for (const char* elsewhere : {"src=", "@import", "<link"}) {
+      EXPECT_THAT(html, Not(HasSubstr(elsewhere)));
+    }
   }
+}
+
+TEST(ScoreReport, CallsATrialByItsFileAndStationWhateverTheFileIsCalled) {
+  const Folder folder;
+  const std::string file = folder / "l\xff<.mcap";
+  RecordingWriter writer({.file = file});
+  for (const std::string station : {"teacher", "anna"}) {
+    Add(writer, dds::kSessionStateTopic, SampleState(station, 1), 0);
+    for (std::uint64_t i = 1; i <= 100; ++i) {
+      wire::HapticPose pose = SamplePose(i);
+      wire::FromPose({Vec3(1e-3 * static_cast<double>(i), 0, 0), Quat::Identity()}, pose.position_m,
+                     pose.orientation_wxyz);
+      Add(writer, dds::PoseTopic(station, 1), pose, 0);
+    }
+  }
+  writer.Close("");
+  ScoreOptions options;
+  options.expert = file;
+  options.trials = {file};
+  EXPECT_THROW(MakeReport(options), Error) << "several sessions";
+  options.expert_station = "teacher";
+  options.stations = {"anna"};
+  const Report report = MakeReport(options);
+  EXPECT_EQ(report.trials[0].name, R"(l\xff< (anna))");
+  EXPECT_EQ(report.expert, R"(l\xff< (teacher))");
+  EXPECT_EQ(report.trials[0].score.path_max_mm, 0.0);
+  WriteReport(report, folder / "report");
+  EXPECT_GT(std::filesystem::file_size(folder / "report/score.json"), 500u);
 }
 
 }  // namespace

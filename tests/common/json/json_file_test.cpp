@@ -107,6 +107,15 @@ TEST(JsonFile, SaysWhyAFileCannotBeRead) {
   EXPECT_THROW(JsonNode::Load("/"), Error);
 }
 
+TEST(JsonNode, TakesNoTextForANameThatNobodyCouldRead) {
+  const std::string much(JsonNode::kMostText + 1, 'x');
+  const auto name = [](const JsonNode& n) { n.At("name").String(); };
+  EXPECT_THAT(Complaint("{\"name\": \"" + much + "\"}", name),
+              testing::StrEq("f.json:1: name: has 4097 bytes; give 4096 at most"));
+  EXPECT_THAT(Complaint("{\"" + much + "\": 1}", name),
+              testing::StrEq("f.json:1: a field's name has 4097 bytes; mend it"));
+}
+
 TEST(JsonNode, HasABoundOnItsValuesThatItNames) {
   std::string text = "[0";
   for (int i = 0; i < 2'000'000; ++i) text += ",0";

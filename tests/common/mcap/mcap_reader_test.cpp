@@ -202,6 +202,46 @@ TEST_F(McapReaderTest, ReadsNoFurtherWhereAnIdStandsForSomethingElse) {
   EXPECT_THAT(reader.problems()[0], HasSubstr("'other'"));
 }
 
+TEST_F(McapReaderTest, LeavesOutNamesThatAreTooLongToBeAny) {
+  const std::string name(kMostText + 1, 'x');
+  {
+    Writer writer(file_, "test", true);
+    writer.AddSchema("palpate::X", "omgidl", "struct X {};");
+    writer.Write(writer.AddChannel(1, name, "cdr"), 0, 0, 0, DataOf(0));
+    writer.WriteMetadata({name, {}});
+    writer.WriteMetadata({"notes", {{"key", name}}});  // what we write ourselves is cut
+    writer.Close();
+  }
+  bytes_ = test::BytesOf(file_);
+  Reader reader(bytes_, "a");
+  Message message;
+  EXPECT_FALSE(reader.Next(message));
+  EXPECT_TRUE(reader.damaged());
+  ASSERT_THAT(reader.problems(), SizeIs(3));
+  EXPECT_THAT(reader.problems()[1], HasSubstr("has a name of more than 4096 bytes: left out"));
+  ASSERT_THAT(reader.metadata(), SizeIs(1));
+  EXPECT_THAT(reader.metadata()[0].values.at("key"), SizeIs(kMostText));
+  for (const std::string& problem : reader.problems()) EXPECT_LT(problem.size(), 200u);
+}
+
+TEST_F(McapReaderTest, GivesNoTimeThatASumCouldOverflow) {
+  Writer writer(file_, "test", true);
+  writer.AddSchema("palpate::X", "omgidl", "struct X {};");
+  writer.AddChannel(1, "topic", "cdr");
+  const std::int64_t times[] = {-1, std::numeric_limits<std::int64_t>::min(), 7};
+  for (const std::int64_t time_ns : times) writer.Write(1, 0, time_ns, time_ns, DataOf(0));
+  writer.Close();
+  bytes_ = test::BytesOf(file_);
+  Reader reader(bytes_, "a");
+  Message message;
+  for (const std::int64_t time_ns : times) {
+    ASSERT_TRUE(reader.Next(message));
+    const std::int64_t latest = std::numeric_limits<std::int64_t>::max() / 2;
+    EXPECT_EQ(message.log_time_ns, time_ns < 0 ? latest : time_ns);
+    EXPECT_EQ(message.publish_time_ns, message.log_time_ns);
+  }
+}
+
 TEST_F(McapReaderTest, RefusesWhatIsNoSuchFile) {
   const std::vector<std::uint8_t> text = {'h', 'e', 'l', 'l', 'o', '!', '!', '!', '!'};
   EXPECT_THROW(Reader(text, "a"), Error);

@@ -12,6 +12,7 @@
 
 #include "common/error.h"
 #include "common/recording/recording_reader.h"
+#include "common/recording/split_name.h"
 #include "tests/common/recording/samples.h"
 
 namespace palpate::test {
@@ -142,6 +143,37 @@ TEST(SequenceCount, TakesRepetitionsForNoHoles) {
   EXPECT_EQ(count.last(), 8u);
   EXPECT_EQ(count.holes(), 1u);
   EXPECT_EQ(count.missing(), 2u);
+}
+
+TEST(SequenceCount, PassesOverNumbersThatNoCountLeadsTo) {
+  constexpr std::uint64_t kLast = ~std::uint64_t{0};
+  SequenceCount count;
+  for (const std::uint64_t i :
+       {std::uint64_t{1}, kLast, std::uint64_t{2}, kLast - 1, std::uint64_t{4}}) {
+    count.Add(i);
+  }
+  EXPECT_EQ(count.last(), 4u);
+  EXPECT_EQ(count.missing(), 1u);
+  EXPECT_EQ(count.astray(), 2u);
+  SequenceCount from_the_end;
+  for (const std::uint64_t i : {kLast, std::uint64_t{1}, std::uint64_t{2}}) from_the_end.Add(i);
+  EXPECT_EQ(from_the_end.missing(), 0u);
+  EXPECT_EQ(from_the_end.astray(), 2u);
+}
+
+// Which other readers of MCAP take for UTF-8.
+TEST(RecordingWriter, SaysItsNameAsTextWhateverTheFileIsCalled) {
+  const Folder folder;
+  const std::string file = folder / "l\xff.mcap";
+  const auto record = [&] {
+    RecordingWriter({.file = file, .split_s = 1.0, .overwrite = true}).Close("");
+  };
+  record();
+  RecordingReader reader({folder / "l\xff_000.mcap"});
+  RecordedSample sample{};
+  EXPECT_FALSE(reader.Next(sample));
+  EXPECT_EQ(reader.metadata().front().values.at(kSplitOfKey), R"(l\xff.mcap)");
+  record();  // it knows its own splits again
 }
 
 TEST(RecordingWriter, DoesNotCountWhatASplitRepeats) {
