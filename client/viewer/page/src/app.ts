@@ -1,16 +1,17 @@
 import {norm} from "./model/pose";
 import type {Pose, Vec3} from "./model/pose";
-import type {SceneModel} from "./model/bundle";
 import {type LinkFacts, type LinkReport, linkReport, Pulse} from "./model/link_report";
 import {looksTheSame} from "./model/pose_track";
 import {type Drawn, PictureQuality, qualityOf} from "./model/quality";
 import type {ReplayPhase} from "./model/replay";
+import {pictureWords} from "./model/words";
 import {type Change, kOwnTopics, kTopics, Station, World} from "./model/world";
 import {MouseDevice} from "./mouse/mouse_device";
 import {Connection, type LinkState} from "./protocol/connection";
 import {toMouseState, toReplayAnswer, type ToolState} from "./protocol/messages";
 import {type FetchedScene, fetchHealth, fetchScene} from "./protocol/scene_fetch";
 import {AccessToken} from "./protocol/token";
+import {rememberInAddress} from "./ui/address";
 import {Announcer} from "./ui/announcer";
 import {Console} from "./ui/console";
 import {element, setOptions, setText} from "./ui/elements";
@@ -20,6 +21,7 @@ import {Notice} from "./ui/notice";
 import {Plots, type PlotTime} from "./ui/plots";
 import {QualityPick} from "./ui/quality_pick";
 import {Readout} from "./ui/readout";
+import {listenToPointer} from "./ui/pointer";
 import {ReplayControls} from "./ui/replay_controls";
 import {Tables} from "./ui/tables";
 import {ThemeSwitch} from "./ui/theme";
@@ -834,7 +836,7 @@ export class App {
       rememberInAddress("station", this.chosenStation);
     });
 
-    this.listenToPointer();
+    listenToPointer(this.canvas, this.mouse, this.view.camera.controls);
     // The tool's keys come first: while it is held, arrows move it and not the eye.
     this.canvas.addEventListener("keydown", (event) => {
       if (this.mouse.key(event)) event.preventDefault();
@@ -877,37 +879,6 @@ export class App {
     addEventListener("pagehide", () => this.mouse.release());
   }
 
-  private listenToPointer(): void {
-    const {canvas, mouse} = this;
-    const controls = this.view.camera.controls;
-    // In the capture phase, before the camera's own listeners.
-    const first = {capture: true};
-    canvas.addEventListener(
-      "pointerdown",
-      (event) => {
-        const isTools = mouse.pointerDown(event);
-        controls.enabled = !isTools;
-        if (isTools) canvas.setPointerCapture(event.pointerId);
-      },
-      first,
-    );
-    canvas.addEventListener("pointermove", (event) => void mouse.pointerMove(event), first);
-    const up = (event: PointerEvent): void => {
-      mouse.pointerUp(event);
-      controls.enabled = true;
-    };
-    canvas.addEventListener("pointerup", up);
-    canvas.addEventListener("pointercancel", up);
-    canvas.addEventListener(
-      "wheel",
-      (event) => {
-        if (mouse.wheel(event)) event.preventDefault();
-      },
-      {capture: true, passive: false},
-    );
-    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-  }
-
   private showLevel(): void {
     const on = element("spheres", HTMLButtonElement).getAttribute("aria-pressed") === "true";
     const level = Number(this.level.value);
@@ -923,18 +894,3 @@ type ToolNow = (
   scene: string,
   tool: string,
 ) => {pose: Pose; graphic: Pose; touches: boolean; centroid: Vec3};
-
-/// So that a teacher can hand on a link to what is seen.
-function rememberInAddress(name: string, value: string): void {
-  const url = new URL(location.href);
-  if (value === "") url.searchParams.delete(name);
-  else url.searchParams.set(name, value);
-  history.replaceState(null, "", url);
-}
-
-function pictureWords(model: SceneModel): string {
-  const tools = model.tools.map(({name}) => name).join(", ");
-  const [first] = model.objects;
-  const objects = model.objects.length === 1 ? first!.name : `${model.objects.length} objects`;
-  return `${model.name} in three dimensions: ${tools} touching ${objects}`;
-}

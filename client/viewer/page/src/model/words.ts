@@ -8,6 +8,7 @@ import {
   type StationStatistics,
   type ToolState,
 } from "../protocol/messages";
+import type {SceneModel} from "./bundle";
 import {norm, subtract} from "./pose";
 
 /// What the page says, in words that need no knowledge of the program.
@@ -341,3 +342,11 @@ export function consoleWords(session: SessionState): string {
 /// True for a session that has its tool.
 export const holdsTool = (session: SessionState): boolean =>
   session.phase === "waiting" || session.phase === "acquiring" || session.phase === "active";
+
+/// What the picture shows, for those who do not see it.
+export function pictureWords(model: SceneModel): string {
+  const tools = model.tools.map(({name}) => name).join(", ");
+  const [first] = model.objects;
+  const objects = model.objects.length === 1 ? first!.name : `${model.objects.length} objects`;
+  return `${model.name} in three dimensions: ${tools} touching ${objects}`;
+}
