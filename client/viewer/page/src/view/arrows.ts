@@ -107,10 +107,10 @@ class TorqueArrow {
   constructor(order: number) {
     const arc = 1.5 * Math.PI;
     for (const halo of [true, false]) {
-      const tube = halo ? 0.075 : 0.05;
+      const tube = halo ? 0.15 : 0.1;
       const ring = layered(new TorusGeometry(1, tube, 12, 64, arc), order + (halo ? 0 : 1));
       const grown = halo ? 0.05 : 0;
-      const cone = new ConeGeometry(0.16 + grown, 0.36 + 2 * grown, 24).translate(0, 0.1, 0);
+      const cone = new ConeGeometry(0.28 + grown, 0.6 + 2 * grown, 24).translate(0, 0.15, 0);
       const head = layered(cone, order + (halo ? 0 : 1));
       head.mesh.position.set(Math.cos(arc), Math.sin(arc), 0);
       head.mesh.rotation.z = arc; // +y of the cone along the tangent
@@ -145,13 +145,13 @@ const kMostContacts = 16;
 /// All that is drawn of a tool's forces.
 export class ForceMarks {
   readonly group = new Group();
-  private readonly force = new Arrow(0.016, 30);
+  private readonly force = new Arrow(0.01, 30);
   private readonly torque = new TorqueArrow(20);
   private readonly contacts: {arrow: Arrow; dot: Mesh; material: MeshBasicMaterial}[] = [];
 
   constructor() {
     for (let i = 0; i < kMostContacts; i++) {
-      const arrow = new Arrow(0.008, 40);
+      const arrow = new Arrow(0.005, 40);
       const {mesh: dot, material} = layered(kBall, 42);
       this.contacts.push({arrow, dot, material});
       this.group.add(arrow.group, dot);
