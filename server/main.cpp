@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -25,12 +26,14 @@
 #include "scenes/catalogue.h"
 #include "scenes/files/mesh_options.h"
 #include "scenes/files/scene_bundle.h"
+#include "scenes/files/scene_file.h"
 #include "scenes/mesh/mesh_import.h"
 #include "scenes/progress_line.h"
 #include "scenes/scene_verdict.h"
 #include "server/observation/event_log.h"
 #include "server/observation/server_metrics.h"
 #include "server/offer/served_scene.h"
+#include "server/transport/compile_news.h"
 #include "server/transport/server.h"
 
 namespace palpate {
@@ -152,8 +155,10 @@ int Serve(const Options& options) {
   dds::Participant loop_domain = dds::Participant::Loop(options.domain, transport, options.network);
   LeaveRealtime();
 
-  // Before scenes are built: what cannot be had is said at once.
+  // Before scenes are built: what cannot be had is said at once, and viewers hear what is built.
   Record record(options, transport, realtime);
+  dds::Participant service_domain = dds::Participant::Service(options.domain, options.network);
+  std::optional<CompileNews> news(service_domain);
 
   LoadOptions load;
   load.models_dir = options.models;
@@ -165,8 +170,11 @@ int Serve(const Options& options) {
   std::map<std::string, std::vector<std::uint8_t>> bundles;
   std::string names;
   for (const std::string& name : options.scenes) {
-    ProgressLog progress([&](const std::string& text) { spdlog::info("{}: {}", name, text); });
-    load.progress = std::ref(progress);
+    ProgressLog log([&](const std::string& text) { spdlog::info("{}: {}", name, text); });
+    load.progress = [&](std::string_view stage, double done) {
+      log(stage, done);
+      news->Tell(SceneNameOf(name), stage, done, SteadyNanoseconds());
+    };
     const Scene scene = LoadScene(name, load);
     Judge(name, scene, options.unusable_too);
     if (bundles.contains(scene.name)) {
@@ -180,11 +188,11 @@ int Serve(const Options& options) {
     bundles[scene.name] = PackScene(scene);
     names += (names.empty() ? "" : ", ") + scene.name;
   }
+  news.reset();
   malloc_trim(0);  // what the models were made from: as much again
 
   Server server(
-      std::move(loop_domain), dds::Participant::Service(options.domain, options.network),
-      std::move(tools),
+      std::move(loop_domain), std::move(service_domain), std::move(tools),
       [](const std::string& line) {
         std::puts(line.c_str());
         std::fflush(stdout);

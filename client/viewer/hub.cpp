@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <random>
 #include <utility>
 
@@ -70,7 +71,13 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
       session_id_(RandomId()),
       // Their names are this gateway's alone: another one in the domain has mice of its own.
       mice_({options.max_mice, options.domain, options.transport, options.network, StationProgram(),
-             "mouse_" + session_id_.substr(0, 4) + "_"},
+             "mouse_" + session_id_.substr(0, 4) + "_",
+             // An identity's gateway may write the poses of its mice alone, which it knows by that.
+             options.network.secured() ? "mouse_" : "",
+             [this](const std::string& station, const std::string& who) {
+               return feed_.HasStation(station) ||
+                      gate_.NamesAnother(station, mice_.named_prefix(), who);
+             }},
             [this](const MouseRoom::News& news) { Tell(news); }),
       packer_(io),
       logged_ns_(SteadyNanoseconds()) {}
@@ -211,6 +218,20 @@ FramePtr Hub::RefuseReplay(const ReplayWish& wish, const std::string& refusal) {
   return OwnFrame(TopicFeed::kReplayAnswer, wish.request.kind, ReplayAnswer(wish.tag, 0, refusal));
 }
 
+std::string Hub::SetGoal(const OperateCommand::Goal& goal, const std::string& by) {
+  // Of these there are few: nobody fills the memory with others.
+  if (!feed_.scenes().contains(goal.scene)) return "scene '" + goal.scene + "' is not served here";
+  const FramePtr frame = OwnFrame(
+      TopicFeed::kGoal, std::hash<std::string>{}(goal.scene),
+      ToText(
+          nlohmann::json({{"scene", goal.scene}, {"text", goal.text}, {"limit_N", goal.limit}})));
+  goals_[goal.scene] = frame;
+  const std::int64_t now_ns = SteadyNanoseconds();
+  for (const auto& [id, viewer] : viewers_) viewer->Push(frame, now_ns);
+  spdlog::info("{}: the goal of '{}' is set", by, goal.scene);
+  return "";
+}
+
 std::string Hub::AskOperate(const OperateCommand& command, const std::string& by) {
   if (feed_.server_run() == 0) return "no server has been heard of";
   wire::OperateRequest request{};
@@ -224,10 +245,20 @@ std::string Hub::AskOperate(const OperateCommand& command, const std::string& by
   return "";
 }
 
+std::string Hub::WhyAbsent(const std::string& scene) const {
+  if (!feed_.server_lives()) {
+    return feed_.server_run() == 0 ? "no server is there yet"
+                                   : "no server is there: the last one has gone";
+  }
+  return feed_.scenes().contains(scene) ? "" : "no server serves scene '" + scene + "'";
+}
+
 void Hub::Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns) {
   const std::string refusal = RefuseWish(Wish::kTake, viewer, now_ns);
   if (refusal.empty()) {
-    return mice_.Take(viewer.id(), command, feed_.scenes().contains(command.scene), now_ns);
+    const std::optional<Tokens::Holder>& holder = viewer.holder();
+    return mice_.Take(viewer.id(), holder ? holder->name : "", command, WhyAbsent(command.scene),
+                      now_ns);
   }
   // The page waits for a word on each; of these the newest alone waits for the page.
   TellState(viewer, {viewer.id(), "", command.scene, command.tool, "refused", refusal});
@@ -240,6 +271,10 @@ std::uint64_t Hub::FramesLost() const {
 }
 
 std::string Hub::Health() const {
+  nlohmann::json compiling;
+  if (const wire::SceneProgress* of = feed_.compiling()) {
+    compiling = {{"scene", of->scene}, {"stage", of->stage}, {"done", of->done}};
+  }
   return ToText(nlohmann::json({{"viewers", viewers_.size()},
                                 {"max_viewers", options_.max_viewers},
                                 {"frames_sent", frames_sent_},
@@ -250,6 +285,8 @@ std::string Hub::Health() const {
                                 {"stations", feed_.stations()},
                                 {"scenes", KeysOf(feed_.scenes())},
                                 {"server_run", fmt::format("{:x}", feed_.server_run())},
+                                {"server_lives", feed_.server_lives()},
+                                {"compiling", compiling},
                                 {"version", PALPATE_VERSION}}));
 }
 

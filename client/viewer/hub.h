@@ -57,6 +57,9 @@ class Hub {
   FramePtr AskReplay(ReplayWish wish, const std::string& by);
   /// What a page is answered of whose wish nobody is asked.
   FramePtr RefuseReplay(const ReplayWish& wish, const std::string& refusal);
+  /// Tells all viewers, those of now and those that come later, a scene's goal.  Returns why not.
+  std::string SetGoal(const OperateCommand::Goal& goal, const std::string& by);
+  const std::map<std::string, FramePtr>& goals() const { return goals_; }
   /// Passes on what a teacher decides about a station.  Returns why not; empty: it has.
   std::string AskOperate(const OperateCommand& command, const std::string& by);
   /// Gives a viewer a tool, unless it takes them too often.
@@ -80,6 +83,8 @@ class Hub {
 
  private:
   void Tell(const MouseRoom::News& news);
+  /// Why a scene's tools cannot be had now; empty: they can.
+  std::string WhyAbsent(const std::string& scene) const;
   void TellState(ViewerSession& viewer, const MouseRoom::News& news);
   void LogStatistics(std::int64_t now_ns);
   std::uint64_t FramesLost() const;
@@ -92,6 +97,7 @@ class Hub {
   PageFiles page_;
   TopicFeed feed_;
   std::string session_id_;
+  std::map<std::string, FramePtr> goals_;                            // by scene
   std::map<std::uint64_t, std::shared_ptr<ViewerSession>> viewers_;  // by id
   MouseRoom mice_;
   ScenePacker packer_;

@@ -6,58 +6,73 @@
 
 #include <spdlog/spdlog.h>
 
+#include "client/viewer/tokens.h"
 #include "common/dds/phase_name.h"
 #include "common/error.h"
 
 namespace palpate {
 const MouseRoom::Mouse* MouseRoom::Find(Holder holder) const {
-  for (const auto& [number, mouse] : mice_) {
+  for (const Mouse& mouse : mice_) {
     if (mouse.holder == holder) return &mouse;
   }
   return nullptr;
 }
 
-void MouseRoom::Take(Holder holder, const MouseCommand& command, bool scene_known,
-                     std::int64_t now_ns) {
+std::string MouseRoom::NameFor(const std::string& who, const Mouse& wanted) const {
+  for (int number = 1;; ++number) {
+    const std::string name = who.empty() ? options_.prefix + std::to_string(number)
+                                         : StationNameOf(options_.named_prefix + who, number);
+    bool is_own = false;
+    bool is_free = true;
+    for (const Mouse& mouse : mice_) {
+      if (mouse.name != name) continue;
+      is_own = true;
+      is_free = is_free && !who.empty() && Leaves(mouse, wanted);
+    }
+    if (is_own ? is_free : !options_.is_others(name, who)) return name;
+  }
+}
+
+void MouseRoom::Take(Holder holder, const std::string& who, const MouseCommand& command,
+                     const std::string& absent, std::int64_t now_ns) {
   const auto refuse = [&](const std::string& reason) {
     tell_({holder, "", command.scene, command.tool, "refused", reason});
   };
   if (const Mouse* held = Find(holder)) {
     return refuse("you hold a tool of scene '" + held->scene + "' already; release it first");
   }
-  if (!scene_known) {
-    return refuse("no server serves scene '" + command.scene + "'");
-  }
+  if (!absent.empty()) return refuse(absent);
   if (mice_.size() >= static_cast<std::size_t>(options_.most)) {
     return refuse(std::to_string(mice_.size()) +
                   " tools are held with the mouse, the most that this gateway allows "
                   "(--max-mice); wait until one is released");
   }
-  int number = 1;
-  while (mice_.contains(number)) ++number;
-  Mouse& mouse = mice_[number];
+  Mouse mouse;
   mouse.holder = holder;
   mouse.scene = command.scene;
   mouse.tool = command.tool;
   mouse.moved_ns = now_ns;
-  spdlog::info("{} takes a tool of scene '{}'", NameOf(number), command.scene);
-  tell_({holder, NameOf(number), command.scene, command.tool, "", ""});
-  if (!StillHeld(mouse)) Start(number, mouse, now_ns);
+  mouse.name = NameFor(who, mouse);
+  spdlog::info("{} takes a tool of scene '{}'", mouse.name, command.scene);
+  tell_({holder, mouse.name, command.scene, command.tool, "", ""});
+  mice_.push_back(std::move(mouse));
+  if (!StillHeld(mice_.back())) Start(mice_.back(), now_ns);
+}
+
+bool MouseRoom::Leaves(const Mouse& mouse, const Mouse& wanted) {
+  return mouse.holder == 0 && mouse.scene == wanted.scene &&
+         (mouse.tool == wanted.tool || mouse.tool.empty() || wanted.tool.empty());
 }
 
 bool MouseRoom::StillHeld(const Mouse& wanted) const {
-  return std::ranges::any_of(mice_, [&](const auto& entry) {
-    const Mouse& mouse = entry.second;
-    return mouse.holder == 0 && mouse.scene == wanted.scene &&
-           (mouse.tool == wanted.tool || mouse.tool.empty() || wanted.tool.empty());
-  });
+  return std::ranges::any_of(mice_, [&](const Mouse& mouse) { return Leaves(mouse, wanted); });
 }
 
-void MouseRoom::Start(int number, Mouse& mouse, std::int64_t now_ns) {
+void MouseRoom::Start(Mouse& mouse, std::int64_t now_ns) {
   // In one word each: what a page sends is never an option.
   std::vector<std::string> arguments{"--device=mouse",
                                      "--scene=" + mouse.scene,
-                                     "--id=" + NameOf(number),
+                                     "--id=" + mouse.name,
                                      "--domain=" + std::to_string(options_.domain),
                                      "--transport=" + options_.transport,
                                      "--network=" + options_.network.interface,
@@ -68,39 +83,39 @@ void MouseRoom::Start(int number, Mouse& mouse, std::int64_t now_ns) {
   try {
     mouse.station = std::make_unique<MouseStation>(options_.program, arguments);
   } catch (const Error& error) {
-    LetGo(number, mouse, "refused", error.what(), now_ns);
+    LetGo(mouse, "refused", error.what(), now_ns);
   }
 }
 
 void MouseRoom::Drag(Holder holder, const Pose& X_WT, std::int64_t now_ns) {
-  for (auto& [number, mouse] : mice_) {
+  for (Mouse& mouse : mice_) {
     if (mouse.holder != holder) continue;
     mouse.moved_ns = now_ns;
     if (mouse.station) mouse.station->Drag(X_WT);
   }
 }
 
-void MouseRoom::LetGo(int number, Mouse& mouse, const std::string& phase, const std::string& reason,
+void MouseRoom::LetGo(Mouse& mouse, const std::string& phase, const std::string& reason,
                       std::int64_t now_ns) {
   const Holder holder = std::exchange(mouse.holder, 0);
   if (mouse.station) mouse.station->LetGo(now_ns);
-  spdlog::info("{} {}{}{}", NameOf(number), phase, reason.empty() ? "" : ": ", reason);
-  tell_({holder, NameOf(number), mouse.scene, mouse.tool, phase, reason});
+  spdlog::info("{} {}{}{}", mouse.name, phase, reason.empty() ? "" : ": ", reason);
+  tell_({holder, mouse.name, mouse.scene, mouse.tool, phase, reason});
 }
 
 void MouseRoom::Release(Holder holder, const std::string& reason, std::int64_t now_ns) {
-  for (auto& [number, mouse] : mice_) {
-    if (mouse.holder == holder) return LetGo(number, mouse, "ended", reason, now_ns);
+  for (Mouse& mouse : mice_) {
+    if (mouse.holder == holder) return LetGo(mouse, "ended", reason, now_ns);
   }
 }
 
 void MouseRoom::OnSession(const wire::SessionState& state, std::int64_t now_ns) {
-  for (auto& [number, mouse] : mice_) {
-    if (mouse.holder == 0 || !mouse.station || NameOf(number) != state.station) continue;
+  for (Mouse& mouse : mice_) {
+    if (mouse.holder == 0 || !mouse.station || mouse.name != state.station) continue;
     const bool ended = state.phase == palpate_SESSION_ENDED;
     if (state.phase == palpate_SESSION_REFUSED) {
       // One that has had its session asks again by itself, and says so where it gives up.
-      if (mouse.run == 0) return LetGo(number, mouse, "refused", state.reason, now_ns);
+      if (mouse.run == 0) return LetGo(mouse, "refused", state.reason, now_ns);
       continue;
     }
     // A session that it does not have cannot end: that was its predecessor's of the same name.
@@ -110,18 +125,18 @@ void MouseRoom::OnSession(const wire::SessionState& state, std::int64_t now_ns) 
     if (mouse.held) mouse.moved_ns = now_ns;
     mouse.held = state.phase == palpate_SESSION_HELD;
     // A station whose session the server ended asks again by itself: its tool is not lost yet.
-    tell_({mouse.holder, NameOf(number), mouse.scene, mouse.tool,
-           ended ? "" : PhaseName(state.phase), state.reason});
+    tell_({mouse.holder, mouse.name, mouse.scene, mouse.tool, ended ? "" : PhaseName(state.phase),
+           state.reason});
   }
 }
 
 void MouseRoom::Poll(std::int64_t now_ns) {
   for (auto it = mice_.begin(); it != mice_.end();) {
-    auto& [number, mouse] = *it;
+    Mouse& mouse = *it;
     if (mouse.holder != 0 && !mouse.held && now_ns - mouse.moved_ns > kIdle_ns) {
-      LetGo(number, mouse, "ended", "nobody has moved it for 5 minutes", now_ns);
+      LetGo(mouse, "ended", "nobody has moved it for 5 minutes", now_ns);
     }
-    if (!mouse.station && mouse.holder != 0 && !StillHeld(mouse)) Start(number, mouse, now_ns);
+    if (!mouse.station && mouse.holder != 0 && !StillHeld(mouse)) Start(mouse, now_ns);
     const bool waits = !mouse.station && mouse.holder != 0;
     if (waits || (mouse.station && mouse.station->Poll(now_ns))) {
       ++it;
@@ -129,7 +144,7 @@ void MouseRoom::Poll(std::int64_t now_ns) {
     }
     if (mouse.holder != 0) {
       const std::string& complaint = mouse.station->complaint();
-      LetGo(number, mouse, complaint.empty() ? "ended" : "refused", complaint, now_ns);
+      LetGo(mouse, complaint.empty() ? "ended" : "refused", complaint, now_ns);
     }
     it = mice_.erase(it);
   }

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
+#include <list>
 #include <memory>
 #include <string>
 
@@ -28,8 +28,14 @@ class MouseRoom {
     std::string transport = "auto";
     dds::Network network;
     std::string program;  ///< path of palpate-station
-    /// Of the stations' names, before their numbers; no other station of the domain has it.
+    /// Of the stations of those who have no name, before their numbers; no other station of the
+    /// domain has it.
     std::string prefix = "mouse_";
+    /// Before the names of those who have one.
+    std::string named_prefix = "";
+    /// Whether a name is another's: (the station's, whose it is to be).
+    std::function<bool(const std::string& station, const std::string& who)> is_others =
+        [](const std::string&, const std::string&) { return false; };
   };
   /// What became of a viewer's mouse: `phase` is "waiting", "acquiring", "active", "refused",
   /// "ended" or "held", as in SessionState; empty while there is no answer.
@@ -41,8 +47,10 @@ class MouseRoom {
   MouseRoom(Options options, std::function<void(const News&)> tell)
       : options_(std::move(options)), tell_(std::move(tell)) {}
 
-  /// @param scene_known  false: there is no such scene, or no server.
-  void Take(Holder holder, const MouseCommand& command, bool scene_known, std::int64_t now_ns);
+  /// @param who        the name of the viewer's token, which becomes its station's; empty: it has
+  ///                   none.   @param absent  why the scene cannot be had now; empty: it can.
+  void Take(Holder holder, const std::string& who, const MouseCommand& command,
+            const std::string& absent, std::int64_t now_ns);
   /// Of no effect where the viewer holds nothing: poses may come late, after a release.
   void Drag(Holder holder, const Pose& X_WT, std::int64_t now_ns);
   /// Also when the viewer has gone.
@@ -52,11 +60,13 @@ class MouseRoom {
   void OnSession(const wire::SessionState& state, std::int64_t now_ns);
   /// Looks after the stations, some 100 times a second.
   void Poll(std::int64_t now_ns);
+  const std::string& named_prefix() const { return options_.named_prefix; }
   /// Stations that run, or are about to.
   std::size_t size() const { return mice_.size(); }
 
  private:
   struct Mouse {
+    std::string name;                       // of its station
     std::unique_ptr<MouseStation> station;  // null: it is started once its tool is free
     Holder holder = 0;                      // 0: let go, and on its way out
     std::string scene, tool;
@@ -65,16 +75,19 @@ class MouseRoom {
     bool held = false;  // until a teacher admits it: nobody can move it
   };
   const Mouse* Find(Holder holder) const;
-  std::string NameOf(int number) const { return options_.prefix + std::to_string(number); }
-  /// The tool is still in the hand of a mouse that is on its way out.
+  /// A station's name that nobody has: anna, anna_2, ...; without a name mouse_1, mouse_2, ... That
+  /// of a mouse on its way out is free for the one that waits for its tool.
+  std::string NameFor(const std::string& who, const Mouse& wanted) const;
+  /// The tool is still in the hand of this mouse, which is on its way out.
+  static bool Leaves(const Mouse& mouse, const Mouse& wanted);
   bool StillHeld(const Mouse& wanted) const;
-  void Start(int number, Mouse& mouse, std::int64_t now_ns);
-  void LetGo(int number, Mouse& mouse, const std::string& phase, const std::string& reason,
+  void Start(Mouse& mouse, std::int64_t now_ns);
+  void LetGo(Mouse& mouse, const std::string& phase, const std::string& reason,
              std::int64_t now_ns);
 
   Options options_;
   std::function<void(const News&)> tell_;
-  std::map<int, Mouse> mice_;  // by the number in the station's name, from 1
+  std::list<Mouse> mice_;  // in the order in which they came
 };
 
 }  // namespace palpate

@@ -27,6 +27,7 @@ constexpr std::size_t kRandomBytes = 32;
 constexpr std::string_view kPrefix = "palpate_";
 constexpr std::size_t kTokenLength = kPrefix.size() + 2 * kRandomBytes;
 constexpr std::size_t kLongestName = 32;
+constexpr std::size_t kLongestStation = 32;  // IsStationName (common/dds/topics.h)
 /// Of the file: some nine thousand tokens.
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 
@@ -99,6 +100,10 @@ Tokens Tokens::Parse(const std::string& path, const std::string& text) {
     }
     for (const Holder& other : tokens.holders_) {
       if (other.name == name) refuse("the name " + Quoted(name) + " stands there twice");
+      if (StationNameOf(other.name) == StationNameOf(name)) {
+        refuse("as a station " + Quoted(name) + " is called as " + Quoted(other.name) + ": " +
+               Quoted(StationNameOf(name)));
+      }
       if (other.hash == entry.hash) refuse("it has the token of " + Quoted(other.name));
     }
     tokens.holders_.push_back(std::move(entry));
@@ -131,6 +136,20 @@ bool Tokens::Has(const Holder& holder) const {
   return std::ranges::find(holders_, holder) != holders_.end();
 }
 
+bool Tokens::NamesAnother(const std::string& station, const std::string& prefix,
+                          const std::string& own) const {
+  return std::ranges::any_of(holders_, [&](const Holder& holder) {
+    return holder.name != own && StationNameOf(prefix + holder.name) == station;
+  });
+}
+
+std::string StationNameOf(std::string name, int number) {
+  std::ranges::replace_if(
+      name, [](char c) { return !IsLetterOrDigit(c); }, '_');
+  const std::string after = number > 1 ? "_" + std::to_string(number) : "";
+  return name.substr(0, kLongestStation - after.size()) + after;
+}
+
 std::string MakeToken(const std::string& path, Access role, const std::string& name) {
   if (!IsName(name)) {
     throw UsageError("--make-token: the name " + Quoted(name) +
@@ -142,11 +161,11 @@ std::string MakeToken(const std::string& path, Access role, const std::string& n
   try {
     before = TextOf(path);
     for (const Tokens::Holder& holder : Tokens::Parse(path, before).holders_) {
-      if (holder.name == name) {
+      if (StationNameOf(holder.name) == StationNameOf(name)) {
         throw UsageError(
             fmt::format("--make-token: {} has a token of that name in {}; take its "
                         "line out first, or give another name",
-                        Quoted(name), path));
+                        Quoted(holder.name), path));
       }
     }
   } catch (...) {

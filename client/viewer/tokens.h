@@ -13,8 +13,9 @@ namespace palpate {
 /// Who may: tokens with a role and a name.  The file has a line for each,
 ///   ROLE NAME SHA256       operate teacher 9f86d081884c7d65…
 /// with the token's hash in hexadecimal digits; empty lines and those that begin with '#' are
-/// passed over.  A token is 256 random bits, so that one round of SHA-256 keeps it: there is
-/// nothing to guess, and who reads the file cannot present what it holds.
+/// passed over.  No two names are one station's (StationNameOf).  A token is 256 random bits, so
+/// that one round of SHA-256 keeps it: there is nothing to guess, and who reads the file cannot
+/// present what it holds.
 class Tokens {
  public:
   using Hash = std::array<unsigned char, 32>;
@@ -32,6 +33,10 @@ class Tokens {
   std::optional<Holder> Find(std::string_view token) const;
   /// What was found once is there still: the same token with the same role and name.
   bool Has(const Holder& holder) const;
+  /// True for the name of a station that is the holder's of a token of another name.
+  /// @param prefix  before all that are named so.
+  bool NamesAnother(const std::string& station, const std::string& prefix,
+                    const std::string& own) const;
   std::size_t size() const { return holders_.size(); }
 
  private:
@@ -47,6 +52,10 @@ class Tokens {
 /// and is hashed nowhere.  They fit an Authorization header (RFC 6750), a WebSocket's subprotocol
 /// and a URL's fragment as they are.
 bool LooksLikeToken(std::string_view text);
+
+/// What the station of who has a token of this name is called: [A-Za-z0-9_]{1,32}, '_' for what no
+/// station's name has.  @param number  from the second one on it stands behind the name.
+std::string StationNameOf(std::string name, int number = 1);
 
 /// Makes a token, enters its hash at the file's end and returns it: it is kept nowhere else.  A
 /// file that is not there is made, for its owner alone.

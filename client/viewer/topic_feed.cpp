@@ -20,6 +20,10 @@ constexpr const char* kMouseSchema =
     R"({"type":"object","properties":{"station":{"type":"string"},"scene":{"type":"string"},)"
     R"("tool":{"type":"string"},"phase":{"type":"string"},"reason":{"type":"string"}}})";
 
+constexpr const char* kGoalSchema =
+    R"({"type":"object","properties":{"scene":{"type":"string"},"text":{"type":"string"},)"
+    R"("limit_N":{"type":"number"}}})";
+
 constexpr const char* kAnswerSchema =
     R"({"type":"object","properties":{"tag":{"type":"integer"},"request":{"type":"string"},)"
     R"("refusal":{"type":"string"}}})";
@@ -62,7 +66,8 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers) {
       CdrChannel<wire::SceneWhole>(kSceneWhole, dds::kSceneWholeTopic),
       CdrChannel<wire::SceneBundle>(kSceneBundle, dds::kSceneBundleTopic),
       JsonChannel(kReplayContents, "replay_contents", "ReplayContents", kReplaySchema),
-      JsonChannel(kReplayState, "replay_state", "ReplayState", kReplaySchema)};
+      JsonChannel(kReplayState, "replay_state", "ReplayState", kReplaySchema),
+      JsonChannel(kGoal, "goal", "SceneGoal", kGoalSchema)};
   if (mice) {
     channels.push_back(JsonChannel(kMouseState, "mouse_state", "MouseState", kMouseSchema));
   }
@@ -106,6 +111,12 @@ TopicFeed::TopicFeed(int domain, const dds::Network& network)
   } catch (const Error&) {
     if (!network.secured()) throw;
     spdlog::info("this gateway's --identity may look, and ask nothing");
+  }
+  try {
+    progress_ = {participant_, dds::kSceneProgressTopic, dds::Qos::kSession};
+  } catch (const Error&) {
+    if (!network.secured()) throw;
+    spdlog::info("this gateway's --identity may not hear how far a server's scenes are");
   }
 }
 
@@ -195,6 +206,7 @@ void TopicFeed::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use)
 void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
                      const std::function<void(const wire::SessionState&)>& on_session) {
   Succeed();
+  if (progress_) progress_.Take(compiling_);
   // Scenes first: who hears of a station should know where it is.
   Drain(readers_->bundles, kSceneBundle,
         [&](const FramePtr& frame, const wire::SceneBundle& sample) {
@@ -312,6 +324,18 @@ std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {
     frames.push_back(it->second);
   }
   return frames;
+}
+
+const wire::SceneProgress* TopicFeed::compiling() const {
+  // Its writer is there as long as it compiles.
+  const bool is_there = progress_ && progress_.matched_writers() > 0;
+  return is_there && compiling_.scene[0] != '\0' ? &compiling_ : nullptr;
+}
+
+bool TopicFeed::HasStation(const std::string& name) const {
+  const auto found = phases_.find(name);
+  return found != phases_.end() && found->second != palpate_SESSION_ENDED &&
+         found->second != palpate_SESSION_REFUSED;
 }
 
 std::vector<std::string> TopicFeed::stations() const {

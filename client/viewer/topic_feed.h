@@ -13,6 +13,7 @@
 #include "client/viewer/foxglove.h"
 #include "client/viewer/frame_queue.h"
 #include "common/dds/cdr_reader.h"
+#include "common/dds/scene_progress.h"
 
 namespace palpate {
 
@@ -42,6 +43,7 @@ class TopicFeed {
     kReplayContents,
     kReplayState,
     kReplayAnswer,  ///< not of DDS: the gateway's own, to each viewer of its own wishes
+    kGoal,          ///< not of DDS: the gateway's own, what a teacher has set for a scene
   };
   /// What viewers are offered.
   /// @param mice    who may have a mouse hears of it.
@@ -69,6 +71,12 @@ class TopicFeed {
   const std::map<std::string, SceneBytes>& scenes() const { return scenes_; }
   /// Stations that have a session, as the server last said.
   std::vector<std::string> stations() const;
+  /// A station of that name is there, be it that it waits to be admitted.
+  bool HasStation(const std::string& name) const;
+  /// False where there is no server, or the one that was heard last has gone.
+  bool server_lives() const { return lives_; }
+  /// What a server compiles that serves nothing yet; null: none does so.
+  const wire::SceneProgress* compiling() const;
   /// The server's that was heard last; 0: none has been.
   std::uint64_t server_run() const { return server_run_; }
 
@@ -100,6 +108,7 @@ class TopicFeed {
   Replay& ReplayOf(std::uint64_t number);
 
   dds::Participant participant_;
+  dds::Reader<wire::SceneProgress> progress_;
   std::unique_ptr<Readers> readers_;
   dds::Writer<wire::WholeRequest> wishes_;
   dds::Writer<wire::ReplayRequest> replay_requests_;
@@ -115,6 +124,7 @@ class TopicFeed {
   std::map<std::string, std::uint64_t> undone_;  // by scene: the last change that is void
   std::map<std::string, SceneBytes> scenes_;
   std::map<std::string, wire::SessionPhase> phases_;  // by station
+  wire::SceneProgress compiling_{};
   // By number.  Apart from what is kept: where a replay goes elsewhere, it speaks as another
   // server.
   std::map<std::uint64_t, Replay> replays_;

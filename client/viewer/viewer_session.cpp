@@ -236,6 +236,9 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
                      rated ? static_cast<std::int64_t>(1e9 / hub_.options().rate_hz) : 0);
     hub_.Subscribed(*this);
     for (const FramePtr& frame : hub_.feed().Kept(wanted.channel)) queue_.Push(frame, now_ns);
+    if (wanted.channel == TopicFeed::kGoal) {
+      for (const auto& [scene, goal] : hub_.goals()) queue_.Push(goal, now_ns);
+    }
     if (wanted.channel == TopicFeed::kMouseState && mouse_state_) queue_.Push(mouse_state_, now_ns);
   }
 }
@@ -303,7 +306,8 @@ void ViewerSession::OnOperate(std::string_view json) {
     return Say(foxglove::Level::kWarning, std::string(kOperateTopic) + ": the message " + wrong);
   }
   if (!hub_.RefuseWish(Wish::kOperate, *this, SteadyNanoseconds()).empty()) return;
-  const std::string refusal = hub_.AskOperate(*command, Who());
+  const std::string refusal =
+      command->goal ? hub_.SetGoal(*command->goal, Who()) : hub_.AskOperate(*command, Who());
   if (!refusal.empty()) Say(foxglove::Level::kError, std::string(kOperateTopic) + ": " + refusal);
 }
 

@@ -6,6 +6,7 @@
 
 #include <dds/ddsc/dds_loan_api.h>
 
+#include "common/dds/scene_progress.h"
 #include "common/dds/shared_memory_watch.h"
 #include "common/error.h"
 
@@ -253,6 +254,7 @@ template class Writer<wire::LoopStatistics>;
 template class Writer<wire::StationStatistics>;
 template class Writer<wire::SceneBundle>;
 template class Writer<wire::SceneOffer>;
+template class Writer<wire::SceneProgress>;
 template class Reader<wire::HapticPose>;
 template class Reader<wire::Wrench>;
 template class Reader<wire::SessionRequest>;
@@ -271,5 +273,6 @@ template class Reader<wire::LoopStatistics>;
 template class Reader<wire::StationStatistics>;
 template class Reader<wire::SceneBundle>;
 template class Reader<wire::SceneOffer>;
+template class Reader<wire::SceneProgress>;
 
 }  // namespace palpate::dds

@@ -136,7 +136,7 @@ test("the page shows the force in figures, in words and in the picture", async (
   const free = await picture();
   press(2);
   await eventually("two newtons", async () => (await text("#force")) === "2.00");
-  await eventually("two millimetres", async () => (await text("#depth")) === "2.00");
+  await eventually("two millimetres", async () => (await text("#past")) === "2.00");
   await eventually("one contact", async () => (await text("#contacts")) === "1");
   await eventually(
     "the sentence",
@@ -447,11 +447,14 @@ test("the loop's figures and who drives what are told in words", async () => {
   expect(await text("#who")).toMatch(/hand drives the ball of test-box/);
 });
 
-test("a student's view has force, depth, what is touched and a goal, and is a switch apart", async () => {
+test("a student's view has force, what is touched and the scene's goal, and is a switch apart", async () => {
+  gateway.role = "operate";
   press(2);
-  page = await open({}, "?view=student&goal=Press%20gently&limit=1");
+  const goal = {scene: "test-box", text: "Press gently", limit_N: 1};
+  gateway.retain("/palpate/goal", goal);
+  page = await open({}, "?view=student");
   await eventually("two newtons", async () => (await text("#force")) === "2.00");
-  expect(await text("#goal")).toBe("Goal: Press gently, at most 1 N");
+  await eventually("the goal", async () => /Press gently, at most 1 N/.test(await text("#goal")));
   expect(await page.locator("#touched").innerText()).not.toBe("nothing");
   expect(await page.locator("#readout").getAttribute("class")).toContain("over");
   for (const hidden of ["#loop", "#arm", "#torque", "#contacts", "#goal-text"])
@@ -463,15 +466,22 @@ test("a student's view has force, depth, what is touched and a goal, and is a sw
   await page.locator("#audience").click();
   for (const shown of ["#torque", "#contacts", "#goal-text"])
     expect(await page.locator(shown).isVisible()).toBe(true);
-  expect(await page.locator("#goal").isVisible()).toBe(false);
   expect(await page.locator(".plot").count()).toBe(4);
+  gateway.onPublish = ({op, ...set}) => {
+    if (op === "goal") gateway.send("/palpate/goal", set);
+  };
   await page.locator("#goal-limit").fill("3");
+  await page.locator("#goal-limit").press("Enter");
+  await eventually("the wish", () => gateway.published.length === 1);
+  expect(gateway.published).toEqual([{op: "goal", ...goal, limit_N: 3}]);
   await eventually("not over it any more", async () => {
     const classes = await page.locator("#readout").getAttribute("class");
     return !/\bover\b/.test(classes ?? "");
   });
-  expect(page.url()).toContain("limit=3");
-  expect(page.url()).not.toContain("view=");
+  expect(page.url()).toBe(gateway.url); // nothing that a link would have to hand on
+  await page.selectOption("#scene", "teeth");
+  await eventually("another scene's", async () => !(await page.locator("#goal").isVisible()));
+  expect(await page.locator("#goal-text").inputValue()).toBe("");
 });
 
 test("spheres come on demand, level by level", async () => {
@@ -530,6 +540,54 @@ test("who holds the tool is said where it is refused", async () => {
   await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
   await page.locator("#take").click();
   await eventually("the holder", async () => /'hand' holds the ball/.test(await text("#hint")));
+  expect(gateway.published).toEqual([]);
+});
+
+test("who may decide is offered the tool that somebody holds, and who is muted is told", async () => {
+  gateway.role = "operate";
+  press(2);
+  page = await open();
+  await eventually("two newtons", async () => (await text("#force")) === "2.00");
+  await page.locator("#take").click();
+  expect(await text("#hint-text")).toBe("'hand' holds the ball.");
+  await page.locator("#hint-action").click();
+  await eventually("the wish", () => gateway.published.length === 1);
+  expect(gateway.published).toEqual([{op: "take_back", station: "hand"}]);
+  await page.keyboard.press("v"); // a student sees it, too
+  expect(await page.locator("#station-note").isVisible()).toBe(false);
+  gateway.retain(
+    "/palpate/session_state",
+    sessionState("hand", "active", "test-box", "ball", {muted: true}),
+  );
+  await eventually("why nothing is felt", async () =>
+    /hand is muted by a teacher/.test(await text("#station-note")),
+  );
+});
+
+test("a tool that leaves the picture is pointed to, and comes back", async () => {
+  page = await open();
+  const pointer = page.locator("#tool-pointer");
+  expect(await pointer.isVisible()).toBe(false);
+  for (let i = 0; i < 12; i++) await page.keyboard.press("+");
+  await pointer.waitFor();
+  expect(await pointer.getAttribute("aria-label")).toBe("The ball is out of the picture: show it");
+  await pointer.click();
+  await pointer.waitFor({state: "hidden"});
+});
+
+test("while a server compiles its first scene the page says so, and asks nobody for a tool", async () => {
+  gateway.health = {scenes: [], compiling: {scene: "bunny", stage: "leaves", done: 0.43}};
+  const context = await browser!.newContext({viewport: {width: 390, height: 844}});
+  page = await context.newPage();
+  await page.goto(gateway.url);
+  await eventually("what is waited for", async () =>
+    /compiles bunny for the first time: 43 %/.test(await text("#banner")),
+  );
+  expect(await page.locator("#take").isDisabled()).toBe(true);
+  await page.keyboard.press("m");
+  await eventually("that there is none", async () =>
+    /There is no tool yet/.test(await text("#hint-text")),
+  );
   expect(gateway.published).toEqual([]);
 });
 

@@ -20,11 +20,12 @@ using testing::HasSubstr;
 /// A room whose stations are a program that waits for the end of its input, as they do.
 class MouseRoomTest : public testing::Test {
  protected:
-  void Take(MouseRoom::Holder holder, const std::string& scene = "cube", bool known = true) {
+  void Take(MouseRoom::Holder holder, const std::string& scene = "cube",
+            const std::string& absent = "") {
     MouseCommand command;
     command.op = MouseCommand::Op::kTake;
     command.scene = scene;
-    room_.Take(holder, command, known, SteadyNanoseconds());
+    room_.Take(holder, "", command, absent, SteadyNanoseconds());
   }
   void Session(const std::string& station, wire::SessionPhase phase, const std::string& reason = "",
                std::uint64_t run = 1) {
@@ -93,8 +94,39 @@ TEST_F(MouseRoomTest, NamesItsStationsByItsPrefix) {
   MouseCommand command;
   command.op = MouseCommand::Op::kTake;
   command.scene = "cube";
-  room.Take(7, command, true, 0);
+  room.Take(7, "", command, "", 0);
   EXPECT_THAT(names, testing::ElementsAre("mouse_ab12_1"));
+}
+
+TEST_F(MouseRoomTest, NamesThemForWhoHasANameAndNeverByAnothers) {
+  std::vector<std::string> names;
+  MouseRoom::Options options{7, 0, "udp", {}, PALPATE_SOURCE_DIR "/tests/viewer/fake_station"};
+  // A token is called anna_2, and an arm ben.
+  options.is_others = [](const std::string& station, const std::string& who) {
+    return (station == "anna_2" && who != "anna_2") || station == "ben";
+  };
+  MouseRoom room(options, [&](const MouseRoom::News& news) { names.push_back(news.station); });
+  MouseCommand command;
+  command.op = MouseCommand::Op::kTake;
+  command.scene = "cube";
+  MouseRoom::Holder holder = 0;
+  for (const char* who : {"anna", "anna", "anna_2", "ben", "dr.no-1"}) {
+    command.tool = "tool" + std::to_string(holder);
+    room.Take(++holder, who, command, "", 0);
+  }
+  EXPECT_THAT(names, testing::ElementsAre("anna", "anna_3", "anna_2", "ben_2", "dr_no_1"));
+  // Who takes a tool again keeps his name: it waits for the one that is on its way out.
+  room.Release(1, "", 0);
+  command.tool = "tool0";
+  room.Take(++holder, "anna", command, "", 0);
+  EXPECT_EQ(names.back(), "anna");
+  room.Take(++holder, "anna", command, "", 0);  // of the same tool: the server decides
+  EXPECT_EQ(names.back(), "anna_4");
+  options.named_prefix = "mouse_";
+  names.clear();
+  MouseRoom secured(options, [&](const MouseRoom::News& news) { names.push_back(news.station); });
+  secured.Take(1, "anna", command, "", 0);
+  EXPECT_THAT(names, testing::ElementsAre("mouse_anna"));
 }
 
 TEST_F(MouseRoomTest, LetsGoOfAToolThatNobodyMoves) {
@@ -131,8 +163,8 @@ TEST_F(MouseRoomTest, RefusesASecondToolOneTooManyAndScenesThatNobodyServes) {
   EXPECT_THAT(news_.back().reason, HasSubstr("--max-mice"));
   EXPECT_EQ(news_.back().holder, 9u);
   EXPECT_EQ(room_.size(), 2u);
-  Take(10, "nowhere", false);
-  EXPECT_THAT(news_.back().reason, HasSubstr("no server serves scene 'nowhere'"));
+  Take(10, "nowhere", "no server serves scene 'nowhere'");
+  EXPECT_EQ(news_.back().reason, "no server serves scene 'nowhere'");
 }
 
 TEST_F(MouseRoomTest, LetsGoWhenTheServerRefusesAndPassesOnWhy) {
@@ -191,7 +223,7 @@ TEST_F(MouseRoomTest, GivesAPagesWordsToTheStationInOneArgumentEach) {
     command.op = MouseCommand::Op::kTake;
     command.scene = word;
     command.tool = word;
-    room_.Take(7, command, true, SteadyNanoseconds());
+    room_.Take(7, "", command, "", SteadyNanoseconds());
     room_.Release(7, "", SteadyNanoseconds());
     EXPECT_TRUE(Empties());
     std::stringstream given;

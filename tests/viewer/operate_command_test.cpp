@@ -17,20 +17,50 @@ TEST(OperateCommand, IsAWishForAStation) {
   }
 }
 
+TEST(OperateCommand, IsAGoalOfAScene) {
+  std::string wrong;
+  const auto command = ParseOperateCommand(
+      R"({"op": "goal", "scene": "cube", "text": "Press gently", "limit_N": 0.5})", wrong);
+  ASSERT_TRUE(command) << wrong;
+  ASSERT_TRUE(command->goal);
+  EXPECT_EQ(command->goal->scene, "cube");
+  EXPECT_EQ(command->goal->text, "Press gently");
+  EXPECT_EQ(command->goal->limit, 0.5);
+}
+
 TEST(OperateCommand, IsNothingElse) {
   for (const char* text :
-       {"", "[]", "null", "{}", R"({"op": "mute"})", R"({"station": "left"})",
-        R"({"op": "dance", "station": "left"})", R"({"op": "MUTE", "station": "left"})",
-        R"({"op": 1, "station": "left"})", R"({"op": "mute", "station": 7})",
-        R"({"op": "mute", "station": ""})", R"({"op": "mute", "station": "left/right"})",
+       {"",
+        "[]",
+        "null",
+        "{}",
+        R"({"op": "mute"})",
+        R"({"station": "left"})",
+        R"({"op": "dance", "station": "left"})",
+        R"({"op": "MUTE", "station": "left"})",
+        R"({"op": 1, "station": "left"})",
+        R"({"op": "mute", "station": 7})",
+        R"({"op": "mute", "station": ""})",
+        R"({"op": "mute", "station": "left/right"})",
         R"({"op": "mute", "station": "left\n"})",
         R"({"op": "mute", "station": "a23456789012345678901234567890123"})",
         R"({"op": "mute", "station": "left", "by": "me"})",
-        R"({"op": "mute", "station": "left"} {})", "{\"op\": \"mute\", \"station\": \"\xff\"}"}) {
+        R"({"op": "goal", "scene": "cube", "text": "x"})",
+        R"({"op": "goal", "scene": "cube", "text": "x", "limit_N": "1"})",
+        R"({"op": "goal", "scene": "cube", "text": "x", "limit_N": -1})",
+        R"({"op": "goal", "scene": "cube", "text": "x", "limit_N": 1e999})",
+        R"({"op": "goal", "scene": "cube", "text": 7, "limit_N": 1})",
+        R"({"op": "goal", "scene": "cube", "text": "x", "limit_N": 1, "station": "left"})",
+        R"({"op": "mute", "station": "left"} {})",
+        "{\"op\": \"mute\", \"station\": \"\xff\"}"}) {
     std::string wrong;
     EXPECT_FALSE(ParseOperateCommand(text, wrong)) << text;
     EXPECT_NE(wrong, "") << text;
   }
+  std::string wrong;
+  EXPECT_FALSE(ParseOperateCommand(
+      R"({"op": "goal", "scene": "s", "limit_N": 0, "text": ")" + std::string(481, 'x') + R"("})",
+      wrong));
 }
 
 }  // namespace

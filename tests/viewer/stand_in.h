@@ -74,6 +74,9 @@ class StandIn {
 
  private:
   dds::Participant participant_ = dds::Participant::Service(kDomain);
+  // By which a server is known to live; before the others, as a server has it.
+  dds::Writer<wire::SessionState> states_{participant_, dds::kSessionStateTopic,
+                                          dds::Qos::kSession};
   dds::Writer<wire::SceneBundle> bundles_{participant_, dds::kSceneBundleTopic, dds::Qos::kSession};
   dds::Reader<wire::OperateRequest> operations_{participant_, dds::kOperateRequestTopic,
                                                 dds::Qos::kRecordSession};

@@ -56,6 +56,22 @@ TEST_F(TokensTest, KnowThoseThatWereMadeByTheirRoleAndName) {
   EXPECT_EQ(tokens.Find(student)->role, Access::kWatch);
 }
 
+TEST_F(TokensTest, AreNamedAsStationsAreAndNoTwoAlike) {
+  EXPECT_EQ(StationNameOf("anna"), "anna");
+  EXPECT_EQ(StationNameOf("dr.no-1", 12), "dr_no_1_12");
+  EXPECT_EQ(StationNameOf(std::string(40, 'x'), 2), std::string(30, 'x') + "_2");
+  Write("drive anna.b " + hash_ + "\ndrive anna-b " + std::string(64, 'b') + "\n");
+  EXPECT_THAT(Complaint(),
+              AllOf(HasSubstr("tokens.txt:2"), HasSubstr("'anna.b'"), HasSubstr("'anna_b'")));
+  Write("drive anna " + hash_ + "\ndrive anna_2 " + std::string(64, 'b') + "\n");
+  const Tokens tokens = Tokens::Read(path_);
+  EXPECT_TRUE(tokens.NamesAnother("anna_2", "", "anna"));
+  EXPECT_FALSE(tokens.NamesAnother("anna_2", "", "anna_2"));
+  EXPECT_FALSE(tokens.NamesAnother("anna_3", "", "anna"));
+  EXPECT_TRUE(tokens.NamesAnother("mouse_anna_2", "mouse_", "anna"));
+  EXPECT_THROW(MakeToken(path_, Access::kDrive, "anna-2"), UsageError);
+}
+
 TEST_F(TokensTest, KnowNothingElse) {
   const std::string token = MakeToken(path_, Access::kDrive, "hand");
   const Tokens tokens = Tokens::Read(path_);

@@ -110,6 +110,35 @@ TEST_F(TopicFeedTest, KeepsWhatHasAStateInItsOrderAndNothingElse) {
   EXPECT_TRUE(feed_.Kept(TopicFeed::kToolState).empty());
 }
 
+TEST_F(TopicFeedTest, KnowsWhatAServerCompilesAsLongAsItDoes) {
+  EXPECT_EQ(feed_.compiling(), nullptr);
+  {
+    dds::Writer<wire::SceneProgress> writer{participant_, dds::kSceneProgressTopic,
+                                            dds::Qos::kSession};
+    wire::SceneProgress progress{};
+    wire::FromText("cube", progress.scene);
+    wire::FromText("touching balls", progress.stage);
+    progress.done = 0.43;
+    ASSERT_TRUE(writer.Write(progress));
+    ASSERT_TRUE(PollUntil([&] { return feed_.compiling() != nullptr; }));
+    EXPECT_STREQ(feed_.compiling()->stage, "touching balls");
+    EXPECT_EQ(feed_.compiling()->done, 0.43);
+  }
+  EXPECT_TRUE(PollUntil([&] { return feed_.compiling() == nullptr; }));
+}
+
+TEST_F(TopicFeedTest, KnowsWhichStationsThereAreAlsoThoseThatWait) {
+  WriteSession("a", 1, palpate_SESSION_ACTIVE);
+  WriteSession("b", 1, palpate_SESSION_HELD);
+  WriteSession("c", 1, palpate_SESSION_ENDED);
+  ASSERT_TRUE(PollUntil([&] { return sessions_.size() == 3; }));
+  EXPECT_TRUE(feed_.server_lives());
+  EXPECT_TRUE(feed_.HasStation("a"));
+  EXPECT_TRUE(feed_.HasStation("b"));
+  EXPECT_FALSE(feed_.HasStation("c"));
+  EXPECT_FALSE(feed_.HasStation("d"));
+}
+
 TEST_F(TopicFeedTest, ForgetsChangesThatAreUndoneWhicheverIsHeardFirst) {
   for (std::uint64_t number = 1; number <= 5; ++number) WriteChange(number, 1);
   ASSERT_TRUE(PollUntil([&] { return feed_.Kept(TopicFeed::kSceneChange).size() == 5; }));
@@ -305,10 +334,10 @@ TEST_F(TopicFeedTest, PassesWishesOnToAReplayThatIsThere) {
 }
 
 TEST_F(TopicFeedTest, OffersEachTopicWithASchemaThatDeclaresItsType) {
-  EXPECT_EQ(TopicFeed::Channels(true, true).size(), 11u);
-  EXPECT_EQ(TopicFeed::Channels(false, true).size(), 10u);
+  EXPECT_EQ(TopicFeed::Channels(true, true).size(), 12u);
+  EXPECT_EQ(TopicFeed::Channels(false, true).size(), 11u);
   const auto channels = TopicFeed::Channels(false, false);
-  EXPECT_EQ(channels.size(), 9u);
+  EXPECT_EQ(channels.size(), 10u);
   for (const foxglove::Channel& channel : channels) {
     if (channel.encoding != "cdr") continue;
     EXPECT_THAT(channel.schema,

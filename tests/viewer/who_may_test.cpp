@@ -18,6 +18,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "client/viewer/topic_feed.h"
 #include "tests/support/random.h"
 #include "tests/support/test_domain.h"
 #include "tests/viewer/stand_in.h"
@@ -286,6 +287,49 @@ TEST_F(Guarded, PassesOnWhatATeacherDecidesWithHisName) {
   }
   EXPECT_EQ(server_.CountAsked(), 0);
   EXPECT_TRUE(teacher.open());
+}
+
+TEST_F(Guarded, AreTheNamesOfTheirHoldersMiceAndOfNobodyElses) {
+  const std::string anna = Make("drive", "anna");
+  Make("drive", "anna_2");
+  Gateway gateway({"--tokens", path_, "--max-mice", "4"});
+  for (int i = 0; i < 500 && gateway.Health(Bearing(watch_))["scenes"].empty(); ++i) usleep(10'000);
+  std::vector<std::string> names;
+  for (const char* tool : {"a", "b"}) {
+    WebClient viewer = Viewer(gateway.port(), anna);
+    viewer.Subscribe(9, TopicFeed::kMouseState);
+    viewer.SendMouse({{"op", "take"}, {"scene", "cube"}, {"tool", tool}});
+    const auto told = viewer.Next(9);
+    ASSERT_TRUE(told);
+    names.push_back(Json::parse(told->payload)["station"]);
+  }
+  EXPECT_THAT(names, testing::ElementsAre("anna", "anna_3"));
+}
+
+TEST_F(Guarded, SetAGoalThatAllAreToldWhereTheyMayOperate) {
+  Gateway gateway({"--tokens", path_});
+  for (int i = 0; i < 500 && gateway.Health(Bearing(watch_))["scenes"].empty(); ++i) usleep(10'000);
+  const Json goal = {{"scene", "cube"}, {"text", "Press gently"}, {"limit_N", 0.5}};
+  const auto with_op = [](Json of) {
+    of["op"] = "goal";
+    return of;
+  };
+  WebClient student = Viewer(gateway.port(), watch_);
+  student.Subscribe(9, TopicFeed::kGoal);
+  WebClient teacher = Viewer(gateway.port(), operate_);
+  teacher.SendOperate(with_op(goal));
+  const auto told = student.Next(9);
+  ASSERT_TRUE(told);
+  EXPECT_EQ(Json::parse(told->payload), goal);
+  WebClient late = Viewer(gateway.port(), drive_);
+  late.Subscribe(9, TopicFeed::kGoal);
+  const auto kept = late.Next(9);
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(Json::parse(kept->payload), goal);
+  teacher.SendOperate(with_op({{"scene", "nowhere"}, {"text", ""}, {"limit_N", 0}}));
+  EXPECT_THAT(teacher.NextJson("status").value("message", ""), HasSubstr("is not served here"));
+  late.SendOperate(with_op(goal));
+  EXPECT_EQ(late.closed(), 1008) << "it may drive, and set no goal";
 }
 
 TEST(Operate, IsWithoutTokensForPagesOfThisHostAndForNoneThatAProxyBrings) {

@@ -11,7 +11,10 @@ const kFine: LinkFacts = {
   sessions: 1,
   scenes: 1,
   refusal: "none",
+  serverLives: true,
+  compiling: undefined,
   mayTake: true,
+  takes: false,
   draws: true,
   replay: "none",
   recording: "lesson.mcap",
@@ -46,6 +49,33 @@ test("silence is said after one and a half seconds, with whose it is", () => {
   expect(linkReport({...kFine, lastStateS: -Infinity, sessions: 0, scenes: 0}).text).toMatch(
     /no server/,
   );
+});
+
+test("a server that has gone is not one that is silent, and one that compiles is on its way", () => {
+  const quiet: LinkFacts = {...kFine, lastStateS: 50};
+  const gone = linkReport({...quiet, serverLives: false});
+  expect(gone).toMatchObject({tone: "alarm", text: expect.stringMatching(/No server is there/)});
+  const compiling = {scene: "bunny", stage: "touching balls", done: 0.438};
+  for (const facts of [
+    {...quiet, serverLives: false, compiling},
+    {...quiet, scenes: 0, compiling},
+  ]) {
+    expect(linkReport(facts)).toMatchObject({
+      tone: "info",
+      text: expect.stringMatching(/compiles bunny for the first time: 43 %, touching balls/),
+    });
+  }
+  // What another server is about to serve is no news to who sees this one.
+  expect(linkReport({...kFine, compiling}).tone).toBe("none");
+  expect(linkReport({...quiet, sessions: 0, scenes: 0, serverLives: false}).text).toMatch(
+    /no server has told/,
+  );
+});
+
+test("who takes a tool is not told to take one", () => {
+  const quiet: LinkFacts = {...kFine, lastStateS: -Infinity, sessions: 0};
+  expect(linkReport(quiet).text).toMatch(/take the tool/);
+  expect(linkReport({...quiet, takes: true}).tone).toBe("none");
 });
 
 test("a gateway that turns this page away is not one that does not answer", () => {

@@ -12,6 +12,7 @@ import {
   markWords,
   consoleWords,
   sessionWords,
+  stationNote,
   spokenTime,
   statisticsLines,
   statusSentence,
@@ -191,6 +192,22 @@ test("a session's words say who has what, or why not", () => {
   expect(sessionWords(inside)).toBe(
     "starts with the ball of cube 3.2 mm inside an object: no force until it is out",
   );
+});
+
+test("who feels a session's forces, or sees them, is told what keeps them from the hand", () => {
+  const session = (more: object) =>
+    toSessionState({station: "anna", phase: 2, scene: "cube", tool: "ball", ...more});
+  expect(stationNote(undefined, true)).toBe("");
+  expect(stationNote(session({}), true)).toBe("");
+  expect(stationNote(session({muted: true}), true)).toBe(
+    "You are muted by a teacher: no force reaches your hand.",
+  );
+  expect(stationNote(session({muted: true}), false)).toBe(
+    "anna is muted by a teacher: no force reaches that hand.",
+  );
+  expect(stationNote(session({muted: true, phase: 4}), true)).toBe(""); // it has left
+  expect(stationNote(session({phase: 5}), true)).toMatch(/waiting for a teacher to admit you/);
+  expect(stationNote(session({phase: 1, start_depth_m: 0.0032}), true)).toMatch(/3.2 mm inside/);
 });
 
 test("times of a recording are written as players write them, and said in words", () => {

@@ -11,6 +11,13 @@ const state = (station: string, sequence: number, more: object = {}) => ({
   pose_sequence: sequence,
   ...more,
 });
+const health = (scenes: string[], serverRun: string) => ({
+  scenes,
+  serverRun,
+  full: false,
+  serverLives: true,
+  compiling: undefined,
+});
 const session = (station: string, phase: number, more: object = {}) => ({
   station,
   phase,
@@ -20,16 +27,30 @@ const session = (station: string, phase: number, more: object = {}) => ({
   ...more,
 });
 
+test("a goal is a scene's, and the last that was set counts", () => {
+  const told: string[] = [];
+  const world = new World((change, scene) => {
+    if (change === "goal") told.push(scene);
+  });
+  world.receive(kTopics.goal, {scene: "cube", text: "Press", limit_N: 1}, 1, 1);
+  world.receive(kTopics.goal, {scene: "pipes", text: "Go through", limit_N: 0}, 2, 2);
+  world.receive(kTopics.goal, {scene: "cube", text: "Press gently", limit_N: 0.5}, 3, 3);
+  expect(world.goalOf("cube")).toEqual({scene: "cube", text: "Press gently", limitN: 0.5});
+  expect(world.goalOf("pipes")?.text).toBe("Go through");
+  expect(world.goalOf("bunny")).toBeUndefined();
+  expect(told).toEqual(["cube", "pipes", "cube"]);
+});
+
 test("scenes are what the gateway has, and no others", () => {
   let told = 0;
   const world = new World((change) => {
     if (change === "scenes") told += 1;
   });
-  world.receiveHealth(["cube", "pipes"], "1");
-  world.receiveHealth(["cube", "pipes"], "1");
+  world.receiveHealth(health(["cube", "pipes"], "1"));
+  world.receiveHealth(health(["cube", "pipes"], "1"));
   expect(told).toBe(1);
   world.receive(kTopics.toolState, state("hand", 1, {scene: "typo"}), 1, 1);
-  world.receiveHealth(["pipes"], "1");
+  world.receiveHealth(health(["pipes"], "1"));
   expect([...world.scenes]).toEqual(["pipes"]);
   expect(told).toBe(2);
 });
@@ -106,14 +127,14 @@ test("a new run is worth another look where nothing was ever scraped off", () =>
 
 test("who held a tool of a server that is gone holds nothing of its successor's", () => {
   const {world, runs} = worldOfRuns();
-  world.receiveHealth(["cube"], "a");
+  world.receiveHealth(health(["cube"], "a"));
   world.receive(kTopics.sessionState, session("hand", 2, {server_run: 10n}), 0, 0); // "a", too
   expect(world.holderOf("cube", "ball")?.id).toBe("hand");
-  world.receiveHealth([], "0"); // the gateway itself has begun anew, and knows no server
+  world.receiveHealth(health([], "0")); // the gateway itself has begun anew, and knows no server
   expect(world.holderOf("cube", "ball")?.id).toBe("hand");
-  world.receiveHealth(["cube"], "b");
+  world.receiveHealth(health(["cube"], "b"));
   expect(world.holderOf("cube", "ball")).toBeUndefined();
-  world.receiveHealth(["cube"], "a"); // an answer that was long on its way
+  world.receiveHealth(health(["cube"], "a")); // an answer that was long on its way
   world.receive(kTopics.sessionState, session("new", 2, {server_run: 11n}), 0, 0);
   expect(world.holderOf("cube", "ball")?.id).toBe("new");
   expect(runs.told).toBe(1);
@@ -223,12 +244,12 @@ test("what another server says after a replay is live, and while it plays it is 
   expect(world.replay.phase(1)).toBe("playing");
   world.receive(kTopics.replayState, replayStateSent(41, {ended: true}), 1001, 2);
   expect(world.replay.phase(60)).toBe("ended");
-  world.receiveHealth(["cube"], "3", 60);
+  world.receiveHealth(health(["cube"], "3"), 60);
   expect(world.replay.phase(60)).toBe("none");
   // Likewise after one that has only fallen silent.
   world.receive(kTopics.replayState, replayStateSent(40), 2000, 100);
-  world.receiveHealth(["cube"], "4", 101);
+  world.receiveHealth(health(["cube"], "4"), 101);
   expect(world.replay.phase(101)).toBe("playing");
-  world.receiveHealth(["cube"], "5", 110);
+  world.receiveHealth(health(["cube"], "5"), 110);
   expect(world.replay.phase(110)).toBe("none");
 });

@@ -59,6 +59,7 @@ export const kChannels: readonly FakeChannel[] = [
   jsonChannel(9, "/palpate/replay_contents"),
   jsonChannel(10, "/palpate/replay_state"),
   jsonChannel(11, "/palpate/replay_answer"),
+  jsonChannel(12, "/palpate/goal"),
 ];
 
 const kWriters = new Map(

@@ -1,25 +1,27 @@
 import {norm} from "./model/pose";
 import type {Pose, Vec3} from "./model/pose";
-import type {SceneModel} from "./model/bundle";
 import {type LinkFacts, type LinkReport, linkReport, Pulse} from "./model/link_report";
 import {looksTheSame} from "./model/pose_track";
 import {type Drawn, PictureQuality, qualityOf} from "./model/quality";
 import type {ReplayPhase} from "./model/replay";
-import {touchedObjects} from "./model/touched";
-import {depthM, figure, statusSentence, touchedWords} from "./model/words";
+import {pictureWords} from "./model/words";
 import {type Change, kOwnTopics, kTopics, Station, World} from "./model/world";
 import {MouseDevice} from "./mouse/mouse_device";
 import {Connection, type LinkState} from "./protocol/connection";
 import {toMouseState, toReplayAnswer, type ToolState} from "./protocol/messages";
 import {type FetchedScene, fetchHealth, fetchScene} from "./protocol/scene_fetch";
 import {AccessToken} from "./protocol/token";
+import {rememberInAddress} from "./ui/address";
 import {Announcer} from "./ui/announcer";
 import {Console} from "./ui/console";
 import {element, setOptions, setText} from "./ui/elements";
 import {listenForKeys} from "./ui/keys";
 import {Lesson} from "./ui/lesson";
+import {Notice} from "./ui/notice";
 import {Plots, type PlotTime} from "./ui/plots";
 import {QualityPick} from "./ui/quality_pick";
+import {Readout} from "./ui/readout";
+import {listenToPointer} from "./ui/pointer";
 import {ReplayControls} from "./ui/replay_controls";
 import {Tables} from "./ui/tables";
 import {ThemeSwitch} from "./ui/theme";
@@ -27,12 +29,12 @@ import {browserTokenHost} from "./ui/token_host";
 import {readPalette} from "./view/palette";
 import {drawsBySoftware} from "./view/renderer";
 import {type Cost, SceneView} from "./view/scene_view";
+import {ToolPointer} from "./view/tool_pointer";
 
 const kTickMs = 100; // plots and figures
 const kRetrySceneMs = 1000;
 const kWarmUp = 3;
 const kOldNewsS = 1; // what comes so soon after the link was opened was said before
-const kHintShownMs = 5000;
 /// The gateway is asked how it is this often; that also tells a link that only looks open.
 const kAskHealthMs = 4000;
 const kAnswerWithinMs = 3000;
@@ -64,18 +66,10 @@ export class App {
   private readonly canvas = element("view", HTMLCanvasElement);
   private readonly banner = element("banner", HTMLParagraphElement);
   private readonly loading = element("loading", HTMLParagraphElement);
-  private readonly hint = element("hint", HTMLParagraphElement);
   private readonly scenePick = element("scene", HTMLSelectElement);
   private readonly stationPick = element("station", HTMLSelectElement);
   private readonly toolPick = element("tool", HTMLSelectElement);
   private readonly takeButton = element("take", HTMLButtonElement);
-  private readonly forceText = element("force", HTMLOutputElement);
-  private readonly torqueText = element("torque", HTMLOutputElement);
-  private readonly depthText = element("depth", HTMLOutputElement);
-  private readonly contactsText = element("contacts", HTMLOutputElement);
-  private readonly sentence = element("sentence", HTMLParagraphElement);
-  private readonly readout = element("readout", HTMLDivElement);
-  private readonly touchedText = element("touched", HTMLOutputElement);
   private readonly level = element("level", HTMLInputElement);
   private readonly numbers = element("numbers", HTMLButtonElement);
   private readonly wholeButton = element("whole", HTMLButtonElement);
@@ -90,6 +84,9 @@ export class App {
   private readonly plots: Plots;
   private readonly tables = new Tables();
   private readonly console: Console;
+  private readonly notice = new Notice();
+  private readonly readout = new Readout();
+  private readonly toolPointer: ToolPointer;
   private readonly token = new AccessToken(browserTokenHost);
   private readonly lesson: Lesson;
   private readonly announcer: Announcer;
@@ -106,7 +103,6 @@ export class App {
   private allowsMice = true; // until the gateway says otherwise
   private isReplay = false;
   private wholeAsked = false;
-  private hintTimer: number | undefined;
   private moving = ""; // the stations that move
   private scene = "";
   private chosenScene = new URLSearchParams(location.search).get("scene") ?? "";
@@ -135,10 +131,14 @@ export class App {
       this.view.paint(readPalette());
       this.plots.build();
     });
+    const below = element("below", HTMLDivElement);
+    this.toolPointer = new ToolPointer(element("tool-pointer", HTMLButtonElement), below, () =>
+      this.lookAtAll(),
+    );
     this.view = new SceneView(
       this.canvas,
       element("labels", HTMLDivElement),
-      element("buttons", HTMLDivElement),
+      below,
       readPalette(),
       this.quality,
       !bySoftware || fixed === "full", // smoothed edges take a third of a processor's time
@@ -147,8 +147,11 @@ export class App {
     );
     this.qualityPick = new QualityPick(this.quality, rememberInAddress, () => this.view.resize());
     this.plots = new Plots(element("plots", HTMLDivElement));
-    this.lesson = new Lesson(this.readout, rememberInAddress, (student) =>
-      this.plots.showFor(student),
+    this.lesson = new Lesson(
+      this.readout.box,
+      rememberInAddress,
+      (student) => this.plots.showFor(student),
+      (goal) => this.connection.publish(kTopics.operate, {op: "goal", ...goal}),
     );
     const spoken = element("spoken", HTMLParagraphElement);
     this.announcer = new Announcer((sentence) => setText(spoken, sentence));
@@ -189,7 +192,7 @@ export class App {
 
     this.replayControls = new ReplayControls(this.world.replay, {
       publish: (message) => this.connection.publish(kTopics.replay, message),
-      say: (text, alarm) => this.showForAWhile(text, alarm),
+      say: (text, alarm) => this.notice.say(text, {alarm}),
     });
 
     this.console = new Console((op, station) =>
@@ -197,6 +200,7 @@ export class App {
     );
 
     this.listen(theme);
+    this.showHold();
     this.connection.start();
     // Beside the socket's handshake: the first picture need not wait for it.
     void this.askHealth();
@@ -271,6 +275,9 @@ export class App {
       case "sessions":
         this.staleWho = true;
         break;
+      case "goal":
+        if (scene === this.scene) this.showGoal();
+        break;
       case "scenes":
         this.chooseScene();
         break;
@@ -330,10 +337,14 @@ export class App {
       this.fetched.set(name, scene);
       if (name !== this.scene) return;
       if (scene !== have) this.showScene();
-      this.showHold(); // in place of what may have gone wrong before
+      this.showHold();
     } catch (error) {
       if (name !== this.scene) return;
-      this.showHint(error instanceof Error ? error.message : String(error), true);
+      const whileSo = (): boolean => name === this.scene && !this.fetched.has(name);
+      this.notice.say(error instanceof Error ? error.message : String(error), {
+        alarm: true,
+        whileSo,
+      });
       window.setTimeout(() => {
         if (name === this.scene && !this.fetched.has(name)) void this.loadScene(name);
       }, kRetrySceneMs);
@@ -350,8 +361,13 @@ export class App {
   private showScene(): void {
     const model = this.fetched.get(this.scene)?.model;
     this.quality.restart();
-    this.view.setScene(model, this.world.remainsOf(this.scene));
+    this.view.setScene(
+      model,
+      this.world.remainsOf(this.scene),
+      (tool) => this.world.lastMoverOf(this.scene, tool)?.track.latest?.graphic,
+    );
     this.view.resize();
+    this.showGoal();
     this.numbers.hidden = this.view.teeth === 0;
     this.showWhole();
     this.drawn = [];
@@ -370,6 +386,10 @@ export class App {
     if (atFinest) this.level.value = this.level.max;
     this.showHold();
     this.showLevel();
+  }
+
+  private showGoal(): void {
+    this.lesson.showGoal(this.scene, this.world.goalOf(this.scene));
   }
 
   private showTitle(): void {
@@ -447,12 +467,29 @@ export class App {
     if (this.dirty) {
       this.dirty = false;
       const drawn = this.view.render(startMs);
+      this.pointToTool();
       this.before = {drawn, atMs};
       if (this.view.draws && !this.view.isEmpty) this.countPicture(drawn, startMs);
       this.settleLater(startMs);
       this.wake(); // it tells by when the browser was ready for another one
     }
     if (catchingUp) this.wake();
+  }
+
+  /// To the one that this page may take, or has.
+  private pointToTool(): void {
+    const tools = this.fetched.get(this.scene)?.model.tools ?? [];
+    const index = Math.max(
+      0,
+      tools.findIndex(({name}) => name === this.toolPick.value),
+    );
+    const end = this.view.draws ? this.view.endOf(index) : undefined;
+    this.toolPointer.update(this.view.camera.eye, end, tools[index]?.name ?? "tool");
+  }
+
+  private lookAtAll(): void {
+    this.view.lookAtAll();
+    this.askFrame();
   }
 
   private countPicture(drawn: Drawn, startMs: number): void {
@@ -496,18 +533,12 @@ export class App {
     this.wakeWhereSomethingStops(now);
     const station = this.station;
     const state = station?.isMoving(now) ? station.track.latest : undefined;
-    this.readout.classList.toggle("idle", state === undefined);
-    setText(this.forceText, state ? figure(norm(state.forceN)) : "–");
-    setText(this.torqueText, state ? figure(1000 * norm(state.torqueNm), 1) : "–");
-    setText(this.depthText, state ? figure(1000 * depthM(state)) : "–");
-    setText(this.contactsText, state ? String(state.contacts) : "–");
-    const model = this.fetched.get(this.scene)?.model;
-    const touched = state && model ? touchedObjects(model, state.points) : [];
-    setText(this.touchedText, state ? touchedWords(touched) : "–");
+    const own = this.mouse.hold === "none" ? "" : this.mouse.station;
+    const sentence = this.readout.show(station, own, this.fetched.get(this.scene)?.model, now);
     this.lesson.show(state ? norm(state.forceN) : 0);
-    const sentence = statusSentence(state);
-    setText(this.sentence, sentence);
     const report = this.showLink();
+    // What one can do with a tool is nothing where none of it arrives.
+    this.notice.update(report.tone !== "alarm");
     this.announcer.offer(report.tone === "alarm" ? report.text : sentence, performance.now());
     this.showReplay(now);
     this.plots.update(station, this.plotTime(station, now));
@@ -578,7 +609,10 @@ export class App {
       sessions,
       scenes: this.world.scenes.size,
       refusal: this.refusal,
+      serverLives: this.world.serverLives,
+      compiling: this.world.compiling,
       mayTake: this.mayTake,
+      takes: this.mouse.hold !== "none",
       draws: this.view.draws,
       replay: this.replayPhase,
       recording: this.world.replay.name,
@@ -627,13 +661,7 @@ export class App {
     const full = !wantsToken && health.full;
     this.gateway = {saidS: nowS(), full, wantsToken, silences: 0};
     if (wantsToken) return;
-    this.world.receiveHealth(health.scenes, health.serverRun, nowS());
-  }
-
-  private showHint(text: string, alarm: boolean): void {
-    this.hint.hidden = text === "";
-    this.hint.classList.toggle("alarm", alarm);
-    setText(this.hint, text);
+    this.world.receiveHealth(health, nowS());
   }
 
   // --- the mouse ---
@@ -649,6 +677,7 @@ export class App {
     }
     // Of a replay nothing is to be decided: it has been.
     this.console.setVisible(this.mayOperate && !this.isReplay);
+    this.lesson.allow(this.mayOperate && !this.isReplay);
     this.showWhole();
   }
 
@@ -661,7 +690,7 @@ export class App {
   private makeWhole(): void {
     if (this.wholeButton.hidden || this.wholeButton.disabled) return;
     this.wholeAsked = true;
-    this.showHint("Asking the server to make it whole…", false);
+    this.notice.say("Asking the server to make it whole…");
     this.connection.publish(kTopics.mouse, {op: "whole", scene: this.scene});
   }
 
@@ -677,17 +706,12 @@ export class App {
       whole.refusal === ""
         ? `The ${scene} is whole again (${whole.by}).`
         : `It is not made whole: ${whole.refusal}.`;
-    this.showForAWhile(text, whole.refusal !== "");
-  }
-
-  private showForAWhile(text: string, alarm: boolean): void {
-    this.showHint(text, alarm);
-    window.clearTimeout(this.hintTimer);
-    this.hintTimer = window.setTimeout(() => this.showHold(), kHintShownMs);
+    this.notice.say(text, {alarm: whole.refusal !== ""});
   }
 
   private showHold(): void {
-    const {hold, message} = this.mouse;
+    const {hold} = this.mouse;
+    const message = this.mouse.takeMessage();
     const holding = hold === "holding";
     this.canvas.classList.toggle("holding", holding);
     this.takeButton.classList.toggle("holding", holding);
@@ -700,14 +724,24 @@ export class App {
     const help = matchMedia("(pointer: coarse)").matches
       ? "Drag to move, two fingers to push, pull and turn."
       : "Drag to move, wheel to push and pull, Shift-drag to turn, Esc to give it back.";
-    const words = message !== "" ? message : holding ? help : hold === "asking" ? "Asking…" : "";
-    this.showHint(words, message !== "" && !holding);
+    if (hold === "none" && message !== "") {
+      const {scene} = this;
+      const whileSo = (): boolean => this.mouse.hold === "none" && this.scene === scene;
+      this.notice.say(message, {alarm: true, whileSo});
+    }
+    this.notice.rest(hold === "none" ? "" : message || (holding ? help : "Asking…"));
+    this.notice.update(true);
     this.staleWho = true;
     if (holding) this.canvas.focus({preventScroll: true});
   }
 
   private takeOrRelease(): void {
     if (!this.mayTake) return;
+    if (!this.fetched.has(this.scene)) {
+      const whileSo = (): boolean => !this.fetched.has(this.scene);
+      this.notice.say("There is no tool yet: no server has told of its scene.", {whileSo});
+      return;
+    }
     if (this.mouse.hold !== "none") {
       this.mouse.release();
       return;
@@ -716,12 +750,30 @@ export class App {
     const holder = this.world.holderOf(this.scene, tool);
     // What does not move may be gone, or this page's own a moment ago: the server decides.
     if (holder?.isMoving(nowS()) && holder.id !== this.mouse.station) {
-      this.showHint(`'${holder.id}' holds the ${tool}. It is free once that station ends.`, true);
+      this.sayWhoHolds(holder, tool);
       return;
     }
     this.chosenScene = this.scene; // and stays there when the tool is given back
     this.chosenStation = "";
     this.mouse.take(this.scene, tool);
+  }
+
+  private sayWhoHolds(holder: Station, tool: string): void {
+    const {scene} = this;
+    const whileSo = (): boolean =>
+      this.scene === scene &&
+      holder.isMoving(nowS()) &&
+      this.world.holderOf(scene, tool) === holder;
+    const who = `'${holder.id}' holds the ${tool}.`;
+    if (!this.mayOperate) {
+      this.notice.say(`${who} It is free once that station ends.`, {alarm: true, whileSo});
+      return;
+    }
+    const run = (): void => {
+      this.connection.publish(kTopics.operate, {op: "take_back", station: holder.id});
+      this.notice.say("Asking the server to take it back…");
+    };
+    this.notice.say(who, {alarm: true, whileSo, action: {text: "Take it back", run}});
   }
 
   // --- controls ---
@@ -742,10 +794,7 @@ export class App {
         if (on && state) this.view.camera.toolAt(state.graphic.p);
         this.askFrame();
       },
-      reset: () => {
-        this.view.camera.reset();
-        this.askFrame();
-      },
+      reset: () => this.lookAtAll(),
       spheres: () => {
         const on = spheres.getAttribute("aria-pressed") !== "true";
         spheres.setAttribute("aria-pressed", String(on));
@@ -787,7 +836,7 @@ export class App {
       rememberInAddress("station", this.chosenStation);
     });
 
-    this.listenToPointer();
+    listenToPointer(this.canvas, this.mouse, this.view.camera.controls);
     // The tool's keys come first: while it is held, arrows move it and not the eye.
     this.canvas.addEventListener("keydown", (event) => {
       if (this.mouse.key(event)) event.preventDefault();
@@ -830,37 +879,6 @@ export class App {
     addEventListener("pagehide", () => this.mouse.release());
   }
 
-  private listenToPointer(): void {
-    const {canvas, mouse} = this;
-    const controls = this.view.camera.controls;
-    // In the capture phase, before the camera's own listeners.
-    const first = {capture: true};
-    canvas.addEventListener(
-      "pointerdown",
-      (event) => {
-        const isTools = mouse.pointerDown(event);
-        controls.enabled = !isTools;
-        if (isTools) canvas.setPointerCapture(event.pointerId);
-      },
-      first,
-    );
-    canvas.addEventListener("pointermove", (event) => void mouse.pointerMove(event), first);
-    const up = (event: PointerEvent): void => {
-      mouse.pointerUp(event);
-      controls.enabled = true;
-    };
-    canvas.addEventListener("pointerup", up);
-    canvas.addEventListener("pointercancel", up);
-    canvas.addEventListener(
-      "wheel",
-      (event) => {
-        if (mouse.wheel(event)) event.preventDefault();
-      },
-      {capture: true, passive: false},
-    );
-    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-  }
-
   private showLevel(): void {
     const on = element("spheres", HTMLButtonElement).getAttribute("aria-pressed") === "true";
     const level = Number(this.level.value);
@@ -876,18 +894,3 @@ type ToolNow = (
   scene: string,
   tool: string,
 ) => {pose: Pose; graphic: Pose; touches: boolean; centroid: Vec3};
-
-/// So that a teacher can hand on a link to what is seen.
-function rememberInAddress(name: string, value: string): void {
-  const url = new URL(location.href);
-  if (value === "") url.searchParams.delete(name);
-  else url.searchParams.set(name, value);
-  history.replaceState(null, "", url);
-}
-
-function pictureWords(model: SceneModel): string {
-  const tools = model.tools.map(({name}) => name).join(", ");
-  const [first] = model.objects;
-  const objects = model.objects.length === 1 ? first!.name : `${model.objects.length} objects`;
-  return `${model.name} in three dimensions: ${tools} touching ${objects}`;
-}

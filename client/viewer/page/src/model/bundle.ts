@@ -34,6 +34,7 @@ export interface Body {
   readonly materials: readonly Material[];
   readonly leafMaterial: Uint8Array; // empty: all leaves have the first
   readonly look: string; // what it is to look like; empty: what its material is
+  readonly margin: readonly Vec3[]; // of gum: closed, in its frame; empty: not known
   readonly ambient: Uint8Array; // share of the room that a vertex sees; empty: all see all
 }
 
@@ -118,6 +119,10 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
     leafMaterial: body.leafMaterialArray() ?? new Uint8Array(),
     look: body.look() ?? "",
     ambient: body.ambientArray() ?? new Uint8Array(),
+    margin: Array.from({length: body.marginLength()}, (_, i): Vec3 => {
+      const point = body.margin(i)!;
+      return [point.x(), point.y(), point.z()];
+    }),
   };
 }
 

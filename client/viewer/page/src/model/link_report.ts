@@ -1,4 +1,5 @@
 import type {LinkState} from "../protocol/connection";
+import type {Compiling} from "../protocol/scene_fetch";
 import type {ReplayPhase} from "./replay";
 
 /// What the banner says of the way from the server to this page.
@@ -17,7 +18,10 @@ export interface LinkFacts {
   readonly scenes: number; // that are known
   /// Why a gateway that answers lets no link come about, where that is so.
   readonly refusal: "none" | "full" | "this page" | "token";
+  readonly serverLives: boolean; // the one that the gateway last heard
+  readonly compiling: Compiling | undefined; // by a server that serves nothing yet
   readonly mayTake: boolean; // a tool, with the mouse
+  readonly takes: boolean; // this page asks for a tool, or has one
   readonly draws: boolean; // the browser has WebGL
   readonly replay: ReplayPhase;
   readonly recording: string; // its name, of a replay
@@ -87,6 +91,21 @@ export function linkReport(facts: LinkFacts): LinkReport {
         "What you see is the last of it.",
     };
   }
+  if (facts.compiling && (facts.scenes === 0 || !facts.serverLives)) {
+    const {scene, stage, done} = facts.compiling;
+    return {
+      tone: "info",
+      text:
+        `The server compiles ${scene} for the first time: ${Math.floor(100 * done)} %, ${stage}. ` +
+        "It shows as soon as it is done.",
+    };
+  }
+  if (facts.replay === "none" && facts.scenes > 0 && !facts.serverLives) {
+    return {
+      tone: "alarm",
+      text: "No server is there: the last one has gone. What you see is the last of it.",
+    };
+  }
   const since = Math.max(facts.lastStateS, facts.openedS);
   // A replay may stand still, and hold moments at which nothing moved.
   const quiet = facts.replay === "none" && facts.nowS - since >= kSilenceS;
@@ -111,9 +130,12 @@ export function linkReport(facts: LinkFacts): LinkReport {
   if (!facts.draws) {
     return {tone: "info", text: "No picture: this browser has no WebGL. The figures are live."};
   }
-  if (!quiet) return {tone: "none", text: ""};
+  if (!quiet || facts.takes) return {tone: "none", text: ""};
   if (facts.scenes === 0) {
-    return {tone: "info", text: "The gateway is there, but no server has told it of a scene yet."};
+    return {
+      tone: "info",
+      text: "The gateway is there and waits: no server has told it of a scene yet.",
+    };
   }
   const how = facts.mayTake ? "Start one, or take the tool with the mouse." : "Start one.";
   return {tone: "info", text: `No station is moving. ${how}`};

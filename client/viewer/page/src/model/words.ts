@@ -8,12 +8,14 @@ import {
   type StationStatistics,
   type ToolState,
 } from "../protocol/messages";
+import type {SceneModel} from "./bundle";
 import {norm, subtract} from "./pose";
 
 /// What the page says, in words that need no knowledge of the program.
 
-/// Depth of the hand past the surface [m].
-export const depthM = (state: ToolState): number => norm(subtract(state.graphic.p, state.haptic.p));
+/// How far the hand is past the surface that stops the tool [m].
+export const handPastM = (state: ToolState): number =>
+  norm(subtract(state.graphic.p, state.haptic.p));
 
 /// Three figures at most, as a person would say them.
 export function figure(value: number, digits = 2): string {
@@ -66,13 +68,17 @@ export function touchedWords(names: readonly string[]): string {
 }
 
 /// One sentence for those who do not see the picture.
-export function statusSentence(state: ToolState | undefined): string {
+/// @param probingM  how deep a probe's tip is below the gum's margin; undefined: it is no probe
+export function statusSentence(state: ToolState | undefined, probingM?: number): string {
   if (!state) return "No tool is moving.";
   if (state.contacts === 0) return "The tool is free.";
   const force = norm(state.forceN);
-  const depth = 1000 * depthM(state);
-  const pressed = `hand ${figure(depth, 1)} millimetres past the surface`;
-  return `Contact, ${figure(force, 1)} newtons, ${pressed}.`;
+  const past = `hand ${figure(1000 * handPastM(state), 1)} millimetres past the surface`;
+  const probing =
+    probingM === undefined
+      ? ""
+      : `, tip ${figure(1000 * probingM, 1)} millimetres below the margin`;
+  return `Contact, ${figure(force, 1)} newtons, ${past}${probing}.`;
 }
 
 /// common/step_fault.h, with what it means to who holds the tool.
@@ -312,6 +318,22 @@ export function sessionWords(session: SessionState): string {
   }
 }
 
+/// What of a session whoever feels, or sees, its forces has to know; empty: nothing.
+/// @param own  it is this page's
+export function stationNote(session: SessionState | undefined, own: boolean): string {
+  if (!session) return "";
+  const who = own ? "You are" : `${session.station} is`;
+  const hand = own ? "your hand" : "that hand";
+  if (session.phase === "held")
+    return `${who} waiting for a teacher to admit ${own ? "you" : "it"}.`;
+  if (!holdsTool(session)) return "";
+  if (session.muted) return `${who} muted by a teacher: no force reaches ${hand}.`;
+  if (session.phase === "acquiring") {
+    return `The tool starts ${figure(1000 * session.startDepthM, 1)} mm inside an object: no force until it is out.`;
+  }
+  return "";
+}
+
 /// The same for who decides about it.
 export function consoleWords(session: SessionState): string {
   return sessionWords(session) + (session.muted ? ", without forces" : "");
@@ -320,3 +342,11 @@ export function consoleWords(session: SessionState): string {
 /// True for a session that has its tool.
 export const holdsTool = (session: SessionState): boolean =>
   session.phase === "waiting" || session.phase === "acquiring" || session.phase === "active";
+
+/// What the picture shows, for those who do not see it.
+export function pictureWords(model: SceneModel): string {
+  const tools = model.tools.map(({name}) => name).join(", ");
+  const [first] = model.objects;
+  const objects = model.objects.length === 1 ? first!.name : `${model.objects.length} objects`;
+  return `${model.name} in three dimensions: ${tools} touching ${objects}`;
+}

@@ -1,12 +1,14 @@
 import {
   type LoopStatistics,
   type ReplayState,
+  type SceneGoal,
   type SceneWhole,
   type SessionState,
   type StationStatistics,
   toLoopStatistics,
   toReplayContents,
   toReplayState,
+  toSceneGoal,
   toSceneChange,
   toSceneWhole,
   toSessionState,
@@ -14,12 +16,13 @@ import {
   type ToolState,
   toToolState,
 } from "../protocol/messages";
+import type {Compiling, Health} from "../protocol/scene_fetch";
 import {History} from "./history";
 import {norm} from "./pose";
 import {PoseTrack, StreamClock} from "./pose_track";
 import {Remains} from "./remains";
 import {Replay} from "./replay";
-import {depthM, holdsTool} from "./words";
+import {handPastM, holdsTool} from "./words";
 
 export const kTopics = {
   toolState: "/palpate/tool_state",
@@ -35,6 +38,7 @@ export const kTopics = {
   replayState: "/palpate/replay_state",
   replayAnswer: "/palpate/replay_answer",
   operate: "/palpate/operate",
+  goal: "/palpate/goal",
 } as const;
 
 /// What the page itself publishes.
@@ -56,7 +60,7 @@ const kDeviceAliveS = 3;
 const kNoRun = "0";
 
 /// The figures that a station's history keeps, in this order.
-export const kFigures = ["force", "torque", "depth", "step"] as const;
+export const kFigures = ["force", "torque", "past", "step"] as const;
 
 export class Station {
   readonly track = new PoseTrack();
@@ -101,7 +105,7 @@ export class Station {
       timeS,
       norm(state.forceN),
       1000 * norm(state.torqueNm),
-      1000 * depthM(state),
+      1000 * handPastM(state),
       state.stepUs,
     );
   }
@@ -154,6 +158,7 @@ export type Change =
   | "scenes"
   | "remains"
   | "whole"
+  | "goal"
   | "replay"
   | "serverRun";
 
@@ -162,8 +167,11 @@ export class World {
   readonly stations = new Map<string, Station>();
   scenes: ReadonlySet<string> = new Set(); // by name: those that the gateway has
   lastStateS = -Infinity;
+  serverLives = true; // as far as the gateway says
+  compiling: Compiling | undefined; // by a server that serves nothing yet
   readonly replay = new Replay();
   private readonly remains = new Map<string, Remains>(); // by scene
+  private readonly goals = new Map<string, SceneGoal>(); // by scene
   private readonly wholes = new Map<string, SceneWhole>(); // by scene
   private nowS = -Infinity; // when something was last heard
   private serverRun = "";
@@ -198,6 +206,12 @@ export class World {
       case kTopics.sessionState:
         this.receiveSession(toSessionState(value));
         break;
+      case kTopics.goal: {
+        const goal = toSceneGoal(value);
+        this.goals.set(goal.scene, goal);
+        this.changed("goal", goal.scene);
+        break;
+      }
       case kTopics.sceneChange: {
         const change = toSceneChange(value);
         if (!this.isOfServer(change.serverRun)) break;
@@ -217,8 +231,11 @@ export class World {
   }
 
   /// What the gateway says of itself: its scenes, and which server they are of.
-  receiveHealth(scenes: readonly string[], serverRun: string, nowS = this.nowS): void {
+  receiveHealth(health: Health, nowS = this.nowS): void {
+    const {scenes, serverRun} = health;
     this.nowS = nowS;
+    this.serverLives = health.serverLives;
+    this.compiling = health.compiling;
     if (!this.isOfServer(serverRun)) return;
     const same =
       scenes.length === this.scenes.size && scenes.every((name) => this.scenes.has(name));
@@ -238,6 +255,11 @@ export class World {
     let remains = this.remains.get(scene);
     if (!remains) this.remains.set(scene, (remains = new Remains()));
     return remains;
+  }
+
+  /// What a teacher has set there; undefined: nothing.
+  goalOf(scene: string): SceneGoal | undefined {
+    return this.goals.get(scene);
   }
 
   /// What was last said of making it whole.

@@ -27,7 +27,7 @@ const kWheelMetresPerPixel = 0.25; // of what a drag of as many pixels would do
 /// A tool in the hand of who has none: takes one through the gateway and moves it by the pointer.
 export class MouseDevice {
   hold: Hold = "none";
-  message = "";
+  private message = "";
   station = "";
   private scene = "";
   private tool = "";
@@ -53,6 +53,13 @@ export class MouseDevice {
     this.message = "";
     this.waitFor("The gateway did not answer.", kAnswerWithinMs);
     this.host.changed();
+  }
+
+  /// What is to be said of the tool that it has, asks for, or, once, no longer has.
+  takeMessage(): string {
+    const message = this.message;
+    if (this.hold === "none") this.message = "";
+    return message;
   }
 
   release(): void {

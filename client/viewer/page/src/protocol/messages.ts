@@ -102,6 +102,13 @@ export interface SceneWhole {
   readonly refusal: string;
 }
 
+/// What a teacher has set for a scene, for everybody who looks at it.
+export interface SceneGoal {
+  readonly scene: string;
+  readonly text: string;
+  readonly limitN: number; // 0: none
+}
+
 /// What became of the page's own wish to take a tool.
 export interface MouseState {
   readonly station: string;
@@ -294,6 +301,15 @@ export function toSceneWhole(value: unknown): SceneWhole {
     request: fields.id("request"),
     by: fields.text("by"),
     refusal: fields.text("refusal"),
+  };
+}
+
+export function toSceneGoal(value: unknown): SceneGoal {
+  const fields = new Fields(value);
+  return {
+    scene: fields.text("scene"),
+    text: fields.text("text"),
+    limitN: fields.number("limit_N"),
   };
 }
 

@@ -37,6 +37,24 @@ export interface Health {
   readonly scenes: readonly string[];
   readonly serverRun: string;
   readonly full: boolean; // takes no more viewers
+  readonly serverLives: boolean; // the one that it last heard
+  readonly compiling: Compiling | undefined;
+}
+
+/// What a server does that serves nothing yet.
+export interface Compiling {
+  readonly scene: string;
+  readonly stage: string;
+  readonly done: number; // 0 to 1
+}
+
+function toCompiling(value: unknown): Compiling | undefined {
+  if (typeof value !== "object" || value === null) return undefined;
+  const {scene, stage, done} = value as Record<string, unknown>;
+  if (typeof scene !== "string" || typeof stage !== "string" || typeof done !== "number") {
+    return undefined;
+  }
+  return {scene, stage, done};
 }
 
 /// undefined where it does not answer; "token" where it wants one, or another one.
@@ -51,9 +69,12 @@ export async function fetchHealth(
     if (!response.ok) return undefined;
     const said = parseObject(await response.text());
     const {scenes, server_run: run, viewers, max_viewers: most} = said ?? {};
+    const {server_lives: lives, compiling} = said ?? {};
     return {
       scenes: Array.isArray(scenes) ? scenes.filter((name) => typeof name === "string") : [],
       serverRun: typeof run === "string" ? run : "0",
+      serverLives: lives !== false, // a gateway of before does not say
+      compiling: toCompiling(compiling),
       full: typeof viewers === "number" && typeof most === "number" && viewers >= most,
     };
   } catch {

@@ -1,26 +1,30 @@
+import type {SceneGoal} from "../protocol/messages";
 import {element, setText} from "./elements";
 
-/// Who looks: a student, who needs force, depth, what is touched and a goal, or a teacher, who sees
-/// all and sets the goal.  View, goal and limit stand in the address, which hands them on.
+/// Who looks: a student, who needs force, what is touched and a goal, or a teacher, who sees all and
+/// sets the goal.  The view stands in the address, which hands it on; the goal is the scene's, and the
+/// gateway tells it to everybody.
 export class Lesson {
   private readonly button = element("audience", HTMLButtonElement);
   private readonly goal = element("goal", HTMLParagraphElement);
+  private readonly section = element("goal-section", HTMLElement);
+  private readonly title = element("goal-title", HTMLHeadingElement);
   private readonly text = element("goal-text", HTMLInputElement);
   private readonly limit = element("goal-limit", HTMLInputElement);
+  private scene = "";
+  private limitN = Infinity;
 
   constructor(
     private readonly readout: HTMLElement,
     private readonly remember: (name: string, value: string) => void,
     private readonly audienceChanged: (student: boolean) => void,
+    private readonly set: (goal: {scene: string; text: string; limit_N: number}) => void,
   ) {
-    const given = new URLSearchParams(location.search);
-    this.text.value = given.get("goal") ?? "";
-    this.limit.value = given.get("limit") ?? "";
-    this.setStudent(given.get("view") === "student");
+    this.setStudent(new URLSearchParams(location.search).get("view") === "student");
     this.button.addEventListener("click", () => this.switchAudience());
-    this.text.addEventListener("input", () => this.goalChanged());
-    this.limit.addEventListener("input", () => this.goalChanged());
-    this.showGoal();
+    for (const input of [this.text, this.limit]) {
+      input.addEventListener("change", () => this.goalSet());
+    }
   }
 
   switchAudience(): void {
@@ -29,13 +33,29 @@ export class Lesson {
     this.remember("view", student ? "student" : "");
   }
 
+  /// Whether this page may set a goal.
+  allow(may: boolean): void {
+    this.section.hidden = !may;
+  }
+
   show(forceN: number): void {
     this.readout.classList.toggle("over", forceN > this.limitN);
   }
 
-  private get limitN(): number {
-    const value = Number.parseFloat(this.limit.value);
-    return value > 0 ? value : Infinity;
+  /// @param goal  of that scene; undefined: it has none
+  showGoal(scene: string, goal: SceneGoal | undefined): void {
+    const another = scene !== this.scene;
+    this.scene = scene;
+    setText(this.title, scene === "" ? "The goal" : `The goal of ${scene}`);
+    const text = goal?.text ?? "";
+    this.limitN = goal && goal.limitN > 0 ? goal.limitN : Infinity;
+    const limit = Number.isFinite(this.limitN) ? String(this.limitN) : "";
+    // What somebody is writing just now is his.
+    if (another || document.activeElement !== this.text) this.text.value = text;
+    if (another || document.activeElement !== this.limit) this.limit.value = limit;
+    const words = [text, limit === "" ? "" : `at most ${limit} N`].filter((part) => part !== "");
+    this.goal.hidden = words.length === 0;
+    setText(this.goal, words.length === 0 ? "" : `Goal: ${words.join(", ")}`);
   }
 
   private setStudent(student: boolean): void {
@@ -44,16 +64,9 @@ export class Lesson {
     this.audienceChanged(student);
   }
 
-  private goalChanged(): void {
-    this.remember("goal", this.text.value.trim());
-    this.remember("limit", Number.isFinite(this.limitN) ? this.limit.value : "");
-    this.showGoal();
-  }
-
-  private showGoal(): void {
-    const most = Number.isFinite(this.limitN) ? `at most ${this.limitN} N` : "";
-    const words = [this.text.value.trim(), most].filter((part) => part !== "").join(", ");
-    this.goal.hidden = words === "";
-    setText(this.goal, words === "" ? "" : `Goal: ${words}`);
+  private goalSet(): void {
+    const limit = Number.parseFloat(this.limit.value);
+    const limit_N = limit > 0 ? limit : 0;
+    this.set({scene: this.scene, text: this.text.value.trim(), limit_N});
   }
 }

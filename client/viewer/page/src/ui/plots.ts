@@ -15,7 +15,7 @@ interface PlotKind {
 const kKinds: Readonly<Record<(typeof kFigures)[number], PlotKind>> = {
   force: {title: "Force", unit: "N", colour: "force", least: 0.5},
   torque: {title: "Torque", unit: "mN·m", colour: "torque", least: 5},
-  depth: {title: "Hand past the surface", unit: "mm", colour: "depth", least: 0.5},
+  past: {title: "Hand past the surface", unit: "mm", colour: "past", least: 0.5},
   step: {title: "Time for a step", unit: "µs", colour: "step", least: 20},
 };
 
@@ -37,9 +37,9 @@ export class Plots {
     new ResizeObserver(() => this.resize()).observe(parent);
   }
 
-  /// A student needs force and depth alone.
+  /// A student needs force and what it presses in alone.
   showFor(student: boolean): void {
-    this.wanted = student ? ["force", "depth"] : kFigures;
+    this.wanted = student ? ["force", "past"] : kFigures;
     this.build();
   }
 

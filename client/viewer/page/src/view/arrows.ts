@@ -12,13 +12,13 @@ import {
   Vector3,
 } from "three";
 
-import {norm, type Vec3} from "../model/pose";
+import {norm, scale, subtract, type Vec3} from "../model/pose";
 import type {ContactPoint} from "../protocol/messages";
 
 /// Force and torque as arrows that show through everything, each with a halo that sets it off.  The
 /// tool shows through them in turn.  Lengths follow one rule, so that the contacts' arrows add up to
 /// the force's, up to the longest that a picture has room for.
-const kLengthPerNewton = 0.3; // of the scene's radius
+const kLengthPerNewton = 0.4; // of the first sight's radius
 const kLongest = 0.6;
 const kOpacity = 0.72;
 const kHaloOpacity = 0.3;
@@ -52,7 +52,7 @@ class Arrow {
   private readonly halos: MeshBasicMaterial[] = [];
   private readonly parts: {shaft: Mesh; head: Mesh; grown: number}[] = [];
 
-  /// @param thickness  of the shaft, as a share of the scene's radius
+  /// @param thickness  of the shaft, as a share of that radius
   constructor(
     private readonly thickness: number,
     order: number,
@@ -90,7 +90,15 @@ class Arrow {
   }
 }
 
-/// Three quarters of a circle about the torque's axis, right-handed.
+/// Of the torque's circle, as a share of that radius: it grows with the torque, and across it is
+/// no longer than the arrow of the force that a hand can tell, a third of a newton.
+const kRingAtOne = 0.09; // where a newton at that radius would give that torque
+const kLeastRing = 0.05;
+const kLargestRing = 0.066;
+const kRingGap = 1.35; // from the force's foot to the circle's middle, of its radius
+
+/// Three quarters of a circle about the torque's axis, right-handed.  It stands behind the force's foot,
+/// so that neither covers the other.
 class TorqueArrow {
   readonly group = new Group();
   private readonly colours: MeshBasicMaterial[] = [];
@@ -99,10 +107,10 @@ class TorqueArrow {
   constructor(order: number) {
     const arc = 1.5 * Math.PI;
     for (const halo of [true, false]) {
-      const tube = halo ? 0.075 : 0.05;
+      const tube = halo ? 0.15 : 0.1;
       const ring = layered(new TorusGeometry(1, tube, 12, 64, arc), order + (halo ? 0 : 1));
       const grown = halo ? 0.05 : 0;
-      const cone = new ConeGeometry(0.16 + grown, 0.36 + 2 * grown, 24).translate(0, 0.1, 0);
+      const cone = new ConeGeometry(0.28 + grown, 0.6 + 2 * grown, 24).translate(0, 0.15, 0);
       const head = layered(cone, order + (halo ? 0 : 1));
       head.mesh.position.set(Math.cos(arc), Math.sin(arc), 0);
       head.mesh.rotation.z = arc; // +y of the cone along the tangent
@@ -116,16 +124,19 @@ class TorqueArrow {
     paintAll(this.halos, halo, kHaloOpacity);
   }
 
-  /// A newton at the scene's radius gives a circle of kAtOne of it; area goes with torque.
-  set(at: Vec3, torqueNm: Vec3, radiusM: number): void {
-    const kAtOne = 0.35;
+  /// Area goes with torque.
+  set(at: Vec3, forceN: Vec3, torqueNm: Vec3, radiusM: number): void {
     const share = norm(torqueNm) / Math.max(1e-9, radiusM);
     this.group.visible = share > 0.003;
     if (!this.group.visible) return;
-    this.group.position.set(...at);
+    const ringM =
+      radiusM * Math.min(kLargestRing, Math.max(kLeastRing, kRingAtOne * Math.sqrt(share)));
+    const newtons = norm(forceN);
+    const backM = newtons < kWeakestN ? 0 : kRingGap * ringM;
+    this.group.position.set(...subtract(at, scale(forceN, backM / Math.max(1e-9, newtons))));
     const axis = new Vector3(...torqueNm).normalize();
     this.group.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), axis));
-    this.group.scale.setScalar(radiusM * Math.min(0.6, kAtOne * Math.sqrt(share)));
+    this.group.scale.setScalar(ringM);
   }
 }
 
@@ -134,13 +145,13 @@ const kMostContacts = 16;
 /// All that is drawn of a tool's forces.
 export class ForceMarks {
   readonly group = new Group();
-  private readonly force = new Arrow(0.016, 30);
+  private readonly force = new Arrow(0.01, 30);
   private readonly torque = new TorqueArrow(20);
   private readonly contacts: {arrow: Arrow; dot: Mesh; material: MeshBasicMaterial}[] = [];
 
   constructor() {
     for (let i = 0; i < kMostContacts; i++) {
-      const arrow = new Arrow(0.008, 40);
+      const arrow = new Arrow(0.005, 40);
       const {mesh: dot, material} = layered(kBall, 42);
       this.contacts.push({arrow, dot, material});
       this.group.add(arrow.group, dot);
@@ -165,7 +176,7 @@ export class ForceMarks {
     radiusM: number,
   ): void {
     this.force.set(at, forceN, radiusM);
-    this.torque.set(at, torqueNm, radiusM);
+    this.torque.set(at, forceN, torqueNm, radiusM);
     this.contacts.forEach(({arrow, dot}, i) => {
       const point = points[i];
       dot.visible = point !== undefined;
@@ -174,7 +185,7 @@ export class ForceMarks {
       // One contact's arrow would be the force's own.
       if (points.length > 1) arrow.set(point.positionM, point.forceN, radiusM);
       dot.position.set(...point.positionM);
-      dot.scale.setScalar(radiusM * (0.01 + 0.012 * Math.min(1, Math.sqrt(norm(point.forceN)))));
+      dot.scale.setScalar(radiusM * (0.007 + 0.008 * Math.min(1, Math.sqrt(norm(point.forceN)))));
     });
   }
 }

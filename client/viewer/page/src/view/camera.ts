@@ -6,14 +6,13 @@ import type {Vec3} from "../model/pose";
 import type {ViewFrame} from "../mouse/tool_motion";
 
 const kFieldOfViewDeg = 32;
-/// From where one looks at first: a little from the right and above.
-export const kUsualSight: Vec3 = [0.32, 0.3, 1];
 
 /// The eye: orbits what it looks at, follows the tool if asked to, and comes back.
 export class Camera {
   readonly eye = new PerspectiveCamera(kFieldOfViewDeg);
   readonly controls: OrbitControls;
   following = false;
+  untouched = true; // nobody has turned it since it was framed
   private centre = new Vector3();
   private radiusM = 0.1;
   private from = new Vector3();
@@ -29,6 +28,7 @@ export class Camera {
     this.controls.dampingFactor = 0.12;
     this.controls.rotateSpeed = 0.8;
     this.controls.addEventListener("change", moved);
+    this.controls.addEventListener("start", () => (this.untouched = false));
   }
 
   /// Sets what a reset shows.
@@ -38,10 +38,7 @@ export class Camera {
     this.radiusM = radiusM;
     this.controls.minDistance = 0.3 * radiusM;
     this.controls.maxDistance = 20 * radiusM;
-    this.reset();
-  }
-
-  reset(): void {
+    this.untouched = true;
     this.lastTool = undefined;
     const narrow = Math.min(1, this.eye.aspect);
     const half = Math.atan(Math.tan(MathUtils.degToRad(kFieldOfViewDeg / 2)) * narrow);
@@ -77,6 +74,7 @@ export class Camera {
 
   /// Turns about the target, or comes nearer: for keys.
   nudge(azimuth: number, polar: number, zoom: number): void {
+    this.untouched = false;
     const offset = this.eye.position.clone().sub(this.controls.target);
     const distance = MathUtils.clamp(
       offset.length() * zoom,

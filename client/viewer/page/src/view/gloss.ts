@@ -7,6 +7,7 @@ import {
   LinearFilter,
   MeshMatcapMaterial,
   RGBAFormat,
+  type WebGLProgramParametersWithUniforms,
 } from "three";
 
 import type {Vec3} from "../model/pose";
@@ -98,8 +99,36 @@ export function glossy(look: Look): MeshMatcapMaterial {
       "vec3 outgoingLight = diffuseColor.rgb * matcapColor.rgb;",
       "vec3 outgoingLight = diffuseColor.rgb * matcapColor.rgb + matcapColor.a * vColor.a;",
     );
+    if (look.marks) addMarks(shader);
   };
   return material;
+}
+
+/// A probe's marks after UNC-15, as far as it is straight: a line at each millimetre from its tip, and
+/// bands from 4 to 5 and from 9 to 10.  By place and not by vertex: the mesh stays the one that is felt.
+function addMarks(shader: WebGLProgramParametersWithUniforms): void {
+  shader.vertexShader = shader.vertexShader.replace(
+    "void main() {",
+    "varying float vFromTipMm;\nvoid main() {\n\tvFromTipMm = 1e3 * position.y;",
+  );
+  shader.fragmentShader = shader.fragmentShader
+    .replace(
+      "void main() {",
+      `varying float vFromTipMm;
+float band(float from, float to) {
+  float soft = max(1e-3, fwidth(vFromTipMm));
+  return smoothstep(from - soft, from + soft, vFromTipMm)
+       * (1.0 - smoothstep(to - soft, to + soft, vFromTipMm));
+}
+void main() {`,
+    )
+    .replace(
+      "vec3 outgoingLight",
+      `float mark = max(band(4.0, 5.0), band(9.0, 10.0));
+  for (int mm = 1; mm <= 10; mm++) mark = max(mark, band(float(mm) - 0.07, float(mm) + 0.07));
+  diffuseColor.rgb *= 1.0 - 0.88 * mark;
+  vec3 outgoingLight`,
+    );
 }
 
 /// The look's colours at each vertex, and in the fourth place how much of the room it sees.

@@ -8,6 +8,7 @@ export interface Look {
   readonly roughness: number; // 0: mirrors sharply
   readonly shine: number; // how much is mirrored
   readonly metal?: boolean; // what it mirrors has its colour, and it has no other
+  readonly marks?: boolean; // the millimetres of a periodontal probe, from its tip along y
   /// @param p  in mm.   @param n  unit.   @param highest  y of the body in mm
   tint(p: Vec3, n: Vec3, highest: number, out: Color): void;
 }
@@ -108,7 +109,9 @@ const steel: Look = {
   tint: (_, __, ___, out) => void out.copy(kSteel),
 };
 
-const kLooks: Readonly<Record<string, Look>> = {tooth, gum, tongue, face, calculus, steel};
+const probe: Look = {...steel, marks: true};
+
+const kLooks: Readonly<Record<string, Look>> = {tooth, gum, tongue, face, calculus, steel, probe};
 
 /// Undefined where there is none of that name: the body is drawn as what its material is.
 export const lookOf = (name: string): Look | undefined => kLooks[name];

@@ -1,6 +1,7 @@
 import {DirectionalLight, Group, HemisphereLight, Scene, type WebGLRenderer} from "three";
 
-import type {FirstSight, SceneModel} from "../model/bundle";
+import type {SceneModel} from "../model/bundle";
+import {endOf, firstSight, workOf} from "../model/first_sight";
 import {add, angleBetween, norm, type Pose, rotate, subtract, type Vec3} from "../model/pose";
 import {type Drawn, kDetails, type PictureQuality} from "../model/quality";
 import type {Remains} from "../model/remains";
@@ -8,7 +9,7 @@ import {middleOfPush} from "../model/touched";
 import type {ToolState} from "../protocol/messages";
 import {ForceMarks} from "./arrows";
 import {BodyMesh, place, SurfaceCache} from "./body_mesh";
-import {Camera, kUsualSight} from "./camera";
+import {Camera} from "./camera";
 import {Ghost} from "./ghost";
 import {ToothLabels} from "./labels";
 import type {Palette} from "./palette";
@@ -46,8 +47,11 @@ export class SceneView {
   private tools: ToolView[] = [];
   private clouds: {cloud: SphereCloud; body: BodyMesh; isLeaves: boolean; object: number}[] = [];
   private sphereLevel: number | undefined;
-  private radiusM = 0.1;
-  private sightM = 0.1; // radius of what is looked at first
+  private ends: Vec3[] = []; // of the tools, in their frames
+  private poses: Pose[] = []; // of the tools
+  private readonly met = new Set<number>(); // the tools of which it is known where they are
+  private radiusM = 0.1; // of the first sight
+  private sightM = 0.1; // radius of the work
   private coarserAsked = false;
   private sized = "";
   private screen = {width: 1, height: 1, pixels: 1}; // [points], [points], a point along a side
@@ -90,7 +94,12 @@ export class SceneView {
   }
 
   /// @param remains  what is left of it
-  setScene(model: SceneModel | undefined, remains: Remains | undefined): void {
+  /// @param toolNow  where a tool is, as far as that is known
+  setScene(
+    model: SceneModel | undefined,
+    remains: Remains | undefined,
+    toolNow: (name: string) => Pose | undefined,
+  ): void {
     this.clear();
     this.model = model;
     this.remains = remains;
@@ -115,10 +124,24 @@ export class SceneView {
     this.paint(this.palette);
     this.updateRemains();
     this.makeClouds();
-    this.radiusM = model.firstSight?.radiusM ?? objectsRadius(model);
-    const sight = model.firstSight ?? boundsOf(model);
-    this.sightM = sight.radiusM;
-    this.camera.frame(sight);
+    this.radiusM = firstSight(model, []).radiusM;
+    const work = workOf(model);
+    this.sightM = work.radiusM;
+    this.ends = model.tools.map((tool) => endOf(tool, work));
+    this.poses = model.tools.map(({name, pose}) => toolNow(name) ?? pose);
+    this.met.clear();
+    this.lookAtAll();
+  }
+
+  /// As at first: the work and the tools where they are now.
+  lookAtAll(): void {
+    if (this.model) this.camera.frame(firstSight(this.model, this.poses));
+  }
+
+  /// Where the end of a tool is that works, in W.
+  endOf(tool: number): Vec3 | undefined {
+    const [pose, end] = [this.poses[tool], this.ends[tool]];
+    return pose && end && pointOf(pose, end);
   }
 
   paint(palette: Palette): void {
@@ -164,8 +187,14 @@ export class SceneView {
   }
 
   setTool(name: string, state: ToolState): void {
-    const tool = this.tools.find(({body}) => body.body.name === name);
+    const index = this.tools.findIndex(({body}) => body.body.name === name);
+    const tool = this.tools[index];
     if (!tool) return;
+    this.poses[index] = state.graphic;
+    if (!this.met.has(index) && this.camera.untouched) {
+      this.met.add(index); // before now it was only known where it starts
+      this.lookAtAll();
+    }
     place(tool.body.group, state.graphic);
     place(tool.ghost.group, state.haptic);
     const {centroid, radiusM} = tool.body.body.geometry;
@@ -355,44 +384,3 @@ export class SceneView {
 }
 
 const pointOf = (pose: Pose, point: Vec3): Vec3 => add(pose.p, rotate(pose.q, point));
-
-/// How large a thing the scene is about.
-function objectsRadius(model: SceneModel): number {
-  return Math.max(1e-3, ...model.objects.map((body) => body.geometry.radiusM));
-}
-
-/// What a first look should hold: all objects, and the tools where they start; of long ones, which
-/// would make the rest small, their tips.
-function boundsOf(model: SceneModel): FirstSight {
-  const spheres = model.objects.map(sphereOf);
-  const around = enclose(spheres);
-  const tools = model.tools.map((tool) =>
-    tool.geometry.radiusM < 1.3 * around.radiusM
-      ? sphereOf(tool)
-      : {centre: tool.pose.p, radiusM: 0.15 * around.radiusM},
-  );
-  return {...enclose([...spheres, ...tools]), from: kUsualSight};
-}
-
-const sphereOf = (body: SceneModel["objects"][number]): {centre: Vec3; radiusM: number} => ({
-  centre: pointOf(body.pose, body.geometry.centre),
-  radiusM: body.geometry.radiusM,
-});
-
-function enclose(spheres: readonly {centre: Vec3; radiusM: number}[]): {
-  centre: Vec3;
-  radiusM: number;
-} {
-  if (spheres.length === 0) return {centre: [0, 0, 0], radiusM: 0.1};
-  const low = [0, 1, 2].map((i) => Math.min(...spheres.map((s) => s.centre[i]! - s.radiusM)));
-  const high = [0, 1, 2].map((i) => Math.max(...spheres.map((s) => s.centre[i]! + s.radiusM)));
-  const centre: Vec3 = [
-    (low[0]! + high[0]!) / 2,
-    (low[1]! + high[1]!) / 2,
-    (low[2]! + high[2]!) / 2,
-  ];
-  const radiusM = Math.max(
-    ...spheres.map((sphere) => norm(subtract(sphere.centre, centre)) + sphere.radiusM),
-  );
-  return {centre, radiusM};
-}

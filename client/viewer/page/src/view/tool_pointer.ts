@@ -1,0 +1,34 @@
+import {MathUtils, type PerspectiveCamera, Vector3} from "three";
+
+import {edgePlace} from "../model/edge_place";
+import type {Vec3} from "../model/pose";
+
+const kHalf = 22; // of the arrow [pixels], as style.css has it
+
+/// An arrow at the picture's edge where the tool is beyond it; pressed, it brings it back.
+export class ToolPointer {
+  /// @param buttons  along the picture's lower edge
+  constructor(
+    private readonly button: HTMLButtonElement,
+    private readonly buttons: HTMLElement,
+    bringBack: () => void,
+  ) {
+    button.addEventListener("click", bringBack);
+  }
+
+  /// @param end  of the tool, that works, in W; undefined: there is none
+  update(eye: PerspectiveCamera, end: Vec3 | undefined, name: string): void {
+    const {clientWidth: width, clientHeight: height} = this.button.parentElement!;
+    const at = end && new Vector3(...end).applyMatrix4(eye.matrixWorldInverse);
+    const room = {width, height: this.buttons.offsetTop};
+    const tan = Math.tan(MathUtils.degToRad(0.5 * eye.fov));
+    const place = at && edgePlace([at.x, at.y, at.z], tan, room, height, kHalf);
+    this.button.hidden = place === undefined;
+    if (!place) return;
+    const words = `The ${name} is out of the picture: show it`;
+    if (this.button.title !== words) this.button.title = this.button.ariaLabel = words;
+    this.button.style.transform =
+      `translate(${(place.x - kHalf).toFixed(1)}px, ${(place.y - kHalf).toFixed(1)}px) ` +
+      `rotate(${place.angle.toFixed(3)}rad)`;
+  }
+}
