@@ -266,10 +266,10 @@ void SessionLink::OnSilence(std::int64_t now_ns) {
   silent_since_ns_ = now_ns;
   if (!silence_said_) say_("no replies for 1 s: forces are zero until they come again");
   silence_said_ = true;
-  // What another server has answered to this run is lost: it is to answer the next.
-  if (others_heard_) return Ask(now_ns);
-  if (wrenches_.matched_writers() == 0)
-    return;  // nobody there: its successor will find our request
+  // What another server has answered to this run is lost: it is to answer the next.  And who has
+  // taken its writer away has no session of this run any more, whether or not its word on that
+  // came.
+  if (others_heard_ || wrenches_.matched_writers() == 0) return Ask(now_ns);
   if (readers_made_ < kReadersPerRun) {
     Try([this] { MakeReader(); }, now_ns);
     return;

@@ -213,6 +213,16 @@ TEST(SessionLink, AsksAgainWhenTheServerEndsTheSession) {
   EXPECT_EQ(server.sessions(), 2);
 }
 
+TEST(SessionLink, AsksAgainWhereTheServersLastWordWasLost) {
+  FakeServer server(kDomain, kUdp);
+  Station station;
+  ASSERT_TRUE(station.UntilForce(2.0));
+  server.ForgetSession();
+  ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == 1; }));
+  EXPECT_TRUE(station.UntilForce(2.0));
+  EXPECT_EQ(server.sessions(), 2);
+}
+
 TEST(SessionLink, TakesTheForceOutWhileItIsMutedAndFollowsTheHand) {
   FakeServer server(kDomain, kUdp);
   Station station;
