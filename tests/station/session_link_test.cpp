@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/station/served_tools.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/time/steady_clock.h"
@@ -118,6 +119,19 @@ TEST(SessionLink, SaysWhenNoServerAnswers) {
     EXPECT_NE(std::string(error.what()).find("no server answers in domain " + kNumber),
               std::string::npos);
     EXPECT_NE(std::string(error.what()).find("palpate-server --scene floor"), std::string::npos);
+  }
+}
+
+TEST(SessionLink, SaysThatTheServerIsOfAnotherVersion) {
+  const dds::Participant participant = dds::Participant::Service(kDomain);
+  const dds::Writer<wire::ToolState> others(participant, dds::kSessionStateTopic,
+                                            dds::Qos::kSession);
+  Station station(0.2);
+  try {
+    station.Until([] { return false; });
+    FAIL() << "waited for ever";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.what(), AnotherVersionIsThere(kDomain));
   }
 }
 
