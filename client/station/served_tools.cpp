@@ -19,7 +19,7 @@ namespace {
 class OfferReader {
  public:
   explicit OfferReader(const dds::Participant& service)
-      : reader_(service, dds::kSceneOfferTopic, dds::Qos::kSession) {}
+      : service_(service), reader_(service, dds::kSceneOfferTopic, dds::Qos::kSession) {}
   ~OfferReader() { dds::FreeContents(offer_); }
 
   bool Take() {
@@ -28,11 +28,16 @@ class OfferReader {
     while (reader_.Take(raw, offer_)) any = true;
     return any;
   }
+  /// Somebody offers what this program cannot read.
+  bool is_of_another_version() const {
+    return reader_.matched_writers() == 0 && dds::WriterDiscovered(service_, dds::kSceneOfferTopic);
+  }
   std::span<const wire::OfferedScene> scenes() const {
     return {offer_.scenes._buffer, offer_.scenes._length};
   }
 
  private:
+  const dds::Participant& service_;
   dds::CdrReader<wire::SceneOffer> reader_;
   wire::SceneOffer offer_{};
 };
@@ -83,7 +88,9 @@ std::vector<OfferedTool> AskForTools(const dds::Participant& service, const AskO
       SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * options.wait_s);
   while (!offer.Take()) {
     if (SteadyNanoseconds() > until_ns) {
-      throw Error(NobodyAnswers(options.domain, options.network, scene));
+      throw Error(offer.is_of_another_version()
+                      ? AnotherVersionIsThere(options.domain)
+                      : NobodyAnswers(options.domain, options.network, scene));
     }
     if (wait(std::chrono::milliseconds(10))) return {};
   }
@@ -119,6 +126,13 @@ std::string NobodyAnswers(int domain, const dds::Network& network, const std::st
          start +
          " --network INTERFACE' there; where the network carries no multicast, give --peer ADDRESS "
          "here or there";
+}
+
+std::string AnotherVersionIsThere(int domain) {
+  return "a server runs in domain " + std::to_string(domain) +
+         ", and is of another version than this program (" PALPATE_VERSION
+         "): neither hears the other; install the same version on both, or give the --domain of "
+         "another server";
 }
 
 }  // namespace palpate

@@ -59,5 +59,8 @@ const OfferedTool& Meant(const std::vector<OfferedTool>& tools, const std::strin
 
 /// The message where no server answers: what to do.
 std::string NobodyAnswers(int domain, const dds::Network& network, const std::string& scene);
+/// The message where one is there whose samples are of other types than this program's, so that
+/// DDS passes none between the two.
+std::string AnotherVersionIsThere(int domain);
 
 }  // namespace palpate

@@ -156,9 +156,14 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
   if (!state_) {
     const double asked_s = 1e-9 * static_cast<double>(now_ns - phase_since_ns_);
     if (links_ == 0 && asked_s > options_.patience_s) {
-      throw Error(NobodyAnswers(options_.domain, options_.network, options_.scene));
+      throw Error(HearsAnotherVersion()
+                      ? AnotherVersionIsThere(options_.domain)
+                      : NobodyAnswers(options_.domain, options_.network, options_.scene));
     }
-    AskAgain(now_ns);  // a server that is flooded with requests answers some of them only
+    // A server that is flooded with requests answers some of them only.
+    if (AskAgain(now_ns) && asked_s > options_.patience_s && HearsAnotherVersion()) {
+      throw Error(AnotherVersionIsThere(options_.domain));
+    }
     return;
   }
   if (state_->phase == palpate_SESSION_HELD) {
@@ -204,10 +209,16 @@ void SessionLink::PollAsking(std::int64_t now_ns) {
   phase_since_ns_ = now_ns;
 }
 
-void SessionLink::AskAgain(std::int64_t now_ns) {
-  if (now_ns - asked_ns_ <= kAskAgain_ns) return;
+bool SessionLink::AskAgain(std::int64_t now_ns) {
+  if (now_ns - asked_ns_ <= kAskAgain_ns) return false;
   asked_ns_ = now_ns;
   WriteRequest(false);
+  return true;
+}
+
+bool SessionLink::HearsAnotherVersion() const {
+  return (states_->matched_writers() == 0 || requests_.matched_readers() == 0) &&
+         dds::WriterDiscovered(*service_, dds::kSessionStateTopic);
 }
 
 void SessionLink::MakeReader() {
@@ -225,6 +236,10 @@ void SessionLink::PollMatching(std::int64_t now_ns) {
     return Ask(now_ns);
   }
   if (now_ns - phase_since_ns_ > kMatchPatience_ns) {
+    if (wrenches_ && wrenches_.matched_writers() == 0 &&
+        dds::WriterDiscovered(*loop_, dds::WrenchTopic(options_.station, run_))) {
+      throw Error(AnotherVersionIsThere(options_.domain));
+    }
     say_("the server accepted 5 s ago and is not found in the loop's domain: asking again");
     return Ask(now_ns);
   }
@@ -266,10 +281,10 @@ void SessionLink::OnSilence(std::int64_t now_ns) {
   silent_since_ns_ = now_ns;
   if (!silence_said_) say_("no replies for 1 s: forces are zero until they come again");
   silence_said_ = true;
-  // What another server has answered to this run is lost: it is to answer the next.
-  if (others_heard_) return Ask(now_ns);
-  if (wrenches_.matched_writers() == 0)
-    return;  // nobody there: its successor will find our request
+  // What another server has answered to this run is lost: it is to answer the next.  And who has
+  // taken its writer away has no session of this run any more, whether or not its word on that
+  // came.
+  if (others_heard_ || wrenches_.matched_writers() == 0) return Ask(now_ns);
   if (readers_made_ < kReadersPerRun) {
     Try([this] { MakeReader(); }, now_ns);
     return;

@@ -70,7 +70,10 @@ class SessionLink {
 
  private:
   void Ask(std::int64_t now_ns);
-  void AskAgain(std::int64_t now_ns);
+  /// True where it has: not too often.
+  bool AskAgain(std::int64_t now_ns);
+  /// A server is there with which no word can be exchanged.
+  bool HearsAnotherVersion() const;
   void TakeStates();
   /// True for the word of another than the server that holds the session and lives.
   bool IsForeign(std::uint64_t origin) const;

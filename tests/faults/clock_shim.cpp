@@ -11,6 +11,7 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <pthread.h>
+#include <semaphore.h>
 #include <sys/mman.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
@@ -70,6 +71,20 @@ std::int64_t WallNs() {
   return ToNs(time);
 }
 
+/// Waits by the stepped clock as a kernel does by its own.
+/// @param wait  until a time of the steady clock; gives an errno, or 0.
+template <class Wait>
+int WaitUntil(const timespec& until, const Wait& wait) {
+  for (;;) {
+    const std::int64_t left_ns = ToNs(until) - WallNs();
+    timespec right{};
+    RightTime(CLOCK_MONOTONIC, &right);
+    const timespec look = ToTime(ToNs(right) + std::clamp<std::int64_t>(left_ns, 0, kLook_ns));
+    const int result = wait(look);
+    if (result != ETIMEDOUT || left_ns <= 0) return result;
+  }
+}
+
 }  // namespace
 
 extern "C" {
@@ -102,15 +117,17 @@ int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex,
   if (until->tv_sec < kSince1970_s) {
     return pthread_cond_clockwait(condition, mutex, CLOCK_MONOTONIC, until);
   }
-  for (;;) {
-    const std::int64_t left_ns = ToNs(*until) - WallNs();
-    if (left_ns <= 0) return ETIMEDOUT;
-    timespec right{};
-    RightTime(CLOCK_MONOTONIC, &right);
-    const timespec look = ToTime(ToNs(right) + std::min(left_ns, kLook_ns));
-    const int result = pthread_cond_clockwait(condition, mutex, CLOCK_MONOTONIC, &look);
-    if (result != ETIMEDOUT) return result;
-  }
+  return WaitUntil(*until, [&](const timespec& look) {
+    return pthread_cond_clockwait(condition, mutex, CLOCK_MONOTONIC, &look);
+  });
+}
+
+int sem_timedwait(sem_t* semaphore, const timespec* until) {
+  const int error = WaitUntil(*until, [&](const timespec& look) {
+    return sem_clockwait(semaphore, CLOCK_MONOTONIC, &look) == 0 ? 0 : errno;
+  });
+  errno = error;
+  return error == 0 ? 0 : -1;
 }
 
 }  // extern "C"

@@ -33,7 +33,8 @@ class DeployScripts : public testing::Test {
     for (const std::string part : {"deploy/container", "deploy/cyclonedds"}) {
       fs::copy(kRoot / part, folder_ / part);
     }
-    for (const std::string file : {"deploy/lib.sh", "deploy/setup", "deploy/demo"}) {
+    for (const std::string file :
+         {"deploy/lib.sh", "deploy/setup", "deploy/demo", "deploy/package"}) {
       fs::copy(kRoot / file, folder_ / file);
     }
   }
@@ -91,6 +92,34 @@ TEST_F(DeployScripts, FetchAgainWhatWasInterrupted) {
   fs::remove(In("calls"));
   EXPECT_EQ(RunCommand(Command({In("deploy/setup"), "--for", "page"})).exit_code, 0);
   EXPECT_EQ(Calls(), "") << "what is whole is not fetched again";
+}
+
+TEST_F(DeployScripts, SayWhatAPackageLacksBeforeCPackDoes) {
+  StandIn("cpack", "");
+  const auto package = [&] {
+    const Output output = RunCommand(Command({In("deploy/package"), "--no-build"}));
+    EXPECT_EQ(output.exit_code, 1) << output.text;
+    EXPECT_THAT(Calls(), Not(HasSubstr("cpack")));
+    return output.text;
+  };
+  EXPECT_EQ(package(), "package: nothing is built in build/release yet: leave out --no-build\n");
+
+  Write("build/release/CPackConfig.cmake", "");
+  Write("build/page/index.html", "");
+  Write("build/release/bin/palpate-server", "");
+  Write("build/release/manuals/palpate-server.1.gz", "");
+  StandIn("ninja", "printf '%s\\n' server/main.cpp.o bin/palpate-server bin/palpate-bench\n");
+  EXPECT_EQ(
+      package(),
+      "package: not built in build/release yet: palpate-bench; leave out --no-build (--no-bench "
+      "goes without palpate-bench)\n");
+}
+
+TEST(ApiPages, SayWhatTheyNeed) {
+  const Output output = RunCommand({"/usr/bin/env", "PATH=/nowhere", "/usr/bin/cmake", "-P",
+                                    (kRoot / "server/library/pages/make.cmake").string()});
+  EXPECT_NE(output.exit_code, 0);
+  EXPECT_THAT(output.text, HasSubstr("deploy/setup --for tests installs it"));
 }
 
 /// deploy/container/run beside a podman that a test writes: no RouDi runs, nothing is to be

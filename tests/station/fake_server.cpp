@@ -84,10 +84,12 @@ void FakeServer::Run() {
       muted_ = station_mute_.load();
       Publish(palpate_SESSION_ACTIVE, "");
     }
-    if (end_session_.exchange(false)) {
+    const bool says_so = end_session_.exchange(false);
+    if (forget_session_.exchange(false) || says_so) {
       has_session_ = false;
       pose_reader_ = {};
-      Publish(palpate_SESSION_ENDED, "no pose came for more than 100 ms");
+      wrenches_ = {};
+      if (says_so) Publish(palpate_SESSION_ENDED, "no pose came for more than 100 ms");
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }

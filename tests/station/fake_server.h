@@ -30,6 +30,8 @@ class FakeServer {
   void Hold(bool on) { hold_.store(on); }
   /// Ends the session in words.
   void EndSession() { end_session_.store(true); }
+  /// Ends it without a word: as one whose word was lost.
+  void ForgetSession() { forget_session_.store(true); }
 
   std::uint64_t poses() const { return poses_.load(); }
   std::uint64_t last_sequence() const { return last_sequence_.load(); }
@@ -63,6 +65,7 @@ class FakeServer {
   std::atomic<bool> station_mute_{false};
   std::atomic<bool> hold_{false};
   std::atomic<bool> end_session_{false};
+  std::atomic<bool> forget_session_{false};
   std::atomic<std::uint64_t> poses_{0};
   std::atomic<std::uint64_t> last_sequence_{0};
   std::atomic<std::uint64_t> gaps_{0};

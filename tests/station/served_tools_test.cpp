@@ -1,5 +1,6 @@
 #include "client/station/served_tools.h"
 
+#include <chrono>
 #include <limits>
 #include <string>
 #include <vector>
@@ -109,6 +110,20 @@ TEST_F(Offering, NamesWhatThereIsWhereTheSceneIsNot) {
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("scene 'yours' is not served here; give --scene with one "
                                         "of: mine, other"));
+  }
+}
+
+TEST(AskForTools, SaysThatTheServerIsOfAnotherVersion) {
+  const dds::Participant server = dds::Participant::Service(kDomain);
+  const dds::Writer<wire::ToolState> others(server, dds::kSceneOfferTopic, dds::Qos::kSession);
+  const dds::Participant station = dds::Participant::Service(kDomain);
+  try {
+    AskForTools(station, {kDomain, {}, 0.1}, "cube",
+                [](std::chrono::nanoseconds) { return false; });
+    FAIL() << "what it cannot read is no offer";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.what(), AnotherVersionIsThere(kDomain));
+    EXPECT_THAT(error.what(), HasSubstr("of another version than this program (" PALPATE_VERSION));
   }
 }
 

@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/station/served_tools.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/time/steady_clock.h"
@@ -121,6 +122,19 @@ TEST(SessionLink, SaysWhenNoServerAnswers) {
   }
 }
 
+TEST(SessionLink, SaysThatTheServerIsOfAnotherVersion) {
+  const dds::Participant participant = dds::Participant::Service(kDomain);
+  const dds::Writer<wire::ToolState> others(participant, dds::kSessionStateTopic,
+                                            dds::Qos::kSession);
+  Station station(0.2);
+  try {
+    station.Until([] { return false; });
+    FAIL() << "waited for ever";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.what(), AnotherVersionIsThere(kDomain));
+  }
+}
+
 TEST(SessionLink, WaitsForAServerThatStartsLater) {
   Station station;
   EXPECT_FALSE(
@@ -210,6 +224,16 @@ TEST(SessionLink, AsksAgainWhenTheServerEndsTheSession) {
   server.EndSession();
   ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == 1; }));
   ASSERT_TRUE(station.UntilForce(2.0));
+  EXPECT_EQ(server.sessions(), 2);
+}
+
+TEST(SessionLink, AsksAgainWhereTheServersLastWordWasLost) {
+  FakeServer server(kDomain, kUdp);
+  Station station;
+  ASSERT_TRUE(station.UntilForce(2.0));
+  server.ForgetSession();
+  ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == 1; }));
+  EXPECT_TRUE(station.UntilForce(2.0));
   EXPECT_EQ(server.sessions(), 2);
 }
 

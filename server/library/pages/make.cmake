@@ -1,9 +1,13 @@
 # Makes the pages of the library's interface: cmake --build --preset release --target api-pages.
 #
-# Given: doxygen, source, version; generated, where headers that are made lie; out, the folder to fill.
+# Given: doxygen (looked for where it is not known), source, version; generated, where headers that are made lie; out, the folder to fill.
 # `also`: one more file to make pages of; the test of the warnings has one.
 # Headers are laid out as they are installed (install_headers.cmake), so that the pages' include lines are
 # those of a program.
+find_program(doxygen doxygen)
+if(NOT doxygen)
+  message(FATAL_ERROR "the pages need doxygen: deploy/setup --for tests installs it")
+endif()
 file(REMOVE_RECURSE ${out})
 file(MAKE_DIRECTORY ${out})
 set(folders ${source} ${generated})
