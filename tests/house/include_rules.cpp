@@ -46,6 +46,7 @@ const std::vector<Rule> kRules = {
     // The one place that names metrics, and that gives them to Prometheus: in its text format, by
     // Boost's HTTP server.
     {"common/metrics", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "Prometheus", "Boost"}},
+    {"common/boost_source.cpp", {}, {}, {"Boost"}},
     // What people write, for scenes and devices alike.
     {"common/json", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "nlohmann-json"}},
     {"scenes",
