@@ -9,12 +9,13 @@
 // time is read once, and waited for by the clock that nobody sets.
 //
 // Rejected: to look for steps and wake each library: one offers nothing to be woken by.
-#include <cstdint>
 #include <ctime>
 
 #include <pthread.h>
 #include <semaphore.h>
 
+// ThreadSanitizer has these names for itself, to see who waits for whom.
+#ifndef __SANITIZE_THREAD__
 namespace {
 
 /// A condition variable does not tell which clock it waits by.  The steady one counts from the
@@ -36,8 +37,6 @@ timespec Steady(const timespec& wall) noexcept {
 
 }  // namespace
 
-// ThreadSanitizer has these names for itself, to see who waits for whom.
-#ifndef __SANITIZE_THREAD__
 extern "C" {
 
 [[gnu::visibility("default")]] int pthread_cond_timedwait(pthread_cond_t* condition,
