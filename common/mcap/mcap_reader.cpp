@@ -81,6 +81,10 @@ class Fields {
   bool ok_ = true, too_long_ = false;
 };
 
+std::uint32_t Crc(std::span<const std::uint8_t> bytes) {
+  return static_cast<std::uint32_t>(crc32_z(0, bytes.data(), bytes.size()));
+}
+
 std::string At(std::size_t offset) {
   return " at byte " + std::to_string(offset);
 }
@@ -227,8 +231,7 @@ void Reader::OpenChunk(std::span<const std::uint8_t> content, std::size_t offset
         ZSTD_decompress(chunk_.data(), chunk_.size(), records.data(), records.size());
     if (ZSTD_isError(n)) problem = std::string("does not decompress: ") + ZSTD_getErrorName(n);
   }
-  if (problem.empty() && crc != 0 &&
-      crc != static_cast<std::uint32_t>(crc32_z(0, chunk_.data(), chunk_.size()))) {
+  if (problem.empty() && crc != 0 && crc != Crc(chunk_)) {
     problem = "has other bytes than were written (its checksum differs)";
   }
   chunk_at_ = 0;
@@ -280,12 +283,17 @@ bool Reader::Next(Message& message) {
       seen_ = std::max(seen_, at_);
     } else if (record.opcode == kDataEnd) {
       const auto crc = Fields(record.content).Take<std::uint32_t>();
-      if (crc != 0 && crc != static_cast<std::uint32_t>(crc32_z(0, bytes_.data(), offset))) {
-        Damaged(source_ + ": some of its bytes have changed since it was written");
+      bool changed = crc != 0 && crc != Crc(bytes_.first(offset));
+      // What follows repeats; all that matters is that its end is there, and that it is as written.
+      const auto index = bytes_.subspan(at_);
+      complete_ = index.size() >= kMagicSize + sizeof crc &&
+                  std::memcmp(&index[index.size() - kMagicSize], kMagic, kMagicSize) == 0;
+      if (complete_) {
+        const auto covered = index.first(index.size() - kMagicSize - sizeof crc);
+        const auto index_crc = Fields(index.subspan(covered.size())).Take<std::uint32_t>();
+        changed = changed || (index_crc != 0 && index_crc != Crc(covered));
       }
-      // What follows repeats; all that matters is that its end is there.
-      complete_ = bytes_.size() - at_ >= kMagicSize &&
-                  std::memcmp(&bytes_[bytes_.size() - kMagicSize], kMagic, kMagicSize) == 0;
+      if (changed) Damaged(source_ + ": some of its bytes have changed since it was written");
       if (complete_) {
         End();
       } else {

@@ -141,7 +141,8 @@ TEST(Trial, IsTheSameWhateverTheHandWaitsBeforeAndAfter) {
       EXPECT_EQ(numbers[i].second, again[i].second) << numbers[i].first;
     }
     Criteria criteria;
-    criteria.criteria = {{.measure = "force_over_share", .limit_N = 0.5}};
+    criteria.criteria = {
+        {.name = "soft", .why = "", .measure = "force_over_share", .limit_N = 0.5}};
     EXPECT_EQ(GradeTrial(criteria, of_a, a).marks[0].value,
               GradeTrial(criteria, of_b, b).marks[0].value);
   }

@@ -108,6 +108,7 @@ TEST_F(McapReaderTest, NeverGivesAChangedMessageWhateverBitIsFlipped) {
       ASSERT_EQ(std::vector<std::uint8_t>(message.data.begin(), message.data.end()),
                 DataOf(number));
     }
+    ASSERT_TRUE(reader.damaged() || !reader.complete()) << "whole, with another bit at " << at;
     if (read < kChunks * kPerChunk) {
       ++damaged;
       EXPECT_THAT(reader.problems(), testing::Not(IsEmpty())) << at;
