@@ -21,7 +21,7 @@ enum StepFault : std::uint32_t {
   kFaultRowsFull = 1u << 2,
   /// The rows contradict each other (a jam): all were relaxed by the same least amount.
   kFaultJammed = 1u << 3,
-  /// The QP did not end within its iterations; the graphic tool stays where it was, and the wrench
+  /// A QP did not end within its iterations, or not with numbers; the tool stays, and the wrench
   /// is the spring's from there.  Should never happen: keep the dump (`palpate-bench qp --dump`).
   kFaultUnsolved = 1u << 4,
   // Set by the servo loop (server/session), not by the step:

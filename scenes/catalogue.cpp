@@ -9,6 +9,7 @@
 #include <sstream>
 #include <utility>
 
+#include "common/coupling_fault.h"
 #include "common/error.h"
 #include "common/json/json_file.h"
 #include "common/nearest_word.h"
@@ -315,6 +316,14 @@ std::vector<const BodyDescription*> DistinctBodies(const SceneDescription& scene
   return distinct;
 }
 
+/// How far a tool that contacts can turn reaches from its centroid [m].
+double ReachOf(const Body& tool) {
+  if (tool.tree.leaves() == 1) return 0.0;
+  double reach = 0.0;
+  for (const Vec3& v : tool.mesh.vertices) reach = std::max(reach, (v - tool.tree.centroid).norm());
+  return reach;
+}
+
 Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   Scene scene;
   scene.name = description.name;
@@ -350,7 +359,12 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
     PaintLeaves(from, shape.groups, body);
     return body;
   };
-  for (const BodyDescription& tool : description.tools) scene.tools.push_back(compile(tool));
+  for (const BodyDescription& tool : description.tools) {
+    scene.tools.push_back(compile(tool));
+    const std::string fault = CouplingFault(
+        scene.coupling.stiffness, scene.coupling.torsional_stiffness, ReachOf(scene.tools.back()));
+    if (!fault.empty()) throw Error(description.coupling_where + ": " + fault);
+  }
   for (const BodyDescription& object : description.objects) {
     scene.objects.push_back(compile(object));
   }

@@ -84,10 +84,13 @@ void LocalContactModel::Remember(Contact& contact) noexcept {
   contact.phi = -phi;
 }
 
-LocalContactModel::Step LocalContactModel::Solve(const Reply& reply,
-                                                 const Pose& X_WH) const noexcept {
+/// @param turn  past half a turn the spring goes on from it.
+LocalContactModel::Step LocalContactModel::Solve(const Reply& reply, const Pose& X_WH,
+                                                 const Vec3& turn) const noexcept {
+  Step step;
+  step.turn = turn;
   const Vec3 v_h = X_WH * spring_.reference - reply.X_WG * spring_.reference;
-  const Vec3 phi_h = RotationLog(X_WH.q * reply.X_WG.q.conjugate());
+  const Vec3 phi_h = RotationLogFrom(X_WH.q * reply.X_WG.q.conjugate(), step.turn);
   const double target[6] = {v_h.x(),          v_h.y(),          v_h.z(),
                             rho_ * phi_h.x(), rho_ * phi_h.y(), rho_ * phi_h.z()};
   constexpr int kPadded = 16;
@@ -110,14 +113,12 @@ LocalContactModel::Step LocalContactModel::Solve(const Reply& reply,
   }
   const QpResult qp = SolveNearestPoint(target, rows, nullptr, 0);
 
-  Step step;
   const double* x = qp.x;
   step.v = Vec3(x[0], x[1], x[2]);
   step.phi = Vec3(x[3], x[4], x[5]) / rho_;
   if (qp.active == 0) return step;
   step.wrench.force = spring_.stiffness * (step.v - v_h);
-  step.wrench.torque = spring_.torsional_stiffness *
-                       RotationLog(RotationExp(step.phi) * reply.X_WG.q * X_WH.q.conjugate());
+  step.wrench.torque = spring_.torsional_stiffness * RotationDifference(step.phi, phi_h);
   double squares = 0.0;
   for (int c = 0; c < 6; ++c) squares += (x[c] - target[c]) * (x[c] - target[c]);
   step.stretch = std::sqrt(squares);
@@ -135,7 +136,9 @@ void LocalContactModel::Take(const Reply& reply, const Pose& X_WH) noexcept {
   const bool remembers = has_touched_ && free;
   if (remembers) Remember(next_);
   if (!Usable(next_.reply)) return;
-  next_.answered = Solve(next_.reply, X_WH);
+  // The server's torque says on which side of half a turn its spring is.
+  next_.answered =
+      Solve(next_.reply, X_WH, -next_.reply.wrench.torque / spring_.torsional_stiffness);
   if (!remembers) {
     next_.v = next_.answered.v;
     next_.phi = next_.answered.phi;
@@ -161,7 +164,7 @@ LocalContactModel::Evaluation LocalContactModel::Evaluate(const Contact& contact
     return out;
   }
   const Reply& reply = contact.reply;
-  const Step step = Solve(reply, X_WH);
+  const Step step = Solve(reply, X_WH, contact.answered.turn);
   const double age_s = 1e-9 * static_cast<double>(now_ns - reply.pose_time_ns);
   const double believed = Fade((step.v - contact.v).norm(), reply.local.region_m) *
                           Fade((step.phi - contact.phi).norm(), reply.local.region_rad) *

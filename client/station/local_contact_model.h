@@ -73,8 +73,9 @@ class LocalContactModel {
   /// The nearest step that the rows allow, and the spring's wrench there.
   struct Step {
     Vec3 v = Vec3::Zero(), phi = Vec3::Zero();
-    Wrench wrench;         ///< zero, exactly, where no row holds the tool
-    double stretch = 0.0;  ///< of the spring, |x - x_h| [m]
+    Wrench wrench;             ///< zero, exactly, where no row holds the tool
+    double stretch = 0.0;      ///< of the spring, |x - x_h| [m]
+    Vec3 turn = Vec3::Zero();  ///< of the hand from the graphic tool (RotationLogFrom)
   };
   /// A reply, checked.
   struct Contact {
@@ -87,7 +88,7 @@ class LocalContactModel {
 
   bool Usable(const Reply& reply) const noexcept;
   void Remember(Contact& contact) noexcept;
-  Step Solve(const Reply& reply, const Pose& X_WH) const noexcept;
+  Step Solve(const Reply& reply, const Pose& X_WH, const Vec3& turn) const noexcept;
   Evaluation Evaluate(const Contact& contact, std::int64_t now_ns, const Pose& X_WH) const noexcept;
 
   bool enabled_ = true;

@@ -1,6 +1,8 @@
 #include "common/math/rotation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace palpate {
 namespace {
@@ -69,6 +71,31 @@ Quat RotationBetween(const Vec3& from, const Vec3& to) noexcept {
   const Vec3 axis = a.cross(b) * (1.0 / s);
   const Quat q(0.5 * s, axis.x(), axis.y(), axis.z());
   return cosine < 0.0 ? q.normalized() : q;  // where both are nearly opposite, s is a difference
+}
+
+Vec3 RotationLogFrom(const Quat& q, Vec3& turn) noexcept {
+  constexpr double kHalfTurn = std::numbers::pi, kTurn = 2.0 * std::numbers::pi;
+  const Vec3 before = turn;
+  const double turned = before.norm();
+  turn = RotationLog(q);
+  if (turned <= 0.5 * kHalfTurn || (turned <= kHalfTurn && before.dot(turn) >= 0.0)) return turn;
+  // The twist about the axis of q = swing * twist.
+  const Vec3 axis = before / turned;
+  const double along = q.vec().dot(axis), length = std::sqrt(q.w() * q.w() + along * along);
+  if (!(length > 1e-150)) return turn;
+  const double c = q.w() / length, s = along / length;
+  const double twisted = RotationLog(Quat(c, s, 0.0, 0.0)).x();
+  const double angle = twisted + kTurn * std::round((turned - twisted) / kTurn);
+  if (angle <= kHalfTurn) return turn;
+  turn = angle * axis;
+  return std::min(angle, kTurn) * axis;
+}
+
+Vec3 RotationDifference(const Vec3& a, const Vec3& b) noexcept {
+  const Vec3 straight = a - b;
+  const Vec3 difference = RotationLog(RotationExp(a) * RotationExp(b).conjugate());
+  return (difference - straight).squaredNorm() <= std::numbers::pi * std::numbers::pi ? difference
+                                                                                      : straight;
 }
 
 }  // namespace palpate

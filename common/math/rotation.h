@@ -22,4 +22,19 @@ Vec3 RotationLog(const Quat& q) noexcept;
 /// seconds of compilation.
 Quat RotationBetween(const Vec3& from, const Vec3& to) noexcept;
 
+/// Rotation vector of a unit quaternion that goes on from `turn`, that of a moment ago: past half a
+/// turn it stays on the side that it came from, where RotationLog leaps to the other one.  For
+/// rotations that change by less than a right angle from call to call.
+///
+/// Up to half a turn it is RotationLog.  Beyond, the axis is kept, and the result is the turn about
+/// it, but a full one at most: near that every axis would do, and a tremble would choose.  What the
+/// rotation does across the axis is left out: a pull that is longer than half a turn drives a body
+/// that it can tip further from where it is, not back.
+/// @param turn  in: zero where nothing came before.  Out: for the next call.
+Vec3 RotationLogFrom(const Quat& q, Vec3& turn) noexcept;
+
+/// Rotation vector of Exp(a) Exp(b)^T, where the way from b to a, a - b to first order, is not
+/// beyond half a turn; a - b where it is.
+Vec3 RotationDifference(const Vec3& a, const Vec3& b) noexcept;
+
 }  // namespace palpate

@@ -448,6 +448,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
   std::set<std::string> names;
   scene.tools = ReadBodies(root.At("tools"), BodyKind::kTool, path.parent_path(), names);
   scene.objects = ReadBodies(root.At("objects"), BodyKind::kObject, path.parent_path(), names);
+  scene.coupling_where = file + ": coupling.torsional_stiffness_Nm_per_rad";
   if (auto coupling = root.Find("coupling")) {
     coupling->AllowOnly({"stiffness_N_per_m", "torsional_stiffness_Nm_per_rad"});
     if (auto k = coupling->Find("stiffness_N_per_m")) {
@@ -455,6 +456,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
     }
     if (auto k = coupling->Find("torsional_stiffness_Nm_per_rad")) {
       scene.coupling.torsional_stiffness = k->PositiveNumber();
+      scene.coupling_where = k->Where();
     }
   }
   if (auto sight = root.Find("first_sight")) scene.first_sight = ReadFirstSight(*sight);

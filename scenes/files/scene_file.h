@@ -86,7 +86,8 @@ struct SceneDescription {
   std::string name;
   std::vector<BodyDescription> tools, objects;
   Coupling coupling;
-  Features features;  ///< compliance and removal follow from the materials
+  std::string coupling_where;  ///< "file:line: field" of its torsional stiffness
+  Features features;           ///< compliance and removal follow from the materials
   std::optional<FirstSight> first_sight;
   bool whole_at_start = false;  ///< a session begins with what former ones have scraped off
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "common/coupling_fault.h"
 #include "common/error.h"
 #include "server/physics/limits.h"
 #include "server/physics/surface/body_meshes.h"
@@ -60,15 +61,21 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   if (object_meshes() != nullptr) {
     tool_mesh_ = MakeToolMesh(tool_mesh, tool, tool_->reference());
   }
+  const double reach = tool_mesh_ != nullptr ? tool_mesh_->mesh.reach() : 0.0;
+  const double lever = std::max(tool_->max_lever(), reach);
+  const std::string fault =
+      CouplingFault(parameters_.stiffness, parameters_.torsional_stiffness, lever);
+  if (degrees_of_freedom() == 6 && !fault.empty()) {
+    throw Error("step parameters: torsional_stiffness: " + fault);
+  }
   if (parameters_.max_truncation <= 0.0) {
     parameters_.max_truncation =
         tool_mesh_ != nullptr ? limits::mesh::kMaxTruncation : limits::kMaxTruncation;
   }
   if (parameters_.max_rotation <= 0.0) {
-    const double reach = tool_mesh_ != nullptr ? tool_mesh_->mesh.reach() : 0.0;
-    const double lever = std::max({ToolTree::MaxLeverOf(tool), reach, limits::kShortestLever});
+    const double longest = std::max(lever, limits::kShortestLever);
     parameters_.max_rotation =
-        std::min(std::sqrt(2.0 * parameters_.max_truncation / lever), limits::kMostRotation);
+        std::min(std::sqrt(2.0 * parameters_.max_truncation / longest), limits::kMostRotation);
   }
   if (parameters_.features.compliance) {
     soft_ = SoftLeaves::Make(this->objects(), parameters_.stiffness);

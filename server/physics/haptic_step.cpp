@@ -27,6 +27,7 @@ StepWorkspace::StepWorkspace(StepWorkspace&&) noexcept = default;
 
 namespace {
 
+bool IsFinite(const StepReport& report);
 bool Begin(const Pose& X_WH, StepContext& context);
 bool GoesOn(const StepContext& context);
 void Predict(StepContext& context);
@@ -49,22 +50,22 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   for (; GoesOn(context); ++report.substeps) {
     Predict(context);
     StageClock clock(times);
-    for (bool clear = false; !clear;) {
+    for (bool clear = false; !clear && !context.IsUnsolved();) {
       Solve(context);
       Round(context);
       Rub(context);
-      Remember(context);
+      context.Require(context.optimum);
       clock.Lap(&StageTimes::solve);
-      if (context.optimum.qp.status == QpStatus::kIterationLimit) {
-        GiveUp(context);
-        End(X_WH, context);
-        return report;
-      }
+      if (context.IsUnsolved()) break;
+      Remember(context);
       clear = ClearWay(context);
       clock.Lap(&StageTimes::rows);
     }
-    Move(context);
-    Report(context);
+    if (!context.IsUnsolved()) {
+      Move(context);
+      Report(context);
+    }
+    if (context.IsUnsolved()) GiveUp(context);
     clock.Lap(&StageTimes::response);
   }
   End(X_WH, context);
@@ -72,6 +73,11 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
 }
 
 namespace {
+
+bool IsFinite(const StepReport& report) {
+  return report.wrench.force.allFinite() && report.wrench.torque.allFinite() &&
+         report.X_WG.p.allFinite() && report.X_WG.q.coeffs().allFinite();
+}
 
 /// Where the tools are, and the first bounds.  False where the pose that came is none: the tool
 /// stays.
@@ -102,8 +108,7 @@ bool GoesOn(const StepContext& context) {
   const StepParameters& parameters = context.model.parameters();
   if (limits::mesh::kMaxLooks - context.looks < limits::mesh::kLeastLooks) return false;
   return context.report.substeps < parameters.max_substeps && !context.arrived &&
-         context.spent + context.last <= parameters.max_tested &&
-         (context.report.faults & kFaultUnsolved) == 0;
+         context.spent + context.last <= parameters.max_tested && !context.IsUnsolved();
 }
 
 /// The rows between leaves that the sub-step has to respect, rigid ones and those that first yield;
@@ -113,7 +118,7 @@ void Predict(StepContext& context) {
   const std::int64_t before = buffers.prediction.tested();
   context.friction_before = context.state.friction;
   context.iterates = 0;
-  context.target = TargetOf(context.p_G, context.q_G, context.p_H, context.q_H);
+  context.Aim();
   context.R_WG = context.q_G.toRotationMatrix();
   buffers.prediction.Predict(context.model, context.kernels, context.R_WG, context.p_G,
                              context.bounds, context.state.wear, buffers.rows, context.times);
@@ -178,6 +183,7 @@ void Rub(StepContext& context) {
 /// Takes the tool there.
 void Move(StepContext& context) {
   const bool meshes = context.buffers.meshes.has_value();
+  if (!context.IsHeld()) context.state.turn_G.setZero();
   if (meshes) {
     context.buffers.meshes->Accept();
     context.looks += context.buffers.meshes->looks();
@@ -213,13 +219,10 @@ void ReportLag(StepContext& context) {
   rows.AdmitZero();
   context.v.setZero();
   context.phi.setZero();
-  context.target = TargetOf(context.p_G, context.q_G, context.p_H, context.q_H);
+  context.Aim();
   Solve(context);
+  context.Require(context.optimum);
   Remember(context);
-  // A QP that does not end has the optimum under some of its rows: less force than under all.
-  if (context.optimum.qp.status == QpStatus::kIterationLimit) {
-    context.report.faults |= kFaultUnsolved;
-  }
 }
 
 /// The wrench of the spring at the optimum, and the contacts.  Where the sub-step falls short of it
@@ -231,23 +234,22 @@ void Report(StepContext& context) {
   if (context.buffers.meshes && !context.arrived) ReportLag(context);
   const Optimum& optimum = context.optimum;
   if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
-  report.wrench = Wrench{};
-  if (context.IsHeld()) {
-    report.wrench =
-        SpringWrench(context.target, optimum.v, optimum.phi, model.parameters().stiffness,
-                     model.parameters().torsional_stiffness);
-    if (model.degrees_of_freedom() == 3) report.wrench.torque.setZero();
-  }
+  report.wrench = context.IsHeld() ? context.WrenchAfter(optimum.v, optimum.phi) : Wrench{};
   ReportContacts(context);
   context.bounds = WiderBounds(model, context.bounds);
 }
 
-/// The QP did not end: the tool stays where it is, and the spring pulls.
+/// A QP did not end, or not with numbers: the tool stays where it is, and the spring pulls.  What
+/// was found on the way belongs to no place, and nothing of it goes on.
 void GiveUp(StepContext& context) {
-  const StepParameters& parameters = context.model.parameters();
-  context.report.faults |= kFaultUnsolved;
-  context.report.wrench = SpringWrench(context.target, Vec3::Zero(), Vec3::Zero(),
-                                       parameters.stiffness, parameters.torsional_stiffness);
+  StepReport& report = context.report;
+  context.arrived = false;
+  context.state.active = 0;
+  context.state.friction = context.friction_before;
+  report.contacts = report.soft_contacts = 0;
+  report.soft_wrench = Wrench{};
+  context.Aim();
+  report.wrench = context.WrenchAfter(Vec3::Zero(), Vec3::Zero());
 }
 
 /// What the next step starts from, and what friction by the chapter's rule and wear make of this
@@ -256,7 +258,7 @@ void End(const Pose& X_WH, StepContext& context) {
   const Features& features = context.model.parameters().features;
   StepState& state = context.state;
   StepReport& report = context.report;
-  if (!context.arrived && (report.faults & kFaultUnsolved) == 0) report.faults |= kFaultTargetFar;
+  if (!context.arrived && !context.IsUnsolved()) report.faults |= kFaultTargetFar;
   const bool lags = context.buffers.meshes && !context.arrived;
   state.behind = lags ? context.bounds : StepBounds{0.0, 0.0};
   if (context.arrived && report.contacts == 0) {
@@ -272,6 +274,14 @@ void End(const Pose& X_WH, StepContext& context) {
   report.X_WG = state.X_WG;
   if (context.arrived && features.removal) {
     WearContacts(context.model, X_before, state.wear, report);
+  }
+  // Whatever the numbers that came in: nothing else than numbers goes out.
+  if (!IsFinite(report)) {
+    state.X_WG = report.X_WG = X_before;
+    state.ForgetContact();
+    report.wrench = report.soft_wrench = Wrench{};
+    report.contacts = report.soft_contacts = 0;
+    report.faults |= kFaultUnsolved;
   }
 }
 

@@ -49,9 +49,19 @@ struct StepState {
   /// Between meshes: bounds of the next sub-step where the last cycle ended before the tool had
   /// arrived; else 0.
   StepBounds behind{0.0, 0.0};
+  /// How far the hand is turned from a tool that something holds, in the tool's frame (TargetFrom).
+  Vec3 turn_G = Vec3::Zero();
   SeparationFront front;  ///< where objects are felt by their meshes
   FrictionState friction;
   LeafWear wear;
+
+  /// To be called where the graphic tool is set to another place: nothing held it there.
+  void ForgetContact() noexcept {
+    active = 0;
+    behind = {0.0, 0.0};
+    turn_G.setZero();
+    friction = FrictionState{};
+  }
 };
 
 }  // namespace palpate

@@ -81,9 +81,7 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
   }
   heard_.fetch_add(1, std::memory_order_relaxed);
   if (start_.Read(state_.X_WG)) {
-    state_.active = 0;
-    state_.behind = StepBounds{0.0, 0.0};
-    state_.friction = FrictionState{};
+    state_.ForgetContact();
     started_ = true;
     gain_ = 0.0;
     start_sequence_.store(pose.pose_sequence, std::memory_order_release);

@@ -56,6 +56,15 @@ class ContactReport {
                                 1e2 * f.arrived_fraction(), f.unconverged, f.force_error.size()));
     Line("hand, force",
          fmt::format("{:.3f} m/s on average, {:.2f} N rms", f.mean_speed, f.force_rms));
+    json_["not_arrived"] = f.steps - f.arrived;
+    json_["never_arrived"] = f.never_arrived;
+    json_["notches"] = f.notches;
+    json_["ledges"] = f.ledges;
+    json_["ledge_force_N_max"] = f.ledge_force;
+    Line("hand held still", fmt::format("the tool never arrives from {} of {} steps that did not",
+                                        f.never_arrived, f.steps - f.arrived));
+    Line("force", fmt::format("{} notches; {} ledges beside them, up to {:.3f} N", f.notches,
+                              f.ledges, f.ledge_force));
     AddJumps(f.jumps);
   }
   void AddSettling(const test::ContactFigures::Settling& s) {
@@ -140,6 +149,7 @@ test::ContactFigures MeasureContact(SceneRun& run, const CycleOptions& options) 
   test::ContactChecks checks{.oracle_every = options.check_every,
                              .converge_every = options.check_every,
                              .settle_every = options.settle_every,
+                             .hold_far = true,
                              .quarter_steps = options.quarter_steps};
   checks.progress = [&](std::string_view what, double share) {
     Progress(fmt::format("{}: {}, {:.0f} % ...", options.name, what, 1e2 * share));

@@ -65,7 +65,8 @@ void RunSeeds(const Options& options, const Scene& scene) {
     /// A seed that broke an invariant comes before those that did not.
     auto badness() const {
       return std::tuple(!figures.finite, figures.meeting > 0, figures.jumps.unexplained(),
-                        figures.steps - figures.arrived, depth());
+                        figures.never_arrived, figures.notches, figures.steps - figures.arrived,
+                        depth());
     }
   };
   const auto [first, last] = SeedRange(options.seeds);
@@ -84,19 +85,21 @@ void RunSeeds(const Options& options, const Scene& scene) {
 
   std::string out = fmt::format(
       "{}, contact {}, friction {}: hands of {} steps at {} m/s, the worst seed first\n"
-      "  {:>6} {:>9} {:>9} {:>10} {:>9} {:>9} {:>11} {:>8} {:>10}\n",
+      "  {:>6} {:>9} {:>9} {:>10} {:>6} {:>8} {:>7} {:>9} {:>9} {:>11} {:>8} {:>10}\n",
       options.scene, NameOf(scene.features.contact), NameOf(scene.features.friction),
-      options.hand.steps, options.hand.speed, "seed", "meet, %", "deep, um", "arrived, %",
-      "F rms, N", "jump, N", "unexplained", "4 kHz, %", "settled, %");
+      options.hand.steps, options.hand.speed, "seed", "meet, %", "deep, um", "arrived, %", "never",
+      "notches", "ledges", "F rms, N", "jump, N", "unexplained", "4 kHz, %", "settled, %");
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const Seed& s : seeds) {
     const test::ContactFigures& f = s.figures;
     const double settled = static_cast<double>(f.settling.within_50ms) /
                            static_cast<double>(std::max<std::size_t>(1, f.settling.poses));
     out += fmt::format(
-        "  {:>6} {:>9.2f} {:>9.3f} {:>10.2f} {:>9.2f} {:>9.3f} {:>11} {:>8.2f} {:>10.1f}\n", s.seed,
-        1e2 * f.meeting_fraction(), 1e6 * s.depth(), 1e2 * f.arrived_fraction(), f.force_rms,
-        f.jumps.force_max, f.jumps.unexplained(), 1e2 * f.force_4khz_rms_fraction, 1e2 * settled);
+        "  {:>6} {:>9.2f} {:>9.3f} {:>10.2f} {:>6} {:>8} {:>7} {:>9.2f} {:>9.3f} {:>11} {:>8.2f} "
+        "{:>10.1f}\n",
+        s.seed, 1e2 * f.meeting_fraction(), 1e6 * s.depth(), 1e2 * f.arrived_fraction(),
+        f.never_arrived, f.notches, f.ledges, f.force_rms, f.jumps.force_max, f.jumps.unexplained(),
+        1e2 * f.force_4khz_rms_fraction, 1e2 * settled);
     rows.push_back({{"seed", s.seed}});
     AddContact(f, options.cycle, nullptr, rows.back());
   }

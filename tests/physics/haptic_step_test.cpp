@@ -2,12 +2,18 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
+#include "scenes/shapes/shapes.h"
+#include "server/physics/scene_model.h"
+#include "server/physics/simd/kernels.h"
+#include "tests/physics/rows/contact_scenes.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/mesh_oracle.h"
 #include "tests/support/step_bench.h"
 
 namespace palpate {
@@ -227,6 +233,131 @@ TEST(HapticStep, HoldsStillAndSaysSoOnABadPose) {
     EXPECT_EQ(report.wrench.force, Vec3::Zero());
     EXPECT_EQ(report.X_WG.p, Vec3(0.0, 0.0, 0.03));
   }
+}
+
+/// While it lives, the n-th call of a QP solver from here on fails: it does not end, or ends with
+/// what is no number.
+class FailingSolver {
+ public:
+  explicit FailingSolver(int call, bool with_nan) : spoilt_(ActiveKernels()) {
+    real_ = &ActiveKernels();
+    left_ = call;
+    with_nan_ = with_nan;
+    spoilt_.solve_6 = [](auto... args) { return Spoil(real_->solve_6(args...)); };
+    spoilt_.solve_3 = [](auto... args) { return Spoil(real_->solve_3(args...)); };
+    spoilt_.solve_compliant_6 = [](auto... args) {
+      return Spoil(real_->solve_compliant_6(args...));
+    };
+    UseKernels(spoilt_);
+  }
+  ~FailingSolver() { UseKernels(*real_); }
+  bool has_failed() const { return left_ <= 0; }
+
+ private:
+  static QpResult Spoil(QpResult result) {
+    if (--left_ != 0) return result;
+    if (with_nan_) {
+      result.x[0] = std::numeric_limits<double>::quiet_NaN();
+    } else {
+      result.status = QpStatus::kIterationLimit;
+    }
+    return result;
+  }
+  Kernels spoilt_;
+  static inline const Kernels* real_ = nullptr;
+  static inline int left_ = 0;
+  static inline bool with_nan_ = false;
+};
+
+// Whichever of its QPs it is that fails.
+TEST(HapticStep, StaysWhereItIsWhereASolverFails) {
+  Scene box = test::MeshScene(MakeBox(Vec3(0.02, 0.02, 0.01)), MakeBox(Vec3(0.05, 0.05, 0.02)));
+  Scene rubbing = box, soft = box, spheres = box;
+  rubbing.objects[0].materials = {Material{.static_friction = 0.5, .dynamic_friction = 0.3}};
+  rubbing.features.friction = FrictionModel::kCoulomb;
+  soft.objects[0].materials = {Material{.stiffness = 2000.0}};
+  soft.features.compliance = true;
+  spheres.features.contact = ContactModel::kSpheres;
+  const Scene ball = test::MakeScene(MakeSphere(0.005, 320), 1, MakeBox(Vec3(0.05, 0.05, 0.02)), 64,
+                                     ContactModel::kSurface);
+  const std::pair<const char*, const Scene*> scenes[] = {{"box", &box},
+                                                         {"rubbing", &rubbing},
+                                                         {"soft", &soft},
+                                                         {"spheres", &spheres},
+                                                         {"ball", &ball}};
+  for (const auto& [name, scene] : scenes) {
+    const HapticModel model = MakeModel(*scene, scene->tools[0], MakeObjects(*scene));
+    const test::MeshOracle oracle(*scene);
+    const bool meshes = model.object_meshes() != nullptr;
+    StepWorkspace workspace(model);
+    StepState state(model);
+    state.X_WG = state.X_WH = At(0.017, 0.0, 0.0152);
+    int failed = 0;
+    for (int i = 0; i < 12; ++i) {
+      // Down upon an edge and over it, 0.2 mm a step, and turning.
+      Pose X_WH = At(0.017 + 2e-4 * i, 0.0, 0.0150 - 2e-4 * i);
+      X_WH.q = RotationExp(Vec3(0.0, 2e-3 * i, 1e-3 * i));
+      for (const bool with_nan : {false, true}) {
+        for (int call = 1;; ++call) {
+          StepState spoilt = state;
+          StepReport report;
+          {
+            const FailingSolver solver(call, with_nan);
+            report = HapticStep(model, X_WH, spoilt, workspace);
+            if (!solver.has_failed()) break;
+          }
+          SCOPED_TRACE(testing::Message() << name << ", step " << i << ", call " << call
+                                          << (with_nan ? ", no number" : ""));
+          ASSERT_TRUE(report.wrench.force.allFinite() && report.wrench.torque.allFinite());
+          ASSERT_TRUE(report.X_WG.p.allFinite());
+          if (meshes) {
+            ASSERT_FALSE(oracle.Meet(report.X_WG));
+          }
+          if ((report.faults & kFaultUnsolved) != 0) {
+            ++failed;
+            // Where it was before the sub-step, and the spring pulls from there.  (Between meshes
+            // it may have gone on before the force was asked for.)
+            if (!meshes && report.substeps == 1) {
+              ASSERT_LT((report.X_WG.p - state.X_WG.p).norm(), 1e-15);
+            }
+            const Vec3 stretch = report.X_WG * model.reference() - X_WH * model.reference();
+            ASSERT_LT((report.wrench.force - 1e3 * stretch).norm(), 1e-9);
+            ASSERT_EQ(report.contacts + report.soft_contacts, 0);
+            ASSERT_EQ(report.faults & kFaultTargetFar, 0u);
+          }
+          // And goes on as if nothing had been.
+          StepState same = state;
+          for (int k = 0; k < 30; ++k) {
+            report = HapticStep(model, X_WH, spoilt, workspace);
+            const StepReport expected = HapticStep(model, X_WH, same, workspace);
+            if (k < 29) continue;
+            // What rubs sticks where its way has led it.
+            if (scene != &rubbing) {
+              ASSERT_LT((report.wrench.force - expected.wrench.force).norm(), 2e-3);
+            }
+            ASSERT_EQ(report.faults, 0u);
+          }
+        }
+      }
+      HapticStep(model, X_WH, state, workspace);
+    }
+    EXPECT_GT(failed, 20) << name;
+  }
+}
+
+// Springs that no arm has: what comes out are numbers all the same.
+TEST(HapticStep, SaysUnsolvedWhereTheSpringsForceIsNoNumber) {
+  StepParameters parameters;
+  parameters.stiffness = 1e308;
+  parameters.torsional_stiffness = 1e305;
+  Bench bench(OneBall(0.005), {{Vec3(0.0, 0.0, -1e4), 1e4}}, parameters);
+  bench.state().X_WG = At(0.0, 0.0, 0.006);
+  bench.Step(At(0.0, 0.0, 0.0055));
+  const StepReport report = bench.Step(At(0.0, 0.0, -20.0));
+  EXPECT_EQ(report.faults & kFaultUnsolved, static_cast<std::uint32_t>(kFaultUnsolved));
+  EXPECT_EQ(report.wrench.force, Vec3::Zero());
+  EXPECT_LT((report.X_WG.p - Vec3(0.0, 0.0, 0.0055)).norm(), 1e-12);
+  EXPECT_EQ(bench.Step(At(0.0, 0.0, 0.0055)).faults, 0u);
 }
 
 TEST(HapticStep, TakesBothSignsOfAQuaternionForTheSamePose) {

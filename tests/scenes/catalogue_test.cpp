@@ -233,6 +233,28 @@ TEST(LoadScene, SaysWhereTrianglesDoNotSufficeForTheTolerance) {
                                     "um; the mesh is true to 80 um with")));
 }
 
+TEST(LoadScene, RefusesSpringsThatTheStepCannotComputeWith) {
+  Fixture f;
+  const auto write = [&](const char* tool, const char* torsional) {
+    WriteFile(f.scene, std::string(R"({"tools": [{"name": "rod", "mesh": )") + tool + R"(}],
+  "objects": [{"name": "box", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 64}],
+  "coupling": {"stiffness_N_per_m": 4e5,
+               "torsional_stiffness_Nm_per_rad": )" +
+                           torsional + "}}");
+  };
+  // It reaches 0.05 m: 4e5 N/m times its thousandth squared.
+  const char* const rod = R"({"shape": "box", "size_m": [0.06, 0.08, 0.0001]}, "leaves": 64)";
+  write(rod, "2e-7");
+  EXPECT_THAT(ComplaintOf([&] { f.Load(); }),
+              HasSubstr("s.json:4: coupling.torsional_stiffness_Nm_per_rad: 2e-07 N m/rad is too "
+                        "little beside a stiffness of 400000 N/m, for a tool that reaches 50 mm "
+                        "from its centroid; give at least 0.00101, or a lower stiffness"));
+  write(rod, "0.00101");
+  f.Load();
+  write(R"({"shape": "sphere", "radius_m": 0.005}, "leaves": 1)", "2e-7");
+  f.Load();  // no contact turns a ball
+}
+
 /// The fixture's scene, its object's leaves from a file.
 std::string TreeText(const std::string& tree) {
   return R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],

@@ -113,6 +113,32 @@ TEST(LocalContactModel, GivesExactlyNothingWhereNoRowHoldsTheTool) {
   EXPECT_EQ(Distance(Settled(model, 0, At(Vec3(0.001, 0, 0.002))).wrench, {}), 0.0);
 }
 
+// The server's spring goes on past half a turn, up to a full one; so does this one, a tick ahead of
+// it.
+TEST(LocalContactModel, ResistsATurnBeyondHalfATurnTheSameWay) {
+  const auto pulled = [](double degrees) { return std::min(degrees, 360.0) * M_PI / 180.0; };
+  const auto turned = [](double degrees) {
+    const Quat q = RotationExp(Vec3(0.0, 0.0, -degrees * M_PI / 180.0));
+    return Pose{kSpring.reference - q * kSpring.reference, q};
+  };
+  // Contacts on either side, 50 mm from the reference point, that let it turn one way only.
+  const LocalRow left{Vec3::UnitY(), Vec3(0.0, 0.0, 0.05), 0.0},
+      right{-Vec3::UnitY(), Vec3(0.0, 0.0, 0.05), 0.0};
+  for (double degrees = 5.0; degrees < 700.0; degrees += 0.5) {
+    Reply reply;
+    reply.pose_time_ns = kMs;
+    reply.wrench.torque.z() = pulled(degrees);
+    reply.local = {2, {{left, right}}, 0.005, 0.1, 0.05};
+    LocalContactModel model = ModelOf(reply, turned(degrees));
+    for (const double ahead : {-0.4, 0.0, 0.4}) {
+      const auto now = Settled(model, kMs, turned(degrees + ahead));
+      ASSERT_TRUE(now.evaluated);
+      ASSERT_NEAR(now.wrench.torque.z(), pulled(degrees + ahead), 0.016) << degrees;
+      ASSERT_LT(now.wrench.force.norm(), 1e-9);
+    }
+  }
+}
+
 TEST(LocalContactModel, ScalesFrictionDownWithTheNormalForceAndNeverUp) {
   PlaneServer server;
   const Pose pressed = At(Vec3(0, 0, -0.002));

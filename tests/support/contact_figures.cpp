@@ -22,6 +22,8 @@ constexpr int kSettleSteps = 2000;
 constexpr double kSettled = 1e-9;  // [m] a step
 constexpr int kCycleFrom = 1000;   // what still moves after a second is taken for a cycle
 constexpr int kQuarters = 4;
+constexpr std::size_t kNotchSteps = 10;
+constexpr double kFallen = 0.5, kBack = 0.6;  // of the force before
 
 /// How far points of the tool move.
 class ToolMotion {
@@ -93,13 +95,15 @@ void Settle(const ContactPath& path, const ToolMotion& motion, std::size_t step,
   Pose at_second;
   Vec3 force_at_second = Vec3::Zero();
   double cycle_m = 0.0, cycle_N = 0.0;
+  bool far = false;
   // The step is a function of its state: one that has come back to the same bits a hundred times
   // (friction counts twenty) stays there.
   for (int i = 0; i < kSettleSteps && same < 100; ++i) {
     const Pose before = state.X_WG;
     const StepReport report = HapticStep(path.model, X_WH, state, path.workspace);
     const double moved = motion.Between(before, state.X_WG);
-    if (moved > kSettled) moved_last = i;
+    far = (report.faults & kFaultTargetFar) != 0;
+    if (moved > kSettled || far) moved_last = i;
     same = before.p == state.X_WG.p && before.q.coeffs() == state.X_WG.q.coeffs() ? same + 1 : 0;
     if (i == kCycleFrom) {
       at_second = state.X_WG;
@@ -109,6 +113,7 @@ void Settle(const ContactPath& path, const ToolMotion& motion, std::size_t step,
       cycle_N = std::max(cycle_N, (report.wrench.force - force_at_second).norm());
     }
   }
+  if (far) moved_last = kSettleSteps;  // at rest, and not there
   ++settling.poses;
   settling.within_10ms += moved_last < 10;
   settling.within_50ms += moved_last < 50;
@@ -119,6 +124,40 @@ void Settle(const ContactPath& path, const ToolMotion& motion, std::size_t step,
     settling.cycle_m = cycle_m;
     settling.worst_step = step;
   }
+}
+
+bool Arrives(const ContactPath& path, const Pose& X_WH, StepState state) {
+  for (int i = 0; i < ContactFigures::kHeldSteps; ++i) {
+    const StepReport report = HapticStep(path.model, X_WH, state, path.workspace);
+    if ((report.faults & kFaultTargetFar) == 0) return true;
+  }
+  return false;
+}
+
+/// @param ledges  the steps of all jumps of that cause, in their order.
+void CountNotches(std::span<const Vec3> force, const std::vector<std::size_t>& ledges,
+                  ContactFigures& figures) {
+  auto ledge = ledges.begin();
+  const auto count_ledges_before = [&](std::size_t end) {
+    for (; ledge != ledges.end() && *ledge < end; ++ledge) {
+      ++figures.ledges;
+      figures.ledge_force =
+          std::max(figures.ledge_force, (force[*ledge] - force[*ledge - 1]).norm());
+    }
+  };
+  for (std::size_t i = 1; i < force.size(); ++i) {
+    const double before = force[i - 1].norm();
+    if (!(before > kJump) || !(force[i].norm() < kFallen * before)) continue;
+    std::size_t back = i + 1;
+    const std::size_t end = std::min(force.size(), i + 1 + kNotchSteps);
+    while (back < end && !(force[back].norm() > kBack * before)) ++back;
+    if (back == end) continue;
+    if (figures.notches++ == 0) figures.notch_step = i;
+    count_ledges_before(i);
+    ledge = std::upper_bound(ledge, ledges.end(), back);
+    i = back;
+  }
+  count_ledges_before(force.size());
 }
 
 /// The hand between two of its samples.
@@ -174,6 +213,7 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
   StepState state = path.start;
   StepReport before;
   std::vector<Vec3> force;
+  std::vector<std::size_t> ledges;
   double deepest = 0.0, force2 = 0.0;
   for (std::size_t i = 0; i < figures.steps; ++i) {
     if (checks.progress && i % 100 == 0) checks.progress("checking", Share(i, figures.steps));
@@ -193,7 +233,9 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
       const double jump = (wrench.force - before.wrench.force).norm();
       jumps.force_max = std::max(jumps.force_max, jump);
       jumps.torque_max = std::max(jumps.torque_max, (wrench.torque - before.wrench.torque).norm());
-      const auto cause = static_cast<std::size_t>(judge.Judge(X_WH_before, before, X_WH, report));
+      const JumpCause judged = judge.Judge(X_WH_before, before, X_WH, report);
+      const auto cause = static_cast<std::size_t>(judged);
+      if (judged == JumpCause::kLedge) ledges.push_back(i);
       ++jumps.count[cause];
       const std::uint32_t faults = report.faults | before.faults;
       jumps.behind +=
@@ -223,6 +265,9 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
             (motion.Centroid(report.X_WG) - motion.Centroid(truth.report.X_WG)).norm());
       }
     }
+    if (checks.hold_far && far && !Arrives(path, X_WH, state)) {
+      if (figures.never_arrived++ == 0) figures.never_arrived_step = i;
+    }
     if (Due(i, checks.settle_every)) Settle(path, motion, i, state, figures.settling);
     if (reports != nullptr) reports->push_back(report);
     before = report;
@@ -230,6 +275,7 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
   figures.mean_speed /= 1e-3 * static_cast<double>(std::max<std::size_t>(2, figures.steps) - 1);
   figures.force_rms =
       std::sqrt(force2 / static_cast<double>(std::max<std::size_t>(1, figures.steps)));
+  CountNotches(force, ledges, figures);
   if (checks.quarter_steps) CompareQuarters(path, force, checks, figures);
   return figures;
 }
@@ -257,6 +303,14 @@ std::string BrokenLimits(const ContactFigures& figures, const ContactLimits& lim
   }
   if (figures.arrived_fraction() < limits.arrived_fraction) {
     line(fmt::format("the tool arrived in {} of {} steps", figures.arrived, figures.steps));
+  }
+  if (figures.never_arrived > limits.never_arrived) {
+    line(fmt::format("held still the tool never arrives from {} steps, the first of them {}",
+                     figures.never_arrived, figures.never_arrived_step));
+  }
+  if (figures.notches > limits.notches) {
+    line(fmt::format("the force has {} holes, the first at step {}", figures.notches,
+                     figures.notch_step));
   }
   const ContactFigures::Jumps& jumps = figures.jumps;
   if (jumps.force_max > limits.jump) {

@@ -30,6 +30,7 @@ struct ContactChecks {
   int oracle_every = 1;
   int converge_every = 1;
   int settle_every = 0;
+  bool hold_far = false;       ///< of each step that did not arrive, whether the next ones do
   bool quarter_steps = false;  ///< the path again at 4 kHz
   /// Told what is being done and which share is done.
   std::function<void(std::string_view what, double share)> progress = {};
@@ -49,6 +50,10 @@ struct ContactFigures {
 
   std::size_t arrived = 0;  ///< steps without kFaultTargetFar
   double arrived_fraction() const;
+  /// Of the steps that did not arrive, those that do not in kHeldSteps more with the same hand.
+  std::size_t never_arrived = 0;
+  std::size_t never_arrived_step = 0;  ///< the first of them
+  static constexpr int kHeldSteps = 200;
 
   /// Against the converged answer: the step's state stepped on with the same hand, until no point
   /// of the tool moves by 1e-8 m in a step, 200 steps at most.  (Leaves wear meanwhile.)
@@ -67,8 +72,14 @@ struct ContactFigures {
   };
   Jumps jumps;
 
+  /// Holes in the force: it falls from above kJump below half in a step, and is back above 60 % of
+  /// what it was within 10 ms.  A ledge is the jump of that cause that is no part of a hole.
+  std::size_t notches = 0, notch_step = 0;  ///< and where the first one is
+  std::size_t ledges = 0;
+  double ledge_force = 0.0;  ///< the greatest [N]
+
   /// The hand stops: 2,000 further steps with the same pose, of each step looked at.  Settled is
-  /// from when on no point of the tool moves by more than 1 nm in a step.
+  /// from when on no point of the tool moves by more than 1 nm in a step, and the tool has arrived.
   struct Settling {
     std::size_t poses = 0, within_10ms = 0, within_50ms = 0, never = 0;
     double cycle_m = 0.0, cycle_N = 0.0;  ///< greatest change of the tool, the force, after 1 s
@@ -95,7 +106,9 @@ struct ContactLimits {
   double meeting_fraction = 1.0;                           ///< at most
   double depth = std::numeric_limits<double>::infinity();  ///< [m], at most
   double arrived_fraction = 0.0;                           ///< at least
-  double jump = std::numeric_limits<double>::infinity();   ///< [N], of any cause, at most
+  std::size_t never_arrived = std::numeric_limits<std::size_t>::max();
+  std::size_t notches = std::numeric_limits<std::size_t>::max();
+  double jump = std::numeric_limits<double>::infinity();  ///< [N], of any cause, at most
   std::size_t unexplained = std::numeric_limits<std::size_t>::max();
   double force_4khz = std::numeric_limits<double>::infinity();  ///< rms fraction, at most
   double settled_10ms = 0.0, settled_50ms = 0.0;                ///< shares, at least

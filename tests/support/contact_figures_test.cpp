@@ -78,6 +78,35 @@ TEST(ContactFigures, SeeAToolThatCannotFollow) {
   EXPECT_THAT(BrokenLimits(f, {.arrived_fraction = 1.0}), HasSubstr("the tool arrived in"));
 }
 
+TEST(ContactFigures, SeeAToolThatNeverArrivesThoughTheHandRests) {
+  Scene scene = BallOnCube();
+  StepParameters parameters = MakeModel(scene, scene.tools[0], MakeObjects(scene)).parameters();
+  parameters.max_substeps = 1;
+  const HapticModel model(scene.tools[0].tree, MakeObjects(scene), parameters,
+                          &scene.tools[0].mesh);
+  StepWorkspace workspace(model);
+  StepState start(model);
+  // 0.5 mm a step: the first way takes 2,000 steps, the second one 60.
+  const std::vector<Pose> hand{{Vec3(0.0, 1.0, 0.0)}, {Vec3(0.0, 0.03, 0.0)}};
+  start.X_WG = start.X_WH = {Vec3(0.0, 0.06, 0.0)};
+  const ContactFigures f = MeasureContact(ContactPath{scene, model, workspace, start, hand},
+                                          {.hold_far = true, .progress = {}});
+  EXPECT_EQ(f.steps - f.arrived, 2u);
+  EXPECT_EQ(f.never_arrived, 1u);
+  EXPECT_EQ(f.never_arrived_step, 0u);
+}
+
+TEST(ContactFigures, TellHolesInTheForceFromContactsThatEnd) {
+  std::vector<Pose> hand = Descent(0.1, 100);
+  const Pose out{hand.back().p + Vec3(0.0, 0.0015, 0.0)};
+  for (const std::size_t i : {60, 61, 62}) hand[i] = out;  // back within 10 ms
+  std::fill(hand.begin() + 80, hand.end(), out);           // and never again
+  const ContactFigures f = MeasureContact(BallOnCube(), hand, {.progress = {}});
+  EXPECT_EQ(f.notches, 1u);
+  EXPECT_EQ(f.notch_step, 60u);
+  EXPECT_EQ(f.ledges, 0u);
+}
+
 TEST(ContactFigures, SeeMeshesInEachOtherWhereSpheresStandForThem) {
   Scene scene = MakeScene(MakeBox(Vec3::Constant(0.02)), 64, MakeBox(Vec3::Constant(0.05)), 256,
                           ContactModel::kSpheres);
@@ -99,6 +128,7 @@ TEST(ContactFigures, EveryLimitCanBreak) {
   f.depth = {0.0, 2e-6};
   f.meeting = 1;
   f.deepest_step = 7;
+  f.never_arrived = f.notches = 1;
   f.jumps.force_max = 2.0;
   f.jumps.count[static_cast<std::size_t>(JumpCause::kUnexplained)] = 3;
   f.jumps.force[static_cast<std::size_t>(JumpCause::kUnexplained)] = 2.0;
@@ -107,12 +137,14 @@ TEST(ContactFigures, EveryLimitCanBreak) {
   const std::string broken = BrokenLimits(f, {.meeting_fraction = 0.4,
                                               .depth = 1e-6,
                                               .arrived_fraction = 0.95,
+                                              .never_arrived = 0,
+                                              .notches = 0,
                                               .jump = 1.0,
                                               .unexplained = 2,
                                               .force_4khz = 0.1,
                                               .settled_10ms = 0.5,
                                               .settled_50ms = 0.8});
-  EXPECT_EQ(std::count(broken.begin(), broken.end(), '\n'), 8) << broken;
+  EXPECT_EQ(std::count(broken.begin(), broken.end(), '\n'), 10) << broken;
   EXPECT_THAT(broken, HasSubstr("step 7"));
   f.finite = true;
   EXPECT_EQ(BrokenLimits(f, {}), "") << "the defaults let everything pass";

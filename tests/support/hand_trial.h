@@ -17,6 +17,7 @@ struct HandTrial {
   ContactChecks checks{.oracle_every = 1,
                        .converge_every = 0,
                        .settle_every = 200,
+                       .hold_far = true,
                        .quarter_steps = true,
                        .progress = {}};
   ContactLimits limits;

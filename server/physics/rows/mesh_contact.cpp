@@ -75,6 +75,7 @@ MeshContact::MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, 
   touches_.reserve(kMaxTouches);
   touch_of_row_.reserve(static_cast<std::size_t>(max_rows));
   regain_.resize(static_cast<std::size_t>(max_rows));
+  released_.reserve(static_cast<std::size_t>(max_rows));
 }
 
 PatchPair MeshContact::PairOf(HullTree::Node tool, HullTree::Node object) const {
@@ -810,15 +811,24 @@ int MeshContact::Relinearise(const int* active, int actives, ContactRows& rows) 
 }
 
 int MeshContact::Release(const int* active, int actives, ContactRows& rows) noexcept {
+  released_.clear();
   return MendRows(active, actives, rows, [&](int row, Touch& touch) {
     // The pair is farther apart at the trial than its row says.
     const Corners corners = CornersAt(touch.tool, touch.object, to_);
     const double apart = std::sqrt(NearestOfTriangles(corners.a, corners.b).squared);
     const double gap = rows.Left(row, v_, phi_) + kSeparation;
     if (apart - tool_.radius <= kWitnessRatio * gap + kWitness) return false;
-    TakeOut(touch, rows);
+    for (const int of : touch.row) {
+      if (of < 0) continue;
+      released_.emplace_back(of, rows.gap(of));
+      rows.Loosen(of);
+    }
     return true;
   });
+}
+
+void MeshContact::PutBack(ContactRows& rows) noexcept {
+  for (const auto& [row, gap] : released_) rows.SetGap(row, gap);
 }
 
 int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noexcept {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "common/math/pose.h"
@@ -61,10 +62,12 @@ class MeshContact {
   /// where they were made, by limits::mesh::kTurned: makes them anew, once in a sub-step.
   int Relinearise(const int* active, int actives, ContactRows& rows) noexcept;
 
-  /// Takes out the active rows whose pair does not touch at the trial: its plane is not that of a
+  /// Lets the active rows go whose pair does not touch at the trial: its plane is not that of a
   /// contact, and hinders the tool without a cause.  Returns how many pairs those are; 0 where the
   /// trial is where the contacts hold the tool.
   int Release(const int* active, int actives, ContactRows& rows) noexcept;
+  /// Undoes the last Release.
+  void PutBack(ContactRows& rows) noexcept;
 
   /// A ball's row goes straight past the edge or the corner that it touches: the derivative [1/m]
   /// of its normal by the ball's way round it.  Zero of other rows.
@@ -212,6 +215,7 @@ class MeshContact {
   bool touched_ = false;                ///< a pair in its cones has got rows at the trial
   std::vector<Touch> touches_;
   std::vector<std::int32_t> touch_of_row_;
+  std::vector<std::pair<int, double>> released_;  ///< rows, and their gaps [m]
   std::vector<double> regain_;  ///< of each row: what it asks for beyond what its pair has [m]
   bool regains_ = true;
   SeparationFront* front_ = nullptr;  ///< during a sub-step

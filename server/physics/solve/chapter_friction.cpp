@@ -68,8 +68,9 @@ void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepStat
   const Vec3 added = force - report.wrench.force;
   report.wrench.force = force;
   if (model.degrees_of_freedom() == 6) {
-    report.wrench.torque =
-        parameters.torsional_stiffness * RotationLog(q_star * state.X_WH.q.conjugate());  // 2.31
+    Vec3 went = -(X_WG.q * state.turn_G);
+    report.wrench.torque = parameters.torsional_stiffness *
+                           RotationLogFrom(q_star * state.X_WH.q.conjugate(), went);  // 2.31
   }
   const bool reset = k_alpha == 1.0 && k_theta == 1.0;  // 2.34
   for (int i = 0; i < contacts; ++i) {

@@ -25,9 +25,8 @@ void GoToNewOptimum(StepContext& context) {
   context.optimum = NearestStep(context, context.target, nullptr);
   context.report.qp_iterations += context.optimum.qp.iterations;
   Remember(context);
-  const bool solved = context.optimum.qp.status != QpStatus::kIterationLimit;
-  if (!solved) context.report.faults |= kFaultUnsolved;
-  const double part = solved ? PartWithin(context) : 0.0;
+  context.Require(context.optimum);
+  const double part = context.IsUnsolved() ? 0.0 : PartWithin(context);
   context.arrived = part == 1.0;
   GoTo(context, part);
 }
@@ -42,10 +41,10 @@ void ShortenWay(StepContext& context, double part) {
   // The way to where the soft rows balance the spring: they have no part in it.
   const Optimum partial = NearestStep(context, nearer, nullptr);
   context.report.qp_iterations += partial.qp.iterations;
-  const bool unsolved = partial.qp.status == QpStatus::kIterationLimit;
-  if (unsolved) context.report.faults |= kFaultUnsolved;
-  const double clip =
-      unsolved ? 0.0 : PartWithin(context.bounds, degrees_of_freedom, partial.v, partial.phi);
+  context.Require(partial);
+  const double clip = context.IsUnsolved()
+                          ? 0.0
+                          : PartWithin(context.bounds, degrees_of_freedom, partial.v, partial.phi);
   context.v = clip * partial.v;
   context.phi = clip * partial.phi;
 }
@@ -92,22 +91,31 @@ void StepDown(StepContext& context) {
 
 /// Where pairs that do not touch hold the tool at the trial, it has not arrived: the next sub-step
 /// makes planes for them at the place that it comes to.  But without them the optimum may be free:
-/// then it goes there.  False where nothing is free.
+/// then it goes there.  Else they are what holds it, and it has arrived where no further sub-step
+/// would find another place, which is where this one finds none.  False where nothing is free.
 bool GoPast(StepContext& context) {
+  MeshContact& meshes = *context.buffers.meshes;
+  ContactRows& rows = context.buffers.rows;
   const auto release = [&] {
     const QpResult& qp = context.optimum.qp;
-    return context.buffers.meshes->Release(qp.row, qp.active, context.buffers.rows);
+    return meshes.Release(qp.row, qp.active, rows);
   };
   if (release() == 0) return true;
+  const Optimum held = context.optimum;
   const Vec3 v = context.v, phi = context.phi;
   GoToNewOptimum(context);
   if (IsFree(context)) {
-    context.arrived = context.arrived && release() == 0;
+    const bool held_again = release() != 0;
+    meshes.PutBack(rows);
+    context.arrived = context.arrived && !held_again;
     return true;
   }
-  context.arrived = false;
+  meshes.PutBack(rows);
+  context.optimum = held;
+  Remember(context);
   context.v = v;
   context.phi = phi;
+  context.arrived = Way(context) <= limits::mesh::kTouching;
   return IsFree(context);
 }
 

@@ -584,6 +584,7 @@ void AddCoulombFriction(StepContext& context) noexcept {
   const double* x = optimum.qp.x;
   optimum.v = Vec3(x[0], x[1], x[2]);
   if (turns) optimum.phi = Vec3(x[3], x[4], x[5]) / rho;
+  optimum.RefuseNaN();
 }
 
 }  // namespace palpate

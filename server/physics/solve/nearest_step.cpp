@@ -26,6 +26,7 @@ Optimum NearestStep(const StepContext& context, const Target& target, SoftRows* 
     optimum.phi = target.phi;
   }
   optimum.v = Vec3(optimum.qp.x[0], optimum.qp.x[1], optimum.qp.x[2]);
+  optimum.RefuseNaN();
   return optimum;
 }
 

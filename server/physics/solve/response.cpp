@@ -8,13 +8,20 @@ Target TargetOf(const Vec3& p_G, const Quat& q_G, const Vec3& p_H, const Quat& q
   return {p_H - p_G, RotationLog(q_H * q_G.conjugate())};
 }
 
+Target TargetFrom(const Vec3& p_G, const Quat& q_G, const Vec3& p_H, const Quat& q_H,
+                  Vec3& turn_G) noexcept {
+  Vec3 turn = q_G * turn_G;
+  const Target target{p_H - p_G, RotationLogFrom(q_H * q_G.conjugate(), turn)};
+  turn_G = q_G.conjugate() * turn;
+  return target;
+}
+
 Wrench SpringWrench(const Target& target, const Vec3& v, const Vec3& phi, double stiffness,
                     double torsional_stiffness) noexcept {
   Wrench wrench;
   wrench.force = stiffness * (v - target.v);
   // R_G' R_H^T with R_G' = Exp(phi) R_G, and R_H R_G^T = Exp(phi_h).
-  wrench.torque =
-      torsional_stiffness * RotationLog(RotationExp(phi) * RotationExp(target.phi).conjugate());
+  wrench.torque = torsional_stiffness * RotationDifference(phi, target.phi);
   return wrench;
 }
 

@@ -18,8 +18,14 @@ struct Target {
 /// rotations unevenly; the rotation vector is neither, and agrees with them to second order.
 Target TargetOf(const Vec3& p_G, const Quat& q_G, const Vec3& p_H, const Quat& q_H) noexcept;
 
+/// The same, whose phi goes on past half a turn, up to a full one (RotationLogFrom).
+/// @param turn_G  of the last call, in the graphic tool's frame; zero where there was none.
+Target TargetFrom(const Vec3& p_G, const Quat& q_G, const Vec3& p_H, const Quat& q_H,
+                  Vec3& turn_G) noexcept;
+
 /// Wrench of the spring between the tools when the graphic tool takes the step [v; phi] towards the
-/// target (chapter 2.20-2.24): F = k_t (p_G - p_H), tau = k_r Log(R_G R_H^T), in W, on the hand.
+/// target (chapter 2.20-2.24): F = k_t (p_G - p_H), tau = k_r Log(R_G R_H^T), in W, on the hand;
+/// past half a turn as the target goes on.
 Wrench SpringWrench(const Target& target, const Vec3& v, const Vec3& phi, double stiffness,
                     double torsional_stiffness) noexcept;
 

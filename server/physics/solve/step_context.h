@@ -25,6 +25,11 @@ struct Optimum {
   QpResult qp;
   bool rubs = false;        ///< friction has moved it
   FrictionForces friction;  ///< where it rubs: of the QP's active rows
+
+  /// To be called where a solver has written it: what is no number is no optimum.
+  void RefuseNaN() {
+    if (!v.allFinite() || !phi.allFinite()) qp.status = QpStatus::kIterationLimit;
+  }
 };
 
 /// What the stages of a step share, from the pose that comes in to the report that goes out.  One
@@ -53,6 +58,21 @@ struct StepContext {
   }
   /// Whether anything holds the tool.
   bool IsHeld() const { return optimum.qp.active != 0 || yielding.count != 0; }
+  /// Where the hand is from where the tool is.
+  void Aim() { target = TargetFrom(p_G, q_G, p_H, q_H, state.turn_G); }
+  /// Of the spring once the tool has made a step towards the target.
+  Wrench WrenchAfter(const Vec3& step_v, const Vec3& step_phi) const {
+    const StepParameters& spring = model.parameters();
+    Wrench wrench =
+        SpringWrench(target, step_v, step_phi, spring.stiffness, spring.torsional_stiffness);
+    if (model.degrees_of_freedom() == 3) wrench.torque.setZero();
+    return wrench;
+  }
+  /// The step ends unsolved where such an optimum is none.
+  void Require(const Optimum& found) {
+    if (found.qp.status == QpStatus::kIterationLimit) report.faults |= kFaultUnsolved;
+  }
+  bool IsUnsolved() const { return (report.faults & kFaultUnsolved) != 0; }
 
   const HapticModel& model;
   const Kernels& kernels = ActiveKernels();

@@ -252,14 +252,6 @@ Vec3 ToolTree::ReferenceOf(const SphereTree& tree) {
   return tree.leaves() == 1 ? LeafCentre(tree, 0) : tree.centroid;
 }
 
-double ToolTree::MaxLeverOf(const SphereTree& tree) {
-  double lever = 0.0;
-  for (std::size_t i = 0; i < tree.leaves(); ++i) {
-    lever = std::max(lever, (LeafCentre(tree, i) - ReferenceOf(tree)).norm());
-  }
-  return lever;
-}
-
 ToolTree::ToolTree(const SphereTree& tree, double world_extent, const Vec3& reference)
     : reference_(reference) {
   CheckTree(tree);

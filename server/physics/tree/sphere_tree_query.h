@@ -81,7 +81,6 @@ class ToolTree {
   double reach() const { return reach_; }
 
   static Vec3 ReferenceOf(const SphereTree& tree);
-  static double MaxLeverOf(const SphereTree& tree);
 
  private:
   PacketLevels<ToolPacket> levels_;

@@ -1,5 +1,6 @@
 #include "common/math/rotation.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -56,6 +57,67 @@ TEST(Rotation, BetweenTakesOneDirectionToTheOtherTheShortestWay) {
     EXPECT_LT((q * from.normalized() - to.normalized()).norm(), 1e-7);
     // The shortest way turns about an axis across both.
     EXPECT_NEAR(RotationLog(q).dot(from.normalized()), 0.0, 1e-7);
+  }
+}
+
+TEST(Rotation, GoesOnPastHalfATurnAndBackTheSameWay) {
+  Random random(73);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Vec3 axis = random.Direction();
+    Vec3 turn = Vec3::Zero();
+    // Three turns on, and four back, by steps of up to 30 degrees.
+    double angle = 0.0;
+    for (const double goal : {6.0 * M_PI, -2.0 * M_PI}) {
+      while (angle != goal) {
+        const double step = random.Uniform(0.0, 0.5);
+        angle = goal > angle ? std::min(angle + step, goal) : std::max(angle - step, goal);
+        const Vec3 expected = std::clamp(angle, -2.0 * M_PI, 2.0 * M_PI) * axis;
+        ASSERT_LT((RotationLogFrom(RotationExp(angle * axis), turn) - expected).norm(), 1e-12)
+            << angle;
+      }
+    }
+  }
+}
+
+TEST(Rotation, GoesOnAsSmoothlyAsTheHandTrembles) {
+  Random random(74);
+  const Vec3 axis = random.Direction();
+  Vec3 turn = Vec3::Zero(), before = Vec3::Zero();
+  for (int i = 0; i < 4000; ++i) {
+    // To 700 degrees and back, with a tremble of up to 6 degrees about other axes.
+    const double angle = (i < 2000 ? i : 4000 - i) * 0.35 * M_PI / 180.0;
+    const Vec3 across =
+        axis.cross(Vec3(std::sin(0.07 * i), std::cos(0.11 * i), std::sin(0.05 * i)));
+    const Vec3 now = RotationLogFrom(RotationExp(0.1 * across) * RotationExp(angle * axis), turn);
+    // Back at half a turn, what was left out beyond it is there again.
+    ASSERT_LT((now - before).norm(), i > 2000 && std::fabs(angle - M_PI) < 0.2 ? 0.4 : 0.12) << i;
+    ASSERT_LE(now.norm(), 2.0 * M_PI + 1e-12);
+    if (angle > 0.3) {
+      ASSERT_GT(now.dot(axis), 0.15) << i;
+    }
+    before = now;
+  }
+}
+
+TEST(Rotation, IsTheSameWhereNothingMoves) {
+  // A function of rotation and axis: it does not creep, however often it is asked.
+  Vec3 turn = 3.2 * Vec3::UnitZ();
+  const Quat q = RotationExp(Vec3(0.4, -0.2, 0.0)) * RotationExp(Vec3(0.0, 0.0, 5.5));
+  const Vec3 first = RotationLogFrom(q, turn);
+  for (int i = 0; i < 100; ++i) EXPECT_LT((RotationLogFrom(q, turn) - first).norm(), 1e-12);
+}
+
+TEST(Rotation, DifferencesAreLogarithmsUntilThoseTurnRound) {
+  Random random(75);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 a = 1e-3 * random.Direction(), axis = random.Direction();
+    const Vec3 near = 3.0 * axis;
+    EXPECT_EQ(RotationDifference(a, near),
+              RotationLog(RotationExp(a) * RotationExp(near).conjugate()));
+    for (const double angle : {3.1415, 3.1417, 4.0, 6.2831}) {
+      const Vec3 far = angle * axis;
+      EXPECT_LT((RotationDifference(a, far) - (a - far)).norm(), 5e-3) << angle;
+    }
   }
 }
 

@@ -215,6 +215,33 @@ TEST(MeshContactHands, ComeToRestOnCrumplesThatHardlyStandOut) {
   }
 }
 
+// Hands so quick that their tools fall behind, and that then stand still.  Where rows of pairs that
+// do not touch hold a tool, and the way past them is not free, they are what holds it: it has
+// arrived, and feels them.  It must not stay behind for ever, and least of all with no force.
+TEST(MeshContactHands, ArriveOnceTheHandStandsStill) {
+  const Scene waves = MeshScene(MakeBlock(60, 0.02, 0.01, Waves(0.003, 0.01)),
+                                MakeBlock(80, 0.04, 0.02, Waves(0.003, 0.015)));
+  const Scene fine =
+      MeshScene(MakeCrumpled(40, 0.02, 0.001, 9), MakeBlock(60, 0.04, 0.02, Waves(0.004, 0.04)));
+  const Scene crumple =
+      MeshScene(MakeCrumpled(6, 0.02, 0.004, 9), MakeCrumpled(12, 0.04, 0.006, 7));
+  const struct {
+    const Scene& scene;
+    double speed;
+    std::uint64_t seed;
+    std::size_t steps;  ///< until after such a place
+  } hands[] = {{waves, 0.5, 4, 400}, {waves, 0.5, 9, 300}, {fine, 0.5, 1, 400},
+               {fine, 0.5, 7, 300},  {fine, 0.5, 10, 290}, {crumple, 0.3, 4, 610}};
+  for (const auto& hand : hands) {
+    std::vector<Pose> X_WH =
+        MakeHand(hand.scene, {.seed = hand.seed, .speed = hand.speed, .steps = 800});
+    X_WH.resize(hand.steps);
+    const test::ContactFigures figures = test::MeasureContact(
+        hand.scene, X_WH, {.oracle_every = 0, .converge_every = 0, .hold_far = true});
+    EXPECT_EQ(BrokenLimits(figures, {.never_arrived = 0}), "") << "seed " << hand.seed;
+  }
+}
+
 /// A hand that no arm could be: jumps, dives, spins, trembles and rests, most of the time deep in
 /// the object.
 std::vector<Pose> WildHand(double size, std::uint64_t seed, std::size_t steps) {

@@ -411,6 +411,41 @@ TEST(MeshContact, FollowsAHandThatTwistsAPegInItsHole) {
   EXPECT_LE(touch.far, 3);  // one in a thousand
 }
 
+// A rod in a channel, and a hand that turns on, round and round, and back again.
+TEST(MeshContact, ResistsATurnBeyondHalfATurnTheSameWay) {
+  Scene scene =
+      MakeScene(Box(Vec3(0.1, 0.01, 0.01)), Box(Vec3(0.12, 0.02, 0.04), {Vec3(0.0, 0.0152, 0.0)}));
+  scene.objects.push_back(Box(Vec3(0.12, 0.02, 0.04), {Vec3(0.0, -0.0152, 0.0)}));
+  scene.objects.push_back(Box(Vec3(0.12, 0.05, 0.02), {Vec3(0.0, 0.0, 0.0152)}));
+  scene.objects.push_back(Box(Vec3(0.12, 0.05, 0.02), {Vec3(0.0, 0.0, -0.0152)}));
+  Touch touch(std::move(scene), Vec3::Zero());
+  const auto hand = [](double degrees) {
+    // With a tremble of a degree about other axes.
+    return Pose{Vec3::Zero(), Turn(std::sin(0.2 * degrees), Vec3(1.0, 0.5, 0.0).normalized()) *
+                                  Turn(degrees, Vec3::UnitZ())};
+  };
+  Vec3 before = Vec3::Zero();
+  for (int i = 0; i < 800; ++i) {
+    const double degrees = 2.0 * (i < 400 ? i : 800 - i);
+    const Vec3 torque = touch.Step(hand(degrees)).wrench.torque;
+    // The channel lets the rod turn by a quarter of a degree.
+    if (degrees > 0.0) {
+      ASSERT_NEAR(torque.z(), -std::min(degrees * M_PI / 180.0, 2.0 * M_PI), 0.01) << degrees;
+    }
+    ASSERT_LT((torque - before).norm(), 0.05) << degrees;
+    before = torque;
+  }
+  // Drawn out of the channel the tool goes to the hand, and by the shorter way.
+  for (int i = 0; i <= 100; ++i) touch.Step(hand(2.0 * i));
+  StepReport report;
+  for (int i = 0; i < 300; ++i) {
+    report = touch.Step({Vec3(0.5e-3 * i, 0.0, 0.0), Turn(200.0, Vec3::UnitZ())});
+  }
+  EXPECT_EQ(report.wrench.torque, Vec3::Zero());
+  EXPECT_EQ(report.faults, 0u);
+  EXPECT_EQ(touch.state.turn_G, Vec3::Zero());
+}
+
 TEST(MeshContact, SlidesIntoAConcaveEdgeAndIsHeldByBothFaces) {
   Touch touch(MakeScene(Box(Vec3::Constant(0.02)), MakeBody("L", test::MakeL(0.06), 64)),
               Vec3(0.016, 0.0, 0.016));

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/error.h"
 #include "common/math/rotation.h"
 #include "server/physics/rows/step_buffers.h"
 #include "server/physics/solve/qp_solver.h"
@@ -419,6 +420,34 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
   EXPECT_LT(loose, problems / 20);
   EXPECT_LT(skipped, problems / 5);
   EXPECT_LT(worst_lower, 1e-12);
+}
+
+// The weakest torsional spring that a model takes, beside a stiff one.
+TEST(Friction, GivesNumbersWithAnySpringThatAModelTakes) {
+  for (const double stiffness : {1.0, 1000.0, 4e5, 1e7}) {
+    StepParameters parameters = Rubbing(FrictionModel::kCoulomb);
+    parameters.stiffness = stiffness;
+    Random random(77);
+    const std::vector<Ball> tool = RandomBalls(random, 60, 0.02, 0.004),
+                            object = RandomBalls(random, 200, 0.05, 0.005);
+    const double lever = Bench(tool, object).model().tool().max_lever();
+    parameters.torsional_stiffness = 1e-6 * stiffness * lever * lever * (1.0 + 1e-12);
+    Bench bench(tool, object, parameters, Rough(0.8, 0.3));
+    bench.state().X_WG = At(0.0, 0.0, 0.15);
+    Wander(bench, random, 1000, [&](const StepReport& report) {
+      ASSERT_TRUE(report.wrench.force.allFinite() && report.wrench.torque.allFinite());
+      ASSERT_EQ(report.faults & kFaultUnsolved, 0u);
+    });
+    EXPECT_LT(bench.Penetration(), 1e-6);
+    parameters.torsional_stiffness *= 0.999;
+    try {
+      Bench refused(tool, object, parameters);
+      FAIL() << "a spring that friction's arithmetic cannot hold";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("torsional_stiffness"), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("give at least"), std::string::npos);
+    }
+  }
 }
 
 TEST(Friction, OffGivesTheBitsOfASmoothObject) {
