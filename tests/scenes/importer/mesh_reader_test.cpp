@@ -306,6 +306,23 @@ TEST(GltfReader, ReadsWhatStandsInItsScene) {
                1e-3);
 }
 
+TEST(GltfReader, ReadsABufferOfAnySizeInTheText) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const std::string glb = Glb("", std::string(30'000, 'x'));  // of no JSON: the buffer begins at 28
+  std::string base64;
+  for (std::size_t at = 28; at + 3 <= glb.size(); at += 3) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(glb[at + i]); };
+    const unsigned bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+    for (const int shift : {18, 12, 6, 0}) base64 += kDigits[bits >> shift & 63];
+  }
+  ExpectTheBox(
+      "a.gltf",
+      Json({.buffers = R"({"byteLength":168,"uri":"data:application/octet-stream;base64,)" +
+                       base64 + "\"}"}),
+      1e-3);
+}
+
 TEST(GltfReader, TurnsWhatIsMirroredAndReadsWhatStandsThereTwice) {
   const MeshReport r = InspectMesh(
       ReadMeshText("a.glb", Glb(Json({.scene = R"("scenes":[{"nodes":[0,2]}])",
