@@ -91,8 +91,8 @@ void StepDown(StepContext& context) {
 
 /// Where pairs that do not touch hold the tool at the trial, it has not arrived: the next sub-step
 /// makes planes for them at the place that it comes to.  But without them the optimum may be free:
-/// then it goes there.  Else they are what holds it, and it has arrived where no further sub-step
-/// would find another place, which is where this one finds none.  False where nothing is free.
+/// then it goes there.  Else they are what holds it: the next sub-step begins without them, and
+/// where that finds no other place either, the tool has arrived.  False where nothing is free.
 bool GoPast(StepContext& context) {
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
@@ -112,10 +112,12 @@ bool GoPast(StepContext& context) {
   }
   meshes.PutBack(rows);
   context.optimum = held;
-  Remember(context);
   context.v = v;
   context.phi = phi;
-  context.arrived = Way(context) <= limits::mesh::kTouching;
+  const bool stays = Way(context) <= limits::mesh::kTouching;
+  context.arrived = stays && context.stuck_at == context.report.substeps - 1;
+  if (stays) context.stuck_at = context.report.substeps;
+  if (context.arrived) Remember(context);
   return IsFree(context);
 }
 

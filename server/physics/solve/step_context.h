@@ -106,6 +106,7 @@ struct StepContext {
   // Move: the way that it went.
   Vec3 v, phi;           ///< [m], [rad]
   bool arrived = false;  ///< at the optimum
+  int stuck_at = -2;     ///< the last sub-step that found no way past what holds the tool
 };
 
 }  // namespace palpate
