@@ -16,8 +16,9 @@ struct ImportLimits {
 };
 
 /// A gigabyte and ten seconds, and more in proportion for large files.  Of 2 million triangles, a
-/// binary STL took 5.6 bytes for each of its own and an OBJ 9.1, and neither took two seconds
-/// (tests/benchmarks/results/mesh-import.md): twice that memory, and room for a slow machine.
+/// binary STL took 3.4 bytes for each of its own and an OBJ 2.7, and neither took two seconds
+/// (tests/benchmarks/results/mesh-import.md); by assimp, which reads 3DS, the OBJ took 9.1: twice
+/// that memory, and room for a slow machine.
 inline ImportLimits ImportLimitsFor(const std::string& file) {
   std::error_code error;
   const auto size = std::filesystem::file_size(file, error);
