@@ -63,6 +63,11 @@ bool IsImported(const MeshSource& source) {
   return source.kind == MeshSource::Kind::kModel || source.kind == MeshSource::Kind::kFile;
 }
 
+/// Null where it is none of shape_kinds.h.
+const ShapeKind* ShapeOf(const MeshSource& source) {
+  return source.kind == MeshSource::Kind::kShape ? FindShapeKind(source.what) : nullptr;
+}
+
 std::string MeshFile(const MeshSource& source, const std::string& models_dir) {
   if (source.kind == MeshSource::Kind::kFile) return source.what;
   return About(source.where, [&] { return FindModel(source.what, models_dir); });
@@ -90,7 +95,7 @@ TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir, S
       return MakeSphere(source.size.x(), source.triangles);
     case MeshSource::Kind::kShape:
       return About(source.where,
-                   [&] { return FindShapeKind(source.what)->make(source.variant, source.values); });
+                   [&] { return ShapeOf(source)->make(source.variant, source.values); });
     default:
       break;
   }
@@ -276,6 +281,10 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
       }
       if (body.tree.built()) key = HashBytes(NameOf(body.tree.mode), key);
       if (body.tolerance) key = HashBytes(std::to_string(kLeafCountVersion), key);
+      const ShapeKind* kind = ShapeOf(body.mesh);
+      if (kind != nullptr && kind->margin != nullptr) {
+        key = HashBytes(std::to_string(kMarginVersion), key);
+      }
       if (!IsImported(body.mesh)) continue;
       const std::string file = MeshFile(body.mesh, models_dir);
       const auto [it, fresh] = hashes.try_emplace(file, 0);
@@ -356,6 +365,9 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
     body.X_WB = from.X_WB;
     body.look = from.look;
     body.remarks = shape.remarks;
+    if (const ShapeKind* kind = ShapeOf(from.mesh); kind != nullptr && kind->margin != nullptr) {
+      body.margin = kind->margin(from.mesh.variant, from.mesh.values);
+    }
     PaintLeaves(from, shape.groups, body);
     return body;
   };

@@ -41,6 +41,9 @@ struct Body {
   std::string look{};  ///< what viewers draw it as; empty: what its material is
   /// Share of the room that each vertex sees, 0 to 255 (ambient_light.h); empty: all of it.
   std::vector<std::uint8_t> ambient{};
+  /// Of gum: the margin round its tooth, closed, counter-clockwise seen from the chewing surface,
+  /// in frame B [m]; empty: not known.  What probing depth is measured from.
+  std::vector<Vec3> margin{};
   /// What was mended of its mesh when it was read, for people: a sentence each.
   std::vector<std::string> remarks{};
 };

@@ -289,6 +289,14 @@ void ReadAmbient(const wire::Body& in, Body& out) {
   }
 }
 
+void ReadMargin(const wire::Body& in, Body& out) {
+  if (in.margin() == nullptr) return;
+  for (const wire::Vec3* point : *in.margin()) {
+    out.margin.push_back(FromWire(*point));
+    if (!out.margin.back().allFinite()) throw Error("a margin is none");
+  }
+}
+
 Features FromWire(const wire::Features& in) {
   if (in.contact() > wire::Contact::MAX || in.friction() > wire::Friction::MAX) {
     throw Error("its features are not known");
@@ -337,6 +345,7 @@ Scene ReadScene(const wire::Scene& in) {
       }
       bodies.back().tree.origin = FromWire(body->tree_origin());
       ReadAmbient(*body, bodies.back());
+      ReadMargin(*body, bodies.back());
       ReadMaterials(*body, bodies.back());
     }
     return bodies;
@@ -423,13 +432,16 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
       const auto name = out.CreateString(body.name);
       const auto materials_at = out.CreateVectorOfStructs(materials);
       const auto leaf_material = out.CreateVector(body.leaf_material);
+      std::vector<wire::Vec3> margin;
+      for (const Vec3& point : body.margin) margin.push_back(ToWire(point));
       const bool keep = remarks == Remarks::kKeep;
       packed.push_back(wire::CreateBody(
           out, name, geometry, &pose, materials_at, leaf_material,
           body.look.empty() ? 0 : out.CreateString(body.look),
           body.ambient.empty() ? 0 : out.CreateVector(body.ambient),
           keep && !body.remarks.empty() ? out.CreateVectorOfStrings(body.remarks) : 0,
-          keep ? static_cast<wire::TreeOrigin>(body.tree.origin) : wire::TreeOrigin::Unknown));
+          keep ? static_cast<wire::TreeOrigin>(body.tree.origin) : wire::TreeOrigin::Unknown,
+          margin.empty() ? 0 : out.CreateVectorOfStructs(margin)));
     }
     return out.CreateVector(packed);
   };

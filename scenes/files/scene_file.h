@@ -76,10 +76,10 @@ struct BodyDescription {
   std::string look;                        ///< one of kLooks; empty: what its material is
 };
 
-/// What viewers know how to draw.  That of teeth, gums and tongues follows the frames that
+/// What viewers know how to draw.  That of teeth, gums, tongues and probes follows the frames that
 /// catalogue/README.md gives for their shapes.
-inline constexpr std::string_view kLooks[] = {"tooth", "gum",      "tongue",
-                                              "face",  "calculus", "steel"};
+inline constexpr std::string_view kLooks[] = {"tooth",    "gum",   "tongue", "face",
+                                              "calculus", "steel", "probe"};
 
 /// A scene as people write it (catalogue/README.md has every field).
 struct SceneDescription {

@@ -197,6 +197,56 @@ TriangleMesh Instrument(const std::vector<Vec3>& corners, const std::vector<doub
   return MakeRod(curve, thickness, 16);
 }
 
+/// A gum of a size in mm: what stands above a jaw, what is taken out of it, and what is left.
+struct GumFields {
+  Field block, hole, gum;
+  Eigen::AlignedBox3d box;
+};
+
+Vec3 SlopeOf(const Field& field, const Vec3& p) {
+  constexpr double kStep = 1e-3;
+  Vec3 slope;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 e = kStep * Vec3::Unit(k);
+    slope[k] = (field(p + e) - field(p - e)) / (2.0 * kStep);
+  }
+  return slope;
+}
+
+GumFields FieldsOfGum(ToothKind kind, const ToothSize& metres, const GumSize& gum_metres) {
+  const ToothSize size = InMillimetres(metres);
+  const double depth = gum_metres.pocket_depth / kMillimetre;
+  const double width = gum_metres.pocket_width / kMillimetre;
+  const double x = 0.5 * size.width + 3.5;
+  const double z = 0.5 * size.depth + 4.5;
+  const double floor = -size.root - 2.0;
+  const double margin = 0.8 - gum_metres.recession / kMillimetre;
+  // A ridge with round shoulders whose top rises between the teeth, as the papillae do.
+  const Field block = [=](const Vec3& p) {
+    const double rise = 2.2 * std::pow(std::min(std::abs(p.x()) / x, 1.0), 2.4);
+    const double wall = std::abs(p.z()) - z - 0.06 * (margin - p.y());
+    const double ridge = SmoothMax(wall, 0.95 * (p.y() - margin - rise), 7.0);
+    return SmoothMax(SmoothMax(ridge, std::abs(p.x()) - x, 3.0), floor - p.y(), 2.0);
+  };
+  const Field tooth = ToothField(kind, size);
+  const Field socket = [=](const Vec3& p) { return tooth(p) + 0.1; };  // gum grips the tooth
+  const double reach = 0.32 * size.width;
+  // The tooth's field counts lengths along z short; here the width matters.
+  const auto from_tooth = [=](const Vec3& p) {
+    return tooth(p) / std::max(SlopeOf(tooth, p).norm(), 0.3);
+  };
+  const Field pocket = [=](const Vec3& p) {
+    const double beside = std::abs(p.x()) - reach;
+    const double below = -depth - p.y();
+    const double behind = 0.15 * size.depth - p.z();
+    return SmoothMax(SmoothMax(from_tooth(p) - width, beside, 0.8), SmoothMax(below, behind, 0.6),
+                     0.8);
+  };
+  return {block, [=](const Vec3& p) { return std::min(socket(p), pocket(p)); },
+          Without(Without(block, socket, 0.4), pocket, 0.5),
+          Box(x + 1.0, floor - 1.5, 5.0, -z - 2.5, z + 2.5)};
+}
+
 }  // namespace
 
 std::span<const std::string_view> ToothKindNames() {
@@ -231,45 +281,50 @@ TriangleMesh MakeTooth(ToothKind kind, const ToothSize& metres) {
   return InMetres(MeshOfField(ToothField(kind, size), ToothBox(size, 1.5), size.width / 8.0));
 }
 
-TriangleMesh MakeGingiva(ToothKind kind, const ToothSize& metres, const GumSize& gum_metres) {
-  const ToothSize size = InMillimetres(metres);
-  const double depth = gum_metres.pocket_depth / kMillimetre;
-  const double width = gum_metres.pocket_width / kMillimetre;
-  const double x = 0.5 * size.width + 3.5;
-  const double z = 0.5 * size.depth + 4.5;
-  const double floor = -size.root - 2.0;
-  const double margin = 0.8 - gum_metres.recession / kMillimetre;
-  // A ridge with round shoulders whose top rises between the teeth, as the papillae do.
-  const Field block = [=](const Vec3& p) {
-    const double rise = 2.2 * std::pow(std::min(std::abs(p.x()) / x, 1.0), 2.4);
-    const double wall = std::abs(p.z()) - z - 0.06 * (margin - p.y());
-    const double ridge = SmoothMax(wall, 0.95 * (p.y() - margin - rise), 7.0);
-    return SmoothMax(SmoothMax(ridge, std::abs(p.x()) - x, 3.0), floor - p.y(), 2.0);
-  };
-  const Field tooth = ToothField(kind, size);
-  const Field socket = [=](const Vec3& p) { return tooth(p) + 0.1; };  // gum grips the tooth
-  const double reach = 0.32 * size.width;
-  // The tooth's field counts lengths along z short; here the width matters.
-  const auto from_tooth = [=](const Vec3& p) {
-    constexpr double kStep = 1e-3;
-    Vec3 slope;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 e = kStep * Vec3::Unit(k);
-      slope[k] = (tooth(p + e) - tooth(p - e)) / (2.0 * kStep);
-    }
-    return tooth(p) / std::max(slope.norm(), 0.3);
-  };
-  const Field pocket = [=](const Vec3& p) {
-    const double beside = std::abs(p.x()) - reach;
-    const double below = -depth - p.y();
-    const double behind = 0.15 * size.depth - p.z();
-    return SmoothMax(SmoothMax(from_tooth(p) - width, beside, 0.8), SmoothMax(below, behind, 0.6),
-                     0.8);
-  };
-  const Field gum = Without(Without(block, socket, 0.4), pocket, 0.5);
-  const Eigen::AlignedBox3d box = Box(x + 1.0, floor - 1.5, 5.0, -z - 2.5, z + 2.5);
+TriangleMesh MakeGingiva(ToothKind kind, const ToothSize& size, const GumSize& gum) {
+  const GumFields fields = FieldsOfGum(kind, size, gum);
   constexpr double kCell = 0.7;  // half of the pocket's width
-  return InMetres(Simplified(MeshOfField(gum, box, kCell), 0.015));
+  return InMetres(Simplified(MeshOfField(fields.gum, fields.box, kCell), 0.015));
+}
+
+std::vector<Vec3> GingivalMargin(ToothKind kind, const ToothSize& size, const GumSize& gum) {
+  const GumFields fields = FieldsOfGum(kind, size, gum);
+  constexpr int kPoints = 96;
+  constexpr double kStep = 0.25;
+  const double most = fields.box.sizes().maxCoeff();
+  std::vector<Vec3> margin;
+  for (int i = 0; i < kPoints; ++i) {
+    // From +z towards +x: counter-clockwise seen from +y.
+    const double angle = 2.0 * kPi * i / kPoints;
+    const Vec3 outwards(std::sin(angle), 0.0, std::cos(angle));
+    // The edge of the hole at a height, from within.
+    const auto edge_at = [&](double y) {
+      const auto at = [&](double r) { return Vec3(r * outwards + y * Vec3::UnitY()); };
+      double r = 0.0;
+      while (r < most && fields.hole(at(r)) < 0.0) r += kStep;
+      double inside = std::max(0.0, r - kStep);
+      for (int k = 0; k < 6; ++k) {
+        const double middle = 0.5 * (inside + r);
+        (fields.hole(at(middle)) < 0.0 ? inside : r) = middle;
+      }
+      return at(r);
+    };
+    // Along it, down to where the block begins.
+    double low = fields.box.min().y();
+    double high = fields.box.max().y();
+    for (int k = 0; k < 12; ++k) {
+      const double middle = 0.5 * (low + high);
+      (fields.block(edge_at(middle)) < 0.0 ? low : high) = middle;
+    }
+    Vec3 edge = edge_at(low);
+    // The seam of the two is round.
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 slope = SlopeOf(fields.gum, edge);
+      edge -= fields.gum(edge) / slope.squaredNorm() * slope;
+    }
+    margin.push_back(kMillimetre * edge);
+  }
+  return margin;
 }
 
 TriangleMesh MakeCalculus(ToothKind kind, const ToothSize& metres, double across) {

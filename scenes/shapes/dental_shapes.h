@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "common/math/pose.h"
 #include "scenes/scene.h"
@@ -40,6 +41,9 @@ struct GumSize {
 /// Piece of a jaw with the gum round that tooth, in the tooth's frame: it lies close to it but for
 /// a pocket at the outer side (z > 0), and rises towards the neighbours, from which it is cut.
 TriangleMesh MakeGingiva(ToothKind kind, const ToothSize& size, const GumSize& gum);
+/// The crest of that gum round the tooth, pocket and all: a closed curve, counter-clockwise seen
+/// from above.
+std::vector<Vec3> GingivalMargin(ToothKind kind, const ToothSize& size, const GumSize& gum);
 
 /// Rough lump that lies on that tooth's outer side just above its neck and reaches into it, in the
 /// tooth's frame; about `width` across.

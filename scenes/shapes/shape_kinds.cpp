@@ -51,6 +51,10 @@ std::span<const ShapeKind> ShapeKinds() {
        [](std::size_t variant, Values v) {
          const auto kind = static_cast<ToothKind>(variant);
          return MakeGingiva(kind, SizeFrom(kind, v), {v[4], v[5], v[6]});
+       },
+       [](std::size_t variant, Values v) {
+         const auto kind = static_cast<ToothKind>(variant);
+         return GingivalMargin(kind, SizeFrom(kind, v), {v[4], v[5], v[6]});
        }},
       {"calculus", kTeeth, WithToothSize({Millimetres("across_mm", 4, 1, 10)}),
        [](std::size_t variant, Values v) {

@@ -23,6 +23,8 @@ struct ShapeKind {
   std::vector<ShapeParameter> parameters;
   /// @param variant  index.   @param values  one a parameter, in SI.
   TriangleMesh (*make)(std::size_t variant, std::span<const double> values);
+  /// Its gingival margin (Body::margin); null: it has none.
+  std::vector<Vec3> (*margin)(std::size_t variant, std::span<const double> values) = nullptr;
 };
 
 /// All of them (scenes/catalogue/README.md says what each looks like).

@@ -10,6 +10,8 @@ namespace palpate {
 
 /// Changes with every change of what a shape looks like, so that cached scenes are built anew.
 inline constexpr std::uint32_t kShapesVersion = 8;
+/// Of the margins of those that have one.
+inline constexpr std::uint32_t kMarginVersion = 1;
 
 // Closed meshes round the origin [m], wound counter-clockwise seen from outside.
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -99,16 +100,22 @@ TEST(SceneBundle, GivesBackHowItIsToBeSeen) {
   EXPECT_FALSE(UnpackScene(PackScene(scene), "s").first_sight.has_value());
   scene.objects[0].look = "gum";
   scene.objects[0].ambient.assign(scene.objects[0].mesh.vertices.size(), 200);
+  scene.objects[0].margin = {Vec3(0, 1, 0), Vec3(1, 1, 0), Vec3(0, 1, 1)};
   scene.first_sight = {Vec3(1, 2, 3), 0.5, Vec3(0.6, 0, 0.8)};
   const Scene back = UnpackScene(PackScene(scene), "s");
   EXPECT_EQ(back.objects[0].look, "gum");
   EXPECT_EQ(back.objects[0].ambient, scene.objects[0].ambient);
+  EXPECT_EQ(back.objects[0].margin, scene.objects[0].margin);
+  EXPECT_TRUE(back.objects[1].margin.empty());
   EXPECT_EQ(back.objects[1].look, "");
   ASSERT_TRUE(back.first_sight.has_value());
   EXPECT_EQ(back.first_sight->centre, scene.first_sight->centre);
   EXPECT_EQ(back.first_sight->radius, 0.5);
   EXPECT_EQ(back.first_sight->from, scene.first_sight->from);
 
+  scene.objects[0].margin[1].x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("a margin is none"));
+  scene.objects[0].margin.clear();
   scene.objects[0].ambient.pop_back();
   EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("the vertices' light does not add up"));
 }

@@ -1,5 +1,6 @@
 #include "scenes/shapes/shape_kinds.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <string>
@@ -112,10 +113,11 @@ TEST(ShapeKinds, MolarHasFourCuspsRoundAFossaAndTwoRoots) {
   EXPECT_FALSE(tooth.Inside(Vec3(0, -0.009, 0)));  // between them
 }
 
-TEST(ShapeKinds, GumLiesCloseToItsToothButForThePocket) {
+TEST(ShapeKinds, GumLiesCloseToItsToothButForThePocketAndKnowsItsMargin) {
   const ToothSize size = UsualSize(ToothKind::kMolar);
   const TriangleMesh tooth_mesh = MakeTooth(ToothKind::kMolar, size);
-  const TriangleMesh gum_mesh = MakeGingiva(ToothKind::kMolar, size, {0.006, 0.0016, 0.0});
+  const GumSize gum_size{0.006, 0.0016, 0.0};
+  const TriangleMesh gum_mesh = MakeGingiva(ToothKind::kMolar, size, gum_size);
   const MeshQuery tooth(tooth_mesh);
   const MeshQuery gum(gum_mesh);
   // Outwards from a root's middle: tooth, pocket, gum.
@@ -131,6 +133,33 @@ TEST(ShapeKinds, GumLiesCloseToItsToothButForThePocket) {
   EXPECT_NEAR(free_width(-0.004, 1.0), 0.0016, 4e-4);
   EXPECT_LT(free_width(-0.0075, 1.0), 2e-4);  // below the pocket
   EXPECT_LT(free_width(-0.004, -1.0), 2e-4);  // on the tooth's other side
+
+  // Its margin is where it begins, around tooth and pocket.
+  const std::vector<Vec3> margin = GingivalMargin(ToothKind::kMolar, size, gum_size);
+  ASSERT_GE(margin.size(), 48u);
+  double area = 0.0;
+  for (std::size_t i = 0; i < margin.size(); ++i) {
+    const Vec3& p = margin[i];
+    const Vec3& next = margin[(i + 1) % margin.size()];
+    area += 0.5 * (p.z() * next.x() - p.x() * next.z());  // seen from +y
+    EXPECT_LT((next - p).norm(), 1.2e-3) << i;
+    EXPECT_LT(gum.Nearest(p).distance, 2e-4) << i;
+    const Vec3 outwards = Vec3(p.x(), 0.0, p.z()).normalized();
+    EXPECT_TRUE(gum.Inside(p + 5e-4 * outwards - 6e-4 * Vec3::UnitY())) << i;
+    EXPECT_FALSE(gum.Inside(p - 4e-4 * outwards - 4e-4 * Vec3::UnitY())) << i;
+    EXPECT_FALSE(gum.Inside(p + 3e-4 * Vec3::UnitY())) << i;
+  }
+  EXPECT_GT(area, 0.0);
+  EXPECT_NEAR(tooth.Nearest(margin[0]).distance, gum_size.pocket_width, 3e-4);
+  EXPECT_LT(tooth.Nearest(margin[margin.size() / 2]).distance, 3e-4);
+  // Also of a tooth that is true to form: about its neck.
+  const auto names = ToothKindNames();
+  const auto molar = ToothKind(std::find(names.begin(), names.end(), "36") - names.begin());
+  for (const Vec3& p : GingivalMargin(molar, UsualSize(molar), gum_size)) {
+    EXPECT_LT(std::abs(p.y()), 2.5e-3);
+    EXPECT_GT(std::hypot(p.x(), p.z()), 3e-3);
+    EXPECT_LT(std::hypot(p.x(), p.z()), 9e-3);
+  }
 }
 
 TEST(ShapeKinds, CalculusLiesOnItsToothAndReachesIntoIt) {
