@@ -45,7 +45,7 @@ export class Readout {
     setText(this.note, note);
     this.note.hidden = note === "";
     const sentence = [statusSentence(state, depthM), note].filter((one) => one !== "").join(" ");
-    setText(this.sentence, statusSentence(state, depthM));
+    setText(this.sentence, statusSentence(state)); // the figure beside it tells the depth
     return sentence;
   }
 }
