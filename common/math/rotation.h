@@ -30,7 +30,8 @@ Quat RotationBetween(const Vec3& from, const Vec3& to) noexcept;
 /// it, but a full one at most: near that every axis would do, and a tremble would choose.  What the
 /// rotation does across the axis is left out: a pull that is longer than half a turn drives a body
 /// that it can tip further from where it is, not back.
-/// @param turn  in: zero where nothing came before.  Out: for the next call.
+/// @param q  as RotationLog takes it.   @param turn  in: zero where nothing came before.  Out: for
+/// the next call.
 Vec3 RotationLogFrom(const Quat& q, Vec3& turn) noexcept;
 
 /// Rotation vector of Exp(a) Exp(b)^T, where the way from b to a, a - b to first order, is not

@@ -90,7 +90,8 @@ TEST(ServerProgram, EndsWithAReasonWhereAMeshIsDamaged) {
   std::ofstream(mesh) << "ply\nformat ascii 1.0\nelement vertex 8\nprope";
   Program program = Server(Here({mesh, "--transport", "udp"}));
   EXPECT_EQ(program.Exit(), 1);
-  EXPECT_THAT(program.Output(), HasSubstr("cut.ply: its PLY header has no end"));
+  EXPECT_THAT(program.Output(),
+              HasSubstr("cut.ply: its PLY header has a line that begins with 'prope'"));
 }
 
 TEST(ServerProgram, RefusesADomainInUse) {

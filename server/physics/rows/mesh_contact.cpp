@@ -818,17 +818,22 @@ int MeshContact::Release(const int* active, int actives, ContactRows& rows) noex
     const double apart = std::sqrt(NearestOfTriangles(corners.a, corners.b).squared);
     const double gap = rows.Left(row, v_, phi_) + kSeparation;
     if (apart - tool_.radius <= kWitnessRatio * gap + kWitness) return false;
-    for (const int of : touch.row) {
-      if (of < 0) continue;
-      released_.emplace_back(of, rows.gap(of));
-      rows.Loosen(of);
+    for (int slot = 0; slot < 3; ++slot) {
+      const int of = touch.row[slot];
+      if (of >= 0) released_.push_back({&touch, slot, of, rows.gap(of)});
     }
+    TakeOut(touch, rows);
     return true;
   });
 }
 
 void MeshContact::PutBack(ContactRows& rows) noexcept {
-  for (const auto& [row, gap] : released_) rows.SetGap(row, gap);
+  for (const Released& released : released_) {
+    int& row = released.touch->row[released.slot];
+    if (row >= 0) rows.Loosen(row);  // of the trial that is given up
+    row = released.row;
+    rows.SetGap(row, released.gap);
+  }
 }
 
 int MeshContact::Retract(const int* active, int actives, ContactRows& rows) noexcept {

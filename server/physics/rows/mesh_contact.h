@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "common/math/pose.h"
@@ -121,6 +120,13 @@ class MeshContact {
     bool retracted, relinearised;
     int row[3];  ///< of the corners, or the one row of kEdges; -1 where there is none
   };
+  /// A row that Release has taken out of its touch.
+  struct Released {
+    Touch* touch;
+    int slot;  ///< in touch->row
+    int row;
+    double gap;  ///< that it had [m]
+  };
   /// A pair of the front that the bounds could bring together.  Its plane at the sub-step's
   /// beginning, which every trial reads, stands in planes_ at the same index.
   struct NearPair {
@@ -215,7 +221,7 @@ class MeshContact {
   bool touched_ = false;                ///< a pair in its cones has got rows at the trial
   std::vector<Touch> touches_;
   std::vector<std::int32_t> touch_of_row_;
-  std::vector<std::pair<int, double>> released_;  ///< rows, and their gaps [m]
+  std::vector<Released> released_;
   std::vector<double> regain_;  ///< of each row: what it asks for beyond what its pair has [m]
   bool regains_ = true;
   SeparationFront* front_ = nullptr;  ///< during a sub-step

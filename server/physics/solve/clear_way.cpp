@@ -91,7 +91,7 @@ void StepDown(StepContext& context) {
 
 /// Where pairs that do not touch hold the tool at the trial, it has not arrived: the next sub-step
 /// makes planes for them at the place that it comes to.  But without them the optimum may be free:
-/// then it goes there.  Else they are what holds it: the next sub-step begins without them, and
+/// then it goes there.  Else they are what holds it: the next sub-step looks once more, and
 /// where that finds no other place either, the tool has arrived.  False where nothing is free.
 bool GoPast(StepContext& context) {
   MeshContact& meshes = *context.buffers.meshes;
@@ -117,7 +117,7 @@ bool GoPast(StepContext& context) {
   const bool stays = Way(context) <= limits::mesh::kTouching;
   context.arrived = stays && context.stuck_at == context.report.substeps - 1;
   if (stays) context.stuck_at = context.report.substeps;
-  if (context.arrived) Remember(context);
+  Remember(context);
   return IsFree(context);
 }
 

@@ -118,7 +118,7 @@ TEST(LoadScene, MakesASceneOfAMeshAndTellsWhatItAssumed) {
   };
   EXPECT_NEAR(side(""), 0.020, 1e-12);
   EXPECT_NEAR(side("cm"), 0.200, 1e-12) << "not what the cache has of it in mm";
-  EXPECT_THAT(told, Contains(HasSubstr("'palpate-scene new " + mesh + " -o part.json'")));
+  EXPECT_THAT(told, Contains(HasSubstr("palpate-scene new " + mesh + " -o part.json")));
 }
 
 }  // namespace
