@@ -54,7 +54,8 @@ export class Notice {
     this.line.classList.toggle("alarm", this.said?.alarm ?? false);
     setText(this.text, words);
     this.button.hidden = this.said?.action === undefined;
-    const action = this.said?.action?.text ?? "";
+    const action = this.said?.action?.text;
+    if (action === undefined) return; // hidden, it keeps its last name
     setText(this.button, action);
     if (this.button.ariaLabel !== action) this.button.ariaLabel = action;
   }
