@@ -5,12 +5,14 @@
 #include <charconv>
 #include <cstring>
 #include <filesystem>
+#include <new>
 #include <set>
 #include <string>
 
 #include <linux/filter.h>
 #include <net/if.h>
 #include <netinet/in.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 
 #include "common/error.h"
@@ -75,10 +77,20 @@ void HearThisHostAlone(const PortRange& ports, const std::set<int>& others) {
   }
 }
 
+/// Cyclone DDS aborts, and says nothing of memory, where it gets none for itself or for its threads.
+void AskForMemory() {
+  constexpr std::size_t kDomain_bytes = std::size_t{128} << 20;  // a dozen stacks of 8 MB, and more
+  void* const place = mmap(nullptr, kDomain_bytes, PROT_READ | PROT_WRITE,
+                           MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (place == MAP_FAILED) throw std::bad_alloc();
+  munmap(place, kDomain_bytes);
+}
+
 }  // namespace
 
 dds_entity_t OpenDomain(dds_domainid_t id, const std::string& config, const Network& network,
                         const PortRange& ports) {
+  AskForMemory();
   const std::set<int> others = UdpSockets();
   const dds_entity_t domain = dds_create_domain(id, config.c_str());
   if (domain < 0 || !network.this_host()) return domain;

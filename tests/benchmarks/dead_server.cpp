@@ -17,9 +17,9 @@
 #include "devices/simulated/phantom_sheets.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/figures.h"
-#include "tests/common/dds/roudi.h"
 #include "tests/link/silence.h"
 #include "tests/support/program.h"
+#include "tests/support/roudi.h"
 
 namespace palpate::bench {
 namespace {

@@ -22,8 +22,8 @@
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/pose_source.h"
-#include "tests/common/dds/roudi.h"
 #include "tests/support/program.h"
+#include "tests/support/roudi.h"
 
 namespace palpate::bench {
 namespace {

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "client/doctor/loop_check.h"
-#include "tests/common/dds/roudi.h"
 #include "tests/support/program.h"
+#include "tests/support/roudi.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::doctor {

@@ -10,12 +10,12 @@
 #include "client/recorder/file_summary.h"
 #include "common/error.h"
 #include "common/math/random.h"
-#include "tests/common/dds/roudi.h"
 #include "tests/faults/clock_steps.h"
 #include "tests/faults/findings.h"
 #include "tests/faults/hostile.h"
 #include "tests/faults/recorder_killed.h"
 #include "tests/faults/small_memory.h"
+#include "tests/support/roudi.h"
 
 namespace palpate::faults {
 namespace {
@@ -155,7 +155,7 @@ Findings DiskFull(int domain) {
   return findings;
 }
 
-/// This process's, until its end (tests/common/dds/roudi.h).  Only one can run on a host.  Null,
+/// This process's, until its end (tests/support/roudi.h).  Only one can run on a host.  Null,
 /// with the word that says so: another does.
 RouDi* OwnRouDi(Findings& findings) {
   static std::unique_ptr<RouDi> roudi;

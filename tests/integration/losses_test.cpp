@@ -4,9 +4,9 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/common/dds/roudi.h"
 #include "tests/integration/rig.h"
 #include "tests/link/silence.h"
+#include "tests/support/roudi.h"
 
 namespace palpate::test {
 namespace {

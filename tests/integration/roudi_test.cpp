@@ -1,5 +1,5 @@
 // The programs without RouDi, the keeper of shared memory, and with one that dies.
-#include "tests/common/dds/roudi.h"
+#include "tests/support/roudi.h"
 
 #include <csignal>
 

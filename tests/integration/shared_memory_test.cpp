@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/common/dds/peer.h"
-#include "tests/common/dds/roudi.h"
 #include "tests/integration/quick_station.h"
 #include "tests/integration/rig.h"
+#include "tests/support/roudi.h"
 #include "tests/support/stall_witness.h"
 #include "tests/support/test_domain.h"
 

@@ -14,7 +14,7 @@
 #include "tests/common/recording/samples.h"
 #include "tests/support/program.h"
 #include "tests/support/test_domain.h"
-#include "tests/viewer/web_client.h"
+#include "tests/support/web_client.h"
 
 namespace palpate::test {
 namespace {

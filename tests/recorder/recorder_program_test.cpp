@@ -10,10 +10,10 @@
 #include "client/replayer/verify.h"
 #include "common/dds/server_lock.h"
 #include "common/recording/recording_reader.h"
-#include "tests/common/dds/roudi.h"
 #include "tests/common/recording/samples.h"
 #include "tests/integration/rig.h"
 #include "tests/recorder/others_readers.h"
+#include "tests/support/roudi.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::test {

@@ -10,8 +10,8 @@
 #include <unistd.h>
 
 #include "common/dds/server_lock.h"
-#include "tests/common/dds/roudi.h"
 #include "tests/support/program.h"
+#include "tests/support/roudi.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::test {

@@ -24,8 +24,8 @@
 #include "tests/support/program.h"
 #include "tests/support/random.h"
 #include "tests/support/test_domain.h"
+#include "tests/support/web_client.h"
 #include "tests/viewer/viewer_program.h"
-#include "tests/viewer/web_client.h"
 
 namespace palpate::test {
 namespace {

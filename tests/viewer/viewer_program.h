@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "tests/support/program.h"
-#include "tests/viewer/web_client.h"
+#include "tests/support/web_client.h"
 
 namespace palpate::test {
 

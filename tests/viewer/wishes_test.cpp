@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "client/viewer/viewer_limits.h"
+#include "tests/support/web_client.h"
 #include "tests/viewer/stand_in.h"
-#include "tests/viewer/web_client.h"
 
 namespace palpate::test {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "common/dds/topics.h"
 #include "tests/common/dds/peer.h"
-#include "tests/common/dds/roudi.h"
+#include "tests/support/roudi.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::dds {

@@ -19,7 +19,7 @@
 #include "common/dds/ports.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "tests/common/dds/roudi.h"
+#include "tests/support/roudi.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::dds {

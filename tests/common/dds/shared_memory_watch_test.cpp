@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/common/dds/peer.h"
-#include "tests/common/dds/roudi.h"
+#include "tests/support/roudi.h"
 
 namespace palpate::dds {
 namespace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
-#include "tests/viewer/web_client.h"
+#include "tests/support/web_client.h"
 
 namespace palpate::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/viewer/web_client.h"
+#include "tests/support/web_client.h"
 
 #include <chrono>
 #include <cstring>

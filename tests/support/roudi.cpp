@@ -1,4 +1,4 @@
-#include "tests/common/dds/roudi.h"
+#include "tests/support/roudi.h"
 
 #include <chrono>
 #include <csignal>
