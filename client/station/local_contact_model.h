@@ -18,7 +18,7 @@ struct CouplingSpring {
 /// late by a tick and not by a round trip.
 ///
 /// The step xi = [v; phi] of the graphic tool from the reply's X_WG is the server's own problem
-/// (server/ARCHITECTURE.md, The haptic step) with the reply's rows for all rows:
+/// (server/physics/README.md, One cycle) with the reply's rows for all rows:
 ///   minimise |x - x_h|^2 / 2 subject to the rows,  x = [v; rho phi],  rho = sqrt(k_r / k_t),
 /// and the wrench is the spring's between that step and the hand.  Added to it is what the rows did
 /// not explain at the pose that the reply answers (friction, and what rounds): there the wrench is

@@ -26,7 +26,7 @@ class StepWorkspace {
 
 /// The haptic step, once per millisecond and tool: finds the pose of the graphic tool nearest to
 /// the haptic tool's without entering an object, and the wrench of the spring between the two.
-/// Chapter 2.3 and 2.4; ARCHITECTURE.md says where the project departs from it.
+/// Chapter 2.3 and 2.4; README.md has the cycle, server/DECISIONS.md where it departs from them.
 /// `X_WH`: haptic tool, of the tool tree's frame.  Non-finite poses set kFaultBadPose.
 /// `times`: null in the servo loop; where given, the stages are timed (the result is the same).
 /// Real-time: no allocation, lock, log; a clock only where `times` is given.

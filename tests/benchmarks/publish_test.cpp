@@ -1,4 +1,4 @@
-// tests/benchmarks/publish: the reports that README links to.
+// tests/benchmarks/publish: the reports that doc/figures.md links to.
 #include <csignal>
 #include <filesystem>
 #include <fstream>

@@ -17,10 +17,53 @@ set(ENV{DESTDIR} "")
 include(${source}/server/library/install_headers.cmake)
 file(COPY ${source}/server/library/palpate.h DESTINATION ${out}/headers)
 
+# The map, the pages of the physics, and the decisions: each file, and the label of its page.  Links between these lead
+# from page to page; what they say of other files is kept without its link.
+set(documents
+    server/ARCHITECTURE.md architecture
+    server/physics/README.md physics_step
+    server/physics/surface/README.md physics_surface
+    server/physics/rows/README.md physics_rows
+    server/physics/solve/README.md physics_solve
+    server/physics/solve/friction.md physics_friction
+    server/physics/tree/README.md physics_tree
+    server/DECISIONS.md decisions)
+function(make_page file label)
+  file(READ ${source}/${file} text)
+  string(REGEX REPLACE "^# ([^\n]+)" "# \\1 {#${label}}" text "${text}")
+  get_filename_component(folder ${source}/${file} DIRECTORY)
+  string(REGEX MATCHALL "\\[[^][]+\\]\\([^()]+\\)" links "${text}")
+  foreach(link IN LISTS links)
+    string(REGEX REPLACE "^\\[(.*)\\]\\(([^#]*).*\\)$" "\\1" words "${link}")
+    string(REGEX REPLACE "^\\[(.*)\\]\\(([^#]*).*\\)$" "\\2" target "${link}")
+    set(to "${words}")
+    if(target)
+      get_filename_component(target ${target} ABSOLUTE BASE_DIR ${folder})
+      file(RELATIVE_PATH target ${source} ${target})
+      list(FIND documents ${target} at)
+      if(NOT at EQUAL -1)
+        math(EXPR at "${at} + 1")
+        list(GET documents ${at} to)
+        string(REPLACE "\n" " " words "${words}")
+        string(REGEX REPLACE " +" " " words "${words}")
+        set(to "\\ref ${to} \"${words}\"")
+      endif()
+    endif()
+    string(REPLACE "${link}" "${to}" text "${text}")
+  endforeach()
+  file(WRITE ${out}/${label}.md "${text}")
+endfunction()
 # Pages are named for their labels, not for the folder that they were made in.
-file(READ ${source}/server/ARCHITECTURE.md text)
-string(REGEX REPLACE "^# ([^\n]+)" "# \\1 {#architecture}" text "${text}")
-file(WRITE ${out}/architecture.md "${text}")
+set(pages "")
+list(LENGTH documents count)
+math(EXPR last "${count} - 1")
+foreach(i RANGE 0 ${last} 2)
+  math(EXPR j "${i} + 1")
+  list(GET documents ${i} file)
+  list(GET documents ${j} label)
+  make_page(${file} ${label})
+  list(APPEND pages ${out}/${label}.md)
+endforeach()
 foreach(page main_page examples_page python_page)
   configure_file(${source}/server/library/pages/${page}.md ${out}/${page}.md COPYONLY)
 endforeach()
@@ -39,8 +82,8 @@ function(pages html title of_python)
   endif()
 endfunction()
 
-pages(html "Palpate" NO ${out}/main_page.md ${out}/examples_page.md ${out}/architecture.md
-      ${out}/headers ${also})
+pages(html "Palpate" NO ${out}/main_page.md ${out}/examples_page.md ${pages} ${out}/headers
+      ${also})
 # Python's names are C++'s, so its pages are apart.  A module is named for its file: palpate itself is
 # __init__.pyi.
 file(GLOB stubs ${source}/client/python/palpate/*.pyi)

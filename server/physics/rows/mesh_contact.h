@@ -30,7 +30,7 @@ namespace palpate {
 /// nearest points, fixed to the side that has the face or edge; of two edges that cross, the plane
 /// of both, which turns with them.  Out of the cones a neighbour is nearer, and the touch is the
 /// neighbour's: its plane keeps this pair apart too, or else a face of either mesh.
-/// Drawings: server/ARCHITECTURE.md, Contact between meshes.
+/// Drawings: README.md, and ../surface/README.md.
 ///
 /// Real-time but for construction: no allocation, lock, log or clock.  Deterministic.
 class MeshContact {

@@ -47,8 +47,8 @@ TEST(Ports, AreThoseThatADomainTakes) {
   EXPECT_THAT(taken, testing::ElementsAre(0, 1, 10, 11));
 }
 
-std::string Readme() {
-  std::ifstream in(PALPATE_SOURCE_DIR "/README.md");
+std::string Limits() {
+  std::ifstream in(PALPATE_SOURCE_DIR "/doc/limits.md");
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
@@ -56,15 +56,15 @@ TEST(Ports, AreDocumented) {
   const int both = 2 * kPortsPerDomain;
   const std::string said = std::to_string(kFirstPort) + " + " + std::to_string(both) +
                            " N and the " + std::to_string(both - 1) + " after it";
-  EXPECT_NE(Readme().find(said), std::string::npos) << said;
+  EXPECT_NE(Limits().find(said), std::string::npos) << said;
 }
 
-TEST(Ports, LetAnotherToolInByTheSettingsInReadme) {
-  const std::string readme = Readme(), end = "</CycloneDDS>";
-  const std::size_t from = readme.find("<CycloneDDS>"), to = readme.find(end);
+TEST(Ports, LetAnotherToolInByTheSettingsThatAreDocumented) {
+  const std::string limits = Limits(), end = "</CycloneDDS>";
+  const std::size_t from = limits.find("<CycloneDDS>"), to = limits.find(end);
   ASSERT_LT(from, to);
   ASSERT_NE(to, std::string::npos);
-  const std::string settings = readme.substr(from, to - from) + end;
+  const std::string settings = limits.substr(from, to - from) + end;
 
   const int domain = test::OwnDomain();
   Peer peer("bundle", domain, "tool", 1, "at-once");
