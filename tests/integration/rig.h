@@ -19,7 +19,6 @@
 #include "client/station/servo_thread.h"
 #include "client/station/session_link.h"
 #include "client/station/station_core.h"
-#include "client/station/trace.h"
 #include "common/dds/topics.h"
 #include "common/time/steady_clock.h"
 #include "devices/device.h"
@@ -114,10 +113,8 @@ class HeldDevice final : public Device {
 /// be seen.
 class HeldStation {
  public:
-  /// @param trace  file for a row of each tick, where one is wanted.
-  explicit HeldStation(dds::Transport transport, const std::string& trace = "") {
+  explicit HeldStation(dds::Transport transport) {
     core_.EnableForces(true);
-    if (!trace.empty()) trace_ = std::make_unique<Trace>(trace);
     LinkOptions options;
     options.station = "held";
     options.scene = "cube";
@@ -127,18 +124,14 @@ class HeldStation {
     link_ = std::make_unique<SessionLink>(
         options, replies_,
         [this]() -> ServoThread& {
-          servo_ = std::make_unique<ServoThread>(core_, replies_, 0.01, trace_.get());
+          servo_ = std::make_unique<ServoThread>(core_, replies_, 0.01);
           return *servo_;
         },
         [](const std::string&) {});
   }
-  ~HeldStation() { End(); }
-
-  /// Ends the session and the loop, and the trace with them.
-  void End() {
+  ~HeldStation() {
     link_.reset();
     servo_->Stop();
-    if (trace_) trace_->Close();
   }
 
   /// As --accept-guide does; before the first Until.
@@ -170,7 +163,6 @@ class HeldStation {
  private:
   StationCore core_{device};
   ReplyRing replies_;
-  std::unique_ptr<Trace> trace_;
   std::unique_ptr<ServoThread> servo_;
   std::unique_ptr<SessionLink> link_;
   std::optional<GuideLink> guide_;

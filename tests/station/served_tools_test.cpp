@@ -108,8 +108,9 @@ TEST_F(Offering, NamesWhatThereIsWhereTheSceneIsNot) {
     Ask("yours");
     ADD_FAILURE() << "was found";
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("scene 'yours' is not served here; give --scene with one "
-                                        "of: mine, other"));
+    EXPECT_THAT(error.what(),
+                HasSubstr("scene 'yours' is not served here; give --scene with one of: mine, "
+                          "other, or start palpate-server with yours"));
   }
 }
 
