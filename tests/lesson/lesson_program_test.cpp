@@ -37,12 +37,6 @@ bool Until(const std::function<bool()>& done) {
   return true;
 }
 
-TEST(LessonProgram, TeachesItselfWithAnExample) {
-  Program program(PALPATE_BIN_DIR "/palpate-lesson", {"--help"});
-  EXPECT_EQ(program.Exit(), 0);
-  EXPECT_THAT(program.Output(), HasSubstr("Example: palpate-lesson whole calculus"));
-}
-
 TEST(LessonProgram, SaysWhatThereIsToDoWhereNothingIsAskedFor) {
   Program program(PALPATE_BIN_DIR "/palpate-lesson", {});
   EXPECT_EQ(program.Exit(), 2);

@@ -184,26 +184,6 @@ TEST(RouDiLoopTopic, SurvivesAWriterThatBeginsBeforeItIsDiscovered) {
   EXPECT_EQ(taken.through_shared_memory, static_cast<int>(taken.poses.size()));
 }
 
-TEST(RouDiLoopTopic, HearsEachOfAHundredRunsOfAStation) {
-  RouDi roudi;
-  const Participant participant = Participant::Loop(kDomain, kShm);
-  const std::string station = std::string("s").append(std::to_string(getpid()));
-  for (std::uint64_t run = 1; run <= 100; ++run) {
-    const std::string topic = PoseTopic(station, run);
-    Writer<wire::HapticPose> writer(participant, topic, Qos::kLoop);
-    ASSERT_TRUE(WriterDiscovered(participant, topic));
-    Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
-    ASSERT_TRUE(Eventually([&] { return writer.matched_readers() == 1; }));
-    for (int i = 1; i <= 10; ++i) {
-      wire::HapticPose pose{};
-      pose.pose_sequence = i;
-      ASSERT_TRUE(writer.Write(pose));
-      ASSERT_TRUE(Eventually([&] { return reader.Take(pose); })) << "run " << run;
-      EXPECT_EQ(pose.pose_sequence, static_cast<std::uint64_t>(i));
-    }
-  }
-}
-
 TEST(RouDiLoopTopic, GoesOverUdpWhereRouDiHasGoneSinceTheDomainWasMade) {
   RouDi roudi;
   const Participant participant = Participant::Loop(kDomain, kShm);
