@@ -244,26 +244,5 @@ TEST_F(SteeredReplay, IsSteeredByNobodyElseWhereItIsLocked) {
   EndAndCheck();
 }
 
-TEST_F(SteeredReplay, KeepsBookmarksForTheNextOne) {
-  Begin({"--stay"});
-  ASSERT_TRUE(guest_.Wishes(palpate_REPLAY_ADD_BOOKMARK, 3.5, "the groove"));
-  EXPECT_STREQ(guest_.state.refusal, "");
-  EndAndCheck();
-  guest_.contents.replay = 0;
-  Begin({"--stay"});
-  ASSERT_EQ(guest_.contents.marks._length, 7u);
-  EXPECT_STREQ(guest_.contents.marks._buffer[4].text, "the groove");
-  EndAndCheck();
-}
-
-TEST_F(SteeredReplay, LeavesABrokenFileOfBookmarksAsItIs) {
-  const std::string bookmarks = Bookmarks::FileFor(file_);
-  WriteBytes(bookmarks, {'n', 'o', '\n'});
-  ReplayerProgram replayer({file_, "--domain", kDomainText});
-  EXPECT_EQ(replayer.Exit(), 1);
-  EXPECT_THAT(replayer.Output(), HasSubstr(bookmarks + ":1"));
-  EXPECT_EQ(BytesOf(bookmarks).size(), 3u);
-}
-
 }  // namespace
 }  // namespace palpate::test
