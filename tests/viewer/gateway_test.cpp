@@ -416,7 +416,10 @@ TEST(Gateway, TurnsAwayPagesFromElsewhereAndViewersBeyondItsMost) {
   const std::string v1 = "foxglove.websocket.v1";
   EXPECT_EQ(Handshake(gateway.port(), v1).status, 101);
   EXPECT_EQ(Handshake(gateway.port(), v1, own).status, 101);
-  EXPECT_EQ(Handshake(gateway.port(), v1, "http://evil.example").status, 403);
+  const HttpAnswer evil = Handshake(gateway.port(), v1, "http://evil.example");
+  EXPECT_EQ(evil.status, 403);
+  EXPECT_THAT(evil.body, HasSubstr("its Origin is 'http://evil.example'"));
+  EXPECT_THAT(evil.body, HasSubstr("--allow-origin"));
   EXPECT_EQ(Handshake(gateway.port(), v1, "null").status, 403);
   EXPECT_EQ(Handshake(gateway.port(), "chat").status, 400);
   EXPECT_EQ(Handshake(gateway.port(), "").status, 400);
@@ -430,15 +433,6 @@ TEST(Gateway, TurnsAwayPagesFromElsewhereAndViewersBeyondItsMost) {
   }
   EXPECT_TRUE(gateway.Until([](const Json& health) { return health["viewers"] == 0; }));
   EXPECT_TRUE(WebClient(gateway.port()).open());
-}
-
-TEST(Gateway, TellsWhomItTurnsAwayByWhichName) {
-  Gateway gateway;
-  const HttpAnswer answer =
-      Handshake(gateway.port(), "foxglove.websocket.v1", "https://app.example.org");
-  EXPECT_EQ(answer.status, 403);
-  EXPECT_THAT(answer.body, HasSubstr("its Origin is 'https://app.example.org'"));
-  EXPECT_THAT(answer.body, HasSubstr("--allow-origin"));
 }
 
 TEST(Gateway, LetsDesktopApplicationsLookAndTakeNothing) {
