@@ -123,13 +123,6 @@ TEST_F(DashboardTest, ShowsWhatServerAndGatewayExposeAndNothingElse) {
   }
 }
 
-TEST(ServerMetricsPort, NamesAPortThatIsNone) {
-  Program server(PALPATE_BIN_DIR "/palpate-server",
-                 {"--scene", "cube", "--domain", std::to_string(OwnDomain()), "--metrics", "x"});
-  EXPECT_EQ(server.Exit(), 2);
-  EXPECT_THAT(server.Output(), HasSubstr("--metrics 'x': is no [ADDRESS:]PORT"));
-}
-
 TEST(ServerMetricsPort, TakesNoNameOfAHostWithoutAPortToAskAt) {
   Program server(
       PALPATE_BIN_DIR "/palpate-server",
