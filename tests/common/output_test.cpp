@@ -8,11 +8,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "common/error.h"
+#include "tests/support/complaint.h"
 
 namespace palpate {
 namespace {
 
+using test::ComplaintOf;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -27,16 +28,6 @@ class Output : public testing::Test {
 
   std::string file_ = fs::temp_directory_path() / ("palpate_output_" + std::to_string(getpid()));
 };
-
-template <class Function>
-std::string Complaint(Function function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST_F(Output, GoesToTheFileInPlaceOfWhatWasThere) {
   WriteOutput("--json", file_, "something long\n");
@@ -54,8 +45,8 @@ TEST_F(Output, GoesToStandardOutputForADash) {
 
 TEST_F(Output, NamesTheOptionTheFileAndTheReasonBothBeforeAndAfterTheWork) {
   for (const auto& complaint :
-       {Complaint([] { CheckOutput("--report", "/nowhere/a.md"); }),
-        Complaint([] { WriteOutput("--report", "/nowhere/a.md", "text"); })}) {
+       {ComplaintOf([] { CheckOutput("--report", "/nowhere/a.md"); }),
+        ComplaintOf([] { WriteOutput("--report", "/nowhere/a.md", "text"); })}) {
     EXPECT_THAT(complaint, HasSubstr("--report /nowhere/a.md: cannot be written (No such file"));
     EXPECT_THAT(complaint, HasSubstr("folder"));
   }
@@ -63,7 +54,7 @@ TEST_F(Output, NamesTheOptionTheFileAndTheReasonBothBeforeAndAfterTheWork) {
 
 TEST_F(Output, SaysWhereTheDiskIsFull) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
-  EXPECT_THAT(Complaint([] { WriteOutput("--json", "/dev/full", "text"); }),
+  EXPECT_THAT(ComplaintOf([] { WriteOutput("--json", "/dev/full", "text"); }),
               HasSubstr("No space left"));
 }
 

@@ -116,12 +116,11 @@ TEST_P(ServerProgramUsage, ExitsWithTwoWhereTheCommandLineIsWrong) {
 
 INSTANTIATE_TEST_SUITE_P(
     Wrong, ServerProgramUsage,
-    testing::Values(
-        std::vector<std::string>{"--transport", "udp"},
-        std::vector<std::string>{"--scene", "cube", "--transport", "tcp"},
-        std::vector<std::string>{"--scene", "cube", "--unit", "mm"},
-        std::vector<std::string>{"part.stl", "--unit", "furlong"},
-        std::vector<std::string>{"part.stl", "--ball", "0"}));
+    testing::Values(std::vector<std::string>{"--transport", "udp"},
+                    std::vector<std::string>{"--scene", "cube", "--transport", "tcp"},
+                    std::vector<std::string>{"--scene", "cube", "--unit", "mm"},
+                    std::vector<std::string>{"part.stl", "--unit", "furlong"},
+                    std::vector<std::string>{"part.stl", "--ball", "0"}));
 
 }  // namespace
 }  // namespace palpate::test

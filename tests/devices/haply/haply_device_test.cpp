@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.h"
 #include "tests/devices/haply/haply_bench.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/complaint.h"
 
 namespace palpate::test {
 namespace {
@@ -17,15 +17,12 @@ using testing::HasSubstr;
 class Haply : public testing::Test {
  protected:
   std::string OpeningError(const std::string& id = "") {
-    try {
+    return ComplaintOf([&] {
       HaplyDevice device({.device_id = id,
                           .rate_Hz = 1000.0,
                           .service = service.address(),
                           .realtime = {RealtimeMode::kOff}});
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    });
   }
   /// Gone from what is sent, and back by a ramp once `mend` is done.
   void ExpectGoneAndBack(HaplyBench& bench, const std::function<void()>& mend) {

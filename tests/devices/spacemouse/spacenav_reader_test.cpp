@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "common/error.h"
 #include "tests/devices/spacemouse/fake_spacenavd.h"
+#include "tests/support/complaint.h"
 
 namespace palpate {
 namespace {
@@ -32,12 +32,7 @@ bool Until(SpacenavReader& reader, SpacenavState& state,
 }
 
 std::string Complaint() {
-  try {
-    SpacenavReader reader;
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return test::ComplaintOf([] { SpacenavReader reader; });
 }
 
 TEST(SpacenavReader, GivesTheAxesAndButtonsOfProtocolOne) {
