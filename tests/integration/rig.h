@@ -59,30 +59,13 @@ class ServerProgram : public Program {
 class StationProgram : public Program {
  public:
   StationProgram(const std::string& id, const std::string& transport,
-                 std::vector<std::string> more = {})
-      : Program(PALPATE_BIN_DIR "/palpate-station", Arguments(id, transport, std::move(more))) {}
-
- private:
-  static std::vector<std::string> Arguments(const std::string& id, const std::string& transport,
-                                            std::vector<std::string> more) {
-    std::vector<std::string> arguments{"--device",
-                                       "scripted",
-                                       "--scene",
-                                       "cube",
-                                       "--id",
-                                       id,
-                                       "--script",
-                                       PALPATE_SOURCE_DIR "/tests/integration/press.json",
-                                       "--no-table",
-                                       "--realtime",
-                                       "off",
-                                       "--transport",
-                                       transport,
-                                       "--domain",
-                                       std::to_string(kDomain)};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
-  }
+                 const std::vector<std::string>& more = {})
+      : Program(
+            PALPATE_BIN_DIR "/palpate-station",
+            Joined({"--device", "scripted", "--scene", "cube", "--id", id, "--script",
+                    PALPATE_SOURCE_DIR "/tests/integration/press.json", "--no-table", "--realtime",
+                    "off", "--transport", transport, "--domain", std::to_string(kDomain)},
+                   more)) {}
 };
 
 /// A device that is held 1 mm deep in the cube's top face, and tells what it renders.

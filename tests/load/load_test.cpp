@@ -64,12 +64,11 @@ class Load : public testing::Test {
     url_ = "ws://127.0.0.1:" +
            std::to_string(std::atoi(said.c_str() + said.find(begin) + begin.size()));
   }
-  std::vector<std::string> Arguments(std::vector<std::string> more,
+  std::vector<std::string> Arguments(const std::vector<std::string>& more,
                                      const std::string& seconds = "2") const {
-    std::vector<std::string> arguments{"--scene",     In("many.json"), "--realtime", "off",
-                                       "--transport", "udp",           "--seconds",  seconds};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
+    return Joined({"--scene", In("many.json"), "--realtime", "off", "--transport", "udp",
+                   "--seconds", seconds},
+                  more);
   }
 
   fs::path folder_ = fs::temp_directory_path() / ("palpate_load_" + std::to_string(getpid()));

@@ -11,7 +11,7 @@ import type {Browser, Page} from "playwright-core";
 import type {Probe} from "@page/app";
 import {norm, subtract} from "@page/model/pose";
 
-import {kHasChromium, launch, probe, until} from "./support/browser";
+import {closeWindows, kHasChromium, launch, probe, until} from "./support/browser";
 import {ownDomain} from "./support/domain";
 import {Program} from "./support/programs";
 import {browserTest as test} from "./support/skip";
@@ -85,7 +85,7 @@ describe("while a simulated hand feels the bunny", () => {
   });
   afterEach(async () => {
     await station?.stop();
-    await Promise.all(browser?.contexts().map((context) => context.close()) ?? []);
+    await closeWindows(browser);
   });
 
   test("the page shows the scene and a moving tool, and says how it goes", async () => {

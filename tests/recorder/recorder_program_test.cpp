@@ -24,18 +24,11 @@ using testing::HasSubstr;
 class RecorderProgram : public Program {
  public:
   RecorderProgram(const std::string& file, const std::string& transport,
-                  std::vector<std::string> more = {})
-      : Program(PALPATE_BIN_DIR "/palpate-record", Arguments(file, transport, std::move(more))) {}
+                  const std::vector<std::string>& more = {})
+      : Program(PALPATE_BIN_DIR "/palpate-record",
+                Joined({"-o", file, "--transport", transport, "--domain", std::to_string(kDomain)},
+                       more)) {}
   bool Ready() { return Says("recording to "); }
-
- private:
-  static std::vector<std::string> Arguments(const std::string& file, const std::string& transport,
-                                            std::vector<std::string> more) {
-    std::vector<std::string> arguments{"-o",      file,       "--transport",
-                                       transport, "--domain", std::to_string(kDomain)};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
-  }
 };
 
 class RecorderProgramTest : public testing::Test {

@@ -133,9 +133,7 @@ class SteeredReplay : public testing::Test {
   }
   /// @param more  options.
   void Begin(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments = {file_, "--domain", kDomainText};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    replayer_.emplace(arguments);
+    replayer_.emplace(Joined({file_, "--domain", kDomainText}, more));
     ASSERT_TRUE(guest_.Finds()) << replayer_->Output();
   }
   void EndAndCheck() {

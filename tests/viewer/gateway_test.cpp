@@ -82,25 +82,12 @@ std::unique_ptr<Program> StartServer(std::vector<std::string> scenes = {"cube"})
 }
 
 std::unique_ptr<Program> StartStation(const std::string& id, const std::string& script = "") {
-  std::vector<std::string> arguments{"--device",
-                                     "scripted",
-                                     "--scene",
-                                     "cube",
-                                     "--id",
-                                     id,
-                                     "--no-table",
-                                     "--realtime",
-                                     "off",
-                                     "--transport",
-                                     "udp",
-                                     "--domain",
-                                     std::to_string(kDomain)};
-  if (script.empty()) {
-    arguments.push_back("--loop");
-  } else {
-    arguments.insert(arguments.end(), {"--script", script});
-  }
-  return std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station", arguments);
+  return std::make_unique<Program>(
+      PALPATE_BIN_DIR "/palpate-station",
+      Joined({"--device", "scripted", "--scene", "cube", "--id", id, "--no-table", "--realtime",
+              "off", "--transport", "udp", "--domain", std::to_string(kDomain)},
+             script.empty() ? std::vector<std::string>{"--loop"}
+                            : std::vector<std::string>{"--script", script}));
 }
 
 struct Gateway : ViewerProgram {
@@ -561,6 +548,15 @@ Json MouseUntil(WebClient& viewer, const std::string& phase) {
   }
 }
 
+/// The mouse of this viewer once it holds the tool of a scene.
+Json Taken(WebClient& viewer, const std::string& scene = "cube") {
+  viewer.Subscribe(9, kMouse);
+  viewer.SendMouse({{"op", "take"}, {"scene", scene}});
+  Json held = MouseUntil(viewer, "active");
+  EXPECT_FALSE(held.is_null());
+  return held;
+}
+
 /// The tool's state once it meets a condition; frames before are passed over.
 bool ToolUntil(WebClient& viewer, const std::function<bool(const wire::ToolState&)>& condition) {
   for (int i = 0; i < 1000; ++i) {
@@ -639,10 +635,7 @@ TEST(Mouse, LetsGoWhenItsPageGoesAndAllowsNoMoreThanItsMost) {
   Json held;
   {
     WebClient viewer(gateway.port());
-    viewer.Subscribe(9, kMouse);
-    viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
-    held = MouseUntil(viewer, "active");
-    ASSERT_FALSE(held.is_null());
+    held = Taken(viewer);
     other.SendMouse({{"op", "take"}, {"scene", "friction"}});
     EXPECT_THAT(MouseUntil(other, "refused").value("reason", ""), HasSubstr("--max-mice"));
   }
@@ -658,14 +651,7 @@ TEST(Mouse, LeavesTheMiceOfAnotherGatewayAlone) {
   ASSERT_TRUE(one.KnowsScenes(2));
   ASSERT_TRUE(two.KnowsScenes(2));
   WebClient first(one.port()), second(two.port());
-  first.Subscribe(9, kMouse);
-  second.Subscribe(9, kMouse);
-  first.SendMouse({{"op", "take"}, {"scene", "cube"}});
-  const Json held = MouseUntil(first, "active");
-  ASSERT_FALSE(held.is_null());
-  second.SendMouse({{"op", "take"}, {"scene", "friction"}});
-  const Json other = MouseUntil(second, "active");
-  ASSERT_FALSE(other.is_null());
+  const Json held = Taken(first), other = Taken(second, "friction");
   EXPECT_NE(held["station"], other["station"]);
   second.SendMouse({{"op", "release"}});
   EXPECT_TRUE(server->Says(Left(other)));
@@ -679,10 +665,7 @@ TEST(Mouse, LetsGoOfAPageThatStandsStill) {
   Gateway gateway;
   ASSERT_TRUE(gateway.KnowsScenes(1));
   WebClient viewer(gateway.port());
-  viewer.Subscribe(9, kMouse);
-  viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
-  const Json held = MouseUntil(viewer, "active");
-  ASSERT_FALSE(held.is_null());
+  const Json held = Taken(viewer);
   EXPECT_TRUE(server->Says(Left(held), 60.0)) << "nothing is read any more, so no ping is answered";
 }
 
@@ -833,10 +816,7 @@ TEST(Gateway, EndsOnASignalAndTakesLeaveOfViewersAndMice) {
   Gateway gateway;
   ASSERT_TRUE(gateway.KnowsScenes(1));
   WebClient viewer(gateway.port());
-  viewer.Subscribe(9, kMouse);
-  viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
-  const Json held = MouseUntil(viewer, "active");
-  ASSERT_FALSE(held.is_null());
+  const Json held = Taken(viewer);
   gateway.program().Signal(SIGTERM);
   EXPECT_EQ(viewer.closed(), 1001);
   EXPECT_EQ(gateway.program().Exit(), 0) << gateway.program().Output();

@@ -64,13 +64,12 @@ class OpenHapticsStation : public testing::Test {
                                  "--domain", kDomain});
     ASSERT_TRUE(server_->Says("ready: ", 60.0)) << server_->Output();
   }
-  void StartStation(std::vector<std::string> more) {
-    std::vector<std::string> words{"--device", "openhaptics", "--scene",    "cube",
-                                   "--id",     "arm",         "--no-table", "--realtime",
-                                   "off",      "--transport", "udp",        "--domain",
-                                   kDomain,    "--trace",     trace_};
-    words.insert(words.end(), more.begin(), more.end());
-    station_ = std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station", words);
+  void StartStation(const std::vector<std::string>& more) {
+    station_ = std::make_unique<Program>(
+        PALPATE_BIN_DIR "/palpate-station",
+        Joined({"--device", "openhaptics", "--scene", "cube", "--id", "arm", "--no-table",
+                "--realtime", "off", "--transport", "udp", "--domain", kDomain, "--trace", trace_},
+               more));
     ASSERT_TRUE(station_->Says("session: tool", 60.0)) << station_->Output();
   }
   /// Both are read now and then, so that no full pipe stops them.
