@@ -336,17 +336,6 @@ test("a lost link is said, comes back by itself, and data flow again", async () 
   await eventually("no banner", async () => !(await page.locator("#banner").isVisible()));
 });
 
-test("silence is told from a lost link", async () => {
-  press(1);
-  page = await open();
-  await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
-  clearInterval(moving);
-  await eventually("the banner", async () => /gateway is there/.test(await text("#banner")));
-  gateway.send("/palpate/session_state", sessionState("hand", "ended", "test-box", "ball"));
-  await eventually("a calmer one", async () => /No station is moving/.test(await text("#banner")));
-  expect(await page.locator("#banner.alarm").count()).toBe(0);
-});
-
 test("what is scraped off vanishes, and a server's new run makes it whole", async () => {
   gateway.retain("/palpate/session_state", sessionState("hand", "active", "wearing", "ball"));
   page = await open({}, "?scene=wearing");

@@ -71,15 +71,6 @@ TEST(ServerProgram, SaysWhatAMeshThatItServesIsNot) {
   EXPECT_THAT(program.Output(), HasSubstr("open: object open: 3 edges are open"));
 }
 
-TEST(ServerProgram, EndsWithAReasonWhereAMeshIsDamaged) {
-  const std::string mesh = testing::TempDir() + "cut.ply";
-  std::ofstream(mesh) << "ply\nformat ascii 1.0\nelement vertex 8\nprope";
-  Program program = Server(Here({mesh, "--transport", "udp"}));
-  EXPECT_EQ(program.Exit(), 1);
-  EXPECT_THAT(program.Output(),
-              HasSubstr("cut.ply: its PLY header has a line that begins with 'prope'"));
-}
-
 TEST(ServerProgram, NamesTheScenesThatThereAreWhereOneIsUnknown) {
   Program program = Server(Here({"--scene", "no-such-scene", "--transport", "udp"}));
   EXPECT_EQ(program.Exit(), 1);
