@@ -1,14 +1,13 @@
 #include "common/output.h"
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "tests/support/complaint.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {
@@ -20,19 +19,13 @@ namespace fs = std::filesystem;
 class Output : public testing::Test {
  protected:
   ~Output() override { fs::remove(file_); }
-  std::string Text() const {
-    std::stringstream text;
-    text << std::ifstream(file_).rdbuf();
-    return text.str();
-  }
-
   std::string file_ = fs::temp_directory_path() / ("palpate_output_" + std::to_string(getpid()));
 };
 
 TEST_F(Output, GoesToTheFileInPlaceOfWhatWasThere) {
   WriteOutput("--json", file_, "something long\n");
   WriteOutput("--json", file_, "{}\n");
-  EXPECT_EQ(Text(), "{}\n");
+  EXPECT_EQ(ReadWholeFile(file_), "{}\n");
 }
 
 TEST_F(Output, GoesToStandardOutputForADash) {
@@ -61,7 +54,7 @@ TEST_F(Output, SaysWhereTheDiskIsFull) {
 TEST_F(Output, KeepsWhatAFileHoldsUntilThereIsMore) {
   WriteOutput("--json", file_, "of the last run\n");
   CheckOutput("--json", file_);
-  EXPECT_EQ(Text(), "of the last run\n");
+  EXPECT_EQ(ReadWholeFile(file_), "of the last run\n");
 }
 
 }  // namespace

@@ -4,10 +4,8 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <regex>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,6 +13,7 @@
 #include <unistd.h>
 
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::test {
@@ -32,11 +31,7 @@ class Load : public testing::Test {
   ~Load() override { fs::remove_all(folder_); }
 
   std::string In(const std::string& file) const { return (folder_ / file).string(); }
-  std::string ReadText(const std::string& file) const {
-    std::stringstream text;
-    text << std::ifstream(In(file)).rdbuf();
-    return text.str();
-  }
+  std::string ReadText(const std::string& file) const { return ReadWholeFile(In(file)); }
 
   std::unique_ptr<Program> Start(std::vector<std::string> arguments) const {
     arguments.insert(arguments.end(), {"--domain", std::to_string(kDomain)});

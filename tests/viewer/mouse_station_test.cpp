@@ -1,14 +1,13 @@
 #include "client/viewer/mouse_station.h"
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "common/time/steady_clock.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {
@@ -38,9 +37,7 @@ TEST(MouseStation, IsGivenPosesAsLinesAndTheEndOfItsInput) {
   station.Drag({Vec3(0.3, 0, 0), Quat::Identity()});  // into nothing
   EXPECT_TRUE(EndsWithin20s(station));
   EXPECT_EQ(station.complaint(), "");
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  EXPECT_EQ(text.str(), "0.1 0 0 1 0 0 0\n0.2 0 0 1 0 0 0\n");
+  EXPECT_EQ(ReadWholeFile(file), "0.1 0 0 1 0 0 0\n0.2 0 0 1 0 0 0\n");
   fs::remove(file);
 }
 
