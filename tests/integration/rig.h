@@ -23,6 +23,7 @@
 #include "common/time/steady_clock.h"
 #include "devices/device.h"
 #include "devices/wrench_limiter.h"
+#include "tests/support/eventually.h"
 #include "tests/support/program.h"
 #include "tests/support/test_domain.h"
 
@@ -34,16 +35,6 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 /// Stiffness of 1 N/mm, 1 mm deep.
 constexpr double kDepth_m = 0.001;
 constexpr double kForce_N = 1.0;
-
-template <class Condition>
-bool Eventually(Condition condition, double seconds = 20.0) {
-  const std::int64_t end = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
-  while (!condition()) {
-    if (SteadyNanoseconds() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
 
 /// palpate-server, that says when it is ready.
 class ServerProgram : public Program {

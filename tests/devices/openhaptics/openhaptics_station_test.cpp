@@ -1,13 +1,11 @@
 // The whole of it: palpate-server, and palpate-station with the driver and a library that is faked.
 // What the motors of the arm do is read from a file that the library keeps.
-#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <functional>
 #include <memory>
 #include <new>
-#include <thread>
 #include <vector>
 
 #include <fcntl.h>
@@ -20,6 +18,7 @@
 #include "devices/openhaptics/hd_library.h"
 #include "tests/devices/openhaptics/fake_hd.h"
 #include "tests/link/silence.h"
+#include "tests/support/eventually.h"
 #include "tests/support/program.h"
 #include "tests/support/stall_witness.h"
 #include "tests/support/test_domain.h"
@@ -74,14 +73,13 @@ class OpenHapticsStation : public testing::Test {
   }
   /// Both are read now and then, so that no full pipe stops them.
   bool Eventually(const std::function<bool()>& so, double seconds = 60.0) {
-    const std::int64_t end = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
-    while (!so()) {
-      if (SteadyNanoseconds() > end) return false;
-      if (server_) server_->Output();
-      station_->Output();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return true;
+    return test::Eventually(
+        [&] {
+          if (server_) server_->Output();
+          station_->Output();
+          return so();
+        },
+        seconds);
   }
   void For(double seconds) {
     Eventually([] { return false; }, seconds);

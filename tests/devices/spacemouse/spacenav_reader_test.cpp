@@ -1,6 +1,5 @@
 #include "devices/spacemouse/spacenav_reader.h"
 
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -12,6 +11,7 @@
 
 #include "tests/devices/spacemouse/fake_spacenavd.h"
 #include "tests/support/complaint.h"
+#include "tests/support/eventually.h"
 
 namespace palpate {
 namespace {
@@ -23,12 +23,10 @@ using Link = SpacenavState::Link;
 /// Reads until it is so; patiently, as threads and a daemon are behind it.
 bool Until(SpacenavReader& reader, SpacenavState& state,
            const std::function<bool(const SpacenavState&)>& is_so) {
-  for (int i = 0; i < 20'000; ++i) {
+  return test::Eventually([&] {
     reader.Read(state);
-    if (is_so(state)) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return false;
+    return is_so(state);
+  });
 }
 
 std::string Complaint() {
