@@ -19,8 +19,6 @@ using test::At;
 using test::Ball;
 using test::Bench;
 using test::Floor;
-using test::Random;
-using test::RandomBalls;
 
 StepParameters Removing() {
   StepParameters parameters;
