@@ -43,13 +43,13 @@ class PalpateBench : public testing::Test {
   }
 
   std::string said_;
+  std::filesystem::path folder_;
 
  private:
   static std::string Unique() {
     return std::to_string(getpid()) + "-" +
            testing::UnitTest::GetInstance()->current_test_info()->name();
   }
-  std::filesystem::path folder_;
 };
 
 }  // namespace palpate::test

@@ -409,23 +409,6 @@ std::string WhyNoXml(const std::string& text) {
   return open.empty() ? "" : "not closed: " + open.back();
 }
 
-/// Rows of Markdown tables that have another count of cells than their head.
-std::vector<std::string> CrookedRows(const std::string& markdown) {
-  std::vector<std::string> crooked;
-  std::istringstream lines(markdown);
-  long cells = 0;
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.starts_with("|")) {
-      cells = 0;
-      continue;
-    }
-    const long bars = std::count(line.begin(), line.end(), '|');
-    if (cells == 0) cells = bars;
-    if (bars != cells) crooked.push_back(line);
-  }
-  return crooked;
-}
-
 TEST_F(PalpateBench, ParetoWritesAReportPlotsAndJsonOfAllThatItMeasured) {
   ASSERT_EQ(Run({"pareto", "--quick", "--out", File("pareto")}), 0) << said_;
   const nlohmann::json json = Json("pareto/pareto.json");
@@ -476,7 +459,6 @@ TEST_F(PalpateBench, ParetoWritesAReportPlotsAndJsonOfAllThatItMeasured) {
         "\n## Where a figure is missed\n"}) {
     EXPECT_THAT(report, HasSubstr(section));
   }
-  EXPECT_THAT(CrookedRows(report), testing::IsEmpty());
   static const std::regex kPicture(R"re((?:src|srcset)="([^"]+)")re");
   int pictures = 0;
   for (std::sregex_iterator m(report.begin(), report.end(), kPicture), end; m != end; ++m) {
@@ -533,18 +515,12 @@ TEST_F(PalpateBench, ClosedLoopLeavesWhatItHasMeasuredWhereItIsEnded) {
 }
 
 TEST_F(PalpateBench, ReadsItsCommandLineAsEveryProgramDoes) {
-  EXPECT_EQ(Run({"--version"}), 0);
-  EXPECT_THAT(said_, testing::StartsWith("palpate-bench "));
   EXPECT_EQ(Run({"closed-loop", "--help"}), 0);
   EXPECT_THAT(said_, HasSubstr("--passivity"));
   EXPECT_EQ(Run({"closed-loop", "--device", "hammer"}), 2);
   EXPECT_THAT(said_, HasSubstr("'palpate-bench --help' shows how"));
   EXPECT_EQ(Run({"stability", "--domain", "-1"}), 2);
   EXPECT_EQ(Run({}), 2);
-  EXPECT_EQ(Run({"paretto"}), 2);
-  EXPECT_THAT(said_, HasSubstr("did you mean 'pareto'?"));
-  EXPECT_EQ(Run({"cycle", "--scen", "cube"}), 2);
-  EXPECT_THAT(said_, HasSubstr("did you mean '--scene'?"));
 }
 
 TEST_F(PalpateBench, RefusesWhatItHasNot) {

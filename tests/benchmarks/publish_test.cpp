@@ -9,8 +9,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
+#include "tests/benchmarks/bench_fixture.h"
 #include "tests/support/program.h"
 
 namespace palpate {
@@ -23,19 +23,9 @@ namespace fs = std::filesystem;
 const std::string kScript = PALPATE_SOURCE_DIR "/tests/benchmarks/publish";
 const std::vector<std::string> kReports = {"pareto", "accuracy", "stability", "levels", "qp"};
 
-/// The script with a folder of its own, which goes with the test.
-class Publish : public testing::Test {
+/// The script with a folder of its own.
+class Publish : public test::PalpateBench {
  protected:
-  ~Publish() override { fs::remove_all(folder_); }
-
-  std::string File(const std::string& name) const { return (folder_ / name).string(); }
-  std::string Read(const std::string& name) const {
-    const std::ifstream file(File(name));
-    EXPECT_TRUE(file) << name;
-    std::stringstream text;
-    text << file.rdbuf();
-    return text.str();
-  }
   /// To its end, with this build's palpate-bench; what it said is in said_.
   int Run(std::vector<std::string> arguments) {
     const std::string preset = fs::path(PALPATE_BIN_DIR).parent_path().filename();
@@ -45,10 +35,6 @@ class Publish : public testing::Test {
     said_ = program.Output();
     return status;
   }
-
-  std::string said_;
-  const fs::path folder_ =
-      fs::temp_directory_path() / ("palpate-publish-" + std::to_string(getpid()));
 };
 
 /// Cells of each row of a Markdown table; separate tables follow each other.
@@ -109,7 +95,6 @@ TEST_F(Publish, WritesEachReportWithItsFiguresAndWhatTheyWereMeasuredOn) {
 }
 
 TEST_F(Publish, LeavesFormerReportsWholeWhenItIsEnded) {
-  fs::create_directories(folder_);
   for (const char* name : {"stability.md", "pareto.md"}) std::ofstream(File(name)) << "former\n";
   const std::string preset = fs::path(PALPATE_BIN_DIR).parent_path().filename();
   test::Program program(kScript, {"--only", "stability,pareto", "--smoke", "--no-build", "--preset",
@@ -125,7 +110,6 @@ TEST_F(Publish, LeavesFormerReportsWholeWhenItIsEnded) {
 }
 
 TEST_F(Publish, SaysOfACaseThatTunnelledThatItDidAlthoughItsFigureHolds) {
-  fs::create_directories(folder_);
   std::ofstream(File("run.json")) << R"({"contact": "spheres", "friction": "off",
     "machine": {"cpu": "a", "cores": 2, "simd": "b", "compiler": "c"},
     "cases": [{"name": "jam", "steps": 9, "figure": 0, "bound": 10, "unit": "um", "held": false,
@@ -147,7 +131,7 @@ TEST_F(Publish, RefusesWhatItDoesNotKnowAndSmokeAmongTheResults) {
   EXPECT_EQ(Run({"--smoke"}), 2);
   EXPECT_THAT(said_, HasSubstr("--smoke needs --out DIR"));
   EXPECT_EQ(Run({"--only"}), 2);
-  EXPECT_FALSE(fs::exists(folder_));
+  EXPECT_TRUE(fs::is_empty(folder_));
 }
 
 }  // namespace

@@ -1,47 +1,31 @@
 #include "common/output.h"
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "common/error.h"
+#include "tests/support/complaint.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {
 
+using test::ComplaintOf;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
 class Output : public testing::Test {
  protected:
   ~Output() override { fs::remove(file_); }
-  std::string Text() const {
-    std::stringstream text;
-    text << std::ifstream(file_).rdbuf();
-    return text.str();
-  }
-
   std::string file_ = fs::temp_directory_path() / ("palpate_output_" + std::to_string(getpid()));
 };
-
-template <class Function>
-std::string Complaint(Function function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST_F(Output, GoesToTheFileInPlaceOfWhatWasThere) {
   WriteOutput("--json", file_, "something long\n");
   WriteOutput("--json", file_, "{}\n");
-  EXPECT_EQ(Text(), "{}\n");
+  EXPECT_EQ(ReadWholeFile(file_), "{}\n");
 }
 
 TEST_F(Output, GoesToStandardOutputForADash) {
@@ -54,8 +38,8 @@ TEST_F(Output, GoesToStandardOutputForADash) {
 
 TEST_F(Output, NamesTheOptionTheFileAndTheReasonBothBeforeAndAfterTheWork) {
   for (const auto& complaint :
-       {Complaint([] { CheckOutput("--report", "/nowhere/a.md"); }),
-        Complaint([] { WriteOutput("--report", "/nowhere/a.md", "text"); })}) {
+       {ComplaintOf([] { CheckOutput("--report", "/nowhere/a.md"); }),
+        ComplaintOf([] { WriteOutput("--report", "/nowhere/a.md", "text"); })}) {
     EXPECT_THAT(complaint, HasSubstr("--report /nowhere/a.md: cannot be written (No such file"));
     EXPECT_THAT(complaint, HasSubstr("folder"));
   }
@@ -63,14 +47,14 @@ TEST_F(Output, NamesTheOptionTheFileAndTheReasonBothBeforeAndAfterTheWork) {
 
 TEST_F(Output, SaysWhereTheDiskIsFull) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
-  EXPECT_THAT(Complaint([] { WriteOutput("--json", "/dev/full", "text"); }),
+  EXPECT_THAT(ComplaintOf([] { WriteOutput("--json", "/dev/full", "text"); }),
               HasSubstr("No space left"));
 }
 
 TEST_F(Output, KeepsWhatAFileHoldsUntilThereIsMore) {
   WriteOutput("--json", file_, "of the last run\n");
   CheckOutput("--json", file_);
-  EXPECT_EQ(Text(), "of the last run\n");
+  EXPECT_EQ(ReadWholeFile(file_), "of the last run\n");
 }
 
 }  // namespace

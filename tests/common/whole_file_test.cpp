@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "tests/support/complaint.h"
 
 namespace palpate {
 namespace {
@@ -30,12 +31,7 @@ class WholeFile : public testing::Test {
     return file_;
   }
   static std::string Complaint(const std::string& file, std::uint64_t most = 1 << 20) {
-    try {
-      ReadWholeFile(file, most, "--file");
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return test::ComplaintOf([&] { ReadWholeFile(file, most, "--file"); });
   }
 
   const std::string folder_ =
@@ -51,7 +47,7 @@ TEST_F(WholeFile, IsReadToItsLastByte) {
 }
 
 TEST_F(WholeFile, MayHoldAsMuchAsItsLimitAndNotAByteMore) {
-  EXPECT_EQ(Complaint(Write(std::string(1024, 'x')), 1024), "");
+  EXPECT_EQ(Complaint(Write(std::string(1024, 'x')), 1024), "no complaint");
   EXPECT_EQ(Complaint(Write(std::string(1025, 'x')), 1024),
             "--file " + file_ +
                 ": holds more than 1 KiB, the most that such a file may; check that it is the "

@@ -72,17 +72,10 @@ class Peer {
 
 class BridgeProgram : public Program {
  public:
-  explicit BridgeProgram(std::vector<std::string> more = {})
-      : Program(PALPATE_BIN_DIR "/palpate-crtk", Arguments(std::move(more))) {}
-
- private:
-  static std::vector<std::string> Arguments(std::vector<std::string> more) {
-    std::vector<std::string> arguments{
-        "--domain",     std::to_string(kDomain), "--transport",   "udp",
-        "--ros-domain", std::to_string(kDomain), "--guide-force", "1"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
-  }
+  BridgeProgram()
+      : Program(PALPATE_BIN_DIR "/palpate-crtk",
+                {"--domain", std::to_string(kDomain), "--transport", "udp", "--ros-domain",
+                 std::to_string(kDomain), "--guide-force", "1"}) {}
 };
 
 /// What rosmsg2-serialization makes of the messages; none where Node.js or the package is missing.

@@ -13,6 +13,7 @@
 #include "devices/simulated/simulated_phantom.h"
 #include "tests/devices/limiter_support.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/complaint.h"
 #include "tests/support/optimised.h"
 #include "tests/support/random.h"
 #include "tests/support/read_file.h"
@@ -181,12 +182,7 @@ class WorkspaceFileTest : public testing::Test {
     return Workspace::Load(file_);
   }
   std::string Complaint(const std::string& text) {
-    try {
-      Load(text);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return test::ComplaintOf([&] { Load(text); });
   }
   std::string file_ = (std::filesystem::temp_directory_path() /
                        ("palpate-workspace-" + std::to_string(getpid()) + ".json"))

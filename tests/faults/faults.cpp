@@ -75,8 +75,8 @@ Findings StationFrozen(int domain) {
   lab.station->Signal(SIGSTOP);
   Wait(4.0);
   lab.station->Signal(SIGCONT);
-  Findings findings{Says("the server says why it ended the session", *lab.server,
-                         "no pose came for more than 100 ms"),
+  Findings findings{Says("the station is told why its session was ended", *lab.station,
+                         "the server ended the session (no pose came for more than 100 ms"),
                     LoopRuns(lab)};
   findings.push_back(lab.JudgeTheHand());
   return findings;
@@ -144,6 +144,8 @@ Findings DiskFull(int domain) {
     findings.push_back({"the recorder ends and says that the disk is full",
                         fmt::format("exit status {}", exit),
                         exit == 1 && recorder.Output().find("No space left") != std::string::npos});
+    findings.push_back(Says("and that what it had written is whole", recorder,
+                            "what was recorded until then is whole"));
     const FileSummary summary = Summarise({file});
     findings.push_back({"what it had written is whole",
                         fmt::format("{} messages, {} missing", summary.messages, summary.missing),

@@ -5,15 +5,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <new>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/error.h"
 #include "scenes/files/scene_bundle.h"
-#include "scenes/files/scene_file.h"
 #include "scenes/importer/mesh_reader.h"
 #include "scenes/mesh/mesh_mend.h"
 #include "scenes/mesh/mesh_report.h"
@@ -162,28 +160,6 @@ TEST(FuzzedBundle, IsReadOrRefusedByName) {
       if (!JudgeScene(scene).usable()) return true;  // the server goes no further
       const auto objects = MakeObjects(scene);
       for (const Body& tool : scene.tools) MakeModel(scene, tool, objects);
-      return true;
-    } catch (const Error& error) {
-      fault = FaultOf(error, name);
-    }
-    return false;
-  });
-}
-
-TEST(FuzzedSceneFile, IsReadOrRefusedByName) {
-  std::vector<std::string> seeds;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(PALPATE_SOURCE_DIR "/scenes/catalogue")) {
-    const std::string file = entry.path();
-    if (file.ends_with(".json") && !file.ends_with(".path.json")) {
-      seeds.push_back(ReadWholeFile(file));
-    }
-  }
-  std::sort(seeds.begin(), seeds.end());
-  const std::string name = "folder/demo.json";
-  Fuzz("demo.json", seeds, [&](const std::string& input, std::string& fault) {
-    try {
-      ParseScene(input, name);
       return true;
     } catch (const Error& error) {
       fault = FaultOf(error, name);

@@ -46,14 +46,6 @@ std::vector<std::string> Check(const std::string& path, const std::string& text)
   return IncludeViolations(path, text, [](const std::string& f) { return kFiles.contains(f); });
 }
 
-TEST(IncludeRules, LetPhysicsSeeSphereTreeMathAndEigen) {
-  EXPECT_THAT(Check("server/physics/haptic_step.cpp",
-                    "#include <Eigen/Core>\n#include <vector>\n#include <immintrin.h>\n"
-                    "#include \"common/math/pose.h\"\n#include \"scenes/sphere_tree.h\"\n"
-                    "#include \"server/physics/haptic_step.h\"\n"),
-              IsEmpty());
-}
-
 TEST(IncludeRules, KeepPhysicsFromTheRestAndNameFileAndLine) {
   EXPECT_THAT(
       Check("server/physics/haptic_step.cpp", "\n#include \"scenes/files/scene_file.h\"\n"),
@@ -165,12 +157,6 @@ TEST(IncludeRules, AskForTheSpellingFromTheRoot) {
               ElementsAre(HasSubstr("spelled from the root")));
   EXPECT_THAT(Check("tests/scenes/a.cpp", "#include \"../scenes/scene.h\"\n"),
               ElementsAre(HasSubstr("spelled from the root")));
-}
-
-TEST(IncludeRules, KnowWhatIdlcAndFlatcGenerate) {
-  EXPECT_THAT(Check("scenes/a.cpp", "#include \"idl/scene_generated.h\"\n"), IsEmpty());
-  EXPECT_THAT(Check("common/dds/wire.h", "#include \"idl/missing.h\"\n"),
-              ElementsAre(HasSubstr("no such file")));
 }
 
 TEST(IncludeRules, KeepSlowHeadersOutOfHeadersAndUnknownLibrariesOutOfTheHouse) {

@@ -123,15 +123,6 @@ TEST_F(OwnScene, IsHeldWithTheMouseWhereTheServerSaysThatAHandBegins) {
   EXPECT_EQ(mouse.Exit(), 0) << mouse.Output();
 }
 
-TEST_F(OwnScene, ThatIsNotServedIsNamedWithThoseThatAre) {
-  Write("mine.json", kScene);
-  Serve({"--scene", (folder / "mine.json").string()});
-  const auto station = Station({"--device", "simulated", "--scene", "yours"});
-  EXPECT_EQ(station->Exit(), 1);
-  EXPECT_THAT(station->Output(), HasSubstr("scene 'yours' is not served here; give --scene with "
-                                           "one of: mine, or start palpate-server with yours"));
-}
-
 TEST_F(OwnScene, IsNotAskedForByAStationWhoseDeviceIsMissing) {
   Write("mine.json", kScene);
   Serve({"--scene", (folder / "mine.json").string()});

@@ -1,15 +1,12 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
-#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -19,11 +16,11 @@
 #include "client/station/servo_thread.h"
 #include "client/station/session_link.h"
 #include "client/station/station_core.h"
-#include "client/station/trace.h"
 #include "common/dds/topics.h"
 #include "common/time/steady_clock.h"
 #include "devices/device.h"
 #include "devices/wrench_limiter.h"
+#include "tests/support/eventually.h"
 #include "tests/support/program.h"
 #include "tests/support/test_domain.h"
 
@@ -35,16 +32,6 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 /// Stiffness of 1 N/mm, 1 mm deep.
 constexpr double kDepth_m = 0.001;
 constexpr double kForce_N = 1.0;
-
-template <class Condition>
-bool Eventually(Condition condition, double seconds = 20.0) {
-  const std::int64_t end = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
-  while (!condition()) {
-    if (SteadyNanoseconds() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
 
 /// palpate-server, that says when it is ready.
 class ServerProgram : public Program {
@@ -60,30 +47,13 @@ class ServerProgram : public Program {
 class StationProgram : public Program {
  public:
   StationProgram(const std::string& id, const std::string& transport,
-                 std::vector<std::string> more = {})
-      : Program(PALPATE_BIN_DIR "/palpate-station", Arguments(id, transport, std::move(more))) {}
-
- private:
-  static std::vector<std::string> Arguments(const std::string& id, const std::string& transport,
-                                            std::vector<std::string> more) {
-    std::vector<std::string> arguments{"--device",
-                                       "scripted",
-                                       "--scene",
-                                       "cube",
-                                       "--id",
-                                       id,
-                                       "--script",
-                                       PALPATE_SOURCE_DIR "/tests/integration/press.json",
-                                       "--no-table",
-                                       "--realtime",
-                                       "off",
-                                       "--transport",
-                                       transport,
-                                       "--domain",
-                                       std::to_string(kDomain)};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
-  }
+                 const std::vector<std::string>& more = {})
+      : Program(
+            PALPATE_BIN_DIR "/palpate-station",
+            Joined({"--device", "scripted", "--scene", "cube", "--id", id, "--script",
+                    PALPATE_SOURCE_DIR "/tests/integration/press.json", "--no-table", "--realtime",
+                    "off", "--transport", transport, "--domain", std::to_string(kDomain)},
+                   more)) {}
 };
 
 /// A device that is held 1 mm deep in the cube's top face, and tells what it renders.
@@ -114,10 +84,8 @@ class HeldDevice final : public Device {
 /// be seen.
 class HeldStation {
  public:
-  /// @param trace  file for a row of each tick, where one is wanted.
-  explicit HeldStation(dds::Transport transport, const std::string& trace = "") {
+  explicit HeldStation(dds::Transport transport) {
     core_.EnableForces(true);
-    if (!trace.empty()) trace_ = std::make_unique<Trace>(trace);
     LinkOptions options;
     options.station = "held";
     options.scene = "cube";
@@ -127,18 +95,14 @@ class HeldStation {
     link_ = std::make_unique<SessionLink>(
         options, replies_,
         [this]() -> ServoThread& {
-          servo_ = std::make_unique<ServoThread>(core_, replies_, 0.01, trace_.get());
+          servo_ = std::make_unique<ServoThread>(core_, replies_, 0.01);
           return *servo_;
         },
         [](const std::string&) {});
   }
-  ~HeldStation() { End(); }
-
-  /// Ends the session and the loop, and the trace with them.
-  void End() {
+  ~HeldStation() {
     link_.reset();
     servo_->Stop();
-    if (trace_) trace_->Close();
   }
 
   /// As --accept-guide does; before the first Until.
@@ -170,7 +134,6 @@ class HeldStation {
  private:
   StationCore core_{device};
   ReplyRing replies_;
-  std::unique_ptr<Trace> trace_;
   std::unique_ptr<ServoThread> servo_;
   std::unique_ptr<SessionLink> link_;
   std::optional<GuideLink> guide_;

@@ -1,24 +1,18 @@
 // The programs over shared memory, and what its transport gets wrong by itself: it forgets chunks
-// and knows no domains (common/dds/endpoint.h, common/dds/participant.cpp).
+// (common/dds/endpoint.h).
 #include <filesystem>
 #include <fstream>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/common/dds/peer.h"
 #include "tests/integration/quick_station.h"
 #include "tests/integration/rig.h"
 #include "tests/support/roudi.h"
 #include "tests/support/stall_witness.h"
-#include "tests/support/test_domain.h"
 
 namespace palpate::test {
 namespace {
-
-using std::chrono::milliseconds;
-
-const int kForeignDomain = OwnDomain();
 
 TEST(SharedMemory, CarriesTheForceFromTheServerToTheStation) {
   RouDi roudi;
@@ -66,31 +60,6 @@ TEST(SharedMemory, HearsEachOfTheHundredAndOneRunsOfAStation) {
         << server.Output();
   }
   EXPECT_TRUE(uses_shared_memory);
-}
-
-TEST(SharedMemory, KeepsASessionFromAnotherDomainsWriterOfTheSameTopic) {
-  RouDi roudi;
-  ServerProgram server("shm");
-  ASSERT_TRUE(server.Ready()) << server.Output();
-  QuickStation station("mine");
-  std::uint64_t run = 6;
-  EXPECT_TRUE(Shown([&](StallWitness& witness) {
-    witness.Watch(server.id());
-    bool kept = station.Begin(++run) && station.Answered(1);
-    EXPECT_TRUE(!kept || station.uses_shared_memory());
-    Peer foreign("shm", kForeignDomain, dds::PoseTopic("mine", run), 600, "at-once");
-    while (kept && foreign.running()) kept = station.Answered(1);
-    kept = kept && station.Answered(300);
-    // Its poses carry impossible ones: had they come, they would be counted in the lines that the
-    // server prints of this session each second.
-    for (int line = 0; line < 2; ++line) {
-      kept = kept && station.SendUntil([&] { return server.Says(" rejected ", 0.0); });
-    }
-    const bool lost = station.lost_to_silence();
-    EXPECT_TRUE(station.Leave());
-    return kept ? Attempt::kShown : lost ? Attempt::kSpoilt : Attempt::kFailed;
-  })) << server.Output();
-  EXPECT_THAT(server.Output(), testing::Not(testing::ContainsRegex("rejected +[1-9]")));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "common/error.h"
 #include "scenes/shapes/shapes.h"
 #include "scenes/tree/leaf_count.h"
+#include "tests/support/complaint.h"
 
 namespace palpate::test {
 namespace {
@@ -16,13 +17,8 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-std::string ComplaintOf(TriangleMesh mesh) {
-  try {
-    MakeBody("thing", std::move(mesh), {.leaves = 64});
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+std::string Complaint(const TriangleMesh& mesh) {
+  return ComplaintOf([&] { MakeBody("thing", mesh, {.leaves = 64}); });
 }
 
 TEST(BodyBuilder, TakesAsManyLeavesAsTheShapeNeedsWhereNobodySays) {
@@ -49,14 +45,14 @@ TEST(BodyBuilder, MendsWhatIsInsideOutAndSaysSo) {
 }
 
 TEST(BodyBuilder, RefusesByNameWhatIsNoMesh) {
-  EXPECT_THAT(ComplaintOf({}), StartsWith("thing: "));
+  EXPECT_THAT(Complaint({}), StartsWith("thing: "));
   TriangleMesh mesh = MakeBox({0.04, 0.04, 0.04});
   mesh.triangles[3][1] = 1'000'000;
-  EXPECT_THAT(ComplaintOf(mesh),
+  EXPECT_THAT(Complaint(mesh),
               StartsWith("thing: triangle 3 names vertex 1000000, and there are 8"));
   mesh = MakeBox({0.04, 0.04, 0.04});
   mesh.vertices[2].x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(ComplaintOf(mesh), StartsWith("thing: vertex 2, from 0, is not finite"));
+  EXPECT_THAT(Complaint(mesh), StartsWith("thing: vertex 2, from 0, is not finite"));
 }
 
 TEST(BodyBuilder, RemarksOnASizeThatIsHardlyInMetres) {

@@ -11,7 +11,6 @@
 #include "server/library/body_builder.h"
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"
-#include "tests/support/allocation_counter.h"
 #include "tests/support/random.h"
 
 namespace palpate::test {
@@ -89,15 +88,6 @@ TEST_P(ProxyOf, GoesOnAlikeFromAStateThatWasPutBack) {
   for (int i = 1000; i < 1500; ++i) first.push_back(proxy.Step(path[i]));
   proxy.set_state(state);
   for (int i = 1000; i < 1500; ++i) ASSERT_TRUE(SameBits(first[i - 1000], proxy.Step(path[i])));
-}
-
-TEST_P(ProxyOf, AsksForNoMemoryInAStep) {
-  const HapticModel model = BoxInBox(GetParam());
-  const std::vector<Pose> path = HandPath(1000, 7);
-  Proxy proxy(model, path[0]);
-  const std::uint64_t before = AllocationsOfThisThread();
-  for (const Pose& X_WH : path) proxy.Step(X_WH);
-  EXPECT_EQ(AllocationsOfThisThread(), before);
 }
 
 TEST_P(ProxyOf, BeginsFreeWhereTheHandIsInside) {

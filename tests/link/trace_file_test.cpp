@@ -11,6 +11,7 @@
 #include "common/error.h"
 #include "devices/simulated/phantom_sheets.h"
 #include "tests/link/silence.h"
+#include "tests/support/complaint.h"
 
 namespace palpate::test {
 namespace {
@@ -90,12 +91,8 @@ TEST_F(TraceTest, CountsWhatFindsNoRoomAndKeepsTheRestInOrder) {
 }
 
 TEST_F(TraceTest, NamesTheOptionWhereTheFileCannotBeMade) {
-  try {
-    Trace trace("/no/such/folder/trace.csv");
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("--trace /no/such/folder/trace.csv: cannot be written"));
-  }
+  EXPECT_THAT(ComplaintOf([] { Trace trace("/no/such/folder/trace.csv"); }),
+              HasSubstr("--trace /no/such/folder/trace.csv: cannot be written"));
 }
 
 /// 1 N, whose replies end with tick 100 and come again with tick 200: down from tick 105 to 125.

@@ -30,6 +30,8 @@ TEST(OneTool, GoesToWhoAsksOnceItsHolderHasLeft) {
   StationProgram second("second", "udp");
   EXPECT_EQ(second.Exit(), 1);
   EXPECT_THAT(second.Output(), HasSubstr("is driven by station 'first'; end that station"));
+  EXPECT_TRUE(server.Says("station second: refused: tool 'ball' of scene 'cube' is driven by"))
+      << server.Output();
   first.Signal(SIGTERM);
   EXPECT_EQ(first.Exit(), 0) << first.Output();
   StationProgram again("second", "udp", {"--for", "1"});
@@ -79,23 +81,6 @@ TEST(KilledStation, HasItsToolBackUnderItsName) {
       return HasFailure() ? Attempt::kFailed : Attempt::kShown;
     })) << server.Output();
   }
-}
-
-TEST(FrozenStation, IsToldWhyItsSessionEndedAndGetsItsToolBack) {
-  ServerProgram server("udp");
-  ASSERT_TRUE(server.Ready()) << server.Output();
-  StationProgram station("hand", "udp");
-  ASSERT_TRUE(station.Says("session: tool 'ball' of scene 'cube'")) << station.Output();
-  ASSERT_TRUE(server.Says("station hand: active")) << server.Output();
-  station.Signal(SIGSTOP);
-  ASSERT_TRUE(server.Says("station hand: ended: no pose came for more than 100 ms"))
-      << server.Output();
-  station.Signal(SIGCONT);
-  EXPECT_TRUE(
-      station.Says("the server ended the session (no pose came for more than 100 ms: the "
-                   "station was held up, or the way from it is cut): asking again"))
-      << station.Output();
-  EXPECT_TRUE(station.Says("session resumed: forces ramp in")) << station.Output();
 }
 
 /// A server of two scenes: one is felt by a station that behaves, for two seconds.

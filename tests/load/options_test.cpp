@@ -66,7 +66,6 @@ TEST(LoadOptions, TakeANumberOfToolsAndAFileForAScene) {
 TEST(LoadOptions, NameTheArgumentThatIsWrong) {
   EXPECT_THAT(Complaint({"--stations", "many"}), HasSubstr("--stations"));
   EXPECT_THAT(Complaint({"--seconds", "0"}), HasSubstr("--seconds"));
-  EXPECT_THAT(Complaint({"--domain", "115"}), HasSubstr("--domain"));
   EXPECT_THAT(Complaint({"--name", "no blanks"}), HasSubstr("--name"));
   EXPECT_THAT(Complaint({"--transport", "tcp"}), HasSubstr("tcp"));
   EXPECT_THAT(Complaint({"--realtime", "very"}), HasSubstr("very"));

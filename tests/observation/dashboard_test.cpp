@@ -1,7 +1,6 @@
 // The dashboard and the alerts beside what the real programs expose.
 #include <algorithm>
 #include <csignal>
-#include <fstream>
 #include <iterator>
 #include <regex>
 #include <set>
@@ -13,6 +12,7 @@
 
 #include "tests/common/recording/samples.h"
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/test_domain.h"
 #include "tests/support/web_client.h"
 
@@ -24,12 +24,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 using Names = std::set<std::string>;
-
-std::string TextOf(const std::string& file) {
-  std::ifstream in(file);
-  EXPECT_TRUE(in) << file;
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 Names MetricsIn(const std::string& text) {
   static const std::regex kName("palpate_(server|gateway)_[a-z0-9_]+");
@@ -99,13 +93,14 @@ TEST_F(DashboardTest, ShowsWhatServerAndGatewayExposeAndNothingElse) {
   exposed.merge(MetricsOn(gateway.body));
   EXPECT_GT(exposed.size(), 25u);
 
-  const std::string dashboard = TextOf(kFolder + "/grafana-dashboard.json");
+  const std::string dashboard = ReadWholeFile(kFolder + "/grafana-dashboard.json");
   EXPECT_TRUE(nlohmann::json::accept(dashboard));
-  const Names shown = MetricsIn(dashboard), alerts = MetricsIn(TextOf(kFolder + "/alerts.yml"));
+  const Names shown = MetricsIn(dashboard),
+              alerts = MetricsIn(ReadWholeFile(kFolder + "/alerts.yml"));
   EXPECT_THAT(Without(shown, exposed), IsEmpty()) << "shown, and exposed by nobody";
   EXPECT_THAT(Without(alerts, exposed), IsEmpty()) << "watched, and exposed by nobody";
   EXPECT_THAT(Without(exposed, shown), IsEmpty()) << "exposed, and shown nowhere";
-  Names named = MetricsIn(TextOf(PALPATE_SOURCE_DIR "/common/metrics/metric.h"));
+  Names named = MetricsIn(ReadWholeFile(PALPATE_SOURCE_DIR "/common/metrics/metric.h"));
   EXPECT_EQ(named, exposed);
 
   station.Signal(SIGINT);
@@ -114,20 +109,13 @@ TEST_F(DashboardTest, ShowsWhatServerAndGatewayExposeAndNothingElse) {
   server_.Signal(SIGINT);
   EXPECT_EQ(server_.Exit(), 0) << server_.Output();
   std::vector<std::string> events;
-  std::istringstream lines(TextOf(events_));
+  std::istringstream lines(ReadWholeFile(events_));
   for (std::string line; std::getline(lines, line);) {
     events.push_back(nlohmann::json::parse(line)["event"]);
   }
   for (const char* event : {"start", "begun", "active", "ended", "stop"}) {
     EXPECT_THAT(events, Contains(event));
   }
-}
-
-TEST(ServerMetricsPort, NamesAPortThatIsNone) {
-  Program server(PALPATE_BIN_DIR "/palpate-server",
-                 {"--scene", "cube", "--domain", std::to_string(OwnDomain()), "--metrics", "x"});
-  EXPECT_EQ(server.Exit(), 2);
-  EXPECT_THAT(server.Output(), HasSubstr("--metrics 'x': is no [ADDRESS:]PORT"));
 }
 
 TEST(ServerMetricsPort, TakesNoNameOfAHostWithoutAPortToAskAt) {

@@ -12,32 +12,26 @@ import {
   stationStatistics,
   toolState,
 } from "./support/fake_gateway";
-import {eventually, kHasChromium, launch, probe, until} from "./support/browser";
-import {box, kTestScene, leafPerTriangle, sceneBytes, type TestScene} from "./support/scene_bytes";
+import {
+  closeWindows,
+  eventually,
+  kHasChromium,
+  launch,
+  openPage,
+  probe,
+  until,
+} from "./support/browser";
+import {kTestScene, kWearable, sceneBytes, type TestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 
-/// Its box is worn away triangle by triangle.
-const kWearing: TestScene = {
-  ...kTestScene,
-  name: "wearing",
-  removal: true,
-  objects: [
-    {
-      name: "box",
-      mesh: box(0.05),
-      leaves: leafPerTriangle(box(0.05), 0.004),
-      materials: [{stiffness: Infinity, hardness: 1e-5}],
-    },
-  ],
-};
+const kWearing: TestScene = {...kWearable, name: "wearing"};
 
 const kTeeth: TestScene = {
   ...kTestScene,
   name: "teeth",
   objects: ["upper-left-canine", "lower-right-first-molar"].map((name, i) => ({
+    ...kTestScene.objects[0]!,
     name,
-    mesh: box(0.05),
-    leaves: leafPerTriangle(box(0.05), 0.004),
     pose: {p: [0.03 * i, 0, 0], q: [1, 0, 0, 0]},
   })),
 };
@@ -60,7 +54,7 @@ beforeEach(async () => {
 });
 afterEach(async () => {
   clearInterval(moving);
-  await Promise.all((browser?.contexts() ?? []).map((context) => context.close()));
+  await closeWindows(browser);
   await gateway?.stop();
 });
 
@@ -71,12 +65,8 @@ const startGateway = (port = 0): Promise<FakeGateway> =>
   );
 
 async function open(options: Parameters<Browser["newContext"]>[0] = {}, query = ""): Promise<Page> {
-  const context = await browser!.newContext({viewport: {width: 800, height: 600}, ...options});
-  const opened = await context.newPage();
-  opened.on("pageerror", (error) => {
-    throw error;
-  });
-  await opened.goto(gateway.url + query);
+  const inWindow = {viewport: {width: 800, height: 600}, ...options};
+  const opened = await openPage(browser!, gateway.url + query, inWindow);
   await until(opened, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
   return opened;
 }
@@ -344,17 +334,6 @@ test("a lost link is said, comes back by itself, and data flow again", async () 
   await until(page, "a second link", ({links, link}) => links === 2 && link === "open");
   await eventually("the new force", async () => (await text("#force")) === "3.00");
   await eventually("no banner", async () => !(await page.locator("#banner").isVisible()));
-});
-
-test("silence is told from a lost link", async () => {
-  press(1);
-  page = await open();
-  await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
-  clearInterval(moving);
-  await eventually("the banner", async () => /gateway is there/.test(await text("#banner")));
-  gateway.send("/palpate/session_state", sessionState("hand", "ended", "test-box", "ball"));
-  await eventually("a calmer one", async () => /No station is moving/.test(await text("#banner")));
-  expect(await page.locator("#banner.alarm").count()).toBe(0);
 });
 
 test("what is scraped off vanishes, and a server's new run makes it whole", async () => {

@@ -4,7 +4,7 @@ import {afterAll, afterEach, beforeAll, beforeEach, expect} from "vitest";
 
 import type {Browser, Page} from "playwright-core";
 
-import {eventually, kHasChromium, launch, until} from "./support/browser";
+import {closeWindows, eventually, kHasChromium, launch, openPage, until} from "./support/browser";
 import {FakeGateway, loopStatistics, sessionState, toolState} from "./support/fake_gateway";
 import {kTestScene, sceneBytes} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
@@ -23,19 +23,12 @@ beforeEach(async () => {
 });
 afterEach(async () => {
   clearInterval(moving);
-  await Promise.all((browser?.contexts() ?? []).map((context) => context.close()));
+  await closeWindows(browser);
   await gateway?.stop();
 });
 
-async function open(after = ""): Promise<Page> {
-  const context = await browser!.newContext({viewport: {width: 1280, height: 800}});
-  const page = await context.newPage();
-  page.on("pageerror", (error) => {
-    throw error;
-  });
-  await page.goto(gateway.url + after);
-  return page;
-}
+const open = (after = ""): Promise<Page> =>
+  openPage(browser!, gateway.url + after, {viewport: {width: 1280, height: 800}});
 
 const tell = (station: string, phase: string, more: object = {}): void =>
   gateway.retain("/palpate/session_state", sessionState(station, phase, "test-box", "ball", more));

@@ -3,25 +3,11 @@ import {afterAll, afterEach, beforeAll, beforeEach, expect} from "vitest";
 
 import type {Browser, Page} from "playwright-core";
 
-import {eventually, kHasChromium, launch, until} from "./support/browser";
+import {closeWindows, eventually, kHasChromium, launch, openPage, until} from "./support/browser";
 import {FakeGateway, sessionState} from "./support/fake_gateway";
 import {FakeReplay} from "./support/fake_replay";
-import {box, kTestScene, leafPerTriangle, sceneBytes, type TestScene} from "./support/scene_bytes";
+import {kWearable, sceneBytes} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
-
-/// Its box can be made whole.
-const kWearing: TestScene = {
-  ...kTestScene,
-  removal: true,
-  objects: [
-    {
-      name: "box",
-      mesh: box(0.05),
-      leaves: leafPerTriangle(box(0.05), 0.004),
-      materials: [{stiffness: Infinity, hardness: 1e-5}],
-    },
-  ],
-};
 
 let browser: Browser | undefined;
 let gateway: FakeGateway;
@@ -35,7 +21,7 @@ afterAll(() => browser?.close());
 
 beforeEach(async () => {
   if (!browser) return;
-  gateway = await FakeGateway.start(new Map([[kWearing.name, sceneBytes(kWearing)]]));
+  gateway = await FakeGateway.start(new Map([[kWearable.name, sceneBytes(kWearable)]]));
   replay = new FakeReplay(gateway);
   replay.contents.marks = [
     {at_s: 4, number: 0, kind: "contact", text: "hand touches"},
@@ -48,17 +34,13 @@ beforeEach(async () => {
 });
 afterEach(async () => {
   replay?.die();
-  await Promise.all((browser?.contexts() ?? []).map((context) => context.close()));
+  await closeWindows(browser);
   await gateway?.stop();
 });
 
 async function open(options: Parameters<Browser["newContext"]>[0] = {}): Promise<Page> {
-  const context = await browser!.newContext({viewport: {width: 1000, height: 700}, ...options});
-  const opened = await context.newPage();
-  opened.on("pageerror", (error) => {
-    throw error;
-  });
-  await opened.goto(gateway.url);
+  const inWindow = {viewport: {width: 1000, height: 700}, ...options};
+  const opened = await openPage(browser!, gateway.url, inWindow);
   await until(opened, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
   return opened;
 }

@@ -11,7 +11,7 @@ import type {Browser, Page} from "playwright-core";
 import type {Probe} from "@page/app";
 import {norm, subtract} from "@page/model/pose";
 
-import {kHasChromium, launch, probe, until} from "./support/browser";
+import {closeWindows, kHasChromium, launch, probe, until} from "./support/browser";
 import {ownDomain} from "./support/domain";
 import {Program} from "./support/programs";
 import {browserTest as test} from "./support/skip";
@@ -25,11 +25,6 @@ let server: Program;
 let gateway: Program;
 let station: Program;
 let url = "";
-
-const startGateway = async (port: string): Promise<void> => {
-  gateway = new Program("palpate-viewer", ["--http", port, "--page", kPage, ...kCommon]);
-  url = (await gateway.says(/http:\/\/127\.0\.0\.1:\d+\//))[0];
-};
 
 /// A pyramid that nobody has made a scene of; in millimetres.
 function writeTooth(file: string): void {
@@ -62,7 +57,8 @@ beforeAll(async () => {
   ]);
   await server.says(/^ready/m, 120_000);
   rmSync(folder, {recursive: true}); // nobody but the server has it
-  await startGateway("0");
+  gateway = new Program("palpate-viewer", ["--http", "0", "--page", kPage, ...kCommon]);
+  url = (await gateway.says(/http:\/\/127\.0\.0\.1:\d+\//))[0];
 });
 afterAll(async () => {
   if (!kHasChromium) return;
@@ -89,7 +85,7 @@ describe("while a simulated hand feels the bunny", () => {
   });
   afterEach(async () => {
     await station?.stop();
-    await Promise.all(browser?.contexts().map((context) => context.close()) ?? []);
+    await closeWindows(browser);
   });
 
   test("the page shows the scene and a moving tool, and says how it goes", async () => {
@@ -137,52 +133,7 @@ describe("while a simulated hand feels the bunny", () => {
     const {scriptMs, pictures} = await probe(page);
     console.log(`script ${scriptMs.mean.toFixed(2)} ms a picture over ${pictures} pictures`);
   });
-
-  test("two pages see the same: one sequence number, one pose", async () => {
-    const pages = [await open(), await open()];
-    const seen = await Promise.all(pages.map((page) => page.evaluate(watch)));
-    const [first, second] = seen.map((states) => new Map(states)) as [Seen, Seen];
-    const both = [...first.keys()].filter((sequence) => second.has(sequence));
-    expect(both.length).toBeGreaterThan(0);
-    for (const sequence of both) expect(second.get(sequence)).toBe(first.get(sequence));
-  });
-
-  test("the page says that the gateway is gone, and goes on once it is back", async () => {
-    const page = await open();
-    await until(page, "the hand", ({stations}) => stations.hand !== undefined, 60_000);
-    const port = new URL(url).port;
-    await gateway.stop();
-    await page.locator("#banner.alarm").waitFor({timeout: 20_000});
-    expect(await page.locator("#banner").innerText()).toMatch(/link to the gateway is lost/);
-    const frames = (await probe(page)).stations.hand!.frames;
-    await startGateway(port);
-    await until(
-      page,
-      "frames again",
-      ({link, links, stations}) =>
-        link === "open" && links === 2 && stations.hand!.frames > frames + 5,
-      60_000,
-    );
-    await page.locator("#banner.alarm").waitFor({state: "hidden", timeout: 20_000});
-  });
 });
-
-type Seen = Map<number, string>;
-
-/// In the page: what it hears of the hand until it has heard a hundred states.
-function watch(): Promise<[number, string][]> {
-  return new Promise((resolve) => {
-    const seen = new Map<number, string>();
-    const timer = setInterval(() => {
-      const {hand} = window.palpate.probe.stations;
-      if (hand)
-        seen.set(hand.poseSequence, JSON.stringify([hand.haptic, hand.graphic, hand.forceN]));
-      if (seen.size < 100) return;
-      clearInterval(timer);
-      resolve([...seen]);
-    }, 5);
-  });
-}
 
 /// The mouse's station, whose name is the gateway's choice.
 const mouseOf = ({stations}: Probe): Probe["stations"][string] | undefined =>

@@ -78,6 +78,8 @@ TEST_F(FileSummaryTest, GivesOneVerdict) {
   std::filesystem::remove(file_);
   Record(file_, 100, 110);
   judge("incomplete", "incomplete", true);
+  std::filesystem::remove(file_);
+  EXPECT_THROW(Summarise({file_}), Error);
 }
 
 TEST_F(FileSummaryTest, NeverClaimsThatMoreIsMissingThanThereCouldBe) {
@@ -226,17 +228,6 @@ TEST_F(FileSummaryTest, QuotesNamesThatPretendToBeALine) {
   const std::string text = ToText(Summarise({file_}));
   EXPECT_THAT(text, HasSubstr(R"(station a\n  nothing is missing\x1b[2K)"));
   EXPECT_THAT(text, Not(HasSubstr("\x1b")));
-}
-
-TEST_F(FileSummaryTest, ReadsAFileThatWasCutOffAndSaysSo) {
-  Record(file_, 0, 0);
-  std::vector<std::uint8_t> bytes = BytesOf(file_);
-  bytes.resize(bytes.size() / 2);
-  WriteBytes(file_, bytes);
-  const FileSummary summary = Summarise({file_});
-  EXPECT_FALSE(summary.complete);
-  EXPECT_THAT(ToText(summary), HasSubstr("CUT OFF"));
-  EXPECT_THROW(Summarise({folder_ / "none.mcap"}), Error);
 }
 
 }  // namespace

@@ -53,19 +53,14 @@ TEST(RecorderOptions, TakeStationsAndNothingElseForTheirNames) {
 
 TEST(RecorderOptions, SayThatARecordingIsNoCsv) {
   for (const char* file : {"a.csv", "a", "mcap", "a.mcap.gz"}) {
-    try {
-      Parse({"-o", file});
-      ADD_FAILURE() << file;
-    } catch (const UsageError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("ends in .mcap"));
-      EXPECT_THAT(error.what(), testing::HasSubstr("'palpate-replay export' makes CSV"));
-    }
+    const std::string complaint = test::ComplaintOf(ParseOptions, {"-o", file});
+    EXPECT_THAT(complaint, testing::HasSubstr("ends in .mcap"));
+    EXPECT_THAT(complaint, testing::HasSubstr("'palpate-replay export' makes CSV"));
   }
 }
 
 TEST(RecorderOptions, RefuseWhatMakesNoSense) {
   EXPECT_THROW(Parse({"-o", "a.mcap", "--split-time", "0"}), UsageError);
-  EXPECT_THROW(Parse({"-o", "a.mcap", "--domain", "999"}), UsageError);
   EXPECT_THROW(Parse({"-o", "a.mcap", "--transport", "pigeon"}), UsageError);
 }
 

@@ -24,18 +24,11 @@ using testing::HasSubstr;
 class RecorderProgram : public Program {
  public:
   RecorderProgram(const std::string& file, const std::string& transport,
-                  std::vector<std::string> more = {})
-      : Program(PALPATE_BIN_DIR "/palpate-record", Arguments(file, transport, std::move(more))) {}
+                  const std::vector<std::string>& more = {})
+      : Program(PALPATE_BIN_DIR "/palpate-record",
+                Joined({"-o", file, "--transport", transport, "--domain", std::to_string(kDomain)},
+                       more)) {}
   bool Ready() { return Says("recording to "); }
-
- private:
-  static std::vector<std::string> Arguments(const std::string& file, const std::string& transport,
-                                            std::vector<std::string> more) {
-    std::vector<std::string> arguments{"-o",      file,       "--transport",
-                                       transport, "--domain", std::to_string(kDomain)};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
-  }
 };
 
 class RecorderProgramTest : public testing::Test {
@@ -108,50 +101,6 @@ TEST_F(RecorderProgramTest, RecordsEverySampleOverSharedMemory) {
   RecordAStation("shm");
   if (HasFatalFailure()) return;
   ExpectWholeAndTheSame();
-}
-
-TEST_F(RecorderProgramTest, LeavesAFileThatOpensWhenItIsKilled) {
-  ServerProgram server("udp");
-  ASSERT_TRUE(server.Ready()) << server.Output();
-  RecorderProgram recorder(file_, "udp");
-  ASSERT_TRUE(recorder.Ready()) << recorder.Output();
-  StationProgram station("hand", "udp", {"--for", "60"});
-  // Well after the first chunks.
-  ASSERT_TRUE(Eventually([&] {
-    std::error_code none;
-    station.Output();
-    return std::filesystem::file_size(file_, none) > 400'000 && !none;
-  })) << recorder.Output();
-  recorder.Signal(SIGKILL);
-  EXPECT_EQ(recorder.Exit(), -SIGKILL);
-  const FileSummary summary = Summarise({file_});
-  EXPECT_FALSE(summary.complete);
-  EXPECT_THAT(ToText(summary), HasSubstr("CUT OFF"));
-  EXPECT_EQ(summary.missing, 0u);
-  EXPECT_GT(summary.messages, 500u);
-  const Verification verification = Verify({file_}, {});
-  EXPECT_TRUE(verification.good()) << "as far as it goes\n" << ToText(verification);
-  const auto others = ReadByOthers(file_);
-  if (!others) GTEST_SKIP() << "deploy/setup --for tests fetches MCAP's readers";
-  EXPECT_EQ((*others)["messages"].size(), summary.messages);
-}
-
-TEST_F(RecorderProgramTest, SaysThatTheDiskIsFullAndKeepsWhatIsThere) {
-  ServerProgram server("udp");
-  ASSERT_TRUE(server.Ready()) << server.Output();
-  // What a shell lets a file grow to: 512 bytes a block.
-  Program recorder("/bin/sh",
-                   {"-c", "ulimit -f 1200; exec " PALPATE_BIN_DIR "/palpate-record -o " + file_ +
-                              " --transport udp --domain " + std::to_string(kDomain)});
-  ASSERT_TRUE(recorder.Says("recording to ")) << recorder.Output();
-  StationProgram station("hand", "udp", {"--for", "60"});
-  EXPECT_EQ(recorder.Exit(30.0), 1) << recorder.Output();
-  EXPECT_THAT(recorder.Output(), HasSubstr(file_ + ": File too large"));
-  EXPECT_THAT(recorder.Output(), HasSubstr("what was recorded until then is whole"));
-  const FileSummary summary = Summarise({file_});
-  EXPECT_GT(summary.messages, 500u);
-  EXPECT_EQ(summary.missing, 0u);
-  EXPECT_TRUE(Verify({file_}, {}).good());
 }
 
 TEST_F(RecorderProgramTest, RecordsForViewersOrOfAStationAloneWhereTold) {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.h"
 #include "tests/common/recording/samples.h"
+#include "tests/support/complaint.h"
 
 namespace palpate::test {
 namespace {
@@ -34,15 +33,6 @@ void WriteText(const std::string& file, const std::string& text) {
 std::string TextOf(const std::string& file) {
   const std::vector<std::uint8_t> bytes = BytesOf(file);
   return {bytes.begin(), bytes.end()};
-}
-
-std::string ErrorOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 class BookmarksTest : public testing::Test {
@@ -76,16 +66,17 @@ TEST_F(BookmarksTest, AreKeptByTime) {
 
 TEST_F(BookmarksTest, RefuseWhatTheyCouldNotReadBack) {
   Bookmarks bookmarks(file_);
-  EXPECT_THAT(ErrorOf([&] { bookmarks.Add(1.0, ""); }), HasSubstr("needs a name"));
-  EXPECT_THAT(ErrorOf([&] { bookmarks.Add(1.0, " \n\t "); }), HasSubstr("needs a name"));
-  EXPECT_THAT(ErrorOf([&] { bookmarks.Add(1.0, std::string(101, 'a')); }), HasSubstr("shorten"));
-  EXPECT_THAT(ErrorOf([&] { bookmarks.Add(1.0, "a\xff"); }), HasSubstr("UTF-8"));
-  EXPECT_THAT(ErrorOf([&] { bookmarks.Add(std::nan(""), "a"); }), HasSubstr("no such time"));
-  EXPECT_THAT(ErrorOf([&] { bookmarks.Add(-1.0, "a"); }), HasSubstr("no such time"));
-  EXPECT_THAT(ErrorOf([&] { bookmarks.Drop(1); }), HasSubstr("gone already"));
+  EXPECT_THAT(ComplaintOf([&] { bookmarks.Add(1.0, ""); }), HasSubstr("needs a name"));
+  EXPECT_THAT(ComplaintOf([&] { bookmarks.Add(1.0, " \n\t "); }), HasSubstr("needs a name"));
+  EXPECT_THAT(ComplaintOf([&] { bookmarks.Add(1.0, std::string(101, 'a')); }),
+              HasSubstr("shorten"));
+  EXPECT_THAT(ComplaintOf([&] { bookmarks.Add(1.0, "a\xff"); }), HasSubstr("UTF-8"));
+  EXPECT_THAT(ComplaintOf([&] { bookmarks.Add(std::nan(""), "a"); }), HasSubstr("no such time"));
+  EXPECT_THAT(ComplaintOf([&] { bookmarks.Add(-1.0, "a"); }), HasSubstr("no such time"));
+  EXPECT_THAT(ComplaintOf([&] { bookmarks.Drop(1); }), HasSubstr("gone already"));
   EXPECT_FALSE(std::filesystem::exists(file_));
   for (std::size_t i = 0; i < Bookmarks::kMost; ++i) bookmarks.Add(1.0, "a");
-  EXPECT_THAT(ErrorOf([&] { bookmarks.Add(1.0, "a"); }), HasSubstr("drop one first"));
+  EXPECT_THAT(ComplaintOf([&] { bookmarks.Add(1.0, "a"); }), HasSubstr("drop one first"));
   EXPECT_EQ(Bookmarks(file_).all().size(), Bookmarks::kMost);
 }
 
@@ -106,7 +97,7 @@ TEST_F(BookmarksTest, SayWhatIsWrongWithAFileAndLeaveItAsItIs) {
   for (const auto& [text, complaint] : files) {
     SCOPED_TRACE(text);
     WriteText(file_, text);
-    EXPECT_THAT(ErrorOf([&] { Bookmarks{file_}; }), HasSubstr(complaint));
+    EXPECT_THAT(ComplaintOf([&] { Bookmarks{file_}; }), HasSubstr(complaint));
     EXPECT_EQ(TextOf(file_), text);
   }
 }
@@ -114,7 +105,7 @@ TEST_F(BookmarksTest, SayWhatIsWrongWithAFileAndLeaveItAsItIs) {
 TEST_F(BookmarksTest, DoNotWriteOverWhatAnotherHasWrittenMeanwhile) {
   Bookmarks first(file_), second(file_);
   first.Add(1.0, "the first's");
-  EXPECT_THAT(ErrorOf([&] { second.Add(2.0, "the second's"); }), HasSubstr("has been changed"));
+  EXPECT_THAT(ComplaintOf([&] { second.Add(2.0, "the second's"); }), HasSubstr("has been changed"));
   EXPECT_THAT(second.all(), IsEmpty());
   EXPECT_THAT(NamesOf(Bookmarks(file_)), ElementsAre(std::pair(1.0, "the first's")));
   first.Add(3.0, "and one more");
@@ -123,7 +114,7 @@ TEST_F(BookmarksTest, DoNotWriteOverWhatAnotherHasWrittenMeanwhile) {
 
 TEST_F(BookmarksTest, AreAsBeforeWhereTheyCannotBeWritten) {
   Bookmarks bookmarks(folder_ / "gone/lesson.bookmarks.json");
-  EXPECT_THAT(ErrorOf([&] { bookmarks.Add(1.0, "a"); }), HasSubstr("cannot be written"));
+  EXPECT_THAT(ComplaintOf([&] { bookmarks.Add(1.0, "a"); }), HasSubstr("cannot be written"));
   EXPECT_THAT(bookmarks.all(), IsEmpty());
 }
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "common/error.h"
+#include "tests/support/complaint.h"
 
 namespace palpate::test {
 namespace {
@@ -22,12 +22,7 @@ class CriteriaTest : public testing::Test {
     return LoadCriteria(file_);
   }
   std::string Complaint(const std::string& text) {
-    try {
-      Load(text);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "none";
+    return ComplaintOf([&] { Load(text); });
   }
   std::string file_ = testing::TempDir() + "palpate_criteria_" + std::to_string(getpid()) + ".json";
 };

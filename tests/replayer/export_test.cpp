@@ -17,6 +17,7 @@
 #include "common/error.h"
 #include "common/step_fault.h"
 #include "tests/common/recording/samples.h"
+#include "tests/support/read_file.h"
 
 namespace palpate::test {
 namespace {
@@ -26,11 +27,6 @@ using testing::HasSubstr;
 
 constexpr std::int64_t kBegin_ns = 1'700'000'000'123'456'789;
 constexpr std::int64_t kMs = 1'000'000;
-
-std::string Contents(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// A table as a stranger reads it: columns by name, all as text or as doubles.
 struct Table {
@@ -54,7 +50,7 @@ Table ReadCsv(const std::string& file) {
   std::vector<std::vector<std::string>> lines(1);
   std::string cell;
   bool quoted = false;
-  const std::string all = Contents(file);
+  const std::string all = ReadWholeFile(file);
   EXPECT_FALSE(all.empty()) << file;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const char c = all[i];
@@ -86,7 +82,7 @@ Table ReadCsv(const std::string& file) {
 /// rows.
 Table ReadNpy(const std::string& file) {
   Table table;
-  const std::string all = Contents(file);
+  const std::string all = ReadWholeFile(file);
   EXPECT_EQ(all.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8));
   const std::size_t length =
       static_cast<unsigned char>(all[8]) + 256u * static_cast<unsigned char>(all[9]);
@@ -272,7 +268,7 @@ TEST_P(ExportOf, TellsOfPhasesFaultsContactsAndTheLimiter) {
   EXPECT_THAT(Read(session + "contacts").Numbers("force_y_N"), ElementsAre(0.0, 8.5));
   EXPECT_THAT(Read(session + "limiter").text.at("clamped"), ElementsAre("11"));
 
-  const auto methods = nlohmann::json::parse(Contents(out + "/methods.json"));
+  const auto methods = nlohmann::json::parse(ReadWholeFile(out + "/methods.json"));
   EXPECT_EQ(methods["palpate"]["recorded_with"], PALPATE_VERSION);
   const auto& told = methods["sessions"][0];
   EXPECT_EQ(told["folder"], "hand_0000000000000005");
@@ -280,7 +276,7 @@ TEST_P(ExportOf, TellsOfPhasesFaultsContactsAndTheLimiter) {
   EXPECT_EQ(told["spring"]["stiffness_N_per_m"], 1000.0);
   EXPECT_EQ(told["limiter"]["applied_force_max_N"], 3.25);
   EXPECT_EQ(told["limiter"]["calls"]["clamped"], 11);
-  EXPECT_THAT(Contents(out + "/METHODS.md"), HasSubstr("clamped 11"));
+  EXPECT_THAT(ReadWholeFile(out + "/METHODS.md"), HasSubstr("clamped 11"));
 }
 
 TEST_P(ExportOf, LeavesOutAStationWhoseNameWouldBeAPath) {
@@ -290,7 +286,7 @@ TEST_P(ExportOf, LeavesOutAStationWhoseNameWouldBeAPath) {
   Add(writer, dds::PoseTopic("hand", 5), SamplePose(1), kBegin_ns);
   writer.Close("");
   Run();
-  const auto methods = nlohmann::json::parse(Contents(out + "/methods.json"));
+  const auto methods = nlohmann::json::parse(ReadWholeFile(out + "/methods.json"));
   EXPECT_EQ(methods["samples"]["left_out"], 2);
   EXPECT_EQ(methods["sessions"].back()["folder"], "hand_0000000000000005");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(out), {}), 3);
@@ -309,7 +305,7 @@ TEST_P(ExportOf, GoesAsFarAsADamagedRecordingDoesAndSaysSo) {
   const Table poses = Read("hand_0000000000000005/poses");
   EXPECT_GT(poses.rows(), 500u);
   EXPECT_LT(poses.rows(), 3000u);
-  const auto methods = nlohmann::json::parse(Contents(out + "/methods.json"));
+  const auto methods = nlohmann::json::parse(ReadWholeFile(out + "/methods.json"));
   EXPECT_FALSE(methods["complete"]);
   EXPECT_FALSE(methods["problems"].empty());
 }
@@ -339,7 +335,7 @@ TEST_P(ExportOf, ReplacesAFormerExportAloneAndOnlyWhereAsked) {
 
   std::ofstream(out + "/thesis.txt") << "mine";
   EXPECT_THROW(Run(true), Error);
-  EXPECT_EQ(Contents(out + "/thesis.txt"), "mine");
+  EXPECT_EQ(ReadWholeFile(out + "/thesis.txt"), "mine");
   EXPECT_EQ(Read("hand_0000000000000005/poses").rows(), 1u);
 
   std::filesystem::remove(out + "/thesis.txt");
@@ -360,9 +356,9 @@ TEST_P(ExportOf, LeavesWhatSomebodyHasChangedInAFormerExport) {
     const std::string file = out + "/" + name;
     Run();
     std::ofstream(file, std::ios::app) << " ";
-    const std::string changed = Contents(file);
+    const std::string changed = ReadWholeFile(file);
     EXPECT_THROW(Run(true), Error) << name;
-    EXPECT_EQ(Contents(file), changed);
+    EXPECT_EQ(ReadWholeFile(file), changed);
     std::filesystem::remove_all(out);
   }
 }
@@ -382,8 +378,8 @@ TEST(ExportFolder, LeavesWhatComesWhileItGrows) {
     std::ofstream(out + "/thesis.txt") << "mine";
     EXPECT_THROW(make(first, "1"), Error);
   }
-  EXPECT_EQ(Contents(out + "/thesis.txt"), "mine");
-  EXPECT_EQ(Contents(part + "/poses.csv"), "1") << "the work is not lost";
+  EXPECT_EQ(ReadWholeFile(out + "/thesis.txt"), "mine");
+  EXPECT_EQ(ReadWholeFile(part + "/poses.csv"), "1") << "the work is not lost";
   std::filesystem::remove_all(out);
   std::filesystem::rename(part, out);
   {
@@ -391,9 +387,9 @@ TEST(ExportFolder, LeavesWhatComesWhileItGrows) {
     std::ofstream(out + "/thesis.txt") << "mine";
     EXPECT_THROW(make(second, "2"), Error);
   }
-  EXPECT_EQ(Contents(out + "/thesis.txt"), "mine");
-  EXPECT_EQ(Contents(out + "/poses.csv"), "1") << "and the former export is whole";
-  EXPECT_EQ(Contents(part + "/poses.csv"), "2");
+  EXPECT_EQ(ReadWholeFile(out + "/thesis.txt"), "mine");
+  EXPECT_EQ(ReadWholeFile(out + "/poses.csv"), "1") << "and the former export is whole";
+  EXPECT_EQ(ReadWholeFile(part + "/poses.csv"), "2");
   std::filesystem::remove(out + "/thesis.txt");
   std::filesystem::remove_all(part);
   {
@@ -401,12 +397,12 @@ TEST(ExportFolder, LeavesWhatComesWhileItGrows) {
     std::ofstream(stopped.Make(stopped.path() / "poses.csv")) << "3";
     std::ofstream(part + "/notes.txt") << "mine, too";
   }
-  EXPECT_EQ(Contents(part + "/notes.txt"), "mine, too");
+  EXPECT_EQ(ReadWholeFile(part + "/notes.txt"), "mine, too");
   EXPECT_FALSE(std::filesystem::exists(part + "/poses.csv"));
   std::filesystem::remove_all(part);
   ExportFolder last(out, true);
   make(last, "4");
-  EXPECT_EQ(Contents(out + "/poses.csv"), "4");
+  EXPECT_EQ(ReadWholeFile(out + "/poses.csv"), "4");
   EXPECT_FALSE(std::filesystem::exists(part));
 }
 
@@ -419,7 +415,7 @@ TEST_P(ExportOf, TellsInItsTextWhatANameIsAndNoMore) {
   Add(writer, dds::PoseTopic("hand", 5), SamplePose(~std::uint64_t{0}), kBegin_ns);
   writer.Close("");
   Run();
-  const std::string text = Contents(out + "/METHODS.md");
+  const std::string text = ReadWholeFile(out + "/METHODS.md");
   EXPECT_THAT(text, HasSubstr(R"(| &lt;img src=x onerror=alert(1)&gt;\|\`\*\_\[a\](b)\\ |)"));
   EXPECT_THAT(text, HasSubstr("| samples missing, by their numbers | 0 |"));
   EXPECT_THAT(text, HasSubstr("| samples with numbers that do not go on from those before | 1 |"));

@@ -12,6 +12,7 @@
 #include "common/error.h"
 #include "common/math/rotation.h"
 #include "tests/common/recording/samples.h"
+#include "tests/support/complaint.h"
 #include "tests/support/random.h"
 
 namespace palpate::test {
@@ -198,12 +199,7 @@ wire::HapticPose StandingPose(std::uint64_t sequence) {
 }
 
 std::string Complaint(const std::string& file, const std::string& station) {
-  try {
-    ReadHandPath({file}, {station});
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "none";
+  return ComplaintOf([&] { ReadHandPath({file}, {station}); });
 }
 
 TEST(HandPath, IsThatOfTheOnlySessionThatHasPoses) {

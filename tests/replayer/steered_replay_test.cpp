@@ -133,9 +133,7 @@ class SteeredReplay : public testing::Test {
   }
   /// @param more  options.
   void Begin(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments = {file_, "--domain", kDomainText};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    replayer_.emplace(arguments);
+    replayer_.emplace(Joined({file_, "--domain", kDomainText}, more));
     ASSERT_TRUE(guest_.Finds()) << replayer_->Output();
   }
   void EndAndCheck() {
@@ -242,27 +240,6 @@ TEST_F(SteeredReplay, IsSteeredByNobodyElseWhereItIsLocked) {
   EXPECT_THAT(guest_.state.refusal, HasSubstr("--locked"));
   EXPECT_FALSE(std::filesystem::exists(Bookmarks::FileFor(file_)));
   EndAndCheck();
-}
-
-TEST_F(SteeredReplay, KeepsBookmarksForTheNextOne) {
-  Begin({"--stay"});
-  ASSERT_TRUE(guest_.Wishes(palpate_REPLAY_ADD_BOOKMARK, 3.5, "the groove"));
-  EXPECT_STREQ(guest_.state.refusal, "");
-  EndAndCheck();
-  guest_.contents.replay = 0;
-  Begin({"--stay"});
-  ASSERT_EQ(guest_.contents.marks._length, 7u);
-  EXPECT_STREQ(guest_.contents.marks._buffer[4].text, "the groove");
-  EndAndCheck();
-}
-
-TEST_F(SteeredReplay, LeavesABrokenFileOfBookmarksAsItIs) {
-  const std::string bookmarks = Bookmarks::FileFor(file_);
-  WriteBytes(bookmarks, {'n', 'o', '\n'});
-  ReplayerProgram replayer({file_, "--domain", kDomainText});
-  EXPECT_EQ(replayer.Exit(), 1);
-  EXPECT_THAT(replayer.Output(), HasSubstr(bookmarks + ":1"));
-  EXPECT_EQ(BytesOf(bookmarks).size(), 3u);
 }
 
 }  // namespace

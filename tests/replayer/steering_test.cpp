@@ -1,13 +1,11 @@
 // What a replay tells viewers of itself and takes from them, over DDS within this process.
 #include "client/replayer/steering.h"
 
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -16,6 +14,7 @@
 #include "common/dds/cdr.h"
 #include "common/error.h"
 #include "tests/replayer/lesson_recording.h"
+#include "tests/support/eventually.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::test {
@@ -23,18 +22,8 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 const int kDomain = OwnDomain();
-
-template <class Condition>
-bool Eventually(Condition condition) {
-  for (int i = 0; i < 20'000; ++i) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return false;
-}
 
 class SteeringTest : public testing::Test {
  protected:

@@ -9,6 +9,7 @@
 #include "scenes/mesh/mesh_report.h"
 #include "scenes/tree/sphere_tree_builder.h"
 #include "tests/scenes/support.h"
+#include "tests/support/dirty_mesh.h"
 
 namespace palpate {
 namespace {
@@ -109,22 +110,9 @@ TEST(LeafPaint, RegionThatPaintsNothingIsRefusedWithItsLine) {
 
 /// Two boxes side by side in one OBJ.
 std::string TwoParts() {
-  std::string text;
-  int first = 1;
-  for (const char* name : {"crown", "root"}) {
-    TriangleMesh box = MakeBox(Vec3(10, 10, 10));
-    text += std::string("o ") + name + "\n";
-    for (const Vec3& v : box.vertices) {
-      text += "v " + std::to_string(v.x() + 2 * first) + " " + std::to_string(v.y()) + " " +
-              std::to_string(v.z()) + "\n";
-    }
-    for (const auto& [a, b, c] : box.triangles) {
-      text += "f " + std::to_string(a + first) + " " + std::to_string(b + first) + " " +
-              std::to_string(c + first) + "\n";
-    }
-    first += 8;
-  }
-  return text;
+  const TriangleMesh box = MakeBox(Vec3(10, 10, 10));
+  return "o crown\n" + test::ObjOf(test::Moved(box, Vec3(2, 0, 0))) + "o root\n" +
+         test::ObjOf(test::Moved(box, Vec3(18, 0, 0)), 8);
 }
 
 std::string SceneWithGroup(const std::string& group) {

@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "common/error.h"
 #include "common/math/pose.h"
 #include "scenes/scene.h"
 #include "scenes/shapes/shapes.h"
+#include "tests/support/complaint.h"
 
 namespace palpate::test {
 
@@ -58,17 +58,6 @@ inline std::string FreshFolder() {
 inline std::string WriteFile(const std::string& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
   return file;
-}
-
-/// The message of the Error that `work` throws; "no complaint" where it throws none.
-template <class Work>
-std::string ComplaintOf(Work work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no complaint";
 }
 
 }  // namespace palpate::test

@@ -9,6 +9,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "tests/support/eventually.h"
+
 namespace palpate::test {
 namespace {
 
@@ -25,16 +27,6 @@ double CpuSeconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-/// Waits up to 20 s.
-template <class Condition>
-bool Eventually(Condition condition) {
-  for (int i = 0; i < 20'000; ++i) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(milliseconds(1));
-  }
-  return false;
 }
 
 TEST(BackgroundServo, AnswersTheNewestPoseAndNoneTwice) {

@@ -388,19 +388,5 @@ TEST_F(SceneChangesTest, AllocateNothingInTheLoop) {
   EXPECT_GT(loop.removals().size(), before + 1);
 }
 
-TEST(SceneChanges, AreNoneWhereRemovalIsNotDeclared) {
-  Scene scene = Crust();
-  scene.features.removal = false;
-  const auto tools = ToolsOf(scene);
-  ServoLoop loop(tools[0]->model);
-  loop.Start({Vec3(0, 0, 0.01), Quat::Identity()});
-  Hand hand;
-  wire::Wrench answer{};
-  for (int i = 0; i < 3000; ++i)
-    loop.OnPose(hand.At(Vec3(0.008 * std::sin(5e-3 * i), 0, 1e-3)), answer);
-  EXPECT_EQ(loop.removals().size(), 0u);
-  EXPECT_GT(answer.contacts, 0u);
-}
-
 }  // namespace
 }  // namespace palpate::test

@@ -125,17 +125,6 @@ class ServerTest : public testing::Test {
   std::unique_ptr<Server> server_;
 };
 
-TEST_F(ServerTest, AnswersPosesWithTheForceOfTheContact) {
-  Station station(*this, "a", 1);
-  station.Ask("one");
-  EXPECT_TRUE(ServeUntil([&] {
-    station.Send(kTouch - 0.004);
-    return station.force_N > 4.0 - 1e-4;
-  }));
-  EXPECT_NEAR(station.force_N, 4.0, 1e-4);
-  EXPECT_EQ(station.State().phase, palpate_SESSION_ACTIVE);
-}
-
 TEST_F(ServerTest, ServesSeveralStationsAndScenesAtOnce) {
   Station a(*this, "a", 1);
   Station b(*this, "b", 1);
@@ -184,29 +173,6 @@ TEST_F(ServerTest, AnswersEachPoseOfAStationBesideOneThatFloodsAndOfThatOneItsSh
   EXPECT_GT(heard, 0u);
   EXPECT_LE(heard, ServoBudget::kPosesAtOnce + 1 + ServoBudget::kPosesPerSecond * took_s);
   EXPECT_LT(heard, kRounds * kPerRound);
-}
-
-TEST_F(ServerTest, RefusesADrivenToolUntilItIsFree) {
-  Station holder(*this, "holder", 1);
-  holder.Ask("one");
-  EXPECT_TRUE(ServeUntil([&] {
-    holder.Send(0.2);
-    return holder.State().phase == palpate_SESSION_ACTIVE;
-  }));
-  Station other(*this, "other", 1);
-  other.Ask("one");
-  EXPECT_TRUE(ServeUntil([&] {
-    holder.Send(0.2);
-    return other.State().phase == palpate_SESSION_REFUSED;
-  }));
-  EXPECT_THAT(other.state.reason, HasSubstr("driven by station 'holder'"));
-  holder.Ask("one", "", true);
-  EXPECT_TRUE(ServeUntil([&] { return holder.State().phase == palpate_SESSION_ENDED; }));
-  other.Ask("one");
-  EXPECT_TRUE(ServeUntil([&] {
-    other.Send(0.2);
-    return other.State().phase == palpate_SESSION_ACTIVE;
-  }));
 }
 
 TEST_F(ServerTest, ForgetsAStationThatItRefusedSomeSecondsAgo) {

@@ -73,13 +73,6 @@ TEST_F(SessionTableTest, AdmitsAStationToTheOnlyToolOfAScene) {
   EXPECT_EQ(wire::ToVec3(state.tool_reference_m), Vec3(0.1, 0.2, 0.3));
 }
 
-TEST_F(SessionTableTest, HoldsStationsInSeveralScenesAndTools) {
-  EXPECT_EQ(Ask(MakeRequest("a", 1, "one")).phase, palpate_SESSION_WAITING);
-  EXPECT_EQ(Ask(MakeRequest("b", 1, "two", "left")).phase, palpate_SESSION_WAITING);
-  EXPECT_EQ(Ask(MakeRequest("c", 1, "two", "right")).phase, palpate_SESSION_WAITING);
-  EXPECT_EQ(table_.sessions().size(), 3u);
-}
-
 TEST_F(SessionTableTest, RefusesAToolThatAnotherDrivesAndSaysWho) {
   Ask(MakeRequest("a", 1, "two", "left"));
   const wire::SessionState state = Ask(MakeRequest("b", 1, "two", "left"));
@@ -140,14 +133,6 @@ TEST_F(SessionTableTest, FreesTheToolWhenItsStationFallsSilent) {
   EXPECT_EQ(state.phase, palpate_SESSION_ENDED);
   EXPECT_EQ(state.run, 1u);
   EXPECT_EQ(Ask(MakeRequest("b", 1, "one")).phase, palpate_SESSION_WAITING);
-}
-
-TEST_F(SessionTableTest, TakesASilentStationBackUnderTheSameRun) {
-  Ask(MakeRequest("a", 1, "one"));
-  Pass(50, {"a"});
-  Pass(150, {});
-  LastChange();
-  EXPECT_EQ(Ask(MakeRequest("a", 1, "one")).phase, palpate_SESSION_WAITING);
 }
 
 TEST_F(SessionTableTest, TakesARestartedStationOnceItsFormerRunIsSilent) {

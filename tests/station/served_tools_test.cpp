@@ -11,11 +11,13 @@
 #include "common/dds/endpoint.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "tests/support/complaint.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate {
 namespace {
 
+using test::ComplaintOf;
 using testing::HasSubstr;
 
 const int kDomain = test::OwnDomain();
@@ -104,27 +106,21 @@ TEST_F(Offering, OfAHandThatNobodyCanFollowIsRefused) {
 }
 
 TEST_F(Offering, NamesWhatThereIsWhereTheSceneIsNot) {
-  try {
-    Ask("yours");
-    ADD_FAILURE() << "was found";
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("scene 'yours' is not served here; give --scene with one "
-                                        "of: mine, other"));
-  }
+  EXPECT_THAT(ComplaintOf([&] { Ask("yours"); }),
+              HasSubstr("scene 'yours' is not served here; give --scene with one of: mine, other, "
+                        "or start palpate-server with yours"));
 }
 
 TEST(AskForTools, SaysThatTheServerIsOfAnotherVersion) {
   const dds::Participant server = dds::Participant::Service(kDomain);
   const dds::Writer<wire::ToolState> others(server, dds::kSceneOfferTopic, dds::Qos::kSession);
   const dds::Participant station = dds::Participant::Service(kDomain);
-  try {
+  const std::string complaint = ComplaintOf([&] {
     AskForTools(station, {kDomain, {}, 0.1}, "cube",
                 [](std::chrono::nanoseconds) { return false; });
-    FAIL() << "what it cannot read is no offer";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.what(), AnotherVersionIsThere(kDomain));
-    EXPECT_THAT(error.what(), HasSubstr("of another version than this program (" PALPATE_VERSION));
-  }
+  });
+  EXPECT_EQ(complaint, AnotherVersionIsThere(kDomain)) << "what it cannot read is no offer";
+  EXPECT_THAT(complaint, HasSubstr("of another version than this program (" PALPATE_VERSION));
 }
 
 TEST(NobodyAnswers, SaysWhatToStartAndWhere) {

@@ -12,10 +12,10 @@
 
 #include "client/station/served_tools.h"
 #include "common/dds/topics.h"
-#include "common/error.h"
 #include "common/time/steady_clock.h"
 #include "tests/station/fake_server.h"
 #include "tests/station/still_device.h"
+#include "tests/support/complaint.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate {
@@ -77,6 +77,9 @@ struct Station {
   bool UntilForce(double newton) {
     return Until([=, this] { return std::abs(snapshot.force_N - newton) < 1e-9; });
   }
+  std::string Complaint() {
+    return test::ComplaintOf([this] { Until([] { return false; }); });
+  }
 };
 
 TEST(SessionLink, FeelsTheFloor) {
@@ -100,26 +103,16 @@ TEST(SessionLink, SaysWhyTheServerRefuses) {
   FakeServer server(kDomain, kUdp);
   server.Refuse("scene 'floor' is not served here; give --scene with one of: cube");
   Station station;
-  try {
-    station.Until([] { return false; });
-    FAIL() << "not refused";
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "the server refuses the session: scene 'floor' is not served here; give --scene "
-                 "with one of: cube");
-  }
+  EXPECT_EQ(station.Complaint(),
+            "the server refuses the session: scene 'floor' is not served here; give --scene with "
+            "one of: cube");
 }
 
 TEST(SessionLink, SaysWhenNoServerAnswers) {
   Station station(0.2);
-  try {
-    station.Until([] { return false; });
-    FAIL() << "waited for ever";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("no server answers in domain " + kNumber),
-              std::string::npos);
-    EXPECT_NE(std::string(error.what()).find("palpate-server --scene floor"), std::string::npos);
-  }
+  const std::string complaint = station.Complaint();
+  EXPECT_THAT(complaint, testing::HasSubstr("no server answers in domain " + kNumber));
+  EXPECT_THAT(complaint, testing::HasSubstr("palpate-server --scene floor"));
 }
 
 TEST(SessionLink, SaysThatTheServerIsOfAnotherVersion) {
@@ -127,12 +120,7 @@ TEST(SessionLink, SaysThatTheServerIsOfAnotherVersion) {
   const dds::Writer<wire::ToolState> others(participant, dds::kSessionStateTopic,
                                             dds::Qos::kSession);
   Station station(0.2);
-  try {
-    station.Until([] { return false; });
-    FAIL() << "waited for ever";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.what(), AnotherVersionIsThere(kDomain));
-  }
+  EXPECT_EQ(station.Complaint(), AnotherVersionIsThere(kDomain));
 }
 
 TEST(SessionLink, WaitsForAServerThatStartsLater) {
@@ -159,13 +147,9 @@ TEST(SessionLink, LeavesTheHandWithoutAForceWhereTwoServersAnswer) {
   Station station;
   ASSERT_TRUE(station.UntilForce(2.0));
   FakeServer other(kDomain, kUdp);
-  try {
-    station.Until([] { return false; });
-    FAIL() << "between two servers";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.what(), "two servers answer in domain " + kNumber +
-                                ": end one of them, or give it and its stations another --domain");
-  }
+  EXPECT_EQ(station.Complaint(),
+            "two servers answer in domain " + kNumber +
+                ": end one of them, or give it and its stations another --domain");
   station.link.reset();
   station.servo->Stop();
   EXPECT_FALSE(station.core->renders_force());

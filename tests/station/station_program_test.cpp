@@ -30,13 +30,6 @@ Outcome RunSimulated(std::vector<std::string> more) {
   return RunStation(more);
 }
 
-TEST(PalpateStation, ExitsWithTwoForWrongUsage) {
-  const Outcome outcome = RunStation({"--device", "simulated", "--scene", "cube"});
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_THAT(outcome.text, HasSubstr("--id"));
-  EXPECT_EQ(RunSimulated({"--log-level", "loud"}).status, 2);
-}
-
 TEST(PalpateStation, ExitsWithOneForAFileThatIsNotThere) {
   for (const auto& [option, file] : {std::pair{"--script", "/nowhere/path.json"},
                                      std::pair{"--workspace", "/nowhere/desk.json"}}) {
@@ -53,16 +46,6 @@ TEST(PalpateStation, ExitsWithOneWhereNoServerAnswers) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.text, HasSubstr("no server answers in domain " + domain));
   EXPECT_THAT(outcome.text, HasSubstr("start 'palpate-server --scene no-such-scene"));
-}
-
-TEST(PalpateStation, HelpsWithAnExample) {
-  const Outcome help = RunStation({"--help"});
-  EXPECT_EQ(help.status, 0);
-  EXPECT_THAT(help.text, HasSubstr("palpate-server --scene bunny-bunny"));
-  EXPECT_THAT(help.text, HasSubstr("--model premium-3.0, premium-1.5, touch"));
-  const Outcome version = RunStation({"--version"});
-  EXPECT_EQ(version.status, 0);
-  EXPECT_THAT(version.text, HasSubstr("palpate-station 0."));
 }
 
 }  // namespace

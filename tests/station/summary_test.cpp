@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/error.h"
+#include "tests/support/complaint.h"
 
 namespace palpate {
 namespace {
@@ -53,12 +53,8 @@ TEST(StationSummary, TellsProgramsTheSame) {
 }
 
 TEST(StationSummary, NamesAFileThatCannotBeWritten) {
-  try {
-    WriteJson(Summary(), "/nowhere/run.json");
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("--json /nowhere/run.json"));
-  }
+  EXPECT_THAT(test::ComplaintOf([] { WriteJson(Summary(), "/nowhere/run.json"); }),
+              HasSubstr("--json /nowhere/run.json"));
 }
 
 }  // namespace

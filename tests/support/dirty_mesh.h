@@ -94,8 +94,8 @@ TriangleMesh MakeSheet(double half, int n, Height height) {
   return sheet;
 }
 
-/// As an OBJ, to the last digit.
-inline std::string ObjOf(const TriangleMesh& mesh) {
+/// As an OBJ, to the last digit.  `before`: vertices of the file that stand before these.
+inline std::string ObjOf(const TriangleMesh& mesh, std::uint32_t before = 0) {
   std::string text;
   char line[120];
   for (const Vec3& v : mesh.vertices) {
@@ -103,7 +103,8 @@ inline std::string ObjOf(const TriangleMesh& mesh) {
     text += line;
   }
   for (const auto& [i, j, k] : mesh.triangles) {
-    std::snprintf(line, sizeof line, "f %u %u %u\n", i + 1, j + 1, k + 1);
+    std::snprintf(line, sizeof line, "f %u %u %u\n", before + i + 1, before + j + 1,
+                  before + k + 1);
     text += line;
   }
   return text;

@@ -11,14 +11,14 @@
 namespace palpate::test {
 namespace {
 
-Scene BoxOnBox(ContactModel contact) {
+Scene BoxOnBox() {
   return MakeScene(MakeBox(Vec3(0.03, 0.02, 0.04)), 256, MakeBox(Vec3(0.06, 0.05, 0.04)), 512,
-                   contact);
+                   ContactModel::kSpheres);
 }
 
-Scene BallOnEllipsoid(ContactModel contact) {
+Scene BallOnEllipsoid() {
   return MakeScene(MakeSphere(0.015, 320), 128, MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280), 512,
-                   contact);
+                   ContactModel::kSpheres);
 }
 
 /// A ball of 5 mm, three degrees of freedom, on a cube.
@@ -31,16 +31,9 @@ Scene Cube(ContactModel contact) {
 TEST(HandTrial, SpheresArriveWithoutJumpsThatNothingExplains) {
   HandTrial trial;
   trial.limits = {.arrived_fraction = 0.98, .unexplained = 0};
-  EXPECT_EQ(TryHands(BoxOnBox(ContactModel::kSpheres), trial), "");
-  EXPECT_EQ(TryHands(BallOnEllipsoid(ContactModel::kSpheres), trial), "");
+  EXPECT_EQ(TryHands(BoxOnBox(), trial), "");
+  EXPECT_EQ(TryHands(BallOnEllipsoid(), trial), "");
   EXPECT_EQ(TryHands(Cube(ContactModel::kSpheres), trial), "");
-}
-
-TEST(HandTrial, SurfacesGiveNumbers) {
-  // No more than that holds of two meshes today.
-  const HandTrial trial;
-  EXPECT_EQ(TryHands(BoxOnBox(ContactModel::kSurface), trial), "");
-  EXPECT_EQ(TryHands(BallOnEllipsoid(ContactModel::kSurface), trial), "");
 }
 
 TEST(HandTrial, ABallOnACubesSurfaceStaysOutArrivesAndSettles) {

@@ -97,6 +97,12 @@ int Program::Exit(double seconds) {
   return WIFEXITED(status_) ? WEXITSTATUS(status_) : -WTERMSIG(status_);
 }
 
+std::vector<std::string> Joined(std::vector<std::string> words,
+                                const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
 std::string OwnFolder() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
 }

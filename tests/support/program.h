@@ -40,6 +40,10 @@ class Program {
   std::size_t searched_ = 0;
 };
 
+/// What a program is told, with more behind it.
+std::vector<std::string> Joined(std::vector<std::string> words,
+                                const std::vector<std::string>& more);
+
 /// The folder that this program stands in, where the others of the build stand too.
 std::string OwnFolder();
 

@@ -48,12 +48,6 @@ TEST(SimulatedLink, OfNoFaultsHandsOverAtOnceOnceAndInOrder) {
   for (int i = 0; i < 50; ++i) EXPECT_EQ(arrived[i], (Arrived{i * kMillisecond, i}));
 }
 
-TEST(SimulatedLink, DelaysEverySampleByItsDelay) {
-  for (const Arrived& each : Travel({.delay_ns = 10 * kMillisecond}, 50)) {
-    EXPECT_EQ(each.time_ns, (each.sample + 10) * kMillisecond);
-  }
-}
-
 TEST(SimulatedLink, JitterStaysWithinItsBoundsAndKeepsTheOrder) {
   const std::vector<Arrived> arrived =
       Travel({.delay_ns = 2 * kMillisecond, .jitter_ns = 4 * kMillisecond}, 2000);
@@ -100,20 +94,6 @@ TEST(SimulatedLink, GivesEqualBitsForEqualSeedsAndOthersForOthers) {
                            .reordering = 0.1};
   EXPECT_EQ(Travel(bad, 1000, 7), Travel(bad, 1000, 7));
   EXPECT_NE(Travel(bad, 1000, 7), Travel(bad, 1000, 8));
-}
-
-TEST(SimulatedLink, CanBeCutAndMendedWhileSamplesAreUnderWay) {
-  LossyWay<int> way(1, {.delay_ns = 10});
-  way.Send(0, 0);
-  way.conditions().loss = 1.0;
-  way.Send(1, 1);
-  way.conditions().loss = 0.0;
-  way.Send(2, 2);
-  EXPECT_EQ(way.next_arrival_ns(), 10);
-  EXPECT_EQ(way.Receive(9), std::nullopt);
-  EXPECT_EQ(way.Receive(100), 0);
-  EXPECT_EQ(way.Receive(100), 2);
-  EXPECT_EQ(way.Receive(100), std::nullopt);
 }
 
 TEST(SimulatedLink, LosesDifferentSamplesOnItsTwoWays) {

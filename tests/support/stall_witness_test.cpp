@@ -28,20 +28,6 @@ class OneProcessor {
   cpu_set_t before_;
 };
 
-TEST(StallWitness, SeesThatAProcessWaitsForAProcessor) {
-  StallWitness witness;
-  const OneProcessor one;
-  // Six that compute: each waits for the five others in turn, for a few milliseconds at least.
-  std::vector<std::unique_ptr<Program>> busy;
-  for (int i = 0; i < 6; ++i) {
-    busy.push_back(std::make_unique<Program>(
-        "/bin/sh", std::vector<std::string>{"-c", "while :; do :; done"}));
-    witness.Watch(busy.back()->id());
-  }
-  for (int i = 0; i < 2000 && witness.longest_ms() < 5.0; ++i) usleep(10'000);
-  EXPECT_GE(witness.longest_ms(), 5.0);
-}
-
 TEST(StallWitness, AddsUpWhatIsLostBitByBit) {
   StallWitness witness;
   const OneProcessor one;

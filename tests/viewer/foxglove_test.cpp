@@ -4,13 +4,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/random.h"
-
 namespace palpate::foxglove {
 namespace {
 
 using Json = nlohmann::json;
-using test::Random;
 
 std::optional<Request> Parse(std::string_view text) {
   std::string complaint;
@@ -117,36 +114,6 @@ TEST(ClientMessage, IsItsChannelAndItsPayload) {
   }
   const std::uint8_t other[] = {2, 2, 1, 0, 0};
   EXPECT_FALSE(ParseMessage(other, complaint));
-}
-
-TEST(Parsers, StandAnyBytes) {
-  Random random(9);
-  const std::string good[] = {
-      R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":1,"channelId":5}]})",
-      R"({"op":"advertise","channels":[{"id":1,"topic":"/palpate/mouse","encoding":"json"}]})",
-      R"({"op":"unsubscribe","subscriptionIds":[0,1]})"};
-  int taken = 0;
-  for (int i = 0; i < 100'000; ++i) {
-    std::string text;
-    if (random.Below(2) == 0) {
-      for (std::size_t n = random.Below(50); n > 0; --n) {
-        text += static_cast<char>(random.Below(256));
-      }
-    } else {  // cut short, or with a byte changed
-      text = good[random.Below(3)];
-      if (random.Below(2) == 0) text.resize(random.Below(text.size() + 1));
-      if (!text.empty() && random.Below(2) == 0) {
-        text[random.Below(text.size())] = static_cast<char>(random.Below(256));
-      }
-    }
-    taken += Parse(text).has_value();
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
-    std::string complaint;
-    const auto message = ParseMessage({bytes, text.size()}, complaint);
-    ASSERT_EQ(message.has_value(), text.size() >= 5 && text[0] == 1);
-    ASSERT_NO_THROW(Json::parse(Status(Level::kError, complaint)));
-  }
-  EXPECT_GT(taken, 1000) << "else nothing but refusals was tried";
 }
 
 }  // namespace

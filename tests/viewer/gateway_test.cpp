@@ -82,25 +82,12 @@ std::unique_ptr<Program> StartServer(std::vector<std::string> scenes = {"cube"})
 }
 
 std::unique_ptr<Program> StartStation(const std::string& id, const std::string& script = "") {
-  std::vector<std::string> arguments{"--device",
-                                     "scripted",
-                                     "--scene",
-                                     "cube",
-                                     "--id",
-                                     id,
-                                     "--no-table",
-                                     "--realtime",
-                                     "off",
-                                     "--transport",
-                                     "udp",
-                                     "--domain",
-                                     std::to_string(kDomain)};
-  if (script.empty()) {
-    arguments.push_back("--loop");
-  } else {
-    arguments.insert(arguments.end(), {"--script", script});
-  }
-  return std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station", arguments);
+  return std::make_unique<Program>(
+      PALPATE_BIN_DIR "/palpate-station",
+      Joined({"--device", "scripted", "--scene", "cube", "--id", id, "--no-table", "--realtime",
+              "off", "--transport", "udp", "--domain", std::to_string(kDomain)},
+             script.empty() ? std::vector<std::string>{"--loop"}
+                            : std::vector<std::string>{"--script", script}));
 }
 
 struct Gateway : ViewerProgram {
@@ -416,7 +403,10 @@ TEST(Gateway, TurnsAwayPagesFromElsewhereAndViewersBeyondItsMost) {
   const std::string v1 = "foxglove.websocket.v1";
   EXPECT_EQ(Handshake(gateway.port(), v1).status, 101);
   EXPECT_EQ(Handshake(gateway.port(), v1, own).status, 101);
-  EXPECT_EQ(Handshake(gateway.port(), v1, "http://evil.example").status, 403);
+  const HttpAnswer evil = Handshake(gateway.port(), v1, "http://evil.example");
+  EXPECT_EQ(evil.status, 403);
+  EXPECT_THAT(evil.body, HasSubstr("its Origin is 'http://evil.example'"));
+  EXPECT_THAT(evil.body, HasSubstr("--allow-origin"));
   EXPECT_EQ(Handshake(gateway.port(), v1, "null").status, 403);
   EXPECT_EQ(Handshake(gateway.port(), "chat").status, 400);
   EXPECT_EQ(Handshake(gateway.port(), "").status, 400);
@@ -430,15 +420,6 @@ TEST(Gateway, TurnsAwayPagesFromElsewhereAndViewersBeyondItsMost) {
   }
   EXPECT_TRUE(gateway.Until([](const Json& health) { return health["viewers"] == 0; }));
   EXPECT_TRUE(WebClient(gateway.port()).open());
-}
-
-TEST(Gateway, TellsWhomItTurnsAwayByWhichName) {
-  Gateway gateway;
-  const HttpAnswer answer =
-      Handshake(gateway.port(), "foxglove.websocket.v1", "https://app.example.org");
-  EXPECT_EQ(answer.status, 403);
-  EXPECT_THAT(answer.body, HasSubstr("its Origin is 'https://app.example.org'"));
-  EXPECT_THAT(answer.body, HasSubstr("--allow-origin"));
 }
 
 TEST(Gateway, LetsDesktopApplicationsLookAndTakeNothing) {
@@ -567,6 +548,15 @@ Json MouseUntil(WebClient& viewer, const std::string& phase) {
   }
 }
 
+/// The mouse of this viewer once it holds the tool of a scene.
+Json Taken(WebClient& viewer, const std::string& scene = "cube") {
+  viewer.Subscribe(9, kMouse);
+  viewer.SendMouse({{"op", "take"}, {"scene", scene}});
+  Json held = MouseUntil(viewer, "active");
+  EXPECT_FALSE(held.is_null());
+  return held;
+}
+
 /// The tool's state once it meets a condition; frames before are passed over.
 bool ToolUntil(WebClient& viewer, const std::function<bool(const wire::ToolState&)>& condition) {
   for (int i = 0; i < 1000; ++i) {
@@ -645,10 +635,7 @@ TEST(Mouse, LetsGoWhenItsPageGoesAndAllowsNoMoreThanItsMost) {
   Json held;
   {
     WebClient viewer(gateway.port());
-    viewer.Subscribe(9, kMouse);
-    viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
-    held = MouseUntil(viewer, "active");
-    ASSERT_FALSE(held.is_null());
+    held = Taken(viewer);
     other.SendMouse({{"op", "take"}, {"scene", "friction"}});
     EXPECT_THAT(MouseUntil(other, "refused").value("reason", ""), HasSubstr("--max-mice"));
   }
@@ -664,14 +651,7 @@ TEST(Mouse, LeavesTheMiceOfAnotherGatewayAlone) {
   ASSERT_TRUE(one.KnowsScenes(2));
   ASSERT_TRUE(two.KnowsScenes(2));
   WebClient first(one.port()), second(two.port());
-  first.Subscribe(9, kMouse);
-  second.Subscribe(9, kMouse);
-  first.SendMouse({{"op", "take"}, {"scene", "cube"}});
-  const Json held = MouseUntil(first, "active");
-  ASSERT_FALSE(held.is_null());
-  second.SendMouse({{"op", "take"}, {"scene", "friction"}});
-  const Json other = MouseUntil(second, "active");
-  ASSERT_FALSE(other.is_null());
+  const Json held = Taken(first), other = Taken(second, "friction");
   EXPECT_NE(held["station"], other["station"]);
   second.SendMouse({{"op", "release"}});
   EXPECT_TRUE(server->Says(Left(other)));
@@ -685,10 +665,7 @@ TEST(Mouse, LetsGoOfAPageThatStandsStill) {
   Gateway gateway;
   ASSERT_TRUE(gateway.KnowsScenes(1));
   WebClient viewer(gateway.port());
-  viewer.Subscribe(9, kMouse);
-  viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
-  const Json held = MouseUntil(viewer, "active");
-  ASSERT_FALSE(held.is_null());
+  const Json held = Taken(viewer);
   EXPECT_TRUE(server->Says(Left(held), 60.0)) << "nothing is read any more, so no ping is answered";
 }
 
@@ -839,10 +816,7 @@ TEST(Gateway, EndsOnASignalAndTakesLeaveOfViewersAndMice) {
   Gateway gateway;
   ASSERT_TRUE(gateway.KnowsScenes(1));
   WebClient viewer(gateway.port());
-  viewer.Subscribe(9, kMouse);
-  viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
-  const Json held = MouseUntil(viewer, "active");
-  ASSERT_FALSE(held.is_null());
+  const Json held = Taken(viewer);
   gateway.program().Signal(SIGTERM);
   EXPECT_EQ(viewer.closed(), 1001);
   EXPECT_EQ(gateway.program().Exit(), 0) << gateway.program().Output();

@@ -53,22 +53,6 @@ TEST(MouseCommand, IsRefusedWhereItIsNone) {
   EXPECT_FALSE(Parse(R"({"op":"take","scene":"cube","tool":")" + most + R"(x"})"));
 }
 
-TEST(MouseCommand, StandsAnyBytes) {
-  Random random(4);
-  const std::string good = R"({"op":"pose","p":[0.1,-2,3e-3],"q":[1,0,0.5,0]})";
-  for (int i = 0; i < 50'000; ++i) {
-    std::string text = good;
-    text.resize(random.Below(text.size() + 1));
-    for (int n = 0; n < 3 && !text.empty(); ++n) {
-      text[random.Below(text.size())] = static_cast<char>(random.Below(256));
-    }
-    const auto command = Parse(text);
-    if (command && command->op == Op::kPose) {
-      ASSERT_TRUE(command->X_WT.p.allFinite());
-    }
-  }
-}
-
 TEST(MouseCommand, ReachesTheDeviceToTheBit) {
   Random random(8);
   for (int i = 0; i < 10'000; ++i) {

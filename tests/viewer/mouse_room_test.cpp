@@ -2,8 +2,6 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -11,6 +9,7 @@
 #include <unistd.h>
 
 #include "common/time/steady_clock.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {
@@ -226,9 +225,7 @@ TEST_F(MouseRoomTest, GivesAPagesWordsToTheStationInOneArgumentEach) {
     room_.Take(7, "", command, "", SteadyNanoseconds());
     room_.Release(7, "", SteadyNanoseconds());
     EXPECT_TRUE(Empties());
-    std::stringstream given;
-    given << std::ifstream(file).rdbuf();
-    EXPECT_EQ(given.str(),
+    EXPECT_EQ(ReadWholeFile(file),
               "--device=mouse\n--scene=" + word +
                   "\n--id=mouse_1\n--domain=0\n--transport=udp\n--network=lan\n--no-table\n"
                   "--peer=10.0.0.1\n--tool=" +

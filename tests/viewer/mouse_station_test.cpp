@@ -1,26 +1,22 @@
 #include "client/viewer/mouse_station.h"
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "common/time/steady_clock.h"
+#include "tests/support/eventually.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
 
-bool EndsWithin20s(MouseStation& station, std::int64_t add_ns = 0) {
-  for (int i = 0; i < 2000; ++i) {
-    if (!station.Poll(SteadyNanoseconds() + add_ns)) return true;
-    usleep(10'000);
-  }
-  return false;
+bool Ends(MouseStation& station, std::int64_t add_ns = 0) {
+  return test::Eventually([&] { return !station.Poll(SteadyNanoseconds() + add_ns); });
 }
 
 /// A shell in the station's place.
@@ -36,21 +32,19 @@ TEST(MouseStation, IsGivenPosesAsLinesAndTheEndOfItsInput) {
   EXPECT_TRUE(station.Poll(0));
   station.LetGo(SteadyNanoseconds());
   station.Drag({Vec3(0.3, 0, 0), Quat::Identity()});  // into nothing
-  EXPECT_TRUE(EndsWithin20s(station));
+  EXPECT_TRUE(Ends(station));
   EXPECT_EQ(station.complaint(), "");
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  EXPECT_EQ(text.str(), "0.1 0 0 1 0 0 0\n0.2 0 0 1 0 0 0\n");
+  EXPECT_EQ(ReadWholeFile(file), "0.1 0 0 1 0 0 0\n0.2 0 0 1 0 0 0\n");
   fs::remove(file);
 }
 
 TEST(MouseStation, TellsWhatItComplainedOfWhereItFailed) {
   MouseStation failing("/bin/sh",
                        Script("echo one; echo 'palpate-station: the tool is taken' >&2; exit 1"));
-  EXPECT_TRUE(EndsWithin20s(failing));
+  EXPECT_TRUE(Ends(failing));
   EXPECT_EQ(failing.complaint(), "the tool is taken");
   MouseStation missing("/no/such/program", {});
-  EXPECT_TRUE(EndsWithin20s(missing));
+  EXPECT_TRUE(Ends(missing));
   EXPECT_EQ(missing.complaint(), "palpate-station could not be run (exit 127)");
 }
 
@@ -73,7 +67,7 @@ TEST(MouseStation, IsKilledWhereItDoesNotEnd) {
   MouseStation station("/bin/sh", Script("trap '' TERM; while :; do sleep 0.05; done"));
   station.LetGo(SteadyNanoseconds());
   EXPECT_TRUE(station.Poll(SteadyNanoseconds()));
-  EXPECT_TRUE(EndsWithin20s(station, 4'000'000'000));
+  EXPECT_TRUE(Ends(station, 4'000'000'000));
   EXPECT_EQ(station.complaint(), "the mouse's station was killed");
 }
 
@@ -81,7 +75,7 @@ TEST(MouseStation, InheritsNoFileOfItsParent) {
   const int open_here = dup(STDOUT_FILENO);
   MouseStation station(
       "/bin/sh", Script("test ! -e /proc/self/fd/" + std::to_string(open_here) + " || exit 1"));
-  EXPECT_TRUE(EndsWithin20s(station));
+  EXPECT_TRUE(Ends(station));
   EXPECT_EQ(station.complaint(), "");
   close(open_here);
 }

@@ -38,7 +38,6 @@ TEST(ViewerOptions, NameTheArgumentThatIsWrong) {
   EXPECT_THAT(Complaint({"--http", "1", "--rate", "9"}), HasSubstr("--rate"));
   EXPECT_THAT(Complaint({"--http", "1", "--max-mice", "99"}), HasSubstr("--max-mice"));
   EXPECT_THAT(Complaint({"--http", "1", "--transport", "pigeon"}), HasSubstr("--transport"));
-  EXPECT_THAT(Complaint({"--http", "1", "--domain", "200"}), HasSubstr("--domain"));
   EXPECT_THAT(Complaint({"--http", "1", "--page", "/nonexistent"}),
               HasSubstr("--page /nonexistent: there is no such folder; give the one"));
 }

@@ -104,10 +104,5 @@ TEST_F(PageFilesTest, GivesNothingFromOutsideItsFolderForAnyTarget) {
   EXPECT_GT(found, 100);
 }
 
-TEST(PageIsNotBuilt, SaysHowToBuildIt) {
-  EXPECT_THAT(PageIsNotBuilt("/x/page"), testing::HasSubstr("/x/page"));
-  EXPECT_THAT(PageIsNotBuilt("/x/page"), testing::HasSubstr("--target page"));
-}
-
 }  // namespace
 }  // namespace palpate

@@ -7,8 +7,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/random.h"
-
 namespace palpate {
 namespace {
 
@@ -108,22 +106,6 @@ TEST(ReplayWish, CountsATextsBytesAndNotItsLetters) {
       Parse("{\"replay\":\"5\",\"tag\":1,\"wish\":\"add_bookmark\",\"value\":1,"
             "\"text\":\"caf\xe9\"}"))
       << "no UTF-8";
-}
-
-TEST(ReplayWish, StandsAnyBytes) {
-  test::Random random(5);
-  const std::string good = With("value", 0.25);
-  for (int i = 0; i < 50'000; ++i) {
-    std::string text = good;
-    text.resize(random.Below(text.size() + 1));
-    for (int n = 0; n < 3 && !text.empty(); ++n) {
-      text[random.Below(text.size())] = static_cast<char>(random.Below(256));
-    }
-    const auto wish = Parse(text);
-    if (wish) {
-      ASSERT_NE(wish->request.replay, 0u);
-    }
-  }
 }
 
 TEST(ReplayJson, TellsContentsWithNumbersThatJavaScriptHas) {

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "tests/support/complaint.h"
 
 namespace palpate {
 namespace {
@@ -30,12 +31,7 @@ class TokensTest : public testing::Test {
     return {std::istreambuf_iterator<char>(file), {}};
   }
   std::string Complaint() {
-    try {
-      Tokens::Read(path_);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return test::ComplaintOf([&] { Tokens::Read(path_); });
   }
 
   std::string folder_ =
@@ -104,7 +100,7 @@ TEST_F(TokensTest, AreOfAFileThatOthersCannotReadOrChange) {
   }
   for (const mode_t mode : {0600u, 0640u}) {
     Write("watch a " + hash_ + "\n", mode);
-    EXPECT_EQ(Complaint(), "");
+    EXPECT_EQ(Complaint(), "no complaint");
   }
   std::filesystem::remove(path_);
   EXPECT_THAT(Complaint(), HasSubstr(path_));
@@ -138,7 +134,7 @@ TEST_F(TokensTest, NameTheLineThatIsWrong) {
   const std::string good = "# a remark\n\nwatch a " + hash_ + "\n";
   const std::string other = std::string(64, 'b');
   Write(good);
-  EXPECT_EQ(Complaint(), "");
+  EXPECT_EQ(Complaint(), "no complaint");
   for (const auto& [line, what] : std::vector<std::pair<std::string, std::string>>{
            {"admin b " + other, "'admin' is none of watch, drive and operate"},
            {"drive", "a name has"},
@@ -167,7 +163,7 @@ TEST_F(TokensTest, AreMadeOnceForEachName) {
   // A line that an editor left without its end stays one line.
   Write("watch a " + hash_);
   MakeToken(path_, Access::kWatch, "b");
-  EXPECT_EQ(Complaint(), "");
+  EXPECT_EQ(Complaint(), "no complaint");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "common/dds/cdr.h"
 #include "common/dds/topics.h"
+#include "tests/support/eventually.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate {
@@ -22,13 +23,11 @@ class TopicFeedTest : public testing::Test {
  protected:
   template <class Condition>
   bool PollUntil(Condition condition) {
-    for (int i = 0; i < 10'000; ++i) {
+    return test::Eventually([&] {
       feed_.Poll([this](const FramePtr& frame) { frames_.push_back(frame); },
                  [this](const wire::SessionState& state) { sessions_.push_back(state.station); });
-      if (condition()) return true;
-      usleep(1000);
-    }
-    return false;
+      return condition();
+    });
   }
   void WriteBundle(const std::string& scene, std::uint64_t run, std::vector<std::uint8_t> bytes) {
     wire::SceneBundle sample{};

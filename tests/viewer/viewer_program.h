@@ -18,11 +18,10 @@ namespace palpate::test {
 /// The real palpate-viewer, at a port of its own, until this object goes.
 class ViewerProgram {
  public:
-  explicit ViewerProgram(int domain, std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments{"--http", "0",        "--transport",
-                                       "udp",    "--domain", std::to_string(domain)};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    program_ = std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-viewer", arguments);
+  explicit ViewerProgram(int domain, const std::vector<std::string>& more = {}) {
+    program_ = std::make_unique<Program>(
+        PALPATE_BIN_DIR "/palpate-viewer",
+        Joined({"--http", "0", "--transport", "udp", "--domain", std::to_string(domain)}, more));
     EXPECT_TRUE(program_->Says("ready: page http")) << program_->Output();
     EXPECT_TRUE(program_->Says("/; domain"));
     const std::string& said = program_->Output();

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/common/dds/peer.h"
+#include "tests/support/eventually.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::dds {
@@ -20,12 +21,8 @@ std::string OwnTopic(const std::string& name) {
 }
 
 template <class T>
-bool TakeWithin20s(CdrReader<T>& reader, CdrSample& raw, T& sample) {
-  for (int i = 0; i < 10'000; ++i) {
-    if (reader.Take(raw, sample)) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return false;
+bool Takes(CdrReader<T>& reader, CdrSample& raw, T& sample) {
+  return test::Eventually([&] { return reader.Take(raw, sample); });
 }
 
 TEST(CdrReader, GivesTheBytesAsTheyTravelledAndTheStructThatTheyMean) {
@@ -39,7 +36,7 @@ TEST(CdrReader, GivesTheBytesAsTheyTravelledAndTheStructThatTheyMean) {
   CdrReader<wire::ToolState> reader(participant, topic, Qos::kSession);
   CdrSample raw;
   wire::ToolState taken{};
-  ASSERT_TRUE(TakeWithin20s(reader, raw, taken));
+  ASSERT_TRUE(Takes(reader, raw, taken));
   EXPECT_STREQ(taken.station, "abc");
   EXPECT_EQ(taken.pose_sequence, state.pose_sequence);
   EXPECT_GT(raw.source_time_ns, 0);
@@ -63,23 +60,18 @@ TEST(CdrReader, TellsThatAnInstanceIsOverToWhoWantsToKnow) {
     wire::FromText(station, state.station);
     ASSERT_TRUE(writer.Write(state));
   }
-  while (!TakeWithin20s(told, raw, taken) || taken.station[0] != 'b') {
+  while (!Takes(told, raw, taken) || taken.station[0] != 'b') {
   }
   wire::FromText("a", state.station);
   writer.Dispose(state);
-  bool over = false;
-  for (int i = 0; i < 10'000 && !over; ++i) {
-    over = told.Take(raw, taken, true);
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  ASSERT_TRUE(over);
+  ASSERT_TRUE(test::Eventually([&] { return told.Take(raw, taken, true); }));
   EXPECT_TRUE(raw.over);
   EXPECT_STREQ(taken.station, "a");
   EXPECT_TRUE(raw.cdr.empty());
   while (untold.Take(raw, taken)) EXPECT_FALSE(raw.over);
   // Who comes later hears of b alone.
   CdrReader<wire::ToolState> late(participant, topic, Qos::kSession);
-  ASSERT_TRUE(TakeWithin20s(late, raw, taken));
+  ASSERT_TRUE(Takes(late, raw, taken));
   EXPECT_STREQ(taken.station, "b");
   EXPECT_FALSE(late.Take(raw, taken, true));
 }
@@ -99,7 +91,7 @@ TEST(CdrReader, TellsParticipantsApartAndWhetherTheyAreThere) {
     Writer<wire::ToolState> second(passing, topic, Qos::kSession);
     for (Writer<wire::ToolState>* writer : {&first, &second, &lasting_writer}) {
       ASSERT_TRUE(writer->Write(state));
-      ASSERT_TRUE(TakeWithin20s(reader, raw, taken));
+      ASSERT_TRUE(Takes(reader, raw, taken));
       origins.push_back(raw.origin);
     }
     EXPECT_NE(origins[0], 0u);
@@ -126,7 +118,7 @@ TEST(CdrReader, TellsInstancesApartByTheirKeys) {
     wire::LoopStatistics s{};
     wire::FromText(station, s.station);
     ASSERT_TRUE(writer.Write(s));
-    ASSERT_TRUE(TakeWithin20s(reader, raw, sample));
+    ASSERT_TRUE(Takes(reader, raw, sample));
     instances.push_back(raw.instance);
   }
   EXPECT_EQ(instances[0], instances[2]);
@@ -142,7 +134,7 @@ TEST(CdrReader, GetsABundleOfTensOfMegabytesThatWasWrittenBeforeItCame) {
     CdrReader<wire::SceneBundle> reader(participant, topic, Qos::kSession);
     CdrSample raw;
     wire::SceneBundle sample{};
-    ASSERT_TRUE(TakeWithin20s(reader, raw, sample));
+    ASSERT_TRUE(Takes(reader, raw, sample));
     ASSERT_EQ(sample.bundle._length, kBytes);
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < kBytes; ++i) {

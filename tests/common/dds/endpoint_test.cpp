@@ -13,6 +13,7 @@
 
 #include "common/dds/topics.h"
 #include "tests/common/dds/peer.h"
+#include "tests/support/eventually.h"
 #include "tests/support/roudi.h"
 #include "tests/support/test_domain.h"
 
@@ -29,15 +30,6 @@ const TransportChoice kShm{Transport::kSharedMemory, ""};
 /// A topic that no test of another process uses.
 std::string OwnTopic(const std::string& name) {
   return "test/" + std::to_string(getpid()) + "/" + name;
-}
-
-template <class Condition>
-bool Eventually(Condition condition) {
-  for (int i = 0; i < 10'000; ++i) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(milliseconds(1));
-  }
-  return false;
 }
 
 struct Taken {
@@ -67,7 +59,7 @@ constexpr std::size_t kSamples = 300;  // more than the 257 chunks that a reader
 Taken TakeInStep(const Reader<wire::HapticPose>& reader, Peer& peer) {
   Taken taken;
   for (std::size_t i = 1; i <= kSamples; ++i) {
-    if (!peer.Next() || !Eventually([&] {
+    if (!peer.Next() || !test::Eventually([&] {
           TakeRaw(reader, taken);
           return taken.poses.size() >= i;
         })) {
@@ -130,7 +122,7 @@ TEST(RouDiLoopTopic, HandsEachSampleToTheCallbackOnce) {
   Peer peer("shm", kDomain, topic, kSamples, "matched-in-step");
   for (std::size_t i = 1; i <= kSamples; ++i) {
     ASSERT_TRUE(peer.Next());
-    ASSERT_TRUE(Eventually([&] { return handed >= i; })) << i;
+    ASSERT_TRUE(test::Eventually([&] { return handed >= i; })) << i;
   }
   peer.Wait();
   reader = Reader<wire::HapticPose>();  // no callback runs any more
@@ -162,19 +154,19 @@ TEST(RouDiLoopTopic, SurvivesAWriterThatBeginsBeforeItIsDiscovered) {
   const std::string topic = OwnTopic("early");
   Peer peer("shm", kDomain, topic, 1'000'000, "in-step");
   ASSERT_TRUE(peer.Next());
-  ASSERT_TRUE(Eventually([&] { return WriterDiscovered(participant, topic); }));
+  ASSERT_TRUE(test::Eventually([&] { return WriterDiscovered(participant, topic); }));
   // More than 256 samples go by before the reader is made, and the rest must reach it.
   for (std::size_t i = 0; i < kSamples; ++i) ASSERT_TRUE(peer.Next());
   const Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
   // From the first that comes on: until then the writer does not know the reader.
   Taken first;
   std::uint64_t written = 1 + kSamples;
-  ASSERT_TRUE(Eventually([&] {
+  ASSERT_TRUE(test::Eventually([&] {
     written += peer.Next();
     TakeRaw(reader, first);
     return !first.poses.empty();
   }));
-  ASSERT_TRUE(Eventually([&] {
+  ASSERT_TRUE(test::Eventually([&] {
     TakeRaw(reader, first);
     return first.poses.back().pose_sequence == written;
   }));
@@ -182,26 +174,6 @@ TEST(RouDiLoopTopic, SurvivesAWriterThatBeginsBeforeItIsDiscovered) {
   const Taken taken = TakeInStep(reader, peer);
   ExpectWhole(taken.poses);
   EXPECT_EQ(taken.through_shared_memory, static_cast<int>(taken.poses.size()));
-}
-
-TEST(RouDiLoopTopic, HearsEachOfAHundredRunsOfAStation) {
-  RouDi roudi;
-  const Participant participant = Participant::Loop(kDomain, kShm);
-  const std::string station = std::string("s").append(std::to_string(getpid()));
-  for (std::uint64_t run = 1; run <= 100; ++run) {
-    const std::string topic = PoseTopic(station, run);
-    Writer<wire::HapticPose> writer(participant, topic, Qos::kLoop);
-    ASSERT_TRUE(WriterDiscovered(participant, topic));
-    Reader<wire::HapticPose> reader(participant, topic, Qos::kLoop);
-    ASSERT_TRUE(Eventually([&] { return writer.matched_readers() == 1; }));
-    for (int i = 1; i <= 10; ++i) {
-      wire::HapticPose pose{};
-      pose.pose_sequence = i;
-      ASSERT_TRUE(writer.Write(pose));
-      ASSERT_TRUE(Eventually([&] { return reader.Take(pose); })) << "run " << run;
-      EXPECT_EQ(pose.pose_sequence, static_cast<std::uint64_t>(i));
-    }
-  }
 }
 
 TEST(RouDiLoopTopic, GoesOverUdpWhereRouDiHasGoneSinceTheDomainWasMade) {
@@ -235,9 +207,9 @@ TEST(WriterDiscovered, SeesAnotherProcess) {
   const Participant participant = Participant::Loop(kDomain, kUdp);
   const std::string topic = OwnTopic("other_process");
   Peer peer("udp", kDomain, topic, 1, "in-step");
-  EXPECT_TRUE(Eventually([&] { return WriterDiscovered(participant, topic); }));
+  EXPECT_TRUE(test::Eventually([&] { return WriterDiscovered(participant, topic); }));
   EXPECT_EQ(peer.Wait(), 0);
-  EXPECT_TRUE(Eventually([&] { return !WriterDiscovered(participant, topic); }));
+  EXPECT_TRUE(test::Eventually([&] { return !WriterDiscovered(participant, topic); }));
 }
 
 TEST(SessionTopic, TellsALateComerWhatHoldsNow) {
@@ -254,7 +226,7 @@ TEST(SessionTopic, TellsALateComerWhatHoldsNow) {
   const Participant viewer = Participant::Service(kDomain);
   Reader<wire::SessionState> reader(viewer, OwnTopic("state"), Qos::kSession);
   std::vector<std::string> heard;
-  EXPECT_TRUE(Eventually([&] {
+  EXPECT_TRUE(test::Eventually([&] {
     wire::SessionState state;
     while (reader.Take(state)) {
       EXPECT_EQ(state.phase, palpate_SESSION_ACTIVE);  // the latest alone
@@ -278,10 +250,10 @@ TEST(Reader, WaitsForItsCallbackWhenDestroyed) {
                                             std::this_thread::sleep_for(milliseconds(100));
                                             ended = true;
                                           });
-    ASSERT_TRUE(Eventually([&] { return writer.matched_readers() == 1; }));
+    ASSERT_TRUE(test::Eventually([&] { return writer.matched_readers() == 1; }));
     // In another thread, because a writer delivers to readers of its own process itself.
     std::thread write([&] { writer.Write(wire::HapticPose{}); });
-    ASSERT_TRUE(Eventually([&] { return begun.load(); }));
+    ASSERT_TRUE(test::Eventually([&] { return begun.load(); }));
     write.detach();
   }
   EXPECT_TRUE(ended);
@@ -297,12 +269,12 @@ void ExpectCdrIsTheStruct(T sample) {
   const std::string topic = OwnTopic("cdr");
   Writer<T> writer(participant, topic, Qos::kLoop);
   const Reader<T> reader(participant, topic, Qos::kLoop);
-  ASSERT_TRUE(Eventually([&] { return writer.matched_readers() == 1; }));
+  ASSERT_TRUE(test::Eventually([&] { return writer.matched_readers() == 1; }));
   ASSERT_TRUE(writer.Write(sample));
   ddsi_serdata* data[1] = {nullptr};
   dds_sample_info_t info;
-  ASSERT_TRUE(
-      Eventually([&] { return dds_takecdr(reader.handle(), data, 1, &info, DDS_ANY_STATE) == 1; }));
+  ASSERT_TRUE(test::Eventually(
+      [&] { return dds_takecdr(reader.handle(), data, 1, &info, DDS_ANY_STATE) == 1; }));
   std::vector<unsigned char> cdr(ddsi_serdata_size(data[0]));
   ASSERT_EQ(cdr.size(), 4 + sizeof sample);
   ddsi_serdata_to_ser(data[0], 0, cdr.size(), cdr.data());

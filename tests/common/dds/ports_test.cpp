@@ -1,6 +1,5 @@
 #include "common/dds/ports.h"
 
-#include <fstream>
 #include <iterator>
 #include <set>
 #include <sstream>
@@ -13,6 +12,7 @@
 #include "common/dds/participant.h"
 #include "common/dds/topics.h"
 #include "tests/common/dds/peer.h"
+#include "tests/support/read_file.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::dds {
@@ -47,20 +47,17 @@ TEST(Ports, AreThoseThatADomainTakes) {
   EXPECT_THAT(taken, testing::ElementsAre(0, 1, 10, 11));
 }
 
-std::string Limits() {
-  std::ifstream in(PALPATE_SOURCE_DIR "/doc/limits.md");
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+const std::string kLimits = PALPATE_SOURCE_DIR "/doc/limits.md";
 
 TEST(Ports, AreDocumented) {
   const int both = 2 * kPortsPerDomain;
   const std::string said = std::to_string(kFirstPort) + " + " + std::to_string(both) +
                            " N and the " + std::to_string(both - 1) + " after it";
-  EXPECT_NE(Limits().find(said), std::string::npos) << said;
+  EXPECT_NE(ReadWholeFile(kLimits).find(said), std::string::npos) << said;
 }
 
 TEST(Ports, LetAnotherToolInByTheSettingsThatAreDocumented) {
-  const std::string limits = Limits(), end = "</CycloneDDS>";
+  const std::string limits = ReadWholeFile(kLimits), end = "</CycloneDDS>";
   const std::size_t from = limits.find("<CycloneDDS>"), to = limits.find(end);
   ASSERT_LT(from, to);
   ASSERT_NE(to, std::string::npos);

@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "common/error.h"
+#include "tests/support/complaint.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate {
@@ -23,12 +23,7 @@ using testing::HasSubstr;
 const int kDomain = test::OwnDomain();
 
 std::string Complaint() {
-  try {
-    const ServerLock lock(kDomain);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return test::ComplaintOf([] { const ServerLock lock(kDomain); });
 }
 
 std::string ServerHere() {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
-#include "tests/scenes/support.h"
+#include "tests/support/complaint.h"
 
 namespace palpate {
 namespace {
@@ -15,12 +15,7 @@ using testing::HasSubstr;
 /// What Parse or `read` says about `text`.
 template <class Read>
 std::string Complaint(const std::string& text, Read read) {
-  try {
-    read(JsonNode::Parse(text, "f.json"));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no complaint";
+  return ComplaintOf([&] { read(JsonNode::Parse(text, "f.json")); });
 }
 
 TEST(JsonFile, NamesTheLineOfANumberThatEndsItsLine) {
@@ -98,12 +93,8 @@ TEST(JsonFile, RefusesRotationsThatAreNone) {
 }
 
 TEST(JsonFile, SaysWhyAFileCannotBeRead) {
-  try {
-    JsonNode::Load("/nowhere/scene.json");
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("/nowhere/scene.json: No such file"));
-  }
+  EXPECT_THAT(ComplaintOf([] { JsonNode::Load("/nowhere/scene.json"); }),
+              HasSubstr("/nowhere/scene.json: No such file"));
   EXPECT_THROW(JsonNode::Load("/"), Error);
 }
 

@@ -9,6 +9,7 @@
 
 #include "common/error.h"
 #include "common/math/rotation.h"
+#include "tests/support/complaint.h"
 
 namespace palpate {
 namespace {
@@ -70,13 +71,8 @@ TEST(PoseScript, ReadsAFileAndCarriesOnWhatAKeyLeavesOut) {
 }
 
 TEST(PoseScript, RefusesKeysOutOfOrder) {
-  const auto complaint = [](const std::string& text) -> std::string {
-    try {
-      FromText(text);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "none";
+  const auto complaint = [](const std::string& text) {
+    return test::ComplaintOf([&] { FromText(text); });
   };
   EXPECT_THAT(complaint("{\"keys\": []}"), HasSubstr("keys: has 0 entries; give at least 1"));
   EXPECT_THAT(complaint("{\"keys\": [{\"t\": 1}]}"), HasSubstr("keys[0].t: the first key"));

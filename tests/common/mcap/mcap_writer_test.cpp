@@ -9,6 +9,7 @@
 #include "common/error.h"
 #include "common/mcap/mcap_reader.h"
 #include "tests/common/recording/samples.h"
+#include "tests/support/complaint.h"
 #include "tests/support/random.h"
 
 // That the files are MCAP is for others' readers to say: tests/recorder.
@@ -119,12 +120,8 @@ TEST(McapWriter, ClosesWithWhatFitsWhereTheDiskIsFull) {
 }
 
 TEST(McapWriter, SaysWhyADeviceTakesNothing) {
-  try {
-    Writer writer("/dev/full", "test", true);
-    FAIL() << "was written to";
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("/dev/full: No space left on device"));
-  }
+  EXPECT_THAT(test::ComplaintOf([] { Writer writer("/dev/full", "test", true); }),
+              HasSubstr("/dev/full: No space left on device"));
 }
 
 TEST(McapWriter, LeavesAFileThatIsThereUnlessToldOtherwise) {

@@ -189,6 +189,8 @@ TEST(MetricsEndpoint, IsThisHostsAloneUnlessItSaysMore) {
                            "[10.0.0.1]:80", "[]:80", "[::1:80", "lab.example:80", "10.0.0:80"}) {
     EXPECT_THROW(ParseMetricsEndpoint(text), UsageError) << text;
   }
+  EXPECT_THAT([] { ParseMetricsEndpoint("x"); },
+              testing::ThrowsMessage<UsageError>(HasSubstr("--metrics 'x': is no [ADDRESS:]PORT")));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.h"
+#include "tests/support/complaint.h"
 
 namespace palpate {
 namespace {
@@ -121,14 +121,7 @@ TEST(SvgPlot, FollowsTheReadersThemeUnlessOneIsAskedFor) {
 }
 
 TEST(SvgPlot, RefusesWhatCannotBeDrawnAndNamesIt) {
-  const auto message = [](const Plot& plot) {
-    try {
-      ToSvg({plot});
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
+  const auto message = [](const Plot& plot) { return test::ComplaintOf([&] { ToSvg({plot}); }); };
   EXPECT_THAT(message({.title = "T", .series = {{.name = "S", .x = {0}, .y = {NAN}}}}),
               HasSubstr("plot 'T', series 'S': has values that are not finite"));
   EXPECT_THAT(message({.title = "T", .series = {{.name = "S", .x = {0, 1}, .y = {0}}}}),

@@ -5,9 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.h"
 #include "tests/devices/haply/haply_bench.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/complaint.h"
+#include "tests/support/eventually.h"
 
 namespace palpate::test {
 namespace {
@@ -17,15 +18,12 @@ using testing::HasSubstr;
 class Haply : public testing::Test {
  protected:
   std::string OpeningError(const std::string& id = "") {
-    try {
+    return ComplaintOf([&] {
       HaplyDevice device({.device_id = id,
                           .rate_Hz = 1000.0,
                           .service = service.address(),
                           .realtime = {RealtimeMode::kOff}});
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    });
   }
   /// Gone from what is sent, and back by a ramp once `mend` is done.
   void ExpectGoneAndBack(HaplyBench& bench, const std::function<void()>& mend) {
@@ -79,11 +77,7 @@ TEST_F(Haply, SendsTheForceAsTheServiceHasItAndSaysWhoItIs) {
 TEST_F(Haply, KeepsNoForceWhereTheStationNoLongerTicks) {
   HaplyBench bench(service);
   ASSERT_TRUE(bench.UntilForce());
-  const std::int64_t end = SteadyNanoseconds() + 30'000'000'000;
-  while (service.force() != std::array<double, 3>{} && SteadyNanoseconds() < end) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  EXPECT_EQ(service.force(), (std::array<double, 3>{}));
+  EXPECT_TRUE(Eventually([&] { return service.force() == std::array<double, 3>{}; }));
 }
 
 TEST_F(Haply, LosesItsForceWithItsServiceAndFindsBothAgain) {

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.h"
+#include "tests/support/complaint.h"
 
 namespace palpate::haply {
 namespace {
@@ -49,13 +49,8 @@ TEST(InverseMessage, FindsTheFirstDeviceOrTheOneThatIsNamedAndItsGrip) {
 }
 
 TEST(InverseMessage, RefusesAFirstMessageWithoutTheDeviceInWords) {
-  const auto complaint = [](const std::string& text, const std::string& wanted) -> std::string {
-    try {
-      ParseInventory(text, wanted);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+  const auto complaint = [](const std::string& text, const std::string& wanted) {
+    return test::ComplaintOf([&] { ParseInventory(text, wanted); });
   };
   EXPECT_THAT(complaint("", ""), HasSubstr("does not speak as the Inverse Service"));
   EXPECT_THAT(complaint("[1]", ""), HasSubstr("does not speak as the Inverse Service"));

@@ -7,6 +7,7 @@
 
 #include "common/error.h"
 #include "devices/simulated/phantom_sheets.h"
+#include "tests/support/complaint.h"
 
 namespace palpate {
 namespace {
@@ -50,12 +51,7 @@ TEST(WrenchLimits, AreOnlyTightened) {
   const auto refused = [&](double WrenchLimits::Bounds::*bound, const char* name) {
     WrenchLimits::Bounds looser = limits.bounds();
     looser.*bound *= 1.01;
-    try {
-      limits.TightenedTo(looser);
-      ADD_FAILURE() << name;
-    } catch (const Error& error) {
-      EXPECT_THAT(error.what(), HasSubstr(name));
-    }
+    EXPECT_THAT(test::ComplaintOf([&] { limits.TightenedTo(looser); }), HasSubstr(name));
     WrenchLimits::Bounds none = limits.bounds();
     none.*bound = 0.0;
     EXPECT_THROW(limits.TightenedTo(none), Error);

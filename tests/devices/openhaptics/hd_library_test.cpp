@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.h"
+#include "tests/support/complaint.h"
 
 namespace palpate::hd {
 namespace {
@@ -15,12 +15,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 std::string LoadError(const std::vector<std::string>& candidates) {
-  try {
-    LoadLibrary(candidates);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return test::ComplaintOf([&] { LoadLibrary(candidates); });
 }
 
 TEST(HdLibrary, BindsEveryFunctionOfTheFirstOneThatThereIs) {

@@ -8,20 +8,12 @@
 #include "client/station/servo_thread.h"
 #include "common/time/steady_clock.h"
 #include "tests/devices/openhaptics/hd_bench.h"
+#include "tests/support/eventually.h"
 
 namespace palpate::test {
 namespace {
 
 using std::chrono::milliseconds;
-
-bool Eventually(const std::function<bool()>& so, double seconds = 30.0) {
-  const std::int64_t end = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
-  while (!so()) {
-    if (SteadyNanoseconds() > end) return false;
-    std::this_thread::sleep_for(milliseconds(1));
-  }
-  return true;
-}
 
 class OpenHapticsRealtime : public ArmTest {
  protected:

@@ -1,13 +1,11 @@
 // The whole of it: palpate-server, and palpate-station with the driver and a library that is faked.
 // What the motors of the arm do is read from a file that the library keeps.
-#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <functional>
 #include <memory>
 #include <new>
-#include <thread>
 #include <vector>
 
 #include <fcntl.h>
@@ -20,6 +18,7 @@
 #include "devices/openhaptics/hd_library.h"
 #include "tests/devices/openhaptics/fake_hd.h"
 #include "tests/link/silence.h"
+#include "tests/support/eventually.h"
 #include "tests/support/program.h"
 #include "tests/support/stall_witness.h"
 #include "tests/support/test_domain.h"
@@ -64,25 +63,23 @@ class OpenHapticsStation : public testing::Test {
                                  "--domain", kDomain});
     ASSERT_TRUE(server_->Says("ready: ", 60.0)) << server_->Output();
   }
-  void StartStation(std::vector<std::string> more) {
-    std::vector<std::string> words{"--device", "openhaptics", "--scene",    "cube",
-                                   "--id",     "arm",         "--no-table", "--realtime",
-                                   "off",      "--transport", "udp",        "--domain",
-                                   kDomain,    "--trace",     trace_};
-    words.insert(words.end(), more.begin(), more.end());
-    station_ = std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station", words);
+  void StartStation(const std::vector<std::string>& more) {
+    station_ = std::make_unique<Program>(
+        PALPATE_BIN_DIR "/palpate-station",
+        Joined({"--device", "openhaptics", "--scene", "cube", "--id", "arm", "--no-table",
+                "--realtime", "off", "--transport", "udp", "--domain", kDomain, "--trace", trace_},
+               more));
     ASSERT_TRUE(station_->Says("session: tool", 60.0)) << station_->Output();
   }
   /// Both are read now and then, so that no full pipe stops them.
   bool Eventually(const std::function<bool()>& so, double seconds = 60.0) {
-    const std::int64_t end = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
-    while (!so()) {
-      if (SteadyNanoseconds() > end) return false;
-      if (server_) server_->Output();
-      station_->Output();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return true;
+    return test::Eventually(
+        [&] {
+          if (server_) server_->Output();
+          station_->Output();
+          return so();
+        },
+        seconds);
   }
   void For(double seconds) {
     Eventually([] { return false; }, seconds);

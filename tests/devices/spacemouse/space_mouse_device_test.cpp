@@ -9,6 +9,7 @@
 #include "tests/devices/limiter_support.h"
 #include "tests/devices/spacemouse/fake_spacenavd.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/eventually.h"
 
 namespace palpate {
 namespace {
@@ -37,12 +38,10 @@ class SpaceMouseDeviceTest : public testing::Test {
     return false;
   }
   bool TickUntil(const std::function<bool()>& is_so) {
-    for (int i = 0; i < 20'000; ++i) {
+    return test::Eventually([&] {
       Tick();
-      if (is_so()) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return false;
+      return is_so();
+    });
   }
 
   test::FakeSpacenavd daemon_;

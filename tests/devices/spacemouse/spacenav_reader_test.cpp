@@ -1,6 +1,5 @@
 #include "devices/spacemouse/spacenav_reader.h"
 
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -10,8 +9,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "common/error.h"
 #include "tests/devices/spacemouse/fake_spacenavd.h"
+#include "tests/support/complaint.h"
+#include "tests/support/eventually.h"
 
 namespace palpate {
 namespace {
@@ -23,21 +23,14 @@ using Link = SpacenavState::Link;
 /// Reads until it is so; patiently, as threads and a daemon are behind it.
 bool Until(SpacenavReader& reader, SpacenavState& state,
            const std::function<bool(const SpacenavState&)>& is_so) {
-  for (int i = 0; i < 20'000; ++i) {
+  return test::Eventually([&] {
     reader.Read(state);
-    if (is_so(state)) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return false;
+    return is_so(state);
+  });
 }
 
 std::string Complaint() {
-  try {
-    SpacenavReader reader;
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return test::ComplaintOf([] { SpacenavReader reader; });
 }
 
 TEST(SpacenavReader, GivesTheAxesAndButtonsOfProtocolOne) {

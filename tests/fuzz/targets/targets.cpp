@@ -142,8 +142,12 @@ void Client(const std::uint8_t* bytes, std::size_t size) {
   };
   judge(foxglove::ParseRequest(Text(bytes, size), complaint).has_value(), "request");
   judge(foxglove::ParseMessage({bytes, size}, complaint).has_value(), "message");
-  judge(ParseMouseCommand(Text(bytes, size), complaint).has_value(), "mouse");
-  judge(ParseReplayWish(Text(bytes, size), complaint).has_value(), "replay");
+  const auto mouse = ParseMouseCommand(Text(bytes, size), complaint);
+  judge(mouse.has_value(), "mouse");
+  if (mouse && !mouse->X_WT.p.allFinite()) Fault("a pose that is no number");
+  const auto wish = ParseReplayWish(Text(bytes, size), complaint);
+  judge(wish.has_value(), "replay");
+  if (wish && wish->request.replay == 0) Fault("a wish for no replay");
 }
 
 void Wire(const std::uint8_t* bytes, std::size_t size) {

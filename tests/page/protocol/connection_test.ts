@@ -1,6 +1,6 @@
 import {describe, expect, test} from "vitest";
 
-import {Connection, retryMs} from "@page/protocol/connection";
+import {Connection} from "@page/protocol/connection";
 
 import {encode, kChannels, toolState} from "../support/fake_gateway";
 
@@ -204,8 +204,4 @@ describe("a connection", () => {
     expect(timer()).toBeUndefined();
     expect(sockets.length).toBe(1);
   });
-});
-
-test("the first try comes a quarter of a second after the loss", () => {
-  expect(retryMs(0)).toBe(250);
 });

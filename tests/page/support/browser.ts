@@ -42,6 +42,23 @@ export const launch = (
     args: [...drawing, "--no-sandbox", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage"],
   });
 
+/// A page in a window of its own; what it throws, the test throws.
+export async function openPage(
+  browser: Browser,
+  url: string,
+  options: Parameters<Browser["newContext"]>[0],
+): Promise<Page> {
+  const page = await (await browser.newContext(options)).newPage();
+  page.on("pageerror", (error) => {
+    throw error;
+  });
+  await page.goto(url);
+  return page;
+}
+
+export const closeWindows = (browser: Browser | undefined): Promise<void[]> =>
+  Promise.all(browser?.contexts().map((context) => context.close()) ?? []);
+
 export const probe = (page: Page): Promise<Probe> => page.evaluate(() => window.palpate.probe);
 
 /// Resolves once the page's probe is as wanted; the error tells how it was instead.

@@ -113,6 +113,12 @@ export const kTestScene: TestScene = {
   ],
   objects: [{name: "box", mesh: box(0.05), leaves: leafPerTriangle(box(0.05), 0.004)}],
 };
+/// Its box is worn away triangle by triangle.
+export const kWearable: TestScene = {
+  ...kTestScene,
+  removal: true,
+  objects: [{...kTestScene.objects[0]!, materials: [{stiffness: Infinity, hardness: 1e-5}]}],
+};
 
 export function sceneBytes(scene: TestScene): Uint8Array {
   const builder = new Builder(1 << 16);

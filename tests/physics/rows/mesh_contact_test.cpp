@@ -569,24 +569,6 @@ TEST(MeshContact, ACopyOfItsStateGoesOnToTheSameBits) {
   EXPECT_GT(held, 300);
 }
 
-TEST(MeshContact, GivesTheSameBitsAtEverySimdLevel) {
-  const Kernels* level[3];
-  const int levels = AvailableKernels(level);
-  const Kernels& active = ActiveKernels();
-  std::vector<std::vector<double>> want;
-  for (int k = 0; k < levels; ++k) {
-    UseKernels(*level[k]);
-    Touch touch(WavesOnWaves(), Pose{Vec3(0, 0, 0.02), Rolling(0).q});
-    touch.Go(Rolling(0), 60);
-    for (std::size_t i = 0; i < 200; ++i) {
-      const std::vector<double> bits = Bits(touch.Step(Rolling(static_cast<int>(i))));
-      if (k == 0) want.push_back(bits);
-      EXPECT_EQ(bits, want[i]) << level[k]->name << ", step " << i;
-    }
-  }
-  UseKernels(active);
-}
-
 TEST(MeshContact, RegainsItsSeparationTooGentlyToBeFelt) {
   // 0.2 um above the floor, where no force has brought it: 1 um is asked for, 0.3 um a sub-step.
   // Not of a tool at rest, which would be lifted against the spring.

@@ -7,6 +7,7 @@
 
 #include "common/math/rotation.h"
 #include "server/physics/haptic_step.h"
+#include "tests/support/allocation_counter.h"
 #include "tests/support/random.h"
 #include "tests/support/step_bench.h"
 #include "tests/support/test_trees.h"
@@ -75,6 +76,19 @@ void Wander(Bench& bench, Random& random, int steps, Each each) {
     hand.p += random.InCube(20e-6);
     each(bench.Step(hand));
   }
+}
+
+/// That a hand in random objects makes a model allocate nothing.
+inline void ExpectNoAllocation(FrictionModel model) {
+  Random random(76);
+  Bench bench(RandomBalls(random, 60, 0.02, 0.004), RandomBalls(random, 200, 0.05, 0.005),
+              Rubbing(model), Rough(0.8, 0.3));
+  bench.state().X_WG = At(0.0, 0.0, 0.15);
+  const std::uint64_t before = AllocationsOfThisThread();
+  int contacts = 0;
+  Wander(bench, random, 2000, [&](const StepReport& report) { contacts += report.contacts; });
+  EXPECT_EQ(AllocationsOfThisThread(), before);
+  EXPECT_GT(contacts, 1000);
 }
 
 }  // namespace palpate::test

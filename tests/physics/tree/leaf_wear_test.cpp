@@ -9,7 +9,6 @@
 #include "common/error.h"
 #include "common/math/rotation.h"
 #include "server/physics/start_pose.h"
-#include "tests/support/allocation_counter.h"
 #include "tests/support/step_bench.h"
 
 namespace palpate {
@@ -20,8 +19,6 @@ using test::At;
 using test::Ball;
 using test::Bench;
 using test::Floor;
-using test::Random;
-using test::RandomBalls;
 
 StepParameters Removing() {
   StepParameters parameters;
@@ -143,16 +140,6 @@ TEST(LeafWear, StandsWhereTheReportedEventsSay) {
       EXPECT_FALSE(told.gone(leaf));
     }
   }
-}
-
-TEST(LeafWear, AllocatesNothingInTheStep) {
-  Bench bench = Calculus(2e-3);
-  bench.state().X_WG = At(0.0, 0.0, 0.01);
-  const auto allocations = test::AllocationsOfThisThread();
-  int removals = 0;
-  for (int i = 0; i < 3000; ++i) removals += bench.Step(Stroke(i)).removals;
-  EXPECT_EQ(test::AllocationsOfThisThread(), allocations);
-  EXPECT_GT(removals, 0);
 }
 
 TEST(LeafWear, IsNoneWhereRemovalIsNotDeclared) {

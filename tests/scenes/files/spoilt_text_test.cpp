@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,6 +14,7 @@
 #include "scenes/tree/sphere_tree_builder.h"
 #include "tests/scenes/support.h"
 #include "tests/support/random.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {
@@ -34,11 +34,7 @@ std::vector<std::string> CatalogueTexts(bool scripts) {
   }
   std::sort(files.begin(), files.end());
   std::vector<std::string> texts;
-  for (const auto& file : files) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    texts.push_back(text.str());
-  }
+  for (const auto& file : files) texts.push_back(ReadWholeFile(file));
   return texts;
 }
 

@@ -63,14 +63,6 @@ TEST(MeshImport, UnpacksGzippedFiles) {
   ExpectTheBox(ImportMesh(Gzip(ExportBox("ply", FreshFolder() + "/box.ply"))));
 }
 
-TEST(MeshImport, CutsPolygonsIntoTriangles) {
-  const std::string file =
-      WriteFile(FreshFolder() + "/square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
-  const TriangleMesh mesh = ImportMesh(file);
-  EXPECT_EQ(mesh.triangles.size(), 2u);
-  EXPECT_NEAR(InspectMesh(mesh).area, 1.0, 1e-6);
-}
-
 TEST(MeshImport, SaysWhyAFileIsNoMesh) {
   const std::string folder = FreshFolder();
   const auto complaint = [](const std::string& file) {

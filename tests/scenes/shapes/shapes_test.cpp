@@ -7,13 +7,6 @@
 namespace palpate {
 namespace {
 
-TEST(Shapes, BoxIsASolidOfItsSize) {
-  const MeshReport r = InspectMesh(MakeBox(Vec3(0.05, 0.1, 0.2)));
-  EXPECT_TRUE(r.solid());
-  EXPECT_NEAR(r.volume, 0.001, 1e-15);
-  EXPECT_EQ(Vec3(r.box_max - r.box_min), Vec3(0.05, 0.1, 0.2));
-}
-
 TEST(Shapes, EllipsoidHasItsVerticesOnTheSurfaceAndAtLeastTheTrianglesAskedFor) {
   const Vec3 axes(0.04, 0.025, 0.03);
   const TriangleMesh mesh = MakeEllipsoid(axes, 1000);

@@ -26,8 +26,7 @@ const kLastRetryMs = 2000;
 const kOpenWithinMs = 3000;
 
 /// The wait before the n-th try after a loss, from 0.
-export const retryMs = (attempt: number): number =>
-  Math.min(kLastRetryMs, kFirstRetryMs * 2 ** attempt);
+const retryMs = (attempt: number): number => Math.min(kLastRetryMs, kFirstRetryMs * 2 ** attempt);
 
 /// A WebSocket to the gateway that comes back by itself.  Subscribes to the topics that it was
 /// asked for as soon as, and each time that, the gateway advertises them.

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <chrono>
+#include <thread>
+
+namespace palpate::test {
+
+/// Asks each millisecond until it is so; false after a time that is long beside any stall of the
+/// machine.
+template <class Condition>
+bool Eventually(Condition condition, double seconds = 30.0) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+}  // namespace palpate::test
