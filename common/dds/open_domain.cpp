@@ -77,7 +77,8 @@ void HearThisHostAlone(const PortRange& ports, const std::set<int>& others) {
   }
 }
 
-/// Cyclone DDS aborts, and says nothing of memory, where it gets none for itself or for its threads.
+/// Cyclone DDS aborts, and says nothing of memory, where it gets none for itself or for its
+/// threads.
 void AskForMemory() {
   constexpr std::size_t kDomain_bytes = std::size_t{128} << 20;  // a dozen stacks of 8 MB, and more
   void* const place = mmap(nullptr, kDomain_bytes, PROT_READ | PROT_WRITE,

@@ -18,8 +18,8 @@ namespace palpate::dds {
 /// The filter comes a fraction of a millisecond after the socket.  What strangers say meanwhile
 /// finds no reader, for nothing is in the domain yet, and later nothing of theirs comes in.
 /// @param ports  of the domain.
-/// Returns what dds_create_domain does.  Throws Error where the kernel takes no filter, std::bad_alloc
-/// where there is no memory for a domain.
+/// Returns what dds_create_domain does.  Throws Error where the kernel takes no filter,
+/// std::bad_alloc where there is no memory for a domain.
 dds_entity_t OpenDomain(dds_domainid_t id, const std::string& config, const Network& network,
                         const PortRange& ports);
 

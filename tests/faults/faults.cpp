@@ -75,8 +75,8 @@ Findings StationFrozen(int domain) {
   lab.station->Signal(SIGSTOP);
   Wait(4.0);
   lab.station->Signal(SIGCONT);
-  Findings findings{Says("the station is told why its session was ended", *lab.station,
-                         "the server ended the session (no pose came for more than 100 ms"),
+  Findings findings{Says("the server says why it ended the session", *lab.server,
+                         "no pose came for more than 100 ms"),
                     LoopRuns(lab)};
   findings.push_back(lab.JudgeTheHand());
   return findings;
