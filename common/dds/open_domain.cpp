@@ -10,9 +10,11 @@
 #include <string>
 
 #include <linux/filter.h>
+#include <malloc.h>
 #include <net/if.h>
 #include <netinet/in.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 
 #include "common/error.h"
@@ -77,9 +79,12 @@ void HearThisHostAlone(const PortRange& ports, const std::set<int>& others) {
   }
 }
 
-/// Cyclone DDS aborts, and says nothing of memory, where it gets none for itself or for its
-/// threads.
+/// Cyclone DDS aborts, and says nothing of memory, where it gets none for itself or its threads.
 void AskForMemory() {
+  rlimit space{};
+  if (getrlimit(RLIMIT_AS, &space) != 0 || space.rlim_cur == RLIM_INFINITY) return;
+  // Else each thread would take 64 MB for a heap of its own from what the next one's stack needs.
+  mallopt(M_ARENA_MAX, 1);
   constexpr std::size_t kDomain_bytes = std::size_t{128} << 20;  // a dozen stacks of 8 MB, and more
   void* const place = mmap(nullptr, kDomain_bytes, PROT_READ | PROT_WRITE,
                            MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
