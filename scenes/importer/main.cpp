@@ -73,8 +73,8 @@ int Main(int argc, char** argv) {
   std::string log_level = "info";
   int domain = 0;
   app.add_option("MESH", file, "Mesh file, which may be gzipped (.gz)")->required();
-  AddCommonOptions(app, "Understood as by the other programs; this one talks to none", domain,
-                   log_level);
+  AddCommonOptions(app, "Taken as by the other programs, and not used: this one talks to none",
+                   domain, log_level);
   if (!ParseCommandLine(app, argc, argv)) return 0;
   SetUpLog("palpate-import", log_level);
   LimitItself(file);
