@@ -246,9 +246,8 @@ void AddToleranceOptions(CLI::App& app, std::optional<LeafTolerance>& leaves) {
 int Main(int argc, char** argv) {
   CLI::App app(
       "Compiles scenes: reads meshes, builds sphere trees over them, and keeps the result as a\n"
-      "bundle that the server loads at once.  NAME is a scene of the catalogue, a scene file "
-      "(.json),\n"
-      "a bundle (.palpate), or a mesh, which is given a ball as tool.\n\n"
+      "bundle that the server loads at once.  NAME is a scene of the catalogue, a scene file\n"
+      "(.json), a bundle (.palpate), or a mesh, which is given a ball as tool.\n\n"
       "Example:\n"
       "  palpate-scene list\n"
       "  palpate-scene new tooth.stl -o tooth.json\n"
@@ -316,17 +315,17 @@ int Main(int argc, char** argv) {
   AddMeshOptions(*make, arguments.mesh);
   render->add_flag("--whole", arguments.whole, "The scene as it stands, instead of its bodies");
 
-  CLI::App* export_tree = add(
-      "export",
-      "Writes a body's sphere tree, in the body's frame, as a file for other programs:\n"
-      "  .sph  of the Sphere-Tree Construction Toolkit: \"levels degree\", then a line x y z "
-      "radius\n"
-      "        importance for each slot, breadth first, radius -1 where none is used.  The root\n"
-      "        is added, so that level N here is level N + 1 there.  A scene file's\n"
-      "        \"tree\": {\"file\": ...} reads it\n"
-      "  .ply  the balls of a level as small coloured icospheres, binary; any viewer shows it\n"
-      "  .glb  the same as glTF, in metres",
-      scene_help, "bunny-bunny -o bunny.sph --unit mm");
+  CLI::App* export_tree =
+      add("export",
+          "Writes a body's sphere tree, in the body's frame, as a file for other programs:\n"
+          "  .sph  of the Sphere-Tree Construction Toolkit: \"levels degree\", then a line\n"
+          "        x y z radius importance for each slot, breadth first, radius -1 where none is\n"
+          "        used.  The root is added, so that level N here is level N + 1 there.  A scene "
+          "file's\n"
+          "        \"tree\": {\"file\": ...} reads it\n"
+          "  .ply  the balls of a level as small coloured icospheres, binary; any viewer shows it\n"
+          "  .glb  the same as glTF, in metres",
+          scene_help, "bunny-bunny -o bunny.sph --unit mm");
   export_tree->add_option("-o,--output", arguments.output, "File to write (.sph, .ply or .glb)")
       ->required();
   export_tree->add_option("--body", arguments.body,

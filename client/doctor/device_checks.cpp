@@ -58,8 +58,7 @@ Finding CheckArm(const HostFiles& host, const Probe& probe) {
     finding.found += "; this user may not open" + Listed(host, nodes.closed);
     finding.remedy =
         "sudo usermod -aG dialout $USER (or the group that 'ls -l' shows there), and log in again; "
-        "or "
-        "install the driver's udev rules";
+        "or install the driver's udev rules";
   } else if (nodes.open.empty()) {
     // No fault: an arm on the network has no node.
     finding.status = Status::kWarning;

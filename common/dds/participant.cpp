@@ -136,8 +136,7 @@ std::string DiscoveryConfig(int domain_id, const Network& network) {
 ///   back as a writer that nobody knows, whose samples leak chunks; there stations look at silence.
 /// - Peers are asked beside multicast, not instead of it.
 /// - A participant index gives fixed ports, those of common/dds/ports.h, so that a crowded domain
-/// is
-///   an error at start.
+///   is an error at start.
 /// - Shared memory does not know domains: without a prefix per domain, another domain's writer on
 ///   the same topic fills our reader until it dies.
 /// - The locator says "same machine"; by default it is made of a network interface's address, and

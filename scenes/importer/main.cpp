@@ -64,8 +64,7 @@ void Write(const std::string& bytes) {
 int Main(int argc, char** argv) {
   CLI::App app(
       "Reads a mesh (OBJ, STL, PLY, 3DS, glTF) for the other programs, which start it and find it\n"
-      "in their own folder.  It limits its own time and memory, so that a damaged file ends it "
-      "and\n"
+      "in their own folder.  It limits its own time and memory, so that a damaged file ends it,\n"
       "not them.  By hand it tells whether a file can be read.\n\n"
       "Example: palpate-import tooth.stl",
       "palpate-import");

@@ -20,8 +20,8 @@ namespace {
 std::vector<std::string> ListedFiles(const std::string& root,
                                      const std::vector<std::string>& which) {
   // safe.directory: whoever runs the tests need not own the checkout (containers, CI).
-  std::vector<std::string> words = {
-      "git", "-c", "safe.directory=*", "-C", root, "-c", "core.quotePath=off", "ls-files"};
+  std::vector<std::string> words = {"git", "-c", "safe.directory=*",   "-C",
+                                    root,  "-c", "core.quotePath=off", "ls-files"};
   words.insert(words.end(), which.begin(), which.end());
   const Output listing = RunCommand(words);
   if (listing.exit_code != 0) throw Error("git ls-files in " + root + ": " + listing.text);
