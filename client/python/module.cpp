@@ -275,8 +275,8 @@ PYBIND11_MODULE(_physics, module) {
   py::register_exception<Error>(module, "Error", PyExc_ValueError);
   module.attr("__version__") = PALPATE_VERSION;
   const Prose prose;
-  py::options options;
-  options.disable_function_signatures();  // the stub's say more: what an array is, what comes back
+  py::options help;
+  help.disable_function_signatures();  // the stub's say more: what an array is, what comes back
 
   py::class_<Body, std::shared_ptr<Body>>(module, "Body")
       .def_readonly("name", &Body::name)
