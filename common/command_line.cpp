@@ -82,17 +82,17 @@ void AddCommonOptions(CLI::App& app, const std::string& domain_help, int& domain
       ->capture_default_str();
   app.add_option_function<std::string>(
          "--log-format", [](const std::string& text) { SetLogFormat(ParseLogFormat(text)); },
-         "of the log, on standard error: text, or json, an object a line")
+         "format of the log on standard error: text, or json with one object a line")
       ->default_str("text");
 }
 
 void AddHostNameOption(CLI::App& app, const std::string& what, std::vector<std::string>& names) {
   // Validators run from the last to the first.
   app.add_option("--host-name", names,
-                 "a name of this host by which " + what +
-                     " may be asked for, as lab.example; addresses in numbers and localhost always "
-                     "may.  All others are refused, since somebody's page may lead its name here; "
-                     "so is this host's own until it is named")
+                 "name of this host, as lab.example, under which browsers may ask for " + what +
+                     ".  Without it they must use an address in numbers or localhost: other names "
+                     "are refused, because a foreign web page can point a name at this host.  May "
+                     "be given again")
       ->type_name("NAME")
       ->transform([](const std::string& name) { return LowerCase(name); })
       ->check([](const std::string& name) {
@@ -101,21 +101,21 @@ void AddHostNameOption(CLI::App& app, const std::string& what, std::vector<std::
 }
 
 void AddNetworkOptions(CLI::App& app, const std::string& peer, dds::Network& network) {
-  app.add_option(
-         "--network", network.interface,
-         "interface of the network where server, stations and viewers meet, to be given on "
-         "the server's host too; lo: this host alone.  Nothing that is sent is encrypted, but "
-         "with --identity")
+  app.add_option("--network", network.interface,
+                 "network interface, as eth0, over which server, stations and viewers talk.  Give "
+                 "it to all of them, also to the server.  lo: programs of this host alone.  Only "
+                 "--identity encrypts what is sent")
       ->type_name("INTERFACE")
       ->capture_default_str();
   app.add_option("--peer", network.peers,
-                 "address of " + peer + ", where that network carries no multicast")
+                 "address of " + peer +
+                     ", needed where the network carries no multicast; may be given again")
       ->type_name("ADDRESS");
-  app.add_option(
-         "--identity", network.identity,
-         "who this is in a secured domain: a folder that 'palpate-identities add' "
-         "made.  Then all that is sent is encrypted, over UDP, and only who has an identity "
-         "of the same authority is heard, in what its role may say")
+  app.add_option("--identity", network.identity,
+                 "folder that 'palpate-identities add' made: who this program is in a secured "
+                 "domain.  What it sends is then encrypted, and goes over UDP.  It hears only "
+                 "programs with an identity of the same authority, and each may do what its role "
+                 "allows")
       ->type_name("FOLDER")
       ->check(CLI::ExistingDirectory);
 }
@@ -124,10 +124,12 @@ void AddRealtimeOptions(CLI::App& app, const std::string& loop, RealtimeOptions&
   app.add_option_function<std::string>(
          "--realtime",
          [&realtime](const std::string& text) { realtime.mode = ParseRealtimeMode(text); },
-         "scheduling of " + loop +
-             "; require: fail without the rights; prefer: take what is granted; off")
+         "real-time scheduling of " + loop +
+             ".  require: fail without the rights; prefer: use it if it is allowed; off: do "
+             "without")
       ->default_str("prefer");
-  app.add_option("--cpu", realtime.cpu, "core that " + loop + " stays on; default: any")
+  app.add_option("--cpu", realtime.cpu,
+                 "processor core for " + loop + ", a number from 0; default: any")
       ->check(CLI::Range(0, CPU_SETSIZE - 1));
 }
 

@@ -17,8 +17,8 @@ namespace palpate {
 
 /// Adds --version, --domain, --log-level and --log-format, which holds for SetUpLog at once.
 /// @param app          named for the program.
-/// @param domain_help  what a domain is to it.   @param domain, log_level  defaults; must outlive
-/// it.
+/// @param domain_help  what a domain is to it.
+/// @param domain, log_level  defaults; must outlive the app.
 void AddCommonOptions(CLI::App& app, const std::string& domain_help, int& domain,
                       std::string& log_level);
 

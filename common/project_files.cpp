@@ -25,6 +25,10 @@ Places PlacesOf(ProjectFile file) {
       return {"roudi.toml", "deploy/cyclonedds/roudi.toml"};
     case ProjectFile::kHeldHand:
       return {"hold.json", "tests/link/hold.json"};
+    case ProjectFile::kDevicePages:
+      return {"../doc/palpate-common/devices", "devices"};
+    case ProjectFile::kRealTimePage:
+      return {"../doc/palpate-common/REALTIME.md", "deploy/REALTIME.md"};
   }
   return {};
 }
@@ -43,6 +47,20 @@ std::string PlaceOf(ProjectFile file, const std::string& program_folder) {
   std::error_code ignored;
   if (fs::exists(installed, ignored)) return installed.lexically_normal().string();
   return (folder / "../../.." / places.checkout).lexically_normal().string();
+}
+
+std::string WorkingFolder() {
+  std::error_code gone;
+  return fs::current_path(gone).string();
+}
+
+std::string ShownPlaceOf(ProjectFile file, const std::string& program_folder,
+                         const std::string& working_folder) {
+  const std::string place = PlaceOf(file, program_folder);
+  std::error_code ignored;
+  if (!fs::exists(place, ignored)) return std::string(PlacesOf(file).checkout);
+  const std::string below = working_folder + "/";
+  return below != "/" && place.starts_with(below) ? place.substr(below.size()) : place;
 }
 
 }  // namespace palpate

@@ -12,15 +12,27 @@ enum class ProjectFile {
   kModels,        ///< folder of npm's packages with meshes
   kSharedMemory,  ///< iox-roudi's pools
   kHeldHand,      ///< script of a hand that presses and holds, for palpate-bench
+  kDevicePages,   ///< folder of the pages about arms, which messages name
+  kRealTimePage,  ///< page about what a host needs for 1 kHz
 };
 
 /// Folder of the running program.
 std::string ProgramFolder();
+
+/// Empty where it is gone.
+std::string WorkingFolder();
 
 /// Its place: in ../share/palpate of the program's folder where it is there (installed), else in
 /// the checkout that the program was built in, of which its folder is build/<preset>/bin.  Need not
 /// be there.
 /// @param program_folder  ProgramFolder(), but for tests.
 std::string PlaceOf(ProjectFile file, const std::string& program_folder = ProgramFolder());
+
+/// Its place for a message, in a form that a shell takes: from the working folder where it is below
+/// that, and from the repository's root where neither program nor package has it (Python's does
+/// not).
+/// @param program_folder, working_folder  the process's, but for tests.
+std::string ShownPlaceOf(ProjectFile file, const std::string& program_folder = ProgramFolder(),
+                         const std::string& working_folder = WorkingFolder());
 
 }  // namespace palpate

@@ -78,6 +78,10 @@ void CheckDevice(const std::string& name, const std::string& model, double rate_
   Check(name, model, rate_Hz);
 }
 
+void CheckDriver(const std::string& name) {
+  if (const DeviceKind kind = Find(name); kind.check_host != nullptr) kind.check_host();
+}
+
 std::unique_ptr<Device> MakeDevice(const DeviceOptions& options) {
   const DeviceKind kind = Check(options.name, options.model, options.rate_Hz);
   if (kind.needs_script && !options.script) {

@@ -37,6 +37,10 @@ bool DeviceNeedsScript(const std::string& name);
 /// Throws UsageError, which names what there is, for a device, a model or a rate that there is not.
 void CheckDevice(const std::string& name, const std::string& model, double rate_Hz);
 
+/// Throws Error where the host has not what the device's driver needs: a vendor's library, or a
+/// service that listens.  Opens no device.  Throws UsageError for a name that there is not.
+void CheckDriver(const std::string& name);
+
 /// Opens a device.  Script and start are poses of the tool in the scene, whatever the workspace.
 /// Throws UsageError as CheckDevice does, and Error where the script is missing or the device
 /// cannot be opened.

@@ -17,6 +17,9 @@ struct DeviceKind {
   bool needs_script = false;
   std::vector<std::string_view> models{};  ///< as after --model, the default first; empty: but one
   double max_rate_Hz = 1000.0;             ///< as after --rate
+  /// Throws Error as `make` does where the host has not what the driver needs, and opens no device;
+  /// null: it needs nothing.
+  void (*check_host)() = nullptr;
   /// Throws Error, which says what was looked for and what to do.
   std::unique_ptr<Device> (*make)(const DeviceOptions&) = nullptr;
 };

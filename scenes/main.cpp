@@ -232,9 +232,9 @@ void AddToleranceOptions(CLI::App& app, std::optional<LeafTolerance>& leaves) {
   };
   CLI::Option* um = app.add_option_function<double>(
                            "--tolerance-um", sets(LeafTolerance::Of::kHeight, 1e-6),
-                           "As many leaves as it takes for their surface to lie within so "
-                           "many um of the mesh's at 95 of 100 places, whatever the scene "
-                           "file says; a tool of one leaf stays")
+                           "As many leaves as it takes for their surface to lie within so many um "
+                           "of the mesh's at 95 of 100 places, whatever the scene file says; a "
+                           "tool of one leaf stays")
                         ->check(CLI::Range(kLeastTolerance_um, kMostTolerance_um));
   app.add_option_function<double>("--tolerance-deg", sets(LeafTolerance::Of::kLean, M_PI / 180.0),
                                   "Likewise, for it to lean by at most so many degrees on average, "
@@ -246,9 +246,8 @@ void AddToleranceOptions(CLI::App& app, std::optional<LeafTolerance>& leaves) {
 int Main(int argc, char** argv) {
   CLI::App app(
       "Compiles scenes: reads meshes, builds sphere trees over them, and keeps the result as a\n"
-      "bundle that the server loads at once.  NAME is a scene of the catalogue, a scene file "
-      "(.json),\n"
-      "a bundle (.palpate), or a mesh, which is given a ball as tool.\n\n"
+      "bundle that the server loads at once.  NAME is a scene of the catalogue, a scene file\n"
+      "(.json), a bundle (.palpate), or a mesh, which is given a ball as tool.\n\n"
       "Example:\n"
       "  palpate-scene list\n"
       "  palpate-scene new tooth.stl -o tooth.json\n"
@@ -262,19 +261,22 @@ int Main(int argc, char** argv) {
   app.fallthrough();
   app.add_option("--models", arguments.models, "Folder to look in first for model files");
   app.add_option("--cache", arguments.cache, "Cache folder (default: ~/.cache/palpate)");
-  AddCommonOptions(app, "Understood as by the other programs; this one talks to none",
+  AddCommonOptions(app, "Taken as by the other programs, and not used: this one talks to none",
                    arguments.domain, arguments.log_level);
 
   std::string names;
   for (const std::string& name : CatalogueNames()) names += (names.empty() ? "" : ", ") + name;
-  const auto add = [&](const char* command, const char* help, const std::string& scene_help) {
+  const auto add = [&](const char* command, const char* help, const std::string& scene_help,
+                       const char* arguments_of_example) {
     CLI::App* sub = app.add_subcommand(command, help);
+    sub->footer("Example: palpate-scene " + std::string(command) + " " + arguments_of_example);
     sub->add_option("NAME", arguments.scene, scene_help)->required();
     sub->add_flag("--rebuild", arguments.rebuild, "Build anew and leave the cache alone");
     return sub;
   };
   const std::string scene_help = "Scene: a file, or one of " + names;
-  CLI::App* build = add("build", "Builds a scene into the cache, and into a bundle", scene_help);
+  CLI::App* build = add("build", "Builds a scene into the cache, and into a bundle", scene_help,
+                        "bunny-bunny -o bunny.palpate");
   build->add_option("-o,--output", arguments.output, "Bundle to write (.palpate)");
   build
       ->add_option("--mode", arguments.mode,
@@ -285,9 +287,8 @@ int Main(int argc, char** argv) {
   CLI::App* info =
       add("info",
           "Prints features, bodies, materials, sizes and the hash, and how far each level of each\n"
-          "tree is from its mesh\n"
-          "Example: palpate-scene info bunny-bunny --csv levels.csv",
-          scene_help);
+          "tree is from its mesh",
+          scene_help, "bunny-bunny --csv levels.csv");
   info->add_option("--samples", arguments.info.samples,
                    "Points of each surface that the levels are measured at")
       ->check(CLI::Range(std::size_t{100}, std::size_t{10'000'000}))
@@ -298,11 +299,9 @@ int Main(int argc, char** argv) {
                    "Write the errors as one JSON object into FILE (- is stdout)");
   CLI::App* check =
       add("check", "Judges meshes, and how well the spheres cover them; ends with a verdict",
-          scene_help + "; or a mesh file");
-  CLI::App* render = add("render",
-                         "Draws mesh and spheres of every level as a PNG\n"
-                         "Example: palpate-scene render bunny-bunny --error -o error.png",
-                         scene_help);
+          scene_help + "; or a mesh file", "tooth.stl");
+  CLI::App* render = add("render", "Draws mesh and spheres of every level as a PNG", scene_help,
+                         "bunny-bunny --error -o error.png");
   render->add_option("-o,--output", arguments.output, "Picture to write (.png)")->required();
   render->add_option("--level", arguments.level, "Only this level, from 1");
   render->add_flag("--error", arguments.error,
@@ -311,23 +310,22 @@ int Main(int argc, char** argv) {
   render->add_option("--body", arguments.body,
                      "Of --error: tool or object by its name (default: the first object)");
   CLI::App* make = add("new", "Writes a scene file for a mesh, with a ball as tool, to begin with",
-                       "Mesh: OBJ, STL, PLY, 3DS or glTF");
+                       "Mesh: OBJ, STL, PLY, 3DS or glTF", "tooth.stl -o tooth.json");
   make->add_option("-o,--output", arguments.output, "Scene file to write (.json)")->required();
   AddMeshOptions(*make, arguments.mesh);
   render->add_flag("--whole", arguments.whole, "The scene as it stands, instead of its bodies");
 
-  CLI::App* export_tree = add(
-      "export",
-      "Writes a body's sphere tree, in the body's frame, as a file for other programs:\n"
-      "  .sph  of the Sphere-Tree Construction Toolkit: \"levels degree\", then a line x y z "
-      "radius\n"
-      "        importance for each slot, breadth first, radius -1 where none is used.  The root\n"
-      "        is added, so that level N here is level N + 1 there.  A scene file's\n"
-      "        \"tree\": {\"file\": ...} reads it\n"
-      "  .ply  the balls of a level as small coloured icospheres, binary; any viewer shows it\n"
-      "  .glb  the same as glTF, in metres\n"
-      "Example: palpate-scene export bunny-bunny -o bunny.sph --unit mm",
-      scene_help);
+  CLI::App* export_tree =
+      add("export",
+          "Writes a body's sphere tree, in the body's frame, as a file for other programs:\n"
+          "  .sph  of the Sphere-Tree Construction Toolkit: \"levels degree\", then a line\n"
+          "        x y z radius importance for each slot, breadth first, radius -1 where none is\n"
+          "        used.  The root is added, so that level N here is level N + 1 there.  A scene "
+          "file's\n"
+          "        \"tree\": {\"file\": ...} reads it\n"
+          "  .ply  the balls of a level as small coloured icospheres, binary; any viewer shows it\n"
+          "  .glb  the same as glTF, in metres",
+          scene_help, "bunny-bunny -o bunny.sph --unit mm");
   export_tree->add_option("-o,--output", arguments.output, "File to write (.sph, .ply or .glb)")
       ->required();
   export_tree->add_option("--body", arguments.body,
@@ -341,7 +339,8 @@ int Main(int argc, char** argv) {
                    "decimals)")
       ->check(CLI::IsMember(std::vector<std::string>(kUnits.begin(), kUnits.end())));
 
-  const CLI::App* list = app.add_subcommand("list", "Lists the scenes of the catalogue");
+  CLI::App* list = app.add_subcommand("list", "Lists the scenes of the catalogue");
+  list->footer("Example: palpate-scene list");
 
   if (!ParseCommandLine(app, argc, argv)) return 0;
   SetUpLog("palpate-scene", arguments.log_level);

@@ -55,8 +55,7 @@ void JudgeBalls(const std::string& whose, const SphereTree& tree, Verdict& verdi
   verdict.faults.push_back(
       whose + ": " + std::to_string(empty) + " of its " + std::to_string(tree.leaves()) +
       " spheres have no radius, for its mesh encloses nothing there: it is a sheet, or has a "
-      "vertex "
-      "far away; give it a thickness in a mesh editor (Solidify), or remove the vertex");
+      "vertex far away; give it a thickness in a mesh editor (Solidify), or remove the vertex");
 }
 
 bool IsFinite(const Material& material) {

@@ -180,8 +180,8 @@ int Serve(const Options& options) {
     if (bundles.contains(scene.name)) {
       throw UsageError(
           "--scene " + name + ": '" + scene.name +
-          "' is served already, and stations know scenes by their names alone; give it "
-          "once, or a file of another name");
+          "' is served already, and stations know scenes by their names alone; give it once, or a "
+          "file of another name");
     }
     offer.push_back(ServeScene(scene, name, options.hand_seed));
     for (const ServedScene::Tool& tool : offer.back().tools) tools.push_back(tool.served);
@@ -216,44 +216,43 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
   CLI::App app(kAbout, "palpate-server");
   app.footer(kExample);
-  app.add_option(
-         "SCENE,--scene", options.scenes,
-         "scenes to serve: names from the catalogue, scene files, or meshes (STL, OBJ, PLY, "
-         "3DS, glTF), each of which becomes a scene with a ball as tool")
+  app.add_option("SCENE,--scene", options.scenes,
+                 "scenes to serve: names of the catalogue, scene files, or meshes (STL, OBJ, PLY, "
+                 "3DS, glTF).  A mesh becomes a scene with a ball as tool")
       ->required();
   AddMeshOptions(app, options.mesh);
   app.add_option("--transport", options.transport,
-                 "auto: shared memory where RouDi answers, else UDP; shm or udp insist")
+                 "auto: shared memory if RouDi answers, else UDP; shm or udp: that one, or fail")
       ->capture_default_str();
   AddRealtimeOptions(app, "the servo loop", options.realtime);
   app.add_option("--models", options.models,
-                 "folder with the meshes that are not installed (or PALPATE_MODELS)");
+                 "folder of the meshes that no package installs; the variable PALPATE_MODELS does "
+                 "the same");
   app.add_flag("--unusable-too", options.unusable_too,
-               "serve scenes that 'palpate-scene check' calls not usable, with a warning");
-  app.add_flag(
-      "--admit-by-hand", options.admit_by_hand,
-      "stations wait until somebody admits them, at the page of a gateway that may operate");
+               "also serve scenes that 'palpate-scene check' calls not usable, with a warning");
+  app.add_flag("--admit-by-hand", options.admit_by_hand,
+               "each station waits until somebody admits it on the web page, with a token that "
+               "operates");
   app.add_option("--hand-seed", options.hand_seed,
-                 "which hand to make for a scene without a script (NAME.path.json)")
+                 "number that chooses the generated hand of a scene without a script "
+                 "(NAME.path.json)")
       ->capture_default_str();
   app.add_option_function<std::string>(
          "--metrics",
          [&options](const std::string& text) { options.metrics = ParseMetricsEndpoint(text); },
-         "give metrics to Prometheus at http://ADDRESS:PORT/metrics, an address of IPv6 in "
-         "brackets; "
-         "without an address to this host alone.  Default: to nobody")
+         "offer metrics for Prometheus at http://ADDRESS:PORT/metrics; an IPv6 address stands in "
+         "brackets.  Without ADDRESS: to this host alone.  Default: no metrics")
       ->type_name("[ADDRESS:]PORT");
   AddHostNameOption(app, "metrics", options.host_names);
-  app.add_option(
-         "--event-log", options.event_log,
-         "append what takes place, sessions, refusals and faults, as JSON, an object a line")
+  app.add_option("--event-log", options.event_log,
+                 "append sessions, refusals and faults to this file, one JSON object a line")
       ->type_name("FILE");
   AddNetworkOptions(app, "a station or viewer", options.network);
-  AddCommonOptions(app, "which set of servers and stations this belongs to", options.domain,
-                   options.log_level);
+  AddCommonOptions(app, "number of the domain; programs meet those of the same number",
+                   options.domain, options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   if (!options.host_names.empty() && !options.metrics) {
-    throw UsageError("--host-name is of --metrics, which is not given; give both, or neither");
+    throw UsageError("--host-name needs --metrics; give both, or neither");
   }
   const bool of_mesh = !options.mesh.unit.empty() || options.mesh.ball_m > 0.0;
   if (of_mesh && std::ranges::none_of(options.scenes, IsMeshFile)) {

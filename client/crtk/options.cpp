@@ -27,7 +27,8 @@ constexpr const char* kExamples =
 servo_cf pulls the hand at a station that runs with --accept-guide, at most with its --guide-force
 (give the same number here), and is gone 100 ms after the last message.
 state_command takes enable, disable, pause and resume.
-Frames, time stamps and quality of service: client/crtk/README.md.
+Frames, time stamps and quality of service: /usr/share/doc/palpate-common/CRTK.md where the package is
+installed, client/crtk/README.md in the source tree.
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 }  // namespace
@@ -39,27 +40,29 @@ std::optional<CrtkOptions> ParseOptions(int argc, const char* const* argv) {
 
   CLI::App app(kAbout, "palpate-crtk");
   app.footer(kExamples);
-  app.add_option("--ros-domain", options.ros_domain, "ROS_DOMAIN_ID of those who listen")
+  app.add_option("--ros-domain", options.ros_domain,
+                 "domain of the ROS 2 programs: their ROS_DOMAIN_ID")
       ->check(CLI::Range(0, ros2::kMaxDomain))
       ->capture_default_str();
   app.add_option("--ros-network", options.ros_network.interface,
-                 "interface on which ROS is; lo: this host alone")
+                 "network interface of the ROS 2 programs, as eth0; lo: this host alone")
       ->capture_default_str();
   app.add_option("--ros-peer", options.ros_network.peers,
-                 "address of a host with ROS, where the network carries no multicast; repeatable");
-  app.add_flag("--read-only", options.read_only, "take neither servo_cf nor state_command");
+                 "address of a host with ROS, needed where the network carries no multicast; may "
+                 "be given again");
+  app.add_flag("--read-only", options.read_only, "take no servo_cf and no state_command");
   app.add_option("--guide-force", options.guide_force_N,
-                 "force of servo_cf, in N, for which a station pulls with all of its --guide-force")
+                 "force of servo_cf, in N, at which a station pulls with all of its --guide-force")
       ->check(CLI::Range(0.01, GuideLimits::kMostForce_N))
       ->capture_default_str();
   CLI::Option* for_option =
-      app.add_option("--for", seconds, "end after so many seconds; default: at Ctrl-C")
+      app.add_option("--for", seconds, "end after this many seconds; default: at Ctrl-C")
           ->check(CLI::PositiveNumber);
   app.add_option("--transport", transport,
-                 "of poses and wrenches, as the server's: auto, shm or udp")
+                 "how poses and wrenches travel, as for the server: auto, shm or udp")
       ->capture_default_str();
   AddNetworkOptions(app, "the server", options.network);
-  AddCommonOptions(app, "which server: the same number as there", options.domain,
+  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
                    options.log_level);
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;

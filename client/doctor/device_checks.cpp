@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "common/error.h"
+#include "common/project_files.h"
 #include "devices/forcedimension/dhd_library.h"
 #include "devices/haply/inverse_client.h"
 #include "devices/openhaptics/device_nodes.h"
@@ -19,6 +20,11 @@ constexpr const char* kArm = "openhaptics";
 constexpr const char* kDelta = "forcedimension";
 constexpr const char* kInverse = "haply";
 constexpr const char* kPuck = "spacemouse";
+
+/// The page about a kind of arm, where the reader finds it.
+std::string PageOf(const char* device) {
+  return "(" + ShownPlaceOf(ProjectFile::kDevicePages) + "/" + device + "/README.md)";
+}
 
 std::string Listed(const HostFiles& host, const std::vector<std::string>& nodes) {
   std::string text;
@@ -41,9 +47,8 @@ Finding Probed(const char* device, const Probe& probe, const std::string& remedy
 
 Finding CheckArm(const HostFiles& host, const Probe& probe) {
   Finding finding = Probed(kArm, probe,
-                           "install OpenHaptics and the arm's driver, both of its vendor's "
-                           "(devices/openhaptics/README.md), or name the library in " +
-                               std::string(hd::kLibraryVariable));
+                           "install OpenHaptics and the arm's driver, both of its vendor's " +
+                               PageOf(kArm) + ", or name the library in " + hd::kLibraryVariable);
   if (finding.status == Status::kFault) return finding;
   const DeviceNodes nodes = FindDeviceNodes(host.At("/dev"), [&](const std::string& path) {
     return host.MayOpen(path.substr(host.root.size()));
@@ -53,8 +58,7 @@ Finding CheckArm(const HostFiles& host, const Probe& probe) {
     finding.found += "; this user may not open" + Listed(host, nodes.closed);
     finding.remedy =
         "sudo usermod -aG dialout $USER (or the group that 'ls -l' shows there), and log in again; "
-        "or "
-        "install the driver's udev rules";
+        "or install the driver's udev rules";
   } else if (nodes.open.empty()) {
     // No fault: an arm on the network has no node.
     finding.status = Status::kWarning;
@@ -87,9 +91,8 @@ std::vector<std::string> DeltaNodes(const HostFiles& host) {
 
 Finding CheckDelta(const HostFiles& host, const Probe& probe) {
   Finding finding = Probed(kDelta, probe,
-                           "install Force Dimension's SDK (devices/forcedimension/README.md), or "
-                           "name the library in " +
-                               std::string(dhd::kLibraryVariable));
+                           "install Force Dimension's SDK " + PageOf(kDelta) +
+                               ", or name the library in " + dhd::kLibraryVariable);
   if (finding.status == Status::kFault) return finding;
   const std::vector<std::string> nodes = DeltaNodes(host);
   if (nodes.empty()) {
@@ -104,8 +107,8 @@ Finding CheckDelta(const HostFiles& host, const Probe& probe) {
       finding.status = Status::kFault;
       finding.found += "; this user may not open " + node;
       finding.remedy =
-          "add a udev rule, SUBSYSTEM==\"usb\", ATTR{idVendor}==\"1451\", MODE=\"0666\" "
-          "(devices/forcedimension/README.md), and plug the arm in again";
+          "add a udev rule, SUBSYSTEM==\"usb\", ATTR{idVendor}==\"1451\", MODE=\"0666\" " +
+          PageOf(kDelta) + ", and plug the arm in again";
     }
   }
   return finding;
@@ -114,9 +117,9 @@ Finding CheckDelta(const HostFiles& host, const Probe& probe) {
 Finding CheckInverse(const Probe& probe) {
   return Probed(
       kInverse, probe,
-      "install the Inverse Service with the Haply Hub (devices/haply/README.md) and start "
-      "it: sudo systemctl start haply-inverse-service; or name its address in " +
-          std::string(haply::kServiceVariable));
+      "install the Inverse Service with the Haply Hub " + PageOf(kInverse) +
+          " and start it: sudo systemctl start haply-inverse-service; or name its address in " +
+          haply::kServiceVariable);
 }
 
 /// True where a puck of 3Dconnexion's (or of Logitech's, as they were sold before) is plugged in.

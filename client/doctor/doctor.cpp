@@ -62,7 +62,7 @@ std::optional<Report> Examine(const Options& options, StopSignal& stop,
       options.network.this_host() ? options.transport : dds::Transport::kUdp;
   const RouDiState roudi = LookAtRouDi(host);
   add(CheckSharedMemory(SpaceIn(host, "/dev/shm"), roudi.lock_held, wanted));
-  add(CheckRouDi(roudi, wanted, getuid(), PlaceOf(ProjectFile::kSharedMemory)));
+  add(CheckRouDi(roudi, wanted, getuid(), ShownPlaceOf(ProjectFile::kSharedMemory)));
 
   add(CheckNetwork(InterfacesOfThisHost(), options.network));
   add(CheckPorts(host, options.domain, ServerRuns(host, options.domain)));

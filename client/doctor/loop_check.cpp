@@ -21,6 +21,7 @@
 #include "common/dds/endpoint.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/project_files.h"
 #include "common/random_run.h"
 #include "common/stats/histogram.h"
 #include "common/time/steady_clock.h"
@@ -203,9 +204,8 @@ Finding CheckLoop(const LoopTrial& trial, dds::Transport expected) {
   finding.status = Status::kOk;
   if (trial.p99_us > kBearable_us || trial.lost > 0) {
     finding.status = Status::kWarning;
-    finding.remedy =
-        "mend the rights, the cores and the kernel (above), and end other programs; "
-        "deploy/REALTIME.md says what helps most";
+    finding.remedy = "mend the rights, the cores and the kernel (above), and end other programs; " +
+                     ShownPlaceOf(ProjectFile::kRealTimePage) + " says what helps most";
   }
   return finding;
 }

@@ -32,22 +32,22 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   CLI::App app(kAbout, "palpate-doctor");
   app.footer(kExamples);
   app.add_option("--seconds", options.seconds,
-                 "how long to measure how late a loop wakes up; 0: not")
+                 "seconds for which to measure how late a loop wakes up; 0: do not measure")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
   app.add_option("--device", options.device,
-                 "device that the station here is to drive: " + DeviceNames())
+                 "device that a station on this host is to drive: " + DeviceNames())
       ->type_name("NAME");
   app.add_option_function<std::string>(
          "--transport",
          [&options](const std::string& text) { options.transport = dds::ParseTransport(text); },
-         "what server and station are to use: shm, udp, or auto (shared memory, if it can be had)")
+         "transport of server and station: shm, udp, or auto (shared memory if possible)")
       ->default_str("auto");
   app.add_flag("--json", options.json, "print one JSON object in place of the report");
   AddNetworkOptions(app, "the other host", options.network);
   AddRealtimeOptions(app, "the loops that it tries", options.realtime);
-  AddCommonOptions(app, "domain whose ports are looked at and whose loop is tried", options.domain,
-                   options.log_level);
+  AddCommonOptions(app, "domain whose ports are checked, and in which the loop is tried",
+                   options.domain, options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   if (!options.device.empty())
     DeviceNeedsScript(options.device);  // refuses a name that there is not

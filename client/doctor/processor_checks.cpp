@@ -82,8 +82,7 @@ Finding CheckGovernor(const HostFiles& host) {
   finding.found += ": a core that waits for poses is slowed down";
   finding.remedy =
       "sudo cpupower frequency-set -g performance (package linux-cpupower), after each start of "
-      "the "
-      "host";
+      "the host";
   return finding;
 }
 
@@ -132,8 +131,8 @@ Finding CheckIsolatedCores(const HostFiles& host) {
     finding.found += ", none isolated: the loops share theirs with whatever runs";
     finding.remedy =
         "add isolcpus=" + last + " nohz_full=" + last + " rcu_nocbs=" + last +
-        " to GRUB_CMDLINE_LINUX in /etc/default/grub, run sudo update-grub, restart, and "
-        "start palpate-server with --cpu " +
+        " to GRUB_CMDLINE_LINUX in /etc/default/grub, run sudo update-grub, restart, and start "
+        "palpate-server with --cpu " +
         last;
   } else {
     finding.found += ": none to spare for the loops, which share theirs with whatever runs";
@@ -166,8 +165,7 @@ Finding CheckHyperThreading(const HostFiles& host) {
   finding.found = "on: a loop shares its core's units with whatever runs on the other half";
   finding.remedy =
       "echo off | sudo tee /sys/devices/system/cpu/smt/control, or nosmt on the kernel's command "
-      "line "
-      "(/etc/default/grub, sudo update-grub), or isolate both halves of a core "
+      "line (/etc/default/grub, sudo update-grub), or isolate both halves of a core "
       "(/sys/devices/system/cpu/cpu*/topology/thread_siblings_list names them)";
   return finding;
 }

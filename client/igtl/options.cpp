@@ -19,8 +19,8 @@ constexpr const char* kExamples =
   palpate-igtl --bind 0.0.0.0 --rate 30
       for other hosts, thirty times a second
 
-The scene's axes become Slicer's: x to the left, y up, z forward.  Nothing that a client sends is
-heeded.  A client that is slow gets fewer messages, and one that takes none for 10 s is closed.
+The scene's axes become Slicer's: x to the left, y up, z forward.  What a client sends is
+ignored.  A slow client gets fewer messages; one that takes none for 10 s is disconnected.
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 }  // namespace
@@ -31,14 +31,14 @@ std::optional<IgtlOptions> ParseOptions(int argc, const char* const* argv) {
   app.footer(kExamples);
   app.add_option("--bind", options.address, "address of this host to listen at")
       ->capture_default_str();
-  app.add_option("--port", options.port, "TCP port; 0: any that is free, which is said")
+  app.add_option("--port", options.port, "TCP port; 0: a free one, which is printed")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
-  app.add_option("--rate", options.rate_Hz, "messages a second; a server tells of tools at 60")
+  app.add_option("--rate", options.rate_Hz, "messages a second; the server itself sends 60")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();
   AddNetworkOptions(app, "the server", options.network);
-  AddCommonOptions(app, "which server: the same number as there", options.domain,
+  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
                    options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   return options;

@@ -130,9 +130,10 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   CLI::App app(kAbout, "palpate-lesson");
   app.footer(kExample);
   AddNetworkOptions(app, "the server", options.network);
-  AddCommonOptions(app, "which server: the same number as there", options.domain,
+  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
                    options.log_level);
   CLI::App* whole = app.add_subcommand("whole", "make scenes whole again");
+  whole->footer("Example: palpate-lesson whole calculus periodontal");
   whole->fallthrough();
   whole->add_option("SCENE", options.scenes, "names of scenes that are served")->required();
   app.require_subcommand(0, 1);

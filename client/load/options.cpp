@@ -70,55 +70,64 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
   CLI::App app(kAbout, "palpate-load");
   app.footer(kExamples);
   app.add_option("--stations", options.stations,
-                 "simulated stations; several numbers, as 1,4,16: one run after another")
+                 "simulated stations; several numbers, as 1,4,16, make one run each")
       ->delimiter(',')
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  app.add_option("--viewers", options.viewers, "viewers over WebSocket; several numbers as there")
+  app.add_option("--viewers", options.viewers,
+                 "viewers over WebSocket; several numbers as for --stations")
       ->delimiter(',')
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
   app.add_option("--stalled-viewers", options.stalled,
-                 "viewers besides that attach and then read nothing")
+                 "further viewers, which attach and then read nothing")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
-  app.add_option("--dds-viewers", options.dds_viewers, "viewers that read DDS themselves")
+  app.add_option("--dds-viewers", options.dds_viewers, "viewers that read DDS directly")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  app.add_option("--seconds", options.seconds, "that a run is measured, after a second to warm up")
+  app.add_option("--seconds", options.seconds,
+                 "how long to measure each run, after one second to warm up")
       ->check(CLI::Range(0.5, 86400.0))
       ->capture_default_str();
   app.add_flag("--find", options.find,
                "find the largest load that holds, by runs of at most 3 s each");
   app.add_option("--viewer-url", url, "the gateway's WebSocket")->capture_default_str();
-  app.add_option("--rate", options.rate_hz, "tool states a second: as palpate-viewer's --rate")
+  app.add_option("--rate", options.rate_hz,
+                 "updates a second of each tool, as palpate-viewer's --rate")
       ->check(CLI::Range(1.0, 60.0))
       ->capture_default_str();
   app.add_option("--scene", options.scene,
-                 "scene that the stations drive, name or file; default: all that the server has");
-  app.add_option("--script", options.script, "poses of the hands (JSON); default: the server's");
-  app.add_option("--name", options.name, "beginning of the stations' names, which end in numbers")
+                 "scene that the stations drive, by name or file; default: all that the server "
+                 "has");
+  app.add_option("--script", options.script,
+                 "poses of the hands (JSON); default: the server's script of the scene");
+  app.add_option("--name", options.name, "first part of the stations' names; a number follows")
       ->capture_default_str();
-  app.add_option("--transport", transport, "of poses and wrenches: auto, shm or udp")
+  app.add_option("--transport", transport, "how poses and wrenches travel: auto, shm or udp")
       ->capture_default_str();
   AddNetworkOptions(app, "the server", options.network);
   app.add_option("--realtime", options.realtime,
-                 "scheduling of the stations' loops: require, prefer or off")
+                 "real-time scheduling of the stations' loops: require, prefer or off")
       ->capture_default_str();
   app.add_option("--wait", options.patience_s, "seconds to wait for server and gateway")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  CLI::Option* server = app.add_option("--server-pid", server_pid,
-                                       "process to measure; default: what holds the domain's lock");
-  CLI::Option* viewer = app.add_option("--viewer-pid", viewer_pid,
-                                       "process to measure; default: what listens at --viewer-url");
+  CLI::Option* server =
+      app.add_option("--server-pid", server_pid,
+                     "id of the server's process, to measure it; default: the one that serves the "
+                     "domain");
+  CLI::Option* viewer =
+      app.add_option("--viewer-pid", viewer_pid,
+                     "id of the gateway's process, to measure it; default: the one that listens at "
+                     "--viewer-url");
   app.add_option("--json", options.json, "write the figures as JSON to this file; - is stdout");
   app.add_option("--report", options.report, "write the capacity table to this file (Markdown)");
   app.add_option("--make-scene", make_scene,
-                 "N FILE: write a scene file like --scene (default: cube) with N of its tool, and "
-                 "end")
+                 "N FILE: write a scene file like --scene (default: cube) but with N of its tool, "
+                 "and end")
       ->expected(2);
-  AddCommonOptions(app, "which server: the same number as there", options.domain,
+  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
                    options.log_level);
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;

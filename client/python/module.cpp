@@ -20,8 +20,8 @@
 #include "client/python/arrays.h"
 #include "server/library/physics.h"
 
-// The module palpate._physics: palpate/__init__.pyi says what each of these is for.  Arrays are
-// numpy's, of double; poses are rows of x y z, or x y z and w x y z.
+// The module palpate._physics: palpate/__init__.pyi says what each of these is for, also to help().
+// Arrays are numpy's, of double; poses are rows of x y z, or x y z and w x y z.
 
 namespace palpate {
 namespace {
@@ -252,6 +252,21 @@ Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std:
       std::make_shared<const HapticModel>(MakeModel(scene, scene.tools[0], MakeObjects(scene)))};
 }
 
+/// What help() says of a function: the stub's words.
+class Prose {
+ public:
+  Prose() : texts_(py::module_::import("palpate._prose").attr("read")("__init__.pyi")) {}
+  /// Lives as long as this.  Throws for a name that the stub has not.
+  const char* operator()(const char* name) const {
+    const char* text = PyUnicode_AsUTF8(texts_[name].ptr());
+    if (!text) throw py::error_already_set();
+    return text;
+  }
+
+ private:
+  py::dict texts_;
+};
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -259,6 +274,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 PYBIND11_MODULE(_physics, module) {
   py::register_exception<Error>(module, "Error", PyExc_ValueError);
   module.attr("__version__") = PALPATE_VERSION;
+  const Prose prose;
+  py::options help;
+  help.disable_function_signatures();  // the stub's say more: what an array is, what comes back
 
   py::class_<Body, std::shared_ptr<Body>>(module, "Body")
       .def_readonly("name", &Body::name)
@@ -320,7 +338,7 @@ PYBIND11_MODULE(_physics, module) {
       py::arg("name"), py::arg("vertices"), py::arg("triangles"), py::kw_only(),
       py::arg("leaves") = 0, py::arg("contact") = "surface", py::arg("static_friction") = 0.0,
       py::arg("dynamic_friction") = 0.0, py::arg("stiffness") = kInfinity,
-      py::arg("hardness") = kInfinity);
+      py::arg("hardness") = kInfinity, prose("body"));
   module.def(
       "ball",
       [](const std::string& name, double radius) {
@@ -328,7 +346,7 @@ PYBIND11_MODULE(_physics, module) {
         WarnOfUnit(ball);
         return ball;
       },
-      py::arg("name"), py::arg("radius"));
+      py::arg("name"), py::arg("radius"), prose("ball"));
   const auto arrays = [](const TriangleMesh& mesh) {
     py::array_t<double> vertices({static_cast<py::ssize_t>(mesh.vertices.size()), py::ssize_t{3}});
     std::memcpy(vertices.mutable_data(), mesh.vertices.data(), 24 * mesh.vertices.size());
@@ -338,14 +356,14 @@ PYBIND11_MODULE(_physics, module) {
   };
   module.def(
       "box", [=](const py::object& size) { return arrays(MakeBox(ToVec3(size, "size"))); },
-      py::arg("size"));
+      py::arg("size"), prose("box"));
   module.def(
       "ellipsoid",
       [=](const py::object& semi_axes, std::size_t triangles) {
         return arrays(MakeEllipsoid(ToVec3(semi_axes, "semi_axes"), triangles));
       },
-      py::arg("semi_axes"), py::arg("triangles") = 5120);
-  module.def("fault_words", &FaultWords, py::arg("faults"));
+      py::arg("semi_axes"), py::arg("triangles") = 5120, prose("ellipsoid"));
+  module.def("fault_words", &FaultWords, py::arg("faults"), prose("fault_words"));
 
   py::class_<StepReport>(module, "Report")
       .def_property_readonly("force", [](const StepReport& r) { return FromVec3(r.wrench.force); })
@@ -381,14 +399,15 @@ PYBIND11_MODULE(_physics, module) {
            }),
            py::arg("objects"), py::arg("tool"), py::kw_only(), py::arg("contact") = "surface",
            py::arg("stiffness") = Coupling{}.stiffness,
-           py::arg("torsional_stiffness") = Coupling{}.torsional_stiffness)
-      .def("follow", &Follow, py::arg("paths"), py::kw_only(), py::arg("threads") = 0);
+           py::arg("torsional_stiffness") = Coupling{}.torsional_stiffness, prose("Model.__init__"))
+      .def("follow", &Follow, py::arg("paths"), py::kw_only(), py::arg("threads") = 0,
+           prose("Model.follow"));
 
   py::class_<Hand>(module, "Proxy")
       .def(py::init([](const Shared& shared, const py::object& pose) {
              return std::make_unique<Hand>(shared.model, ToUnitPose(pose));
            }),
-           py::arg("model"), py::arg("pose"))
+           py::arg("model"), py::arg("pose"), prose("Proxy.__init__"))
       .def_property_readonly("start_depth",
                              [](const Hand& hand) { return hand.proxy.start_depth(); })
       .def(
@@ -398,7 +417,7 @@ PYBIND11_MODULE(_physics, module) {
             const Busy busy(hand);
             hand.proxy.Restart(X_WH);
           },
-          py::arg("pose"))
+          py::arg("pose"), prose("Proxy.restart"))
       .def(
           "step",
           [](Hand& hand, const py::object& pose) {
@@ -408,8 +427,8 @@ PYBIND11_MODULE(_physics, module) {
             const py::gil_scoped_release free;
             return hand.proxy.Step(X_WH);
           },
-          py::arg("pose"))
-      .def("steps", &StepAll, py::arg("poses"));
+          py::arg("pose"), prose("Proxy.step"))
+      .def("steps", &StepAll, py::arg("poses"), prose("Proxy.steps"));
 }
 
 }  // namespace palpate

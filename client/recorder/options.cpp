@@ -30,8 +30,16 @@ constexpr const char* kExamples =
       of a server on another host, which runs with --network too
 
 What was recorded a second ago is on the disk, even if this program or the machine fails.
-Exit status: 0 done, 1 failed, 2 wrong usage; of info 0 where the file is whole, or lacks only what
-its recorder never had, and 1 where it is damaged or cut off, or cannot be read.)";
+Exit status: 0 done, 1 failed, 2 wrong usage.)";
+
+constexpr const char* kInfoExamples =
+    R"(Examples:
+  palpate-record info lesson.mcap
+  palpate-record info day_000.mcap day_001.mcap --json day.json
+      a recording in several files, for a program
+
+Exit status: 0 where the file is whole, or lacks only what its recorder never had; 1 where it is damaged,
+cut off or cannot be read; 2 wrong usage.)";
 
 }  // namespace
 
@@ -45,32 +53,33 @@ std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv) {
   app.footer(kExamples);
   app.add_option("-o,--output", options.recording.file, "file to record to, FILE.mcap");
   app.add_flag("--overwrite", options.recording.overwrite, "replace the file if it is there");
-  app.add_option("--split-size", split_mb, "begin a new file after so many MB")
+  app.add_option("--split-size", split_mb, "begin a new file after this many MB")
       ->check(CLI::PositiveNumber);
   app.add_option("--split-time", options.recording.split_s,
-                 "begin a new file after so many seconds")
+                 "begin a new file after this many seconds")
       ->check(CLI::PositiveNumber);
   CLI::Option* for_option =
-      app.add_option("--for", seconds, "end after so many seconds; default: at Ctrl-C")
+      app.add_option("--for", seconds, "end after this many seconds; default: at Ctrl-C")
           ->check(CLI::PositiveNumber);
   app.add_option("--station", options.stations,
-                 "of this station's hand and session alone, beside scenes and what is scraped off "
-                 "them; may be given again.  Default: of all")
+                 "record of all stations this one's hand and session alone; scenes, and what is "
+                 "scraped off them, are always recorded.  May be given again.  Default: all")
       ->type_name("NAME")
       ->allow_extra_args(false)
       ->check([](const std::string& name) {
         return dds::IsStationName(name) ? "" : "'" + name + "' is no station's name, as its --id";
       });
-  app.add_flag("--no-loop", no_loop, "without poses and wrenches: what viewers see alone");
+  app.add_flag("--no-loop", no_loop, "leave out poses and wrenches: record what viewers see alone");
   app.add_flag("--no-bundle", no_bundle,
-               "without the scenes themselves: a replay takes them from the catalogue");
+               "leave out the scenes; a replay then takes them from the catalogue");
   app.add_option("--transport", transport,
-                 "of poses and wrenches, as the server's: auto, shm or udp")
+                 "how poses and wrenches travel, as for the server: auto, shm or udp")
       ->capture_default_str();
   AddNetworkOptions(app, "the server", options.network);
-  AddCommonOptions(app, "which server: the same number as there", options.domain,
+  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
                    options.log_level);
   CLI::App* info = app.add_subcommand("info", "say what is in a recording, and what is missing");
+  info->footer(kInfoExamples);
   info->add_option("files", options.info_files, "a recording, or its splits in their order")
       ->required();
   info->add_option("--json", options.json, "write it as JSON to this file; - is stdout");

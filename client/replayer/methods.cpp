@@ -297,9 +297,9 @@ std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const
   }
   return text +
          "\nThe limiter's bounds are those of the device's data sheet "
-         "(`devices/README.md`), tightened where the station was told so; a recording holds what "
-         "was "
-         "wanted and applied, and how often each stage acted.\n";
+         "(Palpate's page \"Devices\" has them), tightened where the station was told so; a "
+         "recording "
+         "holds what was wanted and applied, and how often each stage acted.\n";
 }
 
 }  // namespace palpate

@@ -34,16 +34,26 @@ constexpr const char* kExamples =
       computes every wrench again and compares all bits
   palpate-replay expert.mcap --guide trainee
       leads the hand at station 'trainee', which accepts it with --accept-guide
-  palpate-replay criteria mine.json
-      writes what to grade by, for you to edit: 25 g for periodontal probing, depths of sites
+  palpate-replay score --help
+      examples of score; likewise of criteria and export)";
+constexpr const char* kStatus = "Exit status: 0 done, 1 failed or not verified, 2 wrong usage.";
+
+constexpr const char* kScoreExamples =
+    R"(Examples:
   palpate-replay score expert.mcap try1.mcap try2.mcap try3.mcap --criteria mine.json --out report
       report/score.html: paths in space, distance, forces, marks and their average
   palpate-replay score class.mcap class.mcap --expert-station teacher --station anna
-      both of one recording; without these options it says whose sessions there are to choose from
+      both of one recording; without these options it says whose sessions there are to choose from)";
+constexpr const char* kCriteriaExamples =
+    R"(Example:
+  palpate-replay criteria mine.json
+      writes what to grade by, for you to edit: 25 g for periodontal probing, depths of sites)";
+constexpr const char* kExportExamples =
+    R"(Examples:
   palpate-replay export lesson.mcap -o figures
-      figures/hand_…/poses.csv and so on, for pandas.read_csv or MATLAB's readtable, and METHODS.md;
-      with --format npy for numpy.load)";
-constexpr const char* kStatus = "Exit status: 0 done, 1 failed or not verified, 2 wrong usage.";
+      figures/hand_…/poses.csv and so on, for pandas.read_csv or MATLAB's readtable, and METHODS.md
+  palpate-replay export lesson.mcap -o figures --format npy
+      for numpy.load)";
 
 }  // namespace
 
@@ -57,10 +67,12 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
   CLI::Option* verify_option =
       app.add_flag("--verify", verify, "compute every wrench again and compare all bits");
   app.add_option("--scene", options.verify.scene,
-                 "with --verify: the scene, if not the recorded one or the catalogue's")
+                 "with --verify: scene to compute with; default: the recorded one, else the "
+                 "catalogue's")
       ->needs(verify_option);
   app.add_option("--models", options.verify.models_dir,
-                 "with --verify: folder with the meshes that are not installed (or PALPATE_MODELS)")
+                 "with --verify: folder of the meshes that no package installs; the variable "
+                 "PALPATE_MODELS does the same")
       ->needs(verify_option);
   CLI::Option* json = app.add_option("--json", options.json,
                                      "with --verify: write the result as JSON; - is stdout");
@@ -69,46 +81,47 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
                            ->excludes(verify_option);
   app.add_flag_callback(
          "--no-wait", [&options] { options.waits = false; },
-         "with --guide: keep the pace, though the hand stays behind")
+         "with --guide: keep the recorded pace even if the hand falls behind")
       ->needs(guide);
   app.add_option(
          "--station", options.station,
-         "with --guide: of a recording with several sessions that of this station; NAME/RUN "
-         "where it has several")
+         "with --guide: the station whose path to follow, if the recording has several sessions; "
+         "NAME/RUN if this station has several")
       ->type_name("NAME")
       ->needs(guide);
-  app.add_option("--rate", options.rate, "times the speed that it had; at most 2 with --guide")
+  app.add_option("--rate", options.rate, "speed, times the recorded one; at most 2 with --guide")
       ->check(CLI::Range(0.01, 100.0))
       ->excludes(verify_option)
       ->capture_default_str();
-  CLI::Option* loop = app.add_flag("--loop", options.loop, "again and again, until Ctrl-C")
-                          ->excludes(verify_option);
+  CLI::Option* loop =
+      app.add_flag("--loop", options.loop, "repeat until Ctrl-C")->excludes(verify_option);
   app.add_flag(
          "--stay", options.stays,
-         "wait at the end until Ctrl-C, for who wants to see something again; without it, the "
-         "replay waits where a viewer has steered it")
+         "wait at the end until Ctrl-C, so that viewers can go back; without it, the replay ends "
+         "there unless a viewer has steered it")
       ->excludes(verify_option)
       ->excludes(guide)
       ->excludes(loop);
   app.add_flag("--locked", options.locked,
-               "viewers may look, and not steer: neither pause, nor seek, nor set bookmarks")
+               "viewers may look but not steer: no pause, no seek, no bookmarks")
       ->excludes(verify_option)
       ->excludes(guide);
   app.add_flag("--step", options.stepping, "begin paused: space goes on, the right arrow steps")
       ->excludes(verify_option)
       ->excludes(guide);
   app.add_option("--from", options.from_s,
-                 "begin so many seconds into the recording (--guide: into the hand's path)")
+                 "begin this many seconds into the recording (with --guide: into the hand's path)")
       ->check(CLI::NonNegativeNumber)
       ->excludes(verify_option);
-  app.add_option("--to", options.to_s, "end so many seconds into it")
+  app.add_option("--to", options.to_s, "end this many seconds into it")
       ->check(CLI::PositiveNumber)
       ->excludes(verify_option);
   AddNetworkOptions(app, "a viewer or the guided station", options.network);
-  AddCommonOptions(app, "which viewers and stations: the same number as there", options.domain,
-                   options.log_level);
+  AddCommonOptions(app, "domain of viewers and stations: the number that they were given",
+                   options.domain, options.log_level);
   CLI::App* score = app.add_subcommand(
       "score", "how near a trainee came to an expert, trial by trial and on average");
+  score->footer(kScoreExamples);
   score->add_option("expert", options.score.expert, "recording of the expert")->required();
   score
       ->add_option("trials", options.score.trials,
@@ -130,13 +143,15 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
   score->add_option("--json", options.json, "write the score as JSON to this file; - is stdout");
 
   CLI::App* criteria = app.add_subcommand("criteria", "write a file to grade by, for you to edit");
+  criteria->footer(kCriteriaExamples);
   criteria->add_option("file", options.new_criteria, "file to write, FILE.json")->required();
 
   std::string format = "csv";
   CLI::App* columns = app.add_subcommand(
       "export",
-      "write poses, wrenches, contacts and the limiter's work as columns, with what a "
-      "paper's methods section needs");
+      "write poses, wrenches, contacts and the limiter's work as columns, with what a paper's "
+      "methods section needs");
+  columns->footer(kExportExamples);
   columns->add_option("files", options.columns.files, "a recording, or its splits in their order")
       ->required();
   columns->add_option("-o,--output", options.columns.folder, "folder to make")->required();

@@ -62,64 +62,73 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   CLI::App app(kAbout, "palpate-station");
   app.footer("Devices:\n" + DeviceHelp() + kExamples);
   app.add_option("--device", options.link.device, "the device: " + DeviceNames())->required();
-  app.add_option("--model", options.model, "which arm; default: the first named below");
-  app.add_option("--rate", options.rate_Hz, "how often the device is served, in Hz")
+  app.add_option("--model", options.model,
+                 "which arm to simulate; default: the first that is named below");
+  app.add_option("--rate", options.rate_Hz, "how often the device is read and commanded, in Hz")
       ->capture_default_str();
   app.add_option("--scene", options.link.scene,
-                 "scene, as the server names it, or the file that the server has")
+                 "scene to feel: its name at the server, or the file that the server was given")
       ->required();
-  app.add_option("--tool", options.link.tool, "tool of the scene; not needed where it has but one");
+  app.add_option("--tool", options.link.tool,
+                 "tool of the scene; needed only if the scene has several");
   app.add_option("--id", options.link.station, "name of this station: 1 to 32 letters, digits or _")
       ->required();
   app.add_option(
       "--script", options.script,
-      "poses that the simulated hand follows (JSON); default: what the server has for the "
-      "scene, its own script or one that is made for it");
+      "poses that the simulated hand follows (JSON); default: the script that the server has for "
+      "the scene, or makes for it");
   app.add_option(
       "--workspace", options.workspace,
-      "how the device lies in the scene (JSON): calibration, frame, scale, clutch, walls");
+      "file that says how the device lies in the scene (JSON): calibration, frame, scale, clutch, "
+      "walls");
   app.add_option("--scale", options.scale,
-                 "motion of the tool over motion of the hand; default: the workspace's, else 1")
+                 "millimetres that the tool moves for each millimetre of the hand; default: the "
+                 "workspace's, else 1")
       ->check(CLI::Range(Workspace::kLeastScale, Workspace::kMostScale));
   app.add_option("--clutch-button", options.clutch_button,
-                 "number of the button, from 0, that lets the hand move without the tool")
+                 "button that lets the hand move without the tool, a number from 0")
       ->check(CLI::Range(0, 31));
-  app.add_flag("--loop", options.loop, "follow the script again and again; else its end is held");
+  app.add_flag("--loop", options.loop,
+               "repeat the script; without it the hand stays at the script's end");
   app.add_flag("--enable-forces", options.enable_forces,
-               "let forces out to a real device (simulated ones need no leave)");
+               "let forces out to a real device all the time, not only while its first button is "
+               "held; simulated devices always get them");
   app.add_option("--device-name", options.device_name,
-                 "arm, as its vendor's set-up program names it, its serial number, or its id; "
-                 "default: the first");
+                 "which arm, if there are several: its name in the vendor's set-up program, its "
+                 "serial number, or its id; default: the first");
   app.add_flag("--calibrate", options.calibrate,
-               "calibrate the arm even if it is; it is in its reset position now, if it has one");
+               "calibrate the arm even if it is calibrated; put it into its reset position first, "
+               "if it has one");
   app.add_option("--local-model", local_model,
-                 "on: a reply's contacts are felt at the newest pose, and a server more than 2 ms "
-                 "away is asked ahead; off: its wrench, as it came")
+                 "on: compute the force of a reply's contacts at the newest pose, and ask ahead "
+                 "where the server is more than 2 ms away; off: apply each wrench as it came")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
   CLI::Option* accept_guide = app.add_flag("--accept-guide", options.accept_guide,
-                                           "let 'palpate-replay --guide ID' lead the hand, gently");
+                                           "let 'palpate-replay --guide ID' lead the hand gently");
   app.add_option("--guide-force", options.guide_force_N,
-                 "most that a guide may pull with, in N; the torque is a hundredth, in N m")
+                 "greatest force of a guide, in N; its greatest torque, in N m, is a hundredth of "
+                 "that")
       ->check(CLI::Range(0.0, GuideLimits::kMostForce_N))
       ->needs(accept_guide)
       ->capture_default_str();
   CLI::Option* for_option =
-      app.add_option("--for", seconds, "end after so many seconds; default: at Ctrl-C")
+      app.add_option("--for", seconds, "end after this many seconds; default: at Ctrl-C")
           ->check(CLI::PositiveNumber);
-  app.add_option("--transport", transport, "of poses and wrenches: auto, shm or udp")
+  app.add_option("--transport", transport,
+                 "how poses and wrenches travel: auto (shared memory if possible), shm or udp")
       ->capture_default_str();
   AddNetworkOptions(app, "the server", options.link.network);
-  app.add_option("--wait", options.link.patience_s, "seconds to wait for a server's first answer")
+  app.add_option("--wait", options.link.patience_s, "seconds to wait for the server's first answer")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   AddRealtimeOptions(app, "the loop", options.link.realtime);
   app.add_flag("--table,!--no-table", table,
-               "a live table, or a line a second; default: a table on a terminal");
+               "show a live table, or else a line a second; default: a table on a terminal");
   app.add_option("--json", options.json, "write the summary as JSON to this file; - is stdout");
   app.add_option("--trace", options.trace,
-                 "write a row of every tick to this file (CSV): replies, their age, forces");
-  AddCommonOptions(app, "which server: the same number as there", options.link.domain,
+                 "write a row for every tick to this file (CSV): replies, their age, forces");
+  AddCommonOptions(app, "the server's domain: the number that it was given", options.link.domain,
                    options.log_level);
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;

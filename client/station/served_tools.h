@@ -39,8 +39,7 @@ using WaitOrStop = std::function<bool(std::chrono::nanoseconds)>;
 /// What the server of a domain offers, by its own word: no file is looked for.
 /// @param service  a participant of that domain, over that network.
 /// @param scene    its name, or the file that the server has it from, in whatever folder; empty:
-/// all
-///                 that there is.  The tools of each scene are in its order.
+///                 all that there is.  The tools of each scene are in its order.
 /// Empty where `wait` gave up.  Throws Error where no server answers, or has no such scene.
 std::vector<OfferedTool> AskForTools(const dds::Participant& service, const AskOptions& options,
                                      const std::string& scene, const WaitOrStop& wait);

@@ -101,6 +101,7 @@ StationSummary Summarise(const StationOptions& options, const Device& device,
 void RunStation(const StationOptions& given, StopSignal& stop) {
   // What fails without a server fails at once.
   DeviceOptions device_options = DeviceOf(given);
+  CheckDriver(given.link.device);
   dds::ChooseTransport(given.link.transport, given.link.network);
   // Kept open, so that the domain is not made anew for the session.
   const dds::Participant service = dds::Participant::Service(given.link.domain, given.link.network);

@@ -77,56 +77,58 @@ std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* arg
   CLI::App app(kAbout, "palpate-viewer");
   app.footer(kExamples);
   const CLI::Option* port =
-      app.add_option("--http", options.port, "port of page and WebSocket; 0: a free one")
+      app.add_option("--http", options.port, "port of the page and its WebSocket; 0: a free one")
           ->check(CLI::Range(0, 65535));
   app.add_option("--bind", options.address,
-                 "address to listen at; 0.0.0.0: every network of this host")
+                 "address to listen at; 0.0.0.0: all networks of this host")
       ->capture_default_str();
-  const CLI::Option* page =
-      app.add_option("--page", options.page, "folder of the built page")->capture_default_str();
-  app.add_option("--rate", options.rate_hz, "tool states a second and station, for each viewer")
+  const CLI::Option* page = app.add_option(
+      "--page", options.page,
+      "folder of the built page; default: the one of this program's package or build");
+  app.add_option("--rate", options.rate_hz, "updates a second that each viewer gets of each tool")
       ->check(CLI::Range(10.0, 60.0))
       ->capture_default_str();
-  app.add_option("--max-viewers", options.max_viewers, "viewers at once; more are turned away")
+  app.add_option("--max-viewers", options.max_viewers, "viewers at once; more are refused")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   app.add_option("--max-mice", options.max_mice,
-                 "tools that viewers may hold with the mouse, at once; 0: none")
+                 "tools that viewers may hold with the mouse at once; 0: none")
       ->check(CLI::Range(0, 16))
       ->capture_default_str();
-  app.add_flag(
-      "--no-steering", options.no_steering,
-      "viewers see a replay and cannot steer it from here; palpate-replay --locked rules it "
-      "out for every gateway");
+  app.add_flag("--no-steering", options.no_steering,
+               "viewers may not steer a replay at this gateway; 'palpate-replay --locked' forbids "
+               "it at all of them");
   app.add_option("--allow-origin", options.origins,
-                 "another page that may attach and take a tool, as https://app.example.org; *: any "
-                 "page; this gateway's own, and programs that are no page, always may; "
-                 "file://, as desktop applications call themselves, may look unless it is named");
+                 "origin of another web page that may attach and take a tool, as "
+                 "https://app.example.org; *: every page.  This gateway's own page, and programs "
+                 "that are no web page, always may.  Desktop applications that call themselves "
+                 "file:// may look, and take tools if file:// is given here");
   AddHostNameOption(app, "the page", options.host_names);
   std::vector<std::string> proxies;
   app.add_option("--proxy", proxies,
-                 "address of a reverse proxy, whose X-Forwarded-For says for whom it asks: shares "
-                 "are then theirs");
-  app.add_option(
-      "--tokens", options.tokens,
-      "file of tokens: whoever asks for more than the page's own files needs one.  SIGHUP "
-      "(systemctl reload palpate-viewer) has it read anew: new tokens are valid, and a "
-      "connection ends at once whose token is gone, or has another role; a file that is "
-      "not as it should be changes nothing");
+                 "address of a reverse proxy.  Its X-Forwarded-For is believed, so that limits "
+                 "hold for each visitor and not for the proxy");
+  app.add_option("--tokens", options.tokens,
+                 "file of access tokens: all but the page's own files then needs a token.  SIGHUP "
+                 "(systemctl reload palpate-viewer) reads it again.  Connections end at once whose "
+                 "token is gone or has another role; a file with a mistake changes nothing");
   std::vector<std::string> make_token;
   const CLI::Option* make =
       app.add_option(
              "--make-token", make_token,
-             "prints a new token of this ROLE (watch, drive or operate) and NAME, enters it "
-             "in --tokens and ends")
+             "ROLE NAME: print a new token (watch, drive or operate) of this name, add it to the "
+             "--tokens file, and end")
           ->expected(2);
   app.add_option("--tls-cert", options.tls_cert,
-                 "the server's certificate chain, PEM: HTTPS and wss, TLS 1.2 or newer");
-  app.add_option("--tls-key", options.tls_key, "its private key, PEM, that others cannot read");
-  app.add_option("--transport", options.transport, "of the mice's stations: auto, shm or udp")
+                 "certificate chain of this host (PEM), as 'palpate-identities certificate' makes "
+                 "it; the port then speaks HTTPS and wss, TLS 1.2 or newer");
+  app.add_option("--tls-key", options.tls_key,
+                 "its private key (PEM), which nobody but its owner may read");
+  app.add_option("--transport", options.transport,
+                 "how poses and wrenches of the mice travel: auto, shm or udp")
       ->capture_default_str();
   AddNetworkOptions(app, "the server", options.network);
-  AddCommonOptions(app, "which server: the same number as there", options.domain,
+  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
                    options.log_level);
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
   if (make->count() > 0) {

@@ -27,13 +27,16 @@
 #include "common/dds/shared_memory_watch.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/project_files.h"
 
 namespace palpate::dds {
 namespace {
 
 constexpr const char* kRouDiSocket = "/tmp/roudi";  // iceoryx 2.0: IPC channel "roudi"
 constexpr const char* kRouDiLock = "/tmp/iox-unique-roudi.lock";
-constexpr const char* kStartRouDi = "iox-roudi -c deploy/cyclonedds/roudi.toml";
+std::string StartRouDi() {
+  return "start 'iox-roudi -c " + ShownPlaceOf(ProjectFile::kSharedMemory) + "'";
+}
 
 /// Tells one RouDi from the next: each makes its socket anew.
 struct SocketIdentity {
@@ -133,8 +136,7 @@ std::string DiscoveryConfig(int domain_id, const Network& network) {
 ///   back as a writer that nobody knows, whose samples leak chunks; there stations look at silence.
 /// - Peers are asked beside multicast, not instead of it.
 /// - A participant index gives fixed ports, those of common/dds/ports.h, so that a crowded domain
-/// is
-///   an error at start.
+///   is an error at start.
 /// - Shared memory does not know domains: without a prefix per domain, another domain's writer on
 ///   the same topic fills our reader until it dies.
 /// - The locator says "same machine"; by default it is made of a network interface's address, and
@@ -231,11 +233,10 @@ TransportChoice ChooseTransport(Transport wanted, const Network& network) {
   const std::optional<std::string> why_not = WhyNoRouDi();
   if (!why_not) return {Transport::kSharedMemory, "shared memory (RouDi answers)"};
   if (wanted == Transport::kSharedMemory) {
-    throw Error("--transport shm: " + *why_not + "; start '" + kStartRouDi +
-                "' (same user and same /tmp), or give --transport auto or udp");
+    throw Error("--transport shm: " + *why_not + "; " + StartRouDi() +
+                " (same user and same /tmp), or give --transport auto or udp");
   }
-  return {Transport::kUdp,
-          "UDP (" + *why_not + "; start '" + kStartRouDi + "' first for shared memory)"};
+  return {Transport::kUdp, "UDP (" + *why_not + "; " + StartRouDi() + " first for shared memory)"};
 }
 
 /// A domain entity; one per process and id, because DDS allows no second.

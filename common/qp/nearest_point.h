@@ -45,8 +45,7 @@ inline constexpr double kJamCompliance = 1e-5;
 ///
 /// @param t       6 x 1, target [unit of b].
 /// @param rows    any count, all finite.  Duplicates, parallels and zero rows are allowed; one
-/// shorter
-///                than 1e-75 is a zero row.
+///                shorter than 1e-75 is a zero row.
 /// @param guess,guesses  rows that were active last time, most useful first; may repeat.
 /// Plain C++; for many rows server/physics/solve/qp_solver.h has it by the processor's widest
 /// vectors.

@@ -30,9 +30,8 @@ std::string WhyNoFifo(int priority, int error) {
          " and CAP_SYS_NICE or the cgroup's cpu.rt_runtime_us is missing: put '* - rtprio 95' in "
          "/etc/security/limits.d and log in again, or 'setcap cap_sys_nice,cap_ipc_lock+ep' on the "
          "program; in docker, and in podman that root runs, --cap-add SYS_NICE --ulimit rtprio=95; "
-         "in "
-         "podman without root the host's limits count: raise them there, log in again, and run it "
-         "with --ulimit host)";
+         "in podman without root the host's limits count: raise them there, log in again, and run "
+         "it with --ulimit host)";
 }
 
 std::string WhyNoLock(int error) {

@@ -23,8 +23,7 @@ struct RealtimeOptions {
 
 /// What was obtained.
 /// @field summary  one line, for the log: "SCHED_FIFO 40, memory locked, core 1", or what is
-/// missing
-///                 and the remedy.
+///                 missing and the remedy.
 struct RealtimeReport {
   bool fifo = false;
   bool memory_locked = false;

@@ -1,6 +1,6 @@
 #!/bin/sh
-# manual.sh PROGRAM PAGE.gz [NAME VERSION]: a manual of the program's own --help; a script, which does not
-# say them itself, has a name and a version.
+# manual.sh PROGRAM PAGE.gz [NAME VERSION]: a manual of the program's own --help, and of each of its commands';
+# a script, which does not say them itself, has a name and a version.
 set -eu
 program=$1
 page=$2
@@ -8,8 +8,16 @@ command -v help2man >/dev/null || {
   echo "help2man is missing: deploy/setup --for packages installs it" >&2
   exit 1
 }
-help2man --no-info --no-discard-stderr --section 1 \
+# A section for each command, as it prints it: "Subcommands:" lists them, two letters in.
+commands=$page.commands
+"$program" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z][a-z-]*\).*/\1/p' | while read -r command; do
+  printf '[COMMAND %s]\n.nf\n' "$command"
+  "$program" "$command" --help | sed 's/\\/\\e/g; s/-/\\-/g; s/^[.'"'"']/\\\&&/'
+  printf '.fi\n\n'
+done >"$commands"
+has_commands=$(head -c 1 "$commands")
+help2man --no-info --no-discard-stderr --section 1 ${has_commands:+--include "$commands"} \
   --name "${3:-$("$program" --help | sed -n '1{s/[:.,;] .*//;p}')}" ${4:+--version-string "$4"} \
   "$program" >"$page.part"
 gzip -9n <"$page.part" >"$page"
-rm "$page.part"
+rm "$page.part" "$commands"

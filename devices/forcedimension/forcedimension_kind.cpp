@@ -1,5 +1,6 @@
 #include "devices/device_factory.h"
 #include "devices/device_kind.h"
+#include "devices/forcedimension/dhd_library.h"
 #include "devices/forcedimension/forcedimension_device.h"
 
 namespace palpate {
@@ -10,6 +11,7 @@ DeviceKind ForceDimensionKind() {
               "omega, delta, sigma or lambda, through Force Dimension's library libdhd.so.3; "
               "--device-name SERIAL",
           .max_rate_Hz = 4000.0,
+          .check_host = [] { dhd::LoadLibrary(dhd::LibraryCandidates()); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
             ForceDimensionOptions arm;
             arm.serial = options.arm;

@@ -1,6 +1,7 @@
 #include "devices/device_factory.h"
 #include "devices/device_kind.h"
 #include "devices/haply/haply_device.h"
+#include "devices/haply/inverse_client.h"
 
 namespace palpate {
 
@@ -10,6 +11,7 @@ DeviceKind HaplyKind() {
               "Haply Inverse3 with VerseGrip, through its Inverse Service at "
               "ws://localhost:10001; --device-name ID",
           .max_rate_Hz = 2000.0,
+          .check_host = [] { haply::CheckService(haply::ServiceAddress()); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
             HaplyOptions arm;
             arm.device_id = options.arm;

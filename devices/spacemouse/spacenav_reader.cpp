@@ -74,9 +74,9 @@ int TryConnect(const std::string& path) {
   return error;
 }
 
-/// Looks for somebody who listens.  Before each spnav_open: that one leaks where it fails, and says
-/// nothing of why.  Throws Error.
-void FindDaemon() {
+}  // namespace
+
+void FindSpacenavd() {
   std::string tried;
   int error = ENOENT;
   for (const std::string& path : Sockets()) {
@@ -107,10 +107,12 @@ void FindDaemon() {
   throw Error("spacemouse: no connection to spacenavd: tried " + tried + "; " + remedy);
 }
 
+namespace {
+
 /// Opens libspnav's connection.  Throws Error.
 void OpenLibrary() {
   for (int i = 0; i < kOpenings; ++i) {
-    FindDaemon();
+    FindSpacenavd();  // spnav_open leaks where it fails, and says nothing of why
     const auto began = std::chrono::steady_clock::now();
     errno = 0;  // libspnav looks at it after calls that do not set it
     if (spnav_open() < 0) continue;

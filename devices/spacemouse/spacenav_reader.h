@@ -18,6 +18,10 @@ struct SpacenavState {
   std::uint32_t buttons = 0;  ///< bit i: button i is down; those from 32 on are not told
 };
 
+/// Throws Error, with what to do, where nothing listens at spacenavd's socket, or this user may not
+/// connect to it.
+void FindSpacenavd();
+
 /// Listens to spacenavd through libspnav, in a thread of its own: libspnav allocates, blocks while
 /// it opens, and keeps its one connection per process in globals that only this thread touches.
 /// Where the daemon goes, the state says so with all axes and buttons at rest, the log says it

@@ -64,8 +64,7 @@ void Write(const std::string& bytes) {
 int Main(int argc, char** argv) {
   CLI::App app(
       "Reads a mesh (OBJ, STL, PLY, 3DS, glTF) for the other programs, which start it and find it\n"
-      "in their own folder.  It limits its own time and memory, so that a damaged file ends it "
-      "and\n"
+      "in their own folder.  It limits its own time and memory, so that a damaged file ends it,\n"
       "not them.  By hand it tells whether a file can be read.\n\n"
       "Example: palpate-import tooth.stl",
       "palpate-import");
@@ -73,8 +72,8 @@ int Main(int argc, char** argv) {
   std::string log_level = "info";
   int domain = 0;
   app.add_option("MESH", file, "Mesh file, which may be gzipped (.gz)")->required();
-  AddCommonOptions(app, "Understood as by the other programs; this one talks to none", domain,
-                   log_level);
+  AddCommonOptions(app, "Taken as by the other programs, and not used: this one talks to none",
+                   domain, log_level);
   if (!ParseCommandLine(app, argc, argv)) return 0;
   SetUpLog("palpate-import", log_level);
   LimitItself(file);

@@ -22,8 +22,7 @@ struct ImportedTree {
 /// Reads the file that `source` names and brings its balls to the mesh.
 /// @param mesh             of the body, frame B [m].
 /// @param metres_per_unit  of the file, where the source says none: what a number in the mesh's
-/// file
-///                         means.
+///                         file means.
 /// Throws Error where the file is damaged, has no such level, or is clearly of something else.
 ImportedTree ImportTree(const TreeSource& source, const TriangleMesh& mesh, double metres_per_unit);
 

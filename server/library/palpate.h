@@ -108,7 +108,7 @@ PALPATE_API int palpate_scene_add_box(palpate_scene* scene, palpate_role role, c
 PALPATE_API int palpate_scene_add_ball(palpate_scene* scene, palpate_role role, const char* name,
                                        double radius_m, const palpate_body* body);
 
-/** `tool`: the how-many-eth tool of the scene, from 0.  The scene may be freed afterwards. */
+/** `tool`: index of the tool in the scene, from 0.  The scene may be freed afterwards. */
 PALPATE_API palpate_model* palpate_model_new(const palpate_scene* scene, size_t tool);
 PALPATE_API void palpate_model_free(palpate_model* model); /**< proxies of it live on */
 

@@ -12,8 +12,8 @@ namespace palpate {
 
 /// Answers the poses of one session in a thread of its own, below all servo threads in priority:
 /// for mice, whose hand feels nothing, so that a late answer is no wrong one.  Of poses that come
-/// while one is answered, or while the thread rests for its share, the newest counts; the others
-/// are as lost on their way.
+/// while one is answered, or while the thread rests for its share, the newest is answered; the
+/// others are dropped, as if the network had lost them.
 class BackgroundServo {
  public:
   /// Of a core, for each mouse.

@@ -9,8 +9,8 @@ namespace palpate {
 
 /// A station's share of the thread that answers all stations, in poses and in time.  A station that
 /// sends ten times what it should, or whose tool rubs where a step is dear, would make everybody
-/// late.  A pose beyond the share is as one that was lost on its way: never heard, so a replay need
-/// not know.
+/// late.  A pose beyond the share is dropped as if the network had lost it: the physics never sees
+/// it, and so a replay needs no record of it.
 /// Real-time: no allocation, lock or log.
 class ServoBudget {
  public:

@@ -9,8 +9,10 @@ namespace palpate::bench {
 namespace {
 
 int Main(int argc, char** argv) {
-  CLI::App app("Measurements of Palpate: each command prints a table, and JSON with --json FILE.",
-               "palpate-bench");
+  CLI::App app(
+      "Measurements of Palpate: each command prints a table, and writes JSON with --json FILE; "
+      "pareto\nwrites report, plot and JSON into its --out folder.",
+      "palpate-bench");
   app.require_subcommand(1);
   app.fallthrough();
   int domain = dds::kMaxDomain;

@@ -36,6 +36,19 @@ TEST_F(ProjectFiles, AreInTheCheckoutThatTheProgramIsBuiltIn) {
   EXPECT_EQ(PlaceOf(ProjectFile::kModels, bin), (folder_ / "build/models/node_modules").string());
 }
 
+TEST_F(ProjectFiles, AreShownFromTheWorkingFolderWhereTheyAreBelowIt) {
+  const std::string bin = Make("build/release/bin");
+  const std::string page = Make("build/page");
+  const std::string root = folder_.string();
+  EXPECT_EQ(ShownPlaceOf(ProjectFile::kPage, bin, root), "build/page");
+  EXPECT_EQ(ShownPlaceOf(ProjectFile::kPage, bin, root + "/build"), "page");
+  for (const std::string& elsewhere : {root + "/scenes", std::string("/"), std::string()}) {
+    EXPECT_EQ(ShownPlaceOf(ProjectFile::kPage, bin, elsewhere), page);
+  }
+  // Which nothing has here.
+  EXPECT_EQ(ShownPlaceOf(ProjectFile::kSharedMemory, bin, root), "deploy/cyclonedds/roudi.toml");
+}
+
 TEST_F(ProjectFiles, AreFoundByThisTestInItsCheckout) {
   EXPECT_TRUE(
       fs::equivalent(PlaceOf(ProjectFile::kCatalogue), PALPATE_SOURCE_DIR "/scenes/catalogue"));

@@ -1,4 +1,6 @@
 // What deploy/package packs.  tests/deploy/try_packages installs and runs it.
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <sstream>
 #include <string>
@@ -55,6 +57,39 @@ TEST(Packages, HoldWhatALabReadsAndWhatTheProgramsTellItToCall) {
                            "deploy/observability", "deploy/security/identities"}) {
     EXPECT_THAT(rules, HasSubstr(std::string("${root}/") + file)) << file << " is not packed";
   }
+}
+
+TEST(Packages, HaveAManualWithEachCommandOfAProgram) {
+  if (RunCommand({"sh", "-c", "command -v help2man"}).exit_code != 0) {
+    GTEST_SKIP() << "help2man is missing: deploy/setup --for packages installs it";
+  }
+  const std::string program = testing::TempDir() + "palpate-made-up", page = program + ".1.gz";
+  std::ofstream(program) << R"(#!/bin/sh
+case $1 in
+  score) printf 'Scores.\nUsage: palpate-made-up score [OPTIONS]\n\n.dot and \\ of score\n' ;;
+  *) printf 'Does much.\n\nUsage: palpate-made-up [SUBCOMMAND]\n\nSubcommands:\n  score    scores\n           well\n\nExamples:\n  made\n' ;;
+esac
+)";
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  const Output made = RunCommand({"sh", PALPATE_SOURCE_DIR "/deploy/packages/manual.sh", program,
+                                  page, "does much", "palpate-made-up 1"});
+  EXPECT_EQ(made.exit_code, 0) << made.text;
+  const std::string text = RunCommand({"gzip", "-dc", page}).text;
+  EXPECT_THAT(text, HasSubstr(".SH \"COMMAND SCORE\""));
+  EXPECT_THAT(text, HasSubstr("palpate\\-made\\-up score [OPTIONS]"));
+  EXPECT_THAT(text, HasSubstr("\\&.dot and \\e of score"));
+  for (const std::string& file : {program, page}) std::filesystem::remove(file);
+}
+
+TEST(Packages, HoldThePagesThatMessagesName) {
+  const std::string rules = Read("deploy/packages/CMakeLists.txt");
+  for (const char* page :
+       {"${root}/client/crtk/README.md DESTINATION share/doc/palpate-common RENAME CRTK.md",
+        "devices devices/openhaptics devices/forcedimension devices/haply",
+        "share/doc/palpate-common/${folder} ${root}/${folder}/README.md"}) {
+    EXPECT_THAT(rules, HasSubstr(page));
+  }
+  EXPECT_THAT(Read("client/crtk/options.cpp"), HasSubstr("/usr/share/doc/palpate-common/CRTK.md"));
 }
 
 }  // namespace

@@ -26,9 +26,8 @@ const std::vector<Rule> kRules = {
     // Types that travel depend on nothing.
     {"idl", {}, {}, {}},
     {"common", {"common"}, {"common/dds"}, {"Eigen", "spdlog"}},
-    // What all programs' command lines share; of DDS the range of domains and where to look,
-    // without
-    // its library.
+    // What all programs' command lines share; of DDS the range of domains and where to look, but
+    // not its library.
     {"common/command_line.h", {"common/realtime/realtime.h", "common/dds/network.h"}, {}, {}},
     {"common/command_line.cpp",
      {"common/command_line.h", "common/dds/topics.h", "common/error.h", "common/host_name.h",
@@ -68,8 +67,7 @@ const std::vector<Rule> kRules = {
      {"common/dds"},
      {"Eigen"}},
     // scene.h and no more of scenes: a session's model is made from a scene's trees and coupling,
-    // and
-    // from nothing that reads files.
+    // and from nothing that reads files.
     {"server/session",
      {"common", "server/physics", "server/session", "scenes/scene.h", "scenes/scene_remains.h"},
      {},

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -43,6 +45,47 @@ TEST(Programs, TeachWithHelpThatHasAnExample) {
     }
     EXPECT_THAT(help.text, HasSubstr("xample")) << program;
     EXPECT_THAT(help.text, HasSubstr(program)) << program << ": the example names no program";
+  }
+}
+
+/// The commands that a help lists, by the two columns of CLI11.
+std::vector<std::string> CommandsOf(const std::string& help) {
+  std::vector<std::string> commands;
+  std::istringstream lines(help.substr(std::min(help.find("Subcommands:"), help.size())));
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line) && !line.empty()) {
+    // What belongs to the line above is indented further.
+    if (line.starts_with("  ") && line[2] != ' ')
+      commands.push_back(line.substr(2, line.find(' ', 2) - 2));
+  }
+  return commands;
+}
+
+/// From a help's examples to its end.
+std::string ExamplesOf(const std::string& help) {
+  return help.substr(std::min(help.rfind("\nExample"), help.size()));
+}
+
+TEST(Programs, ShowEachCommandsOwnExamplesInItsHelp) {
+  int commands = 0;
+  for (const std::string& program : Programs()) {
+    const Output help = RunCommand({PathOf(program), "--help"});
+    for (const std::string& command : CommandsOf(help.text)) {
+      const Output own = RunCommand({PathOf(program), command, "--help"});
+      EXPECT_EQ(own.exit_code, 0) << program << ' ' << command;
+      EXPECT_THAT(ExamplesOf(own.text), HasSubstr(program + " " + command)) << own.text;
+      EXPECT_NE(ExamplesOf(own.text), ExamplesOf(help.text)) << program << ' ' << command;
+      ++commands;
+    }
+  }
+  EXPECT_GE(commands, 11);  // of scene, replay, record and lesson; the benchmarks may be left out
+}
+
+TEST(Programs, NameNoPlaceOfTheMachineThatBuiltThem) {
+  for (const std::string& program : Programs()) {
+    const Output help = RunCommand({PathOf(program), "--help"});
+    EXPECT_THAT(help.text, Not(HasSubstr(PALPATE_SOURCE_DIR))) << program;
   }
 }
 

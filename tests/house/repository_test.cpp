@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <regex>
 #include <set>
 #include <string>
@@ -46,6 +47,18 @@ TEST(FirstMatch, FindsWhatIsNotAllowedAndNothingElse) {
   EXPECT_NE(FirstMatch(std::string("https://registry.npm") + "js.org/a", kRegistryHost), "");
 }
 
+TEST(TrackedFiles, LeaveOutWhatAUserKeepsInTheCheckout) {
+  const std::string root = testing::TempDir() + "tracked_files_test";
+  std::filesystem::remove_all(root);
+  std::filesystem::create_directories(root);
+  for (const std::string file : {"tracked.h", "tooth.stl"}) std::ofstream(root + "/" + file) << '1';
+  ASSERT_EQ(RunCommand({"git", "init", "-q", root}).exit_code, 0);
+  ASSERT_EQ(RunCommand({"git", "-C", root, "add", "tracked.h"}).exit_code, 0);
+  EXPECT_THAT(TrackedFiles(root), testing::ElementsAre("tracked.h"));
+  EXPECT_THAT(SourceFiles(root), testing::ElementsAre("tooth.stl", "tracked.h"));
+  std::filesystem::remove_all(root);
+}
+
 TEST(Repository, HasAtItsTopOnlyWhatBelongsThere) {
   const std::set<std::string> allowed = {".ci",
                                          ".clang-format",
@@ -67,7 +80,7 @@ TEST(Repository, HasAtItsTopOnlyWhatBelongsThere) {
                                          "server",
                                          "tests"};
   std::set<std::string> top;
-  for (const std::string& file : SourceFiles(kRoot)) top.insert(file.substr(0, file.find('/')));
+  for (const std::string& file : TrackedFiles(kRoot)) top.insert(file.substr(0, file.find('/')));
   EXPECT_EQ(top, allowed);
 }
 

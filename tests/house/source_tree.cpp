@@ -15,11 +15,15 @@
 
 namespace palpate::house {
 
-std::vector<std::string> SourceFiles(const std::string& root) {
+namespace {
+
+std::vector<std::string> ListedFiles(const std::string& root,
+                                     const std::vector<std::string>& which) {
   // safe.directory: whoever runs the tests need not own the checkout (containers, CI).
-  const Output listing =
-      RunCommand({"git", "-c", "safe.directory=*", "-C", root, "-c", "core.quotePath=off",
-                  "ls-files", "--cached", "--others", "--exclude-standard"});
+  std::vector<std::string> words = {"git", "-c", "safe.directory=*",   "-C",
+                                    root,  "-c", "core.quotePath=off", "ls-files"};
+  words.insert(words.end(), which.begin(), which.end());
+  const Output listing = RunCommand(words);
   if (listing.exit_code != 0) throw Error("git ls-files in " + root + ": " + listing.text);
   std::vector<std::string> files;
   std::istringstream lines(listing.text);
@@ -28,6 +32,16 @@ std::vector<std::string> SourceFiles(const std::string& root) {
   }
   std::sort(files.begin(), files.end());
   return files;
+}
+
+}  // namespace
+
+std::vector<std::string> SourceFiles(const std::string& root) {
+  return ListedFiles(root, {"--cached", "--others", "--exclude-standard"});
+}
+
+std::vector<std::string> TrackedFiles(const std::string& root) {
+  return ListedFiles(root, {"--cached"});
 }
 
 std::string ReadFile(const std::string& file) {

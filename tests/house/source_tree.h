@@ -9,6 +9,9 @@ namespace palpate::house {
 /// missing or the root is no repository.
 std::vector<std::string> SourceFiles(const std::string& root);
 
+/// Those of them that git tracks: without a user's own meshes and recordings.
+std::vector<std::string> TrackedFiles(const std::string& root);
+
 /// Throws Error where the file cannot be read.
 std::string ReadFile(const std::string& file);
 

@@ -12,7 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr const char* kRemedy = "start 'iox-roudi -c deploy/cyclonedds/roudi.toml'";
+constexpr const char* kRemedy = "deploy/cyclonedds/roudi.toml' (same user";
 constexpr const char* kFallback = "UDP (no RouDi listens at /tmp/roudi; start 'iox-roudi -c";
 
 TEST(WithoutRouDi, SharedMemoryIsRefusedWithTheRemedyAndAutoTakesUdpAndSaysSo) {

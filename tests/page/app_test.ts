@@ -463,6 +463,28 @@ test("a student's view has force, what is touched and the scene's goal, and is a
   expect(await page.locator("#goal-text").inputValue()).toBe("");
 });
 
+test("the help of a student's view tells what a student needs, and the other one all", async () => {
+  press(0);
+  page = await open({}, "?view=student");
+  const help = async (): Promise<string> => {
+    await page.keyboard.press("?");
+    const told = await page.locator("#help-dialog").innerText();
+    await page.keyboard.press("Escape");
+    return told;
+  };
+  await page.locator("#take").waitFor();
+  const student = await help();
+  for (const needed of [/take the tool/, /follow the tool/, /1 N is the weight/, /Touches/])
+    expect(student).toMatch(needed);
+  for (const other of [/sphere tree/, /Time for a step/, /Torque\s/, /Mute/, /student/])
+    expect(student).not.toMatch(other);
+  await page.keyboard.press("v");
+  const all = await help();
+  for (const more of [/sphere tree/, /Time for a step/, /what a student sees/])
+    expect(all).toMatch(more);
+  expect(all).not.toMatch(/Mute/); // of those who may decide
+});
+
 test("spheres come on demand, level by level", async () => {
   press(0);
   page = await open();

@@ -124,6 +124,9 @@ test("the console is not for those who may not decide, nor in a student's view",
   gateway.role = "operate";
   await page.reload();
   await page.locator("#console-section").waitFor();
+  await page.keyboard.press("?");
+  expect(await page.locator("#help-dialog").innerText()).toMatch(/Mute[\s\S]*Take back/);
+  await page.keyboard.press("Escape");
   await page.keyboard.press("v");
   await page.locator("#console-section").waitFor({state: "hidden"});
   expect(await page.locator("#who-section").isVisible()).toBe(true);

@@ -1,10 +1,12 @@
 """The module for Python: against the library in C for the bits, against geometry for the forces."""
 
+import ast
 import ctypes
 import gc
 import math
 import os
 import pathlib
+import pydoc
 import subprocess
 import sys
 import tempfile
@@ -15,6 +17,7 @@ import warnings
 import numpy
 
 import palpate
+from palpate import live
 
 SIZE = [0.04, 0.04, 0.04]
 
@@ -275,6 +278,28 @@ class Files(unittest.TestCase):
             file.flush()
             with self.assertRaisesRegex(palpate.Error, os.path.basename(file.name)):
                 palpate.read_recording(file.name)
+
+
+class Help(unittest.TestCase):
+    def test_says_what_the_stubs_say_of_every_name(self):
+        said = 0
+        for module, stub in ((palpate, "__init__.pyi"), (live, "live.pyi")):
+            tree = ast.parse((pathlib.Path(palpate.__file__).parent / stub).read_text())
+            for owner in [tree, *(node for node in tree.body if isinstance(node, ast.ClassDef))]:
+                place = module if owner is tree else getattr(module, owner.name)
+                for node in owner.body:
+                    if not isinstance(node, (ast.ClassDef, ast.FunctionDef)) or not ast.get_docstring(node):
+                        continue
+                    shown = pydoc.plain(pydoc.render_doc(getattr(place, node.name)))
+                    for line in ast.get_docstring(node).splitlines():
+                        self.assertIn(line, shown, f"{stub}: {node.name}")
+                    said += 1
+        self.assertGreater(said, 45)
+
+    def test_says_what_is_given_and_what_comes_back(self):
+        self.assertIn("step(self, pose: ArrayLike) -> Report", pydoc.plain(pydoc.render_doc(palpate.Proxy.step)))
+        self.assertIn("NDArray[numpy.float64]: x y z in N", palpate.Report.force.__doc__)
+        self.assertIn("seconds: float=0.0", live.Station.move.__doc__)
 
 
 class Examples(unittest.TestCase):

@@ -1,4 +1,6 @@
+#include <cstdlib>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -12,6 +14,7 @@ namespace palpate {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 /// The exit status of palpate-station, and what it printed.
 struct Outcome {
@@ -46,6 +49,24 @@ TEST(PalpateStation, ExitsWithOneWhereNoServerAnswers) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.text, HasSubstr("no server answers in domain " + domain));
   EXPECT_THAT(outcome.text, HasSubstr("start 'palpate-server --scene no-such-scene"));
+}
+
+TEST(PalpateStation, NamesWhatADriverMissesThoughNoServerAnswers) {
+  const std::string domain = std::to_string(test::OwnDomain());
+  const std::string nothing = "/nowhere/it";
+  for (const auto& [device, variable, value] :
+       {std::tuple{"openhaptics", "PALPATE_OPENHAPTICS_LIBRARY", nothing},
+        std::tuple{"forcedimension", "PALPATE_FORCEDIMENSION_LIBRARY", nothing},
+        std::tuple{"haply", "PALPATE_HAPLY_SERVICE", std::string("ws://127.0.0.1:1")}}) {
+    setenv(variable, value.c_str(), 1);
+    const Outcome outcome = RunStation(
+        {"--device", device, "--scene", "cube", "--id", "a", "--domain", domain, "--wait", "0.2"});
+    unsetenv(variable);
+    EXPECT_EQ(outcome.status, 1) << device;
+    EXPECT_THAT(outcome.text, HasSubstr(std::string("palpate-station: ") + device + ": "));
+    EXPECT_THAT(outcome.text, HasSubstr(value));
+    EXPECT_THAT(outcome.text, Not(HasSubstr("no server"))) << device;
+  }
 }
 
 }  // namespace

@@ -600,6 +600,69 @@ TEST(Tls, NamesTheFileThatItCannotUse) {
   EXPECT_THAT(complaint(certificate.certificate(), certificate.key()), HasSubstr("chmod 0600"));
 }
 
+// --- palpate-identities certificate ---
+
+/// What a browser that knows this authority says of the gateway under a name; empty: it trusts it.
+std::string Distrust(int port, const std::string& authority, const std::string& name) {
+  net::io_context io;
+  net::ssl::context context(net::ssl::context::tls_client);
+  context.load_verify_file(authority);
+  context.set_verify_mode(net::ssl::verify_peer);
+  beast::ssl_stream<net::ip::tcp::socket> stream(io, context);
+  stream.set_verify_callback(net::ssl::host_name_verification(name));
+  stream.next_layer().connect(
+      {net::ip::make_address("127.0.0.1"), static_cast<unsigned short>(port)});
+  beast::error_code error;
+  stream.handshake(net::ssl::stream_base::client, error);
+  return error ? error.message() : "";
+}
+
+/// Has the script make a certificate in the folder; what it says.
+std::string Certify(const std::string& folder, std::vector<std::string> names, int exit = 0) {
+  names.insert(names.begin(), {"certificate", folder});
+  Program script(PALPATE_SOURCE_DIR "/deploy/security/identities", std::move(names));
+  EXPECT_EQ(script.Exit(60.0), exit) << script.Output();
+  return script.Output();
+}
+
+TEST(PageCertificate, OfOneCommandIsTrustedUnderItsNamesByWhoKnowsItsAuthority) {
+  const std::string folder = testing::TempDir() + "page_certificate_" + std::to_string(getpid());
+  const std::string page = folder + "/page";
+  EXPECT_THAT(Certify(folder, {"page.lab.example", "127.0.0.1"}),
+              AllOf(HasSubstr("--host-name page.lab.example"), HasSubstr(page + "/key.pem")));
+  for (const std::string key : {page + "/key.pem", folder + "/authority/page_ca_key.pem"}) {
+    struct stat status {};
+    EXPECT_EQ(stat(key.c_str(), &status), 0) << key;
+    EXPECT_EQ(status.st_mode & 0777, 0600u) << key;
+  }
+  const std::string authority = folder + "/first_ca.pem";
+  std::filesystem::copy_file(page + "/ca.pem", authority);
+  for (const bool anew : {false, true}) {
+    if (anew) Certify(folder, {"page.lab.example", "127.0.0.1"});
+    Gateway gateway({"--tls-cert", page + "/cert.pem", "--tls-key", page + "/key.pem"});
+    EXPECT_EQ(Distrust(gateway.port(), authority, "page.lab.example"), "");
+    EXPECT_EQ(Distrust(gateway.port(), authority, "127.0.0.1"), "");
+    EXPECT_NE(Distrust(gateway.port(), authority, "other.example"), "");
+  }
+  std::filesystem::remove_all(folder);
+}
+
+TEST(PageCertificate, IsRefusedForNamesThatItsAuthorityDoesNotVouchForOrNobodyCanType) {
+  const std::string folder = testing::TempDir() + "page_refused_" + std::to_string(getpid());
+  Certify(folder, {"page.lab.example"});
+  // Names of a kind of which there was none are refused, too.
+  EXPECT_THAT(Certify(folder, {"other.example"}, 1), HasSubstr("does not vouch for other.example"));
+  EXPECT_THAT(Certify(folder, {"10.0.0.5"}, 1), HasSubstr("does not vouch for 10.0.0.5"));
+  EXPECT_THAT(Certify(folder, {"Page.example"}, 2), HasSubstr("small letters"));
+  EXPECT_THAT(Certify(folder, {"10.0.0.256"}, 2), HasSubstr("10.0.0.256"));
+  EXPECT_THAT(Certify(folder, {}, 2), HasSubstr("NAME"));
+  EXPECT_TRUE(std::filesystem::exists(folder + "/page/cert.pem"));
+  // A secured domain may have its authority there afterwards.
+  Program script(PALPATE_SOURCE_DIR "/deploy/security/identities", {"new", folder});
+  EXPECT_EQ(script.Exit(60.0), 0) << script.Output();
+  std::filesystem::remove_all(folder);
+}
+
 // --- what one is told at the start ---
 
 TEST(Warnings, SayWhatABoundGatewayMeansWithoutTokensAndWithoutTls) {

@@ -11,6 +11,7 @@ quaternion w x y z.  Arrays are numpy's.  What is wrong is told by palpate.Error
 Equal poses give equal bits, those of C++.
 """
 
+from palpate import _prose
 from palpate._physics import (
     Body,
     Error,
@@ -43,3 +44,5 @@ __all__ = [
     "read_mesh",
     "read_recording",
 ]
+
+_prose.dress(globals(), "__init__.pyi")

@@ -6,7 +6,8 @@ from numpy.typing import ArrayLike, NDArray
 
 __version__: str
 
-class Error(ValueError): ...
+class Error(ValueError):
+    """What was wrong with what was given, and what to do."""
 
 class Body:
     """A mesh with its sphere tree, and what it is made of."""
@@ -17,15 +18,20 @@ class Body:
     pose: NDArray[numpy.float64]
     """Objects: where they stand, x y z w x y z.  To be set with x y z alone, too."""
     @property
-    def leaves(self) -> int: ...
+    def leaves(self) -> int:
+        """How many leaves the sphere tree has."""
     @property
-    def vertices(self) -> NDArray[numpy.float64]: ...
+    def vertices(self) -> NDArray[numpy.float64]:
+        """(n, 3), metres, in the body's frame."""
     @property
-    def triangles(self) -> NDArray[numpy.uint32]: ...
+    def triangles(self) -> NDArray[numpy.uint32]:
+        """(m, 3): vertices of each, counter-clockwise from outside."""
     @property
-    def leaf_centres(self) -> NDArray[numpy.float64]: ...
+    def leaf_centres(self) -> NDArray[numpy.float64]:
+        """(leaves, 3), metres, in the body's frame."""
     @property
-    def leaf_radii(self) -> NDArray[numpy.float64]: ...
+    def leaf_radii(self) -> NDArray[numpy.float64]:
+        """Metres, one of each leaf."""
 
 def body(
     name: str,
@@ -58,36 +64,45 @@ def ellipsoid(
 ) -> Tuple[NDArray[numpy.float64], NDArray[numpy.uint32]]:
     """Vertices and triangles of an ellipsoid round the origin; at least so many triangles."""
 
-def fault_words(faults: int) -> str: ...
+def fault_words(faults: int) -> str:
+    """What the bits of a report's faults mean, in words; empty where there is none."""
 
 class Report:
     """What came of one step.  Force and torque act on the hand, at the tool's centroid."""
 
     @property
-    def force(self) -> NDArray[numpy.float64]: ...
+    def force(self) -> NDArray[numpy.float64]:
+        """x y z in N, in the axes of the scene."""
     @property
-    def torque(self) -> NDArray[numpy.float64]: ...
+    def torque(self) -> NDArray[numpy.float64]:
+        """x y z in N m, in the axes of the scene."""
     @property
     def pose(self) -> NDArray[numpy.float64]:
         """Of the graphic tool, which enters nothing: x y z w x y z."""
     @property
-    def contacts(self) -> int: ...
+    def contacts(self) -> int:
+        """How many places touch."""
     @property
     def points(self) -> NDArray[numpy.float64]:
         """A row for each contact listed: where it is, and its force on the tool."""
     @property
-    def faults(self) -> int: ...
+    def faults(self) -> int:
+        """A bit for each thing that went wrong, 0 where nothing did; fault_words says what they mean."""
     @property
-    def substeps(self) -> int: ...
+    def substeps(self) -> int:
+        """Into how many parts the step's way was divided."""
 
 class Steps:
     """What came of many steps: arrays with a row for each."""
 
     wrench: NDArray[numpy.float64]
-    """Force and torque."""
+    """Force in N and torque in N m: six numbers for each step."""
     pose: NDArray[numpy.float64]
+    """Of the graphic tool: x y z w x y z for each step."""
     contacts: NDArray[numpy.int32]
+    """How many places touched."""
     faults: NDArray[numpy.uint32]
+    """As a report's."""
 
 class Model:
     """One tool against all objects; never changes, and may be used by all threads.
@@ -118,8 +133,14 @@ class Proxy:
     @property
     def start_depth(self) -> float:
         """How far the tool was from the hand at the start, in metres."""
-    def restart(self, pose: ArrayLike) -> None: ...
-    def step(self, pose: ArrayLike) -> Report: ...
+    def restart(self, pose: ArrayLike) -> None:
+        """Begins anew with the hand at this pose, as a new proxy would."""
+    def step(self, pose: ArrayLike) -> Report:
+        """One step of a millisecond: the hand is at this pose now; returns what it feels.
+
+        The tool moves towards the hand until objects stop it.  A hand that leaps some centimetres in one
+        step has its tool arrive some steps later.
+        """
     def steps(self, poses: ArrayLike) -> Steps:
         """One step after the other, (steps, 3 or 7): as step for each, without Python in between."""
 

@@ -15,7 +15,7 @@ import atexit
 import os
 import weakref
 
-from palpate import _live
+from palpate import _live, _prose
 from palpate._live import Felt, Silence, tool_dtype, wrench_dtype
 
 __all__ = ["Felt", "Session", "Silence", "Station", "tool_dtype", "wrench_dtype"]
@@ -37,9 +37,6 @@ class _Opened:
     def __exit__(self, *_):
         self.close()
 
-    def close(self):
-        self._live.close()
-
 
 class Station(_Opened):
     def __init__(self, scene="", name="python", *, tool="", domain=0, network="lo", peers=(), identity="",
@@ -57,6 +54,9 @@ class Station(_Opened):
 
     def news(self):
         return self._live.news()
+
+    def close(self):
+        self._live.close()
 
     felt = property(lambda self: self._live.felt)
     phase = property(lambda self: self._live.phase)
@@ -89,5 +89,11 @@ class Session(_Opened):
     def latest_wrench(self, station):
         return self._live.latest_wrench(station)
 
+    def close(self):
+        self._live.close()
+
     stations = property(lambda self: self._live.phases)
     dropped = property(lambda self: self._live.dropped)
+
+
+_prose.dress(globals(), "live.pyi")

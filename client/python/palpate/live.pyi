@@ -100,7 +100,7 @@ class Station:
     def tool(self) -> str: ...
     @property
     def counts(self) -> Dict[str, int]:
-        """Poses sent, replies used, poses lost."""
+        """Poses sent, replies used, poses lost: "sent", "replies" and "lost"."""
     def __enter__(self) -> "Station": ...
     def __exit__(
         self, kind: Optional[Type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
@@ -139,7 +139,8 @@ class Session:
         """The station's newest state, taken or not."""
     def latest_wrench(self, station: str) -> Optional[numpy.void]:
         """The station's newest wrench, taken or not."""
-    def close(self) -> None: ...
+    def close(self) -> None:
+        """Hears no more."""
     @property
     def stations(self) -> Dict[str, str]:
         """By name: waiting, acquiring, active, held, refused or ended, as the server last said."""

@@ -35,7 +35,7 @@ export class ReplayControls {
   private readonly when = element("replay-when", HTMLSpanElement);
   private readonly time = element("replay-time", HTMLOutputElement);
   private readonly controls = element("replay-controls", HTMLDivElement);
-  private readonly help = element("replay-keys", HTMLDListElement);
+  private readonly help = element("replay-keys", HTMLElement);
   private readonly playButton = element("play", HTMLButtonElement);
   private readonly before = element("mark-before", HTMLButtonElement);
   private readonly after = element("mark-after", HTMLButtonElement);
