@@ -126,6 +126,8 @@ test("the console is not for those who may not decide, nor in a student's view",
   await page.locator("#console-section").waitFor();
   await page.keyboard.press("?");
   expect(await page.locator("#help-dialog").innerText()).toMatch(/Mute[\s\S]*Take back/);
+  // However long it is, it begins at its top.
+  expect(await page.locator("#help-dialog").evaluate(({scrollTop}) => scrollTop)).toBe(0);
   await page.keyboard.press("Escape");
   await page.keyboard.press("v");
   await page.locator("#console-section").waitFor({state: "hidden"});
