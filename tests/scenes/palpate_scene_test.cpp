@@ -308,5 +308,21 @@ TEST(PalpateScene, EndsWithOneForAFailureAndTwoForWrongUsage) {
   EXPECT_THAT(missing.text, HasSubstr("palpate-scene: there is no scene \"nothing\""));
 }
 
+TEST(PalpateScene, RefusesAFileThatTakesTooMuchTime) {
+  // In the importer's place, one that a file holds up, with less time.
+  const std::string folder = FreshFolder();
+  const std::string scene = folder + "/palpate-scene", importer = folder + "/palpate-import";
+  std::filesystem::copy_file(test::OwnFolder() + "/palpate-scene", scene);
+  test::WriteFile(importer, "#!/bin/sh\nulimit -t 1\nwhile :; do :; done\n");
+  std::filesystem::permissions(importer, std::filesystem::perms::owner_all);
+  const std::string file =
+      test::WriteFile(folder + "/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  test::Program program(scene, {"check", file});
+  EXPECT_EQ(program.Exit(60.0), 1);
+  EXPECT_THAT(program.Output(),
+              testing::AllOf(HasSubstr("palpate-scene: " + file + ": was not read within"),
+                             HasSubstr("export it again, or simplify it")));
+}
+
 }  // namespace
 }  // namespace palpate
