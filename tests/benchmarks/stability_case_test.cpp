@@ -122,7 +122,7 @@ TEST(OverlapOf, AgreesWithPointsOfOneBoxInTheOther) {
   const Solid A = Box({0.02, 0.03, 0.04}, 1), B = Box({0.05, 0.01, 0.03}, 1);
   int meeting = 0;
   for (int i = 0; i < 2000; ++i) {
-    const Pose X_WA{random.InCube(0.03), random.Rotation()}, X_WB{{}, random.Rotation()};
+    const Pose X_WA{random.InCube(0.03), random.Rotation()}, X_WB{Vec3::Zero(), random.Rotation()};
     const double overlap = OverlapOf(A, X_WA, B, X_WB);
     double deepest = 0.0;
     for (int n = 0; n < 500; ++n) {
