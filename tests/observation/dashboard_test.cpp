@@ -123,7 +123,7 @@ TEST(ServerMetricsPort, TakesNoNameOfAHostWithoutAPortToAskAt) {
       PALPATE_BIN_DIR "/palpate-server",
       {"--scene", "cube", "--domain", std::to_string(OwnDomain()), "--host-name", "lab"});
   EXPECT_EQ(server.Exit(), 2);
-  EXPECT_THAT(server.Output(), HasSubstr("--host-name is of --metrics"));
+  EXPECT_THAT(server.Output(), HasSubstr("--host-name needs --metrics"));
 }
 
 }  // namespace

@@ -121,8 +121,8 @@ bool GoPast(StepContext& context) {
   return IsFree(context);
 }
 
-/// Of a motion that is free, makes a better one where there is one.  False where what it has made is
-/// not free.
+/// Of a motion that is free, makes a better one where there is one.  False where what it has made
+/// is not free.
 bool Improve(StepContext& context) {
   // What yields pushes as well: the optimum of both may lie farther from the hand.  So may a
   // straight way past a crease, where the arc ends nearer.
