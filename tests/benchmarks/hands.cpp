@@ -65,8 +65,8 @@ void RunSeeds(const Options& options, const Scene& scene) {
     /// A seed that broke an invariant comes before those that did not.
     auto badness() const {
       return std::tuple(!figures.finite, figures.meeting > 0, figures.jumps.unexplained(),
-                        figures.never_arrived, figures.notches, figures.steps - figures.arrived,
-                        depth());
+                        figures.held.never, figures.force.notches.size(),
+                        figures.steps - figures.arrived, depth());
     }
   };
   const auto [first, last] = SeedRange(options.seeds);
@@ -98,8 +98,9 @@ void RunSeeds(const Options& options, const Scene& scene) {
         "  {:>6} {:>9.2f} {:>9.3f} {:>10.2f} {:>6} {:>8} {:>7} {:>9.2f} {:>9.3f} {:>11} {:>8.2f} "
         "{:>10.1f}\n",
         s.seed, 1e2 * f.meeting_fraction(), 1e6 * s.depth(), 1e2 * f.arrived_fraction(),
-        f.never_arrived, f.notches, f.ledges, f.force_rms, f.jumps.force_max, f.jumps.unexplained(),
-        1e2 * f.force_4khz_rms_fraction, 1e2 * settled);
+        f.held.never, f.force.notches.size(), f.force.ledges.size(), f.force_rms,
+        f.force.largest_jump.size, f.jumps.unexplained(), 1e2 * f.force_4khz_rms_fraction,
+        1e2 * settled);
     rows.push_back({{"seed", s.seed}});
     AddContact(f, options.cycle, nullptr, rows.back());
   }

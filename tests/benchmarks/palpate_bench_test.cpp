@@ -144,6 +144,12 @@ TEST_F(PalpateBench, CycleSaysWhetherTheToolArrivesAndTheCauseOfEveryJump) {
   EXPECT_EQ(json["arrived_fraction"], 1.0);
   EXPECT_EQ(json["lag_mm"]["max"], 0.0);
   EXPECT_LT(json["force_error_N"]["max"], 1e-3);
+  EXPECT_EQ(json["not_arrived"], 0);
+  EXPECT_EQ(json["not_arrived_run_max"], 0);
+  EXPECT_EQ(json["never_arriving"]["tried"], 0);
+  EXPECT_EQ(json["notches"], 0);
+  EXPECT_EQ(json["largest_jump"]["force_N"], json["jump"]["force_N_max"]);
+  EXPECT_EQ(json["largest_ledge"]["force_N"], json["ledge_force_N_max"]);
   EXPECT_EQ(json["jump"]["unexplained"], 0);
   for (const char* cause : {"hand", "ledge", "contact_gained", "contact_lost", "unexplained"}) {
     EXPECT_TRUE(json["jump"]["causes"][cause].contains("count")) << cause;

@@ -12,6 +12,7 @@
 #include "common/math/pose.h"
 #include "scenes/scene.h"
 #include "server/physics/haptic_step.h"
+#include "tests/support/force_shape.h"
 #include "tests/support/jump_cause.h"
 
 namespace palpate::test {
@@ -50,20 +51,32 @@ struct ContactFigures {
 
   std::size_t arrived = 0;  ///< steps without kFaultTargetFar
   double arrived_fraction() const;
-  /// Of the steps that did not arrive, those that do not in kHeldSteps more with the same hand.
-  std::size_t never_arrived = 0;
-  std::size_t never_arrived_step = 0;  ///< the first of them
+  std::size_t longest_behind = 0;  ///< most steps in a row that did not arrive
   static constexpr int kHeldSteps = 200;
+  static constexpr std::size_t kMostHeld = 500;
+  /// Steps that did not arrive, gone on from with the hand held still for kHeldSteps more.  Of more
+  /// than kMostHeld so many are tried, evenly spread over them.
+  struct Held {
+    std::size_t tried = 0;
+    std::size_t never = 0;          ///< arrive in none of the steps more
+    std::size_t without_force = 0;  ///< of those: the force ends below 1 mN
+    std::size_t standing = 0;       ///< of those: the last two poses are the same bits
+    std::size_t first_step = 0;     ///< the first of those that never arrive
+    std::vector<int> steps_needed;  ///< by the others, sorted
+    int median() const { return steps_needed.empty() ? 0 : steps_needed[steps_needed.size() / 2]; }
+  };
+  Held held;
 
   /// Against the converged answer: the step's state stepped on with the same hand, until no point
-  /// of the tool moves by 1e-8 m in a step, 200 steps at most.  (Leaves wear meanwhile.)
+  /// of the tool moves by 1e-8 m in a step that arrives, 200 steps at most.  (Leaves wear
+  /// meanwhile.)
   std::vector<double> lag;            ///< of centroids, at steps that did not arrive [m]
   std::vector<double> force_error;    ///< |F - F_converged| at all steps looked at [N]
   std::vector<double> arrived_error;  ///< of those, at the steps that arrived [N]
-  std::size_t unconverged = 0;        ///< still moving after the 200
+  std::size_t unconverged = 0;        ///< still moving after the 200, or still not arrived
 
   struct Jumps {
-    double force_max = 0.0, torque_max = 0.0;      ///< [N], [N m]
+    double torque_max = 0.0;                       ///< [N m]; of the force: ForceShape
     std::array<std::size_t, kJumpCauses> count{};  ///< by cause, of those above kJump
     std::array<double, kJumpCauses> force{};       ///< greatest of each cause [N]
     std::array<std::size_t, kJumpCauses> step{};   ///< where that was
@@ -72,11 +85,8 @@ struct ContactFigures {
   };
   Jumps jumps;
 
-  /// Holes in the force: it falls from above kJump below half in a step, and is back above 60 % of
-  /// what it was within 10 ms.  A ledge is the jump of that cause that is no part of a hole.
-  std::size_t notches = 0, notch_step = 0;  ///< and where the first one is
-  std::size_t ledges = 0;
-  double ledge_force = 0.0;  ///< the greatest [N]
+  /// Notches, ledges and changes that pass, by the forces alone.
+  ForceShape force;
 
   /// The hand stops: 2,000 further steps with the same pose, of each step looked at.  Settled is
   /// from when on no point of the tool moves by more than 1 nm in a step, and the tool has arrived.
