@@ -101,16 +101,16 @@ class ContactReport {
     json_["never_arriving"] = {{"tried", held.tried},
                                {"count", held.never},
                                {"without_force", held.without_force},
-                               {"standing", held.standing},
+                               {"stuck", held.stuck},
                                {"others_steps_p50", held.median()}};
     Line("not arrived",
-         fmt::format("{} steps, up to {} in a row; held still, {} {} never arrive in {} more "
-                     "({} without a force, {} standing), half of the others in {}",
-                     not_arrived, f.longest_behind, held.never,
-                     held.tried == not_arrived ? std::string("of them")
-                                               : fmt::format("of {} evenly spread", held.tried),
-                     test::ContactFigures::kHeldSteps, held.without_force, held.standing,
-                     held.median()));
+         fmt::format(
+             "{} steps, up to {} in a row; held still, {} {} never arrive in {} more "
+             "({} without a force, {} of these for good), half of the others in {}",
+             not_arrived, f.longest_behind, held.never,
+             held.tried == not_arrived ? std::string("of them")
+                                       : fmt::format("of {} of them, evenly spread,", held.tried),
+             test::ContactFigures::kHeldSteps, held.without_force, held.stuck, held.median()));
   }
   void AddForce(const test::ForceShape& shape) {
     const auto change = [](const test::ForceChange& c) {

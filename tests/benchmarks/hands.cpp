@@ -146,7 +146,10 @@ void AddHands(CLI::App& app) {
       "rests, and the force at 4 kHz against that at 1 kHz.\n"
       "Example: palpate-bench hands --scene bunny-bunny --seed 7 --speed 0.1 --steps 20000\n"
       "         palpate-bench hands --scene pipes --seeds 1..20 --speed 0.3 --steps 5000");
-  command->add_option("--scene", options->scene, "Catalogue name or scene file")
+  command
+      ->add_option("--scene", options->scene,
+                   "Catalogue name, scene file, or sharp edges made from a seed: sharp-combs:7,\n"
+                   "sharp-gears:7, sharp-plates:7, sharp-dice:7 or sharp-gear-comb:7")
       ->capture_default_str();
   auto* seed =
       command->add_option("--seed", options->hand.seed, "Which hand")->capture_default_str();

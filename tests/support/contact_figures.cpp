@@ -129,44 +129,56 @@ void Settle(const ContactPath& path, const ToolMotion& motion, std::size_t step,
   }
 }
 
-void Hold(const ContactPath& path, std::size_t step, StepState state, ContactFigures::Held& held) {
-  StepReport report;
-  bool standing = false;
-  ++held.tried;
-  for (int i = 1; i <= ContactFigures::kHeldSteps; ++i) {
-    const Pose before = state.X_WG;
-    report = HapticStep(path.model, path.X_WH[step], state, path.workspace);
-    if (!IsFar(report)) {
-      held.steps_needed.push_back(i);
-      return;
-    }
-    standing = before.p == state.X_WG.p && before.q.coeffs() == state.X_WG.q.coeffs();
+/// Holds the hand at steps that did not arrive: at each of them, or once there are too many at each
+/// second, fourth and so on, so that what was tried is always evenly spread.
+class Holder {
+ public:
+  void Add(const ContactPath& path, std::size_t step, const StepState& state) {
+    if (seen_++ % every_ != 0) return;
+    tries_.push_back(Try(path, step, state));
+    if (tries_.size() <= ContactFigures::kMostHeld) return;
+    for (std::size_t i = 0; 2 * i < tries_.size(); ++i) tries_[i] = tries_[2 * i];
+    tries_.resize((tries_.size() + 1) / 2);
+    every_ *= 2;
   }
-  if (held.never++ == 0) held.first_step = step;
-  held.without_force += report.wrench.force.norm() < kNoForce;
-  held.standing += standing;
-}
+  ContactFigures::Held Figures() const {
+    ContactFigures::Held held;
+    held.tried = tries_.size();
+    for (const Outcome& tried : tries_) {
+      if (tried.arrived) {
+        held.steps_needed.push_back(tried.steps);
+        continue;
+      }
+      if (held.never++ == 0) held.first_step = tried.step;
+      held.without_force += tried.without_force;
+      held.stuck += tried.without_force && tried.standing;
+    }
+    std::sort(held.steps_needed.begin(), held.steps_needed.end());
+    return held;
+  }
 
-/// Goes the path again, which gives the same bits, and holds the hand where it is said.
-ContactFigures::Held HoldAt(const ContactPath& path, const std::vector<std::size_t>& far_steps,
-                            const ContactChecks& checks) {
-  ContactFigures::Held held;
-  const std::size_t tries = std::min(far_steps.size(), ContactFigures::kMostHeld);
-  StepState state = path.start;
-  std::size_t stepped = 0;
-  for (std::size_t k = 0; k < tries; ++k) {
-    if (checks.progress) {
-      checks.progress("holding", static_cast<double>(k) / static_cast<double>(tries));
+ private:
+  struct Outcome {
+    std::size_t step;
+    int steps = 0;
+    bool arrived = false, without_force = false, standing = false;
+  };
+  static Outcome Try(const ContactPath& path, std::size_t step, StepState state) {
+    Outcome tried{.step = step};
+    while (!tried.arrived && tried.steps < ContactFigures::kHeldSteps) {
+      const Pose before = state.X_WG;
+      const StepReport report = HapticStep(path.model, path.X_WH[step], state, path.workspace);
+      ++tried.steps;
+      tried.arrived = !IsFar(report);
+      tried.without_force = report.wrench.force.norm() < kNoForce;
+      tried.standing = before.p == state.X_WG.p && before.q.coeffs() == state.X_WG.q.coeffs();
     }
-    const std::size_t step = far_steps[k * far_steps.size() / tries];
-    for (; stepped <= step; ++stepped) {
-      HapticStep(path.model, path.X_WH[stepped], state, path.workspace);
-    }
-    Hold(path, step, state, held);
+    return tried;
   }
-  std::sort(held.steps_needed.begin(), held.steps_needed.end());
-  return held;
-}
+
+  std::vector<Outcome> tries_;
+  std::size_t seen_ = 0, every_ = 1;
+};
 
 /// The hand between two of its samples.
 Pose Between(const Pose& a, const Pose& b, double share) {
@@ -222,7 +234,7 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
   StepReport before;
   std::vector<Vec3> force;
   std::vector<double> by_hand;
-  std::vector<std::size_t> far_steps;
+  Holder holder;
   double deepest = 0.0, force2 = 0.0;
   std::size_t behind = 0;
   for (std::size_t i = 0; i < figures.steps; ++i) {
@@ -236,7 +248,6 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
     force2 += wrench.force.squaredNorm();
     const bool far = IsFar(report);
     figures.arrived += !far;
-    if (far) far_steps.push_back(i);
     behind = far ? behind + 1 : 0;
     figures.longest_behind = std::max(figures.longest_behind, behind);
     by_hand.push_back(i > 0 ? judge.ByHand(path.X_WH[i - 1], before, X_WH, report) : 0.0);
@@ -277,6 +288,7 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
             (motion.Centroid(report.X_WG) - motion.Centroid(truth.report.X_WG)).norm());
       }
     }
+    if (checks.hold_far && far) holder.Add(path, i, state);
     if (Due(i, checks.settle_every)) Settle(path, motion, i, state, figures.settling);
     if (reports != nullptr) reports->push_back(report);
     before = report;
@@ -285,18 +297,18 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
   figures.force_rms =
       std::sqrt(force2 / static_cast<double>(std::max<std::size_t>(1, figures.steps)));
   figures.force = JudgeForce(force, by_hand);
-  if (checks.hold_far) figures.held = HoldAt(path, far_steps, checks);
+  figures.held = holder.Figures();
   if (checks.quarter_steps) CompareQuarters(path, force, checks, figures);
   return figures;
 }
 
 ContactFigures MeasureContact(const Scene& scene, std::span<const Pose> X_WH,
-                              const ContactChecks& checks) {
+                              const ContactChecks& checks, std::vector<StepReport>* reports) {
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
   StepWorkspace workspace(model);
   StepState start(model);
   start.X_WG = ResolveStart(model, X_WH.front(), workspace).X_WG;
-  return MeasureContact(ContactPath{scene, model, workspace, start, X_WH}, checks);
+  return MeasureContact(ContactPath{scene, model, workspace, start, X_WH}, checks, reports);
 }
 
 std::string BrokenLimits(const ContactFigures& figures, const ContactLimits& limits) {
@@ -317,6 +329,9 @@ std::string BrokenLimits(const ContactFigures& figures, const ContactLimits& lim
   if (figures.held.never > limits.never_arrived) {
     line(fmt::format("held still the tool never arrives from {} steps, the first of them {}",
                      figures.held.never, figures.held.first_step));
+  }
+  if (figures.held.stuck > limits.stuck) {
+    line(fmt::format("of those {} stand still, and the hand feels nothing", figures.held.stuck));
   }
   if (figures.force.notches.size() > limits.notches) {
     line(fmt::format("the force has {} notches, the first at step {}", figures.force.notches.size(),

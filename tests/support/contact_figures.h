@@ -55,12 +55,14 @@ struct ContactFigures {
   static constexpr int kHeldSteps = 200;
   static constexpr std::size_t kMostHeld = 500;
   /// Steps that did not arrive, gone on from with the hand held still for kHeldSteps more.  Of more
-  /// than kMostHeld so many are tried, evenly spread over them.
+  /// than kMostHeld every second is tried, or every fourth and so on: at least half as many.
   struct Held {
     std::size_t tried = 0;
     std::size_t never = 0;          ///< arrive in none of the steps more
     std::size_t without_force = 0;  ///< of those: the force ends below 1 mN
-    std::size_t standing = 0;       ///< of those: the last two poses are the same bits
+    /// Of those: the last two poses are the same bits, so that a hand may press for ever and feel
+    /// nothing.
+    std::size_t stuck = 0;
     std::size_t first_step = 0;     ///< the first of those that never arrive
     std::vector<int> steps_needed;  ///< by the others, sorted
     int median() const { return steps_needed.empty() ? 0 : steps_needed[steps_needed.size() / 2]; }
@@ -109,7 +111,8 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
 /// The same of a scene alone: makes its model, and starts the tool at the first pose, or out of
 /// what that is in.
 ContactFigures MeasureContact(const Scene& scene, std::span<const Pose> X_WH,
-                              const ContactChecks& checks);
+                              const ContactChecks& checks,
+                              std::vector<StepReport>* reports = nullptr);
 
 /// What a model of contact must hold; the defaults let anything pass but what is not finite.
 struct ContactLimits {
@@ -117,6 +120,7 @@ struct ContactLimits {
   double depth = std::numeric_limits<double>::infinity();  ///< [m], at most
   double arrived_fraction = 0.0;                           ///< at least
   std::size_t never_arrived = std::numeric_limits<std::size_t>::max();
+  std::size_t stuck = std::numeric_limits<std::size_t>::max();
   std::size_t notches = std::numeric_limits<std::size_t>::max();
   double jump = std::numeric_limits<double>::infinity();  ///< [N], of any cause, at most
   std::size_t unexplained = std::numeric_limits<std::size_t>::max();

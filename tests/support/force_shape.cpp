@@ -53,15 +53,20 @@ std::optional<ForceNotch> NotchOf(const Trace& trace, std::size_t begin, std::si
   return {};
 }
 
-/// Of those that fall below half at a step, the one from the greatest force in the 10 ms before.
+/// A notch whose force is below half for the first time at a step.  It begins at the last step that
+/// makes it one, and before that where the force has jumped down to there: what the hand let go of
+/// by and by is no part of it.
 std::optional<ForceNotch> NotchAt(const Trace& trace, std::size_t earliest, std::size_t fallen) {
-  std::optional<ForceNotch> greatest;
   const std::size_t first = std::max(earliest, fallen - std::min(fallen, kNotchSteps));
-  for (std::size_t begin = first; begin < fallen; ++begin) {
+  std::optional<ForceNotch> found;
+  for (std::size_t begin = fallen; begin-- > first;) {
+    const double fall = trace.At(begin) - trace.At(begin + 1);
+    if (found && fall <= std::max(kJump, trace.ByHand(begin, begin + 1))) break;
     const std::optional<ForceNotch> notch = NotchOf(trace, begin, fallen);
-    if (notch && (!greatest || notch->before >= greatest->before)) greatest = notch;
+    if (found && !notch) break;
+    found = notch;
   }
-  return greatest;
+  return found;
 }
 
 /// What becomes of a change: neither is known of one just before the end.

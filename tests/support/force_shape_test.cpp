@@ -52,6 +52,16 @@ TEST(ForceShape, SeesANotchThatTheForceFallsIntoByAndBy) {
   EXPECT_TRUE(shape.ledges.empty());
 }
 
+TEST(ForceShape, BeginsANotchWhereTheForceJumps) {
+  // 3.2 to 2.9 N by and by, then nothing for a step.
+  const ForceNotch slow = Deepest(JudgeForce(Steady({3.2, 3.1, 3.0, 2.9, 0.0, 3.2})).notches);
+  EXPECT_EQ(slow.before, 2.9);
+  EXPECT_EQ(slow.steps(), 1u);
+  const ForceNotch stepped = Deepest(JudgeForce(Steady({5.0, 3.0, 0.0, 5.0})).notches);
+  EXPECT_EQ(stepped.before, 5.0);
+  EXPECT_EQ(stepped.steps(), 2u);
+}
+
 TEST(ForceShape, CountsTwoNotchesWhereTheForceIsBackBetweenThem) {
   const ForceShape shape = JudgeForce(Steady({18.1, 0.0, 0.0, 0.0, 20.1, 0.0, 19.6}));
   ASSERT_EQ(shape.notches.size(), 2u);
