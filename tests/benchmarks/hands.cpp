@@ -110,6 +110,7 @@ void RunSeeds(const Options& options, const Scene& scene) {
                              {"contact", NameOf(scene.features.contact)},
                              {"friction", NameOf(scene.features.friction)},
                              {"speed_m_per_s", options.hand.speed},
+                             {"press_mm", options.hand.press_mm},
                              {"steps", options.hand.steps},
                              {"seeds", rows}});
   }
@@ -131,6 +132,7 @@ void Run(Options& options) {
   json["scene"] = options.scene;
   json["seed"] = options.hand.seed;
   json["speed_m_per_s"] = options.hand.speed;
+  json["press_mm"] = options.hand.press_mm;
   if (!options.json.empty()) WriteJson(options.json, json);
 }
 
@@ -162,6 +164,11 @@ void AddHands(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--steps", options->hand.steps, "Steps, one a millisecond")
       ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--press-mm", options->hand.press_mm,
+                   "It presses half as deep to as deep as this, mm")
+      ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
   command->add_option("--poses-out", options->poses_out,
                       "Write the hand's poses to FILE, as --poses of cycle reads them");

@@ -93,9 +93,9 @@ TEST(HandTrial, BunniesArriveWhereTheHandStandsStillAndFeelWhatHoldsThem) {
 TEST(HandTrial, SharpEdgesStayOutAndAreFeltByAHandThatPressesOn) {
   for (const std::string_view name : kSharpScenes) {
     const Scene scene = *MakeSharpScene(std::string(name) + ":23");
-    const ContactFigures figures =
-        MeasureContact(scene, MakeHand(scene, {.seed = 40961, .speed = 0.3, .steps = 1000}),
-                       {.oracle_every = 1, .converge_every = 0, .hold_far = true});
+    const ContactFigures figures = MeasureContact(
+        scene, MakeHand(scene, {.seed = 40961, .speed = 0.1, .steps = 1500, .press_mm = 15.0}),
+        {.oracle_every = 1, .converge_every = 0, .hold_far = true});
     EXPECT_EQ(BrokenLimits(figures, {.meeting_fraction = 0.0, .depth = 0.0, .stuck = 0}), "")
         << name;
     EXPECT_GT(figures.force_rms, 0.1) << name << ": the hand never pressed";
