@@ -179,6 +179,18 @@ TEST_F(PalpateBench, HandsDriveAnySceneAndTheirPosesReadBack) {
   EXPECT_EQ(Json("cycle.json")["jump"], hand["jump"]);
 }
 
+TEST_F(PalpateBench, HandsDriveBodiesMadeFromASeed) {
+  ASSERT_EQ(Run({"hands", "--scene", "sharp-dice:5", "--press-mm", "8", "--steps", "300",
+                 "--settle-every", "0", "--json", File("hand.json")}),
+            0)
+      << said_;
+  const nlohmann::json hand = Json("hand.json");
+  EXPECT_EQ(hand["scene"], "sharp-dice:5");
+  EXPECT_EQ(hand["press_mm"], 8.0);
+  EXPECT_EQ(hand["mesh_intersecting_fraction"], 0.0);
+  EXPECT_EQ(hand["not_arrived"], hand["never_arriving"]["tried"]);
+}
+
 TEST_F(PalpateBench, HandsOfSeveralSeedsPutTheWorstFirst) {
   ASSERT_EQ(Run({"hands", "--scene", "cube", "--seeds", "1..3", "--steps", "800", "--check-every",
                  "10", "--contact", "spheres", "--json", File("hands.json")}),

@@ -41,6 +41,7 @@ struct ForceShape {
   ForceChange largest_jump;  ///< of all steps, whatever made it
 };
 
+/// At most, from `begin` to the first step below half, and from that to `end`.
 inline constexpr std::size_t kNotchSteps = 10;
 inline constexpr double kFallen = 0.5, kBack = 0.6;  ///< of the force before
 
