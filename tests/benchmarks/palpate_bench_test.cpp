@@ -256,6 +256,8 @@ TEST_F(PalpateBench, AccuracyFindsSmallerErrorsWithMoreSpheresAndNoneOnAFlatFace
   const std::string errors = Read("cube.csv");
   EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 1 + 2 * 400);
   EXPECT_THAT(errors, HasSubstr("\n512,399,"));
+  EXPECT_THAT(Drawn("cube.csv"), HasSubstr(">512 spheres<"));
+  EXPECT_THAT(Drawn("cube.json"), HasSubstr(">cube, sphere contact<"));
 
   ASSERT_EQ(Run({"accuracy", "--object", "cube", "--spheres", "64", "--contact", "surface",
                  "--steps", "400", "--repeats", "1", "--json", File("cube.json")}),
@@ -381,6 +383,7 @@ TEST_F(PalpateBench, LevelsShowFinerTreesCloserToTheFinest) {
   EXPECT_GT(levels[1]["against_finest"]["force"], 0.0);
   EXPECT_EQ(levels[2]["against_finest"]["force"], 0.0);
   EXPECT_GT(levels[0]["uncovered_um"]["mean"], levels[2]["uncovered_um"]["mean"]);
+  EXPECT_THAT(Drawn("levels.json"), HasSubstr(">Cost by level of detail: cube, sphere contact<"));
 }
 
 TEST_F(PalpateBench, ParetoWritesAReportTableAndJsonOfAllThatItMeasured) {

@@ -114,7 +114,7 @@ class Plot:
             if ticks.get_scale() == "log" and high < 3000 * low:
                 ticks.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5)))
         names = self.axis.get_legend_handles_labels()[1]
-        columns = 3
+        columns = 3 if max(map(len, names)) < 40 else 2
         self.axis.legend(loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=columns, borderaxespad=0.2,
                          columnspacing=1.5).set_in_layout(False)
         self.axis.set_title(self.axis.get_title("left"), pad=10 + 15.5 * -(-len(names) // columns))

@@ -133,6 +133,21 @@ TEST_F(Publish, SaysOfACaseThatTunnelledThatItDidAlthoughItsFigureHolds) {
   EXPECT_THAT(jq.Output(), HasSubstr("| `jam` | overlap | 10 µm | **0** |"));
 }
 
+TEST_F(Publish, DrawsALineForEachWayOfClosingTheLoopAndNothingOfOtherFiles) {
+  std::ofstream(File("loop.json")) << R"({"scene": "wall", "hand": "firm", "jitter_ms": 0,
+    "loss": 0.1, "stiffness_N_per_m": 500, "z_width": [{"local_model": true, "passivity": false,
+    "delay_ms": [0, 5], "max_stable_stiffness_N_per_m": [2000, 1000],
+    "felt_stiffness_N_per_m": [900, 800], "energy_J": [0, 0.1], "limit_cycle_mm": [0, 2]}]})";
+  const std::string svg = Drawn("loop.json");
+  EXPECT_THAT(svg, HasSubstr(">local model on, passivity controller off<"));
+  EXPECT_THAT(svg, HasSubstr(">Limit cycle at 500 N/m: wall, hand firm, jitter 0 ms, loss 0.1<"));
+
+  std::ofstream(File("else.csv")) << "a,b\n1,2\n";
+  test::Program plots(PALPATE_SOURCE_DIR "/tests/benchmarks/plots.py", {File("else.csv")});
+  EXPECT_EQ(plots.Exit(30.0), 1);
+  EXPECT_THAT(plots.Output(), HasSubstr("else.csv: is nothing that plots.py draws"));
+}
+
 TEST_F(Publish, RefusesWhatItDoesNotKnowAndSmokeAmongTheResults) {
   EXPECT_EQ(Run({"--only", "accuracy,speed", "--out", folder_.string()}), 2);
   EXPECT_THAT(said_, HasSubstr("--only speed is not one of pareto accuracy stability levels qp"));
