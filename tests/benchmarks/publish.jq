@@ -24,7 +24,7 @@ def table($align; $head):
   + ["|" + ($align / "" | map(if . == "r" then "---:" else "---" end) | join("|")) + "|"]
   + map(row) | join("\n");
 # csv(["a", "b"]): of an array of rows, figures with as many digits as people read.
-def csv($head): ([$head] + .)[] | map(if type == "number" then num | tonumber else . end) | @csv;
+def csv($head): ([$head] + .)[] | map(if type == "number" and . != floor then num | tonumber else . end) | @csv;
 def contact: (if . == "spheres" then "sphere" else . end) + " contact";
 def unit: sub("^um$"; "µm");
 def plural($one): "\(.) \($one)" + (if . == 1 then "" else "s" end);
