@@ -2,14 +2,11 @@
 // Figs. 2.16-2.18).
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <optional>
-#include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/error.h"
 #include "common/output.h"
 #include "scenes/mesh/mesh_query.h"
 #include "server/physics/simd/kernels.h"

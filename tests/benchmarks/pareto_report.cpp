@@ -1,12 +1,12 @@
 #include "tests/benchmarks/pareto_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <functional>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/fmt/ranges.h>
 
 #include "common/error.h"
 #include "tests/benchmarks/peers/peer.h"
