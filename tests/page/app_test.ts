@@ -18,8 +18,10 @@ import {
   kHasChromium,
   launch,
   openPage,
+  openWindow,
   probe,
   until,
+  type WindowOptions,
 } from "./support/browser";
 import {kTestScene, kWearable, sceneBytes, type TestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
@@ -49,7 +51,7 @@ afterAll(() => browser?.close());
 
 beforeEach(async () => {
   if (!browser) return;
-  gateway = await startGateway();
+  gateway = await startGateway(gateway?.port);
   sequence = 0;
 });
 afterEach(async () => {
@@ -64,9 +66,10 @@ const startGateway = (port = 0): Promise<FakeGateway> =>
     port,
   );
 
-async function open(options: Parameters<Browser["newContext"]>[0] = {}, query = ""): Promise<Page> {
-  const inWindow = {viewport: {width: 800, height: 600}, ...options};
-  const opened = await openPage(browser!, gateway.url + query, inWindow);
+const kWindow: WindowOptions = {viewport: {width: 800, height: 600}};
+
+async function open(options: WindowOptions = {}, query = ""): Promise<Page> {
+  const opened = await openPage(browser!, gateway.url + query, {...kWindow, ...options});
   await until(opened, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
   return opened;
 }
@@ -215,9 +218,8 @@ const canvasWidth = (): Promise<number> =>
   page.evaluate(() => (document.getElementById("view") as HTMLCanvasElement).width);
 
 async function openSlow(query = ""): Promise<void> {
-  const context = await browser!.newContext({viewport: {width: 800, height: 600}});
-  await context.addInitScript(slowPictures, 100);
-  page = await context.newPage();
+  page = await openWindow(browser!, kWindow);
+  await page.addInitScript(slowPictures, 100);
   await page.goto(gateway.url + query);
   await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
 }
@@ -285,9 +287,8 @@ const watchPictures = (): void => {
 };
 
 test("while the view turns without a graphics card the canvas has fewer pixels, and none is blank", async () => {
-  const context = await browser!.newContext({viewport: {width: 800, height: 600}});
-  await context.addInitScript(watchPictures);
-  page = await context.newPage();
+  page = await openWindow(browser!, kWindow);
+  await page.addInitScript(watchPictures);
   await page.goto(gateway.url);
   await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
   await page.locator("#view").focus();
@@ -578,9 +579,7 @@ test("a tool that leaves the picture is pointed to, and comes back", async () =>
 
 test("while a server compiles its first scene the page says so, and asks nobody for a tool", async () => {
   gateway.health = {scenes: [], compiling: {scene: "bunny", stage: "leaves", done: 0.43}};
-  const context = await browser!.newContext({viewport: {width: 390, height: 844}});
-  page = await context.newPage();
-  await page.goto(gateway.url);
+  page = await openPage(browser!, gateway.url, {viewport: {width: 390, height: 844}});
   await eventually("what is waited for", async () =>
     /compiles bunny for the first time: 43 %/.test(await text("#banner")),
   );
@@ -672,8 +671,8 @@ test("who is turned away is told so", async () => {
 
 test("without WebGL the figures are live, and the page says what is missing", async () => {
   press(2);
-  const context = await browser!.newContext({viewport: {width: 800, height: 600}});
-  await context.addInitScript(() => {
+  page = await openWindow(browser!, kWindow);
+  await page.addInitScript(() => {
     const get = HTMLCanvasElement.prototype.getContext as (...all: unknown[]) => unknown;
     Object.assign(HTMLCanvasElement.prototype, {
       getContext(this: HTMLCanvasElement, kind: string, ...more: unknown[]) {
@@ -681,7 +680,6 @@ test("without WebGL the figures are live, and the page says what is missing", as
       },
     });
   });
-  page = await context.newPage();
   await page.goto(gateway.url);
   await eventually("the force", async () => (await text("#force")) === "2.00");
   await eventually("the reason", async () => /no WebGL/.test(await text("#banner")));
@@ -735,15 +733,14 @@ test("arrows scroll the figures where those have the focus", async () => {
 
 test("light and dark are switched also where the browser keeps nothing", async () => {
   press(0);
-  const context = await browser!.newContext({viewport: {width: 800, height: 600}});
-  await context.addInitScript(() => {
+  page = await openWindow(browser!, kWindow);
+  await page.addInitScript(() => {
     Object.defineProperty(window, "localStorage", {
       get: () => {
         throw new DOMException("blocked", "SecurityError");
       },
     });
   });
-  page = await context.newPage();
   await page.goto(gateway.url);
   const theme = (): Promise<string | undefined> =>
     page.evaluate(() => document.documentElement.dataset.theme);
@@ -813,7 +810,6 @@ test("nothing is cut off, from a phone to a projector", async () => {
       return cut;
     });
     expect(outside, `${width} × ${height}`).toEqual([]);
-    await page.context().close();
   }
 });
 
@@ -833,7 +829,6 @@ test("the picture stays where it is whatever the line above it says", async () =
       return [before, top()];
     });
     expect(tops[1], `${width} × ${height}`).toBe(tops[0]);
-    await page.context().close();
   }
 });
 

@@ -4,7 +4,15 @@ import {afterAll, afterEach, beforeAll, beforeEach, expect} from "vitest";
 
 import type {Browser, Page} from "playwright-core";
 
-import {closeWindows, eventually, kHasChromium, launch, openPage, until} from "./support/browser";
+import {
+  closeWindows,
+  eventually,
+  kHasChromium,
+  launch,
+  openPage,
+  openWindow,
+  until,
+} from "./support/browser";
 import {FakeGateway, loopStatistics, sessionState, toolState} from "./support/fake_gateway";
 import {kTestScene, sceneBytes} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
@@ -19,7 +27,10 @@ beforeAll(async () => {
 afterAll(() => browser?.close());
 beforeEach(async () => {
   if (!browser) return;
-  gateway = await FakeGateway.start(new Map([[kTestScene.name, sceneBytes(kTestScene)]]));
+  gateway = await FakeGateway.start(
+    new Map([[kTestScene.name, sceneBytes(kTestScene)]]),
+    gateway?.port,
+  );
 });
 afterEach(async () => {
   clearInterval(moving);
@@ -155,7 +166,8 @@ test("a page hands over the token of its address, which stands there no longer",
   await page.reload();
   await until(page, "the link again", ({link}) => link === "open");
   // Another tab knows nothing of it.
-  const other = await open();
+  const other = await openWindow(browser!, {});
+  await other.goto(gateway.url);
   await eventually("its own banner", async () =>
     /link that you were given/.test(await other.locator("#banner").innerText()),
   );

@@ -3,7 +3,15 @@ import {afterAll, afterEach, beforeAll, beforeEach, expect} from "vitest";
 
 import type {Browser, Page} from "playwright-core";
 
-import {closeWindows, eventually, kHasChromium, launch, openPage, until} from "./support/browser";
+import {
+  closeWindows,
+  eventually,
+  kHasChromium,
+  launch,
+  openPage,
+  until,
+  type WindowOptions,
+} from "./support/browser";
 import {FakeGateway, sessionState} from "./support/fake_gateway";
 import {FakeReplay} from "./support/fake_replay";
 import {kWearable, sceneBytes} from "./support/scene_bytes";
@@ -21,7 +29,10 @@ afterAll(() => browser?.close());
 
 beforeEach(async () => {
   if (!browser) return;
-  gateway = await FakeGateway.start(new Map([[kWearable.name, sceneBytes(kWearable)]]));
+  gateway = await FakeGateway.start(
+    new Map([[kWearable.name, sceneBytes(kWearable)]]),
+    gateway?.port,
+  );
   replay = new FakeReplay(gateway);
   replay.contents.marks = [
     {at_s: 4, number: 0, kind: "contact", text: "hand touches"},
@@ -38,7 +49,7 @@ afterEach(async () => {
   await gateway?.stop();
 });
 
-async function open(options: Parameters<Browser["newContext"]>[0] = {}): Promise<Page> {
+async function open(options: WindowOptions = {}): Promise<Page> {
   const inWindow = {viewport: {width: 1000, height: 700}, ...options};
   const opened = await openPage(browser!, gateway.url, inWindow);
   await until(opened, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
@@ -46,7 +57,7 @@ async function open(options: Parameters<Browser["newContext"]>[0] = {}): Promise
 }
 
 /// The page once it shows the replay, and may steer it unless that is locked.
-async function openReplay(options: Parameters<typeof open>[0] = {}): Promise<Page> {
+async function openReplay(options: WindowOptions = {}): Promise<Page> {
   replay.start();
   const opened = await open(options);
   const maySteer = !replay.contents.locked && gateway.takesMessages && gateway.allowsSteering;
@@ -331,7 +342,6 @@ test("a phone has room for all of it, light and dark, and a finger drags the bar
     await page.touchscreen.tap(bar.x + bar.width / 2, bar.y + bar.height / 2);
     await eventually("the middle", () => Math.abs(replay.state.at_s - 30) < 1);
     replay.state.at_s = 10;
-    await page.context().close();
     replay.die();
   }
 });
