@@ -144,7 +144,7 @@ test("the page shows the force in figures, in words and in the picture", async (
 
 test("the panel says what becomes of the force at the arm, also when the server is silent", async () => {
   press(1);
-  page = await open();
+  page = await open({ownClock: true});
   const say = (more: object): void =>
     gateway.send("/palpate/station_statistics", stationStatistics("hand", more));
   const row = (label: string): Promise<string> =>
@@ -157,11 +157,12 @@ test("the panel says what becomes of the force at the arm, also when the server 
   expect(await page.locator("#arm-none").isHidden()).toBe(true);
   // The server dies: the station alone goes on.
   clearInterval(moving);
-  await new Promise((resolve) => setTimeout(resolve, 2000));
+  await page.clock.runFor(2000);
   say({faded: 1000n, replies: 0n, silence_s_max: 2, applied_force_N_max: 0});
   await eventually("no answer", async () => (await row("Silence")).includes("2.0 s"));
   expect(await row("Held back")).toContain("replies are late or missing");
   // So does the station: what it said last is over.
+  await page.clock.runFor(3000);
   await eventually("no figures", () => page.getByText("No figures now.").isVisible());
   expect(await page.locator("#arm tr").count()).toBe(0);
 });
@@ -594,14 +595,16 @@ test("while a server compiles its first scene the page says so, and asks nobody 
 test("who has gone without a word holds a tool no more", async () => {
   gateway.health = {server_run: "1"};
   press(1);
-  page = await open();
+  page = await open({ownClock: true});
   await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
   const pressed = await picture();
   clearInterval(moving); // with its server, which nobody tells of
+  await page.clock.runFor(2000);
   await eventually("a banner", async () => (await page.locator("#banner.alarm").count()) === 1);
   await eventually("no arrows", async () => (await picture()) !== pressed);
   gateway.retained.length = 0;
   gateway.health = {server_run: "2"};
+  await page.clock.runFor(4000); // until the gateway is asked again
   await eventually("a calmer one", async () => /No station/.test(await text("#banner")));
   gateway.onPublish = ({op}) => {
     if (op === "take")
@@ -661,11 +664,15 @@ test("a gateway that gives no tools is not asked for one", async () => {
 
 test("who is turned away is told so", async () => {
   gateway.turnsAway = true;
-  page = await open(); // scenes come without a link
+  page = await open({ownClock: true}); // scenes come without a link
+  const askAgain = (): Promise<void> => page.clock.runFor(4000);
+  await askAgain();
   await eventually("why", async () => /does not let this page attach/.test(await text("#banner")));
   gateway.health = {viewers: 300, max_viewers: 300};
+  await askAgain();
   await eventually("why now", async () => /as many viewers as/.test(await text("#banner")));
   gateway.turnsAway = false;
+  await askAgain();
   await until(page, "a link", ({link}) => link === "open");
 });
 

@@ -12,6 +12,7 @@ import {
   openPage,
   openWindow,
   until,
+  type WindowOptions,
 } from "./support/browser";
 import {FakeGateway, loopStatistics, sessionState, toolState} from "./support/fake_gateway";
 import {kTestScene, sceneBytes} from "./support/scene_bytes";
@@ -38,8 +39,8 @@ afterEach(async () => {
   await gateway?.stop();
 });
 
-const open = (after = ""): Promise<Page> =>
-  openPage(browser!, gateway.url + after, {viewport: {width: 1280, height: 800}});
+const open = (options: WindowOptions = {}): Promise<Page> =>
+  openPage(browser!, gateway.url, {viewport: {width: 800, height: 600}, ...options});
 
 const tell = (station: string, phase: string, more: object = {}): void =>
   gateway.retain("/palpate/session_state", sessionState(station, phase, "test-box", "ball", more));
@@ -119,10 +120,11 @@ test("a teacher sees who is there and how that goes, those who wait first, and d
 test("a wish that nobody answers can be made again", async () => {
   gateway.role = "operate";
   tell("right", "active");
-  const page = await open();
+  const page = await open({ownClock: true});
   const mute = row(page, "right").getByRole("button", {name: "Mute"});
   await mute.click();
   expect(await mute.isDisabled()).toBe(true);
+  await page.clock.runFor(4000);
   await eventually("the button", () => mute.isEnabled());
 });
 

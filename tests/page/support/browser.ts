@@ -41,11 +41,17 @@ export const launch = (niceness = kNiceness): Promise<Browser> =>
     ],
   });
 
-export type WindowOptions = NonNullable<Parameters<Browser["newContext"]>[0]>;
+export interface WindowOptions extends NonNullable<Parameters<Browser["newContext"]>[0]> {
+  ownClock?: boolean; // of which time can pass at once: `page.clock.runFor`
+}
 
 /// A window of its own, before a page is loaded; what the page throws, the test throws.
-export async function openWindow(browser: Browser, options: WindowOptions): Promise<Page> {
+export async function openWindow(
+  browser: Browser,
+  {ownClock = false, ...options}: WindowOptions,
+): Promise<Page> {
   const page = await (await browser.newContext(options)).newPage();
+  if (ownClock) await page.clock.install();
   page.on("pageerror", (error) => {
     throw error;
   });
