@@ -7,7 +7,7 @@ import {fileURLToPath} from "node:url";
 
 import type {BrowserContextOptions, Page} from "playwright-core";
 
-import type {Probe} from "@page/app";
+import type {Probe} from "@page/parts/probe";
 
 import {launch, probe, until} from "../support/browser";
 import {ownDomain} from "../support/domain";

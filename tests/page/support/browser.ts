@@ -5,7 +5,7 @@ import {join} from "node:path";
 
 import {type Browser, chromium, type Page} from "playwright-core";
 
-import type {Probe} from "@page/app";
+import type {Probe} from "@page/parts/probe";
 
 declare global {
   interface Window {
