@@ -66,7 +66,7 @@ const startGateway = (port = 0): Promise<FakeGateway> =>
     port,
   );
 
-const kWindow: WindowOptions = {viewport: {width: 800, height: 600}};
+const kWindow: WindowOptions = {viewport: {width: 800, height: 500}};
 
 async function open(options: WindowOptions = {}, query = ""): Promise<Page> {
   const opened = await openPage(browser!, gateway.url + query, {...kWindow, ...options});
@@ -105,15 +105,19 @@ const picture = async (): Promise<string> => {
   const style = ".picture > :not(canvas) { visibility: hidden }";
   return (await page.locator("#view").screenshot({style})).toString("base64");
 };
+/// A view that rests is drawn well after 300 ms.
+const kRestMs = 400;
 /// The same, once it is drawn to its end: a busy machine shows the one before it for a while.
 const stillPicture = async (): Promise<string> => {
-  let last = await picture();
-  let same = 0;
+  let {pictures} = await probe(page);
+  let last = "";
   await eventually("a picture that stands still", async () => {
-    const before = last;
+    await new Promise((resolve) => setTimeout(resolve, kRestMs));
+    const [drawn, before] = [pictures, last];
+    ({pictures} = await probe(page));
+    if (drawn !== pictures) return false;
     last = await picture();
-    same = last === before ? same + 1 : 0;
-    return same >= 5;
+    return last === before;
   });
   return last;
 };

