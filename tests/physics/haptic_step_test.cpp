@@ -272,12 +272,13 @@ class FailingSolver {
 // Whichever of its QPs it is that fails.
 TEST(HapticStep, StaysWhereItIsWhereASolverFails) {
   Scene box = test::MeshScene(MakeBox(Vec3(0.02, 0.02, 0.01)), MakeBox(Vec3(0.05, 0.05, 0.02)));
-  Scene rubbing = box, soft = box, spheres = box;
+  Scene rubbing = box, soft = box;
   rubbing.objects[0].materials = {Material{.static_friction = 0.5, .dynamic_friction = 0.3}};
   rubbing.features.friction = FrictionModel::kCoulomb;
   soft.objects[0].materials = {Material{.stiffness = 2000.0}};
   soft.features.compliance = true;
-  spheres.features.contact = ContactModel::kSpheres;
+  const Scene spheres =
+      test::MakeScene(box.tools[0].mesh, 64, box.objects[0].mesh, 64, ContactModel::kSpheres);
   const Scene ball = test::MakeScene(MakeSphere(0.005, 320), 1, MakeBox(Vec3(0.05, 0.05, 0.02)), 64,
                                      ContactModel::kSurface);
   const std::pair<const char*, const Scene*> scenes[] = {{"box", &box},
