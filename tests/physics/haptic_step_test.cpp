@@ -14,6 +14,7 @@
 #include "tests/physics/rows/contact_scenes.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/mesh_oracle.h"
+#include "tests/support/optimised.h"
 #include "tests/support/step_bench.h"
 
 namespace palpate {
@@ -163,7 +164,7 @@ TEST(HapticStep, NeverEntersAnObjectWhateverTheHandDoes) {
   Pose X = At(0.0, 0.0, 0.15), goal = X;
   double deepest = 0.0;
   int unsolved = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < (test::kOptimised ? 20000 : 4000); ++i) {
     if (i % 200 == 0) {
       goal.p = random.InCube(0.08);
       goal.q = random.Rotation();
