@@ -62,7 +62,6 @@ class VirtualLoop {
   SimulatedLink<wire::HapticPose, wire::Wrench>& link() { return link_; }
   StationCore& core() { return core_; }
   StillDevice& device() { return device_; }
-  const wire::HapticPose& newest_pose() const { return pose_; }
   std::int64_t now_ns() const { return now_ns_; }
   const Wrench& applied() const { return device_.applied; }
   /// Of the tick before.

@@ -99,6 +99,7 @@ TEST(Catalogue, HoldsTheScenesThatTheProjectPromises) {
 TEST(Catalogue, CubeAndEllipsoidAreThoseOfTheAccuracyExperiment) {
   LoadOptions options;
   options.use_cache = false;
+  options.tree = TreeMode::kOctree;  // the quickest to build: the meshes are what is looked at
   const Scene cube = LoadScene("cube", options);
   ASSERT_EQ(cube.tools[0].tree.leaves(), 1u);
   EXPECT_EQ(cube.tools[0].tree.leaf_radius[0], 0.005);

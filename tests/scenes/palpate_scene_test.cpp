@@ -43,15 +43,25 @@ Outcome PalpateScene(const std::string& arguments, const std::string& folder) {
   return run;
 }
 
+/// The scene file of a ball on an ellipsoid of few triangles: a tree of many takes seconds.
+std::string EggScene(const std::string& folder, int leaves = 512) {
+  return test::WriteFile(folder + "/egg.json", R"({
+    "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
+    "objects": [{"name": "egg", "mesh": {"shape": "ellipsoid", "semi_axes_m": [0.04, 0.025, 0.03],
+                                         "triangles": 1280}, "leaves": )" +
+                                                   std::to_string(leaves) + "}]}");
+}
+
 TEST(PalpateScene, BuildsABundleAndTellsWhatIsInIt) {
   const std::string folder = FreshFolder();
-  const Outcome build = PalpateScene("build ellipsoid -o " + folder + "/e.palpate", folder);
+  const Outcome build =
+      PalpateScene("build " + EggScene(folder) + " -o " + folder + "/e.palpate", folder);
   EXPECT_EQ(build.exit_code, 0) << build.text;
   EXPECT_TRUE(std::filesystem::exists(folder + "/e.palpate"));
   const Outcome info = PalpateScene("info " + folder + "/e.palpate", folder);
   EXPECT_EQ(info.exit_code, 0);
   EXPECT_THAT(info.text, HasSubstr("tool ball: 1 leaves"));
-  EXPECT_THAT(info.text, HasSubstr("object ellipsoid: 512 leaves in 3 levels"));
+  EXPECT_THAT(info.text, HasSubstr("object egg: 512 leaves in 3 levels"));
   EXPECT_THAT(info.text, HasSubstr("512 spheres in    64 packets (100 % full)"));
   const Outcome render =
       PalpateScene("render " + folder + "/e.palpate -o " + folder + "/e.png", folder);
@@ -62,10 +72,7 @@ TEST(PalpateScene, BuildsABundleAndTellsWhatIsInIt) {
 TEST(PalpateScene, TellsHowFarEachLevelIsFromTheMeshAndInWhichMode) {
   const std::string folder = FreshFolder();
   const std::string bundle = folder + "/e.palpate";
-  const std::string scene = test::WriteFile(folder + "/e.json", R"({
-    "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
-    "objects": [{"name": "egg", "leaves": 100, "mesh": {"shape": "ellipsoid",
-                                                        "semi_axes_m": [0.04, 0.025, 0.03]}}]})");
+  const std::string scene = EggScene(folder, 100);
   const Outcome build = PalpateScene("build " + scene + " --mode balanced -o " + bundle, folder);
   EXPECT_THAT(build.text, HasSubstr("100 leaves in 3 levels, mode \"balanced\""));
   EXPECT_THAT(build.text, HasSubstr("tool ball: 1 leaves in 1 levels, exactly the ball it is"));
@@ -103,9 +110,11 @@ TEST(PalpateScene, TellsHowFarEachLevelIsFromTheMeshAndInWhichMode) {
 
 TEST(PalpateScene, BuildsTreesInTheModeThatIsNamed) {
   const std::string folder = FreshFolder();
+  const std::string egg = EggScene(folder);
   const auto outside = [&](const std::string& mode) {
     const std::string bundle = folder + "/" + mode + ".palpate";
-    const Outcome build = PalpateScene("build ellipsoid --mode " + mode + " -o " + bundle, folder);
+    const Outcome build =
+        PalpateScene("build " + egg + " --mode " + mode + " -o " + bundle, folder);
     EXPECT_EQ(build.exit_code, 0) << build.text;
     const Scene scene = LoadScene(bundle);
     return MeasureCoverage(scene.objects[0].mesh, scene.objects[0].tree).outside.max;
@@ -118,11 +127,12 @@ TEST(PalpateScene, BuildsTreesInTheModeThatIsNamed) {
 
 TEST(PalpateScene, ExportsTreesAndTakesThemBack) {
   const std::string folder = FreshFolder();
+  const std::string egg = EggScene(folder);
   for (const std::string ending : {"sph", "ply", "glb"}) {
     const std::string file = folder + "/e." + ending;
-    const Outcome exported = PalpateScene("export ellipsoid -o " + file, folder);
+    const Outcome exported = PalpateScene("export " + egg + " -o " + file, folder);
     EXPECT_EQ(exported.exit_code, 0) << exported.text;
-    EXPECT_THAT(exported.text, HasSubstr("wrote " + file + ": the tree of ellipsoid"));
+    EXPECT_THAT(exported.text, HasSubstr("wrote " + file + ": the tree of egg"));
     EXPECT_TRUE(std::filesystem::exists(file));
   }
   test::WriteFile(folder + "/s.json", R"({
@@ -136,13 +146,13 @@ TEST(PalpateScene, ExportsTreesAndTakesThemBack) {
   EXPECT_THAT(build.text, HasSubstr("objects[0].tree: is a tree from a file"));
   EXPECT_THAT(build.text, HasSubstr("object egg: 512 leaves in 3 levels"));
 
-  const Outcome body =
-      PalpateScene("export ellipsoid --body elipsoid -o " + folder + "/f.ply", folder);
+  const Outcome body = PalpateScene("export " + egg + " --body eg -o " + folder + "/f.ply", folder);
   EXPECT_EQ(body.exit_code, 2) << body.text;
-  EXPECT_THAT(body.text, HasSubstr("did you mean \"ellipsoid\"?"));
-  const Outcome ball = PalpateScene("export ellipsoid --body ball -o " + folder + "/f.ply", folder);
+  EXPECT_THAT(body.text, HasSubstr("did you mean \"egg\"?"));
+  const Outcome ball =
+      PalpateScene("export " + egg + " --body ball -o " + folder + "/f.ply", folder);
   EXPECT_THAT(ball.text, HasSubstr("the tree of ball"));
-  const Outcome ending = PalpateScene("export ellipsoid -o " + folder + "/f.obj", folder);
+  const Outcome ending = PalpateScene("export " + egg + " -o " + folder + "/f.obj", folder);
   EXPECT_EQ(ending.exit_code, 2) << ending.text;
   EXPECT_THAT(ending.text, HasSubstr("give .sph"));
   EXPECT_FALSE(std::filesystem::exists(folder + "/f.obj"));
@@ -153,12 +163,12 @@ TEST(PalpateScene, ExportsTreesAndTakesThemBack) {
 
 TEST(PalpateScene, SaysWhatAModeCanBeAndOfWhat) {
   const std::string folder = FreshFolder();
-  const Outcome unknown = PalpateScene("build ellipsoid --mode outside", folder);
+  const Outcome unknown = PalpateScene("build " + EggScene(folder) + " --mode outside", folder);
   EXPECT_EQ(unknown.exit_code, 2) << unknown.text;
   EXPECT_THAT(unknown.text, HasSubstr("inside"));
   EXPECT_THAT(unknown.text, HasSubstr("balanced"));
   const std::string bundle = folder + "/e.palpate";
-  ASSERT_EQ(PalpateScene("build ellipsoid -o " + bundle, folder).exit_code, 0);
+  ASSERT_EQ(PalpateScene("build " + EggScene(folder) + " -o " + bundle, folder).exit_code, 0);
   const Outcome built = PalpateScene("build " + bundle + " --mode balanced", folder);
   EXPECT_EQ(built.exit_code, 1) << built.text;
   EXPECT_THAT(built.text, HasSubstr("e.palpate: is a bundle, whose trees are built"));
@@ -167,7 +177,7 @@ TEST(PalpateScene, SaysWhatAModeCanBeAndOfWhat) {
 
 TEST(PalpateScene, ChecksScenesAndMeshes) {
   const std::string folder = FreshFolder();
-  const Outcome scene = PalpateScene("check ellipsoid", folder);
+  const Outcome scene = PalpateScene("check cube", folder);
   EXPECT_EQ(scene.exit_code, 0) << scene.text;
   EXPECT_THAT(scene.text, HasSubstr("outside   mean 0.0  p99 0.0  max 0.0 um"));
   EXPECT_THAT(scene.text, HasSubstr("uncovered mean "));

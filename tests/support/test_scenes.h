@@ -2,6 +2,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "scenes/scene.h"
 #include "scenes/tree/sphere_tree_builder.h"
@@ -19,6 +20,22 @@ inline Body MakeBody(std::string name, TriangleMesh mesh, std::size_t leaves,
   return body;
 }
 
+/// A body to be felt by its mesh from outside: a leaf only says which part of it something is, and
+/// some of its vertices do for that.  To fit balls into it would take longer than most tests.
+inline Body MakeMeshBody(std::string name, TriangleMesh mesh, const Pose& X_WB = {}) {
+  std::vector<Sphere> leaves;
+  const std::size_t stride = mesh.vertices.size() / 64 + 1;
+  for (std::size_t v = 0; v < mesh.vertices.size(); v += stride) {
+    leaves.push_back({mesh.vertices[v], 1e-6});
+  }
+  Body body;
+  body.name = std::move(name);
+  body.tree = TreeOverBalls(mesh, leaves);
+  body.mesh = std::move(mesh);
+  body.X_WB = X_WB;
+  return body;
+}
+
 /// A scene of one tool and one object.
 inline Scene MakeScene(TriangleMesh tool, std::size_t tool_leaves, TriangleMesh object,
                        std::size_t object_leaves, ContactModel contact) {
@@ -27,6 +44,15 @@ inline Scene MakeScene(TriangleMesh tool, std::size_t tool_leaves, TriangleMesh 
   scene.tools.push_back(MakeBody("tool", std::move(tool), tool_leaves));
   scene.objects.push_back(MakeBody("object", std::move(object), object_leaves));
   scene.features.contact = contact;
+  return scene;
+}
+
+/// The same of bodies that are felt by their meshes.
+inline Scene MeshScene(TriangleMesh tool, TriangleMesh object) {
+  Scene scene;
+  scene.name = "test";
+  scene.tools.push_back(MakeMeshBody("tool", std::move(tool)));
+  scene.objects.push_back(MakeMeshBody("object", std::move(object)));
   return scene;
 }
 

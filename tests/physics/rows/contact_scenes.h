@@ -147,8 +147,4 @@ inline TriangleMesh Scaled(TriangleMesh mesh, double by) {
   return mesh;
 }
 
-inline Scene MeshScene(TriangleMesh tool, TriangleMesh object) {
-  return MakeScene(std::move(tool), 64, std::move(object), 64, ContactModel::kSurface);
-}
-
 }  // namespace palpate::test

@@ -40,8 +40,7 @@ TEST(StepBounds, FollowTheHandUpToTheWidest) {
 }
 
 TEST(StepBounds, AddNothingAcrossBetweenMeshes) {
-  const Scene scene = test::MakeScene(MakeBox(Vec3::Constant(0.02)), 64,
-                                      MakeBox(Vec3::Constant(0.05)), 64, ContactModel::kSurface);
+  const Scene scene = test::MeshScene(MakeBox(Vec3::Constant(0.02)), MakeBox(Vec3::Constant(0.05)));
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
   const Target slow{Vec3(0.0, 30e-6, 40e-6), Vec3(2e-5, 0.0, 0.0)};
   EXPECT_NEAR(FirstBounds(model, slow).translation, 20e-6 + 2.0 * 50e-6, 1e-12);
@@ -66,8 +65,7 @@ TEST(StepBounds, HoldTheLinearisationErrorBelowItsLimit) {
 }
 
 TEST(StepBounds, BendAnArcBetweenMeshesByHalfOfWhatKeepsThemApart) {
-  const Scene scene = test::MakeScene(MakeBox(Vec3::Constant(0.02)), 64,
-                                      MakeBox(Vec3::Constant(0.05)), 64, ContactModel::kSurface);
+  const Scene scene = test::MeshScene(MakeBox(Vec3::Constant(0.02)), MakeBox(Vec3::Constant(0.05)));
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
   const double reach = std::sqrt(3.0) * 0.01;  // of a corner from the middle
   const double arc = reach * (1.0 - std::cos(0.5 * model.parameters().max_rotation));
