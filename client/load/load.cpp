@@ -16,8 +16,8 @@
 #include "client/load/load_run.h"
 #include "client/load/scene_copies.h"
 #include "common/error.h"
-#include "common/output.h"
-#include "common/quoted.h"
+#include "common/files/output.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

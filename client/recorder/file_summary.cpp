@@ -10,13 +10,13 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
-#include "common/bundle_hash.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/output.h"
-#include "common/quoted.h"
+#include "common/files/bundle_hash.h"
+#include "common/files/output.h"
 #include "common/recording/recording_reader.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

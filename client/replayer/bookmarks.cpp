@@ -12,8 +12,8 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/files/whole_file.h"
 #include "common/json/json_file.h"
-#include "common/whole_file.h"
 
 namespace palpate {
 namespace {

@@ -18,10 +18,10 @@
 #include "client/replayer/session_columns.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/output.h"
-#include "common/quoted.h"
+#include "common/files/output.h"
+#include "common/realtime/steady_clock.h"
 #include "common/recording/recording_reader.h"
-#include "common/time/steady_clock.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

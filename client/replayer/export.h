@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "client/replayer/column_file.h"
-#include "common/stop_signal.h"
+#include "common/program/stop_signal.h"
 
 namespace palpate {
 

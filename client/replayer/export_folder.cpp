@@ -10,12 +10,12 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "client/replayer/methods.h"
-#include "common/bundle_hash.h"
 #include "common/error.h"
+#include "common/files/bundle_hash.h"
+#include "common/files/output.h"
+#include "common/files/whole_file.h"
 #include "common/mcap/mcap_reader.h"
-#include "common/output.h"
-#include "common/quoted.h"
-#include "common/whole_file.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

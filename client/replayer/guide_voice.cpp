@@ -11,11 +11,11 @@
 #include "client/replayer/guide_pace.h"
 #include "client/replayer/hand_path.h"
 #include "common/dds/endpoint.h"
+#include "common/dds/random_run.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/quoted.h"
-#include "common/random_run.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

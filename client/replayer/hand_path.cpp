@@ -9,10 +9,10 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "client/replayer/span.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/recording/recording_reader.h"
-#include "common/time/span.h"
 
 namespace palpate {
 namespace {

@@ -7,11 +7,11 @@
 #include "client/replayer/player.h"
 #include "client/replayer/score_report.h"
 #include "client/replayer/verify.h"
-#include "common/command_line.h"
-#include "common/log.h"
-#include "common/private_file.h"
-#include "common/quoted.h"
-#include "common/stop_signal.h"
+#include "common/files/private_file.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
+#include "common/program/stop_signal.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

@@ -9,7 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/dds/cdr_reader.h"
-#include "common/quoted.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

@@ -5,9 +5,9 @@
 #include <CLI/CLI.hpp>
 
 #include "client/replayer/keyboard.h"
-#include "common/command_line.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/program/command_line.h"
 
 namespace palpate {
 namespace {

@@ -24,9 +24,9 @@
 #include "client/replayer/voice.h"
 #include "common/dds/server_lock.h"
 #include "common/error.h"
-#include "common/quoted.h"
+#include "common/realtime/steady_clock.h"
 #include "common/recording/recording_reader.h"
-#include "common/time/steady_clock.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

@@ -12,8 +12,8 @@
 #include "client/replayer/hand_path.h"
 #include "client/replayer/score_page.h"
 #include "common/error.h"
-#include "common/output.h"
-#include "common/quoted.h"
+#include "common/files/output.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <limits>
 
+#include "client/replayer/span.h"
 #include "common/dds/phase_name.h"
-#include "common/quoted.h"
 #include "common/step_fault.h"
-#include "common/time/span.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

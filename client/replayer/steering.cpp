@@ -8,8 +8,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/dds/random_run.h"
 #include "common/error.h"
-#include "common/random_run.h"
 
 namespace palpate {
 namespace {

@@ -10,8 +10,8 @@
 #include "client/replayer/timeline.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/endpoint.h"
+#include "common/dds/request_memory.h"
 #include "common/dds/topics.h"
-#include "common/request_memory.h"
 
 namespace palpate {
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "common/bundle_hash.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
-#include "common/quoted.h"
+#include "common/files/bundle_hash.h"
 #include "common/step_fault.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

@@ -12,14 +12,14 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
-#include "common/bundle_hash.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/output.h"
-#include "common/quoted.h"
+#include "common/files/bundle_hash.h"
+#include "common/files/output.h"
+#include "common/realtime/steady_clock.h"
 #include "common/recording/recording_reader.h"
-#include "common/time/steady_clock.h"
+#include "common/text/quoted.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_bundle.h"
 #include "server/physics/scene_model.h"

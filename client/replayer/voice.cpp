@@ -7,8 +7,8 @@
 
 #include "common/dds/cdr.h"
 #include "common/dds/cdr_reader.h"
-#include "common/random_run.h"
-#include "common/time/steady_clock.h"
+#include "common/dds/random_run.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

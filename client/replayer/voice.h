@@ -8,8 +8,8 @@
 
 #include "common/dds/endpoint.h"
 #include "common/dds/topics.h"
+#include "common/program/stop_signal.h"
 #include "common/recording/recorded_type.h"
-#include "common/stop_signal.h"
 
 namespace palpate {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdarg>
 
-#include "common/quoted.h"
 #include "common/step_fault.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/output.h"
-#include "common/quoted.h"
+#include "common/files/output.h"
 #include "common/step_fault.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

@@ -20,8 +20,8 @@
 #include <unistd.h>
 
 #include "common/error.h"
-#include "common/quoted.h"
-#include "common/whole_file.h"
+#include "common/files/whole_file.h"
+#include "common/text/quoted.h"
 
 namespace palpate::dds {
 namespace {

@@ -9,7 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
-#include "common/quoted.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

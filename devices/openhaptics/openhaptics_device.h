@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "common/program/realtime.h"
 #include "common/realtime/latest_mailbox.h"
-#include "common/realtime/realtime.h"
 #include "devices/device.h"
 #include "devices/openhaptics/hd_library.h"
 #include "devices/openhaptics/output_gate.h"

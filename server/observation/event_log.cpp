@@ -10,7 +10,7 @@
 
 #include "common/dds/phase_name.h"
 #include "common/error.h"
-#include "common/log.h"
+#include "common/program/log.h"
 #include "common/step_fault.h"
 
 namespace palpate {

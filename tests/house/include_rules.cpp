@@ -28,14 +28,21 @@ const std::vector<Rule> kRules = {
     {"common", {"common"}, {"common/dds"}, {"Eigen", "spdlog"}},
     // What all programs' command lines share; of DDS the range of domains and where to look, but
     // not its library.
-    {"common/command_line.h", {"common/realtime/realtime.h", "common/dds/network.h"}, {}, {}},
-    {"common/command_line.cpp",
-     {"common/command_line.h", "common/dds/topics.h", "common/error.h", "common/host_name.h",
-      "common/log.h", "common/lower_case.h", "common/nearest_word.h"},
+    {"common/program/command_line.h",
+     {"common/program/realtime.h", "common/dds/network.h"},
+     {},
+     {}},
+    {"common/program/command_line.cpp",
+     {"common/program/command_line.h", "common/dds/topics.h", "common/error.h",
+      "common/http/host_name.h", "common/program/log.h", "common/text/lower_case.h",
+      "common/text/nearest_word.h"},
      {},
      {"CLI11"}},
     // What a scene's name and its content have in common, for whoever takes one in.
-    {"common/bundle_hash.cpp", {"common/bundle_hash.h", "common/error.h"}, {}, {"xxHash"}},
+    {"common/files/bundle_hash.cpp",
+     {"common/files/bundle_hash.h", "common/error.h"},
+     {},
+     {"xxHash"}},
     // The one place that knows Cyclone DDS: everybody else sees typed readers and writers.
     {"common/dds", {"common", "idl"}, {}, {"Eigen", "spdlog", "Cyclone DDS", "OpenSSL"}},
     // Files alone: who wants them need not know DDS.
@@ -45,7 +52,7 @@ const std::vector<Rule> kRules = {
     // The one place that names metrics, and that gives them to Prometheus: in its text format, by
     // Boost's HTTP server.
     {"common/metrics", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "Prometheus", "Boost"}},
-    {"common/boost_source.cpp", {}, {}, {"Boost"}},
+    {"common/http/boost_source.cpp", {}, {}, {"Boost"}},
     // What people write, for scenes and devices alike.
     {"common/json", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "nlohmann-json"}},
     {"scenes",
