@@ -17,6 +17,7 @@
 
 #include "common/dds/server_lock.h"
 #include "common/error.h"
+#include "common/http/host_name.h"
 #include "common/metrics/metrics_port.h"
 #include "common/program/command_line.h"
 #include "common/program/log.h"

@@ -8,6 +8,7 @@
 #include "common/dds/participant.h"
 #include "common/error.h"
 #include "common/files/project_files.h"
+#include "common/http/host_name.h"
 #include "common/program/command_line.h"
 
 namespace palpate {

@@ -14,7 +14,6 @@
 
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/http/host_name.h"
 #include "common/program/log.h"
 #include "common/text/lower_case.h"
 #include "common/text/nearest_word.h"
@@ -84,20 +83,6 @@ void AddCommonOptions(CLI::App& app, const std::string& domain_help, int& domain
          "--log-format", [](const std::string& text) { SetLogFormat(ParseLogFormat(text)); },
          "format of the log on standard error: text, or json with one object a line")
       ->default_str("text");
-}
-
-void AddHostNameOption(CLI::App& app, const std::string& what, std::vector<std::string>& names) {
-  // Validators run from the last to the first.
-  app.add_option("--host-name", names,
-                 "name of this host, as lab.example, under which browsers may ask for " + what +
-                     ".  Without it they must use an address in numbers or localhost: other names "
-                     "are refused, because a foreign web page can point a name at this host.  May "
-                     "be given again")
-      ->type_name("NAME")
-      ->transform([](const std::string& name) { return LowerCase(name); })
-      ->check([](const std::string& name) {
-        return IsHostName(name) ? "" : "'" + name + "' is no host's name, as lab.example";
-      });
 }
 
 void AddNetworkOptions(CLI::App& app, const std::string& peer, dds::Network& network) {

@@ -30,10 +30,6 @@ void AddNetworkOptions(CLI::App& app, const std::string& peer, dds::Network& net
 /// @param loop  whose scheduling it is: "the servo loops".   @param realtime  must outlive the app.
 void AddRealtimeOptions(CLI::App& app, const std::string& loop, RealtimeOptions& realtime);
 
-/// Adds --host-name, for a program that answers HTTP: names are then in small letters.
-/// @param what  browsers ask for: "the page".   @param names  must outlive the app.
-void AddHostNameOption(CLI::App& app, const std::string& what, std::vector<std::string>& names);
-
 /// False where --help or --version was asked for, and is printed.  Numbers are finite then.  Throws
 /// UsageError (argument, where to look).
 bool ParseCommandLine(CLI::App& app, int argc, const char* const* argv);

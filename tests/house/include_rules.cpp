@@ -34,8 +34,7 @@ const std::vector<Rule> kRules = {
      {}},
     {"common/program/command_line.cpp",
      {"common/program/command_line.h", "common/dds/topics.h", "common/error.h",
-      "common/http/host_name.h", "common/program/log.h", "common/text/lower_case.h",
-      "common/text/nearest_word.h"},
+      "common/program/log.h", "common/text/lower_case.h", "common/text/nearest_word.h"},
      {},
      {"CLI11"}},
     // What a scene's name and its content have in common, for whoever takes one in.
@@ -53,6 +52,7 @@ const std::vector<Rule> kRules = {
     // Boost's HTTP server.
     {"common/metrics", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "Prometheus", "Boost"}},
     {"common/http/boost_source.cpp", {}, {}, {"Boost"}},
+    {"common/http/host_name.cpp", {"common/http/host_name.h", "common/text"}, {}, {"CLI11"}},
     // What people write, for scenes and devices alike.
     {"common/json", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "nlohmann-json"}},
     {"scenes",
@@ -152,8 +152,18 @@ struct Floors {
 // in a folder of their own, not split among the floors that they serve: they are one table,
 // compiled once for each instruction set.  The model stands above tree and surface because it owns
 // both, and below rows because every stage reads it. scenes: meshes are read or generated, trees
-// built over them, and the compiler joins them as a scene's file says.
+// built over them, and the compiler joins them as a scene's file says.  common: what anybody may
+// use at the bottom, what knows the most (recordings, a whole program) on top.
 const std::vector<Floors> kFloors = {
+    {"common",
+     {
+         {"common/error", "common/step_fault", "common/coupling_fault", "common/text",
+          "common/math", "common/qp", "common/realtime"},
+         {"common/files", "common/http", "common/mcap", "common/plot"},
+         {"common/dds", "common/json", "common/metrics"},
+         {"common/program", "common/recording"},
+     },
+     false},
     {"server/physics",
      {
          {"server/physics/limits"},
