@@ -50,7 +50,6 @@ class CrtkStation {
   };
   Counts counts() const;
   const std::string& ros_namespace() const { return namespace_; }
-  bool reads_loop() const { return poses_ && wrenches_; }
 
  private:
   void OnPose(const wire::HapticPose& pose) noexcept;

@@ -30,7 +30,6 @@ class Keyboard {
   Keyboard(const Keyboard&) = delete;
   Keyboard& operator=(const Keyboard&) = delete;
 
-  bool is_terminal() const { return terminal_; }
   /// The next key that was pressed; never waits.
   Key Read();
 
