@@ -9,7 +9,6 @@
 #include <optional>
 #include <utility>
 
-#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -21,6 +20,7 @@
 #include "common/files/output.h"
 #include "common/realtime/steady_clock.h"
 #include "common/recording/recording_reader.h"
+#include "common/text/hex16.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
@@ -116,9 +116,7 @@ class Sorter {
   }
 
  private:
-  static std::string FolderOf(const SessionKey& key) {
-    return fmt::format("{}_{:016x}", key.first, key.second);
-  }
+  static std::string FolderOf(const SessionKey& key) { return key.first + "_" + Hex16(key.second); }
   /// The session that a station has now; run 0 where the recording has not told of one.
   SessionKey Present(const std::string& station) const {
     const auto it = run_of_.find(station);

@@ -15,6 +15,7 @@
 #include "common/files/output.h"
 #include "common/files/whole_file.h"
 #include "common/mcap/mcap_reader.h"
+#include "common/text/hex16.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
@@ -30,7 +31,7 @@ constexpr const char* kMethodsFile = "methods.json";
 using Made = ExportFolder::Made;
 
 std::string HashOf(std::span<const std::uint8_t> bytes) {
-  return fmt::format("{:016x}", BundleHash(bytes));
+  return Hex16(BundleHash(bytes));
 }
 std::string HashOf(std::string_view text) {
   return HashOf({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});

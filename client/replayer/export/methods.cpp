@@ -9,6 +9,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/dds/cdr_reader.h"
+#include "common/dds/topics.h"
+#include "common/text/hex16.h"
 #include "common/text/quoted.h"
 
 namespace palpate {
@@ -20,10 +22,6 @@ constexpr const char* kNotRecorded = "not recorded";
 std::string Value(const mcap::StringMap& map, const std::string& key) {
   const auto it = map.find(key);
   return it == map.end() ? kNotRecorded : it->second;
-}
-
-std::string Hex(std::uint64_t value) {
-  return fmt::format("{:016x}", value);
 }
 
 std::string TimeText(std::int64_t ns) {
@@ -130,7 +128,7 @@ void Methods::Add(const RecordedSample& sample) {
     case RecordedType::kSceneBundle: {
       dds::Owned<wire::SceneBundle> bundle;
       if (!sample.To(bundle.value)) break;
-      scenes_[bundle.value.scene] = Hex(bundle.value.hash);
+      scenes_[bundle.value.scene] = Hex16(bundle.value.hash);
       return;
     }
     default:
@@ -213,7 +211,7 @@ std::string Methods::ToJson(const std::vector<std::string>& recording,
   for (const Session& s : sessions_) {
     json["sessions"].push_back(
         {{"station", s.station},
-         {"run", Hex(s.run)},
+         {"run", Hex16(s.run)},
          {"folder", s.folder},
          {"scene", s.scene},
          {"tool", s.tool},
@@ -275,11 +273,12 @@ std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const
       "missing | largest force wanted, applied | limiter: calls "
       "|\n|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const Session& s : sessions_) {
-    const auto find = [&](const char* what) {
-      const auto it = topics_.find(fmt::format("palpate/{}/{}/{}", s.station, Hex(s.run), what));
+    const auto find = [&](const std::string& topic) {
+      const auto it = topics_.find(topic);
       return it == topics_.end() ? Topic{} : it->second;
     };
-    const Topic poses = find("pose"), wrenches = find("wrench");
+    const Topic poses = find(dds::PoseTopic(s.station, s.run)),
+                wrenches = find(dds::WrenchTopic(s.station, s.run));
     std::string calls;
     for (const auto& [stage, count] : s.limiter_calls) {
       if (count > 0) calls += fmt::format("{}{} {}", calls.empty() ? "" : ", ", stage, count);
@@ -288,7 +287,7 @@ std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const
         "| {} | `{}` | {} | {} | {} | {:g} N/m, {:g} N m/rad | {:.1f} Hz | {:.1f} Hz | {} | {:.3f} "
         "N, "
         "{:.3f} N | {} |\n",
-        Cell(s.station), Hex(s.run), Cell(s.scene), Cell(s.tool), Cell(s.device),
+        Cell(s.station), Hex16(s.run), Cell(s.scene), Cell(s.tool), Cell(s.device),
         s.stiffness_N_per_m, s.torsional_stiffness_Nm_per_rad, poses.rate_Hz(), wrenches.rate_Hz(),
         poses.sequence.missing() + wrenches.sequence.missing(), s.wanted_force_N, s.applied_force_N,
         s.limiter_periods == 0 ? "not recorded"

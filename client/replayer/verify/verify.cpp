@@ -19,6 +19,7 @@
 #include "common/files/output.h"
 #include "common/realtime/steady_clock.h"
 #include "common/recording/recording_reader.h"
+#include "common/text/hex16.h"
 #include "common/text/quoted.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_bundle.h"
@@ -143,7 +144,7 @@ class Scenes {
       LoadOptions load;
       load.models_dir = options_.models_dir;
       loaded->scene = LoadScene(options_.scene.empty() ? name : options_.scene, load);
-      const std::string hash = fmt::format("{:016x}", BundleHash(PackScene(loaded->scene)));
+      const std::string hash = Hex16(BundleHash(PackScene(loaded->scene)));
       const auto recorded = hashes_.find(name);
       if (recorded != hashes_.end() && recorded->second != hash) {
         throw Error("scene '" + name + "' (hash " + hash +
