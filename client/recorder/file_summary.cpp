@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
 #include "common/dds/cdr_reader.h"
@@ -83,12 +84,7 @@ bool Look(const RecordedSample& sample, FileSummary& summary,
 }
 
 std::string TimeText(std::int64_t ns) {
-  const std::time_t seconds = ns / 1'000'000'000;
-  std::tm parts{};
-  gmtime_r(&seconds, &parts);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S UTC", &parts);
-  return text;
+  return fmt::format("{:%F %T} UTC", fmt::gmtime(std::time_t{ns / 1'000'000'000}));
 }
 
 }  // namespace

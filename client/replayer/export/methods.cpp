@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
 #include "common/dds/cdr_reader.h"
@@ -25,12 +26,7 @@ std::string Value(const mcap::StringMap& map, const std::string& key) {
 }
 
 std::string TimeText(std::int64_t ns) {
-  const std::time_t seconds = ns / 1'000'000'000;
-  std::tm parts{};
-  if (gmtime_r(&seconds, &parts) == nullptr) return "?";
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text;
+  return fmt::format("{:%FT%TZ}", fmt::gmtime(std::time_t{ns / 1'000'000'000}));
 }
 
 /// JSON has no NaN and no infinity.
