@@ -27,8 +27,8 @@ constexpr const char* kExamples =
 servo_cf pulls the hand at a station that runs with --accept-guide, at most with its --guide-force
 (give the same number here), and is gone 100 ms after the last message.
 state_command takes enable, disable, pause and resume.
-Frames, time stamps and quality of service: /usr/share/doc/palpate-common/CRTK.md where the package is
-installed, client/crtk/README.md in the source tree.
+Frames, time stamps and quality of service: client/crtk/README.md in the source tree, where the package
+is installed /usr/share/doc/palpate-common/client/crtk/README.md.
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 }  // namespace

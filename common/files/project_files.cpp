@@ -28,7 +28,7 @@ Places PlacesOf(ProjectFile file) {
     case ProjectFile::kDevicePages:
       return {"../doc/palpate-common/devices", "devices"};
     case ProjectFile::kRealTimePage:
-      return {"../doc/palpate-common/REALTIME.md", "deploy/REALTIME.md"};
+      return {"../doc/palpate-common/deploy/REALTIME.md", "deploy/REALTIME.md"};
   }
   return {};
 }

@@ -2,15 +2,12 @@
 // Figs. 2.16-2.18).
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <optional>
-#include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/error.h"
-#include "common/plot/svg_plot.h"
+#include "common/files/output.h"
 #include "scenes/mesh/mesh_query.h"
 #include "server/physics/simd/kernels.h"
 #include "tests/benchmarks/commands.h"
@@ -29,8 +26,7 @@ struct Options {
   std::vector<std::size_t> spheres{64, 512, 4096};
   FeatureOptions features{"surface", "off"};
   TreeSource file;  ///< beside the trees that are built; none where it names no file
-  std::string json, plot;
-  std::vector<std::string> draw;
+  std::string json, errors;
 };
 
 /// "A polygonal mesh with over 4,000 triangles", which the chapter compares 64 spheres with.
@@ -78,77 +74,18 @@ nlohmann::ordered_json ToJson(const SlidingForce& m) {
   return json;
 }
 
-/// As Figs. 2.17 and 2.18: the error of each component over time.
-void WritePlot(const Options& options, const std::vector<SlidingForce>& rows) {
-  std::vector<Plot> plots;
-  for (const char axis : {'x', 'y'}) {
-    Plot plot{.title = fmt::format("Force error along {}: ball on the {}, {} contact", axis,
-                                   options.experiment.object, options.features.contact),
-              .x = {.title = "Time of steady sliding [ms]"},
-              .y = {.title = "Error, of the true 1 N [-]"},
-              .height = 240};
-    if (axis == 'x') plot.subtitle = "δF of eq. 2.36 against the analytic object";
-    for (const SlidingForce& row : rows) {
-      PlotSeries series{.name = fmt::format("{} spheres", row.spheres)};
-      series.y = axis == 'x' ? row.errors.x : row.errors.y;
-      for (std::size_t i = 0; i < series.y.size(); ++i) {
-        series.x.push_back(static_cast<double>(i));
-      }
-      plot.series.push_back(std::move(series));
+/// Of Figs. 2.17 and 2.18: the error of each component over time.
+void WriteErrors(const std::string& file, const std::vector<SlidingForce>& rows) {
+  std::string csv = "spheres,time_ms,error_x,error_y\n";
+  for (const SlidingForce& row : rows) {
+    for (std::size_t i = 0; i < row.errors.x.size(); ++i) {
+      csv += fmt::format("{},{},{:.6g},{:.6g}\n", row.spheres, i, row.errors.x[i], row.errors.y[i]);
     }
-    for (const double sign : {1.0, -1.0}) {
-      plot.references.push_back({.value = 0.06 * sign, .text = "JND 6 %"});
-    }
-    plots.push_back(std::move(plot));
   }
-  WriteSvg(options.plot, plots);
-}
-
-/// What a run has written with --json.
-nlohmann::json ReadRun(const std::string& file) {
-  std::ifstream in(file);
-  if (!in) throw Error(file + ": cannot be opened; make one with accuracy --json");
-  nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
-  if (!run.is_object() || !run.contains("object") || !run.contains("contact")) {
-    throw Error(file + ": is not what accuracy --json writes; name files of that alone");
-  }
-  return run;
-}
-
-/// Error by count of spheres, a line for each of the runs.
-void DrawRuns(const Options& options) {
-  std::vector<Plot> plots;
-  for (const auto& [which, name] : {std::pair("mean", "mean"), std::pair("max", "greatest")}) {
-    Plot plot{.title = fmt::format("Force error against the analytic truth, {}", name),
-              .subtitle = "A ball of 5 mm slides with 1 N over a cube and an ellipsoid",
-              .x = {.title = "Spheres of the object's tree", .log = true},
-              .y = {.title = "|δF| of eq. 2.36 [of 1 N]", .log = true, .min = 1e-4},
-              .height = 220};
-    for (const std::string& file : options.draw) {
-      const nlohmann::json run = ReadRun(file);
-      const bool spheres = run["contact"] == "spheres";
-      PlotSeries series{.name = fmt::format("{}, {} contact", run["object"].get<std::string>(),
-                                            spheres ? "sphere" : "surface"),
-                        .style = PlotSeries::Style::kLineAndPoints};
-      for (const auto& row : run.contains("results") ? run["results"] : nlohmann::json{run}) {
-        series.x.push_back(row.at("spheres"));
-        series.y.push_back(row.at("force_error").at("magnitude").at(which));
-      }
-      plot.series.push_back(std::move(series));
-    }
-    plot.references = {{.value = 0.08, .text = "just noticed: 8 %"},
-                       {.value = 0.06, .text = "6 %"}};
-    plots.push_back(std::move(plot));
-  }
-  WriteSvg(options.plot, plots);
+  WriteOutput("--errors", file, csv);
 }
 
 void Run(Options options) {
-  if (!options.draw.empty()) {
-    if (options.plot.empty()) throw UsageError("accuracy: --draw needs --plot FILE.svg");
-    DrawRuns(options);
-    return;
-  }
   options.experiment.features = options.features.features();
   if (options.mode.empty()) options.mode = NameOf(ModeFor(options.experiment.features.contact));
   options.experiment.tree.mode = TreeModeNamed(options.mode);
@@ -208,7 +145,7 @@ void Run(Options options) {
   table += "  humans notice 6-8 % of a force's strength\n";
   std::fputs(table.c_str(), stderr);
   if (!options.json.empty()) WriteJson(options.json, json);
-  if (!options.plot.empty()) WritePlot(options, rows);
+  if (!options.errors.empty()) WriteErrors(options.errors, rows);
 }
 
 }  // namespace
@@ -219,7 +156,7 @@ void AddAccuracy(CLI::App& app) {
       "accuracy",
       "Force of a ball that slides over a cube or an ellipsoid, against analytic truth\n"
       "(chapter 2.5.1): a ball of 5 mm, commanded 1 mm deep at 1 N/mm, translation only.\n"
-      "Example: palpate-bench accuracy --object ellipsoid --spheres 8,64,512 --plot e.svg");
+      "Example: palpate-bench accuracy --object ellipsoid --spheres 8,64,512 --json e.json");
   command
       ->add_option("--object", options->experiment.object,
                    "cube (50 mm) or ellipsoid (40, 25, 30 mm)")
@@ -255,12 +192,8 @@ void AddAccuracy(CLI::App& app) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->add_option("--plot", options->plot, "Draw the errors over time into FILE.svg");
-  command
-      ->add_option("--draw", options->draw,
-                   "Measure nothing: draw what runs have written with --json, error by count of "
-                   "spheres, into the --plot")
-      ->delimiter(',');
+  command->add_option("--errors", options->errors,
+                      "Write the errors over time to FILE.csv (- is stdout)");
   command->callback([options] { Run(*options); });
 }
 

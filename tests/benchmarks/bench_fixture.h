@@ -41,6 +41,12 @@ class PalpateBench : public testing::Test {
     said_ = program.Output();
     return status;
   }
+  /// The picture that plots.py draws of a file with figures.
+  std::string Drawn(const std::string& name) {
+    Program program(PALPATE_SOURCE_DIR "/tests/benchmarks/plots.py", {File(name)});
+    EXPECT_EQ(program.Exit(30.0), 0) << program.Output();
+    return Read(std::filesystem::path(name).replace_extension(".svg"));
+  }
 
   std::string said_;
   std::filesystem::path folder_;

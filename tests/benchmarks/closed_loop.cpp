@@ -5,7 +5,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/files/output.h"
-#include "common/plot/svg_plot.h"
 #include "devices/simulated/phantom_sheets.h"
 #include "scenes/catalogue.h"
 #include "server/physics/scene_model.h"
@@ -207,48 +206,18 @@ std::string TableOf(const std::vector<Curve>& curves, double stiffness_N_per_m) 
   return text + "\n";
 }
 
-void DrawCurves(const Options& options, const std::vector<Curve>& curves) {
-  const std::filesystem::path folder = options.out;
-  const auto plot_of = [&](const std::string& title, const std::string& y, auto values) {
-    Plot plot;
-    plot.title = title;
-    plot.subtitle = fmt::format("{}, hand {}, jitter {:g} ms, loss {:g}", options.scene,
-                                options.loop.hand, options.loop.jitter_ms, options.loop.loss);
-    plot.x.title = "Delay, there and back [ms]";
-    plot.y.title = y;
-    for (const Curve& curve : curves) {
-      plot.series.push_back(
-          {curve.name(), kDelays_ms, values(curve), PlotSeries::Style::kLineAndPoints});
-    }
-    return plot;
-  };
-  const std::string at = fmt::format(" at {:g} N/m", options.loop.stiffness_N_per_m);
-  std::vector<Plot> plots{
-      plot_of("Stiffest stable coupling", "Stiffness [N/m]",
-              [](const Curve& c) { return Each(c.width, &ZWidth::stiffness_N_per_m); }),
-      plot_of("The most that the hand is held by", "Stiffness [N/m]",
-              [](const Curve& c) { return Each(c.width, &ZWidth::felt_N_per_m); }),
-      plot_of("Energy that the hand was given" + at, "Energy [J]",
-              [](const Curve& c) { return Each(c.asked, &ClosedLoopFigures::energy_J); }),
-      plot_of("Limit cycle" + at, "Peak to peak [mm]",
-              [](const Curve& c) { return Each(c.asked, &ClosedLoopFigures::limit_cycle_mm); })};
-  plots[0].y.log = plots[1].y.log = true;
-  WriteSvg((folder / "z_width.svg").string(), plots);
-}
-
 /// What there is so far, so that a run that is ended leaves what it has measured.
 void WriteReport(const Options& options, const std::vector<Curve>& curves,
                  const std::vector<DelayedSlides>& slides) {
   const std::filesystem::path folder = options.out;
   const bool all = slides.size() == kDelays_ms.size() && curves.size() == kCurves;
-  if (!curves.empty()) DrawCurves(options, curves);
 
   const PublishedHand& hand = PublishedHandOf(options.loop.hand);
   const PhantomSheet arm = PhantomSheetOf(options.loop.arm);
   WriteOutput(
       "--out", (folder / "report.md").string(),
       fmt::format(
-          "# A contact across a network\n\n{}{}"
+          "# A contact across a network\n\n{}"
           "Scene `{}`, arm `{}`, hand `{}` ({}), jitter {:g} ms, loss {:g} each way, seed {}. "
           "Delays are there and back; a reply is never there before the tick after its pose.\n\n"
           "Stable is what comes to rest after a tap: in the last {:g} of {:g} s the handle moves "
@@ -258,10 +227,9 @@ void WriteReport(const Options& options, const std::vector<Curve>& curves,
           "Robotics 22 (2006) 256-268). The torsional spring goes with the other.\n\n{}\n"
           "## Sliding\n\nA hand slides on the bunny at 0.1 m/s: error of the force against that "
           "of a server which answers at once, of that force.\n\n{}",
-          all ? "" : "**Not all is measured: the run goes on, or was ended.**\n\n",
-          curves.empty() ? "" : "![Z-width](z_width.svg)\n\n", options.scene, options.loop.arm,
-          hand.name, hand.source, options.loop.jitter_ms, options.loop.loss, options.loop.seed,
-          kClosedLoopCycle_s, kClosedLoopWatch_s, kStiffest,
+          all ? "" : "**Not all is measured: the run goes on, or was ended.**\n\n", options.scene,
+          options.loop.arm, hand.name, hand.source, options.loop.jitter_ms, options.loop.loss,
+          options.loop.seed, kClosedLoopCycle_s, kClosedLoopWatch_s, kStiffest,
           2.0 * arm.dynamics.coulomb_force_N / arm.info.position_resolution_m,
           TableOf(curves, options.loop.stiffness_N_per_m), TableOf(slides)));
 }
@@ -394,7 +362,7 @@ void AddClosedLoop(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
   command->add_option("--out", options->out,
-                      "Write DIR/report.md and DIR/z_width.svg: stiffness, energy and limit cycle "
+                      "Write DIR/report.md, and into --json: stiffness, energy and limit cycle "
                       "against delay, each way of closing the loop");
   command->callback([options] { Run(*options); });
 }

@@ -51,21 +51,14 @@ class ContactReport {
     json_["finite"] = f.finite;
     Line("meshes meet", fmt::format("at {:.2f} % of the poses, deeper than 1 um at {:.2f} %",
                                     1e2 * f.meeting_fraction(), 1e2 * over_1um / checked));
-    Line("arrived", fmt::format("{:.2f} % of the steps; {} of {} answers still moved after "
+    Line("arrived", fmt::format("{:.2f} % of the steps; {} of {} answers had not ended after "
                                 "200 more",
                                 1e2 * f.arrived_fraction(), f.unconverged, f.force_error.size()));
     Line("hand, force",
          fmt::format("{:.3f} m/s on average, {:.2f} N rms", f.mean_speed, f.force_rms));
-    json_["not_arrived"] = f.steps - f.arrived;
-    json_["never_arrived"] = f.never_arrived;
-    json_["notches"] = f.notches;
-    json_["ledges"] = f.ledges;
-    json_["ledge_force_N_max"] = f.ledge_force;
-    Line("hand held still", fmt::format("the tool never arrives from {} of {} steps that did not",
-                                        f.never_arrived, f.steps - f.arrived));
-    Line("force", fmt::format("{} notches; {} ledges beside them, up to {:.3f} N", f.notches,
-                              f.ledges, f.ledge_force));
-    AddJumps(f.jumps);
+    AddArrivals(f);
+    AddForce(f.force);
+    AddJumps(f);
   }
   void AddSettling(const test::ContactFigures::Settling& s) {
     const auto share = [&](std::size_t n) {
@@ -98,12 +91,65 @@ class ContactReport {
     if (table_ != nullptr) table_->Row(name, unit, p);
     out = ToJson(p);
   }
-  void AddJumps(const test::ContactFigures::Jumps& jumps) {
+  void AddArrivals(const test::ContactFigures& f) {
+    const std::size_t not_arrived = f.steps - f.arrived;
+    const test::ContactFigures::Held& held = f.held;
+    json_["not_arrived"] = not_arrived;
+    json_["not_arrived_fraction"] = 1.0 - f.arrived_fraction();
+    json_["not_arrived_run_max"] = f.longest_behind;
+    json_["never_arrived"] = held.never;
+    json_["never_arriving"] = {{"tried", held.tried},
+                               {"count", held.never},
+                               {"without_force", held.without_force},
+                               {"stuck", held.stuck},
+                               {"others_steps_p50", held.median()}};
+    Line("not arrived",
+         fmt::format(
+             "{} steps, up to {} in a row; held still, {} {} never arrive in {} more "
+             "({} without a force, {} of these for good), half of the others in {}",
+             not_arrived, f.longest_behind, held.never,
+             held.tried == not_arrived ? std::string("of them")
+                                       : fmt::format("of {} of them, evenly spread,", held.tried),
+             test::ContactFigures::kHeldSteps, held.without_force, held.stuck, held.median()));
+  }
+  void AddForce(const test::ForceShape& shape) {
+    const auto change = [](const test::ForceChange& c) {
+      return nlohmann::ordered_json{{"force_N", c.size}, {"step", c.step}};
+    };
+    const test::ForceNotch deepest = Deepest(shape.notches), longest = Longest(shape.notches);
+    const test::ForceChange ledge = Largest(shape.ledges), passing = Largest(shape.passing);
+    const std::size_t longest_ms = shape.notches.empty() ? 0 : longest.steps();
+    json_["notches"] = shape.notches.size();
+    json_["notch"] = {{"deepest_N", deepest.depth()},
+                      {"deepest_step", deepest.begin},
+                      {"longest_ms", longest_ms},
+                      {"longest_step", longest.begin}};
+    json_["ledges"] = shape.ledges.size();
+    json_["ledge_force_N_max"] = ledge.size;
+    json_["largest_ledge"] = change(ledge);
+    json_["largest_jump"] = change(shape.largest_jump);
+    json_["passing"] = shape.passing.size();
+    json_["largest_passing"] = change(passing);
+    Line("notches",
+         shape.notches.empty()
+             ? "none"
+             : fmt::format("{}, the deepest from {:.3f} to {:.3f} N (step {}), the longest {} ms "
+                           "(step {})",
+                           shape.notches.size(), deepest.before, deepest.least, deepest.begin,
+                           longest_ms, longest.begin));
+    Line("ledges beside them",
+         fmt::format("{} up to {:.3f} N (step {}); {} changes that pass, up to {:.3f} N (step {})",
+                     shape.ledges.size(), ledge.size, ledge.step, shape.passing.size(),
+                     passing.size, passing.step));
+  }
+  void AddJumps(const test::ContactFigures& f) {
+    const test::ContactFigures::Jumps& jumps = f.jumps;
     nlohmann::ordered_json& out = json_["jump"];
-    out = {{"force_N_max", jumps.force_max}, {"torque_Nm_max", jumps.torque_max}};
+    out = {{"force_N_max", f.force.largest_jump.size}, {"torque_Nm_max", jumps.torque_max}};
     Line("greatest jump",
          fmt::format("{:.3f} N, {:.4f} N m; unexplained {}; {} of a tool that was behind",
-                     jumps.force_max, jumps.torque_max, jumps.unexplained(), jumps.behind));
+                     f.force.largest_jump.size, jumps.torque_max, jumps.unexplained(),
+                     jumps.behind));
     out["unexplained"] = jumps.unexplained();
     out["behind"] = jumps.behind;
     for (int c = 1; c < test::kJumpCauses; ++c) {

@@ -65,8 +65,8 @@ void RunSeeds(const Options& options, const Scene& scene) {
     /// A seed that broke an invariant comes before those that did not.
     auto badness() const {
       return std::tuple(!figures.finite, figures.meeting > 0, figures.jumps.unexplained(),
-                        figures.never_arrived, figures.notches, figures.steps - figures.arrived,
-                        depth());
+                        figures.held.never, figures.force.notches.size(),
+                        figures.steps - figures.arrived, depth());
     }
   };
   const auto [first, last] = SeedRange(options.seeds);
@@ -98,8 +98,9 @@ void RunSeeds(const Options& options, const Scene& scene) {
         "  {:>6} {:>9.2f} {:>9.3f} {:>10.2f} {:>6} {:>8} {:>7} {:>9.2f} {:>9.3f} {:>11} {:>8.2f} "
         "{:>10.1f}\n",
         s.seed, 1e2 * f.meeting_fraction(), 1e6 * s.depth(), 1e2 * f.arrived_fraction(),
-        f.never_arrived, f.notches, f.ledges, f.force_rms, f.jumps.force_max, f.jumps.unexplained(),
-        1e2 * f.force_4khz_rms_fraction, 1e2 * settled);
+        f.held.never, f.force.notches.size(), f.force.ledges.size(), f.force_rms,
+        f.force.largest_jump.size, f.jumps.unexplained(), 1e2 * f.force_4khz_rms_fraction,
+        1e2 * settled);
     rows.push_back({{"seed", s.seed}});
     AddContact(f, options.cycle, nullptr, rows.back());
   }
@@ -109,6 +110,7 @@ void RunSeeds(const Options& options, const Scene& scene) {
                              {"contact", NameOf(scene.features.contact)},
                              {"friction", NameOf(scene.features.friction)},
                              {"speed_m_per_s", options.hand.speed},
+                             {"press_mm", options.hand.press_mm},
                              {"steps", options.hand.steps},
                              {"seeds", rows}});
   }
@@ -130,6 +132,7 @@ void Run(Options& options) {
   json["scene"] = options.scene;
   json["seed"] = options.hand.seed;
   json["speed_m_per_s"] = options.hand.speed;
+  json["press_mm"] = options.hand.press_mm;
   if (!options.json.empty()) WriteJson(options.json, json);
 }
 
@@ -145,7 +148,10 @@ void AddHands(CLI::App& app) {
       "rests, and the force at 4 kHz against that at 1 kHz.\n"
       "Example: palpate-bench hands --scene bunny-bunny --seed 7 --speed 0.1 --steps 20000\n"
       "         palpate-bench hands --scene pipes --seeds 1..20 --speed 0.3 --steps 5000");
-  command->add_option("--scene", options->scene, "Catalogue name or scene file")
+  command
+      ->add_option("--scene", options->scene,
+                   "Catalogue name, scene file, or sharp edges made from a seed: sharp-combs:7,\n"
+                   "sharp-gears:7, sharp-plates:7, sharp-dice:7 or sharp-gear-comb:7")
       ->capture_default_str();
   auto* seed =
       command->add_option("--seed", options->hand.seed, "Which hand")->capture_default_str();
@@ -158,6 +164,11 @@ void AddHands(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--steps", options->hand.steps, "Steps, one a millisecond")
       ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--press-mm", options->hand.press_mm,
+                   "It presses half as deep to as deep as this, mm")
+      ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
   command->add_option("--poses-out", options->poses_out,
                       "Write the hand's poses to FILE, as --poses of cycle reads them");

@@ -9,7 +9,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
-#include "common/plot/svg_plot.h"
 #include "scenes/catalogue.h"
 #include "scenes/progress_line.h"
 #include "scenes/tree/coverage.h"
@@ -26,7 +25,7 @@ namespace palpate::bench {
 namespace {
 
 struct Options {
-  std::string scene = "dragon-buddha", models, json, plot;
+  std::string scene = "dragon-buddha", models, json;
   // What the chapter's trees have with eight children to a node, at most: levels 1 to 5 (level 4 of
   // its bunny 3,917, level 5 of its dragon 22,332).
   std::vector<std::size_t> leaves{8, 64, 512, 3917, 22332};
@@ -125,35 +124,6 @@ void Compare(Level& level, const Level& finest) {
   level.torque_error = torque > 0.0 ? torque_apart / torque : 0.0;
 }
 
-void WritePlot(const Options& options, const std::vector<Level>& levels) {
-  Plot cost{.title = fmt::format("Cost by level of detail: {}, {} contact", options.scene,
-                                 options.features.contact),
-            .subtitle = "each body's tree built with as many leaves; the chapter's Fig. 2.23c",
-            .x = {.title = "Leaves of each tree", .log = true},
-            .y = {.title = "Step, best [µs]", .log = true}};
-  Plot error{.title = "Force against the finest level",
-             .x = cost.x,
-             .y = {.title = "Mean difference, relative [-]", .log = true}};
-  PlotSeries p50{.name = "median", .style = PlotSeries::Style::kLineAndPoints};
-  PlotSeries p999{.name = "p99.9", .style = PlotSeries::Style::kLineAndPoints};
-  PlotSeries apart{.name = "force", .style = PlotSeries::Style::kLineAndPoints};
-  for (const Level& level : levels) {
-    const Percentiles best = PercentilesOf(level.step_us.best());
-    for (PlotSeries* s : {&p50, &p999}) s->x.push_back(static_cast<double>(level.leaves));
-    p50.y.push_back(best.p50);
-    p999.y.push_back(best.p999);
-    if (&level == &levels.back()) continue;
-    apart.x.push_back(static_cast<double>(level.leaves));
-    apart.y.push_back(level.force_error);
-  }
-  cost.series = {p50, p999};
-  cost.references = {{.value = 1000.0, .text = "chapter, detection"}};
-  error.series = {apart};
-  error.references = {{.value = 0.06, .text = "JND 6 %"}};
-  error.height = 200;
-  WriteSvg(options.plot, {cost, error});
-}
-
 void Run(Options options) {
   LoadOptions load;
   load.models_dir = options.models;
@@ -221,7 +191,6 @@ void Run(Options options) {
       "about 500 pairs\n";
   std::fputs(table.c_str(), stderr);
   if (!options.json.empty()) WriteJson(options.json, json);
-  if (!options.plot.empty()) WritePlot(options, levels);
 }
 
 }  // namespace
@@ -233,7 +202,7 @@ void AddLevels(CLI::App& app) {
       "Cost of a step by level of detail (chapter Fig. 2.23c): the scene's script with coarser "
       "and\n"
       "finer sphere trees, and how far their forces are from the finest's.\n"
-      "Example: palpate-bench levels --scene dragon-buddha --plot levels.svg\n"
+      "Example: palpate-bench levels --scene dragon-buddha --json levels.json\n"
       "A million leaves: palpate-bench levels --scene dragon-buddha --leaves 1000000 "
       "--objects-only");
   command->add_option("--scene", options->scene, "Catalogue name or scene file")
@@ -251,7 +220,6 @@ void AddLevels(CLI::App& app) {
   options->features.AddTo(*command);
   command->add_option("--models", options->models, "Folder of models that are not packaged");
   command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->add_option("--plot", options->plot, "Draw cost and error by level into FILE.svg");
   command->callback([options] { Run(*options); });
 }
 

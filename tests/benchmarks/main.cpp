@@ -11,7 +11,7 @@ namespace {
 int Main(int argc, char** argv) {
   CLI::App app(
       "Measurements of Palpate: each command prints a table, and writes JSON with --json FILE; "
-      "pareto\nwrites report, plot and JSON into its --out folder.",
+      "pareto\nwrites report, CSV and JSON into its --out folder.",
       "palpate-bench");
   app.require_subcommand(1);
   app.fallthrough();

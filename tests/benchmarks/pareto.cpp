@@ -459,7 +459,9 @@ void AddPareto(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "pareto",
       "Speed against error of every scene, contact and friction model, and of the peers that are\n"
-      "installed: report.md, pareto.svg and pareto.json.  Written anew after each measurement, so\n"
+      "installed: report.md, pareto.csv and pareto.json; tests/benchmarks/plots.py pareto.csv "
+      "draws\n"
+      "the report's picture.  Written anew after each measurement, so\n"
       "that Ctrl-C keeps what there is.\n"
       "Example: palpate-bench pareto --out build/pareto --peers bullet,ode");
   command->add_option("--out", options->out, "Folder to write to; made where it is missing")

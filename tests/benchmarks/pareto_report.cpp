@@ -1,15 +1,14 @@
 #include "tests/benchmarks/pareto_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <functional>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/fmt/ranges.h>
 
 #include "common/error.h"
-#include "common/plot/svg_plot.h"
 #include "tests/benchmarks/peers/peer.h"
 
 namespace palpate::bench {
@@ -206,94 +205,6 @@ std::vector<Goal> Goals(const ParetoResults& r) {
           {"`mould`, surface contact: step", kOwn, 200.0, " µs", p999("mould", "surface")}};
 }
 
-// ---- plots
-
-/// The error of a sliding ball's force; `which` and `name` say the mean or the greatest.
-Plot ForcePlot(const ParetoResults& r, const char* name, double MeanMax::*which) {
-  Plot force;
-  force.title = fmt::format("Force error, {}, against the time of a step", name);
-  force.subtitle =
-      "A ball of 5 mm slides with 1 N; points are labelled with the spheres of the object";
-  force.x = {"Step, best p99.9 [µs]", true};
-  force.y = {fmt::format("Force error, {} [of 1 N]", name), true, 1e-5};
-  const auto add = [&](const std::string& title, const std::string& object,
-                       const std::string& contact, bool other_meshes) {
-    PlotSeries series{title};
-    series.style = other_meshes ? PlotSeries::Style::kPoints : PlotSeries::Style::kLineAndPoints;
-    for (const SlideResult& s : r.slides) {
-      const bool other = s.triangles == kFewTriangles || s.triangles == kManyTriangles;
-      if (s.object != object || s.contact != contact || !s.slide || other != other_meshes) continue;
-      series.x.push_back(s.speed.best.p999);
-      series.y.push_back((*s.slide).*which);
-      series.labels.push_back(other ? Thousands(s.triangles) + " triangles" : Thousands(s.spheres));
-    }
-    if (!series.x.empty()) force.series.push_back(series);
-  };
-  for (const char* object : {"cube", "ellipsoid"}) {
-    for (const char* contact : {"spheres", "surface"}) {
-      add(fmt::format("{}, {}", object, ContactName(contact)), object, contact, false);
-    }
-  }
-  add("the same, 512 spheres, other meshes", "ellipsoid", "surface", true);
-  PlotSeries peers{"peers, cube"};
-  peers.style = PlotSeries::Style::kPoints;
-  for (const PeerRun& run : r.peer_slide) {
-    if (run.id.empty() || !run.slide) continue;
-    peers.x.push_back(run.speed.best.p999);
-    peers.y.push_back((*run.slide).*which);
-    peers.labels.push_back(run.name);
-  }
-  if (!peers.x.empty()) force.series.push_back(peers);
-  force.references = {{PlotReference::Across::kHorizontal, kJndHigh, "just noticed: 8 %"},
-                      {PlotReference::Across::kHorizontal, kJndLow, "6 %"}};
-  return force;
-}
-
-std::vector<Plot> Plots(const ParetoResults& r) {
-  const PlotReference budget{PlotReference::Across::kVertical, kMillisecond_us, "1 ms"};
-  std::vector<Plot> plots;
-
-  plots.push_back(ForcePlot(r, "mean", &MeanMax::mean));
-  plots.back().references.push_back(
-      {PlotReference::Across::kHorizontal, kChapterCubeMean, "chapter: cube, 4,096"});
-  plots.push_back(ForcePlot(r, "greatest", &MeanMax::max));
-  plots.back().references.push_back(
-      {PlotReference::Across::kHorizontal, kChapterEllipsoidMax, "chapter: ellipsoid, 512"});
-  std::erase_if(plots, [](const Plot& plot) { return plot.series.empty(); });
-
-  Plot depth;
-  depth.title = "Penetration against the time of a step";
-  depth.subtitle = "How deep the meshes are in each other, friction off";
-  depth.x = {"Step, best p99.9 [µs]", true};
-  depth.y = {"Penetration, p99 of the steps [µm]", true, 0.001};
-  for (const char* contact : {"spheres", "surface"}) {
-    PlotSeries series{ContactName(contact)};
-    series.style = PlotSeries::Style::kPoints;
-    for (const SceneResult& s : r.scenes) {
-      if (const ModelRun* run = FindRun(r, s.scene, contact, "off")) {
-        series.x.push_back(run->speed.best.p999);
-        series.y.push_back(run->path->penetration_um.p99);
-        series.labels.push_back(s.scene);
-      }
-    }
-    if (!series.x.empty()) depth.series.push_back(series);
-  }
-  PlotSeries beside{"peers, " + r.peer_scene};
-  beside.style = PlotSeries::Style::kPoints;
-  for (const PeerRun& run : r.peer_path) {
-    if (run.id.empty() || !run.path) continue;
-    beside.x.push_back(run.speed.best.p999);
-    beside.y.push_back(run.path->penetration_um.p99);
-    beside.labels.push_back(run.name);
-  }
-  if (!beside.x.empty()) depth.series.push_back(beside);
-  depth.references = {budget,
-                      {PlotReference::Across::kVertical, 1500.0, "chapter: bunnies, 1.5 ms"},
-                      {PlotReference::Across::kHorizontal, kDeepGoal_um, "goal: 10 µm"}};
-  if (!depth.series.empty()) plots.push_back(depth);
-  return plots;
-}
-
 // ---- the report's sections
 
 std::string Depth(const Measured& m, double Percentiles::*which) {
@@ -329,65 +240,13 @@ void Head(Markdown& md, const ParetoResults& r) {
       "the machine did.");
 }
 
-void Headline(Markdown& md, const ParetoResults& r) {
-  md.Heading(2, "Headline");
-  std::vector<std::vector<std::string>> rows;
-  const auto add = [&](const std::string& what, const Speed& speed, const std::string& error,
-                       const std::string& chapter) {
-    rows.push_back({what, Number(speed.best.p50), Number(speed.best.p999), error, chapter});
-  };
-  const auto force = [&](const std::string& object, std::size_t spheres, const std::string& contact,
-                         const std::string& chapter) {
-    if (const SlideResult* s = FindSlide(r, object, spheres, contact)) {
-      add(fmt::format("{}, {} spheres, {}", object, Thousands(spheres), ContactName(contact)),
-          s->speed,
-          fmt::format("force: mean {}, max {}", Number(s->slide->mean), Number(s->slide->max)),
-          chapter);
-    }
-  };
-  for (const char* contact : {"spheres", "surface"}) {
-    force("cube", 4096, contact, "force: mean 0.05");
-    force("ellipsoid", 512, contact, "force: max 0.05");
-  }
-  const auto depth = [&](const std::string& name, const Measured& m, const std::string& chapter) {
-    add(name, m.speed,
-        fmt::format("{} µm deep at p99, {} at most", Depth(m, &Percentiles::p99),
-                    Depth(m, &Percentiles::max)),
-        chapter);
-  };
-  for (const auto& [scene, chapter] :
-       {std::pair("bunny-bunny", "< 1,500 µs"), std::pair("bunny-bunny-22k", "–"),
-        std::pair("dragon-buddha", "< 1,000 + 1,000 µs")}) {
-    for (const char* contact : {"spheres", "surface"}) {
-      if (const ModelRun* run = FindRun(r, scene, contact, "off")) {
-        depth(fmt::format("`{}`, {}", scene, ContactName(contact)), *run, chapter);
-      }
-    }
-  }
-  for (const PeerRun& run : r.peer_path) {
-    if (!run.id.empty() && run.path)
-      depth(fmt::format("`{}`, {}", r.peer_scene, run.name), run, "–");
-  }
-  md.Table("lrrll", {"", "step, best p50", "best p99.9", "error", "chapter"}, rows);
-  md.Paragraph(fmt::format(
-      "People notice a difference of force of {:.0f} to {:.0f} % (Jones 1989; Pang, Tan & Durlach "
-      "1991). The chapter's times are of a 2.2 GHz Core 2.",
-      100.0 * kJndLow, 100.0 * kJndHigh));
-}
-
-void SpeedAgainstError(Markdown& md, const ParetoResults& r) {
+void SpeedAgainstError(Markdown& md, const ParetoResults&) {
   md.Heading(2, "Speed against error");
-  if (Plots(r).empty()) {
-    md.Paragraph("Nothing measured that can be drawn.");
-    return;
-  }
-  md.Paragraph(
-      "<picture>\n"
-      "  <source media=\"(prefers-color-scheme: dark)\" srcset=\"pareto-dark.svg\">\n"
-      "  <img src=\"pareto-light.svg\" alt=\"Force error and penetration against the time of a "
-      "step, for Palpate's models and the peers\">\n"
-      "</picture>");
-  md.Paragraph("Down and to the left is better. A value of 0 lies on the lower edge.");
+  md.Paragraph("![Force error and penetration against the time of a step](pareto.svg)");
+  md.Paragraph(fmt::format(
+      "Down and to the left is better. A value of 0 lies on the lower edge. People notice a "
+      "difference of force of {:.0f} to {:.0f} % (Jones 1989; Pang, Tan & Durlach 1991).",
+      100.0 * kJndLow, 100.0 * kJndHigh));
 }
 
 void Slides(Markdown& md, const ParetoResults& r) {
@@ -419,48 +278,46 @@ void Slides(Markdown& md, const ParetoResults& r) {
 void Scenes(Markdown& md, const ParetoResults& r) {
   md.Heading(2, "Scenes");
   md.Paragraph(
-      "Every scene's own path. *Penetration* is that of the meshes at the reported pose, on every "
-      "n-th "
-      "step: the deepest vertex inside a closed mesh, or the shortest way that takes two triangles "
-      "apart, whichever is more. With sphere contact the meshes may meet where the spheres, which "
-      "lie inside "
-      "them, do not yet: that is the model's error. *Sphere overlap* is how deep the spheres "
-      "themselves overlap, which is what that model prevents. Where a scene "
-      "has no friction of its own, its objects have μ_s 0.8 and μ_d 0.3 where a friction model is "
-      "named.");
+      "Every scene's own path, friction off; *slowest* is the slowest of all contact and friction "
+      "models, which `pareto.csv` has one by one. *Deepest* is the penetration of the meshes at "
+      "the "
+      "reported pose, on every n-th step: the deepest vertex inside a closed mesh, or the shortest "
+      "way that takes two triangles apart, whichever is more. With sphere contact the meshes may "
+      "meet where the spheres, which lie inside them, do not yet: that is the model's error. "
+      "Objects of scenes with ¹ are soft or wear off: what the tool pressed in or scraped away "
+      "counts as penetration of the meshes, which are as they were. Where a scene has no friction "
+      "of its own, its objects have μ_s 0.8 and μ_d 0.3 where a friction model is named.");
+  Rows rows;
   for (const SceneResult& s : r.scenes) {
-    md.Heading(3, "`" + s.scene + "`");
-    if (!s.not_available.empty()) {
-      md.Paragraph("Not available: " + s.not_available);
-      continue;
-    }
-    if (s.steps == 0) {
-      md.Paragraph("Not measured.");
-      continue;
-    }
-    md.Paragraph(
-        fmt::format("Spheres: {} of the tool, {} of the objects; {} triangles in all; {} "
-                    "steps.",
-                    Thousands(s.tool_spheres), Thousands(s.object_spheres), Thousands(s.triangles),
-                    Thousands(s.steps)));
-    if (s.yields) {
-      md.Paragraph(
-          "Its objects are soft or wear off: what the tool pressed in or scraped away counts as "
-          "penetration of the meshes, which are as they were.");
-    }
-    Rows rows;
+    const std::string name = "`" + s.scene + "`" + (s.yields ? " ¹" : "");
+    std::vector<std::string> cells{name, Thousands(s.triangles), Thousands(s.steps)};
+    const ModelRun* slowest = nullptr;
     for (const ModelRun& run : s.runs) {
-      rows.Add(run, fmt::format("{}, friction {}", ContactName(run.contact), run.friction),
-               {run.contact, run.friction, Number(run.speed.best.p50), Number(run.speed.best.p999),
-                Depth(run, &Percentiles::p99), Depth(run, &Percentiles::max),
-                run.sphere_overlap_um ? Number(*run.sphere_overlap_um) : "–",
-                run.path ? Number(run.path->force_jump_N) : "–"});
+      if (!run.path) continue;
+      if (!slowest || run.speed.best.p999 > slowest->speed.best.p999) slowest = &run;
     }
-    rows.Print(md, "llrrrrrr",
-               {"contact", "friction", "best p50", "best p99.9", "penetration p99 [µm]", "max [µm]",
-                "sphere overlap [µm]", "greatest jump [N]"});
+    for (const char* contact : {"spheres", "surface"}) {
+      const ModelRun* run = FindRun(r, s.scene, contact, "off");
+      cells.push_back(run ? Number(run->speed.best.p50) : "–");
+      cells.push_back(run ? Number(run->speed.best.p999) : "–");
+      cells.push_back(run ? Depth(*run, &Percentiles::max) : "–");
+    }
+    cells.push_back(slowest ? Number(slowest->speed.best.p999) : "–");
+    Measured available;
+    available.not_available = !s.not_available.empty() ? s.not_available
+                              : s.runs.empty()         ? "not measured"
+                                                       : "";
+    rows.Add(available, name, cells);
+    for (const ModelRun& run : s.runs) {
+      if (run.not_available.empty()) continue;
+      rows.Add(run,
+               fmt::format("{}, {}, friction {}", name, ContactName(run.contact), run.friction),
+               {});
+    }
   }
-  if (r.scenes.empty()) md.Paragraph("None measured.");
+  rows.Print(md, "lrrrrrrrrr",
+             {"scene", "triangles", "steps", "spheres: best p50", "p99.9", "deepest [µm]",
+              "surface: best p50", "p99.9", "deepest [µm]", "slowest, p99.9"});
 }
 
 void Features(Markdown& md, const ParetoResults& r) {
@@ -507,9 +364,10 @@ void Peers(Markdown& md, const ParetoResults& r) {
   const auto speed = [](const Measured& m, double Percentiles::*which) {
     return Number(m.speed.best.*which) + (m.speed.repeatable ? "" : " raw");
   };
-  const auto path_table = [&](const std::vector<PeerRun>& runs) {
+  if (!r.peer_path.empty()) {
+    md.Heading(3, fmt::format("The path of `{}`", r.peer_scene));
     Rows rows;
-    for (const PeerRun& run : runs) {
+    for (const PeerRun& run : r.peer_path) {
       rows.Add(run, run.name,
                {run.name, speed(run, &Percentiles::p50), speed(run, &Percentiles::p999),
                 Depth(run, &Percentiles::p50), Depth(run, &Percentiles::p99),
@@ -519,10 +377,6 @@ void Peers(Markdown& md, const ParetoResults& r) {
     rows.Print(md, "lrrrrrrr",
                {"", "best p50", "best p99.9", "penetration p50 [µm]", "p99 [µm]", "max [µm]",
                 "force in free space [N]", "greatest jump [N]"});
-  };
-  if (!r.peer_path.empty()) {
-    md.Heading(3, fmt::format("The path of `{}`", r.peer_scene));
-    path_table(r.peer_path);
     std::string apart;
     for (const PeerRun& run : r.peer_path) {
       if (!run.distance_min_um) continue;
@@ -553,10 +407,15 @@ void Peers(Markdown& md, const ParetoResults& r) {
         "caught up: that is its greatest error.");
   }
   if (!r.peer_variants.empty()) {
-    md.Heading(3, "The peers set otherwise");
-    path_table(r.peer_variants);
-    md.Paragraph("The beginning of the same path.");
+    md.Paragraph(
+        "`pareto.csv` also has the peers with other masses and sub-steps (*peer variant*), on the "
+        "beginning of the same path.");
   }
+}
+
+/// With all digits where fewer would not tell it from its bound.
+std::string Beside(double bound, double here) {
+  return here != bound && Number(here) == Number(bound) ? fmt::format("{}", here) : Number(here);
 }
 
 void Missed(Markdown& md, const ParetoResults& r) {
@@ -565,7 +424,7 @@ void Missed(Markdown& md, const ParetoResults& r) {
   for (const Goal& goal : Goals(r)) {
     rows.push_back({goal.what, goal.chapters ? "chapter" : "goal",
                     "≤ " + Number(goal.bound) + goal.unit,
-                    goal.here ? Number(*goal.here) + goal.unit : "–",
+                    goal.here ? Beside(goal.bound, *goal.here) + goal.unit : "–",
                     !goal.here    ? "not measured"
                     : goal.held() ? "held"
                                   : "**missed**"});
@@ -682,6 +541,49 @@ nlohmann::ordered_json ToJson(const ParetoResults& r) {
   return json;
 }
 
+// ---- CSV: every run, for spreadsheets and plots.py
+
+std::string ToCsv(const ParetoResults& r) {
+  std::string csv =
+      "part,name,contact,friction,tool_spheres,spheres,triangles,steps,repeatable,"
+      "best_p50_us,best_p999_us,error_mean,error_max,penetration_p50_um,penetration_p99_um,"
+      "penetration_max_um,"
+      "sphere_overlap_um,free_force_N,force_jump_N\n";
+  // Nothing of what is 0 because nobody counted it.
+  const auto count = [](std::size_t n) { return n == 0 ? "" : std::to_string(n); };
+  const auto add = [&](const std::string& part, const std::string& name, const ModelRun& run,
+                       std::size_t tool, std::size_t spheres, std::size_t triangles,
+                       std::size_t steps) {
+    if (!run.not_available.empty()) return;
+    csv +=
+        fmt::format("{},\"{}\",{},{},{},{},{},{},{},{:.6g},{:.6g},", part, name, run.contact,
+                    run.friction, count(tool), count(spheres), count(triangles), count(steps),
+                    run.speed.repeatable ? "yes" : "no", run.speed.best.p50, run.speed.best.p999);
+    csv += run.slide ? fmt::format("{:.6g},{:.6g},", run.slide->mean, run.slide->max) : ",,";
+    const auto depth = [](const Percentiles& um) {
+      return fmt::format("{:.6g},{:.6g},{:.6g},", um.p50, um.p99, um.max);
+    };
+    csv += run.path ? depth(run.path->penetration_um) : ",,,";
+    csv += run.sphere_overlap_um ? fmt::format("{:.6g},", *run.sphere_overlap_um) : ",";
+    csv += run.path ? fmt::format("{:.6g},{:.6g}\n", run.path->free_force_N, run.path->force_jump_N)
+                    : ",\n";
+  };
+  for (const SlideResult& s : r.slides) {
+    add("slide", s.object, s, 0, s.spheres, s.triangles, 0);
+  }
+  for (const SceneResult& s : r.scenes) {
+    for (const ModelRun& run : s.runs) {
+      add("scene", s.scene, run, s.tool_spheres, s.object_spheres, s.triangles, s.steps);
+    }
+  }
+  for (const auto& [part, runs] :
+       {std::pair("peer path", &r.peer_path), std::pair("peer slide", &r.peer_slide),
+        std::pair("peer variant", &r.peer_variants)}) {
+    for (const PeerRun& run : *runs) add(part, run.name, {run}, 0, 0, 0, 0);
+  }
+  return csv;
+}
+
 void WriteText(const std::string& file, const std::string& text) {
   std::ofstream out(file);
   out << text;
@@ -698,17 +600,12 @@ void WritePareto(const std::string& folder, const ParetoResults& results) {
     return (std::filesystem::path(folder) / name).string();
   };
   WriteJson(file("pareto.json"), ToJson(results));
+  WriteText(file("pareto.csv"), ToCsv(results));
   Markdown md;
-  for (const auto section :
-       {Head, Headline, SpeedAgainstError, Slides, Scenes, Features, Peers, Missed}) {
+  for (const auto section : {Head, SpeedAgainstError, Slides, Scenes, Features, Peers, Missed}) {
     section(md, results);
   }
   WriteText(file("report.md"), md.text());
-  const std::vector<Plot> plots = Plots(results);
-  if (plots.empty()) return;
-  WriteText(file("pareto.svg"), ToSvg(plots));
-  WriteText(file("pareto-light.svg"), ToSvg(plots, PlotTheme::kLight));
-  WriteText(file("pareto-dark.svg"), ToSvg(plots, PlotTheme::kDark));
 }
 
 }  // namespace palpate::bench

@@ -6,9 +6,9 @@
 
 namespace palpate::bench {
 
-/// Writes what has been measured so far: `folder`/report.md, pareto.json, pareto.svg (light or dark
-/// as its reader prefers) and pareto-light.svg and pareto-dark.svg, which the report shows.  Throws
-/// Error where a file cannot be written.
+/// Writes what has been measured so far: `folder`/report.md, pareto.json, and pareto.csv, from
+/// which plots.py draws the pareto.svg that the report shows.  Throws Error where a file cannot be
+/// written.
 void WritePareto(const std::string& folder, const ParetoResults& results);
 
 }  // namespace palpate::bench

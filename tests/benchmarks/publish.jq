@@ -1,5 +1,5 @@
-# The reports of tests/benchmarks/publish, in Markdown, from what palpate-bench has written as JSON.
-# Called with all files slurped; $report says which report, $head what was done and where.  Each
+# The reports of tests/benchmarks/publish, as Markdown and CSV, from what palpate-bench has written as JSON.
+# Called with all files slurped; $report says which file, $head what was done and where.  Each
 # sentence about figures is computed from them.
 
 # ---- numbers as people read them: three digits
@@ -23,6 +23,8 @@ def table($align; $head):
   [$head | row]
   + ["|" + ($align / "" | map(if . == "r" then "---:" else "---" end) | join("|")) + "|"]
   + map(row) | join("\n");
+# csv(["a", "b"]): of an array of rows, figures with as many digits as people read.
+def csv($head): ([$head] + .)[] | map(if type == "number" and . != floor then num | tonumber else . end) | @csv;
 def contact: (if . == "spheres" then "sphere" else . end) + " contact";
 def unit: sub("^um$"; "µm");
 def plural($one): "\(.) \($one)" + (if . == 1 then "" else "s" end);
@@ -68,6 +70,13 @@ def accuracy_meshes:
   | map("The \(.triangles) flat triangles of the ellipsoid's mesh, felt exactly, would be "
         + "\(.force_error.magnitude.max | percent) off at most: an object that is not declared curved "
         + "is felt so.") | join(" ");
+def accuracy_csv:
+  accuracy_rows
+  | map([.object, .contact, .spheres, .felt_triangles]
+        + (.force_error | [.magnitude.mean, .magnitude.max, .strength.mean, .strength.max])
+        + [.direction_deg.mean, .direction_deg.max, .best_step_us.p50, .best_step_us.p999])
+  | csv(["object", "contact", "spheres", "triangles_felt", "error_mean", "error_max", "strength_mean",
+         "strength_max", "direction_mean_deg", "direction_max_deg", "best_p50_us", "best_p999_us"]);
 def accuracy:
   accuracy_rows as $rows
   | head("Force against the analytic truth"; .[0].machine) + "\n\n"
@@ -101,8 +110,22 @@ def broken:
   | join(", ");
 def not_held:
   [.[] | models as $with | .cases[] | select(.held | not) | "`\(.name)` (\($with)): \(broken)"];
+def stability_csv:
+  [.[] | {contact, friction} as $with | .cases[]
+   | [.name, $with.contact, $with.friction, .what, .steps, .figure, .bound, .unit, .penetration_um,
+      .tunnelled, .nonfinite, .held]]
+  | csv(["case", "contact", "friction", "figure_of", "steps", "figure", "bound", "unit", "overlap_um",
+         "tunnelled", "not_finite", "held"]);
+# A row for each case, with the figure of each choice of models that has it.
+def stability_row($runs):
+  . as $case
+  | ["`\(.name)`", .what, ("\(.bound | num) \(.unit | unit)" | sub(" $"; ""))]
+    + ($runs | map(.cases | map(select(.name == $case.name)) | first
+                   | if . == null then "–" elif .held then .figure | num
+                     else "**\(.figure | num)**" end));
 def stability:
-  head("Hard cases against their bounds"; .[0].machine) + "\n\n"
+  . as $runs
+  | head("Hard cases against their bounds"; .[0].machine) + "\n\n"
   + "Each case holds where its figure keeps its bound, nothing tunnels, every number is finite, and no "
   + "overlap passes 10 µm where a pose without any exists. `palpate-bench stability --list` gives the "
   + "reason of each bound.\n\n"
@@ -113,14 +136,12 @@ def stability:
                 else "Short: " + join("; ") + "." end) + "\n\n"
   + "These cases are made to be hard and are all of the project's own; they do not prove that no other "
   + "case fails.\n\n"
-  + (map("## \(models[0:1] | ascii_upcase)\(models[1:])\n\n"
-         + "\(.held) of \(.total) held over \(.steps) steps.\n\n"
-         + (.cases | map(["`\(.name)`", .what, .steps, (.figure | num), (.bound | num), (.unit | unit),
-                          (.penetration_um | num), .tunnelled, .nonfinite,
-                          (if .held then "held" else "**not held**" end)])
-            | table("llrrrlrrrl"; ["case", "figure of", "steps", "figure", "bound", "", "overlap [µm]",
-                                   "tunnelled", "not finite", ""])))
-     | join("\n\n"));
+  + "**Bold** did not hold; – is not asked of these models. `stability.csv` has the steps, overlap, "
+  + "tunnelled and not finite steps of each.\n\n"
+  + (reduce $runs[].cases[] as $case ([]; if any(.name == $case.name) then . else . + [$case] end)
+     | map(stability_row($runs))
+     | table("lll" + ($runs | map("r") | join("")); ["case", "figure of", "bound"] + ($runs | map(
+         "\(models): \(.held) of \(.total) held, \(.steps) steps"))));
 
 # ---- levels
 
@@ -183,9 +204,6 @@ def qp:
                                  "p99.9", "max", "warm, best p50 [µs]", "p99.9", "max",
                                  "cold, raw p99.9 [µs]", "residual, max", "unsolved", "relaxed"]));
 
-# A figure that three digits cannot tell from its bound is given with all of its own.
-def beyond: if (.figure | num) == (.bound | num) then .figure | tostring else .figure | num end;
-
 # ---- pareto: what stands before the report that palpate-bench has written
 
 # Beside the peers: by speed at p99.9, and by how deep the meshes are in each other.
@@ -209,7 +227,6 @@ def pareto:
   .[0] as $r
   | [$r.scenes[] | .scene as $s | .runs[] | select(.available) | {scene: $s} + .] as $runs
   | [$r.goals[] | select(has("figure"))] as $known
-  | ($known | map(select(.held | not))) as $missed
   | ($r.goals | map(select(has("figure") | not))) as $unknown
   | ($runs | map(select(.best_step_us.p999 > 1000))) as $slow
   | head("Speed against error"; $r.machine) + "\n\n"
@@ -221,20 +238,18 @@ def pareto:
               + "times, which hold what else the machine did, are not counted here. "
          else "Over a millisecond: "
               + ($slow | map("`\(.scene)`, \(models)") | join("; ")) + ". " end) end)
-  + "\($known | map(select(.held)) | length) of \($known | length) figures to reach are held"
-  + (if $missed == [] then ". "
-     else "; missed: " + ($missed | map("\(.what) (\(beyond), bound \(.bound | num))") | join("; "))
-          + ". " end)
-  + (if $unknown == [] then ""
-     else "Not measured: " + ($unknown | map(.what) | join("; ")) + ". " end)
+  + "\($known | map(select(.held)) | length) of \($known | length) figures to reach are held, "
+  + "\($unknown | length) not measured (the last table). "
   + ([$r | peers] | join(""))
   + ($r.scenes | map(select(.not_available) | "`\(.scene)`")
      | if length == 0 then "" else "Scenes that were not there: " + join(", ") + "." end);
 
-if $report == "accuracy" then accuracy
-elif $report == "stability" then stability
-elif $report == "levels" then levels
-elif $report == "qp" then qp
-elif $report == "pareto" then pareto
+if $report == "accuracy.md" then accuracy
+elif $report == "accuracy.csv" then accuracy_csv
+elif $report == "stability.md" then stability
+elif $report == "stability.csv" then stability_csv
+elif $report == "levels.md" then levels
+elif $report == "qp.md" then qp
+elif $report == "pareto.md" then pareto
 else error("no report '\($report)'")
 end

@@ -9,11 +9,16 @@
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"
 #include "tests/benchmarks/figures.h"
+#include "tests/support/sharp_bodies.h"
 
 namespace palpate::bench {
 
 Scene LoadForBench(const std::string& scene, const std::string& models_dir,
                    std::optional<ContactModel> contact, const TreeSource& tree_file) {
+  if (std::optional<Scene> sharp = test::MakeSharpScene(scene)) {
+    if (contact) sharp->features.contact = *contact;
+    return *std::move(sharp);
+  }
   LoadOptions options;
   options.contact = contact;
   options.models_dir = models_dir;

@@ -39,7 +39,8 @@ class SceneRun {
   StepState start_;
 };
 
-/// Loads a scene as LoadScene does, and says so on stderr while something is built.
+/// Loads a scene as LoadScene does, or makes one of test::kSharpScenes, and says so on stderr while
+/// something is built.
 /// @param contact    LoadOptions::contact.
 /// @param tree_file  LoadOptions::tree_file, where it names one.
 Scene LoadForBench(const std::string& scene, const std::string& models_dir,

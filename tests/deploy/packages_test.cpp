@@ -2,8 +2,11 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <regex>
+#include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -53,8 +56,7 @@ TEST(Packages, HoldTheUnitsAndWhatTheUnitsRead) {
 
 TEST(Packages, HoldWhatALabReadsAndWhatTheProgramsTellItToCall) {
   const std::string rules = Read("deploy/packages/CMakeLists.txt");
-  for (const char* file : {"deploy/README.md", "deploy/REALTIME.md", "deploy/SECURITY.md",
-                           "deploy/observability", "deploy/security/identities"}) {
+  for (const char* file : {"deploy/observability", "deploy/security/identities"}) {
     EXPECT_THAT(rules, HasSubstr(std::string("${root}/") + file)) << file << " is not packed";
   }
 }
@@ -81,15 +83,36 @@ esac
   for (const std::string& file : {program, page}) std::filesystem::remove(file);
 }
 
-TEST(Packages, HoldThePagesThatMessagesName) {
-  const std::string rules = Read("deploy/packages/CMakeLists.txt");
-  for (const char* page :
-       {"${root}/client/crtk/README.md DESTINATION share/doc/palpate-common RENAME CRTK.md",
-        "devices devices/openhaptics devices/forcedimension devices/haply",
-        "share/doc/palpate-common/${folder} ${root}/${folder}/README.md"}) {
-    EXPECT_THAT(rules, HasSubstr(page));
+TEST(Packages, HoldEveryPageThatOneOfThemLeadsTo) {
+  const Output output = RunCommand({PALPATE_SOURCE_DIR "/deploy/packages/pages", "README.md"});
+  ASSERT_EQ(output.exit_code, 0) << output.text;
+  std::set<std::string> pages;
+  std::istringstream lines(output.text);
+  for (std::string line; std::getline(lines, line);) pages.insert(line);
+  static const std::regex kLink(R"(\]\(([^)#:\s]+)(#[^)]*)?\))");
+  for (const std::string& page : pages) {
+    if (!page.ends_with(".md")) continue;
+    const std::string text = Read(page);
+    for (std::sregex_iterator it(text.begin(), text.end(), kLink), end; it != end; ++it) {
+      const std::filesystem::path link = std::filesystem::path(page).parent_path() / (*it)[1].str();
+      EXPECT_TRUE(pages.contains(link.lexically_normal())) << page << " leads to " << link;
+    }
   }
-  EXPECT_THAT(Read("client/crtk/options.cpp"), HasSubstr("/usr/share/doc/palpate-common/CRTK.md"));
+  for (const char* page : {"doc/lab.md", "deploy/README.md", "scenes/catalogue/README.md",
+                           "tests/benchmarks/results/pareto.svg"}) {
+    EXPECT_TRUE(pages.contains(page)) << page;
+  }
+  EXPECT_THAT(Read("deploy/packages/CMakeLists.txt"),
+              HasSubstr("COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/pages README.md"));
+  // Those that messages and units name.
+  for (const auto& [file, page] :
+       {std::pair("client/crtk/options.cpp", "client/crtk/README.md"),
+        std::pair("deploy/systemd/palpate-roudi.service", "deploy/REALTIME.md"),
+        std::pair("deploy/systemd/palpate-server.service", "deploy/REALTIME.md"),
+        std::pair("deploy/systemd/palpate-.service.d/hardening.conf", "deploy/README.md")}) {
+    EXPECT_TRUE(pages.contains(page)) << page;
+    EXPECT_THAT(Read(file), HasSubstr(std::string("/usr/share/doc/palpate-common/") + page));
+  }
 }
 
 }  // namespace

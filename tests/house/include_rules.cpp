@@ -159,7 +159,7 @@ const std::vector<Floors> kFloors = {
      {
          {"common/error", "common/step_fault", "common/coupling_fault", "common/text",
           "common/math", "common/qp", "common/realtime"},
-         {"common/files", "common/http", "common/mcap", "common/plot"},
+         {"common/files", "common/http", "common/mcap"},
          {"common/dds", "common/json", "common/metrics"},
          {"common/program", "common/recording"},
      },

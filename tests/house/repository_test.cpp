@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -114,6 +116,14 @@ TEST(Repository, LinksOnlyToFilesThatExist) {
       const auto path = std::filesystem::path(kRoot) / std::filesystem::path(file).parent_path();
       EXPECT_TRUE(std::filesystem::exists(path / target)) << file << " links to " << target;
     }
+  }
+}
+
+TEST(Repository, HasPagesOfAtMost2500Words) {
+  for (const std::string& file : SourceFiles(kRoot)) {
+    if (!file.ends_with(".md")) continue;
+    std::istringstream words(ReadFile(kRoot + "/" + file));
+    EXPECT_LE(std::distance(std::istream_iterator<std::string>(words), {}), 2500) << file;
   }
 }
 

@@ -18,8 +18,10 @@ import {
   kHasChromium,
   launch,
   openPage,
+  openWindow,
   probe,
   until,
+  type WindowOptions,
 } from "./support/browser";
 import {kTestScene, kWearable, sceneBytes, type TestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
@@ -49,7 +51,7 @@ afterAll(() => browser?.close());
 
 beforeEach(async () => {
   if (!browser) return;
-  gateway = await startGateway();
+  gateway = await startGateway(gateway?.port);
   sequence = 0;
 });
 afterEach(async () => {
@@ -64,9 +66,10 @@ const startGateway = (port = 0): Promise<FakeGateway> =>
     port,
   );
 
-async function open(options: Parameters<Browser["newContext"]>[0] = {}, query = ""): Promise<Page> {
-  const inWindow = {viewport: {width: 800, height: 600}, ...options};
-  const opened = await openPage(browser!, gateway.url + query, inWindow);
+const kWindow: WindowOptions = {viewport: {width: 800, height: 500}};
+
+async function open(options: WindowOptions = {}, query = ""): Promise<Page> {
+  const opened = await openPage(browser!, gateway.url + query, {...kWindow, ...options});
   await until(opened, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
   return opened;
 }
@@ -102,15 +105,19 @@ const picture = async (): Promise<string> => {
   const style = ".picture > :not(canvas) { visibility: hidden }";
   return (await page.locator("#view").screenshot({style})).toString("base64");
 };
+/// A view that rests is drawn well after 300 ms.
+const kRestMs = 400;
 /// The same, once it is drawn to its end: a busy machine shows the one before it for a while.
 const stillPicture = async (): Promise<string> => {
-  let last = await picture();
-  let same = 0;
+  let {pictures} = await probe(page);
+  let last = "";
   await eventually("a picture that stands still", async () => {
-    const before = last;
+    await new Promise((resolve) => setTimeout(resolve, kRestMs));
+    const [drawn, before] = [pictures, last];
+    ({pictures} = await probe(page));
+    if (drawn !== pictures) return false;
     last = await picture();
-    same = last === before ? same + 1 : 0;
-    return same >= 5;
+    return last === before;
   });
   return last;
 };
@@ -141,7 +148,7 @@ test("the page shows the force in figures, in words and in the picture", async (
 
 test("the panel says what becomes of the force at the arm, also when the server is silent", async () => {
   press(1);
-  page = await open();
+  page = await open({ownClock: true});
   const say = (more: object): void =>
     gateway.send("/palpate/station_statistics", stationStatistics("hand", more));
   const row = (label: string): Promise<string> =>
@@ -154,11 +161,12 @@ test("the panel says what becomes of the force at the arm, also when the server 
   expect(await page.locator("#arm-none").isHidden()).toBe(true);
   // The server dies: the station alone goes on.
   clearInterval(moving);
-  await new Promise((resolve) => setTimeout(resolve, 2000));
+  await page.clock.runFor(2000);
   say({faded: 1000n, replies: 0n, silence_s_max: 2, applied_force_N_max: 0});
   await eventually("no answer", async () => (await row("Silence")).includes("2.0 s"));
   expect(await row("Held back")).toContain("replies are late or missing");
   // So does the station: what it said last is over.
+  await page.clock.runFor(3000);
   await eventually("no figures", () => page.getByText("No figures now.").isVisible());
   expect(await page.locator("#arm tr").count()).toBe(0);
 });
@@ -215,9 +223,8 @@ const canvasWidth = (): Promise<number> =>
   page.evaluate(() => (document.getElementById("view") as HTMLCanvasElement).width);
 
 async function openSlow(query = ""): Promise<void> {
-  const context = await browser!.newContext({viewport: {width: 800, height: 600}});
-  await context.addInitScript(slowPictures, 100);
-  page = await context.newPage();
+  page = await openWindow(browser!, kWindow);
+  await page.addInitScript(slowPictures, 100);
   await page.goto(gateway.url + query);
   await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
 }
@@ -285,9 +292,8 @@ const watchPictures = (): void => {
 };
 
 test("while the view turns without a graphics card the canvas has fewer pixels, and none is blank", async () => {
-  const context = await browser!.newContext({viewport: {width: 800, height: 600}});
-  await context.addInitScript(watchPictures);
-  page = await context.newPage();
+  page = await openWindow(browser!, kWindow);
+  await page.addInitScript(watchPictures);
   await page.goto(gateway.url);
   await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
   await page.locator("#view").focus();
@@ -578,9 +584,7 @@ test("a tool that leaves the picture is pointed to, and comes back", async () =>
 
 test("while a server compiles its first scene the page says so, and asks nobody for a tool", async () => {
   gateway.health = {scenes: [], compiling: {scene: "bunny", stage: "leaves", done: 0.43}};
-  const context = await browser!.newContext({viewport: {width: 390, height: 844}});
-  page = await context.newPage();
-  await page.goto(gateway.url);
+  page = await openPage(browser!, gateway.url, {viewport: {width: 390, height: 844}});
   await eventually("what is waited for", async () =>
     /compiles bunny for the first time: 43 %/.test(await text("#banner")),
   );
@@ -595,14 +599,16 @@ test("while a server compiles its first scene the page says so, and asks nobody 
 test("who has gone without a word holds a tool no more", async () => {
   gateway.health = {server_run: "1"};
   press(1);
-  page = await open();
+  page = await open({ownClock: true});
   await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
   const pressed = await picture();
   clearInterval(moving); // with its server, which nobody tells of
+  await page.clock.runFor(2000);
   await eventually("a banner", async () => (await page.locator("#banner.alarm").count()) === 1);
   await eventually("no arrows", async () => (await picture()) !== pressed);
   gateway.retained.length = 0;
   gateway.health = {server_run: "2"};
+  await page.clock.runFor(4000); // until the gateway is asked again
   await eventually("a calmer one", async () => /No station/.test(await text("#banner")));
   gateway.onPublish = ({op}) => {
     if (op === "take")
@@ -662,18 +668,22 @@ test("a gateway that gives no tools is not asked for one", async () => {
 
 test("who is turned away is told so", async () => {
   gateway.turnsAway = true;
-  page = await open(); // scenes come without a link
+  page = await open({ownClock: true}); // scenes come without a link
+  const askAgain = (): Promise<void> => page.clock.runFor(4000);
+  await askAgain();
   await eventually("why", async () => /does not let this page attach/.test(await text("#banner")));
   gateway.health = {viewers: 300, max_viewers: 300};
+  await askAgain();
   await eventually("why now", async () => /as many viewers as/.test(await text("#banner")));
   gateway.turnsAway = false;
+  await askAgain();
   await until(page, "a link", ({link}) => link === "open");
 });
 
 test("without WebGL the figures are live, and the page says what is missing", async () => {
   press(2);
-  const context = await browser!.newContext({viewport: {width: 800, height: 600}});
-  await context.addInitScript(() => {
+  page = await openWindow(browser!, kWindow);
+  await page.addInitScript(() => {
     const get = HTMLCanvasElement.prototype.getContext as (...all: unknown[]) => unknown;
     Object.assign(HTMLCanvasElement.prototype, {
       getContext(this: HTMLCanvasElement, kind: string, ...more: unknown[]) {
@@ -681,7 +691,6 @@ test("without WebGL the figures are live, and the page says what is missing", as
       },
     });
   });
-  page = await context.newPage();
   await page.goto(gateway.url);
   await eventually("the force", async () => (await text("#force")) === "2.00");
   await eventually("the reason", async () => /no WebGL/.test(await text("#banner")));
@@ -735,15 +744,14 @@ test("arrows scroll the figures where those have the focus", async () => {
 
 test("light and dark are switched also where the browser keeps nothing", async () => {
   press(0);
-  const context = await browser!.newContext({viewport: {width: 800, height: 600}});
-  await context.addInitScript(() => {
+  page = await openWindow(browser!, kWindow);
+  await page.addInitScript(() => {
     Object.defineProperty(window, "localStorage", {
       get: () => {
         throw new DOMException("blocked", "SecurityError");
       },
     });
   });
-  page = await context.newPage();
   await page.goto(gateway.url);
   const theme = (): Promise<string | undefined> =>
     page.evaluate(() => document.documentElement.dataset.theme);
@@ -813,7 +821,6 @@ test("nothing is cut off, from a phone to a projector", async () => {
       return cut;
     });
     expect(outside, `${width} × ${height}`).toEqual([]);
-    await page.context().close();
   }
 });
 
@@ -833,7 +840,6 @@ test("the picture stays where it is whatever the line above it says", async () =
       return [before, top()];
     });
     expect(tops[1], `${width} × ${height}`).toBe(tops[0]);
-    await page.context().close();
   }
 });
 

@@ -4,7 +4,16 @@ import {afterAll, afterEach, beforeAll, beforeEach, expect} from "vitest";
 
 import type {Browser, Page} from "playwright-core";
 
-import {closeWindows, eventually, kHasChromium, launch, openPage, until} from "./support/browser";
+import {
+  closeWindows,
+  eventually,
+  kHasChromium,
+  launch,
+  openPage,
+  openWindow,
+  until,
+  type WindowOptions,
+} from "./support/browser";
 import {FakeGateway, loopStatistics, sessionState, toolState} from "./support/fake_gateway";
 import {kTestScene, sceneBytes} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
@@ -19,7 +28,10 @@ beforeAll(async () => {
 afterAll(() => browser?.close());
 beforeEach(async () => {
   if (!browser) return;
-  gateway = await FakeGateway.start(new Map([[kTestScene.name, sceneBytes(kTestScene)]]));
+  gateway = await FakeGateway.start(
+    new Map([[kTestScene.name, sceneBytes(kTestScene)]]),
+    gateway?.port,
+  );
 });
 afterEach(async () => {
   clearInterval(moving);
@@ -27,8 +39,8 @@ afterEach(async () => {
   await gateway?.stop();
 });
 
-const open = (after = ""): Promise<Page> =>
-  openPage(browser!, gateway.url + after, {viewport: {width: 1280, height: 800}});
+const open = (options: WindowOptions = {}): Promise<Page> =>
+  openPage(browser!, gateway.url, {viewport: {width: 800, height: 600}, ...options});
 
 const tell = (station: string, phase: string, more: object = {}): void =>
   gateway.retain("/palpate/session_state", sessionState(station, phase, "test-box", "ball", more));
@@ -108,10 +120,11 @@ test("a teacher sees who is there and how that goes, those who wait first, and d
 test("a wish that nobody answers can be made again", async () => {
   gateway.role = "operate";
   tell("right", "active");
-  const page = await open();
+  const page = await open({ownClock: true});
   const mute = row(page, "right").getByRole("button", {name: "Mute"});
   await mute.click();
   expect(await mute.isDisabled()).toBe(true);
+  await page.clock.runFor(4000);
   await eventually("the button", () => mute.isEnabled());
 });
 
@@ -155,7 +168,8 @@ test("a page hands over the token of its address, which stands there no longer",
   await page.reload();
   await until(page, "the link again", ({link}) => link === "open");
   // Another tab knows nothing of it.
-  const other = await open();
+  const other = await openWindow(browser!, {});
+  await other.goto(gateway.url);
   await eventually("its own banner", async () =>
     /link that you were given/.test(await other.locator("#banner").innerText()),
   );

@@ -16,7 +16,7 @@ import {browserTest as test} from "./support/skip";
 const kDomain = ["--domain", await ownDomain()];
 const kCommon = ["--transport", "udp", ...kDomain];
 const kPage = fileURLToPath(new URL("../../build/page", import.meta.url));
-const kLengthS = 5;
+const kLengthS = 2;
 
 let browser: Browser;
 let folder = "";
@@ -66,7 +66,7 @@ test("a recording is replayed to the page, which steers it, until the replayer i
   const replayer = run("palpate-replay", [join(folder, "lesson.mcap"), "--stay", ...kDomain]);
   const gateway = run("palpate-viewer", ["--http", "0", "--page", kPage, ...kCommon]);
   const [url] = await gateway.says(/http:\/\/127\.0\.0\.1:\d+\//);
-  page = await browser.newPage({viewport: {width: 640, height: 600}});
+  page = await browser.newPage({viewport: {width: 400, height: 600}});
   await page.goto(url!);
   await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined, 60_000);
   await page.locator("#scrub").waitFor({state: "visible"});

@@ -8,10 +8,19 @@ import {afterAll, afterEach, beforeAll, beforeEach, describe, expect} from "vite
 
 import type {Browser, Page} from "playwright-core";
 
-import type {Probe} from "@page/app";
+import type {Probe} from "@page/parts/probe";
 import {norm, subtract} from "@page/model/pose";
 
-import {closeWindows, eventually, kHasChromium, launch, probe, until} from "./support/browser";
+import {
+  closeWindows,
+  eventually,
+  kHasChromium,
+  launch,
+  openPage,
+  openWindow,
+  probe,
+  until,
+} from "./support/browser";
 import {ownDomain} from "./support/domain";
 import {Program} from "./support/programs";
 import {browserTest as test} from "./support/skip";
@@ -66,9 +75,13 @@ afterAll(async () => {
   for (const program of [gateway, server]) await program?.stop();
 });
 
-async function open(query = ""): Promise<Page> {
-  const page = await browser.newPage({viewport: {width: 640, height: 480}});
-  await page.goto(url + query);
+const kWindow = {viewport: {width: 400, height: 400}};
+
+afterEach(() => closeWindows(browser));
+
+async function open(query = "", page?: Page): Promise<Page> {
+  if (page) await page.goto(url + query);
+  else page = await openPage(browser, url + query, kWindow);
   await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined, 60_000);
   return page;
 }
@@ -83,10 +96,7 @@ describe("while a simulated hand feels the bunny", () => {
     ]);
     await station.says(/session: tool/);
   });
-  afterEach(async () => {
-    await station?.stop();
-    await closeWindows(browser);
-  });
+  afterEach(() => station?.stop());
 
   test("the page shows the scene and a moving tool, and says how it goes", async () => {
     const page = await open();
@@ -155,7 +165,7 @@ async function press(page: Page): Promise<boolean> {
   for (let stroke = 0; stroke < 3; stroke++) {
     await page.mouse.move(x, view.y + 40);
     await page.mouse.down();
-    for (let y = view.y + 40; y < view.y + view.height - 10; y += 3) {
+    for (let y = view.y + 40; y < view.y + view.height - 10; y += 4) {
       await page.mouse.move(x, y);
       await new Promise((resolve) => setTimeout(resolve, 50));
       const station = mouseOf(await probe(page));
@@ -196,7 +206,6 @@ test("the mouse takes the ball of a mesh, and feels it", async () => {
   const page = await open("?scene=tooth");
   await pressWhileServed(page);
   await release(page);
-  await page.close();
 });
 
 test("the mouse presses the bunny, and the page shows the force", async () => {
@@ -213,7 +222,7 @@ test("the mouse presses the bunny, and the page shows the force", async () => {
     {timeout: 60_000},
   );
   // A second one is refused, with who has it.
-  const second = await open("?scene=bunny-bunny");
+  const second = await open("?scene=bunny-bunny", await openWindow(browser, kWindow));
   await until(second, "the first one's tool", (now) => mouseOf(now) !== undefined, 60_000);
   await second.locator("#take").click();
   await second.locator("#hint.alarm").waitFor({timeout: 60_000});

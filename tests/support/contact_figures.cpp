@@ -22,8 +22,7 @@ constexpr int kSettleSteps = 2000;
 constexpr double kSettled = 1e-9;  // [m] a step
 constexpr int kCycleFrom = 1000;   // what still moves after a second is taken for a cycle
 constexpr int kQuarters = 4;
-constexpr std::size_t kNotchSteps = 10;
-constexpr double kFallen = 0.5, kBack = 0.6;  // of the force before
+constexpr double kNoForce = 1e-3;  // [N]
 
 /// How far points of the tool move.
 class ToolMotion {
@@ -73,6 +72,10 @@ bool Due(std::size_t i, int every) {
   return every > 0 && i % static_cast<std::size_t>(every) == 0;
 }
 
+bool IsFar(const StepReport& report) {
+  return (report.faults & kFaultTargetFar) != 0;
+}
+
 struct Converged {
   StepReport report;
   bool converged = false;
@@ -83,7 +86,7 @@ Converged Converge(const ContactPath& path, const ToolMotion& motion, const Pose
   for (int i = 0; i < kConvergeSteps && !answer.converged; ++i) {
     const Pose before = state.X_WG;
     answer.report = HapticStep(path.model, X_WH, state, path.workspace);
-    answer.converged = motion.Between(before, state.X_WG) < kConverged;
+    answer.converged = motion.Between(before, state.X_WG) < kConverged && !IsFar(answer.report);
   }
   return answer;
 }
@@ -102,7 +105,7 @@ void Settle(const ContactPath& path, const ToolMotion& motion, std::size_t step,
     const Pose before = state.X_WG;
     const StepReport report = HapticStep(path.model, X_WH, state, path.workspace);
     const double moved = motion.Between(before, state.X_WG);
-    far = (report.faults & kFaultTargetFar) != 0;
+    far = IsFar(report);
     if (moved > kSettled || far) moved_last = i;
     same = before.p == state.X_WG.p && before.q.coeffs() == state.X_WG.q.coeffs() ? same + 1 : 0;
     if (i == kCycleFrom) {
@@ -126,39 +129,56 @@ void Settle(const ContactPath& path, const ToolMotion& motion, std::size_t step,
   }
 }
 
-bool Arrives(const ContactPath& path, const Pose& X_WH, StepState state) {
-  for (int i = 0; i < ContactFigures::kHeldSteps; ++i) {
-    const StepReport report = HapticStep(path.model, X_WH, state, path.workspace);
-    if ((report.faults & kFaultTargetFar) == 0) return true;
+/// Holds the hand at steps that did not arrive: at each of them, or once there are too many at each
+/// second, fourth and so on, so that what was tried is always evenly spread.
+class Holder {
+ public:
+  void Add(const ContactPath& path, std::size_t step, const StepState& state) {
+    if (seen_++ % every_ != 0) return;
+    tries_.push_back(Try(path, step, state));
+    if (tries_.size() <= ContactFigures::kMostHeld) return;
+    for (std::size_t i = 0; 2 * i < tries_.size(); ++i) tries_[i] = tries_[2 * i];
+    tries_.resize((tries_.size() + 1) / 2);
+    every_ *= 2;
   }
-  return false;
-}
-
-/// @param ledges  the steps of all jumps of that cause, in their order.
-void CountNotches(std::span<const Vec3> force, const std::vector<std::size_t>& ledges,
-                  ContactFigures& figures) {
-  auto ledge = ledges.begin();
-  const auto count_ledges_before = [&](std::size_t end) {
-    for (; ledge != ledges.end() && *ledge < end; ++ledge) {
-      ++figures.ledges;
-      figures.ledge_force =
-          std::max(figures.ledge_force, (force[*ledge] - force[*ledge - 1]).norm());
+  ContactFigures::Held Figures() const {
+    ContactFigures::Held held;
+    held.tried = tries_.size();
+    for (const Outcome& tried : tries_) {
+      if (tried.arrived) {
+        held.steps_needed.push_back(tried.steps);
+        continue;
+      }
+      if (held.never++ == 0) held.first_step = tried.step;
+      held.without_force += tried.without_force;
+      held.stuck += tried.without_force && tried.standing;
     }
-  };
-  for (std::size_t i = 1; i < force.size(); ++i) {
-    const double before = force[i - 1].norm();
-    if (!(before > kJump) || !(force[i].norm() < kFallen * before)) continue;
-    std::size_t back = i + 1;
-    const std::size_t end = std::min(force.size(), i + 1 + kNotchSteps);
-    while (back < end && !(force[back].norm() > kBack * before)) ++back;
-    if (back == end) continue;
-    if (figures.notches++ == 0) figures.notch_step = i;
-    count_ledges_before(i);
-    ledge = std::upper_bound(ledge, ledges.end(), back);
-    i = back;
+    std::sort(held.steps_needed.begin(), held.steps_needed.end());
+    return held;
   }
-  count_ledges_before(force.size());
-}
+
+ private:
+  struct Outcome {
+    std::size_t step;
+    int steps = 0;
+    bool arrived = false, without_force = false, standing = false;
+  };
+  static Outcome Try(const ContactPath& path, std::size_t step, StepState state) {
+    Outcome tried{.step = step};
+    while (!tried.arrived && tried.steps < ContactFigures::kHeldSteps) {
+      const Pose before = state.X_WG;
+      const StepReport report = HapticStep(path.model, path.X_WH[step], state, path.workspace);
+      ++tried.steps;
+      tried.arrived = !IsFar(report);
+      tried.without_force = report.wrench.force.norm() < kNoForce;
+      tried.standing = before.p == state.X_WG.p && before.q.coeffs() == state.X_WG.q.coeffs();
+    }
+    return tried;
+  }
+
+  std::vector<Outcome> tries_;
+  std::size_t seen_ = 0, every_ = 1;
+};
 
 /// The hand between two of its samples.
 Pose Between(const Pose& a, const Pose& b, double share) {
@@ -213,8 +233,10 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
   StepState state = path.start;
   StepReport before;
   std::vector<Vec3> force;
-  std::vector<std::size_t> ledges;
+  std::vector<double> by_hand;
+  Holder holder;
   double deepest = 0.0, force2 = 0.0;
+  std::size_t behind = 0;
   for (std::size_t i = 0; i < figures.steps; ++i) {
     if (checks.progress && i % 100 == 0) checks.progress("checking", Share(i, figures.steps));
     const Pose& X_WH = path.X_WH[i];
@@ -224,18 +246,19 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
                       wrench.force.allFinite() && wrench.torque.allFinite();
     force.push_back(wrench.force);
     force2 += wrench.force.squaredNorm();
-    const bool far = (report.faults & kFaultTargetFar) != 0;
+    const bool far = IsFar(report);
     figures.arrived += !far;
+    behind = far ? behind + 1 : 0;
+    figures.longest_behind = std::max(figures.longest_behind, behind);
+    by_hand.push_back(i > 0 ? judge.ByHand(path.X_WH[i - 1], before, X_WH, report) : 0.0);
     if (i > 0) {
       const Pose& X_WH_before = path.X_WH[i - 1];
       figures.mean_speed += (motion.Centroid(X_WH) - motion.Centroid(X_WH_before)).norm();
       ContactFigures::Jumps& jumps = figures.jumps;
       const double jump = (wrench.force - before.wrench.force).norm();
-      jumps.force_max = std::max(jumps.force_max, jump);
       jumps.torque_max = std::max(jumps.torque_max, (wrench.torque - before.wrench.torque).norm());
       const JumpCause judged = judge.Judge(X_WH_before, before, X_WH, report);
       const auto cause = static_cast<std::size_t>(judged);
-      if (judged == JumpCause::kLedge) ledges.push_back(i);
       ++jumps.count[cause];
       const std::uint32_t faults = report.faults | before.faults;
       jumps.behind +=
@@ -265,9 +288,7 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
             (motion.Centroid(report.X_WG) - motion.Centroid(truth.report.X_WG)).norm());
       }
     }
-    if (checks.hold_far && far && !Arrives(path, X_WH, state)) {
-      if (figures.never_arrived++ == 0) figures.never_arrived_step = i;
-    }
+    if (checks.hold_far && far) holder.Add(path, i, state);
     if (Due(i, checks.settle_every)) Settle(path, motion, i, state, figures.settling);
     if (reports != nullptr) reports->push_back(report);
     before = report;
@@ -275,18 +296,19 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
   figures.mean_speed /= 1e-3 * static_cast<double>(std::max<std::size_t>(2, figures.steps) - 1);
   figures.force_rms =
       std::sqrt(force2 / static_cast<double>(std::max<std::size_t>(1, figures.steps)));
-  CountNotches(force, ledges, figures);
+  figures.force = JudgeForce(force, by_hand);
+  figures.held = holder.Figures();
   if (checks.quarter_steps) CompareQuarters(path, force, checks, figures);
   return figures;
 }
 
 ContactFigures MeasureContact(const Scene& scene, std::span<const Pose> X_WH,
-                              const ContactChecks& checks) {
+                              const ContactChecks& checks, std::vector<StepReport>* reports) {
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
   StepWorkspace workspace(model);
   StepState start(model);
   start.X_WG = ResolveStart(model, X_WH.front(), workspace).X_WG;
-  return MeasureContact(ContactPath{scene, model, workspace, start, X_WH}, checks);
+  return MeasureContact(ContactPath{scene, model, workspace, start, X_WH}, checks, reports);
 }
 
 std::string BrokenLimits(const ContactFigures& figures, const ContactLimits& limits) {
@@ -304,20 +326,23 @@ std::string BrokenLimits(const ContactFigures& figures, const ContactLimits& lim
   if (figures.arrived_fraction() < limits.arrived_fraction) {
     line(fmt::format("the tool arrived in {} of {} steps", figures.arrived, figures.steps));
   }
-  if (figures.never_arrived > limits.never_arrived) {
+  if (figures.held.never > limits.never_arrived) {
     line(fmt::format("held still the tool never arrives from {} steps, the first of them {}",
-                     figures.never_arrived, figures.never_arrived_step));
+                     figures.held.never, figures.held.first_step));
   }
-  if (figures.notches > limits.notches) {
-    line(fmt::format("the force has {} holes, the first at step {}", figures.notches,
-                     figures.notch_step));
+  if (figures.held.stuck > limits.stuck) {
+    line(fmt::format("of those {} stand still, and the hand feels nothing", figures.held.stuck));
+  }
+  if (figures.force.notches.size() > limits.notches) {
+    line(fmt::format("the force has {} notches, the first at step {}", figures.force.notches.size(),
+                     figures.force.notches.front().begin + 1));
   }
   const ContactFigures::Jumps& jumps = figures.jumps;
-  if (jumps.force_max > limits.jump) {
+  if (figures.force.largest_jump.size > limits.jump) {
     const auto worst = static_cast<std::size_t>(
         std::max_element(jumps.force.begin(), jumps.force.end()) - jumps.force.begin());
-    line(fmt::format("the force jumps by {:.3f} N at step {} ({})", jumps.force_max,
-                     jumps.step[worst], NameOf(static_cast<JumpCause>(worst))));
+    line(fmt::format("the force jumps by {:.3f} N at step {} ({})", figures.force.largest_jump.size,
+                     figures.force.largest_jump.step, NameOf(static_cast<JumpCause>(worst))));
   }
   if (jumps.unexplained() > limits.unexplained) {
     const auto at = static_cast<std::size_t>(JumpCause::kUnexplained);

@@ -12,6 +12,7 @@
 #include "common/math/pose.h"
 #include "scenes/scene.h"
 #include "server/physics/haptic_step.h"
+#include "tests/support/force_shape.h"
 #include "tests/support/jump_cause.h"
 
 namespace palpate::test {
@@ -50,20 +51,34 @@ struct ContactFigures {
 
   std::size_t arrived = 0;  ///< steps without kFaultTargetFar
   double arrived_fraction() const;
-  /// Of the steps that did not arrive, those that do not in kHeldSteps more with the same hand.
-  std::size_t never_arrived = 0;
-  std::size_t never_arrived_step = 0;  ///< the first of them
+  std::size_t longest_behind = 0;  ///< most steps in a row that did not arrive
   static constexpr int kHeldSteps = 200;
+  static constexpr std::size_t kMostHeld = 500;
+  /// Steps that did not arrive, gone on from with the hand held still for kHeldSteps more.  Of more
+  /// than kMostHeld every second is tried, or every fourth and so on: at least half as many.
+  struct Held {
+    std::size_t tried = 0;
+    std::size_t never = 0;          ///< arrive in none of the steps more
+    std::size_t without_force = 0;  ///< of those: the force ends below 1 mN
+    /// Of those: the last two poses are the same bits, so that a hand may press for ever and feel
+    /// nothing.
+    std::size_t stuck = 0;
+    std::size_t first_step = 0;     ///< the first of those that never arrive
+    std::vector<int> steps_needed;  ///< by the others, sorted
+    int median() const { return steps_needed.empty() ? 0 : steps_needed[steps_needed.size() / 2]; }
+  };
+  Held held;
 
   /// Against the converged answer: the step's state stepped on with the same hand, until no point
-  /// of the tool moves by 1e-8 m in a step, 200 steps at most.  (Leaves wear meanwhile.)
+  /// of the tool moves by 1e-8 m in a step that arrives, 200 steps at most.  (Leaves wear
+  /// meanwhile.)
   std::vector<double> lag;            ///< of centroids, at steps that did not arrive [m]
   std::vector<double> force_error;    ///< |F - F_converged| at all steps looked at [N]
   std::vector<double> arrived_error;  ///< of those, at the steps that arrived [N]
-  std::size_t unconverged = 0;        ///< still moving after the 200
+  std::size_t unconverged = 0;        ///< still moving after the 200, or still not arrived
 
   struct Jumps {
-    double force_max = 0.0, torque_max = 0.0;      ///< [N], [N m]
+    double torque_max = 0.0;                       ///< [N m]; of the force: ForceShape
     std::array<std::size_t, kJumpCauses> count{};  ///< by cause, of those above kJump
     std::array<double, kJumpCauses> force{};       ///< greatest of each cause [N]
     std::array<std::size_t, kJumpCauses> step{};   ///< where that was
@@ -72,11 +87,8 @@ struct ContactFigures {
   };
   Jumps jumps;
 
-  /// Holes in the force: it falls from above kJump below half in a step, and is back above 60 % of
-  /// what it was within 10 ms.  A ledge is the jump of that cause that is no part of a hole.
-  std::size_t notches = 0, notch_step = 0;  ///< and where the first one is
-  std::size_t ledges = 0;
-  double ledge_force = 0.0;  ///< the greatest [N]
+  /// Notches, ledges and changes that pass, by the forces alone.
+  ForceShape force;
 
   /// The hand stops: 2,000 further steps with the same pose, of each step looked at.  Settled is
   /// from when on no point of the tool moves by more than 1 nm in a step, and the tool has arrived.
@@ -99,7 +111,8 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
 /// The same of a scene alone: makes its model, and starts the tool at the first pose, or out of
 /// what that is in.
 ContactFigures MeasureContact(const Scene& scene, std::span<const Pose> X_WH,
-                              const ContactChecks& checks);
+                              const ContactChecks& checks,
+                              std::vector<StepReport>* reports = nullptr);
 
 /// What a model of contact must hold; the defaults let anything pass but what is not finite.
 struct ContactLimits {
@@ -107,6 +120,7 @@ struct ContactLimits {
   double depth = std::numeric_limits<double>::infinity();  ///< [m], at most
   double arrived_fraction = 0.0;                           ///< at least
   std::size_t never_arrived = std::numeric_limits<std::size_t>::max();
+  std::size_t stuck = std::numeric_limits<std::size_t>::max();
   std::size_t notches = std::numeric_limits<std::size_t>::max();
   double jump = std::numeric_limits<double>::infinity();  ///< [N], of any cause, at most
   std::size_t unexplained = std::numeric_limits<std::size_t>::max();

@@ -44,7 +44,7 @@ TEST(ContactFigures, AreThoseOfABallOnACube) {
   EXPECT_EQ(f.settling.poses, 10u);
   EXPECT_EQ(f.settling.within_10ms, 10u);
   EXPECT_LT(f.force_4khz_rms_fraction, 1e-9);
-  EXPECT_NEAR(f.jumps.force_max, 0.1, 1e-9) << "1 N/mm and 0.1 mm a step";
+  EXPECT_NEAR(f.force.largest_jump.size, 0.1, 1e-9) << "1 N/mm and 0.1 mm a step";
   // 3 mm in 100 ms.
   EXPECT_NEAR(f.mean_speed, 3.0 / 99.0, 1e-9);
   EXPECT_EQ(BrokenLimits(f, {.depth = 1e-9,
@@ -92,19 +92,54 @@ TEST(ContactFigures, SeeAToolThatNeverArrivesThoughTheHandRests) {
   const ContactFigures f = MeasureContact(ContactPath{scene, model, workspace, start, hand},
                                           {.hold_far = true, .progress = {}});
   EXPECT_EQ(f.steps - f.arrived, 2u);
-  EXPECT_EQ(f.never_arrived, 1u);
-  EXPECT_EQ(f.never_arrived_step, 0u);
+  EXPECT_EQ(f.longest_behind, 2u);
+  EXPECT_EQ(f.held.tried, 2u);
+  EXPECT_EQ(f.held.never, 1u);
+  EXPECT_EQ(f.held.first_step, 0u);
+  EXPECT_EQ(f.held.without_force, 1u) << "in the air";
+  EXPECT_EQ(f.held.stuck, 0u) << "it is on its way";
+  ASSERT_EQ(f.held.steps_needed.size(), 1u);
+  EXPECT_GT(f.held.median(), 50);
+  EXPECT_LT(f.held.median(), 100);
+  EXPECT_EQ(f.unconverged, 1u) << "the first";
+  // What is held goes its own way: the path is as without.
+  const ContactFigures unheld =
+      MeasureContact(ContactPath{scene, model, workspace, start, hand}, {.progress = {}});
+  EXPECT_EQ(unheld.held.tried, 0u);
+  EXPECT_EQ(unheld.lag, f.lag);
 }
 
-TEST(ContactFigures, TellHolesInTheForceFromContactsThatEnd) {
+TEST(ContactFigures, TrySomeOfManyStepsThatDoNotArriveEvenlySpread) {
+  Scene scene = BallOnCube();
+  StepParameters parameters = MakeModel(scene, scene.tools[0], MakeObjects(scene)).parameters();
+  parameters.max_substeps = 1;
+  const HapticModel model(scene.tools[0].tree, MakeObjects(scene), parameters,
+                          &scene.tools[0].mesh);
+  StepWorkspace workspace(model);
+  StepState start(model);
+  const std::size_t steps = 3 * ContactFigures::kMostHeld;
+  const std::vector<Pose> hand(steps, Pose{Vec3(0.0, 1.0, 0.0)});
+  start.X_WG = start.X_WH = {Vec3(0.0, 0.06, 0.0)};
+  const ContactFigures f =
+      MeasureContact(ContactPath{scene, model, workspace, start, hand},
+                     {.oracle_every = 0, .converge_every = 0, .hold_far = true, .progress = {}});
+  EXPECT_EQ(f.arrived, 0u);
+  EXPECT_EQ(f.longest_behind, steps);
+  // Every fourth.
+  EXPECT_EQ(f.held.tried, steps / 4);
+  // 0.94 m at 0.49 mm a step take 1,919 steps.
+  EXPECT_EQ(f.held.never, f.held.tried);
+}
+
+TEST(ContactFigures, LeaveToTheHandTheHolesThatItMakes) {
   std::vector<Pose> hand = Descent(0.1, 100);
   const Pose out{hand.back().p + Vec3(0.0, 0.0015, 0.0)};
   for (const std::size_t i : {60, 61, 62}) hand[i] = out;  // back within 10 ms
   std::fill(hand.begin() + 80, hand.end(), out);           // and never again
   const ContactFigures f = MeasureContact(BallOnCube(), hand, {.progress = {}});
-  EXPECT_EQ(f.notches, 1u);
-  EXPECT_EQ(f.notch_step, 60u);
-  EXPECT_EQ(f.ledges, 0u);
+  EXPECT_GT(f.force.largest_jump.size, kJump);
+  EXPECT_TRUE(f.force.notches.empty());
+  EXPECT_TRUE(f.force.ledges.empty());
 }
 
 TEST(ContactFigures, SeeMeshesInEachOtherWhereSpheresStandForThem) {
@@ -128,8 +163,9 @@ TEST(ContactFigures, EveryLimitCanBreak) {
   f.depth = {0.0, 2e-6};
   f.meeting = 1;
   f.deepest_step = 7;
-  f.never_arrived = f.notches = 1;
-  f.jumps.force_max = 2.0;
+  f.held.never = f.held.stuck = 1;
+  f.force.notches.push_back({.begin = 3, .end = 5});
+  f.force.largest_jump = {.step = 4, .size = 2.0};
   f.jumps.count[static_cast<std::size_t>(JumpCause::kUnexplained)] = 3;
   f.jumps.force[static_cast<std::size_t>(JumpCause::kUnexplained)] = 2.0;
   f.force_4khz_rms_fraction = 0.2;
@@ -138,13 +174,14 @@ TEST(ContactFigures, EveryLimitCanBreak) {
                                               .depth = 1e-6,
                                               .arrived_fraction = 0.95,
                                               .never_arrived = 0,
+                                              .stuck = 0,
                                               .notches = 0,
                                               .jump = 1.0,
                                               .unexplained = 2,
                                               .force_4khz = 0.1,
                                               .settled_10ms = 0.5,
                                               .settled_50ms = 0.8});
-  EXPECT_EQ(std::count(broken.begin(), broken.end(), '\n'), 10) << broken;
+  EXPECT_EQ(std::count(broken.begin(), broken.end(), '\n'), 11) << broken;
   EXPECT_THAT(broken, HasSubstr("step 7"));
   f.finite = true;
   EXPECT_EQ(BrokenLimits(f, {}), "") << "the defaults let everything pass";

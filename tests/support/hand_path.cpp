@@ -162,6 +162,7 @@ class HandMaker {
  private:
   double Mm(double mm) const { return 1e-3 * scale_ * mm; }
   double MmBetween(double low, double high) { return Mm(random_.Uniform(low, high)); }
+  double Press() { return MmBetween(0.5 * options_.press_mm, options_.press_mm); }
   double HalfRadius() const { return 0.5 * tool_radius_; }
   Pose PoseOf(const Place& place) const { return {place.c - place.q * middle_, place.q}; }
   bool Free(const Place& place) const { return !oracle_.Meet(PoseOf(place)); }
@@ -341,7 +342,7 @@ class HandMaker {
     const int taps = 2 + random_.Below(3);
     for (int i = 0; i < taps; ++i) {
       Go({{touch.place.c + MmBetween(3.0, 8.0) * touch.normal, touch.place.q}}, 1.5);
-      Go({Pressed(touch, MmBetween(2.0, 4.0))}, 1.5);
+      Go({Pressed(touch, Press())}, 1.5);
     }
   }
 
@@ -364,11 +365,11 @@ class HandMaker {
       Travel(above);
     }
     Touch touch = first;
-    double depth = MmBetween(2.0, 4.0);
+    double depth = Press();
     Go({touch.place, Pressed(touch, depth)}, 1.0);
     const int actions = 5 + random_.Below(6);
     for (int i = 0; i < actions; ++i) {
-      depth = MmBetween(2.0, 4.0);
+      depth = Press();
       switch (random_.Below(4)) {
         case 0:
           Slide(touch, depth);
@@ -440,8 +441,8 @@ class HandMaker {
 }  // namespace
 
 std::vector<Pose> MakeHand(const Scene& scene, const HandOptions& options) {
-  if (options.steps < 1 || !(options.speed > 0.0)) {
-    throw Error("hands: give a speed and a number of steps above 0");
+  if (options.steps < 1 || !(options.speed > 0.0) || !(options.press_mm > 0.0)) {
+    throw Error("hands: give a speed, a depth to press and a number of steps above 0");
   }
   return HandMaker(scene, options).Make();
 }

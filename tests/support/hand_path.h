@@ -13,10 +13,11 @@ struct HandOptions {
   double speed = 0.1;  ///< mean over the path [m/s]; turning by an angle counts as half the tool's
                        ///< radius times it
   int steps = 20000;   ///< samples, one a millisecond
+  double press_mm = 4.0;  ///< it presses half as deep to as deep as this
 };
 
 /// A hand that nobody tuned to: X_WH of a scene's first tool, as it comes from anywhere, presses 2
-/// to 4 mm deep, slides, turns, squeezes, taps, leaves, and comes again.
+/// to 4 mm deep or as deep as it is told, slides, turns, squeezes, taps, leaves, and comes again.
 ///
 ///    approach          slide               turn           squeeze        tap        leave
 ///       \                                   __

@@ -55,6 +55,20 @@ TEST(HandPath, BeginsFreeAndComesInAndLeavesAgain) {
   }
 }
 
+TEST(HandPath, PressesAsDeepAsAsked) {
+  const Scene scene = BoxOnBall(0.1);
+  const MeshOracle oracle(scene);
+  const auto deepest = [&](double press_mm) {
+    double depth = 0.0;
+    for (const Pose& X_WH : MakeHand(scene, {.seed = 1, .steps = 2000, .press_mm = press_mm})) {
+      depth = std::max(depth, oracle.At(X_WH).depth);
+    }
+    return depth;
+  };
+  EXPECT_LT(deepest(1.0), 0.004) << "a squeeze adds up to 3 mm";
+  EXPECT_GT(deepest(10.0), 0.005);
+}
+
 TEST(HandPath, IsAsFastAsAskedAndNoFasterThanAHandSpeedsUp) {
   const Scene scene = BoxOnBall(0.1);
   const double half_radius = 0.25 * 0.1 * Vec3(0.4, 0.2, 0.3).norm();

@@ -1,11 +1,18 @@
 // Hands that nobody tuned to over small scenes: what holds today of each model of contact.
 #include "tests/support/hand_trial.h"
 
+#include <sstream>
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/fmt/fmt.h>
 
 #include "scenes/catalogue.h"
 #include "scenes/shapes/shapes.h"
+#include "tests/support/program.h"
+#include "tests/support/sharp_bodies.h"
 #include "tests/support/test_scenes.h"
 
 namespace palpate::test {
@@ -40,6 +47,62 @@ TEST(HandTrial, ABallOnACubesSurfaceStaysOutArrivesAndSettles) {
   HandTrial trial;
   trial.limits = {.depth = 1e-6, .arrived_fraction = 0.99, .unexplained = 0, .settled_50ms = 1.0};
   EXPECT_EQ(TryHands(Cube(ContactModel::kSurface), trial), "");
+}
+
+/// A hand's poses, a row `x,y,z,qw,qx,qy,qz` a millisecond, from paths/NAME.csv.gz.
+std::vector<Pose> PathNamed(const std::string& name) {
+  Program unpacked("/bin/gzip",
+                   {"-dc", PALPATE_SOURCE_DIR "/tests/support/paths/" + name + ".csv.gz"});
+  EXPECT_EQ(unpacked.Exit(), 0) << unpacked.Output();
+  std::istringstream rows(unpacked.Output());
+  std::vector<Pose> poses;
+  Pose X;
+  char comma;
+  while (rows >> X.p.x() >> comma >> X.p.y() >> comma >> X.p.z() >> comma >> X.q.w() >> comma >>
+         X.q.x() >> comma >> X.q.y() >> comma >> X.q.z()) {
+    poses.push_back(X);
+  }
+  return poses;
+}
+
+// Hands that come to where a tool once stayed behind for good, with no force or half of it, and
+// then stand still there.
+TEST(HandTrial, BunniesArriveWhereTheHandStandsStillAndFeelWhatHoldsThem) {
+  Scene scene = LoadScene("bunny-bunny");
+  scene.features.contact = ContactModel::kSurface;
+  const struct {
+    const char* path;
+    std::size_t still;  ///< the hand, from this row on
+    double force;       ///< [N]
+  } hands[] = {{"bunny-64", 64, 2.34}, {"bunny-4935", 4935, 1.56}};
+  for (const auto& hand : hands) {
+    const std::vector<Pose> X_WH = PathNamed(hand.path);
+    ASSERT_EQ(X_WH.size(), hand.still + 1001) << hand.path;
+    std::vector<StepReport> reports;
+    const ContactFigures figures = MeasureContact(
+        scene, X_WH, {.oracle_every = 200, .converge_every = 0, .hold_far = true}, &reports);
+    EXPECT_EQ(BrokenLimits(figures, {.meeting_fraction = 0.0, .stuck = 0}), "") << hand.path;
+    for (std::size_t i = hand.still; i < reports.size(); ++i) {
+      ASSERT_NEAR(reports[i].wrench.force.norm(), hand.force, 0.01) << hand.path << ", step " << i;
+      ASSERT_EQ(reports[i].faults, kFaultNone) << hand.path << ", step " << i;
+    }
+  }
+}
+
+// How often the tool arrives is printed, not judged.
+TEST(HandTrial, SharpEdgesStayOutAndAreFeltByAHandThatPressesOn) {
+  for (const std::string_view name : kSharpScenes) {
+    const Scene scene = *MakeSharpScene(std::string(name) + ":23");
+    const ContactFigures figures = MeasureContact(
+        scene, MakeHand(scene, {.seed = 40961, .speed = 0.1, .steps = 1500, .press_mm = 15.0}),
+        {.oracle_every = 1, .converge_every = 0, .hold_far = true});
+    EXPECT_EQ(BrokenLimits(figures, {.meeting_fraction = 0.0, .depth = 0.0, .stuck = 0}), "")
+        << name;
+    EXPECT_GT(figures.force_rms, 0.1) << name << ": the hand never pressed";
+    fmt::print("{}: {} of {} steps did not arrive, {} never do; {} notches\n", name,
+               figures.steps - figures.arrived, figures.steps, figures.held.never,
+               figures.force.notches.size());
+  }
 }
 
 TEST(HandTrial, NamesTheSeedThatFails) {

@@ -83,13 +83,18 @@ bool JumpJudge::Has(const StepReport& report, const ActiveRow& contact) const {
   return false;
 }
 
+double JumpJudge::ByHand(const Pose& X_WH_before, const StepReport& before, const Pose& X_WH,
+                         const StepReport& after) const {
+  const double deepest = std::max(Stretch(before.wrench), Stretch(after.wrench));
+  return SpringFactor(deepest) * stiffness_ * Motion(X_WH_before, X_WH);
+}
+
 JumpCause JumpJudge::Judge(const Pose& X_WH_before, const StepReport& before, const Pose& X_WH,
                            const StepReport& after) const {
   const double jump = (after.wrench.force - before.wrench.force).norm();
   if (!(jump > kJump)) return std::isfinite(jump) ? JumpCause::kNone : JumpCause::kUnexplained;
   const double hand = Motion(X_WH_before, X_WH);
-  const double deepest = std::max(Stretch(before.wrench), Stretch(after.wrench));
-  if (jump <= SpringFactor(deepest) * stiffness_ * hand) return JumpCause::kHand;
+  if (jump <= ByHand(X_WH_before, before, X_WH, after)) return JumpCause::kHand;
 
   bool gained = false, lost = before.removals > 0;
   for (int i = 0; i < after.contacts; ++i) {

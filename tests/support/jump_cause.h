@@ -54,6 +54,9 @@ class JumpJudge {
 
   JumpCause Judge(const Pose& X_WH_before, const StepReport& before, const Pose& X_WH,
                   const StepReport& after) const;
+  /// The most that the hand's own motion can have changed the force by, JumpCause::kHand [N].
+  double ByHand(const Pose& X_WH_before, const StepReport& before, const Pose& X_WH,
+                const StepReport& after) const;
   /// |[dp; rho dphi]| of a motion of the tool, at its centroid [m].
   double Motion(const Pose& from, const Pose& to) const;
 

@@ -168,28 +168,21 @@ std::vector<std::pair<const char*, double>> NumbersOf(const Score& s) {
           {"trainee_contact_s", s.trainee_contact_s}};
 }
 
-std::vector<Plot> PlotsOf(const std::vector<Trial>& trials) {
+std::vector<ScorePlot> PlotsOf(const std::vector<Trial>& trials) {
   const Score& first = trials.front().score;
-  Plot path;
-  path.title = "Distance from the expert's path";
-  path.subtitle = "after alignment in time";
-  path.x.title = "Time of the expert [s]";
-  path.x.min = 0.0;
-  path.x.max = first.time_s.back();
-  path.y.title = "Distance [mm]";
-  path.y.min = 0.0;
-  Plot force;
-  force.title = "Force on the hand";
-  force.subtitle = "after the same alignment";
-  force.x = path.x;
-  force.y.title = "Force [N]";
-  force.y.min = 0.0;
-  force.series.push_back({.name = "expert", .x = first.time_s, .y = first.expert_force_N});
-  // So that each has the same colour in both.
-  path.series.push_back({.name = "expert", .x = {0.0, first.time_s.back()}, .y = {0.0, 0.0}});
+  ScorePlot path{.title = "Distance from the expert's path",
+                 .subtitle = "after alignment in time",
+                 .x_title = "Time of the expert [s]",
+                 .y_title = "Distance [mm]",
+                 .lines = {{"expert", {0.0, first.time_s.back()}, {0.0, 0.0}}}};
+  ScorePlot force{.title = "Force on the hand",
+                  .subtitle = "after the same alignment",
+                  .x_title = path.x_title,
+                  .y_title = "Force [N]",
+                  .lines = {{"expert", first.time_s, first.expert_force_N}}};
   for (const auto& [name, score] : trials) {
-    path.series.push_back({.name = name, .x = score.time_s, .y = score.distance_mm});
-    force.series.push_back({.name = name, .x = score.time_s, .y = score.trainee_force_N});
+    path.lines.push_back({name, score.time_s, score.distance_mm});
+    force.lines.push_back({name, score.time_s, score.trainee_force_N});
   }
   return {path, force};
 }

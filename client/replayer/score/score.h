@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "client/replayer/hand_path.h"
-#include "common/plot/svg_plot.h"
+#include "client/replayer/score/score_plot.h"
 
 namespace palpate {
 
@@ -38,6 +38,6 @@ struct Trial {
 /// Its numbers, each by the name that it has here.
 std::vector<std::pair<const char*, double>> NumbersOf(const Score& score);
 /// Distance and forces of all trials over the expert's time, which their plots have in common.
-std::vector<Plot> PlotsOf(const std::vector<Trial>& trials);
+std::vector<ScorePlot> PlotsOf(const std::vector<Trial>& trials);
 
 }  // namespace palpate

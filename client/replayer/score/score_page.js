@@ -14,8 +14,8 @@ const middle = [0, 1, 2].map((i) => {
   return (Math.min(...values) + Math.max(...values)) / 2;
 });
 const reach = Math.max(1, ...all.map((p) => Math.hypot(...p.map((x, i) => x - middle[i]))));
-const colour = (i) => getComputedStyle(document.body).getPropertyValue(`--c${i % 8}`);
-const ink = (name) => getComputedStyle(document.body).getPropertyValue(name);
+const look = (name) => getComputedStyle(document.body).getPropertyValue(name);
+const series = (i) => `--series-${(i % 8) + 1}`;
 
 /// To the right and up, in millimetres from the middle: y is up, as in the scenes.
 function onPaper(p, about) {
@@ -43,7 +43,7 @@ function draw() {
   tracks.forEach(({p}, i) => {
     for (const [from, to, strength] of [[0, p.length, 0.35], [0, k + 1, 1]]) {
       pen.globalAlpha = strength;
-      pen.strokeStyle = colour(i);
+      pen.strokeStyle = look(series(i));
       pen.lineWidth = i === 0 ? 3 : 2;
       pen.beginPath();
       for (let j = from; j < to; j++) pen.lineTo(...at(p[j]));
@@ -52,20 +52,20 @@ function draw() {
   });
   pen.globalAlpha = 1;
   tracks.forEach(({p}, i) => {
-    pen.fillStyle = colour(i);
+    pen.fillStyle = look(series(i));
     pen.beginPath();
     pen.arc(...at(p[k]), 5, 0, 2 * Math.PI);
     pen.fill();
   });
   // A length to measure by.
   const round = 10 ** Math.floor(Math.log10(reach / nearer));
-  pen.strokeStyle = pen.fillStyle = ink("--quiet");
+  pen.strokeStyle = pen.fillStyle = look("--quiet");
   pen.lineWidth = 1.5;
   pen.beginPath();
   pen.moveTo(16, h - 16);
   pen.lineTo(16 + zoom * round, h - 16);
   pen.stroke();
-  pen.font = "13px system-ui, sans-serif";
+  pen.font = `13px ${look("--font")}`;
   pen.fillText(`${round} mm`, 16, h - 22);
 }
 
@@ -75,7 +75,7 @@ function show() {
   const lines = tracks.map(({name, f, d}, i) => {
     const line = document.createElement("li");
     const dot = document.createElement("i");
-    dot.style.background = `var(--c${i % 8})`;
+    dot.style.background = `var(${series(i)})`;
     const away = d ? `, ${d[k].toFixed(1)} mm away` : "";
     line.append(dot, `${name}: ${f[k].toFixed(2)} N${away}`);
     return line;

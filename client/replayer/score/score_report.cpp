@@ -64,15 +64,6 @@ Average PointsOf(const Report& report) {
   return AverageOf(Each(report, [&](std::size_t i) { return report.grades[i].points; }));
 }
 
-/// Text as HTML, whatever it is.
-std::string Escaped(const std::string& text) {
-  std::string out;
-  for (const char c : Printable(text)) {
-    out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
-  }
-  return out;
-}
-
 /// JSON as an expression in a script element, where HTML ends the script at "</script", and does
 /// not end it after "<!--<script": no such letter is left, in what can be text alone.
 std::string Embedded(const nlohmann::ordered_json& json) {
@@ -354,9 +345,9 @@ std::string ToHtml(const Report& report) {
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta name=\"color-scheme\" content=\"light dark\">\n<title>" +
-      Escaped(title) + "</title>\n<style>\n" + kScorePageCss + "</style>\n</head>\n<body>\n<h1>" +
-      Escaped(title) + "</h1>\n<p class=\"quiet\">" + Escaped(names) + ", beside " +
-      Escaped(report.expert) + "</p>\n" + VerdictHtml(report);
+      Escaped(title) + "</title>\n<style>" + kScorePagePalette + kScorePageCss +
+      "</style>\n</head>\n<body>\n<h1>" + Escaped(title) + "</h1>\n<p class=\"quiet\">" +
+      Escaped(names) + ", beside " + Escaped(report.expert) + "</p>\n" + VerdictHtml(report);
   if (trials.size() == 1) html += std::string("<p class=\"quiet\">") + kOneTrial + "</p>\n";
   if (report.criteria) html += MarksHtml(report) + SitesHtml(report);
   html +=
@@ -381,7 +372,7 @@ void WriteReport(const Report& report, const std::string& folder) {
   std::filesystem::create_directories(folder, error);
   if (error) throw Error(folder + ": " + error.message() + "; give --out another place");
   WriteOutput("--out", folder + "/score.html", ToHtml(report));
-  WriteSvg(folder + "/score.svg", PlotsOf(report.trials));
+  WriteOutput("--out", folder + "/score.svg", ToSvg(PlotsOf(report.trials)));
   WriteOutput("--out", folder + "/score.json", JsonText(report));
 }
 

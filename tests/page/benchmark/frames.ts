@@ -7,9 +7,9 @@ import {fileURLToPath} from "node:url";
 
 import type {BrowserContextOptions, Page} from "playwright-core";
 
-import type {Probe} from "@page/app";
+import type {Probe} from "@page/parts/probe";
 
-import {kWithoutCard, launch, probe, until} from "../support/browser";
+import {launch, probe, until} from "../support/browser";
 import {ownDomain} from "../support/domain";
 import {Program} from "../support/programs";
 
@@ -242,7 +242,7 @@ async function main(): Promise<void> {
     new Program("palpate-server", ["--scene", scene, "--realtime", "off", ...common]),
     new Program("palpate-viewer", ["--http", "0", "--page", kPage, ...common]),
   ];
-  const browser = await launch(kWithoutCard, 0);
+  const browser = await launch(0);
   const rows: Row[] = [];
   try {
     await programs[0]!.says(/^ready/m, 300_000);

@@ -5,7 +5,7 @@ import {join} from "node:path";
 
 import {type Browser, chromium, type Page} from "playwright-core";
 
-import type {Probe} from "@page/app";
+import type {Probe} from "@page/parts/probe";
 
 declare global {
   interface Window {
@@ -28,36 +28,73 @@ function politeChromium(niceness: number): string {
   return script;
 }
 
-/// The page itself is put together by the drawing library, too.
-const kAllBySoftwareGl = ["--use-gl=angle", "--use-angle=swiftshader"];
-/// Only WebGL is: as in a browser on a machine without a graphics card.
-export const kWithoutCard: readonly string[] = ["--disable-gpu"];
-
-export const launch = (
-  drawing: readonly string[] = kAllBySoftwareGl,
-  niceness = kNiceness,
-): Promise<Browser> =>
+/// Only WebGL is drawn by the drawing library, as in a browser on a machine without a graphics card; to
+/// put the whole page together by it would cost a sixth of a processor even where nothing changes.
+export const launch = (niceness = kNiceness): Promise<Browser> =>
   chromium.launch({
     executablePath: politeChromium(niceness),
-    args: [...drawing, "--no-sandbox", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage"],
+    args: [
+      "--disable-gpu",
+      "--no-sandbox",
+      "--enable-unsafe-swiftshader",
+      "--disable-dev-shm-usage",
+    ],
   });
 
-/// A page in a window of its own; what it throws, the test throws.
-export async function openPage(
+export interface WindowOptions extends NonNullable<Parameters<Browser["newContext"]>[0]> {
+  ownClock?: boolean; // of which time can pass at once: `page.clock.runFor`
+}
+
+/// A window of its own, before a page is loaded; what the page throws, the test throws.
+export async function openWindow(
   browser: Browser,
-  url: string,
-  options: Parameters<Browser["newContext"]>[0],
+  {ownClock = false, ...options}: WindowOptions,
 ): Promise<Page> {
   const page = await (await browser.newContext(options)).newPage();
+  if (ownClock) await page.clock.install();
   page.on("pageerror", (error) => {
     throw error;
   });
+  return page;
+}
+
+const kBlank = "about:blank";
+/// By what cannot be changed later.
+const kept = new Map<string, Page>();
+
+/// A page in the window that a file's tests share: in a new one it costs two seconds of a processor's
+/// time, and a fifth of that where the browser has compiled it already.
+export async function openPage(
+  browser: Browser,
+  url: string,
+  {viewport, colorScheme = null, ...fixed}: WindowOptions,
+): Promise<Page> {
+  const key = JSON.stringify(fixed);
+  const page = kept.get(key) ?? (await openWindow(browser, fixed));
+  kept.set(key, page);
+  if (viewport) await page.setViewportSize(viewport);
+  await page.emulateMedia({colorScheme});
   await page.goto(url);
   return page;
 }
 
-export const closeWindows = (browser: Browser | undefined): Promise<void[]> =>
-  Promise.all(browser?.contexts().map((context) => context.close()) ?? []);
+/// Closes what belongs to one test, and empties the windows that the next one finds.
+export async function closeWindows(browser: Browser | undefined): Promise<void> {
+  const keptPages = [...kept.values()];
+  await Promise.all(
+    browser?.contexts().map(async (context) => {
+      const page = keptPages.find((one) => one.context() === context);
+      if (!page) return context.close();
+      await page.unrouteAll({behavior: "ignoreErrors"});
+      if (page.url() === kBlank) return;
+      await page.evaluate(() => {
+        localStorage.clear();
+        sessionStorage.clear();
+      });
+      await page.goto(kBlank);
+    }) ?? [],
+  );
+}
 
 export const probe = (page: Page): Promise<Probe> => page.evaluate(() => window.palpate.probe);
 

@@ -237,6 +237,7 @@ export class FakeGateway {
   private readonly http: Server;
   private readonly sockets: WebSocketServer;
   private readonly subscriptions = new Map<WebSocket, Map<number, number>>(); // channel -> id
+  port = 0; // also once it has stopped: the next one's, where the browser has compiled the page already
 
   private constructor(private readonly scenes: ReadonlyMap<string, Uint8Array>) {
     this.http = createServer((request, response) => this.serve(request, response));
@@ -260,6 +261,7 @@ export class FakeGateway {
       gateway.http.once("error", reject);
       gateway.http.listen(port, "127.0.0.1", resolve);
     });
+    gateway.port = (gateway.http.address() as AddressInfo).port;
     return gateway;
   }
 
@@ -270,9 +272,6 @@ export class FakeGateway {
     await new Promise((resolve) => this.http.close(resolve));
   }
 
-  get port(): number {
-    return (this.http.address() as AddressInfo).port;
-  }
   get url(): string {
     return `http://127.0.0.1:${this.port}/`;
   }

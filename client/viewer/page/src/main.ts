@@ -1,7 +1,8 @@
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
 
-import {App, type Probe} from "./app";
+import {App} from "./app";
+import type {Probe} from "./parts/probe";
 
 declare global {
   interface Window {

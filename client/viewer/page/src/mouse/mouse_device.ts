@@ -11,7 +11,7 @@ export interface MouseHost {
   changed(): void;
   viewFrame(at: Vec3): ViewFrame;
   /// Where the tool is now, if it touches, and its centroid in its own frame.
-  tool(scene: string, tool: string): {pose: Pose; graphic: Pose; touches: boolean; centroid: Vec3};
+  tool(scene: string, tool: string): {pose: Pose; touches: boolean; centroid: Vec3};
 }
 
 /// Poses are sent at most this often [ms].
@@ -217,9 +217,9 @@ export class MouseDevice {
 
   private move(by: (pose: Pose, view: ViewFrame, centroid: Vec3) => Pose): void {
     if (!this.pose) return;
-    const {graphic, touches, centroid} = this.host.tool(this.scene, this.tool);
+    const {pose, touches, centroid} = this.host.tool(this.scene, this.tool);
     const moved = by(this.pose, this.host.viewFrame(this.pose.p), centroid);
-    this.pose = touches ? leash(moved, graphic, kReachM) : moved;
+    this.pose = touches ? leash(moved, pose, kReachM) : moved;
     this.send();
   }
 

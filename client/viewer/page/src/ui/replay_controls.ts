@@ -55,7 +55,7 @@ export class ReplayControls {
 
   constructor(
     private readonly replay: Replay,
-    private readonly host: ReplayHost,
+    host: ReplayHost,
   ) {
     this.wishes = new Wishes(
       (message) => host.publish(message),

@@ -1,0 +1,79 @@
+import type {Station, World} from "../model/world";
+import {rememberInAddress} from "../ui/address";
+import {element, setOptions} from "../ui/elements";
+
+const chosen = (name: string): string => new URLSearchParams(location.search).get(name) ?? "";
+
+/// Which scene and which station are shown: the reader's choice, where there is it.
+export class Choice {
+  scene = "";
+  private chosenScene = chosen("scene");
+  private chosenStation = chosen("station");
+  private readonly scenePick = element("scene", HTMLSelectElement);
+  private readonly stationPick = element("station", HTMLSelectElement);
+
+  constructor(
+    private readonly world: World,
+    private readonly entered: (scene: string) => void,
+  ) {
+    this.scenePick.addEventListener("change", () => {
+      this.chosenScene = this.scenePick.value;
+      this.chosenStation = "";
+      this.chooseScene();
+      rememberInAddress("scene", this.chosenScene);
+    });
+    this.stationPick.addEventListener("change", () => {
+      this.chosenStation = this.stationPick.value;
+      rememberInAddress("station", this.chosenStation);
+    });
+  }
+
+  /// The reader's choice where there is it, else the first scene, until a tool moves in another.
+  chooseScene(): void {
+    const known = this.world.scenes;
+    const wanted = [this.chosenScene, this.scene, ...known].find((name) => known.has(name));
+    if (wanted !== undefined && wanted !== this.scene) this.enter(wanted);
+  }
+
+  goWhereSomethingMoves(nowS: number): void {
+    if (this.world.scenes.has(this.chosenScene) || this.stationsHere(nowS).length > 0) return;
+    const mover = this.world.listed(nowS).find((station) => station.isMoving(nowS));
+    if (mover && this.world.scenes.has(mover.scene)) this.enter(mover.scene);
+  }
+
+  /// In this scene, whoever moves elsewhere, and with no station chosen.
+  stay(): void {
+    this.chosenScene = this.scene;
+    this.chosenStation = "";
+  }
+
+  /// The station whose figures are shown: the reader's choice, else the page's own, else the one
+  /// that moves.
+  station(own: string, nowS: number): Station | undefined {
+    const here = this.stationsHere(nowS);
+    return (
+      here.find(({id}) => id === this.chosenStation) ?? here.find(({id}) => id === own) ?? here[0]
+    );
+  }
+
+  showLists(station: Station | undefined, nowS: number): void {
+    const scenes = [...this.world.scenes].sort();
+    const stations = this.stationsHere(nowS).map(({id}) => id);
+    const named = (names: string[]) => names.map((name) => ({value: name, text: name}));
+    setOptions(this.scenePick, named(scenes), this.scene, "none yet");
+    setOptions(this.stationPick, named(stations), station?.id ?? "", "nobody");
+  }
+
+  private enter(scene: string): void {
+    this.scene = scene;
+    this.entered(scene);
+  }
+
+  private stationsHere(nowS: number): Station[] {
+    return this.world
+      .listed(nowS)
+      .filter(
+        (station) => station.scene === this.scene && (station.holdsTool || station.isMoving(nowS)),
+      );
+  }
+}

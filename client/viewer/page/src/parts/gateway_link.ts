@@ -1,0 +1,134 @@
+import {type LinkFacts, Pulse} from "../model/link_report";
+import {kOwnTopics, kTopics, type World} from "../model/world";
+import {Connection, type LinkState} from "../protocol/connection";
+import {fetchHealth} from "../protocol/scene_fetch";
+import {AccessToken} from "../protocol/token";
+import {browserTokenHost} from "../ui/token_host";
+import {nowS} from "./now";
+
+/// The gateway is asked how it is this often; that also tells a link that only looks open.
+const kAskHealthMs = 4000;
+const kAnswerWithinMs = 3000;
+/// A link on which nothing comes is given up once the gateway has been silent so many times.
+const kMostSilences = 2;
+
+export interface LinkEvents {
+  link(state: LinkState): void;
+  message(topic: string, value: unknown, stampS: number): void;
+  rights(): void; // they may have changed
+}
+
+/// The link to the gateway: whether it is open, what keeps it from opening, and what this page may do.
+export class GatewayLink {
+  state: LinkState = "connecting";
+  opened = 0; // times
+  openedS = -Infinity;
+  readonly pulse = new Pulse();
+  readonly token = new AccessToken(browserTokenHost);
+  /// Of this page: to take a tool, until the gateway says otherwise; to steer a replay; to decide about
+  /// stations.
+  may = {publish: false, take: true, steer: false, operate: false};
+  private losses = 0; // since the link was last open: the loss itself, and tries that failed
+  private lostS = -Infinity; // the first of them
+  private gateway = {saidS: -Infinity, full: false, wantsToken: false, silences: 0};
+  private readonly connection: Connection;
+
+  constructor(
+    private readonly world: World,
+    private readonly events: LinkEvents,
+  ) {
+    const url = new URL(".", location.href);
+    url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
+    this.connection = new Connection(
+      url.href,
+      new Set(Object.values(kTopics).filter((topic) => !kOwnTopics.has(topic))),
+      {
+        link: (state) => this.changed(state),
+        message: (topic, value, stampS) => events.message(topic, value, stampS),
+        status: (level, message) => {
+          if (level > 0) console.warn(`gateway: ${message}`);
+        },
+        mayPublish: (publish, role) => {
+          this.may = {...this.may, publish, operate: publish && role === "operate"};
+        },
+        offers: (topics) => {
+          const offered = (topic: string): boolean => this.may.publish && topics.has(topic);
+          const [take, steer] = [offered(kTopics.mouseState), offered(kTopics.replayAnswer)];
+          this.may = {...this.may, take, steer};
+          events.rights();
+        },
+      },
+      {
+        openSocket: (address, protocols) => new WebSocket(address, this.token.protocols(protocols)),
+        setTimer: (callback, milliseconds) => window.setTimeout(callback, milliseconds),
+        clearTimer: (timer) => window.clearTimeout(timer),
+      },
+    );
+    // A link with another token, followed in this tab, changes the address and loads nothing.
+    addEventListener("hashchange", () => {
+      if (!this.token.takeFromAddress()) return;
+      this.connection.restart();
+      void this.askHealth();
+    });
+  }
+
+  start(): void {
+    this.connection.start();
+    // Beside the socket's handshake: the first picture need not wait for it.
+    void this.askHealth();
+    window.setInterval(() => void this.watchGateway(), kAskHealthMs);
+  }
+
+  publish(topic: string, message: object): boolean {
+    return this.connection.publish(topic, message);
+  }
+
+  /// Since when this page hears what is said: the link is open, and the page runs.
+  get heardSinceS(): number {
+    return Math.max(this.openedS, this.pulse.busyS);
+  }
+
+  /// What keeps the link from opening, where it is not the way to the gateway.
+  get refusal(): LinkFacts["refusal"] {
+    if (this.gateway.wantsToken) return "token";
+    if (this.losses < 2 || this.gateway.saidS < this.lostS) return "none";
+    return this.gateway.full ? "full" : "this page";
+  }
+
+  async askHealth(): Promise<void> {
+    const health = await fetchHealth(kAnswerWithinMs, this.token.headers);
+    if (!health) {
+      this.gateway.silences += 1;
+      return;
+    }
+    const wantsToken = health === "token";
+    const full = !wantsToken && health.full;
+    this.gateway = {saidS: nowS(), full, wantsToken, silences: 0};
+    if (!wantsToken) this.world.receiveHealth(health, nowS());
+  }
+
+  private changed(state: LinkState): void {
+    this.state = state;
+    if (state === "open") {
+      this.opened += 1;
+      this.losses = 0;
+      this.openedS = nowS();
+      this.world.startLink();
+      void this.askHealth();
+    } else if (state === "lost" && (this.losses += 1) === 1) {
+      this.lostS = nowS();
+    }
+    this.events.link(state);
+  }
+
+  /// A socket can look open long after the way to its other end is gone: where nothing comes and
+  /// the gateway does not answer either, the link is made anew.
+  private async watchGateway(): Promise<void> {
+    const askedS = nowS();
+    await this.askHealth();
+    const isSilent = this.world.lastStateS < askedS && this.openedS < askedS;
+    if (this.state !== "open" || !isSilent || this.gateway.silences < kMostSilences) return;
+    this.gateway.silences = 0;
+    this.connection.restart();
+  }
+}

@@ -1,0 +1,2 @@
+/// The page's time.
+export const nowS = (): number => performance.now() / 1000;

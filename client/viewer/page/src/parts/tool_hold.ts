@@ -1,0 +1,156 @@
+import type {SceneModel} from "../model/bundle";
+import {kTopics, type Station, type World} from "../model/world";
+import {MouseDevice, type MouseHost} from "../mouse/mouse_device";
+import {element, setOptions, setText} from "../ui/elements";
+import type {Notice} from "../ui/notice";
+import {listenToPointer} from "../ui/pointer";
+import type {Choice} from "./choice";
+import type {GatewayLink} from "./gateway_link";
+import {nowS} from "./now";
+import type {Picture} from "./picture";
+import type {SceneStore} from "./scene_store";
+
+/// A tool of the scene in the reader's hand: taken by button or key, moved by pointer and keys.
+export class ToolHold {
+  readonly mouse: MouseDevice;
+  private readonly button = element("take", HTMLButtonElement);
+  private readonly toolPick = element("tool", HTMLSelectElement);
+
+  /// @param mayTake  this page may take a tool
+  /// @param changed  it has one, asks for one, or no longer
+  constructor(
+    private readonly world: World,
+    private readonly choice: Choice,
+    private readonly scenes: SceneStore,
+    private readonly link: GatewayLink,
+    private readonly picture: Picture,
+    private readonly notice: Notice,
+    private readonly mayTake: () => boolean,
+    private readonly changed: () => void,
+  ) {
+    const {canvas, view} = picture;
+    this.mouse = new MouseDevice({
+      publish: (message) => link.publish(kTopics.mouse, message),
+      changed: () => this.show(),
+      viewFrame: (at) => view.camera.viewFrame(at),
+      tool: (scene, tool) => this.whereIs(scene, tool),
+    });
+    this.button.addEventListener("click", () => this.takeOrRelease());
+    listenToPointer(canvas, this.mouse, view.camera.controls);
+    // The tool's keys come first: while it is held, arrows move it and not the eye.
+    canvas.addEventListener("keydown", (event) => {
+      if (this.mouse.key(event)) event.preventDefault();
+    });
+    // A tool in the hand of a page that is gone would stay taken.
+    addEventListener("pagehide", () => this.mouse.release());
+  }
+
+  /// Keys, for listenForKeys.
+  readonly keys: Readonly<Record<string, () => void>> = {
+    m: () => this.takeOrRelease(),
+    Escape: () => this.mouse.release(),
+  };
+
+  /// It has a tool, or asks for one.
+  get isBusy(): boolean {
+    return this.mouse.hold !== "none";
+  }
+  /// The station that this page's mouse is; empty: none.
+  get station(): string {
+    return this.isBusy ? this.mouse.station : "";
+  }
+  /// The tool that is to be taken, or has been.
+  get tool(): string {
+    return this.toolPick.value;
+  }
+
+  /// Shows what takes a tool, or tells how, only where this page may.
+  offer(may: boolean): void {
+    for (const part of document.querySelectorAll<HTMLElement>(".of-mouse")) part.hidden = !may;
+  }
+
+  showTools(tools: SceneModel["tools"]): void {
+    const options = tools.map(({name}) => ({value: name, text: name}));
+    const [first] = options;
+    setOptions(this.toolPick, options, this.toolPick.value || (first?.value ?? ""), "no tool");
+    if (first && this.toolPick.selectedIndex < 0) this.toolPick.selectedIndex = 0;
+    element("tool-pick", HTMLLabelElement).hidden = options.length < 2;
+    this.show();
+  }
+
+  show(): void {
+    const {hold} = this.mouse;
+    const message = this.mouse.takeMessage();
+    const holding = hold === "holding";
+    this.picture.canvas.classList.toggle("holding", holding);
+    this.button.classList.toggle("holding", holding);
+    this.button.disabled = hold === "none" && !this.isSceneHere();
+    const words = {holding: "Give it back", asking: "Cancel", none: "Take the tool"};
+    setText(this.button, words[hold]);
+    this.picture.view.camera.controls.enableZoom = !holding;
+    const help = matchMedia("(pointer: coarse)").matches
+      ? "Drag to move, two fingers to push, pull and turn."
+      : "Drag to move, wheel to push and pull, Shift-drag to turn, Esc to give it back.";
+    if (hold === "none" && message !== "") {
+      const {scene} = this.choice;
+      const whileSo = (): boolean => !this.isBusy && this.choice.scene === scene;
+      this.notice.say(message, {alarm: true, whileSo});
+    }
+    this.notice.rest(hold === "none" ? "" : message || (holding ? help : "Asking…"));
+    this.notice.update(true);
+    this.changed();
+    if (holding) this.picture.canvas.focus({preventScroll: true});
+  }
+
+  private isSceneHere(): boolean {
+    return this.scenes.model(this.choice.scene) !== undefined;
+  }
+
+  private takeOrRelease(): void {
+    if (!this.mayTake()) return;
+    if (!this.isSceneHere()) {
+      const whileSo = (): boolean => !this.isSceneHere();
+      this.notice.say("There is no tool yet: no server has told of its scene.", {whileSo});
+      return;
+    }
+    if (this.isBusy) {
+      this.mouse.release();
+      return;
+    }
+    const {scene} = this.choice;
+    const holder = this.world.holderOf(scene, this.tool);
+    // What does not move may be gone, or this page's own a moment ago: the server decides.
+    if (holder?.isMoving(nowS()) && holder.id !== this.mouse.station) {
+      this.sayWhoHolds(holder, scene, this.tool);
+      return;
+    }
+    this.choice.stay(); // also when the tool is given back
+    this.mouse.take(scene, this.tool);
+  }
+
+  private sayWhoHolds(holder: Station, scene: string, tool: string): void {
+    const whileSo = (): boolean =>
+      this.choice.scene === scene &&
+      holder.isMoving(nowS()) &&
+      this.world.holderOf(scene, tool) === holder;
+    const who = `'${holder.id}' holds the ${tool}.`;
+    if (!this.link.may.operate) {
+      this.notice.say(`${who} It is free once that station ends.`, {alarm: true, whileSo});
+      return;
+    }
+    const run = (): void => {
+      this.link.publish(kTopics.operate, {op: "take_back", station: holder.id});
+      this.notice.say("Asking the server to take it back…");
+    };
+    this.notice.say(who, {alarm: true, whileSo, action: {text: "Take it back", run}});
+  }
+
+  private whereIs(scene: string, tool: string): ReturnType<MouseHost["tool"]> {
+    const body = this.scenes.model(scene)?.tools.find(({name}) => name === tool);
+    const centroid = body?.geometry.centroid ?? [0, 0, 0];
+    const state = this.world.lastMoverOf(scene, tool)?.track.latest;
+    // Where the tool is, not where the last hand had it: that may be deep inside.
+    const pose = state?.graphic ?? body?.pose ?? {p: [0, 0, 0], q: [1, 0, 0, 0]};
+    return {pose, touches: (state?.contacts ?? 0) > 0, centroid};
+  }
+}

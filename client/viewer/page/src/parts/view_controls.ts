@@ -1,0 +1,85 @@
+import {element, setText} from "../ui/elements";
+import type {Picture} from "./picture";
+
+const kTurn = 0.12; // by a key [rad]
+
+/// What changes how the scene is looked at: buttons and keys.
+export class ViewControls {
+  private readonly followButton = element("follow", HTMLButtonElement);
+  private readonly spheres = element("spheres", HTMLButtonElement);
+  private readonly level = element("level", HTMLInputElement);
+  private readonly numbers = element("numbers", HTMLButtonElement);
+
+  constructor(private readonly picture: Picture) {
+    this.followButton.addEventListener("click", () => this.follow());
+    this.spheres.addEventListener("click", () => this.switchSpheres());
+    this.numbers.addEventListener("click", () => this.switchNumbers());
+    this.level.addEventListener("input", () => this.showLevel());
+    element("reset", HTMLButtonElement).addEventListener("click", () => picture.lookAtAll());
+  }
+
+  /// Keys, for listenForKeys.
+  readonly keys: Readonly<Record<string, () => void>> = {
+    f: () => this.follow(),
+    r: () => this.picture.lookAtAll(),
+    s: () => this.switchSpheres(),
+    n: () => this.switchNumbers(),
+    "[": () => this.stepLevel(-1),
+    "]": () => this.stepLevel(1),
+    ArrowLeft: () => this.nudge(-kTurn, 0, 1),
+    ArrowRight: () => this.nudge(kTurn, 0, 1),
+    ArrowUp: () => this.nudge(0, -kTurn, 1),
+    ArrowDown: () => this.nudge(0, kTurn, 1),
+    "+": () => this.nudge(0, 0, 0.9),
+    "-": () => this.nudge(0, 0, 1 / 0.9),
+  };
+
+  /// Another scene is looked at.
+  showScene(): void {
+    const {view} = this.picture;
+    this.numbers.hidden = view.teeth === 0;
+    const atFinest = this.level.value === this.level.max;
+    this.level.max = String(Math.max(0, view.sphereLevels - 1));
+    if (atFinest) this.level.value = this.level.max;
+    this.showLevel();
+  }
+
+  private follow(): void {
+    this.followButton.setAttribute("aria-pressed", String(this.picture.followOrNot()));
+  }
+
+  private switchSpheres(): void {
+    this.spheres.setAttribute("aria-pressed", String(!this.showsSpheres));
+    element("level-pick", HTMLLabelElement).hidden = !this.showsSpheres;
+    this.showLevel();
+  }
+  private get showsSpheres(): boolean {
+    return this.spheres.getAttribute("aria-pressed") === "true";
+  }
+
+  private switchNumbers(): void {
+    if (this.numbers.hidden) return;
+    const {view} = this.picture;
+    view.showsNumbers = !view.showsNumbers;
+    this.numbers.setAttribute("aria-pressed", String(view.showsNumbers));
+  }
+
+  private stepLevel(by: number): void {
+    this.level.value = String(Number(this.level.value) + by);
+    this.showLevel();
+  }
+
+  private showLevel(): void {
+    const level = Number(this.level.value);
+    this.picture.view.setSphereLevel(this.showsSpheres ? level : undefined);
+    const isLeaves = this.level.value === this.level.max;
+    const text = isLeaves ? "leaves" : `level ${level + 1} of ${Number(this.level.max) + 1}`;
+    setText(element("level-text", HTMLOutputElement), text);
+    this.level.setAttribute("aria-valuetext", text);
+  }
+
+  private nudge(azimuth: number, polar: number, zoom: number): void {
+    this.picture.view.camera.nudge(azimuth, polar, zoom);
+    this.picture.askFrame();
+  }
+}
