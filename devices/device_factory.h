@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/json/pose_script.h"
-#include "common/realtime/realtime.h"
+#include "common/program/realtime.h"
 #include "devices/device.h"
 #include "devices/workspace.h"
 

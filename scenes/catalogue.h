@@ -42,7 +42,7 @@ struct LoadOptions {
 Scene LoadScene(const std::string& name_or_path, const LoadOptions& options = {});
 
 /// The scene file that a name stands for: NAME.json in $PALPATE_CATALOGUE, else in
-/// the catalogue that comes with the programs (common/project_files.h).
+/// the catalogue that comes with the programs (common/files/project_files.h).
 std::string FindSceneFile(const std::string& name_or_path);
 
 /// The scene file says that a session begins with the scene whole (SceneDescription).  False for

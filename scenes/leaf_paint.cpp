@@ -7,7 +7,7 @@
 
 #include "common/error.h"
 #include "common/json/json_file.h"
-#include "common/nearest_word.h"
+#include "common/text/nearest_word.h"
 #include "scenes/mesh/hidden_surface.h"
 
 namespace palpate {

@@ -12,10 +12,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/command_line.h"
 #include "common/error.h"
-#include "common/log.h"
-#include "common/quoted.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
+#include "common/text/quoted.h"
 #include "scenes/catalogue.h"
 #include "scenes/compiler/body_lines.h"
 #include "scenes/compiler/scene_info.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "common/quoted.h"
+#include "common/text/quoted.h"
 #include "scenes/mesh/hidden_surface.h"
 #include "scenes/mesh/mesh_solid.h"
 

@@ -15,14 +15,15 @@
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
-#include "common/command_line.h"
 #include "common/dds/server_lock.h"
 #include "common/error.h"
-#include "common/log.h"
+#include "common/http/host_name.h"
 #include "common/metrics/metrics_port.h"
-#include "common/realtime/realtime.h"
-#include "common/stop_signal.h"
-#include "common/time/steady_clock.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
+#include "common/program/realtime.h"
+#include "common/program/stop_signal.h"
+#include "common/realtime/steady_clock.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/mesh_options.h"
 #include "scenes/files/scene_bundle.h"

@@ -11,8 +11,8 @@
 
 #include "client/crtk/crtk_station.h"
 #include "common/dds/topics.h"
-#include "common/quoted.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/dds/random_run.h"
 #include "common/dds/topics.h"
-#include "common/quoted.h"
-#include "common/random_run.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

@@ -11,7 +11,7 @@
 #include "client/crtk/servo_aim.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/ros2.h"
-#include "common/rate_limit.h"
+#include "common/realtime/rate_limit.h"
 
 namespace palpate {
 

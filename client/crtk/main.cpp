@@ -1,6 +1,6 @@
 #include "client/crtk/bridge.h"
-#include "common/command_line.h"
-#include "common/log.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
 
 int main(int argc, char** argv) {
   return palpate::RunProgram("palpate-crtk", [&] {

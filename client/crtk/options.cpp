@@ -2,8 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/command_line.h"
 #include "common/dds/ros2.h"
+#include "common/program/command_line.h"
 
 namespace palpate {
 namespace {

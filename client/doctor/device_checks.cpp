@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 
 #include "common/error.h"
-#include "common/project_files.h"
+#include "common/files/project_files.h"
 #include "devices/forcedimension/dhd_library.h"
 #include "devices/haply/inverse_client.h"
 #include "devices/openhaptics/device_nodes.h"

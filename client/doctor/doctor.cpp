@@ -11,8 +11,8 @@
 #include "client/doctor/processor_checks.h"
 #include "client/doctor/rights_checks.h"
 #include "client/doctor/shared_memory_checks.h"
-#include "common/machine.h"
-#include "common/project_files.h"
+#include "common/files/project_files.h"
+#include "common/program/machine.h"
 
 namespace palpate::doctor {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "client/doctor/options.h"
 #include "client/doctor/report.h"
-#include "common/stop_signal.h"
+#include "common/program/stop_signal.h"
 
 namespace palpate::doctor {
 

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/whole_file.h"
+#include "common/files/whole_file.h"
 
 namespace palpate::doctor {
 namespace {

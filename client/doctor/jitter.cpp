@@ -8,7 +8,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <time.h>
 
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate::doctor {
 namespace {

@@ -3,9 +3,9 @@
 #include <cstdint>
 
 #include "client/doctor/finding.h"
-#include "common/realtime/realtime.h"
-#include "common/stats/histogram.h"
-#include "common/stop_signal.h"
+#include "common/program/realtime.h"
+#include "common/program/stop_signal.h"
+#include "common/realtime/histogram.h"
 
 namespace palpate::doctor {
 

@@ -19,12 +19,12 @@
 #include <unistd.h>
 
 #include "common/dds/endpoint.h"
+#include "common/dds/random_run.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/project_files.h"
-#include "common/random_run.h"
-#include "common/stats/histogram.h"
-#include "common/time/steady_clock.h"
+#include "common/files/project_files.h"
+#include "common/realtime/histogram.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate::doctor {
 namespace {

@@ -6,8 +6,8 @@
 #include "client/doctor/finding.h"
 #include "common/dds/network.h"
 #include "common/dds/participant.h"
-#include "common/realtime/realtime.h"
-#include "common/stop_signal.h"
+#include "common/program/realtime.h"
+#include "common/program/stop_signal.h"
 
 namespace palpate::doctor {
 

@@ -7,9 +7,9 @@
 #include "client/doctor/doctor.h"
 #include "client/doctor/options.h"
 #include "client/doctor/report.h"
-#include "common/command_line.h"
-#include "common/log.h"
-#include "common/stop_signal.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
+#include "common/program/stop_signal.h"
 
 namespace palpate::doctor {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/command_line.h"
 #include "common/error.h"
+#include "common/program/command_line.h"
 #include "devices/device_factory.h"
 
 namespace palpate::doctor {

@@ -5,7 +5,7 @@
 
 #include "common/dds/network.h"
 #include "common/dds/participant.h"
-#include "common/realtime/realtime.h"
+#include "common/program/realtime.h"
 
 namespace palpate::doctor {
 

@@ -4,7 +4,7 @@
 
 #include "client/doctor/finding.h"
 #include "client/doctor/host_files.h"
-#include "common/realtime/realtime.h"
+#include "common/program/realtime.h"
 
 namespace palpate::doctor {
 

@@ -11,7 +11,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "common/quoted.h"
+#include "common/text/quoted.h"
 
 namespace palpate::doctor {
 namespace {

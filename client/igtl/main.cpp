@@ -6,12 +6,12 @@
 #include "client/igtl/igtl_messages.h"
 #include "client/igtl/igtl_server.h"
 #include "client/igtl/options.h"
-#include "common/command_line.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/topics.h"
-#include "common/log.h"
-#include "common/stop_signal.h"
-#include "common/time/steady_clock.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
+#include "common/program/stop_signal.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

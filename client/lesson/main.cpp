@@ -9,16 +9,16 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/command_line.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/endpoint.h"
+#include "common/dds/random_run.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/log.h"
-#include "common/quoted.h"
-#include "common/random_run.h"
-#include "common/stop_signal.h"
-#include "common/time/steady_clock.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
+#include "common/program/stop_signal.h"
+#include "common/realtime/steady_clock.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

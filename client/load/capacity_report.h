@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "client/load/load_figures.h"
-#include "common/machine.h"
+#include "common/program/machine.h"
 
 namespace palpate {
 

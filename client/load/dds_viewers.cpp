@@ -1,7 +1,7 @@
 #include "client/load/dds_viewers.h"
 
 #include "common/dds/topics.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 

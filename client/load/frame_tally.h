@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/dds/wire.h"
-#include "common/stats/histogram.h"
+#include "common/realtime/histogram.h"
 
 namespace palpate {
 

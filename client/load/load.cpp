@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -16,8 +17,8 @@
 #include "client/load/load_run.h"
 #include "client/load/scene_copies.h"
 #include "common/error.h"
-#include "common/output.h"
-#include "common/quoted.h"
+#include "common/files/output.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {
@@ -36,13 +37,6 @@ void ShowProgress(const std::string& line) {
     std::fprintf(stderr, "%s\n", line.c_str());
   }
   std::fflush(stderr);
-}
-
-std::string NowUtc() {
-  const std::time_t now = std::time(nullptr);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", std::gmtime(&now));
-  return text;
 }
 
 /// The hand's path for each tool: that given, the server's, or none: the tool stays at its start.
@@ -64,7 +58,7 @@ class Load {
   Load(const LoadRunOptions& options, LoadSetting setting, StopSignal& stop)
       : options_(options), setting_(std::move(setting)), stop_(stop) {
     report_.machine = ThisHost();
-    report_.time = NowUtc();
+    report_.time = fmt::format("{:%F %R} UTC", fmt::gmtime(std::time(nullptr)));
     report_.command = options.command;
     report_.scene = setting_.tools.empty() ? "-" : setting_.tools.front().scene;
   }

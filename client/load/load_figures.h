@@ -7,7 +7,7 @@
 
 #include "client/load/process_use.h"
 #include "client/station/station_core.h"
-#include "common/stats/histogram.h"
+#include "common/realtime/histogram.h"
 
 namespace palpate {
 

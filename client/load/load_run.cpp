@@ -12,7 +12,7 @@
 #include "client/load/load_station.h"
 #include "client/load/web_viewers.h"
 #include "common/error.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

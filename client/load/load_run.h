@@ -10,7 +10,7 @@
 #include "client/load/options.h"
 #include "client/station/served_tools.h"
 #include "common/json/pose_script.h"
-#include "common/stop_signal.h"
+#include "common/program/stop_signal.h"
 
 namespace palpate {
 

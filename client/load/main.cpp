@@ -1,8 +1,8 @@
 #include "client/load/load.h"
 #include "client/load/options.h"
-#include "common/command_line.h"
-#include "common/log.h"
-#include "common/stop_signal.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
+#include "common/program/stop_signal.h"
 
 int main(int argc, char** argv) {
   return palpate::RunProgram("palpate-load", [&] {

@@ -4,10 +4,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/command_line.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/realtime/realtime.h"
+#include "common/program/command_line.h"
+#include "common/program/realtime.h"
 
 namespace palpate {
 namespace {

@@ -10,9 +10,9 @@
 #include <unistd.h>
 
 #include "common/dds/server_lock.h"
-#include "common/socket_owner.h"
-#include "common/time/steady_clock.h"
-#include "common/whole_file.h"
+#include "common/dds/socket_owner.h"
+#include "common/files/whole_file.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

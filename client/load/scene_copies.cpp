@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.h"
+#include "common/files/whole_file.h"
 #include "common/json/json_file.h"
-#include "common/whole_file.h"
 #include "scenes/catalogue.h"
 
 namespace palpate {

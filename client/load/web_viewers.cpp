@@ -22,7 +22,7 @@
 
 #include "common/dds/cdr.h"
 #include "common/error.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

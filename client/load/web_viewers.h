@@ -5,7 +5,7 @@
 
 #include "client/load/frame_tally.h"
 #include "client/load/options.h"
-#include "common/stop_signal.h"
+#include "common/program/stop_signal.h"
 
 namespace palpate {
 

@@ -8,22 +8,20 @@
 #include <utility>
 
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
-#include "common/bundle_hash.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/output.h"
-#include "common/quoted.h"
+#include "common/files/bundle_hash.h"
+#include "common/files/output.h"
 #include "common/recording/recording_reader.h"
+#include "common/text/hex16.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {
-
-std::string Hex(std::uint64_t value) {
-  return fmt::format("{:016x}", value);
-}
 
 std::string Value(const mcap::StringMap& map, const std::string& key) {
   const auto it = map.find(key);
@@ -70,7 +68,7 @@ bool Look(const RecordedSample& sample, FileSummary& summary,
       dds::Owned<wire::SceneBundle> owned;
       const wire::SceneBundle& bundle = owned.value;
       if (!sample.To(owned.value)) return false;
-      summary.scenes[bundle.scene] = {Hex(bundle.hash), true};
+      summary.scenes[bundle.scene] = {Hex16(bundle.hash), true};
       try {
         CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
                         "scene " + Quoted(bundle.scene));
@@ -86,12 +84,7 @@ bool Look(const RecordedSample& sample, FileSummary& summary,
 }
 
 std::string TimeText(std::int64_t ns) {
-  const std::time_t seconds = ns / 1'000'000'000;
-  std::tm parts{};
-  gmtime_r(&seconds, &parts);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S UTC", &parts);
-  return text;
+  return fmt::format("{:%F %T} UTC", fmt::gmtime(std::time_t{ns / 1'000'000'000}));
 }
 
 }  // namespace
@@ -221,7 +214,7 @@ std::string ToText(const FileSummary& summary) {
     }
     text += fmt::format(
         "  station {} (run {}): tool {} of scene {}, {}\n", Printable(session.station),
-        Hex(session.run), Printable(session.tool), Printable(session.scene),
+        Hex16(session.run), Printable(session.tool), Printable(session.scene),
         session.start_sequence == 0 ? "no forces"
                                     : fmt::format("forces from pose {}", session.start_sequence));
   }
@@ -287,7 +280,7 @@ void WriteJson(const FileSummary& summary, const std::string& file) {
   }
   for (const FileSummary::Session& session : summary.sessions) {
     json["sessions"].push_back({{"station", session.station},
-                                {"run", Hex(session.run)},
+                                {"run", Hex16(session.run)},
                                 {"scene", session.scene},
                                 {"tool", session.tool},
                                 {"start_sequence", session.start_sequence},

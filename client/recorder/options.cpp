@@ -4,9 +4,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/command_line.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/program/command_line.h"
 
 namespace palpate {
 namespace {

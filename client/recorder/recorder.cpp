@@ -15,9 +15,9 @@
 #include "client/recorder/writer_thread.h"
 #include "common/dds/server_lock.h"
 #include "common/dds/topics.h"
-#include "common/machine.h"
-#include "common/quoted.h"
-#include "common/time/steady_clock.h"
+#include "common/program/machine.h"
+#include "common/realtime/steady_clock.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

@@ -4,7 +4,7 @@
 #include <new>
 
 #include "common/error.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

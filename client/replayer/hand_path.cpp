@@ -9,10 +9,11 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "client/replayer/span.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/recording/recording_reader.h"
-#include "common/time/span.h"
+#include "common/text/hex16.h"
 
 namespace palpate {
 namespace {
@@ -97,9 +98,7 @@ std::vector<Session> SessionsOf(RecordingReader& reader, std::int64_t& began_ns)
 
 Session Choose(const std::string& file, const std::vector<Session>& sessions, std::int64_t began_ns,
                const SessionChoice& choice) {
-  const auto with_run = [](const Session& s) {
-    return fmt::format("{}/{:016x}", s.station, s.run);
-  };
+  const auto with_run = [](const Session& s) { return s.station + "/" + Hex16(s.run); };
   const auto fits = [&](const Session& s) {
     return choice.wanted.empty() || choice.wanted == s.station || choice.wanted == with_run(s);
   };

@@ -1,17 +1,16 @@
 #include <cstdio>
 
-#include "client/replayer/export.h"
-#include "client/replayer/guide_voice.h"
-#include "client/replayer/hand_path.h"
+#include "client/replayer/export/export.h"
+#include "client/replayer/guide/guide_voice.h"
 #include "client/replayer/options.h"
-#include "client/replayer/player.h"
-#include "client/replayer/score_report.h"
-#include "client/replayer/verify.h"
-#include "common/command_line.h"
-#include "common/log.h"
-#include "common/private_file.h"
-#include "common/quoted.h"
-#include "common/stop_signal.h"
+#include "client/replayer/play/player.h"
+#include "client/replayer/score/score_report.h"
+#include "client/replayer/verify/verify.h"
+#include "common/files/private_file.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
+#include "common/program/stop_signal.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {
@@ -19,19 +18,19 @@ namespace {
 int Run(const ReplayOptions& options) {
   switch (options.what) {
     case ReplayOptions::What::kVerify: {
-      const Verification verification = Verify(options.files, options.verify);
+      const Verification verification = Verify(options.playback.files, options.verify);
       if (options.json != "-") std::fputs(ToText(verification).c_str(), stdout);
       if (!options.json.empty()) WriteJson(verification, options.json);
       return verification.good() ? 0 : 1;
     }
     case ReplayOptions::What::kPlay: {
       StopSignal stop;
-      Play(options, stop);
+      Play(options.playback, options.play, stop);
       return 0;
     }
     case ReplayOptions::What::kGuide: {
       StopSignal stop;
-      Guide(options, stop);
+      Guide(options.playback, options.guide, stop);
       return 0;
     }
     case ReplayOptions::What::kScore: {

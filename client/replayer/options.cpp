@@ -4,10 +4,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "client/replayer/keyboard.h"
-#include "common/command_line.h"
+#include "client/replayer/play/keyboard.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/program/command_line.h"
 
 namespace palpate {
 namespace {
@@ -63,7 +63,7 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
 
   CLI::App app(kAbout, "palpate-replay");
   app.footer(std::string(kExamples) + "\n\n" + Keyboard::kHelp + "\n\n" + kStatus);
-  app.add_option("files", options.files, "a recording, or its splits in their order");
+  app.add_option("files", options.playback.files, "a recording, or its splits in their order");
   CLI::Option* verify_option =
       app.add_flag("--verify", verify, "compute every wrench again and compare all bits");
   app.add_option("--scene", options.verify.scene,
@@ -76,49 +76,51 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
       ->needs(verify_option);
   CLI::Option* json = app.add_option("--json", options.json,
                                      "with --verify: write the result as JSON; - is stdout");
-  CLI::Option* guide = app.add_option("--guide", options.guide,
+  CLI::Option* guide = app.add_option("--guide", options.guide.led,
                                       "lead the hand at this station along the recorded path")
                            ->excludes(verify_option);
   app.add_flag_callback(
-         "--no-wait", [&options] { options.waits = false; },
+         "--no-wait", [&options] { options.guide.waits = false; },
          "with --guide: keep the recorded pace even if the hand falls behind")
       ->needs(guide);
   app.add_option(
-         "--station", options.station,
+         "--station", options.guide.station,
          "with --guide: the station whose path to follow, if the recording has several sessions; "
          "NAME/RUN if this station has several")
       ->type_name("NAME")
       ->needs(guide);
-  app.add_option("--rate", options.rate, "speed, times the recorded one; at most 2 with --guide")
+  app.add_option("--rate", options.playback.rate,
+                 "speed, times the recorded one; at most 2 with --guide")
       ->check(CLI::Range(0.01, 100.0))
       ->excludes(verify_option)
       ->capture_default_str();
   CLI::Option* loop =
-      app.add_flag("--loop", options.loop, "repeat until Ctrl-C")->excludes(verify_option);
+      app.add_flag("--loop", options.playback.loop, "repeat until Ctrl-C")->excludes(verify_option);
   app.add_flag(
-         "--stay", options.stays,
+         "--stay", options.play.stays,
          "wait at the end until Ctrl-C, so that viewers can go back; without it, the replay ends "
          "there unless a viewer has steered it")
       ->excludes(verify_option)
       ->excludes(guide)
       ->excludes(loop);
-  app.add_flag("--locked", options.locked,
+  app.add_flag("--locked", options.play.locked,
                "viewers may look but not steer: no pause, no seek, no bookmarks")
       ->excludes(verify_option)
       ->excludes(guide);
-  app.add_flag("--step", options.stepping, "begin paused: space goes on, the right arrow steps")
+  app.add_flag("--step", options.play.stepping,
+               "begin paused: space goes on, the right arrow steps")
       ->excludes(verify_option)
       ->excludes(guide);
-  app.add_option("--from", options.from_s,
+  app.add_option("--from", options.playback.from_s,
                  "begin this many seconds into the recording (with --guide: into the hand's path)")
       ->check(CLI::NonNegativeNumber)
       ->excludes(verify_option);
-  app.add_option("--to", options.to_s, "end this many seconds into it")
+  app.add_option("--to", options.playback.to_s, "end this many seconds into it")
       ->check(CLI::PositiveNumber)
       ->excludes(verify_option);
-  AddNetworkOptions(app, "a viewer or the guided station", options.network);
+  AddNetworkOptions(app, "a viewer or the guided station", options.playback.network);
   AddCommonOptions(app, "domain of viewers and stations: the number that they were given",
-                   options.domain, options.log_level);
+                   options.playback.domain, options.log_level);
   CLI::App* score = app.add_subcommand(
       "score", "how near a trainee came to an expert, trial by trial and on average");
   score->footer(kScoreExamples);
@@ -163,7 +165,7 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
 
   if (*columns) {
-    if (!options.files.empty() || verify || *guide) {
+    if (!options.playback.files.empty() || verify || *guide) {
       throw UsageError("export takes its recordings alone: 'palpate-replay export --help'");
     }
     options.columns.format = ParseColumnFormat(format);
@@ -171,7 +173,7 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
     return options;
   }
   if (*score || *criteria) {
-    if (!options.files.empty() || verify || *guide) {
+    if (!options.playback.files.empty() || verify || *guide) {
       throw UsageError("score takes its recordings alone: 'palpate-replay score --help'");
     }
     const std::size_t stations = options.score.stations.size();
@@ -181,21 +183,23 @@ std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
     options.what = *score ? ReplayOptions::What::kScore : ReplayOptions::What::kCriteria;
     return options;
   }
-  if (options.files.empty()) {
+  if (options.playback.files.empty()) {
     throw UsageError("a recording is missing; 'palpate-replay --help' shows how");
   }
   if (verify) options.what = ReplayOptions::What::kVerify;
   if (*json && !verify) throw UsageError("--json goes with --verify or score");
-  if (!options.guide.empty()) {
+  if (!options.guide.led.empty()) {
     options.what = ReplayOptions::What::kGuide;
-    if (!dds::IsStationName(options.guide)) {
-      throw UsageError("--guide '" + options.guide + "': give a station's name, as its --id");
+    if (!dds::IsStationName(options.guide.led)) {
+      throw UsageError("--guide '" + options.guide.led + "': give a station's name, as its --id");
     }
-    if (options.rate > kMostGuideRate) {
+    if (options.playback.rate > kMostGuideRate) {
       throw UsageError("--rate: a hand is led at most at twice the speed; give 2 or less");
     }
   }
-  if (!(options.to_s > options.from_s)) throw UsageError("--to must be later than --from");
+  if (!(options.playback.to_s > options.playback.from_s)) {
+    throw UsageError("--to must be later than --from");
+  }
   return options;
 }
 

@@ -1,46 +1,28 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "client/replayer/export.h"
-#include "client/replayer/score_report.h"
-#include "client/replayer/verify.h"
-#include "common/dds/network.h"
+#include "client/replayer/export/export.h"
+#include "client/replayer/guide/guide_voice.h"
+#include "client/replayer/play/player.h"
+#include "client/replayer/playback.h"
+#include "client/replayer/score/score_report.h"
+#include "client/replayer/verify/verify.h"
 
 namespace palpate {
 
 struct ReplayOptions {
   enum class What { kPlay, kVerify, kGuide, kScore, kCriteria, kExport };
   What what = What::kPlay;
-  std::vector<std::string> files;
+  Playback playback;  ///< of kPlay and kGuide; kVerify takes its files
+  PlayOptions play;
   VerifyOptions verify;
-  std::string json;  ///< of verify and score: file or "-"; empty: none
-
-  // kPlay and kGuide
-  double rate = 1.0;
-  bool loop = false;
-  bool stepping = false;  ///< begins paused
-  bool locked = false;    ///< viewers may not steer
-  bool stays = false;     ///< waits at the end
-  double from_s = 0.0;
-  double to_s = std::numeric_limits<double>::infinity();
-  int domain = 0;
-  dds::Network network;
-  std::string guide;    ///< station to be guided
-  std::string station;  ///< whose path guides it, as SessionChoice
-  bool waits = true;    ///< the guide, for a hand that stays behind
-
-  // kScore
+  GuideOptions guide;
   ScoreOptions score;
-  std::string out;  ///< folder for the report; empty: none
-
-  // kCriteria
-  std::string new_criteria;  ///< file to write
-
-  // kExport
+  std::string out;           ///< of kScore: folder for the report; empty: none
+  std::string json;          ///< of kVerify and kScore: file or "-"; empty: none
+  std::string new_criteria;  ///< of kCriteria: file to write
   ExportOptions columns;
 
   std::string log_level = "info";

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
 
-#include "common/quoted.h"
+#include <fmt/format.h>
+
 #include "common/step_fault.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {
@@ -17,15 +18,6 @@ constexpr const char* kYellow = "33";
 constexpr const char* kCyan = "36";
 constexpr int kBarCells = 30;
 constexpr std::size_t kHistoryCells = 60;  // 15 s at four a second
-
-[[gnu::format(printf, 1, 2)]] std::string Text(const char* format, ...) {
-  char text[256];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
 
 /// The least of 1, 2, 5, 10, 20, ... times the unit that holds the value.
 double NiceScale(double value, double unit) {
@@ -49,14 +41,14 @@ std::string Ailments(const StationSnapshot& snapshot) {
   }
   if (snapshot.warmth > kHot) {
     words = (snapshot.faults == 0 && !snapshot.fading ? "" : words + ", ") +
-            Text("motors warm (%.0f %%)", 100.0 * snapshot.warmth);
+            fmt::format("motors warm ({:.0f} %)", 100.0 * snapshot.warmth);
   }
   return words;
 }
 
 /// A time in microseconds, "-" where none was measured.
 std::string Micros(double value, const StationSnapshot& snapshot, int decimals) {
-  return snapshot.replies == 0 ? "-" : Text("%.*f", decimals, value);
+  return snapshot.replies == 0 ? "-" : fmt::format("{:.{}f}", value, decimals);
 }
 
 }  // namespace
@@ -85,14 +77,13 @@ std::string Sparkline(const std::vector<double>& values, double scale) {
 
 std::string LiveTable::Line(const StationView& view) {
   const StationSnapshot& s = view.snapshot;
-  std::string line = Text(
-      "%7.1f s  %5.0f Hz  round trip %s/%s us  step %s us  contacts %u  %6.2f N  %6.3f N m  late "
-      "%llu  lost %llu  %s",
-      view.seconds, s.rate_hz, Micros(s.round_trip_us_p50, s, 0).c_str(),
-      Micros(s.round_trip_us_p99, s, 0).c_str(), Micros(s.server_step_us_p50, s, 1).c_str(),
-      s.contacts, s.force_N, s.torque_Nm, static_cast<unsigned long long>(s.late),
-      static_cast<unsigned long long>(s.lost), Printable(view.phase).c_str());
-  if (*s.activity) line += Text("  %s", s.activity);
+  std::string line = fmt::format(
+      "{:7.1f} s  {:5.0f} Hz  round trip {}/{} us  step {} us  contacts {}  {:6.2f} N  "
+      "{:6.3f} N m  late {}  lost {}  {}",
+      view.seconds, s.rate_hz, Micros(s.round_trip_us_p50, s, 0), Micros(s.round_trip_us_p99, s, 0),
+      Micros(s.server_step_us_p50, s, 1), s.contacts, s.force_N, s.torque_Nm, s.late, s.lost,
+      Printable(view.phase));
+  if (*s.activity) line += fmt::format("  {}", s.activity);
   if (!IsWell(s)) line += "  " + Ailments(s);
   return line;
 }
@@ -105,28 +96,27 @@ std::vector<std::string> LiveTable::Lines(const StationView& view) {
   if (history_.size() > kHistoryCells) history_.erase(history_.begin());
 
   const auto label = [this](const char* name) {
-    return "  " + Painted(kDim, Text("%-12s ", name));
+    return "  " + Painted(kDim, fmt::format("{:12} ", name));
   };
   const auto bar = [this](double value, double scale) {
     return Painted(kCyan, Bar(value, scale, kBarCells));
   };
-  const auto count = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
   const bool well = view.phase == "active" && !s.fading;
   return {
-      label("time") + Text("%7.1f s     session  ", view.seconds) +
-          Painted(well ? kGreen : kYellow, Text("%-14s", Printable(view.phase).c_str())) +
-          Text("  hand  %s", *s.activity ? s.activity : "-"),
-      label("rate") + Text("%7.0f Hz    late %llu   lost %llu   fades %llu   braked %llu",
-                           s.rate_hz, count(s.late), count(s.lost), count(s.fades),
-                           count(s.limiter.braked)),
-      label("round trip") + Text("%7s µs    p99 %s µs", Micros(s.round_trip_us_p50, s, 0).c_str(),
-                                 Micros(s.round_trip_us_p99, s, 0).c_str()),
-      label("server step") + Text("%7s µs", Micros(s.server_step_us_p50, s, 1).c_str()),
-      label("contacts") + (s.replies == 0 ? Text("%7s", "-") : Text("%7u", s.contacts)),
-      label("force") + Text("%7.2f N      ", s.force_N) + bar(s.force_N, force_scale_N_) +
-          Text(" %g N", force_scale_N_),
-      label("torque") + Text("%7.3f N m    ", s.torque_Nm) + bar(s.torque_Nm, torque_scale_Nm_) +
-          Text(" %g N m", torque_scale_Nm_),
+      label("time") + fmt::format("{:7.1f} s     session  ", view.seconds) +
+          Painted(well ? kGreen : kYellow, fmt::format("{:14}", Printable(view.phase))) +
+          fmt::format("  hand  {}", *s.activity ? s.activity : "-"),
+      label("rate") + fmt::format("{:7.0f} Hz    late {}   lost {}   fades {}   braked {}",
+                                  s.rate_hz, s.late, s.lost, s.fades, s.limiter.braked),
+      label("round trip") + fmt::format("{:>7} µs    p99 {} µs", Micros(s.round_trip_us_p50, s, 0),
+                                        Micros(s.round_trip_us_p99, s, 0)),
+      label("server step") + fmt::format("{:>7} µs", Micros(s.server_step_us_p50, s, 1)),
+      label("contacts") +
+          (s.replies == 0 ? fmt::format("{:>7}", "-") : fmt::format("{:7}", s.contacts)),
+      label("force") + fmt::format("{:7.2f} N      ", s.force_N) + bar(s.force_N, force_scale_N_) +
+          fmt::format(" {:g} N", force_scale_N_),
+      label("torque") + fmt::format("{:7.3f} N m    ", s.torque_Nm) +
+          bar(s.torque_Nm, torque_scale_Nm_) + fmt::format(" {:g} N m", torque_scale_Nm_),
       label("last 15 s") + Painted(kCyan, Sparkline(history_, force_scale_N_)),
       label("faults") + Painted(IsWell(s) ? kGreen : kRed, Ailments(s))};
 }
@@ -143,7 +133,7 @@ void LiveTable::Show(const StationView& view) {
     return;
   }
   // Written over the former table, line by line, so that nothing flickers.
-  std::string text = drawn_ > 0 ? Text("\x1b[%zuA", drawn_) : "";
+  std::string text = drawn_ > 0 ? fmt::format("\x1b[{}A", drawn_) : "";
   const std::vector<std::string> lines = Lines(view);
   for (const std::string& line : lines) text += "\r" + line + "\x1b[K\n";
   drawn_ = lines.size();
@@ -153,7 +143,7 @@ void LiveTable::Show(const StationView& view) {
 
 void LiveTable::Erase() {
   if (drawn_ == 0) return;
-  std::fputs(Text("\x1b[%zuA\r\x1b[J", drawn_).c_str(), out_);
+  std::fputs(fmt::format("\x1b[{}A\r\x1b[J", drawn_).c_str(), out_);
   std::fflush(out_);
   drawn_ = 0;
 }

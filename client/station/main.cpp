@@ -1,9 +1,9 @@
 #include "client/station/options.h"
 #include "client/station/station.h"
-#include "common/command_line.h"
-#include "common/log.h"
-#include "common/private_file.h"
-#include "common/stop_signal.h"
+#include "common/files/private_file.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
+#include "common/program/stop_signal.h"
 
 int main(int argc, char** argv) {
   return palpate::RunProgram("palpate-station", [&] {

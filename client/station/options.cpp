@@ -3,9 +3,9 @@
 #include <CLI/CLI.hpp>
 
 #include "client/station/guide.h"
-#include "common/command_line.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "common/program/command_line.h"
 #include "devices/device_factory.h"
 
 namespace palpate {

@@ -10,7 +10,7 @@
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

@@ -9,7 +9,7 @@
 #include "common/dds/participant.h"
 #include "common/json/pose_script.h"
 #include "common/math/pose.h"
-#include "common/stop_signal.h"
+#include "common/program/stop_signal.h"
 
 namespace palpate {
 

@@ -5,7 +5,7 @@
 
 #include <time.h>
 
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "client/station/served_tools.h"
+#include "common/dds/random_run.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/random_run.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

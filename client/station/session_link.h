@@ -13,7 +13,7 @@
 #include "common/dds/endpoint.h"
 #include "common/dds/leave_seal.h"
 #include "common/dds/participant.h"
-#include "common/realtime/realtime.h"
+#include "common/program/realtime.h"
 
 namespace palpate {
 

@@ -22,7 +22,7 @@
 #include "client/station/trace.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "devices/device_factory.h"
 
 namespace palpate {

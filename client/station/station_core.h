@@ -9,7 +9,7 @@
 #include "client/station/pose_lead.h"
 #include "client/station/reply.h"
 #include "common/math/pose.h"
-#include "common/stats/histogram.h"
+#include "common/realtime/histogram.h"
 #include "devices/device.h"
 #include "devices/wrench_limiter.h"
 

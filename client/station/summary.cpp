@@ -1,25 +1,14 @@
 #include "client/station/summary.h"
 
-#include <cstdarg>
-#include <cstdio>
-
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/output.h"
-#include "common/quoted.h"
+#include "common/files/output.h"
 #include "common/step_fault.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {
-
-[[gnu::format(printf, 1, 2)]] std::string Text(const char* format, ...) {
-  char text[256];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
 
 double Microseconds(std::uint64_t ns) {
   return 1e-3 * static_cast<double>(ns);
@@ -35,9 +24,9 @@ double Rate(const StationSummary& s) {
 
 std::string Percentiles(const Histogram& histogram) {
   if (histogram.count() == 0) return "-";
-  return Text("p50 %.1f   p99 %.1f   p99.9 %.1f   max %.1f us",
-              Microseconds(histogram.Quantile(0.5)), Microseconds(histogram.Quantile(0.99)),
-              Microseconds(histogram.Quantile(0.999)), Microseconds(histogram.max()));
+  return fmt::format("p50 {:.1f}   p99 {:.1f}   p99.9 {:.1f}   max {:.1f} us",
+                     Microseconds(histogram.Quantile(0.5)), Microseconds(histogram.Quantile(0.99)),
+                     Microseconds(histogram.Quantile(0.999)), Microseconds(histogram.max()));
 }
 
 nlohmann::json JsonPercentiles(const Histogram& histogram) {
@@ -47,40 +36,36 @@ nlohmann::json JsonPercentiles(const Histogram& histogram) {
           {"max", Microseconds(histogram.max())}};
 }
 
-unsigned long long Number(std::uint64_t n) {
-  return n;
-}
-
 }  // namespace
 
 std::string ToText(const StationSummary& s) {
   const StationTotals& t = s.totals;
   std::string text =
-      Text("%.1f s as '%s', %s\n", s.seconds, s.station.c_str(), Printable(s.device).c_str());
-  text += Text("  scene        %s, tool %s, over %s\n", Printable(s.scene).c_str(),
-               s.tool.empty() ? "-" : Printable(s.tool).c_str(), Printable(s.transport).c_str());
-  text += Text("  rate         %.1f Hz, %llu poses sent, %llu ticks missed\n", Rate(s),
-               Number(t.sent), Number(s.missed_ticks));
+      fmt::format("{:.1f} s as '{}', {}\n", s.seconds, s.station, Printable(s.device));
+  text += fmt::format("  scene        {}, tool {}, over {}\n", Printable(s.scene),
+                      s.tool.empty() ? "-" : Printable(s.tool), Printable(s.transport));
+  text += fmt::format("  rate         {:.1f} Hz, {} poses sent, {} ticks missed\n", Rate(s), t.sent,
+                      s.missed_ticks);
   text += "  round trip   " + Percentiles(t.round_trip) + "\n";
   text += "  server step  " + Percentiles(t.server_step) + "\n";
-  text += Text("  late         %llu (%.2f %% over 1 ms), lost %llu\n", Number(t.late),
-               100.0 * Fraction(t.late, t.replies), Number(s.lost));
-  text += Text("  force        at most %.2f N, torque at most %.3f N m\n", t.max_force_N,
-               t.max_torque_Nm);
-  text += Text("  contacts     at most %u, %.0f %% of the time in contact\n", t.max_contacts,
-               100.0 * Fraction(t.contact_replies, t.replies));
-  text += Text(
-      "  local model  %.0f %% of the ticks by rows, %.1f %% of these beyond their region\n",
+  text += fmt::format("  late         {} ({:.2f} % over 1 ms), lost {}\n", t.late,
+                      100.0 * Fraction(t.late, t.replies), s.lost);
+  text += fmt::format("  force        at most {:.2f} N, torque at most {:.3f} N m\n", t.max_force_N,
+                      t.max_torque_Nm);
+  text += fmt::format("  contacts     at most {}, {:.0f} % of the time in contact\n",
+                      t.max_contacts, 100.0 * Fraction(t.contact_replies, t.replies));
+  text += fmt::format(
+      "  local model  {:.0f} % of the ticks by rows, {:.1f} % of these beyond their region\n",
       100.0 * Fraction(t.evaluations, t.ticks), 100.0 * Fraction(t.beyond_region, t.evaluations));
   text += "  faults       " + FaultMeanings(t.faults) + "\n";
-  text += Text(
-      "  limiter      %llu fades, %llu clamped, %llu slewed, %llu braked, %llu warm, "
-      "%llu not finite; %d reconnects\n",
-      Number(s.limiter.fades), Number(s.limiter.clamped), Number(s.limiter.slewed),
-      Number(s.limiter.braked), Number(s.limiter.warm), Number(s.limiter.nonfinite), s.reconnects);
-  text +=
-      Text("  energy       %.1f mJ put in by the hand, at the lowest %.3f; motors %.0f %% warm\n",
-           1e3 * s.energy_J, 1e3 * s.energy_J_min, 100.0 * s.warmth);
+  text += fmt::format(
+      "  limiter      {} fades, {} clamped, {} slewed, {} braked, {} warm, "
+      "{} not finite; {} reconnects\n",
+      s.limiter.fades, s.limiter.clamped, s.limiter.slewed, s.limiter.braked, s.limiter.warm,
+      s.limiter.nonfinite, s.reconnects);
+  text += fmt::format(
+      "  energy       {:.1f} mJ put in by the hand, at the lowest {:.3f}; motors {:.0f} % warm\n",
+      1e3 * s.energy_J, 1e3 * s.energy_J_min, 100.0 * s.warmth);
   return text;
 }
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/lower_case.h"
+#include "common/text/lower_case.h"
 
 namespace palpate {
 

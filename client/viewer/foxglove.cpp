@@ -9,7 +9,7 @@
 
 #include "client/viewer/json_text.h"
 #include "client/viewer/viewer_limits.h"
-#include "common/quoted.h"
+#include "common/text/quoted.h"
 
 namespace palpate::foxglove {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "common/host_name.h"
-#include "common/lower_case.h"
-#include "common/quoted.h"
+#include "common/http/host_name.h"
+#include "common/text/lower_case.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

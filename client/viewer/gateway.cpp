@@ -24,8 +24,8 @@
 #include "client/viewer/hub.h"
 #include "client/viewer/tls.h"
 #include "common/error.h"
-#include "common/lobby.h"
-#include "common/time/steady_clock.h"
+#include "common/http/lobby.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

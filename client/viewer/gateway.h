@@ -1,7 +1,7 @@
 #pragma once
 
 #include "client/viewer/options.h"
-#include "common/stop_signal.h"
+#include "common/program/stop_signal.h"
 
 namespace palpate {
 

@@ -10,7 +10,7 @@
 #include "client/viewer/foxglove.h"
 #include "client/viewer/viewer_session.h"
 #include "common/metrics/metrics_page.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

@@ -10,7 +10,7 @@
 #include "client/viewer/hub.h"
 #include "client/viewer/visitor.h"
 #include "client/viewer/web_stream.h"
-#include "common/lobby.h"
+#include "common/http/lobby.h"
 
 namespace palpate {
 

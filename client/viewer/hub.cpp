@@ -12,11 +12,11 @@
 
 #include "client/viewer/json_text.h"
 #include "client/viewer/viewer_session.h"
+#include "common/dds/random_run.h"
 #include "common/error.h"
+#include "common/files/project_files.h"
 #include "common/metrics/metrics_page.h"
-#include "common/project_files.h"
-#include "common/random_run.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

@@ -5,9 +5,9 @@
 #include "client/viewer/gateway.h"
 #include "client/viewer/options.h"
 #include "client/viewer/tokens.h"
-#include "common/command_line.h"
-#include "common/log.h"
-#include "common/stop_signal.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
+#include "common/program/stop_signal.h"
 
 int main(int argc, char** argv) {
   return palpate::RunProgram("palpate-viewer", [&] {

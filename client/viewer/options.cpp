@@ -5,10 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <boost/asio/ip/address.hpp>
 
-#include "common/command_line.h"
 #include "common/dds/participant.h"
 #include "common/error.h"
-#include "common/project_files.h"
+#include "common/files/project_files.h"
+#include "common/http/host_name.h"
+#include "common/program/command_line.h"
 
 namespace palpate {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "common/rate_limit.h"
+#include "common/realtime/rate_limit.h"
 
 namespace palpate {
 

@@ -6,8 +6,8 @@
 #include <openssl/ssl.h>
 
 #include "common/error.h"
-#include "common/private_file.h"
-#include "common/whole_file.h"
+#include "common/files/private_file.h"
+#include "common/files/whole_file.h"
 
 namespace palpate {
 namespace {

@@ -15,9 +15,9 @@
 #include <unistd.h>
 
 #include "common/error.h"
-#include "common/private_file.h"
-#include "common/quoted.h"
-#include "common/whole_file.h"
+#include "common/files/private_file.h"
+#include "common/files/whole_file.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

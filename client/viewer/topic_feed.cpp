@@ -6,12 +6,12 @@
 #include <spdlog/spdlog.h>
 
 #include "client/viewer/replay_messages.h"
-#include "common/bundle_hash.h"
+#include "common/dds/random_run.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/random_run.h"
+#include "common/files/bundle_hash.h"
+#include "common/realtime/steady_clock.h"
 #include "common/recording/recorded_type.h"
-#include "common/time/steady_clock.h"
 
 namespace palpate {
 namespace {

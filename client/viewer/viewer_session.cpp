@@ -9,8 +9,8 @@
 #include <boost/asio/post.hpp>
 #include <spdlog/spdlog.h>
 
-#include "common/quoted.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

@@ -19,7 +19,7 @@
 #include "client/viewer/viewer_limits.h"
 #include "client/viewer/visitor.h"
 #include "client/viewer/web_stream.h"
-#include "common/rate_limit.h"
+#include "common/realtime/rate_limit.h"
 #include "common/realtime/token_bucket.h"
 
 namespace palpate {

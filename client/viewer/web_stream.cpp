@@ -12,8 +12,8 @@
 #include <boost/beast/websocket/ssl.hpp>
 #include <boost/beast/websocket/teardown.hpp>
 
+#include "common/realtime/steady_clock.h"
 #include "common/realtime/token_bucket.h"
-#include "common/time/steady_clock.h"
 
 namespace palpate {
 

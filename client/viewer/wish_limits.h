@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "common/rate_limit.h"
+#include "common/realtime/rate_limit.h"
 
 namespace palpate {
 

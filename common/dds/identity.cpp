@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -16,12 +17,14 @@
 #include <openssl/pkcs7.h>
 #include <openssl/x509.h>
 #include <openssl/x509v3.h>
+#include <spdlog/fmt/chrono.h>
+#include <spdlog/fmt/fmt.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "common/error.h"
-#include "common/quoted.h"
-#include "common/whole_file.h"
+#include "common/files/whole_file.h"
+#include "common/text/quoted.h"
 
 namespace palpate::dds {
 namespace {
@@ -88,16 +91,8 @@ Key ReadKey(const fs::path& file) {
   return key;
 }
 
-std::string Utc(const std::tm& time) {
-  char text[40];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S UTC", &time);
-  return text;
-}
-
 std::string Utc(std::time_t time) {
-  std::tm parts{};
-  gmtime_r(&time, &parts);
-  return Utc(parts);
+  return fmt::format("{:%F %T} UTC", fmt::gmtime(time));
 }
 
 /// When something begins and ends to hold [s since 1970].

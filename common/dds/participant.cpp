@@ -27,7 +27,7 @@
 #include "common/dds/shared_memory_watch.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/project_files.h"
+#include "common/files/project_files.h"
 
 namespace palpate::dds {
 namespace {

@@ -46,7 +46,7 @@ TransportChoice ChooseTransport(Transport wanted, const Network& network = {});
 class Participant {
  public:
   /// The threads that receive samples are made here and inherit the caller's scheduling class,
-  /// priority and CPU affinity (common/realtime): they are the servo loop.
+  /// priority and CPU affinity (common/program/realtime.h): they are the servo loop.
   /// Throws Error where the domain cannot be made, or is open in this process with another
   /// transport.
   static Participant Loop(int domain, const TransportChoice& choice, const Network& network = {});

@@ -13,7 +13,7 @@
 
 #include "common/dds/identity.h"
 #include "common/error.h"
-#include "common/quoted.h"
+#include "common/text/quoted.h"
 
 namespace palpate::dds {
 namespace {

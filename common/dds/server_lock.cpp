@@ -13,8 +13,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "common/dds/socket_owner.h"
 #include "common/error.h"
-#include "common/socket_owner.h"
 
 namespace palpate {
 namespace {

@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cinttypes>
-#include <cstdio>
 #include <string_view>
+
+#include "common/text/hex16.h"
 
 namespace palpate::dds {
 namespace {
 
 std::string LoopTopic(const std::string& station, std::uint64_t run, const char* what) {
-  char hex[17];
-  std::snprintf(hex, sizeof hex, "%016" PRIx64, run);
-  return "palpate/" + station + "/" + hex + "/" + what;
+  return "palpate/" + station + "/" + Hex16(run) + "/" + what;
 }
 
 }  // namespace

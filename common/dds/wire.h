@@ -29,7 +29,6 @@ using OperateWish = palpate_OperateWish;
 using WholeRequest = palpate_WholeRequest;
 using SceneWhole = palpate_SceneWhole;
 using ToolState = palpate_ToolState;
-using ContactPoint = palpate_ContactPoint;
 using GuideTarget = palpate_GuideTarget;
 using LoopStatistics = palpate_LoopStatistics;
 using StationStatistics = palpate_StationStatistics;
@@ -154,9 +153,6 @@ inline void FromPose(const Pose& X, double (&p)[3], double (&wxyz)[4]) noexcept 
 }
 inline Pose ToPose(const HapticPose& s) noexcept {
   return ToPose(s.position_m, s.orientation_wxyz);
-}
-inline Twist ToTwist(const HapticPose& s) noexcept {
-  return {ToVec3(s.linear_velocity_m_s), ToVec3(s.angular_velocity_rad_s)};
 }
 inline palpate::Wrench ToWrench(const Wrench& s) noexcept {
   return {ToVec3(s.force_N), ToVec3(s.torque_Nm)};

@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.h"
+#include "common/files/whole_file.h"
 #include "common/math/rotation.h"
-#include "common/nearest_word.h"
-#include "common/whole_file.h"
+#include "common/text/nearest_word.h"
 
 namespace palpate {
 

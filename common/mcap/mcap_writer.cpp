@@ -12,7 +12,7 @@
 #include <zstd.h>
 
 #include "common/error.h"
-#include "common/quoted.h"
+#include "common/text/quoted.h"
 
 namespace palpate::mcap {
 namespace {

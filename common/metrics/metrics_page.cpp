@@ -6,7 +6,7 @@
 #include <prometheus/text_serializer.h>
 #include <unistd.h>
 
-#include "common/quoted.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 

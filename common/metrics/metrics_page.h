@@ -21,7 +21,6 @@ class MetricsPage {
   void Add(const Metric& metric, std::uint64_t value, const Labels& labels = {}) {
     Add(metric, static_cast<double>(value), labels);
   }
-  const std::vector<prometheus::MetricFamily>& families() const { return families_; }
   /// In Prometheus's text format.
   std::string ToText() const;
 

@@ -18,11 +18,11 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.h"
-#include "common/host_name.h"
-#include "common/lobby.h"
-#include "common/quoted.h"
-#include "common/rate_limit.h"
-#include "common/time/steady_clock.h"
+#include "common/http/host_name.h"
+#include "common/http/lobby.h"
+#include "common/realtime/rate_limit.h"
+#include "common/realtime/steady_clock.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

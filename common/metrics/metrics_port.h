@@ -20,8 +20,8 @@ struct MetricsEndpoint {
 MetricsEndpoint ParseMetricsEndpoint(const std::string& text);
 
 /// Gives metrics to who asks over HTTP.  Nobody who asks is believed or waited for: a request names
-/// a Host that is this one's (common/host_name.h), has no more than 8 kB and 5 s, is answered once
-/// and its connection closed; of 32 connections, half of them at most of one address from
+/// a Host that is this one's (common/http/host_name.h), has no more than 8 kB and 5 s, is answered
+/// once and its connection closed; of 32 connections, half of them at most of one address from
 /// elsewhere, the one that has waited longest makes room for a newcomer.
 /// It has one thread, which is started here and so should not be in a servo loop's; nothing that it
 /// does meets one.

@@ -5,7 +5,6 @@ namespace palpate {
 // The files of idl/ as text, put here by the build.
 extern const char* const kHapticsIdl;
 extern const char* const kOfferIdl;
-extern const char* const kReplayIdl;
 extern const char* const kSessionIdl;
 extern const char* const kTeachingIdl;
 

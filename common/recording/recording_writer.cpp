@@ -1,7 +1,5 @@
 #include "common/recording/recording_writer.h"
 
-#include <cinttypes>
-#include <cstdio>
 #include <filesystem>
 #include <utility>
 
@@ -11,17 +9,9 @@
 #include "common/dds/cdr_reader.h"
 #include "common/error.h"
 #include "common/recording/split_name.h"
+#include "common/text/hex16.h"
 
 namespace palpate {
-namespace {
-
-std::string Hex(std::uint64_t value) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016" PRIx64, value);
-  return text;
-}
-
-}  // namespace
 
 RecordingWriter::RecordingWriter(RecordingOptions options) : options_(std::move(options)) {
   if (splits()) {
@@ -179,9 +169,7 @@ std::uint64_t RecordingWriter::Look(const std::string& name, Topic& topic,
       if (std::exchange(changes_run_, change.server_run) != change.server_run) {
         kept_changes_.clear();
       }
-      char number[24];
-      std::snprintf(number, sizeof number, "/%016" PRIx64, std::uint64_t{change.change});
-      keep(kept_changes_, std::string("/") + change.scene + number);
+      keep(kept_changes_, std::string("/") + change.scene + "/" + Hex16(change.change));
       return count;
     }
     case RecordedType::kSceneWhole: {
@@ -201,7 +189,7 @@ void RecordingWriter::KeepScene(const std::string& name, std::span<const std::ui
   wire::SceneBundle bundle{};
   if (dds::FromCdr(cdr, bundle)) {
     mcap::StringMap scene{{"scene", bundle.scene},
-                          {"hash", Hex(bundle.hash)},
+                          {"hash", Hex16(bundle.hash)},
                           {"bytes", std::to_string(bundle.bundle._length)}};
     if (options_.bundles) {
       kept_[name + "/" + bundle.scene] = {name, {cdr.begin(), cdr.end()}};

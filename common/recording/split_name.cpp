@@ -8,7 +8,7 @@
 
 #include "common/error.h"
 #include "common/mcap/mcap_reader.h"
-#include "common/quoted.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

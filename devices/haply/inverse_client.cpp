@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "devices/haply/timed_socket.h"
 
 namespace palpate::haply {

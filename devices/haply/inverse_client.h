@@ -6,8 +6,8 @@
 #include <string>
 #include <thread>
 
+#include "common/program/realtime.h"
 #include "common/realtime/latest_mailbox.h"
-#include "common/realtime/realtime.h"
 #include "devices/haply/inverse_message.h"
 
 namespace palpate::haply {

@@ -11,7 +11,7 @@
 #include <pthread.h>
 
 #include "common/error.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "devices/nearest_rotation.h"
 #include "devices/openhaptics/device_nodes.h"
 #include "devices/wrench_limiter.h"

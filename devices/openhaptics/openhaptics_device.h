@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "common/program/realtime.h"
 #include "common/realtime/latest_mailbox.h"
-#include "common/realtime/realtime.h"
 #include "devices/device.h"
 #include "devices/openhaptics/hd_library.h"
 #include "devices/openhaptics/output_gate.h"
@@ -147,7 +147,6 @@ class OpenHapticsDevice final : public Device {
   std::uint64_t next_look_ticks_ = 0;
   hd::Enum calibration_asked_ = 0;  // what the user was told to do about
   bool calibrated_ = false;
-  bool calibrate_now_ = false;
   std::uint32_t presses_used_ = 0;
   std::array<std::uint64_t, 5> errors_told_{};
   std::array<std::uint64_t, 5> told_at_ticks_{};

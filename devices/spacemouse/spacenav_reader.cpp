@@ -24,7 +24,7 @@
 #include <spnav.h>
 
 #include "common/error.h"
-#include "common/whole_file.h"
+#include "common/files/whole_file.h"
 
 namespace palpate {
 namespace {

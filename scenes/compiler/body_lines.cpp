@@ -6,7 +6,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
-#include "common/nearest_word.h"
+#include "common/text/nearest_word.h"
 #include "scenes/tree/tree_mode.h"
 
 namespace palpate {

@@ -11,7 +11,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
-#include "common/output.h"
+#include "common/files/output.h"
 #include "scenes/compiler/body_lines.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/tree/tree_error.h"

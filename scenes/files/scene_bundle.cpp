@@ -16,7 +16,7 @@
 #include <xxhash.h>
 
 #include "common/error.h"
-#include "common/quoted.h"
+#include "common/text/quoted.h"
 #include "idl/scene_generated.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/files/scene_size.h"

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/bundle_hash.h"
+#include "common/files/bundle_hash.h"
 #include "scenes/scene.h"
 
 namespace palpate {

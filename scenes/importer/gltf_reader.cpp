@@ -12,8 +12,8 @@
 #include <Eigen/Geometry>
 
 #include "common/error.h"
+#include "common/files/whole_file.h"
 #include "common/json/json_file.h"
-#include "common/whole_file.h"
 #include "scenes/importer/mesh_text.h"
 #include "scenes/importer/readers.h"
 #include "scenes/mesh/mesh_format.h"

@@ -15,9 +15,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "common/command_line.h"
 #include "common/error.h"
-#include "common/log.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
 #include "scenes/importer/mesh_reader.h"
 #include "scenes/mesh/mesh_import_limits.h"
 

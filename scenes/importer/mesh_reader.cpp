@@ -16,7 +16,7 @@
 #include <zlib.h>
 
 #include "common/error.h"
-#include "common/whole_file.h"
+#include "common/files/whole_file.h"
 #include "scenes/importer/readers.h"
 #include "scenes/mesh/mesh_format.h"
 

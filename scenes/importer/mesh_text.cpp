@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "common/error.h"
-#include "common/quoted.h"
+#include "common/text/quoted.h"
 
 namespace palpate {
 namespace {

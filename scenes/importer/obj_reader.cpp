@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/lower_case.h"
-#include "common/quoted.h"
+#include "common/text/lower_case.h"
+#include "common/text/quoted.h"
 #include "scenes/importer/mesh_text.h"
 #include "scenes/importer/polygons.h"
 #include "scenes/importer/readers.h"

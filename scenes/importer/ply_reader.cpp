@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/error.h"
-#include "common/quoted.h"
+#include "common/text/quoted.h"
 #include "scenes/importer/mesh_text.h"
 #include "scenes/importer/polygons.h"
 #include "scenes/importer/readers.h"

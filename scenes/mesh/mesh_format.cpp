@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "common/error.h"
-#include "common/lower_case.h"
+#include "common/text/lower_case.h"
 
 namespace palpate {
 

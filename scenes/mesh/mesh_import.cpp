@@ -21,9 +21,9 @@ extern "C" {
 }
 
 #include "common/error.h"
+#include "common/files/project_files.h"
+#include "common/files/whole_file.h"
 #include "common/json/json_file.h"
-#include "common/project_files.h"
-#include "common/whole_file.h"
 #include "scenes/mesh/mesh_import_limits.h"
 #include "scenes/mesh/mesh_references.h"
 #include "scenes/mesh/mesh_report.h"

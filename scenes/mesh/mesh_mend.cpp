@@ -1,6 +1,6 @@
 #include "scenes/mesh/mesh_mend.h"
 
-#include "common/figure.h"
+#include "scenes/mesh/figure.h"
 #include "scenes/mesh/mesh_crumbs.h"
 #include "scenes/mesh/mesh_orient.h"
 #include "scenes/mesh/mesh_weld.h"

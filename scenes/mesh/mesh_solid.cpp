@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "common/figure.h"
+#include "scenes/mesh/figure.h"
 #include "scenes/mesh/hidden_surface.h"
 #include "scenes/mesh/mesh_edges.h"
 #include "scenes/mesh/mesh_pieces.h"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "common/figure.h"
+#include "scenes/mesh/figure.h"
 
 namespace palpate {
 namespace {

@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "common/error.h"
+#include "common/files/project_files.h"
 #include "common/json/json_file.h"
-#include "common/nearest_word.h"
-#include "common/project_files.h"
+#include "common/text/nearest_word.h"
 
 namespace palpate {
 namespace {

@@ -8,7 +8,7 @@ namespace palpate {
 /// Finds the mesh file of a well-known model, "bunny", "dragon" or "buddha", in these folders, in
 /// this order:
 ///   `models_dir` (--models), $PALPATE_MODELS, $PALPATE_MODELS_NPM,
-///   models/node_modules of what comes with the programs (common/project_files.h),
+///   models/node_modules of what comes with the programs (common/files/project_files.h),
 ///   build/models/node_modules of the working folder,
 ///   /usr/share/glmark2/models.
 /// Throws Error with the places and how to get the model.

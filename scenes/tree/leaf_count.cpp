@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "common/figure.h"
+#include "scenes/mesh/figure.h"
 
 namespace palpate {
 namespace {

@@ -11,7 +11,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
-#include "common/whole_file.h"
+#include "common/files/whole_file.h"
 #include "scenes/tree/tree_error.h"
 
 namespace palpate {

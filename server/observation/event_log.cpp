@@ -10,8 +10,9 @@
 
 #include "common/dds/phase_name.h"
 #include "common/error.h"
-#include "common/log.h"
+#include "common/program/log.h"
 #include "common/step_fault.h"
+#include "common/text/hex16.h"
 
 namespace palpate {
 namespace {
@@ -61,9 +62,10 @@ void EventLog::OnSession(const wire::SessionState& state, std::int64_t now_ns) {
     const bool only_muted = !is_new && before.run == now.run && before.phase == now.phase;
     if (only_muted) event = now.muted ? "muted" : "unmuted";
   }
-  char run[17];
-  std::snprintf(run, sizeof run, "%016llx", static_cast<unsigned long long>(state.run));
-  Fields fields{{"station", station}, {"run", run}, {"scene", state.scene}, {"tool", state.tool}};
+  Fields fields{{"station", station},
+                {"run", Hex16(state.run)},
+                {"scene", state.scene},
+                {"tool", state.tool}};
   if (state.reason[0] != '\0') fields.emplace_back("reason", state.reason);
   if (state.muted) fields.emplace_back("muted", "yes");
   Tell(event, station, fields, now_ns);

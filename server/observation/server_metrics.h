@@ -8,7 +8,7 @@
 #include "common/dds/participant.h"
 #include "common/dds/wire.h"
 #include "common/metrics/metrics_page.h"
-#include "common/realtime/realtime.h"
+#include "common/program/realtime.h"
 
 namespace palpate {
 

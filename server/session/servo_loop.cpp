@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "common/math/rotation.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {

@@ -8,8 +8,8 @@
 
 #include "common/dds/wire.h"
 #include "common/realtime/append_log.h"
+#include "common/realtime/histogram.h"
 #include "common/realtime/latest_mailbox.h"
-#include "common/stats/histogram.h"
 #include "server/physics/haptic_step.h"
 
 namespace palpate {

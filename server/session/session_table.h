@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "common/dds/request_memory.h"
 #include "common/dds/wire.h"
 #include "common/realtime/token_bucket.h"
-#include "common/request_memory.h"
 #include "server/session/scene_changes.h"
 #include "server/session/session.h"
 

@@ -7,7 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "server/transport/servo_budget.h"
 
 namespace palpate {

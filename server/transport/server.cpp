@@ -10,9 +10,9 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
+#include "common/dds/random_run.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
-#include "common/random_run.h"
 #include "common/step_fault.h"
 #include "scenes/files/scene_bundle.h"
 #include "server/transport/scene_offer.h"

@@ -7,7 +7,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/output.h"
+#include "common/files/output.h"
 #include "scenes/mesh/mesh_query.h"
 #include "server/physics/simd/kernels.h"
 #include "tests/benchmarks/commands.h"

@@ -4,7 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/output.h"
+#include "common/files/output.h"
 #include "devices/simulated/phantom_sheets.h"
 #include "scenes/catalogue.h"
 #include "server/physics/scene_model.h"

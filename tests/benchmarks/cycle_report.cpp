@@ -6,7 +6,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/output.h"
+#include "common/files/output.h"
 #include "server/physics/simd/kernels.h"
 #include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"

@@ -12,8 +12,8 @@
 #include <unistd.h>
 
 #include "common/error.h"
-#include "common/project_files.h"
-#include "common/time/steady_clock.h"
+#include "common/files/project_files.h"
+#include "common/realtime/steady_clock.h"
 #include "devices/simulated/phantom_sheets.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/figures.h"

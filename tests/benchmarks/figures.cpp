@@ -7,7 +7,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
-#include "common/output.h"
+#include "common/files/output.h"
 
 namespace palpate::bench {
 

@@ -9,7 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
-#include "common/output.h"
+#include "common/files/output.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/cycle_report.h"
 #include "tests/benchmarks/features.h"

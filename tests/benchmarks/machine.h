@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/machine.h"
+#include "common/program/machine.h"
 
 namespace palpate::bench {
 

@@ -1,8 +1,8 @@
 #include <CLI/CLI.hpp>
 
-#include "common/command_line.h"
 #include "common/dds/topics.h"
-#include "common/log.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
 #include "tests/benchmarks/commands.h"
 
 namespace palpate::bench {

@@ -10,7 +10,7 @@
 #include <spdlog/fmt/ranges.h>
 
 #include "common/error.h"
-#include "common/stop_signal.h"
+#include "common/program/stop_signal.h"
 #include "scenes/catalogue.h"
 #include "scenes/shapes/shapes.h"
 #include "server/physics/tree/leaf_wear.h"

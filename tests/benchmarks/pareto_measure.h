@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "common/stop_signal.h"
+#include "common/program/stop_signal.h"
 #include "scenes/scene.h"
 #include "tests/benchmarks/pareto_results.h"
 #include "tests/benchmarks/peers/peer.h"

@@ -6,7 +6,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
-#include "common/stop_signal.h"
+#include "common/program/stop_signal.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/features.h"
 #include "tests/benchmarks/figures.h"

@@ -8,7 +8,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
-#include "common/output.h"
+#include "common/files/output.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/mesh/mesh_import.h"
 #include "scenes/mesh/mesh_mend.h"

@@ -6,9 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 
-#include "common/command_line.h"
 #include "common/error.h"
-#include "common/log.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
 #include "tests/faults/faults.h"
 
 namespace palpate::faults {

@@ -28,14 +28,20 @@ const std::vector<Rule> kRules = {
     {"common", {"common"}, {"common/dds"}, {"Eigen", "spdlog"}},
     // What all programs' command lines share; of DDS the range of domains and where to look, but
     // not its library.
-    {"common/command_line.h", {"common/realtime/realtime.h", "common/dds/network.h"}, {}, {}},
-    {"common/command_line.cpp",
-     {"common/command_line.h", "common/dds/topics.h", "common/error.h", "common/host_name.h",
-      "common/log.h", "common/lower_case.h", "common/nearest_word.h"},
+    {"common/program/command_line.h",
+     {"common/program/realtime.h", "common/dds/network.h"},
+     {},
+     {}},
+    {"common/program/command_line.cpp",
+     {"common/program/command_line.h", "common/dds/topics.h", "common/error.h",
+      "common/program/log.h", "common/text/lower_case.h", "common/text/nearest_word.h"},
      {},
      {"CLI11"}},
     // What a scene's name and its content have in common, for whoever takes one in.
-    {"common/bundle_hash.cpp", {"common/bundle_hash.h", "common/error.h"}, {}, {"xxHash"}},
+    {"common/files/bundle_hash.cpp",
+     {"common/files/bundle_hash.h", "common/error.h"},
+     {},
+     {"xxHash"}},
     // The one place that knows Cyclone DDS: everybody else sees typed readers and writers.
     {"common/dds", {"common", "idl"}, {}, {"Eigen", "spdlog", "Cyclone DDS", "OpenSSL"}},
     // Files alone: who wants them need not know DDS.
@@ -45,7 +51,8 @@ const std::vector<Rule> kRules = {
     // The one place that names metrics, and that gives them to Prometheus: in its text format, by
     // Boost's HTTP server.
     {"common/metrics", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "Prometheus", "Boost"}},
-    {"common/boost_source.cpp", {}, {}, {"Boost"}},
+    {"common/http/boost_source.cpp", {}, {}, {"Boost"}},
+    {"common/http/host_name.cpp", {"common/http/host_name.h", "common/text"}, {}, {"CLI11"}},
     // What people write, for scenes and devices alike.
     {"common/json", {"common"}, {"common/dds"}, {"Eigen", "spdlog", "nlohmann-json"}},
     {"scenes",
@@ -145,8 +152,18 @@ struct Floors {
 // in a folder of their own, not split among the floors that they serve: they are one table,
 // compiled once for each instruction set.  The model stands above tree and surface because it owns
 // both, and below rows because every stage reads it. scenes: meshes are read or generated, trees
-// built over them, and the compiler joins them as a scene's file says.
+// built over them, and the compiler joins them as a scene's file says.  common: what anybody may
+// use at the bottom, what knows the most (recordings, a whole program) on top.
 const std::vector<Floors> kFloors = {
+    {"common",
+     {
+         {"common/error", "common/step_fault", "common/coupling_fault", "common/text",
+          "common/math", "common/qp", "common/realtime"},
+         {"common/files", "common/http", "common/mcap"},
+         {"common/dds", "common/json", "common/metrics"},
+         {"common/program", "common/recording"},
+     },
+     false},
     {"server/physics",
      {
          {"server/physics/limits"},

@@ -16,11 +16,14 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 // A small project that has what the includes below name.
 std::vector<std::string> Check(const std::string& path, const std::string& text) {
   static const std::set<std::string> kFiles = {"common/math/pose.h",
                                                "common/dds/endpoint.h",
+                                               "common/files/whole_file.h",
+                                               "common/recording/recorded_type.h",
                                                "client/load/load.h",
                                                "client/station/table.h",
                                                "idl/haptics.idl",
@@ -98,6 +101,20 @@ TEST(IncludeRules, LetScenesLookDownFromCompilerToMesh) {
           << from_below[from] << " includes " << from_below[to];
     }
   }
+}
+
+TEST(IncludeRules, LetCommonLookDownFromRecordingsToMathematics) {
+  const std::vector<std::string> from_below = {"common/math/pose.h", "common/files/whole_file.h",
+                                               "common/dds/endpoint.h",
+                                               "common/recording/recorded_type.h"};
+  for (std::size_t from = 0; from < from_below.size(); ++from) {
+    for (std::size_t to = from + 1; to < from_below.size(); ++to) {
+      EXPECT_THAT(Check(from_below[from], "#include \"" + from_below[to] + "\"\n"), Not(IsEmpty()))
+          << from_below[from] << " includes " << from_below[to];
+    }
+  }
+  EXPECT_THAT(Check("common/recording/a.cpp", "#include \"common/dds/endpoint.h\"\n"), IsEmpty());
+  EXPECT_THAT(Check("common/loose.h", ""), ElementsAre(HasSubstr("on no floor")));
 }
 
 TEST(IncludeRules, AskForTheFloorOfWhatIsNewInPhysics) {

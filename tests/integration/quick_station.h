@@ -8,7 +8,7 @@
 #include "common/dds/endpoint.h"
 #include "common/dds/participant.h"
 #include "common/dds/topics.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "tests/integration/rig.h"
 
 namespace palpate::test {

@@ -17,7 +17,7 @@
 #include "client/station/session_link.h"
 #include "client/station/station_core.h"
 #include "common/dds/topics.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "devices/device.h"
 #include "devices/wrench_limiter.h"
 #include "tests/support/eventually.h"

@@ -18,7 +18,7 @@
 #include "client/recorder/file_summary.h"
 #include "common/dds/ports.h"
 #include "common/dds/topics.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "devices/scripted/scripted_device.h"
 #include "devices/wrench_limiter.h"
 #include "tests/link/silence.h"

@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "devices/simulated/phantom_sheets.h"
 #include "tests/integration/rig.h"
 #include "tests/link/silence.h"

@@ -8,7 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.h"
-#include "common/log.h"
+#include "common/program/log.h"
 #include "common/step_fault.h"
 #include "tests/common/recording/samples.h"
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/recorder/file_summary.h"
-#include "client/replayer/verify.h"
+#include "client/replayer/verify/verify.h"
 #include "common/dds/server_lock.h"
 #include "common/recording/recording_reader.h"
 #include "tests/common/recording/samples.h"

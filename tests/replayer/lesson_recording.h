@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/replayer/timeline.h"
+#include "client/replayer/play/timeline.h"
 #include "common/dds/cdr_reader.h"
 #include "common/recording/recording_reader.h"
 #include "common/step_fault.h"

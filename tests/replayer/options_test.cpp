@@ -20,9 +20,9 @@ TEST(ReplayOptions, PlayToViewersUnlessToldOtherwise) {
   const auto options = Parse({"a.mcap", "b.mcap"});
   ASSERT_TRUE(options);
   EXPECT_EQ(options->what, What::kPlay);
-  EXPECT_THAT(options->files, ElementsAre("a.mcap", "b.mcap"));
-  EXPECT_EQ(options->rate, 1.0);
-  EXPECT_FALSE(options->loop);
+  EXPECT_THAT(options->playback.files, ElementsAre("a.mcap", "b.mcap"));
+  EXPECT_EQ(options->playback.rate, 1.0);
+  EXPECT_FALSE(options->playback.loop);
 }
 
 TEST(ReplayOptions, VerifyGuideAndScore) {
@@ -42,18 +42,18 @@ TEST(ReplayOptions, SayWhoseSessionIsMeant) {
   EXPECT_THAT(score->score.trials, ElementsAre("b.mcap", "c.mcap"));
   EXPECT_THROW(Parse({"score", "a.mcap", "b.mcap", "--station", "anna", "--station", "ben"}),
                UsageError);
-  EXPECT_EQ(Parse({"a.mcap", "--guide", "hand", "--station", "anna"})->station, "anna");
+  EXPECT_EQ(Parse({"a.mcap", "--guide", "hand", "--station", "anna"})->guide.station, "anna");
   EXPECT_THROW(Parse({"a.mcap", "--station", "anna"}), UsageError);
 }
 
 TEST(ReplayOptions, SayWhoSteersAndWhatComesAtTheEnd) {
   const auto plain = Parse({"a.mcap"});
-  EXPECT_FALSE(plain->locked);
-  EXPECT_FALSE(plain->stays);
+  EXPECT_FALSE(plain->play.locked);
+  EXPECT_FALSE(plain->play.stays);
   const auto lesson = Parse({"a.mcap", "--from", "2.5", "--stay", "--locked"});
-  EXPECT_EQ(lesson->from_s, 2.5);
-  EXPECT_TRUE(lesson->stays);
-  EXPECT_TRUE(lesson->locked);
+  EXPECT_EQ(lesson->playback.from_s, 2.5);
+  EXPECT_TRUE(lesson->play.stays);
+  EXPECT_TRUE(lesson->play.locked);
   EXPECT_THROW(Parse({"a.mcap", "--stay", "--loop"}), UsageError);
   EXPECT_THROW(Parse({"a.mcap", "--verify", "--locked"}), UsageError);
   EXPECT_THROW(Parse({"a.mcap", "--guide", "hand", "--stay"}), UsageError);

@@ -14,7 +14,7 @@
 
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "scenes/files/scene_bundle.h"
 #include "tests/session/ball_tool.h"
 #include "tests/session/crust.h"

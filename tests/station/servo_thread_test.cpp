@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "tests/station/still_device.h"
 
 namespace palpate {

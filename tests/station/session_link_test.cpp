@@ -12,7 +12,7 @@
 
 #include "client/station/served_tools.h"
 #include "common/dds/topics.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "tests/station/fake_server.h"
 #include "tests/station/still_device.h"
 #include "tests/support/complaint.h"

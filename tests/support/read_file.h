@@ -3,7 +3,7 @@
 #include <limits>
 #include <string>
 
-#include "common/whole_file.h"
+#include "common/files/whole_file.h"
 
 namespace palpate {
 

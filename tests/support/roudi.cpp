@@ -13,7 +13,7 @@
 
 #include "common/dds/participant.h"
 #include "common/error.h"
-#include "common/project_files.h"
+#include "common/files/project_files.h"
 
 namespace palpate {
 namespace {

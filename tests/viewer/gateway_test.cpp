@@ -19,7 +19,7 @@
 #include "common/dds/cdr.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "scenes/files/scene_bundle.h"
 #include "tests/support/program.h"
 #include "tests/support/random.h"

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "tests/support/read_file.h"
 
 namespace palpate {

@@ -6,7 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "tests/support/eventually.h"
 #include "tests/support/read_file.h"
 

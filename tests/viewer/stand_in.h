@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "common/bundle_hash.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/topics.h"
+#include "common/files/bundle_hash.h"
 #include "tests/support/test_domain.h"
 #include "tests/viewer/viewer_program.h"
 

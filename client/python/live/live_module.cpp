@@ -13,8 +13,8 @@
 #include "client/python/live/live_session.h"
 #include "client/python/live/live_station.h"
 #include "common/dds/topics.h"
-#include "common/log.h"
-#include "common/time/steady_clock.h"
+#include "common/program/log.h"
+#include "common/realtime/steady_clock.h"
 
 // The module palpate._live, which palpate/live.py dresses: palpate/live.pyi says what each is for.
 // Where something is waited for Python's lock is free, and Ctrl-C ends it.

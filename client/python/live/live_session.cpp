@@ -8,7 +8,7 @@
 #include "client/python/live/live_station.h"
 #include "common/dds/phase_name.h"
 #include "common/dds/topics.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

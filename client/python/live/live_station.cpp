@@ -7,7 +7,7 @@
 #include "client/station/station_core.h"
 #include "client/station/statistics_period.h"
 #include "common/dds/topics.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate {
 namespace {

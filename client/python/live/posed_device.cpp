@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/math/rotation.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "devices/blind_hand.h"
 #include "devices/wrench_limiter.h"
 

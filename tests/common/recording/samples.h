@@ -11,9 +11,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "common/bundle_hash.h"
 #include "common/dds/cdr.h"
 #include "common/dds/topics.h"
+#include "common/files/bundle_hash.h"
 #include "common/recording/recording_writer.h"
 
 namespace palpate::test {

@@ -5,7 +5,7 @@
 #include <string>
 #include <thread>
 
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "devices/haply/haply_device.h"
 #include "tests/devices/arm_bench.h"
 #include "tests/devices/haply/fake_inverse_service.h"

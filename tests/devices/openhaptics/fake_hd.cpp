@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "common/math/pose.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 
 namespace palpate::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "client/station/servo_thread.h"
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "tests/devices/openhaptics/hd_bench.h"
 #include "tests/support/eventually.h"
 

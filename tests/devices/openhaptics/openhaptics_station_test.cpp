@@ -14,7 +14,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "common/time/steady_clock.h"
+#include "common/realtime/steady_clock.h"
 #include "devices/openhaptics/hd_library.h"
 #include "tests/devices/openhaptics/fake_hd.h"
 #include "tests/link/silence.h"

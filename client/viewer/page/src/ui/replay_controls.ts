@@ -6,9 +6,9 @@ import {element, setOptions, setText} from "./elements";
 import {MarkList} from "./mark_list";
 import {ScrubBar} from "./scrub_bar";
 
-/// As far as a replayer goes (client/replayer/steering.cpp).
+/// As far as a replayer goes (client/replayer/play/steering.cpp).
 const kRates = [0.1, 0.25, 0.5, 1, 2, 4, 8];
-/// client/replayer/bookmarks.h [bytes]
+/// client/replayer/play/bookmarks.h [bytes]
 const kLongestName = 100;
 /// What a replayer has done sooner need not be said.
 const kSeekShownAfterS = 0.5;

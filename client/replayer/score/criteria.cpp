@@ -1,0 +1,180 @@
+#include "client/replayer/score/criteria.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.h"
+#include "common/json/json_file.h"
+
+namespace palpate {
+namespace {
+
+std::vector<std::string_view> MeasureNames() {
+  std::vector<std::string_view> names;
+  for (const Measure& measure : kMeasures) names.emplace_back(measure.name);
+  return names;
+}
+
+/// Of the time in contact, the share with more force than that.
+double ShareOver(double limit_N, const HandPath& path) {
+  double contact_s = 0.0, over_s = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const double force = path.force_N[i].norm();
+    const double step_s = path.time_s[i] - path.time_s[i - 1];
+    if (force > kContact_N) contact_s += step_s;
+    if (force > std::max(limit_N, kContact_N)) over_s += step_s;
+  }
+  return contact_s > 0.0 ? over_s / contact_s : 0.0;
+}
+
+double ShareRight(const Criteria& criteria, const std::vector<std::optional<double>>& depths) {
+  std::size_t right = 0;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    const ProbingSite& site = criteria.sites[i];
+    right += depths[i] && std::abs(*depths[i] - site.depth) <= site.tolerance;
+  }
+  return static_cast<double>(right) / static_cast<double>(std::max<std::size_t>(1, depths.size()));
+}
+
+double ValueOf(const Criterion& criterion, const Criteria& criteria, const Score& score,
+               const HandPath& trainee, const Grade& grade) {
+  const std::string& measure = criterion.measure;
+  if (measure == "force_over_share") return ShareOver(criterion.limit_N, trainee);
+  if (measure == "force_peak_N") return score.trainee_peak_N;
+  if (measure == "force_rms_N") return score.force_rms_N;
+  if (measure == "path_mean_mm") return score.path_mean_mm;
+  if (measure == "path_max_mm") return score.path_max_mm;
+  if (measure == "turn_mean_deg") return score.turn_mean_deg;
+  if (measure == "time_ratio") return score.trainee_s / score.expert_s;
+  if (measure == "sites_right_share") return ShareRight(criteria, grade.depths);
+  throw Error("criteria: measure '" + measure + "' is not known");
+}
+
+Criterion ReadCriterion(const JsonNode& node, bool has_sites) {
+  node.AllowOnly({"name", "why", "measure", "limit_N", "best", "worst", "weight"});
+  Criterion criterion;
+  criterion.name = node.At("name").String();
+  if (auto why = node.Find("why")) criterion.why = why->String();
+  criterion.measure = node.At("measure").OneOf(MeasureNames());
+  const bool over = criterion.measure == "force_over_share";
+  if (over) {
+    criterion.limit_N = node.At("limit_N").PositiveNumber();
+  } else if (auto limit = node.Find("limit_N")) {
+    limit->Fail("goes with \"force_over_share\" alone; drop it");
+  }
+  if (criterion.measure == "sites_right_share" && !has_sites) {
+    node.At("measure").Fail("needs \"sites\"; add them, or take another measure");
+  }
+  criterion.best = node.At("best").Number();
+  criterion.worst = node.At("worst").Number();
+  if (criterion.best == criterion.worst) {
+    node.At("worst").Fail("is the same as best; give another number");
+  }
+  if (auto weight = node.Find("weight")) criterion.weight = weight->PositiveNumber();
+  return criterion;
+}
+
+ProbingSite ReadSite(const JsonNode& node) {
+  node.AllowOnly({"name", "margin_mm", "into", "radius_mm", "depth_mm", "tolerance_mm"});
+  ProbingSite site;
+  site.name = node.At("name").String();
+  site.margin = 1e-3 * node.At("margin_mm").Vector();
+  const JsonNode into = node.At("into");
+  site.into = into.Vector();
+  if (!(site.into.norm() > 1e-6)) into.Fail("is no direction; give one that is not 0");
+  site.into.normalize();
+  site.radius = 1e-3 * node.At("radius_mm").PositiveNumber();
+  site.depth = 1e-3 * node.At("depth_mm").PositiveNumber();
+  site.tolerance = 1e-3 * node.At("tolerance_mm").PositiveNumber();
+  return site;
+}
+
+}  // namespace
+
+const std::vector<Measure> kMeasures = {
+    {"force_over_share", "%", "share of the time in contact with more force than the limit"},
+    {"force_peak_N", "N", "greatest force"},
+    {"force_rms_N", "N", "difference of the force from the expert's (rms)"},
+    {"path_mean_mm", "mm", "mean distance from the expert's path"},
+    {"path_max_mm", "mm", "greatest distance from the expert's path"},
+    {"turn_mean_deg", "°", "mean difference of rotation"},
+    {"time_ratio", "×", "time taken, as a multiple of the expert's"},
+    {"sites_right_share", "%", "share of the sites whose depth was probed rightly"},
+};
+
+const Measure& MeasureOf(const std::string& name) {
+  return *std::ranges::find_if(kMeasures, [&](const Measure& m) { return name == m.name; });
+}
+
+const char* const kCriteriaToBeginWith =
+    R"({
+  // What palpate-replay score grades by.  Change what you like; comments are allowed.
+  "title": "Periodontal probing",
+  "pass": 70,                            // of 100 points
+  "tip_mm": [0, 0, 0],                   // of the tool, in its own frame
+  // "best" earns all of a criterion's points, "worst" none, what lies between its share.
+  // Measures: force_over_share, force_peak_N, force_rms_N, path_mean_mm, path_max_mm,
+  // turn_mean_deg, time_ratio, sites_right_share.  Shares are from 0 to 1.
+  "criteria": [
+    {"name": "No more than 25 g", "measure": "force_over_share", "limit_N": 0.245,
+     "best": 0, "worst": 0.5, "weight": 2,
+     "why": "25 g on the probe find the bottom of a pocket; more hurts, and goes through it"},
+    {"name": "Depths found", "measure": "sites_right_share", "best": 1, "worst": 0, "weight": 2,
+     "why": "Within 1 mm, as far apart as two examiners are"},
+    {"name": "The expert's way", "measure": "path_mean_mm", "best": 1, "worst": 8}
+  ],
+  // Depth counts from margin_mm along "into", both in the scene's frame, as far as the tip stays
+  // within radius_mm of that line.
+  "sites": [
+    {"name": "36 buccal", "margin_mm": [2.2, 0, 4.6], "into": [0, -1, -0.25], "radius_mm": 2.5,
+     "depth_mm": 6, "tolerance_mm": 1}
+  ]
+}
+)";
+
+Criteria LoadCriteria(const std::string& file) {
+  const JsonNode root = JsonNode::Load(file);
+  root.AllowOnly({"title", "pass", "tip_mm", "criteria", "sites"});
+  Criteria criteria;
+  criteria.file = file;
+  criteria.title = root.At("title").String();
+  criteria.pass = root.At("pass").Number(0.0, 100.0);
+  if (auto tip = root.Find("tip_mm")) criteria.tip = 1e-3 * tip->Vector();
+  if (auto sites = root.Find("sites")) {
+    for (const JsonNode& site : sites->Items()) criteria.sites.push_back(ReadSite(site));
+  }
+  for (const JsonNode& node : root.At("criteria").Items(1)) {
+    criteria.criteria.push_back(ReadCriterion(node, !criteria.sites.empty()));
+  }
+  return criteria;
+}
+
+std::optional<double> DepthIn(const ProbingSite& site, const Vec3& tip, const HandPath& path) {
+  std::optional<double> deepest;
+  for (const Pose& X : path.tool()) {
+    const Vec3 from_margin = X.p + X.q * tip - site.margin;
+    const double depth = from_margin.dot(site.into);
+    if (depth <= 0.0 || (from_margin - depth * site.into).norm() > site.radius) continue;
+    deepest = std::max(deepest.value_or(0.0), depth);
+  }
+  return deepest;
+}
+
+Grade GradeTrial(const Criteria& criteria, const Score& score, const HandPath& trainee) {
+  Grade grade;
+  for (const ProbingSite& site : criteria.sites) {
+    grade.depths.push_back(DepthIn(site, criteria.tip, trainee));
+  }
+  double weights = 0.0;
+  for (const Criterion& criterion : criteria.criteria) {
+    const double value = ValueOf(criterion, criteria, score, trainee, grade);
+    const double share = (value - criterion.worst) / (criterion.best - criterion.worst);
+    grade.marks.push_back({value, 100.0 * std::clamp(share, 0.0, 1.0)});
+    grade.points += criterion.weight * grade.marks.back().points;
+    weights += criterion.weight;
+  }
+  grade.points /= weights;
+  return grade;
+}
+
+}  // namespace palpate

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/replayer/hand_path.h"
+#include "client/replayer/score/score.h"
+
+namespace palpate {
+
+/// One thing that a trial is graded by: `best` earns everything, `worst` nothing, and what lies
+/// between its share.
+struct Criterion {
+  std::string name, why;
+  std::string measure;   ///< one of kMeasures
+  double limit_N = 0.0;  ///< of "force_over_share"
+  double best = 0.0, worst = 1.0;
+  double weight = 1.0;
+};
+
+/// A place whose depth is to be probed.
+struct ProbingSite {
+  std::string name;
+  Vec3 margin = Vec3::Zero();  ///< W [m]: where depth is counted from
+  Vec3 into = -Vec3::UnitY();  ///< unit, W: along which it is
+  double radius = 0.0;         ///< [m]: how far from that line the tip may be
+  double depth = 0.0;          ///< [m]: what is right
+  double tolerance = 0.0;      ///< [m]
+};
+
+/// By what a teacher grades: a file that a teacher edits.
+struct Criteria {
+  std::string file, title;
+  double pass = 0.0;        ///< of 100
+  Vec3 tip = Vec3::Zero();  ///< of the tool, in its frame [m]
+  std::vector<Criterion> criteria;
+  std::vector<ProbingSite> sites;
+};
+
+struct Measure {
+  const char* name;
+  const char* unit;
+  const char* text;
+};
+/// What a criterion may be about.
+extern const std::vector<Measure> kMeasures;
+const Measure& MeasureOf(const std::string& name);
+
+/// The deepest that the tool's tip has been in a site; none where it never was in it [m].
+std::optional<double> DepthIn(const ProbingSite& site, const Vec3& tip, const HandPath& path);
+
+/// How a trial did.
+struct Grade {
+  struct Mark {
+    double value = 0.0;   ///< in the measure's unit
+    double points = 0.0;  ///< 0 to 100
+  };
+  std::vector<Mark> marks;                    ///< as Criteria::criteria
+  std::vector<std::optional<double>> depths;  ///< as Criteria::sites [m]
+  double points = 0.0;                        ///< 0 to 100: the marks' mean by weight
+};
+
+/// Throws Error "file:line: field: what is wrong; remedy".
+Criteria LoadCriteria(const std::string& file);
+/// For a teacher to begin with: periodontal probing with 25 g.
+extern const char* const kCriteriaToBeginWith;
+
+/// @param trainee  the trial (TrialIn) that the score is of.
+Grade GradeTrial(const Criteria& criteria, const Score& score, const HandPath& trainee);
+
+}  // namespace palpate

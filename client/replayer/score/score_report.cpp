@@ -1,0 +1,386 @@
+#include "client/replayer/score/score_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <numeric>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "client/replayer/hand_path.h"
+#include "client/replayer/score/score_page.h"
+#include "common/error.h"
+#include "common/files/output.h"
+#include "common/text/quoted.h"
+
+namespace palpate {
+namespace {
+
+/// Of a path on the page: more than a screen's pixels show nothing new.
+constexpr std::size_t kMostPoints = 600;
+
+constexpr const char* kOneTrial =
+    "One trial predicts nothing: give several, and go by their average.";
+
+/// What is told of each trial beside its marks.
+struct Figure {
+  const char* name;
+  const char* unit;
+  int digits;
+  double Score::*trainee;
+  double Score::*expert;  ///< none: a difference from the expert
+};
+constexpr Figure kFigures[] = {
+    {"Time", "s", 2, &Score::trainee_s, &Score::expert_s},
+    {"Time in contact", "s", 2, &Score::trainee_contact_s, &Score::expert_contact_s},
+    {"Greatest force", "N", 2, &Score::trainee_peak_N, &Score::expert_peak_N},
+    {"Distance of the paths, mean", "mm", 2, &Score::path_mean_mm, nullptr},
+    {"Distance of the paths, greatest", "mm", 2, &Score::path_max_mm, nullptr},
+    {"Distance of the paths, Fréchet", "mm", 2, &Score::frechet_mm, nullptr},
+    {"Difference of rotation, mean", "°", 1, &Score::turn_mean_deg, nullptr},
+    {"Difference of force, rms", "N", 3, &Score::force_rms_N, nullptr},
+};
+
+std::vector<double> Each(const Report& report, const std::function<double(std::size_t)>& of) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < report.trials.size(); ++i) values.push_back(of(i));
+  return values;
+}
+
+std::string ToText(const Average& average, int digits, const char* unit = "") {
+  std::string text = fmt::format("{:.{}f}", average.mean, digits);
+  if (average.deviation > 0.0) text += fmt::format(" ± {:.{}f}", average.deviation, digits);
+  return *unit == '\0' ? text : text + " " + unit;
+}
+
+/// In the measure's own unit: shares as per cent.
+double Shown(const Criterion& criterion, double value) {
+  return MeasureOf(criterion.measure).unit == std::string("%") ? 100.0 * value : value;
+}
+
+Average PointsOf(const Report& report) {
+  return AverageOf(Each(report, [&](std::size_t i) { return report.grades[i].points; }));
+}
+
+/// JSON as an expression in a script element, where HTML ends the script at "</script", and does
+/// not end it after "<!--<script": no such letter is left, in what can be text alone.
+std::string Embedded(const nlohmann::ordered_json& json) {
+  std::string script;
+  for (const char c : json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)) {
+    script += c == '<'   ? "\\u003c"
+              : c == '>' ? "\\u003e"
+              : c == '&' ? "\\u0026"
+                         : std::string(1, c);
+  }
+  return script;
+}
+
+/// By what a recording is called in a report, where it heads a column.
+/// @param station  as it was chosen; empty: it was not.
+std::string NameOf(const std::string& file, const std::string& station) {
+  constexpr std::size_t kMost = 60;
+  const std::string all = Printable(std::filesystem::path(file).stem().string());
+  std::string name(BeginningOf(all, kMost));
+  if (name.size() < all.size()) name += "…";
+  return station.empty() ? name : name + " (" + station + ")";
+}
+
+std::string Cell(const std::string& text) {
+  return "<td>" + text + "</td>";
+}
+
+std::string HeadRow(const Report& report, const std::vector<std::string>& before) {
+  std::string row = "<tr>";
+  for (const std::string& name : before) row += "<th>" + Escaped(name) + "</th>";
+  for (const Trial& trial : report.trials) row += "<th>" + Escaped(trial.name) + "</th>";
+  return row + (report.trials.size() > 1 ? "<th>average</th></tr>\n" : "</tr>\n");
+}
+
+std::string AverageCell(const Report& report, const std::vector<double>& values, int digits) {
+  return report.trials.size() > 1 ? Cell(ToText(AverageOf(values), digits)) : "";
+}
+
+std::string VerdictHtml(const Report& report) {
+  if (!report.criteria) {
+    return "<p class=\"quiet\">No grade was asked for: <code>palpate-replay criteria "
+           "mine.json</code> writes criteria to begin with, and <code>--criteria mine.json</code> "
+           "grades by them.</p>\n";
+  }
+  const Average points = PointsOf(report);
+  const bool passed = points.mean >= report.criteria->pass;
+  std::string html = fmt::format(
+      "<p class=\"verdict {}\"><b>{:.0f}</b><span class=\"word\">of 100: {}</span><span "
+      "class=\"quiet\">{}{:.0f} are enough</span></p>\n",
+      passed ? "good" : "poor", points.mean, passed ? "passed" : "not yet",
+      report.trials.size() > 1
+          ? fmt::format("average of {} trials, ± {:.0f}; ", report.trials.size(), points.deviation)
+          : "",
+      report.criteria->pass);
+  return html;
+}
+
+std::string MarksHtml(const Report& report) {
+  const Criteria& criteria = *report.criteria;
+  std::string html = "<h2>Marks</h2>\n<div class=\"wide\"><table>\n" +
+                     HeadRow(report, {"criterion", "best – worst", "weight"});
+  for (std::size_t c = 0; c < criteria.criteria.size(); ++c) {
+    const Criterion& criterion = criteria.criteria[c];
+    const Measure& measure = MeasureOf(criterion.measure);
+    std::string what = measure.text;
+    if (criterion.limit_N > 0.0) what += fmt::format(", {:g} N", criterion.limit_N);
+    html +=
+        "<tr>" + Cell(Escaped(criterion.name) + "<small>" + Escaped(what) +
+                      (criterion.why.empty() ? "" : ". " + Escaped(criterion.why)) + "</small>");
+    html += Cell(fmt::format("{:g} – {:g} {}", Shown(criterion, criterion.best),
+                             Shown(criterion, criterion.worst), measure.unit)) +
+            Cell(fmt::format("{:g}", criterion.weight));
+    for (const Grade& grade : report.grades) {
+      const Grade::Mark& mark = grade.marks[c];
+      html += Cell(fmt::format("{:.3g} {}<br><span class=\"points\">{:.0f} points</span>",
+                               Shown(criterion, mark.value), measure.unit, mark.points));
+    }
+    html += AverageCell(
+        report, Each(report, [&](std::size_t i) { return report.grades[i].marks[c].points; }), 0);
+    html += "</tr>\n";
+  }
+  html += "<tr class=\"sum\">" + Cell("Points") + Cell("") + Cell("");
+  for (const Grade& grade : report.grades) html += Cell(fmt::format("{:.0f}", grade.points));
+  html +=
+      AverageCell(report, Each(report, [&](std::size_t i) { return report.grades[i].points; }), 0);
+  return html + "</tr>\n</table></div>\n";
+}
+
+std::string SitesHtml(const Report& report) {
+  const std::vector<ProbingSite>& sites = report.criteria->sites;
+  if (sites.empty()) return "";
+  std::string html =
+      "<h2>Depths</h2>\n<div class=\"wide\"><table>\n" + HeadRow(report, {"site", "right"});
+  for (std::size_t s = 0; s < sites.size(); ++s) {
+    html += "<tr>" + Cell(Escaped(sites[s].name)) +
+            Cell(fmt::format("{:.1f} ± {:.1f} mm", 1e3 * sites[s].depth, 1e3 * sites[s].tolerance));
+    std::vector<double> found;
+    for (const Grade& grade : report.grades) {
+      const std::optional<double>& depth = grade.depths[s];
+      if (!depth) {
+        html += "<td class=\"poor\">not probed</td>";
+        continue;
+      }
+      found.push_back(1e3 * *depth);
+      const bool right = std::abs(*depth - sites[s].depth) <= sites[s].tolerance;
+      html += fmt::format("<td class=\"{}\">{:.1f} mm</td>", right ? "good" : "poor", 1e3 * *depth);
+    }
+    if (report.trials.size() > 1) {
+      html += Cell(found.empty() ? "" : ToText(AverageOf(found), 1, "mm"));
+    }
+    html += "</tr>\n";
+  }
+  return html + "</table></div>\n";
+}
+
+std::string FiguresHtml(const Report& report) {
+  std::string html =
+      "<h2>Figures</h2>\n<div class=\"wide\"><table>\n" + HeadRow(report, {"", "expert"});
+  for (const Figure& figure : kFigures) {
+    const Score& first = report.trials.front().score;
+    html += "<tr>" + Cell(fmt::format("{} [{}]", figure.name, figure.unit)) +
+            Cell(figure.expert ? fmt::format("{:.{}f}", first.*figure.expert, figure.digits) : "");
+    const std::vector<double> values =
+        Each(report, [&](std::size_t i) { return report.trials[i].score.*figure.trainee; });
+    for (const double value : values) html += Cell(fmt::format("{:.{}f}", value, figure.digits));
+    html += AverageCell(report, values, figure.digits) + "</tr>\n";
+  }
+  return html + "</table></div>\n";
+}
+
+nlohmann::ordered_json TrackJson(const std::string& name, const std::vector<Vec3>& p_m,
+                                 const std::vector<double>& force_N,
+                                 const std::vector<double>* distance_mm, std::size_t stride) {
+  const auto rounded = [](double value, double step) { return std::round(value / step) * step; };
+  nlohmann::ordered_json track{{"name", name}, {"p", nlohmann::ordered_json::array()}};
+  for (std::size_t i = 0; i < p_m.size(); i += stride) {
+    const Vec3 p = 1e3 * p_m[i];
+    track["p"].push_back({rounded(p.x(), 1e-3), rounded(p.y(), 1e-3), rounded(p.z(), 1e-3)});
+    track["f"].push_back(rounded(force_N[i], 1e-4));
+    if (distance_mm) track["d"].push_back(rounded((*distance_mm)[i], 1e-3));
+  }
+  return track;
+}
+
+nlohmann::ordered_json TracksOf(const Report& report) {
+  const Score& first = report.trials.front().score;
+  const std::size_t stride = first.time_s.size() / kMostPoints + 1;
+  nlohmann::ordered_json json{{"time", nlohmann::ordered_json::array()}};
+  for (std::size_t i = 0; i < first.time_s.size(); i += stride) {
+    json["time"].push_back(first.time_s[i]);
+  }
+  json["tracks"].push_back(
+      TrackJson("expert", first.expert_m, first.expert_force_N, nullptr, stride));
+  for (const auto& [name, score] : report.trials) {
+    json["tracks"].push_back(
+        TrackJson(name, score.trainee_m, score.trainee_force_N, &score.distance_mm, stride));
+  }
+  return json;
+}
+
+nlohmann::ordered_json JsonOf(const Score& score) {
+  nlohmann::ordered_json json;
+  for (const auto& [name, value] : NumbersOf(score)) json[name] = value;
+  return json;
+}
+
+nlohmann::ordered_json JsonOf(const Report& report) {
+  nlohmann::ordered_json json;
+  if (report.trials.size() == 1) json = JsonOf(report.trials.front().score);
+  json["expert"] = report.expert;
+  json["trials"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < report.trials.size(); ++i) {
+    nlohmann::ordered_json trial = JsonOf(report.trials[i].score);
+    trial["trial"] = report.trials[i].name;
+    if (report.criteria) {
+      const Grade& grade = report.grades[i];
+      trial["points"] = grade.points;
+      for (std::size_t c = 0; c < grade.marks.size(); ++c) {
+        trial["marks"].push_back({{"criterion", report.criteria->criteria[c].name},
+                                  {"value", grade.marks[c].value},
+                                  {"points", grade.marks[c].points}});
+      }
+      for (std::size_t s = 0; s < grade.depths.size(); ++s) {
+        nlohmann::ordered_json site{{"site", report.criteria->sites[s].name}};
+        if (grade.depths[s]) site["depth_mm"] = 1e3 * *grade.depths[s];
+        trial["sites"].push_back(site);
+      }
+    }
+    json["trials"].push_back(trial);
+  }
+  if (report.criteria) {
+    const Average points = PointsOf(report);
+    json["points"] = {{"mean", points.mean}, {"deviation", points.deviation}};
+    json["passed"] = points.mean >= report.criteria->pass;
+  }
+  return json;
+}
+
+std::string JsonText(const Report& report) {
+  return JsonOf(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+Average AverageOf(const std::vector<double>& values) {
+  Average average;
+  const auto n = static_cast<double>(values.size());
+  average.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  if (values.size() < 2) return average;
+  double squares = 0.0;
+  for (const double value : values) squares += (value - average.mean) * (value - average.mean);
+  average.deviation = std::sqrt(squares / (n - 1.0));
+  return average;
+}
+
+Report MakeReport(const ScoreOptions& options) {
+  Report report;
+  report.expert = NameOf(options.expert, options.expert_station);
+  if (!options.criteria.empty()) report.criteria = LoadCriteria(options.criteria);
+  const auto read = [](const std::string& file, const SessionChoice& choice) {
+    return TrialIn(ReadHandPath({file}, choice), file);
+  };
+  const HandPath expert = read(options.expert, {options.expert_station, "--expert-station"});
+  for (std::size_t i = 0; i < options.trials.size(); ++i) {
+    const std::string& file = options.trials[i];
+    const std::string station = options.stations.empty()       ? ""
+                                : options.stations.size() == 1 ? options.stations.front()
+                                                               : options.stations[i];
+    const HandPath trial = read(file, {station});
+    if (trial.scene != expert.scene) {
+      throw Error(file + ": is of scene '" + trial.scene + "', and the expert's of '" +
+                  expert.scene + "'; give recordings of one scene");
+    }
+    report.trials.push_back({NameOf(file, station), ScorePath(expert, trial)});
+    if (report.criteria) {
+      report.grades.push_back(GradeTrial(*report.criteria, report.trials.back().score, trial));
+    }
+  }
+  return report;
+}
+
+std::string ToText(const Report& report) {
+  std::string text;
+  if (report.trials.size() == 1) {
+    text = ToText(report.trials.front().score);
+  } else {
+    text = fmt::format("average of {} trials; the expert's\n", report.trials.size());
+    for (const Figure& figure : kFigures) {
+      const auto values =
+          Each(report, [&](std::size_t i) { return report.trials[i].score.*figure.trainee; });
+      text += fmt::format("  {:<34} {:<18}", figure.name,
+                          ToText(AverageOf(values), figure.digits, figure.unit));
+      if (figure.expert) {
+        text += fmt::format(" {:.{}f}", report.trials.front().score.*figure.expert, figure.digits);
+      }
+      text += "\n";
+    }
+  }
+  if (report.criteria) {
+    const Average points = PointsOf(report);
+    text +=
+        fmt::format("{}: {} of 100 points, {}\n", Printable(report.criteria->title),
+                    ToText(points, 0), points.mean >= report.criteria->pass ? "passed" : "not yet");
+  }
+  if (report.trials.size() == 1) text += std::string(kOneTrial) + "\n";
+  return text;
+}
+
+void WriteJson(const Report& report, const std::string& file) {
+  WriteOutput("--json", file, JsonText(report));
+}
+
+std::string ToHtml(const Report& report) {
+  std::vector<Trial> trials = report.trials;
+  const std::string title = report.criteria ? report.criteria->title : "Trainee beside expert";
+  std::string names;
+  for (const Trial& trial : trials) names += (names.empty() ? "" : ", ") + trial.name;
+  std::string html =
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta name=\"color-scheme\" content=\"light dark\">\n<title>" +
+      Escaped(title) + "</title>\n<style>" + kScorePagePalette + kScorePageCss +
+      "</style>\n</head>\n<body>\n<h1>" + Escaped(title) + "</h1>\n<p class=\"quiet\">" +
+      Escaped(names) + ", beside " + Escaped(report.expert) + "</p>\n" + VerdictHtml(report);
+  if (trials.size() == 1) html += std::string("<p class=\"quiet\">") + kOneTrial + "</p>\n";
+  if (report.criteria) html += MarksHtml(report) + SitesHtml(report);
+  html +=
+      "<h2>The paths in space</h2>\n<canvas id=\"space\" role=\"img\" aria-label=\"The hands' "
+      "paths; drag to look from elsewhere\"></canvas>\n<div class=\"at\"><label "
+      "for=\"time\">Time of the expert</label><input id=\"time\" type=\"range\" min=\"0\" "
+      "max=\"1\" value=\"0\"><output id=\"clock\" for=\"time\"></output></div>\n<ul id=\"now\" "
+      "class=\"now\"></ul>\n<p class=\"quiet\">Drag to look from elsewhere, wheel to come nearer. "
+      "The paths are "
+      "aligned in time: where the slider stands, each is where it is nearest to the "
+      "expert's.</p>\n<h2>Over time</h2>\n" +
+      ToSvg(PlotsOf(trials)) + "\n" + FiguresHtml(report);
+  if (report.criteria) {
+    html += "<p class=\"quiet\">Graded by " + Escaped(report.criteria->file) + "</p>\n";
+  }
+  return html + "<script>\nconst score = " + Embedded(TracksOf(report)) + ";\n" + kScorePageJs +
+         "</script>\n</body>\n</html>\n";
+}
+
+void WriteReport(const Report& report, const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw Error(folder + ": " + error.message() + "; give --out another place");
+  WriteOutput("--out", folder + "/score.html", ToHtml(report));
+  WriteOutput("--out", folder + "/score.svg", ToSvg(PlotsOf(report.trials)));
+  WriteOutput("--out", folder + "/score.json", JsonText(report));
+}
+
+void WriteNewCriteria(const std::string& file) {
+  if (std::filesystem::exists(file)) {
+    throw Error(file + ": is there already; give another name, so that nobody's work is lost");
+  }
+  WriteOutput("criteria", file, kCriteriaToBeginWith);
+}
+
+}  // namespace palpate

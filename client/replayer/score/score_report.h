@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/replayer/score/criteria.h"
+#include "client/replayer/score/score.h"
+
+namespace palpate {
+
+/// How several trials of a trainee did beside an expert.
+struct Report {
+  std::string expert;  ///< the recording's name
+  std::vector<Trial> trials;
+  std::optional<Criteria> criteria;
+  std::vector<Grade> grades;  ///< as trials, where there are criteria
+};
+
+/// Of several numbers.
+struct Average {
+  double mean = 0.0;
+  double deviation = 0.0;  ///< of a sample; 0 of one
+};
+Average AverageOf(const std::vector<double>& values);
+
+/// What is to be set beside what.
+struct ScoreOptions {
+  std::string expert;               ///< recording
+  std::vector<std::string> trials;  ///< recordings of the trainee
+  /// Whose session, as SessionChoice says; of the trials one for all, or one each.
+  std::string expert_station;
+  std::vector<std::string> stations;
+  std::string criteria;  ///< file to grade by; empty: no grades
+};
+
+/// Throws Error.
+Report MakeReport(const ScoreOptions& options);
+std::string ToText(const Report& report);
+/// @param file  "-" is stdout.  Throws Error.
+void WriteJson(const Report& report, const std::string& file);
+/// One page that stands alone: verdict, marks, sites, paths in space, forces, figures.
+std::string ToHtml(const Report& report);
+/// score.html, score.svg and score.json into a folder, which is made.  Throws Error.
+void WriteReport(const Report& report, const std::string& folder);
+/// kCriteriaToBeginWith.  Throws Error, also where there is such a file.
+void WriteNewCriteria(const std::string& file);
+
+}  // namespace palpate

@@ -1,0 +1,569 @@
+#include "client/replayer/verify/verify.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+#include <deque>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "common/dds/cdr_reader.h"
+#include "common/dds/topics.h"
+#include "common/error.h"
+#include "common/files/bundle_hash.h"
+#include "common/files/output.h"
+#include "common/realtime/steady_clock.h"
+#include "common/recording/recording_reader.h"
+#include "common/text/hex16.h"
+#include "common/text/quoted.h"
+#include "scenes/catalogue.h"
+#include "scenes/files/scene_bundle.h"
+#include "server/physics/scene_model.h"
+#include "server/physics/tree/sphere_tree_query.h"
+#include "server/session/servo_loop.h"
+
+namespace palpate {
+namespace {
+
+/// A wrench may overtake its pose in the recording, by what a burst holds.
+constexpr std::size_t kMostAhead = 1000;
+/// Of sessions; a server has 32, and a recording may be of several.
+constexpr std::size_t kMostAtOnce = 256;
+
+enum class Number { kDouble, kUint64, kInt64, kUint32 };
+struct Field {
+  const char* name;
+  std::size_t offset;
+  std::size_t count, columns;  ///< columns: of a matrix; else 0
+  Number number;
+};
+#define PALPATE_FIELD(name, count, columns, number) \
+  { #name, offsetof(wire::Wrench, name), count, columns, Number::number }
+// All but step_time_s.
+constexpr Field kFields[] = {
+    PALPATE_FIELD(pose_sequence, 1, 0, kUint64),
+    PALPATE_FIELD(pose_time_ns, 1, 0, kInt64),
+    PALPATE_FIELD(force_N, 3, 0, kDouble),
+    PALPATE_FIELD(torque_Nm, 3, 0, kDouble),
+    PALPATE_FIELD(graphic_position_m, 3, 0, kDouble),
+    PALPATE_FIELD(graphic_orientation_wxyz, 4, 0, kDouble),
+    PALPATE_FIELD(row, 36, 6, kDouble),
+    PALPATE_FIELD(row_offset_m, 6, 0, kDouble),
+    PALPATE_FIELD(row_force_N, 6, 0, kDouble),
+    PALPATE_FIELD(region_m, 1, 0, kDouble),
+    PALPATE_FIELD(region_rad, 1, 0, kDouble),
+    PALPATE_FIELD(valid_s, 1, 0, kDouble),
+    PALPATE_FIELD(rows, 1, 0, kUint32),
+    PALPATE_FIELD(contacts, 1, 0, kUint32),
+    PALPATE_FIELD(faults, 1, 0, kUint32),
+    PALPATE_FIELD(answer, 1, 0, kUint32),
+};
+#undef PALPATE_FIELD
+
+constexpr std::size_t SizeOf(Number number) {
+  return number == Number::kUint32 ? 4 : 8;
+}
+
+constexpr std::size_t FieldBytes() {
+  std::size_t sum = 0;
+  for (const Field& field : kFields) sum += field.count * SizeOf(field.number);
+  return sum;
+}
+static_assert(FieldBytes() + sizeof(wire::Wrench::step_time_s) == sizeof(wire::Wrench));
+
+std::string ToText(const std::byte* at, Number number) {
+  if (number == Number::kUint32) {
+    std::uint32_t value;
+    std::memcpy(&value, at, sizeof value);
+    return fmt::format("{} (0x{:08x})", value, value);
+  }
+  std::uint64_t bits;
+  std::memcpy(&bits, at, sizeof bits);
+  switch (number) {
+    case Number::kDouble:
+      return fmt::format("{:.17g} (0x{:016x})", std::bit_cast<double>(bits), bits);
+    case Number::kInt64:
+      return fmt::format("{} (0x{:016x})", static_cast<std::int64_t>(bits), bits);
+    default:
+      return fmt::format("{} (0x{:016x})", bits, bits);
+  }
+}
+
+/// The scenes of a recording: those in it, and for the others the catalogue's, if they are the
+/// same.
+class Scenes {
+ public:
+  explicit Scenes(const VerifyOptions& options) : options_(options) {}
+
+  /// Throws Error where it is not the one that its hash names.
+  void AddBundle(const wire::SceneBundle& bundle) {
+    CheckBundleHash({bundle.bundle._buffer, bundle.bundle._length}, bundle.hash,
+                    "the recording's scene " + Quoted(bundle.scene));
+    bundles_[bundle.scene] = {bundle.bundle._buffer, bundle.bundle._buffer + bundle.bundle._length};
+  }
+  void AddHash(const std::string& scene, const std::string& hash) { hashes_[scene] = hash; }
+
+  /// How many objects it has.
+  std::size_t ObjectsOf(const std::string& scene_name) {
+    return Load(scene_name).scene.objects.size();
+  }
+  const HapticModel& ModelOf(const std::string& scene_name, const std::string& tool_name) {
+    Loaded& loaded = Load(scene_name);
+    for (const Body& tool : loaded.scene.tools) {
+      if (tool.name != tool_name) continue;
+      auto& model = loaded.models[tool_name];
+      if (!model) {
+        model = std::make_unique<HapticModel>(MakeModel(loaded.scene, tool, loaded.objects));
+      }
+      return *model;
+    }
+    throw Error("scene '" + scene_name + "' has no tool '" + tool_name +
+                "': the recording is of another scene of that name; give it with --scene");
+  }
+
+ private:
+  struct Loaded {
+    Scene scene;
+    std::shared_ptr<const SceneObjects> objects;
+    std::map<std::string, std::unique_ptr<HapticModel>> models;
+  };
+
+  Loaded& Load(const std::string& name) {
+    auto& loaded = loaded_[name];
+    if (loaded) return *loaded;
+    loaded = std::make_unique<Loaded>();
+    if (const auto bundle = bundles_.find(name);
+        options_.scene.empty() && bundle != bundles_.end()) {
+      loaded->scene = UnpackScene(bundle->second, "the recording's scene '" + name + "'");
+    } else {
+      LoadOptions load;
+      load.models_dir = options_.models_dir;
+      loaded->scene = LoadScene(options_.scene.empty() ? name : options_.scene, load);
+      const std::string hash = Hex16(BundleHash(PackScene(loaded->scene)));
+      const auto recorded = hashes_.find(name);
+      if (recorded != hashes_.end() && recorded->second != hash) {
+        throw Error("scene '" + name + "' (hash " + hash +
+                    ") is not the one that was recorded (hash " + recorded->second +
+                    "): give that one with --scene, or record again");
+      }
+    }
+    loaded->objects = MakeObjects(loaded->scene);
+    return *loaded;
+  }
+
+  const VerifyOptions& options_;
+  std::map<std::string, std::vector<std::uint8_t>> bundles_;
+  std::map<std::string, std::string> hashes_;
+  std::map<std::string, std::unique_ptr<Loaded>> loaded_;
+};
+
+/// What a session's answers depend on besides its poses.
+struct SessionFacts {
+  std::string station, scene, tool;
+  std::uint64_t run = 0;
+  std::map<std::uint64_t, Pose> starts;             ///< X_WG by the pose that it begins with
+  std::map<std::uint64_t, wire::LeafTaken> leaves;  ///< by number
+};
+
+/// One session's loop, fed in the order that it was fed then.
+class SessionReplay {
+ public:
+  SessionReplay(const SessionFacts& facts, const HapticModel& model, std::size_t objects,
+                std::int64_t began_ns)
+      : facts_(facts), model_(model), objects_(objects), loop_(model), began_ns_(began_ns) {
+    verdict_.station = facts.station;
+    verdict_.scene = facts.scene;
+    verdict_.tool = facts.tool;
+    verdict_.run = facts.run;
+    next_leaf_ = facts_.leaves.begin();
+    next_start_ = facts_.starts.begin();
+  }
+
+  void Add(const wire::HapticPose& pose) {
+    ++verdict_.poses;
+    newest_pose_ = std::max(newest_pose_, pose.pose_sequence);
+    poses_.emplace(pose.pose_sequence, pose);
+    Advance(false);
+  }
+  void Add(const wire::Wrench& wrench, std::int64_t time_ns) {
+    if (verdict_.recorded == 0) first_ns_ = time_ns;
+    last_ns_ = time_ns;
+    ++verdict_.recorded;
+    if (verdict_.ends.empty()) waiting_.emplace_back(wrench, time_ns);
+    Advance(false);
+  }
+  void AddBrokenWrench() {
+    ++verdict_.recorded;
+    ++verdict_.broken;
+  }
+  /// @param cut_off  the recording has no end.
+  SessionVerdict End(bool cut_off) {
+    if (cut_off) ForgetTheLast();
+    Advance(true);
+    verdict_.recorded_s = 1e-9 * static_cast<double>(last_ns_ - first_ns_);
+    verdict_.computed_s = 1e-9 * static_cast<double>(computed_ns_);
+    if (verdict_.recorded == 0) {
+      verdict_.ends = fmt::format("there is no wrench of it, and {} poses", verdict_.poses);
+    }
+    return verdict_;
+  }
+
+ private:
+  /// Poses and wrenches come to the recorder on ways of their own: it may have been cut off between
+  /// a wrench and the pose that it answers.
+  void ForgetTheLast() {
+    while (!waiting_.empty() && waiting_.back().first.pose_sequence > newest_pose_) {
+      waiting_.pop_back();
+      --verdict_.recorded;
+      ++verdict_.cut_off;
+    }
+  }
+
+  void Stop(const std::string& why) {
+    verdict_.ends = why;
+    waiting_.clear();
+    poses_.clear();
+  }
+
+  void Advance(bool last) {
+    while (!waiting_.empty() && verdict_.ends.empty()) {
+      const auto& [wrench, time_ns] = waiting_.front();
+      if (wrench.answer <= taken_) return Stop(fmt::format("answer {} comes again", wrench.answer));
+      if (!poses_.contains(wrench.pose_sequence)) {
+        if (!last && waiting_.size() < kMostAhead) return;
+        return Stop(fmt::format("pose {} is not in the recording", wrench.pose_sequence));
+      }
+      const std::int64_t began_ns = SteadyNanoseconds();
+      Verify(wrench, time_ns);
+      computed_ns_ += SteadyNanoseconds() - began_ns;
+      if (!waiting_.empty()) waiting_.pop_front();
+    }
+    if (!verdict_.ends.empty()) poses_.clear();
+  }
+
+  void Verify(const wire::Wrench& wrench, std::int64_t time_ns) {
+    const auto end = poses_.find(wrench.pose_sequence);
+    const std::uint32_t unseen = wrench.answer - taken_ - 1;
+    const auto between = static_cast<std::uint64_t>(std::distance(poses_.begin(), end));
+    if (unseen != 0 && unseen == between) {
+      // Their answers are not in the recording, but the loop has had every one of them.
+      for (auto it = poses_.begin(); it != end; ++it) {
+        wire::Wrench ignored;
+        if (!Feed(it->second, ignored)) return;
+      }
+    } else if (unseen != 0) {
+      return Stop(taken_ == 0
+                      ? fmt::format("the recording began after its loop: pose {} was its "
+                                    "{}th, and {} of those before are recorded",
+                                    wrench.pose_sequence, wrench.answer, between)
+                      : fmt::format("before pose {} the loop has had {} poses whose answers "
+                                    "are not in the recording, and {} poses are",
+                                    wrench.pose_sequence, unseen, between));
+    }
+    // Those that remain never reached the server.
+    const wire::HapticPose pose = end->second;
+    poses_.erase(poses_.begin(), std::next(end));
+    wire::Wrench computed;
+    if (!Feed(pose, computed)) return;
+    if (auto difference = Difference(wrench, computed)) {
+      if (verdict_.different++ == 0) {
+        difference->time_s = 1e-9 * static_cast<double>(time_ns - began_ns_);
+        verdict_.first = std::move(difference);
+      }
+    } else {
+      ++verdict_.verified;
+    }
+  }
+
+  bool Feed(const wire::HapticPose& pose, wire::Wrench& answer) {
+    if (next_start_ != facts_.starts.end() && pose.pose_sequence >= next_start_->first) {
+      if (pose.pose_sequence != next_start_->first) {
+        Stop(fmt::format("pose {}, with which forces began, is not in the recording",
+                         next_start_->first));
+        return false;
+      }
+      loop_.Start(next_start_->second);
+      ++next_start_;
+    }
+    for (; next_leaf_ != facts_.leaves.end() &&
+           next_leaf_->second.pose_sequence <= pose.pose_sequence;
+         ++next_leaf_) {
+      const ObjectForest& forest = model_.objects();
+      const wire::LeafTaken& taken = next_leaf_->second;
+      if (taken.leaf == wire::kNoLeaf) {
+        loop_.MakeWhole();
+        continue;
+      }
+      const auto first_of = [&](std::size_t object) {
+        return object < objects_ ? std::int64_t{forest.FirstLeafOf(static_cast<int>(object))}
+                                 : std::int64_t{forest.leaf_count()};
+      };
+      const std::int64_t leaf = first_of(taken.object_index) + taken.leaf;
+      if (taken.object_index >= objects_ || leaf >= first_of(taken.object_index + 1u)) {
+        Stop(fmt::format("a leaf is to go that the scene does not have ({} of object {})",
+                         taken.leaf, taken.object_index));
+        return false;
+      }
+      loop_.Remove(static_cast<std::int32_t>(leaf));
+    }
+    if (!loop_.OnPose(pose, answer)) {
+      Stop(fmt::format("pose {} comes again or out of its time: the recording contradicts itself",
+                       pose.pose_sequence));
+      return false;
+    }
+    ++taken_;
+    return true;
+  }
+
+  const SessionFacts& facts_;
+  const HapticModel& model_;
+  const std::size_t objects_;
+  ServoLoop loop_;
+  SessionVerdict verdict_;
+  std::map<std::uint64_t, wire::HapticPose> poses_;  // not yet used
+  std::deque<std::pair<wire::Wrench, std::int64_t>> waiting_;
+  std::map<std::uint64_t, wire::LeafTaken>::const_iterator next_leaf_;
+  std::map<std::uint64_t, Pose>::const_iterator next_start_;
+  std::uint64_t newest_pose_ = 0;
+  std::uint32_t taken_ = 0;
+  std::int64_t began_ns_, first_ns_ = 0, last_ns_ = 0, computed_ns_ = 0;
+};
+
+/// The first pass: what sessions there were, and the scenes.
+/// @param last_samples  the number of the last sample of each topic of a loop.
+std::vector<std::unique_ptr<SessionFacts>> Gather(
+    RecordingReader& reader, Scenes& scenes, std::int64_t& began_ns,
+    std::map<std::string, std::uint64_t>& last_samples) {
+  std::vector<std::unique_ptr<SessionFacts>> sessions;
+  std::map<std::pair<std::string, std::uint64_t>, std::size_t> place;  // by station and run
+  const auto facts_of = [&](const std::string& station, std::uint64_t run) -> SessionFacts& {
+    const auto [it, is_new] = place.try_emplace({station, run}, sessions.size());
+    if (!is_new) return *sessions[it->second];
+    sessions.push_back(std::make_unique<SessionFacts>());
+    sessions.back()->station = station;
+    sessions.back()->run = run;
+    return *sessions.back();
+  };
+  RecordedSample sample{};
+  began_ns = 0;
+  for (std::uint64_t number = 1; reader.Next(sample); ++number) {
+    if (began_ns == 0) began_ns = sample.log_time_ns;
+    if (sample.type == RecordedType::kHapticPose || sample.type == RecordedType::kWrench) {
+      last_samples[*sample.topic] = number;
+      continue;
+    }
+    wire::SessionState state{};
+    wire::LeafTaken taken{};
+    dds::Owned<wire::SceneBundle> bundle;
+    if (sample.To(state)) {
+      if (state.phase == palpate_SESSION_REFUSED) continue;
+      SessionFacts& facts = facts_of(state.station, state.run);
+      facts.scene = state.scene;
+      facts.tool = state.tool;
+      if (state.start_sequence != 0) {
+        facts.starts[state.start_sequence] =
+            wire::ToPose(state.start_position_m, state.start_orientation_wxyz);
+      }
+    } else if (sample.To(taken)) {
+      facts_of(taken.station, taken.run).leaves[taken.number] = taken;
+    } else if (sample.To(bundle.value)) {
+      scenes.AddBundle(bundle.value);
+    }
+  }
+  for (const mcap::Metadata& metadata : reader.metadata()) {
+    if (metadata.name == "palpate.scene" && metadata.values.contains("scene") &&
+        metadata.values.contains("hash")) {
+      scenes.AddHash(metadata.values.at("scene"), metadata.values.at("hash"));
+    }
+  }
+  return sessions;
+}
+
+}  // namespace
+
+std::optional<WrenchDifference> Difference(const wire::Wrench& recorded,
+                                           const wire::Wrench& computed) {
+  const auto* a = reinterpret_cast<const std::byte*>(&recorded);
+  const auto* b = reinterpret_cast<const std::byte*>(&computed);
+  for (const Field& field : kFields) {
+    const std::size_t size = SizeOf(field.number);
+    for (std::size_t i = 0; i < field.count; ++i) {
+      const std::size_t at = field.offset + i * size;
+      if (std::memcmp(a + at, b + at, size) == 0) continue;
+      WrenchDifference difference;
+      difference.pose_sequence = recorded.pose_sequence;
+      difference.field = field.name;
+      if (field.columns > 0) difference.field += fmt::format("[{}]", i / field.columns);
+      if (field.count > 1) {
+        difference.field += fmt::format("[{}]", field.columns > 0 ? i % field.columns : i);
+      }
+      difference.recorded = ToText(a + at, field.number);
+      difference.computed = ToText(b + at, field.number);
+      return difference;
+    }
+  }
+  return std::nullopt;
+}
+
+bool Verification::good() const {
+  return !sessions.empty() && !damaged &&
+         std::ranges::all_of(sessions, [](const SessionVerdict& v) { return v.good(); });
+}
+
+Verification Verify(const std::vector<std::string>& files, const VerifyOptions& options) {
+  Verification verification;
+  RecordingReader reader(files);
+  Scenes scenes(options);
+  std::int64_t began_ns = 0;
+  std::map<std::string, std::uint64_t> last_samples;
+  const auto sessions = Gather(reader, scenes, began_ns, last_samples);
+  verification.problems = reader.problems();
+  verification.damaged = reader.damaged();
+
+  const bool complete = reader.complete();
+
+  struct Replayed {
+    const SessionFacts* facts;
+    std::uint64_t last_sample = 0;  // by its number in the recording
+    // From its first sample to its last: a loop has a megabyte, and there may be many sessions.
+    std::unique_ptr<SessionReplay> replay;
+    std::optional<SessionVerdict> verdict;
+  };
+  std::map<std::string, Replayed> replayed;   // by its poses' topic
+  std::map<std::string, Replayed*> by_topic;  // both of a session
+  for (const auto& facts : sessions) {
+    if (facts->scene.empty()) continue;  // only leaves of it: its states are in another split
+    const std::string poses = dds::PoseTopic(facts->station, facts->run);
+    Replayed& session = replayed[poses];
+    session.facts = facts.get();
+    for (const std::string& topic : {poses, dds::WrenchTopic(facts->station, facts->run)}) {
+      by_topic[topic] = &session;
+      const auto last = last_samples.find(topic);
+      if (last == last_samples.end()) continue;
+      session.last_sample = std::max(session.last_sample, last->second);
+    }
+  }
+  std::size_t open = 0;
+  const auto replay_of = [&](Replayed& session) -> SessionReplay& {
+    if (!session.replay) {
+      if (++open > kMostAtOnce) {
+        throw Error(files.front() + ": has more than " + std::to_string(kMostAtOnce) +
+                    " sessions at once, which no server has; verify it in parts");
+      }
+      const SessionFacts& facts = *session.facts;
+      session.replay = std::make_unique<SessionReplay>(
+          facts, scenes.ModelOf(facts.scene, facts.tool), scenes.ObjectsOf(facts.scene), began_ns);
+    }
+    return *session.replay;
+  };
+
+  reader.Restart();
+  RecordedSample sample{};
+  std::uint64_t number = 0;
+  std::map<std::string, std::uint64_t> stray;  // wrenches of sessions whose states are missing
+  while (reader.Next(sample)) {
+    ++number;
+    wire::HapticPose pose;
+    wire::Wrench wrench;
+    const auto it = by_topic.find(*sample.topic);
+    if (it == by_topic.end()) {
+      if (sample.type == RecordedType::kWrench) ++stray[*sample.topic];
+      continue;
+    }
+    Replayed& session = *it->second;
+    if (sample.To(pose)) {
+      replay_of(session).Add(pose);
+    } else if (sample.To(wrench)) {
+      replay_of(session).Add(wrench, sample.log_time_ns);
+    } else if (sample.type == RecordedType::kWrench) {
+      replay_of(session).AddBrokenWrench();
+    }
+    if (number == session.last_sample && session.replay) {
+      session.verdict = session.replay->End(!complete);
+      session.replay.reset();
+      --open;
+    }
+  }
+  for (const auto& [topic, session] : replayed) {
+    // A session that never came to send a pose has nothing to verify.
+    const bool any =
+        session.verdict &&
+        session.verdict->poses + session.verdict->recorded + session.verdict->cut_off > 0;
+    if (any) verification.sessions.push_back(*session.verdict);
+  }
+  for (const auto& [topic, count] : stray) {
+    SessionVerdict verdict;
+    verdict.station = topic;
+    verdict.recorded = count;
+    verdict.ends = "its session's state, which tells scene and start, is not in the recording";
+    verification.sessions.push_back(verdict);
+  }
+  return verification;
+}
+
+std::string ToText(const Verification& verification) {
+  std::string text;
+  for (const SessionVerdict& v : verification.sessions) {
+    const std::uint64_t computed = v.verified + v.different;
+    text += fmt::format(
+        "{}: station {}{}: {} of {} wrenches verified, bit for bit",
+        v.good() ? "same" : "NOT VERIFIED", Printable(v.station),
+        v.scene.empty() ? "" : fmt::format(" with {} in {}", Printable(v.tool), Printable(v.scene)),
+        v.verified, v.recorded);
+    if (computed > 0 && v.computed_s > 0.0) {
+      text += fmt::format("; {:.2f} s in {:.3f} s, {:.0f} x real time", v.recorded_s, v.computed_s,
+                          v.recorded_s / v.computed_s);
+    }
+    text += "\n";
+    if (v.first) {
+      text += fmt::format(
+          "  {} differ; the first answers pose {}, {:.3f} s after the beginning, field {}:\n"
+          "    recorded {}\n    computed {}\n",
+          v.different, v.first->pose_sequence, v.first->time_s, v.first->field, v.first->recorded,
+          v.first->computed);
+    }
+    if (v.cut_off > 0) {
+      text += fmt::format("  {} more at its end answer poses that were cut off\n", v.cut_off);
+    }
+    if (v.broken > 0) text += fmt::format("  {} of them are no wrenches: broken bytes\n", v.broken);
+    if (!v.ends.empty()) {
+      text += fmt::format("  {} could not be computed: {}\n", v.recorded - computed - v.broken,
+                          Printable(v.ends));
+    }
+  }
+  if (verification.damaged) text += "NOT VERIFIED: a file has changed since it was written\n";
+  if (verification.sessions.empty()) text += "NOT VERIFIED: there is no wrench in the recording\n";
+  for (const std::string& problem : verification.problems) text += "  " + Printable(problem) + "\n";
+  return text;
+}
+
+void WriteJson(const Verification& verification, const std::string& file) {
+  nlohmann::ordered_json json{{"good", verification.good()},
+                              {"damaged", verification.damaged},
+                              {"problems", verification.problems},
+                              {"sessions", nlohmann::ordered_json::array()}};
+  for (const SessionVerdict& v : verification.sessions) {
+    nlohmann::ordered_json session{
+        {"station", v.station}, {"scene", v.scene},           {"tool", v.tool},
+        {"poses", v.poses},     {"recorded", v.recorded},     {"broken", v.broken},
+        {"cut_off", v.cut_off}, {"verified", v.verified},     {"different", v.different},
+        {"ends", v.ends},       {"recorded_s", v.recorded_s}, {"computed_s", v.computed_s}};
+    if (v.first) {
+      session["first"] = {{"pose_sequence", v.first->pose_sequence},
+                          {"time_s", v.first->time_s},
+                          {"field", v.first->field},
+                          {"recorded", v.first->recorded},
+                          {"computed", v.first->computed}};
+    }
+    json["sessions"].push_back(session);
+  }
+  WriteOutput("--json", file,
+              json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace palpate

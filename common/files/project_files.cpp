@@ -1,0 +1,66 @@
+#include "common/files/project_files.h"
+
+#include <filesystem>
+#include <string_view>
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// @field installed  below share/palpate.   @field checkout  below the repository's root.
+struct Places {
+  std::string_view installed, checkout;
+};
+
+Places PlacesOf(ProjectFile file) {
+  switch (file) {
+    case ProjectFile::kCatalogue:
+      return {"catalogue", "scenes/catalogue"};
+    case ProjectFile::kPage:
+      return {"page", "build/page"};
+    case ProjectFile::kModels:
+      return {"models/node_modules", "build/models/node_modules"};
+    case ProjectFile::kSharedMemory:
+      return {"roudi.toml", "deploy/cyclonedds/roudi.toml"};
+    case ProjectFile::kHeldHand:
+      return {"hold.json", "tests/link/hold.json"};
+    case ProjectFile::kDevicePages:
+      return {"../doc/palpate-common/devices", "devices"};
+    case ProjectFile::kRealTimePage:
+      return {"../doc/palpate-common/deploy/REALTIME.md", "deploy/REALTIME.md"};
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string ProgramFolder() {
+  std::error_code error;
+  return fs::read_symlink("/proc/self/exe", error).parent_path().string();
+}
+
+std::string PlaceOf(ProjectFile file, const std::string& program_folder) {
+  const Places places = PlacesOf(file);
+  const fs::path folder = program_folder;
+  const fs::path installed = folder / "../share/palpate" / places.installed;
+  std::error_code ignored;
+  if (fs::exists(installed, ignored)) return installed.lexically_normal().string();
+  return (folder / "../../.." / places.checkout).lexically_normal().string();
+}
+
+std::string WorkingFolder() {
+  std::error_code gone;
+  return fs::current_path(gone).string();
+}
+
+std::string ShownPlaceOf(ProjectFile file, const std::string& program_folder,
+                         const std::string& working_folder) {
+  const std::string place = PlaceOf(file, program_folder);
+  std::error_code ignored;
+  if (!fs::exists(place, ignored)) return std::string(PlacesOf(file).checkout);
+  const std::string below = working_folder + "/";
+  return below != "/" && place.starts_with(below) ? place.substr(below.size()) : place;
+}
+
+}  // namespace palpate

@@ -1,0 +1,123 @@
+#include "common/files/whole_file.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/error.h"
+
+namespace palpate {
+namespace {
+
+/// Read at a time where a file does not tell how much it holds.
+constexpr std::size_t kPiece = 64 * 1024;
+
+[[noreturn]] void Refuse(const std::string& flag, const std::string& file, const std::string& why,
+                         const std::string& remedy) {
+  throw Error((flag.empty() ? "" : flag + " ") + file + ": " + why + "; " + remedy);
+}
+
+[[noreturn]] void RefuseUnreadable(const std::string& flag, const std::string& file, int error) {
+  Refuse(flag, file, std::generic_category().message(error), "check the name and the rights");
+}
+
+/// In words: what is no regular file.
+const char* KindOf(mode_t mode) {
+  if (S_ISDIR(mode)) return "is a folder";
+  if (S_ISFIFO(mode)) return "is a pipe";
+  if (S_ISSOCK(mode)) return "is a socket";
+  return "is a device";
+}
+
+[[noreturn]] void RefuseKind(const std::string& flag, const std::string& file, mode_t mode) {
+  Refuse(flag, file, KindOf(mode), "give the name of a regular file");
+}
+
+/// "64 MiB", in the largest unit that divides it.
+std::string InWords(std::uint64_t bytes) {
+  const char* const units[] = {" bytes", " KiB", " MiB", " GiB"};
+  std::size_t unit = 0;
+  for (; unit < 3 && bytes > 0 && bytes % 1024 == 0; ++unit) bytes /= 1024;
+  return std::to_string(bytes) + units[unit];
+}
+
+[[noreturn]] void RefuseLarge(const std::string& flag, const std::string& file,
+                              std::uint64_t most) {
+  Refuse(flag, file, "holds more than " + InWords(most) + ", the most that such a file may",
+         "check that it is the right one, or make it smaller");
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+  int Release() { return std::exchange(fd_, -1); }
+
+ private:
+  int fd_;
+};
+
+}  // namespace
+
+int OpenRegularFile(const std::string& file, std::uint64_t most, const std::string& flag,
+                    const FileCheck& check) {
+  // A pipe without a writer would be waited for, a terminal would become this process's own.
+  Descriptor fd(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+  struct stat status {};
+  if (fd.get() < 0) {
+    const int error = errno;
+    // A socket cannot be opened at all, which "No such device or address" says to nobody.
+    if (stat(file.c_str(), &status) == 0 && S_ISSOCK(status.st_mode)) {
+      RefuseKind(flag, file, status.st_mode);
+    }
+    RefuseUnreadable(flag, file, error);
+  }
+  if (fstat(fd.get(), &status) != 0) RefuseUnreadable(flag, file, errno);
+  if (!S_ISREG(status.st_mode)) RefuseKind(flag, file, status.st_mode);
+  if (check) check(status);
+  if (static_cast<std::uint64_t>(status.st_size) > most) RefuseLarge(flag, file, most);
+  return fd.Release();
+}
+
+std::string ReadWholeFile(const std::string& file, std::uint64_t most, const std::string& flag,
+                          const FileCheck& check) {
+  const Descriptor fd(OpenRegularFile(file, most, flag, check));
+  struct stat status {};
+  if (fstat(fd.get(), &status) != 0) RefuseUnreadable(flag, file, errno);
+  std::string text;
+  std::size_t size = 0;
+  // One byte more than it says, so that a file that does not grow is read without a second piece.
+  text.resize(status.st_size > 0 ? static_cast<std::size_t>(status.st_size) + 1 : kPiece);
+  for (;;) {
+    if (size == text.size()) text.resize(size + std::max(kPiece, size / 2));
+    const ssize_t got = read(fd.get(), text.data() + size, text.size() - size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) RefuseUnreadable(flag, file, errno);
+    if (got == 0) break;
+    size += static_cast<std::size_t>(got);
+    if (size > most) RefuseLarge(flag, file, most);
+  }
+  text.resize(size);
+  return text;
+}
+
+std::optional<std::string> TryReadWholeFile(const std::string& file, std::uint64_t most) {
+  try {
+    return ReadWholeFile(file, most);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,61 @@
+#include "common/files/output.h"
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "tests/support/complaint.h"
+#include "tests/support/read_file.h"
+
+namespace palpate {
+namespace {
+
+using test::ComplaintOf;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class Output : public testing::Test {
+ protected:
+  ~Output() override { fs::remove(file_); }
+  std::string file_ = fs::temp_directory_path() / ("palpate_output_" + std::to_string(getpid()));
+};
+
+TEST_F(Output, GoesToTheFileInPlaceOfWhatWasThere) {
+  WriteOutput("--json", file_, "something long\n");
+  WriteOutput("--json", file_, "{}\n");
+  EXPECT_EQ(ReadWholeFile(file_), "{}\n");
+}
+
+TEST_F(Output, GoesToStandardOutputForADash) {
+  testing::internal::CaptureStdout();
+  WriteOutput("--json", "-", "{}\n");
+  CheckOutput("--json", "-");
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "{}\n");
+  EXPECT_FALSE(fs::exists("-"));
+}
+
+TEST_F(Output, NamesTheOptionTheFileAndTheReasonBothBeforeAndAfterTheWork) {
+  for (const auto& complaint :
+       {ComplaintOf([] { CheckOutput("--report", "/nowhere/a.md"); }),
+        ComplaintOf([] { WriteOutput("--report", "/nowhere/a.md", "text"); })}) {
+    EXPECT_THAT(complaint, HasSubstr("--report /nowhere/a.md: cannot be written (No such file"));
+    EXPECT_THAT(complaint, HasSubstr("folder"));
+  }
+}
+
+TEST_F(Output, SaysWhereTheDiskIsFull) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  EXPECT_THAT(ComplaintOf([] { WriteOutput("--json", "/dev/full", "text"); }),
+              HasSubstr("No space left"));
+}
+
+TEST_F(Output, KeepsWhatAFileHoldsUntilThereIsMore) {
+  WriteOutput("--json", file_, "of the last run\n");
+  CheckOutput("--json", file_);
+  EXPECT_EQ(ReadWholeFile(file_), "of the last run\n");
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,59 @@
+#include "common/files/project_files.h"
+
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ProjectFiles : public testing::Test {
+ protected:
+  ~ProjectFiles() override { fs::remove_all(folder_); }
+  std::string Make(const std::string& name) const {
+    fs::create_directories(folder_ / name);
+    return (folder_ / name).string();
+  }
+  const fs::path folder_ =
+      fs::temp_directory_path() / ("palpate_project_files_" + std::to_string(getpid()));
+};
+
+TEST_F(ProjectFiles, AreBelowShareOfThePrefixThatTheProgramIsInstalledIn) {
+  const std::string bin = Make("usr/bin");
+  const std::string catalogue = Make("usr/share/palpate/catalogue");
+  EXPECT_EQ(PlaceOf(ProjectFile::kCatalogue, bin), catalogue);
+  const std::string models = Make("usr/share/palpate/models/node_modules");
+  EXPECT_EQ(PlaceOf(ProjectFile::kModels, bin), models);
+}
+
+TEST_F(ProjectFiles, AreInTheCheckoutThatTheProgramIsBuiltIn) {
+  const std::string bin = Make("build/release/bin");
+  EXPECT_EQ(PlaceOf(ProjectFile::kCatalogue, bin), (folder_ / "scenes/catalogue").string());
+  EXPECT_EQ(PlaceOf(ProjectFile::kPage, bin), (folder_ / "build/page").string());
+  EXPECT_EQ(PlaceOf(ProjectFile::kModels, bin), (folder_ / "build/models/node_modules").string());
+}
+
+TEST_F(ProjectFiles, AreShownFromTheWorkingFolderWhereTheyAreBelowIt) {
+  const std::string bin = Make("build/release/bin");
+  const std::string page = Make("build/page");
+  const std::string root = folder_.string();
+  EXPECT_EQ(ShownPlaceOf(ProjectFile::kPage, bin, root), "build/page");
+  EXPECT_EQ(ShownPlaceOf(ProjectFile::kPage, bin, root + "/build"), "page");
+  for (const std::string& elsewhere : {root + "/scenes", std::string("/"), std::string()}) {
+    EXPECT_EQ(ShownPlaceOf(ProjectFile::kPage, bin, elsewhere), page);
+  }
+  // Which nothing has here.
+  EXPECT_EQ(ShownPlaceOf(ProjectFile::kSharedMemory, bin, root), "deploy/cyclonedds/roudi.toml");
+}
+
+TEST_F(ProjectFiles, AreFoundByThisTestInItsCheckout) {
+  EXPECT_TRUE(
+      fs::equivalent(PlaceOf(ProjectFile::kCatalogue), PALPATE_SOURCE_DIR "/scenes/catalogue"));
+  EXPECT_TRUE(fs::is_regular_file(PlaceOf(ProjectFile::kSharedMemory)));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,108 @@
+#include "client/replayer/score/criteria.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "tests/support/complaint.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+class CriteriaTest : public testing::Test {
+ protected:
+  ~CriteriaTest() override { std::filesystem::remove(file_); }
+  Criteria Load(const std::string& text) {
+    std::ofstream(file_) << text;
+    return LoadCriteria(file_);
+  }
+  std::string Complaint(const std::string& text) {
+    return ComplaintOf([&] { Load(text); });
+  }
+  std::string file_ = testing::TempDir() + "palpate_criteria_" + std::to_string(getpid()) + ".json";
+};
+
+/// A tip that goes straight down to y = -depth and up again in 2 s, with this force.
+HandPath Probing(double depth_m, double force_N, double x_m = 0.0) {
+  HandPath path;
+  for (int i = 0; i <= 2000; ++i) {
+    path.time_s.push_back(1e-3 * i);
+    const double down = i < 1000 ? 1e-3 * i : 2.0 - 1e-3 * i;
+    path.X_WH.push_back({Vec3(x_m, 0.005 - (depth_m + 0.005) * down, 0), Quat::Identity()});
+    path.force_N.push_back(Vec3(0, i < 500 ? 0.5 * force_N : force_N, 0));
+    path.torque_Nm.push_back(Vec3::Zero());
+  }
+  return path;
+}
+
+TEST_F(CriteriaTest, ThatATeacherBeginsWithGradeAGoodHandFullyAndARoughOneLess) {
+  const Criteria criteria = Load(kCriteriaToBeginWith);
+  EXPECT_EQ(criteria.title, "Periodontal probing");
+  ASSERT_EQ(criteria.sites.size(), 1u);
+  EXPECT_NEAR(criteria.criteria[0].limit_N, 0.025 * 9.81, 1e-3);
+  const ProbingSite& site = criteria.sites[0];
+  const auto probing = [&](double depth_m, double force_N) {
+    HandPath path = Probing(depth_m, force_N);
+    for (Pose& X : path.X_WH) X.p = site.margin - X.p.y() * site.into;
+    return path;
+  };
+  const HandPath expert = probing(0.006, 0.2), rough = probing(0.009, 1.0);
+  const Grade good = GradeTrial(criteria, ScorePath(expert, expert), expert);
+  EXPECT_DOUBLE_EQ(good.points, 100.0);
+  EXPECT_NEAR(*good.depths[0], 0.006, 1e-6);
+  const Grade bad = GradeTrial(criteria, ScorePath(expert, rough), rough);
+  EXPECT_LT(bad.points, criteria.pass);
+  EXPECT_EQ(bad.marks[1].points, 0.0) << "3 mm too deep";
+}
+
+TEST_F(CriteriaTest, GiveTheShareThatLiesBetweenBestAndWorst) {
+  const Criteria criteria = Load(R"({"title": "t", "pass": 50, "criteria": [
+    {"name": "gentle", "measure": "force_over_share", "limit_N": 0.75, "best": 0, "worst": 1},
+    {"name": "peak", "measure": "force_peak_N", "best": 0, "worst": 4, "weight": 3}]})");
+  const HandPath path = Probing(0.006, 1.0);  // 1 N for three quarters of the time
+  const Grade grade = GradeTrial(criteria, ScorePath(path, path), path);
+  EXPECT_NEAR(grade.marks[0].value, 0.75, 1e-3);
+  EXPECT_NEAR(grade.marks[0].points, 25.0, 0.1);
+  EXPECT_NEAR(grade.marks[1].points, 75.0, 1e-9);
+  EXPECT_NEAR(grade.points, (25.0 + 3 * 75.0) / 4, 0.05);
+}
+
+TEST(ProbingSite, IsAsDeepAsTheTipGotWithinItsRadius) {
+  const ProbingSite site{"s", Vec3::Zero(), -Vec3::UnitY(), 0.002, 0.006, 0.001};
+  EXPECT_NEAR(*DepthIn(site, Vec3::Zero(), Probing(0.004, 0.1)), 0.004, 1e-6);
+  EXPECT_NEAR(*DepthIn(site, Vec3(0, -0.001, 0), Probing(0.004, 0.1)), 0.005, 1e-6);
+  EXPECT_FALSE(DepthIn(site, Vec3::Zero(), Probing(0.004, 0.1, 0.003)).has_value());
+  EXPECT_FALSE(DepthIn(site, Vec3::Zero(), Probing(-0.001, 0.1)).has_value());
+}
+
+TEST(ProbingSite, IsProbedByTheToolAndNotByTheHandThatPressesIt) {
+  const ProbingSite site{"s", Vec3::Zero(), -Vec3::UnitY(), 0.002, 0.006, 0.001};
+  HandPath path = Probing(0.009, 0.1);
+  path.X_WG = Probing(0.006, 0.1).X_WH;
+  EXPECT_NEAR(*DepthIn(site, Vec3::Zero(), path), 0.006, 1e-6);
+}
+
+TEST_F(CriteriaTest, NameTheFieldThatIsWrong) {
+  const auto with = [](const std::string& criterion) {
+    return R"({"title": "t", "pass": 50, "criteria": [)" + criterion + "]}";
+  };
+  EXPECT_THAT(Complaint(with("")), HasSubstr("criteria"));
+  EXPECT_THAT(Complaint(with(R"({"name": "a", "measure": "charm", "best": 0, "worst": 1})")),
+              HasSubstr("criteria[0].measure: \"charm\" is not known; give one of"));
+  EXPECT_THAT(
+      Complaint(with(R"({"name": "a", "measure": "force_over_share", "best": 0, "worst": 1})")),
+      HasSubstr("limit_N is missing"));
+  EXPECT_THAT(Complaint(with(R"({"name": "a", "measure": "force_peak_N", "best": 1, "worst": 1})")),
+              HasSubstr("is the same as best"));
+  EXPECT_THAT(
+      Complaint(with(R"({"name": "a", "measure": "sites_right_share", "best": 1, "worst": 0})")),
+      HasSubstr("needs \"sites\""));
+}
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,294 @@
+#include "client/replayer/score/score.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/replayer/score/criteria.h"
+#include "common/error.h"
+#include "common/math/rotation.h"
+#include "tests/common/recording/samples.h"
+#include "tests/support/complaint.h"
+#include "tests/support/random.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// A hand along x by 100 mm in so many seconds, `side` away from the line, with this force.
+HandPath Stroke(double seconds, const Vec3& side = Vec3::Zero(), double force_N = 1.0) {
+  HandPath path;
+  const int n = static_cast<int>(1000 * seconds);
+  for (int i = 0; i <= n; ++i) {
+    const double s = static_cast<double>(i) / n;
+    path.time_s.push_back(1e-3 * i);
+    path.X_WH.push_back({Vec3(0.1 * s, 0, 0) + side, Quat::Identity()});
+    path.force_N.push_back(Vec3(0, 0, force_N));
+    path.torque_Nm.push_back(Vec3::Zero());
+  }
+  return path;
+}
+
+TEST(Score, IsNothingBetweenAPathAndItself) {
+  const Score score = ScorePath(Stroke(2.0), Stroke(2.0));
+  EXPECT_EQ(score.path_max_mm, 0.0);
+  EXPECT_EQ(score.frechet_mm, 0.0);
+  EXPECT_EQ(score.force_rms_N, 0.0);
+  EXPECT_EQ(score.turn_mean_deg, 0.0);
+  EXPECT_EQ(score.expert_s, score.trainee_s);
+}
+
+TEST(Score, IsTheDistanceOfParallelPathsWhateverTheirPace) {
+  const Score score = ScorePath(Stroke(2.0), Stroke(5.0, Vec3(0, 0.003, 0.004)));
+  EXPECT_NEAR(score.path_mean_mm, 5.0, 0.01);
+  EXPECT_NEAR(score.path_max_mm, 5.0, 0.1);
+  EXPECT_NEAR(score.frechet_mm, 5.0, 0.01);
+  EXPECT_NEAR(score.trainee_s / score.expert_s, 2.5, 0.02);
+}
+
+TEST(Score, SeesADetourByItsGreatestDistance) {
+  HandPath detour = Stroke(2.0);
+  for (std::size_t i = 0; i < detour.size(); ++i) {
+    const double s = static_cast<double>(i) / static_cast<double>(detour.size() - 1);
+    detour.X_WH[i].p.y() = 0.020 * std::sin(std::numbers::pi * s);
+  }
+  const Score score = ScorePath(Stroke(2.0), detour);
+  EXPECT_NEAR(score.frechet_mm, 20.0, 0.1);
+  EXPECT_NEAR(score.path_max_mm, 20.0, 0.5);
+  EXPECT_LT(score.path_mean_mm, 15.0);
+}
+
+TEST(Score, ComparesForcesAndRotations) {
+  HandPath turned = Stroke(2.0, Vec3::Zero(), 1.5);
+  for (Pose& X : turned.X_WH) X.q = RotationExp(Vec3(0, 0, 0.1));
+  const Score score = ScorePath(Stroke(2.0, Vec3::Zero(), 1.0), turned);
+  EXPECT_NEAR(score.force_rms_N, 0.5, 1e-12);
+  EXPECT_EQ(score.expert_peak_N, 1.0);
+  EXPECT_EQ(score.trainee_peak_N, 1.5);
+  EXPECT_NEAR(score.turn_mean_deg, 0.1 * 180 / std::numbers::pi, 1e-6);
+  EXPECT_NEAR(score.trainee_contact_s, score.trainee_s, 0.01);
+}
+
+/// So long that times are exact, and sums of them.
+constexpr double kStep_s = 1.0 / 1024;
+
+void Put(HandPath& path, const Pose& X_WH, double force_N) {
+  path.time_s.push_back(path.time_s.empty() ? 0.0 : path.time_s.back() + kStep_s);
+  path.X_WH.push_back(X_WH);
+  path.force_N.push_back(Vec3(0, force_N, 0));
+  path.torque_Nm.push_back(Vec3::Zero());
+}
+
+void Hold(HandPath& path, int steps, double force_N) {
+  const Pose X_WH = path.X_WH.back();
+  for (int i = 0; i < steps; ++i) Put(path, X_WH, force_N);
+}
+
+/// A hand that goes from place to place and turns, and presses there or on the way, or does not.
+HandPath AnyHand(Random& random) {
+  HandPath path;
+  Pose at;
+  for (int leg = 1 + random.Below(4); leg > 0; --leg) {
+    const bool stays = random.Below(3) == 0;
+    const Vec3 way = stays ? Vec3(Vec3::Zero()) : Vec3(random.Uniform(-0.1, 0.1), 0, 0.02);
+    const Vec3 turn(0, stays ? 0.0 : random.Uniform(-0.5, 0.5), 0);
+    const double force_N = random.Below(2) == 0 ? 0.0 : random.Uniform(0.06, 3.0);
+    const int steps = 1 + random.Below(200);
+    for (int i = 1; i <= steps; ++i) {
+      const double share = static_cast<double>(i) / steps;
+      Put(path, {at.p + share * way, RotationExp(share * turn) * at.q}, force_N);
+    }
+    at = path.X_WH.back();
+  }
+  Hold(path, random.Below(50), 0.0);
+  return path;
+}
+
+bool Acts(const HandPath& path) {
+  const Pose& first = path.X_WH.front();
+  int acts = 0;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    acts += path.force_N[i].norm() > kContact_N || (path.X_WH[i].p - first.p).norm() > 0.01;
+  }
+  return acts > 1;
+}
+
+TEST(Trial, IsTheSameWhateverTheHandWaitsBeforeAndAfter) {
+  Random random(1);
+  int tried = 0;
+  while (tried < 20) {
+    const HandPath hand = AnyHand(random);
+    if (!Acts(hand)) continue;
+    ++tried;
+    HandPath waiting;
+    Put(waiting, hand.X_WH.front(), 0.0);
+    Hold(waiting, random.Below(300), 0.0);
+    for (std::size_t i = 0; i < hand.size(); ++i) {
+      Put(waiting, hand.X_WH[i], hand.force_N[i].norm());
+    }
+    Hold(waiting, random.Below(300), 0.0);
+    const HandPath a = TrialIn(hand, "a"), b = TrialIn(waiting, "b");
+    EXPECT_EQ(a.time_s, b.time_s);
+    EXPECT_EQ(a.force_N, b.force_N);
+    const HandPath expert = Stroke(0.1);
+    const Score of_a = ScorePath(expert, a), of_b = ScorePath(expert, b);
+    const auto numbers = NumbersOf(of_a), again = NumbersOf(of_b);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      EXPECT_EQ(numbers[i].second, again[i].second) << numbers[i].first;
+    }
+    Criteria criteria;
+    criteria.criteria = {
+        {.name = "soft", .why = "", .measure = "force_over_share", .limit_N = 0.5}};
+    EXPECT_EQ(GradeTrial(criteria, of_a, a).marks[0].value,
+              GradeTrial(criteria, of_b, b).marks[0].value);
+  }
+}
+
+TEST(Trial, HoldsEveryContact) {
+  Random random(2);
+  const auto contacts = [](const HandPath& path) {
+    return std::ranges::count_if(path.force_N, [](const Vec3& f) { return f.norm() > kContact_N; });
+  };
+  for (int i = 0; i < 100; ++i) {
+    const HandPath hand = AnyHand(random);
+    if (!Acts(hand)) continue;
+    EXPECT_EQ(contacts(TrialIn(hand, "a")), contacts(hand));
+  }
+}
+
+TEST(Trial, EndsWithAPressOfAHandThatHasArrived) {
+  Random random(3);
+  for (int i = 0; i < 20; ++i) {
+    HandPath hand = AnyHand(random);
+    hand.force_N.assign(hand.size(), Vec3::Zero());
+    Put(hand, {hand.X_WH.back().p + Vec3(0.02, 0, 0), Quat::Identity()}, 0.0);
+    const int steps = 1 + random.Below(200);
+    Hold(hand, steps, 0.9);
+    const HandPath trial = TrialIn(hand, "a");
+    const Score score = ScorePath(Stroke(0.1), trial);
+    EXPECT_EQ(score.trainee_peak_N, 0.9);
+    EXPECT_EQ(score.trainee_contact_s, steps * kStep_s);
+    EXPECT_EQ(trial.X_WH.back().p, hand.X_WH.back().p);
+  }
+}
+
+TEST(Trial, MayBeAPressOrATurnAlone) {
+  HandPath press;
+  Put(press, Pose{}, 0.0);
+  EXPECT_THROW(TrialIn(press, "a"), Error);
+  Hold(press, 1000, 0.0);
+  EXPECT_THROW(TrialIn(press, "a"), Error);
+  HandPath turn = press;
+  Hold(press, 512, 0.9);
+  Hold(press, 1000, 0.0);
+  EXPECT_EQ(TrialIn(press, "a").duration_s(), 511 * kStep_s);
+  for (int i = 1; i <= 100; ++i) Put(turn, {Vec3::Zero(), RotationExp(Vec3(0, 0, 0.01 * i))}, 0.0);
+  EXPECT_NEAR(TrialIn(turn, "a").duration_s(), 98 * kStep_s, 1e-12) << "from 1 to 99 of 100";
+}
+
+wire::HapticPose StandingPose(std::uint64_t sequence) {
+  wire::HapticPose pose = SamplePose(sequence);
+  pose.orientation_wxyz[0] = 1.0;
+  for (int k = 1; k < 4; ++k) pose.orientation_wxyz[k] = 0.0;
+  return pose;
+}
+
+std::string Complaint(const std::string& file, const std::string& station) {
+  return ComplaintOf([&] { ReadHandPath({file}, {station}); });
+}
+
+TEST(HandPath, IsThatOfTheOnlySessionThatHasPoses) {
+  const Folder folder;
+  RecordingWriter writer({.file = folder / "a.mcap"});
+  for (std::uint64_t i = 1; i <= 20; ++i) {
+    Add(writer, dds::PoseTopic("hand", 2), StandingPose(i), 0);
+    if (i != 7) Add(writer, dds::WrenchTopic("hand", 2), SampleWrench(i), 0);
+  }
+  Add(writer, dds::kSessionStateTopic, SampleState("hand", 2), 0);
+  Add(writer, dds::kSessionStateTopic, SampleState("gone", 1), 0);
+  writer.Close("");
+  const HandPath path = ReadHandPath({folder / "a.mcap"});
+  EXPECT_EQ(path.station, "hand");
+  EXPECT_EQ(path.scene, "cube");
+  ASSERT_EQ(path.size(), 20u);
+  EXPECT_NEAR(path.duration_s(), 0.019, 1e-12);
+  EXPECT_EQ(path.X_WH[3].p.x(), 0.5);
+  EXPECT_EQ(path.force_N[3].x(), 0.5);
+  EXPECT_EQ(path.force_N[6], Vec3::Zero());
+}
+
+TEST(HandPath, IsAskedForWhereSeveralSessionsHavePoses) {
+  const Folder folder;
+  const std::string file = folder / "class.mcap";
+  RecordingWriter writer({.file = file});
+  const std::pair<std::string, std::uint64_t> sessions[] = {{"anna", 1}, {"ben", 2}, {"ben", 3}};
+  for (const auto& [station, run] : sessions) {
+    const auto from = static_cast<std::int64_t>(2'000'000'000 * run);
+    Add(writer, dds::kSessionStateTopic, SampleState(station, run), from);
+    for (std::uint64_t i = 1; i <= 10 * run; ++i) {
+      Add(writer, dds::PoseTopic(station, run), StandingPose(i),
+          from + static_cast<std::int64_t>(100'000'000 * i));
+    }
+  }
+  writer.Close("");
+  EXPECT_THAT(Complaint(file, ""),
+              HasSubstr("class.mcap: holds 3 sessions; choose one: --station anna (tool ball, from "
+                        "0.1 s, 0.9 s long), --station ben/0000000000000002 (tool ball, from 2.1 "
+                        "s, 1.9 s long), --station ben/0000000000000003 ("));
+  EXPECT_EQ(ReadHandPath({file}, {"anna"}).size(), 10u);
+  EXPECT_EQ(ReadHandPath({file}, {"ben/0000000000000003"}).size(), 30u);
+  EXPECT_THAT(Complaint(file, "ben"), HasSubstr("holds 2 sessions; choose one: --station ben/"));
+  EXPECT_THAT(Complaint(file, "carl"),
+              HasSubstr("holds no session of station 'carl'; give one of these: --station anna"));
+}
+
+TEST(HandPath, TakesNoWordOfARecordingThatNoArmCouldSay) {
+  const Folder folder;
+  RecordingWriter writer({.file = folder / "a.mcap"});
+  for (std::uint64_t i = 1; i <= 10; ++i) {
+    wire::HapticPose pose = StandingPose(i);
+    if (i == 2) pose.pose_sequence = std::numeric_limits<std::uint64_t>::max();
+    if (i == 3) pose.sample_time_ns = std::numeric_limits<std::int64_t>::max();
+    if (i == 4) pose.position_m[0] = 1e300;
+    if (i == 5) pose.sample_time_ns = std::numeric_limits<std::int64_t>::min();
+    Add(writer, dds::PoseTopic("hand", 2), pose, 0);
+    wire::Wrench wrench = SampleWrench(i);
+    if (i == 6) wrench.force_N[1] = 1e300;
+    if (i == 7) wrench.torque_Nm[1] = std::numeric_limits<double>::quiet_NaN();
+    Add(writer, dds::WrenchTopic("hand", 2), wrench, 0);
+  }
+  writer.Close("");
+  const HandPath path = ReadHandPath({folder / "a.mcap"});
+  ASSERT_EQ(path.size(), 6u) << "1 and 6 to 10";
+  EXPECT_TRUE(std::ranges::is_sorted(path.time_s));
+  EXPECT_EQ(path.force_N[1], Vec3::Zero());
+  EXPECT_EQ(path.force_N[2], Vec3::Zero());
+  EXPECT_EQ(path.force_N[3].x(), 1.0);
+}
+
+TEST(HandPath, LeavesOutPosesThatNobodyCanUse) {
+  const Folder folder;
+  const auto record = [&](int poses, int usable) {
+    RecordingWriter writer({.file = folder / "a.mcap", .overwrite = true});
+    for (int i = 1; i <= poses; ++i) {
+      wire::HapticPose pose = SamplePose(static_cast<std::uint64_t>(i));
+      if (i > usable) {
+        for (double& q : pose.orientation_wxyz) q = i % 2 == 0 ? 0.0 : 1.0 / 0.0;
+      }
+      Add(writer, dds::PoseTopic("hand", 1), pose, 1'000'000 * i);
+    }
+    writer.Close("");
+  };
+  record(10, 3);
+  EXPECT_EQ(ReadHandPath({folder / "a.mcap"}).size(), 3u);
+  record(10, 0);
+  EXPECT_THROW(ReadHandPath({folder / "a.mcap"}), Error);
+}
+
+}  // namespace
+}  // namespace palpate::test

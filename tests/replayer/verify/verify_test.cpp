@@ -1,0 +1,404 @@
+#include "client/replayer/verify/verify.h"
+
+#include <bit>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.h"
+#include "common/json/pose_script.h"
+#include "common/recording/recording_reader.h"
+#include "scenes/catalogue.h"
+#include "scenes/files/scene_bundle.h"
+#include "server/physics/scene_model.h"
+#include "server/physics/start_pose.h"
+#include "server/physics/tree/sphere_tree_query.h"
+#include "server/session/servo_loop.h"
+#include "tests/common/recording/samples.h"
+
+namespace palpate::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::SizeIs;
+
+constexpr std::uint64_t kPoses = 300;
+constexpr std::uint64_t kStart = 5;
+constexpr std::int64_t kMs = 1'000'000;
+
+/// A session as a recorder hears it, with what gets lost on the way.
+struct Story {
+  std::string scene = "cube";
+  std::set<std::uint64_t> server_misses{};                ///< poses
+  std::set<std::uint64_t> poses_lost{}, wrenches_lost{};  ///< to the recorder
+  bool state_lost = false;
+  std::uint64_t leaf_goes_before = 0;  ///< pose; 0: never
+  bool leaf_lost = false;
+  std::uint64_t whole_before = 0;  ///< pose; 0: never.  Forces begin again 20 poses later
+  bool whole_lost = false;
+};
+
+/// The hand slides along the cube's top face, 1 mm deep; of the calculus, it scrapes.
+wire::HapticPose PoseAt(const Scene& scene, std::uint64_t sequence) {
+  wire::HapticPose pose{};
+  pose.pose_sequence = sequence;
+  pose.sample_time_ns = static_cast<std::int64_t>(sequence) * kMs;
+  Pose X{Vec3(2e-5 * static_cast<double>(sequence), 0.029, 0.0), Quat::Identity()};
+  if (scene.name != "cube") {
+    static const PoseScript script =
+        PoseScript::Load(PALPATE_SOURCE_DIR "/scenes/catalogue/calculus.path.json");
+    X = script.At(4.0 + 1e-3 * static_cast<double>(sequence));
+  }
+  wire::FromPose(X, pose.position_m, pose.orientation_wxyz);
+  return pose;
+}
+
+/// The first leaf that the hand itself scrapes off after that pose; it may go before.
+std::int32_t LeafScrapedAfter(const Scene& scene, const HapticModel& model, const Pose& X_WG,
+                              std::uint64_t sequence) {
+  ServoLoop loop(model);
+  for (std::uint64_t i = 1; i <= kPoses; ++i) {
+    if (i == kStart) loop.Start(X_WG);
+    wire::Wrench wrench{};
+    loop.OnPose(PoseAt(scene, i), wrench);
+  }
+  for (std::size_t i = 0; i < loop.removals().size(); ++i) {
+    if (loop.removals()[i].pose_sequence > sequence) return loop.removals()[i].leaf;
+  }
+  ADD_FAILURE() << "the hand scrapes nothing off";
+  return 0;
+}
+
+void Record(const Story& story, const std::string& file) {
+  const Scene scene = LoadScene(story.scene);
+  const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
+  RecordingWriter writer({.file = file});
+  std::vector<std::uint8_t> bytes = PackScene(scene);
+  wire::SceneBundle bundle{};
+  wire::FromText(scene.name, bundle.scene);
+  bundle.hash = BundleHash(bytes);
+  bundle.bundle._buffer = bytes.data();
+  bundle.bundle._length = bundle.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
+  Add(writer, dds::kSceneBundleTopic, bundle, kMs);
+
+  ServoLoop loop(model);
+  const wire::HapticPose start = PoseAt(scene, kStart);
+  StepWorkspace workspace(model);
+  const LeafWear whole = StepState(model).wear;
+  const Pose X_WG = ResolveStart(model, wire::ToPose(start), workspace, &whole).X_WG;
+  const auto say_start = [&](std::uint64_t sequence, const Pose& X, std::int64_t now_ns) {
+    wire::SessionState state = SampleState("hand", 9);
+    wire::FromText(scene.name, state.scene);
+    wire::FromText(scene.tools.front().name, state.tool);
+    state.start_sequence = sequence;
+    wire::FromPose(X, state.start_position_m, state.start_orientation_wxyz);
+    Add(writer, dds::kSessionStateTopic, state, now_ns);
+  };
+  for (std::uint64_t i = 1; i <= kPoses; ++i) {
+    const wire::HapticPose pose = PoseAt(scene, i);
+    const std::int64_t now_ns = static_cast<std::int64_t>(i) * kMs;
+    if (!story.poses_lost.contains(i)) Add(writer, dds::PoseTopic("hand", 9), pose, now_ns);
+    if (story.server_misses.contains(i)) continue;
+    if (i == kStart) loop.Start(X_WG);
+    if (i == story.leaf_goes_before) {
+      const std::int32_t leaf = LeafScrapedAfter(scene, model, X_WG, i);
+      loop.Remove(leaf);
+      wire::LeafTaken taken{};
+      wire::FromText("hand", taken.station);
+      taken.run = 9;
+      taken.number = 1;
+      taken.pose_sequence = i;
+      taken.object_index = static_cast<std::uint32_t>(model.objects().ObjectOf(leaf));
+      taken.leaf = static_cast<std::uint32_t>(
+          leaf - model.objects().FirstLeafOf(model.objects().ObjectOf(leaf)));
+      if (!story.leaf_lost) Add(writer, dds::kLeafTakenTopic, taken, now_ns);
+    }
+    if (i == story.whole_before) {
+      loop.MakeWhole();
+      wire::LeafTaken taken{};
+      wire::FromText("hand", taken.station);
+      taken.run = 9;
+      taken.number = 2;
+      taken.pose_sequence = i;
+      taken.leaf = wire::kNoLeaf;
+      if (!story.whole_lost) Add(writer, dds::kLeafTakenTopic, taken, now_ns);
+    }
+    if (story.whole_before != 0 && i == story.whole_before + 20) {
+      loop.Start(wire::ToPose(pose));
+      say_start(i, wire::ToPose(pose), now_ns);
+    }
+    wire::Wrench wrench{};
+    loop.OnPose(pose, wrench);
+    if (!story.wrenches_lost.contains(i)) {
+      Add(writer, dds::WrenchTopic("hand", 9), wrench, now_ns);
+    }
+  }
+  if (!story.state_lost) say_start(kStart, X_WG, static_cast<std::int64_t>(kPoses) * kMs);
+  writer.Close("");
+}
+
+/// Copies a recording; `change` may alter a sample's bytes.
+template <class Change>
+void Copy(const std::string& from, const std::string& to, Change change) {
+  RecordingReader reader({from});
+  RecordingWriter writer({.file = to});
+  RecordedSample sample{};
+  while (reader.Next(sample)) {
+    std::vector<std::uint8_t> cdr(sample.cdr.begin(), sample.cdr.end());
+    change(sample, cdr);
+    writer.Add(*sample.topic, sample.type, sample.log_time_ns, cdr);
+  }
+  writer.Close("");
+}
+
+class VerifyTest : public testing::Test {
+ protected:
+  SessionVerdict VerdictOf(const Story& story) {
+    const std::string file = folder_ / "story.mcap";
+    std::filesystem::remove(file);
+    Record(story, file);
+    return Only(Verify({file}, {}));
+  }
+  static SessionVerdict Only(const Verification& verification) {
+    EXPECT_THAT(verification.sessions, SizeIs(1));
+    return verification.sessions.empty() ? SessionVerdict{} : verification.sessions.front();
+  }
+
+  Folder folder_;
+};
+
+TEST_F(VerifyTest, FindsARecordingTheSameBitForBit) {
+  const SessionVerdict verdict = VerdictOf({});
+  EXPECT_TRUE(verdict.good());
+  EXPECT_EQ(verdict.recorded, kPoses);
+  EXPECT_EQ(verdict.verified, kPoses);
+  EXPECT_EQ(verdict.ends, "");
+}
+
+TEST_F(VerifyTest, KnowsThePosesThatTheServerNeverHad) {
+  const SessionVerdict verdict = VerdictOf({.server_misses = {1, 2, 40, 41, 42, 250}});
+  EXPECT_TRUE(verdict.good()) << verdict.ends;
+  EXPECT_EQ(verdict.verified, kPoses - 6);
+}
+
+TEST_F(VerifyTest, GoesOnBehindWrenchesThatTheRecorderMissed) {
+  const SessionVerdict verdict = VerdictOf({.wrenches_lost = {1, 2, 5, 6, 100, 200, 201}});
+  EXPECT_TRUE(verdict.good()) << verdict.ends;
+  EXPECT_EQ(verdict.verified, kPoses - 7);
+}
+
+TEST_F(VerifyTest, SaysFromWhereOnAMissingPoseMakesItImpossible) {
+  const SessionVerdict verdict = VerdictOf({.poses_lost = {90}});
+  EXPECT_FALSE(verdict.good());
+  EXPECT_EQ(verdict.verified, 89u);
+  EXPECT_EQ(verdict.different, 0u);
+  EXPECT_THAT(verdict.ends, HasSubstr("pose 90 is not in the recording"));
+}
+
+TEST_F(VerifyTest, DoesNotGuessWhichPosesWereAnswered) {
+  const SessionVerdict verdict = VerdictOf({.server_misses = {100}, .wrenches_lost = {101}});
+  EXPECT_FALSE(verdict.good());
+  EXPECT_EQ(verdict.verified, 99u);
+  EXPECT_EQ(verdict.different, 0u);
+  EXPECT_THAT(verdict.ends, HasSubstr("before pose 102"));
+}
+
+TEST_F(VerifyTest, SaysThatARecordingBeganTooLate) {
+  std::set<std::uint64_t> early;
+  for (std::uint64_t i = 1; i < 50; ++i) early.insert(i);
+  const SessionVerdict verdict = VerdictOf({.poses_lost = early, .wrenches_lost = early});
+  EXPECT_FALSE(verdict.good());
+  EXPECT_EQ(verdict.verified, 0u);
+  EXPECT_THAT(verdict.ends, HasSubstr("began after its loop"));
+}
+
+TEST_F(VerifyTest, NeedsTheSessionsState) {
+  const SessionVerdict verdict = VerdictOf({.state_lost = true});
+  EXPECT_FALSE(verdict.good());
+  EXPECT_THAT(verdict.ends, HasSubstr("state"));
+}
+
+TEST_F(VerifyTest, TakesLeavesAwayBeforeTheSamePose) {
+  Story story{.scene = "calculus", .leaf_goes_before = 100};
+  SessionVerdict verdict = VerdictOf(story);
+  EXPECT_TRUE(verdict.good()) << verdict.ends;
+  story.leaf_lost = true;
+  verdict = VerdictOf(story);
+  EXPECT_GT(verdict.different, 0u);
+  ASSERT_TRUE(verdict.first.has_value());
+  EXPECT_GE(verdict.first->pose_sequence, 100u);
+}
+
+TEST_F(VerifyTest, MakesTheSceneWholeBeforeTheSamePose) {
+  Story story{.scene = "calculus", .leaf_goes_before = 100, .whole_before = 150};
+  SessionVerdict verdict = VerdictOf(story);
+  EXPECT_TRUE(verdict.good()) << verdict.ends;
+  story.whole_lost = true;
+  verdict = VerdictOf(story);
+  EXPECT_GT(verdict.different, 0u);
+  ASSERT_TRUE(verdict.first.has_value());
+  EXPECT_EQ(verdict.first->pose_sequence, 150u);
+}
+
+TEST_F(VerifyTest, NamesTheTamperedMessageAndItsField) {
+  const std::string file = folder_ / "good.mcap", tampered = folder_ / "tampered.mcap";
+  Record({}, file);
+  double was = 0.0;
+  Copy(file, tampered, [&](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
+    wire::Wrench wrench;
+    if (!sample.To(wrench) || wrench.pose_sequence != 217) return;
+    was = wrench.force_N[1];
+    wrench.force_N[1] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(was) ^ 1u);
+    cdr.clear();
+    dds::ToCdr(wrench, cdr);
+  });
+  const Verification verification = Verify({tampered}, {});
+  const SessionVerdict verdict = Only(verification);
+  EXPECT_FALSE(verification.good());
+  EXPECT_EQ(verdict.different, 1u);
+  EXPECT_EQ(verdict.verified, kPoses - 1);
+  ASSERT_TRUE(verdict.first.has_value());
+  EXPECT_EQ(verdict.first->pose_sequence, 217u);
+  EXPECT_EQ(verdict.first->field, "force_N[1]");
+  EXPECT_NEAR(verdict.first->time_s, 0.216, 1e-9);
+  char bits[32];
+  std::snprintf(bits, sizeof bits, "0x%016llx",
+                static_cast<unsigned long long>(std::bit_cast<std::uint64_t>(was)));
+  EXPECT_THAT(verdict.first->computed, HasSubstr(bits));
+  EXPECT_THAT(ToText(verification), HasSubstr("pose 217"));
+}
+
+TEST_F(VerifyTest, FindsATamperedPoseInItsAnswer) {
+  const std::string file = folder_ / "good.mcap", tampered = folder_ / "tampered.mcap";
+  Record({}, file);
+  Copy(file, tampered, [&](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
+    wire::HapticPose pose;
+    if (!sample.To(pose) || pose.pose_sequence != 217) return;
+    pose.position_m[1] += 1e-6;
+    cdr.clear();
+    dds::ToCdr(pose, cdr);
+  });
+  const SessionVerdict verdict = Only(Verify({tampered}, {}));
+  ASSERT_TRUE(verdict.first.has_value());
+  EXPECT_EQ(verdict.first->pose_sequence, 217u);
+}
+
+TEST_F(VerifyTest, DoesNotPassOverAWrenchWhoseBytesAreNone) {
+  const std::string file = folder_ / "good.mcap", broken = folder_ / "broken.mcap";
+  Record({}, file);
+  Copy(file, broken, [](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
+    wire::Wrench wrench;
+    if (sample.To(wrench) && wrench.pose_sequence == 217) cdr[1] = 0;
+  });
+  const Verification verification = Verify({broken}, {});
+  const SessionVerdict verdict = Only(verification);
+  EXPECT_FALSE(verification.good());
+  EXPECT_EQ(verdict.broken, 1u);
+  EXPECT_EQ(verdict.recorded, kPoses);
+  EXPECT_EQ(verdict.verified, kPoses - 1);
+}
+
+TEST_F(VerifyTest, DoesNotPassOverASessionWithoutWrenches) {
+  std::set<std::uint64_t> all;
+  for (std::uint64_t i = 1; i <= kPoses; ++i) all.insert(i);
+  const SessionVerdict verdict = VerdictOf({.wrenches_lost = all});
+  EXPECT_FALSE(verdict.good());
+  EXPECT_THAT(verdict.ends, HasSubstr("no wrench of it, and 300 poses"));
+}
+
+TEST_F(VerifyTest, RefusesMoreSessionsAtOnceThanServersHave) {
+  const std::string file = folder_ / "crowd.mcap";
+  {
+    RecordingWriter writer({.file = file});
+    for (int round = 0; round < 2; ++round) {
+      for (std::uint64_t i = 1; i <= 300; ++i) {
+        const std::string station = "hand" + std::to_string(i);
+        if (round == 0) Add(writer, dds::kSessionStateTopic, SampleState(station, i), kMs);
+        Add(writer, dds::PoseTopic(station, i), SamplePose(1), kMs);
+      }
+    }
+    writer.Close("");
+  }
+  EXPECT_THAT([&] { Verify({file}, {}); },
+              testing::ThrowsMessage<Error>(HasSubstr("more than 256 sessions at once")));
+}
+
+TEST_F(VerifyTest, RefusesASceneThatIsNotTheOneOfItsHash) {
+  const std::string file = folder_ / "good.mcap", forged = folder_ / "forged.mcap";
+  Record({}, file);
+  {
+    RecordingWriter writer({.file = forged});
+    AddForgedBundle(writer, kMs);
+    writer.Close("");
+  }
+  EXPECT_THAT(
+      [&] {
+        Verify({forged, file}, {});
+      },
+      testing::ThrowsMessage<Error>(HasSubstr("it is damaged or forged")));
+}
+
+TEST_F(VerifyTest, SaysThatAnAnswerComesAgain) {
+  const std::string file = folder_ / "good.mcap", twice = folder_ / "twice.mcap";
+  Record({}, file);
+  Copy(file, twice, [](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
+    wire::Wrench wrench;
+    if (!sample.To(wrench) || wrench.answer != 218) return;
+    wrench.answer = 217;
+    cdr.clear();
+    dds::ToCdr(wrench, cdr);
+  });
+  EXPECT_THAT(Only(Verify({twice}, {})).ends, HasSubstr("answer 217 comes again"));
+}
+
+TEST_F(VerifyTest, VerifiesWhatIsThereOfARecordingThatWasCutOff) {
+  const std::string file = folder_ / "good.mcap", cut = folder_ / "cut.mcap";
+  Record({}, file);
+  std::vector<std::uint8_t> bytes = BytesOf(file);
+  bytes.resize(bytes.size() - 100);
+  WriteBytes(cut, bytes);
+  const Verification verification = Verify({cut}, {});
+  EXPECT_TRUE(verification.good());
+  EXPECT_THAT(verification.problems, SizeIs(1));
+}
+
+TEST_F(VerifyTest, LeavesOutTheLastWrenchesOfARecordingThatWasCutOffBeforeTheirPoses) {
+  const std::string file = folder_ / "good.mcap", cut = folder_ / "cut.mcap";
+  Record({.poses_lost = {kPoses - 1, kPoses}}, file);
+  EXPECT_FALSE(Verify({file}, {}).good()) << "a recording that has its end lacks no pose";
+  std::vector<std::uint8_t> bytes = BytesOf(file);
+  bytes.resize(bytes.size() - 100);
+  WriteBytes(cut, bytes);
+  const Verification verification = Verify({cut}, {});
+  EXPECT_TRUE(verification.good()) << ToText(verification);
+  EXPECT_EQ(Only(verification).verified, kPoses - 2);
+  EXPECT_EQ(Only(verification).cut_off, 2u);
+  EXPECT_THAT(ToText(verification), HasSubstr("2 more at its end answer poses that were cut off"));
+}
+
+TEST_F(VerifyTest, RefusesWhatHasChangedOnTheDisk) {
+  const std::string file = folder_ / "good.mcap";
+  Record({}, file);
+  std::vector<std::uint8_t> bytes = BytesOf(file);
+  bytes[bytes.size() / 2] ^= 4;
+  WriteBytes(file, bytes);
+  EXPECT_FALSE(Verify({file}, {}).good());
+}
+
+TEST(Difference, SeesEveryBitButThoseOfTheClock) {
+  const wire::Wrench wrench = SampleWrench(3);
+  int unseen = 0;
+  for (std::size_t bit = 0; bit < 8 * sizeof wrench; ++bit) {
+    wire::Wrench other = wrench;
+    reinterpret_cast<unsigned char*>(&other)[bit / 8] ^= static_cast<unsigned char>(1 << bit % 8);
+    unseen += !Difference(wrench, other).has_value();
+  }
+  EXPECT_EQ(unseen, 64) << "step_time_s";
+  wire::Wrench other = wrench;
+  other.row[4][2] = 0.0;
+  EXPECT_EQ(Difference(wrench, other)->field, "row[4][2]");
+}
+
+}  // namespace
+}  // namespace palpate::test
