@@ -118,6 +118,7 @@ void Predict(StepContext& context) {
   const std::int64_t before = buffers.prediction.tested();
   context.friction_before = context.state.friction;
   context.iterates = 0;
+  context.trust = {};
   context.Aim();
   context.R_WG = context.q_G.toRotationMatrix();
   buffers.prediction.Predict(context.model, context.kernels, context.R_WG, context.p_G,

@@ -310,7 +310,7 @@ int MeshContact::Look(const Vec3& v, const Vec3& phi, ContactRows* rows) {
     if (doubts_.empty() || (moved_ && apart_not >= enough)) break;
     // The deepest first.  With a good many rows the next trial is another one: the rest can wait.
     for (int i = 0; i < kBatch && !doubts_.empty() && !IsExhausted(); ++i) {
-      if (rows == nullptr && apart_not > 0) break;
+      if (moved_ && apart_not >= enough) break;
       std::pop_heap(doubts_.begin(), doubts_.end(), std::greater<>());
       const std::int32_t k = NearOf(doubts_.back());
       doubts_.pop_back();
@@ -915,6 +915,23 @@ void MeshContact::Merge() {
         break;
       }
       front_->Merge(index, n, gap);
+    }
+  }
+}
+
+void MeshContact::StartOver(ContactRows& rows) noexcept {
+  Stay();
+  for (const NearPair& near : near_) {
+    if (near.split || near.touch < 0) continue;
+    const Touch& touch = touches_[static_cast<std::size_t>(near.touch)];
+    if (touch.plane.of == Plane::Of::kNone) continue;
+    PlaneRow of[3];
+    const int count = RowsOf(near, touch, of);
+    for (int i = 0; i < count; ++i) {
+      const int row = touch.row[of[i].slot % 3];
+      if (row < 0) continue;
+      SetRow(near, of[i], rows);
+      rows.SetGap(row, std::max(rows.gap(row), 0.0));
     }
   }
 }

@@ -1,5 +1,7 @@
 #include "server/physics/solve/clear_way.h"
 
+#include <algorithm>
+
 #include "server/physics/limits.h"
 #include "server/physics/solve/nearest_step.h"
 #include "server/physics/solve/step_bounds.h"
@@ -80,15 +82,6 @@ bool Mend(StepContext& context) {
   return context.IsRigid() && meshes.Relinearise(qp.row, qp.active, rows) != 0;
 }
 
-/// A way nearer to the hand, where rows that were made for a trial let only such through as lead
-/// away from it: under the same rows, lowered to what the tool's own place allows.
-/// Without it a tool in a hollow that is sharper than the hand is deep would go beyond the bottom,
-/// and back in the next step, and never rest.
-void StepDown(StepContext& context) {
-  context.buffers.rows.AdmitZero();
-  GoToNewOptimum(context);
-}
-
 /// Where pairs that do not touch hold the tool at the trial, it has not arrived: the next sub-step
 /// makes planes for them at the place that it comes to.  But without them the optimum may be free:
 /// then it goes there.  Else they are what holds it: the next sub-step looks once more, and
@@ -104,7 +97,7 @@ bool GoPast(StepContext& context) {
   const Optimum held = context.optimum;
   const Vec3 v = context.v, phi = context.phi;
   GoToNewOptimum(context);
-  if (IsFree(context)) {
+  if (context.Gain(context.v, context.phi) > context.Gain(v, phi) && IsFree(context)) {
     const bool held_again = release() != 0;
     meshes.PutBack(rows);
     context.arrived = context.arrived && !held_again;
@@ -121,19 +114,39 @@ bool GoPast(StepContext& context) {
   return IsFree(context);
 }
 
-/// Of a motion that is free, makes a better one where there is one.  False where what it has made
-/// is not free.
-bool Improve(StepContext& context) {
-  // What yields pushes as well: the optimum of both may lie farther from the hand.  So may a
-  // straight way past a crease, where the arc ends nearer.
-  if (!context.IsRigid() || context.rounds) return true;
-  if (context.Gain(context.v, context.phi) < 0.0) {
-    StepDown(context);
-    if (!IsFree(context)) return false;
+/// Whether a motion that is free ends no farther from the hand than it begins, but for rounding.
+/// What yields pushes as well: the optimum of both may lie farther from the hand.  So may a
+/// straight way past a crease, where the arc ends nearer; and a ball that rests where facets have
+/// lifted it.
+bool Approaches(const StepContext& context) {
+  const bool rests = context.IsFreeBall() && context.arrived;
+  return !context.IsRigid() || context.rounds || rests ||
+         context.Gain(context.v, context.phi) >= 0.0 || Way(context) <= limits::mesh::kRounding;
+}
+
+/// The sub-step begins anew with the rows as they are at its beginning; from the second time on the
+/// tool is to go a quarter as far.  Rows that follow each trial may do so in turn for ever, or let
+/// only such motions through as lead away from the hand; those of the beginning are true of a short
+/// enough one, and none that is nearest to the hand under them leads away.
+void BeginAnew(StepContext& context) {
+  MeshContact& meshes = *context.buffers.meshes;
+  ContactRows& rows = context.buffers.rows;
+  meshes.GiveUpRegain(rows);
+  // A ball's rows have the smooth surface's normals and not its facets': no motion is short enough.
+  if (meshes.tool().radius > 0.0) {
+    rows.AdmitZero();
+    return;
   }
-  // Of a ball, Turned says whether it has arrived.
-  const bool is_ball = context.buffers.meshes->tool().radius > 0.0;
-  return is_ball || !context.arrived || GoPast(context);
+  TrustRegion& trust = context.trust;
+  if (trust.begun_anew) {
+    StepBounds& bounds = context.bounds;
+    bounds.translation =
+        std::min(bounds.translation, limits::mesh::kNarrow * trust.first.translation);
+    bounds.rotation = std::min(bounds.rotation, limits::mesh::kNarrow * trust.first.rotation);
+  }
+  trust.begun_anew = true;
+  trust.failures = 0;
+  meshes.StartOver(rows);
 }
 
 /// The longest half, quarter, ... of a motion that is not free.
@@ -161,13 +174,18 @@ bool ClearWay(StepContext& context) noexcept {
   if (!context.buffers.meshes) return true;
   MeshContact& meshes = *context.buffers.meshes;
   const bool goes_on = context.iterates < limits::mesh::kIterates;
-  if (meshes.Check(context.v, TurnOfMesh(context), context.buffers.rows) == 0) {
-    if (context.arrived && goes_on) {
-      if (Mend(context)) return false;
-      if (meshes.tool().radius > 0.0) return true;
+  TrustRegion& trust = context.trust;
+  if (trust.failures == 0) trust.first = {context.v.norm(), context.phi.norm()};
+  const bool is_free = meshes.Check(context.v, TurnOfMesh(context), context.buffers.rows) == 0;
+  if (is_free && Approaches(context)) {
+    if (context.arrived && goes_on && Mend(context)) return false;
+    // Of a ball, Turned says whether it has arrived.
+    const bool is_ball = meshes.tool().radius > 0.0;
+    if (is_ball || !context.IsRigid() || context.rounds || !context.arrived || GoPast(context)) {
+      return true;
     }
-    if (Improve(context)) return true;
   } else if (goes_on && !meshes.IsExhausted()) {
+    if (is_free || ++trust.failures == limits::mesh::kTrustedTrials) BeginAnew(context);
     return false;
   }
   Halve(context);

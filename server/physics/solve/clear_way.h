@@ -10,8 +10,9 @@ namespace palpate {
 ///
 /// Where leaves alone meet, the rows cover all that the bounds allow.  Between meshes they come on
 /// violation, so a motion is only made that has been checked: the meshes are apart at its end and
-/// were on the way.  One that is still not free in the end is halved until it is; no motion at all
-/// always is.  The tool has arrived only where the pairs that hold it touch.
+/// were on the way.  Rows that follow the trials in vain begin anew, in a trust region a quarter as
+/// wide.  A motion that is still not free in the end is halved until it is; no motion at all always
+/// is.  The tool has arrived only where the pairs that hold it touch.
 /// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
 bool ClearWay(StepContext& context) noexcept;
 

@@ -32,6 +32,13 @@ struct Optimum {
   }
 };
 
+/// How far rows between meshes are trusted in a sub-step (ClearWay).
+struct TrustRegion {
+  int failures = 0;  ///< in turn, from the rows of the sub-step's beginning on, that lead nowhere
+  StepBounds first{0.0, 0.0};  ///< how far the first of them went
+  bool begun_anew = false;
+};
+
 /// What the stages of a step share, from the pose that comes in to the report that goes out.  One
 /// per step, on its stack; each stage fills what the next ones read, in the order of the fields.
 struct StepContext {
@@ -99,6 +106,7 @@ struct StepContext {
 
   // Solve and rub: the pose that the tool should have.
   int iterates = 0;  ///< of the sub-step: rows between meshes come on violation
+  TrustRegion trust;
   Optimum optimum;
   bool rounds = false;    ///< with the curvature of a ball's rows
   SoftContacts yielding;  ///< the soft rows that push there
