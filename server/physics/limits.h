@@ -174,9 +174,9 @@ inline constexpr double kTouching = 2.0 * kSeparation;
 /// Iterates of a sub-step, of which three are usual; and directions in which a plane between two
 /// patches is looked for, of which four are.  Taken.
 inline constexpr int kIterates = 16;
-/// Trials in turn that lead nowhere before a sub-step begins anew with the rows of its beginning;
-/// and what the first of them went that is left for the next, from the second time on (Conn, Gould
-/// & Toint, Trust-Region Methods (2000), 6.1: a quarter).  Taken.
+/// Trials that are not free before a sub-step begins anew with the rows of its beginning; and the
+/// part of the first one's way that the next may go, from the second time on (a quarter: Conn,
+/// Gould & Toint, Trust-Region Methods (2000), 6.1).  Taken.
 inline constexpr int kTrustedTrials = 4;
 inline constexpr double kNarrow = 0.25;
 /// Looks of a cycle at most, some 130 ns each: 450 us.  A look is a direction in which a plane is

@@ -919,7 +919,7 @@ void MeshContact::Merge() {
   }
 }
 
-void MeshContact::StartOver(ContactRows& rows) noexcept {
+void MeshContact::RelineariseAtStart(ContactRows& rows) noexcept {
   Stay();
   for (const NearPair& near : near_) {
     if (near.split || near.touch < 0) continue;

@@ -75,8 +75,8 @@ class MeshContact {
   /// or the curvature of one has made the ball go past it [rad].
   double Turned(const int* active, int actives, const ContactRows& rows) const noexcept;
 
-  /// Makes the rows anew as they are where the sub-step begins: each allows the zero step.
-  void StartOver(ContactRows& rows) noexcept;
+  /// Makes the rows anew, exact where the sub-step begins: each allows the zero step.
+  void RelineariseAtStart(ContactRows& rows) noexcept;
 
   /// Rows ask for some of the separation that a pair has lost.  Where that would lift the tool
   /// against the spring a tool at rest would never stay: from here on, to the sub-step's end, they

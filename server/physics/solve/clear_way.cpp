@@ -146,7 +146,7 @@ void BeginAnew(StepContext& context) {
   }
   trust.begun_anew = true;
   trust.failures = 0;
-  meshes.StartOver(rows);
+  meshes.RelineariseAtStart(rows);
 }
 
 /// The longest half, quarter, ... of a motion that is not free.

@@ -34,7 +34,7 @@ struct Optimum {
 
 /// How far rows between meshes are trusted in a sub-step (ClearWay).
 struct TrustRegion {
-  int failures = 0;  ///< in turn, from the rows of the sub-step's beginning on, that lead nowhere
+  int failures = 0;            ///< trials that were not free, since the sub-step began (anew)
   StepBounds first{0.0, 0.0};  ///< how far the first of them went
   bool begun_anew = false;
 };

@@ -32,6 +32,7 @@ using test::MakeFinnedBox;
 using test::MakeHand;
 using test::MakeL;
 using test::MakeSheet;
+using test::MakeTerraced;
 using test::MeshScene;
 using test::Random;
 using test::Scaled;
@@ -225,16 +226,23 @@ TEST(MeshContactHands, ArriveOnceTheHandStandsStill) {
       MeshScene(MakeCrumpled(40, 0.02, 0.001, 9), MakeBlock(60, 0.04, 0.02, Waves(0.004, 0.04)));
   const Scene crumple =
       MeshScene(MakeCrumpled(6, 0.02, 0.004, 9), MakeCrumpled(12, 0.04, 0.006, 7));
+  // Rows that follow each trial, in turn for ever.
+  const auto terraces = [](std::uint64_t seed) {
+    return MeshScene(MakeTerraced(0.04, 5120, seed), MakeTerraced(0.04, 5120, seed + 100));
+  };
+  const Scene some = terraces(3), others = terraces(5);
   const struct {
     const Scene& scene;
     double speed;
     std::uint64_t seed;
     std::size_t steps;  ///< until after such a place
-  } hands[] = {{waves, 0.5, 4, 400}, {waves, 0.5, 9, 300}, {fine, 0.5, 1, 400},
-               {fine, 0.5, 7, 300},  {fine, 0.5, 10, 290}, {crumple, 0.3, 4, 610}};
+    int path = 800;     ///< steps of the whole hand
+  } hands[] = {{waves, 0.5, 4, 400},         {waves, 0.5, 9, 300},          {fine, 0.5, 1, 400},
+               {fine, 0.5, 7, 300},          {fine, 0.5, 10, 290},          {crumple, 0.3, 4, 610},
+               {some, 0.08, 19, 1800, 2000}, {others, 0.08, 10, 1150, 2000}};
   for (const auto& hand : hands) {
     std::vector<Pose> X_WH =
-        MakeHand(hand.scene, {.seed = hand.seed, .speed = hand.speed, .steps = 800});
+        MakeHand(hand.scene, {.seed = hand.seed, .speed = hand.speed, .steps = hand.path});
     X_WH.resize(hand.steps);
     const test::ContactFigures figures = test::MeasureContact(
         hand.scene, X_WH, {.oracle_every = 0, .converge_every = 0, .hold_far = true});
