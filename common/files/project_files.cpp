@@ -29,6 +29,8 @@ Places PlacesOf(ProjectFile file) {
       return {"../doc/palpate-common/devices", "devices"};
     case ProjectFile::kRealTimePage:
       return {"../doc/palpate-common/deploy/REALTIME.md", "deploy/REALTIME.md"};
+    case ProjectFile::kPlots:
+      return {"plots.py", "tests/benchmarks/plots.py"};
   }
   return {};
 }

@@ -14,6 +14,7 @@ enum class ProjectFile {
   kHeldHand,      ///< script of a hand that presses and holds, for palpate-bench
   kDevicePages,   ///< folder of the pages about arms, which messages name
   kRealTimePage,  ///< page about what a host needs for 1 kHz
+  kPlots,         ///< script that draws the pictures of palpate-bench's reports
 };
 
 /// Folder of the running program.

@@ -469,6 +469,7 @@ TEST_F(PalpateBench, ParetoWritesAReportTableAndJsonOfAllThatItMeasured) {
     EXPECT_EQ(std::count(row.begin(), row.end(), ','), 18) << row;
   }
   EXPECT_EQ(rows, 1 + runs);
+  EXPECT_THAT(Read("pareto/pareto.svg"), HasSubstr("</svg>"));
 }
 
 TEST_F(PalpateBench, ParetoKeepsWhatItHasWhenItIsEnded) {
@@ -490,6 +491,7 @@ TEST_F(PalpateBench, ParetoKeepsWhatItHasWhenItIsEnded) {
   EXPECT_FALSE(json["complete"]);
   EXPECT_EQ(json["accuracy"][0]["object"], "cube");
   EXPECT_THAT(Read("pareto/report.md"), HasSubstr("**Not complete:**"));
+  EXPECT_THAT(Read("pareto/pareto.svg"), HasSubstr("</svg>"));
 }
 
 TEST_F(PalpateBench, ParetoRefusesPeersAndScenesThatNobodyKnows) {

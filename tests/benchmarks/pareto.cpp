@@ -102,6 +102,8 @@ class Pareto {
       WritePareto(options_.out, results_);
     }
     Progress("");
+    if (!DrawPareto(options_.out))
+      fmt::print(stderr, "pareto.svg is not drawn; the rest is there\n");
     fmt::print(stderr, "{}{}/report.md\n",
                results_.complete ? "" : "ended early; so far: ", options_.out);
   }
@@ -459,10 +461,9 @@ void AddPareto(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "pareto",
       "Speed against error of every scene, contact and friction model, and of the peers that are\n"
-      "installed: report.md, pareto.csv and pareto.json; tests/benchmarks/plots.py pareto.csv "
-      "draws\n"
-      "the report's picture.  Written anew after each measurement, so\n"
-      "that Ctrl-C keeps what there is.\n"
+      "installed: report.md, pareto.svg, pareto.csv and pareto.json.  Written anew after each\n"
+      "measurement, and drawn in the end, so that Ctrl-C keeps what there is.  Pictures need\n"
+      "matplotlib (python3-matplotlib).\n"
       "Example: palpate-bench pareto --out build/pareto --peers bullet,ode");
   command->add_option("--out", options->out, "Folder to write to; made where it is missing")
       ->required();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <utility>
@@ -9,6 +10,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "common/error.h"
+#include "common/files/project_files.h"
+#include "common/text/quoted.h"
 #include "tests/benchmarks/peers/peer.h"
 
 namespace palpate::bench {
@@ -606,6 +609,12 @@ void WritePareto(const std::string& folder, const ParetoResults& results) {
     section(md, results);
   }
   WriteText(file("report.md"), md.text());
+}
+
+bool DrawPareto(const std::string& folder) {
+  const std::string command =
+      ShellWord(PlaceOf(ProjectFile::kPlots)) + " " + ShellWord(folder + "/pareto.csv");
+  return std::system(command.c_str()) == 0;
 }
 
 }  // namespace palpate::bench

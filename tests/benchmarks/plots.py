@@ -19,13 +19,18 @@ import pathlib
 import re
 import sys
 
-import matplotlib
+try:
+    import matplotlib
+except ImportError:
+    sys.exit("plots.py needs matplotlib; install it: sudo apt-get install python3-matplotlib")
 matplotlib.use("svg")
 import matplotlib.pyplot as plt
 
-# ---- the look: the page's style sheet
+# ---- the look: the page's style sheet, which an installed script has beside itself
 
-STYLE = (pathlib.Path(__file__).resolve().parents[2] / "client/viewer/page/src/style.css").read_text(encoding="utf-8")
+HERE = pathlib.Path(__file__).resolve().parent
+STYLE = next(style for style in (HERE / "style.css", HERE / "../../client/viewer/page/src/style.css")
+             if style.is_file()).read_text(encoding="utf-8")
 
 
 def theme(selector):
