@@ -15,7 +15,7 @@ namespace palpate::dds {
 // for a port (32768 to 60999 where nobody has changed it): such a domain fails to open now and
 // then.  With fewer ports each, every DDS domain of `--domain` lies below.  Only the number of
 // ports differs from the standard, so that a tool of DDS needs one setting to come in
-// (doc/limits.md).
+// (server/limits.md).
 //
 //   first      first + 1     first + 10 + 2 i   first + 11 + 2 i     first + 108, + 109
 //   multicast: discovery,    each process i:    discovery, data      of a loop domain: its server's

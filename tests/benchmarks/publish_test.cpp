@@ -1,4 +1,4 @@
-// tests/benchmarks/publish: the reports that doc/figures.md links to.
+// tests/benchmarks/publish: the reports that tests/benchmarks/results/README.md links to.
 #include <algorithm>
 #include <csignal>
 #include <filesystem>

@@ -98,7 +98,7 @@ TEST(Packages, HoldEveryPageThatOneOfThemLeadsTo) {
       EXPECT_TRUE(pages.contains(link.lexically_normal())) << page << " leads to " << link;
     }
   }
-  for (const char* page : {"doc/lab.md", "deploy/README.md", "scenes/catalogue/README.md",
+  for (const char* page : {"deploy/lab.md", "deploy/README.md", "scenes/catalogue/README.md",
                            "tests/benchmarks/results/pareto.svg"}) {
     EXPECT_TRUE(pages.contains(page)) << page;
   }

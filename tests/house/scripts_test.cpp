@@ -225,7 +225,7 @@ TEST(Demo, BuildsTheProgramsThatAreDocumented) {
   static const std::regex kBuild("build release (palpate-.*?) \\|\\|");
   std::smatch built;
   ASSERT_TRUE(std::regex_search(demo, built, kBuild));
-  const std::string page = ReadFile((kRoot / "doc/programs.md").string());
+  const std::string page = ReadFile((kRoot / "deploy/programs.md").string());
   static const std::regex kSaid("`deploy/demo` builds ([^;]*);");
   std::smatch said;
   ASSERT_TRUE(std::regex_search(page, said, kSaid));

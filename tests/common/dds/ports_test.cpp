@@ -47,7 +47,7 @@ TEST(Ports, AreThoseThatADomainTakes) {
   EXPECT_THAT(taken, testing::ElementsAre(0, 1, 10, 11));
 }
 
-const std::string kLimits = PALPATE_SOURCE_DIR "/doc/limits.md";
+const std::string kLimits = PALPATE_SOURCE_DIR "/server/limits.md";
 
 TEST(Ports, AreDocumented) {
   const int both = 2 * kPortsPerDomain;
