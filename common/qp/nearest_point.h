@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
+
 namespace palpate {
 
 /// Rows a_i . x >= b_i by columns, which start 64-byte aligned; `count` is what they hold, and
@@ -26,6 +29,8 @@ struct QpResult {
   double multiplier[kMaxActiveRows];  ///< >= 0
   int iterations = 0;                 ///< rows taken up or dropped
   QpStatus status = QpStatus::kSolved;
+
+  std::span<const int> ActiveRows() const { return {row, static_cast<std::size_t>(active)}; }
 };
 
 /// Compliance of a jam, as a ratio to the coupling's 1/k_t: with 1000 N/m it stands for 10^8 N/m,

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "common/math/rotation.h"
+#include "server/physics/contact/sub_step.h"
+#include "server/physics/contact/touch_rows.h"
 #include "server/physics/limits.h"
-#include "server/physics/rows/step_buffers.h"
 #include "server/physics/solve/chapter_friction.h"
 #include "server/physics/solve/clear_way.h"
 #include "server/physics/solve/contact_report.h"
@@ -15,6 +17,7 @@
 #include "server/physics/solve/response.h"
 #include "server/physics/solve/round_creases.h"
 #include "server/physics/solve/step_bounds.h"
+#include "server/physics/solve/step_buffers.h"
 #include "server/physics/solve/step_context.h"
 #include "server/physics/stage_clock.h"
 
@@ -31,11 +34,11 @@ bool IsFinite(const StepReport& report);
 bool Begin(const Pose& X_WH, StepContext& context);
 bool GoesOn(const StepContext& context);
 void Predict(StepContext& context);
-void Solve(StepContext& context);
-void Round(StepContext& context);
-void Rub(StepContext& context);
-void Move(StepContext& context);
-void Report(StepContext& context);
+Optimum Solve(StepContext& context);
+Optimum SolveRigidAndSoft(StepContext& context);
+void Rub(StepContext& context, Optimum& optimum);
+void Move(StepContext& context, const Way& way);
+void Report(StepContext& context, const Way& way);
 void GiveUp(StepContext& context);
 void End(const Pose& X_WH, StepContext& context);
 
@@ -50,20 +53,17 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   for (; GoesOn(context); ++report.substeps) {
     Predict(context);
     StageClock clock(times);
-    for (bool clear = false; !clear && !context.IsUnsolved();) {
-      Solve(context);
-      Round(context);
-      Rub(context);
-      context.Require(context.optimum);
+    std::optional<Way> way;
+    while (!way && !context.IsUnsolved()) {
+      const Optimum optimum = Solve(context);
       clock.Lap(&StageTimes::solve);
       if (context.IsUnsolved()) break;
-      Remember(context);
-      clear = ClearWay(context);
+      way = ClearWay(context, optimum);
       clock.Lap(&StageTimes::rows);
     }
     if (!context.IsUnsolved()) {
-      Move(context);
-      Report(context);
+      Move(context, *way);
+      Report(context, *way);
     }
     if (context.IsUnsolved()) GiveUp(context);
     clock.Lap(&StageTimes::response);
@@ -128,18 +128,28 @@ void Predict(StepContext& context) {
   if (buffers.meshes) {
     StageClock clock(context.times);
     const bool turns = context.model.degrees_of_freedom() == 6;
-    buffers.meshes->Begin(context.kernels, context.state.front,
-                          {context.p_G, turns ? context.q_G : Quat::Identity()},
-                          context.state.active_pairs.data(), context.state.active,
-                          limits::mesh::kMaxLooks - context.looks, buffers.rows);
+    BeginSubStep(*buffers.meshes, context.kernels, context.state.front,
+                 {context.p_G, turns ? context.q_G : Quat::Identity()}, context.state.Active(),
+                 limits::mesh::kMaxLooks - context.looks, buffers.rows);
     clock.Lap(&StageTimes::prediction);
   }
   context.report.predicted_pairs = buffers.rows.count();
   if (buffers.rows.overflowed()) context.report.faults |= kFaultRowsFull;
 }
 
-/// The pose nearest to the hand's that the rows allow.
-void Solve(StepContext& context) {
+/// The pose nearest to the hand's that the rows allow; of a ball round creases, and with friction
+/// where the model has it.
+Optimum Solve(StepContext& context) {
+  Optimum optimum = SolveRigidAndSoft(context);
+  optimum.rounds = context.IsFreeBall() && RoundCreases(context, optimum);
+  Rub(context, optimum);
+  context.Require(optimum);
+  if (!context.IsUnsolved()) Remember(context, optimum);
+  return optimum;
+}
+
+/// The same along straight rows and without friction.
+Optimum SolveRigidAndSoft(StepContext& context) {
   StepBuffers& buffers = context.buffers;
   ++context.iterates;
   buffers.rows.Finish();
@@ -152,92 +162,87 @@ void Solve(StepContext& context) {
       context.rigid = context.soft->rigid(buffers.rows);
     }
   }
-  context.optimum = NearestStep(context, context.target, context.soft);
+  Optimum optimum = NearestStep(context, context.target, context.soft);
   if (buffers.meshes && !context.soft &&
-      (context.optimum.qp.status == QpStatus::kRelaxed ||
-       context.Gain(context.optimum.v, context.optimum.phi) < 0.0) &&
-      buffers.meshes->GiveUpRegain(buffers.rows)) {
-    context.optimum = NearestStep(context, context.target, context.soft);
+      (optimum.qp.status == QpStatus::kRelaxed || context.Gain(optimum.v, optimum.phi) < 0.0) &&
+      GiveUpRegain(*buffers.meshes, buffers.rows)) {
+    optimum = NearestStep(context, context.target, context.soft);
   }
-  context.yielding =
-      context.soft != nullptr ? context.soft->Contacts(buffers.rows) : SoftContacts{};
-  context.report.qp_iterations += context.optimum.qp.iterations;
+  if (context.soft != nullptr) optimum.yielding = context.soft->Contacts(buffers.rows);
+  context.report.qp_iterations += optimum.qp.iterations;
+  return optimum;
 }
 
-/// The same for a ball that goes round creases.
-void Round(StepContext& context) {
-  context.rounds = context.IsFreeBall() && RoundCreases(context);
-}
-
-/// The same with friction, where the model has it and a row is active.
-void Rub(StepContext& context) {
+/// Moves an optimum by friction, where the model has it and a row is active.
+void Rub(StepContext& context, Optimum& optimum) {
   FrictionState& friction = context.state.friction;
   if (context.iterates > 1) friction = context.friction_before;
   if (!context.Rubs()) return;
-  if (context.optimum.qp.active == 0 || friction.suspended ||
-      context.optimum.qp.status == QpStatus::kIterationLimit) {
+  if (optimum.qp.active == 0 || friction.suspended ||
+      optimum.qp.status == QpStatus::kIterationLimit) {
     return;
   }
-  AddCoulombFriction(context);
+  AddCoulombFriction(context, optimum);
 }
 
 /// Takes the tool there.
-void Move(StepContext& context) {
+void Move(StepContext& context, const Way& way) {
   const bool meshes = context.buffers.meshes.has_value();
-  if (!context.IsHeld()) context.state.turn_G.setZero();
+  const bool is_held = way.optimum.IsHeld();
+  context.arrived = way.arrived;
+  if (!is_held) context.state.turn_G.setZero();
   if (meshes) {
-    context.buffers.meshes->Accept();
-    context.looks += context.buffers.meshes->looks();
+    EndSubStep(*context.buffers.meshes);
+    context.looks += context.buffers.meshes->looks.Spent();
   }
-  if (context.Rubs() && context.optimum.qp.active == 0 && (context.arrived || !meshes)) {
+  if (context.Rubs() && way.optimum.qp.active == 0 && (way.arrived || !meshes)) {
     context.state.friction.Forget();
   }
-  if (context.arrived && !context.IsHeld()) {
+  if (way.arrived && !is_held) {
     context.p_G = context.p_H;
     context.q_G = context.q_H;
     return;
   }
-  context.report.truncation =
-      std::max(context.report.truncation,
-               0.5 * context.phi.squaredNorm() * context.model.tool().max_lever());
-  context.p_G += context.v;
-  context.q_G = (RotationExp(context.phi) * context.q_G).normalized();
+  context.report.truncation = std::max(
+      context.report.truncation, 0.5 * way.phi.squaredNorm() * context.model.tool().max_lever());
+  context.p_G += way.v;
+  context.q_G = (RotationExp(way.phi) * context.q_G).normalized();
 }
 
 /// Between meshes, where the tool has not arrived, the optimum lies beyond what its rows are known
 /// for.  What is known is what the contacts at the tool's place hold back of the spring there: the
 /// multipliers of the spring's pull, projected onto the motions that those rows allow.  Where the
 /// tool has arrived this is the optimum's own wrench; without a contact it is zero.
-void ReportLag(StepContext& context) {
+Way Lag(StepContext& context, const Way& went) {
   ContactRows& rows = context.buffers.rows;
   for (int i = 0; i < rows.count(); ++i) {
-    const double left = rows.Left(i, context.v, context.phi);
+    const double left = rows.Left(i, went.v, went.phi);
     rows.SetGap(i, left);
     if (left > limits::mesh::kTouching) rows.Loosen(i);
   }
   // The tool's place is free, whatever a row that was made for a trial elsewhere says of it.  So
   // the wrench is never more than the spring's own.
   rows.AdmitZero();
-  context.v.setZero();
-  context.phi.setZero();
   context.Aim();
-  Solve(context);
-  context.Require(context.optimum);
-  Remember(context);
+  Way stays;
+  stays.optimum = SolveRigidAndSoft(context);
+  context.Require(stays.optimum);
+  Remember(context, stays.optimum);
+  return stays;
 }
 
 /// The wrench of the spring at the optimum, and the contacts.  Where the sub-step falls short of it
 /// the graphic tool is still on its way, and its distance from the hand is no contact: that part
 /// gives no force.  Then the bounds of the next sub-step.
-void Report(StepContext& context) {
-  const HapticModel& model = context.model;
+void Report(StepContext& context, const Way& way) {
   StepReport& report = context.report;
-  if (context.buffers.meshes && !context.arrived) ReportLag(context);
-  const Optimum& optimum = context.optimum;
+  const bool lags = context.buffers.meshes && !way.arrived;
+  const Way& felt = lags ? Lag(context, way) : way;
+  const Optimum& optimum = felt.optimum;
   if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
-  report.wrench = context.IsHeld() ? context.WrenchAfter(optimum.v, optimum.phi) : Wrench{};
-  ReportContacts(context);
-  context.bounds = WiderBounds(model, context.bounds);
+  report.wrench = optimum.IsHeld() ? context.WrenchAfter(optimum.v, optimum.phi) : Wrench{};
+  ReportContacts(context, felt);
+  context.bounds = WiderBounds(context.model, context.bounds);
 }
 
 /// A QP did not end, or not with numbers: the tool stays where it is, and the spring pulls.  What

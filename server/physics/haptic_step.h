@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-struct StepBuffers;  // rows/step_buffers.h
+struct StepBuffers;  // solve/step_buffers.h
 
 /// Buffers that a step needs, allocated once.  One per thread that steps, of any number of tools of
 /// one model; holds no state from step to step.

@@ -10,7 +10,7 @@ namespace palpate {
 using LeafPair = NodePair;
 
 /// What the pair of a row names: leaves, or, told by a tag added to `tool`, triangles of two meshes
-/// (rows/mesh_contact.h).
+/// (contact/touch_rows.h).
 enum class RowKind : std::int32_t {
   kLeaves = 0,
   kMeshes = 1,  ///< triangles; the tool's number times four, plus which corner touches

@@ -139,7 +139,7 @@ inline constexpr int kDraws = 8;
 inline constexpr double kLeastTurn = 1e-24;
 }  // namespace friction
 
-/// Contact between meshes (rows/mesh_contact.h).
+/// Contact between meshes (contact/sub_step.h).
 namespace mesh {
 /// delta: what rows keep between the meshes [m].  Taken: a thousandth of a newton at 1 N/mm.
 inline constexpr double kSeparation = 1e-6;
@@ -148,7 +148,7 @@ inline constexpr double kSeparation = 1e-6;
 inline constexpr double kFree = 0.5 * kSeparation;
 /// kMaxTruncation between meshes.  Rows are exact where a trial ends, so what linearising misses
 /// costs a trial and no more.  But a turning point's arc leaves its chord by up to a quarter of
-/// this, h/2, which a pair has in between, even one of edges (MeshContact::HoldsAcross).
+/// this, h/2, which a pair has in between, even one of edges (contact/certify.cpp).
 inline constexpr double kMaxTruncation = 2.0 * kFree;
 /// What a pair nearer than delta regains in a sub-step [m], where that does not lift the tool
 /// against the spring: less than h, so that no force comes of it that could be felt.

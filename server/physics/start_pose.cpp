@@ -1,7 +1,8 @@
 #include "server/physics/start_pose.h"
 
+#include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
-#include "server/physics/rows/step_buffers.h"
+#include "server/physics/solve/step_buffers.h"
 #include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
@@ -12,7 +13,7 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, const LeafWear& wear,
   StepBuffers& buffers = workspace.buffers();
   const ToolPose at(X_WT * model.reference(), X_WT.q);
   return !buffers.prediction.Overlaps(model, ActiveKernels(), at.R, at.p, wear, buffers.rows) &&
-         (!buffers.meshes || buffers.meshes->IsFree(at));
+         (!buffers.meshes || IsFree(buffers.meshes->meshes, at));
 }
 
 /// Shortest way out along `direction`, to within a sub-step's length: walks outward until free.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "common/math/pose.h"
 #include "server/physics/haptic_model.h"
@@ -46,6 +47,9 @@ struct StepState {
   Pose X_WH;                             ///< haptic tool: how far the hand moved sets the bounds
   std::array<LeafPair, 7> active_pairs;  ///< rows that held it last, the solver's first guess
   int active = 0;
+  std::span<const LeafPair> Active() const {
+    return {active_pairs.data(), static_cast<std::size_t>(active)};
+  }
   /// Between meshes: bounds of the next sub-step where the last cycle ended before the tool had
   /// arrived; else 0.
   StepBounds behind{0.0, 0.0};

@@ -147,7 +147,7 @@ struct Floors {
   bool rest_on_top;
 };
 
-// server/physics: pairs of spheres (tree) and what they stand for (surface) become rows, rows a
+// server/physics: pairs of spheres (tree) and of triangles (surface, contact) become rows, rows a
 // pose and its forces (solve), and the step calls them in turn.  The kernels are at the very bottom
 // in a folder of their own, not split among the floors that they serve: they are one table,
 // compiled once for each instruction set.  The model stands above tree and surface because it owns
@@ -173,6 +173,7 @@ const std::vector<Floors> kFloors = {
          {"server/physics/surface"},
          {"server/physics/haptic_model", "server/physics/scene_model", "server/physics/step_state"},
          {"server/physics/rows"},
+         {"server/physics/contact"},
          {"server/physics/solve"},
          {"server/physics/haptic_step"},
          // It walks with the step.

@@ -77,7 +77,7 @@ TEST(Repository, ShowsOnePosesWayThroughSixFilesThatExist) {
                                          "server/transport/station_link.cpp",
                                          "server/session/servo_loop.cpp",
                                          "server/physics/haptic_step.cpp",
-                                         "server/physics/rows/contact_prediction.cpp",
+                                         "server/physics/contact/sub_step.cpp",
                                          "server/physics/solve/response.cpp"};
   for (const std::string& file : path) {
     EXPECT_TRUE(std::filesystem::is_regular_file(kRoot + "/" + file)) << file << " is missing";

@@ -11,7 +11,7 @@
 #include "scenes/shapes/shapes.h"
 #include "server/physics/scene_model.h"
 #include "server/physics/simd/kernels.h"
-#include "tests/physics/rows/contact_scenes.h"
+#include "tests/physics/contact/contact_scenes.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/mesh_oracle.h"
 #include "tests/support/optimised.h"

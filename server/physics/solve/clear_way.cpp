@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "server/physics/contact/reconcile.h"
+#include "server/physics/contact/sub_step.h"
+#include "server/physics/contact/touch_rows.h"
 #include "server/physics/limits.h"
 #include "server/physics/solve/nearest_step.h"
 #include "server/physics/solve/step_bounds.h"
@@ -9,119 +12,107 @@
 namespace palpate {
 namespace {
 
-/// Goes some part of the way to the optimum.
-void GoTo(StepContext& context, double part) {
-  context.v = part * context.optimum.v;
-  context.phi = part * context.optimum.phi;
+/// The part of the way to an optimum that the bounds allow.
+double PartWithin(const StepContext& context, const Optimum& optimum) {
+  return PartWithin(context.bounds, context.model.degrees_of_freedom(), optimum.v, optimum.phi);
 }
 
-/// The part of the way to the optimum that the bounds allow.
-double PartWithin(const StepContext& context) {
-  return PartWithin(context.bounds, context.model.degrees_of_freedom(), context.optimum.v,
-                    context.optimum.phi);
+/// Some part of the way to an optimum.
+Way PartOfWay(const Optimum& optimum, double part) {
+  return {optimum, part * optimum.v, part * optimum.phi, part == 1.0};
 }
 
-/// Goes to the optimum under rows that have changed, as far as the bounds allow.  Where the QP does
-/// not end the tool stays, and has not arrived.
-void GoToNewOptimum(StepContext& context) {
-  context.optimum = NearestStep(context, context.target, nullptr);
-  context.report.qp_iterations += context.optimum.qp.iterations;
-  Remember(context);
-  context.Require(context.optimum);
-  const double part = context.IsUnsolved() ? 0.0 : PartWithin(context);
-  context.arrived = part == 1.0;
-  GoTo(context, part);
+/// The way to the optimum under rows that have changed, as far as the bounds allow.  Where the QP
+/// does not end the tool stays, and has not arrived.
+Way WayToNewOptimum(StepContext& context) {
+  const Optimum optimum = NearestStep(context, context.target, nullptr);
+  context.report.qp_iterations += optimum.qp.iterations;
+  Remember(context, optimum);
+  context.Require(optimum);
+  return PartOfWay(optimum, context.IsUnsolved() ? 0.0 : PartWithin(context, optimum));
 }
 
-/// The part of the way to the optimum that the bounds allow: the step under the same rows that is
-/// nearest to a nearer target.  A step that were only scaled down would make good only a part of
-/// what the last rotation left violated, and the errors of many short steps would add up.
-void ShortenWay(StepContext& context, double part) {
-  const int degrees_of_freedom = context.model.degrees_of_freedom();
-  const Target nearer{limits::kBoundShare * part * context.v,
-                      limits::kBoundShare * part * context.phi};
+/// The way to an optimum as far as the bounds allow.  Where they end before it: the step under the
+/// same rows that is nearest to a nearer target.  A step that were only scaled down would make good
+/// only a part of what the last rotation left violated, and the errors of many short steps would
+/// add up.
+Way WayWithin(StepContext& context, const Optimum& optimum) {
+  const double part = PartWithin(context, optimum);
+  if (part == 1.0) return PartOfWay(optimum, 1.0);
+  const Target nearer{limits::kBoundShare * part * optimum.v,
+                      limits::kBoundShare * part * optimum.phi};
   // The way to where the soft rows balance the spring: they have no part in it.
   const Optimum partial = NearestStep(context, nearer, nullptr);
   context.report.qp_iterations += partial.qp.iterations;
   context.Require(partial);
-  const double clip = context.IsUnsolved()
-                          ? 0.0
-                          : PartWithin(context.bounds, degrees_of_freedom, partial.v, partial.phi);
-  context.v = clip * partial.v;
-  context.phi = clip * partial.phi;
+  const double clip = context.IsUnsolved() ? 0.0 : PartWithin(context, partial);
+  return {optimum, clip * partial.v, clip * partial.phi, false};
 }
 
 /// How far a point of the tool's mesh goes at most.
-double Way(const StepContext& context) {
-  return context.v.norm() + context.buffers.meshes->tool().mesh.reach() * context.phi.norm();
+double LengthOf(const StepContext& context, const Way& way) {
+  return way.v.norm() + context.buffers.meshes->meshes.tool.mesh.reach() * way.phi.norm();
 }
 
 /// With 3 degrees of freedom no rotation moves a mesh.
-Vec3 TurnOfMesh(const StepContext& context) {
-  return context.model.degrees_of_freedom() == 6 ? context.phi : Vec3::Zero();
+Vec3 TurnOfMesh(const StepContext& context, const Way& way) {
+  return context.model.degrees_of_freedom() == 6 ? way.phi : Vec3::Zero();
 }
 
 /// Whether the meshes are apart at the motion's end, and were on the way.
-bool IsFree(StepContext& context) {
-  return context.buffers.meshes->IsFree(context.v, TurnOfMesh(context));
+bool IsFree(const StepContext& context, const Way& way) {
+  return IsFree(*context.buffers.meshes, way.v, TurnOfMesh(context, way));
 }
 
-/// Of a tool that has arrived: whether rows change because they are not true of that place.
-bool Mend(StepContext& context) {
+/// Of a tool that arrives: whether rows change because they are not true of that place.
+bool Mend(const StepContext& context, Way& way) {
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
-  const QpResult& qp = context.optimum.qp;
-  if (meshes.Retract(qp.row, qp.active, rows) != 0) return true;
+  const auto active = way.optimum.qp.ActiveRows();
+  if (Retract(meshes, active, rows) != 0) return true;
   if (context.IsFreeBall()) {
     // A ball's rows have the smooth surface's normals at the trial, so the ball rests there, though
     // the facets on the way may have lifted it.  At a crease they have those of the beginning: the
     // ball has not arrived, and goes on round it.
-    context.arrived = meshes.Turned(qp.row, qp.active, rows) <= limits::mesh::kTurned;
+    way.arrived = Turned(meshes, active, rows) <= limits::mesh::kTurned;
     return false;
   }
-  return context.IsRigid() && meshes.Relinearise(qp.row, qp.active, rows) != 0;
+  return context.IsRigid() && Relinearise(meshes, active, rows) != 0;
 }
 
-/// Where pairs that do not touch hold the tool at the trial, it has not arrived: the next sub-step
+/// Where pairs that do not touch hold the tool at a trial, it has not arrived: the next sub-step
 /// makes planes for them at the place that it comes to.  But without them the optimum may be free:
 /// then it goes there.  Else they are what holds it: the next sub-step looks once more, and
-/// where that finds no other place either, the tool has arrived.  False where nothing is free.
-bool GoPast(StepContext& context) {
+/// where that finds no other place either, the tool has arrived.  None where nothing is free.
+std::optional<Way> GoPast(StepContext& context, const Way& held) {
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
-  const auto release = [&] {
-    const QpResult& qp = context.optimum.qp;
-    return meshes.Release(qp.row, qp.active, rows);
-  };
-  if (release() == 0) return true;
-  const Optimum held = context.optimum;
-  const Vec3 v = context.v, phi = context.phi;
-  GoToNewOptimum(context);
-  if (context.Gain(context.v, context.phi) > context.Gain(v, phi) && IsFree(context)) {
-    const bool held_again = release() != 0;
-    meshes.PutBack(rows);
-    context.arrived = context.arrived && !held_again;
-    return true;
+  if (Release(meshes, held.optimum.qp.ActiveRows(), rows) == 0) return held;
+  Way past = WayToNewOptimum(context);
+  if (context.Gain(past.v, past.phi) > context.Gain(held.v, held.phi) && IsFree(context, past)) {
+    const bool held_again = Release(meshes, past.optimum.qp.ActiveRows(), rows) != 0;
+    PutBack(meshes, rows);
+    past.arrived = past.arrived && !held_again;
+    return past;
   }
-  meshes.PutBack(rows);
-  context.optimum = held;
-  context.v = v;
-  context.phi = phi;
-  const bool stays = Way(context) <= limits::mesh::kTouching;
-  context.arrived = stays && context.stuck_at == context.report.substeps - 1;
+  PutBack(meshes, rows);
+  const bool stays = LengthOf(context, held) <= limits::mesh::kTouching;
+  Way again = held;
+  again.arrived = stays && context.stuck_at == context.report.substeps - 1;
   if (stays) context.stuck_at = context.report.substeps;
-  Remember(context);
-  return IsFree(context);
+  Remember(context, held.optimum);
+  if (!IsFree(context, again)) return std::nullopt;
+  return again;
 }
 
 /// Whether a motion that is free ends no farther from the hand than it begins, but for rounding.
 /// What yields pushes as well: the optimum of both may lie farther from the hand.  So may a
 /// straight way past a crease, where the arc ends nearer; and a ball that rests where facets have
 /// lifted it.
-bool Approaches(const StepContext& context) {
-  const bool rests = context.IsFreeBall() && context.arrived;
-  return !context.IsRigid() || context.rounds || rests ||
-         context.Gain(context.v, context.phi) >= 0.0 || Way(context) <= limits::mesh::kRounding;
+bool Approaches(const StepContext& context, const Way& way) {
+  const bool rests = context.IsFreeBall() && way.arrived;
+  return !context.IsRigid() || way.optimum.rounds || rests || context.Gain(way.v, way.phi) >= 0.0 ||
+         LengthOf(context, way) <= limits::mesh::kRounding;
 }
 
 /// The sub-step begins anew with the rows as they are at its beginning; from the second time on the
@@ -131,9 +122,9 @@ bool Approaches(const StepContext& context) {
 void BeginAnew(StepContext& context) {
   MeshContact& meshes = *context.buffers.meshes;
   ContactRows& rows = context.buffers.rows;
-  meshes.GiveUpRegain(rows);
+  GiveUpRegain(meshes, rows);
   // A ball's rows have the smooth surface's normals and not its facets': no motion is short enough.
-  if (meshes.tool().radius > 0.0) {
+  if (meshes.meshes.IsBall()) {
     rows.AdmitZero();
     return;
   }
@@ -146,50 +137,47 @@ void BeginAnew(StepContext& context) {
   }
   trust.begun_anew = true;
   trust.failures = 0;
-  meshes.RelineariseAtStart(rows);
+  RelineariseAtStart(meshes, rows);
 }
 
 /// The longest half, quarter, ... of a motion that is not free.
-void Halve(StepContext& context) {
+Way Halve(const StepContext& context, Way way) {
   MeshContact& meshes = *context.buffers.meshes;
-  context.arrived = false;
+  way.arrived = false;
   context.state.friction = context.friction_before;  // of no trial
-  while (!meshes.IsFull() && Way(context) > limits::mesh::kRounding) {
-    context.v *= 0.5;
-    context.phi *= 0.5;
-    if (IsFree(context)) return;
+  while (!meshes.near.is_full() && LengthOf(context, way) > limits::mesh::kRounding) {
+    way.v *= 0.5;
+    way.phi *= 0.5;
+    if (IsFree(context, way)) return way;
   }
-  context.v.setZero();
-  context.phi.setZero();
-  meshes.Stay();
+  way.v.setZero();
+  way.phi.setZero();
+  Stay(meshes);
+  return way;
 }
 
 }  // namespace
 
-bool ClearWay(StepContext& context) noexcept {
-  const double part = PartWithin(context);
-  context.arrived = part == 1.0;
-  GoTo(context, 1.0);
-  if (!context.arrived) ShortenWay(context, part);
-  if (!context.buffers.meshes) return true;
+std::optional<Way> ClearWay(StepContext& context, const Optimum& optimum) noexcept {
+  Way way = WayWithin(context, optimum);
+  if (!context.buffers.meshes) return way;
   MeshContact& meshes = *context.buffers.meshes;
   const bool goes_on = context.iterates < limits::mesh::kIterates;
   TrustRegion& trust = context.trust;
-  if (trust.failures == 0) trust.first = {context.v.norm(), context.phi.norm()};
-  const bool is_free = meshes.Check(context.v, TurnOfMesh(context), context.buffers.rows) == 0;
-  if (is_free && Approaches(context)) {
-    if (context.arrived && goes_on && Mend(context)) return false;
+  if (trust.failures == 0) trust.first = {way.v.norm(), way.phi.norm()};
+  const bool is_free = CheckTrial(meshes, way.v, TurnOfMesh(context, way), context.buffers.rows);
+  if (is_free && Approaches(context, way)) {
+    if (way.arrived && goes_on && Mend(context, way)) return std::nullopt;
     // Of a ball, Turned says whether it has arrived.
-    const bool is_ball = meshes.tool().radius > 0.0;
-    if (is_ball || !context.IsRigid() || context.rounds || !context.arrived || GoPast(context)) {
-      return true;
-    }
-  } else if (goes_on && !meshes.IsExhausted()) {
+    const bool goes_past =
+        way.arrived && context.IsRigid() && !meshes.meshes.IsBall() && !optimum.rounds;
+    if (!goes_past) return way;
+    if (const auto past = GoPast(context, way)) return past;
+  } else if (goes_on && !meshes.looks.AreSpent()) {
     if (is_free || ++trust.failures == limits::mesh::kTrustedTrials) BeginAnew(context);
-    return false;
+    return std::nullopt;
   }
-  Halve(context);
-  return true;
+  return Halve(context, way);
 }
 
 }  // namespace palpate

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <optional>
+
 #include "server/physics/solve/step_context.h"
 
 namespace palpate {
 
-/// The motion of a sub-step, context.v and context.phi: towards the optimum, as far as the bounds
-/// and the meshes let it, and whether the tool arrives there.  False where the rows had to change:
-/// then the optimum is to be solved for again.
+/// The motion of a sub-step towards an optimum, as far as the bounds and the meshes let it.  None
+/// where the rows had to change: then the optimum is to be solved for again.
 ///
 /// Where leaves alone meet, the rows cover all that the bounds allow.  Between meshes they come on
 /// violation, so a motion is only made that has been checked: the meshes are apart at its end and
@@ -14,6 +15,6 @@ namespace palpate {
 /// wide.  A motion that is still not free in the end is halved until it is; no motion at all always
 /// is.  The tool has arrived only where the pairs that hold it touch.
 /// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
-bool ClearWay(StepContext& context) noexcept;
+std::optional<Way> ClearWay(StepContext& context, const Optimum& optimum) noexcept;
 
 }  // namespace palpate

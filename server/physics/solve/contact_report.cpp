@@ -5,10 +5,10 @@
 
 namespace palpate {
 
-void ReportContacts(StepContext& context) noexcept {
+void ReportContacts(const StepContext& context, const Way& way) noexcept {
   const ContactRows& rows = context.buffers.rows;
-  const Optimum& optimum = context.optimum;
-  const SoftContacts& yielding = context.yielding;
+  const Optimum& optimum = way.optimum;
+  const SoftContacts& yielding = optimum.yielding;
   const double k_t = context.model.parameters().stiffness;
   const Mat3 R_WG = context.q_G.toRotationMatrix();
   StepReport& report = context.report;
@@ -21,12 +21,12 @@ void ReportContacts(StepContext& context) noexcept {
     row.pair = rows.pair(i);
     row.normal = rows.normal(i);
     row.lever_cross_normal = rows.lever_cross_normal(i);
-    row.offset = offset - row.normal.dot(context.v) - row.lever_cross_normal.dot(context.phi);
+    row.offset = offset - row.normal.dot(way.v) - row.lever_cross_normal.dot(way.phi);
     row.force = force;
     const ContactPlace place = PlaceOf(context.model, rows, i, R_WG);
-    row.contact_W = context.p_G + (KindOf(row.pair) == RowKind::kLeaves
-                                       ? place.lever
-                                       : RotationExp(context.phi) * place.lever);
+    row.contact_W =
+        context.p_G +
+        (KindOf(row.pair) == RowKind::kLeaves ? place.lever : RotationExp(way.phi) * place.lever);
     row.object_leaf = place.object_leaf;
     return &row;
   };

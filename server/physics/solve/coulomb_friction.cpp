@@ -28,14 +28,14 @@ template <int N>
 class FrictionalContacts {
  public:
   /// @param t  N, the target.
-  FrictionalContacts(const StepContext& context, const double* t)
+  FrictionalContacts(const StepContext& context, const Optimum& frictionless, const double* t)
       : model_(context.model),
         R_WG_(context.R_WG),
         rows_(context.buffers.rows),
         rigid_(context.rigid),
-        slack_(context.optimum.qp.slack),
+        slack_(frictionless.qp.slack),
         still_(context.state.friction.still >= kStillCycles) {
-    const QpResult& qp = context.optimum.qp;
+    const QpResult& qp = frictionless.qp;
     double tt = 0.0, moved = 0.0;
     for (int c = 0; c < N; ++c) {
       t_[c] = t[c];
@@ -498,9 +498,8 @@ class FrictionalContacts {
 /// those of the frictionless optimum.  Where the last ones are there, the others start without
 /// force, for those together balanced the hand.
 template <int N>
-void AddContacts(const StepContext& context, FrictionalContacts<N>& contacts) {
+void AddContacts(const StepContext& context, const QpResult& qp, FrictionalContacts<N>& contacts) {
   const FrictionState& state = context.state.friction;
-  const QpResult& qp = context.optimum.qp;
   const auto frictionless = [&](int row) {
     const int* found = std::find(qp.row, qp.row + qp.active, row);
     return found == qp.row + qp.active ? 0.0 : qp.multiplier[found - qp.row];
@@ -521,11 +520,11 @@ void AddContacts(const StepContext& context, FrictionalContacts<N>& contacts) {
 /// False where the frictionless optimum stays.
 /// @param t  N, the target.
 template <int N>
-bool Solve(StepContext& context, const double* t) {
+bool Solve(StepContext& context, Optimum& optimum, const double* t) {
   StepReport& report = context.report;
-  QpResult& qp = context.optimum.qp;
-  FrictionalContacts<N> contacts(context, t);
-  AddContacts(context, contacts);
+  QpResult& qp = optimum.qp;
+  FrictionalContacts<N> contacts(context, optimum, t);
+  AddContacts(context, qp, contacts);
   QpResult shifted;
   const auto solve_shifted = [&] {
     double target[N];
@@ -553,7 +552,7 @@ bool Solve(StepContext& context, const double* t) {
   }
   if (contacts.slides()) context.state.friction.still = 0;
   std::copy(shifted.x, shifted.x + N, qp.x);
-  contacts.Write(context.state.friction, qp, context.optimum.friction);
+  contacts.Write(context.state.friction, qp, optimum.friction);
   if constexpr (N == 6) {
     const Vec3 phi = Vec3(qp.x[3], qp.x[4], qp.x[5]) / context.model.rotation_length();
     if (phi.norm() <= context.model.parameters().max_rotation) {
@@ -566,18 +565,17 @@ bool Solve(StepContext& context, const double* t) {
 
 }  // namespace
 
-void AddCoulombFriction(StepContext& context) noexcept {
+void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept {
   FrictionState& state = context.state.friction;
-  Optimum& optimum = context.optimum;
   if (context.report.substeps == 0 && state.still < kStillCycles) ++state.still;
   const double rho = context.model.rotation_length();
   // The push of soft contacts counts as it is without friction.
-  const Vec3 v = context.target.v + context.yielding.force;
-  const Vec3 phi = context.target.phi + context.yielding.torque / (rho * rho);
+  const Vec3 v = context.target.v + optimum.yielding.force;
+  const Vec3 phi = context.target.phi + optimum.yielding.torque / (rho * rho);
   const double t[6] = {v.x(), v.y(), v.z(), rho * phi.x(), rho * phi.y(), rho * phi.z()};
   const bool turns = context.model.degrees_of_freedom() == 6;
   optimum.rubs = true;
-  if (!(turns ? Solve<6>(context, t) : Solve<3>(context, t))) {
+  if (!(turns ? Solve<6>(context, optimum, t) : Solve<3>(context, optimum, t))) {
     for (Vec3& force : optimum.friction) force.setZero();
     state.contacts = 0;
   }

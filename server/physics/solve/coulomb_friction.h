@@ -23,13 +23,13 @@ namespace palpate {
 /// shift the target of the QP over all rows, so that a row is never violated for friction's sake;
 /// rows that this brings in join the contacts, and Newton's method goes on.
 ///
-/// Reads of the context what stands before `optimum`, and the frictionless optimum itself, which
-/// has an active row; where some rows are soft, the target is that which their push at that optimum
-/// shifts (soft contacts are smooth).  Changes `optimum`, whose active rows are then all that carry
-/// force, and the state's friction.  Counts cycles in the first sub-step of each.
+/// @param optimum  the frictionless one, which has an active row; where some rows are soft, the
+///                 target is that which their push there shifts (soft contacts are smooth).  Its
+///                 active rows are then all that carry force.
+/// Changes the state's friction.  Counts cycles in the first sub-step of each.
 /// Where it does not converge, that is counted in the report, and the best iterate is taken: rows
 /// hold and forces add up all the same.
 /// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
-void AddCoulombFriction(StepContext& context) noexcept;
+void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept;
 
 }  // namespace palpate

@@ -30,8 +30,8 @@ Optimum NearestStep(const StepContext& context, const Target& target, SoftRows* 
   return optimum;
 }
 
-void Remember(StepContext& context) noexcept {
-  const QpResult& qp = context.optimum.qp;
+void Remember(const StepContext& context, const Optimum& optimum) noexcept {
+  const QpResult& qp = optimum.qp;
   context.state.active = qp.active;
   for (int i = 0; i < qp.active; ++i) {
     context.state.active_pairs[static_cast<std::size_t>(i)] = context.buffers.rows.pair(qp.row[i]);

@@ -11,7 +11,7 @@ namespace palpate {
 /// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
 Optimum NearestStep(const StepContext& context, const Target& target, SoftRows* soft) noexcept;
 
-/// Keeps which rows hold the tool at the context's optimum: the solver's first guess next time.
-void Remember(StepContext& context) noexcept;
+/// Keeps which rows hold the tool at an optimum: the solver's first guess next time.
+void Remember(const StepContext& context, const Optimum& optimum) noexcept;
 
 }  // namespace palpate

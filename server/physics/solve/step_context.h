@@ -6,9 +6,9 @@
 #include "common/qp/nearest_point.h"
 #include "server/physics/haptic_model.h"
 #include "server/physics/rows/soft_rows.h"
-#include "server/physics/rows/step_buffers.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/solve/response.h"
+#include "server/physics/solve/step_buffers.h"
 #include "server/physics/step_state.h"
 #include "server/physics/step_types.h"
 
@@ -25,11 +25,23 @@ struct Optimum {
   QpResult qp;
   bool rubs = false;        ///< friction has moved it
   FrictionForces friction;  ///< where it rubs: of the QP's active rows
+  bool rounds = false;      ///< with the curvature of a ball's rows
+  SoftContacts yielding{};  ///< the soft rows that push there
+
+  /// Whether anything holds the tool.
+  bool IsHeld() const { return qp.active != 0 || yielding.count != 0; }
 
   /// To be called where a solver has written it: what is no number is no optimum.
   void RefuseNaN() {
     if (!v.allFinite() || !phi.allFinite()) qp.status = QpStatus::kIterationLimit;
   }
+};
+
+/// What a sub-step comes to: the motion [v; phi] towards an optimum, as far as that was free.
+struct Way {
+  Optimum optimum;
+  Vec3 v = Vec3::Zero(), phi = Vec3::Zero();  ///< [m], [rad]
+  bool arrived = false;                       ///< at the optimum
 };
 
 /// How far rows between meshes are trusted in a sub-step (ClearWay).
@@ -51,7 +63,7 @@ struct StepContext {
   /// Whether meshes may hold the tool, and nothing that does rubs or yields.
   bool IsRigid() const { return buffers.meshes && soft == nullptr && !Rubs(); }
   /// The same of a ball.
-  bool IsFreeBall() const { return IsRigid() && buffers.meshes->tool().radius > 0.0; }
+  bool IsFreeBall() const { return IsRigid() && buffers.meshes->meshes.IsBall(); }
   /// How much nearer to the hand a step ends than it begins: |t|^2 - |x - t|^2, with x = [v; rho
   /// phi] and t the hand's [m^2].
   double Gain(const Vec3& step_v, const Vec3& step_phi) const {
@@ -63,8 +75,6 @@ struct StepContext {
     }
     return 2.0 * along - length2;
   }
-  /// Whether anything holds the tool.
-  bool IsHeld() const { return optimum.qp.active != 0 || yielding.count != 0; }
   /// Where the hand is from where the tool is.
   void Aim() { target = TargetFrom(p_G, q_G, p_H, q_H, state.turn_G); }
   /// Of the spring once the tool has made a step towards the target.
@@ -76,7 +86,7 @@ struct StepContext {
     return wrench;
   }
   /// The step ends unsolved where such an optimum is none.
-  void Require(const Optimum& found) {
+  void Require(const Optimum& found) const {
     if (found.qp.status == QpStatus::kIterationLimit) report.faults |= kFaultUnsolved;
   }
   bool IsUnsolved() const { return (report.faults & kFaultUnsolved) != 0; }
@@ -104,17 +114,11 @@ struct StepContext {
   std::int64_t looks = 0;         ///< of the cycle so far, between meshes (limits::mesh::kMaxLooks)
   FrictionState friction_before;  ///< as the sub-step found it
 
-  // Solve and rub: the pose that the tool should have.
+  // Solve and clear the way.
   int iterates = 0;  ///< of the sub-step: rows between meshes come on violation
   TrustRegion trust;
-  Optimum optimum;
-  bool rounds = false;    ///< with the curvature of a ball's rows
-  SoftContacts yielding;  ///< the soft rows that push there
-
-  // Move: the way that it went.
-  Vec3 v, phi;           ///< [m], [rad]
-  bool arrived = false;  ///< at the optimum
   int stuck_at = -2;     ///< the last sub-step that found no way past what holds the tool
+  bool arrived = false;  ///< of the last sub-step's way
 };
 
 }  // namespace palpate

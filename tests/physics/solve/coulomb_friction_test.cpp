@@ -6,8 +6,8 @@
 
 #include "common/error.h"
 #include "common/math/rotation.h"
-#include "server/physics/rows/step_buffers.h"
 #include "server/physics/solve/qp_solver.h"
+#include "server/physics/solve/step_buffers.h"
 #include "tests/physics/solve/friction_bench.h"
 #include "tests/support/optimised.h"
 
@@ -367,9 +367,10 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       context.R_WG = R_WG;
       context.target = target;
       context.rigid = rows.view();
-      context.optimum.qp = frictionless;
-      AddCoulombFriction(context);
-      const QpResult& qp = context.optimum.qp;
+      Optimum optimum;
+      optimum.qp = frictionless;
+      AddCoulombFriction(context, optimum);
+      const QpResult& qp = optimum.qp;
       Problem::Vec6 x = Problem::Vec6::Zero();
       for (int c = 0; c < model.degrees_of_freedom(); ++c) x[c] = qp.x[c];
       if (counts.friction_lowered + counts.friction_unsolved > 0 ||

@@ -1,5 +1,3 @@
-#include "server/physics/rows/mesh_contact.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -9,10 +7,11 @@
 #include "common/math/rotation.h"
 #include "scenes/shapes/shapes.h"
 #include "scenes/tree/sphere_tree_builder.h"
+#include "server/physics/contact/sub_step.h"
 #include "server/physics/haptic_step.h"
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"
-#include "tests/physics/rows/contact_scenes.h"
+#include "tests/physics/contact/contact_scenes.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/mesh_oracle.h"
 #include "tests/support/optimised.h"

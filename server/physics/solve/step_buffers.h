@@ -2,10 +2,10 @@
 
 #include <optional>
 
+#include "server/physics/contact/mesh_contact.h"
 #include "server/physics/haptic_model.h"
 #include "server/physics/rows/contact_prediction.h"
 #include "server/physics/rows/contact_rows.h"
-#include "server/physics/rows/mesh_contact.h"
 #include "server/physics/rows/soft_rows.h"
 
 namespace palpate {

@@ -12,7 +12,7 @@
 #include "scenes/shapes/shapes.h"
 #include "server/physics/haptic_step.h"
 #include "server/physics/scene_model.h"
-#include "tests/physics/rows/contact_scenes.h"
+#include "tests/physics/contact/contact_scenes.h"
 #include "tests/support/contact_figures.h"
 #include "tests/support/hand_path.h"
 #include "tests/support/hand_trial.h"

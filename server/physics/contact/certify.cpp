@@ -1,0 +1,186 @@
+#include "server/physics/contact/certify.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "server/physics/limits.h"
+#include "server/physics/surface/separating_plane.h"
+
+namespace palpate {
+namespace {
+
+using namespace limits::mesh;
+using Index = NearPairs::Index;
+
+/// A near pair whose plane does not hold at a trial, and the gap that is left along it: one number,
+/// which is less where the gap is, so that sorting compares nothing else.  The index takes the
+/// place of the gap's last bits.
+std::int64_t DoubtOf(double gap, Index near) {
+  auto bits = std::bit_cast<std::int64_t>(gap);
+  bits ^= (bits >> 63) & std::numeric_limits<std::int64_t>::max();  // ordered as gaps are
+  return (bits & ~static_cast<std::int64_t>(kMaxNear - 1)) | near;
+}
+Index NearOf(std::int64_t doubt) {
+  return static_cast<Index>(doubt & static_cast<std::int64_t>(kMaxNear - 1));
+}
+
+/// Whether a unit direction keeps a pair apart throughout the trial; then it is the pair's plane.
+bool HoldsAlong(MeshContact& contact, Index k, const Vec3& n, double least_before,
+                double least_after) {
+  const NodesOfPair& nodes = contact.near[k].nodes;
+  const double after = contact.meshes.Gap(nodes, n, contact.motion.to);
+  if (!(after >= least_after)) return false;
+  const double before =
+      contact.motion.moves ? contact.meshes.Gap(nodes, n, contact.motion.from) : after;
+  if (!(before >= least_before)) return false;
+  contact.near.SetPlanes(k, n, before, n, after);
+  return true;
+}
+
+/// The same for a plane of a touch, which may move with the tool, and a pair that is `distance`
+/// apart at the sub-step's beginning: the touch's own, or a neighbour.
+bool HoldsAcross(MeshContact& contact, Index k, double distance, const Touch& touch,
+                 const ContactPlane& plane) {
+  const MeshPair& meshes = contact.meshes;
+  const Motion& motion = contact.motion;
+  const double least_before = LeastBefore(distance), least_after = LeastAfter(distance);
+  if (plane.of == ContactPlane::Of::kObject) {
+    return HoldsAlong(contact, k, plane.n, least_before, least_after);
+  }
+  const NodesOfPair& nodes = contact.near[k].nodes;
+  const Vec3 n_before = NormalAt(meshes, touch, plane, motion.from);
+  const Vec3 n_after = NormalAt(meshes, touch, plane, motion.to);
+  const double before = meshes.Gap(nodes, n_before, motion.from);
+  const double after = meshes.Gap(nodes, n_after, motion.to);
+  if (!(before >= least_before && after >= least_after)) return false;
+  if (std::min(before, after) - TurnLoss(meshes, touch, plane, motion) <
+      0.5 * std::min(kFree, before)) {
+    return false;
+  }
+  contact.near.SetPlanes(k, n_before, before, n_after, after);
+  return true;
+}
+
+/// Whether a plane separates the hulls of a pair throughout the trial.
+bool IsSeparable(MeshContact& contact, Index k) {
+  const MeshPair& meshes = contact.meshes;
+  const NodesOfPair& nodes = contact.near[k].nodes;
+  SeparatingPlane plane;
+  const bool found = FindPlane(
+      {meshes.tool.tree, nodes.tool, meshes.tool.radius, meshes.objects.tree, nodes.object},
+      {contact.motion.from, contact.motion.to}, contact.near.Normal(k), kFree, *meshes.kernels,
+      plane);
+  contact.looks.tested += plane.tries;
+  if (found) contact.near.SetPlanes(k, plane.n, plane.before, plane.n, plane.after);
+  return found;
+}
+
+/// Whether the plane of a contact keeps this pair apart too, which is out of its cones: it hinders
+/// nothing that the contact does not.
+bool NeighbourHolds(MeshContact& contact, Index k, double distance) {
+  return std::any_of(contact.touches.begin(), contact.touches.end(), [&](const Touch& touch) {
+    return touch.in_cone && touch.plane.of != ContactPlane::Of::kNone &&
+           HoldsAcross(contact, k, distance, touch, touch.plane);
+  });
+}
+
+/// Whether two triangles are apart, by the planes that may be those of a contact: no other one is
+/// looked for, for it would let the tool pass where the next sub-step finds that it may not.
+bool TrianglesApart(MeshContact& contact, Index k) {
+  const MeshPair& meshes = contact.meshes;
+  const Motion& motion = contact.motion;
+  const Touch& touch = contact.TouchOf(k);
+  const auto across = [&](const ContactPlane& plane) {
+    return HoldsAcross(contact, k, touch.distance, touch, plane);
+  };
+  if (touch.plane.of != ContactPlane::Of::kNone && across(touch.plane)) return true;
+  const double least_before = LeastBefore(touch.distance), least_after = LeastAfter(touch.distance);
+  const auto holds = [&](const Vec3& n) {
+    return HoldsAlong(contact, k, n, least_before, least_after);
+  };
+  if (holds(touch.u) || holds(contact.near.Normal(k))) return true;
+  bool held = false;
+  ForEachFace(meshes, touch.nodes, touch.nearest, motion.from,
+              [&](const ContactPlane& plane) { held = held || across(plane); });
+  if (held || !motion.moves) return held;
+  const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
+  if (nearest.squared > 0.0 && holds((nearest.p - nearest.q) / std::sqrt(nearest.squared))) {
+    return true;
+  }
+  if (!touch.in_cone) return NeighbourHolds(contact, k, touch.distance);
+  return touch.plane.of == ContactPlane::Of::kNone && across(ChoosePlane(meshes, touch, motion));
+}
+
+/// Whether a pair is apart at the trial, whatever the front's own plane says.  Patches that no
+/// plane separates are opened: their parts say.
+bool LookCloser(MeshContact& contact, Index k, Until until) {
+  NearPairs::Pair& pair = contact.near[k];
+  pair.looked_at = contact.trial;
+  if (contact.looks.AreSpent()) return false;
+  if (!pair.nodes.AreTriangles()) return IsSeparable(contact, k) || contact.near.Split(k);
+  const bool has_plane = pair.touch >= 0 && contact.TouchOf(k).plane.of != ContactPlane::Of::kNone;
+  // A ball's row goes along the smooth surface and not along the pair's plane: any plane will do.
+  const bool apart =
+      !has_plane &&
+      (contact.meshes.IsBall() ? IsSeparable(contact, k)
+                               : HoldsAlong(contact, k, contact.near.Normal(k), kFree, kFree));
+  if (apart) return true;
+  if (!contact.HasRoomFor(pair)) return false;
+  ++contact.looks.tested;
+  if (TrianglesApart(contact, k)) return true;
+  if (!contact.motion.moves || until == Until::kFirst) return false;
+  Touch& touch = contact.TouchOf(k);
+  if (touch.in_cone && touch.plane.of == ContactPlane::Of::kNone) {
+    touch.plane = ChoosePlane(contact.meshes, touch, contact.motion);
+  }
+  contact.open.push_back(k);
+  return false;
+}
+
+}  // namespace
+
+int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) noexcept {
+  contact.motion = Motion(contact.motion.from, v, phi);
+  const bool moves = contact.motion.moves;
+  NearPairs& near = contact.near;
+  Looks& looks = contact.looks;
+  const double angle = phi.norm();
+  // The rotation's second order is 1/2 |phi|^2 of a point's lever at most.
+  const double bend =
+      0.5 * angle * angle * (contact.meshes.tool.mesh.reach() + contact.meshes.tool.radius);
+  near.Cover(v.norm(), angle, looks);
+  const PlaneMotion motion{
+      {v.x(), v.y(), v.z(), phi.x(), phi.y(), phi.z()}, angle, kFree, kFree + bend};
+  ++contact.trial;
+  std::vector<std::int64_t>& doubts = contact.doubts;
+  doubts.clear();
+  contact.open.clear();
+  const int enough = until == Until::kEnough ? kEnough : 1;
+  // Pairs that there was no room for are not known to be apart.
+  int apart_not = near.is_full() ? 1 : 0;
+  for (Index collected = 0;;) {
+    // Those whose planes do not hold throughout the trial; patches that were split have added to
+    // them.
+    const auto found = near.FindUsedUp(collected, motion, looks);
+    collected = near.size();
+    if (looks.AreSpent()) return apart_not + static_cast<int>(found.size() + doubts.size());
+    for (const Index k : found) {
+      doubts.push_back(DoubtOf(near.Left(k), k));
+      std::push_heap(doubts.begin(), doubts.end(), std::greater<>());
+    }
+    if (doubts.empty() || (moves && apart_not >= enough)) return apart_not;
+    // The deepest first.
+    for (int i = 0; i < kBatch && !doubts.empty() && !looks.AreSpent(); ++i) {
+      if (moves && apart_not >= enough) break;
+      std::pop_heap(doubts.begin(), doubts.end(), std::greater<>());
+      const Index k = NearOf(doubts.back());
+      doubts.pop_back();
+      if (!LookCloser(contact, k, until)) ++apart_not;
+    }
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,35 @@
+#include "server/physics/contact/mesh_contact.h"
+
+namespace palpate {
+
+MeshContact::MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, int max_rows)
+    : meshes{tool, objects}, motion({Vec3::Zero(), Quat::Identity()}) {
+  const auto rows = static_cast<std::size_t>(max_rows);
+  touches.reserve(limits::mesh::kMaxTouches);
+  of_rows.touch.reserve(rows);
+  of_rows.regain.resize(rows);
+  released.reserve(rows);
+  doubts.reserve(limits::mesh::kMaxNear);
+  open.reserve(limits::mesh::kMaxNear);
+}
+
+Touch& MeshContact::TouchOf(NearPairs::Index k) {
+  NearPairs::Pair& pair = near[k];
+  if (pair.touch < 0) {
+    pair.touch = static_cast<std::int32_t>(touches.size());
+    touches.push_back(TouchAt(meshes, pair.nodes, motion.from));
+  }
+  return touches[static_cast<std::size_t>(pair.touch)];
+}
+
+const Touch* MeshContact::TouchOfRow(int row) const {
+  const auto r = static_cast<std::size_t>(row);
+  if (r >= of_rows.touch.size() || of_rows.touch[r] < 0) return nullptr;
+  return &touches[static_cast<std::size_t>(of_rows.touch[r])];
+}
+
+Touch* MeshContact::TouchOfRow(int row) {
+  return const_cast<Touch*>(std::as_const(*this).TouchOfRow(row));
+}
+
+}  // namespace palpate

@@ -1,0 +1,187 @@
+#include "server/physics/contact/near_pairs.h"
+
+#include <algorithm>
+#include <limits>
+#include <new>
+
+namespace palpate {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::align_val_t kCacheLine{64};
+
+using namespace limits::mesh;
+
+}  // namespace
+
+NearPairs::NearPairs()
+    : storage_(new (kCacheLine) double[9 * (kMaxNear + 8)](),
+               [](double* p) { ::operator delete[](p, kCacheLine); }) {
+  pairs_.reserve(kMaxNear);
+  after_.resize(kMaxNear);
+  seen_.resize(SeparationFront::kMaxSlots);
+  found_.resize(SeparationFront::kMaxSlots + 8);
+  constexpr std::size_t kStride = kMaxNear + 8;  // not a power of two, or columns share a cache set
+  for (std::size_t c = 0; c < 6; ++c) planes_.along[c] = storage_.get() + c * kStride;
+  planes_.slack = storage_.get() + 6 * kStride;
+  planes_.radius = storage_.get() + 7 * kStride;
+  planes_.left = storage_.get() + 8 * kStride;
+}
+
+void NearPairs::Begin(const MeshPair& meshes, SeparationFront& front, const ToolPose& from) {
+  meshes_ = &meshes;
+  front_ = &front;
+  from_ = from;
+  covered_ = 0.0;
+  full_ = false;
+  pairs_.clear();
+  if (++substep_ == 0) {
+    std::fill(seen_.begin(), seen_.end(), 0u);
+    substep_ = 1;
+  }
+  const HullTree &tool = meshes.tool.tree, &objects = meshes.objects.tree;
+  if (front.empty()) front.Restart(tool, objects, from);
+  if (from.p != front.now().p || from.q.coeffs() != front.now().q.coeffs()) {  // the pose was set
+    const double way = front.Move(from, meshes.tool.mesh.reach());
+    if (way > kSetFar) front.Restart(tool, objects, from);
+  }
+}
+
+void NearPairs::Cover(double translation, double rotation, Looks& looks) {
+  // A trial needs room for the rotation's second order, 1/2 |phi|^2 of a lever, beside the linear
+  // part.
+  const double reach = meshes_->tool.mesh.reach();
+  const double way = translation + rotation * reach * (1.0 + 0.5 * rotation) + kFree;
+  if (way <= covered_) return;
+  covered_ = way;
+  const int found = meshes_->kernels->find_below(
+      front_->expiry(), static_cast<int>(front_->slots()), front_->way() + way, found_.data());
+  int count = 0;
+  for (int f = 0; f < found; ++f) {
+    const SeparationFront::Index i = found_[static_cast<std::size_t>(f)];
+    if (seen_[static_cast<std::size_t>(i)] == substep_) continue;
+    found_[static_cast<std::size_t>(count++)] = i;
+  }
+  for (int done = 0; done < count; done += kBatch) {
+    // Those that are not brought up to date any more are not known to be apart.
+    full_ = looks.AreSpent() || pairs_.size() + kBatch > kMaxNear;
+    if (full_) return;
+    Add(found_.data() + done, std::min(kBatch, count - done), way, looks);
+  }
+}
+
+void NearPairs::Add(SeparationFront::Index in_front) {
+  const SeparationFront::Pair& pair = front_->pair(in_front);
+  pairs_.push_back({{pair.tool, pair.object}, in_front});
+  seen_[static_cast<std::size_t>(in_front)] = substep_;
+}
+
+/// Adds those of some pairs of the front that a motion of such a length could bring together.  Most
+/// could not: an expiry counts every motion as one against the plane.
+void NearPairs::Add(const SeparationFront::Index* in_front, int count, double way, Looks& looks) {
+  for (int i = 0; i < count; ++i) {
+    if (front_->IsKept(in_front[i])) continue;
+    const SeparationFront::Pair& pair = front_->pair(in_front[i]);
+    const Vec3 n = front_->Normal(in_front[i]);
+    front_->Set(in_front[i], n, meshes_->Gap({pair.tool, pair.object}, n, from_));
+  }
+  const Index first = size();
+  front_->Refresh(*meshes_->kernels, in_front, count, first, planes_);
+  looks.refreshed += count;
+  for (int i = 0; i < count; ++i) {
+    if (planes_.slack[first + i] >= way) continue;
+    const Index to = size();
+    for (double* along : planes_.along) along[to] = along[first + i];
+    planes_.slack[to] = planes_.slack[first + i];
+    planes_.radius[to] = planes_.radius[first + i];
+    Add(in_front[i]);
+  }
+}
+
+std::span<const NearPairs::Index> NearPairs::FindUsedUp(Index first, const PlaneMotion& motion,
+                                                        Looks& looks) {
+  const int found = meshes_->kernels->find_used_up(planes_, first, size(), motion, found_.data());
+  looks.refreshed += found + (size() - first) / 8;
+  return {found_.data(), static_cast<std::size_t>(found)};
+}
+
+void NearPairs::SetPlane(Index k, const Vec3& n, double slack) {
+  const Vec3 turned = (from_.R * meshes_->tool.tree.Centre((*this)[k].nodes.tool)).cross(n);
+  for (int c = 0; c < 3; ++c) {
+    planes_.along[c][k] = n[c];
+    planes_.along[3 + c][k] = turned[c];
+  }
+  planes_.slack[k] = slack;
+}
+
+void NearPairs::SetPlanes(Index k, const Vec3& n_before, double before, const Vec3& n_after,
+                          double after) {
+  SetPlane(k, n_before, before);
+  (*this)[k].replaced = true;
+  after_[static_cast<std::size_t>(k)] = {n_after, after};
+}
+
+bool NearPairs::Split(Index k) {
+  if (pairs_.size() + 2 > kMaxNear) return false;
+  const Vec3 n = Normal(k);
+  const double slack = planes_.slack[k];
+  const SeparationFront::Index child =
+      front_->Split((*this)[k].in_front, meshes_->tool.tree, meshes_->objects.tree, n, slack);
+  if (child < 0) return false;
+  // Its own plane now holds at every trial: its children are looked at in its place.
+  (*this)[k].split = true;
+  for (int side = 0; side < 2; ++side) {
+    planes_.radius[size()] = front_->plane(child + side).radius;
+    Add(child + side);
+    SetPlane(size() - 1, n, slack);
+  }
+  planes_.slack[k] = kInfinity;
+  return true;
+}
+
+void NearPairs::Accept(const Motion& motion, std::int32_t trial, Looks& looks) {
+  // A pair that no closer look was taken at keeps the plane that the front has.
+  for (Index k = 0; k < size(); ++k) {
+    const Pair& pair = (*this)[k];
+    if (!pair.split && pair.replaced) front_->Set(pair.in_front, Normal(k), planes_.slack[k]);
+  }
+  if (motion.moves) {
+    front_->Move(motion.to, meshes_->tool.mesh.reach());
+    for (Index k = 0; k < size(); ++k) {
+      const Pair& pair = (*this)[k];
+      const Plane& after = after_[static_cast<std::size_t>(k)];
+      if (pair.looked_at == trial && !pair.split) front_->Set(pair.in_front, after.n, after.slack);
+    }
+  }
+  Merge(motion.to, looks);
+}
+
+/// Merges pairs of the front that one plane keeps apart as a whole, with some room: one of the two
+/// that keep their parts apart.  Where neither does, the pair is tried again when the tool has gone
+/// as far as the better one lacks: no gap changes faster.
+void NearPairs::Merge(const ToolPose& at, Looks& looks) {
+  for (int i = 0; i < kBatch; ++i) {
+    SeparationFront::Index index = front_->NextMergeable();
+    if (index < 0) return;
+    // A pair that has been merged may now be merged with its sibling.
+    for (; index >= 0 && front_->IsMergeable(index); index = front_->pair(index).parent) {
+      const SeparationFront::Pair& pair = front_->pair(index);
+      ++looks.tested;
+      Vec3 n;
+      double gap = -kInfinity;
+      for (int side = 0; side < 2; ++side) {
+        const Vec3 along = front_->Normal(pair.child + side);
+        const double here = meshes_->Gap({pair.tool, pair.object}, along, at);
+        if (here > gap) n = along;
+        gap = std::max(here, gap);
+      }
+      if (!(gap >= kTouching)) {
+        front_->RetryAfter(index, kTouching - gap);
+        break;
+      }
+      front_->Merge(index, n, gap);
+    }
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,180 @@
+#include "server/physics/contact/reconcile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/physics/contact/touch_rows.h"
+#include "server/physics/limits.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+using namespace limits::mesh;
+
+/// Calls mend(row, touch) for the active rows at the trial, and returns how many it changed.  Pairs
+/// that meet at one corner have the same row each, and the QP takes one of them: where it changes
+/// that, it is called for the others too, or they would come one a trial.
+template <class Mend>
+int MendRows(MeshContact& contact, std::span<const int> active, const ContactRows& rows,
+             Mend mend) {
+  int changed = 0;
+  const auto mend_row = [&](int row) {
+    Touch* touch = contact.TouchOfRow(row);
+    return touch != nullptr && touch->distance > 0.0 && mend(row, *touch);
+  };
+  for (const int row : active) changed += mend_row(row) ? 1 : 0;
+  if (changed == 0 || contact.meshes.IsBall()) return changed;
+  for (int row = 0; row < rows.count(); ++row) {
+    if (rows.Left(row, contact.motion.v, contact.motion.phi) <= kWitness) mend_row(row);
+  }
+  return changed;
+}
+
+/// What a row's own point has at the trial [m].
+double GapOfRow(const MeshContact& contact, int row, const ContactRows& rows) {
+  return rows.Left(row, contact.motion.v, contact.motion.phi) + kSeparation;
+}
+
+/// A ball's row goes along the smooth surface's normal where the ball comes to, not where it was:
+/// true where that is another direction, which the force would feel.  A crease is not smooth: the
+/// ball goes straight past it, and round it in the next sub-steps (Turned).
+bool TurnSmoothed(const MeshContact& contact, const Touch& touch, int row,
+                  const NearestPoints& nearest, const Vec3& u, ContactRows& rows) {
+  const MeshPair& meshes = contact.meshes;
+  if (!meshes.IsBall()) return false;
+  const Vec3 along =
+      meshes.objects.mesh.SmoothNormal(HullTree::TriangleOf(touch.nodes.object), nearest.q, u);
+  if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
+  const double now = std::sqrt(nearest.squared) - meshes.tool.radius;
+  const double asked = Asked(contact, touch.distance);
+  rows.SetRow(row, along, rows.lever(row), now - asked - along.dot(contact.motion.v));
+  return true;
+}
+
+bool Retract(MeshContact& contact, int row, Touch& touch, ContactRows& rows) {
+  const MeshPair& meshes = contact.meshes;
+  const Motion& motion = contact.motion;
+  const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
+  if (!(nearest.squared > 0.0)) return false;
+  const double length = std::sqrt(nearest.squared);
+  const Vec3 u = (nearest.p - nearest.q) / length;
+  const bool touches =
+      GapOfRow(contact, row, rows) <= kWitnessRatio * (length - meshes.tool.radius) + kWitness;
+  if (InCone(meshes, touch.nodes, nearest, u, motion.to) && touches) {
+    return TurnSmoothed(contact, touch, row, nearest, u, rows);
+  }
+  const ContactPlane other = OtherPlane(meshes, touch, nearest, u, motion);
+  if (other.of == ContactPlane::Of::kNone) return false;
+  TakeOut(touch, rows);
+  touch.plane = other;
+  touch.retracted = true;
+  return true;
+}
+
+}  // namespace
+
+int Retract(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept {
+  return MendRows(contact, active, rows, [&](int row, Touch& touch) {
+    return !touch.retracted && Retract(contact, row, touch, rows);
+  });
+}
+
+int Relinearise(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept {
+  return MendRows(contact, active, rows, [&](int row, Touch& touch) {
+    if (touch.relinearised) return false;
+    const TouchRowsAtTrial of = RowsAt(contact, touch);
+    for (int k = 0; k < of.count; ++k) {
+      if (touch.row[of.row[k].slot % 3] != row) continue;
+      if (rows.Turned(row, of.row[k].n, of.row[k].by_turning) <= kTurned) return false;
+      SetRow(contact, touch, of.row[k], rows);
+      touch.relinearised = true;
+    }
+    return touch.relinearised;
+  });
+}
+
+int Release(MeshContact& contact, std::span<const int> active, ContactRows& rows) noexcept {
+  contact.released.clear();
+  return MendRows(contact, active, rows, [&](int row, Touch& touch) {
+    // The pair is farther apart at the trial than its row says.
+    const double apart =
+        std::sqrt(contact.meshes.NearestAt(touch.nodes, contact.motion.to).squared);
+    if (apart - contact.meshes.tool.radius <=
+        kWitnessRatio * GapOfRow(contact, row, rows) + kWitness) {
+      return false;
+    }
+    for (int slot = 0; slot < 3; ++slot) {
+      const int of = touch.row[slot];
+      if (of >= 0) contact.released.push_back({&touch, slot, of, rows.gap(of)});
+    }
+    TakeOut(touch, rows);
+    return true;
+  });
+}
+
+void PutBack(MeshContact& contact, ContactRows& rows) noexcept {
+  for (const ReleasedRow& released : contact.released) {
+    int& row = released.touch->row[released.slot];
+    if (row >= 0) rows.Loosen(row);  // of the trial that is given up
+    row = released.row;
+    rows.SetGap(row, released.gap);
+  }
+}
+
+Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept {
+  const Touch* touch = contact.TouchOfRow(row);
+  if (!contact.meshes.IsBall() || touch == nullptr) return Mat3::Zero();
+  const Feature of = touch->nearest.of_q;
+  if (!touch->in_cone || of.kind == Feature::kFace) return Mat3::Zero();
+  const ContactMesh& mesh = contact.meshes.objects.mesh;
+  const std::uint32_t triangle = HullTree::TriangleOf(touch->nodes.object);
+  const ContactMesh::Triangle& t = mesh.triangles()[triangle];
+  const auto faces = of.kind == Feature::kEdge ? mesh.FacesAtEdge(t.edge[of.index])
+                                               : mesh.FacesAtVertex(t.vertex[of.index]);
+  const Vec3& u = touch->u;
+  const bool flat = std::all_of(faces.begin(), faces.end(), [&](std::uint32_t face) {
+    return mesh.triangles()[face].normal.cross(u).norm() <= kTurned;
+  });
+  if (flat || mesh.SmoothNormal(triangle, touch->nearest.q, u) != u) return Mat3::Zero();
+  const double length = std::sqrt(touch->nearest.squared);
+  if (of.kind == Feature::kVertex) return (Mat3::Identity() - u * u.transpose()) / length;
+  const Vec3 edge = mesh.Corner(triangle, (of.index + 1) % 3) - mesh.Corner(triangle, of.index);
+  const Vec3 across = edge.cross(u).normalized();
+  return across * across.transpose() / length;
+}
+
+double Turned(const MeshContact& contact, std::span<const int> active,
+              const ContactRows& rows) noexcept {
+  if (active.empty()) return 0.0;
+  const MeshPair& meshes = contact.meshes;
+  const Vec3& v = contact.motion.v;
+  // The direction in which it touches is that of the nearest triangle: of one that it touches, but
+  // for what a straight way is off an arc.
+  const double touching = kTouching + 0.5 * v.squaredNorm() / meshes.tool.radius;
+  double nearest = kInfinity;
+  Vec3 u = Vec3::Zero();
+  bool smooth = false;
+  for (NearPairs::Index k = 0; k < contact.near.size(); ++k) {
+    const NearPairs::Pair& near = contact.near[k];
+    const bool may_touch = contact.near.Left(k) <= touching;
+    if (!may_touch || near.split || !near.nodes.AreTriangles()) continue;
+    const NearestPoints points = meshes.NearestAt(near.nodes, contact.motion.to);
+    if (!(points.squared > 0.0 && points.squared < nearest)) continue;
+    nearest = points.squared;
+    u = (points.p - points.q) / std::sqrt(nearest);
+    smooth =
+        meshes.objects.mesh.SmoothNormal(HullTree::TriangleOf(near.nodes.object), points.q, u) != u;
+  }
+  double least = kInfinity, most = 0.0;
+  for (const int row : active) {
+    least = std::min(least, (u - rows.normal(row)).norm());
+    most = std::max(most, (CurvatureOf(contact, row) * v).norm());
+  }
+  // Where it is smooth, Retract has turned the rows.
+  return smooth || !(nearest < kInfinity) ? most : std::max(least, most);
+}
+
+}  // namespace palpate

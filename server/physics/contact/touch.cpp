@@ -1,0 +1,183 @@
+#include "server/physics/contact/touch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/physics/limits.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+using namespace limits::mesh;
+
+Vec3 EdgeOf(const ContactMesh& mesh, HullTree::Node node, int i) {
+  const std::uint32_t t = HullTree::TriangleOf(node);
+  return mesh.Corner(t, (i + 1) % 3) - mesh.Corner(t, i);
+}
+
+/// The direction in which two triangles intersect least.
+void FindLeastDepth(const MeshPair& meshes, const ToolPose& at, Touch& touch) {
+  const Corners corners = meshes.CornersAt(touch.nodes, at);
+  const auto consider = [&](const Vec3& axis) {
+    const double axis_length = axis.norm();
+    if (!(axis_length > 0.0)) return;
+    for (const double sign : {1.0, -1.0}) {
+      const Vec3 n = sign / axis_length * axis;
+      const double gap = meshes.Gap(touch.nodes, n, at);
+      if (gap <= touch.distance) continue;
+      touch.distance = gap;
+      touch.u = n;
+    }
+  };
+  const Vec3 *a = corners.tool, *b = corners.object;
+  consider((b[1] - b[0]).cross(b[2] - b[0]));
+  consider((a[1] - a[0]).cross(a[2] - a[0]));
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      consider((a[(i + 1) % 3] - a[i]).cross(b[(j + 1) % 3] - b[j]));
+    }
+  }
+}
+
+}  // namespace
+
+Corners MeshPair::CornersAt(const NodesOfPair& triangles, const ToolPose& at) const {
+  Corners corners;
+  for (int c = 0; c < 3; ++c) {
+    corners.tool[c] = at.R * tool.mesh.Corner(HullTree::TriangleOf(triangles.tool), c) + at.p;
+    corners.object[c] = objects.mesh.Corner(HullTree::TriangleOf(triangles.object), c);
+  }
+  return corners;
+}
+
+double LeastBefore(double distance) {
+  return distance > 0.0 ? std::min(kFree, 0.5 * distance) : distance - kRounding;
+}
+
+double LeastAfter(double distance) {
+  return distance > 0.5 * kFree ? std::min(kFree, distance) - kRounding : distance;
+}
+
+Touch TouchAt(const MeshPair& meshes, const NodesOfPair& triangles, const ToolPose& at) {
+  Touch touch;
+  touch.nodes = triangles;
+  touch.nearest = meshes.NearestAt(triangles, at);
+  const double length = std::sqrt(touch.nearest.squared);
+  touch.distance = -kInfinity;
+  if (length > 0.0) {
+    touch.u = (touch.nearest.p - touch.nearest.q) / length;
+    touch.distance = meshes.Gap(triangles, touch.u, at);
+  }
+  touch.in_cone = touch.distance > 0.0 && InCone(meshes, triangles, touch.nearest, touch.u, at);
+  if (!(touch.distance > 0.0)) FindLeastDepth(meshes, at, touch);
+  return touch;
+}
+
+Vec3 NormalAt(const MeshPair& meshes, const Touch& touch, const ContactPlane& plane,
+              const ToolPose& at) {
+  switch (plane.of) {
+    case ContactPlane::Of::kTool:
+      return at.R * plane.n;
+    case ContactPlane::Of::kEdges: {
+      const Vec3 ea = EdgeOf(meshes.tool.mesh, touch.nodes.tool, plane.tool_edge);
+      const Vec3 eb = EdgeOf(meshes.objects.mesh, touch.nodes.object, plane.object_edge);
+      return plane.sign * (at.R * ea).cross(eb).normalized();
+    }
+    default:
+      return plane.n;
+  }
+}
+
+double GapAt(const MeshPair& meshes, const NodesOfPair& nodes, const Touch& touch,
+             const ContactPlane& plane, const ToolPose& at) {
+  return meshes.Gap(nodes, NormalAt(meshes, touch, plane, at), at);
+}
+
+bool InCone(const MeshPair& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,
+            const Vec3& u, const ToolPose& at) {
+  const auto holds = [](const ContactMesh& mesh, HullTree::Node node, Feature of, const Vec3& n) {
+    const ContactMesh::Triangle& t = mesh.triangles()[HullTree::TriangleOf(node)];
+    if (of.kind == Feature::kEdge) return mesh.EdgeConeHolds(t.edge[of.index], n);
+    if (of.kind == Feature::kVertex) return mesh.VertexConeHolds(t.vertex[of.index], n);
+    return true;
+  };
+  return holds(meshes.objects.mesh, triangles.object, nearest.of_q, u) &&
+         holds(meshes.tool.mesh, triangles.tool, nearest.of_p, -(at.R.transpose() * u));
+}
+
+ContactPlane ChoosePlane(const MeshPair& meshes, const Touch& touch, const Motion& trial) {
+  const Feature a = touch.nearest.of_p, b = touch.nearest.of_q;
+  ContactPlane plane;
+  plane.of = ContactPlane::Of::kObject;
+  plane.n = touch.u;
+  if (touch.distance <= 0.0) return plane;
+  if (!touch.in_cone) {
+    // The touch is a neighbour's: its face, where that separates this pair as well.
+    const double least = LeastAfter(touch.distance);
+    double best = -kInfinity;
+    ForEachFace(meshes, touch.nodes, touch.nearest, trial.from, [&](const ContactPlane& face) {
+      if (!(GapAt(meshes, touch.nodes, touch, face, trial.from) >= least)) return;
+      const double gap = GapAt(meshes, touch.nodes, touch, face, trial.to);
+      if (gap <= best) return;
+      best = gap;
+      plane = face;
+    });
+    if (best > -kInfinity) return plane;
+  }
+  if (b.kind == Feature::kVertex && a.kind != Feature::kVertex) {
+    plane.of = ContactPlane::Of::kTool;
+    plane.n = trial.from.R.transpose() * touch.u;
+  } else if (a.kind == Feature::kEdge && b.kind == Feature::kEdge) {
+    const Vec3 ea = trial.from.R * EdgeOf(meshes.tool.mesh, touch.nodes.tool, a.index);
+    const Vec3 eb = EdgeOf(meshes.objects.mesh, touch.nodes.object, b.index);
+    const Vec3 across = ea.cross(eb);
+    if (across.squaredNorm() > kParallel * kParallel * ea.squaredNorm() * eb.squaredNorm()) {
+      plane.of = ContactPlane::Of::kEdges;
+      plane.tool_edge = a.index;
+      plane.object_edge = b.index;
+      plane.sign = across.dot(touch.u) < 0.0 ? -1.0 : 1.0;
+    }
+  }
+  return plane;
+}
+
+ContactPlane OtherPlane(const MeshPair& meshes, const Touch& touch, const NearestPoints& nearest,
+                        const Vec3& u, const Motion& trial) {
+  ContactPlane other;
+  constexpr double kEnoughRoom = kSeparation - kWitness;
+  double best = kEnoughRoom;
+  const auto consider = [&](const ContactPlane& plane) {
+    if (plane.of == touch.plane.of && plane.n == touch.plane.n) return;
+    if (!(GapAt(meshes, touch.nodes, touch, plane, trial.from) > kEnoughRoom)) return;
+    const double gap = GapAt(meshes, touch.nodes, touch, plane, trial.to);
+    if (gap <= best) return;
+    best = gap;
+    other = plane;
+  };
+  ForEachFace(meshes, touch.nodes, touch.nearest, trial.from, consider);
+  ForEachFace(meshes, touch.nodes, nearest, trial.from, consider);
+  for (const Vec3& n : {touch.u, u}) {
+    ContactPlane plane;
+    plane.of = ContactPlane::Of::kObject;
+    plane.n = n;
+    consider(plane);
+    plane.of = ContactPlane::Of::kTool;
+    plane.n = trial.from.R.transpose() * n;
+    consider(plane);
+  }
+  return other;
+}
+
+double TurnLoss(const MeshPair& meshes, const Touch& touch, const ContactPlane& plane,
+                const Motion& motion) {
+  if (plane.of != ContactPlane::Of::kEdges) return 0.0;
+  const Vec3 n_old = NormalAt(meshes, touch, plane, motion.from);
+  const Vec3 n_new = NormalAt(meshes, touch, plane, motion.to);
+  const Vec3 lever = touch.nearest.p - motion.from.p;
+  return 0.25 * (n_new - n_old).norm() * (motion.v + motion.phi.cross(lever)).norm();
+}
+
+}  // namespace palpate

@@ -1,0 +1,215 @@
+#include "server/physics/contact/touch_rows.h"
+
+#include <algorithm>
+
+#include "server/physics/limits.h"
+
+namespace palpate {
+namespace {
+
+using namespace limits::mesh;
+
+/// Names a row: the triangles, and which corner of them.
+LeafPair KeyOf(const NodesOfPair& triangles, int slot) {
+  constexpr std::int32_t kTag = static_cast<std::int32_t>(RowKind::kMeshes) << kRowKindShift;
+  return {kTag | static_cast<std::int32_t>(HullTree::TriangleOf(triangles.tool) << 2 |
+                                           static_cast<std::uint32_t>(slot)),
+          static_cast<std::int32_t>(HullTree::TriangleOf(triangles.object))};
+}
+
+/// How the gap along a plane of crossing edges grows by a rotation at the trial, exactly: what is
+/// lowest of the tool moves, and n turns with the tool's edge, while that and what is highest of
+/// the object are d apart.  With w = (d - n (n . d)) / ((ea x eb) . n), that is
+///   (x - p) x n + ea x (eb x w).
+/// Where the edges themselves are nearest it is l x n, with l the lever of the place where they
+/// cross.  At a trial that turns far a corner has come past them, and that lever is not its own: in
+/// a peg's hole such a row shut the tool's own place out by 150 um.
+Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n) {
+  const ToolPose& at = contact.motion.to;
+  const Corners corners = contact.meshes.CornersAt(touch.nodes, at);
+  // Where a corner is but as near as the edges, the touch is theirs.
+  const auto farthest = [](const Vec3* corner, int edge, const Vec3& way) {
+    Vec3 best = corner[edge];
+    for (int c = 0; c < 3; ++c) {
+      if (way.dot(corner[c] - best) > kWitness) best = corner[c];
+    }
+    return best;
+  };
+  const Vec3 *a = corners.tool, *b = corners.object;
+  const int i = touch.plane.tool_edge, j = touch.plane.object_edge;
+  const Vec3 lowest = farthest(a, i, -n);
+  const Vec3 d = lowest - farthest(b, j, n);
+  const Vec3 ea = a[(i + 1) % 3] - a[i];
+  const Vec3 eb = b[(j + 1) % 3] - b[j];
+  const Vec3 w = (d - n.dot(d) * n) / ea.cross(eb).dot(n);
+  return (lowest - at.p).cross(n) + ea.cross(eb.cross(w));
+}
+
+/// The normal of a ball's row: that of the smooth surface that the mesh approximates.  The
+/// right-hand side is that of the triangles, which the ball may not enter.
+Vec3 SmoothedNormal(const MeshContact& contact, const Touch& touch, const Vec3& n) {
+  if (!contact.meshes.IsBall()) return n;
+  const NearestPoints nearest = contact.meshes.NearestAt(touch.nodes, contact.motion.to);
+  return contact.meshes.objects.mesh.SmoothNormal(HullTree::TriangleOf(touch.nodes.object),
+                                                  nearest.q, n);
+}
+
+/// What the plane of a touch leaves it at the sub-step's beginning [m].
+double GapBefore(const MeshContact& contact, const Touch& touch) {
+  return GapAt(contact.meshes, touch.nodes, touch, touch.plane, contact.motion.from);
+}
+
+/// Adds or changes the rows of a touch for which `wanted` holds; true where there is one.
+template <class Wanted>
+bool SetRows(MeshContact& contact, Touch& touch, ContactRows& rows, Wanted wanted) {
+  const TouchRowsAtTrial of = RowsAt(contact, touch);
+  bool set = false;
+  for (int i = 0; i < of.count; ++i) {
+    if (!wanted(of.row[i])) continue;
+    SetRow(contact, touch, of.row[i], rows);
+    set = true;
+  }
+  return set;
+}
+
+}  // namespace
+
+bool IsRowOf(const LeafPair& row, const NodesOfPair& triangles) {
+  const LeafPair first = KeyOf(triangles, 0);
+  return (row.tool & ~3) == first.tool && row.object == first.object;
+}
+
+TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
+  const MeshPair& meshes = contact.meshes;
+  const Motion& motion = contact.motion;
+  const ContactPlane& plane = touch.plane;
+  const NodesOfPair& nodes = touch.nodes;
+  const Vec3 n_old = NormalAt(meshes, touch, plane, motion.from);
+  const Vec3 n_new = NormalAt(meshes, touch, plane, motion.to);
+  // phi grows on the left of a rotation by phi: w . J_l(phi) dphi, with J_l = 1 + 1/2 [phi]x.
+  const auto by_phi = [&](const Vec3& w) -> Vec3 { return w - 0.5 * motion.phi.cross(w); };
+  TouchRowsAtTrial of;
+  if (plane.of == ContactPlane::Of::kEdges) {
+    const Vec3 lever =
+        motion.to.R * (motion.from.R.transpose() * (touch.nearest.p - motion.from.p));
+    const double before = meshes.Gap(nodes, n_old, motion.from);
+    const double now = meshes.Gap(nodes, n_new, motion.to);
+    const double loss = TurnLoss(meshes, touch, plane, motion);
+    const bool holds = std::min(before, now) - loss >= 0.5 * std::min(kFree, before);
+    of.row[0] = {3,
+                 n_new,
+                 lever - meshes.tool.radius * n_new,
+                 by_phi(EdgesTurning(contact, touch, n_new)),
+                 before,
+                 holds ? now : std::min(now, LeastAfter(touch.distance)) - loss};
+    of.count = 1;
+    return of;
+  }
+  const Corners old = meshes.CornersAt(nodes, motion.from),
+                now = meshes.CornersAt(nodes, motion.to);
+  const bool of_tool = plane.of == ContactPlane::Of::kObject;
+  const double plane_old =
+      of_tool ? meshes.High(nodes.object, n_old) : meshes.Low(nodes.tool, n_old, motion.from);
+  const double plane_new = of_tool ? plane_old : meshes.Low(nodes.tool, n_new, motion.to);
+  const Vec3 along = SmoothedNormal(contact, touch, n_new);
+  const Vec3 down = of_tool ? Vec3(meshes.tool.radius * n_new) : Vec3::Zero();
+  const double sign = of_tool ? 1.0 : -1.0;
+  of.count = of_tool && meshes.IsBall() ? 1 : 3;
+  for (int c = 0; c < of.count; ++c) {
+    const Vec3& corner_old = of_tool ? old.tool[c] : old.object[c];
+    const Vec3& corner_new = of_tool ? now.tool[c] : now.object[c];
+    of.row[c] = {c,
+                 along,
+                 corner_old - motion.from.p - down,
+                 by_phi((corner_new - motion.to.p - down).cross(along)),
+                 sign * (n_old.dot(corner_old - down) - plane_old),
+                 sign * (n_new.dot(corner_new - down) - plane_new)};
+  }
+  return of;
+}
+
+void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, ContactRows& rows) {
+  TouchRows& of_rows = contact.of_rows;
+  int& row = touch.row[of.slot % 3];
+  if (row < 0) {
+    if (rows.count() >= rows.max_rows()) return;
+    row = rows.count();
+    rows.AddRow(of.n, of.lever, of.before, KeyOf(touch.nodes, of.slot));
+    of_rows.touch.resize(static_cast<std::size_t>(rows.count()), -1);
+    of_rows.touch[static_cast<std::size_t>(row)] =
+        static_cast<std::int32_t>(&touch - contact.touches.data());
+  }
+  const double before = GapBefore(contact, touch);
+  const double asked = Asked(contact, before);
+  const Motion& motion = contact.motion;
+  rows.SetRow(row, of.n, of.lever, of.by_turning,
+              of.now - asked - of.n.dot(motion.v) - of.by_turning.dot(motion.phi));
+  of_rows.regain[static_cast<std::size_t>(row)] = asked - std::min(kSeparation, before);
+}
+
+void AddRowsOfOpen(MeshContact& contact, ContactRows& rows) {
+  const auto add = [&](bool in_cone) {
+    bool added = false;
+    for (const NearPairs::Index k : contact.open) {
+      Touch& touch = contact.TouchOf(k);
+      if (touch.in_cone != in_cone) continue;
+      if (touch.plane.of == ContactPlane::Of::kNone) {
+        touch.plane = ChoosePlane(contact.meshes, touch, contact.motion);
+      }
+      const double least = LeastAfter(touch.distance);
+      const auto is_broken = [&](const TouchRow& row) { return row.now < least; };
+      added = SetRows(contact, touch, rows, is_broken) || added;
+    }
+    return added;
+  };
+  if (!add(true)) add(false);
+}
+
+void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& rows) {
+  Touch& touch = contact.TouchOf(k);
+  if (touch.distance <= 0.0 || touch.plane.of != ContactPlane::Of::kNone) return;
+  touch.plane = ChoosePlane(contact.meshes, touch, contact.motion);
+  const double touching = kWitnessRatio * GapBefore(contact, touch) + kWitness;
+  SetRows(contact, touch, rows, [&](const TouchRow& row) { return row.before <= touching; });
+}
+
+void RelineariseAtStart(MeshContact& contact, ContactRows& rows) {
+  contact.motion = Motion(contact.motion.from);
+  for (NearPairs::Index k = 0; k < contact.near.size(); ++k) {
+    const NearPairs::Pair& pair = contact.near[k];
+    if (pair.split || pair.touch < 0) continue;
+    Touch& touch = contact.TouchOf(k);
+    if (touch.plane.of == ContactPlane::Of::kNone) continue;
+    const TouchRowsAtTrial of = RowsAt(contact, touch);
+    for (int i = 0; i < of.count; ++i) {
+      const int row = touch.row[of.row[i].slot % 3];
+      if (row < 0) continue;
+      SetRow(contact, touch, of.row[i], rows);
+      rows.SetGap(row, std::max(rows.gap(row), 0.0));
+    }
+  }
+}
+
+void TakeOut(Touch& touch, ContactRows& rows) {
+  for (int& row : touch.row) {
+    if (row >= 0) rows.Loosen(row);
+    row = -1;
+  }
+}
+
+double Asked(const MeshContact& contact, double before) {
+  return std::min(kSeparation, before + (contact.of_rows.regains ? kRegain : 0.0));
+}
+
+bool GiveUpRegain(MeshContact& contact, ContactRows& rows) {
+  TouchRows& of_rows = contact.of_rows;
+  if (!of_rows.regains) return false;
+  of_rows.regains = false;
+  for (int row = 0; row < rows.count(); ++row) {
+    if (contact.TouchOfRow(row) == nullptr) continue;
+    rows.SetGap(row, rows.gap(row) + of_rows.regain[static_cast<std::size_t>(row)]);
+  }
+  return true;
+}
+
+}  // namespace palpate
