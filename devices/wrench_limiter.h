@@ -27,8 +27,7 @@ class LimitedWrench {
 ///   age          a factor that falls from 1 to 0 as replies stay away, and ramps back
 ///   enable       a factor that starts at 0, and ramps to 1 when forces are asked for
 /// What a guide adds passes finite, clamp (its own, small) and slew apart from the contact, joins
-/// it before temperature, and shares the rest.  None can be left out or switched off, and limits
-/// are only tightened.
+/// it before temperature, and shares the rest.  None can be left out or switched off.
 ///
 /// For every input whatever, and with dt the time of a call as it counts (at most kMaxTick_s):
 /// force and torque are finite, at most their limit, and change by at most their slew limit x dt.

@@ -93,6 +93,10 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_flag("--enable-forces", options.enable_forces,
                "let forces out to a real device all the time, not only while its first button is "
                "held; simulated devices always get them");
+  app.add_option("--max-force", options.max_force_N,
+                 "greatest force, in N, where that is less than the device's own; its torque goes "
+                 "down by the same share; default: the device's own")
+      ->check(CLI::PositiveNumber);
   app.add_option("--device-name", options.device_name,
                  "which arm, if there are several: its name in the vendor's set-up program, its "
                  "serial number, or its id; default: the first");

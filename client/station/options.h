@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -17,6 +18,7 @@ struct StationOptions {
   std::string script;                ///< file; empty: the scene's own
   bool loop = false;
   bool enable_forces = false;
+  double max_force_N = std::numeric_limits<double>::infinity();
   std::string device_name;  ///< of a real arm; empty: the default one
   bool calibrate = false;
   bool local_model = true;

@@ -73,6 +73,12 @@ LiveTable::Style StyleOf(const StationOptions& options) {
   return table ? LiveTable::Style::kInPlace : LiveTable::Style::kLines;
 }
 
+WrenchLimits::Bounds LimitsOf(const Device& device, const StationCore& core) {
+  WrenchLimits::Bounds limits = core.limiter().limits().bounds();
+  if (device.info().torque_axes == 0) limits.torque_Nm = limits.continuous_torque_Nm = 0.0;
+  return limits;
+}
+
 StationSummary Summarise(const StationOptions& options, const Device& device,
                          const StationCore& core, const SessionLink& link, const ServoThread& servo,
                          double seconds) {
@@ -89,6 +95,7 @@ StationSummary Summarise(const StationOptions& options, const Device& device,
   summary.linked_ticks_s =
       static_cast<double>(summary.totals.ticks + summary.missed_ticks) / device.info().rate_Hz;
   summary.reconnects = link.reconnects();
+  summary.limits = LimitsOf(device, core);
   summary.limiter = core.limiter().counts();
   summary.energy_J = core.limiter().observer().energy_J();
   summary.energy_J_min = core.limiter().observer().lowest_J();
@@ -114,7 +121,7 @@ void RunStation(const StationOptions& given, StopSignal& stop) {
   options.link.scene = tool.scene;  // it may have been named by its file
 
   const std::unique_ptr<Device> device = OpenDevice(std::move(device_options), tool);
-  StationCore core(*device);
+  StationCore core(*device, options.max_force_N);
   const bool forces = options.enable_forces || device->info().simulated;
   core.EnableForces(forces);
   core.EnableLocalModel(options.local_model);
@@ -141,6 +148,10 @@ void RunStation(const StationOptions& given, StopSignal& stop) {
   if (device->info().torque_axes == 0) {
     spdlog::warn("this device renders no torque: what the scene turns the hand with is lost");
   }
+  const WrenchLimits::Bounds limits = LimitsOf(*device, core);
+  spdlog::info("limits: {:.2f} N and {:.3f} N m, once the motors are warm {:.2f} N and {:.3f} N m",
+               limits.force_N, limits.torque_Nm, limits.continuous_force_N,
+               limits.continuous_torque_Nm);
   spdlog::info("transport: {}", link.transport().reason);
   spdlog::info("real-time: {}", link.realtime().summary);
   if (!forces) {
@@ -156,6 +167,10 @@ void RunStation(const StationOptions& given, StopSignal& stop) {
   dds::Writer<wire::StationStatistics> statistics(service, dds::kStationStatisticsTopic,
                                                   dds::Qos::kStream);
   StatisticsPeriod period(options.link.station, device->info().model);
+  const auto tell_statistics = [&](const StationSnapshot& snapshot, bool last) {
+    const auto figures = period.Add(snapshot, servo->missed_ticks(), link.run(), last);
+    if (figures) statistics.Write(*figures);
+  };
 
   // The time given is that of the loop: it begins when poses do.
   std::int64_t began_ns = 0;
@@ -187,9 +202,7 @@ void RunStation(const StationOptions& given, StopSignal& stop) {
         view.seconds = seconds();
         view.phase = phase;
         table.Show(view);
-        if (const auto figures = period.Add(view.snapshot, servo->missed_ticks(), link.run())) {
-          statistics.Write(*figures);
-        }
+        tell_statistics(view.snapshot, false);
       }
     }
   } catch (const Error&) {  // the hand has been served so far: that is told, too
@@ -199,6 +212,8 @@ void RunStation(const StationOptions& given, StopSignal& stop) {
 
   const double ran_s = seconds();
   servo->Stop();
+  if (servo->ReadSnapshot(view.snapshot)) tell_statistics(view.snapshot, false);
+  if (began_ns != 0) tell_statistics(core.TakeSnapshot(SteadyNanoseconds()), true);
   const StationSummary summary = Summarise(options, *device, core, link, *servo, ran_s);
   if (options.json != "-") std::fputs(("\n" + ToText(summary)).c_str(), stdout);
   if (!options.json.empty()) WriteJson(summary, options.json);

@@ -10,8 +10,8 @@ Wrench ShiftToHandle(const Wrench& wrench, const Quat& q_WH, const Vec3& p_HT) n
   return {wrench.force, wrench.torque + (q_WH * p_HT).cross(wrench.force)};
 }
 
-StationCore::StationCore(Device& device)
-    : device_(device), limiter_(WrenchLimits::Of(device.info())) {}
+StationCore::StationCore(Device& device, double most_force_N)
+    : device_(device), limiter_(WrenchLimits::Of(device.info(), most_force_N)) {}
 
 void StationCore::SetSpring(const CouplingSpring& spring) noexcept {
   tool_reference_ = spring.reference;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "client/station/guide.h"
 #include "client/station/local_contact_model.h"
@@ -94,7 +95,9 @@ class StationCore {
   static constexpr double kInside_m = 1e-5;
 
   /// The device must outlive the core.  Throws Error where the device has no limits.
-  explicit StationCore(Device& device);
+  /// @param most_force_N  as WrenchLimits::Of.
+  explicit StationCore(Device& device,
+                       double most_force_N = std::numeric_limits<double>::infinity());
   Device& device() noexcept { return device_; }
 
   void EnableForces(bool on) noexcept { forces_wanted_ = on; }

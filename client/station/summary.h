@@ -15,6 +15,7 @@ struct StationSummary {
   std::uint64_t lost = 0;
   std::uint64_t missed_ticks = 0;
   int reconnects = 0;
+  WrenchLimits::Bounds limits;  ///< torque zero where the device renders none
   LimiterCounts limiter;
   double energy_J = 0.0;      ///< that the hand has put in and not got back
   double energy_J_min = 0.0;  ///< at its lowest

@@ -44,14 +44,8 @@ Wrench Force(double x, double y = 0.0, double z = 0.0) {
 
 TEST(WrenchLimiter, KeepsItsLimitsWhateverItIsGiven) {
   for (const bool tight : {false, true}) {
-    WrenchLimits limits = PhantomLimits();
-    if (tight) {
-      WrenchLimits::Bounds bounds = limits.bounds();
-      bounds.force_N = 5.0;
-      bounds.continuous_force_N = 1.0;
-      bounds.force_slew_N_per_ms = 0.7;
-      limits = limits.TightenedTo(bounds);
-    }
+    const WrenchLimits limits =
+        tight ? WrenchLimits::Of(PhantomPremium30().info, 5.0) : PhantomLimits();
     const test::LimiterTally tally =
         test::LimiterAdversary(limits, tight).Run(test::kOptimised ? 1'000'000 : 400'000);
     EXPECT_EQ(tally.nonfinite, 0u);

@@ -44,11 +44,13 @@ TEST(StationOptions, ReadsWhatItIsGiven) {
 }
 
 TEST(StationOptions, ReadsWhichArmIsMeantAndHowItIsDriven) {
-  const auto options = Parse({"--device", "openhaptics", "--scene", "cube", "--id", "a",
-                              "--device-name", "left", "--calibrate", "--rate", "2000"});
+  const auto options =
+      Parse({"--device", "openhaptics", "--scene", "cube", "--id", "a", "--device-name", "left",
+             "--calibrate", "--rate", "2000", "--max-force", "1.5"});
   ASSERT_TRUE(options);
   EXPECT_EQ(options->device_name, "left");
   EXPECT_TRUE(options->calibrate);
+  EXPECT_EQ(options->max_force_N, 1.5);
   EXPECT_EQ(options->rate_Hz, 2000.0);
 }
 
@@ -88,6 +90,7 @@ TEST(StationOptions, NamesTheArgumentThatIsWrong) {
   EXPECT_THAT(with({"--model", "omni"}), HasSubstr("have: premium-3.0, premium-1.5, touch"));
   EXPECT_THAT(with({"--rate", "5000"}), HasSubstr("--rate 5000"));
   EXPECT_THAT(with({"--scale", "0"}), HasSubstr("--scale"));
+  EXPECT_THAT(with({"--max-force", "0"}), HasSubstr("--max-force"));
   EXPECT_THAT(with({"--clutch-button", "32"}), HasSubstr("--clutch-button"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube", "--id", "a b"}),
               HasSubstr("--id 'a b'"));
