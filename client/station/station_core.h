@@ -174,18 +174,12 @@ class StationCore {
   std::uint64_t answered_before_ = 0;  // poses up to here are not of these totals
 
   // Of the period.
+  StationSnapshot period_;
   std::int64_t period_began_ns_ = 0;
   std::uint64_t ticks_before_ = 0;
   std::uint64_t replies_before_ = 0;
   Histogram period_round_trip_;
   Histogram period_step_;
-  std::uint32_t period_faults_ = 0;
-  double period_peak_force_ = 0.0;
-  double period_peak_torque_ = 0.0;
-  double period_silence_s_ = 0.0;
-  double period_wanted_force_ = 0.0;
-  double period_wanted_torque_ = 0.0;
-  std::uint32_t period_status_ = 0;
 };
 
 /// The same wrench at the handle's origin: tau_H = tau + (R c) x F.

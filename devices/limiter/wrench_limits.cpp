@@ -6,7 +6,7 @@
 
 #include "common/error.h"
 #include "devices/limiter/age_stage.h"
-#include "devices/limiter/enable_stage.h"
+#include "devices/limiter/small_stages.h"
 #include "devices/limiter/temperature_stage.h"
 
 namespace palpate {

@@ -36,7 +36,7 @@ TEST(StationOptions, ReadsWhatItIsGiven) {
   EXPECT_EQ(options->seconds, 2.5);
   EXPECT_EQ(options->link.transport, dds::Transport::kUdp);
   EXPECT_EQ(options->link.domain, 7);
-  EXPECT_TRUE(options->loop);
+  EXPECT_TRUE(options->device.loop);
   EXPECT_FALSE(options->enable_forces);
   EXPECT_EQ(options->table, false);
   EXPECT_EQ(options->link.realtime.mode, RealtimeMode::kOff);
@@ -48,10 +48,10 @@ TEST(StationOptions, ReadsWhichArmIsMeantAndHowItIsDriven) {
       Parse({"--device", "openhaptics", "--scene", "cube", "--id", "a", "--device-name", "left",
              "--calibrate", "--rate", "2000", "--max-force", "1.5"});
   ASSERT_TRUE(options);
-  EXPECT_EQ(options->device_name, "left");
-  EXPECT_TRUE(options->calibrate);
+  EXPECT_EQ(options->device.arm, "left");
+  EXPECT_TRUE(options->device.calibrate);
   EXPECT_EQ(options->max_force_N, 1.5);
-  EXPECT_EQ(options->rate_Hz, 2000.0);
+  EXPECT_EQ(options->device.rate_Hz, 2000.0);
 }
 
 TEST(StationOptions, SaysHowTheDeviceLiesInTheScene) {
@@ -59,8 +59,8 @@ TEST(StationOptions, SaysHowTheDeviceLiesInTheScene) {
       Parse({"--device", "simulated", "--model", "touch", "--rate", "2000", "--scene", "cube",
              "--id", "a", "--workspace", "desk.json", "--scale", "2.5", "--clutch-button", "1"});
   ASSERT_TRUE(options);
-  EXPECT_EQ(options->model, "touch");
-  EXPECT_EQ(options->rate_Hz, 2000.0);
+  EXPECT_EQ(options->device.model, "touch");
+  EXPECT_EQ(options->device.rate_Hz, 2000.0);
   EXPECT_EQ(options->workspace, "desk.json");
   EXPECT_EQ(options->scale, 2.5);
   EXPECT_EQ(options->clutch_button, 1);

@@ -1,8 +1,8 @@
-#include "client/station/reply_ring.h"
-
 #include <thread>
 
 #include <gtest/gtest.h>
+
+#include "client/station/reply.h"
 
 namespace palpate {
 namespace {

@@ -16,6 +16,7 @@
 #include "tests/station/fake_server.h"
 #include "tests/station/still_device.h"
 #include "tests/support/complaint.h"
+#include "tests/support/eventually.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate {
@@ -61,18 +62,16 @@ struct Station {
     servo->Stop();
   }
 
-  /// Polls until it is so; false where that takes more than the time, which is generous because the
-  /// machine may be busy.
+  /// Polls until it is so.
   bool Until(const std::function<bool()>& so, double seconds = 20.0) {
-    const std::int64_t end = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
-    while (SteadyNanoseconds() < end) {
-      link->Poll(SteadyNanoseconds());
-      while (servo->ReadSnapshot(snapshot)) {
-      }
-      if (so()) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return false;
+    return test::Eventually(
+        [&] {
+          link->Poll(SteadyNanoseconds());
+          while (servo->ReadSnapshot(snapshot)) {
+          }
+          return so();
+        },
+        seconds);
   }
   bool UntilForce(double newton) {
     return Until([=, this] { return std::abs(snapshot.force_N - newton) < 1e-9; });
@@ -82,10 +81,14 @@ struct Station {
   }
 };
 
-TEST(SessionLink, FeelsTheFloor) {
-  FakeServer server(kDomain, kUdp);
+/// A station that feels the floor.
+struct LinkedStation : testing::Test {
+  void SetUp() override { ASSERT_TRUE(station.UntilForce(2.0)); }
+  FakeServer server{kDomain, kUdp};
   Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
+};
+
+TEST_F(LinkedStation, HasTheServersToolAndItsFirstSession) {
   EXPECT_EQ(station.link->phase(), SessionLink::Phase::kLinked);
   EXPECT_EQ(station.link->PhaseText(), "active");
   EXPECT_EQ(station.link->tool(), "sphere");
@@ -142,10 +145,7 @@ TEST(SessionLink, FadesWhenTheServerDiesAndResumesByItselfWithItsSuccessor) {
   EXPECT_EQ(station.link->reconnects(), 1);
 }
 
-TEST(SessionLink, LeavesTheHandWithoutAForceWhereTwoServersAnswer) {
-  FakeServer one(kDomain, kUdp);
-  Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
+TEST_F(LinkedStation, LeavesTheHandWithoutAForceWhereTwoServersAnswer) {
   FakeServer other(kDomain, kUdp);
   EXPECT_EQ(station.Complaint(),
             "two servers answer in domain " + kNumber +
@@ -155,10 +155,7 @@ TEST(SessionLink, LeavesTheHandWithoutAForceWhereTwoServersAnswer) {
   EXPECT_FALSE(station.core->renders_force());
 }
 
-TEST(SessionLink, IsNeitherEndedNorMutedByAStrangersWordInItsServersName) {
-  FakeServer server(kDomain, kUdp);
-  Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
+TEST_F(LinkedStation, IsNeitherEndedNorMutedByAStrangersWordInItsServersName) {
   const dds::Participant participant = dds::Participant::Service(kDomain);
   dds::Reader<wire::SessionState> states(participant, dds::kSessionStateTopic,
                                          dds::Qos::kRecordSession);
@@ -201,30 +198,17 @@ TEST(SessionLink, SaysWhatASuccessorRefusesAndThatItAsksOn) {
   EXPECT_EQ(station.said.size(), said) << "once";
 }
 
-TEST(SessionLink, AsksAgainWhenTheServerEndsTheSession) {
-  FakeServer server(kDomain, kUdp);
-  Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
-  server.EndSession();
-  ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == 1; }));
-  ASSERT_TRUE(station.UntilForce(2.0));
-  EXPECT_EQ(server.sessions(), 2);
+TEST_F(LinkedStation, AsksAgainWhenTheServerEndsTheSessionThoughItsLastWordWasLost) {
+  for (const bool says_so : {true, false}) {
+    says_so ? server.EndSession() : server.ForgetSession();
+    const int sessions = says_so ? 2 : 3;
+    ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == sessions - 1; }));
+    ASSERT_TRUE(station.UntilForce(2.0));
+    EXPECT_EQ(server.sessions(), sessions);
+  }
 }
 
-TEST(SessionLink, AsksAgainWhereTheServersLastWordWasLost) {
-  FakeServer server(kDomain, kUdp);
-  Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
-  server.ForgetSession();
-  ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == 1; }));
-  EXPECT_TRUE(station.UntilForce(2.0));
-  EXPECT_EQ(server.sessions(), 2);
-}
-
-TEST(SessionLink, TakesTheForceOutWhileItIsMutedAndFollowsTheHand) {
-  FakeServer server(kDomain, kUdp);
-  Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
+TEST_F(LinkedStation, TakesTheForceOutWhileItIsMutedAndFollowsTheHand) {
   server.MuteStation(true);
   ASSERT_TRUE(station.UntilForce(0.0));
   EXPECT_EQ(station.link->PhaseText(), "muted");
@@ -253,10 +237,7 @@ TEST(SessionLink, WaitsAsLongAsItIsHeld) {
   EXPECT_TRUE(station.UntilForce(2.0));
 }
 
-TEST(SessionLink, RebuildsItsReaderAndThenItsSessionWhenMatchedButDeaf) {
-  FakeServer server(kDomain, kUdp);
-  Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
+TEST_F(LinkedStation, RebuildsItsReaderAndThenItsSessionWhenMatchedButDeaf) {
   server.Mute(true);
   ASSERT_TRUE(station.Until([&] { return station.said.size() > 1; }));
   EXPECT_EQ(station.said.back(), "no replies for 1 s: forces are zero until they come again");
@@ -292,12 +273,8 @@ TEST(SessionLink, TakesNoReplyThatDoesNotEchoThePoseAsItWasSent) {
   EXPECT_TRUE(station.UntilForce(2.0));
 }
 
-TEST(SessionLink, ReleasesTheSessionAtItsEnd) {
-  FakeServer server(kDomain, kUdp);
-  {
-    Station station;
-    ASSERT_TRUE(station.UntilForce(2.0));
-  }
+TEST_F(LinkedStation, ReleasesTheSessionAtItsEnd) {
+  station.link.reset();
   EXPECT_TRUE(server.left());
 }
 

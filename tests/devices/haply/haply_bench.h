@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdlib>
 #include <functional>
 #include <string>
 #include <thread>
@@ -12,13 +13,18 @@
 
 namespace palpate::test {
 
+/// Of a device at that service, which is the environment's from now on.
+inline DeviceOptions OptionsOf(const FakeInverseService& service, const std::string& id = "") {
+  setenv(haply::kServiceVariable, ("ws://127.0.0.1:" + service.address().port).c_str(), 1);
+  DeviceOptions options;
+  options.arm = id;
+  options.realtime.mode = RealtimeMode::kOff;
+  return options;
+}
+
 /// A tick each millisecond of the real clock, as the service's thread is real.
 struct HaplyBench : AnsweredArm<HaplyDevice> {
-  explicit HaplyBench(const FakeInverseService& service)
-      : AnsweredArm(HaplyOptions{.device_id = "",
-                                 .rate_Hz = 1000.0,
-                                 .service = service.address(),
-                                 .realtime = {RealtimeMode::kOff}}) {
+  explicit HaplyBench(const FakeInverseService& service) : AnsweredArm(OptionsOf(service)) {
     wrench.force = Vec3(0.0, 1.0, 0.0);
   }
 

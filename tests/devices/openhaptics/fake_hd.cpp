@@ -82,7 +82,6 @@ class Library final : public FakeHd {
     arm = shared_ ? shared_ : own_arm_.get();
     transform_scale.fill(0.0);
     temperature.fill(0.2);
-    encoders = {11, 22, 33, 44, 55, 66};
     docked = unplugged = false;
     tick_elapsed_s = 0.0;
     endless_error = hd::kSuccess;
@@ -280,13 +279,6 @@ class Library final : public FakeHd {
         WrongType(what);
     }
   }
-  void GetLongs(hd::Enum what, long* values) {
-    const std::lock_guard lock(mutex_);
-    if (Enter(k_hdGetLongv) || !MayRead(what)) return;
-    if (what != hd::kCurrentEncoderValues) return WrongType(what);
-    if (!setup.has_encoders) return Refuse(hd::kInvalidEnum);
-    std::copy(encoders.begin(), encoders.end(), values);
-  }
   void GetDoubles(hd::Enum what, double* values) {
     const std::lock_guard lock(mutex_);
     if (Enter(k_hdGetDoublev) || !MayRead(what)) return;
@@ -303,9 +295,6 @@ class Library final : public FakeHd {
       }
       case hd::kCurrentVelocity:
         Eigen::Map<Vec3>{values} = velocity_;
-        return;
-      case hd::kCurrentAngularVelocity:
-        Eigen::Map<Vec3>{values} = Vec3(0.1, 0.2, 0.3);
         return;
       case hd::kMotorTemperature:
         if (!setup.has_temperature) return Refuse(hd::kInvalidEnum);
@@ -621,73 +610,34 @@ palpate::test::FakeHd* palpate_fake_hd() {
   return &TheLibrary();
 }
 
-hd::Handle hdInitDevice(const char* name) {
-  return TheLibrary().Init(name);
-}
-void hdMakeCurrentDevice(hd::Handle device) {
-  TheLibrary().MakeCurrent(device);
-}
-void hdDisableDevice(hd::Handle device) {
-  TheLibrary().DisableDevice(device);
-}
-void hdBeginFrame(hd::Handle device) {
-  TheLibrary().Begin(device);
-}
-void hdEndFrame(hd::Handle device) {
-  TheLibrary().End(device);
-}
-hd::ErrorInfo hdGetError() {
-  return TheLibrary().GetError();
-}
-void hdEnable(hd::Enum what) {
-  TheLibrary().Switch(what, true);
-}
-void hdDisable(hd::Enum what) {
-  TheLibrary().Switch(what, false);
-}
-void hdGetBooleanv(hd::Enum what, unsigned char* values) {
-  TheLibrary().GetBooleans(what, values);
-}
-void hdGetIntegerv(hd::Enum what, int* values) {
-  TheLibrary().GetIntegers(what, values);
-}
-void hdGetLongv(hd::Enum what, long* values) {
-  TheLibrary().GetLongs(what, values);
-}
-void hdGetDoublev(hd::Enum what, double* values) {
-  TheLibrary().GetDoubles(what, values);
-}
-const char* hdGetString(hd::Enum what) {
-  return TheLibrary().GetString(what);
-}
-void hdSetDoublev(hd::Enum what, const double* values) {
-  TheLibrary().SetDoubles(what, values);
-}
-hd::Enum hdCheckCalibration() {
-  return TheLibrary().CheckCalibration();
-}
-void hdUpdateCalibration(hd::Enum style) {
-  TheLibrary().UpdateCalibration(style);
-}
-void hdStartScheduler() {
-  TheLibrary().Start();
-}
-void hdStopScheduler() {
-  TheLibrary().StopScheduler();
-}
-void hdSetSchedulerRate(unsigned long rate_Hz) {
-  TheLibrary().SetRate(rate_Hz);
-}
-void hdScheduleSynchronous(hd::Callback call, void* data, std::uint16_t priority) {
-  TheLibrary().ScheduleSynchronous({call, data, priority, false});
-}
-hd::SchedulerHandle hdScheduleAsynchronous(hd::Callback call, void* data, std::uint16_t priority) {
-  return TheLibrary().ScheduleAsynchronous(call, data, priority);
-}
-void hdUnschedule(hd::SchedulerHandle handle) {
-  TheLibrary().Unschedule(handle);
-}
-double hdGetSchedulerTimeStamp() {
-  return TheLibrary().TimeStamp();
-}
+#define PALPATE_FAKE(result, name, parameters, call) \
+  result name parameters {                           \
+    return TheLibrary().call;                        \
+  }
+PALPATE_FAKE(hd::Handle, hdInitDevice, (const char* name), Init(name))
+PALPATE_FAKE(void, hdMakeCurrentDevice, (hd::Handle device), MakeCurrent(device))
+PALPATE_FAKE(void, hdDisableDevice, (hd::Handle device), DisableDevice(device))
+PALPATE_FAKE(void, hdBeginFrame, (hd::Handle device), Begin(device))
+PALPATE_FAKE(void, hdEndFrame, (hd::Handle device), End(device))
+PALPATE_FAKE(hd::ErrorInfo, hdGetError, (), GetError())
+PALPATE_FAKE(void, hdEnable, (hd::Enum what), Switch(what, true))
+PALPATE_FAKE(void, hdDisable, (hd::Enum what), Switch(what, false))
+PALPATE_FAKE(void, hdGetBooleanv, (hd::Enum what, unsigned char* values), GetBooleans(what, values))
+PALPATE_FAKE(void, hdGetIntegerv, (hd::Enum what, int* values), GetIntegers(what, values))
+PALPATE_FAKE(void, hdGetDoublev, (hd::Enum what, double* values), GetDoubles(what, values))
+PALPATE_FAKE(const char*, hdGetString, (hd::Enum what), GetString(what))
+PALPATE_FAKE(void, hdSetDoublev, (hd::Enum what, const double* values), SetDoubles(what, values))
+PALPATE_FAKE(hd::Enum, hdCheckCalibration, (), CheckCalibration())
+PALPATE_FAKE(void, hdUpdateCalibration, (hd::Enum style), UpdateCalibration(style))
+PALPATE_FAKE(void, hdStartScheduler, (), Start())
+PALPATE_FAKE(void, hdStopScheduler, (), StopScheduler())
+PALPATE_FAKE(void, hdSetSchedulerRate, (unsigned long rate_Hz), SetRate(rate_Hz))
+PALPATE_FAKE(void, hdScheduleSynchronous, (hd::Callback call, void* data, std::uint16_t priority),
+             ScheduleSynchronous({call, data, priority, false}))
+PALPATE_FAKE(hd::SchedulerHandle, hdScheduleAsynchronous,
+             (hd::Callback call, void* data, std::uint16_t priority),
+             ScheduleAsynchronous(call, data, priority))
+PALPATE_FAKE(void, hdUnschedule, (hd::SchedulerHandle handle), Unschedule(handle))
+PALPATE_FAKE(double, hdGetSchedulerTimeStamp, (), TimeStamp())
+#undef PALPATE_FAKE
 }
