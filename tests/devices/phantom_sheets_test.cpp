@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.h"
 #include "devices/simulated/simulated_phantom.h"
 #include "tests/devices/limiter_support.h"
+#include "tests/support/complaint.h"
 #include "tests/support/read_file.h"
 
 namespace palpate {
@@ -19,12 +19,8 @@ TEST(PhantomSheets, AreFoundByTheirNamesTheFirstBeingTheChapters) {
   for (const PhantomSheet& sheet : PhantomSheets()) {
     EXPECT_EQ(PhantomSheetOf(std::string(sheet.name)).info.model, sheet.info.model);
   }
-  try {
-    PhantomSheetOf("premium-6.0");
-    FAIL();
-  } catch (const UsageError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("premium-3.0, premium-1.5, touch"));
-  }
+  EXPECT_THAT(test::ComplaintOf([] { PhantomSheetOf("premium-6.0"); }),
+              testing::HasSubstr("premium-3.0, premium-1.5, touch"));
 }
 
 TEST(PhantomSheets, LeaveNothingOutThatASimulationNeeds) {

@@ -1,15 +1,14 @@
 #pragma once
 
-#include <chrono>
 #include <cstdlib>
 #include <functional>
 #include <string>
-#include <thread>
 
 #include "common/realtime/steady_clock.h"
 #include "devices/haply/haply_device.h"
 #include "tests/devices/arm_bench.h"
 #include "tests/devices/haply/fake_inverse_service.h"
+#include "tests/support/eventually.h"
 
 namespace palpate::test {
 
@@ -32,15 +31,13 @@ struct HaplyBench : AnsweredArm<HaplyDevice> {
     AnsweredArm::Tick(SteadyNanoseconds());
     if (++ticks % 10 == 0) Attend();
   }
-  /// Ticks until so; false after a time that is long beside any stall of the machine.
-  bool Until(const std::function<bool()>& so, double seconds = 30.0) {
-    const std::int64_t end = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
-    while (!so()) {
-      if (SteadyNanoseconds() > end) return false;
+  /// Ticks until so.
+  bool Until(const std::function<bool()>& so) {
+    return Eventually([&] {
+      if (so()) return true;
       Tick();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return true;
+      return false;
+    });
   }
   bool UntilForce() {
     return Until([this] { return arm.sent_force().norm() > 0.9 * wrench.force.norm(); });
