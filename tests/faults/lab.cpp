@@ -6,15 +6,13 @@
 #include <cstdio>
 #include <thread>
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <spdlog/fmt/fmt.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include "common/error.h"
 #include "devices/simulated/phantom_sheets.h"
 #include "tests/link/silence.h"
+#include "tests/support/web_client.h"
 
 namespace palpate::faults {
 namespace {
@@ -128,27 +126,8 @@ double Lab::SecondsUntilResumed() {
 }
 
 std::string Lab::Get(const std::string& path) const {
-  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port_));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  timeval patience{5, 0};
-  setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  std::string answer;
-  if (connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) {
-    const std::string request = "GET " + path +
-                                " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
-                                "\r\nConnection: close\r\n\r\n";
-    if (send(fd, request.data(), request.size(), MSG_NOSIGNAL) > 0) {
-      char part[4096];
-      for (ssize_t n; (n = recv(fd, part, sizeof part, 0)) > 0;) {
-        answer.append(part, static_cast<std::size_t>(n));
-      }
-    }
-  }
-  close(fd);
-  return answer.starts_with("HTTP/1.1 200") ? answer : "";
+  const test::HttpAnswer answer = test::Get(port_, path);
+  return answer.status == 200 ? answer.body : "";
 }
 
 Finding Lab::JudgeTheHand() {

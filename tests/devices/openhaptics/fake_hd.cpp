@@ -116,47 +116,26 @@ class Library final : public FakeHd {
     const std::lock_guard lock(mutex_);
     calibration_ = status;
   }
-  std::vector<std::string> Violations() override {
-    const std::lock_guard lock(mutex_);
-    return violations_;
-  }
+  std::vector<std::string> Violations() override { return Locked(violations_); }
   std::vector<std::string> Calls() override {
     const std::lock_guard lock(mutex_);
     return {calls_.begin(), calls_.end()};
   }
-  std::vector<FakeFrame> Frames() override {
-    const std::lock_guard lock(mutex_);
-    return frames_;
-  }
+  std::vector<FakeFrame> Frames() override { return Locked(frames_); }
   int CallsOf(const std::string& function) override {
     const std::lock_guard lock(mutex_);
     return counts_[static_cast<std::size_t>(IndexOf(function))];
   }
-  std::vector<hd::Enum> Calibrations() override {
-    const std::lock_guard lock(mutex_);
-    return calibrations_;
-  }
-  bool FailurePending() override {
-    const std::lock_guard lock(mutex_);
-    return has_failure_;
-  }
+  std::vector<hd::Enum> Calibrations() override { return Locked(calibrations_); }
+  bool FailurePending() override { return Locked(has_failure_); }
   double MotorForce() override {
     const std::lock_guard lock(mutex_);
     if (setup.real_time && SteadyNanoseconds() - last_frame_ns_ > kWatchdog_ns) return 0.0;
     return motors_on_ ? motor_force_.norm() : 0.0;
   }
-  bool motors_on() override {
-    const std::lock_guard lock(mutex_);
-    return motors_on_;
-  }
-  bool running() override {
-    const std::lock_guard lock(mutex_);
-    return running_;
-  }
-  bool opened() override {
-    const std::lock_guard lock(mutex_);
-    return initialised_;
-  }
+  bool motors_on() override { return Locked(motors_on_); }
+  bool running() override { return Locked(running_); }
+  bool opened() override { return Locked(initialised_); }
 
   // The driver's side; each function holds the lock.
 
@@ -450,6 +429,11 @@ class Library final : public FakeHd {
     return static_cast<FakeArm*>(memory);
   }
 
+  template <class T>
+  T Locked(const T& value) {
+    const std::lock_guard lock(mutex_);
+    return value;
+  }
   /// Each call: recorded, and given the error that the test wants it to have, or 0.
   hd::Code Enter(Function function) {
     const auto index = static_cast<std::size_t>(function);
