@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <string_view>
 
 #include "common/math/pose.h"
 
@@ -57,6 +58,12 @@ struct DeviceSample {
   /// Of the hottest motor as the device reports it, 0 cool to 1 its limit; NaN where it does not.
   double motor_temperature = std::numeric_limits<double>::quiet_NaN();
 };
+
+/// For Device::Attend: one more line, if it says anything.
+inline void AddLine(std::string& lines, std::string_view line) {
+  if (!lines.empty() && !line.empty()) lines += '\n';
+  lines += line;
+}
 
 /// A haptic device, driven by the station's loop `info().rate_Hz` times a second: a tick is Read,
 /// Shape, Apply.  How to add one: README.md.

@@ -28,19 +28,22 @@ std::vector<std::string> VendorLibraryCandidates(const char* variable,
   return otherwise;
 }
 
-VendorLibrary LoadVendorLibrary(const std::vector<std::string>& candidates,
-                                const VendorLibraryWords& words) {
+void* LoadVendorLibrary(const std::vector<std::string>& candidates, const VendorLibraryWords& words,
+                        std::string& file) {
   std::string tried;
-  for (const std::string& file : candidates) {
+  for (const std::string& candidate : candidates) {
     // NOW: a function that is missing shows here, and not within a tick.
-    if (void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) return {file, handle};
+    if (void* handle = dlopen(candidate.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+      file = candidate;
+      return handle;
+    }
     const char* said = dlerror();
     const std::string message = said ? said : "no reason given";
-    if (const std::string needs = MissingDependency(message, file); !needs.empty()) {
-      throw Error(words.device + ": " + file + " is there, but needs " + needs +
+    if (const std::string needs = MissingDependency(message, candidate); !needs.empty()) {
+      throw Error(words.device + ": " + candidate + " is there, but needs " + needs +
                   ", which is missing; " + RemedyFor(needs, words) + " (dlopen: " + message + ")");
     }
-    tried += (tried.empty() ? " " : "; ") + file + ": " + message;
+    tried += (tried.empty() ? " " : "; ") + candidate + ": " + message;
   }
   throw Error(words.device + ": no " + words.library + " could be loaded; " + words.install +
               ", or name the file in " + words.variable + ".  Tried:" + tried);

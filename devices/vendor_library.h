@@ -21,11 +21,6 @@ struct VendorLibraryWords {
   std::string (*remedy_for)(const std::string& dependency) = nullptr;
 };
 
-struct VendorLibrary {
-  std::string file;  ///< as it was found
-  void* handle = nullptr;
-};
-
 /// The variable's file alone, or else these.
 std::vector<std::string> VendorLibraryCandidates(const char* variable,
                                                  std::vector<std::string> otherwise);
@@ -33,30 +28,32 @@ std::vector<std::string> VendorLibraryCandidates(const char* variable,
 /// Loads the first of them that there is.  It stays loaded: such libraries have threads of their
 /// own.  Throws Error: no such file (every name that was tried, with the loader's own words), or a
 /// library that it needs in its turn is missing.
-VendorLibrary LoadVendorLibrary(const std::vector<std::string>& candidates,
-                                const VendorLibraryWords& words);
+/// @param file  as it was found.
+void* LoadVendorLibrary(const std::vector<std::string>& candidates, const VendorLibraryWords& words,
+                        std::string& file);
 
-/// Binds functions by name, and remembers those that are missing.
-class VendorFunctions {
- public:
-  explicit VendorFunctions(const VendorLibrary& library) : library_(library) {}
+/// Such a library, with its functions.
+/// @tparam Table  has them as members, and tells each with its name: ForEach(visit).
+template <class Table>
+struct VendorLibrary {
+  std::string file;  ///< as it was found
+  Table functions;
 
-  template <class Function>
-  void Bind(Function*& function, const char* name) {
-    function = reinterpret_cast<Function*>(dlsym(library_.handle, name));
-    if (!function) missing_ += (missing_.empty() ? "" : ", ") + std::string(name);
-  }
-  /// Unloads the library and throws Error, which names them, where any is missing.
-  void Check(const VendorLibraryWords& words) const {
-    if (missing_.empty()) return;
-    dlclose(library_.handle);
-    throw Error(words.device + ": " + library_.file + " has no " + missing_ + "; " + words.not_it +
+  /// Throws Error as LoadVendorLibrary does, and where functions are missing, which it names.
+  static VendorLibrary Load(const std::vector<std::string>& candidates,
+                            const VendorLibraryWords& words) {
+    VendorLibrary library;
+    void* const handle = LoadVendorLibrary(candidates, words, library.file);
+    std::string missing;
+    library.functions.ForEach([&]<class Function>(Function*& function, const char* name) {
+      function = reinterpret_cast<Function*>(dlsym(handle, name));
+      if (!function) missing += (missing.empty() ? "" : ", ") + std::string(name);
+    });
+    if (missing.empty()) return library;
+    dlclose(handle);
+    throw Error(words.device + ": " + library.file + " has no " + missing + "; " + words.not_it +
                 ", or name another file in " + words.variable);
   }
-
- private:
-  const VendorLibrary& library_;
-  std::string missing_;
 };
 
 }  // namespace palpate

@@ -14,12 +14,9 @@ namespace palpate {
 /// the handle's pose X_DH, and the scene's W, in which the tool is X_WT.
 ///   p_WT = X_WD (s (p_DH - c))        q_WT = q_WD q_DH q_HT
 ///   v_WT = s q_WD v_DH                w_WT = q_WD w_DH
-/// Force is rendered as the scene has it, F_D = F_W, and torque as tau_D = tau_W / s, both turned.
-/// So the power on the hand is that in the scene divided by s, whatever the motion: what is passive
-/// in the scene is passive in the hand, which force and torque both as given would not be.  It is
-/// the scene made smaller by s with its forces kept: levers are shorter by s, so torques are
-/// smaller. What is felt of a stiffness: k of translation as s k, k of rotation as k / s. Pure;
-/// equal inputs give equal bits.  Real-time, but for Load.
+/// Force is rendered as the scene has it, F_D = F_W, and torque as tau_D = tau_W / s, both turned:
+/// what is passive in the scene is passive in the hand (README.md).  Pure; equal inputs give equal
+/// bits.  Real-time, but for Load.
 struct Workspace {
   static constexpr double kLeastScale = 0.05;
   /// At 0.5 m/s, a fast hand, the tool moves at the 5 m/s that a server accepts.
@@ -70,13 +67,11 @@ class WorkspaceWalls {
 };
 
 /// A device as a scene sees it through a Workspace, with walls and a clutch.
-/// While the clutch is held, the tool's position stands still; it turns on with the hand, so that
-/// hand and tool never come to be turned against each other.  What the scene and a guide press with
-/// fades out within kClutchOut_s, and after the release comes back within kClutchIn_s; neither pose
-/// nor force jumps.  The walls push all the while.  Both are added before the limiter (Shape),
-/// which bounds and switches them off like all else; behind it, a wrench is only turned and its
-/// torque divided by the scale, and info() is in the scene's units, so that the device's limits
-/// stay its limits. The limiter's energy account is the hand's own
+/// README.md says what both do.  What the scene and a guide press with fades out within
+/// kClutchOut_s as the clutch is held, and comes back within kClutchIn_s.  Walls and fade come
+/// before the limiter (Shape), which bounds and switches them off like all else; behind it, a
+/// wrench is only turned and its torque divided by the scale, and info() is in the scene's units,
+/// so that the device's limits stay its limits.  The limiter's energy account is the hand's own
 /// (DeviceInfo::motion_scale), and blind to what the walls do while the clutch is held; they are
 /// passive by themselves.
 class WorkspaceDevice final : public Device {

@@ -18,17 +18,10 @@ class LimitedWrench {
   Wrench wrench_;
 };
 
-/// The one way to a device, an ordered chain of stages (limiter/, one file each):
-///   finite       a wrench with NaN or infinity in it counts as zero
-///   clamp        force and torque are shortened to the device's peak, direction kept
-///   slew         what is left moves towards that at a bounded rate
-///   energy       gives the hand no more energy than it has put in: scaled down while it moves out
-///   temperature  shortened to what the motors stand, from the peak to the continuous figures
-///   age          a factor that falls from 1 to 0 as replies stay away, and ramps back
-///   enable       a factor that starts at 0, and ramps to 1 when forces are asked for
-/// What a guide adds passes finite, clamp (its own, small) and slew apart from the contact, joins
-/// it before temperature, and shares the rest.  None can be left out or switched off, and limits
-/// are only tightened.
+/// The one way to a device, an ordered chain of stages (limiter/): finite, clamp, slew, energy,
+/// temperature, age, enable; README.md says what each does and why.  What a guide adds passes
+/// finite, clamp (its own, small) and slew apart from the contact, joins it before temperature, and
+/// shares the rest.  None can be left out or switched off.
 ///
 /// For every input whatever, and with dt the time of a call as it counts (at most kMaxTick_s):
 /// force and torque are finite, at most their limit, and change by at most their slew limit x dt.

@@ -1,6 +1,185 @@
-#include "client/crtk/bridge.h"
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/spdlog.h>
+
+#include "client/crtk/crtk_station.h"
+#include "common/dds/participant.h"
+#include "common/dds/ros2.h"
+#include "common/dds/topics.h"
 #include "common/program/command_line.h"
 #include "common/program/log.h"
+#include "common/program/stop_signal.h"
+#include "common/realtime/steady_clock.h"
+#include "common/text/quoted.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::chrono::milliseconds kPoll{2};
+/// As many as a server admits; of strangers' names no more are made into topics.
+constexpr std::size_t kMostStations = 32;
+
+constexpr const char* kAbout =
+    R"(Makes each station an arm of the Collaborative Robotics Toolkit (CRTK) on ROS 2, without ROS here:
+it speaks DDS with ROS 2's names.  Below a station's name it publishes measured_cp, measured_cv,
+measured_cf and operating_state, and takes servo_cf and state_command.
+)";
+
+constexpr const char* kExamples =
+    R"(Examples:
+  palpate-crtk
+      then, where ROS 2 is:  ros2 topic hz /hand/measured_cp
+                             ros2 topic echo /hand/measured_cf geometry_msgs/msg/WrenchStamped
+  palpate-crtk --ros-domain 7 --ros-network eth0
+      for ROS_DOMAIN_ID=7 on other hosts
+  palpate-crtk --read-only
+      nobody in ROS's domain can pull a hand or pause a station
+
+servo_cf pulls the hand at a station that runs with --accept-guide, at most with its --guide-force
+(give the same number here), and is gone 100 ms after the last message.
+state_command takes enable, disable, pause and resume.
+Frames, time stamps and quality of service: client/crtk/README.md in the source tree, where the package
+is installed /usr/share/doc/palpate-common/client/crtk/README.md.
+Exit status: 0 done, 1 failed, 2 wrong usage.)";
+
+struct Options {
+  int domain = 0;
+  dds::Network network;
+  dds::Transport transport = dds::Transport::kAuto;
+  int ros_domain = 0;
+  dds::Network ros_network;  ///< of ROS's side
+  bool read_only = false;    ///< takes neither servo_cf nor state_command
+  double guide_force_N = 0.5;
+  std::optional<double> seconds;
+  std::string log_level = "info";
+};
+
+/// Nothing where --help or --version was asked for.  Throws UsageError.
+std::optional<Options> ParseOptions(int argc, const char* const* argv) {
+  Options options;
+  std::string transport = "auto";
+  double seconds = 0.0;
+
+  CLI::App app(kAbout, "palpate-crtk");
+  app.footer(kExamples);
+  app.add_option("--ros-domain", options.ros_domain,
+                 "domain of the ROS 2 programs: their ROS_DOMAIN_ID")
+      ->check(CLI::Range(0, ros2::kMaxDomain))
+      ->capture_default_str();
+  app.add_option("--ros-network", options.ros_network.interface,
+                 "network interface of the ROS 2 programs, as eth0; lo: this host alone")
+      ->capture_default_str();
+  app.add_option("--ros-peer", options.ros_network.peers,
+                 "address of a host with ROS, needed where the network carries no multicast; may "
+                 "be given again");
+  app.add_flag("--read-only", options.read_only, "take no servo_cf and no state_command");
+  app.add_option("--guide-force", options.guide_force_N,
+                 "force of servo_cf, in N, at which a station pulls with all of its --guide-force")
+      ->check(CLI::Range(0.01, GuideLimits::kMostForce_N))
+      ->capture_default_str();
+  CLI::Option* for_option =
+      app.add_option("--for", seconds, "end after this many seconds; default: at Ctrl-C")
+          ->check(CLI::PositiveNumber);
+  app.add_option("--transport", transport,
+                 "how poses and wrenches travel, as for the server: auto, shm or udp")
+      ->capture_default_str();
+  AddNetworkOptions(app, "the server", options.network);
+  AddCommonOptions(app, "the server's domain: the number that it was given", options.domain,
+                   options.log_level);
+
+  if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
+
+  if (*for_option) options.seconds = seconds;
+  options.transport = dds::ParseTransport(transport);
+  return options;
+}
+
+using Stations = std::map<std::string, std::unique_ptr<CrtkStation>>;
+
+/// Why a station cannot be brought to ROS; empty where it can.
+std::string WhyLeftOut(const std::string& name, const Stations& stations) {
+  if (!dds::IsStationName(name)) return "no such name";
+  if (std::string why = WhyNoRosName(name); !why.empty()) return why;
+  for (const auto& [other, station] : stations) {
+    if (station->ros_namespace() == RosNamespace(name)) {
+      return "station " + other + " has that name in ROS; give one of them another --id";
+    }
+  }
+  return stations.size() == kMostStations ? "32 are here already" : "";
+}
+
+/// Brings the stations of one server to ROS 2 until it is stopped.  Throws Error.
+void Bridge(const Options& options, StopSignal& stop) {
+  const dds::TransportChoice transport = dds::ChooseTransport(options.transport, options.network);
+  const dds::Participant service = dds::Participant::Service(options.domain, options.network);
+  const dds::Participant loop = dds::Participant::Loop(options.domain, transport, options.network);
+  const ros2::Participant ros(options.ros_domain, options.ros_network);
+  dds::Reader<wire::SessionState> states(service, dds::kSessionStateTopic,
+                                         dds::Qos::kRecordSession);
+  // Only who may command needs the right to (deploy/security/identities).
+  dds::Writer<wire::GuideTarget> guide;
+  dds::Writer<wire::OperateRequest> wishes;
+  if (!options.read_only) {
+    guide = {service, dds::kGuideTopic, dds::Qos::kStream};
+    wishes = {service, dds::kOperateRequestTopic, dds::Qos::kSession};
+  }
+  const GuideLimits limits = GuideLimits::OfForce(options.guide_force_N);
+  Stations stations;
+  std::set<std::string> left_out;  // of which it has been told
+  std::printf("ready: domain %d to ROS domain %d on %s; poses and wrenches: %s\n", options.domain,
+              options.ros_domain, options.ros_network.interface.c_str(), transport.reason.c_str());
+  std::fflush(stdout);
+
+  const std::int64_t began_ns = SteadyNanoseconds();
+  RateLimit words;
+  while (!stop.WaitFor(kPoll)) {
+    const std::int64_t now_ns = SteadyNanoseconds();
+    if (options.seconds && 1e-9 * static_cast<double>(now_ns - began_ns) >= *options.seconds) break;
+    for (wire::SessionState state; states.Take(state);) {
+      auto it = stations.find(state.station);
+      if (it == stations.end()) {
+        if (state.phase == palpate_SESSION_ENDED || state.phase == palpate_SESSION_REFUSED)
+          continue;
+        if (const std::string why = WhyLeftOut(state.station, stations); !why.empty()) {
+          if (left_out.size() < kMostStations && left_out.contains(state.station)) continue;
+          if (words.Pass(now_ns)) {
+            spdlog::warn("station {} is left out: {}", Quoted(state.station), why);
+            if (left_out.size() < kMostStations) left_out.insert(state.station);
+          }
+          continue;
+        }
+        it = stations
+                 .emplace(state.station,
+                          std::make_unique<CrtkStation>(ros, state.station, options.read_only,
+                                                        limits, guide, wishes))
+                 .first;
+        std::printf("station %s: %s/measured_cp and so on\n", state.station,
+                    it->second->ros_namespace().c_str());
+        std::fflush(stdout);
+      }
+      it->second->Hear(state, now_ns);
+    }
+    for (auto& [name, station] : stations) station->Poll(loop, now_ns);
+  }
+  for (const auto& [name, station] : stations) {
+    const CrtkStation::Counts counts = station->counts();
+    std::printf("station %s: %llu poses, %llu wrenches, missing %llu, refused %llu\n", name.c_str(),
+                static_cast<unsigned long long>(counts.poses),
+                static_cast<unsigned long long>(counts.wrenches),
+                static_cast<unsigned long long>(counts.missing),
+                static_cast<unsigned long long>(counts.refused));
+  }
+}
+
+}  // namespace
+}  // namespace palpate
 
 int main(int argc, char** argv) {
   return palpate::RunProgram("palpate-crtk", [&] {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "client/load/options.h"
-#include "client/station/reply_ring.h"
+#include "client/station/reply.h"
 #include "client/station/served_tools.h"
 #include "client/station/servo_thread.h"
 #include "client/station/session_link.h"

@@ -33,33 +33,27 @@ Taps::Taps(int domain, const dds::Network& network, const dds::TransportChoice& 
       service_(dds::Participant::Service(domain, network)),
       loop_(loop ? std::make_unique<dds::Participant>(
                        dds::Participant::Loop(domain, transport, network))
-                 : nullptr),
-      requests_(service_, dds::kSessionRequestTopic, dds::Qos::kRecordSession),
-      states_(service_, dds::kSessionStateTopic, dds::Qos::kRecordSession),
-      changes_(service_, dds::kSceneChangeTopic, dds::Qos::kRecordSession),
-      leaves_(service_, dds::kLeafTakenTopic, dds::Qos::kRecordSession),
-      bundles_(service_, dds::kSceneBundleTopic, dds::Qos::kRecordSession),
-      tools_(service_, dds::kToolStateTopic, dds::Qos::kRecord),
-      statistics_(service_, dds::kLoopStatisticsTopic, dds::Qos::kRecord),
-      guides_(service_, dds::kGuideTopic, dds::Qos::kRecord),
-      stations_(service_, dds::kStationStatisticsTopic, dds::Qos::kRecord),
-      offers_(service_, dds::kSceneOfferTopic, dds::Qos::kRecordSession),
-      wishes_(service_, dds::kWholeRequestTopic, dds::Qos::kRecordSession),
-      wholes_(service_, dds::kSceneWholeTopic, dds::Qos::kRecordSession) {
+                 : nullptr) {
   RecordingTime_ns();
-  service_channel_[0] = topics_.NumberOf(dds::kSessionRequestTopic, RecordedType::kSessionRequest);
-  service_channel_[1] = topics_.NumberOf(dds::kSessionStateTopic, RecordedType::kSessionState);
-  service_channel_[2] = topics_.NumberOf(dds::kSceneChangeTopic, RecordedType::kSceneChange);
-  service_channel_[3] = topics_.NumberOf(dds::kLeafTakenTopic, RecordedType::kLeafTaken);
-  service_channel_[4] = topics_.NumberOf(dds::kSceneBundleTopic, RecordedType::kSceneBundle);
-  service_channel_[5] = topics_.NumberOf(dds::kToolStateTopic, RecordedType::kToolState);
-  service_channel_[6] = topics_.NumberOf(dds::kLoopStatisticsTopic, RecordedType::kLoopStatistics);
-  service_channel_[7] = topics_.NumberOf(dds::kGuideTopic, RecordedType::kGuideTarget);
-  service_channel_[8] =
-      topics_.NumberOf(dds::kStationStatisticsTopic, RecordedType::kStationStatistics);
-  service_channel_[9] = topics_.NumberOf(dds::kSceneOfferTopic, RecordedType::kSceneOffer);
-  service_channel_[10] = topics_.NumberOf(dds::kWholeRequestTopic, RecordedType::kWholeRequest);
-  service_channel_[11] = topics_.NumberOf(dds::kSceneWholeTopic, RecordedType::kSceneWhole);
+  TapService<wire::SceneBundle>(dds::kSceneBundleTopic, dds::Qos::kRecordSession);
+  TapService<wire::SceneOffer>(dds::kSceneOfferTopic, dds::Qos::kRecordSession);
+  TapService<wire::SessionRequest>(dds::kSessionRequestTopic, dds::Qos::kRecordSession);
+  TapService<wire::SessionState>(dds::kSessionStateTopic, dds::Qos::kRecordSession);
+  TapService<wire::SceneChange>(dds::kSceneChangeTopic, dds::Qos::kRecordSession);
+  TapService<wire::LeafTaken>(dds::kLeafTakenTopic, dds::Qos::kRecordSession);
+  TapService<wire::WholeRequest>(dds::kWholeRequestTopic, dds::Qos::kRecordSession);
+  TapService<wire::SceneWhole>(dds::kSceneWholeTopic, dds::Qos::kRecordSession);
+  TapService<wire::ToolState>(dds::kToolStateTopic, dds::Qos::kRecord);
+  TapService<wire::LoopStatistics>(dds::kLoopStatisticsTopic, dds::Qos::kRecord);
+  TapService<wire::GuideTarget>(dds::kGuideTopic, dds::Qos::kRecord);
+  TapService<wire::StationStatistics>(dds::kStationStatisticsTopic, dds::Qos::kRecord);
+}
+
+template <class T>
+void Taps::TapService(const char* name, dds::Qos qos) {
+  const auto reader = std::make_shared<dds::CdrReader<T>>(service_, name, qos);
+  const std::uint32_t channel = topics_.NumberOf(name, kTypeOf<T>);
+  drains_.push_back([this, reader, channel] { Drain(*reader, channel); });
 }
 
 // Readers first: their callbacks use what stands before them.
@@ -78,7 +72,8 @@ bool Taps::IsWanted(const std::string& station) const {
 }
 
 template <class T>
-void Taps::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, T& sample) {
+void Taps::Drain(dds::CdrReader<T>& reader, std::uint32_t channel) {
+  T sample{};
   constexpr bool kFromServer =
       !std::is_same_v<T, wire::SessionRequest> && !std::is_same_v<T, wire::WholeRequest> &&
       !std::is_same_v<T, wire::GuideTarget> && !std::is_same_v<T, wire::StationStatistics>;
@@ -134,30 +129,7 @@ void Taps::OnState(const wire::SessionState& state, std::int64_t now_ns) {
 
 void Taps::Poll(std::int64_t now_ns) {
   now_ns_ = now_ns;
-  wire::SessionRequest request{};
-  wire::SessionState state{};
-  wire::SceneChange change{};
-  wire::LeafTaken leaf{};
-  wire::SceneBundle bundle{};
-  wire::ToolState tool{};
-  wire::LoopStatistics statistics{};
-  wire::GuideTarget guide{};
-  wire::StationStatistics station{};
-  wire::SceneOffer offer{};
-  wire::WholeRequest wish{};
-  wire::SceneWhole whole{};
-  Drain(bundles_, service_channel_[4], bundle);
-  Drain(offers_, service_channel_[9], offer);
-  Drain(requests_, service_channel_[0], request);
-  Drain(states_, service_channel_[1], state);
-  Drain(changes_, service_channel_[2], change);
-  Drain(leaves_, service_channel_[3], leaf);
-  Drain(wishes_, service_channel_[10], wish);
-  Drain(wholes_, service_channel_[11], whole);
-  Drain(tools_, service_channel_[5], tool);
-  Drain(statistics_, service_channel_[6], statistics);
-  Drain(guides_, service_channel_[7], guide);
-  Drain(stations_, service_channel_[8], station);
+  for (const auto& drain : drains_) drain();
 
   for (auto it = sessions_.begin(); it != sessions_.end();) {
     Session& session = it->second;

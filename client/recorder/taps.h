@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -46,7 +47,9 @@ class Taps {
   };
 
   template <class T>
-  void Drain(dds::CdrReader<T>& reader, std::uint32_t channel, T& sample);
+  void TapService(const char* name, dds::Qos qos);
+  template <class T>
+  void Drain(dds::CdrReader<T>& reader, std::uint32_t channel);
   template <class T>
   void Tap(dds::Reader<T>& reader, const std::string& topic);
   void OnState(const wire::SessionState& state, std::int64_t now_ns);
@@ -57,19 +60,8 @@ class Taps {
   TappedTopics& topics_;
   dds::Participant service_;
   std::unique_ptr<dds::Participant> loop_;
-  dds::CdrReader<wire::SessionRequest> requests_;
-  dds::CdrReader<wire::SessionState> states_;
-  dds::CdrReader<wire::SceneChange> changes_;
-  dds::CdrReader<wire::LeafTaken> leaves_;
-  dds::CdrReader<wire::SceneBundle> bundles_;
-  dds::CdrReader<wire::ToolState> tools_;
-  dds::CdrReader<wire::LoopStatistics> statistics_;
-  dds::CdrReader<wire::GuideTarget> guides_;
-  dds::CdrReader<wire::StationStatistics> stations_;
-  dds::CdrReader<wire::SceneOffer> offers_;
-  dds::CdrReader<wire::WholeRequest> wishes_;
-  dds::CdrReader<wire::SceneWhole> wholes_;
-  std::uint32_t service_channel_[12];
+  std::vector<std::function<void()>>
+      drains_;  // of service topics: scenes first, then who uses them
   std::int64_t now_ns_ = 0;
   bool heard_ = false;
   std::map<std::string, Session> sessions_;  // by station

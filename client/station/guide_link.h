@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "client/station/guide.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/participant.h"
+#include "common/dds/topics.h"
 
 namespace palpate {
 
@@ -13,8 +15,9 @@ namespace palpate {
 /// Thread contract: one thread, not the servo thread.
 class GuideLink {
  public:
-  /// Throws Error.
-  GuideLink(int domain, const dds::Network& network, std::string station);
+  /// @param service  must outlive it.   Throws Error.
+  GuideLink(const dds::Participant& service, std::string station)
+      : station_(std::move(station)), targets_(service, dds::kGuideTopic, dds::Qos::kStream) {}
 
   /// Calls take(aim) for the newest that has come, if any.
   template <class Take>
@@ -32,7 +35,6 @@ class GuideLink {
 
  private:
   std::string station_;
-  dds::Participant service_;
   dds::Reader<wire::GuideTarget> targets_;
 };
 

@@ -25,20 +25,10 @@ struct CouplingSpring {
 /// the reply's.  Elsewhere that remainder goes down with the spring's stretch, as friction does
 /// with the normal force, and never up.
 ///
-/// What stands still is remembered.  A reply without rows is of a tool that is free, not of a scene
-/// that is empty: the rows of the last contact hold on, where they held, for as long as the
-/// server's tool keeps them and its session lasts.  So a hand that bounces, however high, meets the
-/// wall where it left it, and not a round trip later.
-///
-/// How far it is believed.  Rows are tangents: they hold for steps within region_m and region_rad
-/// of the one that the server made (of the place where it touched last, for a tool that is free),
-/// and until valid_s from the pose that they answer.  Beyond, the
-/// wrench fades to nothing over once more that region or time: a wall that has ended must not be
-/// felt.
-///
-/// No jumps.  What a new reply says of the present pose differs from what the last one said; the
-/// difference goes down to a third with each kBlend_s.  So it is felt in free space no longer than
-/// that.
+/// What it remembers in free space, how far rows are believed, and why nothing jumps: README.md.
+/// Rows hold for steps within region_m and region_rad of the one that the server made (of the place
+/// where it touched last, for a tool that is free), and until valid_s from the pose that they
+/// answer; beyond, the wrench fades to nothing over once more that region or time.
 ///
 /// Replies lie as far as this class knows.  Rows that no step can have made (not finite, no unit
 /// normals, a tool well inside, too many, a wrench that they do not explain) count as none; then,

@@ -62,9 +62,10 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   CLI::App app(kAbout, "palpate-station");
   app.footer("Devices:\n" + DeviceHelp() + kExamples);
   app.add_option("--device", options.link.device, "the device: " + DeviceNames())->required();
-  app.add_option("--model", options.model,
+  app.add_option("--model", options.device.model,
                  "which arm to simulate; default: the first that is named below");
-  app.add_option("--rate", options.rate_Hz, "how often the device is read and commanded, in Hz")
+  app.add_option("--rate", options.device.rate_Hz,
+                 "how often the device is read and commanded, in Hz")
       ->capture_default_str();
   app.add_option("--scene", options.link.scene,
                  "scene to feel: its name at the server, or the file that the server was given")
@@ -88,15 +89,19 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_option("--clutch-button", options.clutch_button,
                  "button that lets the hand move without the tool, a number from 0")
       ->check(CLI::Range(0, 31));
-  app.add_flag("--loop", options.loop,
+  app.add_flag("--loop", options.device.loop,
                "repeat the script; without it the hand stays at the script's end");
   app.add_flag("--enable-forces", options.enable_forces,
                "let forces out to a real device all the time, not only while its first button is "
                "held; simulated devices always get them");
-  app.add_option("--device-name", options.device_name,
+  app.add_option("--max-force", options.max_force_N,
+                 "greatest force, in N, where that is less than the device's own; its torque goes "
+                 "down by the same share; default: the device's own")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--device-name", options.device.arm,
                  "which arm, if there are several: its name in the vendor's set-up program, its "
                  "serial number, or its id; default: the first");
-  app.add_flag("--calibrate", options.calibrate,
+  app.add_flag("--calibrate", options.device.calibrate,
                "calibrate the arm even if it is calibrated; put it into its reset position first, "
                "if it has one");
   app.add_option("--local-model", local_model,
@@ -140,7 +145,9 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   options.local_model = local_model == "on";
   if (*for_option) options.seconds = seconds;
   options.link.transport = dds::ParseTransport(transport);
-  CheckDevice(options.link.device, options.model, options.rate_Hz);
+  options.device.name = options.link.device;
+  options.device.realtime = options.link.realtime;
+  CheckDevice(options.link.device, options.device.model, options.device.rate_Hz);
   return options;
 }
 

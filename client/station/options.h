@@ -1,24 +1,23 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 
 #include "client/station/session_link.h"
+#include "devices/device_factory.h"
 
 namespace palpate {
 
 struct StationOptions {
   LinkOptions link;
-  std::string model;  ///< of the device; empty: its first
-  double rate_Hz = 1000.0;
+  DeviceOptions device;              ///< as far as the command line says
   std::string workspace;             ///< file; empty: the device's frame is the scene's
   std::optional<double> scale;       ///< in place of the file's
   std::optional<int> clutch_button;  ///< in place of the file's
   std::string script;                ///< file; empty: the scene's own
-  bool loop = false;
   bool enable_forces = false;
-  std::string device_name;  ///< of a real arm; empty: the default one
-  bool calibrate = false;
+  double max_force_N = std::numeric_limits<double>::infinity();
   bool local_model = true;
   bool accept_guide = false;
   double guide_force_N = 0.5;

@@ -7,12 +7,9 @@
 
 namespace palpate {
 
-/// Where the hand will be when the reply comes: a server that is far away is told that, so that
-/// what it answers is of the surface that the tool reaches, not of that which it has left.  The
-/// local contact model then holds the answer against the pose that came true.
-/// Straight on, with the velocity of the last poses that were sent; not at all for a server on this
-/// host, and never far: a hand that stops or turns makes it wrong.
-/// Real-time.  Pure: time comes in as an argument, equal inputs give equal bits.
+/// Where the hand will be when the reply comes, for a server that is far away (README.md, The
+/// lead): straight on, with the velocity of the last poses that were sent. Real-time.  Pure: time
+/// comes in as an argument, equal inputs give equal bits.
 class PoseLead {
  public:
   /// A round trip of up to the one has no lead, from the other on its whole length.

@@ -5,6 +5,7 @@
 
 #include "common/dds/wire.h"
 #include "common/math/pose.h"
+#include "common/realtime/ring.h"
 
 namespace palpate {
 
@@ -38,6 +39,12 @@ struct Reply {
   std::uint32_t faults = 0;
   LocalRows local = {};
 };
+
+/// Replies on their way from DDS's receiving thread to the servo thread: a quarter of a second of
+/// them.  A ring and not a mailbox: when two replies come within a tick, the older is late, not
+/// lost, and is counted so.  Where it is full, the servo thread has not read for that long: its
+/// device renders nothing then, whatever comes.
+using ReplyRing = Ring<Reply, 256>;
 
 /// Nothing is checked.  Real-time.
 Reply ToReply(const wire::Wrench& sample, std::int64_t received_ns) noexcept;

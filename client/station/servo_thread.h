@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <thread>
 
-#include "client/station/reply_ring.h"
+#include "client/station/reply.h"
 #include "client/station/station_core.h"
 #include "client/station/trace.h"
 #include "common/dds/endpoint.h"

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "client/station/reply_ring.h"
+#include "client/station/reply.h"
 #include "client/station/servo_thread.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/endpoint.h"

@@ -1,6 +1,7 @@
 #include "client/station/station_core.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/step_fault.h"
 
@@ -10,8 +11,8 @@ Wrench ShiftToHandle(const Wrench& wrench, const Quat& q_WH, const Vec3& p_HT) n
   return {wrench.force, wrench.torque + (q_WH * p_HT).cross(wrench.force)};
 }
 
-StationCore::StationCore(Device& device)
-    : device_(device), limiter_(WrenchLimits::Of(device.info())) {}
+StationCore::StationCore(Device& device, double most_force_N)
+    : device_(device), limiter_(WrenchLimits::Of(device.info(), most_force_N)) {}
 
 void StationCore::SetSpring(const CouplingSpring& spring) noexcept {
   tool_reference_ = spring.reference;
@@ -73,7 +74,7 @@ void StationCore::Take(const Reply& reply) noexcept {
   totals_.contact_replies += reply.contacts > 0;
   totals_.max_contacts = std::max(totals_.max_contacts, reply.contacts);
   totals_.faults |= reply.faults & ~kFaultNotStarted;  // every session begins with that one
-  period_faults_ |= reply.faults;
+  period_.faults |= reply.faults;
 }
 
 void StationCore::Act(std::int64_t now_ns) noexcept {
@@ -87,7 +88,7 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
     in.silence_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(
                               0, now_ns - newest_.received_ns));  // it may arrive within the tick
     in.age_s = 1e-9 * static_cast<double>(now_ns - newest_.pose_time_ns);
-    period_silence_s_ = std::max(period_silence_s_, in.silence_s);
+    period_.silence_s_max = std::max(period_.silence_s_max, in.silence_s);
   }
   last_act_ns_ = now_ns;
   if (period_began_ns_ == 0) period_began_ns_ = now_ns;
@@ -109,13 +110,14 @@ void StationCore::Act(std::int64_t now_ns) noexcept {
   totals_.max_force_N = std::max(totals_.max_force_N, force);
   const double torque = applied_.torque.norm();
   totals_.max_torque_Nm = std::max(totals_.max_torque_Nm, torque);
-  period_peak_force_ = std::max(period_peak_force_, force);
-  period_peak_torque_ = std::max(period_peak_torque_, torque);
+  period_.peak_force_N = std::max(period_.peak_force_N, force);
+  period_.peak_torque_Nm = std::max(period_.peak_torque_Nm, torque);
   // std::max(a, NaN) is a.
-  period_wanted_force_ = std::max(period_wanted_force_, (in.wanted.force + in.led.force).norm());
-  period_wanted_torque_ =
-      std::max(period_wanted_torque_, (in.wanted.torque + in.led.torque).norm());
-  period_status_ |= sample_.status;
+  period_.wanted_force_N_max =
+      std::max(period_.wanted_force_N_max, (in.wanted.force + in.led.force).norm());
+  period_.wanted_torque_Nm_max =
+      std::max(period_.wanted_torque_Nm_max, (in.wanted.torque + in.led.torque).norm());
+  period_.status |= sample_.status;
 }
 
 std::uint64_t StationCore::lost() const noexcept {
@@ -131,7 +133,7 @@ void StationCore::RestartTotals() noexcept {
 }
 
 StationSnapshot StationCore::TakeSnapshot(std::int64_t now_ns) noexcept {
-  StationSnapshot snapshot;
+  StationSnapshot snapshot = std::exchange(period_, {});
   snapshot.time_ns = now_ns;
   const double period_s = 1e-9 * static_cast<double>(now_ns - period_began_ns_);
   if (period_s > 0.0) {
@@ -143,10 +145,8 @@ StationSnapshot StationCore::TakeSnapshot(std::int64_t now_ns) noexcept {
   snapshot.server_step_us_p50 = microseconds(period_step_.Quantile(0.5));
   snapshot.replies = totals_.replies - replies_before_;
   snapshot.contacts = newest_.contacts;
-  snapshot.faults = period_faults_;
   snapshot.force_N = applied_.force.norm();
   snapshot.torque_Nm = applied_.torque.norm();
-  snapshot.peak_force_N = period_peak_force_;
   snapshot.sent = totals_.sent;
   snapshot.late = totals_.late;
   snapshot.lost = lost();
@@ -154,11 +154,6 @@ StationSnapshot StationCore::TakeSnapshot(std::int64_t now_ns) noexcept {
   snapshot.fading = limiter_.fading();
   snapshot.activity = device_.activity();
   snapshot.ticks = totals_.ticks - ticks_before_;
-  snapshot.silence_s_max = period_silence_s_;
-  snapshot.wanted_force_N_max = period_wanted_force_;
-  snapshot.wanted_torque_Nm_max = period_wanted_torque_;
-  snapshot.peak_torque_Nm = period_peak_torque_;
-  snapshot.status = period_status_;
   snapshot.limiter = limiter_.counts();
   snapshot.energy_J = limiter_.observer().energy_J();
   snapshot.energy_J_min = limiter_.observer().lowest_J();
@@ -169,10 +164,6 @@ StationSnapshot StationCore::TakeSnapshot(std::int64_t now_ns) noexcept {
   replies_before_ = totals_.replies;
   period_round_trip_.Clear();
   period_step_.Clear();
-  period_faults_ = 0;
-  period_peak_force_ = period_peak_torque_ = 0.0;
-  period_silence_s_ = period_wanted_force_ = period_wanted_torque_ = 0.0;
-  period_status_ = 0;
   return snapshot;
 }
 

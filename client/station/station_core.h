@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "client/station/guide.h"
 #include "client/station/local_contact_model.h"
@@ -94,7 +95,9 @@ class StationCore {
   static constexpr double kInside_m = 1e-5;
 
   /// The device must outlive the core.  Throws Error where the device has no limits.
-  explicit StationCore(Device& device);
+  /// @param most_force_N  as WrenchLimits::Of.
+  explicit StationCore(Device& device,
+                       double most_force_N = std::numeric_limits<double>::infinity());
   Device& device() noexcept { return device_; }
 
   void EnableForces(bool on) noexcept { forces_wanted_ = on; }
@@ -171,18 +174,12 @@ class StationCore {
   std::uint64_t answered_before_ = 0;  // poses up to here are not of these totals
 
   // Of the period.
+  StationSnapshot period_;
   std::int64_t period_began_ns_ = 0;
   std::uint64_t ticks_before_ = 0;
   std::uint64_t replies_before_ = 0;
   Histogram period_round_trip_;
   Histogram period_step_;
-  std::uint32_t period_faults_ = 0;
-  double period_peak_force_ = 0.0;
-  double period_peak_torque_ = 0.0;
-  double period_silence_s_ = 0.0;
-  double period_wanted_force_ = 0.0;
-  double period_wanted_torque_ = 0.0;
-  std::uint32_t period_status_ = 0;
 };
 
 /// The same wrench at the handle's origin: tau_H = tau + (R c) x F.

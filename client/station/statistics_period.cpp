@@ -19,7 +19,7 @@ StatisticsPeriod::StatisticsPeriod(const std::string& station, const std::string
 
 std::optional<wire::StationStatistics> StatisticsPeriod::Add(const StationSnapshot& s,
                                                              std::uint64_t missed_ticks,
-                                                             std::uint64_t run) {
+                                                             std::uint64_t run, bool last) {
   wire::StationStatistics& f = figures_;
   f.ticks += s.ticks;
   f.replies += s.replies;
@@ -35,7 +35,7 @@ std::optional<wire::StationStatistics> StatisticsPeriod::Add(const StationSnapsh
     began_ns_ = s.time_ns - static_cast<std::int64_t>(1e9 * period_s);
   }
   // Half a snapshot's time short is long enough: four of a quarter of a second are one second.
-  if (s.time_ns - began_ns_ < kPeriod_ns - 100'000'000) return std::nullopt;
+  if (!last && s.time_ns - began_ns_ < kPeriod_ns - 100'000'000) return std::nullopt;
 
   f.run = run;
   f.period_s = 1e-9 * static_cast<double>(s.time_ns - began_ns_);

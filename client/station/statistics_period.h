@@ -20,8 +20,10 @@ class StatisticsPeriod {
 
   /// Takes the next snapshot; gives the figures of a period at its end.
   /// @param missed_ticks  ServoThread::missed_ticks.  @param run  SessionLink::run.
+  /// @param last          the period ends here, however short: what is sent sums to the whole run.
   std::optional<wire::StationStatistics> Add(const StationSnapshot& snapshot,
-                                             std::uint64_t missed_ticks, std::uint64_t run);
+                                             std::uint64_t missed_ticks, std::uint64_t run,
+                                             bool last = false);
 
  private:
   wire::StationStatistics figures_{};  // of the period so far

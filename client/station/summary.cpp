@@ -49,7 +49,7 @@ std::string ToText(const StationSummary& s) {
   text += "  round trip   " + Percentiles(t.round_trip) + "\n";
   text += "  server step  " + Percentiles(t.server_step) + "\n";
   text += fmt::format("  late         {} ({:.2f} % over 1 ms), lost {}\n", t.late,
-                      100.0 * Fraction(t.late, t.replies), s.lost);
+                      100.0 * Fraction(t.late, t.replies), s.end.lost);
   text += fmt::format("  force        at most {:.2f} N, torque at most {:.3f} N m\n", t.max_force_N,
                       t.max_torque_Nm);
   text += fmt::format("  contacts     at most {}, {:.0f} % of the time in contact\n",
@@ -61,11 +61,11 @@ std::string ToText(const StationSummary& s) {
   text += fmt::format(
       "  limiter      {} fades, {} clamped, {} slewed, {} braked, {} warm, "
       "{} not finite; {} reconnects\n",
-      s.limiter.fades, s.limiter.clamped, s.limiter.slewed, s.limiter.braked, s.limiter.warm,
-      s.limiter.nonfinite, s.reconnects);
+      s.end.limiter.fades, s.end.limiter.clamped, s.end.limiter.slewed, s.end.limiter.braked,
+      s.end.limiter.warm, s.end.limiter.nonfinite, s.reconnects);
   text += fmt::format(
       "  energy       {:.1f} mJ put in by the hand, at the lowest {:.3f}; motors {:.0f} % warm\n",
-      1e3 * s.energy_J, 1e3 * s.energy_J_min, 100.0 * s.warmth);
+      1e3 * s.end.energy_J, 1e3 * s.end.energy_J_min, 100.0 * s.end.warmth);
   return text;
 }
 
@@ -87,7 +87,7 @@ std::string ToJson(const StationSummary& s) {
                                {"server_step_us", JsonPercentiles(t.server_step)},
                                {"late", t.late},
                                {"late_fraction", Fraction(t.late, t.replies)},
-                               {"lost", s.lost},
+                               {"lost", s.end.lost},
                                {"strays", t.strays},
                                {"force_N_max", t.max_force_N},
                                {"torque_Nm_max", t.max_torque_Nm},
@@ -97,19 +97,24 @@ std::string ToJson(const StationSummary& s) {
                                {"faults", t.faults},
                                {"fault_words", FaultWords(t.faults)},
                                {"reconnects", s.reconnects},
+                               {"limits",
+                                {{"force_N", s.limits.force_N},
+                                 {"torque_Nm", s.limits.torque_Nm},
+                                 {"continuous_force_N", s.limits.continuous_force_N},
+                                 {"continuous_torque_Nm", s.limits.continuous_torque_Nm}}},
                                {"limiter",
-                                {{"calls", s.limiter.calls},
-                                 {"nonfinite", s.limiter.nonfinite},
-                                 {"clamped", s.limiter.clamped},
-                                 {"slewed", s.limiter.slewed},
-                                 {"braked", s.limiter.braked},
-                                 {"warm", s.limiter.warm},
-                                 {"faded", s.limiter.faded},
-                                 {"fades", s.limiter.fades},
-                                 {"disabled", s.limiter.disabled}}},
-                               {"energy_J", s.energy_J},
-                               {"energy_J_min", s.energy_J_min},
-                               {"warmth", s.warmth}};
+                                {{"calls", s.end.limiter.calls},
+                                 {"nonfinite", s.end.limiter.nonfinite},
+                                 {"clamped", s.end.limiter.clamped},
+                                 {"slewed", s.end.limiter.slewed},
+                                 {"braked", s.end.limiter.braked},
+                                 {"warm", s.end.limiter.warm},
+                                 {"faded", s.end.limiter.faded},
+                                 {"fades", s.end.limiter.fades},
+                                 {"disabled", s.end.limiter.disabled}}},
+                               {"energy_J", s.end.energy_J},
+                               {"energy_J_min", s.end.energy_J_min},
+                               {"warmth", s.end.warmth}};
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

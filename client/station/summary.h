@@ -12,13 +12,10 @@ struct StationSummary {
   double seconds = 0.0;
   double linked_ticks_s = 0.0;  ///< time that the loop ran [s]: ticks and those it missed
   StationTotals totals;
-  std::uint64_t lost = 0;
   std::uint64_t missed_ticks = 0;
   int reconnects = 0;
-  LimiterCounts limiter;
-  double energy_J = 0.0;      ///< that the hand has put in and not got back
-  double energy_J_min = 0.0;  ///< at its lowest
-  double warmth = 0.0;        ///< of the motors, by the model
+  WrenchLimits::Bounds limits;  ///< torque zero where the device renders none
+  StationSnapshot end;          ///< the last moment
 };
 
 /// For people.

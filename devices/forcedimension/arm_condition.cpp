@@ -43,25 +43,6 @@ constexpr std::array<ConditionText, 17> kTexts{{
      "press the arm's force button or its pedal; a sigma has its forces off until then"},
 }};
 
-Condition OfCause(int cause) noexcept {
-  switch (cause) {
-    case 1:
-      return Condition::kOffByButton;
-    case 2:
-      return Condition::kOffByVelocity;
-    case 3:
-      return Condition::kOffByWatchdog;
-    case 4:
-      return Condition::kOffBySoftware;
-    case 5:
-      return Condition::kOffByUsb;
-    case 6:
-      return Condition::kOffByDeadMan;
-    default:
-      return Condition::kOffUnknown;
-  }
-}
-
 }  // namespace
 
 std::span<const ConditionText> ConditionTexts() noexcept {
@@ -83,7 +64,11 @@ Condition ConditionOf(const int* status) noexcept {
   }
   if (status[kStatusForce]) return Condition::kReady;
   // The arm keeps the last cause when its force is back, so it counts only without.
-  if (status[kStatusForceOffCause]) return OfCause(status[kStatusForceOffCause]);
+  if (const int cause = status[kStatusForceOffCause]; cause != 0) {
+    const int first = static_cast<int>(Condition::kOffByButton) - 1;
+    return cause >= 1 && cause <= 6 ? static_cast<Condition>(first + cause)
+                                    : Condition::kOffUnknown;
+  }
   if (status[kStatusBrake]) return Condition::kBrake;
   return status[kStatusIdle] ? Condition::kIdle : Condition::kForceOff;
 }

@@ -16,7 +16,7 @@ enum class Condition {
   kError,
   kNotCalibrated,
   kWristNotCalibrated,
-  // Causes for which the arm itself took its force away (DHD_STATUS_FORCEOFFCAUSE).
+  // Causes 1 to 6 for which the arm itself took its force away (DHD_STATUS_FORCEOFFCAUSE).
   kOffByButton,
   kOffByVelocity,
   kOffByWatchdog,

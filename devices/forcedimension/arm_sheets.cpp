@@ -1,5 +1,8 @@
 #include "devices/forcedimension/arm_sheets.h"
 
+#include <algorithm>
+#include <initializer_list>
+
 #include "devices/forcedimension/dhd_abi.h"
 
 namespace palpate {
@@ -22,35 +25,19 @@ constexpr Row kOmega{12.0, 0.0, 0.160, 0.110, 0.01 * kMilli, 0.09, 14500.0};    
 constexpr Row kDelta{20.0, 0.2, 0.400, 0.260, 0.03 * kMilli, 0.04, 14500.0};      // S, C; torque C
 constexpr Row kSigma{12.0, 0.2, 0.190, 0.130, 0.0015 * kMilli, 0.013, 14500.0};   // C; S: 20, 0.4
 constexpr Row kLambda{12.0, 0.2, 0.240, 0.170, 0.0015 * kMilli, 0.013, 14500.0};  // as sigma; S: 20
-constexpr Row kFalcon{8.0, 0.0, 0.100, 0.100, 0.06 * kMilli, 0.0, 3000.0};        // C; reach S
+constexpr Row kFalconRow{8.0, 0.0, 0.100, 0.100, 0.06 * kMilli, 0.0, 3000.0};     // C; reach S
 constexpr Row kUnknown{5.0, 0.05, 0.100, 0.100, 0.06 * kMilli, 0.1, 3000.0};      // E
 
 Row RowOf(int system_type) {
-  switch (system_type) {
-    case dhd::kOmega3:
-    case dhd::kOmega6:
-    case dhd::kOmega6Left:
-    case dhd::kOmega7:
-    case dhd::kOmega7Left:
-      return kOmega;
-    case dhd::kDelta3:
-    case dhd::kDelta6:
-      return kDelta;
-    case dhd::kSigma3:
-    case dhd::kSigma7:
-    case dhd::kSigma7Left:
-    case dhd::kSigma6Plus:
-    case dhd::kSigma6PlusLeft:
-      return kSigma;
-    case dhd::kLambda3:
-    case dhd::kLambda7:
-    case dhd::kLambda7Left:
-      return kLambda;
-    case dhd::kFalcon:
-      return kFalcon;
-    default:
-      return kUnknown;
-  }
+  const auto among = [system_type](std::initializer_list<int> types) {
+    return std::ranges::find(types, system_type) != types.end();
+  };
+  using namespace dhd;
+  if (among({kOmega3, kOmega6, kOmega6Left, kOmega7, kOmega7Left})) return kOmega;
+  if (among({kDelta3, kDelta6})) return kDelta;
+  if (among({kSigma3, kSigma7, kSigma7Left, kSigma6Plus, kSigma6PlusLeft})) return kSigma;
+  if (among({kLambda3, kLambda7, kLambda7Left})) return kLambda;
+  return system_type == kFalcon ? kFalconRow : kUnknown;
 }
 
 }  // namespace

@@ -42,6 +42,13 @@ struct Functions {
 #define PALPATE_DHD_MEMBER(result, name, arguments) result(*name) arguments = nullptr;
   PALPATE_DHD_FUNCTIONS(PALPATE_DHD_MEMBER)
 #undef PALPATE_DHD_MEMBER
+
+  template <class Visit>
+  void ForEach(Visit visit) {
+#define PALPATE_DHD_VISIT(result, name, arguments) visit(name, #name);
+    PALPATE_DHD_FUNCTIONS(PALPATE_DHD_VISIT)
+#undef PALPATE_DHD_VISIT
+  }
 };
 
 inline constexpr unsigned char kOn = 1;

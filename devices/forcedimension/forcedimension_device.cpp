@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "devices/device_kind.h"
 #include "devices/forcedimension/arm_sheets.h"
 #include "devices/forcedimension/dhd_frame.h"
 #include "devices/nearest_rotation.h"
@@ -22,12 +23,6 @@ constexpr std::uint64_t kTicksPerStatus = 10;
 /// No arm reaches so far: a position beyond it is none.
 constexpr double kFarthest_m = 1.0;
 
-void AddLine(std::string& lines, const std::string& line) {
-  if (line.empty()) return;
-  if (!lines.empty()) lines += '\n';
-  lines += line;
-}
-
 bool IsCalibrating(dhd::Condition condition) {
   return condition == dhd::Condition::kNotCalibrated ||
          condition == dhd::Condition::kWristNotCalibrated;
@@ -37,9 +32,9 @@ bool IsCalibrating(dhd::Condition condition) {
 
 // Opening.
 
-ForceDimensionDevice::ForceDimensionDevice(ForceDimensionOptions options)
-    : options_(std::move(options)),
-      library_(dhd::LoadLibrary(options_.libraries)),
+ForceDimensionDevice::ForceDimensionDevice(const DeviceOptions& options)
+    : options_(options),
+      library_(dhd::LoadLibrary(dhd::LibraryCandidates())),
       gate_(options_.rate_Hz),
       turn_rate_(options_.rate_Hz) {
   try {
@@ -63,10 +58,10 @@ void ForceDimensionDevice::Check(int answer, const char* what) const {
 }
 
 void ForceDimensionDevice::Open() {
-  if (options_.serial.empty()) {
+  if (options_.arm.empty()) {
     id_ = dhd_.dhdOpen();
   } else {
-    const std::string& text = options_.serial;
+    const std::string& text = options_.arm;
     int serial = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), serial);
     if (error != std::errc() || end != text.data() + text.size() || serial < 0) {
@@ -79,7 +74,7 @@ void ForceDimensionDevice::Open() {
   const int code = dhd_.dhdErrorGetLast();
   const int there = dhd_.dhdGetDeviceCount();
   throw Error("forcedimension: the arm" +
-              (options_.serial.empty() ? "" : " with serial number " + options_.serial) +
+              (options_.arm.empty() ? "" : " with serial number " + options_.arm) +
               " does not open (the library sees " + std::to_string(there < 0 ? 0 : there) +
               "): " + dhd::DescribeError(code));
 }
@@ -142,11 +137,7 @@ void ForceDimensionDevice::Close() noexcept {
 // The station's loop: no allocation, lock, log or exception of ours.
 
 bool ForceDimensionDevice::Took(int answer) noexcept {
-  if (answer >= 0) {
-    state_.not_renewed += answer == dhd::kTimeGuard;
-    state_.saturated += answer == dhd::kMotorSaturated;
-    return true;
-  }
+  if (answer >= 0) return true;  // as are DHD_TIMEGUARD and DHD_MOTOR_SATURATED
   state_.error = dhd_.dhdErrorGetLast();
   ++state_.errors;
   gate_.Fault();
@@ -261,6 +252,18 @@ std::string ForceDimensionDevice::Attend() {
 const char* ForceDimensionDevice::activity() const noexcept {
   if (latched_.load(std::memory_order_relaxed)) return "arm at fault";
   return dhd::TextOf(condition_.load(std::memory_order_relaxed)).name;
+}
+
+DeviceKind ForceDimensionKind() {
+  return {.name = "forcedimension",
+          .what =
+              "omega, delta, sigma or lambda, through Force Dimension's library libdhd.so.3; "
+              "--device-name SERIAL",
+          .max_rate_Hz = 4000.0,
+          .check_host = [] { dhd::LoadLibrary(dhd::LibraryCandidates()); },
+          .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
+            return std::make_unique<ForceDimensionDevice>(options);
+          }};
 }
 
 }  // namespace palpate

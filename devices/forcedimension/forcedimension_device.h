@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/realtime/latest_mailbox.h"
-#include "devices/device.h"
+#include "devices/device_factory.h"
 #include "devices/forcedimension/arm_condition.h"
 #include "devices/forcedimension/dhd_error.h"
 #include "devices/forcedimension/dhd_library.h"
@@ -15,13 +15,6 @@
 
 namespace palpate {
 
-struct ForceDimensionOptions {
-  std::string serial;      ///< of the arm; empty: the first that the library finds
-  bool calibrate = false;  ///< even where the arm says that it need not be
-  double rate_Hz = 1000.0;
-  std::vector<std::string> libraries = dhd::LibraryCandidates();
-};
-
 /// What the latest tick saw and did.
 struct ForceDimensionState {
   std::uint64_t ticks = 0;
@@ -29,9 +22,7 @@ struct ForceDimensionState {
   Wrench rendered;  ///< what the arm was told, in W; torque only where it has motors for that
   int error = 0;    ///< the newest
   std::uint64_t errors = 0;
-  std::uint64_t bad_poses = 0;    ///< that were none; the pose before was held
-  std::uint64_t not_renewed = 0;  ///< DHD_TIMEGUARD: asked again too soon, no error
-  std::uint64_t saturated = 0;    ///< DHD_MOTOR_SATURATED: less force than was told, no error
+  std::uint64_t bad_poses = 0;  ///< that were none; the pose before was held
   bool latched = false;
 };
 
@@ -44,9 +35,10 @@ struct ForceDimensionState {
 /// Thread contract: as Device.
 class ForceDimensionDevice final : public Device {
  public:
-  /// Opens the arm, compensates its weight and enables its forces, with none asked for.  Throws
-  /// Error, with the remedy, where anything of it fails.
-  explicit ForceDimensionDevice(ForceDimensionOptions options);
+  /// Opens the arm that the options name by its serial number, or the first, compensates its weight
+  /// and enables its forces, with none asked for.  Throws Error, with the remedy, where anything of
+  /// it fails.
+  explicit ForceDimensionDevice(const DeviceOptions& options);
   ~ForceDimensionDevice() override;
   ForceDimensionDevice(const ForceDimensionDevice&) = delete;
   ForceDimensionDevice& operator=(const ForceDimensionDevice&) = delete;
@@ -74,7 +66,7 @@ class ForceDimensionDevice final : public Device {
   void LookAtStatus() noexcept;
   void Tell(const Wrench& wrench) noexcept;
 
-  ForceDimensionOptions options_;
+  const DeviceOptions options_;
   dhd::Library library_;
   const dhd::Functions& dhd_{library_.functions};
   int id_ = -1;

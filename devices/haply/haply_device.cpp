@@ -1,5 +1,6 @@
 #include "devices/haply/haply_device.h"
 
+#include "devices/device_kind.h"
 #include "devices/wrench_limiter.h"
 
 namespace palpate {
@@ -25,10 +26,10 @@ constexpr double kJump_m = 0.05;
 
 }  // namespace
 
-HaplyDevice::HaplyDevice(const HaplyOptions& options)
+HaplyDevice::HaplyDevice(const DeviceOptions& options)
     : gate_(options.rate_Hz),
       turn_rate_(options.rate_Hz),
-      client_(options.service, options.device_id, options.realtime) {
+      client_(haply::ServiceAddress(), options.arm, options.realtime) {
   const haply::Inventory& inventory = client_.inventory();
   const bool small = inventory.type == "minverse";
   info_.model = "Haply " + inventory.type + " (" + inventory.device_id + ")";
@@ -82,24 +83,24 @@ void HaplyDevice::Apply(const LimitedWrench& wrench) noexcept {
 
 std::string HaplyDevice::Attend() {
   std::string news = client_.TakeNews();
-  const auto add = [&news](const char* line) {
-    news += (news.empty() ? "" : "\n");
-    news += line;
-  };
   if (!told_grip_ && client_.inventory().grip_id.empty()) {
-    add("no VerseGrip: the tool does not turn, and forces need --enable-forces");
+    AddLine(news, "no VerseGrip: the tool does not turn, and forces need --enable-forces");
   }
   told_grip_ = true;
   const Condition condition = condition_.load(std::memory_order_relaxed);
   if (condition != told_) {
     if (condition == Condition::kStalled) {
-      add("the Inverse Service does not answer in time: no force; end what loads the machine, or "
+      AddLine(
+          news,
+          "the Inverse Service does not answer in time: no force; end what loads the machine, or "
           "start the service again ('sudo systemctl restart haply-inverse-service')");
     } else if (condition == Condition::kNotCalibrated) {
-      add("forces are off; to calibrate the device: put the grip on its inkwell and wait until the "
+      AddLine(
+          news,
+          "forces are off; to calibrate the device: put the grip on its inkwell and wait until the "
           "light is steady");
     } else if (condition == Condition::kReady) {
-      add("the device is ready: forces come in by a ramp");
+      AddLine(news, "the device is ready: forces come in by a ramp");
     }
     told_ = condition;
   }
@@ -120,6 +121,18 @@ const char* HaplyDevice::activity() const noexcept {
       return "";
   }
   return "";
+}
+
+DeviceKind HaplyKind() {
+  return {.name = "haply",
+          .what =
+              "Haply Inverse3 with VerseGrip, through its Inverse Service at "
+              "ws://localhost:10001; --device-name ID",
+          .max_rate_Hz = 2000.0,
+          .check_host = [] { haply::CheckService(haply::ServiceAddress()); },
+          .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
+            return std::make_unique<HaplyDevice>(options);
+          }};
 }
 
 }  // namespace palpate

@@ -4,19 +4,12 @@
 #include <cstdint>
 #include <string>
 
-#include "devices/device.h"
+#include "devices/device_factory.h"
 #include "devices/haply/inverse_client.h"
 #include "devices/return_gate.h"
 #include "devices/turn_rate.h"
 
 namespace palpate {
-
-struct HaplyOptions {
-  std::string device_id;  ///< as the Haply Hub has it; empty: the first
-  double rate_Hz = 1000.0;
-  haply::Address service = haply::ServiceAddress();
-  RealtimeOptions realtime{RealtimeMode::kOff, -1, 40};  ///< of the thread that speaks with it
-};
 
 /// Haply's Inverse3, Inverse3x or Minverse, through the Inverse Service; a VerseGrip, where there
 /// is one, gives orientation and buttons.  Three axes of force, no torque.  W has x to the right,
@@ -28,7 +21,7 @@ class HaplyDevice final : public Device {
   static constexpr int kStaleTicks = 10;
 
   /// Throws Error, with the remedy, where there is no service or no device.
-  explicit HaplyDevice(const HaplyOptions& options);
+  explicit HaplyDevice(const DeviceOptions& options);
 
   const DeviceInfo& info() const override { return info_; }
   DeviceSample Read() noexcept override;

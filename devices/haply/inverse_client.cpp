@@ -1,10 +1,15 @@
 #include "devices/haply/inverse_client.h"
 
+#include <chrono>
 #include <cstdlib>
 #include <exception>
-#include <system_error>
+#include <optional>
 #include <utility>
 
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket.hpp>
 #include <poll.h>
@@ -14,15 +19,17 @@
 
 #include "common/error.h"
 #include "common/realtime/steady_clock.h"
-#include "devices/haply/timed_socket.h"
 
 namespace palpate::haply {
+namespace asio = boost::asio;
 namespace {
 
 /// Without a Send for so long, zero is sent, so that the pose stays new and no force stays on.
 constexpr int kKeepAlive_ms = 10;
 /// A service that does not answer for so long is dead; the device's forces are off long before.
-constexpr int kDead_ms = 1000;
+constexpr std::chrono::milliseconds kDead{1000};
+/// To open a connection may take longer.
+constexpr std::chrono::milliseconds kOpening{2000};
 constexpr int kRetry_ms = 500;
 /// A state of some devices is 2 kB; who sends more is no Inverse Service.
 constexpr std::size_t kLongestMessage = 1 << 20;
@@ -65,47 +72,83 @@ Address ServiceAddress() {
   return address;
 }
 
-void CheckService(const Address& address) {
-  boost::asio::io_context io;
-  TimedSocket socket(io, -1);
-  try {
-    socket.Connect(address.host, address.port);
-  } catch (const std::system_error& error) {
-    throw NoService(address, error.code().message());
-  }
-}
-
-/// One connection.
+/// One connection.  Its calls wait at most for a given time each, and no longer than until a
+/// descriptor becomes readable; they throw boost::system::system_error.
 class InverseClient::Link {
  public:
-  Link(const Address& address, int stop) : socket_(io_, stop) {
+  /// @param stop  descriptor; -1: none.
+  explicit Link(int stop) {
+    if (stop < 0) return;
+    stop_.assign(dup(stop));
+    stop_.async_wait(stop_.wait_read, [this](const auto& error) { stopped_ = !error; });
+  }
+  void Connect(const Address& address) {
+    const auto places = asio::ip::tcp::resolver(io_).resolve(address.host, address.port);
+    // localhost is two addresses: the service may listen at either.
+    Await(kOpening, [&](auto done) { asio::async_connect(tcp(), places, done); });
+    tcp().set_option(asio::ip::tcp::no_delay(true));  // a message is not held back
+  }
+  /// Throws Error, with the remedy.
+  void Open(const Address& address) {
     try {
-      socket_.next_layer().Connect(address.host, address.port);
+      Connect(address);
       socket_.read_message_max(kLongestMessage);
-      socket_.handshake(address.host + ":" + address.port, "/");
-    } catch (const std::system_error& error) {
-      throw NoService(address, error.code().message());
+      const std::string host = address.host + ":" + address.port;
+      Await(kOpening, [&](auto done) { socket_.async_handshake(host, "/", done); });
     } catch (const boost::system::system_error& error) {
       throw NoService(address, error.code().message());
     }
     socket_.text(true);
   }
-  /// Throws boost::system::system_error.
-  void Write(const std::string& text) { socket_.write(boost::asio::buffer(text)); }
-  const std::string& Read() {
+  void Write(const std::string& text) {
+    Await(kDead, [&](auto done) { socket_.async_write(asio::buffer(text), done); });
+  }
+  /// Waits for nothing.
+  void WriteLast(const std::string& text) {
+    tcp().non_blocking(true);
+    socket_.write(asio::buffer(text));
+  }
+  const std::string& Read(std::chrono::milliseconds most = kDead) {
     buffer_.clear();
-    socket_.read(buffer_);
+    Await(most, [&](auto done) { socket_.async_read(buffer_, done); });
     text_.assign(static_cast<const char*>(buffer_.data().data()), buffer_.size());
     return text_;
   }
-  void set_timeout_ms(int timeout_ms) { socket_.next_layer().set_timeout_ms(timeout_ms); }
 
  private:
-  boost::asio::io_context io_;
-  boost::beast::websocket::stream<TimedSocket, false> socket_;
+  template <class Begin>
+  void Await(std::chrono::milliseconds most, Begin begin) {
+    std::optional<boost::system::error_code> ended;
+    io_.restart();
+    begin([&ended](const boost::system::error_code& error, const auto&...) { ended = error; });
+    const auto until = std::chrono::steady_clock::now() + most;
+    while (!ended && !stopped_ && io_.run_one_until(until) > 0) {
+    }
+    if (!ended) {
+      boost::system::error_code ignored;
+      tcp().close(ignored);
+      while (!ended) io_.run_one();  // what was begun ends with an error of its own
+      ended = stopped_ ? asio::error::operation_aborted : asio::error::timed_out;
+    }
+    if (*ended) throw boost::system::system_error(*ended);
+  }
+  asio::ip::tcp::socket& tcp() { return socket_.next_layer(); }
+
+  asio::io_context io_{1};
+  asio::posix::stream_descriptor stop_{io_};
+  bool stopped_ = false;
+  boost::beast::websocket::stream<asio::ip::tcp::socket, false> socket_{io_};
   boost::beast::flat_buffer buffer_;
   std::string text_;
 };
+
+void CheckService(const Address& address) {
+  try {
+    InverseClient::Link(-1).Connect(address);
+  } catch (const boost::system::system_error& error) {
+    throw NoService(address, error.code().message());
+  }
+}
 
 InverseClient::InverseClient(Address address, std::string wanted, const RealtimeOptions& realtime)
     : address_(std::move(address)),
@@ -156,9 +199,10 @@ void InverseClient::Run() {
   for (;;) {
     try {
       if (!opened && realtime_.mode != RealtimeMode::kOff) EnterRealtime(realtime_);
-      Link link(address_, stop_);
+      Link link(stop_);
+      link.Open(address_);
       // The first message is the service's.
-      const Inventory inventory = ParseInventory(link.Read(), wanted_);
+      const Inventory inventory = ParseInventory(link.Read(kOpening), wanted_);
       if (!opened) {
         // Later it is to be the same again: who holds it knows no other.
         inventory_ = inventory;
@@ -197,13 +241,12 @@ void InverseClient::Run() {
 
 /// Until it is to stop; throws boost::system::system_error where the connection ends.
 void InverseClient::Serve(Link& link) {
-  link.set_timeout_ms(kDead_ms);
   for (bool first = true;; first = false) {
     pollfd wait[2] = {{wake_, POLLIN, 0}, {stop_, POLLIN, 0}};
     if (!first) poll(wait, 2, kKeepAlive_ms);
     Vec3 force = Vec3::Zero();
     if (wait[1].revents != 0) {
-      link.Write(ForceMessage(inventory_, force));
+      link.WriteLast(ForceMessage(inventory_, force));
       return;
     }
     std::uint64_t rung = 0;

@@ -56,9 +56,9 @@ class InverseClient {
   /// What happened since, for people, a line each.
   std::string TakeNews();
 
- private:
   class Link;
 
+ private:
   void Run();
   void Serve(Link& link);
   void Take(const std::string& reply);

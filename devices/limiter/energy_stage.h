@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "devices/limiter/passivity_observer.h"
-#include "devices/limiter/slew_stage.h"
+#include "devices/limiter/small_stages.h"
 #include "devices/limiter/wrench_limits.h"
 
 namespace palpate {
@@ -40,17 +40,10 @@ namespace palpate {
 /// handle that has not moved since forces came on has done no work, and feels the whole force: of
 /// it the first tick is owed.
 ///
-/// That has a price at rest, where a touch of force f has stored f^2 / 2k at most, and the bound
-/// wants f x (40 um of a tick's acceleration + an encoder's step): lighter ones than 2k x 60 um,
-/// 0.12 N at 1 N/mm, lose a share.  The encoder's step could move in any tick.  The acceleration
-/// cannot be taken for less: with 30 m/s^2 the closed loop at 5 N/mm, 2 ms of jitter and 10 %
-/// loss gives its hand 13 uJ for a while, by the encoders (`ClosedLoop`, tests/benchmarks); a hand
-/// much lighter than kLeastMass gets up to 0.1 mJ even so.  A faster tick helps, as the way goes
-/// with its square: 22 um in all at 4 kHz.  A tick is taken for as long as ticks are, not as the
-/// last one was: where a machine now and then holds one up, foreseeing as much for the next lets a
-/// force go that nothing asks for, and each such dip costs the hand that rests on it some of its
-/// store, until none is left.  What a held force gives in a late tick is booked and taken back
-/// after it: up to 15 mJ for a while at 2 N/mm, where a third of the ticks is up to 5 ms late.
+/// What that costs a light touch at rest, and why the acceleration is not taken for less:
+/// README.md. A tick is taken for as long as ticks are, not as the last one was: where a machine
+/// now and then holds one up, foreseeing as much for the next lets a force go that nothing asks
+/// for.
 ///
 /// A hand may be in a contact before forces come on, or when they come back after a silence: it has
 /// put in nothing that is remembered, and without a force it could put in nothing.  While such a

@@ -5,11 +5,8 @@
 #include <limits>
 
 #include "devices/limiter/age_stage.h"
-#include "devices/limiter/clamp_stage.h"
-#include "devices/limiter/enable_stage.h"
-#include "devices/limiter/finite_stage.h"
 #include "devices/limiter/passivity_observer.h"
-#include "devices/limiter/slew_stage.h"
+#include "devices/limiter/small_stages.h"
 #include "devices/limiter/temperature_stage.h"
 #include "devices/limiter/wrench_limits.h"
 

@@ -1,15 +1,15 @@
 #pragma once
 
+#include <limits>
+
 #include "devices/device.h"
 
 namespace palpate {
 
-/// Bounds of a WrenchLimiter.  Made from a data sheet, and from there on only tightened: a limiter
-/// cannot be told to allow more than its device does.  Force and torque are bounded as vectors, by
-/// their norm.
+/// Bounds of a WrenchLimiter: what the data sheet says, or less; a limiter cannot be told to allow
+/// more than its device does.  Force and torque are bounded as vectors, by their norm.
 class WrenchLimits {
  public:
-  /// What may be tightened.
   struct Bounds {
     double force_N = 0.0;  ///< peak
     double torque_Nm = 0.0;
@@ -25,12 +25,11 @@ class WrenchLimits {
 
   /// The device's figures.  The whole peak may come or go in 5 ms, 4.4 N/ms for 22 N: a hand that
   /// hits 1 N/mm at 0.5 m/s needs 0.5 N/ms, so a touch is never softened, a jump always is.
+  /// @param most_force_N  where it is less than the device's peak, that is the peak, and the
+  /// torque's goes down by the same share.
   /// Throws Error where a figure is missing or is none.
-  static WrenchLimits Of(const DeviceInfo& device);
-
-  /// Throws Error where a bound is not positive, is looser than this one, or leaves the slew limit
-  /// too low for the fade to end in time.
-  WrenchLimits TightenedTo(const Bounds& bounds) const;
+  static WrenchLimits Of(const DeviceInfo& device,
+                         double most_force_N = std::numeric_limits<double>::infinity());
 
   const Bounds& bounds() const noexcept { return bounds_; }
   double force_N() const noexcept { return bounds_.force_N; }

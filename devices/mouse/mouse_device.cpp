@@ -10,6 +10,8 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "devices/device_factory.h"
+#include "devices/device_kind.h"
 #include "devices/mouse/mouse_line.h"
 
 namespace palpate {
@@ -100,6 +102,14 @@ const char* MouseDevice::activity() const noexcept {
   if (let_go_) return "let go";
   if (!hand_.follows()) return "waits for the mouse";
   return hand_.held_back() ? "follows, as far as it may press" : "follows";
+}
+
+DeviceKind MouseKind() {
+  return {.name = "mouse",
+          .what = "a hand that follows lines on standard input; sees, and feels nothing",
+          .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
+            return std::make_unique<MouseDevice>(STDIN_FILENO, options.start);
+          }};
 }
 
 }  // namespace palpate

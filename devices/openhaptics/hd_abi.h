@@ -34,7 +34,6 @@ struct ErrorInfo {
   X(void, hdDisable, (Enum what))                                                            \
   X(void, hdGetBooleanv, (Enum what, unsigned char* values))                                 \
   X(void, hdGetIntegerv, (Enum what, int* values))                                           \
-  X(void, hdGetLongv, (Enum what, long* values))                                             \
   X(void, hdGetDoublev, (Enum what, double* values))                                         \
   X(const char*, hdGetString, (Enum what))                                                   \
   X(void, hdSetDoublev, (Enum what, const double* values))                                   \
@@ -53,6 +52,13 @@ struct Functions {
 #define PALPATE_HD_MEMBER(result, name, arguments) result(*name) arguments = nullptr;
   PALPATE_HD_FUNCTIONS(PALPATE_HD_MEMBER)
 #undef PALPATE_HD_MEMBER
+
+  template <class Visit>
+  void ForEach(Visit visit) {
+#define PALPATE_HD_VISIT(result, name, arguments) visit(name, #name);
+    PALPATE_HD_FUNCTIONS(PALPATE_HD_VISIT)
+#undef PALPATE_HD_VISIT
+  }
 };
 
 inline constexpr Handle kInvalidHandle = 0xFFFFFFFF;
@@ -61,13 +67,11 @@ inline constexpr CallbackCode kContinue = 1;  ///< and one that is, every tick
 inline constexpr uint16_t kDefaultPriority = 32767;
 
 // State of the device, to be asked for within a frame.
-inline constexpr Enum kCurrentButtons = 0x2000;          // int
-inline constexpr Enum kCurrentInkwellSwitch = 0x2002;    // boolean; 0 while docked
-inline constexpr Enum kCurrentEncoderValues = 0x2010;    // long x 6
-inline constexpr Enum kCurrentVelocity = 0x2051;         // double x 3, mm/s
-inline constexpr Enum kCurrentTransform = 0x2052;        // double x 16, mm
-inline constexpr Enum kCurrentAngularVelocity = 0x2053;  // double x 3, rad/s; frame not documented
-inline constexpr Enum kMotorTemperature = 0x2605;        // double x 3 or 6, 0 to 1
+inline constexpr Enum kCurrentButtons = 0x2000;        // int
+inline constexpr Enum kCurrentInkwellSwitch = 0x2002;  // boolean; 0 while docked
+inline constexpr Enum kCurrentVelocity = 0x2051;       // double x 3, mm/s
+inline constexpr Enum kCurrentTransform = 0x2052;      // double x 16, mm
+inline constexpr Enum kMotorTemperature = 0x2605;      // double x 3 or 6, 0 to 1
 
 // What the device is.
 inline constexpr Enum kVersion = 0x2500;          // string, of the library

@@ -12,6 +12,7 @@
 
 #include "common/error.h"
 #include "common/realtime/steady_clock.h"
+#include "devices/device_kind.h"
 #include "devices/nearest_rotation.h"
 #include "devices/openhaptics/device_nodes.h"
 #include "devices/wrench_limiter.h"
@@ -45,12 +46,6 @@ std::size_t Index(hd::ErrorClass error_class) {
   return static_cast<std::size_t>(error_class);
 }
 
-void AddLine(std::string& lines, const std::string& line) {
-  if (line.empty()) return;
-  if (!lines.empty()) lines += '\n';
-  lines += line;
-}
-
 std::string StyleName(hd::Enum style) {
   if (style == hd::kAuto) return "automatic";
   if (style == hd::kInkwell) return "inkwell";
@@ -80,10 +75,10 @@ std::string WhatToDo(hd::Enum style) {
 
 // Opening.  Legal only while the library's scheduler stands still, up to Start().
 
-OpenHapticsDevice::OpenHapticsDevice(OpenHapticsOptions options)
-    : options_(std::move(options)), library_(hd::LoadLibrary(options_.libraries)) {
+OpenHapticsDevice::OpenHapticsDevice(const DeviceOptions& options)
+    : options_(options), library_(hd::LoadLibrary(hd::LibraryCandidates())) {
   try {
-    Init(options_.name);
+    Init(options_.arm);
     ReadDataSheet();
     Configure();
     Start();
@@ -308,7 +303,7 @@ void OpenHapticsDevice::Close() noexcept {
 void OpenHapticsDevice::OnTick() noexcept {
   hd_.hdBeginFrame(handle_);  // which also sets force and torque to zero
   in_frame_ = true;
-  state_.rendered = state_.commanded = Wrench{};
+  state_.rendered = Wrench{};
   ReadFrame();
   if (state_.ticks % slow_period_ == 0) ReadNowAndThen();
   DrainErrors();  // before anything is computed from what they may have spoilt
@@ -374,12 +369,8 @@ void OpenHapticsDevice::Ask(bool& has, Get get) noexcept {
 }
 
 void OpenHapticsDevice::ReadNowAndThen() noexcept {
-  Ask(has_encoders_, [&] { hd_.hdGetLongv(hd::kCurrentEncoderValues, state_.encoders.data()); });
   Ask(has_temperature_,
       [&] { hd_.hdGetDoublev(hd::kMotorTemperature, state_.motor_temperature.data()); });
-  Ask(has_angular_velocity_, [&] {
-    hd_.hdGetDoublev(hd::kCurrentAngularVelocity, state_.reported_angular_velocity.data());
-  });
   Ask(has_inkwell_, [&] {
     unsigned char out = 1;
     hd_.hdGetBooleanv(hd::kCurrentInkwellSwitch, &out);
@@ -399,16 +390,15 @@ void OpenHapticsDevice::ReadNowAndThen() noexcept {
 
 void OpenHapticsDevice::Apply(const LimitedWrench& wrench) noexcept {
   if (!in_frame_) return;
-  state_.commanded = wrench.wrench();
   if (hd_.hdGetSchedulerTimeStamp() > kLongestTick_s) {
     ++state_.long_ticks;
     gate_.Report(hd::ErrorClass::kForce);
   }
-  if (!gate_.Passes(state_.commanded)) return;
-  state_.rendered.force = state_.commanded.force;
+  if (!gate_.Passes(wrench.wrench())) return;
+  state_.rendered.force = wrench.wrench().force;
   hd_.hdSetDoublev(hd::kCurrentForce, state_.rendered.force.data());
   if (output_dof_ < 6) return;
-  state_.rendered.torque = state_.commanded.torque;
+  state_.rendered.torque = wrench.wrench().torque;
   const Vec3 torque_mNm = kMilli * state_.rendered.torque;
   hd_.hdSetDoublev(hd::kCurrentTorque, torque_mNm.data());
 }
@@ -579,6 +569,16 @@ const char* OpenHapticsDevice::activity() const noexcept {
       return "";
   }
   return "";
+}
+
+DeviceKind OpenHapticsKind() {
+  return {.name = "openhaptics",
+          .what = "a PHANTOM or Touch arm, through the OpenHaptics library that is installed",
+          .max_rate_Hz = 4000.0,
+          .check_host = [] { hd::LoadLibrary(hd::LibraryCandidates()); },
+          .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
+            return std::make_unique<OpenHapticsDevice>(options);
+          }};
 }
 
 }  // namespace palpate

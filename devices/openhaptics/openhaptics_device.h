@@ -7,38 +7,26 @@
 #include <string>
 #include <vector>
 
-#include "common/program/realtime.h"
 #include "common/realtime/latest_mailbox.h"
-#include "devices/device.h"
+#include "devices/device_factory.h"
 #include "devices/openhaptics/hd_library.h"
 #include "devices/openhaptics/output_gate.h"
 #include "devices/turn_rate.h"
 
 namespace palpate {
 
-struct OpenHapticsOptions {
-  std::string name;        ///< as the vendor's set-up program has it; empty: the default one
-  bool calibrate = false;  ///< even where the arm says that it need not be
-  double rate_Hz = 1000.0;
-  RealtimeOptions realtime{RealtimeMode::kOff, -1, 40};  ///< of the library's thread
-  std::vector<std::string> libraries = hd::LibraryCandidates();
-};
-
 /// What the latest tick saw and did.
 struct OpenHapticsState {
   std::uint64_t ticks = 0;
   OutputGate::State output = OutputGate::State::kCalibrating;
-  Wrench commanded;  ///< what the limiter let through: at the handle, in W
-  Wrench rendered;   ///< what the arm was given of it: torque only where it has motors for that
+  Wrench rendered;  ///< what the arm was given: torque only where it has motors for that
   std::uint32_t buttons = 0;
   std::uint32_t presses = 0;     ///< of any button, so far
   std::uint64_t bad_poses = 0;   ///< transforms that were none; the pose before was held
   std::uint64_t long_ticks = 0;  ///< wrenches not set because their tick had taken too long
   // Asked for ten times a second, as far as the arm has them.
-  std::array<long, 6> encoders{};
-  std::array<double, 6> motor_temperature{};      ///< 0 to 1
-  Vec3 reported_angular_velocity = Vec3::Zero();  ///< the library's: not used, its frame is unknown
-  bool docked = false;                            ///< in its inkwell
+  std::array<double, 6> motor_temperature{};  ///< 0 to 1
+  bool docked = false;                        ///< in its inkwell
   // By hd::ErrorClass.
   std::array<std::uint64_t, 5> errors{};
   std::array<hd::ErrorInfo, 5> cause{};  ///< the first of the latest burst: others follow from it
@@ -59,7 +47,7 @@ class OpenHapticsDevice final : public Device {
 
   /// Opens the arm with its motors off and begins to calibrate it (Attend goes on with that).
   /// Throws Error, with the remedy, where anything of it fails.
-  explicit OpenHapticsDevice(OpenHapticsOptions options);
+  explicit OpenHapticsDevice(const DeviceOptions& options);
   ~OpenHapticsDevice() override;
   OpenHapticsDevice(const OpenHapticsDevice&) = delete;
   OpenHapticsDevice& operator=(const OpenHapticsDevice&) = delete;
@@ -72,8 +60,6 @@ class OpenHapticsDevice final : public Device {
   std::string Attend() override;
   const char* activity() const noexcept override;
 
-  /// Axes that it can render: 3 (force) or 6.
-  int output_dof() const { return output_dof_; }
   /// Of the latest tick.  From the thread that calls Attend.
   const OpenHapticsState& State();
 
@@ -110,14 +96,14 @@ class OpenHapticsDevice final : public Device {
   std::string Calibrate();
   std::string NewErrors();
 
-  OpenHapticsOptions options_;
+  DeviceOptions options_;
   hd::Library library_;
   const hd::Functions& hd_{library_.functions};
   hd::Handle handle_ = kNone;
   hd::SchedulerHandle callback_ = 0;
   bool scheduled_ = false;
   bool running_ = false;
-  int output_dof_ = 0;
+  int output_dof_ = 0;  // axes that it can render: 3 (force) or 6
   hd::Enum calibration_style_ = 0;
   DeviceInfo info_;
   std::string notes_;  // from opening, for the first Attend
@@ -137,9 +123,7 @@ class OpenHapticsDevice final : public Device {
   bool in_frame_ = false;
   bool motors_on_ = false;
   std::uint64_t slow_period_ = 100;  // ticks between two ReadNowAndThen
-  bool has_encoders_ = true;
   bool has_temperature_ = true;
-  bool has_angular_velocity_ = true;
   bool has_inkwell_ = true;
 
   // Of the main thread.

@@ -2,6 +2,9 @@
 
 #include <utility>
 
+#include "devices/device_factory.h"
+#include "devices/device_kind.h"
+
 namespace palpate {
 
 ScriptedDevice::ScriptedDevice(ScriptPlayer script) : script_(std::move(script)) {
@@ -19,6 +22,15 @@ DeviceSample ScriptedDevice::Read() noexcept {
 
 void ScriptedDevice::Apply(const LimitedWrench&) noexcept {
   ++ticks_;
+}
+
+DeviceKind ScriptedKind() {
+  return {.name = "scripted",
+          .what = "a script played exactly; renders no force",
+          .needs_script = true,
+          .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
+            return std::make_unique<ScriptedDevice>(ScriptPlayer(*options.script, options.loop));
+          }};
 }
 
 }  // namespace palpate

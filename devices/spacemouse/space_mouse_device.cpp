@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "devices/device_factory.h"
+#include "devices/device_kind.h"
 #include "devices/spacemouse/rate_control.h"
 
 namespace palpate {
@@ -47,6 +49,17 @@ const char* SpaceMouseDevice::activity() const noexcept {
   }
   if (!pushed_) return "rests";
   return hand_.held_back() ? "moves, as far as it may press" : "moves";
+}
+
+DeviceKind SpaceMouseKind() {
+  return {.name = "spacemouse",
+          .what =
+              "a SpaceMouse through spacenavd: as far as it is pushed, so fast the tool moves; "
+              "no force",
+          .check_host = FindSpacenavd,
+          .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
+            return std::make_unique<SpaceMouseDevice>(options.start);
+          }};
 }
 
 }  // namespace palpate

@@ -106,16 +106,6 @@ class Message {
   eprosima::fastcdr::Cdr cdr_;
 };
 
-std::string Hex(const Bytes& bytes) {
-  std::string text;
-  char two[3];
-  for (const unsigned char b : bytes) {
-    std::snprintf(two, sizeof two, "%02x", b);
-    text += two;
-  }
-  return text;
-}
-
 /// A topic that is heard.
 class Heard : public fast::DataReaderListener {
  public:
@@ -134,9 +124,9 @@ class Heard : public fast::DataReaderListener {
   }
   nlohmann::json Report() {
     const std::lock_guard lock(mutex_);
-    nlohmann::json json{{"count", count_}, {"lost", lost_},     {"matched", matched_.load()},
-                        {"frame", frame_}, {"stamp", stamp_},   {"numbers", values_},
-                        {"state", state_}, {"states", states_}, {"cdr", Hex(last_)}};
+    nlohmann::json json{{"count", count_}, {"lost", lost_},    {"matched", matched_.load()},
+                        {"frame", frame_}, {"stamp", stamp_},  {"numbers", values_},
+                        {"state", state_}, {"states", states_}};
     if (!delays_us_.empty()) {
       std::vector<double> sorted = delays_us_;
       std::ranges::sort(sorted);
@@ -171,7 +161,6 @@ class Heard : public fast::DataReaderListener {
     }
     values_.assign(static_cast<std::size_t>(numbers_), 0.0);
     for (double& value : values_) message.cdr() >> value;
-    last_ = bytes;
   }
 
   const int numbers_;
@@ -183,7 +172,6 @@ class Heard : public fast::DataReaderListener {
   std::vector<std::string> states_;
   double stamp_ = 0.0;
   std::vector<double> values_, delays_us_;
-  Bytes last_;
 };
 
 /// What the writers of the domain say of their types.

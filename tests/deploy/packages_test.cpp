@@ -106,7 +106,7 @@ TEST(Packages, HoldEveryPageThatOneOfThemLeadsTo) {
               HasSubstr("COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/pages README.md"));
   // Those that messages and units name.
   for (const auto& [file, page] :
-       {std::pair("client/crtk/options.cpp", "client/crtk/README.md"),
+       {std::pair("client/crtk/main.cpp", "client/crtk/README.md"),
         std::pair("deploy/systemd/palpate-roudi.service", "deploy/REALTIME.md"),
         std::pair("deploy/systemd/palpate-server.service", "deploy/REALTIME.md"),
         std::pair("deploy/systemd/palpate-.service.d/hardening.conf", "deploy/README.md")}) {

@@ -11,6 +11,7 @@
 
 #include "client/station/station_core.h"
 #include "common/error.h"
+#include "devices/device_factory.h"
 
 namespace palpate::test {
 
@@ -27,18 +28,20 @@ Fake& LoadFake(const char* file, const char* function) {
 }
 
 /// The fake library, as new for each test; a test that violates its rules fails.
-template <class Fake, class Device, class DeviceOptions>
+template <class Fake, class Device>
 class FakeLibraryTest : public testing::Test {
  protected:
-  FakeLibraryTest(const char* file, const char* function)
-      : fake(LoadFake<Fake>(file, function)), file_(file) {
+  /// @param variable  by which the driver finds it.
+  FakeLibraryTest(const char* file, const char* variable, const char* function)
+      : fake(LoadFake<Fake>(file, function)) {
+    setenv(variable, file, 1);
     fake.Reset({});
   }
   void TearDown() override { EXPECT_THAT(fake.Violations(), testing::IsEmpty()); }
 
-  DeviceOptions Options() const {
+  static DeviceOptions Options() {
     DeviceOptions options;
-    options.libraries = {file_};
+    options.realtime.mode = RealtimeMode::kOff;
     return options;
   }
   static std::string OpeningError(const DeviceOptions& options) {
@@ -49,12 +52,9 @@ class FakeLibraryTest : public testing::Test {
     }
     return "";
   }
-  std::string OpeningError() const { return OpeningError(Options()); }
+  static std::string OpeningError() { return OpeningError(Options()); }
 
   Fake& fake;
-
- private:
-  const char* file_;
 };
 
 /// An arm with a station behind it whose server always answers with one wrench.
@@ -86,6 +86,13 @@ struct AnsweredArm {
   std::string news;
   bool fault_ends_forces = true;  ///< as a station does with a device at fault
 };
+
+/// How often a text stands in the news.
+inline int CountOf(const std::string& text, const std::string& news) {
+  int count = 0;
+  for (std::size_t at = 0; (at = news.find(text, at)) != std::string::npos; ++at) ++count;
+  return count;
+}
 
 /// One with motors of a fake, in virtual time; `Bench` has Run(ticks) and a fake.
 template <class Bench>

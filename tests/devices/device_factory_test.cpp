@@ -5,6 +5,7 @@
 #include "common/error.h"
 #include "common/math/rotation.h"
 #include "tests/devices/limiter_support.h"
+#include "tests/support/complaint.h"
 
 namespace palpate {
 namespace {
@@ -23,12 +24,7 @@ DeviceOptions Of(const std::string& name) {
 }
 
 std::string MessageOf(const DeviceOptions& options) {
-  try {
-    MakeDevice(options);
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "";
+  return test::ComplaintOf([&] { MakeDevice(options); });
 }
 
 TEST(DeviceFactory, MakesWhatItNames) {

@@ -37,6 +37,11 @@ SimulatedHand HandAt(const Pose& where) {
       HandImpedance{});
 }
 
+void Push(SimulatedPhantom& phantom, const Wrench& wrench, int ticks) {
+  const LimitedWrench push = PassThrough(wrench);
+  for (int i = 0; i < ticks; ++i) phantom.Apply(push);
+}
+
 template <class Arm>
 concept TakesAnyWrench = requires(Arm& arm, const Wrench& wrench) {
   arm.Apply(wrench);
@@ -51,8 +56,7 @@ TEST(SimulatedPhantom, AcceleratesAsForceLessFrictionOverMass) {
   dynamics.viscous_N_s_m = 0.0;
   SimulatedPhantom phantom = Free(dynamics);
   const double force = 0.5;
-  const LimitedWrench push = PassThrough({Vec3(force, 0, 0), Vec3::Zero()});
-  for (int i = 0; i < 200; ++i) phantom.Apply(push);
+  Push(phantom, {Vec3(force, 0, 0), Vec3::Zero()}, 200);
   const double t = 0.2;
   const double a = (force - dynamics.coulomb_force_N) / dynamics.mass_kg;
   EXPECT_NEAR(phantom.velocity().v.x(), a * t, 1e-9);
@@ -65,15 +69,13 @@ TEST(SimulatedPhantom, ReachesTheTerminalVelocityOfItsViscousFriction) {
   HandleDynamics dynamics = Frictionless();
   dynamics.viscous_N_s_m = 5.0;
   SimulatedPhantom phantom = Free(dynamics);
-  const LimitedWrench push = PassThrough({Vec3(1.0, 0, 0), Vec3::Zero()});
-  for (int i = 0; i < 1000; ++i) phantom.Apply(push);
+  Push(phantom, {Vec3(1.0, 0, 0), Vec3::Zero()}, 1000);
   EXPECT_NEAR(phantom.velocity().v.x(), 1.0 / 5.0, 1e-9);
 }
 
 TEST(SimulatedPhantom, SticksWhileTheForceIsBelowDryFriction) {
   SimulatedPhantom phantom = Free();
-  const LimitedWrench push = PassThrough({Vec3(0.19, 0, 0), Vec3(0.0039, 0, 0)});
-  for (int i = 0; i < 1000; ++i) phantom.Apply(push);
+  Push(phantom, {Vec3(0.19, 0, 0), Vec3(0.0039, 0, 0)}, 1000);
   EXPECT_EQ(phantom.pose().p, Vec3::Zero());
   EXPECT_EQ(phantom.pose().q.vec(), Vec3::Zero());
 }
@@ -81,8 +83,7 @@ TEST(SimulatedPhantom, SticksWhileTheForceIsBelowDryFriction) {
 TEST(SimulatedPhantom, TurnsAsTorqueOverInertia) {
   SimulatedPhantom phantom = Free(Frictionless());
   const double torque = 0.01;
-  const LimitedWrench turn = PassThrough({Vec3::Zero(), Vec3(0, torque, 0)});
-  for (int i = 0; i < 100; ++i) phantom.Apply(turn);
+  Push(phantom, {Vec3::Zero(), Vec3(0, torque, 0)}, 100);
   const double a = torque / PhantomPremium30().dynamics.inertia_kg_m2;
   EXPECT_NEAR(phantom.velocity().w.y(), a * 0.1, 1e-9);
   const double h = SimulatedPhantom::kSubstep_s;
@@ -93,8 +94,7 @@ TEST(SimulatedPhantom, RestsWhereTheHandsSpringBalancesTheForce) {
   HandleDynamics dynamics = Frictionless();
   const HandImpedance impedance;
   SimulatedPhantom phantom(With(dynamics), HandAt({}), {});
-  const LimitedWrench push = PassThrough({Vec3(0, 0, 2.0), Vec3(0.1, 0, 0)});
-  for (int i = 0; i < 4000; ++i) phantom.Apply(push);
+  Push(phantom, {Vec3(0, 0, 2.0), Vec3(0.1, 0, 0)}, 4000);
   EXPECT_NEAR(phantom.pose().p.z(), 2.0 / impedance.stiffness_N_m, 1e-7);
   EXPECT_NEAR(RotationLog(phantom.pose().q).x(), 0.1 / impedance.stiffness_Nm_rad, 1e-7);
 }
@@ -103,8 +103,7 @@ TEST(SimulatedPhantom, DryFrictionLeavesItWithinItsBandOfTheBalance) {
   const HandImpedance impedance;
   const HandleDynamics dynamics = PhantomPremium30().dynamics;
   SimulatedPhantom phantom(With(dynamics), HandAt({}), {});
-  const LimitedWrench push = PassThrough({Vec3(0, 0, 2.0), Vec3::Zero()});
-  for (int i = 0; i < 4000; ++i) phantom.Apply(push);
+  Push(phantom, {Vec3(0, 0, 2.0), Vec3::Zero()}, 4000);
   EXPECT_EQ(phantom.velocity().v, Vec3::Zero());
   EXPECT_LE(std::abs(impedance.stiffness_N_m * phantom.pose().p.z() - 2.0),
             dynamics.coulomb_force_N + 1e-9);
@@ -140,8 +139,7 @@ TEST(SimulatedPhantom, SwingsAtTheFrequencyOfHandAndHandleTogether) {
 
 TEST(SimulatedPhantom, LosesEnergyWhenNothingDrivesIt) {
   SimulatedPhantom phantom = Free();
-  const LimitedWrench push = PassThrough({Vec3(5, -3, 1), Vec3(0.1, 0.05, -0.1)});
-  for (int i = 0; i < 50; ++i) phantom.Apply(push);
+  Push(phantom, {Vec3(5, -3, 1), Vec3(0.1, 0.05, -0.1)}, 50);
   const LimitedWrench nothing = PassThrough({});
   double energy = phantom.kinetic_energy_J();
   ASSERT_GT(energy, 0.0);
@@ -194,10 +192,8 @@ TEST(SimulatedPhantom, ReadsOnlyWhatItsEncodersResolve) {
 
 TEST(SimulatedPhantom, EstimatesItsVelocityFromTheEncoders) {
   SimulatedPhantom phantom = Free(Frictionless());
-  const LimitedWrench push = PassThrough({Vec3(1.0, 0, 0), Vec3::Zero()});
-  for (int i = 0; i < 20; ++i) phantom.Apply(push);
-  const LimitedWrench nothing = PassThrough({});
-  for (int i = 0; i < 50; ++i) phantom.Apply(nothing);
+  Push(phantom, {Vec3(1.0, 0, 0), Vec3::Zero()}, 20);
+  Push(phantom, {}, 50);
   const double truth = phantom.velocity().v.x();
   // One count in a millisecond is 20 mm/s; the filter leaves less than that.
   EXPECT_NEAR(phantom.Read().V_WH.v.x(), truth, 0.02);
@@ -205,8 +201,7 @@ TEST(SimulatedPhantom, EstimatesItsVelocityFromTheEncoders) {
 
 TEST(SimulatedPhantom, StopsAtTheEndOfItsWorkspace) {
   SimulatedPhantom phantom = Free();
-  const LimitedWrench push = PassThrough({Vec3(0, 0, 20), Vec3::Zero()});
-  for (int i = 0; i < 1000; ++i) phantom.Apply(push);
+  Push(phantom, {Vec3(0, 0, 20), Vec3::Zero()}, 1000);
   EXPECT_EQ(phantom.pose().p.z(), 0.5 * phantom.info().workspace_m.z());
   EXPECT_EQ(phantom.velocity().v.z(), 0.0);
 }

@@ -1,5 +1,3 @@
-#include "tests/faults/clock_steps.h"
-
 #include <fstream>
 
 #include <fcntl.h>
@@ -11,6 +9,7 @@
 #include "common/error.h"
 #include "common/recording/recording_reader.h"
 #include "tests/faults/clock_shim.h"
+#include "tests/faults/faults.h"
 
 namespace palpate::faults {
 namespace {

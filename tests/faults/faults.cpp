@@ -10,11 +10,7 @@
 #include "client/recorder/file_summary.h"
 #include "common/error.h"
 #include "common/math/random.h"
-#include "tests/faults/clock_steps.h"
-#include "tests/faults/findings.h"
 #include "tests/faults/hostile.h"
-#include "tests/faults/recorder_killed.h"
-#include "tests/faults/small_memory.h"
 #include "tests/support/roudi.h"
 
 namespace palpate::faults {
@@ -75,9 +71,11 @@ Findings StationFrozen(int domain) {
   lab.station->Signal(SIGSTOP);
   Wait(4.0);
   lab.station->Signal(SIGCONT);
-  Findings findings{Says("the server says why it ended the session", *lab.server,
-                         "no pose came for more than 100 ms"),
-                    LoopRuns(lab)};
+  Findings findings{
+      Says("the server says why it ended the session", *lab.server,
+           "no pose came for more than 100 ms"),
+      Says("the station has its tool back", *lab.station, "session resumed: forces ramp in"),
+      LoopRuns(lab)};
   findings.push_back(lab.JudgeTheHand());
   return findings;
 }
@@ -322,28 +320,27 @@ Findings TwoRouDis(int domain) {
 
 const std::vector<Fault>& AllFaults() {
   static const std::vector<Fault> faults = {
-      {"server-killed", "kill -9 of the server, and a new one", true, ServerKilled},
-      {"server-frozen", "SIGSTOP of the server for 5 s", true, ServerFrozen},
-      {"station-killed", "kill -9 of a station", true, StationKilled},
-      {"station-frozen", "SIGSTOP of a station for 4 s", true, StationFrozen},
-      {"gateway", "SIGSTOP and kill -9 of the gateway, and a new one", true,
-       GatewayKilledAndFrozen},
-      {"gateway-blinded", "samples of other runs", true, GatewayBlinded},
-      {"recorder-killed", "kill -9 of the recorder, six times", true, RecorderKilled},
-      {"recorder-frozen", "SIGSTOP of the recorder for 4 s", true, RecorderFrozen},
-      {"disk-full", "a disk of 640 kB for the recording", true, DiskFull},
-      {"shm-small", "a /dev/shm that is full before anything starts", true, SharedMemoryTooSmall},
-      {"shm-fills", "a /dev/shm of its own that fills up under running programs", true,
+      {"server-killed", "kill -9 of the server, and a new one", ServerKilled},
+      {"server-frozen", "SIGSTOP of the server for 5 s", ServerFrozen},
+      {"station-killed", "kill -9 of a station", StationKilled},
+      {"station-frozen", "SIGSTOP of a station for 4 s", StationFrozen},
+      {"gateway", "SIGSTOP and kill -9 of the gateway, and a new one", GatewayKilledAndFrozen},
+      {"gateway-blinded", "samples of other runs", GatewayBlinded},
+      {"recorder-killed", "kill -9 of the recorder, six times", RecorderKilled},
+      {"recorder-frozen", "SIGSTOP of the recorder for 4 s", RecorderFrozen},
+      {"disk-full", "a disk of 640 kB for the recording", DiskFull},
+      {"shm-small", "a /dev/shm that is full before anything starts", SharedMemoryTooSmall},
+      {"shm-fills", "a /dev/shm of its own that fills up under running programs",
        SharedMemoryFills},
-      {"clock-steps", "the wall clock of each program an hour ahead and back", true, ClockSteps},
-      {"no-memory", "a server that may have little memory", true, NoMemory},
-      {"hostile-samples", "samples with anything in them on every topic", true, HostileSamples},
-      {"hostile-port", "anything at the gateway's port", true, HostilePort},
-      {"slow-loris", "500 requests that never end", true, SlowLorisAtThePort},
-      {"scene-swapped", "the scene's file overwritten under the server", true, SceneSwapped},
-      {"two-servers", "a second server in the domain", true, TwoServers},
-      {"two-roudis", "a second RouDi", false, TwoRouDis},
-      {"roudi-killed", "kill -9 of RouDi, and a new one with a new server", false, RouDiKilled},
+      {"clock-steps", "the wall clock of each program an hour ahead and back", ClockSteps},
+      {"no-memory", "a server that may have little memory", NoMemory},
+      {"hostile-samples", "samples with anything in them on every topic", HostileSamples},
+      {"hostile-port", "anything at the gateway's port", HostilePort},
+      {"slow-loris", "500 requests that never end", SlowLorisAtThePort},
+      {"scene-swapped", "the scene's file overwritten under the server", SceneSwapped},
+      {"two-servers", "a second server in the domain", TwoServers},
+      {"two-roudis", "a second RouDi", TwoRouDis},
+      {"roudi-killed", "kill -9 of RouDi, and a new one with a new server", RouDiKilled},
   };
   return faults;
 }

@@ -13,9 +13,22 @@ namespace palpate::faults {
 struct Fault {
   std::string name;   ///< "server-killed"
   std::string story;  ///< what is done
-  bool quick;         ///< short enough for every run of the tests
   std::function<std::vector<Finding>(int domain)> run;
 };
+
+// Those that have files of their own.
+
+/// The wall clock of server, station, gateway and recorder, one after the other, goes an hour ahead
+/// and back, and an hour back and ahead (tests/faults/clock_shim.cpp).
+std::vector<Finding> ClockSteps(int domain);
+/// The recorder is killed again and again, at other moments of its work: what it had written is
+/// whole, and how much that lacks of what was on the wire.
+std::vector<Finding> RecorderKilled(int domain);
+/// A /dev/shm of the test's own, in a mount namespace of its own, with an own RouDi: it is full
+/// before RouDi and the programs start, or is filled under programs that run.  Where the machine
+/// gives no such namespace, the findings say so.
+std::vector<Finding> SharedMemoryTooSmall(int domain);
+std::vector<Finding> SharedMemoryFills(int domain);
 
 /// All of them, in the order of the table.
 const std::vector<Fault>& AllFaults();

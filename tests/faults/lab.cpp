@@ -6,15 +6,13 @@
 #include <cstdio>
 #include <thread>
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <spdlog/fmt/fmt.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include "common/error.h"
 #include "devices/simulated/phantom_sheets.h"
 #include "tests/link/silence.h"
+#include "tests/support/web_client.h"
 
 namespace palpate::faults {
 namespace {
@@ -128,27 +126,8 @@ double Lab::SecondsUntilResumed() {
 }
 
 std::string Lab::Get(const std::string& path) const {
-  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port_));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  timeval patience{5, 0};
-  setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  std::string answer;
-  if (connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) {
-    const std::string request = "GET " + path +
-                                " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
-                                "\r\nConnection: close\r\n\r\n";
-    if (send(fd, request.data(), request.size(), MSG_NOSIGNAL) > 0) {
-      char part[4096];
-      for (ssize_t n; (n = recv(fd, part, sizeof part, 0)) > 0;) {
-        answer.append(part, static_cast<std::size_t>(n));
-      }
-    }
-  }
-  close(fd);
-  return answer.starts_with("HTTP/1.1 200") ? answer : "";
+  const test::HttpAnswer answer = test::Get(port_, path);
+  return answer.status == 200 ? answer.body : "";
 }
 
 Finding Lab::JudgeTheHand() {
@@ -172,6 +151,51 @@ Finding Lab::JudgeTheHand() {
       rows.size(), most_N, late_N, test::kForceGone_ms, step);
   finding.held = rows.size() > 100 && late_N == 0.0 && step <= 1.0 && most_N > 0.1;
   return finding;
+}
+
+void Wait(double seconds) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
+
+Finding Lives(const std::string& who, test::Program& program) {
+  const bool runs = program.Runs();
+  return {who + " lives", runs ? "yes" : "ended:\n" + program.Output(), runs};
+}
+Finding LoopRuns(Lab& lab) {
+  const bool runs = lab.Answers();
+  return {"the station's poses are answered", runs ? "yes" : lab.station->Output(), runs};
+}
+Finding Resumes(Lab& lab) {
+  const double seconds = lab.SecondsUntilResumed();
+  return {
+      "the station resumes untouched once the server is ready (goal 3 s)",
+      seconds < 0.0 ? "not within 60 s:\n" + lab.station->Output() : "after " + Seconds(seconds),
+      seconds >= 0.0};
+}
+Finding Undisturbed(Lab& lab, const std::string& said_before) {
+  const std::string said = lab.station->Output().substr(said_before.size());
+  const bool disturbed = said.find("asking") != std::string::npos ||
+                         said.find("no replies") != std::string::npos || !lab.station->Runs();
+  return {"the loop goes on", disturbed ? said : "no session was lost", !disturbed};
+}
+Finding Says(const std::string& must, test::Program& program, const std::string& text) {
+  const bool says = program.Says(text, 30.0);
+  return {must, says ? "'" + text + "'" : program.Output(), says};
+}
+Finding EndsInOrder(const std::string& who, test::Program& program) {
+  program.Signal(SIGTERM);
+  const int exit = program.Exit(30.0);
+  return {who + " ends cleanly", fmt::format("exit status {}", exit), exit == 0};
+}
+
+Finding Shows(const std::string& must, Lab& lab) {
+  Finding shows{must, "", false};
+  for (int i = 0; i < 100 && !shows.held; ++i) {
+    shows.held = lab.Get("/healthz").find("\"cube\"") != std::string::npos;
+    if (!shows.held) Wait(0.1);
+  }
+  shows.found = shows.held ? "it does" : lab.gateway->Output();
+  return shows;
 }
 
 }  // namespace palpate::faults

@@ -26,7 +26,6 @@ constexpr const char* kExample = R"(Examples:
 
 struct Options {
   std::vector<std::string> only;
-  bool quick = false;
   bool list = false;
   int random = 0;
   std::uint64_t seed = 1;
@@ -77,9 +76,8 @@ int Run(const Options& options) {
         std::printf("%-16s %s\n", fault.name.c_str(), fault.story.c_str());
         continue;
       }
-      const bool wanted = options.only.empty()
-                              ? fault.quick || !options.quick
-                              : std::ranges::find(options.only, fault.name) != options.only.end();
+      const bool wanted =
+          options.only.empty() || std::ranges::find(options.only, fault.name) != options.only.end();
       if (wanted) count(fault.name, fault.story, Try([&] { return fault.run(options.domain); }));
     }
     if (options.list) return 0;
@@ -93,7 +91,6 @@ std::optional<Options> Parse(int argc, char** argv) {
   CLI::App app(kAbout, "fault_harness");
   app.footer(kExample);
   app.add_option("--only", options.only, "these faults alone");
-  app.add_flag("--quick", options.quick, "those that need no RouDi of their own");
   app.add_flag("--list", options.list, "names them");
   app.add_option("--random", options.random, "so many faults, drawn by --seed")
       ->check(CLI::Range(1, 100000));

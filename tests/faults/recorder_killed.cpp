@@ -1,5 +1,3 @@
-#include "tests/faults/recorder_killed.h"
-
 #include <algorithm>
 #include <atomic>
 #include <csignal>
@@ -15,6 +13,7 @@
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/recording/recording_reader.h"
+#include "tests/faults/faults.h"
 
 namespace palpate::faults {
 namespace {

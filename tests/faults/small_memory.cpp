@@ -1,11 +1,11 @@
-#include "tests/faults/small_memory.h"
-
 #include <csignal>
 #include <fstream>
 #include <optional>
 
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
+
+#include "tests/faults/faults.h"
 
 namespace palpate::faults {
 namespace {

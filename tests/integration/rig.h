@@ -108,7 +108,7 @@ class HeldStation {
   /// As --accept-guide does; before the first Until.
   void AcceptGuide(double force_N) {
     core_.AcceptGuide(GuideLimits::OfForce(force_N));
-    guide_.emplace(kDomain, dds::Network{}, "held");
+    guide_.emplace(guides_, "held");
   }
   /// Polls as main does, until it is so.
   template <class Condition>
@@ -136,6 +136,7 @@ class HeldStation {
   ReplyRing replies_;
   std::unique_ptr<ServoThread> servo_;
   std::unique_ptr<SessionLink> link_;
+  dds::Participant guides_ = dds::Participant::Service(kDomain, {});
   std::optional<GuideLink> guide_;
 };
 

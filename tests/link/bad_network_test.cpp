@@ -261,19 +261,6 @@ TEST_F(BadNetwork, IsNoHindranceToAClassThatWatchesAndRecordsOnAnotherHost) {
   EXPECT_THAT(health, testing::HasSubstr("\"cube\""));
 }
 
-TEST_F(BadNetwork, IsNoPlaceForTwoServersOfADomainAndTheStationSaysSo) {
-  Connect({});
-  ASSERT_TRUE(StartServer()) << server->Output();
-  const auto station = StartStation("60");
-  ASSERT_TRUE(station->Says("session: tool")) << station->Output();
-  const auto second = ServerOn(1);
-  EXPECT_EQ(station->Exit(60.0), 1) << station->Output() << second->Output();
-  EXPECT_THAT(
-      station->Output(),
-      testing::HasSubstr("palpate-station: two servers answer in domain " + kDomain +
-                         ": end one of them, or give it and its stations another --domain"));
-}
-
 TEST(Network, IsNotForSharedMemory) {
   Program station(PALPATE_BIN_DIR "/palpate-station",
                   {"--device", "scripted", "--scene", "cube", "--id", "far", "--transport", "shm",

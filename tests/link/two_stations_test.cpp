@@ -83,23 +83,6 @@ TEST(KilledStation, HasItsToolBackUnderItsName) {
   }
 }
 
-TEST(FrozenStation, IsToldWhyItsSessionEndedAndGetsItsToolBack) {
-  ServerProgram server("udp");
-  ASSERT_TRUE(server.Ready()) << server.Output();
-  StationProgram station("hand", "udp");
-  ASSERT_TRUE(station.Says("session: tool 'ball' of scene 'cube'")) << station.Output();
-  ASSERT_TRUE(server.Says("station hand: active")) << server.Output();
-  station.Signal(SIGSTOP);
-  ASSERT_TRUE(server.Says("station hand: ended: no pose came for more than 100 ms"))
-      << server.Output();
-  station.Signal(SIGCONT);
-  EXPECT_TRUE(
-      station.Says("the server ended the session (no pose came for more than 100 ms: the "
-                   "station was held up, or the way from it is cut): asking again"))
-      << station.Output();
-  EXPECT_TRUE(station.Says("session resumed: forces ramp in")) << station.Output();
-}
-
 /// A server of two scenes: one is felt by a station that behaves, for two seconds.
 struct Neighbours : testing::Test {
   const std::string file = testing::TempDir() + "palpate_beside_" + std::to_string(getpid());

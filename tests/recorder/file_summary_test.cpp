@@ -1,5 +1,7 @@
 #include "client/recorder/file_summary.h"
 
+#include <functional>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -34,6 +36,14 @@ class FileSummaryTest : public testing::Test {
       writer.SetDropped(dds::PoseTopic("hand", 5), RecordedType::kHapticPose, 3);
     }
     writer.Close("the test is over");
+  }
+
+  /// Of a recording that `put` has filled.
+  FileSummary Of(const std::function<void(RecordingWriter&)>& put) {
+    RecordingWriter writer({.file = file_});
+    put(writer);
+    writer.Close("");
+    return Summarise({file_});
   }
 
   Folder folder_;
@@ -83,15 +93,12 @@ TEST_F(FileSummaryTest, GivesOneVerdict) {
 }
 
 TEST_F(FileSummaryTest, NeverClaimsThatMoreIsMissingThanThereCouldBe) {
-  {
-    RecordingWriter writer({.file = file_});
+  const FileSummary summary = Of([](RecordingWriter& writer) {
     for (const std::uint64_t i : {std::uint64_t{1}, ~std::uint64_t{0}, std::uint64_t{2}}) {
       Add(writer, dds::PoseTopic("hand", 5), SamplePose(i), kMs);
     }
     writer.SetDropped("a", RecordedType::kHapticPose, ~std::uint64_t{0});
-    writer.Close("");
-  }
-  const FileSummary summary = Summarise({file_});
+  });
   EXPECT_EQ(summary.missing, 0u);
   EXPECT_EQ(summary.astray, 1u);
   EXPECT_EQ(summary.dropped, 0u);
@@ -116,26 +123,20 @@ TEST_F(FileSummaryTest, TellsWhatIsMissing) {
 }
 
 TEST_F(FileSummaryTest, CountsWhatIsNotOfItsType) {
-  {
-    RecordingWriter writer({.file = file_});
+  const FileSummary summary = Of([](RecordingWriter& writer) {
     writer.Add(dds::kSessionStateTopic, RecordedType::kSessionState, kMs,
                std::vector<std::uint8_t>{0, 1, 0, 0, 9});
-    writer.Close("");
-  }
-  const FileSummary summary = Summarise({file_});
+  });
   EXPECT_EQ(summary.topics.at(dds::kSessionStateTopic).broken, 1u);
   EXPECT_THAT(ToText(summary), Not(HasSubstr("nothing is missing")));
 }
 
 TEST_F(FileSummaryTest, TellsThatItsBeginningIsMissing) {
-  {
-    RecordingWriter writer({.file = file_});
+  const FileSummary summary = Of([](RecordingWriter& writer) {
     wire::Wrench wrench = SampleWrench(40);
     wrench.answer = 36;
     Add(writer, dds::WrenchTopic("hand", 5), wrench, kMs);
-    writer.Close("");
-  }
-  const FileSummary summary = Summarise({file_});
+  });
   EXPECT_EQ(summary.missing, 0u) << "they may be in the split before";
   EXPECT_EQ(summary.topics.at(dds::WrenchTopic("hand", 5)).before(), 35u);
   EXPECT_THAT(ToText(summary), HasSubstr("begins with answer 36"));
@@ -143,27 +144,21 @@ TEST_F(FileSummaryTest, TellsThatItsBeginningIsMissing) {
 }
 
 TEST_F(FileSummaryTest, TellsOfATopicAllOfWhichWasDropped) {
-  {
-    RecordingWriter writer({.file = file_});
+  const FileSummary summary = Of([](RecordingWriter& writer) {
     writer.SetDropped(dds::kSceneBundleTopic, RecordedType::kSceneBundle, 2);
-    writer.Close("");
-  }
-  const FileSummary summary = Summarise({file_});
+  });
   EXPECT_EQ(summary.dropped, 2u);
   EXPECT_FALSE(summary.whole());
 }
 
 TEST_F(FileSummaryTest, CountsOnlyWhatWasThere) {
-  {
-    RecordingWriter writer({.file = file_});
+  const FileSummary summary = Of([](RecordingWriter& writer) {
     // A server tells whoever comes of the sessions that were: all at once.
     Add(writer, dds::kSessionStateTopic, SampleState("gone", 4), kMs);
     Add(writer, dds::kSessionStateTopic, SampleState("hand", 5), kMs + 538);
     Add(writer, dds::PoseTopic("hand", 5), SamplePose(1), 2 * kMs);
     Add(writer, dds::PoseTopic("hand", 5), SamplePose(2), 3 * kMs);
-    writer.Close("");
-  }
-  const FileSummary summary = Summarise({file_});
+  });
   EXPECT_EQ(summary.topics.at(dds::kSessionStateTopic).rate_hz, 0.0);
   EXPECT_NEAR(summary.topics.at(dds::PoseTopic("hand", 5)).rate_hz, 1000.0, 1e-6);
   ASSERT_THAT(summary.sessions, SizeIs(2));
@@ -176,25 +171,17 @@ TEST_F(FileSummaryTest, CountsOnlyWhatWasThere) {
 }
 
 TEST_F(FileSummaryTest, TellsThatABundleIsNotTheOneOfItsHash) {
-  {
-    RecordingWriter writer({.file = file_});
-    AddForgedBundle(writer, kMs);
-    writer.Close("");
-  }
-  const FileSummary summary = Summarise({file_});
+  const FileSummary summary = Of([](RecordingWriter& writer) { AddForgedBundle(writer, kMs); });
   EXPECT_FALSE(summary.whole());
   EXPECT_THAT(ToText(summary), HasSubstr("scene 'cube': its bytes have the hash"));
 }
 
 TEST_F(FileSummaryTest, TellsOfTopicsThatTheFileHadNoRoomFor) {
-  {
-    RecordingWriter writer({.file = file_});
+  const FileSummary summary = Of([](RecordingWriter& writer) {
     for (std::uint64_t i = 1; i <= 65'540; ++i) {
       Add(writer, dds::PoseTopic("hand", i), SamplePose(1), kMs);
     }
-    writer.Close("");
-  }
-  const FileSummary summary = Summarise({file_});
+  });
   EXPECT_TRUE(summary.complete);
   EXPECT_FALSE(summary.whole());
   EXPECT_EQ(summary.no_channel, 5u);
@@ -205,27 +192,21 @@ TEST_F(FileSummaryTest, TellsOfTopicsThatTheFileHadNoRoomFor) {
 // as slow again is ended by its time limit.
 TEST_F(FileSummaryTest, TellsOfManySessionsInTheOrderInWhichTheyCame) {
   constexpr std::uint64_t kSessions = 60'000;
-  {
-    RecordingWriter writer({.file = file_});
+  const FileSummary summary = Of([](RecordingWriter& writer) {
     for (std::uint64_t i = 1; i <= kSessions; ++i) {
       Add(writer, dds::kSessionStateTopic, SampleState("hand", i), kMs);
     }
-    writer.Close("");
-  }
-  const FileSummary summary = Summarise({file_});
+  });
   ASSERT_THAT(summary.sessions, SizeIs(kSessions));
   EXPECT_EQ(summary.sessions.front().run, 1u);
   EXPECT_EQ(summary.sessions.back().run, kSessions);
 }
 
 TEST_F(FileSummaryTest, QuotesNamesThatPretendToBeALine) {
-  {
-    RecordingWriter writer({.file = file_});
+  const std::string text = ToText(Of([](RecordingWriter& writer) {
     Add(writer, dds::kSessionStateTopic, SampleState("a\n  nothing is missing\x1b[2K", 5), kMs);
     Add(writer, dds::PoseTopic("a\n  nothing is missing\x1b[2K", 5), SamplePose(1), kMs);
-    writer.Close("");
-  }
-  const std::string text = ToText(Summarise({file_}));
+  }));
   EXPECT_THAT(text, HasSubstr(R"(station a\n  nothing is missing\x1b[2K)"));
   EXPECT_THAT(text, Not(HasSubstr("\x1b")));
 }

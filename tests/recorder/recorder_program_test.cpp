@@ -13,6 +13,7 @@
 #include "tests/common/recording/samples.h"
 #include "tests/integration/rig.h"
 #include "tests/recorder/others_readers.h"
+#include "tests/support/read_file.h"
 #include "tests/support/roudi.h"
 #include "tests/support/test_domain.h"
 
@@ -39,7 +40,7 @@ class RecorderProgramTest : public testing::Test {
     ASSERT_TRUE(server.Ready()) << server.Output();
     RecorderProgram recorder(file_, transport);
     ASSERT_TRUE(recorder.Ready()) << recorder.Output();
-    StationProgram station("hand", transport, {"--for", "4"});
+    StationProgram station("hand", transport, {"--for", "4", "--json", json_});
     ASSERT_EQ(station.Exit(), 0) << station.Output();
     recorder.Signal(SIGINT);
     EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
@@ -67,10 +68,28 @@ class RecorderProgramTest : public testing::Test {
     EXPECT_EQ(messages["palpate::SceneOffer"], 1u);
     const Verification verification = Verify({file_}, {});
     EXPECT_TRUE(verification.good()) << ToText(verification);
+    ExpectTheStationsOwnCounts();
+  }
+  /// What the station told while it ran adds up to what it says at its end.
+  void ExpectTheStationsOwnCounts() {
+    RecordingReader reader({file_});
+    std::map<std::string, std::uint64_t> sums;
+    for (RecordedSample sample{}; reader.Next(sample);) {
+      wire::StationStatistics s{};
+      if (sample.type != RecordedType::kStationStatistics || !sample.To(s)) continue;
+      sums["calls"] += s.ticks;
+      sums["slewed"] += s.slewed;
+      sums["braked"] += s.braked;
+      sums["faded"] += s.faded;
+      sums["disabled"] += s.disabled;
+    }
+    const auto told = nlohmann::json::parse(ReadWholeFile(json_)).at("limiter");
+    for (const auto& [name, sum] : sums) EXPECT_EQ(sum, told.at(name)) << name;
+    EXPECT_GT(sums["disabled"], 0u);
   }
 
   Folder folder_;
-  std::string file_ = folder_ / "a.mcap";
+  std::string file_ = folder_ / "a.mcap", json_ = folder_ / "a.json";
 };
 
 TEST_F(RecorderProgramTest, NamesTheDomainsOfThisHostThatHaveAServerWhereItHearsNone) {

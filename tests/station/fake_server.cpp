@@ -42,11 +42,11 @@ void FakeServer::Publish(wire::SessionPhase phase, const std::string& reason) {
 void FakeServer::OnRequest(const wire::SessionRequest& request) {
   request_ = request;
   if (request.leave) {
-    left_.store(true);
+    left = true;
     has_session_ = false;
     return Publish(palpate_SESSION_ENDED, "the station left");
   }
-  if (held_ = hold_.load(); held_) return Publish(palpate_SESSION_HELD, "waits to be admitted");
+  if (held_ = holds.load(); held_) return Publish(palpate_SESSION_HELD, "waits to be admitted");
   if (refusing_.load()) return Publish(palpate_SESSION_REFUSED, refusal_);
   pose_reader_ = {};
   wrenches_ = {loop_, dds::WrenchTopic(request.station, request.run), dds::Qos::kLoop};
@@ -55,13 +55,13 @@ void FakeServer::OnRequest(const wire::SessionRequest& request) {
 }
 
 void FakeServer::OnPose(const wire::HapticPose& pose) noexcept {
-  if (last_sequence_.load() != 0 && pose.pose_sequence != last_sequence_.load() + 1) ++gaps_;
-  last_sequence_.store(pose.pose_sequence);
-  ++poses_;
-  if (mute_.load()) return;
+  if (last_sequence != 0 && pose.pose_sequence != last_sequence + 1) ++gaps;
+  last_sequence = pose.pose_sequence;
+  ++poses;
+  if (mute) return;
   wire::Wrench wrench{};
   wrench.pose_sequence = pose.pose_sequence;
-  wrench.pose_time_ns = pose.sample_time_ns - (lie_.load() ? 1 : 0);
+  wrench.pose_time_ns = pose.sample_time_ns - (lies ? 1 : 0);
   wrench.force_N[2] = 1000.0 * std::max(0.0, -pose.position_m[2]);
   wrench.contacts = wrench.force_N[2] > 0.0 ? 1 : 0;
   wrench.step_time_s = 2e-6;
@@ -76,16 +76,16 @@ void FakeServer::Run() {
         dds::WriterDiscovered(loop_, dds::PoseTopic(request_.station, request_.run))) {
       pose_reader_ = {loop_, dds::PoseTopic(request_.station, request_.run), dds::Qos::kLoop,
                       [this](const wire::HapticPose& pose) noexcept { OnPose(pose); }};
-      ++sessions_;
+      ++sessions;
       Publish(palpate_SESSION_ACTIVE, "");
     }
-    if (held_ && !hold_.load()) OnRequest(request_);
-    if (has_session_ && muted_ != station_mute_.load()) {
-      muted_ = station_mute_.load();
+    if (held_ && !holds.load()) OnRequest(request_);
+    if (has_session_ && muted_ != mutes_station) {
+      muted_ = mutes_station;
       Publish(palpate_SESSION_ACTIVE, "");
     }
-    const bool says_so = end_session_.exchange(false);
-    if (forget_session_.exchange(false) || says_so) {
+    const bool says_so = ends_session.exchange(false);
+    if (forgets_session.exchange(false) || says_so) {
       has_session_ = false;
       pose_reader_ = {};
       wrenches_ = {};

@@ -20,25 +20,20 @@ class FakeServer {
   ~FakeServer();
 
   void Refuse(const std::string& reason);
-  /// Stops answering poses, or goes on.
-  void Mute(bool on) { mute_.store(on); }
-  /// Says of each pose another time than it came with.
-  void LieAboutTime(bool on) { lie_.store(on); }
-  /// Tells the station to render no force, or to render it again.
-  void MuteStation(bool on) { station_mute_.store(on); }
-  /// Holds whoever asks from now on, or lets the held one begin.
-  void Hold(bool on) { hold_.store(on); }
-  /// Ends the session in words.
-  void EndSession() { end_session_.store(true); }
-  /// Ends it without a word: as one whose word was lost.
-  void ForgetSession() { forget_session_.store(true); }
 
-  std::uint64_t poses() const { return poses_.load(); }
-  std::uint64_t last_sequence() const { return last_sequence_.load(); }
-  /// Poses whose number was not one more than that of the one before.
-  std::uint64_t gaps() const { return gaps_.load(); }
-  int sessions() const { return sessions_.load(); }
-  bool left() const { return left_.load(); }
+  // What the test has it do from now on.
+  std::atomic<bool> mute{false};             ///< answers no poses
+  std::atomic<bool> lies{false};             ///< says of each pose another time than it came with
+  std::atomic<bool> mutes_station{false};    ///< tells the station to render no force
+  std::atomic<bool> holds{false};            ///< whoever asks
+  std::atomic<bool> ends_session{false};     ///< once, in words
+  std::atomic<bool> forgets_session{false};  ///< once, without a word: as one whose word was lost
+
+  // What came of it.
+  std::atomic<std::uint64_t> poses{0}, last_sequence{0};
+  std::atomic<std::uint64_t> gaps{0};  ///< numbers that were not one more than the one before
+  std::atomic<int> sessions{0};
+  std::atomic<bool> left{false};
 
  private:
   void Run();
@@ -60,17 +55,6 @@ class FakeServer {
   std::string refusal_;
 
   std::atomic<bool> stop_{false};
-  std::atomic<bool> mute_{false};
-  std::atomic<bool> lie_{false};
-  std::atomic<bool> station_mute_{false};
-  std::atomic<bool> hold_{false};
-  std::atomic<bool> end_session_{false};
-  std::atomic<bool> forget_session_{false};
-  std::atomic<std::uint64_t> poses_{0};
-  std::atomic<std::uint64_t> last_sequence_{0};
-  std::atomic<std::uint64_t> gaps_{0};
-  std::atomic<int> sessions_{0};
-  std::atomic<bool> left_{false};
   std::atomic<bool> refusing_{false};
   std::thread thread_;
 };

@@ -121,12 +121,6 @@ TEST_F(GuideTest, StaysOverruledWhateverComes) {
   EXPECT_TRUE(guide_.let_go());
 }
 
-TEST_F(GuideTest, RampsInAnewWhereTheAimTurnsByALeap) {
-  PullWilling(Vec3::Zero(), Vec3::Zero(), 600);
-  Aim(Vec3::Zero(), Quat(Eigen::AngleAxisd(3.0, Vec3::UnitZ())));
-  EXPECT_LT(Pull(Vec3::Zero()).torque.norm(), 1e-4);
-}
-
 TEST_F(GuideTest, DoesNotTakeAHandThatFollowsForOneThatResists) {
   for (int i = 0; i < 3000; ++i) {
     const Vec3 hand(2e-5 * i, 0, 0);
@@ -144,6 +138,9 @@ TEST_F(GuideTest, RampsInAnewWhereTheAimLeaps) {
   PullWilling(Vec3(0.004, 0, 0), Vec3::Zero(), 600);
   Aim(Vec3(0.004, 0, 0), Quat::Identity(), 2);
   EXPECT_LT(Pull(Vec3::Zero()).force.norm(), 0.01) << "another guide";
+  PullWilling(Vec3::Zero(), Vec3::Zero(), 600);
+  Aim(Vec3::Zero(), Quat(Eigen::AngleAxisd(3.0, Vec3::UnitZ())));
+  EXPECT_LT(Pull(Vec3::Zero()).torque.norm(), 1e-4) << "a turn";
 }
 
 TEST(GuideLimits, AreNeverAboveWhatAHandMayAlwaysOverrule) {

@@ -36,7 +36,7 @@ TEST(StationOptions, ReadsWhatItIsGiven) {
   EXPECT_EQ(options->seconds, 2.5);
   EXPECT_EQ(options->link.transport, dds::Transport::kUdp);
   EXPECT_EQ(options->link.domain, 7);
-  EXPECT_TRUE(options->loop);
+  EXPECT_TRUE(options->device.loop);
   EXPECT_FALSE(options->enable_forces);
   EXPECT_EQ(options->table, false);
   EXPECT_EQ(options->link.realtime.mode, RealtimeMode::kOff);
@@ -44,12 +44,14 @@ TEST(StationOptions, ReadsWhatItIsGiven) {
 }
 
 TEST(StationOptions, ReadsWhichArmIsMeantAndHowItIsDriven) {
-  const auto options = Parse({"--device", "openhaptics", "--scene", "cube", "--id", "a",
-                              "--device-name", "left", "--calibrate", "--rate", "2000"});
+  const auto options =
+      Parse({"--device", "openhaptics", "--scene", "cube", "--id", "a", "--device-name", "left",
+             "--calibrate", "--rate", "2000", "--max-force", "1.5"});
   ASSERT_TRUE(options);
-  EXPECT_EQ(options->device_name, "left");
-  EXPECT_TRUE(options->calibrate);
-  EXPECT_EQ(options->rate_Hz, 2000.0);
+  EXPECT_EQ(options->device.arm, "left");
+  EXPECT_TRUE(options->device.calibrate);
+  EXPECT_EQ(options->max_force_N, 1.5);
+  EXPECT_EQ(options->device.rate_Hz, 2000.0);
 }
 
 TEST(StationOptions, SaysHowTheDeviceLiesInTheScene) {
@@ -57,8 +59,8 @@ TEST(StationOptions, SaysHowTheDeviceLiesInTheScene) {
       Parse({"--device", "simulated", "--model", "touch", "--rate", "2000", "--scene", "cube",
              "--id", "a", "--workspace", "desk.json", "--scale", "2.5", "--clutch-button", "1"});
   ASSERT_TRUE(options);
-  EXPECT_EQ(options->model, "touch");
-  EXPECT_EQ(options->rate_Hz, 2000.0);
+  EXPECT_EQ(options->device.model, "touch");
+  EXPECT_EQ(options->device.rate_Hz, 2000.0);
   EXPECT_EQ(options->workspace, "desk.json");
   EXPECT_EQ(options->scale, 2.5);
   EXPECT_EQ(options->clutch_button, 1);
@@ -88,6 +90,7 @@ TEST(StationOptions, NamesTheArgumentThatIsWrong) {
   EXPECT_THAT(with({"--model", "omni"}), HasSubstr("have: premium-3.0, premium-1.5, touch"));
   EXPECT_THAT(with({"--rate", "5000"}), HasSubstr("--rate 5000"));
   EXPECT_THAT(with({"--scale", "0"}), HasSubstr("--scale"));
+  EXPECT_THAT(with({"--max-force", "0"}), HasSubstr("--max-force"));
   EXPECT_THAT(with({"--clutch-button", "32"}), HasSubstr("--clutch-button"));
   EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube", "--id", "a b"}),
               HasSubstr("--id 'a b'"));

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <functional>
 #include <thread>
-#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -98,23 +97,6 @@ TEST(ServoThread, TicksAtTheDevicesRateAndSendsAThousandPosesASecondAtMost) {
     EXPECT_GE(took_s * rate_Hz, between - 1.0) << rate_Hz;
     EXPECT_LE(took_s * rate_Hz, between + missed + 1.0) << rate_Hz;
   }
-}
-
-TEST(ServoThread, EnablesNothingByAButtonThatHasNotBeenSeenUp) {
-  Bench bench;
-  bench.core.EnableForces(false);
-  bench.servo.EnableForcesByButton();
-  bench.device.sample.buttons = 1;
-  bench.servo.SetPath(&bench.path);
-  // As many fresh replies as take a force to its full height twice.
-  std::uint64_t replies = 0, last = 0;
-  ASSERT_TRUE(bench.AnswerUntil([&] {
-    replies += bench.snapshot.sent != std::exchange(last, bench.snapshot.sent);
-    return replies > 400;
-  }));
-  bench.servo.Stop();
-  EXPECT_GT(bench.core.totals().replies, 200u);
-  EXPECT_EQ(bench.core.totals().max_force_N, 0.0);
 }
 
 TEST(ServoThread, KnowsWhenItSampledTheLatestPosesAndNoOthers) {

@@ -16,6 +16,7 @@
 #include "tests/station/fake_server.h"
 #include "tests/station/still_device.h"
 #include "tests/support/complaint.h"
+#include "tests/support/eventually.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate {
@@ -61,18 +62,16 @@ struct Station {
     servo->Stop();
   }
 
-  /// Polls until it is so; false where that takes more than the time, which is generous because the
-  /// machine may be busy.
+  /// Polls until it is so.
   bool Until(const std::function<bool()>& so, double seconds = 20.0) {
-    const std::int64_t end = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
-    while (SteadyNanoseconds() < end) {
-      link->Poll(SteadyNanoseconds());
-      while (servo->ReadSnapshot(snapshot)) {
-      }
-      if (so()) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return false;
+    return test::Eventually(
+        [&] {
+          link->Poll(SteadyNanoseconds());
+          while (servo->ReadSnapshot(snapshot)) {
+          }
+          return so();
+        },
+        seconds);
   }
   bool UntilForce(double newton) {
     return Until([=, this] { return std::abs(snapshot.force_N - newton) < 1e-9; });
@@ -82,10 +81,14 @@ struct Station {
   }
 };
 
-TEST(SessionLink, FeelsTheFloor) {
-  FakeServer server(kDomain, kUdp);
+/// A station that feels the floor.
+struct LinkedStation : testing::Test {
+  void SetUp() override { ASSERT_TRUE(station.UntilForce(2.0)); }
+  FakeServer server{kDomain, kUdp};
   Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
+};
+
+TEST_F(LinkedStation, HasTheServersToolAndItsFirstSession) {
   EXPECT_EQ(station.link->phase(), SessionLink::Phase::kLinked);
   EXPECT_EQ(station.link->PhaseText(), "active");
   EXPECT_EQ(station.link->tool(), "sphere");
@@ -95,8 +98,8 @@ TEST(SessionLink, FeelsTheFloor) {
 TEST(SessionLink, LosesNoPoseAtTheStart) {
   FakeServer server(kDomain, kUdp);
   Station station;
-  ASSERT_TRUE(station.Until([&] { return server.poses() > 100; }));
-  EXPECT_EQ(server.last_sequence(), server.poses() + server.gaps());
+  ASSERT_TRUE(station.Until([&] { return server.poses > 100; }));
+  EXPECT_EQ(server.last_sequence.load(), server.poses + server.gaps);
 }
 
 TEST(SessionLink, SaysWhyTheServerRefuses) {
@@ -142,10 +145,7 @@ TEST(SessionLink, FadesWhenTheServerDiesAndResumesByItselfWithItsSuccessor) {
   EXPECT_EQ(station.link->reconnects(), 1);
 }
 
-TEST(SessionLink, LeavesTheHandWithoutAForceWhereTwoServersAnswer) {
-  FakeServer one(kDomain, kUdp);
-  Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
+TEST_F(LinkedStation, LeavesTheHandWithoutAForceWhereTwoServersAnswer) {
   FakeServer other(kDomain, kUdp);
   EXPECT_EQ(station.Complaint(),
             "two servers answer in domain " + kNumber +
@@ -155,10 +155,7 @@ TEST(SessionLink, LeavesTheHandWithoutAForceWhereTwoServersAnswer) {
   EXPECT_FALSE(station.core->renders_force());
 }
 
-TEST(SessionLink, IsNeitherEndedNorMutedByAStrangersWordInItsServersName) {
-  FakeServer server(kDomain, kUdp);
-  Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
+TEST_F(LinkedStation, IsNeitherEndedNorMutedByAStrangersWordInItsServersName) {
   const dds::Participant participant = dds::Participant::Service(kDomain);
   dds::Reader<wire::SessionState> states(participant, dds::kSessionStateTopic,
                                          dds::Qos::kRecordSession);
@@ -201,104 +198,87 @@ TEST(SessionLink, SaysWhatASuccessorRefusesAndThatItAsksOn) {
   EXPECT_EQ(station.said.size(), said) << "once";
 }
 
-TEST(SessionLink, AsksAgainWhenTheServerEndsTheSession) {
-  FakeServer server(kDomain, kUdp);
-  Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
-  server.EndSession();
-  ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == 1; }));
-  ASSERT_TRUE(station.UntilForce(2.0));
-  EXPECT_EQ(server.sessions(), 2);
+TEST_F(LinkedStation, AsksAgainWhenTheServerEndsTheSessionThoughItsLastWordWasLost) {
+  for (const bool says_so : {true, false}) {
+    (says_so ? server.ends_session : server.forgets_session) = true;
+    const int sessions = says_so ? 2 : 3;
+    ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == sessions - 1; }));
+    ASSERT_TRUE(station.UntilForce(2.0));
+    EXPECT_EQ(server.sessions.load(), sessions);
+    EXPECT_THAT(station.said,
+                testing::Contains("the server ended the session (no pose came for more than 100 "
+                                  "ms): asking again"));
+  }
 }
 
-TEST(SessionLink, AsksAgainWhereTheServersLastWordWasLost) {
-  FakeServer server(kDomain, kUdp);
-  Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
-  server.ForgetSession();
-  ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == 1; }));
-  EXPECT_TRUE(station.UntilForce(2.0));
-  EXPECT_EQ(server.sessions(), 2);
-}
-
-TEST(SessionLink, TakesTheForceOutWhileItIsMutedAndFollowsTheHand) {
-  FakeServer server(kDomain, kUdp);
-  Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
-  server.MuteStation(true);
+TEST_F(LinkedStation, TakesTheForceOutWhileItIsMutedAndFollowsTheHand) {
+  server.mutes_station = true;
   ASSERT_TRUE(station.UntilForce(0.0));
   EXPECT_EQ(station.link->PhaseText(), "muted");
   EXPECT_THAT(station.said.back(), testing::HasSubstr("muted: forces are off"));
-  const std::uint64_t poses = server.poses();
-  ASSERT_TRUE(station.Until([&] { return server.poses() > poses + 100; }));
+  const std::uint64_t poses = server.poses;
+  ASSERT_TRUE(station.Until([&] { return server.poses > poses + 100; }));
   EXPECT_EQ(station.snapshot.force_N, 0.0);
-  server.EndSession();  // a new session does not unmute
+  server.ends_session = true;  // a new session does not unmute
   ASSERT_TRUE(station.Until([&] { return station.link->reconnects() == 1; }));
   station.Until([] { return false; }, 0.5);
   EXPECT_EQ(station.snapshot.peak_force_N, 0.0);
-  server.MuteStation(false);
+  server.mutes_station = false;
   EXPECT_TRUE(station.UntilForce(2.0));
   EXPECT_EQ(station.link->PhaseText(), "active");
 }
 
 TEST(SessionLink, WaitsAsLongAsItIsHeld) {
   FakeServer server(kDomain, kUdp);
-  server.Hold(true);
+  server.holds = true;
   Station station(0.5);
   ASSERT_TRUE(station.Until([&] { return station.link->PhaseText() == "held"; }));
   EXPECT_FALSE(station.Until([&] { return station.link->PhaseText() != "held"; }, 1.0))
       << "its patience is for a server that does not answer";
   EXPECT_EQ(station.said.back(), "the session is held: waits to be admitted");
-  server.Hold(false);
+  server.holds = false;
   EXPECT_TRUE(station.UntilForce(2.0));
 }
 
-TEST(SessionLink, RebuildsItsReaderAndThenItsSessionWhenMatchedButDeaf) {
-  FakeServer server(kDomain, kUdp);
-  Station station;
-  ASSERT_TRUE(station.UntilForce(2.0));
-  server.Mute(true);
+TEST_F(LinkedStation, RebuildsItsReaderAndThenItsSessionWhenMatchedButDeaf) {
+  server.mute = true;
   ASSERT_TRUE(station.Until([&] { return station.said.size() > 1; }));
   EXPECT_EQ(station.said.back(), "no replies for 1 s: forces are zero until they come again");
-  server.Mute(false);
+  server.mute = false;
   ASSERT_TRUE(station.UntilForce(2.0));
   EXPECT_EQ(station.said.back(), "replies come again: forces ramp in");
-  server.Mute(true);
-  ASSERT_TRUE(station.Until([&] { return server.sessions() > 1; }));
+  server.mute = true;
+  ASSERT_TRUE(station.Until([&] { return server.sessions > 1; }));
   EXPECT_EQ(station.snapshot.force_N, 0.0);
-  EXPECT_FALSE(server.left()) << "it was cut off, and has not left";
-  server.Mute(false);
+  EXPECT_FALSE(server.left) << "it was cut off, and has not left";
+  server.mute = false;
   EXPECT_TRUE(station.UntilForce(2.0));
 }
 
 TEST(SessionLink, LeavesARunThatNobodyAnsweredBeforeItAsksAnew) {
   FakeServer server(kDomain, kUdp);
-  server.Mute(true);
+  server.mute = true;
   Station station;
-  ASSERT_TRUE(station.Until([&] { return server.sessions() > 1; }, 40.0));
-  EXPECT_TRUE(server.left()) << "its name would be held against it";
-  server.Mute(false);
+  ASSERT_TRUE(station.Until([&] { return server.sessions > 1; }, 40.0));
+  EXPECT_TRUE(server.left) << "its name would be held against it";
+  server.mute = false;
   EXPECT_TRUE(station.UntilForce(2.0));
 }
 
 TEST(SessionLink, TakesNoReplyThatDoesNotEchoThePoseAsItWasSent) {
   FakeServer server(kDomain, kUdp);
-  server.LieAboutTime(true);
+  server.lies = true;
   Station station;
-  ASSERT_TRUE(station.Until([&] { return server.poses() > 500; }));
+  ASSERT_TRUE(station.Until([&] { return server.poses > 500; }));
   EXPECT_EQ(station.servo->newest_reply_ns(), 0);
   EXPECT_EQ(station.snapshot.force_N, 0.0);
-  server.LieAboutTime(false);
+  server.lies = false;
   EXPECT_TRUE(station.UntilForce(2.0));
 }
 
-TEST(SessionLink, ReleasesTheSessionAtItsEnd) {
-  FakeServer server(kDomain, kUdp);
-  {
-    Station station;
-    ASSERT_TRUE(station.UntilForce(2.0));
-  }
-  EXPECT_TRUE(server.left());
+TEST_F(LinkedStation, ReleasesTheSessionAtItsEnd) {
+  station.link.reset();
+  EXPECT_TRUE(server.left);
 }
 
 }  // namespace

@@ -48,6 +48,19 @@ TEST(StatisticsPeriod, SumsTheSnapshotsOfASecond) {
   EXPECT_DOUBLE_EQ(second.energy_J, 0.8);
 }
 
+TEST(StatisticsPeriod, EndsWithARunSoThatItsSumsAreTheRuns) {
+  StatisticsPeriod period("hand", "an arm");
+  std::uint64_t ticks = 0, braked = 0;
+  for (int i = 0; i < 7; ++i) {
+    const auto figures = period.Add(Quarter(i), 0, 1, i == 6);
+    if (!figures) continue;
+    ticks += figures->ticks;
+    braked += figures->braked;
+  }
+  EXPECT_EQ(ticks, Quarter(6).limiter.calls);
+  EXPECT_EQ(braked, Quarter(6).limiter.braked);
+}
+
 TEST(StatisticsPeriod, CountsFromZeroWhereTotalsWereRestarted) {
   StatisticsPeriod period("hand", "an arm");
   for (int i = 0; i < 5; ++i) period.Add(Quarter(i), 0, 1);

@@ -24,6 +24,8 @@ StationSummary Summary() {
   summary.totals.late = 10;
   summary.totals.contact_replies = 250;
   summary.totals.max_force_N = 3.25;
+  summary.limits.force_N = 22.0;
+  summary.limits.continuous_torque_Nm = 0.188;
   summary.totals.evaluations = 398;
   summary.totals.beyond_region = 199;
   for (int i = 0; i < 1000; ++i) summary.totals.round_trip.Add(30'000);
@@ -46,6 +48,8 @@ TEST(StationSummary, TellsProgramsTheSame) {
   EXPECT_EQ(json["late_fraction"], 0.01);
   EXPECT_EQ(json["force_N_max"], 3.25);
   EXPECT_EQ(json["rtt_us"]["p50"], 30.0);
+  EXPECT_EQ(json["limits"]["force_N"], 22.0);
+  EXPECT_EQ(json["limits"]["continuous_torque_Nm"], 0.188);
   EXPECT_EQ(json["limiter"]["fades"], 0);
   EXPECT_EQ(json["local_model"]["ticks"], 1990);
   EXPECT_EQ(json["local_model"]["evaluations"], 398);

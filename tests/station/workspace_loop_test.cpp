@@ -79,22 +79,5 @@ TEST_F(WorkspaceLoop, BoundsWallsAndContactTogether) {
   EXPECT_NEAR(force_.norm(), 22.0, 1e-9);
 }
 
-TEST_F(WorkspaceLoop, FadesTheContactWhileTheClutchIsHeldAndTakesItUpWithoutAStep) {
-  core_->EnableForces(true);
-  const Wrench scene{Vec3(0, 0, 2), Vec3::Zero()};
-  for (int i = 0; i < 500; ++i) Tick(scene);
-  EXPECT_NEAR(force_.z(), 2.0, 1e-9);
-  largest_step_ = 0.0;
-  arm_->still.sample.buttons = 1;
-  for (int i = 0; i < 60; ++i) Tick(scene);
-  EXPECT_EQ(force_, Vec3::Zero());
-  arm_->still.sample.X_WH.p = Vec3(0.05, 0.02, 0.01);  // the hand goes elsewhere
-  for (int i = 0; i < 60; ++i) Tick(scene);
-  arm_->still.sample.buttons = 0;
-  for (int i = 0; i < 250; ++i) Tick(scene);
-  EXPECT_NEAR(force_.z(), 2.0, 1e-9);
-  EXPECT_LE(largest_step_, 2.0 / 50.0 + 1e-9);
-}
-
 }  // namespace
 }  // namespace palpate

@@ -6,14 +6,14 @@
 
 namespace palpate::test {
 
-class DhdTest : public FakeLibraryTest<FakeDhd, ForceDimensionDevice, ForceDimensionOptions> {
+class DhdTest : public FakeLibraryTest<FakeDhd, ForceDimensionDevice> {
  protected:
-  DhdTest() : FakeLibraryTest(PALPATE_FAKE_DHD, kFakeDhdFunction) {}
+  DhdTest() : FakeLibraryTest(PALPATE_FAKE_DHD, dhd::kLibraryVariable, kFakeDhdFunction) {}
 };
 
 /// In virtual time; as a station does, it attends to the arm every ten ticks.
 struct DhdBench : AnsweredArm<ForceDimensionDevice> {
-  DhdBench(FakeDhd& fake_dhd, const ForceDimensionOptions& options)
+  DhdBench(FakeDhd& fake_dhd, const DeviceOptions& options)
       : AnsweredArm(options), fake(fake_dhd) {}
 
   void Run(int ticks) {

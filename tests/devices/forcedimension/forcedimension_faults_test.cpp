@@ -125,13 +125,9 @@ TEST_F(ForceDimensionFaults, ThatComeWithEachTickAreToldOnceASecond) {
     fake.Fail("dhdGetLinearVelocity", 1, 7);
     bench.Run(1);
   }
-  std::size_t told = 0;
-  for (std::size_t at = 0; (at = bench.news.find("DHD_ERROR_TIMEOUT", at)) != std::string::npos;
-       ++at) {
-    ++told;
-  }
-  EXPECT_GE(told, 3u);
-  EXPECT_LE(told, 4u);
+  const int told = CountOf("DHD_ERROR_TIMEOUT", bench.news);
+  EXPECT_GE(told, 3);
+  EXPECT_LE(told, 4);
 }
 
 TEST_F(ForceDimensionFaults, ThatThereIsNoArmAreToldWithHowToFindIt) {

@@ -1,24 +1,29 @@
 #pragma once
 
-#include <chrono>
+#include <cstdlib>
 #include <functional>
 #include <string>
-#include <thread>
 
 #include "common/realtime/steady_clock.h"
 #include "devices/haply/haply_device.h"
 #include "tests/devices/arm_bench.h"
 #include "tests/devices/haply/fake_inverse_service.h"
+#include "tests/support/eventually.h"
 
 namespace palpate::test {
 
+/// Of a device at that service, which is the environment's from now on.
+inline DeviceOptions OptionsOf(const FakeInverseService& service, const std::string& id = "") {
+  setenv(haply::kServiceVariable, ("ws://127.0.0.1:" + service.address().port).c_str(), 1);
+  DeviceOptions options;
+  options.arm = id;
+  options.realtime.mode = RealtimeMode::kOff;
+  return options;
+}
+
 /// A tick each millisecond of the real clock, as the service's thread is real.
 struct HaplyBench : AnsweredArm<HaplyDevice> {
-  explicit HaplyBench(const FakeInverseService& service)
-      : AnsweredArm(HaplyOptions{.device_id = "",
-                                 .rate_Hz = 1000.0,
-                                 .service = service.address(),
-                                 .realtime = {RealtimeMode::kOff}}) {
+  explicit HaplyBench(const FakeInverseService& service) : AnsweredArm(OptionsOf(service)) {
     wrench.force = Vec3(0.0, 1.0, 0.0);
   }
 
@@ -26,15 +31,13 @@ struct HaplyBench : AnsweredArm<HaplyDevice> {
     AnsweredArm::Tick(SteadyNanoseconds());
     if (++ticks % 10 == 0) Attend();
   }
-  /// Ticks until so; false after a time that is long beside any stall of the machine.
-  bool Until(const std::function<bool()>& so, double seconds = 30.0) {
-    const std::int64_t end = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * seconds);
-    while (!so()) {
-      if (SteadyNanoseconds() > end) return false;
+  /// Ticks until so.
+  bool Until(const std::function<bool()>& so) {
+    return Eventually([&] {
+      if (so()) return true;
       Tick();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return true;
+      return false;
+    });
   }
   bool UntilForce() {
     return Until([this] { return arm.sent_force().norm() > 0.9 * wrench.force.norm(); });

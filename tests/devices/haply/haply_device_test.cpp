@@ -18,12 +18,7 @@ using testing::HasSubstr;
 class Haply : public testing::Test {
  protected:
   std::string OpeningError(const std::string& id = "") {
-    return ComplaintOf([&] {
-      HaplyDevice device({.device_id = id,
-                          .rate_Hz = 1000.0,
-                          .service = service.address(),
-                          .realtime = {RealtimeMode::kOff}});
-    });
+    return ComplaintOf([&] { HaplyDevice device(OptionsOf(service, id)); });
   }
   /// Gone from what is sent, and back by a ramp once `mend` is done.
   void ExpectGoneAndBack(HaplyBench& bench, const std::function<void()>& mend) {
@@ -45,10 +40,7 @@ class Haply : public testing::Test {
 };
 
 TEST_F(Haply, IsBoundedWithoutTorqueByTheTypeThatTheServiceNames) {
-  const HaplyDevice arm({.device_id = "",
-                         .rate_Hz = 1000.0,
-                         .service = service.address(),
-                         .realtime = {RealtimeMode::kOff}});
+  const HaplyDevice arm(OptionsOf(service));
   EXPECT_EQ(arm.info().model, "Haply inverse3 (049D)");
   EXPECT_EQ(arm.info().force_axes, 3);
   EXPECT_EQ(arm.info().torque_axes, 0);
@@ -173,10 +165,7 @@ TEST_F(Haply, TakesItsServicesAddressFromTheEnvironment) {
 
 TEST_F(Haply, AsksForNoMemoryInATick) {
   if (!kCountsAllocations) GTEST_SKIP();
-  HaplyDevice arm({.device_id = "",
-                   .rate_Hz = 1000.0,
-                   .service = service.address(),
-                   .realtime = {RealtimeMode::kOff}});
+  HaplyDevice arm(OptionsOf(service));
   StationCore core(arm);
   core.Act(SteadyNanoseconds());
   const std::uint64_t before = AllocationsOfThisThread();

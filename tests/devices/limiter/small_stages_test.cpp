@@ -1,11 +1,9 @@
+#include "devices/limiter/small_stages.h"
+
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "devices/limiter/clamp_stage.h"
-#include "devices/limiter/enable_stage.h"
-#include "devices/limiter/finite_stage.h"
-#include "devices/limiter/slew_stage.h"
 #include "tests/support/random.h"
 
 namespace palpate {

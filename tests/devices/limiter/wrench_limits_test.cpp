@@ -2,17 +2,13 @@
 
 #include <limits>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "devices/simulated/phantom_sheets.h"
-#include "tests/support/complaint.h"
 
 namespace palpate {
 namespace {
-
-using testing::HasSubstr;
 
 TEST(WrenchLimits, AreTheDataSheets) {
   const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30().info);
@@ -42,36 +38,20 @@ TEST(WrenchLimits, RefuseADataSheetThatSaysNothingOrNonsense) {
   refused([](DeviceInfo& info) { info.thermal_time_s = 0.06; });
 }
 
-TEST(WrenchLimits, AreOnlyTightened) {
-  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30().info);
-  WrenchLimits::Bounds half = limits.bounds();
-  half.force_N *= 0.5;
-  half.continuous_torque_Nm *= 0.5;
-  EXPECT_EQ(limits.TightenedTo(half).force_N(), 11.0);
-  const auto refused = [&](double WrenchLimits::Bounds::*bound, const char* name) {
-    WrenchLimits::Bounds looser = limits.bounds();
-    looser.*bound *= 1.01;
-    EXPECT_THAT(test::ComplaintOf([&] { limits.TightenedTo(looser); }), HasSubstr(name));
-    WrenchLimits::Bounds none = limits.bounds();
-    none.*bound = 0.0;
-    EXPECT_THROW(limits.TightenedTo(none), Error);
-  };
-  using Bounds = WrenchLimits::Bounds;
-  refused(&Bounds::force_N, "force_N");
-  refused(&Bounds::torque_Nm, "torque_Nm");
-  refused(&Bounds::continuous_force_N, "continuous_force_N");
-  refused(&Bounds::continuous_torque_Nm, "continuous_torque_Nm");
-  refused(&Bounds::force_slew_N_per_ms, "force_slew_N_per_ms");
-  refused(&Bounds::torque_slew_Nm_per_ms, "torque_slew_Nm_per_ms");
-  refused(&Bounds::led_force_N, "led_force_N");
-  refused(&Bounds::led_torque_Nm, "led_torque_Nm");
-}
-
-TEST(WrenchLimits, RefuseASlewLimitThatWouldHoldUpTheFade) {
-  const WrenchLimits limits = WrenchLimits::Of(PhantomPremium30().info);
-  WrenchLimits::Bounds slow = limits.bounds();
-  slow.force_slew_N_per_ms = 1.0;
-  EXPECT_THROW(limits.TightenedTo(slow), Error);
+TEST(WrenchLimits, AreTightenedByAForceAndNeverLoosened) {
+  const DeviceInfo info = PhantomPremium30().info;
+  const WrenchLimits limits = WrenchLimits::Of(info, 2.2);
+  EXPECT_DOUBLE_EQ(limits.force_N(), 2.2);
+  EXPECT_DOUBLE_EQ(limits.continuous_force_N(), 2.2);
+  EXPECT_DOUBLE_EQ(limits.torque_Nm(), 0.0515);
+  EXPECT_DOUBLE_EQ(limits.continuous_torque_Nm(), 0.0515);
+  EXPECT_EQ(limits.force_slew_N_per_ms(), 4.4) << "a touch is softened no more than before";
+  EXPECT_EQ(WrenchLimits::Of(info, 0.5).bounds().led_force_N, 0.5);
+  EXPECT_EQ(WrenchLimits::Of(info, 50.0).force_N(), 22.0);
+  EXPECT_EQ(WrenchLimits::Of(info, 50.0).torque_Nm(), 0.515);
+  for (const double none : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(WrenchLimits::Of(info, none), Error);
+  }
 }
 
 }  // namespace

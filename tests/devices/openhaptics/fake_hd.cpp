@@ -82,7 +82,6 @@ class Library final : public FakeHd {
     arm = shared_ ? shared_ : own_arm_.get();
     transform_scale.fill(0.0);
     temperature.fill(0.2);
-    encoders = {11, 22, 33, 44, 55, 66};
     docked = unplugged = false;
     tick_elapsed_s = 0.0;
     endless_error = hd::kSuccess;
@@ -117,47 +116,26 @@ class Library final : public FakeHd {
     const std::lock_guard lock(mutex_);
     calibration_ = status;
   }
-  std::vector<std::string> Violations() override {
-    const std::lock_guard lock(mutex_);
-    return violations_;
-  }
+  std::vector<std::string> Violations() override { return Locked(violations_); }
   std::vector<std::string> Calls() override {
     const std::lock_guard lock(mutex_);
     return {calls_.begin(), calls_.end()};
   }
-  std::vector<FakeFrame> Frames() override {
-    const std::lock_guard lock(mutex_);
-    return frames_;
-  }
+  std::vector<FakeFrame> Frames() override { return Locked(frames_); }
   int CallsOf(const std::string& function) override {
     const std::lock_guard lock(mutex_);
     return counts_[static_cast<std::size_t>(IndexOf(function))];
   }
-  std::vector<hd::Enum> Calibrations() override {
-    const std::lock_guard lock(mutex_);
-    return calibrations_;
-  }
-  bool FailurePending() override {
-    const std::lock_guard lock(mutex_);
-    return has_failure_;
-  }
+  std::vector<hd::Enum> Calibrations() override { return Locked(calibrations_); }
+  bool FailurePending() override { return Locked(has_failure_); }
   double MotorForce() override {
     const std::lock_guard lock(mutex_);
     if (setup.real_time && SteadyNanoseconds() - last_frame_ns_ > kWatchdog_ns) return 0.0;
     return motors_on_ ? motor_force_.norm() : 0.0;
   }
-  bool motors_on() override {
-    const std::lock_guard lock(mutex_);
-    return motors_on_;
-  }
-  bool running() override {
-    const std::lock_guard lock(mutex_);
-    return running_;
-  }
-  bool opened() override {
-    const std::lock_guard lock(mutex_);
-    return initialised_;
-  }
+  bool motors_on() override { return Locked(motors_on_); }
+  bool running() override { return Locked(running_); }
+  bool opened() override { return Locked(initialised_); }
 
   // The driver's side; each function holds the lock.
 
@@ -280,13 +258,6 @@ class Library final : public FakeHd {
         WrongType(what);
     }
   }
-  void GetLongs(hd::Enum what, long* values) {
-    const std::lock_guard lock(mutex_);
-    if (Enter(k_hdGetLongv) || !MayRead(what)) return;
-    if (what != hd::kCurrentEncoderValues) return WrongType(what);
-    if (!setup.has_encoders) return Refuse(hd::kInvalidEnum);
-    std::copy(encoders.begin(), encoders.end(), values);
-  }
   void GetDoubles(hd::Enum what, double* values) {
     const std::lock_guard lock(mutex_);
     if (Enter(k_hdGetDoublev) || !MayRead(what)) return;
@@ -303,9 +274,6 @@ class Library final : public FakeHd {
       }
       case hd::kCurrentVelocity:
         Eigen::Map<Vec3>{values} = velocity_;
-        return;
-      case hd::kCurrentAngularVelocity:
-        Eigen::Map<Vec3>{values} = Vec3(0.1, 0.2, 0.3);
         return;
       case hd::kMotorTemperature:
         if (!setup.has_temperature) return Refuse(hd::kInvalidEnum);
@@ -461,6 +429,11 @@ class Library final : public FakeHd {
     return static_cast<FakeArm*>(memory);
   }
 
+  template <class T>
+  T Locked(const T& value) {
+    const std::lock_guard lock(mutex_);
+    return value;
+  }
   /// Each call: recorded, and given the error that the test wants it to have, or 0.
   hd::Code Enter(Function function) {
     const auto index = static_cast<std::size_t>(function);
@@ -621,73 +594,34 @@ palpate::test::FakeHd* palpate_fake_hd() {
   return &TheLibrary();
 }
 
-hd::Handle hdInitDevice(const char* name) {
-  return TheLibrary().Init(name);
-}
-void hdMakeCurrentDevice(hd::Handle device) {
-  TheLibrary().MakeCurrent(device);
-}
-void hdDisableDevice(hd::Handle device) {
-  TheLibrary().DisableDevice(device);
-}
-void hdBeginFrame(hd::Handle device) {
-  TheLibrary().Begin(device);
-}
-void hdEndFrame(hd::Handle device) {
-  TheLibrary().End(device);
-}
-hd::ErrorInfo hdGetError() {
-  return TheLibrary().GetError();
-}
-void hdEnable(hd::Enum what) {
-  TheLibrary().Switch(what, true);
-}
-void hdDisable(hd::Enum what) {
-  TheLibrary().Switch(what, false);
-}
-void hdGetBooleanv(hd::Enum what, unsigned char* values) {
-  TheLibrary().GetBooleans(what, values);
-}
-void hdGetIntegerv(hd::Enum what, int* values) {
-  TheLibrary().GetIntegers(what, values);
-}
-void hdGetLongv(hd::Enum what, long* values) {
-  TheLibrary().GetLongs(what, values);
-}
-void hdGetDoublev(hd::Enum what, double* values) {
-  TheLibrary().GetDoubles(what, values);
-}
-const char* hdGetString(hd::Enum what) {
-  return TheLibrary().GetString(what);
-}
-void hdSetDoublev(hd::Enum what, const double* values) {
-  TheLibrary().SetDoubles(what, values);
-}
-hd::Enum hdCheckCalibration() {
-  return TheLibrary().CheckCalibration();
-}
-void hdUpdateCalibration(hd::Enum style) {
-  TheLibrary().UpdateCalibration(style);
-}
-void hdStartScheduler() {
-  TheLibrary().Start();
-}
-void hdStopScheduler() {
-  TheLibrary().StopScheduler();
-}
-void hdSetSchedulerRate(unsigned long rate_Hz) {
-  TheLibrary().SetRate(rate_Hz);
-}
-void hdScheduleSynchronous(hd::Callback call, void* data, std::uint16_t priority) {
-  TheLibrary().ScheduleSynchronous({call, data, priority, false});
-}
-hd::SchedulerHandle hdScheduleAsynchronous(hd::Callback call, void* data, std::uint16_t priority) {
-  return TheLibrary().ScheduleAsynchronous(call, data, priority);
-}
-void hdUnschedule(hd::SchedulerHandle handle) {
-  TheLibrary().Unschedule(handle);
-}
-double hdGetSchedulerTimeStamp() {
-  return TheLibrary().TimeStamp();
-}
+#define PALPATE_FAKE(result, name, parameters, call) \
+  result name parameters {                           \
+    return TheLibrary().call;                        \
+  }
+PALPATE_FAKE(hd::Handle, hdInitDevice, (const char* name), Init(name))
+PALPATE_FAKE(void, hdMakeCurrentDevice, (hd::Handle device), MakeCurrent(device))
+PALPATE_FAKE(void, hdDisableDevice, (hd::Handle device), DisableDevice(device))
+PALPATE_FAKE(void, hdBeginFrame, (hd::Handle device), Begin(device))
+PALPATE_FAKE(void, hdEndFrame, (hd::Handle device), End(device))
+PALPATE_FAKE(hd::ErrorInfo, hdGetError, (), GetError())
+PALPATE_FAKE(void, hdEnable, (hd::Enum what), Switch(what, true))
+PALPATE_FAKE(void, hdDisable, (hd::Enum what), Switch(what, false))
+PALPATE_FAKE(void, hdGetBooleanv, (hd::Enum what, unsigned char* values), GetBooleans(what, values))
+PALPATE_FAKE(void, hdGetIntegerv, (hd::Enum what, int* values), GetIntegers(what, values))
+PALPATE_FAKE(void, hdGetDoublev, (hd::Enum what, double* values), GetDoubles(what, values))
+PALPATE_FAKE(const char*, hdGetString, (hd::Enum what), GetString(what))
+PALPATE_FAKE(void, hdSetDoublev, (hd::Enum what, const double* values), SetDoubles(what, values))
+PALPATE_FAKE(hd::Enum, hdCheckCalibration, (), CheckCalibration())
+PALPATE_FAKE(void, hdUpdateCalibration, (hd::Enum style), UpdateCalibration(style))
+PALPATE_FAKE(void, hdStartScheduler, (), Start())
+PALPATE_FAKE(void, hdStopScheduler, (), StopScheduler())
+PALPATE_FAKE(void, hdSetSchedulerRate, (unsigned long rate_Hz), SetRate(rate_Hz))
+PALPATE_FAKE(void, hdScheduleSynchronous, (hd::Callback call, void* data, std::uint16_t priority),
+             ScheduleSynchronous({call, data, priority, false}))
+PALPATE_FAKE(hd::SchedulerHandle, hdScheduleAsynchronous,
+             (hd::Callback call, void* data, std::uint16_t priority),
+             ScheduleAsynchronous(call, data, priority))
+PALPATE_FAKE(void, hdUnschedule, (hd::SchedulerHandle handle), Unschedule(handle))
+PALPATE_FAKE(double, hdGetSchedulerTimeStamp, (), TimeStamp())
+#undef PALPATE_FAKE
 }

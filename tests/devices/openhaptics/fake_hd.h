@@ -46,7 +46,6 @@ struct FakeHdSetup {
   hd::Enum styles = hd::kAuto;
   hd::Enum calibration = hd::kCalibrationOk;
   bool has_temperature = true;
-  bool has_encoders = true;
   bool has_inkwell = true;
   /// Nothing moves the arm but the test: of a constant force on a hand that gives way the limiter
   /// would let nothing through.
@@ -74,7 +73,6 @@ class FakeHd {
   FakeArm* arm = nullptr;
   std::array<double, 16> transform_scale{};  ///< added to the transform: an encoder's noise
   std::array<double, 6> temperature{};
-  std::array<long, 6> encoders{};
   bool docked = false;
   bool unplugged = false;       ///< getters give nothing, each frame ends with HD_COMM_ERROR
   double tick_elapsed_s = 0.0;  ///< of virtual time

@@ -1,7 +1,9 @@
 #include "devices/openhaptics/hd_abi.h"
 
 #include <type_traits>
+#include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "devices/openhaptics/hd_error.h"
@@ -11,72 +13,42 @@
 namespace palpate::hd {
 namespace {
 
+using testing::ElementsAre;
+
 static_assert(sizeof(Handle) == 4 && sizeof(SchedulerHandle) == 8 && sizeof(long) == 8);
 static_assert(sizeof(ErrorInfo) == 12 && std::is_trivially_copyable_v<ErrorInfo>);
 
-TEST(HdAbi, HasTheDocumentedNumbersForWhatIsAskedAndSet) {
-  EXPECT_EQ(kCurrentButtons, 0x2000u);
-  EXPECT_EQ(kCurrentInkwellSwitch, 0x2002u);
-  EXPECT_EQ(kCurrentEncoderValues, 0x2010u);
-  EXPECT_EQ(kCurrentVelocity, 0x2051u);
-  EXPECT_EQ(kCurrentTransform, 0x2052u);
-  EXPECT_EQ(kCurrentAngularVelocity, 0x2053u);
-  EXPECT_EQ(kVersion, 0x2500u);
-  EXPECT_EQ(kDeviceModelType, 0x2501u);
-  EXPECT_EQ(kDriverVersion, 0x2502u);
-  EXPECT_EQ(kSerialNumber, 0x2504u);
-  EXPECT_EQ(kMaxWorkspace, 0x2550u);
-  EXPECT_EQ(kInputDof, 0x2553u);
-  EXPECT_EQ(kOutputDof, 0x2554u);
-  EXPECT_EQ(kCalibrationStyle, 0x2555u);
-  EXPECT_EQ(kNominalMaxForce, 0x2603u);
-  EXPECT_EQ(kNominalMaxContinuousForce, 0x2604u);
-  EXPECT_EQ(kMotorTemperature, 0x2605u);
-  EXPECT_EQ(kSoftwareVelocityLimit, 0x2606u);
-  EXPECT_EQ(kSoftwareForceImpulseLimit, 0x2607u);
-  EXPECT_EQ(kNominalMaxTorque, 0x2622u);
-  EXPECT_EQ(kNominalMaxContinuousTorque, 0x2623u);
-  EXPECT_EQ(kCurrentForce, 0x2700u);
-  EXPECT_EQ(kCurrentTorque, 0x2701u);
-  EXPECT_EQ(kForceOutput, 0x4000u);
-  EXPECT_EQ(kMaxForceClamping, 0x4001u);
-  EXPECT_EQ(kForceRamping, 0x4002u);
-  EXPECT_EQ(kSoftwareForceLimit, 0x4003u);
-  EXPECT_EQ(kOneFrameLimit, 0x4004u);
-  EXPECT_EQ(kCalibrationOk, 0x5000u);
-  EXPECT_EQ(kCalibrationNeedsUpdate, 0x5001u);
-  EXPECT_EQ(kCalibrationNeedsManualInput, 0x5002u);
-  EXPECT_EQ(kEncoderReset, 1u);
-  EXPECT_EQ(kAuto, 2u);
-  EXPECT_EQ(kInkwell, 4u);
-  EXPECT_EQ(kInvalidHandle, 0xFFFFFFFFu);
-  EXPECT_EQ(kDone, 0u);
-  EXPECT_EQ(kContinue, 1u);
-}
-
-TEST(HdAbi, HasTheDocumentedNumbersForErrors) {
-  EXPECT_EQ(kSuccess, 0u);
-  EXPECT_EQ(kInvalidEnum, 0x100u);
-  EXPECT_EQ(kInvalidValue, 0x101u);
-  EXPECT_EQ(kInvalidOperation, 0x102u);
-  EXPECT_EQ(kInvalidInputType, 0x103u);
-  EXPECT_EQ(kBadHandle, 0x104u);
-  EXPECT_EQ(kWarmMotors, 0x200u);
-  EXPECT_EQ(kExceededMaxForce, 0x201u);
-  EXPECT_EQ(kExceededMaxForceImpulse, 0x202u);
-  EXPECT_EQ(kExceededMaxVelocity, 0x203u);
-  EXPECT_EQ(kForceError, 0x204u);
-  EXPECT_EQ(kDeviceFault, 0x300u);
-  EXPECT_EQ(kDeviceAlreadyInitiated, 0x301u);
-  EXPECT_EQ(kCommError, 0x302u);
-  EXPECT_EQ(kCommConfigError, 0x303u);
-  EXPECT_EQ(kTimerError, 0x304u);
-  EXPECT_EQ(kIllegalBegin, 0x400u);
-  EXPECT_EQ(kIllegalEnd, 0x401u);
-  EXPECT_EQ(kFrameError, 0x402u);
-  EXPECT_EQ(kInvalidPriority, 0x500u);
-  EXPECT_EQ(kSchedulerFull, 0x501u);
-  EXPECT_EQ(kInvalidLicense, 0x600u);
+TEST(HdAbi, HasTheDocumentedNumbers) {
+  EXPECT_THAT(std::vector<unsigned>(
+                  {kCurrentButtons, kCurrentInkwellSwitch, kCurrentVelocity, kCurrentTransform}),
+              ElementsAre(0x2000u, 0x2002u, 0x2051u, 0x2052u));
+  EXPECT_THAT(std::vector<unsigned>(
+                  {kVersion, kDeviceModelType, kDriverVersion, kSerialNumber, kMaxWorkspace,
+                   kInputDof, kOutputDof, kCalibrationStyle, kNominalMaxForce,
+                   kNominalMaxContinuousForce, kMotorTemperature, kSoftwareVelocityLimit,
+                   kSoftwareForceImpulseLimit, kNominalMaxTorque, kNominalMaxContinuousTorque}),
+              ElementsAre(0x2500u, 0x2501u, 0x2502u, 0x2504u, 0x2550u, 0x2553u, 0x2554u, 0x2555u,
+                          0x2603u, 0x2604u, 0x2605u, 0x2606u, 0x2607u, 0x2622u, 0x2623u));
+  EXPECT_THAT(
+      std::vector<unsigned>({kCurrentForce, kCurrentTorque, kForceOutput, kMaxForceClamping,
+                             kForceRamping, kSoftwareForceLimit, kOneFrameLimit, kCalibrationOk,
+                             kCalibrationNeedsUpdate, kCalibrationNeedsManualInput}),
+      ElementsAre(0x2700u, 0x2701u, 0x4000u, 0x4001u, 0x4002u, 0x4003u, 0x4004u, 0x5000u, 0x5001u,
+                  0x5002u));
+  EXPECT_THAT(std::vector<unsigned>(
+                  {kEncoderReset, kAuto, kInkwell, kInvalidHandle, kDone, kContinue, kSuccess}),
+              ElementsAre(1u, 2u, 4u, 0xFFFFFFFFu, 0u, 1u, 0u));
+  EXPECT_THAT(
+      std::vector<unsigned>(
+          {kInvalidEnum,         kInvalidValue,    kInvalidOperation, kInvalidInputType,
+           kBadHandle,           kWarmMotors,      kExceededMaxForce, kExceededMaxForceImpulse,
+           kExceededMaxVelocity, kForceError,      kDeviceFault,      kDeviceAlreadyInitiated,
+           kCommError,           kCommConfigError, kTimerError,       kIllegalBegin,
+           kIllegalEnd,          kFrameError,      kInvalidPriority,  kSchedulerFull,
+           kInvalidLicense}),
+      ElementsAre(0x100u, 0x101u, 0x102u, 0x103u, 0x104u, 0x200u, 0x201u, 0x202u, 0x203u, 0x204u,
+                  0x300u, 0x301u, 0x302u, 0x303u, 0x304u, 0x400u, 0x401u, 0x402u, 0x500u, 0x501u,
+                  0x600u));
 }
 
 }  // namespace

@@ -6,15 +6,14 @@
 
 namespace palpate::test {
 
-class ArmTest : public FakeLibraryTest<FakeHd, OpenHapticsDevice, OpenHapticsOptions> {
+class ArmTest : public FakeLibraryTest<FakeHd, OpenHapticsDevice> {
  protected:
-  ArmTest() : FakeLibraryTest(PALPATE_FAKE_HD, kFakeHdFunction) {}
+  ArmTest() : FakeLibraryTest(PALPATE_FAKE_HD, hd::kLibraryVariable, kFakeHdFunction) {}
 };
 
 /// In virtual time: the library's scheduler ticks when the bench says so.
 struct ArmBench : AnsweredArm<OpenHapticsDevice> {
-  ArmBench(FakeHd& fake_hd, const OpenHapticsOptions& options)
-      : AnsweredArm(options), fake(fake_hd) {
+  ArmBench(FakeHd& fake_hd, const DeviceOptions& options) : AnsweredArm(options), fake(fake_hd) {
     fault_ends_forces = false;
     core.EnableForces(true);
     arm.StartTicks([this] {

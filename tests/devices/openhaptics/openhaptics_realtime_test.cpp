@@ -26,7 +26,7 @@ class OpenHapticsRealtime : public ArmTest {
 
 /// What RunStation does, with a server that always answers 2 N.
 struct LiveStation {
-  explicit LiveStation(const OpenHapticsOptions& options) : arm(options) {}
+  explicit LiveStation(const DeviceOptions& options) : arm(options) {}
 
   void Poll() {
     arm.Attend();
@@ -55,7 +55,7 @@ struct LiveStation {
 };
 
 TEST_F(OpenHapticsRealtime, TicksInTheArmsThreadAndSendsAtMostAThousandPosesASecond) {
-  OpenHapticsOptions options = Options();
+  DeviceOptions options = Options();
   options.rate_Hz = 4000.0;
   LiveStation station(options);
   station.core.EnableForces(true);

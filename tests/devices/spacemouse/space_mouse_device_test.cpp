@@ -44,6 +44,26 @@ class SpaceMouseDeviceTest : public testing::Test {
     });
   }
 
+  /// Pushes behind which a button comes, the same way: once it is seen, the push has come through.
+  /// Without a graphic tool; `holds` after each tick.
+  void PushUnseen(const std::array<int, 6>& axes, const std::function<bool()>& holds) {
+    const auto tick = [&] {
+      sample_ = device_.Read();
+      device_.Apply(PassThrough({}));
+      ASSERT_TRUE(holds()) << sample_.X_WH.p;
+    };
+    for (unsigned button = 0; button < 8; ++button) {
+      daemon_.Push(axes);
+      daemon_.Press(static_cast<int>(button), true);
+      for (int i = 0; i < 20'000 && (sample_.buttons >> button & 1u) == 0; ++i) {
+        ASSERT_NO_FATAL_FAILURE(tick());
+        std::this_thread::sleep_for(std::chrono::microseconds(100));
+      }
+      ASSERT_EQ(sample_.buttons, (2u << button) - 1u);
+      for (int i = 0; i < 16; ++i) ASSERT_NO_FATAL_FAILURE(tick());
+    }
+  }
+
   test::FakeSpacenavd daemon_;
   SpaceMouseDevice device_;
   DeviceSample sample_;
@@ -65,22 +85,8 @@ TEST_F(SpaceMouseDeviceTest, MovesAsFastAsItIsPushed) {
 }
 
 TEST_F(SpaceMouseDeviceTest, StandsStillUntilThereIsAGraphicTool) {
-  // A button comes behind each push, the same way: once it is seen, the push has come through.
-  for (unsigned button = 0; button < 8; ++button) {
-    daemon_.Push({350, 350, 350, 350, 350, 350});
-    daemon_.Press(static_cast<int>(button), true);
-    for (int i = 0; i < 20'000 && (sample_.buttons >> button & 1u) == 0; ++i) {
-      sample_ = device_.Read();
-      device_.Apply(PassThrough({}));
-      std::this_thread::sleep_for(std::chrono::microseconds(100));
-    }
-    ASSERT_EQ(sample_.buttons, (2u << button) - 1u);
-    for (int i = 0; i < 16; ++i) {
-      sample_ = device_.Read();
-      device_.Apply(PassThrough({}));
-    }
-    EXPECT_EQ(sample_.X_WH.p, Vec3(0, 0, 0.1));
-  }
+  ASSERT_NO_FATAL_FAILURE(PushUnseen({350, 350, 350, 350, 350, 350},
+                                     [&] { return sample_.X_WH.p == Vec3(0, 0, 0.1); }));
   EXPECT_TRUE(PushUntil({350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.001; }));
 }
 
@@ -108,22 +114,9 @@ TEST_F(SpaceMouseDeviceTest, DoesNotPressOnWhenItsSessionEnds) {
   ASSERT_TRUE(PushUntil(
       {350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.0195; }, true));
   device_.LoseGraphicTool();
-  for (unsigned button = 0; button < 8; ++button) {
-    daemon_.Push({350, 0, 0, 0, 0, 0});
-    daemon_.Press(static_cast<int>(button), true);  // behind the push, which has come once it has
-    for (int i = 0; i < 20'000 && (sample_.buttons >> button & 1u) == 0; ++i) {
-      sample_ = device_.Read();
-      device_.Apply(PassThrough({}));
-      ASSERT_LE(sample_.X_WH.p.x(), 1e-9) << "where the graphic tool was";
-      std::this_thread::sleep_for(std::chrono::microseconds(100));
-    }
-    ASSERT_EQ(sample_.buttons, (2u << button) - 1u);
-    for (int i = 0; i < 16; ++i) {
-      sample_ = device_.Read();
-      device_.Apply(PassThrough({}));
-      ASSERT_LE(sample_.X_WH.p.x(), 1e-9) << "where the graphic tool was";
-    }
-  }
+  // No further than where the graphic tool was.
+  ASSERT_NO_FATAL_FAILURE(
+      PushUnseen({350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() <= 1e-9; }));
   EXPECT_TRUE(PushUntil(
       {350, 0, 0, 0, 0, 0}, [&] { return sample_.X_WH.p.x() > 0.0195; }, true));
 }

@@ -20,130 +20,116 @@ using test::FakeSpacenavd;
 using testing::HasSubstr;
 using Link = SpacenavState::Link;
 
-/// Reads until it is so; patiently, as threads and a daemon are behind it.
-bool Until(SpacenavReader& reader, SpacenavState& state,
-           const std::function<bool(const SpacenavState&)>& is_so) {
-  return test::Eventually([&] {
-    reader.Read(state);
-    return is_so(state);
-  });
-}
+/// A reader at a daemon, and what it has said last.
+struct OpenReader : testing::Test {
+  /// Reads until it is so; patiently, as threads and a daemon are behind it.
+  bool Until(const std::function<bool(const SpacenavState&)>& is_so) {
+    return test::Eventually([&] {
+      reader.Read(state);
+      return is_so(state);
+    });
+  }
+  explicit OpenReader(FakeSpacenavd::Options options = {}) : daemon(options) {}
+
+  FakeSpacenavd daemon;
+  SpacenavReader reader;
+  SpacenavState state;
+};
+struct OldDaemon : OpenReader {
+  OldDaemon() : OpenReader({.protocol = 0}) {}
+};
+struct HastyDaemon : OpenReader {
+  HastyDaemon() : OpenReader({.early_frames = 3}) {}
+};
 
 std::string Complaint() {
   return test::ComplaintOf([] { SpacenavReader reader; });
 }
 
-TEST(SpacenavReader, GivesTheAxesAndButtonsOfProtocolOne) {
-  FakeSpacenavd daemon;
-  SpacenavReader reader;
+TEST_F(OpenReader, GivesTheAxesAndButtonsOfProtocolOne) {
   EXPECT_EQ(reader.device_name(), "Fake Navigator");
-  SpacenavState state;
   daemon.Push({1, -2, 3, -4, 5, -6});
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.axes[0] == 1; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.axes[0] == 1; }));
   EXPECT_EQ(state.axes, (std::array<int, 6>{1, -2, 3, -4, 5, -6}));
   daemon.Press(0, true);
   daemon.Press(3, true);
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.buttons == 0b1001; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.buttons == 0b1001; }));
   daemon.Press(0, false);
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.buttons == 0b1000; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.buttons == 0b1000; }));
   EXPECT_EQ(state.axes[0], 1);  // a button says nothing of the cap
 }
 
-TEST(SpacenavReader, SpeaksProtocolZeroWithAnOldDaemon) {
-  FakeSpacenavd daemon({.protocol = 0});
-  SpacenavReader reader;
+TEST_F(OldDaemon, IsSpokenToInProtocolZero) {
   EXPECT_THAT(reader.device_name(), HasSubstr("older than 1.0"));
-  SpacenavState state;
   daemon.Push({350, 0, 0, 0, 0, -350});
   daemon.Press(1, true);
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.buttons == 2; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.buttons == 2; }));
   EXPECT_EQ(state.axes, (std::array<int, 6>{350, 0, 0, 0, 0, -350}));
 }
 
-TEST(SpacenavReader, IsNotConfusedByAnEventThatIsFasterThanTheAnswer) {
-  FakeSpacenavd daemon({.early_frames = 3});
-  SpacenavReader reader;
+TEST_F(HastyDaemon, DoesNotConfuseByAnEventThatIsFasterThanTheAnswer) {
   EXPECT_EQ(reader.device_name(), "Fake Navigator");
-  SpacenavState state;
   daemon.Push({7, 8, 9, 10, 11, 12});
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.axes[0] != 0; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.axes[0] != 0; }));
   EXPECT_EQ(state.axes, (std::array<int, 6>{7, 8, 9, 10, 11, 12}));
 }
 
-TEST(SpacenavReader, PassesOverFramesAndButtonsThatItDoesNotKnow) {
-  FakeSpacenavd daemon;
-  SpacenavReader reader;
-  SpacenavState state;
+TEST_F(OpenReader, PassesOverFramesAndButtonsThatItDoesNotKnow) {
   for (int i = 0; i < 5; ++i) daemon.Send({99, 1, 2, 3, 4, 5, 6, 7});
   daemon.Send({-1, 1, 2, 3, 4, 5, 6, 7});
   daemon.Press(32, true);
   daemon.Press(-1, true);
   daemon.Push({5, 0, 0, 0, 0, 0});
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.axes[0] == 5; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.axes[0] == 5; }));
   EXPECT_EQ(state.buttons, 0u);
 }
 
-TEST(SpacenavReader, WaitsForTheRestOfAFrame) {
-  FakeSpacenavd daemon;
-  SpacenavReader reader;
-  SpacenavState state;
+TEST_F(OpenReader, WaitsForTheRestOfAFrame) {
   daemon.SendInPieces({0, 11, 12, 13, 14, 15, 16, 16});
   daemon.Press(2, true);
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.buttons == 4; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.buttons == 4; }));
   EXPECT_EQ(state.axes, (std::array<int, 6>{11, 12, 13, 14, 15, 16}));
   daemon.SendHalf({0, 99, 99, 99, 99, 99, 99, 16});
   daemon.Kill();
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kNoDaemon; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.link == Link::kNoDaemon; }));
   EXPECT_EQ(state.axes[0], 0);
 }
 
-TEST(SpacenavReader, RestsWhileTheDaemonIsGoneAndGoesOnWhenItIsBack) {
-  FakeSpacenavd daemon;
-  SpacenavReader reader;
-  SpacenavState state;
+TEST_F(OpenReader, RestsWhileTheDaemonIsGoneAndGoesOnWhenItIsBack) {
   for (int round = 0; round < 3; ++round) {
     daemon.Push({300, 0, 0, 0, 0, 0});
     daemon.Press(0, true);
-    ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.buttons == 1; })) << round;
+    ASSERT_TRUE(Until([](const auto& s) { return s.buttons == 1; })) << round;
     daemon.Kill();
-    ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kNoDaemon; }));
+    ASSERT_TRUE(Until([](const auto& s) { return s.link == Link::kNoDaemon; }));
     EXPECT_EQ(state.axes[0], 0);
     EXPECT_EQ(state.buttons, 0u);
     daemon.Start();
-    ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kUp; }));
+    ASSERT_TRUE(Until([](const auto& s) { return s.link == Link::kUp; }));
     EXPECT_EQ(state.axes[0], 0);
   }
 }
 
-TEST(SpacenavReader, RestsWhileTheDeviceIsUnplugged) {
-  FakeSpacenavd daemon;
-  SpacenavReader reader;
-  SpacenavState state;
+TEST_F(OpenReader, RestsWhileTheDeviceIsUnplugged) {
   daemon.Push({300, 0, 0, 0, 0, 0});
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.axes[0] == 300; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.axes[0] == 300; }));
   daemon.Unplug();
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kNoDevice; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.link == Link::kNoDevice; }));
   EXPECT_EQ(state.axes[0], 0);
   daemon.PlugIn();
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kUp; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.link == Link::kUp; }));
 }
 
-TEST(SpacenavReader, SaysWhenTheDaemonComesBackWithoutItsDevice) {
-  FakeSpacenavd daemon;
-  SpacenavReader reader;
-  SpacenavState state;
+TEST_F(OpenReader, SaysWhenTheDaemonComesBackWithoutItsDevice) {
   daemon.Kill();
   daemon.Start({.has_device = false});
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kNoDevice; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.link == Link::kNoDevice; }));
 }
 
-TEST(SpacenavReader, TakesADaemonThatTalksNonsenseForOneThatHasGone) {
-  FakeSpacenavd daemon;
-  SpacenavReader reader;
-  SpacenavState state;
+TEST_F(OpenReader, TakesADaemonThatTalksNonsenseForOneThatHasGone) {
   for (int i = 0; i < 20; ++i) daemon.Send({12345, 1, 2, 3, 4, 5, 6, 7});
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kNoDaemon; }));
-  ASSERT_TRUE(Until(reader, state, [](const auto& s) { return s.link == Link::kUp; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.link == Link::kNoDaemon; }));
+  ASSERT_TRUE(Until([](const auto& s) { return s.link == Link::kUp; }));
 }
 
 TEST(SpacenavReader, ExplainsWhyItCannotBeOpened) {
