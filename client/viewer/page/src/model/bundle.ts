@@ -1,4 +1,5 @@
 import {ByteBuffer} from "flatbuffers";
+import {BufferAttribute, BufferGeometry} from "three";
 
 import {type Body as WireBody, type Geometry as WireGeometry, Scene as WireScene} from "@wire";
 
@@ -129,7 +130,9 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
 function readGeometry(geometry: WireGeometry): Geometry {
   const vertices = Float32Array.from(geometry.verticesArray() ?? []);
   const centroid = geometry.centroid();
-  const {centre, radiusM} = boundsOf(vertices);
+  const mesh = new BufferGeometry().setAttribute("position", new BufferAttribute(vertices, 3));
+  mesh.computeBoundingSphere();
+  const bounds = mesh.boundingSphere!;
   return {
     vertices,
     triangles: geometry.trianglesArray() ?? new Uint32Array(),
@@ -137,8 +140,8 @@ function readGeometry(geometry: WireGeometry): Geometry {
     leafTriangle: geometry.leafTriangleArray() ?? new Uint32Array(),
     levels: readLevels(geometry),
     centroid: centroid ? [centroid.x(), centroid.y(), centroid.z()] : [0, 0, 0],
-    centre,
-    radiusM,
+    centre: bounds.center.toArray(),
+    radiusM: Math.max(0, bounds.radius), // three's of nothing is -1
   };
 }
 
@@ -170,27 +173,4 @@ function readLevels(geometry: WireGeometry): SphereLevel[] {
   }
   levels.push({centres, radii: Float32Array.from(geometry.leafRadiusArray() ?? [])});
   return levels;
-}
-
-function boundsOf(vertices: Float32Array): {centre: Vec3; radiusM: number} {
-  const low = [Infinity, Infinity, Infinity];
-  const high = [-Infinity, -Infinity, -Infinity];
-  vertices.forEach((value, i) => {
-    low[i % 3] = Math.min(low[i % 3]!, value);
-    high[i % 3] = Math.max(high[i % 3]!, value);
-  });
-  if (vertices.length === 0) return {centre: [0, 0, 0], radiusM: 0};
-  const centre: Vec3 = [
-    (low[0]! + high[0]!) / 2,
-    (low[1]! + high[1]!) / 2,
-    (low[2]! + high[2]!) / 2,
-  ];
-  let squared = 0;
-  for (let i = 0; i < vertices.length; i += 3) {
-    const dx = vertices[i]! - centre[0];
-    const dy = vertices[i + 1]! - centre[1];
-    const dz = vertices[i + 2]! - centre[2];
-    squared = Math.max(squared, dx * dx + dy * dy + dz * dz);
-  }
-  return {centre, radiusM: Math.sqrt(squared)};
 }

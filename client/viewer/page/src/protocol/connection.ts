@@ -13,13 +13,6 @@ export interface ConnectionEvents {
   offers(topics: ReadonlySet<string>): void;
 }
 
-/// What the connection needs of the world outside; tests bring their own.
-export interface ConnectionHost {
-  openSocket(url: string, protocols: string[]): WebSocket;
-  setTimer(callback: () => void, milliseconds: number): number;
-  clearTimer(timer: number): void;
-}
-
 const kFirstRetryMs = 250;
 const kLastRetryMs = 2000;
 /// A gateway that does not answer by then is tried anew.
@@ -33,36 +26,20 @@ const retryMs = (attempt: number): number => Math.min(kLastRetryMs, kFirstRetryM
 export class Connection {
   private socket: WebSocket | undefined;
   private attempt = 0;
-  private timer: number | undefined;
-  private stopped = false;
+  private timer: ReturnType<typeof setTimeout> | undefined;
   private canPublish = false;
   private nextSubscription = 1;
   private readonly subscriptions = new Map<number, {channel: Channel; decode: Decode}>();
   private readonly published = new Map<string, number>(); // channel ids by topic, of this socket
 
   constructor(
-    private readonly url: string,
     private readonly topics: ReadonlySet<string>,
     private readonly events: ConnectionEvents,
-    private readonly host: ConnectionHost,
+    private readonly openSocket: (protocols: string[]) => WebSocket,
   ) {}
-
-  start(): void {
-    this.stopped = false;
-    this.open();
-  }
-
-  stop(): void {
-    this.stopped = true;
-    this.setTimer(undefined, 0);
-    const socket = this.socket;
-    this.socket = undefined;
-    socket?.close();
-  }
 
   /// Gives up a socket that looks open and is not, and tries at once.
   restart(): void {
-    if (this.stopped) return;
     const socket = this.socket;
     this.socket = undefined;
     socket?.close();
@@ -70,13 +47,9 @@ export class Connection {
     this.open();
   }
 
-  get isOpen(): boolean {
-    return this.socket?.readyState === 1;
-  }
-
   /// Sends on a JSON channel of this client; false where the gateway takes no messages now.
   publish(topic: string, value: object): boolean {
-    if (!this.socket || !this.isOpen || !this.canPublish) return false;
+    if (this.socket?.readyState !== 1 || !this.canPublish) return false;
     let channel = this.published.get(topic);
     if (channel === undefined) {
       channel = this.published.size + 1;
@@ -90,19 +63,19 @@ export class Connection {
     return true;
   }
 
-  private open(): void {
+  open(): void {
     this.events.link("connecting");
-    const socket = this.host.openSocket(this.url, kSubprotocols);
+    const socket = this.openSocket(kSubprotocols);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
     this.canPublish = false;
     this.subscriptions.clear();
     this.published.clear();
-    this.setTimer(() => socket.close(), kOpenWithinMs);
+    this.wait(() => socket.close(), kOpenWithinMs);
     socket.onopen = () => {
       if (socket !== this.socket) return;
       this.attempt = 0;
-      this.setTimer(undefined, 0);
+      clearTimeout(this.timer);
       this.events.link("open");
     };
     socket.onclose = () => {
@@ -115,10 +88,8 @@ export class Connection {
 
   private lose(): void {
     this.socket = undefined;
-    this.setTimer(undefined, 0);
-    if (this.stopped) return;
     this.events.link("lost");
-    this.setTimer(() => this.open(), retryMs(this.attempt));
+    this.wait(() => this.open(), retryMs(this.attempt));
     this.attempt += 1;
   }
 
@@ -188,8 +159,8 @@ export class Connection {
     this.socket?.send(JSON.stringify(message));
   }
 
-  private setTimer(callback: (() => void) | undefined, milliseconds: number): void {
-    if (this.timer !== undefined) this.host.clearTimer(this.timer);
-    this.timer = callback && this.host.setTimer(callback, milliseconds);
+  private wait(callback: () => void, milliseconds: number): void {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(callback, milliseconds);
   }
 }
