@@ -19,10 +19,9 @@ std::vector<std::string_view> MeasureNames() {
 double ShareOver(double limit_N, const HandPath& path) {
   double contact_s = 0.0, over_s = 0.0;
   for (std::size_t i = 1; i < path.size(); ++i) {
-    const double force = path.force_N[i].norm();
     const double step_s = path.time_s[i] - path.time_s[i - 1];
-    if (force > kContact_N) contact_s += step_s;
-    if (force > std::max(limit_N, kContact_N)) over_s += step_s;
+    if (path.touches(i)) contact_s += step_s;
+    if (path.force_N[i].norm() > limit_N) over_s += step_s;
   }
   return contact_s > 0.0 ? over_s / contact_s : 0.0;
 }
@@ -160,7 +159,9 @@ std::optional<double> DepthIn(const ProbingSite& site, const Vec3& tip, const Ha
   return deepest;
 }
 
-Grade GradeTrial(const Criteria& criteria, const Score& score, const HandPath& trainee) {
+std::optional<Grade> GradeTrial(const Criteria& criteria, const Score& score,
+                                const HandPath& trainee) {
+  if (score.trainee_contact_s == 0.0) return std::nullopt;
   Grade grade;
   for (const ProbingSite& site : criteria.sites) {
     grade.depths.push_back(DepthIn(site, criteria.tip, trainee));
