@@ -622,7 +622,7 @@ TEST(Mouse, IsRefusedAToolThatIsTakenAndToldWhy) {
   viewer.SendMouse({{"op", "dance"}});
   EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("the tool is refused"));
   EXPECT_THAT(viewer.NextJson("status").value("message", ""),
-              HasSubstr("take, pose, release and whole"));
+              HasSubstr("give one of take, pose, release, whole"));
   EXPECT_TRUE(viewer.open());
 }
 
@@ -762,10 +762,10 @@ TEST(Replay, AnswersWishesThatCannotBeFulfilledAndStandsThoseThatAreNone) {
   EXPECT_EQ(answer["tag"], 3);
   EXPECT_THAT(answer.value("refusal", ""), HasSubstr("not there any more"));
   viewer.SendReplay({{"op", "take"}, {"scene", "cube"}});
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("/palpate/replay: "));
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("/palpate/replay:1: "));
   // Each channel is what it was advertised for.
   viewer.SendMouse({{"replay", "1"}, {"tag", 3}, {"wish", "play"}});
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("/palpate/mouse: "));
+  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("/palpate/mouse:1: "));
   EXPECT_TRUE(viewer.open());
 }
 

@@ -284,7 +284,7 @@ TEST_F(Guarded, PassesOnWhatATeacherDecidesWithHisName) {
                             Json{{"op", "dance"}, {"station", "left"}},
                             Json{{"op", "mute"}, {"station", "left"}, {"by", "me"}}}) {
     teacher.SendOperate(wrong);
-    EXPECT_THAT(teacher.NextJson("status").value("message", ""), HasSubstr("/palpate/operate: "));
+    EXPECT_THAT(teacher.NextJson("status").value("message", ""), HasSubstr("/palpate/operate:1: "));
   }
   EXPECT_EQ(server_.CountAsked(), 0);
   EXPECT_TRUE(teacher.open());
