@@ -76,7 +76,7 @@ describe("a connection", () => {
     socket.say(kAdvertise);
     socket.say(kAdvertise); // a gateway that repeats itself
     expect(socket.sent.map((text) => JSON.parse(text as string))).toEqual([
-      {op: "subscribe", subscriptions: [{id: 1, channelId: 1}]},
+      {op: "subscribe", subscriptions: [{id: 0, channelId: 1}]},
     ]);
   });
 
@@ -96,9 +96,9 @@ describe("a connection", () => {
       bytes.set(content, 13);
       return bytes.buffer;
     };
-    socket.onmessage?.({data: frame(1, payload)});
+    socket.onmessage?.({data: frame(0, payload)});
     socket.onmessage?.({data: frame(9, payload)});
-    socket.onmessage?.({data: frame(1, payload.subarray(0, 40))});
+    socket.onmessage?.({data: frame(0, payload.subarray(0, 40))});
     expect(messages.length).toBe(1);
     expect(messages[0]).toMatchObject({topic: "/palpate/tool_state", value: {station: "hand"}});
     expect(statuses[0]).toMatch(/could not be read/);

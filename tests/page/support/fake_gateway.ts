@@ -10,7 +10,7 @@ import {MessageWriter} from "@foxglove/omgidl-serialization";
 import {WebSocket, WebSocketServer} from "ws";
 
 import type {Pose, Vec3} from "@page/model/pose";
-import type {Channel} from "@page/protocol/foxglove";
+import type {Channel} from "@page/protocol/decoder";
 
 const kRoot = fileURLToPath(new URL("../../..", import.meta.url));
 const kPage = join(kRoot, "build/page");

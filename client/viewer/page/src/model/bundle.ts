@@ -1,7 +1,12 @@
 import {ByteBuffer} from "flatbuffers";
 import {BufferAttribute, BufferGeometry} from "three";
 
-import {type Body as WireBody, type Geometry as WireGeometry, Scene as WireScene} from "@wire";
+import {
+  type Body as WireBody,
+  type Geometry as WireGeometry,
+  Scene as WireScene,
+  type Vec3 as WireVec3,
+} from "@wire";
 
 import {kIdentity, type Pose, type Vec3} from "./pose";
 
@@ -92,12 +97,10 @@ function readFirstSight(scene: WireScene): FirstSight | undefined {
   const centre = sight?.centre();
   const from = sight?.from();
   if (!sight || !centre || !from) return undefined;
-  return {
-    centre: [centre.x(), centre.y(), centre.z()],
-    radiusM: sight.radius(),
-    from: [from.x(), from.y(), from.z()],
-  };
+  return {centre: vec3(centre), radiusM: sight.radius(), from: vec3(from)};
 }
+
+const vec3 = (of: WireVec3): Vec3 => [of.x(), of.y(), of.z()];
 
 function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
   const geometry = geometries[body.geometry()];
@@ -112,18 +115,12 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
   return {
     name: body.name() ?? "",
     geometry,
-    pose:
-      pose && p
-        ? {p: [p.x(), p.y(), p.z()], q: [pose.qw(), pose.qx(), pose.qy(), pose.qz()]}
-        : kIdentity,
+    pose: pose && p ? {p: vec3(p), q: [pose.qw(), pose.qx(), pose.qy(), pose.qz()]} : kIdentity,
     materials,
     leafMaterial: body.leafMaterialArray() ?? new Uint8Array(),
     look: body.look() ?? "",
     ambient: body.ambientArray() ?? new Uint8Array(),
-    margin: Array.from({length: body.marginLength()}, (_, i): Vec3 => {
-      const point = body.margin(i)!;
-      return [point.x(), point.y(), point.z()];
-    }),
+    margin: Array.from({length: body.marginLength()}, (_, i) => vec3(body.margin(i)!)),
   };
 }
 
@@ -139,7 +136,7 @@ function readGeometry(geometry: WireGeometry): Geometry {
     leafTriangleBegin: geometry.leafTriangleBeginArray() ?? new Uint32Array(),
     leafTriangle: geometry.leafTriangleArray() ?? new Uint32Array(),
     levels: readLevels(geometry),
-    centroid: centroid ? [centroid.x(), centroid.y(), centroid.z()] : [0, 0, 0],
+    centroid: centroid ? vec3(centroid) : [0, 0, 0],
     centre: bounds.center.toArray(),
     radiusM: Math.max(0, bounds.radius), // three's of nothing is -1
   };
