@@ -42,6 +42,7 @@ struct Measure {
   const char* name;
   const char* unit;
   const char* text;
+  double Score::*of_score = nullptr;  ///< none: it is computed of the trial
 };
 /// What a criterion may be about.
 extern const std::vector<Measure> kMeasures;
