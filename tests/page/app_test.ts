@@ -62,6 +62,24 @@ function tellPress(newtons: number, x: number): void {
   gateway.send("/palpate/tool_state", pressed("hand", sequence, newtons, x));
 }
 
+/// A tool that touches nothing, in the scene that wears.
+function moveInWearing(): void {
+  const pose = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
+  const state = {station: "hand", scene: "wearing", tool: "ball", haptic: pose, graphic: pose};
+  moving = setInterval(() => {
+    gateway.send("/palpate/tool_state", toolState({...state, sequence: (sequence += 33)}));
+  }, 33);
+}
+
+/// Leaves of the whole front and the top.
+function scrape(): void {
+  [2, 3, 6, 7].forEach((triangle, i) => {
+    gateway.send("/palpate/scene_change", sceneChange("wearing", i + 1, 0, triangle, [triangle]));
+  });
+}
+
+const theme = (): Promise<string | undefined> =>
+  page.evaluate(() => document.documentElement.dataset.theme);
 /// What is drawn, without the words above it.
 const picture = async (): Promise<string> => {
   const style = ".picture > :not(canvas) { visibility: hidden }";
@@ -296,11 +314,7 @@ test("what is scraped off vanishes, and a server's new run makes it whole", asyn
   await until(page, "the scene", ({scene}) => scene === "wearing");
   const whole = (await until(page, "a picture", ({triangles}) => triangles > 0)).triangles;
   const before = await stillPicture();
-  // The whole front and the top.
-  const gone = [2, 3, 6, 7];
-  gone.forEach((triangle, i) => {
-    gateway.send("/palpate/scene_change", sceneChange("wearing", i + 1, 0, triangle, [triangle]));
-  });
+  scrape();
   await eventually("a hole", async () => (await picture()) !== before);
   gateway.send(
     "/palpate/session_state",
@@ -317,9 +331,7 @@ test("a worn scene is made whole by a button, which is of no use before it is wo
   await eventually("the button", () => button.isVisible());
   expect(await button.isDisabled()).toBe(true);
   const before = await stillPicture();
-  [2, 3, 6, 7].forEach((triangle, i) => {
-    gateway.send("/palpate/scene_change", sceneChange("wearing", i + 1, 0, triangle, [triangle]));
-  });
+  scrape();
   await eventually("a hole", async () => (await picture()) !== before);
   gateway.onPublish = ({op, scene}) => {
     if (op !== "whole" || scene !== "wearing") return;
@@ -353,11 +365,7 @@ test("who has chosen nothing sees the scene in which a tool moves", async () => 
   await open();
   const idle = await until(page, "a scene", ({scene}) => scene !== "");
   expect(idle.scene).toBe("test-box"); // the first one
-  const pose = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
-  const state = {station: "hand", scene: "wearing", tool: "ball", haptic: pose, graphic: pose};
-  moving = setInterval(() => {
-    gateway.send("/palpate/tool_state", toolState({...state, sequence: (sequence += 33)}));
-  }, 33);
+  moveInWearing();
   await until(page, "the other scene", ({scene}) => scene === "wearing");
 });
 
@@ -646,11 +654,7 @@ test("another scene's picture does not stay while its own is not there", async (
 });
 
 test("a scene that nobody serves is no choice", async () => {
-  const pose = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
-  const state = {station: "hand", scene: "wearing", tool: "ball", haptic: pose, graphic: pose};
-  moving = setInterval(() => {
-    gateway.send("/palpate/tool_state", toolState({...state, sequence: (sequence += 33)}));
-  }, 33);
+  moveInWearing();
   await open({}, "?scene=typo");
   await until(page, "the one that moves", ({scene}) => scene === "wearing");
 });
@@ -677,8 +681,6 @@ test("light and dark are switched also where the browser keeps nothing", async (
       },
     });
   });
-  const theme = (): Promise<string | undefined> =>
-    page.evaluate(() => document.documentElement.dataset.theme);
   await eventually("a theme", async () => (await theme()) === "light");
   await page.keyboard.press("t");
   expect(await theme()).toBe("dark");
@@ -798,8 +800,6 @@ test("every control has a name, and every key in the help does something", async
 test("light and dark follow the system, and the reader's choice outlives the visit", async () => {
   press(0);
   await open({colorScheme: "dark"});
-  const theme = (): Promise<string | undefined> =>
-    page.evaluate(() => document.documentElement.dataset.theme);
   expect(await theme()).toBe("dark");
   await page.emulateMedia({colorScheme: "light"});
   await eventually("light", async () => (await theme()) === "light");

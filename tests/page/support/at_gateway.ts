@@ -4,11 +4,11 @@ import type {Browser, Page} from "playwright-core";
 
 import {
   closeWindows,
-  eventually,
   kHasChromium,
   launch,
   openPage,
   openWindow,
+  readsOn,
   until,
   type WindowOptions,
 } from "./browser";
@@ -67,12 +67,8 @@ export async function openWith(script: (of: number) => void, of = 0, query = "")
 export const text = (selector: string): Promise<string> => page.locator(selector).innerText();
 export const isVisible = (selector: string): Promise<boolean> => page.locator(selector).isVisible();
 
-/// Waits until it is what a part of the page says.
 export const reads = (selector: string, wanted: string | RegExp): Promise<void> =>
-  eventually(`${selector}: ${wanted}`, async () => {
-    const said = await text(selector);
-    return typeof wanted === "string" ? said === wanted : wanted.test(said);
-  });
+  readsOn(page, selector, wanted);
 export const appears = (selector: string): Promise<void> =>
   page.locator(selector).waitFor({state: "visible"});
 export const vanishes = (selector: string): Promise<void> =>
