@@ -180,7 +180,6 @@ HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice
 
 HandPath TrialIn(const HandPath& path, const std::string& file) {
   const std::size_t size = path.size();
-  const auto touches = [&](std::size_t i) { return path.force_N[i].norm() > kContact_N; };
   const auto is_away = [&](std::size_t i, const Pose& from) {
     return (path.X_WH[i].p - from.p).norm() > kMoved_m ||
            path.X_WH[i].q.angularDistance(from.q) > kTurned_rad;
@@ -190,8 +189,8 @@ HandPath TrialIn(const HandPath& path, const std::string& file) {
   };
   const auto arrives = [&](std::size_t i) { return i > 0 && is_away(i - 1, path.X_WH.back()); };
   std::size_t begin = 0, end = size;
-  while (begin < end && !touches(begin) && !moves_off(begin)) ++begin;
-  while (end > begin && !touches(end - 1) && !arrives(end - 1)) --end;
+  while (begin < end && !path.touches(begin) && !moves_off(begin)) ++begin;
+  while (end > begin && !path.touches(end - 1) && !arrives(end - 1)) --end;
   if (end - begin < 2) {
     throw Error(file +
                 ": the hand neither moves by more than 1 mm or 1 degree nor touches anything; give "

@@ -7,9 +7,6 @@
 
 namespace palpate {
 
-/// Above it a hand is in contact [N].
-inline constexpr double kContact_N = 0.05;
-
 /// What a hand did in a recorded session, sample by sample.
 struct HandPath {
   std::string station, scene;
@@ -21,6 +18,8 @@ struct HandPath {
 
   /// Where the tool was: as objects stopped it, if that is known.
   const std::vector<Pose>& tool() const { return X_WG.empty() ? X_WH : X_WG; }
+  /// Without contact the wrench is exactly zero (server/physics/solve/README.md).
+  bool touches(std::size_t i) const { return !force_N[i].isZero(0.0); }
   std::size_t size() const { return time_s.size(); }
   double duration_s() const { return time_s.empty() ? 0.0 : time_s.back(); }
 };

@@ -7,17 +7,8 @@
 namespace palpate {
 
 const char* RoleName(Access access) {
-  switch (access) {
-    case Access::kWatch:
-      return "watch";
-    case Access::kDrive:
-      return "drive";
-    case Access::kOperate:
-      return "operate";
-    case Access::kNone:
-      break;
-  }
-  return "none";
+  static constexpr const char* kNames[] = {"none", "watch", "drive", "operate"};
+  return kNames[static_cast<std::size_t>(access)];
 }
 
 std::optional<Access> ParseRole(std::string_view name) {

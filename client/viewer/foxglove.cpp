@@ -5,11 +5,13 @@
 #include <cstring>
 #include <limits>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "client/viewer/json_text.h"
 #include "client/viewer/viewer_limits.h"
-#include "common/text/quoted.h"
+#include "common/error.h"
+#include "common/json/json_file.h"
 
 namespace palpate::foxglove {
 namespace {
@@ -19,56 +21,17 @@ using Json = nlohmann::json;
 constexpr std::uint8_t kMessageData = 1;
 static_assert(std::endian::native == std::endian::little, "the protocol's integers are");
 
-bool ReadId(const Json& value, std::uint32_t& id) {
-  if (!value.is_number_unsigned()) return false;
-  const auto number = value.get<std::uint64_t>();
-  id = static_cast<std::uint32_t>(number);
-  return number <= std::numeric_limits<std::uint32_t>::max();
+std::uint32_t Id(const JsonNode& node) {
+  return static_cast<std::uint32_t>(node.Integer(0, std::numeric_limits<std::uint32_t>::max()));
 }
 
-bool ReadId(const Json& object, const char* field, std::uint32_t& id) {
-  const auto found = object.find(field);
-  return found != object.end() && ReadId(*found, id);
-}
-
-bool ReadText(const Json& object, const char* field, std::string& text) {
-  const auto found = object.find(field);
-  if (found == object.end() || !found->is_string()) return false;
-  text = found->get<std::string>();
-  return true;
-}
-
-/// A bounded list of the request; null where there is none.
-const Json* List(const Json& object, const char* field) {
-  const auto found = object.find(field);
-  if (found == object.end() || !found->is_array() || found->size() > ViewerLimits::kMostItems)
-    return nullptr;
-  return &*found;
-}
-
-bool ReadSubscriptions(const Json& message, Request& request) {
-  const Json* list = List(message, "subscriptions");
-  return list != nullptr && std::ranges::all_of(*list, [&](const Json& item) {
-           Subscription& s = request.subscriptions.emplace_back();
-           return item.is_object() && ReadId(item, "id", s.id) &&
-                  ReadId(item, "channelId", s.channel);
-         });
-}
-
-bool ReadChannels(const Json& message, Request& request) {
-  const Json* list = List(message, "channels");
-  return list != nullptr && std::ranges::all_of(*list, [&](const Json& item) {
-           ClientChannel& c = request.channels.emplace_back();
-           return item.is_object() && ReadId(item, "id", c.id) &&
-                  ReadText(item, "topic", c.topic) && ReadText(item, "encoding", c.encoding);
-         });
-}
-
-bool ReadIds(const Json& message, const char* field, Request& request) {
-  const Json* list = List(message, field);
-  return list != nullptr && std::ranges::all_of(*list, [&](const Json& item) {
-           return ReadId(item, request.ids.emplace_back());
-         });
+std::vector<JsonNode> Items(const JsonNode& message, const char* field) {
+  const JsonNode list = message.At(field);
+  std::vector<JsonNode> items = list.Items();
+  if (items.size() > ViewerLimits::kMostItems) {
+    list.Fail(fmt::format("has more than {} entries; send fewer", ViewerLimits::kMostItems));
+  }
+  return items;
 }
 
 }  // namespace
@@ -125,47 +88,37 @@ MessageHeader MakeMessageHeader(std::uint32_t subscription, std::int64_t time_ns
   return header;
 }
 
-std::optional<Request> ParseRequest(std::string_view text, std::string& complaint) {
-  const Json message = Json::parse(text, nullptr, false);
-  if (!message.is_object()) {
-    complaint = "a text message that is no JSON object";
-    return std::nullopt;
-  }
+Request ParseRequest(std::string_view text) {
+  const JsonNode message = JsonNode::Parse(text, "a text message");
   Request request;
-  if (!ReadText(message, "op", request.op_name)) {
-    complaint = "a text message without 'op'";
-    return std::nullopt;
-  }
-  bool good = true;
+  request.op_name = message.At("op").Text();
   if (request.op_name == "subscribe") {
     request.op = Request::Op::kSubscribe;
-    good = ReadSubscriptions(message, request);
+    for (const JsonNode& item : Items(message, "subscriptions")) {
+      request.subscriptions.push_back({Id(item.At("id")), Id(item.At("channelId"))});
+    }
   } else if (request.op_name == "unsubscribe") {
     request.op = Request::Op::kUnsubscribe;
-    good = ReadIds(message, "subscriptionIds", request);
+    for (const JsonNode& item : Items(message, "subscriptionIds")) request.ids.push_back(Id(item));
   } else if (request.op_name == "advertise") {
     request.op = Request::Op::kAdvertise;
-    good = ReadChannels(message, request);
+    for (const JsonNode& item : Items(message, "channels")) {
+      request.channels.push_back(
+          {Id(item.At("id")), item.At("topic").Text(), item.At("encoding").Text()});
+    }
   } else if (request.op_name == "unadvertise") {
     request.op = Request::Op::kUnadvertise;
-    good = ReadIds(message, "channelIds", request);
+    for (const JsonNode& item : Items(message, "channelIds")) request.ids.push_back(Id(item));
   }
-  if (good) return request;
-  complaint = Quoted(request.op_name) + " has not the fields of the protocol";
-  return std::nullopt;
+  return request;
 }
 
-std::optional<ClientMessage> ParseMessage(std::span<const std::uint8_t> bytes,
-                                          std::string& complaint) {
+ClientMessage ParseMessage(std::span<const std::uint8_t> bytes) {
   ClientMessage message;
   constexpr std::size_t kHeader = 1 + sizeof message.channel;
-  if (bytes.size() < kHeader) {
-    complaint = "a binary message that is cut short";
-    return std::nullopt;
-  }
+  if (bytes.size() < kHeader) throw Error("a binary message that is cut short");
   if (bytes[0] != kMessageData) {
-    complaint = "a binary message with opcode " + std::to_string(bytes[0]);
-    return std::nullopt;
+    throw Error("a binary message with opcode " + std::to_string(bytes[0]));
   }
   std::memcpy(&message.channel, &bytes[1], sizeof message.channel);
   message.payload = {reinterpret_cast<const char*>(bytes.data()) + kHeader, bytes.size() - kHeader};

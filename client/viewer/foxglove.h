@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -61,16 +60,16 @@ struct Request {
   std::vector<std::uint32_t> ids;           ///< kUnsubscribe: subscriptions; kUnadvertise: channels
   std::vector<ClientChannel> channels;      ///< kAdvertise
 };
-/// Nothing, with the reason, for what is none.  An operation that this server does not have is
-/// kUnknown: a newer client may ask for it.
-std::optional<Request> ParseRequest(std::string_view text, std::string& complaint);
+/// Throws Error for what is none.  An operation that this server does not have is kUnknown: a newer
+/// client may ask for it.
+Request ParseRequest(std::string_view text);
 
 /// A client's binary message.  The payload is a part of the bytes given.
 struct ClientMessage {
   std::uint32_t channel = 0;
   std::string_view payload;
 };
-std::optional<ClientMessage> ParseMessage(std::span<const std::uint8_t> bytes,
-                                          std::string& complaint);
+/// Throws Error for what is none.
+ClientMessage ParseMessage(std::span<const std::uint8_t> bytes);
 
 }  // namespace palpate::foxglove

@@ -1,69 +1,50 @@
 #include "client/viewer/mouse_command.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
-#include <cmath>
-#include <span>
+#include <vector>
 
-#include <nlohmann/json.hpp>
+#include "common/json/json_file.h"
 
 namespace palpate {
 namespace {
 
-using Json = nlohmann::json;
-
+/// In the order of MouseCommand::Op.
+const std::vector<std::string_view> kOps = {"take", "pose", "release", "whole"};
 constexpr std::size_t kLongestName = 64;  // as idl/session.idl has it
 
-bool ReadNumbers(const Json& object, const char* field, std::span<double> numbers) {
-  const auto found = object.find(field);
-  if (found == object.end() || !found->is_array() || found->size() != numbers.size()) return false;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (!(*found)[i].is_number()) return false;
-    numbers[i] = (*found)[i].get<double>();
-    if (!std::isfinite(numbers[i])) return false;
-  }
-  return true;
-}
-
-std::string Text(const Json& object, const char* field) {
-  const auto found = object.find(field);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+std::string Name(const JsonNode& node) {
+  std::string name = node.Text();
+  if (name.size() > kLongestName) node.Fail("has more than 64 bytes; no scene and no tool has");
+  return name;
 }
 
 }  // namespace
 
-std::optional<MouseCommand> ParseMouseCommand(std::string_view text, std::string& complaint) {
-  const auto refuse = [&](const char* why) {
-    complaint = why;
-    return std::nullopt;
-  };
-  const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object()) return refuse("is no JSON object");
-  const std::string op = Text(json, "op");
+MouseCommand ParseMouseCommand(std::string_view text) {
+  const JsonNode json = JsonNode::Parse(text, "/palpate/mouse");
   MouseCommand command;
-  if (op == "release") return command;
-  if (op == "take" || op == "whole") {
-    command.op = op == "take" ? MouseCommand::Op::kTake : MouseCommand::Op::kWhole;
-    command.scene = Text(json, "scene");
-    command.tool = Text(json, "tool");
-    if (command.scene.empty()) return refuse("'take' and 'whole' need the name of a scene");
-    if (std::max(command.scene.size(), command.tool.size()) > kLongestName) {
-      return refuse("the name of a scene or a tool has 64 bytes at most");
+  const auto op = std::ranges::find(kOps, json.At("op").OneOf(kOps));
+  command.op = static_cast<MouseCommand::Op>(op - kOps.begin());
+  switch (command.op) {
+    case MouseCommand::Op::kTake:
+    case MouseCommand::Op::kWhole:
+      command.scene = Name(json.At("scene"));
+      if (command.scene.empty()) json.At("scene").Fail("is empty; give a name");
+      if (const auto tool = json.Find("tool")) command.tool = Name(*tool);
+      break;
+    case MouseCommand::Op::kPose: {
+      const JsonNode q = json.At("q");
+      const std::vector<JsonNode> wxyz = q.Items();
+      if (wxyz.size() != 4) q.Fail("give four numbers: [w, x, y, z]");
+      command.X_WT = {json.At("p").Vector(),
+                      Quat(wxyz[0].Number(), wxyz[1].Number(), wxyz[2].Number(), wxyz[3].Number())};
+      break;
     }
-    return command;
+    case MouseCommand::Op::kRelease:
+      break;
   }
-  if (op == "pose") {
-    command.op = MouseCommand::Op::kPose;
-    std::array<double, 3> p{};
-    std::array<double, 4> q{};
-    if (!ReadNumbers(json, "p", p) || !ReadNumbers(json, "q", q)) {
-      return refuse("'pose' needs p, three numbers, and q, four");
-    }
-    command.X_WT = {Vec3(p[0], p[1], p[2]), Quat(q[0], q[1], q[2], q[3])};
-    return command;
-  }
-  return refuse("its op is none of take, pose, release and whole");
+  return command;
 }
 
 std::string ToMouseLine(const Pose& X) {

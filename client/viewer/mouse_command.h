@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,8 +20,8 @@ struct MouseCommand {
   Pose X_WT;  ///< finite; its rotation need not be unit
 };
 
-/// Nothing, with the reason, for what is none.
-std::optional<MouseCommand> ParseMouseCommand(std::string_view json, std::string& complaint);
+/// Throws Error for what is none.
+MouseCommand ParseMouseCommand(std::string_view json);
 
 /// The pose as a line for a station's mouse device (devices/mouse/mouse_line.h), to the bit.
 std::string ToMouseLine(const Pose& X_WT);

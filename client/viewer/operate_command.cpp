@@ -1,81 +1,45 @@
 #include "client/viewer/operate_command.h"
 
-#include <cmath>
-#include <utility>
-
-#include <nlohmann/json.hpp>
+#include <algorithm>
+#include <vector>
 
 #include "common/dds/topics.h"
+#include "common/json/json_file.h"
 
 namespace palpate {
-
-const char* OperateWishName(wire::OperateWish wish) {
-  switch (wish) {
-    case palpate_OPERATE_ADMIT:
-      return "admit";
-    case palpate_OPERATE_TAKE_BACK:
-      return "take_back";
-    case palpate_OPERATE_MUTE:
-      return "mute";
-    case palpate_OPERATE_UNMUTE:
-      return "unmute";
-  }
-  return "?";
-}
-
 namespace {
 
-std::optional<OperateCommand> ParseGoal(const nlohmann::json& json, std::string& complaint) {
-  const auto scene = json.find("scene");
-  const auto text = json.find("text");
-  const auto limit = json.find("limit_N");
-  OperateCommand::Goal goal;
-  if (json.size() != 4 || scene == json.end() || text == json.end() || limit == json.end() ||
-      !scene->is_string() || !text->is_string() || !limit->is_number()) {
-    complaint = "of a goal has other fields than op, scene, text and limit_N";
-    return std::nullopt;
-  }
-  goal.scene = scene->get<std::string>();
-  goal.text = text->get<std::string>();
-  goal.limit = limit->get<double>();
-  if (goal.text.size() > OperateCommand::Goal::kLongest || !(goal.limit >= 0.0) ||
-      !std::isfinite(goal.limit)) {
-    complaint = "of a goal has a text of more than 480 bytes, or a limit that is no force";
-    return std::nullopt;
-  }
-  OperateCommand command;
-  command.goal = std::move(goal);
-  return command;
+/// In the order of idl/session.idl, and a goal.
+const std::vector<std::string_view> kOps = {"admit", "take_back", "mute", "unmute", "goal"};
+
+OperateCommand::Goal ReadGoal(const JsonNode& json) {
+  json.AllowOnly({"op", "scene", "text", "limit_N"});
+  const JsonNode text = json.At("text");
+  OperateCommand::Goal goal{json.At("scene").Text(), text.Text(), json.At("limit_N").Number(0.0)};
+  if (goal.text.size() > OperateCommand::Goal::kLongest) text.Fail("has more than 480 bytes");
+  return goal;
 }
 
 }  // namespace
 
-std::optional<OperateCommand> ParseOperateCommand(std::string_view text, std::string& complaint) {
-  using Json = nlohmann::json;
-  const auto refuse = [&](const char* why) {
-    complaint = why;
-    return std::nullopt;
-  };
-  const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object()) return refuse("is no JSON object");
-  const auto op = json.find("op");
-  if (op != json.end() && *op == "goal") return ParseGoal(json, complaint);
-  const auto station = json.find("station");
-  if (json.size() != 2 || op == json.end() || station == json.end() || !op->is_string() ||
-      !station->is_string()) {
-    return refuse("has other fields than op and station, two texts");
-  }
+std::string_view OperateWishName(wire::OperateWish wish) {
+  return kOps.at(static_cast<std::size_t>(wish));
+}
+
+OperateCommand ParseOperateCommand(std::string_view text) {
+  const JsonNode json = JsonNode::Parse(text, "/palpate/operate");
+  const std::string op = json.At("op").OneOf(kOps);
   OperateCommand command;
-  command.station = station->get<std::string>();
-  if (!dds::IsStationName(command.station)) return refuse("names no station");
-  for (const wire::OperateWish wish : {palpate_OPERATE_ADMIT, palpate_OPERATE_TAKE_BACK,
-                                       palpate_OPERATE_MUTE, palpate_OPERATE_UNMUTE}) {
-    if (op->get_ref<const std::string&>() == OperateWishName(wish)) {
-      command.wish = wish;
-      return command;
-    }
+  if (op == "goal") {
+    command.goal = ReadGoal(json);
+    return command;
   }
-  return refuse("its op is none of admit, take_back, mute, unmute and goal");
+  json.AllowOnly({"op", "station"});
+  const JsonNode station = json.At("station");
+  command.station = station.Text();
+  if (!dds::IsStationName(command.station)) station.Fail("names no station");
+  command.wish = static_cast<wire::OperateWish>(std::ranges::find(kOps, op) - kOps.begin());
+  return command;
 }
 
 }  // namespace palpate

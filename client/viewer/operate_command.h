@@ -25,10 +25,10 @@ struct OperateCommand {
   std::optional<Goal> goal;  ///< then the rest does not count
 };
 
-/// Nothing, with the reason, for what is none: these fields, and no others.
-std::optional<OperateCommand> ParseOperateCommand(std::string_view json, std::string& complaint);
+/// Throws Error for what is none: these fields, and no others.
+OperateCommand ParseOperateCommand(std::string_view json);
 
 /// "admit", "take_back", "mute", "unmute".
-const char* OperateWishName(wire::OperateWish wish);
+std::string_view OperateWishName(wire::OperateWish wish);
 
 }  // namespace palpate

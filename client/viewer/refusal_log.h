@@ -26,6 +26,7 @@ enum class Refusal {
 /// Thread contract: one thread.  Time is given [ns].
 class RefusalLog {
  public:
+  static constexpr std::size_t kKinds = 10;
   /// @param who   an address.   @param what  a sentence; what outsiders sent in it is Quoted.
   void Say(Refusal kind, const std::string& who, const std::string& what, std::int64_t now_ns);
   /// Tells how many were not told of, once a second has passed without one of their kind.
@@ -34,7 +35,6 @@ class RefusalLog {
   std::uint64_t count() const { return count_; }
 
  private:
-  static constexpr std::size_t kKinds = 10;
   std::array<RateLimit, kKinds> limits_;
   std::uint64_t count_ = 0;
 };

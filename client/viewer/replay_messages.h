@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -29,8 +28,8 @@ struct ReplayWish {
   wire::ReplayRequest request{};
 };
 
-/// Nothing, with the reason, for what is none.
-std::optional<ReplayWish> ParseReplayWish(std::string_view json, std::string& complaint);
+/// Throws Error for what is none.
+ReplayWish ParseReplayWish(std::string_view json);
 
 /// What the gateway answers at once, to this page alone: the number by which ReplayState answers,
 /// or why nobody is asked.

@@ -79,26 +79,20 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers) {
 
 /// What a server, stations and a replayer say.
 struct TopicFeed::Readers {
-  explicit Readers(const dds::Participant& participant)
-      : tool_states(participant, dds::kToolStateTopic, dds::Qos::kStream),
-        statistics(participant, dds::kLoopStatisticsTopic, dds::Qos::kStream),
-        stations(participant, dds::kStationStatisticsTopic, dds::Qos::kStream),
-        sessions(participant, dds::kSessionStateTopic, dds::Qos::kSession),
-        changes(participant, dds::kSceneChangeTopic, dds::Qos::kSession),
-        wholes(participant, dds::kSceneWholeTopic, dds::Qos::kSession),
-        bundles(participant, dds::kSceneBundleTopic, dds::Qos::kSession),
-        replay_contents(participant, dds::kReplayContentsTopic, dds::Qos::kSession),
-        replay_states(participant, dds::kReplayStateTopic, dds::Qos::kSession) {}
+  explicit Readers(const dds::Participant& participant) : on(participant) {}
 
-  dds::CdrReader<wire::ToolState> tool_states;
-  dds::CdrReader<wire::LoopStatistics> statistics;
-  dds::CdrReader<wire::StationStatistics> stations;
-  dds::CdrReader<wire::SessionState> sessions;
-  dds::CdrReader<wire::SceneChange> changes;
-  dds::CdrReader<wire::SceneWhole> wholes;
-  dds::CdrReader<wire::SceneBundle> bundles;
-  dds::CdrReader<wire::ReplayContents> replay_contents;
-  dds::CdrReader<wire::ReplayState> replay_states;
+  const dds::Participant& on;
+  dds::CdrReader<wire::ToolState> tool_states{on, dds::kToolStateTopic, dds::Qos::kStream};
+  dds::CdrReader<wire::LoopStatistics> statistics{on, dds::kLoopStatisticsTopic, dds::Qos::kStream};
+  dds::CdrReader<wire::StationStatistics> stations{on, dds::kStationStatisticsTopic,
+                                                   dds::Qos::kStream};
+  dds::CdrReader<wire::SessionState> sessions{on, dds::kSessionStateTopic, dds::Qos::kSession};
+  dds::CdrReader<wire::SceneChange> changes{on, dds::kSceneChangeTopic, dds::Qos::kSession};
+  dds::CdrReader<wire::SceneWhole> wholes{on, dds::kSceneWholeTopic, dds::Qos::kSession};
+  dds::CdrReader<wire::SceneBundle> bundles{on, dds::kSceneBundleTopic, dds::Qos::kSession};
+  dds::CdrReader<wire::ReplayContents> replay_contents{on, dds::kReplayContentsTopic,
+                                                       dds::Qos::kSession};
+  dds::CdrReader<wire::ReplayState> replay_states{on, dds::kReplayStateTopic, dds::Qos::kSession};
 };
 
 TopicFeed::TopicFeed(int domain, const dds::Network& network)

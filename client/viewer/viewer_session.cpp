@@ -9,6 +9,7 @@
 #include <boost/asio/post.hpp>
 #include <spdlog/spdlog.h>
 
+#include "common/error.h"
 #include "common/realtime/steady_clock.h"
 #include "common/text/quoted.h"
 
@@ -110,9 +111,14 @@ void ViewerSession::OnRead(beast::error_code error) {
   signs_.Heard(now_ns);
   if (closing_) return input_.clear();
   const auto data = input_.cdata();
-  const std::string wrong =
-      socket_.got_text() ? OnText({static_cast<const char*>(data.data()), data.size()})
-                         : OnBinary({static_cast<const std::uint8_t*>(data.data()), data.size()});
+  std::string wrong;
+  try {
+    wrong = socket_.got_text()
+                ? OnText({static_cast<const char*>(data.data()), data.size()})
+                : OnBinary({static_cast<const std::uint8_t*>(data.data()), data.size()});
+  } catch (const Error& error) {
+    wrong = error.what();
+  }
   input_.clear();
   if (!wrong.empty()) {
     Send(foxglove::Status(foxglove::Level::kError, "this connection ends: it sent " + wrong));
@@ -140,29 +146,27 @@ void ViewerSession::ReadOn(std::int64_t now_ns) {
 }
 
 std::string ViewerSession::OnText(std::string_view text) {
-  std::string wrong;
-  const auto request = foxglove::ParseRequest(text, wrong);
-  if (!request) return wrong;
+  const foxglove::Request request = foxglove::ParseRequest(text);
   using Op = foxglove::Request::Op;
-  switch (request->op) {
+  switch (request.op) {
     case Op::kSubscribe:
-      Subscribe(*request);
+      Subscribe(request);
       break;
     case Op::kUnsubscribe:
-      for (const std::uint32_t id : request->ids) queue_.Unsubscribe(id);
+      for (const std::uint32_t id : request.ids) queue_.Unsubscribe(id);
       break;
     case Op::kAdvertise:
-      for (const foxglove::ClientChannel& channel : request->channels) {
+      for (const foxglove::ClientChannel& channel : request.channels) {
         if (published_.size() >= ViewerLimits::kMostChannels) return "too many channels";
         Publish(channel);
       }
       break;
     case Op::kUnadvertise:
-      for (const std::uint32_t id : request->ids) published_.erase(id);
+      for (const std::uint32_t id : request.ids) published_.erase(id);
       break;
     case Op::kUnknown:
       Say(foxglove::Level::kWarning,
-          Quoted(request->op_name) + " is nothing that this gateway does");
+          Quoted(request.op_name) + " is nothing that this gateway does");
       break;
   }
   return "";
@@ -244,70 +248,57 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
 }
 
 std::string ViewerSession::OnBinary(std::span<const std::uint8_t> bytes) {
-  std::string wrong;
-  const auto message = foxglove::ParseMessage(bytes, wrong);
-  if (!message) return wrong;
-  const auto channel = published_.find(message->channel);
+  const foxglove::ClientMessage message = foxglove::ParseMessage(bytes);
+  const auto channel = published_.find(message.channel);
   if (channel == published_.end()) {
-    return "a message on channel " + std::to_string(message->channel) +
+    return "a message on channel " + std::to_string(message.channel) +
            ", which it has not advertised";
   }
-  if (channel->second == kMouseTopic) {
-    OnMouse(message->payload);
-  } else if (channel->second == kOperateTopic) {
-    OnOperate(message->payload);
-  } else {
-    OnReplay(message->payload);
+  try {
+    if (channel->second == kMouseTopic) {
+      OnMouse(ParseMouseCommand(message.payload));
+    } else if (channel->second == kOperateTopic) {
+      OnOperate(ParseOperateCommand(message.payload));
+    } else {
+      OnReplay(ParseReplayWish(message.payload));
+    }
+  } catch (const Error& error) {
+    Say(foxglove::Level::kWarning, error.what());
   }
   return "";
 }
 
-void ViewerSession::OnMouse(std::string_view json) {
-  std::string wrong;
-  const auto command = ParseMouseCommand(json, wrong);
-  if (!command) {
-    return Say(foxglove::Level::kWarning, std::string(kMouseTopic) + ": the message " + wrong);
-  }
+void ViewerSession::OnMouse(const MouseCommand& command) {
   MouseRoom& mice = hub_.mice();
   const std::int64_t now_ns = SteadyNanoseconds();
-  switch (command->op) {
+  switch (command.op) {
     case MouseCommand::Op::kTake:
-      return hub_.Take(*this, *command, now_ns);
+      return hub_.Take(*this, command, now_ns);
     case MouseCommand::Op::kPose:
-      return mice.Drag(id_, command->X_WT, now_ns);
+      return mice.Drag(id_, command.X_WT, now_ns);
     case MouseCommand::Op::kRelease:
       return mice.Release(id_, "", now_ns);
     case MouseCommand::Op::kWhole:
       if (!hub_.RefuseWish(Wish::kWhole, *this, now_ns).empty()) return;
-      if (!hub_.AskForWhole(command->scene, Who())) {
-        Say(foxglove::Level::kError, "scene " + Quoted(command->scene) + " is not served here");
+      if (!hub_.AskForWhole(command.scene, Who())) {
+        Say(foxglove::Level::kError, "scene " + Quoted(command.scene) + " is not served here");
       }
       return;
   }
 }
 
-void ViewerSession::OnReplay(std::string_view json) {
-  std::string wrong;
-  const auto wish = ParseReplayWish(json, wrong);
-  if (!wish) {
-    return Say(foxglove::Level::kWarning, std::string(kReplayTopic) + ": the message " + wrong);
-  }
+void ViewerSession::OnReplay(const ReplayWish& wish) {
   const std::int64_t now_ns = SteadyNanoseconds();
   const std::string refusal = hub_.RefuseWish(Wish::kReplay, *this, now_ns);
   // OnRead flushes.
-  queue_.Push(refusal.empty() ? hub_.AskReplay(*wish, Who()) : hub_.RefuseReplay(*wish, refusal),
+  queue_.Push(refusal.empty() ? hub_.AskReplay(wish, Who()) : hub_.RefuseReplay(wish, refusal),
               now_ns);
 }
 
-void ViewerSession::OnOperate(std::string_view json) {
-  std::string wrong;
-  const auto command = ParseOperateCommand(json, wrong);
-  if (!command) {
-    return Say(foxglove::Level::kWarning, std::string(kOperateTopic) + ": the message " + wrong);
-  }
+void ViewerSession::OnOperate(const OperateCommand& command) {
   if (!hub_.RefuseWish(Wish::kOperate, *this, SteadyNanoseconds()).empty()) return;
   const std::string refusal =
-      command->goal ? hub_.SetGoal(*command->goal, Who()) : hub_.AskOperate(*command, Who());
+      command.goal ? hub_.SetGoal(*command.goal, Who()) : hub_.AskOperate(command, Who());
   if (!refusal.empty()) Say(foxglove::Level::kError, std::string(kOperateTopic) + ": " + refusal);
 }
 

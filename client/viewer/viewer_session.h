@@ -75,9 +75,9 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   void Publish(const foxglove::ClientChannel& channel);
   /// What a client may publish instead, or why it may not.
   std::string WhatIsOfUse() const;
-  void OnMouse(std::string_view json);
-  void OnReplay(std::string_view json);
-  void OnOperate(std::string_view json);
+  void OnMouse(const MouseCommand& command);
+  void OnReplay(const ReplayWish& wish);
+  void OnOperate(const OperateCommand& command);
   void Send(std::string text);
   void Write();
   void OnWritten(boost::beast::error_code error);

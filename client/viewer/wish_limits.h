@@ -31,10 +31,10 @@ class WishLimits {
   std::size_t addresses() const { return addresses_.size(); }
 
  private:
-  static constexpr std::size_t kWishes = 5;
+  static constexpr std::size_t kKinds = 5;
   struct Viewer {
-    std::array<RateLimit, kWishes> limits;
-    std::array<bool, kWishes> told{};
+    std::array<RateLimit, kKinds> limits;
+    std::array<bool, kKinds> told{};
   };
   std::map<std::uint64_t, Viewer> viewers_;
   std::map<std::pair<std::string, Wish>, RateLimit> addresses_;

@@ -1,29 +1,33 @@
 // The page in a real browser, at a gateway that does what a test says.
-import {afterAll, afterEach, beforeAll, beforeEach, expect} from "vitest";
-
-import type {Browser, Page} from "playwright-core";
+import {afterEach, beforeEach, expect} from "vitest";
 
 import {
+  appears,
+  atGateway,
+  firstPicture,
+  gateway,
+  giveTools,
+  isVisible,
+  load,
+  open,
+  openWith,
+  page,
+  reads,
+  startGateway,
+  text,
+  vanishes,
+} from "./support/at_gateway";
+import {eventually, probe, until} from "./support/browser";
+import {
   kChannels,
-  FakeGateway,
   loopStatistics,
+  pressed,
   sceneChange,
   sessionState,
   stationStatistics,
   toolState,
 } from "./support/fake_gateway";
-import {
-  closeWindows,
-  eventually,
-  kHasChromium,
-  launch,
-  openPage,
-  openWindow,
-  probe,
-  until,
-  type WindowOptions,
-} from "./support/browser";
-import {kTestScene, kWearable, sceneBytes, type TestScene} from "./support/scene_bytes";
+import {kTestScene, kWearable, type TestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 
 const kWearing: TestScene = {...kWearable, name: "wearing"};
@@ -38,41 +42,12 @@ const kTeeth: TestScene = {
   })),
 };
 
-let browser: Browser | undefined;
-let gateway: FakeGateway;
-let page: Page;
 let moving: NodeJS.Timeout | undefined;
 let sequence = 0;
 
-beforeAll(async () => {
-  if (kHasChromium) browser = await launch();
-});
-afterAll(() => browser?.close());
-
-beforeEach(async () => {
-  if (!browser) return;
-  gateway = await startGateway(gateway?.port);
-  sequence = 0;
-});
-afterEach(async () => {
-  clearInterval(moving);
-  await closeWindows(browser);
-  await gateway?.stop();
-});
-
-const startGateway = (port = 0): Promise<FakeGateway> =>
-  FakeGateway.start(
-    new Map([kTestScene, kWearing, kTeeth].map((scene) => [scene.name, sceneBytes(scene)])),
-    port,
-  );
-
-const kWindow: WindowOptions = {viewport: {width: 800, height: 500}};
-
-async function open(options: WindowOptions = {}, query = ""): Promise<Page> {
-  const opened = await openPage(browser!, gateway.url + query, {...kWindow, ...options});
-  await until(opened, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
-  return opened;
-}
+atGateway(kTestScene, kWearing, kTeeth);
+beforeEach(() => void (sequence = 0));
+afterEach(() => clearInterval(moving));
 
 /// A ball that is pressed on the box with `newtons`, 30 times a second.
 function press(newtons: number, x = 0): void {
@@ -84,22 +59,27 @@ function press(newtons: number, x = 0): void {
 
 function tellPress(newtons: number, x: number): void {
   sequence += 33;
-  gateway.send(
-    "/palpate/tool_state",
-    toolState({
-      station: "hand",
-      scene: "test-box",
-      tool: "ball",
-      sequence,
-      haptic: {p: [x, 0.037 - newtons / 1000, 0], q: [1, 0, 0, 0]},
-      graphic: {p: [x, 0.037, 0], q: [1, 0, 0, 0]},
-      forceN: [0, newtons, 0],
-      points: newtons > 0 ? [{positionM: [x, 0.025, 0], forceN: [0, newtons, 0]}] : [],
-    }),
-  );
+  gateway.send("/palpate/tool_state", pressed("hand", sequence, newtons, x));
 }
 
-const text = (selector: string): Promise<string> => page.locator(selector).innerText();
+/// A tool that touches nothing, in the scene that wears.
+function moveInWearing(): void {
+  const pose = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
+  const state = {station: "hand", scene: "wearing", tool: "ball", haptic: pose, graphic: pose};
+  moving = setInterval(() => {
+    gateway.send("/palpate/tool_state", toolState({...state, sequence: (sequence += 33)}));
+  }, 33);
+}
+
+/// Leaves of the whole front and the top.
+function scrape(): void {
+  [2, 3, 6, 7].forEach((triangle, i) => {
+    gateway.send("/palpate/scene_change", sceneChange("wearing", i + 1, 0, triangle, [triangle]));
+  });
+}
+
+const theme = (): Promise<string | undefined> =>
+  page.evaluate(() => document.documentElement.dataset.theme);
 /// What is drawn, without the words above it.
 const picture = async (): Promise<string> => {
   const style = ".picture > :not(canvas) { visibility: hidden }";
@@ -124,31 +104,22 @@ const stillPicture = async (): Promise<string> => {
 
 test("the page shows the force in figures, in words and in the picture", async () => {
   press(0);
-  page = await open();
-  await eventually(
-    "the tool is free",
-    async () => (await text("#sentence")) === "The tool is free.",
-  );
+  await open();
+  await reads("#sentence", "The tool is free.");
   expect(await text("#force")).toBe("0.00");
   const free = await picture();
   press(2);
-  await eventually("two newtons", async () => (await text("#force")) === "2.00");
-  await eventually("two millimetres", async () => (await text("#past")) === "2.00");
-  await eventually("one contact", async () => (await text("#contacts")) === "1");
-  await eventually(
-    "the sentence",
-    async () =>
-      (await text("#sentence")) === "Contact, 2.0 newtons, hand 2.0 millimetres past the surface.",
-  );
+  await reads("#force", "2.00");
+  await reads("#past", "2.00");
+  await reads("#contacts", "1");
+  await reads("#sentence", "Contact, 2.0 newtons, hand 2.0 millimetres past the surface.");
   await eventually("the picture changes", async () => (await picture()) !== free);
-  await eventually("a screen reader is told", async () =>
-    (await text("#spoken")).startsWith("Contact"),
-  );
+  await reads("#spoken", /^Contact/);
 });
 
 test("the panel says what becomes of the force at the arm, also when the server is silent", async () => {
   press(1);
-  page = await open({ownClock: true});
+  await open({ownClock: true});
   const say = (more: object): void =>
     gateway.send("/palpate/station_statistics", stationStatistics("hand", more));
   const row = (label: string): Promise<string> =>
@@ -173,7 +144,7 @@ test("the panel says what becomes of the force at the arm, also when the server 
 
 test("nothing is drawn while nothing changes", async () => {
   press(1);
-  page = await open();
+  await open();
   await until(page, "several frames", ({stations}) => (stations.hand?.frames ?? 0) > 10);
   // The same pose goes on coming; what is drawn from now on would be drawn for nothing.
   const before = await until(
@@ -199,7 +170,7 @@ function slide(newtons: number): void {
 
 test("what stands still is drawn once, however the tool moves", async () => {
   slide(1);
-  page = await open({}, "?quality=full");
+  await open({}, "?quality=full");
   const before = await until(
     page,
     "the tool",
@@ -223,10 +194,8 @@ const canvasWidth = (): Promise<number> =>
   page.evaluate(() => (document.getElementById("view") as HTMLCanvasElement).width);
 
 async function openSlow(query = ""): Promise<void> {
-  page = await openWindow(browser!, kWindow);
-  await page.addInitScript(slowPictures, 100);
-  await page.goto(gateway.url + query);
-  await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
+  await openWith(slowPictures, 100, query);
+  await firstPicture();
 }
 
 test("where pictures take too long they are drawn less well, which is said, and figures stay", async () => {
@@ -252,7 +221,7 @@ test("a quality that the reader has settled stays, and is in the address", async
 });
 
 test("what was drawn in haste while the view turned is drawn well when it rests", async () => {
-  page = await open({}, "?quality=low");
+  await open({}, "?quality=low");
   await page.locator("#view").focus();
   const before = await stillPicture();
   const {drawnAnew} = await until(page, "a picture", ({pictures}) => pictures > 0);
@@ -292,10 +261,8 @@ const watchPictures = (): void => {
 };
 
 test("while the view turns without a graphics card the canvas has fewer pixels, and none is blank", async () => {
-  page = await openWindow(browser!, kWindow);
-  await page.addInitScript(watchPictures);
-  await page.goto(gateway.url);
-  await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
+  await openWith(watchPictures);
+  await firstPicture();
   await page.locator("#view").focus();
   const before = await stillPicture();
   const width = await canvasWidth();
@@ -312,7 +279,7 @@ test("while the view turns without a graphics card the canvas has fewer pixels, 
 });
 
 test("a picture that the graphics card has lost comes back", async () => {
-  page = await open();
+  await open();
   const before = await stillPicture();
   const {drawnAnew} = await probe(page);
   await page.evaluate(() => {
@@ -327,32 +294,27 @@ test("a picture that the graphics card has lost comes back", async () => {
 
 test("a lost link is said, comes back by itself, and data flow again", async () => {
   press(1);
-  page = await open();
+  await open();
   await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
-  const {port} = gateway;
   clearInterval(moving);
   await gateway.stop();
   await eventually("the banner", async () => (await page.locator("#banner.alarm").count()) === 1);
   expect(await text("#banner")).toMatch(/link to the gateway is lost/);
   await new Promise((resolve) => setTimeout(resolve, 1000)); // some tries go wrong
-  gateway = await startGateway(port);
+  await startGateway();
   press(3);
   await until(page, "a second link", ({links, link}) => links === 2 && link === "open");
-  await eventually("the new force", async () => (await text("#force")) === "3.00");
-  await eventually("no banner", async () => !(await page.locator("#banner").isVisible()));
+  await reads("#force", "3.00");
+  await vanishes("#banner");
 });
 
 test("what is scraped off vanishes, and a server's new run makes it whole", async () => {
   gateway.retain("/palpate/session_state", sessionState("hand", "active", "wearing", "ball"));
-  page = await open({}, "?scene=wearing");
+  await open({}, "?scene=wearing");
   await until(page, "the scene", ({scene}) => scene === "wearing");
   const whole = (await until(page, "a picture", ({triangles}) => triangles > 0)).triangles;
   const before = await stillPicture();
-  // The whole front and the top.
-  const gone = [2, 3, 6, 7];
-  gone.forEach((triangle, i) => {
-    gateway.send("/palpate/scene_change", sceneChange("wearing", i + 1, 0, triangle, [triangle]));
-  });
+  scrape();
   await eventually("a hole", async () => (await picture()) !== before);
   gateway.send(
     "/palpate/session_state",
@@ -364,14 +326,12 @@ test("what is scraped off vanishes, and a server's new run makes it whole", asyn
 
 test("a worn scene is made whole by a button, which is of no use before it is worn", async () => {
   gateway.retain("/palpate/session_state", sessionState("hand", "active", "wearing", "ball"));
-  page = await open({}, "?scene=wearing");
+  await open({}, "?scene=wearing");
   const button = page.locator("#whole");
   await eventually("the button", () => button.isVisible());
   expect(await button.isDisabled()).toBe(true);
   const before = await stillPicture();
-  [2, 3, 6, 7].forEach((triangle, i) => {
-    gateway.send("/palpate/scene_change", sceneChange("wearing", i + 1, 0, triangle, [triangle]));
-  });
+  scrape();
   await eventually("a hole", async () => (await picture()) !== before);
   gateway.onPublish = ({op, scene}) => {
     if (op !== "whole" || scene !== "wearing") return;
@@ -385,50 +345,41 @@ test("a worn scene is made whole by a button, which is of no use before it is wo
     });
   };
   await button.click();
-  await eventually(
-    "the news",
-    async () => (await text("#hint")) === "The wearing is whole again (the page here).",
-  );
+  await reads("#hint", "The wearing is whole again (the page here).");
   await eventually("the whole box", async () => (await picture()) === before);
   expect(await button.isDisabled()).toBe(true);
 });
 
 test("scenes are chosen, and remembered in the address", async () => {
   press(1);
-  page = await open();
+  await open();
   await page.selectOption("#scene", "wearing");
   await until(page, "the other scene", ({scene}) => scene === "wearing");
   expect(page.url()).toContain("scene=wearing");
-  await eventually("nobody here", async () => (await text("#sentence")) === "No tool is moving.");
+  await reads("#sentence", "No tool is moving.");
   await page.selectOption("#scene", "test-box");
-  await eventually("the force again", async () => (await text("#force")) === "1.00");
+  await reads("#force", "1.00");
 });
 
 test("who has chosen nothing sees the scene in which a tool moves", async () => {
-  page = await open();
+  await open();
   const idle = await until(page, "a scene", ({scene}) => scene !== "");
   expect(idle.scene).toBe("test-box"); // the first one
-  const pose = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
-  const state = {station: "hand", scene: "wearing", tool: "ball", haptic: pose, graphic: pose};
-  moving = setInterval(() => {
-    gateway.send("/palpate/tool_state", toolState({...state, sequence: (sequence += 33)}));
-  }, 33);
+  moveInWearing();
   await until(page, "the other scene", ({scene}) => scene === "wearing");
 });
 
 test("the loop's figures and who drives what are told in words", async () => {
   press(1);
-  page = await open();
+  await open();
   await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
   gateway.send("/palpate/loop_statistics", loopStatistics("hand", "test-box", {late: 4n}));
   gateway.send(
     "/palpate/session_state",
     sessionState("late_one", "refused", "test-box", "ball", {reason: "it is driven by 'hand'"}),
   );
-  await eventually("the table", async () => /Late\s+4 poses/.test(await text("#loop")));
-  await eventually("the list", async () =>
-    /late_one was refused the ball/.test(await text("#who")),
-  );
+  await reads("#loop", /Late\s+4 poses/);
+  await reads("#who", /late_one was refused the ball/);
   expect(await text("#who")).toMatch(/hand drives the ball of test-box/);
 });
 
@@ -437,10 +388,10 @@ test("a student's view has force, what is touched and the scene's goal, and is a
   press(2);
   const goal = {scene: "test-box", text: "Press gently", limit_N: 1};
   gateway.retain("/palpate/goal", goal);
-  page = await open({}, "?view=student");
-  await eventually("two newtons", async () => (await text("#force")) === "2.00");
-  await eventually("the goal", async () => /Press gently, at most 1 N/.test(await text("#goal")));
-  expect(await page.locator("#touched").innerText()).not.toBe("nothing");
+  await open({}, "?view=student");
+  await reads("#force", "2.00");
+  await reads("#goal", /Press gently, at most 1 N/);
+  expect(await text("#touched")).not.toBe("nothing");
   expect(await page.locator("#readout").getAttribute("class")).toContain("over");
   for (const hidden of ["#loop", "#arm", "#torque", "#contacts", "#goal-text"])
     expect(await page.locator(hidden).isVisible()).toBe(false);
@@ -465,16 +416,16 @@ test("a student's view has force, what is touched and the scene's goal, and is a
   });
   expect(page.url()).toBe(gateway.url); // nothing that a link would have to hand on
   await page.selectOption("#scene", "teeth");
-  await eventually("another scene's", async () => !(await page.locator("#goal").isVisible()));
+  await vanishes("#goal");
   expect(await page.locator("#goal-text").inputValue()).toBe("");
 });
 
 test("the help of a student's view tells what a student needs, and the other one all", async () => {
   press(0);
-  page = await open({}, "?view=student");
+  await open({}, "?view=student");
   const help = async (): Promise<string> => {
     await page.keyboard.press("?");
-    const told = await page.locator("#help-dialog").innerText();
+    const told = await text("#help-dialog");
     await page.keyboard.press("Escape");
     return told;
   };
@@ -493,7 +444,7 @@ test("the help of a student's view tells what a student needs, and the other one
 
 test("spheres come on demand, level by level", async () => {
   press(0);
-  page = await open();
+  await open();
   const plain = await stillPicture();
   await page.keyboard.press("s");
   expect(await text("#level-text")).toBe("leaves");
@@ -507,7 +458,7 @@ test("spheres come on demand, level by level", async () => {
 });
 
 test("the mouse takes a tool, moves it, and gives it back", async () => {
-  page = await open();
+  await open();
   gateway.onPublish = ({op}) => {
     if (op !== "take") return;
     gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "", reason: ""});
@@ -543,36 +494,34 @@ test("the mouse takes a tool, moves it, and gives it back", async () => {
 
 test("who holds the tool is said where it is refused", async () => {
   press(1);
-  page = await open();
+  await open();
   await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
   await page.locator("#take").click();
-  await eventually("the holder", async () => /'hand' holds the ball/.test(await text("#hint")));
+  await reads("#hint", /'hand' holds the ball/);
   expect(gateway.published).toEqual([]);
 });
 
 test("who may decide is offered the tool that somebody holds, and who is muted is told", async () => {
   gateway.role = "operate";
   press(2);
-  page = await open();
-  await eventually("two newtons", async () => (await text("#force")) === "2.00");
+  await open();
+  await reads("#force", "2.00");
   await page.locator("#take").click();
   expect(await text("#hint-text")).toBe("'hand' holds the ball.");
   await page.locator("#hint-action").click();
   await eventually("the wish", () => gateway.published.length === 1);
   expect(gateway.published).toEqual([{op: "take_back", station: "hand"}]);
   await page.keyboard.press("v"); // a student sees it, too
-  expect(await page.locator("#station-note").isVisible()).toBe(false);
+  expect(await isVisible("#station-note")).toBe(false);
   gateway.retain(
     "/palpate/session_state",
     sessionState("hand", "active", "test-box", "ball", {muted: true}),
   );
-  await eventually("why nothing is felt", async () =>
-    /hand is muted by a teacher/.test(await text("#station-note")),
-  );
+  await reads("#station-note", /hand is muted by a teacher/);
 });
 
 test("a tool that leaves the picture is pointed to, and comes back", async () => {
-  page = await open();
+  await open();
   const pointer = page.locator("#tool-pointer");
   expect(await pointer.isVisible()).toBe(false);
   for (let i = 0; i < 12; i++) await page.keyboard.press("+");
@@ -584,22 +533,18 @@ test("a tool that leaves the picture is pointed to, and comes back", async () =>
 
 test("while a server compiles its first scene the page says so, and asks nobody for a tool", async () => {
   gateway.health = {scenes: [], compiling: {scene: "bunny", stage: "leaves", done: 0.43}};
-  page = await openPage(browser!, gateway.url, {viewport: {width: 390, height: 844}});
-  await eventually("what is waited for", async () =>
-    /compiles bunny for the first time: 43 %/.test(await text("#banner")),
-  );
+  await load({viewport: {width: 390, height: 844}});
+  await reads("#banner", /compiles bunny for the first time: 43 %/);
   expect(await page.locator("#take").isDisabled()).toBe(true);
   await page.keyboard.press("m");
-  await eventually("that there is none", async () =>
-    /There is no tool yet/.test(await text("#hint-text")),
-  );
+  await reads("#hint-text", /There is no tool yet/);
   expect(gateway.published).toEqual([]);
 });
 
 test("who has gone without a word holds a tool no more", async () => {
   gateway.health = {server_run: "1"};
   press(1);
-  page = await open({ownClock: true});
+  await open({ownClock: true});
   await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
   const pressed = await picture();
   clearInterval(moving); // with its server, which nobody tells of
@@ -609,17 +554,14 @@ test("who has gone without a word holds a tool no more", async () => {
   gateway.retained.length = 0;
   gateway.health = {server_run: "2"};
   await page.clock.runFor(4000); // until the gateway is asked again
-  await eventually("a calmer one", async () => /No station/.test(await text("#banner")));
-  gateway.onPublish = ({op}) => {
-    if (op === "take")
-      gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "active", reason: ""});
-  };
+  await reads("#banner", /No station/);
+  giveTools();
   await page.locator("#take").click();
   await until(page, "the tool", ({hold}) => hold === "holding");
 });
 
 test("who gives a tool back may take it again at once", async () => {
-  page = await open();
+  await open();
   gateway.onPublish = ({op}) => {
     if (op !== "take") return;
     const here = {station: "mouse_1", scene: "test-box", tool: "ball"};
@@ -641,9 +583,9 @@ test("who gives a tool back may take it again at once", async () => {
 });
 
 test("a wish for a tool can be taken back before it is answered", async () => {
-  page = await open();
+  await open();
   await page.locator("#take").click();
-  await eventually("the wish", async () => (await text("#take")) === "Cancel");
+  await reads("#take", "Cancel");
   await page.locator("#take").click();
   await eventually("the release", async () => gateway.published.at(-1)?.op === "release");
   expect(await text("#take")).toBe("Take the tool");
@@ -651,30 +593,27 @@ test("a wish for a tool can be taken back before it is answered", async () => {
 
 test("a gateway that gives no tools is not asked for one", async () => {
   gateway.takesMessages = false;
-  page = await open();
-  await eventually("no button", async () => !(await page.locator("#take").isVisible()));
-  await eventually(
-    "half a sentence",
-    async () => (await text("#banner")) === "No station is moving. Start one.",
-  );
+  await open();
+  await vanishes("#take");
+  await reads("#banner", "No station is moving. Start one.");
   await page.keyboard.press("m");
   await page.keyboard.press("?");
-  expect(await page.locator("#help-dialog").isVisible()).toBe(true);
+  expect(await isVisible("#help-dialog")).toBe(true);
   expect(await text("#help-dialog")).not.toMatch(/take the tool/);
   await page.locator("#help-dialog button").click();
-  expect(await page.locator("#help-dialog").isVisible()).toBe(false);
-  expect(await page.locator("#hint").isVisible()).toBe(false);
+  expect(await isVisible("#help-dialog")).toBe(false);
+  expect(await isVisible("#hint")).toBe(false);
 });
 
 test("who is turned away is told so", async () => {
   gateway.turnsAway = true;
-  page = await open({ownClock: true}); // scenes come without a link
+  await open({ownClock: true}); // scenes come without a link
   const askAgain = (): Promise<void> => page.clock.runFor(4000);
   await askAgain();
-  await eventually("why", async () => /does not let this page attach/.test(await text("#banner")));
+  await reads("#banner", /does not let this page attach/);
   gateway.health = {viewers: 300, max_viewers: 300};
   await askAgain();
-  await eventually("why now", async () => /as many viewers as/.test(await text("#banner")));
+  await reads("#banner", /as many viewers as/);
   gateway.turnsAway = false;
   await askAgain();
   await until(page, "a link", ({link}) => link === "open");
@@ -682,8 +621,7 @@ test("who is turned away is told so", async () => {
 
 test("without WebGL the figures are live, and the page says what is missing", async () => {
   press(2);
-  page = await openWindow(browser!, kWindow);
-  await page.addInitScript(() => {
+  await openWith(() => {
     const get = HTMLCanvasElement.prototype.getContext as (...all: unknown[]) => unknown;
     Object.assign(HTMLCanvasElement.prototype, {
       getContext(this: HTMLCanvasElement, kind: string, ...more: unknown[]) {
@@ -691,14 +629,13 @@ test("without WebGL the figures are live, and the page says what is missing", as
       },
     });
   });
-  await page.goto(gateway.url);
-  await eventually("the force", async () => (await text("#force")) === "2.00");
-  await eventually("the reason", async () => /no WebGL/.test(await text("#banner")));
+  await reads("#force", "2.00");
+  await reads("#banner", /no WebGL/);
 });
 
 test("another scene's picture does not stay while its own is not there", async () => {
   press(1);
-  page = await open();
+  await open();
   const box = await picture();
   const delay = new Promise<void>((resolve) => void page.once("close", () => resolve()));
   await page.route("**/scene/wearing.bundle", async (route) => {
@@ -709,30 +646,23 @@ test("another scene's picture does not stay while its own is not there", async (
   await until(page, "the other scene", ({scene}) => scene === "wearing");
   const empty = await picture();
   expect(empty).not.toBe(box);
-  expect(await page.locator("#loading").isVisible()).toBe(true);
+  expect(await isVisible("#loading")).toBe(true);
   // One that nobody waits for any more takes no word away from the one that is there.
   await page.selectOption("#scene", "test-box");
-  await eventually("it is back", async () => (await text("#force")) === "1.00");
-  await eventually("no word", async () => !(await page.locator("#loading").isVisible()));
+  await reads("#force", "1.00");
+  await vanishes("#loading");
 });
 
 test("a scene that nobody serves is no choice", async () => {
-  const pose = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
-  const state = {station: "hand", scene: "wearing", tool: "ball", haptic: pose, graphic: pose};
-  moving = setInterval(() => {
-    gateway.send("/palpate/tool_state", toolState({...state, sequence: (sequence += 33)}));
-  }, 33);
-  page = await open({}, "?scene=typo");
+  moveInWearing();
+  await open({}, "?scene=typo");
   await until(page, "the one that moves", ({scene}) => scene === "wearing");
 });
 
 test("arrows scroll the figures where those have the focus", async () => {
   press(0);
-  page = await open({viewport: {width: 800, height: 360}});
-  await eventually(
-    "the tool is free",
-    async () => (await text("#sentence")) === "The tool is free.",
-  );
+  await open({viewport: {width: 800, height: 360}});
+  await reads("#sentence", "The tool is free.");
   const before = await stillPicture();
   await page.locator("#panel").focus();
   await page.keyboard.press("ArrowDown");
@@ -744,17 +674,13 @@ test("arrows scroll the figures where those have the focus", async () => {
 
 test("light and dark are switched also where the browser keeps nothing", async () => {
   press(0);
-  page = await openWindow(browser!, kWindow);
-  await page.addInitScript(() => {
+  await openWith(() => {
     Object.defineProperty(window, "localStorage", {
       get: () => {
         throw new DOMException("blocked", "SecurityError");
       },
     });
   });
-  await page.goto(gateway.url);
-  const theme = (): Promise<string | undefined> =>
-    page.evaluate(() => document.documentElement.dataset.theme);
   await eventually("a theme", async () => (await theme()) === "light");
   await page.keyboard.press("t");
   expect(await theme()).toBe("dark");
@@ -763,7 +689,7 @@ test("light and dark are switched also where the browser keeps nothing", async (
 });
 
 test("a refusal of the gateway is said in its own words", async () => {
-  page = await open();
+  await open();
   gateway.onPublish = () =>
     gateway.send("/palpate/mouse_state", {
       station: "",
@@ -771,16 +697,13 @@ test("a refusal of the gateway is said in its own words", async () => {
       reason: "4 tools are held",
     });
   await page.keyboard.press("m");
-  await eventually("the reason", async () => (await text("#hint")) === "4 tools are held");
+  await reads("#hint", "4 tools are held");
   expect(await text("#take")).toBe("Take the tool");
 });
 
 test("a finger moves the tool on a phone", async () => {
-  page = await open({viewport: {width: 360, height: 640}, hasTouch: true, isMobile: true});
-  gateway.onPublish = ({op}) => {
-    if (op === "take")
-      gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "active", reason: ""});
-  };
+  await open({viewport: {width: 360, height: 640}, hasTouch: true, isMobile: true});
+  giveTools();
   await page.locator("#take").tap();
   await until(page, "the tool", ({hold}) => hold === "holding");
   const session = await page.context().newCDPSession(page);
@@ -807,7 +730,7 @@ test("nothing is cut off, from a phone to a projector", async () => {
     [1280, 720],
     [1920, 1080],
   ] as const) {
-    page = await open({viewport: {width, height}});
+    await open({viewport: {width, height}});
     const outside = await page.evaluate(() => {
       const cut: string[] = [];
       for (const element of document.querySelectorAll("button, select, output, .sentence")) {
@@ -829,7 +752,7 @@ test("the picture stays where it is whatever the line above it says", async () =
     [360, 640],
     [1400, 900],
   ] as const) {
-    page = await open({viewport: {width, height}});
+    await open({viewport: {width, height}});
     const tops = await page.evaluate(() => {
       const top = (): number => document.querySelector("#view")!.getBoundingClientRect().top;
       const before = top();
@@ -845,7 +768,7 @@ test("the picture stays where it is whatever the line above it says", async () =
 
 test("every control has a name, and every key in the help does something", async () => {
   press(0);
-  page = await open();
+  await open();
   const nameless = await page.evaluate(() =>
     [...document.querySelectorAll<HTMLElement>("button, select, input")]
       .filter((control) => {
@@ -862,12 +785,12 @@ test("every control has a name, and every key in the help does something", async
   // Figures that change ten times a second are not to be read out each time.
   expect(await page.locator("output:not([aria-live=off])").count()).toBe(1); // the slider's
   await page.keyboard.press("?");
-  expect(await page.locator("#help-dialog").isVisible()).toBe(true);
+  expect(await isVisible("#help-dialog")).toBe(true);
   await page.keyboard.press("Escape");
   await page.keyboard.press("f");
   expect(await page.locator("#follow").getAttribute("aria-pressed")).toBe("true");
   await page.keyboard.press("p");
-  expect(await page.locator("#panel").isVisible()).toBe(false);
+  expect(await isVisible("#panel")).toBe(false);
   const before = await picture();
   await page.keyboard.press("ArrowLeft");
   await eventually("another view", async () => (await picture()) !== before);
@@ -876,9 +799,7 @@ test("every control has a name, and every key in the help does something", async
 
 test("light and dark follow the system, and the reader's choice outlives the visit", async () => {
   press(0);
-  page = await open({colorScheme: "dark"});
-  const theme = (): Promise<string | undefined> =>
-    page.evaluate(() => document.documentElement.dataset.theme);
+  await open({colorScheme: "dark"});
   expect(await theme()).toBe("dark");
   await page.emulateMedia({colorScheme: "light"});
   await eventually("light", async () => (await theme()) === "light");
@@ -893,19 +814,19 @@ test("a channel that the page cannot read disturbs no other", async () => {
   (kChannels[1] as {schema: string}).schema = "this is no IDL {";
   try {
     press(2);
-    page = await open();
-    await eventually("the force", async () => (await text("#force")) === "2.00");
+    await open();
+    await reads("#force", "2.00");
   } finally {
     (kChannels[1] as {schema: string}).schema = schema;
   }
 });
 
 test("teeth are numbered on demand, where there are any", async () => {
-  page = await open();
-  expect(await page.locator("#numbers").isVisible()).toBe(false);
-  page = await open({}, "?scene=teeth");
+  await open();
+  expect(await isVisible("#numbers")).toBe(false);
+  await open({}, "?scene=teeth");
   await eventually("a button", () => page.locator("#numbers").isVisible());
-  expect(await page.locator("#labels").isVisible()).toBe(false);
+  expect(await isVisible("#labels")).toBe(false);
   await page.keyboard.press("n");
   await eventually(
     "two numbers",
@@ -919,5 +840,5 @@ test("teeth are numbered on demand, where there are any", async () => {
     return boxes.every((b) => b && b.x > picture.x + 1 && b.y > picture.y + 1);
   });
   await page.keyboard.press("n");
-  expect(await page.locator("#labels").isVisible()).toBe(false);
+  expect(await isVisible("#labels")).toBe(false);
 });

@@ -1,46 +1,29 @@
 // A teacher's console and the token that a page hands over, in a real browser at a gateway that does
 // what a test says.
-import {afterAll, afterEach, beforeAll, beforeEach, expect} from "vitest";
-
-import type {Browser, Page} from "playwright-core";
+import {afterEach, expect} from "vitest";
 
 import {
-  closeWindows,
-  eventually,
-  kHasChromium,
-  launch,
-  openPage,
-  openWindow,
-  until,
-  type WindowOptions,
-} from "./support/browser";
-import {FakeGateway, loopStatistics, sessionState, toolState} from "./support/fake_gateway";
-import {kTestScene, sceneBytes} from "./support/scene_bytes";
+  appears,
+  atGateway,
+  browser,
+  gateway,
+  isVisible,
+  load,
+  open,
+  page,
+  reads,
+  text,
+  vanishes,
+} from "./support/at_gateway";
+import {eventually, openWindow, until} from "./support/browser";
+import {loopStatistics, pressed, sessionState} from "./support/fake_gateway";
+import {kTestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 
-let browser: Browser | undefined;
-let gateway: FakeGateway;
 let moving: NodeJS.Timeout | undefined;
 
-beforeAll(async () => {
-  if (kHasChromium) browser = await launch();
-});
-afterAll(() => browser?.close());
-beforeEach(async () => {
-  if (!browser) return;
-  gateway = await FakeGateway.start(
-    new Map([[kTestScene.name, sceneBytes(kTestScene)]]),
-    gateway?.port,
-  );
-});
-afterEach(async () => {
-  clearInterval(moving);
-  await closeWindows(browser);
-  await gateway?.stop();
-});
-
-const open = (options: WindowOptions = {}): Promise<Page> =>
-  openPage(browser!, gateway.url, {viewport: {width: 800, height: 600}, ...options});
+atGateway(kTestScene);
+afterEach(() => clearInterval(moving));
 
 const tell = (station: string, phase: string, more: object = {}): void =>
   gateway.retain("/palpate/session_state", sessionState(station, phase, "test-box", "ball", more));
@@ -50,25 +33,13 @@ function pressOn(): void {
   let sequence = 0;
   moving = setInterval(() => {
     sequence += 33;
-    gateway.send(
-      "/palpate/tool_state",
-      toolState({
-        station: "right",
-        scene: "test-box",
-        tool: "ball",
-        sequence,
-        haptic: {p: [0, 0.035, 0], q: [1, 0, 0, 0]},
-        graphic: {p: [0, 0.037, 0], q: [1, 0, 0, 0]},
-        forceN: [0, 2, 0],
-        points: [{positionM: [0, 0.025, 0], forceN: [0, 2, 0]}],
-      }),
-    );
+    gateway.send("/palpate/tool_state", pressed("right", sequence, 2));
     if (sequence % 660 === 0)
       gateway.send("/palpate/loop_statistics", loopStatistics("right", "test-box", {faults: 8}));
   }, 33);
 }
 
-const row = (page: Page, station: string) =>
+const row = (station: string) =>
   page.locator("#console li").filter({has: page.locator("b", {hasText: station})});
 
 test("a teacher sees who is there and how that goes, those who wait first, and decides", async () => {
@@ -78,22 +49,20 @@ test("a teacher sees who is there and how that goes, those who wait first, and d
   tell("zoe", "held");
   tell("gone", "ended");
   pressOn();
-  const page = await open();
-  await row(page, "zoe").waitFor();
+  await open();
+  await row("zoe").waitFor();
   expect(await page.locator("#console li b").allInnerTexts()).toEqual(["zoe", "left", "right"]);
-  expect(await row(page, "left").innerText()).toMatch(
-    /drives the ball of test-box, without forces/,
-  );
+  expect(await row("left").innerText()).toMatch(/drives the ball of test-box, without forces/);
   await eventually("the fault", async () =>
-    /jammed between surfaces/.test(await row(page, "right").innerText()),
+    /jammed between surfaces/.test(await row("right").innerText()),
   );
-  expect(await page.locator("#who-section").isVisible()).toBe(false);
+  expect(await isVisible("#who-section")).toBe(false);
   if (process.env.PALPATE_PICTURE) await page.screenshot({path: process.env.PALPATE_PICTURE});
 
   const press = (station: string, button: string): Promise<void> =>
-    row(page, station).getByRole("button", {name: button, exact: true}).click();
+    row(station).getByRole("button", {name: button, exact: true}).click();
   await press("zoe", "Admit");
-  expect(await row(page, "zoe").getByRole("button", {name: "Admit"}).isDisabled()).toBe(true);
+  expect(await row("zoe").getByRole("button", {name: "Admit"}).isDisabled()).toBe(true);
   await press("left", "Unmute");
   await press("right", "Mute");
   await eventually("three wishes", () => gateway.published.length === 3);
@@ -109,19 +78,19 @@ test("a teacher sees who is there and how that goes, those who wait first, and d
     "all in the order of their names",
     async () => (await page.locator("#console li b").allInnerTexts()).join() === "left,right,zoe",
   );
-  await row(page, "right").getByRole("button", {name: "Unmute"}).waitFor();
+  await row("right").getByRole("button", {name: "Unmute"}).waitFor();
   await press("zoe", "Take back");
   await eventually("the wish", () => gateway.published.length === 4);
   expect(gateway.published[3]).toEqual({op: "take_back", station: "zoe"});
   tell("zoe", "ended");
-  await row(page, "zoe").waitFor({state: "detached"});
+  await row("zoe").waitFor({state: "detached"});
 });
 
 test("a wish that nobody answers can be made again", async () => {
   gateway.role = "operate";
   tell("right", "active");
-  const page = await open({ownClock: true});
-  const mute = row(page, "right").getByRole("button", {name: "Mute"});
+  await open({ownClock: true});
+  const mute = row("right").getByRole("button", {name: "Mute"});
   await mute.click();
   expect(await mute.isDisabled()).toBe(true);
   await page.clock.runFor(4000);
@@ -131,32 +100,28 @@ test("a wish that nobody answers can be made again", async () => {
 test("the console is not for those who may not decide, nor in a student's view", async () => {
   gateway.role = "drive";
   tell("right", "active");
-  const page = await open();
+  await open();
   await page.locator("#who li").waitFor();
-  expect(await page.locator("#console-section").isVisible()).toBe(false);
+  expect(await isVisible("#console-section")).toBe(false);
   gateway.role = "operate";
   await page.reload();
   await page.locator("#console-section").waitFor();
   await page.keyboard.press("?");
-  expect(await page.locator("#help-dialog").innerText()).toMatch(/Mute[\s\S]*Take back/);
+  expect(await text("#help-dialog")).toMatch(/Mute[\s\S]*Take back/);
   // However long it is, it begins at its top.
   expect(await page.locator("#help-dialog").evaluate(({scrollTop}) => scrollTop)).toBe(0);
   await page.keyboard.press("Escape");
   await page.keyboard.press("v");
   await page.locator("#console-section").waitFor({state: "hidden"});
-  expect(await page.locator("#who-section").isVisible()).toBe(true);
+  expect(await isVisible("#who-section")).toBe(true);
 });
 
 test("a page hands over the token of its address, which stands there no longer", async () => {
   gateway.token = "palpate_0123";
-  const page = await open();
-  await eventually("what is missing", async () =>
-    /link that you were given/.test(await page.locator("#banner").innerText()),
-  );
+  await load();
+  await reads("#banner", /link that you were given/);
   await page.goto(gateway.url + "#token=wrong");
-  await eventually("that it is wrong", async () =>
-    /link that you were given/.test(await page.locator("#banner").innerText()),
-  );
+  await reads("#banner", /link that you were given/);
   // In the same tab, without loading the page anew.
   await page.goto(gateway.url + "#token=palpate_0123");
   await until(

@@ -8,7 +8,7 @@ import {afterAll, beforeAll, expect} from "vitest";
 
 import type {Browser, Page} from "playwright-core";
 
-import {eventually, kHasChromium, launch, until} from "./support/browser";
+import {eventually, kHasChromium, launch, readsOn, until} from "./support/browser";
 import {ownDomain} from "./support/domain";
 import {Program} from "./support/programs";
 import {browserTest as test} from "./support/skip";
@@ -61,6 +61,8 @@ afterAll(async () => {
 });
 
 const text = (selector: string): Promise<string> => page.locator(selector).innerText();
+const reads = (selector: string, wanted: string | RegExp): Promise<void> =>
+  readsOn(page, selector, wanted);
 
 test("a recording is replayed to the page, which steers it, until the replayer is killed", async () => {
   const replayer = run("palpate-replay", [join(folder, "lesson.mcap"), "--stay", ...kDomain]);
@@ -71,26 +73,22 @@ test("a recording is replayed to the page, which steers it, until the replayer i
   await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined, 60_000);
   await page.locator("#scrub").waitFor({state: "visible"});
   expect(await text("#replay-name")).toBe("lesson.mcap");
-  await eventually("it waits at its end", async () =>
-    /^Replay, paused$/.test(await text("#replay-word")),
-  );
+  await reads("#replay-word", /^Replay, paused$/);
   const seen = await until(page, "the tool", ({stations}) => stations.hand !== undefined);
   await page.keyboard.press("Home");
   // Where nobody had taken the tool yet.
-  await eventually("its beginning", async () => (await text("#replay-where")) === "");
-  await eventually("no tool", async () => (await text("#force")) === "–");
+  await reads("#replay-where", "");
+  await reads("#force", "–");
   await page.locator("#marks li.contact .go").first().click();
   const {poseSequence} = seen.stations.hand!;
   await until(page, "earlier", ({stations}) => stations.hand!.poseSequence < poseSequence);
   await eventually("its force", async () => Number.parseFloat(await text("#force")) > 0);
-  await eventually("where", async () => (await text("#replay-where")) === "hand touches");
+  await reads("#replay-where", "hand touches");
   await page.keyboard.press("b");
   await page.keyboard.type("Hier fängt es an");
   await page.keyboard.press("Enter");
   await page.locator("#marks li.bookmark", {hasText: "Hier fängt es an"}).waitFor();
   expect(readFileSync(join(folder, "lesson.bookmarks.json"), "utf8")).toContain("fängt es an");
   await replayer.stop("SIGKILL");
-  await eventually("it is said", async () =>
-    (await text("#banner")).includes("lesson.mcap has not been heard of"),
-  );
+  await reads("#banner", /lesson.mcap has not been heard of/);
 });

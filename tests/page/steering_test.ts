@@ -1,38 +1,28 @@
 // A replay on the page in a real browser, behind a gateway that does what a test says.
-import {afterAll, afterEach, beforeAll, beforeEach, expect} from "vitest";
-
-import type {Browser, Page} from "playwright-core";
+import {afterEach, beforeEach, expect} from "vitest";
 
 import {
-  closeWindows,
-  eventually,
-  kHasChromium,
-  launch,
-  openPage,
-  until,
-  type WindowOptions,
-} from "./support/browser";
-import {FakeGateway, sessionState} from "./support/fake_gateway";
+  appears,
+  atGateway,
+  browser,
+  gateway,
+  isVisible,
+  open,
+  page,
+  reads,
+  text,
+} from "./support/at_gateway";
+import {eventually, type WindowOptions} from "./support/browser";
+import {sessionState} from "./support/fake_gateway";
 import {FakeReplay} from "./support/fake_replay";
-import {kWearable, sceneBytes} from "./support/scene_bytes";
+import {kWearable} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 
-let browser: Browser | undefined;
-let gateway: FakeGateway;
 let replay: FakeReplay;
-let page: Page;
 
-beforeAll(async () => {
-  if (kHasChromium) browser = await launch();
-});
-afterAll(() => browser?.close());
-
-beforeEach(async () => {
+atGateway(kWearable);
+beforeEach(() => {
   if (!browser) return;
-  gateway = await FakeGateway.start(
-    new Map([[kWearable.name, sceneBytes(kWearable)]]),
-    gateway?.port,
-  );
   replay = new FakeReplay(gateway);
   replay.contents.marks = [
     {at_s: 4, number: 0, kind: "contact", text: "hand touches"},
@@ -43,39 +33,26 @@ beforeEach(async () => {
   replay.state.playing = false;
   replay.state.at_s = 10;
 });
-afterEach(async () => {
-  replay?.die();
-  await closeWindows(browser);
-  await gateway?.stop();
-});
+afterEach(() => replay?.die());
 
 /// Nobody judges the picture.
-async function open(options: WindowOptions = {}): Promise<Page> {
-  const inWindow = {viewport: {width: 800, height: 500}, ...options};
-  const opened = await openPage(browser!, `${gateway.url}?quality=low`, inWindow);
-  await until(opened, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
-  return opened;
-}
+const openLow = (options: WindowOptions = {}): Promise<void> => open(options, "?quality=low");
 
 /// The page once it shows the replay, and may steer it unless that is locked.
-async function openReplay(options: WindowOptions = {}): Promise<Page> {
+async function openReplay(options: WindowOptions = {}): Promise<void> {
   replay.start();
-  const opened = await open(options);
+  await openLow(options);
   const maySteer = !replay.contents.locked && gateway.takesMessages && gateway.allowsSteering;
-  const wanted = maySteer ? "#scrub" : "#replay-sign";
-  await opened.locator(wanted).waitFor({state: "visible"});
-  return opened;
+  await appears(maySteer ? "#scrub" : "#replay-sign");
 }
 
-const text = (selector: string): Promise<string> => page.locator(selector).innerText();
-const isVisible = (selector: string): Promise<boolean> => page.locator(selector).isVisible();
 const last = (): Record<string, unknown> => replay.wishes.at(-1) ?? {};
 const values = (wish: string): unknown[] =>
   replay.wishes.filter((one) => one.wish === wish).map(({value}) => value);
 
 test("a replay is said to be one, with its recording's name, when that was, and where it is", async () => {
-  page = await openReplay({timezoneId: "UTC", locale: "en-GB"});
-  await eventually("paused", async () => (await text("#replay-word")) === "Replay, paused");
+  await openReplay({timezoneId: "UTC", locale: "en-GB"});
+  await reads("#replay-word", "Replay, paused");
   expect(await text("#replay-name")).toBe("lesson-3.mcap");
   expect(await text("#replay-when")).toBe("recorded 12 Mar 2026, 13:03");
   expect(await text("#replay-time")).toBe("0:10 / 1:00");
@@ -86,11 +63,11 @@ test("a replay is said to be one, with its recording's name, when that was, and 
 });
 
 test("nobody takes a tool of a replay, nor makes its scene whole, by button or key", async () => {
-  page = await open();
-  await eventually("live: a button", () => isVisible("#take"));
-  await eventually("live: another", () => isVisible("#whole"));
+  await openLow();
+  await appears("#take");
+  await appears("#whole");
   replay.start();
-  await eventually("the sign", () => isVisible("#replay-sign"));
+  await appears("#replay-sign");
   expect(await isVisible("#take")).toBe(false);
   expect(await isVisible("#whole")).toBe(false);
   await page.keyboard.press("m");
@@ -100,32 +77,32 @@ test("nobody takes a tool of a replay, nor makes its scene whole, by button or k
   expect(replay.wishes.map(({wish}) => wish)).toEqual(["play"]);
   // When another server is there instead, all is as before.
   replay.end();
-  await eventually("ended", async () => (await text("#replay-word")) === "Replay, ended");
+  await reads("#replay-word", "Replay, ended");
   const live = sessionState("arm", "active", "test-box", "ball", {serverRun: 7n});
   gateway.send("/palpate/session_state", live);
-  await eventually("live again", () => isVisible("#take"));
+  await appears("#take");
   expect(await isVisible("#replay-sign")).toBe(false);
   expect(await page.title()).toMatch(/^test-box/);
 });
 
 test("keys play and pause, go from mark to mark and to both ends, and change the speed", async () => {
-  page = await openReplay();
+  await openReplay();
   await page.keyboard.press(" ");
-  await eventually("it plays", async () => (await text("#replay-word")) === "Replay");
+  await reads("#replay-word", "Replay");
   expect(await page.locator("#play").getAttribute("aria-label")).toBe("Pause");
   await page.keyboard.press(" ");
-  await eventually("it pauses", async () => (await text("#replay-word")) === "Replay, paused");
+  await reads("#replay-word", "Replay, paused");
   await page.keyboard.press(".");
-  await eventually("the slip", async () => (await text("#replay-where")) === "the slip");
+  await reads("#replay-where", "the slip");
   await page.keyboard.press(".");
-  await eventually("the next", async () => (await text("#replay-time")) === "0:40 / 1:00");
+  await reads("#replay-time", "0:40 / 1:00");
   await page.keyboard.press(",");
   await page.keyboard.press(","); // whether or not the first has been answered
-  await eventually("two back", async () => (await text("#replay-time")) === "0:04 / 1:00");
+  await reads("#replay-time", "0:04 / 1:00");
   await page.keyboard.press("End");
-  await eventually("the end", async () => (await text("#replay-time")) === "1:00 / 1:00");
+  await reads("#replay-time", "1:00 / 1:00");
   await page.keyboard.press("Home");
-  await eventually("the beginning", async () => (await text("#replay-time")) === "0:00 / 1:00");
+  await reads("#replay-time", "0:00 / 1:00");
   await eventually("it is there", () => replay.state.at_s === 0);
   await page.keyboard.press(">");
   await page.keyboard.press(">");
@@ -136,7 +113,7 @@ test("keys play and pause, go from mark to mark and to both ends, and change the
 });
 
 test("buttons do what keys do, and every key that the help names is one", async () => {
-  page = await openReplay();
+  await openReplay();
   await page.locator("#play").click();
   await eventually("it plays", () => replay.state.playing);
   await page.locator("#play").click();
@@ -157,13 +134,13 @@ test("buttons do what keys do, and every key that the help names is one", async 
   expect(values("seek").at(-2)).toBe(0);
   await page.keyboard.press("?");
   expect(await text("#replay-keys")).toMatch(/Space[\s\S]*,[\s\S]*Home[\s\S]*End[\s\S]*B/);
-  expect(await page.locator(".keys.of-mouse").isVisible()).toBe(false);
+  expect(await isVisible(".keys.of-mouse")).toBe(false);
 });
 
 test("a bookmark is named, of the moment at which it was asked for, gone to and taken away", async () => {
-  page = await openReplay();
+  await openReplay();
   replay.state.playing = true;
-  await eventually("it plays", async () => (await text("#replay-word")) === "Replay");
+  await reads("#replay-word", "Replay");
   await page.keyboard.press("b");
   const atS = replay.state.at_s;
   // Its name has more bytes than it may, in letters of two; and no key of it steers anything.
@@ -192,17 +169,15 @@ test("a bookmark is named, of the moment at which it was asked for, gone to and 
 });
 
 test("why a wish is not fulfilled is said in the replayer's words", async () => {
-  page = await openReplay();
+  await openReplay();
   replay.refusal = "there are 200 bookmarks already; drop one first";
   await page.keyboard.press("b");
   await page.keyboard.press("Enter");
-  await eventually("the reason", async () =>
-    (await text("#hint")).includes("there are 200 bookmarks already"),
-  );
+  await reads("#hint", /there are 200 bookmarks already/);
 });
 
 test("a bar is dragged: few wishes on the way, and the last is where it was let go of", async () => {
-  page = await openReplay();
+  await openReplay();
   const {x, y, width, height} = (await page.locator("#scrub-marks").boundingBox())!;
   const middle = y + height / 2;
   await page.mouse.move(x + width / 6, middle);
@@ -214,7 +189,7 @@ test("a bar is dragged: few wishes on the way, and the last is where it was let 
   await eventually("two thirds", () => Math.abs(replay.state.at_s - 40) < 0.5);
   expect(values("seek").length).toBeLessThanOrEqual(2 + 5 * tookS + 1);
   // Between two pixels it may be a little less.
-  await eventually("shown", async () => /^0:(39|40) /.test(await text("#replay-time")));
+  await reads("#replay-time", /^0:(39|40) /);
   // By key it goes second by second, and turns no camera.
   await page.locator("#scrub").focus();
   await page.keyboard.press("ArrowRight");
@@ -226,7 +201,7 @@ test("a bar is dragged: few wishes on the way, and the last is where it was let 
 
 test("plots stand at the recording's times, with its gaps, and begin anew after a seek", async () => {
   replay.state.at_s = 28;
-  page = await openReplay();
+  await openReplay();
   Object.assign(replay.state, {playing: true, rate: 2});
   await eventually("past the gap", () => replay.state.at_s > 35);
   replay.state.playing = false;
@@ -258,10 +233,8 @@ test("plots stand at the recording's times, with its gaps, and begin anew after 
   expect(await colours(31.5)).toEqual(["grey"]);
   expect(await colours(34)).toContain("curve");
   await page.keyboard.press("Home");
-  await eventually("elsewhere", async () => (await text("#replay-time")) === "0:00 / 1:00");
-  await eventually("its force", async () =>
-    (await text("#plots .plot:first-child output")).startsWith("0.00"),
-  );
+  await reads("#replay-time", "0:00 / 1:00");
+  await reads("#plots .plot:first-child output", /^0\.00/);
   await eventually(
     "no curve of before",
     async () => !(await colours(replay.state.at_s - 5)).includes("curve"),
@@ -269,33 +242,28 @@ test("plots stand at the recording's times, with its gaps, and begin anew after 
 });
 
 test("a replayer that dies, or ends, leaves no doubt of it", async () => {
-  page = await openReplay({ownClock: true});
+  await openReplay({ownClock: true});
   replay.die();
   await page.clock.runFor(3000);
-  await eventually("silent", async () => (await text("#replay-word")) === "Replay, silent");
+  await reads("#replay-word", "Replay, silent");
   expect(await text("#banner")).toMatch(
     /lesson-3.mcap has not been heard of for \d+ s: its program/,
   );
   expect(await isVisible("#replay-controls")).toBe(false);
   expect(await isVisible("#take")).toBe(false);
   replay.start();
-  await eventually("it is back", () => isVisible("#replay-controls"));
+  await appears("#replay-controls");
   replay.end();
-  await eventually("ended", async () => (await text("#replay-word")) === "Replay, ended");
-  await eventually(
-    "said",
-    async () =>
-      (await text("#banner")) ===
-      "The replay of lesson-3.mcap has ended. What you see is the last of it.",
-  );
+  await reads("#replay-word", "Replay, ended");
+  await reads("#banner", "The replay of lesson-3.mcap has ended. What you see is the last of it.");
   expect(await isVisible("#replay-controls")).toBe(false);
 });
 
 test("who may not steer sees the sign alone, and no key does anything", async () => {
   replay.contents.locked = true;
-  page = await openReplay();
+  await openReplay();
   const isSignAlone = async (): Promise<void> => {
-    await eventually("the time", async () => (await text("#replay-time")) === "0:10 / 1:00");
+    await reads("#replay-time", "0:10 / 1:00");
     for (const part of ["#replay-controls", "#marks-section", "#replay-keys"])
       expect(await isVisible(part), part).toBe(false);
     for (const key of [" ", ".", "Home", "b", ">"]) await page.keyboard.press(key);
@@ -304,12 +272,12 @@ test("who may not steer sees the sign alone, and no key does anything", async ()
   await isSignAlone();
   replay.contents.locked = false;
   replay.tellContents();
-  await eventually("unlocked", () => isVisible("#scrub"));
+  await appears("#scrub");
   expect(replay.wishes).toEqual([]);
   for (const rule of ["allowsSteering", "takesMessages"] as const) {
     replay.die();
     gateway[rule] = false;
-    page = await openReplay();
+    await openReplay();
     await isSignAlone();
   }
   expect(replay.wishes).toEqual([]);
@@ -317,7 +285,7 @@ test("who may not steer sees the sign alone, and no key does anything", async ()
 
 test("a phone has room for all of it, light and dark, and a finger drags the bar", async () => {
   for (const colorScheme of ["light", "dark"] as const) {
-    page = await openReplay({
+    await openReplay({
       viewport: {width: 360, height: 740},
       hasTouch: true,
       isMobile: true,

@@ -19,6 +19,7 @@ import {
   openPage,
   openWindow,
   probe,
+  readsOn,
   until,
 } from "./support/browser";
 import {ownDomain} from "./support/domain";
@@ -122,28 +123,10 @@ describe("while a simulated hand feels the bunny", () => {
       "another picture",
       async () => !(await page.locator("#view").screenshot()).equals(before),
     );
-    await page.waitForFunction(
-      () => /^Contact, .* newtons/.test(document.getElementById("sentence")!.textContent ?? ""),
-      null,
-      {timeout: 60_000},
-    );
-    await page.waitForFunction(
-      () =>
-        /hand drives the bunny of bunny-bunny/.test(
-          document.getElementById("who")!.textContent ?? "",
-        ),
-      null,
-      {timeout: 60_000},
-    );
+    await readsOn(page, "#sentence", /^Contact, .* newtons/);
+    await readsOn(page, "#who", /hand drives the bunny of bunny-bunny/);
     // What the station says of its arm, through the real gateway.
-    await page.waitForFunction(
-      () =>
-        /Device in order PHANTOM Premium 3\.0/.test(
-          document.getElementById("arm")!.innerText.replace(/\s+/g, " "),
-        ),
-      null,
-      {timeout: 60_000},
-    );
+    await readsOn(page, "#arm", /Device in order PHANTOM Premium 3\.0/);
     const {scriptMs, pictures} = await probe(page);
     console.log(`script ${scriptMs.mean.toFixed(2)} ms a picture over ${pictures} pictures`);
   });
@@ -180,11 +163,7 @@ async function press(page: Page): Promise<boolean> {
 const release = async (page: Page): Promise<void> => {
   await page.mouse.up();
   await page.keyboard.press("Escape");
-  await page.waitForFunction(
-    () => /mouse_\w+ has left/.test(document.getElementById("who")!.textContent ?? ""),
-    null,
-    {timeout: 60_000},
-  );
+  await readsOn(page, "#who", /mouse_\w+ has left/);
 };
 
 const kSilenced = /station mouse_\w+: ended: no pose came for more than 100 ms/;
@@ -211,16 +190,11 @@ test("the mouse takes the ball of a mesh, and feels it", async () => {
 test("the mouse presses the bunny, and the page shows the force", async () => {
   const page = await open("?scene=bunny-bunny");
   await pressWhileServed(page);
-  await page.waitForFunction(
-    () => Number(document.getElementById("force")!.textContent) >= 0.5,
-    null,
-    {timeout: 60_000},
+  await eventually(
+    "the force",
+    async () => Number(await page.locator("#force").innerText()) >= 0.5,
   );
-  await page.waitForFunction(
-    () => /^Contact, /.test(document.getElementById("sentence")!.textContent ?? ""),
-    null,
-    {timeout: 60_000},
-  );
+  await readsOn(page, "#sentence", /^Contact, /);
   // A second one is refused, with who has it.
   const second = await open("?scene=bunny-bunny", await openWindow(browser, kWindow));
   await until(second, "the first one's tool", (now) => mouseOf(now) !== undefined, 60_000);

@@ -242,6 +242,10 @@ Json WebClient::NextJson(const std::string& op) {
   return found;
 }
 
+std::string WebClient::NextStatus() {
+  return NextJson("status").value("message", "");
+}
+
 std::optional<WebClient::Message> WebClient::Next(std::uint32_t subscription, double seconds) {
   std::optional<Message> found;
   state_->RunUntil(

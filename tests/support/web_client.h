@@ -78,6 +78,8 @@ class WebClient {
   /// The next JSON message with this `op`; earlier ones of others are passed over.  Null: none
   /// came.
   nlohmann::json NextJson(const std::string& op);
+  /// What the next status message says; empty: none came.
+  std::string NextStatus();
   /// The next message of a subscription.
   std::optional<Message> Next(std::uint32_t subscription, double seconds = 20.0);
   /// Takes what comes for some time; where not, the socket stalls.

@@ -4,17 +4,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "common/error.h"
+
 namespace palpate::foxglove {
 namespace {
 
 using Json = nlohmann::json;
-
-std::optional<Request> Parse(std::string_view text) {
-  std::string complaint;
-  const auto request = ParseRequest(text, complaint);
-  EXPECT_EQ(request.has_value(), complaint.empty()) << text;
-  return request;
-}
 
 TEST(Subprotocol, IsTheFirstThatBothSpeak) {
   EXPECT_EQ(ChooseSubprotocol("foxglove.websocket.v1"), "foxglove.websocket.v1");
@@ -61,22 +56,20 @@ TEST(MessageHeader, HasOpcodeSubscriptionAndTimeLittleEndian) {
 }
 
 TEST(Request, IsReadInEachOfItsKinds) {
-  const auto subscribe = Parse(
+  const Request subscribe = ParseRequest(
       R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":4294967295,"channelId":5}]})");
-  ASSERT_TRUE(subscribe);
-  EXPECT_EQ(subscribe->op, Request::Op::kSubscribe);
-  ASSERT_EQ(subscribe->subscriptions.size(), 2u);
-  EXPECT_EQ(subscribe->subscriptions[1].id, 4294967295u);
-  EXPECT_EQ(subscribe->subscriptions[1].channel, 5u);
-  EXPECT_THAT(Parse(R"({"op":"unsubscribe","subscriptionIds":[0,1]})")->ids,
+  EXPECT_EQ(subscribe.op, Request::Op::kSubscribe);
+  ASSERT_EQ(subscribe.subscriptions.size(), 2u);
+  EXPECT_EQ(subscribe.subscriptions[1].id, 4294967295u);
+  EXPECT_EQ(subscribe.subscriptions[1].channel, 5u);
+  EXPECT_THAT(ParseRequest(R"({"op":"unsubscribe","subscriptionIds":[0,1]})").ids,
               testing::ElementsAre(0u, 1u));
-  const auto advertise = Parse(
+  const Request advertise = ParseRequest(
       R"({"op":"advertise","channels":[{"id":1,"topic":"/m","encoding":"json","schemaName":""}]})");
-  ASSERT_TRUE(advertise);
-  EXPECT_EQ(advertise->op, Request::Op::kAdvertise);
-  EXPECT_EQ(advertise->channels.at(0).topic, "/m");
-  EXPECT_EQ(Parse(R"({"op":"unadvertise","channelIds":[7]})")->ids.at(0), 7u);
-  EXPECT_EQ(Parse(R"({"op":"getParameters"})")->op, Request::Op::kUnknown);
+  EXPECT_EQ(advertise.op, Request::Op::kAdvertise);
+  EXPECT_EQ(advertise.channels.at(0).topic, "/m");
+  EXPECT_EQ(ParseRequest(R"({"op":"unadvertise","channelIds":[7]})").ids.at(0), 7u);
+  EXPECT_EQ(ParseRequest(R"({"op":"getParameters"})").op, Request::Op::kUnknown);
 }
 
 TEST(Request, IsRefusedWhereItLacksWhatItsKindNeeds) {
@@ -90,30 +83,25 @@ TEST(Request, IsRefusedWhereItLacksWhatItsKindNeeds) {
         R"({"op":"unsubscribe","subscriptionIds":["1"]})", R"({"op":"advertise","channels":[{}]})",
         R"({"op":"advertise","channels":[{"id":1,"topic":5,"encoding":"json"}]})",
         R"({"op":"unadvertise","channelIds":1})", "{\"op\":\"\xff\"}"}) {
-    EXPECT_FALSE(Parse(text)) << text;
+    EXPECT_THROW(ParseRequest(text), Error) << text;
   }
   std::string many = R"({"op":"unsubscribe","subscriptionIds":[0)";
   for (int i = 0; i < 1000; ++i) many += ",1";
-  EXPECT_FALSE(Parse(many + "]}"));
-  EXPECT_FALSE(Parse(std::string(60'000, '[')));
+  EXPECT_THROW(ParseRequest(many + "]}"), Error);
+  EXPECT_THROW(ParseRequest(std::string(60'000, '[')), Error);
 }
 
 TEST(ClientMessage, IsItsChannelAndItsPayload) {
-  std::string complaint;
   const std::uint8_t bytes[] = {1, 2, 1, 0, 0, '{', '}'};
-  const auto message = ParseMessage(bytes, complaint);
-  ASSERT_TRUE(message);
-  EXPECT_EQ(message->channel, 258u);
-  EXPECT_EQ(message->payload, "{}");
-  EXPECT_EQ(ParseMessage(std::span(bytes, 5), complaint)->payload, "");
-  EXPECT_TRUE(complaint.empty());
+  const ClientMessage message = ParseMessage(bytes);
+  EXPECT_EQ(message.channel, 258u);
+  EXPECT_EQ(message.payload, "{}");
+  EXPECT_EQ(ParseMessage(std::span(bytes, 5)).payload, "");
   for (std::size_t n = 0; n < 5; ++n) {
-    complaint.clear();
-    EXPECT_FALSE(ParseMessage(std::span(bytes, n), complaint)) << n;
-    EXPECT_FALSE(complaint.empty());
+    EXPECT_THROW(ParseMessage(std::span(bytes, n)), Error) << n;
   }
   const std::uint8_t other[] = {2, 2, 1, 0, 0};
-  EXPECT_FALSE(ParseMessage(other, complaint));
+  EXPECT_THROW(ParseMessage(other), Error);
 }
 
 }  // namespace

@@ -136,7 +136,7 @@ TEST(Gateway, LetsAViewerSubscribeToAllThatItOffersAndToNothingElse) {
   }
   viewer.Subscribe(7777, 99);
   // Refusals come in the order of what is refused.
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""),
+  EXPECT_THAT(viewer.NextStatus(),
               HasSubstr("subscription 7777 to channel 99 is refused: there is no such channel"));
 }
 
@@ -432,9 +432,9 @@ TEST(Gateway, LetsDesktopApplicationsLookAndTakeNothing) {
   viewer.Subscribe(1, kBundle);
   EXPECT_TRUE(viewer.Next(1));
   viewer.Subscribe(9, kMouse);
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("no such channel"));
+  EXPECT_THAT(viewer.NextStatus(), HasSubstr("no such channel"));
   viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("may look"));
+  EXPECT_THAT(viewer.NextStatus(), HasSubstr("may look"));
   EXPECT_EQ(viewer.closed(), 1008);
   EXPECT_EQ(gateway.Health()["mice"], 0);
 }
@@ -506,9 +506,9 @@ TEST(Gateway, EndsTheConnectionThatSendsWhatIsNotOfTheProtocolAndNoOther) {
   EXPECT_FALSE(large.open());
   WebClient newer(gateway.port());
   newer.SendText(R"({"op": "getParameters", "parameterNames": []})");
-  EXPECT_THAT(newer.NextJson("status").value("message", ""), HasSubstr("'getParameters'"));
+  EXPECT_THAT(newer.NextStatus(), HasSubstr("'getParameters'"));
   newer.Subscribe(1, 99);
-  EXPECT_THAT(newer.NextJson("status").value("message", ""), HasSubstr("no such channel"));
+  EXPECT_THAT(newer.NextStatus(), HasSubstr("no such channel"));
   EXPECT_TRUE(newer.open());
   EXPECT_TRUE(other.open());
   EXPECT_TRUE(gateway.Until([](const Json& health) { return health["viewers"] == 2; }));
@@ -614,15 +614,13 @@ TEST(Mouse, IsRefusedAToolThatIsTakenAndToldWhy) {
   viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
   const Json refused = MouseUntil(viewer, "refused");
   EXPECT_THAT(refused.value("reason", ""), HasSubstr("is driven by station 'first'"));
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""),
-              HasSubstr("is driven by station 'first'"));
+  EXPECT_THAT(viewer.NextStatus(), HasSubstr("is driven by station 'first'"));
   viewer.SendMouse({{"op", "take"}, {"scene", "--help"}});
   EXPECT_THAT(MouseUntil(viewer, "refused").value("reason", ""),
               HasSubstr("no server serves scene '--help'"));
   viewer.SendMouse({{"op", "dance"}});
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("the tool is refused"));
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""),
-              HasSubstr("take, pose, release and whole"));
+  EXPECT_THAT(viewer.NextStatus(), HasSubstr("the tool is refused"));
+  EXPECT_THAT(viewer.NextStatus(), HasSubstr("give one of take, pose, release, whole"));
   EXPECT_TRUE(viewer.open());
 }
 
@@ -749,7 +747,7 @@ TEST(Replay, IsToldToPagesAndSteeredByThemAlsoWhereNobodyTakesATool) {
   EXPECT_EQ(NextOf(late, 21)["at_s"], 2.5);
   // The mouse stays ruled out.
   viewer.SendMouse({{"op", "take"}, {"scene", "cube"}});
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("--max-mice"));
+  EXPECT_THAT(viewer.NextStatus(), HasSubstr("--max-mice"));
   EXPECT_EQ(viewer.closed(), 1008);
 }
 
@@ -762,42 +760,35 @@ TEST(Replay, AnswersWishesThatCannotBeFulfilledAndStandsThoseThatAreNone) {
   EXPECT_EQ(answer["tag"], 3);
   EXPECT_THAT(answer.value("refusal", ""), HasSubstr("not there any more"));
   viewer.SendReplay({{"op", "take"}, {"scene", "cube"}});
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("/palpate/replay: "));
+  EXPECT_THAT(viewer.NextStatus(), HasSubstr("/palpate/replay:1: "));
   // Each channel is what it was advertised for.
   viewer.SendMouse({{"replay", "1"}, {"tag", 3}, {"wish", "play"}});
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("/palpate/mouse: "));
+  EXPECT_THAT(viewer.NextStatus(), HasSubstr("/palpate/mouse:1: "));
   EXPECT_TRUE(viewer.open());
 }
 
-TEST(Replay, IsNotSteeredByWhoMayOnlyLook) {
-  Gateway gateway;
-  Replayer replayer;
-  WebClient viewer(gateway.port(), "foxglove.websocket.v1", "file://");
-  viewer.Subscribe(21, kReplay);
-  const Json state = NextOf(viewer, 21);
-  viewer.Subscribe(22, kAnswer);
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("no such channel"));
-  viewer.SendReplay({{"replay", state["replay"]}, {"tag", 1}, {"wish", "pause"}});
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("may look"));
-  EXPECT_EQ(viewer.closed(), 1008);
-}
-
-TEST(Replay, IsSteeredByNobodyWhereTheGatewayRulesItOut) {
-  Gateway gateway({"--no-steering"});
-  Replayer replayer;
-  WebClient viewer(gateway.port());
-  EXPECT_EQ(viewer.NextJson("serverInfo")["capabilities"], Json::array({"clientPublish"}))
-      << "a mouse may be had";
-  viewer.Subscribe(21, kReplay);
-  const Json state = NextOf(viewer, 21);
-  EXPECT_EQ(state["at_s"], 1.5) << "it is seen";
-  viewer.Subscribe(22, kAnswer);
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""), HasSubstr("no such channel"));
-  viewer.SendReplay({{"replay", state["replay"]}, {"tag", 1}, {"wish", "pause"}});
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""),
-              AllOf(HasSubstr("give /palpate/mouse or /palpate/operate, encoding json"),
-                    HasSubstr("--no-steering")));
-  EXPECT_EQ(viewer.closed(), 1008);
+TEST(Replay, IsSeenAndNotSteeredByWhoMayOnlyLookNorWhereTheGatewayRulesItOut) {
+  struct Case {
+    std::vector<std::string> options;
+    const char* origin;
+    testing::Matcher<std::string> why;
+  };
+  const auto ruled_out = AllOf(HasSubstr("give /palpate/mouse or /palpate/operate, encoding json"),
+                               HasSubstr("--no-steering"));
+  for (const Case& of :
+       {Case{{}, "file://", HasSubstr("may look")}, Case{{"--no-steering"}, "", ruled_out}}) {
+    Gateway gateway(of.options);
+    Replayer replayer;
+    WebClient viewer(gateway.port(), "foxglove.websocket.v1", of.origin);
+    viewer.Subscribe(21, kReplay);
+    const Json state = NextOf(viewer, 21);
+    EXPECT_EQ(state["at_s"], 1.5);
+    viewer.Subscribe(22, kAnswer);
+    EXPECT_THAT(viewer.NextStatus(), HasSubstr("no such channel"));
+    viewer.SendReplay({{"replay", state["replay"]}, {"tag", 1}, {"wish", "pause"}});
+    EXPECT_THAT(viewer.NextStatus(), of.why);
+    EXPECT_EQ(viewer.closed(), 1008);
+  }
 }
 
 TEST(Replay, TellsAPageThatMayOnlyLookThatItMayPublishNothing) {
@@ -807,7 +798,7 @@ TEST(Replay, TellsAPageThatMayOnlyLookThatItMayPublishNothing) {
                    {{"X-Forwarded-For", "192.168.0.7"}});
   EXPECT_EQ(viewer.NextJson("serverInfo")["capabilities"], Json::array());
   viewer.SendReplay({{"replay", "1"}, {"tag", 1}, {"wish", "pause"}});
-  EXPECT_THAT(viewer.NextJson("status").value("message", ""),
+  EXPECT_THAT(viewer.NextStatus(),
               AllOf(HasSubstr("--max-mice"), HasSubstr("--no-steering"), Not(HasSubstr("give"))));
 }
 

@@ -2,30 +2,28 @@
 
 #include <gtest/gtest.h>
 
+#include "common/error.h"
+
 namespace palpate {
 namespace {
 
 TEST(OperateCommand, IsAWishForAStation) {
   for (const wire::OperateWish wish : {palpate_OPERATE_ADMIT, palpate_OPERATE_TAKE_BACK,
                                        palpate_OPERATE_MUTE, palpate_OPERATE_UNMUTE}) {
-    std::string wrong;
-    const auto command = ParseOperateCommand(
-        std::string(R"({"op": ")") + OperateWishName(wish) + R"(", "station": "left_2"})", wrong);
-    ASSERT_TRUE(command) << wrong;
-    EXPECT_EQ(command->wish, wish);
-    EXPECT_EQ(command->station, "left_2");
+    const OperateCommand command = ParseOperateCommand(
+        R"({"op": ")" + std::string(OperateWishName(wish)) + R"(", "station": "left_2"})");
+    EXPECT_EQ(command.wish, wish);
+    EXPECT_EQ(command.station, "left_2");
   }
 }
 
 TEST(OperateCommand, IsAGoalOfAScene) {
-  std::string wrong;
-  const auto command = ParseOperateCommand(
-      R"({"op": "goal", "scene": "cube", "text": "Press gently", "limit_N": 0.5})", wrong);
-  ASSERT_TRUE(command) << wrong;
-  ASSERT_TRUE(command->goal);
-  EXPECT_EQ(command->goal->scene, "cube");
-  EXPECT_EQ(command->goal->text, "Press gently");
-  EXPECT_EQ(command->goal->limit, 0.5);
+  const OperateCommand command = ParseOperateCommand(
+      R"({"op": "goal", "scene": "cube", "text": "Press gently", "limit_N": 0.5})");
+  ASSERT_TRUE(command.goal);
+  EXPECT_EQ(command.goal->scene, "cube");
+  EXPECT_EQ(command.goal->text, "Press gently");
+  EXPECT_EQ(command.goal->limit, 0.5);
 }
 
 TEST(OperateCommand, IsNothingElse) {
@@ -53,14 +51,11 @@ TEST(OperateCommand, IsNothingElse) {
         R"({"op": "goal", "scene": "cube", "text": "x", "limit_N": 1, "station": "left"})",
         R"({"op": "mute", "station": "left"} {})",
         "{\"op\": \"mute\", \"station\": \"\xff\"}"}) {
-    std::string wrong;
-    EXPECT_FALSE(ParseOperateCommand(text, wrong)) << text;
-    EXPECT_NE(wrong, "") << text;
+    EXPECT_THROW(ParseOperateCommand(text), Error) << text;
   }
-  std::string wrong;
-  EXPECT_FALSE(ParseOperateCommand(
-      R"({"op": "goal", "scene": "s", "limit_N": 0, "text": ")" + std::string(481, 'x') + R"("})",
-      wrong));
+  EXPECT_THROW(ParseOperateCommand(R"({"op": "goal", "scene": "s", "limit_N": 0, "text": ")" +
+                                   std::string(481, 'x') + R"("})"),
+               Error);
 }
 
 }  // namespace

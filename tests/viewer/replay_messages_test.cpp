@@ -7,18 +7,16 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/complaint.h"
+
 namespace palpate {
 namespace {
 
 using Json = nlohmann::json;
 using testing::HasSubstr;
 
-std::optional<ReplayWish> Parse(const std::string& text, std::string* why = nullptr) {
-  std::string complaint;
-  const auto wish = ParseReplayWish(text, complaint);
-  EXPECT_EQ(wish.has_value(), complaint.empty()) << text;
-  if (why != nullptr) *why = complaint;
-  return wish;
+std::string Complaint(const std::string& text) {
+  return test::ComplaintOf([&] { ParseReplayWish(text); });
 }
 
 /// A wish that is good, with one field as given; null: without it.
@@ -35,23 +33,22 @@ std::string With(const std::string& field, const Json& value,
 }
 
 TEST(ReplayWish, IsReadWithAllThatItNeeds) {
-  const auto play = Parse(R"({"replay":"ffffffffffffffff","tag":4294967295,"wish":"play"})");
-  ASSERT_TRUE(play);
-  EXPECT_EQ(play->request.replay, 0xffffffffffffffffu);
-  EXPECT_EQ(play->tag, 4294967295u);
-  EXPECT_EQ(play->request.wish, palpate_REPLAY_PLAY);
-  const auto seek = Parse(With("value", 12.5, "seek"));
-  ASSERT_TRUE(seek);
-  EXPECT_EQ(seek->request.wish, palpate_REPLAY_SEEK);
-  EXPECT_EQ(seek->request.value, 12.5);
-  EXPECT_EQ(Parse(With("value", 2, "rate"))->request.wish, palpate_REPLAY_RATE);
-  EXPECT_EQ(Parse(With("value", 2, "pause"))->request.wish, palpate_REPLAY_PAUSE);
-  EXPECT_EQ(Parse(With("value", 3, "drop_bookmark"))->request.wish, palpate_REPLAY_DROP_BOOKMARK);
-  const auto bookmark = Parse(With("value", 0));
-  ASSERT_TRUE(bookmark);
-  EXPECT_EQ(bookmark->request.wish, palpate_REPLAY_ADD_BOOKMARK);
-  EXPECT_EQ(bookmark->request.kind, static_cast<std::uint32_t>(palpate_REPLAY_ADD_BOOKMARK));
-  EXPECT_STREQ(bookmark->request.text, "the slip");
+  const ReplayWish play =
+      ParseReplayWish(R"({"replay":"ffffffffffffffff","tag":4294967295,"wish":"play"})");
+  EXPECT_EQ(play.request.replay, 0xffffffffffffffffu);
+  EXPECT_EQ(play.tag, 4294967295u);
+  EXPECT_EQ(play.request.wish, palpate_REPLAY_PLAY);
+  const ReplayWish seek = ParseReplayWish(With("value", 12.5, "seek"));
+  EXPECT_EQ(seek.request.wish, palpate_REPLAY_SEEK);
+  EXPECT_EQ(seek.request.value, 12.5);
+  EXPECT_EQ(ParseReplayWish(With("value", 2, "rate")).request.wish, palpate_REPLAY_RATE);
+  EXPECT_EQ(ParseReplayWish(With("value", 2, "pause")).request.wish, palpate_REPLAY_PAUSE);
+  EXPECT_EQ(ParseReplayWish(With("value", 3, "drop_bookmark")).request.wish,
+            palpate_REPLAY_DROP_BOOKMARK);
+  const ReplayWish bookmark = ParseReplayWish(With("value", 0));
+  EXPECT_EQ(bookmark.request.wish, palpate_REPLAY_ADD_BOOKMARK);
+  EXPECT_EQ(bookmark.request.kind, static_cast<std::uint32_t>(palpate_REPLAY_ADD_BOOKMARK));
+  EXPECT_STREQ(bookmark.request.text, "the slip");
 }
 
 TEST(ReplayWish, IsRefusedWhereTheReplaysNumberIsNone) {
@@ -59,33 +56,32 @@ TEST(ReplayWish, IsRefusedWhereTheReplaysNumberIsNone) {
        std::vector<Json>{nullptr, 5, "", "0", "00", "05f3a", "0x5f", "-1", "+1", " 5", "5 ", "5F",
                          "5g", "10000000000000000", "1ffffffffffffffff", std::string("5\0", 2),
                          Json::array({"5f3a"})}) {
-    std::string why;
-    EXPECT_FALSE(Parse(With("replay", id), &why)) << id;
-    EXPECT_THAT(why, HasSubstr("hexadecimal"));
+    EXPECT_THAT(Complaint(With("replay", id)), HasSubstr(": replay"));
   }
 }
 
 TEST(ReplayWish, IsRefusedWhereItIsNone) {
-  for (const char* text : {"", "{", "[]", "{}", "3"}) EXPECT_FALSE(Parse(text)) << text;
+  for (const char* text : {"", "{", "[]", "{}", "3"})
+    EXPECT_THROW(ParseReplayWish(text), Error) << text;
   for (const Json& wish : std::vector<Json>{nullptr, "", "jump", "PLAY", "play ", 0, true}) {
-    std::string why;
-    EXPECT_FALSE(Parse(With("wish", wish), &why)) << wish;
-    EXPECT_THAT(why, HasSubstr("none of play, pause"));
+    EXPECT_THAT(Complaint(With("wish", wish)), HasSubstr(": wish")) << wish;
   }
+  EXPECT_THAT(Complaint(With("wish", "jump")), HasSubstr("give one of play, pause"));
   for (const Json& tag : std::vector<Json>{nullptr, "1", -1, 1.5, 4294967296}) {
-    EXPECT_FALSE(Parse(With("tag", tag))) << tag;
+    EXPECT_THAT(Complaint(With("tag", tag)), HasSubstr(": tag")) << tag;
   }
 }
 
 TEST(ReplayWish, NeedsAFiniteValueWhereItNeedsOne) {
   for (const char* wish : {"seek", "rate", "add_bookmark", "drop_bookmark"}) {
     for (const Json& value : std::vector<Json>{nullptr, "1", true}) {
-      EXPECT_FALSE(Parse(With("value", value, wish))) << wish << value;
+      EXPECT_THAT(Complaint(With("value", value, wish)), HasSubstr(": value")) << wish;
     }
   }
   for (const char* value : {"1e999", "-1e999", "NaN", "Infinity", "null", "nan"}) {
-    EXPECT_FALSE(
-        Parse(std::string(R"({"replay":"5","tag":1,"wish":"seek","value":)") + value + "}"))
+    EXPECT_THROW(ParseReplayWish(std::string(R"({"replay":"5","tag":1,"wish":"seek","value":)") +
+                                 value + "}"),
+                 Error)
         << value;
   }
 }
@@ -93,18 +89,14 @@ TEST(ReplayWish, NeedsAFiniteValueWhereItNeedsOne) {
 TEST(ReplayWish, CountsATextsBytesAndNotItsLetters) {
   std::string letters;
   for (int i = 0; i < 60; ++i) letters += "é";
-  const auto most = Parse(With("text", letters));
-  ASSERT_TRUE(most);
-  EXPECT_EQ(most->request.text, letters);
-  std::string why;
-  EXPECT_FALSE(Parse(With("text", letters + "x"), &why));
-  EXPECT_THAT(why, HasSubstr("120 bytes"));
-  EXPECT_FALSE(Parse(With("text", 3)));
-  EXPECT_FALSE(Parse(With("text", nullptr)));
-  EXPECT_FALSE(Parse(With("text", std::string("a\0b", 3))));
-  EXPECT_FALSE(
-      Parse("{\"replay\":\"5\",\"tag\":1,\"wish\":\"add_bookmark\",\"value\":1,"
-            "\"text\":\"caf\xe9\"}"))
+  EXPECT_EQ(ParseReplayWish(With("text", letters)).request.text, letters);
+  EXPECT_THAT(Complaint(With("text", letters + "x")), HasSubstr("120 bytes"));
+  for (const Json& text : std::vector<Json>{3, nullptr, std::string("a\0b", 3)}) {
+    EXPECT_THAT(Complaint(With("text", text)), HasSubstr(": text")) << text;
+  }
+  EXPECT_THROW(ParseReplayWish("{\"replay\":\"5\",\"tag\":1,\"wish\":\"add_bookmark\",\"value\":1,"
+                               "\"text\":\"caf\xe9\"}"),
+               Error)
       << "no UTF-8";
 }
 

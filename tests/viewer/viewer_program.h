@@ -35,15 +35,17 @@ class ViewerProgram {
     return nlohmann::json::parse(Get(port_, "/healthz", headers).body);
   }
   /// Asks until the gateway says so.
-  bool Until(const std::function<bool(const nlohmann::json&)>& condition) {
+  bool Until(const std::function<bool(const nlohmann::json&)>& condition,
+             const std::map<std::string, std::string>& headers = {}) {
     for (int i = 0; i < 2000; ++i) {
-      if (condition(Health())) return true;
+      if (condition(Health(headers))) return true;
       usleep(10'000);
     }
     return false;
   }
-  bool KnowsScenes(std::size_t n) {
-    return Until([n](const nlohmann::json& health) { return health["scenes"].size() == n; });
+  bool KnowsScenes(std::size_t n, const std::map<std::string, std::string>& headers = {}) {
+    return Until([n](const nlohmann::json& health) { return health["scenes"].size() == n; },
+                 headers);
   }
 
  private:

@@ -138,7 +138,7 @@ TEST(Takes, AreLimitedHoweverQuicklyAViewerTakesAndLetsGo) {
   // Those in between are refused for the mice that are still on their way out.
   std::string said_to_it;
   for (int i = 0; i < 100 && said_to_it.find("taken too often") == std::string::npos; ++i) {
-    said_to_it = viewer.NextJson("status").value("message", "");
+    said_to_it = viewer.NextStatus();
   }
   EXPECT_THAT(said_to_it, HasSubstr("taken too often"));
   EXPECT_TRUE(gateway.Logs("refused (takes)"));
@@ -172,6 +172,13 @@ class Guarded : public testing::Test {
     return WebClient(port, std::string(kV1) + ", palpate.token." + token, origin);
   }
 
+  /// What the gateway is told to speak TLS, and to want tokens.
+  std::vector<std::string> Tls() const {
+    return {"--tls-cert", certificate_.certificate(), "--tls-key", certificate_.key(), "--tokens",
+            path_};
+  }
+
+  const TestCertificate certificate_;
   const std::string path_ =
       std::filesystem::temp_directory_path() / ("palpate_who_may_" + std::to_string(getpid()));
   std::string watch_, drive_, operate_;
@@ -236,13 +243,13 @@ TEST_F(Guarded, GivesAPageWhatItsTokensRoleAllowsAndNeverEchoesTheToken) {
   EXPECT_EQ(watcher.subprotocol(), kV1);
   EXPECT_EQ(watcher.NextJson("serverInfo")["metadata"]["role"], "watch");
   watcher.SendMouse({{"op", "take"}, {"scene", "cube"}});
-  EXPECT_THAT(watcher.NextJson("status").value("message", ""), HasSubstr("role is watch"));
+  EXPECT_THAT(watcher.NextStatus(), HasSubstr("role is watch"));
   EXPECT_EQ(watcher.closed(), 1008);
 
   WebClient driver = Viewer(gateway.port(), drive_, own);
   EXPECT_EQ(driver.NextJson("serverInfo")["metadata"]["role"], "drive");
   driver.SendOperate({{"op", "mute"}, {"station", "left"}});
-  EXPECT_THAT(driver.NextJson("status").value("message", ""), HasSubstr("role operate"));
+  EXPECT_THAT(driver.NextStatus(), HasSubstr("role operate"));
   EXPECT_EQ(driver.closed(), 1008);
   EXPECT_EQ(server_.CountAsked(), 0);
 
@@ -260,9 +267,7 @@ TEST_F(Guarded, PassesOnWhatATeacherDecidesWithHisName) {
   Gateway gateway({"--tokens", path_});
   WebClient teacher = Viewer(gateway.port(), operate_);
   EXPECT_EQ(teacher.NextJson("serverInfo")["metadata"]["role"], "operate");
-  for (int i = 0; i < 500 && gateway.Health(Bearing(watch_))["server_run"] != "1234"; ++i) {
-    usleep(10'000);
-  }
+  ASSERT_TRUE(gateway.KnowsScenes(1, Bearing(watch_)));
   const std::vector<std::pair<const char*, wire::OperateWish>> wishes = {
       {"admit", palpate_OPERATE_ADMIT},
       {"take_back", palpate_OPERATE_TAKE_BACK},
@@ -284,7 +289,7 @@ TEST_F(Guarded, PassesOnWhatATeacherDecidesWithHisName) {
                             Json{{"op", "dance"}, {"station", "left"}},
                             Json{{"op", "mute"}, {"station", "left"}, {"by", "me"}}}) {
     teacher.SendOperate(wrong);
-    EXPECT_THAT(teacher.NextJson("status").value("message", ""), HasSubstr("/palpate/operate: "));
+    EXPECT_THAT(teacher.NextStatus(), HasSubstr("/palpate/operate:1: "));
   }
   EXPECT_EQ(server_.CountAsked(), 0);
   EXPECT_TRUE(teacher.open());
@@ -294,7 +299,7 @@ TEST_F(Guarded, AreTheNamesOfTheirHoldersMiceAndOfNobodyElses) {
   const std::string anna = Make("drive", "anna");
   Make("drive", "anna_2");
   Gateway gateway({"--tokens", path_, "--max-mice", "4"});
-  for (int i = 0; i < 500 && gateway.Health(Bearing(watch_))["scenes"].empty(); ++i) usleep(10'000);
+  ASSERT_TRUE(gateway.KnowsScenes(1, Bearing(watch_)));
   std::vector<std::string> names;
   for (const char* tool : {"a", "b"}) {
     WebClient viewer = Viewer(gateway.port(), anna);
@@ -309,7 +314,7 @@ TEST_F(Guarded, AreTheNamesOfTheirHoldersMiceAndOfNobodyElses) {
 
 TEST_F(Guarded, SetAGoalThatAllAreToldWhereTheyMayOperate) {
   Gateway gateway({"--tokens", path_});
-  for (int i = 0; i < 500 && gateway.Health(Bearing(watch_))["scenes"].empty(); ++i) usleep(10'000);
+  ASSERT_TRUE(gateway.KnowsScenes(1, Bearing(watch_)));
   const Json goal = {{"scene", "cube"}, {"text", "Press gently"}, {"limit_N", 0.5}};
   const auto with_op = [](Json of) {
     of["op"] = "goal";
@@ -328,7 +333,7 @@ TEST_F(Guarded, SetAGoalThatAllAreToldWhereTheyMayOperate) {
   ASSERT_TRUE(kept);
   EXPECT_EQ(Json::parse(kept->payload), goal);
   teacher.SendOperate(with_op({{"scene", "nowhere"}, {"text", ""}, {"limit_N", 0}}));
-  EXPECT_THAT(teacher.NextJson("status").value("message", ""), HasSubstr("is not served here"));
+  EXPECT_THAT(teacher.NextStatus(), HasSubstr("is not served here"));
   late.SendOperate(with_op(goal));
   EXPECT_EQ(late.closed(), 1008) << "it may drive, and set no goal";
 }
@@ -346,7 +351,7 @@ TEST(Operate, IsWithoutTokensForPagesOfThisHostAndForNoneThatAProxyBrings) {
   WebClient far(gateway.port(), kV1, "", 0, From("192.168.0.7"));
   EXPECT_EQ(far.NextJson("serverInfo")["metadata"]["role"], "drive");
   far.SendOperate({{"op", "mute"}, {"station", "left"}});
-  EXPECT_THAT(far.NextJson("status").value("message", ""), HasSubstr("--tokens"));
+  EXPECT_THAT(far.NextStatus(), HasSubstr("--tokens"));
   EXPECT_EQ(far.closed(), 1008);
   EXPECT_TRUE(gateway.Logs("refused (role)"));
 }
@@ -384,7 +389,7 @@ TEST_F(Guarded, HoldAsTheFileHasThemWhenItIsReadAnew) {
   gateway.program().Signal(SIGHUP);
   ASSERT_TRUE(gateway.Logs("read anew: 3 tokens are valid; connections that end for it: 2"));
   for (WebClient* viewer : {&watcher, &driver}) {
-    EXPECT_THAT(viewer->NextJson("status").value("message", ""), HasSubstr("was taken back"));
+    EXPECT_THAT(viewer->NextStatus(), HasSubstr("was taken back"));
     EXPECT_EQ(viewer->closed(), 1008);
   }
   EXPECT_EQ(Get(gateway.port(), "/healthz", Bearing(watch_)).status, 401);
@@ -392,9 +397,7 @@ TEST_F(Guarded, HoldAsTheFileHasThemWhenItIsReadAnew) {
   EXPECT_EQ(Handshake(gateway.port(), kV1, "", Bearing(watch_)).status, 401);
   WebClient again = Viewer(gateway.port(), drive_);
   EXPECT_EQ(again.NextJson("serverInfo")["metadata"]["role"], "watch");
-  for (int i = 0; i < 500 && gateway.Health(Bearing(later))["server_run"] != "1234"; ++i) {
-    usleep(10'000);
-  }
+  ASSERT_TRUE(gateway.KnowsScenes(1, Bearing(later)));
   teacher.SendOperate({{"op", "mute"}, {"station", "left"}});
   EXPECT_TRUE(server_.Asked()) << "whose token stays is not disturbed";
 }
@@ -424,12 +427,8 @@ TEST_F(Guarded, DropsWhoseTokenIsTakenBackThoughItReadsNothing) {
   const std::string only = Make("watch", "only");
   gateway.program().Signal(SIGHUP);
   ASSERT_TRUE(gateway.Logs("1 tokens are valid; connections that end for it: 1"));
-  bool gone = false;
-  for (int i = 0; i < 2000 && !gone; ++i) {
-    gone = gateway.Health(Bearing(only))["viewers"] == 0;
-    usleep(10'000);
-  }
-  EXPECT_TRUE(gone);
+  EXPECT_TRUE(
+      gateway.Until([](const Json& health) { return health["viewers"] == 0; }, Bearing(only)));
 }
 
 TEST(Reload, WithoutTokensEndsNothing) {
@@ -473,9 +472,7 @@ HttpAnswer GetSecure(int port, const std::string& target, const Headers& headers
 }
 
 TEST_F(Guarded, SpeaksTlsWithSafeHeadersAndNoOlderThanOneTwo) {
-  const TestCertificate certificate;
-  Gateway gateway(
-      {"--tls-cert", certificate.certificate(), "--tls-key", certificate.key(), "--tokens", path_});
+  Gateway gateway(Tls());
   EXPECT_THAT(gateway.program().Output(), HasSubstr("ready: page https://127.0.0.1:"));
   const HttpAnswer answer = GetSecure(gateway.port(), "/healthz", Bearing(watch_));
   EXPECT_EQ(answer.status, 200);
@@ -497,9 +494,7 @@ TEST_F(Guarded, SpeaksTlsWithSafeHeadersAndNoOlderThanOneTwo) {
 }
 
 TEST_F(Guarded, TellsWhoSpeaksInTheClearWhereTlsIsSpoken) {
-  const TestCertificate certificate;
-  Gateway gateway(
-      {"--tls-cert", certificate.certificate(), "--tls-key", certificate.key(), "--tokens", path_});
+  Gateway gateway(Tls());
   const std::string at = "127.0.0.1:" + std::to_string(gateway.port());
   const HttpAnswer answer = Get(gateway.port(), "/?scene=cube");
   EXPECT_EQ(answer.status, 307);
@@ -514,9 +509,7 @@ TEST_F(Guarded, TellsWhoSpeaksInTheClearWhereTlsIsSpoken) {
 }
 
 TEST_F(Guarded, OutlivesAnyBytesAtItsTlsPortAndThoseWhoNeverShakeHands) {
-  const TestCertificate certificate;
-  Gateway gateway(
-      {"--tls-cert", certificate.certificate(), "--tls-key", certificate.key(), "--tokens", path_});
+  Gateway gateway(Tls());
   net::io_context io;
   std::vector<net::ip::tcp::socket> silent;
   Random random(5);
@@ -538,9 +531,7 @@ TEST_F(Guarded, OutlivesAnyBytesAtItsTlsPortAndThoseWhoNeverShakeHands) {
 }
 
 TEST_F(Guarded, GivesAWebSocketOverTlsWhatItGivesInTheClear) {
-  const TestCertificate certificate;
-  Gateway gateway(
-      {"--tls-cert", certificate.certificate(), "--tls-key", certificate.key(), "--tokens", path_});
+  Gateway gateway(Tls());
   net::io_context io;
   net::ssl::context context(net::ssl::context::tls_client);
   beast::websocket::stream<beast::ssl_stream<net::ip::tcp::socket>> socket(io, context);

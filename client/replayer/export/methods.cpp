@@ -153,28 +153,21 @@ double Methods::duration_s() const {
   return 1e-9 * static_cast<double>(last_ns_ - first_ns_);
 }
 
-std::uint64_t Methods::Sum(std::uint64_t (*of)(const Topic&)) const {
-  std::uint64_t sum = 0;
-  for (const auto& [name, topic] : topics_) sum += of(topic);
-  return sum;
-}
-
-std::uint64_t Methods::Missing() const {
-  return Sum([](const Topic& topic) { return topic.sequence.missing(); });
-}
-
-std::uint64_t Methods::Astray() const {
-  return Sum([](const Topic& topic) { return topic.sequence.astray(); });
-}
-
-std::uint64_t Methods::Dropped() const {
-  return Sum([](const Topic& topic) { return topic.dropped; });
+Methods::Totals Methods::totals() const {
+  Totals totals;
+  for (const auto& [name, topic] : topics_) {
+    totals.missing += topic.sequence.missing();
+    totals.astray += topic.sequence.astray();
+    totals.dropped += topic.dropped;
+  }
+  return totals;
 }
 
 std::string Methods::ToJson(const std::vector<std::string>& recording,
                             const std::vector<std::string>& files,
                             const std::map<std::string, std::string>& hashes) const {
   using Json = nlohmann::ordered_json;
+  const auto [missing, astray, dropped] = totals();
   Json json{
       {"made_by", kExportMark},
       {"palpate", {{"recorded_with", Value(about_, "build")}, {"exported_with", PALPATE_VERSION}}},
@@ -191,10 +184,10 @@ std::string Methods::ToJson(const std::vector<std::string>& recording,
         {"kernel", Value(about_, "kernel")}}},
       {"transport", Value(about_, "loop")},
       {"samples",
-       {{"missing", Missing()},
-        {"dropped_by_recorder", Dropped()},
+       {{"missing", missing},
+        {"dropped_by_recorder", dropped},
         {"broken", broken_},
-        {"astray", Astray()},
+        {"astray", astray},
         {"unknown_type", unknown_},
         {"left_out", left_out_}}},
       {"scenes", Json::array()},
@@ -235,6 +228,7 @@ std::string Methods::ToJson(const std::vector<std::string>& recording,
 }
 
 std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const {
+  const auto [missing, astray, dropped] = totals();
   std::string text =
       "# Methods\n\nWhat a paper's methods section needs of this recording; the same "
       "for programs is in `methods.json`.\n\n| | |\n|---|---|\n";
@@ -251,11 +245,11 @@ std::string Methods::ToMarkdown(const std::vector<std::string>& recording) const
   line("recorder's machine", Value(about_, "cpu") + ", " + Value(about_, "cores") +
                                  " cores, kernel " + Value(about_, "kernel"));
   line("transport of poses and wrenches", Value(about_, "loop"));
-  line("samples missing, by their numbers", std::to_string(Missing()));
-  line("samples dropped by the recorder", std::to_string(Dropped()));
+  line("samples missing, by their numbers", std::to_string(missing));
+  line("samples dropped by the recorder", std::to_string(dropped));
   line("samples that are not of their type", std::to_string(broken_));
-  if (Astray() > 0) {
-    line("samples with numbers that do not go on from those before", std::to_string(Astray()));
+  if (astray > 0) {
+    line("samples with numbers that do not go on from those before", std::to_string(astray));
   }
   if (left_out_ > 0) line("samples left out, of no station", std::to_string(left_out_));
   for (const std::string& problem : problems_) line("problem", problem);

@@ -58,10 +58,11 @@ class Methods {
 
  private:
   double duration_s() const;
-  std::uint64_t Sum(std::uint64_t (*of)(const Topic&)) const;
-  std::uint64_t Missing() const;
-  std::uint64_t Astray() const;
-  std::uint64_t Dropped() const;
+  /// Of all topics.
+  struct Totals {
+    std::uint64_t missing = 0, astray = 0, dropped = 0;
+  };
+  Totals totals() const;
 
   std::map<std::string, Topic> topics_;
   std::vector<Session> sessions_;

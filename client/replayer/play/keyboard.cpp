@@ -13,11 +13,6 @@ int NextByte() {
   return poll(&input, 1, 0) == 1 && read(STDIN_FILENO, &byte, 1) == 1 ? byte : -1;
 }
 
-Keyboard::Key Arrow(int byte) {
-  if (byte == 'C') return Keyboard::Key::kRight;
-  return byte == 'D' ? Keyboard::Key::kLeft : Keyboard::Key::kNone;
-}
-
 }  // namespace
 
 Keyboard::Keyboard() {
@@ -34,28 +29,13 @@ Keyboard::~Keyboard() {
   if (terminal_) tcsetattr(STDIN_FILENO, TCSANOW, &former_);
 }
 
-Keyboard::Key Keyboard::Read() {
-  if (!terminal_) return Key::kNone;
-  switch (NextByte()) {
-    case ' ':
-      return Key::kSpace;
-    case 'n':
-      return Key::kNext;
-    case 'p':
-      return Key::kPrevious;
-    case '+':
-      return Key::kFaster;
-    case '-':
-      return Key::kSlower;
-    case 'b':
-      return Key::kBookmark;
-    case 'q':
-      return Key::kQuit;
-    case 0x1b:  // ESC [ C, ESC [ D
-      return NextByte() == '[' ? Arrow(NextByte()) : Key::kNone;
-    default:
-      return Key::kNone;
-  }
+int Keyboard::Read() {
+  const int key = terminal_ ? NextByte() : kNone;
+  if (key != 0x1b) return key;
+  // ESC [ C, ESC [ D
+  if (NextByte() != '[') return kNone;
+  const int arrow = NextByte();
+  return arrow == 'C' ? kRight : arrow == 'D' ? kLeft : kNone;
 }
 
 }  // namespace palpate

@@ -7,18 +7,8 @@ namespace palpate {
 /// Single keys from the terminal on standard input, without Enter; silent where that is none.
 class Keyboard {
  public:
-  enum class Key {
-    kNone,
-    kSpace,
-    kLeft,
-    kRight,
-    kNext,
-    kPrevious,
-    kFaster,
-    kSlower,
-    kBookmark,
-    kQuit
-  };
+  /// A key is its character, or one of these.
+  enum : int { kNone = -1, kLeft = 256, kRight };
 
   /// What they do, for people who read it.
   static constexpr const char* kHelp =
@@ -31,7 +21,7 @@ class Keyboard {
   Keyboard& operator=(const Keyboard&) = delete;
 
   /// The next key that was pressed; never waits.
-  Key Read();
+  int Read();
 
  private:
   bool terminal_ = false;

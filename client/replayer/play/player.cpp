@@ -222,10 +222,10 @@ class Player {
   /// Does what the terminal and viewers wish, and tells where the replay is.
   Wait Attend(std::int64_t now_ns) {
     sought_ns_.reset();
-    const Keyboard::Key key = keyboard_.Read();
-    if (key == Keyboard::Key::kQuit) return Wait::kOver;
+    const int key = keyboard_.Read();
+    if (key == 'q') return Wait::kOver;
     Press(key, now_ns);
-    bool changed = key != Keyboard::Key::kNone;
+    bool changed = key != Keyboard::kNone;
     wire::ReplayRequest request{};
     while (steering_.Take(StateAt(now_ns), request)) {
       Follow(request, now_ns);
@@ -250,33 +250,33 @@ class Player {
     }
   }
 
-  void Press(Keyboard::Key key, std::int64_t now_ns) {
+  void Press(int key, std::int64_t now_ns) {
     switch (key) {
-      case Keyboard::Key::kSpace:
+      case ' ':
         return SetPaused(!clock_.paused(), now_ns);
-      case Keyboard::Key::kLeft:
+      case Keyboard::kLeft:
         sought_ns_ = clock_.At(now_ns) - kArrow_ns;
         return;
-      case Keyboard::Key::kRight:
+      case Keyboard::kRight:
         // While paused, to the next that moves: what comes before it goes along.
         step_ = clock_.paused();
         if (!step_) sought_ns_ = clock_.At(now_ns) + kArrow_ns;
         return;
-      case Keyboard::Key::kPrevious:
+      case 'p':
         return Seek(steering_.MarkBefore(At_s(now_ns) - kJustPassed_s * clock_.rate()));
-      case Keyboard::Key::kNext:
+      case 'n':
         return Seek(steering_.MarkAfter(At_s(now_ns) + kHere_s));
-      case Keyboard::Key::kSlower: {
+      case '-': {
         const auto rate = std::ranges::lower_bound(kRates, clock_.rate());
         if (rate != kRates.begin()) clock_.SetRate(*std::prev(rate), now_ns);
         return;
       }
-      case Keyboard::Key::kFaster: {
+      case '+': {
         const auto rate = std::ranges::upper_bound(kRates, clock_.rate());
         if (rate != kRates.end()) clock_.SetRate(*rate, now_ns);
         return;
       }
-      case Keyboard::Key::kBookmark:
+      case 'b':
         return AddBookmark(At_s(now_ns));
       default:
         return;

@@ -113,14 +113,18 @@ std::vector<std::pair<Timeline::Source, std::int64_t>> Timeline::QuietAt(
   return sources;
 }
 
-bool Timeline::Keep(State state) {
-  const std::uint64_t number = state.type == RecordedType::kSceneChange ? state.number : 0;
-  const Moment::Key key{state.type, state.name, number};
+bool Timeline::Keep(const RecordedSample& sample, std::uint64_t server_run, const std::string& name,
+                    std::uint64_t number) {
+  const bool is_change = sample.type == RecordedType::kSceneChange;
+  const Moment::Key key{sample.type, name, is_change ? number : 0};
   const auto found = last_.find(key);
   // A recorder begins each split with what holds, again.
-  if (found != last_.end() && states_[found->second].cdr == state.cdr) return false;
+  if (found != last_.end() && std::ranges::equal(states_[found->second].cdr, sample.cdr)) {
+    return false;
+  }
   last_[key] = states_.size();
-  states_.push_back(std::move(state));
+  states_.push_back(
+      {sample.type, last_ns_, server_run, name, number, {sample.cdr.begin(), sample.cdr.end()}});
   return true;
 }
 
@@ -133,12 +137,7 @@ Timeline::Station& Timeline::StationOf(const std::string& name) {
 void Timeline::AddSession(const RecordedSample& sample) {
   wire::SessionState state{};
   if (!sample.To(state)) return;
-  Keep({sample.type,
-        last_ns_,
-        state.server_run,
-        state.station,
-        0,
-        {sample.cdr.begin(), sample.cdr.end()}});
+  Keep(sample, state.server_run, state.station, 0);
   Station& station = StationOf(state.station);
   if (state.phase == palpate_SESSION_ENDED || state.phase == palpate_SESSION_REFUSED) {
     // Where another of the same name is refused, the session goes on.
@@ -157,23 +156,13 @@ void Timeline::AddSession(const RecordedSample& sample) {
 void Timeline::AddChange(const RecordedSample& sample) {
   wire::SceneChange change{};
   if (!sample.To(change)) return;
-  Keep({sample.type,
-        last_ns_,
-        change.server_run,
-        change.scene,
-        change.change,
-        {sample.cdr.begin(), sample.cdr.end()}});
+  Keep(sample, change.server_run, change.scene, change.change);
 }
 
 void Timeline::AddWhole(const RecordedSample& sample) {
   wire::SceneWhole whole{};
   if (!sample.To(whole)) return;
-  const bool is_news = Keep({sample.type,
-                             last_ns_,
-                             whole.server_run,
-                             whole.scene,
-                             whole.last_change,
-                             {sample.cdr.begin(), sample.cdr.end()}});
+  const bool is_news = Keep(sample, whole.server_run, whole.scene, whole.last_change);
   if (is_news && last_ns_ - first_ns_ > kTold_ns && whole.refusal[0] == '\0') {
     AddMark(palpate_REPLAY_WHOLE, std::string(whole.scene) + " is whole again");
   }
@@ -187,12 +176,7 @@ void Timeline::AddBundle(const RecordedSample& sample) {
                   "the recording's scene " + Quoted(bundle.scene));
   const bool is_first = !last_.contains({sample.type, bundle.scene, 0});
   if (is_first && last_ns_ - first_ns_ <= kTold_ns) opening_ns_ = last_ns_;
-  Keep({sample.type,
-        last_ns_,
-        bundle.server_run,
-        bundle.scene,
-        0,
-        {sample.cdr.begin(), sample.cdr.end()}});
+  Keep(sample, bundle.server_run, bundle.scene, 0);
 }
 
 void Timeline::AddTool(const RecordedSample& sample) {

@@ -115,7 +115,8 @@ class Timeline {
   };
 
   /// False where it says again what holds.
-  bool Keep(State state);
+  bool Keep(const RecordedSample& sample, std::uint64_t server_run, const std::string& name,
+            std::uint64_t number);
   void Hear(const RecordedSample& sample);
   Station& StationOf(const std::string& name);
   void AddSession(const RecordedSample& sample);

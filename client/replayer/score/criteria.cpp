@@ -19,10 +19,9 @@ std::vector<std::string_view> MeasureNames() {
 double ShareOver(double limit_N, const HandPath& path) {
   double contact_s = 0.0, over_s = 0.0;
   for (std::size_t i = 1; i < path.size(); ++i) {
-    const double force = path.force_N[i].norm();
     const double step_s = path.time_s[i] - path.time_s[i - 1];
-    if (force > kContact_N) contact_s += step_s;
-    if (force > std::max(limit_N, kContact_N)) over_s += step_s;
+    if (path.touches(i)) contact_s += step_s;
+    if (path.force_N[i].norm() > limit_N) over_s += step_s;
   }
   return contact_s > 0.0 ? over_s / contact_s : 0.0;
 }
@@ -38,16 +37,10 @@ double ShareRight(const Criteria& criteria, const std::vector<std::optional<doub
 
 double ValueOf(const Criterion& criterion, const Criteria& criteria, const Score& score,
                const HandPath& trainee, const Grade& grade) {
-  const std::string& measure = criterion.measure;
-  if (measure == "force_over_share") return ShareOver(criterion.limit_N, trainee);
-  if (measure == "force_peak_N") return score.trainee_peak_N;
-  if (measure == "force_rms_N") return score.force_rms_N;
-  if (measure == "path_mean_mm") return score.path_mean_mm;
-  if (measure == "path_max_mm") return score.path_max_mm;
-  if (measure == "turn_mean_deg") return score.turn_mean_deg;
-  if (measure == "time_ratio") return score.trainee_s / score.expert_s;
-  if (measure == "sites_right_share") return ShareRight(criteria, grade.depths);
-  throw Error("criteria: measure '" + measure + "' is not known");
+  if (criterion.measure == "force_over_share") return ShareOver(criterion.limit_N, trainee);
+  if (criterion.measure == "time_ratio") return score.trainee_s / score.expert_s;
+  if (criterion.measure == "sites_right_share") return ShareRight(criteria, grade.depths);
+  return score.*MeasureOf(criterion.measure).of_score;
 }
 
 Criterion ReadCriterion(const JsonNode& node, bool has_sites) {
@@ -93,11 +86,11 @@ ProbingSite ReadSite(const JsonNode& node) {
 
 const std::vector<Measure> kMeasures = {
     {"force_over_share", "%", "share of the time in contact with more force than the limit"},
-    {"force_peak_N", "N", "greatest force"},
-    {"force_rms_N", "N", "difference of the force from the expert's (rms)"},
-    {"path_mean_mm", "mm", "mean distance from the expert's path"},
-    {"path_max_mm", "mm", "greatest distance from the expert's path"},
-    {"turn_mean_deg", "°", "mean difference of rotation"},
+    {"force_peak_N", "N", "greatest force", &Score::trainee_peak_N},
+    {"force_rms_N", "N", "difference of the force from the expert's (rms)", &Score::force_rms_N},
+    {"path_mean_mm", "mm", "mean distance from the expert's path", &Score::path_mean_mm},
+    {"path_max_mm", "mm", "greatest distance from the expert's path", &Score::path_max_mm},
+    {"turn_mean_deg", "°", "mean difference of rotation", &Score::turn_mean_deg},
     {"time_ratio", "×", "time taken, as a multiple of the expert's"},
     {"sites_right_share", "%", "share of the sites whose depth was probed rightly"},
 };
@@ -160,7 +153,9 @@ std::optional<double> DepthIn(const ProbingSite& site, const Vec3& tip, const Ha
   return deepest;
 }
 
-Grade GradeTrial(const Criteria& criteria, const Score& score, const HandPath& trainee) {
+std::optional<Grade> GradeTrial(const Criteria& criteria, const Score& score,
+                                const HandPath& trainee) {
+  if (score.trainee_contact_s == 0.0) return std::nullopt;
   Grade grade;
   for (const ProbingSite& site : criteria.sites) {
     grade.depths.push_back(DepthIn(site, criteria.tip, trainee));

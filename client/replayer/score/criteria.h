@@ -42,6 +42,7 @@ struct Measure {
   const char* name;
   const char* unit;
   const char* text;
+  double Score::*of_score = nullptr;  ///< none: it is computed of the trial
 };
 /// What a criterion may be about.
 extern const std::vector<Measure> kMeasures;
@@ -66,7 +67,9 @@ Criteria LoadCriteria(const std::string& file);
 /// For a teacher to begin with: periodontal probing with 25 g.
 extern const char* const kCriteriaToBeginWith;
 
+/// Nothing where the trial touches nothing: least force is then no merit.
 /// @param trainee  the trial (TrialIn) that the score is of.
-Grade GradeTrial(const Criteria& criteria, const Score& score, const HandPath& trainee);
+std::optional<Grade> GradeTrial(const Criteria& criteria, const Score& score,
+                                const HandPath& trainee);
 
 }  // namespace palpate

@@ -5,8 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include <spdlog/fmt/fmt.h>
-
 #include "common/math/rotation.h"
 
 namespace palpate {
@@ -29,7 +27,7 @@ Track TrackOf(const HandPath& trial) {
   for (std::size_t i = 0; i < trial.size(); ++i) {
     const double force = trial.force_N[i].norm();
     track.peak_N = std::max(track.peak_N, force);
-    if (force > kContact_N && i > 0) track.contact_s += trial.time_s[i] - trial.time_s[i - 1];
+    if (i > 0 && trial.touches(i)) track.contact_s += trial.time_s[i] - trial.time_s[i - 1];
   }
   const std::size_t points = std::min(kMostPoints, trial.size());
   std::size_t at = 0;
@@ -138,20 +136,6 @@ Score ScorePath(const HandPath& expert, const HandPath& trainee) {
   score.turn_mean_deg *= 180.0 / std::numbers::pi / count;
   score.force_rms_N = std::sqrt(force2 / count);
   return score;
-}
-
-std::string ToText(const Score& s) {
-  return fmt::format(
-      "                        expert   trainee\n"
-      "time                  {:7.2f} s {:7.2f} s\n"
-      "time in contact       {:7.2f} s {:7.2f} s\n"
-      "greatest force        {:7.2f} N {:7.2f} N\n"
-      "distance of the paths   mean {:.2f} mm, greatest {:.2f} mm, Frechet {:.2f} mm\n"
-      "difference of rotation  mean {:.1f} degrees\n"
-      "difference of force     {:.3f} N (rms)\n",
-      s.expert_s, s.trainee_s, s.expert_contact_s, s.trainee_contact_s, s.expert_peak_N,
-      s.trainee_peak_N, s.path_mean_mm, s.path_max_mm, s.frechet_mm, s.turn_mean_deg,
-      s.force_rms_N);
 }
 
 std::vector<std::pair<const char*, double>> NumbersOf(const Score& s) {

@@ -18,7 +18,7 @@ struct Score {
   double turn_mean_deg = 0.0;
   double force_rms_N = 0.0;  ///< of the difference of the forces' magnitudes
   double expert_peak_N = 0.0, trainee_peak_N = 0.0;
-  double expert_contact_s = 0.0, trainee_contact_s = 0.0;  ///< with more than kContact_N
+  double expert_contact_s = 0.0, trainee_contact_s = 0.0;
 
   // Along the expert's time: for plots.
   std::vector<double> time_s, distance_mm, expert_force_N, trainee_force_N;
@@ -27,8 +27,6 @@ struct Score {
 
 /// Of two trials (TrialIn).  Both are thinned to at most 3000 points, evenly in time.
 Score ScorePath(const HandPath& expert, const HandPath& trainee);
-
-std::string ToText(const Score& score);
 
 /// A trainee's trial beside the expert.
 struct Trial {

@@ -23,6 +23,7 @@ constexpr std::size_t kMostPoints = 600;
 
 constexpr const char* kOneTrial =
     "One trial predicts nothing: give several, and go by their average.";
+constexpr const char* kUntouched = "nothing was touched";
 
 /// What is told of each trial beside its marks.
 struct Figure {
@@ -34,8 +35,8 @@ struct Figure {
 };
 constexpr Figure kFigures[] = {
     {"Time", "s", 2, &Score::trainee_s, &Score::expert_s},
-    {"Time in contact", "s", 2, &Score::trainee_contact_s, &Score::expert_contact_s},
-    {"Greatest force", "N", 2, &Score::trainee_peak_N, &Score::expert_peak_N},
+    {"Time in contact", "s", 3, &Score::trainee_contact_s, &Score::expert_contact_s},
+    {"Greatest force", "N", 3, &Score::trainee_peak_N, &Score::expert_peak_N},
     {"Distance of the paths, mean", "mm", 2, &Score::path_mean_mm, nullptr},
     {"Distance of the paths, greatest", "mm", 2, &Score::path_max_mm, nullptr},
     {"Distance of the paths, Fréchet", "mm", 2, &Score::frechet_mm, nullptr},
@@ -60,8 +61,22 @@ double Shown(const Criterion& criterion, double value) {
   return MeasureOf(criterion.measure).unit == std::string("%") ? 100.0 * value : value;
 }
 
-Average PointsOf(const Report& report) {
-  return AverageOf(Each(report, [&](std::size_t i) { return report.grades[i].points; }));
+/// Of the trials that have a grade; nothing where none has.
+std::optional<Average> AverageGrade(const Report& report,
+                                    const std::function<double(const Grade&)>& of) {
+  std::vector<double> values;
+  for (const auto& grade : report.grades) {
+    if (grade) values.push_back(of(*grade));
+  }
+  if (values.empty()) return std::nullopt;
+  return AverageOf(values);
+}
+std::optional<Average> PointsOf(const Report& report) {
+  return AverageGrade(report, [](const Grade& grade) { return grade.points; });
+}
+bool Passed(const Report& report) {
+  const auto points = PointsOf(report);
+  return points && points->mean >= report.criteria->pass;
 }
 
 /// JSON as an expression in a script element, where HTML ends the script at "</script", and does
@@ -98,8 +113,9 @@ std::string HeadRow(const Report& report, const std::vector<std::string>& before
   return row + (report.trials.size() > 1 ? "<th>average</th></tr>\n" : "</tr>\n");
 }
 
-std::string AverageCell(const Report& report, const std::vector<double>& values, int digits) {
-  return report.trials.size() > 1 ? Cell(ToText(AverageOf(values), digits)) : "";
+std::string AverageCell(const Report& report, const std::optional<Average>& average, int digits) {
+  if (report.trials.size() == 1) return "";
+  return Cell(average ? ToText(*average, digits) : "");
 }
 
 std::string VerdictHtml(const Report& report) {
@@ -108,15 +124,16 @@ std::string VerdictHtml(const Report& report) {
            "mine.json</code> writes criteria to begin with, and <code>--criteria mine.json</code> "
            "grades by them.</p>\n";
   }
-  const Average points = PointsOf(report);
-  const bool passed = points.mean >= report.criteria->pass;
+  const auto points = PointsOf(report);
+  if (!points) return fmt::format("<p class=\"verdict poor\">{}: no points</p>\n", kUntouched);
+  const bool passed = Passed(report);
+  const auto graded =
+      std::ranges::count_if(report.grades, [](const auto& grade) { return grade.has_value(); });
   std::string html = fmt::format(
       "<p class=\"verdict {}\"><b>{:.0f}</b><span class=\"word\">of 100: {}</span><span "
       "class=\"quiet\">{}{:.0f} are enough</span></p>\n",
-      passed ? "good" : "poor", points.mean, passed ? "passed" : "not yet",
-      report.trials.size() > 1
-          ? fmt::format("average of {} trials, ± {:.0f}; ", report.trials.size(), points.deviation)
-          : "",
+      passed ? "good" : "poor", points->mean, passed ? "passed" : "not yet",
+      graded > 1 ? fmt::format("average of {} trials, ± {:.0f}; ", graded, points->deviation) : "",
       report.criteria->pass);
   return html;
 }
@@ -136,20 +153,24 @@ std::string MarksHtml(const Report& report) {
     html += Cell(fmt::format("{:g} – {:g} {}", Shown(criterion, criterion.best),
                              Shown(criterion, criterion.worst), measure.unit)) +
             Cell(fmt::format("{:g}", criterion.weight));
-    for (const Grade& grade : report.grades) {
-      const Grade::Mark& mark = grade.marks[c];
+    for (const auto& grade : report.grades) {
+      if (!grade) {
+        html += Cell("");
+        continue;
+      }
+      const Grade::Mark& mark = grade->marks[c];
       html += Cell(fmt::format("{:.3g} {}<br><span class=\"points\">{:.0f} points</span>",
                                Shown(criterion, mark.value), measure.unit, mark.points));
     }
     html += AverageCell(
-        report, Each(report, [&](std::size_t i) { return report.grades[i].marks[c].points; }), 0);
+        report, AverageGrade(report, [&](const Grade& grade) { return grade.marks[c].points; }), 0);
     html += "</tr>\n";
   }
   html += "<tr class=\"sum\">" + Cell("Points") + Cell("") + Cell("");
-  for (const Grade& grade : report.grades) html += Cell(fmt::format("{:.0f}", grade.points));
-  html +=
-      AverageCell(report, Each(report, [&](std::size_t i) { return report.grades[i].points; }), 0);
-  return html + "</tr>\n</table></div>\n";
+  for (const auto& grade : report.grades) {
+    html += Cell(grade ? fmt::format("{:.0f}", grade->points) : kUntouched);
+  }
+  return html + AverageCell(report, PointsOf(report), 0) + "</tr>\n</table></div>\n";
 }
 
 std::string SitesHtml(const Report& report) {
@@ -161,8 +182,8 @@ std::string SitesHtml(const Report& report) {
     html += "<tr>" + Cell(Escaped(sites[s].name)) +
             Cell(fmt::format("{:.1f} ± {:.1f} mm", 1e3 * sites[s].depth, 1e3 * sites[s].tolerance));
     std::vector<double> found;
-    for (const Grade& grade : report.grades) {
-      const std::optional<double>& depth = grade.depths[s];
+    for (const auto& grade : report.grades) {
+      const std::optional<double> depth = grade ? grade->depths[s] : std::nullopt;
       if (!depth) {
         html += "<td class=\"poor\">not probed</td>";
         continue;
@@ -189,7 +210,7 @@ std::string FiguresHtml(const Report& report) {
     const std::vector<double> values =
         Each(report, [&](std::size_t i) { return report.trials[i].score.*figure.trainee; });
     for (const double value : values) html += Cell(fmt::format("{:.{}f}", value, figure.digits));
-    html += AverageCell(report, values, figure.digits) + "</tr>\n";
+    html += AverageCell(report, AverageOf(values), figure.digits) + "</tr>\n";
   }
   return html + "</table></div>\n";
 }
@@ -238,8 +259,9 @@ nlohmann::ordered_json JsonOf(const Report& report) {
   for (std::size_t i = 0; i < report.trials.size(); ++i) {
     nlohmann::ordered_json trial = JsonOf(report.trials[i].score);
     trial["trial"] = report.trials[i].name;
-    if (report.criteria) {
-      const Grade& grade = report.grades[i];
+    if (report.criteria && !report.grades[i]) trial["points"] = nullptr;
+    if (report.criteria && report.grades[i]) {
+      const Grade& grade = *report.grades[i];
       trial["points"] = grade.points;
       for (std::size_t c = 0; c < grade.marks.size(); ++c) {
         trial["marks"].push_back({{"criterion", report.criteria->criteria[c].name},
@@ -255,9 +277,11 @@ nlohmann::ordered_json JsonOf(const Report& report) {
     json["trials"].push_back(trial);
   }
   if (report.criteria) {
-    const Average points = PointsOf(report);
-    json["points"] = {{"mean", points.mean}, {"deviation", points.deviation}};
-    json["passed"] = points.mean >= report.criteria->pass;
+    json["points"] = nullptr;
+    if (const auto points = PointsOf(report)) {
+      json["points"] = {{"mean", points->mean}, {"deviation", points->deviation}};
+    }
+    json["passed"] = Passed(report);
   }
   return json;
 }
@@ -306,29 +330,28 @@ Report MakeReport(const ScoreOptions& options) {
 }
 
 std::string ToText(const Report& report) {
-  std::string text;
-  if (report.trials.size() == 1) {
-    text = ToText(report.trials.front().score);
-  } else {
-    text = fmt::format("average of {} trials; the expert's\n", report.trials.size());
-    for (const Figure& figure : kFigures) {
-      const auto values =
-          Each(report, [&](std::size_t i) { return report.trials[i].score.*figure.trainee; });
-      text += fmt::format("  {:<34} {:<18}", figure.name,
-                          ToText(AverageOf(values), figure.digits, figure.unit));
-      if (figure.expert) {
-        text += fmt::format(" {:.{}f}", report.trials.front().score.*figure.expert, figure.digits);
-      }
-      text += "\n";
+  const std::size_t trials = report.trials.size();
+  std::string text =
+      (trials == 1 ? report.trials.front().name : fmt::format("average of {} trials", trials)) +
+      "; the expert's\n";
+  for (const Figure& figure : kFigures) {
+    const auto values =
+        Each(report, [&](std::size_t i) { return report.trials[i].score.*figure.trainee; });
+    text += fmt::format("  {:<34} {:<18}", figure.name,
+                        ToText(AverageOf(values), figure.digits, figure.unit));
+    if (figure.expert) {
+      text += fmt::format(" {:.{}f}", report.trials.front().score.*figure.expert, figure.digits);
     }
+    text += "\n";
   }
   if (report.criteria) {
-    const Average points = PointsOf(report);
-    text +=
-        fmt::format("{}: {} of 100 points, {}\n", Printable(report.criteria->title),
-                    ToText(points, 0), points.mean >= report.criteria->pass ? "passed" : "not yet");
+    const auto points = PointsOf(report);
+    text += Printable(report.criteria->title) + ": " +
+            (points ? fmt::format("{} of 100 points, {}\n", ToText(*points, 0),
+                                  Passed(report) ? "passed" : "not yet")
+                    : fmt::format("{}: no points\n", kUntouched));
   }
-  if (report.trials.size() == 1) text += std::string(kOneTrial) + "\n";
+  if (trials == 1) text += std::string(kOneTrial) + "\n";
   return text;
 }
 

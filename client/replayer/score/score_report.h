@@ -14,7 +14,8 @@ struct Report {
   std::string expert;  ///< the recording's name
   std::vector<Trial> trials;
   std::optional<Criteria> criteria;
-  std::vector<Grade> grades;  ///< as trials, where there are criteria
+  /// As trials, where there are criteria; none of a trial that touches nothing.
+  std::vector<std::optional<Grade>> grades;
 };
 
 /// Of several numbers.

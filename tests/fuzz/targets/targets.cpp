@@ -12,6 +12,7 @@
 
 #include "client/viewer/foxglove.h"
 #include "client/viewer/mouse_command.h"
+#include "client/viewer/operate_command.h"
 #include "client/viewer/replay_messages.h"
 #include "common/dds/cdr.h"
 #include "common/dds/cdr_reader.h"
@@ -135,19 +136,22 @@ void Recording(const std::uint8_t* bytes, std::size_t size) {
 }
 
 void Client(const std::uint8_t* bytes, std::size_t size) {
-  std::string complaint;
-  const auto judge = [&](bool read, const char* what) {
-    if (read != complaint.empty()) Fault(what);
-    complaint.clear();
+  const auto read = [&](const auto& parse) {
+    try {
+      parse(Text(bytes, size));
+    } catch (const Error& error) {
+      if (std::string(error.what()).empty()) Fault("an error without a word");
+    }
   };
-  judge(foxglove::ParseRequest(Text(bytes, size), complaint).has_value(), "request");
-  judge(foxglove::ParseMessage({bytes, size}, complaint).has_value(), "message");
-  const auto mouse = ParseMouseCommand(Text(bytes, size), complaint);
-  judge(mouse.has_value(), "mouse");
-  if (mouse && !mouse->X_WT.p.allFinite()) Fault("a pose that is no number");
-  const auto wish = ParseReplayWish(Text(bytes, size), complaint);
-  judge(wish.has_value(), "replay");
-  if (wish && wish->request.replay == 0) Fault("a wish for no replay");
+  read([](std::string_view text) { foxglove::ParseRequest(text); });
+  read([&](std::string_view) { foxglove::ParseMessage({bytes, size}); });
+  read([](std::string_view text) { ParseOperateCommand(text); });
+  read([](std::string_view text) {
+    if (!ParseMouseCommand(text).X_WT.p.allFinite()) Fault("a pose that is no number");
+  });
+  read([](std::string_view text) {
+    if (ParseReplayWish(text).request.replay == 0) Fault("a wish for no replay");
+  });
 }
 
 void Wire(const std::uint8_t* bytes, std::size_t size) {

@@ -1,6 +1,6 @@
 import {expect, test} from "vitest";
 
-import {type LinkFacts, linkReport, Pulse} from "@page/model/link_report";
+import {type LinkFacts, type LinkReport, linkReport, Pulse} from "@page/model/link_report";
 
 const kFine: LinkFacts = {
   link: "open",
@@ -22,15 +22,15 @@ const kFine: LinkFacts = {
   busyS: -Infinity,
 };
 
+const expectReport = (facts: LinkFacts, tone: LinkReport["tone"], text: RegExp): void =>
+  expect(linkReport(facts)).toMatchObject({tone, text: expect.stringMatching(text)});
+
 test("nothing is said while data flow", () => {
   expect(linkReport(kFine).tone).toBe("none");
 });
 
 test("a lost link is said at once, and told from a first try", () => {
-  expect(linkReport({...kFine, link: "lost"})).toMatchObject({
-    tone: "alarm",
-    text: expect.stringMatching(/lost/),
-  });
+  expectReport({...kFine, link: "lost"}, "alarm", /lost/);
   expect(linkReport({...kFine, link: "connecting"}).tone).toBe("alarm");
   expect(linkReport({...kFine, link: "connecting", wasOpen: false}).tone).toBe("info");
   expect(linkReport({...kFine, link: "lost", wasOpen: false}).text).toMatch(/does not answer/);
@@ -38,14 +38,8 @@ test("a lost link is said at once, and told from a first try", () => {
 
 test("silence is said after one and a half seconds, with whose it is", () => {
   expect(linkReport({...kFine, lastStateS: 98.6}).tone).toBe("none");
-  expect(linkReport({...kFine, lastStateS: 98.4})).toMatchObject({
-    tone: "alarm",
-    text: expect.stringMatching(/gateway is there/),
-  });
-  expect(linkReport({...kFine, lastStateS: 98.4, sessions: 0})).toMatchObject({
-    tone: "info",
-    text: expect.stringMatching(/No station is moving/),
-  });
+  expectReport({...kFine, lastStateS: 98.4}, "alarm", /gateway is there/);
+  expectReport({...kFine, lastStateS: 98.4, sessions: 0}, "info", /No station is moving/);
   expect(linkReport({...kFine, lastStateS: -Infinity, sessions: 0, scenes: 0}).text).toMatch(
     /no server/,
   );
@@ -53,17 +47,13 @@ test("silence is said after one and a half seconds, with whose it is", () => {
 
 test("a server that has gone is not one that is silent, and one that compiles is on its way", () => {
   const quiet: LinkFacts = {...kFine, lastStateS: 50};
-  const gone = linkReport({...quiet, serverLives: false});
-  expect(gone).toMatchObject({tone: "alarm", text: expect.stringMatching(/No server is there/)});
+  expectReport({...quiet, serverLives: false}, "alarm", /No server is there/);
   const compiling = {scene: "bunny", stage: "touching balls", done: 0.438};
   for (const facts of [
     {...quiet, serverLives: false, compiling},
     {...quiet, scenes: 0, compiling},
   ]) {
-    expect(linkReport(facts)).toMatchObject({
-      tone: "info",
-      text: expect.stringMatching(/compiles bunny for the first time: 43 %, touching balls/),
-    });
+    expectReport(facts, "info", /compiles bunny for the first time: 43 %, touching balls/);
   }
   // What another server is about to serve is no news to who sees this one.
   expect(linkReport({...kFine, compiling}).tone).toBe("none");
@@ -95,10 +85,7 @@ test("what a page cannot do is not offered", () => {
 });
 
 test("a page without a picture says so, but not before an alarm", () => {
-  expect(linkReport({...kFine, draws: false})).toMatchObject({
-    tone: "info",
-    text: expect.stringMatching(/no WebGL/),
-  });
+  expectReport({...kFine, draws: false}, "info", /no WebGL/);
   expect(linkReport({...kFine, draws: false, lastStateS: 90}).tone).toBe("alarm");
   expect(linkReport({...kFine, draws: false, link: "lost"}).tone).toBe("alarm");
 });
@@ -109,10 +96,7 @@ test("a link that has just been opened is given time", () => {
 
 test("a browser that draws slowly does not blame the server", () => {
   const quiet: LinkFacts = {...kFine, lastStateS: 95};
-  expect(linkReport({...quiet, busyS: 99.9})).toMatchObject({
-    tone: "info",
-    text: expect.stringMatching(/This browser draws slowly/),
-  });
+  expectReport({...quiet, busyS: 99.9}, "info", /This browser draws slowly/);
   // What came while the page drew has been heard by now: the silence is the server's.
   expect(linkReport({...quiet, busyS: 98}).tone).toBe("alarm");
   expect(linkReport({...kFine, busyS: 99.9}).tone).toBe("none");
@@ -140,10 +124,11 @@ test("a replay may stand still, and says when it is over", () => {
     tone: "info",
     text: "The replay of lesson.mcap has ended. What you see is the last of it.",
   });
-  expect(linkReport({...paused, replay: "silent", replaySilenceS: 4.9})).toMatchObject({
-    tone: "alarm",
-    text: expect.stringMatching(/lesson\.mcap has not been heard of for 4 s: its program has stop/),
-  });
+  expectReport(
+    {...paused, replay: "silent", replaySilenceS: 4.9},
+    "alarm",
+    /lesson\.mcap has not been heard of for 4 s: its program has stop/,
+  );
   // What is nearer goes first.
   expect(linkReport({...paused, replay: "silent", link: "lost"}).text).toMatch(/link to the gate/);
 });

@@ -1,10 +1,13 @@
-import {describe, expect, test} from "vitest";
+import {afterEach, beforeEach, describe, expect, test, vi} from "vitest";
 
 import {Connection} from "@page/protocol/connection";
 
 import {encode, kChannels, toolState} from "../support/fake_gateway";
 
-/// A socket that does what a test says, and a clock that stands until it is moved.
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => void vi.useRealTimers());
+
+/// A socket that does what a test says.
 class FakeSocket {
   readyState = 0;
   binaryType = "";
@@ -36,9 +39,7 @@ function rig() {
   const statuses: string[] = [];
   const allowed: boolean[] = [];
   const offered: ReadonlySet<string>[] = [];
-  let timer: {callback: () => void; milliseconds: number} | undefined;
   const connection = new Connection(
-    "ws://somewhere/",
     new Set(["/palpate/tool_state"]),
     {
       link: (state) => links.push(state),
@@ -47,36 +48,20 @@ function rig() {
       mayPublish: (may) => allowed.push(may),
       offers: (topics) => offered.push(topics),
     },
-    {
-      openSocket: () => {
-        const socket = new FakeSocket();
-        sockets.push(socket);
-        return socket as unknown as WebSocket;
-      },
-      setTimer: (callback, milliseconds) => {
-        timer = {callback, milliseconds};
-        return 1;
-      },
-      clearTimer: () => (timer = undefined),
+    () => {
+      const socket = new FakeSocket();
+      sockets.push(socket);
+      return socket as unknown as WebSocket;
     },
   );
+  connection.open();
+  /// Time goes on to what is due next; returns how much.
   const fire = (): number => {
-    const due = timer!;
-    timer = undefined;
-    due.callback();
-    return due.milliseconds;
+    const before = Date.now();
+    vi.advanceTimersToNextTimer();
+    return Date.now() - before;
   };
-  return {
-    connection,
-    sockets,
-    links,
-    messages,
-    statuses,
-    allowed,
-    offered,
-    fire,
-    timer: () => timer,
-  };
+  return {connection, sockets, links, messages, statuses, allowed, offered, fire};
 }
 
 const kServerInfo = {op: "serverInfo", name: "x", capabilities: ["clientPublish"]};
@@ -84,21 +69,19 @@ const kAdvertise = {op: "advertise", channels: kChannels};
 
 describe("a connection", () => {
   test("subscribes to what it was asked for and to nothing else", () => {
-    const {connection, sockets} = rig();
-    connection.start();
+    const {sockets} = rig();
     const socket = sockets[0]!;
     socket.open();
     socket.say(kServerInfo);
     socket.say(kAdvertise);
     socket.say(kAdvertise); // a gateway that repeats itself
     expect(socket.sent.map((text) => JSON.parse(text as string))).toEqual([
-      {op: "subscribe", subscriptions: [{id: 1, channelId: 1}]},
+      {op: "subscribe", subscriptions: [{id: 0, channelId: 1}]},
     ]);
   });
 
   test("gives a message to whom its subscription belongs", () => {
-    const {connection, sockets, messages, statuses} = rig();
-    connection.start();
+    const {sockets, messages, statuses} = rig();
     const socket = sockets[0]!;
     socket.open();
     socket.say(kAdvertise);
@@ -113,17 +96,16 @@ describe("a connection", () => {
       bytes.set(content, 13);
       return bytes.buffer;
     };
-    socket.onmessage?.({data: frame(1, payload)});
+    socket.onmessage?.({data: frame(0, payload)});
     socket.onmessage?.({data: frame(9, payload)});
-    socket.onmessage?.({data: frame(1, payload.subarray(0, 40))});
+    socket.onmessage?.({data: frame(0, payload.subarray(0, 40))});
     expect(messages.length).toBe(1);
     expect(messages[0]).toMatchObject({topic: "/palpate/tool_state", value: {station: "hand"}});
     expect(statuses[0]).toMatch(/could not be read/);
   });
 
   test("comes back by itself, after two seconds at most, and subscribes again", () => {
-    const {connection, sockets, links, fire} = rig();
-    connection.start();
+    const {sockets, links, fire} = rig();
     sockets[0]!.open();
     const waits: number[] = [];
     sockets[0]!.close();
@@ -143,8 +125,7 @@ describe("a connection", () => {
   });
 
   test("gives up a gateway that does not answer", () => {
-    const {connection, sockets, links, fire} = rig();
-    connection.start();
+    const {sockets, links, fire} = rig();
     expect(fire()).toBe(3000);
     expect(sockets[0]!.readyState).toBe(3);
     expect(links).toEqual(["connecting", "lost"]);
@@ -152,7 +133,6 @@ describe("a connection", () => {
 
   test("gives up a socket that only looks open, and tries at once", () => {
     const {connection, sockets, links} = rig();
-    connection.start();
     sockets[0]!.open();
     connection.restart();
     expect(sockets[0]!.readyState).toBe(3);
@@ -163,8 +143,7 @@ describe("a connection", () => {
   });
 
   test("tells which topics the gateway has", () => {
-    const {connection, sockets, offered} = rig();
-    connection.start();
+    const {sockets, offered} = rig();
     sockets[0]!.open();
     sockets[0]!.say(kServerInfo);
     expect(offered).toEqual([]);
@@ -174,7 +153,6 @@ describe("a connection", () => {
 
   test("tells whether the gateway takes messages", () => {
     const {connection, sockets, allowed} = rig();
-    connection.start();
     sockets[0]!.open();
     sockets[0]!.say(kServerInfo);
     sockets[0]!.say({...kServerInfo, capabilities: []});
@@ -184,7 +162,6 @@ describe("a connection", () => {
 
   test("publishes once the gateway takes messages, and advertises once a socket", () => {
     const {connection, sockets} = rig();
-    connection.start();
     const socket = sockets[0]!;
     expect(connection.publish("/palpate/mouse", {op: "release"})).toBe(false);
     socket.open();
@@ -194,14 +171,5 @@ describe("a connection", () => {
     expect(connection.publish("/palpate/mouse", {op: "release"})).toBe(true);
     expect(socket.sent.filter((data) => typeof data === "string").length).toBe(1);
     expect(socket.sent.filter((data) => data instanceof Uint8Array).length).toBe(2);
-  });
-
-  test("stops for good when told to", () => {
-    const {connection, sockets, timer} = rig();
-    connection.start();
-    sockets[0]!.open();
-    connection.stop();
-    expect(timer()).toBeUndefined();
-    expect(sockets.length).toBe(1);
   });
 });

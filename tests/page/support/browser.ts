@@ -126,3 +126,10 @@ export async function eventually(
     await new Promise((resolve) => setTimeout(resolve, 50));
   }
 }
+
+/// Waits until it is what a part of the page says.
+export const readsOn = (page: Page, selector: string, wanted: string | RegExp): Promise<void> =>
+  eventually(`${selector}: ${wanted}`, async () => {
+    const said = (await page.locator(selector).innerText()).replace(/\s+/g, " ");
+    return typeof wanted === "string" ? said === wanted : wanted.test(said);
+  });

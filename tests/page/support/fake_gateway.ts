@@ -10,6 +10,7 @@ import {MessageWriter} from "@foxglove/omgidl-serialization";
 import {WebSocket, WebSocketServer} from "ws";
 
 import type {Pose, Vec3} from "@page/model/pose";
+import type {Channel} from "@page/protocol/decoder";
 
 const kRoot = fileURLToPath(new URL("../../..", import.meta.url));
 const kPage = join(kRoot, "build/page");
@@ -21,46 +22,32 @@ const kTypes: Readonly<Record<string, string>> = {
 
 const kIdl = (name: string): string => readFileSync(join(kRoot, `idl/${name}.idl`), "utf8");
 
-interface FakeChannel {
-  readonly id: number;
-  readonly topic: string;
-  readonly encoding: string;
-  readonly schemaName: string;
-  readonly schema: string;
-  readonly schemaEncoding: string;
-}
-
-const cdrChannel = (id: number, topic: string, schemaName: string, idl: string): FakeChannel => ({
-  id,
+const cdrChannel = (topic: string, schemaName: string, idl: string): Omit<Channel, "id"> => ({
   topic,
   encoding: "cdr",
   schemaName,
-  schema: idl,
-  schemaEncoding: "omgidl",
+  schema: kIdl(idl),
 });
-
-const jsonChannel = (id: number, topic: string): FakeChannel => ({
-  id,
+const jsonChannel = (topic: string): Omit<Channel, "id"> => ({
   topic,
   encoding: "json",
   schemaName: "",
   schema: "",
-  schemaEncoding: "",
 });
 
-export const kChannels: readonly FakeChannel[] = [
-  cdrChannel(1, "/palpate/tool_state", "palpate::ToolState", kIdl("teaching")),
-  cdrChannel(2, "/palpate/loop_statistics", "palpate::LoopStatistics", kIdl("teaching")),
-  cdrChannel(3, "/palpate/session_state", "palpate::SessionState", kIdl("session")),
-  cdrChannel(4, "/palpate/scene_change", "palpate::SceneChange", kIdl("session")),
-  cdrChannel(6, "/palpate/station_statistics", "palpate::StationStatistics", kIdl("teaching")),
-  cdrChannel(7, "/palpate/scene_whole", "palpate::SceneWhole", kIdl("session")),
-  jsonChannel(5, "/palpate/mouse_state"),
-  jsonChannel(9, "/palpate/replay_contents"),
-  jsonChannel(10, "/palpate/replay_state"),
-  jsonChannel(11, "/palpate/replay_answer"),
-  jsonChannel(12, "/palpate/goal"),
-];
+export const kChannels: readonly Channel[] = [
+  cdrChannel("/palpate/tool_state", "palpate::ToolState", "teaching"),
+  cdrChannel("/palpate/loop_statistics", "palpate::LoopStatistics", "teaching"),
+  cdrChannel("/palpate/session_state", "palpate::SessionState", "session"),
+  cdrChannel("/palpate/scene_change", "palpate::SceneChange", "session"),
+  cdrChannel("/palpate/station_statistics", "palpate::StationStatistics", "teaching"),
+  cdrChannel("/palpate/scene_whole", "palpate::SceneWhole", "session"),
+  jsonChannel("/palpate/mouse_state"),
+  jsonChannel("/palpate/replay_contents"),
+  jsonChannel("/palpate/replay_state"),
+  jsonChannel("/palpate/replay_answer"),
+  jsonChannel("/palpate/goal"),
+].map((channel, i) => ({...channel, id: i + 1}));
 
 const kWriters = new Map(
   kChannels
@@ -104,15 +91,26 @@ export function toolState(state: FakeToolState): object {
     torque_Nm: [...(state.torqueNm ?? [0, 0, 0])],
     step_us: 9.5,
     contacts: points.length,
-    faults: 0,
     points: points.length,
-    pad: 0,
     point: Array.from({length: 16}, (_, i) => ({
       position_m: [...(points[i]?.positionM ?? [0, 0, 0])],
       force_N: [...(points[i]?.forceN ?? [0, 0, 0])],
     })),
   };
 }
+
+/// The ball of the test's box, pressed on it with `newtons`.
+export const pressed = (station: string, sequence: number, newtons: number, x = 0): object =>
+  toolState({
+    station,
+    scene: "test-box",
+    tool: "ball",
+    sequence,
+    haptic: {p: [x, 0.037 - newtons / 1000, 0], q: [1, 0, 0, 0]},
+    graphic: {p: [x, 0.037, 0], q: [1, 0, 0, 0]},
+    forceN: [0, newtons, 0],
+    points: newtons > 0 ? [{positionM: [x, 0.025, 0], forceN: [0, newtons, 0]}] : [],
+  });
 
 const kPhases = ["waiting", "acquiring", "active", "refused", "ended", "held"];
 
@@ -132,11 +130,8 @@ export function sessionState(
     scene,
     tool,
     reason,
-    start_depth_m: 0,
+    // The writer has no default for lists of a fixed length.
     tool_reference_m: [0, 0, 0],
-    stiffness_N_per_m: 1000,
-    torsional_stiffness_Nm_per_rad: 1,
-    start_sequence: 1n,
     start_position_m: [0, 0, 0],
     start_orientation_wxyz: [1, 0, 0, 0],
   };
@@ -154,9 +149,6 @@ export function sceneChange(
     scene,
     change: BigInt(change),
     server_run: serverRun,
-    station: "hand",
-    tool: "tool",
-    pose_sequence: 1n,
     object_index: object,
     leaf,
     triangles: triangles.length,
@@ -168,22 +160,11 @@ export function loopStatistics(station: string, scene: string, more: object = {}
   return {
     station,
     scene,
-    period_s: 1,
     steps: 1000n,
     rate_hz: 1000,
     step_us_p50: 9.1,
     step_us_p99: 14.2,
     step_us_p999: 22.8,
-    step_us_max: 61,
-    late: 0n,
-    lost: 0n,
-    rejected_nonfinite: 0n,
-    rejected_sequence: 0n,
-    rejected_speed: 0n,
-    renormalised: 0n,
-    faulted_steps: 0n,
-    contacts: 3,
-    faults: 0,
     ...more,
   };
 }
@@ -191,33 +172,15 @@ export function loopStatistics(station: string, scene: string, more: object = {}
 export function stationStatistics(station: string, more: object = {}): object {
   return {
     station,
-    run: 1n,
     device: "PHANTOM Premium 3.0",
-    period_s: 1,
     ticks: 1000n,
-    missed_ticks: 0n,
-    sent: 1000n,
     replies: 1000n,
-    late: 0n,
-    lost: 0n,
     silence_s_max: 0.0012,
-    nonfinite: 0n,
-    clamped: 0n,
-    slewed: 0n,
-    braked: 0n,
-    warm: 0n,
-    faded: 0n,
-    fades: 0n,
-    disabled: 0n,
     wanted_force_N_max: 2,
-    wanted_torque_Nm_max: 0.02,
     applied_force_N_max: 2,
-    applied_torque_Nm_max: 0.02,
     energy_J: 0.0125,
-    energy_J_min: 0,
     warmth: 0.21,
     device_status: 1,
-    pad: 0,
     ...more,
   };
 }

@@ -1,4 +1,4 @@
-import {type FakeGateway, sessionState, toolState} from "./fake_gateway";
+import {type FakeGateway, pressed, sessionState} from "./fake_gateway";
 import {replayStateSent} from "./replay_state";
 
 export interface Mark {
@@ -74,17 +74,8 @@ export class FakeReplay {
 
   private tellTool(): void {
     const newtons = this.state.at_s;
-    const press = {
-      station: "hand",
-      scene: "test-box",
-      tool: "ball",
-      sequence: Math.round(1000 * newtons),
-      haptic: {p: [0, 0.037 - newtons / 10_000, 0], q: [1, 0, 0, 0]},
-      graphic: {p: [0, 0.037, 0], q: [1, 0, 0, 0]},
-      forceN: [0, newtons, 0],
-      points: [{positionM: [0, 0.025, 0], forceN: [0, newtons, 0]}],
-    } as const;
-    this.gateway.send("/palpate/tool_state", toolState(press));
+    const state = pressed("hand", Math.round(1000 * newtons), newtons);
+    this.gateway.send("/palpate/tool_state", state);
   }
 
   private wished(message: Record<string, unknown>): void {

@@ -1,15 +1,16 @@
 import {Builder} from "flatbuffers";
 
 import {
-  Body,
+  BodyT,
   Contact,
-  Features,
+  FeaturesT,
   Friction,
-  Geometry,
-  Material,
-  Pose as WirePose,
+  GeometryT,
+  MaterialT,
+  PoseT,
   Scene,
-  Vec3 as WireVec3,
+  SceneT,
+  Vec3T,
 } from "@wire";
 
 import type {Pose, Vec3} from "@page/model/pose";
@@ -121,120 +122,59 @@ export const kWearable: TestScene = {
 };
 
 export function sceneBytes(scene: TestScene): Uint8Array {
-  const builder = new Builder(1 << 16);
   const bodies = [...scene.tools, ...scene.objects];
-  const geometries = bodies.map((body) => packGeometry(builder, body));
-  const geometriesAt = Scene.createGeometriesVector(builder, geometries);
-  const tools = scene.tools.map((body, i) => packBody(builder, body, i));
-  const toolsAt = Scene.createToolsVector(builder, tools);
-  const objects = scene.objects.map((body, i) => packBody(builder, body, scene.tools.length + i));
-  const objectsAt = Scene.createObjectsVector(builder, objects);
-  const name = builder.createString(scene.name);
-  Scene.startScene(builder);
-  Scene.addName(builder, name);
-  Scene.addGeometries(builder, geometriesAt);
-  Scene.addTools(builder, toolsAt);
-  Scene.addObjects(builder, objectsAt);
-  Scene.addStiffness(builder, 1000);
-  Scene.addTorsionalStiffness(builder, 1);
-  Scene.addFeatures(
-    builder,
-    Features.createFeatures(
-      builder,
-      Contact.Surface,
-      Friction.Off,
-      scene.compliance ?? false,
-      scene.removal ?? false,
-    ),
+  const wireOf = (body: TestBody): BodyT => bodyOf(body, bodies.indexOf(body));
+  const {compliance = false, removal = false} = scene;
+  const wire = new SceneT(
+    scene.name,
+    bodies.map(geometryOf),
+    scene.tools.map(wireOf),
+    scene.objects.map(wireOf),
+    1000,
+    1,
+    new FeaturesT(Contact.Surface, Friction.Off, compliance, removal),
   );
-  Scene.finishSceneBuffer(builder, Scene.endScene(builder));
+  const builder = new Builder(1 << 16);
+  Scene.finishSceneBuffer(builder, wire.pack(builder));
   return builder.asUint8Array();
 }
 
 /// One packet of eight lanes above the leaves: as many nodes as there are leaves, eight at most.
-function packGeometry(builder: Builder, body: TestBody): number {
-  const {mesh, leaves} = body;
+function geometryOf({mesh, leaves}: TestBody): GeometryT {
   const lanes = Array.from({length: 8}, (_, i) => leaves[i]);
+  const lane = (get: (leaf: Leaf) => number): number[] =>
+    lanes.map((leaf) => (leaf ? get(leaf) : Number.NaN));
   const begin = [0];
   for (const leaf of leaves) begin.push(begin.at(-1)! + leaf.triangles.length);
-  const nan = Number.NaN;
-  const vertices = Geometry.createVerticesVector(builder, Float64Array.from(mesh.vertices));
-  const triangles = Geometry.createTrianglesVector(builder, Uint32Array.from(mesh.triangles));
-  const leafVector = (axis: number): Float64Array =>
-    Float64Array.from(leaves, (leaf) => leaf.centre[axis]!);
-  const leafX = Geometry.createLeafXVector(builder, leafVector(0));
-  const leafY = Geometry.createLeafYVector(builder, leafVector(1));
-  const leafZ = Geometry.createLeafZVector(builder, leafVector(2));
-  const radius = Geometry.createLeafRadiusVector(
-    builder,
-    Float64Array.from(leaves, (leaf) => leaf.radius),
-  );
-  const leafBegin = Geometry.createLeafTriangleBeginVector(builder, Uint32Array.from(begin));
-  const leafTriangle = Geometry.createLeafTriangleVector(
-    builder,
-    Uint32Array.from(leaves.flatMap((leaf) => [...leaf.triangles])),
-  );
-  const lane = (get: (leaf: Leaf) => number): Float32Array =>
-    Float32Array.from(lanes, (leaf) => (leaf ? get(leaf) : nan));
-  const nodeX = Geometry.createNodeXVector(
-    builder,
-    lane((leaf) => leaf.centre[0]),
-  );
-  const nodeY = Geometry.createNodeYVector(
-    builder,
-    lane((leaf) => leaf.centre[1]),
-  );
-  const nodeZ = Geometry.createNodeZVector(
-    builder,
-    lane((leaf) => leaf.centre[2]),
-  );
-  const nodeRadius = Geometry.createNodeRadiusVector(
-    builder,
-    lane((leaf) => leaf.radius),
-  );
-  const nodeChild = Geometry.createNodeChildVector(
-    builder,
-    Int32Array.from(lanes, (leaf, i) => (leaf ? i : -1)),
-  );
-  const levelBegin = Geometry.createLevelBeginVector(builder, Int32Array.from([0, 1]));
-  Geometry.startGeometry(builder);
-  Geometry.addVertices(builder, vertices);
-  Geometry.addTriangles(builder, triangles);
-  Geometry.addLeafX(builder, leafX);
-  Geometry.addLeafY(builder, leafY);
-  Geometry.addLeafZ(builder, leafZ);
-  Geometry.addLeafRadius(builder, radius);
-  Geometry.addLeafTriangleBegin(builder, leafBegin);
-  Geometry.addLeafTriangle(builder, leafTriangle);
-  Geometry.addNodeX(builder, nodeX);
-  Geometry.addNodeY(builder, nodeY);
-  Geometry.addNodeZ(builder, nodeZ);
-  Geometry.addNodeRadius(builder, nodeRadius);
-  Geometry.addNodeChild(builder, nodeChild);
-  Geometry.addLevelBegin(builder, levelBegin);
-  Geometry.addCentroid(builder, WireVec3.createVec3(builder, 0, 0, 0));
-  return Geometry.endGeometry(builder);
+  return Object.assign(new GeometryT(), {
+    vertices: [...mesh.vertices],
+    triangles: [...mesh.triangles],
+    leafX: leaves.map(({centre}) => centre[0]),
+    leafY: leaves.map(({centre}) => centre[1]),
+    leafZ: leaves.map(({centre}) => centre[2]),
+    leafRadius: leaves.map(({radius}) => radius),
+    leafTriangleBegin: begin,
+    leafTriangle: leaves.flatMap(({triangles}) => [...triangles]),
+    nodeX: lane(({centre}) => centre[0]),
+    nodeY: lane(({centre}) => centre[1]),
+    nodeZ: lane(({centre}) => centre[2]),
+    nodeRadius: lane(({radius}) => radius),
+    nodeChild: lanes.map((leaf, i) => (leaf ? i : -1)),
+    levelBegin: [0, 1],
+    centroid: new Vec3T(),
+  });
 }
 
-function packBody(builder: Builder, body: TestBody, geometry: number): number {
-  const name = builder.createString(body.name);
-  const materials = body.materials ?? [{stiffness: Infinity, hardness: Infinity}];
-  Body.startMaterialsVector(builder, materials.length);
-  for (const {stiffness, hardness} of [...materials].reverse()) {
-    Material.createMaterial(builder, stiffness, 0, 0, hardness);
-  }
-  const materialsAt = builder.endVector();
-  const painted = body.leaves.some((leaf) => leaf.material !== undefined);
-  const leafMaterial = Body.createLeafMaterialVector(
-    builder,
-    Uint8Array.from(painted ? body.leaves.map((leaf) => leaf.material ?? 0) : []),
-  );
-  const {p, q} = body.pose ?? {p: [0, 0, 0], q: [1, 0, 0, 0]};
-  Body.startBody(builder);
-  Body.addName(builder, name);
-  Body.addGeometry(builder, geometry);
-  Body.addPose(builder, WirePose.createPose(builder, p[0], p[1], p[2], q[0], q[1], q[2], q[3]));
-  Body.addMaterials(builder, materialsAt);
-  Body.addLeafMaterial(builder, leafMaterial);
-  return Body.endBody(builder);
+const kRigid = [{stiffness: Infinity, hardness: Infinity}];
+
+function bodyOf({name, leaves, pose, materials = kRigid}: TestBody, geometry: number): BodyT {
+  const {p, q} = pose ?? {p: [0, 0, 0], q: [1, 0, 0, 0]};
+  const isPainted = leaves.some(({material}) => material !== undefined);
+  return Object.assign(new BodyT(), {
+    name,
+    geometry,
+    pose: new PoseT(new Vec3T(...p), ...q),
+    materials: materials.map(({stiffness, hardness}) => new MaterialT(stiffness, 0, 0, hardness)),
+    leafMaterial: isPainted ? leaves.map(({material}) => material ?? 0) : [],
+  });
 }

@@ -52,12 +52,14 @@ TEST_F(CriteriaTest, ThatATeacherBeginsWithGradeAGoodHandFullyAndARoughOneLess) 
     return path;
   };
   const HandPath expert = probing(0.006, 0.2), rough = probing(0.009, 1.0);
-  const Grade good = GradeTrial(criteria, ScorePath(expert, expert), expert);
+  const Grade good = *GradeTrial(criteria, ScorePath(expert, expert), expert);
   EXPECT_DOUBLE_EQ(good.points, 100.0);
   EXPECT_NEAR(*good.depths[0], 0.006, 1e-6);
-  const Grade bad = GradeTrial(criteria, ScorePath(expert, rough), rough);
+  const Grade bad = *GradeTrial(criteria, ScorePath(expert, rough), rough);
   EXPECT_LT(bad.points, criteria.pass);
   EXPECT_EQ(bad.marks[1].points, 0.0) << "3 mm too deep";
+  const HandPath idle = probing(0.006, 0.0);
+  EXPECT_FALSE(GradeTrial(criteria, ScorePath(expert, idle), idle)) << "it touches nothing";
 }
 
 TEST_F(CriteriaTest, GiveTheShareThatLiesBetweenBestAndWorst) {
@@ -65,7 +67,7 @@ TEST_F(CriteriaTest, GiveTheShareThatLiesBetweenBestAndWorst) {
     {"name": "gentle", "measure": "force_over_share", "limit_N": 0.75, "best": 0, "worst": 1},
     {"name": "peak", "measure": "force_peak_N", "best": 0, "worst": 4, "weight": 3}]})");
   const HandPath path = Probing(0.006, 1.0);  // 1 N for three quarters of the time
-  const Grade grade = GradeTrial(criteria, ScorePath(path, path), path);
+  const Grade grade = *GradeTrial(criteria, ScorePath(path, path), path);
   EXPECT_NEAR(grade.marks[0].value, 0.75, 1e-3);
   EXPECT_NEAR(grade.marks[0].points, 25.0, 0.1);
   EXPECT_NEAR(grade.marks[1].points, 75.0, 1e-9);

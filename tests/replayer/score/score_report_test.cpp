@@ -1,6 +1,7 @@
 #include "client/replayer/score/score_report.h"
 
 #include <filesystem>
+#include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,12 +18,12 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// A hand along x by 100 mm in 2 s, so far beside the expert's line.
-HandPath Stroke(double beside_m) {
+HandPath Stroke(double beside_m, double force_N = 1.0) {
   HandPath path;
   for (int i = 0; i <= 2000; ++i) {
     path.time_s.push_back(1e-3 * i);
     path.X_WH.push_back({Vec3(5e-5 * i, beside_m, 0), Quat::Identity()});
-    path.force_N.push_back(Vec3(0, 0, 1));
+    path.force_N.push_back(Vec3(0, 0, force_N));
     path.torque_Nm.push_back(Vec3::Zero());
   }
   return path;
@@ -43,6 +44,13 @@ Report ReportOf(const std::vector<double>& beside_m) {
   return report;
 }
 
+Report WithOneThatTouchesNothing(Report report) {
+  const HandPath path = Stroke(0.0, 0.0);
+  report.trials.push_back({"idle", ScorePath(Stroke(0), path)});
+  report.grades.push_back(GradeTrial(*report.criteria, report.trials.back().score, path));
+  return report;
+}
+
 TEST(Average, IsMeanAndDeviationOfASample) {
   EXPECT_EQ(AverageOf({3.0}).mean, 3.0);
   EXPECT_EQ(AverageOf({3.0}).deviation, 0.0);
@@ -53,7 +61,7 @@ TEST(Average, IsMeanAndDeviationOfASample) {
 TEST(ScoreReport, JudgesByTheAverageOfTheTrials) {
   // 90, 70 and 50 points.
   const Report report = ReportOf({0.001, 0.003, 0.005});
-  EXPECT_NEAR(report.grades[1].points, 70.0, 0.1);
+  EXPECT_NEAR(report.grades[1]->points, 70.0, 0.1);
   EXPECT_THAT(ToText(report), HasSubstr("Strokes: 70 ± 20 of 100 points, passed"));
   const std::string html = ToHtml(report);
   EXPECT_THAT(html, HasSubstr("<b>70</b>"));
@@ -61,6 +69,20 @@ TEST(ScoreReport, JudgesByTheAverageOfTheTrials) {
   EXPECT_THAT(html, HasSubstr("<th>try 3</th><th>average</th>"));
   EXPECT_THAT(html, Not(HasSubstr("predicts nothing")));
   EXPECT_THAT(ToHtml(ReportOf({0.003, 0.007})), HasSubstr("not yet"));
+}
+
+TEST(ScoreReport, GivesNoPointsToATrialThatTouchesNothing) {
+  const Report idle = WithOneThatTouchesNothing(ReportOf({}));
+  EXPECT_THAT(ToText(idle), HasSubstr("Strokes: nothing was touched: no points\n"));
+  EXPECT_THAT(ToHtml(idle), HasSubstr("nothing was touched: no points"));
+  const Report both = WithOneThatTouchesNothing(ReportOf({0.003}));
+  EXPECT_THAT(ToText(both), HasSubstr("Strokes: 70 of 100 points, passed"));
+  EXPECT_THAT(ToHtml(both), HasSubstr("<b>70</b>"));
+  const Folder folder;
+  WriteJson(both, folder / "both.json");
+  const auto trials = nlohmann::json::parse(std::ifstream(folder / "both.json"))["trials"];
+  EXPECT_NEAR(trials[0]["points"], 70.0, 0.1);
+  EXPECT_TRUE(trials[1]["points"].is_null());
 }
 
 TEST(ScoreReport, SaysThatOneTrialPredictsNothing) {

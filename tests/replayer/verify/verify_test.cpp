@@ -1,6 +1,7 @@
 #include "client/replayer/verify/verify.h"
 
 #include <bit>
+#include <functional>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -154,6 +155,19 @@ void Copy(const std::string& from, const std::string& to, Change change) {
 
 class VerifyTest : public testing::Test {
  protected:
+  /// Of a whole recording in which `change` has altered each sample of a type, where it says so.
+  template <class T>
+  Verification Tampered(const std::function<bool(T&)>& change) {
+    const std::string file = folder_ / "good.mcap", tampered = folder_ / "tampered.mcap";
+    Record({}, file);
+    Copy(file, tampered, [&](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
+      T value{};
+      if (!sample.To(value) || !change(value)) return;
+      cdr.clear();
+      dds::ToCdr(value, cdr);
+    });
+    return Verify({tampered}, {});
+  }
   SessionVerdict VerdictOf(const Story& story) {
     const std::string file = folder_ / "story.mcap";
     std::filesystem::remove(file);
@@ -168,55 +182,47 @@ class VerifyTest : public testing::Test {
   Folder folder_;
 };
 
-TEST_F(VerifyTest, FindsARecordingTheSameBitForBit) {
-  const SessionVerdict verdict = VerdictOf({});
-  EXPECT_TRUE(verdict.good());
-  EXPECT_EQ(verdict.recorded, kPoses);
-  EXPECT_EQ(verdict.verified, kPoses);
-  EXPECT_EQ(verdict.ends, "");
+std::set<std::uint64_t> UpTo(std::uint64_t last) {
+  std::set<std::uint64_t> numbers;
+  for (std::uint64_t i = 1; i <= last; ++i) numbers.insert(i);
+  return numbers;
 }
 
-TEST_F(VerifyTest, KnowsThePosesThatTheServerNeverHad) {
-  const SessionVerdict verdict = VerdictOf({.server_misses = {1, 2, 40, 41, 42, 250}});
-  EXPECT_TRUE(verdict.good()) << verdict.ends;
-  EXPECT_EQ(verdict.verified, kPoses - 6);
-}
-
-TEST_F(VerifyTest, GoesOnBehindWrenchesThatTheRecorderMissed) {
-  const SessionVerdict verdict = VerdictOf({.wrenches_lost = {1, 2, 5, 6, 100, 200, 201}});
-  EXPECT_TRUE(verdict.good()) << verdict.ends;
-  EXPECT_EQ(verdict.verified, kPoses - 7);
-}
-
-TEST_F(VerifyTest, SaysFromWhereOnAMissingPoseMakesItImpossible) {
-  const SessionVerdict verdict = VerdictOf({.poses_lost = {90}});
-  EXPECT_FALSE(verdict.good());
-  EXPECT_EQ(verdict.verified, 89u);
-  EXPECT_EQ(verdict.different, 0u);
-  EXPECT_THAT(verdict.ends, HasSubstr("pose 90 is not in the recording"));
-}
-
-TEST_F(VerifyTest, DoesNotGuessWhichPosesWereAnswered) {
-  const SessionVerdict verdict = VerdictOf({.server_misses = {100}, .wrenches_lost = {101}});
-  EXPECT_FALSE(verdict.good());
-  EXPECT_EQ(verdict.verified, 99u);
-  EXPECT_EQ(verdict.different, 0u);
-  EXPECT_THAT(verdict.ends, HasSubstr("before pose 102"));
-}
-
-TEST_F(VerifyTest, SaysThatARecordingBeganTooLate) {
-  std::set<std::uint64_t> early;
-  for (std::uint64_t i = 1; i < 50; ++i) early.insert(i);
-  const SessionVerdict verdict = VerdictOf({.poses_lost = early, .wrenches_lost = early});
-  EXPECT_FALSE(verdict.good());
-  EXPECT_EQ(verdict.verified, 0u);
-  EXPECT_THAT(verdict.ends, HasSubstr("began after its loop"));
-}
-
-TEST_F(VerifyTest, NeedsTheSessionsState) {
-  const SessionVerdict verdict = VerdictOf({.state_lost = true});
-  EXPECT_FALSE(verdict.good());
-  EXPECT_THAT(verdict.ends, HasSubstr("state"));
+TEST_F(VerifyTest, ComputesAgainWhatCanBeAndSaysWhereThatEnds) {
+  struct Case {
+    const char* what;
+    Story story;
+    std::uint64_t verified;
+    const char* ends;  ///< empty: it is the same to its end
+  };
+  for (const auto& [what, story, verified, ends] :
+       {Case{"nothing is lost", {}, kPoses, ""},
+        {"the server never had some", {.server_misses = {1, 2, 40, 41, 42, 250}}, kPoses - 6, ""},
+        {"the recorder missed some",
+         {.wrenches_lost = {1, 2, 5, 6, 100, 200, 201}},
+         kPoses - 7,
+         ""},
+        {"a pose is missing", {.poses_lost = {90}}, 89, "pose 90 is not in the recording"},
+        {"who had which is a guess",
+         {.server_misses = {100}, .wrenches_lost = {101}},
+         99,
+         "before pose 102"},
+        {"it began too late",
+         {.poses_lost = UpTo(49), .wrenches_lost = UpTo(49)},
+         0,
+         "began after its loop"},
+        {"no state of the session", {.state_lost = true}, 0, "state"},
+        {"no wrench at all",
+         {.wrenches_lost = UpTo(kPoses)},
+         0,
+         "no wrench of it, and 300 poses"}}) {
+    SCOPED_TRACE(what);
+    const SessionVerdict verdict = VerdictOf(story);
+    EXPECT_EQ(verdict.good(), *ends == '\0');
+    EXPECT_EQ(verdict.verified, verified);
+    EXPECT_EQ(verdict.different, 0u);
+    EXPECT_THAT(verdict.ends, *ends == '\0' ? testing::Matcher<std::string>("") : HasSubstr(ends));
+  }
 }
 
 TEST_F(VerifyTest, TakesLeavesAwayBeforeTheSamePose) {
@@ -242,18 +248,13 @@ TEST_F(VerifyTest, MakesTheSceneWholeBeforeTheSamePose) {
 }
 
 TEST_F(VerifyTest, NamesTheTamperedMessageAndItsField) {
-  const std::string file = folder_ / "good.mcap", tampered = folder_ / "tampered.mcap";
-  Record({}, file);
   double was = 0.0;
-  Copy(file, tampered, [&](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
-    wire::Wrench wrench;
-    if (!sample.To(wrench) || wrench.pose_sequence != 217) return;
+  const Verification verification = Tampered<wire::Wrench>([&](wire::Wrench& wrench) {
+    if (wrench.pose_sequence != 217) return false;
     was = wrench.force_N[1];
     wrench.force_N[1] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(was) ^ 1u);
-    cdr.clear();
-    dds::ToCdr(wrench, cdr);
+    return true;
   });
-  const Verification verification = Verify({tampered}, {});
   const SessionVerdict verdict = Only(verification);
   EXPECT_FALSE(verification.good());
   EXPECT_EQ(verdict.different, 1u);
@@ -270,16 +271,10 @@ TEST_F(VerifyTest, NamesTheTamperedMessageAndItsField) {
 }
 
 TEST_F(VerifyTest, FindsATamperedPoseInItsAnswer) {
-  const std::string file = folder_ / "good.mcap", tampered = folder_ / "tampered.mcap";
-  Record({}, file);
-  Copy(file, tampered, [&](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
-    wire::HapticPose pose;
-    if (!sample.To(pose) || pose.pose_sequence != 217) return;
-    pose.position_m[1] += 1e-6;
-    cdr.clear();
-    dds::ToCdr(pose, cdr);
-  });
-  const SessionVerdict verdict = Only(Verify({tampered}, {}));
+  const SessionVerdict verdict = Only(Tampered<wire::HapticPose>([](wire::HapticPose& pose) {
+    pose.position_m[1] += pose.pose_sequence == 217 ? 1e-6 : 0.0;
+    return pose.pose_sequence == 217;
+  }));
   ASSERT_TRUE(verdict.first.has_value());
   EXPECT_EQ(verdict.first->pose_sequence, 217u);
 }
@@ -297,14 +292,6 @@ TEST_F(VerifyTest, DoesNotPassOverAWrenchWhoseBytesAreNone) {
   EXPECT_EQ(verdict.broken, 1u);
   EXPECT_EQ(verdict.recorded, kPoses);
   EXPECT_EQ(verdict.verified, kPoses - 1);
-}
-
-TEST_F(VerifyTest, DoesNotPassOverASessionWithoutWrenches) {
-  std::set<std::uint64_t> all;
-  for (std::uint64_t i = 1; i <= kPoses; ++i) all.insert(i);
-  const SessionVerdict verdict = VerdictOf({.wrenches_lost = all});
-  EXPECT_FALSE(verdict.good());
-  EXPECT_THAT(verdict.ends, HasSubstr("no wrench of it, and 300 poses"));
 }
 
 TEST_F(VerifyTest, RefusesMoreSessionsAtOnceThanServersHave) {
@@ -340,16 +327,12 @@ TEST_F(VerifyTest, RefusesASceneThatIsNotTheOneOfItsHash) {
 }
 
 TEST_F(VerifyTest, SaysThatAnAnswerComesAgain) {
-  const std::string file = folder_ / "good.mcap", twice = folder_ / "twice.mcap";
-  Record({}, file);
-  Copy(file, twice, [](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
-    wire::Wrench wrench;
-    if (!sample.To(wrench) || wrench.answer != 218) return;
+  const Verification twice = Tampered<wire::Wrench>([](wire::Wrench& wrench) {
+    if (wrench.answer != 218) return false;
     wrench.answer = 217;
-    cdr.clear();
-    dds::ToCdr(wrench, cdr);
+    return true;
   });
-  EXPECT_THAT(Only(Verify({twice}, {})).ends, HasSubstr("answer 217 comes again"));
+  EXPECT_THAT(Only(twice).ends, HasSubstr("answer 217 comes again"));
 }
 
 TEST_F(VerifyTest, VerifiesWhatIsThereOfARecordingThatWasCutOff) {

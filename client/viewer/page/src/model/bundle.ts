@@ -1,6 +1,12 @@
 import {ByteBuffer} from "flatbuffers";
+import {BufferAttribute, BufferGeometry} from "three";
 
-import {type Body as WireBody, type Geometry as WireGeometry, Scene as WireScene} from "@wire";
+import {
+  type Body as WireBody,
+  type Geometry as WireGeometry,
+  Scene as WireScene,
+  type Vec3 as WireVec3,
+} from "@wire";
 
 import {kIdentity, type Pose, type Vec3} from "./pose";
 
@@ -91,12 +97,10 @@ function readFirstSight(scene: WireScene): FirstSight | undefined {
   const centre = sight?.centre();
   const from = sight?.from();
   if (!sight || !centre || !from) return undefined;
-  return {
-    centre: [centre.x(), centre.y(), centre.z()],
-    radiusM: sight.radius(),
-    from: [from.x(), from.y(), from.z()],
-  };
+  return {centre: vec3(centre), radiusM: sight.radius(), from: vec3(from)};
 }
+
+const vec3 = (of: WireVec3): Vec3 => [of.x(), of.y(), of.z()];
 
 function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
   const geometry = geometries[body.geometry()];
@@ -111,34 +115,30 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
   return {
     name: body.name() ?? "",
     geometry,
-    pose:
-      pose && p
-        ? {p: [p.x(), p.y(), p.z()], q: [pose.qw(), pose.qx(), pose.qy(), pose.qz()]}
-        : kIdentity,
+    pose: pose && p ? {p: vec3(p), q: [pose.qw(), pose.qx(), pose.qy(), pose.qz()]} : kIdentity,
     materials,
     leafMaterial: body.leafMaterialArray() ?? new Uint8Array(),
     look: body.look() ?? "",
     ambient: body.ambientArray() ?? new Uint8Array(),
-    margin: Array.from({length: body.marginLength()}, (_, i): Vec3 => {
-      const point = body.margin(i)!;
-      return [point.x(), point.y(), point.z()];
-    }),
+    margin: Array.from({length: body.marginLength()}, (_, i) => vec3(body.margin(i)!)),
   };
 }
 
 function readGeometry(geometry: WireGeometry): Geometry {
   const vertices = Float32Array.from(geometry.verticesArray() ?? []);
   const centroid = geometry.centroid();
-  const {centre, radiusM} = boundsOf(vertices);
+  const mesh = new BufferGeometry().setAttribute("position", new BufferAttribute(vertices, 3));
+  mesh.computeBoundingSphere();
+  const bounds = mesh.boundingSphere!;
   return {
     vertices,
     triangles: geometry.trianglesArray() ?? new Uint32Array(),
     leafTriangleBegin: geometry.leafTriangleBeginArray() ?? new Uint32Array(),
     leafTriangle: geometry.leafTriangleArray() ?? new Uint32Array(),
     levels: readLevels(geometry),
-    centroid: centroid ? [centroid.x(), centroid.y(), centroid.z()] : [0, 0, 0],
-    centre,
-    radiusM,
+    centroid: centroid ? vec3(centroid) : [0, 0, 0],
+    centre: bounds.center.toArray(),
+    radiusM: Math.max(0, bounds.radius), // three's of nothing is -1
   };
 }
 
@@ -170,27 +170,4 @@ function readLevels(geometry: WireGeometry): SphereLevel[] {
   }
   levels.push({centres, radii: Float32Array.from(geometry.leafRadiusArray() ?? [])});
   return levels;
-}
-
-function boundsOf(vertices: Float32Array): {centre: Vec3; radiusM: number} {
-  const low = [Infinity, Infinity, Infinity];
-  const high = [-Infinity, -Infinity, -Infinity];
-  vertices.forEach((value, i) => {
-    low[i % 3] = Math.min(low[i % 3]!, value);
-    high[i % 3] = Math.max(high[i % 3]!, value);
-  });
-  if (vertices.length === 0) return {centre: [0, 0, 0], radiusM: 0};
-  const centre: Vec3 = [
-    (low[0]! + high[0]!) / 2,
-    (low[1]! + high[1]!) / 2,
-    (low[2]! + high[2]!) / 2,
-  ];
-  let squared = 0;
-  for (let i = 0; i < vertices.length; i += 3) {
-    const dx = vertices[i]! - centre[0];
-    const dy = vertices[i + 1]! - centre[1];
-    const dz = vertices[i + 2]! - centre[2];
-    squared = Math.max(squared, dx * dx + dy * dy + dz * dz);
-  }
-  return {centre, radiusM: Math.sqrt(squared)};
 }

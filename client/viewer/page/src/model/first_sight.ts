@@ -1,3 +1,5 @@
+import {Sphere, Vector3} from "three";
+
 import type {Body, FirstSight, SceneModel} from "./bundle";
 import {add, conjugate, dot, norm, type Pose, rotate, scale, subtract, type Vec3} from "./pose";
 
@@ -124,21 +126,11 @@ function enclose(balls: readonly Ball[]): Ball {
   const furthest = (from: Vec3): Ball =>
     balls.reduce((best, ball) => (reach(ball, from) > reach(best, from) ? ball : best));
   const a = furthest(first.centre);
-  const b = furthest(a.centre);
-  let ball = hull(a, b);
-  for (const other of balls) ball = hull(ball, other);
-  return ball;
+  const hull = sphereOf(a);
+  for (const ball of [furthest(a.centre), ...balls]) hull.union(sphereOf(ball));
+  return {centre: hull.center.toArray(), radiusM: hull.radius};
 }
 
 const reach = ({centre, radiusM}: Ball, from: Vec3): number =>
   norm(subtract(centre, from)) + radiusM;
-
-/// The smallest ball that holds two.
-function hull(a: Ball, b: Ball): Ball {
-  const apart = norm(subtract(b.centre, a.centre));
-  if (apart + b.radiusM <= a.radiusM) return a;
-  if (apart + a.radiusM <= b.radiusM) return b;
-  const radiusM = 0.5 * (apart + a.radiusM + b.radiusM);
-  const towards = scale(subtract(b.centre, a.centre), 1 / apart);
-  return {centre: add(a.centre, scale(towards, radiusM - a.radiusM)), radiusM};
-}
+const sphereOf = ({centre, radiusM}: Ball): Sphere => new Sphere(new Vector3(...centre), radiusM);

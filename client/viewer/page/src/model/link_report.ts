@@ -48,63 +48,30 @@ export class Pulse {
   }
 }
 
+const info = (text: string): LinkReport => ({tone: "info", text});
+const alarm = (text: string): LinkReport => ({tone: "alarm", text});
+
 export function linkReport(facts: LinkFacts): LinkReport {
-  if (facts.link !== "open") {
-    if (facts.refusal === "full") {
-      return {tone: "alarm", text: "The gateway has as many viewers as it takes. Trying again…"};
-    }
-    if (facts.refusal === "token") {
-      return {
-        tone: "alarm",
-        text:
-          "The gateway lets in who has a token: open this page by the link that you were given, " +
-          "which ends in #token=…",
-      };
-    }
-    if (facts.refusal === "this page") {
-      return {
-        tone: "alarm",
-        text:
-          "The gateway is there and does not let this page attach: does it know the page's " +
-          "address (--allow-origin)? Trying again…",
-      };
-    }
-    if (facts.wasOpen) {
-      return {tone: "alarm", text: "The link to the gateway is lost. Trying again…"};
-    }
-    return facts.link === "lost"
-      ? {tone: "alarm", text: "The gateway does not answer. Trying again…"}
-      : {tone: "info", text: "Connecting…"};
-  }
+  if (facts.link !== "open") return closedReport(facts);
   if (facts.replay === "ended") {
-    return {
-      tone: "info",
-      text: `The replay of ${facts.recording} has ended. What you see is the last of it.`,
-    };
+    return info(`The replay of ${facts.recording} has ended. What you see is the last of it.`);
   }
   if (facts.replay === "silent") {
-    return {
-      tone: "alarm",
-      text:
-        `The replay of ${facts.recording} has not been heard of for ` +
+    return alarm(
+      `The replay of ${facts.recording} has not been heard of for ` +
         `${Math.floor(facts.replaySilenceS)} s: its program has stopped, or cannot be reached. ` +
         "What you see is the last of it.",
-    };
+    );
   }
   if (facts.compiling && (facts.scenes === 0 || !facts.serverLives)) {
     const {scene, stage, done} = facts.compiling;
-    return {
-      tone: "info",
-      text:
-        `The server compiles ${scene} for the first time: ${Math.floor(100 * done)} %, ${stage}. ` +
+    return info(
+      `The server compiles ${scene} for the first time: ${Math.floor(100 * done)} %, ${stage}. ` +
         "It shows as soon as it is done.",
-    };
+    );
   }
   if (facts.replay === "none" && facts.scenes > 0 && !facts.serverLives) {
-    return {
-      tone: "alarm",
-      text: "No server is there: the last one has gone. What you see is the last of it.",
-    };
+    return alarm("No server is there: the last one has gone. What you see is the last of it.");
   }
   const since = Math.max(facts.lastStateS, facts.openedS);
   // A replay may stand still, and hold moments at which nothing moved.
@@ -112,31 +79,44 @@ export function linkReport(facts: LinkFacts): LinkReport {
   // What came meanwhile waits until the page runs again: only then is it known who was silent.
   const busy = facts.nowS - facts.busyS < kSilenceS;
   if (quiet && busy) {
-    return {
-      tone: "info",
-      text:
-        "This browser draws slowly, and is behind: a smaller window helps, or a browser with " +
+    return info(
+      "This browser draws slowly, and is behind: a smaller window helps, or a browser with " +
         "hardware acceleration.",
-    };
+    );
   }
   if (quiet && facts.sessions > 0) {
-    return {
-      tone: "alarm",
-      text:
-        `No data for ${Math.floor(facts.nowS - since)} s: the gateway is there, ` +
+    return alarm(
+      `No data for ${Math.floor(facts.nowS - since)} s: the gateway is there, ` +
         "the server or its station is silent.",
-    };
+    );
   }
-  if (!facts.draws) {
-    return {tone: "info", text: "No picture: this browser has no WebGL. The figures are live."};
-  }
+  if (!facts.draws) return info("No picture: this browser has no WebGL. The figures are live.");
   if (!quiet || facts.takes) return {tone: "none", text: ""};
   if (facts.scenes === 0) {
-    return {
-      tone: "info",
-      text: "The gateway is there and waits: no server has told it of a scene yet.",
-    };
+    return info("The gateway is there and waits: no server has told it of a scene yet.");
   }
   const how = facts.mayTake ? "Start one, or take the tool with the mouse." : "Start one.";
-  return {tone: "info", text: `No station is moving. ${how}`};
+  return info(`No station is moving. ${how}`);
+}
+
+function closedReport({link, refusal, wasOpen}: LinkFacts): LinkReport {
+  switch (refusal) {
+    case "full":
+      return alarm("The gateway has as many viewers as it takes. Trying again…");
+    case "token":
+      return alarm(
+        "The gateway lets in who has a token: open this page by the link that you were given, " +
+          "which ends in #token=…",
+      );
+    case "this page":
+      return alarm(
+        "The gateway is there and does not let this page attach: does it know the page's " +
+          "address (--allow-origin)? Trying again…",
+      );
+    case "none":
+      if (wasOpen) return alarm("The link to the gateway is lost. Trying again…");
+      return link === "lost"
+        ? alarm("The gateway does not answer. Trying again…")
+        : info("Connecting…");
+  }
 }

@@ -103,66 +103,51 @@ export interface Line {
   readonly tone: "good" | "plain" | "bad";
 }
 
+const line = (
+  label: string,
+  value: string,
+  remark: string,
+  tone: Line["tone"] = "plain",
+): Line => ({label, value, remark, tone});
+
 const kRateHz = 1000;
 /// Of the poses that may be late or missing before a load no longer holds, as palpate-load has it.
 const kMostAmiss = 0.01;
 
 /// The loop's last second as lines of a table.
 export function statisticsLines(statistics: LoopStatistics): Line[] {
+  const {rateHz, steps, late, lost, rejected} = statistics;
   const {p50, p99, p999} = statistics.stepUs;
-  const onTime = Math.abs(statistics.rateHz - kRateHz) < kMostAmiss * kRateHz;
+  const onTime = Math.abs(rateHz - kRateHz) < kMostAmiss * kRateHz;
   const time = (us: number): string =>
     us >= 1000 ? `${figure(us / 1000, 1)} ms` : `${figure(us, 1)} µs`;
+  const rate = `${rateHz.toFixed(0)} / s`;
   const faults = faultWords(statistics.faults);
-  const lines: Line[] = [
-    {
-      label: "Rate",
-      value: `${statistics.rateHz.toFixed(0)} / s`,
-      remark: onTime ? "as it should be" : "should be a thousand",
-      tone: onTime ? "good" : "bad",
-    },
-    {label: "Usual step", value: time(p50), remark: "half are quicker", tone: "plain"},
-    {label: "Slow step", value: time(p99), remark: "1 in 100 takes longer", tone: "plain"},
-    {
-      label: "Slower yet",
-      value: time(p999),
-      remark: p999 < 1000 ? "1 in 1000 takes longer" : "more than the millisecond that there is",
-      tone: p999 < 1000 ? "plain" : "bad",
-    },
-    {
-      label: "Late",
-      value: plural(statistics.late, "pose"),
-      remark: statistics.late === 0 ? "all came in time" : "came too late",
-      tone:
-        statistics.late === 0
-          ? "good"
-          : statistics.late > kMostAmiss * statistics.steps
-            ? "bad"
-            : "plain",
-    },
-    {
-      label: "Lost",
-      value: plural(statistics.lost, "pose"),
-      remark: statistics.lost === 0 ? "none on the way" : "never arrived",
-      tone: statistics.lost === 0 ? "good" : "bad",
-    },
+  // Of poses that were not used there is no step.
+  const faulted = faults.length === 0 ? "none" : plural(statistics.faultedSteps, "step");
+  return [
+    onTime
+      ? line("Rate", rate, "as it should be", "good")
+      : line("Rate", rate, "should be a thousand", "bad"),
+    line("Usual step", time(p50), "half are quicker"),
+    line("Slow step", time(p99), "1 in 100 takes longer"),
+    p999 < 1000
+      ? line("Slower yet", time(p999), "1 in 1000 takes longer")
+      : line("Slower yet", time(p999), "more than the millisecond that there is", "bad"),
+    late === 0
+      ? line("Late", plural(late, "pose"), "all came in time", "good")
+      : line(
+          "Late",
+          plural(late, "pose"),
+          "came too late",
+          late > kMostAmiss * steps ? "bad" : "plain",
+        ),
+    lost === 0
+      ? line("Lost", plural(lost, "pose"), "none on the way", "good")
+      : line("Lost", plural(lost, "pose"), "never arrived", "bad"),
+    ...(rejected > 0 ? [line("Refused", plural(rejected, "pose"), "not usable", "bad")] : []),
+    line("Faults", faulted, faults.join("; "), faults.length === 0 ? "good" : "plain"),
   ];
-  if (statistics.rejected > 0) {
-    lines.push({
-      label: "Refused",
-      value: plural(statistics.rejected, "pose"),
-      remark: "not usable",
-      tone: "bad",
-    });
-  }
-  lines.push({
-    label: "Faults",
-    // Of poses that were not used there is no step.
-    value: faults.length === 0 ? "none" : plural(statistics.faultedSteps, "step"),
-    remark: faults.join("; "),
-    tone: faults.length === 0 ? "good" : "plain",
-  });
-  return lines;
 }
 
 /// Bits of DeviceStatus (devices/device.h).
@@ -183,17 +168,11 @@ const kStageWords: Readonly<Record<LimiterStage, string>> = {
 /// Of sums of energy [J].
 const kRoundingJ = 1e-6;
 
-function deviceLine(device: StationStatistics): Line {
-  const line = (value: string, tone: Line["tone"]): Line => ({
-    label: "Device",
-    value,
-    remark: device.device,
-    tone,
-  });
-  if (device.deviceStatus & kDeviceFault) return line("fault: no force", "bad");
-  if (device.deviceStatus & kDeviceCalibrating) return line("calibrates", "plain");
-  if (device.deviceStatus & kDeviceForcesIgnored) return line("renders no force", "plain");
-  return line("in order", "good");
+function deviceLine({device, deviceStatus}: StationStatistics): Line {
+  if (deviceStatus & kDeviceFault) return line("Device", "fault: no force", device, "bad");
+  if (deviceStatus & kDeviceCalibrating) return line("Device", "calibrates", device);
+  if (deviceStatus & kDeviceForcesIgnored) return line("Device", "renders no force", device);
+  return line("Device", "in order", device, "good");
 }
 
 function limiterLine({limiter, ticks}: StationStatistics): Line {
@@ -202,40 +181,29 @@ function limiterLine({limiter, ticks}: StationStatistics): Line {
     return percent < 1 ? "< 1 %" : `${percent.toFixed(0)} %`;
   };
   const acting = kLimiterStages.filter((stage) => limiter[stage] > 0);
-  if (acting.length === 0) {
-    return {label: "Held back", value: "nothing", remark: "all force arrives", tone: "good"};
-  }
+  if (acting.length === 0) return line("Held back", "nothing", "all force arrives", "good");
   // The one that acts most of the time first.
   acting.sort((a, b) => limiter[b] - limiter[a]);
   const most = acting[0]!;
-  return {
-    label: "Held back",
-    value: share(most),
-    remark:
-      "of the time: " +
-      acting
-        .map((stage) => kStageWords[stage] + (stage === most ? "" : ` (${share(stage)})`))
-        .join("; "),
-    tone: limiter.nonfinite > 0 || most === "faded" ? "bad" : "plain",
-  };
+  const all = acting.map(
+    (stage) => kStageWords[stage] + (stage === most ? "" : ` (${share(stage)})`),
+  );
+  const isBad = limiter.nonfinite > 0 || most === "faded";
+  return line("Held back", share(most), `of the time: ${all.join("; ")}`, isBad ? "bad" : "plain");
 }
 
 function silenceLine({silenceS, replies, late, lost, limiter}: StationStatistics): Line {
   const milliseconds = 1000 * silenceS;
   const value = milliseconds >= 1000 ? `${figure(silenceS, 1)} s` : `${figure(milliseconds, 1)} ms`;
-  const line = (remark: string, tone: Line["tone"]): Line => ({
-    label: "Silence",
-    value,
-    remark,
-    tone,
-  });
-  if (replies === 0) return line("no answer from the server: no force", "bad");
+  if (replies === 0) {
+    return line("Silence", value, "no answer from the server: no force", "bad");
+  }
   const missed = [
     late > 0 ? `${plural(late, "reply", "replies")} late` : "",
     lost > 0 ? `${lost.toLocaleString("en")} lost` : "",
   ].filter((words) => words !== "");
   const longest = ["the longest without a reply", ...missed].join("; ");
-  return line(longest, limiter.faded > 0 ? "bad" : "plain");
+  return line("Silence", value, longest, limiter.faded > 0 ? "bad" : "plain");
 }
 
 /// What becomes of the force at the arm, in the last second, as lines of a table.
@@ -245,28 +213,18 @@ export function deviceLines(device: StationStatistics): Line[] {
     const {appliedForceN, wantedForceN, warmth, limiter, energyLeastJ, energyJ} = device;
     const active = energyLeastJ < -kRoundingJ;
     const whole = appliedForceN > 0.99 * wantedForceN;
+    const strongest = whole
+      ? "as it was computed"
+      : `of ${figure(wantedForceN)} N that were computed`;
+    const kWarm = "warm; from 100 % on, only the force that they stand for ever";
+    const energy = `${figure(1000 * (active ? -energyLeastJ : energyJ), 1)} mJ`;
     lines.push(
       limiterLine(device),
-      {
-        label: "Strongest",
-        value: `${figure(appliedForceN)} N`,
-        remark: whole ? "as it was computed" : `of ${figure(wantedForceN)} N that were computed`,
-        tone: "plain",
-      },
-      {
-        label: "Motors",
-        value: `${(100 * warmth).toFixed(0)} %`,
-        remark: "warm; from 100 % on, only the force that they stand for ever",
-        tone: limiter.warm > 0 ? "bad" : "plain",
-      },
-      {
-        label: "Energy",
-        value: `${figure(1000 * (active ? -energyLeastJ : energyJ), 1)} mJ`,
-        remark: active
-          ? "that the arm gave and the hand had not put in"
-          : "put in by the hand and not given back",
-        tone: active ? "bad" : "plain",
-      },
+      line("Strongest", `${figure(appliedForceN)} N`, strongest),
+      line("Motors", `${(100 * warmth).toFixed(0)} %`, kWarm, limiter.warm > 0 ? "bad" : "plain"),
+      active
+        ? line("Energy", energy, "that the arm gave and the hand had not put in", "bad")
+        : line("Energy", energy, "put in by the hand and not given back"),
     );
   }
   lines.push(silenceLine(device));

@@ -3,7 +3,6 @@ import {kOwnTopics, kTopics, type World} from "../model/world";
 import {Connection, type LinkState} from "../protocol/connection";
 import {fetchHealth} from "../protocol/scene_fetch";
 import {AccessToken} from "../protocol/token";
-import {browserTokenHost} from "../ui/token_host";
 import {nowS} from "./now";
 
 /// The gateway is asked how it is this often; that also tells a link that only looks open.
@@ -24,7 +23,7 @@ export class GatewayLink {
   opened = 0; // times
   openedS = -Infinity;
   readonly pulse = new Pulse();
-  readonly token = new AccessToken(browserTokenHost);
+  readonly token = new AccessToken();
   /// Of this page: to take a tool, until the gateway says otherwise; to steer a replay; to decide about
   /// stations.
   may = {publish: false, take: true, steer: false, operate: false};
@@ -40,7 +39,6 @@ export class GatewayLink {
     const url = new URL(".", location.href);
     url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
     this.connection = new Connection(
-      url.href,
       new Set(Object.values(kTopics).filter((topic) => !kOwnTopics.has(topic))),
       {
         link: (state) => this.changed(state),
@@ -58,11 +56,7 @@ export class GatewayLink {
           events.rights();
         },
       },
-      {
-        openSocket: (address, protocols) => new WebSocket(address, this.token.protocols(protocols)),
-        setTimer: (callback, milliseconds) => window.setTimeout(callback, milliseconds),
-        clearTimer: (timer) => window.clearTimeout(timer),
-      },
+      (protocols) => new WebSocket(url.href, this.token.protocols(protocols)),
     );
     // A link with another token, followed in this tab, changes the address and loads nothing.
     addEventListener("hashchange", () => {
@@ -73,7 +67,7 @@ export class GatewayLink {
   }
 
   start(): void {
-    this.connection.start();
+    this.connection.open();
     // Beside the socket's handshake: the first picture need not wait for it.
     void this.askHealth();
     window.setInterval(() => void this.watchGateway(), kAskHealthMs);

@@ -1,16 +1,58 @@
-import type {Replay, ReplayPhase} from "../model/replay";
+import {kHereS, markAfter, markBefore, type Replay, type ReplayPhase} from "../model/replay";
+import {type Wish, Wishes} from "../model/wishes";
+import {clock, fitBytes, markWords, recordedWhen, spokenTime} from "../model/words";
 import {kTopics, type Station} from "../model/world";
-import type {ReplayAnswer} from "../protocol/messages";
+import type {ReplayAnswer, ReplayContents} from "../protocol/messages";
+import {element, setOptions, setText} from "../ui/elements";
+import {MarkList} from "../ui/mark_list";
 import type {Notice} from "../ui/notice";
 import type {PlotTime} from "../ui/plots";
-import {ReplayControls} from "../ui/replay_controls";
+import {ScrubBar} from "../ui/scrub_bar";
 import type {GatewayLink} from "./gateway_link";
 import {nowS} from "./now";
 
-/// Whether what is seen is a replay, and what steers it.
+/// As far as a replayer goes (client/replayer/play/steering.cpp).
+const kRates = [0.1, 0.25, 0.5, 1, 2, 4, 8];
+/// client/replayer/play/bookmarks.h [bytes]
+const kLongestName = 100;
+/// What a replayer has done sooner need not be said.
+const kSeekShownAfterS = 0.5;
+
+const kPhaseWords: Readonly<Record<ReplayPhase, string>> = {
+  none: "",
+  playing: "Replay",
+  paused: "Replay, paused",
+  silent: "Replay, silent",
+  ended: "Replay, ended",
+};
+
+/// Whether what is seen is a replay: the sign that says so, and what steers it: a bar, buttons, keys, a
+/// list of marks.
 export class ReplayMode {
   isOn = false;
-  private readonly controls: ReplayControls;
+  private readonly sign = element("replay-sign", HTMLParagraphElement);
+  private readonly word = element("replay-word", HTMLElement);
+  private readonly name = element("replay-name", HTMLSpanElement);
+  private readonly when = element("replay-when", HTMLSpanElement);
+  private readonly time = element("replay-time", HTMLOutputElement);
+  private readonly controls = element("replay-controls", HTMLDivElement);
+  private readonly help = element("replay-keys", HTMLElement);
+  private readonly playButton = element("play", HTMLButtonElement);
+  private readonly before = element("mark-before", HTMLButtonElement);
+  private readonly after = element("mark-after", HTMLButtonElement);
+  private readonly rate = element("rate", HTMLSelectElement);
+  private readonly where = element("replay-where", HTMLSpanElement);
+  private readonly dialog = element("bookmark-dialog", HTMLDialogElement);
+  private readonly bookmarkName = element("bookmark-name", HTMLInputElement);
+  private readonly bar: ScrubBar;
+  private readonly list: MarkList;
+  private readonly wishes: Wishes;
+  private of = ""; // the replay that they are of
+  private shown: ReplayContents | undefined;
+  private steers = false;
+  private nowS = 0;
+  private seekingSinceS: number | undefined;
+  private bookmarkAtS = 0;
 
   /// @param switched  on or off
   constructor(
@@ -19,45 +61,197 @@ export class ReplayMode {
     notice: Notice,
     private readonly switched: () => void,
   ) {
-    this.controls = new ReplayControls(replay, {
-      publish: (message) => link.publish(kTopics.replay, message),
-      say: (text, alarm) => notice.say(text, {alarm}),
+    this.wishes = new Wishes(
+      (message) => link.publish(kTopics.replay, message),
+      (_wish, reason) => notice.say(`It is not done: ${reason}.`, {alarm: true}),
+    );
+    this.bar = new ScrubBar((atS) => this.seek(atS));
+    this.list = new MarkList(
+      (mark) => this.seek(mark.atS),
+      (mark) => this.ask({wish: "drop_bookmark", value: mark.number}),
+    );
+    this.playButton.addEventListener("click", () => this.playOrPause());
+    this.before.addEventListener("click", () => this.toMarkBefore());
+    this.after.addEventListener("click", () => this.toMarkAfter());
+    this.rate.addEventListener("change", () => this.setRate(Number(this.rate.value)));
+    element("bookmark", HTMLButtonElement).addEventListener("click", () => this.nameBookmark());
+    element("bookmark-cancel", HTMLButtonElement).addEventListener("click", () =>
+      this.dialog.close(""),
+    );
+    this.bookmarkName.addEventListener("input", (event) => {
+      // A letter that is still being composed is let be.
+      if (event instanceof InputEvent && event.isComposing) return;
+      const fit = fitBytes(this.bookmarkName.value, kLongestName);
+      if (fit !== this.bookmarkName.value) this.bookmarkName.value = fit;
+    });
+    this.dialog.addEventListener("close", () => {
+      this.bookmarkName.blur();
+      if (this.dialog.returnValue === "keep") this.keepBookmark();
     });
   }
 
   /// Keys, for listenForKeys.
-  get keys(): Readonly<Record<string, () => void>> {
-    return this.controls.keys;
-  }
-  get phase(): ReplayPhase {
-    return this.replay.phase(nowS(), this.link.heardSinceS);
-  }
+  readonly keys: Readonly<Record<string, () => void>> = {
+    " ": () => this.playOrPause(),
+    ",": () => this.toMarkBefore(),
+    ".": () => this.toMarkAfter(),
+    Home: () => this.seek(0),
+    End: () => this.seek(this.replay.lengthS),
+    "<": () => this.nextRate(-1),
+    ">": () => this.nextRate(1),
+    b: () => this.nameBookmark(),
+  };
 
   answered(answer: ReplayAnswer): void {
-    this.controls.answered(answer);
+    this.wishes.answered(answer);
+  }
+
+  get phase(): ReplayPhase {
+    return this.replay.phase(nowS(), this.link.heardSinceS);
   }
 
   /// The replayer has spoken.
   told(): void {
     const {state} = this.replay;
-    if (state) this.controls.told(state);
+    if (state && state.replay !== this.of) {
+      this.of = state.replay;
+      this.wishes.clear();
+    }
+    if (state) this.wishes.told(state);
     this.show(nowS());
   }
 
-  show(nowS: number): void {
-    const {phase} = this;
-    if ((phase !== "none") !== this.isOn) {
-      this.isOn = phase !== "none";
-      this.switched();
-    }
-    this.controls.show(phase, this.link.may.steer, nowS);
+  /// Figures of a replay stand at the recording's time, with what it lacks of their station.
+  plotTime(station: Station | undefined, now: number): PlotTime {
+    const {replay} = this;
+    if (!this.isOn) return {nowS: now, isRecorded: false, gaps: []};
+    const gaps = replay.contents?.gaps.filter((gap) => gap.station === station?.id) ?? [];
+    return {nowS: replay.atS(now), isRecorded: true, gaps};
   }
 
-  /// Figures of a replay stand at the recording's time, with what it lacks of their station.
-  plotTime(station: Station | undefined, nowS: number): PlotTime {
-    const {replay} = this;
-    if (!this.isOn) return {nowS, isRecorded: false, gaps: []};
-    const gaps = replay.contents?.gaps.filter((gap) => gap.station === station?.id) ?? [];
-    return {nowS: replay.atS(nowS), isRecorded: true, gaps};
+  show(now: number): void {
+    const {phase} = this;
+    const isThere = phase !== "none";
+    if (isThere !== this.isOn) {
+      this.isOn = isThere;
+      this.switched();
+    }
+    this.nowS = now;
+    this.steers = this.link.may.steer && this.replay.isSteered(now) && isThere;
+    this.wishes.flush(this.of, now);
+    this.sign.hidden = !isThere;
+    this.controls.hidden = !this.steers;
+    this.help.hidden = !this.steers;
+    if (!this.steers && this.dialog.open) this.dialog.close("");
+    this.list.setVisible(this.steers);
+    if (!isThere) return;
+    this.showSign(phase);
+    if (this.steers) this.showControls();
+  }
+
+  private showSign(phase: ReplayPhase): void {
+    const contents = this.replay.contents;
+    this.sign.dataset.phase = phase;
+    setText(this.word, kPhaseWords[phase]);
+    setText(this.name, contents?.recording ?? "");
+    this.name.title = contents?.recording ?? "";
+    setText(this.when, contents ? recordedWhen(contents.begunS) : "");
+    setText(this.time, this.timeWords());
+  }
+
+  private showControls(): void {
+    const contents = this.replay.contents!;
+    if (contents !== this.shown) {
+      this.shown = contents;
+      this.bar.setContents(contents, this.replay.lengthS);
+      this.list.setMarks(contents.marks);
+    }
+    const atS = this.atS;
+    this.bar.show(atS, `${spokenTime(atS)} of ${spokenTime(this.replay.lengthS)}`);
+    this.list.show(atS);
+    const playing = this.isPlaying;
+    this.playButton.classList.toggle("playing", playing);
+    this.playButton.setAttribute("aria-label", playing ? "Pause" : "Play");
+    this.after.disabled = markAfter(contents.marks, atS) === undefined;
+    const rate = this.rateNow;
+    const rates = [...new Set([...kRates, rate])].sort((a, b) => a - b);
+    const options = rates.map((value) => ({value: String(value), text: `${value} ×`}));
+    setOptions(this.rate, options, String(rate), "");
+    const passed = contents.marks.filter((mark) => mark.atS <= atS + kHereS).at(-1);
+    setText(this.where, passed ? markWords(passed) : "");
+  }
+
+  /// Where it is, or how far on the way to where it was sent.
+  private timeWords(): string {
+    const sought = this.replay.state?.sought ?? 1;
+    const isSeeking = this.wishes.soughtS !== undefined || sought < 1;
+    if (!isSeeking) this.seekingSinceS = undefined;
+    else this.seekingSinceS ??= this.nowS;
+    const at = clock(this.atS);
+    if (this.seekingSinceS === undefined || this.nowS - this.seekingSinceS < kSeekShownAfterS) {
+      return `${at} / ${clock(this.replay.lengthS)}`;
+    }
+    return sought < 1 ? `to ${at}: ${Math.floor(100 * sought)} %` : `to ${at}…`;
+  }
+
+  // What the reader has wished for is shown as if it were so: the replay's answer takes its time.
+  private get atS(): number {
+    return this.wishes.soughtS ?? this.replay.atS(this.nowS);
+  }
+  private get isPlaying(): boolean {
+    return this.wishes.playing ?? this.replay.state?.playing ?? false;
+  }
+  private get rateNow(): number {
+    return this.wishes.rate ?? this.replay.state?.rate ?? 1;
+  }
+
+  // --- wishes ---
+
+  private ask(wish: Wish): void {
+    if (!this.steers) return;
+    this.wishes.ask(this.of, wish, nowS());
+    this.showControls();
+  }
+  private playOrPause(): void {
+    this.ask({wish: this.isPlaying ? "pause" : "play"});
+  }
+  private seek(atS: number): void {
+    this.ask({wish: "seek", value: Math.min(Math.max(0, atS), this.replay.lengthS)});
+  }
+  private toMarkBefore(): void {
+    const marks = this.replay.contents?.marks ?? [];
+    // One that is only wished for does not go on meanwhile.
+    const rate = this.isPlaying && this.wishes.soughtS === undefined ? this.rateNow : 0;
+    this.seek(markBefore(marks, this.atS, rate)?.atS ?? 0);
+  }
+  private toMarkAfter(): void {
+    const mark = markAfter(this.replay.contents?.marks ?? [], this.atS);
+    if (mark) this.seek(mark.atS);
+  }
+  private setRate(rate: number): void {
+    this.ask({wish: "rate", value: rate});
+  }
+  private nextRate(by: 1 | -1): void {
+    const rate = this.rateNow;
+    const next =
+      by > 0 ? kRates.find((value) => value > rate) : kRates.filter((value) => value < rate).at(-1);
+    if (next !== undefined) this.setRate(next);
+  }
+
+  /// Of the moment at which it was asked for, however long its name is thought about.
+  private nameBookmark(): void {
+    if (!this.steers || this.dialog.open) return;
+    this.bookmarkAtS = this.atS;
+    setText(element("bookmark-title", HTMLHeadingElement), `A bookmark at ${clock(this.atS)}`);
+    this.bookmarkName.value = "";
+    this.bookmarkName.placeholder = `Bookmark at ${clock(this.atS)}`;
+    this.dialog.returnValue = "";
+    this.dialog.showModal();
+    this.bookmarkName.focus();
+  }
+  private keepBookmark(): void {
+    const text = fitBytes(this.bookmarkName.value.trim(), kLongestName);
+    const name = text === "" ? this.bookmarkName.placeholder : text;
+    this.ask({wish: "add_bookmark", value: this.bookmarkAtS, text: name});
   }
 }

@@ -1,5 +1,6 @@
-import {type Decode, makeDecoder} from "./decoder";
-import {type Channel, clientMessage, kSubprotocols, parseBinary, parseText} from "./foxglove";
+import {FoxgloveClient, type IWebSocket} from "@foxglove/ws-protocol";
+
+import {type Channel, type Decode, makeDecoder} from "./decoder";
 
 export type LinkState = "connecting" | "open" | "lost";
 
@@ -13,13 +14,7 @@ export interface ConnectionEvents {
   offers(topics: ReadonlySet<string>): void;
 }
 
-/// What the connection needs of the world outside; tests bring their own.
-export interface ConnectionHost {
-  openSocket(url: string, protocols: string[]): WebSocket;
-  setTimer(callback: () => void, milliseconds: number): number;
-  clearTimer(timer: number): void;
-}
-
+const kSubprotocols = [FoxgloveClient.SUPPORTED_SUBPROTOCOL, "foxglove.sdk.v1"];
 const kFirstRetryMs = 250;
 const kLastRetryMs = 2000;
 /// A gateway that does not answer by then is tried anew.
@@ -32,164 +27,109 @@ const retryMs = (attempt: number): number => Math.min(kLastRetryMs, kFirstRetryM
 /// asked for as soon as, and each time that, the gateway advertises them.
 export class Connection {
   private socket: WebSocket | undefined;
-  private attempt = 0;
-  private timer: number | undefined;
-  private stopped = false;
+  private client: FoxgloveClient | undefined; // of this socket, as all that follows
   private canPublish = false;
-  private nextSubscription = 1;
   private readonly subscriptions = new Map<number, {channel: Channel; decode: Decode}>();
-  private readonly published = new Map<string, number>(); // channel ids by topic, of this socket
+  private readonly published = new Map<string, number>(); // channel ids by topic
+  private attempt = 0;
+  private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
-    private readonly url: string,
     private readonly topics: ReadonlySet<string>,
     private readonly events: ConnectionEvents,
-    private readonly host: ConnectionHost,
+    private readonly openSocket: (protocols: string[]) => WebSocket,
   ) {}
 
-  start(): void {
-    this.stopped = false;
-    this.open();
-  }
-
-  stop(): void {
-    this.stopped = true;
-    this.setTimer(undefined, 0);
-    const socket = this.socket;
-    this.socket = undefined;
-    socket?.close();
+  open(): void {
+    this.events.link("connecting");
+    const socket = this.openSocket(kSubprotocols);
+    const client = new FoxgloveClient({ws: socket as IWebSocket});
+    this.socket = socket;
+    this.client = client;
+    this.canPublish = false;
+    this.subscriptions.clear();
+    this.published.clear();
+    this.wait(() => socket.close(), kOpenWithinMs);
+    client.on("open", () => {
+      this.attempt = 0;
+      clearTimeout(this.timer);
+      this.events.link("open");
+    });
+    client.on("close", () => {
+      this.lose();
+      this.wait(() => this.open(), retryMs(this.attempt));
+      this.attempt += 1;
+    });
+    client.on("serverInfo", ({capabilities, metadata}) => {
+      this.canPublish = capabilities.includes("clientPublish");
+      this.events.mayPublish(this.canPublish, metadata?.role ?? "");
+    });
+    client.on("status", ({level, message}) => this.events.status(level, message));
+    client.on("advertise", (channels) => {
+      for (const channel of channels) this.subscribe(client, channel);
+      this.events.offers(new Set(channels.map(({topic}) => topic)));
+    });
+    client.on("message", ({subscriptionId, timestamp, data}) =>
+      this.receive(subscriptionId, Number(timestamp) * 1e-9, data),
+    );
   }
 
   /// Gives up a socket that looks open and is not, and tries at once.
   restart(): void {
-    if (this.stopped) return;
-    const socket = this.socket;
-    this.socket = undefined;
-    socket?.close();
-    this.events.link("lost");
+    this.lose();
     this.open();
-  }
-
-  get isOpen(): boolean {
-    return this.socket?.readyState === 1;
   }
 
   /// Sends on a JSON channel of this client; false where the gateway takes no messages now.
   publish(topic: string, value: object): boolean {
-    if (!this.socket || !this.isOpen || !this.canPublish) return false;
+    const {client} = this;
+    if (!client || this.socket?.readyState !== 1 || !this.canPublish) return false;
     let channel = this.published.get(topic);
     if (channel === undefined) {
-      channel = this.published.size + 1;
+      channel = client.advertise({topic, encoding: "json", schemaName: ""});
       this.published.set(topic, channel);
-      this.sendText({
-        op: "advertise",
-        channels: [{id: channel, topic, encoding: "json", schemaName: "", schema: ""}],
-      });
     }
-    this.socket.send(clientMessage(channel, value));
+    client.sendMessage(channel, new TextEncoder().encode(JSON.stringify(value)));
     return true;
   }
 
-  private open(): void {
-    this.events.link("connecting");
-    const socket = this.host.openSocket(this.url, kSubprotocols);
-    socket.binaryType = "arraybuffer";
-    this.socket = socket;
-    this.canPublish = false;
-    this.subscriptions.clear();
-    this.published.clear();
-    this.setTimer(() => socket.close(), kOpenWithinMs);
-    socket.onopen = () => {
-      if (socket !== this.socket) return;
-      this.attempt = 0;
-      this.setTimer(undefined, 0);
-      this.events.link("open");
-    };
-    socket.onclose = () => {
-      if (socket === this.socket) this.lose();
-    };
-    socket.onmessage = (event: MessageEvent<unknown>) => {
-      if (socket === this.socket) this.receive(event.data);
-    };
-  }
-
+  /// Nothing of it is heard any more.
   private lose(): void {
-    this.socket = undefined;
-    this.setTimer(undefined, 0);
-    if (this.stopped) return;
+    const {socket} = this;
+    this.socket = this.client = undefined;
+    clearTimeout(this.timer);
+    if (socket) socket.onopen = socket.onclose = socket.onmessage = null;
+    socket?.close();
     this.events.link("lost");
-    this.setTimer(() => this.open(), retryMs(this.attempt));
-    this.attempt += 1;
   }
 
-  private receive(data: unknown): void {
-    if (typeof data === "string") {
-      this.receiveText(data);
-    } else if (data instanceof ArrayBuffer) {
-      const message = parseBinary(data);
-      const subscription = message && this.subscriptions.get(message.subscription);
-      if (!message || !subscription) return;
-      let value: unknown;
-      try {
-        value = subscription.decode(message.payload);
-      } catch (error) {
-        const topic = subscription.channel.topic;
-        this.events.status(2, `${topic}: a message could not be read (${String(error)})`);
-        return;
-      }
-      this.events.message(subscription.channel.topic, value, message.stampS);
+  private subscribe(client: FoxgloveClient, channel: Channel): void {
+    const isHad = [...this.subscriptions.values()].some((one) => one.channel.id === channel.id);
+    if (isHad || !this.topics.has(channel.topic)) return;
+    try {
+      const decode = makeDecoder(channel);
+      if (decode) this.subscriptions.set(client.subscribe(channel.id), {channel, decode});
+    } catch (error) {
+      this.events.status(2, `${channel.topic}: its schema could not be read (${String(error)})`);
     }
   }
 
-  private receiveText(source: string): void {
-    const message = parseText(source);
-    switch (message.op) {
-      case "serverInfo":
-        this.canPublish = message.capabilities.includes("clientPublish");
-        this.events.mayPublish(this.canPublish, message.role);
-        break;
-      case "status":
-        this.events.status(message.level, message.message);
-        break;
-      case "advertise":
-        this.subscribe(message.channels);
-        this.events.offers(new Set(message.channels.map(({topic}) => topic)));
-        break;
-      case "unadvertise":
-        for (const [id, {channel}] of this.subscriptions) {
-          if (message.channelIds.includes(channel.id)) this.subscriptions.delete(id);
-        }
-        break;
-      case "other":
-        break;
+  private receive(subscription: number, stampS: number, data: ArrayBufferView): void {
+    const {channel, decode} = this.subscriptions.get(subscription) ?? {};
+    if (!channel || !decode) return;
+    let value: unknown;
+    try {
+      value = decode(new Uint8Array(data.buffer, data.byteOffset, data.byteLength));
+    } catch (error) {
+      const said = `${channel.topic}: a message could not be read (${String(error)})`;
+      this.events.status(2, said);
+      return;
     }
+    this.events.message(channel.topic, value, stampS);
   }
 
-  private subscribe(channels: readonly Channel[]): void {
-    const wanted: {id: number; channelId: number}[] = [];
-    const have = new Set([...this.subscriptions.values()].map(({channel}) => channel.id));
-    for (const channel of channels) {
-      if (!this.topics.has(channel.topic) || have.has(channel.id)) continue;
-      let decode: Decode | undefined;
-      try {
-        decode = makeDecoder(channel);
-      } catch (error) {
-        this.events.status(2, `${channel.topic}: its schema could not be read (${String(error)})`);
-      }
-      if (!decode) continue;
-      const id = this.nextSubscription++;
-      this.subscriptions.set(id, {channel, decode});
-      wanted.push({id, channelId: channel.id});
-    }
-    if (wanted.length > 0) this.sendText({op: "subscribe", subscriptions: wanted});
-  }
-
-  private sendText(message: object): void {
-    this.socket?.send(JSON.stringify(message));
-  }
-
-  private setTimer(callback: (() => void) | undefined, milliseconds: number): void {
-    if (this.timer !== undefined) this.host.clearTimer(this.timer);
-    this.timer = callback && this.host.setTimer(callback, milliseconds);
+  private wait(callback: () => void, milliseconds: number): void {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(callback, milliseconds);
   }
 }

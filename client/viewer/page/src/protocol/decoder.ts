@@ -1,11 +1,24 @@
 import {parseIDL} from "@foxglove/omgidl-parser";
 import {MessageReader} from "@foxglove/omgidl-serialization";
 
-import {type Channel, parseObject} from "./foxglove";
+import type {Channel as ServerChannel} from "@foxglove/ws-protocol";
+
+export type Channel = Pick<ServerChannel, "id" | "topic" | "encoding" | "schemaName" | "schema">;
 
 export type Decode = (payload: Uint8Array) => unknown;
 
 const kText = new TextDecoder();
+
+/// A JSON object; undefined where it is none.
+export function parseObject(source: string): Readonly<Record<string, unknown>> | undefined {
+  try {
+    const value: unknown = JSON.parse(source);
+    const isObject = typeof value === "object" && value !== null && !Array.isArray(value);
+    return isObject ? (value as Readonly<Record<string, unknown>>) : undefined;
+  } catch {
+    return undefined;
+  }
+}
 
 /// Reads a channel's messages by the schema that it advertises, so that fields which a newer server
 /// adds are no obstacle.  undefined where the page cannot read the encoding.

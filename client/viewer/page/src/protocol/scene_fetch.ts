@@ -1,5 +1,5 @@
 import {readBundle, type SceneModel} from "../model/bundle";
-import {parseObject} from "./foxglove";
+import {parseObject} from "./decoder";
 
 /// A scene and the tag of the bytes that it was read from.
 export interface FetchedScene {

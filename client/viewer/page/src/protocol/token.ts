@@ -1,3 +1,5 @@
+import {keep, recall} from "../ui/kept";
+
 /// The token by which a gateway knows who asks, where it asks for one.  It comes in the fragment of
 /// the page's address, `#token=…`, which browsers send to nobody; it is taken out of the address at
 /// once, and kept for this tab alone.
@@ -7,33 +9,27 @@ const kSubprotocol = "palpate.token.";
 /// What fits a header and a subprotocol as it is.
 const kToken = /^[A-Za-z0-9_.~-]{1,200}$/;
 
-/// What it needs of the browser; tests bring their own.
-export interface TokenHost {
-  readonly fragment: string; // "#token=…&…"
-  setFragment(fragment: string): void; // without another page
-  recall(key: string): string | null;
-  keep(key: string, value: string): void;
-}
-
 export class AccessToken {
   private value = "";
 
-  constructor(private readonly host: TokenHost) {
-    const kept = host.recall(kKept) ?? "";
+  constructor() {
+    const kept = recall("sessionStorage", kKept) ?? "";
     if (kToken.test(kept)) this.value = kept;
     this.takeFromAddress();
   }
 
   /// Takes the token out of the address; true where there was one.
   takeFromAddress(): boolean {
-    const fragment = new URLSearchParams(this.host.fragment.replace(/^#/, ""));
+    const url = new URL(location.href);
+    const fragment = new URLSearchParams(url.hash.replace(/^#/, ""));
     const given = fragment.get(kFragment);
     if (given === null) return false;
     fragment.delete(kFragment);
-    this.host.setFragment(fragment.toString());
+    url.hash = fragment.toString();
+    history.replaceState(null, "", url);
     if (!kToken.test(given)) return false;
     this.value = given;
-    this.host.keep(kKept, given);
+    keep("sessionStorage", kKept, given);
     return true;
   }
 

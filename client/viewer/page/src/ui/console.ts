@@ -1,7 +1,7 @@
 import type {Station} from "../model/world";
 import {consoleWords, faultWords} from "../model/words";
 import type {SessionState} from "../protocol/messages";
-import {element, setText} from "./elements";
+import {element, make, setText} from "./elements";
 
 export type OperateOp = "admit" | "take_back" | "mute" | "unmute";
 
@@ -10,7 +10,6 @@ const kAnswerWithinMs = 4000;
 
 interface Row {
   readonly item: HTMLLIElement;
-  readonly name: HTMLElement;
   readonly words: HTMLElement;
   readonly faults: HTMLElement;
   readonly admit: HTMLButtonElement;
@@ -92,41 +91,23 @@ export class Console {
   }
 
   private addRow(id: string): Row {
-    const item = document.createElement("li");
-    const name = document.createElement("b");
-    name.textContent = id;
-    const words = document.createElement("span");
-    words.className = "words";
-    const faults = document.createElement("span");
-    faults.className = "faults";
-    const choices = document.createElement("span");
-    choices.className = "choices";
-    choices.role = "group";
+    const words = make("span", {className: "words"});
+    const faults = make("span", {className: "faults"});
+    const button = (text: string, op: () => OperateOp): HTMLButtonElement =>
+      make("button", {type: "button", textContent: text, onclick: () => this.ask(id, op())});
+    const admit = button("Admit", () => "admit");
+    const mute = button("Mute", () => (row.session?.muted ? "unmute" : "mute"));
+    const back = button("Take back", () => "take_back");
+    Object.assign(admit, {className: "primary", title: "Let it begin"});
+    const choices = make("span", {className: "choices", role: "group"}, admit, mute, back);
     choices.ariaLabel = `Decide about ${id}`;
-    const button = (text: string, op: () => OperateOp): HTMLButtonElement => {
-      const made = document.createElement("button");
-      made.type = "button";
-      made.textContent = text;
-      made.addEventListener("click", () => this.ask(id, op()));
-      choices.append(made);
-      return made;
-    };
+    const who = make("p", {}, make("b", {textContent: id}), " ", words);
+    const item = make("li", {}, who, faults, choices);
     const row: Row = {
-      item,
-      name,
-      words,
-      faults,
-      admit: button("Admit", () => "admit"),
-      mute: button("Mute", () => (row.session?.muted ? "unmute" : "mute")),
-      back: button("Take back", () => "take_back"),
+      ...{item, words, faults, admit, mute, back},
       session: undefined,
       asked: undefined,
     };
-    row.admit.className = "primary";
-    row.admit.title = "Let it begin";
-    const who = document.createElement("p");
-    who.append(name, " ", words);
-    item.append(who, faults, choices);
     this.rows.set(id, row);
     this.list.append(item);
     return row;

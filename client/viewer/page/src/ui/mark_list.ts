@@ -1,7 +1,7 @@
 import {kHereS} from "../model/replay";
 import {clock, markWords} from "../model/words";
 import type {ReplayMark} from "../protocol/messages";
-import {element, setText} from "./elements";
+import {element, make, setText} from "./elements";
 
 /// More contacts than these are on the bar alone: nobody reads them all.
 const kMostContacts = 100;
@@ -52,28 +52,16 @@ export class MarkList {
   }
 
   private row(mark: ReplayMark): HTMLLIElement {
-    const item = document.createElement("li");
-    item.className = mark.kind;
-    const go = document.createElement("button");
-    go.type = "button";
-    go.className = "go";
-    const time = document.createElement("span");
-    time.className = "time";
-    time.textContent = clock(mark.atS);
-    const words = document.createElement("span");
-    words.className = "words";
-    words.textContent = markWords(mark);
-    words.title = markWords(mark);
-    go.append(document.createElement("i"), time, " ", words);
+    const said = markWords(mark);
+    const time = make("span", {className: "time", textContent: clock(mark.atS)});
+    const words = make("span", {className: "words", textContent: said, title: said});
+    const go = make("button", {type: "button", className: "go"}, make("i"), time, " ", words);
     go.addEventListener("click", () => this.chosen(mark));
-    item.append(go);
+    const item = make("li", {className: mark.kind}, go);
     if (mark.kind === "bookmark") {
-      const drop = document.createElement("button");
-      drop.type = "button";
-      drop.className = "drop";
-      drop.textContent = "×";
+      const drop = make("button", {type: "button", className: "drop", textContent: "×"});
       drop.title = "Take this bookmark away, for everybody";
-      drop.setAttribute("aria-label", `Take away the bookmark ${markWords(mark)}`);
+      drop.ariaLabel = `Take away the bookmark ${said}`;
       drop.addEventListener("click", () => this.dropped(mark));
       item.append(drop);
     }

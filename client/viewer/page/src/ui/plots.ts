@@ -2,7 +2,7 @@ import uPlot from "uplot";
 
 import {kFigures, kHistoryS, type Station} from "../model/world";
 import {clock, figure} from "../model/words";
-import {setText} from "./elements";
+import {make, setText} from "./elements";
 
 interface PlotKind {
   readonly title: string;
@@ -52,21 +52,12 @@ export class Plots {
     this.plots = this.wanted.map((name, i) => {
       const kind = kKinds[name];
       const isLast = i === this.wanted.length - 1;
-      const box = document.createElement("div");
-      box.className = isLast ? "plot last" : "plot";
-      const header = document.createElement("header");
-      const title = document.createElement("h3");
-      title.textContent = kind.title;
-      const value = document.createElement("output");
+      const value = make("output", {ariaLive: "off"}); // the announcer speaks
       value.style.color = colour(kind.colour);
-      value.ariaLive = "off"; // the announcer speaks
-      header.append(title, value);
-      const chart = document.createElement("div");
-      chart.className = "chart";
-      chart.setAttribute("role", "img");
-      chart.setAttribute("aria-label", `${kind.title} over the last ${kHistoryS} seconds`);
-      box.append(header, chart);
-      this.parent.append(box);
+      const header = make("header", {}, make("h3", {textContent: kind.title}), value);
+      const chart = make("div", {className: "chart", role: "img"});
+      chart.ariaLabel = `${kind.title} over the last ${kHistoryS} seconds`;
+      this.parent.append(make("div", {className: isLast ? "plot last" : "plot"}, header, chart));
       const plot = new uPlot(
         options(kind, chart, isLast, colour, () => this.time),
         [[], []],

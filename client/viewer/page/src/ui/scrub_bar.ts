@@ -1,13 +1,13 @@
 import {clock, gapWords, markWords} from "../model/words";
 import {
   kMarkKinds,
+  type MarkKind,
   type ReplayContents,
   type ReplayGap,
   type ReplayMark,
 } from "../protocol/messages";
-import {element, setText} from "./elements";
+import {element, makeSvg, setText} from "./elements";
 
-const kSvg = "http://www.w3.org/2000/svg";
 /// Of the picture of the marks, as index.html has it.
 const kWide = 1000;
 /// A pointer so near a mark means it [px].
@@ -62,28 +62,25 @@ export class ScrubBar {
     this.lengthS = Math.max(lengthS, 1e-3);
     this.input.max = String(this.lengthS);
     const x = (atS: number): number => (kWide * atS) / this.lengthS;
-    const shapes = contents.gaps.map(({fromS, toS}) => {
-      const gap = document.createElementNS(kSvg, "rect");
-      gap.setAttribute("class", "gap");
-      gap.setAttribute("x", x(fromS).toFixed(2));
-      gap.setAttribute("width", Math.max(0.5, x(toS) - x(fromS)).toFixed(2));
-      gap.setAttribute("y", "36");
-      gap.setAttribute("height", "28");
-      return gap;
-    });
-    // A path for each kind, however many there are: bookmarks above the bar, and on top.
-    const paths = [...kMarkKinds].reverse().map((kind) => {
-      const path = document.createElementNS(kSvg, "path");
-      path.setAttribute("class", `mark ${kind}`);
-      const line = kind === "bookmark" ? "8V64" : "36V92";
+    const shapes = contents.gaps.map(({fromS, toS}) =>
+      makeSvg("rect", {
+        class: "gap",
+        x: x(fromS).toFixed(2),
+        width: Math.max(0.5, x(toS) - x(fromS)).toFixed(2),
+        y: "36",
+        height: "28",
+      }),
+    );
+    const path = (name: string, kind: MarkKind, line: string): SVGPathElement => {
       const all = this.marks.filter((mark) => mark.kind === kind);
-      path.setAttribute("d", all.map(({atS}) => `M${x(atS).toFixed(2)} ${line}`).join(""));
-      return path;
-    });
-    const heads = document.createElementNS(kSvg, "path");
-    heads.setAttribute("class", "mark bookmark head");
-    const bookmarks = this.marks.filter(({kind}) => kind === "bookmark");
-    heads.setAttribute("d", bookmarks.map(({atS}) => `M${x(atS).toFixed(2)} 14h0`).join(""));
+      const d = all.map(({atS}) => `M${x(atS).toFixed(2)} ${line}`).join("");
+      return makeSvg("path", {class: `mark ${name}`, d});
+    };
+    // A path for each kind, however many there are: bookmarks above the bar, and on top.
+    const paths = [...kMarkKinds]
+      .reverse()
+      .map((kind) => path(kind, kind, kind === "bookmark" ? "8V64" : "36V92"));
+    const heads = path("bookmark head", "bookmark", "14h0");
     this.picture.replaceChildren(...shapes, ...paths, heads);
   }
 

@@ -1,6 +1,6 @@
 import type {Station} from "../model/world";
 import {deviceLines, type Line, sessionWords, statisticsLines} from "../model/words";
-import {element, setText} from "./elements";
+import {element, make, setText} from "./elements";
 
 /// The loop's figures, the arm's and who drives what, in words.
 export class Tables {
@@ -30,11 +30,8 @@ export class Tables {
       let row = body.rows[i];
       if (!row) {
         row = body.insertRow();
-        const head = document.createElement("th");
-        head.scope = "row";
-        row.append(head);
-        row.insertCell().className = "value";
-        row.insertCell().className = "remark";
+        row.append(make("th", {scope: "row"}));
+        for (const className of ["value", "remark"]) row.append(make("td", {className}));
       }
       row.className = tone;
       [label, value, remark].forEach((text, column) => setText(row.cells[column]!, text));
@@ -47,12 +44,10 @@ export class Tables {
     this.whoNone.hidden = listed.length > 0;
     this.who.replaceChildren(
       ...listed.map((station) => {
-        const item = document.createElement("li");
-        const name = document.createElement("b");
-        name.textContent = station.id;
+        const name = make("b", {textContent: station.id});
+        const item = make("li", {}, name, ` ${sessionWords(station.session!)}`);
         item.classList.toggle("gone", !station.holdsTool);
         item.classList.toggle("own", station.id === own);
-        item.append(name, ` ${sessionWords(station.session!)}`);
         return item;
       }),
     );

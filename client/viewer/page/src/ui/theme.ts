@@ -1,11 +1,13 @@
-export type Theme = "light" | "dark";
+import {keep, recall} from "./kept";
+
+const kThemes = ["light", "dark"] as const;
 const kKey = "palpate-theme";
 
 const kSystem = matchMedia("(prefers-color-scheme: dark)");
 
 /// Light or dark: as the system has it, until the reader chooses.
 export class ThemeSwitch {
-  private chosen = remembered();
+  private chosen = kThemes.find((theme) => theme === recall("localStorage", kKey));
 
   constructor(
     button: HTMLButtonElement,
@@ -21,32 +23,15 @@ export class ThemeSwitch {
 
   toggle(): void {
     this.chosen = this.current === "dark" ? "light" : "dark";
-    remember(this.chosen);
+    keep("localStorage", kKey, this.chosen);
     this.apply();
     this.changed();
   }
 
-  private get current(): Theme {
+  private get current(): (typeof kThemes)[number] {
     return this.chosen ?? (kSystem.matches ? "dark" : "light");
   }
   private apply(): void {
     document.documentElement.dataset.theme = this.current;
-  }
-}
-
-// A browser that keeps nothing for this page (private windows) is no reason to fail.
-function remembered(): Theme | undefined {
-  try {
-    const value = localStorage.getItem(kKey);
-    return value === "light" || value === "dark" ? value : undefined;
-  } catch {
-    return undefined;
-  }
-}
-function remember(theme: Theme): void {
-  try {
-    localStorage.setItem(kKey, theme);
-  } catch {
-    // It is kept until the page goes.
   }
 }

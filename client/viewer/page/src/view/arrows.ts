@@ -25,20 +25,31 @@ const kHaloOpacity = 0.3;
 const kWeakestN = 0.01;
 const kUp = new Vector3(0, 1, 0);
 
-function layered(
-  geometry: BufferGeometry,
-  order: number,
-): {mesh: Mesh; material: MeshBasicMaterial} {
-  const material = new MeshBasicMaterial({depthTest: false, depthWrite: false, transparent: true});
-  const mesh = new Mesh(geometry, material);
-  mesh.renderOrder = order;
-  return {mesh, material};
-}
+const kHalo = [true, false] as const;
 
-function paintAll(materials: readonly MeshBasicMaterial[], colour: Color, opacity: number): void {
-  for (const material of materials) {
-    material.color.copy(colour);
-    material.opacity = opacity;
+/// A part of an arrow, and the halo around it.
+class Haloed {
+  readonly group = new Group();
+  private readonly colours: MeshBasicMaterial[] = [];
+  private readonly halos: MeshBasicMaterial[] = [];
+
+  protected add(geometry: BufferGeometry, order: number, isHalo: boolean): Mesh {
+    const material = new MeshBasicMaterial({
+      depthTest: false,
+      depthWrite: false,
+      transparent: true,
+      opacity: isHalo ? kHaloOpacity : kOpacity,
+    });
+    (isHalo ? this.halos : this.colours).push(material);
+    const mesh = new Mesh(geometry, material);
+    mesh.renderOrder = order + (isHalo ? 0 : 1);
+    this.group.add(mesh);
+    return mesh;
+  }
+
+  paint(colour: Color, halo: Color): void {
+    for (const material of this.colours) material.color.copy(colour);
+    for (const material of this.halos) material.color.copy(halo);
   }
 }
 
@@ -46,29 +57,20 @@ const kShaft = new CylinderGeometry(1, 1, 1, 20).translate(0, 0.5, 0);
 const kHead = new ConeGeometry(1, 1, 28).translate(0, 0.5, 0);
 const kBall = new SphereGeometry(1, 20, 14);
 
-class Arrow {
-  readonly group = new Group();
-  private readonly colours: MeshBasicMaterial[] = [];
-  private readonly halos: MeshBasicMaterial[] = [];
-  private readonly parts: {shaft: Mesh; head: Mesh; grown: number}[] = [];
+class Arrow extends Haloed {
+  private readonly parts: {shaft: Mesh; head: Mesh; grown: number}[];
 
   /// @param thickness  of the shaft, as a share of that radius
   constructor(
     private readonly thickness: number,
     order: number,
   ) {
-    for (const halo of [true, false]) {
-      const shaft = layered(kShaft, order + (halo ? 0 : 1));
-      const head = layered(kHead, order + (halo ? 0 : 1));
-      (halo ? this.halos : this.colours).push(shaft.material, head.material);
-      this.parts.push({shaft: shaft.mesh, head: head.mesh, grown: halo ? 0.45 : 0});
-      this.group.add(shaft.mesh, head.mesh);
-    }
-  }
-
-  paint(colour: Color, halo: Color): void {
-    paintAll(this.colours, colour, kOpacity);
-    paintAll(this.halos, halo, kHaloOpacity);
+    super();
+    this.parts = kHalo.map((isHalo) => ({
+      shaft: this.add(kShaft, order, isHalo),
+      head: this.add(kHead, order, isHalo),
+      grown: isHalo ? 0.45 : 0,
+    }));
   }
 
   set(from: Vec3, vectorN: Vec3, radiusM: number): void {
@@ -99,29 +101,18 @@ const kRingGap = 1.35; // from the force's foot to the circle's middle, of its r
 
 /// Three quarters of a circle about the torque's axis, right-handed.  It stands behind the force's foot,
 /// so that neither covers the other.
-class TorqueArrow {
-  readonly group = new Group();
-  private readonly colours: MeshBasicMaterial[] = [];
-  private readonly halos: MeshBasicMaterial[] = [];
-
+class TorqueArrow extends Haloed {
   constructor(order: number) {
+    super();
     const arc = 1.5 * Math.PI;
-    for (const halo of [true, false]) {
-      const tube = halo ? 0.15 : 0.1;
-      const ring = layered(new TorusGeometry(1, tube, 12, 64, arc), order + (halo ? 0 : 1));
-      const grown = halo ? 0.05 : 0;
+    for (const isHalo of kHalo) {
+      this.add(new TorusGeometry(1, isHalo ? 0.15 : 0.1, 12, 64, arc), order, isHalo);
+      const grown = isHalo ? 0.05 : 0;
       const cone = new ConeGeometry(0.28 + grown, 0.6 + 2 * grown, 24).translate(0, 0.15, 0);
-      const head = layered(cone, order + (halo ? 0 : 1));
-      head.mesh.position.set(Math.cos(arc), Math.sin(arc), 0);
-      head.mesh.rotation.z = arc; // +y of the cone along the tangent
-      (halo ? this.halos : this.colours).push(ring.material, head.material);
-      this.group.add(ring.mesh, head.mesh);
+      const head = this.add(cone, order, isHalo);
+      head.position.set(Math.cos(arc), Math.sin(arc), 0);
+      head.rotation.z = arc; // +y of the cone along the tangent
     }
-  }
-
-  paint(colour: Color, halo: Color): void {
-    paintAll(this.colours, colour, kOpacity);
-    paintAll(this.halos, halo, kHaloOpacity);
   }
 
   /// Area goes with torque.
@@ -147,13 +138,17 @@ export class ForceMarks {
   readonly group = new Group();
   private readonly force = new Arrow(0.01, 30);
   private readonly torque = new TorqueArrow(20);
-  private readonly contacts: {arrow: Arrow; dot: Mesh; material: MeshBasicMaterial}[] = [];
+  private readonly contacts: {arrow: Arrow; dot: Mesh<SphereGeometry, MeshBasicMaterial>}[] = [];
 
   constructor() {
     for (let i = 0; i < kMostContacts; i++) {
       const arrow = new Arrow(0.005, 40);
-      const {mesh: dot, material} = layered(kBall, 42);
-      this.contacts.push({arrow, dot, material});
+      const dot = new Mesh(
+        kBall,
+        new MeshBasicMaterial({depthTest: false, depthWrite: false, transparent: true}),
+      );
+      dot.renderOrder = 42;
+      this.contacts.push({arrow, dot});
       this.group.add(arrow.group, dot);
     }
     this.group.add(this.torque.group, this.force.group);
@@ -162,9 +157,9 @@ export class ForceMarks {
   paint(colours: {force: Color; torque: Color; contact: Color; halo: Color}): void {
     this.force.paint(colours.force, colours.halo);
     this.torque.paint(colours.torque, colours.halo);
-    for (const {arrow, material} of this.contacts) {
+    for (const {arrow, dot} of this.contacts) {
       arrow.paint(colours.contact, colours.halo);
-      material.color.copy(colours.contact);
+      dot.material.color.copy(colours.contact);
     }
   }
 

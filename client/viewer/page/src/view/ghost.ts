@@ -3,9 +3,9 @@ import {
   Color,
   GreaterDepth,
   Group,
-  LessEqualDepth,
   Mesh,
   ShaderMaterial,
+  type ShaderMaterialParameters,
 } from "three";
 
 const kVertexShader = `
@@ -35,6 +35,15 @@ void main() {
 /// Distances of the hand from the graphic tool between which the ghost appears [m].
 const kAppearsM = [0.0001, 0.001] as const;
 
+const makeMaterial = (more: ShaderMaterialParameters): ShaderMaterial =>
+  new ShaderMaterial({
+    vertexShader: kVertexShader,
+    fragmentShader: kFragmentShader,
+    uniforms: {uColour: {value: new Color()}, uRim: {value: 0}, uBody: {value: 0}},
+    transparent: true,
+    ...more,
+  });
+
 /// Where the hand has the tool: see-through, and fainter still where something hides it.  Gone
 /// while the hand and the tool that one sees are at the same place.
 export class Ghost {
@@ -42,36 +51,15 @@ export class Ghost {
   private readonly materials: readonly ShaderMaterial[];
 
   constructor(geometry: BufferGeometry) {
-    const depthOnly = new ShaderMaterial({
-      vertexShader: kVertexShader,
-      fragmentShader: kFragmentShader,
-      uniforms: {uColour: {value: new Color()}, uRim: {value: 0}, uBody: {value: 0}},
-      colorWrite: false,
-      transparent: true,
-    });
-    const seen = this.makeMaterial(false);
-    const hidden = this.makeMaterial(true);
+    const depthOnly = makeMaterial({colorWrite: false});
+    const seen = makeMaterial({depthWrite: false});
+    const hidden = makeMaterial({depthWrite: false, depthFunc: GreaterDepth});
     this.materials = [seen, hidden];
     // Hidden parts first, then the depth of the front, then what is seen of it: no layer twice.
     [hidden, depthOnly, seen].forEach((material, order) => {
       const mesh = new Mesh(geometry, material);
       mesh.renderOrder = 1 + order;
       this.group.add(mesh);
-    });
-  }
-
-  private makeMaterial(hidden: boolean): ShaderMaterial {
-    return new ShaderMaterial({
-      vertexShader: kVertexShader,
-      fragmentShader: kFragmentShader,
-      uniforms: {
-        uColour: {value: new Color()},
-        uRim: {value: 0},
-        uBody: {value: 0},
-      },
-      transparent: true,
-      depthWrite: false,
-      depthFunc: hidden ? GreaterDepth : LessEqualDepth,
     });
   }
 

@@ -2,11 +2,11 @@ import {type PerspectiveCamera, Vector3} from "three";
 
 import {fdiOf} from "../model/fdi";
 import {type Circle, layOut, type Point} from "../model/label_layout";
+import {make, makeSvg} from "../ui/elements";
 import type {BodyMesh} from "./body_mesh";
 
 const kLabel = {width: 27, height: 19};
 const kAir = 2; // between labels
-const kSvg = "http://www.w3.org/2000/svg";
 
 interface Label {
   readonly text: HTMLSpanElement;
@@ -17,7 +17,7 @@ interface Label {
 
 /// The teeth's numbers, over the picture and clear of the tools, each with a line to its tooth.
 export class ToothLabels {
-  private readonly lines = document.createElementNS(kSvg, "svg");
+  private readonly lines = makeSvg("svg");
   private labels: Label[] = [];
 
   /// @param buttons  along its lower edge
@@ -69,12 +69,11 @@ export class ToothLabels {
   }
 
   private makeLabel(number: string, {mesh, group}: BodyMesh): Label {
-    const text = document.createElement("span");
-    text.textContent = number;
+    const text = make("span", {textContent: number});
     text.style.width = `${kLabel.width}px`;
     text.style.height = `${kLabel.height}px`;
     this.sheet.append(text);
-    const line = document.createElementNS(kSvg, "line");
+    const line = makeSvg("line");
     this.lines.append(line);
     mesh.geometry.computeBoundingBox();
     const {min, max} = mesh.geometry.boundingBox!;

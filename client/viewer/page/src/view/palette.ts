@@ -2,43 +2,26 @@ import {Color} from "three";
 
 import type {Tissue} from "../model/tissue";
 
+const kNames = [
+  ...(["force", "torque", "contact", "halo", "ghost", "ink", "paper", "glow"] as const),
+  ...(["soft", "wearing", "sky", "ground"] as const),
+];
+
 /// The picture's colours: the style sheet has them, so that plots, figures and arrows agree and
 /// light and dark are told apart in one place.
-export interface Palette {
-  readonly force: Color;
-  readonly torque: Color;
-  readonly contact: Color;
-  readonly halo: Color;
-  readonly ghost: Color;
-  readonly ink: Color;
-  readonly paper: Color;
-  readonly glow: Color;
+export type Palette = Readonly<Record<(typeof kNames)[number], Color>> & {
   readonly tools: readonly Color[];
   readonly objects: readonly Color[];
-  readonly soft: Color;
-  readonly wearing: Color;
-  readonly sky: Color;
-  readonly ground: Color;
-}
+};
 
 export function readPalette(): Palette {
   const style = getComputedStyle(document.documentElement);
   const colour = (name: string): Color => new Color(style.getPropertyValue(`--${name}`).trim());
+  const colours = Object.fromEntries(kNames.map((name) => [name, colour(name)]));
   return {
-    force: colour("force"),
-    torque: colour("torque"),
-    contact: colour("contact"),
-    halo: colour("halo"),
-    ghost: colour("ghost"),
-    ink: colour("ink"),
-    paper: colour("paper"),
-    glow: colour("paper-glow"),
+    ...(colours as Record<(typeof kNames)[number], Color>),
     tools: [1, 2, 3, 4].map((i) => colour(`tool-${i}`)),
     objects: [1, 2, 3, 4].map((i) => colour(`object-${i}`)),
-    soft: colour("soft"),
-    wearing: colour("wearing"),
-    sky: colour("sky"),
-    ground: colour("ground"),
   };
 }
 

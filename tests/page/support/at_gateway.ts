@@ -1,0 +1,82 @@
+import {afterAll, afterEach, beforeAll, beforeEach} from "vitest";
+
+import type {Browser, Page} from "playwright-core";
+
+import {
+  closeWindows,
+  kHasChromium,
+  launch,
+  openPage,
+  openWindow,
+  readsOn,
+  until,
+  type WindowOptions,
+} from "./browser";
+import {FakeGateway} from "./fake_gateway";
+import {sceneBytes, type TestScene} from "./scene_bytes";
+
+// What the tests of a file have: a browser, and each of them a gateway and the page that it looks at.
+export let browser: Browser | undefined;
+export let gateway: FakeGateway;
+export let page: Page;
+
+const kWindow: WindowOptions = {viewport: {width: 800, height: 500}};
+let served = new Map<string, Uint8Array>();
+
+/// @param scenes  that the gateway has
+export function atGateway(...scenes: TestScene[]): void {
+  served = new Map(scenes.map((scene) => [scene.name, sceneBytes(scene)]));
+  beforeAll(async () => {
+    if (kHasChromium) browser = await launch();
+  });
+  afterAll(() => browser?.close());
+  beforeEach(async () => {
+    if (browser) await startGateway();
+  });
+  afterEach(async () => {
+    await closeWindows(browser);
+    await gateway?.stop();
+  });
+}
+
+/// Where the last one was.
+export async function startGateway(): Promise<void> {
+  gateway = await FakeGateway.start(served, gateway?.port);
+}
+
+/// The page at the gateway, without waiting for anything.
+export async function load(options: WindowOptions = {}, query = ""): Promise<void> {
+  page = await openPage(browser!, gateway.url + query, {...kWindow, ...options});
+}
+
+export const firstPicture = (): Promise<unknown> =>
+  until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
+
+export async function open(options: WindowOptions = {}, query = ""): Promise<void> {
+  await load(options, query);
+  await firstPicture();
+}
+
+/// In a window of its own, in which a script runs before the page's.
+export async function openWith(script: (of: number) => void, of = 0, query = ""): Promise<void> {
+  page = await openWindow(browser!, kWindow);
+  await page.addInitScript(script, of);
+  await page.goto(gateway.url + query);
+}
+
+export const text = (selector: string): Promise<string> => page.locator(selector).innerText();
+export const isVisible = (selector: string): Promise<boolean> => page.locator(selector).isVisible();
+
+export const reads = (selector: string, wanted: string | RegExp): Promise<void> =>
+  readsOn(page, selector, wanted);
+export const appears = (selector: string): Promise<void> =>
+  page.locator(selector).waitFor({state: "visible"});
+export const vanishes = (selector: string): Promise<void> =>
+  page.locator(selector).waitFor({state: "hidden"});
+
+/// Whoever asks for a tool gets it.
+export function giveTools(): void {
+  gateway.onPublish = ({op}) => {
+    if (op === "take") gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "active"});
+  };
+}
