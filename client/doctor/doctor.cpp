@@ -41,46 +41,47 @@ std::optional<Report> Examine(const Options& options, StopSignal& stop,
                               const std::function<void(const std::string&)>& measuring) {
   const HostFiles host;
   Report report{.host = HostLine()};
-  const auto add = [&](Finding finding) {
+  const auto add = [&](const char* check, Finding finding) {
+    finding.check = check;
     found(finding);
     report.findings.push_back(std::move(finding));
   };
-  add(CheckKernel(host));
-  add(CheckClockSource(host));
+  add("kernel", CheckKernel(host));
+  add("clock source", CheckClockSource(host));
 
   const Rights rights = TryRights(options.realtime);
-  add(CheckScheduling(host, rights, options.realtime.priority));
-  add(CheckThrottling(host));
-  add(CheckLockedMemory(rights));
+  add("real-time rights", CheckScheduling(host, rights, options.realtime.priority));
+  add("real-time throttling", CheckThrottling(host));
+  add("locked memory", CheckLockedMemory(rights));
 
-  add(CheckGovernor(host));
-  add(CheckIdleStates(host));
-  add(CheckIsolatedCores(host));
-  add(CheckHyperThreading(host));
+  add("processor frequency", CheckGovernor(host));
+  add("idle states", CheckIdleStates(host));
+  add("isolated cores", CheckIsolatedCores(host));
+  add("hyper-threading", CheckHyperThreading(host));
 
   const dds::Transport wanted =
       options.network.this_host() ? options.transport : dds::Transport::kUdp;
   const RouDiState roudi = LookAtRouDi(host);
-  add(CheckSharedMemory(SpaceIn(host, "/dev/shm"), roudi.lock_held, wanted));
-  add(CheckRouDi(roudi, wanted, getuid(), ShownPlaceOf(ProjectFile::kSharedMemory)));
+  add("/dev/shm", CheckSharedMemory(SpaceIn(host, "/dev/shm"), roudi.lock_held, wanted));
+  add("RouDi", CheckRouDi(roudi, wanted, getuid(), ShownPlaceOf(ProjectFile::kSharedMemory)));
 
-  add(CheckNetwork(InterfacesOfThisHost(), options.network));
-  add(CheckPorts(host, options.domain, ServerRuns(host, options.domain)));
+  add("network", CheckNetwork(InterfacesOfThisHost(), options.network));
+  add("ports", CheckPorts(host, options.domain, ServerRuns(host, options.domain)));
 
   measuring("a loop of poses and wrenches");
   const dds::Transport expected = Expected(options, roudi);
-  add(CheckLoop(TryLoop({.domain = options.domain,
-                         .transport = expected,
-                         .network = options.network,
-                         .realtime = options.realtime},
-                        stop),
-                expected));
-  add(CheckDevice(host, options.device, RealArmProbes()));
+  add("loop", CheckLoop(TryLoop({.domain = options.domain,
+                                 .transport = expected,
+                                 .network = options.network,
+                                 .realtime = options.realtime},
+                                stop),
+                        expected));
+  add("device", CheckDevice(host, options.device, RealArmProbes()));
 
   if (options.seconds > 0.0 && !stop.stopped()) {
     measuring(fmt::format("how late a loop wakes up, for {:g} s", options.seconds));
     report.jitter = MeasureJitter(options.seconds, options.realtime, stop);
-    if (!stop.stopped()) add(CheckJitter(*report.jitter));
+    if (!stop.stopped()) add("jitter", CheckJitter(*report.jitter));
   }
   if (stop.stopped()) return std::nullopt;
   return report;
