@@ -3,8 +3,6 @@
 #include <exception>
 #include <utility>
 
-#include <spdlog/fmt/fmt.h>
-
 #include "client/station/servo_thread.h"
 #include "client/station/station_core.h"
 #include "client/station/statistics_period.h"
@@ -18,6 +16,13 @@ constexpr std::chrono::milliseconds kPoll{10};
 constexpr std::chrono::microseconds kLook{500};
 constexpr double kSnapshot_s = 0.05;
 constexpr std::size_t kMostNews = 100;
+
+std::string Seconds(double seconds) {
+  std::string text = std::to_string(seconds);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text + " s";
+}
 
 }  // namespace
 
@@ -187,9 +192,9 @@ Felt LiveStation::Move(const Pose& X_WH, double seconds, double patience_s,
     const std::int64_t now_ns = SteadyNanoseconds();
     if (reply_ns > heard_ns && felt.move != number) heard_ns = reply_ns;
     if (1e-9 * static_cast<double>(now_ns - heard_ns) > patience_s) {
-      throw Silence(fmt::format(
-          "no replies for {:g} s: forces are zero until they come again (the session: {})",
-          patience_s, phase()));
+      const std::string phase = this->phase();
+      throw Silence("no replies for " + Seconds(patience_s) +
+                    ": forces are zero until they come again (the session: " + phase + ")");
     }
     wait(kLook);
   }
