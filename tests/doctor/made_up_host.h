@@ -10,6 +10,7 @@
 
 #include "client/doctor/finding.h"
 #include "client/doctor/host_files.h"
+#include "tests/support/folder.h"
 
 namespace palpate::doctor {
 
@@ -17,13 +18,9 @@ namespace palpate::doctor {
 class MadeUpHost {
  public:
   explicit MadeUpHost(const std::map<std::string, std::string>& texts = {}) {
-    std::string pattern = testing::TempDir() + "doctor-XXXXXX";
-    files.root = mkdtemp(pattern.data());
+    files.root = folder_.path();
     for (const auto& [path, text] : texts) Write(path, text);
   }
-  ~MadeUpHost() { std::filesystem::remove_all(files.root); }
-  MadeUpHost(const MadeUpHost&) = delete;
-  MadeUpHost& operator=(const MadeUpHost&) = delete;
 
   void Write(const std::string& path, const std::string& text) const {
     std::filesystem::create_directories(std::filesystem::path(files.At(path)).parent_path());
@@ -31,6 +28,9 @@ class MadeUpHost {
   }
 
   HostFiles files;
+
+ private:
+  const test::Folder folder_;
 };
 
 inline void PrintTo(const Finding& finding, std::ostream* out) {

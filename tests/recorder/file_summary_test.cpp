@@ -178,7 +178,7 @@ TEST_F(FileSummaryTest, CountsOnlyWhatWasThere) {
 TEST_F(FileSummaryTest, TellsThatABundleIsNotTheOneOfItsHash) {
   {
     RecordingWriter writer({.file = file_});
-    AddForgedBundle(writer, kMs);
+    AddBundle(writer, {1, 2, 3}, kMs, true);
     writer.Close("");
   }
   const FileSummary summary = Summarise({file_});
