@@ -495,10 +495,9 @@ std::string FindSceneFile(const std::string& name_or_path) {
   std::error_code ignored;
   if (fs::exists(file, ignored)) return file.string();
   const std::vector<std::string> names = CatalogueNames();
-  std::string message = "there is no scene \"" + name_or_path + "\"";
-  const std::string_view guess = NearestWord(name_or_path, {names.begin(), names.end()});
-  if (!guess.empty()) message.append("; did you mean \"").append(guess).append("\"?");
-  message += " (in " + CatalogueFolder().string() + ":";
+  std::string message = "there is no scene \"" + name_or_path + "\"" +
+                        DidYouMean(name_or_path, {names.begin(), names.end()}) + " (in " +
+                        CatalogueFolder().string() + ":";
   for (const std::string& name : names) message += " " + name;
   throw Error(message + "; the path of a scene or a mesh has a / or an ending, as .json or .stl)");
 }

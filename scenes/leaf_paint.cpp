@@ -46,9 +46,8 @@ std::vector<double> LeafAreas(const Body& body, Counts counts) {
   for (const MeshGroup& group : groups) {
     if (std::ranges::find(names, group.name) == names.end()) names.push_back(group.name);
   }
-  std::string message = region.where + ".group: the mesh has no part \"" + region.group + "\"";
-  const std::string_view guess = NearestWord(region.group, names);
-  if (!guess.empty()) message.append("; did you mean \"").append(guess).append("\"?");
+  std::string message = region.where + ".group: the mesh has no part \"" + region.group + "\"" +
+                        DidYouMean(region.group, names);
   if (names.empty()) {
     throw Error(message + "; its file names no parts, give a box or a sphere");
   }

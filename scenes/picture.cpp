@@ -59,21 +59,13 @@ void DrawScene(const Scene& scene, std::optional<int> level, const std::string& 
                  static_cast<int>(bodies.size()) * Tile::kSide);
   for (int row = 0; row < static_cast<int>(bodies.size()); ++row) {
     const Body& body = *bodies[row];
-    Vec3 low = body.mesh.vertices.front();
-    Vec3 high = low;
-    for (const Vec3& v : body.mesh.vertices) {
-      low = low.cwiseMin(v);
-      high = high.cwiseMax(v);
-    }
-    const Vec3 centre = 0.5 * (low + high);
-    const double radius = 0.5 * (high - low).norm() * 0.85;
-    Tile mesh(centre, radius);
+    Tile mesh(body.mesh);
     mesh.Draw(body.mesh, Colour(0.8, 0.74, 0.66));
     mesh.ShadeHollows();
     Place(picture, mesh, 0, row,
           body.name + " " + std::to_string(body.mesh.triangles.size()) + " triangles");
     for (int l = level ? *level - 1 : 0; l < (level ? *level : levels); ++l) {
-      Tile tile(centre, radius);
+      Tile tile(body.mesh);
       std::size_t count = 0;
       for (const SpherePacket& packet :
            l < body.tree.levels() ? body.tree.level(l) : std::span<const SpherePacket>{}) {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <vector>
 
-#include <sys/stat.h>
-
 #include "common/error.h"
 #include "common/files/project_files.h"
 #include "devices/forcedimension/dhd_library.h"
@@ -34,15 +32,11 @@ std::string Listed(const HostFiles& host, const std::vector<std::string>& nodes)
 
 /// What the probe found, or a fault with this remedy.
 Finding Probed(const char* device, const Probe& probe, const std::string& remedy) {
-  Finding finding{.check = "device"};
   try {
-    finding.found = std::string(device) + ": " + probe();
+    return Ok(std::string(device) + ": " + probe());
   } catch (const Error& error) {
-    finding.status = Status::kFault;
-    finding.found = error.what();
-    finding.remedy = remedy;
+    return Fault(error.what(), remedy);
   }
-  return finding;
 }
 
 Finding CheckArm(const HostFiles& host, const Probe& probe) {
@@ -54,20 +48,16 @@ Finding CheckArm(const HostFiles& host, const Probe& probe) {
     return host.MayOpen(path.substr(host.root.size()));
   });
   if (!nodes.closed.empty()) {
-    finding.status = Status::kFault;
-    finding.found += "; this user may not open" + Listed(host, nodes.closed);
-    finding.remedy =
-        "sudo usermod -aG dialout $USER (or the group that 'ls -l' shows there), and log in again; "
-        "or install the driver's udev rules";
-  } else if (nodes.open.empty()) {
-    // No fault: an arm on the network has no node.
-    finding.status = Status::kWarning;
-    finding.found += "; no arm is plugged in (no /dev/ttyACM*, fw* or parport*)";
-    finding.remedy = "check its cable and power; an arm on the network needs neither";
-  } else {
-    finding.found += "; may be opened:" + Listed(host, nodes.open);
+    return Fault(finding.found + "; this user may not open" + Listed(host, nodes.closed),
+                 "sudo usermod -aG dialout $USER (or the group that 'ls -l' shows there), and log "
+                 "in again; or install the driver's udev rules");
   }
-  return finding;
+  if (nodes.open.empty()) {
+    // No fault: an arm on the network has no node.
+    return Warning(finding.found + "; no arm is plugged in (no /dev/ttyACM*, fw* or parport*)",
+                   "check its cable and power; an arm on the network needs neither");
+  }
+  return Ok(finding.found + "; may be opened:" + Listed(host, nodes.open));
 }
 
 /// Nodes of the USB devices of Force Dimension's that are plugged in.
@@ -76,9 +66,7 @@ std::vector<std::string> DeltaNodes(const HostFiles& host) {
   const std::string folder = "/sys/bus/usb/devices";
   for (const std::string& name : host.Names(folder, "")) {
     const auto file = [&](const char* what) {
-      std::string text = host.Read(folder + "/" + name + "/" + what).value_or("");
-      text.erase(text.find_last_not_of(" \n") + 1);
-      return text;
+      return host.Read(folder + "/" + name + "/" + what).value_or("");
     };
     const auto three = [](const std::string& digits) {
       return std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits;
@@ -96,20 +84,17 @@ Finding CheckDelta(const HostFiles& host, const Probe& probe) {
   if (finding.status == Status::kFault) return finding;
   const std::vector<std::string> nodes = DeltaNodes(host);
   if (nodes.empty()) {
-    finding.status = Status::kWarning;
-    finding.found += "; no arm is plugged in (no USB device of vendor 1451)";
-    finding.remedy = "check its USB cable and power";
+    return Warning(finding.found + "; no arm is plugged in (no USB device of vendor 1451)",
+                   "check its USB cable and power");
   }
   for (const std::string& node : nodes) {
-    if (host.MayOpen(node)) {
-      finding.found += "; may be opened: " + node;
-    } else {
-      finding.status = Status::kFault;
-      finding.found += "; this user may not open " + node;
-      finding.remedy =
-          "add a udev rule, SUBSYSTEM==\"usb\", ATTR{idVendor}==\"1451\", MODE=\"0666\" " +
-          PageOf(kDelta) + ", and plug the arm in again";
-    }
+    const bool open = host.MayOpen(node);
+    finding.found += (open ? "; may be opened: " : "; this user may not open ") + node;
+    if (open) continue;
+    finding =
+        Fault(finding.found,
+              "add a udev rule, SUBSYSTEM==\"usb\", ATTR{idVendor}==\"1451\", MODE=\"0666\" " +
+                  PageOf(kDelta) + ", and plug the arm in again");
   }
   return finding;
 }
@@ -135,29 +120,20 @@ bool PuckIsPluggedIn(const HostFiles& host) {
 }
 
 Finding CheckPuck(const HostFiles& host) {
-  Finding finding{.check = "device"};
   const bool plugged = PuckIsPluggedIn(host);
-  const std::string puck = plugged ? "a puck is plugged in" : "no puck is plugged in by USB";
-  struct stat status {};
-  if (stat(host.At(kSpacenavSocket).c_str(), &status) != 0) {
-    finding.status = Status::kFault;
-    finding.found =
-        std::string(kPuck) + ": spacenavd does not run (no " + kSpacenavSocket + "); " + puck;
-    finding.remedy = "sudo apt-get install spacenavd && sudo systemctl enable --now spacenavd";
-  } else if (!host.MayOpen(kSpacenavSocket)) {
-    finding.status = Status::kFault;
-    finding.found =
-        std::string(kPuck) + ": this user may not open " + kSpacenavSocket + "; " + puck;
-    finding.remedy = std::string("sudo chmod 666 ") + kSpacenavSocket +
-                     ", or run the station as a user of the group that 'ls -l' shows there";
-  } else {
-    finding.found = std::string(kPuck) + ": spacenavd listens; " + puck;
-    if (!plugged) {
-      finding.status = Status::kWarning;
-      finding.remedy = "plug it in (lsusb then names 3Dconnexion)";
-    }
+  const std::string name = std::string(kPuck) + ": ", socket = kSpacenavSocket,
+                    puck = plugged ? "; a puck is plugged in" : "; no puck is plugged in by USB";
+  if (!host.Has(socket)) {
+    return Fault(name + "spacenavd does not run (no " + socket + ")" + puck,
+                 "sudo apt-get install spacenavd && sudo systemctl enable --now spacenavd");
   }
-  return finding;
+  if (!host.MayOpen(socket)) {
+    return Fault(name + "this user may not open " + socket + puck,
+                 "sudo chmod 666 " + socket +
+                     ", or run the station as a user of the group that 'ls -l' shows there");
+  }
+  if (plugged) return Ok(name + "spacenavd listens" + puck);
+  return Warning(name + "spacenavd listens" + puck, "plug it in (lsusb then names 3Dconnexion)");
 }
 
 }  // namespace
@@ -180,7 +156,7 @@ Finding CheckDevice(const HostFiles& host, const std::string& device, const ArmP
   if (device == kDelta) return CheckDelta(host, probes.forcedimension);
   if (device == kInverse) return CheckInverse(probes.haply);
   if (device == kPuck) return CheckPuck(host);
-  if (!device.empty()) return {.check = "device", .found = device + ": needs nothing of the host"};
+  if (!device.empty()) return Ok(device + ": needs nothing of the host");
   std::string ready = "none is named with --device; ready would be: simulated, mouse";
   const auto add = [&ready](const char* name, const Finding& finding) {
     if (finding.status != Status::kFault) ready += std::string(", ") + name;
@@ -189,7 +165,7 @@ Finding CheckDevice(const HostFiles& host, const std::string& device, const ArmP
   add(kDelta, CheckDelta(host, probes.forcedimension));
   add(kInverse, CheckInverse(probes.haply));
   add(kPuck, CheckPuck(host));
-  return {.check = "device", .found = ready};
+  return Ok(ready);
 }
 
 }  // namespace palpate::doctor

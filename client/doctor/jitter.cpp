@@ -57,7 +57,6 @@ Jitter MeasureJitter(double seconds, const RealtimeOptions& realtime, StopSignal
   });
   while (!done && !stop.WaitFor(std::chrono::milliseconds(50))) {
   }
-  jitter.stopped = stop.stopped();
   end = true;
   thread.join();
   if (error) std::rethrow_exception(error);
@@ -68,21 +67,14 @@ Finding CheckJitter(const Jitter& jitter) {
   const auto us = [](std::uint64_t ns) { return 1e-3 * static_cast<double>(ns); };
   const double p999_us = us(jitter.lateness.Quantile(0.999));
   const double max_us = us(jitter.lateness.max());
-  Finding finding{.check = "jitter"};
-  finding.found =
+  std::string found =
       fmt::format("once a second a loop is {:.0f} us late, and at most {:.0f} us", p999_us, max_us);
-  if (jitter.missed > 0) finding.found += fmt::format("; {} ms were missed", jitter.missed);
-  if (p999_us > kBearable_us) {
-    finding.status = Status::kFault;
-  } else if (p999_us > kGood_us || max_us > kOneTick_us) {
-    finding.status = Status::kWarning;
-  } else {
-    return finding;
-  }
-  finding.remedy =
+  if (jitter.missed > 0) found += fmt::format("; {} ms were missed", jitter.missed);
+  if (p999_us <= kGood_us && max_us <= kOneTick_us) return Ok(found);
+  constexpr const char* kRemedy =
       "mend what stands above, then end other programs ('top' shows who works) and try again; in a "
       "virtual machine, give it cores of its own (pinned), or take a real host";
-  return finding;
+  return p999_us > kBearable_us ? Fault(found, kRemedy) : Warning(found, kRemedy);
 }
 
 }  // namespace palpate::doctor

@@ -13,7 +13,6 @@ namespace palpate::doctor {
 struct Jitter {
   Histogram lateness;        ///< [ns]
   std::uint64_t missed = 0;  ///< milliseconds that had passed before the loop woke up for them
-  bool stopped = false;      ///< by the user, before its time
 };
 
 /// Sleeps until each millisecond of the monotonic clock, in a thread with the rights of a loop.

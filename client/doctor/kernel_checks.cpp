@@ -1,8 +1,9 @@
 #include "client/doctor/kernel_checks.h"
 
+#include <algorithm>
 #include <array>
-#include <optional>
 #include <string>
+#include <string_view>
 
 namespace palpate::doctor {
 namespace {
@@ -31,52 +32,42 @@ std::string PreemptMode(const HostFiles& host) {
 }  // namespace
 
 Finding CheckKernel(const HostFiles& host) {
-  const std::string release = host.Read("/proc/sys/kernel/osrelease").value_or("unknown");
   const std::string version = host.Read("/proc/sys/kernel/version").value_or("");
-  Finding finding{.check = "kernel", .found = "Linux " + release};
+  const std::string kernel =
+      "Linux " + host.Read("/proc/sys/kernel/osrelease").value_or("unknown") + ", ";
   if (host.Read("/sys/kernel/realtime") == "1" || version.find("PREEMPT_RT") != std::string::npos) {
-    finding.found += ", PREEMPT_RT";
-    return finding;
+    return Ok(kernel + "PREEMPT_RT");
   }
-  finding.status = Status::kWarning;
   const std::string mode = PreemptMode(host);
   if (mode == "full" || (mode.empty() && version.find("PREEMPT ") != std::string::npos)) {
-    finding.found += ", preemptible, but not PREEMPT_RT: nothing bounds its worst case";
-    finding.remedy = kRealtimeKernel;
-  } else if (version.find("PREEMPT_DYNAMIC") != std::string::npos) {
-    finding.found += mode.empty() ? ", PREEMPT_DYNAMIC, and it does not say in which mode"
-                                  : ", preemption '" + mode + "': it may keep a loop waiting";
-    finding.remedy = std::string(kRealtimeKernel) +
-                     "; or add preempt=full to GRUB_CMDLINE_LINUX in /etc/default/grub, run "
-                     "sudo update-grub, and restart";
-  } else {
-    finding.found += ", not preemptible: it keeps a loop waiting until it has done its own work";
-    finding.remedy = kRealtimeKernel;
+    return Warning(kernel + "preemptible, but not PREEMPT_RT: nothing bounds its worst case",
+                   kRealtimeKernel);
   }
-  return finding;
+  if (version.find("PREEMPT_DYNAMIC") != std::string::npos) {
+    return Warning(
+        kernel + (mode.empty() ? "PREEMPT_DYNAMIC, and it does not say in which mode"
+                               : "preemption '" + mode + "': it may keep a loop waiting"),
+        std::string(kRealtimeKernel) + "; or " + GrubLine("preempt=full") + ", and restart");
+  }
+  return Warning(kernel + "not preemptible: it keeps a loop waiting until it has done its own work",
+                 kRealtimeKernel);
 }
 
 Finding CheckClockSource(const HostFiles& host) {
   constexpr const char* kFile = "/sys/devices/system/clocksource/clocksource0/current_clocksource";
   // Those that the vDSO reads, without a system call.
-  constexpr std::array kFast = {"tsc", "kvm-clock", "hyperv_clocksource_tsc_page",
-                                "arch_sys_counter"};
-  Finding finding{.check = "clock source", .found = host.Read(kFile).value_or("")};
-  for (const std::string fast : kFast) {
-    if (finding.found == fast) return finding;
+  constexpr std::array<std::string_view, 4> kFast = {
+      "tsc", "kvm-clock", "hyperv_clocksource_tsc_page", "arch_sys_counter"};
+  const std::string clock = host.Read(kFile).value_or("");
+  if (std::ranges::find(kFast, clock) != kFast.end()) return Ok(clock);
+  if (clock.empty()) {
+    return Warning("this kernel does not say which",
+                   std::string("see that ") + kFile + " is there (is /sys mounted?)");
   }
-  finding.status = Status::kWarning;
-  if (finding.found.empty()) {
-    finding.found = "this kernel does not say which";
-    finding.remedy = std::string("see that ") + kFile + " is there (is /sys mounted?)";
-    return finding;
-  }
-  finding.found += ": each look at the clock is a system call";
-  finding.remedy =
-      "add clocksource=tsc tsc=reliable to GRUB_CMDLINE_LINUX in /etc/default/grub, run sudo "
-      "update-grub, and restart; 'dmesg | grep -i tsc' says why the kernel does not trust the "
-      "processor's own";
-  return finding;
+  return Warning(clock + ": each look at the clock is a system call",
+                 GrubLine("clocksource=tsc tsc=reliable") +
+                     ", and restart; 'dmesg | grep -i tsc' says why the kernel does not trust the "
+                     "processor's own");
 }
 
 }  // namespace palpate::doctor

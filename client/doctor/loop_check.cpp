@@ -176,38 +176,30 @@ LoopTrial TryLoop(const LoopOptions& options, StopSignal& stop) {
 }
 
 Finding CheckLoop(const LoopTrial& trial, dds::Transport expected) {
-  Finding finding{.check = "loop", .status = Status::kFault};
+  if (!trial.finished && trial.error[0] == '\0') {
+    return Fault("it hung or died on the way",
+                 "start RouDi anew, and server and stations with it; programs say why with "
+                 "--log-level debug; --transport udp needs no RouDi");
+  }
   if (!trial.finished) {
-    const std::string why = trial.error;
-    finding.found = why.empty() ? "it hung or died on the way" : why;
-    finding.remedy =
-        why.empty() ? "start RouDi anew, and server and stations with it; programs say why with "
-                      "--log-level "
-                      "debug; --transport udp needs no RouDi"
-                    : "mend what stands above; a firewall must let UDP through on the interface";
-    return finding;
+    return Fault(trial.error,
+                 "mend what stands above; a firewall must let UDP through on the interface");
   }
-  finding.found = fmt::format("{}: {:.0f} us round trip, p99 {:.0f}, most {:.0f}; {} of {} lost",
-                              trial.shared_memory ? "shared memory" : "UDP", trial.p50_us,
-                              trial.p99_us, trial.max_us, trial.lost, trial.sent);
+  const std::string found =
+      fmt::format("{}: {:.0f} us round trip, p99 {:.0f}, most {:.0f}; {} of {} lost",
+                  trial.shared_memory ? "shared memory" : "UDP", trial.p50_us, trial.p99_us,
+                  trial.max_us, trial.lost, trial.sent);
   if (expected == dds::Transport::kSharedMemory && !trial.shared_memory) {
-    finding.found += "; RouDi answers, and it is not used";
-    finding.remedy =
-        "start RouDi anew, and server and stations with it; 'ls -l /dev/shm /tmp/roudi' "
-        "must show this user, or a group of its own";
-    return finding;
+    return Fault(found + "; RouDi answers, and it is not used",
+                 "start RouDi anew, and server and stations with it; 'ls -l /dev/shm /tmp/roudi' "
+                 "must show this user, or a group of its own");
   }
-  if (trial.p99_us > kOneTick_us || 100 * trial.lost > trial.sent) {
-    finding.remedy = "mend the rights, the cores and the kernel (above), and end other programs";
-    return finding;
-  }
-  finding.status = Status::kOk;
-  if (trial.p99_us > kBearable_us || trial.lost > 0) {
-    finding.status = Status::kWarning;
-    finding.remedy = "mend the rights, the cores and the kernel (above), and end other programs; " +
-                     ShownPlaceOf(ProjectFile::kRealTimePage) + " says what helps most";
-  }
-  return finding;
+  const std::string remedy =
+      "mend the rights, the cores and the kernel (above), and end other programs";
+  if (trial.p99_us > kOneTick_us || 100 * trial.lost > trial.sent) return Fault(found, remedy);
+  if (trial.p99_us <= kBearable_us && trial.lost == 0) return Ok(found);
+  return Warning(
+      found, remedy + "; " + ShownPlaceOf(ProjectFile::kRealTimePage) + " says what helps most");
 }
 
 }  // namespace palpate::doctor

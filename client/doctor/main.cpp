@@ -1,18 +1,104 @@
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <optional>
+#include <string>
 
+#include <spdlog/fmt/fmt.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "client/doctor/doctor.h"
+#include "client/doctor/device_checks.h"
+#include "client/doctor/host_files.h"
+#include "client/doctor/kernel_checks.h"
+#include "client/doctor/loop_check.h"
+#include "client/doctor/network_checks.h"
 #include "client/doctor/options.h"
+#include "client/doctor/processor_checks.h"
 #include "client/doctor/report.h"
+#include "client/doctor/rights_checks.h"
+#include "client/doctor/shared_memory_checks.h"
+#include "common/files/project_files.h"
 #include "common/program/command_line.h"
 #include "common/program/log.h"
+#include "common/program/machine.h"
 #include "common/program/stop_signal.h"
 
 namespace palpate::doctor {
 namespace {
+
+/// What the loop that is tried is to be carried by.
+dds::Transport Expected(const Options& options, const RouDiState& roudi) {
+  if (options.transport == dds::Transport::kUdp || !options.network.this_host()) {
+    return dds::Transport::kUdp;
+  }
+  if (options.transport == dds::Transport::kSharedMemory) return dds::Transport::kSharedMemory;
+  return roudi.answers && roudi.lock_held ? dds::Transport::kSharedMemory : dds::Transport::kUdp;
+}
+
+/// "lab-3: AMD Ryzen 7 5700G, 8 cores".
+std::string HostLine() {
+  char name[256] = "this host";
+  gethostname(name, sizeof name - 1);
+  const HostMachine machine = ThisHost();
+  return fmt::format("{}: {}, {} core{}", name, machine.cpu, machine.cores,
+                     machine.cores == 1 ? "" : "s");
+}
+
+/// All checks of this host, in the order in which a person would mend things; nothing where the
+/// user stopped it.  To be called while this process has no other thread.
+/// @param found      called with each finding as it comes.
+/// @param measuring  called before what takes its time, with what it is.
+std::optional<Report> Examine(const Options& options, StopSignal& stop,
+                              const std::function<void(const Finding&)>& found,
+                              const std::function<void(const std::string&)>& measuring) {
+  const HostFiles host;
+  Report report{.host = HostLine()};
+  const auto add = [&](const char* check, Finding finding) {
+    finding.check = check;
+    found(finding);
+    report.findings.push_back(std::move(finding));
+  };
+  add("kernel", CheckKernel(host));
+  add("clock source", CheckClockSource(host));
+
+  const Rights rights = TryRights(options.realtime);
+  add("real-time rights", CheckScheduling(host, rights, options.realtime.priority));
+  add("real-time throttling", CheckThrottling(host));
+  add("locked memory", CheckLockedMemory(rights));
+
+  add("processor frequency", CheckGovernor(host));
+  add("idle states", CheckIdleStates(host));
+  add("isolated cores", CheckIsolatedCores(host));
+  add("hyper-threading", CheckHyperThreading(host));
+
+  const dds::Transport wanted =
+      options.network.this_host() ? options.transport : dds::Transport::kUdp;
+  const RouDiState roudi = LookAtRouDi(host);
+  add("/dev/shm", CheckSharedMemory(SpaceIn(host, "/dev/shm"), roudi.lock_held, wanted));
+  add("RouDi", CheckRouDi(roudi, wanted, getuid(), ShownPlaceOf(ProjectFile::kSharedMemory)));
+
+  add("network", CheckNetwork(InterfacesOfThisHost(), options.network));
+  add("ports", CheckPorts(host, options.domain, ServerRuns(host, options.domain)));
+
+  measuring("a loop of poses and wrenches");
+  const dds::Transport expected = Expected(options, roudi);
+  add("loop", CheckLoop(TryLoop({.domain = options.domain,
+                                 .transport = expected,
+                                 .network = options.network,
+                                 .realtime = options.realtime},
+                                stop),
+                        expected));
+  add("device", CheckDevice(host, options.device, RealArmProbes()));
+
+  if (options.seconds > 0.0 && !stop.stopped()) {
+    measuring(fmt::format("how late a loop wakes up, for {:g} s", options.seconds));
+    report.jitter = MeasureJitter(options.seconds, options.realtime, stop);
+    if (!stop.stopped()) add("jitter", CheckJitter(*report.jitter));
+  }
+  if (stop.stopped()) return std::nullopt;
+  return report;
+}
 
 Style StyleOfOutput() {
   Style style;

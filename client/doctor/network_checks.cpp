@@ -29,33 +29,23 @@ std::vector<Interface> InterfacesOfThisHost() {
 }
 
 Finding CheckNetwork(const std::vector<Interface>& interfaces, const dds::Network& network) {
-  Finding finding{.check = "network", .status = Status::kFault};
   const auto found = std::ranges::find(interfaces, network.interface, &Interface::name);
   if (found == interfaces.end()) {
-    finding.found = network.interface + " is not there, or has no address of IPv4";
-    if (network.this_host()) {
-      finding.remedy = "sudo ip link set lo up && sudo ip address add 127.0.0.1/8 dev lo";
-    } else {
-      finding.remedy = "give another --network; with an address are:";
-      for (const Interface& each : interfaces) finding.remedy += " " + each.name;
-    }
-    return finding;
+    std::string remedy = "give another --network; with an address are:";
+    for (const Interface& each : interfaces) remedy += " " + each.name;
+    return Fault(network.interface + " is not there, or has no address of IPv4",
+                 network.this_host()
+                     ? "sudo ip link set lo up && sudo ip address add 127.0.0.1/8 dev lo"
+                     : remedy);
   }
-  finding.found = network.interface;
   if (!found->up) {
-    finding.found += " is down";
-    finding.remedy = "sudo ip link set " + network.interface + " up";
-    return finding;
+    return Fault(network.interface + " is down", "sudo ip link set " + network.interface + " up");
   }
-  finding.status = Status::kOk;
-  finding.found += " is up";
   // lo never says that it carries multicast, and does; the loop that is tried shows it.
-  if (network.this_host() || found->multicast) return finding;
-  finding.found += ", without multicast";
-  if (!network.peers.empty()) return finding;
-  finding.status = Status::kWarning;
-  finding.remedy = "give each program the other's address with --peer ADDRESS";
-  return finding;
+  if (network.this_host() || found->multicast) return Ok(network.interface + " is up");
+  const std::string poor = network.interface + " is up, without multicast";
+  if (!network.peers.empty()) return Ok(poor);
+  return Warning(poor, "give each program the other's address with --peer ADDRESS");
 }
 
 bool ServerRuns(const HostFiles& host, int domain) {
@@ -73,34 +63,24 @@ Finding CheckPorts(const HostFiles& host, int domain, bool server_runs) {
   const dds::PortRange anyone = dds::PortsOfAnyone(range);
   const dds::PortRange loop = dds::PortsOf(dds::LoopDomainId(domain));
   const dds::PortRange service = dds::PortsOf(dds::ServiceDomainId(domain));
-  Finding finding{.check = "ports"};
   const std::string which = "domain " + std::to_string(domain) + ", UDP " +
                             std::to_string(loop.first) + " to " + std::to_string(service.last);
   if (loop.Meets(anyone) || service.Meets(anyone)) {
-    finding.status = Status::kWarning;
-    finding.found = which + ": the kernel gives some of them to any connection (" +
-                    std::to_string(anyone.first) + " to " + std::to_string(anyone.last) + ")";
-    finding.remedy =
-        "sudo sysctl net.ipv4.ip_local_port_range='32768 60999', and the same line in "
-        "/etc/sysctl.d/palpate.conf; or give a smaller --domain";
-    return finding;
+    return Warning(which + ": the kernel gives some of them to any connection (" +
+                       std::to_string(anyone.first) + " to " + std::to_string(anyone.last) + ")",
+                   "sudo sysctl net.ipv4.ip_local_port_range='32768 60999', and the same line in "
+                   "/etc/sysctl.d/palpate.conf; or give a smaller --domain");
   }
   std::string why;
   for (const int id : {dds::LoopDomainId(domain), dds::ServiceDomainId(domain)}) {
     if (why.empty()) why = dds::WhyPortsFail(id, in_use, anyone);
   }
-  if (why.empty()) {
-    finding.found = which + ": free";
-  } else if (server_runs) {
-    finding.found = which + ": a palpate-server of this host has them";
-  } else {
-    finding.status = Status::kWarning;
-    finding.found = which + ": taken, and no palpate-server of this host runs in it; " + why;
-    finding.remedy =
-        "end what has them, unless it is a palpate-viewer or a station that waits for its server "
-        "(sudo ss -ulpn names it), or give another --domain";
-  }
-  return finding;
+  if (why.empty()) return Ok(which + ": free");
+  if (server_runs) return Ok(which + ": a palpate-server of this host has them");
+  return Warning(
+      which + ": taken, and no palpate-server of this host runs in it; " + why,
+      "end what has them, unless it is a palpate-viewer or a station that waits for its server "
+      "(sudo ss -ulpn names it), or give another --domain");
 }
 
 }  // namespace palpate::doctor

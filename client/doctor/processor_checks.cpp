@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <optional>
-#include <set>
-#include <string>
+#include <sstream>
 #include <vector>
-
-#include "client/doctor/core_list.h"
 
 namespace palpate::doctor {
 namespace {
 
+constexpr int kMostCores = 8192;  // NR_CPUS of the largest kernels
 constexpr const char* kCores = "/sys/devices/system/cpu";
 /// A sleep that takes longer to leave is a tenth of what a pose's whole way takes, and comes twice.
 constexpr long long kMostWakeUp_us = 10;
@@ -20,10 +19,16 @@ constexpr long long kMostWakeUp_us = 10;
 /// another.
 constexpr std::size_t kEnoughCores = 4;
 
+/// Those that a file below kCores lists; `otherwise` where it is not there.
+std::set<int> CoresIn(const HostFiles& host, const std::string& file,
+                      const std::string& otherwise = "") {
+  return ParseCores(host.Read(std::string(kCores) + "/" + file).value_or(otherwise));
+}
+
 /// Its folders, as "/sys/devices/system/cpu/cpu0", for those that run.
 std::vector<std::string> CoreFolders(const HostFiles& host) {
   std::vector<std::string> folders;
-  for (const int core : ParseCores(host.Read(std::string(kCores) + "/online").value_or("0"))) {
+  for (const int core : CoresIn(host, "online", "0")) {
     folders.push_back(kCores + std::string("/cpu") + std::to_string(core));
   }
   return folders;
@@ -62,6 +67,33 @@ std::optional<SleepState> DeepestState(const HostFiles& host) {
 
 }  // namespace
 
+std::set<int> ParseCores(const std::string& list) {
+  std::set<int> cores;
+  std::istringstream ranges(list);
+  for (std::string range; std::getline(ranges, range, ',');) {
+    char* end = nullptr;
+    const long first = std::strtol(range.c_str(), &end, 10);
+    if (end == range.c_str()) continue;
+    const long last = *end == '-' ? std::strtol(end + 1, nullptr, 10) : first;
+    for (long core = first; core <= last && core < kMostCores; ++core) {
+      cores.insert(static_cast<int>(core));
+    }
+  }
+  return cores;
+}
+
+std::string ToText(const std::set<int>& cores) {
+  std::string text;
+  for (auto first = cores.begin(); first != cores.end();) {
+    auto last = first;
+    while (std::next(last) != cores.end() && *std::next(last) == *last + 1) ++last;
+    text.append(text.empty() ? "" : ",").append(std::to_string(*first));
+    if (last != first) text.append("-").append(std::to_string(*last));
+    first = std::next(last);
+  }
+  return text;
+}
+
 Finding CheckGovernor(const HostFiles& host) {
   std::set<std::string> governors;
   for (const std::string& core : CoreFolders(host)) {
@@ -69,105 +101,76 @@ Finding CheckGovernor(const HostFiles& host) {
       governors.insert(*governor);
     }
   }
-  Finding finding{.check = "processor frequency"};
   if (governors.empty()) {
-    finding.found = "the kernel does not change it (a virtual machine, or a fixed frequency)";
-    return finding;
+    return Ok("the kernel does not change it (a virtual machine, or a fixed frequency)");
   }
+  std::string found;
   for (const std::string& governor : governors) {
-    finding.found += (finding.found.empty() ? "governor " : ", ") + governor;
+    found += (found.empty() ? "governor " : ", ") + governor;
   }
-  if (governors == std::set<std::string>{"performance"}) return finding;
-  finding.status = Status::kWarning;
-  finding.found += ": a core that waits for poses is slowed down";
-  finding.remedy =
-      "sudo cpupower frequency-set -g performance (package linux-cpupower), after each start of "
-      "the host";
-  return finding;
+  if (governors == std::set<std::string>{"performance"}) return Ok(found);
+  return Warning(found + ": a core that waits for poses is slowed down",
+                 "sudo cpupower frequency-set -g performance (package linux-cpupower), after each "
+                 "start of the host");
 }
 
 Finding CheckIdleStates(const HostFiles& host) {
-  Finding finding{.check = "idle states"};
   const auto allowed_us = AllowedWakeUp_us(host);
   if (allowed_us && *allowed_us <= kMostWakeUp_us) {
-    finding.found = "a program holds /dev/cpu_dma_latency at " + std::to_string(*allowed_us) +
-                    " us: no core sleeps deeper";
-    return finding;
+    return Ok("a program holds /dev/cpu_dma_latency at " + std::to_string(*allowed_us) +
+              " us: no core sleeps deeper");
   }
   const auto deepest = DeepestState(host);
-  if (!deepest) {
-    finding.found = "none that this kernel rules (a virtual machine: its host does)";
-    return finding;
-  }
-  finding.found = "the deepest is " + deepest->name + ", " + std::to_string(deepest->wake_up_us) +
-                  " us to leave";
-  if (deepest->wake_up_us <= kMostWakeUp_us) return finding;
-  finding.status = Status::kWarning;
-  finding.remedy =
-      "sudo cpupower idle-set -D 10 (package linux-cpupower), after each start of the host; or add "
-      "processor.max_cstate=1 intel_idle.max_cstate=1 to GRUB_CMDLINE_LINUX in /etc/default/grub, "
-      "run sudo update-grub, and restart";
-  return finding;
+  if (!deepest) return Ok("none that this kernel rules (a virtual machine: its host does)");
+  const std::string found = "the deepest is " + deepest->name + ", " +
+                            std::to_string(deepest->wake_up_us) + " us to leave";
+  if (deepest->wake_up_us <= kMostWakeUp_us) return Ok(found);
+  return Warning(found,
+                 "sudo cpupower idle-set -D 10 (package linux-cpupower), after each start of the "
+                 "host; or " +
+                     GrubLine("processor.max_cstate=1 intel_idle.max_cstate=1") + ", and restart");
 }
 
 Finding CheckIsolatedCores(const HostFiles& host) {
-  const auto cores = ParseCores(host.Read(std::string(kCores) + "/online").value_or("0"));
-  const auto isolated = ParseCores(host.Read(std::string(kCores) + "/isolated").value_or(""));
-  const auto tickless = ParseCores(host.Read(std::string(kCores) + "/nohz_full").value_or(""));
-  Finding finding{.check = "isolated cores", .status = Status::kWarning};
-  finding.found = std::to_string(cores.size()) + (cores.size() == 1 ? " core" : " cores");
+  const auto cores = CoresIn(host, "online", "0");
+  const auto isolated = CoresIn(host, "isolated");
+  const std::string found = std::to_string(cores.size()) + (cores.size() == 1 ? " core" : " cores");
   if (!isolated.empty()) {
-    finding.found += ", " + ToText(isolated) + " isolated: give it with --cpu";
-    if (std::ranges::includes(tickless, isolated)) {
-      finding.status = Status::kOk;
-      return finding;
-    }
-    finding.found += "; the kernel's tick still interrupts it a hundred times a second and more";
-    finding.remedy =
-        "add nohz_full=" + ToText(isolated) + " rcu_nocbs=" + ToText(isolated) +
-        " to GRUB_CMDLINE_LINUX in /etc/default/grub, run sudo update-grub, and restart";
-  } else if (cores.size() >= kEnoughCores) {
-    const std::string last = std::to_string(*cores.rbegin());
-    finding.found += ", none isolated: the loops share theirs with whatever runs";
-    finding.remedy =
-        "add isolcpus=" + last + " nohz_full=" + last + " rcu_nocbs=" + last +
-        " to GRUB_CMDLINE_LINUX in /etc/default/grub, run sudo update-grub, restart, and start "
-        "palpate-server with --cpu " +
-        last;
-  } else {
-    finding.found += ": none to spare for the loops, which share theirs with whatever runs";
-    finding.remedy =
-        "run nothing else beside a hand (no browser, no desktop), or take a host with " +
-        std::to_string(kEnoughCores) + " cores";
+    const std::string which = ToText(isolated);
+    const std::string given = found + ", " + which + " isolated: give it with --cpu";
+    if (std::ranges::includes(CoresIn(host, "nohz_full"), isolated)) return Ok(given);
+    return Warning(
+        given + "; the kernel's tick still interrupts it a hundred times a second and more",
+        GrubLine("nohz_full=" + which + " rcu_nocbs=" + which) + ", and restart");
   }
-  return finding;
+  if (cores.size() >= kEnoughCores) {
+    const std::string last = std::to_string(*cores.rbegin());
+    return Warning(found + ", none isolated: the loops share theirs with whatever runs",
+                   GrubLine("isolcpus=" + last + " nohz_full=" + last + " rcu_nocbs=" + last) +
+                       ", restart, and start palpate-server with --cpu " + last);
+  }
+  return Warning(found + ": none to spare for the loops, which share theirs with whatever runs",
+                 "run nothing else beside a hand (no browser, no desktop), or take a host with " +
+                     std::to_string(kEnoughCores) + " cores");
 }
 
 Finding CheckHyperThreading(const HostFiles& host) {
-  Finding finding{.check = "hyper-threading"};
   if (host.ReadNumber(std::string(kCores) + "/smt/active").value_or(0) == 0) {
-    finding.found = "off, or not there";
-    return finding;
+    return Ok("off, or not there");
   }
   // An isolated core whose other half is isolated too has its units for itself.
-  const auto isolated = ParseCores(host.Read(std::string(kCores) + "/isolated").value_or(""));
+  const auto isolated = CoresIn(host, "isolated");
   const bool whole = std::ranges::any_of(isolated, [&](int core) {
-    const auto siblings = ParseCores(host.Read(kCores + std::string("/cpu") + std::to_string(core) +
-                                               "/topology/thread_siblings_list")
-                                         .value_or(""));
+    const auto siblings =
+        CoresIn(host, "cpu" + std::to_string(core) + "/topology/thread_siblings_list");
     return !siblings.empty() && std::ranges::includes(isolated, siblings);
   });
-  if (whole) {
-    finding.found = "on, and an isolated core has both of its halves for itself";
-    return finding;
-  }
-  finding.status = Status::kWarning;
-  finding.found = "on: a loop shares its core's units with whatever runs on the other half";
-  finding.remedy =
+  if (whole) return Ok("on, and an isolated core has both of its halves for itself");
+  return Warning(
+      "on: a loop shares its core's units with whatever runs on the other half",
       "echo off | sudo tee /sys/devices/system/cpu/smt/control, or nosmt on the kernel's command "
       "line (/etc/default/grub, sudo update-grub), or isolate both halves of a core "
-      "(/sys/devices/system/cpu/cpu*/topology/thread_siblings_list names them)";
-  return finding;
+      "(/sys/devices/system/cpu/cpu*/topology/thread_siblings_list names them)");
 }
 
 }  // namespace palpate::doctor

@@ -22,15 +22,14 @@ std::string Coloured(const char* code, const std::string& text, const Style& sty
   return style.colours ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : text;
 }
 
-const char* ColourOf(Status status) {
-  switch (status) {
-    case Status::kOk:
-      return "32";
-    case Status::kWarning:
-      return "33";
-    default:
-      return "1;31";
-  }
+/// By status.
+struct Words {
+  const char *name, *colour, *verdict;
+};
+constexpr Words kWords[] = {
+    {"ok", "32", "fit"}, {"warning", "33", "fit, with warnings"}, {"fault", "1;31", "not fit"}};
+const Words& Of(Status status) {
+  return kWords[static_cast<int>(status)];
 }
 
 /// Lines of at most `width` letters, broken at spaces; a longer word (a path) stays whole.
@@ -66,22 +65,14 @@ std::string Table(const Jitter& jitter) {
 }  // namespace
 
 const char* Verdict(const Report& report) {
-  switch (Worst(report.findings)) {
-    case Status::kOk:
-      return "fit";
-    case Status::kWarning:
-      return "fit, with warnings";
-    default:
-      return "not fit";
-  }
+  return Of(Worst(report.findings)).verdict;
 }
 
 std::string ToText(const Finding& finding, const Style& style) {
   const int width = std::max(kLeastTextWidth, style.columns - kTextColumn);
+  const Words& words = Of(finding.status);
   std::string text =
-      "  " +
-      Coloured(ColourOf(finding.status),
-               fmt::format("{:<{}}", ToString(finding.status), kStatusWidth), style) +
+      "  " + Coloured(words.colour, fmt::format("{:<{}}", words.name, kStatusWidth), style) +
       fmt::format("  {:<{}}  ", finding.check, kCheckWidth);
   std::string indent;
   for (const std::string& line : Wrapped(finding.found, width)) {
@@ -106,7 +97,7 @@ std::string Summary(const Report& report, const Style& style) {
   };
   std::string text = report.jitter ? Table(*report.jitter) : "";
   text += "\n" +
-          Coloured(ColourOf(Worst(report.findings)),
+          Coloured(Of(Worst(report.findings)).colour,
                    std::string("verdict: ") + Verdict(report) + " for 1 kHz", style) +
           " (" + counted(count(Status::kFault), "fault") + ", " +
           counted(count(Status::kWarning), "warning") + ")";
@@ -121,7 +112,7 @@ std::string ToJson(const Report& report) {
   json["findings"] = nlohmann::ordered_json::array();
   for (const Finding& finding : report.findings) {
     json["findings"].push_back({{"check", finding.check},
-                                {"status", ToString(finding.status)},
+                                {"status", Of(finding.status).name},
                                 {"found", finding.found},
                                 {"remedy", finding.remedy}});
   }

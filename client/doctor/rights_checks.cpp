@@ -13,7 +13,9 @@
 namespace palpate::doctor {
 namespace {
 
-constexpr const char* kLimitsFile = "/etc/security/limits.d/palpate.conf";
+const std::string kGroupsLimits =
+    "/etc/security/limits.d/palpate.conf (the package palpate-common does), sudo adduser $USER "
+    "palpate, and log in again";
 
 std::optional<long long> Limit(__rlimit_resource_t resource, long long unit) {
   rlimit limit{};
@@ -79,79 +81,56 @@ Rights TryRights(const RealtimeOptions& realtime) {
 Finding CheckScheduling(const HostFiles& host, const Rights& rights, int priority) {
   const bool capable = HasCapability(host, CAP_SYS_NICE);
   const std::string wanted = "SCHED_FIFO " + std::to_string(priority);
-  Finding finding{.check = "real-time rights"};
-  if (rights.fifo) {
-    finding.found = wanted + " is granted";
-    return finding;
-  }
-  finding.status = Status::kFault;
-  finding.found = wanted + " is refused";
+  if (rights.fifo) return Ok(wanted + " is granted");
+  const std::string refused = wanted + " is refused";
   const auto share_file = GroupShareFile(host);
   if ((capable || rights.rtprio.value_or(priority) >= priority) && share_file &&
       host.ReadNumber(*share_file).value_or(-1) == 0) {
-    finding.found +=
-        ": the control group of this process has no real-time share (" + *share_file + " is 0)";
-    finding.remedy = "echo 400000 | sudo tee " + *share_file +
+    return Fault(refused + ": the control group of this process has no real-time share (" +
+                     *share_file + " is 0)",
+                 "echo 400000 | sudo tee " + *share_file +
                      " (the groups above it first, 800000 each), or start it outside of the group; "
-                     "in a container, --cpu-rt-runtime=400000 --cpu-rt-period=1000000";
-  } else if (!capable && rights.rtprio.value_or(priority) < priority) {
-    finding.found += ": ulimit -r is " + Text(rights.rtprio) + ", and CAP_SYS_NICE is missing";
-    finding.remedy =
-        std::string("put '@palpate - rtprio 45' and '@palpate - memlock unlimited' into ") +
-        kLimitsFile +
-        " (the package palpate-common does), sudo adduser $USER palpate, and log in "
-        "again; for a service, LimitRTPRIO=45; in a container, --cap-add SYS_NICE "
-        "--ulimit rtprio=45:45";
-  } else {
-    finding.found += ", though limits and capabilities allow it";
-    finding.remedy =
-        "what runs this (a container, a sandbox of systemd) forbids it: allow "
-        "sched_setscheduler in its seccomp profile, set RestrictRealtime=no in its unit, and in "
-        "podman without root raise the user's limits on the host and give --ulimit host";
+                     "in a container, --cpu-rt-runtime=400000 --cpu-rt-period=1000000");
   }
-  return finding;
+  if (!capable && rights.rtprio.value_or(priority) < priority) {
+    return Fault(
+        refused + ": ulimit -r is " + Text(rights.rtprio) + ", and CAP_SYS_NICE is missing",
+        "put '@palpate - rtprio 45' and '@palpate - memlock unlimited' into " + kGroupsLimits +
+            "; for a service, LimitRTPRIO=45; in a container, --cap-add SYS_NICE --ulimit "
+            "rtprio=45:45");
+  }
+  return Fault(
+      refused + ", though limits and capabilities allow it",
+      "what runs this (a container, a sandbox of systemd) forbids it: allow sched_setscheduler in "
+      "its seccomp profile, set RestrictRealtime=no in its unit, and in podman without root raise "
+      "the user's limits on the host and give --ulimit host");
 }
 
 Finding CheckLockedMemory(const Rights& rights) {
-  Finding finding{.check = "locked memory"};
-  if (rights.memory_locked) {
-    finding.found = "is granted";
-    return finding;
-  }
-  finding.status = Status::kWarning;
-  finding.found = "is refused (ulimit -l is " + Text(rights.memlock_kB) +
-                  " kB): under memory pressure a loop waits for the disk";
-  finding.remedy =
-      std::string("put '@palpate - memlock unlimited' into ") + kLimitsFile +
-      " (the package palpate-common does), sudo adduser $USER palpate, and log in again; "
-      "for a service, LimitMEMLOCK=infinity; in a container, --ulimit memlock=-1:-1";
-  return finding;
+  if (rights.memory_locked) return Ok("is granted");
+  return Warning("is refused (ulimit -l is " + Text(rights.memlock_kB) +
+                     " kB): under memory pressure a loop waits for the disk",
+                 "put '@palpate - memlock unlimited' into " + kGroupsLimits +
+                     "; for a service, LimitMEMLOCK=infinity; in a container, --ulimit "
+                     "memlock=-1:-1");
 }
 
 Finding CheckThrottling(const HostFiles& host) {
-  Finding finding{.check = "real-time throttling"};
   const auto runtime_us = host.ReadNumber("/proc/sys/kernel/sched_rt_runtime_us");
   const auto period_us = host.ReadNumber("/proc/sys/kernel/sched_rt_period_us");
-  if (!runtime_us || !period_us) {
-    finding.found = "this kernel has none";
-    return finding;
-  }
+  if (!runtime_us || !period_us) return Ok("this kernel has none");
   constexpr const char* kRemedy =
       "sudo sysctl kernel.sched_rt_runtime_us=950000, and the same line in "
       "/etc/sysctl.d/palpate.conf";
   if (*runtime_us < 0) {
-    finding.status = Status::kWarning;
-    finding.found = "off: a real-time thread that spins takes the host with it";
-    finding.remedy = kRemedy;
-    return finding;
+    return Warning("off: a real-time thread that spins takes the host with it", kRemedy);
   }
   const long long share = 100 * *runtime_us / (*period_us > 0 ? *period_us : 1);
-  finding.found = "real-time threads may take " + std::to_string(share) + " % of the time";
-  if (share >= 50) return finding;
-  finding.status = share == 0 ? Status::kFault : Status::kWarning;
-  finding.found += ": loops are held up when it is spent";
-  finding.remedy = kRemedy;
-  return finding;
+  const std::string found =
+      "real-time threads may take " + std::to_string(share) + " % of the time";
+  if (share >= 50) return Ok(found);
+  const std::string held_up = found + ": loops are held up when it is spent";
+  return share == 0 ? Fault(held_up, kRemedy) : Warning(held_up, kRemedy);
 }
 
 }  // namespace palpate::doctor

@@ -60,6 +60,11 @@ std::optional<std::string> PoolsOfRunning(const HostFiles& host) {
   return std::nullopt;
 }
 
+/// What it means that RouDi, or what it needs, is not there.
+Status Missing(dds::Transport wanted) {
+  return wanted == dds::Transport::kSharedMemory ? Status::kFault : Status::kWarning;
+}
+
 }  // namespace
 
 std::optional<Space> SpaceIn(const HostFiles& host, const std::string& folder) {
@@ -89,27 +94,23 @@ RouDiState LookAtRouDi(const HostFiles& host) {
 
 Finding CheckSharedMemory(const std::optional<Space>& space, bool roudi_runs,
                           dds::Transport wanted) {
-  Finding finding{.check = "/dev/shm"};
   if (!space) {
-    finding.status = wanted == dds::Transport::kUdp ? Status::kWarning : Status::kFault;
-    finding.found = "is not there";
-    finding.remedy = "sudo mount -t tmpfs tmpfs /dev/shm";
-    return finding;
+    return {.status = wanted == dds::Transport::kUdp ? Status::kWarning : Status::kFault,
+            .found = "is not there",
+            .remedy = "sudo mount -t tmpfs tmpfs /dev/shm"};
   }
-  finding.found =
+  const std::string found =
       std::to_string(space->free_MB) + " of " + std::to_string(space->size_MB) + " MB free";
   const bool enough = roudi_runs || space->free_MB >= kSharedMemoryNeeded_MB;
-  if (enough || wanted == dds::Transport::kUdp) return finding;
-  finding.status = wanted == dds::Transport::kSharedMemory ? Status::kFault : Status::kWarning;
-  finding.found +=
-      ": RouDi needs " + std::to_string(kSharedMemoryNeeded_MB) + " MB, and dies of less (SIGBUS)";
-  finding.remedy = space->size_MB < kSharedMemoryNeeded_MB
-                       ? "sudo mount -o remount,size=256m /dev/shm; in a container, --ipc host or "
-                         "--shm-size 256m"
-                       : "'ls -l /dev/shm' shows who has it: end those programs, and remove files "
-                         "of programs that "
-                         "have ended (iceoryx_*, where no RouDi runs)";
-  return finding;
+  if (enough || wanted == dds::Transport::kUdp) return Ok(found);
+  return {.status = Missing(wanted),
+          .found = found + ": RouDi needs " + std::to_string(kSharedMemoryNeeded_MB) +
+                   " MB, and dies of less (SIGBUS)",
+          .remedy = space->size_MB < kSharedMemoryNeeded_MB
+                        ? "sudo mount -o remount,size=256m /dev/shm; in a container, --ipc host or "
+                          "--shm-size 256m"
+                        : "'ls -l /dev/shm' shows who has it: end those programs, and remove files "
+                          "of programs that have ended (iceoryx_*, where no RouDi runs)"};
 }
 
 Finding CheckRouDi(const RouDiState& roudi, dds::Transport wanted, long long user,
@@ -117,65 +118,51 @@ Finding CheckRouDi(const RouDiState& roudi, dds::Transport wanted, long long use
   const std::string start =
       "sudo systemctl start palpate-roudi (package palpate-server), or iox-roudi -c " +
       ShellWord(pools) + " as the user of the server and the stations";
-  Finding finding{.check = "RouDi"};
-  const Status missing =
-      wanted == dds::Transport::kSharedMemory ? Status::kFault : Status::kWarning;
-  if (!roudi.closed.empty() && !roudi.socket && wanted != dds::Transport::kUdp) {
-    finding.status = missing;
-    finding.found = "another user's has left" + roudi.closed +
-                    ", or runs in another /tmp: none can be started as this user";
-    finding.remedy =
-        "where 'pgrep iox-roudi' names none: sudo rm" + roudi.closed + "; then " + start;
-    return finding;
+  const bool needed = wanted != dds::Transport::kUdp;
+  const Status missing = Missing(wanted);
+  const std::string owner = std::to_string(roudi.owner);
+  if (!roudi.closed.empty() && !roudi.socket && needed) {
+    return {
+        .status = missing,
+        .found = "another user's has left" + roudi.closed +
+                 ", or runs in another /tmp: none can be started as this user",
+        .remedy = "where 'pgrep iox-roudi' names none: sudo rm" + roudi.closed + "; then " + start};
   }
   if (!roudi.answers && !roudi.lock_held) {
-    finding.found = roudi.socket ? "does not run; a killed one has left its socket, /tmp/roudi"
-                                 : "does not run";
-    if (wanted == dds::Transport::kUdp) return finding;
-    finding.status = missing;
-    finding.found += ": programs meet over UDP";
-    finding.remedy = start;
-    return finding;
+    const std::string found = roudi.socket
+                                  ? "does not run; a killed one has left its socket, /tmp/roudi"
+                                  : "does not run";
+    if (!needed) return Ok(found);
+    return {.status = missing, .found = found + ": programs meet over UDP", .remedy = start};
   }
   if (roudi.socket && !roudi.may_connect) {
-    finding.status = wanted == dds::Transport::kUdp ? Status::kOk : missing;
-    finding.found = "runs as another user (id " + std::to_string(roudi.owner) +
-                    "), whose socket this one may not open";
-    finding.remedy =
-        finding.status == Status::kOk
-            ? ""
-            : "run RouDi, server and stations as one user, or sudo adduser $USER palpate "
-              "where RouDi runs as the service palpate-roudi, and log in again";
-    return finding;
+    const std::string found =
+        "runs as another user (id " + owner + "), whose socket this one may not open";
+    if (!needed) return Ok(found);
+    return {.status = missing,
+            .found = found,
+            .remedy =
+                "run RouDi, server and stations as one user, or sudo adduser $USER palpate "
+                "where RouDi runs as the service palpate-roudi, and log in again"};
   }
   if (roudi.answers && !roudi.lock_held) {
-    finding.status = wanted == dds::Transport::kUdp ? Status::kWarning : Status::kFault;
-    finding.found = "something that is no RouDi (it holds no " + std::string(kLock) +
-                    ") listens at /tmp/roudi, of user id " + std::to_string(roudi.owner);
-    finding.remedy = "sudo ss -xlp | grep /tmp/roudi names the process: end it; then " + start;
-    return finding;
+    return {.status = needed ? Status::kFault : Status::kWarning,
+            .found = "something that is no RouDi (it holds no " + std::string(kLock) +
+                     ") listens at /tmp/roudi, of user id " + owner,
+            .remedy = "sudo ss -xlp | grep /tmp/roudi names the process: end it; then " + start};
   }
   if (!roudi.answers) {
-    finding.status = wanted == dds::Transport::kUdp ? Status::kOk : Status::kFault;
-    finding.found = "holds its lock, but does not answer at /tmp/roudi";
-    finding.remedy =
-        finding.status == Status::kOk
-            ? ""
-            : "share the host's /tmp (a container: --volume /tmp:/tmp; a service: "
-              "PrivateTmp=no), or stop it and start it again, with server and stations";
-    return finding;
+    const std::string found = "holds its lock, but does not answer at /tmp/roudi";
+    if (!needed) return Ok(found);
+    return Fault(found,
+                 "share the host's /tmp (a container: --volume /tmp:/tmp; a service: "
+                 "PrivateTmp=no), or stop it and start it again, with server and stations");
   }
-  finding.found = "answers";
-  if (roudi.owner != user) finding.found += ", as user id " + std::to_string(roudi.owner);
-  if (!roudi.pools) return finding;  // in another process namespace: nobody can see
-  if (roudi.pools->empty()) {
-    finding.status = Status::kWarning;
-    finding.found += ", with pools of its own (149 MB): it was started without -c";
-    finding.remedy = "end it, and server and stations with it; then " + start;
-    return finding;
-  }
-  finding.found += ", with the pools of " + *roudi.pools;
-  return finding;
+  const std::string found = roudi.owner == user ? "answers" : "answers, as user id " + owner;
+  if (!roudi.pools) return Ok(found);  // in another process namespace: nobody can see
+  if (!roudi.pools->empty()) return Ok(found + ", with the pools of " + *roudi.pools);
+  return Warning(found + ", with pools of its own (149 MB): it was started without -c",
+                 "end it, and server and stations with it; then " + start);
 }
 
 }  // namespace palpate::doctor

@@ -2,17 +2,25 @@
 
 #include <algorithm>
 #include <chrono>
+#include <list>
 #include <memory>
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "client/load/dds_viewers.h"
 #include "client/load/frame_tally.h"
-#include "client/load/load_station.h"
 #include "client/load/web_viewers.h"
+#include "client/station/reply.h"
+#include "client/station/servo_thread.h"
+#include "client/station/session_link.h"
+#include "client/station/station_core.h"
+#include "common/dds/endpoint.h"
+#include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/realtime/steady_clock.h"
+#include "devices/device.h"
+#include "devices/device_factory.h"
 
 namespace palpate {
 namespace {
@@ -25,6 +33,84 @@ constexpr double kServerFrames_hz = 60.0;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 /// Until every station has its session: a machine that takes longer is far beyond what it can do.
 constexpr double kMatchPatience_s = 30.0;
+
+/// How often the progress line has new figures.
+constexpr double kSnapshot_s = 0.5;
+
+LinkOptions LinkOf(const std::string& name, const OfferedTool& tool,
+                   const LoadRunOptions& options) {
+  LinkOptions link;
+  link.station = name;
+  link.scene = tool.scene;
+  link.tool = tool.tool;
+  link.device = "scripted (palpate-load)";
+  link.domain = options.domain;
+  link.transport = options.transport;
+  link.network = options.network;
+  link.realtime.mode = ParseRealtimeMode(options.realtime);
+  link.patience_s = options.patience_s;
+  return link;
+}
+
+/// A palpate-station but for its command line and table: the same core, loop and session, with a
+/// hand that follows a script again and again.  Several are threads of one process, for DDS then
+/// has one set of threads for all of them (README.md has figures). Thread contract: one thread,
+/// that of all stations.
+class LoadStation {
+ public:
+  // Scripted and not simulated: an arm's dynamics are the cost of no real station.
+  LoadStation(const std::string& name, const OfferedTool& tool, const PoseScript& script,
+              const LoadRunOptions& options)
+      : device_(MakeDevice({"scripted", script, true})), core_(*device_) {
+    core_.EnableForces(true);
+    link_ = std::make_unique<SessionLink>(
+        LinkOf(name, tool, options), replies_,
+        [this]() -> ServoThread& {
+          servo_ = std::make_unique<ServoThread>(core_, replies_, kSnapshot_s);
+          return *servo_;
+        },
+        [name](const std::string& event) { spdlog::debug("{}: {}", name, event); });
+  }
+
+  /// A hundred times a second.  Throws Error (SessionLink::Poll).
+  void Poll(std::int64_t now_ns) { link_->Poll(now_ns); }
+  bool linked() const { return link_->phase() == SessionLink::Phase::kLinked; }
+  ServoThread& servo() { return *servo_; }
+  const SessionLink& link() const { return *link_; }
+  /// After servo().Stop().
+  const StationTotals& totals() const { return core_.totals(); }
+
+ private:
+  std::unique_ptr<Device> device_;
+  StationCore core_;
+  ReplyRing replies_;
+  std::unique_ptr<ServoThread> servo_;
+  std::unique_ptr<SessionLink>
+      link_;  // ends first: it tells the loop that there is no path any more
+};
+
+/// Viewers that read ToolState themselves, each a participant of its own; they share this process's
+/// receiving thread.
+class DdsViewers {
+ public:
+  /// The tally must outlive it.  Throws Error.
+  DdsViewers(int domain, const dds::Network& network, std::size_t viewers, FrameTally& tally) {
+    for (std::size_t i = 0; i < viewers; ++i) {
+      Viewer& viewer =
+          viewers_.emplace_back(Viewer{dds::Participant::Service(domain, network), {}});
+      viewer.reader = {
+          viewer.participant, dds::kToolStateTopic, dds::Qos::kStream,
+          [i, &tally](const wire::ToolState& frame) { tally.Add(i, frame, SteadyNanoseconds()); }};
+    }
+  }
+
+ private:
+  struct Viewer {
+    dds::Participant participant;
+    dds::Reader<wire::ToolState> reader;
+  };
+  std::list<Viewer> viewers_;
+};
 
 using Stations = std::vector<std::unique_ptr<LoadStation>>;
 

@@ -118,14 +118,21 @@ std::string NobodyAnswers(int domain, const dds::Network& network, const std::st
   const std::string number = std::to_string(domain);
   const std::string start =
       "palpate-server --scene " + (scene.empty() ? "cube" : scene) + " --domain " + number;
+  // Whoever has an identity and whoever has none, or another authority's, do not hear each other.
+  const std::string identity = network.secured()
+                                   ? "; a server without --identity, or with one of another "
+                                     "authority, does not hear this one"
+                                   : "; where it has an --identity, give one of the same authority";
   if (network.this_host()) {
     return "no server answers in domain " + number + " of this host; start '" + start +
-           "', give the --domain of one that runs, or --network where it runs on another host";
+           "', give the --domain of one that runs, or --network where it runs on another host" +
+           identity;
   }
   return "no server answers in domain " + number + " over " + network.interface + "; start '" +
          start +
          " --network INTERFACE' there; where the network carries no multicast, give --peer ADDRESS "
-         "here or there";
+         "here or there" +
+         identity;
 }
 
 std::string AnotherVersionIsThere(int domain) {

@@ -8,6 +8,7 @@
 
 #include "common/dds/scene_progress.h"
 #include "common/dds/shared_memory_watch.h"
+#include "common/dds/topics.h"
 #include "common/error.h"
 
 namespace palpate::dds {
@@ -54,11 +55,15 @@ QosPtr MakeQos(const Participant& participant, Qos role) {
 
 /// Why DDS makes no `what` of that name, and in a secured domain the remedy.
 Error CannotMake(const std::string& what, const std::string& name, dds_return_t why) {
-  const bool secured = why == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY;
-  return Error(
-      "DDS " + what + " '" + name + "': " + dds_strretcode(why) +
-      (secured ? "; the role of this --identity may not: 'palpate-identities --help' says which may"
-               : ""));
+  std::string remedy;
+  if (why == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) {
+    remedy = "; the role of this --identity may not: 'palpate-identities --help' says which may";
+    if (const auto session = SessionOfTopic(name)) {
+      remedy += "; or it was made for another station than '" + session->first +
+                "': give the --id (of palpate-load the --name) that it was made for";
+    }
+  }
+  return Error("DDS " + what + " '" + name + "': " + dds_strretcode(why) + remedy);
 }
 
 template <class T>

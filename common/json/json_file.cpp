@@ -241,12 +241,8 @@ const Value& JsonNode::Expect(int kind, const char* what) const {
 void JsonNode::AllowOnly(const std::vector<std::string_view>& fields) const {
   for (const auto& [name, value] : Expect(Value::kObject, "an object { ... }").members) {
     if (std::find(fields.begin(), fields.end(), name) != fields.end()) continue;
-    const std::string_view guess = NearestWord(name, fields);
-    std::string message = "there is no such field";
-    if (!guess.empty()) message.append("; did you mean \"").append(guess).append("\"?");
-    message += " (known:";
-    for (std::string_view field : fields) message.append(" ").append(field);
-    JsonNode(document_, &value, path_.empty() ? name : path_ + "." + name).Fail(message + ")");
+    JsonNode(document_, &value, path_.empty() ? name : path_ + "." + name)
+        .Fail("there is no such field" + DidYouMeanOneOf(name, fields));
   }
 }
 

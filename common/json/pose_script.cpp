@@ -5,13 +5,18 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/files/whole_file.h"
 #include "common/json/json_file.h"
 #include "common/math/rotation.h"
 
 namespace palpate {
 
 PoseScript PoseScript::Load(const std::string& file) {
-  const JsonNode root = JsonNode::Load(file);
+  return Parse(ReadWholeFile(file, JsonNode::kMostBytes), file);
+}
+
+PoseScript PoseScript::Parse(std::string_view text, const std::string& file) {
+  const JsonNode root = JsonNode::Parse(text, file);
   root.AllowOnly({"description", "keys"});
   std::vector<Key> keys;
   for (const JsonNode& item : root.At("keys").Items(1)) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/math/pose.h"
@@ -20,6 +21,8 @@ class PoseScript {
 
   /// Throws Error (file, line, field, remedy).
   static PoseScript Load(const std::string& file);
+  /// @param file  only named in messages.
+  static PoseScript Parse(std::string_view text, const std::string& file);
   explicit PoseScript(std::vector<Key> keys);
 
   double duration() const { return keys_.back().t; }

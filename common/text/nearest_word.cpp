@@ -28,4 +28,15 @@ std::string_view NearestWord(std::string_view word, const std::vector<std::strin
   return best;
 }
 
+std::string DidYouMean(std::string_view word, const std::vector<std::string_view>& words) {
+  const std::string guess(NearestWord(word, words));
+  return guess.empty() ? "" : "; did you mean \"" + guess + "\"?";
+}
+
+std::string DidYouMeanOneOf(std::string_view word, const std::vector<std::string_view>& words) {
+  std::string text = DidYouMean(word, words) + " (known:";
+  for (const std::string_view known : words) text.append(" ").append(known);
+  return text + ")";
+}
+
 }  // namespace palpate

@@ -44,12 +44,8 @@ const Body& FindBody(const Scene& scene, const std::string& name) {
       names.push_back(body.name);
     }
   }
-  std::string message = "--body " + name + ": there is no such body in " + scene.name;
-  const std::string_view guess = NearestWord(name, names);
-  if (!guess.empty()) message.append("; did you mean \"").append(guess).append("\"?");
-  message += " (there are:";
-  for (const std::string_view known : names) message.append(" ").append(known);
-  throw UsageError(message + ")");
+  throw UsageError("--body " + name + ": there is no such body in " + scene.name +
+                   DidYouMeanOneOf(name, names));
 }
 
 }  // namespace palpate

@@ -45,12 +45,7 @@ std::string FindModel(const std::string& name, const std::string& models_dir) {
     if (known.name == name) model = &known;
   }
   if (model == nullptr) {
-    std::string message = "there is no model \"" + name + "\"";
-    const std::string_view guess = NearestWord(name, names);
-    if (!guess.empty()) message.append("; did you mean \"").append(guess).append("\"?");
-    message += " (known:";
-    for (std::string_view known : names) message.append(" ").append(known);
-    throw Error(message + ")");
+    throw Error("there is no model \"" + name + "\"" + DidYouMeanOneOf(name, names));
   }
   std::string places;
   for (const fs::path& folder : {

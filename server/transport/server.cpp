@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cinttypes>
 #include <cstdio>
+#include <deque>
 #include <functional>
 #include <iterator>
 #include <utility>
@@ -15,7 +16,6 @@
 #include "common/error.h"
 #include "common/step_fault.h"
 #include "scenes/files/scene_bundle.h"
-#include "server/transport/scene_offer.h"
 
 namespace palpate {
 namespace {
@@ -105,6 +105,14 @@ void SetContactPoints(const LoopSnapshot& snapshot, wire::ToolState& state) {
   }
 }
 
+/// The sequence borrows the items, which must outlive it.
+template <class T, class Sequence>
+void PointTo(std::vector<T>& items, Sequence& sequence) {
+  sequence._buffer = items.data();
+  sequence._length = sequence._maximum = static_cast<std::uint32_t>(items.size());
+  sequence._release = false;
+}
+
 }  // namespace
 
 Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
@@ -138,8 +146,7 @@ void Server::PublishScene(const std::string& name, std::vector<std::uint8_t> bun
   wire::FromText(name, sample.scene);
   sample.server_run = server_run_;
   sample.hash = BundleHash(bundle);
-  sample.bundle._buffer = bundle.data();
-  sample.bundle._length = sample.bundle._maximum = static_cast<std::uint32_t>(bundle.size());
+  PointTo(bundle, sample.bundle);
   if (!scene_bundles_.Write(sample)) {
     throw Error("scene '" + name + "': DDS does not take its bundle of " +
                 std::to_string(bundle.size()) + " bytes; is the memory used up?");
@@ -147,8 +154,39 @@ void Server::PublishScene(const std::string& name, std::vector<std::uint8_t> bun
 }
 
 void Server::Offer(const std::vector<ServedScene>& scenes) {
-  const SceneOffer offer(scenes, server_run_);
-  if (!offers_.Write(offer.sample())) {
+  // What the sample's sequences point to.
+  std::deque<std::vector<wire::HandKey>> hands;
+  std::deque<std::vector<wire::OfferedTool>> tools;
+  std::vector<wire::OfferedScene> offered;
+  const auto add_hand = [&](const std::vector<PoseScript::Key>& hand, auto& sequence) {
+    std::vector<wire::HandKey>& keys = hands.emplace_back();
+    for (const PoseScript::Key& key : hand) {
+      wire::HandKey& to = keys.emplace_back();
+      to.time_s = key.t;
+      wire::FromPose(key.X_WH, to.position_m, to.orientation_wxyz);
+      wire::FromText(key.label, to.label);
+    }
+    PointTo(keys, sequence);
+  };
+  for (const ServedScene& scene : scenes) {
+    wire::OfferedScene& to = offered.emplace_back();
+    wire::FromText(scene.name, to.scene);
+    wire::FromText(scene.file, to.file);
+    add_hand(scene.hand, to.hand);
+    std::vector<wire::OfferedTool>& its_tools = tools.emplace_back();
+    for (const ServedScene::Tool& tool : scene.tools) {
+      wire::OfferedTool& its = its_tools.emplace_back();
+      wire::FromText(tool.served->tool, its.tool);
+      wire::FromPose(tool.X_WT, its.start_position_m, its.start_orientation_wxyz);
+      wire::FromText(tool.remark, its.remark);
+      add_hand(tool.hand, its.hand);
+    }
+    PointTo(its_tools, to.tools);
+  }
+  wire::SceneOffer offer{};
+  offer.server_run = server_run_;
+  PointTo(offered, offer.scenes);
+  if (!offers_.Write(offer)) {
     throw Error("DDS does not take the offer of " + std::to_string(scenes.size()) +
                 " scenes; serve fewer");
   }

@@ -12,10 +12,18 @@
 #include "common/realtime/token_bucket.h"
 #include "server/offer/served_scene.h"
 #include "server/session/session_table.h"
-#include "server/transport/server_events.h"
 #include "server/transport/station_link.h"
 
 namespace palpate {
+
+/// What a server tells whoever keeps a record of it, after it has published it: all in the thread
+/// that calls Poll, and in its destructor.  Any may be empty; none throws.
+struct ServerEvents {
+  std::function<void(const wire::SessionState&)> session;
+  std::function<void(std::uint64_t)> untold;  ///< refusals that were too many to be published
+  std::function<void(const wire::SceneWhole&)> whole;
+  std::function<void(const wire::LoopStatistics&)> statistics;  ///< per station and second
+};
 
 /// The server without its command line: requests in, states out, a link for each session, tool
 /// states at 60 Hz and statistics once a second.  All of that in the one thread that calls Poll, so

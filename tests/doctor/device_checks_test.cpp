@@ -1,8 +1,5 @@
 #include "client/doctor/device_checks.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "common/error.h"
 #include "tests/doctor/made_up_host.h"
 
@@ -12,10 +9,10 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-const ArmProbes Loads{.openhaptics = [] { return "/usr/lib/libHD.so.3.5 is loaded"; },
-                      .forcedimension = [] { return "libdhd.so.3 is loaded"; },
-                      .haply = [] { return "somebody listens at ws://localhost:10001"; }};
-const ArmProbes LoadsNot{
+const ArmProbes kLoads{.openhaptics = [] { return "/usr/lib/libHD.so.3.5 is loaded"; },
+                       .forcedimension = [] { return "libdhd.so.3 is loaded"; },
+                       .haply = [] { return "somebody listens at ws://localhost:10001"; }};
+const ArmProbes kLoadsNot{
     .openhaptics = []() -> std::string { throw Error("openhaptics: no libHD.so here"); },
     .forcedimension = []() -> std::string { throw Error("forcedimension: no libdhd here"); },
     .haply = []() -> std::string { throw Error("haply: no Inverse Service"); }};
@@ -25,75 +22,58 @@ class Device : public testing::Test {
   Device() {
     host.files.may_open = [this](const std::string& path) { return path != closed; };
   }
+  Finding Check(const char* device, const ArmProbes& probes = kLoads) const {
+    return CheckDevice(host.files, device, probes);
+  }
   MadeUpHost host;
   std::string closed;
 };
 
 TEST_F(Device, OfTheVendorNeedsItsLibraryAndANodeThatMayBeOpened) {
+  EXPECT_THAT(Check("openhaptics", kLoadsNot),
+              IsFault("no libHD.so here", "PALPATE_OPENHAPTICS_LIBRARY"));
+  EXPECT_THAT(Check("openhaptics"), IsWarning("no arm is plugged in"));
   host.Write("/dev/ttyACM0", "");
-  const Finding fine = CheckDevice(host.files, "openhaptics", Loads);
-  EXPECT_EQ(fine.status, Status::kOk);
-  EXPECT_EQ(fine.found,
-            "openhaptics: /usr/lib/libHD.so.3.5 is loaded; may be opened: /dev/ttyACM0");
+  EXPECT_THAT(Check("openhaptics"),
+              IsOk("openhaptics: /usr/lib/libHD.so.3.5 is loaded; may be opened: /dev/ttyACM0"));
   closed = "/dev/ttyACM0";
-  const Finding refused = CheckDevice(host.files, "openhaptics", Loads);
-  EXPECT_EQ(refused.status, Status::kFault);
-  EXPECT_THAT(refused.remedy, HasSubstr("usermod -aG dialout"));
-}
-
-TEST_F(Device, OfTheVendorWithoutItsLibraryIsAFaultAndWithoutANodeAWarning) {
-  const Finding library = CheckDevice(host.files, "openhaptics", LoadsNot);
-  EXPECT_EQ(library.status, Status::kFault);
-  EXPECT_THAT(library.found, HasSubstr("no libHD.so here"));
-  EXPECT_THAT(library.remedy, HasSubstr("PALPATE_OPENHAPTICS_LIBRARY"));
-  EXPECT_EQ(CheckDevice(host.files, "openhaptics", Loads).status, Status::kWarning);
+  EXPECT_THAT(Check("openhaptics"), IsFault(closed, "usermod -aG dialout"));
 }
 
 TEST_F(Device, OfForceDimensionNeedsItsLibraryAndAnArmThatMayBeOpened) {
-  const Finding library = CheckDevice(host.files, "forcedimension", LoadsNot);
-  EXPECT_EQ(library.status, Status::kFault);
-  EXPECT_THAT(library.remedy, HasSubstr("PALPATE_FORCEDIMENSION_LIBRARY"));
-  EXPECT_EQ(CheckDevice(host.files, "forcedimension", Loads).status, Status::kWarning);
+  EXPECT_THAT(Check("forcedimension", kLoadsNot), IsFault("", "PALPATE_FORCEDIMENSION_LIBRARY"));
+  EXPECT_THAT(Check("forcedimension"), IsWarning());
   host.Write("/sys/bus/usb/devices/1-2/idVendor", "1451\n");
   host.Write("/sys/bus/usb/devices/1-2/busnum", "1\n");
   host.Write("/sys/bus/usb/devices/1-2/devnum", "12\n");
-  const Finding fine = CheckDevice(host.files, "forcedimension", Loads);
-  EXPECT_EQ(fine.status, Status::kOk);
-  EXPECT_THAT(fine.found, HasSubstr("libdhd.so.3 is loaded; may be opened: /dev/bus/usb/001/012"));
+  EXPECT_THAT(Check("forcedimension"),
+              IsOk("libdhd.so.3 is loaded; may be opened: /dev/bus/usb/001/012"));
   closed = "/dev/bus/usb/001/012";
-  const Finding refused = CheckDevice(host.files, "forcedimension", Loads);
-  EXPECT_EQ(refused.status, Status::kFault);
-  EXPECT_THAT(refused.remedy, HasSubstr("udev rule"));
+  EXPECT_THAT(Check("forcedimension"), IsFault(closed, "udev rule"));
 }
 
 TEST_F(Device, OfHaplyNeedsItsService) {
-  EXPECT_EQ(CheckDevice(host.files, "haply", Loads).status, Status::kOk);
-  const Finding silent = CheckDevice(host.files, "haply", LoadsNot);
-  EXPECT_EQ(silent.status, Status::kFault);
-  EXPECT_THAT(silent.remedy, HasSubstr("systemctl start haply-inverse-service"));
-  EXPECT_THAT(silent.remedy, HasSubstr("PALPATE_HAPLY_SERVICE"));
+  EXPECT_THAT(Check("haply"), IsOk());
+  EXPECT_THAT(Check("haply", kLoadsNot), IsFault("", "systemctl start haply-inverse-service"));
+  EXPECT_THAT(Check("haply", kLoadsNot), IsFault("", "PALPATE_HAPLY_SERVICE"));
 }
 
 TEST_F(Device, OfSpacenavdNeedsItToRun) {
-  const Finding finding = CheckDevice(host.files, "spacemouse", LoadsNot);
-  EXPECT_EQ(finding.status, Status::kFault);
-  EXPECT_THAT(finding.remedy, HasSubstr("apt-get install spacenavd"));
+  EXPECT_THAT(Check("spacemouse"), IsFault("", "apt-get install spacenavd"));
   host.Write("/var/run/spnav.sock", "");
-  EXPECT_EQ(CheckDevice(host.files, "spacemouse", LoadsNot).status, Status::kWarning);
+  EXPECT_THAT(Check("spacemouse"), IsWarning("no puck"));
   host.Write("/sys/class/hidraw/hidraw3/device/uevent",
              "DRIVER=hid-generic\nHID_ID=0003:0000256F:0000C635\n");
-  const Finding fine = CheckDevice(host.files, "spacemouse", LoadsNot);
-  EXPECT_EQ(fine.status, Status::kOk) << fine.found;
+  EXPECT_THAT(Check("spacemouse"), IsOk("a puck is plugged in"));
   closed = "/var/run/spnav.sock";
-  EXPECT_EQ(CheckDevice(host.files, "spacemouse", LoadsNot).status, Status::kFault);
+  EXPECT_THAT(Check("spacemouse"), IsFault());
 }
 
 TEST_F(Device, ThatIsNotNamedIsNoFault) {
-  const Finding finding = CheckDevice(host.files, "", LoadsNot);
-  EXPECT_EQ(finding.status, Status::kOk);
-  EXPECT_THAT(finding.found, Not(HasSubstr("openhaptics")));
-  EXPECT_THAT(CheckDevice(host.files, "", Loads).found, HasSubstr("openhaptics"));
-  EXPECT_EQ(CheckDevice(host.files, "simulated", LoadsNot).status, Status::kOk);
+  EXPECT_THAT(Check("", kLoadsNot), IsOk());
+  EXPECT_THAT(Check("", kLoadsNot).found, Not(HasSubstr("openhaptics")));
+  EXPECT_THAT(Check(""), IsOk("openhaptics"));
+  EXPECT_THAT(Check("simulated", kLoadsNot), IsOk());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/doctor/loop_check.h"
+#include "tests/doctor/made_up_host.h"
 #include "tests/support/program.h"
 #include "tests/support/roudi.h"
 #include "tests/support/test_domain.h"
@@ -17,9 +18,10 @@ using testing::HasSubstr;
 using testing::Not;
 
 const int kDomain = test::OwnDomain();
+constexpr const char* kDoctor = PALPATE_BIN_DIR "/palpate-doctor";
 
 std::vector<std::string> Arguments(std::vector<std::string> more) {
-  more.insert(more.end(), {"--domain", std::to_string(kDomain)});
+  more.insert(more.end(), {"--transport", "udp", "--domain", std::to_string(kDomain)});
   return more;
 }
 
@@ -50,28 +52,26 @@ TEST(LoopTrial, OutlivesARouDiThatHangs) {
   const LoopTrial trial =
       TryLoop({.domain = kDomain, .transport = dds::Transport::kSharedMemory}, stop);
   EXPECT_FALSE(trial.finished);
-  EXPECT_EQ(CheckLoop(trial, dds::Transport::kSharedMemory).status, Status::kFault);
+  EXPECT_THAT(CheckLoop(trial, dds::Transport::kSharedMemory), IsFault());
   roudi.Kill();
 }
 
 TEST(LoopTrial, ThatIsNotWhatItShouldBeIsAFault) {
   LoopTrial trial{.finished = true, .sent = 1000, .p50_us = 30.0, .p99_us = 90.0, .max_us = 200.0};
-  EXPECT_EQ(CheckLoop(trial, dds::Transport::kUdp).status, Status::kOk);
-  const Finding udp = CheckLoop(trial, dds::Transport::kSharedMemory);
-  EXPECT_EQ(udp.status, Status::kFault);
-  EXPECT_THAT(udp.found, HasSubstr("RouDi answers, and it is not used"));
+  EXPECT_THAT(CheckLoop(trial, dds::Transport::kUdp), IsOk());
+  EXPECT_THAT(CheckLoop(trial, dds::Transport::kSharedMemory),
+              IsFault("RouDi answers, and it is not used"));
   trial.p99_us = 700.0;
-  EXPECT_EQ(CheckLoop(trial, dds::Transport::kUdp).status, Status::kWarning);
+  EXPECT_THAT(CheckLoop(trial, dds::Transport::kUdp), IsWarning());
   trial.p99_us = 1200.0;
-  EXPECT_EQ(CheckLoop(trial, dds::Transport::kUdp).status, Status::kFault);
+  EXPECT_THAT(CheckLoop(trial, dds::Transport::kUdp), IsFault());
   trial.p99_us = 90.0;
   trial.lost = 11;
-  EXPECT_EQ(CheckLoop(trial, dds::Transport::kUdp).status, Status::kFault);
+  EXPECT_THAT(CheckLoop(trial, dds::Transport::kUdp), IsFault());
 }
 
 TEST(Doctor, ExitsWithItsVerdict) {
-  test::Program doctor(PALPATE_BIN_DIR "/palpate-doctor",
-                       Arguments({"--json", "--seconds", "0.2", "--transport", "udp"}));
+  test::Program doctor(kDoctor, Arguments({"--json", "--seconds", "0.2"}));
   const int status = doctor.Exit(60.0);
   const auto json = nlohmann::json::parse(doctor.Output());
   EXPECT_GE(json["findings"].size(), 16u);
@@ -83,9 +83,7 @@ TEST(Doctor, ExitsWithItsVerdict) {
 }
 
 TEST(Doctor, IsNotFitForADeviceThatIsNotReady) {
-  test::Program doctor(
-      PALPATE_BIN_DIR "/palpate-doctor",
-      Arguments({"--seconds", "0", "--transport", "udp", "--device", "openhaptics"}));
+  test::Program doctor(kDoctor, Arguments({"--seconds", "0", "--device", "openhaptics"}));
   EXPECT_EQ(doctor.Exit(60.0), 1);
   EXPECT_THAT(doctor.Output(), HasSubstr("verdict: not fit for 1 kHz"));
   EXPECT_THAT(doctor.Output(), HasSubstr("libHD.so"));
@@ -93,14 +91,13 @@ TEST(Doctor, IsNotFitForADeviceThatIsNotReady) {
 }
 
 TEST(Doctor, RefusesADeviceThatThereIsNot) {
-  test::Program doctor(PALPATE_BIN_DIR "/palpate-doctor", {"--device", "crowbar"});
+  test::Program doctor(kDoctor, {"--device", "crowbar"});
   EXPECT_EQ(doctor.Exit(), 2);
   EXPECT_THAT(doctor.Output(), HasSubstr("crowbar"));
 }
 
 TEST(Doctor, EndsOnCtrlCWithoutAVerdict) {
-  test::Program doctor(PALPATE_BIN_DIR "/palpate-doctor",
-                       Arguments({"--seconds", "3600", "--transport", "udp"}));
+  test::Program doctor(kDoctor, Arguments({"--seconds", "3600"}));
   ASSERT_TRUE(doctor.Says("  device  ", 60.0)) << doctor.Output();
   doctor.Signal(SIGINT);
   EXPECT_EQ(doctor.Exit(), 1);

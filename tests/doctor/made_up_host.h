@@ -2,24 +2,25 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/doctor/finding.h"
 #include "client/doctor/host_files.h"
+#include "tests/support/folder.h"
 
 namespace palpate::doctor {
 
 /// A host of the test's own: a folder with the files that a check reads.
 class MadeUpHost {
  public:
-  MadeUpHost() {
-    std::string pattern = testing::TempDir() + "doctor-XXXXXX";
-    files.root = mkdtemp(pattern.data());
+  explicit MadeUpHost(const std::map<std::string, std::string>& texts = {}) {
+    files.root = folder_.path();
+    for (const auto& [path, text] : texts) Write(path, text);
   }
-  ~MadeUpHost() { std::filesystem::remove_all(files.root); }
-  MadeUpHost(const MadeUpHost&) = delete;
-  MadeUpHost& operator=(const MadeUpHost&) = delete;
 
   void Write(const std::string& path, const std::string& text) const {
     std::filesystem::create_directories(std::filesystem::path(files.At(path)).parent_path());
@@ -27,6 +28,34 @@ class MadeUpHost {
   }
 
   HostFiles files;
+
+ private:
+  const test::Folder folder_;
 };
+
+inline void PrintTo(const Finding& finding, std::ostream* out) {
+  *out << static_cast<int>(finding.status) << ": " << finding.found << " -> " << finding.remedy;
+}
+
+/// A finding with these words in it; a remedy stands where it is not ok, and there alone.
+inline testing::Matcher<Finding> Is(Status status, const std::string& found = "",
+                                    const std::string& remedy = "") {
+  using testing::Field, testing::HasSubstr;
+  return testing::AllOf(
+      Field(&Finding::status, status), Field(&Finding::found, HasSubstr(found)),
+      Field(&Finding::remedy, HasSubstr(remedy)),
+      Field(&Finding::remedy,
+            testing::ResultOf([](const std::string& text) { return text.empty(); },
+                              status == Status::kOk)));
+}
+inline auto IsOk(const std::string& found = "") {
+  return Is(Status::kOk, found);
+}
+inline auto IsWarning(const std::string& found = "", const std::string& remedy = "") {
+  return Is(Status::kWarning, found, remedy);
+}
+inline auto IsFault(const std::string& found = "", const std::string& remedy = "") {
+  return Is(Status::kFault, found, remedy);
+}
 
 }  // namespace palpate::doctor

@@ -21,16 +21,16 @@ TEST(Report, IsFitUntilAFault) {
   EXPECT_STREQ(Verdict({.findings = {kGood}}), "fit");
   EXPECT_STREQ(Verdict({.findings = {kGood, kPoor}}), "fit, with warnings");
   EXPECT_STREQ(Verdict({.findings = {kBad, kPoor, kGood}}), "not fit");
+  const std::string text = Summary({.findings = {kGood, kPoor, kBad}}, {});
+  EXPECT_THAT(text, HasSubstr("verdict: not fit for 1 kHz (1 fault, 1 warning)"));
+  EXPECT_THAT(text, HasSubstr("was not measured"));
 }
 
-TEST(Report, ShowsTheRemedyBelowWhatItIsFor) {
+TEST(Report, ShowsTheRemedyBelowWhatItIsForAndColoursOnATerminalAlone) {
   const std::string text = ToText(kPoor, {});
   EXPECT_THAT(text, HasSubstr("  warning  idle states"));
   EXPECT_LT(text.find("the deepest is C6"), text.find("-> sudo cpupower"));
   EXPECT_THAT(ToText(kGood, {}), Not(HasSubstr("->")));
-}
-
-TEST(Report, HasColoursOnATerminalAlone) {
   EXPECT_THAT(ToText(kBad, {.colours = true}), HasSubstr("\x1b[1;31m"));
   EXPECT_THAT(ToText(kBad, {}), Not(HasSubstr("\x1b")));
 }
@@ -43,12 +43,6 @@ TEST(Report, KeepsToTheTerminalsWidthAndPathsWhole) {
   finding.remedy = "one two three four five six seven eight nine ten eleven twelve thirteen";
   std::istringstream lines(ToText(finding, {.columns = 80}));
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
-}
-
-TEST(Report, CountsWhatItHasFound) {
-  const std::string text = Summary({.findings = {kGood, kPoor, kBad}}, {});
-  EXPECT_THAT(text, HasSubstr("verdict: not fit for 1 kHz (1 fault, 1 warning)"));
-  EXPECT_THAT(text, HasSubstr("was not measured"));
 }
 
 TEST(Report, IsOneObjectForScripts) {

@@ -3,8 +3,6 @@
 #include <cstring>
 
 #include <fcntl.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -16,8 +14,6 @@ namespace palpate::doctor {
 namespace {
 
 using dds::Transport;
-using testing::HasSubstr;
-using testing::Not;
 
 constexpr const char* kPools = "/usr/share/palpate/roudi.toml";
 constexpr long long kUser = 1000;
@@ -60,99 +56,71 @@ class MadeUpRouDi : public testing::Test {
   int socket_ = -1, lock_ = -1;
 };
 
-TEST_F(MadeUpRouDi, ThatAnswersAndHoldsItsLockIsFine) {
+TEST_F(MadeUpRouDi, ThatAnswersAndHoldsItsLockIsFineUnlessItsPoolsAreItsOwn) {
   Listen();
   HoldLock();
   CommandLine(std::string("iox-roudi\0-c\0/etc/palpate/roudi.toml\0", 38));
-  const Finding finding = Check(Transport::kAuto);
-  EXPECT_EQ(finding.status, Status::kOk) << finding.found;
-  EXPECT_EQ(finding.found, "answers, with the pools of /etc/palpate/roudi.toml");
-}
-
-TEST_F(MadeUpRouDi, WithPoolsOfItsOwnIsAWarning) {
-  Listen();
-  HoldLock();
+  EXPECT_THAT(Check(Transport::kAuto), IsOk("answers, with the pools of /etc/palpate/roudi.toml"));
   CommandLine(std::string("iox-roudi\0", 10));
-  const Finding finding = Check(Transport::kAuto);
-  EXPECT_EQ(finding.status, Status::kWarning);
-  EXPECT_THAT(finding.found, HasSubstr("started without -c"));
+  EXPECT_THAT(Check(Transport::kAuto), IsWarning("started without -c"));
 }
 
 TEST_F(MadeUpRouDi, ThatDoesNotRunIsAWarningAFaultOrNothingByWhatIsWanted) {
-  EXPECT_EQ(Check(Transport::kAuto).status, Status::kWarning);
-  EXPECT_EQ(Check(Transport::kSharedMemory).status, Status::kFault);
-  EXPECT_EQ(Check(Transport::kUdp).status, Status::kOk);
-  EXPECT_THAT(Check(Transport::kAuto).remedy, HasSubstr(std::string("iox-roudi -c ") + kPools));
+  EXPECT_THAT(Check(Transport::kAuto), IsWarning("", std::string("iox-roudi -c ") + kPools));
+  EXPECT_THAT(Check(Transport::kSharedMemory), IsFault());
+  EXPECT_THAT(Check(Transport::kUdp), IsOk());
 }
 
-TEST_F(MadeUpRouDi, ThatWasKilledIsToldByTheSocketThatItLeft) {
+TEST_F(MadeUpRouDi, ThatHoldsNoLockIsNoneAndLeavesItsSocketWhereItWasKilled) {
   Listen();
+  EXPECT_THAT(Check(Transport::kAuto), IsFault("something that is no RouDi", "ss -xlp"));
   Die();
-  const Finding finding = Check(Transport::kAuto);
-  EXPECT_EQ(finding.status, Status::kWarning);
-  EXPECT_THAT(finding.found, HasSubstr("a killed one has left its socket"));
-}
-
-TEST_F(MadeUpRouDi, ThatHoldsNoLockIsNone) {
-  Listen();
-  const Finding finding = Check(Transport::kAuto);
-  EXPECT_EQ(finding.status, Status::kFault);
-  EXPECT_THAT(finding.found, HasSubstr("something that is no RouDi"));
-  EXPECT_THAT(finding.remedy, HasSubstr("ss -xlp"));
+  EXPECT_THAT(Check(Transport::kAuto), IsWarning("a killed one has left its socket"));
 }
 
 TEST_F(MadeUpRouDi, WhoseSocketIsInAnotherTmpIsAFault) {
   HoldLock();
-  const Finding finding = Check(Transport::kAuto);
-  EXPECT_EQ(finding.status, Status::kFault);
-  EXPECT_THAT(finding.remedy, HasSubstr("PrivateTmp=no"));
+  EXPECT_THAT(Check(Transport::kAuto), IsFault("", "PrivateTmp=no"));
 }
 
 TEST_F(MadeUpRouDi, OfAnotherUserWhoseLockIsClosedIsFineWhereItAnswers) {
   Listen();
   HoldLock();
   host.files.may_open = [](const std::string& path) { return !path.ends_with(".lock"); };
-  EXPECT_EQ(Check(Transport::kSharedMemory).status, Status::kOk);
+  EXPECT_THAT(Check(Transport::kSharedMemory), IsOk());
 }
 
 TEST_F(MadeUpRouDi, OfAnotherUserThatHasLeftItsLockIsToldHowToRemoveIt) {
   host.Write("/tmp/iox-unique-roudi.lock", "");
   host.files.may_open = [](const std::string&) { return false; };
-  const Finding finding = Check(Transport::kSharedMemory);
-  EXPECT_EQ(finding.status, Status::kFault);
-  EXPECT_THAT(finding.remedy, HasSubstr("sudo rm /tmp/iox-unique-roudi.lock"));
-  EXPECT_EQ(Check(Transport::kUdp).status, Status::kOk);
+  EXPECT_THAT(Check(Transport::kSharedMemory), IsFault("", "sudo rm /tmp/iox-unique-roudi.lock"));
+  EXPECT_THAT(Check(Transport::kUdp), IsOk());
 }
 
 TEST(RouDi, OfAnotherUserIsToldWithTheGroup) {
   const RouDiState roudi{.socket = true, .lock_held = true, .owner = 998};
-  const Finding finding = CheckRouDi(roudi, Transport::kAuto, kUser, kPools);
-  EXPECT_EQ(finding.status, Status::kWarning);
-  EXPECT_THAT(finding.found, HasSubstr("id 998"));
-  EXPECT_THAT(finding.remedy, HasSubstr("adduser $USER palpate"));
-  EXPECT_EQ(CheckRouDi(roudi, Transport::kSharedMemory, kUser, kPools).status, Status::kFault);
+  EXPECT_THAT(CheckRouDi(roudi, Transport::kAuto, kUser, kPools),
+              IsWarning("id 998", "adduser $USER palpate"));
+  EXPECT_THAT(CheckRouDi(roudi, Transport::kSharedMemory, kUser, kPools), IsFault());
 }
 
 TEST(SharedMemory, MustHoldRouDisPoolsUnlessItHasThemAlready) {
   const Space container{.size_MB = 64, .free_MB = 64};
-  const Finding small = CheckSharedMemory(container, false, Transport::kSharedMemory);
-  EXPECT_EQ(small.status, Status::kFault);
-  EXPECT_THAT(small.found, HasSubstr("64 of 64 MB free: RouDi needs 117 MB"));
-  EXPECT_THAT(small.remedy, HasSubstr("--shm-size 256m"));
-  EXPECT_EQ(CheckSharedMemory(container, false, Transport::kAuto).status, Status::kWarning);
-  EXPECT_EQ(CheckSharedMemory(container, true, Transport::kAuto).status, Status::kOk);
-  EXPECT_EQ(CheckSharedMemory(container, false, Transport::kUdp).status, Status::kOk);
-  const Finding full = CheckSharedMemory(Space{8000, 3}, false, Transport::kSharedMemory);
-  EXPECT_EQ(full.status, Status::kFault);
-  EXPECT_THAT(full.remedy, HasSubstr("ls -l /dev/shm"));
-  EXPECT_EQ(CheckSharedMemory(Space{8000, 7000}, false, Transport::kAuto).status, Status::kOk);
+  EXPECT_THAT(CheckSharedMemory(container, false, Transport::kSharedMemory),
+              IsFault("64 of 64 MB free: RouDi needs 117 MB", "--shm-size 256m"));
+  EXPECT_THAT(CheckSharedMemory(container, false, Transport::kAuto), IsWarning());
+  EXPECT_THAT(CheckSharedMemory(container, true, Transport::kAuto), IsOk());
+  EXPECT_THAT(CheckSharedMemory(container, false, Transport::kUdp), IsOk());
+  EXPECT_THAT(CheckSharedMemory(Space{8000, 3}, false, Transport::kSharedMemory),
+              IsFault("", "ls -l /dev/shm"));
+  EXPECT_THAT(CheckSharedMemory(Space{8000, 7000}, false, Transport::kAuto), IsOk());
 }
 
 TEST(SharedMemory, ThatIsNotThereIsAFault) {
   MadeUpHost host;
   EXPECT_FALSE(SpaceIn(host.files, "/dev/shm"));
   EXPECT_TRUE(SpaceIn(host.files, ""));
-  EXPECT_EQ(CheckSharedMemory(std::nullopt, false, Transport::kAuto).status, Status::kFault);
+  EXPECT_THAT(CheckSharedMemory(std::nullopt, false, Transport::kAuto), IsFault());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // it.  assimp, which reads 3DS, may die of one, for it dies in a process of its own; nothing of
 // ours may.  PALPATE_FUZZ_TRIES=1000000 palpate_fuzz_tests runs as many of each;
 // PALPATE_FUZZ_TRY=17 writes that try's input into a file and runs it alone.
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -141,6 +142,60 @@ Scene SmallScene() {
   return scene;
 }
 
+/// What is wrong with a scene whose numbers the physics is to index with: said here once more, and
+/// otherwise than the loader says it.
+std::string FaultOf(const Scene& scene) {
+  std::string fault;
+  const auto check = [&](bool holds, const char* what) {
+    if (!holds && fault.empty()) fault = what;
+  };
+  check(std::isfinite(scene.coupling.stiffness) && scene.coupling.stiffness > 0.0, "coupling");
+  for (const auto* bodies : {&scene.tools, &scene.objects}) {
+    for (const Body& body : *bodies) {
+      for (const Vec3& v : body.mesh.vertices) check(v.allFinite(), "vertex");
+      for (const auto& triangle : body.mesh.triangles) {
+        for (const auto corner : triangle) check(corner < body.mesh.vertices.size(), "triangle");
+      }
+      const SphereTree& tree = body.tree;
+      const std::size_t leaves = tree.leaves();
+      for (const auto* column : {&tree.leaf_x, &tree.leaf_y, &tree.leaf_z, &tree.leaf_radius}) {
+        check(column->size() == leaves, "leaves");
+        for (const double x : *column) check(std::isfinite(x), "leaf");
+      }
+      for (const double r : tree.leaf_radius) check(r > 0.0, "radius");
+      const auto& begin = tree.leaf_triangle_begin;
+      check(begin.size() == leaves + 1 && std::ranges::is_sorted(begin) &&
+                begin.back() == tree.leaf_triangle.size(),
+            "leaves' triangles");
+      for (const auto t : tree.leaf_triangle)
+        check(t < body.mesh.triangles.size(), "leaf triangle");
+      // Every leaf is reached once from the top.
+      check(std::ranges::is_sorted(tree.level_begin) &&
+                static_cast<std::size_t>(tree.level_begin.back()) == tree.packets.size(),
+            "levels");
+      std::vector<int> reached(leaves, 0);
+      for (int l = 0; fault.empty() && l < tree.levels(); ++l) {
+        const bool lowest = l + 1 == tree.levels();
+        const std::size_t below = lowest ? leaves : tree.level(l + 1).size();
+        for (const SpherePacket& packet : tree.level(l)) {
+          for (const auto child : packet.child) {
+            if (child < 0) continue;
+            check(static_cast<std::size_t>(child) < below, "child");
+            if (lowest && fault.empty()) ++reached[static_cast<std::size_t>(child)];
+          }
+        }
+      }
+      check(std::ranges::count(reached, 1) == static_cast<std::ptrdiff_t>(leaves), "way to a leaf");
+      check(body.X_WB.p.allFinite() && std::abs(body.X_WB.q.norm() - 1.0) < 1e-6, "pose");
+      check(!body.materials.empty() &&
+                (body.leaf_material.empty() || body.leaf_material.size() == leaves),
+            "materials");
+      for (const auto m : body.leaf_material) check(m < body.materials.size(), "leaf's material");
+    }
+  }
+  return fault;
+}
+
 /// What follows the header is spoilt, and the header made to agree: its checksum is no secret.
 TEST(FuzzedBundle, IsReadOrRefusedByName) {
   constexpr std::size_t kHeader = 40, kKey = 16, kSize = 24, kChecksum = 32;
@@ -157,6 +212,7 @@ TEST(FuzzedBundle, IsReadOrRefusedByName) {
     std::memcpy(bundle.data() + kChecksum, &checksum, sizeof checksum);
     try {
       const Scene scene = UnpackScene(bundle, name);
+      fault = FaultOf(scene);
       if (!JudgeScene(scene).usable()) return true;  // the server goes no further
       const auto objects = MakeObjects(scene);
       for (const Body& tool : scene.tools) MakeModel(scene, tool, objects);

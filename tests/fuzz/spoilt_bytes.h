@@ -16,8 +16,10 @@ inline std::string Spoilt(std::string bytes, Random& random) {
   static constexpr std::uint32_t kNumbers[] = {0,          1,          3,          0xff,
                                                0x7fff,     0xffff,     0x10000,    0x7fffffff,
                                                0x80000000, 0xffffffff, 0x7f800000, 0x7fc00000};
-  static constexpr const char* kWords[] = {"-1",    "0",   "4294967295", "99999999999999999999",
-                                           "1e300", "nan", "\n",         " "};
+  static constexpr const char* kWords[] = {"-1",    "0",     "4294967295", "99999999999999999999",
+                                           "1e300", "1e999", "-1e-320",    "nan",
+                                           "\n",    " ",     "null",       "true",
+                                           "\"\"",  "[]",    "{}",         "[[[[[["};
   const auto below = [&](std::size_t n) {
     return static_cast<std::size_t>(random.Below(static_cast<int>(n)));
   };

@@ -1,14 +1,13 @@
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/folder.h"
 #include "tests/support/program.h"
 
 namespace palpate::test {
@@ -22,16 +21,11 @@ using ::testing::Not;
 class Installed : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "palpate-installed-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
     ASSERT_EQ(Run(std::string(PALPATE_CMAKE) + " --install " + PALPATE_BUILD_DIR + " --prefix " +
                   Prefix()),
               0)
         << said_;
   }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::string Prefix() const { return (folder_ / "usr").string(); }
   /// In a shell.  Its exit status; what it says is `said_`.
   int Run(const std::string& command) {
@@ -40,12 +34,9 @@ class Installed : public ::testing::Test {
     said_ = shell.Output();
     return status;
   }
-  static std::string Text(const fs::path& file) {
-    std::ifstream in(file);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
 
-  fs::path folder_;
+  const Folder place_;
+  const fs::path folder_ = place_.path();
   std::string said_;
 };
 
@@ -74,7 +65,7 @@ TEST_F(Installed, ExamplesBuildAgainstItAndFeelWhatTheyShould) {
 }
 
 TEST_F(Installed, FirstForceTakesThirtyLinesAtMost) {
-  const std::string text = Text(PALPATE_SOURCE_DIR "/client/examples/first_force.cpp");
+  const auto text = BytesOf(PALPATE_SOURCE_DIR "/client/examples/first_force.cpp");
   EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 30);
 }
 

@@ -5,33 +5,32 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "common/error.h"
 #include "common/json/pose_script.h"
 #include "scenes/catalogue.h"
 #include "tests/support/complaint.h"
+#include "tests/support/folder.h"
 
 namespace palpate {
 namespace {
 
-namespace fs = std::filesystem;
-
 class SceneCopies : public testing::Test {
  protected:
-  SceneCopies() { fs::create_directories(folder_ / "own"); }
-  ~SceneCopies() override { fs::remove_all(folder_); }
-  std::string In(const std::string& file) const { return (folder_ / file).string(); }
+  static Scene Load(const std::string& scene) {
+    LoadOptions no_cache;
+    no_cache.use_cache = false;
+    return LoadScene(scene, no_cache);
+  }
+  std::string In(const std::string& file) const { return folder_ / file; }
 
-  fs::path folder_ = fs::temp_directory_path() / ("palpate_copies_" + std::to_string(getpid()));
+  const test::Folder folder_;
 };
 
 TEST_F(SceneCopies, HaveTheSameToolAndObjectsAndEachANameOfItsOwn) {
   WriteSceneWithCopies("cube", 5, In("many.json"));
-  LoadOptions no_cache;
-  no_cache.use_cache = false;
-  const Scene many = LoadScene(In("many.json"), no_cache);
-  const Scene one = LoadScene("cube", no_cache);
+  const Scene many = Load(In("many.json"));
+  const Scene one = Load("cube");
   EXPECT_EQ(many.name, "many");
   ASSERT_EQ(many.tools.size(), 5u);
   for (std::size_t i = 0; i < many.tools.size(); ++i) {
@@ -51,6 +50,7 @@ TEST_F(SceneCopies, BringTheHandsScriptAlong) {
 }
 
 TEST_F(SceneCopies, FindTheMeshesThatStandBesideTheScene) {
+  std::filesystem::create_directory(In("own"));
   std::ofstream(In("own/part.obj")) << "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\n"
                                        "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
   std::ofstream(In("own/mine.json")) << R"({// a comment
@@ -59,9 +59,7 @@ TEST_F(SceneCopies, FindTheMeshesThatStandBesideTheScene) {
              "objects": [{"name": "part", "mesh": {"file": "part.obj", "unit": "mm"},
                           "leaves": 8}]})";
   WriteSceneWithCopies(In("own/mine.json"), 2, In("many.json"));
-  LoadOptions no_cache;
-  no_cache.use_cache = false;
-  EXPECT_EQ(LoadScene(In("many.json"), no_cache).objects[0].mesh.triangles.size(), 4u);
+  EXPECT_EQ(Load(In("many.json")).objects[0].mesh.triangles.size(), 4u);
 }
 
 TEST_F(SceneCopies, AreRefusedWithTheFileThatCannotBeReadOrWritten) {

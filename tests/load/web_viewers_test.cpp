@@ -14,6 +14,7 @@
 namespace palpate {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 /// Something at a port of this host that is no gateway: takes one connection and says `answer`.
@@ -49,32 +50,22 @@ class Stranger {
   std::future<void> served_;
 };
 
-std::string Complaint(int port) {
+std::string ComplaintAbout(const std::string& answer) {
+  const Stranger stranger(answer);
   FrameTally tally({1, 0, "load", 30.0, {}, {}});
   StopSignal stop;
   return test::ComplaintOf([&] {
-    const WebViewers viewers({"127.0.0.1", port}, 1, 0, 20.0, tally, stop);
+    const WebViewers viewers({"127.0.0.1", stranger.port()}, 1, 0, 20.0, tally, stop);
   });
 }
 
-TEST(WebViewers, TellAnotherServerFromNone) {
-  const Stranger stranger("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n");
-  const std::string complaint = Complaint(stranger.port());
-  EXPECT_THAT(complaint, HasSubstr("what answers at ws://127.0.0.1:"));
-  EXPECT_THAT(complaint, HasSubstr("is no palpate-viewer"));
-  EXPECT_THAT(complaint, HasSubstr("HTTP status 404"));
-}
-
-TEST(WebViewers, TellOneThatSpeaksNoHttpFromNone) {
-  const Stranger stranger("SSH-2.0-OpenSSH\r\n");
-  EXPECT_THAT(Complaint(stranger.port()), HasSubstr("is no palpate-viewer"));
-}
-
-TEST(WebViewers, TellAFullGatewayFromAnotherServer) {
-  const Stranger full("HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\n\r\n");
-  const std::string complaint = Complaint(full.port());
-  EXPECT_THAT(complaint, HasSubstr("turns viewers away (HTTP status 503)"));
-  EXPECT_THAT(complaint, HasSubstr("--max-viewers"));
+TEST(WebViewers, TellAnotherServerAndAFullGatewayFromNone) {
+  EXPECT_THAT(ComplaintAbout("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n"),
+              AllOf(HasSubstr("what answers at ws://127.0.0.1:"), HasSubstr("is no palpate-viewer"),
+                    HasSubstr("HTTP status 404")));
+  EXPECT_THAT(ComplaintAbout("SSH-2.0-OpenSSH\r\n"), HasSubstr("is no palpate-viewer"));
+  EXPECT_THAT(ComplaintAbout("HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\n\r\n"),
+              AllOf(HasSubstr("turns viewers away (HTTP status 503)"), HasSubstr("--max-viewers")));
 }
 
 }  // namespace

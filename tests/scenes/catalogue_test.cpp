@@ -58,28 +58,48 @@ constexpr char kTetrahedron[] =
     "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
 /// A scene in a folder of its own, loaded with a cache of its own.
-struct Fixture {
-  Fixture() : folder(FreshFolder()), scene(WriteFile(folder + "/s.json", SceneText(20))) {
-    WriteFile(folder + "/box.obj", kTetrahedron);
-    options.cache_dir = folder + "/cache";
-    options.warn = [this](const std::string& text) { warnings.push_back(text); };
-    options.progress = [this](std::string_view, double) { built = true; };
+class LoadedScene : public testing::Test {
+ protected:
+  LoadedScene() {
+    WriteFile(scene_, SceneText(20));
+    WriteFile(folder_ + "/box.obj", kTetrahedron);
+    options_.cache_dir = folder_ + "/cache";
+    options_.warn = [this](const std::string& text) { warnings_.push_back(text); };
+    options_.tell = [this](const std::string& text) { told_.push_back(text); };
+    options_.progress = [this](std::string_view, double) { built_ = true; };
   }
   Scene Load() {
-    built = false;
-    return LoadScene(scene, options);
+    built_ = false;
+    return LoadScene(scene_, options_);
+  }
+  Scene Load(const std::string& text) {
+    WriteFile(scene_, text);
+    return Load();
+  }
+  std::string Complaint() {
+    return ComplaintOf([this] { Load(); });
   }
   std::vector<std::string> Cached() const {
     std::vector<std::string> files;
-    for (const auto& entry : fs::directory_iterator(options.cache_dir)) {
+    for (const auto& entry : fs::directory_iterator(options_.cache_dir)) {
       files.push_back(entry.path().string());
     }
     return files;
   }
-  std::string folder, scene;
-  LoadOptions options;
-  std::vector<std::string> warnings;
-  bool built = false;
+  /// Writes the tree that is built of so many leaves, moved, in millimetres.
+  SphereTree WriteTree(int leaves, const Vec3& moved) {
+    const SphereTree tree = Load(SceneText(leaves)).objects[0].tree;
+    SphTree sph = SphOf(tree);
+    for (SphTree::Node& node : sph.nodes) node.ball.centre += moved;
+    WriteFile(folder_ + "/box.sph", ToSph(sph, 1e-3));
+    told_.clear();
+    return tree;
+  }
+
+  std::string folder_ = FreshFolder(), scene_ = folder_ + "/s.json";
+  LoadOptions options_;
+  std::vector<std::string> warnings_, told_;
+  bool built_ = false;
 };
 
 TEST(Catalogue, HoldsTheScenesThatTheProjectPromises) {
@@ -136,29 +156,27 @@ TEST(Catalogue, BunnyIsScaledAndCentredAsPromised) {
   EXPECT_EQ(scene.tools[0].tree.leaf_x, scene.objects[0].tree.leaf_x);
 }
 
-TEST(LoadScene, BuildsOnceAndThenReadsTheSameFromTheCache) {
-  Fixture f;
-  const Scene first = f.Load();
-  EXPECT_TRUE(f.built);
-  const Scene second = f.Load();
-  EXPECT_FALSE(f.built);
+TEST_F(LoadedScene, BuildsOnceAndThenReadsTheSameFromTheCache) {
+  const Scene first = Load();
+  EXPECT_TRUE(built_);
+  const Scene second = Load();
+  EXPECT_FALSE(built_);
   EXPECT_EQ(PackScene(first), PackScene(second));
   EXPECT_EQ(first.objects[0].tree.leaves(), 20u);
-  EXPECT_THAT(f.warnings, IsEmpty());
+  EXPECT_THAT(warnings_, IsEmpty());
 }
 
-TEST(LoadScene, BuildsAnewWhenTheSceneOrAMeshChanges) {
-  Fixture f;
-  f.Load();
-  WriteFile(f.scene, SceneText(21));
-  EXPECT_EQ(f.Load().objects[0].tree.leaves(), 21u);
-  EXPECT_TRUE(f.built);
+TEST_F(LoadedScene, BuildsAnewWhenTheSceneOrAMeshChanges) {
+  Load();
+  WriteFile(scene_, SceneText(21));
+  EXPECT_EQ(Load().objects[0].tree.leaves(), 21u);
+  EXPECT_TRUE(built_);
   std::string mesh = kTetrahedron;
   mesh[2] = '1';
-  WriteFile(f.folder + "/box.obj", mesh);
-  f.Load();
-  EXPECT_TRUE(f.built);
-  EXPECT_EQ(f.Cached().size(), 3u);
+  WriteFile(folder_ + "/box.obj", mesh);
+  Load();
+  EXPECT_TRUE(built_);
+  EXPECT_EQ(Cached().size(), 3u);
 }
 
 /// A sphere of 80 triangles as a file of two parts, and a ball.
@@ -183,25 +201,21 @@ std::string BallFile() {
   return text.str();
 }
 
-TEST(LoadScene, RefinesAMeshThatStandsForACurvedSurfaceAndKeepsItsParts) {
-  Fixture f;
-  WriteFile(f.folder + "/ball.obj", BallFile());
-  const auto load = [&](const std::string& curved) {
-    WriteFile(f.scene, CurvedText(curved));
-    return f.Load();
-  };
+TEST_F(LoadedScene, RefinesAMeshThatStandsForACurvedSurfaceAndKeepsItsParts) {
+  WriteFile(folder_ + "/ball.obj", BallFile());
+  const auto load = [&](const std::string& curved) { return Load(CurvedText(curved)); };
   const Scene coarse = load("");
   const Scene off = load(", \"curved\": false");
   const Scene fine = load(", \"curved\": {\"tolerance_um\": 30}");
-  EXPECT_TRUE(f.built) << "not the coarse one's cache";
+  EXPECT_TRUE(built_) << "not the coarse one's cache";
   EXPECT_EQ(coarse.objects[0].mesh.triangles.size(), 80u);
   EXPECT_EQ(off.objects[0].mesh.triangles.size(), 80u);
   EXPECT_GT(fine.objects[0].mesh.triangles.size(), 1280u);
   for (const Vec3& v : fine.objects[0].mesh.vertices) EXPECT_NEAR(v.norm(), 0.03, 100e-6);
-  EXPECT_THAT(f.warnings, IsEmpty());
+  EXPECT_THAT(warnings_, IsEmpty());
   // What is felt is what is drawn: the bundle has the same mesh, and so has the tree.
   EXPECT_EQ(PackScene(load(", \"curved\": {\"tolerance_um\": 30}")), PackScene(fine));
-  EXPECT_FALSE(f.built);
+  EXPECT_FALSE(built_);
   const Body& ball = fine.objects[0];
   EXPECT_EQ(*std::max_element(ball.tree.leaf_triangle.begin(), ball.tree.leaf_triangle.end()) + 1,
             ball.mesh.triangles.size());
@@ -223,37 +237,34 @@ TEST(LoadScene, RefinesAMeshThatStandsForACurvedSurfaceAndKeepsItsParts) {
   EXPECT_LT(north + south, 64u) << "a leaf of one part has the other's material";
 }
 
-TEST(LoadScene, SaysWhereTrianglesDoNotSufficeForTheTolerance) {
-  Fixture f;
-  WriteFile(f.folder + "/ball.obj", BallFile());
-  WriteFile(f.scene, CurvedText(R"(, "curved": {"tolerance_um": 5, "max_triangles": 3000})"));
-  const Scene scene = f.Load();
+TEST_F(LoadedScene, SaysWhereTrianglesDoNotSufficeForTheTolerance) {
+  WriteFile(folder_ + "/ball.obj", BallFile());
+  const Scene scene = Load(CurvedText(R"(, "curved": {"tolerance_um": 5, "max_triangles": 3000})"));
   EXPECT_LE(scene.objects[0].mesh.triangles.size(), 3000u);
-  EXPECT_THAT(f.warnings,
+  EXPECT_THAT(warnings_,
               ElementsAre(HasSubstr("objects[0].mesh.curved: 3000 triangles do not suffice for 5 "
                                     "um; the mesh is true to 80 um with")));
 }
 
-TEST(LoadScene, RefusesSpringsThatTheStepCannotComputeWith) {
-  Fixture f;
+TEST_F(LoadedScene, RefusesSpringsThatTheStepCannotComputeWith) {
   const auto write = [&](const char* tool, const char* torsional) {
-    WriteFile(f.scene, std::string(R"({"tools": [{"name": "rod", "mesh": )") + tool + R"(}],
+    WriteFile(scene_, std::string(R"({"tools": [{"name": "rod", "mesh": )") + tool + R"(}],
   "objects": [{"name": "box", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 64}],
   "coupling": {"stiffness_N_per_m": 4e5,
                "torsional_stiffness_Nm_per_rad": )" +
-                           torsional + "}}");
+                          torsional + "}}");
   };
   // It reaches 0.05 m: 4e5 N/m times its thousandth squared.
   const char* const rod = R"({"shape": "box", "size_m": [0.06, 0.08, 0.0001]}, "leaves": 64)";
   write(rod, "2e-7");
-  EXPECT_THAT(ComplaintOf([&] { f.Load(); }),
+  EXPECT_THAT(Complaint(),
               HasSubstr("s.json:4: coupling.torsional_stiffness_Nm_per_rad: 2e-07 N m/rad is too "
                         "little beside a stiffness of 400000 N/m, for a tool that reaches 50 mm "
                         "from its centroid; give at least 0.00101, or a lower stiffness"));
   write(rod, "0.00101");
-  f.Load();
+  Load();
   write(R"({"shape": "sphere", "radius_m": 0.005}, "leaves": 1)", "2e-7");
-  f.Load();  // no contact turns a ball
+  Load();  // no contact turns a ball
 }
 
 /// The fixture's scene, its object's leaves from a file.
@@ -264,28 +275,14 @@ std::string TreeText(const std::string& tree) {
          tree + "}]}";
 }
 
-/// Writes the tree that the fixture builds of so many leaves, moved, in millimetres.
-SphereTree WriteTree(Fixture& f, int leaves, const Vec3& moved) {
-  WriteFile(f.scene, SceneText(leaves));
-  const SphereTree tree = f.Load().objects[0].tree;
-  SphTree sph = SphOf(tree);
-  for (SphTree::Node& node : sph.nodes) node.ball.centre += moved;
-  WriteFile(f.folder + "/box.sph", ToSph(sph, 1e-3));
-  return tree;
-}
-
-TEST(LoadScene, TakesLeavesFromAFileAndMovesThemToTheMesh) {
-  Fixture f;
-  std::vector<std::string> told;
-  f.options.tell = [&](const std::string& text) { told.push_back(text); };
+TEST_F(LoadedScene, TakesLeavesFromAFileAndMovesThemToTheMesh) {
   const Vec3 moved(-0.03, 0.01, 0.005);
-  const SphereTree built = WriteTree(f, 700, moved);
-  WriteFile(f.scene, TreeText(R"({"file": "box.sph"})"));
-  const Body body = f.Load().objects[0];
+  const SphereTree built = WriteTree(700, moved);
+  const Body body = Load(TreeText(R"({"file": "box.sph"})")).objects[0];
   ASSERT_EQ(body.tree.leaves(), 700u);
   EXPECT_THAT(body.remarks, IsEmpty());
-  EXPECT_THAT(told, ElementsAre(AllOf(HasSubstr("box: "), HasSubstr("box.sph: level 5 of 5"),
-                                      HasSubstr("700 balls, moved by (30."))));
+  EXPECT_THAT(told_, ElementsAre(AllOf(HasSubstr("box: "), HasSubstr("box.sph: level 5 of 5"),
+                                       HasSubstr("700 balls, moved by (30."))));
   // A thousandth of the diagonal, which the shift is right within.
   const SphereQuery leaves(BallsByLevel(built).back());
   const std::vector<Sphere> read = BallsByLevel(body.tree).back();
@@ -295,22 +292,17 @@ TEST(LoadScene, TakesLeavesFromAFileAndMovesThemToTheMesh) {
                 .size(),
             body.mesh.triangles.size());
   // The cache knows the file: the same is not read again, another one is.
-  EXPECT_EQ(PackScene(f.Load()), PackScene(f.Load()));
-  const std::size_t cached = f.Cached().size();
-  WriteTree(f, 70, moved);
-  WriteFile(f.scene, TreeText(R"({"file": "box.sph"})"));
-  EXPECT_EQ(f.Load().objects[0].tree.leaves(), 70u);
-  EXPECT_EQ(f.Cached().size(), cached + 2);
+  EXPECT_EQ(PackScene(Load()), PackScene(Load()));
+  const std::size_t cached = Cached().size();
+  WriteTree(70, moved);
+  WriteFile(scene_, TreeText(R"({"file": "box.sph"})"));
+  EXPECT_EQ(Load().objects[0].tree.leaves(), 70u);
+  EXPECT_EQ(Cached().size(), cached + 2);
 }
 
-TEST(LoadScene, TakesTheLevelAndTheUnitThatItIsTold) {
-  Fixture f;
-  f.options.tell = [](const std::string&) {};
-  const SphereTree built = WriteTree(f, 70, Vec3::Zero());
-  const auto load = [&](const std::string& tree) {
-    WriteFile(f.scene, TreeText(tree));
-    return f.Load().objects[0].tree;
-  };
+TEST_F(LoadedScene, TakesTheLevelAndTheUnitThatItIsTold) {
+  const SphereTree built = WriteTree(70, Vec3::Zero());
+  const auto load = [&](const std::string& tree) { return Load(TreeText(tree)).objects[0].tree; };
   // Level 1 is the root, which our trees have no node for.
   EXPECT_EQ(load(R"({"file": "box.sph", "level": 1})").leaves(), 1u);
   EXPECT_EQ(load(R"({"file": "box.sph", "level": 2})").leaves(), 2u);
@@ -328,17 +320,16 @@ TEST(LoadScene, TakesTheLevelAndTheUnitThatItIsTold) {
               AllOf(HasSubstr("objects[0].tree: "), HasSubstr("none.sph: No such file")));
 }
 
-TEST(LoadScene, KeepsTheRemarkThatATreeHardlyFits) {
-  Fixture f;
+TEST_F(LoadedScene, KeepsTheRemarkThatATreeHardlyFits) {
   int made = 0;
-  f.options.tell = [&](const std::string&) { ++made; };
-  WriteTree(f, 70, Vec3::Zero());
-  WriteFile(f.folder + "/box.obj",
+  options_.tell = [&](const std::string&) { ++made; };
+  WriteTree(70, Vec3::Zero());
+  WriteFile(folder_ + "/box.obj",
             "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 10 10 0\nv 5 5 5\nf 1 4 2\nf 1 3 4\n"
             "f 1 2 5\nf 2 4 5\nf 4 3 5\nf 3 1 5\n");
-  WriteFile(f.scene, TreeText(R"({"file": "box.sph"})"));
+  WriteFile(scene_, TreeText(R"({"file": "box.sph"})"));
   for (int load = 0; load < 2; ++load) {
-    const Scene scene = f.Load();
+    const Scene scene = Load();
     EXPECT_EQ(made, 1) << "the second time it is from the cache";
     EXPECT_THAT(scene.objects[0].remarks,
                 ElementsAre(HasSubstr("as if they were of another mesh")));
@@ -352,56 +343,49 @@ std::string WithLeaves(const std::string& leaves, const std::string& more = "") 
          leaves + more + "}]}";
 }
 
-TEST(LoadScene, FindsTheLeavesThatAToleranceNeedsAndKeepsThem) {
-  Fixture f;
-  std::vector<std::string> told;
-  f.options.tell = [&](const std::string& text) { told.push_back(text); };
+TEST_F(LoadedScene, FindsTheLeavesThatAToleranceNeedsAndKeepsThem) {
   std::size_t before = 0;
   for (const std::string leaves : {"\"auto\"", R"({"tolerance_um": 400})"}) {
-    WriteFile(f.scene, WithLeaves(leaves));
-    told.clear();
-    const Scene scene = f.Load();
-    EXPECT_TRUE(f.built);
+    WriteFile(scene_, WithLeaves(leaves));
+    told_.clear();
+    const Scene scene = Load();
+    EXPECT_TRUE(built_);
     // 1/500 of the ellipsoid's diagonal, 112 mm, is 224 um, or little less of its mesh's.
-    EXPECT_THAT(told, ElementsAre(AllOf(testing::StartsWith("egg: "), HasSubstr(" leaves for "))));
+    EXPECT_THAT(told_, ElementsAre(AllOf(testing::StartsWith("egg: "), HasSubstr(" leaves for "))));
     if (leaves[0] == '"') {
-      EXPECT_THAT(told[0], HasSubstr("for 22"));
+      EXPECT_THAT(told_[0], HasSubstr("for 22"));
     }
     EXPECT_NE(scene.objects[0].tree.leaves(), before);
     before = scene.objects[0].tree.leaves();
     // No count is truer to a sphere than the one that is exactly it.
     EXPECT_EQ(scene.tools[0].tree.origin, TreeOrigin::kBall);
     EXPECT_THAT(scene.objects[0].remarks, IsEmpty());
-    EXPECT_EQ(f.Load().objects[0].tree.leaves(), before);
-    EXPECT_FALSE(f.built);
+    EXPECT_EQ(Load().objects[0].tree.leaves(), before);
+    EXPECT_FALSE(built_);
   }
-  EXPECT_EQ(f.Cached().size(), 2u);
+  EXPECT_EQ(Cached().size(), 2u);
 }
 
-TEST(LoadScene, TakesAToleranceForThatOfTheSceneFile) {
-  Fixture f;
-  f.options.tell = [](const std::string&) {};
-  const std::size_t written = f.Load().objects[0].tree.leaves();
+TEST_F(LoadedScene, TakesAToleranceForThatOfTheSceneFile) {
+  const std::size_t written = Load().objects[0].tree.leaves();
   EXPECT_EQ(written, 20u);
-  f.options.leaves = LeafTolerance{.most = 500e-6};
-  const std::size_t loose = f.Load().objects[0].tree.leaves();
-  f.options.leaves->most = 250e-6;
-  EXPECT_GT(f.Load().objects[0].tree.leaves(), loose);
+  options_.leaves = LeafTolerance{.most = 500e-6};
+  const std::size_t loose = Load().objects[0].tree.leaves();
+  options_.leaves->most = 250e-6;
+  EXPECT_GT(Load().objects[0].tree.leaves(), loose);
   EXPECT_GE(loose, kFewestByTolerance);
-  f.options.leaves.reset();
-  EXPECT_EQ(f.Load().objects[0].tree.leaves(), written);
-  EXPECT_EQ(f.Cached().size(), 3u);
-  const std::string bundle = f.folder + "/b.palpate";
-  WriteFileAtomically(bundle, PackScene(f.Load()));
-  f.options.leaves = LeafTolerance{};
-  EXPECT_THAT(ComplaintOf([&] { LoadScene(bundle, f.options); }),
+  options_.leaves.reset();
+  EXPECT_EQ(Load().objects[0].tree.leaves(), written);
+  EXPECT_EQ(Cached().size(), 3u);
+  const std::string bundle = folder_ + "/b.palpate";
+  WriteFileAtomically(bundle, PackScene(Load()));
+  options_.leaves = LeafTolerance{};
+  EXPECT_THAT(ComplaintOf([&] { LoadScene(bundle, options_); }),
               AllOf(HasSubstr("b.palpate: is a bundle"), HasSubstr("leave the tolerance out")));
 }
 
-TEST(LoadScene, TellsHowMuchOfTheWholeSceneIsDoneWithoutGoingBack) {
-  Fixture f;
-  f.options.tell = [](const std::string&) {};
-  WriteFile(f.scene, R"({
+TEST_F(LoadedScene, TellsHowMuchOfTheWholeSceneIsDoneWithoutGoingBack) {
+  WriteFile(scene_, R"({
     "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
     "objects": [{"name": "a", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 20},
                 {"name": "again", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 20},
@@ -409,24 +393,22 @@ TEST(LoadScene, TellsHowMuchOfTheWholeSceneIsDoneWithoutGoingBack) {
                  "tree": "balanced"}]})");
   double before = 0.0;
   std::vector<std::string> bodies;
-  f.options.progress = [&](std::string_view stage, double fraction) {
+  options_.progress = [&](std::string_view stage, double fraction) {
     EXPECT_GE(fraction, before) << stage;
     EXPECT_LE(fraction, 1.0);
     before = fraction;
     const std::string body(stage.substr(0, stage.find(':')));
     if (bodies.empty() || bodies.back() != body) bodies.push_back(body);
   };
-  f.Load();
+  Load();
   EXPECT_DOUBLE_EQ(before, 1.0);
   EXPECT_THAT(bodies, ElementsAre("body 1 of 3, ball", "body 2 of 3, a", "body 3 of 3, b"));
 }
 
-TEST(LoadScene, KeepsTheRemarkThatAToleranceIsOutOfReach) {
-  Fixture f;
-  f.options.tell = [](const std::string&) {};
-  WriteFile(f.scene, WithLeaves(R"({"tolerance_um": 1, "most_leaves": 70})"));
+TEST_F(LoadedScene, KeepsTheRemarkThatAToleranceIsOutOfReach) {
+  WriteFile(scene_, WithLeaves(R"({"tolerance_um": 1, "most_leaves": 70})"));
   for (int load = 0; load < 2; ++load) {
-    const Scene scene = f.Load();
+    const Scene scene = Load();
     EXPECT_EQ(scene.objects[0].tree.leaves(), 70u);
     EXPECT_THAT(
         ToText(JudgeScene(scene)),
@@ -435,135 +417,121 @@ TEST(LoadScene, KeepsTheRemarkThatAToleranceIsOutOfReach) {
   }
 }
 
-TEST(LoadScene, NamesTheRegionThatTheLeavesOfAToleranceAreTooFewFor) {
-  Fixture f;
-  f.options.tell = [](const std::string&) {};
-  WriteFile(f.scene, WithLeaves("\"auto\"", R"(, "regions": [
+TEST_F(LoadedScene, NamesTheRegionThatTheLeavesOfAToleranceAreTooFewFor) {
+  WriteFile(scene_, WithLeaves("\"auto\"", R"(, "regions": [
       {"sphere": {"centre_mm": [90, 0, 0], "radius_mm": 0.01}, "material": {}}])"));
-  EXPECT_THAT(ComplaintOf([&] { f.Load(); }),
-              AllOf(HasSubstr("objects[0].regions[0]: paints no leaf of \"egg\""),
-                    HasSubstr("more leaves")));
+  EXPECT_THAT(Complaint(), AllOf(HasSubstr("objects[0].regions[0]: paints no leaf of \"egg\""),
+                                 HasSubstr("more leaves")));
 }
 
-TEST(LoadScene, BuildsTreesForTheContactThatIsAskedFor) {
-  Fixture f;
-  const Scene by_file = f.Load();
+TEST_F(LoadedScene, BuildsTreesForTheContactThatIsAskedFor) {
+  const Scene by_file = Load();
   EXPECT_EQ(by_file.features.contact, ContactModel::kSurface);
   EXPECT_EQ(by_file.objects[0].tree.origin, TreeOrigin::kInside);
-  f.options.contact = ContactModel::kSpheres;
+  options_.contact = ContactModel::kSpheres;
   for (int load = 0; load < 2; ++load) {
-    const Scene by_spheres = f.Load();
-    EXPECT_EQ(f.built, load == 0);
+    const Scene by_spheres = Load();
+    EXPECT_EQ(built_, load == 0);
     EXPECT_EQ(by_spheres.features.contact, ContactModel::kSpheres);
     EXPECT_EQ(by_spheres.objects[0].tree.origin, TreeOrigin::kBalanced);
     EXPECT_EQ(by_spheres.objects[0].tree.leaves(), by_file.objects[0].tree.leaves());
-    f.built = false;
+    built_ = false;
   }
-  f.options.contact.reset();
-  EXPECT_EQ(f.Load().objects[0].tree.origin, TreeOrigin::kInside);
-  EXPECT_FALSE(f.built);
+  options_.contact.reset();
+  EXPECT_EQ(Load().objects[0].tree.origin, TreeOrigin::kInside);
+  EXPECT_FALSE(built_);
 }
 
-TEST(LoadScene, LeavesATreeFromAFileAloneWhereAModeIsNamed) {
-  Fixture f;
-  f.options.tell = [](const std::string&) {};
-  WriteTree(f, 70, Vec3::Zero());
-  WriteFile(f.scene, TreeText(R"({"file": "box.sph"})"));
-  const std::vector<std::uint8_t> plain = PackScene(f.Load());
-  f.options.tree = TreeMode::kCover;
-  EXPECT_EQ(PackScene(f.Load()), plain);
-  EXPECT_THAT(f.warnings,
+TEST_F(LoadedScene, LeavesATreeFromAFileAloneWhereAModeIsNamed) {
+  WriteTree(70, Vec3::Zero());
+  WriteFile(scene_, TreeText(R"({"file": "box.sph"})"));
+  const std::vector<std::uint8_t> plain = PackScene(Load());
+  options_.tree = TreeMode::kCover;
+  EXPECT_EQ(PackScene(Load()), plain);
+  EXPECT_THAT(warnings_,
               ElementsAre(AllOf(HasSubstr("objects[0].tree: "), HasSubstr("stays as it is"))));
 }
 
-TEST(LoadScene, MendsABrokenCacheAndSaysSo) {
-  Fixture f;
-  f.Load();
-  ASSERT_EQ(f.Cached().size(), 1u);
-  const std::string cached = f.Cached()[0];
+TEST_F(LoadedScene, MendsABrokenCacheAndSaysSo) {
+  Load();
+  ASSERT_EQ(Cached().size(), 1u);
+  const std::string cached = Cached()[0];
   const std::string good = ReadWholeFile(cached);
   std::string flipped = good;
   flipped[good.size() / 2] ^= 1;
   for (const std::string& bad :
        {flipped, good.substr(0, good.size() / 2), std::string("junk"), std::string()}) {
     WriteFile(cached, bad);
-    f.warnings.clear();
-    EXPECT_EQ(f.Load().objects[0].tree.leaves(), 20u);
-    EXPECT_TRUE(f.built);
-    EXPECT_THAT(f.warnings, ElementsAre(HasSubstr("it is being rebuilt")));
+    warnings_.clear();
+    EXPECT_EQ(Load().objects[0].tree.leaves(), 20u);
+    EXPECT_TRUE(built_);
+    EXPECT_THAT(warnings_, ElementsAre(HasSubstr("it is being rebuilt")));
     EXPECT_EQ(ReadWholeFile(cached), good);
   }
 }
 
-TEST(LoadScene, GoesOnWithoutACacheThatCannotBeWritten) {
-  Fixture f;
-  f.options.cache_dir = WriteFile(f.folder + "/a-file", "x");
-  EXPECT_EQ(f.Load().objects[0].tree.leaves(), 20u);
-  EXPECT_THAT(f.warnings, ElementsAre(HasSubstr("without being cached")));
+TEST_F(LoadedScene, GoesOnWithoutACacheThatCannotBeWritten) {
+  options_.cache_dir = WriteFile(folder_ + "/a-file", "x");
+  EXPECT_EQ(Load().objects[0].tree.leaves(), 20u);
+  EXPECT_THAT(warnings_, ElementsAre(HasSubstr("without being cached")));
 }
 
-TEST(LoadScene, TakesNothingFromACacheThatOthersMayWriteTo) {
-  Fixture f;
-  f.Load();
-  fs::permissions(f.options.cache_dir, fs::perms::all | fs::perms::sticky_bit);
-  EXPECT_EQ(f.Load().objects[0].tree.leaves(), 20u);
-  EXPECT_TRUE(f.built);
-  EXPECT_THAT(f.warnings, ElementsAre(AllOf(HasSubstr("others may write to it"),
-                                            HasSubstr("without being cached"))));
+TEST_F(LoadedScene, TakesNothingFromACacheThatOthersMayWriteTo) {
+  Load();
+  fs::permissions(options_.cache_dir, fs::perms::all | fs::perms::sticky_bit);
+  EXPECT_EQ(Load().objects[0].tree.leaves(), 20u);
+  EXPECT_TRUE(built_);
+  EXPECT_THAT(warnings_, ElementsAre(AllOf(HasSubstr("others may write to it"),
+                                           HasSubstr("without being cached"))));
 }
 
-TEST(LoadScene, TakesNoLinkFromItsCache) {
-  Fixture f;
-  f.Load();
-  const std::string cached = f.Cached()[0];
-  fs::rename(cached, f.folder + "/elsewhere");
-  fs::create_symlink(f.folder + "/elsewhere", cached);
-  f.Load();
-  EXPECT_TRUE(f.built);
-  EXPECT_THAT(f.warnings, ElementsAre(HasSubstr("it is being rebuilt")));
+TEST_F(LoadedScene, TakesNoLinkFromItsCache) {
+  Load();
+  const std::string cached = Cached()[0];
+  fs::rename(cached, folder_ + "/elsewhere");
+  fs::create_symlink(folder_ + "/elsewhere", cached);
+  Load();
+  EXPECT_TRUE(built_);
+  EXPECT_THAT(warnings_, ElementsAre(HasSubstr("it is being rebuilt")));
   EXPECT_FALSE(fs::is_symlink(cached));
 }
 
-TEST(LoadScene, KeepsItsCacheWhereTheUsersCacheIs) {
-  Fixture f;
-  f.options.cache_dir.clear();
-  const Environment cache("XDG_CACHE_HOME", f.folder + "/xdg");
-  f.Load();
-  EXPECT_TRUE(fs::is_directory(f.folder + "/xdg/palpate"));
+TEST_F(LoadedScene, KeepsItsCacheWhereTheUsersCacheIs) {
+  options_.cache_dir.clear();
+  const Environment cache("XDG_CACHE_HOME", folder_ + "/xdg");
+  Load();
+  EXPECT_TRUE(fs::is_directory(folder_ + "/xdg/palpate"));
 }
 
-TEST(LoadScene, TakesABundle) {
-  Fixture f;
-  const std::string bundle = f.folder + "/s.palpate";
-  WriteFileAtomically(bundle, PackScene(f.Load()));
-  EXPECT_EQ(PackScene(LoadScene(bundle)), PackScene(f.Load()));
+TEST_F(LoadedScene, TakesABundle) {
+  const std::string bundle = folder_ + "/s.palpate";
+  WriteFileAtomically(bundle, PackScene(Load()));
+  EXPECT_EQ(PackScene(LoadScene(bundle)), PackScene(Load()));
   fs::resize_file(bundle, 100);
   EXPECT_THAT(ComplaintOf([&] { LoadScene(bundle); }), HasSubstr("s.palpate: is cut short"));
 }
 
-TEST(LoadScene, LooksInTheCatalogueThatTheEnvironmentNames) {
-  Fixture f;
-  const Environment catalogue("PALPATE_CATALOGUE", f.folder);
-  EXPECT_EQ(LoadScene("s", f.options).name, "s");
+TEST_F(LoadedScene, LooksInTheCatalogueThatTheEnvironmentNames) {
+  const Environment catalogue("PALPATE_CATALOGUE", folder_);
+  EXPECT_EQ(LoadScene("s", options_).name, "s");
   EXPECT_THAT(CatalogueNames(), ElementsAre("s"));
 }
 
-TEST(LoadScene, NamesTheSceneThatOneMayHaveMeant) {
+TEST_F(LoadedScene, NamesTheSceneThatOneMayHaveMeant) {
   EXPECT_THAT(ComplaintOf([] { LoadScene("buny-bunny"); }),
               HasSubstr("there is no scene \"buny-bunny\"; did you mean \"bunny-bunny\"?"));
   EXPECT_THAT(ComplaintOf([] { LoadScene("./none.json"); }),
               HasSubstr("./none.json: No such file or directory"));
 }
 
-TEST(LoadScene, NamesLineAndFileOfAMeshThatIsMissingOrBroken) {
-  Fixture f;
-  fs::remove(f.folder + "/box.obj");
-  EXPECT_THAT(ComplaintOf([&] { f.Load(); }), HasSubstr("s.json:2: objects[0].mesh: "));
-  EXPECT_THAT(ComplaintOf([&] { f.Load(); }), HasSubstr("box.obj: No such file"));
-  WriteFile(f.folder + "/box.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
-  EXPECT_THAT(ComplaintOf([&] { f.Load(); }), HasSubstr("the mesh has no extent"));
-  WriteFile(f.folder + "/box.obj", "nonsense");
-  EXPECT_THAT(ComplaintOf([&] { f.Load(); }), HasSubstr("box.obj: the mesh has no triangles"));
+TEST_F(LoadedScene, NamesLineAndFileOfAMeshThatIsMissingOrBroken) {
+  fs::remove(folder_ + "/box.obj");
+  EXPECT_THAT(Complaint(), HasSubstr("s.json:2: objects[0].mesh: "));
+  EXPECT_THAT(Complaint(), HasSubstr("box.obj: No such file"));
+  WriteFile(folder_ + "/box.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  EXPECT_THAT(Complaint(), HasSubstr("the mesh has no extent"));
+  WriteFile(folder_ + "/box.obj", "nonsense");
+  EXPECT_THAT(Complaint(), HasSubstr("box.obj: the mesh has no triangles"));
 }
 
 TEST(Catalogue, HasAHandScriptForEveryScene) {

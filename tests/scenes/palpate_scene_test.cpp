@@ -27,95 +27,84 @@ using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Not;
 
-struct Outcome {
-  int exit_code = -1;
-  std::string text;
-};
-
-Outcome PalpateScene(const std::string& arguments, const std::string& folder) {
-  const std::string command =
-      "XDG_CACHE_HOME=" + folder + " " + PALPATE_BIN_DIR + "/palpate-scene " + arguments + " 2>&1";
-  FILE* pipe = popen(command.c_str(), "r");
-  Outcome run;
-  char block[4096];
-  while (const std::size_t got = fread(block, 1, sizeof block, pipe)) run.text.append(block, got);
-  run.exit_code = WEXITSTATUS(pclose(pipe));
-  return run;
-}
-
-/// The scene file of a ball on an ellipsoid of few triangles: a tree of many takes seconds.
-std::string EggScene(const std::string& folder, int leaves = 512) {
-  return test::WriteFile(folder + "/egg.json", R"({
+class PalpateScene : public testing::Test {
+ protected:
+  /// What it says where it ends so.
+  std::string Run(const std::string& arguments, int exit_code = 0) const {
+    const std::string command = "XDG_CACHE_HOME=" + folder + " " + PALPATE_BIN_DIR +
+                                "/palpate-scene " + arguments + " 2>&1";
+    std::FILE* const pipe = popen(command.c_str(), "r");
+    std::string text;
+    char block[4096];
+    while (const std::size_t got = fread(block, 1, sizeof block, pipe)) text.append(block, got);
+    EXPECT_EQ(WEXITSTATUS(pclose(pipe)), exit_code) << arguments << "\n" << text;
+    return text;
+  }
+  bool Exists(const std::string& file) const {
+    return std::filesystem::exists(folder + "/" + file);
+  }
+  std::string Write(const std::string& file, const std::string& text) const {
+    return test::WriteFile(folder + "/" + file, text);
+  }
+  /// The scene file of a ball on an ellipsoid of few triangles: a tree of many takes seconds.
+  std::string EggScene(int leaves = 512) const {
+    return Write("egg.json", R"({
     "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
     "objects": [{"name": "egg", "mesh": {"shape": "ellipsoid", "semi_axes_m": [0.04, 0.025, 0.03],
                                          "triangles": 1280}, "leaves": )" +
-                                                   std::to_string(leaves) + "}]}");
+                                 std::to_string(leaves) + "}]}");
+  }
+
+  const std::string folder = FreshFolder();
+};
+
+TEST_F(PalpateScene, BuildsABundleAndTellsWhatIsInIt) {
+  const std::string build = Run("build " + EggScene() + " -o " + folder + "/e.palpate");
+  EXPECT_TRUE(Exists("e.palpate"));
+  const std::string info = Run("info " + folder + "/e.palpate");
+  EXPECT_THAT(info, HasSubstr("tool ball: 1 leaves"));
+  EXPECT_THAT(info, HasSubstr("object egg: 512 leaves in 3 levels"));
+  EXPECT_THAT(info, HasSubstr("512 spheres in    64 packets (100 % full)"));
+  const std::string render = Run("render " + folder + "/e.palpate -o " + folder + "/e.png");
+  EXPECT_TRUE(Exists("e.png"));
 }
 
-TEST(PalpateScene, BuildsABundleAndTellsWhatIsInIt) {
-  const std::string folder = FreshFolder();
-  const Outcome build =
-      PalpateScene("build " + EggScene(folder) + " -o " + folder + "/e.palpate", folder);
-  EXPECT_EQ(build.exit_code, 0) << build.text;
-  EXPECT_TRUE(std::filesystem::exists(folder + "/e.palpate"));
-  const Outcome info = PalpateScene("info " + folder + "/e.palpate", folder);
-  EXPECT_EQ(info.exit_code, 0);
-  EXPECT_THAT(info.text, HasSubstr("tool ball: 1 leaves"));
-  EXPECT_THAT(info.text, HasSubstr("object egg: 512 leaves in 3 levels"));
-  EXPECT_THAT(info.text, HasSubstr("512 spheres in    64 packets (100 % full)"));
-  const Outcome render =
-      PalpateScene("render " + folder + "/e.palpate -o " + folder + "/e.png", folder);
-  EXPECT_EQ(render.exit_code, 0) << render.text;
-  EXPECT_TRUE(std::filesystem::exists(folder + "/e.png"));
-}
-
-TEST(PalpateScene, TellsHowFarEachLevelIsFromTheMeshAndInWhichMode) {
-  const std::string folder = FreshFolder();
+TEST_F(PalpateScene, TellsHowFarEachLevelIsFromTheMeshAndInWhichMode) {
   const std::string bundle = folder + "/e.palpate";
-  const std::string scene = EggScene(folder, 100);
-  const Outcome build = PalpateScene("build " + scene + " --mode balanced -o " + bundle, folder);
-  EXPECT_THAT(build.text, HasSubstr("100 leaves in 3 levels, mode \"balanced\""));
-  EXPECT_THAT(build.text, HasSubstr("tool ball: 1 leaves in 1 levels, exactly the ball it is"));
-  const Outcome info = PalpateScene(
-      "info " + bundle + " --samples 1009 --csv " + folder + "/e.csv --json -", folder);
-  EXPECT_EQ(info.exit_code, 0) << info.text;
-  EXPECT_THAT(info.text, HasSubstr("100 leaves in 3 levels, mode \"balanced\""));
-  EXPECT_THAT(info.text, HasSubstr("1, bounds"));
-  EXPECT_THAT(info.text, HasSubstr("3, leaves"));
-  EXPECT_THAT(info.text, HasSubstr("a single ball is what it is"));
-  EXPECT_THAT(info.text, HasSubstr("bound the leaves below them (for the contact prediction)"));
+  const std::string scene = EggScene(100);
+  const std::string build = Run("build " + scene + " --mode balanced -o " + bundle);
+  EXPECT_THAT(build, HasSubstr("100 leaves in 3 levels, mode \"balanced\""));
+  EXPECT_THAT(build, HasSubstr("tool ball: 1 leaves in 1 levels, exactly the ball it is"));
+  const std::string info =
+      Run("info " + bundle + " --samples 1009 --csv " + folder + "/e.csv --json -");
+  EXPECT_THAT(info, HasSubstr("100 leaves in 3 levels, mode \"balanced\""));
+  EXPECT_THAT(info, HasSubstr("1, bounds"));
+  EXPECT_THAT(info, HasSubstr("3, leaves"));
+  EXPECT_THAT(info, HasSubstr("a single ball is what it is"));
+  EXPECT_THAT(info, HasSubstr("bound the leaves below them (for the contact prediction)"));
   const std::string csv = ReadWholeFile(folder + "/e.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
   EXPECT_THAT(csv, testing::StartsWith("body,mode,level,kind,spheres,outside_um_mean"));
   EXPECT_THAT(csv, HasSubstr("\negg,balanced,3,leaves,100,"));
-  const std::size_t json = info.text.find('{');
+  const std::size_t json = info.find('{');
   ASSERT_NE(json, std::string::npos);
-  EXPECT_THAT(info.text.substr(json), HasSubstr("\"mode\": \"ball\",\n      \"levels\": []"));
-  const Outcome both = PalpateScene("info " + bundle + " --csv - --json -", folder);
-  EXPECT_EQ(both.exit_code, 2);
-  EXPECT_THAT(both.text, HasSubstr("give one of them a file"));
+  EXPECT_THAT(info.substr(json), HasSubstr("\"mode\": \"ball\",\n      \"levels\": []"));
+  EXPECT_THAT(Run("info " + bundle + " --csv - --json -", 2), HasSubstr("give one of them a file"));
 
-  const Outcome picture =
-      PalpateScene("render " + bundle + " --error --body egg -o " + folder + "/e.png", folder);
-  EXPECT_EQ(picture.exit_code, 0) << picture.text;
-  EXPECT_TRUE(std::filesystem::exists(folder + "/e.png"));
-  const Outcome whose =
-      PalpateScene("render " + bundle + " --body egg -o " + folder + "/f.png", folder);
-  EXPECT_EQ(whose.exit_code, 2);
-  EXPECT_THAT(whose.text, HasSubstr("--body chooses whose --error is drawn"));
-  const Outcome loose = PalpateScene("build " + scene + " --tolerance-um 800", folder);
-  EXPECT_THAT(loose.text, HasSubstr("egg: 64 leaves for 800 um: "));
-  EXPECT_EQ(PalpateScene("build " + scene + " --tolerance-um 0", folder).exit_code, 2);
+  Run("render " + bundle + " --error --body egg -o " + folder + "/e.png");
+  EXPECT_TRUE(Exists("e.png"));
+  const std::string whose = Run("render " + bundle + " --body egg -o " + folder + "/f.png", 2);
+  EXPECT_THAT(whose, HasSubstr("--body chooses whose --error is drawn"));
+  EXPECT_THAT(Run("build " + scene + " --tolerance-um 800"),
+              HasSubstr("egg: 64 leaves for 800 um: "));
+  Run("build " + scene + " --tolerance-um 0", 2);
 }
 
-TEST(PalpateScene, BuildsTreesInTheModeThatIsNamed) {
-  const std::string folder = FreshFolder();
-  const std::string egg = EggScene(folder);
+TEST_F(PalpateScene, BuildsTreesInTheModeThatIsNamed) {
+  const std::string egg = EggScene();
   const auto outside = [&](const std::string& mode) {
     const std::string bundle = folder + "/" + mode + ".palpate";
-    const Outcome build =
-        PalpateScene("build " + egg + " --mode " + mode + " -o " + bundle, folder);
-    EXPECT_EQ(build.exit_code, 0) << build.text;
+    const std::string build = Run("build " + egg + " --mode " + mode + " -o " + bundle);
     const Scene scene = LoadScene(bundle);
     return MeasureCoverage(scene.objects[0].mesh, scene.objects[0].tree).outside.max;
   };
@@ -125,137 +114,112 @@ TEST(PalpateScene, BuildsTreesInTheModeThatIsNamed) {
   EXPECT_LT(outside("inside"), 1e-6);
 }
 
-TEST(PalpateScene, ExportsTreesAndTakesThemBack) {
-  const std::string folder = FreshFolder();
-  const std::string egg = EggScene(folder);
+TEST_F(PalpateScene, ExportsTreesAndTakesThemBack) {
+  const std::string egg = EggScene();
   for (const std::string ending : {"sph", "ply", "glb"}) {
     const std::string file = folder + "/e." + ending;
-    const Outcome exported = PalpateScene("export " + egg + " -o " + file, folder);
-    EXPECT_EQ(exported.exit_code, 0) << exported.text;
-    EXPECT_THAT(exported.text, HasSubstr("wrote " + file + ": the tree of egg"));
+    EXPECT_THAT(Run("export " + egg + " -o " + file),
+                HasSubstr("wrote " + file + ": the tree of egg"));
     EXPECT_TRUE(std::filesystem::exists(file));
   }
-  test::WriteFile(folder + "/s.json", R"({
+  Write("s.json", R"({
     "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
     "objects": [{"name": "egg", "tree": {"file": "e.sph", "unit": "mm"},
                  "mesh": {"shape": "ellipsoid", "semi_axes_m": [0.04, 0.025, 0.03]}}]})");
-  const Outcome build = PalpateScene("build " + folder + "/s.json --mode cover", folder);
-  EXPECT_EQ(build.exit_code, 0) << build.text;
-  EXPECT_THAT(build.text,
-              HasSubstr("egg: " + folder + "/e.sph: level 4 of 4, 512 balls, moved by"));
-  EXPECT_THAT(build.text, HasSubstr("objects[0].tree: is a tree from a file"));
-  EXPECT_THAT(build.text, HasSubstr("object egg: 512 leaves in 3 levels"));
+  const std::string build = Run("build " + folder + "/s.json --mode cover");
+  EXPECT_THAT(build, HasSubstr("egg: " + folder + "/e.sph: level 4 of 4, 512 balls, moved by"));
+  EXPECT_THAT(build, HasSubstr("objects[0].tree: is a tree from a file"));
+  EXPECT_THAT(build, HasSubstr("object egg: 512 leaves in 3 levels"));
 
-  const Outcome body = PalpateScene("export " + egg + " --body eg -o " + folder + "/f.ply", folder);
-  EXPECT_EQ(body.exit_code, 2) << body.text;
-  EXPECT_THAT(body.text, HasSubstr("did you mean \"egg\"?"));
-  const Outcome ball =
-      PalpateScene("export " + egg + " --body ball -o " + folder + "/f.ply", folder);
-  EXPECT_THAT(ball.text, HasSubstr("the tree of ball"));
-  const Outcome ending = PalpateScene("export " + egg + " -o " + folder + "/f.obj", folder);
-  EXPECT_EQ(ending.exit_code, 2) << ending.text;
-  EXPECT_THAT(ending.text, HasSubstr("give .sph"));
-  EXPECT_FALSE(std::filesystem::exists(folder + "/f.obj"));
-  const Outcome help = PalpateScene("export --help", folder);
-  EXPECT_EQ(help.exit_code, 0);
-  EXPECT_THAT(help.text, HasSubstr("Example: palpate-scene export"));
+  const std::string body = Run("export " + egg + " --body eg -o " + folder + "/f.ply", 2);
+  EXPECT_THAT(body, HasSubstr("did you mean \"egg\"?"));
+  const std::string ball = Run("export " + egg + " --body ball -o " + folder + "/f.ply");
+  EXPECT_THAT(ball, HasSubstr("the tree of ball"));
+  const std::string ending = Run("export " + egg + " -o " + folder + "/f.obj", 2);
+  EXPECT_THAT(ending, HasSubstr("give .sph"));
+  EXPECT_FALSE(Exists("f.obj"));
+  const std::string help = Run("export --help");
+  EXPECT_THAT(help, HasSubstr("Example: palpate-scene export"));
 }
 
-TEST(PalpateScene, SaysWhatAModeCanBeAndOfWhat) {
-  const std::string folder = FreshFolder();
-  const Outcome unknown = PalpateScene("build " + EggScene(folder) + " --mode outside", folder);
-  EXPECT_EQ(unknown.exit_code, 2) << unknown.text;
-  EXPECT_THAT(unknown.text, HasSubstr("inside"));
-  EXPECT_THAT(unknown.text, HasSubstr("balanced"));
+TEST_F(PalpateScene, SaysWhatAModeCanBeAndOfWhat) {
+  const std::string unknown = Run("build " + EggScene() + " --mode outside", 2);
+  EXPECT_THAT(unknown, HasSubstr("inside"));
+  EXPECT_THAT(unknown, HasSubstr("balanced"));
   const std::string bundle = folder + "/e.palpate";
-  ASSERT_EQ(PalpateScene("build " + EggScene(folder) + " -o " + bundle, folder).exit_code, 0);
-  const Outcome built = PalpateScene("build " + bundle + " --mode balanced", folder);
-  EXPECT_EQ(built.exit_code, 1) << built.text;
-  EXPECT_THAT(built.text, HasSubstr("e.palpate: is a bundle, whose trees are built"));
-  EXPECT_THAT(built.text, HasSubstr("give the scene file or leave the mode out"));
+  Run("build " + EggScene() + " -o " + bundle);
+  const std::string built = Run("build " + bundle + " --mode balanced", 1);
+  EXPECT_THAT(built, HasSubstr("e.palpate: is a bundle, whose trees are built"));
+  EXPECT_THAT(built, HasSubstr("give the scene file or leave the mode out"));
 }
 
-TEST(PalpateScene, ChecksScenesAndMeshes) {
-  const std::string folder = FreshFolder();
-  const Outcome scene = PalpateScene("check cube", folder);
-  EXPECT_EQ(scene.exit_code, 0) << scene.text;
-  EXPECT_THAT(scene.text, HasSubstr("outside   mean 0.0  p99 0.0  max 0.0 um"));
-  EXPECT_THAT(scene.text, HasSubstr("uncovered mean "));
-  EXPECT_THAT(scene.text, EndsWith("verdict: good to touch\n"));
-  const std::string mesh =
-      test::WriteFile(folder + "/t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  const Outcome open = PalpateScene("check " + mesh, folder);
-  EXPECT_EQ(open.exit_code, 0) << open.text;
-  EXPECT_THAT(open.text, HasSubstr("closed no"));
-  EXPECT_THAT(open.text, HasSubstr("note: 3 edges are open"));
-  EXPECT_THAT(open.text,
+TEST_F(PalpateScene, ChecksScenesAndMeshes) {
+  const std::string scene = Run("check cube");
+  EXPECT_THAT(scene, HasSubstr("outside   mean 0.0  p99 0.0  max 0.0 um"));
+  EXPECT_THAT(scene, HasSubstr("uncovered mean "));
+  EXPECT_THAT(scene, EndsWith("verdict: good to touch\n"));
+  const std::string mesh = Write("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const std::string open = Run("check " + mesh);
+  EXPECT_THAT(open, HasSubstr("closed no"));
+  EXPECT_THAT(open, HasSubstr("note: 3 edges are open"));
+  EXPECT_THAT(open,
               HasSubstr("verdict: usable with these limits:\n  - object t: 3 edges are open"));
-  const std::string points =
-      test::WriteFile(folder + "/p.obj", "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n");
-  const Outcome nothing = PalpateScene("check " + points, folder);
-  EXPECT_EQ(nothing.exit_code, 1) << nothing.text;
-  EXPECT_THAT(nothing.text, HasSubstr("verdict: not usable:\n  - mesh: the mesh has no "));
+  const std::string points = Write("p.obj", "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n");
+  EXPECT_THAT(Run("check " + points, 1),
+              HasSubstr("verdict: not usable:\n  - mesh: the mesh has no "));
 }
 
-TEST(PalpateScene, WarnsOfPartsThatOverlap) {
-  const std::string folder = FreshFolder();
+TEST_F(PalpateScene, WarnsOfPartsThatOverlap) {
   const std::string mesh = test::WriteFile(  // a box, and a second one in it
       folder + "/tooth.obj", "o crown\n" + test::ObjOf(MakeBox(Vec3::Constant(10.0))) + "o gum\n" +
                                  test::ObjOf(MakeBox(Vec3::Constant(4.0)), 8));
-  const Outcome alone = PalpateScene("check " + mesh, folder);
-  EXPECT_EQ(alone.exit_code, 0) << alone.text;
-  EXPECT_THAT(alone.text,
-              HasSubstr("warning: parts overlap: 14 % of the surface lies inside other"));
-  EXPECT_THAT(alone.text, HasSubstr(", of \"gum\"; "));
-  EXPECT_EQ(PalpateScene("new " + mesh + " -o " + folder + "/tooth.json", folder).exit_code, 0);
-  const Outcome scene = PalpateScene("check " + folder + "/tooth.json", folder);
-  EXPECT_EQ(scene.exit_code, 0) << scene.text;
-  EXPECT_THAT(scene.text, HasSubstr("verdict: usable with these limits:\n  - object tooth: parts "
-                                    "overlap: 14 % of the surface lies inside other parts"));
+  const std::string alone = Run("check " + mesh);
+  EXPECT_THAT(alone, HasSubstr("warning: parts overlap: 14 % of the surface lies inside other"));
+  EXPECT_THAT(alone, HasSubstr(", of \"gum\"; "));
+  Run("new " + mesh + " -o " + folder + "/tooth.json");
+  const std::string scene = Run("check " + folder + "/tooth.json");
+  EXPECT_THAT(scene, HasSubstr("verdict: usable with these limits:\n  - object tooth: parts "
+                               "overlap: 14 % of the surface lies inside other parts"));
 }
 
 /// What a program says from its verdict on; each finding of a server's is a line of its log.
-std::string VerdictOf(const Outcome& run) {
-  const std::size_t at = run.text.find("verdict: ");
-  if (at == std::string::npos) return "none: " + run.text;
-  const std::size_t end = run.text.find("palpate-scene: ", at);
-  return run.text.substr(at, end == std::string::npos ? end : end - at);
+std::string VerdictOf(const std::string& text) {
+  const std::size_t at = text.find("verdict: ");
+  if (at == std::string::npos) return "none: " + text;
+  const std::size_t end = text.find("palpate-scene: ", at);
+  return text.substr(at, end == std::string::npos ? end : end - at);
 }
 
-TEST(PalpateScene, ChecksBuildsAndInformsWithTheServersVerdict) {
-  const std::string folder = FreshFolder();
+TEST_F(PalpateScene, ChecksBuildsAndInformsWithTheServersVerdict) {
   test::Random random(3);
   TriangleMesh soup = test::Unwelded(MakeSphere(0.02, 320), 4e-8, random);
   test::TurnSome(soup, 0.05, random);
   soup = test::Both(soup, MakeSphere(0.019, 320));
-  const std::string mesh = test::WriteFile(folder + "/soup.obj", test::ObjOf(soup));
+  const std::string mesh = Write("soup.obj", test::ObjOf(soup));
   const std::string bundle = folder + "/soup.palpate";
-  const std::string check = VerdictOf(PalpateScene("check " + mesh, folder));
+  const std::string check = VerdictOf(Run("check " + mesh));
   EXPECT_THAT(check, testing::AllOf(HasSubstr("usable with these limits"), HasSubstr("welded"),
                                     HasSubstr("they are turned"), HasSubstr("parts overlap")));
   LoadOptions options;
   options.cache_dir = folder + "/palpate";
   options.tell = [](const std::string&) {};
   EXPECT_EQ(ToText(JudgeScene(LoadScene(mesh, options))), check) << "which the server logs";
-  EXPECT_EQ(VerdictOf(PalpateScene("info " + mesh, folder)), check);
-  const Outcome build = PalpateScene("build " + mesh + " -o " + bundle, folder);
-  EXPECT_EQ(build.exit_code, 0) << build.text;
-  EXPECT_EQ(VerdictOf(build).find(check), 0u) << build.text;
-  EXPECT_EQ(VerdictOf(PalpateScene("check " + bundle, folder)), check) << "what was mended stays";
+  EXPECT_EQ(VerdictOf(Run("info " + mesh)), check);
+  const std::string build = Run("build " + mesh + " -o " + bundle);
+  EXPECT_EQ(VerdictOf(build).find(check), 0u) << build;
+  EXPECT_EQ(VerdictOf(Run("check " + bundle)), check) << "what was mended stays";
 }
 
-TEST(PalpateScene, ChecksBuildsAndInformsAsFailuresOfWhatIsNotUsable) {
-  const std::string folder = FreshFolder();
-  const std::string scene = test::WriteFile(
-      folder + "/bare.json",
-      R"({"contact":"spheres","tools":[{"name":"b","mesh":{"shape":"sphere","radius_m":0.01},
+TEST_F(PalpateScene, ChecksBuildsAndInformsAsFailuresOfWhatIsNotUsable) {
+  const std::string scene =
+      Write("bare.json",
+            R"({"contact":"spheres","tools":[{"name":"b","mesh":{"shape":"sphere","radius_m":0.01},
 "leaves":1}],"objects":[{"name":"o","mesh":{"shape":"box","size_m":[0.1,0.2,0.3]},"leaves":1}]})");
   const std::string bundle = folder + "/bare.palpate";
   for (const std::string& command :
        {std::string("check "), std::string("info "), "build -o " + bundle + " "}) {
-    const Outcome run = PalpateScene(command + scene, folder);
-    EXPECT_EQ(run.exit_code, 1) << command << run.text;
-    EXPECT_THAT(run.text, HasSubstr("verdict: not usable:\n  - object o: a hundredth"));
+    EXPECT_THAT(Run(command + scene, 1),
+                HasSubstr("verdict: not usable:\n  - object o: a hundredth"));
   }
   EXPECT_FALSE(std::filesystem::exists(bundle));
 }
@@ -269,8 +233,7 @@ std::map<std::string, std::string> FilesIn(const std::string& folder) {
   return files;
 }
 
-TEST(PalpateScene, LeavesNothingBehindWhereCtrlCEndsABuild) {
-  const std::string folder = FreshFolder();
+TEST_F(PalpateScene, LeavesNothingBehindWhereCtrlCEndsABuild) {
   const std::string cache = folder + "/cache", out = folder + "/out";
   std::filesystem::create_directories(out);
   const auto scene = [&](const std::string& name, int leaves) {
@@ -281,7 +244,7 @@ TEST(PalpateScene, LeavesNothingBehindWhereCtrlCEndsABuild) {
             std::to_string(leaves) + "}]}");
   };
   const std::string small = scene("small", 64);
-  ASSERT_EQ(PalpateScene("build " + small + " --cache " + cache, folder).exit_code, 0);
+  Run("build " + small + " --cache " + cache);
   const auto before = FilesIn(cache);
   ASSERT_EQ(before.size(), 1u);
   test::Program build(
@@ -292,41 +255,34 @@ TEST(PalpateScene, LeavesNothingBehindWhereCtrlCEndsABuild) {
   EXPECT_EQ(build.Exit(), -SIGINT);
   EXPECT_TRUE(std::filesystem::is_empty(out));
   EXPECT_EQ(FilesIn(cache), before);
-  const Outcome again = PalpateScene("info " + small + " --cache " + cache, folder);
-  EXPECT_EQ(again.exit_code, 0) << again.text;
-  EXPECT_THAT(again.text, Not(HasSubstr("touching balls"))) << "it is not built anew";
+  EXPECT_THAT(Run("info " + small + " --cache " + cache), Not(HasSubstr("touching balls")))
+      << "it is not built anew";
 }
 
-TEST(PalpateScene, ListsTheCatalogue) {
-  const Outcome list = PalpateScene("list", FreshFolder());
-  EXPECT_EQ(list.exit_code, 0) << list.text;
-  for (const std::string& name : CatalogueNames()) EXPECT_THAT(list.text, HasSubstr(name + " "));
-  EXPECT_THAT(list.text, HasSubstr("cube              A ball of 5 mm radius on a cube"));
+TEST_F(PalpateScene, ListsTheCatalogue) {
+  const std::string list = Run("list");
+  for (const std::string& name : CatalogueNames()) EXPECT_THAT(list, HasSubstr(name + " "));
+  EXPECT_THAT(list, HasSubstr("cube              A ball of 5 mm radius on a cube"));
 }
 
-TEST(PalpateScene, EndsWithOneForAFailureAndTwoForWrongUsage) {
-  const std::string folder = FreshFolder();
+TEST_F(PalpateScene, EndsWithOneForAFailureAndTwoForWrongUsage) {
   for (const std::string wrong :
        {"", "fly", "build", "render cube", "render cube -o x.png --level 9",
         "render cube -o x.png --whole --level 1", "render cube -o x.jpg", "render cube -o x"}) {
-    EXPECT_EQ(PalpateScene(wrong, folder).exit_code, 2) << wrong;
+    Run(wrong, 2);
   }
-  EXPECT_THAT(PalpateScene("render cube -o x.jpg", folder).text,
+  EXPECT_THAT(Run("render cube -o x.jpg", 2),
               HasSubstr("-o x.jpg: pictures are PNG; give a name that ends in .png"));
-  const Outcome missing = PalpateScene("info nothing", folder);
-  EXPECT_EQ(missing.exit_code, 1);
-  EXPECT_THAT(missing.text, HasSubstr("palpate-scene: there is no scene \"nothing\""));
+  EXPECT_THAT(Run("info nothing", 1), HasSubstr("palpate-scene: there is no scene \"nothing\""));
 }
 
-TEST(PalpateScene, RefusesAFileThatTakesTooMuchTime) {
+TEST_F(PalpateScene, RefusesAFileThatTakesTooMuchTime) {
   // In the importer's place, one that a file holds up, with less time.
-  const std::string folder = FreshFolder();
   const std::string scene = folder + "/palpate-scene", importer = folder + "/palpate-import";
   std::filesystem::copy_file(test::OwnFolder() + "/palpate-scene", scene);
   test::WriteFile(importer, "#!/bin/sh\nulimit -t 1\nwhile :; do :; done\n");
   std::filesystem::permissions(importer, std::filesystem::perms::owner_all);
-  const std::string file =
-      test::WriteFile(folder + "/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const std::string file = Write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   test::Program program(scene, {"check", file});
   EXPECT_EQ(program.Exit(60.0), 1);
   EXPECT_THAT(program.Output(),

@@ -105,6 +105,8 @@ TEST(SecuredDomain, IsPutUnderLoadByWhoMayDoSo) {
   Program stranger = RunProgram("palpate-load", arguments, IdentityOf("load", "others"));
   EXPECT_EQ(stranger.Exit(60.0), 1) << stranger.Output();
   EXPECT_THAT(stranger.Output(), HasSubstr("the role of this --identity"));
+  EXPECT_THAT(stranger.Output(),
+              HasSubstr("made for another station than 'crowd_1': give the --id"));
 }
 
 TEST(SecuredDomain, NeitherHearsNorIsHeardByWhoHasNoIdentityOrAnotherAuthoritys) {

@@ -29,11 +29,23 @@ wire::SessionRequest RequestOf(const std::string& station, const std::string& to
   return request;
 }
 
+void Leave(SessionTable& table, const std::string& station, const std::string& tool,
+           std::int64_t now) {
+  wire::SessionRequest leave = RequestOf(station, tool);
+  leave.leave = true;
+  table.Request(leave, now);
+  table.Update(now);
+}
+
 class SceneChangesTest : public testing::Test {
  protected:
   void Admit(const std::string& station, const std::string& tool) {
     table_.Request(RequestOf(station, tool), now_);
     hands_[station];
+  }
+  void AdmitBoth() {
+    Admit("a", "left");
+    Admit("b", "right");
   }
   wire::Wrench Send(const std::string& station, const Vec3& p) {
     wire::Wrench answer{};
@@ -55,6 +67,8 @@ class SceneChangesTest : public testing::Test {
       for (const wire::LeafTaken& taken : table_.TakeLeavesTaken()) taken_.push_back(taken);
     }
   }
+  /// Both tools beside one another.
+  void ScrapeBoth(int steps) { Scrape({{"a", 0.0}, {"b", 0.0005}}, steps); }
   const ServoLoop& LoopOf(const std::string& station) {
     return table_.sessions().at(station)->loop();
   }
@@ -72,9 +86,8 @@ class SceneChangesTest : public testing::Test {
 };
 
 TEST_F(SceneChangesTest, SayEachLeafOnceWithItsTrianglesInOneOrder) {
-  Admit("a", "left");
-  Admit("b", "right");
-  Scrape({{"a", 0.0}, {"b", 0.0005}}, 4000);
+  AdmitBoth();
+  ScrapeBoth(4000);
   ASSERT_GT(changes_.size(), 5u);
   std::vector<bool> gone(scene_.objects[0].tree.leaves());
   bool from_a = false, from_b = false;
@@ -97,8 +110,7 @@ TEST_F(SceneChangesTest, SayEachLeafOnceWithItsTrianglesInOneOrder) {
 }
 
 TEST_F(SceneChangesTest, ReachTheOtherToolsAndThoseThatComeLater) {
-  Admit("a", "left");
-  Admit("b", "right");
+  AdmitBoth();
   Scrape({{"a", 0.0}, {"b", 0.01}}, 3000);
   Admit("c", "left");
   Send("b", Vec3(0, 0.01, 0.01));
@@ -115,19 +127,15 @@ TEST_F(SceneChangesTest, ReachTheOtherToolsAndThoseThatComeLater) {
   }
   EXPECT_THAT(in(LoopOf("b")), testing::UnorderedElementsAreArray(changed));
   // `a` leaves its tool; who takes it up finds the floor as it was left.
-  wire::SessionRequest leave = RequestOf("a", "left");
-  leave.leave = true;
-  table_.Request(leave, now_);
-  table_.Update(now_);
+  Leave(table_, "a", "left", now_);
   Admit("c", "left");
   Send("c", Vec3(0, 0, 0.01));
   EXPECT_THAT(in(LoopOf("c")), testing::ElementsAreArray(changed));
 }
 
 TEST_F(SceneChangesTest, TellBeforeWhichPoseOfEachOtherToolALeafWent) {
-  Admit("a", "left");
-  Admit("b", "right");
-  Scrape({{"a", 0.0}, {"b", 0.0005}}, 4000);
+  AdmitBoth();
+  ScrapeBoth(4000);
   for (const std::string station : {"a", "b"}) {
     std::vector<std::pair<std::uint32_t, std::uint64_t>> told, had;
     for (const wire::LeafTaken& taken : taken_) {
@@ -148,9 +156,8 @@ TEST_F(SceneChangesTest, TellBeforeWhichPoseOfEachOtherToolALeafWent) {
 }
 
 TEST_F(SceneChangesTest, ReplayFromPosesAndTheRecordToTheSameBits) {
-  Admit("a", "left");
-  Admit("b", "right");
-  Scrape({{"a", 0.0}, {"b", 0.0005}}, 4000);
+  AdmitBoth();
+  ScrapeBoth(4000);
   const ServoLoop& played = LoopOf("b");
   ASSERT_GT(played.removals().size(), 5u);
   bool foreign = false;
@@ -221,9 +228,8 @@ wire::WholeRequest WholeRequestOf(const std::string& scene) {
 }
 
 TEST_F(SceneChangesTest, AreUndoneForAllToolsWhereTheSceneIsMadeWhole) {
-  Admit("a", "left");
-  Admit("b", "right");
-  Scrape({{"a", 0.0}, {"b", 0.0005}}, 4000);
+  AdmitBoth();
+  ScrapeBoth(4000);
   const std::size_t before = changes_.size();
   ASSERT_GT(before, 5u);
   const wire::WholeRequest request = WholeRequestOf("crust");
@@ -240,7 +246,7 @@ TEST_F(SceneChangesTest, AreUndoneForAllToolsWhereTheSceneIsMadeWhole) {
 
   // The same strokes scrape the same leaves off once more, under numbers of their own.
   strokes_.clear();
-  Scrape({{"a", 0.0}, {"b", 0.0005}}, 4000);
+  ScrapeBoth(4000);
   std::vector<std::uint32_t> first, second;
   for (std::size_t i = 0; i < changes_.size(); ++i) {
     EXPECT_EQ(changes_[i].change, i + 1);
@@ -255,12 +261,11 @@ TEST_F(SceneChangesTest, AreUndoneForAllToolsWhereTheSceneIsMadeWhole) {
 }
 
 TEST_F(SceneChangesTest, TellEachLoopsPoseBeforeWhichTheSceneWasWhole) {
-  Admit("a", "left");
-  Admit("b", "right");
-  Scrape({{"a", 0.0}, {"b", 0.0005}}, 2000);
+  AdmitBoth();
+  ScrapeBoth(2000);
   taken_.clear();
   table_.Request(WholeRequestOf("crust"));
-  Scrape({{"a", 0.0}, {"b", 0.0005}}, 1);
+  ScrapeBoth(1);
   ASSERT_EQ(taken_.size(), 2u);
   for (const wire::LeafTaken& taken : taken_) {
     EXPECT_EQ(taken.leaf, wire::kNoLeaf);
@@ -324,29 +329,20 @@ TEST(SceneChanges, BeginAnewWithASessionWhereTheSceneSaysSo) {
   EXPECT_THAT(table.TakeWholes(), IsEmpty());
   table.Request(RequestOf("b", "right"), kMs);
   EXPECT_THAT(table.TakeWholes(), IsEmpty()) << "a works there";
-  wire::SessionRequest leave = RequestOf("b", "right");
-  leave.leave = true;
-  table.Request(leave, kMs);
-  table.Update(kMs);
+  Leave(table, "b", "right", kMs);
   // `a` falls silent, and goes on where it was.
   table.Update(1000 * kMs);
   ASSERT_THAT(table.sessions(), IsEmpty());
   table.Request(RequestOf("a", "left"), 1000 * kMs);
   EXPECT_THAT(table.TakeWholes(), IsEmpty()) << "a resumes its session";
-  const auto leave_a = [&] {
-    leave = RequestOf("a", "left");
-    leave.leave = true;
-    table.Request(leave, 1000 * kMs);
-    table.Update(1000 * kMs);
-  };
   // A station whose endpoints fail leaves, too, and asks anew before its first pose.
-  leave_a();
+  Leave(table, "a", "left", 1000 * kMs);
   table.Request(RequestOf("a", "left"), 1000 * kMs);
   EXPECT_THAT(table.TakeWholes(), IsEmpty()) << "a resumes its session by another transport";
   wire::Wrench answer{};
   table.sessions().at("a")->loop().OnPose(hand.At(Vec3(0, 0, 0.004)), answer);
   table.Update(1000 * kMs);
-  leave_a();
+  Leave(table, "a", "left", 1000 * kMs);
   EXPECT_GT(scrape(), 5u);
   const auto wholes = table.TakeWholes();
   ASSERT_EQ(wholes.size(), 1u);

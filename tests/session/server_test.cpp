@@ -119,6 +119,19 @@ class ServerTest : public testing::Test {
     dds::Reader<wire::Wrench> wrenches;
   };
 
+  /// The station sends poses far from everything until it is told so.
+  template <class Condition>
+  bool SendUntil(Station& station, Condition told) {
+    return ServeUntil([&] {
+      station.Send(0.2);
+      return told(station.State());
+    });
+  }
+  bool SendUntilActive(Station& station) {
+    return SendUntil(station,
+                     [](const auto& state) { return state.phase == palpate_SESSION_ACTIVE; });
+  }
+
   dds::Participant loop_ = dds::Participant::Loop(kDomain, kUdp);
   dds::Participant service_ = dds::Participant::Service(kDomain);
   std::vector<std::string> lines_;
@@ -249,10 +262,7 @@ TEST_F(ServerTest, ServesAMouseWithoutItsServoThread) {
 TEST_F(ServerTest, DoesWhatATeacherAsks) {
   Station station(*this, "a", 1);
   station.Ask("one");
-  ASSERT_TRUE(ServeUntil([&] {
-    station.Send(0.2);
-    return station.State().phase == palpate_SESSION_ACTIVE;
-  }));
+  ASSERT_TRUE(SendUntilActive(station));
   dds::Writer<wire::OperateRequest> wishes(service_, dds::kOperateRequestTopic, dds::Qos::kSession);
   wire::OperateRequest wish{};
   wire::FromText("a", wish.station);
@@ -260,17 +270,12 @@ TEST_F(ServerTest, DoesWhatATeacherAsks) {
   wish.request = 1;
   wish.wish = palpate_OPERATE_MUTE;
   ASSERT_TRUE(wishes.Write(wish));
-  EXPECT_TRUE(ServeUntil([&] {
-    station.Send(0.2);
-    return station.State().muted;
-  }));
+  EXPECT_TRUE(SendUntil(station, [](const auto& state) { return state.muted; }));
   wish.request = 2;
   wish.wish = palpate_OPERATE_TAKE_BACK;
   ASSERT_TRUE(wishes.Write(wish));
-  EXPECT_TRUE(ServeUntil([&] {
-    station.Send(0.2);
-    return station.State().phase == palpate_SESSION_ENDED;
-  }));
+  EXPECT_TRUE(
+      SendUntil(station, [](const auto& state) { return state.phase == palpate_SESSION_ENDED; }));
   EXPECT_THAT(station.state.reason, HasSubstr("taken back"));
 }
 
@@ -278,10 +283,7 @@ TEST_F(ServerTest, LosesASilentStationAndTakesItBack) {
   Station station(*this, "a", 1);
   for (int time = 0; time < 3; ++time) {
     station.Ask("one");
-    EXPECT_TRUE(ServeUntil([&] {
-      station.Send(0.2);
-      return station.State().phase == palpate_SESSION_ACTIVE;
-    }));
+    EXPECT_TRUE(SendUntilActive(station));
     EXPECT_TRUE(ServeUntil([&] { return station.State().phase == palpate_SESSION_ENDED; }));
     EXPECT_TRUE(server_->table().sessions().empty());
     EXPECT_TRUE(ServeUntil([&] { return station.poses.matched_readers() == 0; }))
@@ -292,10 +294,7 @@ TEST_F(ServerTest, LosesASilentStationAndTakesItBack) {
 TEST_F(ServerTest, TakesARunningStationWhenItIsRestarted) {
   Station station(*this, "a", 1);
   station.Ask("one");
-  EXPECT_TRUE(ServeUntil([&] {
-    station.Send(0.2);
-    return station.State().phase == palpate_SESSION_ACTIVE;
-  }));
+  EXPECT_TRUE(SendUntilActive(station));
   const std::uint64_t first_server = station.state.server_run;
   server_.reset();
   EXPECT_TRUE(ServeUntil([&] { return station.State().phase == palpate_SESSION_ENDED; }));

@@ -116,6 +116,7 @@ TEST(SessionLink, SaysWhenNoServerAnswers) {
   const std::string complaint = station.Complaint();
   EXPECT_THAT(complaint, testing::HasSubstr("no server answers in domain " + kNumber));
   EXPECT_THAT(complaint, testing::HasSubstr("palpate-server --scene floor"));
+  EXPECT_THAT(complaint, testing::HasSubstr("where it has an --identity, give one"));
 }
 
 TEST(SessionLink, SaysThatTheServerIsOfAnotherVersion) {

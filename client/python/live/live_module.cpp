@@ -72,13 +72,23 @@ py::object ToRecord(const std::optional<Record>& record) {
   return py::object(py::array_t<Record>(1, &*record)[py::int_(0)]);
 }
 
-std::unique_ptr<LiveStation> MakeStation(const std::string& scene, const std::string& name,
-                                         const std::string& tool, int domain,
-                                         const std::string& interface,
-                                         const std::vector<std::string>& peers,
-                                         const std::string& identity, const std::string& transport,
-                                         const std::optional<py::object>& start, double max_force,
-                                         double max_torque, bool local_model, double patience) {
+/// What ends only once threads have ended is let go without Python's lock.
+template <class T>
+struct Unlocked {
+  void operator()(T* object) const {
+    const py::gil_scoped_release free;
+    delete object;
+  }
+};
+template <class T>
+using Held = std::unique_ptr<T, Unlocked<T>>;
+
+Held<LiveStation> MakeStation(const std::string& scene, const std::string& name,
+                              const std::string& tool, int domain, const std::string& interface,
+                              const std::vector<std::string>& peers, const std::string& identity,
+                              const std::string& transport, const std::optional<py::object>& start,
+                              double max_force, double max_torque, bool local_model,
+                              double patience) {
   RequireDomain(domain);
   LiveStationOptions options;
   options.link.station = name;
@@ -94,30 +104,18 @@ std::unique_ptr<LiveStation> MakeStation(const std::string& scene, const std::st
   options.local_model = local_model;
   const py::gil_scoped_release free;
   Waiting waiting;
-  return std::make_unique<LiveStation>(std::move(options), std::ref(waiting));
+  return Held<LiveStation>(new LiveStation(std::move(options), std::ref(waiting)));
 }
 
-std::unique_ptr<LiveSession> MakeSession(int domain, const std::string& interface,
-                                         const std::vector<std::string>& peers,
-                                         const std::string& identity, const std::string& transport,
-                                         bool wrenches) {
+Held<LiveSession> MakeSession(int domain, const std::string& interface,
+                              const std::vector<std::string>& peers, const std::string& identity,
+                              const std::string& transport, bool wrenches) {
   RequireDomain(domain);
   const LiveSessionOptions options{domain, ToNetwork(interface, peers, identity),
                                    dds::ParseTransport(transport), wrenches};
   const py::gil_scoped_release free;
-  return std::make_unique<LiveSession>(options);
+  return Held<LiveSession>(new LiveSession(options));
 }
-
-/// What ends only once threads have ended is let go without Python's lock.
-template <class T>
-struct Unlocked {
-  void operator()(T* object) const {
-    const py::gil_scoped_release free;
-    delete object;
-  }
-};
-template <class T>
-using Held = std::unique_ptr<T, Unlocked<T>>;
 
 }  // namespace
 
@@ -153,16 +151,7 @@ PYBIND11_MODULE(_live, module) {
       });
 
   py::class_<LiveStation, Held<LiveStation>>(module, "Station")
-      .def(py::init([](const std::string& scene, const std::string& name, const std::string& tool,
-                       int domain, const std::string& interface,
-                       const std::vector<std::string>& peers, const std::string& identity,
-                       const std::string& transport, const std::optional<py::object>& start,
-                       double max_force, double max_torque, bool local_model, double patience) {
-        return Held<LiveStation>(MakeStation(scene, name, tool, domain, interface, peers, identity,
-                                             transport, start, max_force, max_torque, local_model,
-                                             patience)
-                                     .release());
-      }))
+      .def(py::init(&MakeStation))
       .def("move",
            [](LiveStation& station, const py::object& pose, double seconds, double timeout) {
              const Pose X_WH = ToUnitPose(pose);
@@ -188,12 +177,7 @@ PYBIND11_MODULE(_live, module) {
       .def("close", &LiveStation::Close, py::call_guard<py::gil_scoped_release>());
 
   py::class_<LiveSession, Held<LiveSession>>(module, "Session")
-      .def(py::init([](int domain, const std::string& interface,
-                       const std::vector<std::string>& peers, const std::string& identity,
-                       const std::string& transport, bool wrenches) {
-        return Held<LiveSession>(
-            MakeSession(domain, interface, peers, identity, transport, wrenches).release());
-      }))
+      .def(py::init(&MakeSession))
       .def("tools",
            [](LiveSession& session, double timeout) {
              {

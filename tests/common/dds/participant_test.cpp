@@ -19,6 +19,7 @@
 #include "common/dds/ports.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
+#include "tests/support/complaint.h"
 #include "tests/support/roudi.h"
 #include "tests/support/test_domain.h"
 
@@ -51,13 +52,9 @@ TEST(RouDiChoice, TakesSharedMemoryWhereRouDiAnswersAndNotWhereItsSocketIsStale)
   const TransportChoice choice = ChooseTransport(Transport::kAuto);
   EXPECT_EQ(choice.transport, Transport::kUdp);
   EXPECT_THAT(choice.reason, HasSubstr("no RouDi listens at /tmp/roudi; start 'iox-roudi -c"));
-  try {
-    ChooseTransport(Transport::kSharedMemory);
-    FAIL() << "shared memory without RouDi";
-  } catch (const Error& e) {
-    EXPECT_THAT(e.what(), HasSubstr("--transport shm: no RouDi listens"));
-    EXPECT_THAT(e.what(), HasSubstr("deploy/cyclonedds/roudi.toml' (same user"));
-  }
+  EXPECT_THAT(test::ComplaintOf([] { ChooseTransport(Transport::kSharedMemory); }),
+              testing::AllOf(HasSubstr("--transport shm: no RouDi listens"),
+                             HasSubstr("deploy/cyclonedds/roudi.toml' (same user")));
 }
 
 /// Something that listens where RouDi does, while the object lives.
@@ -118,13 +115,7 @@ class TakenPort {
 
 /// What is said where a participant of the service domain cannot be made.
 std::string Complaint(int domain, const Network& network = {}) {
-  try {
-    Participant::Service(domain, network);
-  } catch (const Error& e) {
-    return e.what();
-  }
-  ADD_FAILURE() << "made";
-  return "";
+  return test::ComplaintOf([&] { Participant::Service(domain, network); });
 }
 
 TEST(Participant, SaysThatADomainsPortsAreTaken) {
@@ -177,12 +168,10 @@ TEST(Participant, SharesItsDomainWithinAProcessAndFreesItWithTheLast) {
 
 TEST(Participant, RefusesADomainThatIsOpenWithAnotherTransport) {
   const Participant udp = Participant::Loop(kDomain, kUdp);
-  try {
-    Participant::Loop(kDomain, {Transport::kSharedMemory, ""});
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_THAT(e.what(), HasSubstr("another transport"));
-  }
+  EXPECT_THAT(test::ComplaintOf([] {
+                Participant::Loop(kDomain, {Transport::kSharedMemory, ""});
+              }),
+              HasSubstr("another transport"));
 }
 
 TEST(Participant, KeepsLoopAndServiceDomainsApart) {

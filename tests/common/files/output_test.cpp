@@ -4,9 +4,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "tests/support/complaint.h"
+#include "tests/support/folder.h"
 #include "tests/support/read_file.h"
 
 namespace palpate {
@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 class Output : public testing::Test {
  protected:
-  ~Output() override { fs::remove(file_); }
-  std::string file_ = fs::temp_directory_path() / ("palpate_output_" + std::to_string(getpid()));
+  const test::Folder folder_;
+  const std::string file_ = folder_ / "output";
 };
 
 TEST_F(Output, GoesToTheFileInPlaceOfWhatWasThere) {

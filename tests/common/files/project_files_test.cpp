@@ -3,7 +3,8 @@
 #include <filesystem>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
+
+#include "tests/support/folder.h"
 
 namespace palpate {
 namespace {
@@ -12,13 +13,12 @@ namespace fs = std::filesystem;
 
 class ProjectFiles : public testing::Test {
  protected:
-  ~ProjectFiles() override { fs::remove_all(folder_); }
   std::string Make(const std::string& name) const {
     fs::create_directories(folder_ / name);
     return (folder_ / name).string();
   }
-  const fs::path folder_ =
-      fs::temp_directory_path() / ("palpate_project_files_" + std::to_string(getpid()));
+  const test::Folder place_;
+  const fs::path folder_ = place_.path();
 };
 
 TEST_F(ProjectFiles, AreBelowShareOfThePrefixThatTheProgramIsInstalledIn) {

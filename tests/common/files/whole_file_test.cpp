@@ -13,6 +13,7 @@
 
 #include "common/error.h"
 #include "tests/support/complaint.h"
+#include "tests/support/folder.h"
 
 namespace palpate {
 namespace {
@@ -23,9 +24,6 @@ using testing::StartsWith;
 
 class WholeFile : public testing::Test {
  protected:
-  WholeFile() { std::filesystem::create_directory(folder_); }
-  ~WholeFile() override { std::filesystem::remove_all(folder_); }
-
   std::string Write(const std::string& text) {
     std::ofstream(file_, std::ios::binary) << text;
     return file_;
@@ -34,9 +32,8 @@ class WholeFile : public testing::Test {
     return test::ComplaintOf([&] { ReadWholeFile(file, most, "--file"); });
   }
 
-  const std::string folder_ =
-      std::filesystem::temp_directory_path() / ("palpate_whole_file_" + std::to_string(getpid()));
-  const std::string file_ = folder_ + "/file";
+  const test::Folder place_;
+  const std::string folder_ = place_.path(), file_ = folder_ + "/file";
 };
 
 TEST_F(WholeFile, IsReadToItsLastByte) {

@@ -1,8 +1,6 @@
 #include "common/json/pose_script.h"
 
 #include <cmath>
-#include <cstdio>
-#include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,9 +20,7 @@ PoseScript TwoKeys() {
 }
 
 PoseScript FromText(const std::string& text) {
-  const std::string file = testing::TempDir() + "/script.json";
-  std::ofstream(file) << text;
-  return PoseScript::Load(file);
+  return PoseScript::Parse(text, "script.json");
 }
 
 TEST(PoseScript, FollowsTheMinimumJerkPolynomial) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
+#include "tests/support/complaint.h"
 
 namespace palpate {
 namespace {
@@ -27,12 +28,7 @@ struct Program {
     return ParseCommandLine(app, static_cast<int>(words.size()), words.data());
   }
   std::string Complaint(const std::vector<const char*>& words) {
-    try {
-      Parse(words);
-    } catch (const UsageError& error) {
-      return error.what();
-    }
-    return "";
+    return test::ComplaintOf([&] { Parse(words); });
   }
   std::string Printed(const std::vector<const char*>& words) {
     testing::internal::CaptureStdout();

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "tests/support/complaint.h"
 #include "tests/support/program.h"
 
 namespace palpate {
@@ -36,12 +37,8 @@ TEST(Realtime, ParsesItsModesAndNamesThemWhereThereIsNoSuch) {
   EXPECT_EQ(ParseRealtimeMode("require"), RealtimeMode::kRequire);
   EXPECT_EQ(ParseRealtimeMode("prefer"), RealtimeMode::kPrefer);
   EXPECT_EQ(ParseRealtimeMode("off"), RealtimeMode::kOff);
-  try {
-    ParseRealtimeMode("maybe");
-    FAIL();
-  } catch (const UsageError& e) {
-    EXPECT_STREQ(e.what(), "--realtime: 'maybe' is not known; give require, prefer or off");
-  }
+  EXPECT_EQ(test::ComplaintOf([] { ParseRealtimeMode("maybe"); }),
+            "--realtime: 'maybe' is not known; give require, prefer or off");
 }
 
 TEST(Realtime, SaysWhatItObtainedAndObtainsWhatItSays) {

@@ -1,20 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
-
-#include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "common/dds/cdr.h"
 #include "common/dds/topics.h"
 #include "common/files/bundle_hash.h"
 #include "common/recording/recording_writer.h"
+#include "tests/support/folder.h"
 
 namespace palpate::test {
 
@@ -91,53 +85,16 @@ void Add(RecordingWriter& writer, const std::string& topic, const T& sample, std
   writer.Add(topic, kTypeOf<T>, time_ns, cdr);
 }
 
+/// @param forged  with the hash of another one.
 inline void AddBundle(RecordingWriter& writer, std::vector<std::uint8_t> bytes,
-                      std::int64_t time_ns) {
+                      std::int64_t time_ns, bool forged = false) {
   wire::SceneBundle bundle{};
   wire::FromText("cube", bundle.scene);
   bundle.server_run = 77;
-  bundle.hash = BundleHash(bytes);
+  bundle.hash = BundleHash(bytes) ^ (forged ? 1 : 0);
   bundle.bundle._buffer = bytes.data();
   bundle.bundle._length = bundle.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
   Add(writer, dds::kSceneBundleTopic, bundle, time_ns);
-}
-
-/// With the hash of another one.
-inline void AddForgedBundle(RecordingWriter& writer, std::int64_t time_ns) {
-  std::vector<std::uint8_t> bytes = {1, 2, 3};
-  wire::SceneBundle bundle{};
-  wire::FromText("cube", bundle.scene);
-  bundle.server_run = 77;
-  bundle.hash = BundleHash(bytes) ^ 1;
-  bundle.bundle._buffer = bytes.data();
-  bundle.bundle._length = bundle.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
-  Add(writer, dds::kSceneBundleTopic, bundle, time_ns);
-}
-
-/// A folder of its own, gone with this object.
-class Folder {
- public:
-  Folder() {
-    std::string name = testing::TempDir() + "/palpate_XXXXXX";
-    path_ = mkdtemp(name.data());
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::string operator/(const std::string& file) const { return path_ + "/" + file; }
-
- private:
-  std::string path_;
-};
-
-inline std::vector<std::uint8_t> BytesOf(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-inline void WriteBytes(const std::string& file, const std::vector<std::uint8_t>& bytes) {
-  std::ofstream(file, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
 }
 
 }  // namespace palpate::test

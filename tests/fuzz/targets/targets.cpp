@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <new>
@@ -17,11 +18,15 @@
 #include "common/dds/cdr.h"
 #include "common/dds/cdr_reader.h"
 #include "common/error.h"
+#include "common/json/pose_script.h"
 #include "common/mcap/mcap_reader.h"
 #include "common/qp/nearest_point.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/importer/mesh_reader.h"
+#include "scenes/shapes/shapes.h"
+#include "scenes/tree/sph_file.h"
+#include "scenes/tree/sphere_tree_builder.h"
 #include "tests/support/written_mesh.h"
 
 namespace palpate::fuzz {
@@ -42,19 +47,43 @@ std::string File(const std::string& name) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// The scene files of the catalogue, or their hands' scripts.
+std::vector<std::string> Catalogue(bool scripts) {
+  std::vector<std::string> names, texts;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(PALPATE_SOURCE_DIR "/scenes/catalogue")) {
+    const std::string name = entry.path().filename();
+    if (name.ends_with(".json") && name.ends_with(".path.json") == scripts) names.push_back(name);
+  }
+  std::ranges::sort(names);
+  for (const std::string& name : names) texts.push_back(File("scenes/catalogue/" + name));
+  return texts;
+}
+
+/// Whether they are a T.  What was read can be written, no longer than it was, and means the same
+/// again; without its end it is none.
 template <class T>
-void FromBytes(std::span<const std::uint8_t> bytes) {
+bool FromBytes(std::span<const std::uint8_t> bytes) {
+  // A copy of its own, so that a sanitizer sees a read beyond it.
+  const std::vector<std::uint8_t> given(bytes.begin(), bytes.end());
   T sample{};
-  if (dds::FromCdr(bytes, sample)) {
-    // What was read can be written, and read again.
-    std::vector<std::uint8_t> again;
-    dds::ToCdr(sample, again);
-    T twice{};
-    if (!dds::FromCdr(std::span<const std::uint8_t>(again), twice))
-      Fault("CDR of our own is no CDR");
+  const bool read = dds::FromCdr(std::span(given), sample);
+  if (read) {
+    std::vector<std::uint8_t> own, again;
+    dds::ToCdr(sample, own);
+    if (own.size() > given.size()) Fault("CDR of our own is longer than what it was read from");
+    T twice{}, cut{};
+    if (!dds::FromCdr(std::span<const std::uint8_t>(own), twice)) Fault("our own CDR is none");
+    dds::ToCdr(twice, again);
+    if (again != own) Fault("CDR of our own means something else");
+    for (const std::size_t size : {own.size() - 1, own.size() / 2}) {
+      if (dds::FromCdr(std::span<const std::uint8_t>(own).first(size), cut))
+        Fault("CDR is cut off");
+    }
     dds::FreeContents(twice);
   }
   dds::FreeContents(sample);
+  return read;
 }
 
 template <class T>
@@ -62,6 +91,43 @@ std::string Cdr(std::uint8_t type, const T& sample) {
   std::vector<std::uint8_t> bytes{type};
   dds::ToCdr(sample, bytes);
   return {bytes.begin(), bytes.end()};
+}
+
+/// Types, by the first byte of an input.
+template <class... T>
+struct TypesThatTravel {
+  static bool Read(std::uint8_t type, std::span<const std::uint8_t> cdr) {
+    static constexpr bool (*kRead[])(std::span<const std::uint8_t>) = {FromBytes<T>...};
+    return kRead[type % sizeof...(T)](cdr);
+  }
+  static std::vector<std::string> Seeds() {
+    std::uint8_t type = 0;
+    return {Cdr(type++, T{})...};
+  }
+};
+using Types =
+    TypesThatTravel<wire::HapticPose, wire::Wrench, wire::SessionRequest, wire::SessionState,
+                    wire::SceneChange, wire::LeafTaken, wire::WholeRequest, wire::SceneWhole,
+                    wire::ReplayContents, wire::ReplayState, wire::ReplayRequest, wire::ToolState,
+                    wire::LoopStatistics, wire::StationStatistics, wire::SceneBundle,
+                    wire::GuideTarget>;
+
+/// Reads a text, or is refused by an Error that names the file; whether it was read.
+template <class Read>
+bool ReadOrRefused(const char* file, Read read) {
+  try {
+    read();
+    return true;
+  } catch (const Error& error) {
+    if (!std::string_view(error.what()).starts_with(file))
+      Fault("an error without the file's name");
+  } catch (const std::bad_alloc&) {
+  }
+  return false;
+}
+
+void Check(bool holds, const char* what) {
+  if (!holds) Fault(what);
 }
 
 /// Bytes as numbers: mostly small whole ones, which make rows that are alike, parallel or none.
@@ -91,38 +157,63 @@ class Numbers {
 
 }  // namespace
 
-void SceneFile(const std::uint8_t* bytes, std::size_t size) {
-  try {
-    ParseScene(Text(bytes, size), "fuzzed.json");
-  } catch (const Error& error) {
-    if (std::string(error.what()).empty()) Fault("an error without a word");
-  }
+bool SceneFile(const std::uint8_t* bytes, std::size_t size) {
+  return ReadOrRefused("fuzzed.json", [&] {
+    const SceneDescription scene = ParseScene(Text(bytes, size), "fuzzed.json");
+    Check(!scene.tools.empty() && !scene.objects.empty(), "a scene of nothing");
+    Check(std::isfinite(scene.coupling.stiffness) && scene.coupling.stiffness > 0.0, "no coupling");
+    for (const auto* bodies : {&scene.tools, &scene.objects}) {
+      for (const BodyDescription& body : *bodies) {
+        Check(body.X_WB.p.allFinite() && std::abs(body.X_WB.q.norm() - 1.0) < 1e-9, "no pose");
+        Check(body.leaves <= kMaxLeaves && body.mesh.size.allFinite(), "no body");
+      }
+    }
+  });
+}
+
+bool Script(const std::uint8_t* bytes, std::size_t size) {
+  return ReadOrRefused("fuzzed.json", [&] {
+    const PoseScript script = PoseScript::Parse(Text(bytes, size), "fuzzed.json");
+    Check(std::isfinite(script.duration()) && script.duration() >= 0.0, "no duration");
+    for (int k = 0; k <= 20; ++k) {
+      const Pose X = script.At(script.duration() * k / 20.0);
+      Check(X.p.allFinite() && std::abs(X.q.norm() - 1.0) < 1e-9, "no pose");
+    }
+  });
+}
+
+bool Sph(const std::uint8_t* bytes, std::size_t size) {
+  return ReadOrRefused("fuzzed.sph:", [&] {
+    const SphTree tree = ParseSph(Text(bytes, size), "fuzzed.sph", 1e-3);
+    // Nothing that the text could not hold was made room for.
+    Check(tree.nodes.size() <= size, "more nodes than bytes");
+    for (const SphTree::Node& node : tree.nodes) {
+      Check(node.ball.centre.allFinite() && std::isfinite(node.ball.radius) &&
+                std::isfinite(node.importance),
+            "a ball that is none");
+    }
+    for (int level = 1; level <= tree.levels; ++level) {
+      const std::vector<Sphere> balls = BallsOfLevel(tree, level);
+      for (const Sphere& ball : balls) Check(ball.radius > 0.0, "a ball without a radius");
+      Check(level < tree.levels || !balls.empty(), "no leaves");
+    }
+  });
 }
 
 constexpr std::array kMeshNames{"a.obj", "a.stl", "a.ply", "a.gltf", "a.glb"};
 
-void MeshFile(const std::uint8_t* bytes, std::size_t size) {
-  if (size == 0) return;
-  const std::string name = kMeshNames[bytes[0] % kMeshNames.size()];
-  try {
-    ReadMeshText(name, Text(bytes + 1, size - 1));
-  } catch (const Error& error) {
-    if (!std::string_view(error.what()).starts_with(name))
-      Fault("an error without the file's name");
-  } catch (const std::bad_alloc&) {
-  }
+bool MeshFile(const std::uint8_t* bytes, std::size_t size) {
+  if (size == 0) return false;
+  const char* const name = kMeshNames[bytes[0] % kMeshNames.size()];
+  return ReadOrRefused(name, [&] { ReadMeshText(name, Text(bytes + 1, size - 1)); });
 }
 
-void Bundle(const std::uint8_t* bytes, std::size_t size) {
-  try {
-    UnpackScene({bytes, size}, "fuzzed.bundle");
-  } catch (const Error& error) {
-    if (std::string(error.what()).empty()) Fault("an error without a word");
-  }
+bool Bundle(const std::uint8_t* bytes, std::size_t size) {
+  return ReadOrRefused("fuzzed.bundle", [&] { UnpackScene({bytes, size}, "fuzzed.bundle"); });
 }
 
-void Recording(const std::uint8_t* bytes, std::size_t size) {
-  try {
+bool Recording(const std::uint8_t* bytes, std::size_t size) {
+  return ReadOrRefused("fuzzed.mcap", [&] {
     mcap::Reader reader({bytes, size}, "fuzzed.mcap");
     mcap::Message message;
     std::size_t messages = 0;
@@ -130,17 +221,17 @@ void Recording(const std::uint8_t* bytes, std::size_t size) {
       // A byte of the file stands for at most so many after decompression.
       if (++messages > 100'000'000) Fault("messages without an end");
     }
-  } catch (const Error& error) {
-    if (std::string(error.what()).empty()) Fault("an error without a word");
-  }
+  });
 }
 
-void Client(const std::uint8_t* bytes, std::size_t size) {
+bool Client(const std::uint8_t* bytes, std::size_t size) {
+  bool any = false;
   const auto read = [&](const auto& parse) {
     try {
       parse(Text(bytes, size));
+      any = true;
     } catch (const Error& error) {
-      if (std::string(error.what()).empty()) Fault("an error without a word");
+      if (std::string_view(error.what()).empty()) Fault("an error without a word");
     }
   };
   read([](std::string_view text) { foxglove::ParseRequest(text); });
@@ -152,48 +243,14 @@ void Client(const std::uint8_t* bytes, std::size_t size) {
   read([](std::string_view text) {
     if (ParseReplayWish(text).request.replay == 0) Fault("a wish for no replay");
   });
+  return any;
 }
 
-void Wire(const std::uint8_t* bytes, std::size_t size) {
-  if (size == 0) return;
-  const std::span<const std::uint8_t> cdr(bytes + 1, size - 1);
-  switch (bytes[0] % 16) {
-    case 0:
-      return FromBytes<wire::HapticPose>(cdr);
-    case 1:
-      return FromBytes<wire::Wrench>(cdr);
-    case 2:
-      return FromBytes<wire::SessionRequest>(cdr);
-    case 3:
-      return FromBytes<wire::SessionState>(cdr);
-    case 4:
-      return FromBytes<wire::SceneChange>(cdr);
-    case 5:
-      return FromBytes<wire::LeafTaken>(cdr);
-    case 6:
-      return FromBytes<wire::WholeRequest>(cdr);
-    case 7:
-      return FromBytes<wire::SceneWhole>(cdr);
-    case 8:
-      return FromBytes<wire::ReplayContents>(cdr);
-    case 9:
-      return FromBytes<wire::ReplayState>(cdr);
-    case 10:
-      return FromBytes<wire::ReplayRequest>(cdr);
-    case 11:
-      return FromBytes<wire::ToolState>(cdr);
-    case 12:
-      return FromBytes<wire::LoopStatistics>(cdr);
-    case 13:
-      return FromBytes<wire::StationStatistics>(cdr);
-    case 14:
-      return FromBytes<wire::SceneBundle>(cdr);
-    default:
-      return FromBytes<wire::GuideTarget>(cdr);
-  }
+bool Wire(const std::uint8_t* bytes, std::size_t size) {
+  return size > 0 && Types::Read(bytes[0], {bytes + 1, size - 1});
 }
 
-void Qp(const std::uint8_t* bytes, std::size_t size) {
+bool Qp(const std::uint8_t* bytes, std::size_t size) {
   constexpr int kMost = 64;
   Numbers numbers(bytes, size);
   double target[6];
@@ -213,7 +270,7 @@ void Qp(const std::uint8_t* bytes, std::size_t size) {
   for (const double x : result.x) {
     if (!std::isfinite(x)) Fault("a pose that is no number");
   }
-  if (result.status != QpStatus::kSolved) return;
+  if (result.status != QpStatus::kSolved) return false;
   double scale = 1.0;
   for (int r = 0; r < rows; ++r) {
     for (const auto& column : a) scale = std::max(scale, std::abs(column[r]));
@@ -247,17 +304,17 @@ void Qp(const std::uint8_t* bytes, std::size_t size) {
     for (int i = 0; i < 6; ++i) gap += a[i][r] * result.x[i];
     if (!(gap >= -1e-6 * scale * size_of_x)) Fault("a row that is violated");
   }
+  return true;
 }
 
 const std::vector<Target>& AllTargets() {
   static const std::vector<Target> targets = {
-      {"scene_file", SceneFile,
+      {"scene_file", SceneFile, [] { return Catalogue(false); }},
+      {"script", Script, [] { return Catalogue(true); }},
+      {"sph", Sph,
        [] {
-         std::vector<std::string> seeds;
-         for (const char* name : {"cube", "calculus", "periodontal", "friction", "bunny-bunny"}) {
-           seeds.push_back(File(std::string("scenes/catalogue/") + name + ".json"));
-         }
-         return seeds;
+         const TriangleMesh egg = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 320);
+         return std::vector<std::string>{ToSph(SphOf(BuildSphereTree(egg, 20), 2), 1e-3)};
        }},
       {"mesh_file", MeshFile,
        [] {
@@ -268,15 +325,24 @@ const std::vector<Target>& AllTargets() {
            seeds.push_back('\0' + test::AnyObj(mesh, hand));
            seeds.push_back('\1' + test::AnyStl(mesh, hand));
            seeds.push_back('\2' + test::AnyPly(mesh, hand));
-           seeds.push_back('\3' + test::Json({}));
            seeds.push_back('\4' + test::AnyGlb(mesh, hand));
          }
+         seeds.push_back(
+             "\3"
+             R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,
+"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
          return seeds;
        }},
       {"bundle", Bundle,
        [] {
          Scene scene;
          scene.name = "seed";
+         Body ball{"ball", MakeSphere(0.005, 20), {}, {}};
+         ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), 0.005});
+         scene.tools = scene.objects = {ball};
          const std::vector<std::uint8_t> bytes = PackScene(scene);
          return std::vector<std::string>{std::string(bytes.begin(), bytes.end())};
        }},
@@ -297,22 +363,20 @@ const std::vector<Target>& AllTargets() {
        }},
       {"wire", Wire,
        [] {
+         std::vector<std::string> seeds = Types::Seeds();
          wire::SessionRequest request{};
          wire::FromText("hand", request.station);
+         seeds.push_back(Cdr(2, request));
          wire::SessionState state{};
          wire::FromText("hand", state.station);
+         seeds.push_back(Cdr(3, state));
          std::uint8_t content[] = {1, 2, 3};
          wire::SceneBundle bundle{};
          wire::FromText("cube", bundle.scene);
          bundle.bundle._buffer = content;
          bundle.bundle._length = bundle.bundle._maximum = 3;
-         return std::vector<std::string>{Cdr(0, wire::HapticPose{}),
-                                         Cdr(1, wire::Wrench{}),
-                                         Cdr(2, request),
-                                         Cdr(3, state),
-                                         Cdr(8, wire::ReplayContents{}),
-                                         Cdr(11, wire::ToolState{}),
-                                         Cdr(14, bundle)};
+         seeds.push_back(Cdr(14, bundle));
+         return seeds;
        }},
       {"qp", Qp,
        [] {

@@ -15,14 +15,14 @@ TEST_P(FuzzTarget, ComesBackFromAnything) {
   const std::vector<std::string> seeds = GetParam().seeds();
   ASSERT_FALSE(seeds.empty());
   const auto run = [](const std::string& input) {
-    GetParam().run(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
+    return GetParam().run(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
   };
   Random random(1);
   const int tries = kOptimised ? 3000 : 200;
   run("");
   for (const std::string& seed : seeds) {
     ASSERT_GT(seed.size(), 4u);
-    run(seed);
+    EXPECT_TRUE(run(seed)) << "what is whole is taken:\n" << seed;
     for (int i = 0; i < tries; ++i) run(Spoilt(seed, random));
   }
 }

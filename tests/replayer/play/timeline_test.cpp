@@ -116,7 +116,7 @@ TEST_F(TimelineTest, BringsBackWhatWasScrapedOffAndScrapesItOffAgain) {
 TEST_F(TimelineTest, RefusesABundleThatIsNotTheOneOfItsHash) {
   {
     RecordingWriter writer({.file = folder_ / "forged.mcap"});
-    AddForgedBundle(writer, kBegin_ns);
+    AddBundle(writer, {1, 2, 3}, kBegin_ns, true);
     writer.Close("");
   }
   RecordingReader reader({folder_ / "forged.mcap"});

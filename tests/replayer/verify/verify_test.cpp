@@ -316,7 +316,7 @@ TEST_F(VerifyTest, RefusesASceneThatIsNotTheOneOfItsHash) {
   Record({}, file);
   {
     RecordingWriter writer({.file = forged});
-    AddForgedBundle(writer, kMs);
+    AddBundle(writer, {1, 2, 3}, kMs, true);
     writer.Close("");
   }
   EXPECT_THAT(

@@ -11,8 +11,6 @@
 
 #include "scenes/tree/sphere_tree_builder.h"
 #include "tests/scenes/support.h"
-#include "tests/support/optimised.h"
-#include "tests/support/random.h"
 #include "tests/support/read_file.h"
 
 namespace palpate {
@@ -241,98 +239,6 @@ TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
   scene = SmallScene();
   scene.features.friction = static_cast<FrictionModel>(3);
   EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("its features are not known"));
-}
-
-/// What any scene must hold before the physics may index with its numbers; said here once more, and
-/// otherwise than the loader says it.
-void ExpectUsable(const Scene& scene) {
-  ASSERT_TRUE(std::isfinite(scene.coupling.stiffness) && scene.coupling.stiffness > 0.0);
-  for (const auto* bodies : {&scene.tools, &scene.objects}) {
-    for (const Body& body : *bodies) {
-      const std::size_t vertices = body.mesh.vertices.size();
-      for (const Vec3& v : body.mesh.vertices) ASSERT_TRUE(v.allFinite());
-      for (const auto& triangle : body.mesh.triangles) {
-        for (const auto corner : triangle) ASSERT_LT(corner, vertices);
-      }
-      const SphereTree& tree = body.tree;
-      const std::size_t leaves = tree.leaves();
-      for (const auto* column : {&tree.leaf_x, &tree.leaf_y, &tree.leaf_z, &tree.leaf_radius}) {
-        ASSERT_EQ(column->size(), leaves);
-        for (const double x : *column) ASSERT_TRUE(std::isfinite(x));
-      }
-      for (const double r : tree.leaf_radius) ASSERT_GT(r, 0.0);
-      ASSERT_EQ(tree.leaf_triangle_begin.size(), leaves + 1);
-      ASSERT_TRUE(std::ranges::is_sorted(tree.leaf_triangle_begin));
-      ASSERT_EQ(tree.leaf_triangle_begin.back(), tree.leaf_triangle.size());
-      for (const auto t : tree.leaf_triangle) ASSERT_LT(t, body.mesh.triangles.size());
-      // Every leaf is reached once from the top.
-      ASSERT_TRUE(std::ranges::is_sorted(tree.level_begin));
-      ASSERT_EQ(static_cast<std::size_t>(tree.level_begin.back()), tree.packets.size());
-      std::vector<int> reached(leaves, 0);
-      for (int l = 0; l < tree.levels(); ++l) {
-        const bool lowest = l + 1 == tree.levels();
-        const std::size_t below = lowest ? leaves : tree.level(l + 1).size();
-        for (const SpherePacket& packet : tree.level(l)) {
-          for (const auto child : packet.child) {
-            if (child < 0) continue;
-            ASSERT_LT(static_cast<std::size_t>(child), below);
-            if (lowest) ++reached[static_cast<std::size_t>(child)];
-          }
-        }
-      }
-      EXPECT_EQ(std::ranges::count(reached, 1), static_cast<std::ptrdiff_t>(leaves));
-      ASSERT_TRUE(body.X_WB.p.allFinite());
-      ASSERT_NEAR(body.X_WB.q.norm(), 1.0, 1e-6);
-      ASSERT_FALSE(body.materials.empty());
-      ASSERT_TRUE(body.leaf_material.empty() || body.leaf_material.size() == leaves);
-      for (const auto m : body.leaf_material) ASSERT_LT(m, body.materials.size());
-    }
-  }
-}
-
-TEST(SceneBundle, ThatIsSpoiltAndSealedAgainIsRefusedOrStillAScene) {
-  constexpr std::size_t kKeyAt = 16, kChecksumAt = 32, kHeader = 40;
-  const std::vector<std::uint8_t> good = PackScene(SmallScene());
-  test::Random random(17);
-  int taken = 0, refused = 0;
-  const int tries = test::kOptimised ? 40'000 : 4'000;
-  for (int i = 0; i < tries; ++i) {
-    std::vector<std::uint8_t> bytes = good;
-    const auto any = [&] {
-      return kHeader +
-             static_cast<std::size_t>(random.Below(static_cast<int>(bytes.size() - kHeader)));
-    };
-    for (int change = 1 + random.Below(3); change > 0; --change) {
-      switch (random.Below(3)) {
-        case 0:
-          bytes[any()] ^= static_cast<std::uint8_t>(1 << random.Below(8));
-          break;
-        case 1:
-          bytes[any()] = static_cast<std::uint8_t>(random.Below(256));
-          break;
-        default: {  // a whole number or offset
-          const std::size_t at = std::min(any() / 4 * 4, bytes.size() - 4);
-          const std::uint32_t odd[] = {0, 1, 0x7fffffff, 0x80000000, 0xffffffff, 0x7ff00000};
-          std::memcpy(&bytes[at], &odd[random.Below(6)], 4);
-        }
-      }
-    }
-    std::uint64_t key = 0;
-    std::memcpy(&key, &bytes[kKeyAt], sizeof key);
-    const std::uint64_t checksum =
-        HashBytes({reinterpret_cast<const char*>(&bytes[kHeader]), bytes.size() - kHeader}, key);
-    std::memcpy(&bytes[kChecksumAt], &checksum, sizeof checksum);
-    try {
-      const Scene scene = UnpackScene(bytes, "s.palpate");
-      ++taken;
-      ASSERT_NO_FATAL_FAILURE(ExpectUsable(scene)) << i;
-    } catch (const Error& error) {
-      ++refused;
-      ASSERT_THAT(error.what(), testing::StartsWith("s.palpate: ")) << i;
-    }
-  }
-  EXPECT_GT(taken, tries / 20) << "else nothing but refusals was tried";
-  EXPECT_GT(refused, tries / 20);
 }
 
 TEST(WriteFileAtomically, ReplacesAFileAndLeavesNothingElse) {

@@ -200,7 +200,7 @@ std::string PlyBox(const PlyLayout& layout, double first = 1.0) {
   text += "property float nx" + layout.end + "element face 12" + layout.end +
           "property list uchar " + layout.index + " vertex_index" + layout.end + "end_header" +
           layout.end;
-  const auto put = [&](auto value, bool real) {
+  const auto put = [&](auto value) {
     std::ostringstream word;
     word.precision(9);
     word << +value << " ";
@@ -211,24 +211,23 @@ std::string PlyBox(const PlyLayout& layout, double first = 1.0) {
       Append(text, value);
       if (layout.format == "binary_big_endian") std::reverse(text.begin() + begin, text.end());
     }
-    (void)real;
   };
   for (const Vec3& v : box.vertices) {
     for (int axis = 0; axis < 3; ++axis) {
       const double x = v[axis] == 1.0 ? first : v[axis];
-      layout.coordinate == "double" ? put(x, true) : put(static_cast<float>(x), true);
+      layout.coordinate == "double" ? put(x) : put(static_cast<float>(x));
     }
     if (layout.format == "ascii") {
       text += "-nan(ind)" + layout.end;
     } else {
-      put(std::numeric_limits<float>::quiet_NaN(), true);
+      put(std::numeric_limits<float>::quiet_NaN());
     }
   }
   for (const auto& triangle : box.triangles) {
-    put(std::uint8_t{3}, false);
+    put(std::uint8_t{3});
     for (const std::uint32_t v : triangle) {
-      layout.index == "short" ? put(static_cast<std::int16_t>(v), false)
-                              : put(static_cast<std::int32_t>(v), false);
+      layout.index == "short" ? put(static_cast<std::int16_t>(v))
+                              : put(static_cast<std::int32_t>(v));
     }
     if (layout.format == "ascii") text += layout.end;
   }

@@ -110,17 +110,29 @@ std::string Verdict(const Scene& scene) {
   return ToText(JudgeScene(scene));
 }
 
+/// A dirty mesh is felt as the clean one: its leaves stick out by less than `outside`, leave it
+/// bare by less than `bare`, and the verdict says what was done.
+Scene ExpectFelt(const TriangleMesh& dirty, const TriangleMesh& clean, double outside, double bare,
+                 const testing::Matcher<std::string>& verdict) {
+  const Scene scene = Felt(dirty);
+  EXPECT_LT(MostOutside(scene, clean), outside);
+  EXPECT_LT(MostBare(scene, clean), bare);
+  EXPECT_THAT(Verdict(scene), verdict);
+  return scene;
+}
+
+constexpr double kFloats = 1e-8;  // of the file
+
 TEST(DirtyMesh, SoupOfJitteredCornersAndTurnedFacesIsWeldedAndOriented) {
   Random random(1);
   const TriangleMesh clean = Bumpy();
   TriangleMesh soup = test::Unwelded(clean, 1e-6 * 0.04, random);
   test::TurnSome(soup, 0.05, random);
-  const Scene scene = Felt(soup);
-  EXPECT_LT(MostOutside(scene, clean), 1e-6);  // what the jitter moves a surface by, and its slope
-  EXPECT_LT(MostBare(scene, clean), 1e-3);
+  // 1 um: what the jitter moves a surface by, and its slope.
+  const Scene scene = ExpectFelt(soup, clean, 1e-6, 1e-3,
+                                 AllOf(HasSubstr("usable with these limits"),
+                                       HasSubstr("welded within"), HasSubstr("they are turned")));
   EXPECT_TRUE(InspectMesh(scene.objects[0].mesh).solid());
-  EXPECT_THAT(Verdict(scene), AllOf(HasSubstr("usable with these limits"),
-                                    HasSubstr("welded within"), HasSubstr("they are turned")));
 }
 
 TEST(DirtyMesh, ScrapsTooSmallToCountAreNotWelded) {
@@ -140,18 +152,15 @@ TEST(DirtyMesh, SoupThatCannotBeWeldedIsOrientedByWhatWindsRoundIt) {
   const TriangleMesh clean = Bumpy();
   TriangleMesh soup = test::Unwelded(clean, 1e-3 * 0.04, random);
   test::TurnSome(soup, 0.05, random);
-  const Scene scene = Felt(soup);
-  EXPECT_LT(MostOutside(scene, clean), 1e-3 * 0.04 * 4);  // a corner moves by sqrt(3) of it
-  EXPECT_LT(MostBare(scene, clean), 1e-3);
-  EXPECT_THAT(Verdict(scene), AllOf(HasSubstr("edges are open"), HasSubstr("are turned")));
+  // A corner moves by sqrt(3) of the jitter.
+  ExpectFelt(soup, clean, 1e-3 * 0.04 * 4, 1e-3,
+             AllOf(HasSubstr("edges are open"), HasSubstr("are turned")));
 }
 
 TEST(DirtyMesh, OneOfTwoPiecesThatIsInsideOutIsTurned) {
   const TriangleMesh clean = Both(Bumpy(), test::Moved(Bumpy(), Vec3(0.05, 0, 0)));
-  const Scene scene = Felt(Both(Bumpy(), test::TurnedOver(test::Moved(Bumpy(), Vec3(0.05, 0, 0)))));
-  EXPECT_LT(MostOutside(scene, clean), 1e-8);  // floats of the file
-  EXPECT_LT(MostBare(scene, clean), 2e-3);
-  EXPECT_THAT(Verdict(scene), HasSubstr("inside out"));
+  ExpectFelt(Both(Bumpy(), test::TurnedOver(test::Moved(Bumpy(), Vec3(0.05, 0, 0)))), clean,
+             kFloats, 2e-3, HasSubstr("inside out"));
 }
 
 TEST(DirtyMesh, OpenShellThatIsInsideOutIsTurned) {
@@ -246,10 +255,8 @@ TEST(DirtyMesh, ShellsThatPassThroughEachOtherAreOneSolidAndSoWhereOneIsInsideOu
 
 TEST(DirtyMesh, ShellWithASecondOneUnderItIsFilledPastThat) {
   const TriangleMesh clean = Bumpy();
-  const Scene scene = Felt(Both(clean, Scaled(clean, 0.98)));
-  EXPECT_LT(MostOutside(scene, clean), 1e-8);
-  EXPECT_LT(MostBare(scene, clean), kCleanBare);
-  EXPECT_THAT(Verdict(scene), HasSubstr("parts overlap: 49 %"));
+  ExpectFelt(Both(clean, Scaled(clean, 0.98)), clean, kFloats, kCleanBare,
+             HasSubstr("parts overlap: 49 %"));
 }
 
 /// A box from x_low to x_high: two of them side by side share corners once they are read.
@@ -285,11 +292,9 @@ TEST(DirtyMesh, BodyWithBothSidesOfSomeOrAllFacesHasOne) {
       const auto [i, j, k] = clean.triangles[t];
       dirty.triangles.push_back({i, k, j});
     }
-    const Scene scene = Felt(dirty);
+    const Scene scene =
+        ExpectFelt(dirty, clean, kFloats, kCleanBare, HasSubstr("stood there twice"));
     EXPECT_EQ(scene.objects[0].mesh.triangles.size(), clean.triangles.size());
-    EXPECT_LT(MostOutside(scene, clean), 1e-8);
-    EXPECT_LT(MostBare(scene, clean), kCleanBare);
-    EXPECT_THAT(Verdict(scene), HasSubstr("stood there twice"));
   }
 }
 
@@ -325,10 +330,8 @@ TEST(DirtyMesh, FinInsideABodyIsPassedOver) {
   const auto [i, j, k] = clean.triangles[100];
   dirty.vertices.push_back(0.7 * clean.vertices[i]);
   dirty.triangles.push_back({i, j, static_cast<std::uint32_t>(clean.vertices.size())});
-  const Scene scene = Felt(dirty);
-  EXPECT_LT(MostOutside(scene, clean), 1e-8);
-  EXPECT_LT(MostBare(scene, clean), kCleanBare);
-  EXPECT_THAT(Verdict(scene), AllOf(HasSubstr("more than two triangles"), Not(HasSubstr("lid"))));
+  ExpectFelt(dirty, clean, kFloats, kCleanBare,
+             AllOf(HasSubstr("more than two triangles"), Not(HasSubstr("lid"))));
 }
 
 TEST(DirtyMesh, SurfaceThatFoldsIntoItselfIsFilledPastTheFold) {
@@ -391,11 +394,9 @@ TEST(DirtyMesh, SpeckOfDustFarOffDoesNotMakeTheBodySmall) {
   const TriangleMesh clean = Bumpy();
   TriangleMesh speck = MakeSphere(1e-6, 20);
   speck.triangles.resize(4);
-  const Scene scene = Felt(Both(clean, test::Moved(speck, Vec3(0.05, 0, 0))));
+  const Scene scene = ExpectFelt(Both(clean, test::Moved(speck, Vec3(0.05, 0, 0))), clean, kFloats,
+                                 kCleanBare, HasSubstr("a small piece floats apart"));
   EXPECT_LT(InspectMesh(scene.objects[0].mesh).box_max.x(), 0.025);
-  EXPECT_LT(MostOutside(scene, clean), 1e-8);
-  EXPECT_LT(MostBare(scene, clean), kCleanBare);
-  EXPECT_THAT(Verdict(scene), HasSubstr("a small piece floats apart"));
 }
 
 TEST(DirtyMesh, PartsKeepTheirTrianglesWhereOthersAreLeftOut) {
@@ -442,10 +443,9 @@ TEST(DirtyMesh, TwoScansWithACrackBetweenThemAreOneSolidAndSoWhereOneIsInsideOut
   const TriangleMesh upper = test::Moved(test::Without(Bumpy(), below), Vec3(0, 1e-4, 0));
   const TriangleMesh lower = test::Without(Bumpy(), std::not_fn(below));
   for (const TriangleMesh& dirty : {Both(upper, lower), Both(upper, test::TurnedOver(lower))}) {
-    const Scene scene = Felt(dirty);
-    EXPECT_LT(MostOutside(scene, Bumpy()), 1.01e-4);  // what the upper one is raised by
-    EXPECT_LT(MostBare(scene, Bumpy()), kCleanBare + 1e-4);
-    EXPECT_THAT(Verdict(scene), AllOf(HasSubstr("edges are open"), Not(HasSubstr("sheet"))));
+    // The upper one is raised by 0.1 mm.
+    ExpectFelt(dirty, Bumpy(), 1.01e-4, kCleanBare + 1e-4,
+               AllOf(HasSubstr("edges are open"), Not(HasSubstr("sheet"))));
   }
 }
 
@@ -461,10 +461,8 @@ TEST(DirtyMesh, ChainsOfTJunctionsAreNoWideOpening) {
     dirty.triangles.push_back({i, middle, k});
     dirty.triangles.push_back({middle, j, k});
   }
-  const Scene scene = Felt(dirty);
-  EXPECT_LT(MostOutside(scene, clean), 1e-8);
-  EXPECT_LE(MostBare(scene, clean), 1.2 * MostBare(Felt(clean), clean));
-  EXPECT_THAT(Verdict(scene), HasSubstr("edges are open"));
+  ExpectFelt(dirty, clean, kFloats, 1.2 * MostBare(Felt(clean), clean),
+             HasSubstr("edges are open"));
 }
 
 TEST(DirtyMesh, ManyHolesTooSmallForALidLetNoSphereOut) {
