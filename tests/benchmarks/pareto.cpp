@@ -164,7 +164,8 @@ class Pareto {
 
   void PlanSlide(const std::string& object, std::size_t spheres, std::size_t triangles,
                  const std::string& contact) {
-    if (options_.quick && triangles == kManyTriangles) return;
+    const bool costly = triangles == kManyTriangles || (object == "ellipsoid" && spheres < 512);
+    if (options_.quick && costly) return;
     Plan(fmt::format("force on {} of {} spheres, {} contact", object, spheres, contact), [=, this] {
       SlideResult result;
       result.object = object;
