@@ -15,13 +15,13 @@
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
 #include "tests/benchmarks/sliding_force.h"
-#include "tests/benchmarks/tree_file_option.h"
 
 namespace palpate::bench {
 namespace {
 
 struct Options {
   SlidingExperiment experiment;
+  double tolerance_um = 1e6 * SlidingExperiment{}.tolerance;
   std::string mode;  ///< empty: what suits the contact
   std::vector<std::size_t> spheres{64, 512, 4096};
   FeatureOptions features{"surface", "off"};
@@ -32,11 +32,11 @@ struct Options {
 /// "A polygonal mesh with over 4,000 triangles", which the chapter compares 64 spheres with.
 constexpr std::size_t kComparedTriangles = 4001;
 
-nlohmann::ordered_json ToJson(const MeanMax& m) {
+Json ToJson(const MeanMax& m) {
   return {{"mean", m.mean}, {"max", m.max}};
 }
 
-void AddTo(nlohmann::ordered_json& json, const ForceErrors& e) {
+void AddTo(Json& json, const ForceErrors& e) {
   json["force_error"] = {{"x", ToJson(e.axis[0])},
                          {"y", ToJson(e.axis[1])},
                          {"z", ToJson(e.axis[2])},
@@ -65,8 +65,8 @@ ForceErrors OnMesh(const SlidingPath& path, const TriangleMesh& mesh) {
   return {path, forces};
 }
 
-nlohmann::ordered_json ToJson(const SlidingForce& m) {
-  nlohmann::ordered_json json{
+Json ToJson(const SlidingForce& m) {
+  Json json{
       {"spheres", m.spheres}, {"triangles", m.triangles}, {"felt_triangles", m.felt_triangles}};
   AddTo(json, m.errors);
   json["truncation_um"] = ToJson(m.truncation_um);
@@ -87,6 +87,7 @@ void WriteErrors(const std::string& file, const std::vector<SlidingForce>& rows)
 
 void Run(Options options) {
   options.experiment.features = options.features.features();
+  options.experiment.tolerance = 1e-6 * options.tolerance_um;
   if (options.mode.empty()) options.mode = NameOf(ModeFor(options.experiment.features.contact));
   options.experiment.tree.mode = TreeModeNamed(options.mode);
   std::vector<SlidingForce> rows;
@@ -114,13 +115,13 @@ void Run(Options options) {
   };
   for (const SlidingForce& row : rows) add_row(row, fmt::format("{}", row.spheres));
   if (of_file) add_row(*of_file, fmt::format("{}, of the file", of_file->spheres));
-  nlohmann::ordered_json json{{"object", options.experiment.object},
-                              {"contact", options.features.contact},
-                              {"mode", options.mode},
-                              {"steps", options.experiment.steps},
-                              {"repeats", options.experiment.repeats},
-                              {"simd", ActiveKernels().name},
-                              {"machine", ToJson(ThisMachine())}};
+  Json json{{"object", options.experiment.object},
+            {"contact", options.features.contact},
+            {"mode", options.mode},
+            {"steps", options.experiment.steps},
+            {"repeats", options.experiment.repeats},
+            {"simd", ActiveKernels().name},
+            {"machine", ToJson(ThisMachine())}};
   if (rows.size() == 1) {
     json.update(ToJson(rows.front()));
   } else {
@@ -152,49 +153,36 @@ void Run(Options options) {
 
 void AddAccuracy(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "accuracy",
+  SlidingExperiment& experiment = options->experiment;
+  Command command(
+      app, "accuracy",
       "Force of a ball that slides over a cube or an ellipsoid, against analytic truth\n"
       "(chapter 2.5.1): a ball of 5 mm, commanded 1 mm deep at 1 N/mm, translation only.\n"
       "Example: palpate-bench accuracy --object ellipsoid --spheres 8,64,512 --json e.json");
+  command.Add("--object", experiment.object, "cube (50 mm) or ellipsoid (40, 25, 30 mm)")
+      .OneOf({"cube", "ellipsoid"});
+  command.Add("--spheres", options->spheres, "Leaves of the object's tree; a row for each")
+      .Positive();
   command
-      ->add_option("--object", options->experiment.object,
-                   "cube (50 mm) or ellipsoid (40, 25, 30 mm)")
-      ->check(CLI::IsMember({"cube", "ellipsoid"}))
-      ->capture_default_str();
-  command->add_option("--spheres", options->spheres, "Leaves of the object's tree; a row for each")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+      .Add("--triangles", experiment.triangles,
+           "Ellipsoid: triangles of its mesh at least (20, 80, ..., 5120, 20480, 81920)")
+      .Positive();
   command
-      ->add_option("--triangles", options->experiment.triangles,
-                   "Ellipsoid: triangles of its mesh at least (20, 80, ..., 5120, 20480, 81920)")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+      .Add("--tolerance-um", options->tolerance_um,
+           "Ellipsoid, surface contact: how truly that mesh stands for a curved surface, as a "
+           "scene's \"curved\" says; 0: felt as it is")
+      .Within(0.0, 1e6);
+  options->features.AddTo(command);
   command
-      ->add_option_function<double>(
-          "--tolerance-um", [options](double um) { options->experiment.tolerance = 1e-6 * um; },
-          "Ellipsoid, surface contact: how truly that mesh stands for a curved surface, as a "
-          "scene's \"curved\" says; 0: felt as it is  [3]")
-      ->check(CLI::Range(0.0, 1e6));
-  options->features.AddTo(*command);
-  command
-      ->add_option("--mode", options->mode,
-                   "Mode of the object's tree (default: balanced for spheres, else inside)")
-      ->check(CLI::IsMember(std::vector<std::string>(kTreeModes.begin(), kTreeModes.end())));
-  AddTreeFileOptions(*command, "m", options->file)->needs(command->get_option("--tree"));
-  command->add_option("--steps", options->experiment.steps, "Samples of steady sliding")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--repeats", options->experiment.repeats,
-                   "Identical runs, for the time of a step")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->add_option("--errors", options->errors,
-                      "Write the errors over time to FILE.csv (- is stdout)");
-  command->callback([options] { Run(*options); });
+      .Add("--mode", options->mode,
+           "Mode of the object's tree (default: balanced for spheres, else inside)")
+      .OneOf({kTreeModes.begin(), kTreeModes.end()});
+  command.AddTreeFile("m", options->file).Needs("--tree");
+  command.Add("--steps", experiment.steps, "Samples of steady sliding").Positive();
+  command.AddRepeats(experiment.repeats);
+  command.AddJson(options->json);
+  command.Add("--errors", options->errors, "Write the errors over time to FILE.csv (- is stdout)");
+  command.Runs([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -71,8 +71,8 @@ std::vector<double> Each(const Rows& rows, Figure figure) {
   return values;
 }
 
-nlohmann::ordered_json ToJson(const Curve& c, double stiffness_N_per_m) {
-  nlohmann::ordered_json stable = nlohmann::ordered_json::array();
+Json ToJson(const Curve& c, double stiffness_N_per_m) {
+  Json stable = Json::Array();
   for (const ClosedLoopFigures& figures : c.asked) stable.push_back(figures.stable);
   return {{"local_model", c.local_model},
           {"passivity", c.passivity},
@@ -124,25 +124,25 @@ std::vector<DelayedSlides> MeasureSlides(const Options& options, OneMore one_mor
   return all;
 }
 
-nlohmann::ordered_json ToJson(const SlideError& error) {
+Json ToJson(const SlideError& error) {
   return {{"mean", error.mean}, {"p50", error.p50}, {"p99", error.p99}, {"max", error.max}};
 }
 
-nlohmann::ordered_json ToJson(const SlideErrors& errors) {
+Json ToJson(const SlideErrors& errors) {
   return {{"late", ToJson(errors.late)}, {"local", ToJson(errors.local)},
           {"ticks", errors.ticks},       {"mean_force_N", errors.mean_force_N},
           {"contact", errors.contact},   {"beyond_region", errors.beyond_region}};
 }
 
-nlohmann::ordered_json ToJson(const std::vector<DelayedSlides>& all) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+Json ToJson(const std::vector<DelayedSlides>& all) {
+  Json json = Json::Array();
   for (const DelayedSlides& slides : all) {
-    nlohmann::ordered_json row{{"delay_ms", slides.delay_ms}};
+    Json row{{"delay_ms", slides.delay_ms}};
     row.update(ToJson(slides.all));
     row["worst_path_mean"] = {{"late", slides.WorstMean(&SlideErrors::late)},
                               {"local", slides.WorstMean(&SlideErrors::local)}};
     for (const auto& [name, errors] : slides.path) {
-      nlohmann::ordered_json path{{"path", name}};
+      Json path{{"path", name}};
       path.update(ToJson(errors));
       row["paths"].push_back(std::move(path));
     }
@@ -256,28 +256,28 @@ void Run(Options options) {
              figures.mean_force_N, 100.0 * figures.rendered, width.stiffness_N_per_m,
              width.stiffness_N_per_m >= kStiffest ? ", the most that is tried" : "",
              width.felt_N_per_m);
-  nlohmann::ordered_json json{{"device", options.device},
-                              {"scene", options.scene},
-                              {"hand", options.loop.hand},
-                              {"hand_source", PublishedHandOf(options.loop.hand).source},
-                              {"delay_ms", options.loop.delay_ms},
-                              {"jitter_ms", options.loop.jitter_ms},
-                              {"loss", options.loop.loss},
-                              {"seed", options.loop.seed},
-                              {"local_model", options.loop.local_model},
-                              {"passivity", options.loop.passivity},
-                              {"stiffness_N_per_m", options.loop.stiffness_N_per_m},
-                              {"stable", figures.stable},
-                              {"energy_J", figures.energy_J},
-                              {"energy_end_J", figures.energy_end_J},
-                              {"energy_seen_J", figures.energy_seen_J},
-                              {"limit_cycle_mm", figures.limit_cycle_mm},
-                              {"limit_cycle_deg", figures.limit_cycle_deg},
-                              {"mean_force_N", figures.mean_force_N},
-                              {"rendered", figures.rendered},
-                              {"beyond_region", figures.beyond_region},
-                              {"max_stable_stiffness_N_per_m", width.stiffness_N_per_m},
-                              {"felt_stiffness_N_per_m", width.felt_N_per_m}};
+  Json json{{"device", options.device},
+            {"scene", options.scene},
+            {"hand", options.loop.hand},
+            {"hand_source", PublishedHandOf(options.loop.hand).source},
+            {"delay_ms", options.loop.delay_ms},
+            {"jitter_ms", options.loop.jitter_ms},
+            {"loss", options.loop.loss},
+            {"seed", options.loop.seed},
+            {"local_model", options.loop.local_model},
+            {"passivity", options.loop.passivity},
+            {"stiffness_N_per_m", options.loop.stiffness_N_per_m},
+            {"stable", figures.stable},
+            {"energy_J", figures.energy_J},
+            {"energy_end_J", figures.energy_end_J},
+            {"energy_seen_J", figures.energy_seen_J},
+            {"limit_cycle_mm", figures.limit_cycle_mm},
+            {"limit_cycle_deg", figures.limit_cycle_deg},
+            {"mean_force_N", figures.mean_force_N},
+            {"rendered", figures.rendered},
+            {"beyond_region", figures.beyond_region},
+            {"max_stable_stiffness_N_per_m", width.stiffness_N_per_m},
+            {"felt_stiffness_N_per_m", width.felt_N_per_m}};
   if (options.slide || !options.out.empty()) {
     const bool report = !options.out.empty();
     const std::vector<DelayedSlides> slides =
@@ -306,8 +306,9 @@ void Run(Options options) {
 
 void AddClosedLoop(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "closed-loop",
+  ClosedLoopCase& loop = options->loop;
+  Command command(
+      app, "closed-loop",
       "A simulated arm and hand, the station's loop and limiter, a link and the server's loop, in\n"
       "virtual time: does a contact come to rest, how much energy does the hand get, and how "
       "stiff\n"
@@ -316,55 +317,40 @@ void AddClosedLoop(CLI::App& app) {
       "for\n"
       "the wall, three to four for the bunny.\n"
       "Example: palpate-bench closed-loop --delay-ms 10 --local-model on --out closed-loop");
-  const auto on_off = CLI::IsMember({"on", "off"});
   std::string hands;
   std::vector<std::string> devices{"simulated"};
   for (const PhantomSheet& sheet : PhantomSheets()) devices.emplace_back(sheet.name);
   for (const PublishedHand& hand : PublishedHands()) hands += " " + hand.name;
   command
-      ->add_option("--device", options->device,
-                   "The arm, as palpate-station's --model; simulated: its default")
-      ->check(CLI::IsMember(devices))
-      ->capture_default_str();
-  command->add_option("--delay-ms", options->loop.delay_ms, "Delay there and back")
-      ->check(CLI::Range(0.0, 200.0))
-      ->capture_default_str();
-  command->add_option("--jitter-ms", options->loop.jitter_ms, "Further delay, from 0 to this")
-      ->check(CLI::Range(0.0, 200.0))
-      ->capture_default_str();
-  command->add_option("--loss", options->loop.loss, "Share of the samples that is lost, each way")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command->add_option("--local-model", options->local_model, "The station's local contact model")
-      ->check(on_off)
-      ->capture_default_str();
-  command->add_option("--passivity", options->passivity, "The limiter's energy stage")
-      ->check(on_off)
-      ->capture_default_str();
+      .Add("--device", options->device,
+           "The arm, as palpate-station's --model; simulated: its default")
+      .OneOf(devices);
+  command.Add("--delay-ms", loop.delay_ms, "Delay there and back").Within(0.0, 200.0);
+  command.Add("--jitter-ms", loop.jitter_ms, "Further delay, from 0 to this").Within(0.0, 200.0);
+  command.Add("--loss", loop.loss, "Share of the samples that is lost, each way").Within(0.0, 1.0);
+  command.Add("--local-model", options->local_model, "The station's local contact model")
+      .OneOf({"on", "off"});
+  command.Add("--passivity", options->passivity, "The limiter's energy stage").OneOf({"on", "off"});
   command
-      ->add_option("--stiffness", options->loop.stiffness_N_per_m,
-                   "Of the coupling, in N/m; the torsional one goes with it")
-      ->check(CLI::Range(1.0, kStiffest))
-      ->capture_default_str();
-  command->add_option("--hand", options->loop.hand, "Whose hand:" + hands)->capture_default_str();
+      .Add("--stiffness", loop.stiffness_N_per_m,
+           "Of the coupling, in N/m; the torsional one goes with it")
+      .Within(1.0, kStiffest);
+  command.Add("--hand", loop.hand, "Whose hand:" + hands);
   command
-      ->add_option("--scene", options->scene,
-                   "wall: a ball on a plate; bunny: bunny-bunny, pressed on the back")
-      ->check(CLI::IsMember({"wall", "bunny"}))
-      ->capture_default_str();
-  command->add_flag("--slide", options->slide, "Also the force's error while sliding on the bunny");
+      .Add("--scene", options->scene,
+           "wall: a ball on a plate; bunny: bunny-bunny, pressed on the back")
+      .OneOf({"wall", "bunny"});
+  command.AddFlag("--slide", options->slide, "Also the force's error while sliding on the bunny");
   command
-      ->add_option("--slides", options->slides,
-                   "Slides over places and in directions of the seed, beside the scene's own")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
-  command->add_option("--seed", options->loop.seed, "Of the link and the slides")
-      ->capture_default_str();
-  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->add_option("--out", options->out,
-                      "Write DIR/report.md, and into --json: stiffness, energy and limit cycle "
-                      "against delay, each way of closing the loop");
-  command->callback([options] { Run(*options); });
+      .Add("--slides", options->slides,
+           "Slides over places and in directions of the seed, beside the scene's own")
+      .Within(0, 1000);
+  command.Add("--seed", loop.seed, "Of the link and the slides");
+  command.AddJson(options->json);
+  command.Add("--out", options->out,
+              "Write DIR/report.md, and into --json: stiffness, energy and limit cycle "
+              "against delay, each way of closing the loop");
+  command.Runs([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -32,7 +32,7 @@ void Run(Options& options) {
   options.features.ApplyTo(scene);
   options.cycle.name = options.scene;
   SceneRun run(std::move(scene), std::move(poses));
-  const nlohmann::ordered_json json = ReportCycle(run, options.cycle);
+  const Json json = ReportCycle(run, options.cycle);
   if (!options.json.empty()) WriteJson(options.json, json);
 }
 
@@ -40,26 +40,23 @@ void Run(Options& options) {
 
 void AddCycle(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "cycle",
+  Command command(
+      app, "cycle",
       "Time of one haptic step over a scene's path, and what is right about its contact: how deep\n"
       "the meshes are in each other, whether the tool arrives, how far the force is from the\n"
       "converged one, and the cause of every jump.\n"
       "Example: palpate-bench cycle --scene bunny-bunny --steps 20000 --repeats 5");
-  command->add_option("--scene", options->scene, "Catalogue name or scene file")
-      ->capture_default_str();
-  command->add_option(
-      "--poses", options->poses,
-      "Haptic poses instead of the scene's script: CSV x,y,z,qw,qx,qy,qz, a row a ms");
-  command->add_option("--steps", options->steps, "Steps (default: the whole path)")
-      ->check(CLI::PositiveNumber);
-  options->cycle.AddTo(*command);
-  command->add_flag("--subsample", options->cycle.quarter_steps,
-                    "Run the path at 4 kHz too and compare the forces");
-  options->features.AddTo(*command);
-  command->add_option("--models", options->models, "Folder of models that are not packaged");
-  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->callback([options] { Run(*options); });
+  command.Add("--scene", options->scene, "Catalogue name or scene file");
+  command.Add("--poses", options->poses,
+              "Haptic poses instead of the scene's script: CSV x,y,z,qw,qx,qy,qz, a row a ms");
+  command.AddPathSteps(options->steps);
+  options->cycle.AddTo(command);
+  command.AddFlag("--subsample", options->cycle.quarter_steps,
+                  "Run the path at 4 kHz too and compare the forces");
+  options->features.AddTo(command);
+  command.AddModels(options->models);
+  command.AddJson(options->json);
+  command.Runs([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

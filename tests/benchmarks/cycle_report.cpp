@@ -32,7 +32,7 @@ void StagedPass(SceneRun& run, BestOf stage[4]) {
 /// Figures that hold of contact whatever makes it, into a table and a JSON object.
 class ContactReport {
  public:
-  ContactReport(Table* table, nlohmann::ordered_json& json) : table_(table), json_(json) {}
+  ContactReport(Table* table, Json& json) : table_(table), json_(json) {}
 
   void Add(const test::ContactFigures& f) {
     const auto checked = static_cast<double>(std::max<std::size_t>(1, f.depth.size()));
@@ -85,7 +85,7 @@ class ContactReport {
     if (table_ != nullptr) table_->Line(name, text);
   }
   void Group(const char* name, const char* unit, double scale, std::vector<double> values,
-             nlohmann::ordered_json& out) {
+             Json& out) {
     for (double& value : values) value *= scale;
     const Percentiles p = PercentilesOf(std::move(values));
     if (table_ != nullptr) table_->Row(name, unit, p);
@@ -114,7 +114,7 @@ class ContactReport {
   }
   void AddForce(const test::ForceShape& shape) {
     const auto change = [](const test::ForceChange& c) {
-      return nlohmann::ordered_json{{"force_N", c.size}, {"step", c.step}};
+      return Json{{"force_N", c.size}, {"step", c.step}};
     };
     const test::ForceNotch deepest = Deepest(shape.notches), longest = Longest(shape.notches);
     const test::ForceChange ledge = Largest(shape.ledges), passing = Largest(shape.passing);
@@ -144,7 +144,7 @@ class ContactReport {
   }
   void AddJumps(const test::ContactFigures& f) {
     const test::ContactFigures::Jumps& jumps = f.jumps;
-    nlohmann::ordered_json& out = json_["jump"];
+    Json& out = json_["jump"];
     out = {{"force_N_max", f.force.largest_jump.size}, {"torque_Nm_max", jumps.torque_max}};
     Line("greatest jump",
          fmt::format("{:.3f} N, {:.4f} N m; unexplained {}; {} of a tool that was behind",
@@ -165,28 +165,23 @@ class ContactReport {
   }
 
   Table* table_;
-  nlohmann::ordered_json& json_;
+  Json& json_;
 };
 
 }  // namespace
 
-void CycleOptions::AddTo(CLI::App& command) {
-  command.add_option("--repeats", repeats, "Identical runs; 'best' is the least of each step")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+void CycleOptions::AddTo(Command& command) {
+  command.AddRepeats(repeats);
   command
-      .add_option("--check-every", check_every,
-                  "Check penetration and the converged force at every n-th step only")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+      .Add("--check-every", check_every,
+           "Check penetration and the converged force at every n-th step only")
+      .Positive();
   command
-      .add_option(
-          "--settle-every", settle_every,
-          "Hold the hand still at every n-th step and see whether the tool settles; 0: never")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command.add_option("--trace", trace,
-                     "Write poses and wrench of every step to FILE, as CSV (- is stdout)");
+      .Add("--settle-every", settle_every,
+           "Hold the hand still at every n-th step and see whether the tool settles; 0: never")
+      .NonNegative();
+  command.Add("--trace", trace,
+              "Write poses and wrench of every step to FILE, as CSV (- is stdout)");
 }
 
 test::ContactFigures MeasureContact(SceneRun& run, const CycleOptions& options) {
@@ -204,14 +199,14 @@ test::ContactFigures MeasureContact(SceneRun& run, const CycleOptions& options) 
 }
 
 void AddContact(const test::ContactFigures& figures, const CycleOptions& options, Table* table,
-                nlohmann::ordered_json& json) {
+                Json& json) {
   ContactReport report(table, json);
   report.Add(figures);
   if (options.settle_every > 0) report.AddSettling(figures.settling);
   if (options.quarter_steps) report.AddQuarters(figures.force_4khz_rms_fraction);
 }
 
-nlohmann::ordered_json ReportCycle(SceneRun& run, const CycleOptions& options) {
+Json ReportCycle(SceneRun& run, const CycleOptions& options) {
   const std::size_t steps = run.poses().size();
   BestOf step, stage[4];
   std::vector<StepReport> reports;
@@ -262,16 +257,16 @@ nlohmann::ordered_json ReportCycle(SceneRun& run, const CycleOptions& options) {
       "steps, best of {} ({})",
       options.name, NameOf(features.contact), NameOf(features.friction), run.tool().tree.leaves(),
       run.object_spheres(), steps, options.repeats, ActiveKernels().name));
-  nlohmann::ordered_json json{{"scene", options.name},
-                              {"contact", NameOf(features.contact)},
-                              {"friction", NameOf(features.friction)},
-                              {"tool_spheres", run.tool().tree.leaves()},
-                              {"object_spheres", run.object_spheres()},
-                              {"steps", steps},
-                              {"repeats", options.repeats},
-                              {"simd", ActiveKernels().name},
-                              {"best_step_us", ToJson(best)},
-                              {"raw_step_us", ToJson(raw)}};
+  Json json{{"scene", options.name},
+            {"contact", NameOf(features.contact)},
+            {"friction", NameOf(features.friction)},
+            {"tool_spheres", run.tool().tree.leaves()},
+            {"object_spheres", run.object_spheres()},
+            {"steps", steps},
+            {"repeats", options.repeats},
+            {"simd", ActiveKernels().name},
+            {"best_step_us", ToJson(best)},
+            {"raw_step_us", ToJson(raw)}};
   table.Row("step, best", "us", best);
   table.Row("step, raw", "us", raw);
   for (int s = 0; s < 4; ++s) {
@@ -279,8 +274,7 @@ nlohmann::ordered_json ReportCycle(SceneRun& run, const CycleOptions& options) {
     table.Row(std::string("  ") + stage_name[s] + ", best", "us", p);
     json["best_stage_us"][stage_name[s]] = ToJson(p);
   }
-  const auto add = [&](const char* name, const char* unit, std::vector<double> values,
-                       nlohmann::ordered_json& out) {
+  const auto add = [&](const char* name, const char* unit, std::vector<double> values, Json& out) {
     const Percentiles p = PercentilesOf(std::move(values));
     table.Row(name, unit, p);
     out = ToJson(p);
@@ -292,7 +286,7 @@ nlohmann::ordered_json ReportCycle(SceneRun& run, const CycleOptions& options) {
   add("QP iterations", "", std::move(iterations), json["qp"]["iterations"]);
   json["qp"]["unsolved"] = unsolved;
   if (features.friction == FrictionModel::kCoulomb) {
-    nlohmann::ordered_json& rubs = json["friction_solver"];
+    Json& rubs = json["friction_solver"];
     add("friction's Newton steps", "", std::move(newton), rubs["iterations"]);
     rubs["lowered"] = lowered;
     rubs["unsolved"] = rubs_unsolved;

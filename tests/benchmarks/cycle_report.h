@@ -2,9 +2,7 @@
 
 #include <string>
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
-
+#include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/scene_run.h"
 #include "tests/support/contact_figures.h"
@@ -21,16 +19,16 @@ struct CycleOptions {
   std::string trace{};  ///< a file; empty: none
 
   /// Adds the options --repeats, --check-every, --settle-every and --trace.
-  void AddTo(CLI::App& command);
+  void AddTo(Command& command);
 };
 
 /// Measures a path and prints its table.
 /// @returns the JSON object that DESIGN.md says.
-nlohmann::ordered_json ReportCycle(SceneRun& run, const CycleOptions& options);
+Json ReportCycle(SceneRun& run, const CycleOptions& options);
 
 /// Contact's figures into a table, where one is given, and a JSON object.
 void AddContact(const test::ContactFigures& figures, const CycleOptions& options, Table* table,
-                nlohmann::ordered_json& json);
+                Json& json);
 
 /// Its contact alone, without times.
 test::ContactFigures MeasureContact(SceneRun& run, const CycleOptions& options);

@@ -136,22 +136,16 @@ void Run(const Options& options) {
 
 void AddDeadServer(CLI::App& app, const int& domain) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "dead-server",
+  Command command(
+      app, "dead-server",
       "What a hand feels when palpate-server is killed and started again, or frozen for 0.5 s:\n"
       "how soon its force falls and is gone, and the largest step on the way out and back.\n"
       "Example: palpate-bench dead-server --how freeze --repetitions 20");
-  command->add_option("--how", options->how, "kill or freeze")
-      ->check(CLI::IsMember({"kill", "freeze"}))
-      ->capture_default_str();
-  command->add_option("--transport", options->transport, "shm or udp")
-      ->check(CLI::IsMember({"shm", "udp"}))
-      ->capture_default_str();
-  command->add_option("--repetitions", options->repetitions)
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->callback([options, &domain] {
+  command.Add("--how", options->how, "kill or freeze").OneOf({"kill", "freeze"});
+  command.AddTransport(options->transport);
+  command.Add("--repetitions", options->repetitions).Within(1, 1000);
+  command.AddJson(options->json);
+  command.Runs([options, &domain] {
     options->domain = domain;
     Run(*options);
   });

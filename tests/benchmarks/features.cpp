@@ -31,20 +31,12 @@ const char* NameOf(FrictionModel friction) {
   return "off";
 }
 
-void FeatureOptions::AddTo(CLI::App& command) {
+void FeatureOptions::AddTo(Command& command) {
   const std::string scenes_own = contact.empty() ? " (default: as the scene says)" : "";
-  auto* contact_option =
-      command
-          .add_option("--contact", contact,
-                      "spheres (the chapter's) or surface (the meshes)" + scenes_own)
-          ->check(CLI::IsMember({"spheres", "surface"}));
-  auto* friction_option =
-      command
-          .add_option("--friction", friction, "off, chapter (2.25-2.34) or coulomb" + scenes_own)
-          ->check(CLI::IsMember({"off", "chapter", "coulomb"}));
-  if (!scenes_own.empty()) return;
-  contact_option->capture_default_str();
-  friction_option->capture_default_str();
+  command.Add("--contact", contact, "spheres (the chapter's) or surface (the meshes)" + scenes_own)
+      .OneOf({"spheres", "surface"});
+  command.Add("--friction", friction, "off, chapter (2.25-2.34) or coulomb" + scenes_own)
+      .OneOf({"off", "chapter", "coulomb"});
 }
 
 std::optional<ContactModel> FeatureOptions::contact_model() const {

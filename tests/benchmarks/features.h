@@ -3,9 +3,8 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "scenes/scene.h"
+#include "tests/benchmarks/commands.h"
 
 namespace palpate::bench {
 
@@ -15,7 +14,7 @@ struct FeatureOptions {
   std::string contact = {};
   std::string friction = {};
 
-  void AddTo(CLI::App& command);
+  void AddTo(Command& command);
   /// None: as the scene says.
   std::optional<ContactModel> contact_model() const;
   /// Of an experiment that is no scene.

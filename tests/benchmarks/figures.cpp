@@ -22,7 +22,7 @@ Percentiles PercentilesOf(std::vector<double> values) {
   return {rank(0.5), rank(0.99), rank(0.999), values.back()};
 }
 
-nlohmann::ordered_json ToJson(const Percentiles& p) {
+Json ToJson(const Percentiles& p) {
   return {{"p50", p.p50}, {"p99", p.p99}, {"p999", p.p999}, {"max", p.max}};
 }
 
@@ -59,8 +59,8 @@ void Progress(const std::string& line) {
   if (terminal) fmt::print(stderr, "\r\033[K{}", line);
 }
 
-void WriteJson(const std::string& file, const nlohmann::ordered_json& json) {
-  WriteOutput("--json", file, json.dump(2) + "\n");
+void WriteJson(const std::string& file, const Json& json) {
+  WriteOutput("--json", file, json.Text() + "\n");
 }
 
 }  // namespace palpate::bench

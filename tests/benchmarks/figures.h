@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include "tests/benchmarks/json.h"
 
 namespace palpate::bench {
 
@@ -13,7 +13,7 @@ struct Percentiles {
   double p50 = 0.0, p99 = 0.0, p999 = 0.0, max = 0.0;
 };
 Percentiles PercentilesOf(std::vector<double> values);
-nlohmann::ordered_json ToJson(const Percentiles& p);
+Json ToJson(const Percentiles& p);
 
 /// Least of the values at each index over all repeats of an identical run.
 class BestOf {
@@ -43,6 +43,6 @@ class Table {
 void Progress(const std::string& line);
 
 /// Writes one JSON object to a file, or to stdout for "-".  Throws Error where it cannot.
-void WriteJson(const std::string& file, const nlohmann::ordered_json& json);
+void WriteJson(const std::string& file, const Json& json);
 
 }  // namespace palpate::bench

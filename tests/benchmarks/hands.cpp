@@ -89,7 +89,7 @@ void RunSeeds(const Options& options, const Scene& scene) {
       options.scene, NameOf(scene.features.contact), NameOf(scene.features.friction),
       options.hand.steps, options.hand.speed, "seed", "meet, %", "deep, um", "arrived, %", "never",
       "notches", "ledges", "F rms, N", "jump, N", "unexplained", "4 kHz, %", "settled, %");
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Json rows = Json::Array();
   for (const Seed& s : seeds) {
     const test::ContactFigures& f = s.figures;
     const double settled = static_cast<double>(f.settling.within_50ms) /
@@ -128,7 +128,7 @@ void Run(Options& options) {
   std::vector<Pose> poses = MakeHand(scene, options.hand);
   if (!options.poses_out.empty()) WriteOutput("--poses-out", options.poses_out, ToCsv(poses));
   SceneRun run(std::move(scene), std::move(poses));
-  nlohmann::ordered_json json = ReportCycle(run, options.cycle);
+  Json json = ReportCycle(run, options.cycle);
   json["scene"] = options.scene;
   json["seed"] = options.hand.seed;
   json["speed_m_per_s"] = options.hand.speed;
@@ -140,43 +140,32 @@ void Run(Options& options) {
 
 void AddHands(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "hands",
+  Command command(
+      app, "hands",
       "A hand that nobody tuned to, over any scene: it comes from anywhere, presses, slides, "
       "turns,\n"
       "squeezes, taps and leaves.  The figures of cycle, whether the tool settles when the hand\n"
       "rests, and the force at 4 kHz against that at 1 kHz.\n"
       "Example: palpate-bench hands --scene bunny-bunny --seed 7 --speed 0.1 --steps 20000\n"
       "         palpate-bench hands --scene pipes --seeds 1..20 --speed 0.3 --steps 5000");
+  command.Add("--scene", options->scene,
+              "Catalogue name, scene file, or sharp edges made from a seed: sharp-combs:7,\n"
+              "sharp-gears:7, sharp-plates:7, sharp-dice:7 or sharp-gear-comb:7");
+  command.Add("--seed", options->hand.seed, "Which hand");
+  command.Add("--seeds", options->seeds, "Hands A..B, a line each, the worst first; without times")
+      .Excludes("--seed");
+  command.Add("--speed", options->hand.speed, "Mean speed of the hand, m/s").Within(0.001, 5.0);
+  command.Add("--steps", options->hand.steps, "Steps, one a millisecond").Positive();
   command
-      ->add_option("--scene", options->scene,
-                   "Catalogue name, scene file, or sharp edges made from a seed: sharp-combs:7,\n"
-                   "sharp-gears:7, sharp-plates:7, sharp-dice:7 or sharp-gear-comb:7")
-      ->capture_default_str();
-  auto* seed =
-      command->add_option("--seed", options->hand.seed, "Which hand")->capture_default_str();
-  command
-      ->add_option("--seeds", options->seeds,
-                   "Hands A..B, a line each, the worst first; without times")
-      ->excludes(seed);
-  command->add_option("--speed", options->hand.speed, "Mean speed of the hand, m/s")
-      ->check(CLI::Range(0.001, 5.0))
-      ->capture_default_str();
-  command->add_option("--steps", options->hand.steps, "Steps, one a millisecond")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--press-mm", options->hand.press_mm,
-                   "It presses half as deep to as deep as this, mm")
-      ->check(CLI::Range(0.01, 100.0))
-      ->capture_default_str();
-  command->add_option("--poses-out", options->poses_out,
-                      "Write the hand's poses to FILE, as --poses of cycle reads them");
-  options->cycle.AddTo(*command);
-  options->features.AddTo(*command);
-  command->add_option("--models", options->models, "Folder of models that are not packaged");
-  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->callback([options] { Run(*options); });
+      .Add("--press-mm", options->hand.press_mm, "It presses half as deep to as deep as this, mm")
+      .Within(0.01, 100.0);
+  command.Add("--poses-out", options->poses_out,
+              "Write the hand's poses to FILE, as --poses of cycle reads them");
+  options->cycle.AddTo(command);
+  options->features.AddTo(command);
+  command.AddModels(options->models);
+  command.AddJson(options->json);
+  command.Runs([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -152,13 +152,13 @@ void Run(Options options) {
       "spheres", "", "step, best, us", "detection", "solving", "pairs", "uncovered, um",
       "against finest", "build", "tool", "objects", "p50", "p99", "p99.9", "p99.9 us", "p99.9 us",
       "p50", "max", "mean", "max", "force", "torque", "s");
-  nlohmann::ordered_json json{{"scene", options.scene},
-                              {"contact", options.features.contact},
-                              {"friction", options.features.friction},
-                              {"steps", poses.size()},
-                              {"repeats", options.repeats},
-                              {"simd", ActiveKernels().name},
-                              {"machine", ToJson(ThisMachine())}};
+  Json json{{"scene", options.scene},
+            {"contact", options.features.contact},
+            {"friction", options.features.friction},
+            {"steps", poses.size()},
+            {"repeats", options.repeats},
+            {"simd", ActiveKernels().name},
+            {"machine", ToJson(ThisMachine())}};
   for (const Level& level : levels) {
     const Percentiles best = PercentilesOf(level.step_us.best());
     const Percentiles detection = PercentilesOf(level.prediction_us);
@@ -197,30 +197,23 @@ void Run(Options options) {
 
 void AddLevels(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "levels",
-      "Cost of a step by level of detail (chapter Fig. 2.23c): the scene's script with coarser "
-      "and\n"
-      "finer sphere trees, and how far their forces are from the finest's.\n"
-      "Example: palpate-bench levels --scene dragon-buddha --json levels.json\n"
-      "A million leaves: palpate-bench levels --scene dragon-buddha --leaves 1000000 "
-      "--objects-only");
-  command->add_option("--scene", options->scene, "Catalogue name or scene file")
-      ->capture_default_str();
-  command->add_option("--leaves", options->leaves, "Leaves of each tree; a level for each")
-      ->delimiter(',')
-      ->check(CLI::Range(std::size_t{2}, std::size_t{1} << 22))
-      ->capture_default_str();
-  command->add_flag("--objects-only", options->objects_only, "The tool keeps the tree it has");
-  command->add_option("--steps", options->steps, "Steps (default: the whole path)")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--repeats", options->repeats, "Identical runs; 'best' is the least of each")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  options->features.AddTo(*command);
-  command->add_option("--models", options->models, "Folder of models that are not packaged");
-  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->callback([options] { Run(*options); });
+  Command command(app, "levels",
+                  "Cost of a step by level of detail (chapter Fig. 2.23c): the scene's script with "
+                  "coarser and\n"
+                  "finer sphere trees, and how far their forces are from the finest's.\n"
+                  "Example: palpate-bench levels --scene dragon-buddha --json levels.json\n"
+                  "A million leaves: palpate-bench levels --scene dragon-buddha --leaves 1000000 "
+                  "--objects-only");
+  command.Add("--scene", options->scene, "Catalogue name or scene file");
+  command.Add("--leaves", options->leaves, "Leaves of each tree; a level for each")
+      .Within(std::size_t{2}, std::size_t{1} << 22);
+  command.AddFlag("--objects-only", options->objects_only, "The tool keeps the tree it has");
+  command.AddPathSteps(options->steps);
+  command.AddRepeats(options->repeats);
+  options->features.AddTo(command);
+  command.AddModels(options->models);
+  command.AddJson(options->json);
+  command.Runs([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -42,8 +42,8 @@ double CostPerCall_ns(const WrenchLimits& limits) {
   return sum > 0.0 ? took.count() / kCalls : 0.0;  // the sum is used, so nothing is left out
 }
 
-nlohmann::ordered_json PortEnergy(const WrenchLimits& limits) {
-  auto rows = nlohmann::ordered_json::array();
+Json PortEnergy(const WrenchLimits& limits) {
+  auto rows = Json::Array();
   fmt::print(stderr,
              "\nenergy that a hand is given at a wall of 1000 N/m, 10 % lost, 10 s [mJ]\n"
              "{:>8} {:>12} {:>12} {:>14} {:>14} {:>14}\n",
@@ -94,26 +94,26 @@ void Run(const Options& options) {
              t.inputs, t.nonfinite, t.force, t.torque, t.force_slew, t.torque_slew, c.calls,
              c.nonfinite, c.clamped, c.slewed, c.braked, c.warm, c.faded, c.fades, c.disabled,
              call_ns);
-  const nlohmann::ordered_json json{{"device", PhantomPremium30().info.model},
-                                    {"inputs", t.inputs},
-                                    {"nonfinite_outputs", t.nonfinite},
-                                    {"force_over_limit", t.force},
-                                    {"torque_over_limit", t.torque},
-                                    {"force_slew_over_limit", t.force_slew},
-                                    {"torque_slew_over_limit", t.torque_slew},
-                                    {"counts",
-                                     {{"calls", c.calls},
-                                      {"nonfinite", c.nonfinite},
-                                      {"clamped", c.clamped},
-                                      {"slewed", c.slewed},
-                                      {"braked", c.braked},
-                                      {"warm", c.warm},
-                                      {"faded", c.faded},
-                                      {"fades", c.fades},
-                                      {"disabled", c.disabled}}},
-                                    {"call_ns", call_ns},
-                                    {"held", t.nonfinite == 0 && t.worst() <= 1.0},
-                                    {"energy", PortEnergy(limits)}};
+  const Json json{{"device", PhantomPremium30().info.model},
+                  {"inputs", t.inputs},
+                  {"nonfinite_outputs", t.nonfinite},
+                  {"force_over_limit", t.force},
+                  {"torque_over_limit", t.torque},
+                  {"force_slew_over_limit", t.force_slew},
+                  {"torque_slew_over_limit", t.torque_slew},
+                  {"counts",
+                   {{"calls", c.calls},
+                    {"nonfinite", c.nonfinite},
+                    {"clamped", c.clamped},
+                    {"slewed", c.slewed},
+                    {"braked", c.braked},
+                    {"warm", c.warm},
+                    {"faded", c.faded},
+                    {"fades", c.fades},
+                    {"disabled", c.disabled}}},
+                  {"call_ns", call_ns},
+                  {"held", t.nonfinite == 0 && t.worst() <= 1.0},
+                  {"energy", PortEnergy(limits)}};
   if (!options.json.empty()) WriteJson(options.json, json);
   if (t.nonfinite > 0 || t.worst() > 1.0) throw Error("limiter: it let more through than it may");
 }
@@ -122,19 +122,16 @@ void Run(const Options& options) {
 
 void AddLimiter(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* const command =
-      app.add_subcommand("limiter",
-                         "Tries to get more out of a device's limiter than it may let through, and "
-                         "measures the energy\n"
-                         "at its port with and without the passivity controller.\n"
-                         "Exits with 1 where a limit did not hold.\n"
-                         "Example: palpate-bench limiter --inputs 100000000 --json limiter.json");
-  command->add_option("--inputs", options->inputs, "Wrenches, poses and times to try")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "Of what is tried")->capture_default_str();
-  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->callback([options] { Run(*options); });
+  Command command(app, "limiter",
+                  "Tries to get more out of a device's limiter than it may let through, and "
+                  "measures the energy\n"
+                  "at its port with and without the passivity controller.\n"
+                  "Exits with 1 where a limit did not hold.\n"
+                  "Example: palpate-bench limiter --inputs 100000000 --json limiter.json");
+  command.Add("--inputs", options->inputs, "Wrenches, poses and times to try").Positive();
+  command.Add("--seed", options->seed, "Of what is tried");
+  command.AddJson(options->json);
+  command.Runs([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -386,42 +386,37 @@ void Echo(const EchoOptions& options) {
 
 void AddLoop(CLI::App& app, const int& domain) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "loop",
+  Command command(
+      app, "loop",
       "Pose out to wrench in through palpate-server, beside a bare echo over the same transport,\n"
       "alternating in one run.  Starts the server, and iox-roudi where shared memory needs one.\n"
       "Example: palpate-bench loop --transport shm --seconds 20");
-  const auto common = [](CLI::App& to, std::string& transport, std::string& realtime) {
-    to.add_option("--transport", transport, "shm or udp")
-        ->check(CLI::IsMember({"shm", "udp"}))
-        ->capture_default_str();
-    to.add_option("--realtime", realtime, "Of server, echo and this: require, prefer or off")
-        ->check(CLI::IsMember({"require", "prefer", "off"}))
-        ->capture_default_str();
+  const auto common = [](Command& to, std::string& transport, std::string& realtime) {
+    to.AddTransport(transport);
+    to.Add("--realtime", realtime, "Of server, echo and this: require, prefer or off")
+        .OneOf({"require", "prefer", "off"});
   };
-  common(*command, options->transport, options->realtime);
-  command->add_option("--seconds", options->seconds, "Server and echo together")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--scene", options->scene, "Catalogue name or scene file")
-      ->capture_default_str();
+  common(command, options->transport, options->realtime);
+  command.Add("--seconds", options->seconds, "Server and echo together").Positive();
+  command.Add("--scene", options->scene, "Catalogue name or scene file");
   command
-      ->add_option("--authority", options->authority,
-                   "Over UDP in a secured domain: a folder of deploy/security/identities, with a "
-                   "server 'bench_server' and a station 'bench'")
-      ->check(CLI::ExistingDirectory);
-  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->callback([options, &domain] {
+      .Add("--authority", options->authority,
+           "Over UDP in a secured domain: a folder of deploy/security/identities, with a "
+           "server 'bench_server' and a station 'bench'")
+      .ExistingFolder();
+  command.AddJson(options->json);
+  command.Runs([options, &domain] {
     options->domain = domain;
     Run(*options);
   });
 
   auto echo = std::make_shared<EchoOptions>();
-  CLI::App* peer = app.add_subcommand("echo", "The other end of loop's bare echo")->group("");
-  common(*peer, echo->transport, echo->realtime);
-  peer->add_option("--run", echo->run)->required();
-  peer->add_option("--identity", echo->identity);
-  peer->callback([echo, &domain] {
+  Command peer(app, "echo", "The other end of loop's bare echo");
+  peer.Hide();
+  common(peer, echo->transport, echo->realtime);
+  peer.Add("--run", echo->run).Required();
+  peer.Add("--identity", echo->identity);
+  peer.Runs([echo, &domain] {
     echo->domain = domain;
     Echo(*echo);
   });

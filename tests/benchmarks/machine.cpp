@@ -8,7 +8,7 @@ Machine ThisMachine() {
   return {ThisHost(), ActiveKernels().name};
 }
 
-nlohmann::ordered_json ToJson(const Machine& machine) {
+Json ToJson(const Machine& machine) {
   return {{"cpu", machine.cpu},
           {"cores", machine.cores},
           {"simd", machine.simd},

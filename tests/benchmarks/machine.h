@@ -2,9 +2,8 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "common/program/machine.h"
+#include "tests/benchmarks/json.h"
 
 namespace palpate::bench {
 
@@ -14,6 +13,6 @@ struct Machine : HostMachine {
 };
 Machine ThisMachine();
 /// {"cpu", "cores", "simd", "compiler"}
-nlohmann::ordered_json ToJson(const Machine& machine);
+Json ToJson(const Machine& machine);
 
 }  // namespace palpate::bench

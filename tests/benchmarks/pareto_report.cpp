@@ -441,8 +441,8 @@ void Missed(Markdown& md, const ParetoResults& r) {
 
 // ---- JSON
 
-nlohmann::ordered_json ToJson(const Measured& m) {
-  nlohmann::ordered_json json{{"available", m.not_available.empty()}};
+Json ToJson(const Measured& m) {
+  Json json{{"available", m.not_available.empty()}};
   if (!m.not_available.empty()) {
     json["reason"] = m.not_available;
     return json;
@@ -459,17 +459,17 @@ nlohmann::ordered_json ToJson(const Measured& m) {
   return json;
 }
 
-nlohmann::ordered_json ToJson(const ModelRun& run) {
-  nlohmann::ordered_json json{{"contact", run.contact}, {"friction", run.friction}};
+Json ToJson(const ModelRun& run) {
+  Json json{{"contact", run.contact}, {"friction", run.friction}};
   json.update(ToJson(static_cast<const Measured&>(run)));
   if (run.sphere_overlap_um) json["sphere_overlap_um"] = *run.sphere_overlap_um;
   return json;
 }
 
-nlohmann::ordered_json ToJson(const std::vector<PeerRun>& runs) {
-  auto json = nlohmann::ordered_json::array();
+Json ToJson(const std::vector<PeerRun>& runs) {
+  auto json = Json::Array();
   for (const PeerRun& run : runs) {
-    nlohmann::ordered_json one{{"id", run.id.empty() ? "palpate" : run.id}, {"name", run.name}};
+    Json one{{"id", run.id.empty() ? "palpate" : run.id}, {"name", run.name}};
     one.update(ToJson(static_cast<const Measured&>(run)));
     if (run.distance_min_um) one["distance_min_um"] = *run.distance_min_um;
     json.push_back(one);
@@ -477,25 +477,24 @@ nlohmann::ordered_json ToJson(const std::vector<PeerRun>& runs) {
   return json;
 }
 
-nlohmann::ordered_json ToJson(const ParetoResults& r) {
-  nlohmann::ordered_json json{
+Json ToJson(const ParetoResults& r) {
+  Json json{
       {"command", r.command},
       {"quick", r.quick},
       {"complete", r.complete},
       {"machine", ToJson(r.machine)},
-      {"human", {{"force_jnd", {kJndLow, kJndHigh}}}},
+      {"human", {{"force_jnd", std::vector{kJndLow, kJndHigh}}}},
       {"chapter",
        {{"cube_mean_at_4096", kChapterCubeMean}, {"ellipsoid_max_at_512", kChapterEllipsoidMax}}}};
-  json["accuracy"] = nlohmann::ordered_json::array();
+  json["accuracy"] = Json::Array();
   for (const SlideResult& s : r.slides) {
-    nlohmann::ordered_json one{
-        {"object", s.object}, {"spheres", s.spheres}, {"triangles", s.triangles}};
+    Json one{{"object", s.object}, {"spheres", s.spheres}, {"triangles", s.triangles}};
     one.update(ToJson(static_cast<const ModelRun&>(s)));
     json["accuracy"].push_back(one);
   }
-  json["scenes"] = nlohmann::ordered_json::array();
+  json["scenes"] = Json::Array();
   for (const SceneResult& s : r.scenes) {
-    nlohmann::ordered_json one{{"scene", s.scene}};
+    Json one{{"scene", s.scene}};
     if (!s.not_available.empty()) {
       one["not_available"] = s.not_available;
     } else {
@@ -505,19 +504,19 @@ nlohmann::ordered_json ToJson(const ParetoResults& r) {
                   {"steps", s.steps},
                   {"yields", s.yields}});
     }
-    one["runs"] = nlohmann::ordered_json::array();
+    one["runs"] = Json::Array();
     for (const ModelRun& run : s.runs) one["runs"].push_back(ToJson(run));
     json["scenes"].push_back(one);
   }
-  json["features"] = {{"scene", r.feature_scene}, {"costs", nlohmann::ordered_json::array()}};
+  json["features"] = {{"scene", r.feature_scene}, {"costs", Json::Array()}};
   for (const FeatureCost& f : r.features) {
-    nlohmann::ordered_json one{{"feature", f.feature}};
+    Json one{{"feature", f.feature}};
     one.update(ToJson(static_cast<const Measured&>(f)));
     if (f.not_available.empty()) one["ratio"] = {{"p50", f.ratio_p50}, {"p999", f.ratio_p999}};
     json["features"]["costs"].push_back(one);
   }
   auto& peers = json["peers"];
-  peers["known"] = nlohmann::ordered_json::array();
+  peers["known"] = Json::Array();
   for (const PeerKind& kind : PeerKinds()) {
     peers["known"].push_back({{"id", kind.id},
                               {"name", kind.name},
@@ -531,9 +530,9 @@ nlohmann::ordered_json ToJson(const ParetoResults& r) {
   peers["path"] = ToJson(r.peer_path);
   peers["slide"] = ToJson(r.peer_slide);
   peers["variants"] = ToJson(r.peer_variants);
-  json["goals"] = nlohmann::ordered_json::array();
+  json["goals"] = Json::Array();
   for (const Goal& goal : Goals(r)) {
-    nlohmann::ordered_json one{
+    Json one{
         {"what", goal.what}, {"of", goal.chapters ? "chapter" : "goal"}, {"bound", goal.bound}};
     if (goal.here) {
       one["figure"] = *goal.here;

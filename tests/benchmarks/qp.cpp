@@ -303,24 +303,19 @@ void Run(const Options& options) {
 
 void AddQp(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "qp",
-      "Time and optimality of the QP alone: of a scene's path, or of a file.\n"
-      "Example: palpate-bench qp --scene bunny-bunny --min-rows 200 --max-rows 500");
-  command->add_option("--scene", options->scene, "Take the problems of this scene's path");
-  command->add_option("--dump", options->dump, "Write them to FILE instead of solving them");
-  command->add_option("--load", options->load, "Take the problems of FILE (format: PQP1)");
-  command->add_option("--steps", options->steps, "Steps of the path (default: all)")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--min-rows", options->min_rows,
-                      "Only problems with at least this many rows");
-  command->add_option("--max-rows", options->max_rows, "Only problems with at most this many rows");
-  command->add_option("--repeats", options->repeats, "Identical runs; 'best' is the least of each")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--models", options->models, "Folder of models that are not packaged");
-  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->callback([options] { Run(*options); });
+  Command command(app, "qp",
+                  "Time and optimality of the QP alone: of a scene's path, or of a file.\n"
+                  "Example: palpate-bench qp --scene bunny-bunny --min-rows 200 --max-rows 500");
+  command.Add("--scene", options->scene, "Take the problems of this scene's path");
+  command.Add("--dump", options->dump, "Write them to FILE instead of solving them");
+  command.Add("--load", options->load, "Take the problems of FILE (format: PQP1)");
+  command.AddPathSteps(options->steps);
+  command.Add("--min-rows", options->min_rows, "Only problems with at least this many rows");
+  command.Add("--max-rows", options->max_rows, "Only problems with at most this many rows");
+  command.AddRepeats(options->repeats);
+  command.AddModels(options->models);
+  command.AddJson(options->json);
+  command.Runs([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

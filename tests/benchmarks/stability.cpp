@@ -23,7 +23,7 @@ struct Options {
   FeatureOptions features{"surface", "off"};
 };
 
-nlohmann::ordered_json ToJson(const StabilityCase& c, const CaseRun& run) {
+Json ToJson(const StabilityCase& c, const CaseRun& run) {
   return {{"name", c.name},
           {"steps", run.done},
           {"figure", run.figure},
@@ -70,10 +70,10 @@ void Run(const Options& options) {
   double shares = 0.0;
   for (const StabilityCase& c : cases) shares += c.share;
   StopSignal stop;
-  nlohmann::ordered_json json{{"contact", options.features.contact},
-                              {"friction", options.features.friction},
-                              {"machine", ToJson(ThisMachine())},
-                              {"cases", nlohmann::ordered_json::array()}};
+  Json json{{"contact", options.features.contact},
+            {"friction", options.features.friction},
+            {"machine", ToJson(ThisMachine())},
+            {"cases", Json::Array()}};
   long held = 0, total = 0, steps = 0, tunnelled = 0, nonfinite = 0;
   double penetration = 0.0;
   fmt::print(stderr, "{:<24} {:>9}  {:>12} {:>9} {:<4}  {:>9}  {}\n", "case", "steps", "figure",
@@ -136,20 +136,18 @@ void Run(const Options& options) {
 
 void AddStability(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "stability",
+  Command command(
+      app, "stability",
       "Hard cases, each with a physical bound; in all of them nothing may tunnel, every number\n"
       "must be finite, and no overlap pass 10 um where a pose without any exists.\n"
       "Exits with 1 where a case does not hold.\n"
       "Example: palpate-bench stability --steps 10000000 --json stability.json");
-  command->add_option("--case", options->only, "This case alone (see --list)");
-  command->add_flag("--list", options->list, "Name the cases, their bounds and the reasons");
-  command->add_option("--steps", options->steps, "Steps of all cases together, about")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  options->features.AddTo(*command);
-  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->callback([options] { Run(*options); });
+  command.Add("--case", options->only, "This case alone (see --list)");
+  command.AddFlag("--list", options->list, "Name the cases, their bounds and the reasons");
+  command.Add("--steps", options->steps, "Steps of all cases together, about").Positive();
+  options->features.AddTo(command);
+  command.AddJson(options->json);
+  command.Runs([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -23,7 +23,6 @@
 #include "tests/benchmarks/machine.h"
 #include "tests/benchmarks/pose_source.h"
 #include "tests/benchmarks/scene_run.h"
-#include "tests/benchmarks/tree_file_option.h"
 
 namespace palpate::bench {
 namespace {
@@ -131,19 +130,24 @@ void MeasureBodies(const Scene& scene, std::size_t samples, ModeResult& result) 
 /// The measured trees, as text, CSV and JSON.
 struct Report {
   std::string text, csv;
-  nlohmann::ordered_json json;
+  Json json;
 
-  /// @returns the JSON of the mode.
-  nlohmann::ordered_json Add(const std::string& of, const ModeResult& result) {
+  /// @param one_body  there is but one.   @returns the JSON of the mode.
+  Json Add(const std::string& of, const ModeResult& result, bool one_body) {
     text += result.build_s
                 ? fmt::format("{}, {}: built in {:.2f} s\n", of, result.mode, *result.build_s)
                 : fmt::format("{}, tree of {}\n", of, result.mode);
-    nlohmann::ordered_json entry{{"mode", result.mode}};
+    Json entry{{"mode", result.mode}};
     if (result.build_s) entry["build_s"] = *result.build_s;
     for (const BodyTreeError& body : result.bodies) {
       text += ToText(body);
       csv += ToCsv(body, result.mode, csv.empty());
-      entry["bodies"].push_back(nlohmann::ordered_json::parse(ToJsonText(body)));
+      Json measured = Json::Parse(ToJsonText(body));
+      if (one_body) {
+        entry["levels"] = measured["levels"];
+      } else {
+        entry["bodies"].push_back(measured);
+      }
     }
     return entry;
   }
@@ -208,10 +212,7 @@ void RunMesh(const Options& options, std::vector<std::string> modes) {
     Progress("measuring ...");
     result.bodies.push_back({options.mesh, MeasureLevels(mesh, tree, options.samples)});
     Progress("");
-    nlohmann::ordered_json entry = report.Add(options.mesh, result);
-    // There is but one body.
-    entry["levels"] = std::move(entry["bodies"][0]["levels"]);
-    entry.erase("bodies");
+    Json entry = report.Add(options.mesh, result, true);
     if (modes.size() == 1) {
       report.json.update(entry);
     } else {
@@ -247,7 +248,7 @@ void RunScene(const Options& options, std::vector<std::string> modes) {
     result.mode = name;
     if (!of_file) result.build_s = Rebuild(scene, TreeModeNamed(name), options.leaves);
     MeasureBodies(scene, options.samples, result);
-    nlohmann::ordered_json entry = report.Add(options.scene, result);
+    Json entry = report.Add(options.scene, result, false);
     if (!options.no_force) {
       Progress("forces ...");
       Compare(result, WrenchesOf(scene, ContactModel::kSpheres, poses), truth);
@@ -277,42 +278,31 @@ void Run(const Options& options) {
 
 void AddTree(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "tree",
+  Command command(
+      app, "tree",
       "How far the sphere tree of a mesh, or those of a scene, are from it, for every level and "
       "mode,\n"
       "and how far the force of sphere contact is from surface contact's on the scene's own path.\n"
       "Example: palpate-bench tree --mesh tooth.stl --unit mm --spheres 512 --mode balanced --json "
       "-");
-  CLI::Option* scene =
-      command->add_option("--scene", options->scene, "Catalogue name, scene file or mesh")
-          ->capture_default_str();
-  command->add_option("--mesh", options->mesh, "Mesh file, in place of a scene")->excludes(scene);
+  command.Add("--scene", options->scene, "Catalogue name, scene file or mesh");
+  command.Add("--mesh", options->mesh, "Mesh file, in place of a scene").Excludes("--scene");
   command
-      ->add_option(
-          "--modes,--mode", options->modes,
-          "Modes of the trees (default: all, for a mesh " + std::string(kTreeModes[0]) + ")")
-      ->delimiter(',')
-      ->check(CLI::IsMember(std::vector<std::string>(kTreeModes.begin(), kTreeModes.end())));
-  command
-      ->add_option("--leaves,--spheres", options->leaves,
-                   "Leaves of each tree (default: the scene's)")
-      ->check(CLI::Range(std::size_t{1}, kMaxLeaves));
-  AddTreeFileOptions(*command, "m for --mesh, whose frame stays; else as the scene's mesh",
-                     options->file);
-  command->add_option("--samples", options->samples, "Points of the surface")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--steps", options->steps, "Steps (default: the whole path)")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--no-force", options->no_force, "Measure the geometry alone");
-  command->add_option("--models", options->models, "Folder of models that are not packaged");
-  command->add_option("--out", options->out,
-                      "Write the leaves of --mesh into FILE (- is stdout): x y z r in m, a line "
-                      "each");
-  command->add_option("--json", options->json, "Write one JSON object to FILE (- is stdout)");
-  command->add_option("--csv", options->csv, "Write a line for each level into FILE (- is stdout)");
-  command->callback([options] { Run(*options); });
+      .Add("--modes,--mode", options->modes,
+           "Modes of the trees (default: all, for a mesh " + std::string(kTreeModes[0]) + ")")
+      .OneOf({kTreeModes.begin(), kTreeModes.end()});
+  command.Add("--leaves,--spheres", options->leaves, "Leaves of each tree (default: the scene's)")
+      .Within(std::size_t{1}, kMaxLeaves);
+  command.AddTreeFile("m for --mesh, whose frame stays; else as the scene's mesh", options->file);
+  command.Add("--samples", options->samples, "Points of the surface").Positive();
+  command.AddPathSteps(options->steps);
+  command.AddFlag("--no-force", options->no_force, "Measure the geometry alone");
+  command.AddModels(options->models);
+  command.Add("--out", options->out,
+              "Write the leaves of --mesh into FILE (- is stdout): x y z r in m, a line each");
+  command.AddJson(options->json);
+  command.Add("--csv", options->csv, "Write a line for each level into FILE (- is stdout)");
+  command.Runs([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -1,12 +1,13 @@
 // Somebody who tries to say or hear what is not for him, in a process of his own: a process has one
 // identity.
-//   rogue DOMAIN IDENTITY|- write|read TOPIC SECONDS
-// Prints `not allowed: …`, or `matched N`, and for a reader `heard N`; on the way, with each
-// hundredth sample, `hears N`, and with each that it has had before `again`.  What it writes is
-// numbered.
+//   rogue DOMAIN IDENTITY|- SECONDS write|read TOPIC [write|read TOPIC]...
+// Prints of each, in a line or two, `not allowed: …`, or `matched N`, and for a reader `heard N`;
+// on the way, with each hundredth sample, `hears N`, and with each that it has had before `again`.
+// What it writes is numbered.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -22,8 +23,6 @@ namespace {
 using std::chrono::steady_clock;
 
 struct Order {
-  int domain;
-  Network network;
   bool write;
   std::string topic;
   double seconds;
@@ -68,11 +67,30 @@ void Try(const Participant& participant, const Order& order, Qos qos) {
   }
 }
 
-void Run(const Order& order) {
-  const bool loop = order.topic.ends_with("/pose") || order.topic.ends_with("/wrench");
-  const Participant participant =
-      loop ? Participant::Loop(order.domain, {Transport::kUdp, ""}, order.network)
-           : Participant::Service(order.domain, order.network);
+/// His participants, each made when it is needed.
+class Rogue {
+ public:
+  Rogue(int domain, const std::string& identity) : domain_(domain) {
+    if (identity != "-") network_.identity = identity;
+  }
+  const Participant& In(bool loop_domain) {
+    if (loop_domain) {
+      if (!loop_) loop_ = Participant::Loop(domain_, {Transport::kUdp, ""}, network_);
+      return *loop_;
+    }
+    if (!service_) service_ = Participant::Service(domain_, network_);
+    return *service_;
+  }
+
+ private:
+  int domain_;
+  Network network_;
+  std::optional<Participant> loop_, service_;
+};
+
+void Run(Rogue& rogue, const Order& order) {
+  const Participant& participant =
+      rogue.In(order.topic.ends_with("/pose") || order.topic.ends_with("/wrench"));
   if (order.topic.ends_with("/pose")) return Try<wire::HapticPose>(participant, order, Qos::kLoop);
   if (order.topic.ends_with("/wrench")) return Try<wire::Wrench>(participant, order, Qos::kLoop);
   if (order.topic == kToolStateTopic) {
@@ -94,16 +112,17 @@ void Run(const Order& order) {
 }  // namespace palpate::dds
 
 int main(int argc, char** argv) {
-  if (argc != 6) return 2;
+  if (argc < 6 || argc % 2 != 0) return 2;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
-  palpate::dds::Order order{
-      std::atoi(argv[1]), {}, std::string(argv[3]) == "write", argv[4], std::atof(argv[5])};
-  if (std::string(argv[2]) != "-") order.network.identity = argv[2];
-  try {
-    palpate::dds::Run(order);
-    return 0;
-  } catch (const palpate::Error& error) {
-    std::printf("not allowed: %s\n", error.what());
-    return 1;
+  palpate::dds::Rogue rogue(std::atoi(argv[1]), argv[2]);
+  int refused = 0;
+  for (int i = 4; i < argc; i += 2) {
+    try {
+      palpate::dds::Run(rogue, {std::string(argv[i]) == "write", argv[i + 1], std::atof(argv[3])});
+    } catch (const palpate::Error& error) {
+      std::printf("not allowed: %s\n", error.what());
+      refused = 1;
+    }
   }
+  return refused;
 }

@@ -57,19 +57,32 @@ TEST(ContactFigures, AreThoseOfABallOnACube) {
             "");
 }
 
-TEST(ContactFigures, SeeAToolThatCannotFollow) {
-  // Half a millimetre a step at most, one sub-step a cycle, and a hand of 1 m/s.
+/// A tool that goes half a millimetre a step at most, one sub-step a cycle, for a hand that goes
+/// faster.
+struct SlowTool {
+  SlowTool(std::vector<Pose> hand_, const Pose& from) : hand(std::move(hand_)) {
+    start.X_WG = start.X_WH = from;
+  }
+  ContactFigures Measure(const ContactChecks& checks) {
+    return MeasureContact(ContactPath{scene, model, workspace, start, hand}, checks);
+  }
+  static StepParameters Slow(StepParameters parameters) {
+    parameters.max_substeps = 1;
+    return parameters;
+  }
+
   Scene scene = BallOnCube();
-  const auto objects = MakeObjects(scene);
-  StepParameters parameters = MakeModel(scene, scene.tools[0], objects).parameters();
-  parameters.max_substeps = 1;
-  const HapticModel model(scene.tools[0].tree, objects, parameters, &scene.tools[0].mesh);
-  StepWorkspace workspace(model);
-  StepState start(model);
-  const std::vector<Pose> hand = Descent(1.0, 60);
-  start.X_WG = start.X_WH = hand.front();
-  const ContactFigures f =
-      MeasureContact(ContactPath{scene, model, workspace, start, hand}, {.progress = {}});
+  HapticModel model{scene.tools[0].tree, MakeObjects(scene),
+                    Slow(MakeModel(scene, scene.tools[0], MakeObjects(scene)).parameters()),
+                    &scene.tools[0].mesh};
+  StepWorkspace workspace{model};
+  StepState start{model};
+  std::vector<Pose> hand;
+};
+
+TEST(ContactFigures, SeeAToolThatCannotFollow) {
+  const std::vector<Pose> hand = Descent(1.0, 60);  // 1 m/s
+  const ContactFigures f = SlowTool(hand, hand.front()).Measure({.progress = {}});
   EXPECT_LT(f.arrived, f.steps);
   ASSERT_EQ(f.lag.size(), f.steps - f.arrived);
   const double lag = *std::max_element(f.lag.begin(), f.lag.end());
@@ -79,18 +92,9 @@ TEST(ContactFigures, SeeAToolThatCannotFollow) {
 }
 
 TEST(ContactFigures, SeeAToolThatNeverArrivesThoughTheHandRests) {
-  Scene scene = BallOnCube();
-  StepParameters parameters = MakeModel(scene, scene.tools[0], MakeObjects(scene)).parameters();
-  parameters.max_substeps = 1;
-  const HapticModel model(scene.tools[0].tree, MakeObjects(scene), parameters,
-                          &scene.tools[0].mesh);
-  StepWorkspace workspace(model);
-  StepState start(model);
   // 0.5 mm a step: the first way takes 2,000 steps, the second one 60.
-  const std::vector<Pose> hand{{Vec3(0.0, 1.0, 0.0)}, {Vec3(0.0, 0.03, 0.0)}};
-  start.X_WG = start.X_WH = {Vec3(0.0, 0.06, 0.0)};
-  const ContactFigures f = MeasureContact(ContactPath{scene, model, workspace, start, hand},
-                                          {.hold_far = true, .progress = {}});
+  SlowTool tool({{Vec3(0.0, 1.0, 0.0)}, {Vec3(0.0, 0.03, 0.0)}}, {Vec3(0.0, 0.06, 0.0)});
+  const ContactFigures f = tool.Measure({.hold_far = true, .progress = {}});
   EXPECT_EQ(f.steps - f.arrived, 2u);
   EXPECT_EQ(f.longest_behind, 2u);
   EXPECT_EQ(f.held.tried, 2u);
@@ -103,26 +107,16 @@ TEST(ContactFigures, SeeAToolThatNeverArrivesThoughTheHandRests) {
   EXPECT_LT(f.held.median(), 100);
   EXPECT_EQ(f.unconverged, 1u) << "the first";
   // What is held goes its own way: the path is as without.
-  const ContactFigures unheld =
-      MeasureContact(ContactPath{scene, model, workspace, start, hand}, {.progress = {}});
+  const ContactFigures unheld = tool.Measure({.progress = {}});
   EXPECT_EQ(unheld.held.tried, 0u);
   EXPECT_EQ(unheld.lag, f.lag);
 }
 
 TEST(ContactFigures, TrySomeOfManyStepsThatDoNotArriveEvenlySpread) {
-  Scene scene = BallOnCube();
-  StepParameters parameters = MakeModel(scene, scene.tools[0], MakeObjects(scene)).parameters();
-  parameters.max_substeps = 1;
-  const HapticModel model(scene.tools[0].tree, MakeObjects(scene), parameters,
-                          &scene.tools[0].mesh);
-  StepWorkspace workspace(model);
-  StepState start(model);
   const std::size_t steps = 3 * ContactFigures::kMostHeld;
-  const std::vector<Pose> hand(steps, Pose{Vec3(0.0, 1.0, 0.0)});
-  start.X_WG = start.X_WH = {Vec3(0.0, 0.06, 0.0)};
+  SlowTool tool({steps, Pose{Vec3(0.0, 1.0, 0.0)}}, {Vec3(0.0, 0.06, 0.0)});
   const ContactFigures f =
-      MeasureContact(ContactPath{scene, model, workspace, start, hand},
-                     {.oracle_every = 0, .converge_every = 0, .hold_far = true, .progress = {}});
+      tool.Measure({.oracle_every = 0, .converge_every = 0, .hold_far = true, .progress = {}});
   EXPECT_EQ(f.arrived, 0u);
   EXPECT_EQ(f.longest_behind, steps);
   // Every fourth.
