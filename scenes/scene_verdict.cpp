@@ -116,7 +116,8 @@ BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, Measu
     found.verdict.limits.push_back(whose + ": " + remark);
   }
   if (!found.report.refusal.empty()) return found;
-  const MeshSolid solid = SolidOf(body.mesh);
+  MeshSolid solid;
+  if (found.by_spheres || measure == MeasureGaps::kAlways) solid = SolidOf(body.mesh);
   if (found.by_spheres && solid.added()) {
     found.verdict.limits.push_back(whose + ": " + SolidRemark(solid, 1e3, "mm"));
   }

@@ -464,6 +464,27 @@ TEST(LoadScene, BuildsTreesForTheContactThatIsAskedFor) {
   EXPECT_FALSE(f.built);
 }
 
+TEST(LoadScene, FitsFewLeavesWhereNobodyFeelsThemAndTheFileLeavesThemOut) {
+  Fixture fixture;
+  const auto leaves = [&](const std::string& fields) {
+    WriteFile(fixture.scene, R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere",
+      "radius_m": 0.005}, "leaves": 1}], "objects": [{"name": "egg", "mesh": {"shape": "ellipsoid",
+      "semi_axes_m": [0.03, 0.02, 0.02], "triangles": 320})" +
+                                 fields + "}]}");
+    return fixture.Load().objects[0].tree.leaves();
+  };
+  const std::string rough = R"({"static_friction": 0.3})", soft = R"({"stiffness_N_per_m": 500})";
+  EXPECT_LE(leaves(""), kInnerLeaves);
+  EXPECT_LE(leaves(R"(, "material": )" + rough), kInnerLeaves);
+  EXPECT_GE(leaves(R"(, "material": )" + soft), kFewestByTolerance);
+  EXPECT_GE(leaves(R"(, "regions": [{"sphere": {"centre_mm": [30, 0, 0], "radius_mm": 15}, )"
+                   R"("material": )" +
+                   rough + "}]"),
+            kFewestByTolerance);
+  fixture.options.contact = ContactModel::kSpheres;
+  EXPECT_GE(leaves(""), kFewestByTolerance);
+}
+
 TEST(LoadScene, LeavesATreeFromAFileAloneWhereAModeIsNamed) {
   Fixture f;
   f.options.tell = [](const std::string&) {};
