@@ -236,7 +236,9 @@ Shape MakeShape(const BodyDescription& description, const LoadOptions& options,
     return body;
   }
   if (description.tree.built()) {
-    body.tree = BuildSphereTree(body.mesh, description.leaves, tell, description.tree.mode);
+    body.tree = description.mesh_alone
+                    ? BuildInnerTree(body.mesh)
+                    : BuildSphereTree(body.mesh, description.leaves, tell, description.tree.mode);
     return body;
   }
   ImportedTree imported = About(description.tree.where, [&] {
@@ -307,8 +309,8 @@ bool SameMesh(const MeshSource& m, const MeshSource& n) {
 }
 
 bool SameGeometry(const BodyDescription& a, const BodyDescription& b) {
-  return a.leaves == b.leaves && a.tolerance == b.tolerance && a.tree == b.tree &&
-         SameMesh(a.mesh, b.mesh);
+  return a.leaves == b.leaves && a.tolerance == b.tolerance && a.mesh_alone == b.mesh_alone &&
+         a.tree == b.tree && SameMesh(a.mesh, b.mesh);
 }
 
 /// Those that are built: of several of one geometry the first.
@@ -436,11 +438,12 @@ SceneDescription Describe(const std::string& text, const std::string& file,
       }
     }
   }
-  if (!options.tree) return scene;
   for (auto* bodies : {&scene.tools, &scene.objects}) {
+    if (!options.tree) break;
     for (BodyDescription& body : *bodies) {
       if (body.tree.built()) {
         body.tree.mode = *options.tree;
+        body.tree_left_open = false;
       } else {
         Warn(options, body.tree.where + ": is a tree from a file, " + body.tree.file +
                           ", and stays as it is: only trees that are built have the mode \"" +
@@ -448,6 +451,7 @@ SceneDescription Describe(const std::string& text, const std::string& file,
       }
     }
   }
+  ChooseLeaves(scene);
   return scene;
 }
 

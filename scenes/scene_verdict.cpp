@@ -7,6 +7,7 @@
 #include "common/text/quoted.h"
 #include "scenes/mesh/hidden_surface.h"
 #include "scenes/mesh/mesh_solid.h"
+#include "scenes/mesh/units.h"
 
 namespace palpate {
 namespace {
@@ -37,14 +38,16 @@ void JudgeGap(const std::string& what, double gap, const std::string& then,
 }
 
 /// A body that is larger or smaller than these has hardly the unit that it was taken for [m].
-constexpr double kMost = 50.0, kLeast = 1e-4;
+constexpr double kMost = 50.0, kLeast = kShortestByMesh;
 
-void JudgeSize(const std::string& whose, const MeshReport& report, Verdict& verdict) {
+void JudgeSize(const std::string& whose, const MeshReport& report, bool by_mesh, Verdict& verdict) {
   const double longest = LongestSide(report);
   if (longest <= kMost && longest >= kLeast) return;
-  verdict.limits.push_back(whose + ": its longest side is " + Millimetres(longest) +
-                           ", an unusual size for what a hand feels; see whether \"unit\" is what "
-                           "its file means");
+  std::string finding = whose + ": its longest side is " + Millimetres(longest) +
+                        ", an unusual size for what a hand feels; see whether \"unit\" is what its "
+                        "file means";
+  if (longest < kLeast && by_mesh) finding.append("; if it is, ").append(kTooShortByMesh);
+  verdict.limits.push_back(std::move(finding));
 }
 
 /// The physics takes no ball without a radius; where the builder found none larger, nothing is
@@ -113,11 +116,13 @@ BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, Measu
     found.verdict.limits.push_back(whose + ": " + remark);
   }
   if (!found.report.refusal.empty()) return found;
-  const MeshSolid solid = SolidOf(body.mesh);
+  MeshSolid solid;
+  if (found.by_spheres || measure == MeasureGaps::kAlways) solid = SolidOf(body.mesh);
   if (found.by_spheres && solid.added()) {
     found.verdict.limits.push_back(whose + ": " + SolidRemark(solid, 1e3, "mm"));
   }
-  JudgeSize(whose, found.report, found.verdict);
+  JudgeSize(whose, found.report,
+            scene.features.contact == ContactModel::kSurface && !found.by_spheres, found.verdict);
   JudgeBalls(whose, body.tree, found.verdict);
   if (found.by_spheres || measure == MeasureGaps::kAlways) {
     found.coverage = MeasureCoverage(solid.mesh, body.tree);

@@ -22,8 +22,6 @@ constexpr double kUsual_m = 0.05;
 /// A mesh that is larger or smaller than these has hardly the unit that it was taken for [m].
 constexpr double kLeast_m = 0.002, kMost_m = 2.0;
 constexpr double kBallShare = 0.05;
-/// Of a rigid mesh the spheres only tell what is inside.
-constexpr int kLeaves = 2048;
 
 std::string Size(const Vec3& size, double metres_per_unit) {
   const Vec3 m = metres_per_unit * size;
@@ -66,8 +64,7 @@ nlohmann::ordered_json ToJson(const std::string& name, const std::string& file,
              {"start", {{"position_mm", {0.0, height_mm, 0.0}}}}}}},
           {"objects",
            {{{"name", name == "ball" ? "object" : name},
-             {"mesh", {{"file", file}, {"unit", unit}, {"origin", "box_centre"}}},
-             {"leaves", kLeaves}}}},
+             {"mesh", {{"file", file}, {"unit", unit}, {"origin", "box_centre"}}}}}},
           {"contact", "surface"},
           {"friction", "off"},
           {"coupling", {{"stiffness_N_per_m", 1000.0}, {"torsional_stiffness_Nm_per_rad", 1.0}}}};

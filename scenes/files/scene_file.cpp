@@ -378,8 +378,9 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
     body.tree = ReadTree(*tree, folder);
     body.tree_left_open = false;
   }
+  const bool may_lack_leaves = object && body.tree_left_open && !node.Has("leaves");
   if (body.tree.built()) {
-    ReadLeaves(node.At("leaves"), body);
+    if (!may_lack_leaves) ReadLeaves(node.At("leaves"), body);
   } else if (auto leaves = node.Find("leaves")) {
     leaves->Fail("is not to be given where \"tree\" names a file, whose level decides it; drop it");
   }
@@ -433,6 +434,15 @@ void ChooseModes(SceneDescription& scene) {
     for (BodyDescription& body : *bodies) {
       if (body.tree_left_open) body.tree.mode = mode;
     }
+  }
+}
+
+void ChooseLeaves(SceneDescription& scene) {
+  for (BodyDescription& body : scene.objects) {
+    if (body.leaves > 0 || body.tolerance || !body.tree.built()) continue;
+    body.mesh_alone = body.tree_left_open && body.regions.empty() && !FeltByLeaves(body) &&
+                      scene.features.contact == ContactModel::kSurface;
+    if (!body.mesh_alone) body.tolerance = LeafTolerance{};
   }
 }
 

@@ -66,10 +66,13 @@ struct RegionDescription {
 struct BodyDescription {
   std::string name;
   MeshSource mesh;
-  std::size_t leaves = 0;  ///< 0: as many as the tolerance needs, or as the tree's file has
+  /// 0: as many as the tolerance needs, or as the tree's file has; without either, as ChooseLeaves
+  /// says.
+  std::size_t leaves = 0;
   std::optional<LeafTolerance> tolerance;  ///< of a tree that is built, where its leaves say none
   TreeSource tree;
   bool tree_left_open = true;  ///< its mode follows the contact: ChooseModes
+  bool mesh_alone = false;     ///< nothing asks for its leaves but a start: ChooseLeaves
   Pose X_WB;
   MaterialDescription material;            ///< objects: of what no region paints
   std::vector<RegionDescription> regions;  ///< objects: later ones over earlier ones
@@ -101,6 +104,10 @@ std::string SceneNameOf(const std::filesystem::path& file);
 
 /// Gives the trees that the scene file leaves open the mode that suits the contact (ModeFor).
 void ChooseModes(SceneDescription& scene);
+
+/// Of objects whose leaves the scene file leaves out: the tolerance "auto" where leaves are felt or
+/// have materials of their own, else none (BuildInnerTree).
+void ChooseLeaves(SceneDescription& scene);
 
 /// Checks every field; throws Error "file:line: field: what is wrong; remedy".
 /// @param file  names the scene where the text does not; mesh paths are relative to its folder.

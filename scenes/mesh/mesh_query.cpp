@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/math/solid_angle.h"
+
 namespace palpate {
 namespace {
 
@@ -18,15 +20,6 @@ Vec3 NearestOnSegment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;
   const double length2 = d.squaredNorm();
   return length2 > 0.0 ? Vec3(a + std::clamp((p - a).dot(d) / length2, 0.0, 1.0) * d) : a;
-}
-
-/// Solid angle of a triangle seen from the origin (Van Oosterom & Strackee 1983).
-double SolidAngle(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double la = a.norm();
-  const double lb = b.norm();
-  const double lc = c.norm();
-  return 2.0 * std::atan2(a.dot(b.cross(c)),
-                          la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
 }  // namespace

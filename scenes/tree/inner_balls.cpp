@@ -6,9 +6,8 @@
 namespace palpate {
 namespace {
 
-constexpr double kLatticePoints = 20000.0;  // in the bounding box; what Fill tries to cover
-constexpr double kLeast = 1e-6;             // of the spacing: a smaller ball is none
-constexpr double kFilled = 0.5;             // of the spacing: smaller voids count as filled
+constexpr double kLeast = 1e-6;  // of the spacing: a smaller ball is none
+constexpr double kFilled = 0.5;  // of the spacing: smaller voids count as filled
 
 /// How far the surface lies from the ball at half the spacing from where it should touch.
 double Gap(const Sphere& ball, const SurfaceSample& s, double spacing) {
@@ -73,7 +72,8 @@ Sphere InnerBalls::Tangent(const SurfaceSample& s) const {
   return best;
 }
 
-std::vector<Sphere> InnerBalls::Fill(const std::vector<Sphere>& balls, std::size_t count) const {
+std::vector<Sphere> InnerBalls::Fill(const std::vector<Sphere>& balls, std::size_t count,
+                                     double places) const {
   struct Point {
     Vec3 at;
     double bare;  ///< distance to the nearest ball; where there is none yet, to the surface
@@ -81,7 +81,7 @@ std::vector<Sphere> InnerBalls::Fill(const std::vector<Sphere>& balls, std::size
   std::vector<Point> points;
   const SphereQuery covered(balls);
   const Vec3 extent = report_.box_max - report_.box_min;
-  const double step = std::cbrt(extent.cwiseMax(0.01 * extent.maxCoeff()).prod() / kLatticePoints);
+  const double step = std::cbrt(extent.cwiseMax(0.01 * extent.maxCoeff()).prod() / places);
   for (double x = 0.5 * step; x < extent.x(); x += step) {
     for (double y = 0.5 * step; y < extent.y(); y += step) {
       for (double z = 0.5 * step; z < extent.z(); z += step) {

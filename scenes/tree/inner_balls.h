@@ -32,7 +32,9 @@ class InnerBalls {
 
   /// Balls to add to `balls` until every point well inside lies in one, at most `count`, the most
   /// useful first: each is the maximal inner ball through the point furthest from all others.
-  std::vector<Sphere> Fill(const std::vector<Sphere>& balls, std::size_t count) const;
+  /// @param places  of a lattice in the bounding box, at which that is looked for.
+  std::vector<Sphere> Fill(const std::vector<Sphere>& balls, std::size_t count,
+                           double places = 20000.0) const;
 
  private:
   /// The largest inner ball of at most `largest` that touches at `point`, or lies `depth` deeper.

@@ -9,6 +9,7 @@
 #include "scenes/mesh/mesh_report.h"
 #include "scenes/mesh/mesh_solid.h"
 #include "scenes/mesh/surface_samples.h"
+#include "scenes/tree/inner_balls.h"
 #include "scenes/tree/leaf_maker.h"
 #include "scenes/tree/sphere_hierarchy.h"
 #include "scenes/tree/tree_error.h"
@@ -90,6 +91,21 @@ SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t count, const Pr
   SphereTree tree =
       Assemble(mesh, leaves, SamplesOfMesh(solid, mesh, sampled.samples), centroid, progress);
   tree.origin = OriginOf(mode);
+  return tree;
+}
+
+SphereTree BuildInnerTree(const TriangleMesh& mesh) {
+  constexpr double kPlaces = 512.0;  // 8 to a side
+  const MeshReport report = InspectMesh(mesh);
+  if (!report.refusal.empty()) throw Error(report.refusal);
+  const TriangleMesh solid = report.closed() ? mesh : SolidOf(mesh).mesh;
+  const MeshReport of_solid = report.closed() ? report : InspectMesh(solid);
+  const MeshQuery query(solid);
+  const std::vector<Sphere> balls =
+      InnerBalls(of_solid, query, 0.0).Fill({}, kInnerLeaves, kPlaces);
+  if (balls.empty()) return BuildSphereTree(mesh, kInnerLeaves);  // no place lies inside
+  SphereTree tree = Assemble(mesh, balls, {}, report.centroid);
+  tree.origin = TreeOrigin::kInside;
   return tree;
 }
 

@@ -25,6 +25,11 @@ inline constexpr std::uint32_t kSphereTreeBuilderVersion = 4;
 SphereTree BuildSphereTree(const TriangleMesh& mesh, std::size_t leaves,
                            const Progress& progress = {}, TreeMode mode = TreeMode::kInside);
 
+/// The same for a body of which nothing but the mesh is felt: up to kInnerLeaves of the largest
+/// balls that it holds, a picture of its inside.  Takes a few hundredths of the time.
+SphereTree BuildInnerTree(const TriangleMesh& mesh);
+inline constexpr std::size_t kInnerLeaves = 32;
+
 /// The same of as many leaves as a tolerance needs (leaf_count.h): the tree that BuildSphereTree
 /// makes of their count.
 struct TolerantTree {

@@ -50,6 +50,7 @@ std::string MetresRemark(const TriangleMesh& mesh) {
     text << "; its numbers are more likely " << *likely << ": multiply them by "
          << MetresPerUnit(*likely);
   }
+  if (longest < kShortestByMesh) text << "; if they are metres, " << kTooShortByMesh;
   return text.str();
 }
 
@@ -68,10 +69,10 @@ Body MakeBody(std::string name, TriangleMesh mesh, const BodyOptions& options) {
     const bool felt_by_leaves = options.contact == ContactModel::kSpheres ||
                                 std::isfinite(options.material.stiffness) ||
                                 std::isfinite(options.material.hardness);
-    std::size_t leaves = options.leaves;
-    if (leaves == 0 && !felt_by_leaves) leaves = kLeavesBesideMesh;
-    if (leaves > 0) {
-      body.tree = BuildSphereTree(mesh, leaves, options.progress, mode);
+    if (options.leaves > 0) {
+      body.tree = BuildSphereTree(mesh, options.leaves, options.progress, mode);
+    } else if (!felt_by_leaves) {
+      body.tree = BuildInnerTree(mesh);
     } else {
       TolerantTree built = BuildToTolerance(mesh, LeafTolerance{}, options.progress, mode);
       if (!built.shortfall.empty()) body.remarks.push_back(std::move(built.shortfall));
@@ -95,6 +96,9 @@ Body MakeBall(std::string name, double radius, const Material& material) {
   body.tree = SingleSphereTree(body.mesh, {Vec3::Zero(), radius});
   body.name = std::move(name);
   body.materials = {material};
+  if (std::string remark = MetresRemark(body.mesh); !remark.empty()) {
+    body.remarks.push_back(std::move(remark));
+  }
   return body;
 }
 

@@ -8,13 +8,10 @@
 
 namespace palpate {
 
-/// Of a body that is felt by its mesh: the leaves tell only which side is inside.
-inline constexpr std::size_t kLeavesBesideMesh = 512;
-
 /// How a mesh becomes a body.
 struct BodyOptions {
-  /// Leaves of its sphere tree.  0: kLeavesBesideMesh where the mesh is what is felt; where the
-  /// leaves are, as many as bring them within a 500th of the body's size (LeafTolerance).
+  /// Leaves of its sphere tree.  0: a few where the mesh is what is felt (BuildInnerTree); where
+  /// the leaves are, as many as bring them within a 500th of the body's size (LeafTolerance).
   std::size_t leaves = 0;
   /// What the scene is felt by (Features::contact): it decides how the leaves stand for the mesh.
   ContactModel contact = ContactModel::kSurface;
@@ -23,7 +20,8 @@ struct BodyOptions {
 };
 
 /// For people: that a mesh hardly has the size that a hand feels where its numbers are metres, and
-/// which unit they more likely are in; else empty.  MakeBody has it among the body's remarks.
+/// which unit they more likely are in; else empty.  MakeBody and MakeBall have it among the body's
+/// remarks.
 std::string MetresRemark(const TriangleMesh& mesh);
 
 /// Makes of a mesh what can touch and be touched: mends it where that is needed (Body::remarks says

@@ -55,7 +55,7 @@ typedef enum {
 /** Start from palpate_body_defaults(). */
 typedef struct {
   palpate_pose pose; /**< objects: where they stand */
-  size_t leaves; /**< of its sphere tree; 0: 512 where its mesh is felt, else as many as its shape
+  size_t leaves; /**< of its sphere tree; 0: a few where its mesh is felt, else as many as its shape
                     needs */
   double static_friction;  /**< objects */
   double dynamic_friction; /**< at most static_friction */

@@ -29,7 +29,7 @@ class SceneObjects {
   const ObjectForest& forest() const { return forest_; }
   ContactModel contact() const { return contact_; }
   /// Objects that are felt by their meshes: the meshes, and the leaves inside them, shrunk by
-  /// limits::kCoreDepth, which tell what is inside.  Both null where there are none.
+  /// limits::kCoreDepth, which tell soonest what is inside.  Both null where there are none.
   const ObjectMeshes* meshes() const { return meshes_.get(); }
   const ObjectForest* cores() const { return cores_.get(); }
 

@@ -1,8 +1,11 @@
 #include "server/physics/start_pose.h"
 
+#include <algorithm>
+
 #include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
 #include "server/physics/solve/step_buffers.h"
+#include "server/physics/surface/body_meshes.h"
 #include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
@@ -12,8 +15,13 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, const LeafWear& wear,
             StepWorkspace& workspace) {
   StepBuffers& buffers = workspace.buffers();
   const ToolPose at(X_WT * model.reference(), X_WT.q);
-  return !buffers.prediction.Overlaps(model, ActiveKernels(), at.R, at.p, wear, buffers.rows) &&
-         (!buffers.meshes || IsFree(buffers.meshes->meshes, at));
+  if (buffers.prediction.Overlaps(model, ActiveKernels(), at.R, at.p, wear, buffers.rows)) {
+    return false;
+  }
+  if (!buffers.meshes) return true;
+  // A tool whose mesh meets no other lies inside an object as a whole or not at all.
+  return IsFree(buffers.meshes->meshes, at) &&
+         !model.object_meshes()->Hold(at.p + at.R * model.tool_mesh()->mesh.vertices()[0]);
 }
 
 /// Shortest way out along `direction`, to within a sub-step's length: walks outward until free.
@@ -39,8 +47,16 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
 
   // Out along the 26 directions of a cube's faces, edges and corners, whichever is shortest; every
   // object ends within `shortest`, so there is always a way.
-  const Vec3 from_centre = X_start * model.reference() - model.objects().center();
-  double shortest = from_centre.norm() + model.objects().radius() + model.tool().reach();
+  const Vec3 from = X_start * model.reference();
+  double reach = model.tool().reach();
+  double shortest = (from - model.objects().center()).norm() + model.objects().radius();
+  if (model.object_meshes() != nullptr) {
+    const HullTree& tree = model.object_meshes()->meshes().tree;
+    reach = std::max(reach, model.tool_mesh()->mesh.reach());
+    shortest =
+        std::max(shortest, (from - tree.Centre(tree.root())).norm() + tree.Radius(tree.root()));
+  }
+  shortest += reach;
   Vec3 way = Vec3::UnitZ();
   for (int i = 0; i < 27; ++i) {
     const Vec3 d(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);

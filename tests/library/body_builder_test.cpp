@@ -8,6 +8,7 @@
 #include "common/error.h"
 #include "scenes/shapes/shapes.h"
 #include "scenes/tree/leaf_count.h"
+#include "scenes/tree/sphere_tree_builder.h"
 #include "tests/support/complaint.h"
 
 namespace palpate::test {
@@ -15,6 +16,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 std::string Complaint(const TriangleMesh& mesh) {
@@ -25,8 +27,7 @@ TEST(BodyBuilder, TakesAsManyLeavesAsTheShapeNeedsWhereNobodySays) {
   const Body box = MakeBody("box", MakeBox({0.04, 0.04, 0.04}));
   const BodyOptions by_leaves{.contact = ContactModel::kSpheres};
   const Body sphere = MakeBody("sphere", MakeSphere(0.02, 1280), by_leaves);
-  EXPECT_EQ(box.tree.leaves(), kLeavesBesideMesh);
-  EXPECT_NE(sphere.tree.leaves(), kLeavesBesideMesh);
+  EXPECT_EQ(box.tree.leaves(), kInnerLeaves);
   EXPECT_GE(sphere.tree.leaves(), kFewestByTolerance);
   EXPECT_EQ(MakeBody("box", MakeBox({0.04, 0.04, 0.04}), {.leaves = 200}).tree.leaves(), 200u);
   EXPECT_EQ(box.tree.origin, TreeOrigin::kInside);
@@ -63,6 +64,9 @@ TEST(BodyBuilder, RemarksOnASizeThatIsHardlyInMetres) {
   ASSERT_EQ(remarks(40.0).size(), 1u);
   EXPECT_THAT(remarks(40.0)[0], AllOf(HasSubstr("40 m"), HasSubstr("more likely mm")));
   EXPECT_THAT(remarks(1e-9)[0], HasSubstr("hardly feels"));
+  EXPECT_THAT(remarks(2e-4)[0], Not(HasSubstr("apart")));
+  EXPECT_THAT(remarks(1e-5)[0], HasSubstr("0.001 mm apart"));
+  ASSERT_EQ(MakeBall("ball", 5e-6).remarks.size(), 1u);
 }
 
 TEST(BodyBuilder, MakesABallOfOneExactLeaf) {

@@ -442,6 +442,26 @@ TEST_F(LoadedScene, BuildsTreesForTheContactThatIsAskedFor) {
   EXPECT_FALSE(built_);
 }
 
+TEST_F(LoadedScene, FitsFewLeavesWhereNobodyFeelsThemAndTheFileLeavesThemOut) {
+  const auto leaves = [&](const std::string& fields) {
+    WriteFile(scene_, R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere",
+      "radius_m": 0.005}, "leaves": 1}], "objects": [{"name": "egg", "mesh": {"shape": "ellipsoid",
+      "semi_axes_m": [0.03, 0.02, 0.02], "triangles": 320})" +
+                                 fields + "}]}");
+    return Load().objects[0].tree.leaves();
+  };
+  const std::string rough = R"({"static_friction": 0.3})", soft = R"({"stiffness_N_per_m": 500})";
+  EXPECT_LE(leaves(""), kInnerLeaves);
+  EXPECT_LE(leaves(R"(, "material": )" + rough), kInnerLeaves);
+  EXPECT_GE(leaves(R"(, "material": )" + soft), kFewestByTolerance);
+  EXPECT_GE(leaves(R"(, "regions": [{"sphere": {"centre_mm": [30, 0, 0], "radius_mm": 15}, )"
+                   R"("material": )" +
+                   rough + "}]"),
+            kFewestByTolerance);
+  options_.contact = ContactModel::kSpheres;
+  EXPECT_GE(leaves(""), kFewestByTolerance);
+}
+
 TEST_F(LoadedScene, LeavesATreeFromAFileAloneWhereAModeIsNamed) {
   WriteTree(70, Vec3::Zero());
   WriteFile(scene_, TreeText(R"({"file": "box.sph"})"));

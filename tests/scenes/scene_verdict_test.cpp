@@ -3,15 +3,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "scenes/mesh/units.h"
 #include "scenes/tree/sphere_tree_builder.h"
+#include "server/physics/limits.h"
 #include "tests/scenes/support.h"
 
 namespace palpate {
 namespace {
 
+using testing::AllOf;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 MeshReport BoxReport(double side) {
   return InspectMesh(MakeBox(Vec3::Constant(side)));
@@ -108,6 +113,22 @@ TEST(SceneVerdict, SaysThatABodyIsOfAnUnusualSize) {
                 ElementsAre(HasSubstr("an unusual size")))
         << side;
   }
+}
+
+TEST(SceneVerdict, SaysThatABodyIsTooSmallForWhatContactKeepsApart) {
+  EXPECT_DOUBLE_EQ(kShortestByMesh, 100.0 * limits::mesh::kSeparation);
+  EXPECT_THAT(std::string(kTooShortByMesh),
+              AllOf(HasSubstr("0.001 mm apart"), HasSubstr("0.1 mm")));
+  const auto limits_of = [](double side, ContactModel contact) {
+    Scene scene = BallOn(MakeBox(Vec3::Constant(side)), 64);
+    scene.features.contact = contact;
+    return JudgeScene(scene).limits;
+  };
+  EXPECT_THAT(limits_of(1.01e-4, ContactModel::kSurface), IsEmpty());
+  EXPECT_THAT(limits_of(1e-5, ContactModel::kSurface),
+              ElementsAre(AllOf(HasSubstr("object object: its longest side is 0.01 mm"),
+                                HasSubstr("0.001 mm apart"))));
+  EXPECT_THAT(limits_of(1e-5, ContactModel::kSpheres), Not(Contains(HasSubstr("apart"))));
 }
 
 }  // namespace

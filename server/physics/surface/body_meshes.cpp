@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/error.h"
+#include "common/math/solid_angle.h"
 
 namespace palpate {
 namespace {
@@ -84,13 +85,26 @@ ObjectMeshes::ObjectMeshes(std::span<const PlacedMesh> placed,
   for (const PlacedTree* of : object) {
     leaves.emplace_back(*of->tree, of->mesh->triangles.size());
   }
+  boxes_.resize(object.size());
   for (const ContactMesh::Triangle& t : meshes_.mesh.triangles()) {
+    for (std::uint32_t v : t.vertex) boxes_[t.body].extend(meshes_.mesh.vertices()[v]);
     const TriangleMesh& mesh = *object[t.body]->mesh;
     Vec3 middle = Vec3::Zero();
     for (std::uint32_t v : mesh.triangles[t.source]) middle += mesh.vertices[v] / 3.0;
     leaf_.push_back(first_leaf[t.body] +
                     static_cast<std::int32_t>(leaves[t.body].Nearest(t.source, middle)));
   }
+}
+
+bool ObjectMeshes::Hold(const Vec3& p_W) const {
+  std::vector<double> angle(boxes_.size(), 0.0);
+  for (std::size_t t = 0; t < meshes_.mesh.triangles().size(); ++t) {
+    const std::uint32_t body = meshes_.mesh.triangles()[t].body;
+    if (!boxes_[body].contains(p_W)) continue;
+    angle[body] += SolidAngle(meshes_.mesh.Corner(t, 0) - p_W, meshes_.mesh.Corner(t, 1) - p_W,
+                              meshes_.mesh.Corner(t, 2) - p_W);
+  }
+  return std::ranges::any_of(angle, [](double a) { return a > 2.0 * M_PI; });
 }
 
 std::unique_ptr<const MeshWithTree> MakeToolMesh(const TriangleMesh* mesh, const SphereTree& tree,

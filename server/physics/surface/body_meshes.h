@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "common/math/pose.h"
 #include "scenes/sphere_tree.h"
 #include "server/physics/step_types.h"
@@ -38,6 +40,9 @@ class ObjectMeshes {
   const MeshWithTree& meshes() const { return meshes_; }
   /// Leaf of the forest that is nearest to a triangle: its material is the triangle's.
   std::int32_t LeafOf(std::uint32_t triangle) const { return leaf_[triangle]; }
+  /// Whether a point of W, on no surface, lies inside an object: its mesh winds round it, by more
+  /// than half where it is open.  Not real-time.
+  bool Hold(const Vec3& p_W) const;
 
  private:
   ObjectMeshes(std::span<const PlacedMesh> placed, std::span<const PlacedTree* const> object,
@@ -45,6 +50,7 @@ class ObjectMeshes {
 
   MeshWithTree meshes_;
   std::vector<std::int32_t> leaf_;
+  std::vector<Eigen::AlignedBox3d> boxes_;  ///< of each mesh
 };
 
 /// The mesh of a tool about its reference point; of a tool that is a single ball, its centre with

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <future>
 #include <limits>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
@@ -17,16 +20,18 @@ using Triangles = std::span<std::uint32_t>;
 /// A patch of more eights of corners has its box instead: to go through this many costs as much as
 /// two further looks at its halves, taken.
 constexpr std::size_t kMostEights = 32;
+/// Half a patch of so many triangles is built in a thread of its own: a tenth of a second.  Taken.
+constexpr std::size_t kOwnThread = 1 << 17;
 
 /// Principal axes of a patch, by the second moments of its area; of its corners where it has none.
-Mat3 PrincipalAxes(const ContactMesh& mesh, Triangles patch) {
+Mat3 PrincipalAxes(const std::vector<Mat3>& corners, Triangles patch) {
   Mat3 moments = Mat3::Zero();
   Vec3 sum = Vec3::Zero();
   double area = 0.0;
-  const Vec3& origin = mesh.Corner(patch[0], 0);
+  const Vec3 origin = corners[patch[0]].col(0);
   for (std::uint32_t t : patch) {
-    const Vec3 a = mesh.Corner(t, 0) - origin, b = mesh.Corner(t, 1) - origin,
-               c = mesh.Corner(t, 2) - origin;
+    const Vec3 a = corners[t].col(0) - origin, b = corners[t].col(1) - origin,
+               c = corners[t].col(2) - origin;
     const double weight = (b - a).cross(c - a).norm() + 1e-300;
     const Vec3 all = a + b + c;
     // Of a uniform triangle: (9 m m^T + a a^T + b b^T + c c^T) / 12, m its middle.
@@ -59,65 +64,78 @@ HullTree::HullTree(const ContactMesh& mesh) {
   if (count < 2) return;
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
-  inner_.reserve(count - 1);
+  inner_.resize(count - 1);
   struct Work {
     Triangles patch;
-    Node parent;
+    Node node, parent;
     int side;
   };
-  std::vector<Work> left{{order, -1, 0}};
-  while (!left.empty()) {
-    const Work work = left.back();
-    left.pop_back();
-    const auto attach = [&](Node node) {
-      if (work.parent >= 0) {
-        inner_[static_cast<std::size_t>(work.parent)].child[work.side] = node;
+  const std::function<void(const Work&)> build = [&](const Work& top) {
+    std::vector<Work> left{top};
+    std::vector<std::future<void>> others;
+    std::vector<std::pair<double, std::uint32_t>> along;  // of a patch's triangles
+    while (!left.empty()) {
+      const Work work = left.back();
+      left.pop_back();
+      const auto attach = [&](Node node) {
+        if (work.parent >= 0) {
+          inner_[static_cast<std::size_t>(work.parent)].child[work.side] = node;
+        }
+      };
+      if (work.patch.size() == 1) {
+        attach(~static_cast<Node>(work.patch[0]));
+        leaf_parent_[work.patch[0]] = work.parent;
+        continue;
       }
-    };
-    if (work.patch.size() == 1) {
-      attach(~static_cast<Node>(work.patch[0]));
-      leaf_parent_[work.patch[0]] = work.parent;
-      continue;
-    }
-    Inner box{};
-    box.parent = work.parent;
-    const Mat3 axes = PrincipalAxes(mesh, work.patch);
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (std::uint32_t t : work.patch) {
+      Inner box{};
+      box.parent = work.parent;
+      const Mat3 axes = PrincipalAxes(leaf_corners_, work.patch);
+      Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+      for (std::uint32_t t : work.patch) {
+        for (int c = 0; c < 3; ++c) {
+          const Vec3 x = axes.transpose() * leaf_corners_[t].col(c);
+          low = low.cwiseMin(x);
+          high = high.cwiseMax(x);
+        }
+      }
+      // A billionth of the size for the rounding of the axes, which are orthogonal to 1e-15.
+      const Vec3 half = (0.5 * (high - low)).array() + 1e-9 * (high - low).maxCoeff();
+      std::array<int, 3> order_of{0, 1, 2};
+      std::sort(order_of.begin(), order_of.end(),
+                [&](int a, int b) { return half[a] != half[b] ? half[a] < half[b] : a < b; });
       for (int c = 0; c < 3; ++c) {
-        const Vec3 x = axes.transpose() * mesh.Corner(t, c);
-        low = low.cwiseMin(x);
-        high = high.cwiseMax(x);
+        const int k = order_of[static_cast<std::size_t>(c)];
+        box.sides.col(c) = half[k] * axes.col(k);
       }
-    }
-    // A billionth of the size for the rounding of the axes, which are orthogonal to 1e-15.
-    const Vec3 half = (0.5 * (high - low)).array() + 1e-9 * (high - low).maxCoeff();
-    std::array<int, 3> order_of{0, 1, 2};
-    std::sort(order_of.begin(), order_of.end(),
-              [&](int a, int b) { return half[a] != half[b] ? half[a] < half[b] : a < b; });
-    for (int c = 0; c < 3; ++c) {
-      const int k = order_of[static_cast<std::size_t>(c)];
-      box.sides.col(c) = half[k] * axes.col(k);
-    }
-    box.centre = axes * (0.5 * (low + high));
-    for (std::uint32_t t : work.patch) {
-      for (int c = 0; c < 3; ++c) {
-        box.radius = std::max(box.radius, (mesh.Corner(t, c) - box.centre).norm());
+      box.centre = axes * (0.5 * (low + high));
+      for (std::uint32_t t : work.patch) {
+        for (int c = 0; c < 3; ++c) {
+          box.radius = std::max(box.radius, (leaf_corners_[t].col(c) - box.centre).squaredNorm());
+        }
       }
+      box.radius = std::sqrt(box.radius);
+      const Node node = work.node;
+      attach(node);
+      inner_[static_cast<std::size_t>(node)] = box;
+      // Halved across its longest side.
+      const Vec3 axis = axes.col(order_of[2]);
+      along.clear();
+      for (std::uint32_t t : work.patch) along.emplace_back(axis.dot(leaf_centre_[t]), t);
+      std::sort(along.begin(), along.end());
+      std::ranges::transform(along, work.patch.begin(), [](const auto& at) { return at.second; });
+      const std::size_t middle = work.patch.size() / 2;
+      // A patch of n triangles has n - 1 inner nodes, the first half's before the second's.
+      const Work second{work.patch.subspan(middle), node + static_cast<Node>(middle), node, 1};
+      if (second.patch.size() >= kOwnThread) {
+        others.push_back(std::async(std::launch::async, build, second));
+      } else {
+        left.push_back(second);
+      }
+      left.push_back({work.patch.first(middle), node + 1, node, 0});
     }
-    const auto node = static_cast<Node>(inner_.size());
-    attach(node);
-    inner_.push_back(box);
-    // Halved across its longest side.
-    const Vec3 axis = axes.col(order_of[2]);
-    std::sort(work.patch.begin(), work.patch.end(), [&](std::uint32_t a, std::uint32_t b) {
-      const double x = axis.dot(leaf_centre_[a]), y = axis.dot(leaf_centre_[b]);
-      return x != y ? x < y : a < b;
-    });
-    const std::size_t middle = work.patch.size() / 2;
-    left.push_back({work.patch.subspan(middle), node, 1});
-    left.push_back({work.patch.first(middle), node, 0});
-  }
+    for (std::future<void>& other : others) other.get();
+  };
+  build({order, 0, -1, 0});
   corners_.resize(inner_.size());
   if (const std::vector<Vec3> all = Gather(root()); !all.empty()) AddEight(root(), all);
 }

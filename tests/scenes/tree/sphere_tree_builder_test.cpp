@@ -352,6 +352,29 @@ TEST(SphereTreeBuilder, TakesAFlatSheet) {
   }
 }
 
+TEST(SphereTreeBuilder, FitsAFewLargeBallsWhereOnlyTheMeshIsFelt) {
+  TriangleMesh cup = MakeBox(Vec3::Constant(0.04));
+  cup.triangles.resize(10);  // open at a side
+  for (const TriangleMesh& mesh :
+       {MakeBox(Vec3::Constant(0.04)), cup, MakeEllipsoid({0.03, 0.02, 0.0002}, 320)}) {
+    const SphereTree tree = BuildInnerTree(mesh);
+    ASSERT_GT(tree.leaves(), 0u);
+    EXPECT_LE(tree.leaves(), kInnerLeaves);
+    const MeshQuery query(mesh);
+    for (std::size_t i = 0; i < tree.leaves(); ++i) {
+      const Vec3 centre(tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]);
+      EXPECT_GT(tree.leaf_radius[i], 0.0);
+      EXPECT_LE(tree.leaf_radius[i], query.Nearest(centre).distance * (1.0 + 1e-9));
+    }
+    const std::set<std::uint32_t> triangles(tree.leaf_triangle.begin(), tree.leaf_triangle.end());
+    EXPECT_EQ(triangles.size(), mesh.triangles.size());
+  }
+  // Eight places to a side: those next to the middle lie half of 5 mm beside it.
+  EXPECT_NEAR(std::ranges::max(BuildInnerTree(MakeBox(Vec3::Constant(0.04))).leaf_radius), 0.0175,
+              1e-9);
+  EXPECT_THROW(BuildInnerTree({}), Error);
+}
+
 TEST(SphereTreeBuilder, KeepsTheSolidsCentroid) {
   TriangleMesh box = MakeBox(Vec3(0.1, 0.1, 0.1));
   for (Vec3& v : box.vertices) v += Vec3(0.3, 0, 0);
