@@ -1,6 +1,6 @@
 // The solver of nearest_point.h, compiled in plain C++ by nearest_point.cpp and for its instruction
-// set by each server/physics/simd/kernels_*.cpp.  Every vector here is one of eight doubles, used in
-// the same order at every level.
+// set by each server/physics/simd/kernels_*.cpp.  Every vector here is one of eight doubles, used
+// in the same order at every level.
 #pragma once
 
 #include "common/qp/nearest_point.h"

@@ -171,8 +171,9 @@ TEST_F(FileSummaryTest, CountsOnlyWhatWasThere) {
 }
 
 TEST_F(FileSummaryTest, TellsThatABundleIsNotTheOneOfItsHash) {
-  const FileSummary summary =
-      Of([](RecordingWriter& writer) { AddBundle(writer, {1, 2, 3}, kMs, true); });
+  const FileSummary summary = Of([](RecordingWriter& writer) {
+    AddBundle(writer, {1, 2, 3}, kMs, true);
+  });
   EXPECT_FALSE(summary.whole());
   EXPECT_THAT(ToText(summary), HasSubstr("scene 'cube': its bytes have the hash"));
 }

@@ -447,7 +447,7 @@ TEST_F(LoadedScene, FitsFewLeavesWhereNobodyFeelsThemAndTheFileLeavesThemOut) {
     WriteFile(scene_, R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere",
       "radius_m": 0.005}, "leaves": 1}], "objects": [{"name": "egg", "mesh": {"shape": "ellipsoid",
       "semi_axes_m": [0.03, 0.02, 0.02], "triangles": 320})" +
-                                 fields + "}]}");
+                          fields + "}]}");
     return Load().objects[0].tree.leaves();
   };
   const std::string rough = R"({"static_friction": 0.3})", soft = R"({"stiffness_N_per_m": 500})";

@@ -1,9 +1,9 @@
-// The solver of SolveCompliant (solve/qp_solver.h), one of the loops that each kernels_*.cpp compiles for
-// its instruction set.
+// The solver of SolveCompliant (solve/qp_solver.h), one of the loops that each kernels_*.cpp
+// compiles for its instruction set.
 #include "common/qp/dual_active_set.inl"
+#include "common/qp/vector.h"
 #include "server/physics/limits.h"
 #include "server/physics/simd/kernels.h"
-#include "common/qp/vector.h"
 
 namespace palpate {
 namespace {

@@ -1,8 +1,8 @@
 // The inner loops, included once by each kernels_*.cpp, which sets the instruction set.
-#include "server/physics/simd/compliant.inl"
 #include "common/qp/dual_active_set.inl"
-#include "server/physics/simd/kernels.h"
 #include "common/qp/vector.h"
+#include "server/physics/simd/compliant.inl"
+#include "server/physics/simd/kernels.h"
 
 namespace palpate {
 namespace {
