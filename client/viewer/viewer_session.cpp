@@ -116,8 +116,8 @@ void ViewerSession::OnRead(beast::error_code error) {
     wrong = socket_.got_text()
                 ? OnText({static_cast<const char*>(data.data()), data.size()})
                 : OnBinary({static_cast<const std::uint8_t*>(data.data()), data.size()});
-  } catch (const Error& error) {
-    wrong = error.what();
+  } catch (const Error& refused) {
+    wrong = refused.what();
   }
   input_.clear();
   if (!wrong.empty()) {

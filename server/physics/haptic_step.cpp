@@ -210,16 +210,12 @@ void Move(StepContext& context, const Way& way) {
 }
 
 /// Between meshes, where the tool has not arrived, the optimum lies beyond what its rows are known
-/// for.  What is known is what the contacts at the tool's place hold back of the spring there: the
-/// multipliers of the spring's pull, projected onto the motions that those rows allow.  Where the
-/// tool has arrived this is the optimum's own wrench; without a contact it is zero.
+/// for.  What is known is what they hold back of the spring from where the tool is: those of its
+/// contacts, and of what it would meet within the sub-step.  Where the tool has arrived this is the
+/// optimum's own wrench; without a row it is zero.
 Way Lag(StepContext& context, const Way& went) {
   ContactRows& rows = context.buffers.rows;
-  for (int i = 0; i < rows.count(); ++i) {
-    const double left = rows.Left(i, went.v, went.phi);
-    rows.SetGap(i, left);
-    if (left > limits::mesh::kTouching) rows.Loosen(i);
-  }
+  for (int i = 0; i < rows.count(); ++i) rows.SetGap(i, rows.Left(i, went.v, went.phi));
   // The tool's place is free, whatever a row that was made for a trial elsewhere says of it.  So
   // the wrench is never more than the spring's own.
   rows.AdmitZero();

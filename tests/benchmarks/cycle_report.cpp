@@ -103,6 +103,8 @@ class ContactReport {
                                {"without_force", held.without_force},
                                {"stuck", held.stuck},
                                {"others_steps_p50", held.median()}};
+    Json& late = json_["never_arriving"]["others_force_error_N"];
+    Group("late force error", "N", 1.0, held.force_error, late);
     Line("not arrived",
          fmt::format(
              "{} steps, up to {} in a row; held still, {} {} never arrive in {} more "

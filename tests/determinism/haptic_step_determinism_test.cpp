@@ -125,7 +125,7 @@ constexpr std::uint64_t kGoldenHash = 14194503118701785297u;
 constexpr std::uint64_t kGoldenChapterHash = 14483219452744595238u;
 constexpr std::uint64_t kGoldenCoulombHash = 17059170457642929297u;
 constexpr std::uint64_t kGoldenHashOfMaterials = 1653539582228119285u;
-constexpr std::uint64_t kGoldenHashOfMeshes = 10536061857183609666u;
+constexpr std::uint64_t kGoldenHashOfMeshes = 6020891948691176272u;
 
 /// Has `check` run with each of the inner loops that this machine can run.
 void AtEverySimdLevel(const std::function<void()>& check) {

@@ -133,9 +133,9 @@ void Settle(const ContactPath& path, const ToolMotion& motion, std::size_t step,
 /// second, fourth and so on, so that what was tried is always evenly spread.
 class Holder {
  public:
-  void Add(const ContactPath& path, std::size_t step, const StepState& state) {
+  void Add(const ContactPath& path, std::size_t step, const StepState& state, const Vec3& force) {
     if (seen_++ % every_ != 0) return;
-    tries_.push_back(Try(path, step, state));
+    tries_.push_back(Try(path, step, state, force));
     if (tries_.size() <= ContactFigures::kMostHeld) return;
     for (std::size_t i = 0; 2 * i < tries_.size(); ++i) tries_[i] = tries_[2 * i];
     tries_.resize((tries_.size() + 1) / 2);
@@ -147,13 +147,15 @@ class Holder {
     for (const Outcome& tried : tries_) {
       if (tried.arrived) {
         held.steps_needed.push_back(tried.steps);
+        held.force_error.push_back(tried.force_error);
         continue;
       }
       if (held.never++ == 0) held.first_step = tried.step;
       held.without_force += tried.without_force;
       held.stuck += tried.without_force && tried.standing;
     }
-    std::sort(held.steps_needed.begin(), held.steps_needed.end());
+    std::ranges::sort(held.steps_needed);
+    std::ranges::sort(held.force_error);
     return held;
   }
 
@@ -161,9 +163,11 @@ class Holder {
   struct Outcome {
     std::size_t step;
     int steps = 0;
+    double force_error = 0.0;
     bool arrived = false, without_force = false, standing = false;
   };
-  static Outcome Try(const ContactPath& path, std::size_t step, StepState state) {
+  static Outcome Try(const ContactPath& path, std::size_t step, StepState state,
+                     const Vec3& force) {
     Outcome tried{.step = step};
     while (!tried.arrived && tried.steps < ContactFigures::kHeldSteps) {
       const Pose before = state.X_WG;
@@ -171,6 +175,7 @@ class Holder {
       ++tried.steps;
       tried.arrived = !IsFar(report);
       tried.without_force = report.wrench.force.norm() < kNoForce;
+      tried.force_error = (report.wrench.force - force).norm();
       tried.standing = before.p == state.X_WG.p && before.q.coeffs() == state.X_WG.q.coeffs();
     }
     return tried;
@@ -288,7 +293,7 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
             (motion.Centroid(report.X_WG) - motion.Centroid(truth.report.X_WG)).norm());
       }
     }
-    if (checks.hold_far && far) holder.Add(path, i, state);
+    if (checks.hold_far && far) holder.Add(path, i, state, wrench.force);
     if (Due(i, checks.settle_every)) Settle(path, motion, i, state, figures.settling);
     if (reports != nullptr) reports->push_back(report);
     before = report;

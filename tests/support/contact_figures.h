@@ -65,6 +65,8 @@ struct ContactFigures {
     std::size_t stuck = 0;
     std::size_t first_step = 0;     ///< the first of those that never arrive
     std::vector<int> steps_needed;  ///< by the others, sorted
+    /// |F - F_arrived| [N] of the others, sorted: what they felt late.
+    std::vector<double> force_error;
     int median() const { return steps_needed.empty() ? 0 : steps_needed[steps_needed.size() / 2]; }
   };
   Held held;

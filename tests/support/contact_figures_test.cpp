@@ -105,6 +105,7 @@ TEST(ContactFigures, SeeAToolThatNeverArrivesThoughTheHandRests) {
   ASSERT_EQ(f.held.steps_needed.size(), 1u);
   EXPECT_GT(f.held.median(), 50);
   EXPECT_LT(f.held.median(), 100);
+  EXPECT_EQ(f.held.force_error, std::vector{0.0}) << "in the air";
   EXPECT_EQ(f.unconverged, 1u) << "the first";
   // What is held goes its own way: the path is as without.
   const ContactFigures unheld = tool.Measure({.progress = {}});

@@ -621,7 +621,7 @@ TEST(PageCertificate, OfOneCommandIsTrustedUnderItsNamesByWhoKnowsItsAuthority) 
   const std::string page = folder + "/page";
   EXPECT_THAT(Certify(folder, {"page.lab.example", "127.0.0.1"}),
               AllOf(HasSubstr("--host-name page.lab.example"), HasSubstr(page + "/key.pem")));
-  for (const std::string key : {page + "/key.pem", folder + "/authority/page_ca_key.pem"}) {
+  for (const std::string& key : {page + "/key.pem", folder + "/authority/page_ca_key.pem"}) {
     struct stat status {};
     EXPECT_EQ(stat(key.c_str(), &status), 0) << key;
     EXPECT_EQ(status.st_mode & 0777, 0600u) << key;

@@ -23,7 +23,7 @@ set(documents
     server/ARCHITECTURE.md architecture
     server/physics/README.md physics_step
     server/physics/surface/README.md physics_surface
-    server/physics/rows/README.md physics_rows
+    server/physics/contact/README.md physics_contact
     server/physics/solve/README.md physics_solve
     server/physics/solve/friction.md physics_friction
     server/physics/tree/README.md physics_tree

@@ -250,6 +250,23 @@ TEST(MeshContactHands, ArriveOnceTheHandStandsStill) {
   }
 }
 
+TEST(MeshContactHands, FeelWhatHoldsThemWhileTheyLag) {
+  const Scene terraces = MeshScene(MakeTerraced(0.04, 5120, 3), MakeTerraced(0.04, 5120, 103));
+  std::vector<double> errors;  // of the late force against that of the tool once it has arrived
+  std::size_t notches = 0;
+  for (std::uint64_t seed = 15; seed < 25; ++seed) {
+    const std::vector<Pose> X_WH = MakeHand(terraces, {.seed = seed, .speed = 0.08, .steps = 2000});
+    const test::ContactFigures figures = test::MeasureContact(
+        terraces, X_WH, {.oracle_every = 0, .converge_every = 0, .hold_far = true});
+    errors.insert(errors.end(), figures.held.force_error.begin(), figures.held.force_error.end());
+    notches += figures.force.notches.size();
+  }
+  std::ranges::sort(errors);
+  ASSERT_GT(errors.size(), 5u) << "late cycles to look at";
+  EXPECT_LT(errors[errors.size() / 2], 0.3) << "N, at the median of " << errors.size();
+  EXPECT_LE(notches, 1u);
+}
+
 /// A hand that no arm could be: jumps, dives, spins, trembles and rests, most of the time deep in
 /// the object.
 std::vector<Pose> WildHand(double size, std::uint64_t seed, std::size_t steps) {
