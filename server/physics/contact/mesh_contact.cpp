@@ -1,5 +1,7 @@
 #include "server/physics/contact/mesh_contact.h"
 
+#include <utility>
+
 namespace palpate {
 
 MeshContact::MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, int max_rows)

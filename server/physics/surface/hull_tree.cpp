@@ -127,7 +127,7 @@ HullTree::HullTree(const ContactMesh& mesh) {
       // A patch of n triangles has n - 1 inner nodes, the first half's before the second's.
       const Work second{work.patch.subspan(middle), node + static_cast<Node>(middle), node, 1};
       if (second.patch.size() >= kOwnThread) {
-        others.push_back(std::async(std::launch::async, build, second));
+        others.push_back(std::async(build, second));  // where there is no thread: at get()
       } else {
         left.push_back(second);
       }
