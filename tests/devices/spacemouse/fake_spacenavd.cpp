@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <vector>
 
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -118,6 +119,11 @@ void FakeSpacenavd::SendBytes(const char* bytes, std::size_t count) {
 
 void FakeSpacenavd::Send(const std::array<std::int32_t, 8>& frame) {
   SendBytes(reinterpret_cast<const char*>(frame.data()), sizeof frame);
+}
+
+void FakeSpacenavd::SendOften(const std::array<std::int32_t, 8>& frame, int times) {
+  const std::vector frames(times, frame);
+  SendBytes(reinterpret_cast<const char*>(frames.data()), times * sizeof frame);
 }
 
 void FakeSpacenavd::SendHalf(const std::array<std::int32_t, 8>& frame) {

@@ -40,6 +40,8 @@ class FakeSpacenavd {
   void Send(const std::array<std::int32_t, 8>& frame);
   /// In two pieces, so that the first is read before the second is there.
   void SendInPieces(const std::array<std::int32_t, 8>& frame);
+  /// At once, as a reader may hang up at any of them.
+  void SendOften(const std::array<std::int32_t, 8>& frame, int times);
   /// The beginning alone.
   void SendHalf(const std::array<std::int32_t, 8>& frame);
 

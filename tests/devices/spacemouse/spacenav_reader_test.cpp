@@ -127,7 +127,7 @@ TEST_F(OpenReader, SaysWhenTheDaemonComesBackWithoutItsDevice) {
 }
 
 TEST_F(OpenReader, TakesADaemonThatTalksNonsenseForOneThatHasGone) {
-  for (int i = 0; i < 20; ++i) daemon.Send({12345, 1, 2, 3, 4, 5, 6, 7});
+  daemon.SendOften({12345, 1, 2, 3, 4, 5, 6, 7}, 20);
   ASSERT_TRUE(Until([](const auto& s) { return s.link == Link::kNoDaemon; }));
   ASSERT_TRUE(Until([](const auto& s) { return s.link == Link::kUp; }));
 }

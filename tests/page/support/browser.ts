@@ -115,21 +115,37 @@ export async function until(
   }
 }
 
-/// Waits until something is so; throws where it is not within a minute.
+/// Waits until something is so; throws where it is not in time.
 export async function eventually(
   what: string,
   condition: () => Promise<boolean> | boolean,
+  withinMs = 60_000,
 ): Promise<void> {
-  const end = Date.now() + 60_000;
+  const end = Date.now() + withinMs;
   while (!(await condition())) {
-    if (Date.now() > end) throw new Error(`${what}: not so within 60 s`);
+    if (Date.now() > end) throw new Error(`${what}: not so within ${withinMs} ms`);
     await new Promise((resolve) => setTimeout(resolve, 50));
   }
 }
 
-/// Waits until it is what a part of the page says.
-export const readsOn = (page: Page, selector: string, wanted: string | RegExp): Promise<void> =>
-  eventually(`${selector}: ${wanted}`, async () => {
-    const said = (await page.locator(selector).innerText()).replace(/\s+/g, " ");
-    return typeof wanted === "string" ? said === wanted : wanted.test(said);
-  });
+/// Waits until it is what a part of the page says; the error tells what it said instead.
+export async function readsOn(
+  page: Page,
+  selector: string,
+  wanted: string | RegExp,
+  withinMs = 60_000,
+): Promise<void> {
+  let said = "";
+  try {
+    await eventually(
+      selector,
+      async () => {
+        said = (await page.locator(selector).innerText()).replace(/\s+/g, " ");
+        return typeof wanted === "string" ? said === wanted : wanted.test(said);
+      },
+      withinMs,
+    );
+  } catch {
+    throw new Error(`${selector}: not ${wanted} within ${withinMs} ms: ${said}`);
+  }
+}
