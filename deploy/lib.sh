@@ -30,21 +30,26 @@ quietly() {
   return "$status"
 }
 
-# build PRESET TARGET...: configures where needed and builds, with ccache, which also finds what
-# another checkout of the same sources has compiled.
-build() {
-  local preset=$1 log=build/logs/build-$1.log
-  local -x CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
-  local -x CCACHE_SLOPPINESS=pch_defines,time_macros  # without, nothing is kept where headers are precompiled
-  shift
-  if [[ ! -f build/$preset/build.ninja ]]; then
-    quietly "configuring $preset" "build/logs/configure-$preset.log" cmake --preset "$preset" ||
-      return
+# ccache finds what another checkout of the same sources has compiled; and keeps what it compiles where
+# headers are precompiled, which without the sloppiness it does not.
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
+
+# configure PRESET OPTION...: where that has not been done, or options are given.
+configure() {
+  if (($# > 1)) || [[ ! -f build/$1/build.ninja ]]; then
+    quietly "configuring $1" "build/logs/configure-$1.log" cmake --preset "$@"
   fi
+}
+
+# build PRESET TARGET...: configures where needed and builds.
+build() {
+  local preset=$1
+  shift
+  configure "$preset" || return
   if [[ -t 1 ]]; then  # ninja shows its progress in one line
-    NINJA_STATUS="building $preset %f/%t " cmake --build --preset "$preset" --target "$@"
+    NINJA_STATUS="building $preset %f/%t " ninja -C "build/$preset" "$@"
   else
-    quietly "building $preset" "$log" cmake --build --preset "$preset" --target "$@"
+    quietly "building $preset" "build/logs/build-$preset.log" ninja -C "build/$preset" "$@"
   fi
 }
 
