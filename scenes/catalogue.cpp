@@ -339,6 +339,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   Scene scene;
   scene.name = description.name;
   scene.coupling = description.coupling;
+  scene.tuning = description.tuning;
   scene.features = description.features;
   scene.first_sight = description.first_sight;
   std::vector<std::pair<const BodyDescription*, Shape>> done;

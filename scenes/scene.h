@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/math/pose.h"
+#include "common/step_tuning.h"
 #include "scenes/sphere_tree.h"
 
 namespace palpate {
@@ -85,6 +86,7 @@ struct Scene {
   std::vector<Body> tools;    ///< moved by hands, one station each
   std::vector<Body> objects;  ///< fixed in W
   Coupling coupling;
+  StepTuning tuning;
   Features features;
   std::optional<FirstSight> first_sight;  ///< none: all the objects
 };

@@ -40,13 +40,15 @@ void JudgeGap(const std::string& what, double gap, const std::string& then,
 /// A body that is larger or smaller than these has hardly the unit that it was taken for [m].
 constexpr double kMost = 50.0, kLeast = kShortestByMesh;
 
-void JudgeSize(const std::string& whose, const MeshReport& report, bool by_mesh, Verdict& verdict) {
+/// @param separation  that contact keeps between meshes [m]; 0 where they are not felt.
+void JudgeSize(const std::string& whose, const MeshReport& report, double separation,
+               Verdict& verdict) {
   const double longest = LongestSide(report);
   if (longest <= kMost && longest >= kLeast) return;
   std::string finding = whose + ": its longest side is " + Millimetres(longest) +
                         ", an unusual size for what a hand feels; see whether \"unit\" is what its "
                         "file means";
-  if (longest < kLeast && by_mesh) finding.append("; if it is, ").append(kTooShortByMesh);
+  if (longest < 100.0 * separation) finding.append("; if it is, ").append(kTooShortByMesh);
   verdict.limits.push_back(std::move(finding));
 }
 
@@ -122,7 +124,10 @@ BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, Measu
     found.verdict.limits.push_back(whose + ": " + SolidRemark(solid, 1e3, "mm"));
   }
   JudgeSize(whose, found.report,
-            scene.features.contact == ContactModel::kSurface && !found.by_spheres, found.verdict);
+            scene.features.contact == ContactModel::kSurface && !found.by_spheres
+                ? scene.tuning.separation
+                : 0.0,
+            found.verdict);
   JudgeBalls(whose, body.tree, found.verdict);
   if (found.by_spheres || measure == MeasureGaps::kAlways) {
     found.coverage = MeasureCoverage(solid.mesh, body.tree);

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <exception>
 #include <limits>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -234,11 +235,13 @@ ContactModel ToContact(const std::string& contact) {
 }
 
 Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std::string& contact,
-                  double stiffness, double torsional_stiffness) {
+                  double stiffness, double torsional_stiffness,
+                  const std::map<std::string, double>& step) {
   Scene scene;
   scene.objects = objects;
   scene.tools = {tool};
   scene.coupling = {stiffness, torsional_stiffness};
+  for (const auto& [field, value] : step) SetField(scene.tuning, field, value);
   scene.features.contact = ToContact(contact);
   // Features follow from the materials, as in a scene's file.
   for (const Body& object : objects) {
@@ -394,12 +397,14 @@ PYBIND11_MODULE(_physics, module) {
 
   py::class_<Shared>(module, "Model")
       .def(py::init([](const std::vector<Body>& objects, const Body& tool,
-                       const std::string& contact, double stiffness, double torsional_stiffness) {
-             return MakeShared(objects, tool, contact, stiffness, torsional_stiffness);
+                       const std::string& contact, double stiffness, double torsional_stiffness,
+                       const std::map<std::string, double>& step) {
+             return MakeShared(objects, tool, contact, stiffness, torsional_stiffness, step);
            }),
            py::arg("objects"), py::arg("tool"), py::kw_only(), py::arg("contact") = "surface",
            py::arg("stiffness") = Coupling{}.stiffness,
-           py::arg("torsional_stiffness") = Coupling{}.torsional_stiffness, prose("Model.__init__"))
+           py::arg("torsional_stiffness") = Coupling{}.torsional_stiffness,
+           py::arg("step") = std::map<std::string, double>{}, prose("Model.__init__"))
       .def("follow", &Follow, py::arg("paths"), py::kw_only(), py::arg("threads") = 0,
            prose("Model.follow"));
 

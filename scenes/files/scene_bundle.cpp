@@ -359,6 +359,9 @@ Scene ReadScene(const wire::Scene& in) {
   if (!positive(scene.coupling.stiffness) || !positive(scene.coupling.torsional_stiffness)) {
     throw Error("the coupling is not positive");
   }
+  scene.tuning = {in.separation(), in.widest_step(), in.sub_steps(),
+                  in.iterates(),   in.looks(),       in.still_cycles()};
+  if (const std::string fault = TuningFault(scene.tuning); !fault.empty()) throw Error(fault);
   scene.features = FromWire(*in.features());
   if (const wire::FirstSight* sight = in.first_sight()) {
     scene.first_sight = {FromWire(sight->centre()), sight->radius(), FromWire(sight->from())};
@@ -457,7 +460,9 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
   }
   out.Finish(
       wire::CreateScene(out, name, geometries_at, tools, objects, scene.coupling.stiffness,
-                        scene.coupling.torsional_stiffness, &features, sight ? &*sight : nullptr),
+                        scene.coupling.torsional_stiffness, &features, sight ? &*sight : nullptr,
+                        scene.tuning.separation, scene.tuning.widest_step, scene.tuning.sub_steps,
+                        scene.tuning.iterates, scene.tuning.looks, scene.tuning.still_cycles),
       wire::SceneIdentifier());
 
   Header header{};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <set>
+#include <type_traits>
 #include <utility>
 
 #include "common/error.h"
@@ -446,10 +447,25 @@ void ChooseLeaves(SceneDescription& scene) {
   }
 }
 
+void ReadTuning(const JsonNode& node, StepTuning& tuning) {
+  std::vector<std::string_view> names;
+  ForEachField(tuning, [&](const char* name, auto& field, double scale, double least, double most) {
+    names.push_back(name);
+    const auto number = node.Find(name);
+    if (!number) return;
+    if constexpr (std::is_integral_v<std::remove_reference_t<decltype(field)>>) {
+      field = static_cast<int>(number->Integer(static_cast<int>(least), static_cast<int>(most)));
+    } else {
+      field = scale * number->Number(least, most);
+    }
+  });
+  node.AllowOnly(names);
+}
+
 SceneDescription ParseScene(std::string_view text, const std::string& file) {
   const JsonNode root = JsonNode::Parse(text, file);
   root.AllowOnly({"name", "description", "tools", "objects", "coupling", "contact", "friction",
-                  "first_sight", "whole_at_start"});
+                  "first_sight", "step", "whole_at_start"});
   SceneDescription scene;
   const fs::path path(file);
   scene.name = SceneNameOf(path);
@@ -469,6 +485,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
       scene.coupling_where = k->Where();
     }
   }
+  if (auto step = root.Find("step")) ReadTuning(*step, scene.tuning);
   if (auto sight = root.Find("first_sight")) scene.first_sight = ReadFirstSight(*sight);
   scene.features = ReadFeatures(root, scene);
   ChooseModes(scene);

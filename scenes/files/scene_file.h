@@ -89,6 +89,7 @@ struct SceneDescription {
   std::string name;
   std::vector<BodyDescription> tools, objects;
   Coupling coupling;
+  StepTuning tuning;
   std::string coupling_where;  ///< "file:line: field" of its torsional stiffness
   Features features;           ///< compliance and removal follow from the materials
   std::optional<FirstSight> first_sight;

@@ -38,13 +38,13 @@ inline std::optional<std::string_view> LikelierUnit(double longest, double taken
   return likely;
 }
 
-/// Contact keeps meshes apart by limits::mesh::kSeparation (server/physics/limits.h), 1 um, and a
+/// Contact keeps meshes apart by StepTuning::separation, 1 um unless a scene says otherwise, and a
 /// hand feels that as depth: under 1 % of a body whose longest side is no shorter than this [m].
 inline constexpr double kShortestByMesh = 100e-6;
 /// What is said of a shorter one, after its longest side.
 inline constexpr std::string_view kTooShortByMesh =
     "contact keeps meshes 0.001 mm apart, which is felt as depth, and is more than 1 % of that "
-    "side; "
-    "enlarge the scene, and the hand's motion with it, until that side is at least 0.1 mm";
+    "side; give the scene a smaller \"separation_um\" (\"step\"), or enlarge it, and the hand's "
+    "motion with it, until that side is at least 0.1 mm";
 
 }  // namespace palpate

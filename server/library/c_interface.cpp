@@ -155,6 +155,14 @@ int palpate_scene_set_coupling(palpate_scene* scene, double stiffness_N_m,
   });
 }
 
+int palpate_scene_set_step(palpate_scene* scene, const char* field, double value) {
+  return Guarded(-1, [&] {
+    Require(scene != nullptr && field != nullptr, "scene or field: is NULL");
+    SetField(scene->scene.tuning, field, value);
+    return 0;
+  });
+}
+
 int palpate_scene_add_mesh(palpate_scene* scene, palpate_role role, const char* name,
                            const double* vertices_m, size_t vertex_count, const uint32_t* triangles,
                            size_t triangle_count, const palpate_body* body) {

@@ -95,6 +95,9 @@ PALPATE_API void palpate_scene_free(palpate_scene* scene);
 /** The spring between hand and tool: k_t [N/m], k_r [N m/rad]; from the start 1000 and 1. */
 PALPATE_API int palpate_scene_set_coupling(palpate_scene* scene, double stiffness_N_m,
                                            double torsional_stiffness_Nm_rad);
+/** What may be varied of the step, by its name in scene files, as "separation_um" or "sub_steps":
+ * units and ranges are in scenes/catalogue/README.md, and the error tells them. */
+PALPATE_API int palpate_scene_set_step(palpate_scene* scene, const char* field, double value);
 /** `vertices_m`: x y z of each.  `triangles`: three vertices each, from 0, counter-clockwise seen
  * from outside.  `body`: NULL: the defaults.  Takes seconds for a mesh that needs thousands of
  * leaves. */

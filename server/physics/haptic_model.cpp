@@ -51,6 +51,9 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   positive(parameters_.max_translation, "max_translation");
   positive(parameters_.max_substeps, "max_substeps");
   positive(parameters_.max_rows, "max_rows");
+  positive(parameters_.separation, "separation");
+  positive(parameters_.iterates, "iterates");
+  positive(parameters_.looks, "looks");
   positive(parameters_.max_tested, "max_tested");
   rotation_length_ = std::sqrt(parameters_.torsional_stiffness / parameters_.stiffness);
   if (parameters_.features.contact != objects_->contact()) {
@@ -69,8 +72,9 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
     throw Error("step parameters: torsional_stiffness: " + fault);
   }
   if (parameters_.max_truncation <= 0.0) {
-    parameters_.max_truncation =
-        tool_mesh_ != nullptr ? limits::mesh::kMaxTruncation : limits::kMaxTruncation;
+    parameters_.max_truncation = tool_mesh_ != nullptr
+                                     ? limits::mesh::Margins{parameters_.separation}.truncation
+                                     : limits::kMaxTruncation;
   }
   if (parameters_.max_rotation <= 0.0) {
     const double longest = std::max(lever, limits::kShortestLever);

@@ -106,7 +106,7 @@ bool Begin(const Pose& X_WH, StepContext& context) {
 /// A further sub-step between leaves is taken to cost what the last one did.
 bool GoesOn(const StepContext& context) {
   const StepParameters& parameters = context.model.parameters();
-  if (limits::mesh::kMaxLooks - context.looks < limits::mesh::kLeastLooks) return false;
+  if (parameters.looks - context.looks < parameters.looks / 4) return false;
   return context.report.substeps < parameters.max_substeps && !context.arrived &&
          context.spent + context.last <= parameters.max_tested && !context.IsUnsolved();
 }
@@ -130,7 +130,7 @@ void Predict(StepContext& context) {
     const bool turns = context.model.degrees_of_freedom() == 6;
     BeginSubStep(*buffers.meshes, context.kernels, context.state.front,
                  {context.p_G, turns ? context.q_G : Quat::Identity()}, context.state.Active(),
-                 limits::mesh::kMaxLooks - context.looks, buffers.rows);
+                 context.model.parameters().looks - context.looks, buffers.rows);
     clock.Lap(&StageTimes::prediction);
   }
   context.report.predicted_pairs = buffers.rows.count();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 
@@ -141,18 +142,9 @@ inline constexpr double kLeastTurn = 1e-24;
 
 /// Contact between meshes (contact/sub_step.h).
 namespace mesh {
-/// delta: what rows keep between the meshes [m].  Taken: a thousandth of a newton at 1 N/mm.
+/// delta: what rows keep between the meshes [m] (StepTuning).  Taken: a thousandth of a newton at 1
+/// N/mm.
 inline constexpr double kSeparation = 1e-6;
-/// h: what a pair must be separated by at the end of a sub-step [m].  The other half of delta is
-/// for what a row may miss of it.
-inline constexpr double kFree = 0.5 * kSeparation;
-/// kMaxTruncation between meshes.  Rows are exact where a trial ends, so what linearising misses
-/// costs a trial and no more.  But a turning point's arc leaves its chord by up to a quarter of
-/// this, h/2, which a pair has in between, even one of edges (contact/certify.cpp).
-inline constexpr double kMaxTruncation = 2.0 * kFree;
-/// What a pair nearer than delta regains in a sub-step [m], where that does not lift the tool
-/// against the spring: less than h, so that no force comes of it that could be felt.
-inline constexpr double kRegain = 0.3e-6;
 /// What rounding may take off a separation in a sub-step [m]: coordinates of 10 m are rounded to
 /// 2e-15 m, planes at 1e-7 m to 1e-8 of a triangle's size.
 inline constexpr double kRounding = 1e-9;
@@ -162,27 +154,53 @@ inline constexpr double kRounding = 1e-9;
 inline constexpr double kParallel = 0.02;
 /// A corner is the place that touches where it is no farther than the nearest points by this share,
 /// and by the same share of delta.
-inline constexpr double kWitnessRatio = 1.02, kWitness = (kWitnessRatio - 1.0) * kSeparation;
+inline constexpr double kWitnessRatio = 1.02;
 /// A row is made anew where its direction at the trial has turned by more [rad]: a thousandth of
 /// the force.
 inline constexpr double kTurned = 1e-3;
 /// Of a ball that goes round an edge, the depth over its radius: more is taken as this.  And the
 /// squared sine between a row and those before it below which it stops nothing new.  Taken.
 inline constexpr double kMostBend = 0.99, kLeastFree = 1e-12;
-/// A row that its contact lets the tool go by less than this [m] holds it: twice delta.
-inline constexpr double kTouching = 2.0 * kSeparation;
-/// Iterates of a sub-step, of which three are usual; and directions in which a plane between two
-/// patches is looked for, of which four are.  Taken.
-inline constexpr int kIterates = 16;
+/// The lengths of contact [m], in proportion to its separation.
+struct Margins {
+  double separation = kSeparation;
+  /// h: what a pair must be separated by at the end of a sub-step.  The other half of delta is for
+  /// what a row may miss of it.
+  double free = 0.5 * separation;
+  /// kMaxTruncation between meshes.  Rows are exact where a trial ends, so what linearising misses
+  /// costs a trial and no more.  But a turning point's arc leaves its chord by up to a quarter of
+  /// this, h/2, which a pair has in between, even one of edges (contact/certify.cpp).
+  double truncation = 2.0 * free;
+  /// What a pair nearer than delta regains in a sub-step, where that does not lift the tool against
+  /// the spring: less than h, so that no force comes of it that could be felt.
+  double regain = 0.3 * separation;
+  double witness = (kWitnessRatio - 1.0) * separation;
+  /// A row that its contact lets the tool go by less than this holds it.
+  double touching = 2.0 * separation;
+
+  /// What a plane must separate a pair by before and after a sub-step, whose best plane separates
+  /// it by `distance` before (less than zero where it intersects).  A pair that is nearer than h
+  /// may not come nearer, but for rounding; and that only as long as the sum of roundings does no
+  /// harm.
+  constexpr double LeastBefore(double distance) const {
+    return distance > 0.0 ? std::min(free, 0.5 * distance) : distance - kRounding;
+  }
+  constexpr double LeastAfter(double distance) const {
+    return distance > 0.5 * free ? std::min(free, distance) - kRounding : distance;
+  }
+};
+/// Iterates of a sub-step (StepTuning), of which three are usual; and directions in which a plane
+/// between two patches is looked for, of which four are.  Taken.
+inline constexpr int kIterates = 16, kDirections = 16;
 /// Trials that are not free before a sub-step begins anew with the rows of its beginning; and the
 /// part of the first one's way that the next may go, from the second time on (a quarter: Conn,
 /// Gould & Toint, Trust-Region Methods (2000), 6.1).  Taken.
 inline constexpr int kTrustedTrials = 4;
 inline constexpr double kNarrow = 0.25;
-/// Looks of a cycle at most, some 130 ns each: 450 us.  A look is a direction in which a plane is
-/// looked for, or the nearest points of two triangles.  A further sub-step is begun where a quarter
-/// of them is left.  Taken.
-inline constexpr int kMaxLooks = 3400, kLeastLooks = kMaxLooks / 4;
+/// Looks of a cycle at most (StepTuning), some 130 ns each: 450 us.  A look is a direction in which
+/// a plane is looked for, or the nearest points of two triangles.  A further sub-step is begun
+/// where a quarter of them is left.  Taken.
+inline constexpr int kMaxLooks = 3400;
 /// Pairs that are brought up to date, or found not to hold in a trial, in the time of one look;
 /// eight times as many are tested in it.
 inline constexpr int kRefreshesALook = 8;
@@ -194,11 +212,11 @@ inline constexpr int kEnough = 6;
 /// Where the pose was set, and the tool's farthest point goes further than the sub-steps of a cycle
 /// take it [m], the front begins anew: it would be looked at as a whole.
 inline constexpr double kSetFar = kMaxSubsteps * kMaxTranslation;
-/// Room for pairs in a sub-step: as many near ones as it brings up to date, and two for each look
-/// that splits one.
-inline constexpr std::size_t kMaxNear =
-    std::bit_ceil(static_cast<std::size_t>((kRefreshesALook + 2) * kMaxLooks));
-inline constexpr std::size_t kMaxTouches = kMaxLooks;
+/// Room for pairs in a sub-step of so many looks: as many near ones as it brings up to date, and
+/// two for each look that splits one.  A power of two.
+constexpr std::size_t RoomForNear(int looks) {
+  return std::bit_ceil(static_cast<std::size_t>((kRefreshesALook + 2) * looks));
+}
 }  // namespace mesh
 
 /// What leaves inside an object that is felt by its mesh are shrunk by, to tell what starts inside

@@ -4,8 +4,14 @@
 
 #include "common/error.h"
 #include "common/math/pose_check.h"
+#include "server/physics/limits.h"
 
 namespace palpate {
+
+static_assert(StepTuning{} == StepTuning{limits::mesh::kSeparation, limits::kMaxTranslation,
+                                         limits::kMaxSubsteps, limits::mesh::kIterates,
+                                         limits::mesh::kMaxLooks, limits::friction::kStillCycles},
+              "a scene that leaves its tuning out is stepped as the physics' pages say");
 
 std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
   std::vector<PlacedTree> placed;
@@ -24,6 +30,14 @@ HapticModel MakeModel(const Scene& scene, const Body& tool,
   StepParameters parameters;
   parameters.stiffness = scene.coupling.stiffness;
   parameters.torsional_stiffness = scene.coupling.torsional_stiffness;
+  const StepTuning& tuning = scene.tuning;
+  if (const std::string fault = TuningFault(tuning); !fault.empty()) throw Error("step: " + fault);
+  parameters.separation = tuning.separation;
+  parameters.max_translation = tuning.widest_step;
+  parameters.max_substeps = tuning.sub_steps;
+  parameters.iterates = tuning.iterates;
+  parameters.looks = tuning.looks;
+  parameters.still_cycles = tuning.still_cycles;
   parameters.features = scene.features;
   return HapticModel(tool.tree, std::move(objects), parameters, &tool.mesh);
 }

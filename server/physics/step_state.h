@@ -15,9 +15,10 @@ namespace palpate {
 
 /// What friction remembers from step to step.
 struct FrictionState {
-  /// Cycles since a contact last slipped, up to kStillCycles, where mu_s holds.  A tool that comes
+  /// Cycles since a contact last slipped, up to still_cycles, where mu_s holds.  A tool that comes
   /// to a surface has not slipped.
-  int still = 1 << 20;
+  static constexpr int kNeverSlipped = 1 << 20;
+  int still = kNeverSlipped;
   int resets = 0;          ///< FrictionModel::kChapter: consecutive steps that 2.34 has reset
   bool suspended = false;  ///< no friction: for the walk to a start pose
   // The forces that the solver starts from, in metres (times k_t: newtons): coulomb.
@@ -28,7 +29,7 @@ struct FrictionState {
 
   /// To be called where no row is active: what touches next has not slipped.
   void Forget() noexcept {
-    still = limits::friction::kStillCycles;
+    still = kNeverSlipped;
     resets = 0;
     contacts = 0;
   }

@@ -35,6 +35,11 @@ struct StepParameters {
   double max_rotation = 0.0;
   double max_truncation = 0.0;              ///< [m]; 0: kMaxTruncation of the contact (limits.h)
   int max_substeps = limits::kMaxSubsteps;  ///< per cycle; a count, never a clock
+  /// Between meshes (StepTuning): what contact keeps [m]; iterates of a sub-step, looks of a cycle.
+  double separation = limits::mesh::kSeparation;
+  int iterates = limits::mesh::kIterates;
+  int looks = limits::mesh::kMaxLooks;
+  int still_cycles = limits::friction::kStillCycles;  ///< without slip, until mu_s holds again
   int max_rows = limits::kMaxRows;
   /// A further sub-step is begun where one like the last would leave the cycle's packet pairs,
   /// which take some 10 ns each, within this: what a snap over a ledge costs at most, and the next

@@ -56,6 +56,20 @@ class Force(unittest.TestCase):
         force = palpate.Proxy(model, [0, 0.022, 0]).step([0, 0.022, 0]).force
         self.assertAlmostEqual(force[1], 1.5, places=2)
 
+    def test_follows_what_is_varied_of_the_step(self):
+        block, ball = palpate.body("block", *palpate.box(SIZE)), palpate.ball("ball", 0.005)
+        force = {}
+        for um in (1, 51):
+            model = palpate.Model([block], ball, step={"separation_um": um})
+            proxy = palpate.Proxy(model, [0, 0.026, 0])
+            for y in numpy.linspace(0.026, 0.024, 50):
+                force[um] = proxy.step([0, y, 0]).force[1]
+        # Of the separation a pair may have lost half when it is met.
+        self.assertGreater(force[51] - force[1], 0.024)
+        self.assertLess(force[51] - force[1], 0.0501)
+        with self.assertRaisesRegex(palpate.Error, "seperation_um is no field; there are separation_um"):
+            palpate.Model([block], ball, step={"seperation_um": 1})
+
     def test_holds_a_rough_block_back(self):
         def drag(**material):
             model = ball_on_block(contact="spheres", leaves=1000, **material)

@@ -128,6 +128,10 @@ TEST(SceneVerdict, SaysThatABodyIsTooSmallForWhatContactKeepsApart) {
   EXPECT_THAT(limits_of(1e-5, ContactModel::kSurface),
               ElementsAre(AllOf(HasSubstr("object object: its longest side is 0.01 mm"),
                                 HasSubstr("0.001 mm apart"))));
+  Scene small = BallOn(MakeBox(Vec3::Constant(1e-5)), 64);
+  small.features.contact = ContactModel::kSurface;
+  small.tuning.separation = 1e-8;
+  EXPECT_THAT(JudgeScene(small).limits, ElementsAre(Not(HasSubstr("mm apart"))));
   EXPECT_THAT(limits_of(1e-5, ContactModel::kSpheres), Not(Contains(HasSubstr("apart"))));
 }
 

@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Dict, List, Sequence, Tuple, Union
+from typing import Dict, List, Mapping, Sequence, Tuple, Union
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
@@ -108,6 +108,7 @@ class Model:
     """One tool against all objects; never changes, and may be used by all threads.
 
     stiffness and torsional_stiffness: of the spring between hand and tool, N/m and N m/rad.
+    step: what may be varied of the step, by its name in scene files, as {"separation_um": 2}.
     """
 
     def __init__(
@@ -118,6 +119,7 @@ class Model:
         contact: str = "surface",
         stiffness: float = 1000.0,
         torsional_stiffness: float = 1.0,
+        step: Mapping[str, float] = {},
     ) -> None: ...
     def follow(self, paths: ArrayLike, *, threads: int = 0) -> Steps:
         """Lets a hand follow each of many paths, (paths, steps, 3 or 7), on all cores (threads=0).

@@ -17,14 +17,14 @@ using Index = NearPairs::Index;
 
 /// A near pair whose plane does not hold at a trial, and the gap that is left along it: one number,
 /// which is less where the gap is, so that sorting compares nothing else.  The index takes the
-/// place of the gap's last bits.
-std::int64_t DoubtOf(double gap, Index near) {
+/// place of the gap's last bits: `room` is a power of two above every index.
+std::int64_t DoubtOf(double gap, Index near, std::int64_t room) {
   auto bits = std::bit_cast<std::int64_t>(gap);
   bits ^= (bits >> 63) & std::numeric_limits<std::int64_t>::max();  // ordered as gaps are
-  return (bits & ~static_cast<std::int64_t>(kMaxNear - 1)) | near;
+  return (bits & ~(room - 1)) | near;
 }
-Index NearOf(std::int64_t doubt) {
-  return static_cast<Index>(doubt & static_cast<std::int64_t>(kMaxNear - 1));
+Index NearOf(std::int64_t doubt, std::int64_t room) {
+  return static_cast<Index>(doubt & (room - 1));
 }
 
 /// Whether a unit direction keeps a pair apart throughout the trial; then it is the pair's plane.
@@ -46,7 +46,8 @@ bool HoldsAcross(MeshContact& contact, Index k, double distance, const Touch& to
                  const ContactPlane& plane) {
   const MeshPair& meshes = contact.meshes;
   const Motion& motion = contact.motion;
-  const double least_before = LeastBefore(distance), least_after = LeastAfter(distance);
+  const double least_before = meshes.margins.LeastBefore(distance);
+  const double least_after = meshes.margins.LeastAfter(distance);
   if (plane.of == ContactPlane::Of::kObject) {
     return HoldsAlong(contact, k, plane.n, least_before, least_after);
   }
@@ -57,7 +58,7 @@ bool HoldsAcross(MeshContact& contact, Index k, double distance, const Touch& to
   const double after = meshes.Gap(nodes, n_after, motion.to);
   if (!(before >= least_before && after >= least_after)) return false;
   if (std::min(before, after) - TurnLoss(meshes, touch, plane, motion) <
-      0.5 * std::min(kFree, before)) {
+      0.5 * std::min(meshes.margins.free, before)) {
     return false;
   }
   contact.near.SetPlanes(k, n_before, before, n_after, after);
@@ -71,8 +72,8 @@ bool IsSeparable(MeshContact& contact, Index k) {
   SeparatingPlane plane;
   const bool found = FindPlane(
       {meshes.tool.tree, nodes.tool, meshes.tool.radius, meshes.objects.tree, nodes.object},
-      {contact.motion.from, contact.motion.to}, contact.near.Normal(k), kFree, *meshes.kernels,
-      plane);
+      {contact.motion.from, contact.motion.to}, contact.near.Normal(k), meshes.margins.free,
+      *meshes.kernels, plane);
   contact.looks.tested += plane.tries;
   if (found) contact.near.SetPlanes(k, plane.n, plane.before, plane.n, plane.after);
   return found;
@@ -97,7 +98,8 @@ bool TrianglesApart(MeshContact& contact, Index k) {
     return HoldsAcross(contact, k, touch.distance, touch, plane);
   };
   if (touch.plane.of != ContactPlane::Of::kNone && across(touch.plane)) return true;
-  const double least_before = LeastBefore(touch.distance), least_after = LeastAfter(touch.distance);
+  const double least_before = meshes.margins.LeastBefore(touch.distance);
+  const double least_after = meshes.margins.LeastAfter(touch.distance);
   const auto holds = [&](const Vec3& n) {
     return HoldsAlong(contact, k, n, least_before, least_after);
   };
@@ -121,12 +123,13 @@ bool LookCloser(MeshContact& contact, Index k, Until until) {
   pair.looked_at = contact.trial;
   if (contact.looks.AreSpent()) return false;
   if (!pair.nodes.AreTriangles()) return IsSeparable(contact, k) || contact.near.Split(k);
+  const double free = contact.meshes.margins.free;
   const bool has_plane = pair.touch >= 0 && contact.TouchOf(k).plane.of != ContactPlane::Of::kNone;
   // A ball's row goes along the smooth surface and not along the pair's plane: any plane will do.
   const bool apart =
       !has_plane &&
       (contact.meshes.IsBall() ? IsSeparable(contact, k)
-                               : HoldsAlong(contact, k, contact.near.Normal(k), kFree, kFree));
+                               : HoldsAlong(contact, k, contact.near.Normal(k), free, free));
   if (apart) return true;
   if (!contact.HasRoomFor(pair)) return false;
   ++contact.looks.tested;
@@ -147,13 +150,13 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
   const bool moves = contact.motion.moves;
   NearPairs& near = contact.near;
   Looks& looks = contact.looks;
-  const double angle = phi.norm();
+  const double angle = phi.norm(), free = contact.meshes.margins.free;
   // The rotation's second order is 1/2 |phi|^2 of a point's lever at most.
   const double bend =
       0.5 * angle * angle * (contact.meshes.tool.mesh.reach() + contact.meshes.tool.radius);
   near.Cover(v.norm(), angle, looks);
   const PlaneMotion motion{
-      {v.x(), v.y(), v.z(), phi.x(), phi.y(), phi.z()}, angle, kFree, kFree + bend};
+      {v.x(), v.y(), v.z(), phi.x(), phi.y(), phi.z()}, angle, free, free + bend};
   ++contact.trial;
   std::vector<std::int64_t>& doubts = contact.doubts;
   doubts.clear();
@@ -168,7 +171,7 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
     collected = near.size();
     if (looks.AreSpent()) return apart_not + static_cast<int>(found.size() + doubts.size());
     for (const Index k : found) {
-      doubts.push_back(DoubtOf(near.Left(k), k));
+      doubts.push_back(DoubtOf(near.Left(k), k, near.room()));
       std::push_heap(doubts.begin(), doubts.end(), std::greater<>());
     }
     if (doubts.empty() || (moves && apart_not >= enough)) return apart_not;
@@ -176,7 +179,7 @@ int Certify(MeshContact& contact, const Vec3& v, const Vec3& phi, Until until) n
     for (int i = 0; i < kBatch && !doubts.empty() && !looks.AreSpent(); ++i) {
       if (moves && apart_not >= enough) break;
       std::pop_heap(doubts.begin(), doubts.end(), std::greater<>());
-      const Index k = NearOf(doubts.back());
+      const Index k = NearOf(doubts.back(), near.room());
       doubts.pop_back();
       if (!LookCloser(contact, k, until)) ++apart_not;
     }

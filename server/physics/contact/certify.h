@@ -12,7 +12,7 @@ enum class Until {
 
 /// Looks for planes that keep every pair of triangles apart throughout the trial [v; phi] from the
 /// sub-step's beginning, and leaves them in `near`.  One plane separates each pair at both ends, so
-/// the straight way between is free too.  At the end its gap is kFree at least, or no less than
+/// the straight way between is free too.  At the end its gap is h at least, or no less than
 /// the pair's distance was (but for kRounding).  Patches that such a plane separates are not
 /// looked into.
 ///

@@ -4,15 +4,18 @@
 
 namespace palpate {
 
-MeshContact::MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, int max_rows)
-    : meshes{tool, objects}, motion({Vec3::Zero(), Quat::Identity()}) {
+MeshContact::MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, int max_rows,
+                         double separation, int most_looks)
+    : meshes{tool, objects, {separation}},
+      motion({Vec3::Zero(), Quat::Identity()}),
+      near(most_looks) {
   const auto rows = static_cast<std::size_t>(max_rows);
-  touches.reserve(limits::mesh::kMaxTouches);
+  touches.reserve(static_cast<std::size_t>(most_looks));
   of_rows.touch.reserve(rows);
   of_rows.regain.resize(rows);
   released.reserve(rows);
-  doubts.reserve(limits::mesh::kMaxNear);
-  open.reserve(limits::mesh::kMaxNear);
+  doubts.reserve(static_cast<std::size_t>(near.room()));
+  open.reserve(static_cast<std::size_t>(near.room()));
 }
 
 Touch& MeshContact::TouchOf(NearPairs::Index k) {

@@ -28,8 +28,10 @@ struct ReleasedRow {
 /// write (certify.h, touch_rows.h, reconcile.h), in the order that sub_step.h gives them.  All its
 /// memory is allocated when it is made.
 struct MeshContact {
-  /// @param max_rows  of the ContactRows that it is going to fill.
-  MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, int max_rows);
+  /// @param max_rows    of the ContactRows that it is going to fill.
+  /// @param separation  that it keeps [m].   @param most_looks  of a sub-step.
+  MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, int max_rows,
+              double separation, int most_looks);
 
   MeshPair meshes;
   Motion motion;           ///< the trial that was looked at last
@@ -49,7 +51,7 @@ struct MeshContact {
   Touch& TouchOf(NearPairs::Index k);
   /// Whether a near pair may have a touch: there is room, or it has one.
   bool HasRoomFor(const NearPairs::Pair& pair) const {
-    return pair.touch >= 0 || touches.size() < limits::mesh::kMaxTouches;
+    return pair.touch >= 0 || touches.size() < touches.capacity();
   }
   /// The touch whose row this is; null of leaves.
   const Touch* TouchOfRow(int row) const;

@@ -14,18 +14,19 @@ using namespace limits::mesh;
 
 }  // namespace
 
-NearPairs::NearPairs()
-    : storage_(new (kCacheLine) double[9 * (kMaxNear + 8)](),
+NearPairs::NearPairs(int looks)
+    : room_(RoomForNear(looks)),
+      storage_(new (kCacheLine) double[9 * (room_ + 8)](),
                [](double* p) { ::operator delete[](p, kCacheLine); }) {
-  pairs_.reserve(kMaxNear);
-  after_.resize(kMaxNear);
+  pairs_.reserve(room_);
+  after_.resize(room_);
   seen_.resize(SeparationFront::kMaxSlots);
   found_.resize(SeparationFront::kMaxSlots + 8);
-  constexpr std::size_t kStride = kMaxNear + 8;  // not a power of two, or columns share a cache set
-  for (std::size_t c = 0; c < 6; ++c) planes_.along[c] = storage_.get() + c * kStride;
-  planes_.slack = storage_.get() + 6 * kStride;
-  planes_.radius = storage_.get() + 7 * kStride;
-  planes_.left = storage_.get() + 8 * kStride;
+  const std::size_t stride = room_ + 8;  // not a power of two, or columns share a cache set
+  for (std::size_t c = 0; c < 6; ++c) planes_.along[c] = storage_.get() + c * stride;
+  planes_.slack = storage_.get() + 6 * stride;
+  planes_.radius = storage_.get() + 7 * stride;
+  planes_.left = storage_.get() + 8 * stride;
 }
 
 void NearPairs::Begin(const MeshPair& meshes, SeparationFront& front, const ToolPose& from) {
@@ -51,7 +52,8 @@ void NearPairs::Cover(double translation, double rotation, Looks& looks) {
   // A trial needs room for the rotation's second order, 1/2 |phi|^2 of a lever, beside the linear
   // part.
   const double reach = meshes_->tool.mesh.reach();
-  const double way = translation + rotation * reach * (1.0 + 0.5 * rotation) + kFree;
+  const double way =
+      translation + rotation * reach * (1.0 + 0.5 * rotation) + meshes_->margins.free;
   if (way <= covered_) return;
   covered_ = way;
   const int found = meshes_->kernels->find_below(
@@ -64,7 +66,7 @@ void NearPairs::Cover(double translation, double rotation, Looks& looks) {
   }
   for (int done = 0; done < count; done += kBatch) {
     // Those that are not brought up to date any more are not known to be apart.
-    full_ = looks.AreSpent() || pairs_.size() + kBatch > kMaxNear;
+    full_ = looks.AreSpent() || pairs_.size() + kBatch > room_;
     if (full_) return;
     Add(found_.data() + done, std::min(kBatch, count - done), way, looks);
   }
@@ -122,7 +124,7 @@ void NearPairs::SetPlanes(Index k, const Vec3& n_before, double before, const Ve
 }
 
 bool NearPairs::Split(Index k) {
-  if (pairs_.size() + 2 > kMaxNear) return false;
+  if (pairs_.size() + 2 > room_) return false;
   const Vec3 n = Normal(k);
   const double slack = planes_.slack[k];
   const SeparationFront::Index child =
@@ -175,8 +177,8 @@ void NearPairs::Merge(const ToolPose& at, Looks& looks) {
         if (here > gap) n = along;
         gap = std::max(here, gap);
       }
-      if (!(gap >= kTouching)) {
-        front_->RetryAfter(index, kTouching - gap);
+      if (!(gap >= meshes_->margins.touching)) {
+        front_->RetryAfter(index, meshes_->margins.touching - gap);
         break;
       }
       front_->Merge(index, n, gap);

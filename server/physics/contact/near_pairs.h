@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// What a sub-step may cost, in looks (limits::mesh::kMaxLooks): a count and not a clock.
+/// What a sub-step may cost, in looks (StepTuning::looks): a count and not a clock.
 struct Looks {
   std::int64_t most = 0;
   std::int64_t tested = 0;     ///< directions looked along, and nearest points of triangles
@@ -37,7 +37,8 @@ class NearPairs {
     bool replaced = false;       ///< its plane is not the front's any more
   };
 
-  NearPairs();
+  /// @param looks  of a sub-step at most.
+  explicit NearPairs(int looks);
 
   /// Begins a sub-step at `from`, without pairs.  A front whose tool has been set to another place
   /// begins anew.
@@ -45,6 +46,8 @@ class NearPairs {
   /// Gathers the pairs that a motion of such a length [m, rad] could bring together: once it is
   /// known, for a trial is mostly far shorter than the sub-step may be.
   void Cover(double translation, double rotation, Looks& looks);
+  /// Most pairs that there can be: a power of two.
+  std::int64_t room() const { return static_cast<std::int64_t>(room_); }
   /// More pairs are near than may be brought up to date: none of the sub-step's trials is free.
   bool is_full() const { return full_; }
 
@@ -85,6 +88,7 @@ class NearPairs {
   const MeshPair* meshes_ = nullptr;  ///< during a sub-step, as the front
   SeparationFront* front_ = nullptr;
   ToolPose from_{Vec3::Zero(), Quat::Identity()};
+  std::size_t room_;
   bool full_ = false;
   double covered_ = 0.0;  ///< way for which all pairs are here [m]
   std::uint32_t substep_ = 0;

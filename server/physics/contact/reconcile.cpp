@@ -28,14 +28,15 @@ int MendRows(MeshContact& contact, std::span<const int> active, const ContactRow
   for (const int row : active) changed += mend_row(row) ? 1 : 0;
   if (changed == 0 || contact.meshes.IsBall()) return changed;
   for (int row = 0; row < rows.count(); ++row) {
-    if (rows.Left(row, contact.motion.v, contact.motion.phi) <= kWitness) mend_row(row);
+    if (rows.Left(row, contact.motion.v, contact.motion.phi) <= contact.meshes.margins.witness)
+      mend_row(row);
   }
   return changed;
 }
 
 /// What a row's own point has at the trial [m].
 double GapOfRow(const MeshContact& contact, int row, const ContactRows& rows) {
-  return rows.Left(row, contact.motion.v, contact.motion.phi) + kSeparation;
+  return rows.Left(row, contact.motion.v, contact.motion.phi) + contact.meshes.margins.separation;
 }
 
 /// A ball's row goes along the smooth surface's normal where the ball comes to, not where it was:
@@ -61,8 +62,8 @@ bool Retract(MeshContact& contact, int row, Touch& touch, ContactRows& rows) {
   if (!(nearest.squared > 0.0)) return false;
   const double length = std::sqrt(nearest.squared);
   const Vec3 u = (nearest.p - nearest.q) / length;
-  const bool touches =
-      GapOfRow(contact, row, rows) <= kWitnessRatio * (length - meshes.tool.radius) + kWitness;
+  const bool touches = GapOfRow(contact, row, rows) <=
+                       kWitnessRatio * (length - meshes.tool.radius) + meshes.margins.witness;
   if (InCone(meshes, touch.nodes, nearest, u, motion.to) && touches) {
     return TurnSmoothed(contact, touch, row, nearest, u, rows);
   }
@@ -103,7 +104,7 @@ int Release(MeshContact& contact, std::span<const int> active, ContactRows& rows
     const double apart =
         std::sqrt(contact.meshes.NearestAt(touch.nodes, contact.motion.to).squared);
     if (apart - contact.meshes.tool.radius <=
-        kWitnessRatio * GapOfRow(contact, row, rows) + kWitness) {
+        kWitnessRatio * GapOfRow(contact, row, rows) + contact.meshes.margins.witness) {
       return false;
     }
     for (int slot = 0; slot < 3; ++slot) {
@@ -153,7 +154,7 @@ double Turned(const MeshContact& contact, std::span<const int> active,
   const Vec3& v = contact.motion.v;
   // The direction in which it touches is that of the nearest triangle: of one that it touches, but
   // for what a straight way is off an arc.
-  const double touching = kTouching + 0.5 * v.squaredNorm() / meshes.tool.radius;
+  const double touching = meshes.margins.touching + 0.5 * v.squaredNorm() / meshes.tool.radius;
   double nearest = kInfinity;
   Vec3 u = Vec3::Zero();
   bool smooth = false;

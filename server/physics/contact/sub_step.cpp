@@ -26,7 +26,7 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   near.Begin(contact.meshes, front, from);
 
   // Opens the front as far as it must be to know the pairs that touched last.
-  near.Cover(kTouching, 0.0, contact.looks);
+  near.Cover(contact.meshes.margins.touching, 0.0, contact.looks);
   Certify(contact, Vec3::Zero(), Vec3::Zero(), Until::kEnough);
   if (active.empty()) return;
   for (NearPairs::Index k = 0; k < near.size(); ++k) {
@@ -34,7 +34,8 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
     if (pair.split || !pair.nodes.AreTriangles()) continue;
     const bool was = std::any_of(active.begin(), active.end(),
                                  [&](const LeafPair& row) { return IsRowOf(row, pair.nodes); });
-    if (was && contact.touches.size() < kMaxTouches) AddRowsThatTouch(contact, k, rows);
+    if (was && contact.touches.size() < contact.touches.capacity())
+      AddRowsThatTouch(contact, k, rows);
   }
 }
 

@@ -53,14 +53,6 @@ Corners MeshPair::CornersAt(const NodesOfPair& triangles, const ToolPose& at) co
   return corners;
 }
 
-double LeastBefore(double distance) {
-  return distance > 0.0 ? std::min(kFree, 0.5 * distance) : distance - kRounding;
-}
-
-double LeastAfter(double distance) {
-  return distance > 0.5 * kFree ? std::min(kFree, distance) - kRounding : distance;
-}
-
 Touch TouchAt(const MeshPair& meshes, const NodesOfPair& triangles, const ToolPose& at) {
   Touch touch;
   touch.nodes = triangles;
@@ -116,7 +108,7 @@ ContactPlane ChoosePlane(const MeshPair& meshes, const Touch& touch, const Motio
   if (touch.distance <= 0.0) return plane;
   if (!touch.in_cone) {
     // The touch is a neighbour's: its face, where that separates this pair as well.
-    const double least = LeastAfter(touch.distance);
+    const double least = meshes.margins.LeastAfter(touch.distance);
     double best = -kInfinity;
     ForEachFace(meshes, touch.nodes, touch.nearest, trial.from, [&](const ContactPlane& face) {
       if (!(GapAt(meshes, touch.nodes, touch, face, trial.from) >= least)) return;
@@ -147,11 +139,11 @@ ContactPlane ChoosePlane(const MeshPair& meshes, const Touch& touch, const Motio
 ContactPlane OtherPlane(const MeshPair& meshes, const Touch& touch, const NearestPoints& nearest,
                         const Vec3& u, const Motion& trial) {
   ContactPlane other;
-  constexpr double kEnoughRoom = kSeparation - kWitness;
-  double best = kEnoughRoom;
+  const double enough = meshes.margins.separation - meshes.margins.witness;
+  double best = enough;
   const auto consider = [&](const ContactPlane& plane) {
     if (plane.of == touch.plane.of && plane.n == touch.plane.n) return;
-    if (!(GapAt(meshes, touch.nodes, touch, plane, trial.from) > kEnoughRoom)) return;
+    if (!(GapAt(meshes, touch.nodes, touch, plane, trial.from) > enough)) return;
     const double gap = GapAt(meshes, touch.nodes, touch, plane, trial.to);
     if (gap <= best) return;
     best = gap;

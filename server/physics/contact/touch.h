@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "common/math/pose.h"
+#include "server/physics/limits.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/surface/body_meshes.h"
 #include "server/physics/surface/tool_pose.h"
@@ -42,6 +43,7 @@ struct Corners {
 struct MeshPair {
   const MeshWithTree& tool;     ///< about its reference point
   const MeshWithTree& objects;  ///< in W
+  limits::mesh::Margins margins{};
   const Kernels* kernels = &ActiveKernels();
 
   double Low(HullTree::Node node, const Vec3& n, const ToolPose& at) const {
@@ -119,12 +121,6 @@ ContactPlane OtherPlane(const MeshPair& meshes, const Touch& touch, const Neares
 /// most.
 double TurnLoss(const MeshPair& meshes, const Touch& touch, const ContactPlane& plane,
                 const Motion& motion);
-
-/// What a plane must separate a pair by before and after a sub-step, whose best plane separates it
-/// by `distance` before (less than zero where it intersects) [m].  A pair that is nearer than h may
-/// not come nearer, but for rounding; and that only as long as the sum of roundings does no harm.
-double LeastBefore(double distance);
-double LeastAfter(double distance);
 
 template <class Visit>
 void ForEachFace(const MeshPair& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,

@@ -28,10 +28,10 @@ Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n)
   const ToolPose& at = contact.motion.to;
   const Corners corners = contact.meshes.CornersAt(touch.nodes, at);
   // Where a corner is but as near as the edges, the touch is theirs.
-  const auto farthest = [](const Vec3* corner, int edge, const Vec3& way) {
+  const auto farthest = [&](const Vec3* corner, int edge, const Vec3& way) {
     Vec3 best = corner[edge];
     for (int c = 0; c < 3; ++c) {
-      if (way.dot(corner[c] - best) > kWitness) best = corner[c];
+      if (way.dot(corner[c] - best) > contact.meshes.margins.witness) best = corner[c];
     }
     return best;
   };
@@ -95,13 +95,13 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
     const double before = meshes.Gap(nodes, n_old, motion.from);
     const double now = meshes.Gap(nodes, n_new, motion.to);
     const double loss = TurnLoss(meshes, touch, plane, motion);
-    const bool holds = std::min(before, now) - loss >= 0.5 * std::min(kFree, before);
+    const bool holds = std::min(before, now) - loss >= 0.5 * std::min(meshes.margins.free, before);
     of.row[0] = {3,
                  n_new,
                  lever - meshes.tool.radius * n_new,
                  by_phi(EdgesTurning(contact, touch, n_new)),
                  before,
-                 holds ? now : std::min(now, LeastAfter(touch.distance)) - loss};
+                 holds ? now : std::min(now, meshes.margins.LeastAfter(touch.distance)) - loss};
     of.count = 1;
     return of;
   }
@@ -144,7 +144,8 @@ void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, ContactRows&
   const Motion& motion = contact.motion;
   rows.SetRow(row, of.n, of.lever, of.by_turning,
               of.now - asked - of.n.dot(motion.v) - of.by_turning.dot(motion.phi));
-  of_rows.regain[static_cast<std::size_t>(row)] = asked - std::min(kSeparation, before);
+  of_rows.regain[static_cast<std::size_t>(row)] =
+      asked - std::min(contact.meshes.margins.separation, before);
 }
 
 void AddRowsOfOpen(MeshContact& contact, ContactRows& rows) {
@@ -156,7 +157,7 @@ void AddRowsOfOpen(MeshContact& contact, ContactRows& rows) {
       if (touch.plane.of == ContactPlane::Of::kNone) {
         touch.plane = ChoosePlane(contact.meshes, touch, contact.motion);
       }
-      const double least = LeastAfter(touch.distance);
+      const double least = contact.meshes.margins.LeastAfter(touch.distance);
       const auto is_broken = [&](const TouchRow& row) { return row.now < least; };
       added = SetRows(contact, touch, rows, is_broken) || added;
     }
@@ -169,7 +170,8 @@ void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& row
   Touch& touch = contact.TouchOf(k);
   if (touch.distance <= 0.0 || touch.plane.of != ContactPlane::Of::kNone) return;
   touch.plane = ChoosePlane(contact.meshes, touch, contact.motion);
-  const double touching = kWitnessRatio * GapBefore(contact, touch) + kWitness;
+  const double touching =
+      kWitnessRatio * GapBefore(contact, touch) + contact.meshes.margins.witness;
   SetRows(contact, touch, rows, [&](const TouchRow& row) { return row.before <= touching; });
 }
 
@@ -198,7 +200,8 @@ void TakeOut(Touch& touch, ContactRows& rows) {
 }
 
 double Asked(const MeshContact& contact, double before) {
-  return std::min(kSeparation, before + (contact.of_rows.regains ? kRegain : 0.0));
+  const limits::mesh::Margins& margins = contact.meshes.margins;
+  return std::min(margins.separation, before + (contact.of_rows.regains ? margins.regain : 0.0));
 }
 
 bool GiveUpRegain(MeshContact& contact, ContactRows& rows) {

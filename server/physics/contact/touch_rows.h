@@ -37,7 +37,7 @@ void RelineariseAtStart(MeshContact& contact, ContactRows& rows);
 /// Takes a touch's rows out.
 void TakeOut(Touch& touch, ContactRows& rows);
 
-/// What a row asks for of a pair that has `before` [m]: kSeparation, or some of what it lacks.
+/// What a row asks for of a pair that has `before` [m]: the separation, or some of what it lacks.
 double Asked(const MeshContact& contact, double before);
 /// Rows ask for some of the separation that a pair has lost.  Where that would lift the tool
 /// against the spring a tool at rest would never stay: from here on, to the sub-step's end, they

@@ -96,7 +96,7 @@ std::optional<Way> GoPast(StepContext& context, const Way& held) {
     return past;
   }
   PutBack(meshes, rows);
-  const bool stays = LengthOf(context, held) <= limits::mesh::kTouching;
+  const bool stays = LengthOf(context, held) <= meshes.meshes.margins.touching;
   Way again = held;
   again.arrived = stays && context.stuck_at == context.report.substeps - 1;
   if (stays) context.stuck_at = context.report.substeps;
@@ -162,7 +162,7 @@ std::optional<Way> ClearWay(StepContext& context, const Optimum& optimum) noexce
   Way way = WayWithin(context, optimum);
   if (!context.buffers.meshes) return way;
   MeshContact& meshes = *context.buffers.meshes;
-  const bool goes_on = context.iterates < limits::mesh::kIterates;
+  const bool goes_on = context.iterates < context.model.parameters().iterates;
   TrustRegion& trust = context.trust;
   if (trust.failures == 0) trust.first = {way.v.norm(), way.phi.norm()};
   const bool is_free = CheckTrial(meshes, way.v, TurnOfMesh(context, way), context.buffers.rows);

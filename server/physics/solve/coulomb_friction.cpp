@@ -34,7 +34,7 @@ class FrictionalContacts {
         rows_(context.buffers.rows),
         rigid_(context.rigid),
         slack_(frictionless.qp.slack),
-        still_(context.state.friction.still >= kStillCycles) {
+        still_(context.state.friction.still >= context.model.parameters().still_cycles) {
     const QpResult& qp = frictionless.qp;
     double tt = 0.0, moved = 0.0;
     for (int c = 0; c < N; ++c) {
@@ -567,7 +567,9 @@ bool Solve(StepContext& context, Optimum& optimum, const double* t) {
 
 void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept {
   FrictionState& state = context.state.friction;
-  if (context.report.substeps == 0 && state.still < kStillCycles) ++state.still;
+  if (context.report.substeps == 0 && state.still < context.model.parameters().still_cycles) {
+    ++state.still;
+  }
   const double rho = context.model.rotation_length();
   // The push of soft contacts counts as it is without friction.
   const Vec3 v = context.target.v + optimum.yielding.force;

@@ -16,7 +16,7 @@ namespace palpate {
 /// a rigid body that slips anywhere slips everywhere but on an axis; it needs no matching of
 /// contacts, whose pairs change as the tool slides.  A cycle that begins stuck gives mu_d to each
 /// contact that mu_s does not hold and solves again; if any slipped, all are sliding from the next
-/// sub-step on, until limits::friction::kStillCycles cycles have passed without slip.
+/// sub-step on, until StepParameters::still_cycles cycles have passed without slip.
 ///
 /// Method: augmented Lagrangian (Alart & Curnier, Comput. Methods Appl. Mech. Engrg. 92 (1991)
 /// 353-375) with a semi-smooth Newton method in the 3 or 6 unknowns x.  Its friction forces then

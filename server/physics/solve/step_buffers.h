@@ -18,7 +18,8 @@ struct StepBuffers {
              model.rotation_length()) {
     if (model.object_meshes() != nullptr) {
       meshes.emplace(*model.tool_mesh(), model.object_meshes()->meshes(),
-                     model.parameters().max_rows);
+                     model.parameters().max_rows, model.parameters().separation,
+                     model.parameters().looks);
     }
     if (model.soft_leaves() != nullptr) {
       soft.emplace(model.parameters().max_rows, model.rotation_length());

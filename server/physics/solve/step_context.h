@@ -111,7 +111,7 @@ struct StepContext {
   QpRows rigid{};            ///< what no step may violate
   SoftRows* soft = nullptr;  ///< the rows that yield; null where none does
 
-  std::int64_t looks = 0;         ///< of the cycle so far, between meshes (limits::mesh::kMaxLooks)
+  std::int64_t looks = 0;         ///< of the cycle so far, between meshes
   FrictionState friction_before;  ///< as the sub-step found it
 
   // Solve and clear the way.

@@ -83,7 +83,7 @@ bool FindPlane(const PatchPair& pair, const ToolMotion& motion, const Vec3& gues
   Simplex simplex;
   double nearest = kInfinity;
   plane.n = guess;
-  for (plane.tries = 1; plane.tries <= limits::mesh::kIterates; ++plane.tries) {
+  for (plane.tries = 1; plane.tries <= limits::mesh::kDirections; ++plane.tries) {
     const Vec3 highest = pair.objects.Lowest(pair.object, -plane.n, kernels);
     const auto difference = [&](const ToolPose& at, double& gap) -> Vec3 {
       const Vec3 d =

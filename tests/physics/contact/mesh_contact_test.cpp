@@ -127,6 +127,19 @@ TEST(MeshContact, RestsABoxFlatOnAPlaneWithoutTorque) {
   }
 }
 
+TEST(MeshContact, KeepsTheSeparationThatASceneAsksFor) {
+  for (const double separation : {1e-8, 1e-6, 1e-4}) {
+    Scene scene = MakeScene(Box(Vec3(0.02, 0.01, 0.02)), Box(Vec3(0.1, 0.02, 0.1)));
+    scene.tuning.separation = separation;
+    Touch touch(std::move(scene), Vec3(0.0, 0.0152, 0.0));
+    const StepReport report = touch.Go({Vec3(0.0, 0.014, 0.0), Quat::Identity()}, 20);
+    // 1 mm deep at 1 N/mm.  Of delta a pair may have lost half when it is met.
+    EXPECT_GE(report.wrench.force.y(), 1.0 + 0.5e3 * separation - 2e-6);
+    EXPECT_LE(report.wrench.force.y(), 1.0 + 1e3 * separation + 2e-6);
+    EXPECT_EQ(report.faults & kFaultTargetFar, 0u);
+  }
+}
+
 TEST(MeshContact, RubsAsCoulombSays) {
   Scene scene = MakeScene(Box(Vec3::Constant(0.01)), Box(Vec3(0.2, 0.06, 0.06)));
   scene.features.friction = FrictionModel::kCoulomb;

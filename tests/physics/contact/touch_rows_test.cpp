@@ -48,7 +48,7 @@ void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_me
                     const std::function<double(const Vec3& p, const Mat3& R)>& gap) {
   const MeshWithTree tool{MeshOf(tool_mesh)}, object{MeshOf(object_mesh)};
   constexpr int kRows = 64;
-  MeshContact contact(tool, object, kRows);
+  MeshContact contact(tool, object, kRows, limits::mesh::kSeparation, limits::mesh::kMaxLooks);
   Random random(3);
   for (int i = 0; i < 20; ++i) {
     SeparationFront front;

@@ -69,7 +69,7 @@ TEST(StepBounds, BendAnArcBetweenMeshesByHalfOfWhatKeepsThemApart) {
   const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
   const double reach = std::sqrt(3.0) * 0.01;  // of a corner from the middle
   const double arc = reach * (1.0 - std::cos(0.5 * model.parameters().max_rotation));
-  EXPECT_NEAR(arc, 0.5 * limits::mesh::kFree, 1e-9);
+  EXPECT_NEAR(arc, 0.5 * limits::mesh::Margins{}.free, 1e-9);
 }
 
 TEST(PartWithin, IsWhatBothBoundsAllow) {

@@ -33,6 +33,7 @@ Scene SmallScene() {
   scene.objects = {box, box};
   scene.objects[1].name = "other";
   scene.coupling = {500, 0.25};
+  scene.tuning = {2e-6, 1e-3, 16, 32, 6800, 5};
   scene.features = {ContactModel::kSpheres, FrictionModel::kCoulomb, true, true};
   scene.objects[1].materials = {{}, {2000, 0.8, 0.3, 0.01}};
   scene.objects[1].leaf_material.assign(20, 0);
@@ -60,6 +61,7 @@ TEST(SceneBundle, GivesBackTheScene) {
   EXPECT_EQ(back.name, "small");
   EXPECT_EQ(back.coupling.stiffness, 500);
   EXPECT_EQ(back.coupling.torsional_stiffness, 0.25);
+  EXPECT_EQ(back.tuning, scene.tuning);
   EXPECT_EQ(back.features.contact, ContactModel::kSpheres);
   EXPECT_EQ(back.features.friction, FrictionModel::kCoulomb);
   EXPECT_TRUE(back.features.compliance);
@@ -236,6 +238,9 @@ TEST(SceneBundle, RefusesAScenesThatContradictsItselfThoughItsChecksumIsRight) {
   Scene scene = SmallScene();
   scene.coupling.stiffness = 0;
   EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("the coupling is not positive"));
+  scene = SmallScene();
+  scene.tuning.looks = 2'000'000'000;
+  EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("looks is"));
   scene = SmallScene();
   scene.features.friction = static_cast<FrictionModel>(3);
   EXPECT_THAT(Complaint(PackScene(scene)), HasSubstr("its features are not known"));

@@ -46,6 +46,7 @@ TEST(SceneFile, ReadsAScene) {
   EXPECT_EQ(scene.objects[0].mesh.placement.origin, MeshPlacement::Origin::kBoxCentre);
   EXPECT_EQ(scene.coupling.stiffness, 1000.0);
   EXPECT_EQ(scene.coupling.torsional_stiffness, 1.0);
+  EXPECT_EQ(scene.tuning, StepTuning{});
 }
 
 TEST(SceneFile, CallsASceneByItsFileInLettersThatANameMayHave) {
@@ -57,6 +58,7 @@ TEST(SceneFile, ReadsEveryKindOfMeshAndCoupling) {
   const SceneDescription scene = ParseScene(R"({
     "name": "all", "description": "d",
     "coupling": {"stiffness_N_per_m": 500, "torsional_stiffness_Nm_per_rad": 0.5},
+    "step": {"separation_um": 2, "sub_steps": 16},
     "tools": [{"name": "a", "leaves": 8, "mesh": {"shape": "box", "size_m": [1, 2, 3]}}],
     "objects": [
       {"name": "b", "leaves": 8, "mesh": {"shape": "ellipsoid", "semi_axes_m": [1, 2, 3],
@@ -70,6 +72,7 @@ TEST(SceneFile, ReadsEveryKindOfMeshAndCoupling) {
   EXPECT_EQ(scene.name, "all");
   EXPECT_EQ(scene.coupling.stiffness, 500.0);
   EXPECT_EQ(scene.coupling.torsional_stiffness, 0.5);
+  EXPECT_EQ(scene.tuning, (StepTuning{.separation = 2e-6, .sub_steps = 16}));
   EXPECT_EQ(scene.tools[0].mesh.size, Vec3(1, 2, 3));
   EXPECT_EQ(scene.objects[0].mesh.triangles, 99u);
   EXPECT_EQ(scene.objects[1].mesh.what, "bunny");
