@@ -6,12 +6,13 @@
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
+#include "tests/devices/limiter/limiter_figures.h"
 #include "tests/support/random.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kTick = 1e-3;
+using test::kTick;
 
 Pose At(const Vec3& p, const Vec3& turned = Vec3::Zero()) {
   return {p, RotationExp(turned)};

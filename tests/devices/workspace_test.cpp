@@ -11,6 +11,7 @@
 #include "common/error.h"
 #include "common/math/rotation.h"
 #include "devices/simulated/simulated_phantom.h"
+#include "tests/devices/limiter/limiter_figures.h"
 #include "tests/devices/limiter_support.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/complaint.h"
@@ -21,9 +22,8 @@
 namespace palpate {
 namespace {
 
+using test::kTick;
 using testing::HasSubstr;
-
-constexpr double kTick = 1e-3;
 
 double Angle(const Quat& a, const Quat& b) {
   return RotationLog(a * b.conjugate()).norm();

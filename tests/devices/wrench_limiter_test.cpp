@@ -9,6 +9,7 @@
 
 #include "common/error.h"
 #include "devices/simulated/phantom_sheets.h"
+#include "tests/devices/limiter/limiter_figures.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/limiter_adversary.h"
 #include "tests/support/optimised.h"
@@ -17,12 +18,9 @@
 namespace palpate {
 namespace {
 
-constexpr double kTick = 1e-3;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-WrenchLimits PhantomLimits() {
-  return WrenchLimits::Of(PhantomPremium30().info);
-}
+using test::kNan;
+using test::kTick;
+using test::PhantomLimits;
 
 /// A handle that is held still, and replies that are as old as the silence since.
 LimiterInput Input(const Wrench& wanted, double age_s, double dt_s) {

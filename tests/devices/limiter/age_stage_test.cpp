@@ -5,14 +5,15 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/devices/limiter/limiter_figures.h"
 #include "tests/support/random.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kTick = 1e-3;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
+using test::kInf;
+using test::kNan;
+using test::kTick;
 
 AgeStage Fresh() {
   AgeStage stage;

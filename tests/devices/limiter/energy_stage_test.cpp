@@ -8,6 +8,7 @@
 #include "common/math/rotation.h"
 #include "devices/limiter/limiter_chain.h"
 #include "devices/simulated/phantom_sheets.h"
+#include "tests/devices/limiter/limiter_figures.h"
 #include "tests/support/optimised.h"
 #include "tests/support/port_loop.h"
 #include "tests/support/random.h"
@@ -16,20 +17,16 @@
 namespace palpate {
 namespace {
 
+using test::kTick;
+using test::PhantomLimits;
 using test::PortLoopCase;
 using test::PortLoopFigures;
 using test::RunPortLoop;
 
-constexpr double kTick = 1e-3;
-
-WrenchLimits Phantom() {
-  return WrenchLimits::Of(PhantomPremium30().info);
-}
-
 /// An energy stage and a handle on one axis; all that it gives is applied.
 class Axis {
  public:
-  explicit Axis(double stiffness = 0.0) : stage(Phantom()) {
+  explicit Axis(double stiffness = 0.0) : stage(PhantomLimits()) {
     if (stiffness > 0.0) stage.SetStiffness(stiffness);
   }
   /// Moves the handle by `step`, and wants that force there.
@@ -142,7 +139,7 @@ TEST(EnergyStage, GivesNothingToAHandThatPutNothingIn) {
   for (int i = 0; i < 1000; ++i) axis.Step(2e-5, 5.0);
   // The first tick is owed: that of a handle that had not moved.
   EXPECT_LE(axis.Generated(),
-            Phantom().rates().contact_force * kTick * 2e-5 + EnergyStage::kSeed_J);
+            PhantomLimits().rates().contact_force * kTick * 2e-5 + EnergyStage::kSeed_J);
   EXPECT_GT(axis.stage.count(), 900u);
 }
 
@@ -175,7 +172,7 @@ TEST(EnergyStage, LetsAHandThatWasInsideFeelTheObjectAsItGoesFurtherInHoweverSlo
 TEST(EnergyStage, GrantsARampWhatTheCouplingHoldsAndNoMoreHoweverLongItPushes) {
   constexpr double kForce_N = 5.0, kStiffness = 1000.0;
   for (const bool spring : {true, false}) {
-    EnergyStage stage(Phantom());
+    EnergyStage stage(PhantomLimits());
     stage.SetStiffness(kStiffness);
     double z = 0.0, given_J = 0.0, held_N = 0.0;
     for (int i = 0; i < 2000; ++i) {
@@ -203,7 +200,7 @@ class LyingServer : public testing::Test {
   static constexpr double kStroke_m = 5e-3;
 
   void SetUp() override {
-    limiter = LimiterChain<EnergyStage>(Phantom());
+    limiter = LimiterChain<EnergyStage>(PhantomLimits());
     limiter.energy().SetStiffness(1000.0);
     limiter.Enable(true);
     z = held_N = silence_s = given_J = most_given_J = 0.0;
@@ -228,7 +225,7 @@ class LyingServer : public testing::Test {
     Run(100, kStroke_m / 0.1, wanted, entering);
   }
 
-  LimiterChain<EnergyStage> limiter{Phantom()};
+  LimiterChain<EnergyStage> limiter{PhantomLimits()};
   double z = 0.0, held_N = 0.0, silence_s = 0.0;
   double given_J = 0.0, most_given_J = 0.0;
 };
@@ -314,7 +311,7 @@ TEST(EnergyStage, DoesNotChatterUnderEncoderNoiseAtRest) {
 }
 
 TEST(EnergyStage, RendersNothingWhereItCannotSeeTheHandle) {
-  EnergyStage stage(Phantom());
+  EnergyStage stage(PhantomLimits());
   Wrench out;
   for (int i = 0; i < 10; ++i) {
     out = stage.Pass({Vec3(0, 0, 5), Vec3::Zero()}, 1.0,
@@ -324,7 +321,7 @@ TEST(EnergyStage, RendersNothingWhereItCannotSeeTheHandle) {
 }
 
 TEST(EnergyStage, MovesNoFasterThanItsShareOfTheSlewLimit) {
-  const double rate = Phantom().rates().contact_force;
+  const double rate = PhantomLimits().rates().contact_force;
   test::Random random(4);
   Axis axis(1000.0);
   double last = 0.0;
@@ -350,10 +347,10 @@ TEST_P(EnergyAtThePort, IsNeverGivenInAClosedLoopWithDelayAndLoss) {
         c.stiffness_N_per_m = stiffness;
         c.seed = seed;
         c.rate_Hz = seed;
-        test::UncontrolledLimiter without(Phantom());
+        test::UncontrolledLimiter without(PhantomLimits());
         const PortLoopFigures active = RunPortLoop(without, c);
         EXPECT_GT(active.generated_J, 0.5e-3) << "the case shows nothing";
-        WrenchLimiter limiter(Phantom());
+        WrenchLimiter limiter(PhantomLimits());
         limiter.SetStiffness(known);
         const PortLoopFigures figures = RunPortLoop(limiter, c);
         SCOPED_TRACE(testing::Message()
@@ -379,9 +376,9 @@ TEST_P(EnergyAtThePort, IsTakenBackWhereTicksAreLate) {
       c.seed = seed;
       c.rate_Hz = seed;
       SCOPED_TRACE(testing::Message() << stiffness << " N/m, seed " << seed);
-      test::UncontrolledLimiter without(Phantom());
+      test::UncontrolledLimiter without(PhantomLimits());
       const PortLoopFigures active = RunPortLoop(without, c);
-      WrenchLimiter limiter(Phantom());
+      WrenchLimiter limiter(PhantomLimits());
       limiter.SetStiffness(stiffness);
       const PortLoopFigures figures = RunPortLoop(limiter, c);
       // One late tick at the greatest force and speed that there were.
@@ -400,7 +397,7 @@ INSTANTIATE_TEST_SUITE_P(Delays, EnergyAtThePort, testing::Values(0, 1, 5, 10, 2
 TEST(EnergyAtThePort, LeavesAPassiveWallPracticallyUntouched) {
   PortLoopCase c;  // b = 6.55 N s/m against k T / 2 = 0.25: well inside
   c.stiffness_N_per_m = 500.0;
-  WrenchLimiter limiter(Phantom());
+  WrenchLimiter limiter(PhantomLimits());
   limiter.SetStiffness(500.0);
   const PortLoopFigures figures = RunPortLoop(limiter, c);
   EXPECT_GT(figures.rms_wanted_N, 1.0);

@@ -4,13 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/devices/limiter/limiter_figures.h"
 #include "tests/support/random.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
+using test::kInf;
+using test::kNan;
 
 TEST(FiniteStage, TakesAWrenchThatIsNotFiniteForZero) {
   FiniteStage stage;

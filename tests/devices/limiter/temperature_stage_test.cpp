@@ -6,16 +6,14 @@
 #include <gtest/gtest.h>
 
 #include "devices/simulated/phantom_sheets.h"
+#include "tests/devices/limiter/limiter_figures.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kTick = 1e-3;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-WrenchLimits Phantom() {
-  return WrenchLimits::Of(PhantomPremium30().info);
-}
+using test::kNan;
+using test::kTick;
+using test::PhantomLimits;
 
 /// Wants a force for so long, and takes what there is; the last of it.
 double Press(TemperatureStage& stage, double force_N, double seconds, double reported = kNan) {
@@ -38,7 +36,7 @@ TEST(MotorWarmth, FollowsTheFirstOrderModel) {
 }
 
 TEST(TemperatureStage, GivesThePeakWhileCoolAndTheContinuousForceForEver) {
-  TemperatureStage stage(Phantom());
+  TemperatureStage stage(PhantomLimits());
   EXPECT_EQ(Press(stage, 22.0, 0.4), 22.0);  // 54 times the continuous loss: 0.5 after 0.6 s
   const double given = Press(stage, 22.0, 600.0);
   EXPECT_NEAR(given, 3.0, 1e-3);
@@ -48,7 +46,7 @@ TEST(TemperatureStage, GivesThePeakWhileCoolAndTheContinuousForceForEver) {
 }
 
 TEST(TemperatureStage, NeverWarmsPastTheLimitWhateverIsWanted) {
-  TemperatureStage stage(Phantom());
+  TemperatureStage stage(PhantomLimits());
   double warmest = 0.0;
   for (int i = 0; i < 400; ++i) {
     Press(stage, i % 3 == 0 ? 22.0 : 0.5 * (i % 40), 0.5);
@@ -60,13 +58,13 @@ TEST(TemperatureStage, NeverWarmsPastTheLimitWhateverIsWanted) {
 }
 
 TEST(TemperatureStage, HoldsNothingBackBelowTheContinuousForce) {
-  TemperatureStage stage(Phantom());
+  TemperatureStage stage(PhantomLimits());
   EXPECT_EQ(Press(stage, 3.0, 600.0), 3.0);
   EXPECT_EQ(stage.count(), 0u);
 }
 
 TEST(TemperatureStage, BringsTheForceDownSmoothly) {
-  TemperatureStage stage(Phantom());
+  TemperatureStage stage(PhantomLimits());
   double last = 22.0, steepest = 0.0;
   for (int i = 0; i < 20'000; ++i) {
     const double given = Press(stage, 22.0, kTick);
@@ -78,13 +76,13 @@ TEST(TemperatureStage, BringsTheForceDownSmoothly) {
 }
 
 TEST(TemperatureStage, BelievesADeviceThatIsWarmerThanTheModel) {
-  TemperatureStage stage(Phantom());
+  TemperatureStage stage(PhantomLimits());
   EXPECT_NEAR(Press(stage, 22.0, 0.3, 1.0), 3.0, 1e-9);
   EXPECT_NEAR(stage.warmth(), 1.0, 0.1);  // while the bound came down, it was overdrawn
 }
 
 TEST(TemperatureStage, IgnoresAReportThatIsCoolerOrNone) {
-  TemperatureStage plain(Phantom()), told(Phantom());
+  TemperatureStage plain(PhantomLimits()), told(PhantomLimits());
   Press(plain, 22.0, 10.0);
   for (const double report : {0.0, -1.0, 1.1, kNan, std::numeric_limits<double>::infinity()}) {
     Press(told, 22.0, 2.0, report);
@@ -93,7 +91,7 @@ TEST(TemperatureStage, IgnoresAReportThatIsCoolerOrNone) {
 }
 
 TEST(TemperatureStage, KeepsForceAndTorqueApart) {
-  TemperatureStage stage(Phantom());
+  TemperatureStage stage(PhantomLimits());
   Press(stage, 22.0, 100.0);
   const auto share = stage.Pass({Vec3(22, 0, 0), Vec3(0, 0, 0.515)}, kNan, kTick);
   EXPECT_LT(share.force, 0.2);

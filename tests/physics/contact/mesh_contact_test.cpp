@@ -39,7 +39,7 @@ Quat Turn(double degrees, const Vec3& axis) {
 Body Box(const Vec3& size, const Pose& X = {}) {
   return MakeMeshBody("box", MakeBox(size), X);
 }
-Body Ball(double radius) {
+Body BallBody(double radius) {
   Body ball;
   ball.name = "ball";
   ball.mesh = MakeSphere(radius, 320);
@@ -88,7 +88,7 @@ struct Touch {
 
 // A ball among the leaves of a sparse tree: wherever it comes from, the mesh stops it.
 TEST(MeshContact, HasNoGapThroughWhichABallCanFall) {
-  Touch touch(MakeScene(Ball(0.001), Box(Vec3::Constant(0.05))), Vec3(0.0, 0.0, 0.05));
+  Touch touch(MakeScene(BallBody(0.001), Box(Vec3::Constant(0.05))), Vec3(0.0, 0.0, 0.05));
   Random random(3);
   for (int trial = 0; trial < 40; ++trial) {
     const Vec3 from = 0.06 * random.Direction();
@@ -104,7 +104,7 @@ TEST(MeshContact, HasNoGapThroughWhichABallCanFall) {
 }
 
 TEST(MeshContact, GivesTheAnalyticForceOfABallOnAFlatFace) {
-  Touch touch(MakeScene(Ball(0.005), Box(Vec3::Constant(0.05))), Vec3(-0.015, 0.0301, 0.0));
+  Touch touch(MakeScene(BallBody(0.005), Box(Vec3::Constant(0.05))), Vec3(-0.015, 0.0301, 0.0));
   for (int i = 0; i < 600; ++i) {
     const StepReport report = touch.Step({Vec3(-0.015 + 5e-5 * i, 0.029, 0.003), Quat::Identity()});
     if (i < 2) continue;
@@ -230,7 +230,7 @@ TEST(MeshContact, GivesNoGhostForceOfAFacetedBallOnAFlatGrid) {
 TEST(MeshContact, LetsABallFeelTheSphereThatAMeshStandsFor) {
   // Facets of 320 triangles look up to 8 degrees past the sphere's own normal.
   const double outer = 0.03, radius = 0.005;
-  Touch touch(MakeScene(Ball(radius), MakeMeshBody("sphere", MakeSphere(outer, 320))),
+  Touch touch(MakeScene(BallBody(radius), MakeMeshBody("sphere", MakeSphere(outer, 320))),
               Vec3(0.0, 0.0, outer + radius + 1e-3));
   double worst = 0.0;
   for (int i = 0; i <= 500; ++i) {
@@ -249,7 +249,7 @@ TEST(MeshContact, LetsABallComeSlowlyOverFacets) {
   // Its rows follow the smooth sphere, which leads over the facets' edges and so a little away from
   // the hand.  That is no reason to stop there.
   const double outer = 0.03, radius = 0.005;
-  Touch touch(MakeScene(Ball(radius), MakeMeshBody("sphere", MakeSphere(outer, 1280))),
+  Touch touch(MakeScene(BallBody(radius), MakeMeshBody("sphere", MakeSphere(outer, 1280))),
               Vec3(0.0, 0.0, outer + radius + 1e-3));
   for (int i = 0; i <= 4000; ++i) {
     const double depth = std::min(3e-3, 1e-5 * i), angle = 6e-4 * i;
@@ -269,7 +269,7 @@ TEST(MeshContact, LetsABallGoRoundEdgesAndCornersWithTheAnalyticForce) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     Vec3 hand = corner + 0.0051 * Vec3(0.1, 0.2, 1.0).normalized();
-    Touch touch(MakeScene(Ball(radius), Box(Vec3::Constant(2.0 * half))), hand);
+    Touch touch(MakeScene(BallBody(radius), Box(Vec3::Constant(2.0 * half))), hand);
     Vec3 way = Vec3::Zero();
     double turned = 0.0;
     Vec3 last = Vec3::UnitZ();
@@ -632,7 +632,7 @@ TEST(MeshContact, AllocatesNothingInAStep) {
 
 TEST(MeshContact, AllocatesNothingWhereABallGoesRoundAnEdge) {
   const double half = 0.025;
-  Touch touch(MakeScene(Ball(0.005), Box(Vec3::Constant(2.0 * half))), Vec3(0.0, half, 0.032));
+  Touch touch(MakeScene(BallBody(0.005), Box(Vec3::Constant(2.0 * half))), Vec3(0.0, half, 0.032));
   const std::uint64_t before = test::AllocationsOfThisThread();
   int held = 0;
   for (int i = 0; i < 200; ++i) {

@@ -17,7 +17,7 @@ using Vec = Eigen::VectorXd;
 using Mat = Eigen::MatrixXd;
 
 /// min 1/2 |x - t|^2, A x >= b, and its storage by columns.
-struct Problem {
+struct RigidProblem {
   Vec t;
   Mat A;
   Vec b;
@@ -42,7 +42,7 @@ struct Problem {
   }
 };
 
-QpResult SolveProblem(Problem& problem, std::vector<int> guess = {}) {
+QpResult SolveProblem(RigidProblem& problem, std::vector<int> guess = {}) {
   const QpRows rows = problem.Rows();
   const int n = static_cast<int>(guess.size());
   return problem.t.size() == 6
@@ -52,7 +52,7 @@ QpResult SolveProblem(Problem& problem, std::vector<int> guess = {}) {
 
 /// Largest violation of the Karush-Kuhn-Tucker conditions, which are sufficient for the optimum.
 /// Rows may be relaxed by a common `slack` with compliance c.
-double KktResidual(const Problem& problem, const QpResult& result) {
+double KktResidual(const RigidProblem& problem, const QpResult& result) {
   Vec x = Eigen::Map<const Vec>(result.x, problem.t.size());
   Vec gradient = x - problem.t;
   double worst = 0.0, sum = 0.0;
@@ -75,7 +75,7 @@ double KktResidual(const Problem& problem, const QpResult& result) {
 
 /// Exact and slow: tries every set of at most n rows as equalities.  Infinite where none is
 /// optimal.
-double LeastDistanceByEnumeration(const Problem& problem, Vec* best_x = nullptr) {
+double LeastDistanceByEnumeration(const RigidProblem& problem, Vec* best_x = nullptr) {
   const int n = static_cast<int>(problem.t.size());
   const int m = static_cast<int>(problem.b.size());
   double best = std::numeric_limits<double>::infinity();
@@ -107,8 +107,8 @@ double LeastDistanceByEnumeration(const Problem& problem, Vec* best_x = nullptr)
   return best;
 }
 
-Problem RandomProblem(Random& random, int n, int m, bool feasible) {
-  Problem problem{Vec(n), Mat(m, n), Vec(m), {}};
+RigidProblem RandomProblem(Random& random, int n, int m, bool feasible) {
+  RigidProblem problem{Vec(n), Mat(m, n), Vec(m), {}};
   Vec inside(n);
   for (int c = 0; c < n; ++c) {
     problem.t[c] = random.Uniform(-1.0, 1.0);
@@ -127,7 +127,7 @@ TEST(QpSolver, AgreesWithEnumerationOfActiveSets) {
   Random random(1);
   for (int trial = 0; trial < 300; ++trial) {
     const int n = trial % 2 == 0 ? 6 : 3;
-    Problem problem = RandomProblem(random, n, 1 + random.Below(11), true);
+    RigidProblem problem = RandomProblem(random, n, 1 + random.Below(11), true);
     const QpResult result = SolveProblem(problem);
     Vec oracle;
     const double distance = LeastDistanceByEnumeration(problem, &oracle);
@@ -143,7 +143,7 @@ TEST(QpSolver, RelaxesContradictoryRowsByTheSlackThatEnumerationFinds) {
   int contradictory = 0;
   for (int trial = 0; trial < 200; ++trial) {
     const int n = trial % 2 == 0 ? 6 : 3;
-    Problem problem = RandomProblem(random, n, n + 4, false);
+    RigidProblem problem = RandomProblem(random, n, n + 4, false);
     const QpResult result = SolveProblem(problem);
     if (std::isfinite(LeastDistanceByEnumeration(problem))) {
       EXPECT_EQ(result.status, QpStatus::kSolved) << trial;
@@ -153,7 +153,7 @@ TEST(QpSolver, RelaxesContradictoryRowsByTheSlackThatEnumerationFinds) {
     ASSERT_EQ(result.status, QpStatus::kRelaxed) << trial;
     EXPECT_LT(KktResidual(problem, result), 1e-8) << trial;
     // The same problem with eta / sqrt(c) as one unknown more.
-    Problem relaxed{Vec::Zero(n + 1), Mat(problem.A.rows(), n + 1), problem.b, {}};
+    RigidProblem relaxed{Vec::Zero(n + 1), Mat(problem.A.rows(), n + 1), problem.b, {}};
     relaxed.t.head(n) = problem.t;
     relaxed.A << problem.A, Vec::Constant(problem.A.rows(), std::sqrt(kJamCompliance));
     Vec oracle;
@@ -165,7 +165,7 @@ TEST(QpSolver, RelaxesContradictoryRowsByTheSlackThatEnumerationFinds) {
 }
 
 TEST(QpSolver, ReturnsTheNearestPointWhenRowsRepeat) {
-  Problem problem{Vec::Zero(6), Mat::Zero(1000, 6), Vec::Constant(1000, 0.25), {}};
+  RigidProblem problem{Vec::Zero(6), Mat::Zero(1000, 6), Vec::Constant(1000, 0.25), {}};
   problem.A.col(2).setOnes();
   const QpResult result = SolveProblem(problem);
   EXPECT_EQ(result.status, QpStatus::kSolved);
@@ -177,7 +177,7 @@ TEST(QpSolver, ReturnsTheNearestPointWhenRowsRepeat) {
 TEST(QpSolver, SolvesNearlyParallelRows) {
   Random random(3);
   for (int trial = 0; trial < 200; ++trial) {
-    Problem problem = RandomProblem(random, 6, 60, true);
+    RigidProblem problem = RandomProblem(random, 6, 60, true);
     // Fans of rows around the first few, closer and closer to parallel.
     for (int i = 6; i < 60; ++i) {
       problem.A.row(i) =
@@ -196,7 +196,7 @@ TEST(QpSolver, SolvesNearlyParallelRows) {
 TEST(QpSolver, GivesTheSamePointFromAnyGuess) {
   Random random(5);
   for (int trial = 0; trial < 300; ++trial) {
-    Problem problem = RandomProblem(random, 6, 200, true);
+    RigidProblem problem = RandomProblem(random, 6, 200, true);
     const QpResult cold = SolveProblem(problem);
     std::vector<int> guess;
     if (trial % 2 == 0) {
@@ -215,7 +215,7 @@ TEST(QpSolver, GivesTheSamePointFromAnyGuess) {
 
 TEST(QpSolver, SharesTheViolationOfAJamEvenly) {
   // Two walls 1 mm closer than the tool is wide: it stays in the middle.
-  Problem problem{Vec::Zero(6), Mat::Zero(2, 6), Vec::Constant(2, 0.5e-3), {}};
+  RigidProblem problem{Vec::Zero(6), Mat::Zero(2, 6), Vec::Constant(2, 0.5e-3), {}};
   problem.A(0, 0) = 1.0;
   problem.A(1, 0) = -1.0;
   const QpResult result = SolveProblem(problem);
@@ -225,7 +225,7 @@ TEST(QpSolver, SharesTheViolationOfAJamEvenly) {
 }
 
 TEST(QpSolver, RelaxesARowThatNothingCanSatisfy) {
-  Problem problem{Vec::Ones(6), Mat::Zero(3, 6), Vec::Constant(3, 1.0), {}};
+  RigidProblem problem{Vec::Ones(6), Mat::Zero(3, 6), Vec::Constant(3, 1.0), {}};
   problem.A(1, 1) = 1.0;
   problem.A(2, 2) = 1.0;
   const QpResult result = SolveProblem(problem);
@@ -237,7 +237,7 @@ TEST(QpSolver, RelaxesARowThatNothingCanSatisfy) {
 /// A problem with soft rows: row i yields with weight[i] where that is positive, as far as a core
 /// `depth[i]` inside.
 struct CompliantProblem {
-  Problem problem;
+  RigidProblem problem;
   Vec weight;
   Vec depth;
   std::vector<double> columns;
@@ -272,10 +272,10 @@ struct CompliantProblem {
 
   /// The same with every eta_i / sqrt(c_i) as an unknown of its own: a nearest point again, for
   /// enumeration.
-  Problem Explicit() const {
+  RigidProblem Explicit() const {
     const int n = static_cast<int>(problem.t.size()), m = static_cast<int>(weight.size());
     const int soft = static_cast<int>((weight.array() > 0.0).count());
-    Problem out{Vec::Zero(n + soft), Mat::Zero(m + soft, n + soft), Vec(m + soft), {}};
+    RigidProblem out{Vec::Zero(n + soft), Mat::Zero(m + soft, n + soft), Vec(m + soft), {}};
     out.t.head(n) = problem.t;
     for (int i = 0, k = 0; i < m; ++i) {
       out.A.row(i).head(n) = problem.A.row(i);
@@ -361,7 +361,7 @@ TEST(CompliantQp, AgreesWithEnumerationOverExplicitSlacks) {
     CompliantProblem soft =
         RandomCompliantProblem(random, n, 1 + random.Below(4), random.Below(4), 1e3, trial % 4 < 2);
     const QpResult result = soft.Solve();
-    const Problem explicit_problem = soft.Explicit();
+    const RigidProblem explicit_problem = soft.Explicit();
     Vec oracle;
     ASSERT_TRUE(std::isfinite(LeastDistanceByEnumeration(explicit_problem, &oracle))) << trial;
     ASSERT_EQ(result.status, QpStatus::kSolved) << trial;

@@ -15,7 +15,7 @@ namespace {
 
 using test::Random;
 
-ContactMesh Place(const TriangleMesh& mesh) {
+ContactMesh MeshAlone(const TriangleMesh& mesh) {
   const PlacedMesh placed{&mesh, {}};
   return ContactMesh(std::span(&placed, 1));
 }
@@ -33,7 +33,7 @@ std::vector<std::uint32_t> Below(const HullTree& tree, HullTree::Node node) {
 
 /// Of a tree what whoever uses it relies on, of every node.
 void Judge(const TriangleMesh& source, double size) {
-  const ContactMesh mesh = Place(source);
+  const ContactMesh mesh = MeshAlone(source);
   const HullTree tree(mesh);
   const Kernels& kernels = ActiveKernels();
   Random random(41);
@@ -134,7 +134,7 @@ TEST(HullTree, IsOneTriangleWhereThereIsOne) {
   TriangleMesh one;
   one.vertices = {Vec3(0.01, 0, 0), Vec3(0, 0.02, 0), Vec3(0, 0, 0.03)};
   one.triangles = {{0, 1, 2}};
-  const ContactMesh mesh = Place(one);
+  const ContactMesh mesh = MeshAlone(one);
   const HullTree tree(mesh);
   ASSERT_TRUE(HullTree::IsLeaf(tree.root()));
   EXPECT_EQ(HullTree::TriangleOf(tree.root()), 0u);
@@ -174,7 +174,7 @@ TEST(HullTree, IsThinWhereTheSurfaceIsFlat) {
   for (Vec3& v : grid.vertices) v = q * v + Vec3(0.1, 0.2, -0.1);
   const Vec3 n = q * Vec3::UnitZ();
   const double height = n.dot(grid.vertices[0]);
-  const ContactMesh mesh = Place(grid);
+  const ContactMesh mesh = MeshAlone(grid);
   const HullTree tree(mesh);
   std::vector<HullTree::Node> left{tree.root()};
   while (!left.empty()) {

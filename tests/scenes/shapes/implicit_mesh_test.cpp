@@ -14,8 +14,6 @@ namespace {
 using test::ComplaintOf;
 using testing::HasSubstr;
 
-constexpr double kPi = 3.14159265358979323846;
-
 Eigen::AlignedBox3d Cube(double half) {
   return {Vec3::Constant(-half), Vec3::Constant(half)};
 }
@@ -30,8 +28,8 @@ TEST(ImplicitMesh, BallHasItsVerticesOnTheSurfaceAndItsVolume) {
   EXPECT_TRUE(r.solid());
   EXPECT_EQ(r.components, 1u);
   EXPECT_EQ(r.degenerate_triangles, 0u);
-  EXPECT_NEAR(r.volume, 4.0 / 3.0 * kPi, 0.01);
-  EXPECT_NEAR(r.area, 4.0 * kPi, 0.03);
+  EXPECT_NEAR(r.volume, 4.0 / 3.0 * M_PI, 0.01);
+  EXPECT_NEAR(r.area, 4.0 * M_PI, 0.03);
   for (const Vec3& v : mesh.vertices) EXPECT_NEAR((v - Vec3(0.1, 0, 0)).norm(), 1.0, 1e-9);
 }
 
@@ -55,7 +53,7 @@ TEST(ImplicitMesh, TorusHasAHole) {
   const auto v = std::ptrdiff_t(mesh.vertices.size());
   const auto t = std::ptrdiff_t(mesh.triangles.size());
   EXPECT_EQ(v - 3 * t / 2 + t, 0);  // Euler's characteristic
-  EXPECT_NEAR(r.volume, 2.0 * kPi * kPi * 0.09, 0.02);
+  EXPECT_NEAR(r.volume, 2.0 * M_PI * M_PI * 0.09, 0.02);
 }
 
 TEST(ImplicitMesh, TrianglesAreNearlyEquilateral) {

@@ -23,8 +23,6 @@ namespace {
 using test::ComplaintOf;
 using testing::HasSubstr;
 
-constexpr double kPi = 3.14159265358979323846;
-
 std::vector<double> UsualValues(const ShapeKind& kind) {
   std::vector<double> values;
   for (const ShapeParameter& p : kind.parameters) values.push_back(p.unit * p.usual);
@@ -227,11 +225,11 @@ TEST(ShapeKinds, FaceHasAnOpenMouthOfTheSizeAskedForAndAThroatBehindIt) {
 }
 
 TEST(ShapeKinds, PipeHasTheVolumeThatPappusGivesWhateverItsBend) {
-  for (const double bend : {0.0, 0.5 * kPi, kPi}) {
+  for (const double bend : {0.0, 0.5 * M_PI, M_PI}) {
     const MeshReport r = InspectMesh(MakeBentPipe(0.033, 0.008, 0.24, bend));
-    EXPECT_NEAR(r.volume / (kPi * (0.041 * 0.041 - 0.033 * 0.033) * 0.24), 1.0, 0.01);
+    EXPECT_NEAR(r.volume / (M_PI * (0.041 * 0.041 - 0.033 * 0.033) * 0.24), 1.0, 0.01);
   }
-  const MeshReport u = InspectMesh(MakeBentPipe(0.033, 0.008, kPi * 0.075, kPi));
+  const MeshReport u = InspectMesh(MakeBentPipe(0.033, 0.008, M_PI * 0.075, M_PI));
   EXPECT_NEAR(u.box_max.x(), 0.15 + 0.041, 1e-3);
   EXPECT_NEAR(u.box_max.z(), 0.075 + 0.041, 1e-3);
 }
@@ -239,7 +237,7 @@ TEST(ShapeKinds, PipeHasTheVolumeThatPappusGivesWhateverItsBend) {
 TEST(ShapeKinds, MouldAndItsToolFillACylinderTogether) {
   const MeshReport mould = InspectMesh(MakeMould(true, 0.03, 0.01, 0.001, 0.008));
   const MeshReport tool = InspectMesh(MakeMould(false, 0.03, 0.01, 0.001, 0.008));
-  EXPECT_NEAR((mould.volume + tool.volume) / (kPi * 0.03 * 0.03 * 0.026), 1.0, 0.005);
+  EXPECT_NEAR((mould.volume + tool.volume) / (M_PI * 0.03 * 0.03 * 0.026), 1.0, 0.005);
   EXPECT_NEAR(mould.box_max.y(), 0.0, 1e-12);
   EXPECT_LT(tool.box_min.y(), -0.0095);
 }
@@ -263,7 +261,7 @@ TEST(ShapeKinds, SceneFilesGiveTheirParametersAndLeaveOutWhatIsUsual) {
   EXPECT_EQ(mesh.values[5], 0.0012);
   const SceneDescription bent =
       ParseScene(SceneWith(R"({"shape": "pipe", "bend_deg": 180})"), "f.json");
-  EXPECT_NEAR(bent.objects[0].mesh.values[3], kPi, 1e-15);
+  EXPECT_NEAR(bent.objects[0].mesh.values[3], M_PI, 1e-15);
 }
 
 TEST(ShapeKinds, SceneFilesWithWrongParametersAreRefused) {

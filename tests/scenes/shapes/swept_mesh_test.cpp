@@ -10,11 +10,9 @@
 namespace palpate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 /// Area of a regular polygon in a circle of radius 1.
 double PolygonArea(int sides) {
-  return 0.5 * sides * std::sin(2.0 * kPi / sides);
+  return 0.5 * sides * std::sin(2.0 * M_PI / sides);
 }
 
 TEST(SweptMesh, StraightRodIsAPrism) {
@@ -47,13 +45,13 @@ TEST(SweptMesh, StraightPipeIsOpenThroughout) {
 TEST(SweptMesh, BentPipeHasTheVolumeThatPappusGives) {
   std::vector<Vec3> curve;
   for (int i = 0; i <= 60; ++i) {
-    const double a = kPi * i / 60;
+    const double a = M_PI * i / 60;
     curve.emplace_back(3.0 * std::cos(a), 0.3 * a,
                        3.0 * std::sin(a));  // a helix: it must not twist
   }
   const MeshReport r = InspectMesh(MakePipe(curve, 0.5, 0.2, 48));
   EXPECT_TRUE(r.solid());
-  EXPECT_NEAR(r.volume / (kPi * (0.49 - 0.25) * kPi * std::hypot(3.0, 0.3)), 1.0, 0.01);
+  EXPECT_NEAR(r.volume / (M_PI * (0.49 - 0.25) * M_PI * std::hypot(3.0, 0.3)), 1.0, 0.01);
 }
 
 }  // namespace
