@@ -52,6 +52,9 @@ inline constexpr double kWiden = 8.0;
 /// A short step aims at this share of its bounds.  The rest is for rows that the last rotation left
 /// violated, by kMaxTruncation at most; 2 % of the least bounds, 20 um, is nearly as much.
 inline constexpr double kBoundShare = 0.98;
+/// Targets that are tried at most, each nearer than the last, until the step under the rows, which
+/// may ask for a lift, ends within the bounds.  Taken; two are usual.
+inline constexpr int kNearerTargets = 4;
 
 // --- What comes in. ---
 
@@ -177,6 +180,15 @@ struct Margins {
   double witness = (kWitnessRatio - 1.0) * separation;
   /// A row that its contact lets the tool go by less than this holds it.
   double touching = 2.0 * separation;
+
+  /// Of a ball.  It has one row for each pair, which misses nothing along the pair's plane.  With h
+  /// at half of delta it would roll about the edge that a face ends at, at delta, until it is
+  /// h from a face that is flush with the first: up to 0.02 N of 1 N, sideways.
+  constexpr Margins OfBall() const {
+    Margins margins = *this;
+    margins.free = separation - witness;
+    return margins;
+  }
 
   /// What a plane must separate a pair by before and after a sub-step, whose best plane separates
   /// it by `distance` before (less than zero where it intersects).  A pair that is nearer than h

@@ -45,7 +45,7 @@ double GapOfRow(const MeshContact& contact, int row, const ContactRows& rows) {
 bool TurnSmoothed(const MeshContact& contact, const Touch& touch, int row,
                   const NearestPoints& nearest, const Vec3& u, ContactRows& rows) {
   const MeshPair& meshes = contact.meshes;
-  if (!meshes.IsBall()) return false;
+  if (!meshes.IsBall() || !TurnsRows(contact)) return false;
   const Vec3 along =
       meshes.objects.mesh.SmoothNormal(HullTree::TriangleOf(touch.nodes.object), nearest.q, u);
   if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
@@ -170,9 +170,20 @@ double Turned(const MeshContact& contact, std::span<const int> active,
         meshes.objects.mesh.SmoothNormal(HullTree::TriangleOf(near.nodes.object), points.q, u) != u;
   }
   double least = kInfinity, most = 0.0;
+  const double as_near = std::sqrt(nearest) + meshes.margins.witness;
   for (const int row : active) {
-    least = std::min(least, (u - rows.normal(row)).norm());
+    const Vec3 n = rows.normal(row);
+    least = std::min(least, (u - n).norm());
     most = std::max(most, (CurvatureOf(contact, row) * v).norm());
+    // Of two triangles that are as near one may be smooth there, and the other have a crease.
+    const Touch* touch = contact.TouchOfRow(row);
+    if (touch == nullptr) continue;
+    const NearestPoints own = meshes.NearestAt(touch->nodes, contact.motion.to);
+    const double length = std::sqrt(own.squared);
+    if (!(length > 0.0 && length <= as_near)) continue;
+    const Vec3 along = meshes.objects.mesh.SmoothNormal(HullTree::TriangleOf(touch->nodes.object),
+                                                        own.q, (own.p - own.q) / length);
+    least = std::min(least, (along - n).norm());
   }
   // Where it is smooth, Retract has turned the rows.
   return smooth || !(nearest < kInfinity) ? most : std::max(least, most);

@@ -131,6 +131,7 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
 void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, ContactRows& rows) {
   TouchRows& of_rows = contact.of_rows;
   int& row = touch.row[of.slot % 3];
+  const bool stays = row >= 0 && contact.meshes.IsBall() && !TurnsRows(contact);
   if (row < 0) {
     if (rows.count() >= rows.max_rows()) return;
     row = rows.count();
@@ -142,8 +143,9 @@ void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, ContactRows&
   const double before = GapBefore(contact, touch);
   const double asked = Asked(contact, before);
   const Motion& motion = contact.motion;
-  rows.SetRow(row, of.n, of.lever, of.by_turning,
-              of.now - asked - of.n.dot(motion.v) - of.by_turning.dot(motion.phi));
+  const Vec3 n = stays ? rows.normal(row) : of.n;
+  rows.SetRow(row, n, of.lever, of.by_turning,
+              of.now - asked - n.dot(motion.v) - of.by_turning.dot(motion.phi));
   of_rows.regain[static_cast<std::size_t>(row)] =
       asked - std::min(contact.meshes.margins.separation, before);
 }

@@ -34,6 +34,11 @@ void AddRowsThatTouch(MeshContact& contact, NearPairs::Index k, ContactRows& row
 void SetRow(MeshContact& contact, Touch& touch, const TouchRow& row, ContactRows& rows);
 /// Makes all rows anew, exact where the sub-step begins: each allows the zero step.
 void RelineariseAtStart(MeshContact& contact, ContactRows& rows);
+/// A ball's rows turn with the smooth surface from trial to trial, and the ball's way with them.
+/// Where that takes many they stay as they are, and the next sub-step turns them.
+inline bool TurnsRows(const MeshContact& contact) {
+  return contact.trial <= limits::mesh::kTrustedTrials;
+}
 /// Takes a touch's rows out.
 void TakeOut(Touch& touch, ContactRows& rows);
 

@@ -34,19 +34,23 @@ Way WayToNewOptimum(StepContext& context) {
 
 /// The way to an optimum as far as the bounds allow.  Where they end before it: the step under the
 /// same rows that is nearest to a nearer target.  A step that were only scaled down would make good
-/// only a part of what the last rotation left violated, and the errors of many short steps would
-/// add up.
+/// only a part of what rows ask for: of a lift of 0.1 mm so little less that the next trial were as
+/// far from free as this one, and so each.
 Way WayWithin(StepContext& context, const Optimum& optimum) {
-  const double part = PartWithin(context, optimum);
+  double part = PartWithin(context, optimum);
   if (part == 1.0) return PartOfWay(optimum, 1.0);
-  const Target nearer{limits::kBoundShare * part * optimum.v,
-                      limits::kBoundShare * part * optimum.phi};
-  // The way to where the soft rows balance the spring: they have no part in it.
-  const Optimum partial = NearestStep(context, nearer, nullptr);
-  context.report.qp_iterations += partial.qp.iterations;
-  context.Require(partial);
-  const double clip = context.IsUnsolved() ? 0.0 : PartWithin(context, partial);
-  return {optimum, clip * partial.v, clip * partial.phi, false};
+  for (int tries = 1;; ++tries) {
+    part *= limits::kBoundShare;
+    // The way to where the soft rows balance the spring: they have no part in it.
+    const Optimum partial = NearestStep(context, {part * optimum.v, part * optimum.phi}, nullptr);
+    context.report.qp_iterations += partial.qp.iterations;
+    context.Require(partial);
+    const double clip = context.IsUnsolved() ? 0.0 : PartWithin(context, partial);
+    if (clip == 1.0 || clip == 0.0 || tries == limits::kNearerTargets) {
+      return {optimum, clip * partial.v, clip * partial.phi, false};
+    }
+    part *= clip;
+  }
 }
 
 /// How far a point of the tool's mesh goes at most.
@@ -106,12 +110,11 @@ std::optional<Way> GoPast(StepContext& context, const Way& held) {
 }
 
 /// Whether a motion that is free ends no farther from the hand than it begins, but for rounding.
-/// What yields pushes as well: the optimum of both may lie farther from the hand.  So may a
-/// straight way past a crease, where the arc ends nearer; and a ball that rests where facets have
-/// lifted it.
+/// What yields pushes as well: the optimum of both may lie farther from the hand.  So may a ball's:
+/// on its way to where the smooth surface holds it facets may lift it, and a straight way past a
+/// crease ends farther out than the arc.
 bool Approaches(const StepContext& context, const Way& way) {
-  const bool rests = context.IsFreeBall() && way.arrived;
-  return !context.IsRigid() || way.optimum.rounds || rests || context.Gain(way.v, way.phi) >= 0.0 ||
+  return !context.IsRigid() || context.IsFreeBall() || context.Gain(way.v, way.phi) >= 0.0 ||
          LengthOf(context, way) <= limits::mesh::kRounding;
 }
 

@@ -166,4 +166,13 @@ inline TriangleMesh Scaled(TriangleMesh mesh, double by) {
   return mesh;
 }
 
+/// A tool that is felt as a ball.
+inline Body BallBody(double radius) {
+  Body ball;
+  ball.name = "ball";
+  ball.mesh = MakeSphere(radius, 320);
+  ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), radius});
+  return ball;
+}
+
 }  // namespace palpate::test

@@ -22,6 +22,7 @@
 namespace palpate {
 namespace {
 
+using test::BallBody;
 using test::ContactLimits;
 using test::Crowded;
 using test::Flat;
@@ -31,6 +32,7 @@ using test::MakeCrumpled;
 using test::MakeFinnedBox;
 using test::MakeHand;
 using test::MakeL;
+using test::MakeMeshBody;
 using test::MakeSheet;
 using test::MakeTerraced;
 using test::MeshScene;
@@ -247,6 +249,29 @@ TEST(MeshContactHands, ArriveOnceTheHandStandsStill) {
     const test::ContactFigures figures = test::MeasureContact(
         hand.scene, X_WH, {.oracle_every = 0, .converge_every = 0, .hold_far = true});
     EXPECT_EQ(BrokenLimits(figures, {.never_arrived = 0}), "") << "seed " << hand.seed;
+  }
+}
+
+// A ball has the smooth surface's normals and the facets' places.  Facets lift it on its way, by as
+// much as a tenth of its way where they are coarse; and at one place one triangle may be smooth and
+// the next have a crease.
+TEST(MeshContactHands, ArriveAsABallOnTerracesAndFacets) {
+  const TriangleMesh bodies[] = {MakeTerraced(0.04, 5120, 3), MakeTerraced(0.04, 5120, 105),
+                                 MakeBentPipe(0.012, 0.006, 0.12, 4.0),
+                                 MakeBlock(60, 0.04, 0.02, Waves(0.004, 0.02))};
+  for (const TriangleMesh& body : bodies) {
+    Scene scene;
+    scene.features.contact = ContactModel::kSurface;
+    scene.tools.push_back(BallBody(0.0045));
+    scene.objects.push_back(MakeMeshBody("body", body));
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+      const std::vector<Pose> X_WH =
+          MakeHand(scene, {.seed = seed, .speed = 0.08, .steps = 2000, .press_mm = 12.0});
+      const test::ContactFigures figures = test::MeasureContact(
+          scene, X_WH, {.oracle_every = 20, .converge_every = 0, .hold_far = true});
+      EXPECT_EQ(BrokenLimits(figures, {.arrived_fraction = 0.99, .never_arrived = 0}), "")
+          << &body - bodies << ", seed " << seed;
+    }
   }
 }
 

@@ -21,6 +21,7 @@
 namespace palpate {
 namespace {
 
+using test::BallBody;
 using test::MakeMeshBody;
 using test::MeshOracle;
 using test::Random;
@@ -38,13 +39,6 @@ Quat Turn(double degrees, const Vec3& axis) {
 
 Body Box(const Vec3& size, const Pose& X = {}) {
   return MakeMeshBody("box", MakeBox(size), X);
-}
-Body BallBody(double radius) {
-  Body ball;
-  ball.name = "ball";
-  ball.mesh = MakeSphere(radius, 320);
-  ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), radius});
-  return ball;
 }
 
 /// A scene's first tool, its state, and the judge of where it is.
@@ -137,6 +131,21 @@ TEST(MeshContact, KeepsTheSeparationThatASceneAsksFor) {
     EXPECT_GE(report.wrench.force.y(), 1.0 + 0.5e3 * separation - 2e-6);
     EXPECT_LE(report.wrench.force.y(), 1.0 + 1e3 * separation + 2e-6);
     EXPECT_EQ(report.faults & kFaultTargetFar, 0u);
+  }
+}
+
+TEST(MeshContact, LeadsABallOverAFlushSeamOfTwoBodies) {
+  Scene scene = MakeScene(BallBody(0.003),
+                          Box(Vec3::Constant(0.02), {Vec3(-0.01, 0.0, 0.0), Quat::Identity()}));
+  scene.objects.push_back(Box(Vec3::Constant(0.02), {Vec3(0.01, 0.0, 0.0), Quat::Identity()}));
+  for (const double stride : {1e-6, 1e-5, 5e-5, 2e-4}) {
+    Touch touch(scene, Vec3(-0.0003, 0.0135, 0.0013));
+    touch.Go({Vec3(-0.0003, 0.012, 0.0013), Quat::Identity()}, 20);
+    for (double x = -0.0003; x < 0.0003; x += stride) {
+      const Vec3 force = touch.Step({Vec3(x, 0.012, 0.0013), Quat::Identity()}).wrench.force;
+      EXPECT_LE(std::hypot(force.x(), force.z()), 0.0036) << x << ", by " << stride;
+      EXPECT_NEAR(force.y(), 1.001, 1e-4);
+    }
   }
 }
 
