@@ -12,8 +12,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "common/math/sort_by_number.h"
-
 namespace palpate {
 namespace {
 
@@ -28,7 +26,7 @@ constexpr std::size_t kOwnThread = 1 << 16;
 /// each lies elsewhere in memory.  Taken.
 constexpr std::size_t kAhead = 8;
 
-/// Calls `work` with each triangle of a patch and its corners.
+/// Calls `work` with the corners of each triangle of a patch.
 template <class Work>
 void ForEach(Triangles patch, const std::vector<Mat3>& corners, const Work& work) {
   for (std::size_t i = 0; i < patch.size(); ++i) {
@@ -37,7 +35,7 @@ void ForEach(Triangles patch, const std::vector<Mat3>& corners, const Work& work
       __builtin_prefetch(&ahead);
       __builtin_prefetch(ahead.data() + 8);
     }
-    work(patch[i], corners[patch[i]]);
+    work(corners[patch[i]]);
   }
 }
 
@@ -47,18 +45,18 @@ Mat3 PrincipalAxes(const std::vector<Mat3>& corners, Triangles patch) {
   Vec3 sum = Vec3::Zero();
   double area = 0.0;
   const Vec3 origin = corners[patch[0]].col(0);
-  ForEach(patch, corners, [&](std::uint32_t, const Mat3& x) {
+  ForEach(patch, corners, [&](const Mat3& x) {
     const Vec3 a = x.col(0) - origin, b = x.col(1) - origin, c = x.col(2) - origin;
     const double weight = (b - a).cross(c - a).norm() + 1e-300;
     const Vec3 all = a + b + c;
     // Of a uniform triangle: (9 m m^T + a a^T + b b^T + c c^T) / 12, m its middle.
-    const double share = weight / 12.0;
+    const double third = weight / 3.0, share = 0.25 * third;
     for (int j = 0, entry = 0; j < 3; ++j) {
       for (int i = j; i < 3; ++i, ++entry) {
         moments[entry] += share * (all[i] * all[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j]);
       }
     }
-    sum += weight / 3.0 * all;
+    sum += third * all;
     area += weight;
   });
   Mat3 second;
@@ -72,31 +70,42 @@ Mat3 PrincipalAxes(const std::vector<Mat3>& corners, Triangles patch) {
   return solver.info() == Eigen::Success ? Mat3(solver.eigenvectors()) : Mat3(Mat3::Identity());
 }
 
-/// A triangle and where its centre lies along an axis.
-using Along = std::pair<double, std::uint32_t>;
+/// The triangles of a patch and where their centres lie along an axis.
+class Line {
+ public:
+  using Place = std::pair<double, std::uint32_t>;
 
-/// By their places, and those of the same place by their triangles.  Triangles lie about evenly
-/// along a patch, so that first they are dealt out to as many stretches as there are triangles.
-void Sort(std::vector<Along>& along) {
-  constexpr std::size_t kFew = 32;  // are sorted as fast without: taken
-  if (along.size() >= kFew) {
-    const auto [low, high] = std::ranges::minmax(along | std::views::keys);
-    const double scale = static_cast<double>(along.size()) / (high - low);
-    const auto stretch = [low = low, scale](const Along& at) {
-      return static_cast<std::size_t>((at.first - low) * scale);
+  std::vector<Place> places;
+
+  /// By their places, and those of the same place by their triangles.  Triangles lie about evenly
+  /// along a patch: they are dealt out to as many stretches of it first (bucket sort).
+  void Sort() {
+    constexpr std::size_t kFew = 32;  // are sorted as fast without: taken
+    if (places.size() < kFew) return std::sort(places.begin(), places.end());
+    const auto [low, high] = std::ranges::minmax(places | std::views::keys);
+    const double scale = static_cast<double>(places.size()) / (high - low);
+    if (!std::isfinite(scale)) return std::sort(places.begin(), places.end());
+    const auto stretch = [low = low, scale](const Place& place) {
+      return static_cast<std::size_t>((place.first - low) * scale);
     };
-    if (std::isfinite(scale) && scale > 0.0) {
-      SortByNumber(along, along.size() + 1, stretch);
-      for (auto begin = along.begin(), end = begin; begin != along.end(); begin = end) {
-        const std::size_t number = stretch(*begin);
-        while (end != along.end() && stretch(*end) == number) ++end;
-        if (end - begin > 1) std::sort(begin, end);
-      }
-      return;
+    end_.assign(places.size() + 2, 0);
+    for (const Place& place : places) ++end_[stretch(place) + 1];
+    std::partial_sum(end_.begin(), end_.end(), end_.begin());
+    dealt_.resize(places.size());
+    for (const Place& place : places) dealt_[end_[stretch(place)]++] = place;
+    auto begin = dealt_.begin();
+    for (const std::uint32_t end : end_) {
+      const auto next = dealt_.begin() + end;
+      if (next - begin > 1) std::sort(begin, next);
+      begin = next;
     }
+    places.swap(dealt_);
   }
-  std::sort(along.begin(), along.end());
-}
+
+ private:
+  std::vector<std::uint32_t> end_;  ///< of each stretch
+  std::vector<Place> dealt_;
+};
 
 /// Up to eight corners, each once.
 class FewCorners {
@@ -184,7 +193,7 @@ class HullTree::Builder {
 
   Below BuildBelow(const Work& top) {
     Below below;
-    std::vector<Along> along;
+    Line line;
     if (top.patch.size() < 2 * kOwnThread) {
       std::vector<Work> left{top};
       while (!left.empty()) {
@@ -195,14 +204,14 @@ class HullTree::Builder {
           Attach(work, ~static_cast<Node>(work.patch[0]));
           continue;
         }
-        const auto halves = Split(work, along);
+        const auto halves = Split(work, line);
         left.insert(left.end(), halves.rbegin(), halves.rend());
       }
       below.few = Gather(top.node, below.points);
       return below;
     }
-    const auto halves = Split(top, along);
-    along = {};
+    const auto halves = Split(top, line);
+    line = {};
     // Where there is no thread: at get().
     std::future<Below> other = std::async([&] { return BuildBelow(halves[1]); });
     below = BuildBelow(halves[0]);
@@ -223,12 +232,12 @@ class HullTree::Builder {
   }
 
   /// Makes the node, and halves its patch across its longest side.
-  std::array<Work, 2> Split(const Work& work, std::vector<Along>& along) {
+  std::array<Work, 2> Split(const Work& work, Line& line) {
     Inner box{};
     box.parent = work.parent;
     const Mat3 axes = PrincipalAxes(tree_.leaf_corners_, work.patch);
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    ForEach(work.patch, tree_.leaf_corners_, [&](std::uint32_t, const Mat3& corners) {
+    ForEach(work.patch, tree_.leaf_corners_, [&](const Mat3& corners) {
       for (int c = 0; c < 3; ++c) {
         const Vec3 x = axes.transpose() * corners.col(c);
         low = low.cwiseMin(x);
@@ -246,18 +255,20 @@ class HullTree::Builder {
     }
     box.centre = axes * (0.5 * (low + high));
     const Vec3 axis = axes.col(order_of[2]);
-    along.clear();
-    ForEach(work.patch, tree_.leaf_corners_, [&](std::uint32_t t, const Mat3& corners) {
+    ForEach(work.patch, tree_.leaf_corners_, [&](const Mat3& corners) {
       for (int c = 0; c < 3; ++c) {
         box.radius = std::max(box.radius, (corners.col(c) - box.centre).squaredNorm());
       }
-      along.emplace_back(axis.dot(tree_.leaf_centre_[t]), t);
     });
     box.radius = std::sqrt(box.radius);
     Attach(work, work.node);
     tree_.inner_[static_cast<std::size_t>(work.node)] = box;
-    Sort(along);
-    std::ranges::transform(along, work.patch.begin(), [](const Along& at) { return at.second; });
+    line.places.resize(work.patch.size());
+    std::ranges::transform(work.patch, line.places.begin(), [&](std::uint32_t t) {
+      return Line::Place(axis.dot(tree_.leaf_centre_[t]), t);
+    });
+    line.Sort();
+    std::ranges::copy(line.places | std::views::values, work.patch.begin());
     const std::size_t middle = work.patch.size() / 2;
     // A patch of n triangles has n - 1 inner nodes, the first half's before the second's.
     return {Work{work.patch.first(middle), work.node + 1, work.node, 0},
