@@ -70,42 +70,43 @@ Mat3 PrincipalAxes(const std::vector<Mat3>& corners, Triangles patch) {
   return solver.info() == Eigen::Success ? Mat3(solver.eigenvectors()) : Mat3(Mat3::Identity());
 }
 
-/// The triangles of a patch and where their centres lie along an axis.
-class Line {
- public:
-  using Place = std::pair<double, std::uint32_t>;
+/// A triangle and where its centre lies along an axis.
+using Place = std::pair<double, std::uint32_t>;
 
-  std::vector<Place> places;
-
-  /// By their places, and those of the same place by their triangles.  Triangles lie about evenly
-  /// along a patch: they are dealt out to as many stretches of it first (bucket sort).
-  void Sort() {
-    constexpr std::size_t kFew = 32;  // are sorted as fast without: taken
-    if (places.size() < kFew) return std::sort(places.begin(), places.end());
-    const auto [low, high] = std::ranges::minmax(places | std::views::keys);
-    const double scale = static_cast<double>(places.size()) / (high - low);
-    if (!std::isfinite(scale)) return std::sort(places.begin(), places.end());
-    const auto stretch = [low = low, scale](const Place& place) {
-      return static_cast<std::size_t>((place.first - low) * scale);
-    };
-    end_.assign(places.size() + 2, 0);
-    for (const Place& place : places) ++end_[stretch(place) + 1];
-    std::partial_sum(end_.begin(), end_.end(), end_.begin());
-    dealt_.resize(places.size());
-    for (const Place& place : places) dealt_[end_[stretch(place)]++] = place;
-    auto begin = dealt_.begin();
-    for (const std::uint32_t end : end_) {
-      const auto next = dealt_.begin() + end;
-      if (next - begin > 1) std::sort(begin, next);
-      begin = next;
-    }
-    places.swap(dealt_);
-  }
-
- private:
-  std::vector<std::uint32_t> end_;  ///< of each stretch
-  std::vector<Place> dealt_;
+/// What it takes to sort a patch: as much of each as it has triangles.
+struct Room {
+  std::span<Place> places, dealt;
+  std::span<std::uint32_t> ends;
 };
+
+std::span<const Place> Sorted(std::span<Place> places) {
+  std::ranges::sort(places);
+  return places;
+}
+
+/// Returns the places sorted, and those at the same place by their triangles.  Triangles lie about
+/// evenly along a patch: they are dealt out to as many stretches of it first (bucket sort).
+std::span<const Place> Sorted(const Room& room) {
+  constexpr std::size_t kFew = 32;  // are sorted as fast without: taken
+  const std::span<Place> places = room.places;
+  if (places.size() < kFew) return Sorted(places);
+  const auto [low, high] = std::ranges::minmax(places | std::views::keys);
+  const double scale = static_cast<double>(places.size() - 1) / (high - low);
+  if (!(std::isfinite(scale) && scale > 0.0)) return Sorted(places);
+  const auto stretch = [low = low, scale](const Place& place) {
+    return static_cast<std::size_t>((place.first - low) * scale);
+  };
+  std::ranges::fill(room.ends, 0u);
+  for (const Place& place : places) ++room.ends[stretch(place)];
+  std::exclusive_scan(room.ends.begin(), room.ends.end(), room.ends.begin(), 0u);
+  for (const Place& place : places) room.dealt[room.ends[stretch(place)]++] = place;
+  std::uint32_t begin = 0;
+  for (const std::uint32_t end : room.ends) {
+    if (end - begin > 1) std::ranges::sort(room.dealt.subspan(begin, end - begin));
+    begin = end;
+  }
+  return room.dealt;
+}
 
 /// Up to eight corners, each once.
 class FewCorners {
@@ -143,11 +144,14 @@ class HullTree::Builder {
     const std::size_t count = mesh.triangles().size();
     MakeLeaves(mesh);
     if (count < 2) return;
-    std::vector<std::uint32_t> order(count);
-    std::iota(order.begin(), order.end(), 0u);
+    order_.resize(count);
+    std::iota(order_.begin(), order_.end(), 0u);
+    places_.resize(count);
+    dealt_.resize(count);
+    ends_.resize(count);
     tree_.inner_.resize(count - 1);
     tree_.corners_.resize(count - 1);
-    Below all = BuildBelow({order, 0, -1, 0});
+    Below all = BuildBelow({order_, 0, -1, 0});
     if (!all.few.empty()) AddEight(tree_.root(), all.few, all.points);
     tree_.points_ = std::move(all.points);
   }
@@ -193,7 +197,6 @@ class HullTree::Builder {
 
   Below BuildBelow(const Work& top) {
     Below below;
-    Line line;
     if (top.patch.size() < 2 * kOwnThread) {
       std::vector<Work> left{top};
       while (!left.empty()) {
@@ -204,14 +207,13 @@ class HullTree::Builder {
           Attach(work, ~static_cast<Node>(work.patch[0]));
           continue;
         }
-        const auto halves = Split(work, line);
+        const auto halves = Split(work);
         left.insert(left.end(), halves.rbegin(), halves.rend());
       }
       below.few = Gather(top.node, below.points);
       return below;
     }
-    const auto halves = Split(top, line);
-    line = {};
+    const auto halves = Split(top);
     // Where there is no thread: at get().
     std::future<Below> other = std::async([&] { return BuildBelow(halves[1]); });
     below = BuildBelow(halves[0]);
@@ -232,7 +234,7 @@ class HullTree::Builder {
   }
 
   /// Makes the node, and halves its patch across its longest side.
-  std::array<Work, 2> Split(const Work& work, Line& line) {
+  std::array<Work, 2> Split(const Work& work) {
     Inner box{};
     box.parent = work.parent;
     const Mat3 axes = PrincipalAxes(tree_.leaf_corners_, work.patch);
@@ -263,12 +265,11 @@ class HullTree::Builder {
     box.radius = std::sqrt(box.radius);
     Attach(work, work.node);
     tree_.inner_[static_cast<std::size_t>(work.node)] = box;
-    line.places.resize(work.patch.size());
-    std::ranges::transform(work.patch, line.places.begin(), [&](std::uint32_t t) {
-      return Line::Place(axis.dot(tree_.leaf_centre_[t]), t);
+    const Room room = RoomOf(work.patch);
+    std::ranges::transform(work.patch, room.places.begin(), [&](std::uint32_t t) {
+      return Place(axis.dot(tree_.leaf_centre_[t]), t);
     });
-    line.Sort();
-    std::ranges::copy(line.places | std::views::values, work.patch.begin());
+    std::ranges::copy(Sorted(room) | std::views::values, work.patch.begin());
     const std::size_t middle = work.patch.size() / 2;
     // A patch of n triangles has n - 1 inner nodes, the first half's before the second's.
     return {Work{work.patch.first(middle), work.node + 1, work.node, 0},
@@ -330,7 +331,17 @@ class HullTree::Builder {
     return lanes;
   }
 
+  Room RoomOf(Triangles patch) {
+    const auto begin = static_cast<std::size_t>(patch.data() - order_.data());
+    return {std::span(places_).subspan(begin, patch.size()),
+            std::span(dealt_).subspan(begin, patch.size()),
+            std::span(ends_).subspan(begin, patch.size())};
+  }
+
   HullTree& tree_;
+  std::vector<std::uint32_t> order_;  ///< the triangles, those of a patch beside each other
+  std::vector<Place> places_, dealt_;
+  std::vector<std::uint32_t> ends_;
 };
 
 HullTree::HullTree(const ContactMesh& mesh) {
