@@ -7,6 +7,7 @@
 #include <iostream>
 #include <map>
 #include <sstream>
+#include <thread>
 #include <utility>
 
 #include "common/coupling_fault.h"
@@ -21,6 +22,7 @@
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/files/scene_size.h"
+#include "scenes/in_turn.h"
 #include "scenes/leaf_paint.h"
 #include "scenes/mesh/ambient_light.h"
 #include "scenes/mesh/curved_mesh.h"
@@ -335,6 +337,12 @@ double ReachOf(const Body& tool) {
   return reach;
 }
 
+/// So that a core makes one.
+std::size_t BodiesAtOnce(const LoadOptions& options) {
+  return options.bodies_at_once > 0 ? options.bodies_at_once
+                                    : std::max(std::thread::hardware_concurrency(), 1u);
+}
+
 Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   Scene scene;
   scene.name = description.name;
@@ -342,32 +350,45 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   scene.tuning = description.tuning;
   scene.features = description.features;
   scene.first_sight = description.first_sight;
-  std::vector<std::pair<const BodyDescription*, Shape>> done;
-  SceneProgress progress(DistinctBodies(description), options);
+  const std::vector<const BodyDescription*> distinct = DistinctBodies(description);
+  SceneProgress progress(distinct, options);
+  // Bodies have nothing to do with each other.  What is said of them is said here, in turn.
+  InTurn<Shape> shapes(distinct.size(), BodiesAtOnce(options), [&](std::size_t n, const auto& say) {
+    const BodyDescription& from = *distinct[n];
+    LoadOptions saying = options;
+    saying.warn = [&](const std::string& what) { say([&, what] { Warn(options, what); }); };
+    saying.tell = [&](const std::string& what) { say([&, what] { Tell(options, what); }); };
+    const auto tell = [&](std::string_view stage, double fraction) {
+      say([&progress, stage = std::string(stage), fraction] { progress.Tell(stage, fraction); });
+    };
+    say([&progress, &from] { progress.Begin(from); });
+    Shape made = MakeShape(from, saying, tell);
+    tell("done", 1.0);
+    return made;
+  });
+  const auto number_of = [&](const BodyDescription& body) {
+    const auto same = std::ranges::find_if(
+        distinct, [&](const BodyDescription* other) { return SameGeometry(body, *other); });
+    return static_cast<std::size_t>(same - distinct.begin());
+  };
+  std::vector<std::size_t> users(distinct.size(), 0);  // that are not made yet
+  for (const auto* bodies : {&description.tools, &description.objects}) {
+    for (const BodyDescription& body : *bodies) ++users[number_of(body)];
+  }
+  std::vector<Shape> done;
   SceneSize size;
   const auto compile = [&](const BodyDescription& from) {
-    const auto known = std::find_if(done.begin(), done.end(), [&](const auto& made) {
-      return SameGeometry(from, *made.first);  // two bunnies are built once
-    });
-    const auto make = [&] {
-      progress.Begin(from);
-      const auto tell = [&](std::string_view stage, double fraction) {
-        progress.Tell(stage, fraction);
-      };
-      Shape made = MakeShape(from, options, tell);
-      tell("done", 1.0);
-      return made;
-    };
-    const Shape& shape =
-        known != done.end() ? known->second : done.emplace_back(&from, make()).second;
+    const std::size_t number = number_of(from);
+    if (number == done.size()) done.push_back(shapes.Take());  // two bunnies are built once
+    Shape shape = --users[number] > 0 ? done[number] : std::move(done[number]);
     About(from.mesh.where, [&] { size.Add(from.name, shape.mesh, shape.tree); });
     Body body;
     body.name = from.name;
-    body.mesh = shape.mesh;
-    body.tree = shape.tree;
+    body.mesh = std::move(shape.mesh);
+    body.tree = std::move(shape.tree);
     body.X_WB = from.X_WB;
     body.look = from.look;
-    body.remarks = shape.remarks;
+    body.remarks = std::move(shape.remarks);
     if (const ShapeKind* kind = ShapeOf(from.mesh); kind != nullptr && kind->margin != nullptr) {
       body.margin = kind->margin(from.mesh.variant, from.mesh.values);
     }

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <iterator>
 #include <memory>
-#include <numeric>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -106,37 +106,44 @@ void Round(const Place& place, TriangleMesh& mesh) {
   }
 }
 
+/// The bits of a place: of NaN, too, and the same of 0 and -0.
+std::array<std::uint64_t, 3> BitsOf(const Vec3& place) {
+  std::array<std::uint64_t, 3> bits;
+  const Vec3 positive_zero = place + Vec3::Zero();
+  std::memcpy(bits.data(), positive_zero.data(), sizeof bits);
+  return bits;
+}
+
 /// Vertices at the same place become one; the order of first use stays.
 void Weld(TriangleMesh& mesh) {
-  std::vector<std::uint32_t> order(mesh.vertices.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto place = [&](std::uint32_t i) {
-    const Vec3& v = mesh.vertices[i];
-    std::array<std::uint64_t, 3> bits;  // bits, for NaN has a place in the order, too
-    const Vec3 positive_zero = v + Vec3::Zero();
-    std::memcpy(bits.data(), positive_zero.data(), sizeof bits);
-    return bits;
-  };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const auto pa = place(a);
-    const auto pb = place(b);
-    return pa < pb || (pa == pb && a < b);
-  });
-  std::vector<std::uint32_t> first(mesh.vertices.size());
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const bool same = k > 0 && place(order[k]) == place(order[k - 1]);
-    first[order[k]] = same ? first[order[k - 1]] : order[k];
-  }
+  constexpr std::uint32_t kFree = 0xffffffffu;
+  // Those that are kept, in slots from where their bits lead to (Knuth's multiplicative hash, The
+  // Art of Computer Programming 3, 6.4), at most half of which are taken.
+  const int bits_of_slot = std::bit_width(2 * mesh.vertices.size() + 1);
+  const std::size_t last = (std::size_t{1} << bits_of_slot) - 1;
+  std::vector<std::uint32_t> slots(last + 1, kFree);
   std::vector<std::uint32_t> renamed(mesh.vertices.size());
   std::uint32_t kept = 0;
-  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (first[v] != v) continue;
-    renamed[v] = kept;
-    mesh.vertices[kept++] = mesh.vertices[v];
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const auto bits = BitsOf(mesh.vertices[v]);
+    std::uint64_t hash = 0;
+    for (const std::uint64_t part : bits) {
+      hash = (hash ^ part) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 32;
+    }
+    std::size_t slot = hash * 0x9e3779b97f4a7c15u >> (64 - bits_of_slot);
+    while (slots[slot] != kFree && BitsOf(mesh.vertices[slots[slot]]) != bits) {
+      slot = (slot + 1) & last;
+    }
+    if (slots[slot] == kFree) {
+      slots[slot] = kept;
+      mesh.vertices[kept++] = mesh.vertices[v];
+    }
+    renamed[v] = slots[slot];
   }
   mesh.vertices.resize(kept);
   for (auto& triangle : mesh.triangles) {
-    for (std::uint32_t& v : triangle) v = renamed[first[v]];
+    for (std::uint32_t& v : triangle) v = renamed[v];
   }
 }
 

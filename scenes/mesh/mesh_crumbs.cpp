@@ -1,10 +1,10 @@
 #include "scenes/mesh/mesh_crumbs.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 
+#include "scenes/mesh/mesh_edges.h"
 #include "scenes/mesh/mesh_pieces.h"
 #include "scenes/mesh/mesh_query.h"
 
@@ -50,26 +50,9 @@ void LeaveOutUnusedVertices(TriangleMesh& mesh) {
   }
 }
 
-using Corners = std::array<std::uint32_t, 3>;
-
 Corners Sorted(Corners corners) {
   std::ranges::sort(corners);
   return corners;
-}
-
-/// Which triangles are the first of their corners.
-std::vector<bool> FirstOfTheirCorners(const TriangleMesh& mesh) {
-  std::vector<std::pair<Corners, std::uint32_t>> all;
-  all.reserve(mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    all.emplace_back(Sorted(mesh.triangles[t]), t);
-  }
-  std::ranges::sort(all);
-  std::vector<bool> first(mesh.triangles.size(), true);
-  for (std::size_t i = 1; i < all.size(); ++i) {
-    if (all[i].first == all[i - 1].first) first[all[i].second] = false;
-  }
-  return first;
 }
 
 }  // namespace
@@ -90,7 +73,8 @@ void KeepTriangles(const std::vector<bool>& kept, TriangleMesh& mesh,
 }
 
 std::size_t LeaveOutRepeatedTriangles(TriangleMesh& mesh, std::vector<MeshGroup>* groups) {
-  const std::vector<bool> first = FirstOfTheirCorners(mesh);
+  std::vector<bool> first = FindRepeated(mesh.triangles, mesh.vertices.size());
+  first.flip();
   if (std::ranges::find(first, false) == first.end()) return 0;
   TriangleMesh once = mesh;
   KeepTriangles(first, once);
@@ -113,8 +97,8 @@ std::size_t LeaveOutRepeatedTriangles(TriangleMesh& mesh, std::vector<MeshGroup>
 }
 
 Crumbs LeaveOutCrumbs(TriangleMesh& mesh, std::vector<MeshGroup>* groups) {
-  const std::vector<MeshPiece> pieces = PiecesOf(mesh);
-  if (pieces.size() < 2) return {};
+  const std::vector<MeshPiece> pieces = SeveralPiecesOf(mesh);
+  if (pieces.empty()) return {};
   const auto main = std::ranges::max_element(
       pieces, {}, [](const MeshPiece& piece) { return piece.report.area; });
   // Far-off crumbs would make the whole mesh's box a large one.

@@ -1,34 +1,55 @@
 #include "scenes/mesh/mesh_edges.h"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
+
+#include "common/math/sort_by_number.h"
 
 namespace palpate {
 
-std::vector<OpenEdge> OpenEdges(const TriangleMesh& mesh) {
-  std::vector<OpenEdge> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& [i, j, k] = mesh.triangles[t];
+EdgeSides::EdgeSides(std::span<const Corners> triangles, std::size_t vertices) {
+  sides_.reserve(3 * triangles.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const auto& [i, j, k] = triangles[t];
     if (i == j || j == k || k == i) continue;
     for (const auto& [from, to] : {std::pair{i, j}, std::pair{j, k}, std::pair{k, i}}) {
-      edges.push_back({from, to, t});
+      sides_.push_back({std::min(from, to), std::max(from, to), t, from < to});
     }
   }
-  const auto ends = [](const OpenEdge& e) { return std::minmax(e.from, e.to); };
-  std::sort(edges.begin(), edges.end(), [&](const OpenEdge& a, const OpenEdge& b) {
-    return std::tuple(std::pair(ends(a)), a.triangle) < std::tuple(std::pair(ends(b)), b.triangle);
+  SortByNumber(sides_, vertices, &Side::high);
+  SortByNumber(sides_, vertices, &Side::low);
+}
+
+std::vector<OpenEdge> OpenEdges(const TriangleMesh& mesh) {
+  std::vector<OpenEdge> open;
+  EdgeSides(mesh).ForEachEdge([&](std::span<const Side> sides) {
+    if (sides.size() > 1) return;
+    const Side& side = sides.front();
+    open.push_back(
+        {side.forward ? side.low : side.high, side.forward ? side.high : side.low, side.triangle});
   });
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    while (end < edges.size() && ends(edges[end]) == ends(edges[i])) ++end;
-    if (end - i == 1) edges[kept++] = edges[i];
-    i = end;
+  return open;
+}
+
+std::vector<bool> FindRepeated(std::span<const Corners> triangles, std::size_t vertices) {
+  struct Sorted {
+    Corners corners;
+    std::uint32_t triangle;
+  };
+  std::vector<Sorted> all;
+  all.reserve(triangles.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    all.push_back({triangles[t], t});
+    std::ranges::sort(all.back().corners);
   }
-  edges.resize(kept);
-  return edges;
+  for (const std::size_t c : {2u, 1u, 0u}) {
+    SortByNumber(all, vertices, [c](const Sorted& sorted) { return sorted.corners[c]; });
+  }
+  std::vector<bool> repeated(triangles.size(), false);
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    repeated[all[i].triangle] = all[i].corners == all[i - 1].corners;
+  }
+  return repeated;
 }
 
 }  // namespace palpate

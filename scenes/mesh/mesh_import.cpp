@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
@@ -143,6 +144,14 @@ class Child {
               " " + file + "' says");
 }
 
+Eigen::AlignedBox3d BoxOf(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t v : triangle) box.extend(mesh.vertices[v]);
+  }
+  return box;
+}
+
 }  // namespace
 
 TriangleMesh ImportMesh(const std::string& file, std::vector<MeshGroup>* groups) {
@@ -178,16 +187,14 @@ std::vector<std::string> FilesOfMesh(const std::string& file) {
 }
 
 double PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh) {
-  const MeshReport report = InspectMesh(mesh);
+  const Eigen::AlignedBox3d box = BoxOf(mesh);
   double scale = placement.metres_per_unit;
-  if (placement.longest_side) {
-    scale = *placement.longest_side / (report.box_max - report.box_min).maxCoeff();
-  }
+  if (placement.longest_side) scale = *placement.longest_side / box.sizes().maxCoeff();
   Vec3 origin = Vec3::Zero();
   if (placement.origin == MeshPlacement::Origin::kBoxCentre) {
-    origin = 0.5 * (report.box_min + report.box_max);
+    origin = 0.5 * (box.min() + box.max());
   } else if (placement.origin == MeshPlacement::Origin::kCentroid) {
-    origin = report.centroid;
+    origin = InspectMesh(mesh).centroid;
   }
   for (Vec3& v : mesh.vertices) v = scale * (v - origin);
   return scale;
@@ -195,8 +202,7 @@ double PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh) {
 
 std::string UnitRemark(const MeshPlacement& placement, const TriangleMesh& mesh) {
   if (placement.longest_side) return "";
-  const MeshReport report = InspectMesh(mesh);
-  const double longest = (report.box_max - report.box_min).maxCoeff();
+  const double longest = BoxOf(mesh).sizes().maxCoeff();
   const double number = longest / placement.metres_per_unit;
   const auto likely = LikelierUnit(number, placement.metres_per_unit);
   if (!likely) return "";

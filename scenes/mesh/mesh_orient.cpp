@@ -5,9 +5,11 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "scenes/mesh/mesh_edges.h"
 #include "scenes/mesh/mesh_pieces.h"
 #include "scenes/mesh/mesh_query.h"
 #include "scenes/mesh/mesh_report.h"
@@ -15,42 +17,27 @@
 namespace palpate {
 namespace {
 
+constexpr std::uint32_t kNone = 0xffffffffu;
+
 struct Neighbour {
-  std::uint32_t triangle;
-  bool agrees;  ///< runs along the shared edge the other way, as it should
+  std::uint32_t triangle = kNone;
+  bool agrees = true;  ///< runs along the shared edge the other way, as it should
 };
 
-/// Each triangle's neighbours over edges of exactly two triangles.
-std::vector<std::vector<Neighbour>> FindNeighbours(const TriangleMesh& mesh) {
-  struct Side {
-    std::uint32_t low, high, triangle;
-    bool forward;
+/// Each triangle's neighbours over edges of exactly two triangles; kNone behind the last.
+using Neighbours = std::array<Neighbour, 3>;
+
+std::vector<Neighbours> FindNeighbours(const TriangleMesh& mesh) {
+  std::vector<Neighbours> neighbours(mesh.triangles.size());
+  const auto add = [&](const Side& of, const Side& other) {
+    *std::ranges::find(neighbours[of.triangle], kNone, &Neighbour::triangle) = {
+        other.triangle, of.forward != other.forward};
   };
-  std::vector<Side> sides;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& [i, j, k] = mesh.triangles[t];
-    if (i == j || j == k || k == i) continue;
-    for (const auto& [from, to] : {std::pair{i, j}, std::pair{j, k}, std::pair{k, i}}) {
-      sides.push_back({std::min(from, to), std::max(from, to), t, from < to});
-    }
-  }
-  const auto key = [](const Side& s) { return std::array{s.low, s.high, s.triangle}; };
-  std::sort(sides.begin(), sides.end(),
-            [&](const Side& a, const Side& b) { return key(a) < key(b); });
-  std::vector<std::vector<Neighbour>> neighbours(mesh.triangles.size());
-  for (std::size_t i = 0; i < sides.size();) {
-    std::size_t end = i;
-    while (end < sides.size() && sides[end].low == sides[i].low &&
-           sides[end].high == sides[i].high) {
-      ++end;
-    }
-    if (end - i == 2) {
-      const bool agrees = sides[i].forward != sides[i + 1].forward;
-      neighbours[sides[i].triangle].push_back({sides[i + 1].triangle, agrees});
-      neighbours[sides[i + 1].triangle].push_back({sides[i].triangle, agrees});
-    }
-    i = end;
-  }
+  EdgeSides(mesh).ForEachEdge([&](std::span<const Side> sides) {
+    if (sides.size() != 2) return;
+    add(sides[0], sides[1]);
+    add(sides[1], sides[0]);
+  });
   return neighbours;
 }
 
@@ -85,8 +72,7 @@ std::size_t Depth(const MeshPiece& piece, const std::vector<MeshPiece>& pieces,
 /// Closed pieces that wind the wrong way, by their numbers of triangles.
 std::vector<std::uint32_t> TrianglesInsideOut(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> wrong;
-  const std::vector<MeshPiece> pieces = PiecesOf(mesh);
-  if (pieces.size() < 2) return wrong;
+  const std::vector<MeshPiece> pieces = SeveralPiecesOf(mesh);
   std::vector<std::unique_ptr<MeshQuery>> queries(pieces.size());
   for (const MeshPiece& piece : pieces) {
     if (!piece.report.inside_out() || Depth(piece, pieces, queries) % 2 == 1) continue;
@@ -186,6 +172,7 @@ std::size_t OrientTriangles(TriangleMesh& mesh) {
       const Vec3& a = mesh.vertices[i];
       area[turned[t]] += (mesh.vertices[j] - a).cross(mesh.vertices[k] - a).norm();
       for (const Neighbour& n : neighbours[t]) {
+        if (n.triangle == kNone) break;
         if (seen[n.triangle]) continue;
         seen[n.triangle] = true;
         turned[n.triangle] = turned[t] == n.agrees;
@@ -207,7 +194,9 @@ std::size_t OrientTriangles(TriangleMesh& mesh) {
   if (report.inside_out()) {
     for (std::uint32_t t = 0; t < turned.size(); ++t) turn(t);
   }
-  for (std::uint32_t t : TrianglesInsideOut(mesh)) turn(t);
+  if (patches > 1) {
+    for (std::uint32_t t : TrianglesInsideOut(mesh)) turn(t);
+  }
   if (!report.closed() && report.area > 0.0) {
     if (patches > 1 && patches <= kMostPatches) TurnPatches(mesh, patch_of, turn);
     TurnOpenShells(mesh, turn);

@@ -1,67 +1,28 @@
 #include "scenes/mesh/mesh_pieces.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
+#include <span>
 
 #include "scenes/mesh/disjoint_sets.h"
+#include "scenes/mesh/mesh_edges.h"
 
 namespace palpate {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-/// Calls `work` with the triangles at each edge, in the order of their numbers.
-template <class Work>
-void ForEachEdge(const TriangleMesh& mesh, const Work& work) {
-  using Side = std::array<std::uint32_t, 3>;  // lower end, higher end, triangle
-  std::vector<Side> sides;
-  sides.reserve(3 * mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& [i, j, k] = mesh.triangles[t];
-    if (i == j || j == k || k == i) continue;
-    for (const auto& [a, b] : {std::pair{i, j}, std::pair{j, k}, std::pair{k, i}}) {
-      sides.push_back({std::min(a, b), std::max(a, b), t});
-    }
-  }
-  std::ranges::sort(sides);
-  std::vector<std::uint32_t> triangles;
-  for (std::size_t i = 0; i < sides.size();) {
-    const std::size_t begin = i;
-    triangles.clear();
-    for (; i < sides.size() && sides[i][0] == sides[begin][0] && sides[i][1] == sides[begin][1];
-         ++i) {
-      triangles.push_back(sides[i][2]);
-    }
-    work(triangles);
-  }
+/// Whether numbers, which count from 0, are those of one thing at most.
+bool IsOne(const std::vector<std::uint32_t>& numbers) {
+  return std::ranges::all_of(numbers, [](std::uint32_t number) { return number == 0; });
 }
 
-/// Patches each of whose edges is one of two of its triangles, or of four: by their numbers.
-std::vector<bool> ClosedPatches(const TriangleMesh& mesh, const std::vector<std::uint32_t>& patch) {
-  std::vector<bool> closed(mesh.triangles.size(), false), open = closed;
-  std::vector<std::uint32_t> at_edge;
-  ForEachEdge(mesh, [&](const std::vector<std::uint32_t>& triangles) {
-    at_edge.clear();
-    for (const std::uint32_t t : triangles) at_edge.push_back(patch[t]);
-    for (const std::uint32_t p : at_edge) {
-      closed[p] = true;  // one that has no edges at all is not
-      if (std::ranges::count(at_edge, p) % 2 == 1) open[p] = true;
-    }
+std::vector<std::uint32_t> PatchesBy(const EdgeSides& edges, std::size_t triangles) {
+  DisjointSets patches(triangles);
+  edges.ForEachEdge([&](std::span<const Side> sides) {
+    if (sides.size() == 2) patches.Join(sides[0].triangle, sides[1].triangle);
   });
-  for (std::size_t p = 0; p < closed.size(); ++p) closed[p] = closed[p] && !open[p];
-  return closed;
-}
-
-}  // namespace
-
-std::vector<std::uint32_t> PatchesOf(const TriangleMesh& mesh) {
-  DisjointSets patches(mesh.triangles.size());
-  ForEachEdge(mesh, [&](const std::vector<std::uint32_t>& triangles) {
-    if (triangles.size() == 2) patches.Join(triangles[0], triangles[1]);
-  });
-  std::vector<std::uint32_t> number(mesh.triangles.size(), kNone), of(mesh.triangles.size());
+  std::vector<std::uint32_t> number(triangles, kNone), of(triangles);
   std::uint32_t count = 0;
   for (std::uint32_t t = 0; t < of.size(); ++t) {
     std::uint32_t& patch = number[patches.Find(t)];
@@ -71,9 +32,28 @@ std::vector<std::uint32_t> PatchesOf(const TriangleMesh& mesh) {
   return of;
 }
 
-std::vector<MeshPiece> PiecesOf(const TriangleMesh& mesh) {
-  const std::vector<std::uint32_t> patch = PatchesOf(mesh);
-  const std::vector<bool> closed = ClosedPatches(mesh, patch);
+/// Patches each of whose edges is one of two of its triangles, or of four: by their numbers.
+std::vector<bool> ClosedPatches(const EdgeSides& edges, const std::vector<std::uint32_t>& patch) {
+  std::vector<bool> closed(patch.size(), false), open = closed;
+  std::vector<std::uint32_t> at_edge;
+  edges.ForEachEdge([&](std::span<const Side> sides) {
+    at_edge.clear();
+    for (const Side& side : sides) at_edge.push_back(patch[side.triangle]);
+    for (const std::uint32_t p : at_edge) {
+      closed[p] = true;  // one that has no edges at all is not
+      if (std::ranges::count(at_edge, p) % 2 == 1) open[p] = true;
+    }
+  });
+  for (std::size_t p = 0; p < closed.size(); ++p) closed[p] = closed[p] && !open[p];
+  return closed;
+}
+
+/// Of each triangle the number of its piece.
+std::vector<std::uint32_t> PieceNumbers(const TriangleMesh& mesh) {
+  const EdgeSides edges(mesh);
+  const std::vector<std::uint32_t> patch = PatchesBy(edges, mesh.triangles.size());
+  if (IsOne(patch)) return patch;
+  const std::vector<bool> closed = ClosedPatches(edges, patch);
   DisjointSets vertices(mesh.vertices.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (closed[patch[t]]) continue;
@@ -91,7 +71,22 @@ std::vector<MeshPiece> PiecesOf(const TriangleMesh& mesh) {
     if (piece == kNone) piece = pieces++;
     number.push_back(piece);
   }
-  return PiecesBy(mesh, number);
+  return number;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> PatchesOf(const TriangleMesh& mesh) {
+  return PatchesBy(EdgeSides(mesh), mesh.triangles.size());
+}
+
+std::vector<MeshPiece> PiecesOf(const TriangleMesh& mesh) {
+  return PiecesBy(mesh, PieceNumbers(mesh));
+}
+
+std::vector<MeshPiece> SeveralPiecesOf(const TriangleMesh& mesh) {
+  const std::vector<std::uint32_t> number = PieceNumbers(mesh);
+  return IsOne(number) ? std::vector<MeshPiece>() : PiecesBy(mesh, number);
 }
 
 std::vector<MeshPiece> PiecesBy(const TriangleMesh& mesh,

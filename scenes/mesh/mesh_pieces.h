@@ -22,6 +22,9 @@ struct MeshPiece {
 /// all else, pieces share no vertex.
 std::vector<MeshPiece> PiecesOf(const TriangleMesh& mesh);
 
+/// The same of a mesh that has several; else none, for of most meshes the one piece is the whole.
+std::vector<MeshPiece> SeveralPiecesOf(const TriangleMesh& mesh);
+
 /// Of each triangle the number of its patch, from 0: what edges of exactly two triangles join.  No
 /// patch is of two pieces.
 std::vector<std::uint32_t> PatchesOf(const TriangleMesh& mesh);

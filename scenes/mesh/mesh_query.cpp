@@ -55,25 +55,38 @@ Vec3 NearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& 
   return best;
 }
 
+/// What a triangle adds to the nodes above it.
+struct MeshQuery::Facet {
+  Vec3 centroid;
+  Vec3 area;      ///< times the normal [m^2]
+  double size;    ///< |area|
+  Vec3 weighted;  ///< size * centroid
+};
+
 MeshQuery::MeshQuery(const TriangleMesh& mesh) : mesh_(mesh) {
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   order_.resize(count);
   std::iota(order_.begin(), order_.end(), 0u);
-  std::vector<Vec3> centroids(count);
+  std::vector<Facet> facets(count);
   vertex_normals_.assign(mesh.vertices.size(), Vec3::Zero());
   for (std::uint32_t t = 0; t < count; ++t) {
     const auto& [i, j, k] = mesh.triangles[t];
     const Vec3& a = mesh.vertices[i];
     const Vec3& b = mesh.vertices[j];
     const Vec3& c = mesh.vertices[k];
-    centroids[t] = (a + b + c) / 3.0;
     const Vec3 area = (b - a).cross(c - a);
     for (std::uint32_t v : {i, j, k}) vertex_normals_[v] += area;
+    Facet& facet = facets[t];
+    facet.centroid = (a + b + c) / 3.0;
+    facet.area = 0.5 * area;
+    facet.size = facet.area.norm();
+    facet.weighted = facet.size * facet.centroid;
   }
   nodes_.reserve(2 * (count / 2 + 1));
   nodes_.emplace_back();
   nodes_[0].end = count;
-  Build(0, centroids);
+  std::vector<Along> along(count);
+  Build(0, facets, along);
   corners_.reserve(count);
   for (std::uint32_t t : order_) {
     const auto& [i, j, k] = mesh.triangles[t];
@@ -81,7 +94,8 @@ MeshQuery::MeshQuery(const TriangleMesh& mesh) : mesh_(mesh) {
   }
 }
 
-void MeshQuery::Build(std::int32_t index, std::vector<Vec3>& centroids) {
+void MeshQuery::Build(std::int32_t index, const std::vector<Facet>& facets,
+                      std::vector<Along>& along) {
   Node node = nodes_[index];
   node.min = Vec3::Constant(std::numeric_limits<double>::infinity());
   node.max = -node.min;
@@ -90,44 +104,43 @@ void MeshQuery::Build(std::int32_t index, std::vector<Vec3>& centroids) {
   Vec3 high = node.max;
   double total = 0.0;
   for (std::uint32_t i = node.begin; i < node.end; ++i) {
-    const std::uint32_t t = order_[i];
-    low = low.cwiseMin(centroids[t]);
-    high = high.cwiseMax(centroids[t]);
-    const auto& triangle = mesh_.triangles[t];
-    for (std::uint32_t v : triangle) {
-      node.min = node.min.cwiseMin(mesh_.vertices[v]);
-      node.max = node.max.cwiseMax(mesh_.vertices[v]);
-    }
-    const Vec3& a = mesh_.vertices[triangle[0]];
-    const Vec3 area =
-        0.5 * (mesh_.vertices[triangle[1]] - a).cross(mesh_.vertices[triangle[2]] - a);
-    node.dipole += area;
-    node.centre += area.norm() * centroids[t];
-    total += area.norm();
+    const Facet& facet = facets[order_[i]];
+    low = low.cwiseMin(facet.centroid);
+    high = high.cwiseMax(facet.centroid);
+    node.dipole += facet.area;
+    node.centre += facet.weighted;
+    total += facet.size;
   }
-  node.centre = total > 0.0 ? Vec3(node.centre / total) : Vec3(0.5 * (node.min + node.max));
-  node.reach = (node.max - node.centre).cwiseMax(node.centre - node.min).norm();
   if (node.end - node.begin > kLeafTriangles) {
     int axis = 0;
     (high - low).maxCoeff(&axis);
     const std::uint32_t middle = node.begin + (node.end - node.begin) / 2;
-    std::nth_element(order_.begin() + node.begin, order_.begin() + middle,
-                     order_.begin() + node.end, [&](std::uint32_t s, std::uint32_t t) {
-                       const double x = centroids[s][axis];
-                       const double y = centroids[t][axis];
-                       return x < y || (x == y && s < t);
-                     });
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+      along[i] = {facets[order_[i]].centroid[axis], order_[i]};
+    }
+    std::nth_element(along.begin() + node.begin, along.begin() + middle, along.begin() + node.end);
+    for (std::uint32_t i = node.begin; i < node.end; ++i) order_[i] = along[i].second;
     node.child = static_cast<std::int32_t>(nodes_.size());
     nodes_.resize(nodes_.size() + 2);
     nodes_[node.child].begin = node.begin;
     nodes_[node.child].end = nodes_[node.child + 1].begin = middle;
     nodes_[node.child + 1].end = node.end;
-    nodes_[index] = node;
-    Build(node.child, centroids);
-    Build(node.child + 1, centroids);
+    for (const std::int32_t child : {node.child, node.child + 1}) {
+      Build(child, facets, along);
+      node.min = node.min.cwiseMin(nodes_[child].min);
+      node.max = node.max.cwiseMax(nodes_[child].max);
+    }
   } else {
-    nodes_[index] = node;
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+      for (const std::uint32_t v : mesh_.triangles[order_[i]]) {
+        node.min = node.min.cwiseMin(mesh_.vertices[v]);
+        node.max = node.max.cwiseMax(mesh_.vertices[v]);
+      }
+    }
   }
+  node.centre = total > 0.0 ? Vec3(node.centre / total) : Vec3(0.5 * (node.min + node.max));
+  node.reach = (node.max - node.centre).cwiseMax(node.centre - node.min).norm();
+  nodes_[index] = node;
 }
 
 MeshQuery::Hit MeshQuery::Nearest(const Vec3& p, double within) const {

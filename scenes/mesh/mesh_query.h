@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "common/math/pose.h"
@@ -53,7 +54,9 @@ class MeshQuery {
   struct Corners {
     Vec3 a, b, c;
   };
-  void Build(std::int32_t node, std::vector<Vec3>& centroids);
+  struct Facet;
+  using Along = std::pair<double, std::uint32_t>;  // where a triangle lies along an axis
+  void Build(std::int32_t node, const std::vector<Facet>& facets, std::vector<Along>& along);
 
   const TriangleMesh& mesh_;
   std::vector<Node> nodes_;

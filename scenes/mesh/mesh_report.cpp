@@ -1,37 +1,20 @@
 #include "scenes/mesh/mesh_report.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <tuple>
+#include <span>
 
 #include "scenes/mesh/disjoint_sets.h"
+#include "scenes/mesh/mesh_edges.h"
 
 namespace palpate {
 namespace {
 
-struct Edge {
-  std::uint32_t low, high;
-  bool forward;  ///< the triangle runs from low to high
-  bool operator<(const Edge& o) const {
-    return std::tie(low, high, forward) < std::tie(o.low, o.high, o.forward);
-  }
-  bool Same(const Edge& o) const { return low == o.low && high == o.high; }
-};
-
-void CountEdges(std::vector<Edge>& edges, MeshReport& report) {
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i;
-    std::size_t forward = 0;
-    for (; end < edges.size() && edges[end].Same(edges[i]); ++end) forward += edges[end].forward;
-    const std::size_t count = end - i;
-    report.boundary_edges += count == 1;
-    report.non_manifold_edges += count > 2;
-    report.inconsistent_edges += count == 2 && forward != 1;
-    i = end;
-  }
+void CountEdges(std::span<const Side> sides, MeshReport& report) {
+  report.boundary_edges += sides.size() == 1;
+  report.non_manifold_edges += sides.size() > 2;
+  report.inconsistent_edges += sides.size() == 2 && sides[0].forward == sides[1].forward;
 }
 
 std::string Count(std::size_t n, const char* one, const char* many) {
@@ -99,8 +82,8 @@ MeshReport InspectMesh(const TriangleMesh& mesh) {
 
   std::vector<bool> used(r.vertices, false);
   DisjointSets pieces(r.vertices);
-  std::vector<Edge> edges;
-  std::vector<std::array<std::uint32_t, 3>> corners;
+  std::vector<Corners> usable;
+  usable.reserve(r.triangles);
   r.box_min = Vec3::Constant(std::numeric_limits<double>::infinity());
   r.box_max = -r.box_min;
   Vec3 solid_moment = Vec3::Zero();
@@ -114,14 +97,13 @@ MeshReport InspectMesh(const TriangleMesh& mesh) {
       continue;
     }
     if (!(finite[i] && finite[j] && finite[k])) continue;
-    if (corners.empty()) origin = mesh.vertices[i];
+    if (usable.empty()) origin = mesh.vertices[i];
     for (std::uint32_t v : triangle) {
       used[v] = true;
       r.box_min = r.box_min.cwiseMin(mesh.vertices[v]);
       r.box_max = r.box_max.cwiseMax(mesh.vertices[v]);
     }
-    corners.push_back(triangle);
-    std::sort(corners.back().begin(), corners.back().end());
+    usable.push_back(triangle);
     pieces.Join(i, j);
     pieces.Join(j, k);
     const Vec3 a = mesh.vertices[i] - origin;
@@ -137,16 +119,12 @@ MeshReport InspectMesh(const TriangleMesh& mesh) {
     const double volume = a.dot(b.cross(c)) / 6.0;
     r.volume += volume;
     solid_moment += volume / 4.0 * (a + b + c);
-    for (const auto& [from, to] : {std::pair{i, j}, std::pair{j, k}, std::pair{k, i}}) {
-      edges.push_back({std::min(from, to), std::max(from, to), from < to});
-    }
   }
-  if (corners.empty()) r.box_min = r.box_max = Vec3::Zero();
-  CountEdges(edges, r);
-  std::sort(corners.begin(), corners.end());
-  for (std::size_t i = 1; i < corners.size(); ++i) {
-    r.duplicate_triangles += corners[i] == corners[i - 1];
-  }
+  if (usable.empty()) r.box_min = r.box_max = Vec3::Zero();
+  EdgeSides(usable, r.vertices).ForEachEdge([&r](std::span<const Side> sides) {
+    CountEdges(sides, r);
+  });
+  r.duplicate_triangles = std::ranges::count(FindRepeated(usable, r.vertices), true);
   for (std::uint32_t v = 0; v < r.vertices; ++v) {
     r.unused_vertices += !used[v];
     r.components += used[v] && pieces.Find(v) == v;

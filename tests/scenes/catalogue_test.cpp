@@ -6,6 +6,7 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,6 +29,7 @@ using test::ComplaintOf;
 using test::FreshFolder;
 using test::WriteFile;
 using testing::AllOf;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -403,6 +405,68 @@ TEST_F(LoadedScene, TellsHowMuchOfTheWholeSceneIsDoneWithoutGoingBack) {
   Load();
   EXPECT_DOUBLE_EQ(before, 1.0);
   EXPECT_THAT(bodies, ElementsAre("body 1 of 3, ball", "body 2 of 3, a", "body 3 of 3, b"));
+}
+
+TEST_F(LoadedScene, IsTheSameHoweverManyBodiesAreBuiltAtOnce) {
+  WriteFile(folder_ + "/ball.obj", BallFile());
+  WriteFile(scene_, R"({
+    "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
+    "objects": [{"name": "slow", "mesh": {"file": "ball.obj", "unit": "m",
+                   "curved": {"tolerance_um": 5, "max_triangles": 3000}}, "leaves": 300},
+                {"name": "a", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 20},
+                {"name": "auto", "mesh": {"file": "ball.obj", "unit": "m"}, "leaves": "auto"},
+                {"name": "again", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 20},
+                {"name": "auto2", "mesh": {"file": "ball.obj", "unit": "mm"}, "leaves": "auto"},
+                {"name": "b", "mesh": {"file": "box.obj", "unit": "mm"}}]})");
+  options_.use_cache = false;
+  std::vector<std::string> said;
+  const auto add = [&](const std::string& what) { said.push_back(what); };
+  options_.progress = [&](std::string_view stage, double done) {
+    add(std::to_string(done) + " " + std::string(stage));
+  };
+  options_.warn = options_.tell = add;
+  options_.bodies_at_once = 1;
+  const std::vector<std::uint8_t> one = PackScene(LoadScene(scene_, options_));
+  const std::vector<std::string> by_one = std::exchange(said, {});
+  EXPECT_THAT(by_one, Contains(HasSubstr("triangles do not suffice")));
+  EXPECT_THAT(by_one, Contains(HasSubstr("auto: ")));
+  for (const std::size_t at_once : {0u, 2u, 5u}) {
+    options_.bodies_at_once = at_once;
+    EXPECT_EQ(PackScene(LoadScene(scene_, options_)), one) << at_once << " at once";
+    EXPECT_EQ(said, by_one) << at_once << " at once";
+    said.clear();
+  }
+}
+
+TEST_F(LoadedScene, NamesTheBodyThatFailsFirstInTheFileWhicheverFailsFirst) {
+  // The one takes a while to be found broken, the other is not there.
+  std::string broken;
+  for (int i = 0; i < 20'000; ++i) broken += "v " + std::to_string(i) + " 0 0\n";
+  WriteFile(folder_ + "/broken.obj", broken + "f 1 2 nonsense\n");
+  const auto complaint = [&](const char* first, const char* second) {
+    WriteFile(scene_, std::string(R"({
+    "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
+    "objects": [{"name": "a", )") +
+                          first + R"(},
+                {"name": "b", )" +
+                          second + "}]}");
+    return Complaint();
+  };
+  const char* const is_broken = R"("mesh": {"file": "broken.obj", "unit": "mm"}, "leaves": 20)";
+  const char* const is_not_there = R"("mesh": {"file": "none.obj", "unit": "mm"}, "leaves": 20)";
+  const char* const is_unpainted =
+      R"("mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 500, "regions": [
+         {"sphere": {"centre_mm": [90, 0, 0], "radius_mm": 0.01}, "material": {}}])";
+  options_.use_cache = false;
+  for (const std::size_t at_once : {1u, 4u}) {
+    options_.bodies_at_once = at_once;
+    EXPECT_THAT(complaint(is_broken, is_not_there),
+                AllOf(HasSubstr("objects[0].mesh: "), HasSubstr("broken.obj")));
+    EXPECT_THAT(complaint(is_not_there, is_broken),
+                AllOf(HasSubstr("objects[0].mesh: "), HasSubstr("none.obj")));
+    // Found when the body is made, and what is behind it may have failed by then.
+    EXPECT_THAT(complaint(is_unpainted, is_not_there), HasSubstr("objects[0].regions[0]: "));
+  }
 }
 
 TEST_F(LoadedScene, KeepsTheRemarkThatAToleranceIsOutOfReach) {

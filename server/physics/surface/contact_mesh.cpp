@@ -1,7 +1,12 @@
 #include "server/physics/surface/contact_mesh.h"
 
 #include <algorithm>
+#include <deque>
+#include <future>
 #include <numeric>
+#include <thread>
+
+#include "common/math/sort_by_number.h"
 
 namespace palpate {
 namespace {
@@ -27,10 +32,72 @@ Vec3 UnitOrZero(const Vec3& v) {
 
 }  // namespace
 
+/// Bodies share no vertex, so that each is connected by itself, as many at once as there are cores.
 ContactMesh::ContactMesh(std::span<const PlacedMesh> meshes) {
-  for (std::size_t i = 0; i < meshes.size(); ++i) Add(meshes[i], static_cast<std::uint32_t>(i));
+  if (meshes.size() == 1) {
+    *this = ContactMesh(meshes.front());
+    return;
+  }
+  Reserve(meshes);
+  const std::size_t at_once = std::max(std::thread::hardware_concurrency(), 1u);
+  std::deque<std::future<ContactMesh>> made;
+  std::size_t begun = 0;
+  for (std::size_t body = 0; body < meshes.size(); ++body) {
+    for (; begun < std::min(meshes.size(), body + at_once + 1); ++begun) {
+      // Where there is no thread: at get().
+      made.push_back(std::async([placed = meshes[begun]] { return ContactMesh(placed); }));
+    }
+    Append(made.front().get(), static_cast<std::uint32_t>(body));
+    made.pop_front();
+  }
+}
+
+ContactMesh::ContactMesh(const PlacedMesh& placed) {
+  Weld(placed);
   Connect();
   SetNormals();
+}
+
+void ContactMesh::Reserve(std::span<const PlacedMesh> meshes) {
+  std::size_t vertices = 0, triangles = 0;
+  for (const PlacedMesh& placed : meshes) {
+    vertices += placed.mesh->vertices.size();
+    triangles += placed.mesh->triangles.size();
+  }
+  vertices_.reserve(vertices);
+  triangles_.reserve(triangles);
+  normals_.reserve(triangles);
+  for (auto* of_sides : {&edge_begin_, &edge_faces_, &vertex_faces_})
+    of_sides->reserve(3 * triangles + 1);
+  edge_directions_.reserve(3 * triangles);
+  vertex_directions_.reserve(6 * triangles);
+}
+
+void ContactMesh::Append(const ContactMesh& mesh, std::uint32_t body) {
+  const auto vertices = static_cast<std::uint32_t>(vertices_.size());
+  const auto triangles = static_cast<std::uint32_t>(triangles_.size());
+  const auto edges = static_cast<std::uint32_t>(edge_begin_.size() - 1);
+  for (Triangle t : mesh.triangles_) {
+    for (std::uint32_t& v : t.vertex) v += vertices;
+    for (std::uint32_t& e : t.edge) e += edges;
+    t.body = body;
+    triangles_.push_back(t);
+  }
+  const auto append = [](const auto& from, std::size_t begin, std::uint32_t more, auto& to) {
+    for (std::size_t i = begin; i < from.size(); ++i) to.push_back(from[i] + more);
+  };
+  append(mesh.edge_begin_, 1, edge_begin_.back(), edge_begin_);
+  append(mesh.edge_faces_, 0, triangles, edge_faces_);
+  append(mesh.vertex_begin_, 1, vertex_begin_.back(), vertex_begin_);
+  append(mesh.vertex_faces_, 0, triangles, vertex_faces_);
+  const auto join = [](const auto& from, auto& to) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  join(mesh.vertices_, vertices_);
+  join(mesh.edge_directions_, edge_directions_);
+  join(mesh.vertex_directions_, vertex_directions_);
+  join(mesh.normals_, normals_);
+  reach_ = std::max(reach_, mesh.reach_);
 }
 
 ContactMesh ContactMesh::Point() {
@@ -45,7 +112,7 @@ ContactMesh ContactMesh::Point() {
 }
 
 /// Vertices of the same place become one, so that neighbours are known as such.
-void ContactMesh::Add(const PlacedMesh& placed, std::uint32_t body) {
+void ContactMesh::Weld(const PlacedMesh& placed) {
   const TriangleMesh& mesh = *placed.mesh;
   std::vector<std::uint32_t> order(mesh.vertices.size()), welded(mesh.vertices.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -67,7 +134,6 @@ void ContactMesh::Add(const PlacedMesh& placed, std::uint32_t body) {
     for (std::size_t c = 0; c < 3; ++c) triangle.vertex[c] = welded[mesh.triangles[t][c]];
     const auto& [i, j, k] = triangle.vertex;
     triangle.normal = UnitOrZero((vertices_[j] - vertices_[i]).cross(vertices_[k] - vertices_[i]));
-    triangle.body = body;
     triangle.source = t;
     triangles_.push_back(triangle);
   }
@@ -77,7 +143,7 @@ void ContactMesh::Connect() {
   struct Side {
     std::uint32_t low, high, triangle, corner;
   };
-  std::vector<Side> sides;
+  std::vector<Side> sides;  // by edge, then by triangle
   sides.reserve(3 * triangles_.size());
   std::vector<std::uint32_t> faces(vertices_.size() + 1, 0);
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
@@ -89,26 +155,22 @@ void ContactMesh::Connect() {
       reach_ = std::max(reach_, vertices_[a].norm());
     }
   }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return std::array{a.low, a.high, a.triangle, a.corner} <
-           std::array{b.low, b.high, b.triangle, b.corner};
-  });
-  std::uint32_t edges = 0;
+  SortByNumber(sides, vertices_.size(), &Side::high);
+  SortByNumber(sides, vertices_.size(), &Side::low);
   for (std::size_t i = 0; i < sides.size(); ++i) {
     const Side& side = sides[i];
-    if (i == 0 || side.low != sides[i - 1].low || side.high != sides[i - 1].high) {
+    if (i > 0 && (side.low != sides[i - 1].low || side.high != sides[i - 1].high)) {
       edge_begin_.push_back(static_cast<std::uint32_t>(i));
-      ++edges;
     }
     Triangle& t = triangles_[side.triangle];
-    t.edge[side.corner] = edges - 1;
+    t.edge[side.corner] = static_cast<std::uint32_t>(edge_begin_.size() - 1);
     const Vec3& a = vertices_[side.low];
     const Vec3 along = UnitOrZero(vertices_[side.high] - a);
     const Vec3 inside = vertices_[t.vertex[(side.corner + 2) % 3]] - a;
     edge_faces_.push_back(side.triangle);
     edge_directions_.push_back(UnitOrZero(inside - inside.dot(along) * along));
   }
-  edge_begin_.push_back(static_cast<std::uint32_t>(sides.size()));
+  if (!sides.empty()) edge_begin_.push_back(static_cast<std::uint32_t>(sides.size()));
 
   std::partial_sum(faces.begin(), faces.end(), faces.begin());
   vertex_begin_ = faces;

@@ -73,15 +73,18 @@ class ContactMesh {
   double reach() const { return reach_; }
 
  private:
-  void Add(const PlacedMesh& placed, std::uint32_t body);
+  explicit ContactMesh(const PlacedMesh& placed);
+  void Reserve(std::span<const PlacedMesh> meshes);
+  void Append(const ContactMesh& mesh, std::uint32_t body);
+  void Weld(const PlacedMesh& placed);
   void Connect();
   void SetNormals();
 
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;
-  std::vector<std::uint32_t> edge_begin_, edge_faces_;
+  std::vector<std::uint32_t> edge_begin_{0}, edge_faces_;
   std::vector<Vec3> edge_directions_;  ///< one for each entry of edge_faces_
-  std::vector<std::uint32_t> vertex_begin_, vertex_faces_;
+  std::vector<std::uint32_t> vertex_begin_{0}, vertex_faces_;
   std::vector<Vec3> vertex_directions_;  ///< two for each entry of vertex_faces_
   /// Of each triangle's corners; that of the triangle where the surface has a crease.
   std::vector<std::array<Eigen::Vector3f, 3>> normals_;

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <future>
 #include <limits>
 #include <numeric>
+#include <ranges>
 #include <span>
 #include <utility>
 
@@ -21,180 +21,331 @@ using Triangles = std::span<std::uint32_t>;
 /// two further looks at its halves, taken.
 constexpr std::size_t kMostEights = 32;
 /// Half a patch of so many triangles is built in a thread of its own: a tenth of a second.  Taken.
-constexpr std::size_t kOwnThread = 1 << 17;
+constexpr std::size_t kOwnThread = 1 << 16;
+/// So many triangles ahead of the one that is looked at are fetched: in a scene's larger patches
+/// each lies elsewhere in memory.  Taken.
+constexpr std::size_t kAhead = 8;
+
+/// Calls `work` with the corners of each triangle of a patch.
+template <class Work>
+void ForEach(Triangles patch, const std::vector<Mat3>& corners, const Work& work) {
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    if (i + kAhead < patch.size()) {
+      const Mat3& ahead = corners[patch[i + kAhead]];
+      __builtin_prefetch(&ahead);
+      __builtin_prefetch(ahead.data() + 8);
+    }
+    work(corners[patch[i]]);
+  }
+}
 
 /// Principal axes of a patch, by the second moments of its area; of its corners where it has none.
 Mat3 PrincipalAxes(const std::vector<Mat3>& corners, Triangles patch) {
-  Mat3 moments = Mat3::Zero();
+  double moments[6] = {};  // xx, yx, zx, yy, zy, zz: the others are the same
   Vec3 sum = Vec3::Zero();
   double area = 0.0;
   const Vec3 origin = corners[patch[0]].col(0);
-  for (std::uint32_t t : patch) {
-    const Vec3 a = corners[t].col(0) - origin, b = corners[t].col(1) - origin,
-               c = corners[t].col(2) - origin;
+  ForEach(patch, corners, [&](const Mat3& x) {
+    const Vec3 a = x.col(0) - origin, b = x.col(1) - origin, c = x.col(2) - origin;
     const double weight = (b - a).cross(c - a).norm() + 1e-300;
     const Vec3 all = a + b + c;
     // Of a uniform triangle: (9 m m^T + a a^T + b b^T + c c^T) / 12, m its middle.
-    moments += weight / 12.0 *
-               (all * all.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
-    sum += weight / 3.0 * all;
+    const double third = weight / 3.0, share = 0.25 * third;
+    for (int j = 0, entry = 0; j < 3; ++j) {
+      for (int i = j; i < 3; ++i, ++entry) {
+        moments[entry] += share * (all[i] * all[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j]);
+      }
+    }
+    sum += third * all;
     area += weight;
-  }
-  moments = moments / area - (sum / area) * (sum / area).transpose();
-  const double scale = moments.trace();
+  });
+  Mat3 second;
+  second << moments[0], moments[1], moments[2],  //
+      moments[1], moments[3], moments[4],        //
+      moments[2], moments[4], moments[5];
+  second = second / area - (sum / area) * (sum / area).transpose();
+  const double scale = second.trace();
   if (!(scale > 0.0)) return Mat3::Identity();
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(moments / scale);
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(second / scale);
   return solver.info() == Eigen::Success ? Mat3(solver.eigenvectors()) : Mat3(Mat3::Identity());
 }
 
+/// A triangle and where its centre lies along an axis.
+using Place = std::pair<double, std::uint32_t>;
+
+/// What it takes to sort a patch: as much of each as it has triangles.
+struct Room {
+  std::span<Place> places, dealt;
+  std::span<std::uint32_t> ends;
+};
+
+std::span<const Place> Sorted(std::span<Place> places) {
+  std::ranges::sort(places);
+  return places;
+}
+
+/// Returns the places sorted, and those at the same place by their triangles.  Triangles lie about
+/// evenly along a patch: they are dealt out to as many stretches of it first (bucket sort).
+std::span<const Place> Sorted(const Room& room) {
+  constexpr std::size_t kFew = 32;  // are sorted as fast without: taken
+  const std::span<Place> places = room.places;
+  if (places.size() < kFew) return Sorted(places);
+  const auto [low, high] = std::ranges::minmax(places | std::views::keys);
+  const double scale = static_cast<double>(places.size() - 1) / (high - low);
+  if (!(std::isfinite(scale) && scale > 0.0)) return Sorted(places);
+  const auto stretch = [low = low, scale](const Place& place) {
+    return static_cast<std::size_t>((place.first - low) * scale);
+  };
+  std::ranges::fill(room.ends, 0u);
+  for (const Place& place : places) ++room.ends[stretch(place)];
+  std::exclusive_scan(room.ends.begin(), room.ends.end(), room.ends.begin(), 0u);
+  for (const Place& place : places) room.dealt[room.ends[stretch(place)]++] = place;
+  std::uint32_t begin = 0;
+  for (const std::uint32_t end : room.ends) {
+    if (end - begin > 1) std::ranges::sort(room.dealt.subspan(begin, end - begin));
+    begin = end;
+  }
+  return room.dealt;
+}
+
+/// Up to eight corners, each once.
+class FewCorners {
+ public:
+  bool empty() const { return count_ == 0; }
+  /// The last one from the count on.
+  const Vec3& operator[](std::size_t i) const { return corners_[std::min(i, count_ - 1)]; }
+  /// False where it would be the ninth.
+  bool Add(const Vec3& x) {
+    const auto end = corners_.begin() + static_cast<std::ptrdiff_t>(count_);
+    if (std::find(corners_.begin(), end, x) != end) return true;
+    if (count_ == corners_.size()) return false;
+    corners_[count_++] = x;
+    return true;
+  }
+  bool Add(const FewCorners& others) {
+    for (std::size_t i = 0; i < others.count_; ++i) {
+      if (!Add(others.corners_[i])) return false;
+    }
+    return true;
+  }
+
+ private:
+  std::array<Vec3, 8> corners_;
+  std::size_t count_ = 0;
+};
+
 }  // namespace
 
-HullTree::HullTree(const ContactMesh& mesh) {
-  const std::size_t count = mesh.triangles().size();
-  leaf_parent_.assign(count, -1);
-  for (std::uint32_t t = 0; t < count; ++t) {
-    const Vec3 centre = (mesh.Corner(t, 0) + mesh.Corner(t, 1) + mesh.Corner(t, 2)) / 3.0;
-    double radius = 0.0;
-    for (int c = 0; c < 3; ++c) radius = std::max(radius, (mesh.Corner(t, c) - centre).norm());
-    leaf_centre_.push_back(centre);
-    leaf_corners_.emplace_back();
-    for (int c = 0; c < 3; ++c) leaf_corners_.back().col(c) = mesh.Corner(t, c);
-    leaf_radius_.push_back(radius);
+class HullTree::Builder {
+ public:
+  explicit Builder(HullTree& tree) : tree_(tree) {}
+
+  void Build(const ContactMesh& mesh) {
+    const std::size_t count = mesh.triangles().size();
+    MakeLeaves(mesh);
+    if (count < 2) return;
+    order_.resize(count);
+    std::iota(order_.begin(), order_.end(), 0u);
+    places_.resize(count);
+    dealt_.resize(count);
+    ends_.resize(count);
+    tree_.inner_.resize(count - 1);
+    tree_.corners_.resize(count - 1);
+    Below all = BuildBelow({order_, 0, -1, 0});
+    if (!all.few.empty()) AddEight(tree_.root(), all.few, all.points);
+    tree_.points_ = std::move(all.points);
   }
-  if (count < 2) return;
-  std::vector<std::uint32_t> order(count);
-  std::iota(order.begin(), order.end(), 0u);
-  inner_.resize(count - 1);
+
+ private:
+  /// A patch that becomes a node and what is below it.
   struct Work {
     Triangles patch;
     Node node, parent;
     int side;
   };
-  const std::function<void(const Work&)> build = [&](const Work& top) {
-    std::vector<Work> left{top};
+  /// The corners of what is below a node.
+  struct Below {
+    std::vector<EightPoints> points;  ///< as the nodes' Corners number them, from 0
+    FewCorners few;                   ///< all of them, where they are none of the points yet
+  };
+
+  void MakeLeaves(const ContactMesh& mesh) {
+    const std::size_t count = mesh.triangles().size();
+    tree_.leaf_parent_.assign(count, -1);
+    tree_.leaf_corners_.resize(count);
+    tree_.leaf_centre_.resize(count);
+    tree_.leaf_radius_.resize(count);
+    const auto make = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t t = begin; t < end; ++t) {
+        Mat3& corners = tree_.leaf_corners_[t];
+        for (int c = 0; c < 3; ++c) corners.col(c) = mesh.Corner(t, c);
+        const Vec3 centre = (mesh.Corner(t, 0) + mesh.Corner(t, 1) + mesh.Corner(t, 2)) / 3.0;
+        double radius = 0.0;
+        for (int c = 0; c < 3; ++c) radius = std::max(radius, (mesh.Corner(t, c) - centre).norm());
+        tree_.leaf_centre_[t] = centre;
+        tree_.leaf_radius_[t] = radius;
+      }
+    };
     std::vector<std::future<void>> others;
-    std::vector<std::pair<double, std::uint32_t>> along;  // of a patch's triangles
-    while (!left.empty()) {
-      const Work work = left.back();
-      left.pop_back();
-      const auto attach = [&](Node node) {
-        if (work.parent >= 0) {
-          inner_[static_cast<std::size_t>(work.parent)].child[work.side] = node;
-        }
-      };
-      if (work.patch.size() == 1) {
-        attach(~static_cast<Node>(work.patch[0]));
-        leaf_parent_[work.patch[0]] = work.parent;
-        continue;
-      }
-      Inner box{};
-      box.parent = work.parent;
-      const Mat3 axes = PrincipalAxes(leaf_corners_, work.patch);
-      Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-      for (std::uint32_t t : work.patch) {
-        for (int c = 0; c < 3; ++c) {
-          const Vec3 x = axes.transpose() * leaf_corners_[t].col(c);
-          low = low.cwiseMin(x);
-          high = high.cwiseMax(x);
-        }
-      }
-      // A billionth of the size for the rounding of the axes, which are orthogonal to 1e-15.
-      const Vec3 half = (0.5 * (high - low)).array() + 1e-9 * (high - low).maxCoeff();
-      std::array<int, 3> order_of{0, 1, 2};
-      std::sort(order_of.begin(), order_of.end(),
-                [&](int a, int b) { return half[a] != half[b] ? half[a] < half[b] : a < b; });
-      for (int c = 0; c < 3; ++c) {
-        const int k = order_of[static_cast<std::size_t>(c)];
-        box.sides.col(c) = half[k] * axes.col(k);
-      }
-      box.centre = axes * (0.5 * (low + high));
-      for (std::uint32_t t : work.patch) {
-        for (int c = 0; c < 3; ++c) {
-          box.radius = std::max(box.radius, (leaf_corners_[t].col(c) - box.centre).squaredNorm());
-        }
-      }
-      box.radius = std::sqrt(box.radius);
-      const Node node = work.node;
-      attach(node);
-      inner_[static_cast<std::size_t>(node)] = box;
-      // Halved across its longest side.
-      const Vec3 axis = axes.col(order_of[2]);
-      along.clear();
-      for (std::uint32_t t : work.patch) along.emplace_back(axis.dot(leaf_centre_[t]), t);
-      std::sort(along.begin(), along.end());
-      std::ranges::transform(along, work.patch.begin(), [](const auto& at) { return at.second; });
-      const std::size_t middle = work.patch.size() / 2;
-      // A patch of n triangles has n - 1 inner nodes, the first half's before the second's.
-      const Work second{work.patch.subspan(middle), node + static_cast<Node>(middle), node, 1};
-      if (second.patch.size() >= kOwnThread) {
-        others.push_back(std::async(build, second));  // where there is no thread: at get()
-      } else {
-        left.push_back(second);
-      }
-      left.push_back({work.patch.first(middle), node + 1, node, 0});
+    std::size_t begin = 0;
+    for (; begin + kOwnThread < count; begin += kOwnThread) {
+      others.push_back(std::async(make, begin, begin + kOwnThread));
     }
+    make(begin, count);
     for (std::future<void>& other : others) other.get();
-  };
-  build({order, 0, -1, 0});
-  corners_.resize(inner_.size());
-  if (const std::vector<Vec3> all = Gather(root()); !all.empty()) AddEight(root(), all);
-}
+  }
 
-/// The corners below a node, each once, where they are no more than eight; else none, and they have
-/// been added to points_.
-std::vector<Vec3> HullTree::Gather(Node node) {
-  std::vector<Vec3> few;
-  const auto add = [&few](const Vec3& x) {
-    if (std::find(few.begin(), few.end(), x) == few.end()) few.push_back(x);
-  };
-  if (IsLeaf(node)) {
-    for (int c = 0; c < 3; ++c) add(leaf_corners_[TriangleOf(node)].col(c));
-    return few;
+  Below BuildBelow(const Work& top) {
+    Below below;
+    if (top.patch.size() < 2 * kOwnThread) {
+      std::vector<Work> left{top};
+      while (!left.empty()) {
+        const Work work = left.back();
+        left.pop_back();
+        if (work.patch.size() == 1) {
+          tree_.leaf_parent_[work.patch[0]] = work.parent;
+          Attach(work, ~static_cast<Node>(work.patch[0]));
+          continue;
+        }
+        const auto halves = Split(work);
+        left.insert(left.end(), halves.rbegin(), halves.rend());
+      }
+      below.few = Gather(top.node, below.points);
+      return below;
+    }
+    const auto halves = Split(top);
+    // Where there is no thread: at get().
+    std::future<Below> other = std::async([&] { return BuildBelow(halves[1]); });
+    below = BuildBelow(halves[0]);
+    const Below second = other.get();
+    const auto before = static_cast<std::uint32_t>(below.points.size());
+    const auto corners =
+        std::span(tree_.corners_)
+            .subspan(static_cast<std::size_t>(halves[1].node), halves[1].patch.size() - 1);
+    for (Corners& of : corners) of.first += before;
+    below.points.insert(below.points.end(), second.points.begin(), second.points.end());
+    below.few = Join(top.node, 0, below.few, second.few, below.points);
+    return below;
   }
-  const std::size_t first = points_.size();
-  const auto& child = inner(node).child;
-  const std::vector<Vec3> below[2] = {Gather(child[0]), Gather(child[1])};
-  if (!below[0].empty() && !below[1].empty()) {
-    for (const std::vector<Vec3>& of_child : below)
-      std::for_each(of_child.begin(), of_child.end(), add);
-    if (few.size() <= 8) return few;
-  }
-  for (int side = 0; side < 2; ++side) {
-    if (!below[side].empty()) AddEight(child[side], below[side]);
-  }
-  const std::size_t eights = points_.size() - first;
-  corners_[static_cast<std::size_t>(node)] = {
-      static_cast<std::uint32_t>(first),
-      eights <= kMostEights ? static_cast<std::uint32_t>(eights) : 0u, 0xff};
-  return {};
-}
 
-/// The corners of a node that nobody has added yet; the last is repeated to make eight.
-void HullTree::AddEight(Node node, const std::vector<Vec3>& corners) {
-  EightPoints& eight = points_.emplace_back();
-  for (std::size_t k = 0; k < 8; ++k) {
-    const Vec3& x = corners[std::min(k, corners.size() - 1)];
-    for (int c = 0; c < 3; ++c) eight.x[c][k] = x[c];
+  void Attach(const Work& work, Node node) {
+    if (work.parent >= 0)
+      tree_.inner_[static_cast<std::size_t>(work.parent)].child[work.side] = node;
   }
-  Assign(node, static_cast<std::uint32_t>(points_.size() - 1));
-}
 
-/// To a node and all below it their lanes of an eight; returns the node's, a bit each.
-std::uint32_t HullTree::Assign(Node node, std::uint32_t eight) {
-  std::uint32_t lanes = 0;
-  if (!IsLeaf(node)) {
-    for (const Node child : inner(node).child) lanes |= Assign(child, eight);
-    corners_[static_cast<std::size_t>(node)] = {eight, 1, lanes};
+  /// Makes the node, and halves its patch across its longest side.
+  std::array<Work, 2> Split(const Work& work) {
+    Inner box{};
+    box.parent = work.parent;
+    const Mat3 axes = PrincipalAxes(tree_.leaf_corners_, work.patch);
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    ForEach(work.patch, tree_.leaf_corners_, [&](const Mat3& corners) {
+      for (int c = 0; c < 3; ++c) {
+        const Vec3 x = axes.transpose() * corners.col(c);
+        low = low.cwiseMin(x);
+        high = high.cwiseMax(x);
+      }
+    });
+    // A billionth of the size for the rounding of the axes, which are orthogonal to 1e-15.
+    const Vec3 half = (0.5 * (high - low)).array() + 1e-9 * (high - low).maxCoeff();
+    std::array<int, 3> order_of{0, 1, 2};
+    std::sort(order_of.begin(), order_of.end(),
+              [&](int a, int b) { return half[a] != half[b] ? half[a] < half[b] : a < b; });
+    for (int c = 0; c < 3; ++c) {
+      const int k = order_of[static_cast<std::size_t>(c)];
+      box.sides.col(c) = half[k] * axes.col(k);
+    }
+    box.centre = axes * (0.5 * (low + high));
+    const Vec3 axis = axes.col(order_of[2]);
+    ForEach(work.patch, tree_.leaf_corners_, [&](const Mat3& corners) {
+      for (int c = 0; c < 3; ++c) {
+        box.radius = std::max(box.radius, (corners.col(c) - box.centre).squaredNorm());
+      }
+    });
+    box.radius = std::sqrt(box.radius);
+    Attach(work, work.node);
+    tree_.inner_[static_cast<std::size_t>(work.node)] = box;
+    const Room room = RoomOf(work.patch);
+    std::ranges::transform(work.patch, room.places.begin(), [&](std::uint32_t t) {
+      return Place(axis.dot(tree_.leaf_centre_[t]), t);
+    });
+    std::ranges::copy(Sorted(room) | std::views::values, work.patch.begin());
+    const std::size_t middle = work.patch.size() / 2;
+    // A patch of n triangles has n - 1 inner nodes, the first half's before the second's.
+    return {Work{work.patch.first(middle), work.node + 1, work.node, 0},
+            Work{work.patch.subspan(middle), work.node + static_cast<Node>(middle), work.node, 1}};
+  }
+
+  /// The corners below a node, where they are few and have not been added to the points.
+  FewCorners Gather(Node node, std::vector<EightPoints>& points) {
+    if (IsLeaf(node)) {
+      FewCorners few;
+      for (int c = 0; c < 3; ++c) few.Add(tree_.leaf_corners_[TriangleOf(node)].col(c));
+      return few;
+    }
+    const std::size_t first = points.size();
+    const FewCorners one = Gather(tree_.inner(node).child[0], points);
+    return Join(node, first, one, Gather(tree_.inner(node).child[1], points), points);
+  }
+
+  /// @param first  of the points below the node.
+  FewCorners Join(Node node, std::size_t first, const FewCorners& one, const FewCorners& other,
+                  std::vector<EightPoints>& points) {
+    if (!one.empty() && !other.empty()) {
+      FewCorners both = one;
+      if (both.Add(other)) return both;
+    }
+    const auto& child = tree_.inner(node).child;
+    if (!one.empty()) AddEight(child[0], one, points);
+    if (!other.empty()) AddEight(child[1], other, points);
+    const std::size_t eights = points.size() - first;
+    tree_.corners_[static_cast<std::size_t>(node)] = {
+        static_cast<std::uint32_t>(first),
+        eights <= kMostEights ? static_cast<std::uint32_t>(eights) : 0u, 0xff};
+    return {};
+  }
+
+  /// The last corner is repeated to make eight.
+  void AddEight(Node node, const FewCorners& corners, std::vector<EightPoints>& points) {
+    EightPoints& eight = points.emplace_back();
+    for (std::size_t k = 0; k < 8; ++k) {
+      for (int c = 0; c < 3; ++c) eight.x[c][k] = corners[k][c];
+    }
+    Assign(node, eight, static_cast<std::uint32_t>(points.size() - 1));
+  }
+
+  /// To a node and all below it their lanes of an eight; returns the node's, a bit each.
+  std::uint32_t Assign(Node node, const EightPoints& eight, std::uint32_t number) {
+    std::uint32_t lanes = 0;
+    if (!IsLeaf(node)) {
+      for (const Node child : tree_.inner(node).child) lanes |= Assign(child, eight, number);
+      tree_.corners_[static_cast<std::size_t>(node)] = {number, 1, lanes};
+      return lanes;
+    }
+    for (unsigned k = 0; k < 8; ++k) {
+      const Vec3 x(eight.x[0][k], eight.x[1][k], eight.x[2][k]);
+      for (int c = 0; c < 3; ++c) {
+        if (x == tree_.leaf_corners_[TriangleOf(node)].col(c)) lanes |= 1u << k;
+      }
+    }
     return lanes;
   }
-  const EightPoints& points = points_[eight];
-  for (unsigned k = 0; k < 8; ++k) {
-    const Vec3 x(points.x[0][k], points.x[1][k], points.x[2][k]);
-    for (int c = 0; c < 3; ++c) {
-      if (x == leaf_corners_[TriangleOf(node)].col(c)) lanes |= 1u << k;
-    }
+
+  Room RoomOf(Triangles patch) {
+    const auto begin = static_cast<std::size_t>(patch.data() - order_.data());
+    return {std::span(places_).subspan(begin, patch.size()),
+            std::span(dealt_).subspan(begin, patch.size()),
+            std::span(ends_).subspan(begin, patch.size())};
   }
-  return lanes;
+
+  HullTree& tree_;
+  std::vector<std::uint32_t> order_;  ///< the triangles, those of a patch beside each other
+  std::vector<Place> places_, dealt_;
+  std::vector<std::uint32_t> ends_;
+};
+
+HullTree::HullTree(const ContactMesh& mesh) {
+  Builder(*this).Build(mesh);
 }
 
 Vec3 HullTree::Lowest(Node node, const Vec3& m, const Kernels& kernels) const {

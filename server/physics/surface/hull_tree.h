@@ -64,9 +64,7 @@ class HullTree {
   struct Corners {
     std::uint32_t first, eights, lanes;
   };
-  std::vector<Vec3> Gather(Node node);
-  void AddEight(Node node, const std::vector<Vec3>& corners);
-  std::uint32_t Assign(Node node, std::uint32_t eight);
+  class Builder;
 
   std::vector<Inner> inner_;
   std::vector<Corners> corners_;  ///< of each inner node

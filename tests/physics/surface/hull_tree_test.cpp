@@ -1,6 +1,8 @@
 #include "server/physics/surface/hull_tree.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -163,6 +165,45 @@ TEST(HullTree, HoldsTrianglesWithoutArea) {
   place.vertices = {Vec3(1.0, 2.0, 3.0)};
   place.triangles.assign(5, {0, 0, 0});
   Judge(place, 4.0);
+}
+
+/// FNV-1a over the bits of all nodes, and of a corner of each.
+std::uint64_t HashOf(const HullTree& tree) {
+  std::uint64_t hash = 14695981039346656037u;
+  const auto mix = [&hash](const auto& value) {
+    for (const auto byte : std::bit_cast<std::array<unsigned char, sizeof value>>(value)) {
+      hash = (hash ^ byte) * 1099511628211u;
+    }
+  };
+  const auto mix_all = [&mix](const auto& matrix) {
+    for (const double x : matrix.reshaped()) mix(x);
+  };
+  std::vector<HullTree::Node> left{tree.root()};
+  while (!left.empty()) {
+    const HullTree::Node node = left.back();
+    left.pop_back();
+    mix(node);
+    mix(tree.Parent(node));
+    mix(tree.Radius(node));
+    mix_all(tree.Centre(node));
+    mix_all(tree.Lowest(node, Vec3(0.3, 0.5, -0.8), ActiveKernels()));
+    if (HullTree::IsLeaf(node)) continue;
+    mix_all(tree.inner(node).sides);
+    left.insert(left.end(), std::begin(tree.inner(node).child), std::end(tree.inner(node).child));
+  }
+  return hash;
+}
+
+// Halves of large patches are built in threads.  The hash is that of the tree that one thread
+// built, which sorted every patch by comparing.
+TEST(HullTree, HasTheBitsThatOneThreadMakes) {
+  TriangleMesh hills = CoplanarGrid(270, 3.7e-4);
+  for (Vec3& v : hills.vertices) {
+    v.z() = 30.0 * v.x() * v.y() * (0.1 - v.x()) - 4.0 * v.y() * v.y() * (v.x() - 0.03);
+  }
+  hills.vertices.push_back(Vec3(2.0, 1.0, 0.5));  // far off: all others lie in one stretch
+  hills.triangles.push_back({0, 1, static_cast<std::uint32_t>(hills.vertices.size() - 1)});
+  EXPECT_EQ(HashOf(HullTree(Place(hills))), 963234698493646464u);
 }
 
 // What boxes and hulls are for: a flat patch, however it is turned, is known to lie below a plane
