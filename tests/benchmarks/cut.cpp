@@ -1,0 +1,280 @@
+// palpate-bench cut: a ball bur in a flat block: volume, force, work and time against the truth.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/math/rotation.h"
+#include "scenes/shapes/shapes.h"
+#include "server/physics/cut/cut_rows.h"
+#include "server/physics/cut/cut_solver.h"
+#include "tests/benchmarks/commands.h"
+#include "tests/benchmarks/figures.h"
+#include "tests/benchmarks/machine.h"
+
+namespace palpate::bench {
+namespace {
+
+struct Options {
+  std::string json;
+};
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kRadius = 0.25e-3, kStiffness = 1000.0;
+constexpr double kPlungeSpeed = 2e-3, kGrooveSpeed = 3e-3, kGroove = 0.8e-3;
+/// 0.4 N for all of the ball's front at no speed, and a third of it more at that of the plunge.
+constexpr CutMaterial kMaterial{2e6, 0.5e9};
+/// Where the hand stops in the plunge, and presses in the groove: the bur's middle comes to the
+/// face.
+constexpr double kHandDepth = 0.42e-3;
+constexpr std::size_t kMostBytes = 1u << 30;
+
+/// The block's frame P has the face in z = 0.
+struct Direction {
+  const char* name;
+  Quat q_BP;
+};
+const Direction kAlong{"along the grid", Quat::Identity()};
+const Direction kTurned{"turned by 30 deg", RotationExp(Vec3(0, 0, kPi / 6))};
+const Direction kTilted{"tilted by 20 deg", RotationExp(Vec3(0, kPi / 9, 0))};
+const Direction kBoth{"turned, tilted by 35 deg", RotationExp(Vec3(0, 35.0 / 180.0 * kPi, 0)) *
+                                                      RotationExp(Vec3(0, 0, kPi / 6))};
+
+struct Case {
+  double spacing = 50e-6;
+  int samples = 256;
+  int rate = 1000;  ///< Hz
+  Direction direction = kAlong;
+};
+
+SolidGrid BlockOf(const Case& c) {
+  TriangleMesh mesh = MakeBox(Vec3(2.4e-3, 1.6e-3, 0.8e-3));
+  for (Vec3& v : mesh.vertices) v = c.direction.q_BP * (v - Vec3(0, 0, 0.4e-3));
+  return SolidGrid(mesh, {.spacing = c.spacing, .most_bytes = kMostBytes}, "block");
+}
+
+double PlungeVolume(double depth) {
+  return kPi * kRadius * kRadius * depth + 2.0 / 3.0 * kPi * std::pow(kRadius, 3);
+}
+
+/// Below the face, of a capsule whose axis lies `depth` below it.
+double GrooveVolume(double depth) {
+  const double r = kRadius, height = r + depth;
+  return (0.5 * kPi * r * r + depth * std::sqrt(r * r - depth * depth) +
+          r * r * std::asin(depth / r)) *
+             kGroove +
+         kPi * height * height * (3.0 * r - height) / 3.0;
+}
+
+double VolumeOf(const Case& c, CutField& cut, const Vec3& from_P, const Vec3& to_P) {
+  const int steps = static_cast<int>(std::ceil((to_P - from_P).norm() / 3e-6));
+  const Vec3 step = c.direction.q_BP * ((to_P - from_P) / steps);
+  double sum = 0.0;
+  for (int n = 0; n < steps; ++n) {
+    const Pose X_BT{c.direction.q_BP * from_P + n * step, c.direction.q_BP};
+    sum += cut.Remove(Bur::Ball(kRadius), X_BT, step).total();
+  }
+  return sum;
+}
+
+/// The bur led along straight ways: removed volume over the exact one of the capsule, less 1.
+Json MeasureVolume(const Case& c) {
+  const SolidGrid block = BlockOf(c);
+  Json json{{"spacing_um", 1e6 * c.spacing}, {"direction", c.direction.name}};
+  CutField hole(block, kMostBytes, "block");
+  const double plunge =
+      VolumeOf(c, hole, Vec3(0, 0, kRadius), Vec3(0, 0, -0.2e-3)) / PlungeVolume(0.2e-3) - 1.0;
+  json["plunge_error"] = plunge;
+  std::string line =
+      fmt::format("{:>5.0f} {:<26} {:>8.3f}", 1e6 * c.spacing, c.direction.name, 100.0 * plunge);
+  auto grooves = Json::Array();
+  for (const double depth : {-0.15e-3, -0.05e-3, 0.0, 0.1e-3}) {
+    CutField cut(block, kMostBytes, "block");
+    const Vec3 from(-0.5 * kGroove, 0, -depth);
+    const double error =
+        VolumeOf(c, cut, from, from + Vec3(kGroove, 0, 0)) / GrooveVolume(depth) - 1.0;
+    grooves.push_back({{"axis_below_face_m", depth}, {"error", error}});
+    line += fmt::format(" {:>8.3f}", 100.0 * error);
+  }
+  json["grooves"] = grooves;
+  fmt::print(stderr, "{}\n", line);
+  return json;
+}
+
+/// The law's force on the bur, over a fine quadrature of the ball's front below the face: exact but
+/// for the bend of the way.
+Vec3 ExactForce(const std::vector<BurSample>& fine, const Vec3& p_P, const Vec3& velocity_P) {
+  Vec3 sum = Vec3::Zero();
+  for (const BurSample& s : fine) {
+    const double speed = s.normal.dot(velocity_P);
+    if (speed <= 0.0 || p_P.z() + s.point.z() >= 0.0) continue;
+    sum -= s.area * (kMaterial.pressure + kMaterial.viscosity * speed) * s.normal;
+  }
+  return sum;
+}
+
+/// A part of the way at a steady feed.
+struct Steady {
+  double change = 0.0;  ///< greatest of the force in a millisecond [N]
+  double error = 0.0, force = 0.0;
+  int steps = 0;
+  Vec3 last = Vec3::Zero();
+
+  void Add(const Vec3& force_P, const Vec3& exact_P, bool on_millisecond) {
+    if (on_millisecond) {
+      if (force > 0.0) change = std::max(change, (force_P - last).norm());
+      last = force_P;
+    }
+    error += (force_P - exact_P).norm();
+    force += force_P.norm();
+    ++steps;
+  }
+  Json ToJson() const {
+    return {{"force_N", force / steps}, {"force_error", error / force}, {"change_N_max", change}};
+  }
+};
+
+/// A hand that plunges, stops for 50 ms and draws a groove, the bur on its spring.
+Json MeasureForce(const Case& c) {
+  const SolidGrid block = BlockOf(c);
+  CutField cut(block, kMostBytes, "block");
+  const Bur bur = Bur::Ball(kRadius);
+  const std::vector<BurSample> samples = bur.Samples(c.samples), fine = bur.Samples(20000);
+  std::array<CutMaterial, SolidGrid::kMaterials> materials;
+  materials.fill(kMaterial);
+  CutRows rows(c.samples);
+  CutSolver solver(c.samples);
+  const Pose X_PB{Vec3::Zero(), c.direction.q_BP.conjugate()};  // P is the world
+  const double dt = 1.0 / c.rate;
+  Vec3 hand(-0.6e-3, 0, kRadius + 10e-6), bur_at = hand;
+  double x[3] = {};
+  double rows_volume = 0.0, removed = 0.0, work = 0.0, law_work = 0.0, least_work = 0.0;
+  Steady plunge, groove;
+  std::vector<double> turns, rows_us, solve_us, remove_us, step_us;
+  int unsolved = 0, count = 0;
+  const int pause = static_cast<int>(0.05 / dt);
+  const double feed_end = 0.6e-3;
+  for (int paused = 0; hand.x() < feed_end; ++count) {
+    const bool down = hand.z() > -kHandDepth;
+    if (down) {
+      hand.z() -= kPlungeSpeed * dt;
+    } else if (paused < pause) {
+      ++paused;
+    } else {
+      hand.x() += kGrooveSpeed * dt;
+    }
+    const Vec3 t = hand - bur_at;
+    using Clock = std::chrono::steady_clock;
+    const auto begin = Clock::now();
+    rows.Build({samples, {bur_at, Quat::Identity()}, bur_at, kStiffness, 1.0, dt}, cut, X_PB,
+               materials);
+    const auto built = Clock::now();
+    const CutStep step = solver.Solve<3>(t.data(), rows, x);
+    const auto solved = Clock::now();
+    std::copy(step.x, step.x + 3, x);
+    const Vec3 v(x[0], x[1], x[2]);
+    const double volume =
+        cut.Remove(bur, {c.direction.q_BP * bur_at, c.direction.q_BP}, c.direction.q_BP * v)
+            .total();
+    const auto end = Clock::now();
+    const auto us = [](auto from, auto to) {
+      return std::chrono::duration<double, std::micro>(to - from).count();
+    };
+    rows_us.push_back(us(begin, built));
+    solve_us.push_back(us(built, solved));
+    remove_us.push_back(us(solved, end));
+    step_us.push_back(us(begin, end));
+    turns.push_back(step.turns);
+    unsolved += !step.solved;
+    const Vec3 force = kStiffness * (v - t), exact = ExactForce(fine, bur_at + v, v / dt);
+    bur_at += v;
+    rows_volume += step.volume;
+    removed += volume;
+    work += kStiffness * step.work;
+    least_work = std::min(least_work, step.work);
+    law_work -= exact.dot(v);
+    const bool on_millisecond = count % (c.rate / 1000) == 0;
+    // All of the front is below the face; and from a bur's width on.
+    if (down && bur_at.z() < 0.0) plunge.Add(force, exact, on_millisecond);
+    if (hand.x() > feed_end - kGroove + 0.6e-3) groove.Add(force, exact, on_millisecond);
+  }
+  const Percentiles all = PercentilesOf(step_us);
+  fmt::print(stderr,
+             "{:>5.0f} {:>5} {:>4.0f} {:<26} {:>7.4f} {:>6.2f} {:>7.4f} {:>7.4f} {:>6.2f} {:>7.4f} "
+             "{:>7.2f} {:>7.2f} {:>5.0f} {:>6.0f} {:>6.0f}\n",
+             1e6 * c.spacing, c.samples, 1e-3 * c.rate, c.direction.name,
+             plunge.force / plunge.steps, 100.0 * plunge.error / plunge.force, plunge.change,
+             groove.force / groove.steps, 100.0 * groove.error / groove.force, groove.change,
+             100.0 * (rows_volume / removed - 1.0), 100.0 * (work / law_work - 1.0),
+             PercentilesOf(turns).max, all.p50, all.p999);
+  return {{"spacing_um", 1e6 * c.spacing},
+          {"samples", c.samples},
+          {"rate_Hz", c.rate},
+          {"direction", c.direction.name},
+          {"steps", count},
+          {"plunge", plunge.ToJson()},
+          {"groove", groove.ToJson()},
+          {"removed_mm3", 1e9 * removed},
+          {"rows_volume_error", rows_volume / removed - 1.0},
+          {"work_J", work},
+          {"work_error", work / law_work - 1.0},
+          {"least_work_of_a_step_J", least_work},
+          {"unsolved", unsolved},
+          {"turns", ToJson(PercentilesOf(turns))},
+          {"rows_us", ToJson(PercentilesOf(rows_us))},
+          {"solve_us", ToJson(PercentilesOf(solve_us))},
+          {"remove_us", ToJson(PercentilesOf(remove_us))},
+          {"step_us", ToJson(all)}};
+}
+
+void Run(const Options& options) {
+  auto volumes = Json::Array(), forces = Json::Array();
+  fmt::print(stderr,
+             "removed volume over the capsule's, less 1 [%]: plunge, and grooves whose axis lies "
+             "below the face by\n{:>5} {:<26} {:>8} {:>8} {:>8} {:>8} {:>8}\n",
+             "grid", "direction", "plunge", "-0.15mm", "-0.05mm", "0 mm", "0.1 mm");
+  for (const double spacing : {100e-6, 50e-6, 25e-6}) {
+    for (const Direction& direction : {kAlong, kTurned, kTilted, kBoth}) {
+      volumes.push_back(MeasureVolume({.spacing = spacing, .direction = direction}));
+    }
+  }
+  fmt::print(stderr,
+             "\nforce [N], its error [%] and greatest change in 1 ms [N] in plunge and groove; "
+             "rows' volume and work, errors [%]; turns, most; step [us]\n"
+             "{:>5} {:>5} {:>4} {:<26} {:>7} {:>6} {:>7} {:>7} {:>6} {:>7} {:>7} {:>7} {:>5} {:>6} "
+             "{:>6}\n",
+             "grid", "sampl", "kHz", "direction", "plunge", "error", "change", "groove", "error",
+             "change", "volume", "work", "turns", "p50", "p99.9");
+  std::vector<Case> cases;
+  for (const double spacing : {100e-6, 50e-6, 25e-6}) cases.push_back({.spacing = spacing});
+  for (const Direction& d : {kTurned, kTilted, kBoth}) cases.push_back({.direction = d});
+  for (const int samples : {64, 128, 512, 1024}) cases.push_back({.samples = samples});
+  cases.push_back({.rate = 4000});
+  cases.push_back({.samples = 1024, .rate = 4000});
+  for (const Case& c : cases) forces.push_back(MeasureForce(c));
+  if (!options.json.empty()) {
+    WriteJson(options.json, {{"machine", ToJson(ThisMachine())},
+                             {"bur_radius_m", kRadius},
+                             {"stiffness_N_per_m", kStiffness},
+                             {"pressure_Pa", kMaterial.pressure},
+                             {"viscosity_Pa_s_per_m", kMaterial.viscosity},
+                             {"volume", volumes},
+                             {"force", forces}});
+  }
+}
+
+}  // namespace
+
+void AddCut(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  Command command(app, "cut",
+                  "A ball bur of 0.5 mm in a flat block: volume against the exact sweep, force and "
+                  "work against the\nlaw, time of a step.  About half a minute.\n"
+                  "Example: palpate-bench cut --json cut.json");
+  command.AddJson(options->json);
+  command.Runs([options] { Run(*options); });
+}
+
+}  // namespace palpate::bench
