@@ -177,6 +177,7 @@ CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur&
   const Mat3 R_TB = X_TB.q.toRotationMatrix();
   const Vec3 first = X_TB * lattice.Point(8 * at[0], 8 * at[1], 8 * at[2]);
   const Vec3 along = lattice.spacing * R_TB.col(0);
+  const double reach = field_.band() + step_T.norm();
   float* values = field_.values(entry);
   Layers changed{};
   for (int n = 0; n < SparseField::kPoints; n += kSide) {
@@ -185,6 +186,13 @@ CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur&
     for (int x = 0; x < kSide; ++x) {
       float& value = values[n + x];
       if (value >= field_.band()) continue;
+      // A distance falls no faster than the way is long: so many points are beyond the band.
+      Vec3 gradient;
+      const double beyond = bur.Distance(row + x * along, gradient) - reach;
+      if (beyond > 0.0) {
+        x += static_cast<int>(std::min(beyond / lattice.spacing, 8.0));
+        continue;
+      }
       const auto depth = static_cast<float>(-bur.DistanceToWay(row + x * along, step_T));
       if (depth <= value) continue;
       value = std::min(depth, field_.band());

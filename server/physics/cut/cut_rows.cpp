@@ -3,6 +3,25 @@
 #include <algorithm>
 
 namespace palpate {
+namespace {
+
+/// How far ahead along n the material begins; beyond the band where it does not.
+///
+/// Where this cut meets an older one, the interpolation rounds the rim: it gives a point of the bur
+/// on it some h/8 of free space, and a bur moves less in a step.  So a point that seems free is
+/// asked about from ahead, at 1.5 h, where the field is the bur's own distance or that of the older
+/// cut, not of both, and the distance is led back from there.
+double GapAhead(const CutField& cut, const Vec3& p, const Vec3& n) {
+  const FieldSample here = cut.Sample(p);
+  if (here.distance <= 0.0) return 0.0;
+  const double s = 1.5 * cut.field().lattice().spacing;
+  const FieldSample ahead = cut.Sample(p + s * n);
+  const double nears = -ahead.gradient.dot(n), gap = ahead.distance + s * nears;
+  if (gap <= 0.0) return 0.0;
+  return nears > 0.0 ? gap / nears : 1e300;
+}
+
+}  // namespace
 
 CutRows::CutRows(int samples)
     : capacity_(samples), storage_(static_cast<std::size_t>(samples) * kColumns) {}
@@ -32,15 +51,8 @@ void CutRows::Build(const CutTool& tool, const CutField& cut, const Pose& X_WB,
   for (const BurSample& sample : tool.samples) {
     const Vec3 p_W = R_WT * sample.point + tool.X_WT.p, n_W = R_WT * sample.normal;
     const Vec3 p_B = R_BW * p_W + X_BW.p, n_B = R_BW * n_W;
-    const FieldSample at = cut.Sample(p_B);
-    if (at.distance >= band) continue;
-    double gap = 0.0;
-    if (at.distance > 0.0) {
-      // Along n the distance falls by this share of the way.
-      const double nears = -at.gradient.dot(n_B);
-      if (nears * band <= at.distance) continue;
-      gap = at.distance / nears;
-    }
+    const double gap = GapAhead(cut, p_B, n_B);
+    if (gap >= band) continue;
     // Of what lies ahead of the edge, not of the point of the lattice that the edge has passed.
     const CutMaterial& material = materials[cut.solid().Material(p_B + 0.5 * h * n_B)];
     const Vec3 turn = (p_W - tool.reference).cross(n_W) / tool.rotation_length;
