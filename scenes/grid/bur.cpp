@@ -112,11 +112,11 @@ double Bur::Distance(const Vec3& p_T, Vec3& gradient_T) const noexcept {
   return distance - rounding_;
 }
 
-double Bur::DistanceToWay(const Vec3& p_T, const Vec3& step_T) const noexcept {
+double Bur::DistanceToWay(const Vec3& p_T, const Vec3& step_T, double within) const noexcept {
   Vec3 gradient;
   double low = Distance(p_T, gradient);
   double low_slope = -gradient.dot(step_T);
-  if (low_slope >= 0.0) return low;
+  if (low_slope >= 0.0 || low - step_T.norm() > within) return low;
   double high = Distance(p_T - step_T, gradient);
   double high_slope = -gradient.dot(step_T);
   if (high_slope <= 0.0) return high;

@@ -46,7 +46,8 @@ class Bur {
   /// the truth.  Outside of a ball within 1e-4 of the step's length above it, and within a
   /// twentieth where slopes leap: deep within, below sharp edges.  Exact at the way's ends.
   /// Real-time.
-  double DistanceToWay(const Vec3& p_T, const Vec3& step_T) const noexcept;
+  /// @param within  farther points get their distance to the way's beginning.
+  double DistanceToWay(const Vec3& p_T, const Vec3& step_T, double within = 1e300) const noexcept;
 
   /// `count` samples of the same area on a spiral of golden angles (Swinbank & Purser, Q. J. Royal
   /// Meteorological Soc. 132 (2006) 1769-1793).  Deterministic.  Set-up.

@@ -42,22 +42,25 @@ double ShareInBoth(const HalfSpace& p, const HalfSpace& q) {
   int w = 0;
   q.g.cwiseAbs().maxCoeff(&w);
   const int u = (w + 1) % 3, v = (w + 2) % 3;
+  const double of_p = p.g[w] != 0.0 ? -1.0 / p.g[w] : 0.0;
+  const double of_q = q.g[w] != 0.0 ? -1.0 / q.g[w] : 0.0;
   double sum = 0.0;
   for (int n = 0; n < kColumns; ++n) {
     const double a = (n + 0.5) / kColumns - 0.5;
     const double b = (n * kStride % kColumns + 0.5) / kColumns - 0.5;
     double low = -0.5, high = 0.5;
-    for (const HalfSpace* s : {&p, &q}) {
-      const double base = s->a + a * s->g[u] + b * s->g[v];
-      const double slope = s->g[w];
-      if (slope > 0.0) {
-        high = std::min(high, -base / slope);
-      } else if (slope < 0.0) {
-        low = std::max(low, -base / slope);
+    const auto cut = [&](const HalfSpace& s, double inverse) {
+      const double base = s.a + a * s.g[u] + b * s.g[v];
+      if (inverse < 0.0) {
+        high = std::min(high, base * inverse);
+      } else if (inverse > 0.0) {
+        low = std::max(low, base * inverse);
       } else if (base >= 0.0) {
         high = low;
       }
-    }
+    };
+    cut(p, of_p);
+    cut(q, of_q);
     sum += std::max(0.0, high - low);
   }
   return sum / kColumns;
@@ -177,7 +180,7 @@ CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur&
   const Mat3 R_TB = X_TB.q.toRotationMatrix();
   const Vec3 first = X_TB * lattice.Point(8 * at[0], 8 * at[1], 8 * at[2]);
   const Vec3 along = lattice.spacing * R_TB.col(0);
-  const double reach = field_.band() + step_T.norm();
+  const double h = lattice.spacing, reach = field_.band() + step_T.norm();
   float* values = field_.values(entry);
   Layers changed{};
   for (int n = 0; n < SparseField::kPoints; n += kSide) {
@@ -186,14 +189,10 @@ CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur&
     for (int x = 0; x < kSide; ++x) {
       float& value = values[n + x];
       if (value >= field_.band()) continue;
-      // A distance falls no faster than the way is long: so many points are beyond the band.
-      Vec3 gradient;
-      const double beyond = bur.Distance(row + x * along, gradient) - reach;
-      if (beyond > 0.0) {
-        x += static_cast<int>(std::min(beyond / lattice.spacing, 8.0));
-        continue;
-      }
-      const auto depth = static_cast<float>(-bur.DistanceToWay(row + x * along, step_T));
+      const double distance = bur.DistanceToWay(row + x * along, step_T, field_.band());
+      // It falls no faster than the row goes on: so many points are beyond the band.
+      if (distance > reach) x += static_cast<int>(std::min((distance - reach) / h, 8.0));
+      const auto depth = static_cast<float>(-distance);
       if (depth <= value) continue;
       value = std::min(depth, field_.band());
       changed[static_cast<std::size_t>(z)] |= std::uint64_t{1} << (8 * y + x);

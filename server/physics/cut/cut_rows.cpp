@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/physics/limits.h"
+
 namespace palpate {
 namespace {
 
@@ -9,12 +11,12 @@ namespace {
 ///
 /// Where this cut meets an older one, the interpolation rounds the rim: it gives a point of the bur
 /// on it some h/8 of free space, and a bur moves less in a step.  So a point that seems free is
-/// asked about from ahead, at 1.5 h, where the field is the bur's own distance or that of the older
+/// asked about from ahead, where the field is the bur's own distance or that of the older
 /// cut, not of both, and the distance is led back from there.
 double GapAhead(const CutField& cut, const Vec3& p, const Vec3& n) {
   const FieldSample here = cut.Sample(p);
   if (here.distance <= 0.0) return 0.0;
-  const double s = 1.5 * cut.field().lattice().spacing;
+  const double s = limits::cutting::kLookAhead * cut.field().lattice().spacing;
   const FieldSample ahead = cut.Sample(p + s * n);
   const double nears = -ahead.gradient.dot(n), gap = ahead.distance + s * nears;
   if (gap <= 0.0) return 0.0;

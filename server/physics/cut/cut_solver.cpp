@@ -3,33 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/physics/limits.h"
+
 namespace palpate {
 namespace {
 
-/// Turns of Newton's method: 16,000 random problems needed 64 at most.
-constexpr int kTurns = 100;
-/// Of a search: halvings alone find a ramp of 1e-15 m in a step of a millimetre by 40.
-constexpr int kSearches = 60;
-/// What the search may leave of the slope that it began with: taken.
-constexpr double kSlopeLeft = 0.05;
-/// Some roundings of a sum, over the size of its terms.
-constexpr double kRounding = 2e-15;
-
-// Rows that are nearly rigid make a fold of the energy each.  Newton's method sees none of those
-// that it is not on, and goes to and fro between hundreds.  So where it is not done in a few turns,
-// the rows are made softer, so that it is on many at once, and again stiffer from the result.
-constexpr double kRigid = CutSolver::kRigid;
-constexpr double kSoftest = 10.0, kStiffen = 10.0;
-constexpr int kTurnsOfStage = 6;
+using namespace limits::cutting;
 
 /// Force of a row at the overlap s, and how it grows with s.
-inline double ForceAt(double s, double threshold, double viscous, double rigid) {
+/// @param on  a row is on its spring, of the stiffness `rigid`, where a spring of this one has not
+/// reached the threshold.  The energy's own is `rigid`.
+inline double ForceAt(double s, double threshold, double viscous, double rigid, double on) {
   const double above = std::max(s, 0.0);
-  return std::min(rigid * above, threshold) + viscous * above;
+  return (on * above < threshold ? rigid * above : threshold) + viscous * above;
 }
-inline double StiffnessAt(double s, double threshold, double viscous, double rigid) {
+inline double StiffnessAt(double s, double threshold, double viscous, double rigid, double on) {
   if (!(s > 0.0)) return 0.0;
-  return viscous + (rigid * s < threshold ? rigid : 0.0);
+  return viscous + (on * s < threshold ? rigid : 0.0);
 }
 
 /// H d = -g in place; H is I and more: it has a Cholesky factor.
@@ -67,10 +57,15 @@ CutStep CutSolver::Solve(const double* t, const CutRows& rows, const double* gue
   CutStep result;
   double* x = result.x;
   std::copy(guess, guess + N, x);
-  double rigid = kRigid;
+  // Each row is a fold of the energy.  Newton's method sees none that it is not on, and goes to and
+  // fro between hundreds.  Where it is not done in a few turns, the rows are made softer, so that
+  // it is on many at once, and by stages stiffer from the result.  The first turn of a stage takes
+  // those rows to be on their springs that were in the last one, for which it is exact; by the
+  // stiffer energy they are so no longer at the x of the softer.
+  double rigid = kRigid, on = kRigid;
   for (int of_stage = 0; result.turns < kTurns; ++result.turns, ++of_stage) {
-    if (of_stage == kTurnsOfStage && result.turns == kTurnsOfStage) {
-      rigid = kSoftest;
+    if (result.turns == kTurnsAtOnce) {
+      rigid = on = kSoftest;
       of_stage = 0;
     }
     // `rounding`: what the gradient may be off by, for its terms, and for the overlaps on a ramp.
@@ -88,9 +83,9 @@ CutStep CutSolver::Solve(const double* t, const CutRows& rows, const double* gue
         terms += std::abs(term);
       }
       s[i] = sum;
-      force[i] = ForceAt(sum, P[i], c[i], rigid);
+      force[i] = ForceAt(sum, P[i], c[i], rigid, on);
       if (!(sum > 0.0)) continue;
-      const double stiffness = StiffnessAt(sum, P[i], c[i], rigid);
+      const double stiffness = StiffnessAt(sum, P[i], c[i], rigid, on);
       for (int r = 0; r < N; ++r) {
         const double push = force[i] * rows.a(r)[i];
         gradient[r] += push;
@@ -104,7 +99,7 @@ CutStep CutSolver::Solve(const double* t, const CutRows& rows, const double* gue
       d[r] = -gradient[r];
       result.solved = result.solved && std::abs(gradient[r]) <= kRounding * rounding[r];
     }
-    if (result.solved || (rigid < kRigid && of_stage >= kTurnsOfStage)) {
+    if (on == rigid && (result.solved || (rigid < kRigid && of_stage >= kTurnsOfStage))) {
       if (rigid >= kRigid) break;
       rigid *= kStiffen;
       of_stage = -1;
@@ -124,12 +119,12 @@ CutStep CutSolver::Solve(const double* t, const CutRows& rows, const double* gue
       ds[i] = sum;
     }
     double low = 0.0, high = 1.0, part = 1.0;
-    for (int search = 0; search < kSearches; ++search) {
+    for (int search = 0; on == rigid && search < kSearches; ++search) {
       double here = towards + part * moved, bend = moved;
       for (int i = 0; i < count; ++i) {
         const double at = s[i] + part * ds[i];
-        here += ForceAt(at, P[i], c[i], rigid) * ds[i];
-        bend += StiffnessAt(at, P[i], c[i], rigid) * ds[i] * ds[i];
+        here += ForceAt(at, P[i], c[i], rigid, rigid) * ds[i];
+        bend += StiffnessAt(at, P[i], c[i], rigid, rigid) * ds[i] * ds[i];
       }
       if (part == 1.0 && here <= 0.0) break;
       if (std::abs(here) <= -kSlopeLeft * slope) break;
@@ -138,6 +133,7 @@ CutStep CutSolver::Solve(const double* t, const CutRows& rows, const double* gue
       if (!(part > low && part < high) || search % 2 == 1) part = 0.5 * (low + high);
     }
     for (int r = 0; r < N; ++r) x[r] += part * d[r];
+    on = rigid;
   }
   for (int i = 0; i < count; ++i) {
     result.volume += rows.area()[i] * std::max(0.0, s[i]);

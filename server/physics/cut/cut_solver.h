@@ -8,7 +8,7 @@ namespace palpate {
 
 /// @field x        the step [m], of which the first N count
 /// @field turns    of Newton's method
-/// @field solved   false: the turns were used up; x is the best so far, and no worse than the guess
+/// @field solved   false: the turns were used up, and x is where they ended
 /// @field volume   sum of A_i delta_i: what the rows say is cut [m^3]
 /// @field work     that the step does on the material, over k_t [m^2]: >= 0
 struct CutStep {
@@ -24,19 +24,15 @@ struct CutStep {
 /// that holds the tool back is k_t (t - x), as everywhere.
 ///
 /// Below the threshold a row is rigid: its force lies anywhere in [0, P_i] while delta_i = 0.  Here
-/// it is a spring, kRigid times as stiff as the coupling, until it has the force P_i: a newton of
-/// the hand presses a row 10 pm into what is rigid, and a hundred rows less.  That energy is convex
-/// and piecewise quadratic, and is minimised by Newton's method over its pieces, with a search
-/// along the step where its slope turns (Qi & Sun, Math. Programming 58 (1993) 353-367; as
-/// simd/compliant.inl, whose rows have no threshold).
+/// it is a spring, limits::cutting::kRigid times as stiff as the coupling, until it has the force
+/// P_i.  That energy is convex and piecewise quadratic, and is minimised by Newton's method over
+/// its pieces, with a search along the step where its slope turns (Qi & Sun, Math. Programming 58
+/// (1993) 353-367; as simd/compliant.inl, whose rows have no threshold).
 ///
 /// Passive: forces are >= 0 only where a_i . x >= g_i >= 0, so that the work is >= 0, whatever x
 /// is.
 class CutSolver {
  public:
-  /// Taken: ten times as much costs digits of the result, 1e-16 of x times this for each row.
-  static constexpr double kRigid = 1e8;
-
   /// @param samples  of the largest bur.  Set-up.
   explicit CutSolver(int samples);
 
