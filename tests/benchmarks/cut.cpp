@@ -18,6 +18,7 @@ namespace palpate::bench {
 namespace {
 
 struct Options {
+  std::vector<std::size_t> grids_um{100, 50, 25};
   std::string json;
   int repeats = 5;
 };
@@ -273,7 +274,8 @@ void Run(const Options& options) {
              "removed volume over the capsule's, less 1 [%]: plunge, and grooves whose axis lies "
              "below the face by\n{:>5} {:<26} {:>8} {:>8} {:>8} {:>8} {:>8}\n",
              "grid", "direction", "plunge", "-0.15mm", "-0.05mm", "0 mm", "0.1 mm");
-  for (const double spacing : {100e-6, 50e-6, 25e-6}) {
+  for (const std::size_t um : options.grids_um) {
+    const double spacing = 1e-6 * static_cast<double>(um);
     for (const Direction& direction : {kAlong, kTurned, kTilted, kBoth}) {
       volumes.push_back(MeasureVolume({.spacing = spacing, .direction = direction}));
     }
@@ -286,14 +288,22 @@ void Run(const Options& options) {
              "grid", "sampl", "kHz", "direction", "plunge", "error", "change", "groove", "error",
              "change", "volume", "work", "turns", "p50", "p99.9");
   std::vector<Case> cases;
-  for (const double spacing : {100e-6, 50e-6, 25e-6}) cases.push_back({.spacing = spacing});
-  for (const Direction& d : {kTurned, kTilted, kBoth}) cases.push_back({.direction = d});
-  for (const int samples : {64, 128, 512, 1024}) cases.push_back({.samples = samples});
-  for (const double spacing : {100e-6, 50e-6, 25e-6}) {
-    cases.push_back({.spacing = spacing, .beside = true});
+  for (const std::size_t um : options.grids_um)
+    cases.push_back({.spacing = 1e-6 * static_cast<double>(um)});
+  for (const std::size_t um : options.grids_um)
+    cases.push_back({.spacing = 1e-6 * static_cast<double>(um), .beside = true});
+  // The rest on one grid: 50 um where it is among them.
+  const bool usual = std::count(options.grids_um.begin(), options.grids_um.end(), 50) > 0;
+  const double spacing = usual ? 50e-6 : 1e-6 * static_cast<double>(options.grids_um.front());
+  for (const Direction& d : {kTurned, kTilted, kBoth}) {
+    cases.push_back({.spacing = spacing, .direction = d});
   }
-  cases.push_back({.rate = 4000});
-  cases.push_back({.samples = 1024, .rate = 4000});
+  for (const int samples : {64, 128, 512, 1024}) {
+    cases.push_back({.spacing = spacing, .samples = samples});
+  }
+  for (const int samples : {256, 1024}) {
+    cases.push_back({.spacing = spacing, .samples = samples, .rate = 4000});
+  }
   for (const Case& c : cases) forces.push_back(MeasureForce(c, options.repeats));
   if (!options.json.empty()) {
     WriteJson(options.json, {{"machine", ToJson(ThisMachine())},
@@ -315,6 +325,7 @@ void AddCut(CLI::App& app) {
                   "A ball bur of 0.5 mm in a flat block: volume against the exact sweep, force and "
                   "work against the\nlaw, time of a step.  About half a minute.\n"
                   "Example: palpate-bench cut --json cut.json");
+  command.Add("--grid-um", options->grids_um, "Spacings of the grid [um], 25 to 200");
   command.AddRepeats(options->repeats);
   command.AddJson(options->json);
   command.Runs([options] { Run(*options); });
