@@ -295,6 +295,7 @@ void Run(const Options& options) {
   // The rest on one grid: 50 um where it is among them.
   const bool usual = std::count(options.grids_um.begin(), options.grids_um.end(), 50) > 0;
   const double spacing = usual ? 50e-6 : 1e-6 * static_cast<double>(options.grids_um.front());
+  cases.push_back({.spacing = spacing, .samples = 1024, .beside = true});
   for (const Direction& d : {kTurned, kTilted, kBoth}) {
     cases.push_back({.spacing = spacing, .direction = d});
   }

@@ -86,7 +86,7 @@ TEST_F(PalpateBench, CutHoldsItsBoundsOnACoarseGrid) {
   for (const nlohmann::json& volume : json["volume"]) {
     EXPECT_LT(std::abs(volume["plunge_error"].get<double>()), 0.01) << volume;
   }
-  ASSERT_EQ(json["force"].size(), 11u);
+  ASSERT_EQ(json["force"].size(), 12u);
   for (const nlohmann::json& way : json["force"]) {
     EXPECT_EQ(way["unsolved"], 0) << way;
     EXPECT_GE(way["least_work_of_a_step_J"], 0.0) << way;
