@@ -16,7 +16,7 @@ constexpr double kWhole = 65535.0;
 /// Math. 51 (1994) 57-70), of which no two are in line with an axis, as most faces of solids are.
 constexpr int kColumns = 21, kStride = 13;
 /// A plane farther from a voxel's middle than half its diagonal does not cross it.
-const double kHalfDiagonal = 0.5 * std::sqrt(3.0);
+constexpr double kHalfDiagonal = 0.8660254037844386;
 
 /// The half-space a + g . u < 0 that a field is within a voxel, u in [-1/2, 1/2]^3.
 struct HalfSpace {
@@ -193,7 +193,7 @@ CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur&
       // It falls no faster than the row goes on: so many points are beyond the band.
       if (distance > reach) x += static_cast<int>(std::min((distance - reach) / h, 8.0));
       const auto depth = static_cast<float>(-distance);
-      if (depth <= value) continue;
+      if (!(depth > value)) continue;  // nor where a pose is not finite
       value = std::min(depth, field_.band());
       changed[static_cast<std::size_t>(z)] |= std::uint64_t{1} << (8 * y + x);
     }

@@ -69,6 +69,9 @@ Lattice LatticeOf(const TriangleMesh& mesh, const SolidGridOptions& options,
     RefuseAbove(blocks * 2 * sizeof(std::int32_t), options, name);
     lattice.blocks[static_cast<std::size_t>(a)] = static_cast<int>(along);
   }
+  // For a while, the lines along z (Crossings).
+  const double lines = 64.0 * lattice.blocks[0] * lattice.blocks[1];
+  RefuseAbove(lines * sizeof(std::size_t), options, name);
   return lattice;
 }
 
@@ -127,7 +130,8 @@ void EachBlockBeside(const Corners& corners, const SparseField& field, Visit vis
 class Crossings {
  public:
   Crossings(const TriangleMesh& mesh, const Lattice& lattice)
-      : lattice_(lattice), columns_(lattice.blocks[0] * SparseField::kSide) {
+      : lattice_(lattice),
+        columns_(static_cast<std::size_t>(lattice.blocks[0] * SparseField::kSide)) {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       const Corners corners(mesh, t);
       const Range range(lattice, 1, corners.min() - Vec3::Constant(lattice.spacing),
@@ -139,15 +143,15 @@ class Crossings {
     std::sort(all_.begin(), all_.end(), [](const Crossing& a, const Crossing& b) {
       return a.line != b.line ? a.line < b.line : a.z < b.z;
     });
-    begin_.assign(static_cast<std::size_t>(columns_ * lattice.blocks[1] * SparseField::kSide) + 1,
+    begin_.assign(columns_ * static_cast<std::size_t>(lattice.blocks[1] * SparseField::kSide) + 1,
                   0);
-    for (const Crossing& crossing : all_) ++begin_[static_cast<std::size_t>(crossing.line) + 1];
+    for (const Crossing& crossing : all_) ++begin_[crossing.line + 1];
     for (std::size_t n = 1; n < begin_.size(); ++n) begin_[n] += begin_[n - 1];
   }
 
   /// Whether the mesh winds round the point.
   bool Inside(int i, int j, int k) const {
-    const auto line = static_cast<std::size_t>(j * columns_ + i);
+    const std::size_t line = LineOf(i, j);
     const double z = lattice_.Point(i, j, k).z();
     int winding = 0;
     for (std::size_t n = begin_[line]; n < begin_[line + 1] && all_[n].z < z; ++n) {
@@ -158,10 +162,14 @@ class Crossings {
 
  private:
   struct Crossing {
-    int line;
+    std::size_t line;
     int enters;  ///< 1 going up into the solid, -1 out of it
     double z;
   };
+
+  std::size_t LineOf(int i, int j) const {
+    return static_cast<std::size_t>(j) * columns_ + static_cast<std::size_t>(i);
+  }
 
   /// Twice the area of p and an edge, seen from above, and its sign; 0 of an edge along z.
   static double Side(const TriangleMesh& mesh, std::uint32_t from, std::uint32_t to, double x,
@@ -188,11 +196,11 @@ class Crossings {
     const double sum = of_a + of_b + of_c;
     if (s != sign || sum == 0.0) return;
     const double z = (of_a * corners.a.z() + of_b * corners.b.z() + of_c * corners.c.z()) / sum;
-    all_.push_back({j * columns_ + i, -sign, std::clamp(z, corners.min().z(), corners.max().z())});
+    all_.push_back({LineOf(i, j), -sign, std::clamp(z, corners.min().z(), corners.max().z())});
   }
 
   Lattice lattice_;
-  int columns_;
+  std::size_t columns_;
   std::vector<Crossing> all_;
   std::vector<std::size_t> begin_;
 };

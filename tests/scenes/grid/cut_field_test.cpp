@@ -288,6 +288,9 @@ TEST(CutField, TakesNothingWhereTheBurIsNowhere) {
     EXPECT_EQ(block.cut.Remove(ball, {p, Quat::Identity()}, Vec3::Zero()).total(), 0.0);
   }
   EXPECT_EQ(block.cut.Remove(ball, Pose{}, Vec3(std::nan(""), 0, 0)).total(), 0.0);
+  const Quat no_turn(std::nan(""), 0, 0, 0);
+  EXPECT_EQ(block.cut.Remove(ball, {Vec3::Zero(), no_turn}, Vec3::Zero()).total(), 0.0);
+  EXPECT_EQ(block.cut.Sample(Vec3(0, 0, -0.2e-3)).distance, -block.solid.field().band());
 }
 
 TEST(CutField, CutsWithoutAskingForMemory) {
