@@ -80,30 +80,32 @@ Bur::Bur(const std::vector<std::array<double, 2>>& curve, double rounding) : rou
 
 double Bur::Distance(const Vec3& p_T, Vec3& gradient_T) const noexcept {
   const double rho = std::sqrt(p_T.x() * p_T.x() + p_T.y() * p_T.y()), z = p_T.z();
-  // Within the curve the nearest piece is the least deep; outside, the nearest point of any.
-  double plane = -1e300, nearest = 1e300;
-  Point normal{1.0, 0.0}, away{rho - points_[0].rho, z - points_[0].z};
-  if (count_ == 1) nearest = away.rho * away.rho + away.z * away.z;
-  for (int i = 0; i + 1 < count_; ++i) {
-    const auto n = static_cast<std::size_t>(i);
-    const Point from{rho - points_[n].rho, z - points_[n].z};
-    const double above = from.rho * normals_[n].rho + from.z * normals_[n].z;
-    if (above > plane) {
-      plane = above;
+  // Within the curve the nearest piece is the least deep; outside, the nearest point of any counts.
+  double distance = count_ == 1 ? 0.0 : -1e300;
+  Point normal{1.0, 0.0};
+  for (std::size_t n = 0; n + 1 < static_cast<std::size_t>(count_); ++n) {
+    const double above =
+        (rho - points_[n].rho) * normals_[n].rho + (z - points_[n].z) * normals_[n].z;
+    if (above > distance) {
+      distance = above;
       normal = normals_[n];
     }
-    const Point piece{points_[n + 1].rho - points_[n].rho, points_[n + 1].z - points_[n].z};
-    const double t =
-        std::clamp((from.rho * piece.rho + from.z * piece.z) * inverse_squared_[n], 0.0, 1.0);
-    const Point gap{from.rho - t * piece.rho, from.z - t * piece.z};
-    const double squared = gap.rho * gap.rho + gap.z * gap.z;
-    if (squared < nearest) {
-      nearest = squared;
-      away = gap;
-    }
   }
-  double distance = plane;
-  if (count_ == 1 || plane >= 0.0) {
+  if (distance >= 0.0) {
+    Point away{rho - points_[0].rho, z - points_[0].z};
+    double nearest = away.rho * away.rho + away.z * away.z;
+    for (std::size_t n = 0; n + 1 < static_cast<std::size_t>(count_); ++n) {
+      const Point from{rho - points_[n].rho, z - points_[n].z};
+      const Point piece{points_[n + 1].rho - points_[n].rho, points_[n + 1].z - points_[n].z};
+      const double t =
+          std::clamp((from.rho * piece.rho + from.z * piece.z) * inverse_squared_[n], 0.0, 1.0);
+      const Point gap{from.rho - t * piece.rho, from.z - t * piece.z};
+      const double squared = gap.rho * gap.rho + gap.z * gap.z;
+      if (squared < nearest) {
+        nearest = squared;
+        away = gap;
+      }
+    }
     distance = std::sqrt(nearest);
     if (distance > 0.0) normal = {away.rho / distance, away.z / distance};
   }

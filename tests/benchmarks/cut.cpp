@@ -268,6 +268,39 @@ Json MeasureForce(const Case& c, int repeats) {
           {"raw_step_us", ToJson(PercentilesOf(times.step.all()))}};
 }
 
+/// Time of removing alone, of a straight fissure bur that mills sideways, sunk by three quarters of
+/// a block.
+Json MeasureFissure(double spacing, double radius, double length, int repeats) {
+  TriangleMesh mesh = MakeBox(Vec3(4e-3, 4e-3, 3e-3));
+  const SolidGrid block(mesh, {.spacing = spacing, .most_bytes = kMostBytes}, "block");
+  const Bur bur = Bur::Cylinder(radius, length, 0.1e-3);
+  const Vec3 step(3e-6, 0, 0);
+  BestOf times;
+  for (int r = 0; r < repeats; ++r) {
+    CutField cut(block, kMostBytes, "block");
+    Vec3 p(-0.5e-3, 0, 1.5e-3);
+    for (; p.z() > -0.75e-3; p.z() -= 15e-6) {
+      cut.Remove(bur, {p, Quat::Identity()}, Vec3(0, 0, -15e-6));
+    }
+    std::vector<double> us;
+    for (int n = 0; n < 300; ++n, p += step) {
+      const auto begin = std::chrono::steady_clock::now();
+      cut.Remove(bur, {p, Quat::Identity()}, step);
+      us.push_back(
+          std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin)
+              .count());
+    }
+    times.Add(us);
+  }
+  const Percentiles best = PercentilesOf(times.best());
+  fmt::print(stderr, "{:>5.0f} {:>5.1f} x {:<4.1f} {:>8.0f} {:>8.0f}\n", 1e6 * spacing,
+             2e3 * radius, 1e3 * length, best.p50, best.p999);
+  return {{"spacing_um", 1e6 * spacing},
+          {"diameter_m", 2.0 * radius},
+          {"length_m", length},
+          {"best_remove_us", ToJson(best)}};
+}
+
 void Run(const Options& options) {
   auto volumes = Json::Array(), forces = Json::Array();
   fmt::print(stderr,
@@ -306,6 +339,15 @@ void Run(const Options& options) {
     cases.push_back({.spacing = spacing, .samples = samples, .rate = 4000});
   }
   for (const Case& c : cases) forces.push_back(MeasureForce(c, options.repeats));
+  auto fissures = Json::Array();
+  fmt::print(stderr, "\nremoval by fissure burs [us]: grid, diameter x length [mm], p50, p99.9\n");
+  for (const std::size_t um : options.grids_um) {
+    if (um < 50) continue;  // what fits into no millisecond
+    for (const auto& [radius, length] : {std::pair{0.25e-3, 2e-3}, {0.6e-3, 4e-3}}) {
+      fissures.push_back(
+          MeasureFissure(1e-6 * static_cast<double>(um), radius, length, options.repeats));
+    }
+  }
   if (!options.json.empty()) {
     WriteJson(options.json, {{"machine", ToJson(ThisMachine())},
                              {"repeats", options.repeats},
@@ -314,7 +356,8 @@ void Run(const Options& options) {
                              {"pressure_Pa", kMaterial.pressure},
                              {"viscosity_Pa_s_per_m", kMaterial.viscosity},
                              {"volume", volumes},
-                             {"force", forces}});
+                             {"force", forces},
+                             {"fissure", fissures}});
   }
 }
 
