@@ -63,12 +63,12 @@ TEST(SolidGrid, OfABoxIsExactAtEveryPointHoweverItIsTurned) {
 // A lattice's lines may run through vertices and along edges and faces.
 TEST(SolidGrid, LinesThroughVerticesAndEdgesCrossNoOftenerThanOthers) {
   const double h = 100e-6, offset = (SolidGrid::kBandSpacings + 1 + 0.382) * h;
-  // Its corners are points of the lattice, but for the offset, which the spike takes back.
+  // The lattice begins off the mesh's box.  A small box beyond each of three sides widens that box
+  // by as much as brings the corners, edges and diagonals of the big one onto the lattice's points.
   TriangleMesh mesh = MakeBox(Vec3(10 * h, 10 * h, 10 * h));
   const Vec3 low = Vec3::Constant(-5 * h - offset);
   for (const int axis : {0, 1, 2}) {
     TriangleMesh moved = MakeBox(Vec3::Constant(h));
-    // A small box that makes the whole one's lattice begin where the big one's points lie on it.
     const Vec3 at = low + Vec3::Constant(offset - 0.618 * h + 0.5 * h) - 2.0 * h * Vec3::Unit(axis);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (const Vec3& v : moved.vertices) mesh.vertices.push_back(v + at);
