@@ -92,6 +92,33 @@ inline constexpr double kSlopeLeft = 0.1;
 inline constexpr double kRounding = 1e-14;
 }  // namespace compliance
 
+/// Rows that yield for good (cut/cut_solver.h).  Forces are over k_t, so stiffness has no unit.
+namespace cutting {
+/// A row below its threshold is a spring so many times as stiff as the coupling: a newton of the
+/// hand presses it 10 pm into what is rigid.  Ten times as much costs a digit of the result: 1e-16
+/// of x times this, for each row.
+inline constexpr double kRigid = 1e8;
+/// Turns of Newton's method: 16,000 random problems needed 45 at most.
+inline constexpr int kTurns = 100;
+/// Turns before rows are made softer, and with rows of one softness: taken.  A bur that moves on as
+/// it did takes one or two.
+inline constexpr int kTurnsAtOnce = 6, kTurnsOfStage = 20;
+/// Where softer rows begin, about the coupling's own stiffness, and by how much they grow.  Of 10,
+/// 30 and 100, only 10 solved all of those problems from any guess.
+inline constexpr double kSoftest = 10.0, kStiffen = 10.0;
+/// Of a search along a turn: halvings alone find a spring of 1e-15 m in a step of a millimetre by
+/// 40.
+inline constexpr int kSearches = 60;
+/// What the search may leave of the slope that it began with: taken.
+inline constexpr double kSlopeLeft = 0.05;
+/// Error of a gradient over the size of its terms: some ten roundings of 2e-16.
+inline constexpr double kRounding = 2e-15;
+/// How far ahead of its surface a bur looks for material, over the grid's spacing: a cell's
+/// diagonal is 1.7, and half of it, 0.9, keeps the bur's own cut out of the cell; the rest is
+/// taken.
+inline constexpr double kLookAhead = 1.5;
+}  // namespace cutting
+
 /// Friction (solve/coulomb_friction.h, solve/chapter_friction.h).  Forces are over k_t, so lengths
 /// [m]; "size" is the length of the hand's offset and what the contacts take off it.
 namespace friction {

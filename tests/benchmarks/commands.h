@@ -73,6 +73,7 @@ class Command {
 // Each adds its command to palpate-bench.
 void AddAccuracy(CLI::App& app);
 void AddClosedLoop(CLI::App& app);
+void AddCut(CLI::App& app);
 void AddCycle(CLI::App& app);
 /// `domain` is read when the command runs.
 void AddDeadServer(CLI::App& app, const int& domain);

@@ -23,6 +23,7 @@ int Main(int argc, char** argv) {
   app.parse_complete_callback([&] { SetUpLog("palpate-bench", log_level); });
   AddAccuracy(app);
   AddClosedLoop(app);
+  AddCut(app);
   AddCycle(app);
   AddDeadServer(app, domain);
   AddHands(app);

@@ -78,6 +78,26 @@ TEST_F(PalpateBench, CycleArrivesWhereGumYieldsBesideATooth) {
   EXPECT_GT(Json("cycle.json")["arrived_fraction"], 0.995);
 }
 
+TEST_F(PalpateBench, CutHoldsItsBoundsOnACoarseGrid) {
+  ASSERT_EQ(Run({"cut", "--grid-um", "100", "--repeats", "1", "--json", File("cut.json")}), 0)
+      << said_;
+  const nlohmann::json json = Json("cut.json");
+  ASSERT_EQ(json["volume"].size(), 4u);
+  for (const nlohmann::json& volume : json["volume"]) {
+    EXPECT_LT(std::abs(volume["plunge_error"].get<double>()), 0.01) << volume;
+  }
+  ASSERT_EQ(json["force"].size(), 12u);
+  for (const nlohmann::json& way : json["force"]) {
+    EXPECT_EQ(way["unsolved"], 0) << way;
+    EXPECT_GE(way["least_work_of_a_step_J"], 0.0) << way;
+    EXPECT_LT(std::abs(way["rows_volume_error"].get<double>()), 0.02) << way;
+    EXPECT_LT(std::abs(way["work_error"].get<double>()), 0.02) << way;
+    EXPECT_LT(way["plunge"]["change_N_max"], 0.004) << way;
+    EXPECT_LT(way["groove"]["change_N_max"], 0.004) << way;
+    EXPECT_LE(way["best_step_us"]["p50"], way["best_step_us"]["p999"]);
+  }
+}
+
 TEST_F(PalpateBench, CycleTracesEveryStepSoThatItsPosesReadBack) {
   ASSERT_EQ(Run({"cycle", "--scene", "cube", "--steps", "1200", "--repeats", "1", "--trace",
                  File("trace.csv"), "--json", File("cycle.json")}),

@@ -70,7 +70,7 @@ const std::vector<Rule> kRules = {
     // A pure function of tree, state and pose: no transport, no log, no files.
     {"server/physics",
      {"common", "server/physics", "scenes/scene.h", "scenes/sphere_tree.h",
-      "scenes/sphere_packet.h"},
+      "scenes/sphere_packet.h", "scenes/grid"},
      {"common/dds"},
      {"Eigen"}},
     // scene.h and no more of scenes: a session's model is made from a scene's trees and coupling,
@@ -170,6 +170,7 @@ const std::vector<Floors> kFloors = {
          {"server/physics/simd"},
          {"server/physics/leaf_pair", "server/physics/step_types", "server/physics/stage_clock"},
          {"server/physics/tree"},
+         {"server/physics/cut"},
          {"server/physics/surface"},
          {"server/physics/haptic_model", "server/physics/scene_model", "server/physics/step_state"},
          {"server/physics/rows"},
@@ -184,7 +185,7 @@ const std::vector<Floors> kFloors = {
      {
          {"scenes/scene", "scenes/sphere_tree", "scenes/sphere_packet", "scenes/progress"},
          {"scenes/mesh"},
-         {"scenes/importer", "scenes/shapes"},
+         {"scenes/grid", "scenes/importer", "scenes/shapes"},
          {"scenes/tree"},
          {"scenes/files"},
      },

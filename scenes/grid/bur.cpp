@@ -1,0 +1,207 @@
+#include "scenes/grid/bur.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.h"
+#include "scenes/mesh/figure.h"
+
+namespace palpate {
+namespace {
+
+/// Pieces of an arc or a line of the curve, for samples: a quarter circle of so many chords is
+/// 2.5e-5 shorter than the arc.
+constexpr int kPieces = 64;
+constexpr double kPi = 3.14159265358979323846;
+/// Cosine and sine of the golden angle, pi (3 - sqrt(5)).
+constexpr double kGoldenCos = -0.73736887807831990, kGoldenSin = 0.67549029426152364;
+
+void Require(bool holds, const std::string& what) {
+  if (!holds) throw Error("bur: " + what);
+}
+
+std::string Millimetres(double metres) {
+  return Figure(1e3 * metres, 4) + " mm";
+}
+
+}  // namespace
+
+Bur Bur::Ball(double radius) {
+  return Bur({{0.0, 0.0}}, radius);
+}
+
+Bur Bur::Cylinder(double radius, double length, double rounding) {
+  return Cone(radius, radius, length, rounding);
+}
+
+Bur Bur::Cone(double tip_radius, double base_radius, double length, double rounding) {
+  Require(
+      rounding >= 0.0 && rounding <= std::min(tip_radius, base_radius) && 2.0 * rounding < length,
+      "a rounding of " + Millimetres(rounding) + " is not allowed; give at most its radius, " +
+          Millimetres(std::min(tip_radius, base_radius)) + ", and less than half its length");
+  const double top = length - 2.0 * rounding;
+  std::vector<std::array<double, 2>> curve{{0.0, 0.0}};
+  if (tip_radius > rounding) curve.push_back({tip_radius - rounding, 0.0});
+  if (base_radius > rounding) curve.push_back({base_radius - rounding, top});
+  curve.push_back({0.0, top});
+  return Bur(curve, rounding);
+}
+
+Bur::Bur(const std::vector<std::array<double, 2>>& curve, double rounding) : rounding_(rounding) {
+  Require(!curve.empty() && curve.size() <= kMostPoints,
+          "a curve of " + std::to_string(curve.size()) + " points is not allowed; give 1 to " +
+              std::to_string(kMostPoints));
+  Require(curve.front()[0] == 0.0 && curve.back()[0] == 0.0,
+          "its curve has to begin and to end on the axis, at radius 0");
+  count_ = static_cast<int>(curve.size());
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    const auto& [rho, z] = curve[i];
+    Require(std::isfinite(z) && rho >= 0.0 && std::isfinite(rho),
+            "point " + std::to_string(i) + " of its curve has to be finite, of a radius >= 0");
+    points_[i] = {rho, z};
+    reach_ = std::max(reach_, std::sqrt(rho * rho + z * z) + rounding);
+    radius_ = std::max(radius_, rho + rounding);
+    if (i == 0) continue;
+    const double along = rho - points_[i - 1].rho, up = z - points_[i - 1].z;
+    const double length = std::sqrt(along * along + up * up);
+    Require(length > 0.0, "point " + std::to_string(i) +
+                              " of its curve is the one before; "
+                              "leave it out");
+    normals_[i - 1] = {up / length, -along / length};
+    inverse_squared_[i - 1] = 1.0 / (length * length);
+    if (i == 1) continue;
+    Require(normals_[i - 2].rho * normals_[i - 1].z > normals_[i - 2].z * normals_[i - 1].rho,
+            "its curve is not convex at point " + std::to_string(i - 1) +
+                "; give the points of its hull, from the tip outwards");
+  }
+  Require(rounding >= 0.0 && std::isfinite(rounding) && radius_ > 0.0,
+          "a radius of " + Millimetres(radius_) + " is not allowed; give one above 0");
+}
+
+double Bur::Distance(const Vec3& p_T, Vec3& gradient_T) const noexcept {
+  const double rho = std::sqrt(p_T.x() * p_T.x() + p_T.y() * p_T.y()), z = p_T.z();
+  // Within the curve the nearest piece is the least deep; outside, the nearest point of any counts.
+  double distance = count_ == 1 ? 0.0 : -1e300;
+  Point normal{1.0, 0.0};
+  for (std::size_t n = 0; n + 1 < static_cast<std::size_t>(count_); ++n) {
+    const double above =
+        (rho - points_[n].rho) * normals_[n].rho + (z - points_[n].z) * normals_[n].z;
+    if (above > distance) {
+      distance = above;
+      normal = normals_[n];
+    }
+  }
+  if (distance >= 0.0) {
+    Point away{rho - points_[0].rho, z - points_[0].z};
+    double nearest = away.rho * away.rho + away.z * away.z;
+    for (std::size_t n = 0; n + 1 < static_cast<std::size_t>(count_); ++n) {
+      const Point from{rho - points_[n].rho, z - points_[n].z};
+      const Point piece{points_[n + 1].rho - points_[n].rho, points_[n + 1].z - points_[n].z};
+      const double t =
+          std::clamp((from.rho * piece.rho + from.z * piece.z) * inverse_squared_[n], 0.0, 1.0);
+      const Point gap{from.rho - t * piece.rho, from.z - t * piece.z};
+      const double squared = gap.rho * gap.rho + gap.z * gap.z;
+      if (squared < nearest) {
+        nearest = squared;
+        away = gap;
+      }
+    }
+    distance = std::sqrt(nearest);
+    if (distance > 0.0) normal = {away.rho / distance, away.z / distance};
+  }
+  const double outward = rho > 0.0 ? normal.rho / rho : 0.0;
+  gradient_T = {outward * p_T.x(), outward * p_T.y(), normal.z};
+  return distance - rounding_;
+}
+
+double Bur::DistanceToWay(const Vec3& p_T, const Vec3& step_T, double within) const noexcept {
+  Vec3 gradient;
+  double low = Distance(p_T, gradient);
+  double low_slope = -gradient.dot(step_T);
+  if (low_slope >= 0.0 || low - step_T.norm() > within) return low;
+  double high = Distance(p_T - step_T, gradient);
+  double high_slope = -gradient.dot(step_T);
+  if (high_slope <= 0.0) return high;
+  double from = 0.0, to = 1.0;
+  for (int turn = 0; turn < 3; ++turn) {
+    const double t = from + (to - from) * low_slope / (low_slope - high_slope);
+    const double distance = Distance(p_T - t * step_T, gradient);
+    const double slope = -gradient.dot(step_T);
+    if (slope < 0.0) {
+      from = t;
+      low_slope = slope;
+      low = std::min(low, distance);
+    } else {
+      to = t;
+      high_slope = slope;
+      high = std::min(high, distance);
+      if (slope == 0.0) break;
+    }
+  }
+  return std::min(low, high);
+}
+
+std::vector<BurSample> Bur::Samples(int count) const {
+  Require(count > 0, "samples: " + std::to_string(count) + " are not allowed; give at least 1");
+  // The surface's curve, in pieces from tip to top: a point of the curve, and the normal there.
+  struct Station {
+    Point core, normal;
+    double area;  ///< of all below
+  };
+  std::vector<Station> stations;
+  const auto rho_of = [&](const Point& core, const Point& n) {
+    return core.rho + rounding_ * n.rho;
+  };
+  const auto add = [&](const Point& core_a, const Point& a, const Point& core_b, const Point& b) {
+    for (int piece = stations.empty() ? 0 : 1; piece <= kPieces; ++piece) {
+      const double t = double(piece) / kPieces;
+      Point n{a.rho + t * (b.rho - a.rho), a.z + t * (b.z - a.z)};
+      const double length = std::sqrt(n.rho * n.rho + n.z * n.z);
+      n = {n.rho / length, n.z / length};
+      const Point core{core_a.rho + t * (core_b.rho - core_a.rho),
+                       core_a.z + t * (core_b.z - core_a.z)};
+      double area = 0.0;
+      if (!stations.empty()) {
+        const Station& last = stations.back();
+        const double along = rho_of(core, n) - rho_of(last.core, last.normal);
+        const double up = core.z + rounding_ * n.z - last.core.z - rounding_ * last.normal.z;
+        area = last.area + kPi * (rho_of(core, n) + rho_of(last.core, last.normal)) *
+                               std::sqrt(along * along + up * up);
+      }
+      stations.push_back({core, n, area});
+    }
+  };
+  for (int i = 0; i < count_; ++i) {
+    const auto n = static_cast<std::size_t>(i);
+    const Point before = i == 0 ? Point{0.0, -1.0} : normals_[n - 1];
+    const Point after = i + 1 == count_ ? Point{0.0, 1.0} : normals_[n];
+    // In two where it is longer than a quarter circle.
+    const Point middle = before.z < 0.0 && after.z > 0.0 ? Point{1.0, 0.0} : after;
+    add(points_[n], before, points_[n], middle);
+    add(points_[n], middle, points_[n], after);
+    if (i + 1 < count_) add(points_[n], after, points_[n + 1], after);
+  }
+  const double all = stations.back().area;
+  std::vector<BurSample> samples;
+  double c = 1.0, s = 0.0;
+  std::size_t at = 1;
+  for (int i = 0; i < count; ++i) {
+    const double below = all * (i + 0.5) / count;
+    while (stations[at].area < below) ++at;
+    const Station &a = stations[at - 1], &b = stations[at];
+    const double t = (below - a.area) / (b.area - a.area);
+    Point n{a.normal.rho + t * (b.normal.rho - a.normal.rho),
+            a.normal.z + t * (b.normal.z - a.normal.z)};
+    const double length = std::sqrt(n.rho * n.rho + n.z * n.z);
+    n = {n.rho / length, n.z / length};
+    const double rho = a.core.rho + t * (b.core.rho - a.core.rho) + rounding_ * n.rho;
+    const double z = a.core.z + t * (b.core.z - a.core.z) + rounding_ * n.z;
+    samples.push_back({{rho * c, rho * s, z}, {n.rho * c, n.rho * s, n.z}, all / count});
+    const double turned = c * kGoldenCos - s * kGoldenSin;
+    s = c * kGoldenSin + s * kGoldenCos;
+    c = turned;
+  }
+  return samples;
+}
+
+}  // namespace palpate

@@ -1,0 +1,313 @@
+#include "scenes/grid/cut_field.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "common/error.h"
+#include "scenes/mesh/figure.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kSide = SparseField::kSide;
+constexpr double kWhole = 65535.0;
+/// Columns of a voxel, for its share: a Fibonacci lattice (Niederreiter & Sloan, J. Comp. Appl.
+/// Math. 51 (1994) 57-70), of which no two are in line with an axis, as most faces of solids are.
+constexpr int kColumns = 21, kStride = 13;
+/// A plane farther from a voxel's middle than half its diagonal does not cross it.
+constexpr double kHalfDiagonal = 0.8660254037844386;
+
+/// The half-space a + g . u < 0 that a field is within a voxel, u in [-1/2, 1/2]^3.
+struct HalfSpace {
+  double a;
+  Vec3 g;
+};
+
+/// From a point and its six neighbours.  The field's mean over the voxel is its value there and
+/// 1/24 of the second differences, exactly up to third order: so a sphere's voxels add up to its
+/// volume, though each is cut by a plane.
+HalfSpace PlaneOf(const SparseField& field, int i, int j, int k, double value) {
+  const double h = field.lattice().spacing;
+  const double x0 = field.At(i - 1, j, k), x1 = field.At(i + 1, j, k);
+  const double y0 = field.At(i, j - 1, k), y1 = field.At(i, j + 1, k);
+  const double z0 = field.At(i, j, k - 1), z1 = field.At(i, j, k + 1);
+  const double bend = x0 + x1 + y0 + y1 + z0 + z1 - 6.0 * value;
+  return {(value + bend / 24.0) / h, Vec3(x1 - x0, y1 - y0, z1 - z0) / (2.0 * h)};
+}
+
+/// Volume of the unit voxel that lies in both: exact along columns, which run as the second's
+/// normal does.
+double ShareInBoth(const HalfSpace& p, const HalfSpace& q) {
+  int w = 0;
+  q.g.cwiseAbs().maxCoeff(&w);
+  const int u = (w + 1) % 3, v = (w + 2) % 3;
+  const double of_p = p.g[w] != 0.0 ? -1.0 / p.g[w] : 0.0;
+  const double of_q = q.g[w] != 0.0 ? -1.0 / q.g[w] : 0.0;
+  double sum = 0.0;
+  for (int n = 0; n < kColumns; ++n) {
+    const double a = (n + 0.5) / kColumns - 0.5;
+    const double b = (n * kStride % kColumns + 0.5) / kColumns - 0.5;
+    double low = -0.5, high = 0.5;
+    const auto cut = [&](const HalfSpace& s, double inverse) {
+      const double base = s.a + a * s.g[u] + b * s.g[v];
+      if (inverse < 0.0) {
+        high = std::min(high, base * inverse);
+      } else if (inverse > 0.0) {
+        low = std::max(low, base * inverse);
+      } else if (base >= 0.0) {
+        high = low;
+      }
+    };
+    cut(p, of_p);
+    cut(q, of_q);
+    sum += std::max(0.0, high - low);
+  }
+  return sum / kColumns;
+}
+
+}  // namespace
+
+std::size_t CutField::BytesOf(const SolidGrid& solid, std::size_t blocks) {
+  const std::size_t table = solid.field().lattice().block_count();
+  return SparseField::BytesOf(table, blocks) +
+         blocks * SparseField::kPoints * sizeof(std::uint16_t) + table * sizeof(std::int32_t) +
+         blocks * sizeof(Touched);
+}
+
+CutField::CutField(const SolidGrid& solid, std::size_t most_bytes, const std::string& name,
+                   std::size_t blocks)
+    : solid_(&solid),
+      field_(solid.field().lattice(), solid.field().band(), SparseField::kBelow),
+      touched_at_(solid.field().lattice().block_count(), -1) {
+  if (blocks == 0) blocks = solid.solid_blocks();
+  if (const std::size_t bytes = BytesOf(solid, blocks); bytes > most_bytes) {
+    throw Error(name + ": cutting at " + Figure(1e6 * field_.lattice().spacing, 3) + " um takes " +
+                Figure(double(bytes) / (1 << 20), 3) + " MB, and may take " +
+                Figure(double(most_bytes) / (1 << 20), 3) +
+                " MB; give a greater spacing, a smaller body, or fewer blocks to cut");
+  }
+  field_.Reserve(blocks);
+  left_.resize(blocks * SparseField::kPoints);
+  touched_.reserve(blocks);
+}
+
+std::size_t CutField::bytes() const {
+  return BytesOf(*solid_, left_.size() / SparseField::kPoints);
+}
+
+FieldSample CutField::Sample(const Vec3& p_B) const noexcept {
+  const FieldSample solid = solid_->Sample(p_B);
+  const FieldSample cut = field_.Sample(p_B);
+  return cut.distance > solid.distance ? cut : solid;
+}
+
+double CutField::UncutShareOf(int i, int j, int k) const noexcept {
+  const SparseField& solid = solid_->field();
+  const double value = solid.At(i, j, k), clear = kHalfDiagonal * solid.lattice().spacing;
+  if (std::abs(value) > clear) return value < 0.0 ? 1.0 : 0.0;
+  const HalfSpace plane = PlaneOf(solid, i, j, k, value);
+  return ShareInBoth({-1.0, Vec3::Zero()}, plane);
+}
+
+double CutField::ShareOf(int i, int j, int k) const noexcept {
+  const double value = field_.At(i, j, k), clear = kHalfDiagonal * field_.lattice().spacing;
+  if (value > clear) return 0.0;
+  if (value < -clear) return UncutShareOf(i, j, k);
+  const SparseField& solid = solid_->field();
+  const double uncut = solid.At(i, j, k);
+  if (uncut > clear) return 0.0;
+  const HalfSpace plane = PlaneOf(field_, i, j, k, value);
+  return ShareInBoth(
+      uncut < -clear ? HalfSpace{-1.0, Vec3::Zero()} : PlaneOf(solid, i, j, k, uncut), plane);
+}
+
+double CutField::Left(int i, int j, int k) const noexcept {
+  const Lattice& lattice = field_.lattice();
+  for (int a = 0; a < 3; ++a) {
+    const int c = a == 0 ? i : a == 1 ? j : k;
+    if (c < 0 || c >= kSide * lattice.blocks[static_cast<std::size_t>(a)]) return 0.0;
+  }
+  const std::int32_t entry = field_.entry(field_.BlockIndex(i >> 3, j >> 3, k >> 3));
+  if (entry == SparseField::kAbove) return 0.0;
+  if (entry == SparseField::kBelow) return UncutShareOf(i, j, k);
+  return left_[static_cast<std::size_t>(entry) * SparseField::kPoints +
+               static_cast<std::size_t>(SparseField::PointIndex(i, j, k))] /
+         kWhole;
+}
+
+bool CutField::TakeStorage(const int low[3], const int high[3], const Bur& bur, const Pose& X_TB,
+                           const Vec3& step_T) noexcept {
+  const Lattice& lattice = field_.lattice();
+  // From a block's middle to its farthest point, and the band beyond the bur.
+  const double reach = field_.band() + 3.5 * std::sqrt(3.0) * lattice.spacing;
+  touched_.clear();
+  std::size_t wanted = 0;
+  for (int k = low[2]; k <= high[2]; ++k) {
+    for (int j = low[1]; j <= high[1]; ++j) {
+      for (int i = low[0]; i <= high[0]; ++i) {
+        const std::size_t block = field_.BlockIndex(i, j, k);
+        if (field_.entry(block) == SparseField::kAbove ||
+            solid_->field().entry(block) == SparseField::kAbove) {
+          continue;
+        }
+        const Vec3 middle =
+            lattice.Point(8 * i, 8 * j, 8 * k) + Vec3::Constant(3.5 * lattice.spacing);
+        if (bur.DistanceToWay(X_TB * middle, step_T) > reach) continue;
+        const bool stored = field_.entry(block) >= 0;
+        if (!stored && ++wanted > field_.free_blocks()) return false;
+        touched_.push_back({block, {i, j, k}, {}});
+      }
+    }
+  }
+  for (Touched& touched : touched_) {
+    if (field_.entry(touched.block) >= 0) continue;
+    const std::int32_t entry = field_.Acquire(touched.block);
+    std::uint16_t* left = left_.data() + static_cast<std::size_t>(entry) * SparseField::kPoints;
+    for (int n = 0; n < SparseField::kPoints; ++n) {
+      left[n] = static_cast<std::uint16_t>(kWhole * UncutShareOf(8 * touched.at[0] + (n & 7),
+                                                                 8 * touched.at[1] + (n >> 3 & 7),
+                                                                 8 * touched.at[2] + (n >> 6)) +
+                                           0.5);
+    }
+  }
+  return true;
+}
+
+CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur& bur,
+                                 const Pose& X_TB, const Vec3& step_T) noexcept {
+  const Lattice& lattice = field_.lattice();
+  const Mat3 R_TB = X_TB.q.toRotationMatrix();
+  const Vec3 first = X_TB * lattice.Point(8 * at[0], 8 * at[1], 8 * at[2]);
+  const Vec3 along = lattice.spacing * R_TB.col(0);
+  const double h = lattice.spacing, reach = field_.band() + step_T.norm();
+  float* values = field_.values(entry);
+  Layers changed{};
+  for (int n = 0; n < SparseField::kPoints; n += kSide) {
+    const int y = n >> 3 & 7, z = n >> 6;
+    const Vec3 row = first + lattice.spacing * (y * R_TB.col(1) + z * R_TB.col(2));
+    for (int x = 0; x < kSide; ++x) {
+      float& value = values[n + x];
+      if (value >= field_.band()) continue;
+      const double distance = bur.DistanceToWay(row + x * along, step_T, field_.band());
+      // It falls no faster than the row goes on: so many points are beyond the band.
+      if (distance > reach) x += static_cast<int>(std::min((distance - reach) / h, 8.0));
+      const auto depth = static_cast<float>(-distance);
+      if (!(depth > value)) continue;  // nor where a pose is not finite
+      value = std::min(depth, field_.band());
+      changed[static_cast<std::size_t>(z)] |= std::uint64_t{1} << (8 * y + x);
+    }
+  }
+  return changed;
+}
+
+/// The points whose plane is another than before: those that changed, and their neighbours.
+CutField::Layers CutField::Beside(const Touched& touched) const noexcept {
+  constexpr std::uint64_t kFirstColumn = 0x0101010101010101u, kLastColumn = kFirstColumn << 7;
+  const auto changed_at = [&](int x, int y, int z) -> const Layers* {
+    const int i = touched.at[0] + x, j = touched.at[1] + y, k = touched.at[2] + z;
+    const auto& blocks = field_.lattice().blocks;
+    if (i < 0 || j < 0 || k < 0 || i >= blocks[0] || j >= blocks[1] || k >= blocks[2]) {
+      return nullptr;
+    }
+    const std::int32_t place = touched_at_[field_.BlockIndex(i, j, k)];
+    return place < 0 ? nullptr : &touched_[static_cast<std::size_t>(place)].changed;
+  };
+  const Layers& c = touched.changed;
+  Layers all{};
+  for (std::size_t z = 0; z < kSide; ++z) {
+    all[z] =
+        c[z] | c[z] << 8 | c[z] >> 8 | (c[z] << 1 & ~kFirstColumn) | (c[z] >> 1 & ~kLastColumn);
+    if (z > 0) all[z] |= c[z - 1];
+    if (z + 1 < kSide) all[z] |= c[z + 1];
+  }
+  if (const Layers* l = changed_at(-1, 0, 0)) {
+    for (std::size_t z = 0; z < kSide; ++z) all[z] |= (*l)[z] >> 7 & kFirstColumn;
+  }
+  if (const Layers* l = changed_at(1, 0, 0)) {
+    for (std::size_t z = 0; z < kSide; ++z) all[z] |= (*l)[z] << 7 & kLastColumn;
+  }
+  if (const Layers* l = changed_at(0, -1, 0)) {
+    for (std::size_t z = 0; z < kSide; ++z) all[z] |= (*l)[z] >> 56;
+  }
+  if (const Layers* l = changed_at(0, 1, 0)) {
+    for (std::size_t z = 0; z < kSide; ++z) all[z] |= (*l)[z] << 56;
+  }
+  if (const Layers* l = changed_at(0, 0, -1)) all[0] |= (*l)[kSide - 1];
+  if (const Layers* l = changed_at(0, 0, 1)) all[kSide - 1] |= (*l)[0];
+  return all;
+}
+
+Removal CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept {
+  Removal removal;
+  const Lattice& lattice = field_.lattice();
+  const Pose X_TB = X_BT.Inverse();
+  const Vec3 step_T = X_TB.q * step_B;
+  // The box of the bur's two ends of the axis, wherever it points, and of its way.
+  const Vec3 z = X_BT.q * Vec3::UnitZ();
+  const Vec3 margin = Vec3::Constant(field_.band() + bur.radius());
+  const double bottom = std::min(0.0, bur.low() + bur.radius());
+  const double top = std::max(0.0, bur.high() - bur.radius());
+  const Vec3 a = X_BT.p + bottom * z, b = X_BT.p + top * z;
+  const Vec3 zero = Vec3::Zero();
+  const Vec3 min = a.cwiseMin(b) + step_B.cwiseMin(zero) - margin - lattice.origin;
+  const Vec3 max = a.cwiseMax(b) + step_B.cwiseMax(zero) + margin - lattice.origin;
+  int low[3], high[3];
+  for (int d = 0; d < 3; ++d) {
+    const double blocks = lattice.blocks[static_cast<std::size_t>(d)];
+    const double block = kSide * lattice.spacing;
+    // Also where a number is not finite: nothing is removed.
+    if (!(max[d] >= 0.0 && min[d] < blocks * block)) return removal;
+    low[d] = static_cast<int>(std::max(0.0, min[d] / block));
+    high[d] = static_cast<int>(std::min(blocks - 1.0, max[d] / block));
+  }
+  if (!TakeStorage(low, high, bur, X_TB, step_T)) {
+    touched_.clear();
+    removal.full = true;
+    return removal;
+  }
+  for (std::size_t n = 0; n < touched_.size(); ++n) {
+    Touched& touched = touched_[n];
+    touched_at_[touched.block] = static_cast<std::int32_t>(n);
+    touched.changed = Raise(touched.at, field_.entry(touched.block), bur, X_TB, step_T);
+  }
+  // Counted in whole parts of a voxel, so that no order of adding shows.
+  std::array<std::uint64_t, SolidGrid::kMaterials> taken{};
+  for (const Touched& touched : touched_) {
+    const std::int32_t entry = field_.entry(touched.block);
+    std::uint16_t* left = left_.data() + static_cast<std::size_t>(entry) * SparseField::kPoints;
+    const Layers beside = Beside(touched);
+    for (int layer = 0; layer < kSide; ++layer) {
+      for (std::uint64_t bits = beside[static_cast<std::size_t>(layer)]; bits; bits &= bits - 1) {
+        const int n = layer << 6 | std::countr_zero(bits);
+        if (left[n] == 0) continue;
+        const double share = ShareOf(8 * touched.at[0] + (n & 7), 8 * touched.at[1] + (n >> 3 & 7),
+                                     8 * touched.at[2] + (n >> 6));
+        const auto now = static_cast<std::uint16_t>(kWhole * share + 0.5);
+        if (now >= left[n]) continue;
+        taken[solid_->MaterialOf(touched.block, n)] += left[n] - now;
+        left[n] = now;
+      }
+    }
+  }
+  for (const Touched& touched : touched_) {
+    touched_at_[touched.block] = -1;
+    const std::int32_t entry = field_.entry(touched.block);
+    const float* values = field_.values(entry);
+    const std::uint16_t* left =
+        left_.data() + static_cast<std::size_t>(entry) * SparseField::kPoints;
+    // What is clear throughout needs no storage any more.
+    const bool clear = std::all_of(values, values + SparseField::kPoints,
+                                   [&](float v) { return v >= field_.band(); });
+    if (clear && std::all_of(left, left + SparseField::kPoints, [](auto l) { return l == 0; })) {
+      field_.Release(touched.block, SparseField::kAbove);
+    }
+  }
+  const double voxel = lattice.spacing * lattice.spacing * lattice.spacing / kWhole;
+  for (std::size_t m = 0; m < taken.size(); ++m) {
+    removal.volume[m] = voxel * static_cast<double>(taken[m]);
+  }
+  return removal;
+}
+
+}  // namespace palpate

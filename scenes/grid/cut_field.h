@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scenes/grid/bur.h"
+#include "scenes/grid/solid_grid.h"
+#include "scenes/grid/sparse_field.h"
+
+namespace palpate {
+
+/// What one step of a bur took away.
+struct Removal {
+  std::array<double, SolidGrid::kMaterials> volume{};  ///< of each material, never below 0 [m^3]
+  /// The field has no storage left for the place: nothing was removed.
+  bool full = false;
+
+  double total() const {
+    double sum = 0.0;
+    for (const double v : volume) sum += v;
+    return sum;
+  }
+};
+
+/// What burs took away of a solid: its own signed distance, phi_c, above 0 where a bur was.  What
+/// is left is where both this and the solid's, phi_0, are below 0:
+///
+///     phi = max(phi_0, phi_c).
+///
+/// The two are kept apart, and each is interpolated before the greater is taken: interpolating the
+/// greater would round the rim where a cut meets the old surface, and a bur's samples there would
+/// find free what is not.  phi_c falls short of the truth by what a chord of a sphere does, h^2 /
+/// 6R on average: a bur of convex shape never frees what it did not reach.
+///
+/// Real-time but for the constructor: no allocation, lock or clock.
+class CutField {
+ public:
+  /// @param solid  outlives this.   @param most_bytes  what this may take.   @param blocks  of
+  /// storage; 0: as many as the solid has, with which no cut can find it full.
+  /// Throws Error, before it takes its memory, where that is more than it may.
+  CutField(const SolidGrid& solid, std::size_t most_bytes, const std::string& name,
+           std::size_t blocks = 0);
+
+  const SolidGrid& solid() const { return *solid_; }
+  const SparseField& field() const { return field_; }
+
+  /// What is left, at a point of B.
+  FieldSample Sample(const Vec3& p_B) const noexcept;
+
+  /// phi_c <- max(phi_c, -(distance to the bur's way)).  Equal whatever the order of the blocks,
+  /// and of steps: the greatest of all.
+  /// @param X_BT  where the bur is before the step.   @param step_B  how far it goes, straight and
+  /// without turning [m].
+  Removal Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept;
+
+  /// Share of a point's voxel that is left, 0 to 1.  Any integers.
+  double Left(int i, int j, int k) const noexcept;
+
+  std::size_t bytes() const;
+
+ private:
+  /// Points of a block: a layer of z each, bit 8 y + x.
+  using Layers = std::array<std::uint64_t, SparseField::kSide>;
+  struct Touched {
+    std::size_t block;
+    int at[3];       ///< of the block
+    Layers changed;  ///< points whose phi_c rose
+  };
+
+  static std::size_t BytesOf(const SolidGrid& solid, std::size_t blocks);
+  bool TakeStorage(const int low[3], const int high[3], const Bur& bur, const Pose& X_TB,
+                   const Vec3& step_T) noexcept;
+  Layers Raise(const int at[3], std::int32_t entry, const Bur& bur, const Pose& X_TB,
+               const Vec3& step_T) noexcept;
+  Layers Beside(const Touched& touched) const noexcept;
+  double ShareOf(int i, int j, int k) const noexcept;
+  double UncutShareOf(int i, int j, int k) const noexcept;
+
+  const SolidGrid* solid_;
+  SparseField field_;
+  std::vector<std::uint16_t> left_;       ///< of each stored point: share of its voxel, of kWhole
+  std::vector<Touched> touched_;          ///< of the present step, in the order of the table
+  std::vector<std::int32_t> touched_at_;  ///< of a block: its place there, or -1
+};
+
+}  // namespace palpate

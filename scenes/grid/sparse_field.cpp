@@ -1,0 +1,76 @@
+#include "scenes/grid/sparse_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+
+SparseField::SparseField(const Lattice& lattice, float band, std::int32_t all)
+    : lattice_(lattice), band_(band), all_(all), table_(lattice.block_count(), all) {}
+
+float SparseField::At(int i, int j, int k) const noexcept {
+  const int bi = i >> 3, bj = j >> 3, bk = k >> 3;
+  if (bi < 0 || bj < 0 || bk < 0 || bi >= lattice_.blocks[0] || bj >= lattice_.blocks[1] ||
+      bk >= lattice_.blocks[2]) {
+    return ValueOf(all_, 0);
+  }
+  return ValueOf(table_[BlockIndex(bi, bj, bk)], PointIndex(i, j, k));
+}
+
+FieldSample SparseField::Sample(const Vec3& p_B) const noexcept {
+  const Vec3 at = (p_B - lattice_.origin) / lattice_.spacing;
+  int c[3];
+  double u[3];
+  for (int a = 0; a < 3; ++a) {
+    // Also false where the point is not finite: no integer holds that.
+    if (!(at[a] >= 0.0 && at[a] < kSide * lattice_.blocks[static_cast<std::size_t>(a)])) {
+      return {ValueOf(all_, 0), Vec3::Zero()};
+    }
+    c[a] = static_cast<int>(at[a]);
+    u[a] = at[a] - c[a];
+  }
+  double v[8];  // bits of the index: x, y, z
+  if ((c[0] & 7) < 7 && (c[1] & 7) < 7 && (c[2] & 7) < 7) {
+    const std::int32_t entry = table_[BlockIndex(c[0] >> 3, c[1] >> 3, c[2] >> 3)];
+    if (entry < 0) return {ValueOf(entry, 0), Vec3::Zero()};
+    const float* first = values(entry) + PointIndex(c[0], c[1], c[2]);
+    for (int n = 0; n < 8; ++n) v[n] = first[(n & 1) + ((n & 2) << 2) + ((n & 4) << 4)];
+  } else {
+    for (int n = 0; n < 8; ++n) {
+      v[n] = At(c[0] + (n & 1), c[1] + (n >> 1 & 1), c[2] + (n >> 2));
+    }
+  }
+  const auto mix = [](double a, double b, double t) { return a + t * (b - a); };
+  double x[4], y[2];
+  for (int n = 0; n < 4; ++n) x[n] = mix(v[2 * n], v[2 * n + 1], u[0]);
+  for (int n = 0; n < 2; ++n) y[n] = mix(x[2 * n], x[2 * n + 1], u[1]);
+  const auto along_x = [&](int n) { return v[2 * n + 1] - v[2 * n]; };
+  const Vec3 gradient(
+      mix(mix(along_x(0), along_x(1), u[1]), mix(along_x(2), along_x(3), u[1]), u[2]),
+      mix(x[1] - x[0], x[3] - x[2], u[2]), y[1] - y[0]);
+  return {mix(y[0], y[1], u[2]), gradient / lattice_.spacing};
+}
+
+void SparseField::Reserve(std::size_t blocks) {
+  storage_.resize((stored_ + blocks) * kPoints);
+  free_.reserve(stored_ + blocks);
+  for (std::size_t b = stored_ + blocks; b > stored_; --b) {
+    free_.push_back(static_cast<std::int32_t>(b - 1));
+  }
+  stored_ += blocks;
+}
+
+std::int32_t SparseField::Acquire(std::size_t block) noexcept {
+  const std::int32_t entry = free_.back();
+  free_.pop_back();
+  std::fill_n(values(entry), kPoints, ValueOf(table_[block], 0));
+  table_[block] = entry;
+  return entry;
+}
+
+void SparseField::Release(std::size_t block, std::int32_t all) noexcept {
+  free_.push_back(table_[block]);
+  table_[block] = all;
+}
+
+}  // namespace palpate

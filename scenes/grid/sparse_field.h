@@ -1,0 +1,103 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "common/math/pose.h"
+
+namespace palpate {
+
+/// Points at origin + spacing * (i, j, k), 8 times `blocks` of them along each axis.
+struct Lattice {
+  Vec3 origin = Vec3::Zero();  ///< body frame B [m]
+  double spacing = 0.0;        ///< h [m]
+  std::array<int, 3> blocks{};
+
+  std::size_t block_count() const {
+    return static_cast<std::size_t>(blocks[0]) * static_cast<std::size_t>(blocks[1]) *
+           static_cast<std::size_t>(blocks[2]);
+  }
+  Vec3 Point(int i, int j, int k) const { return origin + spacing * Vec3(i, j, k); }
+};
+
+/// A signed distance and its gradient at a point.
+/// @field distance  above 0 where the place is free, below 0 in the solid [m]; never beyond the
+///                  band.
+/// @field gradient  of the interpolation: about a unit vector near a surface, zero beyond the band.
+struct FieldSample {
+  double distance = 0.0;
+  Vec3 gradient = Vec3::Zero();
+};
+
+/// Numbers on a lattice, stored in blocks of 8^3 where they lie between -band and +band; a block
+/// that is all the one or all the other is an entry of the table alone.
+///
+/// Reading is real-time.  So are Acquire and Release, within the storage that was reserved.
+class SparseField {
+ public:
+  static constexpr int kSide = 8;
+  static constexpr int kPoints = kSide * kSide * kSide;
+  /// Entries of the table that are no place in the storage.
+  static constexpr std::int32_t kBelow = -1, kAbove = -2;
+
+  /// @param band  > 0 [m].   @param all  kBelow or kAbove: what every block is at first, and what
+  /// lies round the lattice.
+  SparseField(const Lattice& lattice, float band, std::int32_t all);
+
+  const Lattice& lattice() const { return lattice_; }
+  float band() const { return band_; }
+
+  std::size_t BlockIndex(int bi, int bj, int bk) const {
+    return (static_cast<std::size_t>(bk) * static_cast<std::size_t>(lattice_.blocks[1]) +
+            static_cast<std::size_t>(bj)) *
+               static_cast<std::size_t>(lattice_.blocks[0]) +
+           static_cast<std::size_t>(bi);
+  }
+  static int PointIndex(int i, int j, int k) { return ((k & 7) << 6) | ((j & 7) << 3) | (i & 7); }
+  std::int32_t entry(std::size_t block) const { return table_[block]; }
+  const float* values(std::int32_t entry) const {
+    return storage_.data() + static_cast<std::size_t>(entry) * kPoints;
+  }
+  float* values(std::int32_t entry) {
+    return storage_.data() + static_cast<std::size_t>(entry) * kPoints;
+  }
+
+  /// Any integers.
+  float At(int i, int j, int k) const noexcept;
+  /// Trilinear between the eight points round p, which is given in B.
+  FieldSample Sample(const Vec3& p_B) const noexcept;
+
+  /// Storage for so many blocks.  Set-up.
+  void Reserve(std::size_t blocks);
+  std::size_t free_blocks() const { return free_.size(); }
+  /// Gives a block that has none its storage, filled with what it was, and returns the entry.
+  std::int32_t Acquire(std::size_t block) noexcept;
+  /// Of a block without storage.  Set-up.
+  void Fill(std::size_t block, std::int32_t all) noexcept { table_[block] = all; }
+  /// Takes a block's storage back; it is `all` from now on.
+  void Release(std::size_t block, std::int32_t all) noexcept;
+
+  /// What the field takes, or one would take with storage for so many blocks [bytes].
+  std::size_t bytes() const { return BytesOf(lattice_.block_count(), stored_); }
+  static std::size_t BytesOf(std::size_t blocks, std::size_t stored) {
+    return blocks * sizeof(std::int32_t) +
+           stored * (kPoints * sizeof(float) + sizeof(std::int32_t));
+  }
+
+ private:
+  float ValueOf(std::int32_t entry, int point) const {
+    return entry >= 0 ? values(entry)[point] : entry == kBelow ? -band_ : band_;
+  }
+
+  Lattice lattice_;
+  float band_;
+  std::int32_t all_;
+  std::size_t stored_ = 0;
+  std::vector<std::int32_t> table_;
+  std::vector<float> storage_;
+  std::vector<std::int32_t> free_;  ///< a stack
+};
+
+}  // namespace palpate

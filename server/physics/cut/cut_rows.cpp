@@ -1,0 +1,67 @@
+#include "server/physics/cut/cut_rows.h"
+
+#include <algorithm>
+
+#include "server/physics/limits.h"
+
+namespace palpate {
+namespace {
+
+/// How far ahead along n the material begins; beyond the band where it does not.
+///
+/// Where this cut meets an older one, the interpolation rounds the rim: it gives a point of the bur
+/// on it some h/8 of free space, and a bur moves less in a step.  So a point that seems free is
+/// asked about from ahead, where the field is the bur's own distance or that of the older
+/// cut, not of both, and the distance is led back from there.
+double GapAhead(const CutField& cut, const Vec3& p, const Vec3& n) {
+  const FieldSample here = cut.Sample(p);
+  if (here.distance <= 0.0) return 0.0;
+  const double s = limits::cutting::kLookAhead * cut.field().lattice().spacing;
+  const FieldSample ahead = cut.Sample(p + s * n);
+  const double nears = -ahead.gradient.dot(n), gap = ahead.distance + s * nears;
+  if (gap <= 0.0) return 0.0;
+  return nears > 0.0 ? gap / nears : 1e300;
+}
+
+}  // namespace
+
+CutRows::CutRows(int samples)
+    : capacity_(samples), storage_(static_cast<std::size_t>(samples) * kColumns) {}
+
+void CutRows::Add(const std::array<double, 6>& a, double gap, double threshold, double viscous,
+                  double area) noexcept {
+  if (count_ == capacity_) return;
+  const auto set = [&](int column, double value) {
+    storage_[static_cast<std::size_t>(column) * static_cast<std::size_t>(capacity_) +
+             static_cast<std::size_t>(count_)] = value;
+  };
+  for (int c = 0; c < 6; ++c) set(c, a[static_cast<std::size_t>(c)]);
+  set(kGap, gap);
+  set(kThreshold, threshold);
+  set(kViscous, viscous);
+  set(kArea, area);
+  ++count_;
+}
+
+void CutRows::Build(const CutTool& tool, const CutField& cut, const Pose& X_WB,
+                    const std::array<CutMaterial, SolidGrid::kMaterials>& materials) noexcept {
+  Clear();
+  const Mat3 R_WT = tool.X_WT.q.toRotationMatrix();
+  const Pose X_BW = X_WB.Inverse();
+  const Mat3 R_BW = X_BW.q.toRotationMatrix();
+  const double band = cut.field().band(), h = cut.field().lattice().spacing;
+  for (const BurSample& sample : tool.samples) {
+    const Vec3 p_W = R_WT * sample.point + tool.X_WT.p, n_W = R_WT * sample.normal;
+    const Vec3 p_B = R_BW * p_W + X_BW.p, n_B = R_BW * n_W;
+    const double gap = GapAhead(cut, p_B, n_B);
+    if (gap >= band) continue;
+    // Of what lies ahead of the edge, not of the point of the lattice that the edge has passed.
+    const CutMaterial& material = materials[cut.solid().Material(p_B + 0.5 * h * n_B)];
+    const Vec3 turn = (p_W - tool.reference).cross(n_W) / tool.rotation_length;
+    const double share = sample.area / tool.stiffness;
+    Add({n_W.x(), n_W.y(), n_W.z(), turn.x(), turn.y(), turn.z()}, gap, share * material.pressure,
+        share * material.viscosity / tool.dt, sample.area);
+  }
+}
+
+}  // namespace palpate

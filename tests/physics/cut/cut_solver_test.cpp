@@ -1,0 +1,245 @@
+#include "server/physics/cut/cut_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "server/physics/limits.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/random.h"
+
+namespace palpate {
+namespace {
+
+using limits::cutting::kRigid;
+using test::Random;
+
+template <int N>
+using Vec = Eigen::Matrix<double, N, 1>;
+
+template <int N>
+Vec<N> RowOf(const CutRows& rows, int i) {
+  Vec<N> a;
+  for (int r = 0; r < N; ++r) a[r] = rows.a(r)[i];
+  return a;
+}
+
+/// The law itself, with no ramp.
+template <int N>
+double EnergyOf(const CutRows& rows, const Vec<N>& t, const Vec<N>& x) {
+  double sum = 0.5 * (x - t).squaredNorm();
+  for (int i = 0; i < rows.count(); ++i) {
+    const double delta = std::max(0.0, RowOf<N>(rows, i).dot(x) - rows.gap()[i]);
+    sum += rows.threshold()[i] * delta + 0.5 * rows.viscous()[i] * delta * delta;
+  }
+  return sum;
+}
+
+struct Problem {
+  CutRows rows{400};
+  double t[6] = {};
+};
+
+/// Rows of a bur that is pressed, in a hollow of its own shape or apart, below the threshold or far
+/// above it.
+Problem RandomProblem(Random& random, int most_rows) {
+  Problem problem;
+  const Vec3 towards = random.Direction();
+  const int count = 1 + random.Below(most_rows);
+  const double share = std::pow(10.0, random.Uniform(-3.0, 1.0));
+  const double viscous = random.Below(4) == 0 ? 0.0 : std::pow(10.0, random.Uniform(-4.0, 1.0));
+  const bool hollow = random.Below(2) == 0;
+  const double size = std::pow(10.0, random.Uniform(-7.0, -3.3));
+  for (int i = 0; i < count; ++i) {
+    Vec3 n = random.Direction();
+    if (random.Below(10) > 0 && n.dot(towards) < 0.0) n = -n;
+    const Vec3 turn = random.InCube(0.5);
+    const double gap = hollow || random.Below(2) == 0 ? 0.0 : random.Uniform(0.0, size);
+    problem.rows.Add({n.x(), n.y(), n.z(), turn.x(), turn.y(), turn.z()}, gap,
+                     size * random.Uniform(0.1, 1.0) / (share * count),
+                     viscous * random.Uniform(0.1, 1.0) / count, 1e-9);
+  }
+  const Vec3 v = size * towards, phi = size * random.InCube(0.5);
+  for (int r = 0; r < 3; ++r) {
+    problem.t[r] = v[r];
+    problem.t[3 + r] = phi[r];
+  }
+  return problem;
+}
+
+/// The optimality conditions of the law: a force for each row that the law allows at its overlap,
+/// where below the threshold an overlap of force / kRigid counts as none; and the sum of all.
+template <int N>
+void ExpectOptimal(const Problem& problem, const CutSolver& solver, const CutStep& step) {
+  const CutRows& rows = problem.rows;
+  Vec<N> x, t, sum;
+  for (int r = 0; r < N; ++r) {
+    x[r] = step.x[r];
+    t[r] = problem.t[r];
+  }
+  sum = x - t;
+  double size = x.norm() + t.norm();
+  for (int i = 0; i < rows.count(); ++i) {
+    const double s = RowOf<N>(rows, i).dot(x) - rows.gap()[i], force = solver.forces()[i];
+    const double P = rows.threshold()[i], above = rows.viscous()[i] * std::max(0.0, s);
+    EXPECT_GE(force, 0.0);
+    EXPECT_LE(force, P + above + 1e-12 * P);
+    const double rounding = 1e-15 * (x.norm() + rows.gap()[i]);
+    if (s < -rounding) {
+      EXPECT_EQ(force, 0.0);
+    } else if (force < P) {
+      EXPECT_LE(s, P / kRigid + rounding);
+    } else {
+      EXPECT_NEAR(force, P + above, (1e-12 + rounding * kRigid) * (P + above));
+    }
+    sum += force * RowOf<N>(rows, i);
+    size += force;
+  }
+  // Some roundings of x on the spring, of each row.
+  EXPECT_LT(sum.norm(), 1e-13 * size + 1e-15 * kRigid * rows.count() * x.norm());
+  EXPECT_TRUE(step.solved);
+}
+
+template <int N>
+void SolveMany(std::uint64_t seed, int problems, int most_rows, int& most_turns) {
+  Random random(seed);
+  CutSolver solver(400);
+  const double zero[6] = {};
+  for (int n = 0; n < problems; ++n) {
+    const Problem problem = RandomProblem(random, most_rows);
+    const CutStep step = solver.Solve<N>(problem.t, problem.rows, zero);
+    ExpectOptimal<N>(problem, solver, step);
+    EXPECT_GE(step.work, 0.0);
+    most_turns = std::max(most_turns, step.turns);
+    if (testing::Test::HasFailure()) {
+      ADD_FAILURE() << "problem " << n << " of seed " << seed << ", " << problem.rows.count()
+                    << " rows, " << step.turns << " turns";
+      return;
+    }
+  }
+}
+
+TEST(CutSolver, MeetsTheOptimalityConditionsOfTheLaw) {
+  int most_turns = 0;
+  SolveMany<3>(1, 5000, 8, most_turns);
+  SolveMany<6>(2, 5000, 8, most_turns);
+  SolveMany<3>(3, 3000, 400, most_turns);
+  SolveMany<6>(4, 3000, 400, most_turns);
+  RecordProperty("most_turns", most_turns);
+  EXPECT_LT(most_turns, 60);
+}
+
+// By another method: the dual, a force at a time (Hildreth 1957), each held to what its row allows.
+TEST(CutSolver, FindsWhatSlowAscentOfTheDualFinds) {
+  Random random(5);
+  CutSolver solver(400);
+  const double zero[6] = {};
+  for (int n = 0; n < 300; ++n) {
+    const Problem problem = RandomProblem(random, 6);
+    const CutRows& rows = problem.rows;
+    Vec<6> x = Eigen::Map<const Vec<6>>(problem.t);
+    std::vector<double> force(static_cast<std::size_t>(rows.count()), 0.0);
+    for (int sweep = 0; sweep < 20000; ++sweep) {
+      double change = 0.0;
+      for (int i = 0; i < rows.count(); ++i) {
+        const Vec<6> a = RowOf<6>(rows, i);
+        double& f = force[static_cast<std::size_t>(i)];
+        const double P = rows.threshold()[i], c = rows.viscous()[i];
+        // Without it the row's overlap is s; it takes f of it, f |a|^2, up to the law's.
+        const double square = a.squaredNorm(), s = a.dot(x) - rows.gap()[i] + f * square;
+        double wanted = std::clamp(s / square, 0.0, P);
+        if (s - P * square > 0.0) wanted = (P + c * s) / (1.0 + c * square);
+        x -= (wanted - f) * a;
+        change = std::max(change, std::abs(wanted - f));
+        f = wanted;
+      }
+      if (change < 1e-20) break;
+    }
+    const CutStep step = solver.Solve<6>(problem.t, rows, zero);
+    const Vec<6> found = Eigen::Map<const Vec<6>>(step.x);
+    // A spring gives way by |t| / kRigid, and two rows at a small angle by more.
+    const double t = Eigen::Map<const Vec<6>>(problem.t).norm();
+    EXPECT_LT((found - x).norm(), 10.0 * t / kRigid + 1e-9 * x.norm()) << n;
+  }
+}
+
+// Nothing near the result costs less, nor anything along the way to the target.
+TEST(CutSolver, NoOtherStepCostsLess) {
+  Random random(6);
+  CutSolver solver(400);
+  const double zero[6] = {};
+  for (int n = 0; n < 200; ++n) {
+    const Problem problem = RandomProblem(random, 40);
+    const Vec<3> t(problem.t[0], problem.t[1], problem.t[2]);
+    const CutStep step = solver.Solve<3>(problem.t, problem.rows, zero);
+    const Vec<3> x(step.x[0], step.x[1], step.x[2]);
+    const double least = EnergyOf<3>(problem.rows, t, x);
+    // What the law asks for the springs' overlaps, f / kRigid, of forces that |t| bounds.
+    double spring = 0.0;
+    for (int i = 0; i < problem.rows.count(); ++i) {
+      const double P = problem.rows.threshold()[i];
+      spring += P * std::min(P, t.norm()) / kRigid;
+    }
+    for (int k = 0; k < 300; ++k) {
+      const double far = t.norm() * std::pow(10.0, random.Uniform(-6.0, 0.5));
+      const Vec<3> other = k < 100 ? Vec<3>(0.01 * k * t) : Vec<3>(x + far * random.Direction());
+      EXPECT_GE(EnergyOf<3>(problem.rows, t, other), least - spring - 1e-14 * least);
+    }
+  }
+}
+
+TEST(CutSolver, DoesNotDependOnTheGuess) {
+  Random random(7);
+  CutSolver solver(400);
+  for (int n = 0; n < 500; ++n) {
+    const Problem problem = RandomProblem(random, 300);
+    const double zero[6] = {};
+    double wild[6];
+    for (double& w : wild) w = random.Uniform(-1e-3, 1e-3);
+    const CutStep one = solver.Solve<6>(problem.t, problem.rows, zero);
+    const CutStep other = solver.Solve<6>(problem.t, problem.rows, wild);
+    const Vec<6> a = Eigen::Map<const Vec<6>>(one.x), b = Eigen::Map<const Vec<6>>(other.x);
+    EXPECT_TRUE(other.solved);
+    EXPECT_LT((a - b).norm(), 1e-11 + 1e-9 * a.norm()) << n;
+  }
+}
+
+TEST(CutSolver, BelowTheThresholdNothingMovesAndAboveItIsViscous) {
+  // One row, along z, of 0.5 N at a coupling of 1 N/mm, and c = 1: for each newton more as far
+  // again.
+  CutRows rows(1);
+  rows.Add({0, 0, 1, 0, 0, 0}, 0.0, 0.5e-3, 1.0, 1e-9);
+  CutSolver solver(1);
+  const double zero[3] = {};
+  for (const double z : {0.1e-3, 0.4999e-3, 0.6e-3, 2e-3}) {
+    const double t[3] = {0.2e-3, 0.0, z};
+    const CutStep step = solver.Solve<3>(t, rows, zero);
+    EXPECT_NEAR(step.x[2], std::max(0.0, (z - 0.5e-3) / 2.0), 0.5e-3 / kRigid);
+    EXPECT_NEAR(step.x[0], 0.2e-3, 1e-17);  // along the surface it is free
+    EXPECT_NEAR(solver.forces()[0], z - step.x[2], 1e-15);
+  }
+}
+
+TEST(CutSolver, NoRowsNoForce) {
+  CutRows rows(1);
+  CutSolver solver(1);
+  const double t[6] = {1e-3, -2e-3, 3e-3, 1e-4, 0, 1}, zero[6] = {};
+  const CutStep step = solver.Solve<6>(t, rows, zero);
+  for (int r = 0; r < 6; ++r) EXPECT_EQ(step.x[r], t[r]);
+  EXPECT_EQ(step.work, 0.0);
+}
+
+TEST(CutSolver, SolvesWithoutAskingForMemory) {
+  Random random(8);
+  CutSolver solver(400);
+  const Problem problem = RandomProblem(random, 300);
+  const double zero[6] = {};
+  const std::uint64_t before = test::AllocationsOfThisThread();
+  const CutStep step = solver.Solve<6>(problem.t, problem.rows, zero);
+  EXPECT_EQ(test::AllocationsOfThisThread(), before);
+  EXPECT_TRUE(step.solved);
+}
+
+}  // namespace
+}  // namespace palpate

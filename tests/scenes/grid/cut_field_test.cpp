@@ -1,0 +1,319 @@
+#include "scenes/grid/cut_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/math/rotation.h"
+#include "scenes/shapes/shapes.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/complaint.h"
+#include "tests/support/random.h"
+
+namespace palpate {
+namespace {
+
+using test::ComplaintOf;
+using test::Random;
+using testing::HasSubstr;
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kRadius = 0.25e-3;
+
+/// A block whose face is the plane z = 0 of a frame P, and lies in the grid turned by q.
+struct Block {
+  Block(double spacing, const Quat& q_BP,
+        std::function<std::uint8_t(const Vec3&)> material = nullptr, std::size_t blocks = 0)
+      : q(q_BP),
+        solid(MeshOf(q_BP), {.spacing = spacing, .most_bytes = 512u << 20, .material = material},
+              "block"),
+        cut(solid, 512u << 20, "block", blocks) {}
+
+  static TriangleMesh MeshOf(const Quat& q) {
+    TriangleMesh mesh = MakeBox(Vec3(1.8e-3, 1.6e-3, 0.8e-3));
+    for (Vec3& v : mesh.vertices) v = q * (v - Vec3(0, 0, 0.4e-3));
+    return mesh;
+  }
+
+  /// Along a straight way in steps of `length` at most; the bur's axis is P's z, turned by `tilt`.
+  Removal Move(const Bur& bur, const Vec3& from_P, const Vec3& to_P, double length = 3e-6,
+               const Quat& tilt = Quat::Identity()) {
+    Removal sum;
+    const int steps = std::max(1, static_cast<int>(std::ceil((to_P - from_P).norm() / length)));
+    const Vec3 step = q * ((to_P - from_P) / steps);
+    for (int n = 0; n < steps; ++n) {
+      const Removal one = cut.Remove(bur, {q * from_P + n * step, q * tilt}, step);
+      for (std::size_t m = 0; m < sum.volume.size(); ++m) {
+        EXPECT_GE(one.volume[m], 0.0);
+        sum.volume[m] += one.volume[m];
+      }
+      sum.full = sum.full || one.full;
+    }
+    return sum;
+  }
+
+  Quat q;
+  SolidGrid solid;
+  CutField cut;
+};
+
+/// Of a ball that goes straight down to `depth` >= 0 of its centre.
+double PlungeVolume(double depth) {
+  return kPi * kRadius * kRadius * depth + 2.0 / 3.0 * kPi * std::pow(kRadius, 3);
+}
+
+/// Of a ball whose centre goes `length` along the plane, at a depth between -R and R.
+double GrooveVolume(double depth, double length) {
+  const double r = kRadius, height = r + depth;
+  const double section =
+      0.5 * kPi * r * r + depth * std::sqrt(r * r - depth * depth) + r * r * std::asin(depth / r);
+  return section * length + kPi * height * height * (3.0 * r - height) / 3.0;
+}
+
+const Quat kTurned = RotationExp(Vec3(0, 0, kPi / 6));
+const Quat kTilted = RotationExp(Vec3(0.35, 0.6, 0.2));
+
+struct Spacing {
+  double h, bound;
+};
+
+// A groove of 50 um in a grid of 50 um is one voxel deep: the rims are all there is of it.
+TEST(CutField, TakesTheVolumeOfAPlungeAndOfAGroove) {
+  const Bur ball = Bur::Ball(kRadius);
+  for (const auto& [h, bound] : {Spacing{100e-6, 0.021}, Spacing{50e-6, 0.003}}) {
+    for (const Quat& q : {Quat::Identity(), kTurned, kTilted}) {
+      Block down(h, q);
+      const Vec3 at(0.03e-3, 0.02e-3, 0.0);
+      const double plunge =
+          down.Move(ball, at + Vec3(0, 0, 0.3e-3), at + Vec3(0, 0, -0.2e-3)).total();
+      EXPECT_NEAR(plunge / PlungeVolume(0.2e-3), 1.0, 0.5 * bound);
+      for (const double depth : {-0.2e-3, -0.1e-3, 0.0, 0.1e-3}) {
+        Block along(h, q);
+        const Vec3 from(-0.4e-3, 0.01e-3, -depth), to(0.4e-3, 0.01e-3, -depth);
+        const double groove = along.Move(ball, from, to).total();
+        EXPECT_NEAR(groove / GrooveVolume(depth, 0.8e-3), 1.0,
+                    depth < -0.15e-3 ? bound : 0.7 * bound)
+            << depth;
+      }
+    }
+  }
+}
+
+TEST(CutField, TakesTheVolumeOfASlotThatAFissureBurMills) {
+  const double r = 0.3e-3, depth = 0.35e-3, length = 0.5e-3;
+  const Bur bur = Bur::Cylinder(r, 1.5e-3, 0.0);
+  for (const Quat& q : {Quat::Identity(), kTurned, kTilted}) {
+    Block block(50e-6, q);
+    const Vec3 above(-0.25e-3, 0, 0.02e-3), down(-0.25e-3, 0, -depth);
+    double volume = block.Move(bur, above, down, 10e-6).total();
+    EXPECT_NEAR(volume / (kPi * r * r * depth), 1.0, 0.005);
+    volume += block.Move(bur, down, down + Vec3(length, 0, 0), 10e-6).total();
+    EXPECT_NEAR(volume / ((kPi * r * r + 2.0 * r * length) * depth), 1.0, 0.005);
+  }
+}
+
+// The steps of a straight way are convex together: what is between lattice points lies within.
+TEST(CutField, HoldsTheDistanceToTheWayAtItsPointsAndLessBetweenThem) {
+  Block block(50e-6, kTilted);
+  const Vec3 from(-0.3e-3, 0.1e-3, 0.1e-3), to(0.4e-3, -0.1e-3, -0.15e-3);
+  block.Move(Bur::Ball(kRadius), from, to, 20e-6);
+  const auto depth = [&](const Vec3& p_B) {
+    const Vec3 p = block.q.conjugate() * p_B, way = to - from;
+    const double t = std::clamp((p - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
+    return kRadius - (p - from - t * way).norm();
+  };
+  const SparseField& field = block.cut.field();
+  const double band = field.band();
+  const Lattice& lattice = field.lattice();
+  for (int k = 0; k < 8 * lattice.blocks[2]; ++k) {
+    for (int j = 0; j < 8 * lattice.blocks[1]; ++j) {
+      for (int i = 0; i < 8 * lattice.blocks[0]; ++i) {
+        if (block.solid.field().entry(field.BlockIndex(i >> 3, j >> 3, k >> 3)) < -1) continue;
+        const double truth = std::clamp(depth(lattice.Point(i, j, k)), -band, band);
+        ASSERT_NEAR(field.At(i, j, k), truth, 2e-9);
+      }
+    }
+  }
+  Random random(11);
+  for (int n = 0; n < 20000; ++n) {
+    const Vec3 p_B = block.q * (random.InCube(0.4e-3) - Vec3(0, 0, 0.4e-3));
+    const double truth = depth(p_B);
+    if (std::abs(truth) > 0.5 * band) continue;
+    const double distance = field.Sample(p_B).distance;
+    ASSERT_LE(distance, truth + 2e-9);
+    // A chord's sagitta along each of two ways across, h^2/8R, and along the third.
+    ASSERT_GE(distance, truth - 3.0 * 50e-6 * 50e-6 / (8.0 * (kRadius - std::abs(truth))));
+  }
+}
+
+TEST(CutField, RimBetweenCutAndOldSurfaceStaysSharp) {
+  Block block(50e-6, Quat::Identity());
+  block.Move(Bur::Ball(kRadius), Vec3(0, 0, 0.3e-3), Vec3(0, 0, -0.1e-3));
+  // Five micrometres below the old surface, and as far outside of the hole.
+  for (const double angle : {0.0, 0.3, 0.8, 2.0, 4.0}) {
+    const double r = kRadius + 5e-6;
+    const Vec3 p(r * std::cos(angle), r * std::sin(angle), -5e-6);
+    EXPECT_NEAR(block.cut.Sample(p).distance, -5e-6, 1e-7);
+  }
+}
+
+struct Move {
+  Bur bur;
+  Pose X_BT;
+  Vec3 step;
+};
+
+std::vector<Move> RandomMoves(std::uint64_t seed, int count) {
+  Random random(seed);
+  std::vector<Move> moves;
+  for (int n = 0; n < count; ++n) {
+    const double r = random.Uniform(0.05e-3, 0.3e-3);
+    const Bur bur = n % 3 == 0   ? Bur::Ball(r)
+                    : n % 3 == 1 ? Bur::Cylinder(r, random.Uniform(3.0, 6.0) * r, 0.2 * r)
+                                 : Bur::Cone(0.5 * r, r, 4.0 * r, 0.0);
+    moves.push_back({bur,
+                     {random.InCube(1e-3) - Vec3(0, 0, 0.4e-3), random.Rotation()},
+                     random.Uniform(0.0, 0.15e-3) * random.Direction()});
+  }
+  return moves;
+}
+
+TEST(CutField, SolidOnlyShrinksAndByWhatIsReported) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    Block block(100e-6, kTilted);
+    const Lattice& lattice = block.cut.field().lattice();
+    const auto size = 512 * lattice.block_count();
+    std::vector<float> phi(size, -1.0f);
+    std::vector<double> left(size, 1.0);
+    double before = -1.0;
+    const auto look = [&] {
+      double sum = 0.0;
+      std::size_t n = 0;
+      for (int k = 0; k < 8 * lattice.blocks[2]; ++k) {
+        for (int j = 0; j < 8 * lattice.blocks[1]; ++j) {
+          for (int i = 0; i < 8 * lattice.blocks[0]; ++i, ++n) {
+            const float value = block.cut.field().At(i, j, k);
+            EXPECT_GE(value, phi[n]);
+            const double share = block.cut.Left(i, j, k);
+            EXPECT_LE(share, left[n] + 0.5 / 65535.0);  // what is first stored is rounded
+            phi[n] = value;
+            left[n] = share;
+            sum += share;
+          }
+        }
+      }
+      return sum * std::pow(lattice.spacing, 3);
+    };
+    for (const Move& move : RandomMoves(seed, 40)) {
+      if (before < 0.0) before = look();
+      const double removed = block.cut.Remove(move.bur, move.X_BT, move.step).total();
+      const double after = look();
+      EXPECT_GE(removed, 0.0);
+      EXPECT_NEAR(before - after, removed, 1e-5 * before);  // that rounding, of some thousands
+      before = after;
+    }
+  }
+}
+
+TEST(CutField, DoesNotDependOnTheOrderOfSteps) {
+  for (const std::uint64_t seed : {4, 5, 6}) {
+    Block one(100e-6, kTurned), other(100e-6, kTurned);
+    std::vector<Move> moves = RandomMoves(seed, 60);
+    double removed[2] = {};
+    for (const Move& m : moves) removed[0] += one.cut.Remove(m.bur, m.X_BT, m.step).total();
+    std::reverse(moves.begin(), moves.end());
+    for (const Move& m : moves) removed[1] += other.cut.Remove(m.bur, m.X_BT, m.step).total();
+    const Lattice& lattice = one.cut.field().lattice();
+    for (int k = 0; k < 8 * lattice.blocks[2]; ++k) {
+      for (int j = 0; j < 8 * lattice.blocks[1]; ++j) {
+        for (int i = 0; i < 8 * lattice.blocks[0]; ++i) {
+          ASSERT_EQ(one.cut.field().At(i, j, k), other.cut.field().At(i, j, k));
+        }
+      }
+    }
+    EXPECT_GT(removed[0], 0.1e-9);
+    // Shares of voxels that several cuts share are the least that each step left.
+    EXPECT_NEAR(removed[0], removed[1], 0.002 * removed[0]);
+    // Again the same: nothing is left to take.
+    for (const Move& m : moves) EXPECT_EQ(one.cut.Remove(m.bur, m.X_BT, m.step).total(), 0.0);
+  }
+}
+
+TEST(CutField, CountsEachMaterialForItself) {
+  const auto layers = [](const Vec3& p) {
+    return std::uint8_t((kTilted.conjugate() * p).z() > -0.1e-3 ? 1 : 3);
+  };
+  Block block(50e-6, kTilted, layers);
+  const Removal removal = block.Move(Bur::Ball(kRadius), Vec3(0, 0, 0.3e-3), Vec3(0, 0, -0.3e-3));
+  const double upper = kPi * kRadius * kRadius * 0.1e-3;
+  EXPECT_NEAR(removal.volume[1] / upper, 1.0, 0.01);
+  EXPECT_NEAR(removal.volume[3] / (PlungeVolume(0.3e-3) - upper), 1.0, 0.01);
+  EXPECT_EQ(removal.volume[0], 0.0);
+  EXPECT_EQ(removal.volume[2], 0.0);
+}
+
+TEST(CutField, StorageOfWhatIsClearIsUsedAgain) {
+  Block block(50e-6, Quat::Identity());
+  const SparseField& field = block.cut.field();
+  const std::size_t before = field.free_blocks();
+  const Bur bur = Bur::Cylinder(0.7e-3, 3e-3, 0.0);
+  block.Move(bur, Vec3(0, 0, 0.1e-3), Vec3(0, 0, -1.2e-3), 20e-6);
+  // Right through the block, and wider than two of the grid's.
+  std::size_t clear = 0, stored = 0;
+  for (std::size_t n = 0; n < field.lattice().block_count(); ++n) {
+    clear += field.entry(n) == SparseField::kAbove;
+    stored += field.entry(n) >= 0;
+  }
+  EXPECT_GT(clear, 0u);
+  EXPECT_EQ(field.free_blocks() + stored, before);
+  EXPECT_EQ(block.cut.Sample(Vec3(0, 0, -0.4e-3)).distance, field.band());
+}
+
+TEST(CutField, TakesNothingWhereItIsFull) {
+  Block block(50e-6, Quat::Identity(), nullptr, 3);
+  const Removal removal = block.Move(Bur::Ball(kRadius), Vec3(0, 0, -0.3e-3), Vec3(0, 0, -0.3e-3));
+  EXPECT_TRUE(removal.full);
+  EXPECT_EQ(removal.total(), 0.0);
+  EXPECT_EQ(block.cut.field().free_blocks(), 3u);
+  EXPECT_LT(block.cut.Sample(Vec3(0, 0, -0.3e-3)).distance, 0.0);
+}
+
+TEST(CutField, TakesNothingWhereTheBurIsNowhere) {
+  Block block(50e-6, Quat::Identity());
+  const Bur ball = Bur::Ball(kRadius);
+  for (const Vec3& p :
+       {Vec3(1.0, 0, 0), Vec3(0, 0, std::nan("")), Vec3(-INFINITY, 0, 0), Vec3(0, 1e300, 0)}) {
+    EXPECT_EQ(block.cut.Remove(ball, {p, Quat::Identity()}, Vec3::Zero()).total(), 0.0);
+  }
+  EXPECT_EQ(block.cut.Remove(ball, Pose{}, Vec3(std::nan(""), 0, 0)).total(), 0.0);
+  const Quat no_turn(std::nan(""), 0, 0, 0);
+  EXPECT_EQ(block.cut.Remove(ball, {Vec3::Zero(), no_turn}, Vec3::Zero()).total(), 0.0);
+  EXPECT_EQ(block.cut.Sample(Vec3(0, 0, -0.2e-3)).distance, -block.solid.field().band());
+}
+
+TEST(CutField, CutsWithoutAskingForMemory) {
+  Block block(50e-6, kTilted);
+  const std::vector<Move> moves = RandomMoves(7, 30);
+  const std::uint64_t before = test::AllocationsOfThisThread();
+  double sum = 0.0;
+  for (const Move& m : moves) {
+    sum += block.cut.Remove(m.bur, m.X_BT, m.step).total() + block.cut.Sample(m.X_BT.p).distance;
+  }
+  EXPECT_EQ(test::AllocationsOfThisThread(), before);
+  EXPECT_GT(sum, 0.0);
+}
+
+TEST(CutField, ToothOfTenMillimetresAndAllThatCanBeCutOfItFitInto64Megabytes) {
+  const SolidGrid solid(MakeEllipsoid(Vec3(4e-3, 3.5e-3, 5e-3), 5120), {.spacing = 50e-6}, "tooth");
+  const std::size_t left = (64u << 20) - solid.bytes();
+  const CutField cut(solid, left, "tooth");
+  EXPECT_GE(cut.field().free_blocks(), solid.solid_blocks());
+  EXPECT_LE(cut.bytes(), left);
+  EXPECT_THAT(ComplaintOf([&] { CutField(solid, 1u << 20, "tooth"); }),
+              HasSubstr("tooth: cutting at 50 um takes"));
+}
+
+}  // namespace
+}  // namespace palpate
