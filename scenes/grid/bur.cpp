@@ -12,7 +12,6 @@ namespace {
 /// Pieces of an arc or a line of the curve, for samples: a quarter circle of so many chords is
 /// 2.5e-5 shorter than the arc.
 constexpr int kPieces = 64;
-constexpr double kPi = 3.14159265358979323846;
 /// Cosine and sine of the golden angle, pi (3 - sqrt(5)).
 constexpr double kGoldenCos = -0.73736887807831990, kGoldenSin = 0.67549029426152364;
 
@@ -165,7 +164,7 @@ std::vector<BurSample> Bur::Samples(int count) const {
         const Station& last = stations.back();
         const double along = rho_of(core, n) - rho_of(last.core, last.normal);
         const double up = core.z + rounding_ * n.z - last.core.z - rounding_ * last.normal.z;
-        area = last.area + kPi * (rho_of(core, n) + rho_of(last.core, last.normal)) *
+        area = last.area + M_PI * (rho_of(core, n) + rho_of(last.core, last.normal)) *
                                std::sqrt(along * along + up * up);
       }
       stations.push_back({core, n, area});

@@ -96,9 +96,9 @@ struct Range {
   }
 };
 
-struct Corners {
+struct Facet {
   Vec3 a, b, c;
-  Corners(const TriangleMesh& mesh, std::size_t t)
+  Facet(const TriangleMesh& mesh, std::size_t t)
       : a(mesh.vertices[mesh.triangles[t][0]]),
         b(mesh.vertices[mesh.triangles[t][1]]),
         c(mesh.vertices[mesh.triangles[t][2]]) {}
@@ -109,7 +109,7 @@ struct Corners {
 
 /// Calls visit(block, i, j, k) for each block with points within the band of a triangle.
 template <class Visit>
-void EachBlockBeside(const Corners& corners, const SparseField& field, Visit visit) {
+void EachBlockBeside(const Facet& corners, const SparseField& field, Visit visit) {
   const Lattice& lattice = field.lattice();
   const Vec3 margin = Vec3::Constant(field.band());
   // From a block's middle to its farthest point, 3.5 spacings along each axis.
@@ -133,7 +133,7 @@ class Crossings {
       : lattice_(lattice),
         columns_(static_cast<std::size_t>(lattice.blocks[0] * SparseField::kSide)) {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const Corners corners(mesh, t);
+      const Facet corners(mesh, t);
       const Range range(lattice, 1, corners.min() - Vec3::Constant(lattice.spacing),
                         corners.max() + Vec3::Constant(lattice.spacing));
       for (int j = range.low[1]; j <= range.high[1]; ++j) {
@@ -185,7 +185,7 @@ class Crossings {
     return turn ? -area : area;
   }
 
-  void Cross(const TriangleMesh& mesh, std::size_t t, const Corners& corners, int i, int j) {
+  void Cross(const TriangleMesh& mesh, std::size_t t, const Facet& corners, int i, int j) {
     const Vec3 p = lattice_.Point(i, j, 0);
     const auto& [a, b, c] = mesh.triangles[t];
     int s, sign;
@@ -214,7 +214,7 @@ SolidGrid::SolidGrid(const TriangleMesh& mesh, const SolidGridOptions& options,
   const Lattice& lattice = field_.lattice();
   std::vector<std::uint8_t> beside(lattice.block_count(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    EachBlockBeside(Corners(mesh, t), field_,
+    EachBlockBeside(Facet(mesh, t), field_,
                     [&](std::size_t block, int, int, int) { beside[block] = 1; });
   }
   const auto stored = static_cast<std::size_t>(std::count(beside.begin(), beside.end(), 1));
@@ -227,7 +227,7 @@ SolidGrid::SolidGrid(const TriangleMesh& mesh, const SolidGridOptions& options,
   }
   // How far, of every point within the band.
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Corners corners(mesh, t);
+    const Facet corners(mesh, t);
     const Vec3 margin = Vec3::Constant(field_.band());
     Range near(lattice, 1, corners.min() - margin, corners.max() + margin);
     EachBlockBeside(corners, field_, [&](std::size_t block, int bi, int bj, int bk) {

@@ -203,7 +203,7 @@ TEST(HullTree, HasTheBitsThatOneThreadMakes) {
   }
   hills.vertices.push_back(Vec3(2.0, 1.0, 0.5));  // far off: all others lie in one stretch
   hills.triangles.push_back({0, 1, static_cast<std::uint32_t>(hills.vertices.size() - 1)});
-  EXPECT_EQ(HashOf(HullTree(Place(hills))), 963234698493646464u);
+  EXPECT_EQ(HashOf(HullTree(MeshAlone(hills))), 963234698493646464u);
 }
 
 // What boxes and hulls are for: a flat patch, however it is turned, is known to lie below a plane

@@ -16,8 +16,6 @@ using test::ComplaintOf;
 using test::Random;
 using testing::HasSubstr;
 
-constexpr double kPi = 3.14159265358979323846;
-
 const Bur kBall = Bur::Ball(0.25e-3);
 const Bur kFissure = Bur::Cylinder(0.5e-3, 3e-3, 0.05e-3);
 const Bur kSharp = Bur::Cylinder(0.5e-3, 3e-3, 0.0);
@@ -120,8 +118,8 @@ struct Whole {
 TEST(Bur, SamplesHaveTheSurfacesAreaAndEnclose) {
   const double r = 0.25e-3;
   for (const auto& [bur, area] :
-       {Whole{&kBall, 4.0 * kPi * r * r}, Whole{&kSharp, 2.0 * kPi * 0.5e-3 * (3e-3 + 0.5e-3)},
-        Whole{&kInverted, kPi * (0.36e-6 + 0.09e-6 + 0.9e-3 * std::hypot(0.3e-3, 1e-3))}}) {
+       {Whole{&kBall, 4.0 * M_PI * r * r}, Whole{&kSharp, 2.0 * M_PI * 0.5e-3 * (3e-3 + 0.5e-3)},
+        Whole{&kInverted, M_PI * (0.36e-6 + 0.09e-6 + 0.9e-3 * std::hypot(0.3e-3, 1e-3))}}) {
     for (const int count : {64, 256, 1024}) {
       const std::vector<BurSample> samples = bur->Samples(count);
       ASSERT_EQ(samples.size(), std::size_t(count));

@@ -19,7 +19,6 @@ using test::ComplaintOf;
 using test::Random;
 using testing::HasSubstr;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kRadius = 0.25e-3;
 
 /// A block whose face is the plane z = 0 of a frame P, and lies in the grid turned by q.
@@ -61,18 +60,18 @@ struct Block {
 
 /// Of a ball that goes straight down to `depth` >= 0 of its centre.
 double PlungeVolume(double depth) {
-  return kPi * kRadius * kRadius * depth + 2.0 / 3.0 * kPi * std::pow(kRadius, 3);
+  return M_PI * kRadius * kRadius * depth + 2.0 / 3.0 * M_PI * std::pow(kRadius, 3);
 }
 
 /// Of a ball whose centre goes `length` along the plane, at a depth between -R and R.
 double GrooveVolume(double depth, double length) {
   const double r = kRadius, height = r + depth;
   const double section =
-      0.5 * kPi * r * r + depth * std::sqrt(r * r - depth * depth) + r * r * std::asin(depth / r);
-  return section * length + kPi * height * height * (3.0 * r - height) / 3.0;
+      0.5 * M_PI * r * r + depth * std::sqrt(r * r - depth * depth) + r * r * std::asin(depth / r);
+  return section * length + M_PI * height * height * (3.0 * r - height) / 3.0;
 }
 
-const Quat kTurned = RotationExp(Vec3(0, 0, kPi / 6));
+const Quat kTurned = RotationExp(Vec3(0, 0, M_PI / 6));
 const Quat kTilted = RotationExp(Vec3(0.35, 0.6, 0.2));
 
 struct Spacing {
@@ -108,9 +107,9 @@ TEST(CutField, TakesTheVolumeOfASlotThatAFissureBurMills) {
     Block block(50e-6, q);
     const Vec3 above(-0.25e-3, 0, 0.02e-3), down(-0.25e-3, 0, -depth);
     double volume = block.Move(bur, above, down, 10e-6).total();
-    EXPECT_NEAR(volume / (kPi * r * r * depth), 1.0, 0.005);
+    EXPECT_NEAR(volume / (M_PI * r * r * depth), 1.0, 0.005);
     volume += block.Move(bur, down, down + Vec3(length, 0, 0), 10e-6).total();
-    EXPECT_NEAR(volume / ((kPi * r * r + 2.0 * r * length) * depth), 1.0, 0.005);
+    EXPECT_NEAR(volume / ((M_PI * r * r + 2.0 * r * length) * depth), 1.0, 0.005);
   }
 }
 
@@ -247,7 +246,7 @@ TEST(CutField, CountsEachMaterialForItself) {
   };
   Block block(50e-6, kTilted, layers);
   const Removal removal = block.Move(Bur::Ball(kRadius), Vec3(0, 0, 0.3e-3), Vec3(0, 0, -0.3e-3));
-  const double upper = kPi * kRadius * kRadius * 0.1e-3;
+  const double upper = M_PI * kRadius * kRadius * 0.1e-3;
   EXPECT_NEAR(removal.volume[1] / upper, 1.0, 0.01);
   EXPECT_NEAR(removal.volume[3] / (PlungeVolume(0.3e-3) - upper), 1.0, 0.01);
   EXPECT_EQ(removal.volume[0], 0.0);
