@@ -412,7 +412,7 @@ TEST_F(LoadedScene, IsTheSameHoweverManyBodiesAreBuiltAtOnce) {
   WriteFile(scene_, R"({
     "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
     "objects": [{"name": "slow", "mesh": {"file": "ball.obj", "unit": "m",
-                   "curved": {"tolerance_um": 5, "max_triangles": 3000}}, "leaves": 300},
+                   "curved": {"tolerance_um": 5, "max_triangles": 1000}}, "leaves": 300},
                 {"name": "a", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 20},
                 {"name": "auto", "mesh": {"file": "ball.obj", "unit": "m"}, "leaves": "auto"},
                 {"name": "again", "mesh": {"file": "box.obj", "unit": "mm"}, "leaves": 20},
@@ -430,7 +430,7 @@ TEST_F(LoadedScene, IsTheSameHoweverManyBodiesAreBuiltAtOnce) {
   const std::vector<std::string> by_one = std::exchange(said, {});
   EXPECT_THAT(by_one, Contains(HasSubstr("triangles do not suffice")));
   EXPECT_THAT(by_one, Contains(HasSubstr("auto: ")));
-  for (const std::size_t at_once : {0u, 2u, 5u}) {
+  for (const std::size_t at_once : {0u, 5u}) {
     options_.bodies_at_once = at_once;
     EXPECT_EQ(PackScene(LoadScene(scene_, options_)), one) << at_once << " at once";
     EXPECT_EQ(said, by_one) << at_once << " at once";
