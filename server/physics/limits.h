@@ -251,8 +251,8 @@ inline constexpr int kEnough = 6;
 /// Where the pose was set, and the tool's farthest point goes further than the sub-steps of a cycle
 /// take it [m], the front begins anew: it would be looked at as a whole.
 inline constexpr double kSetFar = kMaxSubsteps * kMaxTranslation;
-/// Room for pairs in a sub-step of so many looks: as many near ones as it brings up to date, and
-/// two for each look that splits one.  A power of two.
+/// Pairs that a sub-step of so many looks can come to: as many near ones as it brings up to date,
+/// and two for each look that splits one.  The next power of two.
 constexpr std::size_t RoomForNear(int looks) {
   return std::bit_ceil(static_cast<std::size_t>((kRefreshesALook + 2) * looks));
 }

@@ -150,7 +150,8 @@ void AddHands(CLI::App& app) {
       "         palpate-bench hands --scene pipes --seeds 1..20 --speed 0.3 --steps 5000");
   command.Add("--scene", options->scene,
               "Catalogue name, scene file, or sharp edges made from a seed: sharp-combs:7,\n"
-              "sharp-gears:7, sharp-plates:7, sharp-dice:7 or sharp-gear-comb:7");
+              "sharp-gears:7, sharp-plates:7, sharp-dice:7, sharp-gear-comb:7 or\n"
+              "sharp-terraces-ball:7");
   command.Add("--seed", options->hand.seed, "Which hand");
   command.Add("--seeds", options->seeds, "Hands A..B, a line each, the worst first; without times")
       .Excludes("--seed");

@@ -8,8 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "scenes/shapes/shapes.h"
 #include "scenes/tree/sphere_tree_builder.h"
 #include "tests/support/random.h"
+#include "tests/support/test_scenes.h"
 
 namespace palpate::test {
 namespace {
@@ -201,6 +203,23 @@ TriangleMesh MakeDie(std::uint64_t seed) {
   return mesh;
 }
 
+TriangleMesh MakeTerraced(double radius, std::size_t triangles, std::uint64_t seed) {
+  Random random(seed);
+  Vec3 along[6];
+  double from[6];
+  for (int i = 0; i < 6; ++i) {
+    along[i] = random.InCube(5.0);
+    from[i] = random.Uniform(0.0, 2.0 * M_PI);
+  }
+  TriangleMesh ball = MakeSphere(1.0, triangles);
+  for (Vec3& v : ball.vertices) {
+    double height = 0.0;
+    for (int i = 0; i < 6; ++i) height += std::sin(along[i].dot(v) + from[i]);
+    v *= radius * (1.0 + 0.125 * std::round(height));
+  }
+  return ball;
+}
+
 std::optional<Scene> MakeSharpScene(std::string_view name) {
   const std::string_view kind = name.substr(0, name.find(':'));
   std::uint64_t seed = 1;
@@ -219,18 +238,22 @@ std::optional<Scene> MakeSharpScene(std::string_view name) {
     made.mesh = std::move(mesh);
     return made;
   };
-  const auto scene = [&](TriangleMesh of_tool, TriangleMesh of_object) {
+  const auto against = [&](Body of_tool, TriangleMesh of_object) {
     Scene made;
     made.name = std::string(name);
-    made.tools.push_back(body("tool", std::move(of_tool)));
+    made.tools.push_back(std::move(of_tool));
     made.objects.push_back(body("object", std::move(of_object)));
     return made;
+  };
+  const auto scene = [&](TriangleMesh of_tool, TriangleMesh of_object) {
+    return against(body("tool", std::move(of_tool)), std::move(of_object));
   };
   if (kind == kSharpScenes[0]) return scene(MakeComb(tool), MakeComb(object));
   if (kind == kSharpScenes[1]) return scene(MakeGear(tool), MakeGear(object));
   if (kind == kSharpScenes[2]) return scene(MakeNotchedPlate(tool), MakeNotchedPlate(object));
   if (kind == kSharpScenes[3]) return scene(MakeDie(tool), MakeDie(object));
   if (kind == kSharpScenes[4]) return scene(MakeGear(tool), MakeComb(object));
+  if (kind == kSharpScenes[5]) return against(BallBody(0.0045), MakeTerraced(0.04, 5120, object));
   return {};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -31,12 +32,17 @@ TriangleMesh MakeNotchedPlate(std::uint64_t seed);
 /// A cube whose faces have 1 to 6 pits, each a pyramid.
 TriangleMesh MakeDie(std::uint64_t seed);
 
+/// A ball whose radius goes up and down in steps of an eighth, as terraces do: sharp edges that run
+/// every way, hollow and not.
+TriangleMesh MakeTerraced(double radius, std::size_t triangles, std::uint64_t seed);
+
 /// `outline`: a simple polygon, counter-clockwise; z from -thickness / 2 to thickness / 2.
 TriangleMesh Extruded(std::span<const Vec3> outline, double thickness);
 
-/// One body as the tool, one as the object, felt as surfaces.
-inline constexpr std::array<std::string_view, 5> kSharpScenes{
-    "sharp-combs", "sharp-gears", "sharp-plates", "sharp-dice", "sharp-gear-comb"};
+/// One body as the tool, one as the object, felt as surfaces; in the last a ball on terraces.
+inline constexpr std::array<std::string_view, 6> kSharpScenes{
+    "sharp-combs", "sharp-gears",     "sharp-plates",
+    "sharp-dice",  "sharp-gear-comb", "sharp-terraces-ball"};
 /// Of such a name, or of one with a seed: "sharp-gears:17" (else 1).  Nothing of any other.
 std::optional<Scene> MakeSharpScene(std::string_view name);
 

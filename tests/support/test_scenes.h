@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scenes/scene.h"
+#include "scenes/shapes/shapes.h"
 #include "scenes/tree/sphere_tree_builder.h"
 
 namespace palpate::test {
@@ -54,6 +55,15 @@ inline Scene MeshScene(TriangleMesh tool, TriangleMesh object) {
   scene.tools.push_back(MakeMeshBody("tool", std::move(tool)));
   scene.objects.push_back(MakeMeshBody("object", std::move(object)));
   return scene;
+}
+
+/// A tool that is felt as a ball.
+inline Body BallBody(double radius) {
+  Body ball;
+  ball.name = "ball";
+  ball.mesh = MakeSphere(radius, 320);
+  ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), radius});
+  return ball;
 }
 
 }  // namespace palpate::test

@@ -15,7 +15,7 @@ using namespace limits::mesh;
 }  // namespace
 
 NearPairs::NearPairs(int looks)
-    : room_(RoomForNear(looks)),
+    : room_(std::min(RoomForNear(looks), SeparationFront::kMaxSlots)),
       storage_(new (kCacheLine) double[9 * (room_ + 8)](),
                [](double* p) { ::operator delete[](p, kCacheLine); }) {
   pairs_.reserve(room_);

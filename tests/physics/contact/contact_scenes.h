@@ -64,25 +64,6 @@ inline TriangleMesh MakeBlock(int n, double half, double thickness,
   return block;
 }
 
-/// A ball whose radius goes up and down in steps of an eighth, as terraces do: sharp edges that run
-/// every way, hollow and not.
-inline TriangleMesh MakeTerraced(double radius, std::size_t triangles, std::uint64_t seed) {
-  Random random(seed);
-  Vec3 along[6];
-  double from[6];
-  for (int i = 0; i < 6; ++i) {
-    along[i] = random.InCube(5.0);
-    from[i] = random.Uniform(0.0, 2.0 * M_PI);
-  }
-  TriangleMesh ball = MakeSphere(1.0, triangles);
-  for (Vec3& v : ball.vertices) {
-    double height = 0.0;
-    for (int i = 0; i < 6; ++i) height += std::sin(along[i].dot(v) + from[i]);
-    v *= radius * (1.0 + 0.125 * std::round(height));
-  }
-  return ball;
-}
-
 inline double Flat(double, double) {
   return 0.0;
 }
@@ -164,15 +145,6 @@ inline constexpr int kCrowded = 11;
 inline TriangleMesh Scaled(TriangleMesh mesh, double by) {
   for (Vec3& v : mesh.vertices) v *= by;
   return mesh;
-}
-
-/// A tool that is felt as a ball.
-inline Body BallBody(double radius) {
-  Body ball;
-  ball.name = "ball";
-  ball.mesh = MakeSphere(radius, 320);
-  ball.tree = SingleSphereTree(ball.mesh, {Vec3::Zero(), radius});
-  return ball;
 }
 
 }  // namespace palpate::test

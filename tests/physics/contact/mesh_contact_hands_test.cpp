@@ -18,6 +18,7 @@
 #include "tests/support/hand_trial.h"
 #include "tests/support/mesh_oracle.h"
 #include "tests/support/random.h"
+#include "tests/support/sharp_bodies.h"
 
 namespace palpate {
 namespace {
