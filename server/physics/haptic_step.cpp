@@ -159,16 +159,18 @@ Optimum SolveRigidAndSoft(StepContext& context) {
     buffers.soft->Set(*context.model.soft_leaves(), buffers.rows);
     if (buffers.soft->any()) {
       context.soft = &*buffers.soft;
-      context.rigid = context.soft->rigid(buffers.rows);
+      context.rigid = context.soft->rigid();
     }
   }
-  Optimum optimum = NearestStep(context, context.target, context.soft);
+  Energy* const soft = context.soft;
+  Optimum optimum =
+      NearestStep(context, context.target, {&soft, context.soft != nullptr ? 1u : 0u});
   if (buffers.meshes && !context.soft &&
       (optimum.qp.status == QpStatus::kRelaxed || context.Gain(optimum.v, optimum.phi) < 0.0) &&
       GiveUpRegain(*buffers.meshes, buffers.rows)) {
-    optimum = NearestStep(context, context.target, context.soft);
+    optimum = NearestStep(context, context.target);
   }
-  if (context.soft != nullptr) optimum.yielding = context.soft->Contacts(buffers.rows);
+  if (context.soft != nullptr) optimum.yielding = context.soft->Contacts();
   context.report.qp_iterations += optimum.qp.iterations;
   return optimum;
 }

@@ -78,41 +78,35 @@ inline constexpr double kPoseMargin = 2e-6;
 /// changes; the normal cannot flip, for no ball gets past the centre of another.
 inline constexpr double kSoftShare = 0.5;
 
-/// The solver over soft rows (simd/compliant.inl).  Two or three turns of Newton's method are
-/// usual; 60,000 random problems, up to 10^7 times as stiff as the coupling, took fewer than 60.
-namespace compliance {
-inline constexpr int kNewtonLimit = 60;
-/// Bisections halve an interval: 40 leave 10^-12 of it, the solver's own tolerance.
-inline constexpr int kLineSearchLimit = 40;
+/// The solver over energies (solve/energy_solver.h).  Forces are over k_t, so stiffness has no
+/// unit.
+namespace energy {
+/// A row below its threshold is a spring so many times as stiff as the coupling: a newton of the
+/// hand presses it 10 pm into what is rigid.  Ten times as much costs a digit of the result: 1e-16
+/// of x times this, for each row.
+inline constexpr double kRigid = 1e8;
+/// Turns of Newton's method.  Two or three are usual; 60,000 random problems of soft rows, up to
+/// 10^7 times as stiff as the coupling, took fewer than 60, and 16,000 with thresholds TURNS at
+/// most.
+inline constexpr int kTurns = 100;
+/// Turns before springs are made softer, and with springs of one softness: taken.  A bur that moves
+/// on as it did takes one or two.
+inline constexpr int kTurnsAtOnce = 6, kTurnsOfStage = 20;
+/// Where softer springs begin, about the coupling's own stiffness, and by how much they grow.  Of
+/// 10, 30 and 100, only 10 solved all of those problems from any guess.
+inline constexpr double kSoftest = 10.0, kStiffen = 10.0;
+/// Bisections halve an interval: 60 find a spring of 1e-15 m in a step of a millimetre.
+inline constexpr int kLineSearchLimit = 60;
 /// A step is good where it gains this part of what its slope promises (Armijo's usual value).
 inline constexpr double kLeastGain = 1e-4;
 /// ... and a search along it may stop where the slope has come down to this part.
 inline constexpr double kSlopeLeft = 0.1;
 /// Error of a gradient over the size of its terms: some fifty roundings of 2e-16.
 inline constexpr double kRounding = 1e-14;
-}  // namespace compliance
+}  // namespace energy
 
-/// Rows that yield for good (cut/cut_solver.h).  Forces are over k_t, so stiffness has no unit.
+/// Burs (cut/cut_rows.h).
 namespace cutting {
-/// A row below its threshold is a spring so many times as stiff as the coupling: a newton of the
-/// hand presses it 10 pm into what is rigid.  Ten times as much costs a digit of the result: 1e-16
-/// of x times this, for each row.
-inline constexpr double kRigid = 1e8;
-/// Turns of Newton's method: 16,000 random problems needed 45 at most.
-inline constexpr int kTurns = 100;
-/// Turns before rows are made softer, and with rows of one softness: taken.  A bur that moves on as
-/// it did takes one or two.
-inline constexpr int kTurnsAtOnce = 6, kTurnsOfStage = 20;
-/// Where softer rows begin, about the coupling's own stiffness, and by how much they grow.  Of 10,
-/// 30 and 100, only 10 solved all of those problems from any guess.
-inline constexpr double kSoftest = 10.0, kStiffen = 10.0;
-/// Of a search along a turn: halvings alone find a spring of 1e-15 m in a step of a millimetre by
-/// 40.
-inline constexpr int kSearches = 60;
-/// What the search may leave of the slope that it began with: taken.
-inline constexpr double kSlopeLeft = 0.05;
-/// Error of a gradient over the size of its terms: some ten roundings of 2e-16.
-inline constexpr double kRounding = 2e-15;
 /// How far ahead of its surface a bur looks for material, over the grid's spacing: a cell's
 /// diagonal is 1.7, and half of it, 0.9, keeps the bur's own cut out of the cell; the rest is
 /// taken.

@@ -9,7 +9,7 @@
 #include "common/math/rotation.h"
 #include "scenes/shapes/shapes.h"
 #include "server/physics/cut/cut_rows.h"
-#include "server/physics/cut/cut_solver.h"
+#include "server/physics/energy/energy_solver.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
@@ -170,7 +170,8 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
   std::array<CutMaterial, SolidGrid::kMaterials> materials;
   materials.fill(kMaterial);
   CutRows rows(c.samples);
-  CutSolver solver(c.samples);
+  EnergySolver solver(16);
+  Energy* const energy = &rows;
   const Pose X_PB{Vec3::Zero(), c.direction.q_BP.conjugate()};  // P is the world
   const double dt = 1.0 / c.rate;
   Vec3 hand(-0.6e-3, 0, kRadius + 10e-6), bur_at = hand;
@@ -197,7 +198,7 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
     rows.Build({samples, {bur_at, Quat::Identity()}, bur_at, kStiffness, 1.0, dt}, cut, X_PB,
                materials);
     const auto built = Clock::now();
-    const CutStep step = solver.Solve<3>(t.data(), rows, x);
+    const QpResult step = solver.Solve(ActiveKernels(), 3, t.data(), {}, {&energy, 1}, x, {});
     const auto solved = Clock::now();
     std::copy(step.x, step.x + 3, x);
     const Vec3 v(x[0], x[1], x[2]);
@@ -209,15 +210,16 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
     for (const auto& took : {built - begin, solved - built, end - solved, end - begin}) {
       us[place++].push_back(std::chrono::duration<double, std::micro>(took).count());
     }
-    way.turns.push_back(step.turns);
-    way.unsolved += !step.solved;
+    way.turns.push_back(step.iterations);
+    way.unsolved += step.status != QpStatus::kSolved;
     bur_at += v;
     if (rising) continue;  // through what it has cleared
     const Vec3 force = kStiffness * (v - t), exact = ExactForce(c, fine, bur_at, v / dt);
-    way.rows_volume += step.volume;
+    const double work = rows.WorkOf(x, 3);
+    way.rows_volume += rows.VolumeOf(x, 3);
     way.removed += volume;
-    way.work += kStiffness * step.work;
-    way.least_work = std::min(way.least_work, kStiffness * step.work);
+    way.work += kStiffness * work;
+    way.least_work = std::min(way.least_work, kStiffness * work);
     way.law_work -= exact.dot(v);
     const bool on_millisecond = count % (c.rate / 1000) == 0;
     // All of the front is below the face; and, in the groove, a bur's width has been gone.

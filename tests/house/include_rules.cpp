@@ -169,6 +169,7 @@ const std::vector<Floors> kFloors = {
          {"server/physics/limits"},
          {"server/physics/simd"},
          {"server/physics/leaf_pair", "server/physics/step_types", "server/physics/stage_clock"},
+         {"server/physics/energy"},
          {"server/physics/tree"},
          {"server/physics/cut"},
          {"server/physics/surface"},

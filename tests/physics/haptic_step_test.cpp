@@ -246,9 +246,6 @@ class FailingSolver {
     with_nan_ = with_nan;
     spoilt_.solve_6 = [](auto... args) { return Spoil(real_->solve_6(args...)); };
     spoilt_.solve_3 = [](auto... args) { return Spoil(real_->solve_3(args...)); };
-    spoilt_.solve_compliant_6 = [](auto... args) {
-      return Spoil(real_->solve_compliant_6(args...));
-    };
     UseKernels(spoilt_);
   }
   ~FailingSolver() { UseKernels(*real_); }

@@ -28,6 +28,7 @@ set(documents
     server/physics/solve/friction.md physics_friction
     server/physics/tree/README.md physics_tree
     server/physics/cut/README.md physics_cut
+    server/physics/energy/README.md physics_energy
     server/DECISIONS.md decisions)
 function(make_page file label)
   file(READ ${source}/${file} text)

@@ -2,31 +2,26 @@
 
 #include <algorithm>
 #include <limits>
-#include <new>
 
 namespace palpate {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::align_val_t kCacheLine{64};
 
 using namespace limits::mesh;
 
 }  // namespace
 
 NearPairs::NearPairs(int looks)
-    : room_(std::min(RoomForNear(looks), SeparationFront::kMaxSlots)),
-      storage_(new (kCacheLine) double[9 * (room_ + 8)](),
-               [](double* p) { ::operator delete[](p, kCacheLine); }) {
+    : room_(std::min(RoomForNear(looks), SeparationFront::kMaxSlots)), storage_(9, room_) {
   pairs_.reserve(room_);
   after_.resize(room_);
   seen_.resize(SeparationFront::kMaxSlots);
   found_.resize(SeparationFront::kMaxSlots + 8);
-  const std::size_t stride = room_ + 8;  // not a power of two, or columns share a cache set
-  for (std::size_t c = 0; c < 6; ++c) planes_.along[c] = storage_.get() + c * stride;
-  planes_.slack = storage_.get() + 6 * stride;
-  planes_.radius = storage_.get() + 7 * stride;
-  planes_.left = storage_.get() + 8 * stride;
+  for (std::size_t c = 0; c < 6; ++c) planes_.along[c] = storage_[c];
+  planes_.slack = storage_[6];
+  planes_.radius = storage_[7];
+  planes_.left = storage_[8];
 }
 
 void NearPairs::Begin(const MeshPair& meshes, SeparationFront& front, const ToolPose& from) {

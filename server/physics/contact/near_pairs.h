@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "server/physics/contact/touch.h"
 #include "server/physics/limits.h"
+#include "server/physics/simd/aligned_columns.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/surface/separation_front.h"
 
@@ -95,7 +95,7 @@ class NearPairs {
   std::vector<std::uint32_t> seen_;  ///< of each of the front's slots: the sub-step it is near in
   std::vector<Pair> pairs_;
   std::vector<Plane> after_;  ///< of each pair, at the trial's end
-  std::unique_ptr<double[], void (*)(double*)> storage_;
+  AlignedColumns storage_;
   PlaneColumns planes_{};  ///< of each pair, at the beginning
   std::vector<std::int32_t> found_;
 };

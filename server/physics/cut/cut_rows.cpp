@@ -23,24 +23,65 @@ double GapAhead(const CutField& cut, const Vec3& p, const Vec3& n) {
   return nears > 0.0 ? gap / nears : 1e300;
 }
 
+double Along(const CutRows& rows, int i, const double* x, int unknowns) {
+  double sum = 0.0;
+  for (int c = 0; c < unknowns; ++c) sum += rows.a(static_cast<std::size_t>(c))[i] * x[c];
+  return sum;
+}
+
 }  // namespace
 
-CutRows::CutRows(int samples)
-    : capacity_(samples), storage_(static_cast<std::size_t>(samples) * kColumns) {}
+void CutRows::Set(std::size_t row, const std::array<double, 6>& a, double b, double threshold,
+                  double viscous, double area) noexcept {
+  for (std::size_t c = 0; c < 6; ++c) columns_[c][row] = a[c];
+  columns_[kB][row] = b;
+  columns_[kThreshold][row] = threshold;
+  columns_[kViscous][row] = viscous;
+  columns_[kArea][row] = area;
+}
 
-void CutRows::Add(const std::array<double, 6>& a, double gap, double threshold, double viscous,
+void CutRows::Add(const std::array<double, 6>& a, double b, double threshold, double viscous,
                   double area) noexcept {
   if (count_ == capacity_) return;
-  const auto set = [&](int column, double value) {
-    storage_[static_cast<std::size_t>(column) * static_cast<std::size_t>(capacity_) +
-             static_cast<std::size_t>(count_)] = value;
-  };
-  for (int c = 0; c < 6; ++c) set(c, a[static_cast<std::size_t>(c)]);
-  set(kGap, gap);
-  set(kThreshold, threshold);
-  set(kViscous, viscous);
-  set(kArea, area);
-  ++count_;
+  Set(static_cast<std::size_t>(count_++), a, b, threshold, viscous, area);
+  // Kernels read eight rows at a time.
+  for (auto i = static_cast<std::size_t>(count_); i % 8 != 0; ++i)
+    Set(i, {}, -1e300, 0.0, 0.0, 0.0);
+}
+
+YieldingRows CutRows::Yielding() const noexcept {
+  YieldingRows yielding{};
+  for (std::size_t c = 0; c < 6; ++c) yielding.rows.a[c] = columns_[c];
+  yielding.rows.b = columns_[kB];
+  yielding.rows.count = count_;
+  yielding.weight = columns_[kViscous];
+  yielding.threshold = columns_[kThreshold];
+  yielding.push = columns_[kPush];
+  return yielding;
+}
+
+void CutRows::Add(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
+                  EnergyAt& at) noexcept {
+  kernels.add_yielding(Yielding(), unknowns, x, springs, at);
+}
+
+void CutRows::AddHessian(const Kernels& kernels, const double* x, int unknowns,
+                         const Springs& springs, EnergyAt& at) const noexcept {
+  kernels.add_yielding_hessian(Yielding(), unknowns, x, springs, at);
+}
+
+double CutRows::VolumeOf(const double* x, int unknowns) const noexcept {
+  double sum = 0.0;
+  for (int i = 0; i < count_; ++i) {
+    sum += columns_[kArea][i] * std::max(0.0, b()[i] - Along(*this, i, x, unknowns));
+  }
+  return sum;
+}
+
+double CutRows::WorkOf(const double* x, int unknowns) const noexcept {
+  double sum = 0.0;
+  for (int i = 0; i < count_; ++i) sum -= forces()[i] * Along(*this, i, x, unknowns);
+  return sum;
 }
 
 void CutRows::Build(const CutTool& tool, const CutField& cut, const Pose& X_WB,
@@ -59,8 +100,8 @@ void CutRows::Build(const CutTool& tool, const CutField& cut, const Pose& X_WB,
     const CutMaterial& material = materials[cut.solid().Material(p_B + 0.5 * h * n_B)];
     const Vec3 turn = (p_W - tool.reference).cross(n_W) / tool.rotation_length;
     const double share = sample.area / tool.stiffness;
-    Add({n_W.x(), n_W.y(), n_W.z(), turn.x(), turn.y(), turn.z()}, gap, share * material.pressure,
-        share * material.viscosity / tool.dt, sample.area);
+    Add({-n_W.x(), -n_W.y(), -n_W.z(), -turn.x(), -turn.y(), -turn.z()}, -gap,
+        share * material.pressure, share * material.viscosity / tool.dt, sample.area);
   }
 }
 

@@ -2,11 +2,12 @@
 
 #include <array>
 #include <span>
-#include <vector>
 
 #include "common/math/pose.h"
 #include "scenes/grid/bur.h"
 #include "scenes/grid/cut_field.h"
+#include "server/physics/energy/energy.h"
+#include "server/physics/simd/aligned_columns.h"
 
 namespace palpate {
 
@@ -26,18 +27,22 @@ struct CutTool {
   double dt = 1e-3;               ///< of the step [s]
 };
 
-/// One row for each sample that has material before it.  For the step x = [v; rho phi] of the tool,
-/// sample i goes delta_i = max(0, a_i . x - g_i) into it, at the price
+/// One row for each sample that has material before it: the energy of a step x = [v; rho phi] of
+/// the tool.  Sample i goes delta_i = max(0, b_i - a_i . x) into it, at the price
 ///
-///     A_i (p_0 delta_i + kappa delta_i^2 / 2 dt)  =  k_t (P_i delta_i + c_i delta_i^2 / 2),
+///     A_i (p_0 delta_i + kappa delta_i^2 / 2 dt)  =  k_t (P_i delta_i + c_i delta_i^2 / 2).
 ///
-/// a_i = [n_i; (l_i x n_i) / rho] with l_i from the reference to the sample.  The gap g_i >= 0 is
-/// how far the material lies ahead along n_i; below 0 it is taken for 0, for what a bur cleared it
-/// cleared, though the grid says some micrometre less.
-class CutRows {
+/// a_i = -[n_i; (l_i x n_i) / rho] with l_i from the reference to the sample, and b_i = -g_i.  The
+/// gap g_i >= 0 is how far the material lies ahead along n_i; below 0 it is taken for 0, for what a
+/// bur cleared it cleared, though the grid says some micrometre less.
+///
+/// Passive: a row pushes only where -a_i . x >= g_i >= 0, so that its work on the material is >= 0,
+/// whatever x is.
+class CutRows : public Energy {
  public:
   /// @param samples  of the largest bur.  Set-up.
-  explicit CutRows(int samples);
+  explicit CutRows(int samples)
+      : capacity_(samples), columns_(kColumns, static_cast<std::size_t>(samples)) {}
 
   /// @param X_WB  of the solid.   @param materials  by their number in the solid's grid; all of
   /// them.   Right for steps of no more than the grid's band.  Real-time.
@@ -45,25 +50,39 @@ class CutRows {
              const std::array<CutMaterial, SolidGrid::kMaterials>& materials) noexcept;
 
   int count() const { return count_; }
-  const double* a(int unknown) const { return Column(unknown); }
-  const double* gap() const { return Column(kGap); }
-  const double* threshold() const { return Column(kThreshold); }  ///< P_i [m]
-  const double* viscous() const { return Column(kViscous); }      ///< c_i
-  const double* area() const { return Column(kArea); }            ///< A_i [m^2]
+  const double* a(std::size_t unknown) const { return columns_[unknown]; }
+  const double* b() const { return columns_[kB]; }                  ///< [m]
+  const double* threshold() const { return columns_[kThreshold]; }  ///< P_i [m]
+  const double* viscous() const { return columns_[kViscous]; }      ///< c_i
+  const double* area() const { return columns_[kArea]; }            ///< A_i [m^2]
+  /// Force of each row at the solver's result, over k_t [m].
+  const double* forces() const { return columns_[kPush]; }
 
-  /// A row by itself, for tests and for rigid or other rows of one's own.
+  /// What the rows say of a step x: sum of A_i delta_i [m^3].
+  double VolumeOf(const double* x, int unknowns) const noexcept;
+  /// Work that the solver's forces do on the material in a step x, over k_t [m^2].
+  double WorkOf(const double* x, int unknowns) const noexcept;
+
+  /// A row by itself, for tests and for rows of one's own; what does not fit is left out.
   void Clear() { count_ = 0; }
-  void Add(const std::array<double, 6>& a, double gap, double threshold, double viscous,
+  void Add(const std::array<double, 6>& a, double b, double threshold, double viscous,
            double area) noexcept;
 
+  void Add(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
+           EnergyAt& at) noexcept override;
+  void AddHessian(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
+                  EnergyAt& at) const noexcept override;
+  bool HasThresholds() const noexcept override { return true; }
+
  private:
-  enum : int { kGap = 6, kThreshold, kViscous, kArea, kColumns };
-  const double* Column(int c) const {
-    return storage_.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(capacity_);
-  }
+  enum : std::size_t { kB = 6, kThreshold, kViscous, kArea, kPush, kColumns };
+  /// To the end of the padding.
+  void Set(std::size_t row, const std::array<double, 6>& a, double b, double threshold,
+           double viscous, double area) noexcept;
+  YieldingRows Yielding() const noexcept;
 
   int capacity_, count_ = 0;
-  std::vector<double> storage_;
+  AlignedColumns columns_;
 };
 
 }  // namespace palpate

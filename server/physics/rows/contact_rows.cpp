@@ -4,31 +4,20 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
-#include <new>
 
 namespace palpate {
 
-namespace {
-constexpr std::align_val_t kCacheLine{64};
-}
-
-void ContactRows::AlignedDelete::operator()(double* p) const {
-  ::operator delete[](p, kCacheLine);
-}
-
 ContactRows::ContactRows(int max_rows, int max_batch, int degrees_of_freedom, double rho)
-    : max_rows_(max_rows), room_(max_rows / 2), degrees_of_freedom_(degrees_of_freedom), rho_(rho) {
-  const std::size_t capacity =
-      (static_cast<std::size_t>(max_rows + room_) + static_cast<std::size_t>(max_batch) + 31) &
-      ~15ul;
-  // Columns start a cache line apart from a power of two, or all would share a cache set.
-  const std::size_t stride = capacity + 8;
-  storage_.reset(new (kCacheLine) double[10 * stride]());
-  pairs_.resize(capacity);
-  gaps_.resize(capacity);
-  for (std::size_t c = 0; c < 6; ++c) columns_.a[c] = storage_.get() + c * stride;
-  columns_.b = storage_.get() + 6 * stride;
-  for (std::size_t c = 0; c < 3; ++c) columns_.lever[c] = storage_.get() + (7 + c) * stride;
+    : max_rows_(max_rows),
+      room_(max_rows / 2),
+      degrees_of_freedom_(degrees_of_freedom),
+      rho_(rho),
+      storage_(10, static_cast<std::size_t>(max_rows + room_ + max_batch + 16)),
+      pairs_(static_cast<std::size_t>(max_rows + room_ + max_batch + 31)),
+      gaps_(pairs_.size()) {
+  for (std::size_t c = 0; c < 6; ++c) columns_.a[c] = storage_[c];
+  columns_.b = storage_[6];
+  for (std::size_t c = 0; c < 3; ++c) columns_.lever[c] = storage_[7 + c];
   columns_.pair = pairs_.data();
 }
 

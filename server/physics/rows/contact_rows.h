@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "common/math/pose.h"
 #include "common/qp/nearest_point.h"
 #include "server/physics/leaf_pair.h"
+#include "server/physics/simd/aligned_columns.h"
 #include "server/physics/simd/kernels.h"
 
 namespace palpate {
@@ -86,10 +86,7 @@ class ContactRows {
   int room_;  // rows beyond max_rows_ that are gathered before the loosest are dropped
   int degrees_of_freedom_;
   double rho_;
-  struct AlignedDelete {
-    void operator()(double* p) const;
-  };
-  std::unique_ptr<double[], AlignedDelete> storage_;
+  AlignedColumns storage_;
   std::vector<NodePair> pairs_;
   std::vector<double> gaps_;  // scratch of KeepTightest
   RowColumns columns_{};

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <memory>
-
 #include "common/math/pose.h"
+#include "server/physics/energy/energy.h"
 #include "server/physics/rows/contact_rows.h"
-#include "server/physics/simd/kernels.h"
+#include "server/physics/simd/aligned_columns.h"
 #include "server/physics/tree/soft_leaves.h"
 
 namespace palpate {
@@ -19,35 +18,37 @@ struct SoftContacts {
   double push[kMaxActiveRows];  ///< force over the coupling's stiffness [m]
 };
 
-/// The compliance of the rows of one sub-step, column by column beside ContactRows.
-class SoftRows {
+/// The compliance of the rows of one sub-step, column by column beside ContactRows: leaf springs in
+/// series with the coupling, a diagonal in the QP's dual.  Any number may yield at once, so they
+/// are not taken up one by one: they are an energy.
+class SoftRows : public Energy {
  public:
   /// @param rho  of ContactRows [m].
-  SoftRows(int rows, double rho);
+  SoftRows(int rows, double rho) : columns_(3, static_cast<std::size_t>(rows) + 16), rho_(rho) {}
 
   /// Looks up the rows' leaves.  To be called after ContactRows::Finish.
   void Set(const SoftLeaves& leaves, const ContactRows& rows) noexcept;
   /// True where any of the rows is soft.
   bool any() const { return any_; }
-  /// The rows as the solver wants them; `rows` as in Set.
-  CompliantRows view(const ContactRows& rows);
   /// Those that push at the optimum which the solver found last.
-  SoftContacts Contacts(const ContactRows& rows) const noexcept;
+  SoftContacts Contacts() const noexcept;
   /// Weight of a row, 0 where it is rigid.
-  double weight(int row) const { return weight_[row]; }
+  double weight(int row) const { return columns_[kWeight][row]; }
   /// The rows that no step may violate: rigid ones, and the cores of soft ones.
-  QpRows rigid(const ContactRows& rows) const;
+  QpRows rigid() const;
+
+  void Add(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
+           EnergyAt& at) noexcept override;
+  void AddHessian(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
+                  EnergyAt& at) const noexcept override;
 
  private:
-  struct AlignedDelete {
-    void operator()(double* p) const;
-  };
-  std::unique_ptr<double[], AlignedDelete> storage_;
-  double* weight_;
-  double* rigid_b_;
-  double* transformed_[6];
-  double* push_;
-  double pull_[6];
+  enum : std::size_t { kWeight, kRigidB, kPush };
+  YieldingRows Yielding() const { return {rows_, columns_[kWeight], nullptr, columns_[kPush]}; }
+
+  AlignedColumns columns_;
+  QpRows rows_{};  ///< those of the sub-step
+  double force_[6];
   int pushing_ = 0;
   double rho_;
   bool any_ = false;

@@ -4,6 +4,7 @@
 
 #include "common/qp/nearest_point.h"
 #include "scenes/sphere_packet.h"
+#include "server/physics/limits.h"
 
 namespace palpate {
 
@@ -96,16 +97,28 @@ struct RowColumns {
   NodePair* pair;    ///< leaves
 };
 
-/// Rows of which some are soft, see SolveCompliant in solve/qp_solver.h.  Columns as in QpRows.
-struct CompliantRows {
-  QpRows rigid;            ///< what no step may violate: rigid rows, and the cores of soft ones
-  const double* soft_b;    ///< a soft row pushes where a . x < soft_b
-  const double* weight;    ///< ... with weight * (soft_b - a . x); 0 where the row is rigid
-  double* transformed[6];  ///< scratch
-  // Filled by the solver, at its result:
-  double* push;  ///< of each row, to the end of the padding: weight * (soft_b - a . x), or 0
-  double* pull;  ///< 6: sum of push * a
-  int* pushing;  ///< rows whose push is not 0
+/// Rows that yield: each pushes back where a . x < b, by its weight times s = b - a . x, and by its
+/// threshold, which is all there at once.  Columns as in QpRows; a row of weight 0 and without a
+/// threshold does nothing.
+struct YieldingRows {
+  QpRows rows;
+  const double* weight;
+  const double* threshold;  ///< [m]; null: none has one
+  double* push;             ///< of each row, filled at each look to the end of the padding [m]
+};
+
+/// A row below its threshold is a spring that is so many times as stiff as the coupling.
+/// @field on  a row is on its spring where one so stiff has not reached the threshold
+struct Springs {
+  double stiffness = limits::energy::kRigid;
+  double on = limits::energy::kRigid;
+};
+
+/// What energies are at a place x, over the coupling's stiffness, summed over them.
+struct EnergyAt {
+  double twice = 0.0;       ///< the energy [m^2]
+  double force[6] = {};     ///< the opposite of its gradient [m]
+  double hessian[21] = {};  ///< lower triangle, row by row
 };
 
 /// Pairs of packets that expand_pairs takes at a time.
@@ -156,11 +169,19 @@ struct Kernels {
   QpResult (*solve_6)(const double* t, const QpRows& rows, const int* guess, int guesses);
   QpResult (*solve_3)(const double* t, const QpRows& rows, const int* guess, int guesses);
 
-  /// The same where some rows yield, see SolveCompliant.
-  QpResult (*solve_compliant_6)(const double* t, const CompliantRows& rows, const int* guess,
-                                int guesses);
-  QpResult (*solve_compliant_3)(const double* t, const CompliantRows& rows, const int* guess,
-                                int guesses);
+  /// Whether all rows hold at x, but for `tolerance`.
+  bool (*rows_hold)(const QpRows& rows, int unknowns, const double* x, double tolerance);
+  /// L^-1 a of each row, to the end of the padding.  L: lower triangle of unknowns x unknowns, row
+  /// by row.
+  void (*transform_rows)(const QpRows& rows, int unknowns, const double* L,
+                         const double* inverse_diagonal, double* const out[6]);
+
+  /// Adds the energy of rows and its force at x, or its Hessian.  The first returns how many rows
+  /// push.
+  int (*add_yielding)(const YieldingRows& rows, int unknowns, const double* x,
+                      const Springs& springs, EnergyAt& at);
+  void (*add_yielding_hessian)(const YieldingRows& rows, int unknowns, const double* x,
+                               const Springs& springs, EnergyAt& at);
 };
 
 extern const Kernels kScalarKernels;

@@ -1,7 +1,6 @@
 // The inner loops, included once by each kernels_*.cpp, which sets the instruction set.
 #include "common/qp/dual_active_set.inl"
 #include "common/qp/vector.h"
-#include "server/physics/simd/compliant.inl"
 #include "server/physics/simd/kernels.h"
 
 namespace palpate {
@@ -222,10 +221,163 @@ int FindUsedUp(const PlaneColumns& planes, int first, int count, const PlaneMoti
   return found;
 }
 
+template <int N>
+bool RowsHold(const QpRows& rows, const double* x, double tolerance) {
+  D8 xs[N], least = Set1(0.0);
+  for (int c = 0; c < N; ++c) xs[c] = Set1(x[c]);
+  for (int i = 0; i < rows.count; i += 8) {
+    D8 s = Set1(0.0) - Load(rows.b + i);
+    for (int c = 0; c < N; ++c) s = Fma(Load(rows.a[c] + i), xs[c], s);
+    least = Min(s, least);
+  }
+  return Less(least, Set1(-tolerance)) == 0;
+}
+
+/// By forward substitution.
+template <int N>
+void TransformRows(const QpRows& rows, const double* L, const double* inverse_diagonal,
+                   double* const out[6]) {
+  for (int i = 0; i < rows.count; i += 16) {
+    for (int half = i; half < i + 16; half += 8) {
+      D8 a[N];
+      for (int r = 0; r < N; ++r) {
+        D8 sum = Load(rows.a[r] + half);
+        for (int c = 0; c < r; ++c) sum = Fnma(Set1(L[r * N + c]), a[c], sum);
+        a[r] = sum * Set1(inverse_diagonal[r]);
+        Store(out[r] + half, a[r]);
+      }
+    }
+  }
+}
+
+inline double SumOfLanes(D8 a) {
+  Lanes lanes;
+  lanes.Set(a);
+  return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
+         ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
+}
+
+/// a, the overlap s, and the weight with which it counts: 0 of rows that do not overlap.
+template <int N>
+struct Overlap {
+  D8 a[N], s, weight;
+  std::uint32_t rows;
+
+  Overlap(const YieldingRows& yielding, const D8 (&xs)[N], int i) {
+    const D8 zero = Set1(0.0);
+    s = Load(yielding.rows.b + i);
+    for (int c = 0; c < N; ++c) {
+      a[c] = Load(yielding.rows.a[c] + i);
+      s = Fnma(a[c], xs[c], s);
+    }
+    weight = SelectLess(zero, s, Load(yielding.weight + i), zero);
+    rows = Less(zero, weight);
+  }
+};
+
+/// The force of rows up to their thresholds P: k s on their springs, and P beyond; and twice the
+/// energy, k s^2 and P (2 s - P / k).
+struct BelowThreshold {
+  D8 force, twice;
+  std::uint32_t rows;
+
+  BelowThreshold(const YieldingRows& yielding, const D8& s, const Springs& springs, int i) {
+    const D8 zero = Set1(0.0), P = Load(yielding.threshold + i);
+    const D8 above = SelectLess(zero, s, s, zero), spring = Set1(springs.stiffness) * above;
+    const D8 on = Set1(springs.on) * above;
+    force = SelectLess(on, P, spring, SelectLess(zero, s, P, zero));
+    const D8 beyond = force * (above + above - P * Set1(1.0 / springs.stiffness));
+    twice = SelectLess(on, P, spring * above, beyond);
+    rows = Less(zero, force);
+  }
+};
+
+template <int N>
+int AddYielding(const YieldingRows& yielding, const double* x, const Springs& springs,
+                EnergyAt& at) {
+  const D8 zero = Set1(0.0);
+  D8 xs[N], force[N], twice = zero;
+  for (int c = 0; c < N; ++c) xs[c] = Set1(x[c]);
+  for (D8& sum : force) sum = zero;
+  int pushing = 0;
+  for (int i = 0; i < yielding.rows.count; i += 8) {
+    const Overlap<N> overlap(yielding, xs, i);
+    D8 push = overlap.weight * overlap.s;
+    std::uint32_t rows = overlap.rows;
+    if (rows != 0) twice = Fma(push, overlap.s, twice);
+    if (yielding.threshold != nullptr) {
+      const BelowThreshold below(yielding, overlap.s, springs, i);
+      push = push + below.force;
+      twice = twice + below.twice;
+      rows |= below.rows;
+    }
+    Store(yielding.push + i, push);
+    if (rows == 0) continue;
+    pushing += __builtin_popcount(rows);
+    for (int r = 0; r < N; ++r) force[r] = Fma(push, overlap.a[r], force[r]);
+  }
+  for (int r = 0; r < N; ++r) at.force[r] += SumOfLanes(force[r]);
+  at.twice += SumOfLanes(twice);
+  return pushing;
+}
+
+template <int N>
+void AddYieldingHessian(const YieldingRows& yielding, const double* x, const Springs& springs,
+                        EnergyAt& at) {
+  constexpr int kEntries = N * (N + 1) / 2;
+  const D8 zero = Set1(0.0);
+  D8 xs[N], sum[kEntries];
+  for (int c = 0; c < N; ++c) xs[c] = Set1(x[c]);
+  for (D8& entry : sum) entry = zero;
+  for (int i = 0; i < yielding.rows.count; i += 8) {
+    const Overlap<N> overlap(yielding, xs, i);
+    D8 weight = overlap.weight;
+    std::uint32_t rows = overlap.rows;
+    if (yielding.threshold != nullptr) {
+      const D8 on = Set1(springs.on) * overlap.s;
+      const D8 spring = SelectLess(on, Load(yielding.threshold + i), Set1(springs.stiffness), zero);
+      weight = weight + SelectLess(zero, overlap.s, spring, zero);
+      rows = Less(zero, weight);
+    }
+    if (rows == 0) continue;
+    for (int r = 0, k = 0; r < N; ++r) {
+      const D8 wa = weight * overlap.a[r];
+      for (int c = 0; c <= r; ++c, ++k) sum[k] = Fma(wa, overlap.a[c], sum[k]);
+    }
+  }
+  for (int k = 0; k < kEntries; ++k) at.hessian[k] += SumOfLanes(sum[k]);
+}
+
 constexpr Kernels MakeKernels(const char* name) {
-  return {name,      ExpandPairs, BuildRows<6>,          BuildRows<3>,
-          FindBelow, LowestPoint, RefreshPlanes,         FindUsedUp,
-          Solve<6>,  Solve<3>,    SolveCompliantRows<6>, SolveCompliantRows<3>};
+  return {name,
+          ExpandPairs,
+          BuildRows<6>,
+          BuildRows<3>,
+          FindBelow,
+          LowestPoint,
+          RefreshPlanes,
+          FindUsedUp,
+          Solve<6>,
+          Solve<3>,
+          [](const QpRows& rows, int unknowns, const double* x, double tolerance) {
+            return unknowns == 6 ? RowsHold<6>(rows, x, tolerance)
+                                 : RowsHold<3>(rows, x, tolerance);
+          },
+          [](const QpRows& rows, int unknowns, const double* L, const double* inverse_diagonal,
+             double* const out[6]) {
+            unknowns == 6 ? TransformRows<6>(rows, L, inverse_diagonal, out)
+                          : TransformRows<3>(rows, L, inverse_diagonal, out);
+          },
+          [](const YieldingRows& rows, int unknowns, const double* x, const Springs& springs,
+             EnergyAt& at) {
+            return unknowns == 6 ? AddYielding<6>(rows, x, springs, at)
+                                 : AddYielding<3>(rows, x, springs, at);
+          },
+          [](const YieldingRows& rows, int unknowns, const double* x, const Springs& springs,
+             EnergyAt& at) {
+            unknowns == 6 ? AddYieldingHessian<6>(rows, x, springs, at)
+                          : AddYieldingHessian<3>(rows, x, springs, at);
+          }};
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ Way PartOfWay(const Optimum& optimum, double part) {
 /// The way to the optimum under rows that have changed, as far as the bounds allow.  Where the QP
 /// does not end the tool stays, and has not arrived.
 Way WayToNewOptimum(StepContext& context) {
-  const Optimum optimum = NearestStep(context, context.target, nullptr);
+  const Optimum optimum = NearestStep(context, context.target);
   context.report.qp_iterations += optimum.qp.iterations;
   Remember(context, optimum);
   context.Require(optimum);
@@ -42,7 +42,7 @@ Way WayWithin(StepContext& context, const Optimum& optimum) {
   for (int tries = 1;; ++tries) {
     part *= limits::kBoundShare;
     // The way to where the soft rows balance the spring: they have no part in it.
-    const Optimum partial = NearestStep(context, {part * optimum.v, part * optimum.phi}, nullptr);
+    const Optimum partial = NearestStep(context, {part * optimum.v, part * optimum.phi});
     context.report.qp_iterations += partial.qp.iterations;
     context.Require(partial);
     const double clip = context.IsUnsolved() ? 0.0 : PartWithin(context, partial);

@@ -4,7 +4,8 @@
 
 namespace palpate {
 
-Optimum NearestStep(const StepContext& context, const Target& target, SoftRows* soft) noexcept {
+Optimum NearestStep(const StepContext& context, const Target& target,
+                    std::span<Energy* const> energies) noexcept {
   Optimum optimum;
   const ContactRows& rows = context.buffers.rows;
   const double rho = context.model.rotation_length();
@@ -13,9 +14,12 @@ Optimum NearestStep(const StepContext& context, const Target& target, SoftRows* 
   const double t[6] = {target.v.x(),         target.v.y(),         target.v.z(),
                        rho * target.phi.x(), rho * target.phi.y(), rho * target.phi.z()};
   const auto solve = [&]<int N>() {
-    return soft != nullptr
-               ? SolveCompliant<N>(context.kernels, t, soft->view(rows), guess, guesses)
-               : SolveNearestPoint<N>(context.kernels, t, context.rigid, guess, guesses);
+    // From where the tool is: what overlaps there mostly does so after the step too.
+    constexpr double start[6] = {};
+    return energies.empty()
+               ? SolveNearestPoint<N>(context.kernels, t, context.rigid, guess, guesses)
+               : context.buffers.energies->Solve(context.kernels, N, t, context.rigid, energies,
+                                                 start, {guess, static_cast<std::size_t>(guesses)});
   };
   if (context.model.degrees_of_freedom() == 6) {
     optimum.qp = solve.operator()<6>();

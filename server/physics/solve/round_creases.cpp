@@ -30,7 +30,7 @@ bool RoundCreases(const StepContext& context, Optimum& optimum) noexcept {
       (Mat3::Identity() - free * bend * free).inverse() * (free * (bend * straight));
   Target target = context.target;
   target.v += bend * (straight + beyond);
-  optimum = NearestStep(context, target, nullptr);
+  optimum = NearestStep(context, target);
   return true;
 }
 

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "server/physics/contact/mesh_contact.h"
+#include "server/physics/energy/energy_solver.h"
 #include "server/physics/haptic_model.h"
 #include "server/physics/rows/contact_prediction.h"
 #include "server/physics/rows/contact_rows.h"
@@ -23,12 +24,14 @@ struct StepBuffers {
     }
     if (model.soft_leaves() != nullptr) {
       soft.emplace(model.parameters().max_rows, model.rotation_length());
+      energies.emplace(static_cast<std::size_t>(model.parameters().max_rows));
     }
   }
   ContactPrediction prediction;
   ContactRows rows;
-  std::optional<MeshContact> meshes;  ///< where objects are felt by their meshes
-  std::optional<SoftRows> soft;       ///< where the model has soft leaves
+  std::optional<MeshContact> meshes;     ///< where objects are felt by their meshes
+  std::optional<SoftRows> soft;          ///< where the model has soft leaves
+  std::optional<EnergySolver> energies;  ///< where any energy acts beside the coupling
 };
 
 }  // namespace palpate

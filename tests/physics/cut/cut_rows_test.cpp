@@ -7,7 +7,7 @@
 
 #include "common/math/rotation.h"
 #include "scenes/shapes/shapes.h"
-#include "server/physics/cut/cut_solver.h"
+#include "server/physics/energy/energy_solver.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/random.h"
 
@@ -29,8 +29,7 @@ struct Trial {
         solid(MeshOf(X_WB.Inverse()),
               {.spacing = spacing, .most_bytes = 256u << 20, .material = InB(material_W)}, "block"),
         cut(solid, 256u << 20, "block"),
-        rows(count),
-        solver(count) {
+        rows(count) {
     materials.fill(kHard);
     materials[1] = kSoft;
   }
@@ -47,29 +46,37 @@ struct Trial {
   void Build() {
     rows.Build({samples, {bur, Quat::Identity()}, bur, kStiffness, 0.03, dt}, cut, X_WB, materials);
   }
-  /// One step of the bur on its spring towards the hand; what the grid lost.
-  CutStep Step(const Vec3& hand, double& removed) {
+  struct Cut {
+    double volume, work;
+  };
+  /// One step of the bur on its spring towards the hand: what the rows say that it cut, and what
+  /// the grid lost.
+  Cut Step(const Vec3& hand, double& removed) {
     Build();
     const Vec3 t = hand - bur;
-    const CutStep step = solver.Solve<3>(t.data(), rows, guess);
-    EXPECT_TRUE(step.solved);
-    EXPECT_GE(step.work, 0.0);
+    Energy* const energy = &rows;
+    const QpResult step = solver.Solve(ActiveKernels(), 3, t.data(), {}, {&energy, 1}, guess, {});
+    EXPECT_EQ(step.status, QpStatus::kSolved);
     std::copy(step.x, step.x + 3, guess);
-    const Vec3 v(step.x[0], step.x[1], step.x[2]);
+    const Cut said{rows.VolumeOf(guess, 3), rows.WorkOf(guess, 3)};
+    EXPECT_GE(said.work, 0.0);
+    const Vec3 v(guess[0], guess[1], guess[2]);
     const Pose X_BW = X_WB.Inverse();
     removed +=
         cut.Remove(Bur::Ball(kRadius), X_BW * Pose{bur, Quat::Identity()}, X_BW.q * v).total();
     bur += v;
     force = kStiffness * (bur - hand);
-    return step;
+    return said;
   }
+  /// Outward normal of a row's sample.
+  Vec3 Normal(int i) const { return -Vec3(rows.a(0)[i], rows.a(1)[i], rows.a(2)[i]); }
 
   Pose X_WB;
   std::vector<BurSample> samples;
   SolidGrid solid;
   CutField cut;
   CutRows rows;
-  CutSolver solver;
+  EnergySolver solver{16};
   std::array<CutMaterial, SolidGrid::kMaterials> materials;
   Vec3 bur = Vec3(0, 0, kRadius + 20e-6), force = Vec3::Zero();
   double guess[3] = {};
@@ -82,16 +89,16 @@ TEST(CutRows, RowOfASampleIsTheDistanceAheadOfIt) {
   trial.Build();
   ASSERT_GT(trial.rows.count(), 0);
   for (int i = 0; i < trial.rows.count(); ++i) {
-    const Vec3 n(trial.rows.a(0)[i], trial.rows.a(1)[i], trial.rows.a(2)[i]);
+    const Vec3 n = trial.Normal(i);
     EXPECT_LT(n.z(), 0.0);  // what looks up has nothing ahead
     // From the sample, along n, down to the face.
-    EXPECT_NEAR(trial.rows.gap()[i], (trial.bur + kRadius * n).z() / -n.z(), 1e-8);
+    EXPECT_NEAR(-trial.rows.b()[i], (trial.bur + kRadius * n).z() / -n.z(), 1e-8);
     const double area = 4.0 * kPi * kRadius * kRadius / 256;
     EXPECT_NEAR(trial.rows.area()[i], area, 1e-4 * area);
     EXPECT_NEAR(trial.rows.threshold()[i], trial.rows.area()[i] * 2e6 / kStiffness, 1e-15);
     EXPECT_NEAR(trial.rows.viscous()[i], trial.rows.area()[i] * 0.5e9 / 1e-3 / kStiffness, 1e-12);
     // A ball about its middle: no lever.
-    for (int r = 3; r < 6; ++r) EXPECT_NEAR(trial.rows.a(r)[i], 0.0, 1e-12);
+    for (std::size_t r = 3; r < 6; ++r) EXPECT_NEAR(trial.rows.a(r)[i], 0.0, 1e-12);
   }
 }
 
@@ -104,8 +111,8 @@ TEST(CutRows, TurnsAboutTheReference) {
       trial.X_WB, trial.materials);
   ASSERT_GT(trial.rows.count(), 0);
   for (int i = 0; i < trial.rows.count(); ++i) {
-    const Vec3 n(trial.rows.a(0)[i], trial.rows.a(1)[i], trial.rows.a(2)[i]);
-    const Vec3 turn(trial.rows.a(3)[i], trial.rows.a(4)[i], trial.rows.a(5)[i]);
+    const Vec3 n = trial.Normal(i);
+    const Vec3 turn(-trial.rows.a(3)[i], -trial.rows.a(4)[i], -trial.rows.a(5)[i]);
     EXPECT_LT((turn - (trial.bur + kRadius * n - reference).cross(n) / 0.03).norm(), 1e-9);
   }
 }
@@ -120,7 +127,7 @@ TEST(CutRows, PlungeHasTheLawsForceAndWork) {
     while (trial.bur.z() > -0.4e-3) {
       hand.z() -= 2e-3 * dt;
       const double z = trial.bur.z(), force = trial.force.z();
-      const CutStep step = trial.Step(hand, removed);
+      const Trial::Cut step = trial.Step(hand, removed);
       rows_volume += step.volume;
       if (z > 0.0) continue;
       // Of the half sphere ahead, at the speed u: p0 pi R^2 + kappa u 2/3 pi R^2.
@@ -181,7 +188,7 @@ TEST(CutRows, EachSampleHasTheMaterialThatLiesAheadOfIt) {
   trial.Build();
   ASSERT_GT(trial.rows.count(), 200);
   for (int i = 0; i < trial.rows.count(); ++i) {
-    const double x = trial.rows.a(0)[i] * (kRadius + 25e-6);
+    const double x = trial.Normal(i).x() * (kRadius + 25e-6);
     if (std::abs(x) < 45e-6) continue;
     const double pressure = trial.rows.threshold()[i] * kStiffness / trial.rows.area()[i];
     EXPECT_NEAR(pressure, x > 0.0 ? kSoft.pressure : kHard.pressure, 1.0);
@@ -199,7 +206,7 @@ TEST(CutRows, NoHandGetsWorkOutOfTheMaterial) {
       if (n % 50 == 0) towards = Vec3(0, 0, -0.2e-3) + random.InCube(0.5e-3);
       hand += 0.03 * (towards - hand);
       const Vec3 before = trial.bur;
-      const CutStep step = trial.Step(hand, removed);  // expects that its work is not below 0
+      const Trial::Cut step = trial.Step(hand, removed);  // expects that its work is not below 0
       // The force on the tool, against its motion: the two agree but for rounding.
       const double work = -trial.force.dot(trial.bur - before);
       EXPECT_GE(work, -1e-12) << n;

@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "server/physics/energy/energy_solver.h"
 #include "tests/support/random.h"
 
 namespace palpate {
@@ -234,40 +235,53 @@ TEST(QpSolver, RelaxesARowThatNothingCanSatisfy) {
   for (int c = 0; c < 6; ++c) EXPECT_NEAR(result.x[c], 1.0, 1e-9);
 }
 
+class Yielding : public Energy {
+ public:
+  explicit Yielding(const YieldingRows& rows) : rows_(rows) {}
+  void Add(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
+           EnergyAt& at) noexcept override {
+    pushing = kernels.add_yielding(rows_, unknowns, x, springs, at);
+    std::copy(at.force, at.force + 6, force);
+  }
+  void AddHessian(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
+                  EnergyAt& at) const noexcept override {
+    kernels.add_yielding_hessian(rows_, unknowns, x, springs, at);
+  }
+  int pushing = 0;
+  double force[6];
+
+ private:
+  YieldingRows rows_;
+};
+
 /// A problem with soft rows: row i yields with weight[i] where that is positive, as far as a core
 /// `depth[i]` inside.
 struct CompliantProblem {
   RigidProblem problem;
   Vec weight;
   Vec depth;
-  std::vector<double> columns;
-  double pull[6];
+  double force[6];
   int pushing = 0;
 
   QpResult Solve(std::vector<int> guess = {}, const Kernels& kernels = ActiveKernels()) {
     const int m = static_cast<int>(weight.size());
-    const int padded = std::max(16, (m + 15) & ~15);
-    const QpRows rows = problem.Rows();
-    columns.assign(static_cast<std::size_t>(9 * padded + 8), 0.0);
-    auto address = reinterpret_cast<std::uintptr_t>(columns.data());
-    double* base = columns.data() + (64 - address % 64) % 64 / sizeof(double);
-    CompliantRows compliant{};
-    compliant.rigid = rows;
-    compliant.soft_b = rows.b;
-    compliant.rigid.b = base;
-    compliant.weight = base + padded;
-    for (int i = 0; i < padded; ++i) {
-      base[i] = i < m ? problem.b[i] - (weight[i] > 0.0 ? depth[i] : 0.0) : -1e300;
-      base[padded + i] = i < m ? weight[i] : 0.0;
+    const auto rows = static_cast<std::size_t>(std::max(16, (m + 15) & ~15));
+    const AlignedColumns columns(3, rows);
+    QpRows rigid = problem.Rows();
+    Yielding soft({rigid, columns[0], nullptr, columns[1]});
+    rigid.b = columns[2];
+    for (int i = 0; i < static_cast<int>(rows); ++i) {
+      columns[0][i] = i < m ? weight[i] : 0.0;
+      columns[2][i] = i < m ? problem.b[i] - (weight[i] > 0.0 ? depth[i] : 0.0) : -1e300;
     }
-    for (int c = 0; c < 6; ++c) compliant.transformed[c] = base + (2 + c) * padded;
-    compliant.push = base + 8 * padded;
-    compliant.pull = pull;
-    compliant.pushing = &pushing;
-    const int n = static_cast<int>(guess.size());
-    return problem.t.size() == 6
-               ? SolveCompliant<6>(kernels, problem.t.data(), compliant, guess.data(), n)
-               : SolveCompliant<3>(kernels, problem.t.data(), compliant, guess.data(), n);
+    Energy* const energy = &soft;
+    const double start[6] = {};
+    const QpResult result =
+        EnergySolver(rows).Solve(kernels, static_cast<int>(problem.t.size()), problem.t.data(),
+                                 rigid, {&energy, 1}, start, guess);
+    pushing = soft.pushing;
+    std::copy(soft.force, soft.force + 6, force);
+    return result;
   }
 
   /// The same with every eta_i / sqrt(c_i) as an unknown of its own: a nearest point again, for
@@ -295,7 +309,7 @@ struct CompliantProblem {
     Vec gradient = x - problem.t;
     double worst = 0.0, sum = 0.0;
     const auto core = [&](int i) { return problem.b[i] - (weight[i] > 0.0 ? depth[i] : 0.0); };
-    const Vec told = Eigen::Map<const Vec>(pull, problem.t.size());
+    const Vec told = Eigen::Map<const Vec>(force, problem.t.size());
     Vec sum_of_pushes = Vec::Zero(problem.t.size());
     int pushes = 0;
     for (int i = 0; i < weight.size(); ++i) {
@@ -327,8 +341,7 @@ struct CompliantProblem {
 CompliantProblem RandomCompliantProblem(Random& random, int n, int soft, int rigid, double stiffest,
                                         bool cores = false) {
   const int m = soft + rigid;
-  CompliantProblem out{
-      RandomProblem(random, n, m, true), Vec::Zero(m), Vec::Constant(m, 1e9), {}, {}};
+  CompliantProblem out{RandomProblem(random, n, m, true), Vec::Zero(m), Vec::Constant(m, 1e9), {}};
   for (int k = 0; k < soft; ++k) {
     // Soft and rigid rows in turn, as far as both go.
     const int i = k < rigid ? 2 * k : rigid + k;
@@ -343,7 +356,6 @@ TEST(CompliantQp, PutsASoftRowInSeriesWithTheCoupling) {
   CompliantProblem soft{{Vec::Zero(6), Mat::Zero(1, 6), Vec::Constant(1, 1e-3), {}},
                         Vec::Constant(1, 0.25),
                         Vec::Constant(1, 1.0),
-                        {},
                         {}};
   soft.problem.A(0, 1) = 1.0;
   const QpResult result = soft.Solve();
@@ -411,7 +423,6 @@ TEST(CompliantQp, AddsUpTheStiffnessOfRepeatedRows) {
   CompliantProblem soft{{Vec::Zero(3), Mat::Zero(1000, 3), Vec::Constant(1000, 1e-3), {}},
                         Vec::Constant(1000, 0.01),
                         Vec::Constant(1000, 1.0),
-                        {},
                         {}};
   soft.problem.A.col(2).setOnes();
   EXPECT_NEAR(soft.Solve().x[2], 1e-3 * 10.0 / 11.0, 1e-16);
