@@ -7,7 +7,7 @@
 #include "common/coupling_fault.h"
 #include "common/error.h"
 #include "server/physics/limits.h"
-#include "server/physics/surface/body_meshes.h"
+#include "server/physics/surface/contact_bodies.h"
 
 namespace palpate {
 
@@ -26,8 +26,8 @@ double CoresAlone(const PlacedTree& object, double radius) {
 SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel contact)
     : contact_(contact),
       forest_(objects, contact == ContactModel::kSurface ? &LeavesAlone : nullptr) {
-  if (contact == ContactModel::kSurface) meshes_ = ObjectMeshes::Make(objects);
-  if (meshes_ != nullptr) cores_ = std::make_unique<const ObjectForest>(objects, &CoresAlone);
+  if (contact == ContactModel::kSurface) bodies_ = ContactBodies::Make(objects);
+  if (bodies_ != nullptr) cores_ = std::make_unique<const ObjectForest>(objects, &CoresAlone);
 }
 
 SceneObjects::~SceneObjects() = default;
@@ -61,10 +61,10 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   }
   const double extent = this->objects().center().norm() + this->objects().radius();
   tool_ = std::make_unique<const ToolTree>(tool, extent, ToolTree::ReferenceOf(tool));
-  if (object_meshes() != nullptr) {
-    tool_mesh_ = MakeToolMesh(tool_mesh, tool, tool_->reference());
+  if (bodies() != nullptr) {
+    tool_body_ = MakeToolBody(tool_mesh, tool, tool_->reference());
   }
-  const double reach = tool_mesh_ != nullptr ? tool_mesh_->mesh.reach() : 0.0;
+  const double reach = tool_body_ != nullptr ? tool_body_->mesh.reach() : 0.0;
   const double lever = std::max(tool_->max_lever(), reach);
   const std::string fault =
       CouplingFault(parameters_.stiffness, parameters_.torsional_stiffness, lever);
@@ -72,7 +72,7 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
     throw Error("step parameters: torsional_stiffness: " + fault);
   }
   if (parameters_.max_truncation <= 0.0) {
-    parameters_.max_truncation = tool_mesh_ != nullptr
+    parameters_.max_truncation = tool_body_ != nullptr
                                      ? limits::mesh::Margins{parameters_.separation}.truncation
                                      : limits::kMaxTruncation;
   }
@@ -91,7 +91,7 @@ HapticModel::HapticModel(HapticModel&&) noexcept = default;
 
 std::int32_t HapticModel::LeafOf(const LeafPair& pair) const {
   if (KindOf(pair) == RowKind::kLeaves) return pair.object;
-  return object_meshes()->LeafOf(static_cast<std::uint32_t>(pair.object));
+  return bodies()->LeafOf(static_cast<std::uint32_t>(pair.object));
 }
 
 }  // namespace palpate

@@ -12,8 +12,8 @@
 
 namespace palpate {
 
-class ObjectMeshes;  // surface/body_meshes.h
-struct MeshWithTree;
+class ContactBodies;  // surface/contact_bodies.h
+struct ContactBody;
 
 /// What the tools of a scene may touch: the objects' leaves as one tree, and the meshes of
 /// the objects that are felt by their mesh.  Immutable; shared by the models of all tools.
@@ -28,15 +28,15 @@ class SceneObjects {
   /// The leaves of all objects; those of objects that are felt by their meshes touch nothing.
   const ObjectForest& forest() const { return forest_; }
   ContactModel contact() const { return contact_; }
-  /// Objects that are felt by their meshes: the meshes, and the leaves inside them, shrunk by
+  /// Objects that are felt by their meshes: as bodies, and the leaves inside them, shrunk by
   /// limits::kCoreDepth, which tell soonest what is inside.  Both null where there are none.
-  const ObjectMeshes* meshes() const { return meshes_.get(); }
+  const ContactBodies* bodies() const { return bodies_.get(); }
   const ObjectForest* cores() const { return cores_.get(); }
 
  private:
   ContactModel contact_;
   ObjectForest forest_;
-  std::unique_ptr<const ObjectMeshes> meshes_;
+  std::unique_ptr<const ContactBodies> bodies_;
   std::unique_ptr<const ObjectForest> cores_;
 };
 
@@ -58,8 +58,8 @@ class HapticModel {
   const ToolTree& tool() const { return *tool_; }
   const ObjectForest& objects() const { return objects_->forest(); }
   /// All null where no object is felt by its mesh.
-  const MeshWithTree* tool_mesh() const { return tool_mesh_.get(); }
-  const ObjectMeshes* object_meshes() const { return objects_->meshes(); }
+  const ContactBody* tool_body() const { return tool_body_.get(); }
+  const ContactBodies* bodies() const { return objects_->bodies(); }
   const ObjectForest* object_cores() const { return objects_->cores(); }
   /// Null unless the features name compliance and some leaf is soft.
   const SoftLeaves* soft_leaves() const { return soft_.get(); }
@@ -77,7 +77,7 @@ class HapticModel {
   StepParameters parameters_;
   double rotation_length_ = 0.0;
   std::unique_ptr<const ToolTree> tool_;
-  std::unique_ptr<const MeshWithTree> tool_mesh_;
+  std::unique_ptr<const ContactBody> tool_body_;
   std::shared_ptr<const SceneObjects> objects_;
   std::unique_ptr<const SoftLeaves> soft_;
 };

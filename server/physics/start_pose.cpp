@@ -5,7 +5,7 @@
 #include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
 #include "server/physics/solve/step_buffers.h"
-#include "server/physics/surface/body_meshes.h"
+#include "server/physics/surface/contact_bodies.h"
 #include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
@@ -21,7 +21,7 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, const LeafWear& wear,
   if (!buffers.meshes) return true;
   // A tool whose mesh meets no other lies inside an object as a whole or not at all.
   return IsFree(buffers.meshes->meshes, at) &&
-         !model.object_meshes()->Hold(at.p + at.R * model.tool_mesh()->mesh.vertices()[0]);
+         !model.bodies()->Hold(at.p + at.R * model.tool_body()->mesh.vertices()[0]);
 }
 
 /// Shortest way out along `direction`, to within a sub-step's length: walks outward until free.
@@ -50,11 +50,13 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   const Vec3 from = X_start * model.reference();
   double reach = model.tool().reach();
   double shortest = (from - model.objects().center()).norm() + model.objects().radius();
-  if (model.object_meshes() != nullptr) {
-    const HullTree& tree = model.object_meshes()->meshes().tree;
-    reach = std::max(reach, model.tool_mesh()->mesh.reach());
-    shortest =
-        std::max(shortest, (from - tree.Centre(tree.root())).norm() + tree.Radius(tree.root()));
+  if (model.bodies() != nullptr) {
+    reach = std::max(reach, model.tool_body()->mesh.reach());
+    for (const ContactBody& body : model.bodies()->bodies()) {
+      const HullTree::Node root = body.tree.root();
+      shortest =
+          std::max(shortest, (from - body.tree.Centre(root)).norm() + body.tree.Radius(root));
+    }
   }
   shortest += reach;
   Vec3 way = Vec3::UnitZ();

@@ -4,7 +4,7 @@ namespace palpate {
 
 StepState::StepState(const HapticModel& model) {
   if (model.parameters().features.removal) wear = LeafWear(model.objects());
-  if (model.object_meshes() != nullptr) front.Reserve();
+  if (model.bodies() != nullptr) front.Reserve();
 }
 
 }  // namespace palpate

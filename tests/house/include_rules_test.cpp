@@ -43,7 +43,7 @@ std::vector<std::string> Check(const std::string& path, const std::string& text)
                                                "server/physics/solve/response.h",
                                                "server/physics/start_pose.h",
                                                "server/physics/step_types.h",
-                                               "server/physics/surface/body_meshes.h",
+                                               "server/physics/surface/contact_bodies.h",
                                                "server/physics/tree/leaf_wear.h",
                                                "server/session/servo_loop.h"};
   return IncludeViolations(path, text, [](const std::string& f) { return kFiles.contains(f); });
@@ -67,7 +67,7 @@ const std::vector<std::string> kFromTheBottomUp = {"limits.h",
                                                    "simd/kernels.h",
                                                    "step_types.h",
                                                    "tree/leaf_wear.h",
-                                                   "surface/body_meshes.h",
+                                                   "surface/contact_bodies.h",
                                                    "haptic_model.h",
                                                    "rows/contact_rows.h",
                                                    "solve/response.h",

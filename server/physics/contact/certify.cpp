@@ -44,7 +44,7 @@ bool HoldsAlong(MeshContact& contact, Index k, const Vec3& n, double least_befor
 /// apart at the sub-step's beginning: the touch's own, or a neighbour.
 bool HoldsAcross(MeshContact& contact, Index k, double distance, const Touch& touch,
                  const ContactPlane& plane) {
-  const MeshPair& meshes = contact.meshes;
+  const ToolAndBodies& meshes = contact.meshes;
   const Motion& motion = contact.motion;
   const double least_before = meshes.margins.LeastBefore(distance);
   const double least_after = meshes.margins.LeastAfter(distance);
@@ -67,13 +67,13 @@ bool HoldsAcross(MeshContact& contact, Index k, double distance, const Touch& to
 
 /// Whether a plane separates the hulls of a pair throughout the trial.
 bool IsSeparable(MeshContact& contact, Index k) {
-  const MeshPair& meshes = contact.meshes;
+  const ToolAndBodies& meshes = contact.meshes;
   const NodesOfPair& nodes = contact.near[k].nodes;
   SeparatingPlane plane;
-  const bool found = FindPlane(
-      {meshes.tool.tree, nodes.tool, meshes.tool.radius, meshes.objects.tree, nodes.object},
-      {contact.motion.from, contact.motion.to}, contact.near.Normal(k), meshes.margins.free,
-      *meshes.kernels, plane);
+  const bool found =
+      FindPlane({meshes.tool.tree, nodes.tool, meshes.tool.radius, nodes.body->tree, nodes.object},
+                {contact.motion.from, contact.motion.to}, contact.near.Normal(k),
+                meshes.margins.free, *meshes.kernels, plane);
   contact.looks.tested += plane.tries;
   if (found) contact.near.SetPlanes(k, plane.n, plane.before, plane.n, plane.after);
   return found;
@@ -91,7 +91,7 @@ bool NeighbourHolds(MeshContact& contact, Index k, double distance) {
 /// Whether two triangles are apart, by the planes that may be those of a contact: no other one is
 /// looked for, for it would let the tool pass where the next sub-step finds that it may not.
 bool TrianglesApart(MeshContact& contact, Index k) {
-  const MeshPair& meshes = contact.meshes;
+  const ToolAndBodies& meshes = contact.meshes;
   const Motion& motion = contact.motion;
   const Touch& touch = contact.TouchOf(k);
   const auto across = [&](const ContactPlane& plane) {

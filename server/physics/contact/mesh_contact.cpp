@@ -5,16 +5,16 @@
 namespace palpate {
 namespace {
 
-limits::mesh::Margins MarginsOf(const MeshWithTree& tool, double separation) {
+limits::mesh::Margins MarginsOf(const ContactBody& tool, double separation) {
   const limits::mesh::Margins margins{separation};
   return tool.radius > 0.0 ? margins.OfBall() : margins;
 }
 
 }  // namespace
 
-MeshContact::MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, int max_rows,
+MeshContact::MeshContact(const ContactBody& tool, std::span<const ContactBody> bodies, int max_rows,
                          double separation, int most_looks)
-    : meshes{tool, objects, MarginsOf(tool, separation)},
+    : meshes{tool, bodies, MarginsOf(tool, separation)},
       motion({Vec3::Zero(), Quat::Identity()}),
       near(most_looks) {
   const auto rows = static_cast<std::size_t>(max_rows);

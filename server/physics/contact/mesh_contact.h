@@ -24,16 +24,16 @@ struct ReleasedRow {
   double gap;  ///< that it had [m]
 };
 
-/// What one sub-step between two meshes knows: data, which the functions of this folder read and
-/// write (certify.h, touch_rows.h, reconcile.h), in the order that sub_step.h gives them.  All its
-/// memory is allocated when it is made.
+/// What one sub-step between a tool and bodies knows: data, which the functions of this folder read
+/// and write (certify.h, touch_rows.h, reconcile.h), in the order that sub_step.h gives them.  All
+/// its memory is allocated when it is made.
 struct MeshContact {
   /// @param max_rows    of the ContactRows that it is going to fill.
   /// @param separation  that it keeps [m].   @param most_looks  of a sub-step.
-  MeshContact(const MeshWithTree& tool, const MeshWithTree& objects, int max_rows,
+  MeshContact(const ContactBody& tool, std::span<const ContactBody> bodies, int max_rows,
               double separation, int most_looks);
 
-  MeshPair meshes;
+  ToolAndBodies meshes;
   Motion motion;           ///< the trial that was looked at last
   std::int32_t trial = 0;  ///< its number in the sub-step
   NearPairs near;

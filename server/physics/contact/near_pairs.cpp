@@ -24,7 +24,7 @@ NearPairs::NearPairs(int looks)
   planes_.left = storage_[8];
 }
 
-void NearPairs::Begin(const MeshPair& meshes, SeparationFront& front, const ToolPose& from) {
+void NearPairs::Begin(const ToolAndBodies& meshes, SeparationFront& front, const ToolPose& from) {
   meshes_ = &meshes;
   front_ = &front;
   from_ = from;
@@ -35,11 +35,10 @@ void NearPairs::Begin(const MeshPair& meshes, SeparationFront& front, const Tool
     std::fill(seen_.begin(), seen_.end(), 0u);
     substep_ = 1;
   }
-  const HullTree &tool = meshes.tool.tree, &objects = meshes.objects.tree;
-  if (front.empty()) front.Restart(tool, objects, from);
+  if (front.empty()) front.Restart(meshes.tool, meshes.bodies, from);
   if (from.p != front.now().p || from.q.coeffs() != front.now().q.coeffs()) {  // the pose was set
     const double way = front.Move(from, meshes.tool.mesh.reach());
-    if (way > kSetFar) front.Restart(tool, objects, from);
+    if (way > kSetFar) front.Restart(meshes.tool, meshes.bodies, from);
   }
 }
 
@@ -69,7 +68,7 @@ void NearPairs::Cover(double translation, double rotation, Looks& looks) {
 
 void NearPairs::Add(SeparationFront::Index in_front) {
   const SeparationFront::Pair& pair = front_->pair(in_front);
-  pairs_.push_back({{pair.tool, pair.object}, in_front});
+  pairs_.push_back({meshes_->NodesOf(pair), in_front});
   seen_[static_cast<std::size_t>(in_front)] = substep_;
 }
 
@@ -80,7 +79,7 @@ void NearPairs::Add(const SeparationFront::Index* in_front, int count, double wa
     if (front_->IsKept(in_front[i])) continue;
     const SeparationFront::Pair& pair = front_->pair(in_front[i]);
     const Vec3 n = front_->Normal(in_front[i]);
-    front_->Set(in_front[i], n, meshes_->Gap({pair.tool, pair.object}, n, from_));
+    front_->Set(in_front[i], n, meshes_->Gap(meshes_->NodesOf(pair), n, from_));
   }
   const Index first = size();
   front_->Refresh(*meshes_->kernels, in_front, count, first, planes_);
@@ -123,7 +122,7 @@ bool NearPairs::Split(Index k) {
   const Vec3 n = Normal(k);
   const double slack = planes_.slack[k];
   const SeparationFront::Index child =
-      front_->Split((*this)[k].in_front, meshes_->tool.tree, meshes_->objects.tree, n, slack);
+      front_->Split((*this)[k].in_front, meshes_->tool.tree, (*this)[k].nodes.body->tree, n, slack);
   if (child < 0) return false;
   // Its own plane now holds at every trial: its children are looked at in its place.
   (*this)[k].split = true;
@@ -168,7 +167,7 @@ void NearPairs::Merge(const ToolPose& at, Looks& looks) {
       double gap = -kInfinity;
       for (int side = 0; side < 2; ++side) {
         const Vec3 along = front_->Normal(pair.child + side);
-        const double here = meshes_->Gap({pair.tool, pair.object}, along, at);
+        const double here = meshes_->Gap(meshes_->NodesOf(pair), along, at);
         if (here > gap) n = along;
         gap = std::max(here, gap);
       }

@@ -42,7 +42,7 @@ class NearPairs {
 
   /// Begins a sub-step at `from`, without pairs.  A front whose tool has been set to another place
   /// begins anew.
-  void Begin(const MeshPair& meshes, SeparationFront& front, const ToolPose& from);
+  void Begin(const ToolAndBodies& meshes, SeparationFront& front, const ToolPose& from);
   /// Gathers the pairs that a motion of such a length [m, rad] could bring together: once it is
   /// known, for a trial is mostly far shorter than the sub-step may be.
   void Cover(double translation, double rotation, Looks& looks);
@@ -85,7 +85,7 @@ class NearPairs {
   void SetPlane(Index k, const Vec3& n, double slack);
   void Merge(const ToolPose& at, Looks& looks);
 
-  const MeshPair* meshes_ = nullptr;  ///< during a sub-step, as the front
+  const ToolAndBodies* meshes_ = nullptr;  ///< during a sub-step, as the front
   SeparationFront* front_ = nullptr;
   ToolPose from_{Vec3::Zero(), Quat::Identity()};
   std::size_t room_;

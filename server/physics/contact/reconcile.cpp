@@ -44,10 +44,10 @@ double GapOfRow(const MeshContact& contact, int row, const ContactRows& rows) {
 /// ball goes straight past it, and round it in the next sub-steps (Turned).
 bool TurnSmoothed(const MeshContact& contact, const Touch& touch, int row,
                   const NearestPoints& nearest, const Vec3& u, ContactRows& rows) {
-  const MeshPair& meshes = contact.meshes;
+  const ToolAndBodies& meshes = contact.meshes;
   if (!meshes.IsBall() || !TurnsRows(contact)) return false;
   const Vec3 along =
-      meshes.objects.mesh.SmoothNormal(HullTree::TriangleOf(touch.nodes.object), nearest.q, u);
+      touch.nodes.body->mesh.SmoothNormal(HullTree::TriangleOf(touch.nodes.object), nearest.q, u);
   if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
   const double now = std::sqrt(nearest.squared) - meshes.tool.radius;
   const double asked = Asked(contact, touch.distance);
@@ -56,7 +56,7 @@ bool TurnSmoothed(const MeshContact& contact, const Touch& touch, int row,
 }
 
 bool Retract(MeshContact& contact, int row, Touch& touch, ContactRows& rows) {
-  const MeshPair& meshes = contact.meshes;
+  const ToolAndBodies& meshes = contact.meshes;
   const Motion& motion = contact.motion;
   const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
   if (!(nearest.squared > 0.0)) return false;
@@ -130,7 +130,7 @@ Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept {
   if (!contact.meshes.IsBall() || touch == nullptr) return Mat3::Zero();
   const Feature of = touch->nearest.of_q;
   if (!touch->in_cone || of.kind == Feature::kFace) return Mat3::Zero();
-  const ContactMesh& mesh = contact.meshes.objects.mesh;
+  const ContactMesh& mesh = touch->nodes.body->mesh;
   const std::uint32_t triangle = HullTree::TriangleOf(touch->nodes.object);
   const ContactMesh::Triangle& t = mesh.triangles()[triangle];
   const auto faces = of.kind == Feature::kEdge ? mesh.FacesAtEdge(t.edge[of.index])
@@ -150,7 +150,7 @@ Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept {
 double Turned(const MeshContact& contact, std::span<const int> active,
               const ContactRows& rows) noexcept {
   if (active.empty()) return 0.0;
-  const MeshPair& meshes = contact.meshes;
+  const ToolAndBodies& meshes = contact.meshes;
   const Vec3& v = contact.motion.v;
   // The direction in which it touches is that of the nearest triangle: of one that it touches, but
   // for what a straight way is off an arc.
@@ -166,8 +166,8 @@ double Turned(const MeshContact& contact, std::span<const int> active,
     if (!(points.squared > 0.0 && points.squared < nearest)) continue;
     nearest = points.squared;
     u = (points.p - points.q) / std::sqrt(nearest);
-    smooth =
-        meshes.objects.mesh.SmoothNormal(HullTree::TriangleOf(near.nodes.object), points.q, u) != u;
+    smooth = near.nodes.body->mesh.SmoothNormal(HullTree::TriangleOf(near.nodes.object), points.q,
+                                                u) != u;
   }
   double least = kInfinity, most = 0.0;
   const double as_near = std::sqrt(nearest) + meshes.margins.witness;
@@ -181,8 +181,8 @@ double Turned(const MeshContact& contact, std::span<const int> active,
     const NearestPoints own = meshes.NearestAt(touch->nodes, contact.motion.to);
     const double length = std::sqrt(own.squared);
     if (!(length > 0.0 && length <= as_near)) continue;
-    const Vec3 along = meshes.objects.mesh.SmoothNormal(HullTree::TriangleOf(touch->nodes.object),
-                                                        own.q, (own.p - own.q) / length);
+    const Vec3 along = touch->nodes.body->mesh.SmoothNormal(
+        HullTree::TriangleOf(touch->nodes.object), own.q, (own.p - own.q) / length);
     least = std::min(least, (along - n).norm());
   }
   // Where it is smooth, Retract has turned the rows.

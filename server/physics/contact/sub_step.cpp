@@ -57,12 +57,16 @@ void EndSubStep(MeshContact& contact) noexcept {
   contact.near.Accept(contact.motion, contact.trial, contact.looks);
 }
 
-bool IsFree(const MeshPair& meshes, const ToolPose& at) {
-  const HullTree &tools = meshes.tool.tree, &objects = meshes.objects.tree;
-  std::vector<NodesOfPair> left{{tools.root(), objects.root()}};
+bool IsFree(const ToolAndBodies& meshes, const ToolPose& at) {
+  const HullTree& tools = meshes.tool.tree;
+  std::vector<NodesOfPair> left;
+  for (const ContactBody& body : meshes.bodies) {
+    left.push_back({tools.root(), body.tree.root(), &body});
+  }
   while (!left.empty()) {
     const NodesOfPair nodes = left.back();
     left.pop_back();
+    const HullTree& objects = nodes.body->tree;
     SeparatingPlane plane;
     if (FindPlane({tools, nodes.tool, meshes.tool.radius, objects, nodes.object}, {at, at},
                   Vec3::UnitZ(), kRounding, *meshes.kernels, plane)) {
@@ -76,11 +80,11 @@ bool IsFree(const MeshPair& meshes, const ToolPose& at) {
       if (!(meshes.Gap(nodes, n, at) > kRounding)) return false;
     } else if (tools.IsLarger(nodes.tool, objects, nodes.object)) {
       for (HullTree::Node child : tools.inner(nodes.tool).child) {
-        left.push_back({child, nodes.object});
+        left.push_back({child, nodes.object, nodes.body});
       }
     } else {
       for (HullTree::Node child : objects.inner(nodes.object).child) {
-        left.push_back({nodes.tool, child});
+        left.push_back({nodes.tool, child, nodes.body});
       }
     }
   }

@@ -40,6 +40,6 @@ void EndSubStep(MeshContact& contact) noexcept;
 
 /// Whether no triangle of the tool meets one of the objects at a pose.  What lies wholly inside a
 /// closed mesh meets none.  Not real-time.
-bool IsFree(const MeshPair& meshes, const ToolPose& at);
+bool IsFree(const ToolAndBodies& meshes, const ToolPose& at);
 
 }  // namespace palpate

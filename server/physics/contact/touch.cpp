@@ -19,7 +19,7 @@ Vec3 EdgeOf(const ContactMesh& mesh, HullTree::Node node, int i) {
 }
 
 /// The direction in which two triangles intersect least.
-void FindLeastDepth(const MeshPair& meshes, const ToolPose& at, Touch& touch) {
+void FindLeastDepth(const ToolAndBodies& meshes, const ToolPose& at, Touch& touch) {
   const Corners corners = meshes.CornersAt(touch.nodes, at);
   const auto consider = [&](const Vec3& axis) {
     const double axis_length = axis.norm();
@@ -44,16 +44,16 @@ void FindLeastDepth(const MeshPair& meshes, const ToolPose& at, Touch& touch) {
 
 }  // namespace
 
-Corners MeshPair::CornersAt(const NodesOfPair& triangles, const ToolPose& at) const {
+Corners ToolAndBodies::CornersAt(const NodesOfPair& triangles, const ToolPose& at) const {
   Corners corners;
   for (int c = 0; c < 3; ++c) {
     corners.tool[c] = at.R * tool.mesh.Corner(HullTree::TriangleOf(triangles.tool), c) + at.p;
-    corners.object[c] = objects.mesh.Corner(HullTree::TriangleOf(triangles.object), c);
+    corners.object[c] = triangles.body->mesh.Corner(HullTree::TriangleOf(triangles.object), c);
   }
   return corners;
 }
 
-Touch TouchAt(const MeshPair& meshes, const NodesOfPair& triangles, const ToolPose& at) {
+Touch TouchAt(const ToolAndBodies& meshes, const NodesOfPair& triangles, const ToolPose& at) {
   Touch touch;
   touch.nodes = triangles;
   touch.nearest = meshes.NearestAt(triangles, at);
@@ -68,14 +68,14 @@ Touch TouchAt(const MeshPair& meshes, const NodesOfPair& triangles, const ToolPo
   return touch;
 }
 
-Vec3 NormalAt(const MeshPair& meshes, const Touch& touch, const ContactPlane& plane,
+Vec3 NormalAt(const ToolAndBodies& meshes, const Touch& touch, const ContactPlane& plane,
               const ToolPose& at) {
   switch (plane.of) {
     case ContactPlane::Of::kTool:
       return at.R * plane.n;
     case ContactPlane::Of::kEdges: {
       const Vec3 ea = EdgeOf(meshes.tool.mesh, touch.nodes.tool, plane.tool_edge);
-      const Vec3 eb = EdgeOf(meshes.objects.mesh, touch.nodes.object, plane.object_edge);
+      const Vec3 eb = EdgeOf(touch.nodes.body->mesh, touch.nodes.object, plane.object_edge);
       return plane.sign * (at.R * ea).cross(eb).normalized();
     }
     default:
@@ -83,12 +83,12 @@ Vec3 NormalAt(const MeshPair& meshes, const Touch& touch, const ContactPlane& pl
   }
 }
 
-double GapAt(const MeshPair& meshes, const NodesOfPair& nodes, const Touch& touch,
+double GapAt(const ToolAndBodies& meshes, const NodesOfPair& nodes, const Touch& touch,
              const ContactPlane& plane, const ToolPose& at) {
   return meshes.Gap(nodes, NormalAt(meshes, touch, plane, at), at);
 }
 
-bool InCone(const MeshPair& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,
+bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,
             const Vec3& u, const ToolPose& at) {
   const auto holds = [](const ContactMesh& mesh, HullTree::Node node, Feature of, const Vec3& n) {
     const ContactMesh::Triangle& t = mesh.triangles()[HullTree::TriangleOf(node)];
@@ -96,11 +96,11 @@ bool InCone(const MeshPair& meshes, const NodesOfPair& triangles, const NearestP
     if (of.kind == Feature::kVertex) return mesh.VertexConeHolds(t.vertex[of.index], n);
     return true;
   };
-  return holds(meshes.objects.mesh, triangles.object, nearest.of_q, u) &&
+  return holds(triangles.body->mesh, triangles.object, nearest.of_q, u) &&
          holds(meshes.tool.mesh, triangles.tool, nearest.of_p, -(at.R.transpose() * u));
 }
 
-ContactPlane ChoosePlane(const MeshPair& meshes, const Touch& touch, const Motion& trial) {
+ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& trial) {
   const Feature a = touch.nearest.of_p, b = touch.nearest.of_q;
   ContactPlane plane;
   plane.of = ContactPlane::Of::kObject;
@@ -124,7 +124,7 @@ ContactPlane ChoosePlane(const MeshPair& meshes, const Touch& touch, const Motio
     plane.n = trial.from.R.transpose() * touch.u;
   } else if (a.kind == Feature::kEdge && b.kind == Feature::kEdge) {
     const Vec3 ea = trial.from.R * EdgeOf(meshes.tool.mesh, touch.nodes.tool, a.index);
-    const Vec3 eb = EdgeOf(meshes.objects.mesh, touch.nodes.object, b.index);
+    const Vec3 eb = EdgeOf(touch.nodes.body->mesh, touch.nodes.object, b.index);
     const Vec3 across = ea.cross(eb);
     if (across.squaredNorm() > kParallel * kParallel * ea.squaredNorm() * eb.squaredNorm()) {
       plane.of = ContactPlane::Of::kEdges;
@@ -136,8 +136,8 @@ ContactPlane ChoosePlane(const MeshPair& meshes, const Touch& touch, const Motio
   return plane;
 }
 
-ContactPlane OtherPlane(const MeshPair& meshes, const Touch& touch, const NearestPoints& nearest,
-                        const Vec3& u, const Motion& trial) {
+ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
+                        const NearestPoints& nearest, const Vec3& u, const Motion& trial) {
   ContactPlane other;
   const double enough = meshes.margins.separation - meshes.margins.witness;
   double best = enough;
@@ -163,7 +163,7 @@ ContactPlane OtherPlane(const MeshPair& meshes, const Touch& touch, const Neares
   return other;
 }
 
-double TurnLoss(const MeshPair& meshes, const Touch& touch, const ContactPlane& plane,
+double TurnLoss(const ToolAndBodies& meshes, const Touch& touch, const ContactPlane& plane,
                 const Motion& motion) {
   if (plane.of != ContactPlane::Of::kEdges) return 0.0;
   const Vec3 n_old = NormalAt(meshes, touch, plane, motion.from);

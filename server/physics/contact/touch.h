@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "common/math/pose.h"
 #include "server/physics/limits.h"
 #include "server/physics/simd/kernels.h"
-#include "server/physics/surface/body_meshes.h"
+#include "server/physics/surface/contact_bodies.h"
+#include "server/physics/surface/separation_front.h"
 #include "server/physics/surface/tool_pose.h"
 #include "server/physics/surface/triangle_distance.h"
 
@@ -28,9 +30,10 @@ struct Motion {
   }
 };
 
-/// Nodes of the two trees: triangles or patches, the tool's and the object's.
+/// Nodes of two trees: triangles or patches, the tool's and a body's.
 struct NodesOfPair {
   HullTree::Node tool, object;
+  const ContactBody* body;
   bool AreTriangles() const { return HullTree::IsLeaf(tool) && HullTree::IsLeaf(object); }
 };
 
@@ -39,22 +42,26 @@ struct Corners {
   Vec3 tool[3], object[3];
 };
 
-/// The two meshes that contact keeps apart.  Heights are along n, from object to tool, in W.
-struct MeshPair {
-  const MeshWithTree& tool;     ///< about its reference point
-  const MeshWithTree& objects;  ///< in W
+/// What contact keeps apart: a tool from each of the bodies.  Heights are along n, from body to
+/// tool, in W.
+struct ToolAndBodies {
+  const ContactBody& tool;              ///< about its reference point
+  std::span<const ContactBody> bodies;  ///< in W
   limits::mesh::Margins margins{};
   const Kernels* kernels = &ActiveKernels();
 
   double Low(HullTree::Node node, const Vec3& n, const ToolPose& at) const {
     return n.dot(at.p) - tool.tree.Highest(node, -(at.R.transpose() * n), *kernels) - tool.radius;
   }
-  double High(HullTree::Node node, const Vec3& n) const {
-    return objects.tree.Highest(node, n, *kernels);
+  double High(const NodesOfPair& nodes, const Vec3& n) const {
+    return nodes.body->tree.Highest(nodes.object, n, *kernels);
+  }
+  NodesOfPair NodesOf(const SeparationFront::Pair& pair) const {
+    return {pair.tool, pair.object, &bodies[static_cast<std::size_t>(pair.body)]};
   }
   /// How far the one lies above the other [m]; negative where n does not separate them.
   double Gap(const NodesOfPair& nodes, const Vec3& n, const ToolPose& at) const {
-    return Low(nodes.tool, n, at) - High(nodes.object, n);
+    return Low(nodes.tool, n, at) - High(nodes, n);
   }
   Corners CornersAt(const NodesOfPair& triangles, const ToolPose& at) const;
   /// Of two triangles.
@@ -88,43 +95,43 @@ struct Touch {
 
 /// Two triangles as they lie at a pose.  Where they intersect, u is the direction of the least
 /// depth.
-Touch TouchAt(const MeshPair& meshes, const NodesOfPair& triangles, const ToolPose& at);
+Touch TouchAt(const ToolAndBodies& meshes, const NodesOfPair& triangles, const ToolPose& at);
 
 /// A plane's normal in W, at a pose.
-Vec3 NormalAt(const MeshPair& meshes, const Touch& touch, const ContactPlane& plane,
+Vec3 NormalAt(const ToolAndBodies& meshes, const Touch& touch, const ContactPlane& plane,
               const ToolPose& at);
 /// Gap of nodes, the touch's own or others, along a plane of the touch at a pose [m].
-double GapAt(const MeshPair& meshes, const NodesOfPair& nodes, const Touch& touch,
+double GapAt(const ToolAndBodies& meshes, const NodesOfPair& nodes, const Touch& touch,
              const ContactPlane& plane, const ToolPose& at);
 
 /// Whether the direction u between two nearest points lies in the normal cones of both features:
 /// else a neighbour is nearer.
-bool InCone(const MeshPair& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,
+bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,
             const Vec3& u, const ToolPose& at);
 
 /// Calls visit(plane) for the faces that meet at the nearest points, of either mesh, turned to look
 /// from object to tool at the motion's beginning.
 template <class Visit>
-void ForEachFace(const MeshPair& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,
-                 const ToolPose& from, Visit visit);
+void ForEachFace(const ToolAndBodies& meshes, const NodesOfPair& triangles,
+                 const NearestPoints& nearest, const ToolPose& from, Visit visit);
 
 /// The plane that a touch gives rows by, for a trial that no plane allows.
-ContactPlane ChoosePlane(const MeshPair& meshes, const Touch& touch, const Motion& trial);
+ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& trial);
 /// The plane that a touch has most room along at the trial's end, of those that keep it apart at
 /// the beginning too; none where there is no other one.
 /// @param nearest, u  of the triangles at the end.
-ContactPlane OtherPlane(const MeshPair& meshes, const Touch& touch, const NearestPoints& nearest,
-                        const Vec3& u, const Motion& trial);
+ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
+                        const NearestPoints& nearest, const Vec3& u, const Motion& trial);
 
 /// What a pair may come nearer by between the ends of a motion [m]: a plane of edges turns while
 /// the contact moves, and the gap in between is less by a quarter of the one times the other at
 /// most.
-double TurnLoss(const MeshPair& meshes, const Touch& touch, const ContactPlane& plane,
+double TurnLoss(const ToolAndBodies& meshes, const Touch& touch, const ContactPlane& plane,
                 const Motion& motion);
 
 template <class Visit>
-void ForEachFace(const MeshPair& meshes, const NodesOfPair& triangles, const NearestPoints& nearest,
-                 const ToolPose& from, Visit visit) {
+void ForEachFace(const ToolAndBodies& meshes, const NodesOfPair& triangles,
+                 const NearestPoints& nearest, const ToolPose& from, Visit visit) {
   const auto each = [&](const ContactMesh& mesh, HullTree::Node node, Feature of, auto use) {
     const std::uint32_t own = HullTree::TriangleOf(node);
     const ContactMesh::Triangle& t = mesh.triangles()[own];
@@ -144,7 +151,7 @@ void ForEachFace(const MeshPair& meshes, const NodesOfPair& triangles, const Nea
     plane.n = n_W.dot(away) < 0.0 ? Vec3(-n) : n;
     visit(plane);
   };
-  each(meshes.objects.mesh, triangles.object, nearest.of_q,
+  each(triangles.body->mesh, triangles.object, nearest.of_q,
        [&](const Vec3& n) { give(ContactPlane::Of::kObject, n, n); });
   each(meshes.tool.mesh, triangles.tool, nearest.of_p,
        [&](const Vec3& n) { give(ContactPlane::Of::kTool, n, from.R * n); });

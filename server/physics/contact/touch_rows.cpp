@@ -14,7 +14,8 @@ LeafPair KeyOf(const NodesOfPair& triangles, int slot) {
   constexpr std::int32_t kTag = static_cast<std::int32_t>(RowKind::kMeshes) << kRowKindShift;
   return {kTag | static_cast<std::int32_t>(HullTree::TriangleOf(triangles.tool) << 2 |
                                            static_cast<std::uint32_t>(slot)),
-          static_cast<std::int32_t>(HullTree::TriangleOf(triangles.object))};
+          static_cast<std::int32_t>(triangles.body->first_triangle +
+                                    HullTree::TriangleOf(triangles.object))};
 }
 
 /// How the gap along a plane of crossing edges grows by a rotation at the trial, exactly: what is
@@ -50,8 +51,8 @@ Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n)
 Vec3 SmoothedNormal(const MeshContact& contact, const Touch& touch, const Vec3& n) {
   if (!contact.meshes.IsBall()) return n;
   const NearestPoints nearest = contact.meshes.NearestAt(touch.nodes, contact.motion.to);
-  return contact.meshes.objects.mesh.SmoothNormal(HullTree::TriangleOf(touch.nodes.object),
-                                                  nearest.q, n);
+  return touch.nodes.body->mesh.SmoothNormal(HullTree::TriangleOf(touch.nodes.object), nearest.q,
+                                             n);
 }
 
 /// What the plane of a touch leaves it at the sub-step's beginning [m].
@@ -80,7 +81,7 @@ bool IsRowOf(const LeafPair& row, const NodesOfPair& triangles) {
 }
 
 TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
-  const MeshPair& meshes = contact.meshes;
+  const ToolAndBodies& meshes = contact.meshes;
   const Motion& motion = contact.motion;
   const ContactPlane& plane = touch.plane;
   const NodesOfPair& nodes = touch.nodes;
@@ -109,7 +110,7 @@ TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
                 now = meshes.CornersAt(nodes, motion.to);
   const bool of_tool = plane.of == ContactPlane::Of::kObject;
   const double plane_old =
-      of_tool ? meshes.High(nodes.object, n_old) : meshes.Low(nodes.tool, n_old, motion.from);
+      of_tool ? meshes.High(nodes, n_old) : meshes.Low(nodes.tool, n_old, motion.from);
   const double plane_new = of_tool ? plane_old : meshes.Low(nodes.tool, n_new, motion.to);
   const Vec3 along = SmoothedNormal(contact, touch, n_new);
   const Vec3 down = of_tool ? Vec3(meshes.tool.radius * n_new) : Vec3::Zero();

@@ -17,10 +17,9 @@ struct StepBuffers {
       : prediction(model),
         rows(model.parameters().max_rows, PairQuery::kMaxBatch, model.degrees_of_freedom(),
              model.rotation_length()) {
-    if (model.object_meshes() != nullptr) {
-      meshes.emplace(*model.tool_mesh(), model.object_meshes()->meshes(),
-                     model.parameters().max_rows, model.parameters().separation,
-                     model.parameters().looks);
+    if (model.bodies() != nullptr) {
+      meshes.emplace(*model.tool_body(), model.bodies()->bodies(), model.parameters().max_rows,
+                     model.parameters().separation, model.parameters().looks);
     }
     if (model.soft_leaves() != nullptr) {
       soft.emplace(model.parameters().max_rows, model.rotation_length());

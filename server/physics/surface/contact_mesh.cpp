@@ -1,10 +1,7 @@
 #include "server/physics/surface/contact_mesh.h"
 
 #include <algorithm>
-#include <deque>
-#include <future>
 #include <numeric>
-#include <thread>
 
 #include "common/math/sort_by_number.h"
 
@@ -32,78 +29,16 @@ Vec3 UnitOrZero(const Vec3& v) {
 
 }  // namespace
 
-/// Bodies share no vertex, so that each is connected by itself, as many at once as there are cores.
-ContactMesh::ContactMesh(std::span<const PlacedMesh> meshes) {
-  if (meshes.size() == 1) {
-    *this = ContactMesh(meshes.front());
-    return;
-  }
-  Reserve(meshes);
-  const std::size_t at_once = std::max(std::thread::hardware_concurrency(), 1u);
-  std::deque<std::future<ContactMesh>> made;
-  std::size_t begun = 0;
-  for (std::size_t body = 0; body < meshes.size(); ++body) {
-    for (; begun < std::min(meshes.size(), body + at_once + 1); ++begun) {
-      // Where there is no thread: at get().
-      made.push_back(std::async([placed = meshes[begun]] { return ContactMesh(placed); }));
-    }
-    Append(made.front().get(), static_cast<std::uint32_t>(body));
-    made.pop_front();
-  }
-}
-
-ContactMesh::ContactMesh(const PlacedMesh& placed) {
-  Weld(placed);
+ContactMesh::ContactMesh(const TriangleMesh& mesh, const Pose& X_FB) {
+  Weld(mesh, X_FB);
   Connect();
   SetNormals();
-}
-
-void ContactMesh::Reserve(std::span<const PlacedMesh> meshes) {
-  std::size_t vertices = 0, triangles = 0;
-  for (const PlacedMesh& placed : meshes) {
-    vertices += placed.mesh->vertices.size();
-    triangles += placed.mesh->triangles.size();
-  }
-  vertices_.reserve(vertices);
-  triangles_.reserve(triangles);
-  normals_.reserve(triangles);
-  for (auto* of_sides : {&edge_begin_, &edge_faces_, &vertex_faces_})
-    of_sides->reserve(3 * triangles + 1);
-  edge_directions_.reserve(3 * triangles);
-  vertex_directions_.reserve(6 * triangles);
-}
-
-void ContactMesh::Append(const ContactMesh& mesh, std::uint32_t body) {
-  const auto vertices = static_cast<std::uint32_t>(vertices_.size());
-  const auto triangles = static_cast<std::uint32_t>(triangles_.size());
-  const auto edges = static_cast<std::uint32_t>(edge_begin_.size() - 1);
-  for (Triangle t : mesh.triangles_) {
-    for (std::uint32_t& v : t.vertex) v += vertices;
-    for (std::uint32_t& e : t.edge) e += edges;
-    t.body = body;
-    triangles_.push_back(t);
-  }
-  const auto append = [](const auto& from, std::size_t begin, std::uint32_t more, auto& to) {
-    for (std::size_t i = begin; i < from.size(); ++i) to.push_back(from[i] + more);
-  };
-  append(mesh.edge_begin_, 1, edge_begin_.back(), edge_begin_);
-  append(mesh.edge_faces_, 0, triangles, edge_faces_);
-  append(mesh.vertex_begin_, 1, vertex_begin_.back(), vertex_begin_);
-  append(mesh.vertex_faces_, 0, triangles, vertex_faces_);
-  const auto join = [](const auto& from, auto& to) {
-    to.insert(to.end(), from.begin(), from.end());
-  };
-  join(mesh.vertices_, vertices_);
-  join(mesh.edge_directions_, edge_directions_);
-  join(mesh.vertex_directions_, vertex_directions_);
-  join(mesh.normals_, normals_);
-  reach_ = std::max(reach_, mesh.reach_);
 }
 
 ContactMesh ContactMesh::Point() {
   ContactMesh point;
   point.vertices_.push_back(Vec3::Zero());
-  point.triangles_.push_back({{0, 0, 0}, {0, 0, 0}, Vec3::Zero(), 0, 0});
+  point.triangles_.push_back({{0, 0, 0}, {0, 0, 0}, Vec3::Zero()});
   // A ball can touch in any direction: no edge and no neighbour bounds its cone.
   point.edge_begin_ = {0, 0};
   point.vertex_begin_ = {0, 0};
@@ -112,8 +47,7 @@ ContactMesh ContactMesh::Point() {
 }
 
 /// Vertices of the same place become one, so that neighbours are known as such.
-void ContactMesh::Weld(const PlacedMesh& placed) {
-  const TriangleMesh& mesh = *placed.mesh;
+void ContactMesh::Weld(const TriangleMesh& mesh, const Pose& X_FB) {
   std::vector<std::uint32_t> order(mesh.vertices.size()), welded(mesh.vertices.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto key = [&](std::uint32_t i) {
@@ -125,7 +59,7 @@ void ContactMesh::Weld(const PlacedMesh& placed) {
   });
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i == 0 || key(order[i]) != key(order[i - 1])) {
-      vertices_.push_back(placed.X_FB * mesh.vertices[order[i]]);
+      vertices_.push_back(X_FB * mesh.vertices[order[i]]);
     }
     welded[order[i]] = static_cast<std::uint32_t>(vertices_.size() - 1);
   }
@@ -134,7 +68,6 @@ void ContactMesh::Weld(const PlacedMesh& placed) {
     for (std::size_t c = 0; c < 3; ++c) triangle.vertex[c] = welded[mesh.triangles[t][c]];
     const auto& [i, j, k] = triangle.vertex;
     triangle.normal = UnitOrZero((vertices_[j] - vertices_[i]).cross(vertices_[k] - vertices_[i]));
-    triangle.source = t;
     triangles_.push_back(triangle);
   }
 }

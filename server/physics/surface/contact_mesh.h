@@ -10,15 +10,10 @@
 
 namespace palpate {
 
-/// A mesh of a body, to be placed into the frame of a ContactMesh.
-struct PlacedMesh {
-  const TriangleMesh* mesh = nullptr;
-  Pose X_FB{};
-};
-
-/// The triangles that contact is decided by, with the features that can touch: faces, edges and
-/// vertices, and the cone of normals that each of them can touch along.  The meshes are taken as
-/// they are, and felt from either side: open, folded and non-manifold ones need no special case.
+/// The triangles that contact with a body is decided by, with the features that can touch: faces,
+/// edges and vertices, and the cone of normals that each of them can touch along.  The mesh is
+/// taken as it is, and felt from either side: open, folded and non-manifold ones need no special
+/// case.
 ///
 /// Normal cones.  Let n be the unit direction from the nearest point of the mesh to the nearest
 /// point of another.  The distance has a local minimum there only if no way along the mesh leads
@@ -37,13 +32,12 @@ class ContactMesh {
   struct Triangle {
     std::array<std::uint32_t, 3> vertex;
     std::array<std::uint32_t, 3> edge;
-    Vec3 normal;           ///< unit; zero for a triangle without area
-    std::uint32_t body;    ///< index of the placed mesh
-    std::uint32_t source;  ///< triangle of that mesh
+    Vec3 normal;  ///< unit; zero for a triangle without area
   };
 
   ContactMesh() = default;
-  explicit ContactMesh(std::span<const PlacedMesh> meshes);
+  /// @param X_FB  places the mesh into F.  Triangles are numbered as its own.
+  ContactMesh(const TriangleMesh& mesh, const Pose& X_FB);
   /// A single point at the origin: the centre of a spherical tool.
   static ContactMesh Point();
 
@@ -73,10 +67,7 @@ class ContactMesh {
   double reach() const { return reach_; }
 
  private:
-  explicit ContactMesh(const PlacedMesh& placed);
-  void Reserve(std::span<const PlacedMesh> meshes);
-  void Append(const ContactMesh& mesh, std::uint32_t body);
-  void Weld(const PlacedMesh& placed);
+  void Weld(const TriangleMesh& mesh, const Pose& X_FB);
   void Connect();
   void SetNormals();
 

@@ -26,29 +26,33 @@ void SeparationFront::Reserve() {
   unused_.reserve(kMaxSlots / 2);
 }
 
-void SeparationFront::Restart(const HullTree& tool, const HullTree& objects, const ToolPose& at) {
+void SeparationFront::Restart(const ContactBody& tool, std::span<const ContactBody> bodies,
+                              const ToolPose& at) {
   Reserve();
-  pairs_.assign(2, Pair{});
-  planes_.assign(2, PlaneRecord{});
-  epoch_of_.assign(2, 0);
-  expiry_.assign(1, kUnused);
+  const std::size_t slots = (bodies.size() + 1) & ~std::size_t{1};
+  pairs_.assign(slots, {0, 0, 0, -1, -1});
+  planes_.assign(slots, PlaneRecord{});
+  epoch_of_.assign(slots, 0);
+  expiry_.assign((slots + 7) / 8, kUnused);
   unused_.clear();
   way_ = 0.0;
   epoch_ = 0;
   epochs_[0] = {at.p, at.q, at.R, 0.0};
   since_.fill(EpochMotion{});
   next_merged_ = 0;
-  size_ = 1;
-  Put(0, tool, tool.root(), objects.root(), -1);
-  Set(0, Vec3::UnitZ(), -1.0);
+  size_ = bodies.size();
+  for (Index body = 0; body < static_cast<Index>(size_); ++body) {
+    const HullTree& tree = bodies[static_cast<std::size_t>(body)].tree;
+    Put(body, tool.tree, {tool.tree.root(), tree.root(), body, -1, -1});
+    Set(body, Vec3::UnitZ(), -1.0);
+  }
 }
 
-void SeparationFront::Put(Index i, const HullTree& tool, HullTree::Node of_tool,
-                          HullTree::Node of_object, Index parent) {
+void SeparationFront::Put(Index i, const HullTree& tool, const Pair& pair) {
   PlaneRecord& plane = planes_[static_cast<std::size_t>(i)];
-  for (int c = 0; c < 3; ++c) plane.centre[c] = tool.Centre(of_tool)[c];
-  plane.radius = tool.Radius(of_tool);
-  pairs_[static_cast<std::size_t>(i)] = {of_tool, of_object, parent, -1};
+  for (int c = 0; c < 3; ++c) plane.centre[c] = tool.Centre(pair.tool)[c];
+  plane.radius = tool.Radius(pair.tool);
+  pairs_[static_cast<std::size_t>(i)] = pair;
 }
 
 double SeparationFront::Move(const ToolPose& at, double reach) {
@@ -92,9 +96,8 @@ void SeparationFront::Set(Index i, const Vec3& n, double slack) {
   ExpiryOf(i) = way_ + slack;
 }
 
-SeparationFront::Index SeparationFront::Split(Index i, const HullTree& tool,
-                                              const HullTree& objects, const Vec3& n,
-                                              double slack) {
+SeparationFront::Index SeparationFront::Split(Index i, const HullTree& tool, const HullTree& body,
+                                              const Vec3& n, double slack) {
   Index child;
   if (!unused_.empty()) {
     child = unused_.back();
@@ -108,11 +111,11 @@ SeparationFront::Index SeparationFront::Split(Index i, const HullTree& tool,
     if (8 * expiry_.size() < pairs_.size()) expiry_.push_back(kUnused);
   }
   Pair& whole = pairs_[static_cast<std::size_t>(i)];
-  const bool of_tool = tool.IsLarger(whole.tool, objects, whole.object);
+  const bool of_tool = tool.IsLarger(whole.tool, body, whole.object);
   for (int side = 0; side < 2; ++side) {
     const HullTree::Node a = of_tool ? tool.inner(whole.tool).child[side] : whole.tool;
-    const HullTree::Node b = of_tool ? whole.object : objects.inner(whole.object).child[side];
-    Put(child + side, tool, a, b, i);
+    const HullTree::Node b = of_tool ? whole.object : body.inner(whole.object).child[side];
+    Put(child + side, tool, {a, b, whole.body, i, -1});
     Set(child + side, n, slack);
   }
   whole.child = child;

@@ -2,20 +2,22 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/math/pose.h"
 #include "server/physics/simd/kernels.h"
+#include "server/physics/surface/contact_bodies.h"
 #include "server/physics/surface/hull_tree.h"
 #include "server/physics/surface/tool_pose.h"
 
 namespace palpate {
 
-/// Planes that show tool and objects apart, kept from step to step.  The pairs of nodes of their
-/// two trees form a tree themselves: a pair's children are those in which the larger of its nodes
-/// is split.  The front is a cut through that tree: every pair of triangles lies below exactly one
-/// pair of the front, and each of these has a plane and a slack (Ehmann & Lin, Computer Graphics
-/// Forum 20 (2001) 500-510).
+/// Planes that show a tool and bodies apart, kept from step to step.  The pairs of nodes of the
+/// tool's tree and a body's form a tree themselves: a pair's children are those in which the larger
+/// of its nodes is split.  The front is a cut through those trees, one for each body: every pair of
+/// triangles lies below exactly one pair of the front, and each of these has a plane and a slack
+/// (Ehmann & Lin, Computer Graphics Forum 20 (2001) 500-510).
 ///
 /// Expiry.  A motion takes off a slack what the tool's node moves against the plane's normal, and
 /// what it turns times its radius.  That is never more than the way of the tool's farthest point.
@@ -29,6 +31,7 @@ class SeparationFront {
   /// A pair of nodes.
   struct Pair {
     HullTree::Node tool, object;
+    std::int32_t body;
     Index parent, child;  ///< child: the first of two; -1 where the pair is of the front
   };
   struct Epoch {
@@ -47,8 +50,8 @@ class SeparationFront {
   /// Pairs of the front.
   std::size_t size() const { return size_; }
 
-  /// The roots' pair alone, not known to be apart, for the tool at `at`.
-  void Restart(const HullTree& tool, const HullTree& objects, const ToolPose& at);
+  /// The pair of roots of each body, not known to be apart, for the tool at `at`.
+  void Restart(const ContactBody& tool, std::span<const ContactBody> bodies, const ToolPose& at);
   /// The tool has gone to `at`.  `reach`: of its farthest point from the reference point [m].
   /// Returns the way of that point at most [m].
   double Move(const ToolPose& at, double reach);
@@ -77,7 +80,8 @@ class SeparationFront {
   void Set(Index i, const Vec3& n, double slack);
   /// Opens a pair of the front: its children take the plane that it has at the pose of now.  -1
   /// where there is no room.
-  Index Split(Index i, const HullTree& tool, const HullTree& objects, const Vec3& n, double slack);
+  /// @param body  the pair's.
+  Index Split(Index i, const HullTree& tool, const HullTree& body, const Vec3& n, double slack);
   /// Closes a pair whose children are of the front; it has the plane (n, slack).
   void Merge(Index i, const Vec3& n, double slack);
   /// Whether a pair is open and its children are both of the front.
@@ -100,10 +104,10 @@ class SeparationFront {
     return expiry_[static_cast<std::size_t>(i) / 8].v[static_cast<std::size_t>(i) % 8];
   }
 
-  void Put(Index i, const HullTree& tool, HullTree::Node of_tool, HullTree::Node of_object,
-           Index parent);
+  void Put(Index i, const HullTree& tool, const Pair& pair);
 
-  std::vector<Pair> pairs_;  ///< siblings beside each other, from an even index on; 0 is the root
+  std::vector<Pair> pairs_;  ///< roots first, in the bodies' order; then siblings beside each
+                             ///< other, from an even index on
   std::vector<PlaneRecord> planes_;      ///< of each pair
   std::vector<std::uint32_t> epoch_of_;  ///< of each pair's slack
   std::vector<Eight> expiry_;            ///< infinite for pairs that are open or unused

@@ -27,11 +27,6 @@ TriangleMesh BoxOnItsCorner(double size, bool upside_down) {
   return box;
 }
 
-ContactMesh MeshOf(const TriangleMesh& mesh) {
-  const PlacedMesh placed{&mesh, Pose{}};
-  return ContactMesh(std::span(&placed, 1));
-}
-
 Vec3 Extreme(const TriangleMesh& mesh, const Vec3& direction) {
   Vec3 best = mesh.vertices.front();
   for (const Vec3& x : mesh.vertices) {
@@ -46,9 +41,10 @@ Vec3 Extreme(const TriangleMesh& mesh, const Vec3& direction) {
 /// origin.
 void ExpectRowsLike(const TriangleMesh& tool_mesh, const TriangleMesh& object_mesh, double height,
                     const std::function<double(const Vec3& p, const Mat3& R)>& gap) {
-  const MeshWithTree tool{MeshOf(tool_mesh)}, object{MeshOf(object_mesh)};
+  const ContactBody tool{ContactMesh(tool_mesh, {})}, object{ContactMesh(object_mesh, {})};
   constexpr int kRows = 64;
-  MeshContact contact(tool, object, kRows, limits::mesh::kSeparation, limits::mesh::kMaxLooks);
+  MeshContact contact(tool, {&object, 1}, kRows, limits::mesh::kSeparation,
+                      limits::mesh::kMaxLooks);
   Random random(3);
   for (int i = 0; i < 20; ++i) {
     SeparationFront front;

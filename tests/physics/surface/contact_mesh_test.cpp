@@ -16,8 +16,7 @@ namespace {
 using test::Random;
 
 ContactMesh Place(const TriangleMesh& mesh, const Pose& X = {}) {
-  const PlacedMesh placed{&mesh, X};
-  return ContactMesh(std::span(&placed, 1));
+  return ContactMesh(mesh, X);
 }
 
 std::uint32_t VertexAt(const ContactMesh& mesh, const Vec3& x) {
@@ -175,23 +174,6 @@ TEST(ContactMesh, WeldsVerticesOfTheSamePlaceSoThatNeighboursKnowEachOther) {
   EXPECT_EQ(edges.size(), 18u);  // 12 and a diagonal of each face
 }
 
-TEST(ContactMesh, KeepsBodiesApartThatTouchAtTheSamePlaces) {
-  const TriangleMesh box = MakeBox(Vec3::Constant(0.02));
-  const PlacedMesh placed[] = {{&box, {}}, {&box, {Vec3(0.02, 0, 0), Quat::Identity()}}};
-  const ContactMesh mesh{std::span(placed)};
-  EXPECT_EQ(mesh.vertices().size(), 16u);
-  ASSERT_EQ(mesh.triangles().size(), 24u);
-  for (std::uint32_t t = 0; t < 24; ++t) {
-    EXPECT_EQ(mesh.triangles()[t].body, t / 12);
-    EXPECT_EQ(mesh.triangles()[t].source, t % 12);
-    for (const std::uint32_t e : mesh.triangles()[t].edge) {
-      for (const std::uint32_t face : mesh.FacesAtEdge(e)) {
-        EXPECT_EQ(mesh.triangles()[face].body, t / 12);
-      }
-    }
-  }
-}
-
 TEST(ContactMesh, ListsTheFacesAtEveryEdgeAndVertex) {
   const ContactMesh mesh = Place(MakeSphere(0.01, 320));
   for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) {
@@ -218,67 +200,6 @@ TEST(ContactMesh, ListsTheFacesAtEveryEdgeAndVertex) {
     EXPECT_NEAR(triangle.normal.norm(), 1.0, 1e-12);
   }
   EXPECT_NEAR(mesh.reach(), 0.01, 1e-12);
-}
-
-TEST(ContactMesh, HasOfEachOfManyBodiesWhatItIsAlone) {
-  Random random(5);
-  std::vector<TriangleMesh> bodies{MakeBox(Vec3(0.02, 0.03, 0.01)),
-                                   TriangleMesh{},
-                                   MakeSphere(0.01, 320),
-                                   Fan({0.0, 70.0, 200.0}),
-                                   MakeEllipsoid(Vec3(0.02, 0.01, 0.03), 1280),
-                                   MakeSphere(0.01, 80)};
-  bodies.push_back(bodies[4]);
-  std::vector<PlacedMesh> placed;
-  for (const TriangleMesh& body : bodies) {
-    const Quat q(Eigen::AngleAxisd(random.Uniform(0.0, 3.0), random.Direction()));
-    placed.push_back({&body, Pose{random.InCube(0.1), q}});
-  }
-  const ContactMesh all(placed);
-  const auto moved = [](std::span<const std::uint32_t> numbers, std::size_t by) {
-    std::vector<std::uint32_t> result;
-    for (const std::uint32_t n : numbers) result.push_back(n + static_cast<std::uint32_t>(by));
-    return result;
-  };
-  const auto list = [](std::span<const std::uint32_t> numbers) {
-    return std::vector<std::uint32_t>(numbers.begin(), numbers.end());
-  };
-  std::size_t vertices = 0, edges = 0, triangles = 0;
-  double reach = 0.0;
-  for (std::size_t body = 0; body < bodies.size(); ++body) {
-    const ContactMesh alone(std::span(&placed[body], 1));
-    std::uint32_t last_edge = 0;
-    for (std::size_t t = 0; t < alone.triangles().size(); ++t) {
-      const ContactMesh::Triangle& own = alone.triangles()[t];
-      const ContactMesh::Triangle& triangle = all.triangles()[triangles + t];
-      ASSERT_EQ(triangle.body, body);
-      EXPECT_EQ(triangle.source, own.source);
-      EXPECT_EQ(triangle.normal, own.normal);
-      for (std::size_t c = 0; c < 3; ++c) {
-        const std::uint32_t v = own.vertex[c], e = own.edge[c];
-        const std::uint32_t v_all = triangle.vertex[c], e_all = triangle.edge[c];
-        ASSERT_EQ(v_all, vertices + v);
-        ASSERT_EQ(e_all, edges + e);
-        last_edge = std::max(last_edge, e + 1);
-        EXPECT_EQ(all.vertices()[v_all], alone.vertices()[v]);
-        EXPECT_EQ(list(all.FacesAtEdge(e_all)), moved(alone.FacesAtEdge(e), triangles));
-        EXPECT_EQ(list(all.FacesAtVertex(v_all)), moved(alone.FacesAtVertex(v), triangles));
-        const Vec3 n = (own.normal + random.Direction()).normalized();
-        EXPECT_EQ(all.EdgeConeHolds(e_all, n), alone.EdgeConeHolds(e, n));
-        EXPECT_EQ(all.VertexConeHolds(v_all, n), alone.VertexConeHolds(v, n));
-      }
-      const Vec3 place = 0.3 * alone.Corner(t, 0) + 0.7 * alone.Corner(t, 1);
-      EXPECT_EQ(all.SmoothNormal(static_cast<std::uint32_t>(triangles + t), place, own.normal),
-                alone.SmoothNormal(static_cast<std::uint32_t>(t), place, own.normal));
-    }
-    vertices += alone.vertices().size();
-    edges += last_edge;
-    triangles += alone.triangles().size();
-    reach = std::max(reach, alone.reach());
-  }
-  EXPECT_EQ(all.vertices().size(), vertices);
-  EXPECT_EQ(all.triangles().size(), triangles);
-  EXPECT_EQ(all.reach(), reach);
 }
 
 TEST(ContactMesh, HasNoNormalWhereATriangleHasNoArea) {

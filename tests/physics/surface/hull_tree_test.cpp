@@ -18,8 +18,7 @@ namespace {
 using test::Random;
 
 ContactMesh MeshAlone(const TriangleMesh& mesh) {
-  const PlacedMesh placed{&mesh, {}};
-  return ContactMesh(std::span(&placed, 1));
+  return ContactMesh(mesh, {});
 }
 
 /// All triangles below a node.

@@ -23,8 +23,7 @@ HullTree TreeOf(const std::vector<Vec3>& corners) {
   mesh.vertices = corners;
   for (std::uint32_t i = 0; i + 2 < corners.size(); ++i)
     mesh.triangles.push_back({i, i + 1, i + 2});
-  const PlacedMesh placed{&mesh, {}};
-  return HullTree(ContactMesh(std::span(&placed, 1)));
+  return HullTree(ContactMesh(mesh, {}));
 }
 
 /// Differences of the tool's corners, at both ends of a motion, and the object's.

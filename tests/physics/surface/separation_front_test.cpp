@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -21,23 +22,14 @@ namespace {
 using test::Random;
 using Index = SeparationFront::Index;
 
-/// A body's mesh and its tree.
-struct Side {
-  explicit Side(const TriangleMesh& source)
-      : placed{&source, {}}, mesh(std::span(&placed, 1)), tree(mesh) {}
-  Side(const Side&) = delete;
-  Side& operator=(const Side&) = delete;
-  std::vector<std::uint32_t> Below(HullTree::Node node) const {
-    if (HullTree::IsLeaf(node)) return {HullTree::TriangleOf(node)};
-    std::vector<std::uint32_t> all = Below(tree.inner(node).child[0]);
-    const std::vector<std::uint32_t> rest = Below(tree.inner(node).child[1]);
-    all.insert(all.end(), rest.begin(), rest.end());
-    return all;
-  }
-  PlacedMesh placed;
-  ContactMesh mesh;
-  HullTree tree;
-};
+/// All triangles below a node.
+std::vector<std::uint32_t> Below(const HullTree& tree, HullTree::Node node) {
+  if (HullTree::IsLeaf(node)) return {HullTree::TriangleOf(node)};
+  std::vector<std::uint32_t> all = Below(tree, tree.inner(node).child[0]);
+  const std::vector<std::uint32_t> rest = Below(tree, tree.inner(node).child[1]);
+  all.insert(all.end(), rest.begin(), rest.end());
+  return all;
+}
 
 /// Room for the planes of eight pairs.
 struct Columns {
@@ -58,34 +50,40 @@ double Refreshed(SeparationFront& front, Index i) {
   return columns.column[6][0];
 }
 
-/// A front between two bodies that is driven at random, and what is true of it by enumeration.
+/// A front between a tool and bodies that is driven at random, and what is true of it by
+/// enumeration.
 class FrontBench {
  public:
-  FrontBench(const TriangleMesh& tool_mesh, const TriangleMesh& object_mesh, double size,
-             std::uint64_t seed)
+  /// So many bodies beside each other.
+  FrontBench(const TriangleMesh& tool_mesh, const TriangleMesh& object_mesh, int bodies,
+             double size, std::uint64_t seed)
       : random(seed),
         size_(size),
-        tool(tool_mesh),
-        object(object_mesh),
+        tool(ContactMesh(tool_mesh, {})),
         pose(Vec3(0.0, 0.0, size), Quat::Identity()) {
-    front.Restart(tool.tree, object.tree, pose);
-    plane_[0] = {Vec3::UnitZ(), pose.p};
+    for (Index body = 0; body < bodies; ++body) {
+      objects.emplace_back(ContactMesh(object_mesh, {Vec3(size * body, 0, 0)}));
+      plane_[body] = {Vec3::UnitZ(), pose.p};
+    }
+    front.Restart(tool, objects, pose);
   }
 
   /// Of the triangles below a pair, at the pose of now.
   double Gap(const SeparationFront::Pair& pair, const Vec3& n) const {
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const std::uint32_t t : tool.Below(pair.tool)) {
+    for (const std::uint32_t t : Below(tool.tree, pair.tool)) {
       for (int c = 0; c < 3; ++c)
         low = std::min(low, n.dot(pose.R * tool.mesh.Corner(t, c) + pose.p));
     }
-    for (const std::uint32_t t : object.Below(pair.object)) {
+    const ContactBody& object = Object(pair);
+    for (const std::uint32_t t : Below(object.tree, pair.object)) {
       for (int c = 0; c < 3; ++c) high = std::max(high, n.dot(object.mesh.Corner(t, c)));
     }
     return low - high;
   }
   std::vector<Index> Front() const {
-    std::vector<Index> all, left{0};
+    std::vector<Index> all, left(objects.size());
+    std::iota(left.begin(), left.end(), 0);
     while (!left.empty()) {
       const Index i = left.back(), child = front.pair(i).child;
       left.pop_back();
@@ -114,7 +112,8 @@ class FrontBench {
     if (open.empty()) return;
     const Index i = Pick(open);
     const Vec3 n = random.Direction();
-    const Index child = front.Split(i, tool.tree, object.tree, n, Gap(front.pair(i), n));
+    const Index child =
+        front.Split(i, tool.tree, Object(front.pair(i)).tree, n, Gap(front.pair(i), n));
     ASSERT_GE(child, 0);
     plane_[child] = plane_[child + 1] = {n, pose.p};
   }
@@ -142,15 +141,19 @@ class FrontBench {
   /// expires.
   void JudgeCover() const {
     const std::size_t tools = tool.mesh.triangles().size();
-    const std::size_t objects = object.mesh.triangles().size();
-    std::vector<int> seen(tools * objects, 0);
+    const std::size_t of_object = objects[0].mesh.triangles().size();
+    std::vector<int> seen(tools * objects.size() * of_object, 0);
     std::vector<bool> of_front((front.slots() + 7) / 8 * 8, false);
     const std::vector<Index> all = Front();
     EXPECT_EQ(front.size(), all.size());
     for (const Index i : all) {
       of_front[static_cast<std::size_t>(i)] = true;
-      for (const std::uint32_t t : tool.Below(front.pair(i).tool)) {
-        for (const std::uint32_t o : object.Below(front.pair(i).object)) ++seen[t * objects + o];
+      const SeparationFront::Pair& pair = front.pair(i);
+      const auto body = static_cast<std::size_t>(pair.body);
+      for (const std::uint32_t t : Below(tool.tree, pair.tool)) {
+        for (const std::uint32_t o : Below(objects[body].tree, pair.object)) {
+          ++seen[(body * tools + t) * of_object + o];
+        }
       }
     }
     EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), static_cast<long>(seen.size()));
@@ -177,11 +180,15 @@ class FrontBench {
 
   Random random;
   double size_;
-  Side tool, object;
+  ContactBody tool;
+  std::vector<ContactBody> objects;
   ToolPose pose;
   SeparationFront front;
 
  private:
+  const ContactBody& Object(const SeparationFront::Pair& pair) const {
+    return objects[static_cast<std::size_t>(pair.body)];
+  }
   Index Pick(const std::vector<Index>& of) {
     return of[static_cast<std::size_t>(random.Below(static_cast<int>(of.size())))];
   }
@@ -197,7 +204,7 @@ TEST(SeparationFront, StaysACutWithTrueSlacksWhateverHappens) {
     for (std::uint64_t seed = 1; seed <= (test::kOptimised ? 6 : 2); ++seed) {
       SCOPED_TRACE(testing::Message() << "size " << size << ", seed " << seed);
       FrontBench bench(MakeEllipsoid(size * Vec3(0.5, 0.3, 0.2), 20),
-                       MakeBox(size * Vec3(1, 2, 0.1)), size, seed);
+                       MakeBox(size * Vec3(1, 2, 0.1)), 1 + static_cast<int>(seed % 3), size, seed);
       for (int turn = 0; turn < 150; ++turn) {
         switch (bench.random.Below(4)) {
           case 0:
@@ -225,7 +232,7 @@ TEST(SeparationFront, LosesNoMoreOfASlackThanTheNodeComesNearer) {
   // A tool that goes along its plane loses nothing; one that comes nearer, what it comes nearer;
   // one that turns in place, no more than its radius times the angle.
   const TriangleMesh tool = MakeBox(Vec3(0.02, 0.02, 0.02)), floor = MakeBox(Vec3(0.2, 0.2, 0.02));
-  FrontBench bench(tool, floor, 0.03, 1);
+  FrontBench bench(tool, floor, 1, 0.03, 1);
   const Vec3 n = Vec3::UnitZ();
   bench.front.Set(0, n, bench.Gap(bench.front.pair(0), n));
   double slack = Refreshed(bench.front, 0);
@@ -246,7 +253,7 @@ TEST(SeparationFront, LosesNoMoreOfASlackThanTheNodeComesNearer) {
 }
 
 TEST(SeparationFront, ForgetsWhereTheToolWasSixtyFourMovesAgo) {
-  FrontBench bench(MakeBox(Vec3::Constant(0.02)), MakeBox(Vec3::Constant(0.02)), 0.05, 2);
+  FrontBench bench(MakeBox(Vec3::Constant(0.02)), MakeBox(Vec3::Constant(0.02)), 1, 0.05, 2);
   bench.front.Set(0, Vec3::UnitZ(), 0.03);
   for (int i = 0; i < 63; ++i) {
     bench.MoveALittle(1e-4);
@@ -264,16 +271,17 @@ TEST(SeparationFront, ForgetsWhereTheToolWasSixtyFourMovesAgo) {
 }
 
 TEST(SeparationFront, OpensTheLargerNodeOfAPair) {
-  FrontBench bench(MakeBox(Vec3::Constant(0.02)), MakeBox(Vec3::Constant(0.2)), 0.3, 3);
-  const Index child = bench.front.Split(0, bench.tool.tree, bench.object.tree, Vec3::UnitZ(), 0.1);
+  FrontBench bench(MakeBox(Vec3::Constant(0.02)), MakeBox(Vec3::Constant(0.2)), 1, 0.3, 3);
+  const Index child =
+      bench.front.Split(0, bench.tool.tree, bench.objects[0].tree, Vec3::UnitZ(), 0.1);
   for (Index side = 0; side < 2; ++side) {
     EXPECT_EQ(bench.front.pair(child + side).tool, bench.tool.tree.root());
-    EXPECT_EQ(bench.front.pair(child + side).object, bench.object.tree.inner(0).child[side]);
+    EXPECT_EQ(bench.front.pair(child + side).object, bench.objects[0].tree.inner(0).child[side]);
   }
 }
 
 TEST(SeparationFront, OffersEveryPairThatCanBeClosedOnceARound) {
-  FrontBench bench(MakeEllipsoid(Vec3(0.02, 0.03, 0.01), 80), MakeSphere(0.02, 80), 0.1, 4);
+  FrontBench bench(MakeEllipsoid(Vec3(0.02, 0.03, 0.01), 80), MakeSphere(0.02, 80), 2, 0.1, 4);
   for (int i = 0; i < 200; ++i) bench.SplitOne();
   std::map<Index, int> offered;
   const auto round = [&] {
@@ -308,12 +316,12 @@ TEST(SeparationFront, OffersEveryPairThatCanBeClosedOnceARound) {
 
 TEST(SeparationFront, HasRoomForTheMostPairsAndSaysSoWhereThereIsNoMore) {
   const TriangleMesh tool = MakeSphere(0.02, 320), object = MakeSphere(0.03, 1280);
-  const Side a(tool), b(object);
+  const ContactBody a{ContactMesh(tool, {})}, b{ContactMesh(object, {})};
   SeparationFront front;
   front.Reserve();
   const std::uint64_t before = test::AllocationsOfThisThread();
   ToolPose at(Vec3(0.0, 0.0, 0.1), Quat::Identity());
-  front.Restart(a.tree, b.tree, at);
+  front.Restart(a, {&b, 1}, at);
   Index next = 0, refused = -1;
   const auto is_pair_of_triangles = [&](Index i) {
     return HullTree::IsLeaf(front.pair(i).tool) && HullTree::IsLeaf(front.pair(i).object);
@@ -336,12 +344,12 @@ TEST(SeparationFront, HasRoomForTheMostPairsAndSaysSoWhereThereIsNoMore) {
     at = at.Moved(Vec3(1e-5, 0.0, 0.0), Vec3(0.0, 1e-4, 0.0));
     front.Move(at, a.mesh.reach());
   }
-  front.Restart(a.tree, b.tree, at);
+  front.Restart(a, {&b, 1}, at);
   EXPECT_EQ(test::AllocationsOfThisThread(), before);
 }
 
 TEST(SeparationFront, GoesOnAlikeWhereItIsCopied) {
-  FrontBench bench(MakeEllipsoid(Vec3(0.02, 0.03, 0.01), 80), MakeSphere(0.02, 80), 0.1, 5);
+  FrontBench bench(MakeEllipsoid(Vec3(0.02, 0.03, 0.01), 80), MakeSphere(0.02, 80), 3, 0.1, 5);
   for (int i = 0; i < 300; ++i) {
     if (i % 3 == 0) bench.MoveALittle(1e-3);
     if (i % 3 == 1) bench.SplitOne();

@@ -1,4 +1,4 @@
-#include "server/physics/surface/body_meshes.h"
+#include "server/physics/surface/contact_bodies.h"
 
 #include <string>
 
@@ -16,7 +16,7 @@ PlacedTree Placed(const Body& body) {
   return {&body.tree, body.X_WB, &body.mesh, body.leaf_material, body.materials};
 }
 
-TEST(BodyMeshes, LeavesWhatYieldsOrWearsToItsLeaves) {
+TEST(ContactBodies, LeavesWhatYieldsOrWearsToItsLeaves) {
   Body soft = MakeBody("soft", MakeBox(Vec3::Constant(0.02)), 64);
   soft.materials = {Material{.stiffness = 500.0}};
   Body wearing = soft;
@@ -26,32 +26,38 @@ TEST(BodyMeshes, LeavesWhatYieldsOrWearsToItsLeaves) {
   EXPECT_FALSE(IsFeltByMesh(Placed(wearing)));
   EXPECT_TRUE(IsFeltByMesh(Placed(rigid)));
   const PlacedTree without[] = {Placed(soft), Placed(wearing)};
-  EXPECT_EQ(ObjectMeshes::Make(without), nullptr);
+  EXPECT_EQ(ContactBodies::Make(without), nullptr);
   const PlacedTree all[] = {Placed(soft), Placed(rigid), Placed(wearing)};
-  const auto meshes = ObjectMeshes::Make(all);
+  const auto meshes = ContactBodies::Make(all);
   ASSERT_NE(meshes, nullptr);
-  EXPECT_EQ(meshes->meshes().mesh.triangles().size(), rigid.mesh.triangles.size());
+  ASSERT_EQ(meshes->bodies().size(), 1u);
+  EXPECT_EQ(meshes->bodies()[0].mesh.triangles().size(), rigid.mesh.triangles.size());
 }
 
 // The material of a triangle is that of a leaf: of the right body, and near.
-TEST(BodyMeshes, GivesEachTriangleTheLeafThatLiesAtIt) {
+TEST(ContactBodies, GivesEachTriangleTheLeafThatLiesAtIt) {
   const Body first = MakeBody("first", MakeBox(Vec3(0.02, 0.03, 0.04)), 64);
   const Body second =
       MakeBody("second", MakeSphere(0.01, 320), 128, {Vec3(0.1, 0.0, 0.0), Quat::Identity()});
   const PlacedTree both[] = {Placed(first), Placed(second)};
-  const auto meshes = ObjectMeshes::Make(both);
+  const auto meshes = ContactBodies::Make(both);
   ASSERT_NE(meshes, nullptr);
-  const auto& triangles = meshes->meshes().mesh.triangles();
   const auto first_leaves = static_cast<std::int32_t>(first.tree.leaves());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    const Body& body = triangles[t].body == 0 ? first : second;
-    const std::int32_t leaf = meshes->LeafOf(t) - (triangles[t].body == 0 ? 0 : first_leaves);
+  const auto of_first = static_cast<std::uint32_t>(first.mesh.triangles.size());
+  const auto of_second = static_cast<std::uint32_t>(second.mesh.triangles.size());
+  ASSERT_EQ(meshes->bodies().size(), 2u);
+  EXPECT_EQ(meshes->bodies()[0].first_triangle, 0u);
+  EXPECT_EQ(meshes->bodies()[1].first_triangle, of_first);
+  for (std::uint32_t t = 0; t < of_first + of_second; ++t) {
+    const Body& body = t < of_first ? first : second;
+    const std::uint32_t own = t < of_first ? t : t - of_first;
+    const std::int32_t leaf = meshes->LeafOf(t) - (t < of_first ? 0 : first_leaves);
     ASSERT_GE(leaf, 0);
     ASSERT_LT(leaf, static_cast<std::int32_t>(body.tree.leaves()));
     // One that lists the triangle, and of those the nearest to its middle.
     const auto distance = [&](std::size_t i) {
       Vec3 middle = Vec3::Zero();
-      for (const std::uint32_t v : body.mesh.triangles[triangles[t].source]) {
+      for (const std::uint32_t v : body.mesh.triangles[own]) {
         middle += body.mesh.vertices[v] / 3.0;
       }
       return (Vec3(body.tree.leaf_x[i], body.tree.leaf_y[i], body.tree.leaf_z[i]) - middle).norm() -
@@ -62,7 +68,7 @@ TEST(BodyMeshes, GivesEachTriangleTheLeafThatLiesAtIt) {
     for (std::size_t i = 0; i < body.tree.leaves(); ++i) {
       for (std::uint32_t k = body.tree.leaf_triangle_begin[i];
            k < body.tree.leaf_triangle_begin[i + 1]; ++k) {
-        if (body.tree.leaf_triangle[k] != triangles[t].source) continue;
+        if (body.tree.leaf_triangle[k] != own) continue;
         least = std::min(least, distance(i));
         listed |= static_cast<std::int32_t>(i) == leaf;
       }
@@ -72,28 +78,28 @@ TEST(BodyMeshes, GivesEachTriangleTheLeafThatLiesAtIt) {
   }
 }
 
-TEST(BodyMeshes, NamesTheRemedyWhereAMeshIsMissing) {
+TEST(ContactBodies, NamesTheRemedyWhereAMeshIsMissing) {
   const Body body = MakeBody("body", MakeBox(Vec3::Constant(0.02)), 64);
   PlacedTree placed = Placed(body);
   placed.mesh = nullptr;
   try {
-    ObjectMeshes::Make(std::span(&placed, 1));
+    ContactBodies::Make(std::span(&placed, 1));
     FAIL();
   } catch (const std::exception& error) {
     EXPECT_NE(std::string(error.what()).find("spheres"), std::string::npos);
   }
-  EXPECT_THROW(MakeToolMesh(nullptr, body.tree, Vec3::Zero()), std::exception);
+  EXPECT_THROW(MakeToolBody(nullptr, body.tree, Vec3::Zero()), std::exception);
 }
 
-TEST(BodyMeshes, TakesAToolOfOneLeafForABall) {
+TEST(ContactBodies, TakesAToolOfOneLeafForABall) {
   Body ball = MakeBody("ball", MakeSphere(0.005, 320), 64);
   ball.tree = SingleSphereTree(ball.mesh, {Vec3(0.001, 0.0, 0.0), 0.005});
-  const auto tool = MakeToolMesh(nullptr, ball.tree, Vec3(0.001, 0.0, 0.0));
+  const auto tool = MakeToolBody(nullptr, ball.tree, Vec3(0.001, 0.0, 0.0));
   EXPECT_EQ(tool->radius, 0.005);
   EXPECT_EQ(tool->mesh.triangles().size(), 1u);
   const Body box = MakeBody("box", MakeBox(Vec3::Constant(0.02)), 64);
   const Vec3 reference(0.003, 0.0, 0.0);
-  const auto other = MakeToolMesh(&box.mesh, box.tree, reference);
+  const auto other = MakeToolBody(&box.mesh, box.tree, reference);
   EXPECT_EQ(other->radius, 0.0);
   EXPECT_EQ(other->mesh.triangles().size(), 12u);
   EXPECT_NEAR(other->mesh.reach(), (Vec3::Constant(0.01) + reference).norm(), 1e-15);

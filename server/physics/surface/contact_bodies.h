@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/math/pose.h"
+#include "scenes/sphere_tree.h"
+#include "server/physics/step_types.h"
+#include "server/physics/surface/contact_mesh.h"
+#include "server/physics/surface/hull_tree.h"
+
+namespace palpate {
+
+/// True where an object's mesh decides its contact: it is rigid and stays.  What yields or is
+/// scraped off has its compliance and hardness by leaf, so its leaves decide.
+bool IsFeltByMesh(const PlacedTree& object);
+
+/// What contact knows of a body: triangles with a tree over them, rounded by a radius [m], which is
+/// 0 but for a spherical tool, whose mesh is a point.
+struct ContactBody {
+  explicit ContactBody(ContactMesh m, double rounding = 0.0)
+      : mesh(std::move(m)), tree(mesh), radius(rounding) {}
+  ContactBody(ContactBody&&) = default;
+
+  ContactMesh mesh;
+  HullTree tree;
+  double radius;
+  /// Number of its first triangle, where those of a scene's bodies are counted together.
+  std::uint32_t first_triangle = 0;
+};
+
+/// The objects of a scene that are felt by their meshes, each a body in W.  Immutable.
+class ContactBodies {
+ public:
+  /// Null where no object is felt by its mesh.  Throws Error where such an object has no mesh.
+  static std::unique_ptr<const ContactBodies> Make(std::span<const PlacedTree> objects);
+
+  std::span<const ContactBody> bodies() const { return bodies_; }
+  /// Leaf of the forest that is nearest to a triangle: its material is the triangle's.
+  /// @param triangle  counted over all bodies.
+  std::int32_t LeafOf(std::uint32_t triangle) const { return leaf_[triangle]; }
+  /// Whether a point of W, on no surface, lies inside a body: its mesh winds round it, by more than
+  /// half where it is open.  Not real-time.
+  bool Hold(const Vec3& p_W) const;
+
+ private:
+  std::vector<ContactBody> bodies_;
+  std::vector<std::int32_t> leaf_;
+};
+
+/// The mesh of a tool about its reference point; of a tool that is a single ball, its centre with
+/// its radius.  Throws Error where another tool has no mesh.
+std::unique_ptr<const ContactBody> MakeToolBody(const TriangleMesh* mesh, const SphereTree& tree,
+                                                const Vec3& reference);
+
+}  // namespace palpate
