@@ -238,8 +238,8 @@ CutField::Layers CutField::Beside(const Touched& touched) const noexcept {
   return all;
 }
 
-Removal CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept {
-  Removal removal;
+CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept {
+  CutAway removal;
   const Lattice& lattice = field_.lattice();
   const Pose X_TB = X_BT.Inverse();
   const Vec3 step_T = X_TB.q * step_B;

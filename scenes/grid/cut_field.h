@@ -13,7 +13,7 @@
 namespace palpate {
 
 /// What one step of a bur took away.
-struct Removal {
+struct CutAway {
   std::array<double, SolidGrid::kMaterials> volume{};  ///< of each material, never below 0 [m^3]
   /// The field has no storage left for the place: nothing was removed.
   bool full = false;
@@ -54,7 +54,7 @@ class CutField {
   /// and of steps: the greatest of all.
   /// @param X_BT  where the bur is before the step.   @param step_B  how far it goes, straight and
   /// without turning [m].
-  Removal Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept;
+  CutAway Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept;
 
   /// Share of a point's voxel that is left, 0 to 1.  Any integers.
   double Left(int i, int j, int k) const noexcept;

@@ -38,8 +38,9 @@ std::shared_ptr<const SceneObjects> HapticModel::MakeObjects(std::span<const Pla
 }
 
 HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
-                         const StepParameters& parameters, const TriangleMesh* tool_mesh)
-    : parameters_(parameters), objects_(std::move(objects)) {
+                         const StepParameters& parameters, const TriangleMesh* tool_mesh,
+                         std::shared_ptr<const Cutting> cutting)
+    : parameters_(parameters), objects_(std::move(objects)), cutting_(std::move(cutting)) {
   const auto positive = [](double value, const char* name) {
     if (!(value > 0.0) || !std::isfinite(value)) {
       throw Error(std::string("step parameters: ") + name + " is " + std::to_string(value) +
@@ -83,6 +84,23 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   }
   if (parameters_.features.compliance) {
     soft_ = SoftLeaves::Make(this->objects(), parameters_.stiffness);
+  }
+  if (cutting_ != nullptr) SetCutting();
+}
+
+/// Rows of a bur are right for steps within the grids' bands.
+void HapticModel::SetCutting() {
+  bur_samples_ = cutting_->bur.Samples(cutting_->samples);
+  double longest = 0.0;
+  for (BurSample& sample : bur_samples_) {
+    sample.point = cutting_->X_TB * sample.point - reference();
+    sample.normal = cutting_->X_TB.q * sample.normal;
+    longest = std::max(longest, sample.point.norm());
+  }
+  for (const CutSolid& solid : cutting_->solids) {
+    const double most = 0.5 * solid.grid->field().band();
+    parameters_.max_translation = std::min(parameters_.max_translation, most);
+    parameters_.max_rotation = std::min(parameters_.max_rotation, most / longest);
   }
 }
 

@@ -2,9 +2,11 @@
 
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "common/math/pose.h"
 #include "scenes/sphere_tree.h"
+#include "server/physics/cut/cutting.h"
 #include "server/physics/leaf_pair.h"
 #include "server/physics/step_types.h"
 #include "server/physics/tree/soft_leaves.h"
@@ -47,10 +49,12 @@ class HapticModel {
   /// As the constructor of SceneObjects.
   static std::shared_ptr<const SceneObjects> MakeObjects(
       std::span<const PlacedTree> objects, ContactModel contact = ContactModel::kSpheres);
-  /// `tool_mesh`: needed for ContactModel::kSurface only.  Throws Error where a parameter is out of
-  /// range, the tool's tree is empty or not finite, or its mesh is lacking.
+  /// `tool_mesh`: needed for ContactModel::kSurface only.  `cutting`: null unless the tool is a
+  /// bur. Throws Error where a parameter is out of range, the tool's tree is empty or not finite,
+  /// or its mesh is lacking.
   HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
-              const StepParameters& parameters, const TriangleMesh* tool_mesh = nullptr);
+              const StepParameters& parameters, const TriangleMesh* tool_mesh = nullptr,
+              std::shared_ptr<const Cutting> cutting = nullptr);
   ~HapticModel();
   HapticModel(HapticModel&&) noexcept;
 
@@ -63,6 +67,10 @@ class HapticModel {
   const ObjectForest* object_cores() const { return objects_->cores(); }
   /// Null unless the features name compliance and some leaf is soft.
   const SoftLeaves* soft_leaves() const { return soft_.get(); }
+  /// Null where the tool is no bur.
+  const Cutting* cutting() const { return cutting_.get(); }
+  /// Samples of the bur about the reference point, in the tool's frame.
+  std::span<const BurSample> bur_samples() const { return bur_samples_; }
   /// The leaf of the forest that the object side of a row's pair belongs to: its material is the
   /// row's.
   std::int32_t LeafOf(const LeafPair& pair) const;
@@ -74,12 +82,16 @@ class HapticModel {
   double rotation_length() const { return rotation_length_; }
 
  private:
+  void SetCutting();
+
   StepParameters parameters_;
   double rotation_length_ = 0.0;
   std::unique_ptr<const ToolTree> tool_;
   std::unique_ptr<const ContactBody> tool_body_;
   std::shared_ptr<const SceneObjects> objects_;
   std::unique_ptr<const SoftLeaves> soft_;
+  std::shared_ptr<const Cutting> cutting_;
+  std::vector<BurSample> bur_samples_;
 };
 
 }  // namespace palpate

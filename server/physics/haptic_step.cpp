@@ -35,7 +35,7 @@ bool Begin(const Pose& X_WH, StepContext& context);
 bool GoesOn(const StepContext& context);
 void Predict(StepContext& context);
 Optimum Solve(StepContext& context);
-Optimum SolveRigidAndSoft(StepContext& context);
+Optimum SolveWithoutFriction(StepContext& context);
 void Rub(StepContext& context, Optimum& optimum);
 void Move(StepContext& context, const Way& way);
 void Report(StepContext& context, const Way& way);
@@ -133,6 +133,9 @@ void Predict(StepContext& context) {
                  context.model.parameters().looks - context.looks, buffers.rows);
     clock.Lap(&StageTimes::prediction);
   }
+  if (buffers.energies) {
+    buffers.energies->Begin(context.p_G, context.q_G, context.state.cuts);
+  }
   context.report.predicted_pairs = buffers.rows.count();
   if (buffers.rows.overflowed()) context.report.faults |= kFaultRowsFull;
 }
@@ -140,7 +143,7 @@ void Predict(StepContext& context) {
 /// The pose nearest to the hand's that the rows allow; of a ball round creases, and with friction
 /// where the model has it.
 Optimum Solve(StepContext& context) {
-  Optimum optimum = SolveRigidAndSoft(context);
+  Optimum optimum = SolveWithoutFriction(context);
   optimum.rounds = context.IsFreeBall() && RoundCreases(context, optimum);
   Rub(context, optimum);
   context.Require(optimum);
@@ -149,28 +152,19 @@ Optimum Solve(StepContext& context) {
 }
 
 /// The same along straight rows and without friction.
-Optimum SolveRigidAndSoft(StepContext& context) {
+Optimum SolveWithoutFriction(StepContext& context) {
   StepBuffers& buffers = context.buffers;
   ++context.iterates;
   buffers.rows.Finish();
-  context.soft = nullptr;
   context.rigid = buffers.rows.view();
-  if (buffers.soft) {
-    buffers.soft->Set(*context.model.soft_leaves(), buffers.rows);
-    if (buffers.soft->any()) {
-      context.soft = &*buffers.soft;
-      context.rigid = context.soft->rigid();
-    }
-  }
-  Energy* const soft = context.soft;
-  Optimum optimum =
-      NearestStep(context, context.target, {&soft, context.soft != nullptr ? 1u : 0u});
-  if (buffers.meshes && !context.soft &&
+  if (buffers.energies) buffers.energies->Look(buffers.rows, context.rigid);
+  const bool with_energies = buffers.energies && buffers.energies->act();
+  Optimum optimum = NearestStep(context, context.target, with_energies);
+  if (buffers.meshes && !with_energies &&
       (optimum.qp.status == QpStatus::kRelaxed || context.Gain(optimum.v, optimum.phi) < 0.0) &&
       GiveUpRegain(*buffers.meshes, buffers.rows)) {
     optimum = NearestStep(context, context.target);
   }
-  if (context.soft != nullptr) optimum.yielding = context.soft->Contacts();
   context.report.qp_iterations += optimum.qp.iterations;
   return optimum;
 }
@@ -189,16 +183,21 @@ void Rub(StepContext& context, Optimum& optimum) {
 
 /// Takes the tool there.
 void Move(StepContext& context, const Way& way) {
-  const bool meshes = context.buffers.meshes.has_value();
+  StepBuffers& buffers = context.buffers;
+  const bool meshes = buffers.meshes.has_value();
   const bool is_held = way.optimum.IsHeld();
   context.arrived = way.arrived;
   if (!is_held) context.state.turn_G.setZero();
   if (meshes) {
-    EndSubStep(*context.buffers.meshes);
-    context.looks += context.buffers.meshes->looks.Spent();
+    EndSubStep(*buffers.meshes);
+    context.looks += buffers.meshes->looks.Spent();
   }
   if (context.Rubs() && way.optimum.qp.active == 0 && (way.arrived || !meshes)) {
     context.state.friction.Forget();
+  }
+  if (buffers.energies) {
+    context.report.cut_volume +=
+        buffers.energies->Cut(context.p_G, context.q_G, way.v, way.phi, context.state.cuts);
   }
   if (way.arrived && !is_held) {
     context.p_G = context.p_H;
@@ -221,9 +220,12 @@ Way Lag(StepContext& context, const Way& went) {
   // The tool's place is free, whatever a row that was made for a trial elsewhere says of it.  So
   // the wrench is never more than the spring's own.
   rows.AdmitZero();
+  if (context.buffers.energies) {
+    context.buffers.energies->Begin(context.p_G, context.q_G, context.state.cuts);
+  }
   context.Aim();
   Way stays;
-  stays.optimum = SolveRigidAndSoft(context);
+  stays.optimum = SolveWithoutFriction(context);
   context.Require(stays.optimum);
   Remember(context, stays.optimum);
   return stays;
@@ -238,7 +240,8 @@ void Report(StepContext& context, const Way& way) {
   const Way& felt = lags ? Lag(context, way) : way;
   const Optimum& optimum = felt.optimum;
   if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
-  report.wrench = optimum.IsHeld() ? context.WrenchAfter(optimum.v, optimum.phi) : Wrench{};
+  context.held = optimum.IsHeld();
+  report.wrench = context.held ? context.WrenchAfter(optimum.v, optimum.phi) : Wrench{};
   ReportContacts(context, felt);
   context.bounds = WiderBounds(context.model, context.bounds);
 }
@@ -265,7 +268,7 @@ void End(const Pose& X_WH, StepContext& context) {
   if (!context.arrived && !context.IsUnsolved()) report.faults |= kFaultTargetFar;
   const bool lags = context.buffers.meshes && !context.arrived;
   state.behind = lags ? context.bounds : StepBounds{0.0, 0.0};
-  if (context.arrived && report.contacts == 0) {
+  if (context.arrived && !context.held) {
     state.X_WG = {X_WH.p, context.q_H};
   } else {
     state.X_WG = {context.p_G - context.q_G * context.model.reference(), context.q_G};

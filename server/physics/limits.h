@@ -95,6 +95,9 @@ inline constexpr int kTurnsAtOnce = 6, kTurnsOfStage = 20;
 /// Where softer springs begin, about the coupling's own stiffness, and by how much they grow.  Of
 /// 10, 30 and 100, only 10 solved all of those problems from any guess.
 inline constexpr double kSoftest = 10.0, kStiffen = 10.0;
+/// What lengths are multiplied by where rigid rows stand beside thresholds: the QP's tolerance,
+/// 1e-12 m, becomes 1e-21 m.
+inline constexpr double kThresholdScale = 1e9;
 /// Bisections halve an interval: 60 find a spring of 1e-15 m in a step of a millimetre.
 inline constexpr int kLineSearchLimit = 60;
 /// A step is good where it gains this part of what its slope promises (Armijo's usual value).

@@ -1,10 +1,16 @@
 #include "server/physics/step_state.h"
 
+#include <string>
+
 namespace palpate {
 
 StepState::StepState(const HapticModel& model) {
   if (model.parameters().features.removal) wear = LeafWear(model.objects());
   if (model.bodies() != nullptr) front.Reserve();
+  if (model.cutting() == nullptr) return;
+  for (const CutSolid& solid : model.cutting()->solids) {
+    cuts.emplace_back(*solid.grid, solid.most_bytes, "solid " + std::to_string(cuts.size()));
+  }
 }
 
 }  // namespace palpate

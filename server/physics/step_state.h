@@ -2,8 +2,10 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include "common/math/pose.h"
+#include "scenes/grid/cut_field.h"
 #include "server/physics/haptic_model.h"
 #include "server/physics/leaf_pair.h"
 #include "server/physics/limits.h"
@@ -59,6 +61,7 @@ struct StepState {
   SeparationFront front;  ///< where objects are felt by their meshes
   FrictionState friction;
   LeafWear wear;
+  std::vector<CutField> cuts;  ///< what is gone of each solid that the tool can cut
 
   /// To be called where the graphic tool is set to another place: nothing held it there.
   void ForgetContact() noexcept {

@@ -83,6 +83,7 @@ struct StepReport {
   /// Object leaves that vanish with this step, in the order of their contacts.
   std::array<std::int32_t, 7> removed;
   int removals = 0;
+  double cut_volume = 0.0;  ///< that a bur took away in this step [m^3]
   std::uint32_t faults = kFaultNone;
   // Counters and measures of this step.
   int substeps = 0;

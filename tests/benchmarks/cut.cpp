@@ -195,8 +195,9 @@ Way GoTheWay(const Case& c, const SolidGrid& block, Times& times) {
     const Vec3 t = hand - bur_at;
     using Clock = std::chrono::steady_clock;
     const auto begin = Clock::now();
-    rows.Build({samples, {bur_at, Quat::Identity()}, bur_at, kStiffness, 1.0, dt}, cut, X_PB,
-               materials);
+    rows.Clear();
+    rows.AddSolid({samples, {bur_at, Quat::Identity()}, bur_at, kStiffness, 1.0, dt}, cut, X_PB,
+                  materials);
     const auto built = Clock::now();
     const QpResult step = solver.Solve(ActiveKernels(), 3, t.data(), {}, {&energy, 1}, x, {});
     const auto solved = Clock::now();

@@ -62,7 +62,7 @@ YieldingRows CutRows::Yielding() const noexcept {
 
 void CutRows::Add(const Kernels& kernels, const double* x, int unknowns, const Springs& springs,
                   EnergyAt& at) noexcept {
-  kernels.add_yielding(Yielding(), unknowns, x, springs, at);
+  pushing_ = kernels.add_yielding(Yielding(), unknowns, x, springs, at);
 }
 
 void CutRows::AddHessian(const Kernels& kernels, const double* x, int unknowns,
@@ -84,9 +84,8 @@ double CutRows::WorkOf(const double* x, int unknowns) const noexcept {
   return sum;
 }
 
-void CutRows::Build(const CutTool& tool, const CutField& cut, const Pose& X_WB,
-                    const std::array<CutMaterial, SolidGrid::kMaterials>& materials) noexcept {
-  Clear();
+void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_WB,
+                       const std::array<CutMaterial, SolidGrid::kMaterials>& materials) noexcept {
   const Mat3 R_WT = tool.X_WT.q.toRotationMatrix();
   const Pose X_BW = X_WB.Inverse();
   const Mat3 R_BW = X_BW.q.toRotationMatrix();

@@ -6,16 +6,11 @@
 #include "common/math/pose.h"
 #include "scenes/grid/bur.h"
 #include "scenes/grid/cut_field.h"
+#include "server/physics/cut/cutting.h"
 #include "server/physics/energy/energy.h"
 #include "server/physics/simd/aligned_columns.h"
 
 namespace palpate {
-
-/// What it takes to press a bur's edge into a material.
-struct CutMaterial {
-  double pressure = 0.0;   ///< p_0 > 0 [Pa]: up to it the material is rigid
-  double viscosity = 0.0;  ///< kappa >= 0 [Pa s/m]: what each m/s of the edge adds
-};
 
 /// A bur in the hand of a haptic step.  All in W but for the samples, which are in T.
 struct CutTool {
@@ -40,14 +35,17 @@ struct CutTool {
 /// whatever x is.
 class CutRows : public Energy {
  public:
-  /// @param samples  of the largest bur.  Set-up.
+  /// @param samples  rows at most: the bur's samples, and those once more for each solid more that
+  ///                 it may touch at once.  Set-up.
   explicit CutRows(int samples)
       : capacity_(samples), columns_(kColumns, static_cast<std::size_t>(samples)) {}
 
-  /// @param X_WB  of the solid.   @param materials  by their number in the solid's grid; all of
-  /// them.   Right for steps of no more than the grid's band.  Real-time.
-  void Build(const CutTool& tool, const CutField& cut, const Pose& X_WB,
-             const std::array<CutMaterial, SolidGrid::kMaterials>& materials) noexcept;
+  void Clear() { count_ = 0; }
+  /// Adds the rows of what is left of a solid.
+  /// @param X_WB  of the solid.   @param materials  by their number in its grid; all of them.
+  /// Right for steps of no more than the grid's band.  Real-time.
+  void AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_WB,
+                const std::array<CutMaterial, SolidGrid::kMaterials>& materials) noexcept;
 
   int count() const { return count_; }
   const double* a(std::size_t unknown) const { return columns_[unknown]; }
@@ -55,7 +53,9 @@ class CutRows : public Energy {
   const double* threshold() const { return columns_[kThreshold]; }  ///< P_i [m]
   const double* viscous() const { return columns_[kViscous]; }      ///< c_i
   const double* area() const { return columns_[kArea]; }            ///< A_i [m^2]
-  /// Force of each row at the solver's result, over k_t [m].
+  /// Whether any of them pushes at the solver's result.
+  bool pushes() const { return pushing_ > 0; }
+  /// Force of each row there, over k_t [m].
   const double* forces() const { return columns_[kPush]; }
 
   /// What the rows say of a step x: sum of A_i delta_i [m^3].
@@ -64,7 +64,6 @@ class CutRows : public Energy {
   double WorkOf(const double* x, int unknowns) const noexcept;
 
   /// A row by itself, for tests and for rows of one's own; what does not fit is left out.
-  void Clear() { count_ = 0; }
   void Add(const std::array<double, 6>& a, double b, double threshold, double viscous,
            double area) noexcept;
 
@@ -81,7 +80,7 @@ class CutRows : public Energy {
            double viscous, double area) noexcept;
   YieldingRows Yielding() const noexcept;
 
-  int capacity_, count_ = 0;
+  int capacity_, count_ = 0, pushing_ = 0;
   AlignedColumns columns_;
 };
 

@@ -21,8 +21,12 @@ template <int N>
 class Newton {
  public:
   Newton(const Kernels& kernels, const double* t, const QpRows& rigid,
-         std::span<Energy* const> energies, const AlignedColumns& transformed)
-      : kernels_(kernels), rigid_(rigid), energies_(energies), transformed_(transformed) {
+         std::span<Energy* const> energies, const AlignedColumns& transformed, double* force)
+      : kernels_(kernels),
+        rigid_(rigid),
+        energies_(energies),
+        transformed_(transformed),
+        force_(force) {
     double largest = 0.0;
     for (int i = 0; i < N; ++i) {
       t_[i] = t[i];
@@ -64,7 +68,10 @@ class Newton {
       Evaluate(next);
       const bool ends = SamePieces(now, next, q);
       const bool softened = thresholds_ && springs_.stiffness < kRigid;
-      if (ends && !softened) return result;
+      if (ends && !softened) {
+        std::copy(next.energy.force, next.energy.force + N, force_);
+        return result;
+      }
       if (softened && (ends || of_stage >= kTurnsOfStage)) {
         // The first turn of a stage takes those rows to be on their springs that were in the last
         // one, for which it is exact; they are so no longer, by the stiffer springs, at the x of
@@ -152,14 +159,21 @@ class Newton {
     }
     QpResult result;
     Back(y, result.x);
-    if (kernels_.rows_hold(rigid_, N, result.x, tolerance_)) return result;
+    // A threshold's spring is pressed by femtometres, and what rows may be violated by has to be
+    // less: their QP is solved in other units.
+    const double scale = thresholds_ ? kThresholdScale : 1.0;
+    if (kernels_.rows_hold(rigid_, N, result.x, tolerance_ / scale)) return result;
     double* column[6] = {};
     QpRows rows = rigid_;
     for (std::size_t c = 0; c < N; ++c) rows.a[c] = column[c] = transformed_[c];
-    kernels_.transform_rows(rigid_, N, L_, inverse_diagonal_, column);
+    rows.b = transformed_[6];
+    kernels_.transform_rows(rigid_, N, L_, inverse_diagonal_, scale, column, transformed_[6]);
+    for (double& value : y) value *= scale;
     result = (N == 6 ? kernels_.solve_6 : kernels_.solve_3)(y, rows, guess, guesses);
-    std::copy(result.x, result.x + N, y);
+    for (int r = 0; r < N; ++r) y[r] = result.x[r] / scale;
     Back(y, result.x);
+    result.slack /= scale;
+    for (int i = 0; i < result.active; ++i) result.multiplier[i] /= scale;
     return result;
   }
 
@@ -225,6 +239,7 @@ class Newton {
   const QpRows& rigid_;
   std::span<Energy* const> energies_;
   const AlignedColumns& transformed_;
+  double* force_;
   double t_[N];
   double L_[N * N];
   double inverse_diagonal_[N];
@@ -239,8 +254,8 @@ QpResult EnergySolver::Solve(const Kernels& kernels, int unknowns, const double*
                              const QpRows& rigid, std::span<Energy* const> energies,
                              const double* start, std::span<const int> guess) noexcept {
   if (unknowns == 6)
-    return Newton<6>(kernels, t, rigid, energies, transformed_).Solve(start, guess);
-  return Newton<3>(kernels, t, rigid, energies, transformed_).Solve(start, guess);
+    return Newton<6>(kernels, t, rigid, energies, transformed_, force_).Solve(start, guess);
+  return Newton<3>(kernels, t, rigid, energies, transformed_, force_).Solve(start, guess);
 }
 
 }  // namespace palpate

@@ -22,7 +22,7 @@ namespace palpate {
 class EnergySolver {
  public:
   /// @param rows  rigid ones at most.  Set-up.
-  explicit EnergySolver(std::size_t rows) : transformed_(6, rows) {}
+  explicit EnergySolver(std::size_t rows) : transformed_(7, rows) {}
 
   /// @param unknowns  3 or 6, of t, x and rows.   @param t  target [m].
   /// @param start     where Newton's method begins; the nearer the fewer turns.
@@ -32,9 +32,12 @@ class EnergySolver {
   QpResult Solve(const Kernels& kernels, int unknowns, const double* t, const QpRows& rigid,
                  std::span<Energy* const> energies, const double* start,
                  std::span<const int> guess) noexcept;
+  /// Of the energies, summed, at the last result [m].
+  const double* force() const { return force_; }
 
  private:
   AlignedColumns transformed_;
+  double force_[6] = {};
 };
 
 }  // namespace palpate

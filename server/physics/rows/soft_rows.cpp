@@ -44,8 +44,6 @@ void SoftRows::AddHessian(const Kernels& kernels, const double* x, int unknowns,
 SoftContacts SoftRows::Contacts() const noexcept {
   SoftContacts contacts;
   contacts.count = pushing_;
-  contacts.force = Vec3(force_[0], force_[1], force_[2]);
-  contacts.torque = rho_ * Vec3(force_[3], force_[4], force_[5]);
   const int count = pushing_ == 0 ? 0 : rows_.count;
   const double* pushes = columns_[kPush];
   double least = 0.0;  // what a row must exceed to be listed

@@ -10,9 +10,7 @@ namespace palpate {
 
 /// The soft rows that push at a step's optimum.
 struct SoftContacts {
-  int count = 0;               ///< all of them
-  Vec3 force = Vec3::Zero();   ///< their sum on the tool, over the coupling's stiffness [m]
-  Vec3 torque = Vec3::Zero();  ///< ... about the reference point [m^2]
+  int count = 0;   ///< all of them
   int listed = 0;  ///< those of the greatest force, greatest first, of equals the first row
   int row[kMaxActiveRows];
   double push[kMaxActiveRows];  ///< force over the coupling's stiffness [m]
@@ -23,8 +21,8 @@ struct SoftContacts {
 /// are not taken up one by one: they are an energy.
 class SoftRows : public Energy {
  public:
-  /// @param rho  of ContactRows [m].
-  SoftRows(int rows, double rho) : columns_(3, static_cast<std::size_t>(rows) + 16), rho_(rho) {}
+  /// @param rows  at most.  Set-up.
+  explicit SoftRows(int rows) : columns_(3, static_cast<std::size_t>(rows) + 16) {}
 
   /// Looks up the rows' leaves.  To be called after ContactRows::Finish.
   void Set(const SoftLeaves& leaves, const ContactRows& rows) noexcept;
@@ -32,6 +30,9 @@ class SoftRows : public Energy {
   bool any() const { return any_; }
   /// Those that push at the optimum which the solver found last.
   SoftContacts Contacts() const noexcept;
+  bool pushes() const { return pushing_ > 0; }
+  /// Their sum there, of [v; rho phi], over the coupling's stiffness [m].
+  const double* force() const { return force_; }
   /// Weight of a row, 0 where it is rigid.
   double weight(int row) const { return columns_[kWeight][row]; }
   /// The rows that no step may violate: rigid ones, and the cores of soft ones.
@@ -48,9 +49,8 @@ class SoftRows : public Energy {
 
   AlignedColumns columns_;
   QpRows rows_{};  ///< those of the sub-step
-  double force_[6];
+  double force_[6] = {};
   int pushing_ = 0;
-  double rho_;
   bool any_ = false;
 };
 

@@ -171,10 +171,11 @@ struct Kernels {
 
   /// Whether all rows hold at x, but for `tolerance`.
   bool (*rows_hold)(const QpRows& rows, int unknowns, const double* x, double tolerance);
-  /// L^-1 a of each row, to the end of the padding.  L: lower triangle of unknowns x unknowns, row
-  /// by row.
+  /// L^-1 a of each row, and its b by a scale, to the end of the padding.  L: lower triangle of
+  /// unknowns x unknowns, row by row.  a, b: columns to write.
   void (*transform_rows)(const QpRows& rows, int unknowns, const double* L,
-                         const double* inverse_diagonal, double* const out[6]);
+                         const double* inverse_diagonal, double scale, double* const a[6],
+                         double* b);
 
   /// Adds the energy of rows and its force at x, or its Hessian.  The first returns how many rows
   /// push.

@@ -236,7 +236,7 @@ bool RowsHold(const QpRows& rows, const double* x, double tolerance) {
 /// By forward substitution.
 template <int N>
 void TransformRows(const QpRows& rows, const double* L, const double* inverse_diagonal,
-                   double* const out[6]) {
+                   double scale, double* const out[6], double* b) {
   for (int i = 0; i < rows.count; i += 16) {
     for (int half = i; half < i + 16; half += 8) {
       D8 a[N];
@@ -246,6 +246,7 @@ void TransformRows(const QpRows& rows, const double* L, const double* inverse_di
         a[r] = sum * Set1(inverse_diagonal[r]);
         Store(out[r] + half, a[r]);
       }
+      Store(b + half, Set1(scale) * Load(rows.b + half));
     }
   }
 }
@@ -364,9 +365,9 @@ constexpr Kernels MakeKernels(const char* name) {
                                  : RowsHold<3>(rows, x, tolerance);
           },
           [](const QpRows& rows, int unknowns, const double* L, const double* inverse_diagonal,
-             double* const out[6]) {
-            unknowns == 6 ? TransformRows<6>(rows, L, inverse_diagonal, out)
-                          : TransformRows<3>(rows, L, inverse_diagonal, out);
+             double scale, double* const a[6], double* b) {
+            unknowns == 6 ? TransformRows<6>(rows, L, inverse_diagonal, scale, a, b)
+                          : TransformRows<3>(rows, L, inverse_diagonal, scale, a, b);
           },
           [](const YieldingRows& rows, int unknowns, const double* x, const Springs& springs,
              EnergyAt& at) {

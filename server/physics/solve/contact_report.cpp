@@ -8,13 +8,19 @@ namespace palpate {
 void ReportContacts(const StepContext& context, const Way& way) noexcept {
   const ContactRows& rows = context.buffers.rows;
   const Optimum& optimum = way.optimum;
-  const SoftContacts& yielding = optimum.yielding;
+  const SoftRows* soft = context.buffers.energies ? context.buffers.energies->soft() : nullptr;
+  const SoftContacts yielding = soft != nullptr ? soft->Contacts() : SoftContacts{};
   const double k_t = context.model.parameters().stiffness;
   const Mat3 R_WG = context.q_G.toRotationMatrix();
   StepReport& report = context.report;
   report.contacts = 0;
   report.soft_contacts = yielding.count;
-  report.soft_wrench = {k_t * yielding.force, k_t * yielding.torque};
+  if (soft != nullptr) {
+    const double* force = soft->force();
+    report.soft_wrench = {
+        k_t * Vec3(force[0], force[1], force[2]),
+        k_t * context.model.rotation_length() * Vec3(force[3], force[4], force[5])};
+  }
   const auto add = [&](int i, double offset, double force) {
     ActiveRow& row = report.active[static_cast<std::size_t>(report.contacts++)];
     row = ActiveRow{};
@@ -37,7 +43,7 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
   }
   for (int k = 0; k < yielding.listed && report.contacts < kMaxActiveRows; ++k) {
     const int i = yielding.row[k];
-    add(i, -rows.gap(i), k_t * yielding.push[k])->stiffness = k_t * context.soft->weight(i);
+    add(i, -rows.gap(i), k_t * yielding.push[k])->stiffness = k_t * soft->weight(i);
   }
 }
 

@@ -572,8 +572,8 @@ void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept {
   }
   const double rho = context.model.rotation_length();
   // The push of soft contacts counts as it is without friction.
-  const Vec3 v = context.target.v + optimum.yielding.force;
-  const Vec3 phi = context.target.phi + optimum.yielding.torque / (rho * rho);
+  const Vec3 v = context.target.v + optimum.push;
+  const Vec3 phi = context.target.phi + optimum.push_turn / (rho * rho);
   const double t[6] = {v.x(), v.y(), v.z(), rho * phi.x(), rho * phi.y(), rho * phi.z()};
   const bool turns = context.model.degrees_of_freedom() == 6;
   optimum.rubs = true;

@@ -4,8 +4,7 @@
 
 namespace palpate {
 
-Optimum NearestStep(const StepContext& context, const Target& target,
-                    std::span<Energy* const> energies) noexcept {
+Optimum NearestStep(const StepContext& context, const Target& target, bool with_energies) noexcept {
   Optimum optimum;
   const ContactRows& rows = context.buffers.rows;
   const double rho = context.model.rotation_length();
@@ -13,22 +12,20 @@ Optimum NearestStep(const StepContext& context, const Target& target,
   const int guesses = rows.Find(context.state.active_pairs.data(), context.state.active, guess);
   const double t[6] = {target.v.x(),         target.v.y(),         target.v.z(),
                        rho * target.phi.x(), rho * target.phi.y(), rho * target.phi.z()};
-  const auto solve = [&]<int N>() {
-    // From where the tool is: what overlaps there mostly does so after the step too.
-    constexpr double start[6] = {};
-    return energies.empty()
-               ? SolveNearestPoint<N>(context.kernels, t, context.rigid, guess, guesses)
-               : context.buffers.energies->Solve(context.kernels, N, t, context.rigid, energies,
-                                                 start, {guess, static_cast<std::size_t>(guesses)});
-  };
-  if (context.model.degrees_of_freedom() == 6) {
-    optimum.qp = solve.operator()<6>();
-    const double* x = optimum.qp.x;
-    optimum.phi = Vec3(x[3], x[4], x[5]) / rho;
+  const bool turns = context.model.degrees_of_freedom() == 6;
+  if (with_energies) {
+    optimum.qp = context.buffers.energies->Solve(context.kernels, t, context.rigid,
+                                                 {guess, static_cast<std::size_t>(guesses)});
+    const double* force = context.buffers.energies->force();
+    optimum.is_pushed = context.buffers.energies->push();
+    optimum.push = Vec3(force[0], force[1], force[2]);
+    optimum.push_turn = rho * Vec3(force[3], force[4], force[5]);
   } else {
-    optimum.qp = solve.operator()<3>();
-    optimum.phi = target.phi;
+    optimum.qp = (turns ? SolveNearestPoint<6>
+                        : SolveNearestPoint<3>)(context.kernels, t, context.rigid, guess, guesses);
   }
+  const double* x = optimum.qp.x;
+  optimum.phi = turns ? Vec3(Vec3(x[3], x[4], x[5]) / rho) : target.phi;
   optimum.v = Vec3(optimum.qp.x[0], optimum.qp.x[1], optimum.qp.x[2]);
   optimum.RefuseNaN();
   return optimum;

@@ -3,11 +3,10 @@
 #include <optional>
 
 #include "server/physics/contact/mesh_contact.h"
-#include "server/physics/energy/energy_solver.h"
 #include "server/physics/haptic_model.h"
 #include "server/physics/rows/contact_prediction.h"
 #include "server/physics/rows/contact_rows.h"
-#include "server/physics/rows/soft_rows.h"
+#include "server/physics/solve/energies.h"
 
 namespace palpate {
 
@@ -21,16 +20,14 @@ struct StepBuffers {
       meshes.emplace(*model.tool_body(), model.bodies()->bodies(), model.parameters().max_rows,
                      model.parameters().separation, model.parameters().looks);
     }
-    if (model.soft_leaves() != nullptr) {
-      soft.emplace(model.parameters().max_rows, model.rotation_length());
-      energies.emplace(static_cast<std::size_t>(model.parameters().max_rows));
+    if (model.soft_leaves() != nullptr || model.cutting() != nullptr) {
+      energies.emplace(model);
     }
   }
   ContactPrediction prediction;
   ContactRows rows;
-  std::optional<MeshContact> meshes;     ///< where objects are felt by their meshes
-  std::optional<SoftRows> soft;          ///< where the model has soft leaves
-  std::optional<EnergySolver> energies;  ///< where any energy acts beside the coupling
+  std::optional<MeshContact> meshes;  ///< where objects are felt by their meshes
+  std::optional<Energies> energies;   ///< where any acts beside the coupling
 };
 
 }  // namespace palpate

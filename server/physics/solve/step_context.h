@@ -5,7 +5,6 @@
 #include "common/math/pose.h"
 #include "common/qp/nearest_point.h"
 #include "server/physics/haptic_model.h"
-#include "server/physics/rows/soft_rows.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/solve/response.h"
 #include "server/physics/solve/step_buffers.h"
@@ -23,13 +22,14 @@ struct Optimum {
   Vec3 v;    ///< [m]
   Vec3 phi;  ///< [rad]
   QpResult qp;
-  bool rubs = false;        ///< friction has moved it
-  FrictionForces friction;  ///< where it rubs: of the QP's active rows
-  bool rounds = false;      ///< with the curvature of a ball's rows
-  SoftContacts yielding{};  ///< the soft rows that push there
+  bool rubs = false;                                   ///< friction has moved it
+  FrictionForces friction;                             ///< where it rubs: of the QP's active rows
+  bool rounds = false;                                 ///< with the curvature of a ball's rows
+  bool is_pushed = false;                              ///< by energies
+  Vec3 push = Vec3::Zero(), push_turn = Vec3::Zero();  ///< their force and torque [m], [m^2]
 
   /// Whether anything holds the tool.
-  bool IsHeld() const { return qp.active != 0 || yielding.count != 0; }
+  bool IsHeld() const { return qp.active != 0 || is_pushed; }
 
   /// To be called where a solver has written it: what is no number is no optimum.
   void RefuseNaN() {
@@ -61,7 +61,9 @@ struct StepContext {
   /// Whether the model has friction by Coulomb's law.
   bool Rubs() const { return model.parameters().features.friction == FrictionModel::kCoulomb; }
   /// Whether meshes may hold the tool, and nothing that does rubs or yields.
-  bool IsRigid() const { return buffers.meshes && soft == nullptr && !Rubs(); }
+  bool IsRigid() const {
+    return buffers.meshes && !(buffers.energies && buffers.energies->act()) && !Rubs();
+  }
   /// The same of a ball.
   bool IsFreeBall() const { return IsRigid() && buffers.meshes->meshes.IsBall(); }
   /// How much nearer to the hand a step ends than it begins: |t|^2 - |x - t|^2, with x = [v; rho
@@ -103,13 +105,12 @@ struct StepContext {
   Quat q_H, q_G;
 
   // Predict: the sub-step, and the rows that it has to respect (buffers.rows).
-  StepBounds bounds{};       ///< how far it may go
-  std::int64_t spent = 0;    ///< packet pairs of the cycle so far
-  std::int64_t last = 0;     ///< of them, those of the last sub-step
-  Target target;             ///< the hand, from where the sub-step begins
-  Mat3 R_WG;                 ///< the graphic tool's orientation there
-  QpRows rigid{};            ///< what no step may violate
-  SoftRows* soft = nullptr;  ///< the rows that yield; null where none does
+  StepBounds bounds{};     ///< how far it may go
+  std::int64_t spent = 0;  ///< packet pairs of the cycle so far
+  std::int64_t last = 0;   ///< of them, those of the last sub-step
+  Target target;           ///< the hand, from where the sub-step begins
+  Mat3 R_WG;               ///< the graphic tool's orientation there
+  QpRows rigid{};          ///< what no step may violate
 
   std::int64_t looks = 0;         ///< of the cycle so far, between meshes
   FrictionState friction_before;  ///< as the sub-step found it
@@ -119,6 +120,7 @@ struct StepContext {
   TrustRegion trust;
   int stuck_at = -2;     ///< the last sub-step that found no way past what holds the tool
   bool arrived = false;  ///< of the last sub-step's way
+  bool held = false;     ///< something kept the tool from the hand there
 };
 
 }  // namespace palpate

@@ -44,7 +44,9 @@ struct Trial {
   }
 
   void Build() {
-    rows.Build({samples, {bur, Quat::Identity()}, bur, kStiffness, 0.03, dt}, cut, X_WB, materials);
+    rows.Clear();
+    rows.AddSolid({samples, {bur, Quat::Identity()}, bur, kStiffness, 0.03, dt}, cut, X_WB,
+                  materials);
   }
   struct Cut {
     double volume, work;
@@ -106,7 +108,7 @@ TEST(CutRows, TurnsAboutTheReference) {
   Trial trial;
   trial.bur = Vec3(0, 0, kRadius);
   const Vec3 reference(0.01, 0.02, 0.05);
-  trial.rows.Build(
+  trial.rows.AddSolid(
       {trial.samples, {trial.bur, Quat::Identity()}, reference, kStiffness, 0.03, 1e-3}, trial.cut,
       trial.X_WB, trial.materials);
   ASSERT_GT(trial.rows.count(), 0);

@@ -37,13 +37,13 @@ struct Block {
   }
 
   /// Along a straight way in steps of `length` at most; the bur's axis is P's z, turned by `tilt`.
-  Removal Move(const Bur& bur, const Vec3& from_P, const Vec3& to_P, double length = 3e-6,
+  CutAway Move(const Bur& bur, const Vec3& from_P, const Vec3& to_P, double length = 3e-6,
                const Quat& tilt = Quat::Identity()) {
-    Removal sum;
+    CutAway sum;
     const int steps = std::max(1, static_cast<int>(std::ceil((to_P - from_P).norm() / length)));
     const Vec3 step = q * ((to_P - from_P) / steps);
     for (int n = 0; n < steps; ++n) {
-      const Removal one = cut.Remove(bur, {q * from_P + n * step, q * tilt}, step);
+      const CutAway one = cut.Remove(bur, {q * from_P + n * step, q * tilt}, step);
       for (std::size_t m = 0; m < sum.volume.size(); ++m) {
         EXPECT_GE(one.volume[m], 0.0);
         sum.volume[m] += one.volume[m];
@@ -245,7 +245,7 @@ TEST(CutField, CountsEachMaterialForItself) {
     return std::uint8_t((kTilted.conjugate() * p).z() > -0.1e-3 ? 1 : 3);
   };
   Block block(50e-6, kTilted, layers);
-  const Removal removal = block.Move(Bur::Ball(kRadius), Vec3(0, 0, 0.3e-3), Vec3(0, 0, -0.3e-3));
+  const CutAway removal = block.Move(Bur::Ball(kRadius), Vec3(0, 0, 0.3e-3), Vec3(0, 0, -0.3e-3));
   const double upper = M_PI * kRadius * kRadius * 0.1e-3;
   EXPECT_NEAR(removal.volume[1] / upper, 1.0, 0.01);
   EXPECT_NEAR(removal.volume[3] / (PlungeVolume(0.3e-3) - upper), 1.0, 0.01);
@@ -272,7 +272,7 @@ TEST(CutField, StorageOfWhatIsClearIsUsedAgain) {
 
 TEST(CutField, TakesNothingWhereItIsFull) {
   Block block(50e-6, Quat::Identity(), nullptr, 3);
-  const Removal removal = block.Move(Bur::Ball(kRadius), Vec3(0, 0, -0.3e-3), Vec3(0, 0, -0.3e-3));
+  const CutAway removal = block.Move(Bur::Ball(kRadius), Vec3(0, 0, -0.3e-3), Vec3(0, 0, -0.3e-3));
   EXPECT_TRUE(removal.full);
   EXPECT_EQ(removal.total(), 0.0);
   EXPECT_EQ(block.cut.field().free_blocks(), 3u);

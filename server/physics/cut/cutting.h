@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "common/math/pose.h"
+#include "scenes/grid/bur.h"
+#include "scenes/grid/solid_grid.h"
+
+namespace palpate {
+
+/// What it takes to press a bur's edge into a material.
+struct CutMaterial {
+  double pressure = 0.0;   ///< p_0 > 0 [Pa]: up to it the material is rigid
+  double viscosity = 0.0;  ///< kappa >= 0 [Pa s/m]: what each m/s of the edge adds
+};
+
+/// A solid that a bur can cut.
+struct CutSolid {
+  std::shared_ptr<const SolidGrid> grid;
+  Pose X_WB;
+  std::array<CutMaterial, SolidGrid::kMaterials> materials;  ///< by their number in the grid
+  std::size_t most_bytes = 256u << 20;                       ///< that a session's cuts may take
+};
+
+/// A bur in a tool, and what it can cut.  What the tool's tree and mesh meet is rigid beside it;
+/// solids are felt by the bur alone.
+struct Cutting {
+  Bur bur;
+  Pose X_TB;          ///< of the bur's frame, in the tool's
+  int samples = 256;  ///< of the bur's surface
+  std::vector<CutSolid> solids;
+  double period = 1e-3;  ///< between two poses [s]: what viscosity is told of a step's speed
+};
+
+}  // namespace palpate

@@ -1,0 +1,69 @@
+#include "server/physics/solve/energies.h"
+
+namespace palpate {
+namespace {
+
+int CutRowsOf(const HapticModel& model) {
+  return static_cast<int>(model.bur_samples().size() * model.cutting()->solids.size());
+}
+
+}  // namespace
+
+Energies::Energies(const HapticModel& model)
+    : model_(&model), solver_(static_cast<std::size_t>(model.parameters().max_rows) + 16) {
+  if (model.soft_leaves() != nullptr) soft_.emplace(model.parameters().max_rows);
+  if (model.cutting() != nullptr) cut_.emplace(CutRowsOf(model));
+}
+
+void Energies::Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts) noexcept {
+  if (!cut_) return;
+  const StepParameters& spring = model_->parameters();
+  const CutTool tool{
+      model_->bur_samples(),    {p_G, q_WG}, p_G, spring.stiffness, model_->rotation_length(),
+      model_->cutting()->period};
+  cut_->Clear();
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    const CutSolid& solid = model_->cutting()->solids[i];
+    cut_->AddSolid(tool, cuts[i], solid.X_WB, solid.materials);
+  }
+}
+
+void Energies::Look(const ContactRows& rows, QpRows& rigid) noexcept {
+  acting_ = 0;
+  if (soft_) {
+    soft_->Set(*model_->soft_leaves(), rows);
+    if (soft_->any()) {
+      rigid = soft_->rigid();
+      energies_[acting_++] = &*soft_;
+    }
+  }
+  if (cut_ && cut_->count() > 0) energies_[acting_++] = &*cut_;
+}
+
+QpResult Energies::Solve(const Kernels& kernels, const double* t, const QpRows& rigid,
+                         std::span<const int> guess) noexcept {
+  // From where the tool is: what overlaps there mostly does so after the step too.
+  constexpr double start[6] = {};
+  return solver_.Solve(kernels, model_->degrees_of_freedom(), t, rigid, {energies_.data(), acting_},
+                       start, guess);
+}
+
+bool Energies::push() const noexcept {
+  return (soft() != nullptr && soft_->pushes()) || (cut_ && cut_->count() > 0 && cut_->pushes());
+}
+
+double Energies::Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,
+                     std::span<CutField> cuts) noexcept {
+  double volume = 0.0;
+  if (!cut_ || cut_->count() == 0) return volume;
+  const Cutting& cutting = *model_->cutting();
+  const Vec3 lever = q_WG * (cutting.X_TB.p - model_->reference());
+  const Pose X_WB{p_G + lever, q_WG * cutting.X_TB.q};
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    const Pose X_SW = cutting.solids[i].X_WB.Inverse();
+    volume += cuts[i].Remove(cutting.bur, X_SW * X_WB, X_SW.q * Vec3(v + phi.cross(lever))).total();
+  }
+  return volume;
+}
+
+}  // namespace palpate

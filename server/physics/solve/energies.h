@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include "common/math/pose.h"
+#include "scenes/grid/cut_field.h"
+#include "server/physics/cut/cut_rows.h"
+#include "server/physics/energy/energy_solver.h"
+#include "server/physics/haptic_model.h"
+#include "server/physics/rows/contact_rows.h"
+#include "server/physics/rows/soft_rows.h"
+
+namespace palpate {
+
+/// The energies beside the coupling's that a model has: the one place that knows which there are.
+/// Real-time but for the constructor.
+class Energies {
+ public:
+  explicit Energies(const HapticModel& model);
+
+  /// A sub-step begins with the tool's reference point at p_G.
+  void Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts) noexcept;
+  /// To be called before each solve: looks which act among these rows, and takes what yields out of
+  /// those that no step may violate.
+  void Look(const ContactRows& rows, QpRows& rigid) noexcept;
+  bool act() const { return acting_ > 0; }
+
+  /// The step nearest to t under rigid rows and the energies that act (EnergySolver).
+  QpResult Solve(const Kernels& kernels, const double* t, const QpRows& rigid,
+                 std::span<const int> guess) noexcept;
+  /// Whether any pushed there; what all did, of [v; rho phi], over the coupling's stiffness [m].
+  bool push() const noexcept;
+  const double* force() const { return solver_.force(); }
+
+  /// Null where no row is soft.
+  const SoftRows* soft() const { return soft_ && soft_->any() ? &*soft_ : nullptr; }
+  /// Takes away what the bur passes in a motion of the tool from p_G.  Returns how much [m^3].
+  double Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,
+             std::span<CutField> cuts) noexcept;
+
+ private:
+  const HapticModel* model_;
+  EnergySolver solver_;
+  std::optional<SoftRows> soft_;
+  std::optional<CutRows> cut_;
+  std::array<Energy*, 2> energies_{};
+  std::size_t acting_ = 0;
+};
+
+}  // namespace palpate
