@@ -9,8 +9,8 @@ namespace palpate {
 /// A convex energy of a step x = [v; rho phi] beside that of the coupling: what pushes the tool,
 /// and is no wall to it.  All over the coupling's stiffness k_t, so that forces are lengths.  A new
 /// kind of force is a class that derives from this (soft leaves: rows/soft_rows.h; a bur:
-/// cut/cut_rows.h) and a line in StepBuffers. Functions are real-time: no allocation, lock, log or
-/// clock; and deterministic.
+/// cut/cut_rows.h) and its place in Energies (solve/energies.h).  Functions are real-time: no
+/// allocation, lock, log or clock; and deterministic.
 class Energy {
  public:
   virtual ~Energy() = default;
