@@ -392,6 +392,9 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
     if (const ShapeKind* kind = ShapeOf(from.mesh); kind != nullptr && kind->margin != nullptr) {
       body.margin = kind->margin(from.mesh.variant, from.mesh.values);
     }
+    if (const ShapeKind* kind = ShapeOf(from.mesh); kind != nullptr && kind->bur != nullptr) {
+      body.bur = kind->bur(from.mesh.variant, from.mesh.values);
+    }
     PaintLeaves(from, shape.groups, body);
     return body;
   };

@@ -130,6 +130,18 @@ Material Resolve(const MaterialDescription& description, std::uint8_t index, con
 void PaintLeaves(const BodyDescription& description, const std::vector<MeshGroup>& groups,
                  Body& body) {
   body.materials = {description.material.material};
+  if (description.grid) {
+    // Its points have materials, and not its leaves.
+    body.grid.emplace().spacing = *description.grid;
+    for (const RegionDescription& region : description.regions) {
+      const auto material = static_cast<std::uint8_t>(body.materials.size());
+      const bool ball = region.kind == RegionDescription::Kind::kSphere;
+      body.grid->regions.push_back({ball ? region.ball.centre : region.box.min(), region.box.max(),
+                                    ball ? region.ball.radius : 0.0, material});
+      body.materials.push_back(region.material.material);
+    }
+    return;
+  }
   if (description.regions.empty() && description.material.youngs_modulus <= 0.0) return;
   const Exposed exposed(body);
   const std::vector<double> areas = LeafAreas(body, exposed);

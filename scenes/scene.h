@@ -28,6 +28,35 @@ struct Material {
   double dynamic_friction = 0.0;  ///< mu_d <= mu_s
   /// Scraping work [J] after which a leaf is gone; infinite: it stays.
   double hardness = std::numeric_limits<double>::infinity();
+  // Of bodies that burs cut (Body::grid; server/physics/cut/README.md has the law):
+  double cutting_pressure = 0.0;   ///< p_0 [Pa]: up to it an edge does not enter; 0: no such body
+  double cutting_viscosity = 0.0;  ///< kappa [Pa s/m]: what each m/s of the edge adds
+};
+
+/// A part of a body that is of another material.
+struct MaterialRegion {
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< a box in frame B [m]; or, where radius > 0:
+  double radius = 0.0;                           ///< a ball round `low`
+  std::uint8_t material = 0;
+
+  bool Holds(const Vec3& p_B) const {
+    return radius > 0.0 ? (p_B - low).norm() <= radius
+                        : (p_B.array() >= low.array()).all() && (p_B.array() <= high.array()).all();
+  }
+};
+
+/// A body that burs cut is a distance grid (scenes/grid).
+struct BodyGrid {
+  double spacing = 50e-6;  ///< [m]
+  std::vector<MaterialRegion>
+      regions;  ///< later ones over earlier ones; the rest is of materials[0]
+};
+
+/// The cutting part of a tool: what a convex curve (rho, z) sweeps that turns round its axis, made
+/// thicker by the rounding [m].  The tip is the origin of frame B, and the axis is its y.
+struct BurProfile {
+  std::vector<std::array<double, 2>> curve;
+  double rounding = 0.0;
 };
 
 /// A rigid body of the scene: its mesh and its sphere tree share one frame B.
@@ -45,6 +74,8 @@ struct Body {
   /// Of gum: the margin round its tooth, closed, counter-clockwise seen from the chewing surface,
   /// in frame B [m]; empty: not known.  What probing depth is measured from.
   std::vector<Vec3> margin{};
+  std::optional<BodyGrid> grid{};   ///< objects: of one that burs cut
+  std::optional<BurProfile> bur{};  ///< tools: of one that cuts
   /// What was mended of its mesh when it was read, for people: a sentence each.
   std::vector<std::string> remarks{};
 };

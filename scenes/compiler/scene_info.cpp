@@ -69,6 +69,11 @@ std::string MaterialLines(const Body& body) {
                             ? std::ptrdiff_t(body.tree.leaves())
                             : std::count(body.leaf_material.begin(), body.leaf_material.end(), m);
     const Material& material = body.materials[m];
+    if (body.grid) {
+      text += fmt::format("    material {}, cut by burs at {:g} MPa and {:g} MPa s/mm\n", m,
+                          1e-6 * material.cutting_pressure, 1e-9 * material.cutting_viscosity);
+      continue;
+    }
     text += fmt::format(
         "    material {}, {} leaves: {}, friction {:g} static {:g} dynamic", m, leaves,
         std::isfinite(material.stiffness) ? fmt::format("{:g} N/m a leaf", material.stiffness)

@@ -103,6 +103,30 @@ flatbuffers::Offset<wire::Geometry> PackGeometry(const Body& body,
                               node_radius, node_child, level_begin, &centroid);
 }
 
+flatbuffers::Offset<wire::Grid> PackGrid(const Body& body, flatbuffers::FlatBufferBuilder& out) {
+  if (!body.grid) return 0;
+  std::vector<double> pressures, viscosities;
+  for (const Material& m : body.materials) {
+    pressures.push_back(m.cutting_pressure);
+    viscosities.push_back(m.cutting_viscosity);
+  }
+  std::vector<wire::Region> regions;
+  for (const MaterialRegion& r : body.grid->regions) {
+    regions.emplace_back(ToWire(r.low), ToWire(r.high), r.radius, r.material);
+  }
+  const auto pressures_at = out.CreateVector(pressures);
+  const auto viscosities_at = out.CreateVector(viscosities);
+  return wire::CreateGrid(out, body.grid->spacing, pressures_at, viscosities_at,
+                          out.CreateVectorOfStructs(regions));
+}
+
+flatbuffers::Offset<wire::Bur> PackBur(const Body& body, flatbuffers::FlatBufferBuilder& out) {
+  if (!body.bur) return 0;
+  std::vector<double> curve;
+  for (const auto& point : body.bur->curve) curve.insert(curve.end(), point.begin(), point.end());
+  return wire::CreateBur(out, out.CreateVector(curve), body.bur->rounding);
+}
+
 /// Reads one geometry; what does not agree is thrown as text, and named by the caller.
 class GeometryReader {
  public:
@@ -297,6 +321,46 @@ void ReadMargin(const wire::Body& in, Body& out) {
   }
 }
 
+void ReadGrid(const wire::Grid* in, Body& out) {
+  if (in == nullptr) return;
+  const auto all_of_materials = [&](const auto* list) {
+    return list != nullptr && list->size() == out.materials.size();
+  };
+  const bool fine = in->spacing() > 24e-6 && in->spacing() < 201e-6 &&
+                    all_of_materials(in->pressures()) && all_of_materials(in->viscosities());
+  if (!fine) throw Error("a grid is none");
+  out.grid.emplace().spacing = in->spacing();
+  for (unsigned m = 0; m < out.materials.size(); ++m) {
+    const double pressure = in->pressures()->Get(m), viscosity = in->viscosities()->Get(m);
+    if (!(pressure > 0.0 && std::isfinite(pressure) && viscosity >= 0.0 &&
+          std::isfinite(viscosity))) {
+      throw Error("a material that is cut is none");
+    }
+    out.materials[m].cutting_pressure = pressure;
+    out.materials[m].cutting_viscosity = viscosity;
+  }
+  if (in->regions() == nullptr) return;
+  for (const wire::Region* r : *in->regions()) {
+    const MaterialRegion region{FromWire(r->low()), FromWire(r->high()), r->radius(),
+                                r->material()};
+    if (!region.low.allFinite() || !region.high.allFinite() || !std::isfinite(region.radius) ||
+        region.material >= out.materials.size()) {
+      throw Error("a region is none");
+    }
+    out.grid->regions.push_back(region);
+  }
+}
+
+void ReadBur(const wire::Bur* in, Body& out) {
+  if (in == nullptr) return;
+  const auto* curve = in->curve();
+  if (curve == nullptr || curve->size() < 2 || curve->size() % 2 != 0) throw Error("a bur is none");
+  out.bur.emplace().rounding = in->rounding();
+  for (unsigned i = 0; i < curve->size(); i += 2) {
+    out.bur->curve.push_back({curve->Get(i), curve->Get(i + 1)});
+  }
+}
+
 Features FromWire(const wire::Features& in) {
   if (in.contact() > wire::Contact::MAX || in.friction() > wire::Friction::MAX) {
     throw Error("its features are not known");
@@ -347,6 +411,8 @@ Scene ReadScene(const wire::Scene& in) {
       ReadAmbient(*body, bodies.back());
       ReadMargin(*body, bodies.back());
       ReadMaterials(*body, bodies.back());
+      ReadGrid(body->grid(), bodies.back());
+      ReadBur(body->bur(), bodies.back());
     }
     return bodies;
   };
@@ -444,7 +510,8 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
           body.ambient.empty() ? 0 : out.CreateVector(body.ambient),
           keep && !body.remarks.empty() ? out.CreateVectorOfStrings(body.remarks) : 0,
           keep ? static_cast<wire::TreeOrigin>(body.tree.origin) : wire::TreeOrigin::Unknown,
-          margin.empty() ? 0 : out.CreateVectorOfStructs(margin)));
+          margin.empty() ? 0 : out.CreateVectorOfStructs(margin), PackGrid(body, out),
+          PackBur(body, out)));
     }
     return out.CreateVector(packed);
   };

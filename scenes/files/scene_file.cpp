@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 
 enum class BodyKind { kTool, kObject };
 
-constexpr std::size_t kMaxMaterials = 256;  // of a body: Body::leaf_material is of bytes
+constexpr std::size_t kMaxMaterials = 256;    // of a body: Body::leaf_material is of bytes
+constexpr std::size_t kMaxGridMaterials = 8;  // SolidGrid::kMaterials
 constexpr std::size_t kShapeTriangles = 5120;
 constexpr double kLongest = 1000.0;  // [m]: a length beyond it is a forgotten unit
 
@@ -149,7 +150,8 @@ MeshSource ReadImported(const JsonNode& node, const fs::path& folder) {
 
 MaterialDescription ReadMaterial(const JsonNode& node) {
   node.AllowOnly({"stiffness_N_per_m", "youngs_modulus_Pa", "thickness_mm", "static_friction",
-                  "dynamic_friction", "hardness_J"});
+                  "dynamic_friction", "hardness_J", "cutting_pressure_MPa",
+                  "cutting_viscosity_MPa_s_per_mm"});
   MaterialDescription read;
   Material& material = read.material;
   read.where = node.Where();
@@ -181,6 +183,12 @@ MaterialDescription ReadMaterial(const JsonNode& node) {
     mu_d->Fail("is above static_friction, which no material is; give at most that");
   }
   if (auto hardness = node.Find("hardness_J")) material.hardness = hardness->PositiveNumber();
+  const auto pressure = node.Find("cutting_pressure_MPa");
+  if (pressure) material.cutting_pressure = 1e6 * pressure->Number(1e-3, 1e5);
+  if (auto viscosity = node.Find("cutting_viscosity_MPa_s_per_mm")) {
+    if (!pressure) viscosity->Fail("belongs to a pressure; add cutting_pressure_MPa or drop it");
+    material.cutting_viscosity = 1e9 * viscosity->Number(0.0, 1e4);
+  }
   return read;
 }
 
@@ -361,11 +369,62 @@ void ReadLeaves(const JsonNode& node, BodyDescription& body) {
   }
 }
 
+/// What burs cut is made of such materials alone, each point of one.
+void ReadGrid(const JsonNode& node, BodyDescription& body) {
+  body.grid = 1e-6 * node.Number(25.0, 200.0);
+  const auto check = [&](const MaterialDescription& of) {
+    const Material& m = of.material;
+    const std::string where = of.where.empty() ? node.Where() : of.where;
+    if (!(m.cutting_pressure > 0.0)) {
+      throw Error(where + ": says not what it takes to cut it; add cutting_pressure_MPa");
+    }
+    if (of.youngs_modulus > 0.0 || std::isfinite(m.stiffness) || std::isfinite(m.hardness)) {
+      throw Error(where +
+                  ": a body that burs cut neither yields nor wears; drop grid_um, or the "
+                  "stiffness, modulus and hardness");
+    }
+  };
+  check(body.material);
+  for (const RegionDescription& region : body.regions) {
+    check(region.material);
+    if (region.kind == RegionDescription::Kind::kGroup) {
+      throw Error(region.where +
+                  ": a group paints a surface, and a body that burs cut needs its "
+                  "inside painted; give \"box\" or \"sphere\"");
+    }
+  }
+  if (body.regions.size() >= kMaxGridMaterials) {
+    node.Fail("goes with " + std::to_string(kMaxGridMaterials - 1) + " regions at most");
+  }
+}
+
+/// A bur feels what it can cut by its edge, and other tools would not feel it.
+void CheckCutting(const JsonNode& root, const SceneDescription& scene) {
+  const auto cut =
+      std::ranges::find_if(scene.objects, [](const auto& b) { return b.grid.has_value(); });
+  for (std::size_t i = 0; i < scene.tools.size(); ++i) {
+    const MeshSource& mesh = scene.tools[i].mesh;
+    const ShapeKind* kind = FindShapeKind(mesh.what);
+    const bool is_bur = mesh.kind == MeshSource::Kind::kShape && kind != nullptr && kind->bur;
+    const JsonNode node = root.At("tools").Items()[i].At("mesh");
+    if (cut != scene.objects.end() && !is_bur) {
+      node.Fail("\"" + cut->name +
+                "\" is felt by burs alone; give this tool {\"shape\": \"bur\", "
+                "\"kind\": \"ball\"}, or \"" +
+                cut->name + "\" no grid_um");
+    }
+    if (cut == scene.objects.end() && is_bur) {
+      node.Fail("is a bur, and nothing can be cut; give an object \"grid_um\", or another tool");
+    }
+  }
+}
+
 BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& folder) {
   const bool object = kind == BodyKind::kObject;
   const std::string_view pose_field = object ? "pose" : "start";
   if (object) {
-    node.AllowOnly({"name", "mesh", "leaves", "tree", pose_field, "look", "material", "regions"});
+    node.AllowOnly(
+        {"name", "mesh", "leaves", "tree", pose_field, "look", "material", "regions", "grid_um"});
   } else {
     node.AllowOnly({"name", "mesh", "leaves", "tree", pose_field, "look"});
   }
@@ -400,6 +459,7 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
         regions->Fail("are too many; give at most " + std::to_string(kMaxMaterials - 1));
       }
     }
+    if (auto grid = node.Find("grid_um")) ReadGrid(*grid, body);
   }
   return body;
 }
@@ -441,8 +501,9 @@ void ChooseModes(SceneDescription& scene) {
 void ChooseLeaves(SceneDescription& scene) {
   for (BodyDescription& body : scene.objects) {
     if (body.leaves > 0 || body.tolerance || !body.tree.built()) continue;
-    body.mesh_alone = body.tree_left_open && body.regions.empty() && !FeltByLeaves(body) &&
-                      scene.features.contact == ContactModel::kSurface;
+    body.mesh_alone = body.tree_left_open && (body.regions.empty() || body.grid) &&
+                      !FeltByLeaves(body) &&
+                      (scene.features.contact == ContactModel::kSurface || body.grid);
     if (!body.mesh_alone) body.tolerance = LeafTolerance{};
   }
 }
@@ -490,6 +551,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
   scene.features = ReadFeatures(root, scene);
   ChooseModes(scene);
   CheckCurved(root, scene);
+  CheckCutting(root, scene);
   if (auto whole = root.Find("whole_at_start")) {
     scene.whole_at_start = whole->Boolean();
     if (scene.whole_at_start && !scene.features.removal) {

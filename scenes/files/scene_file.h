@@ -76,6 +76,7 @@ struct BodyDescription {
   Pose X_WB;
   MaterialDescription material;            ///< objects: of what no region paints
   std::vector<RegionDescription> regions;  ///< objects: later ones over earlier ones
+  std::optional<double> grid;              ///< objects that burs cut: spacing [m]
   std::string look;                        ///< one of kLooks; empty: what its material is
 };
 

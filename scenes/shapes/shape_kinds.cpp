@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "scenes/shapes/bur_shapes.h"
 #include "scenes/shapes/dental_shapes.h"
 #include "scenes/shapes/mouth_shapes.h"
 #include "scenes/shapes/shapes.h"
@@ -32,6 +33,14 @@ ToothSize SizeFrom(ToothKind kind, std::span<const double> values) {
 }
 
 using Values = std::span<const double>;
+
+/// A ball has its diameter alone; a cone's tip is half as wide where the file leaves it out.
+BurProfile ProfileFrom(std::size_t variant, Values v) {
+  const double radius = 0.5 * v[0], rounding = v[3];
+  if (variant == 0) return BallBur(radius);
+  if (variant == 1) return ConeBur(radius, radius, v[1], rounding);
+  return ConeBur(v[2] > 0.0 ? 0.5 * v[2] : 0.5 * radius, radius, v[1], rounding);
+}
 
 }  // namespace
 
@@ -95,6 +104,14 @@ std::span<const ShapeKind> ShapeKinds() {
        [](std::size_t variant, Values v) {
          return MakeMould(variant == 0, v[0], v[1], v[2], v[3]);
        }},
+      {"bur",
+       {"ball", "cylinder", "cone"},
+       {Millimetres("diameter_mm", 1.4, 0.3, 10), Millimetres("length_mm", 4, 0.5, 20),
+        Millimetres("tip_diameter_mm", 0, 0.2, 10), Millimetres("rounding_mm", 0.1, 0.02, 5),
+        Millimetres("handle_mm", 60, 30, 150)},
+       [](std::size_t variant, Values v) { return MakeBur(ProfileFrom(variant, v), v[4]); },
+       nullptr,
+       ProfileFrom},
   };
   return kKinds;
 }

@@ -25,6 +25,8 @@ struct ShapeKind {
   TriangleMesh (*make)(std::size_t variant, std::span<const double> values);
   /// Its gingival margin (Body::margin); null: it has none.
   std::vector<Vec3> (*margin)(std::size_t variant, std::span<const double> values) = nullptr;
+  /// What of it cuts (Body::bur); null: nothing.
+  BurProfile (*bur)(std::size_t variant, std::span<const double> values) = nullptr;
 };
 
 /// All of them (scenes/catalogue/README.md says what each looks like).

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "common/error.h"
 #include "scenes/catalogue.h"
 #include "server/offer/generated_hand.h"
 #include "server/physics/scene_model.h"
@@ -30,6 +31,12 @@ void AddGeneratedHand(const Scene& scene, const Body& body, std::uint64_t seed,
 
 ServedScene ServeScene(const Scene& scene, const std::string& name_or_path,
                        std::uint64_t hand_seed) {
+  for (const Body& body : scene.objects) {
+    if (!body.grid) continue;
+    throw Error(name_or_path + ": \"" + body.name +
+                "\" can be cut, and viewers cannot show yet what of it is gone; feel it with "
+                "palpate-bench cycle or the library, or drop its grid_um");
+  }
   ServedScene served;
   served.name = scene.name;
   served.file = fs::path(FindSceneFile(name_or_path)).filename().string();

@@ -14,7 +14,11 @@ namespace palpate {
 namespace {
 
 double LeavesAlone(const PlacedTree& object, double radius) {
-  return IsFeltByMesh(object) ? 0.0 : radius;
+  return object.is_cut || IsFeltByMesh(object) ? 0.0 : radius;
+}
+
+double LeavesOfUncut(const PlacedTree& object, double radius) {
+  return object.is_cut ? 0.0 : radius;
 }
 
 double CoresAlone(const PlacedTree& object, double radius) {
@@ -23,9 +27,13 @@ double CoresAlone(const PlacedTree& object, double radius) {
 
 }  // namespace
 
-SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel contact)
+SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel contact,
+                           std::vector<CutSolid> solids)
     : contact_(contact),
-      forest_(objects, contact == ContactModel::kSurface ? &LeavesAlone : nullptr) {
+      forest_(objects, contact == ContactModel::kSurface ? &LeavesAlone
+                       : solids.empty()                  ? nullptr
+                                                         : &LeavesOfUncut),
+      solids_(std::move(solids)) {
   if (contact == ContactModel::kSurface) bodies_ = ContactBodies::Make(objects);
   if (bodies_ != nullptr) cores_ = std::make_unique<const ObjectForest>(objects, &CoresAlone);
 }
@@ -33,13 +41,14 @@ SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel con
 SceneObjects::~SceneObjects() = default;
 
 std::shared_ptr<const SceneObjects> HapticModel::MakeObjects(std::span<const PlacedTree> objects,
-                                                             ContactModel contact) {
-  return std::make_shared<const SceneObjects>(objects, contact);
+                                                             ContactModel contact,
+                                                             std::vector<CutSolid> solids) {
+  return std::make_shared<const SceneObjects>(objects, contact, std::move(solids));
 }
 
 HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
                          const StepParameters& parameters, const TriangleMesh* tool_mesh,
-                         std::shared_ptr<const Cutting> cutting)
+                         std::optional<Cutting> cutting)
     : parameters_(parameters), objects_(std::move(objects)), cutting_(std::move(cutting)) {
   const auto positive = [](double value, const char* name) {
     if (!(value > 0.0) || !std::isfinite(value)) {
@@ -85,7 +94,7 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   if (parameters_.features.compliance) {
     soft_ = SoftLeaves::Make(this->objects(), parameters_.stiffness);
   }
-  if (cutting_ != nullptr) SetCutting();
+  if (cutting_) SetCutting();
 }
 
 /// Rows of a bur are right for steps within the grids' bands.
@@ -97,7 +106,7 @@ void HapticModel::SetCutting() {
     sample.normal = cutting_->X_TB.q * sample.normal;
     longest = std::max(longest, sample.point.norm());
   }
-  for (const CutSolid& solid : cutting_->solids) {
+  for (const CutSolid& solid : solids()) {
     const double most = 0.5 * solid.grid->field().band();
     parameters_.max_translation = std::min(parameters_.max_translation, most);
     parameters_.max_rotation = std::min(parameters_.max_rotation, most / longest);

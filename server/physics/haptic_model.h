@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,7 +25,8 @@ class SceneObjects {
   /// Throws Error where there is no object, a tree is empty or not finite, or a mesh is lacking for
   /// ContactModel::kSurface.
   explicit SceneObjects(std::span<const PlacedTree> objects,
-                        ContactModel contact = ContactModel::kSpheres);
+                        ContactModel contact = ContactModel::kSpheres,
+                        std::vector<CutSolid> solids = {});
   ~SceneObjects();
 
   /// The leaves of all objects; those of objects that are felt by their meshes touch nothing.
@@ -34,12 +36,15 @@ class SceneObjects {
   /// limits::kCoreDepth, which tell soonest what is inside.  Both null where there are none.
   const ContactBodies* bodies() const { return bodies_.get(); }
   const ObjectForest* cores() const { return cores_.get(); }
+  /// What burs can cut.
+  std::span<const CutSolid> solids() const { return solids_; }
 
  private:
   ContactModel contact_;
   ObjectForest forest_;
   std::unique_ptr<const ContactBodies> bodies_;
   std::unique_ptr<const ObjectForest> cores_;
+  std::vector<CutSolid> solids_;
 };
 
 /// What a step needs to know and never changes: one tool against the objects of a scene.
@@ -48,13 +53,14 @@ class HapticModel {
  public:
   /// As the constructor of SceneObjects.
   static std::shared_ptr<const SceneObjects> MakeObjects(
-      std::span<const PlacedTree> objects, ContactModel contact = ContactModel::kSpheres);
+      std::span<const PlacedTree> objects, ContactModel contact = ContactModel::kSpheres,
+      std::vector<CutSolid> solids = {});
   /// `tool_mesh`: needed for ContactModel::kSurface only.  `cutting`: null unless the tool is a
   /// bur. Throws Error where a parameter is out of range, the tool's tree is empty or not finite,
   /// or its mesh is lacking.
   HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
               const StepParameters& parameters, const TriangleMesh* tool_mesh = nullptr,
-              std::shared_ptr<const Cutting> cutting = nullptr);
+              std::optional<Cutting> cutting = std::nullopt);
   ~HapticModel();
   HapticModel(HapticModel&&) noexcept;
 
@@ -68,7 +74,11 @@ class HapticModel {
   /// Null unless the features name compliance and some leaf is soft.
   const SoftLeaves* soft_leaves() const { return soft_.get(); }
   /// Null where the tool is no bur.
-  const Cutting* cutting() const { return cutting_.get(); }
+  const Cutting* cutting() const { return cutting_ ? &*cutting_ : nullptr; }
+  /// What it can cut; none where the tool is no bur.
+  std::span<const CutSolid> solids() const {
+    return cutting_ ? objects_->solids() : std::span<const CutSolid>();
+  }
   /// Samples of the bur about the reference point, in the tool's frame.
   std::span<const BurSample> bur_samples() const { return bur_samples_; }
   /// The leaf of the forest that the object side of a row's pair belongs to: its material is the
@@ -90,7 +100,7 @@ class HapticModel {
   std::unique_ptr<const ContactBody> tool_body_;
   std::shared_ptr<const SceneObjects> objects_;
   std::unique_ptr<const SoftLeaves> soft_;
-  std::shared_ptr<const Cutting> cutting_;
+  std::optional<Cutting> cutting_;
   std::vector<BurSample> bur_samples_;
 };
 

@@ -1,5 +1,7 @@
 #include "server/physics/scene_model.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "common/error.h"
@@ -13,16 +15,48 @@ static_assert(StepTuning{} == StepTuning{limits::mesh::kSeparation, limits::kMax
                                          limits::mesh::kMaxLooks, limits::friction::kStillCycles},
               "a scene that leaves its tuning out is stepped as the physics' pages say");
 
+namespace {
+
+/// What a grid may take, and a session's cuts in it again: a tooth of 10 mm at 50 um takes a third.
+constexpr std::size_t kMostGridBytes = 256u << 20;
+
+CutSolid SolidOf(const Body& body) {
+  SolidGridOptions options{.spacing = body.grid->spacing, .most_bytes = kMostGridBytes};
+  options.material = [&](const Vec3& p_B) {
+    std::uint8_t material = 0;
+    for (const MaterialRegion& region : body.grid->regions) {
+      if (region.Holds(p_B)) material = region.material;
+    }
+    return material;
+  };
+  CutSolid solid{std::make_shared<const SolidGrid>(body.mesh, options, body.name), body.X_WB, {}};
+  for (std::size_t m = 0; m < std::min(body.materials.size(), solid.materials.size()); ++m) {
+    solid.materials[m] = {body.materials[m].cutting_pressure, body.materials[m].cutting_viscosity};
+  }
+  return solid;
+}
+
+/// The bur's axis is z in its own frame, from the tip's middle on, and y in the tool's, from the
+/// tip on.
+Cutting CuttingOf(const BurProfile& profile) {
+  const Quat z_to_y(Eigen::AngleAxisd(-0.5 * M_PI, Vec3::UnitX()));
+  return {Bur(profile.curve, profile.rounding), {Vec3(0.0, profile.rounding, 0.0), z_to_y}};
+}
+
+}  // namespace
+
 std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
   std::vector<PlacedTree> placed;
+  std::vector<CutSolid> solids;
   for (const Body& object : scene.objects) {
     if (!IsPose(object.X_WB)) {
       throw Error(object.name + ": its pose must be finite, its quaternion of length 1");
     }
-    placed.push_back(
-        {&object.tree, object.X_WB, &object.mesh, object.leaf_material, object.materials});
+    placed.push_back({&object.tree, object.X_WB, &object.mesh, object.leaf_material,
+                      object.materials, object.grid.has_value()});
+    if (object.grid) solids.push_back(SolidOf(object));
   }
-  return HapticModel::MakeObjects(placed, scene.features.contact);
+  return HapticModel::MakeObjects(placed, scene.features.contact, std::move(solids));
 }
 
 HapticModel MakeModel(const Scene& scene, const Body& tool,
@@ -39,7 +73,8 @@ HapticModel MakeModel(const Scene& scene, const Body& tool,
   parameters.looks = tuning.looks;
   parameters.still_cycles = tuning.still_cycles;
   parameters.features = scene.features;
-  return HapticModel(tool.tree, std::move(objects), parameters, &tool.mesh);
+  return HapticModel(tool.tree, std::move(objects), parameters, &tool.mesh,
+                     tool.bur ? std::optional(CuttingOf(*tool.bur)) : std::nullopt);
 }
 
 }  // namespace palpate

@@ -7,8 +7,7 @@ namespace palpate {
 StepState::StepState(const HapticModel& model) {
   if (model.parameters().features.removal) wear = LeafWear(model.objects());
   if (model.bodies() != nullptr) front.Reserve();
-  if (model.cutting() == nullptr) return;
-  for (const CutSolid& solid : model.cutting()->solids) {
+  for (const CutSolid& solid : model.solids()) {
     cuts.emplace_back(*solid.grid, solid.most_bytes, "solid " + std::to_string(cuts.size()));
   }
 }

@@ -21,6 +21,7 @@ struct PlacedTree {
   const TriangleMesh* mesh = nullptr;             ///< needed for ContactModel::kSurface only
   std::span<const std::uint8_t> leaf_material{};  ///< as in Body
   std::span<const Material> materials{};          ///< empty: all leaves are of Material{}
+  bool is_cut = false;                            ///< felt by burs alone, as a CutSolid
 };
 
 /// Constants of the step that a scene or a benchmark may set; limits.h derives them.  Zero means

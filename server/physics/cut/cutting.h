@@ -2,7 +2,6 @@
 
 #include <array>
 #include <memory>
-#include <vector>
 
 #include "common/math/pose.h"
 #include "scenes/grid/bur.h"
@@ -24,13 +23,12 @@ struct CutSolid {
   std::size_t most_bytes = 256u << 20;                       ///< that a session's cuts may take
 };
 
-/// A bur in a tool, and what it can cut.  What the tool's tree and mesh meet is rigid beside it;
-/// solids are felt by the bur alone.
+/// A bur in a tool.  What the tool's tree and mesh meet is rigid beside it; solids are felt by the
+/// bur alone.
 struct Cutting {
   Bur bur;
-  Pose X_TB;          ///< of the bur's frame, in the tool's
-  int samples = 256;  ///< of the bur's surface
-  std::vector<CutSolid> solids;
+  Pose X_TB;             ///< of the bur's frame, in the tool's
+  int samples = 256;     ///< of the bur's surface
   double period = 1e-3;  ///< between two poses [s]: what viscosity is told of a step's speed
 };
 

@@ -4,7 +4,7 @@ namespace palpate {
 namespace {
 
 int CutRowsOf(const HapticModel& model) {
-  return static_cast<int>(model.bur_samples().size() * model.cutting()->solids.size());
+  return static_cast<int>(model.bur_samples().size() * model.solids().size());
 }
 
 }  // namespace
@@ -12,7 +12,7 @@ int CutRowsOf(const HapticModel& model) {
 Energies::Energies(const HapticModel& model)
     : model_(&model), solver_(static_cast<std::size_t>(model.parameters().max_rows) + 16) {
   if (model.soft_leaves() != nullptr) soft_.emplace(model.parameters().max_rows);
-  if (model.cutting() != nullptr) cut_.emplace(CutRowsOf(model));
+  if (!model.solids().empty()) cut_.emplace(CutRowsOf(model));
 }
 
 void Energies::Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts) noexcept {
@@ -23,7 +23,7 @@ void Energies::Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField
       model_->cutting()->period};
   cut_->Clear();
   for (std::size_t i = 0; i < cuts.size(); ++i) {
-    const CutSolid& solid = model_->cutting()->solids[i];
+    const CutSolid& solid = model_->solids()[i];
     cut_->AddSolid(tool, cuts[i], solid.X_WB, solid.materials);
   }
 }
@@ -60,7 +60,7 @@ double Energies::Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec
   const Vec3 lever = q_WG * (cutting.X_TB.p - model_->reference());
   const Pose X_WB{p_G + lever, q_WG * cutting.X_TB.q};
   for (std::size_t i = 0; i < cuts.size(); ++i) {
-    const Pose X_SW = cutting.solids[i].X_WB.Inverse();
+    const Pose X_SW = model_->solids()[i].X_WB.Inverse();
     volume += cuts[i].Remove(cutting.bur, X_SW * X_WB, X_SW.q * Vec3(v + phi.cross(lever))).total();
   }
   return volume;

@@ -20,7 +20,7 @@ struct StepBuffers {
       meshes.emplace(*model.tool_body(), model.bodies()->bodies(), model.parameters().max_rows,
                      model.parameters().separation, model.parameters().looks);
     }
-    if (model.soft_leaves() != nullptr || model.cutting() != nullptr) {
+    if (model.soft_leaves() != nullptr || !model.solids().empty()) {
       energies.emplace(model);
     }
   }

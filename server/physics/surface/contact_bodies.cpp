@@ -70,9 +70,10 @@ Made MakeBody(const PlacedTree* object, std::int32_t first_leaf) {
 }  // namespace
 
 bool IsFeltByMesh(const PlacedTree& object) {
-  return std::none_of(object.materials.begin(), object.materials.end(), [](const Material& m) {
-    return std::isfinite(m.stiffness) || std::isfinite(m.hardness);
-  });
+  return !object.is_cut &&
+         std::none_of(object.materials.begin(), object.materials.end(), [](const Material& m) {
+           return std::isfinite(m.stiffness) || std::isfinite(m.hardness);
+         });
 }
 
 std::unique_ptr<const ContactBodies> ContactBodies::Make(std::span<const PlacedTree> objects) {

@@ -29,7 +29,7 @@ class CutStep : public testing::Test {
   void Make(std::vector<Ball> tool, std::vector<Ball> rigid, const CutMaterial& material = kDentine,
             int samples = 1024, const Quat& q_WB = Quat::Identity(),
             const TriangleMesh* mesh_of_rigid = nullptr) {
-    auto cutting = std::make_shared<Cutting>(Cutting{Bur::Ball(kBurRadius), {}, samples, {}});
+    const Cutting cutting{Bur::Ball(kBurRadius), {}, samples};
     TriangleMesh mesh = MakeBox(Vec3(2.4e-3, 1.6e-3, 0.8e-3));
     for (Vec3& v : mesh.vertices) v = q_WB.conjugate() * (v - Vec3(0, 0, 0.4e-3));
     CutSolid solid{std::make_shared<SolidGrid>(
@@ -37,7 +37,6 @@ class CutStep : public testing::Test {
                    {Vec3::Zero(), q_WB},
                    {}};
     solid.materials.fill(material);
-    cutting->solids.push_back(solid);
     tool_ = MakeTree(tool);
     if (!rigid.empty()) objects_ = MakeTree(rigid);
     PlacedTree placed{&objects_, {}};
@@ -48,7 +47,8 @@ class CutStep : public testing::Test {
       parameters.features.contact = ContactModel::kSurface;
     }
     model_ = std::make_unique<HapticModel>(
-        tool_, HapticModel::MakeObjects(std::span(&placed, 1), parameters.features.contact),
+        tool_,
+        HapticModel::MakeObjects(std::span(&placed, 1), parameters.features.contact, {solid}),
         parameters, nullptr, cutting);
     state_ = std::make_unique<StepState>(*model_);
     workspace_ = std::make_unique<StepWorkspace>(*model_);

@@ -1,0 +1,143 @@
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/catalogue.h"
+#include "scenes/files/scene_bundle.h"
+#include "scenes/files/scene_file.h"
+#include "server/physics/haptic_step.h"
+#include "server/physics/scene_model.h"
+#include "tests/support/complaint.h"
+#include "tests/support/folder.h"
+
+namespace palpate {
+namespace {
+
+using test::ComplaintOf;
+using testing::HasSubstr;
+
+const std::string kBallBur =
+    R"({"shape": "bur", "kind": "ball", "diameter_mm": 1.0, "handle_mm": 40})";
+const std::string kEnamelOnDentine = R"("grid_um": 100,
+  "material": {"cutting_pressure_MPa": 0.2, "cutting_viscosity_MPa_s_per_mm": 0.05},
+  "regions": [{"box": {"min_mm": [-9, 0.5, -9], "max_mm": [9, 9, 9]},
+               "material": {"cutting_pressure_MPa": 0.6}}])";
+
+std::string SceneText(const std::string& tool, const std::string& block) {
+  return R"({"tools": [{"name": "bur", "leaves": 16, "mesh": )" + tool +
+         R"(, "start": {"position_mm": [0, 3, 0]}}],
+ "objects": [{"name": "block", "mesh": {"shape": "box", "size_m": [0.004, 0.003, 0.004]}, )" +
+         block + R"(},
+  {"name": "table", "leaves": 8, "mesh": {"shape": "box", "size_m": [0.02, 0.002, 0.02]},
+   "pose": {"position_mm": [0, -3, 0]}}]})";
+}
+
+Scene Load(const std::string& text) {
+  const test::Folder folder;
+  const std::string file = folder / "s.json";
+  std::ofstream(file) << text;
+  LoadOptions options;
+  options.use_cache = false;
+  return LoadScene(file, options);
+}
+
+TEST(CutScene, GoesWholeThroughABundle) {
+  const Scene scene = Load(SceneText(kBallBur, kEnamelOnDentine));
+  const std::vector<std::uint8_t> bytes = PackScene(scene, 7);
+  const Scene back = UnpackScene(bytes, "s");
+  EXPECT_EQ(PackScene(back, 7), bytes);
+  ASSERT_TRUE(back.tools[0].bur.has_value());
+  EXPECT_EQ(back.tools[0].bur->rounding, 0.5e-3);
+  ASSERT_TRUE(back.objects[0].grid.has_value());
+  EXPECT_FALSE(back.objects[1].grid.has_value());
+  EXPECT_NEAR(back.objects[0].grid->spacing, 100e-6, 1e-12);
+  ASSERT_EQ(back.objects[0].materials.size(), 2u);
+  EXPECT_NEAR(back.objects[0].materials[0].cutting_pressure, 0.2e6, 1e-6);
+  EXPECT_NEAR(back.objects[0].materials[0].cutting_viscosity, 0.05e9, 1e-3);
+  EXPECT_NEAR(back.objects[0].materials[1].cutting_pressure, 0.6e6, 1e-6);
+  ASSERT_EQ(back.objects[0].grid->regions.size(), 1u);
+  EXPECT_TRUE(back.objects[0].grid->regions[0].Holds(Vec3(0, 1e-3, 0)));
+  EXPECT_FALSE(back.objects[0].grid->regions[0].Holds(Vec3(0, 0.4e-3, 0)));
+}
+
+// The bur's tip is the tool's origin and its axis the tool's y: pressed down at 1 mm/s it has the
+// law's force of what is before it, first enamel, then dentine, and then stops at the table.
+TEST(CutScene, IsFeltByItsBurThroughBothMaterialsDownToTheTable) {
+  const Scene scene = Load(SceneText(kBallBur, kEnamelOnDentine));
+  const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
+  StepState state(model);
+  StepWorkspace workspace(model);
+  state.X_WG = state.X_WH = {Vec3(0, 1.51e-3, 0)};
+  const double disc = M_PI * 0.25e-6;
+  StepReport report;
+  double volume = 0.0;
+  const auto down_to = [&](double y) {
+    for (double at = state.X_WH.p.y(); at > y; at -= 1e-6) {
+      report = HapticStep(model, {Vec3(0, at, 0)}, state, workspace);
+      ASSERT_EQ(report.faults, 0u);
+      volume += report.cut_volume;
+    }
+  };
+  // The hand is ahead of the bur by the force over 1 N/mm.
+  down_to(0.9e-3 - 0.47e-3);
+  EXPECT_NEAR(report.wrench.force.y(), disc * 0.6e6, 0.02 * disc * 0.6e6);
+  down_to(-0.6e-3);
+  const double in_dentine = disc * (0.2e6 + 0.05e9 * 1e-3 / 1.5);
+  EXPECT_NEAR(report.wrench.force.y(), in_dentine, 0.02 * in_dentine);
+  EXPECT_LT(std::hypot(report.wrench.force.x(), report.wrench.force.z()), 0.01 * in_dentine);
+  // A ball that is 2 mm deep: a capsule's end and a cylinder.
+  const double depth = 1.5e-3 - state.X_WG.p.y() - 0.5e-3;
+  EXPECT_NEAR(volume, disc * (depth + 0.5e-3 / 1.5), 0.01 * volume);
+  down_to(-3.0e-3);
+  EXPECT_NEAR(state.X_WG.p.y(), -2.0e-3, 5e-6);
+  EXPECT_NEAR(report.wrench.force.y(), 1.0, 0.01);
+}
+
+TEST(CutScene, NamesTheFieldAndTheRemedyOfWhatCannotBeCut) {
+  const struct {
+    std::string tool, block;
+    const char* complaint;
+  } bad[] = {
+      {R"({"shape": "sphere", "radius_m": 0.001})", kEnamelOnDentine,
+       "tools[0].mesh: \"block\" is felt by burs alone; give this tool"},
+      {kBallBur, R"("leaves": 8)", "tools[0].mesh: is a bur, and nothing can be cut"},
+      {kBallBur, R"("grid_um": 100)", "add cutting_pressure_MPa"},
+      {kBallBur, R"("grid_um": 10, "material": {"cutting_pressure_MPa": 1})",
+       "objects[0].grid_um: 10 is not allowed; give a number from 25 to 200"},
+      {kBallBur,
+       R"("grid_um": 50, "material": {"cutting_pressure_MPa": 1, "stiffness_N_per_m": 100})",
+       "objects[0].material: a body that burs cut neither yields nor wears"},
+      {kBallBur,
+       R"("grid_um": 50, "material": {"cutting_pressure_MPa": 1}, "regions": [{"group": "g",
+          "material": {"cutting_pressure_MPa": 2}}])",
+       "objects[0].regions[0]: a group paints a surface"},
+      {kBallBur, R"("grid_um": 50, "material": {"cutting_viscosity_MPa_s_per_mm": 1})",
+       "cutting_viscosity_MPa_s_per_mm: belongs to a pressure; add cutting_pressure_MPa"},
+      {R"({"shape": "bur", "kind": "pear"})", kEnamelOnDentine, "tools[0].mesh.kind: \"pear\""},
+  };
+  for (const auto& of : bad) {
+    EXPECT_THAT(ComplaintOf([&] { ParseScene(SceneText(of.tool, of.block), "f.json"); }),
+                testing::AllOf(testing::StartsWith("f.json:"), HasSubstr(of.complaint)));
+  }
+}
+
+TEST(CutScene, RefusesABundleWhoseGridOrBurIsNone) {
+  const Scene good = Load(SceneText(kBallBur, kEnamelOnDentine));
+  const auto complaint = [&](auto spoil) {
+    Scene scene = good;
+    spoil(scene);
+    return ComplaintOf([&] { UnpackScene(PackScene(scene), "s"); });
+  };
+  EXPECT_THAT(complaint([](Scene& s) { s.objects[0].grid->spacing = 1e-6; }),
+              HasSubstr("a grid is none"));
+  EXPECT_THAT(complaint([](Scene& s) { s.objects[0].materials[1].cutting_pressure = 0.0; }),
+              HasSubstr("a material that is cut is none"));
+  EXPECT_THAT(complaint([](Scene& s) { s.objects[0].grid->regions[0].material = 2; }),
+              HasSubstr("a region is none"));
+  EXPECT_THAT(complaint([](Scene& s) { s.tools[0].bur->curve.clear(); }),
+              HasSubstr("a bur is none"));
+}
+
+}  // namespace
+}  // namespace palpate
