@@ -35,7 +35,7 @@ ServedScene ServeScene(const Scene& scene, const std::string& name_or_path,
     if (!body.grid) continue;
     throw Error(name_or_path + ": \"" + body.name +
                 "\" can be cut, and viewers cannot show yet what of it is gone; feel it with "
-                "palpate-bench cycle or the library, or drop its grid_um");
+                "palpate-bench cut or the library, or drop its grid_um");
   }
   ServedScene served;
   served.name = scene.name;

@@ -11,16 +11,15 @@
 #include "server/physics/cut/cut_rows.h"
 #include "server/physics/energy/energy_solver.h"
 #include "tests/benchmarks/commands.h"
+#include "tests/benchmarks/cut_scene.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
 
 namespace palpate::bench {
 namespace {
 
-struct Options {
+struct Options : CutSceneOptions {
   std::vector<std::size_t> grids_um{100, 50, 25};
-  std::string json;
-  int repeats = 5;
 };
 
 constexpr double kPi = 3.14159265358979323846;
@@ -305,6 +304,7 @@ Json MeasureFissure(double spacing, double radius, double length, int repeats) {
 }
 
 void Run(const Options& options) {
+  if (!options.scene.empty()) return RunCutScene(options);
   auto volumes = Json::Array(), forces = Json::Array();
   fmt::print(stderr,
              "removed volume over the capsule's, less 1 [%]: plunge, and grooves whose axis lies "
@@ -371,7 +371,16 @@ void AddCut(CLI::App& app) {
   Command command(app, "cut",
                   "A ball bur of 0.5 mm in a flat block: volume against the exact sweep, force and "
                   "work against the\nlaw, time of a step.  About half a minute.\n"
-                  "Example: palpate-bench cut --json cut.json");
+                  "Or a scene of one's own: step, force, volume, work, surface and ripple.\n"
+                  "Example: palpate-bench cut --json cut.json\n"
+                  "         palpate-bench cut --scene ./groove.json");
+  command.Add("--scene", options->scene,
+              "Instead: a scene with a bur, from the catalogue or a file");
+  command
+      .Add("--poses", options->poses,
+           "Rows x,y,z,qw,qx,qy,qz, one a millisecond; if left out the scene's script, or a plunge "
+           "and a groove")
+      .Needs("--scene");
   command.Add("--grid-um", options->grids_um, "Spacings of the grid [um], 25 to 200");
   command.AddRepeats(options->repeats);
   command.AddJson(options->json);

@@ -1,0 +1,314 @@
+#include "tests/benchmarks/cut_scene.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "common/error.h"
+#include "common/math/rotation.h"
+#include "scenes/catalogue.h"
+#include "server/physics/haptic_step.h"
+#include "server/physics/scene_model.h"
+#include "tests/benchmarks/figures.h"
+#include "tests/benchmarks/machine.h"
+#include "tests/benchmarks/pose_source.h"
+
+namespace palpate::bench {
+namespace {
+
+constexpr double kPlungeSpeed = 2e-3, kFeed = 3e-3, kPeriod = 1e-3;
+
+/// What a run of a hand over the scene gave.
+struct Cut {
+  std::vector<double> us;
+  std::vector<Vec3> force;
+  std::vector<Pose> X_WG;  ///< of the tool, the start's first
+  double volume = 0.0, work = 0.0, jump = 0.0;
+  int unsolved = 0;
+  StepState state;
+};
+
+Cut Run(const HapticModel& model, const std::vector<Pose>& hand, int repeats) {
+  BestOf times;
+  Cut cut;
+  for (int r = 0; r < repeats; ++r) {
+    cut = Cut{};
+    cut.state = StepState(model);
+    StepWorkspace workspace(model);
+    cut.state.X_WG = cut.state.X_WH = hand.front();
+    cut.X_WG.push_back(hand.front());
+    std::vector<double> us;
+    for (const Pose& X_WH : hand) {
+      const auto begin = std::chrono::steady_clock::now();
+      const StepReport report = HapticStep(model, X_WH, cut.state, workspace);
+      us.push_back(
+          std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin)
+              .count());
+      const Pose& X = cut.X_WG.back();
+      const Vec3 v = report.X_WG * model.reference() - X * model.reference();
+      const Vec3 phi = RotationLog(report.X_WG.q * X.q.conjugate());
+      cut.work -= report.wrench.force.dot(v) + report.wrench.torque.dot(phi);
+      cut.volume += report.cut_volume;
+      cut.unsolved += (report.faults & kFaultUnsolved) != 0;
+      if (!cut.force.empty()) {
+        cut.jump = std::max(cut.jump, (report.wrench.force - cut.force.back()).norm());
+      }
+      cut.force.push_back(report.wrench.force);
+      cut.X_WG.push_back(report.X_WG);
+    }
+    times.Add(us);
+  }
+  cut.us = times.best();
+  return cut;
+}
+
+/// Down into the middle of the left of the first solid's top, as deep as two thirds of the bur, and
+/// then to the right, over half of its width.
+std::vector<Pose> UsualHand(const Scene& scene) {
+  const Body& solid =
+      *std::ranges::find_if(scene.objects, [](const Body& b) { return b.grid.has_value(); });
+  Vec3 low = Vec3::Constant(1e300), high = -low;
+  for (const Vec3& v : solid.mesh.vertices) {
+    low = low.cwiseMin(solid.X_WB * v);
+    high = high.cwiseMax(solid.X_WB * v);
+  }
+  double width = 0.0;
+  const BurProfile& bur = *scene.tools.front().bur;
+  for (const auto& point : bur.curve) width = std::max(width, point[0] + bur.rounding);
+  Vec3 at(low.x() + 0.25 * (high - low).x(), high.y() + 0.05e-3, 0.5 * (low + high).z());
+  std::vector<Pose> hand;
+  const double bottom = high.y() - 4.0 / 3.0 * width, end = at.x() + 0.5 * (high - low).x();
+  for (; at.y() > bottom; at.y() -= kPlungeSpeed * kPeriod) hand.push_back({at});
+  for (; at.x() < end; at.x() += kFeed * kPeriod) hand.push_back({at});
+  return hand;
+}
+
+/// A straight piece of the bur's way in a solid's frame, and a box that holds what it passes.
+struct Piece {
+  Pose X_TB;
+  Vec3 step_T;
+  Vec3 low, high;
+};
+/// In pieces of at least `shortest`.
+std::vector<Piece> WayOf(const HapticModel& model, const Cut& cut, const CutSolid& solid,
+                         double shortest) {
+  const Pose X_BW = solid.X_WB.Inverse();
+  const Bur& bur = model.cutting()->bur;
+  std::vector<Piece> way;
+  const auto at = [&](std::size_t i) { return X_BW * cut.X_WG[i] * model.cutting()->X_TB; };
+  Pose from = at(0);
+  for (std::size_t i = 1; i < cut.X_WG.size(); ++i) {
+    const Pose to = at(i);
+    if ((to.p - from.p).norm() < shortest && i + 1 < cut.X_WG.size()) continue;
+    const Vec3 a = from * Vec3(0, 0, bur.low() + bur.radius());
+    const Vec3 b = from * Vec3(0, 0, bur.high() - bur.radius());
+    const Vec3 step = to.p - from.p, zero = Vec3::Zero(), r = Vec3::Constant(bur.radius());
+    way.push_back({from.Inverse(), from.q.conjugate() * step,
+                   a.cwiseMin(b).cwiseMin(from.p) + step.cwiseMin(zero) - r,
+                   a.cwiseMax(b).cwiseMax(from.p) + step.cwiseMax(zero) + r});
+    from = to;
+  }
+  return way;
+}
+
+/// A place in the unit cube, another one for each number (splitmix64).
+Vec3 Within(std::uint64_t number) {
+  Vec3 place;
+  for (int c = 0; c < 3; ++c) {
+    std::uint64_t z = (3 * number + static_cast<std::uint64_t>(c) + 1) * 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    place[c] = static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
+  }
+  return place;
+}
+
+/// The exact sweep within a solid, by counting points: one anywhere in each cell of a lattice, so
+/// that no face lies in line with them.
+struct Swept {
+  double volume = 0.0;
+  double price = 0.0;  ///< sum of p_0 over the volume [J]
+};
+Swept SweptOf(const HapticModel& model, const Cut& cut, const CutSolid& solid) {
+  const double fine = solid.grid->field().lattice().spacing / 2.3;
+  const std::vector<Piece> way = WayOf(model, cut, solid, 2.0 * fine);
+  Vec3 low = Vec3::Constant(1e300), high = -low;
+  for (const Piece& piece : way) {
+    low = low.cwiseMin(piece.low);
+    high = high.cwiseMax(piece.high);
+  }
+  const auto size = ((high - low) / fine).array().ceil().cast<long>().eval();
+  std::vector<bool> gone(static_cast<std::size_t>(size.prod()), false);
+  Swept swept;
+  for (const Piece& piece : way) {
+    const Vec3 from = (piece.low - low) / fine, to = (piece.high - low) / fine;
+    const auto end = [&](int c) { return std::min(size[c], static_cast<long>(to[c]) + 1); };
+    for (long k = static_cast<long>(from.z()); k < end(2); ++k) {
+      for (long j = static_cast<long>(from.y()); j < end(1); ++j) {
+        for (long i = static_cast<long>(from.x()); i < end(0); ++i) {
+          const auto at = static_cast<std::size_t>((k * size.y() + j) * size.x() + i);
+          if (gone[at]) continue;
+          const Vec3 p = low + fine * (Vec3(double(i), double(j), double(k)) + Within(at));
+          if (!(model.cutting()->bur.DistanceToWay(piece.X_TB * p, piece.step_T) < 0.0)) continue;
+          gone[at] = true;
+          if (!(solid.grid->Sample(p).distance < 0.0)) continue;
+          const double cell = fine * fine * fine;
+          swept.volume += cell;
+          swept.price += cell * solid.materials[solid.grid->Material(p)].pressure;
+        }
+      }
+    }
+  }
+  return swept;
+}
+
+/// How far the surface of what is left is from the exact sweep, where a cut made it, at the places
+/// where it crosses the lattice [m].
+std::vector<double> SurfaceErrors(const HapticModel& model, const Cut& cut, std::size_t number) {
+  const CutSolid& solid = model.solids()[number];
+  const CutField& field = cut.state.cuts[number];
+  const Lattice& lattice = field.field().lattice();
+  const double h = lattice.spacing;
+  const std::vector<Piece> way = WayOf(model, cut, solid, 0.3 * h);
+  std::vector<double> errors;
+  const auto sweep = [&](const Vec3& p) {
+    double least = 1e300;
+    for (const Piece& piece : way) {
+      const Vec3 margin = Vec3::Constant(2.0 * h);
+      if ((p.array() < (piece.low - margin).array()).any()) continue;
+      if ((p.array() > (piece.high + margin).array()).any()) continue;
+      least = std::min(least, model.cutting()->bur.DistanceToWay(piece.X_TB * p, piece.step_T));
+    }
+    return least;
+  };
+  const auto sides = lattice.blocks;
+  for (int k = 0; k < 8 * sides[2]; ++k) {
+    for (int j = 0; j < 8 * sides[1]; ++j) {
+      for (int i = 0; i + 1 < 8 * sides[0]; ++i) {
+        const double a = field.field().At(i, j, k), b = field.field().At(i + 1, j, k);
+        if ((a < 0.0) == (b < 0.0)) continue;
+        const Vec3 p = lattice.Point(i, j, k) + Vec3(h * a / (a - b), 0.0, 0.0);
+        // Where the old surface is nearer there is none of the cut's.
+        if (solid.grid->Sample(p).distance > -h) continue;
+        errors.push_back(std::abs(sweep(p)));
+      }
+    }
+  }
+  return errors;
+}
+
+/// The same solids in grids that are turned by 30 degrees in the world's plane y = 0; none where a
+/// box paints them.
+std::optional<Scene> Turned(Scene scene) {
+  const Quat turn(Eigen::AngleAxisd(M_PI / 6.0, Vec3::UnitY()));
+  for (Body& body : scene.objects) {
+    if (!body.grid) continue;
+    for (const MaterialRegion& region : body.grid->regions) {
+      if (!(region.radius > 0.0)) return std::nullopt;
+    }
+    const Quat of_body = body.X_WB.q.conjugate() * turn * body.X_WB.q;
+    for (Vec3& v : body.mesh.vertices) v = of_body.conjugate() * v;
+    for (MaterialRegion& region : body.grid->regions) {
+      region.low = of_body.conjugate() * region.low;
+    }
+    body.X_WB.q = body.X_WB.q * of_body;
+  }
+  return scene;
+}
+
+}  // namespace
+
+void RunCutScene(const CutSceneOptions& options) {
+  const Scene scene = LoadScene(options.scene);
+  const Body& tool = scene.tools.front();
+  if (!tool.bur ||
+      std::ranges::none_of(scene.objects, [](const Body& b) { return b.grid.has_value(); })) {
+    throw Error(options.scene +
+                ": nothing of it can be cut; give an object \"grid_um\" and the tool "
+                "the shape \"bur\"");
+  }
+  const bool script = std::filesystem::exists(ScriptFileBeside(options.scene));
+  const std::vector<Pose> hand = !options.poses.empty() ? ReadPoses(options.poses)
+                                 : script               ? ScriptPoses(options.scene, std::nullopt)
+                                                        : UsualHand(scene);
+  const HapticModel model = MakeModel(scene, tool, MakeObjects(scene));
+  Progress("the hand");
+  const Cut cut = Run(model, hand, options.repeats);
+  Progress("the exact sweep");
+  Swept swept;
+  std::vector<double> surface;
+  for (std::size_t i = 0; i < model.solids().size(); ++i) {
+    swept.volume += SweptOf(model, cut, model.solids()[i]).volume;
+    const std::vector<double> errors = SurfaceErrors(model, cut, i);
+    surface.insert(surface.end(), errors.begin(), errors.end());
+  }
+  // Without viscosity the work is that of the pressures over what went.
+  Progress("the work");
+  Scene plastic = scene;
+  for (Body& body : plastic.objects) {
+    for (Material& material : body.materials) material.cutting_viscosity = 0.0;
+  }
+  const HapticModel plastic_model = MakeModel(plastic, plastic.tools.front(), MakeObjects(plastic));
+  const Cut plain = Run(plastic_model, hand, 1);
+  double price = 0.0;
+  for (const CutSolid& solid : plastic_model.solids()) {
+    price += SweptOf(plastic_model, plain, solid).price;
+  }
+  Progress("the turned grid");
+  std::optional<double> ripple;
+  if (const std::optional<Scene> turned = Turned(scene)) {
+    const HapticModel other = MakeModel(*turned, turned->tools.front(), MakeObjects(*turned));
+    const Cut beside = Run(other, hand, 1);
+    double difference = 0.0, force = 0.0;
+    for (std::size_t i = 0; i < hand.size(); ++i) {
+      difference += (beside.force[i] - cut.force[i]).norm();
+      force += cut.force[i].norm();
+    }
+    ripple = difference / force;
+  }
+  Progress("");
+  const Percentiles us = PercentilesOf(cut.us);
+  double squares = 0.0, most = 0.0;
+  for (const double e : surface) {
+    squares += e * e;
+    most = std::max(most, e);
+  }
+  const double rms =
+      surface.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(surface.size()));
+  const double volume_error = cut.volume / swept.volume - 1.0,
+               work_error = plain.work / price - 1.0;
+  Table table(
+      fmt::format("{}: {} steps, {:.3f} mm3 cut", scene.name, hand.size(), 1e9 * cut.volume));
+  table.Row("step, best", "us", us);
+  table.Line("greatest change of force", fmt::format("{:.4f} N in a millisecond", cut.jump));
+  table.Line("volume", fmt::format("{:+.2f} % of the exact sweep", 100.0 * volume_error));
+  table.Line("work, kappa = 0",
+             fmt::format("{:+.2f} % of p0 times the volume", 100.0 * work_error));
+  table.Line("surface",
+             fmt::format("{:.1f} um rms, {:.1f} um at most from the exact sweep, at {} places",
+                         1e6 * rms, 1e6 * most, surface.size()));
+  table.Line("grid turned by 30 deg",
+             ripple ? fmt::format("force differs by {:.2f} %", 100.0 * *ripple)
+                    : "not measured: a box paints a material along the grid");
+  table.Line("unsolved", std::to_string(cut.unsolved));
+  table.Print();
+  if (options.json.empty()) return;
+  WriteJson(options.json, {{"machine", ToJson(ThisMachine())},
+                           {"scene", scene.name},
+                           {"steps", hand.size()},
+                           {"repeats", options.repeats},
+                           {"step_us", ToJson(us)},
+                           {"force_jump_N_max", cut.jump},
+                           {"cut_m3", cut.volume},
+                           {"volume_error", volume_error},
+                           {"work_error", work_error},
+                           {"surface_um", {{"rms", 1e6 * rms}, {"max", 1e6 * most}}},
+                           {"ripple", ripple ? Json(*ripple) : Json()},
+                           {"unsolved", cut.unsolved}});
+}
+
+}  // namespace palpate::bench

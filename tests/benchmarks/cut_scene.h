@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+namespace palpate::bench {
+
+struct CutSceneOptions {
+  std::string scene, poses, json;
+  int repeats = 3;
+};
+
+/// `palpate-bench cut --scene`: the haptic step of a scene with a bur, over poses: time, force,
+/// removed volume and work against the exact sweep, the surface that is left, the ripple of the
+/// grid.
+void RunCutScene(const CutSceneOptions& options);
+
+}  // namespace palpate::bench
