@@ -11,6 +11,16 @@
 namespace palpate {
 namespace {
 
+/// Whether a bur is in a solid that is whole.
+bool IsInSolid(const HapticModel& model, const ToolPose& at) {
+  return std::ranges::any_of(model.solids(), [&](const CutSolid& solid) {
+    const Pose X_BW = solid.X_WB.Inverse();
+    return std::ranges::any_of(model.bur_samples(), [&](const BurSample& sample) {
+      return solid.grid->Sample(X_BW * (at.p + at.R * sample.point)).distance < 0.0;
+    });
+  });
+}
+
 bool IsFree(const HapticModel& model, const Pose& X_WT, const LeafWear& wear,
             StepWorkspace& workspace) {
   StepBuffers& buffers = workspace.buffers();
@@ -18,6 +28,7 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, const LeafWear& wear,
   if (buffers.prediction.Overlaps(model, ActiveKernels(), at.R, at.p, wear, buffers.rows)) {
     return false;
   }
+  if (IsInSolid(model, at)) return false;
   if (!buffers.meshes) return true;
   // A tool whose mesh meets no other lies inside an object as a whole or not at all.
   return IsFree(buffers.meshes->meshes, at) &&
@@ -58,6 +69,15 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
           std::max(shortest, (from - body.tree.Centre(root)).norm() + body.tree.Radius(root));
     }
   }
+  for (const CutSolid& solid : model.solids()) {
+    const Lattice& lattice = solid.grid->field().lattice();
+    const Vec3 low = lattice.Point(0, 0, 0);
+    const Vec3 high =
+        lattice.Point(8 * lattice.blocks[0], 8 * lattice.blocks[1], 8 * lattice.blocks[2]);
+    shortest = std::max(
+        shortest, (from - solid.X_WB * (0.5 * (low + high))).norm() + 0.5 * (high - low).norm());
+    for (const BurSample& s : model.bur_samples()) reach = std::max(reach, s.point.norm());
+  }
   shortest += reach;
   Vec3 way = Vec3::UnitZ();
   for (int i = 0; i < 27; ++i) {
@@ -70,10 +90,11 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
     }
   }
   // Then back as near as contact lets it: the step itself walks there and cannot enter an object.
+  // A bur could: it stays.
   state.friction.suspended = true;
   state.X_WG = X_start;
   state.X_WG.p += shortest * way;
-  for (int i = 0; i < limits::kLongestWalk; ++i) {
+  for (int i = 0; model.solids().empty() && i < limits::kLongestWalk; ++i) {
     const Vec3 before = state.X_WG.p;
     const StepReport report = HapticStep(model, X_start, state, workspace);
     if ((report.faults & kFaultTargetFar) == 0 &&

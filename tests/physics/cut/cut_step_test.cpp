@@ -7,6 +7,7 @@
 #include "common/math/rotation.h"
 #include "scenes/shapes/shapes.h"
 #include "server/physics/haptic_step.h"
+#include "server/physics/start_pose.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/random.h"
 #include "tests/support/step_bench.h"
@@ -178,6 +179,15 @@ TEST_F(CutStep, GoesOnAlikeFromACopyAndInATurnedGrid) {
     const Vec3& along = forces[static_cast<std::size_t>(n - 250)];
     EXPECT_LT((force - along).norm(), 0.01 * along.norm()) << n;
   }
+}
+
+TEST_F(CutStep, StartsOutsideOfASolidThatIsWhole) {
+  Make(kBur, kFarAway);
+  const StartPose start = ResolveStart(*model_, At(0.1e-3, 0, -0.2e-3), *workspace_);
+  EXPECT_NEAR(start.X_WG.p.z(), kBurRadius, 30e-6);
+  EXPECT_NEAR(start.depth, 0.45e-3, 30e-6);
+  const StartPose apart = ResolveStart(*model_, At(0, 0, 1e-3), *workspace_);
+  EXPECT_EQ(apart.depth, 0.0);
 }
 
 TEST_F(CutStep, StepsWithoutAskingForMemory) {
