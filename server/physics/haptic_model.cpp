@@ -97,19 +97,12 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   if (cutting_) SetCutting();
 }
 
-/// Rows of a bur are right for steps within the grids' bands.
 void HapticModel::SetCutting() {
   bur_samples_ = cutting_->bur.Samples(cutting_->samples);
-  double longest = 0.0;
   for (BurSample& sample : bur_samples_) {
     sample.point = cutting_->X_TB * sample.point - reference();
     sample.normal = cutting_->X_TB.q * sample.normal;
-    longest = std::max(longest, sample.point.norm());
-  }
-  for (const CutSolid& solid : solids()) {
-    const double most = 0.5 * solid.grid->field().band();
-    parameters_.max_translation = std::min(parameters_.max_translation, most);
-    parameters_.max_rotation = std::min(parameters_.max_rotation, most / longest);
+    bur_lever_ = std::max(bur_lever_, sample.point.norm());
   }
 }
 

@@ -81,6 +81,7 @@ class HapticModel {
   }
   /// Samples of the bur about the reference point, in the tool's frame.
   std::span<const BurSample> bur_samples() const { return bur_samples_; }
+  double bur_lever() const { return bur_lever_; }  ///< of the farthest of them [m]
   /// The leaf of the forest that the object side of a row's pair belongs to: its material is the
   /// row's.
   std::int32_t LeafOf(const LeafPair& pair) const;
@@ -102,6 +103,7 @@ class HapticModel {
   std::unique_ptr<const SoftLeaves> soft_;
   std::optional<Cutting> cutting_;
   std::vector<BurSample> bur_samples_;
+  double bur_lever_ = 0.0;
 };
 
 }  // namespace palpate

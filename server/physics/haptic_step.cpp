@@ -121,6 +121,10 @@ void Predict(StepContext& context) {
   context.trust = {};
   context.Aim();
   context.R_WG = context.q_G.toRotationMatrix();
+  if (buffers.energies) {
+    context.bounds = buffers.energies->Narrow(context.bounds, context.p_G, context.q_G);
+    buffers.energies->Begin(context.p_G, context.q_G, context.state.cuts);
+  }
   buffers.prediction.Predict(context.model, context.kernels, context.R_WG, context.p_G,
                              context.bounds, context.state.wear, buffers.rows, context.times);
   context.last = buffers.prediction.tested() - before;
@@ -132,9 +136,6 @@ void Predict(StepContext& context) {
                  {context.p_G, turns ? context.q_G : Quat::Identity()}, context.state.Active(),
                  context.model.parameters().looks - context.looks, buffers.rows);
     clock.Lap(&StageTimes::prediction);
-  }
-  if (buffers.energies) {
-    buffers.energies->Begin(context.p_G, context.q_G, context.state.cuts);
   }
   context.report.predicted_pairs = buffers.rows.count();
   if (buffers.rows.overflowed()) context.report.faults |= kFaultRowsFull;

@@ -90,7 +90,16 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
     }
   }
   // Then back as near as contact lets it: the step itself walks there and cannot enter an object.
-  // A bur could: it stays.
+  // A bur could, so it comes back to what is free by halving the last stride.
+  if (!model.solids().empty()) {
+    double near = shortest - limits::kStartStride * model.parameters().max_translation;
+    while (shortest - near > limits::kSettled) {
+      const double middle = 0.5 * (near + shortest);
+      Pose X = X_start;
+      X.p += middle * way;
+      (IsFree(model, X, state.wear, workspace) ? shortest : near) = middle;
+    }
+  }
   state.friction.suspended = true;
   state.X_WG = X_start;
   state.X_WG.p += shortest * way;

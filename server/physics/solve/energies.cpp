@@ -1,5 +1,7 @@
 #include "server/physics/solve/energies.h"
 
+#include <algorithm>
+
 namespace palpate {
 namespace {
 
@@ -13,6 +15,23 @@ Energies::Energies(const HapticModel& model)
     : model_(&model), solver_(static_cast<std::size_t>(model.parameters().max_rows) + 16) {
   if (model.soft_leaves() != nullptr) soft_.emplace(model.parameters().max_rows);
   if (!model.solids().empty()) cut_.emplace(CutRowsOf(model));
+}
+
+StepBounds Energies::Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept {
+  const double lever = model_->bur_lever();
+  for (const CutSolid& solid : model_->solids()) {
+    const Lattice& lattice = solid.grid->field().lattice();
+    const Vec3 high =
+        lattice.Point(8 * lattice.blocks[0], 8 * lattice.blocks[1], 8 * lattice.blocks[2]);
+    const Pose& X_TB = model_->cutting()->X_TB;
+    const Vec3 bur = solid.X_WB.Inverse() * (p_G + q_WG * (X_TB.p - model_->reference()));
+    const Vec3 off = (lattice.origin - bur).cwiseMax(bur - high).cwiseMax(0.0);
+    const double way = bounds.translation + bounds.rotation * lever;
+    if (off.norm() > model_->cutting()->bur.reach() + way) continue;
+    const double most = 0.5 * solid.grid->field().band();
+    bounds = {std::min(bounds.translation, most), std::min(bounds.rotation, most / lever)};
+  }
+  return bounds;
 }
 
 void Energies::Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts) noexcept {

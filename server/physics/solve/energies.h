@@ -11,6 +11,7 @@
 #include "server/physics/haptic_model.h"
 #include "server/physics/rows/contact_rows.h"
 #include "server/physics/rows/soft_rows.h"
+#include "server/physics/step_types.h"
 
 namespace palpate {
 
@@ -20,7 +21,10 @@ class Energies {
  public:
   explicit Energies(const HapticModel& model);
 
-  /// A sub-step begins with the tool's reference point at p_G.
+  /// Bounds of a sub-step that begins with the tool's reference point at p_G: where its bur may
+  /// come to a solid they are narrower, for its rows are right within the grid's band.
+  StepBounds Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept;
+  /// That sub-step begins.
   void Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts) noexcept;
   /// To be called before each solve: looks which act among these rows, and takes what yields out of
   /// those that no step may violate.
