@@ -35,10 +35,19 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, const LeafWear& wear,
          !model.bodies()->Hold(at.p + at.R * model.tool_body()->mesh.vertices()[0]);
 }
 
+/// Between two places on a way out [m].
+double StrideOf(const HapticModel& model) {
+  double stride = limits::kStartStride * model.parameters().max_translation;
+  for (const CutSolid& solid : model.solids()) {
+    stride = std::min<double>(stride, solid.grid->field().band());
+  }
+  return stride;
+}
+
 /// Shortest way out along `direction`, to within a sub-step's length: walks outward until free.
 double WayOut(const HapticModel& model, const Pose& X_WH, const Vec3& direction, double longest,
               const LeafWear& wear, StepWorkspace& workspace) {
-  const double stride = limits::kStartStride * model.parameters().max_translation;
+  const double stride = StrideOf(model);
   for (double s = stride; s < longest; s += stride) {
     Pose X = X_WH;
     X.p += s * direction;
@@ -92,7 +101,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   // Then back as near as contact lets it: the step itself walks there and cannot enter an object.
   // A bur could, so it comes back to what is free by halving the last stride.
   if (!model.solids().empty()) {
-    double near = shortest - limits::kStartStride * model.parameters().max_translation;
+    double near = shortest - StrideOf(model);
     while (shortest - near > limits::kSettled) {
       const double middle = 0.5 * (near + shortest);
       Pose X = X_start;
