@@ -4,7 +4,6 @@
 #include <cstring>
 #include <memory>
 
-#include <fmt/format.h>
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <netinet/in.h>
@@ -28,10 +27,6 @@ ip::address AddressOf(const sockaddr* address) {
 }
 
 }  // namespace
-
-std::string InUrl(const ip::address& address) {
-  return address.is_v6() ? fmt::format("[{}]", address.to_string()) : address.to_string();
-}
 
 std::vector<ip::address> HostAddresses(bool v6) {
   ifaddrs* list = nullptr;

@@ -1,14 +1,10 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include <boost/asio/ip/address.hpp>
 
 namespace palpate {
-
-/// As a URL spells it: "192.168.0.7", "[2001:db8::7]".
-std::string InUrl(const boost::asio::ip::address& address);
 
 /// Where this host is reached: by others first, by itself last.  Link-local addresses of IPv6,
 /// which mean nothing without an interface of whoever asks, are left out.

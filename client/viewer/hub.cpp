@@ -100,10 +100,6 @@ void Hub::Join(const std::shared_ptr<ViewerSession>& viewer) {
   places_.Enter(viewer->id(), viewer->visitor().address, SteadyNanoseconds());
 }
 
-void Hub::Subscribed(const ViewerSession& viewer) {
-  places_.Subscribed(viewer.id());
-}
-
 void Hub::Leave(const ViewerSession& viewer) {
   frames_lost_ += viewer.frames_lost();
   if (viewer.frames_lost() > 0) {
@@ -205,34 +201,41 @@ std::string Hub::RefuseWish(Wish wish, ViewerSession& viewer, std::int64_t now_n
   return reason;
 }
 
-FramePtr Hub::AskReplay(ReplayWish wish, const std::string& by) {
-  wish.request.request = RandomRun();
-  wire::FromText(by, wish.request.by);
-  const std::string refusal = feed_.AskReplay(wish.request);
+bool Hub::AskForWhole(const std::string& scene, const std::string& by) {
+  if (!feed_.scenes().contains(scene)) return false;
+  wire::WholeRequest request{};
+  wire::FromText(scene, request.scene);
+  request.request = RandomRun();
+  wire::FromText(by, request.by);
+  return feed_.Ask(request);
+}
+
+FramePtr Hub::AskReplay(ReplayWish wish, ViewerSession& viewer, std::int64_t now_ns) {
+  std::string refusal = RefuseWish(Wish::kReplay, viewer, now_ns);
+  if (refusal.empty()) {
+    wish.request.request = RandomRun();
+    wire::FromText(viewer.Who(), wish.request.by);
+    refusal = feed_.Ask(wish.request);
+  }
   // Wishes of one kind wait for each other; those of another do not take their answer's place.
   return OwnFrame(TopicFeed::kReplayAnswer, wish.request.kind,
                   ReplayAnswer(wish.tag, wish.request.request, refusal));
 }
 
-FramePtr Hub::RefuseReplay(const ReplayWish& wish, const std::string& refusal) {
-  return OwnFrame(TopicFeed::kReplayAnswer, wish.request.kind, ReplayAnswer(wish.tag, 0, refusal));
-}
-
-std::string Hub::SetGoal(const OperateCommand::Goal& goal, const std::string& by) {
-  // Of these there are few: nobody fills the memory with others.
-  if (!feed_.scenes().contains(goal.scene)) return "scene '" + goal.scene + "' is not served here";
-  const FramePtr frame = OwnFrame(
-      TopicFeed::kGoal, std::hash<std::string>{}(goal.scene),
-      ToText(
-          nlohmann::json({{"scene", goal.scene}, {"text", goal.text}, {"limit_N", goal.limit}})));
-  goals_[goal.scene] = frame;
-  const std::int64_t now_ns = SteadyNanoseconds();
-  for (const auto& [id, viewer] : viewers_) viewer->Push(frame, now_ns);
-  spdlog::info("{}: the goal of '{}' is set", by, goal.scene);
-  return "";
-}
-
-std::string Hub::AskOperate(const OperateCommand& command, const std::string& by) {
+std::string Hub::Operate(const OperateCommand& command, const std::string& by) {
+  if (command.goal) {
+    const auto& [scene, text, limit] = *command.goal;
+    // Of these there are few: nobody fills the memory with others.
+    if (!feed_.scenes().contains(scene)) return "scene '" + scene + "' is not served here";
+    const nlohmann::json json = {{"scene", scene}, {"text", text}, {"limit_N", limit}};
+    const FramePtr frame =
+        OwnFrame(TopicFeed::kGoal, std::hash<std::string>{}(scene), ToText(json));
+    goals_[scene] = frame;
+    const std::int64_t now_ns = SteadyNanoseconds();
+    for (const auto& [id, viewer] : viewers_) viewer->Push(frame, now_ns);
+    spdlog::info("{}: the goal of '{}' is set", by, scene);
+    return "";
+  }
   if (feed_.server_run() == 0) return "no server has been heard of";
   wire::OperateRequest request{};
   wire::FromText(command.station, request.station);
@@ -240,7 +243,7 @@ std::string Hub::AskOperate(const OperateCommand& command, const std::string& by
   request.request = RandomRun();
   request.wish = command.wish;
   wire::FromText(by, request.by);
-  if (!feed_.AskOperate(request)) return "the network does not take it now; try again";
+  if (!feed_.Ask(request)) return "the network does not take it now; try again";
   spdlog::info("{}: {} station '{}'", by, OperateWishName(command.wish), command.station);
   return "";
 }
@@ -324,11 +327,6 @@ void Hub::LogStatistics(std::int64_t now_ns) {
   logged_sent_ = frames_sent_;
   logged_bytes_ = bytes_sent_;
   logged_lost_ = lost;
-}
-
-void Hub::WithPacked(const SceneBytes& scene, std::function<void(const ScenePacker::Bytes&)> use) {
-  packer_.KeepOnly(feed_.scenes());
-  packer_.Pack(scene, std::move(use));
 }
 
 }  // namespace palpate

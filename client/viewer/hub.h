@@ -11,11 +11,10 @@
 
 #include "client/viewer/gate.h"
 #include "client/viewer/mouse_room.h"
-#include "client/viewer/operate_command.h"
 #include "client/viewer/options.h"
 #include "client/viewer/page_files.h"
+#include "client/viewer/page_messages.h"
 #include "client/viewer/refusal_log.h"
-#include "client/viewer/replay_messages.h"
 #include "client/viewer/scene_packer.h"
 #include "client/viewer/topic_feed.h"
 #include "client/viewer/viewer_places.h"
@@ -46,22 +45,19 @@ class Hub {
   const TopicFeed& feed() const { return feed_; }
   const Gate& gate() const { return gate_; }
   RefusalLog& refusals() { return refusals_; }
+  ScenePacker& packer() { return packer_; }
   /// Whether a viewer may have this wish now; empty: it may.  Where it has it too often, that is
   /// why, and the log and, once, the viewer are told.
   std::string RefuseWish(Wish wish, ViewerSession& viewer, std::int64_t now_ns);
   /// Asks the server to make a scene whole again; false where there is no such scene.
-  bool AskForWhole(const std::string& scene, const std::string& by) {
-    return feed_.scenes().contains(scene) && feed_.AskForWhole(scene, by);
-  }
-  /// Passes a page's wish on to its replay, and makes what the page is answered.
-  FramePtr AskReplay(ReplayWish wish, const std::string& by);
-  /// What a page is answered of whose wish nobody is asked.
-  FramePtr RefuseReplay(const ReplayWish& wish, const std::string& refusal);
-  /// Tells all viewers, those of now and those that come later, a scene's goal.  Returns why not.
-  std::string SetGoal(const OperateCommand::Goal& goal, const std::string& by);
+  bool AskForWhole(const std::string& scene, const std::string& by);
+  /// Passes a page's wish on to its replay, unless it has them too often, and makes what the page
+  /// is answered.
+  FramePtr AskReplay(ReplayWish wish, ViewerSession& viewer, std::int64_t now_ns);
+  /// Tells all viewers, those of now and those that come later, a scene's goal, or passes on what a
+  /// teacher decides about a station.  Returns why not; empty: it has.
+  std::string Operate(const OperateCommand& command, const std::string& by);
   const std::map<std::string, FramePtr>& goals() const { return goals_; }
-  /// Passes on what a teacher decides about a station.  Returns why not; empty: it has.
-  std::string AskOperate(const OperateCommand& command, const std::string& by);
   /// Gives a viewer a tool, unless it takes them too often.
   void Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns);
   MouseRoom& mice() { return mice_; }
@@ -70,7 +66,7 @@ class Hub {
   /// Makes room for one more viewer of this address, where it can; another may have to go for it.
   bool MakeRoom(const std::string& address);
   void Join(const std::shared_ptr<ViewerSession>& viewer);
-  void Subscribed(const ViewerSession& viewer);
+  ViewerPlaces& places() { return places_; }
   void Leave(const ViewerSession& viewer);
   void CountSent(std::size_t bytes);
 
@@ -78,8 +74,6 @@ class Hub {
   std::string Health() const;
   /// What GET /metrics answers, for Prometheus.
   std::string Metrics() const;
-  /// The scene's bundle, compressed: now, or once another thread has done it.  Null: that failed.
-  void WithPacked(const SceneBytes& scene, std::function<void(const ScenePacker::Bytes&)> use);
 
  private:
   void Tell(const MouseRoom::News& news);

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "client/viewer/mouse_command.h"
 #include "client/viewer/mouse_station.h"
+#include "client/viewer/page_messages.h"
 #include "common/dds/network.h"
 #include "common/dds/wire.h"
 

@@ -7,7 +7,7 @@
 
 #include <boost/asio/ip/address.hpp>
 
-#include "client/viewer/access.h"
+#include "client/viewer/tokens.h"
 #include "common/dds/network.h"
 
 namespace palpate {

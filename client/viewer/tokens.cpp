@@ -63,6 +63,18 @@ std::string TextOf(const std::string& path) {
 
 }  // namespace
 
+const char* RoleName(Access access) {
+  static constexpr const char* kNames[] = {"none", "watch", "drive", "operate"};
+  return kNames[static_cast<std::size_t>(access)];
+}
+
+std::optional<Access> ParseRole(std::string_view name) {
+  for (const Access role : {Access::kWatch, Access::kDrive, Access::kOperate}) {
+    if (name == RoleName(role)) return role;
+  }
+  return std::nullopt;
+}
+
 bool LooksLikeToken(std::string_view text) {
   return text.size() == kTokenLength && text.starts_with(kPrefix) &&
          std::ranges::all_of(text.substr(kPrefix.size()), IsLetterOrDigit);

@@ -238,7 +238,7 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
     if (!hub_.RefuseWish(Wish::kSubscribe, *this, now_ns).empty()) continue;
     queue_.Subscribe(wanted.channel, wanted.id,
                      rated ? static_cast<std::int64_t>(1e9 / hub_.options().rate_hz) : 0);
-    hub_.Subscribed(*this);
+    hub_.places().Subscribed(id_);
     for (const FramePtr& frame : hub_.feed().Kept(wanted.channel)) queue_.Push(frame, now_ns);
     if (wanted.channel == TopicFeed::kGoal) {
       for (const auto& [scene, goal] : hub_.goals()) queue_.Push(goal, now_ns);
@@ -289,16 +289,12 @@ void ViewerSession::OnMouse(const MouseCommand& command) {
 
 void ViewerSession::OnReplay(const ReplayWish& wish) {
   const std::int64_t now_ns = SteadyNanoseconds();
-  const std::string refusal = hub_.RefuseWish(Wish::kReplay, *this, now_ns);
-  // OnRead flushes.
-  queue_.Push(refusal.empty() ? hub_.AskReplay(wish, Who()) : hub_.RefuseReplay(wish, refusal),
-              now_ns);
+  queue_.Push(hub_.AskReplay(wish, *this, now_ns), now_ns);  // OnRead flushes
 }
 
 void ViewerSession::OnOperate(const OperateCommand& command) {
   if (!hub_.RefuseWish(Wish::kOperate, *this, SteadyNanoseconds()).empty()) return;
-  const std::string refusal =
-      command.goal ? hub_.SetGoal(*command.goal, Who()) : hub_.AskOperate(command, Who());
+  const std::string refusal = hub_.Operate(command, Who());
   if (!refusal.empty()) Say(foxglove::Level::kError, std::string(kOperateTopic) + ": " + refusal);
 }
 

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <optional>
+#include <sstream>
 
 #include <fmt/format.h>
-
-#include "client/viewer/host_addresses.h"
 
 namespace palpate {
 namespace {
@@ -51,8 +50,9 @@ Visitor VisitorAt(const ip::tcp::endpoint& peer, std::string_view forwarded,
     return {fmt::format("{} (by the proxy {})", seen->to_string(), address.to_string()),
             ShareOf(*seen), false};
   }
-  return {fmt::format("{}:{}", InUrl(address), peer.port()), ShareOf(address),
-          address.is_loopback() && forwarded.empty() && !is_proxy};
+  std::ostringstream name;
+  name << ip::tcp::endpoint(address, peer.port());
+  return {name.str(), ShareOf(address), address.is_loopback() && forwarded.empty() && !is_proxy};
 }
 
 }  // namespace palpate

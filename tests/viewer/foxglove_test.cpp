@@ -19,34 +19,11 @@ TEST(Subprotocol, IsTheFirstThatBothSpeak) {
   }
 }
 
-TEST(ServerInfo, IsWhatTheProtocolSays) {
-  const Json info = Json::parse(ServerInfo("abc", true, "drive"));
-  EXPECT_EQ(info["op"], "serverInfo");
-  EXPECT_EQ(info["capabilities"], Json::array({"clientPublish"}));
-  EXPECT_EQ(info["supportedEncodings"], Json::array({"json"}));
-  EXPECT_EQ(info["sessionId"], "abc");
-  const Json closed = Json::parse(ServerInfo("abc", false, "watch"));
-  EXPECT_EQ(closed["capabilities"], Json::array());
-  EXPECT_FALSE(closed.contains("supportedEncodings"));
-}
-
-TEST(Advertise, NamesEachChannelsEncodingAndSchema) {
-  const Json message =
-      Json::parse(Advertise({{3, "/t", "cdr", "m::T", "module m { \"x\" };", "omgidl"}}));
-  EXPECT_EQ(message["op"], "advertise");
-  EXPECT_EQ(message["channels"][0], (Json{{"id", 3},
-                                          {"topic", "/t"},
-                                          {"encoding", "cdr"},
-                                          {"schemaName", "m::T"},
-                                          {"schema", "module m { \"x\" };"},
-                                          {"schemaEncoding", "omgidl"}}));
-}
-
 TEST(Status, IsJsonWhateverItQuotes) {
   const Json status = Json::parse(Status(Level::kError, "a\"b\xff\n"));
   EXPECT_EQ(status["op"], "status");
   EXPECT_EQ(status["level"], 2);
-  EXPECT_THAT(status.value("message", ""), testing::StartsWith("a\"b"));
+  EXPECT_EQ(status["message"], "a\"b\xef\xbf\xbd\n");
 }
 
 TEST(MessageHeader, HasOpcodeSubscriptionAndTimeLittleEndian) {

@@ -7,7 +7,9 @@
 #include <unistd.h>
 
 #include "common/realtime/steady_clock.h"
+#include "devices/mouse/mouse_line.h"
 #include "tests/support/eventually.h"
+#include "tests/support/random.h"
 #include "tests/support/read_file.h"
 
 namespace palpate {
@@ -36,6 +38,23 @@ TEST(MouseStation, IsGivenPosesAsLinesAndTheEndOfItsInput) {
   EXPECT_EQ(station.complaint(), "");
   EXPECT_EQ(ReadWholeFile(file), "0.1 0 0 1 0 0 0\n0.2 0 0 1 0 0 0\n");
   fs::remove(file);
+}
+
+TEST(MouseStation, IsToldPosesToTheBit) {
+  test::Random random(8);
+  for (int i = 0; i < 10'000; ++i) {
+    const Vec3 p = random.InCube(1.0) * (i % 2 == 0 ? 1.0 : 1e-9);
+    const Vec3 a = random.InCube(1.0);
+    const Pose X{p, Quat(1.0, a.x(), a.y(), a.z())};
+    std::string line = ToMouseLine(X);
+    ASSERT_EQ(line.back(), '\n');
+    line.pop_back();
+    std::string complaint;
+    const auto read = ParseMouseLine(line, complaint);
+    ASSERT_TRUE(read && read->X_WT) << line << complaint;
+    ASSERT_EQ(read->X_WT->p, p);
+    ASSERT_LT((read->X_WT->q.coeffs() - X.q.normalized().coeffs()).norm(), 1e-15);
+  }
 }
 
 TEST(MouseStation, TellsWhatItComplainedOfWhereItFailed) {

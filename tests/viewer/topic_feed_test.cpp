@@ -314,7 +314,7 @@ TEST_F(TopicFeedTest, KeepsWhatAReplaySaysWhoeverElseSpeaks) {
 TEST_F(TopicFeedTest, PassesWishesOnToAReplayThatIsThere) {
   wire::ReplayRequest request{};
   request.replay = 0xab;
-  EXPECT_THAT(feed_.AskReplay(request), testing::HasSubstr("not there any more"));
+  EXPECT_THAT(feed_.Ask(request), testing::HasSubstr("not there any more"));
   dds::Writer<wire::ReplayState> states(participant_, dds::kReplayStateTopic, dds::Qos::kSession);
   dds::Reader<wire::ReplayRequest> requests(participant_, dds::kReplayRequestTopic,
                                             dds::Qos::kRecordSession);
@@ -325,7 +325,7 @@ TEST_F(TopicFeedTest, PassesWishesOnToAReplayThatIsThere) {
   request.request = 5;
   request.wish = palpate_REPLAY_SEEK;
   request.value = 1.5;
-  EXPECT_EQ(feed_.AskReplay(request), "");
+  EXPECT_EQ(feed_.Ask(request), "");
   wire::ReplayRequest heard{};
   ASSERT_TRUE(PollUntil([&] { return requests.Take(heard); }));
   EXPECT_EQ(heard.request, 5u);
