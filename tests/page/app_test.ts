@@ -2,7 +2,6 @@
 import {afterEach, beforeEach, expect} from "vitest";
 
 import {
-  appears,
   atGateway,
   firstPicture,
   gateway,
@@ -17,9 +16,10 @@ import {
   text,
   vanishes,
 } from "./support/at_gateway";
+import type {Probe} from "@page/parts/probe";
+
 import {eventually, probe, until} from "./support/browser";
 import {
-  kChannels,
   loopStatistics,
   pressed,
   sceneChange,
@@ -71,10 +71,11 @@ function moveInWearing(): void {
   }, 33);
 }
 
-/// Leaves of the whole front and the top.
-function scrape(): void {
+/// Leaves of the whole front and the top, by changes from this number on.
+function scrape(first: number): void {
   [2, 3, 6, 7].forEach((triangle, i) => {
-    gateway.send("/palpate/scene_change", sceneChange("wearing", i + 1, 0, triangle, [triangle]));
+    const change = sceneChange("wearing", first + i, 0, triangle, [triangle]);
+    gateway.send("/palpate/scene_change", change);
   });
 }
 
@@ -102,7 +103,7 @@ const stillPicture = async (): Promise<string> => {
   return last;
 };
 
-test("the page shows the force in figures, in words and in the picture", async () => {
+test("the page shows the force in figures, words and picture, and draws only when it changes", async () => {
   press(0);
   await open();
   await reads("#sentence", "The tool is free.");
@@ -115,6 +116,12 @@ test("the page shows the force in figures, in words and in the picture", async (
   await reads("#sentence", "Contact, 2.0 newtons, hand 2.0 millimetres past the surface.");
   await eventually("the picture changes", async () => (await picture()) !== free);
   await reads("#spoken", /^Contact/);
+  // The same pose goes on coming; what is drawn from now on would be drawn for nothing.
+  const frames = ({stations}: Probe): number => stations.hand?.frames ?? 0;
+  const told = frames(await probe(page));
+  const before = await until(page, "a picture of it", (now) => frames(now) > told + 10);
+  const after = await until(page, "more frames", (now) => frames(now) > frames(before) + 30);
+  expect(after.pictures - before.pictures).toBeLessThanOrEqual(2);
 });
 
 test("the panel says what becomes of the force at the arm, also when the server is silent", async () => {
@@ -140,24 +147,6 @@ test("the panel says what becomes of the force at the arm, also when the server 
   await page.clock.runFor(3000);
   await eventually("no figures", () => page.getByText("No figures now.").isVisible());
   expect(await page.locator("#arm tr").count()).toBe(0);
-});
-
-test("nothing is drawn while nothing changes", async () => {
-  press(1);
-  await open();
-  await until(page, "several frames", ({stations}) => (stations.hand?.frames ?? 0) > 10);
-  // The same pose goes on coming; what is drawn from now on would be drawn for nothing.
-  const before = await until(
-    page,
-    "a picture of it",
-    ({stations}) => (stations.hand?.frames ?? 0) > 20,
-  );
-  const after = await until(
-    page,
-    "thirty more frames",
-    ({stations}) => (stations.hand?.frames ?? 0) > before.stations.hand!.frames + 30,
-  );
-  expect(after.pictures - before.pictures).toBeLessThanOrEqual(2);
 });
 
 /// The tool to and fro along the box.
@@ -308,46 +297,33 @@ test("a lost link is said, comes back by itself, and data flow again", async () 
   await vanishes("#banner");
 });
 
-test("what is scraped off vanishes, and a server's new run makes it whole", async () => {
-  gateway.retain("/palpate/session_state", sessionState("hand", "active", "wearing", "ball"));
-  await open({}, "?scene=wearing");
-  await until(page, "the scene", ({scene}) => scene === "wearing");
-  const whole = (await until(page, "a picture", ({triangles}) => triangles > 0)).triangles;
-  const before = await stillPicture();
-  scrape();
-  await eventually("a hole", async () => (await picture()) !== before);
-  gateway.send(
-    "/palpate/session_state",
-    sessionState("hand", "active", "wearing", "ball", {serverRun: 2n}),
-  );
-  await eventually("the whole box", async () => (await picture()) === before);
-  expect((await until(page, "a picture", () => true)).triangles).toBe(whole);
-});
-
-test("a worn scene is made whole by a button, which is of no use before it is worn", async () => {
+test("what is scraped off vanishes, until a button, or a new run of the server, makes it whole", async () => {
   gateway.retain("/palpate/session_state", sessionState("hand", "active", "wearing", "ball"));
   await open({}, "?scene=wearing");
   const button = page.locator("#whole");
   await eventually("the button", () => button.isVisible());
   expect(await button.isDisabled()).toBe(true);
+  const whole = (await until(page, "a picture", ({triangles}) => triangles > 0)).triangles;
   const before = await stillPicture();
-  scrape();
+  scrape(1);
   await eventually("a hole", async () => (await picture()) !== before);
   gateway.onPublish = ({op, scene}) => {
     if (op !== "whole" || scene !== "wearing") return;
-    gateway.send("/palpate/scene_whole", {
-      scene,
-      server_run: 1n,
-      last_change: 4n,
-      request: 9n,
-      by: "the page here",
-      refusal: "",
-    });
+    const about = {server_run: 1n, last_change: 4n, request: 9n, refusal: ""};
+    gateway.send("/palpate/scene_whole", {scene, by: "the page here", ...about});
   };
   await button.click();
   await reads("#hint", "The wearing is whole again (the page here).");
   await eventually("the whole box", async () => (await picture()) === before);
   expect(await button.isDisabled()).toBe(true);
+  scrape(5);
+  await eventually("a hole again", async () => (await picture()) !== before);
+  gateway.send(
+    "/palpate/session_state",
+    sessionState("hand", "active", "wearing", "ball", {serverRun: 2n}),
+  );
+  await eventually("another box", async () => (await picture()) === before);
+  expect((await probe(page)).triangles).toBe(whole);
 });
 
 test("scenes are chosen, and remembered in the address", async () => {
@@ -361,12 +337,15 @@ test("scenes are chosen, and remembered in the address", async () => {
   await reads("#force", "1.00");
 });
 
-test("who has chosen nothing sees the scene in which a tool moves", async () => {
-  await open();
-  const idle = await until(page, "a scene", ({scene}) => scene !== "");
-  expect(idle.scene).toBe("test-box"); // the first one
-  moveInWearing();
-  await until(page, "the other scene", ({scene}) => scene === "wearing");
+test("who has chosen nothing, or what nobody serves, sees the scene in which a tool moves", async () => {
+  for (const query of ["", "?scene=typo"]) {
+    await open({}, query);
+    const idle = await until(page, "a scene", ({scene}) => scene !== "");
+    expect(idle.scene).toBe("test-box"); // the first one
+    moveInWearing();
+    await until(page, "the other scene", ({scene}) => scene === "wearing");
+    clearInterval(moving);
+  }
 });
 
 test("the loop's figures and who drives what are told in words", async () => {
@@ -582,12 +561,17 @@ test("who gives a tool back may take it again at once", async () => {
   expect(gateway.published.filter(({op}) => op === "take").length).toBe(2);
 });
 
-test("a wish for a tool can be taken back before it is answered", async () => {
+test("a wish for a tool can be taken back, and its refusal is said in the gateway's words", async () => {
   await open();
   await page.locator("#take").click();
   await reads("#take", "Cancel");
   await page.locator("#take").click();
   await eventually("the release", async () => gateway.published.at(-1)?.op === "release");
+  expect(await text("#take")).toBe("Take the tool");
+  const refusal = {station: "", phase: "refused", reason: "4 tools are held"};
+  gateway.onPublish = () => gateway.send("/palpate/mouse_state", refusal);
+  await page.keyboard.press("m");
+  await reads("#hint", "4 tools are held");
   expect(await text("#take")).toBe("Take the tool");
 });
 
@@ -653,12 +637,6 @@ test("another scene's picture does not stay while its own is not there", async (
   await vanishes("#loading");
 });
 
-test("a scene that nobody serves is no choice", async () => {
-  moveInWearing();
-  await open({}, "?scene=typo");
-  await until(page, "the one that moves", ({scene}) => scene === "wearing");
-});
-
 test("arrows scroll the figures where those have the focus", async () => {
   press(0);
   await open({viewport: {width: 800, height: 360}});
@@ -688,19 +666,6 @@ test("light and dark are switched also where the browser keeps nothing", async (
   expect(await theme()).toBe("light");
 });
 
-test("a refusal of the gateway is said in its own words", async () => {
-  await open();
-  gateway.onPublish = () =>
-    gateway.send("/palpate/mouse_state", {
-      station: "",
-      phase: "refused",
-      reason: "4 tools are held",
-    });
-  await page.keyboard.press("m");
-  await reads("#hint", "4 tools are held");
-  expect(await text("#take")).toBe("Take the tool");
-});
-
 test("a finger moves the tool on a phone", async () => {
   await open({viewport: {width: 360, height: 640}, hasTouch: true, isMobile: true});
   giveTools();
@@ -723,7 +688,7 @@ test("a finger moves the tool on a phone", async () => {
   });
 });
 
-test("nothing is cut off, from a phone to a projector", async () => {
+test("nothing is cut off from phone to projector, nor jumps with the line above the picture", async () => {
   press(1);
   for (const [width, height] of [
     [360, 640],
@@ -744,15 +709,6 @@ test("nothing is cut off, from a phone to a projector", async () => {
       return cut;
     });
     expect(outside, `${width} × ${height}`).toEqual([]);
-  }
-});
-
-test("the picture stays where it is whatever the line above it says", async () => {
-  for (const [width, height] of [
-    [360, 640],
-    [1400, 900],
-  ] as const) {
-    await open({viewport: {width, height}});
     const tops = await page.evaluate(() => {
       const top = (): number => document.querySelector("#view")!.getBoundingClientRect().top;
       const before = top();
@@ -807,18 +763,6 @@ test("light and dark follow the system, and the reader's choice outlives the vis
   expect(await theme()).toBe("dark");
   await page.reload();
   expect(await theme()).toBe("dark");
-});
-
-test("a channel that the page cannot read disturbs no other", async () => {
-  const {schema} = kChannels[1]!;
-  (kChannels[1] as {schema: string}).schema = "this is no IDL {";
-  try {
-    press(2);
-    await open();
-    await reads("#force", "2.00");
-  } finally {
-    (kChannels[1] as {schema: string}).schema = schema;
-  }
 });
 
 test("teeth are numbered on demand, where there are any", async () => {

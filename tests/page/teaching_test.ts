@@ -128,7 +128,7 @@ describe("while a simulated hand feels the bunny", () => {
     // What the station says of its arm, through the real gateway.
     await readsOn(page, "#arm", /Device in order PHANTOM Premium 3\.0/);
     const {scriptMs, pictures} = await probe(page);
-    console.log(`script ${scriptMs.mean.toFixed(2)} ms a picture over ${pictures} pictures`);
+    console.log(`script ${scriptMs.toFixed(2)} ms a picture over ${pictures} pictures`);
   });
 });
 

@@ -35,9 +35,9 @@ test("a goal is a scene's, and the last that was set counts", () => {
   world.receive(kTopics.goal, {scene: "cube", text: "Press", limit_N: 1}, 1, 1);
   world.receive(kTopics.goal, {scene: "pipes", text: "Go through", limit_N: 0}, 2, 2);
   world.receive(kTopics.goal, {scene: "cube", text: "Press gently", limit_N: 0.5}, 3, 3);
-  expect(world.goalOf("cube")).toEqual({scene: "cube", text: "Press gently", limitN: 0.5});
-  expect(world.goalOf("pipes")?.text).toBe("Go through");
-  expect(world.goalOf("bunny")).toBeUndefined();
+  expect(world.goals.get("cube")).toEqual({scene: "cube", text: "Press gently", limitN: 0.5});
+  expect(world.goals.get("pipes")?.text).toBe("Go through");
+  expect(world.goals.get("bunny")).toBeUndefined();
   expect(told).toEqual(["cube", "pipes", "cube"]);
 });
 

@@ -43,7 +43,7 @@ export class App {
     const {world, notice} = this;
     const theme = new ThemeSwitch(element("theme", HTMLButtonElement), () => {
       this.picture.view.paint(readPalette());
-      this.figures.repaint();
+      this.figures.plots.build();
     });
     this.picture = new Picture({
       mover: (tool) => world.lastMoverOf(this.choice.scene, tool),
@@ -96,9 +96,9 @@ export class App {
     listenForKeys({
       ...this.viewControls.keys,
       ...this.hold.keys,
-      ...this.figures.keys,
       ...this.replay.keys,
       ...listenToPanel(),
+      v: () => this.figures.lesson.switchAudience(),
       w: () => this.whole.press(),
       t: () => theme.toggle(),
     });
@@ -143,7 +143,7 @@ export class App {
         this.figures.sessionsChanged();
         break;
       case "goal":
-        if (isShown) this.figures.showGoal(scene, this.world.goalOf(scene));
+        if (isShown) this.figures.lesson.showGoal(scene, this.world.goals.get(scene));
         break;
       case "scenes":
         this.choice.chooseScene();
@@ -171,7 +171,7 @@ export class App {
 
   /// In a replay it is of then, and a mark; who comes later need not be told.
   private wholeAnswered(scene: string): void {
-    const whole = this.world.wholeOf(scene);
+    const whole = this.world.wholes.get(scene);
     if (!whole || this.replay.isOn) return;
     this.whole.answered(whole, nowS() - this.link.openedS > kOldNewsS);
   }
@@ -208,7 +208,7 @@ export class App {
       (tool) => world.lastMoverOf(scene, tool)?.track.latest?.graphic,
     );
     this.viewControls.showScene();
-    this.figures.showGoal(scene, world.goalOf(scene));
+    this.figures.lesson.showGoal(scene, world.goals.get(scene));
     this.hold.showTools(this.model?.tools ?? []);
     this.showWhole();
     this.showTitle();

@@ -50,6 +50,11 @@ export function rotate(q: Quat, v: Vec3): Vec3 {
   ];
 }
 
+/// What is given in the pose's own frame, in the frame that the pose is in; and the other way.
+export const pointOf = (pose: Pose, point: Vec3): Vec3 => add(pose.p, rotate(pose.q, point));
+export const pointIn = (pose: Pose, point: Vec3): Vec3 =>
+  rotate(conjugate(pose.q), subtract(point, pose.p));
+
 /// Turns by `angle` [rad] about a unit axis.
 export function aboutAxis(axis: Vec3, angle: number): Quat {
   const s = Math.sin(angle / 2);

@@ -171,8 +171,9 @@ export class World {
   compiling: Compiling | undefined; // by a server that serves nothing yet
   readonly replay = new Replay();
   private readonly remains = new Map<string, Remains>(); // by scene
-  private readonly goals = new Map<string, SceneGoal>(); // by scene
-  private readonly wholes = new Map<string, SceneWhole>(); // by scene
+  /// What a teacher has set there, and what was last said of making it whole, by scene.
+  readonly goals = new Map<string, SceneGoal>();
+  readonly wholes = new Map<string, SceneWhole>();
   private nowS = -Infinity; // when something was last heard
   private serverRun = "";
   private readonly formerRuns = new Set<string>();
@@ -255,16 +256,6 @@ export class World {
     let remains = this.remains.get(scene);
     if (!remains) this.remains.set(scene, (remains = new Remains()));
     return remains;
-  }
-
-  /// What a teacher has set there; undefined: nothing.
-  goalOf(scene: string): SceneGoal | undefined {
-    return this.goals.get(scene);
-  }
-
-  /// What was last said of making it whole.
-  wholeOf(scene: string): SceneWhole | undefined {
-    return this.wholes.get(scene);
   }
 
   /// The stations that are of use to look at, those with a tool first.

@@ -13,9 +13,6 @@ export class Camera {
   readonly controls: OrbitControls;
   following = false;
   untouched = true; // nobody has turned it since it was framed
-  private centre = new Vector3();
-  private radiusM = 0.1;
-  private from = new Vector3();
   private lastTool: Vector3 | undefined;
 
   constructor(
@@ -33,18 +30,18 @@ export class Camera {
 
   /// Sets what a reset shows.
   frame({centre, radiusM, from}: FirstSight): void {
-    this.centre.set(...centre);
-    this.from.set(...from).normalize();
-    this.radiusM = radiusM;
     this.controls.minDistance = 0.3 * radiusM;
     this.controls.maxDistance = 20 * radiusM;
     this.untouched = true;
     this.lastTool = undefined;
     const narrow = Math.min(1, this.eye.aspect);
     const half = Math.atan(Math.tan(MathUtils.degToRad(kFieldOfViewDeg / 2)) * narrow);
-    const distance = (1.08 * this.radiusM) / Math.sin(half);
-    this.controls.target.copy(this.centre);
-    this.eye.position.copy(this.centre).addScaledVector(this.from, distance);
+    const distance = (1.08 * radiusM) / Math.sin(half);
+    this.controls.target.set(...centre);
+    this.eye.position
+      .set(...from)
+      .setLength(distance)
+      .add(this.controls.target);
     this.eye.near = distance / 200;
     this.eye.far = 40 * distance;
     this.eye.updateProjectionMatrix();

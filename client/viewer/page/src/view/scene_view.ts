@@ -2,7 +2,7 @@ import {DirectionalLight, Group, HemisphereLight, Scene, type WebGLRenderer} fro
 
 import type {SceneModel} from "../model/bundle";
 import {endOf, firstSight, workOf} from "../model/first_sight";
-import {add, angleBetween, norm, type Pose, rotate, subtract, type Vec3} from "../model/pose";
+import {angleBetween, norm, pointOf, type Pose, subtract, type Vec3} from "../model/pose";
 import {type Drawn, kDetails, type PictureQuality} from "../model/quality";
 import type {Remains} from "../model/remains";
 import {middleOfPush} from "../model/touched";
@@ -382,5 +382,3 @@ export class SceneView {
     this.numberedTeeth = this.labels.setObjects([]);
   }
 }
-
-const pointOf = (pose: Pose, point: Vec3): Vec3 => add(pose.p, rotate(pose.q, point));
