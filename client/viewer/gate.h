@@ -60,16 +60,7 @@ class Gate {
 
   /// From now on these hold, and no others.
   void Replace(Tokens tokens) { tokens_ = std::move(tokens); }
-  /// What a verdict once rested on, a token, holds still; none needs none.
-  bool StillHolds(const std::optional<Tokens::Holder>& holder) const {
-    return !tokens_ || (holder && tokens_->Has(*holder));
-  }
-  /// True for the name of a station that belongs to the holder of another token than `own`.
-  bool NamesAnother(const std::string& station, const std::string& prefix,
-                    const std::string& own) const {
-    return tokens_ && tokens_->NamesAnother(station, prefix, own);
-  }
-  bool wants_tokens() const { return tokens_.has_value(); }
+  const std::optional<Tokens>& tokens() const { return tokens_; }
 
   /// For every request.  Access::kWatch is no more here than "go on".
   Verdict JudgeHost(const Asker& asker) const;

@@ -146,7 +146,7 @@ void HttpSession::OnRead(beast::error_code error) {
   lobby_->Serve(*place_);
   if (error) {
     if (error.category() != http::make_error_code(http::error::bad_method).category()) return;
-    return Refuse(Request(), http::status::bad_request, Refusal::kRequest,
+    return Refuse(Request(), 400, Refusal::kRequest,
                   "this is no HTTP request that is understood here: " + error.message());
   }
   Answer(parser_->get());
@@ -165,14 +165,10 @@ Asker HttpSession::AskerOf(const Request& request) const {
   return asker;
 }
 
-void HttpSession::Refuse(const Request& request, const Verdict& verdict) {
-  Refuse(request, static_cast<http::status>(verdict.status), verdict.refusal, verdict.reason);
-}
-
-void HttpSession::Refuse(const Request& request, http::status status, Refusal refusal,
+void HttpSession::Refuse(const Request& request, int status, Refusal refusal,
                          const std::string& reason) {
   hub_.refusals().Say(refusal, visitor_.name, reason, SteadyNanoseconds());
-  GiveText(request, status, reason + "\n");
+  GiveText(request, static_cast<http::status>(status), reason + "\n");
 }
 
 void HttpSession::SendToTls(const Request& request) {
@@ -182,7 +178,7 @@ void HttpSession::SendToTls(const Request& request) {
       !beast::websocket::is_upgrade(request) && request.count(http::field::authorization) == 0 &&
       PathOfTarget(View(request.target()));
   if (!is_plain_get) {
-    return Refuse(request, http::status::bad_request, Refusal::kTls,
+    return Refuse(request, 400, Refusal::kTls,
                   "this port speaks TLS: ask https:// or wss://, and take a token that was sent in "
                   "the clear for known");
   }
@@ -198,21 +194,20 @@ void HttpSession::Answer(const Request& request) {
   visitor_ = VisitorAt(peer_, Forwarded(request), hub_.options().proxies);
   const Asker asker = AskerOf(request);
   if (const Verdict verdict = hub_.gate().JudgeHost(asker); verdict.access == Access::kNone) {
-    return Refuse(request, verdict);
+    return Refuse(request, verdict.status, verdict.refusal, verdict.reason);
   }
   if (tls_ != nullptr && !stream_.is_secure()) return SendToTls(request);
   if (beast::websocket::is_upgrade(request)) return Upgrade(request);
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
-    return Refuse(request, http::status::method_not_allowed, Refusal::kRequest,
-                  "only GET and HEAD");
+    return Refuse(request, 405, Refusal::kRequest, "only GET and HEAD");
   }
   const auto path = PathOfTarget(View(request.target()));
-  if (!path) return Refuse(request, http::status::bad_request, Refusal::kRequest, "no path");
+  if (!path) return Refuse(request, 400, Refusal::kRequest, "no path");
   // The page's own files are the same for everybody, and what a page needs to hand over a token.
   const bool is_of_page = *path != kHealth && *path != kMetrics && !path->starts_with(kScene);
   if (const Verdict verdict = hub_.gate().JudgeToken(asker);
       !is_of_page && verdict.access == Access::kNone) {
-    return Refuse(request, verdict);
+    return Refuse(request, verdict.status, verdict.refusal, verdict.reason);
   }
   if (*path == kHealth) {
     last_ = true;  // asked every few seconds by every page: none should hold a connection for that
@@ -231,15 +226,16 @@ void HttpSession::Answer(const Request& request) {
 
 void HttpSession::Upgrade(const Request& request) {
   const Verdict verdict = hub_.gate().JudgeSocket(AskerOf(request));
-  if (verdict.access == Access::kNone) return Refuse(request, verdict);
+  if (verdict.access == Access::kNone)
+    return Refuse(request, verdict.status, verdict.refusal, verdict.reason);
   const std::string_view subprotocol =
       foxglove::ChooseSubprotocol(View(request[http::field::sec_websocket_protocol]));
   if (subprotocol.empty()) {
-    return Refuse(request, http::status::bad_request, Refusal::kRequest,
+    return Refuse(request, 400, Refusal::kRequest,
                   "offer the subprotocol foxglove.websocket.v1 or foxglove.sdk.v1");
   }
   if (!hub_.MakeRoom(visitor_.address)) {
-    return Refuse(request, http::status::service_unavailable, Refusal::kFull,
+    return Refuse(request, 503, Refusal::kFull,
                   "there are as many viewers as this gateway takes (--max-viewers), and none of an "
                   "address that has more of them than this one");
   }

@@ -42,9 +42,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void Answer(const Request& request);
   Asker AskerOf(const Request& request) const;
   /// Tells of a refusal: whoever asks, and the log.
-  void Refuse(const Request& request, const Verdict& verdict);
-  void Refuse(const Request& request, boost::beast::http::status status, Refusal refusal,
-              const std::string& reason);
+  void Refuse(const Request& request, int status, Refusal refusal, const std::string& reason);
   /// Where TLS is spoken, to who asked in the clear.
   void SendToTls(const Request& request);
   void Upgrade(const Request& request);

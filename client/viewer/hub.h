@@ -68,7 +68,10 @@ class Hub {
   void Join(const std::shared_ptr<ViewerSession>& viewer);
   ViewerPlaces& places() { return places_; }
   void Leave(const ViewerSession& viewer);
-  void CountSent(std::size_t bytes);
+  void CountSent(std::size_t bytes) {
+    ++traffic_.sent;
+    traffic_.bytes += bytes;
+  }
 
   /// What GET /healthz answers.
   std::string Health() const;
@@ -76,12 +79,19 @@ class Hub {
   std::string Metrics() const;
 
  private:
+  struct Traffic {
+    std::uint64_t taken = 0;  // frames
+    std::uint64_t sent = 0;
+    std::uint64_t bytes = 0;
+    std::uint64_t lost = 0;  // of viewers that have left
+  };
   void Tell(const MouseRoom::News& news);
   /// Why a scene's tools cannot be had now; empty: they can.
   std::string WhyAbsent(const std::string& scene) const;
   void TellState(ViewerSession& viewer, const MouseRoom::News& news);
   void LogStatistics(std::int64_t now_ns);
-  std::uint64_t FramesLost() const;
+  /// With what viewers have lost that are there.
+  Traffic AllTraffic() const;
 
   ViewerOptions options_;
   Gate gate_;
@@ -95,15 +105,9 @@ class Hub {
   std::map<std::uint64_t, std::shared_ptr<ViewerSession>> viewers_;  // by id
   MouseRoom mice_;
   ScenePacker packer_;
-  std::uint64_t frames_sent_ = 0;
-  std::uint64_t bytes_sent_ = 0;
-  std::uint64_t frames_lost_ = 0;  // of viewers that have left
-  std::uint64_t frames_taken_ = 0;
+  Traffic traffic_;
+  Traffic logged_;  // with those that are there
   std::int64_t logged_ns_ = 0;
-  std::uint64_t logged_sent_ = 0;
-  std::uint64_t logged_bytes_ = 0;
-  std::uint64_t logged_taken_ = 0;
-  std::uint64_t logged_lost_ = 0;
 };
 
 }  // namespace palpate

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
+#include <fstream>
+#include <span>
 #include <sstream>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <openssl/crypto.h>
 #include <openssl/rand.h>
 #include <openssl/sha.h>
@@ -41,20 +43,15 @@ bool IsName(std::string_view name) {
   });
 }
 
-std::string ToHex(const unsigned char* bytes, std::size_t size) {
-  std::string hex;
-  for (std::size_t i = 0; i < size; ++i) hex += fmt::format("{:02x}", bytes[i]);
-  return hex;
+std::string ToHex(std::span<const unsigned char> bytes) {
+  return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 
-bool FromHex(std::string_view hex, unsigned char* bytes, std::size_t size) {
-  if (hex.size() != 2 * size) return false;
-  for (std::size_t i = 0; i < size; ++i) {
-    const char* at = hex.data() + 2 * i;
-    const auto [end, error] = std::from_chars(at, at + 2, bytes[i], 16);
-    if (error != std::errc{} || end != at + 2) return false;
-  }
-  return true;
+/// False where it is not as many digits as these bytes have.
+bool FromHex(const std::string& hex, std::span<unsigned char> bytes) {
+  std::size_t size = 0;
+  return hex.size() == 2 * bytes.size() &&
+         OPENSSL_hexstr2buf_ex(bytes.data(), bytes.size(), &size, hex.c_str(), '\0') == 1;
 }
 
 std::string TextOf(const std::string& path) {
@@ -107,7 +104,7 @@ Tokens Tokens::Parse(const std::string& path, const std::string& text) {
       refuse("role " + Quoted(role) + " is none of watch, drive and operate");
     }
     if (!IsName(name)) refuse("a name has letters, digits, '_', '.' and '-', 32 at most");
-    if (!FromHex(hash, entry.hash.data(), entry.hash.size()) || !more.empty()) {
+    if (!FromHex(hash, entry.hash) || !more.empty()) {
       refuse("the name is followed by the token's SHA-256, 64 hexadecimal digits, and no more");
     }
     for (const Holder& other : tokens.holders_) {
@@ -167,36 +164,29 @@ std::string MakeToken(const std::string& path, Access role, const std::string& n
     throw UsageError("--make-token: the name " + Quoted(name) +
                      " may have letters, digits, '_', '.' and '-', 32 at most");
   }
-  const int file = open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
+  // For its owner alone, where it is not there yet.
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   if (file < 0) throw Error(fmt::format("--tokens {}: {}", path, std::strerror(errno)));
-  std::string before;
-  try {
-    before = TextOf(path);
-    for (const Tokens::Holder& holder : Tokens::Parse(path, before).holders_) {
-      if (StationNameOf(holder.name) == StationNameOf(name)) {
-        throw UsageError(
-            fmt::format("--make-token: {} has a token of that name in {}; take its "
-                        "line out first, or give another name",
-                        Quoted(holder.name), path));
-      }
+  close(file);
+  const std::string before = TextOf(path);
+  for (const Tokens::Holder& holder : Tokens::Parse(path, before).holders_) {
+    if (StationNameOf(holder.name) == StationNameOf(name)) {
+      throw UsageError(
+          fmt::format("--make-token: {} has a token of that name in {}; take its "
+                      "line out first, or give another name",
+                      Quoted(holder.name), path));
     }
-  } catch (...) {
-    close(file);
-    throw;
   }
   unsigned char random[kRandomBytes];
-  const bool is_random = RAND_bytes(random, sizeof random) == 1;
-  const std::string token = std::string(kPrefix) + ToHex(random, sizeof random);
-  const Tokens::Hash hash = Tokens::HashOf(token);
-  const std::string line =
-      (before.empty() || before.ends_with('\n') ? "" : "\n") +
-      fmt::format("{} {} {}\n", RoleName(role), name, ToHex(hash.data(), hash.size()));
-  const bool is_written =
-      is_random && write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size());
-  const int error = errno;
-  close(file);
-  if (!is_random) throw Error("--make-token: there are no random numbers");
-  if (!is_written) throw Error(fmt::format("--tokens {}: {}", path, std::strerror(error)));
+  if (RAND_bytes(random, sizeof random) != 1) {
+    throw Error("--make-token: there are no random numbers");
+  }
+  const std::string token = std::string(kPrefix) + ToHex(random);
+  std::ofstream end(path, std::ios::app);
+  end << (before.empty() || before.ends_with('\n') ? "" : "\n")
+      << fmt::format("{} {} {}\n", RoleName(role), name, ToHex(Tokens::HashOf(token)))
+      << std::flush;
+  if (!end) throw Error(fmt::format("--tokens {}: {}", path, std::strerror(errno)));
   return token;
 }
 

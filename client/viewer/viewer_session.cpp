@@ -192,7 +192,7 @@ std::string ViewerSession::Who() const {
 
 std::string ViewerSession::WhatIsOfUse() const {
   if (access_ < Access::kDrive) {
-    return hub_.gate().wants_tokens()
+    return hub_.gate().tokens()
                ? "this client may look, and publish nothing: its token's role is watch, or its "
                  "page "
                  "is none of this gateway's"
@@ -209,7 +209,7 @@ std::string ViewerSession::WhatIsOfUse() const {
     use += (use.empty() ? "" : "; ") + std::string(reason);
   };
   if (!operates) {
-    add(hub_.gate().wants_tokens()
+    add(hub_.gate().tokens()
             ? "to decide about stations is for tokens of the role operate, on this gateway's page"
             : "to decide about stations is for pages at the gateway's own host, or for tokens of "
               "the "

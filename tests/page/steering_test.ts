@@ -166,10 +166,7 @@ test("a bookmark is named, of the moment at which it was asked for, gone to and 
   await eventually("it is kept", () => replay.contents.marks.length === 4);
   expect(replay.wishes.filter(({wish}) => wish === "add_bookmark").length).toBe(2);
   expect(last().text).toMatch(/^Bookmark at 0:\d\d$/);
-});
-
-test("why a wish is not fulfilled is said in the replayer's words", async () => {
-  await openReplay();
+  // Why one is not kept is said in the replayer's words.
   replay.refusal = "there are 200 bookmarks already; drop one first";
   await page.keyboard.press("b");
   await page.keyboard.press("Enter");

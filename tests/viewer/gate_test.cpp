@@ -116,14 +116,12 @@ TEST_F(GateTest, LetsInWhoNamesAHostOfThisGatewayAndSaysHowToNameAnother) {
 }
 
 TEST_F(GateTest, WithoutTokensGivesTheHostItselfAllAndOthersTheMouse) {
-  EXPECT_FALSE(open_.wants_tokens());
   EXPECT_EQ(open_.JudgeSocket(Plain(true)).access, Access::kOperate);
   EXPECT_EQ(open_.JudgeSocket(Plain(false)).access, Access::kDrive);
   EXPECT_NE(open_.JudgeToken(Plain(false)).access, Access::kNone);
 }
 
 TEST_F(GateTest, GivesEachTokenItsRoleWhereverItIsPresented) {
-  EXPECT_TRUE(guarded_->wants_tokens());
   for (const auto& [token, role, name] :
        {std::tuple(watch_, Access::kWatch, "class"), std::tuple(drive_, Access::kDrive, "hand"),
         std::tuple(operate_, Access::kOperate, "teacher")}) {

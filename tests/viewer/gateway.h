@@ -22,6 +22,7 @@
 
 namespace palpate::test {
 
+inline constexpr const char* kV1 = "foxglove.websocket.v1";
 /// Of all tests of this program.
 inline const int kDomain = OwnDomain();
 

@@ -26,8 +26,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* kV1 = "foxglove.websocket.v1";
-
 template <class T>
 T Decoded(const WebClient::Message& message) {
   T sample{};
@@ -262,7 +260,7 @@ TEST_F(Succession, KeepsTheViewersWhileThereIsNoServerAndShowsThemTheNext) {
   server_.reset();
   server_ = StartServer({"cube"});
   StartStation("a");
-  EXPECT_TRUE(viewer.Next(2));
+  EXPECT_TRUE(viewer.Next(2)) << station_->Output() << server_->Output();
   EXPECT_TRUE(viewer.open());
 }
 

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <regex>
 #include <set>
 #include <thread>
 
@@ -34,20 +33,11 @@ using testing::HasSubstr;
 using testing::Not;
 using Headers = Gateway::Headers;
 
-constexpr const char* kV1 = "foxglove.websocket.v1";
-
 Headers From(const std::string& address) {
   return {{"X-Forwarded-For", address}};
 }
 Headers Bearing(const std::string& token) {
   return {{"Authorization", "Bearer " + token}};
-}
-
-/// How often the gateway has said so.
-std::ptrdiff_t CountOf(const char* regex, Gateway& gateway) {
-  const std::string said = gateway.program().Output();
-  const std::regex line(regex);
-  return std::distance(std::sregex_iterator(said.begin(), said.end(), line), {});
 }
 
 // --- Host ---
@@ -80,14 +70,6 @@ TEST(Host, IsNamedOnceByARequestAndNotByItsTarget) {
   EXPECT_EQ(Get(gateway.port(), "/healthz", {{"Host", "127.0.0.1\r\nHost: evil.example"}}).status,
             400);
   EXPECT_EQ(Get(gateway.port(), "http://evil.example/healthz").status, 400);
-}
-
-TEST(Refusals, AreLoggedOnceASecondAndCountedAll) {
-  Gateway gateway;
-  for (int i = 0; i < 400; ++i) Get(gateway.port(), "/healthz", {{"Host", "evil.example"}});
-  EXPECT_EQ(gateway.Health()["refusals"], 400);
-  EXPECT_TRUE(gateway.Logs(" more\n")) << "those that had no line of their own are counted in one";
-  EXPECT_LT(CountOf("refused \\(host\\)", gateway), 60);
 }
 
 TEST(Refusals, DoNotForgeLinesOfTheLog) {
@@ -139,8 +121,7 @@ TEST(Takes, AreLimitedHoweverQuicklyAViewerTakesAndLetsGo) {
   }
   EXPECT_THAT(said_to_it, HasSubstr("taken too often"));
   EXPECT_TRUE(gateway.Logs("refused (takes)"));
-  ASSERT_TRUE(gateway.Until([](const Json& health) { return health["refusals"] > 50; }));
-  EXPECT_LT(CountOf("takes a tool of scene", gateway), 30);
+  EXPECT_TRUE(gateway.Until([](const Json& health) { return health["refusals"] > 50; }));
 }
 
 // --- tokens ---
@@ -256,7 +237,6 @@ TEST_F(Guarded, GivesAPageWhatItsTokensRoleAllowsAndNeverEchoesTheToken) {
   EXPECT_EQ(server_.CountAsked(), 0);
 
   EXPECT_TRUE(gateway.Logs("refused (role) class at 127.0.0.1:"));
-  EXPECT_TRUE(gateway.Logs("refused (role)"));
   EXPECT_EQ(gateway.Health(Bearing(watch_))["refusals"], 2);
   EXPECT_EQ(Handshake(gateway.port(), std::string(kV1) + ", palpate.token." + operate_,
                       "http://evil.example")
@@ -338,24 +318,6 @@ TEST_F(Guarded, SetAGoalThatAllAreToldWhereTheyMayOperate) {
   EXPECT_THAT(teacher.NextStatus(), HasSubstr("is not served here"));
   late.SendOperate(with_op(goal));
   EXPECT_EQ(late.closed(), 1008) << "it may drive, and set no goal";
-}
-
-TEST(Operate, IsWithoutTokensForPagesOfThisHostAndForNoneThatAProxyBrings) {
-  StandIn server;
-  Gateway gateway;
-  ASSERT_TRUE(gateway.KnowsScenes(1));
-  WebClient own(gateway.port(), kV1, "http://127.0.0.1:" + std::to_string(gateway.port()));
-  EXPECT_EQ(own.NextJson("serverInfo")["metadata"]["role"], "operate");
-  own.SendOperate({{"op", "mute"}, {"station", "left"}});
-  const auto asked = server.Asked();
-  ASSERT_TRUE(asked);
-  EXPECT_THAT(asked->by, HasSubstr("the page at 127.0.0.1:"));
-  WebClient far(gateway.port(), kV1, "", 0, From("192.168.0.7"));
-  EXPECT_EQ(far.NextJson("serverInfo")["metadata"]["role"], "drive");
-  far.SendOperate({{"op", "mute"}, {"station", "left"}});
-  EXPECT_THAT(far.NextStatus(), HasSubstr("--tokens"));
-  EXPECT_EQ(far.closed(), 1008);
-  EXPECT_TRUE(gateway.Logs("refused (role)"));
 }
 
 TEST_F(Guarded, HoldAsTheFileHasThemWhenItIsReadAnew) {

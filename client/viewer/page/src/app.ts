@@ -1,7 +1,6 @@
 import {Choice} from "./parts/choice";
 import {Figures} from "./parts/figures";
 import {GatewayLink} from "./parts/gateway_link";
-import {LinkBanner} from "./parts/link_banner";
 import {nowS} from "./parts/now";
 import {Picture} from "./parts/picture";
 import {type Probe, probeStations} from "./parts/probe";
@@ -37,7 +36,6 @@ export class App {
   private readonly whole: WholeButton;
   private readonly figures: Figures;
   private readonly replay: ReplayMode;
-  private readonly banner: LinkBanner;
 
   constructor() {
     const {world, notice} = this;
@@ -92,7 +90,6 @@ export class App {
       this.showRights();
       this.showTitle();
     });
-    this.banner = new LinkBanner(world, this.link);
     listenForKeys({
       ...this.viewControls.keys,
       ...this.hold.keys,
@@ -191,7 +188,7 @@ export class App {
   }
 
   private showLink(): LinkReport {
-    return this.banner.show({
+    return this.link.show({
       mayTake: this.mayTake,
       takes: this.hold.isBusy,
       draws: this.picture.view.draws,
