@@ -9,6 +9,10 @@
 namespace palpate {
 namespace {
 
+/// Before a token among a WebSocket's subprotocols, which is where a page can put one: browsers set
+/// no other header of it.
+constexpr std::string_view kTokenSubprotocol = "palpate.token.";
+
 constexpr int kBadRequest = 400;
 constexpr int kUnauthorized = 401;
 constexpr int kForbidden = 403;

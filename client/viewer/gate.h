@@ -74,8 +74,4 @@ class Gate {
   std::optional<Tokens> tokens_;
 };
 
-/// Before a token among a WebSocket's subprotocols, which is where a page can put one: browsers set
-/// no other header of it.
-inline constexpr std::string_view kTokenSubprotocol = "palpate.token.";
-
 }  // namespace palpate

@@ -17,11 +17,11 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "client/viewer/host_addresses.h"
 #include "client/viewer/http_session.h"
 #include "client/viewer/hub.h"
 #include "client/viewer/options.h"
 #include "client/viewer/tokens.h"
+#include "client/viewer/visitor.h"
 #include "client/viewer/web_stream.h"
 #include "common/error.h"
 #include "common/http/lobby.h"
@@ -126,14 +126,15 @@ void WarnOfNetwork(const ViewerOptions& options) {
   }
 }
 
-void Announce(const ViewerOptions& options, const Hub& hub, const std::string& urls) {
-  if (!IsLoopback(options.address)) WarnOfNetwork(options);
+void Announce(const ViewerOptions& options, const Hub& hub, const tcp::endpoint& endpoint) {
+  if (!endpoint.address().is_loopback()) WarnOfNetwork(options);
   if (!hub.page().built()) {
     spdlog::warn("the page is not built (looked for in {}); a page that says so stands in",
                  options.page);
   }
-  std::printf("ready: page %s; domain %d; up to %zu viewers, %d with a mouse\n", urls.c_str(),
-              options.domain, options.max_viewers, options.max_mice);
+  std::printf("ready: page %s; domain %d; up to %zu viewers, %d with a mouse\n",
+              Urls(endpoint, !options.tls_cert.empty()).c_str(), options.domain,
+              options.max_viewers, options.max_mice);
   std::fflush(stdout);
 }
 
@@ -186,7 +187,7 @@ void RunGateway(const ViewerOptions& options, StopSignal& stop) {
   Hub hub(io, options);
   ReloadSignal reload(io, [&hub] { hub.ReadTokensAnew(SteadyNanoseconds()); });
   Listener listener(io, hub, tls ? &*tls : nullptr);
-  Announce(options, hub, Urls(listener.endpoint(), tls.has_value()));
+  Announce(options, hub, listener.endpoint());
 
   net::steady_timer timer(io, kTick);
   std::int64_t ending_ns = 0;

@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
-#include "client/viewer/json_text.h"
 #include "client/viewer/viewer_session.h"
 #include "common/dds/random_run.h"
 #include "common/error.h"

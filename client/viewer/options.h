@@ -42,7 +42,4 @@ struct ViewerOptions {
 /// Throws UsageError.
 std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* argv);
 
-/// True for an address that only this host can reach.
-bool IsLoopback(const std::string& address);
-
 }  // namespace palpate

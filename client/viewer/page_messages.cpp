@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "client/viewer/json_text.h"
 #include "common/dds/topics.h"
 #include "common/json/json_file.h"
 

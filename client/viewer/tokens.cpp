@@ -54,6 +54,14 @@ bool FromHex(const std::string& hex, std::span<unsigned char> bytes) {
          OPENSSL_hexstr2buf_ex(bytes.data(), bytes.size(), &size, hex.c_str(), '\0') == 1;
 }
 
+/// What tokens consist of besides letters and digits, and how long they are: other text is none,
+/// and is hashed nowhere.  They fit an Authorization header (RFC 6750), a WebSocket's subprotocol
+/// and a URL's fragment as they are.
+bool LooksLikeToken(std::string_view text) {
+  return text.size() == kTokenLength && text.starts_with(kPrefix) &&
+         std::ranges::all_of(text.substr(kPrefix.size()), IsLetterOrDigit);
+}
+
 std::string TextOf(const std::string& path) {
   return ReadWholeFile(path, kMostBytes, "--tokens", IsPrivate("--tokens", path));
 }
@@ -70,11 +78,6 @@ std::optional<Access> ParseRole(std::string_view name) {
     if (name == RoleName(role)) return role;
   }
   return std::nullopt;
-}
-
-bool LooksLikeToken(std::string_view text) {
-  return text.size() == kTokenLength && text.starts_with(kPrefix) &&
-         std::ranges::all_of(text.substr(kPrefix.size()), IsLetterOrDigit);
 }
 
 Tokens::Hash Tokens::HashOf(std::string_view token) {

@@ -59,11 +59,6 @@ class Tokens {
   std::vector<Holder> holders_;
 };
 
-/// What tokens consist of besides letters and digits, and how long they are: other text is none,
-/// and is hashed nowhere.  They fit an Authorization header (RFC 6750), a WebSocket's subprotocol
-/// and a URL's fragment as they are.
-bool LooksLikeToken(std::string_view text);
-
 /// What the station of who has a token of this name is called: [A-Za-z0-9_]{1,32}, '_' for what no
 /// station's name has.  @param number  from the second one on it stands behind the name.
 std::string StationNameOf(std::string name, int number = 1);

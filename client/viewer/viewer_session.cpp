@@ -147,27 +147,19 @@ void ViewerSession::ReadOn(std::int64_t now_ns) {
 
 std::string ViewerSession::OnText(std::string_view text) {
   const foxglove::Request request = foxglove::ParseRequest(text);
-  using Op = foxglove::Request::Op;
-  switch (request.op) {
-    case Op::kSubscribe:
-      Subscribe(request);
-      break;
-    case Op::kUnsubscribe:
-      for (const std::uint32_t id : request.ids) queue_.Unsubscribe(id);
-      break;
-    case Op::kAdvertise:
-      for (const foxglove::ClientChannel& channel : request.channels) {
-        if (published_.size() >= ViewerLimits::kMostChannels) return "too many channels";
-        Publish(channel);
-      }
-      break;
-    case Op::kUnadvertise:
-      for (const std::uint32_t id : request.ids) published_.erase(id);
-      break;
-    case Op::kUnknown:
-      Say(foxglove::Level::kWarning,
-          Quoted(request.op_name) + " is nothing that this gateway does");
-      break;
+  if (request.op == "subscribe") {
+    Subscribe(request);
+  } else if (request.op == "unsubscribe") {
+    for (const std::uint32_t id : request.ids) queue_.Unsubscribe(id);
+  } else if (request.op == "advertise") {
+    for (const foxglove::ClientChannel& channel : request.channels) {
+      if (published_.size() >= ViewerLimits::kMostChannels) return "too many channels";
+      Publish(channel);
+    }
+  } else if (request.op == "unadvertise") {
+    for (const std::uint32_t id : request.ids) published_.erase(id);
+  } else {
+    Say(foxglove::Level::kWarning, Quoted(request.op) + " is nothing that this gateway does");
   }
   return "";
 }

@@ -43,7 +43,7 @@ TEST(Roles, HaveNames) {
   }
 }
 
-TEST_F(TokensTest, KnowThoseThatWereMadeByTheirRoleAndName) {
+TEST_F(TokensTest, KnowThoseThatWereMadeAndStandNowhereInTheFileWhichIsForItsOwnerAlone) {
   const std::string teacher = MakeToken(path_, Access::kOperate, "teacher");
   const std::string student = MakeToken(path_, Access::kWatch, "class-7");
   EXPECT_NE(teacher, student);
@@ -53,6 +53,10 @@ TEST_F(TokensTest, KnowThoseThatWereMadeByTheirRoleAndName) {
   EXPECT_EQ(tokens.Find(teacher)->name, "teacher");
   ASSERT_TRUE(tokens.Find(student));
   EXPECT_EQ(tokens.Find(student)->role, Access::kWatch);
+  EXPECT_THAT(Text(), testing::Not(HasSubstr(teacher.substr(8))));
+  struct stat file {};
+  stat(path_.c_str(), &file);
+  EXPECT_EQ(file.st_mode & 0777, 0600u);
 }
 
 TEST_F(TokensTest, AreNamedAsStationsAreAndNoTwoAlike) {
@@ -84,14 +88,6 @@ TEST_F(TokensTest, KnowNothingElse) {
   // What the file holds is no token.
   const std::string line = Text();
   EXPECT_FALSE(tokens.Find("palpate_" + line.substr(line.rfind(' ') + 1, 64)));
-}
-
-TEST_F(TokensTest, StandNowhereInTheFileWhichIsForItsOwnerAlone) {
-  const std::string token = MakeToken(path_, Access::kDrive, "hand");
-  EXPECT_THAT(Text(), testing::Not(HasSubstr(token.substr(8))));
-  struct stat file {};
-  stat(path_.c_str(), &file);
-  EXPECT_EQ(file.st_mode & 0777, 0600u);
 }
 
 TEST_F(TokensTest, AreOfAFileThatOthersCannotReadOrChange) {

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "client/viewer/host_addresses.h"
-
 namespace palpate {
 namespace {
 

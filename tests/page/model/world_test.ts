@@ -11,12 +11,8 @@ const state = (station: string, sequence: number, more: object = {}) => ({
   pose_sequence: sequence,
   ...more,
 });
-const health = (scenes: string[], serverRun: string) => ({
-  scenes,
-  serverRun,
-  full: false,
-  serverLives: true,
-  compiling: undefined,
+const health = (scenes: string[], server_run: string) => ({
+  ...{scenes, server_run, server_lives: true, compiling: null, viewers: 1, max_viewers: 300},
 });
 const session = (station: string, phase: number, more: object = {}) => ({
   station,

@@ -53,18 +53,11 @@ function pushOff(place: {x: number; y: number}, from: Point, least: number): voi
 
 /// Half of the overlap each, along the shorter way out.
 function part(a: {x: number; y: number}, b: {x: number; y: number}, label: Box): void {
-  const dx = a.x - b.x;
-  const dy = a.y - b.y;
-  const overX = label.width - Math.abs(dx);
-  const overY = label.height - Math.abs(dy);
+  const overX = label.width - Math.abs(a.x - b.x);
+  const overY = label.height - Math.abs(a.y - b.y);
   if (overX <= 0 || overY <= 0) return;
-  if (overX < overY) {
-    const half = 0.5 * overX * (dx < 0 ? -1 : 1);
-    a.x += half;
-    b.x -= half;
-  } else {
-    const half = 0.5 * overY * (dy < 0 ? -1 : 1);
-    a.y += half;
-    b.y -= half;
-  }
+  const along = overX < overY ? "x" : "y";
+  const half = 0.5 * Math.min(overX, overY) * (a[along] < b[along] ? -1 : 1);
+  a[along] += half;
+  b[along] -= half;
 }

@@ -233,11 +233,11 @@ export class World {
 
   /// What the gateway says of itself: its scenes, and which server they are of.
   receiveHealth(health: Health, nowS = this.nowS): void {
-    const {scenes, serverRun} = health;
+    const {scenes} = health;
     this.nowS = nowS;
-    this.serverLives = health.serverLives;
-    this.compiling = health.compiling;
-    if (!this.isOfServer(serverRun)) return;
+    this.serverLives = health.server_lives;
+    this.compiling = health.compiling ?? undefined;
+    if (!this.isOfServer(health.server_run)) return;
     const same =
       scenes.length === this.scenes.size && scenes.every((name) => this.scenes.has(name));
     if (same) return;
@@ -269,11 +269,9 @@ export class World {
   }
 
   holderOf(scene: string, tool: string): Station | undefined {
-    for (const station of this.stations.values()) {
-      const session = station.session;
-      if (station.holdsTool && session?.scene === scene && session.tool === tool) return station;
-    }
-    return undefined;
+    return [...this.stations.values()].find(
+      ({holdsTool, session}) => holdsTool && session?.scene === scene && session.tool === tool,
+    );
   }
 
   /// Who moved a tool last.

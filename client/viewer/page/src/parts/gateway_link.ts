@@ -127,7 +127,7 @@ export class GatewayLink {
       return;
     }
     const wantsToken = health === "token";
-    const full = !wantsToken && health.full;
+    const full = !wantsToken && health.viewers >= health.max_viewers;
     this.gateway = {saidS: nowS(), full, wantsToken, silences: 0};
     if (!wantsToken) this.world.receiveHealth(health, nowS());
   }
