@@ -126,7 +126,7 @@ void WarnOfNetwork(const ViewerOptions& options) {
   }
 }
 
-void Announce(const ViewerOptions& options, const Hub& hub, const tcp::endpoint& endpoint) {
+void Announce(const ViewerOptions& options, Hub& hub, const tcp::endpoint& endpoint) {
   if (!endpoint.address().is_loopback()) WarnOfNetwork(options);
   if (!hub.page().built()) {
     spdlog::warn("the page is not built (looked for in {}); a page that says so stands in",

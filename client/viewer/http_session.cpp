@@ -9,7 +9,6 @@
 
 #include "client/viewer/foxglove.h"
 #include "client/viewer/viewer_session.h"
-#include "common/files/whole_file.h"
 #include "common/metrics/metrics_page.h"
 #include "common/realtime/steady_clock.h"
 
@@ -20,7 +19,6 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 
 constexpr std::uint32_t kLargestHeader = 8 * 1024;
-constexpr std::uint64_t kLargestFile = std::uint64_t{64} << 20;  // of the page; it has 2 MB
 constexpr std::chrono::seconds kPatience{15};  // for a request, and for a part of its answer
 constexpr std::chrono::seconds kIdle{2};       // between an answer and the next request
 /// An answer is given up where less of it is taken, on the whole [bytes/s].
@@ -318,15 +316,14 @@ void HttpSession::GiveFile(const Request& request, const std::string& path) {
     }
     return GiveText(request, http::status::not_found, "there is no such file\n");
   }
-  auto content = TryReadWholeFile(file->path, kLargestFile);
+  const std::shared_ptr<const std::string> content = hub_.page().Read(*file);
   if (!content) return GiveText(request, http::status::not_found, "the file cannot be read\n");
   Response response = ResponseOf(http::status::ok,
                                  file->hashed ? "public, max-age=31536000, immutable" : "no-cache");
   response.set(http::field::content_type, file->content_type);
   response.set(http::field::vary, "Accept-Encoding");
   if (file->gzip) response.set(http::field::content_encoding, "gzip");
-  const auto kept = std::make_shared<const std::string>(std::move(*content));
-  Send(std::move(response), request, BytesOf(*kept), kept);
+  Send(std::move(response), request, BytesOf(*content), content);
 }
 
 void HttpSession::GiveScene(const Request& request, const std::string& name) {

@@ -41,7 +41,7 @@ class Hub {
   bool ended() const { return viewers_.empty() && mice_.size() == 0; }
 
   const ViewerOptions& options() const { return options_; }
-  const PageFiles& page() const { return page_; }
+  PageFiles& page() { return page_; }
   const TopicFeed& feed() const { return feed_; }
   const Gate& gate() const { return gate_; }
   RefusalLog& refusals() { return refusals_; }

@@ -72,6 +72,9 @@ TEST_F(PageFilesTest, GivesFilesWithTheirTypes) {
   EXPECT_THAT(packed->content_type, testing::StartsWith("text/javascript"));
   EXPECT_EQ(files_.Find("/assets/a.js", false)->path.filename(), "a.js");
   EXPECT_FALSE(files_.Find("/only.css", false));
+  const auto content = files_.Read(*packed);
+  EXPECT_EQ(*content, "page/assets/a.js.gz");
+  EXPECT_EQ(files_.Read(*packed), content) << "one copy, whoever is sent it";
 }
 
 TEST_F(PageFilesTest, GivesNothingFromOutsideItsFolder) {
