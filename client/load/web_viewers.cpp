@@ -165,7 +165,7 @@ class Viewer {
     }
   }
 
-  websocket::stream<tcp::socket> socket_;
+  websocket::stream<tcp::socket, false> socket_;  // false: nothing is deflated
   Shared& shared_;
   std::size_t index_;
   bool reads_;

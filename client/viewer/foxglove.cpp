@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "client/viewer/json_text.h"
+#include "client/viewer/page_messages.h"
 #include "client/viewer/viewer_limits.h"
 #include "common/error.h"
 #include "common/json/json_file.h"
@@ -18,6 +18,9 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// In the order of preference.
+constexpr std::array<std::string_view, 2> kSubprotocols = {"foxglove.websocket.v1",
+                                                           "foxglove.sdk.v1"};
 constexpr std::uint8_t kMessageData = 1;
 static_assert(std::endian::native == std::endian::little, "the protocol's integers are");
 
@@ -91,23 +94,19 @@ MessageHeader MakeMessageHeader(std::uint32_t subscription, std::int64_t time_ns
 Request ParseRequest(std::string_view text) {
   const JsonNode message = JsonNode::Parse(text, "a text message");
   Request request;
-  request.op_name = message.At("op").Text();
-  if (request.op_name == "subscribe") {
-    request.op = Request::Op::kSubscribe;
+  request.op = message.At("op").Text();
+  if (request.op == "subscribe") {
     for (const JsonNode& item : Items(message, "subscriptions")) {
       request.subscriptions.push_back({Id(item.At("id")), Id(item.At("channelId"))});
     }
-  } else if (request.op_name == "unsubscribe") {
-    request.op = Request::Op::kUnsubscribe;
+  } else if (request.op == "unsubscribe") {
     for (const JsonNode& item : Items(message, "subscriptionIds")) request.ids.push_back(Id(item));
-  } else if (request.op_name == "advertise") {
-    request.op = Request::Op::kAdvertise;
+  } else if (request.op == "advertise") {
     for (const JsonNode& item : Items(message, "channels")) {
       request.channels.push_back(
           {Id(item.At("id")), item.At("topic").Text(), item.At("encoding").Text()});
     }
-  } else if (request.op_name == "unadvertise") {
-    request.op = Request::Op::kUnadvertise;
+  } else if (request.op == "unadvertise") {
     for (const JsonNode& item : Items(message, "channelIds")) request.ids.push_back(Id(item));
   }
   return request;

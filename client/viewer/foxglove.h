@@ -12,9 +12,6 @@
 // a client may ask.  Nothing that a client sends is believed: parsers take any bytes.
 namespace palpate::foxglove {
 
-/// In the order of preference.
-inline constexpr std::array<std::string_view, 2> kSubprotocols = {"foxglove.websocket.v1",
-                                                                  "foxglove.sdk.v1"};
 /// The first of a Sec-WebSocket-Protocol header's list that this server speaks; empty: none.
 std::string_view ChooseSubprotocol(std::string_view offered);
 
@@ -53,14 +50,12 @@ struct ClientChannel {
 
 /// A client's text message.
 struct Request {
-  enum class Op { kSubscribe, kUnsubscribe, kAdvertise, kUnadvertise, kUnknown };
-  Op op = Op::kUnknown;
-  std::string op_name;
-  std::vector<Subscription> subscriptions;  ///< kSubscribe
-  std::vector<std::uint32_t> ids;           ///< kUnsubscribe: subscriptions; kUnadvertise: channels
-  std::vector<ClientChannel> channels;      ///< kAdvertise
+  std::string op;
+  std::vector<Subscription> subscriptions;  ///< of "subscribe"
+  std::vector<std::uint32_t> ids;       ///< "unsubscribe": subscriptions; "unadvertise": channels
+  std::vector<ClientChannel> channels;  ///< of "advertise"
 };
-/// Throws Error for what is none.  An operation that this server does not have is kUnknown: a newer
+/// Throws Error for what is none, but not for an operation that this server does not have: a newer
 /// client may ask for it.
 Request ParseRequest(std::string_view text);
 

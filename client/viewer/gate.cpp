@@ -9,6 +9,10 @@
 namespace palpate {
 namespace {
 
+/// Before a token among a WebSocket's subprotocols, which is where a page can put one: browsers set
+/// no other header of it.
+constexpr std::string_view kTokenSubprotocol = "palpate.token.";
+
 constexpr int kBadRequest = 400;
 constexpr int kUnauthorized = 401;
 constexpr int kForbidden = 403;
@@ -46,6 +50,23 @@ std::vector<std::string_view> Presented(const Asker& asker) {
 }
 
 }  // namespace
+
+Access AccessOfOrigin(std::string_view origin, std::string_view host, bool secure,
+                      const std::vector<std::string>& allowed_origins) {
+  if (origin.empty()) return Access::kOperate;
+  const std::string from = LowerCase(origin);
+  if (std::ranges::any_of(allowed_origins, [&](const std::string& allowed) {
+        return allowed == "*" || LowerCase(allowed) == from;
+      })) {
+    return Access::kDrive;
+  }
+  if (from == "file://") return Access::kWatch;
+  const std::string own = "://" + LowerCase(host);
+  // In the clear both: a proxy may speak TLS before this gateway.
+  if (host.empty()) return Access::kNone;
+  if (from == "https" + own || (!secure && from == "http" + own)) return Access::kOperate;
+  return Access::kNone;
+}
 
 Verdict Gate::JudgeHost(const Asker& asker) const {
   if (auto refusal = RefuseHost(asker.hosts, asker.host, options_.host_names, "palpate-viewer")) {

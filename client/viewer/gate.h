@@ -6,11 +6,21 @@
 #include <utility>
 #include <vector>
 
-#include "client/viewer/access.h"
 #include "client/viewer/refusal_log.h"
 #include "client/viewer/tokens.h"
 
 namespace palpate {
+
+/// The most that a page may do.
+/// Browsers let any page of the web open a socket to this host, and say in Origin whose page it is.
+/// This gateway's own (the same authority as Host, which IsOwnHost has passed), and what sends no
+/// Origin and so is no browser, may do all.  Those that are allowed may drive: a teacher's
+/// decisions are made on this gateway's page.  A page of this host's files, `file://`, may watch:
+/// that is how the desktop applications of Foxglove and Lichtblick name themselves, and no page of
+/// the web can. All others, sandboxed ones ("null") among them, may do nothing.
+/// @param secure  over TLS: then a page that came in the clear is not this gateway's own.
+Access AccessOfOrigin(std::string_view origin, std::string_view host, bool secure,
+                      const std::vector<std::string>& allowed_origins);
 
 /// What a request says of who asks, before any of it is believed: headers as they came, empty where
 /// there are none, and how many there are of those of which there may be one.
@@ -50,16 +60,7 @@ class Gate {
 
   /// From now on these hold, and no others.
   void Replace(Tokens tokens) { tokens_ = std::move(tokens); }
-  /// What a verdict once rested on, a token, holds still; none needs none.
-  bool StillHolds(const std::optional<Tokens::Holder>& holder) const {
-    return !tokens_ || (holder && tokens_->Has(*holder));
-  }
-  /// True for the name of a station that belongs to the holder of another token than `own`.
-  bool NamesAnother(const std::string& station, const std::string& prefix,
-                    const std::string& own) const {
-    return tokens_ && tokens_->NamesAnother(station, prefix, own);
-  }
-  bool wants_tokens() const { return tokens_.has_value(); }
+  const std::optional<Tokens>& tokens() const { return tokens_; }
 
   /// For every request.  Access::kWatch is no more here than "go on".
   Verdict JudgeHost(const Asker& asker) const;
@@ -72,9 +73,5 @@ class Gate {
   Options options_;
   std::optional<Tokens> tokens_;
 };
-
-/// Before a token among a WebSocket's subprotocols, which is where a page can put one: browsers set
-/// no other header of it.
-inline constexpr std::string_view kTokenSubprotocol = "palpate.token.";
 
 }  // namespace palpate

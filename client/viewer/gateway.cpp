@@ -1,5 +1,3 @@
-#include "client/viewer/gateway.h"
-
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -7,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,16 +14,20 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "client/viewer/host_addresses.h"
 #include "client/viewer/http_session.h"
 #include "client/viewer/hub.h"
-#include "client/viewer/tls.h"
+#include "client/viewer/options.h"
+#include "client/viewer/tokens.h"
+#include "client/viewer/visitor.h"
+#include "client/viewer/web_stream.h"
 #include "common/error.h"
 #include "common/http/lobby.h"
+#include "common/program/command_line.h"
+#include "common/program/log.h"
+#include "common/program/stop_signal.h"
 #include "common/realtime/steady_clock.h"
 
 namespace palpate {
@@ -94,13 +97,13 @@ class Listener {
 /// Where the page is, for who is told to open it.
 std::string Urls(const tcp::endpoint& endpoint, bool secure) {
   const net::ip::address address = endpoint.address();
-  std::string urls;
+  std::ostringstream urls;
   for (const net::ip::address& host :
        address.is_unspecified() ? HostAddresses(address.is_v6()) : std::vector{address}) {
-    urls += fmt::format("{}{}://{}:{}/", urls.empty() ? "" : " ", secure ? "https" : "http",
-                        InUrl(host), endpoint.port());
+    urls << (urls.tellp() > 0 ? " " : "") << (secure ? "https://" : "http://")
+         << tcp::endpoint(host, endpoint.port()) << '/';
   }
-  return urls;
+  return urls.str();
 }
 
 /// What it means that other hosts reach this gateway.
@@ -123,14 +126,15 @@ void WarnOfNetwork(const ViewerOptions& options) {
   }
 }
 
-void Announce(const ViewerOptions& options, const Hub& hub, const std::string& urls) {
-  if (!IsLoopback(options.address)) WarnOfNetwork(options);
+void Announce(const ViewerOptions& options, Hub& hub, const tcp::endpoint& endpoint) {
+  if (!endpoint.address().is_loopback()) WarnOfNetwork(options);
   if (!hub.page().built()) {
     spdlog::warn("the page is not built (looked for in {}); a page that says so stands in",
                  options.page);
   }
-  std::printf("ready: page %s; domain %d; up to %zu viewers, %d with a mouse\n", urls.c_str(),
-              options.domain, options.max_viewers, options.max_mice);
+  std::printf("ready: page %s; domain %d; up to %zu viewers, %d with a mouse\n",
+              Urls(endpoint, !options.tls_cert.empty()).c_str(), options.domain,
+              options.max_viewers, options.max_mice);
   std::fflush(stdout);
 }
 
@@ -171,8 +175,9 @@ class ReloadSignal {
   const bool had_terminal_ = HasTerminal();
 };
 
-}  // namespace
-
+/// Serves until a signal comes.  One thread does it all: HTTP, WebSockets, and 120 times a second
+/// what DDS's readers hold; each message is serialised once, by its writer, and shared by viewers.
+/// Throws Error.
 void RunGateway(const ViewerOptions& options, StopSignal& stop) {
   std::signal(SIGPIPE, SIG_IGN);  // a station's input may be gone
   // Outlives the handlers that the io_context holds to its end.
@@ -182,7 +187,7 @@ void RunGateway(const ViewerOptions& options, StopSignal& stop) {
   Hub hub(io, options);
   ReloadSignal reload(io, [&hub] { hub.ReadTokensAnew(SteadyNanoseconds()); });
   Listener listener(io, hub, tls ? &*tls : nullptr);
-  Announce(options, hub, Urls(listener.endpoint(), tls.has_value()));
+  Announce(options, hub, listener.endpoint());
 
   net::steady_timer timer(io, kTick);
   std::int64_t ending_ns = 0;
@@ -204,4 +209,26 @@ void RunGateway(const ViewerOptions& options, StopSignal& stop) {
   io.run();
 }
 
+}  // namespace
 }  // namespace palpate
+
+int main(int argc, char** argv) {
+  return palpate::RunProgram("palpate-viewer", [&] {
+    const auto options = palpate::ParseViewerOptions(argc, argv);
+    if (!options) return 0;
+    palpate::SetUpLog("palpate-viewer", options->log_level);
+    if (options->make_token) {
+      const auto& [role, name] = *options->make_token;
+      std::printf("%s\n", palpate::MakeToken(options->tokens, role, name).c_str());
+      spdlog::info(
+          "'{}' may {}; its token stands nowhere else, so keep it.  The page is opened with "
+          "#token=TOKEN at the end of its address; gateways that run read {} anew at "
+          "SIGHUP (systemctl reload palpate-viewer)",
+          name, palpate::RoleName(role), options->tokens);
+      return 0;
+    }
+    palpate::StopSignal stop;
+    palpate::RunGateway(*options, stop);
+    return 0;
+  });
+}

@@ -73,6 +73,10 @@ std::uint64_t NextViewerId() {
   return ++last;
 }
 
+std::span<const std::uint8_t> BytesOf(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
 }  // namespace
 
 HttpSession::HttpSession(boost::asio::ip::tcp::socket socket, Hub& hub,
@@ -140,7 +144,7 @@ void HttpSession::OnRead(beast::error_code error) {
   lobby_->Serve(*place_);
   if (error) {
     if (error.category() != http::make_error_code(http::error::bad_method).category()) return;
-    return Refuse(Request(), http::status::bad_request, Refusal::kRequest,
+    return Refuse(Request(), 400, Refusal::kRequest,
                   "this is no HTTP request that is understood here: " + error.message());
   }
   Answer(parser_->get());
@@ -159,14 +163,10 @@ Asker HttpSession::AskerOf(const Request& request) const {
   return asker;
 }
 
-void HttpSession::Refuse(const Request& request, const Verdict& verdict) {
-  Refuse(request, static_cast<http::status>(verdict.status), verdict.refusal, verdict.reason);
-}
-
-void HttpSession::Refuse(const Request& request, http::status status, Refusal refusal,
+void HttpSession::Refuse(const Request& request, int status, Refusal refusal,
                          const std::string& reason) {
   hub_.refusals().Say(refusal, visitor_.name, reason, SteadyNanoseconds());
-  GiveText(request, status, reason + "\n");
+  GiveText(request, static_cast<http::status>(status), reason + "\n");
 }
 
 void HttpSession::SendToTls(const Request& request) {
@@ -176,15 +176,14 @@ void HttpSession::SendToTls(const Request& request) {
       !beast::websocket::is_upgrade(request) && request.count(http::field::authorization) == 0 &&
       PathOfTarget(View(request.target()));
   if (!is_plain_get) {
-    return Refuse(request, http::status::bad_request, Refusal::kTls,
+    return Refuse(request, 400, Refusal::kTls,
                   "this port speaks TLS: ask https:// or wss://, and take a token that was sent in "
                   "the clear for known");
   }
   // For now: a port that gives up its certificate is to be found again.
-  http::response<http::empty_body> response{http::status::temporary_redirect, 11};
+  Response response{http::status::temporary_redirect, 11};
   response.set(http::field::location, "https://" + std::string(View(request[http::field::host])) +
                                           std::string(View(request.target())));
-  response.prepare_payload();
   last_ = true;  // its next request is another connection's
   Send(std::move(response), request);
 }
@@ -193,21 +192,20 @@ void HttpSession::Answer(const Request& request) {
   visitor_ = VisitorAt(peer_, Forwarded(request), hub_.options().proxies);
   const Asker asker = AskerOf(request);
   if (const Verdict verdict = hub_.gate().JudgeHost(asker); verdict.access == Access::kNone) {
-    return Refuse(request, verdict);
+    return Refuse(request, verdict.status, verdict.refusal, verdict.reason);
   }
   if (tls_ != nullptr && !stream_.is_secure()) return SendToTls(request);
   if (beast::websocket::is_upgrade(request)) return Upgrade(request);
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
-    return Refuse(request, http::status::method_not_allowed, Refusal::kRequest,
-                  "only GET and HEAD");
+    return Refuse(request, 405, Refusal::kRequest, "only GET and HEAD");
   }
   const auto path = PathOfTarget(View(request.target()));
-  if (!path) return Refuse(request, http::status::bad_request, Refusal::kRequest, "no path");
+  if (!path) return Refuse(request, 400, Refusal::kRequest, "no path");
   // The page's own files are the same for everybody, and what a page needs to hand over a token.
   const bool is_of_page = *path != kHealth && *path != kMetrics && !path->starts_with(kScene);
   if (const Verdict verdict = hub_.gate().JudgeToken(asker);
       !is_of_page && verdict.access == Access::kNone) {
-    return Refuse(request, verdict);
+    return Refuse(request, verdict.status, verdict.refusal, verdict.reason);
   }
   if (*path == kHealth) {
     last_ = true;  // asked every few seconds by every page: none should hold a connection for that
@@ -226,15 +224,16 @@ void HttpSession::Answer(const Request& request) {
 
 void HttpSession::Upgrade(const Request& request) {
   const Verdict verdict = hub_.gate().JudgeSocket(AskerOf(request));
-  if (verdict.access == Access::kNone) return Refuse(request, verdict);
+  if (verdict.access == Access::kNone)
+    return Refuse(request, verdict.status, verdict.refusal, verdict.reason);
   const std::string_view subprotocol =
       foxglove::ChooseSubprotocol(View(request[http::field::sec_websocket_protocol]));
   if (subprotocol.empty()) {
-    return Refuse(request, http::status::bad_request, Refusal::kRequest,
+    return Refuse(request, 400, Refusal::kRequest,
                   "offer the subprotocol foxglove.websocket.v1 or foxglove.sdk.v1");
   }
   if (!hub_.MakeRoom(visitor_.address)) {
-    return Refuse(request, http::status::service_unavailable, Refusal::kFull,
+    return Refuse(request, 503, Refusal::kFull,
                   "there are as many viewers as this gateway takes (--max-viewers), and none of an "
                   "address that has more of them than this one");
   }
@@ -244,10 +243,10 @@ void HttpSession::Upgrade(const Request& request) {
   viewer->Accept(request, subprotocol);
 }
 
-template <class Body>
-void HttpSession::Send(http::response<Body> response, const Request& request,
-                       std::shared_ptr<const void> owner) {
-  response.version(11);
+void HttpSession::Send(Response response, const Request& request,
+                       std::span<const std::uint8_t> bytes, std::shared_ptr<const void> owner) {
+  response.body() = {bytes.data(), bytes.size()};
+  response.prepare_payload();
   response.set(http::field::server, "palpate-viewer/" PALPATE_VERSION);
   for (const auto& [name, value] : kSafeHeaders) response.set(name, value);
   if (stream_.is_secure()) response.set("Strict-Transport-Security", kOnlyTls);
@@ -257,49 +256,54 @@ void HttpSession::Send(http::response<Body> response, const Request& request,
   response.keep_alive(request.version() >= 11 && request.keep_alive() && !last_ &&
                       response.result_int() < 400);
   answered_ = true;
-  stream_.next_layer().expires_after(kPatience);
-  const auto sent = [self = shared_from_this(), owner](const auto& message,
-                                                       beast::error_code error) {
-    if (error || message.need_eof()) {
-      beast::error_code ignored;
-      self->stream_.next_layer().socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send,
-                                                   ignored);
-      return;
-    }
-    self->Read();
-  };
-  if (request.method() == http::verb::head) {
-    auto head = std::make_shared<http::response<http::empty_body>>(std::move(response.base()));
-    http::async_write(stream_, *head,
-                      [head, sent](beast::error_code error, std::size_t) { sent(*head, error); });
-    return;
-  }
-  auto whole = std::make_shared<http::response<Body>>(std::move(response));
   // In pieces: a large scene over a slow line may take longer than the patience for one of them.
   const auto end = std::chrono::steady_clock::now() + kPatience +
-                   std::chrono::seconds(whole->payload_size().value_or(0) / kLeastRate);
-  auto serializer = std::make_shared<http::response_serializer<Body>>(*whole);
-  const auto step = std::make_shared<std::function<void(beast::error_code, std::size_t)>>();
-  *step = [self = shared_from_this(), whole, serializer, sent, end, weak = std::weak_ptr(step)](
-              beast::error_code error, std::size_t) {
-    if (error || serializer->is_done()) return sent(*whole, error);
-    self->stream_.next_layer().expires_at(
-        std::min(end, std::chrono::steady_clock::now() + kPatience));
-    http::async_write_some(
-        self->stream_, *serializer,
-        [next = weak.lock()](beast::error_code e, std::size_t n) { (*next)(e, n); });
+                   std::chrono::seconds(bytes.size() / kLeastRate);
+  struct Sending {
+    explicit Sending(Response of) : response(std::move(of)) {}
+    Response response;
+    http::response_serializer<Response::body_type> serializer{response};
+    std::function<void(beast::error_code, std::size_t)> step;
   };
-  (*step)({}, 0);
+  const auto sending = std::make_shared<Sending>(std::move(response));
+  const bool is_head = request.method() == http::verb::head;
+  sending->serializer.split(is_head);
+  sending->step = [self = shared_from_this(), owner, end, is_head, weak = std::weak_ptr(sending)](
+                      beast::error_code error, std::size_t) {
+    const auto its = weak.lock();
+    if (!error && !its->serializer.is_done() && !(is_head && its->serializer.is_header_done())) {
+      self->stream_.next_layer().expires_at(
+          std::min(end, std::chrono::steady_clock::now() + kPatience));
+      return http::async_write_some(self->stream_, its->serializer,
+                                    [its](beast::error_code e, std::size_t n) { its->step(e, n); });
+    }
+    if (!error && !its->response.need_eof()) return self->Read();
+    beast::error_code ignored;
+    self->stream_.next_layer().socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send,
+                                                 ignored);
+  };
+  sending->step({}, 0);
+}
+
+HttpSession::Response HttpSession::ResponseOf(http::status status, const char* cache) {
+  Response response{status, 11};
+  response.set(http::field::cache_control, cache);
+  return response;
+}
+
+HttpSession::Response HttpSession::SceneResponse(http::status status, const std::string& etag) {
+  Response response = ResponseOf(status, "no-cache");
+  response.set(http::field::etag, etag);
+  response.set(http::field::vary, "Accept-Encoding");
+  return response;
 }
 
 void HttpSession::GiveText(const Request& request, http::status status, std::string text,
                            const char* type) {
-  http::response<http::string_body> response{status, 11};
+  Response response = ResponseOf(status, "no-store");
   response.set(http::field::content_type, type);
-  response.set(http::field::cache_control, "no-store");
-  response.body() = std::move(text);
-  response.prepare_payload();
-  Send(std::move(response), request);
+  const auto kept = std::make_shared<const std::string>(std::move(text));
+  Send(std::move(response), request, BytesOf(*kept), kept);
 }
 
 void HttpSession::GiveFile(const Request& request, const std::string& path) {
@@ -312,17 +316,14 @@ void HttpSession::GiveFile(const Request& request, const std::string& path) {
     }
     return GiveText(request, http::status::not_found, "there is no such file\n");
   }
-  http::response<http::file_body> response{http::status::ok, 11};
-  beast::error_code error;
-  response.body().open(file->path.c_str(), beast::file_mode::scan, error);
-  if (error) return GiveText(request, http::status::not_found, "the file cannot be read\n");
+  const std::shared_ptr<const std::string> content = hub_.page().Read(*file);
+  if (!content) return GiveText(request, http::status::not_found, "the file cannot be read\n");
+  Response response = ResponseOf(http::status::ok,
+                                 file->hashed ? "public, max-age=31536000, immutable" : "no-cache");
   response.set(http::field::content_type, file->content_type);
   response.set(http::field::vary, "Accept-Encoding");
-  response.set(http::field::cache_control,
-               file->hashed ? "public, max-age=31536000, immutable" : "no-cache");
   if (file->gzip) response.set(http::field::content_encoding, "gzip");
-  response.prepare_payload();
-  Send(std::move(response), request);
+  Send(std::move(response), request, BytesOf(*content), content);
 }
 
 void HttpSession::GiveScene(const Request& request, const std::string& name) {
@@ -335,35 +336,18 @@ void HttpSession::GiveScene(const Request& request, const std::string& name) {
   const bool gzip = AcceptsGzip(View(request[http::field::accept_encoding]));
   const std::string etag = TagOf(scene.hash, gzip);
   if (View(request[http::field::if_none_match]).find(etag) != std::string_view::npos) {
-    http::response<http::empty_body> response{http::status::not_modified, 11};
-    response.set(http::field::etag, etag);
-    response.set(http::field::vary, "Accept-Encoding");
-    response.set(http::field::cache_control, "no-cache");
-    return Send(std::move(response), request);
+    return Send(SceneResponse(http::status::not_modified, etag), request);
   }
-  if (!gzip) return GiveBytes(request, scene.frame, scene.bundle, scene.hash, false);
+  const auto give = [self = shared_from_this(), request, scene](const PackedScene::Bytes& packed) {
+    Response response = SceneResponse(http::status::ok, TagOf(scene.hash, packed != nullptr));
+    response.set(http::field::content_type, "application/octet-stream");
+    if (!packed) return self->Send(std::move(response), request, scene.bundle, scene.frame);
+    response.set(http::field::content_encoding, "gzip");
+    self->Send(std::move(response), request, *packed, packed);
+  };
+  if (!gzip) return give(nullptr);
   stream_.next_layer().expires_never();
-  hub_.WithPacked(scene,
-                  [self = shared_from_this(), request, scene](const ScenePacker::Bytes& packed) {
-                    if (packed) {
-                      self->GiveBytes(request, packed, *packed, scene.hash, true);
-                    } else {
-                      self->GiveBytes(request, scene.frame, scene.bundle, scene.hash, false);
-                    }
-                  });
-}
-
-void HttpSession::GiveBytes(const Request& request, std::shared_ptr<const void> owner,
-                            std::span<const std::uint8_t> bytes, std::uint64_t hash, bool gzip) {
-  http::response<http::span_body<const std::uint8_t>> response{http::status::ok, 11};
-  response.body() = {bytes.data(), bytes.size()};
-  response.set(http::field::content_type, "application/octet-stream");
-  response.set(http::field::etag, TagOf(hash, gzip));
-  response.set(http::field::vary, "Accept-Encoding");
-  response.set(http::field::cache_control, "no-cache");
-  if (gzip) response.set(http::field::content_encoding, "gzip");
-  response.prepare_payload();
-  Send(std::move(response), request, std::move(owner));
+  hub_.packer().Pack(scene, give);
 }
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <boost/beast/core.hpp>
@@ -30,6 +31,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
  private:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
+  // Of one type, whatever it holds: what Beast makes of each is much to compile.
+  using Response = boost::beast::http::response<boost::beast::http::span_body<const std::uint8_t>>;
 
   /// Shakes hands with who wants TLS; who does not is told that it is spoken here.
   void Secure();
@@ -39,9 +42,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void Answer(const Request& request);
   Asker AskerOf(const Request& request) const;
   /// Tells of a refusal: whoever asks, and the log.
-  void Refuse(const Request& request, const Verdict& verdict);
-  void Refuse(const Request& request, boost::beast::http::status status, Refusal refusal,
-              const std::string& reason);
+  void Refuse(const Request& request, int status, Refusal refusal, const std::string& reason);
   /// Where TLS is spoken, to who asked in the clear.
   void SendToTls(const Request& request);
   void Upgrade(const Request& request);
@@ -49,11 +50,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                 const char* type = "text/plain; charset=utf-8");
   void GiveFile(const Request& request, const std::string& path);
   void GiveScene(const Request& request, const std::string& name);
+  static Response ResponseOf(boost::beast::http::status status, const char* cache);
+  static Response SceneResponse(boost::beast::http::status status, const std::string& etag);
   /// @param owner  keeps the bytes alive.
-  void GiveBytes(const Request& request, std::shared_ptr<const void> owner,
-                 std::span<const std::uint8_t> bytes, std::uint64_t hash, bool gzip);
-  template <class Body>
-  void Send(boost::beast::http::response<Body> response, const Request& request,
+  void Send(Response response, const Request& request, std::span<const std::uint8_t> bytes = {},
             std::shared_ptr<const void> owner = nullptr);
 
   WebStream stream_;

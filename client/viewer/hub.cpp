@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
-#include "client/viewer/json_text.h"
 #include "client/viewer/viewer_session.h"
 #include "common/dds/random_run.h"
 #include "common/error.h"
@@ -76,7 +75,8 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
              options.network.secured() ? "mouse_" : "",
              [this](const std::string& station, const std::string& who) {
                return feed_.HasStation(station) ||
-                      gate_.NamesAnother(station, mice_.named_prefix(), who);
+                      (gate_.tokens() &&
+                       gate_.tokens()->NamesAnother(station, mice_.named_prefix(), who));
              }},
             [this](const MouseRoom::News& news) { Tell(news); }),
       packer_(io),
@@ -90,7 +90,7 @@ bool Hub::MakeRoom(const std::string& address) {
     const std::shared_ptr<ViewerSession> leaves = viewers_.at(*room.leaves);
     refusals_.Say(Refusal::kFull, leaves->visitor().name,
                   "its place is another address's, which has fewer (--max-viewers)", now_ns);
-    leaves->Drop();
+    leaves->Gone();
   }
   return room.is_there;
 }
@@ -100,12 +100,8 @@ void Hub::Join(const std::shared_ptr<ViewerSession>& viewer) {
   places_.Enter(viewer->id(), viewer->visitor().address, SteadyNanoseconds());
 }
 
-void Hub::Subscribed(const ViewerSession& viewer) {
-  places_.Subscribed(viewer.id());
-}
-
 void Hub::Leave(const ViewerSession& viewer) {
-  frames_lost_ += viewer.frames_lost();
+  traffic_.lost += viewer.frames_lost();
   if (viewer.frames_lost() > 0) {
     spdlog::info("viewer {} has left: {} frames sent, {} lost because it was slow",
                  viewer.visitor().name, viewer.frames_sent(), viewer.frames_lost());
@@ -117,15 +113,10 @@ void Hub::Leave(const ViewerSession& viewer) {
   mice_.Release(id, "its page has gone", SteadyNanoseconds());
 }
 
-void Hub::CountSent(std::size_t bytes) {
-  ++frames_sent_;
-  bytes_sent_ += bytes;
-}
-
 void Hub::Tick(std::int64_t now_ns) {
   feed_.Poll(
       [&](const FramePtr& frame) {
-        ++frames_taken_;
+        ++traffic_.taken;
         for (const auto& [id, viewer] : viewers_) viewer->Push(frame, now_ns);
       },
       [&](const wire::SessionState& state) { mice_.OnSession(state, now_ns); });
@@ -155,7 +146,7 @@ void Hub::ReadTokensAnew(std::int64_t now_ns) {
   std::size_t ended = 0;
   const auto viewers = viewers_;
   for (const auto& [id, viewer] : viewers) {
-    if (gate_.StillHolds(viewer->holder())) continue;
+    if (viewer->holder() && gate_.tokens()->Has(*viewer->holder())) continue;
     ++ended;
     mice_.Release(id, "its token was taken back", now_ns);
     viewer->Say(foxglove::Level::kError,
@@ -205,34 +196,41 @@ std::string Hub::RefuseWish(Wish wish, ViewerSession& viewer, std::int64_t now_n
   return reason;
 }
 
-FramePtr Hub::AskReplay(ReplayWish wish, const std::string& by) {
-  wish.request.request = RandomRun();
-  wire::FromText(by, wish.request.by);
-  const std::string refusal = feed_.AskReplay(wish.request);
+bool Hub::AskForWhole(const std::string& scene, const std::string& by) {
+  if (!feed_.scenes().contains(scene)) return false;
+  wire::WholeRequest request{};
+  wire::FromText(scene, request.scene);
+  request.request = RandomRun();
+  wire::FromText(by, request.by);
+  return feed_.Ask(request);
+}
+
+FramePtr Hub::AskReplay(ReplayWish wish, ViewerSession& viewer, std::int64_t now_ns) {
+  std::string refusal = RefuseWish(Wish::kReplay, viewer, now_ns);
+  if (refusal.empty()) {
+    wish.request.request = RandomRun();
+    wire::FromText(viewer.Who(), wish.request.by);
+    refusal = feed_.Ask(wish.request);
+  }
   // Wishes of one kind wait for each other; those of another do not take their answer's place.
   return OwnFrame(TopicFeed::kReplayAnswer, wish.request.kind,
                   ReplayAnswer(wish.tag, wish.request.request, refusal));
 }
 
-FramePtr Hub::RefuseReplay(const ReplayWish& wish, const std::string& refusal) {
-  return OwnFrame(TopicFeed::kReplayAnswer, wish.request.kind, ReplayAnswer(wish.tag, 0, refusal));
-}
-
-std::string Hub::SetGoal(const OperateCommand::Goal& goal, const std::string& by) {
-  // Of these there are few: nobody fills the memory with others.
-  if (!feed_.scenes().contains(goal.scene)) return "scene '" + goal.scene + "' is not served here";
-  const FramePtr frame = OwnFrame(
-      TopicFeed::kGoal, std::hash<std::string>{}(goal.scene),
-      ToText(
-          nlohmann::json({{"scene", goal.scene}, {"text", goal.text}, {"limit_N", goal.limit}})));
-  goals_[goal.scene] = frame;
-  const std::int64_t now_ns = SteadyNanoseconds();
-  for (const auto& [id, viewer] : viewers_) viewer->Push(frame, now_ns);
-  spdlog::info("{}: the goal of '{}' is set", by, goal.scene);
-  return "";
-}
-
-std::string Hub::AskOperate(const OperateCommand& command, const std::string& by) {
+std::string Hub::Operate(const OperateCommand& command, const std::string& by) {
+  if (command.goal) {
+    const auto& [scene, text, limit] = *command.goal;
+    // Of these there are few: nobody fills the memory with others.
+    if (!feed_.scenes().contains(scene)) return "scene '" + scene + "' is not served here";
+    const nlohmann::json json = {{"scene", scene}, {"text", text}, {"limit_N", limit}};
+    const FramePtr frame =
+        OwnFrame(TopicFeed::kGoal, std::hash<std::string>{}(scene), ToText(json));
+    goals_[scene] = frame;
+    const std::int64_t now_ns = SteadyNanoseconds();
+    for (const auto& [id, viewer] : viewers_) viewer->Push(frame, now_ns);
+    spdlog::info("{}: the goal of '{}' is set", by, scene);
+    return "";
+  }
   if (feed_.server_run() == 0) return "no server has been heard of";
   wire::OperateRequest request{};
   wire::FromText(command.station, request.station);
@@ -240,7 +238,7 @@ std::string Hub::AskOperate(const OperateCommand& command, const std::string& by
   request.request = RandomRun();
   request.wish = command.wish;
   wire::FromText(by, request.by);
-  if (!feed_.AskOperate(request)) return "the network does not take it now; try again";
+  if (!feed_.Ask(request)) return "the network does not take it now; try again";
   spdlog::info("{}: {} station '{}'", by, OperateWishName(command.wish), command.station);
   return "";
 }
@@ -264,10 +262,10 @@ void Hub::Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t 
   TellState(viewer, {viewer.id(), "", command.scene, command.tool, "refused", refusal});
 }
 
-std::uint64_t Hub::FramesLost() const {
-  std::uint64_t lost = frames_lost_;
-  for (const auto& [id, viewer] : viewers_) lost += viewer->frames_lost();
-  return lost;
+Hub::Traffic Hub::AllTraffic() const {
+  Traffic all = traffic_;
+  for (const auto& [id, viewer] : viewers_) all.lost += viewer->frames_lost();
+  return all;
 }
 
 std::string Hub::Health() const {
@@ -277,9 +275,9 @@ std::string Hub::Health() const {
   }
   return ToText(nlohmann::json({{"viewers", viewers_.size()},
                                 {"max_viewers", options_.max_viewers},
-                                {"frames_sent", frames_sent_},
-                                {"frames_dropped", FramesLost()},
-                                {"bytes_sent", bytes_sent_},
+                                {"frames_sent", traffic_.sent},
+                                {"frames_dropped", AllTraffic().lost},
+                                {"bytes_sent", traffic_.bytes},
                                 {"mice", mice_.size()},
                                 {"refusals", refusals_.count()},
                                 {"stations", feed_.stations()},
@@ -299,36 +297,27 @@ std::string Hub::Metrics() const {
   page.Add(metric::kGatewayMice, std::uint64_t{mice_.size()});
   page.Add(metric::kGatewayStations, std::uint64_t{feed_.stations().size()});
   page.Add(metric::kGatewayScenes, std::uint64_t{feed_.scenes().size()});
-  page.Add(metric::kGatewayIn, frames_taken_);
-  page.Add(metric::kGatewayOut, frames_sent_);
-  page.Add(metric::kGatewayDropped, FramesLost());
-  page.Add(metric::kGatewayBytes, bytes_sent_);
+  page.Add(metric::kGatewayIn, traffic_.taken);
+  page.Add(metric::kGatewayOut, traffic_.sent);
+  page.Add(metric::kGatewayDropped, AllTraffic().lost);
+  page.Add(metric::kGatewayBytes, traffic_.bytes);
   page.Add(metric::kGatewayRefusals, refusals_.count());
   return page.ToText();
 }
 
 void Hub::LogStatistics(std::int64_t now_ns) {
   const double seconds = 1e-9 * static_cast<double>(now_ns - logged_ns_);
-  const std::uint64_t lost = FramesLost();
-  const auto rate = [&](std::uint64_t now, std::uint64_t before) {
-    return static_cast<double>(now - before) / seconds;
+  const Traffic now = AllTraffic();
+  const auto rate = [&](std::uint64_t Traffic::*of) {
+    return static_cast<double>(now.*of - logged_.*of) / seconds;
   };
   spdlog::info(
       "viewers {}  frames in {:.0f}/s  out {:.0f}/s  {:.2f} MB/s  lost {} (+{})  stations {}  "
       "scenes {}",
-      viewers_.size(), rate(frames_taken_, logged_taken_), rate(frames_sent_, logged_sent_),
-      1e-6 * rate(bytes_sent_, logged_bytes_), lost, lost - logged_lost_, Joined(feed_.stations()),
-      Joined(KeysOf(feed_.scenes())));
+      viewers_.size(), rate(&Traffic::taken), rate(&Traffic::sent), 1e-6 * rate(&Traffic::bytes),
+      now.lost, now.lost - logged_.lost, Joined(feed_.stations()), Joined(KeysOf(feed_.scenes())));
+  logged_ = now;
   logged_ns_ = now_ns;
-  logged_taken_ = frames_taken_;
-  logged_sent_ = frames_sent_;
-  logged_bytes_ = bytes_sent_;
-  logged_lost_ = lost;
-}
-
-void Hub::WithPacked(const SceneBytes& scene, std::function<void(const ScenePacker::Bytes&)> use) {
-  packer_.KeepOnly(feed_.scenes());
-  packer_.Pack(scene, std::move(use));
 }
 
 }  // namespace palpate

@@ -11,11 +11,10 @@
 
 #include "client/viewer/gate.h"
 #include "client/viewer/mouse_room.h"
-#include "client/viewer/operate_command.h"
 #include "client/viewer/options.h"
 #include "client/viewer/page_files.h"
+#include "client/viewer/page_messages.h"
 #include "client/viewer/refusal_log.h"
-#include "client/viewer/replay_messages.h"
 #include "client/viewer/scene_packer.h"
 #include "client/viewer/topic_feed.h"
 #include "client/viewer/viewer_places.h"
@@ -42,26 +41,23 @@ class Hub {
   bool ended() const { return viewers_.empty() && mice_.size() == 0; }
 
   const ViewerOptions& options() const { return options_; }
-  const PageFiles& page() const { return page_; }
+  PageFiles& page() { return page_; }
   const TopicFeed& feed() const { return feed_; }
   const Gate& gate() const { return gate_; }
   RefusalLog& refusals() { return refusals_; }
+  ScenePacker& packer() { return packer_; }
   /// Whether a viewer may have this wish now; empty: it may.  Where it has it too often, that is
   /// why, and the log and, once, the viewer are told.
   std::string RefuseWish(Wish wish, ViewerSession& viewer, std::int64_t now_ns);
   /// Asks the server to make a scene whole again; false where there is no such scene.
-  bool AskForWhole(const std::string& scene, const std::string& by) {
-    return feed_.scenes().contains(scene) && feed_.AskForWhole(scene, by);
-  }
-  /// Passes a page's wish on to its replay, and makes what the page is answered.
-  FramePtr AskReplay(ReplayWish wish, const std::string& by);
-  /// What a page is answered of whose wish nobody is asked.
-  FramePtr RefuseReplay(const ReplayWish& wish, const std::string& refusal);
-  /// Tells all viewers, those of now and those that come later, a scene's goal.  Returns why not.
-  std::string SetGoal(const OperateCommand::Goal& goal, const std::string& by);
+  bool AskForWhole(const std::string& scene, const std::string& by);
+  /// Passes a page's wish on to its replay, unless it has them too often, and makes what the page
+  /// is answered.
+  FramePtr AskReplay(ReplayWish wish, ViewerSession& viewer, std::int64_t now_ns);
+  /// Tells all viewers, those of now and those that come later, a scene's goal, or passes on what a
+  /// teacher decides about a station.  Returns why not; empty: it has.
+  std::string Operate(const OperateCommand& command, const std::string& by);
   const std::map<std::string, FramePtr>& goals() const { return goals_; }
-  /// Passes on what a teacher decides about a station.  Returns why not; empty: it has.
-  std::string AskOperate(const OperateCommand& command, const std::string& by);
   /// Gives a viewer a tool, unless it takes them too often.
   void Take(ViewerSession& viewer, const MouseCommand& command, std::int64_t now_ns);
   MouseRoom& mice() { return mice_; }
@@ -70,24 +66,32 @@ class Hub {
   /// Makes room for one more viewer of this address, where it can; another may have to go for it.
   bool MakeRoom(const std::string& address);
   void Join(const std::shared_ptr<ViewerSession>& viewer);
-  void Subscribed(const ViewerSession& viewer);
+  ViewerPlaces& places() { return places_; }
   void Leave(const ViewerSession& viewer);
-  void CountSent(std::size_t bytes);
+  void CountSent(std::size_t bytes) {
+    ++traffic_.sent;
+    traffic_.bytes += bytes;
+  }
 
   /// What GET /healthz answers.
   std::string Health() const;
   /// What GET /metrics answers, for Prometheus.
   std::string Metrics() const;
-  /// The scene's bundle, compressed: now, or once another thread has done it.  Null: that failed.
-  void WithPacked(const SceneBytes& scene, std::function<void(const ScenePacker::Bytes&)> use);
 
  private:
+  struct Traffic {
+    std::uint64_t taken = 0;  // frames
+    std::uint64_t sent = 0;
+    std::uint64_t bytes = 0;
+    std::uint64_t lost = 0;  // of viewers that have left
+  };
   void Tell(const MouseRoom::News& news);
   /// Why a scene's tools cannot be had now; empty: they can.
   std::string WhyAbsent(const std::string& scene) const;
   void TellState(ViewerSession& viewer, const MouseRoom::News& news);
   void LogStatistics(std::int64_t now_ns);
-  std::uint64_t FramesLost() const;
+  /// With what viewers have lost that are there.
+  Traffic AllTraffic() const;
 
   ViewerOptions options_;
   Gate gate_;
@@ -101,15 +105,9 @@ class Hub {
   std::map<std::uint64_t, std::shared_ptr<ViewerSession>> viewers_;  // by id
   MouseRoom mice_;
   ScenePacker packer_;
-  std::uint64_t frames_sent_ = 0;
-  std::uint64_t bytes_sent_ = 0;
-  std::uint64_t frames_lost_ = 0;  // of viewers that have left
-  std::uint64_t frames_taken_ = 0;
+  Traffic traffic_;
+  Traffic logged_;  // with those that are there
   std::int64_t logged_ns_ = 0;
-  std::uint64_t logged_sent_ = 0;
-  std::uint64_t logged_bytes_ = 0;
-  std::uint64_t logged_taken_ = 0;
-  std::uint64_t logged_lost_ = 0;
 };
 
 }  // namespace palpate

@@ -11,11 +11,10 @@
 #include "common/error.h"
 
 namespace palpate {
-const MouseRoom::Mouse* MouseRoom::Find(Holder holder) const {
-  for (const Mouse& mouse : mice_) {
-    if (mouse.holder == holder) return &mouse;
-  }
-  return nullptr;
+
+MouseRoom::Mouse* MouseRoom::Find(Holder holder) {
+  const auto found = std::ranges::find(mice_, holder, &Mouse::holder);
+  return found == mice_.end() ? nullptr : &*found;
 }
 
 std::string MouseRoom::NameFor(const std::string& who, const Mouse& wanted) const {
@@ -88,11 +87,10 @@ void MouseRoom::Start(Mouse& mouse, std::int64_t now_ns) {
 }
 
 void MouseRoom::Drag(Holder holder, const Pose& X_WT, std::int64_t now_ns) {
-  for (Mouse& mouse : mice_) {
-    if (mouse.holder != holder) continue;
-    mouse.moved_ns = now_ns;
-    if (mouse.station) mouse.station->Drag(X_WT);
-  }
+  Mouse* const mouse = Find(holder);
+  if (mouse == nullptr) return;
+  mouse->moved_ns = now_ns;
+  if (mouse->station) mouse->station->Drag(X_WT);
 }
 
 void MouseRoom::LetGo(Mouse& mouse, const std::string& phase, const std::string& reason,
@@ -104,9 +102,7 @@ void MouseRoom::LetGo(Mouse& mouse, const std::string& phase, const std::string&
 }
 
 void MouseRoom::Release(Holder holder, const std::string& reason, std::int64_t now_ns) {
-  for (Mouse& mouse : mice_) {
-    if (mouse.holder == holder) return LetGo(mouse, "ended", reason, now_ns);
-  }
+  if (Mouse* const mouse = Find(holder)) LetGo(*mouse, "ended", reason, now_ns);
 }
 
 void MouseRoom::OnSession(const wire::SessionState& state, std::int64_t now_ns) {

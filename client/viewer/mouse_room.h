@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "client/viewer/mouse_command.h"
 #include "client/viewer/mouse_station.h"
+#include "client/viewer/page_messages.h"
 #include "common/dds/network.h"
 #include "common/dds/wire.h"
 
@@ -55,7 +55,7 @@ class MouseRoom {
   void Drag(Holder holder, const Pose& X_WT, std::int64_t now_ns);
   /// Also when the viewer has gone.
   void Release(Holder holder, const std::string& reason, std::int64_t now_ns);
-  bool holds(Holder holder) const { return Find(holder) != nullptr; }
+  bool holds(Holder holder) { return Find(holder) != nullptr; }
 
   void OnSession(const wire::SessionState& state, std::int64_t now_ns);
   /// Looks after the stations, some 100 times a second.
@@ -74,7 +74,7 @@ class MouseRoom {
     std::int64_t moved_ns = 0;
     bool held = false;  // until a teacher admits it: nobody can move it
   };
-  const Mouse* Find(Holder holder) const;
+  Mouse* Find(Holder holder);
   /// A station's name that nobody has: anna, anna_2, ...; without a name mouse_1, mouse_2, ... That
   /// of a mouse on its way out is free for the one that waits for its tool.
   std::string NameFor(const std::string& who, const Mouse& wanted) const;

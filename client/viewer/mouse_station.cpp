@@ -1,6 +1,7 @@
 #include "client/viewer/mouse_station.h"
 
 #include <cerrno>
+#include <charconv>
 #include <csignal>
 #include <cstring>
 
@@ -10,7 +11,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "client/viewer/mouse_command.h"
 #include "common/error.h"
 
 namespace palpate {
@@ -41,6 +41,17 @@ void Close(int& file) {
 }
 
 }  // namespace
+
+std::string ToMouseLine(const Pose& X) {
+  std::string line;
+  for (const double value : {X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z()}) {
+    char text[32];
+    const char* end = std::to_chars(text, text + sizeof text, value).ptr;
+    if (!line.empty()) line += ' ';
+    line.append(static_cast<const char*>(text), end);
+  }
+  return line + '\n';
+}
 
 MouseStation::MouseStation(const std::string& program, const std::vector<std::string>& arguments) {
   std::vector<std::string> words{program};

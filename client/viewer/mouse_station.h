@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,9 @@
 #include "common/math/pose.h"
 
 namespace palpate {
+
+/// The pose as a line for a station's mouse device (devices/mouse/mouse_line.h), to the bit.
+std::string ToMouseLine(const Pose& X_WT);
 
 /// A palpate-station with the mouse device, run as a child: its hand follows what Drag says.  It is
 /// a station like any other, so the server's rules for sessions are its rules.  Ends by itself

@@ -66,12 +66,6 @@ ViewerOptions::NewToken ToNewToken(const std::vector<std::string>& words, const 
 
 }  // namespace
 
-bool IsLoopback(const std::string& address) {
-  boost::system::error_code error;
-  const auto parsed = boost::asio::ip::make_address(address, error);
-  return !error && parsed.is_loopback();
-}
-
 std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* argv) {
   ViewerOptions options;
   options.page = PlaceOf(ProjectFile::kPage);

@@ -7,7 +7,7 @@
 
 #include <boost/asio/ip/address.hpp>
 
-#include "client/viewer/access.h"
+#include "client/viewer/tokens.h"
 #include "common/dds/network.h"
 
 namespace palpate {
@@ -41,8 +41,5 @@ struct ViewerOptions {
 /// Reads the command line.  For --help and --version prints them and returns nothing.
 /// Throws UsageError.
 std::optional<ViewerOptions> ParseViewerOptions(int argc, const char* const* argv);
-
-/// True for an address that only this host can reach.
-bool IsLoopback(const std::string& address);
 
 }  // namespace palpate

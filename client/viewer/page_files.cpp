@@ -6,10 +6,14 @@
 #include <system_error>
 #include <utility>
 
+#include "common/files/whole_file.h"
+
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::uint64_t kLargestFile = std::uint64_t{64} << 20;  // the page has 2 MB
 
 /// What Vite builds the page of.
 constexpr std::array<std::pair<std::string_view, const char*>, 3> kContentTypes = {{
@@ -101,6 +105,16 @@ std::optional<PageFile> PageFiles::Find(const std::string& path, bool gzip) cons
   if (!real) return std::nullopt;
   file.path = *real;
   return file;
+}
+
+std::shared_ptr<const std::string> PageFiles::Read(const PageFile& file) {
+  std::weak_ptr<const std::string>& read = read_[file.path];
+  if (auto shared = read.lock()) return shared;
+  auto content = TryReadWholeFile(file.path, kLargestFile);
+  if (!content) return nullptr;
+  const auto shared = std::make_shared<const std::string>(std::move(*content));
+  read = shared;
+  return shared;
 }
 
 std::string PageIsNotBuilt(const fs::path& folder) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -32,9 +34,12 @@ class PageFiles {
   bool built() const;
   /// @param path  of PathOfTarget.  A folder's index.html stands for it.
   std::optional<PageFile> Find(const std::string& path, bool gzip) const;
+  /// What it holds, once for all who are sent it at the same time.  Null: it cannot be read.
+  std::shared_ptr<const std::string> Read(const PageFile& file);
 
  private:
   std::filesystem::path folder_;
+  std::map<std::filesystem::path, std::weak_ptr<const std::string>> read_;
 };
 
 /// What stands in for a page that is not built: how to build it.

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
+#include <fstream>
+#include <span>
 #include <sstream>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <openssl/crypto.h>
 #include <openssl/rand.h>
 #include <openssl/sha.h>
@@ -41,20 +43,23 @@ bool IsName(std::string_view name) {
   });
 }
 
-std::string ToHex(const unsigned char* bytes, std::size_t size) {
-  std::string hex;
-  for (std::size_t i = 0; i < size; ++i) hex += fmt::format("{:02x}", bytes[i]);
-  return hex;
+std::string ToHex(std::span<const unsigned char> bytes) {
+  return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 
-bool FromHex(std::string_view hex, unsigned char* bytes, std::size_t size) {
-  if (hex.size() != 2 * size) return false;
-  for (std::size_t i = 0; i < size; ++i) {
-    const char* at = hex.data() + 2 * i;
-    const auto [end, error] = std::from_chars(at, at + 2, bytes[i], 16);
-    if (error != std::errc{} || end != at + 2) return false;
-  }
-  return true;
+/// False where it is not as many digits as these bytes have.
+bool FromHex(const std::string& hex, std::span<unsigned char> bytes) {
+  std::size_t size = 0;
+  return hex.size() == 2 * bytes.size() &&
+         OPENSSL_hexstr2buf_ex(bytes.data(), bytes.size(), &size, hex.c_str(), '\0') == 1;
+}
+
+/// What tokens consist of besides letters and digits, and how long they are: other text is none,
+/// and is hashed nowhere.  They fit an Authorization header (RFC 6750), a WebSocket's subprotocol
+/// and a URL's fragment as they are.
+bool LooksLikeToken(std::string_view text) {
+  return text.size() == kTokenLength && text.starts_with(kPrefix) &&
+         std::ranges::all_of(text.substr(kPrefix.size()), IsLetterOrDigit);
 }
 
 std::string TextOf(const std::string& path) {
@@ -63,9 +68,16 @@ std::string TextOf(const std::string& path) {
 
 }  // namespace
 
-bool LooksLikeToken(std::string_view text) {
-  return text.size() == kTokenLength && text.starts_with(kPrefix) &&
-         std::ranges::all_of(text.substr(kPrefix.size()), IsLetterOrDigit);
+const char* RoleName(Access access) {
+  static constexpr const char* kNames[] = {"none", "watch", "drive", "operate"};
+  return kNames[static_cast<std::size_t>(access)];
+}
+
+std::optional<Access> ParseRole(std::string_view name) {
+  for (const Access role : {Access::kWatch, Access::kDrive, Access::kOperate}) {
+    if (name == RoleName(role)) return role;
+  }
+  return std::nullopt;
 }
 
 Tokens::Hash Tokens::HashOf(std::string_view token) {
@@ -95,7 +107,7 @@ Tokens Tokens::Parse(const std::string& path, const std::string& text) {
       refuse("role " + Quoted(role) + " is none of watch, drive and operate");
     }
     if (!IsName(name)) refuse("a name has letters, digits, '_', '.' and '-', 32 at most");
-    if (!FromHex(hash, entry.hash.data(), entry.hash.size()) || !more.empty()) {
+    if (!FromHex(hash, entry.hash) || !more.empty()) {
       refuse("the name is followed by the token's SHA-256, 64 hexadecimal digits, and no more");
     }
     for (const Holder& other : tokens.holders_) {
@@ -155,36 +167,29 @@ std::string MakeToken(const std::string& path, Access role, const std::string& n
     throw UsageError("--make-token: the name " + Quoted(name) +
                      " may have letters, digits, '_', '.' and '-', 32 at most");
   }
-  const int file = open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
+  // For its owner alone, where it is not there yet.
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   if (file < 0) throw Error(fmt::format("--tokens {}: {}", path, std::strerror(errno)));
-  std::string before;
-  try {
-    before = TextOf(path);
-    for (const Tokens::Holder& holder : Tokens::Parse(path, before).holders_) {
-      if (StationNameOf(holder.name) == StationNameOf(name)) {
-        throw UsageError(
-            fmt::format("--make-token: {} has a token of that name in {}; take its "
-                        "line out first, or give another name",
-                        Quoted(holder.name), path));
-      }
+  close(file);
+  const std::string before = TextOf(path);
+  for (const Tokens::Holder& holder : Tokens::Parse(path, before).holders_) {
+    if (StationNameOf(holder.name) == StationNameOf(name)) {
+      throw UsageError(
+          fmt::format("--make-token: {} has a token of that name in {}; take its "
+                      "line out first, or give another name",
+                      Quoted(holder.name), path));
     }
-  } catch (...) {
-    close(file);
-    throw;
   }
   unsigned char random[kRandomBytes];
-  const bool is_random = RAND_bytes(random, sizeof random) == 1;
-  const std::string token = std::string(kPrefix) + ToHex(random, sizeof random);
-  const Tokens::Hash hash = Tokens::HashOf(token);
-  const std::string line =
-      (before.empty() || before.ends_with('\n') ? "" : "\n") +
-      fmt::format("{} {} {}\n", RoleName(role), name, ToHex(hash.data(), hash.size()));
-  const bool is_written =
-      is_random && write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size());
-  const int error = errno;
-  close(file);
-  if (!is_random) throw Error("--make-token: there are no random numbers");
-  if (!is_written) throw Error(fmt::format("--tokens {}: {}", path, std::strerror(error)));
+  if (RAND_bytes(random, sizeof random) != 1) {
+    throw Error("--make-token: there are no random numbers");
+  }
+  const std::string token = std::string(kPrefix) + ToHex(random);
+  std::ofstream end(path, std::ios::app);
+  end << (before.empty() || before.ends_with('\n') ? "" : "\n")
+      << fmt::format("{} {} {}\n", RoleName(role), name, ToHex(Tokens::HashOf(token)))
+      << std::flush;
+  if (!end) throw Error(fmt::format("--tokens {}: {}", path, std::strerror(errno)));
   return token;
 }
 

@@ -6,9 +6,20 @@
 #include <string_view>
 #include <vector>
 
-#include "client/viewer/access.h"
-
 namespace palpate {
+
+/// What a viewer may do; each includes those before it.  The last three are the roles of tokens.
+enum class Access {
+  kNone,
+  kWatch,    ///< see
+  kDrive,    ///< take a tool with the mouse, make a scene whole, steer a replay
+  kOperate,  ///< decide about stations: admit, mute, take back
+};
+
+/// "watch", "drive", "operate", and "none".
+const char* RoleName(Access access);
+/// Of a token's role; nothing for another word.
+std::optional<Access> ParseRole(std::string_view name);
 
 /// Who may: tokens with a role and a name.  The file has a line for each,
 ///   ROLE NAME SHA256       operate teacher 9f86d081884c7d65…
@@ -47,11 +58,6 @@ class Tokens {
 
   std::vector<Holder> holders_;
 };
-
-/// What tokens consist of besides letters and digits, and how long they are: other text is none,
-/// and is hashed nowhere.  They fit an Authorization header (RFC 6750), a WebSocket's subprotocol
-/// and a URL's fragment as they are.
-bool LooksLikeToken(std::string_view text);
 
 /// What the station of who has a token of this name is called: [A-Za-z0-9_]{1,32}, '_' for what no
 /// station's name has.  @param number  from the second one on it stands behind the name.

@@ -5,8 +5,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "client/viewer/replay_messages.h"
-#include "common/dds/random_run.h"
+#include "client/viewer/page_messages.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/files/bundle_hash.h"
@@ -192,11 +191,6 @@ void TopicFeed::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use,
   dds::FreeContents(sample);
 }
 
-template <class T, class Use>
-void TopicFeed::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use) {
-  Drain(reader, channel, use, [](std::uint64_t, const T&) {});
-}
-
 void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
                      const std::function<void(const wire::SessionState&)>& on_session) {
   Succeed();
@@ -286,23 +280,10 @@ TopicFeed::Replay& TopicFeed::ReplayOf(std::uint64_t number) {
   return replays_[number];
 }
 
-std::string TopicFeed::AskReplay(const wire::ReplayRequest& request) {
+std::string TopicFeed::Ask(const wire::ReplayRequest& request) {
   if (!replays_.contains(request.replay)) return "that replay is not there any more";
   if (!replay_requests_) return "this gateway's identity may look, and steer nothing";
   return replay_requests_.Write(request) ? "" : "the network does not take it now; try again";
-}
-
-bool TopicFeed::AskForWhole(const std::string& scene, const std::string& by) {
-  if (!wishes_) return false;
-  wire::WholeRequest request{};
-  wire::FromText(scene, request.scene);
-  request.request = RandomRun();
-  wire::FromText(by, request.by);
-  return wishes_.Write(request);
-}
-
-bool TopicFeed::AskOperate(const wire::OperateRequest& request) {
-  return operate_requests_ && operate_requests_.Write(request);
 }
 
 std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {

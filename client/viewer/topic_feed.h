@@ -17,11 +17,19 @@
 
 namespace palpate {
 
+/// What ScenePacker knows of a scene: its bundle compressed, or who waits for that.
+struct PackedScene {
+  using Bytes = std::shared_ptr<const std::vector<std::uint8_t>>;
+  Bytes bytes;
+  std::vector<std::function<void(const Bytes&)>> waiting;
+};
+
 /// A scene as its server gave it.
 struct SceneBytes {
   FramePtr frame;  ///< owns the bytes
   std::uint64_t hash = 0;
   std::span<const std::uint8_t> bundle;
+  std::shared_ptr<PackedScene> packed = std::make_shared<PackedScene>();
 };
 
 /// The topics that viewers see, from the service domain, as frames: what has a state is kept for
@@ -61,13 +69,13 @@ class TopicFeed {
 
   /// What who subscribes now must hear first, in the order in which it took place.
   std::vector<FramePtr> Kept(std::uint32_t channel) const;
-  /// Asks the server to make a scene whole again.  False where DDS refuses.
-  bool AskForWhole(const std::string& scene, const std::string& by);
+  /// Passes a wish on to the server.  False where DDS refuses.
+  bool Ask(const wire::WholeRequest& request) { return wishes_ && wishes_.Write(request); }
+  bool Ask(const wire::OperateRequest& request) {
+    return operate_requests_ && operate_requests_.Write(request);
+  }
   /// Passes a wish on to its replay.  Returns why not; empty: it has.
-  /// @param request  with a number and its `by`.
-  std::string AskReplay(const wire::ReplayRequest& request);
-  /// Passes on what a teacher decides about a station.  False where DDS refuses.
-  bool AskOperate(const wire::OperateRequest& request);
+  std::string Ask(const wire::ReplayRequest& request);
   const std::map<std::string, SceneBytes>& scenes() const { return scenes_; }
   /// Stations that have a session, as the server last said.
   std::vector<std::string> stations() const;
@@ -87,12 +95,13 @@ class TopicFeed {
     FramePtr state;
     std::int64_t heard_ns = 0;  // its state, by the steady clock
   };
+  struct Nothing {
+    void operator()(const auto&...) const {}
+  };
   using KeptKey = std::tuple<std::uint32_t, std::string, std::uint64_t>;  // channel, name, number
 
-  template <class T, class Use, class Over>
-  void Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use, Over over);
-  template <class T, class Use>
-  void Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use);
+  template <class T, class Use, class Over = Nothing>
+  void Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use, Over over = {});
   struct Readers;
   /// False for a word that is not the current server's.  A new one's first word clears the
   /// former's.

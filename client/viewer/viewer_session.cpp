@@ -147,27 +147,19 @@ void ViewerSession::ReadOn(std::int64_t now_ns) {
 
 std::string ViewerSession::OnText(std::string_view text) {
   const foxglove::Request request = foxglove::ParseRequest(text);
-  using Op = foxglove::Request::Op;
-  switch (request.op) {
-    case Op::kSubscribe:
-      Subscribe(request);
-      break;
-    case Op::kUnsubscribe:
-      for (const std::uint32_t id : request.ids) queue_.Unsubscribe(id);
-      break;
-    case Op::kAdvertise:
-      for (const foxglove::ClientChannel& channel : request.channels) {
-        if (published_.size() >= ViewerLimits::kMostChannels) return "too many channels";
-        Publish(channel);
-      }
-      break;
-    case Op::kUnadvertise:
-      for (const std::uint32_t id : request.ids) published_.erase(id);
-      break;
-    case Op::kUnknown:
-      Say(foxglove::Level::kWarning,
-          Quoted(request.op_name) + " is nothing that this gateway does");
-      break;
+  if (request.op == "subscribe") {
+    Subscribe(request);
+  } else if (request.op == "unsubscribe") {
+    for (const std::uint32_t id : request.ids) queue_.Unsubscribe(id);
+  } else if (request.op == "advertise") {
+    for (const foxglove::ClientChannel& channel : request.channels) {
+      if (published_.size() >= ViewerLimits::kMostChannels) return "too many channels";
+      Publish(channel);
+    }
+  } else if (request.op == "unadvertise") {
+    for (const std::uint32_t id : request.ids) published_.erase(id);
+  } else {
+    Say(foxglove::Level::kWarning, Quoted(request.op) + " is nothing that this gateway does");
   }
   return "";
 }
@@ -192,7 +184,7 @@ std::string ViewerSession::Who() const {
 
 std::string ViewerSession::WhatIsOfUse() const {
   if (access_ < Access::kDrive) {
-    return hub_.gate().wants_tokens()
+    return hub_.gate().tokens()
                ? "this client may look, and publish nothing: its token's role is watch, or its "
                  "page "
                  "is none of this gateway's"
@@ -209,7 +201,7 @@ std::string ViewerSession::WhatIsOfUse() const {
     use += (use.empty() ? "" : "; ") + std::string(reason);
   };
   if (!operates) {
-    add(hub_.gate().wants_tokens()
+    add(hub_.gate().tokens()
             ? "to decide about stations is for tokens of the role operate, on this gateway's page"
             : "to decide about stations is for pages at the gateway's own host, or for tokens of "
               "the "
@@ -238,7 +230,7 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
     if (!hub_.RefuseWish(Wish::kSubscribe, *this, now_ns).empty()) continue;
     queue_.Subscribe(wanted.channel, wanted.id,
                      rated ? static_cast<std::int64_t>(1e9 / hub_.options().rate_hz) : 0);
-    hub_.Subscribed(*this);
+    hub_.places().Subscribed(id_);
     for (const FramePtr& frame : hub_.feed().Kept(wanted.channel)) queue_.Push(frame, now_ns);
     if (wanted.channel == TopicFeed::kGoal) {
       for (const auto& [scene, goal] : hub_.goals()) queue_.Push(goal, now_ns);
@@ -289,16 +281,12 @@ void ViewerSession::OnMouse(const MouseCommand& command) {
 
 void ViewerSession::OnReplay(const ReplayWish& wish) {
   const std::int64_t now_ns = SteadyNanoseconds();
-  const std::string refusal = hub_.RefuseWish(Wish::kReplay, *this, now_ns);
-  // OnRead flushes.
-  queue_.Push(refusal.empty() ? hub_.AskReplay(wish, Who()) : hub_.RefuseReplay(wish, refusal),
-              now_ns);
+  queue_.Push(hub_.AskReplay(wish, *this, now_ns), now_ns);  // OnRead flushes
 }
 
 void ViewerSession::OnOperate(const OperateCommand& command) {
   if (!hub_.RefuseWish(Wish::kOperate, *this, SteadyNanoseconds()).empty()) return;
-  const std::string refusal =
-      command.goal ? hub_.SetGoal(*command.goal, Who()) : hub_.AskOperate(command, Who());
+  const std::string refusal = hub_.Operate(command, Who());
   if (!refusal.empty()) Say(foxglove::Level::kError, std::string(kOperateTopic) + ": " + refusal);
 }
 

@@ -56,8 +56,8 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   void TellMouseState(const FramePtr& frame);
   /// Looks whether the viewer is there while it holds a tool, and whether it goes that was told to.
   void Watch(std::int64_t now_ns);
-  /// Ends the connection at once, without a word.
-  void Drop() { Gone(); }
+  /// It has gone, or ends at once, without a word.
+  void Gone();
   /// Closes in order, once what is to be said has been said; whoever does not take that within 2 s
   /// is dropped.  Nothing that it sends is heard from now on.
   void Close(boost::beast::websocket::close_code code, const std::string& reason);
@@ -81,9 +81,8 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
   void Send(std::string text);
   void Write();
   void OnWritten(boost::beast::error_code error);
-  void Gone();
 
-  boost::beast::websocket::stream<WebStream> socket_;
+  boost::beast::websocket::stream<WebStream, false> socket_;  // false: nothing is deflated
   Hub& hub_;
   std::uint64_t id_;
   Visitor visitor_;

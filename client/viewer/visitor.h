@@ -15,6 +15,11 @@ struct Visitor {
   bool is_local = false;  ///< this host itself, and nobody whom a proxy of it speaks for
 };
 
+/// Where this host is reached: by others first, by itself last.  Link-local addresses of IPv6,
+/// which mean nothing without an interface of whoever asks, are left out.
+/// @param v6  also those of IPv6.
+std::vector<boost::asio::ip::address> HostAddresses(bool v6);
+
 /// True for the address of a proxy, also where a socket of IPv6 says it.
 bool IsProxy(const boost::asio::ip::address& address,
              const std::vector<boost::asio::ip::address>& proxies);

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,10 @@
 #include <boost/beast/core/tcp_stream.hpp>
 
 namespace palpate {
+
+/// TLS 1.2 and newer, with a server's certificate chain and its key, both PEM.  Throws Error, which
+/// names the flag and the file.
+boost::asio::ssl::context MakeTls(const std::string& certificate, const std::string& key);
 
 /// A connection of the gateway, in the clear or over TLS: an AsyncStream of Beast's, and the one
 /// place that knows which of the two it is.  Handlers and buffers are of one type below this class:

@@ -2,7 +2,6 @@
 import {afterEach, beforeEach, expect} from "vitest";
 
 import {
-  appears,
   atGateway,
   firstPicture,
   gateway,
@@ -17,10 +16,10 @@ import {
   text,
   vanishes,
 } from "./support/at_gateway";
+import type {Probe} from "@page/parts/probe";
+
 import {eventually, probe, until} from "./support/browser";
 import {
-  kChannels,
-  loopStatistics,
   pressed,
   sceneChange,
   sessionState,
@@ -62,19 +61,22 @@ function tellPress(newtons: number, x: number): void {
   gateway.send("/palpate/tool_state", pressed("hand", sequence, newtons, x));
 }
 
+const kAbove = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
+const kFree = {haptic: kAbove, graphic: kAbove};
+
 /// A tool that touches nothing, in the scene that wears.
 function moveInWearing(): void {
-  const pose = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
-  const state = {station: "hand", scene: "wearing", tool: "ball", haptic: pose, graphic: pose};
+  const state = {station: "hand", scene: "wearing", tool: "ball", ...kFree};
   moving = setInterval(() => {
-    gateway.send("/palpate/tool_state", toolState({...state, sequence: (sequence += 33)}));
+    gateway.send("/palpate/tool_state", toolState({...state, poseSequence: (sequence += 33)}));
   }, 33);
 }
 
-/// Leaves of the whole front and the top.
-function scrape(): void {
+/// Leaves of the whole front and the top, by changes from this number on.
+function scrape(first: number): void {
   [2, 3, 6, 7].forEach((triangle, i) => {
-    gateway.send("/palpate/scene_change", sceneChange("wearing", i + 1, 0, triangle, [triangle]));
+    const change = sceneChange("wearing", first + i, 0, triangle, [triangle]);
+    gateway.send("/palpate/scene_change", change);
   });
 }
 
@@ -102,7 +104,7 @@ const stillPicture = async (): Promise<string> => {
   return last;
 };
 
-test("the page shows the force in figures, in words and in the picture", async () => {
+test("the page shows the force in figures, words and picture, and draws only when it changes", async () => {
   press(0);
   await open();
   await reads("#sentence", "The tool is free.");
@@ -115,6 +117,12 @@ test("the page shows the force in figures, in words and in the picture", async (
   await reads("#sentence", "Contact, 2.0 newtons, hand 2.0 millimetres past the surface.");
   await eventually("the picture changes", async () => (await picture()) !== free);
   await reads("#spoken", /^Contact/);
+  // The same pose goes on coming; what is drawn from now on would be drawn for nothing.
+  const frames = ({stations}: Probe): number => stations.hand?.frames ?? 0;
+  const told = frames(await probe(page));
+  const before = await until(page, "a picture of it", (now) => frames(now) > told + 10);
+  const after = await until(page, "more frames", (now) => frames(now) > frames(before) + 30);
+  expect(after.pictures - before.pictures).toBeLessThanOrEqual(2);
 });
 
 test("the panel says what becomes of the force at the arm, also when the server is silent", async () => {
@@ -140,24 +148,6 @@ test("the panel says what becomes of the force at the arm, also when the server 
   await page.clock.runFor(3000);
   await eventually("no figures", () => page.getByText("No figures now.").isVisible());
   expect(await page.locator("#arm tr").count()).toBe(0);
-});
-
-test("nothing is drawn while nothing changes", async () => {
-  press(1);
-  await open();
-  await until(page, "several frames", ({stations}) => (stations.hand?.frames ?? 0) > 10);
-  // The same pose goes on coming; what is drawn from now on would be drawn for nothing.
-  const before = await until(
-    page,
-    "a picture of it",
-    ({stations}) => (stations.hand?.frames ?? 0) > 20,
-  );
-  const after = await until(
-    page,
-    "thirty more frames",
-    ({stations}) => (stations.hand?.frames ?? 0) > before.stations.hand!.frames + 30,
-  );
-  expect(after.pictures - before.pictures).toBeLessThanOrEqual(2);
 });
 
 /// The tool to and fro along the box.
@@ -193,14 +183,10 @@ const slowPictures = (ms: number): void => {
 const canvasWidth = (): Promise<number> =>
   page.evaluate(() => (document.getElementById("view") as HTMLCanvasElement).width);
 
-async function openSlow(query = ""): Promise<void> {
-  await openWith(slowPictures, 100, query);
-  await firstPicture();
-}
-
 test("where pictures take too long they are drawn less well, which is said, and figures stay", async () => {
   slide(1);
-  await openSlow();
+  await openWith(slowPictures, 100);
+  await firstPicture();
   const width = await page.evaluate(() => document.getElementById("view")!.clientWidth);
   await until(page, "half the pixels", ({quality}) => quality.rest === "low");
   expect(await canvasWidth()).toBe(Math.floor(width / 2));
@@ -209,31 +195,12 @@ test("where pictures take too long they are drawn less well, which is said, and 
   expect(await page.locator(".plot").count()).toBe(4);
 });
 
-test("a quality that the reader has settled stays, and is in the address", async () => {
-  slide(1);
-  await openSlow("?quality=full");
+test("a quality that the reader settles is taken at once, and is in the address", async () => {
+  await open();
   const width = await page.evaluate(() => document.getElementById("view")!.clientWidth);
-  await until(page, "many pictures", ({pictures}) => pictures > 60);
-  expect(await canvasWidth()).toBe(width);
   await page.selectOption("#quality", "fair");
   await eventually("fewer pixels", async () => (await canvasWidth()) === Math.floor(0.65 * width));
   expect(page.url()).toContain("quality=fair");
-});
-
-test("what was drawn in haste while the view turned is drawn well when it rests", async () => {
-  await open({}, "?quality=low");
-  await page.locator("#view").focus();
-  const before = await stillPicture();
-  const {drawnAnew} = await until(page, "a picture", ({pictures}) => pictures > 0);
-  for (const [times, key] of [
-    [2, "ArrowLeft"],
-    [4, "r"],
-  ] as const) {
-    await page.keyboard.press(key);
-    // In haste, and then well.
-    await until(page, "drawn twice", (now) => now.drawnAnew >= drawnAnew + times);
-  }
-  await eventually("as before", async () => (await picture()) === before);
 });
 
 interface Shown {
@@ -260,7 +227,7 @@ const watchPictures = (): void => {
     });
 };
 
-test("while the view turns without a graphics card the canvas has fewer pixels, and none is blank", async () => {
+test("while the view turns without a graphics card the canvas has fewer pixels, none is blank, and rest is drawn well", async () => {
   await openWith(watchPictures);
   await firstPicture();
   await page.locator("#view").focus();
@@ -308,46 +275,33 @@ test("a lost link is said, comes back by itself, and data flow again", async () 
   await vanishes("#banner");
 });
 
-test("what is scraped off vanishes, and a server's new run makes it whole", async () => {
-  gateway.retain("/palpate/session_state", sessionState("hand", "active", "wearing", "ball"));
-  await open({}, "?scene=wearing");
-  await until(page, "the scene", ({scene}) => scene === "wearing");
-  const whole = (await until(page, "a picture", ({triangles}) => triangles > 0)).triangles;
-  const before = await stillPicture();
-  scrape();
-  await eventually("a hole", async () => (await picture()) !== before);
-  gateway.send(
-    "/palpate/session_state",
-    sessionState("hand", "active", "wearing", "ball", {serverRun: 2n}),
-  );
-  await eventually("the whole box", async () => (await picture()) === before);
-  expect((await until(page, "a picture", () => true)).triangles).toBe(whole);
-});
-
-test("a worn scene is made whole by a button, which is of no use before it is worn", async () => {
+test("what is scraped off vanishes, until a button, or a new run of the server, makes it whole", async () => {
   gateway.retain("/palpate/session_state", sessionState("hand", "active", "wearing", "ball"));
   await open({}, "?scene=wearing");
   const button = page.locator("#whole");
   await eventually("the button", () => button.isVisible());
   expect(await button.isDisabled()).toBe(true);
+  const whole = (await until(page, "a picture", ({triangles}) => triangles > 0)).triangles;
   const before = await stillPicture();
-  scrape();
+  scrape(1);
   await eventually("a hole", async () => (await picture()) !== before);
   gateway.onPublish = ({op, scene}) => {
     if (op !== "whole" || scene !== "wearing") return;
-    gateway.send("/palpate/scene_whole", {
-      scene,
-      server_run: 1n,
-      last_change: 4n,
-      request: 9n,
-      by: "the page here",
-      refusal: "",
-    });
+    const about = {server_run: 1n, last_change: 4n, request: 9n, refusal: ""};
+    gateway.send("/palpate/scene_whole", {scene, by: "the page here", ...about});
   };
   await button.click();
   await reads("#hint", "The wearing is whole again (the page here).");
   await eventually("the whole box", async () => (await picture()) === before);
   expect(await button.isDisabled()).toBe(true);
+  scrape(5);
+  await eventually("a hole again", async () => (await picture()) !== before);
+  gateway.send(
+    "/palpate/session_state",
+    sessionState("hand", "active", "wearing", "ball", {serverRun: 2n}),
+  );
+  await eventually("another box", async () => (await picture()) === before);
+  expect((await probe(page)).triangles).toBe(whole);
 });
 
 test("scenes are chosen, and remembered in the address", async () => {
@@ -361,29 +315,25 @@ test("scenes are chosen, and remembered in the address", async () => {
   await reads("#force", "1.00");
 });
 
-test("who has chosen nothing sees the scene in which a tool moves", async () => {
-  await open();
-  const idle = await until(page, "a scene", ({scene}) => scene !== "");
-  expect(idle.scene).toBe("test-box"); // the first one
-  moveInWearing();
-  await until(page, "the other scene", ({scene}) => scene === "wearing");
+test("who has chosen nothing, or what nobody serves, sees the scene in which a tool moves", async () => {
+  for (const query of ["", "?scene=typo"]) {
+    await open({}, query);
+    const idle = await until(page, "a scene", ({scene}) => scene !== "");
+    expect(idle.scene).toBe("test-box"); // the first one
+    moveInWearing();
+    await until(page, "the other scene", ({scene}) => scene === "wearing");
+    clearInterval(moving);
+  }
 });
 
-test("the loop's figures and who drives what are told in words", async () => {
-  press(1);
-  await open();
-  await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
-  gateway.send("/palpate/loop_statistics", loopStatistics("hand", "test-box", {late: 4n}));
-  gateway.send(
-    "/palpate/session_state",
-    sessionState("late_one", "refused", "test-box", "ball", {reason: "it is driven by 'hand'"}),
-  );
-  await reads("#loop", /Late\s+4 poses/);
-  await reads("#who", /late_one was refused the ball/);
-  expect(await text("#who")).toMatch(/hand drives the ball of test-box/);
-});
+const help = async (): Promise<string> => {
+  await page.keyboard.press("?");
+  const told = await text("#help-dialog");
+  await page.keyboard.press("Escape");
+  return told;
+};
 
-test("a student's view has force, what is touched and the scene's goal, and is a switch apart", async () => {
+test("a student's view has force, what is touched, the scene's goal and a help, and is a switch apart", async () => {
   gateway.role = "operate";
   press(2);
   const goal = {scene: "test-box", text: "Press gently", limit_N: 1};
@@ -399,7 +349,15 @@ test("a student's view has force, what is touched and the scene's goal, and is a
   const readout = (await page.locator("#readout").boundingBox())!;
   const canvas = (await page.locator("#view").boundingBox())!;
   expect(readout.y + readout.height).toBeLessThanOrEqual(canvas.y);
+  const student = await help();
+  for (const needed of [/take the tool/, /follow the tool/, /1 N is the weight/, /Touches/])
+    expect(student).toMatch(needed);
+  for (const other of [/sphere tree/, /Time for a step/, /Torque\s/, /Mute/, /student/])
+    expect(student).not.toMatch(other);
   await page.locator("#audience").click();
+  const all = await help();
+  for (const more of [/sphere tree/, /Time for a step/, /what a student sees/, /Mute/])
+    expect(all).toMatch(more);
   for (const shown of ["#torque", "#contacts", "#goal-text"])
     expect(await page.locator(shown).isVisible()).toBe(true);
   expect(await page.locator(".plot").count()).toBe(4);
@@ -418,28 +376,6 @@ test("a student's view has force, what is touched and the scene's goal, and is a
   await page.selectOption("#scene", "teeth");
   await vanishes("#goal");
   expect(await page.locator("#goal-text").inputValue()).toBe("");
-});
-
-test("the help of a student's view tells what a student needs, and the other one all", async () => {
-  press(0);
-  await open({}, "?view=student");
-  const help = async (): Promise<string> => {
-    await page.keyboard.press("?");
-    const told = await text("#help-dialog");
-    await page.keyboard.press("Escape");
-    return told;
-  };
-  await page.locator("#take").waitFor();
-  const student = await help();
-  for (const needed of [/take the tool/, /follow the tool/, /1 N is the weight/, /Touches/])
-    expect(student).toMatch(needed);
-  for (const other of [/sphere tree/, /Time for a step/, /Torque\s/, /Mute/, /student/])
-    expect(student).not.toMatch(other);
-  await page.keyboard.press("v");
-  const all = await help();
-  for (const more of [/sphere tree/, /Time for a step/, /what a student sees/])
-    expect(all).toMatch(more);
-  expect(all).not.toMatch(/Mute/); // of those who may decide
 });
 
 test("spheres come on demand, level by level", async () => {
@@ -492,19 +428,15 @@ test("the mouse takes a tool, moves it, and gives it back", async () => {
   expect(await text("#take")).toBe("Take the tool");
 });
 
-test("who holds the tool is said where it is refused", async () => {
-  press(1);
-  await open();
-  await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
-  await page.locator("#take").click();
-  await reads("#hint", /'hand' holds the ball/);
-  expect(gateway.published).toEqual([]);
-});
-
-test("who may decide is offered the tool that somebody holds, and who is muted is told", async () => {
-  gateway.role = "operate";
+test("who holds a tool is said, who may decide is offered it, and who is muted is told", async () => {
   press(2);
   await open();
+  await reads("#force", "2.00");
+  await page.locator("#take").click();
+  await reads("#hint", /'hand' holds the ball. It is free once/);
+  expect(gateway.published).toEqual([]);
+  gateway.role = "operate";
+  await page.reload();
   await reads("#force", "2.00");
   await page.locator("#take").click();
   expect(await text("#hint-text")).toBe("'hand' holds the ball.");
@@ -566,11 +498,7 @@ test("who gives a tool back may take it again at once", async () => {
     if (op !== "take") return;
     const here = {station: "mouse_1", scene: "test-box", tool: "ball"};
     gateway.send("/palpate/session_state", sessionState("mouse_1", "active", "test-box", "ball"));
-    const pose = {p: [0, 0.05, 0], q: [1, 0, 0, 0]} as const;
-    gateway.send(
-      "/palpate/tool_state",
-      toolState({...here, sequence: 9, haptic: pose, graphic: pose}),
-    );
+    gateway.send("/palpate/tool_state", toolState({...here, ...kFree, poseSequence: 9}));
     gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "active", reason: ""});
   };
   for (let time = 0; time < 2; time++) {
@@ -582,12 +510,17 @@ test("who gives a tool back may take it again at once", async () => {
   expect(gateway.published.filter(({op}) => op === "take").length).toBe(2);
 });
 
-test("a wish for a tool can be taken back before it is answered", async () => {
+test("a wish for a tool can be taken back, and its refusal is said in the gateway's words", async () => {
   await open();
   await page.locator("#take").click();
   await reads("#take", "Cancel");
   await page.locator("#take").click();
   await eventually("the release", async () => gateway.published.at(-1)?.op === "release");
+  expect(await text("#take")).toBe("Take the tool");
+  const refusal = {station: "", phase: "refused", reason: "4 tools are held"};
+  gateway.onPublish = () => gateway.send("/palpate/mouse_state", refusal);
+  await page.keyboard.press("m");
+  await reads("#hint", "4 tools are held");
   expect(await text("#take")).toBe("Take the tool");
 });
 
@@ -599,7 +532,7 @@ test("a gateway that gives no tools is not asked for one", async () => {
   await page.keyboard.press("m");
   await page.keyboard.press("?");
   expect(await isVisible("#help-dialog")).toBe(true);
-  expect(await text("#help-dialog")).not.toMatch(/take the tool/);
+  expect(await text("#help-dialog")).not.toMatch(/take the tool|Mute/); // of those who may
   await page.locator("#help-dialog button").click();
   expect(await isVisible("#help-dialog")).toBe(false);
   expect(await isVisible("#hint")).toBe(false);
@@ -653,12 +586,6 @@ test("another scene's picture does not stay while its own is not there", async (
   await vanishes("#loading");
 });
 
-test("a scene that nobody serves is no choice", async () => {
-  moveInWearing();
-  await open({}, "?scene=typo");
-  await until(page, "the one that moves", ({scene}) => scene === "wearing");
-});
-
 test("arrows scroll the figures where those have the focus", async () => {
   press(0);
   await open({viewport: {width: 800, height: 360}});
@@ -688,19 +615,6 @@ test("light and dark are switched also where the browser keeps nothing", async (
   expect(await theme()).toBe("light");
 });
 
-test("a refusal of the gateway is said in its own words", async () => {
-  await open();
-  gateway.onPublish = () =>
-    gateway.send("/palpate/mouse_state", {
-      station: "",
-      phase: "refused",
-      reason: "4 tools are held",
-    });
-  await page.keyboard.press("m");
-  await reads("#hint", "4 tools are held");
-  expect(await text("#take")).toBe("Take the tool");
-});
-
 test("a finger moves the tool on a phone", async () => {
   await open({viewport: {width: 360, height: 640}, hasTouch: true, isMobile: true});
   giveTools();
@@ -723,7 +637,7 @@ test("a finger moves the tool on a phone", async () => {
   });
 });
 
-test("nothing is cut off, from a phone to a projector", async () => {
+test("nothing is cut off from phone to projector, nor jumps with the line above the picture", async () => {
   press(1);
   for (const [width, height] of [
     [360, 640],
@@ -744,15 +658,6 @@ test("nothing is cut off, from a phone to a projector", async () => {
       return cut;
     });
     expect(outside, `${width} × ${height}`).toEqual([]);
-  }
-});
-
-test("the picture stays where it is whatever the line above it says", async () => {
-  for (const [width, height] of [
-    [360, 640],
-    [1400, 900],
-  ] as const) {
-    await open({viewport: {width, height}});
     const tops = await page.evaluate(() => {
       const top = (): number => document.querySelector("#view")!.getBoundingClientRect().top;
       const before = top();
@@ -807,18 +712,6 @@ test("light and dark follow the system, and the reader's choice outlives the vis
   expect(await theme()).toBe("dark");
   await page.reload();
   expect(await theme()).toBe("dark");
-});
-
-test("a channel that the page cannot read disturbs no other", async () => {
-  const {schema} = kChannels[1]!;
-  (kChannels[1] as {schema: string}).schema = "this is no IDL {";
-  try {
-    press(2);
-    await open();
-    await reads("#force", "2.00");
-  } finally {
-    (kChannels[1] as {schema: string}).schema = schema;
-  }
 });
 
 test("teeth are numbered on demand, where there are any", async () => {

@@ -2,20 +2,15 @@
 import {mkdtempSync, readFileSync, rmSync} from "node:fs";
 import {tmpdir} from "node:os";
 import {join} from "node:path";
-import {fileURLToPath} from "node:url";
 
 import {afterAll, beforeAll, expect} from "vitest";
 
 import type {Browser, Page} from "playwright-core";
 
 import {eventually, kHasChromium, launch, readsOn, until} from "./support/browser";
-import {ownDomain} from "./support/domain";
-import {Program} from "./support/programs";
+import {kCommon, kDomain, Program, startGateway, startHand, startServer} from "./support/programs";
 import {browserTest as test} from "./support/skip";
 
-const kDomain = ["--domain", await ownDomain()];
-const kCommon = ["--transport", "udp", ...kDomain];
-const kPage = fileURLToPath(new URL("../../build/page", import.meta.url));
 const kLengthS = 2;
 
 let browser: Browser;
@@ -23,23 +18,17 @@ let folder = "";
 let page: Page;
 const running: Program[] = [];
 
-function run(name: string, args: readonly string[]): Program {
-  const program = new Program(name, args);
+function run(program: Program): Program {
   running.push(program);
   return program;
 }
 
 /// Some seconds of a hand that presses on the cube.
 async function record(file: string): Promise<void> {
-  const server = run("palpate-server", ["--scene", "cube", "--realtime", "off", ...kCommon]);
-  await server.says(/^ready/m, 120_000);
-  const recorder = run("palpate-record", ["-o", file, ...kCommon]);
+  const server = run(await startServer("cube"));
+  const recorder = run(new Program("palpate-record", ["-o", file, ...kCommon]));
   await recorder.says(/recording|ready/i);
-  const station = run("palpate-station", [
-    ...["--device", "scripted", "--scene", "cube", "--id", "hand", "--loop"],
-    ...["--no-table", "--realtime", "off"],
-    ...kCommon,
-  ]);
+  const station = run(startHand("scripted", "cube"));
   await server.says(/station hand: active/);
   await new Promise((resolve) => setTimeout(resolve, 1000 * kLengthS));
   // The recorder first: at the end of the recording the hand still holds the tool, which is thus
@@ -65,11 +54,12 @@ const reads = (selector: string, wanted: string | RegExp): Promise<void> =>
   readsOn(page, selector, wanted);
 
 test("a recording is replayed to the page, which steers it, until the replayer is killed", async () => {
-  const replayer = run("palpate-replay", [join(folder, "lesson.mcap"), "--stay", ...kDomain]);
-  const gateway = run("palpate-viewer", ["--http", "0", "--page", kPage, ...kCommon]);
-  const [url] = await gateway.says(/http:\/\/127\.0\.0\.1:\d+\//);
+  const lesson = join(folder, "lesson.mcap");
+  const replayer = run(new Program("palpate-replay", [lesson, "--stay", ...kDomain]));
+  const {gateway, url} = await startGateway();
+  run(gateway);
   page = await browser.newPage({viewport: {width: 400, height: 600}});
-  await page.goto(url!);
+  await page.goto(url);
   await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined, 60_000);
   await page.locator("#scrub").waitFor({state: "visible"});
   expect(await text("#replay-name")).toBe("lesson.mcap");

@@ -85,53 +85,40 @@ test("nobody takes a tool of a replay, nor makes its scene whole, by button or k
   expect(await page.title()).toMatch(/^test-box/);
 });
 
-test("keys play and pause, go from mark to mark and to both ends, and change the speed", async () => {
+test("keys and buttons play and pause, go from mark to mark and to both ends, and change the speed", async () => {
   await openReplay();
   await page.keyboard.press(" ");
   await reads("#replay-word", "Replay");
   expect(await page.locator("#play").getAttribute("aria-label")).toBe("Pause");
-  await page.keyboard.press(" ");
+  await page.locator("#play").click();
   await reads("#replay-word", "Replay, paused");
   await page.keyboard.press(".");
   await reads("#replay-where", "the slip");
-  await page.keyboard.press(".");
+  await page.locator("#mark-after").click();
   await reads("#replay-time", "0:40 / 1:00");
   await page.keyboard.press(",");
-  await page.keyboard.press(","); // whether or not the first has been answered
+  await page.locator("#mark-before").click(); // whether or not the first has been answered
   await reads("#replay-time", "0:04 / 1:00");
   await page.keyboard.press("End");
   await reads("#replay-time", "1:00 / 1:00");
-  await page.keyboard.press("Home");
+  await page.locator("#play").focus();
+  await page.keyboard.press("Home"); // a button has no use for it
   await reads("#replay-time", "0:00 / 1:00");
   await eventually("it is there", () => replay.state.at_s === 0);
+  await page.locator("#panel").focus();
+  await page.keyboard.press("End"); // and the panel scrolls
+  await page.keyboard.press(".");
+  await eventually("the contact", () => replay.state.at_s === 4);
+  expect(values("seek").at(-2)).toBe(0);
   await page.keyboard.press(">");
   await page.keyboard.press(">");
   await eventually("four times the speed", () => replay.state.rate === 4);
   await page.keyboard.press("<");
   await eventually("half of that", () => replay.state.rate === 2);
   await eventually("shown", async () => (await page.locator("#rate").inputValue()) === "2");
-});
-
-test("buttons do what keys do, and every key that the help names is one", async () => {
-  await openReplay();
-  await page.locator("#play").click();
-  await eventually("it plays", () => replay.state.playing);
-  await page.locator("#play").click();
-  await eventually("it pauses", () => !replay.state.playing);
-  await page.locator("#mark-after").click();
-  await eventually("the slip", () => replay.state.at_s === 20);
-  await page.locator("#mark-before").click();
-  await eventually("the contact", () => replay.state.at_s === 4);
   await page.locator("#rate").selectOption("0.25");
   await eventually("a quarter", () => replay.state.rate === 0.25);
-  await page.locator("#play").focus();
-  await page.keyboard.press("Home"); // a button has no use for it
-  await eventually("the beginning", () => replay.state.at_s === 0);
   await page.locator("#panel").focus();
-  await page.keyboard.press("End"); // and the panel scrolls
-  await page.keyboard.press(".");
-  await eventually("the contact", () => replay.state.at_s === 4);
-  expect(values("seek").at(-2)).toBe(0);
   await page.keyboard.press("?");
   expect(await text("#replay-keys")).toMatch(/Space[\s\S]*,[\s\S]*Home[\s\S]*End[\s\S]*B/);
   expect(await isVisible(".keys.of-mouse")).toBe(false);
@@ -166,10 +153,7 @@ test("a bookmark is named, of the moment at which it was asked for, gone to and 
   await eventually("it is kept", () => replay.contents.marks.length === 4);
   expect(replay.wishes.filter(({wish}) => wish === "add_bookmark").length).toBe(2);
   expect(last().text).toMatch(/^Bookmark at 0:\d\d$/);
-});
-
-test("why a wish is not fulfilled is said in the replayer's words", async () => {
-  await openReplay();
+  // Why one is not kept is said in the replayer's words.
   replay.refusal = "there are 200 bookmarks already; drop one first";
   await page.keyboard.press("b");
   await page.keyboard.press("Enter");

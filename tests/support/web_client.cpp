@@ -103,7 +103,7 @@ bool KeptConnection::Closed() {
 
 struct WebClient::State {
   net::io_context io;
-  websocket::stream<tcp::socket> socket{io};
+  websocket::stream<tcp::socket, false> socket{io};  // false: nothing is deflated
   beast::flat_buffer buffer;
   std::deque<Json> texts;
   std::deque<Message> messages;

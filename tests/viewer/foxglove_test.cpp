@@ -19,34 +19,11 @@ TEST(Subprotocol, IsTheFirstThatBothSpeak) {
   }
 }
 
-TEST(ServerInfo, IsWhatTheProtocolSays) {
-  const Json info = Json::parse(ServerInfo("abc", true, "drive"));
-  EXPECT_EQ(info["op"], "serverInfo");
-  EXPECT_EQ(info["capabilities"], Json::array({"clientPublish"}));
-  EXPECT_EQ(info["supportedEncodings"], Json::array({"json"}));
-  EXPECT_EQ(info["sessionId"], "abc");
-  const Json closed = Json::parse(ServerInfo("abc", false, "watch"));
-  EXPECT_EQ(closed["capabilities"], Json::array());
-  EXPECT_FALSE(closed.contains("supportedEncodings"));
-}
-
-TEST(Advertise, NamesEachChannelsEncodingAndSchema) {
-  const Json message =
-      Json::parse(Advertise({{3, "/t", "cdr", "m::T", "module m { \"x\" };", "omgidl"}}));
-  EXPECT_EQ(message["op"], "advertise");
-  EXPECT_EQ(message["channels"][0], (Json{{"id", 3},
-                                          {"topic", "/t"},
-                                          {"encoding", "cdr"},
-                                          {"schemaName", "m::T"},
-                                          {"schema", "module m { \"x\" };"},
-                                          {"schemaEncoding", "omgidl"}}));
-}
-
 TEST(Status, IsJsonWhateverItQuotes) {
   const Json status = Json::parse(Status(Level::kError, "a\"b\xff\n"));
   EXPECT_EQ(status["op"], "status");
   EXPECT_EQ(status["level"], 2);
-  EXPECT_THAT(status.value("message", ""), testing::StartsWith("a\"b"));
+  EXPECT_EQ(status["message"], "a\"b\xef\xbf\xbd\n");
 }
 
 TEST(MessageHeader, HasOpcodeSubscriptionAndTimeLittleEndian) {
@@ -58,7 +35,6 @@ TEST(MessageHeader, HasOpcodeSubscriptionAndTimeLittleEndian) {
 TEST(Request, IsReadInEachOfItsKinds) {
   const Request subscribe = ParseRequest(
       R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":4294967295,"channelId":5}]})");
-  EXPECT_EQ(subscribe.op, Request::Op::kSubscribe);
   ASSERT_EQ(subscribe.subscriptions.size(), 2u);
   EXPECT_EQ(subscribe.subscriptions[1].id, 4294967295u);
   EXPECT_EQ(subscribe.subscriptions[1].channel, 5u);
@@ -66,10 +42,9 @@ TEST(Request, IsReadInEachOfItsKinds) {
               testing::ElementsAre(0u, 1u));
   const Request advertise = ParseRequest(
       R"({"op":"advertise","channels":[{"id":1,"topic":"/m","encoding":"json","schemaName":""}]})");
-  EXPECT_EQ(advertise.op, Request::Op::kAdvertise);
   EXPECT_EQ(advertise.channels.at(0).topic, "/m");
   EXPECT_EQ(ParseRequest(R"({"op":"unadvertise","channelIds":[7]})").ids.at(0), 7u);
-  EXPECT_EQ(ParseRequest(R"({"op":"getParameters"})").op, Request::Op::kUnknown);
+  EXPECT_EQ(ParseRequest(R"({"op":"getParameters"})").op, "getParameters");
 }
 
 TEST(Request, IsRefusedWhereItLacksWhatItsKindNeeds) {

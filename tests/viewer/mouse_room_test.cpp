@@ -1,14 +1,14 @@
 #include "client/viewer/mouse_room.h"
 
 #include <cstdlib>
-#include <filesystem>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "common/realtime/steady_clock.h"
+#include "tests/support/eventually.h"
+#include "tests/support/folder.h"
 #include "tests/support/read_file.h"
 
 namespace palpate {
@@ -16,15 +16,19 @@ namespace {
 
 using testing::HasSubstr;
 
+constexpr const char* kStation = PALPATE_SOURCE_DIR "/tests/viewer/fake_station";
+
 /// A room whose stations are a program that waits for the end of its input, as they do.
 class MouseRoomTest : public testing::Test {
  protected:
   void Take(MouseRoom::Holder holder, const std::string& scene = "cube",
-            const std::string& absent = "") {
-    MouseCommand command;
-    command.op = MouseCommand::Op::kTake;
-    command.scene = scene;
-    room_.Take(holder, "", command, absent, SteadyNanoseconds());
+            const std::string& absent = "", const std::string& tool = "") {
+    TakeIn(room_, holder, "", tool, scene, absent);
+  }
+  static void TakeIn(MouseRoom& room, MouseRoom::Holder holder, const std::string& who,
+                     const std::string& tool = "", const std::string& scene = "cube",
+                     const std::string& absent = "") {
+    room.Take(holder, who, {MouseCommand::Op::kTake, scene, tool, {}}, absent, SteadyNanoseconds());
   }
   void Session(const std::string& station, wire::SessionPhase phase, const std::string& reason = "",
                std::uint64_t run = 1) {
@@ -36,18 +40,16 @@ class MouseRoomTest : public testing::Test {
     state.phase = phase;
     room_.OnSession(state, 0);
   }
-  bool Empties() {
-    for (int i = 0; i < 2000 && room_.size() > 0; ++i) {
+  bool ShrinksTo(std::size_t size) {
+    return test::Eventually([&] {
       room_.Poll(SteadyNanoseconds());
-      usleep(10'000);
-    }
-    return room_.size() == 0;
+      return room_.size() == size;
+    });
   }
 
   std::vector<MouseRoom::News> news_;
-  MouseRoom room_{
-      {2, 0, "udp", {"lan", {"10.0.0.1"}}, PALPATE_SOURCE_DIR "/tests/viewer/fake_station"},
-      [this](const MouseRoom::News& news) { news_.push_back(news); }};
+  MouseRoom room_{{2, 0, "udp", {"lan", {"10.0.0.1"}, {}}, kStation},
+                  [this](const MouseRoom::News& news) { news_.push_back(news); }};
 };
 
 TEST_F(MouseRoomTest, TellsTheHolderItsStationAndWhatTheServerSaysOfIt) {
@@ -86,46 +88,32 @@ TEST_F(MouseRoomTest, IsNotPutOffByWhatTheServerTellsAnotherStationOfTheSameName
   EXPECT_TRUE(room_.holds(7));
 }
 
-TEST_F(MouseRoomTest, NamesItsStationsByItsPrefix) {
+TEST_F(MouseRoomTest, NamesItsStationsByItsPrefixOrTheirHoldersNameAndNeverByAnothers) {
   std::vector<std::string> names;
-  MouseRoom room({1, 0, "udp", {}, PALPATE_SOURCE_DIR "/tests/viewer/fake_station", "mouse_ab12_"},
-                 [&](const MouseRoom::News& news) { names.push_back(news.station); });
-  MouseCommand command;
-  command.op = MouseCommand::Op::kTake;
-  command.scene = "cube";
-  room.Take(7, "", command, "", 0);
-  EXPECT_THAT(names, testing::ElementsAre("mouse_ab12_1"));
-}
-
-TEST_F(MouseRoomTest, NamesThemForWhoHasANameAndNeverByAnothers) {
-  std::vector<std::string> names;
-  MouseRoom::Options options{7, 0, "udp", {}, PALPATE_SOURCE_DIR "/tests/viewer/fake_station"};
+  const auto note = [&](const MouseRoom::News& news) { names.push_back(news.station); };
+  MouseRoom::Options options{8, 0, "udp", {}, kStation, "mouse_ab12_"};
   // A token is called anna_2, and an arm ben.
   options.is_others = [](const std::string& station, const std::string& who) {
     return (station == "anna_2" && who != "anna_2") || station == "ben";
   };
-  MouseRoom room(options, [&](const MouseRoom::News& news) { names.push_back(news.station); });
-  MouseCommand command;
-  command.op = MouseCommand::Op::kTake;
-  command.scene = "cube";
+  MouseRoom room(options, note);
   MouseRoom::Holder holder = 0;
-  for (const char* who : {"anna", "anna", "anna_2", "ben", "dr.no-1"}) {
-    command.tool = "tool" + std::to_string(holder);
-    room.Take(++holder, who, command, "", 0);
+  for (const char* who : {"", "anna", "anna", "anna_2", "ben", "dr.no-1"}) {
+    ++holder;
+    TakeIn(room, holder, who, "tool" + std::to_string(holder));
   }
-  EXPECT_THAT(names, testing::ElementsAre("anna", "anna_3", "anna_2", "ben_2", "dr_no_1"));
+  EXPECT_THAT(names,
+              testing::ElementsAre("mouse_ab12_1", "anna", "anna_3", "anna_2", "ben_2", "dr_no_1"));
   // Who takes a tool again keeps his name: it waits for the one that is on its way out.
-  room.Release(1, "", 0);
-  command.tool = "tool0";
-  room.Take(++holder, "anna", command, "", 0);
+  room.Release(2, "", 0);
+  TakeIn(room, ++holder, "anna", "tool2");
   EXPECT_EQ(names.back(), "anna");
-  room.Take(++holder, "anna", command, "", 0);  // of the same tool: the server decides
+  TakeIn(room, ++holder, "anna", "tool2");  // of the same tool: the server decides
   EXPECT_EQ(names.back(), "anna_4");
   options.named_prefix = "mouse_";
-  names.clear();
-  MouseRoom secured(options, [&](const MouseRoom::News& news) { names.push_back(news.station); });
-  secured.Take(1, "anna", command, "", 0);
-  EXPECT_THAT(names, testing::ElementsAre("mouse_anna"));
+  MouseRoom secured(options, note);
+  TakeIn(secured, 1, "anna");
+  EXPECT_EQ(names.back(), "mouse_anna");
 }
 
 TEST_F(MouseRoomTest, LetsGoOfAToolThatNobodyMoves) {
@@ -173,7 +161,7 @@ TEST_F(MouseRoomTest, LetsGoWhenTheServerRefusesAndPassesOnWhy) {
   EXPECT_EQ(news_.back().reason, "tool 'ball' is driven by station 'a'");
   EXPECT_FALSE(room_.holds(7));
   const std::size_t told = news_.size();
-  EXPECT_TRUE(Empties());
+  EXPECT_TRUE(ShrinksTo(0));
   EXPECT_EQ(news_.size(), told) << "its end is no news then";
 }
 
@@ -184,7 +172,7 @@ TEST_F(MouseRoomTest, GivesANumberAgainOnlyOnceItsStationHasEnded) {
   Take(7);
   EXPECT_EQ(news_.back().station, "mouse_2");
   room_.Release(7, "", SteadyNanoseconds());
-  EXPECT_TRUE(Empties());
+  EXPECT_TRUE(ShrinksTo(0));
   Take(7);
   EXPECT_EQ(news_.back().station, "mouse_1");
 }
@@ -195,42 +183,34 @@ TEST_F(MouseRoomTest, StartsNoStationWhoseToolIsStillInTheHandOfOneThatLeaves) {
   Take(8);
   Session("mouse_2", palpate_SESSION_ACTIVE);
   EXPECT_EQ(news_.back().phase, "") << "it has not asked";
-  for (int i = 0; i < 2000 && room_.size() > 1; ++i) {
-    room_.Poll(SteadyNanoseconds());
-    usleep(10'000);
-  }
+  EXPECT_TRUE(ShrinksTo(1));
   room_.Poll(SteadyNanoseconds());
   Session("mouse_2", palpate_SESSION_ACTIVE);
   EXPECT_EQ(news_.back().phase, "active");
   room_.Release(8, "", SteadyNanoseconds());
-  EXPECT_TRUE(Empties());
+  EXPECT_TRUE(ShrinksTo(0));
 }
 
 TEST_F(MouseRoomTest, TellsOfAStationThatFailedWhatItComplainedOf) {
   Take(7, "fail");
-  EXPECT_TRUE(Empties());
+  EXPECT_TRUE(ShrinksTo(0));
   EXPECT_EQ(news_.back().phase, "refused");
   EXPECT_EQ(news_.back().reason, "it went wrong");
 }
 
 TEST_F(MouseRoomTest, GivesAPagesWordsToTheStationInOneArgumentEach) {
-  const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / ("mouse_room_" + std::to_string(getpid()));
+  const test::Folder folder;
+  const std::string file = folder / "arguments";
   setenv("PALPATE_FAKE_STATION_ARGUMENTS", file.c_str(), 1);
   for (const std::string word : {"cube --domain=3 $(exit)", "--help", "; exit 1", "*"}) {
-    MouseCommand command;
-    command.op = MouseCommand::Op::kTake;
-    command.scene = word;
-    command.tool = word;
-    room_.Take(7, "", command, "", SteadyNanoseconds());
+    Take(7, word, "", word);
     room_.Release(7, "", SteadyNanoseconds());
-    EXPECT_TRUE(Empties());
+    EXPECT_TRUE(ShrinksTo(0));
     EXPECT_EQ(ReadWholeFile(file),
               "--device=mouse\n--scene=" + word +
                   "\n--id=mouse_1\n--domain=0\n--transport=udp\n--network=lan\n--no-table\n"
                   "--peer=10.0.0.1\n--tool=" +
                   word + "\n");
-    std::filesystem::remove(file);
   }
   unsetenv("PALPATE_FAKE_STATION_ARGUMENTS");
 }

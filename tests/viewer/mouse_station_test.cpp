@@ -1,19 +1,18 @@
 #include "client/viewer/mouse_station.h"
 
-#include <filesystem>
-
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "common/realtime/steady_clock.h"
+#include "devices/mouse/mouse_line.h"
 #include "tests/support/eventually.h"
+#include "tests/support/folder.h"
+#include "tests/support/random.h"
 #include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {
-
-namespace fs = std::filesystem;
 
 bool Ends(MouseStation& station, std::int64_t add_ns = 0) {
   return test::Eventually([&] { return !station.Poll(SteadyNanoseconds() + add_ns); });
@@ -25,8 +24,9 @@ std::vector<std::string> Script(const std::string& text) {
 }
 
 TEST(MouseStation, IsGivenPosesAsLinesAndTheEndOfItsInput) {
-  const fs::path file = fs::temp_directory_path() / ("mouse_" + std::to_string(getpid()));
-  MouseStation station("/bin/sh", Script("cat > " + file.string()));
+  const test::Folder folder;
+  const std::string file = folder / "poses";
+  MouseStation station("/bin/sh", Script("cat > " + file));
   station.Drag({Vec3(0.1, 0, 0), Quat::Identity()});
   station.Drag({Vec3(0.2, 0, 0), Quat::Identity()});
   EXPECT_TRUE(station.Poll(0));
@@ -35,7 +35,23 @@ TEST(MouseStation, IsGivenPosesAsLinesAndTheEndOfItsInput) {
   EXPECT_TRUE(Ends(station));
   EXPECT_EQ(station.complaint(), "");
   EXPECT_EQ(ReadWholeFile(file), "0.1 0 0 1 0 0 0\n0.2 0 0 1 0 0 0\n");
-  fs::remove(file);
+}
+
+TEST(MouseStation, IsToldPosesToTheBit) {
+  test::Random random(8);
+  for (int i = 0; i < 10'000; ++i) {
+    const Vec3 p = random.InCube(1.0) * (i % 2 == 0 ? 1.0 : 1e-9);
+    const Vec3 a = random.InCube(1.0);
+    const Pose X{p, Quat(1.0, a.x(), a.y(), a.z())};
+    std::string line = ToMouseLine(X);
+    ASSERT_EQ(line.back(), '\n');
+    line.pop_back();
+    std::string complaint;
+    const auto read = ParseMouseLine(line, complaint);
+    ASSERT_TRUE(read && read->X_WT) << line << complaint;
+    ASSERT_EQ(read->X_WT->p, p);
+    ASSERT_LT((read->X_WT->q.coeffs() - X.q.normalized().coeffs()).norm(), 1e-15);
+  }
 }
 
 TEST(MouseStation, TellsWhatItComplainedOfWhereItFailed) {

@@ -63,14 +63,5 @@ TEST(ViewerOptions, AreForAHostsNamesInSmallLettersAndForANewTokenInPlaceOfAPort
   EXPECT_EQ(make->make_token->name, "teacher");
 }
 
-TEST(Loopback, IsWhatOnlyThisHostReaches) {
-  for (const char* address : {"127.0.0.1", "127.8.8.8", "::1"}) {
-    EXPECT_TRUE(IsLoopback(address)) << address;
-  }
-  for (const char* address : {"0.0.0.0", "::", "192.168.0.1", "localhost", ""}) {
-    EXPECT_FALSE(IsLoopback(address)) << address;
-  }
-}
-
 }  // namespace
 }  // namespace palpate

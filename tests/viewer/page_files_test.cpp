@@ -4,8 +4,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
+#include "tests/support/folder.h"
 #include "tests/support/random.h"
 
 namespace palpate {
@@ -26,10 +26,10 @@ class PageFilesTest : public testing::Test {
     fs::create_symlink(folder_ / "secret.js", folder_ / "page/link.js");
     fs::create_symlink(folder_, folder_ / "page/up");
   }
-  ~PageFilesTest() override { fs::remove_all(folder_); }
   void Write(const std::string& name) { std::ofstream(folder_ / name) << name; }
 
-  fs::path folder_ = fs::temp_directory_path() / ("page_files_" + std::to_string(getpid()));
+  const test::Folder kept_;
+  const fs::path folder_ = kept_.path();
   PageFiles files_{folder_ / "page/../page"};
 };
 
@@ -72,6 +72,9 @@ TEST_F(PageFilesTest, GivesFilesWithTheirTypes) {
   EXPECT_THAT(packed->content_type, testing::StartsWith("text/javascript"));
   EXPECT_EQ(files_.Find("/assets/a.js", false)->path.filename(), "a.js");
   EXPECT_FALSE(files_.Find("/only.css", false));
+  const auto content = files_.Read(*packed);
+  EXPECT_EQ(*content, "page/assets/a.js.gz");
+  EXPECT_EQ(files_.Read(*packed), content) << "one copy, whoever is sent it";
 }
 
 TEST_F(PageFilesTest, GivesNothingFromOutsideItsFolder) {

@@ -6,10 +6,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "common/error.h"
 #include "tests/support/complaint.h"
+#include "tests/support/folder.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {
@@ -19,28 +20,30 @@ using testing::HasSubstr;
 
 class TokensTest : public testing::Test {
  protected:
-  TokensTest() { std::filesystem::create_directories(folder_); }
-  ~TokensTest() override { std::filesystem::remove_all(folder_); }
-
   void Write(const std::string& text, mode_t mode = 0600) {
     std::ofstream(path_) << text;
     chmod(path_.c_str(), mode);
   }
-  std::string Text() {
-    std::ifstream file(path_);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string Text() { return ReadWholeFile(path_); }
   std::string Complaint() {
     return test::ComplaintOf([&] { Tokens::Read(path_); });
   }
 
-  std::string folder_ =
-      std::filesystem::temp_directory_path() / ("palpate_tokens_" + std::to_string(getpid()));
-  std::string path_ = folder_ + "/tokens.txt";
+  const test::Folder folder_;
+  const std::string path_ = folder_ / "tokens.txt";
   const std::string hash_ = std::string(64, 'a');
 };
 
-TEST_F(TokensTest, KnowThoseThatWereMadeByTheirRoleAndName) {
+TEST(Roles, HaveNames) {
+  for (const Access role : {Access::kWatch, Access::kDrive, Access::kOperate}) {
+    EXPECT_EQ(ParseRole(RoleName(role)), role);
+  }
+  for (const char* word : {"", "none", "Watch", "operate ", "admin"}) {
+    EXPECT_FALSE(ParseRole(word)) << word;
+  }
+}
+
+TEST_F(TokensTest, KnowThoseThatWereMadeAndStandNowhereInTheFileWhichIsForItsOwnerAlone) {
   const std::string teacher = MakeToken(path_, Access::kOperate, "teacher");
   const std::string student = MakeToken(path_, Access::kWatch, "class-7");
   EXPECT_NE(teacher, student);
@@ -50,6 +53,10 @@ TEST_F(TokensTest, KnowThoseThatWereMadeByTheirRoleAndName) {
   EXPECT_EQ(tokens.Find(teacher)->name, "teacher");
   ASSERT_TRUE(tokens.Find(student));
   EXPECT_EQ(tokens.Find(student)->role, Access::kWatch);
+  EXPECT_THAT(Text(), testing::Not(HasSubstr(teacher.substr(8))));
+  struct stat file {};
+  stat(path_.c_str(), &file);
+  EXPECT_EQ(file.st_mode & 0777, 0600u);
 }
 
 TEST_F(TokensTest, AreNamedAsStationsAreAndNoTwoAlike) {
@@ -83,14 +90,6 @@ TEST_F(TokensTest, KnowNothingElse) {
   EXPECT_FALSE(tokens.Find("palpate_" + line.substr(line.rfind(' ') + 1, 64)));
 }
 
-TEST_F(TokensTest, StandNowhereInTheFileWhichIsForItsOwnerAlone) {
-  const std::string token = MakeToken(path_, Access::kDrive, "hand");
-  EXPECT_THAT(Text(), testing::Not(HasSubstr(token.substr(8))));
-  struct stat file {};
-  stat(path_.c_str(), &file);
-  EXPECT_EQ(file.st_mode & 0777, 0600u);
-}
-
 TEST_F(TokensTest, AreOfAFileThatOthersCannotReadOrChange) {
   for (const mode_t mode : {0644u, 0620u, 0604u, 0602u, 0666u}) {
     Write("watch a " + hash_ + "\n", mode);
@@ -114,14 +113,8 @@ TEST_F(TokensTest, KnowWhetherATokenIsStillTheSameOfTheSameRoleAndName) {
     return Tokens::Read(path_);
   };
   const std::string other = std::string(64, 'b');
-  const Tokens::Holder holder{
-      Access::kWatch, "a", [&] {
-        Tokens::Hash hash;
-        for (std::size_t i = 0; i < hash.size(); ++i) {
-          hash[i] = static_cast<unsigned char>(std::stoi(hash_.substr(2 * i, 2), nullptr, 16));
-        }
-        return hash;
-      }()};
+  Tokens::Holder holder{Access::kWatch, "a", {}};
+  holder.hash.fill(0xaa);
   EXPECT_TRUE(found("watch a " + hash_).Has(holder));
   EXPECT_TRUE(found("drive b " + other + "\nwatch a " + hash_).Has(holder));
   EXPECT_FALSE(found("watch a " + other).Has(holder)) << "another token of that name";

@@ -1,5 +1,7 @@
 #include "client/viewer/visitor.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace palpate {
@@ -41,6 +43,16 @@ TEST(Visitor, IsWhomAProxySpeaksForAndNobodyElse) {
   EXPECT_EQ(visitor.name, "10.0.0.1 (by the proxy 127.0.0.1)");
   EXPECT_EQ(At("192.168.0.7", "10.0.0.1", {kProxy}).address, "192.168.0.7");
   EXPECT_EQ(At("127.0.0.1", "unknown", {kProxy}).address, "127.0.0.1");
+}
+
+TEST(HostAddresses, NameThoseThatOthersReachBeforeThisHostsOwn) {
+  for (const bool v6 : {false, true}) {
+    const auto addresses = HostAddresses(v6);
+    EXPECT_EQ(std::ranges::count(addresses, ip::make_address("127.0.0.1")), 1);
+    EXPECT_TRUE(std::ranges::is_partitioned(
+        addresses, [](const ip::address& address) { return !address.is_loopback(); }));
+    for (const ip::address& address : addresses) EXPECT_TRUE(v6 || address.is_v4()) << address;
+  }
 }
 
 }  // namespace

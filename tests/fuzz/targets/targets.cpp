@@ -12,9 +12,7 @@
 #include <new>
 
 #include "client/viewer/foxglove.h"
-#include "client/viewer/mouse_command.h"
-#include "client/viewer/operate_command.h"
-#include "client/viewer/replay_messages.h"
+#include "client/viewer/page_messages.h"
 #include "common/dds/cdr.h"
 #include "common/dds/cdr_reader.h"
 #include "common/error.h"

@@ -3,17 +3,15 @@
 import {readdirSync, readFileSync, writeFileSync} from "node:fs";
 import {cpus, loadavg} from "node:os";
 import {join} from "node:path";
-import {fileURLToPath} from "node:url";
+import {parseArgs} from "node:util";
 
 import type {BrowserContextOptions, Page} from "playwright-core";
 
 import type {Probe} from "@page/parts/probe";
 
 import {launch, probe, until} from "../support/browser";
-import {ownDomain} from "../support/domain";
-import {Program} from "../support/programs";
+import {type Program, startGateway, startHand, startServer} from "../support/programs";
 
-const kPage = fileURLToPath(new URL("../../../build/page", import.meta.url));
 const kScreens: Readonly<Record<string, BrowserContextOptions>> = {
   "laptop, 1400 × 900": {viewport: {width: 1400, height: 900}},
   "phone, 360 × 800 at 3": {
@@ -23,19 +21,19 @@ const kScreens: Readonly<Record<string, BrowserContextOptions>> = {
     hasTouch: true,
   },
 };
-const kQualities = "chosen,full,good,fair,low";
 const kTicksMs = 10; // of /proc/PID/stat
 
-interface Options {
-  scene: string;
-  seconds: number;
-  repeats: number;
-  report: string; // file; empty: none
-  qualities: string;
-  shots: string; // folder of screenshots; empty: none
-  build: string; // what is measured, in words
-  command: string;
-}
+const kDefaults = {
+  scene: "oral-cavity",
+  seconds: "5",
+  repeats: "3",
+  report: "", // file; empty: none
+  qualities: "chosen,full,good,fair,low",
+  shots: "", // folder of screenshots; empty: none
+  build: "", // what is measured, in words
+  command: "",
+};
+type Options = typeof kDefaults;
 
 interface Row {
   screen: string;
@@ -49,23 +47,9 @@ interface Row {
   calls: number;
 }
 
-function optionsFrom(args: readonly string[]): Options {
-  const options: Options = {
-    scene: "oral-cavity",
-    seconds: 5,
-    repeats: 3,
-    report: "",
-    qualities: kQualities,
-    shots: "",
-    build: "",
-    command: "",
-  };
-  for (let i = 0; i + 1 < args.length; i += 2) {
-    const name = args[i]!.replace(/^--/, "") as keyof Options;
-    const isNumber = typeof options[name] === "number";
-    Object.assign(options, {[name]: isNumber ? Number(args[i + 1]) : args[i + 1]});
-  }
-  return options;
+function optionsFrom(args: string[]): Options {
+  const texts = Object.keys(kDefaults).map((name) => [name, {type: "string"}] as const);
+  return {...kDefaults, ...parseArgs({args, options: Object.fromEntries(texts)}).values};
 }
 
 const sleep = (seconds: number): Promise<void> =>
@@ -140,12 +124,13 @@ async function measure(page: Page, moves: Row["moves"], seconds: number): Promis
 async function measureScreen(
   page: Page,
   moves: Row["moves"],
-  {seconds, repeats}: Options,
+  options: Options,
 ): Promise<Omit<Row, "screen" | "quality">> {
+  const seconds = Number(options.seconds);
   // So that a page that chooses has chosen.
   await measure(page, moves, 2 * seconds);
   const runs: Run[] = [];
-  for (let i = 0; i < repeats; i++) runs.push(await measure(page, moves, seconds));
+  for (let i = 0; i < Number(options.repeats); i++) runs.push(await measure(page, moves, seconds));
   const {quality, costs} = runs.at(-1)!.probe;
   const canvas = await page.evaluate(() => {
     const {width, height} = document.getElementById("view") as HTMLCanvasElement;
@@ -235,27 +220,20 @@ async function main(): Promise<void> {
   const load = loadavg()
     .map((value) => value.toFixed(2))
     .join(" ");
-  const domain = ["--domain", await ownDomain()];
-  const common = ["--transport", "udp", ...domain];
   const {scene} = options;
-  const programs = [
-    new Program("palpate-server", ["--scene", scene, "--realtime", "off", ...common]),
-    new Program("palpate-viewer", ["--http", "0", "--page", kPage, ...common]),
-  ];
+  const programs: Program[] = [];
   const browser = await launch(0);
   const rows: Row[] = [];
   try {
-    await programs[0]!.says(/^ready/m, 300_000);
-    const [url] = await programs[1]!.says(/http:\/\/127\.0\.0\.1:\d+\//);
-    const hand = ["--device", "simulated", "--scene", scene, "--id", "hand", "--loop"];
-    programs.push(
-      new Program("palpate-station", [...hand, "--no-table", "--realtime", "off", ...common]),
-    );
-    await programs[0]!.says(/station hand: active/);
+    const server = await startServer(scene);
+    programs.push(server);
+    const {gateway, url} = await startGateway();
+    programs.push(gateway, startHand("simulated", scene));
+    await server.says(/station hand: active/);
     for (const [screen, context] of Object.entries(kScreens)) {
       for (const quality of options.qualities.split(",")) {
         const page = await browser.newPage(context);
-        await page.goto(`${url!}?scene=${scene}&quality=${quality}`);
+        await page.goto(`${url}?scene=${scene}&quality=${quality}`);
         await until(
           page,
           "a hand",

@@ -13,22 +13,13 @@ function draw(ladder: Ladder, ms: number | ((rung: number) => number), seconds: 
   return stood;
 }
 
-test("a machine that draws fast stays on top", () => {
-  expect(draw(new Ladder(4), 8, 60)).toEqual([0]);
-  expect(draw(new Ladder(4), 1000 / 60, 60)).toEqual([0]);
-});
-
-test("thirty pictures a second are enough, also where a screen shows no more", () => {
-  expect(draw(new Ladder(4), 1000 / 30, 60)).toEqual([0]);
-});
-
-test("a slow machine descends, rung by rung where it is a little too slow", () => {
-  expect(draw(new Ladder(4), 45, 60)).toEqual([0, 1, 2, 3]);
-});
-
-test("a machine that is much too slow is not made to try every rung", () => {
-  expect(draw(new Ladder(4), 300, 60)).toEqual([0, 3]);
-});
+test.each([
+  ["a machine that draws fast stays on top", 8, [0]],
+  ["so does one whose screen shows sixty a second", 1000 / 60, [0]],
+  ["thirty are enough, also where a screen shows no more", 1000 / 30, [0]],
+  ["a slow machine descends, rung by rung where it is a little too slow", 45, [0, 1, 2, 3]],
+  ["one that is much too slow is not made to try every rung", 300, [0, 3]],
+] as const)("%s", (_what, ms, stood) => expect(draw(new Ladder(4), ms, 60)).toEqual(stood));
 
 test("a picture that is late now and then moves nothing", () => {
   const ladder = new Ladder(4);

@@ -22,85 +22,64 @@ const kFine: LinkFacts = {
   busyS: -Infinity,
 };
 
-const expectReport = (facts: LinkFacts, tone: LinkReport["tone"], text: RegExp): void =>
-  expect(linkReport(facts)).toMatchObject({tone, text: expect.stringMatching(text)});
+const kQuiet: Partial<LinkFacts> = {lastStateS: 90};
+const kIdle: Partial<LinkFacts> = {...kQuiet, sessions: 0};
+const kSilent: Partial<LinkFacts> = {lastStateS: 50};
+const kFirstTry: Partial<LinkFacts> = {link: "lost", wasOpen: false};
+const kCompiling = {scene: "bunny", stage: "touching balls", done: 0.438};
+const kCompiles = /compiles bunny for the first time: 43 %, touching balls/;
 
-test("nothing is said while data flow", () => {
-  expect(linkReport(kFine).tone).toBe("none");
-});
-
-test("a lost link is said at once, and told from a first try", () => {
-  expectReport({...kFine, link: "lost"}, "alarm", /lost/);
-  expect(linkReport({...kFine, link: "connecting"}).tone).toBe("alarm");
-  expect(linkReport({...kFine, link: "connecting", wasOpen: false}).tone).toBe("info");
-  expect(linkReport({...kFine, link: "lost", wasOpen: false}).text).toMatch(/does not answer/);
-});
-
-test("silence is said after one and a half seconds, with whose it is", () => {
-  expect(linkReport({...kFine, lastStateS: 98.6}).tone).toBe("none");
-  expectReport({...kFine, lastStateS: 98.4}, "alarm", /gateway is there/);
-  expectReport({...kFine, lastStateS: 98.4, sessions: 0}, "info", /No station is moving/);
-  expect(linkReport({...kFine, lastStateS: -Infinity, sessions: 0, scenes: 0}).text).toMatch(
-    /no server/,
-  );
-});
-
-test("a server that has gone is not one that is silent, and one that compiles is on its way", () => {
-  const quiet: LinkFacts = {...kFine, lastStateS: 50};
-  expectReport({...quiet, serverLives: false}, "alarm", /No server is there/);
-  const compiling = {scene: "bunny", stage: "touching balls", done: 0.438};
-  for (const facts of [
-    {...quiet, serverLives: false, compiling},
-    {...quiet, scenes: 0, compiling},
-  ]) {
-    expectReport(facts, "info", /compiles bunny for the first time: 43 %, touching balls/);
-  }
-  // What another server is about to serve is no news to who sees this one.
-  expect(linkReport({...kFine, compiling}).tone).toBe("none");
-  expect(linkReport({...quiet, sessions: 0, scenes: 0, serverLives: false}).text).toMatch(
-    /no server has told/,
-  );
-});
-
-test("who takes a tool is not told to take one", () => {
-  const quiet: LinkFacts = {...kFine, lastStateS: -Infinity, sessions: 0};
-  expect(linkReport(quiet).text).toMatch(/take the tool/);
-  expect(linkReport({...quiet, takes: true}).tone).toBe("none");
-});
-
-test("a gateway that turns this page away is not one that does not answer", () => {
-  for (const wasOpen of [true, false]) {
-    const lost: LinkFacts = {...kFine, link: "lost", wasOpen};
-    expect(linkReport({...lost, refusal: "full"}).text).toMatch(/as many viewers as it takes/);
-    expect(linkReport({...lost, refusal: "this page"}).text).toMatch(/does not let this page/);
-    expect(linkReport({...lost, refusal: "this page"}).tone).toBe("alarm");
-    expect(linkReport({...lost, refusal: "token"}).text).toMatch(/link that you were given/);
-  }
-});
-
-test("what a page cannot do is not offered", () => {
-  const idle: LinkFacts = {...kFine, lastStateS: 90, sessions: 0};
-  expect(linkReport(idle).text).toMatch(/mouse/);
-  expect(linkReport({...idle, mayTake: false}).text).toBe("No station is moving. Start one.");
-});
-
-test("a page without a picture says so, but not before an alarm", () => {
-  expectReport({...kFine, draws: false}, "info", /no WebGL/);
-  expect(linkReport({...kFine, draws: false, lastStateS: 90}).tone).toBe("alarm");
-  expect(linkReport({...kFine, draws: false, link: "lost"}).tone).toBe("alarm");
-});
-
-test("a link that has just been opened is given time", () => {
-  expect(linkReport({...kFine, openedS: 99, lastStateS: 20}).tone).toBe("none");
-});
-
-test("a browser that draws slowly does not blame the server", () => {
-  const quiet: LinkFacts = {...kFine, lastStateS: 95};
-  expectReport({...quiet, busyS: 99.9}, "info", /This browser draws slowly/);
-  // What came while the page drew has been heard by now: the silence is the server's.
-  expect(linkReport({...quiet, busyS: 98}).tone).toBe("alarm");
-  expect(linkReport({...kFine, busyS: 99.9}).tone).toBe("none");
-  expect(linkReport({...quiet, busyS: 99.9, link: "lost"}).tone).toBe("alarm");
+test.each<[string, Partial<LinkFacts>, LinkReport["tone"], RegExp | undefined]>([
+  ["data flow", {}, "none", undefined],
+  ["a lost link is said at once", {link: "lost"}, "alarm", /lost/],
+  ["also while it is tried again", {link: "connecting"}, "alarm", /lost/],
+  ["and is told from a first try", {...kFirstTry, link: "connecting"}, "info", undefined],
+  ["that nobody answers", kFirstTry, "alarm", /does not answer/],
+  ["silence counts from 1.5 s on", {lastStateS: 98.6}, "none", undefined],
+  ["and is somebody's", {lastStateS: 98.4}, "alarm", /gateway is there/],
+  ["or nobody's", {lastStateS: 98.4, sessions: 0}, "info", /No station is moving/],
+  ["no server", {...kIdle, lastStateS: -Infinity, scenes: 0}, "info", /no server has told/],
+  ["that has not gone", {...kIdle, scenes: 0, serverLives: false}, "info", /no server has told/],
+  ["one that has gone", {...kSilent, serverLives: false}, "alarm", /No server is there/],
+  ["and the next compiles", {serverLives: false, compiling: kCompiling}, "info", kCompiles],
+  ["one compiles its first scene", {scenes: 0, compiling: kCompiling}, "info", kCompiles],
+  ["another does, which is no news here", {compiling: kCompiling}, "none", undefined],
+  ["a tool is offered", {...kIdle, lastStateS: -Infinity}, "info", /take the tool with the mouse/],
+  ["not to who takes one", {...kIdle, lastStateS: -Infinity, takes: true}, "none", undefined],
+  ["nor to who may not", {...kIdle, mayTake: false}, "info", /^No station is moving. Start one.$/],
+  ["a gateway is full", {link: "lost", refusal: "full"}, "alarm", /as many viewers as it takes/],
+  ["from the first try on", {...kFirstTry, refusal: "full"}, "alarm", /as many viewers/],
+  ["or turns this page away", {link: "lost", refusal: "this page"}, "alarm", /not let this page/],
+  ["at first, too", {...kFirstTry, refusal: "this page"}, "alarm", /not let this page/],
+  ["or wants a token", {link: "lost", refusal: "token"}, "alarm", /link that you were given/],
+  ["at first, too", {...kFirstTry, refusal: "token"}, "alarm", /link that you were given/],
+  ["there is no picture", {draws: false}, "info", /no WebGL/],
+  ["which is no alarm's match", {...kQuiet, draws: false}, "alarm", /No data/],
+  ["nor a lost link's", {draws: false, link: "lost"}, "alarm", /lost/],
+  ["a link that has just been opened", {openedS: 99, lastStateS: 20}, "none", undefined],
+  ["the page draws slowly", {...kQuiet, busyS: 99.9}, "info", /This browser draws slowly/],
+  ["and has heard all by now", {...kQuiet, busyS: 98}, "alarm", /No data/],
+  ["or hears enough", {busyS: 99.9}, "none", undefined],
+  ["or nothing any more", {...kQuiet, busyS: 99.9, link: "lost"}, "alarm", /lost/],
+  ["a replay stands still", {...kSilent, replay: "paused"}, "none", undefined],
+  ["or holds a moment without motion", {...kSilent, replay: "playing"}, "none", undefined],
+  [
+    "it has ended",
+    {...kSilent, replay: "ended"},
+    "info",
+    /^The replay of lesson\.mcap has ended\./,
+  ],
+  [
+    "it has fallen silent",
+    {...kSilent, replay: "silent", replaySilenceS: 4.9},
+    "alarm",
+    /lesson\.mcap has not been heard of for 4 s: its program has stop/,
+  ],
+  ["what is nearer goes first", {replay: "silent", link: "lost"}, "alarm", /link to the gateway/],
+])("%s", (_what, facts, tone, text) => {
+  const report = linkReport({...kFine, ...facts});
+  expect(report.tone).toBe(tone);
+  if (text) expect(report.text).toMatch(text);
 });
 
 test("a timer that comes late tells that the page could not run, unless nobody sees it", () => {
@@ -114,21 +93,4 @@ test("a timer that comes late tells that the page could not run, unless nobody s
   pulse.beat(14.5, false);
   pulse.beat(16, true);
   expect(pulse.busyS).toBe(12.5);
-});
-
-test("a replay may stand still, and says when it is over", () => {
-  const paused: LinkFacts = {...kFine, lastStateS: 50, replay: "paused"};
-  expect(linkReport(paused).tone).toBe("none");
-  expect(linkReport({...paused, replay: "playing"}).tone).toBe("none");
-  expect(linkReport({...paused, replay: "ended"})).toEqual({
-    tone: "info",
-    text: "The replay of lesson.mcap has ended. What you see is the last of it.",
-  });
-  expectReport(
-    {...paused, replay: "silent", replaySilenceS: 4.9},
-    "alarm",
-    /lesson\.mcap has not been heard of for 4 s: its program has stop/,
-  );
-  // What is nearer goes first.
-  expect(linkReport({...paused, replay: "silent", link: "lost"}).text).toMatch(/link to the gate/);
 });

@@ -13,17 +13,13 @@ const at = (sequence: number, x: number): ToolState => ({
 describe("a track", () => {
   test("lies between its frames where the moment does", () => {
     const track = new PoseTrack();
+    expect(track.at(1)).toBeUndefined();
     track.push(1.0, at(1, 0));
     track.push(1.1, at(2, 10));
     expect(track.at(1.025)?.graphic.p[0]).toBeCloseTo(2.5, 9);
     expect(track.at(1.05)?.haptic.p).toEqual([expect.closeTo(5, 9), -1, 0]);
     expect(track.at(1.05)?.forceN[0]).toBeCloseTo(10, 9);
-  });
-
-  test("never goes beyond its newest frame, nor before its oldest", () => {
-    const track = new PoseTrack();
-    track.push(1.0, at(1, 0));
-    track.push(1.1, at(2, 10));
+    // Never beyond its newest frame, nor before its oldest.
     expect(track.at(5)?.graphic.p[0]).toBe(10);
     expect(track.at(0)?.graphic.p[0]).toBe(0);
   });
@@ -49,10 +45,6 @@ describe("a track", () => {
     track.push(3, at(1, 2));
     expect(track.latest?.graphic.p[0]).toBe(2);
     expect(track.at(3)?.graphic.p[0]).toBe(2);
-  });
-
-  test("knows nothing before its first frame", () => {
-    expect(new PoseTrack().at(1)).toBeUndefined();
   });
 });
 

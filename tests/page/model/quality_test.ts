@@ -9,6 +9,8 @@ test("a slow turn of the view makes turns rougher, and the view at rest stays as
   expect(quality.share).toBe(1);
   for (let i = 0; i < 20; i++) quality.took("tools", 60);
   expect(quality.share).toBeLessThan(1);
+  // Without a graphics card the first turn is in haste already.
+  expect(new PictureQuality(true, undefined).names).toEqual({rest: "full", motion: "low"});
 });
 
 test("what a picture of another kind cost is nobody's measure", () => {
@@ -22,10 +24,6 @@ test("a quality that is settled stays", () => {
   const quality = new PictureQuality(true, "good");
   for (let i = 0; i < 100; i++) expect(quality.took("tools", 300)).toBe(false);
   expect(quality.names).toEqual({rest: "good", motion: "good"});
-});
-
-test("without a graphics card the first turn is in haste already", () => {
-  expect(new PictureQuality(true, undefined).names).toEqual({rest: "full", motion: "low"});
 });
 
 test("a turn has never more pixels than the view at rest, nor the objects more than the canvas", () => {

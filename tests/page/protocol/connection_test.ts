@@ -69,15 +69,26 @@ const kAdvertise = {op: "advertise", channels: kChannels};
 
 describe("a connection", () => {
   test("subscribes to what it was asked for and to nothing else", () => {
-    const {sockets} = rig();
+    const {sockets, statuses} = rig();
     const socket = sockets[0]!;
     socket.open();
     socket.say(kServerInfo);
     socket.say(kAdvertise);
     socket.say(kAdvertise); // a gateway that repeats itself
+    expect(statuses).toEqual([]);
     expect(socket.sent.map((text) => JSON.parse(text as string))).toEqual([
       {op: "subscribe", subscriptions: [{id: 0, channelId: 1}]},
     ]);
+  });
+
+  test("is not disturbed by a channel that it cannot read", () => {
+    const {sockets, statuses} = rig();
+    const socket = sockets[0]!;
+    socket.open();
+    const broken = {...kChannels[0]!, id: 99, schema: "this is no IDL {"};
+    socket.say({op: "advertise", channels: [broken, ...kChannels]});
+    expect(statuses).toEqual([expect.stringMatching(/tool_state: its schema could not be read/)]);
+    expect(socket.sent.length).toBe(1);
   });
 
   test("gives a message to whom its subscription belongs", () => {
@@ -85,11 +96,7 @@ describe("a connection", () => {
     const socket = sockets[0]!;
     socket.open();
     socket.say(kAdvertise);
-    const pose = {p: [0, 0, 0], q: [1, 0, 0, 0]} as const;
-    const payload = encode(
-      "/palpate/tool_state",
-      toolState({station: "hand", scene: "s", tool: "t", sequence: 5, haptic: pose, graphic: pose}),
-    );
+    const payload = encode("/palpate/tool_state", toolState({station: "hand", scene: "s"}));
     const frame = (subscription: number, content: Uint8Array): ArrayBuffer => {
       const bytes = new Uint8Array(13 + content.length);
       bytes.set([1, subscription]);
@@ -142,19 +149,13 @@ describe("a connection", () => {
     expect(links.at(-1)).toBe("open");
   });
 
-  test("tells which topics the gateway has", () => {
-    const {sockets, offered} = rig();
+  test("tells which topics the gateway has, and whether it takes messages", () => {
+    const {connection, sockets, allowed, offered} = rig();
     sockets[0]!.open();
     sockets[0]!.say(kServerInfo);
     expect(offered).toEqual([]);
     sockets[0]!.say(kAdvertise);
     expect([...offered[0]!]).toEqual(kChannels.map(({topic}) => topic));
-  });
-
-  test("tells whether the gateway takes messages", () => {
-    const {connection, sockets, allowed} = rig();
-    sockets[0]!.open();
-    sockets[0]!.say(kServerInfo);
     sockets[0]!.say({...kServerInfo, capabilities: []});
     expect(allowed).toEqual([true, false]);
     expect(connection.publish("/palpate/mouse", {op: "release"})).toBe(false);

@@ -9,9 +9,11 @@ import {parseIDL} from "@foxglove/omgidl-parser";
 import {MessageWriter} from "@foxglove/omgidl-serialization";
 import {WebSocket, WebSocketServer} from "ws";
 
-import type {Pose, Vec3} from "@page/model/pose";
+import {kIdentity} from "@page/model/pose";
 import type {Channel} from "@page/protocol/decoder";
+import type {ToolState} from "@page/protocol/messages";
 
+const kZero = [0, 0, 0] as const;
 const kRoot = fileURLToPath(new URL("../../..", import.meta.url));
 const kPage = join(kRoot, "build/page");
 const kTypes: Readonly<Record<string, string>> = {
@@ -22,31 +24,26 @@ const kTypes: Readonly<Record<string, string>> = {
 
 const kIdl = (name: string): string => readFileSync(join(kRoot, `idl/${name}.idl`), "utf8");
 
-const cdrChannel = (topic: string, schemaName: string, idl: string): Omit<Channel, "id"> => ({
-  topic,
-  encoding: "cdr",
-  schemaName,
-  schema: kIdl(idl),
+const cdrChannel = (name: string, type: string, idl: string): Omit<Channel, "id"> => ({
+  ...{topic: `/palpate/${name}`, encoding: "cdr"},
+  ...{schemaName: `palpate::${type}`, schema: kIdl(idl)},
 });
-const jsonChannel = (topic: string): Omit<Channel, "id"> => ({
-  topic,
-  encoding: "json",
-  schemaName: "",
-  schema: "",
+const jsonChannel = (name: string): Omit<Channel, "id"> => ({
+  ...{topic: `/palpate/${name}`, encoding: "json", schemaName: "", schema: ""},
 });
 
 export const kChannels: readonly Channel[] = [
-  cdrChannel("/palpate/tool_state", "palpate::ToolState", "teaching"),
-  cdrChannel("/palpate/loop_statistics", "palpate::LoopStatistics", "teaching"),
-  cdrChannel("/palpate/session_state", "palpate::SessionState", "session"),
-  cdrChannel("/palpate/scene_change", "palpate::SceneChange", "session"),
-  cdrChannel("/palpate/station_statistics", "palpate::StationStatistics", "teaching"),
-  cdrChannel("/palpate/scene_whole", "palpate::SceneWhole", "session"),
-  jsonChannel("/palpate/mouse_state"),
-  jsonChannel("/palpate/replay_contents"),
-  jsonChannel("/palpate/replay_state"),
-  jsonChannel("/palpate/replay_answer"),
-  jsonChannel("/palpate/goal"),
+  cdrChannel("tool_state", "ToolState", "teaching"),
+  cdrChannel("loop_statistics", "LoopStatistics", "teaching"),
+  cdrChannel("session_state", "SessionState", "session"),
+  cdrChannel("scene_change", "SceneChange", "session"),
+  cdrChannel("station_statistics", "StationStatistics", "teaching"),
+  cdrChannel("scene_whole", "SceneWhole", "session"),
+  jsonChannel("mouse_state"),
+  jsonChannel("replay_contents"),
+  jsonChannel("replay_state"),
+  jsonChannel("replay_answer"),
+  jsonChannel("goal"),
 ].map((channel, i) => ({...channel, id: i + 1}));
 
 const kWriters = new Map(
@@ -64,50 +61,35 @@ export function encode(topic: string, value: object): Uint8Array {
   return writer ? writer.writeMessage(value) : new TextEncoder().encode(JSON.stringify(value));
 }
 
-export interface FakeToolState {
-  readonly station: string;
-  readonly scene: string;
-  readonly tool: string;
-  readonly sequence: number;
-  readonly haptic: Pose;
-  readonly graphic: Pose;
-  readonly forceN?: Vec3;
-  readonly torqueNm?: Vec3;
-  readonly points?: readonly {positionM: Vec3; forceN: Vec3}[];
-}
-
-export function toolState(state: FakeToolState): object {
-  const points = state.points ?? [];
+/// What the page should read, as it travels.
+export function toolState(state: Partial<ToolState>): object {
+  const {haptic = kIdentity, graphic = kIdentity, points = [], poseSequence = 0} = state;
+  const {forceN = kZero, torqueNm = kZero, ...named} = state;
   return {
-    station: state.station,
-    scene: state.scene,
-    tool: state.tool,
-    pose_sequence: BigInt(state.sequence),
-    haptic_position_m: [...state.haptic.p],
-    haptic_orientation_wxyz: [...state.haptic.q],
-    graphic_position_m: [...state.graphic.p],
-    graphic_orientation_wxyz: [...state.graphic.q],
-    force_N: [...(state.forceN ?? [0, 0, 0])],
-    torque_Nm: [...(state.torqueNm ?? [0, 0, 0])],
+    ...named,
+    pose_sequence: BigInt(poseSequence),
+    haptic_position_m: [...haptic.p],
+    haptic_orientation_wxyz: [...haptic.q],
+    graphic_position_m: [...graphic.p],
+    graphic_orientation_wxyz: [...graphic.q],
+    force_N: [...forceN],
+    torque_Nm: [...torqueNm],
     step_us: 9.5,
     contacts: points.length,
     points: points.length,
     point: Array.from({length: 16}, (_, i) => ({
-      position_m: [...(points[i]?.positionM ?? [0, 0, 0])],
-      force_N: [...(points[i]?.forceN ?? [0, 0, 0])],
+      position_m: [...(points[i]?.positionM ?? kZero)],
+      force_N: [...(points[i]?.forceN ?? kZero)],
     })),
   };
 }
 
 /// The ball of the test's box, pressed on it with `newtons`.
-export const pressed = (station: string, sequence: number, newtons: number, x = 0): object =>
+export const pressed = (station: string, poseSequence: number, newtons: number, x = 0): object =>
   toolState({
-    station,
-    scene: "test-box",
-    tool: "ball",
-    sequence,
-    haptic: {p: [x, 0.037 - newtons / 1000, 0], q: [1, 0, 0, 0]},
-    graphic: {p: [x, 0.037, 0], q: [1, 0, 0, 0]},
+    ...{station, scene: "test-box", tool: "ball", poseSequence},
+    haptic: {...kIdentity, p: [x, 0.037 - newtons / 1000, 0]},
+    graphic: {...kIdentity, p: [x, 0.037, 0]},
     forceN: [0, newtons, 0],
     points: newtons > 0 ? [{positionM: [x, 0.025, 0], forceN: [0, newtons, 0]}] : [],
   });
@@ -313,7 +295,9 @@ export class FakeGateway {
       return;
     }
     if (path === "/healthz") {
-      response.end(JSON.stringify({scenes: [...this.scenes.keys()], ...this.health}));
+      const usual = {server_run: "0", server_lives: true, compiling: null};
+      const said = {...usual, viewers: 1, max_viewers: 300, scenes: [...this.scenes.keys()]};
+      response.end(JSON.stringify({...said, ...this.health}));
       return;
     }
     const file = join(kPage, path === "/" ? "index.html" : path);
@@ -331,16 +315,9 @@ export class FakeGateway {
 
   private serveScene(request: IncomingMessage, response: ServerResponse, name: string): void {
     const bytes = this.scenes.get(name);
-    if (!bytes) {
-      response.writeHead(404).end();
-      return;
-    }
-    const tag = `"${createHash("sha1").update(bytes).digest("hex")}"`;
-    if (request.headers["if-none-match"] === tag) {
-      response.writeHead(304, {ETag: tag}).end();
-      return;
-    }
-    response.writeHead(200, {ETag: tag, "Content-Type": "application/octet-stream"});
-    response.end(bytes);
+    const tag = bytes && `"${createHash("sha1").update(bytes).digest("hex")}"`;
+    const isHad = tag !== undefined && request.headers["if-none-match"] === tag;
+    response.writeHead(!tag ? 404 : isHad ? 304 : 200, tag ? {ETag: tag} : {});
+    response.end(isHad ? undefined : bytes);
   }
 }

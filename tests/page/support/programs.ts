@@ -1,5 +1,8 @@
 import {type ChildProcess, spawn} from "node:child_process";
 import {join} from "node:path";
+import {fileURLToPath} from "node:url";
+
+import {ownDomain} from "./domain";
 
 const kBin = process.env.PALPATE_BIN_DIR ?? join(process.cwd(), "../../build/release/bin");
 
@@ -53,3 +56,32 @@ export class Program {
     clearTimeout(insist);
   }
 }
+
+const kPage = fileURLToPath(new URL("../../../build/page", import.meta.url));
+export const kDomain = ["--domain", await ownDomain()];
+export const kCommon = ["--transport", "udp", ...kDomain];
+
+/// A server once it is ready.   @param scenes  their names, or files
+export async function startServer(...scenes: string[]): Promise<Program> {
+  const server = new Program("palpate-server", [
+    ...["--scene", ...scenes, "--realtime", "off"],
+    ...kCommon,
+  ]);
+  await server.says(/^ready/m, 300_000);
+  return server;
+}
+
+/// A gateway with the page, once it is ready.
+export async function startGateway(): Promise<{gateway: Program; url: string}> {
+  const gateway = new Program("palpate-viewer", ["--http", "0", "--page", kPage, ...kCommon]);
+  const [url] = await gateway.says(/http:\/\/127\.0\.0\.1:\d+\//);
+  return {gateway, url};
+}
+
+/// A station that goes on and on.
+export const startHand = (device: string, scene: string): Program =>
+  new Program("palpate-station", [
+    ...["--device", device, "--scene", scene, "--id", "hand", "--loop"],
+    ...["--no-table", "--realtime", "off"],
+    ...kCommon,
+  ]);

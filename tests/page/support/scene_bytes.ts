@@ -1,4 +1,6 @@
 import {Builder} from "flatbuffers";
+import {SphereGeometry} from "three";
+import {mergeVertices} from "three/examples/jsm/utils/BufferGeometryUtils.js";
 
 import {
   BodyT,
@@ -59,34 +61,15 @@ export function box(side: number): Mesh {
   return {vertices, triangles};
 }
 
-/// A ball of rings and sectors.
+/// A closed ball of rings and sectors.
 export function ball(radius: number, rings = 16, sectors = 24): Mesh {
-  const vertices: number[] = [0, radius, 0];
-  for (let ring = 1; ring < rings; ring++) {
-    const polar = (Math.PI * ring) / rings;
-    for (let sector = 0; sector < sectors; sector++) {
-      const azimuth = (2 * Math.PI * sector) / sectors;
-      vertices.push(
-        radius * Math.sin(polar) * Math.cos(azimuth),
-        radius * Math.cos(polar),
-        radius * Math.sin(polar) * Math.sin(azimuth),
-      );
-    }
-  }
-  vertices.push(0, -radius, 0);
-  const last = vertices.length / 3 - 1;
-  const at = (ring: number, sector: number): number =>
-    ring === 0 ? 0 : ring === rings ? last : 1 + (ring - 1) * sectors + (sector % sectors);
-  const triangles: number[] = [];
-  for (let ring = 0; ring < rings; ring++) {
-    for (let sector = 0; sector < sectors; sector++) {
-      const [a, b] = [at(ring, sector), at(ring, sector + 1)];
-      const [c, d] = [at(ring + 1, sector), at(ring + 1, sector + 1)];
-      if (ring > 0) triangles.push(a, b, c);
-      if (ring + 1 < rings) triangles.push(b, d, c);
-    }
-  }
-  return {vertices, triangles};
+  const sphere = new SphereGeometry(radius, sectors, rings);
+  for (const seamed of ["normal", "uv"]) sphere.deleteAttribute(seamed);
+  const closed = mergeVertices(sphere, 1e-6 * radius);
+  return {
+    vertices: [...closed.getAttribute("position").array],
+    triangles: [...closed.index!.array],
+  };
 }
 
 /// One leaf for each triangle, which is all of it.

@@ -1,7 +1,6 @@
 import {Choice} from "./parts/choice";
 import {Figures} from "./parts/figures";
 import {GatewayLink} from "./parts/gateway_link";
-import {LinkBanner} from "./parts/link_banner";
 import {nowS} from "./parts/now";
 import {Picture} from "./parts/picture";
 import {type Probe, probeStations} from "./parts/probe";
@@ -37,13 +36,12 @@ export class App {
   private readonly whole: WholeButton;
   private readonly figures: Figures;
   private readonly replay: ReplayMode;
-  private readonly banner: LinkBanner;
 
   constructor() {
     const {world, notice} = this;
     const theme = new ThemeSwitch(element("theme", HTMLButtonElement), () => {
       this.picture.view.paint(readPalette());
-      this.figures.repaint();
+      this.figures.plots.build();
     });
     this.picture = new Picture({
       mover: (tool) => world.lastMoverOf(this.choice.scene, tool),
@@ -92,13 +90,12 @@ export class App {
       this.showRights();
       this.showTitle();
     });
-    this.banner = new LinkBanner(world, this.link);
     listenForKeys({
       ...this.viewControls.keys,
       ...this.hold.keys,
-      ...this.figures.keys,
       ...this.replay.keys,
       ...listenToPanel(),
+      v: () => this.figures.lesson.switchAudience(),
       w: () => this.whole.press(),
       t: () => theme.toggle(),
     });
@@ -143,7 +140,7 @@ export class App {
         this.figures.sessionsChanged();
         break;
       case "goal":
-        if (isShown) this.figures.showGoal(scene, this.world.goalOf(scene));
+        if (isShown) this.figures.lesson.showGoal(scene, this.world.goals.get(scene));
         break;
       case "scenes":
         this.choice.chooseScene();
@@ -171,7 +168,7 @@ export class App {
 
   /// In a replay it is of then, and a mark; who comes later need not be told.
   private wholeAnswered(scene: string): void {
-    const whole = this.world.wholeOf(scene);
+    const whole = this.world.wholes.get(scene);
     if (!whole || this.replay.isOn) return;
     this.whole.answered(whole, nowS() - this.link.openedS > kOldNewsS);
   }
@@ -191,7 +188,7 @@ export class App {
   }
 
   private showLink(): LinkReport {
-    return this.banner.show({
+    return this.link.show({
       mayTake: this.mayTake,
       takes: this.hold.isBusy,
       draws: this.picture.view.draws,
@@ -208,7 +205,7 @@ export class App {
       (tool) => world.lastMoverOf(scene, tool)?.track.latest?.graphic,
     );
     this.viewControls.showScene();
-    this.figures.showGoal(scene, world.goalOf(scene));
+    this.figures.lesson.showGoal(scene, world.goals.get(scene));
     this.hold.showTools(this.model?.tools ?? []);
     this.showWhole();
     this.showTitle();

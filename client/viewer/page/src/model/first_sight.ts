@@ -1,18 +1,29 @@
 import {Sphere, Vector3} from "three";
 
 import type {Body, FirstSight, SceneModel} from "./bundle";
-import {add, conjugate, dot, norm, type Pose, rotate, scale, subtract, type Vec3} from "./pose";
+import {
+  add,
+  dot,
+  norm,
+  pointIn,
+  pointOf,
+  type Pose,
+  rotate,
+  scale,
+  subtract,
+  type Vec3,
+} from "./pose";
 
 /// Where the eye is at first: from there one sees the work and the tools' near ends, and the tools
 /// from their side.
 
-export interface Ball {
+interface Ball {
   readonly centre: Vec3;
   readonly radiusM: number;
 }
 
 /// From where one looks where the scene does not say: a little from the right and above.
-export const kUsualSight: Vec3 = [0.32, 0.3, 1];
+const kUsualSight: Vec3 = [0.32, 0.3, 1];
 /// A tool that is so many times as long as it is thick has a direction.
 const kLong = 3;
 /// It is not seen more along its length than so: of what lies at 35 degrees more than half shows.
@@ -38,7 +49,7 @@ export function workOf(model: SceneModel): Ball {
 
 /// Where a tool's end is that works, in its frame: what is nearest to the work at the start.
 export function endOf(tool: Body, work: Ball): Vec3 {
-  const target = rotate(conjugate(tool.pose.q), subtract(work.centre, tool.pose.p));
+  const target = pointIn(tool.pose, work.centre);
   let end: Vec3 = tool.geometry.centre;
   let least = Infinity;
   for (const vertex of verticesOf(tool)) {
@@ -110,7 +121,6 @@ export function axisOf(body: Body): Vec3 | undefined {
 }
 
 const normalised = (a: Vec3): Vec3 => scale(a, 1 / Math.max(1e-12, norm(a)));
-const pointOf = (pose: Pose, point: Vec3): Vec3 => add(pose.p, rotate(pose.q, point));
 
 function* verticesOf({geometry: {vertices}}: Body): Generator<Vec3> {
   for (let i = 0; i + 2 < vertices.length; i += 3) {

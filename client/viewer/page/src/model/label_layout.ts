@@ -16,13 +16,11 @@ const kRounds = 60;
 const kBack = 0.04; // of the way to where it is wanted, each round but the last ones
 const kSettle = 20;
 
-/// @param corner  what stands in the upper left corner of the room
 export function layOut(
   wanted: readonly Point[],
   label: Box,
   keepClear: readonly Circle[],
   room: Box,
-  corner: Box = {width: 0, height: 0},
 ): Point[] {
   const places = wanted.map(({x, y}) => ({x, y}));
   const reach = 0.5 * Math.hypot(label.width, label.height);
@@ -34,7 +32,6 @@ export function layOut(
       }
       for (const circle of keepClear) pushOff(place, circle, circle.radius + reach);
       for (let j = 0; j < i; j++) part(place, places[j]!, label);
-      leaveCorner(place, corner.width + 0.5 * label.width, corner.height + 0.5 * label.height);
       place.x = clamp(place.x, 0.5 * label.width, room.width - 0.5 * label.width);
       place.y = clamp(place.y, 0.5 * label.height, room.height - 0.5 * label.height);
     });
@@ -54,26 +51,13 @@ function pushOff(place: {x: number; y: number}, from: Point, least: number): voi
   place.y = from.y + out * dy;
 }
 
-function leaveCorner(place: {x: number; y: number}, right: number, below: number): void {
-  if (place.x >= right || place.y >= below) return;
-  if (right - place.x < below - place.y) place.x = right;
-  else place.y = below;
-}
-
 /// Half of the overlap each, along the shorter way out.
 function part(a: {x: number; y: number}, b: {x: number; y: number}, label: Box): void {
-  const dx = a.x - b.x;
-  const dy = a.y - b.y;
-  const overX = label.width - Math.abs(dx);
-  const overY = label.height - Math.abs(dy);
+  const overX = label.width - Math.abs(a.x - b.x);
+  const overY = label.height - Math.abs(a.y - b.y);
   if (overX <= 0 || overY <= 0) return;
-  if (overX < overY) {
-    const half = 0.5 * overX * (dx < 0 ? -1 : 1);
-    a.x += half;
-    b.x -= half;
-  } else {
-    const half = 0.5 * overY * (dy < 0 ? -1 : 1);
-    a.y += half;
-    b.y -= half;
-  }
+  const along = overX < overY ? "x" : "y";
+  const half = 0.5 * Math.min(overX, overY) * (a[along] < b[along] ? -1 : 1);
+  a[along] += half;
+  b[along] -= half;
 }

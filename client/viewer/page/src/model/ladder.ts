@@ -2,11 +2,11 @@
 /// climbs where there is time to spare.  Knows how long pictures took, and no clock.
 
 /// Thirty pictures a second are wanted; a screen of 60 Hz shows them at 33.3 ms sharp, or a little late.
-export const kSlowMs = 36;
+const kSlowMs = 36;
 /// What one rung costs more than the one below it, about.
 const kRungCost = 1.5;
 /// So fast that the rung above should hold thirty.
-export const kFastMs = 33.4 / kRungCost;
+const kFastMs = 33.4 / kRungCost;
 /// Judged by the median over so long, and so many pictures at the least: a single one may be late for
 /// what the machine did besides.
 const kJudgedMs = 500;
@@ -22,7 +22,7 @@ const kSoonMs = 5000;
 const kLongestMs = 1000;
 
 export class Ladder {
-  private current: number;
+  rung: number; // it stands on
   private took_: number[] = [];
   private settling = kSettling;
   private easyMs = 0;
@@ -34,11 +34,7 @@ export class Ladder {
     private readonly rungs: number,
     private readonly start = 0,
   ) {
-    this.current = start;
-  }
-
-  get rung(): number {
-    return this.current;
+    this.rung = start;
   }
 
   /// Something else is drawn from now on: what its pictures cost is not known.
@@ -68,24 +64,24 @@ export class Ladder {
 
   private descend(medianMs: number): boolean {
     this.easyMs = 0;
-    if (this.current === this.rungs - 1) return false;
+    if (this.rung === this.rungs - 1) return false;
     if (this.sinceClimbMs < kSoonMs)
       this.patienceMs = Math.min(kLongestPatienceMs, 2 * this.patienceMs);
     this.sinceClimbMs = Infinity;
     // What is much too slow need not be tried rung by rung.
     const rungs = 1 + Math.floor(Math.log(medianMs / kSlowMs) / Math.log(kRungCost));
-    return this.moveTo(Math.min(this.rungs - 1, this.current + rungs));
+    return this.moveTo(Math.min(this.rungs - 1, this.rung + rungs));
   }
 
   private climb(): boolean {
-    if (this.current === 0) return false;
+    if (this.rung === 0) return false;
     this.sinceClimbMs = 0;
-    return this.moveTo(this.current - 1);
+    return this.moveTo(this.rung - 1);
   }
 
   private moveTo(rung: number): boolean {
-    const other = rung !== this.current;
-    this.current = rung;
+    const other = rung !== this.rung;
+    this.rung = rung;
     this.took_ = [];
     this.settling = kSettling;
     this.easyMs = 0;

@@ -96,25 +96,17 @@ function between(a: ToolState, b: ToolState, t: number): ToolState {
 
 /// Nothing that is smaller shows [m, N, N m, and parts of a quaternion].
 const kVisible = 1e-7;
-const close = (a: readonly number[], b: readonly number[]): boolean =>
-  a.every((value, i) => Math.abs(value - b[i]!) < kVisible);
+
+/// All that a picture shows of it.
+function numbersOf({haptic, graphic, forceN, torqueNm, points}: ToolState): number[] {
+  const contacts = points.flatMap((point) => [point.positionM, point.forceN]);
+  return [haptic.p, haptic.q, graphic.p, graphic.q, forceN, torqueNm, ...contacts].flat();
+}
 
 /// True where a picture of both would be the same.
 export function looksTheSame(a: ToolState | undefined, b: ToolState | undefined): boolean {
   if (a === b) return true;
-  if (!a || !b) return false;
-  return (
-    a.tool === b.tool &&
-    [a.haptic, a.graphic].every(({p, q}, i) => {
-      const other = i === 0 ? b.haptic : b.graphic;
-      return close(p, other.p) && close(q, other.q);
-    }) &&
-    close(a.forceN, b.forceN) &&
-    close(a.torqueNm, b.torqueNm) &&
-    a.points.length === b.points.length &&
-    a.points.every(
-      ({positionM, forceN}, i) =>
-        close(positionM, b.points[i]!.positionM) && close(forceN, b.points[i]!.forceN),
-    )
-  );
+  if (a?.tool !== b?.tool || !a || !b) return false;
+  const [x, y] = [numbersOf(a), numbersOf(b)];
+  return x.length === y.length && x.every((value, i) => Math.abs(value - y[i]!) < kVisible);
 }

@@ -1,5 +1,16 @@
 import type {SceneModel} from "./bundle";
-import {add, cross, dot, norm, type Pose, rotate, scale, subtract, type Vec3} from "./pose";
+import {
+  add,
+  cross,
+  dot,
+  norm,
+  pointOf,
+  type Pose,
+  rotate,
+  scale,
+  subtract,
+  type Vec3,
+} from "./pose";
 
 /// How deep a probe's tip is below the gingival margin, as its own marks tell it: along the probe, whose
 /// tip is at its origin and points to -y (the look "probe", scenes/catalogue/README.md).
@@ -15,7 +26,7 @@ export function probingDepthM(model: SceneModel, graphic: Pose): number {
   let depth = 0;
   for (const {margin, pose} of model.objects) {
     if (margin.length < 3) continue;
-    const curve = margin.map((point) => add(pose.p, rotate(pose.q, point)));
+    const curve = margin.map((point) => pointOf(pose, point));
     // What is outside the margin leans on the gum's outer side.
     if (isInside(curve, graphic.p)) depth = Math.max(depth, depthBelow(curve, graphic.p, along));
   }

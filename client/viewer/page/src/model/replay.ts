@@ -17,31 +17,28 @@ export type ReplayPhase = "none" | "playing" | "paused" | "silent" | "ended";
 /// beginning; `nowS` and `stampS` are this page's clock and the replayer's.
 export class Replay {
   private readonly known = new Map<string, ReplayContents>(); // by replay
-  private last: ReplayState | undefined;
+  state: ReplayState | undefined; // the last that was heard
   private stampS = 0;
   private heardS = -Infinity;
 
-  get state(): ReplayState | undefined {
-    return this.last;
-  }
   get contents(): ReplayContents | undefined {
-    return this.last && this.known.get(this.last.replay);
+    return this.state && this.known.get(this.state.replay);
   }
   /// The recording's name, for those who read it.
   get name(): string {
     return this.contents?.recording ?? "a recording";
   }
   get lengthS(): number {
-    return Math.max(this.contents?.lengthS ?? 0, this.last?.atS ?? 0);
+    return Math.max(this.contents?.lengthS ?? 0, this.state?.atS ?? 0);
   }
 
   /// @param sinceS  silence before this moment is none of the replay's: the link was not open, or
   ///                this page could not run
   phase(nowS: number, sinceS = -Infinity): ReplayPhase {
-    if (!this.last) return "none";
-    if (this.last.ended) return "ended";
+    if (!this.state) return "none";
+    if (this.state.ended) return "ended";
     if (this.silenceS(nowS, sinceS) > kReplaySilentS) return "silent";
-    return this.last.playing ? "playing" : "paused";
+    return this.state.playing ? "playing" : "paused";
   }
   silenceS(nowS: number, sinceS = -Infinity): number {
     return nowS - Math.max(this.heardS, sinceS);
@@ -53,14 +50,14 @@ export class Replay {
 
   /// True where the recording's time has leapt: what was before does not lead here.
   receiveState(state: ReplayState, stampS: number, nowS: number): boolean {
-    const isOther = state.replay !== this.last?.replay;
+    const isOther = state.replay !== this.state?.replay;
     const phase = this.phase(nowS);
     // Of two at once the first is shown until it is over.
     if (isOther && (phase === "playing" || phase === "paused")) return false;
     const beyondS = state.atS - this.timeOf(stampS);
-    const backS = (this.last?.atS ?? 0) - state.atS;
+    const backS = (this.state?.atS ?? 0) - state.atS;
     const leapS = kLeapS * Math.max(1, state.rate);
-    this.last = state;
+    this.state = state;
     this.stampS = stampS;
     this.heardS = nowS;
     return isOther || backS > kLeapBackS || beyondS > leapS;
@@ -68,17 +65,17 @@ export class Replay {
 
   /// The recording's time of what the replayer sent at a moment of its clock.
   timeOf(stampS: number): number {
-    const last = this.last;
-    if (!last) return 0;
-    return last.atS + (last.playing ? last.rate * (stampS - this.stampS) : 0);
+    const {state} = this;
+    if (!state) return 0;
+    return state.atS + (state.playing ? state.rate * (stampS - this.stampS) : 0);
   }
 
   /// Where the replay is now.  Between two states it goes on, and in a silence it stops.
   atS(nowS: number): number {
-    const last = this.last;
-    if (!last) return 0;
-    const goneS = last.playing ? Math.min(nowS - this.heardS, 1) : 0;
-    return Math.min(last.atS + last.rate * goneS, this.lengthS);
+    const {state} = this;
+    if (!state) return 0;
+    const goneS = state.playing ? Math.min(nowS - this.heardS, 1) : 0;
+    return Math.min(state.atS + state.rate * goneS, this.lengthS);
   }
 
   /// Who may steer is who the gateway takes messages from, where the replay is not locked.
@@ -88,7 +85,7 @@ export class Replay {
   }
 
   forget(): void {
-    this.last = undefined;
+    this.state = undefined;
     this.heardS = -Infinity;
   }
 }

@@ -1,6 +1,6 @@
 import type {ContactPoint} from "../protocol/messages";
 import type {Body, SceneModel} from "./bundle";
-import {add, conjugate, norm, rotate, scale, subtract, type Vec3} from "./pose";
+import {add, norm, pointIn, scale, subtract, type Vec3} from "./pose";
 
 /// A contact is at most this far from what it touches: soft surfaces give way [m].
 const kReachM = 3e-3;
@@ -23,7 +23,7 @@ function nearest(objects: readonly Body[], at: Vec3): Body | undefined {
   let found: Body | undefined;
   let least = Infinity;
   for (const body of objects) {
-    const local = rotate(conjugate(body.pose.q), subtract(at, body.pose.p));
+    const local = pointIn(body.pose, at);
     const {centre, radiusM, vertices} = body.geometry;
     if (norm(subtract(local, centre)) > radiusM + kReachM) continue;
     for (let i = 0; i < vertices.length; i += 3) {

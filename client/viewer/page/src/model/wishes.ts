@@ -2,7 +2,7 @@ import type {ReplayAnswer, ReplayState} from "../protocol/messages";
 
 export type WishName = "play" | "pause" | "seek" | "rate" | "add_bookmark" | "drop_bookmark";
 
-/// What a viewer wishes of a replay (client/viewer/replay_messages.h).
+/// What a viewer wishes of a replay (client/viewer/page_messages.h).
 export interface Wish {
   readonly wish: WishName;
   readonly value?: number;

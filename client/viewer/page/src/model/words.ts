@@ -231,17 +231,9 @@ export function deviceLines(device: StationStatistics): Line[] {
   return lines;
 }
 
-const kMarkWords: Readonly<Record<ReplayMark["kind"], string>> = {
-  bookmark: "bookmark",
-  session: "session",
-  contact: "contact",
-  fault: "fault",
-  whole: "made whole",
-};
-
 /// What a mark of a replay is, in the replayer's words where it has some.
 export function markWords(mark: ReplayMark): string {
-  return mark.text === "" ? kMarkWords[mark.kind] : mark.text;
+  return mark.text || (mark.kind === "whole" ? "made whole" : mark.kind);
 }
 
 export function gapWords({station, reason}: ReplayGap): string {

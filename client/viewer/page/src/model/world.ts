@@ -171,8 +171,9 @@ export class World {
   compiling: Compiling | undefined; // by a server that serves nothing yet
   readonly replay = new Replay();
   private readonly remains = new Map<string, Remains>(); // by scene
-  private readonly goals = new Map<string, SceneGoal>(); // by scene
-  private readonly wholes = new Map<string, SceneWhole>(); // by scene
+  /// What a teacher has set there, and what was last said of making it whole, by scene.
+  readonly goals = new Map<string, SceneGoal>();
+  readonly wholes = new Map<string, SceneWhole>();
   private nowS = -Infinity; // when something was last heard
   private serverRun = "";
   private readonly formerRuns = new Set<string>();
@@ -232,11 +233,11 @@ export class World {
 
   /// What the gateway says of itself: its scenes, and which server they are of.
   receiveHealth(health: Health, nowS = this.nowS): void {
-    const {scenes, serverRun} = health;
+    const {scenes} = health;
     this.nowS = nowS;
-    this.serverLives = health.serverLives;
-    this.compiling = health.compiling;
-    if (!this.isOfServer(serverRun)) return;
+    this.serverLives = health.server_lives;
+    this.compiling = health.compiling ?? undefined;
+    if (!this.isOfServer(health.server_run)) return;
     const same =
       scenes.length === this.scenes.size && scenes.every((name) => this.scenes.has(name));
     if (same) return;
@@ -257,16 +258,6 @@ export class World {
     return remains;
   }
 
-  /// What a teacher has set there; undefined: nothing.
-  goalOf(scene: string): SceneGoal | undefined {
-    return this.goals.get(scene);
-  }
-
-  /// What was last said of making it whole.
-  wholeOf(scene: string): SceneWhole | undefined {
-    return this.wholes.get(scene);
-  }
-
   /// The stations that are of use to look at, those with a tool first.
   listed(nowS: number): Station[] {
     const listed = [...this.stations.values()].filter(
@@ -278,11 +269,9 @@ export class World {
   }
 
   holderOf(scene: string, tool: string): Station | undefined {
-    for (const station of this.stations.values()) {
-      const session = station.session;
-      if (station.holdsTool && session?.scene === scene && session.tool === tool) return station;
-    }
-    return undefined;
+    return [...this.stations.values()].find(
+      ({holdsTool, session}) => holdsTool && session?.scene === scene && session.tool === tool,
+    );
   }
 
   /// Who moved a tool last.

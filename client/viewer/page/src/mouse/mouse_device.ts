@@ -1,5 +1,4 @@
-import type {Pose, Vec3} from "../model/pose";
-import {samePose} from "../model/pose";
+import {type Pose, samePose, type Vec3} from "../model/pose";
 import type {MouseState} from "../protocol/messages";
 import {leash, push, roll, slide, turn, type ViewFrame} from "./tool_motion";
 
@@ -23,6 +22,16 @@ const kSessionWithinMs = 20_000;
 /// How far a pointer gets past a surface: as far as the station's hand presses at most [m].
 const kReachM = 0.02;
 const kWheelMetresPerPixel = 0.25; // of what a drag of as many pixels would do
+
+/// What keys do, to the right, down and away [pixels].
+const kSteps: Readonly<Record<string, readonly [number, number, number]>> = {
+  ArrowLeft: [-8, 0, 0],
+  ArrowRight: [8, 0, 0],
+  ArrowUp: [0, -8, 0],
+  ArrowDown: [0, 8, 0],
+  PageUp: [0, 0, 8],
+  PageDown: [0, 0, -8],
+};
 
 /// A tool in the hand of who has none: takes one through the gateway and moves it by the pointer.
 export class MouseDevice {
@@ -111,18 +120,35 @@ export class MouseDevice {
     }, withinMs);
   }
 
-  // --- pointer, wheel and keys; true where it was the tool's ---
-
-  pointerDown(event: PointerEvent): boolean {
-    if (this.hold !== "holding" || event.altKey) return false;
-    this.pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
-    this.turning = event.button === 2 || event.shiftKey;
-    return true;
+  /// What a pointer, a wheel and keys do over the picture is the tool's while it is held, and else the
+  /// eye's.   @param controls  the camera's
+  listenTo(canvas: HTMLCanvasElement, controls: {enabled: boolean}): void {
+    // In the capture phase, before the camera's own listeners.
+    const first = {capture: true, passive: false};
+    const down = (event: PointerEvent): void => {
+      const isTools = this.hold === "holding" && !event.altKey;
+      controls.enabled = !isTools;
+      if (!isTools) return;
+      canvas.setPointerCapture(event.pointerId);
+      this.pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
+      this.turning = event.button === 2 || event.shiftKey;
+    };
+    const up = (event: PointerEvent): void => {
+      this.pointers.delete(event.pointerId);
+      controls.enabled = true;
+    };
+    canvas.addEventListener("pointerdown", down, first);
+    canvas.addEventListener("pointermove", (event) => this.pointerMove(event), first);
+    canvas.addEventListener("pointerup", up);
+    canvas.addEventListener("pointercancel", up);
+    canvas.addEventListener("wheel", (event) => this.wheel(event), first);
+    canvas.addEventListener("keydown", (event) => this.key(event));
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   }
 
-  pointerMove(event: PointerEvent): boolean {
+  private pointerMove(event: PointerEvent): void {
     const last = this.pointers.get(event.pointerId);
-    if (!last || this.hold !== "holding") return false;
+    if (!last || this.hold !== "holding") return;
     const here = {x: event.clientX, y: event.clientY};
     const dx = here.x - last.x;
     const dy = here.y - last.y;
@@ -135,43 +161,28 @@ export class MouseDevice {
     } else {
       this.move((pose, view) => slide(pose, view, dx, dy));
     }
-    return true;
   }
 
-  pointerUp(event: PointerEvent): void {
-    this.pointers.delete(event.pointerId);
-  }
-
-  wheel(event: WheelEvent): boolean {
-    if (this.hold !== "holding") return false;
+  private wheel(event: WheelEvent): void {
+    if (this.hold !== "holding") return;
+    event.preventDefault();
     const pixels = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 30 * event.deltaY : event.deltaY;
     // Away from oneself pushes.
     this.move((pose, view) =>
       push(pose, view, -pixels * kWheelMetresPerPixel * view.metresPerPixel),
     );
-    return true;
   }
 
-  key(event: KeyboardEvent): boolean {
-    if (this.hold !== "holding" || event.ctrlKey || event.altKey || event.metaKey) return false;
-    const kStep = 8; // pixels
-    const steps: Readonly<Record<string, readonly [number, number, number]>> = {
-      ArrowLeft: [-kStep, 0, 0],
-      ArrowRight: [kStep, 0, 0],
-      ArrowUp: [0, -kStep, 0],
-      ArrowDown: [0, kStep, 0],
-      PageUp: [0, 0, kStep],
-      PageDown: [0, 0, -kStep],
-    };
-    const step = steps[event.key];
-    if (!step) return false;
+  private key(event: KeyboardEvent): void {
+    const step = kSteps[event.key];
+    if (!step || this.hold !== "holding" || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
     const [dx, dy, dz] = step;
     if (event.shiftKey) {
       this.move((pose, view, centroid) => turn(pose, view, centroid, dx, dy));
     } else {
       this.move((pose, view) => push(slide(pose, view, dx, dy), view, dz * view.metresPerPixel));
     }
-    return true;
   }
 
   /// Two fingers: apart pulls, together pushes, around each other rolls, both sideways turns.

@@ -4,6 +4,7 @@ import {
   multiply,
   norm,
   normalised,
+  pointOf,
   type Pose,
   rotate,
   scale,
@@ -48,7 +49,7 @@ export const roll = (pose: Pose, view: ViewFrame, centroid: Vec3, radians: numbe
 
 function turnBy(pose: Pose, centroid: Vec3, by: readonly [number, number, number, number]): Pose {
   const q = normalised(multiply(by, pose.q));
-  const centre = add(pose.p, rotate(pose.q, centroid));
+  const centre = pointOf(pose, centroid);
   return {p: subtract(centre, rotate(q, centroid)), q};
 }
 

@@ -1,25 +1,49 @@
 import type {SceneModel} from "../model/bundle";
 import type {LinkReport} from "../model/link_report";
 import {norm} from "../model/pose";
+import {probingDepthM, tellsProbingDepth} from "../model/probing";
+import {touchedObjects} from "../model/touched";
+import {
+  deviceLines,
+  figure,
+  handPastM,
+  type Line,
+  sessionWords,
+  stationNote,
+  statisticsLines,
+  statusSentence,
+  touchedWords,
+} from "../model/words";
 import type {Station} from "../model/world";
-import type {SceneGoal} from "../protocol/messages";
-import {rememberInAddress} from "../ui/address";
+import type {ToolState} from "../protocol/messages";
 import {Announcer} from "../ui/announcer";
 import {Console} from "../ui/console";
-import {element, setText} from "../ui/elements";
+import {element, make, setText} from "../ui/elements";
 import {Lesson} from "../ui/lesson";
 import {Plots, type PlotTime} from "../ui/plots";
-import {Readout} from "../ui/readout";
-import {Tables} from "../ui/tables";
 
 /// Figures, plots and words on stations, and what a teacher does about them.
 export class Figures {
-  private readonly readout = new Readout();
-  private readonly plots = new Plots(element("plots", HTMLDivElement));
-  private readonly tables = new Tables();
+  readonly lesson: Lesson;
+  readonly plots = new Plots(element("plots", HTMLDivElement));
+  private readonly box = element("readout", HTMLDivElement);
+  private readonly force = element("force", HTMLOutputElement);
+  private readonly torque = element("torque", HTMLOutputElement);
+  private readonly past = element("past", HTMLOutputElement);
+  private readonly contacts = element("contacts", HTMLOutputElement);
+  private readonly touched = element("touched", HTMLOutputElement);
+  private readonly probing = element("probing", HTMLOutputElement);
+  private readonly probingBox = element("probing-box", HTMLDivElement);
+  private readonly sentence = element("sentence", HTMLParagraphElement);
+  private readonly note = element("station-note", HTMLParagraphElement);
+  private readonly loop = element("loop", HTMLTableElement);
+  private readonly loopNone = element("loop-none", HTMLParagraphElement);
+  private readonly arm = element("arm", HTMLTableElement);
+  private readonly armNone = element("arm-none", HTMLParagraphElement);
+  private readonly who = element("who", HTMLUListElement);
+  private readonly whoNone = element("who-none", HTMLParagraphElement);
   private readonly announcer: Announcer;
   private readonly console: Console;
-  private readonly lesson: Lesson;
   private staleWho = true;
 
   /// @param operate  sends what a teacher decides
@@ -28,29 +52,16 @@ export class Figures {
     this.announcer = new Announcer((sentence) => setText(spoken, sentence));
     this.console = new Console((op, station) => operate({op, station}));
     this.lesson = new Lesson(
-      this.readout.box,
-      rememberInAddress,
+      this.box,
       (student) => this.plots.showFor(student),
       (goal) => operate({op: "goal", ...goal}),
     );
   }
 
-  /// Keys, for listenForKeys.
-  readonly keys: Readonly<Record<string, () => void>> = {v: () => this.lesson.switchAudience()};
-
   /// Whether this page may decide about stations and goals.
   allowDeciding(may: boolean): void {
     this.console.setVisible(may);
     this.lesson.allow(may);
-  }
-
-  showGoal(scene: string, goal: SceneGoal | undefined): void {
-    this.lesson.showGoal(scene, goal);
-  }
-
-  /// In other colours.
-  repaint(): void {
-    this.plots.build();
   }
 
   /// Who drives what has changed.
@@ -70,12 +81,19 @@ export class Figures {
     nowS: number,
   ): void {
     const state = station?.isMoving(nowS) ? station.track.latest : undefined;
-    const sentence = this.readout.show(station, own, model, nowS);
+    const depthM = this.showState(state, model);
+    const note = stationNote(station?.session, station !== undefined && station.id === own);
+    setText(this.note, note);
+    this.note.hidden = note === "";
+    const sentence = [statusSentence(state, depthM), note].filter((one) => one !== "").join(" ");
     this.lesson.show(state ? norm(state.forceN) : 0);
     this.announcer.offer(report.tone === "alarm" ? report.text : sentence, 1000 * nowS);
     this.plots.update(station, time);
-    this.tables.updateLoop(station);
-    this.tables.updateArm(station, nowS);
+    const {statistics} = station ?? {};
+    showLines(this.loop, this.loopNone, statistics ? statisticsLines(statistics) : []);
+    const device = station?.deviceNow(nowS);
+    showLines(this.arm, this.armNone, device ? deviceLines(device) : []);
+    if (device) setText(this.armNone, "No figures now.");
   }
 
   /// @param mouse  the station that this page's mouse is, or was last
@@ -83,6 +101,51 @@ export class Figures {
     this.console.update(listed, 1000 * nowS);
     if (!this.staleWho) return;
     this.staleWho = false;
-    this.tables.updateWho(listed, mouse);
+    const rows = listed.flatMap(({id, session, holdsTool}) => {
+      if (!session) return [];
+      const item = make("li", {}, make("b", {textContent: id}), ` ${sessionWords(session)}`);
+      item.classList.toggle("gone", !holdsTool);
+      item.classList.toggle("own", id === mouse);
+      return [item];
+    });
+    this.whoNone.hidden = rows.length > 0;
+    this.who.replaceChildren(...rows);
   }
+
+  /// The figures above the picture.   @return the probing depth, where there is one
+  private showState(
+    state: ToolState | undefined,
+    model: SceneModel | undefined,
+  ): number | undefined {
+    this.box.classList.toggle("idle", state === undefined);
+    setText(this.force, state ? figure(norm(state.forceN)) : "–");
+    setText(this.torque, state ? figure(1000 * norm(state.torqueNm), 1) : "–");
+    setText(this.past, state ? figure(1000 * handPastM(state)) : "–");
+    setText(this.contacts, state ? String(state.contacts) : "–");
+    const touches = state && model ? touchedObjects(model, state.points) : [];
+    setText(this.touched, state ? touchedWords(touches) : "–");
+    const name = state?.tool ?? model?.tools[0]?.name ?? "";
+    const tells = model !== undefined && tellsProbingDepth(model, name);
+    this.probingBox.hidden = !tells;
+    const depthM = tells && state ? probingDepthM(model, state.graphic) : undefined;
+    setText(this.probing, depthM === undefined ? "–" : figure(1000 * depthM, 1));
+    setText(this.sentence, statusSentence(state)); // the figure beside it tells the depth
+    return depthM;
+  }
+}
+
+function showLines(table: HTMLTableElement, none: HTMLElement, lines: readonly Line[]): void {
+  none.hidden = lines.length > 0;
+  const body = table.tBodies[0]!;
+  while (body.rows.length > lines.length) body.deleteRow(-1);
+  lines.forEach(({label, value, remark, tone}, i) => {
+    let row = body.rows[i];
+    if (!row) {
+      row = body.insertRow();
+      row.append(make("th", {scope: "row"}));
+      for (const className of ["value", "remark"]) row.append(make("td", {className}));
+    }
+    row.className = tone;
+    [label, value, remark].forEach((text, column) => setText(row.cells[column]!, text));
+  });
 }

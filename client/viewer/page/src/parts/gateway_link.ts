@@ -1,8 +1,9 @@
-import {type LinkFacts, Pulse} from "../model/link_report";
+import {type LinkFacts, type LinkReport, linkReport, Pulse} from "../model/link_report";
 import {kOwnTopics, kTopics, type World} from "../model/world";
 import {Connection, type LinkState} from "../protocol/connection";
 import {fetchHealth} from "../protocol/scene_fetch";
 import {AccessToken} from "../protocol/token";
+import {element, setText} from "../ui/elements";
 import {nowS} from "./now";
 
 /// The gateway is asked how it is this often; that also tells a link that only looks open.
@@ -17,7 +18,11 @@ export interface LinkEvents {
   rights(): void; // they may have changed
 }
 
-/// The link to the gateway: whether it is open, what keeps it from opening, and what this page may do.
+/// What this page does by itself, as far as the banner's words depend on it.
+type OwnFacts = Pick<LinkFacts, "mayTake" | "takes" | "draws" | "replay">;
+
+/// The link to the gateway: whether it is open, what keeps it from opening, and what this page may do;
+/// and the banner above the picture, on the way from the server to this page.
 export class GatewayLink {
   state: LinkState = "connecting";
   opened = 0; // times
@@ -31,6 +36,7 @@ export class GatewayLink {
   private lostS = -Infinity; // the first of them
   private gateway = {saidS: -Infinity, full: false, wantsToken: false, silences: 0};
   private readonly connection: Connection;
+  private readonly banner = element("banner", HTMLParagraphElement);
 
   constructor(
     private readonly world: World,
@@ -83,10 +89,35 @@ export class GatewayLink {
   }
 
   /// What keeps the link from opening, where it is not the way to the gateway.
-  get refusal(): LinkFacts["refusal"] {
+  private get refusal(): LinkFacts["refusal"] {
     if (this.gateway.wantsToken) return "token";
     if (this.losses < 2 || this.gateway.saidS < this.lostS) return "none";
     return this.gateway.full ? "full" : "this page";
+  }
+
+  show(own: OwnFacts): LinkReport {
+    const {world, banner} = this;
+    const now = nowS();
+    const report = linkReport({
+      ...own,
+      link: this.state,
+      wasOpen: this.opened > 0,
+      nowS: now,
+      openedS: this.openedS,
+      lastStateS: world.lastStateS,
+      sessions: [...world.stations.values()].filter(({holdsTool}) => holdsTool).length,
+      scenes: world.scenes.size,
+      refusal: this.refusal,
+      serverLives: world.serverLives,
+      compiling: world.compiling,
+      recording: world.replay.name,
+      replaySilenceS: world.replay.silenceS(now, this.heardSinceS),
+      busyS: this.pulse.busyS,
+    });
+    banner.hidden = report.tone === "none";
+    banner.classList.toggle("alarm", report.tone === "alarm");
+    setText(banner, report.text);
+    return report;
   }
 
   async askHealth(): Promise<void> {
@@ -96,7 +127,7 @@ export class GatewayLink {
       return;
     }
     const wantsToken = health === "token";
-    const full = !wantsToken && health.full;
+    const full = !wantsToken && health.viewers >= health.max_viewers;
     this.gateway = {saidS: nowS(), full, wantsToken, silences: 0};
     if (!wantsToken) this.world.receiveHealth(health, nowS());
   }

@@ -6,7 +6,6 @@ import type {Remains} from "../model/remains";
 import {pictureWords} from "../model/words";
 import type {Station} from "../model/world";
 import type {ToolState} from "../protocol/messages";
-import {rememberInAddress} from "../ui/address";
 import {element} from "../ui/elements";
 import {QualityPick} from "../ui/quality_pick";
 import {readPalette} from "../view/palette";
@@ -14,7 +13,9 @@ import {drawsBySoftware} from "../view/renderer";
 import {type Cost, SceneView} from "../view/scene_view";
 import {ToolPointer} from "../view/tool_pointer";
 import {nowS} from "./now";
-import {PictureCount} from "./picture_count";
+
+/// The first pictures upload meshes and compile shaders: once, and not what a picture costs.
+const kWarmUp = 3;
 
 /// Whom a frame shows: asked for in each.
 export interface PictureHost {
@@ -29,7 +30,7 @@ export interface PictureHost {
 export interface PictureProbe {
   firstPictureMs: number | undefined; // since the page was asked for
   pictures: number;
-  scriptMs: {last: number; mean: number; max: number}; // of a picture, without the card's time
+  scriptMs: number; // of a picture on average, without the card's time
   triangles: number;
   costs: {still: Cost; moving: Cost}; // of what stands still, when it was drawn last, and of the rest
   drawnAnew: number; // times that what stands still was drawn
@@ -43,7 +44,10 @@ export class Picture {
   private readonly quality: PictureQuality;
   private readonly qualityPick: QualityPick;
   private readonly toolPointer: ToolPointer;
-  private readonly count = new PictureCount();
+  private firstPictureMs: number | undefined;
+  private pictures = 0;
+  private drawnAnew = 0;
+  private scriptMs = 0; // of all pictures that count
   private tools: SceneModel["tools"] = [];
   private drawn: ToolState[] = []; // of each tool
   private frameAsked = false;
@@ -69,12 +73,13 @@ export class Picture {
       matchMedia("(prefers-reduced-motion: reduce)").matches,
       () => this.askFrame(),
     );
-    this.qualityPick = new QualityPick(this.quality, rememberInAddress, () => this.view.resize());
+    this.qualityPick = new QualityPick(this.quality, () => this.view.resize());
     new ResizeObserver(() => this.view.resize()).observe(this.canvas);
   }
 
   get probe(): PictureProbe {
-    const {firstPictureMs, pictures, scriptMs, drawnAnew} = this.count;
+    const {firstPictureMs, pictures, drawnAnew} = this;
+    const scriptMs = this.scriptMs / Math.max(1, pictures - kWarmUp);
     const {costs} = this.view;
     const triangles = costs.still.triangles + costs.moving.triangles;
     const quality = this.quality.names;
@@ -126,11 +131,19 @@ export class Picture {
       const drawn = this.view.render(startMs);
       this.pointToTool();
       this.before = {drawn, atMs};
-      if (this.view.draws && !this.view.isEmpty) this.count.add(drawn, startMs);
+      if (this.view.draws && !this.view.isEmpty) this.count(drawn, startMs);
       this.settleLater(startMs);
       this.wake(); // it tells by when the browser was ready for another one
     }
     if (catchingUp) this.wake();
+  }
+
+  private count(drawn: Drawn, startMs: number): void {
+    const nowMs = performance.now();
+    this.firstPictureMs ??= nowMs;
+    this.pictures += 1;
+    this.drawnAnew += drawn === "tools" ? 0 : 1;
+    if (this.pictures > kWarmUp) this.scriptMs += nowMs - startMs;
   }
 
   /// True while there are frames that the picture has not reached.

@@ -1,12 +1,9 @@
-import type {Pose, Vec3} from "../model/pose";
 import type {World} from "../model/world";
 import type {LinkState} from "../protocol/connection";
+import type {ToolState} from "../protocol/messages";
 import type {PictureProbe} from "./picture";
 
-type StationProbes = Record<
-  string,
-  {poseSequence: number; haptic: Pose; graphic: Pose; forceN: Vec3; frames: number}
->;
+type StationProbes = Record<string, ToolState & {frames: number}>;
 
 /// What tests and curious people can read: `palpate` in the browser's console.
 export interface Probe extends PictureProbe {
@@ -20,10 +17,7 @@ export interface Probe extends PictureProbe {
 export function probeStations(stations: World["stations"]): StationProbes {
   const probes: StationProbes = {};
   for (const [id, {track, frames}] of stations) {
-    const latest = track.latest;
-    if (!latest) continue;
-    const {poseSequence, haptic, graphic, forceN} = latest;
-    probes[id] = {poseSequence, haptic, graphic, forceN, frames};
+    if (track.latest) probes[id] = {...track.latest, frames};
   }
   return probes;
 }

@@ -18,14 +18,6 @@ const kLongestName = 100;
 /// What a replayer has done sooner need not be said.
 const kSeekShownAfterS = 0.5;
 
-const kPhaseWords: Readonly<Record<ReplayPhase, string>> = {
-  none: "",
-  playing: "Replay",
-  paused: "Replay, paused",
-  silent: "Replay, silent",
-  ended: "Replay, ended",
-};
-
 /// Whether what is seen is a replay: the sign that says so, and what steers it: a bar, buttons, keys, a
 /// list of marks.
 export class ReplayMode {
@@ -152,7 +144,7 @@ export class ReplayMode {
   private showSign(phase: ReplayPhase): void {
     const contents = this.replay.contents;
     this.sign.dataset.phase = phase;
-    setText(this.word, kPhaseWords[phase]);
+    setText(this.word, phase === "playing" ? "Replay" : `Replay, ${phase}`);
     setText(this.name, contents?.recording ?? "");
     this.name.title = contents?.recording ?? "";
     setText(this.when, contents ? recordedWhen(contents.begunS) : "");

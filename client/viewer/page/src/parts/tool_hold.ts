@@ -3,7 +3,6 @@ import {kTopics, type Station, type World} from "../model/world";
 import {MouseDevice, type MouseHost} from "../mouse/mouse_device";
 import {element, setOptions, setText} from "../ui/elements";
 import type {Notice} from "../ui/notice";
-import {listenToPointer} from "../ui/pointer";
 import type {Choice} from "./choice";
 import type {GatewayLink} from "./gateway_link";
 import {nowS} from "./now";
@@ -36,11 +35,8 @@ export class ToolHold {
       tool: (scene, tool) => this.whereIs(scene, tool),
     });
     this.button.addEventListener("click", () => this.takeOrRelease());
-    listenToPointer(canvas, this.mouse, view.camera.controls);
-    // The tool's keys come first: while it is held, arrows move it and not the eye.
-    canvas.addEventListener("keydown", (event) => {
-      if (this.mouse.key(event)) event.preventDefault();
-    });
+    // The tool's keys come before the page's: while it is held, arrows move it and not the eye.
+    this.mouse.listenTo(canvas, view.camera.controls);
     // A tool in the hand of a page that is gone would stay taken.
     addEventListener("pagehide", () => this.mouse.release());
   }

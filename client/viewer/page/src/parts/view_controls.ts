@@ -37,7 +37,7 @@ export class ViewControls {
   /// Another scene is looked at.
   showScene(): void {
     const {view} = this.picture;
-    this.numbers.hidden = view.teeth === 0;
+    this.numbers.hidden = !view.labels.any;
     const atFinest = this.level.value === this.level.max;
     this.level.max = String(Math.max(0, view.sphereLevels - 1));
     if (atFinest) this.level.value = this.level.max;
@@ -59,9 +59,10 @@ export class ViewControls {
 
   private switchNumbers(): void {
     if (this.numbers.hidden) return;
-    const {view} = this.picture;
-    view.showsNumbers = !view.showsNumbers;
-    this.numbers.setAttribute("aria-pressed", String(view.showsNumbers));
+    const {labels} = this.picture.view;
+    labels.shown = !labels.shown;
+    this.numbers.setAttribute("aria-pressed", String(labels.shown));
+    this.picture.askFrame();
   }
 
   private stepLevel(by: number): void {

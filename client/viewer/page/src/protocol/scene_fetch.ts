@@ -1,5 +1,4 @@
 import {readBundle, type SceneModel} from "../model/bundle";
-import {parseObject} from "./decoder";
 
 /// A scene and the tag of the bytes that it was read from.
 export interface FetchedScene {
@@ -32,15 +31,6 @@ export async function fetchScene(
   return {tag, model: readBundle(new Uint8Array(await response.arrayBuffer()))};
 }
 
-/// What the gateway says of itself.
-export interface Health {
-  readonly scenes: readonly string[];
-  readonly serverRun: string;
-  readonly full: boolean; // takes no more viewers
-  readonly serverLives: boolean; // the one that it last heard
-  readonly compiling: Compiling | undefined;
-}
-
 /// What a server does that serves nothing yet.
 export interface Compiling {
   readonly scene: string;
@@ -48,16 +38,17 @@ export interface Compiling {
   readonly done: number; // 0 to 1
 }
 
-function toCompiling(value: unknown): Compiling | undefined {
-  if (typeof value !== "object" || value === null) return undefined;
-  const {scene, stage, done} = value as Record<string, unknown>;
-  if (typeof scene !== "string" || typeof stage !== "string" || typeof done !== "number") {
-    return undefined;
-  }
-  return {scene, stage, done};
+/// What the gateway says of itself, as far as the page uses it: both are of one version.
+export interface Health {
+  readonly scenes: readonly string[];
+  readonly server_run: string;
+  readonly server_lives: boolean; // the one that it last heard
+  readonly compiling: Compiling | null;
+  readonly viewers: number;
+  readonly max_viewers: number;
 }
 
-/// undefined where it does not answer; "token" where it wants one, or another one.
+/// undefined where no gateway answers; "token" where it wants one, or another one.
 export async function fetchHealth(
   withinMs: number,
   headers: Record<string, string>,
@@ -67,16 +58,8 @@ export async function fetchHealth(
     const response = await fetch("healthz", {cache: "no-store", signal, headers});
     if (response.status === 401) return "token";
     if (!response.ok) return undefined;
-    const said = parseObject(await response.text());
-    const {scenes, server_run: run, viewers, max_viewers: most} = said ?? {};
-    const {server_lives: lives, compiling} = said ?? {};
-    return {
-      scenes: Array.isArray(scenes) ? scenes.filter((name) => typeof name === "string") : [],
-      serverRun: typeof run === "string" ? run : "0",
-      serverLives: lives !== false, // a gateway of before does not say
-      compiling: toCompiling(compiling),
-      full: typeof viewers === "number" && typeof most === "number" && viewers >= most,
-    };
+    const health = (await response.json()) as Health;
+    return Array.isArray(health.scenes) ? health : undefined;
   } catch {
     return undefined;
   }

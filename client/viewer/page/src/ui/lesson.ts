@@ -1,4 +1,5 @@
 import type {SceneGoal} from "../protocol/messages";
+import {rememberInAddress} from "./address";
 import {element, setText} from "./elements";
 
 /// Who looks: a student, who needs force, what is touched and a goal, or a teacher, who sees all and
@@ -16,7 +17,6 @@ export class Lesson {
 
   constructor(
     private readonly readout: HTMLElement,
-    private readonly remember: (name: string, value: string) => void,
     private readonly audienceChanged: (student: boolean) => void,
     private readonly set: (goal: {scene: string; text: string; limit_N: number}) => void,
   ) {
@@ -30,7 +30,7 @@ export class Lesson {
   switchAudience(): void {
     const student = !document.body.classList.contains("student");
     this.setStudent(student);
-    this.remember("view", student ? "student" : "");
+    rememberInAddress("view", student ? "student" : "");
   }
 
   /// Whether this page may set a goal.

@@ -1,4 +1,5 @@
 import {kQualities, type PictureQuality, qualityOf, qualityWords} from "../model/quality";
+import {rememberInAddress} from "./address";
 import {element, setText} from "./elements";
 
 /// Says how well pictures are drawn, and lets the reader settle it.
@@ -6,10 +7,8 @@ export class QualityPick {
   private readonly select = element("quality", HTMLSelectElement);
   private readonly words = element("quality-words", HTMLParagraphElement);
 
-  /// @param remember  keeps a choice, empty for none, in the page's address
   constructor(
     private readonly quality: PictureQuality,
-    remember: (name: string, value: string) => void,
     changed: () => void,
   ) {
     this.select.add(new Option("what 30 a second allow", ""));
@@ -17,7 +16,7 @@ export class QualityPick {
     this.select.value = quality.fixed ?? "";
     this.select.addEventListener("change", () => {
       quality.fixed = qualityOf(this.select.value);
-      remember("quality", this.select.value);
+      rememberInAddress("quality", this.select.value);
       this.show();
       changed();
     });

@@ -1,4 +1,4 @@
-import {MathUtils, PerspectiveCamera, Vector3} from "three";
+import {MathUtils, PerspectiveCamera, Spherical, Vector3} from "three";
 import {OrbitControls} from "three/examples/jsm/controls/OrbitControls.js";
 
 import type {FirstSight} from "../model/bundle";
@@ -13,9 +13,6 @@ export class Camera {
   readonly controls: OrbitControls;
   following = false;
   untouched = true; // nobody has turned it since it was framed
-  private centre = new Vector3();
-  private radiusM = 0.1;
-  private from = new Vector3();
   private lastTool: Vector3 | undefined;
 
   constructor(
@@ -33,18 +30,18 @@ export class Camera {
 
   /// Sets what a reset shows.
   frame({centre, radiusM, from}: FirstSight): void {
-    this.centre.set(...centre);
-    this.from.set(...from).normalize();
-    this.radiusM = radiusM;
     this.controls.minDistance = 0.3 * radiusM;
     this.controls.maxDistance = 20 * radiusM;
     this.untouched = true;
     this.lastTool = undefined;
     const narrow = Math.min(1, this.eye.aspect);
     const half = Math.atan(Math.tan(MathUtils.degToRad(kFieldOfViewDeg / 2)) * narrow);
-    const distance = (1.08 * this.radiusM) / Math.sin(half);
-    this.controls.target.copy(this.centre);
-    this.eye.position.copy(this.centre).addScaledVector(this.from, distance);
+    const distance = (1.08 * radiusM) / Math.sin(half);
+    this.controls.target.set(...centre);
+    this.eye.position
+      .set(...from)
+      .setLength(distance)
+      .add(this.controls.target);
     this.eye.near = distance / 200;
     this.eye.far = 40 * distance;
     this.eye.updateProjectionMatrix();
@@ -75,20 +72,12 @@ export class Camera {
   /// Turns about the target, or comes nearer: for keys.
   nudge(azimuth: number, polar: number, zoom: number): void {
     this.untouched = false;
-    const offset = this.eye.position.clone().sub(this.controls.target);
-    const distance = MathUtils.clamp(
-      offset.length() * zoom,
-      this.controls.minDistance,
-      this.controls.maxDistance,
-    );
-    const theta = Math.atan2(offset.x, offset.z) + azimuth;
-    const phi = MathUtils.clamp(
-      Math.acos(offset.y / offset.length()) + polar,
-      0.05,
-      Math.PI - 0.05,
-    );
-    offset.setFromSphericalCoords(distance, phi, theta);
-    this.eye.position.copy(this.controls.target).add(offset);
+    const {target, minDistance, maxDistance} = this.controls;
+    const at = new Spherical().setFromVector3(this.eye.position.clone().sub(target));
+    at.radius = MathUtils.clamp(zoom * at.radius, minDistance, maxDistance);
+    at.phi = MathUtils.clamp(at.phi + polar, 0.05, Math.PI - 0.05);
+    at.theta += azimuth;
+    this.eye.position.setFromSpherical(at).add(target);
     this.controls.update();
   }
 
@@ -100,11 +89,10 @@ export class Camera {
     this.eye.matrixWorld.extractBasis(right, up, back);
     const depth = new Vector3(...at).sub(this.eye.position).dot(back) * -1;
     const height = 2 * Math.max(depth, 1e-3) * Math.tan(MathUtils.degToRad(kFieldOfViewDeg / 2));
-    const toVec3 = (v: Vector3): Vec3 => [v.x, v.y, v.z];
     return {
-      right: toVec3(right),
-      up: toVec3(up),
-      forward: toVec3(back.negate()),
+      right: right.toArray(),
+      up: up.toArray(),
+      forward: back.negate().toArray(),
       metresPerPixel: height / Math.max(1, this.canvas.clientHeight),
     };
   }

@@ -28,8 +28,7 @@ export class ToothLabels {
     sheet.append(this.lines);
   }
 
-  /// @return how many of the objects are numbered teeth
-  setObjects(objects: readonly BodyMesh[]): number {
+  setObjects(objects: readonly BodyMesh[]): void {
     for (const {text, line} of this.labels) {
       text.remove();
       line.remove();
@@ -38,9 +37,12 @@ export class ToothLabels {
       const number = fdiOf(object.body.name);
       return number === undefined ? [] : [this.makeLabel(number, object)];
     });
-    return this.labels.length;
   }
 
+  /// Whether some of the objects are numbered teeth.
+  get any(): boolean {
+    return this.labels.length > 0;
+  }
   get shown(): boolean {
     return !this.sheet.hidden;
   }

@@ -2,7 +2,7 @@ import {DirectionalLight, Group, HemisphereLight, Scene, type WebGLRenderer} fro
 
 import type {SceneModel} from "../model/bundle";
 import {endOf, firstSight, workOf} from "../model/first_sight";
-import {add, angleBetween, norm, type Pose, rotate, subtract, type Vec3} from "../model/pose";
+import {angleBetween, norm, pointOf, type Pose, subtract, type Vec3} from "../model/pose";
 import {type Drawn, kDetails, type PictureQuality} from "../model/quality";
 import type {Remains} from "../model/remains";
 import {middleOfPush} from "../model/touched";
@@ -57,10 +57,10 @@ export class SceneView {
   private screen = {width: 1, height: 1, pixels: 1}; // [points], [points], a point along a side
   private canvasShare = 0; // of the screen's pixels; 0: not yet sized
   private mayHaveResized = true;
-  private readonly cost = {still: {triangles: 0, calls: 0}, moving: {triangles: 0, calls: 0}};
+  /// Of what stands still, when it was drawn last, and of what is drawn in each picture.
+  readonly costs = {still: {triangles: 0, calls: 0}, moving: {triangles: 0, calls: 0}};
   private remains: Remains | undefined;
-  private readonly labels: ToothLabels;
-  private numberedTeeth = 0;
+  readonly labels: ToothLabels;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -115,7 +115,7 @@ export class SceneView {
       this.still.add(object.group);
       this.moving.add(object.over);
     }
-    this.numberedTeeth = this.labels.setObjects(this.objects);
+    this.labels.setObjects(this.objects);
     for (const {body, ghost, marks} of this.tools) {
       this.moving.add(body.group, ghost.group, marks.group);
       ghost.setDistance(0);
@@ -253,18 +253,6 @@ export class SceneView {
     return this.layer?.settlesInMs(nowMs);
   }
 
-  /// Teeth that have a number.
-  get teeth(): number {
-    return this.numberedTeeth;
-  }
-  get showsNumbers(): boolean {
-    return this.labels.shown;
-  }
-  set showsNumbers(on: boolean) {
-    this.labels.shown = on;
-    this.changed();
-  }
-
   /// False where the browser has no WebGL: all but the picture goes on.
   get draws(): boolean {
     return this.renderer !== undefined;
@@ -272,13 +260,9 @@ export class SceneView {
   get isEmpty(): boolean {
     return this.model === undefined;
   }
-  /// Of what stands still, when it was drawn last, and of what is drawn in each picture.
-  get costs(): {still: Cost; moving: Cost} {
-    return this.cost;
-  }
 
   private draw(nowMs: number): Drawn {
-    const {renderer, layer, scene, cost} = this;
+    const {renderer, layer, scene, costs} = this;
     const {eye} = this.camera;
     if (!renderer || !layer) return "else";
     const {inMotion} = this.quality;
@@ -296,12 +280,12 @@ export class SceneView {
       this.setDetail(hurried ? inMotion.detail : 0);
       layer.draw(scene, eye, step.sheet, hurried ? inMotion.share / inMotion.canvas : 1);
       this.setDetail(0);
-      cost.still = info();
+      costs.still = info();
     }
     this.show(this.moving);
     renderer.info.reset();
     renderer.render(scene, eye);
-    cost.moving = info();
+    costs.moving = info();
     return step.drawn;
   }
 
@@ -379,8 +363,6 @@ export class SceneView {
     this.objects = [];
     this.tools = [];
     this.coarserAsked = false;
-    this.numberedTeeth = this.labels.setObjects([]);
+    this.labels.setObjects([]);
   }
 }
-
-const pointOf = (pose: Pose, point: Vec3): Vec3 => add(pose.p, rotate(pose.q, point));
