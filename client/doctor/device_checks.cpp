@@ -1,8 +1,6 @@
-#include "client/doctor/device_checks.h"
-
 #include <algorithm>
-#include <vector>
 
+#include "client/doctor/checks.h"
 #include "common/error.h"
 #include "common/files/project_files.h"
 #include "devices/forcedimension/dhd_library.h"
