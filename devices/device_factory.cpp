@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "common/error.h"
-#include "devices/device_kind.h"
 
 namespace palpate {
 namespace {

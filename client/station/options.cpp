@@ -55,8 +55,6 @@ Exit status: 0 done, 1 failed or refused, 2 wrong usage.)";
 std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   StationOptions options;
   std::string transport = "auto";
-  double seconds = 0.0;
-  bool table = false;
   std::string local_model = "on";
 
   CLI::App app(kAbout, "palpate-station");
@@ -117,9 +115,8 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
       ->check(CLI::Range(0.0, GuideLimits::kMostForce_N))
       ->needs(accept_guide)
       ->capture_default_str();
-  CLI::Option* for_option =
-      app.add_option("--for", seconds, "end after this many seconds; default: at Ctrl-C")
-          ->check(CLI::PositiveNumber);
+  app.add_option("--for", options.seconds, "end after this many seconds; default: at Ctrl-C")
+      ->check(CLI::PositiveNumber);
   app.add_option("--transport", transport,
                  "how poses and wrenches travel: auto (shared memory if possible), shm or udp")
       ->capture_default_str();
@@ -128,7 +125,7 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   AddRealtimeOptions(app, "the loop", options.link.realtime);
-  app.add_flag("--table,!--no-table", table,
+  app.add_flag("--table,!--no-table", options.table,
                "show a live table, or else a line a second; default: a table on a terminal");
   app.add_option("--json", options.json, "write the summary as JSON to this file; - is stdout");
   app.add_option("--trace", options.trace,
@@ -141,9 +138,7 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   if (!dds::IsStationName(options.link.station)) {
     throw UsageError("--id '" + options.link.station + "': give 1 to 32 letters, digits or _");
   }
-  if (app.count("--table") > 0) options.table = table;
   options.local_model = local_model == "on";
-  if (*for_option) options.seconds = seconds;
   options.link.transport = dds::ParseTransport(transport);
   options.device.name = options.link.device;
   options.device.realtime = options.link.realtime;

@@ -23,7 +23,7 @@ struct MouseCommand {
 /// Throws Error for what is none.
 MouseCommand ParseMouseCommand(std::string_view json);
 
-/// The pose as a line for a station's mouse device (devices/mouse/mouse_line.h), to the bit.
+/// The pose as a line for a station's mouse device (devices/mouse/mouse_device.h), to the bit.
 std::string ToMouseLine(const Pose& X_WT);
 
 }  // namespace palpate

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "devices/device_kind.h"
+#include "devices/device_factory.h"
 #include "devices/forcedimension/arm_sheets.h"
 #include "devices/forcedimension/dhd_frame.h"
 #include "devices/nearest_rotation.h"

@@ -7,9 +7,8 @@
 
 #include "common/realtime/latest_mailbox.h"
 #include "devices/device_factory.h"
-#include "devices/forcedimension/arm_condition.h"
-#include "devices/forcedimension/dhd_error.h"
 #include "devices/forcedimension/dhd_library.h"
+#include "devices/forcedimension/dhd_texts.h"
 #include "devices/return_gate.h"
 #include "devices/turn_rate.h"
 

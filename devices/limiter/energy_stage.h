@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "devices/limiter/passivity_observer.h"
-#include "devices/limiter/small_stages.h"
+#include "devices/limiter/stages.h"
 #include "devices/limiter/wrench_limits.h"
 
 namespace palpate {

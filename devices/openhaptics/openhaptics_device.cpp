@@ -12,7 +12,7 @@
 
 #include "common/error.h"
 #include "common/realtime/steady_clock.h"
-#include "devices/device_kind.h"
+#include "devices/device_factory.h"
 #include "devices/nearest_rotation.h"
 #include "devices/openhaptics/device_nodes.h"
 #include "devices/wrench_limiter.h"

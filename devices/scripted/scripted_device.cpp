@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "devices/device_factory.h"
-#include "devices/device_kind.h"
 
 namespace palpate {
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.h"
-#include "devices/mouse/mouse_line.h"
+#include "devices/mouse/mouse_device.h"
 #include "tests/support/random.h"
 
 namespace palpate {
