@@ -1,16 +1,10 @@
 #include "client/replayer/play/timeline.h"
 
-#include <limits>
 #include <optional>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/replayer/play/playback_clock.h"
 #include "client/replayer/play/playhead.h"
 #include "common/error.h"
 #include "tests/replayer/lesson_recording.h"
@@ -251,13 +245,6 @@ TEST(PlaybackClock, GoesOnFromWhereItIsAtAnotherRate) {
   clock.SetPaused(true, 20);
   clock.SetRate(0.5, 30);
   EXPECT_EQ(clock.At(1000), 1050) << "still paused";
-}
-
-TEST(PlaybackClock, StepsToWhereItIsTold) {
-  PlaybackClock clock(1.0, true);
-  clock.Begin(1000, 0);
-  clock.Begin(1500, 7);
-  EXPECT_EQ(clock.At(100), 1500);
 }
 
 using Heard = std::vector<std::pair<std::int64_t, std::vector<std::uint8_t>>>;

@@ -1,14 +1,10 @@
-#include "client/replayer/guide/guide_voice.h"
+#include "client/replayer/guide/guide.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <limits>
-#include <optional>
-#include <string>
 #include <utility>
 
-#include "client/replayer/guide/guide_pace.h"
 #include "client/replayer/hand_path.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/random_run.h"
