@@ -6,7 +6,6 @@
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/program/command_line.h"
-#include "devices/device_factory.h"
 
 namespace palpate {
 namespace {
@@ -55,6 +54,7 @@ Exit status: 0 done, 1 failed or refused, 2 wrong usage.)";
 std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   StationOptions options;
   std::string transport = "auto";
+  bool table = false;
   std::string local_model = "on";
 
   CLI::App app(kAbout, "palpate-station");
@@ -125,7 +125,7 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   AddRealtimeOptions(app, "the loop", options.link.realtime);
-  app.add_flag("--table,!--no-table", options.table,
+  app.add_flag("--table,!--no-table", table,
                "show a live table, or else a line a second; default: a table on a terminal");
   app.add_option("--json", options.json, "write the summary as JSON to this file; - is stdout");
   app.add_option("--trace", options.trace,
@@ -138,6 +138,7 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   if (!dds::IsStationName(options.link.station)) {
     throw UsageError("--id '" + options.link.station + "': give 1 to 32 letters, digits or _");
   }
+  if (app.count("--table") > 0) options.table = table;
   options.local_model = local_model == "on";
   options.link.transport = dds::ParseTransport(transport);
   options.device.name = options.link.device;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "devices/limiter/passivity_observer.h"
+#include "devices/limiter/energy_stage.h"
 #include "devices/limiter/stages.h"
 #include "devices/limiter/wrench_limits.h"
 

@@ -3,9 +3,7 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <cmath>
 #include <cstdint>
-#include <string>
 
 #include <poll.h>
 #include <spdlog/spdlog.h>
@@ -63,15 +61,10 @@ std::optional<MouseLine> ParseMouseLine(std::string_view line, std::string& comp
 }
 
 MouseDevice::MouseDevice(int lines, const Pose& start)
-    : hand_(start), lines_(lines), stop_(eventfd(0, EFD_CLOEXEC)) {
+    : BlindDevice("mouse (poses from standard input)", 2.0 * kFarthest_m, start),
+      lines_(lines),
+      stop_(eventfd(0, EFD_CLOEXEC)) {
   if (stop_ < 0) throw Error("mouse: no eventfd; are too many files open?");
-  info_.model = "mouse (poses from standard input)";
-  // It renders nothing: generous bounds let the limiter show the server's wrench nearly as it is,
-  // and what a mouse can press stays below them (blind_hand.h).
-  info_.max_force_N = info_.continuous_force_N = 100.0;
-  info_.max_torque_Nm = info_.continuous_torque_Nm = 10.0;
-  info_.workspace_m = Vec3::Constant(20.0);  // what a line may say
-  info_.simulated = true;
   reader_ = std::thread([this] { ReadLines(); });
 }
 
@@ -132,10 +125,6 @@ DeviceSample MouseDevice::Read() noexcept {
     }
   }
   return {hand_.pose(), hand_.twist(), 0, kDeviceForcesIgnored};
-}
-
-void MouseDevice::Apply(const LimitedWrench&) noexcept {
-  hand_.Step(kTick_s);
 }
 
 const char* MouseDevice::activity() const noexcept {

@@ -26,23 +26,15 @@ std::optional<MouseLine> ParseMouseLine(std::string_view line, std::string& comp
 /// A mouse, or whatever else writes such lines to a file descriptor: each says where the
 /// tool is dragged to.  The person sees what happens and feels nothing.  When the lines end, so
 /// does the device. Thread contract: as Device; a thread of its own reads the lines.
-class MouseDevice final : public Device {
+class MouseDevice final : public BlindDevice {
  public:
-  static constexpr double kTick_s = 1e-3;
-
   /// Throws Error where no more files can be opened.
   /// @param lines  file descriptor, not closed here.
   /// @param start  where the tool is until the first line.
   MouseDevice(int lines, const Pose& start);
   ~MouseDevice() override;
 
-  const DeviceInfo& info() const override { return info_; }
   DeviceSample Read() noexcept override;
-  void Apply(const LimitedWrench& wrench) noexcept override;
-  void SeeGraphicTool(const Pose& X_WG, const Vec3& p_HT) noexcept override {
-    hand_.SeeGraphicTool(X_WG, p_HT);
-  }
-  void LoseGraphicTool() noexcept override { hand_.LoseGraphicTool(); }
   bool ended() const noexcept override { return ended_.load(std::memory_order_acquire); }
   const char* activity() const noexcept override;
 
@@ -54,8 +46,6 @@ class MouseDevice final : public Device {
   void ReadLines();
   void TakeLine(std::string_view line);
 
-  DeviceInfo info_;
-  BlindHand hand_;
   bool let_go_ = false;
   LatestMailbox<Order> orders_;
   std::atomic<bool> ended_{false};

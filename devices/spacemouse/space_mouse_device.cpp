@@ -19,14 +19,9 @@ Twist RateControl::Velocity(const std::array<int, 6>& axes) noexcept {
           kTopTurn_rad_s * Vec3(Share(axes[3]), Share(axes[4]), -Share(axes[5]))};
 }
 
-SpaceMouseDevice::SpaceMouseDevice(const Pose& start) : hand_(start) {
-  info_.model = "SpaceMouse (" + reader_.device_name() + ")";
-  // It renders nothing: generous bounds let the limiter show the server's wrench nearly as it is,
-  // and what the hand can press stays below them (blind_hand.h).
-  info_.max_force_N = info_.continuous_force_N = 100.0;
-  info_.max_torque_Nm = info_.continuous_torque_Nm = 10.0;
-  info_.workspace_m = Vec3::Constant(20.0);  // it has no end of its own
-  info_.simulated = true;
+SpaceMouseDevice::SpaceMouseDevice(const Pose& start)
+    : BlindDevice("SpaceMouse (", 20.0, start) {  // it has no end of its own
+  info_.model += reader_.device_name() + ")";
 }
 
 DeviceSample SpaceMouseDevice::Read() noexcept {
@@ -44,8 +39,8 @@ DeviceSample SpaceMouseDevice::Read() noexcept {
       kDeviceForcesIgnored | (state_.link == SpacenavState::Link::kUp ? kDeviceOk : kDeviceFault)};
 }
 
-void SpaceMouseDevice::Apply(const LimitedWrench&) noexcept {
-  hand_.Step(kTick_s);
+void SpaceMouseDevice::Apply(const LimitedWrench& wrench) noexcept {
+  BlindDevice::Apply(wrench);
   state_age_s_ += kTick_s;
 }
 

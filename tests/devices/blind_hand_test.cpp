@@ -1,7 +1,6 @@
 #include "devices/blind_hand.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,7 @@
 
 #include "common/error.h"
 #include "common/math/rotation.h"
-#include "devices/nearest_rotation.h"
-#include "devices/return_gate.h"
+#include "devices/arm_parts.h"
 #include "tests/devices/limiter_support.h"
 #include "tests/support/complaint.h"
 

@@ -1,7 +1,6 @@
 #include "devices/script_player.h"
 
 #include <algorithm>
-#include <string>
 
 #include <gtest/gtest.h>
 

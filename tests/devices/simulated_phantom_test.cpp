@@ -9,7 +9,6 @@
 
 #include "common/error.h"
 #include "common/math/rotation.h"
-#include "devices/simulated/phantom_sheets.h"
 #include "tests/devices/limiter_support.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/complaint.h"

@@ -1,6 +1,5 @@
 #include "devices/workspace.h"
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 

@@ -1,6 +1,5 @@
 #include "client/station/options.h"
 
-#include <string>
 #include <vector>
 
 #include <gmock/gmock.h>

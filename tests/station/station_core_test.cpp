@@ -1,7 +1,6 @@
 #include "client/station/station_core.h"
 
 #include <deque>
-#include <limits>
 #include <memory>
 #include <optional>
 

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <thread>
@@ -8,11 +7,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "client/station/live_table.h"
+#include "client/station/display.h"
 #include "client/station/pose_lead.h"
 #include "client/station/reply.h"
 #include "client/station/statistics_period.h"
-#include "client/station/summary.h"
 #include "common/math/rotation.h"
 #include "common/step_fault.h"
 #include "tests/support/complaint.h"

@@ -41,9 +41,9 @@ TEST(DhdLibrary, SaysWhatToInstallWhereThereIsNoneOrItIsAnother) {
 
 TEST(DhdLibrary, TriesTheFileThatTheVariableNamesAlone) {
   setenv(kLibraryVariable, "/opt/sdk/libdhd.so.3", 1);
-  EXPECT_THAT(LibraryCandidates(), ElementsAre("/opt/sdk/libdhd.so.3"));
+  EXPECT_THAT(kLibraryWords.Candidates(), ElementsAre("/opt/sdk/libdhd.so.3"));
   unsetenv(kLibraryVariable);
-  EXPECT_THAT(LibraryCandidates(), ElementsAre("libdhd.so.3", "libdhd.so"));
+  EXPECT_THAT(kLibraryWords.Candidates(), ElementsAre("libdhd.so.3", "libdhd.so"));
 }
 
 using testing::StartsWith;

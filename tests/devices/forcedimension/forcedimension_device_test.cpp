@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "devices/forcedimension/arm_sheets.h"
 #include "devices/forcedimension/dhd_frame.h"
 #include "devices/wrench_limiter.h"
 #include "tests/devices/forcedimension/dhd_bench.h"

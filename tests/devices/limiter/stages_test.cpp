@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
-#include "devices/limiter/passivity_observer.h"
+#include "devices/limiter/energy_stage.h"
 #include "tests/devices/limiter/limiter_figures.h"
 #include "tests/support/random.h"
 

@@ -1,7 +1,6 @@
 #include "devices/mouse/mouse_device.h"
 
 #include <chrono>
-#include <string>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -68,9 +68,9 @@ TEST(HdLibrary, NamesTheFunctionsThatAreMissing) {
 
 TEST(HdLibrary, TriesTheFileThatTheVariableNamesAlone) {
   setenv(kLibraryVariable, "/opt/hd/libHD.so", 1);
-  EXPECT_THAT(LibraryCandidates(), ElementsAre("/opt/hd/libHD.so"));
+  EXPECT_THAT(kLibraryWords.Candidates(), ElementsAre("/opt/hd/libHD.so"));
   unsetenv(kLibraryVariable);
-  EXPECT_GT(LibraryCandidates().size(), 1u);
+  EXPECT_GT(kLibraryWords.Candidates().size(), 1u);
 }
 
 static_assert(sizeof(Handle) == 4 && sizeof(SchedulerHandle) == 8 && sizeof(long) == 8);

@@ -1,12 +1,10 @@
 #include "devices/spacemouse/space_mouse_device.h"
 
 #include <chrono>
-#include <cmath>
 #include <functional>
 
 #include <gtest/gtest.h>
 
-#include "devices/blind_hand.h"
 #include "tests/devices/limiter_support.h"
 #include "tests/devices/spacemouse/fake_spacenavd.h"
 #include "tests/support/allocation_counter.h"

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <string>
 #include <vector>
 
 #include "client/station/station_core.h"
+#include "common/realtime/histogram.h"
 
 namespace palpate {
 
@@ -56,5 +58,38 @@ class LiveTable {
 std::string Bar(double value, double scale, int width);
 /// One cell per value, as high as value/scale.
 std::string Sparkline(const std::vector<double>& values, double scale);
+
+/// A station's run, at its end.
+struct StationSummary {
+  std::string station, device, scene, tool, transport;
+  double seconds = 0.0;
+  double linked_ticks_s = 0.0;  ///< time that the loop ran [s]: ticks and those it missed
+  StationTotals totals;
+  std::uint64_t missed_ticks = 0;
+  int reconnects = 0;
+  WrenchLimits::Bounds limits;  ///< torque zero where the device renders none
+  StationSnapshot end;          ///< the last moment
+};
+
+/// For people.
+std::string ToText(const StationSummary& summary);
+/// For programs: one JSON object; percentile groups as in palpate-bench.
+std::string ToJson(const StationSummary& summary);
+/// Writes the JSON to a file, or to stdout for "-".  Throws Error.
+void WriteJson(const StationSummary& summary, const std::string& file);
+
+inline double Fraction(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+/// For people, and the group that every program's JSON has for a time.
+/// @param unit  1e-3: in us.
+std::string PercentileText(const Histogram& histogram, double unit = 1e-3, const char* name = "us");
+/// @tparam Json  one of nlohmann's.
+template <class Json>
+Json PercentileJson(const Histogram& histogram, double unit = 1e-3) {
+  const auto at = [&](double q) { return unit * static_cast<double>(histogram.Quantile(q)); };
+  return {{"p50", at(0.5)}, {"p99", at(0.99)}, {"p999", at(0.999)}, {"max", at(1.0)}};
+}
 
 }  // namespace palpate

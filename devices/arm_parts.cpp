@@ -1,4 +1,4 @@
-#include "devices/nearest_rotation.h"
+#include "devices/arm_parts.h"
 
 #include <Eigen/LU>
 
