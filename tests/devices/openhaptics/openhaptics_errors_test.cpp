@@ -3,14 +3,12 @@
 // to see.  What counts here is order, not time.
 #include <atomic>
 #include <chrono>
-#include <functional>
 #include <set>
 #include <thread>
 
-#include "client/station/servo_thread.h"
 #include "common/realtime/steady_clock.h"
 #include "tests/devices/openhaptics/hd_bench.h"
-#include "tests/support/eventually.h"
+#include "tests/station/answered_servo.h"
 
 namespace palpate::test {
 namespace {
@@ -211,35 +209,7 @@ class OpenHapticsRealtime : public ArmTest {
   }
 };
 
-/// What RunStation does, with a server that always answers 2 N.
-struct LiveStation {
-  explicit LiveStation(const DeviceOptions& options) : arm(options) {}
-
-  void Poll() {
-    arm.Attend();
-    while (servo.ReadSnapshot(snapshot)) {
-    }
-    Reply reply;
-    reply.pose_sequence = snapshot.sent;
-    reply.pose_time_ns = servo.sample_time_ns(reply.pose_sequence);
-    reply.received_ns = SteadyNanoseconds();
-    reply.wrench.force = Vec3(0.0, 2.0, 0.0);
-    replies.Push(reply);
-  }
-  bool Until(const std::function<bool()>& so) {
-    return Eventually([&] {
-      Poll();
-      return so();
-    });
-  }
-
-  OpenHapticsDevice arm;
-  StationCore core{arm};
-  ReplyRing replies;
-  ServoThread servo{core, replies, 0.002};
-  PosePath path;
-  StationSnapshot snapshot;
-};
+using LiveStation = AnsweredServo<OpenHapticsDevice>;
 
 TEST_F(OpenHapticsRealtime, TicksInTheArmsThreadAndSendsAtMostAThousandPosesASecond) {
   DeviceOptions options = Options();
@@ -247,7 +217,7 @@ TEST_F(OpenHapticsRealtime, TicksInTheArmsThreadAndSendsAtMostAThousandPosesASec
   LiveStation station(options);
   station.core.EnableForces(true);
   station.servo.SetPath(&station.path);
-  ASSERT_TRUE(station.Until([&] { return station.snapshot.sent >= 100; }));
+  ASSERT_TRUE(station.AnswerUntil([&] { return station.snapshot.sent >= 100; }));
   station.servo.Stop();
   const StationTotals& totals = station.core.totals();
   EXPECT_NEAR(static_cast<double>(totals.ticks), 4.0 * static_cast<double>(totals.sent), 4.0);
@@ -257,10 +227,10 @@ TEST_F(OpenHapticsRealtime, RendersTheForceAndTakesItOutBeforeItStops) {
   LiveStation station(Options());
   station.core.EnableForces(true);
   station.servo.SetPath(&station.path);
-  ASSERT_TRUE(station.Until([&] { return fake.MotorForce() > 0.2; }));
+  ASSERT_TRUE(station.AnswerUntil([&] { return fake.MotorForce() > 0.2; }));
   station.servo.SetPath(nullptr);  // while the arm ticks
   station.servo.SetPath(&station.path);
-  ASSERT_TRUE(station.Until([&] { return fake.MotorForce() > 0.2; }));
+  ASSERT_TRUE(station.AnswerUntil([&] { return fake.MotorForce() > 0.2; }));
   station.servo.Stop();
   EXPECT_FALSE(fake.running());
   EXPECT_FALSE(station.core.renders_force());
@@ -272,23 +242,24 @@ TEST_F(OpenHapticsRealtime, NeedsTheButtonHeldForForcesAndNotOneThatIsStuck) {
   station.servo.EnableForcesByButton();
   fake.arm->buttons = 1;
   station.servo.SetPath(&station.path);
-  ASSERT_TRUE(station.Until([&] { return station.arm.State().output == OutputGate::State::kOn; }));
+  ASSERT_TRUE(
+      station.AnswerUntil([&] { return station.device.State().output == OutputGate::State::kOn; }));
   const std::uint64_t ticks = fake.arm->ticks;
-  ASSERT_TRUE(station.Until([&] { return fake.arm->ticks > ticks + 300; }));
+  ASSERT_TRUE(station.AnswerUntil([&] { return fake.arm->ticks > ticks + 300; }));
   EXPECT_EQ(fake.arm->most_force_N, 0.0) << "it has been down since the start";
   fake.arm->buttons = 0;
-  ASSERT_TRUE(station.Until([&] { return station.arm.State().buttons == 0; }));
+  ASSERT_TRUE(station.AnswerUntil([&] { return station.device.State().buttons == 0; }));
   fake.arm->buttons = 1;
-  ASSERT_TRUE(station.Until([&] { return fake.MotorForce() > 0.2; }));
+  ASSERT_TRUE(station.AnswerUntil([&] { return fake.MotorForce() > 0.2; }));
   fake.arm->buttons = 0;
-  ASSERT_TRUE(station.Until([&] { return fake.MotorForce() == 0.0; }));
+  ASSERT_TRUE(station.AnswerUntil([&] { return fake.MotorForce() == 0.0; }));
 }
 
 TEST_F(OpenHapticsRealtime, EndsWhereTheArmsSchedulerHasDied) {
   LiveStation station(Options());
   station.core.EnableForces(true);
   station.servo.SetPath(&station.path);
-  ASSERT_TRUE(station.Until([&] { return fake.MotorForce() > 0.2; }));
+  ASSERT_TRUE(station.AnswerUntil([&] { return fake.MotorForce() > 0.2; }));
   fake.Die();
   ASSERT_TRUE(Eventually([&] { return fake.MotorForce() == 0.0; }));
   station.servo.SetPath(nullptr);
