@@ -1,8 +1,11 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "common/math/pose.h"
+#include "devices/device.h"
 
 namespace palpate {
 
@@ -57,6 +60,27 @@ class BlindHand {
   Vec3 p_HT_ = Vec3::Zero();
   bool held_back_ = false;
   bool lost_ = false;
+};
+
+/// A device that is one.  What the hand can press stays below the bounds of its sheet.
+class BlindDevice : public Device {
+ public:
+  static constexpr double kTick_s = 1e-3;
+
+  /// @param workspace_m  side of the cube that it reaches.
+  BlindDevice(std::string model, double workspace_m, const Pose& start)
+      : info_(SheetWithoutForce(std::move(model), workspace_m)), hand_(start) {}
+
+  const DeviceInfo& info() const override { return info_; }
+  void Apply(const LimitedWrench&) noexcept override { hand_.Step(kTick_s); }
+  void SeeGraphicTool(const Pose& X_WG, const Vec3& p_HT) noexcept override {
+    hand_.SeeGraphicTool(X_WG, p_HT);
+  }
+  void LoseGraphicTool() noexcept override { hand_.LoseGraphicTool(); }
+
+ protected:
+  DeviceInfo info_;
+  BlindHand hand_;
 };
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "common/math/pose.h"
 
@@ -43,11 +44,21 @@ struct DeviceInfo {
 
   double rate_Hz = 1000.0;  ///< ticks a second: how often it is to be read and driven
 
-  // Which axes the motors drive: what is asked for along another is lost.
-  int force_axes = 3;
-  int torque_axes = 3;
+  int torque_axes = 3;  ///< that the motors drive: what is asked for about another is lost
   double max_stiffness_N_m = 0.0;  ///< of the mechanism, where it is weakest; 0: not known
 };
+
+/// Of a device that renders no force: generous bounds let the limiter show the server's wrench
+/// nearly as it is.
+inline DeviceInfo SheetWithoutForce(std::string model, double workspace_m) {
+  DeviceInfo info;
+  info.model = std::move(model);
+  info.max_force_N = info.continuous_force_N = 100.0;
+  info.max_torque_Nm = info.continuous_torque_Nm = 10.0;
+  info.workspace_m = Vec3::Constant(workspace_m);
+  info.simulated = true;
+  return info;
+}
 
 /// One reading of the device.
 struct DeviceSample {

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <sstream>
 #include <utility>
-#include <vector>
 
 #include "common/error.h"
-#include "devices/device_kind.h"
 
 namespace palpate {
 namespace {

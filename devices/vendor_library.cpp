@@ -22,10 +22,9 @@ std::string RemedyFor(const std::string& dependency, const VendorLibraryWords& w
 
 }  // namespace
 
-std::vector<std::string> VendorLibraryCandidates(const char* variable,
-                                                 std::vector<std::string> otherwise) {
+std::vector<std::string> VendorLibraryWords::Candidates() const {
   if (const char* file = std::getenv(variable); file && *file) return {file};
-  return otherwise;
+  return files;
 }
 
 void* LoadVendorLibrary(const std::vector<std::string>& candidates, const VendorLibraryWords& words,

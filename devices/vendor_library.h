@@ -14,16 +14,16 @@ struct VendorLibraryWords {
   std::string device;    ///< as after --device; begins each message
   std::string library;   ///< "HD library"
   std::string install;   ///< the remedy where there is none: "install ..."
-  std::string variable;  ///< names another file
+  const char* variable;  ///< of the environment: names another file, which is then tried alone
+  std::vector<std::string> files;  ///< to try without it, in their order
   /// Where it has not all functions: what it is then, and the remedy: "it is not ...; install ...".
   std::string not_it;
   /// What brings a library that this one needs in its turn; empty: Debian does.
   std::string (*remedy_for)(const std::string& dependency) = nullptr;
-};
 
-/// The variable's file alone, or else these.
-std::vector<std::string> VendorLibraryCandidates(const char* variable,
-                                                 std::vector<std::string> otherwise);
+  /// The variable's file alone, or else those that there are.
+  std::vector<std::string> Candidates() const;
+};
 
 /// Loads the first of them that there is.  It stays loaded: such libraries have threads of their
 /// own.  Throws Error: no such file (every name that was tried, with the loader's own words), or a

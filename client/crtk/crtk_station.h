@@ -1,19 +1,112 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 
-#include "client/crtk/operating_state.h"
-#include "client/crtk/sample_clock.h"
-#include "client/crtk/servo_aim.h"
+#include "client/station/guide.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/ros2.h"
+#include "common/dds/wire.h"
+#include "common/math/pose.h"
+#include "common/math/rotation.h"
 #include "common/realtime/rate_limit.h"
+#include "common/step_fault.h"
 
 namespace palpate {
+
+/// A station as CRTK's operating_state tells of it.
+struct CrtkState {
+  const char* state = "DISABLED";  ///< DISABLED, ENABLED, PAUSED or FAULT
+  bool homed = false;              ///< its poses are those of a hand in the scene
+  bool busy = false;               ///< on its way to a state where forces are computed
+  bool operator==(const CrtkState&) const = default;
+};
+
+/// @param faults  of the newest wrench.
+inline CrtkState CrtkStateOf(wire::SessionPhase phase, bool muted, std::uint32_t faults) {
+  switch (phase) {
+    case palpate_SESSION_WAITING:
+      return {"DISABLED", false, true};
+    case palpate_SESSION_ACQUIRING:
+      return {"PAUSED", true, true};
+    case palpate_SESSION_ACTIVE:
+      if (muted) return {"PAUSED", true, false};
+      if ((faults & (kFaultBadPose | kFaultPoseRejected | kFaultUnsolved)) != 0) {
+        return {"FAULT", true, false};
+      }
+      return {"ENABLED", true, false};
+    default:
+      return {};
+  }
+}
+
+/// What a state_command asks of the server; none where a station has no such thing (it homes its
+/// device itself) or the word is none of CRTK's.
+inline std::optional<wire::OperateWish> WishOf(std::string_view command, wire::SessionPhase phase) {
+  if (command == "pause") return palpate_OPERATE_MUTE;
+  if (command == "resume" || command == "unpause") return palpate_OPERATE_UNMUTE;
+  if (command == "enable") {
+    return phase == palpate_SESSION_HELD ? palpate_OPERATE_ADMIT : palpate_OPERATE_UNMUTE;
+  }
+  if (command == "disable") return palpate_OPERATE_TAKE_BACK;
+  return std::nullopt;
+}
+
+/// Turns the times of a station's steady clock into those of this host's system clock, which ROS
+/// stamps with.  What is added is the least that a sample took to come here, seen lately: on one
+/// host some tens of microseconds.  It may grow by 100 us a second, faster than two clocks drift
+/// apart, and begins anew where a clock was set by more than a second.
+/// Thread contract: Hear one thread, ToSystem any.
+class SampleClock {
+ public:
+  /// A sample of that time has come.
+  void Hear(std::int64_t sample_ns, std::int64_t system_ns) noexcept {
+    const std::int64_t offset_ns = system_ns - sample_ns;
+    const std::int64_t known_ns = offset_ns_.load(std::memory_order_relaxed);
+    const std::int64_t allowed_ns = known_ns + (system_ns - heard_ns_) / kSlowness;
+    const bool leaps =
+        offset_ns - known_ns > kLeap_ns || known_ns - offset_ns > kLeap_ns || heard_ns_ == 0;
+    heard_ns_ = system_ns;
+    offset_ns_.store(leaps || offset_ns < allowed_ns ? offset_ns : allowed_ns,
+                     std::memory_order_relaxed);
+  }
+  std::int64_t ToSystem(std::int64_t sample_ns) const noexcept {
+    return sample_ns + offset_ns_.load(std::memory_order_relaxed);
+  }
+
+ private:
+  static constexpr std::int64_t kSlowness = 10'000;
+  static constexpr std::int64_t kLeap_ns = 1'000'000'000;
+  std::atomic<std::int64_t> offset_ns_{0};
+  std::int64_t heard_ns_ = 0;
+};
+
+/// Where a guide has to aim so that a station pulls a hand at rest with this wrench: a station
+/// pulls in proportion to the distance, up to its whole force at Guide::kReach_m, so an aim within
+/// that reach is a force.  What is more than the limits is shortened to them, direction kept.
+/// None where a number is not finite.
+/// @param wanted  force and torque on the hand, in W.
+/// @param limits  those of the station (its --guide-force).
+inline std::optional<Pose> ServoAim(const Pose& X_WH, const Wrench& wanted,
+                                    const GuideLimits& limits) {
+  if (!wanted.force.allFinite() || !wanted.torque.allFinite() || !(limits.force_N > 0.0)) {
+    return std::nullopt;
+  }
+  // Beyond the reach, by a rounding error even, a guide takes a hand at rest for one that resists.
+  constexpr double kWithin = 1.0 - 1e-9;
+  const auto part = [](const Vec3& v, double limit, double reach) {
+    const double norm = v.stableNorm();
+    return Vec3(v * (kWithin * reach / std::max(norm, limit)));
+  };
+  const Vec3 step = part(wanted.force, limits.force_N, Guide::kReach_m);
+  const Vec3 turn = part(wanted.torque, limits.torque_Nm, Guide::kReach_rad);
+  return Pose{X_WH.p + step, (RotationExp(turn) * X_WH.q).normalized()};
+}
 
 /// "/hand": a station's name as a namespace of ROS, whose names begin with no digit.
 std::string RosNamespace(const std::string& station);

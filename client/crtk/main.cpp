@@ -65,7 +65,6 @@ struct Options {
 std::optional<Options> ParseOptions(int argc, const char* const* argv) {
   Options options;
   std::string transport = "auto";
-  double seconds = 0.0;
 
   CLI::App app(kAbout, "palpate-crtk");
   app.footer(kExamples);
@@ -84,9 +83,8 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
                  "force of servo_cf, in N, at which a station pulls with all of its --guide-force")
       ->check(CLI::Range(0.01, GuideLimits::kMostForce_N))
       ->capture_default_str();
-  CLI::Option* for_option =
-      app.add_option("--for", seconds, "end after this many seconds; default: at Ctrl-C")
-          ->check(CLI::PositiveNumber);
+  app.add_option("--for", options.seconds, "end after this many seconds; default: at Ctrl-C")
+      ->check(CLI::PositiveNumber);
   app.add_option("--transport", transport,
                  "how poses and wrenches travel, as for the server: auto, shm or udp")
       ->capture_default_str();
@@ -96,7 +94,6 @@ std::optional<Options> ParseOptions(int argc, const char* const* argv) {
 
   if (!ParseCommandLine(app, argc, argv)) return std::nullopt;
 
-  if (*for_option) options.seconds = seconds;
   options.transport = dds::ParseTransport(transport);
   return options;
 }

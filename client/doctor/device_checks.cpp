@@ -1,8 +1,6 @@
-#include "client/doctor/device_checks.h"
-
 #include <algorithm>
-#include <vector>
 
+#include "client/doctor/checks.h"
 #include "common/error.h"
 #include "common/files/project_files.h"
 #include "devices/forcedimension/dhd_library.h"
@@ -139,16 +137,14 @@ Finding CheckPuck(const HostFiles& host) {
 }  // namespace
 
 ArmProbes RealArmProbes() {
-  return {
-      .openhaptics = [] { return hd::LoadLibrary(hd::LibraryCandidates()).file + " is loaded"; },
-      .forcedimension =
-          [] { return dhd::LoadLibrary(dhd::LibraryCandidates()).file + " is loaded"; },
-      .haply =
-          [] {
-            const haply::Address address = haply::ServiceAddress();
-            haply::CheckService(address);
-            return "somebody listens at ws://" + address.host + ":" + address.port;
-          }};
+  return {.openhaptics = [] { return hd::LoadLibrary().file + " is loaded"; },
+          .forcedimension = [] { return dhd::LoadLibrary().file + " is loaded"; },
+          .haply =
+              [] {
+                const haply::Address address = haply::ServiceAddress();
+                haply::CheckService(address);
+                return "somebody listens at ws://" + address.host + ":" + address.port;
+              }};
 }
 
 Finding CheckDevice(const HostFiles& host, const std::string& device, const ArmProbes& probes) {

@@ -1,9 +1,15 @@
-#include "client/doctor/kernel_checks.h"
-
 #include <algorithm>
 #include <array>
-#include <string>
+#include <cstdlib>
+#include <sstream>
 #include <string_view>
+#include <thread>
+
+#include <linux/capability.h>
+#include <sys/resource.h>
+
+#include "client/doctor/checks.h"
+#include "common/error.h"
 
 namespace palpate::doctor {
 namespace {
@@ -27,6 +33,56 @@ std::string PreemptMode(const HostFiles& host) {
   if (at == std::string::npos) return "";
   const std::size_t begin = at + option.size();
   return line.substr(begin, line.find(' ', begin) - begin);
+}
+
+const std::string kGroupsLimits =
+    "/etc/security/limits.d/palpate.conf (the package palpate-common does), sudo adduser $USER "
+    "palpate, and log in again";
+
+std::optional<long long> Limit(__rlimit_resource_t resource, long long unit) {
+  rlimit limit{};
+  getrlimit(resource, &limit);
+  if (limit.rlim_cur == RLIM_INFINITY) return std::nullopt;
+  return static_cast<long long>(limit.rlim_cur) / unit;
+}
+
+std::string Text(const std::optional<long long>& limit) {
+  return limit ? std::to_string(*limit) : "unlimited";
+}
+
+bool HasCapability(const HostFiles& host, int capability) {
+  std::istringstream status(host.Read("/proc/self/status").value_or(""));
+  for (std::string line; std::getline(status, line);) {
+    if (!line.starts_with("CapEff:")) continue;
+    const unsigned long long bits = std::strtoull(line.c_str() + 7, nullptr, 16);
+    return (bits >> capability & 1) != 0;
+  }
+  return false;
+}
+
+/// Of cgroup v1 with CONFIG_RT_GROUP_SCHED: the file that gives this process's group its real-time
+/// share, where there is one.
+std::optional<std::string> GroupShareFile(const HostFiles& host) {
+  std::istringstream groups(host.Read("/proc/self/cgroup").value_or(""));
+  for (std::string line; std::getline(groups, line);) {
+    // "1:cpu,cpuacct:/palpate"
+    const std::size_t first = line.find(':');
+    const std::size_t second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    std::istringstream controllers(line.substr(first + 1, second - first - 1));
+    bool of_cpu = false;
+    for (std::string name; std::getline(controllers, name, ',');) of_cpu |= name == "cpu";
+    if (!of_cpu) continue;
+    const std::string group = line.substr(second + 1) == "/" ? "" : line.substr(second + 1);
+    for (const std::string folder : {"/sys/fs/cgroup/cpu", "/sys/fs/cgroup/cpu,cpuacct"}) {
+      // In a container the group's own folder is the mount's root.
+      for (const std::string& place : {folder + group, folder}) {
+        const std::string file = place + "/cpu.rt_runtime_us";
+        if (host.Has(file)) return file;
+      }
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -68,6 +124,74 @@ Finding CheckClockSource(const HostFiles& host) {
                  GrubLine("clocksource=tsc tsc=reliable") +
                      ", and restart; 'dmesg | grep -i tsc' says why the kernel does not trust the "
                      "processor's own");
+}
+
+Rights TryRights(const RealtimeOptions& realtime) {
+  Rights rights;
+  rights.rtprio = Limit(RLIMIT_RTPRIO, 1);
+  rights.memlock_kB = Limit(RLIMIT_MEMLOCK, 1024);
+  std::thread([&] {
+    const RealtimeReport report =
+        EnterRealtime({.mode = RealtimeMode::kPrefer, .priority = realtime.priority});
+    rights.fifo = report.fifo;
+    rights.memory_locked = report.memory_locked;
+  }).join();
+  return rights;
+}
+
+Finding CheckScheduling(const HostFiles& host, const Rights& rights, int priority) {
+  const bool capable = HasCapability(host, CAP_SYS_NICE);
+  const std::string wanted = "SCHED_FIFO " + std::to_string(priority);
+  if (rights.fifo) return Ok(wanted + " is granted");
+  const std::string refused = wanted + " is refused";
+  const auto share_file = GroupShareFile(host);
+  if ((capable || rights.rtprio.value_or(priority) >= priority) && share_file &&
+      host.ReadNumber(*share_file).value_or(-1) == 0) {
+    return Fault(refused + ": the control group of this process has no real-time share (" +
+                     *share_file + " is 0)",
+                 "echo 400000 | sudo tee " + *share_file +
+                     " (the groups above it first, 800000 each), or start it outside of the group; "
+                     "in a container, --cpu-rt-runtime=400000 --cpu-rt-period=1000000");
+  }
+  if (!capable && rights.rtprio.value_or(priority) < priority) {
+    return Fault(
+        refused + ": ulimit -r is " + Text(rights.rtprio) + ", and CAP_SYS_NICE is missing",
+        "put '@palpate - rtprio 45' and '@palpate - memlock unlimited' into " + kGroupsLimits +
+            "; for a service, LimitRTPRIO=45; in a container, --cap-add SYS_NICE --ulimit "
+            "rtprio=45:45");
+  }
+  return Fault(
+      refused + ", though limits and capabilities allow it",
+      "what runs this (a container, a sandbox of systemd) forbids it: allow sched_setscheduler in "
+      "its seccomp profile, set RestrictRealtime=no in its unit, and in podman without root raise "
+      "the user's limits on the host and give --ulimit host");
+}
+
+Finding CheckLockedMemory(const Rights& rights) {
+  if (rights.memory_locked) return Ok("is granted");
+  return Warning("is refused (ulimit -l is " + Text(rights.memlock_kB) +
+                     " kB): under memory pressure a loop waits for the disk",
+                 "put '@palpate - memlock unlimited' into " + kGroupsLimits +
+                     "; for a service, LimitMEMLOCK=infinity; in a container, --ulimit "
+                     "memlock=-1:-1");
+}
+
+Finding CheckThrottling(const HostFiles& host) {
+  const auto runtime_us = host.ReadNumber("/proc/sys/kernel/sched_rt_runtime_us");
+  const auto period_us = host.ReadNumber("/proc/sys/kernel/sched_rt_period_us");
+  if (!runtime_us || !period_us) return Ok("this kernel has none");
+  constexpr const char* kRemedy =
+      "sudo sysctl kernel.sched_rt_runtime_us=950000, and the same line in "
+      "/etc/sysctl.d/palpate.conf";
+  if (*runtime_us < 0) {
+    return Warning("off: a real-time thread that spins takes the host with it", kRemedy);
+  }
+  const long long share = 100 * *runtime_us / (*period_us > 0 ? *period_us : 1);
+  const std::string found =
+      "real-time threads may take " + std::to_string(share) + " % of the time";
+  if (share >= 50) return Ok(found);
+  const std::string held_up = found + ": loops are held up when it is spent";
+  return share == 0 ? Fault(held_up, kRemedy) : Warning(held_up, kRemedy);
 }
 
 }  // namespace palpate::doctor

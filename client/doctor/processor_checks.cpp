@@ -1,12 +1,9 @@
-#include "client/doctor/processor_checks.h"
-
 #include <algorithm>
-#include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <optional>
 #include <sstream>
-#include <vector>
+
+#include "client/doctor/checks.h"
 
 namespace palpate::doctor {
 namespace {

@@ -1,11 +1,6 @@
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "client/doctor/finding.h"
-#include "client/doctor/jitter.h"
+#include "client/doctor/checks.h"
 
 namespace palpate::doctor {
 

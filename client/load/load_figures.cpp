@@ -7,42 +7,25 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "client/station/display.h"
 #include "common/step_fault.h"
 
 namespace palpate {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr double kMost = 0.01;        // late, and lost
 constexpr double kFullThread = 0.85;  // of a core: with the kernel's part of its work, that is all
 constexpr double kFullMachine = 0.9;
-constexpr double kToUs = 1e-3;
 constexpr double kToMs = 1e-6;
-
-double Fraction(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
-}
-
-nlohmann::ordered_json Percentiles(const Histogram& histogram, double unit) {
-  const auto at = [&](double q) { return unit * static_cast<double>(histogram.Quantile(q)); };
-  return {{"p50", at(0.5)},
-          {"p99", at(0.99)},
-          {"p999", at(0.999)},
-          {"max", unit * static_cast<double>(histogram.max())}};
-}
-
-std::string PercentileText(const Histogram& histogram, double unit, const char* name) {
-  if (histogram.count() == 0) return "-";
-  const auto at = [&](double q) { return unit * static_cast<double>(histogram.Quantile(q)); };
-  return fmt::format("p50 {:.1f}   p99 {:.1f}   p99.9 {:.1f}   max {:.1f} {}", at(0.5), at(0.99),
-                     at(0.999), unit * static_cast<double>(histogram.max()), name);
-}
 
 std::string CpuText(const std::optional<ProcessUse>& use) {
   return use ? fmt::format("{:.2f}", use->cpu) : "-";
 }
 
-nlohmann::ordered_json CpuJson(const std::optional<ProcessUse>& use) {
-  return use ? nlohmann::ordered_json(use->cpu) : nlohmann::ordered_json(nullptr);
+Json CpuJson(const std::optional<ProcessUse>& use) {
+  return use ? Json(use->cpu) : Json(nullptr);
 }
 
 }  // namespace
@@ -142,8 +125,8 @@ std::string ToText(const LoadFigures& f) {
                         100.0 * f.sum.late_fraction(), 100.0 * f.sum.worst_late_fraction,
                         f.sum.missed_ticks);
     text += f.sum.reconnects > 0 ? fmt::format(", {} reconnects\n", f.sum.reconnects) : "\n";
-    text += "  round trip   " + PercentileText(f.sum.round_trip, kToUs, "us") + "\n";
-    text += "  server step  " + PercentileText(f.sum.server_step, kToUs, "us") + "\n";
+    text += "  round trip   " + PercentileText(f.sum.round_trip) + "\n";
+    text += "  server step  " + PercentileText(f.sum.server_step) + "\n";
     if (f.sum.faults != 0) text += "  faults       " + FaultMeanings(f.sum.faults) + "\n";
   }
   if (f.viewers > 0) {
@@ -165,36 +148,36 @@ std::string ToText(const LoadFigures& f) {
 }
 
 std::string ToJson(const LoadFigures& f) {
-  const nlohmann::ordered_json json = {{"stations", f.stations},
-                                       {"viewers", f.viewers},
-                                       {"stalled_viewers", f.stalled},
-                                       {"dds_viewers", f.dds_viewers},
-                                       {"seconds", f.seconds},
-                                       {"holds", Holds(f)},
-                                       {"transport", f.transport},
-                                       {"achieved_hz", f.sum.hz()},
-                                       {"achieved_hz_worst", f.sum.worst_hz},
-                                       {"late_fraction", f.sum.late_fraction()},
-                                       {"late_fraction_worst", f.sum.worst_late_fraction},
-                                       {"missed_ticks", f.sum.missed_ticks},
-                                       {"reconnects", f.sum.reconnects},
-                                       {"faults", f.sum.faults},
-                                       {"rtt_us", Percentiles(f.sum.round_trip, kToUs)},
-                                       {"server_step_us", Percentiles(f.sum.server_step, kToUs)},
-                                       {"server_cpu_fraction", CpuJson(f.server)},
-                                       {"gateway_cpu_fraction", CpuJson(f.gateway)},
-                                       {"load_cpu_fraction", f.self.cpu},
-                                       {"machine_busy_fraction", f.machine_busy},
-                                       {"load_averages_before", f.load_averages},
-                                       {"viewer_frames", f.viewer_frames},
-                                       {"frames_due", f.frames_due},
-                                       {"lost", f.lost},
-                                       {"viewers_gone", f.viewers_gone},
-                                       {"frame_age_ms", Percentiles(f.frame_age, kToMs)},
-                                       {"dds_viewer_frames", f.dds_frames},
-                                       {"dds_frames_due", f.dds_frames_due},
-                                       {"dds_lost", f.dds_lost},
-                                       {"dds_frame_age_ms", Percentiles(f.dds_frame_age, kToMs)}};
+  const Json json = {{"stations", f.stations},
+                     {"viewers", f.viewers},
+                     {"stalled_viewers", f.stalled},
+                     {"dds_viewers", f.dds_viewers},
+                     {"seconds", f.seconds},
+                     {"holds", Holds(f)},
+                     {"transport", f.transport},
+                     {"achieved_hz", f.sum.hz()},
+                     {"achieved_hz_worst", f.sum.worst_hz},
+                     {"late_fraction", f.sum.late_fraction()},
+                     {"late_fraction_worst", f.sum.worst_late_fraction},
+                     {"missed_ticks", f.sum.missed_ticks},
+                     {"reconnects", f.sum.reconnects},
+                     {"faults", f.sum.faults},
+                     {"rtt_us", PercentileJson<Json>(f.sum.round_trip)},
+                     {"server_step_us", PercentileJson<Json>(f.sum.server_step)},
+                     {"server_cpu_fraction", CpuJson(f.server)},
+                     {"gateway_cpu_fraction", CpuJson(f.gateway)},
+                     {"load_cpu_fraction", f.self.cpu},
+                     {"machine_busy_fraction", f.machine_busy},
+                     {"load_averages_before", f.load_averages},
+                     {"viewer_frames", f.viewer_frames},
+                     {"frames_due", f.frames_due},
+                     {"lost", f.lost},
+                     {"viewers_gone", f.viewers_gone},
+                     {"frame_age_ms", PercentileJson<Json>(f.frame_age, kToMs)},
+                     {"dds_viewer_frames", f.dds_frames},
+                     {"dds_frames_due", f.dds_frames_due},
+                     {"dds_lost", f.dds_lost},
+                     {"dds_frame_age_ms", PercentileJson<Json>(f.dds_frame_age, kToMs)}};
   return json.dump(2) + "\n";
 }
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdint>
 #include <cstdio>
 #include <ctime>
 #include <optional>
@@ -10,8 +9,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "client/load/capacity_report.h"
-#include "client/load/capacity_search.h"
+#include "client/load/capacity.h"
 #include "client/load/load_run.h"
 #include "client/load/scene_copies.h"
 #include "common/error.h"

@@ -64,8 +64,6 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
   std::string transport = "auto";
   std::string url = options.viewer_url.text();
   std::vector<std::string> make_scene;
-  int server_pid = 0;
-  int viewer_pid = 0;
 
   CLI::App app(kAbout, "palpate-load");
   app.footer(kExamples);
@@ -113,14 +111,12 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
   app.add_option("--wait", options.patience_s, "seconds to wait for server and gateway")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  CLI::Option* server =
-      app.add_option("--server-pid", server_pid,
-                     "id of the server's process, to measure it; default: the one that serves the "
-                     "domain");
-  CLI::Option* viewer =
-      app.add_option("--viewer-pid", viewer_pid,
-                     "id of the gateway's process, to measure it; default: the one that listens at "
-                     "--viewer-url");
+  app.add_option("--server-pid", options.server_pid,
+                 "id of the server's process, to measure it; default: the one that serves the "
+                 "domain");
+  app.add_option("--viewer-pid", options.viewer_pid,
+                 "id of the gateway's process, to measure it; default: the one that listens at "
+                 "--viewer-url");
   app.add_option("--json", options.json, "write the figures as JSON to this file; - is stdout");
   app.add_option("--report", options.report, "write the capacity table to this file (Markdown)");
   app.add_option("--make-scene", make_scene,
@@ -148,8 +144,6 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
                        "' must end with .json, so that programs take it for a scene");
     }
   }
-  if (*server) options.server_pid = server_pid;
-  if (*viewer) options.viewer_pid = viewer_pid;
   options.viewer_url = ParseViewerUrl(url);
   options.transport = dds::ParseTransport(transport);
   ParseRealtimeMode(options.realtime);  // throws

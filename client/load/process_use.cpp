@@ -2,7 +2,6 @@
 
 #include <array>
 #include <charconv>
-#include <cstdint>
 #include <filesystem>
 #include <set>
 #include <sstream>

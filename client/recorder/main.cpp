@@ -11,7 +11,6 @@
 #include "client/recorder/file_summary.h"
 #include "client/recorder/options.h"
 #include "client/recorder/sample_queue.h"
-#include "client/recorder/tapped_topics.h"
 #include "client/recorder/taps.h"
 #include "client/recorder/writer_thread.h"
 #include "common/dds/server_lock.h"

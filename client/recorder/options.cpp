@@ -46,7 +46,7 @@ cut off or cannot be read; 2 wrong usage.)";
 std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv) {
   RecorderOptions options;
   std::string transport = "auto";
-  double seconds = 0.0, split_mb = 0.0;
+  double split_mb = 0.0;
   bool no_loop = false, no_bundle = false;
 
   CLI::App app(kAbout, "palpate-record");
@@ -58,9 +58,8 @@ std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv) {
   app.add_option("--split-time", options.recording.split_s,
                  "begin a new file after this many seconds")
       ->check(CLI::PositiveNumber);
-  CLI::Option* for_option =
-      app.add_option("--for", seconds, "end after this many seconds; default: at Ctrl-C")
-          ->check(CLI::PositiveNumber);
+  app.add_option("--for", options.seconds, "end after this many seconds; default: at Ctrl-C")
+      ->check(CLI::PositiveNumber);
   app.add_option("--station", options.stations,
                  "record of all stations this one's hand and session alone; scenes, and what is "
                  "scraped off them, are always recorded.  May be given again.  Default: all")
@@ -97,7 +96,6 @@ std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv) {
   options.recording.split_bytes = static_cast<std::uint64_t>(1e6 * split_mb);
   options.recording.bundles = !no_bundle;
   options.loop = !no_loop;
-  if (*for_option) options.seconds = seconds;
   options.transport = dds::ParseTransport(transport);
   return options;
 }

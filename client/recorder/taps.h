@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "client/recorder/sample_queue.h"
-#include "client/recorder/tapped_topics.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/participant.h"

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "client/recorder/sample_queue.h"
-#include "client/recorder/tapped_topics.h"
 #include "common/recording/recording_writer.h"
 
 namespace palpate {

@@ -9,7 +9,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "client/replayer/span.h"
+#include "client/replayer/playback.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/recording/recording_reader.h"

@@ -1,7 +1,7 @@
 #include <cstdio>
 
 #include "client/replayer/export/export.h"
-#include "client/replayer/guide/guide_voice.h"
+#include "client/replayer/guide/guide.h"
 #include "client/replayer/options.h"
 #include "client/replayer/play/player.h"
 #include "client/replayer/score/score_report.h"

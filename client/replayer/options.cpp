@@ -1,10 +1,7 @@
 #include "client/replayer/options.h"
 
-#include <string>
-
 #include <CLI/CLI.hpp>
 
-#include "client/replayer/play/keyboard.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/program/command_line.h"

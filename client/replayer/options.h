@@ -4,7 +4,7 @@
 #include <string>
 
 #include "client/replayer/export/export.h"
-#include "client/replayer/guide/guide_voice.h"
+#include "client/replayer/guide/guide.h"
 #include "client/replayer/play/player.h"
 #include "client/replayer/playback.h"
 #include "client/replayer/score/score_report.h"

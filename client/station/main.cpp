@@ -10,14 +10,13 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "client/station/display.h"
 #include "client/station/guide_link.h"
-#include "client/station/live_table.h"
 #include "client/station/options.h"
 #include "client/station/served_tools.h"
 #include "client/station/servo_thread.h"
 #include "client/station/station_core.h"
 #include "client/station/statistics_period.h"
-#include "client/station/summary.h"
 #include "client/station/trace.h"
 #include "common/dds/topics.h"
 #include "common/error.h"

@@ -6,7 +6,6 @@
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/program/command_line.h"
-#include "devices/device_factory.h"
 
 namespace palpate {
 namespace {
@@ -55,7 +54,6 @@ Exit status: 0 done, 1 failed or refused, 2 wrong usage.)";
 std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   StationOptions options;
   std::string transport = "auto";
-  double seconds = 0.0;
   bool table = false;
   std::string local_model = "on";
 
@@ -117,9 +115,8 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
       ->check(CLI::Range(0.0, GuideLimits::kMostForce_N))
       ->needs(accept_guide)
       ->capture_default_str();
-  CLI::Option* for_option =
-      app.add_option("--for", seconds, "end after this many seconds; default: at Ctrl-C")
-          ->check(CLI::PositiveNumber);
+  app.add_option("--for", options.seconds, "end after this many seconds; default: at Ctrl-C")
+      ->check(CLI::PositiveNumber);
   app.add_option("--transport", transport,
                  "how poses and wrenches travel: auto (shared memory if possible), shm or udp")
       ->capture_default_str();
@@ -143,7 +140,6 @@ std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
   }
   if (app.count("--table") > 0) options.table = table;
   options.local_model = local_model == "on";
-  if (*for_option) options.seconds = seconds;
   options.link.transport = dds::ParseTransport(transport);
   options.device.name = options.link.device;
   options.device.realtime = options.link.realtime;

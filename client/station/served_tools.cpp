@@ -1,7 +1,6 @@
 #include "client/station/served_tools.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>

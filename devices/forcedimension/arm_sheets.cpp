@@ -1,9 +1,7 @@
-#include "devices/forcedimension/arm_sheets.h"
-
 #include <algorithm>
 #include <initializer_list>
 
-#include "devices/forcedimension/dhd_abi.h"
+#include "devices/forcedimension/forcedimension_device.h"
 
 namespace palpate {
 namespace {

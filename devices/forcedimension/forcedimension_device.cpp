@@ -1,16 +1,12 @@
 #include "devices/forcedimension/forcedimension_device.h"
 
 #include <charconv>
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "common/error.h"
-#include "devices/device_kind.h"
-#include "devices/forcedimension/arm_sheets.h"
 #include "devices/forcedimension/dhd_frame.h"
-#include "devices/nearest_rotation.h"
 #include "devices/wrench_limiter.h"
 
 namespace palpate {
@@ -34,7 +30,7 @@ bool IsCalibrating(dhd::Condition condition) {
 
 ForceDimensionDevice::ForceDimensionDevice(const DeviceOptions& options)
     : options_(options),
-      library_(dhd::LoadLibrary(dhd::LibraryCandidates())),
+      library_(dhd::LoadLibrary()),
       gate_(options_.rate_Hz),
       turn_rate_(options_.rate_Hz) {
   try {
@@ -260,7 +256,7 @@ DeviceKind ForceDimensionKind() {
               "omega, delta, sigma or lambda, through Force Dimension's library libdhd.so.3; "
               "--device-name SERIAL",
           .max_rate_Hz = 4000.0,
-          .check_host = [] { dhd::LoadLibrary(dhd::LibraryCandidates()); },
+          .check_host = [] { dhd::LoadLibrary(); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
             return std::make_unique<ForceDimensionDevice>(options);
           }};

@@ -3,17 +3,19 @@
 #include <atomic>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "common/realtime/latest_mailbox.h"
+#include "devices/arm_parts.h"
 #include "devices/device_factory.h"
-#include "devices/forcedimension/arm_condition.h"
-#include "devices/forcedimension/dhd_error.h"
 #include "devices/forcedimension/dhd_library.h"
-#include "devices/return_gate.h"
-#include "devices/turn_rate.h"
+#include "devices/forcedimension/dhd_texts.h"
 
 namespace palpate {
+
+/// The data sheet of an arm of Force Dimension's, by dhdGetSystemType; model, rate and torque axes
+/// are left to the driver, which asks the library.  Figures have their sources in arm_sheets.cpp.
+/// An arm that is not known gets the weakest bounds there are.
+DeviceInfo ForceDimensionSheet(int system_type);
 
 /// What the latest tick saw and did.
 struct ForceDimensionState {

@@ -1,6 +1,5 @@
 #include "devices/haply/haply_device.h"
 
-#include "devices/device_kind.h"
 #include "devices/wrench_limiter.h"
 
 namespace palpate {

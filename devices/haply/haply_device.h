@@ -1,13 +1,11 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
 #include <string>
 
+#include "devices/arm_parts.h"
 #include "devices/device_factory.h"
 #include "devices/haply/inverse_client.h"
-#include "devices/return_gate.h"
-#include "devices/turn_rate.h"
 
 namespace palpate {
 

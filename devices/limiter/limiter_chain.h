@@ -4,10 +4,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "devices/limiter/age_stage.h"
-#include "devices/limiter/passivity_observer.h"
-#include "devices/limiter/small_stages.h"
-#include "devices/limiter/temperature_stage.h"
+#include "devices/limiter/energy_stage.h"
+#include "devices/limiter/stages.h"
 #include "devices/limiter/wrench_limits.h"
 
 namespace palpate {

@@ -5,9 +5,7 @@
 #include <string>
 
 #include "common/error.h"
-#include "devices/limiter/age_stage.h"
-#include "devices/limiter/small_stages.h"
-#include "devices/limiter/temperature_stage.h"
+#include "devices/limiter/stages.h"
 
 namespace palpate {
 namespace {

@@ -1,8 +1,9 @@
 #include "devices/mouse/mouse_device.h"
 
+#include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstdint>
-#include <string>
 
 #include <poll.h>
 #include <spdlog/spdlog.h>
@@ -11,27 +12,59 @@
 
 #include "common/error.h"
 #include "devices/device_factory.h"
-#include "devices/device_kind.h"
-#include "devices/mouse/mouse_line.h"
 
 namespace palpate {
 namespace {
+
+constexpr double kFarthest_m = 10.0;
+constexpr std::string_view kSpace = " \t\r";
+
+std::string_view TakeWord(std::string_view& rest) {
+  rest.remove_prefix(std::min(rest.find_first_not_of(kSpace), rest.size()));
+  const std::string_view word = rest.substr(0, rest.find_first_of(kSpace));
+  rest.remove_prefix(word.size());
+  return word;
+}
 
 constexpr std::size_t kLongestLine = 512;
 constexpr int kComplaints = 5;
 
 }  // namespace
 
+std::optional<MouseLine> ParseMouseLine(std::string_view line, std::string& complaint) {
+  const auto refuse = [&](const char* why) {
+    complaint = why;
+    return std::nullopt;
+  };
+  std::array<double, 7> number{};
+  std::string_view rest = line;
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    const std::string_view word = TakeWord(rest);
+    if (i == 0 && word == "release" && TakeWord(rest).empty()) return MouseLine{};
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number[i]);
+    if (word.empty() || error != std::errc{} || end != word.data() + word.size()) {
+      return refuse("give 'x y z qw qx qy qz', seven numbers, or 'release'");
+    }
+  }
+  if (!TakeWord(rest).empty()) return refuse("more than seven numbers");
+  Pose X;
+  X.p = Vec3(number[0], number[1], number[2]);
+  X.q = Quat(number[3], number[4], number[5], number[6]);
+  // maxCoeff may pass over a NaN; comparisons with one are false.
+  if (!X.p.allFinite() || X.p.cwiseAbs().maxCoeff() > kFarthest_m) {
+    return refuse("a position beyond 10 m");
+  }
+  const double norm = X.q.norm();
+  if (!(norm >= 1e-3 && norm <= 1e3)) return refuse("a quaternion that is no rotation");
+  X.q.coeffs() /= norm;
+  return MouseLine{X};
+}
+
 MouseDevice::MouseDevice(int lines, const Pose& start)
-    : hand_(start), lines_(lines), stop_(eventfd(0, EFD_CLOEXEC)) {
+    : BlindDevice("mouse (poses from standard input)", 2.0 * kFarthest_m, start),
+      lines_(lines),
+      stop_(eventfd(0, EFD_CLOEXEC)) {
   if (stop_ < 0) throw Error("mouse: no eventfd; are too many files open?");
-  info_.model = "mouse (poses from standard input)";
-  // It renders nothing: generous bounds let the limiter show the server's wrench nearly as it is,
-  // and what a mouse can press stays below them (blind_hand.h).
-  info_.max_force_N = info_.continuous_force_N = 100.0;
-  info_.max_torque_Nm = info_.continuous_torque_Nm = 10.0;
-  info_.workspace_m = Vec3::Constant(20.0);  // what a line may say
-  info_.simulated = true;
   reader_ = std::thread([this] { ReadLines(); });
 }
 
@@ -92,10 +125,6 @@ DeviceSample MouseDevice::Read() noexcept {
     }
   }
   return {hand_.pose(), hand_.twist(), 0, kDeviceForcesIgnored};
-}
-
-void MouseDevice::Apply(const LimitedWrench&) noexcept {
-  hand_.Step(kTick_s);
 }
 
 const char* MouseDevice::activity() const noexcept {

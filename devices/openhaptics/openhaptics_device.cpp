@@ -12,8 +12,6 @@
 
 #include "common/error.h"
 #include "common/realtime/steady_clock.h"
-#include "devices/device_kind.h"
-#include "devices/nearest_rotation.h"
 #include "devices/openhaptics/device_nodes.h"
 #include "devices/wrench_limiter.h"
 
@@ -76,7 +74,7 @@ std::string WhatToDo(hd::Enum style) {
 // Opening.  Legal only while the library's scheduler stands still, up to Start().
 
 OpenHapticsDevice::OpenHapticsDevice(const DeviceOptions& options)
-    : options_(options), library_(hd::LoadLibrary(hd::LibraryCandidates())) {
+    : options_(options), library_(hd::LoadLibrary()) {
   try {
     Init(options_.arm);
     ReadDataSheet();
@@ -575,7 +573,7 @@ DeviceKind OpenHapticsKind() {
   return {.name = "openhaptics",
           .what = "a PHANTOM or Touch arm, through the OpenHaptics library that is installed",
           .max_rate_Hz = 4000.0,
-          .check_host = [] { hd::LoadLibrary(hd::LibraryCandidates()); },
+          .check_host = [] { hd::LoadLibrary(); },
           .make = [](const DeviceOptions& options) -> std::unique_ptr<Device> {
             return std::make_unique<OpenHapticsDevice>(options);
           }};

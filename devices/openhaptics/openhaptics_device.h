@@ -5,13 +5,12 @@
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "common/realtime/latest_mailbox.h"
+#include "devices/arm_parts.h"
 #include "devices/device_factory.h"
 #include "devices/openhaptics/hd_library.h"
 #include "devices/openhaptics/output_gate.h"
-#include "devices/turn_rate.h"
 
 namespace palpate {
 

@@ -11,7 +11,7 @@ class ScriptedDevice final : public Device {
  public:
   static constexpr double kTick_s = 1e-3;
 
-  explicit ScriptedDevice(ScriptPlayer script);
+  explicit ScriptedDevice(ScriptPlayer script) : script_(std::move(script)) {}
   const DeviceInfo& info() const override { return info_; }
   DeviceSample Read() noexcept override;
   void Apply(const LimitedWrench& wrench) noexcept override;
@@ -20,7 +20,7 @@ class ScriptedDevice final : public Device {
  private:
   double time() const noexcept { return kTick_s * static_cast<double>(ticks_); }
 
-  DeviceInfo info_;
+  const DeviceInfo info_ = SheetWithoutForce("scripted", 10.0);
   ScriptPlayer script_;
   long long ticks_ = 0;
 };

@@ -7,7 +7,6 @@
 #include "common/error.h"
 #include "common/math/rotation.h"
 #include "devices/device_factory.h"
-#include "devices/device_kind.h"
 #include "devices/wrench_limiter.h"
 
 namespace palpate {
@@ -34,6 +33,15 @@ Vec3 Saturate(const Vec3& v, double bound) noexcept {
 }
 
 }  // namespace
+
+Wrench SimulatedHand::WrenchOn(const Pose& X_WH, const Twist& V_WH, double t) const noexcept {
+  const Pose wanted = script_.At(t);
+  const Twist moving = script_.VelocityAt(t);
+  return {impedance_.stiffness_N_m * (wanted.p - X_WH.p) +
+              impedance_.damping_N_s_m * (moving.v - V_WH.v),
+          impedance_.stiffness_Nm_rad * RotationLog(wanted.q * X_WH.q.conjugate()) +
+              impedance_.damping_Nm_s * (moving.w - V_WH.w)};
+}
 
 SimulatedPhantom::SimulatedPhantom(const PhantomSheet& sheet, std::optional<SimulatedHand> hand,
                                    const Pose& X_WH)

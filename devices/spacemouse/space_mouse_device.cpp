@@ -1,21 +1,27 @@
 #include "devices/spacemouse/space_mouse_device.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "devices/device_factory.h"
-#include "devices/device_kind.h"
-#include "devices/spacemouse/rate_control.h"
 
 namespace palpate {
 
-SpaceMouseDevice::SpaceMouseDevice(const Pose& start) : hand_(start) {
-  info_.model = "SpaceMouse (" + reader_.device_name() + ")";
-  // It renders nothing: generous bounds let the limiter show the server's wrench nearly as it is,
-  // and what the hand can press stays below them (blind_hand.h).
-  info_.max_force_N = info_.continuous_force_N = 100.0;
-  info_.max_torque_Nm = info_.continuous_torque_Nm = 10.0;
-  info_.workspace_m = Vec3::Constant(20.0);  // it has no end of its own
-  info_.simulated = true;
+double RateControl::Share(double counts) noexcept {
+  const double beyond = std::max(0.0, std::abs(counts) - kDeadBand);
+  const double share = std::min(1.0, beyond / (kFullDeflection - kDeadBand));
+  return std::copysign(share * share, counts);
+}
+
+Twist RateControl::Velocity(const std::array<int, 6>& axes) noexcept {
+  // libspnav turns z round in the same way, for rotations too (spnav_posrot_moveobj).
+  return {kTopSpeed_m_s * Vec3(Share(axes[0]), Share(axes[1]), -Share(axes[2])),
+          kTopTurn_rad_s * Vec3(Share(axes[3]), Share(axes[4]), -Share(axes[5]))};
+}
+
+SpaceMouseDevice::SpaceMouseDevice(const Pose& start)
+    : BlindDevice("SpaceMouse (", 20.0, start) {  // it has no end of its own
+  info_.model += reader_.device_name() + ")";
 }
 
 DeviceSample SpaceMouseDevice::Read() noexcept {
@@ -33,8 +39,8 @@ DeviceSample SpaceMouseDevice::Read() noexcept {
       kDeviceForcesIgnored | (state_.link == SpacenavState::Link::kUp ? kDeviceOk : kDeviceFault)};
 }
 
-void SpaceMouseDevice::Apply(const LimitedWrench&) noexcept {
-  hand_.Step(kTick_s);
+void SpaceMouseDevice::Apply(const LimitedWrench& wrench) noexcept {
+  BlindDevice::Apply(wrench);
   state_age_s_ += kTick_s;
 }
 

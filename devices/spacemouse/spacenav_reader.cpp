@@ -1,6 +1,5 @@
 #include "devices/spacemouse/spacenav_reader.h"
 
-#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>

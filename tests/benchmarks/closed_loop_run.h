@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "devices/simulated/simulated_hand.h"
+#include "devices/simulated/simulated_phantom.h"
 #include "scenes/scene.h"
 #include "server/physics/haptic_step.h"
 

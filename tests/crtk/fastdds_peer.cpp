@@ -16,7 +16,6 @@
 #include <iostream>
 #include <map>
 #include <mutex>
-#include <set>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -124,9 +123,8 @@ class Heard : public fast::DataReaderListener {
   }
   nlohmann::json Report() {
     const std::lock_guard lock(mutex_);
-    nlohmann::json json{{"count", count_}, {"lost", lost_},    {"matched", matched_.load()},
-                        {"frame", frame_}, {"stamp", stamp_},  {"numbers", values_},
-                        {"state", state_}, {"states", states_}};
+    nlohmann::json json{{"count", count_}, {"lost", lost_},      {"frame", frame_},
+                        {"stamp", stamp_}, {"numbers", values_}, {"state", state_}};
     if (!delays_us_.empty()) {
       std::vector<double> sorted = delays_us_;
       std::ranges::sort(sorted);
@@ -136,10 +134,6 @@ class Heard : public fast::DataReaderListener {
       json["delay_us"] = {{"p50", at(0.5)}, {"p99", at(0.99)}, {"p999", at(0.999)}, {"max", at(1)}};
     }
     return json;
-  }
-  void on_subscription_matched(fast::DataReader*,
-                               const fast::SubscriptionMatchedStatus& status) override {
-    matched_ = status.current_count;
   }
 
  private:
@@ -157,7 +151,6 @@ class Heard : public fast::DataReaderListener {
     if (numbers_ == 0) {
       bool homed = false, busy = false;
       message.cdr() >> state_ >> homed >> busy;
-      if (states_.empty() || states_.back() != state_) states_.push_back(state_);
     }
     values_.assign(static_cast<std::size_t>(numbers_), 0.0);
     for (double& value : values_) message.cdr() >> value;
@@ -165,11 +158,9 @@ class Heard : public fast::DataReaderListener {
 
   const int numbers_;
   std::mutex mutex_;
-  std::atomic<int> matched_{0};
   std::uint64_t count_ = 0;
   std::int64_t next_ = 0, lost_ = 0;
   std::string frame_, state_;
-  std::vector<std::string> states_;
   double stamp_ = 0.0;
   std::vector<double> values_, delays_us_;
 };

@@ -1,9 +1,14 @@
 #include "devices/device_factory.h"
 
+#include <limits>
+#include <random>
+
+#include <Eigen/SVD>
 #include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "common/math/rotation.h"
+#include "devices/arm_parts.h"
 #include "tests/devices/limiter_support.h"
 #include "tests/support/complaint.h"
 
@@ -103,6 +108,58 @@ TEST(DeviceFactory, AsksForAScriptWhereItNeedsOne) {
   DeviceOptions options = Of("simulated");
   options.script.reset();
   EXPECT_THROW(MakeDevice(options), Error);
+}
+
+TEST(NearestRotation, IsThePolarFactorThatTheSingularValueDecompositionGives) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 phi = 3.0 * Vec3(uniform(random), uniform(random), uniform(random));
+    Mat3 matrix = RotationExp(phi).toRotationMatrix();
+    for (double& element : matrix.reshaped()) element += 0.01 * uniform(random);
+    const Eigen::JacobiSVD<Mat3> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Mat3 truth = svd.matrixU() * svd.matrixV().transpose();
+    const std::optional<Mat3> R = NearestRotation(matrix);
+    ASSERT_TRUE(R);
+    EXPECT_LT((*R - truth).norm(), 1e-14);
+    EXPECT_LT((*R * R->transpose() - Mat3::Identity()).norm(), 1e-15 * 8);
+  }
+}
+
+TEST(NearestRotation, RefusesWhatIsNoRotation) {
+  Mat3 matrix = Mat3::Identity();
+  matrix(1, 2) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(NearestRotation(matrix));
+  EXPECT_FALSE(NearestRotation(Mat3::Zero()));
+  EXPECT_FALSE(NearestRotation(-Mat3::Identity()));
+  EXPECT_FALSE(NearestRotation(Vec3(1, 1, -1).asDiagonal()));
+  EXPECT_FALSE(NearestRotation(1.2 * Mat3::Identity()));
+  EXPECT_FALSE(NearestRotation(1e200 * Mat3::Identity()));
+}
+
+const Wrench kSome{Vec3(0.0, 1e-9, 0.0), Vec3::Zero()};
+
+bool PassesAfter(ReturnGate& gate, int ticks, const Wrench& wrench) {
+  for (int i = 1; i < ticks; ++i) gate.Passes(wrench);
+  return gate.Passes(wrench);
+}
+
+TEST(ReturnGate, OpensOnlyAfterQuietAndOnceNothingIsAskedFor) {
+  ReturnGate gate(1000.0);
+  EXPECT_FALSE(PassesAfter(gate, 5000, kSome)) << "a step would come of it";
+  EXPECT_TRUE(gate.Passes(Wrench{}));
+  EXPECT_TRUE(gate.Passes(kSome));
+}
+
+TEST(ReturnGate, ShutsWithAFaultAndCountsItsQuietAnew) {
+  ReturnGate gate(1000.0);
+  ASSERT_TRUE(PassesAfter(gate, 101, Wrench{}));
+  gate.Fault();
+  EXPECT_FALSE(gate.Passes(kSome));
+  EXPECT_FALSE(PassesAfter(gate, 98, Wrench{}));
+  gate.Fault();
+  EXPECT_FALSE(PassesAfter(gate, 100, Wrench{}));
+  EXPECT_TRUE(gate.Passes(Wrench{}));
 }
 
 }  // namespace

@@ -1,11 +1,12 @@
 #include "devices/script_player.h"
 
 #include <algorithm>
-#include <string>
 
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
+#include "devices/scripted/scripted_device.h"
+#include "tests/devices/limiter_support.h"
 
 namespace palpate {
 namespace {
@@ -44,6 +45,21 @@ TEST(ScriptPlayer, GivesTheVelocityOfItsPoses) {
   const Twist middle = player.VelocityAt(0.5);
   EXPECT_NEAR(middle.v.x(), 1.875 * 0.2, 1e-5);
   EXPECT_NEAR(middle.w.z(), 1.875 * 1.0, 1e-5);
+}
+
+TEST(ScriptedDevice, PlaysItsScriptExactlyWhateverTheForce) {
+  Pose there;
+  there.p = Vec3(0.1, 0.0, 0.0);
+  const PoseScript script({{0.0, Pose{}, "go"}, {1.0, there, "stay"}});
+  ScriptedDevice device(ScriptPlayer(script, false));
+  const LimitedWrench push = PassThrough({Vec3(10, 10, 10), Vec3(1, 1, 1)});
+  for (int ms = 0; ms < 1500; ++ms) {
+    const DeviceSample sample = device.Read();
+    ASSERT_EQ(sample.X_WH.p, script.At(1e-3 * ms).p);
+    ASSERT_STREQ(device.activity(), ms < 1000 ? "go" : "stay");
+    device.Apply(push);
+  }
+  EXPECT_TRUE(device.Read().status & kDeviceForcesIgnored);
 }
 
 }  // namespace

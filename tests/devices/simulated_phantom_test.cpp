@@ -2,16 +2,99 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.h"
 #include "common/math/rotation.h"
 #include "tests/devices/limiter_support.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/complaint.h"
+#include "tests/support/read_file.h"
 
 namespace palpate {
 namespace {
+
+TEST(PhantomSheets, AreFoundByTheirNamesTheFirstBeingTheChapters) {
+  EXPECT_EQ(PhantomSheets().front().name, "premium-3.0");
+  for (const PhantomSheet& sheet : PhantomSheets()) {
+    EXPECT_EQ(PhantomSheetOf(std::string(sheet.name)).info.model, sheet.info.model);
+  }
+  EXPECT_THAT(test::ComplaintOf([] { PhantomSheetOf("premium-6.0"); }),
+              testing::HasSubstr("premium-3.0, premium-1.5, touch"));
+}
+
+TEST(PhantomSheets, LeaveNothingOutThatASimulationNeeds) {
+  for (const PhantomSheet& sheet : PhantomSheets()) {
+    SCOPED_TRACE(sheet.name);
+    const DeviceInfo& info = sheet.info;
+    EXPECT_GT(info.continuous_force_N, 0.0);
+    EXPECT_GT(info.max_force_N, info.continuous_force_N);
+    EXPECT_GT(info.workspace_m.minCoeff(), 100.0 * info.position_resolution_m);
+    EXPECT_GT(info.position_resolution_m, 0.0);
+    EXPECT_GT(info.rotation_resolution_rad, 0.0);
+    EXPECT_GT(info.max_stiffness_N_m, 0.0);
+    EXPECT_GT(sheet.dynamics.mass_kg, 0.0);
+    EXPECT_GT(sheet.dynamics.inertia_kg_m2, 0.0);
+    // Friction that the motors do not overcome would hold the handle for ever.
+    EXPECT_LT(sheet.dynamics.coulomb_force_N, info.continuous_force_N);
+    if (info.torque_axes > 0) {
+      EXPECT_GT(info.max_torque_Nm, info.continuous_torque_Nm);
+      EXPECT_LT(sheet.dynamics.coulomb_torque_Nm, sheet.dynamics.max_roll_torque_Nm);
+    } else {
+      EXPECT_EQ(info.max_torque_Nm, 0.0);
+    }
+    EXPECT_NO_THROW(WrenchLimiter(WrenchLimits::Of(info)));
+  }
+}
+
+TEST(PhantomSheets, AreWhatTheReadmeSays) {
+  const std::string readme = ReadWholeFile(std::string(PALPATE_SOURCE_DIR) + "/devices/README.md");
+  const auto rounded = [](double value) { return std::round(1e6 * value) / 1e6; };
+  std::ostringstream reach, force, resolution, mass;
+  for (const PhantomSheet& sheet : PhantomSheets()) {
+    const DeviceInfo& info = sheet.info;
+    const Vec3 mm = 1e3 * info.workspace_m;
+    reach << ' ' << rounded(mm.x()) << " × " << rounded(mm.y()) << " × " << rounded(mm.z())
+          << " S |";
+    force << ' ' << info.max_force_N << ", " << info.continuous_force_N << " S |";
+    resolution << ' ' << rounded(1e3 * info.position_resolution_m) << " S |";
+    mass << ' ' << rounded(1e3 * sheet.dynamics.mass_kg) << " S |";
+  }
+  for (const std::string& row :
+       {"| workspace, mm |" + reach.str(), "| peak, continuous force, N |" + force.str(),
+        "| position resolution, mm |" + resolution.str(), "| apparent mass, g |" + mass.str()}) {
+    EXPECT_THAT(readme, testing::HasSubstr(row));
+  }
+}
+
+TEST(PhantomSheets, MakeArmsThatGiveTheirPeakForceAndNoMore) {
+  for (PhantomSheet sheet : PhantomSheets()) {
+    SCOPED_TRACE(sheet.name);
+    sheet.dynamics.coulomb_force_N = sheet.dynamics.viscous_N_s_m = 0.0;
+    SimulatedPhantom arm(sheet, std::nullopt, {});
+    arm.Apply(PassThrough({Vec3(500, 0, 0), Vec3::Zero()}));
+    EXPECT_NEAR(arm.velocity().v.x(), sheet.info.max_force_N * 1e-3 / sheet.dynamics.mass_kg, 1e-9);
+  }
+}
+
+TEST(PhantomTouch, LosesTorqueInItsMotorsAndSaysSoBeforeTheLimiter) {
+  SimulatedPhantom touch(PhantomTouch(), std::nullopt, {});
+  touch.Apply(PassThrough({Vec3::Zero(), Vec3(1.0, 0.5, -0.2)}));
+  EXPECT_EQ(touch.velocity().w, Vec3::Zero());
+  Wrench contact{Vec3(1, 2, 3), Vec3(0.1, 0.2, 0.3)};
+  Wrench led{Vec3(0.1, 0, 0), Vec3(0.01, 0, 0)};
+  touch.Shape(contact, led);
+  EXPECT_EQ(contact.force, Vec3(1, 2, 3));
+  EXPECT_EQ(contact.torque, Vec3::Zero());
+  EXPECT_EQ(led.torque, Vec3::Zero());
+  EXPECT_THAT(touch.info().model, testing::HasSubstr("no torque"));
+  contact.torque = Vec3(0.1, 0.2, 0.3);
+  SimulatedPhantom(PhantomPremium15(), std::nullopt, {}).Shape(contact, led);
+  EXPECT_EQ(contact.torque, Vec3(0.1, 0.2, 0.3)) << "an arm that renders it";
+}
 
 PhantomSheet With(const HandleDynamics& dynamics) {
   PhantomSheet sheet = PhantomPremium30();
@@ -31,10 +114,25 @@ HandleDynamics Frictionless() {
   return dynamics;
 }
 
-SimulatedHand HandAt(const Pose& where) {
-  return SimulatedHand(
-      ScriptPlayer(PoseScript({{0.0, where, "hold"}, {1.0, where, "hold"}}), false),
-      HandImpedance{});
+SimulatedHand HandAt(const Pose& where, const HandImpedance& impedance = {}) {
+  return {ScriptPlayer(PoseScript({{0.0, where, "hold"}, {1.0, where, "hold"}}), false), impedance};
+}
+
+TEST(SimulatedHand, BrakesWhatMovesInIt) {
+  const SimulatedHand hand = HandAt({});
+  const Wrench brake = hand.WrenchOn({}, {Vec3(0.1, 0, 0), Vec3(0, 0, 2.0)}, 0.5);
+  EXPECT_NEAR(brake.force.x(), -0.645, 1e-12);
+  EXPECT_NEAR(brake.torque.z(), -0.072, 1e-12);
+}
+
+TEST(SimulatedHand, DoesNotBrakeTheMovementThatItWants) {
+  Pose there;
+  there.p = Vec3(0.1, 0, 0);
+  const ScriptPlayer script(PoseScript({{0.0, Pose{}, ""}, {1.0, there, ""}}), false);
+  const SimulatedHand hand(script, HandImpedance{});
+  const Wrench none = hand.WrenchOn(script.At(0.4), script.VelocityAt(0.4), 0.4);
+  EXPECT_EQ(none.force, Vec3::Zero());
+  EXPECT_EQ(none.torque, Vec3::Zero());
 }
 
 void Push(SimulatedPhantom& phantom, const Wrench& wrench, int ticks) {
@@ -113,12 +211,9 @@ TEST(SimulatedPhantom, SwingsAtTheFrequencyOfHandAndHandleTogether) {
   HandImpedance impedance;
   impedance.damping_N_s_m = 0.0;
   const HandleDynamics dynamics = Frictionless();
-  const Pose rest;
   Pose off;
   off.p.x() = 0.01;
-  SimulatedHand hand(ScriptPlayer(PoseScript({{0.0, rest, ""}, {1.0, rest, ""}}), false),
-                     impedance);
-  SimulatedPhantom phantom(With(dynamics), hand, off);
+  SimulatedPhantom phantom(With(dynamics), HandAt({}, impedance), off);
   const LimitedWrench nothing = PassThrough({});
   int crossings = 0;
   double first = 0.0, last = 0.0, before = off.p.x();
@@ -204,12 +299,6 @@ TEST(SimulatedPhantom, StopsAtTheEndOfItsWorkspace) {
   Push(phantom, {Vec3(0, 0, 20), Vec3::Zero()}, 1000);
   EXPECT_EQ(phantom.pose().p.z(), 0.5 * phantom.info().workspace_m.z());
   EXPECT_EQ(phantom.velocity().v.z(), 0.0);
-}
-
-TEST(SimulatedPhantom, GivesNoMoreForceThanItsMotorsHave) {
-  SimulatedPhantom phantom = Free(Frictionless());
-  phantom.Apply(PassThrough({Vec3(500, 0, 0), Vec3::Zero()}));
-  EXPECT_NEAR(phantom.velocity().v.x(), 22.0 * 1e-3 / 0.159, 1e-9);
 }
 
 TEST(SimulatedPhantom, RollsWithLessTorqueThanItYaws) {

@@ -1,8 +1,6 @@
 #include "devices/workspace.h"
 
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -15,6 +13,7 @@
 #include "tests/devices/limiter_support.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/complaint.h"
+#include "tests/support/folder.h"
 #include "tests/support/optimised.h"
 #include "tests/support/random.h"
 #include "tests/support/read_file.h"
@@ -160,23 +159,8 @@ TEST(Workspace, KeepsAConservativeSceneConservative) {
   }
 }
 
-TEST(Workspace, MapsAScriptsSegmentsOntoSegments) {
-  test::Random random(6);
-  const Workspace workspace = Any(random);
-  const Pose a{random.InCube(0.1), random.Rotation()};
-  const Pose b{random.InCube(0.1), RotationExp(random.InCube(1.0)) * a.q};
-  const PoseScript in_scene({{0.0, a, ""}, {1.0, b, ""}});
-  const PoseScript in_hand({{0.0, workspace.ToDevice(a), ""}, {1.0, workspace.ToDevice(b), ""}});
-  for (double t = 0.0; t < 1.0; t += 0.05) {
-    const Pose seen = workspace.ToScene(in_hand.At(t));
-    EXPECT_LT((seen.p - in_scene.At(t).p).norm(), 1e-12);
-    EXPECT_LT(Angle(seen.q, in_scene.At(t).q), 1e-12);
-  }
-}
-
 class WorkspaceFileTest : public testing::Test {
  protected:
-  ~WorkspaceFileTest() override { std::filesystem::remove(file_); }
   Workspace Load(const std::string& text) {
     std::ofstream(file_) << text;
     return Workspace::Load(file_);
@@ -184,9 +168,8 @@ class WorkspaceFileTest : public testing::Test {
   std::string Complaint(const std::string& text) {
     return test::ComplaintOf([&] { Load(text); });
   }
-  std::string file_ = (std::filesystem::temp_directory_path() /
-                       ("palpate-workspace-" + std::to_string(getpid()) + ".json"))
-                          .string();
+  const test::Folder folder_;
+  const std::string file_ = folder_ / "workspace.json";
 };
 
 TEST_F(WorkspaceFileTest, IsReadInItsUnits) {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "client/doctor/loop_check.h"
+#include "client/doctor/checks.h"
 #include "tests/doctor/made_up_host.h"
 #include "tests/support/program.h"
 #include "tests/support/roudi.h"

@@ -8,8 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/doctor/finding.h"
-#include "client/doctor/host_files.h"
+#include "client/doctor/checks.h"
 #include "tests/support/folder.h"
 
 namespace palpate::doctor {

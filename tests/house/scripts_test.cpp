@@ -249,7 +249,7 @@ TEST(SharedMemory, IsOneFigureWhereverItIsNamed) {
            {"deploy/cyclonedds/roudi.toml", "/dev/shm must have "}}) {
     EXPECT_THAT(ReadFile((kRoot / file).string()), HasSubstr(begin + figure + " MB")) << file;
   }
-  EXPECT_THAT(ReadFile((kRoot / "client/doctor/shared_memory_checks.h").string()),
+  EXPECT_THAT(ReadFile((kRoot / "client/doctor/checks.h").string()),
               HasSubstr("kSharedMemoryNeeded_MB = " + figure + ";"));
 }
 

@@ -34,7 +34,7 @@ Silence MeasureSilence(const std::vector<TraceRow>& rows, std::int64_t after_ns,
 std::vector<double> CountedSilence_ms(const std::vector<TraceRow>& rows);
 
 /// By that count no force is left: a dead server's melts within 25 ms
-/// (devices/limiter/age_stage.h), which the first tick sees that ends later.  Not the stage's own
+/// (devices/limiter/stages.h), which the first tick sees that ends later.  Not the stage's own
 /// constant, which is what is tested.
 inline constexpr double kForceGone_ms = 25.0 + 1e3 * kMaxTick_s;
 

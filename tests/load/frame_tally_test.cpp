@@ -1,7 +1,5 @@
 #include "client/load/frame_tally.h"
 
-#include <string>
-
 #include <gtest/gtest.h>
 
 namespace palpate {

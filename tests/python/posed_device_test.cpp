@@ -1,7 +1,5 @@
 #include "client/python/live/posed_device.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"

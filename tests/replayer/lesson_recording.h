@@ -62,13 +62,7 @@ class LessonWriter {
   }
   void Bundle(std::int64_t at_ms, std::uint64_t server_run = 77) {
     std::vector<std::uint8_t> bytes(500, 9);
-    wire::SceneBundle bundle{};
-    wire::FromText("cube", bundle.scene);
-    bundle.server_run = server_run;
-    bundle.hash = BundleHash(bytes);
-    bundle.bundle._buffer = bytes.data();
-    bundle.bundle._length = bundle.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
-    At(at_ms, dds::kSceneBundleTopic, bundle);
+    At(at_ms, dds::kSceneBundleTopic, SampleBundle(bytes, "cube", server_run));
   }
   /// No T's bytes.
   void Broken(std::int64_t at_ms, const std::string& topic, RecordedType type) {

@@ -8,15 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/cdr.h"
-#include "common/dds/topics.h"
 #include "common/json/pose_script.h"
-#include "common/recording/recording_writer.h"
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_bundle.h"
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"
 #include "server/session/servo_loop.h"
+#include "tests/common/recording/samples.h"
 
 namespace palpate::test {
 namespace {
@@ -114,13 +112,7 @@ class Golden {
 
   void AddScene(const auto& add) {
     std::vector<std::uint8_t> bytes = PackScene(scene_);
-    wire::SceneBundle bundle{};
-    wire::FromText(scene_.name, bundle.scene);
-    bundle.server_run = kRun;
-    bundle.hash = BundleHash(bytes);
-    bundle.bundle._buffer = bytes.data();
-    bundle.bundle._length = bundle.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
-    add(dds::kSceneBundleTopic, bundle, 0);
+    add(dds::kSceneBundleTopic, SampleBundle(bytes, scene_.name, kRun), 0);
   }
 
   void AddState(const auto& add, std::uint64_t start_sequence, const Pose& X_WG) {

@@ -1,7 +1,6 @@
 // The replayer as a program: to viewers, and to a station's hand.
 #include "tests/replayer/replayer_program.h"
 
-#include <atomic>
 #include <csignal>
 
 #include <gmock/gmock.h>
@@ -111,7 +110,7 @@ TEST_F(ReplayerProgramTest, BeginsAndEndsWhereItIsToldWithAllThatHoldsThen) {
   ReplayerProgram replayer(
       {file_, "--domain", kDomainText, "--from", "0.8", "--to", "1.2", "--rate", "2"});
   EXPECT_EQ(replayer.Exit(), 0) << replayer.Output();
-  EXPECT_TRUE(Eventually([&] {
+  ASSERT_TRUE(Eventually([&] {
     viewer.Poll();
     return !viewer.frames.empty() && viewer.frames.back() == 75;
   }));

@@ -1,6 +1,5 @@
 #include "client/station/guide.h"
 
-#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>

@@ -1,9 +1,6 @@
 #include "client/station/served_tools.h"
 
-#include <chrono>
 #include <limits>
-#include <string>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <functional>
-#include <thread>
 
 #include <gtest/gtest.h>
 
-#include "common/realtime/steady_clock.h"
+#include "tests/station/answered_servo.h"
 #include "tests/station/still_device.h"
 
 namespace palpate {
@@ -15,17 +13,10 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// A thread whose poses go nowhere, and a test that plays the server.  What counts here is ticks: a
-/// machine that is busy makes them fewer a second, and changes nothing else.
-struct Bench {
-  explicit Bench(double rate_Hz = 1000.0) : device(rate_Hz) { core.EnableForces(true); }
-
-  test::StillDevice device;
-  StationCore core{device};
-  ReplyRing replies;
-  ServoThread servo{core, replies, 0.002};  // each snapshot allows one fresh reply
-  PosePath path;
-  StationSnapshot snapshot;
+/// What counts here is ticks: a machine that is busy makes them fewer a second, and changes nothing
+/// else.
+struct Bench : test::AnsweredServo<test::StillDevice> {
+  explicit Bench(double rate_Hz = 1000.0) : AnsweredServo(rate_Hz) { core.EnableForces(true); }
 
   /// Waits for so many more ticks; false where that takes more than a minute.
   bool Tick(std::uint64_t count) {
@@ -34,22 +25,6 @@ struct Bench {
       std::this_thread::sleep_for(milliseconds(1));
     }
     return servo.ticks() >= end;
-  }
-  /// Answers poses with 2 N until it is so, for a minute at most.
-  bool AnswerUntil(const std::function<bool()>& so) {
-    for (int i = 0; i < 60'000; ++i) {
-      while (servo.ReadSnapshot(snapshot)) {
-      }
-      if (so()) return true;
-      Reply reply;
-      reply.pose_sequence = snapshot.sent;
-      reply.pose_time_ns = servo.sample_time_ns(reply.pose_sequence);
-      reply.received_ns = SteadyNanoseconds();
-      reply.wrench.force = Vec3(0, 0, 2.0);
-      replies.Push(reply);
-      std::this_thread::sleep_for(milliseconds(1));
-    }
-    return false;
   }
 };
 

@@ -1,10 +1,6 @@
 #include "client/station/session_link.h"
 
 #include <chrono>
-#include <functional>
-#include <memory>
-#include <string>
-#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>

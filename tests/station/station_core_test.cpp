@@ -1,12 +1,14 @@
 #include "client/station/station_core.h"
 
 #include <deque>
-#include <limits>
+#include <memory>
+#include <optional>
 
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
 #include "common/step_fault.h"
+#include "devices/workspace.h"
 #include "tests/station/still_device.h"
 #include "tests/support/allocation_counter.h"
 
@@ -17,12 +19,20 @@ constexpr std::int64_t kMs = 1'000'000;
 
 /// A core with a device and a clock of its own, and a server that answers or does not.
 struct Bench {
-  test::StillDevice device;
-  StationCore core{device};
+  explicit Bench(const std::optional<Workspace>& workspace = {})
+      : Bench(std::make_unique<test::StillDevice>(), workspace) {}
+  Bench(std::unique_ptr<test::StillDevice> still, const std::optional<Workspace>& workspace)
+      : device(*still),
+        driven(workspace ? std::make_unique<WorkspaceDevice>(std::move(still), *workspace)
+                         : std::unique_ptr<Device>(std::move(still))) {
+    core.EnableForces(true);
+  }
+
+  test::StillDevice& device;
+  std::unique_ptr<Device> driven;  // it, or a workspace about it
+  StationCore core{*driven};
   std::int64_t now = 1'000'000 * kMs;
   Wrench wrench{Vec3(0, 0, 2.0), Vec3::Zero()};
-
-  Bench() { core.EnableForces(true); }
 
   /// One tick; the reply to its pose arrives `delay` later, before the next tick is over.
   void Tick(bool answered, std::int64_t delay = kMs / 20) {
@@ -297,6 +307,37 @@ TEST(StationCore, AllocatesNothing) {
   for (int i = 0; i < 500; ++i) bench.Tick(i % 3 != 0);
   bench.core.TakeSnapshot(bench.now);
   EXPECT_EQ(test::AllocationsOfThisThread(), before);
+}
+
+/// A device whose place in the scene ends in walls, at 0.2 m.
+Workspace WithWalls() {
+  Workspace workspace;
+  workspace.wall_force_N = 3.0;
+  return workspace;
+}
+
+TEST(StationCore, HasNoWallsUntilForcesAreEnabledAndRampsThemIn) {
+  Bench bench(WithWalls());
+  bench.core.EnableForces(false);
+  bench.wrench = {};
+  bench.device.sample.X_WH.p.x() = 0.2;  // the end of its reach
+  for (int i = 0; i < 500; ++i) bench.Tick(true);
+  EXPECT_EQ(bench.device.applied.force, Vec3::Zero());
+  bench.core.EnableForces(true);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 before = bench.device.applied.force;
+    bench.Tick(true);
+    EXPECT_LE((bench.device.applied.force - before).norm(), 3.0 / 200.0 + 1e-9);
+  }
+  EXPECT_NEAR(bench.device.applied.force.x(), -3.0, 1e-9);
+}
+
+TEST(StationCore, BoundsWallsAndContactTogether) {
+  Bench bench(WithWalls());
+  bench.wrench.force = Vec3(-100, 0, 0);
+  bench.device.sample.X_WH.p.x() = 0.2;
+  for (int i = 0; i < 300; ++i) bench.Tick(true);
+  EXPECT_NEAR(bench.device.applied.force.norm(), 22.0, 1e-9);
 }
 
 }  // namespace

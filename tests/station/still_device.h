@@ -15,6 +15,7 @@ class StillDevice final : public Device {
     info_.continuous_force_N = 3.0;
     info_.max_torque_Nm = 0.515;
     info_.continuous_torque_Nm = 0.188;
+    info_.workspace_m = Vec3::Constant(0.4);
   }
   const DeviceInfo& info() const override { return info_; }
   DeviceSample Read() noexcept override { return sample; }

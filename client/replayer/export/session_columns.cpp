@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "client/replayer/span.h"
+#include "client/replayer/playback.h"
 #include "common/dds/phase_name.h"
 #include "common/step_fault.h"
 #include "common/text/quoted.h"

@@ -1,9 +1,35 @@
 #pragma once
 
+#include <termios.h>
+
 #include "client/replayer/playback.h"
 #include "common/program/stop_signal.h"
 
 namespace palpate {
+
+/// Single keys from the terminal on standard input, without Enter; silent where that is none.
+class Keyboard {
+ public:
+  /// A key is its character, or one of these.
+  enum : int { kNone = -1, kLeft = 256, kRight };
+
+  /// What they do, for people who read it.
+  static constexpr const char* kHelp =
+      R"(Keys: space pauses and goes on    <- 5 s back    -> 5 s on, or a step while paused
+      p, n to the mark before, after    -, + slower, faster    b sets a bookmark    q ends)";
+
+  Keyboard();
+  ~Keyboard();
+  Keyboard(const Keyboard&) = delete;
+  Keyboard& operator=(const Keyboard&) = delete;
+
+  /// The next key that was pressed; never waits.
+  int Read();
+
+ private:
+  bool terminal_ = false;
+  termios former_{};
+};
 
 struct PlayOptions {
   bool stepping = false;  ///< begins paused

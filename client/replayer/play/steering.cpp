@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
-#include <vector>
 
 #include <spdlog/spdlog.h>
 

@@ -5,7 +5,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "client/replayer/score/score_page.h"
 #include "common/text/quoted.h"
 
 namespace palpate {

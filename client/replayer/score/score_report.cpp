@@ -10,7 +10,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "client/replayer/hand_path.h"
-#include "client/replayer/score/score_page.h"
 #include "common/error.h"
 #include "common/files/output.h"
 #include "common/text/quoted.h"

@@ -85,15 +85,24 @@ void Add(RecordingWriter& writer, const std::string& topic, const T& sample, std
   writer.Add(topic, kTypeOf<T>, time_ns, cdr);
 }
 
+/// Of bytes that outlive it.
+inline wire::SceneBundle SampleBundle(std::vector<std::uint8_t>& bytes,
+                                      const std::string& scene = "cube",
+                                      std::uint64_t server_run = 77) {
+  wire::SceneBundle bundle{};
+  wire::FromText(scene, bundle.scene);
+  bundle.server_run = server_run;
+  bundle.hash = BundleHash(bytes);
+  bundle.bundle._buffer = bytes.data();
+  bundle.bundle._length = bundle.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
+  return bundle;
+}
+
 /// @param forged  with the hash of another one.
 inline void AddBundle(RecordingWriter& writer, std::vector<std::uint8_t> bytes,
                       std::int64_t time_ns, bool forged = false) {
-  wire::SceneBundle bundle{};
-  wire::FromText("cube", bundle.scene);
-  bundle.server_run = 77;
-  bundle.hash = BundleHash(bytes) ^ (forged ? 1 : 0);
-  bundle.bundle._buffer = bytes.data();
-  bundle.bundle._length = bundle.bundle._maximum = static_cast<std::uint32_t>(bytes.size());
+  wire::SceneBundle bundle = SampleBundle(bytes);
+  bundle.hash ^= forged ? 1 : 0;
   Add(writer, dds::kSceneBundleTopic, bundle, time_ns);
 }
 

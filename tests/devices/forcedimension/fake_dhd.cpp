@@ -76,6 +76,15 @@ Fake& TheFake() {
   return fake;
 }
 
+int Open(const char* function, int serial) {
+  if (const int failed = TheFake().Begin(function, 0, false)) return failed;
+  if (TheFake().setup.arms == 0 || serial != TheFake().setup.serial) {
+    return TheFake().Refuse(kNoDeviceFound);
+  }
+  TheFake().open = true;
+  return kId;
+}
+
 int Give(const std::array<double, 3>& values, double* x, double* y, double* z) {
   *x = values[0];
   *y = values[1];
@@ -105,30 +114,29 @@ FakeDhd* palpate_fake_dhd() {
   return &TheFake();
 }
 
-int dhdErrorGetLast() {
-  return TheFake().error();
-}
+#define PALPATE_GIVES(result, name, parameters, value) \
+  result name parameters {                             \
+    return TheFake().value;                            \
+  }
+PALPATE_GIVES(int, dhdErrorGetLast, (), error())
+PALPATE_GIVES(int, dhdGetDeviceCount, (), setup.arms)
+PALPATE_GIVES(const char*, dhdGetSystemName, (char), setup.name.c_str())
+PALPATE_GIVES(bool, dhdHasWrist, (char), setup.wrist)
+PALPATE_GIVES(bool, dhdHasActiveWrist, (char), setup.active_wrist)
+PALPATE_GIVES(bool, dhdHasActiveGripper, (char), setup.active_gripper)
+PALPATE_GIVES(unsigned, dhdGetButtonMask, (char), buttons)
+#undef PALPATE_GIVES
+
 void dhdGetSDKVersion(int* major, int* minor, int* release, int* revision) {
   *major = 3;
   *minor = 17;
   *release = *revision = 1;
 }
-int dhdGetDeviceCount() {
-  return TheFake().setup.arms;
-}
 int dhdOpen() {
-  if (const int failed = TheFake().Begin("dhdOpen", 0, false)) return failed;
-  if (TheFake().setup.arms == 0) return TheFake().Refuse(palpate::test::kNoDeviceFound);
-  TheFake().open = true;
-  return palpate::test::kId;
+  return palpate::test::Open("dhdOpen", TheFake().setup.serial);
 }
 int dhdOpenSerial(int serial) {
-  if (const int failed = TheFake().Begin("dhdOpenSerial", 0, false)) return failed;
-  if (TheFake().setup.arms == 0 || serial != TheFake().setup.serial) {
-    return TheFake().Refuse(palpate::test::kNoDeviceFound);
-  }
-  TheFake().open = true;
-  return palpate::test::kId;
+  return palpate::test::Open("dhdOpenSerial", serial);
 }
 int dhdClose(char id) {
   if (const int failed = TheFake().Begin("dhdClose", id)) return failed;
@@ -171,30 +179,15 @@ int dhdGetSystemType(char id) {
   if (const int failed = TheFake().Begin("dhdGetSystemType", id)) return failed;
   return TheFake().setup.type;
 }
-const char* dhdGetSystemName(char) {
-  return TheFake().setup.name.c_str();
-}
 int dhdGetSerialNumber(unsigned short* serial, char id) {
   if (const int failed = TheFake().Begin("dhdGetSerialNumber", id)) return failed;
   *serial = static_cast<unsigned short>(TheFake().setup.serial);
   return 0;
 }
-bool dhdHasWrist(char) {
-  return TheFake().setup.wrist;
-}
-bool dhdHasActiveWrist(char) {
-  return TheFake().setup.active_wrist;
-}
-bool dhdHasActiveGripper(char) {
-  return TheFake().setup.active_gripper;
-}
 int dhdGetStatus(int* status, char id) {
   if (const int failed = TheFake().Begin("dhdGetStatus", id)) return failed;
   std::memcpy(status, TheFake().status.data(), sizeof TheFake().status);
   return 0;
-}
-unsigned dhdGetButtonMask(char) {
-  return TheFake().buttons;
 }
 int dhdGetPosition(double* x, double* y, double* z, char id) {
   if (const int failed = TheFake().Begin("dhdGetPosition", id)) return failed;

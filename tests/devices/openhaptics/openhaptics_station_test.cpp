@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <functional>
 #include <memory>
-#include <new>
 #include <vector>
 
 #include <fcntl.h>

@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <limits>
 #include <map>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -78,58 +77,6 @@ Table ReadCsv(const std::string& file) {
   return table;
 }
 
-/// NumPy's format 1.0 by its document: magic, length, a dictionary in Python's notation, packed
-/// rows.
-Table ReadNpy(const std::string& file) {
-  Table table;
-  const std::string all = ReadWholeFile(file);
-  EXPECT_EQ(all.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8));
-  const std::size_t length =
-      static_cast<unsigned char>(all[8]) + 256u * static_cast<unsigned char>(all[9]);
-  EXPECT_EQ((10 + length) % 64, 0u);
-  const std::string head = all.substr(10, length);
-  EXPECT_EQ(head.back(), '\n');
-  EXPECT_THAT(head, HasSubstr("'fortran_order': False"));
-  std::vector<std::string> types;
-  for (std::size_t at = 0; (at = head.find("('", at)) != std::string::npos;) {
-    const std::size_t name_end = head.find("', '", at);
-    const std::size_t type_end = head.find("')", name_end);
-    table.names.push_back(head.substr(at + 2, name_end - at - 2));
-    types.push_back(head.substr(name_end + 4, type_end - name_end - 4));
-    at = type_end;
-  }
-  const std::size_t rows = std::strtoull(head.c_str() + head.find("'shape': (") + 10, nullptr, 10);
-  std::size_t at = 10 + length;
-  for (std::size_t row = 0; row < rows; ++row) {
-    for (std::size_t k = 0; k < types.size(); ++k) {
-      std::ostringstream cell;
-      cell.precision(17);
-      const std::size_t size = std::strtoull(types[k].c_str() + 2, nullptr, 10);
-      const char* const bytes = all.data() + at;
-      if (types[k] == "<f8") {
-        double value;
-        std::memcpy(&value, bytes, 8);
-        cell << value;
-      } else if (types[k] == "<u8") {
-        std::uint64_t value;
-        std::memcpy(&value, bytes, 8);
-        cell << value;
-      } else if (types[k] == "<u4") {
-        std::uint32_t value;
-        std::memcpy(&value, bytes, 4);
-        cell << value;
-      } else {
-        EXPECT_EQ(types[k].substr(0, 2), "|S");
-        cell << std::string(bytes, strnlen(bytes, size));
-      }
-      at += size;
-      table.text[table.names[k]].push_back(cell.str());
-    }
-  }
-  EXPECT_EQ(at, all.size()) << "rows end where the file ends";
-  return table;
-}
-
 std::uint64_t Bits(double value) {
   return std::bit_cast<std::uint64_t>(value);
 }
@@ -143,27 +90,26 @@ double AnyDouble(std::uint64_t& seed) {
   }
 }
 
-class ExportOf : public testing::TestWithParam<ColumnFormat> {
+/// As CSV: that NumPy's files hold the same is python/recording's to say.
+class ExportOf : public testing::Test {
  protected:
-  Table Read(const std::string& table) const {
-    const std::string file = out + "/" + table + Suffix(GetParam());
-    return GetParam() == ColumnFormat::kCsv ? ReadCsv(file) : ReadNpy(file);
-  }
+  Table Read(const std::string& table) const { return ReadCsv(out + "/" + table + ".csv"); }
   void Run(bool overwrite = false) {
-    Export({.files = {recording}, .folder = out, .format = GetParam(), .overwrite = overwrite},
-           stop);
+    Export({.files = {recording}, .folder = out, .overwrite = overwrite}, stop);
+  }
+  /// A recording of one pose.
+  void Record() {
+    RecordingWriter writer({.file = recording, .overwrite = true});
+    Add(writer, dds::PoseTopic("hand", 5), SamplePose(1), kBegin_ns);
+    writer.Close("");
   }
   Folder folder;
   std::string recording = folder / "day.mcap";
   std::string out = folder / "out";
   StopSignal stop;
 };
-INSTANTIATE_TEST_SUITE_P(, ExportOf, testing::Values(ColumnFormat::kCsv, ColumnFormat::kNpy),
-                         [](const auto& tested) {
-                           return tested.param == ColumnFormat::kCsv ? "Csv" : "Npy";
-                         });
 
-TEST_P(ExportOf, GivesEveryBitOfEveryPoseAndWrenchOfEachSession) {
+TEST_F(ExportOf, GivesEveryBitOfEveryPoseAndWrenchOfEachSession) {
   std::map<std::uint64_t, std::vector<wire::HapticPose>> poses;
   std::map<std::uint64_t, std::vector<wire::Wrench>> wrenches;
   std::uint64_t seed = 1;
@@ -219,7 +165,7 @@ TEST_P(ExportOf, GivesEveryBitOfEveryPoseAndWrenchOfEachSession) {
   }
 }
 
-TEST_P(ExportOf, KnowsTheAgeOfAWrenchThatOvertookItsPoseAndSaysWhereThereIsNone) {
+TEST_F(ExportOf, KnowsTheAgeOfAWrenchThatOvertookItsPoseAndSaysWhereThereIsNone) {
   RecordingWriter writer({.file = recording});
   Add(writer, dds::PoseTopic("hand", 5), SamplePose(1), kBegin_ns);
   Add(writer, dds::WrenchTopic("hand", 5), SampleWrench(2), kBegin_ns + 2 * kMs);
@@ -234,7 +180,7 @@ TEST_P(ExportOf, KnowsTheAgeOfAWrenchThatOvertookItsPoseAndSaysWhereThereIsNone)
   EXPECT_TRUE(std::isnan(age_s[1]));
 }
 
-TEST_P(ExportOf, TellsOfPhasesFaultsContactsAndTheLimiter) {
+TEST_F(ExportOf, TellsOfPhasesFaultsContactsAndTheLimiter) {
   RecordingWriter writer({.file = recording});
   wire::SessionState state = SampleState("hand", 5);
   wire::FromText("as \"they\" want,\nit", state.reason);
@@ -279,7 +225,7 @@ TEST_P(ExportOf, TellsOfPhasesFaultsContactsAndTheLimiter) {
   EXPECT_THAT(ReadWholeFile(out + "/METHODS.md"), HasSubstr("clamped 11"));
 }
 
-TEST_P(ExportOf, LeavesOutAStationWhoseNameWouldBeAPath) {
+TEST_F(ExportOf, LeavesOutAStationWhoseNameWouldBeAPath) {
   RecordingWriter writer({.file = recording});
   Add(writer, "palpate/../../evil/0000000000000005/pose", SamplePose(1), kBegin_ns);
   Add(writer, dds::kSessionStateTopic, SampleState("../evil", 5), kBegin_ns);
@@ -292,7 +238,7 @@ TEST_P(ExportOf, LeavesOutAStationWhoseNameWouldBeAPath) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(out), {}), 3);
 }
 
-TEST_P(ExportOf, GoesAsFarAsADamagedRecordingDoesAndSaysSo) {
+TEST_F(ExportOf, GoesAsFarAsADamagedRecordingDoesAndSaysSo) {
   RecordingWriter writer({.file = recording});
   for (std::uint64_t i = 0; i < 3000; ++i) {
     Add(writer, dds::PoseTopic("hand", 5), SamplePose(i),
@@ -310,25 +256,20 @@ TEST_P(ExportOf, GoesAsFarAsADamagedRecordingDoesAndSaysSo) {
   EXPECT_FALSE(methods["problems"].empty());
 }
 
-TEST_P(ExportOf, WritesNothingOfAnEmptyRecordingOrWhereItIsStopped) {
+TEST_F(ExportOf, WritesNothingOfAnEmptyRecordingOrWhereItIsStopped) {
   RecordingWriter({.file = recording}).Close("");
   EXPECT_THROW(Run(), Error);
   EXPECT_FALSE(std::filesystem::exists(out));
 
-  std::filesystem::remove(recording);
-  RecordingWriter writer({.file = recording});
-  Add(writer, dds::PoseTopic("hand", 5), SamplePose(1), kBegin_ns);
-  writer.Close("");
+  Record();
   std::raise(SIGINT);
   EXPECT_THROW(Run(), Error);
   EXPECT_FALSE(std::filesystem::exists(out));
   EXPECT_FALSE(std::filesystem::exists(out + ".part"));
 }
 
-TEST_P(ExportOf, ReplacesAFormerExportAloneAndOnlyWhereAsked) {
-  RecordingWriter writer({.file = recording});
-  Add(writer, dds::PoseTopic("hand", 5), SamplePose(1), kBegin_ns);
-  writer.Close("");
+TEST_F(ExportOf, ReplacesAFormerExportAloneAndOnlyWhereAsked) {
+  Record();
   Run();
   EXPECT_THROW(Run(), Error);  // is there already
   Run(true);
@@ -347,12 +288,9 @@ TEST_P(ExportOf, ReplacesAFormerExportAloneAndOnlyWhereAsked) {
   EXPECT_THROW(Run(true), Error);  // no export, as far as anyone can tell
 }
 
-TEST_P(ExportOf, LeavesWhatSomebodyHasChangedInAFormerExport) {
-  RecordingWriter writer({.file = recording});
-  Add(writer, dds::PoseTopic("hand", 5), SamplePose(1), kBegin_ns);
-  writer.Close("");
-  for (const std::string& name : {std::string("hand_0000000000000005/poses") + Suffix(GetParam()),
-                                  std::string("METHODS.md"), std::string("methods.json")}) {
+TEST_F(ExportOf, LeavesWhatSomebodyHasChangedInAFormerExport) {
+  Record();
+  for (const std::string name : {"hand_0000000000000005/poses.csv", "METHODS.md", "methods.json"}) {
     const std::string file = out + "/" + name;
     Run();
     std::ofstream(file, std::ios::app) << " ";
@@ -406,7 +344,7 @@ TEST(ExportFolder, LeavesWhatComesWhileItGrows) {
   EXPECT_FALSE(std::filesystem::exists(part));
 }
 
-TEST_P(ExportOf, TellsInItsTextWhatANameIsAndNoMore) {
+TEST_F(ExportOf, TellsInItsTextWhatANameIsAndNoMore) {
   RecordingWriter writer({.file = recording});
   wire::SessionState state = SampleState("hand", 5);
   wire::FromText("<img src=x onerror=alert(1)>|`*_[a](b)\\", state.scene);

@@ -1,7 +1,6 @@
-#include "client/replayer/guide/guide_pace.h"
-
 #include <gtest/gtest.h>
 
+#include "client/replayer/guide/guide.h"
 #include "client/station/guide.h"
 
 namespace palpate {

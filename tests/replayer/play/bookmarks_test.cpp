@@ -2,15 +2,14 @@
 
 #include <cmath>
 #include <filesystem>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/common/recording/samples.h"
 #include "tests/support/complaint.h"
+#include "tests/support/read_file.h"
 
 namespace palpate::test {
 namespace {
@@ -29,10 +28,6 @@ std::vector<std::pair<double, std::string>> NamesOf(const Bookmarks& bookmarks) 
 
 void WriteText(const std::string& file, const std::string& text) {
   WriteBytes(file, {text.begin(), text.end()});
-}
-std::string TextOf(const std::string& file) {
-  const std::vector<std::uint8_t> bytes = BytesOf(file);
-  return {bytes.begin(), bytes.end()};
 }
 
 class BookmarksTest : public testing::Test {
@@ -98,7 +93,7 @@ TEST_F(BookmarksTest, SayWhatIsWrongWithAFileAndLeaveItAsItIs) {
     SCOPED_TRACE(text);
     WriteText(file_, text);
     EXPECT_THAT(ComplaintOf([&] { Bookmarks{file_}; }), HasSubstr(complaint));
-    EXPECT_EQ(TextOf(file_), text);
+    EXPECT_EQ(ReadWholeFile(file_), text);
   }
 }
 

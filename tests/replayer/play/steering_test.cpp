@@ -4,9 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

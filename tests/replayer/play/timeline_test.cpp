@@ -1,15 +1,11 @@
 #include "client/replayer/play/timeline.h"
 
-#include <limits>
 #include <optional>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/replayer/play/playhead.h"
 #include "common/error.h"
 #include "tests/replayer/lesson_recording.h"
 
@@ -221,6 +217,92 @@ TEST(Timeline, GivesASampleWhoseTimeGoesBackTheTurnOfTheOneBefore) {
   EXPECT_EQ(Timeline::TurnOf(at(7), 5), 7);
   EXPECT_EQ(Timeline::TurnOf(at(3), 5), 5);
 }
+
+TEST(PlaybackClock, GoesWithTheClockTimesARate) {
+  PlaybackClock clock(0.5, false);
+  clock.Begin(1000, 50);
+  EXPECT_EQ(clock.At(50), 1000);
+  EXPECT_EQ(clock.At(70), 1010);
+}
+
+TEST(PlaybackClock, StandsWhilePausedAndGoesOnFromThere) {
+  PlaybackClock clock(2.0, false);
+  clock.Begin(1000, 0);
+  clock.SetPaused(true, 10);
+  EXPECT_TRUE(clock.paused());
+  EXPECT_EQ(clock.At(500), 1020);
+  clock.SetPaused(false, 500);
+  EXPECT_EQ(clock.At(501), 1022);
+}
+
+TEST(PlaybackClock, GoesOnFromWhereItIsAtAnotherRate) {
+  PlaybackClock clock(1.0, false);
+  clock.Begin(1000, 0);
+  clock.SetRate(4.0, 10);
+  EXPECT_EQ(clock.rate(), 4.0);
+  EXPECT_EQ(clock.At(10), 1010);
+  EXPECT_EQ(clock.At(20), 1050);
+  clock.SetPaused(true, 20);
+  clock.SetRate(0.5, 30);
+  EXPECT_EQ(clock.At(1000), 1050) << "still paused";
+}
+
+using Heard = std::vector<std::pair<std::int64_t, std::vector<std::uint8_t>>>;
+
+/// In one file, and in splits of some seconds.
+class PlayheadTest : public testing::TestWithParam<double> {
+ protected:
+  PlayheadTest() {
+    LessonWriter lesson;
+    FillLesson(lesson);
+    std::vector<std::string> files;
+    lesson.Write({.file = folder_ / "a.mcap", .split_s = GetParam()}, &files);
+    EXPECT_EQ(files.size() > 1, GetParam() > 0.0);
+    reader_.emplace(files);
+    timeline_ = TimelineOf(*reader_);
+    reader_->Restart();
+    RecordedSample sample{};
+    while (reader_->Next(sample)) {
+      if (!IsForViewers(sample.type)) continue;
+      all_.emplace_back(sample.log_time_ns, std::vector(sample.cdr.begin(), sample.cdr.end()));
+    }
+  }
+  Heard AllAfter(std::int64_t time_ns) const {
+    Heard rest;
+    for (const auto& sample : all_) {
+      if (sample.first > time_ns) rest.push_back(sample);
+    }
+    return rest;
+  }
+
+  Folder folder_;
+  std::optional<RecordingReader> reader_;
+  Timeline timeline_;
+  Heard all_;
+};
+
+TEST_P(PlayheadTest, ShowsAndGoesOnAsIfItHadPlayedUpToThere) {
+  // There and back: no way depends on the one before.
+  for (const std::int64_t at_ms : {0, 11'980, 1500, 5900, 4500, -1, 3000, 8499, 5000, 9000, 8501,
+                                   20'000, 2010, 6000, 10'500}) {
+    SCOPED_TRACE(at_ms);
+    const std::int64_t time_ns = kBegin_ns + at_ms * kMs;
+    Playhead again(*reader_, timeline_);
+    const Viewer viewer = ViewerWhoPlayedTo(*reader_, time_ns);
+    // It reads on where it was left to: all files are known again.
+    TimelineOf(*reader_);
+    EXPECT_EQ(again.GoTo(time_ns), viewer.streams);
+    Heard rest;
+    RecordedSample sample{};
+    while (again.Next(sample)) {
+      EXPECT_EQ(again.passed_ns(), sample.log_time_ns);
+      rest.emplace_back(sample.log_time_ns, std::vector(sample.cdr.begin(), sample.cdr.end()));
+    }
+    EXPECT_EQ(rest, AllAfter(time_ns));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, PlayheadTest, testing::Values(0.0, 3.0));
 
 }  // namespace
 }  // namespace palpate::test

@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "client/replayer/score/criteria.h"
+#include "client/replayer/score/score_report.h"
 #include "common/error.h"
 #include "common/math/rotation.h"
 #include "tests/common/recording/samples.h"
@@ -299,6 +303,131 @@ TEST(HandPath, LeavesOutPosesThatNobodyCanUse) {
   EXPECT_EQ(ReadHandPath({folder / "a.mcap"}).size(), 3u);
   record(10, 0);
   EXPECT_THROW(ReadHandPath({folder / "a.mcap"}), Error);
+}
+
+using testing::Not;
+
+/// Of hands so far beside the expert's line, and of one that touches nothing where it is so said.
+Report ReportOf(const std::vector<double>& beside_m, bool idle = false) {
+  Report report;
+  report.expert = "teacher";
+  report.criteria = Criteria{.file = "mine.json", .title = "Strokes", .pass = 60};
+  report.criteria->criteria = {
+      {.name = "near", .why = "A < B", .measure = "path_mean_mm", .best = 0, .worst = 10}};
+  const auto add = [&](const std::string& name, const HandPath& path) {
+    report.trials.push_back({name, ScorePath(Stroke(2.0), path)});
+    report.grades.push_back(GradeTrial(*report.criteria, report.trials.back().score, path));
+  };
+  for (const double beside : beside_m) {
+    add("try " + std::to_string(report.trials.size() + 1), Stroke(2.0, Vec3(0, beside, 0)));
+  }
+  if (idle) add("idle", Stroke(2.0, Vec3::Zero(), 0.0));
+  return report;
+}
+
+TEST(Average, IsMeanAndDeviationOfASample) {
+  EXPECT_EQ(AverageOf({3.0}).mean, 3.0);
+  EXPECT_EQ(AverageOf({3.0}).deviation, 0.0);
+  EXPECT_DOUBLE_EQ(AverageOf({1.0, 2.0, 3.0}).mean, 2.0);
+  EXPECT_DOUBLE_EQ(AverageOf({1.0, 2.0, 3.0}).deviation, 1.0);
+}
+
+TEST(ScoreReport, JudgesByTheAverageOfTheTrials) {
+  // 90, 70 and 50 points.
+  const Report report = ReportOf({0.001, 0.003, 0.005});
+  EXPECT_NEAR(report.grades[1]->points, 70.0, 0.1);
+  EXPECT_THAT(ToText(report), HasSubstr("Strokes: 70 ± 20 of 100 points, passed"));
+  const std::string html = ToHtml(report);
+  EXPECT_THAT(html, HasSubstr("<b>70</b>"));
+  EXPECT_THAT(html, HasSubstr("average of 3 trials, ± 20"));
+  EXPECT_THAT(html, HasSubstr("<th>try 3</th><th>average</th>"));
+  EXPECT_THAT(html, Not(HasSubstr("predicts nothing")));
+  EXPECT_THAT(ToHtml(ReportOf({0.003, 0.007})), HasSubstr("not yet"));
+}
+
+TEST(ScoreReport, GivesNoPointsToATrialThatTouchesNothing) {
+  const Report idle = ReportOf({}, true);
+  EXPECT_THAT(ToText(idle), HasSubstr("Strokes: nothing was touched: no points\n"));
+  EXPECT_THAT(ToHtml(idle), HasSubstr("nothing was touched: no points"));
+  const Report both = ReportOf({0.003}, true);
+  EXPECT_THAT(ToText(both), HasSubstr("Strokes: 70 of 100 points, passed"));
+  EXPECT_THAT(ToHtml(both), HasSubstr("<b>70</b>"));
+  const Folder folder;
+  WriteJson(both, folder / "both.json");
+  const auto trials = nlohmann::json::parse(std::ifstream(folder / "both.json"))["trials"];
+  EXPECT_NEAR(trials[0]["points"], 70.0, 0.1);
+  EXPECT_TRUE(trials[1]["points"].is_null());
+}
+
+TEST(ScoreReport, SaysThatOneTrialPredictsNothing) {
+  const Report report = ReportOf({0.001});
+  EXPECT_THAT(ToText(report), HasSubstr("One trial predicts nothing"));
+  EXPECT_THAT(ToHtml(report), HasSubstr("One trial predicts nothing"));
+}
+
+TEST(ScoreReport, IsWrittenAsAPageWithPlotsAndFigures) {
+  const Folder folder;
+  WriteReport(ReportOf({0.001, 0.003}), folder / "report");
+  for (const char* name : {"score.html", "score.svg", "score.json"}) {
+    EXPECT_GT(std::filesystem::file_size(folder / "report/" + name), 500u) << name;
+  }
+}
+
+/// What is between a tag and its end.
+std::string Inside(const std::string& html, const std::string& tag, const std::string& end) {
+  const std::size_t begin = html.find(tag) + tag.size();
+  return html.substr(begin, html.find(end, begin) - begin);
+}
+
+TEST(ScoreReport, StandsAloneAndLetsNoNameIntoItsMarkup) {
+  for (const std::string name :
+       {"</script><b>", "x<!--<script>", "a&b\u2028", "-->]]>", "\xff\x1b[2K"}) {
+    Report report = ReportOf({0.001});
+    report.trials[0].name = report.expert = report.criteria->file = name;
+    const std::string html = ToHtml(report);
+    const std::string script = Inside(html, "<script>\nconst score = ", ";\n");
+    EXPECT_EQ(script.find_first_of("<>&"), script.npos) << name;
+    EXPECT_THAT(script, testing::Each(testing::AllOf(testing::Ge(' '), testing::Lt('\x7f'))))
+        << name;
+    const auto tracks = nlohmann::json::parse(script)["tracks"];
+    EXPECT_EQ(tracks[1]["name"], name[0] == '\xff' ? "\ufffd\x1b[2K" : name);
+    for (const char* raw : {"</script><b>", "<!--<script>", "]]>", "\xff", "\x1b"}) {
+      EXPECT_THAT(html, Not(HasSubstr(raw))) << name;
+      EXPECT_THAT(ToSvg(PlotsOf(report.trials)), Not(HasSubstr(raw))) << name;
+    }
+    EXPECT_THAT(html, HasSubstr("A &lt; B"));
+    for (const char* elsewhere : {"src=", "@import", "<link"}) {
+      EXPECT_THAT(html, Not(HasSubstr(elsewhere)));
+    }
+  }
+}
+
+TEST(ScoreReport, CallsATrialByItsFileAndStationWhateverTheFileIsCalled) {
+  const Folder folder;
+  const std::string file = folder / "l\xff<.mcap";
+  RecordingWriter writer({.file = file});
+  for (const std::string station : {"teacher", "anna"}) {
+    Add(writer, dds::kSessionStateTopic, SampleState(station, 1), 0);
+    for (std::uint64_t i = 1; i <= 100; ++i) {
+      wire::HapticPose pose = SamplePose(i);
+      wire::FromPose({Vec3(1e-3 * static_cast<double>(i), 0, 0), Quat::Identity()}, pose.position_m,
+                     pose.orientation_wxyz);
+      Add(writer, dds::PoseTopic(station, 1), pose, 0);
+    }
+  }
+  writer.Close("");
+  ScoreOptions options;
+  options.expert = file;
+  options.trials = {file};
+  EXPECT_THROW(MakeReport(options), Error) << "several sessions";
+  options.expert_station = "teacher";
+  options.stations = {"anna"};
+  const Report report = MakeReport(options);
+  EXPECT_EQ(report.trials[0].name, R"(l\xff< (anna))");
+  EXPECT_EQ(report.expert, R"(l\xff< (teacher))");
+  EXPECT_EQ(report.trials[0].score.path_max_mm, 0.0);
+  WriteReport(report, folder / "report");
+  EXPECT_GT(std::filesystem::file_size(folder / "report/score.json"), 500u);
 }
 
 }  // namespace

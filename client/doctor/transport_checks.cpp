@@ -1,0 +1,244 @@
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <sstream>
+
+#include <fcntl.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <sys/file.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "client/doctor/checks.h"
+#include "common/dds/ports.h"
+#include "common/dds/server_lock.h"
+#include "common/dds/topics.h"
+#include "common/text/quoted.h"
+
+namespace palpate::doctor {
+namespace {
+
+constexpr const char* kSocket = "/tmp/roudi";                 // iceoryx 2.0: IPC channel "roudi"
+constexpr const char* kLock = "/tmp/iox-unique-roudi.lock";   // held as long as RouDi lives
+constexpr const char* kManagement = "/dev/shm/iceoryx_mgmt";  // RouDi's books
+constexpr long long kMega = 1'000'000;
+
+/// True where the user may open the socket; `answers`, where a process holds it open.
+bool Connects(const std::string& path, bool& answers) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof address.sun_path) return false;
+  std::strcpy(address.sun_path, path.c_str());
+  const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return false;
+  answers = connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  const bool refused = !answers && (errno == EACCES || errno == EPERM);
+  close(fd);
+  return !refused;
+}
+
+bool IsLocked(const std::string& path) {
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return false;  // another user's: it is there, and nobody else's business
+  const bool locked = flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  close(fd);
+  return locked;
+}
+
+/// What iox-roudi was started with as its pools, from its command line.
+std::optional<std::string> PoolsOfRunning(const HostFiles& host) {
+  for (const std::string& process : host.Names("/proc")) {
+    if (host.Read("/proc/" + process + "/comm") != "iox-roudi") continue;
+    const std::string words = host.Read("/proc/" + process + "/cmdline").value_or("");
+    // Each word ends with a zero.
+    for (const char* name : {"-c", "--config-file"}) {
+      const std::string option = std::string(1, '\0') + name + std::string(1, '\0');
+      if (const std::size_t at = words.find(option); at != std::string::npos) {
+        return std::string(words.c_str() + at + option.size());
+      }
+    }
+    return "";
+  }
+  return std::nullopt;
+}
+
+/// What it means that RouDi, or what it needs, is not there.
+Status Missing(dds::Transport wanted) {
+  return wanted == dds::Transport::kSharedMemory ? Status::kFault : Status::kWarning;
+}
+
+}  // namespace
+
+std::optional<Space> SpaceIn(const HostFiles& host, const std::string& folder) {
+  struct statvfs status {};
+  if (statvfs(host.At(folder).c_str(), &status) != 0) return std::nullopt;
+  const auto block = static_cast<long long>(status.f_frsize);
+  return Space{.size_MB = static_cast<long long>(status.f_blocks) * block / kMega,
+               .free_MB = static_cast<long long>(status.f_bavail) * block / kMega};
+}
+
+RouDiState LookAtRouDi(const HostFiles& host) {
+  RouDiState roudi;
+  struct stat status {};
+  roudi.socket = stat(host.At(kSocket).c_str(), &status) == 0;
+  if (roudi.socket) {
+    roudi.owner = status.st_uid;
+    roudi.may_connect = Connects(host.At(kSocket), roudi.answers);
+  }
+  const auto closed = [&](const char* file) { return host.Has(file) && !host.MayOpen(file); };
+  for (const char* file : {kLock, kManagement}) {
+    if (closed(file)) roudi.closed.append(" ").append(file);
+  }
+  roudi.lock_held = closed(kLock) ? roudi.answers : IsLocked(host.At(kLock));
+  roudi.pools = PoolsOfRunning(host);
+  return roudi;
+}
+
+Finding CheckSharedMemory(const std::optional<Space>& space, bool roudi_runs,
+                          dds::Transport wanted) {
+  if (!space) {
+    return {.status = wanted == dds::Transport::kUdp ? Status::kWarning : Status::kFault,
+            .found = "is not there",
+            .remedy = "sudo mount -t tmpfs tmpfs /dev/shm"};
+  }
+  const std::string found =
+      std::to_string(space->free_MB) + " of " + std::to_string(space->size_MB) + " MB free";
+  const bool enough = roudi_runs || space->free_MB >= kSharedMemoryNeeded_MB;
+  if (enough || wanted == dds::Transport::kUdp) return Ok(found);
+  return {.status = Missing(wanted),
+          .found = found + ": RouDi needs " + std::to_string(kSharedMemoryNeeded_MB) +
+                   " MB, and dies of less (SIGBUS)",
+          .remedy = space->size_MB < kSharedMemoryNeeded_MB
+                        ? "sudo mount -o remount,size=256m /dev/shm; in a container, --ipc host or "
+                          "--shm-size 256m"
+                        : "'ls -l /dev/shm' shows who has it: end those programs, and remove files "
+                          "of programs that have ended (iceoryx_*, where no RouDi runs)"};
+}
+
+Finding CheckRouDi(const RouDiState& roudi, dds::Transport wanted, long long user,
+                   const std::string& pools) {
+  const std::string start =
+      "sudo systemctl start palpate-roudi (package palpate-server), or iox-roudi -c " +
+      ShellWord(pools) + " as the user of the server and the stations";
+  const bool needed = wanted != dds::Transport::kUdp;
+  const Status missing = Missing(wanted);
+  const std::string owner = std::to_string(roudi.owner);
+  if (!roudi.closed.empty() && !roudi.socket && needed) {
+    return {
+        .status = missing,
+        .found = "another user's has left" + roudi.closed +
+                 ", or runs in another /tmp: none can be started as this user",
+        .remedy = "where 'pgrep iox-roudi' names none: sudo rm" + roudi.closed + "; then " + start};
+  }
+  if (!roudi.answers && !roudi.lock_held) {
+    const std::string found = roudi.socket
+                                  ? "does not run; a killed one has left its socket, /tmp/roudi"
+                                  : "does not run";
+    if (!needed) return Ok(found);
+    return {.status = missing, .found = found + ": programs meet over UDP", .remedy = start};
+  }
+  if (roudi.socket && !roudi.may_connect) {
+    const std::string found =
+        "runs as another user (id " + owner + "), whose socket this one may not open";
+    if (!needed) return Ok(found);
+    return {.status = missing,
+            .found = found,
+            .remedy =
+                "run RouDi, server and stations as one user, or sudo adduser $USER palpate "
+                "where RouDi runs as the service palpate-roudi, and log in again"};
+  }
+  if (roudi.answers && !roudi.lock_held) {
+    return {.status = needed ? Status::kFault : Status::kWarning,
+            .found = "something that is no RouDi (it holds no " + std::string(kLock) +
+                     ") listens at /tmp/roudi, of user id " + owner,
+            .remedy = "sudo ss -xlp | grep /tmp/roudi names the process: end it; then " + start};
+  }
+  if (!roudi.answers) {
+    const std::string found = "holds its lock, but does not answer at /tmp/roudi";
+    if (!needed) return Ok(found);
+    return Fault(found,
+                 "share the host's /tmp (a container: --volume /tmp:/tmp; a service: "
+                 "PrivateTmp=no), or stop it and start it again, with server and stations");
+  }
+  const std::string found = roudi.owner == user ? "answers" : "answers, as user id " + owner;
+  if (!roudi.pools) return Ok(found);  // in another process namespace: nobody can see
+  if (!roudi.pools->empty()) return Ok(found + ", with the pools of " + *roudi.pools);
+  return Warning(found + ", with pools of its own (149 MB): it was started without -c",
+                 "end it, and server and stations with it; then " + start);
+}
+
+std::vector<Interface> InterfacesOfThisHost() {
+  std::vector<Interface> interfaces;
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) return interfaces;
+  for (const ifaddrs* each = all; each != nullptr; each = each->ifa_next) {
+    if (each->ifa_addr == nullptr || each->ifa_addr->sa_family != AF_INET) continue;
+    interfaces.push_back({.name = each->ifa_name,
+                          .up = (each->ifa_flags & IFF_UP) != 0,
+                          .multicast = (each->ifa_flags & IFF_MULTICAST) != 0});
+  }
+  freeifaddrs(all);
+  return interfaces;
+}
+
+Finding CheckNetwork(const std::vector<Interface>& interfaces, const dds::Network& network) {
+  const auto found = std::ranges::find(interfaces, network.interface, &Interface::name);
+  if (found == interfaces.end()) {
+    std::string remedy = "give another --network; with an address are:";
+    for (const Interface& each : interfaces) remedy += " " + each.name;
+    return Fault(network.interface + " is not there, or has no address of IPv4",
+                 network.this_host()
+                     ? "sudo ip link set lo up && sudo ip address add 127.0.0.1/8 dev lo"
+                     : remedy);
+  }
+  if (!found->up) {
+    return Fault(network.interface + " is down", "sudo ip link set " + network.interface + " up");
+  }
+  // lo never says that it carries multicast, and does; the loop that is tried shows it.
+  if (network.this_host() || found->multicast) return Ok(network.interface + " is up");
+  const std::string poor = network.interface + " is up, without multicast";
+  if (!network.peers.empty()) return Ok(poor);
+  return Warning(poor, "give each program the other's address with --peer ADDRESS");
+}
+
+bool ServerRuns(const HostFiles& host, int domain) {
+  std::istringstream sockets(host.Read("/proc/net/udp").value_or(""));
+  return dds::PortsIn(sockets).contains(ServerPort(domain));
+}
+
+Finding CheckPorts(const HostFiles& host, int domain, bool server_runs) {
+  std::set<int> in_use;
+  for (const char* file : {"/proc/net/udp", "/proc/net/udp6"}) {
+    std::istringstream text(host.Read(file).value_or(""));
+    in_use.merge(dds::PortsIn(text));
+  }
+  std::istringstream range(host.Read("/proc/sys/net/ipv4/ip_local_port_range").value_or(""));
+  const dds::PortRange anyone = dds::PortsOfAnyone(range);
+  const dds::PortRange loop = dds::PortsOf(dds::LoopDomainId(domain));
+  const dds::PortRange service = dds::PortsOf(dds::ServiceDomainId(domain));
+  const std::string which = "domain " + std::to_string(domain) + ", UDP " +
+                            std::to_string(loop.first) + " to " + std::to_string(service.last);
+  if (loop.Meets(anyone) || service.Meets(anyone)) {
+    return Warning(which + ": the kernel gives some of them to any connection (" +
+                       std::to_string(anyone.first) + " to " + std::to_string(anyone.last) + ")",
+                   "sudo sysctl net.ipv4.ip_local_port_range='32768 60999', and the same line in "
+                   "/etc/sysctl.d/palpate.conf; or give a smaller --domain");
+  }
+  std::string why;
+  for (const int id : {dds::LoopDomainId(domain), dds::ServiceDomainId(domain)}) {
+    if (why.empty()) why = dds::WhyPortsFail(id, in_use, anyone);
+  }
+  if (why.empty()) return Ok(which + ": free");
+  if (server_runs) return Ok(which + ": a palpate-server of this host has them");
+  return Warning(
+      which + ": taken, and no palpate-server of this host runs in it; " + why,
+      "end what has them, unless it is a palpate-viewer or a station that waits for its server "
+      "(sudo ss -ulpn names it), or give another --domain");
+}
+
+}  // namespace palpate::doctor
