@@ -365,14 +365,15 @@ void Run(const Options& options) {
 
 void AddCut(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  Command command(app, "cut",
-                  "A ball bur of 0.5 mm in a flat block: volume against the exact sweep, force and "
-                  "work against the\nlaw, time of a step.  About half a minute.\n"
-                  "Example: palpate-bench cut --json cut.json");
-  command.Add("--grid-um", options->grids_um, "Spacings of the grid [um], 25 to 200");
-  command.AddRepeats(options->repeats);
-  command.AddJson(options->json);
-  command.Runs([options] { Run(*options); });
+  CLI::App& command = *app.add_subcommand(
+      "cut",
+      "A ball bur of 0.5 mm in a flat block: volume against the exact sweep, force and "
+      "work against the\nlaw, time of a step.  About half a minute.\n"
+      "Example: palpate-bench cut --json cut.json");
+  Add(command, "--grid-um", options->grids_um, "Spacings of the grid [um], 25 to 200");
+  AddRepeats(command, options->repeats);
+  AddJson(command, options->json);
+  command.callback([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench
