@@ -13,7 +13,6 @@
 #include "client/viewer/foxglove.h"
 #include "client/viewer/frame_queue.h"
 #include "common/dds/cdr_reader.h"
-#include "common/dds/scene_progress.h"
 
 namespace palpate {
 

@@ -70,26 +70,11 @@ bool FromCdr(std::span<const std::uint8_t> bytes, T& sample) {
   return true;
 }
 
-#define PALPATE_CDR(T)                                       \
-  template void ToCdr(const T&, std::vector<std::uint8_t>&); \
-  template bool FromCdr(std::span<const std::uint8_t>, T&)
-PALPATE_CDR(wire::HapticPose);
-PALPATE_CDR(wire::Wrench);
-PALPATE_CDR(wire::SessionRequest);
-PALPATE_CDR(wire::SessionState);
-PALPATE_CDR(wire::SceneChange);
-PALPATE_CDR(wire::LeafTaken);
-PALPATE_CDR(wire::WholeRequest);
-PALPATE_CDR(wire::SceneWhole);
-PALPATE_CDR(wire::ReplayContents);
-PALPATE_CDR(wire::ReplayState);
-PALPATE_CDR(wire::ReplayRequest);
-PALPATE_CDR(wire::OperateRequest);
-PALPATE_CDR(wire::ToolState);
-PALPATE_CDR(wire::LoopStatistics);
-PALPATE_CDR(wire::StationStatistics);
-PALPATE_CDR(wire::SceneBundle);
-PALPATE_CDR(wire::GuideTarget);
+#define PALPATE_CDR(T)                                             \
+  template void ToCdr(const wire::T&, std::vector<std::uint8_t>&); \
+  template bool FromCdr(std::span<const std::uint8_t>, wire::T&);
+PALPATE_LOOP_TYPES(PALPATE_CDR)
+PALPATE_SERVICE_TYPES(PALPATE_CDR)
 #undef PALPATE_CDR
 
 }  // namespace palpate::dds

@@ -69,21 +69,8 @@ bool CdrReader<T>::Hears(std::uint64_t origin) const {
   });
 }
 
-template class CdrReader<wire::SessionRequest>;
-template class CdrReader<wire::SessionState>;
-template class CdrReader<wire::SceneChange>;
-template class CdrReader<wire::LeafTaken>;
-template class CdrReader<wire::WholeRequest>;
-template class CdrReader<wire::SceneWhole>;
-template class CdrReader<wire::ReplayContents>;
-template class CdrReader<wire::ReplayState>;
-template class CdrReader<wire::ReplayRequest>;
-template class CdrReader<wire::OperateRequest>;
-template class CdrReader<wire::ToolState>;
-template class CdrReader<wire::LoopStatistics>;
-template class CdrReader<wire::StationStatistics>;
-template class CdrReader<wire::SceneBundle>;
-template class CdrReader<wire::SceneOffer>;
-template class CdrReader<wire::GuideTarget>;
+#define PALPATE_CDR_READER(T) template class CdrReader<wire::T>;
+PALPATE_SERVICE_TYPES(PALPATE_CDR_READER)
+#undef PALPATE_CDR_READER
 
 }  // namespace palpate::dds

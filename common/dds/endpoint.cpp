@@ -6,7 +6,6 @@
 
 #include <dds/ddsc/dds_loan_api.h>
 
-#include "common/dds/scene_progress.h"
 #include "common/dds/shared_memory_watch.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
@@ -241,43 +240,11 @@ bool WriterDiscovered(const Participant& participant, const std::string& topic) 
   return found;
 }
 
-template class Writer<wire::HapticPose>;
-template class Writer<wire::Wrench>;
-template class Writer<wire::SessionRequest>;
-template class Writer<wire::SessionState>;
-template class Writer<wire::SceneChange>;
-template class Writer<wire::LeafTaken>;
-template class Writer<wire::WholeRequest>;
-template class Writer<wire::SceneWhole>;
-template class Writer<wire::ReplayContents>;
-template class Writer<wire::ReplayState>;
-template class Writer<wire::ReplayRequest>;
-template class Writer<wire::OperateRequest>;
-template class Writer<wire::ToolState>;
-template class Writer<wire::GuideTarget>;
-template class Writer<wire::LoopStatistics>;
-template class Writer<wire::StationStatistics>;
-template class Writer<wire::SceneBundle>;
-template class Writer<wire::SceneOffer>;
-template class Writer<wire::SceneProgress>;
-template class Reader<wire::HapticPose>;
-template class Reader<wire::Wrench>;
-template class Reader<wire::SessionRequest>;
-template class Reader<wire::SessionState>;
-template class Reader<wire::SceneChange>;
-template class Reader<wire::LeafTaken>;
-template class Reader<wire::WholeRequest>;
-template class Reader<wire::SceneWhole>;
-template class Reader<wire::ReplayContents>;
-template class Reader<wire::ReplayState>;
-template class Reader<wire::ReplayRequest>;
-template class Reader<wire::OperateRequest>;
-template class Reader<wire::ToolState>;
-template class Reader<wire::GuideTarget>;
-template class Reader<wire::LoopStatistics>;
-template class Reader<wire::StationStatistics>;
-template class Reader<wire::SceneBundle>;
-template class Reader<wire::SceneOffer>;
-template class Reader<wire::SceneProgress>;
+#define PALPATE_ENDPOINTS(T)      \
+  template class Writer<wire::T>; \
+  template class Reader<wire::T>;
+PALPATE_LOOP_TYPES(PALPATE_ENDPOINTS)
+PALPATE_SERVICE_TYPES(PALPATE_ENDPOINTS)
+#undef PALPATE_ENDPOINTS
 
 }  // namespace palpate::dds

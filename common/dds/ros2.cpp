@@ -17,26 +17,13 @@ constexpr int kFirstLocal = 1000;
 
 template <class T>
 const dds_topic_descriptor_t& Descriptor();
-template <>
-const dds_topic_descriptor_t& Descriptor<PoseStamped>() {
-  return geometry_msgs_msg_dds__PoseStamped__desc;
-}
-template <>
-const dds_topic_descriptor_t& Descriptor<TwistStamped>() {
-  return geometry_msgs_msg_dds__TwistStamped__desc;
-}
-template <>
-const dds_topic_descriptor_t& Descriptor<WrenchStamped>() {
-  return geometry_msgs_msg_dds__WrenchStamped__desc;
-}
-template <>
-const dds_topic_descriptor_t& Descriptor<OperatingState>() {
-  return crtk_msgs_msg_dds__OperatingState__desc;
-}
-template <>
-const dds_topic_descriptor_t& Descriptor<StringStamped>() {
-  return crtk_msgs_msg_dds__StringStamped__desc;
-}
+#define PALPATE_ROS_DESCRIPTOR(package, T, hash)  \
+  template <>                                     \
+  const dds_topic_descriptor_t& Descriptor<T>() { \
+    return package##_dds__##T##__desc;            \
+  }
+PALPATE_ROS_TYPES(PALPATE_ROS_DESCRIPTOR)
+#undef PALPATE_ROS_DESCRIPTOR
 
 struct QosDelete {
   void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
@@ -156,15 +143,10 @@ Reader<T>::~Reader() {
   dds_delete(topic_);
 }
 
-template class Writer<PoseStamped>;
-template class Writer<TwistStamped>;
-template class Writer<WrenchStamped>;
-template class Writer<OperatingState>;
-template class Writer<StringStamped>;
-template class Reader<PoseStamped>;
-template class Reader<TwistStamped>;
-template class Reader<WrenchStamped>;
-template class Reader<OperatingState>;
-template class Reader<StringStamped>;
+#define PALPATE_ROS_ENDPOINTS(package, T, hash) \
+  template class Writer<T>;                     \
+  template class Reader<T>;
+PALPATE_ROS_TYPES(PALPATE_ROS_ENDPOINTS)
+#undef PALPATE_ROS_ENDPOINTS
 
 }  // namespace palpate::ros2

@@ -12,33 +12,32 @@
 /// DDS as ROS 2 uses it, for a bridge (client/crtk): its names, its quality of service, its ports.
 namespace palpate::ros2 {
 
-using PoseStamped = geometry_msgs_msg_dds__PoseStamped_;
-using TwistStamped = geometry_msgs_msg_dds__TwistStamped_;
-using WrenchStamped = geometry_msgs_msg_dds__WrenchStamped_;
-using OperatingState = crtk_msgs_msg_dds__OperatingState_;
-using StringStamped = crtk_msgs_msg_dds__StringStamped_;
 using Header = std_msgs_msg_dds__Header_;
 
-/// What ROS 2 (Iron and later) publishes of a message type in the USER_DATA of each endpoint, as
-/// "typehash=RIHS01_...;": SHA-256 of the type's description as JSON (REP-2016).  A test computes
-/// them from the definitions and compares them with published ones.
+// The types of messages, each with its package and with what ROS 2 (Iron and later) publishes of it
+// in the USER_DATA of each endpoint, as "typehash=RIHS01_...;": SHA-256 of the type's description
+// as JSON (REP-2016).  A test computes them from the definitions and compares them with published
+// ones.
+#define PALPATE_ROS_TYPES(X)                                                   \
+  X(geometry_msgs_msg, PoseStamped,                                            \
+    "RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8") \
+  X(geometry_msgs_msg, TwistStamped,                                           \
+    "RIHS01_5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d475229b1121db6f64") \
+  X(geometry_msgs_msg, WrenchStamped,                                          \
+    "RIHS01_8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77") \
+  X(crtk_msgs_msg, OperatingState,                                             \
+    "RIHS01_5cc57eea589b217fe5194bf2735b91d4a7f2dd5ac1245ae657f7ea7590c2c80e") \
+  X(crtk_msgs_msg, StringStamped,                                              \
+    "RIHS01_83efb802e6596e03f69ac322e3231037329946f2bd13ed48874d97f5b8f5db1d")
+
 template <class T>
 constexpr const char* kTypeHash = nullptr;
-template <>
-inline constexpr const char* kTypeHash<PoseStamped> =
-    "RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8";
-template <>
-inline constexpr const char* kTypeHash<TwistStamped> =
-    "RIHS01_5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d475229b1121db6f64";
-template <>
-inline constexpr const char* kTypeHash<WrenchStamped> =
-    "RIHS01_8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77";
-template <>
-inline constexpr const char* kTypeHash<OperatingState> =
-    "RIHS01_5cc57eea589b217fe5194bf2735b91d4a7f2dd5ac1245ae657f7ea7590c2c80e";
-template <>
-inline constexpr const char* kTypeHash<StringStamped> =
-    "RIHS01_83efb802e6596e03f69ac322e3231037329946f2bd13ed48874d97f5b8f5db1d";
+#define PALPATE_ROS_TYPE(package, T, hash) \
+  using T = package##_dds__##T##_;         \
+  template <>                              \
+  inline constexpr const char* kTypeHash<T> = hash;
+PALPATE_ROS_TYPES(PALPATE_ROS_TYPE)
+#undef PALPATE_ROS_TYPE
 
 /// The DDS topic of a topic of ROS: "rt" before its full name, which begins with '/'.
 std::string DdsTopic(const std::string& ros_name);

@@ -32,6 +32,7 @@ inline constexpr const char* kGuideTopic = "palpate/guide";
 inline constexpr const char* kToolStateTopic = "palpate/tool_state";
 inline constexpr const char* kSceneOfferTopic = "palpate/scene_offer";
 inline constexpr const char* kSceneBundleTopic = "palpate/scene_bundle";
+inline constexpr const char* kSceneProgressTopic = "palpate/scene_progress";
 inline constexpr const char* kLoopStatisticsTopic = "palpate/loop_statistics";
 inline constexpr const char* kStationStatisticsTopic = "palpate/station_statistics";
 

@@ -10,6 +10,7 @@
 #include "idl/haptics.h"
 #include "idl/offer.h"
 #include "idl/operate.h"
+#include "idl/progress.h"
 #include "idl/replay.h"
 #include "idl/session.h"
 #include "idl/teaching.h"
@@ -17,111 +18,42 @@
 /// The structs that travel, as idlc makes them of idl/*.idl, under the project's names.
 namespace palpate::wire {
 
-using HapticPose = palpate_HapticPose;
-using Wrench = palpate_Wrench;
+/// Topic descriptor of a wire type.
+template <class T>
+const dds_topic_descriptor_t& Descriptor();
+
+// Those that have topics: the loop's, and all others.  Who makes a template for each of them counts
+// them by these.
+// clang-format off
+#define PALPATE_LOOP_TYPES(X) X(HapticPose) X(Wrench)
+#define PALPATE_SERVICE_TYPES(X) \
+  X(SessionRequest) X(SessionState) X(SceneChange) X(LeafTaken) X(OperateRequest) X(WholeRequest) \
+  X(SceneWhole) X(ToolState) X(GuideTarget) X(LoopStatistics) X(StationStatistics) X(SceneBundle) \
+  X(SceneOffer) X(SceneProgress) X(ReplayContents) X(ReplayState) X(ReplayRequest)
+// clang-format on
+
+#define PALPATE_WIRE_TYPE(T)                             \
+  using T = palpate_##T;                                 \
+  template <>                                            \
+  inline const dds_topic_descriptor_t& Descriptor<T>() { \
+    return palpate_##T##_desc;                           \
+  }
+PALPATE_LOOP_TYPES(PALPATE_WIRE_TYPE)
+PALPATE_SERVICE_TYPES(PALPATE_WIRE_TYPE)
+#undef PALPATE_WIRE_TYPE
+
+// Parts of them.
 using SessionPhase = palpate_SessionPhase;
-using SessionRequest = palpate_SessionRequest;
-using SessionState = palpate_SessionState;
-using SceneChange = palpate_SceneChange;
-using LeafTaken = palpate_LeafTaken;
-using OperateRequest = palpate_OperateRequest;
 using OperateWish = palpate_OperateWish;
-using WholeRequest = palpate_WholeRequest;
-using SceneWhole = palpate_SceneWhole;
-using ToolState = palpate_ToolState;
-using GuideTarget = palpate_GuideTarget;
-using LoopStatistics = palpate_LoopStatistics;
-using StationStatistics = palpate_StationStatistics;
-using SceneBundle = palpate_SceneBundle;
 using HandKey = palpate_HandKey;
 using OfferedTool = palpate_OfferedTool;
 using OfferedScene = palpate_OfferedScene;
-using SceneOffer = palpate_SceneOffer;
 using ReplayMark = palpate_ReplayMark;
 using ReplayGap = palpate_ReplayGap;
-using ReplayContents = palpate_ReplayContents;
-using ReplayState = palpate_ReplayState;
-using ReplayRequest = palpate_ReplayRequest;
 using ReplayWish = palpate_ReplayWish;
 
 /// LeafTaken.leaf where none has gone, but all are there again.
 inline constexpr std::uint32_t kNoLeaf = 0xffffffff;
-
-/// Topic descriptor of a wire type.
-template <class T>
-const dds_topic_descriptor_t& Descriptor();
-template <>
-inline const dds_topic_descriptor_t& Descriptor<HapticPose>() {
-  return palpate_HapticPose_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<Wrench>() {
-  return palpate_Wrench_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<SessionRequest>() {
-  return palpate_SessionRequest_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<SessionState>() {
-  return palpate_SessionState_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<SceneChange>() {
-  return palpate_SceneChange_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<LeafTaken>() {
-  return palpate_LeafTaken_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<OperateRequest>() {
-  return palpate_OperateRequest_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<WholeRequest>() {
-  return palpate_WholeRequest_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<SceneWhole>() {
-  return palpate_SceneWhole_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<ToolState>() {
-  return palpate_ToolState_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<GuideTarget>() {
-  return palpate_GuideTarget_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<LoopStatistics>() {
-  return palpate_LoopStatistics_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<StationStatistics>() {
-  return palpate_StationStatistics_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<SceneBundle>() {
-  return palpate_SceneBundle_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<SceneOffer>() {
-  return palpate_SceneOffer_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<ReplayContents>() {
-  return palpate_ReplayContents_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<ReplayState>() {
-  return palpate_ReplayState_desc;
-}
-template <>
-inline const dds_topic_descriptor_t& Descriptor<ReplayRequest>() {
-  return palpate_ReplayRequest_desc;
-}
 
 // Loop types have no padding, so that the C struct is the CDR payload byte for byte (a test
 // compares them) and shared memory carries it as it is.

@@ -62,7 +62,9 @@ class Simplifier {
   }
 
   TriangleMesh Run() {
-    for (std::uint32_t v = 0; v < around_.size(); ++v) Offer(v);
+    for (std::uint32_t v = 0; v < around_.size(); ++v) {
+      for (const std::uint32_t w : NeighboursOf(v)) Offer(v, w);
+    }
     while (!queue_.empty()) {
       const Collapse next = queue_.top();
       queue_.pop();

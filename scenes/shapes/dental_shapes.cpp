@@ -235,15 +235,21 @@ GumFields FieldsOfGum(ToothKind kind, const ToothSize& metres, const GumSize& gu
   const auto from_tooth = [=](const Vec3& p) {
     return tooth(p) / std::max(SlopeOf(tooth, p).norm(), 0.3);
   };
-  const Field pocket = [=](const Vec3& p) {
-    const double beside = std::abs(p.x()) - reach;
-    const double below = -depth - p.y();
-    const double behind = 0.15 * size.depth - p.z();
-    return SmoothMax(SmoothMax(from_tooth(p) - width, beside, 0.8), SmoothMax(below, behind, 0.6),
-                     0.8);
+  // Its box: what the pocket is at least.
+  const auto beside = [=](const Vec3& p) { return std::abs(p.x()) - reach; };
+  const auto end = [=](const Vec3& p) {
+    return SmoothMax(-depth - p.y(), 0.15 * size.depth - p.z(), 0.6);
   };
-  return {block, [=](const Vec3& p) { return std::min(socket(p), pocket(p)); },
-          Without(Without(block, socket, 0.4), pocket, 0.5),
+  const Field pocket = [=](const Vec3& p) {
+    return SmoothMax(SmoothMax(from_tooth(p) - width, beside(p), 0.8), end(p), 0.8);
+  };
+  const Field gripping = Without(block, socket, 0.4);
+  const Field gum = [=](const Vec3& p) {
+    const double solid = gripping(p);
+    return FarAbove(std::max(beside(p), end(p)), -solid, 0.5) ? solid
+                                                              : SmoothMax(solid, -pocket(p), 0.5);
+  };
+  return {block, [=](const Vec3& p) { return std::min(socket(p), pocket(p)); }, gum,
           Box(x + 1.0, floor - 1.5, 5.0, -z - 2.5, z + 2.5)};
 }
 

@@ -202,13 +202,30 @@ Field ConeField(const Vec3& a, double radius_a, const Vec3& b, double radius_b) 
   };
 }
 
-Field RopeField(std::vector<Vec3> points, double radius) {
-  return [points = std::move(points), radius](const Vec3& p) {
+Field RopeField(const std::vector<Vec3>& points, double radius) {
+  struct Piece {
+    Vec3 from, along;
+    double square;
+  };
+  std::vector<Piece> pieces;
+  double longest = 0.0;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const Vec3 along = points[i + 1] - points[i];
+    pieces.push_back({points[i], along, along.squaredNorm()});
+    longest = std::max(longest, along.norm());
+  }
+  return [pieces = std::move(pieces), longest, radius](const Vec3& p) {
+    double beginning = 1e300;
+    for (const Piece& piece : pieces) {
+      beginning = std::min(beginning, (p - piece.from).squaredNorm());
+    }
+    // No piece with a nearer point begins farther away.
+    const double reach = 1.001 * (std::sqrt(beginning) + longest);
     double nearest = 1e300;
-    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-      const Vec3 along = points[i + 1] - points[i];
-      const double t = std::clamp((p - points[i]).dot(along) / along.squaredNorm(), 0.0, 1.0);
-      nearest = std::min(nearest, (p - points[i] - t * along).squaredNorm());
+    for (const auto& [from, along, square] : pieces) {
+      if ((p - from).squaredNorm() > reach * reach) continue;
+      const double t = std::clamp((p - from).dot(along) / square, 0.0, 1.0);
+      nearest = std::min(nearest, (p - from - t * along).squaredNorm());
     }
     return std::sqrt(nearest) - radius;
   };

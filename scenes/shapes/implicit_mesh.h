@@ -18,12 +18,17 @@ using Field = std::function<double(const Vec3&)>;
 /// union and an intersection whose seam is a fillet (Quilez, "Smooth minimum").
 double SmoothMin(double a, double b, double blend);
 double SmoothMax(double a, double b, double blend);
+/// Whether a is so far above b that SmoothMin is b and SmoothMax is a, to the last bit: what a
+/// field asks of a bound before it works out the other, with room for how the bound is rounded.
+constexpr bool FarAbove(double a, double b, double blend) {
+  return a - b >= 1.1 * blend;
+}
 
 Field EllipsoidField(const Vec3& centre, const Vec3& semi_axes);
 /// Cone with round ends, from a ball at a to a ball at b.
 Field ConeField(const Vec3& a, double radius_a, const Vec3& b, double radius_b);
 /// Distance to the polyline, less the radius.
-Field RopeField(std::vector<Vec3> points, double radius);
+Field RopeField(const std::vector<Vec3>& points, double radius);
 Field UnionOf(std::vector<Field> fields, double blend);
 Field Without(Field from, Field what, double blend);
 

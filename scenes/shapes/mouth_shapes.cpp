@@ -38,12 +38,15 @@ class Collar {
     papilla_ = tooth.number.place <= 3 ? 3.0 : 2.2;
   }
 
-  /// Horizontally from the tooth's axis.
-  double DistanceTo(const Vec3& p) const { return std::hypot(p.x() - at_.x(), p.z() - at_.z()); }
-
-  double operator()(const Vec3& p) const {
+  /// The gum with this round it.
+  double AddedTo(double gum, const Vec3& p) const {
+    constexpr double kFar = 8.0;  // from the axis; no collar reaches as far
+    constexpr double kBlend = 1.2;
     const double dx = p.x() - at_.x();
     const double dz = p.z() - at_.z();
+    if (FarAbove(std::max(std::abs(dx), std::abs(dz)) - kFar, gum, kBlend)) return gum;
+    const double far = std::hypot(dx, dz);
+    if (far >= kNone) return SmoothMin(gum, far - kFar, kBlend);
     const double u = (c_ * dx - s_ * dz) / half_width_;
     const double w = s_ * dx + c_ * dz;
     const double below = Step(0.5, -7.0, p.y());
@@ -51,13 +54,22 @@ class Collar {
     const double depth = 0.88 * half_depth_ + 0.65 + 1.3 * below;
     constexpr double kReach = 1.14;  // over the middle between two teeth
     constexpr double kSquareness = 2.5;
-    const double r = std::pow(
-        std::pow(std::abs(u) / kReach, kSquareness) + std::pow(std::abs(w) / depth, kSquareness),
-        1.0 / kSquareness);
-    const double side = (r - 1.0) * std::min(kReach * half_width_, depth);
-    const double margin = 1.1 + papilla_ * std::pow(std::min(std::abs(u), 1.15), 2.8);
-    return SmoothMax(SmoothMax(side, 0.85 * (p.y() - margin), 1.1), -(p.y() + 13.0), 2.0);
+    const double along = std::abs(u) / kReach;
+    const double across = std::abs(w) / depth;
+    const double size = std::min(kReach * half_width_, depth);
+    // What the collar is at least.
+    if (FarAbove((std::max(along, across) - 1.0) * size, gum, kBlend)) return gum;
+    const double r =
+        std::pow(std::pow(along, kSquareness) + std::pow(across, kSquareness), 1.0 / kSquareness);
+    double collar = (r - 1.0) * size;
+    if (constexpr double kLowest = 1.1; !FarAbove(collar, 0.85 * (p.y() - kLowest), 1.1)) {
+      const double margin = kLowest + papilla_ * std::pow(std::min(std::abs(u), 1.15), 2.8);
+      collar = SmoothMax(collar, 0.85 * (p.y() - margin), 1.1);
+    }
+    return SmoothMin(gum, SmoothMax(collar, -(p.y() + 13.0), 2.0), kBlend);
   }
+
+  static constexpr double kNone = 13.0;  // of no gum yet
 
  private:
   Vec3 at_;
@@ -70,12 +82,8 @@ Field GumField(bool upper) {
   std::vector<Collar> collars;
   for (const PlacedTooth& tooth : TeethOf(upper)) collars.emplace_back(tooth);
   return [=](const Vec3& p) {
-    constexpr double kFar = 13.0;  // no collar reaches as far
-    double gum = kFar;
-    for (const Collar& collar : collars) {
-      const double far = collar.DistanceTo(p);
-      gum = SmoothMin(gum, far < kFar ? collar(p) : far - 8.0, 1.2);
-    }
+    double gum = Collar::kNone;
+    for (const Collar& collar : collars) gum = collar.AddedTo(gum, p);
     return gum;
   };
 }
@@ -87,7 +95,7 @@ Field RidgeField(const ArchAxes& arch, double bottom) {
     const double a = kPi * i / 64;
     curve.emplace_back(arch.half_width * std::cos(a), 0.0, arch.length * std::sin(a));
   }
-  const Field distance = RopeField(std::move(curve), 0.0);
+  const Field distance = RopeField(curve, 0.0);
   return [=](const Vec3& p) {
     constexpr double kTop = -3.0;
     constexpr double kRound = 3.5;
@@ -159,7 +167,11 @@ TriangleMesh MakeFace(double mouth_width, double mouth_height) {
     const double bow = a < kPi ? 1.6 * std::exp(-x * x / 14.0) : 0.0;
     rim.emplace_back(x, (half_height + 5.0) * std::sin(a) - bow, 11.0 - 0.011 * x * x);
   }
-  const Field lips = RopeField(std::move(rim), 5.2);
+  constexpr double kLips = 5.2;
+  constexpr double kBlend = 5.0;
+  const Field lips = RopeField(rim, kLips);
+  Eigen::AlignedBox3d near;  // the lips are no nearer than it
+  for (const Vec3& v : rim) near.extend(v);
   const Field uvula = ConeField({0, 26, -68}, 4.0, {0, 9, -66}, 2.6);
   const Field face = [=](const Vec3& p) {
     const double e = std::hypot(p.x() / half_width, p.y() / half_height);
@@ -171,7 +183,9 @@ TriangleMesh MakeFace(double mouth_width, double mouth_height) {
     double flesh = skin(p) + furrow;
     flesh = SmoothMax(flesh, -cavity(p), 3.0);
     flesh = SmoothMax(flesh, -aperture, 4.0);
-    flesh = SmoothMin(flesh, lips(p), 5.0);
+    if (!FarAbove(near.exteriorDistance(p) - kLips, flesh, kBlend)) {
+      flesh = SmoothMin(flesh, lips(p), kBlend);
+    }
     return SmoothMin(flesh, uvula(p), 3.0);
   };
   return SoftMesh(face, {Vec3(-104, -92, -110), Vec3(104, 92, 20)}, 2.2, 0.045);

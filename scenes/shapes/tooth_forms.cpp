@@ -153,10 +153,17 @@ double TopAt(const Form& form, const ToothMeasures& size, double x, double z) {
     const Eigen::Vector2d from = Eigen::Vector2d(x, z) - a;
     const double t = std::clamp(from.dot(along) / std::max(along.squaredNorm(), 1e-9), 0.0, 1.0);
     constexpr double kTip = 0.5;  // radius of what is pointed
-    const double d = std::hypot((from - t * along).norm(), kTip) - kTip;
-    top = SmoothMax(top, ridge.height * size.crown - ridge.slope * d, 0.25);
+    const double off = (from - t * along).norm();
+    const double height = ridge.height * size.crown;
+    if (FarAbove(top, height - ridge.slope * (off - kTip), 0.25)) continue;
+    top = SmoothMax(top, height - ridge.slope * (std::hypot(off, kTip) - kTip), 0.25);
   }
   return top;
+}
+
+/// What the crown's field is at least.
+double BelowNeck(const Vec3& p) {
+  return -(p.y() + 1.5);
 }
 
 Field CrownField(const Form& form, const ToothMeasures& size) {
@@ -171,11 +178,24 @@ Field CrownField(const Form& form, const ToothMeasures& size) {
     const double half = std::max(0.5 * (front + back), 0.3);
     const double z = p.z() - 0.5 * (front - back);
     const double n = form.squareness;
-    const double r =
-        std::pow(std::pow(std::abs(p.x()) / towards, n) + std::pow(std::abs(z) / half, n), 1.0 / n);
-    const double side = (r - 1.0) * std::min(towards, half);
-    const double lid = 0.8 * (p.y() - TopAt(form, size, p.x(), p.z()));
-    return SmoothMax(SmoothMax(side, lid, 0.7), -(p.y() + 1.5), 1.0);
+    const double u = std::abs(p.x()) / towards;
+    const double w = std::abs(z) / half;
+    const auto side = [&] {
+      const double r = std::pow(std::pow(u, n) + std::pow(w, n), 1.0 / n);
+      return (r - 1.0) * std::min(towards, half);
+    };
+    const auto lid = [&] { return 0.8 * (p.y() - TopAt(form, size, p.x(), p.z())); };
+    const double low = 0.8 * (p.y() - 0.5 * size.crown);  // the lid is nowhere above it
+    double walls;
+    if (low < 0.0) {
+      walls = side();
+      if (!FarAbove(walls, low, 0.7)) walls = SmoothMax(walls, lid(), 0.7);
+    } else {
+      walls = lid();
+      const double most = (u + w - 1.0) * std::min(towards, half);
+      if (!FarAbove(walls, most, 0.7)) walls = SmoothMax(side(), walls, 0.7);
+    }
+    return SmoothMax(walls, BelowNeck(p), 1.0);
   };
 }
 
@@ -216,12 +236,17 @@ ToothMeasures MeasuresOf(ToothNumber tooth) {
 
 Field ToothFormField(ToothNumber tooth, const ToothMeasures& size) {
   const Form form = FormOf(tooth);
-  std::vector<Field> parts{CrownField(form, size)};
+  constexpr double kBlend = 1.2;
+  std::vector<Field> parts;
   if (form.roots.size() > 1) {  // the trunk that they part from
     parts.push_back(EllipsoidField({0, -1.5, 0}, {0.4 * size.width, 3.0, 0.4 * size.depth}));
   }
   for (const Root& root : form.roots) parts.push_back(RootField(root, size));
-  const Field whole = UnionOf(std::move(parts), 1.2);
+  parts.front() = [crown = CrownField(form, size), below = parts.front()](const Vec3& p) {
+    const double deep = below(p);
+    return FarAbove(BelowNeck(p), deep, kBlend) ? deep : SmoothMin(crown(p), deep, kBlend);
+  };
+  const Field whole = UnionOf(std::move(parts), kBlend);
   const double mesial = tooth.quadrant % 2 == 0 ? 1.0 : -1.0;
   return [=](const Vec3& p) { return whole({mesial * p.x(), p.y(), p.z()}); };
 }

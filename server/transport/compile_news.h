@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "common/dds/endpoint.h"
-#include "common/dds/scene_progress.h"
 
 namespace palpate {
 

@@ -154,35 +154,33 @@ void Run(Options options) {
 void AddAccuracy(CLI::App& app) {
   auto options = std::make_shared<Options>();
   SlidingExperiment& experiment = options->experiment;
-  Command command(
-      app, "accuracy",
+  CLI::App& command = *app.add_subcommand(
+      "accuracy",
       "Force of a ball that slides over a cube or an ellipsoid, against analytic truth\n"
       "(chapter 2.5.1): a ball of 5 mm, commanded 1 mm deep at 1 N/mm, translation only.\n"
       "Example: palpate-bench accuracy --object ellipsoid --spheres 8,64,512 --json e.json");
-  command.Add("--object", experiment.object, "cube (50 mm) or ellipsoid (40, 25, 30 mm)")
-      .OneOf({"cube", "ellipsoid"});
-  command.Add("--spheres", options->spheres, "Leaves of the object's tree; a row for each")
-      .Positive();
-  command
-      .Add("--triangles", experiment.triangles,
-           "Ellipsoid: triangles of its mesh at least (20, 80, ..., 5120, 20480, 81920)")
-      .Positive();
-  command
-      .Add("--tolerance-um", options->tolerance_um,
-           "Ellipsoid, surface contact: how truly that mesh stands for a curved surface, as a "
-           "scene's \"curved\" says; 0: felt as it is")
-      .Within(0.0, 1e6);
+  Add(command, "--object", experiment.object, "cube (50 mm) or ellipsoid (40, 25, 30 mm)")
+      ->check(CLI::IsMember({"cube", "ellipsoid"}));
+  Add(command, "--spheres", options->spheres, "Leaves of the object's tree; a row for each")
+      ->check(CLI::PositiveNumber);
+  Add(command, "--triangles", experiment.triangles,
+      "Ellipsoid: triangles of its mesh at least (20, 80, ..., 5120, 20480, 81920)")
+      ->check(CLI::PositiveNumber);
+  Add(command, "--tolerance-um", options->tolerance_um,
+      "Ellipsoid, surface contact: how truly that mesh stands for a curved surface, as a "
+      "scene's \"curved\" says; 0: felt as it is")
+      ->check(CLI::Range(0.0, 1e6));
   options->features.AddTo(command);
-  command
-      .Add("--mode", options->mode,
-           "Mode of the object's tree (default: balanced for spheres, else inside)")
-      .OneOf({kTreeModes.begin(), kTreeModes.end()});
-  command.AddTreeFile("m", options->file).Needs("--tree");
-  command.Add("--steps", experiment.steps, "Samples of steady sliding").Positive();
-  command.AddRepeats(experiment.repeats);
-  command.AddJson(options->json);
-  command.Add("--errors", options->errors, "Write the errors over time to FILE.csv (- is stdout)");
-  command.Runs([options] { Run(*options); });
+  Add(command, "--mode", options->mode,
+      "Mode of the object's tree (default: balanced for spheres, else inside)")
+      ->check(CLI::IsMember(std::vector<std::string>{kTreeModes.begin(), kTreeModes.end()}));
+  AddTreeFile(command, "m", options->file)->needs(command.get_option("--tree"));
+  Add(command, "--steps", experiment.steps, "Samples of steady sliding")
+      ->check(CLI::PositiveNumber);
+  AddRepeats(command, experiment.repeats);
+  AddJson(command, options->json);
+  Add(command, "--errors", options->errors, "Write the errors over time to FILE.csv (- is stdout)");
+  command.callback([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -307,8 +307,8 @@ void Run(Options options) {
 void AddClosedLoop(CLI::App& app) {
   auto options = std::make_shared<Options>();
   ClosedLoopCase& loop = options->loop;
-  Command command(
-      app, "closed-loop",
+  CLI::App& command = *app.add_subcommand(
+      "closed-loop",
       "A simulated arm and hand, the station's loop and limiter, a link and the server's loop, in\n"
       "virtual time: does a contact come to rest, how much energy does the hand get, and how "
       "stiff\n"
@@ -321,36 +321,35 @@ void AddClosedLoop(CLI::App& app) {
   std::vector<std::string> devices{"simulated"};
   for (const PhantomSheet& sheet : PhantomSheets()) devices.emplace_back(sheet.name);
   for (const PublishedHand& hand : PublishedHands()) hands += " " + hand.name;
-  command
-      .Add("--device", options->device,
-           "The arm, as palpate-station's --model; simulated: its default")
-      .OneOf(devices);
-  command.Add("--delay-ms", loop.delay_ms, "Delay there and back").Within(0.0, 200.0);
-  command.Add("--jitter-ms", loop.jitter_ms, "Further delay, from 0 to this").Within(0.0, 200.0);
-  command.Add("--loss", loop.loss, "Share of the samples that is lost, each way").Within(0.0, 1.0);
-  command.Add("--local-model", options->local_model, "The station's local contact model")
-      .OneOf({"on", "off"});
-  command.Add("--passivity", options->passivity, "The limiter's energy stage").OneOf({"on", "off"});
-  command
-      .Add("--stiffness", loop.stiffness_N_per_m,
-           "Of the coupling, in N/m; the torsional one goes with it")
-      .Within(1.0, kStiffest);
-  command.Add("--hand", loop.hand, "Whose hand:" + hands);
-  command
-      .Add("--scene", options->scene,
-           "wall: a ball on a plate; bunny: bunny-bunny, pressed on the back")
-      .OneOf({"wall", "bunny"});
-  command.AddFlag("--slide", options->slide, "Also the force's error while sliding on the bunny");
-  command
-      .Add("--slides", options->slides,
-           "Slides over places and in directions of the seed, beside the scene's own")
-      .Within(0, 1000);
-  command.Add("--seed", loop.seed, "Of the link and the slides");
-  command.AddJson(options->json);
-  command.Add("--out", options->out,
-              "Write DIR/report.md, and into --json: stiffness, energy and limit cycle "
-              "against delay, each way of closing the loop");
-  command.Runs([options] { Run(*options); });
+  Add(command, "--device", options->device,
+      "The arm, as palpate-station's --model; simulated: its default")
+      ->check(CLI::IsMember(devices));
+  Add(command, "--delay-ms", loop.delay_ms, "Delay there and back")->check(CLI::Range(0.0, 200.0));
+  Add(command, "--jitter-ms", loop.jitter_ms, "Further delay, from 0 to this")
+      ->check(CLI::Range(0.0, 200.0));
+  Add(command, "--loss", loop.loss, "Share of the samples that is lost, each way")
+      ->check(CLI::Range(0.0, 1.0));
+  Add(command, "--local-model", options->local_model, "The station's local contact model")
+      ->check(CLI::IsMember({"on", "off"}));
+  Add(command, "--passivity", options->passivity, "The limiter's energy stage")
+      ->check(CLI::IsMember({"on", "off"}));
+  Add(command, "--stiffness", loop.stiffness_N_per_m,
+      "Of the coupling, in N/m; the torsional one goes with it")
+      ->check(CLI::Range(1.0, kStiffest));
+  Add(command, "--hand", loop.hand, "Whose hand:" + hands);
+  Add(command, "--scene", options->scene,
+      "wall: a ball on a plate; bunny: bunny-bunny, pressed on the back")
+      ->check(CLI::IsMember({"wall", "bunny"}));
+  command.add_flag("--slide", options->slide, "Also the force's error while sliding on the bunny");
+  Add(command, "--slides", options->slides,
+      "Slides over places and in directions of the seed, beside the scene's own")
+      ->check(CLI::Range(0, 1000));
+  Add(command, "--seed", loop.seed, "Of the link and the slides");
+  AddJson(command, options->json);
+  Add(command, "--out", options->out,
+      "Write DIR/report.md, and into --json: stiffness, energy and limit cycle "
+      "against delay, each way of closing the loop");
+  command.callback([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -1,14 +1,9 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
-#include <vector>
 
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
+#include <CLI/CLI.hpp>
 
 namespace palpate {
 struct TreeSource;
@@ -16,59 +11,24 @@ struct TreeSource;
 
 namespace palpate::bench {
 
-/// What is asked of an option's value; each returns the option itself.
-class CommandOption {
- public:
-  CommandOption(CLI::App& command, CLI::Option& option) : command_(command), option_(option) {}
-  CommandOption& Positive();
-  CommandOption& NonNegative();
-  template <class T>
-  CommandOption& Within(T least, T most);
-  CommandOption& OneOf(std::vector<std::string> values);
-  CommandOption& ExistingFolder();
-  CommandOption& Required();
-  /// @param other  an option of the command that was added before.
-  CommandOption& Needs(const char* other);
-  CommandOption& Excludes(const char* other);
+/// An option of a command, with its usual value in --help, unless that is none.
+/// T: std::string, int, long, std::uint64_t, double, an optional or, with commas between them,
+/// several of these.
+/// @param value  must outlive the app.
+template <class T>
+CLI::Option* Add(CLI::App& command, const char* name, T& value, const std::string& help = "");
 
- private:
-  CLI::App& command_;
-  CLI::Option& option_;
-};
-
-/// A command of palpate-bench.  CLI11 is behind it: reading its headers takes a compiler longer
-/// than reading the rest of a command.
-class Command {
- public:
-  Command(CLI::App& app, const std::string& name, const std::string& what);
-  /// @param run  runs when the command was given, after all its options have their values.
-  void Runs(std::function<void()> run);
-  void Hide();
-
-  /// T: std::string, int, long, std::uint64_t, double, an optional or, with commas between them,
-  /// several of these.  --help shows the value that is there, unless it is none.
-  /// @param value  must outlive the app.
-  template <class T>
-  CommandOption Add(const char* name, T& value, const std::string& help = "");
-  CommandOption AddFunction(const char* name, std::function<void(const std::string&)> set,
-                            const std::string& help);
-  void AddFlag(const char* name, bool& value, const std::string& help);
-
-  // What several commands have.
-  void AddJson(std::string& file);
-  void AddModels(std::string& folder);
-  void AddPathSteps(std::optional<int>& steps);
-  void AddRepeats(int& repeats);
-  void AddTransport(std::string& transport);
-  /// --tree FILE.sph, --level and --unit, which bring a tree of the Sphere-Tree Construction
-  /// Toolkit beside ours.
-  /// @param usual_unit  what the file's numbers mean where --unit is left out, for --help.
-  /// @returns --unit, for commands that have other files in it, or none.
-  CommandOption AddTreeFile(const char* usual_unit, TreeSource& source);
-
- private:
-  CLI::App& app_;
-};
+// What several commands have.
+void AddJson(CLI::App& command, std::string& file);
+void AddModels(CLI::App& command, std::string& folder);
+void AddPathSteps(CLI::App& command, std::optional<int>& steps);
+void AddRepeats(CLI::App& command, int& repeats);
+void AddTransport(CLI::App& command, std::string& transport);
+/// --tree FILE.sph, --level and --unit, which bring a tree of the Sphere-Tree Construction Toolkit
+/// beside ours.
+/// @param usual_unit  what the file's numbers mean where --unit is left out, for --help.
+/// @returns --unit, for commands that have other files in it, or none.
+CLI::Option* AddTreeFile(CLI::App& command, const char* usual_unit, TreeSource& source);
 
 // Each adds its command to palpate-bench.
 void AddAccuracy(CLI::App& app);

@@ -40,23 +40,23 @@ void Run(Options& options) {
 
 void AddCycle(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  Command command(
-      app, "cycle",
+  CLI::App& command = *app.add_subcommand(
+      "cycle",
       "Time of one haptic step over a scene's path, and what is right about its contact: how deep\n"
       "the meshes are in each other, whether the tool arrives, how far the force is from the\n"
       "converged one, and the cause of every jump.\n"
       "Example: palpate-bench cycle --scene bunny-bunny --steps 20000 --repeats 5");
-  command.Add("--scene", options->scene, "Catalogue name or scene file");
-  command.Add("--poses", options->poses,
-              "Haptic poses instead of the scene's script: CSV x,y,z,qw,qx,qy,qz, a row a ms");
-  command.AddPathSteps(options->steps);
+  Add(command, "--scene", options->scene, "Catalogue name or scene file");
+  Add(command, "--poses", options->poses,
+      "Haptic poses instead of the scene's script: CSV x,y,z,qw,qx,qy,qz, a row a ms");
+  AddPathSteps(command, options->steps);
   options->cycle.AddTo(command);
-  command.AddFlag("--subsample", options->cycle.quarter_steps,
-                  "Run the path at 4 kHz too and compare the forces");
+  command.add_flag("--subsample", options->cycle.quarter_steps,
+                   "Run the path at 4 kHz too and compare the forces");
   options->features.AddTo(command);
-  command.AddModels(options->models);
-  command.AddJson(options->json);
-  command.Runs([options] { Run(*options); });
+  AddModels(command, options->models);
+  AddJson(command, options->json);
+  command.callback([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -172,18 +172,16 @@ class ContactReport {
 
 }  // namespace
 
-void CycleOptions::AddTo(Command& command) {
-  command.AddRepeats(repeats);
-  command
-      .Add("--check-every", check_every,
-           "Check penetration and the converged force at every n-th step only")
-      .Positive();
-  command
-      .Add("--settle-every", settle_every,
-           "Hold the hand still at every n-th step and see whether the tool settles; 0: never")
-      .NonNegative();
-  command.Add("--trace", trace,
-              "Write poses and wrench of every step to FILE, as CSV (- is stdout)");
+void CycleOptions::AddTo(CLI::App& command) {
+  AddRepeats(command, repeats);
+  Add(command, "--check-every", check_every,
+      "Check penetration and the converged force at every n-th step only")
+      ->check(CLI::PositiveNumber);
+  Add(command, "--settle-every", settle_every,
+      "Hold the hand still at every n-th step and see whether the tool settles; 0: never")
+      ->check(CLI::NonNegativeNumber);
+  Add(command, "--trace", trace,
+      "Write poses and wrench of every step to FILE, as CSV (- is stdout)");
 }
 
 test::ContactFigures MeasureContact(SceneRun& run, const CycleOptions& options) {

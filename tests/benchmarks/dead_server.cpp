@@ -136,16 +136,16 @@ void Run(const Options& options) {
 
 void AddDeadServer(CLI::App& app, const int& domain) {
   auto options = std::make_shared<Options>();
-  Command command(
-      app, "dead-server",
+  CLI::App& command = *app.add_subcommand(
+      "dead-server",
       "What a hand feels when palpate-server is killed and started again, or frozen for 0.5 s:\n"
       "how soon its force falls and is gone, and the largest step on the way out and back.\n"
       "Example: palpate-bench dead-server --how freeze --repetitions 20");
-  command.Add("--how", options->how, "kill or freeze").OneOf({"kill", "freeze"});
-  command.AddTransport(options->transport);
-  command.Add("--repetitions", options->repetitions).Within(1, 1000);
-  command.AddJson(options->json);
-  command.Runs([options, &domain] {
+  Add(command, "--how", options->how, "kill or freeze")->check(CLI::IsMember({"kill", "freeze"}));
+  AddTransport(command, options->transport);
+  Add(command, "--repetitions", options->repetitions)->check(CLI::Range(1, 1000));
+  AddJson(command, options->json);
+  command.callback([options, &domain] {
     options->domain = domain;
     Run(*options);
   });

@@ -31,12 +31,12 @@ const char* NameOf(FrictionModel friction) {
   return "off";
 }
 
-void FeatureOptions::AddTo(Command& command) {
+void FeatureOptions::AddTo(CLI::App& command) {
   const std::string scenes_own = contact.empty() ? " (default: as the scene says)" : "";
-  command.Add("--contact", contact, "spheres (the chapter's) or surface (the meshes)" + scenes_own)
-      .OneOf({"spheres", "surface"});
-  command.Add("--friction", friction, "off, chapter (2.25-2.34) or coulomb" + scenes_own)
-      .OneOf({"off", "chapter", "coulomb"});
+  Add(command, "--contact", contact, "spheres (the chapter's) or surface (the meshes)" + scenes_own)
+      ->check(CLI::IsMember({"spheres", "surface"}));
+  Add(command, "--friction", friction, "off, chapter (2.25-2.34) or coulomb" + scenes_own)
+      ->check(CLI::IsMember({"off", "chapter", "coulomb"}));
 }
 
 std::optional<ContactModel> FeatureOptions::contact_model() const {

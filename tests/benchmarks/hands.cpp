@@ -140,33 +140,35 @@ void Run(Options& options) {
 
 void AddHands(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  Command command(
-      app, "hands",
+  CLI::App& command = *app.add_subcommand(
+      "hands",
       "A hand that nobody tuned to, over any scene: it comes from anywhere, presses, slides, "
       "turns,\n"
       "squeezes, taps and leaves.  The figures of cycle, whether the tool settles when the hand\n"
       "rests, and the force at 4 kHz against that at 1 kHz.\n"
       "Example: palpate-bench hands --scene bunny-bunny --seed 7 --speed 0.1 --steps 20000\n"
       "         palpate-bench hands --scene pipes --seeds 1..20 --speed 0.3 --steps 5000");
-  command.Add("--scene", options->scene,
-              "Catalogue name, scene file, or sharp edges made from a seed: sharp-combs:7,\n"
-              "sharp-gears:7, sharp-plates:7, sharp-dice:7, sharp-gear-comb:7 or\n"
-              "sharp-terraces-ball:7");
-  command.Add("--seed", options->hand.seed, "Which hand");
-  command.Add("--seeds", options->seeds, "Hands A..B, a line each, the worst first; without times")
-      .Excludes("--seed");
-  command.Add("--speed", options->hand.speed, "Mean speed of the hand, m/s").Within(0.001, 5.0);
-  command.Add("--steps", options->hand.steps, "Steps, one a millisecond").Positive();
-  command
-      .Add("--press-mm", options->hand.press_mm, "It presses half as deep to as deep as this, mm")
-      .Within(0.01, 100.0);
-  command.Add("--poses-out", options->poses_out,
-              "Write the hand's poses to FILE, as --poses of cycle reads them");
+  Add(command, "--scene", options->scene,
+      "Catalogue name, scene file, or sharp edges made from a seed: sharp-combs:7,\n"
+      "sharp-gears:7, sharp-plates:7, sharp-dice:7, sharp-gear-comb:7 or\n"
+      "sharp-terraces-ball:7");
+  Add(command, "--seed", options->hand.seed, "Which hand");
+  Add(command, "--seeds", options->seeds, "Hands A..B, a line each, the worst first; without times")
+      ->excludes(command.get_option("--seed"));
+  Add(command, "--speed", options->hand.speed, "Mean speed of the hand, m/s")
+      ->check(CLI::Range(0.001, 5.0));
+  Add(command, "--steps", options->hand.steps, "Steps, one a millisecond")
+      ->check(CLI::PositiveNumber);
+  Add(command, "--press-mm", options->hand.press_mm,
+      "It presses half as deep to as deep as this, mm")
+      ->check(CLI::Range(0.01, 100.0));
+  Add(command, "--poses-out", options->poses_out,
+      "Write the hand's poses to FILE, as --poses of cycle reads them");
   options->cycle.AddTo(command);
   options->features.AddTo(command);
-  command.AddModels(options->models);
-  command.AddJson(options->json);
-  command.Runs([options] { Run(*options); });
+  AddModels(command, options->models);
+  AddJson(command, options->json);
+  command.callback([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

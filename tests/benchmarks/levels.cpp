@@ -197,23 +197,24 @@ void Run(Options options) {
 
 void AddLevels(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  Command command(app, "levels",
-                  "Cost of a step by level of detail (chapter Fig. 2.23c): the scene's script with "
-                  "coarser and\n"
-                  "finer sphere trees, and how far their forces are from the finest's.\n"
-                  "Example: palpate-bench levels --scene dragon-buddha --json levels.json\n"
-                  "A million leaves: palpate-bench levels --scene dragon-buddha --leaves 1000000 "
-                  "--objects-only");
-  command.Add("--scene", options->scene, "Catalogue name or scene file");
-  command.Add("--leaves", options->leaves, "Leaves of each tree; a level for each")
-      .Within(std::size_t{2}, std::size_t{1} << 22);
-  command.AddFlag("--objects-only", options->objects_only, "The tool keeps the tree it has");
-  command.AddPathSteps(options->steps);
-  command.AddRepeats(options->repeats);
+  CLI::App& command = *app.add_subcommand(
+      "levels",
+      "Cost of a step by level of detail (chapter Fig. 2.23c): the scene's script with "
+      "coarser and\n"
+      "finer sphere trees, and how far their forces are from the finest's.\n"
+      "Example: palpate-bench levels --scene dragon-buddha --json levels.json\n"
+      "A million leaves: palpate-bench levels --scene dragon-buddha --leaves 1000000 "
+      "--objects-only");
+  Add(command, "--scene", options->scene, "Catalogue name or scene file");
+  Add(command, "--leaves", options->leaves, "Leaves of each tree; a level for each")
+      ->check(CLI::Range(std::size_t{2}, std::size_t{1} << 22));
+  command.add_flag("--objects-only", options->objects_only, "The tool keeps the tree it has");
+  AddPathSteps(command, options->steps);
+  AddRepeats(command, options->repeats);
   options->features.AddTo(command);
-  command.AddModels(options->models);
-  command.AddJson(options->json);
-  command.Runs([options] { Run(*options); });
+  AddModels(command, options->models);
+  AddJson(command, options->json);
+  command.callback([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -122,16 +122,18 @@ void Run(const Options& options) {
 
 void AddLimiter(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  Command command(app, "limiter",
-                  "Tries to get more out of a device's limiter than it may let through, and "
-                  "measures the energy\n"
-                  "at its port with and without the passivity controller.\n"
-                  "Exits with 1 where a limit did not hold.\n"
-                  "Example: palpate-bench limiter --inputs 100000000 --json limiter.json");
-  command.Add("--inputs", options->inputs, "Wrenches, poses and times to try").Positive();
-  command.Add("--seed", options->seed, "Of what is tried");
-  command.AddJson(options->json);
-  command.Runs([options] { Run(*options); });
+  CLI::App& command = *app.add_subcommand(
+      "limiter",
+      "Tries to get more out of a device's limiter than it may let through, and "
+      "measures the energy\n"
+      "at its port with and without the passivity controller.\n"
+      "Exits with 1 where a limit did not hold.\n"
+      "Example: palpate-bench limiter --inputs 100000000 --json limiter.json");
+  Add(command, "--inputs", options->inputs, "Wrenches, poses and times to try")
+      ->check(CLI::PositiveNumber);
+  Add(command, "--seed", options->seed, "Of what is tried");
+  AddJson(command, options->json);
+  command.callback([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -386,37 +386,37 @@ void Echo(const EchoOptions& options) {
 
 void AddLoop(CLI::App& app, const int& domain) {
   auto options = std::make_shared<Options>();
-  Command command(
-      app, "loop",
+  CLI::App& command = *app.add_subcommand(
+      "loop",
       "Pose out to wrench in through palpate-server, beside a bare echo over the same transport,\n"
       "alternating in one run.  Starts the server, and iox-roudi where shared memory needs one.\n"
       "Example: palpate-bench loop --transport shm --seconds 20");
-  const auto common = [](Command& to, std::string& transport, std::string& realtime) {
-    to.AddTransport(transport);
-    to.Add("--realtime", realtime, "Of server, echo and this: require, prefer or off")
-        .OneOf({"require", "prefer", "off"});
+  const auto common = [](CLI::App& to, std::string& transport, std::string& realtime) {
+    AddTransport(to, transport);
+    Add(to, "--realtime", realtime, "Of server, echo and this: require, prefer or off")
+        ->check(CLI::IsMember({"require", "prefer", "off"}));
   };
   common(command, options->transport, options->realtime);
-  command.Add("--seconds", options->seconds, "Server and echo together").Positive();
-  command.Add("--scene", options->scene, "Catalogue name or scene file");
-  command
-      .Add("--authority", options->authority,
-           "Over UDP in a secured domain: a folder of deploy/security/identities, with a "
-           "server 'bench_server' and a station 'bench'")
-      .ExistingFolder();
-  command.AddJson(options->json);
-  command.Runs([options, &domain] {
+  Add(command, "--seconds", options->seconds, "Server and echo together")
+      ->check(CLI::PositiveNumber);
+  Add(command, "--scene", options->scene, "Catalogue name or scene file");
+  Add(command, "--authority", options->authority,
+      "Over UDP in a secured domain: a folder of deploy/security/identities, with a "
+      "server 'bench_server' and a station 'bench'")
+      ->check(CLI::ExistingDirectory);
+  AddJson(command, options->json);
+  command.callback([options, &domain] {
     options->domain = domain;
     Run(*options);
   });
 
   auto echo = std::make_shared<EchoOptions>();
-  Command peer(app, "echo", "The other end of loop's bare echo");
-  peer.Hide();
+  CLI::App& peer = *app.add_subcommand("echo", "The other end of loop's bare echo");
+  peer.group("");
   common(peer, echo->transport, echo->realtime);
-  peer.Add("--run", echo->run).Required();
-  peer.Add("--identity", echo->identity);
-  peer.Runs([echo, &domain] {
+  Add(peer, "--run", echo->run)->required();
+  Add(peer, "--identity", echo->identity);
+  peer.callback([echo, &domain] {
     echo->domain = domain;
     Echo(*echo);
   });

@@ -303,19 +303,20 @@ void Run(const Options& options) {
 
 void AddQp(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  Command command(app, "qp",
-                  "Time and optimality of the QP alone: of a scene's path, or of a file.\n"
-                  "Example: palpate-bench qp --scene bunny-bunny --min-rows 200 --max-rows 500");
-  command.Add("--scene", options->scene, "Take the problems of this scene's path");
-  command.Add("--dump", options->dump, "Write them to FILE instead of solving them");
-  command.Add("--load", options->load, "Take the problems of FILE (format: PQP1)");
-  command.AddPathSteps(options->steps);
-  command.Add("--min-rows", options->min_rows, "Only problems with at least this many rows");
-  command.Add("--max-rows", options->max_rows, "Only problems with at most this many rows");
-  command.AddRepeats(options->repeats);
-  command.AddModels(options->models);
-  command.AddJson(options->json);
-  command.Runs([options] { Run(*options); });
+  CLI::App& command = *app.add_subcommand(
+      "qp",
+      "Time and optimality of the QP alone: of a scene's path, or of a file.\n"
+      "Example: palpate-bench qp --scene bunny-bunny --min-rows 200 --max-rows 500");
+  Add(command, "--scene", options->scene, "Take the problems of this scene's path");
+  Add(command, "--dump", options->dump, "Write them to FILE instead of solving them");
+  Add(command, "--load", options->load, "Take the problems of FILE (format: PQP1)");
+  AddPathSteps(command, options->steps);
+  Add(command, "--min-rows", options->min_rows, "Only problems with at least this many rows");
+  Add(command, "--max-rows", options->max_rows, "Only problems with at most this many rows");
+  AddRepeats(command, options->repeats);
+  AddModels(command, options->models);
+  AddJson(command, options->json);
+  command.callback([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -136,18 +136,19 @@ void Run(const Options& options) {
 
 void AddStability(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  Command command(
-      app, "stability",
+  CLI::App& command = *app.add_subcommand(
+      "stability",
       "Hard cases, each with a physical bound; in all of them nothing may tunnel, every number\n"
       "must be finite, and no overlap pass 10 um where a pose without any exists.\n"
       "Exits with 1 where a case does not hold.\n"
       "Example: palpate-bench stability --steps 10000000 --json stability.json");
-  command.Add("--case", options->only, "This case alone (see --list)");
-  command.AddFlag("--list", options->list, "Name the cases, their bounds and the reasons");
-  command.Add("--steps", options->steps, "Steps of all cases together, about").Positive();
+  Add(command, "--case", options->only, "This case alone (see --list)");
+  command.add_flag("--list", options->list, "Name the cases, their bounds and the reasons");
+  Add(command, "--steps", options->steps, "Steps of all cases together, about")
+      ->check(CLI::PositiveNumber);
   options->features.AddTo(command);
-  command.AddJson(options->json);
-  command.Runs([options] { Run(*options); });
+  AddJson(command, options->json);
+  command.callback([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

@@ -278,31 +278,31 @@ void Run(const Options& options) {
 
 void AddTree(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  Command command(
-      app, "tree",
+  CLI::App& command = *app.add_subcommand(
+      "tree",
       "How far the sphere tree of a mesh, or those of a scene, are from it, for every level and "
       "mode,\n"
       "and how far the force of sphere contact is from surface contact's on the scene's own path.\n"
       "Example: palpate-bench tree --mesh tooth.stl --unit mm --spheres 512 --mode balanced --json "
       "-");
-  command.Add("--scene", options->scene, "Catalogue name, scene file or mesh");
-  command.Add("--mesh", options->mesh, "Mesh file, in place of a scene").Excludes("--scene");
-  command
-      .Add("--modes,--mode", options->modes,
-           "Modes of the trees (default: all, for a mesh " + std::string(kTreeModes[0]) + ")")
-      .OneOf({kTreeModes.begin(), kTreeModes.end()});
-  command.Add("--leaves,--spheres", options->leaves, "Leaves of each tree (default: the scene's)")
-      .Within(std::size_t{1}, kMaxLeaves);
-  command.AddTreeFile("m for --mesh, whose frame stays; else as the scene's mesh", options->file);
-  command.Add("--samples", options->samples, "Points of the surface").Positive();
-  command.AddPathSteps(options->steps);
-  command.AddFlag("--no-force", options->no_force, "Measure the geometry alone");
-  command.AddModels(options->models);
-  command.Add("--out", options->out,
-              "Write the leaves of --mesh into FILE (- is stdout): x y z r in m, a line each");
-  command.AddJson(options->json);
-  command.Add("--csv", options->csv, "Write a line for each level into FILE (- is stdout)");
-  command.Runs([options] { Run(*options); });
+  Add(command, "--scene", options->scene, "Catalogue name, scene file or mesh");
+  Add(command, "--mesh", options->mesh, "Mesh file, in place of a scene")
+      ->excludes(command.get_option("--scene"));
+  Add(command, "--modes,--mode", options->modes,
+      "Modes of the trees (default: all, for a mesh " + std::string(kTreeModes[0]) + ")")
+      ->check(CLI::IsMember(std::vector<std::string>{kTreeModes.begin(), kTreeModes.end()}));
+  Add(command, "--leaves,--spheres", options->leaves, "Leaves of each tree (default: the scene's)")
+      ->check(CLI::Range(std::size_t{1}, kMaxLeaves));
+  AddTreeFile(command, "m for --mesh, whose frame stays; else as the scene's mesh", options->file);
+  Add(command, "--samples", options->samples, "Points of the surface")->check(CLI::PositiveNumber);
+  AddPathSteps(command, options->steps);
+  command.add_flag("--no-force", options->no_force, "Measure the geometry alone");
+  AddModels(command, options->models);
+  Add(command, "--out", options->out,
+      "Write the leaves of --mesh into FILE (- is stdout): x y z r in m, a line each");
+  AddJson(command, options->json);
+  Add(command, "--csv", options->csv, "Write a line for each level into FILE (- is stdout)");
+  command.callback([options] { Run(*options); });
 }
 
 }  // namespace palpate::bench

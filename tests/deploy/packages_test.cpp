@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/house/source_tree.h"
+#include "tests/support/read_file.h"
 
 namespace palpate::house {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 using testing::HasSubstr;
 
 std::string Read(const std::string& file) {
-  return ReadFile(PALPATE_SOURCE_DIR "/" + file);
+  return ReadWholeFile(PALPATE_SOURCE_DIR "/" + file);
 }
 
 /// The words between "palpate_package(" and its ")".

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "tests/house/source_tree.h"
+#include "tests/support/read_file.h"
 
 namespace palpate::house {
 namespace {
@@ -36,8 +37,8 @@ class Units : public testing::Test {
       if (entry.path().extension() == ".env" || entry.is_directory()) continue;
       const fs::path target = folder_ / fs::relative(entry.path(), kUnits);
       fs::create_directories(target.parent_path());
-      std::ofstream(target) << std::regex_replace(ReadFile(entry.path()), std::regex("=/usr/bin/"),
-                                                  "=" + (folder_ / "bin/").string());
+      std::ofstream(target) << std::regex_replace(
+          ReadWholeFile(entry.path()), std::regex("=/usr/bin/"), "=" + (folder_ / "bin/").string());
       if (target.extension() == ".service") names_.push_back(target.filename());
     }
     ASSERT_EQ(names_.size(), 4u);
@@ -85,8 +86,8 @@ TEST_F(Units, ExposeLittle) {
 }
 
 TEST(Unit, OfTheServerHasTheLimitsThatPeopleHave) {
-  const std::string unit = ReadFile(kUnits / "palpate-server.service");
-  const std::string limits = ReadFile(PALPATE_SOURCE_DIR "/deploy/packages/limits.conf");
+  const std::string unit = ReadWholeFile(kUnits / "palpate-server.service");
+  const std::string limits = ReadWholeFile(PALPATE_SOURCE_DIR "/deploy/packages/limits.conf");
   EXPECT_THAT(unit, HasSubstr("LimitRTPRIO=45\n"));
   EXPECT_THAT(limits, HasSubstr("rtprio   45\n"));
   EXPECT_THAT(unit, HasSubstr("LimitMEMLOCK=infinity\n"));
@@ -95,7 +96,7 @@ TEST(Unit, OfTheServerHasTheLimitsThatPeopleHave) {
 
 TEST(Unit, OfEachClientOfRouDiStartsAndEndsWithIt) {
   for (const std::string unit : {"palpate-server.service", "palpate-record.service"}) {
-    const std::string text = ReadFile(kUnits / unit);
+    const std::string text = ReadWholeFile(kUnits / unit);
     for (const std::string word : {"BindsTo", "PartOf", "WantedBy"}) {
       EXPECT_THAT(text, HasSubstr(word + "=palpate-roudi.service\n")) << unit;
     }

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/house/source_tree.h"
+#include "tests/support/read_file.h"
 
 // What must stay true of the repository as a whole.
 namespace palpate::house {
@@ -82,7 +83,7 @@ TEST(Repository, ShowsOnePosesWayThroughSixFilesThatExist) {
   for (const std::string& file : path) {
     EXPECT_TRUE(std::filesystem::is_regular_file(kRoot + "/" + file)) << file << " is missing";
   }
-  const std::string text = ReadFile(kRoot + "/server/ARCHITECTURE.md");
+  const std::string text = ReadWholeFile(kRoot + "/server/ARCHITECTURE.md");
   std::size_t at = 0;
   for (const std::string& file : path) {
     const std::size_t next = text.find(file, at);
@@ -96,7 +97,7 @@ TEST(Repository, LinksOnlyToFilesThatExist) {
   static const std::regex kLink(R"(\]\(([^)#:\s]+)(#[^)]*)?\))");
   for (const std::string& file : SourceFiles(kRoot)) {
     if (!file.ends_with(".md")) continue;
-    const std::string text = ReadFile(kRoot + "/" + file);
+    const std::string text = ReadWholeFile(kRoot + "/" + file);
     for (std::sregex_iterator it(text.begin(), text.end(), kLink), end; it != end; ++it) {
       const std::string target = (*it)[1];
       const auto path = std::filesystem::path(kRoot) / std::filesystem::path(file).parent_path();
@@ -108,14 +109,14 @@ TEST(Repository, LinksOnlyToFilesThatExist) {
 TEST(Repository, HasPagesOfAtMost2500Words) {
   for (const std::string& file : SourceFiles(kRoot)) {
     if (!file.ends_with(".md")) continue;
-    std::istringstream words(ReadFile(kRoot + "/" + file));
+    std::istringstream words(ReadWholeFile(kRoot + "/" + file));
     EXPECT_LE(std::distance(std::istream_iterator<std::string>(words), {}), 2500) << file;
   }
 }
 
 TEST(Repository, LinksToEveryReportOfFigures) {
   const std::string folder = "tests/benchmarks/results/";
-  const std::string figures = ReadFile(kRoot + "/" + folder + "README.md");
+  const std::string figures = ReadWholeFile(kRoot + "/" + folder + "README.md");
   for (const std::string& file : SourceFiles(kRoot)) {
     if (!file.starts_with(folder) || file == folder + "README.md") continue;
     EXPECT_NE(figures.find("](" + file.substr(folder.size()) + ")"), std::string::npos) << file;
@@ -125,7 +126,7 @@ TEST(Repository, LinksToEveryReportOfFigures) {
 TEST(Repository, LeavesNothingForLaterAndNamesNoPlaceOfItsMakers) {
   for (const std::string& file : SourceFiles(kRoot)) {
     if (!IsText(file)) continue;
-    const std::string text = ReadFile(kRoot + "/" + file);
+    const std::string text = ReadWholeFile(kRoot + "/" + file);
     EXPECT_EQ(FirstMatch(text, kLeftForLater), "") << file;
     EXPECT_EQ(FirstMatch(text, kSomebodysFolder), "") << file;
     EXPECT_EQ(FirstMatch(text, kRegistryHost), "") << file;

@@ -14,6 +14,7 @@
 
 #include "tests/house/source_tree.h"
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 
 namespace palpate::house {
 namespace {
@@ -55,7 +56,7 @@ class DeployScripts : public testing::Test {
                  {"/usr/bin/env", "PATH=" + In("bin") + ":/usr/sbin:/usr/bin:/sbin:/bin"});
     return words;
   }
-  std::string Calls() const { return fs::exists(In("calls")) ? ReadFile(In("calls")) : ""; }
+  std::string Calls() const { return fs::exists(In("calls")) ? ReadWholeFile(In("calls")) : ""; }
 
   const fs::path folder_ =
       fs::temp_directory_path() / ("palpate_scripts_" + std::to_string(getpid()));
@@ -221,11 +222,11 @@ esac
 }
 
 TEST(Demo, BuildsTheProgramsThatAreDocumented) {
-  const std::string demo = ReadFile((kRoot / "deploy/demo").string());
+  const std::string demo = ReadWholeFile((kRoot / "deploy/demo").string());
   static const std::regex kBuild("build release (palpate-.*?) \\|\\|");
   std::smatch built;
   ASSERT_TRUE(std::regex_search(demo, built, kBuild));
-  const std::string page = ReadFile((kRoot / "deploy/programs.md").string());
+  const std::string page = ReadWholeFile((kRoot / "deploy/programs.md").string());
   static const std::regex kSaid("`deploy/demo` builds ([^;]*);");
   std::smatch said;
   ASSERT_TRUE(std::regex_search(page, said, kSaid));
@@ -247,9 +248,9 @@ TEST(SharedMemory, IsOneFigureWhereverItIsNamed) {
            {"deploy/REALTIME.md", "`/dev/shm` needs "},
            {"deploy/container/compose.yaml", "The host's must have "},
            {"deploy/cyclonedds/roudi.toml", "/dev/shm must have "}}) {
-    EXPECT_THAT(ReadFile((kRoot / file).string()), HasSubstr(begin + figure + " MB")) << file;
+    EXPECT_THAT(ReadWholeFile((kRoot / file).string()), HasSubstr(begin + figure + " MB")) << file;
   }
-  EXPECT_THAT(ReadFile((kRoot / "client/doctor/checks.h").string()),
+  EXPECT_THAT(ReadWholeFile((kRoot / "client/doctor/checks.h").string()),
               HasSubstr("kSharedMemoryNeeded_MB = " + figure + ";"));
 }
 

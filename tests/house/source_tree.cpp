@@ -1,17 +1,11 @@
 #include "tests/house/source_tree.h"
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include "common/error.h"
+#include "tests/support/program.h"
 
 namespace palpate::house {
 
@@ -44,48 +38,10 @@ std::vector<std::string> TrackedFiles(const std::string& root) {
   return ListedFiles(root, {"--cached"});
 }
 
-std::string ReadFile(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw Error(file + ": cannot be read");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 Output RunCommand(const std::vector<std::string>& words) {
-  int pipe_ends[2];
-  if (pipe(pipe_ends) != 0) throw Error(std::string("pipe: ") + std::strerror(errno));
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", 0, 0);
-  posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], STDERR_FILENO);
-  posix_spawn_file_actions_addclose(&actions, pipe_ends[0]);
-  posix_spawn_file_actions_addclose(&actions, pipe_ends[1]);
-
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  pid_t pid = 0;
-  const int failure =
-      posix_spawnp(&pid, arguments[0], &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  close(pipe_ends[1]);
-  if (failure != 0) {
-    close(pipe_ends[0]);
-    throw Error(words[0] + ": " + std::strerror(failure));
-  }
-
-  Output output;
-  std::array<char, 4096> buffer;
-  for (ssize_t n; (n = read(pipe_ends[0], buffer.data(), buffer.size())) > 0;) {
-    output.text.append(buffer.data(), static_cast<std::size_t>(n));
-  }
-  close(pipe_ends[0]);
-  int status = 0;
-  waitpid(pid, &status, 0);
-  output.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return output;
+  test::Program program("/usr/bin/env", words);
+  const int exit_code = program.Exit(1200.0);  // the trials of packages take long
+  return {program.Output(), exit_code};
 }
 
 bool IsBelow(const std::string& path, const std::string& folder) {

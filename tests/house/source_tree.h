@@ -12,11 +12,8 @@ std::vector<std::string> SourceFiles(const std::string& root);
 /// Those of them that git tracks: without a user's own meshes and recordings.
 std::vector<std::string> TrackedFiles(const std::string& root);
 
-/// Throws Error where the file cannot be read.
-std::string ReadFile(const std::string& file);
-
-/// What a command writes to stdout and stderr together, and its exit code.  The words are passed as
-/// they are: no shell reads them.  Throws Error where it cannot be started.
+/// What a command, found on the PATH, writes to stdout and stderr together, and its exit code; 127
+/// where there is no such command.  The words are passed as they are: no shell reads them.
 struct Output {
   std::string text;
   int exit_code = 0;

@@ -151,12 +151,8 @@ struct Parts {
   std::vector<MeshGroup> groups;
 
   void Add(const std::string& name, const TriangleMesh& part, const Vec3& at) {
-    const auto first = static_cast<std::uint32_t>(body.mesh.vertices.size());
     const auto begin = static_cast<std::uint32_t>(body.mesh.triangles.size());
-    for (const Vec3& v : part.vertices) body.mesh.vertices.push_back(v + at);
-    for (const auto& [a, b, c] : part.triangles) {
-      body.mesh.triangles.push_back({a + first, b + first, c + first});
-    }
+    body.mesh = test::Both(body.mesh, test::Moved(part, at));
     groups.push_back({name, begin, static_cast<std::uint32_t>(body.mesh.triangles.size())});
   }
 
@@ -175,21 +171,12 @@ struct Parts {
   std::size_t Soft() const { return std::ranges::count(body.leaf_material, 1); }
 };
 
-TriangleMesh Sheet(double side) {
-  TriangleMesh sheet;
-  sheet.vertices = {{-side / 2, 0, -side / 2},
-                    {side / 2, 0, -side / 2},
-                    {side / 2, 0, side / 2},
-                    {-side / 2, 0, side / 2}};
-  sheet.triangles = {{0, 2, 1}, {0, 3, 2}};
-  return sheet;
-}
-
 TEST(LeafPaint, SheetInsideABoxMakesNoLeafSoft) {
   for (const double below_the_top : {0.0005, 0.001, 0.003, 0.005}) {
     Parts parts;
     parts.Add("crown", MakeBox(Vec3(0.01, 0.01, 0.01)), Vec3::Zero());
-    parts.Add("gum", Sheet(0.009), Vec3(0, 0.005 - below_the_top, 0));
+    parts.Add("gum", test::MakeSheet(0.0045, 1, [](double, double) { return 0.0; }),
+              Vec3(0, 0.005 - below_the_top, 0));
     EXPECT_THAT(
         ComplaintOf([&] { parts.PaintGum(280); }),
         HasSubstr("f.json:9: objects[0].regions[0]: paints no leaf of \"tooth\"; all of the "

@@ -52,35 +52,16 @@ std::string Complaint(const std::string& name, const std::string& text) {
 
 // --- OBJ ---
 
+// Blanks, ends of lines, signs, colours, continued lines, corners counted backwards and the like
+// are AnyLayout's, below; for each format there is here what that one does not write.
+
 TEST(ObjReader, ReadsEveryLineAsItIsWritten) {
   const std::string plain = test::ObjOf(WrittenBox());
   ExpectTheBox("a.obj", plain);
-  ExpectTheBox("indented.obj", With(With(plain, "v ", "  v "), "f ", "\t f "));
-  ExpectTheBox("bom.obj", "\xef\xbb\xbf" + plain);
-  ExpectTheBox("continued.obj", With(plain, " ", " \\\n"));
-  ExpectTheBox("continued_crlf.obj", With(plain, " ", "\\\r\n "));
-  ExpectTheBox("cr_only.obj", With(plain, "\n", "\r"));
-  ExpectTheBox("tabs_crlf.obj", With(With(plain, " ", "\t"), "\n", "\r\n"));
-  ExpectTheBox("no_last_newline.obj", plain.substr(0, plain.size() - 1));
-  ExpectTheBox("plus.obj", With(plain, " ", " +"));
-  ExpectTheBox("rgb.obj", With(plain, "(v .*)\n", "$1 0.5 0.4 0.3\n"));
-  ExpectTheBox("rgba.obj", With(plain, "(v .*)\n", "$1 0.5 0.4 0.3 1.0\n"));
-  ExpectTheBox("intensity.obj", With(plain, "(v .*)\n", "$1 0.25\n"));
   ExpectTheBox("comments.obj", "# C:\\meshes\\\n" + With(plain, "\n", " # here\n"));
   ExpectTheBox("normals.obj", "vn -nan(ind) 1.#QNAN inf\n" +
                                   With(plain, "f (.*) (.*) (.*)\n", "f $1//1 $2//1 $3//1\n"));
   ExpectTheBox("capitals.obj", With(With(plain, "v ", "V "), "f ", "F "));
-}
-
-TEST(ObjReader, CountsNegativeCornersFromWhereTheyStand) {
-  std::string text;
-  const TriangleMesh box = WrittenBox();
-  for (std::size_t t = 0; t < box.triangles.size(); ++t) {
-    std::ostringstream lines;
-    for (int c = 0; c < 3; ++c) lines << "v " << test::Corner(box, t, c).transpose() << "\n";
-    text += lines.str() + "f -3 -2 -1\n";
-  }
-  ExpectTheBox("negative.obj", text);
 }
 
 TEST(ObjReader, KnowsObjectsAndTheGroupsInThem) {
@@ -127,15 +108,8 @@ TEST(StlReader, ReadsTextWithAnyWordsInItsNames) {
   ExpectTheBox("a.stl", plain);
   ExpectTheBox("words.stl", With(plain, "solid mesh", "solid L4 facet joint endsolid 3"));
   ExpectTheBox("no_name.stl", With(With(plain, "solid mesh", "solid "), "\n", "\r\n"));
-  ExpectTheBox("cr_only.stl", With(plain, "\n", "\r"));
-  ExpectTheBox("end_solid.stl", With(plain, "endsolid", "end solid"));
   ExpectTheBox("end_facet.stl", With(With(plain, "endfacet", "End Facet"), "endloop", "END LOOP"));
-  ExpectTheBox("bom.stl", "\xef\xbb\xbf" + plain);
-  ExpectTheBox("blank_line_first.stl", " \n\n" + plain);
   ExpectTheBox("padded.stl", plain + std::string(100, '\0') + "\x1a");
-  std::string capitals = plain;
-  for (char& c : capitals) c = static_cast<char>(std::toupper(c));
-  ExpectTheBox("capitals.stl", capitals);
   for (const char* none : {"nan NaN -nan(ind)", "inf -inf 1.#QNAN", "", "1 2"}) {
     ExpectTheBox("normal.stl", With(plain, "normal 0 0 0", std::string("normal ") + none));
   }
@@ -153,10 +127,8 @@ TEST(StlReader, ReadsEverySolidAsAPart) {
 }
 
 TEST(StlReader, TellsBinaryFromTextWhateverTheHeaderSays) {
-  for (const char* header :
-       {"", "solid", "solid box\n facet normal 0 0 1\n outer loop\n", "\xef\xbb\xbf"}) {
+  for (const char* header : {"solid box\n facet normal 0 0 1\n outer loop\n", "\xef\xbb\xbf"}) {
     ExpectTheBox("b.stl", BinaryStlOf(WrittenBox(), header));
-    ExpectTheBox("b.stl", BinaryStlOf(WrittenBox(), header) + "\n");
   }
 }
 
@@ -184,67 +156,9 @@ TEST(StlReader, SaysWhichLineIsNone) {
 
 // --- PLY ---
 
-struct PlyLayout {
-  std::string format = "ascii", end = "\n", coordinate = "float", index = "int";
-};
-
-/// The box, whose first coordinate of all is 1.0000012 as a float: its bytes begin with a line
-/// feed.
-std::string PlyBox(const PlyLayout& layout, double first = 1.0) {
-  const TriangleMesh box = WrittenBox();
-  std::string text = "ply" + layout.end + "format " + layout.format + " 1.0" + layout.end +
-                     "comment property element face 3" + layout.end + "element vertex 8" +
-                     layout.end;
-  for (const char* axis : {"x", "y", "z"})
-    text += "property " + layout.coordinate + " " + axis + layout.end;
-  text += "property float nx" + layout.end + "element face 12" + layout.end +
-          "property list uchar " + layout.index + " vertex_index" + layout.end + "end_header" +
-          layout.end;
-  const auto put = [&](auto value) {
-    std::ostringstream word;
-    word.precision(9);
-    word << +value << " ";
-    if (layout.format == "ascii") {
-      text += word.str();
-    } else {
-      const std::size_t begin = text.size();
-      Append(text, value);
-      if (layout.format == "binary_big_endian") std::reverse(text.begin() + begin, text.end());
-    }
-  };
-  for (const Vec3& v : box.vertices) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const double x = v[axis] == 1.0 ? first : v[axis];
-      layout.coordinate == "double" ? put(x) : put(static_cast<float>(x));
-    }
-    if (layout.format == "ascii") {
-      text += "-nan(ind)" + layout.end;
-    } else {
-      put(std::numeric_limits<float>::quiet_NaN());
-    }
-  }
-  for (const auto& triangle : box.triangles) {
-    put(std::uint8_t{3});
-    for (const std::uint32_t v : triangle) {
-      layout.index == "short" ? put(static_cast<std::int16_t>(v))
-                              : put(static_cast<std::int32_t>(v));
-    }
-    if (layout.format == "ascii") text += layout.end;
-  }
-  return text;
-}
-
-TEST(PlyReader, ReadsTextAndBinaryOfEveryLayout) {
-  for (const std::string format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
-    for (const std::string end : {"\n", "\r\n", "\r"}) {
-      for (const double first : {1.0, 1.0000012}) {
-        ExpectTheBox("a.ply", PlyBox({format, end}, first));
-        ExpectTheBox("a.ply", PlyBox({format, end, "double", "short"}, first) + "\n");
-      }
-    }
-  }
-  EXPECT_EQ(PlyBox({"binary_little_endian"}, 1.0000012).find("end_header\n\n"),
-            PlyBox({"binary_little_endian"}).find("end_header"));
+TEST(PlyReader, PassesOverNumbersThatAreNone) {
+  const std::string plain = test::PlyOf(WrittenBox(), false);
+  ExpectTheBox("a.ply", With(With(plain, "uchar red", "float red"), "\n7 ", "\n-nan(ind) "));
 }
 
 TEST(PlyReader, ReadsStripsOfTriangles) {
@@ -272,13 +186,13 @@ TEST(PlyReader, ReadsStripsOfTriangles) {
 }
 
 TEST(PlyReader, SaysWhatItsHeaderLacks) {
-  const std::string plain = PlyBox({});
-  EXPECT_THAT(Complaint("a.ply", With(plain, "property float y", "property flaot y")),
-              HasSubstr("no known type, 'flaot'"));
-  EXPECT_THAT(Complaint("a.ply", With(plain, "property float y", "proprety float y")),
+  const std::string plain = test::PlyOf(WrittenBox(), false);
+  EXPECT_THAT(Complaint("a.ply", With(plain, "property double y", "property duoble y")),
+              HasSubstr("no known type, 'duoble'"));
+  EXPECT_THAT(Complaint("a.ply", With(plain, "property double y", "proprety double y")),
               HasSubstr("a line that begins with 'proprety'"));
-  EXPECT_THAT(Complaint("a.ply", With(plain, "float y", "float j")), HasSubstr("no x, y or z"));
-  EXPECT_THAT(Complaint("a.ply", With(plain, "vertex_index", "corners")),
+  EXPECT_THAT(Complaint("a.ply", With(plain, "double y", "double j")), HasSubstr("no x, y or z"));
+  EXPECT_THAT(Complaint("a.ply", With(plain, "vertex_indices", "corners")),
               HasSubstr("vertex_indices"));
   EXPECT_THAT(Complaint("a.ply", With(plain, "element face", "element edge")),
               HasSubstr("points and no faces"));
@@ -375,28 +289,6 @@ TEST(GltfReader, ReadsQuantisedCoordinates) {
     EXPECT_NEAR((r.box_min - Vec3(0.001, 0.002, 0.003)).norm(), 0.0, off);
     EXPECT_NEAR((r.box_max - Vec3(0.021, 0.014, 0.011)).norm(), 0.0, off);
   }
-}
-
-TEST(GltfReader, ReadsSparseCoordinates) {
-  std::string more;
-  Append(more, std::uint32_t{7});
-  for (const float x : {0.025f, 0.018f, 0.014f}) Append(more, x);
-  const std::string sparse =
-      R"(,"sparse":{"count":1,"indices":{"bufferView":2,"componentType":5125},
-"values":{"bufferView":3}})";
-  const TriangleMesh mesh =
-      ReadMeshText("s.glb",
-                   Glb(Json({.position = GltfFields{}.position + sparse,
-                             .views = GltfFields{}.views + R"(,{"buffer":0,"byteOffset":168,
-"byteLength":4},{"buffer":0,"byteOffset":172,"byteLength":12})"}),
-                       more))
-          .mesh;
-  EXPECT_EQ(std::ranges::count_if(
-                mesh.vertices,
-                [](const Vec3& v) { return (v - Vec3(0.025, 0.018, 0.014)).norm() < 1e-8; }),
-            1);
-  EXPECT_EQ(InspectMesh(mesh).vertices, 8u);
-  EXPECT_TRUE(InspectMesh(mesh).solid());
 }
 
 TEST(GltfReader, ReadsStripsAndFans) {

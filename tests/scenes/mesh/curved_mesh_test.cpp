@@ -14,6 +14,7 @@
 #include "scenes/shapes/shapes.h"
 #include "scenes/shapes/swept_mesh.h"
 #include "tests/scenes/support.h"
+#include "tests/support/dirty_mesh.h"
 #include "tests/support/triangle_overlap.h"
 
 namespace palpate {
@@ -261,12 +262,8 @@ TEST(CurvedMesh, HasNoCracksAndKeepsEveryTrianglesOrigin) {
 TEST(CurvedMesh, WeldsWhatStandsAtOnePlace) {
   // As STL has it: each triangle with corners of its own.
   const TriangleMesh sphere = MakeSphere(0.03, 320);
-  TriangleMesh loose;
-  for (const auto& t : sphere.triangles) {
-    const auto first = static_cast<std::uint32_t>(loose.vertices.size());
-    for (const std::uint32_t v : t) loose.vertices.push_back(sphere.vertices[v]);
-    loose.triangles.push_back({first, first + 1, first + 2});
-  }
+  test::Random random(1);
+  const TriangleMesh loose = test::Unwelded(sphere, 0.0, random);
   const CurvedMesh a = Refine(sphere, 10e-6), b = Refine(loose, 10e-6);
   ASSERT_EQ(a.mesh.triangles.size(), b.mesh.triangles.size());
   for (std::size_t t = 0; t < a.mesh.triangles.size(); ++t) {

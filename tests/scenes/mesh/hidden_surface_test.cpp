@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/scenes/support.h"
+#include "tests/support/dirty_mesh.h"
 
 namespace palpate {
 namespace {
@@ -13,13 +14,8 @@ using testing::HasSubstr;
 
 /// Adds a box to the mesh; returns it as a named part.
 MeshGroup AddBox(const std::string& name, const Vec3& size, const Vec3& at, TriangleMesh& mesh) {
-  const TriangleMesh box = MakeBox(size);
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   const auto begin = static_cast<std::uint32_t>(mesh.triangles.size());
-  for (const Vec3& v : box.vertices) mesh.vertices.push_back(v + at);
-  for (const auto& [a, b, c] : box.triangles) {
-    mesh.triangles.push_back({a + first, b + first, c + first});
-  }
+  mesh = test::Both(mesh, test::Moved(MakeBox(size), at));
   return {name, begin, static_cast<std::uint32_t>(mesh.triangles.size())};
 }
 
@@ -53,9 +49,7 @@ TEST(HiddenSurface, CavityIsNotHidden) {
   TriangleMesh mesh;
   AddBox("shell", Vec3(2, 2, 2), Vec3::Zero(), mesh);
   const MeshGroup cavity = AddBox("cavity", Vec3(1, 1, 1), Vec3::Zero(), mesh);
-  for (std::uint32_t t = cavity.begin; t < cavity.end; ++t) {
-    std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-  }
+  for (auto t = cavity.begin; t < cavity.end; ++t) test::TurnTriangle(mesh, t);
   EXPECT_EQ(FindHiddenParts(mesh).share, 0.0);
 }
 

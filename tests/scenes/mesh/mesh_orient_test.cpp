@@ -4,13 +4,12 @@
 
 #include "scenes/mesh/mesh_report.h"
 #include "tests/scenes/support.h"
+#include "tests/support/dirty_mesh.h"
 
 namespace palpate {
 namespace {
 
-void Turn(TriangleMesh& mesh, std::size_t t) {
-  std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-}
+using test::TurnTriangle;
 
 TEST(OrientTriangles, LeavesAGoodMeshAlone) {
   TriangleMesh mesh = MakeSphere(1.0, 320);
@@ -21,7 +20,7 @@ TEST(OrientTriangles, LeavesAGoodMeshAlone) {
 
 TEST(OrientTriangles, TurnsThoseThatFaceTheWrongWay) {
   TriangleMesh mesh = MakeSphere(1.0, 320);
-  for (const std::size_t t : {0, 7, 8, 100, 319}) Turn(mesh, t);
+  for (const std::size_t t : {0, 7, 8, 100, 319}) TurnTriangle(mesh, t);
   EXPECT_EQ(OrientTriangles(mesh), 5u);
   EXPECT_TRUE(InspectMesh(mesh).solid());
   EXPECT_GT(InspectMesh(mesh).volume, 0.0);
@@ -29,7 +28,7 @@ TEST(OrientTriangles, TurnsThoseThatFaceTheWrongWay) {
 
 TEST(OrientTriangles, TurnsAMeshThatIsInsideOutEvenWhereMostOfItIs) {
   TriangleMesh mesh = MakeSphere(1.0, 320);
-  for (std::size_t t = 0; t < 300; ++t) Turn(mesh, t);
+  for (std::size_t t = 0; t < 300; ++t) TurnTriangle(mesh, t);
   EXPECT_EQ(OrientTriangles(mesh), 300u);
   EXPECT_TRUE(InspectMesh(mesh).solid());
   EXPECT_GT(InspectMesh(mesh).volume, 0.0);
@@ -39,7 +38,7 @@ TEST(OrientTriangles, LetsTheMajorityDecideInAnOpenMesh) {
   TriangleMesh mesh = MakeSphere(1.0, 320);
   mesh.triangles.resize(200);
   const auto before = mesh.triangles;
-  for (const std::size_t t : {3, 50, 51}) Turn(mesh, t);
+  for (const std::size_t t : {3, 50, 51}) TurnTriangle(mesh, t);
   EXPECT_EQ(OrientTriangles(mesh), 3u);
   EXPECT_EQ(mesh.triangles, before);
 }
@@ -56,15 +55,9 @@ TEST(OrientTriangles, EndsForAMoebiusStripAndForDegenerateTriangles) {
 /// Two boxes as one mesh; `turned` says which of them are inside out.
 TriangleMesh TwoBoxes(const Vec3& size, const Vec3& other, const Vec3& at,
                       std::array<bool, 2> turned) {
-  TriangleMesh both = MakeBox(size);
-  const TriangleMesh second = MakeBox(other);
-  const auto first = static_cast<std::uint32_t>(both.vertices.size());
-  for (const Vec3& v : second.vertices) both.vertices.push_back(v + at);
-  for (const auto& [i, j, k] : second.triangles) {
-    both.triangles.push_back({first + i, first + j, first + k});
-  }
+  TriangleMesh both = test::Both(MakeBox(size), test::Moved(MakeBox(other), at));
   for (std::size_t t = 0; t < both.triangles.size(); ++t) {
-    if (turned[t / 12]) std::swap(both.triangles[t][1], both.triangles[t][2]);
+    if (turned[t / 12]) TurnTriangle(both, t);
   }
   return both;
 }

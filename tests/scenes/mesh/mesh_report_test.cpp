@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/scenes/support.h"
+#include "tests/support/dirty_mesh.h"
 
 namespace palpate {
 namespace {
@@ -51,7 +52,7 @@ TEST(MeshReport, SeesATriangleThatFacesTheWrongWay) {
 
 TEST(MeshReport, SeesAMeshThatIsInsideOut) {
   TriangleMesh box = MakeBox(Vec3(1, 1, 1));
-  for (auto& t : box.triangles) std::swap(t[1], t[2]);
+  box = test::TurnedOver(box);
   const MeshReport r = InspectMesh(box);
   EXPECT_TRUE(r.inside_out());
   EXPECT_THAT(r.remarks, Contains(HasSubstr("inside out")));
@@ -67,10 +68,8 @@ TEST(MeshReport, SeesAThirdTriangleAtAnEdge) {
 }
 
 TEST(MeshReport, CountsDuplicatesDegeneratesUnusedVerticesAndPieces) {
-  TriangleMesh mesh = MakeBox(Vec3(1, 1, 1));
-  const TriangleMesh other = MakeBox(Vec3(1, 1, 1));
-  for (const Vec3& v : other.vertices) mesh.vertices.push_back(v + Vec3(5, 0, 0));
-  for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({a + 8, b + 8, c + 8});
+  const TriangleMesh box = MakeBox(Vec3(1, 1, 1));
+  TriangleMesh mesh = test::Both(box, test::Moved(box, Vec3(5, 0, 0)));
   mesh.vertices.push_back(Vec3(9, 9, 9));
   mesh.triangles.push_back({mesh.triangles[0][1], mesh.triangles[0][2], mesh.triangles[0][0]});
   mesh.triangles.push_back({3, 3, 5});

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/scenes/support.h"
+#include "tests/support/dirty_mesh.h"
 
 namespace palpate {
 namespace {
@@ -92,14 +93,7 @@ TEST(SamplesAbove, AreEvenRoundAnEdge) {
 
 TEST(SamplesAbove, LeaveOutCreasesThatTheBallDoesNotReach) {
   // A post stands on a slab, through it: round its foot runs a crease, inside are walls.
-  TriangleMesh mesh = MakeBox(Vec3(4, 4, 1));
-  const TriangleMesh post = MakeBox(Vec3(1, 1, 6));
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), post.vertices.begin(), post.vertices.end());
-  for (const auto& [i, j, k] : post.triangles) {
-    mesh.triangles.push_back({first + i, first + j, first + k});
-  }
-  const Surface both(mesh);
+  const Surface both(test::Both(MakeBox(Vec3(4, 4, 1)), MakeBox(Vec3(1, 1, 6))));
   const double height = 0.4;
   const auto samples = ScatterAbove(both.mesh, both.report, both.query, height, 5000);
   ASSERT_GT(samples.size(), 4000u);
