@@ -141,7 +141,6 @@ bool CutField::TakeStorage(const int low[3], const int high[3], const Bur& bur, 
   const Lattice& lattice = field_.lattice();
   // From a block's middle to its farthest point, and the band beyond the bur.
   const double reach = field_.band() + 3.5 * std::sqrt(3.0) * lattice.spacing;
-  touched_.clear();
   std::size_t wanted = 0;
   for (int k = low[2]; k <= high[2]; ++k) {
     for (int j = low[1]; j <= high[1]; ++j) {
@@ -240,6 +239,7 @@ CutField::Layers CutField::Beside(const Touched& touched) const noexcept {
 
 CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept {
   CutAway removal;
+  touched_.clear();
   const Lattice& lattice = field_.lattice();
   const Pose X_TB = X_BT.Inverse();
   const Vec3 step_T = X_TB.q * step_B;
