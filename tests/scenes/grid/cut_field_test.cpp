@@ -205,6 +205,40 @@ TEST(CutField, DoesNotDependOnTheOrderOfSteps) {
   }
 }
 
+// What a bur cannot have reached since the last step is left out; after another bur nothing is.
+TEST(CutField, OfAWalkIsTheSameWhetherOrNotAnotherBurCutsInBetween) {
+  const Bur bur = Bur::Cylinder(0.25e-3, 1e-3, 0.05e-3), other = Bur::Ball(0.05e-3);
+  for (const std::uint64_t seed : {8, 9, 10}) {
+    CutBlock alone(50e-6, kTilted), between(50e-6, kTilted);
+    Random random(seed);
+    Pose X_BT{kTilted * Vec3(0, 0, -0.2e-3), kTilted};
+    const Pose X_BO{kTilted * Vec3(0.7e-3, 0.6e-3, -0.6e-3), Quat::Identity()};
+    Vec3 way = 3e-6 * random.Direction();
+    alone.cut.Remove(other, X_BO, Vec3::Zero());
+    double removed[2] = {};
+    for (int n = 0; n < 300; ++n) {
+      if (n % 40 == 0) way = random.Uniform(0.0, 10e-6) * random.Direction();
+      // On from where it was, but for a turn and a leap at times.
+      if (n % 7 == 0) X_BT.q = (RotationExp(3e-3 * random.Direction()) * X_BT.q).normalized();
+      if (n % 50 == 49) X_BT.p += 20e-6 * random.Direction();
+      removed[0] += alone.cut.Remove(bur, X_BT, way).total();
+      removed[1] += between.cut.Remove(bur, X_BT, way).total();
+      between.cut.Remove(other, X_BO, Vec3::Zero());
+      X_BT.p += way;
+    }
+    EXPECT_GT(removed[0], 0.01e-9);
+    EXPECT_EQ(removed[0], removed[1]);
+    const Lattice& lattice = alone.cut.field().lattice();
+    for (int k = 0; k < 8 * lattice.blocks[2]; ++k) {
+      for (int j = 0; j < 8 * lattice.blocks[1]; ++j) {
+        for (int i = 0; i < 8 * lattice.blocks[0]; ++i) {
+          ASSERT_EQ(alone.cut.field().At(i, j, k), between.cut.field().At(i, j, k));
+        }
+      }
+    }
+  }
+}
+
 TEST(CutField, CountsEachMaterialForItself) {
   const auto layers = [](const Vec3& p) {
     return std::uint8_t((kTilted.conjugate() * p).z() > -0.1e-3 ? 1 : 3);
