@@ -95,6 +95,8 @@ double Bur::Distance(const Vec3& p_T, Vec3& gradient_T) const noexcept {
     double nearest = away.rho * away.rho + away.z * away.z;
     for (std::size_t n = 0; n + 1 < static_cast<std::size_t>(count_); ++n) {
       const Point from{rho - points_[n].rho, z - points_[n].z};
+      // The curve is convex: the nearest point lies on a piece that faces this one.
+      if (from.rho * normals_[n].rho + from.z * normals_[n].z < 0.0) continue;
       const Point piece{points_[n + 1].rho - points_[n].rho, points_[n + 1].z - points_[n].z};
       const double t =
           std::clamp((from.rho * piece.rho + from.z * piece.z) * inverse_squared_[n], 0.0, 1.0);
@@ -114,13 +116,16 @@ double Bur::Distance(const Vec3& p_T, Vec3& gradient_T) const noexcept {
 }
 
 double Bur::DistanceToWay(const Vec3& p_T, const Vec3& step_T, double within) const noexcept {
+  // The end first: before a bur that goes ahead, most points are nearest to that.
   Vec3 gradient;
+  double high = Distance(p_T - step_T, gradient);
+  const double beyond = high - within;
+  if (beyond > 0.0 && beyond * beyond > step_T.squaredNorm()) return high;
+  double high_slope = -gradient.dot(step_T);
+  if (high_slope <= 0.0 || beyond > high_slope) return high;
   double low = Distance(p_T, gradient);
   double low_slope = -gradient.dot(step_T);
-  if (low_slope >= 0.0 || low - step_T.norm() > within) return low;
-  double high = Distance(p_T - step_T, gradient);
-  double high_slope = -gradient.dot(step_T);
-  if (high_slope <= 0.0) return high;
+  if (low_slope >= 0.0) return low;
   double from = 0.0, to = 1.0;
   for (int turn = 0; turn < 3; ++turn) {
     const double t = from + (to - from) * low_slope / (low_slope - high_slope);

@@ -46,13 +46,14 @@ class Bur {
   /// the truth.  Outside of a ball within 1e-4 of the step's length above it, and within a
   /// twentieth where slopes leap: deep within, below sharp edges.  Exact at the way's ends.
   /// Real-time.
-  /// @param within  farther points get their distance to the way's beginning.
+  /// @param within  farther points get their distance to the way's end.
   double DistanceToWay(const Vec3& p_T, const Vec3& step_T, double within = 1e300) const noexcept;
 
   /// `count` samples of the same area on a spiral of golden angles (Swinbank & Purser, Q. J. Royal
   /// Meteorological Soc. 132 (2006) 1769-1793).  Deterministic.  Set-up.
   std::vector<BurSample> Samples(int count) const;
 
+  bool operator==(const Bur&) const = default;
   double rounding() const { return rounding_; }
   /// All of it is within so much of the origin [m].
   double reach() const { return reach_; }
@@ -64,6 +65,7 @@ class Bur {
  private:
   struct Point {
     double rho, z;
+    bool operator==(const Point&) const = default;
   };
   std::array<Point, kMostPoints> points_{};
   std::array<Point, kMostPoints> normals_{};  ///< outward, of the piece from point i to the next

@@ -11,10 +11,26 @@ namespace palpate {
 namespace {
 
 constexpr int kSide = SparseField::kSide;
+constexpr int kRows = kSide * kSide;
+/// Farther than any value lasts: every row is looked at again [m].
+constexpr double kFar = 1e3;
+/// For what sums of ways and distances lose by rounding [m].
+constexpr double kRounding = 1e-12;
 constexpr double kWhole = 65535.0;
 /// Columns of a voxel, for its share: a Fibonacci lattice (Niederreiter & Sloan, J. Comp. Appl.
 /// Math. 51 (1994) 57-70), of which no two are in line with an axis, as most faces of solids are.
 constexpr int kColumns = 21, kStride = 13;
+struct Columns {
+  double a[kColumns], b[kColumns];
+};
+constexpr Columns kAt = [] {
+  Columns at{};
+  for (int n = 0; n < kColumns; ++n) {
+    at.a[n] = (n + 0.5) / kColumns - 0.5;
+    at.b[n] = (n * kStride % kColumns + 0.5) / kColumns - 0.5;
+  }
+  return at;
+}();
 /// A plane farther from a voxel's middle than half its diagonal does not cross it.
 constexpr double kHalfDiagonal = 0.8660254037844386;
 
@@ -29,40 +45,47 @@ struct HalfSpace {
 /// volume, though each is cut by a plane.
 HalfSpace PlaneOf(const SparseField& field, int i, int j, int k, double value) {
   const double h = field.lattice().spacing;
-  const double x0 = field.At(i - 1, j, k), x1 = field.At(i + 1, j, k);
-  const double y0 = field.At(i, j - 1, k), y1 = field.At(i, j + 1, k);
-  const double z0 = field.At(i, j, k - 1), z1 = field.At(i, j, k + 1);
+  double x0, x1, y0, y1, z0, z1;
+  const auto within = [](int a) { return (a & 7) != 0 && (a & 7) != 7; };
+  if (within(i) && within(j) && within(k)) {  // of the block, which is stored
+    const float* at = field.values(field.entry(field.BlockIndex(i >> 3, j >> 3, k >> 3))) +
+                      SparseField::PointIndex(i, j, k);
+    x0 = at[-1], x1 = at[1], y0 = at[-8], y1 = at[8], z0 = at[-64], z1 = at[64];
+  } else {
+    x0 = field.At(i - 1, j, k), x1 = field.At(i + 1, j, k);
+    y0 = field.At(i, j - 1, k), y1 = field.At(i, j + 1, k);
+    z0 = field.At(i, j, k - 1), z1 = field.At(i, j, k + 1);
+  }
   const double bend = x0 + x1 + y0 + y1 + z0 + z1 - 6.0 * value;
   return {(value + bend / 24.0) / h, Vec3(x1 - x0, y1 - y0, z1 - z0) / (2.0 * h)};
 }
 
-/// Volume of the unit voxel that lies in both: exact along columns, which run as the second's
-/// normal does.
-double ShareInBoth(const HalfSpace& p, const HalfSpace& q) {
+/// Volume of the unit voxel that lies in a half-space, and in another where there is one: exact
+/// along columns, which run as the first's normal does.
+double ShareIn(const HalfSpace& q, const HalfSpace* other = nullptr) {
   int w = 0;
   q.g.cwiseAbs().maxCoeff(&w);
   const int u = (w + 1) % 3, v = (w + 2) % 3;
-  const double of_p = p.g[w] != 0.0 ? -1.0 / p.g[w] : 0.0;
-  const double of_q = q.g[w] != 0.0 ? -1.0 / q.g[w] : 0.0;
-  double sum = 0.0;
-  for (int n = 0; n < kColumns; ++n) {
-    const double a = (n + 0.5) / kColumns - 0.5;
-    const double b = (n * kStride % kColumns + 0.5) / kColumns - 0.5;
-    double low = -0.5, high = 0.5;
-    const auto cut = [&](const HalfSpace& s, double inverse) {
-      const double base = s.a + a * s.g[u] + b * s.g[v];
+  double low[kColumns], high[kColumns];
+  std::fill_n(low, kColumns, -0.5);
+  std::fill_n(high, kColumns, 0.5);
+  for (const HalfSpace* s : {&q, other}) {
+    if (!s) continue;
+    const double base = s->a, gu = s->g[u], gv = s->g[v];
+    const double inverse = s->g[w] != 0.0 ? -1.0 / s->g[w] : 0.0;
+    for (int n = 0; n < kColumns; ++n) {
+      const double at = base + kAt.a[n] * gu + kAt.b[n] * gv;
       if (inverse < 0.0) {
-        high = std::min(high, base * inverse);
+        high[n] = std::min(high[n], at * inverse);
       } else if (inverse > 0.0) {
-        low = std::max(low, base * inverse);
-      } else if (base >= 0.0) {
-        high = low;
+        low[n] = std::max(low[n], at * inverse);
+      } else if (at >= 0.0) {
+        high[n] = low[n];
       }
-    };
-    cut(p, of_p);
-    cut(q, of_q);
-    sum += std::max(0.0, high - low);
+    }
   }
+  double sum = 0.0;
+  for (int n = 0; n < kColumns; ++n) sum += std::max(0.0, high[n] - low[n]);
   return sum / kColumns;
 }
 
@@ -71,8 +94,8 @@ double ShareInBoth(const HalfSpace& p, const HalfSpace& q) {
 std::size_t CutField::BytesOf(const SolidGrid& solid, std::size_t blocks) {
   const std::size_t table = solid.field().lattice().block_count();
   return SparseField::BytesOf(table, blocks) +
-         blocks * SparseField::kPoints * sizeof(std::uint16_t) + table * sizeof(std::int32_t) +
-         blocks * sizeof(Touched);
+         blocks * (SparseField::kPoints * sizeof(std::uint16_t) + kRows * sizeof(double)) +
+         table * sizeof(std::int32_t) + blocks * sizeof(Touched);
 }
 
 CutField::CutField(const SolidGrid& solid, std::size_t most_bytes, const std::string& name,
@@ -89,6 +112,7 @@ CutField::CutField(const SolidGrid& solid, std::size_t most_bytes, const std::st
   }
   field_.Reserve(blocks);
   left_.resize(blocks * SparseField::kPoints);
+  still_.resize(blocks * kRows);
   touched_.reserve(blocks);
 }
 
@@ -106,8 +130,7 @@ double CutField::UncutShareOf(int i, int j, int k) const noexcept {
   const SparseField& solid = solid_->field();
   const double value = solid.At(i, j, k), clear = kHalfDiagonal * solid.lattice().spacing;
   if (std::abs(value) > clear) return value < 0.0 ? 1.0 : 0.0;
-  const HalfSpace plane = PlaneOf(solid, i, j, k, value);
-  return ShareInBoth({-1.0, Vec3::Zero()}, plane);
+  return ShareIn(PlaneOf(solid, i, j, k, value));
 }
 
 double CutField::ShareOf(int i, int j, int k) const noexcept {
@@ -118,8 +141,9 @@ double CutField::ShareOf(int i, int j, int k) const noexcept {
   const double uncut = solid.At(i, j, k);
   if (uncut > clear) return 0.0;
   const HalfSpace plane = PlaneOf(field_, i, j, k, value);
-  return ShareInBoth(
-      uncut < -clear ? HalfSpace{-1.0, Vec3::Zero()} : PlaneOf(solid, i, j, k, uncut), plane);
+  if (uncut < -clear) return ShareIn(plane);
+  const HalfSpace old = PlaneOf(solid, i, j, k, uncut);
+  return ShareIn(plane, &old);
 }
 
 double CutField::Left(int i, int j, int k) const noexcept {
@@ -141,7 +165,6 @@ bool CutField::TakeStorage(const int low[3], const int high[3], const Bur& bur, 
   const Lattice& lattice = field_.lattice();
   // From a block's middle to its farthest point, and the band beyond the bur.
   const double reach = field_.band() + 3.5 * std::sqrt(3.0) * lattice.spacing;
-  touched_.clear();
   std::size_t wanted = 0;
   for (int k = low[2]; k <= high[2]; ++k) {
     for (int j = low[1]; j <= high[1]; ++j) {
@@ -163,7 +186,12 @@ bool CutField::TakeStorage(const int low[3], const int high[3], const Bur& bur, 
   for (Touched& touched : touched_) {
     if (field_.entry(touched.block) >= 0) continue;
     const std::int32_t entry = field_.Acquire(touched.block);
+    std::fill_n(still_.data() + static_cast<std::size_t>(entry) * kRows, kRows, 0.0);
     std::uint16_t* left = left_.data() + static_cast<std::size_t>(entry) * SparseField::kPoints;
+    if (solid_->field().entry(touched.block) == SparseField::kBelow) {
+      std::fill_n(left, SparseField::kPoints, static_cast<std::uint16_t>(kWhole));
+      continue;
+    }
     for (int n = 0; n < SparseField::kPoints; ++n) {
       left[n] = static_cast<std::uint16_t>(kWhole * UncutShareOf(8 * touched.at[0] + (n & 7),
                                                                  8 * touched.at[1] + (n >> 3 & 7),
@@ -174,6 +202,17 @@ bool CutField::TakeStorage(const int low[3], const int high[3], const Bur& bur, 
   return true;
 }
 
+/// How far the bur went since the last step's end, at most, wherever on it.
+double CutField::GoneSince(const Bur& bur, const Pose& X_BT) const noexcept {
+  if (!(bur == bur_)) return kFar;
+  // Of a turn by an angle t, points move by 2 sin(t/2) of their lever, and quaternions by 2
+  // sin(t/4).
+  const double turn = (X_BT.q.coeffs() - end_.q.coeffs()).norm();
+  return (X_BT.p - end_.p).norm() + 2.0 * turn * bur.reach();
+}
+
+/// A point whose value is v, and the bur d away at a step's end, can change no sooner than the bur
+/// has gone d + v farther: so rows behind the bur, and far ahead of it, are left out.
 CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur& bur,
                                  const Pose& X_TB, const Vec3& step_T) noexcept {
   const Lattice& lattice = field_.lattice();
@@ -182,21 +221,32 @@ CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur&
   const Vec3 along = lattice.spacing * R_TB.col(0);
   const double h = lattice.spacing, reach = field_.band() + step_T.norm();
   float* values = field_.values(entry);
+  double* still = still_.data() + static_cast<std::size_t>(entry) * kRows;
   Layers changed{};
   for (int n = 0; n < SparseField::kPoints; n += kSide) {
+    if (gone_ <= still[n / kSide]) continue;
     const int y = n >> 3 & 7, z = n >> 6;
     const Vec3 row = first + lattice.spacing * (y * R_TB.col(1) + z * R_TB.col(2));
+    double room = kFar;
     for (int x = 0; x < kSide; ++x) {
       float& value = values[n + x];
       if (value >= field_.band()) continue;
-      const double distance = bur.DistanceToWay(row + x * along, step_T, field_.band());
-      // It falls no faster than the row goes on: so many points are beyond the band.
-      if (distance > reach) x += static_cast<int>(std::min((distance - reach) / h, 8.0));
+      // Only a distance below -value raises it.
+      const double within = std::min(field_.band(), -value);
+      const double distance = bur.DistanceToWay(row + x * along, step_T, within);
       const auto depth = static_cast<float>(-distance);
-      if (!(depth > value)) continue;  // nor where a pose is not finite
-      value = std::min(depth, field_.band());
-      changed[static_cast<std::size_t>(z)] |= std::uint64_t{1} << (8 * y + x);
+      if (depth > value) {
+        value = std::min(depth, field_.band());
+        changed[static_cast<std::size_t>(z)] |= std::uint64_t{1} << (8 * y + x);
+      }
+      room = std::min(room, distance + value);
+      if (distance <= reach) continue;
+      // It falls no faster than the row goes on: so many points are beyond the band.
+      const int beyond = std::min(static_cast<int>(std::min((distance - reach) / h, 8.0)), 7 - x);
+      room = std::min(room, distance - beyond * h - field_.band());
+      x += beyond;
     }
+    still[n / kSide] = gone_ + room - kRounding;
   }
   return changed;
 }
@@ -240,6 +290,7 @@ CutField::Layers CutField::Beside(const Touched& touched) const noexcept {
 
 CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept {
   CutAway removal;
+  touched_.clear();
   const Lattice& lattice = field_.lattice();
   const Pose X_TB = X_BT.Inverse();
   const Vec3 step_T = X_TB.q * step_B;
@@ -266,6 +317,10 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
     removal.full = true;
     return removal;
   }
+  // To the step's end, and so for any point of its way.
+  gone_ += GoneSince(bur, X_BT) + step_B.norm();
+  bur_ = bur;
+  end_ = {X_BT.p + step_B, X_BT.q};
   for (std::size_t n = 0; n < touched_.size(); ++n) {
     Touched& touched = touched_[n];
     touched_at_[touched.block] = static_cast<std::int32_t>(n);
@@ -273,14 +328,16 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
   }
   // Counted in whole parts of a voxel, so that no order of adding shows.
   std::array<std::uint64_t, SolidGrid::kMaterials> taken{};
+  const double crossed = kHalfDiagonal * lattice.spacing;
   for (const Touched& touched : touched_) {
     const std::int32_t entry = field_.entry(touched.block);
     std::uint16_t* left = left_.data() + static_cast<std::size_t>(entry) * SparseField::kPoints;
+    const float* values = field_.values(entry);
     const Layers beside = Beside(touched);
     for (int layer = 0; layer < kSide; ++layer) {
       for (std::uint64_t bits = beside[static_cast<std::size_t>(layer)]; bits; bits &= bits - 1) {
         const int n = layer << 6 | std::countr_zero(bits);
-        if (left[n] == 0) continue;
+        if (left[n] == 0 || values[n] < -crossed) continue;  // all that the solid has of it is left
         const double share = ShareOf(8 * touched.at[0] + (n & 7), 8 * touched.at[1] + (n >> 3 & 7),
                                      8 * touched.at[2] + (n >> 6));
         const auto now = static_cast<std::uint16_t>(kWhole * share + 0.5);

@@ -56,6 +56,14 @@ class CutField {
   /// without turning [m].
   CutAway Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept;
 
+  /// Calls visit(block) with each block that has a point where phi_c rose in the last Remove.
+  template <class Visit>
+  void EachChanged(Visit visit) const {
+    for (const Touched& touched : touched_) {
+      if (touched.changed != Layers{}) visit(touched.block);
+    }
+  }
+
   /// Share of a point's voxel that is left, 0 to 1.  Any integers.
   double Left(int i, int j, int k) const noexcept;
 
@@ -75,13 +83,20 @@ class CutField {
                    const Vec3& step_T) noexcept;
   Layers Raise(const int at[3], std::int32_t entry, const Bur& bur, const Pose& X_TB,
                const Vec3& step_T) noexcept;
+  double GoneSince(const Bur& bur, const Pose& X_BT) const noexcept;
   Layers Beside(const Touched& touched) const noexcept;
   double ShareOf(int i, int j, int k) const noexcept;
   double UncutShareOf(int i, int j, int k) const noexcept;
 
   const SolidGrid* solid_;
   SparseField field_;
-  std::vector<std::uint16_t> left_;       ///< of each stored point: share of its voxel, of kWhole
+  std::vector<std::uint16_t> left_;  ///< of each stored point: share of its voxel, of kWhole
+  /// How far the bur has gone in all steps: no point of it has gone farther [m].
+  double gone_ = 0.0;
+  /// Of each stored row of points, up to which gone_ nothing in it can change [m].
+  std::vector<double> still_;
+  Bur bur_ = Bur::Ball(1.0);              ///< of the last step
+  Pose end_{};                            ///< X_BT where that ended
   std::vector<Touched> touched_;          ///< of the present step, in the order of the table
   std::vector<std::int32_t> touched_at_;  ///< of a block: its place there, or -1
 };

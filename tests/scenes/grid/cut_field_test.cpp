@@ -8,6 +8,7 @@
 
 #include "common/math/rotation.h"
 #include "scenes/shapes/shapes.h"
+#include "tests/scenes/grid/cut_block.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/complaint.h"
 #include "tests/support/random.h"
@@ -16,47 +17,11 @@ namespace palpate {
 namespace {
 
 using test::ComplaintOf;
+using test::CutBlock;
 using test::Random;
 using testing::HasSubstr;
 
 constexpr double kRadius = 0.25e-3;
-
-/// A block whose face is the plane z = 0 of a frame P, and lies in the grid turned by q.
-struct Block {
-  Block(double spacing, const Quat& q_BP,
-        std::function<std::uint8_t(const Vec3&)> material = nullptr, std::size_t blocks = 0)
-      : q(q_BP),
-        solid(MeshOf(q_BP), {.spacing = spacing, .most_bytes = 512u << 20, .material = material},
-              "block"),
-        cut(solid, 512u << 20, "block", blocks) {}
-
-  static TriangleMesh MeshOf(const Quat& q) {
-    TriangleMesh mesh = MakeBox(Vec3(1.8e-3, 1.6e-3, 0.8e-3));
-    for (Vec3& v : mesh.vertices) v = q * (v - Vec3(0, 0, 0.4e-3));
-    return mesh;
-  }
-
-  /// Along a straight way in steps of `length` at most; the bur's axis is P's z, turned by `tilt`.
-  CutAway Move(const Bur& bur, const Vec3& from_P, const Vec3& to_P, double length = 3e-6,
-               const Quat& tilt = Quat::Identity()) {
-    CutAway sum;
-    const int steps = std::max(1, static_cast<int>(std::ceil((to_P - from_P).norm() / length)));
-    const Vec3 step = q * ((to_P - from_P) / steps);
-    for (int n = 0; n < steps; ++n) {
-      const CutAway one = cut.Remove(bur, {q * from_P + n * step, q * tilt}, step);
-      for (std::size_t m = 0; m < sum.volume.size(); ++m) {
-        EXPECT_GE(one.volume[m], 0.0);
-        sum.volume[m] += one.volume[m];
-      }
-      sum.full = sum.full || one.full;
-    }
-    return sum;
-  }
-
-  Quat q;
-  SolidGrid solid;
-  CutField cut;
-};
 
 /// Of a ball that goes straight down to `depth` >= 0 of its centre.
 double PlungeVolume(double depth) {
@@ -83,13 +48,13 @@ TEST(CutField, TakesTheVolumeOfAPlungeAndOfAGroove) {
   const Bur ball = Bur::Ball(kRadius);
   for (const auto& [h, bound] : {Spacing{100e-6, 0.021}, Spacing{50e-6, 0.003}}) {
     for (const Quat& q : {Quat::Identity(), kTurned, kTilted}) {
-      Block down(h, q);
+      CutBlock down(h, q);
       const Vec3 at(0.03e-3, 0.02e-3, 0.0);
       const double plunge =
           down.Move(ball, at + Vec3(0, 0, 0.3e-3), at + Vec3(0, 0, -0.2e-3)).total();
       EXPECT_NEAR(plunge / PlungeVolume(0.2e-3), 1.0, 0.5 * bound);
       for (const double depth : {-0.2e-3, -0.1e-3, 0.0, 0.1e-3}) {
-        Block along(h, q);
+        CutBlock along(h, q);
         const Vec3 from(-0.4e-3, 0.01e-3, -depth), to(0.4e-3, 0.01e-3, -depth);
         const double groove = along.Move(ball, from, to).total();
         EXPECT_NEAR(groove / GrooveVolume(depth, 0.8e-3), 1.0,
@@ -104,7 +69,7 @@ TEST(CutField, TakesTheVolumeOfASlotThatAFissureBurMills) {
   const double r = 0.3e-3, depth = 0.35e-3, length = 0.5e-3;
   const Bur bur = Bur::Cylinder(r, 1.5e-3, 0.0);
   for (const Quat& q : {Quat::Identity(), kTurned, kTilted}) {
-    Block block(50e-6, q);
+    CutBlock block(50e-6, q);
     const Vec3 above(-0.25e-3, 0, 0.02e-3), down(-0.25e-3, 0, -depth);
     double volume = block.Move(bur, above, down, 10e-6).total();
     EXPECT_NEAR(volume / (M_PI * r * r * depth), 1.0, 0.005);
@@ -115,7 +80,7 @@ TEST(CutField, TakesTheVolumeOfASlotThatAFissureBurMills) {
 
 // The steps of a straight way are convex together: what is between lattice points lies within.
 TEST(CutField, HoldsTheDistanceToTheWayAtItsPointsAndLessBetweenThem) {
-  Block block(50e-6, kTilted);
+  CutBlock block(50e-6, kTilted);
   const Vec3 from(-0.3e-3, 0.1e-3, 0.1e-3), to(0.4e-3, -0.1e-3, -0.15e-3);
   block.Move(Bur::Ball(kRadius), from, to, 20e-6);
   const auto depth = [&](const Vec3& p_B) {
@@ -148,7 +113,7 @@ TEST(CutField, HoldsTheDistanceToTheWayAtItsPointsAndLessBetweenThem) {
 }
 
 TEST(CutField, RimBetweenCutAndOldSurfaceStaysSharp) {
-  Block block(50e-6, Quat::Identity());
+  CutBlock block(50e-6, Quat::Identity());
   block.Move(Bur::Ball(kRadius), Vec3(0, 0, 0.3e-3), Vec3(0, 0, -0.1e-3));
   // Five micrometres below the old surface, and as far outside of the hole.
   for (const double angle : {0.0, 0.3, 0.8, 2.0, 4.0}) {
@@ -181,7 +146,7 @@ std::vector<Move> RandomMoves(std::uint64_t seed, int count) {
 
 TEST(CutField, SolidOnlyShrinksAndByWhatIsReported) {
   for (const std::uint64_t seed : {1, 2, 3}) {
-    Block block(100e-6, kTilted);
+    CutBlock block(100e-6, kTilted);
     const Lattice& lattice = block.cut.field().lattice();
     const auto size = 512 * lattice.block_count();
     std::vector<float> phi(size, -1.0f);
@@ -218,7 +183,7 @@ TEST(CutField, SolidOnlyShrinksAndByWhatIsReported) {
 
 TEST(CutField, DoesNotDependOnTheOrderOfSteps) {
   for (const std::uint64_t seed : {4, 5, 6}) {
-    Block one(100e-6, kTurned), other(100e-6, kTurned);
+    CutBlock one(100e-6, kTurned), other(100e-6, kTurned);
     std::vector<Move> moves = RandomMoves(seed, 60);
     double removed[2] = {};
     for (const Move& m : moves) removed[0] += one.cut.Remove(m.bur, m.X_BT, m.step).total();
@@ -240,11 +205,45 @@ TEST(CutField, DoesNotDependOnTheOrderOfSteps) {
   }
 }
 
+// What a bur cannot have reached since the last step is left out; after another bur nothing is.
+TEST(CutField, OfAWalkIsTheSameWhetherOrNotAnotherBurCutsInBetween) {
+  const Bur bur = Bur::Cylinder(0.25e-3, 1e-3, 0.05e-3), other = Bur::Ball(0.05e-3);
+  for (const std::uint64_t seed : {8, 9, 10}) {
+    CutBlock alone(50e-6, kTilted), between(50e-6, kTilted);
+    Random random(seed);
+    Pose X_BT{kTilted * Vec3(0, 0, -0.2e-3), kTilted};
+    const Pose X_BO{kTilted * Vec3(0.7e-3, 0.6e-3, -0.6e-3), Quat::Identity()};
+    Vec3 way = 3e-6 * random.Direction();
+    alone.cut.Remove(other, X_BO, Vec3::Zero());
+    double removed[2] = {};
+    for (int n = 0; n < 300; ++n) {
+      if (n % 40 == 0) way = random.Uniform(0.0, 10e-6) * random.Direction();
+      // On from where it was, but for a turn and a leap at times.
+      if (n % 7 == 0) X_BT.q = (RotationExp(3e-3 * random.Direction()) * X_BT.q).normalized();
+      if (n % 50 == 49) X_BT.p += 20e-6 * random.Direction();
+      removed[0] += alone.cut.Remove(bur, X_BT, way).total();
+      removed[1] += between.cut.Remove(bur, X_BT, way).total();
+      between.cut.Remove(other, X_BO, Vec3::Zero());
+      X_BT.p += way;
+    }
+    EXPECT_GT(removed[0], 0.01e-9);
+    EXPECT_EQ(removed[0], removed[1]);
+    const Lattice& lattice = alone.cut.field().lattice();
+    for (int k = 0; k < 8 * lattice.blocks[2]; ++k) {
+      for (int j = 0; j < 8 * lattice.blocks[1]; ++j) {
+        for (int i = 0; i < 8 * lattice.blocks[0]; ++i) {
+          ASSERT_EQ(alone.cut.field().At(i, j, k), between.cut.field().At(i, j, k));
+        }
+      }
+    }
+  }
+}
+
 TEST(CutField, CountsEachMaterialForItself) {
   const auto layers = [](const Vec3& p) {
     return std::uint8_t((kTilted.conjugate() * p).z() > -0.1e-3 ? 1 : 3);
   };
-  Block block(50e-6, kTilted, layers);
+  CutBlock block(50e-6, kTilted, layers);
   const CutAway removal = block.Move(Bur::Ball(kRadius), Vec3(0, 0, 0.3e-3), Vec3(0, 0, -0.3e-3));
   const double upper = M_PI * kRadius * kRadius * 0.1e-3;
   EXPECT_NEAR(removal.volume[1] / upper, 1.0, 0.01);
@@ -254,7 +253,7 @@ TEST(CutField, CountsEachMaterialForItself) {
 }
 
 TEST(CutField, StorageOfWhatIsClearIsUsedAgain) {
-  Block block(50e-6, Quat::Identity());
+  CutBlock block(50e-6, Quat::Identity());
   const SparseField& field = block.cut.field();
   const std::size_t before = field.free_blocks();
   const Bur bur = Bur::Cylinder(0.7e-3, 3e-3, 0.0);
@@ -271,7 +270,7 @@ TEST(CutField, StorageOfWhatIsClearIsUsedAgain) {
 }
 
 TEST(CutField, TakesNothingWhereItIsFull) {
-  Block block(50e-6, Quat::Identity(), nullptr, 3);
+  CutBlock block(50e-6, Quat::Identity(), nullptr, 3);
   const CutAway removal = block.Move(Bur::Ball(kRadius), Vec3(0, 0, -0.3e-3), Vec3(0, 0, -0.3e-3));
   EXPECT_TRUE(removal.full);
   EXPECT_EQ(removal.total(), 0.0);
@@ -280,7 +279,7 @@ TEST(CutField, TakesNothingWhereItIsFull) {
 }
 
 TEST(CutField, TakesNothingWhereTheBurIsNowhere) {
-  Block block(50e-6, Quat::Identity());
+  CutBlock block(50e-6, Quat::Identity());
   const Bur ball = Bur::Ball(kRadius);
   for (const Vec3& p :
        {Vec3(1.0, 0, 0), Vec3(0, 0, std::nan("")), Vec3(-INFINITY, 0, 0), Vec3(0, 1e300, 0)}) {
@@ -293,7 +292,7 @@ TEST(CutField, TakesNothingWhereTheBurIsNowhere) {
 }
 
 TEST(CutField, CutsWithoutAskingForMemory) {
-  Block block(50e-6, kTilted);
+  CutBlock block(50e-6, kTilted);
   const std::vector<Move> moves = RandomMoves(7, 30);
   const std::uint64_t before = test::AllocationsOfThisThread();
   double sum = 0.0;

@@ -1,0 +1,437 @@
+#include "scenes/grid/solid_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include <Eigen/LU>
+
+namespace palpate {
+namespace {
+
+constexpr int kSide = SparseField::kSide;
+/// Points on either side of a block that its triangles go by: those of the cells before and after,
+/// and their neighbours, of which gradients are made.
+constexpr int kMargin = 2;
+constexpr int kWide = kSide + 2 * kMargin;
+/// A gradient's square misses 1 by rounding alone where a face is flat, by some h^2 / 3R^2 where it
+/// bends with R, and by half where two faces meet at a right angle.  From here on it is doubted.
+constexpr double kDoubt = 0.003;
+/// What a doubtful plane still counts, of a sure one.  Less lets a bur's surface ripple.
+constexpr double kLeast = 0.1;
+/// Two ends whose normals have this product (26 degrees) see one face: a ball of the radius 2.5 h.
+constexpr double kSame = 0.9;
+/// Of the pull to the middle of a cell's crossings, against all planes': keeps a vertex where these
+/// leave it free, and holds it back from a right-angled edge by 2 % of its way.
+constexpr double kPull = 0.01;
+/// How far a vertex may lie beyond its cell: an edge may pass between two lattice lines, so that
+/// only cells behind it are crossed [h].
+constexpr double kBeyond = 1.0;
+
+/// Corners of a cell have bits x, y, z.  Its edge 4 d + n runs along d from the corner of which n
+/// has the bits of the next two axes.
+constexpr int EdgeOf(int corner, int d) {
+  return 4 * d + (corner >> (d + 1) % 3 & 1) + 2 * (corner >> (d + 2) % 3 & 1);
+}
+constexpr int LowerEnd(int edge) {
+  const int d = edge / 4;
+  return (edge & 1) << (d + 1) % 3 | (edge >> 1 & 1) << (d + 2) % 3;
+}
+
+/// Of each set of solid corners, which sheet of the surface crosses an edge of the cell, or -1.
+/// On a face that the surface crosses twice, each solid corner is cut off alone.
+struct Sheets {
+  int count = 0;
+  std::array<std::int8_t, 12> of{};
+};
+
+constexpr std::array<Sheets, 256> MakeSheets() {
+  std::array<Sheets, 256> all{};
+  for (int solid = 0; solid < 256; ++solid) {
+    const auto is_solid = [&](int corner) { return (solid >> corner & 1) != 0; };
+    int sheet[12] = {};
+    for (int e = 0; e < 12; ++e) {
+      const bool crossed = is_solid(LowerEnd(e)) != is_solid(LowerEnd(e) | 1 << e / 4);
+      sheet[e] = crossed ? e : -1;
+    }
+    const auto join = [&](int a, int b) {
+      const int from = sheet[a], to = sheet[b];
+      for (int& s : sheet) s = s == from ? to : s;
+    };
+    for (int face = 0; face < 6; ++face) {
+      const int w = face / 2, u = (w + 1) % 3, v = (w + 2) % 3, base = (face & 1) << w;
+      const int around[4] = {EdgeOf(base, u), EdgeOf(base | 1 << u, v), EdgeOf(base | 1 << v, u),
+                             EdgeOf(base, v)};
+      const int corners[4] = {base, base | 1 << u, base | 1 << u | 1 << v, base | 1 << v};
+      int crossed = 0, last = -1;
+      for (const int e : around) crossed += sheet[e] >= 0;
+      for (int n = 0; n < 4; ++n) {
+        if (crossed == 4 && is_solid(corners[n])) join(around[(n + 3) % 4], around[n]);
+        if (crossed != 2 || sheet[around[n]] < 0) continue;
+        if (last >= 0) join(last, around[n]);
+        last = around[n];
+      }
+    }
+    Sheets& sheets = all[static_cast<std::size_t>(solid)];
+    int number[12] = {};
+    for (int e = 0; e < 12; ++e) {
+      if (sheet[e] == e) number[e] = sheets.count++;
+    }
+    for (int e = 0; e < 12; ++e) {
+      sheets.of[static_cast<std::size_t>(e)] =
+          static_cast<std::int8_t>(sheet[e] < 0 ? -1 : number[sheet[e]]);
+    }
+  }
+  return all;
+}
+constexpr std::array<Sheets, 256> kSheets = MakeSheets();
+
+/// A point of the block or round it, from 0 in the margin's corner.
+struct Place {
+  int at[3];
+  int index() const { return (at[2] * kWide + at[1]) * kWide + at[0]; }
+  Place Moved(int axis, int by) const {
+    Place p = *this;
+    p.at[axis] += by;
+    return p;
+  }
+  Vec3 From(const Place& p) const {
+    return Vec3(at[0] - p.at[0], at[1] - p.at[1], at[2] - p.at[2]);
+  }
+};
+constexpr int kStride[3] = {1, kWide, kWide* kWide};
+
+/// Two fields round a block [h].
+class Contour {
+ public:
+  Contour(const CutField& cut, std::size_t block, SolidSurface& surface)
+      : cut_(cut), surface_(surface), lattice_(cut.field().lattice()) {
+    const auto x = static_cast<std::size_t>(lattice_.blocks[0]);
+    const auto y = static_cast<std::size_t>(lattice_.blocks[1]);
+    first_[0] = kSide * static_cast<int>(block % x);
+    first_[1] = kSide * static_cast<int>(block / x % y);
+    first_[2] = kSide * static_cast<int>(block / x / y);
+  }
+
+  /// Whether points of the block, or the next after it, are solid and others free; by the table.
+  bool MayCross() const {
+    bool free = false, solid = false;
+    for (int n = 0; n < 8; ++n) {
+      int b[3];
+      bool inside = true;
+      for (int a = 0; a < 3; ++a) {
+        b[a] = first_[a] / kSide + (n >> a & 1);
+        inside = inside && b[a] < lattice_.blocks[static_cast<std::size_t>(a)];
+      }
+      const std::size_t block = inside ? cut_.field().BlockIndex(b[0], b[1], b[2]) : 0;
+      const std::int32_t of_solid =
+          inside ? cut_.solid().field().entry(block) : SparseField::kAbove;
+      const std::int32_t of_cut = inside ? cut_.field().entry(block) : SparseField::kAbove;
+      if (of_solid == SparseField::kAbove || of_cut == SparseField::kAbove) {
+        free = true;
+      } else if (of_solid == SparseField::kBelow && of_cut == SparseField::kBelow) {
+        solid = true;
+      } else {
+        return true;
+      }
+    }
+    return free && solid;
+  }
+
+  void Take() {
+    Load(cut_.solid().field(), fields_[0]);
+    Load(cut_.field(), fields_[1]);
+    for (int n = 0; n < kWide * kWide * kWide; ++n) {
+      solid_[n] = fields_[0][n] < 0.0f && fields_[1][n] < 0.0f;
+    }
+    std::fill_n(&vertex_[0][0], kWide * kWide * kWide * 4, -1);
+    std::fill_n(&crossing_[0][0], kWide * kWide * kWide * 3, -1);
+    for (int k = kMargin; k < kMargin + kSide; ++k) {
+      for (int j = kMargin; j < kMargin + kSide; ++j) {
+        for (int i = kMargin; i < kMargin + kSide; ++i) {
+          for (int d = 0; d < 3; ++d) {
+            const Place p{{i, j, k}};
+            if (solid_[p.index()] != solid_[p.index() + kStride[d]]) AddAcross(p, d);
+          }
+        }
+      }
+    }
+  }
+
+ private:
+  void Load(const SparseField& field, float* values) const {
+    const auto scale = static_cast<float>(1.0 / lattice_.spacing);
+    for (int k = 0; k < kWide; ++k) {
+      for (int j = 0; j < kWide; ++j) {
+        for (int i = 0; i < kWide; ++i) {
+          *values++ = scale * field.At(first_[0] + i - kMargin, first_[1] + j - kMargin,
+                                       first_[2] + k - kMargin);
+        }
+      }
+    }
+  }
+
+  /// Solid corners of the cell whose lowest is p.
+  int CornersOf(const Place& p) const {
+    int corners = 0;
+    for (int c = 0; c < 8; ++c) {
+      const int at = p.index() + (c & 1) + (c >> 1 & 1) * kStride[1] + (c >> 2) * kStride[2];
+      corners |= int{solid_[at]} << c;
+    }
+    return corners;
+  }
+
+  int SheetOf(const Place& cell, int edge) const {
+    return kSheets[static_cast<std::size_t>(CornersOf(cell))].of[static_cast<std::size_t>(edge)];
+  }
+
+  /// Where max(phi_0, phi_c) crosses 0 on the edge from a point along d, 0 to 1, and which field
+  /// does: interpolated, the one that does so first coming from the solid.
+  double Cross(const Place& lower, int d, int& field) const {
+    const bool up = solid_[lower.index()];
+    const int upper = lower.index() + kStride[d];
+    const int solid = up ? lower.index() : upper, free = up ? upper : lower.index();
+    double t = 2.0;
+    for (int f = 0; f < 2; ++f) {
+      const double a = fields_[f][solid], b = fields_[f][free];
+      if (b < 0.0 || a / (a - b) >= t) continue;
+      t = a / (a - b);
+      field = f;
+    }
+    return up ? t : 1.0 - t;
+  }
+
+  /// n . x = offset, counted from a cell, so that it has the same bits for each block [h].
+  struct Plane {
+    Vec3 normal;
+    double offset;
+    double weight;
+  };
+
+  /// The nearest face of a field's surface, as a point sees it by its distance and gradient.  That
+  /// has length 1 wherever there is one.  Central differences where they agree; beside an edge,
+  /// where the nearest face changes, differences to one side each, those that agree best.
+  /// Of a convex edge a solid point sees one face or the other, and a free one a plane through the
+  /// edge; of a hollow one it is the other way round.
+  Plane FaceAt(const float* field, const Place& p, const Place& cell) const {
+    const int at = p.index();
+    Vec3 back, ahead;
+    for (int a = 0; a < 3; ++a) {
+      back[a] = double{field[at]} - field[at - kStride[a]];
+      ahead[a] = double{field[at + kStride[a]]} - field[at];
+    }
+    Vec3 best = 0.5 * (back + ahead);
+    double off = std::abs(best.squaredNorm() - 1.0);
+    for (int n = 0; n < 8 && off > kDoubt; ++n) {
+      const Vec3 g(n & 1 ? ahead[0] : back[0], n & 2 ? ahead[1] : back[1],
+                   n & 4 ? ahead[2] : back[2]);
+      if (const double miss = std::abs(g.squaredNorm() - 1.0); miss < off) {
+        off = miss;
+        best = g;
+      }
+    }
+    const Vec3 normal = best.normalized();
+    return {normal, normal.dot(p.From(cell)) - field[at],
+            kLeast + 1.0 / (1.0 + off * off / (kDoubt * kDoubt))};
+  }
+
+  std::uint64_t NumberOf(const Place& p, int which) const {
+    std::uint64_t number = 0;
+    for (int a = 2; a >= 0; --a) {
+      const auto points = static_cast<std::uint64_t>(kSide) *
+                          static_cast<std::uint64_t>(lattice_.blocks[static_cast<std::size_t>(a)]);
+      number = number * points + static_cast<std::uint64_t>(first_[a] + p.at[a] - kMargin);
+    }
+    return 7 * number + static_cast<std::uint64_t>(which);
+  }
+
+  std::uint32_t Add(const Vec3& at, std::uint64_t number) {
+    surface_.vertices.push_back(at);
+    surface_.numbers.push_back(number);
+    return static_cast<std::uint32_t>(surface_.vertices.size() - 1);
+  }
+  Vec3 PointOf(const Place& p, const Vec3& beyond) const {
+    return lattice_.Point(first_[0] + p.at[0] - kMargin, first_[1] + p.at[1] - kMargin,
+                          first_[2] + p.at[2] - kMargin) +
+           lattice_.spacing * beyond;
+  }
+
+  /// Of a cell and the sheet in it that crosses one of its edges.
+  std::uint32_t VertexOf(const Place& cell, int edge) {
+    const int corners = CornersOf(cell);
+    const Sheets& sheets = kSheets[static_cast<std::size_t>(corners)];
+    const int sheet = sheets.of[static_cast<std::size_t>(edge)];
+    std::int32_t& known = vertex_[cell.index()][sheet];
+    if (known >= 0) return static_cast<std::uint32_t>(known);
+    // Least squares of the distances from what both ends of each crossed edge see, of the field
+    // that crosses it, from the crossings' middle.
+    Vec3 middle = Vec3::Zero(), pull = Vec3::Zero();
+    Mat3 metric = Mat3::Zero();
+    Plane planes[24];
+    int count = 0;
+    for (int e = 0; e < 12; ++e) {
+      if (sheets.of[static_cast<std::size_t>(e)] != sheet) continue;
+      const int c = LowerEnd(e), d = e / 4;
+      const Place lower{{cell.at[0] + (c & 1), cell.at[1] + (c >> 1 & 1), cell.at[2] + (c >> 2)}};
+      int field = 0;
+      const Vec3 crossing = lower.From(cell) + Cross(lower, d, field) * Vec3::Unit(d);
+      middle += crossing;
+      Plane& one = planes[count++] = FaceAt(fields_[field], lower, cell);
+      Plane& other = planes[count++] = FaceAt(fields_[field], lower.Moved(d, 1), cell);
+      if (one.normal.dot(other.normal) < kSame) continue;
+      // Of a face that bends, the crossing is nearer to it than what is touched at either end.
+      one.normal = other.normal = (one.normal + other.normal).normalized();
+      one.offset = other.offset = one.normal.dot(crossing);
+    }
+    middle /= 0.5 * count;
+    double weight = 0.0;
+    for (int n = 0; n < count; ++n) {
+      const Plane& plane = planes[n];
+      metric += plane.weight * plane.normal * plane.normal.transpose();
+      pull += plane.weight * (plane.offset - plane.normal.dot(middle)) * plane.normal;
+      weight += plane.weight;
+    }
+    metric.diagonal().array() += kPull * weight;
+    const Vec3 way = metric.inverse() * pull;
+    double t = 1.0;
+    for (int a = 0; a < 3; ++a) {
+      const double room = way[a] > 0.0 ? 1.0 + kBeyond - middle[a] : middle[a] + kBeyond;
+      if (std::abs(way[a]) > room) t = std::min(t, room / std::abs(way[a]));
+    }
+    const Vec3 at = middle + t * way;
+    known = static_cast<std::int32_t>(Add(PointOf(cell, at), NumberOf(cell, sheet)));
+    return static_cast<std::uint32_t>(known);
+  }
+
+  std::uint32_t CrossingOf(const Place& lower, int d) {
+    std::int32_t& known = crossing_[lower.index()][d];
+    if (known >= 0) return static_cast<std::uint32_t>(known);
+    int field = 0;
+    const double t = Cross(lower, d, field);
+    known =
+        static_cast<std::int32_t>(Add(PointOf(lower, t * Vec3::Unit(d)), NumberOf(lower, 4 + d)));
+    return static_cast<std::uint32_t>(known);
+  }
+
+  void AddTriangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, bool turned,
+                   std::uint8_t material) {
+    if (turned) std::swap(b, c);
+    surface_.triangles.push_back({a, b, c});
+    surface_.materials.push_back(material);
+  }
+
+  /// The triangles across the edge from a point along d, seen from its upper end:
+  ///
+  ///        v                    c1 ____ c0     of four cells' vertices; and where two
+  ///        |    cell 1 | cell 0   |   /|       sheets would share the edge c0 c1, through
+  ///        |   --------+--------  |  / |       the crossings p of this edge and q of another
+  ///        |    cell 2 | cell 3   | /  |       of the face between the cells:
+  ///        +----> u             c2 ---- c3     p c0 q here, and q c1 p from there
+  void AddAcross(const Place& p, int d) {
+    const int u = (d + 1) % 3, v = (d + 2) % 3;
+    const bool up = solid_[p.index()];
+    const Place cells[4] = {p, p.Moved(u, -1), p.Moved(u, -1).Moved(v, -1), p.Moved(v, -1)};
+    const int edges[4] = {4 * d, 4 * d + 1, 4 * d + 3, 4 * d + 2};
+    const Place solid = up ? p : p.Moved(d, 1);
+    const std::uint8_t material = MaterialAt(solid);
+    std::uint32_t c[4];
+    bool shared[4], any = false;
+    for (int n = 0; n < 4; ++n) c[n] = VertexOf(cells[n], edges[n]);
+    for (int n = 0; n < 4; ++n) {
+      // The face between this cell and the next goes on along v, -u, -v, u.
+      const int axis = n % 2 == 0 ? v : u, by = n == 0 || n == 3 ? 1 : -1;
+      const Place other = p.Moved(axis, by);
+      const int lower = other.index(), upper = lower + kStride[d];
+      shared[n] = false;
+      if (solid_[lower] == up || solid_[upper] != up) continue;  // not crossed twice
+      const int flip = axis == u ? 1 : 2;
+      const int next = (n + 1) % 4;
+      shared[n] = SheetOf(cells[n], edges[n]) == SheetOf(cells[n], edges[n] ^ flip) &&
+                  SheetOf(cells[next], edges[next]) == SheetOf(cells[next], edges[next] ^ flip);
+      any = any || shared[n];
+    }
+    if (!any) {
+      // The diagonal of which both triangles face where the crossing does.
+      int field = 0;
+      Cross(p, d, field);
+      const Vec3 normal = (up ? 1.0 : -1.0) * FaceAt(fields_[field], solid, p).normal;
+      const auto facing = [&](int i, int j, int k) {
+        const Vec3& a = surface_.vertices[c[i]];
+        return (surface_.vertices[c[j]] - a).cross(surface_.vertices[c[k]] - a).dot(normal);
+      };
+      const int n =
+          std::min(facing(1, 2, 3), facing(1, 3, 0)) > std::min(facing(0, 1, 2), facing(0, 2, 3))
+              ? 1
+              : 0;
+      AddTriangle(c[n], c[n + 1], c[n + 2], !up, material);
+      AddTriangle(c[n], c[n + 2], c[(n + 3) % 4], !up, material);
+      return;
+    }
+    const std::uint32_t here = CrossingOf(p, d);
+    for (int n = 0; n < 4; ++n) {
+      const int next = (n + 1) % 4;
+      if (!shared[n]) {
+        AddTriangle(here, c[n], c[next], !up, material);
+        continue;
+      }
+      const int axis = n % 2 == 0 ? v : u;
+      const bool ahead = n == 0 || n == 3;
+      const std::uint32_t q = CrossingOf(ahead ? solid : solid.Moved(axis, -1), axis);
+      // Of the two, the one that comes before q, seen from where it is free.
+      AddTriangle(here, up ? c[n] : c[next], q, false, material);
+    }
+  }
+
+  std::uint8_t MaterialAt(const Place& p) const {
+    const int i = first_[0] + p.at[0] - kMargin, j = first_[1] + p.at[1] - kMargin,
+              k = first_[2] + p.at[2] - kMargin;
+    return cut_.solid().MaterialOf(cut_.field().BlockIndex(i >> 3, j >> 3, k >> 3),
+                                   SparseField::PointIndex(i, j, k));
+  }
+
+  const CutField& cut_;
+  SolidSurface& surface_;
+  const Lattice& lattice_;
+  int first_[3];
+  float fields_[2][kWide * kWide * kWide];
+  bool solid_[kWide * kWide * kWide];
+  std::int32_t vertex_[kWide * kWide * kWide][4];    ///< of a cell's sheets, or -1
+  std::int32_t crossing_[kWide * kWide * kWide][3];  ///< of an edge, or -1
+};
+
+}  // namespace
+
+void SolidSurface::Clear() {
+  vertices.clear();
+  numbers.clear();
+  triangles.clear();
+  materials.clear();
+}
+
+void TakeSurface(const CutField& cut, std::size_t block, SolidSurface& surface) {
+  surface.Clear();
+  Contour contour(cut, block, surface);
+  if (contour.MayCross()) contour.Take();
+}
+
+SolidSurface WholeSurface(const CutField& cut) {
+  SolidSurface all, one;
+  std::unordered_map<std::uint64_t, std::uint32_t> known;
+  for (std::size_t block = 0; block < cut.field().lattice().block_count(); ++block) {
+    TakeSurface(cut, block, one);
+    std::vector<std::uint32_t> at(one.vertices.size());
+    for (std::size_t n = 0; n < at.size(); ++n) {
+      const auto [place, fresh] =
+          known.try_emplace(one.numbers[n], static_cast<std::uint32_t>(all.vertices.size()));
+      at[n] = place->second;
+      if (!fresh) continue;
+      all.vertices.push_back(one.vertices[n]);
+      all.numbers.push_back(one.numbers[n]);
+    }
+    for (const auto& [a, b, c] : one.triangles) all.triangles.push_back({at[a], at[b], at[c]});
+    all.materials.insert(all.materials.end(), one.materials.begin(), one.materials.end());
+  }
+  return all;
+}
+
+}  // namespace palpate

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "common/math/pose.h"
+#include "scenes/grid/cut_field.h"
+
+namespace palpate {
+
+/// Triangles of the surface of what is left, of a block or of all of it.
+struct SolidSurface {
+  std::vector<Vec3> vertices;  ///< B [m]
+  /// Of each vertex; a vertex that two blocks share has the same number and the same bits in both.
+  std::vector<std::uint64_t> numbers;
+  /// Counter-clockwise seen from where it is free.
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint8_t> materials;  ///< of each triangle: what lies behind it
+
+  void Clear();
+};
+
+/// Each edge of the lattice belongs to the block of its lower end, and with it the triangles across
+/// it.  They go by the points from 2 before the block to 2 beyond it: where a block has changed,
+/// the surface of the 27 round it has to be made anew, and no other.
+///
+/// Dual contouring (Ju et al., ACM T. Graphics 21 (2002) 339-346): a vertex for each cell of the
+/// lattice that the surface crosses, where the faces meet that the ends of its crossed edges see,
+/// and a quad across each edge that is crossed.  Each sees those of the field that crosses there,
+/// so that the rim of a cut is sharp.  A cell has a vertex for each sheet of the surface in it
+/// (Nielson, IEEE Visualization 2004, 489-496).  Where two sheets would share an edge between two
+/// cells, which are four triangles at one edge, the edge between the crossings is taken instead. So
+/// the surface of all blocks is closed, and every edge has two triangles, one each way.
+///
+/// Deterministic.  Of a block at most 6,144 triangles (4 at each of its 3 x 512 edges) and 5,916
+/// vertices (4 sheets in each of 9^3 cells, 3 x 10^3 crossings); a tooth's have some hundred.  65
+/// kB of the stack.
+/// @param surface  cleared first; its storage is used again.
+void TakeSurface(const CutField& cut, std::size_t block, SolidSurface& surface);
+
+/// Calls visit(block) with a block and its neighbours in the lattice: those whose surface goes by
+/// its points.
+template <class Visit>
+void EachBlockRound(const Lattice& lattice, std::size_t block, Visit visit) {
+  const auto x = static_cast<std::size_t>(lattice.blocks[0]);
+  const auto y = static_cast<std::size_t>(lattice.blocks[1]);
+  const int at[3] = {int(block % x), int(block / x % y), int(block / x / y)};
+  for (int n = 0; n < 27; ++n) {
+    const int to[3] = {at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1};
+    bool inside = true;
+    for (std::size_t a = 0; a < 3; ++a) inside = inside && to[a] >= 0 && to[a] < lattice.blocks[a];
+    if (!inside) continue;
+    visit((std::size_t(to[2]) * y + std::size_t(to[1])) * x + std::size_t(to[0]));
+  }
+}
+
+/// Of all blocks, vertices that they share once.  Set-up and tools.
+SolidSurface WholeSurface(const CutField& cut);
+
+}  // namespace palpate

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "scenes/grid/cut_field.h"
+#include "scenes/shapes/shapes.h"
+
+namespace palpate::test {
+
+/// A block whose face is the plane z = 0 of a frame P, and lies in the grid turned by q.
+struct CutBlock {
+  CutBlock(double spacing, const Quat& q_BP,
+           std::function<std::uint8_t(const Vec3&)> material = nullptr, std::size_t blocks = 0)
+      : q(q_BP),
+        solid(MeshOf(q_BP), {.spacing = spacing, .most_bytes = 512u << 20, .material = material},
+              "block"),
+        cut(solid, 512u << 20, "block", blocks) {}
+
+  static Vec3 Size() { return {1.8e-3, 1.6e-3, 0.8e-3}; }
+  static TriangleMesh MeshOf(const Quat& q) {
+    TriangleMesh mesh = MakeBox(Size());
+    for (Vec3& v : mesh.vertices) v = q * (v - Vec3(0, 0, 0.4e-3));
+    return mesh;
+  }
+
+  /// Along a straight way in steps of `length` at most; the bur's axis is P's z, turned by `tilt`.
+  CutAway Move(const Bur& bur, const Vec3& from_P, const Vec3& to_P, double length = 3e-6,
+               const Quat& tilt = Quat::Identity()) {
+    CutAway sum;
+    const int steps = std::max(1, static_cast<int>(std::ceil((to_P - from_P).norm() / length)));
+    const Vec3 step = q * ((to_P - from_P) / steps);
+    for (int n = 0; n < steps; ++n) {
+      const CutAway one = cut.Remove(bur, {q * from_P + n * step, q * tilt}, step);
+      for (std::size_t m = 0; m < sum.volume.size(); ++m) {
+        EXPECT_GE(one.volume[m], 0.0);
+        sum.volume[m] += one.volume[m];
+      }
+      sum.full = sum.full || one.full;
+    }
+    return sum;
+  }
+
+  Quat q;
+  SolidGrid solid;
+  CutField cut;
+};
+
+}  // namespace palpate::test

@@ -1,0 +1,271 @@
+#include "scenes/grid/solid_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "common/math/rotation.h"
+#include "scenes/mesh/mesh_query.h"
+#include "tests/scenes/grid/cut_block.h"
+#include "tests/support/random.h"
+
+namespace palpate {
+namespace {
+
+using test::CutBlock;
+using test::Random;
+
+constexpr double kBallRadius = 0.25e-3;
+const Vec3 kSize = CutBlock::Size();
+
+const Quat kAlong = Quat::Identity();
+const Quat kQuarter = RotationExp(Vec3(0, M_PI / 4.0, 0));
+const Quat kAskew =
+    RotationExp(Vec3(0, 35.0 / 180.0 * M_PI, 0)) * RotationExp(Vec3(0, 0, M_PI / 6.0));
+
+void Riddle(CutBlock& block, std::uint64_t seed, int count, double least, double most) {
+  Random random(seed);
+  for (int n = 0; n < count; ++n) {
+    const Bur ball = Bur::Ball(random.Uniform(least, most));
+    const Vec3 p = random.InCube(1e-3) - Vec3(0, 0, 0.4e-3);
+    block.cut.Remove(ball, {block.q * p, random.Rotation()},
+                     random.Uniform(0.0, 0.1e-3) * random.Direction());
+  }
+}
+
+TriangleMesh MeshOf(const SolidSurface& surface) {
+  return {surface.vertices, surface.triangles};
+}
+
+double VolumeOf(const SolidSurface& surface) {
+  double volume = 0.0;
+  for (const auto& [i, j, k] : surface.triangles) {
+    volume += surface.vertices[i].dot(surface.vertices[j].cross(surface.vertices[k])) / 6.0;
+  }
+  return volume;
+}
+
+/// Each edge has two triangles, one each way, and no triangle has a corner twice.
+void ExpectClosed(const SolidSurface& surface) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> ways;
+  for (const auto& t : surface.triangles) {
+    for (std::size_t n = 0; n < 3; ++n) {
+      ASSERT_NE(t[n], t[(n + 1) % 3]);
+      ASSERT_TRUE(ways.insert({t[n], t[(n + 1) % 3]}).second);
+    }
+  }
+  for (const auto& [a, b] : ways) ASSERT_TRUE(ways.count({b, a}));
+  EXPECT_EQ(surface.materials.size(), surface.triangles.size());
+}
+
+double BoxDistance(const Vec3& p_P) {
+  const Vec3 q = (p_P + Vec3(0, 0, 0.4e-3)).cwiseAbs() - 0.5 * kSize;
+  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+}
+
+struct Errors {
+  double sum = 0.0, most = 0.0;
+  int count = 0;
+  void Add(double error) {
+    sum += error * error;
+    most = std::max(most, std::abs(error));
+    ++count;
+  }
+  double rms() const { return std::sqrt(sum / count); }
+};
+
+TEST(SolidSurface, IsClosedAndTurnedOutwardsHoweverItIsRiddled) {
+  for (const Quat& q : {kAlong, kAskew}) {
+    // Holes from less than a cell to several: cells of every kind.
+    for (const auto& [least, most, count] :
+         {std::tuple{0.04e-3, 0.09e-3, 2000}, {0.08e-3, 0.16e-3, 400}, {0.1e-3, 0.4e-3, 40}}) {
+      CutBlock block(100e-6, q);
+      Riddle(block, 11, count, least, most);
+      const SolidSurface surface = WholeSurface(block.cut);
+      EXPECT_GT(surface.triangles.size(), 1000u);
+      ExpectClosed(surface);
+      EXPECT_GT(VolumeOf(surface), 0.0);
+    }
+  }
+}
+
+TEST(SolidSurface, EnclosesWhatTheGridSaysIsLeft) {
+  for (const Quat& q : {kAlong, kQuarter, kAskew}) {
+    CutBlock block(50e-6, q);
+    const double before = VolumeOf(WholeSurface(block.cut));
+    EXPECT_NEAR(before, kSize.prod(), 1e-3 * kSize.prod());
+    const double removed =
+        block.Move(Bur::Ball(kBallRadius), Vec3(-0.4e-3, 0.1e-3, 0), Vec3(0.4e-3, 0, -0.1e-3))
+            .total() +
+        block
+            .Move(Bur::Cylinder(0.2e-3, 0.6e-3, 0.05e-3), Vec3(0, -0.5e-3, -0.3e-3),
+                  Vec3(0, 0.5e-3, -0.3e-3))
+            .total();
+    const double after = VolumeOf(WholeSurface(block.cut));
+    EXPECT_NEAR((before - after) / removed, 1.0, 4e-3);
+  }
+}
+
+/// A groove of a ball, its axis so far below the face.
+TEST(SolidSurface, OfAGrooveLiesAtTheExactSweep) {
+  for (const double depth : {-0.1e-3, 0.0, 0.1e-3}) {
+    for (const Quat& q : {kAlong, kQuarter, kAskew}) {
+      CutBlock block(50e-6, q);
+      const Vec3 a(-0.4e-3, 0, -depth), b(0.4e-3, 0, -depth);
+      block.Move(Bur::Ball(kBallRadius), a, b);
+      const SolidSurface surface = WholeSurface(block.cut);
+      const auto sweep = [&](const Vec3& p) {
+        return (p - Vec3(std::clamp(p.x(), a.x(), b.x()), 0, -depth)).norm() - kBallRadius;
+      };
+      Errors from, to;
+      // Points of the triangles, near the groove.
+      for (const auto& [i, j, k] : surface.triangles) {
+        for (const Vec3& w : {Vec3(1, 0, 0), Vec3(0.5, 0.5, 0), Vec3(0.4, 0.3, 0.3)}) {
+          const Vec3 p = q.conjugate() * (w[0] * surface.vertices[i] + w[1] * surface.vertices[j] +
+                                          w[2] * surface.vertices[k]);
+          const double of_box = BoxDistance(p), of_cut = -sweep(p);
+          if (of_cut < -0.1e-3) continue;
+          from.Add(of_box > 0.0 && of_cut > 0.0 ? std::hypot(of_box, of_cut)
+                                                : std::max(of_box, of_cut));
+        }
+      }
+      // Points of the sweep's surface: along the groove, from rim to rim, both rims among them.
+      const TriangleMesh mesh = MeshOf(surface);
+      const MeshQuery query(mesh);
+      const double rim = std::asin(depth / kBallRadius);
+      for (int n = 0; n <= 200; ++n) {
+        for (int m = 0; m <= 40; ++m) {
+          const double angle = -rim + (M_PI + 2.0 * rim) * m / 40.0;
+          const Vec3 p(a.x() + (b.x() - a.x()) * n / 200.0, kBallRadius * std::cos(angle),
+                       -depth - kBallRadius * std::sin(angle));
+          to.Add(query.Nearest(q * p).distance);
+        }
+      }
+      EXPECT_LE(from.rms(), 2e-6);
+      EXPECT_LE(to.rms(), 2e-6);
+      EXPECT_LE(from.most, 12.5e-6);
+      EXPECT_LE(to.most, 12.5e-6);
+    }
+  }
+}
+
+TEST(SolidSurface, KeepsTheEdgesOfABoxSharp) {
+  Random random(12);
+  std::vector<Quat> turns{kAlong, kQuarter, kAskew};
+  while (turns.size() < 12) turns.push_back(random.Rotation());
+  for (const double h : {100e-6, 50e-6}) {
+    for (const Quat& q : turns) {
+      const CutBlock block(h, q);
+      const TriangleMesh mesh = MeshOf(WholeSurface(block.cut));
+      const MeshQuery query(mesh);
+      Errors edges, corners, vertices;
+      for (int axis = 0; axis < 3; ++axis) {
+        for (int n = 0; n < 4; ++n) {
+          Vec3 at = 0.5 * kSize;
+          if (n & 1) at[(axis + 1) % 3] *= -1.0;
+          if (n & 2) at[(axis + 2) % 3] *= -1.0;
+          for (int m = 0; m <= 400; ++m) {
+            at[axis] = kSize[axis] * (m / 400.0 - 0.5);
+            const bool corner = std::abs(at[axis]) > 0.5 * kSize[axis] - 1.5 * h;
+            const double away = query.Nearest(q * (at - Vec3(0, 0, 0.4e-3))).distance;
+            (corner ? corners : edges).Add(away);
+          }
+        }
+      }
+      for (const Vec3& v : mesh.vertices) vertices.Add(BoxDistance(q.conjugate() * v));
+      EXPECT_LE(edges.most, 0.25 * h);
+      EXPECT_LE(edges.rms(), 0.05 * h);
+      // Three faces that no cell's crossings know.
+      EXPECT_LE(corners.most, 0.7 * h);
+      EXPECT_LE(vertices.most, 0.4 * h);
+      EXPECT_LE(vertices.rms(), 0.01 * h);
+      // What faces the wrong way, folded over an edge.
+      double folded = 0.0;
+      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const auto& [i, j, k] = mesh.triangles[t];
+        const Vec3 &a = mesh.vertices[i], &b = mesh.vertices[j], &c = mesh.vertices[k];
+        const Vec3 middle = (a + b + c) / 3.0, out = 1e-6 * query.FaceNormal(t);
+        if (BoxDistance(q.conjugate() * (middle + out)) <
+            BoxDistance(q.conjugate() * (middle - out))) {
+          folded += 0.5 * (b - a).cross(c - a).norm();
+        }
+      }
+      EXPECT_LE(folded, h * h);
+    }
+  }
+}
+
+TEST(SolidSurface, VerticesOfTwoBlocksAreTheSameBits) {
+  CutBlock block(100e-6, kAskew);
+  Riddle(block, 13, 200, 0.05e-3, 0.3e-3);
+  std::map<std::uint64_t, Vec3> known;
+  std::size_t again = 0, triangles = 0;
+  SolidSurface one;
+  for (std::size_t b = 0; b < block.cut.field().lattice().block_count(); ++b) {
+    TakeSurface(block.cut, b, one);
+    triangles += one.triangles.size();
+    for (std::size_t n = 0; n < one.vertices.size(); ++n) {
+      const auto [place, fresh] = known.try_emplace(one.numbers[n], one.vertices[n]);
+      again += !fresh;
+      ASSERT_EQ(place->second, one.vertices[n]);
+    }
+  }
+  const SolidSurface all = WholeSurface(block.cut);
+  EXPECT_GT(again, 500u);
+  EXPECT_EQ(all.vertices.size(), known.size());
+  EXPECT_EQ(all.triangles.size(), triangles);
+}
+
+TEST(SolidSurface, OfBlocksFarFromWhatChangedStaysWhatItWas) {
+  CutBlock block(100e-6, kAskew);
+  const Lattice& lattice = block.cut.field().lattice();
+  std::vector<SolidSurface> before(lattice.block_count());
+  const auto take = [&](std::size_t b) {
+    SolidSurface surface;
+    TakeSurface(block.cut, b, surface);
+    return surface;
+  };
+  for (std::size_t b = 0; b < before.size(); ++b) before[b] = take(b);
+  Random random(14);
+  std::size_t changed = 0;
+  for (int n = 0; n < 30; ++n) {
+    block.cut.Remove(Bur::Ball(0.15e-3), {block.q * random.InCube(0.8e-3), Quat::Identity()},
+                     20e-6 * random.Direction());
+    std::set<std::size_t> beside;
+    block.cut.EachChanged([&](std::size_t b) {
+      EachBlockRound(lattice, b, [&](std::size_t c) { beside.insert(c); });
+    });
+    for (std::size_t b = 0; b < before.size(); ++b) {
+      const SolidSurface now = take(b);
+      const bool same = now.vertices == before[b].vertices && now.triangles == before[b].triangles;
+      ASSERT_TRUE(same || beside.count(b));
+      changed += !same;
+      before[b] = now;
+    }
+  }
+  EXPECT_GT(changed, 30u);
+}
+
+TEST(SolidSurface, KnowsWhatLiesBehindIt) {
+  const auto layers = [](const Vec3& p) { return std::uint8_t(p.z() > -0.1e-3 ? 1 : 3); };
+  CutBlock block(50e-6, kAlong, layers);
+  block.Move(Bur::Ball(kBallRadius), Vec3(0, 0, kBallRadius), Vec3(0, 0, -0.1e-3));
+  const SolidSurface surface = WholeSurface(block.cut);
+  std::size_t of[2] = {};
+  for (std::size_t n = 0; n < surface.triangles.size(); ++n) {
+    const auto& [i, j, k] = surface.triangles[n];
+    const double z =
+        (surface.vertices[i].z() + surface.vertices[j].z() + surface.vertices[k].z()) / 3.0;
+    if (std::abs(z + 0.1e-3) < 75e-6) continue;
+    EXPECT_EQ(surface.materials[n], z > -0.1e-3 ? 1 : 3);
+    ++of[z > -0.1e-3];
+  }
+  EXPECT_GT(of[0], 1000u);
+  EXPECT_GT(of[1], 1000u);
+}
+
+}  // namespace
+}  // namespace palpate
