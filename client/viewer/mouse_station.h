@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// The pose as a line for a station's mouse device (devices/mouse/mouse_line.h), to the bit.
+/// The pose as a line for a station's mouse device (devices/mouse/mouse_device.h), to the bit.
 std::string ToMouseLine(const Pose& X_WT);
 
 /// A palpate-station with the mouse device, run as a child: its hand follows what Drag says.  It is

@@ -34,7 +34,7 @@ class Bur {
   static Bur Cylinder(double radius, double length, double rounding);
   /// Tapered fissure bur, inverted where the tip is the wider.
   static Bur Cone(double tip_radius, double base_radius, double length, double rounding);
-  /// @param curve  (rho, z) [m], convex, from the axis outwards and back to it; one point: a ball.
+  /// `curve`: (rho, z) [m], convex, from the axis outwards and back to it; one point: a ball.
   Bur(const std::vector<std::array<double, 2>>& curve, double rounding);
 
   /// Distance of a point of T to the surface, below 0 within, and its gradient.  Exact.  Real-time.
@@ -46,7 +46,7 @@ class Bur {
   /// the truth.  Outside of a ball within 1e-4 of the step's length above it, and within a
   /// twentieth where slopes leap: deep within, below sharp edges.  Exact at the way's ends.
   /// Real-time.
-  /// @param within  farther points get their distance to the way's end.
+  /// `within`: farther points get their distance to the way's end.
   double DistanceToWay(const Vec3& p_T, const Vec3& step_T, double within = 1e300) const noexcept;
 
   /// `count` samples of the same area on a spiral of golden angles (Swinbank & Purser, Q. J. Royal

@@ -38,9 +38,9 @@ struct CutAway {
 /// Real-time but for the constructor: no allocation, lock or clock.
 class CutField {
  public:
-  /// @param solid  outlives this.   @param most_bytes  what this may take.   @param blocks  of
-  /// storage; 0: as many as the solid has, with which no cut can find it full.
-  /// Throws Error, before it takes its memory, where that is more than it may.
+  /// `solid` outlives this; `most_bytes` is what this may take; `name` is for what is thrown;
+  /// `blocks`: of storage; 0: as many as the solid has, with which no cut can find it full. Throws
+  /// Error, before it takes its memory, where that is more than it may.
   CutField(const SolidGrid& solid, std::size_t most_bytes, const std::string& name,
            std::size_t blocks = 0);
 
@@ -52,7 +52,7 @@ class CutField {
 
   /// phi_c <- max(phi_c, -(distance to the bur's way)).  Equal whatever the order of the blocks,
   /// and of steps: the greatest of all.
-  /// @param X_BT  where the bur is before the step.   @param step_B  how far it goes, straight and
+  /// `X_BT`: where the bur is before the step; `step_B`: how far it goes, straight and
   /// without turning [m].
   CutAway Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept;
 

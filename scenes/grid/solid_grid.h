@@ -34,7 +34,7 @@ class SolidGrid {
   /// along a line through the lattice, and so right beside edges and corners and of every shell.
   /// Surface inside the solid (shells that overlap) counts as surface: the distance is small beside
   /// it. Deterministic.  Set-up: allocates, and takes some tenths of a second for a tooth.
-  /// @param mesh  closed, oriented, in frame B [m].   @param name  of the body, for what is thrown.
+  /// `mesh`: closed, oriented, in frame B [m]; `name`: of the body, for what is thrown.
   /// Throws Error, before the grid takes its memory, where the mesh is open, empty or inside out,
   /// or the grid would take more than it may.
   SolidGrid(const TriangleMesh& mesh, const SolidGridOptions& options, const std::string& name);

@@ -42,7 +42,7 @@ class SparseField {
   /// Entries of the table that are no place in the storage.
   static constexpr std::int32_t kBelow = -1, kAbove = -2;
 
-  /// @param band  > 0 [m].   @param all  kBelow or kAbove: what every block is at first, and what
+  /// `band`: > 0 [m]; `all`: kBelow or kAbove: what every block is at first, and what
   /// lies round the lattice.
   SparseField(const Lattice& lattice, float band, std::int32_t all);
 

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "common/realtime/steady_clock.h"
-#include "devices/mouse/mouse_line.h"
+#include "devices/mouse/mouse_device.h"
 #include "tests/support/eventually.h"
 #include "tests/support/folder.h"
 #include "tests/support/random.h"

@@ -36,7 +36,7 @@ class ContactMesh {
   };
 
   ContactMesh() = default;
-  /// @param X_FB  places the mesh into F.  Triangles are numbered as its own.
+  /// `X_FB` places the mesh into F.  Triangles are numbered as its own.
   ContactMesh(const TriangleMesh& mesh, const Pose& X_FB);
   /// A single point at the origin: the centre of a spherical tool.
   static ContactMesh Point();

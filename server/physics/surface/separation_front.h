@@ -80,7 +80,7 @@ class SeparationFront {
   void Set(Index i, const Vec3& n, double slack);
   /// Opens a pair of the front: its children take the plane that it has at the pose of now.  -1
   /// where there is no room.
-  /// @param body  the pair's.
+  /// `body`: the pair's.
   Index Split(Index i, const HullTree& tool, const HullTree& body, const Vec3& n, double slack);
   /// Closes a pair whose children are of the front; it has the plane (n, slack).
   void Merge(Index i, const Vec3& n, double slack);
