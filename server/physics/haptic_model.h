@@ -55,9 +55,9 @@ class HapticModel {
   static std::shared_ptr<const SceneObjects> MakeObjects(
       std::span<const PlacedTree> objects, ContactModel contact = ContactModel::kSpheres,
       std::vector<CutSolid> solids = {});
-  /// `tool_mesh`: needed for ContactModel::kSurface only.  `cutting`: null unless the tool is a
-  /// bur. Throws Error where a parameter is out of range, the tool's tree is empty or not finite,
-  /// or its mesh is lacking.
+  /// `tool_mesh`: needed for ContactModel::kSurface only.  `cutting`: where the tool is a bur.
+  /// Throws Error where a parameter is out of range, the tool's tree is empty or not finite, or its
+  /// mesh is lacking.
   HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
               const StepParameters& parameters, const TriangleMesh* tool_mesh = nullptr,
               std::optional<Cutting> cutting = std::nullopt);

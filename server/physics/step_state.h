@@ -42,8 +42,8 @@ struct FrictionState {
 struct StepState {
   StepState() = default;
   /// Allocates what the model's features need: objects are whole, and nothing is known of what
-  /// keeps their meshes from the tool's.  A state made without its model wears nothing, and its
-  /// first step between meshes allocates.
+  /// keeps their meshes from the tool's.  A state made without its model wears and cuts nothing,
+  /// and its first step between meshes allocates.
   explicit StepState(const HapticModel& model);
 
   Pose X_WG;                             ///< graphic tool

@@ -383,6 +383,9 @@ void AddCut(CLI::App& app) {
       "Rows x,y,z,qw,qx,qy,qz, one a millisecond; if left out the scene's script, or a plunge "
       "and a groove")
       ->needs(scene);
+  Add(command, "--surface", options->surface,
+      "Write what is left of the solids to FILE.stl, in metres")
+      ->needs(scene);
   Add(command, "--grid-um", options->grids_um, "Spacings of the grid [um], 25 to 200");
   AddRepeats(command, options->repeats);
   AddJson(command, options->json);

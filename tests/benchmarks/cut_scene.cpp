@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 
 #include <spdlog/fmt/fmt.h>
@@ -11,11 +12,13 @@
 #include "common/error.h"
 #include "common/math/rotation.h"
 #include "scenes/catalogue.h"
+#include "scenes/grid/solid_surface.h"
 #include "server/physics/haptic_step.h"
 #include "server/physics/scene_model.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
 #include "tests/benchmarks/pose_source.h"
+#include "tests/support/written_mesh.h"
 
 namespace palpate::bench {
 namespace {
@@ -220,6 +223,23 @@ std::optional<Scene> Turned(Scene scene) {
   return scene;
 }
 
+/// What is left of the solids, in W, as a binary STL.
+void WriteSurface(const HapticModel& model, const Cut& cut, const std::string& file) {
+  TriangleMesh left;
+  for (std::size_t i = 0; i < model.solids().size(); ++i) {
+    const SolidSurface surface = WholeSurface(cut.state.cuts[i]);
+    const auto first = static_cast<std::uint32_t>(left.vertices.size());
+    for (const Vec3& v : surface.vertices) left.vertices.push_back(model.solids()[i].X_WB * v);
+    for (const auto& [a, b, c] : surface.triangles) {
+      left.triangles.push_back({first + a, first + b, first + c});
+    }
+  }
+  std::ofstream out(file, std::ios::binary);
+  out << test::BinaryStlOf(left);
+  if (!out.flush())
+    throw Error(file + ": cannot be written; give a file in a folder that takes one");
+}
+
 }  // namespace
 
 void RunCutScene(const CutSceneOptions& options) {
@@ -238,6 +258,7 @@ void RunCutScene(const CutSceneOptions& options) {
   const HapticModel model = MakeModel(scene, tool, MakeObjects(scene));
   Progress("the hand");
   const Cut cut = Run(model, hand, options.repeats);
+  if (!options.surface.empty()) WriteSurface(model, cut, options.surface);
   Progress("the exact sweep");
   Swept swept;
   std::vector<double> surface;

@@ -5,7 +5,7 @@
 namespace palpate::bench {
 
 struct CutSceneOptions {
-  std::string scene, poses, json;
+  std::string scene, poses, json, surface;
   int repeats = 3;
 };
 

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -26,7 +27,7 @@ TEST_F(CutCommand, MeasuresASceneAgainstTheExactSweep) {
   for (int n = 0; n < 400; ++n) poses << "0," << 2.01e-3 - 3e-6 * n << ",0,1,0,0,0\n";
   poses.close();
   ASSERT_EQ(Run({"cut", "--scene", File("block.json"), "--poses", File("poses.csv"), "--repeats",
-                 "1", "--json", File("cut.json")}),
+                 "1", "--json", File("cut.json"), "--surface", File("left.stl")}),
             0)
       << said_;
   const nlohmann::json cut = Json("cut.json");
@@ -40,6 +41,10 @@ TEST_F(CutCommand, MeasuresASceneAgainstTheExactSweep) {
   EXPECT_LT(cut["surface_um"]["rms"], 10.0);
   EXPECT_LT(cut["surface_um"]["max"], 40.0);
   EXPECT_LT(cut["ripple"], 0.02);
+  // Bytes of a header, a count, and 50 for each triangle.
+  const auto size = std::filesystem::file_size(File("left.stl"));
+  EXPECT_GT(size, 84u + 50u * 10000u);
+  EXPECT_EQ((size - 84) % 50, 0u);
 }
 
 TEST_F(CutCommand, SaysWhatASceneLacks) {
