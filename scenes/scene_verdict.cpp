@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "common/error.h"
 #include "common/text/quoted.h"
+#include "scenes/grid/solid_grid.h"
 #include "scenes/mesh/hidden_surface.h"
 #include "scenes/mesh/mesh_solid.h"
 #include "scenes/mesh/units.h"
@@ -61,6 +63,16 @@ void JudgeBalls(const std::string& whose, const SphereTree& tree, Verdict& verdi
       whose + ": " + std::to_string(empty) + " of its " + std::to_string(tree.leaves()) +
       " spheres have no radius, for its mesh encloses nothing there: it is a sheet, or has a "
       "vertex far away; give it a thickness in a mesh editor (Solidify), or remove the vertex");
+}
+
+/// What burs cut is to be closed, and to have room.
+void JudgeGrid(const Body& body, Verdict& verdict) {
+  if (!body.grid) return;
+  try {
+    MakeSolidGrid(body);
+  } catch (const Error& error) {
+    verdict.faults.push_back("object " + std::string(error.what()));
+  }
 }
 
 bool IsFinite(const Material& material) {
@@ -129,6 +141,7 @@ BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, Measu
                 : 0.0,
             found.verdict);
   JudgeBalls(whose, body.tree, found.verdict);
+  JudgeGrid(body, found.verdict);
   if (found.by_spheres || measure == MeasureGaps::kAlways) {
     found.coverage = MeasureCoverage(solid.mesh, body.tree);
   }

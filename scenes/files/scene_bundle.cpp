@@ -20,6 +20,7 @@
 #include "idl/scene_generated.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/files/scene_size.h"
+#include "scenes/grid/solid_grid.h"
 
 namespace palpate {
 namespace {
@@ -327,6 +328,7 @@ void ReadGrid(const wire::Grid* in, Body& out) {
     return list != nullptr && list->size() == out.materials.size();
   };
   const bool fine = in->spacing() > 24e-6 && in->spacing() < 201e-6 &&
+                    out.materials.size() <= SolidGrid::kMaterials &&
                     all_of_materials(in->pressures()) && all_of_materials(in->viscosities());
   if (!fine) throw Error("a grid is none");
   out.grid.emplace().spacing = in->spacing();

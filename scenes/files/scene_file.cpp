@@ -10,6 +10,7 @@
 
 #include "common/error.h"
 #include "common/json/json_file.h"
+#include "scenes/grid/solid_grid.h"
 #include "scenes/shapes/shape_kinds.h"
 #include "scenes/tree/sph_file.h"
 
@@ -20,8 +21,7 @@ namespace fs = std::filesystem;
 
 enum class BodyKind { kTool, kObject };
 
-constexpr std::size_t kMaxMaterials = 256;    // of a body: Body::leaf_material is of bytes
-constexpr std::size_t kMaxGridMaterials = 8;  // SolidGrid::kMaterials
+constexpr std::size_t kMaxMaterials = 256;  // of a body: Body::leaf_material is of bytes
 constexpr std::size_t kShapeTriangles = 5120;
 constexpr double kLongest = 1000.0;  // [m]: a length beyond it is a forgotten unit
 
@@ -393,8 +393,8 @@ void ReadGrid(const JsonNode& node, BodyDescription& body) {
                   "inside painted; give \"box\" or \"sphere\"");
     }
   }
-  if (body.regions.size() >= kMaxGridMaterials) {
-    node.Fail("goes with " + std::to_string(kMaxGridMaterials - 1) + " regions at most");
+  if (body.regions.size() >= SolidGrid::kMaterials) {
+    node.Fail("goes with " + std::to_string(SolidGrid::kMaterials - 1) + " regions at most");
   }
 }
 

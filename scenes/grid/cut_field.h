@@ -56,14 +56,6 @@ class CutField {
   /// without turning [m].
   CutAway Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept;
 
-  /// Calls visit(block) with each block that has a point where phi_c rose in the last Remove.
-  template <class Visit>
-  void EachChanged(Visit visit) const {
-    for (const Touched& touched : touched_) {
-      if (touched.changed != Layers{}) visit(touched.block);
-    }
-  }
-
   /// Share of a point's voxel that is left, 0 to 1.  Any integers.
   double Left(int i, int j, int k) const noexcept;
 

@@ -43,7 +43,7 @@ Lattice LatticeOf(const TriangleMesh& mesh, const SolidGridOptions& options,
   if (const std::size_t open = OpenEdges(mesh).size(); open > 0) {
     throw Error(name + ": the mesh is open along " + std::to_string(open) +
                 " edges, so that it encloses no solid; close its holes in the program that it was "
-                "made with, or give the solid that scenes/mesh/mesh_solid.h makes of it");
+                "made with, or give it a thickness (\"thickness_mm\" in a scene file)");
   }
   Vec3 low = Vec3::Constant(1e300), high = -low;
   double volume = 0.0;
@@ -304,6 +304,22 @@ std::uint8_t SolidGrid::Material(const Vec3& p_B) const noexcept {
   }
   return MaterialOf(field_.BlockIndex(c[0] >> 3, c[1] >> 3, c[2] >> 3),
                     SparseField::PointIndex(c[0], c[1], c[2]));
+}
+
+std::shared_ptr<const SolidGrid> MakeSolidGrid(const Body& body) {
+  if (body.materials.size() > SolidGrid::kMaterials) {
+    throw Error(body.name + ": a body that burs cut has " + std::to_string(SolidGrid::kMaterials) +
+                " materials at most, and this one has " + std::to_string(body.materials.size()));
+  }
+  SolidGridOptions options{.spacing = body.grid->spacing, .most_bytes = kMostGridBytes};
+  options.material = [&](const Vec3& p_B) {
+    std::uint8_t material = 0;
+    for (const MaterialRegion& region : body.grid->regions) {
+      if (region.Holds(p_B)) material = region.material;
+    }
+    return material;
+  };
+  return std::make_shared<const SolidGrid>(body.mesh, options, body.name);
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -64,5 +65,13 @@ class SolidGrid {
   std::vector<std::uint8_t> mixed_;     ///< 512 a block
   std::size_t solid_blocks_ = 0;
 };
+
+/// What a grid may take, and a session's cuts in it again [bytes]: a tooth of 10 mm at 50 um takes
+/// a quarter.
+inline constexpr std::size_t kMostGridBytes = 256u << 20;
+
+/// Of a body that has a `grid`, in its frame, with the materials that its regions paint.  Throws as
+/// SolidGrid does.
+std::shared_ptr<const SolidGrid> MakeSolidGrid(const Body& body);
 
 }  // namespace palpate

@@ -40,22 +40,6 @@ struct SolidSurface {
 /// @param surface  cleared first; its storage is used again.
 void TakeSurface(const CutField& cut, std::size_t block, SolidSurface& surface);
 
-/// Calls visit(block) with a block and its neighbours in the lattice: those whose surface goes by
-/// its points.
-template <class Visit>
-void EachBlockRound(const Lattice& lattice, std::size_t block, Visit visit) {
-  const auto x = static_cast<std::size_t>(lattice.blocks[0]);
-  const auto y = static_cast<std::size_t>(lattice.blocks[1]);
-  const int at[3] = {int(block % x), int(block / x % y), int(block / x / y)};
-  for (int n = 0; n < 27; ++n) {
-    const int to[3] = {at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1};
-    bool inside = true;
-    for (std::size_t a = 0; a < 3; ++a) inside = inside && to[a] >= 0 && to[a] < lattice.blocks[a];
-    if (!inside) continue;
-    visit((std::size_t(to[2]) * y + std::size_t(to[1])) * x + std::size_t(to[0]));
-  }
-}
-
 /// Of all blocks, vertices that they share once.  Set-up and tools.
 SolidSurface WholeSurface(const CutField& cut);
 

@@ -20,6 +20,8 @@ struct Lattice {
            static_cast<std::size_t>(blocks[2]);
   }
   Vec3 Point(int i, int j, int k) const { return origin + spacing * Vec3(i, j, k); }
+  /// The corner opposite to the origin.
+  Vec3 End() const { return Point(8 * blocks[0], 8 * blocks[1], 8 * blocks[2]); }
 };
 
 /// A signed distance and its gradient at a point.

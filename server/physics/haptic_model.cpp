@@ -95,6 +95,11 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
     soft_ = SoftLeaves::Make(this->objects(), parameters_.stiffness);
   }
   if (cutting_) SetCutting();
+  if (!cutting_ && !objects_->solids().empty()) {
+    throw Error(
+        "the tool has no bur, and would go through what burs alone feel; give it a bur, or the "
+        "objects no grid");
+  }
 }
 
 void HapticModel::SetCutting() {

@@ -158,8 +158,8 @@ Optimum SolveWithoutFriction(StepContext& context) {
   ++context.iterates;
   buffers.rows.Finish();
   context.rigid = buffers.rows.view();
-  if (buffers.energies) buffers.energies->Look(buffers.rows, context.rigid);
-  const bool with_energies = buffers.energies && buffers.energies->act();
+  if (buffers.energies) buffers.energies->Collect(buffers.rows, context.rigid);
+  const bool with_energies = buffers.energies && buffers.energies->acts();
   Optimum optimum = NearestStep(context, context.target, with_energies);
   if (buffers.meshes && !with_energies &&
       (optimum.qp.status == QpStatus::kRelaxed || context.Gain(optimum.v, optimum.phi) < 0.0) &&

@@ -1,7 +1,6 @@
 #include "server/physics/scene_model.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "common/error.h"
@@ -17,19 +16,8 @@ static_assert(StepTuning{} == StepTuning{limits::mesh::kSeparation, limits::kMax
 
 namespace {
 
-/// What a grid may take, and a session's cuts in it again: a tooth of 10 mm at 50 um takes a third.
-constexpr std::size_t kMostGridBytes = 256u << 20;
-
 CutSolid SolidOf(const Body& body) {
-  SolidGridOptions options{.spacing = body.grid->spacing, .most_bytes = kMostGridBytes};
-  options.material = [&](const Vec3& p_B) {
-    std::uint8_t material = 0;
-    for (const MaterialRegion& region : body.grid->regions) {
-      if (region.Holds(p_B)) material = region.material;
-    }
-    return material;
-  };
-  CutSolid solid{std::make_shared<const SolidGrid>(body.mesh, options, body.name), body.X_WB, {}};
+  CutSolid solid{MakeSolidGrid(body), body.X_WB, {}};
   for (std::size_t m = 0; m < std::min(body.materials.size(), solid.materials.size()); ++m) {
     solid.materials[m] = {body.materials[m].cutting_pressure, body.materials[m].cutting_viscosity};
   }
@@ -37,9 +25,10 @@ CutSolid SolidOf(const Body& body) {
 }
 
 /// The bur's axis is z in its own frame, from the tip's middle on, and y in the tool's, from the
-/// tip on.
+/// tip on.  A quarter turn about x, without a sine: libm's differs between processors.
 Cutting CuttingOf(const BurProfile& profile) {
-  const Quat z_to_y(Eigen::AngleAxisd(-0.5 * M_PI, Vec3::UnitX()));
+  constexpr double kHalf = 0.70710678118654752;
+  const Quat z_to_y(kHalf, -kHalf, 0.0, 0.0);
   return {Bur(profile.curve, profile.rounding), {Vec3(0.0, profile.rounding, 0.0), z_to_y}};
 }
 

@@ -80,12 +80,10 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   }
   for (const CutSolid& solid : model.solids()) {
     const Lattice& lattice = solid.grid->field().lattice();
-    const Vec3 low = lattice.Point(0, 0, 0);
-    const Vec3 high =
-        lattice.Point(8 * lattice.blocks[0], 8 * lattice.blocks[1], 8 * lattice.blocks[2]);
+    const Vec3 &low = lattice.origin, high = lattice.End();
     shortest = std::max(
         shortest, (from - solid.X_WB * (0.5 * (low + high))).norm() + 0.5 * (high - low).norm());
-    for (const BurSample& s : model.bur_samples()) reach = std::max(reach, s.point.norm());
+    reach = std::max(reach, model.bur_lever());
   }
   shortest += reach;
   Vec3 way = Vec3::UnitZ();

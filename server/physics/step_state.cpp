@@ -8,7 +8,7 @@ StepState::StepState(const HapticModel& model) {
   if (model.parameters().features.removal) wear = LeafWear(model.objects());
   if (model.bodies() != nullptr) front.Reserve();
   for (const CutSolid& solid : model.solids()) {
-    cuts.emplace_back(*solid.grid, solid.most_bytes, "solid " + std::to_string(cuts.size()));
+    cuts.emplace_back(*solid.grid, kMostGridBytes, "solid " + std::to_string(cuts.size()));
   }
 }
 

@@ -38,7 +38,8 @@ struct FrictionState {
 };
 
 /// What one step hands to the next: all the memory that the physics has.  Copying it and stepping
-/// again with the same pose gives the same bits.
+/// again with the same pose gives the same bits; a copy has no room to spare, so that its first
+/// steps may allocate, unless it is assigned to a state that was made with the model.
 struct StepState {
   StepState() = default;
   /// Allocates what the model's features need: objects are whole, and nothing is known of what

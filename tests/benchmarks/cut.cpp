@@ -386,7 +386,8 @@ void AddCut(CLI::App& app) {
   Add(command, "--surface", options->surface,
       "Write what is left of the solids to FILE.stl, in metres")
       ->needs(scene);
-  Add(command, "--grid-um", options->grids_um, "Spacings of the grid [um], 25 to 200");
+  Add(command, "--grid-um", options->grids_um, "Spacings of the grid [um], 25 to 200")
+      ->excludes(scene);
   AddRepeats(command, options->repeats);
   AddJson(command, options->json);
   command.callback([options] { Run(*options); });

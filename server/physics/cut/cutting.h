@@ -20,7 +20,6 @@ struct CutSolid {
   std::shared_ptr<const SolidGrid> grid;
   Pose X_WB;
   std::array<CutMaterial, SolidGrid::kMaterials> materials;  ///< by their number in the grid
-  std::size_t most_bytes = 256u << 20;                       ///< that a session's cuts may take
 };
 
 /// A bur in a tool.  What the tool's tree and mesh meet is rigid beside it; solids are felt by the

@@ -21,11 +21,9 @@ StepBounds Energies::Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG
   const double lever = model_->bur_lever();
   for (const CutSolid& solid : model_->solids()) {
     const Lattice& lattice = solid.grid->field().lattice();
-    const Vec3 high =
-        lattice.Point(8 * lattice.blocks[0], 8 * lattice.blocks[1], 8 * lattice.blocks[2]);
     const Pose& X_TB = model_->cutting()->X_TB;
     const Vec3 bur = solid.X_WB.Inverse() * (p_G + q_WG * (X_TB.p - model_->reference()));
-    const Vec3 off = (lattice.origin - bur).cwiseMax(bur - high).cwiseMax(0.0);
+    const Vec3 off = (lattice.origin - bur).cwiseMax(bur - lattice.End()).cwiseMax(0.0);
     const double way = bounds.translation + bounds.rotation * lever;
     if (off.norm() > model_->cutting()->bur.reach() + way) continue;
     const double most = 0.5 * solid.grid->field().band();
@@ -47,7 +45,7 @@ void Energies::Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField
   }
 }
 
-void Energies::Look(const ContactRows& rows, QpRows& rigid) noexcept {
+void Energies::Collect(const ContactRows& rows, QpRows& rigid) noexcept {
   acting_ = 0;
   if (soft_) {
     soft_->Set(*model_->soft_leaves(), rows);
@@ -67,7 +65,7 @@ QpResult Energies::Solve(const Kernels& kernels, const double* t, const QpRows& 
                        start, guess);
 }
 
-bool Energies::push() const noexcept {
+bool Energies::pushes() const noexcept {
   return (soft() != nullptr && soft_->pushes()) || (cut_ && cut_->count() > 0 && cut_->pushes());
 }
 

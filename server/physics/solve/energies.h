@@ -26,16 +26,16 @@ class Energies {
   StepBounds Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept;
   /// That sub-step begins.
   void Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts) noexcept;
-  /// To be called before each solve: looks which act among these rows, and takes what yields out of
-  /// those that no step may violate.
-  void Look(const ContactRows& rows, QpRows& rigid) noexcept;
-  bool act() const { return acting_ > 0; }
+  /// To be called before each solve: collects those that act among these rows, and takes what
+  /// yields out of those that no step may violate.
+  void Collect(const ContactRows& rows, QpRows& rigid) noexcept;
+  bool acts() const { return acting_ > 0; }
 
   /// The step nearest to t under rigid rows and the energies that act (EnergySolver).
   QpResult Solve(const Kernels& kernels, const double* t, const QpRows& rigid,
                  std::span<const int> guess) noexcept;
   /// Whether any pushed there; what all did, of [v; rho phi], over the coupling's stiffness [m].
-  bool push() const noexcept;
+  bool pushes() const noexcept;
   const double* force() const { return solver_.force(); }
 
   /// Null where no row is soft.

@@ -17,7 +17,7 @@ Optimum NearestStep(const StepContext& context, const Target& target, bool with_
     optimum.qp = context.buffers.energies->Solve(context.kernels, t, context.rigid,
                                                  {guess, static_cast<std::size_t>(guesses)});
     const double* force = context.buffers.energies->force();
-    optimum.is_pushed = context.buffers.energies->push();
+    optimum.is_pushed = context.buffers.energies->pushes();
     optimum.push = Vec3(force[0], force[1], force[2]);
     optimum.push_turn = rho * Vec3(force[3], force[4], force[5]);
   } else {

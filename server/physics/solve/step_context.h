@@ -62,7 +62,7 @@ struct StepContext {
   bool Rubs() const { return model.parameters().features.friction == FrictionModel::kCoulomb; }
   /// Whether meshes may hold the tool, and nothing that does rubs or yields.
   bool IsRigid() const {
-    return buffers.meshes && !(buffers.energies && buffers.energies->act()) && !Rubs();
+    return buffers.meshes && !(buffers.energies && buffers.energies->acts()) && !Rubs();
   }
   /// The same of a ball.
   bool IsFreeBall() const { return IsRigid() && buffers.meshes->meshes.IsBall(); }

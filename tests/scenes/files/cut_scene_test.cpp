@@ -6,6 +6,7 @@
 #include "scenes/catalogue.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_file.h"
+#include "scenes/scene_verdict.h"
 #include "server/physics/haptic_step.h"
 #include "server/physics/scene_model.h"
 #include "tests/support/complaint.h"
@@ -122,6 +123,23 @@ TEST(CutScene, NamesTheFieldAndTheRemedyOfWhatCannotBeCut) {
   }
 }
 
+TEST(CutScene, IsNotUsableWhereAGridCannotBeMadeOrAToolIsNoBur) {
+  Scene scene = Load(SceneText(kBallBur, kEnamelOnDentine));
+  EXPECT_TRUE(JudgeScene(scene).usable());
+  Scene open = scene;
+  open.objects[0].mesh.triangles.pop_back();
+  EXPECT_THAT(JudgeScene(open).faults,
+              testing::ElementsAre(HasSubstr("object block: the mesh is open along 3 edges")));
+  Scene huge = scene;
+  huge.objects[0].grid->spacing = 25e-6;
+  for (Vec3& v : huge.objects[0].mesh.vertices) v *= 50.0;
+  EXPECT_THAT(JudgeScene(huge).faults, testing::ElementsAre(HasSubstr("give a greater spacing")));
+  // No tool may go through what it does not feel.
+  scene.tools[0].bur.reset();
+  EXPECT_THAT(ComplaintOf([&] { MakeModel(scene, scene.tools[0], MakeObjects(scene)); }),
+              HasSubstr("the tool has no bur"));
+}
+
 TEST(CutScene, RefusesABundleWhoseGridOrBurIsNone) {
   const Scene good = Load(SceneText(kBallBur, kEnamelOnDentine));
   const auto complaint = [&](auto spoil) {
@@ -135,6 +153,9 @@ TEST(CutScene, RefusesABundleWhoseGridOrBurIsNone) {
               HasSubstr("a material that is cut is none"));
   EXPECT_THAT(complaint([](Scene& s) { s.objects[0].grid->regions[0].material = 2; }),
               HasSubstr("a region is none"));
+  EXPECT_THAT(
+      complaint([](Scene& s) { s.objects[0].materials.resize(9, s.objects[0].materials[0]); }),
+      HasSubstr("a grid is none"));
   EXPECT_THAT(complaint([](Scene& s) { s.tools[0].bur->curve.clear(); }),
               HasSubstr("a bur is none"));
 }

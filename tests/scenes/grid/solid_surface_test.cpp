@@ -219,36 +219,6 @@ TEST(SolidSurface, VerticesOfTwoBlocksAreTheSameBits) {
   EXPECT_EQ(all.triangles.size(), triangles);
 }
 
-TEST(SolidSurface, OfBlocksFarFromWhatChangedStaysWhatItWas) {
-  CutBlock block(100e-6, kAskew);
-  const Lattice& lattice = block.cut.field().lattice();
-  std::vector<SolidSurface> before(lattice.block_count());
-  const auto take = [&](std::size_t b) {
-    SolidSurface surface;
-    TakeSurface(block.cut, b, surface);
-    return surface;
-  };
-  for (std::size_t b = 0; b < before.size(); ++b) before[b] = take(b);
-  Random random(14);
-  std::size_t changed = 0;
-  for (int n = 0; n < 30; ++n) {
-    block.cut.Remove(Bur::Ball(0.15e-3), {block.q * random.InCube(0.8e-3), Quat::Identity()},
-                     20e-6 * random.Direction());
-    std::set<std::size_t> beside;
-    block.cut.EachChanged([&](std::size_t b) {
-      EachBlockRound(lattice, b, [&](std::size_t c) { beside.insert(c); });
-    });
-    for (std::size_t b = 0; b < before.size(); ++b) {
-      const SolidSurface now = take(b);
-      const bool same = now.vertices == before[b].vertices && now.triangles == before[b].triangles;
-      ASSERT_TRUE(same || beside.count(b));
-      changed += !same;
-      before[b] = now;
-    }
-  }
-  EXPECT_GT(changed, 30u);
-}
-
 TEST(SolidSurface, KnowsWhatLiesBehindIt) {
   const auto layers = [](const Vec3& p) { return std::uint8_t(p.z() > -0.1e-3 ? 1 : 3); };
   CutBlock block(50e-6, kAlong, layers);
