@@ -13,6 +13,7 @@
 #include "idl/progress.h"
 #include "idl/replay.h"
 #include "idl/session.h"
+#include "idl/solid.h"
 #include "idl/teaching.h"
 
 /// The structs that travel, as idlc makes them of idl/*.idl, under the project's names.
@@ -29,7 +30,7 @@ const dds_topic_descriptor_t& Descriptor();
 #define PALPATE_SERVICE_TYPES(X) \
   X(SessionRequest) X(SessionState) X(SceneChange) X(LeafTaken) X(OperateRequest) X(WholeRequest) \
   X(SceneWhole) X(ToolState) X(GuideTarget) X(LoopStatistics) X(StationStatistics) X(SceneBundle) \
-  X(SceneOffer) X(SceneProgress) X(ReplayContents) X(ReplayState) X(ReplayRequest)
+  X(SceneOffer) X(SceneProgress) X(SolidBlock) X(ReplayContents) X(ReplayState) X(ReplayRequest)
 // clang-format on
 
 #define PALPATE_WIRE_TYPE(T)                             \

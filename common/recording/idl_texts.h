@@ -6,6 +6,7 @@ namespace palpate {
 extern const char* const kHapticsIdl;
 extern const char* const kOfferIdl;
 extern const char* const kSessionIdl;
+extern const char* const kSolidIdl;
 extern const char* const kTeachingIdl;
 
 }  // namespace palpate

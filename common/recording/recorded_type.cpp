@@ -15,7 +15,7 @@ struct Entry {
 
 const Entry& EntryOf(RecordedType type) {
   static const std::string haptics = kHapticsIdl, offer = kOfferIdl, session = kSessionIdl,
-                           teaching = kTeachingIdl;
+                           solid = kSolidIdl, teaching = kTeachingIdl;
   static const std::array<Entry, kRecordedTypes> entries = {{
       {"palpate::HapticPose", &haptics},
       {"palpate::Wrench", &haptics},
@@ -31,6 +31,7 @@ const Entry& EntryOf(RecordedType type) {
       {"palpate::SceneOffer", &offer},
       {"palpate::WholeRequest", &session},
       {"palpate::SceneWhole", &session},
+      {"palpate::SolidBlock", &solid},
   }};
   return entries[static_cast<std::size_t>(type)];
 }

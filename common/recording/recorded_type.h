@@ -24,8 +24,9 @@ enum class RecordedType {
   kSceneOffer,
   kWholeRequest,
   kSceneWhole,
+  kSolidBlock,
 };
-inline constexpr int kRecordedTypes = 14;
+inline constexpr int kRecordedTypes = 15;
 
 /// "palpate::HapticPose"
 const char* SchemaName(RecordedType type);
@@ -61,6 +62,8 @@ template <>
 inline constexpr RecordedType kTypeOf<wire::WholeRequest> = RecordedType::kWholeRequest;
 template <>
 inline constexpr RecordedType kTypeOf<wire::SceneWhole> = RecordedType::kSceneWhole;
+template <>
+inline constexpr RecordedType kTypeOf<wire::SolidBlock> = RecordedType::kSolidBlock;
 
 /// Counts what a topic's samples number themselves by, so that each hole is known.
 class SequenceCount {
