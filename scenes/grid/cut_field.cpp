@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 
 #include "common/error.h"
 #include "scenes/mesh/figure.h"
@@ -95,14 +96,17 @@ std::size_t CutField::BytesOf(const SolidGrid& solid, std::size_t blocks) {
   const std::size_t table = solid.field().lattice().block_count();
   return SparseField::BytesOf(table, blocks) +
          blocks * (SparseField::kPoints * sizeof(std::uint16_t) + kRows * sizeof(double)) +
-         table * sizeof(std::int32_t) + blocks * sizeof(Touched);
+         table * (sizeof(std::int32_t) + sizeof(std::uint32_t)) + table / 8 +
+         blocks * sizeof(Touched);
 }
 
 CutField::CutField(const SolidGrid& solid, std::size_t most_bytes, const std::string& name,
                    std::size_t blocks)
     : solid_(&solid),
       field_(solid.field().lattice(), solid.field().band(), SparseField::kBelow),
-      touched_at_(solid.field().lattice().block_count(), -1) {
+      touched_at_(solid.field().lattice().block_count(), -1),
+      waiting_(touched_at_.size()),
+      waits_(touched_at_.size()) {
   if (blocks == 0) blocks = solid.solid_blocks();
   if (const std::size_t bytes = BytesOf(solid, blocks); bytes > most_bytes) {
     throw Error(name + ": cutting at " + Figure(1e6 * field_.lattice().spacing, 3) + " um takes " +
@@ -118,6 +122,37 @@ CutField::CutField(const SolidGrid& solid, std::size_t most_bytes, const std::st
 
 std::size_t CutField::bytes() const {
   return BytesOf(*solid_, left_.size() / SparseField::kPoints);
+}
+
+void CutField::Wait(std::size_t block) noexcept {
+  if (waits_[block]) return;
+  waits_[block] = true;
+  waiting_[(first_waiting_ + waiting_count_++) % waiting_.size()] =
+      static_cast<std::uint32_t>(block);
+}
+
+bool CutField::TakeChanged(std::size_t& block) noexcept {
+  if (waiting_count_ == 0) return false;
+  block = waiting_[first_waiting_];
+  waits_[block] = false;
+  first_waiting_ = (first_waiting_ + 1) % waiting_.size();
+  --waiting_count_;
+  return true;
+}
+
+void CutField::MakeWhole() noexcept {
+  for (std::size_t block = 0; block < touched_at_.size(); ++block) {
+    if (field_.entry(block) >= 0) {
+      field_.Release(block, SparseField::kBelow);
+    } else {
+      field_.Fill(block, SparseField::kBelow);
+    }
+    waits_[block] = false;
+  }
+  first_waiting_ = waiting_count_ = 0;
+  gone_ = 0.0;
+  bur_ = Bur::Ball(1.0);
+  end_ = {};
 }
 
 FieldSample CutField::Sample(const Vec3& p_B) const noexcept {
@@ -325,6 +360,7 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
     Touched& touched = touched_[n];
     touched_at_[touched.block] = static_cast<std::int32_t>(n);
     touched.changed = Raise(touched.at, field_.entry(touched.block), bur, X_TB, step_T);
+    if (std::ranges::any_of(touched.changed, std::identity{})) Wait(touched.block);
   }
   // Counted in whole parts of a voxel, so that no order of adding shows.
   std::array<std::uint64_t, SolidGrid::kMaterials> taken{};

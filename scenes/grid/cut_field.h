@@ -56,6 +56,13 @@ class CutField {
   /// without turning [m].
   CutAway Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) noexcept;
 
+  /// The block, of those whose points changed since it was last taken here, that has waited
+  /// longest.  False where there is none.
+  bool TakeChanged(std::size_t& block) noexcept;
+  /// All is there again, as at first, and no block has changed.  Goes through the table of blocks:
+  /// some ten microseconds for a tooth.
+  void MakeWhole() noexcept;
+
   /// Share of a point's voxel that is left, 0 to 1.  Any integers.
   double Left(int i, int j, int k) const noexcept;
 
@@ -75,6 +82,7 @@ class CutField {
                    const Vec3& step_T) noexcept;
   Layers Raise(const int at[3], std::int32_t entry, const Bur& bur, const Pose& X_TB,
                const Vec3& step_T) noexcept;
+  void Wait(std::size_t block) noexcept;
   double GoneSince(const Bur& bur, const Pose& X_BT) const noexcept;
   Layers Beside(const Touched& touched) const noexcept;
   double ShareOf(int i, int j, int k) const noexcept;
@@ -91,6 +99,9 @@ class CutField {
   Pose end_{};                            ///< X_BT where that ended
   std::vector<Touched> touched_;          ///< of the present step, in the order of the table
   std::vector<std::int32_t> touched_at_;  ///< of a block: its place there, or -1
+  std::vector<std::uint32_t> waiting_;    ///< a ring of blocks that changed, each at most once
+  std::vector<bool> waits_;               ///< of a block: it is in the ring
+  std::size_t first_waiting_ = 0, waiting_count_ = 0;
 };
 
 }  // namespace palpate

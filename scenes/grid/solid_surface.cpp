@@ -104,8 +104,8 @@ constexpr int kStride[3] = {1, kWide, kWide* kWide};
 /// Two fields round a block [h].
 class Contour {
  public:
-  Contour(const CutField& cut, std::size_t block, SolidSurface& surface)
-      : cut_(cut), surface_(surface), lattice_(cut.field().lattice()) {
+  Contour(const SolidGrid& solid, const SparseField& cut, std::size_t block, SolidSurface& surface)
+      : grid_(solid), cut_(cut), surface_(surface), lattice_(cut.lattice()) {
     const auto x = static_cast<std::size_t>(lattice_.blocks[0]);
     const auto y = static_cast<std::size_t>(lattice_.blocks[1]);
     first_[0] = kSide * static_cast<int>(block % x);
@@ -123,10 +123,9 @@ class Contour {
         b[a] = first_[a] / kSide + (n >> a & 1);
         inside = inside && b[a] < lattice_.blocks[static_cast<std::size_t>(a)];
       }
-      const std::size_t block = inside ? cut_.field().BlockIndex(b[0], b[1], b[2]) : 0;
-      const std::int32_t of_solid =
-          inside ? cut_.solid().field().entry(block) : SparseField::kAbove;
-      const std::int32_t of_cut = inside ? cut_.field().entry(block) : SparseField::kAbove;
+      const std::size_t block = inside ? cut_.BlockIndex(b[0], b[1], b[2]) : 0;
+      const std::int32_t of_solid = inside ? grid_.field().entry(block) : SparseField::kAbove;
+      const std::int32_t of_cut = inside ? cut_.entry(block) : SparseField::kAbove;
       if (of_solid == SparseField::kAbove || of_cut == SparseField::kAbove) {
         free = true;
       } else if (of_solid == SparseField::kBelow && of_cut == SparseField::kBelow) {
@@ -139,8 +138,8 @@ class Contour {
   }
 
   void Take() {
-    Load(cut_.solid().field(), fields_[0]);
-    Load(cut_.field(), fields_[1]);
+    Load(grid_.field(), fields_[0]);
+    Load(cut_, fields_[1]);
     for (int n = 0; n < kWide * kWide * kWide; ++n) {
       solid_[n] = fields_[0][n] < 0.0f && fields_[1][n] < 0.0f;
     }
@@ -385,11 +384,12 @@ class Contour {
   std::uint8_t MaterialAt(const Place& p) const {
     const int i = first_[0] + p.at[0] - kMargin, j = first_[1] + p.at[1] - kMargin,
               k = first_[2] + p.at[2] - kMargin;
-    return cut_.solid().MaterialOf(cut_.field().BlockIndex(i >> 3, j >> 3, k >> 3),
-                                   SparseField::PointIndex(i, j, k));
+    return grid_.MaterialOf(cut_.BlockIndex(i >> 3, j >> 3, k >> 3),
+                             SparseField::PointIndex(i, j, k));
   }
 
-  const CutField& cut_;
+  const SolidGrid& grid_;
+  const SparseField& cut_;
   SolidSurface& surface_;
   const Lattice& lattice_;
   int first_[3];
@@ -408,9 +408,10 @@ void SolidSurface::Clear() {
   materials.clear();
 }
 
-void TakeSurface(const CutField& cut, std::size_t block, SolidSurface& surface) {
+void TakeSurface(const SolidGrid& solid, const SparseField& cut, std::size_t block,
+                 SolidSurface& surface) {
   surface.Clear();
-  Contour contour(cut, block, surface);
+  Contour contour(solid, cut, block, surface);
   if (contour.MayCross()) contour.Take();
 }
 
@@ -418,7 +419,7 @@ SolidSurface WholeSurface(const CutField& cut) {
   SolidSurface all, one;
   std::unordered_map<std::uint64_t, std::uint32_t> known;
   for (std::size_t block = 0; block < cut.field().lattice().block_count(); ++block) {
-    TakeSurface(cut, block, one);
+    TakeSurface(cut.solid(), cut.field(), block, one);
     std::vector<std::uint32_t> at(one.vertices.size());
     for (std::size_t n = 0; n < at.size(); ++n) {
       const auto [place, fresh] =

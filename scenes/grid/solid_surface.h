@@ -37,8 +37,10 @@ struct SolidSurface {
 /// Deterministic.  Of a block at most 6,144 triangles (4 at each of its 3 x 512 edges) and 5,916
 /// vertices (4 sheets in each of 9^3 cells, 3 x 10^3 crossings); a tooth's have some hundred.  65
 /// kB of the stack.
+/// @param cut      what burs took away of the solid: a CutField's field.
 /// @param surface  cleared first; its storage is used again.
-void TakeSurface(const CutField& cut, std::size_t block, SolidSurface& surface);
+void TakeSurface(const SolidGrid& solid, const SparseField& cut, std::size_t block,
+                 SolidSurface& surface);
 
 /// Of all blocks, vertices that they share once.  Set-up and tools.
 SolidSurface WholeSurface(const CutField& cut);

@@ -239,6 +239,59 @@ TEST(CutField, OfAWalkIsTheSameWhetherOrNotAnotherBurCutsInBetween) {
   }
 }
 
+/// Copies what changed, as one who follows a cut does.
+void Follow(CutField& cut, SparseField& copy, std::size_t most) {
+  for (std::size_t block = 0; most > 0 && cut.TakeChanged(block); --most) {
+    const std::int32_t entry = cut.field().entry(block);
+    if (entry < 0) {
+      if (copy.entry(block) >= 0) copy.Release(block, entry);
+      continue;
+    }
+    const std::int32_t to = copy.entry(block) >= 0 ? copy.entry(block) : copy.Acquire(block);
+    std::copy_n(cut.field().values(entry), SparseField::kPoints, copy.values(to));
+  }
+}
+
+void ExpectSamePoints(const SparseField& one, const SparseField& other) {
+  const auto& blocks = one.lattice().blocks;
+  for (int k = 0; k < 8 * blocks[2]; ++k) {
+    for (int j = 0; j < 8 * blocks[1]; ++j) {
+      for (int i = 0; i < 8 * blocks[0]; ++i) ASSERT_EQ(one.At(i, j, k), other.At(i, j, k));
+    }
+  }
+}
+
+TEST(CutField, WhoTakesTheBlocksThatChangedAFewAtATimeHasAllInTheEnd) {
+  CutBlock block(50e-6, kTilted);
+  SparseField copy(block.cut.field().lattice(), block.cut.field().band(), SparseField::kBelow);
+  copy.Reserve(block.solid.solid_blocks());
+  Random random(5);
+  Vec3 at(0, 0, 0.4e-3);
+  for (int n = 0; n < 40; ++n) {
+    const Vec3 to = random.InCube(0.7e-3) - Vec3(0, 0, 0.3e-3);
+    block.Move(Bur::Ball(0.2e-3), at, to, 60e-6);
+    at = to;
+    Follow(block.cut, copy, 5);
+  }
+  Follow(block.cut, copy, SIZE_MAX);
+  ExpectSamePoints(block.cut.field(), copy);
+  std::size_t left = 0;
+  EXPECT_FALSE(block.cut.TakeChanged(left));
+}
+
+TEST(CutField, MadeWholeIsAsNew) {
+  CutBlock used(50e-6, kTilted), fresh(50e-6, kTilted);
+  const Bur bur = Bur::Cylinder(0.3e-3, 1e-3, 0.05e-3);
+  used.Move(bur, Vec3(-1e-3, 0, -0.2e-3), Vec3(0, 0.3e-3, -0.9e-3), 30e-6);
+  used.cut.MakeWhole();
+  std::size_t changed = 0;
+  EXPECT_FALSE(used.cut.TakeChanged(changed));
+  ExpectSamePoints(used.cut.field(), fresh.cut.field());
+  const Vec3 from(0, 0, 0.3e-3), to(0.2e-3, 0.1e-3, -0.4e-3);
+  EXPECT_EQ(used.Move(bur, from, to).volume, fresh.Move(bur, from, to).volume);
+  ExpectSamePoints(used.cut.field(), fresh.cut.field());
+}
+
 TEST(CutField, CountsEachMaterialForItself) {
   const auto layers = [](const Vec3& p) {
     return std::uint8_t((kTilted.conjugate() * p).z() > -0.1e-3 ? 1 : 3);

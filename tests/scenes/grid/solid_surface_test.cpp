@@ -205,7 +205,7 @@ TEST(SolidSurface, VerticesOfTwoBlocksAreTheSameBits) {
   std::size_t again = 0, triangles = 0;
   SolidSurface one;
   for (std::size_t b = 0; b < block.cut.field().lattice().block_count(); ++b) {
-    TakeSurface(block.cut, b, one);
+    TakeSurface(block.solid, block.cut.field(), b, one);
     triangles += one.triangles.size();
     for (std::size_t n = 0; n < one.vertices.size(); ++n) {
       const auto [place, fresh] = known.try_emplace(one.numbers[n], one.vertices[n]);

@@ -68,7 +68,7 @@ TEST(SurfaceCode, SaysWhatIsLeftOfEachBlockOfACut) {
   for (int k = 0, number = 0; k < lattice.blocks[2]; ++k) {
     for (int j = 0; j < lattice.blocks[1]; ++j) {
       for (int i = 0; i < lattice.blocks[0]; ++i, ++number) {
-        TakeSurface(block.cut, static_cast<std::size_t>(number), surface);
+        TakeSurface(block.solid, block.cut.field(), static_cast<std::size_t>(number), surface);
         with_triangles += !surface.triangles.empty();
         ExpectSame(surface, lattice.Point(8 * i, 8 * j, 8 * k), lattice.spacing);
       }
