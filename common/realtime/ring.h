@@ -27,6 +27,11 @@ class Ring {
     return true;
   }
 
+  /// True where a Push now might be dropped; false: it will not.  For who pushes.
+  bool full() const noexcept {
+    return end_.load(std::memory_order_relaxed) - begin_.load(std::memory_order_acquire) == N;
+  }
+
   /// Takes the oldest; false where there is none.
   bool Pop(T& value) noexcept {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);

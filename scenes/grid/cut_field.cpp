@@ -141,14 +141,8 @@ bool CutField::TakeChanged(std::size_t& block) noexcept {
 }
 
 void CutField::MakeWhole() noexcept {
-  for (std::size_t block = 0; block < touched_at_.size(); ++block) {
-    if (field_.entry(block) >= 0) {
-      field_.Release(block, SparseField::kBelow);
-    } else {
-      field_.Fill(block, SparseField::kBelow);
-    }
-    waits_[block] = false;
-  }
+  field_.Clear();
+  std::fill(waits_.begin(), waits_.end(), false);
   first_waiting_ = waiting_count_ = 0;
   gone_ = 0.0;
   bur_ = Bur::Ball(1.0);

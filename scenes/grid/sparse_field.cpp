@@ -73,4 +73,11 @@ void SparseField::Release(std::size_t block, std::int32_t all) noexcept {
   table_[block] = all;
 }
 
+void SparseField::Clear() noexcept {
+  for (std::size_t block = 0; block < table_.size(); ++block) {
+    if (table_[block] >= 0) free_.push_back(table_[block]);
+    table_[block] = all_;
+  }
+}
+
 }  // namespace palpate

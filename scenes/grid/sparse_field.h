@@ -81,6 +81,9 @@ class SparseField {
   /// Takes a block's storage back; it is `all` from now on.
   void Release(std::size_t block, std::int32_t all) noexcept;
 
+  /// Every block is again what it was at first.  Real-time: goes through the table once.
+  void Clear() noexcept;
+
   /// What the field takes, or one would take with storage for so many blocks [bytes].
   std::size_t bytes() const { return BytesOf(lattice_.block_count(), stored_); }
   static std::size_t BytesOf(std::size_t blocks, std::size_t stored) {

@@ -1,15 +1,26 @@
 #include "scenes/grid/surface_code.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
 namespace palpate {
 namespace {
 
-constexpr double kSteps = 256.0;  // of a spacing
-constexpr double kBefore = 4.0;   // spacings
+constexpr double kStep = 3.0 / 64.0, kBefore = 2.0;  // spacings
 constexpr std::size_t kNarrow = 256;
+
+/// Corners of the two triangles as those of a quad; false where they are not one: they have to
+/// share their first corner and an edge from it, and what lies behind them.
+bool Join(const SolidSurface& surface, std::size_t first, std::array<std::uint32_t, 4>& quad) {
+  if (first + 1 >= surface.triangles.size()) return false;
+  const auto &a = surface.triangles[first], &b = surface.triangles[first + 1];
+  if (a[0] != b[0] || surface.materials[first] != surface.materials[first + 1]) return false;
+  if (a[2] == b[1]) quad = {a[0], a[1], a[2], b[2]};
+  if (a[1] == b[2]) quad = {b[0], b[1], b[2], a[2]};
+  return a[2] == b[1] || a[1] == b[2];
+}
 
 void Put(std::size_t value, std::vector<std::uint8_t>& code) {
   code.push_back(static_cast<std::uint8_t>(value & 0xff));
@@ -20,30 +31,44 @@ void Put(std::size_t value, std::vector<std::uint8_t>& code) {
 
 void EncodeSurface(const SolidSurface& surface, const Vec3& begin, double spacing,
                    std::vector<std::uint8_t>& code) {
-  code.clear();
-  Put(surface.vertices.size(), code);
-  Put(surface.triangles.size(), code);
-  if (surface.triangles.empty()) return;
-  for (const Vec3& vertex : surface.vertices) {
-    const Vec3 at = (vertex - begin) / spacing;
-    for (int k = 0; k < 3; ++k) {
-      const double step = std::round((at[k] + kBefore) * kSteps);
-      Put(static_cast<std::size_t>(std::clamp(step, 0.0, 65535.0)), code);
+  std::vector<std::array<std::uint32_t, 4>> quads;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint8_t> materials, of_triangles;
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
+    std::array<std::uint32_t, 4> quad;
+    if (Join(surface, i, quad)) {
+      quads.push_back(quad);
+      materials.push_back(surface.materials[i++]);
+    } else {
+      triangles.push_back(surface.triangles[i]);
+      of_triangles.push_back(surface.materials[i]);
     }
   }
-  for (const auto& triangle : surface.triangles) {
-    for (const std::uint32_t index : triangle) {
-      if (surface.vertices.size() <= kNarrow) {
+  materials.insert(materials.end(), of_triangles.begin(), of_triangles.end());
+
+  const std::size_t vertices = materials.empty() ? 0 : surface.vertices.size();
+  code.clear();
+  for (const std::size_t count : {vertices, quads.size(), triangles.size()}) Put(count, code);
+  if (vertices == 0) return;
+  for (const Vec3& vertex : surface.vertices) {
+    const Vec3 steps = ((vertex - begin) / spacing + Vec3::Constant(kBefore)) / kStep;
+    for (int k = 0; k < 3; ++k) {
+      code.push_back(static_cast<std::uint8_t>(std::clamp(std::round(steps[k]), 0.0, 255.0)));
+    }
+  }
+  const auto put_corners = [&](const auto& face) {
+    for (const std::uint32_t index : face) {
+      if (vertices <= kNarrow) {
         code.push_back(static_cast<std::uint8_t>(index));
       } else {
         Put(index, code);
       }
     }
-  }
-  const bool same = std::ranges::all_of(surface.materials,
-                                        [&](std::uint8_t m) { return m == surface.materials[0]; });
-  code.insert(code.end(), surface.materials.begin(),
-              same ? surface.materials.begin() + 1 : surface.materials.end());
+  };
+  std::ranges::for_each(quads, put_corners);
+  std::ranges::for_each(triangles, put_corners);
+  const bool same = std::ranges::count(materials, materials[0]) == std::ssize(materials);
+  code.insert(code.end(), materials.begin(), same ? materials.begin() + 1 : materials.end());
 }
 
 }  // namespace palpate

@@ -8,17 +8,17 @@
 
 namespace palpate {
 
-/// A block's surface as it travels to viewers.  Little endian:
+/// A block's surface as it travels to viewers, in some 500 bytes.  Little endian:
 ///
-///     u16 vertices V (at most 5,916), u16 triangles T (at most 6,144),
-///     V times 3 u16: (p - block's beginning) / h * 256 + 1024: from 4 h before it, in h / 256,
-///     T times 3 indices, u8 where V <= 256, else u16: counter-clockwise seen from where it is
-///     free, materials, u8: one where all are the same, else T: as the solid's grid numbers them.
+///     u16 vertices V (at most 5,916), u16 quads Q, u16 triangles T (2 Q + T at most 6,144),
+///     V times 3 u8: a vertex lies at begin + h (3/64 u - 2) on each axis,
+///     Q times 4 indices, whose triangles are 0 1 2 and 0 2 3; T times 3 indices:
+///         u8 where V <= 256, else u16; counter-clockwise seen from where it is free,
+///     materials, u8, as the solid's grid numbers them: one where all are the same, else Q + T.
 ///
-/// Nothing but the two counts where there are no triangles.
-
-/// @param begin  of the block in the solid's frame [m].  Replaces what `code` holds, and uses its
-///               storage again.
+/// Nothing but the three counts where there is no surface.  The steps of 3/64 h are 2.3 um where h
+/// is 50 um.
+/// @param begin  of the block in the solid's frame [m].   @param code  replaced.
 void EncodeSurface(const SolidSurface& surface, const Vec3& begin, double spacing,
                    std::vector<std::uint8_t>& code);
 

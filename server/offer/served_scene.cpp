@@ -1,7 +1,9 @@
 #include "server/offer/served_scene.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "common/error.h"
 #include "scenes/catalogue.h"
@@ -31,11 +33,14 @@ void AddGeneratedHand(const Scene& scene, const Body& body, std::uint64_t seed,
 
 ServedScene ServeScene(const Scene& scene, const std::string& name_or_path,
                        std::uint64_t hand_seed) {
-  for (const Body& body : scene.objects) {
-    if (!body.grid) continue;
-    throw Error(name_or_path + ": \"" + body.name +
-                "\" can be cut, and viewers cannot show yet what of it is gone; feel it with "
-                "palpate-bench cut or the library, or drop its grid_um");
+  const auto burs =
+      std::ranges::count_if(scene.tools, [](const Body& t) { return t.bur.has_value(); });
+  const bool has_solid =
+      std::ranges::any_of(scene.objects, [](const Body& o) { return o.grid.has_value(); });
+  if (has_solid && burs > 1) {
+    throw Error(name_or_path + ": has " + std::to_string(burs) +
+                " burs for one solid, and a server lets one cut; leave one of these tools in the "
+                "scene, or serve a scene for each");
   }
   ServedScene served;
   served.name = scene.name;

@@ -17,7 +17,7 @@ static_assert(StepTuning{} == StepTuning{limits::mesh::kSeparation, limits::kMax
 namespace {
 
 CutSolid SolidOf(const Body& body) {
-  CutSolid solid{MakeSolidGrid(body), body.X_WB, {}};
+  CutSolid solid{MakeSolidGrid(body), body.X_WB, {}, 0};
   for (std::size_t m = 0; m < std::min(body.materials.size(), solid.materials.size()); ++m) {
     solid.materials[m] = {body.materials[m].cutting_pressure, body.materials[m].cutting_viscosity};
   }
@@ -43,7 +43,10 @@ std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
     }
     placed.push_back({&object.tree, object.X_WB, &object.mesh, object.leaf_material,
                       object.materials, object.grid.has_value()});
-    if (object.grid) solids.push_back(SolidOf(object));
+    if (object.grid) {
+      solids.push_back(SolidOf(object));
+      solids.back().object = static_cast<std::uint32_t>(placed.size() - 1);
+    }
   }
   return HapticModel::MakeObjects(placed, scene.features.contact, std::move(solids));
 }

@@ -11,24 +11,39 @@
 namespace palpate {
 namespace {
 
-/// Whether a bur is in a solid that is whole.
-bool IsInSolid(const HapticModel& model, const ToolPose& at) {
-  return std::ranges::any_of(model.solids(), [&](const CutSolid& solid) {
+/// What is gone of the objects.
+struct Gone {
+  const LeafWear& wear;
+  std::span<const CutField> cuts;
+};
+
+/// A cut's surface lies within the true one by what a chord of the bur does (CutField): so much, of
+/// a spacing, a bur that stands in its own cut is in the solid.
+constexpr double kOwnCut = 1.0 / 16.0;
+
+/// Whether a bur is in what is left of a solid.
+bool IsInSolid(const HapticModel& model, const ToolPose& at, std::span<const CutField> cuts) {
+  for (std::size_t i = 0; i < model.solids().size(); ++i) {
+    const CutSolid& solid = model.solids()[i];
     const Pose X_BW = solid.X_WB.Inverse();
-    return std::ranges::any_of(model.bur_samples(), [&](const BurSample& sample) {
-      return solid.grid->Sample(X_BW * (at.p + at.R * sample.point)).distance < 0.0;
-    });
-  });
+    const double least = -kOwnCut * solid.grid->field().lattice().spacing;
+    const auto is_in = [&](const BurSample& sample) {
+      const Vec3 p_B = X_BW * (at.p + at.R * sample.point);
+      return (cuts.empty() ? solid.grid->Sample(p_B) : cuts[i].Sample(p_B)).distance < least;
+    };
+    if (std::ranges::any_of(model.bur_samples(), is_in)) return true;
+  }
+  return false;
 }
 
-bool IsFree(const HapticModel& model, const Pose& X_WT, const LeafWear& wear,
+bool IsFree(const HapticModel& model, const Pose& X_WT, const Gone& gone,
             StepWorkspace& workspace) {
   StepBuffers& buffers = workspace.buffers();
   const ToolPose at(X_WT * model.reference(), X_WT.q);
-  if (buffers.prediction.Overlaps(model, ActiveKernels(), at.R, at.p, wear, buffers.rows)) {
+  if (buffers.prediction.Overlaps(model, ActiveKernels(), at.R, at.p, gone.wear, buffers.rows)) {
     return false;
   }
-  if (IsInSolid(model, at)) return false;
+  if (IsInSolid(model, at, gone.cuts)) return false;
   if (!buffers.meshes) return true;
   // A tool whose mesh meets no other lies inside an object as a whole or not at all.
   return IsFree(buffers.meshes->meshes, at) &&
@@ -46,12 +61,12 @@ double StrideOf(const HapticModel& model) {
 
 /// Shortest way out along `direction`, to within a sub-step's length: walks outward until free.
 double WayOut(const HapticModel& model, const Pose& X_WH, const Vec3& direction, double longest,
-              const LeafWear& wear, StepWorkspace& workspace) {
+              const Gone& gone, StepWorkspace& workspace) {
   const double stride = StrideOf(model);
   for (double s = stride; s < longest; s += stride) {
     Pose X = X_WH;
     X.p += s * direction;
-    if (IsFree(model, X, wear, workspace)) return s;
+    if (IsFree(model, X, gone, workspace)) return s;
   }
   return longest;
 }
@@ -59,11 +74,12 @@ double WayOut(const HapticModel& model, const Pose& X_WH, const Vec3& direction,
 }  // namespace
 
 StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,
-                       const LeafWear* wear) {
+                       const LeafWear* wear, std::span<const CutField> cuts) {
   StepState state;
   if (wear != nullptr) state.wear = *wear;
+  const Gone gone{state.wear, cuts};
   Pose X_start{X_WH.p, X_WH.q.normalized()};
-  if (IsFree(model, X_start, state.wear, workspace)) return {X_start, 0.0};
+  if (IsFree(model, X_start, gone, workspace)) return {X_start, 0.0};
 
   // Out along the 26 directions of a cube's faces, edges and corners, whichever is shortest; every
   // object ends within `shortest`, so there is always a way.
@@ -90,7 +106,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   for (int i = 0; i < 27; ++i) {
     const Vec3 d(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
     if (d.squaredNorm() == 0.0) continue;
-    const double out = WayOut(model, X_start, d.normalized(), shortest, state.wear, workspace);
+    const double out = WayOut(model, X_start, d.normalized(), shortest, gone, workspace);
     if (out < shortest) {
       shortest = out;
       way = d.normalized();
@@ -104,7 +120,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
       const double middle = 0.5 * (near + shortest);
       Pose X = X_start;
       X.p += middle * way;
-      (IsFree(model, X, state.wear, workspace) ? shortest : near) = middle;
+      (IsFree(model, X, gone, workspace) ? shortest : near) = middle;
     }
   }
   state.friction.suspended = true;

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <span>
+
 #include "common/math/pose.h"
+#include "scenes/grid/cut_field.h"
 #include "server/physics/haptic_step.h"
 #include "server/physics/tree/leaf_wear.h"
 
@@ -15,8 +18,8 @@ struct StartPose {
 };
 
 /// Resolves a start in penetration.  Not real-time (milliseconds): called before forces begin.
-/// `wear`: what has gone; null: nothing has.
+/// `wear`, `cuts`: what has gone, as in a StepState; null and empty: nothing has.
 StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,
-                       const LeafWear* wear = nullptr);
+                       const LeafWear* wear = nullptr, std::span<const CutField> cuts = {});
 
 }  // namespace palpate

@@ -7,8 +7,12 @@
 
 namespace palpate {
 
-SceneChanges::SceneChanges(std::string scene, const SceneRemains& whole, std::uint64_t server_run)
-    : scene_(std::move(scene)), whole_(whole), remains_(whole), server_run_(server_run) {}
+SceneChanges::SceneChanges(std::string scene, std::shared_ptr<const SceneRemains> whole,
+                           std::span<const CutSolid> solids, std::uint64_t server_run)
+    : scene_(std::move(scene)), whole_(std::move(whole)), server_run_(server_run) {
+  if (whole_) remains_ = *whole_;
+  if (!solids.empty()) solids_.emplace(solids);
+}
 
 std::vector<wire::SceneChange> SceneChanges::Remove(const Session& session,
                                                     const Removal& removal) {
@@ -16,10 +20,10 @@ std::vector<wire::SceneChange> SceneChanges::Remove(const Session& session,
   const int object = objects.ObjectOf(removal.leaf);
   const auto leaf = static_cast<std::uint32_t>(removal.leaf - objects.FirstLeafOf(object));
   std::vector<wire::SceneChange> changes;
-  if (remains_.leaf_gone(static_cast<std::uint32_t>(object), leaf)) return changes;
+  if (remains_->leaf_gone(static_cast<std::uint32_t>(object), leaf)) return changes;
   gone_.push_back(removal.leaf);
   const std::vector<std::uint32_t> triangles =
-      remains_.Remove(static_cast<std::uint32_t>(object), leaf);
+      remains_->Remove(static_cast<std::uint32_t>(object), leaf);
   std::size_t told = 0;
   do {
     wire::SceneChange change{};
@@ -41,8 +45,19 @@ std::vector<wire::SceneChange> SceneChanges::Remove(const Session& session,
   return changes;
 }
 
+std::vector<SolidBlockNews> SceneChanges::TakeCuts(std::int64_t now_ns) {
+  std::vector<SolidBlockNews> news;
+  if (solids_) solids_->AddNews(now_ns, count_, news);
+  for (SolidBlockNews& one : news) {
+    wire::FromText(scene_, one.sample.scene);
+    one.sample.server_run = server_run_;
+  }
+  return news;
+}
+
 void SceneChanges::MakeWhole() {
-  remains_ = whole_;
+  if (whole_) remains_ = *whole_;
+  if (solids_) solids_->MakeWhole();
   gone_.clear();
   undone_ = count_;
 }

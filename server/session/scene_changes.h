@@ -1,29 +1,40 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "common/dds/wire.h"
 #include "scenes/scene_remains.h"
 #include "server/session/session.h"
+#include "server/session/solid_changes.h"
 
 namespace palpate {
 
-/// What tools have scraped off one scene since the server began, or since it was made whole: the
-/// order that all sessions and viewers follow.  A leaf goes once, whoever was first; a session that
-/// begins later begins with what is left.
+/// What tools have scraped or cut off one scene since the server began, or since it was made whole:
+/// the order that all sessions and viewers follow.  A leaf goes once, whoever was first; a session
+/// that begins later begins with what is left.
 ///
 /// Thread contract: service thread.
 class SceneChanges {
  public:
-  /// @param whole  the scene as it is loaded.
-  SceneChanges(std::string scene, const SceneRemains& whole, std::uint64_t server_run);
+  /// @param whole   the scene as it is loaded; null: nothing wears there.
+  /// @param solids  that burs cut; outlive this.
+  SceneChanges(std::string scene, std::shared_ptr<const SceneRemains> whole,
+               std::span<const CutSolid> solids, std::uint64_t server_run);
 
   /// Records that a leaf has gone.  Returns what to publish: one change, or several where its
   /// triangles are many; none where the leaf had gone before.
   std::vector<wire::SceneChange> Remove(const Session& session, const Removal& removal);
-  /// All leaves are there again.  Changes are numbered on.
+  /// What burs cut; null where nothing can be.
+  SolidChanges* solids() { return solids_ ? &*solids_ : nullptr; }
+  /// What is to be published of it now.
+  std::vector<SolidBlockNews> TakeCuts(std::int64_t now_ns);
+  bool is_whole() const { return gone_.empty() && (!solids_ || solids_->is_whole()); }
+  /// All is there again.  Changes are numbered on.
   void MakeWhole();
   /// Number of the last change that is undone.
   std::uint64_t undone() const { return undone_; }
@@ -32,8 +43,9 @@ class SceneChanges {
 
  private:
   std::string scene_;
-  const SceneRemains whole_;
-  SceneRemains remains_;
+  std::shared_ptr<const SceneRemains> whole_;
+  std::optional<SceneRemains> remains_;
+  std::optional<SolidChanges> solids_;
   std::uint64_t server_run_;
   std::uint64_t count_ = 0;
   std::uint64_t undone_ = 0;

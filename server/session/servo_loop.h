@@ -4,13 +4,17 @@
 #include <atomic>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <tuple>
+#include <vector>
 
 #include "common/dds/wire.h"
 #include "common/realtime/append_log.h"
 #include "common/realtime/histogram.h"
 #include "common/realtime/latest_mailbox.h"
+#include "common/realtime/ring.h"
 #include "server/physics/haptic_step.h"
+#include "server/session/cut_block.h"
 
 namespace palpate {
 
@@ -62,7 +66,9 @@ struct Removal {
 /// What goes from a loop's scene between two times that it is whole.  In that time each leaf goes
 /// at most once, so logs of as many as there are can never be full.
 struct WearPeriod {
-  explicit WearPeriod(std::size_t leaves) : removed_by_others(leaves), removals(leaves + 1) {}
+  WearPeriod(std::uint32_t n, std::size_t leaves)
+      : number(n), removed_by_others(leaves), removals(leaves + 1) {}
+  const std::uint32_t number;                 ///< how often the loop had been told to be whole
   AppendLog<std::int32_t> removed_by_others;  ///< service thread -> loop
   AppendLog<Removal> removals;                ///< loop -> service thread
 };
@@ -111,6 +117,13 @@ class ServoLoop {
   /// Drops the first period, which is over.
   void ForgetPeriod() { periods_.pop_front(); }
   bool in_last_period() const { return periods_.size() == 1; }
+  /// The next block that the loop's bur changed since the last MakeWhole.  A block comes again as
+  /// long as it changes, and some milliseconds late: what comes last is how it stands.
+  bool TakeCut(CutBlock& block);
+  /// Before the first pose, or once no more can come: what burs took away of each solid.
+  std::vector<CutField>& cuts() { return state_.cuts; }
+  /// Once no pose can come: the loop has done what the last MakeWhole said.
+  bool is_in_newest_period() const { return period_ == newest_.load(std::memory_order_relaxed); }
   /// The latest step, where one was made since the last call.
   bool ReadSnapshot(LoopSnapshot& snapshot) { return snapshots_.Read(snapshot); }
   /// Poses heard that were not mere repeats: stands still where the station is silent.
@@ -126,6 +139,7 @@ class ServoLoop {
   void TakeWhole(std::uint64_t pose_sequence) noexcept;
   void TakeRemovals(std::uint64_t pose_sequence) noexcept;
   void Step(wire::Wrench& answer) noexcept;
+  void TellCuts() noexcept;
   void Hold(std::uint32_t fault, wire::Wrench& answer) noexcept;
   void Report(wire::Wrench& answer, std::int64_t taken_ns) noexcept;
 
@@ -158,6 +172,7 @@ class ServoLoop {
   LatestMailbox<Pose> start_;
   LatestMailbox<LoopSnapshot> snapshots_;
   LatestMailbox<LoopCounters> reports_;
+  std::unique_ptr<Ring<CutBlock, 256>> cut_blocks_;  // null where there is nothing to cut
   const LeafWear whole_;
   std::deque<WearPeriod> periods_;  // the service thread's; an element stays where it is
   std::atomic<WearPeriod*> newest_;

@@ -76,7 +76,7 @@ bool Session::TryStart(std::int64_t now_ns) {
   tried_ns_ = now_ns;
   X_WH_tried_ = snapshot_.X_WH;
   const StartPose start =
-      ResolveStart(tool_->model, snapshot_.X_WH, *start_workspace_, &start_wear_);
+      ResolveStart(tool_->model, snapshot_.X_WH, *start_workspace_, &start_wear_, start_cuts_);
   if (!(start.depth <= kMaxStartDepth_m)) {
     phase_ = palpate_SESSION_ACQUIRING;
     const bool news = reason_.empty() || std::abs(start.depth - start_depth_) > kNews_m;
@@ -88,6 +88,7 @@ bool Session::TryStart(std::int64_t now_ns) {
   loop_.Start(X_WG_start_);
   start_workspace_.reset();
   start_wear_ = {};
+  start_cuts_ = {};
   start_depth_ = start.depth;
   phase_ = palpate_SESSION_ACTIVE;
   reason_.clear();
@@ -111,6 +112,12 @@ void Session::Remove(std::int32_t leaf) {
   loop_.Remove(leaf);
 }
 
+void Session::Begin(const std::vector<CutField>& cuts) {
+  if (cuts.empty()) return;
+  loop_.cuts() = cuts;
+  start_cuts_ = cuts;
+}
+
 void Session::Leave() {
   left_ = true;
   End("the station left");
@@ -119,6 +126,7 @@ void Session::Leave() {
 void Session::MakeWhole() {
   if (whole_wanted_ && loop_.is_whole()) return;  // asked again before the loop could begin anew
   start_wear_ = StepState(tool_->model).wear;
+  start_cuts_ = {};
   whole_wanted_ = true;
   loop_.MakeWhole();
 }

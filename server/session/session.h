@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "common/dds/leave_seal.h"
 #include "common/dds/wire.h"
@@ -65,7 +67,10 @@ class Session {
   std::uint64_t CountTaken() { return ++taken_; }
   /// Takes a leaf away that another has scraped off.  Each leaf once.
   void Remove(std::int32_t leaf);
-  /// All leaves are there again.  The tool may be among them: forces are off until it is found to
+  /// Before its first pose, with what burs have taken of the solids; empty: they are whole.
+  /// Outlives the session's beginning.
+  void Begin(const std::vector<CutField>& cuts);
+  /// All is there again.  The tool may be among them: forces are off until it is found to
   /// be free, as at the session's beginning.
   void MakeWhole();
 
@@ -101,6 +106,7 @@ class Session {
   ServoLoop loop_;
   std::optional<StepWorkspace> start_workspace_;  // only until the session is active
   LeafWear start_wear_;                           // also
+  std::span<const CutField> start_cuts_;          // also
   wire::SessionPhase phase_ = palpate_SESSION_WAITING;
   std::string reason_;
   double start_depth_ = 0.0;

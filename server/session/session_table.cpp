@@ -50,8 +50,9 @@ SessionTable::SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools,
                            std::uint64_t server_run, bool admit_by_hand)
     : tools_(std::move(tools)), server_run_(server_run), admit_by_hand_(admit_by_hand) {
   for (const auto& tool : tools_) {
-    if (tool->whole) {
-      scenes_.try_emplace(tool->scene, tool->scene, *tool->whole, server_run_);
+    const auto solids = tool->model.solids();
+    if (tool->whole || !solids.empty()) {
+      scenes_.try_emplace(tool->scene, tool->scene, tool->whole, solids, server_run_);
     }
   }
 }
@@ -184,6 +185,7 @@ void SessionTable::Update(std::int64_t now_ns) {
     if (session.ended() && session.has_heard()) {
       cut_off_[session.tool().scene] = session.left() ? "" : session.station();
     }
+    if (session.ended() && !session.tool().model.solids().empty()) ending_.push_back(it->second);
     it = session.ended() ? sessions_.erase(it) : std::next(it);
   }
   ForgetHeld(now_ns);
@@ -243,6 +245,9 @@ void SessionTable::ForgetHeld(std::int64_t now_ns) {
 void SessionTable::PassOnRemovals(Session& from) {
   const auto scene = scenes_.find(from.tool().scene);
   if (scene == scenes_.end()) return;
+  if (SolidChanges* const solids = scene->second.solids()) {
+    for (CutBlock block; from.loop().TakeCut(block);) solids->Take(block);
+  }
   while (const std::optional<Removal> removal = from.TakeRemoval()) {
     if (!removal->own) {
       leaves_taken_.push_back(LeafTakenBy(from, *removal));
@@ -260,6 +265,22 @@ void SessionTable::PassOnRemovals(Session& from) {
   }
 }
 
+void SessionTable::Begin(Session& session) {
+  const auto scene = scenes_.find(session.tool().scene);
+  if (scene == scenes_.end() || !scene->second.solids()) return;
+  session.Begin(scene->second.solids()->kept());
+}
+
+void SessionTable::RetireEnded() {
+  for (const auto& session : std::exchange(ending_, {})) {
+    // One that has not heard that the scene is whole leaves nothing.
+    if (!session->loop().is_in_newest_period()) continue;
+    SolidChanges& solids = *scenes_.find(session->tool().scene)->second.solids();
+    for (CutBlock block; session->loop().TakeCut(block);) solids.Take(block);
+    solids.Keep(std::move(session->loop().cuts()));
+  }
+}
+
 void SessionTable::Request(const wire::WholeRequest& request) {
   const auto served =
       std::ranges::find_if(tools_, [&](const auto& tool) { return tool->scene == request.scene; });
@@ -272,12 +293,17 @@ void SessionTable::Request(const wire::WholeRequest& request) {
     return MakeWhole(scene->second, answer);
   }
   answer.server_run = server_run_;
-  wire::FromText("nothing wears there: no material of the scene has a hardness_J", answer.refusal);
+  wire::FromText(
+      "nothing goes there: no material of the scene has a hardness_J, and no tool cuts an object",
+      answer.refusal);
   wholes_.push_back(answer);
 }
 
 void SessionTable::MakeWhole(SceneChanges& scene, wire::SceneWhole answer) {
   for (const auto& [station, session] : sessions_) {
+    if (session->tool().scene == answer.scene) session->MakeWhole();
+  }
+  for (const auto& session : ending_) {
     if (session->tool().scene == answer.scene) session->MakeWhole();
   }
   scene.MakeWhole();
@@ -302,6 +328,14 @@ std::vector<wire::SessionState> SessionTable::TakeChanges() {
 
 std::vector<wire::SceneChange> SessionTable::TakeSceneChanges() {
   return std::exchange(scene_changes_, {});
+}
+
+std::vector<SolidBlockNews> SessionTable::TakeCuts(std::int64_t now_ns) {
+  std::vector<SolidBlockNews> news;
+  for (auto& [name, scene] : scenes_) {
+    for (SolidBlockNews& one : scene.TakeCuts(now_ns)) news.push_back(std::move(one));
+  }
+  return news;
 }
 
 std::vector<wire::LeafTaken> SessionTable::TakeLeavesTaken() {
@@ -365,7 +399,7 @@ void SessionTable::Admit(const wire::SessionRequest& request, std::int64_t now_n
     const bool alone = std::ranges::none_of(
         sessions_, [&](const auto& entry) { return entry.second->tool().scene == scene->first; });
     const bool resumes = cut_off_[scene->first] == session->station();
-    if (session->tool().whole_at_start && alone && !resumes && !scene->second.gone().empty()) {
+    if (session->tool().whole_at_start && alone && !resumes && !scene->second.is_whole()) {
       wire::SceneWhole whole{};
       wire::FromText(scene->first, whole.scene);
       wire::FromText(session->station(), whole.by);

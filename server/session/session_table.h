@@ -55,6 +55,10 @@ class SessionTable {
   void Request(const wire::WholeRequest& request);
   /// Looks after all sessions; ended ones leave the table.
   void Update(std::int64_t now_ns);
+  /// No more poses come to sessions that have ended: what their burs have cut is their scenes'.
+  void RetireEnded();
+  /// After that, and before a session's first pose: what is left of its scene's solids is its own.
+  void Begin(Session& session);
   /// Ends every session: the server stops.
   void EndAll(const std::string& reason);
 
@@ -64,7 +68,9 @@ class SessionTable {
   std::vector<wire::SessionState> TakeChanges();
   /// What tools have scraped off since the last call, in the order that holds for each scene.
   std::vector<wire::SceneChange> TakeSceneChanges();
-  /// Of those, what has reached the loops of other sessions since the last call.
+  /// What burs have left, block by block, as far as viewers are to be told of it now.
+  std::vector<SolidBlockNews> TakeCuts(std::int64_t now_ns);
+  /// Of what was scraped off, what has reached the loops of other sessions since the last call.
   std::vector<wire::LeafTaken> TakeLeavesTaken();
   /// Scenes that were made whole since the last call, and refusals to do so.
   std::vector<wire::SceneWhole> TakeWholes();
@@ -119,7 +125,9 @@ class SessionTable {
   std::uint64_t untold_ = 0;
   std::vector<wire::SessionState> changes_;
   std::map<std::string, std::string> cut_off_;  // by scene: whose session did not end by its wish
-  std::map<std::string, SceneChanges> scenes_;  // by name; those that declare removal
+  std::map<std::string, SceneChanges> scenes_;  // by name; those that wear or are cut
+  // Ended, and their poses may still be answered; of scenes with solids.
+  std::vector<std::shared_ptr<Session>> ending_;
   std::vector<wire::SceneChange> scene_changes_;
   std::vector<wire::LeafTaken> leaves_taken_;
   std::vector<wire::SceneWhole> wholes_;

@@ -126,6 +126,7 @@ Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
       requests_(service_domain_, dds::kSessionRequestTopic, dds::Qos::kRecordSession),
       states_(service_domain_, dds::kSessionStateTopic, dds::Qos::kSession),
       scene_changes_(service_domain_, dds::kSceneChangeTopic, dds::Qos::kSession),
+      solid_blocks_(service_domain_, dds::kSolidBlockTopic, dds::Qos::kSession),
       leaves_taken_(service_domain_, dds::kLeafTakenTopic, dds::Qos::kSession),
       whole_requests_(service_domain_, dds::kWholeRequestTopic, dds::Qos::kRecordSession),
       operate_requests_(service_domain_, dds::kOperateRequestTopic, dds::Qos::kRecordSession),
@@ -251,12 +252,16 @@ void Server::UpdateLinks(std::int64_t now_ns) {
     }
     entry = over ? stations_.erase(entry) : std::next(entry);
   }
+  table_.RetireEnded();
   const auto arms = std::ranges::count_if(
       table_.sessions(), [](const auto& entry) { return !entry.second->below_arms(); });
   for (const auto& [name, session] : table_.sessions()) {
     try {
       Station& station = stations_[name];
-      if (!station.link) station.link = std::make_unique<StationLink>(loop_domain_, session);
+      if (!station.link) {
+        table_.Begin(*session);
+        station.link = std::make_unique<StationLink>(loop_domain_, session);
+      }
       station.link->Update(now_ns, arms <= 1);
     } catch (const Error& error) {
       // DDS is out of something; the other stations go on.
@@ -281,6 +286,10 @@ void Server::PublishChanges(std::int64_t now_ns) {
     if (events_.session) events_.session(state);
   }
   for (const wire::SceneChange& change : table_.TakeSceneChanges()) scene_changes_.Write(change);
+  for (SolidBlockNews& news : table_.TakeCuts(now_ns)) {
+    PointTo(news.surface, news.sample.surface);
+    solid_blocks_.Write(news.sample);
+  }
   for (const wire::LeafTaken& taken : table_.TakeLeavesTaken()) leaves_taken_.Write(taken);
   for (const wire::SceneWhole& whole : table_.TakeWholes()) {
     LogWish(now_ns, fmt::format("scene {}: {}{}, asked by {}", whole.scene,

@@ -88,6 +88,7 @@ class Server {
   dds::Reader<wire::SessionRequest> requests_;
   dds::Writer<wire::SessionState> states_;
   dds::Writer<wire::SceneChange> scene_changes_;
+  dds::Writer<wire::SolidBlock> solid_blocks_;
   dds::Writer<wire::LeafTaken> leaves_taken_;
   dds::Reader<wire::WholeRequest> whole_requests_;
   dds::Reader<wire::OperateRequest> operate_requests_;

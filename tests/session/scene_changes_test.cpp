@@ -202,7 +202,7 @@ TEST_F(SceneChangesTest, ReplayFromPosesAndTheRecordToTheSameBits) {
 
 TEST_F(SceneChangesTest, TellManyTrianglesInSeveralChanges) {
   Admit("a", "left");
-  SceneChanges changes("crust", *tools_[0]->whole, kServerRun);
+  SceneChanges changes("crust", tools_[0]->whole, {}, kServerRun);
   const Session& session = *table_.sessions().at("a");
   const auto told = changes.Remove(session, {0, true, 7});
   ASSERT_EQ(told.size(), 3u);  // 301 triangles, 128 in each

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 
 #include "common/math/pose.h"
@@ -20,6 +21,7 @@ struct CutSolid {
   std::shared_ptr<const SolidGrid> grid;
   Pose X_WB;
   std::array<CutMaterial, SolidGrid::kMaterials> materials;  ///< by their number in the grid
+  std::uint32_t object = 0;                                  ///< its place among the scene's
 };
 
 /// A bur in a tool.  What the tool's tree and mesh meet is rigid beside it; solids are felt by the

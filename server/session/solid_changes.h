@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/dds/wire.h"
+#include "common/realtime/token_bucket.h"
+#include "scenes/grid/solid_surface.h"
+#include "server/physics/cut/cutting.h"
+#include "server/session/cut_block.h"
+
+namespace palpate {
+
+/// A block as it is to be published.  `sample.surface` is empty: what it holds is in `surface`.
+struct SolidBlockNews {
+  wire::SolidBlock sample{};
+  std::vector<std::uint8_t> surface;
+};
+
+/// What burs left of a scene's solids: what viewers are shown, block by block, and what the next
+/// session begins with.
+///
+/// A loop tells blocks as its bur changes them; the surface of each, and of the 26 round it, is
+/// made here and told where it is another than it was.  Blocks wait in line, so that a bur that is
+/// too quick for the bytes that a viewer may cost is seen later and not less.
+///
+/// Thread contract: service thread.
+class SolidChanges {
+ public:
+  /// What a viewer may cost, 1 Mbit/s, and what one poll may: surfaces take some 50 us each.
+  static constexpr double kBytesPerSecond = 125e3, kBytesAtOnce = 25e3;
+  static constexpr int kMostAtOnce = 24;
+
+  /// The solids outlive this.
+  explicit SolidChanges(std::span<const CutSolid> solids);
+
+  void Take(const CutBlock& block);
+  /// A loop that no pose comes to any more leaves its cuts here.
+  void Keep(std::vector<CutField> cuts);
+  /// What the last loop left; empty: all is there.
+  const std::vector<CutField>& kept() const { return kept_; }
+  bool is_whole() const { return whole_; }
+  void MakeWhole();
+
+  /// Adds what is to be published now; scene and server are left to the caller.
+  /// @param count  of the scene's changes: each gets the next number.
+  void AddNews(std::int64_t now_ns, std::uint64_t& count, std::vector<SolidBlockNews>& news);
+
+ private:
+  struct Solid {
+    explicit Solid(const CutSolid& s);
+    const CutSolid* solid;
+    SparseField field;  ///< phi_c, as loops have told it
+    std::vector<bool> waits;
+    std::map<std::uint32_t, std::uint64_t> told;  ///< of a block: hash of what was published
+  };
+  struct Place {
+    std::size_t solid;
+    std::uint32_t block;
+  };
+
+  void WaitRound(std::size_t solid, std::uint32_t block);
+  bool Tell(const Place& place, SolidBlockNews& news);
+
+  std::vector<Solid> solids_;
+  std::deque<Place> waiting_;
+  TokenBucket bytes_{kBytesPerSecond, kBytesAtOnce};
+  std::vector<CutField> kept_;
+  SolidSurface surface_;
+  bool whole_ = true;
+};
+
+}  // namespace palpate

@@ -1,0 +1,254 @@
+#include "server/session/solid_changes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/grid/surface_code.h"
+#include "scenes/shapes/shapes.h"
+#include "server/physics/scene_model.h"
+#include "server/session/session_table.h"
+#include "tests/session/ball_tool.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/test_scenes.h"
+
+namespace palpate::test {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::uint64_t kServerRun = 99;
+constexpr double kRadius = 0.7e-3;
+/// How deep strokes go, with the ball's middle below the face.
+constexpr double kDepth = 0.2e-3;
+
+/// A block whose upper face is z = 0, and a ball bur on a pin that nothing but the block meets.
+Scene Block() {
+  Scene scene;
+  scene.name = "block";
+  TriangleMesh mesh = MakeBox(Vec3(8e-3, 4e-3, 2e-3));
+  for (Vec3& v : mesh.vertices) v.z() -= 1e-3;
+  Body block = MakeBody("block", mesh, 16);
+  block.grid = BodyGrid{.spacing = 50e-6, .regions = {}};
+  block.materials = {Material{.cutting_pressure = 0.1e6, .cutting_viscosity = 0.01e9}};
+  scene.objects = {block};
+  Body bur;
+  bur.name = "bur";
+  const Ball ball{Vec3(0, kRadius, 0), 0.5 * kRadius};
+  bur.tree = MakeTree({&ball, 1});
+  bur.bur = BurProfile{{{0.0, 0.0}}, kRadius};
+  scene.tools = {bur};
+  return scene;
+}
+
+wire::SessionRequest RequestOf(const std::string& station, bool leave = false) {
+  wire::SessionRequest request{};
+  wire::FromText(station, request.station);
+  request.run = 1;
+  wire::FromText("block", request.scene);
+  request.leave = leave;
+  return request;
+}
+
+class SolidChangesTest : public testing::Test {
+ protected:
+  void Begin(const std::string& station) {
+    station_ = station;
+    table_.Request(RequestOf(station), now_);
+    table_.RetireEnded();
+    table_.Begin(*table_.sessions().at(station));
+  }
+  void Leave() {
+    table_.Request(RequestOf(station_, true), now_);
+    table_.Update(now_);
+  }
+  /// The ball's middle, from where it was, in so many milliseconds; what viewers are told
+  /// meanwhile.
+  void Move(const Vec3& to, int milliseconds) {
+    const Vec3 from = at_;
+    for (int ms = 1; ms <= milliseconds; ++ms) {
+      at_ = from + ms * (to - from) / milliseconds;
+      table_.sessions().at(station_)->loop().OnPose(hand_.At(at_ - Vec3(0, kRadius, 0)), answer_);
+      now_ += kMs;
+      if (ms % 5 == 0) Poll();
+    }
+  }
+  void Stroke() {
+    Move({-2e-3, 0, 1e-3}, 200);  // forces ramp in
+    Move({-2e-3, 0, -kDepth}, 600);
+    Move({1e-3, 0, -kDepth}, 1500);
+  }
+  void Poll() {
+    table_.Update(now_);
+    for (SolidBlockNews& news : table_.TakeCuts(now_)) {
+      EXPECT_GT(news.sample.change, change_);
+      EXPECT_STREQ(news.sample.scene, "block");
+      EXPECT_EQ(news.sample.server_run, kServerRun);
+      change_ = news.sample.change;
+      bytes_ += 100.0 + static_cast<double>(news.surface.size());
+      ++told_;
+      shown_[news.sample.block] = std::move(news);
+    }
+  }
+  /// Until nothing is left to be told.
+  void Settle() {
+    for (std::size_t before = told_ - 1; before != told_;) {
+      before = told_;
+      Move(at_, 200);
+    }
+  }
+  ServoLoop& loop() { return table_.sessions().at(station_)->loop(); }
+  const SolidGrid& grid() const { return *tools_[0]->model.solids()[0].grid; }
+
+  std::vector<std::uint8_t> SurfaceOf(const SparseField& cut, std::size_t block) const {
+    const Lattice& lattice = cut.lattice();
+    const int n = static_cast<int>(block), i = n % lattice.blocks[0],
+              j = n / lattice.blocks[0] % lattice.blocks[1],
+              k = n / lattice.blocks[0] / lattice.blocks[1];
+    SolidSurface surface;
+    TakeSurface(grid(), cut, block, surface);
+    std::vector<std::uint8_t> code;
+    EncodeSurface(surface, lattice.Point(8 * i, 8 * j, 8 * k), lattice.spacing, code);
+    return code;
+  }
+  static bool IsCut(const SparseField& cut, std::size_t block) {
+    const std::int32_t entry = cut.entry(block);
+    if (entry < 0) return entry == SparseField::kAbove;
+    const float* points = cut.values(entry);
+    return std::any_of(points, points + SparseField::kPoints,
+                       [&](float value) { return value > -cut.band(); });
+  }
+  static bool IsWhole(const SparseField& cut) {
+    for (std::size_t block = 0; block < cut.lattice().block_count(); ++block) {
+      if (IsCut(cut, block)) return false;
+    }
+    return true;
+  }
+  /// Viewers see what the loop feels: where they were told nothing, the surface is as at first.
+  void ExpectShown(const SparseField& cut) {
+    const SparseField whole(cut.lattice(), cut.band(), SparseField::kBelow);
+    std::size_t cut_blocks = 0;
+    for (std::size_t block = 0; block < cut.lattice().block_count(); ++block) {
+      const auto shown = shown_.find(static_cast<std::uint32_t>(block));
+      if (shown == shown_.end()) {
+        ASSERT_EQ(SurfaceOf(cut, block), SurfaceOf(whole, block));
+        continue;
+      }
+      ASSERT_EQ(shown->second.surface, SurfaceOf(cut, block));
+      ASSERT_EQ(shown->second.sample.cut, IsCut(cut, block));
+      cut_blocks += shown->second.sample.cut;
+    }
+    EXPECT_GT(cut_blocks, 50u);
+  }
+
+  std::int64_t now_ = 1000 * kMs;
+  std::vector<std::shared_ptr<const ServedTool>> tools_ = [] {
+    const Scene scene = Block();
+    return std::vector{std::make_shared<const ServedTool>(
+        ServedTool{scene.name, "bur", MakeModel(scene, scene.tools[0], MakeObjects(scene))})};
+  }();
+  SessionTable table_{tools_, kServerRun};
+  std::string station_;
+  Hand hand_;
+  Vec3 at_{-2e-3, 0, 2e-3};
+  wire::Wrench answer_{};
+  std::map<std::uint32_t, SolidBlockNews> shown_;
+  std::uint64_t change_ = 0;
+  std::size_t told_ = 0;
+  double bytes_ = 0.0;
+};
+
+TEST_F(SolidChangesTest, ViewersAreShownWhatTheLoopFeels) {
+  Begin("a");
+  Stroke();
+  EXPECT_GT(wire::ToWrench(answer_).force.norm(), 0.02);
+  Settle();
+  ExpectShown(loop().cuts()[0].field());
+  for (const auto& [block, news] : shown_) {
+    EXPECT_EQ(news.sample.object_index, 0u);
+    EXPECT_EQ(wire::ToVec3(news.sample.origin_m), grid().field().lattice().origin);
+  }
+}
+
+// The budget: at 2 mm/s a ball of 1.4 mm changes more than it lets through.
+TEST_F(SolidChangesTest, CostNoMoreThanAMegabitASecond) {
+  Begin("a");
+  Stroke();
+  const double before = bytes_;
+  Move({3e-3, 0, -kDepth}, 1000);
+  EXPECT_LT(bytes_ - before, SolidChanges::kBytesPerSecond + SolidChanges::kBytesAtOnce);
+  EXPECT_GT(bytes_ - before, 0.5 * SolidChanges::kBytesPerSecond);
+}
+
+TEST_F(SolidChangesTest, TheNextSessionBeginsWithWhatIsLeft) {
+  Begin("a");
+  Stroke();
+  const CutField cut = loop().cuts()[0];
+  // Where the bur is: the hand, which presses, is deeper.
+  at_ = wire::ToVec3(answer_.graphic_position_m) + Vec3(0, kRadius, 0);
+  Leave();
+  Begin("b");
+  for (int k = 0; k < 8 * cut.field().lattice().blocks[2]; ++k) {
+    for (int i = 0; i < 8 * cut.field().lattice().blocks[0]; ++i) {
+      ASSERT_EQ(loop().cuts()[0].field().At(i, 40, k), cut.field().At(i, 40, k));
+    }
+  }
+  // The hand is in the groove, which is free: forces begin there.
+  Move(at_ - Vec3(1e-3, 0, 0), 50);
+  EXPECT_EQ(table_.sessions().at("b")->phase(), palpate_SESSION_ACTIVE);
+  EXPECT_EQ(table_.sessions().at("b")->start_depth(), 0.0);
+  Settle();
+  ExpectShown(loop().cuts()[0].field());
+}
+
+TEST_F(SolidChangesTest, MadeWholeIsAsAtFirst) {
+  wire::WholeRequest whole{};
+  wire::FromText("block", whole.scene);
+  whole.request = 1;
+  Begin("a");
+  Stroke();
+  Move({1e-3, 0, 2e-3}, 4);  // into the free: what it would cut anew is none of before
+  table_.Request(whole);
+  const auto wholes = table_.TakeWholes();
+  ASSERT_EQ(wholes.size(), 1u);
+  EXPECT_STREQ(wholes[0].refusal, "");
+  EXPECT_GE(wholes[0].last_change, change_);
+  // Nothing of before is told any more, though the loop's last blocks were on their way.
+  shown_.clear();
+  told_ = 0;
+  Move(at_, 100);
+  EXPECT_EQ(told_, 0u);
+  EXPECT_TRUE(IsWhole(loop().cuts()[0].field()));
+  Move({-2e-3, 0, 2e-3}, 500);
+  Stroke();
+  Settle();
+  ExpectShown(loop().cuts()[0].field());
+
+  // Between a session's end and the last of its poses, too.
+  Move({1e-3, 0, 2e-3}, 4);
+  Leave();
+  whole.request = 2;
+  table_.Request(whole);
+  Begin("b");
+  EXPECT_TRUE(IsWhole(loop().cuts()[0].field()));
+  shown_.clear();
+  told_ = 0;
+  Move({-2e-3, 0, 2e-3}, 100);
+  EXPECT_EQ(told_, 0u);
+}
+
+TEST_F(SolidChangesTest, AreToldWithoutAskingForMemory) {
+  Begin("a");
+  Stroke();
+  const std::uint64_t before = AllocationsOfThisThread();
+  for (int i = 0; i < 50; ++i) {
+    at_.x() += 2e-6;
+    loop().OnPose(hand_.At(at_ - Vec3(0, kRadius, 0)), answer_);
+  }
+  EXPECT_EQ(AllocationsOfThisThread(), before);
+}
+
+}  // namespace
+}  // namespace palpate::test
