@@ -385,7 +385,7 @@ class Contour {
     const int i = first_[0] + p.at[0] - kMargin, j = first_[1] + p.at[1] - kMargin,
               k = first_[2] + p.at[2] - kMargin;
     return grid_.MaterialOf(cut_.BlockIndex(i >> 3, j >> 3, k >> 3),
-                             SparseField::PointIndex(i, j, k));
+                            SparseField::PointIndex(i, j, k));
   }
 
   const SolidGrid& grid_;

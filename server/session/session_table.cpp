@@ -180,7 +180,7 @@ void SessionTable::Update(std::int64_t now_ns) {
   for (auto it = sessions_.begin(); it != sessions_.end();) {
     Session& session = *it->second;
     if (session.Update(now_ns, !next || &session == next) || session.ended()) Publish(session);
-    PassOnRemovals(session);
+    PassOnRemovals(session, now_ns);
     // One that has sent no pose has left the scene as it was before it.
     if (session.ended() && session.has_heard()) {
       cut_off_[session.tool().scene] = session.left() ? "" : session.station();
@@ -242,11 +242,11 @@ void SessionTable::ForgetHeld(std::int64_t now_ns) {
   });
 }
 
-void SessionTable::PassOnRemovals(Session& from) {
+void SessionTable::PassOnRemovals(Session& from, std::int64_t now_ns) {
   const auto scene = scenes_.find(from.tool().scene);
   if (scene == scenes_.end()) return;
   if (SolidChanges* const solids = scene->second.solids()) {
-    for (CutBlock block; from.loop().TakeCut(block);) solids->Take(block);
+    for (CutBlock block; from.loop().TakeCut(block);) solids->Take(block, now_ns);
   }
   while (const std::optional<Removal> removal = from.TakeRemoval()) {
     if (!removal->own) {
@@ -271,13 +271,13 @@ void SessionTable::Begin(Session& session) {
   session.Begin(scene->second.solids()->kept());
 }
 
-void SessionTable::RetireEnded() {
+void SessionTable::RetireEnded(std::int64_t now_ns) {
   for (const auto& session : std::exchange(ending_, {})) {
     // One that has not heard that the scene is whole leaves nothing.
     if (!session->loop().is_in_newest_period()) continue;
     SolidChanges& solids = *scenes_.find(session->tool().scene)->second.solids();
-    for (CutBlock block; session->loop().TakeCut(block);) solids.Take(block);
-    solids.Keep(std::move(session->loop().cuts()));
+    for (CutBlock block; session->loop().TakeCut(block);) solids.Take(block, now_ns);
+    solids.Keep(std::move(session->loop().cuts()), now_ns);
   }
 }
 

@@ -56,7 +56,7 @@ class SessionTable {
   /// Looks after all sessions; ended ones leave the table.
   void Update(std::int64_t now_ns);
   /// No more poses come to sessions that have ended: what their burs have cut is their scenes'.
-  void RetireEnded();
+  void RetireEnded(std::int64_t now_ns);
   /// After that, and before a session's first pose: what is left of its scene's solids is its own.
   void Begin(Session& session);
   /// Ends every session: the server stops.
@@ -111,7 +111,7 @@ class SessionTable {
   void MakeWhole(SceneChanges& scene, wire::SceneWhole answer);
   /// Passes on what a session's tool has scraped off to the others of its scene, and tells of what
   /// it has got of theirs.
-  void PassOnRemovals(Session& from);
+  void PassOnRemovals(Session& from, std::int64_t now_ns);
 
   std::vector<std::shared_ptr<const ServedTool>> tools_;
   std::uint64_t server_run_;

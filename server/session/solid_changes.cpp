@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 /// What a sample takes besides its surface [bytes].
-constexpr double kHead = 150.0;
+constexpr double kHead = 110.0;
 
 std::array<int, 3> PlaceOf(const Lattice& lattice, std::uint32_t block) {
   const auto n = static_cast<int>(block);
@@ -22,16 +22,14 @@ std::array<int, 3> PlaceOf(const Lattice& lattice, std::uint32_t block) {
 }  // namespace
 
 SolidChanges::Solid::Solid(const CutSolid& s)
-    : solid(&s),
-      field(s.grid->field().lattice(), s.grid->field().band(), SparseField::kBelow),
-      waits(field.lattice().block_count()) {
+    : solid(&s), field(s.grid->field().lattice(), s.grid->field().band(), SparseField::kBelow) {
   field.Reserve(s.grid->solid_blocks());
 }
 
 SolidChanges::SolidChanges(std::span<const CutSolid> solids)
     : solids_(solids.begin(), solids.end()) {}
 
-void SolidChanges::Take(const CutBlock& block) {
+void SolidChanges::Take(const CutBlock& block, std::int64_t now_ns) {
   whole_ = false;
   SparseField& field = solids_[block.solid].field;
   const std::int32_t before = field.entry(block.block);
@@ -43,10 +41,10 @@ void SolidChanges::Take(const CutBlock& block) {
   } else {
     field.Fill(block.block, block.entry);
   }
-  WaitRound(block.solid, block.block);
+  WaitRound(block.solid, block.block, now_ns);
 }
 
-void SolidChanges::WaitRound(std::size_t solid, std::uint32_t block) {
+void SolidChanges::WaitRound(std::size_t solid, std::uint32_t block, std::int64_t now_ns) {
   Solid& at = solids_[solid];
   const Lattice& lattice = at.field.lattice();
   const std::array<int, 3> place = PlaceOf(lattice, block);
@@ -56,15 +54,15 @@ void SolidChanges::WaitRound(std::size_t solid, std::uint32_t block) {
         k >= lattice.blocks[2]) {
       continue;
     }
-    const std::size_t beside = at.field.BlockIndex(i, j, k);
-    if (at.waits[beside]) continue;
-    at.waits[beside] = true;
-    waiting_.push_back({solid, static_cast<std::uint32_t>(beside)});
+    const auto beside = static_cast<std::uint32_t>(at.field.BlockIndex(i, j, k));
+    const auto [it, is_new] = at.waiting.try_emplace(beside, Times{now_ns, now_ns});
+    it->second.last_ns = now_ns;
+    if (is_new) line_.push_back({solid, beside});
   }
 }
 
-void SolidChanges::Keep(std::vector<CutField> cuts) {
-  for (CutBlock block; TakeChanged(cuts, block);) Take(block);
+void SolidChanges::Keep(std::vector<CutField> cuts, std::int64_t now_ns) {
+  for (CutBlock block; TakeChanged(cuts, block);) Take(block, now_ns);
   if (!whole_) kept_ = std::move(cuts);
 }
 
@@ -72,9 +70,9 @@ void SolidChanges::MakeWhole() {
   for (Solid& solid : solids_) {
     solid.field.Clear();
     solid.told.clear();
-    solid.waits.assign(solid.waits.size(), false);
+    solid.waiting.clear();
   }
-  waiting_.clear();
+  line_.clear();
   kept_.clear();
   whole_ = true;
 }
@@ -108,16 +106,26 @@ bool SolidChanges::Tell(const Place& place, SolidBlockNews& news) {
 
 void SolidChanges::AddNews(std::int64_t now_ns, std::uint64_t& count,
                            std::vector<SolidBlockNews>& news) {
-  for (int n = 0; n < kMostAtOnce && !waiting_.empty(); ++n) {
-    if (bytes_.WaitFor(kHead, now_ns) > 0) return;
-    const Place place = waiting_.front();
-    waiting_.pop_front();
-    solids_[place.solid].waits[place.block] = false;
-    SolidBlockNews one;
-    if (!Tell(place, one)) continue;
-    bytes_.Spend(kHead + static_cast<double>(one.surface.size()), now_ns);
-    one.sample.change = ++count;
-    news.push_back(std::move(one));
+  int made = 0;
+  // What the bur has left is to be seen first: the rest is below it.
+  for (const bool left : {true, false}) {
+    for (auto place = line_.begin(); place != line_.end();) {
+      const auto waits = solids_[place->solid].waiting.find(place->block);
+      const auto& [first_ns, last_ns] = waits->second;
+      if (left ? now_ns - last_ns < kLeft_ns : now_ns - first_ns < kUnderBur_ns) {
+        ++place;
+        continue;
+      }
+      if (++made > kMostAtOnce || bytes_.WaitFor(kHead, now_ns) > 0) return;
+      solids_[place->solid].waiting.erase(waits);
+      SolidBlockNews one;
+      if (Tell(*place, one)) {
+        bytes_.Spend(kHead + static_cast<double>(one.surface.size()), now_ns);
+        one.sample.change = ++count;
+        news.push_back(std::move(one));
+      }
+      place = line_.erase(place);
+    }
   }
 }
 

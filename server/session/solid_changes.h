@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
+#include <list>
 #include <map>
 #include <span>
 #include <string>
@@ -25,22 +25,27 @@ struct SolidBlockNews {
 /// session begins with.
 ///
 /// A loop tells blocks as its bur changes them; the surface of each, and of the 26 round it, is
-/// made here and told where it is another than it was.  Blocks wait in line, so that a bur that is
-/// too quick for the bytes that a viewer may cost is seen later and not less.
+/// made here and told where it is another than it was.  What is under the bur changes in each step
+/// and is hidden by it: a block is told once the bur has left it, and meanwhile a few times a
+/// second.  A bur that is too quick for the bytes that a viewer may cost is seen later and not
+/// less.
 ///
 /// Thread contract: service thread.
 class SolidChanges {
  public:
-  /// What a viewer may cost, 1 Mbit/s, and what one poll may: surfaces take some 50 us each.
-  static constexpr double kBytesPerSecond = 125e3, kBytesAtOnce = 25e3;
+  /// A block that has not changed for so long is told, and one that changes after so long.
+  static constexpr std::int64_t kLeft_ns = 20'000'000, kUnderBur_ns = 400'000'000;
+  /// What a viewer may cost: 600 kbit/s.
+  static constexpr double kBytesPerSecond = 75e3, kBytesAtOnce = 10e3;
+  /// Surfaces that one poll may make: some 40 us each.
   static constexpr int kMostAtOnce = 24;
 
   /// The solids outlive this.
   explicit SolidChanges(std::span<const CutSolid> solids);
 
-  void Take(const CutBlock& block);
+  void Take(const CutBlock& block, std::int64_t now_ns);
   /// A loop that no pose comes to any more leaves its cuts here.
-  void Keep(std::vector<CutField> cuts);
+  void Keep(std::vector<CutField> cuts, std::int64_t now_ns);
   /// What the last loop left; empty: all is there.
   const std::vector<CutField>& kept() const { return kept_; }
   bool is_whole() const { return whole_; }
@@ -51,11 +56,14 @@ class SolidChanges {
   void AddNews(std::int64_t now_ns, std::uint64_t& count, std::vector<SolidBlockNews>& news);
 
  private:
+  struct Times {
+    std::int64_t first_ns, last_ns;  ///< of the changes that nobody has been told of
+  };
   struct Solid {
     explicit Solid(const CutSolid& s);
     const CutSolid* solid;
-    SparseField field;  ///< phi_c, as loops have told it
-    std::vector<bool> waits;
+    SparseField field;                            ///< phi_c, as loops have told it
+    std::map<std::uint32_t, Times> waiting;       ///< of blocks
     std::map<std::uint32_t, std::uint64_t> told;  ///< of a block: hash of what was published
   };
   struct Place {
@@ -63,11 +71,11 @@ class SolidChanges {
     std::uint32_t block;
   };
 
-  void WaitRound(std::size_t solid, std::uint32_t block);
+  void WaitRound(std::size_t solid, std::uint32_t block, std::int64_t now_ns);
   bool Tell(const Place& place, SolidBlockNews& news);
 
   std::vector<Solid> solids_;
-  std::deque<Place> waiting_;
+  std::list<Place> line_;  // those that wait, the first to begin in front
   TokenBucket bytes_{kBytesPerSecond, kBytesAtOnce};
   std::vector<CutField> kept_;
   SolidSurface surface_;

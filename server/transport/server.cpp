@@ -252,7 +252,7 @@ void Server::UpdateLinks(std::int64_t now_ns) {
     }
     entry = over ? stations_.erase(entry) : std::next(entry);
   }
-  table_.RetireEnded();
+  table_.RetireEnded(now_ns);
   const auto arms = std::ranges::count_if(
       table_.sessions(), [](const auto& entry) { return !entry.second->below_arms(); });
   for (const auto& [name, session] : table_.sessions()) {

@@ -57,7 +57,7 @@ class SolidChangesTest : public testing::Test {
   void Begin(const std::string& station) {
     station_ = station;
     table_.Request(RequestOf(station), now_);
-    table_.RetireEnded();
+    table_.RetireEnded(now_);
     table_.Begin(*table_.sessions().at(station));
   }
   void Leave() {
@@ -172,14 +172,34 @@ TEST_F(SolidChangesTest, ViewersAreShownWhatTheLoopFeels) {
   }
 }
 
-// The budget: at 2 mm/s a ball of 1.4 mm changes more than it lets through.
-TEST_F(SolidChangesTest, CostNoMoreThanAMegabitASecond) {
+// At 2 mm/s a ball of 1.4 mm changes more than the budget lets through.
+TEST_F(SolidChangesTest, CostAViewerNoMoreThanTheBudget) {
   Begin("a");
   Stroke();
   const double before = bytes_;
   Move({3e-3, 0, -kDepth}, 1000);
   EXPECT_LT(bytes_ - before, SolidChanges::kBytesPerSecond + SolidChanges::kBytesAtOnce);
   EXPECT_GT(bytes_ - before, 0.5 * SolidChanges::kBytesPerSecond);
+}
+
+// Where the bur was, a moment ago: what it is at is below it.
+TEST_F(SolidChangesTest, AreToldWhenTheBurHasLeft) {
+  Begin("a");
+  Stroke();
+  Settle();
+  Move(at_ + Vec3(1e-3, 0, 0), 1000);
+  Move(at_ + Vec3(0.3e-3, 0, 0), 300);
+  const Vec3 left = wire::ToVec3(answer_.graphic_position_m) + Vec3(-kRadius - 0.35e-3, kRadius, 0);
+  const SparseField& cut = loop().cuts()[0].field();
+  const Lattice& lattice = cut.lattice();
+  std::size_t behind = 0;
+  for (const auto& [block, news] : shown_) {
+    const int i = static_cast<int>(block) % lattice.blocks[0];
+    if (lattice.Point(8 * i + 8, 0, 0).x() > left.x()) continue;
+    ++behind;
+    EXPECT_EQ(news.surface, SurfaceOf(cut, block)) << lattice.Point(8 * i, 0, 0).x();
+  }
+  EXPECT_GT(behind, 30u);
 }
 
 TEST_F(SolidChangesTest, TheNextSessionBeginsWithWhatIsLeft) {
