@@ -172,6 +172,16 @@ std::uint64_t RecordingWriter::Look(const std::string& name, Topic& topic,
       keep(kept_changes_, std::string("/") + change.scene + "/" + Hex16(change.change));
       return count;
     }
+    case RecordedType::kSolidBlock: {
+      dds::Owned<wire::SolidBlock> owned;
+      const wire::SolidBlock& block = owned.value;
+      if (!dds::FromCdr(cdr, owned.value)) return count;
+      if (std::exchange(changes_run_, block.server_run) != block.server_run) kept_changes_.clear();
+      keep(kept_changes_, std::string("/") + block.scene + "/" +
+                              std::to_string(block.object_index) + "/" +
+                              std::to_string(block.block));
+      return count;
+    }
     case RecordedType::kSceneWhole: {
       wire::SceneWhole whole{};
       if (dds::FromCdr(cdr, whole)) keep(kept_, std::string("/") + whole.scene);

@@ -24,6 +24,11 @@ constexpr std::int64_t kTold_ns = 200'000'000;
 /// Of a file without chunks each message is a place; one here and there will do.
 constexpr std::int64_t kStartsApart_ns = 50'000'000;
 
+/// Undone where the scene is made whole.
+bool IsChange(RecordedType type) {
+  return type == RecordedType::kSceneChange || type == RecordedType::kSolidBlock;
+}
+
 template <class T>
 std::string StationIn(const RecordedSample& sample) {
   T value{};
@@ -33,7 +38,7 @@ std::string StationIn(const RecordedSample& sample) {
 }  // namespace
 
 bool Stays(RecordedType type) {
-  return type == RecordedType::kSessionState || type == RecordedType::kSceneChange ||
+  return type == RecordedType::kSessionState || IsChange(type) ||
          type == RecordedType::kSceneWhole || type == RecordedType::kSceneBundle;
 }
 
@@ -78,6 +83,8 @@ void Timeline::Add(const RecordedSample& sample, const RecordingReader::Place& p
       return AddSession(sample);
     case RecordedType::kSceneChange:
       return AddChange(sample);
+    case RecordedType::kSolidBlock:
+      return AddBlock(sample);
     case RecordedType::kSceneWhole:
       return AddWhole(sample);
     case RecordedType::kSceneBundle:
@@ -114,17 +121,21 @@ std::vector<std::pair<Timeline::Source, std::int64_t>> Timeline::QuietAt(
 }
 
 bool Timeline::Keep(const RecordedSample& sample, std::uint64_t server_run, const std::string& name,
-                    std::uint64_t number) {
-  const bool is_change = sample.type == RecordedType::kSceneChange;
-  const Moment::Key key{sample.type, name, is_change ? number : 0};
+                    std::uint64_t number, std::uint64_t place) {
+  const Moment::Key key{sample.type, name, place};
   const auto found = last_.find(key);
   // A recorder begins each split with what holds, again.
   if (found != last_.end() && std::ranges::equal(states_[found->second].cdr, sample.cdr)) {
     return false;
   }
   last_[key] = states_.size();
-  states_.push_back(
-      {sample.type, last_ns_, server_run, name, number, {sample.cdr.begin(), sample.cdr.end()}});
+  states_.push_back({sample.type,
+                     last_ns_,
+                     server_run,
+                     name,
+                     number,
+                     place,
+                     {sample.cdr.begin(), sample.cdr.end()}});
   return true;
 }
 
@@ -156,7 +167,15 @@ void Timeline::AddSession(const RecordedSample& sample) {
 void Timeline::AddChange(const RecordedSample& sample) {
   wire::SceneChange change{};
   if (!sample.To(change)) return;
-  Keep(sample, change.server_run, change.scene, change.change);
+  Keep(sample, change.server_run, change.scene, change.change, change.change);
+}
+
+void Timeline::AddBlock(const RecordedSample& sample) {
+  dds::Owned<wire::SolidBlock> owned;
+  if (!sample.To(owned.value)) return;
+  const wire::SolidBlock& block = owned.value;
+  const std::uint64_t place = std::uint64_t{block.object_index} << 32 | block.block;
+  Keep(sample, block.server_run, block.scene, block.change, place);
 }
 
 void Timeline::AddWhole(const RecordedSample& sample) {
@@ -280,15 +299,15 @@ Timeline::Moment Timeline::At(std::int64_t time_ns) const {
       former.insert(moment.server_run);
       moment = {state.server_run, {}};
     }
-    const bool is_change = state.type == RecordedType::kSceneChange;
-    const State* const whole = is_change ? moment.WholeOf(state.name) : nullptr;
+    const State* const whole = IsChange(state.type) ? moment.WholeOf(state.name) : nullptr;
     if (whole != nullptr && state.number <= whole->number) continue;
-    moment.holds[{state.type, state.name, is_change ? state.number : 0}] = &state;
+    moment.holds[{state.type, state.name, state.place}] = &state;
     if (state.type != RecordedType::kSceneWhole) continue;
     // Of the scene's changes those up to the last that is undone.
-    moment.holds.erase(
-        moment.holds.lower_bound({RecordedType::kSceneChange, state.name, 0}),
-        moment.holds.upper_bound({RecordedType::kSceneChange, state.name, state.number}));
+    std::erase_if(moment.holds, [&](const auto& entry) {
+      const State& held = *entry.second;
+      return IsChange(held.type) && held.name == state.name && held.number <= state.number;
+    });
   }
   return moment;
 }
@@ -306,7 +325,7 @@ bool LeadsTo(const Timeline::Moment& told, const Timeline::Moment& wanted) {
     const Timeline::State* const whole = wanted.WholeOf(held.name);
     const std::uint64_t undone = whole == nullptr ? 0 : whole->number;
     if (held.type == RecordedType::kSceneWhole) return whole != nullptr && undone >= held.number;
-    const bool is_undone = held.type == RecordedType::kSceneChange && held.number <= undone;
+    const bool is_undone = IsChange(held.type) && held.number <= undone;
     return is_undone || wanted.holds.contains(entry.first);
   });
 }

@@ -39,7 +39,8 @@ class Timeline {
     std::int64_t time_ns;
     std::uint64_t server_run;
     std::string name;      ///< station or scene
-    std::uint64_t number;  ///< a SceneChange's; a SceneWhole's last change; else 0
+    std::uint64_t number;  ///< a change's of the scene; a SceneWhole's last change; else 0
+    std::uint64_t place;   ///< of what there are several of a name: which; else 0
     std::vector<std::uint8_t> cdr;
   };
   /// What viewers know who have heard all up to a time: of one server's run, each key's last state,
@@ -116,11 +117,12 @@ class Timeline {
 
   /// False where it says again what holds.
   bool Keep(const RecordedSample& sample, std::uint64_t server_run, const std::string& name,
-            std::uint64_t number);
+            std::uint64_t number, std::uint64_t place = 0);
   void Hear(const RecordedSample& sample);
   Station& StationOf(const std::string& name);
   void AddSession(const RecordedSample& sample);
   void AddChange(const RecordedSample& sample);
+  void AddBlock(const RecordedSample& sample);
   void AddWhole(const RecordedSample& sample);
   void AddBundle(const RecordedSample& sample);
   void AddTool(const RecordedSample& sample);

@@ -24,6 +24,7 @@ constexpr std::chrono::milliseconds kBetweenWrites{5};
 Voice::Round::Round(const dds::Participant& service)
     : states(service, dds::kSessionStateTopic, dds::Qos::kSession),
       changes(service, dds::kSceneChangeTopic, dds::Qos::kSession),
+      blocks(service, dds::kSolidBlockTopic, dds::Qos::kSession),
       wholes(service, dds::kSceneWholeTopic, dds::Qos::kSession),
       bundles(service, dds::kSceneBundleTopic, dds::Qos::kSession) {}
 
@@ -47,6 +48,8 @@ bool Voice::Say(RecordedType type, std::span<const std::uint8_t> cdr) {
       return Say(cdr, round_->states, true);
     case RecordedType::kSceneChange:
       return Say(cdr, round_->changes, true);
+    case RecordedType::kSolidBlock:
+      return Say(cdr, round_->blocks, true);
     case RecordedType::kSceneWhole:
       return Say(cdr, round_->wholes, true);
     case RecordedType::kSceneBundle:

@@ -7,7 +7,9 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <set>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
@@ -165,7 +167,7 @@ class Scenes {
 /// What a session's answers depend on besides its poses.
 struct SessionFacts {
   std::string station, scene, tool;
-  std::uint64_t run = 0;
+  std::uint64_t run = 0, server_run = 0;
   std::map<std::uint64_t, Pose> starts;             ///< X_WG by the pose that it begins with
   std::map<std::uint64_t, wire::LeafTaken> leaves;  ///< by number
 };
@@ -183,6 +185,19 @@ class SessionReplay {
     next_leaf_ = facts_.leaves.begin();
     next_start_ = facts_.starts.begin();
   }
+
+  /// Before its first pose: what burs of before have left.
+  void Begin(const std::vector<CutField>& cuts) {
+    if (!cuts.empty()) loop_.cuts() = cuts;
+  }
+  /// That cannot be known.
+  void BeginUnknown() {
+    Stop(
+        "what burs had cut before the recording began is not in it; make the scene whole, then "
+        "record");
+  }
+  /// After its end.
+  std::vector<CutField> TakeCuts() { return std::move(loop_.cuts()); }
 
   void Add(const wire::HapticPose& pose) {
     ++verdict_.poses;
@@ -365,6 +380,7 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(
       SessionFacts& facts = facts_of(state.station, state.run);
       facts.scene = state.scene;
       facts.tool = state.tool;
+      facts.server_run = state.server_run;
       if (state.start_sequence != 0) {
         facts.starts[state.start_sequence] =
             wire::ToPose(state.start_position_m, state.start_orientation_wxyz);
@@ -434,8 +450,12 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
     std::unique_ptr<SessionReplay> replay;
     std::optional<SessionVerdict> verdict;
   };
-  std::map<std::string, Replayed> replayed;   // by its poses' topic
-  std::map<std::string, Replayed*> by_topic;  // both of a session
+  // What the last session of a scene and of a server's run has left of its solids.
+  std::map<std::pair<std::string, std::uint64_t>, std::vector<CutField>> left;
+  std::set<std::pair<std::string, std::uint64_t>> unknown;  // by who is not in the recording
+  std::map<std::pair<std::string, std::uint64_t>, std::uint64_t> undone;  // the last change that is
+  std::map<std::string, Replayed> replayed;                               // by its poses' topic
+  std::map<std::string, Replayed*> by_topic;                              // both of a session
   for (const auto& facts : sessions) {
     if (facts->scene.empty()) continue;  // only leaves of it: its states are in another split
     const std::string poses = dds::PoseTopic(facts->station, facts->run);
@@ -458,6 +478,9 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
       const SessionFacts& facts = *session.facts;
       session.replay = std::make_unique<SessionReplay>(
           facts, scenes.ModelOf(facts.scene, facts.tool), scenes.ObjectsOf(facts.scene), began_ns);
+      const std::pair scene(facts.scene, facts.server_run);
+      if (unknown.contains(scene)) session.replay->BeginUnknown();
+      session.replay->Begin(left[scene]);
     }
     return *session.replay;
   };
@@ -473,6 +496,19 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
     const auto it = by_topic.find(*sample.topic);
     if (it == by_topic.end()) {
       if (sample.type == RecordedType::kWrench) ++stray[*sample.topic];
+      wire::SceneWhole whole{};
+      dds::Owned<wire::SolidBlock> block;
+      if (sample.To(whole) && whole.refusal[0] == '\0') {
+        const std::pair<std::string, std::uint64_t> scene(whole.scene, whole.server_run);
+        undone[scene] = whole.last_change;
+        left.erase(scene);
+        unknown.erase(scene);
+      } else if (sample.To(block.value)) {
+        const std::pair<std::string, std::uint64_t> scene(block.value.scene,
+                                                          block.value.server_run);
+        // Cut by nobody that was heard.  A split repeats blocks, those that are undone among them.
+        if (!left.contains(scene) && block.value.change > undone[scene]) unknown.insert(scene);
+      }
       continue;
     }
     Replayed& session = *it->second;
@@ -485,6 +521,7 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
     }
     if (number == session.last_sample && session.replay) {
       session.verdict = session.replay->End(!complete);
+      left[{session.facts->scene, session.facts->server_run}] = session.replay->TakeCuts();
       session.replay.reset();
       --open;
     }
