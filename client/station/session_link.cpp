@@ -18,8 +18,8 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 /// From the match to the first sample: the other end may learn of it a little later, and over
 /// shared memory a sample from a writer that a reader does not know yet leaks a chunk.
 constexpr std::int64_t kSettle_ns = 100'000'000;
-/// From the last sample to the writer's end.  Cyclone DDS ignores a chunk whose writer it knows to
-/// be gone, so what a reader has not taken by then is lost to it: to a recorder, the last pose.
+/// From the last sample to the writer's end.  Cyclone DDS ignores a sample whose writer it knows to
+/// be gone, so what a reader has not taken by then is lost to it: to a recorder, the last poses.
 constexpr std::chrono::milliseconds kLastTaken{100};
 /// A match that does not come about is tried anew, under a new run.
 constexpr std::int64_t kMatchPatience_ns = 5 * kSecond_ns;
@@ -78,7 +78,7 @@ void SessionLink::WriteRequest(bool leave) {
 
 void SessionLink::Close() {
   servo_->SetPath(nullptr);
-  if (phase_ == Phase::kLinked && loop_->shared_memory()) std::this_thread::sleep_for(kLastTaken);
+  if (phase_ == Phase::kLinked) std::this_thread::sleep_for(kLastTaken);
   wrenches_ = {};
   path_.reset();
 }

@@ -1,4 +1,5 @@
 // The recorder as a program, beside a real server and a real station.
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <map>
@@ -9,6 +10,7 @@
 #include "client/recorder/file_summary.h"
 #include "client/replayer/verify/verify.h"
 #include "common/dds/server_lock.h"
+#include "common/dds/topics.h"
 #include "common/recording/recording_reader.h"
 #include "tests/common/recording/samples.h"
 #include "tests/integration/rig.h"
@@ -147,6 +149,58 @@ TEST_F(RecorderProgramTest, RecordsForViewersOrOfAStationAloneWhereTold) {
   }
   EXPECT_TRUE(summary.topics.contains("palpate/tool_state"));
   EXPECT_FALSE(summary.scenes.at("cube").bundle);
+}
+
+// Each session goes on from what the one before it has left of the block, but for the last.
+TEST_F(RecorderProgramTest, RecordsWhatBursCutSoThatItIsTheSameBitsAgain) {
+  const auto write = [&](const std::string& name, const std::string& text) {
+    WriteBytes(folder_ / name, {text.begin(), text.end()});
+    return folder_ / name;
+  };
+  const std::string scene = write("block.json", R"({
+    "tools": [{"name": "bur", "mesh": {"shape": "bur", "kind": "ball", "diameter_mm": 1},
+               "leaves": 64, "start": {"position_mm": [0, 2, 0]}}],
+    "objects": [{"name": "block", "mesh": {"shape": "box", "size_m": [0.006, 0.002, 0.004]},
+                 "grid_um": 100, "material": {"cutting_pressure_MPa": 0.1}}]})");
+  const std::string script = write("groove.json", R"({"keys": [
+    {"t": 0.0, "position_mm": [-2, 1.5, 0]}, {"t": 0.8, "position_mm": [-2, 0, 0]},
+    {"t": 1.8, "position_mm": [1, 0, 0]}]})");
+  const std::string domain = std::to_string(kDomain);
+  Program server(PALPATE_BIN_DIR "/palpate-server",
+                 {"--scene", scene, "--transport", "udp", "--realtime", "off", "--domain", domain});
+  ASSERT_TRUE(server.Says("ready: ", 60.0)) << server.Output();
+  RecorderProgram recorder(file_, "udp");
+  ASSERT_TRUE(recorder.Ready()) << recorder.Output();
+  for (const char* station : {"one", "two", "three"}) {
+    if (station == std::string("three")) {
+      Program whole(PALPATE_BIN_DIR "/palpate-lesson", {"whole", "block", "--domain", domain});
+      ASSERT_EQ(whole.Exit(), 0) << whole.Output();
+    }
+    Program hand(PALPATE_BIN_DIR "/palpate-station",
+                 {"--device", "scripted", "--script", script, "--scene", "block", "--id", station,
+                  "--transport", "udp", "--realtime", "off", "--domain", domain, "--for", "2"});
+    ASSERT_EQ(hand.Exit(), 0) << hand.Output();
+  }
+  recorder.Signal(SIGINT);
+  EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
+
+  std::map<std::string, double> sum_N;  // along the groove
+  std::size_t blocks = 0;
+  RecordingReader reader({file_});
+  for (RecordedSample sample{}; reader.Next(sample);) {
+    wire::Wrench wrench{};
+    blocks += sample.type == RecordedType::kSolidBlock;
+    if (sample.type != RecordedType::kWrench || !sample.To(wrench)) continue;
+    if (wrench.pose_sequence < 900 || wrench.pose_sequence > 1600) continue;
+    sum_N[dds::SessionOfTopic(*sample.topic)->first] += wire::ToWrench(wrench).force.norm();
+  }
+  EXPECT_GT(blocks, 20u);
+  EXPECT_GT(sum_N["one"], 10.0);
+  EXPECT_LT(sum_N["two"], 0.5 * sum_N["one"]);  // it finds the groove
+  EXPECT_GT(sum_N["three"], 0.8 * sum_N["one"]);
+  const Verification verification = Verify({file_}, {});
+  EXPECT_TRUE(verification.good()) << ToText(verification);
+  EXPECT_EQ(verification.sessions.size(), 3u);
 }
 
 TEST_F(RecorderProgramTest, NeedsAFileAndLeavesThoseThatAreThere) {
