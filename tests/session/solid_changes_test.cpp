@@ -1,8 +1,10 @@
 #include "server/session/solid_changes.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,10 +30,10 @@ constexpr double kDepth = 0.2e-3;
 Scene Block() {
   Scene scene;
   scene.name = "block";
-  TriangleMesh mesh = MakeBox(Vec3(8e-3, 4e-3, 2e-3));
+  TriangleMesh mesh = MakeBox(Vec3(6e-3, 3e-3, 2e-3));
   for (Vec3& v : mesh.vertices) v.z() -= 1e-3;
   Body block = MakeBody("block", mesh, 16);
-  block.grid = BodyGrid{.spacing = 50e-6, .regions = {}};
+  block.grid = BodyGrid{.spacing = 100e-6, .regions = {}};
   block.materials = {Material{.cutting_pressure = 0.1e6, .cutting_viscosity = 0.01e9}};
   scene.objects = {block};
   Body bur;
@@ -77,8 +79,8 @@ class SolidChangesTest : public testing::Test {
   }
   void Stroke() {
     Move({-2e-3, 0, 1e-3}, 200);  // forces ramp in
-    Move({-2e-3, 0, -kDepth}, 600);
-    Move({1e-3, 0, -kDepth}, 1500);
+    Move({-2e-3, 0, -kDepth}, 200);
+    Move({1e-3, 0, -kDepth}, 400);
   }
   void Poll() {
     table_.Update(now_);
@@ -140,7 +142,7 @@ class SolidChangesTest : public testing::Test {
       ASSERT_EQ(shown->second.sample.cut, IsCut(cut, block));
       cut_blocks += shown->second.sample.cut;
     }
-    EXPECT_GT(cut_blocks, 50u);
+    EXPECT_GT(cut_blocks, 20u);
   }
 
   std::int64_t now_ = 1000 * kMs;
@@ -172,14 +174,18 @@ TEST_F(SolidChangesTest, ViewersAreShownWhatTheLoopFeels) {
   }
 }
 
-// At 2 mm/s a ball of 1.4 mm changes more than the budget lets through.
+// At 20 mm/s a ball of 1.4 mm changes more than the budget lets through.
 TEST_F(SolidChangesTest, CostAViewerNoMoreThanTheBudget) {
   Begin("a");
   Stroke();
   const double before = bytes_;
-  Move({3e-3, 0, -kDepth}, 1000);
-  EXPECT_LT(bytes_ - before, SolidChanges::kBytesPerSecond + SolidChanges::kBytesAtOnce);
-  EXPECT_GT(bytes_ - before, 0.5 * SolidChanges::kBytesPerSecond);
+  for (const double y : {0.5e-3, -0.5e-3}) {
+    Move({at_.x(), y, -kDepth}, 50);
+    Move({-at_.x(), y, -kDepth}, 100);
+  }
+  const double most = SolidChanges::kBytesPerSecond * 0.3 + SolidChanges::kBytesAtOnce;
+  EXPECT_LT(bytes_ - before, most + 2e3);  // what comes first is paid for by waiting
+  EXPECT_GT(bytes_ - before, 0.6 * most);
 }
 
 // Where the bur was, a moment ago: what it is at is below it.
@@ -187,9 +193,9 @@ TEST_F(SolidChangesTest, AreToldWhenTheBurHasLeft) {
   Begin("a");
   Stroke();
   Settle();
-  Move(at_ + Vec3(1e-3, 0, 0), 1000);
-  Move(at_ + Vec3(0.3e-3, 0, 0), 300);
-  const Vec3 left = wire::ToVec3(answer_.graphic_position_m) + Vec3(-kRadius - 0.35e-3, kRadius, 0);
+  Move(at_ + Vec3(1.3e-3, 0, 0), 300);
+  // Beyond the band and what a gradient is made of; and 30 ms.
+  const Vec3 left = wire::ToVec3(answer_.graphic_position_m) + Vec3(-kRadius - 0.7e-3, kRadius, 0);
   const SparseField& cut = loop().cuts()[0].field();
   const Lattice& lattice = cut.lattice();
   std::size_t behind = 0;
@@ -199,7 +205,7 @@ TEST_F(SolidChangesTest, AreToldWhenTheBurHasLeft) {
     ++behind;
     EXPECT_EQ(news.surface, SurfaceOf(cut, block)) << lattice.Point(8 * i, 0, 0).x();
   }
-  EXPECT_GT(behind, 30u);
+  EXPECT_GT(behind, 10u);
 }
 
 TEST_F(SolidChangesTest, TheNextSessionBeginsWithWhatIsLeft) {
@@ -212,7 +218,7 @@ TEST_F(SolidChangesTest, TheNextSessionBeginsWithWhatIsLeft) {
   Begin("b");
   for (int k = 0; k < 8 * cut.field().lattice().blocks[2]; ++k) {
     for (int i = 0; i < 8 * cut.field().lattice().blocks[0]; ++i) {
-      ASSERT_EQ(loop().cuts()[0].field().At(i, 40, k), cut.field().At(i, 40, k));
+      ASSERT_EQ(loop().cuts()[0].field().At(i, 18, k), cut.field().At(i, 18, k));
     }
   }
   // The hand is in the groove, which is free: forces begin there.
@@ -257,6 +263,31 @@ TEST_F(SolidChangesTest, MadeWholeIsAsAtFirst) {
   told_ = 0;
   Move({-2e-3, 0, 2e-3}, 100);
   EXPECT_EQ(told_, 0u);
+}
+
+// The loop in a thread of its own, as a station's poses come; viewers have all in the end.
+TEST_F(SolidChangesTest, AreToldWhileTheLoopCuts) {
+  Begin("a");
+  Move({-2e-3, 0, 1e-3}, 200);
+  ServoLoop& cutting = loop();
+  constexpr int kPoses = 600;
+  std::atomic<int> sent{0};
+  const std::int64_t began = now_;
+  std::thread servo([&] {
+    for (int ms = 1; ms <= kPoses; ++ms) {
+      at_ = Vec3(-2e-3 + 5e-6 * ms, 0, std::max(-kDepth, 1e-3 - 6e-6 * ms));
+      cutting.OnPose(hand_.At(at_ - Vec3(0, kRadius, 0)), answer_);
+      sent = ms;
+      std::this_thread::yield();
+    }
+  });
+  for (; sent < kPoses; std::this_thread::yield()) {
+    now_ = began + sent * kMs;
+    Poll();
+  }
+  servo.join();
+  Settle();
+  ExpectShown(loop().cuts()[0].field());
 }
 
 TEST_F(SolidChangesTest, AreToldWithoutAskingForMemory) {
