@@ -189,6 +189,23 @@ double CutField::Left(int i, int j, int k) const noexcept {
          kWhole;
 }
 
+std::array<double, SolidGrid::kMaterials> CutField::VolumeLeft() const {
+  std::array<double, SolidGrid::kMaterials> left{};
+  const Lattice& lattice = field_.lattice();
+  for (std::size_t block = 0; block < lattice.block_count(); ++block) {
+    const auto wide = static_cast<std::size_t>(lattice.blocks[0]),
+               deep = static_cast<std::size_t>(lattice.blocks[1]);
+    const int at[3] = {static_cast<int>(block % wide), static_cast<int>(block / wide % deep),
+                       static_cast<int>(block / wide / deep)};
+    for (int n = 0; n < SparseField::kPoints; ++n) {
+      left[solid_->MaterialOf(block, n)] +=
+          Left(8 * at[0] + (n & 7), 8 * at[1] + (n >> 3 & 7), 8 * at[2] + (n >> 6));
+    }
+  }
+  for (double& volume : left) volume *= lattice.spacing * lattice.spacing * lattice.spacing;
+  return left;
+}
+
 bool CutField::TakeStorage(const int low[3], const int high[3], const Bur& bur, const Pose& X_TB,
                            const Vec3& step_T) noexcept {
   const Lattice& lattice = field_.lattice();

@@ -66,6 +66,9 @@ class CutField {
   /// Share of a point's voxel that is left, 0 to 1.  Any integers.
   double Left(int i, int j, int k) const noexcept;
 
+  /// What is left of each material [m^3].  Tools: goes through all points.
+  std::array<double, SolidGrid::kMaterials> VolumeLeft() const;
+
   std::size_t bytes() const;
 
  private:

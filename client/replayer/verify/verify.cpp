@@ -501,7 +501,7 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
       if (sample.To(whole) && whole.refusal[0] == '\0') {
         const std::pair<std::string, std::uint64_t> scene(whole.scene, whole.server_run);
         undone[scene] = whole.last_change;
-        left.erase(scene);
+        left[scene].clear();
         unknown.erase(scene);
       } else if (sample.To(block.value)) {
         const std::pair<std::string, std::uint64_t> scene(block.value.scene,

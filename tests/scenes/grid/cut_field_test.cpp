@@ -297,12 +297,20 @@ TEST(CutField, CountsEachMaterialForItself) {
     return std::uint8_t((kTilted.conjugate() * p).z() > -0.1e-3 ? 1 : 3);
   };
   CutBlock block(50e-6, kTilted, layers);
+  const auto before = block.cut.VolumeLeft();
   const CutAway removal = block.Move(Bur::Ball(kRadius), Vec3(0, 0, 0.3e-3), Vec3(0, 0, -0.3e-3));
   const double upper = M_PI * kRadius * kRadius * 0.1e-3;
   EXPECT_NEAR(removal.volume[1] / upper, 1.0, 0.01);
   EXPECT_NEAR(removal.volume[3] / (PlungeVolume(0.3e-3) - upper), 1.0, 0.01);
   EXPECT_EQ(removal.volume[0], 0.0);
   EXPECT_EQ(removal.volume[2], 0.0);
+  const Vec3 size = CutBlock::Size();
+  EXPECT_NEAR((before[1] + before[3]) / size.prod(), 1.0, 0.001);
+  EXPECT_NEAR(before[1] / (size.x() * size.y() * 0.1e-3), 1.0, 0.01);
+  const auto after = block.cut.VolumeLeft();
+  for (std::size_t m = 0; m < after.size(); ++m) {
+    EXPECT_NEAR(before[m] - after[m], removal.volume[m], 1e-4 * removal.total());
+  }
 }
 
 TEST(CutField, StorageOfWhatIsClearIsUsedAgain) {
