@@ -22,6 +22,7 @@
 #include "scenes/files/scene_bundle.h"
 #include "scenes/files/scene_file.h"
 #include "scenes/files/scene_size.h"
+#include "scenes/grid/solid_grid.h"
 #include "scenes/in_turn.h"
 #include "scenes/leaf_paint.h"
 #include "scenes/mesh/ambient_light.h"
@@ -272,12 +273,21 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
   key = HashBytes(scene.name, key + static_cast<std::uint64_t>(scene.features.contact));
   key = HashBytes(std::to_string(kCurvedMeshVersion), key + kRemarksVersion);
   std::map<std::string, std::uint64_t> hashes;  // of each mesh file once
+  const auto add_file_of = [&](const MeshSource& mesh) {
+    if (!IsImported(mesh)) return;
+    const std::string file = MeshFile(mesh, models_dir);
+    const auto [it, fresh] = hashes.try_emplace(file, 0);
+    if (fresh) it->second = About(mesh.where, [&] { return HashOfMesh(file); });
+    key = HashBytes(std::to_string(it->second), key + kMeshOrientVersion);
+    key = HashBytes(std::to_string(kMeshMendVersion), key);
+  };
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
     for (const BodyDescription& body : *bodies) {
       for (const RegionDescription& region : body.regions) {
         if (region.kind == RegionDescription::Kind::kGroup) {
           key = HashBytes(std::to_string(kGroupPaintVersion), key);
         }
+        if (region.kind == RegionDescription::Kind::kMesh) add_file_of(region.mesh);
       }
       if (!body.tree.built()) {
         const std::string sph = About(body.tree.where, [&] { return ReadSphText(body.tree.file); });
@@ -289,14 +299,7 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
       if (kind != nullptr && kind->margin != nullptr) {
         key = HashBytes(std::to_string(kMarginVersion), key);
       }
-      if (!IsImported(body.mesh)) continue;
-      const std::string file = MeshFile(body.mesh, models_dir);
-      const auto [it, fresh] = hashes.try_emplace(file, 0);
-      if (fresh) {
-        it->second = About(body.mesh.where, [&] { return HashOfMesh(file); });
-      }
-      key = HashBytes(std::to_string(it->second), key + kMeshOrientVersion);
-      key = HashBytes(std::to_string(kMeshMendVersion), key);
+      add_file_of(body.mesh);
     }
   }
   return key;
@@ -396,6 +399,16 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
       body.bur = kind->bur(from.mesh.variant, from.mesh.values);
     }
     PaintLeaves(from, shape.groups, body);
+    for (std::size_t i = 0; body.grid && i < from.regions.size(); ++i) {
+      const MeshSource& inner = from.regions[i].mesh;
+      if (from.regions[i].kind != RegionDescription::Kind::kMesh) continue;
+      Shape within;
+      within.mesh = MakeMesh(inner, options.models_dir, within);
+      if (inner.curved) Curve(inner, options, within);
+      About(inner.where, [&] { CheckEncloses(within.mesh, body.name); });
+      About(inner.where, [&] { size.Add(from.name, within.mesh, {}); });
+      body.grid->regions[i].mesh = std::move(within.mesh);
+    }
     return body;
   };
   for (const BodyDescription& tool : description.tools) {

@@ -136,8 +136,11 @@ void PaintLeaves(const BodyDescription& description, const std::vector<MeshGroup
     for (const RegionDescription& region : description.regions) {
       const auto material = static_cast<std::uint8_t>(body.materials.size());
       const bool ball = region.kind == RegionDescription::Kind::kSphere;
-      body.grid->regions.push_back({ball ? region.ball.centre : region.box.min(), region.box.max(),
-                                    ball ? region.ball.radius : 0.0, material});
+      body.grid->regions.push_back({ball ? region.ball.centre : region.box.min(),
+                                    region.box.max(),
+                                    ball ? region.ball.radius : 0.0,
+                                    material,
+                                    {}});
       body.materials.push_back(region.material.material);
     }
     return;

@@ -29,8 +29,10 @@ struct Material {
   /// Scraping work [J] after which a leaf is gone; infinite: it stays.
   double hardness = std::numeric_limits<double>::infinity();
   // Of bodies that burs cut (Body::grid; server/physics/cut/README.md has the law):
-  double cutting_pressure = 0.0;   ///< p_0 [Pa]: up to it an edge does not enter; 0: no such body
-  double cutting_viscosity = 0.0;  ///< kappa [Pa s/m]: what each m/s of the edge adds
+  double cutting_pressure = 0.0;     ///< p_0 [Pa]: up to it an edge does not enter; 0: no such body
+  double cutting_viscosity = 0.0;    ///< kappa [Pa s/m]: what each m/s of the edge adds
+  std::uint32_t colour = kNoColour;  ///< 0xRRGGBB of what a cut lays bare
+  static constexpr std::uint32_t kNoColour = 1u << 24;  ///< viewers choose
 };
 
 /// A part of a body that is of another material.
@@ -38,7 +40,10 @@ struct MaterialRegion {
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< a box in frame B [m]; or, where radius > 0:
   double radius = 0.0;                           ///< a ball round `low`
   std::uint8_t material = 0;
+  TriangleMesh
+      mesh{};  ///< or, where it has triangles, what lies within it (CheckEncloses); frame B
 
+  /// Of a box or a ball.
   bool Holds(const Vec3& p_B) const {
     return radius > 0.0 ? (p_B - low).norm() <= radius
                         : (p_B.array() >= low.array()).all() && (p_B.array() <= high.array()).all();

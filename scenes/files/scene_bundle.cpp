@@ -65,6 +65,18 @@ wire::Vec3 ToWire(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+/// Its vertices and its triangles.
+auto PackMesh(const TriangleMesh& mesh, flatbuffers::FlatBufferBuilder& out) {
+  std::vector<double> vertices;
+  vertices.reserve(3 * mesh.vertices.size());
+  for (const Vec3& v : mesh.vertices) vertices.insert(vertices.end(), v.begin(), v.end());
+  std::vector<std::uint32_t> triangles;
+  triangles.reserve(3 * mesh.triangles.size());
+  for (const auto& t : mesh.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
+  const auto vertices_at = out.CreateVector(vertices);
+  return std::pair(vertices_at, out.CreateVector(triangles));
+}
+
 flatbuffers::Offset<wire::Geometry> PackGeometry(const Body& body,
                                                  flatbuffers::FlatBufferBuilder& out) {
   const SphereTree& tree = body.tree;
@@ -77,15 +89,7 @@ flatbuffers::Offset<wire::Geometry> PackGeometry(const Body& body,
     }
     return out.CreateVector(all);
   };
-  std::vector<double> vertices;
-  vertices.reserve(3 * body.mesh.vertices.size());
-  for (const Vec3& v : body.mesh.vertices) vertices.insert(vertices.end(), v.begin(), v.end());
-  std::vector<std::uint32_t> triangles;
-  triangles.reserve(3 * body.mesh.triangles.size());
-  for (const auto& t : body.mesh.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
-
-  const auto vertices_at = out.CreateVector(vertices);
-  const auto triangles_at = out.CreateVector(triangles);
+  const auto [vertices_at, triangles_at] = PackMesh(body.mesh, out);
   const auto leaf_x = out.CreateVector(tree.leaf_x);
   const auto leaf_y = out.CreateVector(tree.leaf_y);
   const auto leaf_z = out.CreateVector(tree.leaf_z);
@@ -107,18 +111,30 @@ flatbuffers::Offset<wire::Geometry> PackGeometry(const Body& body,
 flatbuffers::Offset<wire::Grid> PackGrid(const Body& body, flatbuffers::FlatBufferBuilder& out) {
   if (!body.grid) return 0;
   std::vector<double> pressures, viscosities;
+  std::vector<std::uint32_t> colours;
   for (const Material& m : body.materials) {
     pressures.push_back(m.cutting_pressure);
     viscosities.push_back(m.cutting_viscosity);
+    colours.push_back(m.colour);
   }
+  // What no region has is left out: files that were made before are the same bytes.
+  const bool meshed = std::ranges::any_of(
+      body.grid->regions, [](const MaterialRegion& r) { return !r.mesh.triangles.empty(); });
+  const bool coloured = std::ranges::any_of(
+      colours, [](std::uint32_t colour) { return colour != Material::kNoColour; });
   std::vector<wire::Region> regions;
+  std::vector<flatbuffers::Offset<wire::RegionMesh>> meshes;
   for (const MaterialRegion& r : body.grid->regions) {
     regions.emplace_back(ToWire(r.low), ToWire(r.high), r.radius, r.material);
+    if (!meshed) continue;
+    const auto [vertices, triangles] = PackMesh(r.mesh, out);
+    meshes.push_back(wire::CreateRegionMesh(out, vertices, triangles));
   }
   const auto pressures_at = out.CreateVector(pressures);
   const auto viscosities_at = out.CreateVector(viscosities);
   return wire::CreateGrid(out, body.grid->spacing, pressures_at, viscosities_at,
-                          out.CreateVectorOfStructs(regions));
+                          out.CreateVectorOfStructs(regions), meshed ? out.CreateVector(meshes) : 0,
+                          coloured ? out.CreateVector(colours) : 0);
 }
 
 flatbuffers::Offset<wire::Bur> PackBur(const Body& body, flatbuffers::FlatBufferBuilder& out) {
@@ -128,13 +144,42 @@ flatbuffers::Offset<wire::Bur> PackBur(const Body& body, flatbuffers::FlatBuffer
   return wire::CreateBur(out, out.CreateVector(curve), body.bur->rounding);
 }
 
+void Require(bool holds, const char* what) {
+  if (!holds) throw Error(what);
+}
+template <class T>
+std::span<const T> All(const flatbuffers::Vector<T>* vector) {
+  Require(vector != nullptr, "a list is missing");
+  return {vector->data(), vector->size()};
+}
+
+/// Of a Geometry or a RegionMesh.
+template <class Wire>
+void ReadMesh(const Wire& in, TriangleMesh& out) {
+  const auto vertices = All(in.vertices());
+  const auto triangles = All(in.triangles());
+  Require(vertices.size() % 3 == 0 && triangles.size() % 3 == 0, "the mesh is cut short");
+  out.vertices.reserve(vertices.size() / 3);
+  for (std::size_t i = 0; i < vertices.size(); i += 3) {
+    out.vertices.emplace_back(vertices[i], vertices[i + 1], vertices[i + 2]);
+    Require(out.vertices.back().allFinite(), "a vertex is not finite");
+  }
+  out.triangles.reserve(triangles.size() / 3);
+  for (std::size_t i = 0; i < triangles.size(); i += 3) {
+    out.triangles.push_back({triangles[i], triangles[i + 1], triangles[i + 2]});
+    for (std::uint32_t v : out.triangles.back()) {
+      Require(v < out.vertices.size(), "a triangle names no vertex");
+    }
+  }
+}
+
 /// Reads one geometry; what does not agree is thrown as text, and named by the caller.
 class GeometryReader {
  public:
   GeometryReader(const wire::Geometry& in, Body& out) : in_(in), out_(out) {}
 
   void Read() {
-    ReadMesh();
+    ReadMesh(in_, out_.mesh);
     ReadLeaves();
     ReadPackets();
     const wire::Vec3* centroid = in_.centroid();
@@ -144,36 +189,10 @@ class GeometryReader {
   }
 
  private:
-  static void Require(bool holds, const char* what) {
-    if (!holds) throw Error(what);
-  }
-  template <class T>
-  static std::span<const T> All(const flatbuffers::Vector<T>* vector) {
-    Require(vector != nullptr, "a list is missing");
-    return {vector->data(), vector->size()};
-  }
   template <class T>
   static void Copy(const flatbuffers::Vector<T>* from, std::vector<T>& to) {
     const auto all = All(from);
     to.assign(all.begin(), all.end());
-  }
-
-  void ReadMesh() {
-    const auto vertices = All(in_.vertices());
-    const auto triangles = All(in_.triangles());
-    Require(vertices.size() % 3 == 0 && triangles.size() % 3 == 0, "the mesh is cut short");
-    out_.mesh.vertices.reserve(vertices.size() / 3);
-    for (std::size_t i = 0; i < vertices.size(); i += 3) {
-      out_.mesh.vertices.emplace_back(vertices[i], vertices[i + 1], vertices[i + 2]);
-      Require(out_.mesh.vertices.back().allFinite(), "a vertex is not finite");
-    }
-    out_.mesh.triangles.reserve(triangles.size() / 3);
-    for (std::size_t i = 0; i < triangles.size(); i += 3) {
-      out_.mesh.triangles.push_back({triangles[i], triangles[i + 1], triangles[i + 2]});
-      for (std::uint32_t v : out_.mesh.triangles.back()) {
-        Require(v < out_.mesh.vertices.size(), "a triangle names no vertex");
-      }
-    }
   }
 
   void ReadLeaves() {
@@ -341,15 +360,24 @@ void ReadGrid(const wire::Grid* in, Body& out) {
     out.materials[m].cutting_pressure = pressure;
     out.materials[m].cutting_viscosity = viscosity;
   }
+  if (const auto* colours = in->colours()) {
+    Require(all_of_materials(colours), "colours do not add up");
+    for (unsigned m = 0; m < out.materials.size(); ++m) out.materials[m].colour = colours->Get(m);
+  }
   if (in->regions() == nullptr) return;
-  for (const wire::Region* r : *in->regions()) {
-    const MaterialRegion region{FromWire(r->low()), FromWire(r->high()), r->radius(),
-                                r->material()};
+  const auto* meshes = in->region_meshes();
+  Require(meshes == nullptr || meshes->size() == in->regions()->size(),
+          "the regions' meshes do not add up");
+  for (unsigned i = 0; i < in->regions()->size(); ++i) {
+    const wire::Region* r = in->regions()->Get(i);
+    MaterialRegion region{FromWire(r->low()), FromWire(r->high()), r->radius(), r->material(), {}};
+    if (meshes != nullptr) ReadMesh(*meshes->Get(i), region.mesh);
+    if (!region.mesh.triangles.empty()) CheckEncloses(region.mesh, "a region");
     if (!region.low.allFinite() || !region.high.allFinite() || !std::isfinite(region.radius) ||
         region.material >= out.materials.size()) {
       throw Error("a region is none");
     }
-    out.grid->regions.push_back(region);
+    out.grid->regions.push_back(std::move(region));
   }
 }
 

@@ -148,10 +148,18 @@ MeshSource ReadImported(const JsonNode& node, const fs::path& folder) {
   return source;
 }
 
+std::uint32_t ReadColour(const JsonNode& node) {
+  const std::string text = node.String();
+  const bool fine = text.size() == 7 && text[0] == '#' &&
+                    text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
+  if (!fine) node.Fail("\"" + text + "\" is no colour; give \"#rrggbb\", as \"#8a5a2b\"");
+  return static_cast<std::uint32_t>(std::stoul(text.substr(1), nullptr, 16));
+}
+
 MaterialDescription ReadMaterial(const JsonNode& node) {
   node.AllowOnly({"stiffness_N_per_m", "youngs_modulus_Pa", "thickness_mm", "static_friction",
                   "dynamic_friction", "hardness_J", "cutting_pressure_MPa",
-                  "cutting_viscosity_MPa_s_per_mm"});
+                  "cutting_viscosity_MPa_s_per_mm", "colour"});
   MaterialDescription read;
   Material& material = read.material;
   read.where = node.Where();
@@ -189,19 +197,34 @@ MaterialDescription ReadMaterial(const JsonNode& node) {
     if (!pressure) viscosity->Fail("belongs to a pressure; add cutting_pressure_MPa or drop it");
     material.cutting_viscosity = 1e9 * viscosity->Number(0.0, 1e4);
   }
+  if (auto colour = node.Find("colour")) {
+    if (!pressure) colour->Fail("is of what burs cut; add cutting_pressure_MPa or drop it");
+    material.colour = ReadColour(*colour);
+  }
   return read;
 }
 
-RegionDescription ReadRegion(const JsonNode& node) {
-  node.AllowOnly({"box", "sphere", "group", "material"});
+MeshSource ReadMesh(const JsonNode& node, const fs::path& folder) {
+  MeshSource source = node.Has("shape") ? ReadShape(node) : ReadImported(node, folder);
+  source.curved = ReadCurved(node);
+  source.where = node.Where();
+  return source;
+}
+
+RegionDescription ReadRegion(const JsonNode& node, const fs::path& folder) {
+  node.AllowOnly({"box", "sphere", "group", "mesh", "material"});
   RegionDescription region;
   region.where = node.Where();
   region.material = ReadMaterial(node.At("material"));
   const auto box = node.Find("box");
   const auto sphere = node.Find("sphere");
   const auto group = node.Find("group");
-  if (int(box.has_value()) + int(sphere.has_value()) + int(group.has_value()) != 1) {
-    node.Fail("must say which leaves it paints in one way; give \"box\", \"sphere\" or \"group\"");
+  const auto mesh = node.Find("mesh");
+  if (int(box.has_value()) + int(sphere.has_value()) + int(group.has_value()) +
+          int(mesh.has_value()) !=
+      1) {
+    node.Fail(
+        "must say what it paints in one way; give \"box\", \"sphere\", \"group\" or \"mesh\"");
   }
   if (box) {
     box->AllowOnly({"min_mm", "max_mm"});
@@ -213,6 +236,9 @@ RegionDescription ReadRegion(const JsonNode& node) {
     region.kind = RegionDescription::Kind::kSphere;
     region.ball = {1e-3 * sphere->At("centre_mm").Vector(),
                    1e-3 * sphere->At("radius_mm").PositiveNumber()};
+  } else if (mesh) {
+    region.kind = RegionDescription::Kind::kMesh;
+    region.mesh = ReadMesh(*mesh, folder);
   } else {
     region.kind = RegionDescription::Kind::kGroup;
     region.group = group->String();
@@ -390,7 +416,7 @@ void ReadGrid(const JsonNode& node, BodyDescription& body) {
     if (region.kind == RegionDescription::Kind::kGroup) {
       throw Error(region.where +
                   ": a group paints a surface, and a body that burs cut needs its "
-                  "inside painted; give \"box\" or \"sphere\"");
+                  "inside painted; give \"box\", \"sphere\" or \"mesh\"");
     }
   }
   if (body.regions.size() >= SolidGrid::kMaterials) {
@@ -430,10 +456,7 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   }
   BodyDescription body;
   body.name = ReadName(node.At("name"));
-  const JsonNode mesh = node.At("mesh");
-  body.mesh = mesh.Has("shape") ? ReadShape(mesh) : ReadImported(mesh, folder);
-  body.mesh.curved = ReadCurved(mesh);
-  body.mesh.where = mesh.Where();
+  body.mesh = ReadMesh(node.At("mesh"), folder);
   if (auto tree = node.Find("tree")) {
     body.tree = ReadTree(*tree, folder);
     body.tree_left_open = false;
@@ -454,7 +477,14 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   if (object) {
     if (auto material = node.Find("material")) body.material = ReadMaterial(*material);
     if (auto regions = node.Find("regions")) {
-      for (const JsonNode& region : regions->Items()) body.regions.push_back(ReadRegion(region));
+      for (const JsonNode& region : regions->Items()) {
+        body.regions.push_back(ReadRegion(region, folder));
+        if (body.regions.back().kind == RegionDescription::Kind::kMesh && !node.Has("grid_um")) {
+          region.At("mesh").Fail(
+              "paints the inside of what burs cut; give the object \"grid_um\", or \"box\", "
+              "\"sphere\" or \"group\" instead");
+        }
+      }
       if (body.regions.size() >= kMaxMaterials) {
         regions->Fail("are too many; give at most " + std::to_string(kMaxMaterials - 1));
       }

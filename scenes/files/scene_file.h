@@ -54,11 +54,13 @@ struct RegionDescription {
     kBox,     ///< leaves whose centre lies in `box`
     kSphere,  ///< leaves whose centre lies in `ball`
     kGroup,   ///< leaves most of whose surface is of the mesh file's part `group`
+    kMesh,    ///< of what burs cut: what lies within `mesh`, which is given in frame B
   };
   Kind kind = Kind::kBox;
   Eigen::AlignedBox3d box;  ///< frame B [m]
   Sphere ball;              ///< frame B [m]
   std::string group;
+  MeshSource mesh;
   MaterialDescription material;
   std::string where;
 };

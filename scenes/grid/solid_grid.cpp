@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "common/error.h"
 #include "scenes/mesh/figure.h"
@@ -37,26 +38,13 @@ Lattice LatticeOf(const TriangleMesh& mesh, const SolidGridOptions& options,
     throw Error(name + ": a grid's spacing of " + Figure(1e6 * h, 3) +
                 " um is not allowed; give 25 to 200 um");
   }
-  if (mesh.triangles.empty()) {
-    throw Error(name + ": the mesh has no triangle; give a closed one");
-  }
-  if (const std::size_t open = OpenEdges(mesh).size(); open > 0) {
-    throw Error(name + ": the mesh is open along " + std::to_string(open) +
-                " edges, so that it encloses no solid; close its holes in the program that it was "
-                "made with, or give it a thickness (\"thickness_mm\" in a scene file)");
-  }
+  CheckEncloses(mesh, name);
   Vec3 low = Vec3::Constant(1e300), high = -low;
-  double volume = 0.0;
-  for (const auto& [i, j, k] : mesh.triangles) {
-    const Vec3 &a = mesh.vertices[i], &b = mesh.vertices[j], &c = mesh.vertices[k];
-    low = low.cwiseMin(a).cwiseMin(b).cwiseMin(c);
-    high = high.cwiseMax(a).cwiseMax(b).cwiseMax(c);
-    volume += a.dot(b.cross(c)) / 6.0;
-  }
-  if (!(volume > 0.0)) {  // nor where a vertex is not finite
-    throw Error(name +
-                ": the mesh encloses no volume as it is wound; turn its triangles so that "
-                "they run counter-clockwise seen from outside");
+  for (const auto& corners : mesh.triangles) {
+    for (const std::uint32_t v : corners) {
+      low = low.cwiseMin(mesh.vertices[v]);
+      high = high.cwiseMax(mesh.vertices[v]);
+    }
   }
   Lattice lattice;
   lattice.spacing = h;
@@ -306,16 +294,49 @@ std::uint8_t SolidGrid::Material(const Vec3& p_B) const noexcept {
                     SparseField::PointIndex(c[0], c[1], c[2]));
 }
 
+void CheckEncloses(const TriangleMesh& mesh, const std::string& name) {
+  if (mesh.triangles.empty()) {
+    throw Error(name + ": the mesh has no triangle; give a closed one");
+  }
+  if (const std::size_t open = OpenEdges(mesh).size(); open > 0) {
+    throw Error(name + ": the mesh is open along " + std::to_string(open) +
+                " edges, so that it encloses no solid; close its holes in the program that it was "
+                "made with, or give it a thickness (\"thickness_mm\" in a scene file)");
+  }
+  double volume = 0.0;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    volume += mesh.vertices[i].dot(mesh.vertices[j].cross(mesh.vertices[k])) / 6.0;
+  }
+  if (!(volume > 0.0)) {  // nor where a vertex is not finite
+    throw Error(name +
+                ": the mesh encloses no volume as it is wound; turn its triangles so that "
+                "they run counter-clockwise seen from outside");
+  }
+}
+
 std::shared_ptr<const SolidGrid> MakeSolidGrid(const Body& body) {
   if (body.materials.size() > SolidGrid::kMaterials) {
     throw Error(body.name + ": a body that burs cut has " + std::to_string(SolidGrid::kMaterials) +
                 " materials at most, and this one has " + std::to_string(body.materials.size()));
   }
   SolidGridOptions options{.spacing = body.grid->spacing, .most_bytes = kMostGridBytes};
+  const std::vector<MaterialRegion>& regions = body.grid->regions;
+  const Lattice lattice = LatticeOf(body.mesh, options, body.name);
+  std::vector<std::optional<Crossings>> windings(regions.size());  // of those that are meshes
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    if (regions[r].mesh.triangles.empty()) continue;
+    CheckEncloses(regions[r].mesh, body.name + ": region " + std::to_string(r));
+    windings[r].emplace(regions[r].mesh, lattice);
+  }
   options.material = [&](const Vec3& p_B) {
+    // Asked of points of the lattice alone.
+    const Eigen::Vector3i at =
+        ((p_B - lattice.origin) / lattice.spacing).array().round().cast<int>();
     std::uint8_t material = 0;
-    for (const MaterialRegion& region : body.grid->regions) {
-      if (region.Holds(p_B)) material = region.material;
+    for (std::size_t r = 0; r < regions.size(); ++r) {
+      if (windings[r] ? windings[r]->Inside(at.x(), at.y(), at.z()) : regions[r].Holds(p_B)) {
+        material = regions[r].material;
+      }
     }
     return material;
   };

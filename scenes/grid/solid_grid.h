@@ -70,8 +70,13 @@ class SolidGrid {
 /// a quarter.
 inline constexpr std::size_t kMostGridBytes = 256u << 20;
 
-/// Of a body that has a `grid`, in its frame, with the materials that its regions paint.  Throws as
-/// SolidGrid does.
+/// Throws Error, which begins with the name, unless the mesh is closed, finite and wound
+/// counter-clockwise seen from outside: only then something lies within it.
+void CheckEncloses(const TriangleMesh& mesh, const std::string& name);
+
+/// Of a body that has a `grid`, in its frame, with the materials that its regions paint.  A point
+/// is of a region that is a mesh where that winds round it, counted as for the grid's own sign; of
+/// the region's mesh any part may lie outside of the body.  Throws as SolidGrid does.
 std::shared_ptr<const SolidGrid> MakeSolidGrid(const Body& body);
 
 }  // namespace palpate

@@ -287,6 +287,16 @@ TriangleMesh MakeTooth(ToothKind kind, const ToothSize& metres) {
   return InMetres(MeshOfField(ToothField(kind, size), ToothBox(size, 1.5), size.width / 8.0));
 }
 
+TriangleMesh MakeDentine(ToothKind kind, const ToothSize& metres, double enamel) {
+  const ToothSize size = InMillimetres(metres);
+  const Field dentine = [=, tooth = ToothField(kind, size)](const Vec3& p) {
+    constexpr double kBeyond = 0.1;  // four times what the tooth's mesh is true to
+    const double s = std::clamp(p.y() / (0.85 * size.crown), 0.0, 1.0);
+    return tooth(p) + enamel / kMillimetre * s * (2.0 - s) - kBeyond;
+  };
+  return InMetres(Simplified(MeshOfField(dentine, ToothBox(size, 2.0), 0.55), 0.025));
+}
+
 TriangleMesh MakeGingiva(ToothKind kind, const ToothSize& size, const GumSize& gum) {
   const GumFields fields = FieldsOfGum(kind, size, gum);
   constexpr double kCell = 0.7;  // half of the pocket's width

@@ -32,6 +32,11 @@ ToothSize UsualSize(ToothKind kind);
 /// an incisor has an edge.
 TriangleMesh MakeTooth(ToothKind kind, const ToothSize& size);
 
+/// What lies under that tooth's enamel, in the tooth's frame: the enamel is about `enamel` thick
+/// over the cusps, thinner towards the neck, where it ends; at the root, which has none, the mesh
+/// lies just outside of the tooth's.
+TriangleMesh MakeDentine(ToothKind kind, const ToothSize& size, double enamel);
+
 struct GumSize {
   double pocket_depth = 0.0;  ///< below the neck [m]
   double pocket_width = 0.0;  ///< [m]

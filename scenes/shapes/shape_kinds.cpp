@@ -53,6 +53,11 @@ std::span<const ShapeKind> ShapeKinds() {
          const auto kind = static_cast<ToothKind>(variant);
          return MakeTooth(kind, SizeFrom(kind, v));
        }},
+      {"dentine", kTeeth, WithToothSize({Millimetres("enamel_mm", 2, 0.5, 3)}),
+       [](std::size_t variant, Values v) {
+         const auto kind = static_cast<ToothKind>(variant);
+         return MakeDentine(kind, SizeFrom(kind, v), v[4]);
+       }},
       {"gingiva", kTeeth,
        WithToothSize({Millimetres("pocket_depth_mm", 6, 1, 12),
                       Millimetres("pocket_width_mm", 1.2, 0.4, 4),

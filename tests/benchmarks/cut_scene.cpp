@@ -211,12 +211,13 @@ std::optional<Scene> Turned(Scene scene) {
   for (Body& body : scene.objects) {
     if (!body.grid) continue;
     for (const MaterialRegion& region : body.grid->regions) {
-      if (!(region.radius > 0.0)) return std::nullopt;
+      if (!(region.radius > 0.0) && region.mesh.triangles.empty()) return std::nullopt;
     }
     const Quat of_body = body.X_WB.q.conjugate() * turn * body.X_WB.q;
     for (Vec3& v : body.mesh.vertices) v = of_body.conjugate() * v;
     for (MaterialRegion& region : body.grid->regions) {
       region.low = of_body.conjugate() * region.low;
+      for (Vec3& v : region.mesh.vertices) v = of_body.conjugate() * v;
     }
     body.X_WB.q = body.X_WB.q * of_body;
   }

@@ -62,6 +62,38 @@ TEST(CutScene, GoesWholeThroughABundle) {
   EXPECT_FALSE(back.objects[0].grid->regions[0].Holds(Vec3(0, 0.4e-3, 0)));
 }
 
+const std::string kCore = R"("grid_um": 100, "material": {"cutting_pressure_MPa": 0.2},
+  "regions": [{"mesh": {"shape": "sphere", "radius_m": 0.001},
+               "material": {"cutting_pressure_MPa": 0.6, "colour": "#8A5a2b"}}])";
+
+TEST(CutScene, PaintsWhatLiesWithinAMeshAlsoAfterABundle) {
+  const Scene scene = Load(SceneText(kBallBur, kCore));
+  const std::vector<std::uint8_t> bytes = PackScene(scene, 7);
+  const Scene back = UnpackScene(bytes, "s");
+  EXPECT_EQ(PackScene(back, 7), bytes);
+  EXPECT_EQ(back.objects[0].materials[0].colour, Material::kNoColour);
+  EXPECT_EQ(back.objects[0].materials[1].colour, 0x8a5a2bu);
+  const auto grid = MakeSolidGrid(back.objects[0]);
+  EXPECT_EQ(grid->Material(Vec3(0.9e-3, 0, 0)), 1);
+  EXPECT_EQ(grid->Material(Vec3(1.1e-3, 0, 0)), 0);
+  Scene open = scene;
+  open.objects[0].grid->regions[0].mesh.triangles.pop_back();
+  EXPECT_THAT(ComplaintOf([&] { UnpackScene(PackScene(open), "s"); }),
+              HasSubstr("a region: the mesh is open"));
+}
+
+TEST(CutScene, NamesTheRegionWhoseMeshEnclosesNothing) {
+  const test::Folder folder;
+  const std::string file = folder / "s.json";
+  std::ofstream(folder / "sheet.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  std::ofstream(file) << SceneText(kBallBur, R"("grid_um": 100,
+    "material": {"cutting_pressure_MPa": 0.2}, "regions": [
+    {"mesh": {"file": "sheet.obj", "unit": "mm"}, "material": {"cutting_pressure_MPa": 1}}])");
+  EXPECT_THAT(ComplaintOf([&] { LoadScene(file); }),
+              testing::AllOf(HasSubstr("s.json:4: objects[0].regions[0].mesh: "),
+                             HasSubstr("the mesh is open along 3 edges"), HasSubstr("thickness")));
+}
+
 // The bur's tip is the tool's origin and its axis the tool's y: pressed down at 1 mm/s it has the
 // law's force of what is before it, first enamel, then dentine, and then stops at the table.
 TEST(CutScene, IsFeltByItsBurThroughBothMaterialsDownToTheTable) {
@@ -115,6 +147,11 @@ TEST(CutScene, NamesTheFieldAndTheRemedyOfWhatCannotBeCut) {
        "objects[0].regions[0]: a group paints a surface"},
       {kBallBur, R"("grid_um": 50, "material": {"cutting_viscosity_MPa_s_per_mm": 1})",
        "cutting_viscosity_MPa_s_per_mm: belongs to a pressure; add cutting_pressure_MPa"},
+      {kBallBur, R"("grid_um": 50, "material": {"cutting_pressure_MPa": 1, "colour": "red"})",
+       "objects[0].material.colour: \"red\" is no colour; give \"#rrggbb\""},
+      {kBallBur, R"("material": {"colour": "#ffffff"})", "colour: is of what burs cut"},
+      {kBallBur, R"("regions": [{"mesh": {"shape": "sphere", "radius_m": 0.001}, "material": {}}])",
+       "objects[0].regions[0].mesh: paints the inside of what burs cut; give the object"},
       {R"({"shape": "bur", "kind": "pear"})", kEnamelOnDentine, "tools[0].mesh.kind: \"pear\""},
   };
   for (const auto& of : bad) {

@@ -105,6 +105,31 @@ TEST(SolidGrid, InterpolatesASphereTheBetterTheFinerItIs) {
   }
 }
 
+TEST(SolidGrid, PaintsWhatLiesWithinARegionsMesh) {
+  Body body;
+  body.name = "box";
+  body.mesh = MakeBox(Vec3(4e-3, 2e-3, 2e-3));
+  body.materials.resize(3);
+  body.grid.emplace().spacing = 100e-6;
+  // A bent pipe that leaves the box, and a box in it that paints over it.
+  const TriangleMesh pipe = MakeBentPipe(0.4e-3, 0.3e-3, 3e-3, 0.5);
+  const MaterialRegion box{Vec3(-1e-3, 0.4e-3, -1e-3), Vec3(1e-3, 1e-3, 1e-3), 0.0, 2, {}};
+  body.grid->regions = {{Vec3::Zero(), Vec3::Zero(), 0.0, 1, pipe}, box};
+  const MeshQuery query(pipe);
+  const auto grid = MakeSolidGrid(body);
+  int of_pipe = 0;
+  EachPoint(grid->field(), [&](const Vec3& p, double distance) {
+    if (distance >= 0.0 || query.Nearest(p).distance < 1e-9) return;
+    const bool within = query.WindingNumber(p) > 0.5;
+    of_pipe += within;
+    ASSERT_EQ(grid->Material(p), box.Holds(p) ? 2 : within ? 1 : 0) << p.transpose();
+  });
+  EXPECT_GT(of_pipe, 100);
+  body.grid->regions[0].mesh.triangles.pop_back();
+  EXPECT_THAT(ComplaintOf([&] { MakeSolidGrid(body); }),
+              HasSubstr("box: region 0: the mesh is open along 3 edges"));
+}
+
 TEST(SolidGrid, AgreesWithTheMeshOfABentPipe) {
   const TriangleMesh mesh = MakeBentPipe(0.4e-3, 0.3e-3, 3e-3, 0.5);
   const MeshQuery query(mesh);

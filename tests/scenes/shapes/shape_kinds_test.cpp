@@ -61,7 +61,8 @@ class EveryShape : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(EveryShape, IsASolidOfOnePieceThatDoesNotPassThroughItself) {
   const ShapeKind& kind = ShapeKinds()[GetParam()];
-  const bool about_a_tooth = kind.name == "gingiva" || kind.name == "calculus";
+  const bool about_a_tooth =
+      kind.name == "gingiva" || kind.name == "calculus" || kind.name == "dentine";
   for (std::size_t v = 0; v < std::max<std::size_t>(kind.variants.size(), 1); ++v) {
     if (about_a_tooth && v > 3 && kind.variants[v] != "36") continue;
     SCOPED_TRACE(kind.variants.empty() ? "" : kind.variants[v]);
@@ -69,6 +70,28 @@ TEST_P(EveryShape, IsASolidOfOnePieceThatDoesNotPassThroughItself) {
     ExpectASolidOfModerateSize(mesh);
     ExpectNoPassageThroughItself(mesh);
   }
+}
+
+TEST(Dentine, LiesUnderEnamelThatIsThickestOverTheCuspsAndEndsAtTheNeck) {
+  const auto names = ToothKindNames();
+  const auto molar = static_cast<ToothKind>(std::ranges::find(names, "36") - names.begin());
+  const TriangleMesh tooth = MakeTooth(molar, UsualSize(molar));
+  const TriangleMesh dentine = MakeDentine(molar, UsualSize(molar), 2e-3);
+  const MeshQuery query(dentine);
+  double thickest = 0.0, thinnest = 1.0;
+  for (const Vec3& v : tooth.vertices) {
+    const double under = query.Nearest(v).distance;
+    if (v.y() < 0.0) {  // the root is all dentine
+      EXPECT_TRUE(query.Inside(v)) << v.transpose();
+    } else if (v.y() > 3e-3) {
+      EXPECT_FALSE(query.Inside(v)) << v.transpose();
+      thinnest = std::min(thinnest, under);
+      thickest = std::max(thickest, under);
+    }
+  }
+  EXPECT_GT(thinnest, 0.8e-3);
+  EXPECT_GT(thickest, 2.0e-3);
+  EXPECT_LT(thickest, 3.0e-3);
 }
 
 INSTANTIATE_TEST_SUITE_P(OfKind, EveryShape, testing::Range<std::size_t>(0, ShapeKinds().size()),
