@@ -79,7 +79,8 @@ struct StepReport {
   /// as fit, those of the greatest force.  A soft leaf entered to its rigid core is both.
   std::array<ActiveRow, 7> active;
   int contacts = 0;
-  int soft_contacts = 0;  ///< all of them, listed or not
+  /// All of them, listed or not.  A bur that material holds back is one, and is not listed.
+  int soft_contacts = 0;
   Wrench soft_wrench;     ///< sum of all soft contacts on the tool, at its centroid, in W
   /// Object leaves that vanish with this step, in the order of their contacts.
   std::array<std::int32_t, 7> removed;

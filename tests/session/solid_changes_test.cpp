@@ -166,6 +166,8 @@ TEST_F(SolidChangesTest, ViewersAreShownWhatTheLoopFeels) {
   Begin("a");
   Stroke();
   EXPECT_GT(wire::ToWrench(answer_).force.norm(), 0.02);
+  EXPECT_EQ(answer_.contacts, 1u);
+  EXPECT_EQ(answer_.rows, 0u);  // a station that computed the force from rows would leave it out
   Settle();
   ExpectShown(loop().cuts()[0].field());
   for (const auto& [block, news] : shown_) {

@@ -14,7 +14,8 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
   const Mat3 R_WG = context.q_G.toRotationMatrix();
   StepReport& report = context.report;
   report.contacts = 0;
-  report.soft_contacts = yielding.count;
+  const bool bur_pushes = context.buffers.energies && context.buffers.energies->bur_pushes();
+  report.soft_contacts = yielding.count + (bur_pushes ? 1 : 0);
   if (soft != nullptr) {
     const double* force = soft->force();
     report.soft_wrench = {

@@ -66,7 +66,7 @@ QpResult Energies::Solve(const Kernels& kernels, const double* t, const QpRows& 
 }
 
 bool Energies::pushes() const noexcept {
-  return (soft() != nullptr && soft_->pushes()) || (cut_ && cut_->count() > 0 && cut_->pushes());
+  return (soft() != nullptr && soft_->pushes()) || bur_pushes();
 }
 
 double Energies::Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,

@@ -36,6 +36,7 @@ class Energies {
                  std::span<const int> guess) noexcept;
   /// Whether any pushed there; what all did, of [v; rho phi], over the coupling's stiffness [m].
   bool pushes() const noexcept;
+  bool bur_pushes() const noexcept { return cut_ && cut_->count() > 0 && cut_->pushes(); }
   const double* force() const { return solver_.force(); }
 
   /// Null where no row is soft.

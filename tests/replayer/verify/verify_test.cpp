@@ -409,7 +409,6 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, GoldenRecording, testing::ValuesIn(Catalogue
 TEST(GoldenRecordings, AreThereForEverySceneWhoseMeshesAre) {
   for (const std::string& scene : CatalogueNames()) {
     if (scene == "dragon-buddha") continue;  // the Buddha does not come with the project
-    if (scene == "caries") continue;         // nobody serves what burs cut yet, nor records it
     EXPECT_TRUE(std::filesystem::exists(FileOf(scene))) << scene;
   }
 }

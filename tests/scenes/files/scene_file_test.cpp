@@ -386,11 +386,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadMaterial("ForgottenPoint", "\"static_friction\": 80", "give a number from 0 to 10"),
         BadMaterial("NoHardness", "\"hardness_J\": 0", "hardness_J: 0.000000 is not allowed"),
         BadMaterial("UnknownProperty", "\"hardness\": 1", "did you mean \"hardness_J\"?"),
-        BadRegion("RegionOfNothing", "\"material\": {}", "regions[0]: must say which leaves"),
+        BadRegion("RegionOfNothing", "\"material\": {}", "regions[0]: must say what it paints"),
         BadRegion("RegionTwice",
                   "\"group\": \"a\", \"sphere\": {\"centre_mm\": [0, 0, 0], \"radius_mm\": 1}, "
                   "\"material\": {}",
-                  "regions[0]: must say which leaves it paints in one way"),
+                  "regions[0]: must say what it paints in one way"),
         BadRegion("RegionWithoutMaterial", "\"group\": \"a\"", "regions[0]: material is missing"),
         BadRegion("EmptyBox",
                   "\"box\": {\"min_mm\": [0, 0, 2], \"max_mm\": [1, 1, 1]}, \"material\": {}",
