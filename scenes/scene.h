@@ -31,6 +31,7 @@ struct Material {
   // Of bodies that burs cut (Body::grid; server/physics/cut/README.md has the law):
   double cutting_pressure = 0.0;     ///< p_0 [Pa]: up to it an edge does not enter; 0: no such body
   double cutting_viscosity = 0.0;    ///< kappa [Pa s/m]: what each m/s of the edge adds
+  std::string name{};                ///< what people call it, as "dentine"; several may have one
   std::uint32_t colour = kNoColour;  ///< 0xRRGGBB of what a cut lays bare
   static constexpr std::uint32_t kNoColour = 1u << 24;  ///< viewers choose
 };

@@ -148,8 +148,10 @@ HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice
     return is_there;
   };
   RecordedSample sample{};
+  bool cuts = false;
   reader.Restart();
   while (reader.Next(sample)) {
+    cuts = cuts || sample.type == RecordedType::kSolidBlock;
     wire::HapticPose pose;
     wire::Wrench wrench;
     if (*sample.topic == poses && sample.To(pose)) {
@@ -167,6 +169,8 @@ HandPath ReadHandPath(const std::vector<std::string>& files, const SessionChoice
   }
   HandPath path;
   path.station = session.station;
+  path.run = session.run;
+  path.cuts = cuts;
   path.scene = session.scene;
   for (const HandSample& at : hand) {
     path.time_s.push_back(SecondsBetween(hand.front().time_ns, at.time_ns));
@@ -202,7 +206,8 @@ HandPath TrialIn(const HandPath& path, const std::string& file) {
     const auto at = [&](std::size_t i) { return all.begin() + static_cast<std::ptrdiff_t>(i); };
     return All(at(begin), at(end));
   };
-  HandPath trial{path.station,    path.scene,         part(path.time_s),   part(path.X_WH),
+  HandPath trial{path.station,    path.scene,         path.run,
+                 path.cuts,       part(path.time_s),  part(path.X_WH),
                  part(path.X_WG), part(path.force_N), part(path.torque_Nm)};
   for (double& t : trial.time_s) t -= path.time_s[begin];
   return trial;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,8 @@ namespace palpate {
 /// What a hand did in a recorded session, sample by sample.
 struct HandPath {
   std::string station, scene;
+  std::uint64_t run = 0;
+  bool cuts = false;           ///< its recording tells of solids that were cut
   std::vector<double> time_s;  ///< the station's clock, from 0; each later than the one before
   std::vector<Pose> X_WH;
   std::vector<Pose> X_WG;     ///< of the answer to that pose; empty: not known

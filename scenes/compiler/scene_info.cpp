@@ -70,7 +70,8 @@ std::string MaterialLines(const Body& body) {
                             : std::count(body.leaf_material.begin(), body.leaf_material.end(), m);
     const Material& material = body.materials[m];
     if (body.grid) {
-      text += fmt::format("    material {}, cut by burs at {:g} MPa and {:g} MPa s/mm\n", m,
+      text += fmt::format("    material {}{}, cut by burs at {:g} MPa and {:g} MPa s/mm\n", m,
+                          material.name.empty() ? "" : ", " + material.name,
                           1e-6 * material.cutting_pressure, 1e-9 * material.cutting_viscosity);
       continue;
     }

@@ -112,16 +112,19 @@ flatbuffers::Offset<wire::Grid> PackGrid(const Body& body, flatbuffers::FlatBuff
   if (!body.grid) return 0;
   std::vector<double> pressures, viscosities;
   std::vector<std::uint32_t> colours;
+  std::vector<std::string> names;
   for (const Material& m : body.materials) {
     pressures.push_back(m.cutting_pressure);
     viscosities.push_back(m.cutting_viscosity);
     colours.push_back(m.colour);
+    names.push_back(m.name);
   }
   // What no region has is left out: files that were made before are the same bytes.
   const bool meshed = std::ranges::any_of(
       body.grid->regions, [](const MaterialRegion& r) { return !r.mesh.triangles.empty(); });
   const bool coloured = std::ranges::any_of(
       colours, [](std::uint32_t colour) { return colour != Material::kNoColour; });
+  const bool named = std::ranges::any_of(names, [](const std::string& n) { return !n.empty(); });
   std::vector<wire::Region> regions;
   std::vector<flatbuffers::Offset<wire::RegionMesh>> meshes;
   for (const MaterialRegion& r : body.grid->regions) {
@@ -134,7 +137,8 @@ flatbuffers::Offset<wire::Grid> PackGrid(const Body& body, flatbuffers::FlatBuff
   const auto viscosities_at = out.CreateVector(viscosities);
   return wire::CreateGrid(out, body.grid->spacing, pressures_at, viscosities_at,
                           out.CreateVectorOfStructs(regions), meshed ? out.CreateVector(meshes) : 0,
-                          coloured ? out.CreateVector(colours) : 0);
+                          coloured ? out.CreateVector(colours) : 0,
+                          named ? out.CreateVectorOfStrings(names) : 0);
 }
 
 flatbuffers::Offset<wire::Bur> PackBur(const Body& body, flatbuffers::FlatBufferBuilder& out) {
@@ -341,6 +345,15 @@ void ReadMargin(const wire::Body& in, Body& out) {
   }
 }
 
+/// Names end up in file names, topics, command lines and on terminals, as those of scene files do.
+std::string ReadName(const flatbuffers::String& in) {
+  std::string name = in.str();
+  if (name.size() > kLongestName || !std::ranges::all_of(name, IsOfName)) {
+    throw Error(Quoted(name) + " is not a name");
+  }
+  return name;
+}
+
 void ReadGrid(const wire::Grid* in, Body& out) {
   if (in == nullptr) return;
   const auto all_of_materials = [&](const auto* list) {
@@ -363,6 +376,12 @@ void ReadGrid(const wire::Grid* in, Body& out) {
   if (const auto* colours = in->colours()) {
     Require(all_of_materials(colours), "colours do not add up");
     for (unsigned m = 0; m < out.materials.size(); ++m) out.materials[m].colour = colours->Get(m);
+  }
+  if (const auto* names = in->names()) {
+    Require(all_of_materials(names), "names do not add up");
+    for (unsigned m = 0; m < out.materials.size(); ++m) {
+      out.materials[m].name = ReadName(*names->Get(m));
+    }
   }
   if (in->regions() == nullptr) return;
   const auto* meshes = in->region_meshes();
@@ -402,15 +421,6 @@ Features FromWire(const wire::Features& in) {
 wire::Features ToWire(const Features& f) {
   return {static_cast<wire::Contact>(f.contact), static_cast<wire::Friction>(f.friction),
           f.compliance, f.removal};
-}
-
-/// Names end up in file names, topics, command lines and on terminals, as those of scene files do.
-std::string ReadName(const flatbuffers::String& in) {
-  std::string name = in.str();
-  if (name.size() > kLongestName || !std::ranges::all_of(name, IsOfName)) {
-    throw Error(Quoted(name) + " is not a name");
-  }
-  return name;
 }
 
 Scene ReadScene(const wire::Scene& in) {

@@ -159,7 +159,7 @@ std::uint32_t ReadColour(const JsonNode& node) {
 MaterialDescription ReadMaterial(const JsonNode& node) {
   node.AllowOnly({"stiffness_N_per_m", "youngs_modulus_Pa", "thickness_mm", "static_friction",
                   "dynamic_friction", "hardness_J", "cutting_pressure_MPa",
-                  "cutting_viscosity_MPa_s_per_mm", "colour"});
+                  "cutting_viscosity_MPa_s_per_mm", "colour", "name"});
   MaterialDescription read;
   Material& material = read.material;
   read.where = node.Where();
@@ -196,6 +196,10 @@ MaterialDescription ReadMaterial(const JsonNode& node) {
   if (auto viscosity = node.Find("cutting_viscosity_MPa_s_per_mm")) {
     if (!pressure) viscosity->Fail("belongs to a pressure; add cutting_pressure_MPa or drop it");
     material.cutting_viscosity = 1e9 * viscosity->Number(0.0, 1e4);
+  }
+  if (auto name = node.Find("name")) {
+    if (!pressure) name->Fail("is of what burs cut; add cutting_pressure_MPa or drop it");
+    material.name = ReadName(*name);
   }
   if (auto colour = node.Find("colour")) {
     if (!pressure) colour->Fail("is of what burs cut; add cutting_pressure_MPa or drop it");

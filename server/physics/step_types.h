@@ -81,7 +81,7 @@ struct StepReport {
   int contacts = 0;
   /// All of them, listed or not.  A bur that material holds back is one, and is not listed.
   int soft_contacts = 0;
-  Wrench soft_wrench;     ///< sum of all soft contacts on the tool, at its centroid, in W
+  Wrench soft_wrench;  ///< sum of all soft contacts on the tool, at its centroid, in W
   /// Object leaves that vanish with this step, in the order of their contacts.
   std::array<std::int32_t, 7> removed;
   int removals = 0;

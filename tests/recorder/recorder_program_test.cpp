@@ -202,9 +202,22 @@ TEST_F(RecorderProgramTest, RecordsWhatBursCutSoThatItIsTheSameBitsAgain) {
   EXPECT_GT(sum_N["one"], 10.0);
   EXPECT_LT(sum_N["two"], 0.5 * sum_N["one"]);  // it finds the groove
   EXPECT_GT(sum_N["four"], 0.8 * sum_N["one"]);
-  const Verification verification = Verify({file_}, {});
+  VerifyOptions options;
+  options.volumes = true;
+  const Verification verification = Verify({file_}, options);
   EXPECT_TRUE(verification.good()) << ToText(verification);
-  EXPECT_EQ(verification.sessions.size(), 4u);
+  ASSERT_EQ(verification.sessions.size(), 4u);
+  std::map<std::string, TissueCut> cut;
+  for (const SessionVerdict& session : verification.sessions) {
+    ASSERT_EQ(session.cut.size(), 1u);
+    EXPECT_EQ(session.cut[0].name, "block");
+    cut[session.station] = session.cut[0];
+  }
+  EXPECT_NEAR(cut["one"].before_mm3, 48.0, 0.1);
+  EXPECT_GT(cut["one"].removed_mm3(), 1.0);
+  EXPECT_EQ(cut["two"].before_mm3, cut["one"].after_mm3);
+  EXPECT_GT(cut["two"].removed_mm3(), 0.0);
+  EXPECT_EQ(cut["four"].before_mm3, cut["one"].before_mm3);
 }
 
 TEST_F(RecorderProgramTest, NeedsAFileAndLeavesThoseThatAreThere) {

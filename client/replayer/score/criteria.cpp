@@ -35,8 +35,23 @@ double ShareRight(const Criteria& criteria, const std::vector<std::optional<doub
   return static_cast<double>(right) / static_cast<double>(std::max<std::size_t>(1, depths.size()));
 }
 
+double OfTissue(const Criterion& criterion, const std::string& file,
+                const std::vector<TissueCut>& cut) {
+  const auto tissue = std::ranges::find(cut, criterion.tissue, &TissueCut::name);
+  if (tissue == cut.end()) {
+    std::string names;
+    for (const TissueCut& one : cut) names += (names.empty() ? "" : ", ") + one.name;
+    throw Error(file + ": criterion '" + criterion.name + "': nothing that is cut is called '" +
+                criterion.tissue + "'; " +
+                (names.empty() ? "the scene has no solid" : "there is: " + names));
+  }
+  if (criterion.measure == "removed_mm3") return tissue->removed_mm3();
+  return tissue->before_mm3 > 0.0 ? tissue->after_mm3 / tissue->before_mm3 : 0.0;
+}
+
 double ValueOf(const Criterion& criterion, const Criteria& criteria, const Score& score,
-               const HandPath& trainee, const Grade& grade) {
+               const HandPath& trainee, const std::vector<TissueCut>& cut, const Grade& grade) {
+  if (MeasureOf(criterion.measure).of_tissue) return OfTissue(criterion, criteria.file, cut);
   if (criterion.measure == "force_over_share") return ShareOver(criterion.limit_N, trainee);
   if (criterion.measure == "time_ratio") return score.trainee_s / score.expert_s;
   if (criterion.measure == "sites_right_share") return ShareRight(criteria, grade.depths);
@@ -44,7 +59,7 @@ double ValueOf(const Criterion& criterion, const Criteria& criteria, const Score
 }
 
 Criterion ReadCriterion(const JsonNode& node, bool has_sites) {
-  node.AllowOnly({"name", "why", "measure", "limit_N", "best", "worst", "weight"});
+  node.AllowOnly({"name", "why", "measure", "limit_N", "tissue", "best", "worst", "weight"});
   Criterion criterion;
   criterion.name = node.At("name").String();
   if (auto why = node.Find("why")) criterion.why = why->String();
@@ -54,6 +69,11 @@ Criterion ReadCriterion(const JsonNode& node, bool has_sites) {
     criterion.limit_N = node.At("limit_N").PositiveNumber();
   } else if (auto limit = node.Find("limit_N")) {
     limit->Fail("goes with \"force_over_share\" alone; drop it");
+  }
+  if (MeasureOf(criterion.measure).of_tissue) {
+    criterion.tissue = node.At("tissue").String();
+  } else if (auto tissue = node.Find("tissue")) {
+    tissue->Fail("goes with \"removed_mm3\" and \"left_share\" alone; drop it");
   }
   if (criterion.measure == "sites_right_share" && !has_sites) {
     node.At("measure").Fail("needs \"sites\"; add them, or take another measure");
@@ -93,6 +113,8 @@ const std::vector<Measure> kMeasures = {
     {"turn_mean_deg", "°", "mean difference of rotation", &Score::turn_mean_deg},
     {"time_ratio", "×", "time taken, as a multiple of the expert's"},
     {"sites_right_share", "%", "share of the sites whose depth was probed rightly"},
+    {"removed_mm3", "mm³", "removed by the bur", nullptr, true},
+    {"left_share", "%", "share that the bur left", nullptr, true},
 };
 
 const Measure& MeasureOf(const std::string& name) {
@@ -107,7 +129,8 @@ const char* const kCriteriaToBeginWith =
   "tip_mm": [0, 0, 0],                   // of the tool, in its own frame
   // "best" earns all of a criterion's points, "worst" none, what lies between its share.
   // Measures: force_over_share, force_peak_N, force_rms_N, path_mean_mm, path_max_mm,
-  // turn_mean_deg, time_ratio, sites_right_share.  Shares are from 0 to 1.
+  // turn_mean_deg, time_ratio, sites_right_share; of what a bur cuts, with "tissue": removed_mm3,
+  // left_share.  Shares are from 0 to 1.
   "criteria": [
     {"name": "No more than 25 g", "measure": "force_over_share", "limit_N": 0.245,
      "best": 0, "worst": 0.5, "weight": 2,
@@ -153,8 +176,14 @@ std::optional<double> DepthIn(const ProbingSite& site, const Vec3& tip, const Ha
   return deepest;
 }
 
+bool AsksForCuts(const Criteria& criteria) {
+  return std::ranges::any_of(criteria.criteria, [](const Criterion& criterion) {
+    return MeasureOf(criterion.measure).of_tissue;
+  });
+}
+
 std::optional<Grade> GradeTrial(const Criteria& criteria, const Score& score,
-                                const HandPath& trainee) {
+                                const HandPath& trainee, const std::vector<TissueCut>& cut) {
   if (score.trainee_contact_s == 0.0) return std::nullopt;
   Grade grade;
   for (const ProbingSite& site : criteria.sites) {
@@ -162,7 +191,7 @@ std::optional<Grade> GradeTrial(const Criteria& criteria, const Score& score,
   }
   double weights = 0.0;
   for (const Criterion& criterion : criteria.criteria) {
-    const double value = ValueOf(criterion, criteria, score, trainee, grade);
+    const double value = ValueOf(criterion, criteria, score, trainee, cut, grade);
     const double share = (value - criterion.worst) / (criterion.best - criterion.worst);
     grade.marks.push_back({value, 100.0 * std::clamp(share, 0.0, 1.0)});
     grade.points += criterion.weight * grade.marks.back().points;

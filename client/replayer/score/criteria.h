@@ -6,6 +6,7 @@
 
 #include "client/replayer/hand_path.h"
 #include "client/replayer/score/score.h"
+#include "client/replayer/verify/verify.h"
 
 namespace palpate {
 
@@ -15,6 +16,7 @@ struct Criterion {
   std::string name, why;
   std::string measure;   ///< one of kMeasures
   double limit_N = 0.0;  ///< of "force_over_share"
+  std::string tissue{};  ///< of "removed_mm3" and "left_share"
   double best = 0.0, worst = 1.0;
   double weight = 1.0;
 };
@@ -43,6 +45,7 @@ struct Measure {
   const char* unit;
   const char* text;
   double Score::*of_score = nullptr;  ///< none: it is computed of the trial
+  bool of_tissue = false;             ///< of what was cut
 };
 /// What a criterion may be about.
 extern const std::vector<Measure> kMeasures;
@@ -69,7 +72,11 @@ extern const char* const kCriteriaToBeginWith;
 
 /// Nothing where the trial touches nothing: least force is then no merit.
 /// @param trainee  the trial (TrialIn) that the score is of.
+/// @param cut      what its bur left of each tissue.
+/// Throws Error where a criterion is about a tissue that is none of these.
 std::optional<Grade> GradeTrial(const Criteria& criteria, const Score& score,
-                                const HandPath& trainee);
+                                const HandPath& trainee, const std::vector<TissueCut>& cut = {});
+/// Whether a criterion is about what was cut.
+bool AsksForCuts(const Criteria& criteria);
 
 }  // namespace palpate

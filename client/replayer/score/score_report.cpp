@@ -146,6 +146,7 @@ std::string MarksHtml(const Report& report) {
     const Measure& measure = MeasureOf(criterion.measure);
     std::string what = measure.text;
     if (criterion.limit_N > 0.0) what += fmt::format(", {:g} N", criterion.limit_N);
+    if (!criterion.tissue.empty()) what += ": " + criterion.tissue;
     html +=
         "<tr>" + Cell(Escaped(criterion.name) + "<small>" + Escaped(what) +
                       (criterion.why.empty() ? "" : ". " + Escaped(criterion.why)) + "</small>");
@@ -214,6 +215,60 @@ std::string FiguresHtml(const Report& report) {
   return html + "</table></div>\n";
 }
 
+/// Of a tissue of the expert's; a trial is of the same scene.
+const TissueCut& TissueOf(const std::vector<TissueCut>& cut, const std::string& name) {
+  return *std::ranges::find(cut, name, &TissueCut::name);
+}
+
+std::string CutHtml(const Report& report) {
+  if (report.expert_cut.empty()) return "";
+  std::string html = "<h2>What was cut</h2>\n<div class=\"wide\"><table>\n" +
+                     HeadRow(report, {"tissue", "there was", "expert"});
+  const auto cell = [](const TissueCut& tissue) {
+    const double share = tissue.before_mm3 > 0.0 ? tissue.removed_mm3() / tissue.before_mm3 : 0.0;
+    return fmt::format("{:.2f} mm³<br><span class=\"points\">{:.0f} %</span>", tissue.removed_mm3(),
+                       100.0 * share);
+  };
+  for (const TissueCut& tissue : report.expert_cut) {
+    html += "<tr>" + Cell(Escaped(tissue.name)) +
+            Cell(fmt::format("{:.2f} mm³", tissue.before_mm3)) + Cell(cell(tissue));
+    std::vector<double> removed;
+    for (const auto& cut : report.cuts) {
+      const TissueCut& of_trial = TissueOf(cut, tissue.name);
+      html += Cell(cell(of_trial));
+      removed.push_back(of_trial.removed_mm3());
+    }
+    html += AverageCell(report, AverageOf(removed), 2) + "</tr>\n";
+  }
+  return html + "</table></div>\n";
+}
+
+/// What a recorded session's bur left: the physics computes it again.  Throws Error where that is
+/// not what was recorded.
+std::vector<TissueCut> CutIn(const std::string& file, const HandPath& path) {
+  VerifyOptions options;
+  options.volumes = true;
+  for (SessionVerdict& session : Verify({file}, options).sessions) {
+    if (session.station != path.station || session.run != path.run) continue;
+    if (session.good()) return std::move(session.cut);
+    throw Error(file + ": what station '" + path.station + "' cut cannot be computed again: " +
+                (session.ends.empty() ? "this version gives other forces than were recorded; score "
+                                        "it with the version that recorded it"
+                                      : session.ends));
+  }
+  throw Error(file + ": has no wrench of station '" + path.station + "'; record it anew");
+}
+
+nlohmann::ordered_json JsonOf(const std::vector<TissueCut>& cut) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const TissueCut& tissue : cut) {
+    json.push_back({{"tissue", tissue.name},
+                    {"before_mm3", tissue.before_mm3},
+                    {"removed_mm3", tissue.removed_mm3()}});
+  }
+  return json;
+}
+
 nlohmann::ordered_json TrackJson(const std::string& name, const std::vector<Vec3>& p_m,
                                  const std::vector<double>& force_N,
                                  const std::vector<double>* distance_mm, std::size_t stride) {
@@ -254,10 +309,12 @@ nlohmann::ordered_json JsonOf(const Report& report) {
   nlohmann::ordered_json json;
   if (report.trials.size() == 1) json = JsonOf(report.trials.front().score);
   json["expert"] = report.expert;
+  if (!report.expert_cut.empty()) json["expert_cut"] = JsonOf(report.expert_cut);
   json["trials"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < report.trials.size(); ++i) {
     nlohmann::ordered_json trial = JsonOf(report.trials[i].score);
     trial["trial"] = report.trials[i].name;
+    if (!report.expert_cut.empty()) trial["cut"] = JsonOf(report.cuts[i]);
     if (report.criteria && !report.grades[i]) trial["points"] = nullptr;
     if (report.criteria && report.grades[i]) {
       const Grade& grade = *report.grades[i];
@@ -310,6 +367,8 @@ Report MakeReport(const ScoreOptions& options) {
     return TrialIn(ReadHandPath({file}, choice), file);
   };
   const HandPath expert = read(options.expert, {options.expert_station, "--expert-station"});
+  const bool cuts = expert.cuts || (report.criteria && AsksForCuts(*report.criteria));
+  if (cuts) report.expert_cut = CutIn(options.expert, expert);
   for (std::size_t i = 0; i < options.trials.size(); ++i) {
     const std::string& file = options.trials[i];
     const std::string station = options.stations.empty()       ? ""
@@ -321,8 +380,15 @@ Report MakeReport(const ScoreOptions& options) {
                   expert.scene + "'; give recordings of one scene");
     }
     report.trials.push_back({NameOf(file, station), ScorePath(expert, trial)});
+    report.cuts.push_back(cuts ? CutIn(file, trial) : std::vector<TissueCut>());
+    if (!std::ranges::equal(report.cuts.back(), report.expert_cut, {}, &TissueCut::name,
+                            &TissueCut::name)) {
+      throw Error(file + ": its scene '" + trial.scene +
+                  "' has other tissues than the expert's; give recordings of one scene");
+    }
     if (report.criteria) {
-      report.grades.push_back(GradeTrial(*report.criteria, report.trials.back().score, trial));
+      report.grades.push_back(
+          GradeTrial(*report.criteria, report.trials.back().score, trial, report.cuts.back()));
     }
   }
   return report;
@@ -342,6 +408,13 @@ std::string ToText(const Report& report) {
       text += fmt::format(" {:.{}f}", report.trials.front().score.*figure.expert, figure.digits);
     }
     text += "\n";
+  }
+  for (const TissueCut& tissue : report.expert_cut) {
+    const auto removed = Each(
+        report, [&](std::size_t i) { return TissueOf(report.cuts[i], tissue.name).removed_mm3(); });
+    text +=
+        fmt::format("  {:<34} {:<18} {:.2f} of {:.2f} mm³\n", tissue.name + " removed",
+                    ToText(AverageOf(removed), 2, "mm³"), tissue.removed_mm3(), tissue.before_mm3);
   }
   if (report.criteria) {
     const auto points = PointsOf(report);
@@ -372,6 +445,7 @@ std::string ToHtml(const Report& report) {
       Escaped(names) + ", beside " + Escaped(report.expert) + "</p>\n" + VerdictHtml(report);
   if (trials.size() == 1) html += std::string("<p class=\"quiet\">") + kOneTrial + "</p>\n";
   if (report.criteria) html += MarksHtml(report) + SitesHtml(report);
+  html += CutHtml(report);
   html +=
       "<h2>The paths in space</h2>\n<canvas id=\"space\" role=\"img\" aria-label=\"The hands' "
       "paths; drag to look from elsewhere\"></canvas>\n<div class=\"at\"><label "

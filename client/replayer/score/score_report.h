@@ -13,6 +13,9 @@ namespace palpate {
 struct Report {
   std::string expert;  ///< the recording's name
   std::vector<Trial> trials;
+  /// What burs left of each tissue, the expert's and as trials; empty where nothing can be cut.
+  std::vector<TissueCut> expert_cut;
+  std::vector<std::vector<TissueCut>> cuts;
   std::optional<Criteria> criteria;
   /// As trials, where there are criteria; none of a trial that touches nothing.
   std::vector<std::optional<Grade>> grades;

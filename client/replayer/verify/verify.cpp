@@ -110,10 +110,7 @@ class Scenes {
   }
   void AddHash(const std::string& scene, const std::string& hash) { hashes_[scene] = hash; }
 
-  /// How many objects it has.
-  std::size_t ObjectsOf(const std::string& scene_name) {
-    return Load(scene_name).scene.objects.size();
-  }
+  const Scene& SceneOf(const std::string& name) { return Load(name).scene; }
   const HapticModel& ModelOf(const std::string& scene_name, const std::string& tool_name) {
     Loaded& loaded = Load(scene_name);
     for (const Body& tool : loaded.scene.tools) {
@@ -175,9 +172,9 @@ struct SessionFacts {
 /// One session's loop, fed in the order that it was fed then.
 class SessionReplay {
  public:
-  SessionReplay(const SessionFacts& facts, const HapticModel& model, std::size_t objects,
+  SessionReplay(const SessionFacts& facts, const Scene& scene, const HapticModel& model,
                 std::int64_t began_ns)
-      : facts_(facts), model_(model), objects_(objects), loop_(model), began_ns_(began_ns) {
+      : facts_(facts), scene_(scene), model_(model), loop_(model), began_ns_(began_ns) {
     verdict_.station = facts.station;
     verdict_.scene = facts.scene;
     verdict_.tool = facts.tool;
@@ -187,8 +184,11 @@ class SessionReplay {
   }
 
   /// Before its first pose: what burs of before have left.
-  void Begin(const std::vector<CutField>& cuts) {
+  /// @param volumes  the verdict is to say what of it is cut.
+  void Begin(const std::vector<CutField>& cuts, bool volumes) {
     if (!cuts.empty()) loop_.cuts() = cuts;
+    if (volumes) verdict_.cut = Tissues(loop_.cuts(), &TissueCut::before_mm3);
+    volumes_ = volumes;
   }
   /// That cannot be known.
   void BeginUnknown() {
@@ -220,6 +220,11 @@ class SessionReplay {
   SessionVerdict End(bool cut_off) {
     if (cut_off) ForgetTheLast();
     Advance(true);
+    const auto left =
+        volumes_ ? Tissues(loop_.cuts(), &TissueCut::after_mm3) : std::vector<TissueCut>();
+    for (std::size_t i = 0; i < verdict_.cut.size(); ++i) {
+      verdict_.cut[i].after_mm3 = left[i].after_mm3;
+    }
     verdict_.recorded_s = 1e-9 * static_cast<double>(last_ns_ - first_ns_);
     verdict_.computed_s = 1e-9 * static_cast<double>(computed_ns_);
     if (verdict_.recorded == 0) {
@@ -237,6 +242,24 @@ class SessionReplay {
       --verdict_.recorded;
       ++verdict_.cut_off;
     }
+  }
+
+  /// In the order of solids and materials, those of one name as one.
+  std::vector<TissueCut> Tissues(const std::vector<CutField>& cuts,
+                                 double TissueCut::*volume_mm3) const {
+    std::vector<TissueCut> tissues;
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+      const Body& body = scene_.objects[model_.solids()[i].object];
+      const auto left = cuts[i].VolumeLeft();
+      for (std::size_t m = 0; m < body.materials.size(); ++m) {
+        const std::string& name =
+            body.materials[m].name.empty() ? body.name : body.materials[m].name;
+        auto tissue = std::ranges::find(tissues, name, &TissueCut::name);
+        if (tissue == tissues.end()) tissue = tissues.insert(tissue, TissueCut{name});
+        (*tissue).*volume_mm3 += 1e9 * left[m];
+      }
+    }
+    return tissues;
   }
 
   void Stop(const std::string& why) {
@@ -312,14 +335,17 @@ class SessionReplay {
       const wire::LeafTaken& taken = next_leaf_->second;
       if (taken.leaf == wire::kNoLeaf) {
         loop_.MakeWhole();
+        if (volumes_) verdict_.cut = Tissues(StepState(model_).cuts, &TissueCut::before_mm3);
         continue;
       }
       const auto first_of = [&](std::size_t object) {
-        return object < objects_ ? std::int64_t{forest.FirstLeafOf(static_cast<int>(object))}
-                                 : std::int64_t{forest.leaf_count()};
+        return object < scene_.objects.size()
+                   ? std::int64_t{forest.FirstLeafOf(static_cast<int>(object))}
+                   : std::int64_t{forest.leaf_count()};
       };
       const std::int64_t leaf = first_of(taken.object_index) + taken.leaf;
-      if (taken.object_index >= objects_ || leaf >= first_of(taken.object_index + 1u)) {
+      if (taken.object_index >= scene_.objects.size() ||
+          leaf >= first_of(taken.object_index + 1u)) {
         Stop(fmt::format("a leaf is to go that the scene does not have ({} of object {})",
                          taken.leaf, taken.object_index));
         return false;
@@ -336,9 +362,10 @@ class SessionReplay {
   }
 
   const SessionFacts& facts_;
+  const Scene& scene_;
   const HapticModel& model_;
-  const std::size_t objects_;
   ServoLoop loop_;
+  bool volumes_ = false;
   SessionVerdict verdict_;
   std::map<std::uint64_t, wire::HapticPose> poses_;  // not yet used
   std::deque<std::pair<wire::Wrench, std::int64_t>> waiting_;
@@ -477,10 +504,10 @@ Verification Verify(const std::vector<std::string>& files, const VerifyOptions& 
       }
       const SessionFacts& facts = *session.facts;
       session.replay = std::make_unique<SessionReplay>(
-          facts, scenes.ModelOf(facts.scene, facts.tool), scenes.ObjectsOf(facts.scene), began_ns);
+          facts, scenes.SceneOf(facts.scene), scenes.ModelOf(facts.scene, facts.tool), began_ns);
       const std::pair scene(facts.scene, facts.server_run);
       if (unknown.contains(scene)) session.replay->BeginUnknown();
-      session.replay->Begin(left[scene]);
+      session.replay->Begin(left[scene], options.volumes);
     }
     return *session.replay;
   };

@@ -12,6 +12,14 @@ namespace palpate {
 struct VerifyOptions {
   std::string scene;       ///< for recordings without scenes: name or file; empty: as recorded
   std::string models_dir;  ///< as LoadOptions
+  bool volumes = false;    ///< say what was cut, too
+};
+
+/// What there was and what a session's bur left of a tissue: of all materials of that name.
+struct TissueCut {
+  std::string name;  ///< as the scene has it; "OBJECT" where it has none
+  double before_mm3 = 0.0, after_mm3 = 0.0;
+  double removed_mm3() const { return before_mm3 - after_mm3; }
 };
 
 /// A field of a wrench that is not what the physics gives now.
@@ -33,7 +41,8 @@ struct SessionVerdict {
   std::uint64_t verified = 0;   ///< computed again, the same bits
   std::uint64_t different = 0;  ///< computed again, other bits
   std::optional<WrenchDifference> first;
-  std::string ends;  ///< why no more could be computed; empty: all were
+  std::string ends;            ///< why no more could be computed; empty: all were
+  std::vector<TissueCut> cut;  ///< where that was asked for and the scene has solids
   double recorded_s = 0.0, computed_s = 0.0;
   bool good() const { return recorded > 0 && verified == recorded; }
 };

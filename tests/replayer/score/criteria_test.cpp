@@ -75,6 +75,28 @@ TEST_F(CriteriaTest, GiveTheShareThatLiesBetweenBestAndWorst) {
   EXPECT_NEAR(grade.points, (25.0 + 3 * 75.0) / 4, 0.05);
 }
 
+TEST_F(CriteriaTest, GradeWhatABurLeftOfEachTissue) {
+  const Criteria criteria = Load(R"({"title": "t", "pass": 50, "criteria": [
+    {"name": "decay", "measure": "left_share", "tissue": "caries", "best": 0.1, "worst": 0.5},
+    {"name": "sound", "measure": "removed_mm3", "tissue": "dentine", "best": 1, "worst": 5}]})");
+  EXPECT_TRUE(AsksForCuts(criteria));
+  const HandPath path = Probing(0.006, 1.0);
+  const Score score = ScorePath(path, path);
+  const Grade grade =
+      *GradeTrial(criteria, score, path,
+                  {{"enamel", 200.0, 190.0}, {"dentine", 400.0, 398.0}, {"caries", 8.0, 2.4}});
+  EXPECT_NEAR(grade.marks[0].value, 0.3, 1e-12);
+  EXPECT_NEAR(grade.marks[0].points, 50.0, 1e-9);
+  EXPECT_NEAR(grade.marks[1].value, 2.0, 1e-12);
+  EXPECT_NEAR(grade.marks[1].points, 75.0, 1e-9);
+  const auto complaint = [&](const std::vector<TissueCut>& cut) {
+    return ComplaintOf([&] { GradeTrial(criteria, score, path, cut); });
+  };
+  EXPECT_THAT(complaint({{"bone", 1.0, 1.0}, {"nerve", 1.0, 1.0}}),
+              HasSubstr("'decay': nothing that is cut is called 'caries'; there is: bone, nerve"));
+  EXPECT_THAT(complaint({}), HasSubstr("the scene has no solid"));
+}
+
 TEST(ProbingSite, IsAsDeepAsTheTipGotWithinItsRadius) {
   const ProbingSite site{"s", Vec3::Zero(), -Vec3::UnitY(), 0.002, 0.006, 0.001};
   EXPECT_NEAR(*DepthIn(site, Vec3::Zero(), Probing(0.004, 0.1)), 0.004, 1e-6);
@@ -105,6 +127,11 @@ TEST_F(CriteriaTest, NameTheFieldThatIsWrong) {
   EXPECT_THAT(
       Complaint(with(R"({"name": "a", "measure": "sites_right_share", "best": 1, "worst": 0})")),
       HasSubstr("needs \"sites\""));
+  EXPECT_THAT(Complaint(with(R"({"name": "a", "measure": "left_share", "best": 0, "worst": 1})")),
+              HasSubstr("tissue is missing"));
+  EXPECT_THAT(Complaint(with(R"({"name": "a", "measure": "force_peak_N", "tissue": "pulp",
+                                 "best": 0, "worst": 1})")),
+              HasSubstr("goes with \"removed_mm3\" and \"left_share\" alone"));
 }
 
 struct Text {

@@ -332,6 +332,24 @@ TEST(Average, IsMeanAndDeviationOfASample) {
   EXPECT_DOUBLE_EQ(AverageOf({1.0, 2.0, 3.0}).deviation, 1.0);
 }
 
+TEST(ScoreReport, SetsWhatWasCutBesideTheExpert) {
+  Report report = ReportOf({0.001, 0.003});
+  EXPECT_THAT(ToHtml(report), Not(HasSubstr("What was cut")));
+  report.expert_cut = {{"caries", 8.0, 0.0}, {"pulp", 70.0, 70.0}};
+  report.cuts = {{{"caries", 8.0, 2.0}, {"pulp", 70.0, 69.5}},
+                 {{"caries", 8.0, 4.0}, {"pulp", 70.0, 70.0}}};
+  const std::string html = ToHtml(report);
+  EXPECT_THAT(html, HasSubstr("<td>caries</td><td>8.00 mm³</td><td>8.00 mm³"));
+  EXPECT_THAT(html, HasSubstr("<td>6.00 mm³<br><span class=\"points\">75 %</span></td>"));
+  EXPECT_THAT(html, HasSubstr("<td>5.00 ± 1.41</td>"));
+  EXPECT_THAT(ToText(report), HasSubstr("caries removed                     5.00 ± 1.41 mm³"));
+  const Folder folder;
+  WriteJson(report, folder / "s.json");
+  const auto json = nlohmann::json::parse(std::ifstream(folder / "s.json"));
+  EXPECT_EQ(json["trials"][0]["cut"][1]["removed_mm3"], 0.5);
+  EXPECT_EQ(json["expert_cut"][0]["tissue"], "caries");
+}
+
 TEST(ScoreReport, JudgesByTheAverageOfTheTrials) {
   // 90, 70 and 50 points.
   const Report report = ReportOf({0.001, 0.003, 0.005});

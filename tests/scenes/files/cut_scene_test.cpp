@@ -64,7 +64,8 @@ TEST(CutScene, GoesWholeThroughABundle) {
 
 const std::string kCore = R"("grid_um": 100, "material": {"cutting_pressure_MPa": 0.2},
   "regions": [{"mesh": {"shape": "sphere", "radius_m": 0.001},
-               "material": {"cutting_pressure_MPa": 0.6, "colour": "#8A5a2b"}}])";
+               "material": {"cutting_pressure_MPa": 0.6, "colour": "#8A5a2b",
+               "name": "caries"}}])";
 
 TEST(CutScene, PaintsWhatLiesWithinAMeshAlsoAfterABundle) {
   const Scene scene = Load(SceneText(kBallBur, kCore));
@@ -73,6 +74,8 @@ TEST(CutScene, PaintsWhatLiesWithinAMeshAlsoAfterABundle) {
   EXPECT_EQ(PackScene(back, 7), bytes);
   EXPECT_EQ(back.objects[0].materials[0].colour, Material::kNoColour);
   EXPECT_EQ(back.objects[0].materials[1].colour, 0x8a5a2bu);
+  EXPECT_EQ(back.objects[0].materials[0].name, "");
+  EXPECT_EQ(back.objects[0].materials[1].name, "caries");
   const auto grid = MakeSolidGrid(back.objects[0]);
   EXPECT_EQ(grid->Material(Vec3(0.9e-3, 0, 0)), 1);
   EXPECT_EQ(grid->Material(Vec3(1.1e-3, 0, 0)), 0);
