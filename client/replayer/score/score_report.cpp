@@ -226,7 +226,7 @@ std::string CutHtml(const Report& report) {
                      HeadRow(report, {"tissue", "there was", "expert"});
   const auto cell = [](const TissueCut& tissue) {
     const double share = tissue.before_mm3 > 0.0 ? tissue.removed_mm3() / tissue.before_mm3 : 0.0;
-    return fmt::format("{:.2f} mm³<br><span class=\"points\">{:.0f} %</span>", tissue.removed_mm3(),
+    return fmt::format("{:.2f} mm³<br><span class=\"points\">{:.1f} %</span>", tissue.removed_mm3(),
                        100.0 * share);
   };
   for (const TissueCut& tissue : report.expert_cut) {
