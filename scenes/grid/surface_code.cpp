@@ -8,7 +8,8 @@
 namespace palpate {
 namespace {
 
-constexpr double kStep = 3.0 / 64.0, kBefore = 2.0;  // spacings
+constexpr double kSteps = 21.0;  // of a spacing
+constexpr double kBefore = 2.0;  // spacings
 constexpr std::size_t kNarrow = 256;
 
 /// Corners of the two triangles as those of a quad; false where they are not one: they have to
@@ -51,7 +52,7 @@ void EncodeSurface(const SolidSurface& surface, const Vec3& begin, double spacin
   for (const std::size_t count : {vertices, quads.size(), triangles.size()}) Put(count, code);
   if (vertices == 0) return;
   for (const Vec3& vertex : surface.vertices) {
-    const Vec3 steps = ((vertex - begin) / spacing + Vec3::Constant(kBefore)) / kStep;
+    const Vec3 steps = kSteps * ((vertex - begin) / spacing + Vec3::Constant(kBefore));
     for (int k = 0; k < 3; ++k) {
       code.push_back(static_cast<std::uint8_t>(std::clamp(std::round(steps[k]), 0.0, 255.0)));
     }

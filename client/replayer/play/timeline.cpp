@@ -304,10 +304,13 @@ Timeline::Moment Timeline::At(std::int64_t time_ns) const {
     moment.holds[{state.type, state.name, state.place}] = &state;
     if (state.type != RecordedType::kSceneWhole) continue;
     // Of the scene's changes those up to the last that is undone.
-    std::erase_if(moment.holds, [&](const auto& entry) {
-      const State& held = *entry.second;
-      return IsChange(held.type) && held.name == state.name && held.number <= state.number;
-    });
+    for (const RecordedType type : {RecordedType::kSceneChange, RecordedType::kSolidBlock}) {
+      auto held = moment.holds.lower_bound({type, state.name, 0});
+      const auto end = moment.holds.upper_bound({type, state.name, UINT64_MAX});
+      while (held != end) {
+        held = held->second->number <= state.number ? moment.holds.erase(held) : std::next(held);
+      }
+    }
   }
   return moment;
 }
@@ -325,8 +328,11 @@ bool LeadsTo(const Timeline::Moment& told, const Timeline::Moment& wanted) {
     const Timeline::State* const whole = wanted.WholeOf(held.name);
     const std::uint64_t undone = whole == nullptr ? 0 : whole->number;
     if (held.type == RecordedType::kSceneWhole) return whole != nullptr && undone >= held.number;
-    const bool is_undone = IsChange(held.type) && held.number <= undone;
-    return is_undone || wanted.holds.contains(entry.first);
+    if (IsChange(held.type) && held.number <= undone) return true;
+    const auto later = wanted.holds.find(entry.first);
+    if (later == wanted.holds.end()) return false;
+    // A block of a solid only loses.
+    return held.type != RecordedType::kSolidBlock || later->second->number >= held.number;
   });
 }
 

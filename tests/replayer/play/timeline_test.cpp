@@ -109,6 +109,48 @@ TEST_F(TimelineTest, BringsBackWhatWasScrapedOffAndScrapesItOffAgain) {
   EXPECT_FALSE(leads(8000, 9500)) << "another server";
 }
 
+TEST_F(TimelineTest, HoldsTheNewestOfEachBlockOfASolidUntilItIsUndone) {
+  {
+    RecordingWriter writer({.file = folder_ / "cut.mcap"});
+    AddBundle(writer, {1, 2, 3}, kBegin_ns);
+    const auto add = [&](std::uint64_t change, std::uint32_t block, std::int64_t at_ms) {
+      wire::SolidBlock sample{};
+      wire::FromText("cube", sample.scene);
+      sample.server_run = 77;
+      sample.change = change;
+      sample.block = block;
+      Add(writer, dds::kSolidBlockTopic, sample, kBegin_ns + at_ms * kMs);
+    };
+    add(1, 5, 10);
+    add(2, 6, 20);
+    add(3, 5, 30);
+    wire::SceneWhole whole{};
+    wire::FromText("cube", whole.scene);
+    whole.server_run = 77;
+    whole.last_change = 3;
+    Add(writer, dds::kSceneWholeTopic, whole, kBegin_ns + 40 * kMs);
+    add(4, 6, 50);
+    writer.Close("");
+  }
+  RecordingReader reader({folder_ / "cut.mcap"});
+  const Timeline timeline = TimelineOf(reader);
+  const auto at = [&](std::int64_t at_ms) { return timeline.At(kBegin_ns + at_ms * kMs); };
+  const auto changes = [&](std::int64_t at_ms) {
+    std::vector<std::uint64_t> all;
+    for (const auto& [key, state] : at(at_ms).holds) {
+      if (state->type == RecordedType::kSolidBlock) all.push_back(state->number);
+    }
+    return all;
+  };
+  EXPECT_THAT(changes(25), ElementsAre(1, 2));
+  EXPECT_THAT(changes(35), ElementsAre(3, 2));
+  EXPECT_THAT(changes(45), IsEmpty());
+  EXPECT_THAT(changes(60), ElementsAre(4));
+  EXPECT_TRUE(LeadsTo(at(25), at(35)));
+  EXPECT_FALSE(LeadsTo(at(35), at(25))) << "a block only loses";
+  EXPECT_TRUE(LeadsTo(at(35), at(60)));
+}
+
 TEST_F(TimelineTest, RefusesABundleThatIsNotTheOneOfItsHash) {
   {
     RecordingWriter writer({.file = folder_ / "forged.mcap"});
@@ -200,6 +242,7 @@ TEST(Timeline, TakesBytesThatAreNoSampleForNothing) {
   lesson.Broken(20, dds::kSessionStateTopic, RecordedType::kSessionState);
   lesson.Broken(30, dds::kSceneChangeTopic, RecordedType::kSceneChange);
   lesson.Broken(40, dds::kSceneWholeTopic, RecordedType::kSceneWhole);
+  lesson.Broken(45, dds::kSolidBlockTopic, RecordedType::kSolidBlock);
   lesson.Broken(50, dds::kSceneBundleTopic, RecordedType::kSceneBundle);
   lesson.Write({.file = folder / "a.mcap"});
   RecordingReader reader({folder / "a.mcap"});

@@ -35,7 +35,7 @@ SolidSurface Decode(const std::vector<std::uint8_t>& code, const Vec3& begin, do
   for (std::size_t i = 0; i < vertices; ++i) {
     Vec3 step;
     for (int k = 0; k < 3; ++k) step[k] = static_cast<double>(read.U8());
-    surface.vertices.push_back(begin + spacing * (3.0 / 64.0 * step - Vec3::Constant(2.0)));
+    surface.vertices.push_back(begin + spacing * (step / 21.0 - Vec3::Constant(2.0)));
   }
   const auto index = [&] {
     return static_cast<std::uint32_t>(vertices <= 256 ? read.U8() : read.U16());
@@ -77,7 +77,7 @@ void ExpectSame(const SolidSurface& surface, const Vec3& begin, double spacing) 
   ASSERT_EQ(decoded.vertices.size(), surface.triangles.empty() ? 0 : surface.vertices.size());
   for (std::size_t i = 0; i < decoded.vertices.size(); ++i) {
     const Vec3 off = decoded.vertices[i] - surface.vertices[i];
-    ASSERT_LE(off.cwiseAbs().maxCoeff(), 1.0001 * spacing * 1.5 / 64.0);
+    ASSERT_LE(off.cwiseAbs().maxCoeff(), 1.0001 * spacing / 42.0);
   }
 }
 
