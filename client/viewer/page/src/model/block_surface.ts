@@ -1,6 +1,7 @@
 import type {Vec3} from "./pose";
 import {beginOf, type Block, kBeforeSteps, kSide, kSteps, type Solid} from "./solid";
-import {makeSurface, type Surface} from "./surface";
+import type {Skin} from "./skin";
+import {type Faces, makeSurface, measure, type Surface} from "./surface";
 
 /// A block's triangles, and those of its neighbours that meet them.
 export interface Patch {
@@ -11,9 +12,11 @@ export interface Patch {
 }
 
 export function makePatch(solid: Solid, number: number, block: Block): Patch {
-  const known = new Places(block.vertices);
+  const known = placesOf(block);
   const vertices = Array.from(block.vertices);
   const corners = Array.from(block.triangles);
+  const own = vertices.length / 3;
+  const isOwn = (vertex: number): boolean => vertex >= 0 && vertex < own;
   let beside = 0;
   const count = (value: number): void => void (beside = Math.imul(beside ^ value, 0x01000193));
   solid.forAround(number, (other, _, by) => {
@@ -22,9 +25,9 @@ export function makePatch(solid: Solid, number: number, block: Block): Patch {
     const {triangles} = other;
     for (let t = 0; t < triangles.length; t += 3) {
       const meets =
-        found[triangles[t]!]! >= 0 ||
-        found[triangles[t + 1]!]! >= 0 ||
-        found[triangles[t + 2]!]! >= 0;
+        isOwn(found[triangles[t]!]!) ||
+        isOwn(found[triangles[t + 1]!]!) ||
+        isOwn(found[triangles[t + 2]!]!);
       if (!meets) continue;
       for (let corner = t; corner < t + 3; corner++) {
         const vertex = triangles[corner]!;
@@ -44,21 +47,83 @@ export function makePatch(solid: Solid, number: number, block: Block): Patch {
   return {vertices, corners, own: block.triangles.length, beside};
 }
 
-/// The block's triangles with normals that go by those of its neighbours, too, so that no border shows.
-/// In the object's frame [m].
+/// What is left of the mesh's surface, and what is not.
+const kCut = 0;
+const kLeft = 1;
+
+export interface BlockSurface extends Surface {
+  readonly onMesh: Int32Array; // of each vertex: the mesh's triangle that it is on, or -1
+}
+
+/// The block's triangles with normals that go by those of its neighbours, too, so that no border shows,
+/// and with an edge where cut and uncut meet.  In the object's frame [m].
 export function makeBlockSurface(
   {lattice}: Solid,
   number: number,
   {vertices, corners, own}: Patch,
-): Surface {
-  const surface = makeSurface(Float32Array.from(vertices), Uint32Array.from(corners), own);
-  const {positions} = surface;
+  skin: Skin,
+): BlockSurface {
   const begin = beginOf(lattice, number);
   const step = lattice.spacingM / kSteps;
-  for (let i = 0; i < positions.length; i++) {
-    positions[i] = begin[i % 3]! + step * (positions[i]! - kBeforeSteps);
+  const places = new Float64Array(vertices);
+  for (let i = 0; i < places.length; i++) {
+    places[i] = begin[i % 3]! + step * (places[i]! - kBeforeSteps);
   }
-  return surface;
+  const triangles = new Uint32Array(corners);
+  const faces = measure(places, triangles);
+  const kinds = kindsOf(number, places, triangles, faces, skin);
+  const surface = makeSurface(places, triangles, {own, kinds, faces});
+  const {positions, normals, index} = surface;
+  const onMesh = new Int32Array(surface.source.length).fill(-1);
+  index.forEach((vertex, corner) => {
+    if (kinds[Math.floor(corner / 3)] === kCut || onMesh[vertex]! >= 0) return;
+    const at = 3 * vertex;
+    const [x, y, z] = [positions[at]!, positions[at + 1]!, positions[at + 2]!];
+    onMesh[vertex] = skin.at(number, x, y, z, normals[at]!, normals[at + 1]!, normals[at + 2]!);
+  });
+  return {...surface, onMesh};
+}
+
+/// All corners of a triangle that is left of the mesh are on it, where it faces as the triangle does.
+function kindsOf(
+  number: number,
+  places: Float64Array,
+  triangles: Uint32Array,
+  {faceNormals}: Faces,
+  skin: Skin,
+): Uint8Array {
+  const kinds = new Uint8Array(triangles.length / 3).fill(kCut);
+  const isOn = new Uint8Array(places.length / 3);
+  for (let v = 0; v < isOn.length; v++) {
+    isOn[v] = skin.isAt(number, places[3 * v]!, places[3 * v + 1]!, places[3 * v + 2]!) ? 1 : 0;
+  }
+  for (let t = 0; t < triangles.length; t += 3) {
+    let isLeft = true;
+    for (let corner = t; isLeft && corner < t + 3; corner++) {
+      const v = triangles[corner]!;
+      isLeft =
+        isOn[v] === 1 &&
+        skin.at(
+          number,
+          places[3 * v]!,
+          places[3 * v + 1]!,
+          places[3 * v + 2]!,
+          faceNormals[t]!,
+          faceNormals[t + 1]!,
+          faceNormals[t + 2]!,
+        ) >= 0;
+    }
+    if (isLeft) kinds[t / 3] = kLeft;
+  }
+  return kinds;
+}
+
+const kPlaces = new WeakMap<Block, Places>();
+
+function placesOf(block: Block): Places {
+  let places = kPlaces.get(block);
+  if (!places) kPlaces.set(block, (places = new Places(block.vertices)));
+  return places;
 }
 
 /// The vertices of a block by where they are: neighbours share them.

@@ -4,19 +4,14 @@ import type {Vec3} from "./pose";
 import {beginOf, kSide, type Lattice} from "./solid";
 import type {Surface} from "./surface";
 
-/// A place on a mesh: vertices of it, and their shares.
-export interface SkinPlace {
-  readonly vertices: Vec3;
-  readonly shares: Vec3;
-}
-
-/// Farther from the mesh than this a place is not of it, or where it faces elsewhere [h].
+/// Farther from the mesh than this a place is not of it [h]: one row of triangles below a shallow rim.
 const kNear = 0.2;
+/// Nor is what faces elsewhere.
 const kSameWay = 0.8;
 /// Shares of a place in the next triangle, which rounding may have put there.
 const kBeside = -0.02;
-/// A block's triangles reach so far beyond it [h].
-const kBesideH = 2;
+/// A block's triangles, and those that meet them, reach so far beyond it [h].
+const kBesideH = 4;
 /// Its part of the mesh is looked for in that of so many blocks along each axis.
 const kWide = 8;
 
@@ -44,42 +39,68 @@ export class Skin {
     }
   }
 
-  /// @param block  that the place belongs to, or lies beside
-  /// @param p, n   that of a vertex, from `at` on
-  at(block: number, p: Float32Array, n: Float32Array, at: number): SkinPlace | undefined {
-    const {planes} = this;
-    const within = kNear * this.lattice.spacingM;
-    const [x, y, z] = [p[at]!, p[at + 1]!, p[at + 2]!];
-    for (const t of this.trianglesIn(block)) {
-      const [nx, ny, nz] = [planes[4 * t]!, planes[4 * t + 1]!, planes[4 * t + 2]!];
-      if (Math.abs(nx * x + ny * y + nz * z - planes[4 * t + 3]!) > within) continue;
-      if (nx * n[at]! + ny * n[at + 1]! + nz * n[at + 2]! < kSameWay) continue;
-      const shares = this.sharesOf(t, x, y, z);
-      if (Math.min(...shares) < kBeside) continue;
-      const {index} = this.surface;
-      return {vertices: [index[3 * t]!, index[3 * t + 1]!, index[3 * t + 2]!], shares};
-    }
-    return undefined;
+  /// @param block  that the place belongs to, or lies a little beside
+  isAt(block: number, x: number, y: number, z: number): boolean {
+    return this.find(block, x, y, z, 0, 0, 0, -1) >= 0;
   }
 
-  /// Of a place that is projected onto a triangle.
-  private sharesOf(t: number, x: number, y: number, z: number): Vec3 {
-    const {index, positions} = this.surface;
-    const [a, b, c] = [3 * index[3 * t]!, 3 * index[3 * t + 1]!, 3 * index[3 * t + 2]!];
-    const [n0, n1, n2] = this.planes.subarray(4 * t, 4 * t + 3) as unknown as Vec3;
-    /// Twice the area that an edge and the place span, seen along the normal.
-    const area = (i: number, j: number): number => {
-      const [ex, ey, ez] = [
-        positions[j]! - positions[i]!,
-        positions[j + 1]! - positions[i + 1]!,
-        positions[j + 2]! - positions[i + 2]!,
-      ];
-      const [px, py, pz] = [x - positions[i]!, y - positions[i + 1]!, z - positions[i + 2]!];
-      return n0 * (ey * pz - ez * py) + n1 * (ez * px - ex * pz) + n2 * (ex * py - ey * px);
-    };
-    const areas = [area(b, c), area(c, a), area(a, b)] as const;
-    const all = areas[0] + areas[1] + areas[2];
-    return [areas[0] / all, areas[1] / all, areas[2] / all];
+  /// The triangle that a place is on which faces that way (unit), or -1.
+  at(block: number, x: number, y: number, z: number, nx: number, ny: number, nz: number): number {
+    return this.find(block, x, y, z, nx, ny, nz, kSameWay);
+  }
+
+  private find(
+    block: number,
+    x: number,
+    y: number,
+    z: number,
+    nx: number,
+    ny: number,
+    nz: number,
+    alike: number,
+  ): number {
+    const {planes} = this;
+    const within = kNear * this.lattice.spacingM;
+    for (const t of this.trianglesIn(block)) {
+      const px = planes[4 * t]!;
+      const py = planes[4 * t + 1]!;
+      const pz = planes[4 * t + 2]!;
+      if (Math.abs(px * x + py * y + pz * z - planes[4 * t + 3]!) > within) continue;
+      if (px * nx + py * ny + pz * nz < alike) continue;
+      const [a, b, c] = this.sharesOf(t, x, y, z);
+      if (a >= kBeside && b >= kBeside && c >= kBeside) return t;
+    }
+    return -1;
+  }
+
+  /// Of a triangle's corners in a place that is projected onto it.
+  sharesOf(t: number, x: number, y: number, z: number): Vec3 {
+    const {index} = this.surface;
+    const a = 3 * index[3 * t]!;
+    const b = 3 * index[3 * t + 1]!;
+    const c = 3 * index[3 * t + 2]!;
+    const atA = this.area(t, b, c, x, y, z);
+    const atB = this.area(t, c, a, x, y, z);
+    const atC = this.area(t, a, b, x, y, z);
+    const all = atA + atB + atC;
+    return [atA / all, atB / all, atC / all];
+  }
+
+  /// Twice that which an edge and the place span, seen along the normal.
+  private area(t: number, i: number, j: number, x: number, y: number, z: number): number {
+    const {planes} = this;
+    const {positions} = this.surface;
+    const ex = positions[j]! - positions[i]!;
+    const ey = positions[j + 1]! - positions[i + 1]!;
+    const ez = positions[j + 2]! - positions[i + 2]!;
+    const px = x - positions[i]!;
+    const py = y - positions[i + 1]!;
+    const pz = z - positions[i + 2]!;
+    return (
+      planes[4 * t]! * (ey * pz - ez * py) +
+      planes[4 * t + 1]! * (ez * px - ex * pz) +
+      planes[4 * t + 2]! * (ex * py - ey * px)
+    );
   }
 
   private trianglesIn(block: number): readonly number[] {

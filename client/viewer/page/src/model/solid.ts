@@ -8,6 +8,8 @@ export const kSteps = 256;
 export const kBeforeSteps = 4 * kSteps;
 
 const kMostBlocks = 1 << 24;
+const kMostVertices = 5916; // of a block, as there
+const kMostTriangles = 6144;
 const kNarrow = 256; // vertices
 
 /// Where the blocks of a solid are.
@@ -89,9 +91,11 @@ export function readBlock({change, cut, surface}: SolidBlock): Block | undefined
   if (bytes.length < 4) return undefined;
   const [count, triangleCount] = new Uint16Array(bytes.buffer, 0, 2) as unknown as [number, number];
   if (triangleCount === 0) {
+    if (bytes.length > 4) return undefined;
     const none = new Uint16Array();
     return {change, cut, vertices: none, triangles: none, materials: new Uint8Array()};
   }
+  if (count > kMostVertices || triangleCount > kMostTriangles) return undefined;
   const List = count <= kNarrow ? Uint8Array : Uint16Array;
   const begin = 4 + 6 * count;
   const end = begin + 3 * triangleCount * List.BYTES_PER_ELEMENT;

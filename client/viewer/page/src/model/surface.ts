@@ -7,20 +7,31 @@ export interface Surface {
   readonly source: Uint32Array; // of each vertex: which of the mesh's it is
 }
 
+export interface Faces {
+  readonly faceNormals: Float32Array; // unit, by triangle
+  readonly weights: Float32Array; // by corner: the angle there
+}
+
+export interface Part {
+  readonly own: number; // corners that are wanted, the first ones; others count for their normals
+  readonly kinds: Uint8Array; // of each triangle: two kinds meet at an edge, at whatever angle
+  readonly faces: Faces;
+}
+
 /// Faces that meet at more than this are an edge.
 const kCreaseDeg = 40;
 /// Normals that are nearer to each other are one.
 const kSameCosine = 0.9995;
 
-/// @param wanted  corners of the triangles that are, the first ones; the rest lie beside them, and count
-///                for their normals
+/// @param part  of a larger one: all of it is wanted where there is none
 export function makeSurface(
-  vertices: Float32Array,
+  vertices: Float32Array | Float64Array,
   triangles: Uint32Array,
-  wanted = triangles.length,
+  part?: Part,
 ): Surface {
   const corners = triangles.length;
-  const {faceNormals, weights} = measure(vertices, triangles);
+  const {own: wanted, kinds} = part ?? {own: corners, kinds: undefined};
+  const {faceNormals, weights} = part?.faces ?? measure(vertices, triangles);
 
   // The corners at each vertex, as a list of lists in two arrays.
   const begin = new Uint32Array(vertices.length / 3 + 1);
@@ -33,6 +44,7 @@ export function makeSurface(
   const positions: number[] = [];
   const normals: number[] = [];
   const source: number[] = [];
+  const kindOf: number[] = []; // likewise
   const index = new Uint32Array(wanted);
   const crease = Math.cos((kCreaseDeg * Math.PI) / 180);
   for (let v = 0; v + 1 < begin.length; v++) {
@@ -43,6 +55,7 @@ export function makeSurface(
       if (corner >= wanted) continue;
       // The mean, by their angles here, of the faces that make no edge with the corner's own.
       const own = corner - (corner % 3);
+      const kind = kinds?.[own / 3] ?? 0;
       const ownX = faceNormals[own]!;
       const ownY = faceNormals[own + 1]!;
       const ownZ = faceNormals[own + 2]!;
@@ -52,6 +65,7 @@ export function makeSurface(
       for (let j = begin[v]!; j < end; j++) {
         const other = cornersOf[j]!;
         const face = other - (other % 3);
+        if (kinds && kinds[face / 3] !== kind) continue;
         const faceX = faceNormals[face]!;
         const faceY = faceNormals[face + 1]!;
         const faceZ = faceNormals[face + 2]!;
@@ -68,12 +82,14 @@ export function makeSurface(
       let k = first;
       while (
         k < source.length &&
-        normals[3 * k]! * x + normals[3 * k + 1]! * y + normals[3 * k + 2]! * z <= kSameCosine
+        (kindOf[k] !== kind ||
+          normals[3 * k]! * x + normals[3 * k + 1]! * y + normals[3 * k + 2]! * z <= kSameCosine)
       ) {
         k += 1;
       }
       if (k === source.length) {
         source.push(v);
+        kindOf.push(kind);
         positions.push(vertices[3 * v]!, vertices[3 * v + 1]!, vertices[3 * v + 2]!);
         normals.push(x, y, z);
       }
@@ -81,18 +97,14 @@ export function makeSurface(
     }
   }
   return {
-    positions: Float32Array.from(positions),
-    normals: Float32Array.from(normals),
+    positions: new Float32Array(positions),
+    normals: new Float32Array(normals),
     index,
-    source: Uint32Array.from(source),
+    source: new Uint32Array(source),
   };
 }
 
-/// Unit normals by triangle, and by corner the angle there.
-function measure(
-  vertices: Float32Array,
-  triangles: Uint32Array,
-): {faceNormals: Float32Array; weights: Float32Array} {
+export function measure(vertices: Float32Array | Float64Array, triangles: Uint32Array): Faces {
   const faceNormals = new Float32Array(triangles.length);
   const weights = new Float32Array(triangles.length);
   for (let t = 0; t < triangles.length; t += 3) {

@@ -16,7 +16,7 @@ import {
 } from "three";
 
 import type {Body} from "../model/bundle";
-import {makeBlockSurface, makePatch} from "../model/block_surface";
+import {type BlockSurface, makeBlockSurface, makePatch} from "../model/block_surface";
 import {Skin} from "../model/skin";
 import {type Block, kSide, type Lattice, type Solid} from "../model/solid";
 import type {Surface} from "../model/surface";
@@ -191,8 +191,10 @@ export class CutMesh {
 
   /// Its colours are others.
   forgetColours(): void {
-    for (const drawn of this.drawn.values()) drawn.block = undefined;
-    this.version = -1;
+    for (const drawn of this.drawn.values()) {
+      drawn.block = undefined;
+      this.version = -1;
+    }
   }
 
   catchUp(solid: Solid | undefined, paint: Paint): void {
@@ -230,8 +232,8 @@ export class CutMesh {
       const patch = makePatch(solid, number, block);
       if (drawn.block === block && drawn.beside === patch.beside) continue;
       [drawn.block, drawn.beside] = [block, patch.beside];
-      const surface = makeBlockSurface(solid, number, patch);
-      this.write(number, block, drawn.pages, surface, colours, paint);
+      const surface = makeBlockSurface(solid, number, patch, this.skin!);
+      this.write(block, drawn.pages, surface, colours, paint);
     }
     this.mesh.geometry.setDrawRange(0, this.pages * kPageCorners);
   }
@@ -253,14 +255,13 @@ export class CutMesh {
   }
 
   private write(
-    number: number,
     block: Block,
     pages: number[],
-    of: Surface,
+    of: BlockSurface,
     colours: readonly Color[],
     paint: Paint,
   ): void {
-    const {positions, normals, index} = of;
+    const {positions, normals, index, onMesh} = of;
     const count = of.source.length;
     const needed = Math.max(
       Math.ceil(count / kPageVertices),
@@ -290,7 +291,7 @@ export class CutMesh {
         to[at + 6 + k] = tints[4 * i + k]! / tints[4 * i + 3]!;
       }
       to[at + 9] = kGloss;
-      this.asBefore(number, positions, normals, i, to, at, paint);
+      if (onMesh[i]! >= 0) this.asBefore(onMesh[i]!, to, at, paint);
     }
     const corners = this.index.array as Uint32Array;
     pages.forEach((page, nth) => {
@@ -309,22 +310,15 @@ export class CutMesh {
   }
 
   /// Where the mesh's surface is left, its normal and colour.
-  private asBefore(
-    number: number,
-    positions: Float32Array,
-    normals: Float32Array,
-    i: number,
-    to: Float32Array,
-    at: number,
-    paint: Paint,
-  ): void {
-    const place = this.skin!.at(number, positions, normals, 3 * i);
-    if (!place) return;
+  /// @param at  where the vertex is in the list
+  private asBefore(triangle: number, to: Float32Array, at: number, paint: Paint): void {
+    const {index, normals} = this.surface;
+    const shares = this.skin!.sharesOf(triangle, to[at]!, to[at + 1]!, to[at + 2]!);
     to.fill(0, at + 3, at + kFloats);
-    place.vertices.forEach((vertex, corner) => {
-      const share = place.shares[corner]!;
+    shares.forEach((share, corner) => {
+      const vertex = index[3 * triangle + corner]!;
       const tint = paint.at(vertex);
-      for (let k = 0; k < 3; k++) to[at + 3 + k]! += share * this.surface.normals[3 * vertex + k]!;
+      for (let k = 0; k < 3; k++) to[at + 3 + k]! += share * normals[3 * vertex + k]!;
       for (let k = 0; k < 4; k++) to[at + 6 + k]! += share * tint[k]!;
     });
   }
