@@ -40,6 +40,34 @@ export const solidBlock = (
 /// 32, z from 0 to 16.
 export const kPitBlock = (2 * 4 + 3) * 4 + 1;
 
+const kTop = (0.025 - 0.016) / kLattice.spacing_m;
+
+/// The eight blocks round that one, which are not cut: their part of the top closes the seam.
+export function aroundPit(scene: string, change: number): object[] {
+  const ranges = [
+    [3.5, 8], // the box begins in the midst of the block
+    [0, 8],
+    [0, 4.5],
+  ] as const;
+  return ranges.flatMap(([x0, x1], i) =>
+    ranges.flatMap(([z0, z1], k) => {
+      if (i === 1 && k === 1) return [];
+      const corners: Place[] = [
+        [x0, kTop, z0],
+        [x0, kTop, z1],
+        [x1, kTop, z1],
+        [x1, kTop, z0],
+      ];
+      const surface = surfaceCode(corners, [
+        [0, 1, 2],
+        [0, 2, 3],
+      ]);
+      const block = kPitBlock + (i - 1) + 4 * 4 * (k - 1);
+      return [solidBlock(scene, block, change, surface, {cut: false})];
+    }),
+  );
+}
+
 /// What is left of the box there: its top, and in it a pit of 12 mm by 12 whose walls are of material 1.
 export function pit(depthM = 0.007): Uint8Array {
   const corner = [
@@ -48,13 +76,12 @@ export function pit(depthM = 0.007): Uint8Array {
     [1, 1],
     [0, 1],
   ] as const;
-  const top = (0.025 - 0.016) / kLattice.spacing_m;
   const square = (low: number, high: number, y: number): Place[] =>
     corner.map(([x, z]) => [x ? high : low, y, z ? high : low]);
   const vertices = [
-    ...square(0, 8, top),
-    ...square(1, 7, top),
-    ...square(1, 7, top - depthM / kLattice.spacing_m),
+    ...square(0, 8, kTop),
+    ...square(1, 7, kTop),
+    ...square(1, 7, kTop - depthM / kLattice.spacing_m),
   ];
   /// Between a square and the next one.
   const ring = (first: number): Place[] =>
