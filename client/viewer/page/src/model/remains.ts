@@ -1,5 +1,5 @@
 import type {SceneChange, SolidBlock} from "../protocol/messages";
-import {latticeOf, readBlock, Solid} from "./solid";
+import {countOf, latticeOf, readBlock, Solid} from "./solid";
 
 /// What has been scraped off a scene's objects, or cut, in whatever order the changes come, and
 /// whether they come before or after the word that they are undone.
@@ -21,11 +21,11 @@ export class Remains {
   cut(of: SolidBlock): boolean {
     if (of.change <= this.undone) return true;
     const lattice = latticeOf(of);
-    const block = lattice && of.block < lattice.blocks.reduce((a, b) => a * b) && readBlock(of);
-    if (!lattice || !block) return false;
+    const block = readBlock(of);
+    if (!lattice || !block || of.block >= countOf(lattice)) return false;
     let solid = this.solids.get(of.objectIndex);
     if (!solid) this.solids.set(of.objectIndex, (solid = new Solid(lattice)));
-    if (`${lattice.blocks}` !== `${solid.lattice.blocks}`) return false;
+    if (lattice.blocks.some((count, axis) => count !== solid.lattice.blocks[axis])) return false;
     solid.set(of.block, block);
     return true;
   }

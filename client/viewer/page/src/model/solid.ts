@@ -75,7 +75,7 @@ export function beginOf({origin, spacingM, blocks}: Lattice, number: number): Ve
   ];
 }
 
-const countOf = ({blocks}: Lattice): number => blocks[0] * blocks[1] * blocks[2];
+export const countOf = ({blocks}: Lattice): number => blocks[0] * blocks[1] * blocks[2];
 
 /// undefined where there is no such lattice.
 export function latticeOf({originM: origin, spacingM, blocks}: SolidBlock): Lattice | undefined {
@@ -102,6 +102,8 @@ export function readBlock({change, cut, surface}: SolidBlock): Block | undefined
   const materials = bytes.subarray(end);
   if (materials.length !== 1 && materials.length !== triangleCount) return undefined;
   const triangles = new List(bytes.buffer, begin, 3 * triangleCount);
-  if (triangles.some((vertex) => vertex >= count)) return undefined;
+  for (let corner = 0; corner < triangles.length; corner++) {
+    if (triangles[corner]! >= count) return undefined;
+  }
   return {change, cut, vertices: new Uint16Array(bytes.buffer, 4, 3 * count), triangles, materials};
 }

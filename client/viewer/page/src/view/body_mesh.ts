@@ -166,15 +166,16 @@ export class BodyMesh {
 
   /// Before it is drawn: many blocks may have come since, and one of them several times.
   catchUp(): void {
-    this.cut?.catchUp(this.solid, this.paintNow());
+    if (this.mesh.visible) this.cut?.catchUp(this.solid, this.paintNow());
   }
 
   private paintNow(): Paint {
     const {color} = this.mesh.material;
     const colours = this.mesh.geometry.getAttribute("color") as BufferAttribute | undefined;
-    const at: Paint["at"] = colours
-      ? (i) => [colours.getX(i), colours.getY(i), colours.getZ(i), colours.getW(i)]
-      : () => [color.r, color.g, color.b, 1];
+    const at: Paint["at"] = (i) =>
+      colours
+        ? [colours.getX(i), colours.getY(i), colours.getZ(i), this.look ? colours.getW(i) : 1]
+        : [color.r, color.g, color.b, 1];
     return {at, hardest: this.look ? kUnderLook : color};
   }
 

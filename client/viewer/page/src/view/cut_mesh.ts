@@ -17,6 +17,7 @@ import {
 
 import type {Body} from "../model/bundle";
 import {type BlockSurface, makeBlockSurface, makePatch} from "../model/block_surface";
+import type {Vec3} from "../model/pose";
 import {Skin} from "../model/skin";
 import {type Block, kSide, type Lattice, type Solid} from "../model/solid";
 import type {Surface} from "../model/surface";
@@ -63,7 +64,7 @@ class CutPlaces {
     this.renew(blocks);
   }
 
-  private renew(blocks: readonly [number, number, number]): void {
+  private renew(blocks: Vec3): void {
     const {uCut} = this.uniforms;
     uCut.value.dispose();
     this.cut = new Uint8Array(blocks[0] * blocks[1] * blocks[2]);
