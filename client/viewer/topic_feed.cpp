@@ -64,6 +64,7 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers) {
       CdrChannel<wire::SceneChange>(kSceneChange, dds::kSceneChangeTopic),
       CdrChannel<wire::SceneWhole>(kSceneWhole, dds::kSceneWholeTopic),
       CdrChannel<wire::SceneBundle>(kSceneBundle, dds::kSceneBundleTopic),
+      CdrChannel<wire::SolidBlock>(kSolidBlock, dds::kSolidBlockTopic),
       JsonChannel(kReplayContents, "replay_contents", "ReplayContents", kReplaySchema),
       JsonChannel(kReplayState, "replay_state", "ReplayState", kReplaySchema),
       JsonChannel(kGoal, "goal", "SceneGoal", kGoalSchema)};
@@ -88,6 +89,7 @@ struct TopicFeed::Readers {
   dds::CdrReader<wire::SessionState> sessions{on, dds::kSessionStateTopic, dds::Qos::kSession};
   dds::CdrReader<wire::SceneChange> changes{on, dds::kSceneChangeTopic, dds::Qos::kSession};
   dds::CdrReader<wire::SceneWhole> wholes{on, dds::kSceneWholeTopic, dds::Qos::kSession};
+  dds::CdrReader<wire::SolidBlock> blocks{on, dds::kSolidBlockTopic, dds::Qos::kSession};
   dds::CdrReader<wire::SceneBundle> bundles{on, dds::kSceneBundleTopic, dds::Qos::kSession};
   dds::CdrReader<wire::ReplayContents> replay_contents{on, dds::kReplayContentsTopic,
                                                        dds::Qos::kSession};
@@ -163,8 +165,9 @@ void TopicFeed::Succeed() {
   readers_ = std::make_unique<Readers>(participant_);
 }
 
-void TopicFeed::Keep(const FramePtr& frame, const std::string& name, std::uint64_t number) {
-  kept_[{frame->channel, name, number}] = frame;
+void TopicFeed::Keep(const FramePtr& frame, const std::string& name, std::uint64_t number,
+                     std::uint64_t change) {
+  kept_[{frame->channel, name, number}] = {frame, change};
 }
 
 /// @param use   (frame, sample)   @param over  (origin, sample): its instance is disposed; the
@@ -211,9 +214,16 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
         [&](const FramePtr& frame, const wire::SceneChange& sample) {
           if (!IsCurrent(sample.server_run, frame->origin)) return;
           if (sample.change <= undone_[sample.scene]) return;
-          Keep(frame, sample.scene, sample.change);
+          Keep(frame, sample.scene, sample.change, sample.change);
           on_frame(frame);
         });
+  Drain(readers_->blocks, kSolidBlock, [&](const FramePtr& frame, const wire::SolidBlock& sample) {
+    if (!IsCurrent(sample.server_run, frame->origin)) return;
+    if (sample.change <= undone_[sample.scene]) return;
+    const std::uint64_t object = sample.object_index;
+    Keep(frame, sample.scene, object << 32 | sample.block, sample.change);
+    on_frame(frame);
+  });
   // After the changes: those that it undoes are forgotten.
   Drain(readers_->wholes, kSceneWhole, [&](const FramePtr& frame, const wire::SceneWhole& sample) {
     if (!IsCurrent(sample.server_run, frame->origin)) return;
@@ -221,8 +231,8 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
     if (sample.last_change < undone) return;  // an older word, on a slower way
     undone = sample.last_change;
     std::erase_if(kept_, [&](const auto& entry) {
-      const auto& [channel, scene, number] = entry.first;
-      return channel == kSceneChange && scene == sample.scene && number <= sample.last_change;
+      const std::uint64_t change = entry.second.change;
+      return change > 0 && change <= sample.last_change && std::get<1>(entry.first) == sample.scene;
     });
     Keep(frame, sample.scene, 0);
     on_frame(frame);
@@ -296,7 +306,7 @@ std::vector<FramePtr> TopicFeed::Kept(std::uint32_t channel) const {
   }
   for (auto it = kept_.lower_bound({channel, "", 0});
        it != kept_.end() && std::get<0>(it->first) == channel; ++it) {
-    frames.push_back(it->second);
+    frames.push_back(it->second.frame);
   }
   return frames;
 }

@@ -51,6 +51,7 @@ class TopicFeed {
     kReplayState,
     kReplayAnswer,  ///< not of DDS: the gateway's own, to each viewer of its own wishes
     kGoal,          ///< not of DDS: the gateway's own, what a teacher has set for a scene
+    kSolidBlock,
   };
   /// What viewers are offered.
   /// @param mice    who may have a mouse hears of it.
@@ -98,6 +99,10 @@ class TopicFeed {
     void operator()(const auto&...) const {}
   };
   using KeptKey = std::tuple<std::uint32_t, std::string, std::uint64_t>;  // channel, name, number
+  struct KeptFrame {
+    FramePtr frame;
+    std::uint64_t change = 0;  // of its scene: void where that is undone; 0: none
+  };
 
   template <class T, class Use, class Over = Nothing>
   void Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use, Over over = {});
@@ -110,7 +115,8 @@ class TopicFeed {
   /// Looks whether the current server lives.  Once it has gone, what another has said meanwhile is
   /// heard anew.
   void Succeed();
-  void Keep(const FramePtr& frame, const std::string& name, std::uint64_t number);
+  void Keep(const FramePtr& frame, const std::string& name, std::uint64_t number,
+            std::uint64_t change = 0);
   void PollReplays(const std::function<void(const FramePtr&)>& on_frame);
   /// Of this number, new or known.  A new one takes the place of those that are silent.
   Replay& ReplayOf(std::uint64_t number);
@@ -128,7 +134,7 @@ class TopicFeed {
   bool others_heard_ = false;            // while it lives
   bool lives_ = false;                   // when it was last looked at
   std::int64_t looked_ns_ = 0;
-  std::map<KeptKey, FramePtr> kept_;
+  std::map<KeptKey, KeptFrame> kept_;
   std::map<std::string, std::uint64_t> undone_;  // by scene: the last change that is void
   std::map<std::string, SceneBytes> scenes_;
   std::map<std::string, wire::SessionPhase> phases_;  // by station

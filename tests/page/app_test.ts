@@ -26,10 +26,13 @@ import {
   stationStatistics,
   toolState,
 } from "./support/fake_gateway";
-import {kTestScene, kWearable, type TestScene} from "./support/scene_bytes";
+import {kCuttable, kTestScene, kWearable, type TestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
+import {aroundPit, kPitBlock, pit, solidBlock} from "./support/solid_blocks";
 
 const kWearing: TestScene = {...kWearable, name: "wearing"};
+
+const kCut: TestScene = {...kCuttable, name: "cut"};
 
 const kTeeth: TestScene = {
   ...kTestScene,
@@ -44,7 +47,7 @@ const kTeeth: TestScene = {
 let moving: NodeJS.Timeout | undefined;
 let sequence = 0;
 
-atGateway(kTestScene, kWearing, kTeeth);
+atGateway(kTestScene, kWearing, kCut, kTeeth);
 beforeEach(() => void (sequence = 0));
 afterEach(() => clearInterval(moving));
 
@@ -302,6 +305,59 @@ test("what is scraped off vanishes, until a button, or a new run of the server, 
   );
   await eventually("another box", async () => (await picture()) === before);
   expect((await probe(page)).triangles).toBe(whole);
+});
+
+/// Pixels of a picture that are as brown as what is soft within the box, and others that are not as in
+/// another one.
+const comparePixels = (pictures: string[]): Promise<{brown: number; others: number}> =>
+  page.evaluate(async (encoded) => {
+    const [of, than] = await Promise.all(
+      encoded.map(async (png) => {
+        const image = await createImageBitmap(
+          await (await fetch(`data:image/png;base64,${png}`)).blob(),
+        );
+        const canvas = new OffscreenCanvas(image.width, image.height).getContext("2d")!;
+        canvas.drawImage(image, 0, 0);
+        return canvas.getImageData(0, 0, image.width, image.height).data;
+      }),
+    );
+    let [brown, others] = [0, 0];
+    for (let i = 0; i < of!.length; i += 4) {
+      if (of![i]! > 1.6 * of![i + 2]!) brown += 1;
+      else if ([0, 1, 2].some((k) => Math.abs(of![i + k]! - than![i + k]!) > 12)) others += 1;
+    }
+    return {brown, others};
+  }, pictures);
+
+test("what burs cut is gone from the picture, the rest looks as before, and a button makes it whole", async () => {
+  gateway.retain("/palpate/session_state", sessionState("hand", "active", "cut", "ball"));
+  await open({}, "?scene=cut");
+  const button = page.locator("#whole");
+  await eventually("the button", () => button.isVisible());
+  expect(await button.isDisabled()).toBe(true);
+  const before = await stillPicture();
+  const cutPit = (change: number): void => {
+    const around = aroundPit("cut", change);
+    for (const block of [...around, solidBlock("cut", kPitBlock, change, pit())])
+      gateway.send("/palpate/solid_block", block);
+  };
+  cutPit(1);
+  await eventually("the pit", async () => (await picture()) !== before);
+  const cut = await stillPicture();
+  expect(await comparePixels([before, before])).toEqual({brown: 0, others: 0});
+  const {brown, others} = await comparePixels([cut, before]);
+  expect(brown).toBeGreaterThan(200);
+  expect(others).toBeLessThan(brown / 4); // along the pit's rim
+  gateway.onPublish = ({op, scene}) => {
+    if (op !== "whole") return;
+    const about = {server_run: 1n, last_change: 1n, request: 9n, refusal: ""};
+    gateway.send("/palpate/scene_whole", {scene, by: "the page here", ...about});
+  };
+  await button.click();
+  await eventually("the whole box", async () => (await picture()) === before);
+  expect(await button.isDisabled()).toBe(true);
+  cutPit(2);
+  await eventually("the pit again", async () => (await picture()) === cut);
 });
 
 test("scenes are chosen, and remembered in the address", async () => {

@@ -91,6 +91,7 @@ TEST(Gateway, TellsEachViewerWhichChannelsThereAreAndLetsItSubscribeToThemAlone)
            {"/palpate/session_state", "palpate::SessionState"},
            {"/palpate/scene_change", "palpate::SceneChange"},
            {"/palpate/scene_whole", "palpate::SceneWhole"},
+           {"/palpate/solid_block", "palpate::SolidBlock"},
            {"/palpate/scene_bundle", "palpate::SceneBundle"}}) {
     ASSERT_TRUE(by_topic.contains(topic));
     EXPECT_EQ(by_topic[topic]["encoding"], "cdr");

@@ -45,6 +45,16 @@ struct Server {
       ASSERT_TRUE(changes.Write(sample));
     }
   }
+  /// Of object 1 of scene s.
+  void WriteBlock(std::uint32_t block, std::uint64_t change) {
+    wire::SolidBlock sample{};
+    wire::FromText("s", sample.scene);
+    sample.object_index = 1;
+    sample.block = block;
+    sample.change = change;
+    sample.server_run = 1;
+    ASSERT_TRUE(blocks.Write(sample));
+  }
   void WriteTool(const std::string& station) {
     wire::ToolState sample{};
     wire::FromText(station, sample.station);
@@ -61,6 +71,7 @@ struct Server {
   dds::Writer<wire::SceneBundle> bundles{participant, dds::kSceneBundleTopic, dds::Qos::kSession};
   dds::Writer<wire::SessionState> states{participant, dds::kSessionStateTopic, dds::Qos::kSession};
   dds::Writer<wire::SceneChange> changes{participant, dds::kSceneChangeTopic, dds::Qos::kSession};
+  dds::Writer<wire::SolidBlock> blocks{participant, dds::kSolidBlockTopic, dds::Qos::kSession};
   dds::Writer<wire::SceneWhole> wholes{participant, dds::kSceneWholeTopic, dds::Qos::kSession};
   dds::Writer<wire::ToolState> tools{participant, dds::kToolStateTopic, dds::Qos::kStream};
   dds::Writer<wire::ReplayState> replays{participant, dds::kReplayStateTopic, dds::Qos::kSession};
@@ -183,6 +194,32 @@ TEST_F(TopicFeedTest, ForgetsChangesThatAreUndoneWhicheverIsHeardFirst) {
   ASSERT_TRUE(PollUntilKept(TopicFeed::kSceneChange, 2));
   ASSERT_TRUE(dds::FromCdr(feed_.Kept(TopicFeed::kSceneChange)[0]->payload, change));
   EXPECT_EQ(change.change, 8u);
+}
+
+TEST_F(TopicFeedTest, KeepsOfEachBlockOfASolidTheNewestUntilItIsUndone) {
+  for (std::uint64_t change = 1; change <= 5; ++change) server_.WriteBlock(3, change);
+  server_.WriteBlock(4, 6);
+  ASSERT_TRUE(PollUntilKept(TopicFeed::kSolidBlock, 2));
+  const auto kept = [&](std::size_t i) {
+    wire::SolidBlock block{};
+    EXPECT_TRUE(dds::FromCdr(feed_.Kept(TopicFeed::kSolidBlock)[i]->payload, block));
+    return block;
+  };
+  EXPECT_TRUE(PollUntil([&] { return kept(0).change == 5; }));
+  EXPECT_TRUE(feed_.Kept(TopicFeed::kSolidBlock)[0]->state);
+  wire::SceneWhole whole{};
+  wire::FromText("s", whole.scene);
+  whole.server_run = 1;
+  whole.last_change = 5;
+  server_.wholes.Write(whole);
+  ASSERT_TRUE(PollUntilKept(TopicFeed::kSolidBlock, 1));
+  EXPECT_EQ(kept(0).block, 4u);
+  server_.WriteBlock(9, 5);  // on a slower way
+  server_.WriteBlock(3, 7);
+  ASSERT_TRUE(PollUntilKept(TopicFeed::kSolidBlock, 2));
+  EXPECT_EQ(kept(0).change, 7u);
+  server_.WriteBundle("s", 2, {3});
+  EXPECT_TRUE(PollUntilKept(TopicFeed::kSolidBlock, 0));
 }
 
 TEST_F(TopicFeedTest, LetsANewServerTakeThePlaceOfTheFormerWhoseRestIsNotHeard) {
@@ -313,9 +350,9 @@ TEST_F(TopicFeedTest, PassesWishesOnToAReplayThatIsThere) {
 }
 
 TEST(TopicFeed, OffersAMouseAndAReplaysAnswerToThoseWhoMay) {
-  EXPECT_EQ(TopicFeed::Channels(true, true).size(), 12u);
-  EXPECT_EQ(TopicFeed::Channels(false, true).size(), 11u);
-  EXPECT_EQ(TopicFeed::Channels(false, false).size(), 10u);
+  EXPECT_EQ(TopicFeed::Channels(true, true).size(), 13u);
+  EXPECT_EQ(TopicFeed::Channels(false, true).size(), 12u);
+  EXPECT_EQ(TopicFeed::Channels(false, false).size(), 11u);
 }
 
 }  // namespace

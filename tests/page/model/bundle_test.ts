@@ -2,7 +2,7 @@ import {expect, test} from "vitest";
 
 import {readBundle} from "@page/model/bundle";
 
-import {ball, box, kTestScene, sceneBytes} from "../support/scene_bytes";
+import {ball, box, kCuttable, kTestScene, sceneBytes} from "../support/scene_bytes";
 
 test("a bundle's bodies are read as they were written", () => {
   const scene = readBundle(sceneBytes(kTestScene));
@@ -15,6 +15,13 @@ test("a bundle's bodies are read as they were written", () => {
   expect(geometry.radiusM).toBeCloseTo(0.025 * Math.sqrt(3), 7);
   expect(geometry.levels.map(({radii}) => radii.length)).toEqual([8, 12]);
   expect(scene.objects[0]!.materials[0]!.stiffness).toBe(Infinity);
+  expect(scene.isCut).toBe(false);
+});
+
+test("what burs cut is known, and what that takes", () => {
+  const scene = readBundle(sceneBytes(kCuttable));
+  expect(scene.isCut).toBe(true);
+  expect(scene.objects[0]!.cutPressuresPa).toEqual([3e6, 1e5]);
 });
 
 test("the header of a bundle file is passed over, wherever the bytes lie", () => {

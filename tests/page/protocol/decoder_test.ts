@@ -10,6 +10,7 @@ import {
   toMouseState,
   toSceneChange,
   toSessionState,
+  toSolidBlock,
   toStationStatistics,
   toToolState,
 } from "@page/protocol/messages";
@@ -23,6 +24,7 @@ import {
   stationStatistics,
   toolState,
 } from "../support/fake_gateway";
+import {kPitBlock, pit, solidBlock} from "../support/solid_blocks";
 
 const channel = (topic: string) => kChannels.find((candidate) => candidate.topic === topic)!;
 const through = (topic: string, value: object): unknown =>
@@ -60,6 +62,11 @@ test("what servers and stations say comes out as it went in", () => {
   const gone = sceneChange("calculus", 2, 1, 40, [5, 6, 7]);
   expect(toSceneChange(through("/palpate/scene_change", gone))).toMatchObject({
     ...{change: 2, objectIndex: 1, leaf: 40, triangles: [5, 6, 7]},
+  });
+  const block = solidBlock("cube", kPitBlock, 9, pit(), {object: 2, cut: false});
+  expect(toSolidBlock(through("/palpate/solid_block", block))).toEqual({
+    ...{scene: "cube", objectIndex: 2, block: kPitBlock, change: 9, serverRun: "1", cut: false},
+    ...{originM: [-0.032, -0.032, -0.032], spacingM: 0.002, blocks: [4, 4, 4], surface: pit()},
   });
 });
 

@@ -39,6 +39,7 @@ export const kChannels: readonly Channel[] = [
   cdrChannel("scene_change", "SceneChange", "session"),
   cdrChannel("station_statistics", "StationStatistics", "teaching"),
   cdrChannel("scene_whole", "SceneWhole", "session"),
+  cdrChannel("solid_block", "SolidBlock", "solid"),
   jsonChannel("mouse_state"),
   jsonChannel("replay_contents"),
   jsonChannel("replay_state"),

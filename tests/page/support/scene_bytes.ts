@@ -8,6 +8,7 @@ import {
   FeaturesT,
   Friction,
   GeometryT,
+  GridT,
   MaterialT,
   PoseT,
   Scene,
@@ -35,6 +36,7 @@ export interface TestBody {
   readonly leaves: readonly Leaf[];
   readonly pose?: Pose;
   readonly materials?: readonly {stiffness: number; hardness: number}[];
+  readonly cutPressuresPa?: readonly number[]; // of what burs cut
 }
 export interface TestScene {
   readonly name: string;
@@ -103,6 +105,11 @@ export const kWearable: TestScene = {
   removal: true,
   objects: [{...kTestScene.objects[0]!, materials: [{stiffness: Infinity, hardness: 1e-5}]}],
 };
+/// Burs cut its box, which is soft within.
+export const kCuttable: TestScene = {
+  ...kTestScene,
+  objects: [{...kTestScene.objects[0]!, cutPressuresPa: [3e6, 1e5]}],
+};
 
 export function sceneBytes(scene: TestScene): Uint8Array {
   const bodies = [...scene.tools, ...scene.objects];
@@ -150,7 +157,10 @@ function geometryOf({mesh, leaves}: TestBody): GeometryT {
 
 const kRigid = [{stiffness: Infinity, hardness: Infinity}];
 
-function bodyOf({name, leaves, pose, materials = kRigid}: TestBody, geometry: number): BodyT {
+function bodyOf(
+  {name, leaves, pose, materials = kRigid, cutPressuresPa}: TestBody,
+  geometry: number,
+): BodyT {
   const {p, q} = pose ?? {p: [0, 0, 0], q: [1, 0, 0, 0]};
   const isPainted = leaves.some(({material}) => material !== undefined);
   return Object.assign(new BodyT(), {
@@ -159,5 +169,6 @@ function bodyOf({name, leaves, pose, materials = kRigid}: TestBody, geometry: nu
     pose: new PoseT(new Vec3T(...p), ...q),
     materials: materials.map(({stiffness, hardness}) => new MaterialT(stiffness, 0, 0, hardness)),
     leafMaterial: isPainted ? leaves.map(({material}) => material ?? 0) : [],
+    grid: cutPressuresPa ? new GridT(50e-6, [...cutPressuresPa]) : null,
   });
 }

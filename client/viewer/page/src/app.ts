@@ -224,8 +224,9 @@ export class App {
   }
 
   private showWhole(): void {
-    const isOffered = this.mayTake && (this.model?.wears ?? false);
-    this.whole.show(isOffered, this.world.remainsOf(this.choice.scene).isWhole);
+    const {model} = this;
+    const changes = model !== undefined && (model.wears || model.isCut);
+    this.whole.show(this.mayTake && changes, this.world.remainsOf(this.choice.scene).isWhole);
   }
 
   private tick(): void {

@@ -42,6 +42,7 @@ export interface Body {
   readonly look: string; // what it is to look like; empty: what its material is
   readonly margin: readonly Vec3[]; // of gum: closed, in its frame; empty: not known
   readonly ambient: Uint8Array; // share of the room that a vertex sees; empty: all see all
+  readonly cutPressuresPa: readonly number[]; // of each material; empty: burs do not cut it
 }
 
 /// From where one looks at first: along -from at a ball, which fills the picture.
@@ -57,6 +58,7 @@ export interface SceneModel {
   readonly objects: readonly Body[];
   readonly soft: boolean; // finite stiffness counts
   readonly wears: boolean; // finite hardness counts
+  readonly isCut: boolean; // by burs, some of its objects
   readonly firstSight: FirstSight | undefined;
 }
 
@@ -82,12 +84,14 @@ export function readBundle(bytes: Uint8Array): SceneModel {
   const bodies = (count: number, at: (i: number) => WireBody | null): Body[] =>
     Array.from({length: count}, (_, i) => readBody(at(i)!, geometries));
   const features = scene.features();
+  const objects = bodies(scene.objectsLength(), (i) => scene.objects(i));
   return {
     name: scene.name() ?? "",
     tools: bodies(scene.toolsLength(), (i) => scene.tools(i)),
-    objects: bodies(scene.objectsLength(), (i) => scene.objects(i)),
+    objects,
     soft: features?.compliance() ?? false,
     wears: features?.removal() ?? false,
+    isCut: objects.some(({cutPressuresPa}) => cutPressuresPa.length > 0),
     firstSight: readFirstSight(scene),
   };
 }
@@ -120,6 +124,7 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
     leafMaterial: body.leafMaterialArray() ?? new Uint8Array(),
     look: body.look() ?? "",
     ambient: body.ambientArray() ?? new Uint8Array(),
+    cutPressuresPa: Array.from(body.grid()?.pressuresArray() ?? []),
     margin: Array.from({length: body.marginLength()}, (_, i) => vec3(body.margin(i)!)),
   };
 }

@@ -1,5 +1,3 @@
-import {Vector3} from "three";
-
 /// A mesh as a graphics card wants it: one normal a vertex, vertices split along creases, so that
 /// round things are smooth and edges stay sharp.  Triangles keep their places.
 export interface Surface {
@@ -9,14 +7,31 @@ export interface Surface {
   readonly source: Uint32Array; // of each vertex: which of the mesh's it is
 }
 
+export interface Faces {
+  readonly faceNormals: Float32Array; // unit, by triangle
+  readonly weights: Float32Array; // by corner: the angle there
+}
+
+export interface Part {
+  readonly own: number; // corners that are wanted, the first ones; others count for their normals
+  readonly kinds: Uint8Array; // of each triangle: two kinds meet at an edge, at whatever angle
+  readonly faces: Faces;
+}
+
 /// Faces that meet at more than this are an edge.
 const kCreaseDeg = 40;
 /// Normals that are nearer to each other are one.
 const kSameCosine = 0.9995;
 
-export function makeSurface(vertices: Float32Array, triangles: Uint32Array): Surface {
+/// @param part  of a larger one: all of it is wanted where there is none
+export function makeSurface(
+  vertices: Float32Array | Float64Array,
+  triangles: Uint32Array,
+  part?: Part,
+): Surface {
   const corners = triangles.length;
-  const {faceNormals, weights} = measure(vertices, triangles);
+  const {own: wanted, kinds} = part ?? {own: corners, kinds: undefined};
+  const {faceNormals, weights} = part?.faces ?? measure(vertices, triangles);
 
   // The corners at each vertex, as a list of lists in two arrays.
   const begin = new Uint32Array(vertices.length / 3 + 1);
@@ -29,60 +44,93 @@ export function makeSurface(vertices: Float32Array, triangles: Uint32Array): Sur
   const positions: number[] = [];
   const normals: number[] = [];
   const source: number[] = [];
-  const index = new Uint32Array(corners);
+  const kindOf: number[] = []; // likewise
+  const index = new Uint32Array(wanted);
   const crease = Math.cos((kCreaseDeg * Math.PI) / 180);
-  const [own, face, normal] = [new Vector3(), new Vector3(), new Vector3()];
-  const faceOf = (corner: number): number => corner - (corner % 3);
   for (let v = 0; v + 1 < begin.length; v++) {
     const first = source.length;
-    const around = cornersOf.subarray(begin[v]!, begin[v + 1]!);
-    for (const corner of around) {
+    const end = begin[v + 1]!;
+    for (let i = begin[v]!; i < end; i++) {
+      const corner = cornersOf[i]!;
+      if (corner >= wanted) continue;
       // The mean, by their angles here, of the faces that make no edge with the corner's own.
-      own.fromArray(faceNormals, faceOf(corner));
-      normal.set(0, 0, 0);
-      for (const other of around) {
-        face.fromArray(faceNormals, faceOf(other));
-        if (own.dot(face) >= crease) normal.addScaledVector(face, weights[other]!);
+      const own = corner - (corner % 3);
+      const kind = kinds?.[own / 3] ?? 0;
+      const ownX = faceNormals[own]!;
+      const ownY = faceNormals[own + 1]!;
+      const ownZ = faceNormals[own + 2]!;
+      let x = 0;
+      let y = 0;
+      let z = 0;
+      for (let j = begin[v]!; j < end; j++) {
+        const other = cornersOf[j]!;
+        const face = other - (other % 3);
+        if (kinds && kinds[face / 3] !== kind) continue;
+        const faceX = faceNormals[face]!;
+        const faceY = faceNormals[face + 1]!;
+        const faceZ = faceNormals[face + 2]!;
+        if (ownX * faceX + ownY * faceY + ownZ * faceZ < crease) continue;
+        const weight = weights[other]!;
+        x += weight * faceX;
+        y += weight * faceY;
+        z += weight * faceZ;
       }
-      normal.normalize();
+      const length = Math.sqrt(x * x + y * y + z * z) || 1;
+      x /= length;
+      y /= length;
+      z /= length;
       let k = first;
-      while (k < source.length && face.fromArray(normals, 3 * k).dot(normal) <= kSameCosine) k += 1;
+      while (
+        k < source.length &&
+        (kindOf[k] !== kind ||
+          normals[3 * k]! * x + normals[3 * k + 1]! * y + normals[3 * k + 2]! * z <= kSameCosine)
+      ) {
+        k += 1;
+      }
       if (k === source.length) {
         source.push(v);
+        kindOf.push(kind);
         positions.push(vertices[3 * v]!, vertices[3 * v + 1]!, vertices[3 * v + 2]!);
-        normals.push(normal.x, normal.y, normal.z);
+        normals.push(x, y, z);
       }
       index[corner] = k;
     }
   }
   return {
-    positions: Float32Array.from(positions),
-    normals: Float32Array.from(normals),
+    positions: new Float32Array(positions),
+    normals: new Float32Array(normals),
     index,
-    source: Uint32Array.from(source),
+    source: new Uint32Array(source),
   };
 }
 
-/// Unit normals by triangle, and by corner the angle there.
-function measure(
-  vertices: Float32Array,
-  triangles: Uint32Array,
-): {faceNormals: Float32Array; weights: Float32Array} {
+export function measure(vertices: Float32Array | Float64Array, triangles: Uint32Array): Faces {
   const faceNormals = new Float32Array(triangles.length);
   const weights = new Float32Array(triangles.length);
-  const [a, b, c, ab, bc, ca] = Array.from({length: 6}, () => new Vector3()) as [
-    ...[Vector3, Vector3, Vector3],
-    ...[Vector3, Vector3, Vector3],
-  ];
   for (let t = 0; t < triangles.length; t += 3) {
-    [a, b, c].forEach((corner, i) => corner.fromArray(vertices, 3 * triangles[t + i]!));
-    ab.subVectors(b, a);
-    bc.subVectors(c, b);
-    ca.subVectors(a, c);
-    weights[t] = Math.PI - ab.angleTo(ca);
-    weights[t + 1] = Math.PI - bc.angleTo(ab);
-    weights[t + 2] = Math.PI - ca.angleTo(bc);
-    ab.cross(bc).normalize().toArray(faceNormals, t);
+    const a = 3 * triangles[t]!;
+    const b = 3 * triangles[t + 1]!;
+    const c = 3 * triangles[t + 2]!;
+    const abX = vertices[b]! - vertices[a]!;
+    const abY = vertices[b + 1]! - vertices[a + 1]!;
+    const abZ = vertices[b + 2]! - vertices[a + 2]!;
+    const acX = vertices[c]! - vertices[a]!;
+    const acY = vertices[c + 1]! - vertices[a + 1]!;
+    const acZ = vertices[c + 2]! - vertices[a + 2]!;
+    const x = abY * acZ - abZ * acY;
+    const y = abZ * acX - abX * acZ;
+    const z = abX * acY - abY * acX;
+    const area = Math.sqrt(x * x + y * y + z * z);
+    const atA = abX * acX + abY * acY + abZ * acZ;
+    const atB = abX * abX + abY * abY + abZ * abZ - atA;
+    const atC = acX * acX + acY * acY + acZ * acZ - atA;
+    weights[t] = Math.atan2(area, atA);
+    weights[t + 1] = Math.atan2(area, atB);
+    weights[t + 2] = Math.atan2(area, atC);
+    const length = area || 1;
+    faceNormals[t] = x / length;
+    faceNormals[t + 1] = y / length;
+    faceNormals[t + 2] = z / length;
   }
   return {faceNormals, weights};
 }

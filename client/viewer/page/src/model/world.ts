@@ -4,6 +4,7 @@ import {
   type SceneGoal,
   type SceneWhole,
   type SessionState,
+  type SolidBlock,
   type StationStatistics,
   toLoopStatistics,
   toReplayContents,
@@ -12,6 +13,7 @@ import {
   toSceneChange,
   toSceneWhole,
   toSessionState,
+  toSolidBlock,
   toStationStatistics,
   type ToolState,
   toToolState,
@@ -31,6 +33,7 @@ export const kTopics = {
   sessionState: "/palpate/session_state",
   sceneChange: "/palpate/scene_change",
   sceneWhole: "/palpate/scene_whole",
+  solidBlock: "/palpate/solid_block",
   mouse: "/palpate/mouse",
   mouseState: "/palpate/mouse_state",
   replay: "/palpate/replay",
@@ -177,6 +180,7 @@ export class World {
   private nowS = -Infinity; // when something was last heard
   private serverRun = "";
   private readonly formerRuns = new Set<string>();
+  private damaged = false; // a block was
 
   constructor(private readonly changed: (change: Change, scene: string) => void) {}
 
@@ -220,6 +224,13 @@ export class World {
         this.changed("remains", change.scene);
         break;
       }
+      case kTopics.solidBlock: {
+        const block = toSolidBlock(value);
+        if (!this.isOfServer(block.serverRun)) break;
+        if (!this.remainsOf(block.scene).cut(block)) this.sayDamaged(block);
+        this.changed("remains", block.scene);
+        break;
+      }
       case kTopics.sceneWhole: {
         const whole = toSceneWhole(value);
         if (!this.isOfServer(whole.serverRun)) break;
@@ -251,7 +262,7 @@ export class World {
     this.forgetSessions();
   }
 
-  /// What has been scraped off.
+  /// What has been scraped off, and cut.
   remainsOf(scene: string): Remains {
     let remains = this.remains.get(scene);
     if (!remains) this.remains.set(scene, (remains = new Remains()));
@@ -283,6 +294,14 @@ export class World {
       if (!mover || station.lastArrivalS > mover.lastArrivalS) mover = station;
     }
     return mover;
+  }
+
+  /// Once: others may follow at any rate.
+  private sayDamaged({scene, objectIndex, block}: SolidBlock): void {
+    if (this.damaged) return;
+    this.damaged = true;
+    const where = `block ${block} of object ${objectIndex} of the scene ${scene}`;
+    console.warn(`The surface of ${where} is damaged and not shown, nor are others that are.`);
   }
 
   private receiveToolState(state: ToolState, stampS: number, nowS: number): void {

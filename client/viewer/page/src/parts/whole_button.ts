@@ -2,7 +2,7 @@ import type {SceneWhole} from "../protocol/messages";
 import {element} from "../ui/elements";
 import type {Notice} from "../ui/notice";
 
-/// Has the server make whole what has been scraped off, and says what became of that.
+/// Has the server make whole what has been scraped off or cut, and says what became of that.
 export class WholeButton {
   private readonly button = element("whole", HTMLButtonElement);
   private asked = false;

@@ -1,6 +1,7 @@
 import type {Pose, Quat, Vec3} from "../model/pose";
 
-/// What travels, as the page uses it: idl/teaching.idl, idl/session.idl and idl/replay.idl.  A field that the
+/// What travels, as the page uses it: idl/teaching.idl, idl/session.idl, idl/solid.idl
+/// and idl/replay.idl.  A field that the
 /// sender does not have is zero or empty: an older server is no obstacle.
 
 type Fields = Readonly<Record<string, unknown>>;
@@ -159,6 +160,21 @@ export const toSceneChange = message({
     numbers("triangle")(fields).slice(0, number("triangles")(fields)),
 });
 export type SceneChange = ReturnType<typeof toSceneChange>;
+
+/// What burs leave of a block of an object's grid.
+export const toSolidBlock = message({
+  scene: text("scene"),
+  objectIndex: number("object_index"),
+  block: number("block"),
+  change: number("change"),
+  serverRun: id("server_run"),
+  originM: vec3("origin_m"), // of the grid, in the object's frame
+  spacingM: number("spacing_m"),
+  blocks: vec3("blocks"),
+  cut: flag("cut"),
+  surface: ({surface}): Uint8Array => (surface instanceof Uint8Array ? surface : new Uint8Array()),
+});
+export type SolidBlock = ReturnType<typeof toSolidBlock>;
 
 /// A worn scene has been made whole, or why it has not.
 export const toSceneWhole = message({

@@ -12,8 +12,10 @@ import {
 
 import type {Body, Geometry, SceneModel} from "../model/bundle";
 import type {Pose} from "../model/pose";
+import type {Solid} from "../model/solid";
 import {makeSurface, type Surface} from "../model/surface";
 import {kTissues, tissueByVertex, tissueOf} from "../model/tissue";
+import {CutMesh, type Paint} from "./cut_mesh";
 import {colourAt, glossy} from "./gloss";
 import {type Look, lookOf} from "./looks";
 import {objectColour, type Palette} from "./palette";
@@ -55,6 +57,9 @@ export class SurfaceCache {
   }
 }
 
+/// The hardest of what lies under a look, which is enamel: others are darker.
+const kUnderLook = new Color(0xf3ead8);
+
 export function place(group: Group, pose: Pose): void {
   group.position.set(...pose.p);
   group.quaternion.set(pose.q[1], pose.q[2], pose.q[3], pose.q[0]);
@@ -73,6 +78,8 @@ export class BodyMesh {
   private readonly allTriangles: BufferAttribute;
   private coarse: readonly BufferAttribute[] = [];
   private gone = 0;
+  private readonly cut: CutMesh | undefined; // where burs cut it
+  private solid: Solid | undefined;
 
   constructor(
     readonly body: Body,
@@ -86,27 +93,34 @@ export class BodyMesh {
     this.allTriangles = buffers.getIndex()!;
     this.tissues = role === "object" ? tissueByVertex(body, scene) : undefined;
     this.look = lookOf(body.look);
-    const material = this.look
-      ? glossy(this.look)
-      : new MeshStandardMaterial({
-          roughness: 0.62,
-          metalness: role === "tool" ? 0.08 : 0,
-          vertexColors: this.tissues !== undefined,
-        });
-    if (!this.look) material.onBeforeCompile = paintForScreen;
+    const material = this.makeMaterial();
+    if (!this.look) material.vertexColors = this.tissues !== undefined;
     // Where something is scraped off one sees walls, not what is behind them.
     this.wears = body.materials.some((of) => tissueOf(of, scene) === "wearing");
     material.side = role === "object" && this.wears ? DoubleSide : FrontSide;
     if (this.look) buffers.setAttribute("color", colourAt(this.look, surface, body.ambient));
     this.mesh = new Mesh(buffers, material);
     this.group.add(this.mesh);
+    if (body.cutPressuresPa.length > 0) {
+      this.cut = new CutMesh(body, surface, material, this.makeMaterial());
+      this.mesh.add(this.cut.mesh);
+    }
     place(this.group, body.pose);
     place(this.over, body.pose);
+  }
+
+  private makeMaterial(): MeshStandardMaterial | MeshMatcapMaterial {
+    if (this.look) return glossy(this.look);
+    const metalness = this.role === "tool" ? 0.08 : 0;
+    const material = new MeshStandardMaterial({roughness: 0.62, metalness});
+    material.onBeforeCompile = paintForScreen;
+    return material;
   }
 
   paint(palette: Palette): void {
     const material = this.mesh.material;
     if (this.look) return; // by day and by night the same
+    this.cut?.forgetColours();
     if (this.role === "tool") {
       material.color.copy(palette.tools[this.place_ % palette.tools.length]!);
       return;
@@ -144,6 +158,27 @@ export class BodyMesh {
     return true;
   }
 
+  /// What burs have left of it.
+  setCut(solid: Solid | undefined): boolean {
+    this.solid = solid;
+    return this.cut?.isBehind(solid) ?? false;
+  }
+
+  /// Before it is drawn: many blocks may have come since, and one of them several times.
+  catchUp(): void {
+    if (this.mesh.visible) this.cut?.catchUp(this.solid, this.paintNow());
+  }
+
+  private paintNow(): Paint {
+    const {color} = this.mesh.material;
+    const colours = this.mesh.geometry.getAttribute("color") as BufferAttribute | undefined;
+    const at: Paint["at"] = (i) =>
+      colours
+        ? [colours.getX(i), colours.getY(i), colours.getZ(i), this.look ? colours.getW(i) : 1]
+        : [color.r, color.g, color.b, 1];
+    return {at, hardest: this.look ? kUnderLook : color};
+  }
+
   /// Makes coarser triangles; what is scraped off is told by the triangles that there are.
   async makeCoarser(distancesM: readonly number[]): Promise<void> {
     if (!this.wears) this.coarse = await this.cache.coarser(this.surface, distancesM);
@@ -151,11 +186,13 @@ export class BodyMesh {
 
   /// @param detail  0: all triangles, as where there are no others
   setDetail(detail: number): void {
-    if (this.coarse.length === 0) return;
+    // Beside a cut they would not meet what is left of it.
+    if (this.coarse.length === 0 || this.solid) return;
     this.mesh.geometry.setIndex(this.coarse[detail - 1] ?? this.allTriangles);
   }
 
   dispose(): void {
+    this.cut?.dispose();
     this.mesh.geometry.dispose();
     this.mesh.material.dispose();
   }

@@ -165,6 +165,7 @@ export class SceneView {
     let any = false;
     this.objects.forEach((object, i) => {
       any = object.setGone(this.remains!.trianglesOf(i)) || any;
+      any = object.setCut(this.remains!.solidOf(i)) || any;
     });
     for (const {cloud, isLeaves, object} of this.clouds) {
       if (isLeaves && object >= 0) cloud.setGone(this.remains.leavesOf(object));
@@ -276,6 +277,7 @@ export class SceneView {
     this.sizeCanvas(renderer, hurried ? inMotion.canvas : this.quality.share);
     if (step.anew) {
       this.show(this.still);
+      for (const object of this.objects) object.catchUp();
       renderer.info.reset();
       this.setDetail(hurried ? inMotion.detail : 0);
       layer.draw(scene, eye, step.sheet, hurried ? inMotion.share / inMotion.canvas : 1);

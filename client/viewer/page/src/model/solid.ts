@@ -1,0 +1,109 @@
+import type {SolidBlock} from "../protocol/messages";
+import type {Vec3} from "./pose";
+
+/// Points of the grid along a side of a block.
+export const kSide = 8;
+/// What a block's coordinates count, of a spacing, and where they begin (scenes/grid/surface_code.h).
+export const kSteps = 256;
+export const kBeforeSteps = 4 * kSteps;
+
+const kMostBlocks = 1 << 24;
+const kMostVertices = 5916; // of a block, as there
+const kMostTriangles = 6144;
+const kNarrow = 256; // vertices
+
+/// Where the blocks of a solid are.
+export interface Lattice {
+  readonly origin: Vec3; // in the object's frame [m]
+  readonly spacingM: number;
+  readonly blocks: Vec3;
+}
+
+/// What is left of a solid in a block: lists as they travelled, which nobody changes.
+export interface Block {
+  readonly change: number;
+  readonly cut: boolean; // the object's mesh is not its surface any more
+  readonly vertices: Uint16Array; // x y z, x y z, ... [steps]
+  readonly triangles: Uint8Array | Uint16Array; // counter-clockwise seen from where it is free
+  readonly materials: Uint8Array; // of all triangles, or of each
+}
+
+/// An object that burs have cut: blocks in whatever order they came, the newest of each.
+export class Solid {
+  readonly blocks = new Map<number, Block>();
+  version = 0; // another one: something has changed
+
+  constructor(readonly lattice: Lattice) {}
+
+  set(number: number, block: Block): void {
+    if ((this.blocks.get(number)?.change ?? 0) > block.change) return;
+    this.blocks.set(number, block);
+    this.version += 1;
+  }
+
+  undo(lastChange: number): void {
+    for (const [number, {change}] of this.blocks) {
+      if (change <= lastChange) this.blocks.delete(number);
+    }
+    this.version += 1;
+  }
+
+  /// @param use  (block, its number, where it begins after the one in the middle [blocks])
+  forAround(number: number, use: (block: Block, number: number, by: Vec3) => void): void {
+    const [nx, ny, nz] = this.lattice.blocks;
+    const [x, y, z] = [number % nx, Math.floor(number / nx) % ny, Math.floor(number / nx / ny)];
+    for (let k = Math.max(0, z - 1); k <= Math.min(nz - 1, z + 1); k++) {
+      for (let j = Math.max(0, y - 1); j <= Math.min(ny - 1, y + 1); j++) {
+        for (let i = Math.max(0, x - 1); i <= Math.min(nx - 1, x + 1); i++) {
+          const other = (k * ny + j) * nx + i;
+          const block = other === number ? undefined : this.blocks.get(other);
+          if (block) use(block, other, [i - x, j - y, k - z]);
+        }
+      }
+    }
+  }
+}
+
+/// Where a block begins [m].
+export function beginOf({origin, spacingM, blocks}: Lattice, number: number): Vec3 {
+  const [nx, ny] = blocks;
+  const side = kSide * spacingM;
+  return [
+    origin[0] + side * (number % nx),
+    origin[1] + side * (Math.floor(number / nx) % ny),
+    origin[2] + side * Math.floor(number / nx / ny),
+  ];
+}
+
+export const countOf = ({blocks}: Lattice): number => blocks[0] * blocks[1] * blocks[2];
+
+/// undefined where there is no such lattice.
+export function latticeOf({originM: origin, spacingM, blocks}: SolidBlock): Lattice | undefined {
+  const lattice = {origin, spacingM, blocks};
+  const count = countOf(lattice);
+  const isOne = [...origin, spacingM].every(Number.isFinite) && spacingM > 0;
+  return isOne && count > 0 && count <= kMostBlocks ? lattice : undefined;
+}
+
+/// undefined where the bytes are damaged.
+export function readBlock({change, cut, surface}: SolidBlock): Block | undefined {
+  const bytes = surface.slice(); // on an even address
+  if (bytes.length < 4) return undefined;
+  const [count, triangleCount] = new Uint16Array(bytes.buffer, 0, 2) as unknown as [number, number];
+  if (triangleCount === 0) {
+    if (bytes.length > 4) return undefined;
+    const none = new Uint16Array();
+    return {change, cut, vertices: none, triangles: none, materials: new Uint8Array()};
+  }
+  if (count > kMostVertices || triangleCount > kMostTriangles) return undefined;
+  const List = count <= kNarrow ? Uint8Array : Uint16Array;
+  const begin = 4 + 6 * count;
+  const end = begin + 3 * triangleCount * List.BYTES_PER_ELEMENT;
+  const materials = bytes.subarray(end);
+  if (materials.length !== 1 && materials.length !== triangleCount) return undefined;
+  const triangles = new List(bytes.buffer, begin, 3 * triangleCount);
+  for (let corner = 0; corner < triangles.length; corner++) {
+    if (triangles[corner]! >= count) return undefined;
+  }
+  return {change, cut, vertices: new Uint16Array(bytes.buffer, 4, 3 * count), triangles, materials};
+}
