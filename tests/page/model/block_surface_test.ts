@@ -39,8 +39,8 @@ const strip = (from: Vec3, to: Vec3): Uint8Array => {
 test("normals at a border go by the triangles on both sides of it, and are the same in both blocks", () => {
   const surfaces = surfacesOf(
     new Map([
-      [21, strip([6, 2, 1], [7.5, 2.25, 1])],
-      [22, strip([-0.5, 2.25, 1], [1, 2, 1])],
+      [21, strip([6, 2, 1], [8 - 1 / 3, 2 + 1 / 3, 1])],
+      [22, strip([-1 / 3, 2 + 1 / 3, 1], [1 + 1 / 3, 2, 1])],
       [23, strip([6, 6, 1], [7, 6.2, 1])], // meets none of them
     ]),
   );
@@ -51,7 +51,7 @@ test("normals at a border go by the triangles on both sides of it, and are the s
       .map((v) => [...normals.subarray(3 * v, 3 * v + 3)]);
   };
   // Between blocks 1 and 2 along x.
-  const borderM = -0.032 + 0.016 + 7.5 * 0.002;
+  const borderM = -0.0336 + 2 * 0.0168 - 0.0007;
   const [left, right] = [normalsAt(21, borderM), normalsAt(22, borderM)];
   expect(left.length).toBe(2);
   for (const [x, y, z] of [...left, ...right]) {
@@ -59,12 +59,12 @@ test("normals at a border go by the triangles on both sides of it, and are the s
     expect(y).toBeCloseTo(1, 2);
     expect(z).toBeCloseTo(0, 2);
   }
-  const away = normalsAt(21, -0.032 + 0.016 + 6 * 0.002);
-  expect(away[0]![0]).toBeCloseTo(-Math.sin(Math.atan(0.25 / 1.5)), 2);
+  const away = normalsAt(21, -0.0336 + 0.0168 + 6 * 0.0021);
+  expect(away[0]![0]).toBeCloseTo(-Math.sin(Math.atan(0.2)), 2);
 });
 
 test("a neighbour's news change a patch only where it meets the block", () => {
-  const left = strip([6, 2, 1], [7.5, 2.25, 1]);
+  const left = strip([6, 2, 1], [8 - 1 / 3, 2 + 1 / 3, 1]);
   const besideOf = (right: Uint8Array): number =>
     surfacesOf(
       new Map([
@@ -73,10 +73,10 @@ test("a neighbour's news change a patch only where it meets the block", () => {
       ]),
     )(21).patch.beside;
   const alone = surfacesOf(new Map([[21, left]]))(21).patch.beside;
-  const met = besideOf(strip([-0.5, 2.25, 1], [1, 2, 1]));
+  const met = besideOf(strip([-1 / 3, 2 + 1 / 3, 1], [1 + 1 / 3, 2, 1]));
   expect(met).not.toBe(alone);
-  expect(besideOf(strip([-0.5, 2.25, 1], [1, 2.5, 1]))).not.toBe(met);
-  expect(besideOf(strip([3, 2.25, 1], [4, 2, 1]))).toBe(alone);
+  expect(besideOf(strip([-1 / 3, 2 + 1 / 3, 1], [1 + 1 / 3, 2.5, 1]))).not.toBe(met);
+  expect(besideOf(strip([3, 2 + 1 / 3, 1], [4, 2, 1]))).toBe(alone);
 });
 
 test("what is left of the mesh is known, and what is cut meets it at an edge however shallow", () => {
@@ -98,7 +98,7 @@ test("what is left of the mesh is known, and what is cut meets it at an edge how
 
 test("a place on the mesh is a mean of its triangle's corners", () => {
   const skin = new Skin(cubeSurface, {
-    origin: [-0.032, -0.032, -0.032],
+    origin: [-0.0336, -0.0336, -0.0336],
     spacingM: kLattice.spacing_m,
     blocks: [4, 4, 4],
   });

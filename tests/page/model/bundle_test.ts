@@ -21,7 +21,7 @@ test("a bundle's bodies are read as they were written", () => {
 test("what burs cut is known, and what that takes", () => {
   const scene = readBundle(sceneBytes(kCuttable));
   expect(scene.isCut).toBe(true);
-  expect(scene.objects[0]!.cutPressuresPa).toEqual([3e6, 1e5]);
+  expect(scene.objects[0]!.cutColours).toEqual([0x1000000, 0x5a3a20]);
 });
 
 test("the header of a bundle file is passed over, wherever the bytes lie", () => {

@@ -14,7 +14,7 @@ const kTriangle = [
   [0, 1, 2],
   [2, 1, 0],
 ] as const;
-const place = (x: number) => [x, 0.5, -3.5] as const;
+const place = (x: number) => [x, 0.5, -1.5] as const;
 
 test("a block's bytes come out as they went in, with narrow numbers and with wide ones", () => {
   for (const count of [3, 256, 257]) {
@@ -26,16 +26,29 @@ test("a block's bytes come out as they went in, with narrow numbers and with wid
     shifted.set(surface);
     const block = readBlock({...rest, surface: shifted})!;
     expect(block.vertices.length).toBe(3 * count);
-    expect([...block.vertices.subarray(3, 6)]).toEqual([1024 + 64, 1024 + 128, 128]);
+    expect([...block.vertices.subarray(3, 6)]).toEqual([47, 53, 11]);
     expect([...block.triangles.subarray(0, 3)]).toEqual(last);
     expect([...block.materials]).toEqual([1, 2, 3]);
   }
 });
 
 test("a block may be empty, which also is a cut", () => {
-  const block = readBlock(told(5, 1, Uint8Array.of(0, 0, 0, 0)))!;
+  const block = readBlock(told(5, 1, new Uint8Array(6)))!;
   expect(block.triangles.length).toBe(0);
   expect(block.cut).toBe(true);
+});
+
+test("a quad is two triangles, of what lies behind it", () => {
+  const surface = Uint8Array.from([
+    ...[4, 0, 1, 0, 1, 0], // vertices, quads, triangles
+    ...[42, 42, 42, 63, 42, 42, 63, 63, 42, 42, 63, 42],
+    ...[0, 1, 2, 3],
+    ...[3, 2, 0],
+    ...[7, 5],
+  ]);
+  const block = readBlock(told(5, 1, surface))!;
+  expect([...block.triangles]).toEqual([0, 1, 2, 0, 2, 3, 3, 2, 0]);
+  expect([...block.materials]).toEqual([7, 7, 5]);
 });
 
 test("damaged bytes are no block", () => {
@@ -107,7 +120,7 @@ test("damage is said once, and what came before it stays; another server's scene
   expect(warn.mock.calls).toEqual([[expect.stringMatching(/block 45 of object 0 .* cube/)]]);
   expect(changes[0]).toBe("remains cube");
   expect(world.remainsOf("cube").solidOf(0)!.blocks.get(kPitBlock)!.change).toBe(1);
-  say(1, Uint8Array.of(0, 0, 0, 0), 2n);
+  say(1, new Uint8Array(6), 2n);
   const {blocks} = world.remainsOf("cube").solidOf(0)!;
   expect(blocks.get(kPitBlock)!.triangles.length).toBe(0);
   warn.mockRestore();

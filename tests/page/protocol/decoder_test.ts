@@ -66,7 +66,7 @@ test("what servers and stations say comes out as it went in", () => {
   const block = solidBlock("cube", kPitBlock, 9, pit(), {object: 2, cut: false});
   expect(toSolidBlock(through("/palpate/solid_block", block))).toEqual({
     ...{scene: "cube", objectIndex: 2, block: kPitBlock, change: 9, serverRun: "1", cut: false},
-    ...{originM: [-0.032, -0.032, -0.032], spacingM: 0.002, blocks: [4, 4, 4], surface: pit()},
+    ...{originM: [-0.0336, -0.0336, -0.0336], spacingM: 0.0021, blocks: [4, 4, 4], surface: pit()},
   });
 });
 

@@ -36,7 +36,7 @@ export interface TestBody {
   readonly leaves: readonly Leaf[];
   readonly pose?: Pose;
   readonly materials?: readonly {stiffness: number; hardness: number}[];
-  readonly cutPressuresPa?: readonly number[]; // of what burs cut
+  readonly cutColours?: readonly number[]; // of what burs cut
 }
 export interface TestScene {
   readonly name: string;
@@ -108,7 +108,7 @@ export const kWearable: TestScene = {
 /// Burs cut its box, which is soft within.
 export const kCuttable: TestScene = {
   ...kTestScene,
-  objects: [{...kTestScene.objects[0]!, cutPressuresPa: [3e6, 1e5]}],
+  objects: [{...kTestScene.objects[0]!, cutColours: [0x1000000, 0x5a3a20]}],
 };
 
 export function sceneBytes(scene: TestScene): Uint8Array {
@@ -158,7 +158,7 @@ function geometryOf({mesh, leaves}: TestBody): GeometryT {
 const kRigid = [{stiffness: Infinity, hardness: Infinity}];
 
 function bodyOf(
-  {name, leaves, pose, materials = kRigid, cutPressuresPa}: TestBody,
+  {name, leaves, pose, materials = kRigid, cutColours}: TestBody,
   geometry: number,
 ): BodyT {
   const {p, q} = pose ?? {p: [0, 0, 0], q: [1, 0, 0, 0]};
@@ -169,6 +169,15 @@ function bodyOf(
     pose: new PoseT(new Vec3T(...p), ...q),
     materials: materials.map(({stiffness, hardness}) => new MaterialT(stiffness, 0, 0, hardness)),
     leafMaterial: isPainted ? leaves.map(({material}) => material ?? 0) : [],
-    grid: cutPressuresPa ? new GridT(50e-6, [...cutPressuresPa]) : null,
+    grid: cutColours
+      ? new GridT(
+          50e-6,
+          cutColours.map(() => 1e6),
+          cutColours.map(() => 0),
+          [],
+          [],
+          [...cutColours],
+        )
+      : null,
   });
 }

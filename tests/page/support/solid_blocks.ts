@@ -15,15 +15,19 @@ export function surfaceCode(
   ];
   const indices = triangles.flat();
   return Uint8Array.from([
-    ...words([vertices.length, triangles.length]),
-    ...words(vertices.flat().map((at) => Math.round((at + 4) * 256))),
+    ...words([vertices.length, 0, triangles.length]),
+    ...vertices.flat().map((at) => Math.round((at + 2) * 21)),
     ...(vertices.length <= 256 ? indices : words(indices)),
     ...materials,
   ]);
 }
 
-/// A lattice round the test's box: 4 blocks of 16 mm along each axis.
-export const kLattice = {origin_m: [-0.032, -0.032, -0.032], spacing_m: 0.002, blocks: [4, 4, 4]};
+/// A lattice round the test's box: 4 blocks of 16.8 mm along each axis, in steps of 0.1 mm.
+export const kLattice = {
+  origin_m: [-0.0336, -0.0336, -0.0336],
+  spacing_m: 0.0021,
+  blocks: [4, 4, 4],
+};
 
 export const solidBlock = (
   scene: string,
@@ -36,18 +40,18 @@ export const solidBlock = (
   ...{...kLattice, cut, surface},
 });
 
-/// In the top of the test's box, where the lattice has this block: x from -16 mm to 0, y from 16 mm to
-/// 32, z from 0 to 16.
+/// In the top of the test's box, where the lattice has this block: x from -16.8 mm to 0, y from 16.8 mm
+/// to 33.6, z from 0 to 16.8.
 export const kPitBlock = (2 * 4 + 3) * 4 + 1;
 
-const kTop = (0.025 - 0.016) / kLattice.spacing_m;
+const kTop = (0.025 - 0.0168) / kLattice.spacing_m;
 
 /// The eight blocks round that one, which are not cut: their part of the top closes the seam.
 export function aroundPit(scene: string, change: number): object[] {
   const ranges = [
-    [3.5, 8], // the box begins in the midst of the block
+    [(0.0336 - 0.025) / kLattice.spacing_m, 8], // the box begins in the midst of the block
     [0, 8],
-    [0, 4.5],
+    [0, kTop],
   ] as const;
   return ranges.flatMap(([x0, x1], i) =>
     ranges.flatMap(([z0, z1], k) => {
@@ -68,7 +72,7 @@ export function aroundPit(scene: string, change: number): object[] {
   );
 }
 
-/// What is left of the box there: its top, and in it a pit of 12 mm by 12 whose walls are of material 1.
+/// What is left of the box there: its top, and in it a pit of 12.6 mm by 12.6 whose walls are of material 1.
 export function pit(depthM = 0.007): Uint8Array {
   const corner = [
     [0, 0],

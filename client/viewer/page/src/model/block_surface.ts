@@ -133,7 +133,7 @@ class Places {
   private readonly low: Vec3;
   private readonly high: Vec3;
 
-  constructor(private readonly vertices: Uint16Array) {
+  constructor(private readonly vertices: Uint8Array) {
     const count = vertices.length / 3;
     this.table = new Int16Array(2 << Math.ceil(Math.log2(count + 1))).fill(-1);
     this.mask = this.table.length - 1;

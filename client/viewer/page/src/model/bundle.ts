@@ -42,7 +42,8 @@ export interface Body {
   readonly look: string; // what it is to look like; empty: what its material is
   readonly margin: readonly Vec3[]; // of gum: closed, in its frame; empty: not known
   readonly ambient: Uint8Array; // share of the room that a vertex sees; empty: all see all
-  readonly cutPressuresPa: readonly number[]; // of each material; empty: burs do not cut it
+  readonly cutColours: readonly number[]; // of each material, 0xrrggbb, or 0x1000000: viewers choose;
+  // empty: burs do not cut it
 }
 
 /// From where one looks at first: along -from at a ball, which fills the picture.
@@ -91,7 +92,7 @@ export function readBundle(bytes: Uint8Array): SceneModel {
     objects,
     soft: features?.compliance() ?? false,
     wears: features?.removal() ?? false,
-    isCut: objects.some(({cutPressuresPa}) => cutPressuresPa.length > 0),
+    isCut: objects.some(({cutColours}) => cutColours.length > 0),
     firstSight: readFirstSight(scene),
   };
 }
@@ -124,7 +125,9 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
     leafMaterial: body.leafMaterialArray() ?? new Uint8Array(),
     look: body.look() ?? "",
     ambient: body.ambientArray() ?? new Uint8Array(),
-    cutPressuresPa: Array.from(body.grid()?.pressuresArray() ?? []),
+    cutColours: Array.from(body.grid()?.pressuresArray() ?? [], (_, material) =>
+      body.grid()!.coloursLength() > 0 ? body.grid()!.colours(material)! : 0x1000000,
+    ),
     margin: Array.from({length: body.marginLength()}, (_, i) => vec3(body.margin(i)!)),
   };
 }

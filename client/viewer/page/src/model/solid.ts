@@ -4,8 +4,8 @@ import type {Vec3} from "./pose";
 /// Points of the grid along a side of a block.
 export const kSide = 8;
 /// What a block's coordinates count, of a spacing, and where they begin (scenes/grid/surface_code.h).
-export const kSteps = 256;
-export const kBeforeSteps = 4 * kSteps;
+export const kSteps = 21;
+export const kBeforeSteps = 2 * kSteps;
 
 const kMostBlocks = 1 << 24;
 const kMostVertices = 5916; // of a block, as there
@@ -19,12 +19,12 @@ export interface Lattice {
   readonly blocks: Vec3;
 }
 
-/// What is left of a solid in a block: lists as they travelled, which nobody changes.
+/// What is left of a solid in a block: lists that nobody changes.
 export interface Block {
   readonly change: number;
   readonly cut: boolean; // the object's mesh is not its surface any more
-  readonly vertices: Uint16Array; // x y z, x y z, ... [steps]
-  readonly triangles: Uint8Array | Uint16Array; // counter-clockwise seen from where it is free
+  readonly vertices: Uint8Array; // x y z, x y z, ... [steps]
+  readonly triangles: Uint16Array; // counter-clockwise seen from where it is free
   readonly materials: Uint8Array; // of all triangles, or of each
 }
 
@@ -87,23 +87,38 @@ export function latticeOf({originM: origin, spacingM, blocks}: SolidBlock): Latt
 
 /// undefined where the bytes are damaged.
 export function readBlock({change, cut, surface}: SolidBlock): Block | undefined {
-  const bytes = surface.slice(); // on an even address
-  if (bytes.length < 4) return undefined;
-  const [count, triangleCount] = new Uint16Array(bytes.buffer, 0, 2) as unknown as [number, number];
-  if (triangleCount === 0) {
-    if (bytes.length > 4) return undefined;
-    const none = new Uint16Array();
-    return {change, cut, vertices: none, triangles: none, materials: new Uint8Array()};
+  const words = new DataView(surface.buffer, surface.byteOffset, surface.byteLength);
+  if (words.byteLength < 6) return undefined;
+  const [count, quads, others] = [0, 2, 4].map((at) =>
+    words.getUint16(at, true),
+  ) as unknown as Vec3;
+  const faces = quads + others;
+  const triangles = new Uint16Array(3 * (2 * quads + others));
+  if (count > kMostVertices || triangles.length > 3 * kMostTriangles) return undefined;
+  if (count === 0) {
+    const none = new Uint8Array();
+    const isBare = faces === 0 && words.byteLength === 6;
+    return isBare ? {change, cut, vertices: none, triangles, materials: none} : undefined;
   }
-  if (count > kMostVertices || triangleCount > kMostTriangles) return undefined;
-  const List = count <= kNarrow ? Uint8Array : Uint16Array;
-  const begin = 4 + 6 * count;
-  const end = begin + 3 * triangleCount * List.BYTES_PER_ELEMENT;
-  const materials = bytes.subarray(end);
-  if (materials.length !== 1 && materials.length !== triangleCount) return undefined;
-  const triangles = new List(bytes.buffer, begin, 3 * triangleCount);
-  for (let corner = 0; corner < triangles.length; corner++) {
-    if (triangles[corner]! >= count) return undefined;
+  const wide = count <= kNarrow ? 1 : 2;
+  const begin = 6 + 3 * count;
+  const end = begin + wide * (4 * quads + 3 * others);
+  const left = words.byteLength - end;
+  if (left !== 1 && left !== faces) return undefined;
+  const corner = (nth: number): number =>
+    wide === 1 ? words.getUint8(begin + nth) : words.getUint16(begin + 2 * nth, true);
+  for (let quad = 0; quad < quads; quad++) {
+    const at = [0, 1, 2, 3].map((k) => corner(4 * quad + k)) as [number, number, number, number];
+    triangles.set([at[0], at[1], at[2], at[0], at[2], at[3]], 6 * quad);
   }
-  return {change, cut, vertices: new Uint16Array(bytes.buffer, 4, 3 * count), triangles, materials};
+  for (let i = 0; i < 3 * others; i++) triangles[6 * quads + i] = corner(4 * quads + i);
+  if (triangles.some((vertex) => vertex >= count)) return undefined;
+  const materials = surface.slice(end);
+  const ofTriangles =
+    left === 1
+      ? materials
+      : Uint8Array.from({length: triangles.length / 3}, (_, t) =>
+          t < 2 * quads ? materials[t >> 1]! : materials[t - quads]!,
+        );
+  return {change, cut, vertices: surface.slice(6, begin), triangles, materials: ofTriangles};
 }

@@ -57,7 +57,7 @@ export class SurfaceCache {
   }
 }
 
-/// The hardest of what lies under a look, which is enamel: others are darker.
+/// What lies under a look whose scene does not say.
 const kUnderLook = new Color(0xf3ead8);
 
 export function place(group: Group, pose: Pose): void {
@@ -101,7 +101,7 @@ export class BodyMesh {
     if (this.look) buffers.setAttribute("color", colourAt(this.look, surface, body.ambient));
     this.mesh = new Mesh(buffers, material);
     this.group.add(this.mesh);
-    if (body.cutPressuresPa.length > 0) {
+    if (body.cutColours.length > 0) {
       this.cut = new CutMesh(body, surface, material, this.makeMaterial());
       this.mesh.add(this.cut.mesh);
     }
@@ -176,7 +176,7 @@ export class BodyMesh {
       colours
         ? [colours.getX(i), colours.getY(i), colours.getZ(i), this.look ? colours.getW(i) : 1]
         : [color.r, color.g, color.b, 1];
-    return {at, hardest: this.look ? kUnderLook : color};
+    return {at, under: this.look ? kUnderLook : color};
   }
 
   /// Makes coarser triangles; what is scraped off is told by the triangles that there are.

@@ -36,12 +36,8 @@ const kPageFloats = kFloats * kPageVertices;
 const kBehind = 0.5;
 /// Of what has been cut, against what was smooth.
 const kGloss = 0.25;
-/// What is softer than a body's hardest material, and hardly withstands [Pa against Pa].
-const kSofter = [
-  {colour: new Color(0xdcb26a), pressure: 1 / 3},
-  {colour: new Color(0x6b4424), pressure: 1 / 15},
-] as const;
-
+/// A material's that leaves it to viewers (idl/scene.fbs).
+const kNoColour = 0x1000000;
 /// Where the mesh is not its body's surface any more: for the shaders of both.
 class CutPlaces {
   readonly uniforms = {
@@ -146,7 +142,7 @@ void main() {`,
 export interface Paint {
   /// Colour and gloss at one of the surface's vertices.
   at(vertex: number): readonly [number, number, number, number];
-  readonly hardest: Color; // of the body's materials
+  readonly under: Color; // what is below it
 }
 
 interface Drawn {
@@ -223,7 +219,7 @@ export class CutMesh {
     for (const [number, block] of solid.blocks) {
       if (this.drawn.get(number)?.block !== block) touch(number);
     }
-    const colours = this.coloursOf(paint.hardest);
+    const colours = this.coloursOf(paint.under);
     for (const number of stale) {
       const block = solid.blocks.get(number);
       if (!block) continue;
@@ -239,20 +235,9 @@ export class CutMesh {
     this.mesh.geometry.setDrawRange(0, this.pages * kPageCorners);
   }
 
-  /// Of each material: the softer against the hardest, the darker.
-  private coloursOf(hardest: Color): Color[] {
-    const {cutPressuresPa} = this.body;
-    const most = Math.max(...cutPressuresPa);
-    return cutPressuresPa.map((pressure) => {
-      const colour = hardest.clone();
-      let above = 1;
-      for (const softer of kSofter) {
-        const share = Math.log(above / (pressure / most)) / Math.log(above / softer.pressure);
-        colour.lerp(softer.colour, Math.min(1, Math.max(0, share)));
-        above = softer.pressure;
-      }
-      return colour;
-    });
+  /// Of each material: as its scene says, or else what is below the body's look.
+  private coloursOf(under: Color): Color[] {
+    return this.body.cutColours.map((colour) => (colour < kNoColour ? new Color(colour) : under));
   }
 
   private write(
