@@ -256,6 +256,7 @@ void GiveUp(StepContext& context) {
   context.state.friction = context.friction_before;
   report.contacts = report.soft_contacts = 0;
   report.soft_wrench = Wrench{};
+  report.bur_force.setZero();
   context.Aim();
   report.wrench = context.WrenchAfter(Vec3::Zero(), Vec3::Zero());
 }
@@ -289,6 +290,7 @@ void End(const Pose& X_WH, StepContext& context) {
     state.ForgetContact();
     report.wrench = report.soft_wrench = Wrench{};
     report.contacts = report.soft_contacts = 0;
+    report.bur_force.setZero();
     report.faults |= kFaultUnsolved;
   }
 }

@@ -86,6 +86,8 @@ struct StepReport {
   std::array<std::int32_t, 7> removed;
   int removals = 0;
   double cut_volume = 0.0;  ///< that a bur took away in this step [m^3]
+  /// Of all material on the bur, in W [N], and where that is shown: at the bur's frame, in W.
+  Vec3 bur_force = Vec3::Zero(), bur_W = Vec3::Zero();
   std::uint32_t faults = kFaultNone;
   // Counters and measures of this step.
   int substeps = 0;

@@ -199,6 +199,9 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
                           gain_ * (active.force * active.normal + active.friction)};
   }
   snapshot_.points = report.contacts;
+  if (!report.bur_force.isZero(0.0) && snapshot_.points < std::ssize(snapshot_.point)) {
+    snapshot_.point[snapshot_.points++] = {report.bur_W, gain_ * report.bur_force};
+  }
   for (int i = 0; i < report.removals; ++i) {
     period_->removals.Append({report.removed[i], true, answer.pose_sequence});
   }

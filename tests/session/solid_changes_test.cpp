@@ -167,6 +167,10 @@ TEST_F(SolidChangesTest, ViewersAreShownWhatTheLoopFeels) {
   Stroke();
   EXPECT_GT(wire::ToWrench(answer_).force.norm(), 0.02);
   EXPECT_EQ(answer_.contacts, 1u);
+  const LoopSnapshot& shown = table_.sessions().at("a")->snapshot();
+  ASSERT_EQ(shown.points, 1);
+  EXPECT_LT((shown.point[0].force - shown.wrench.force).norm(), 1e-9);
+  EXPECT_LT((shown.point[0].point - shown.X_WG * Vec3(0, kRadius, 0)).norm(), 1e-9);
   EXPECT_EQ(answer_.rows, 0u);  // a station that computed the force from rows would leave it out
   Settle();
   ExpectShown(loop().cuts()[0].field());

@@ -16,6 +16,17 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
   report.contacts = 0;
   const bool bur_pushes = context.buffers.energies && context.buffers.energies->bur_pushes();
   report.soft_contacts = yielding.count + (bur_pushes ? 1 : 0);
+  report.bur_force.setZero();
+  if (bur_pushes) {
+    const double* force = context.buffers.energies->force();
+    report.bur_force = k_t * Vec3(force[0], force[1], force[2]);
+    if (soft != nullptr) {
+      report.bur_force -= k_t * Vec3(soft->force()[0], soft->force()[1], soft->force()[2]);
+    }
+    report.bur_W =
+        context.p_G + RotationExp(way.phi) *
+                          (R_WG * (context.model.cutting()->X_TB.p - context.model.reference()));
+  }
   if (soft != nullptr) {
     const double* force = soft->force();
     report.soft_wrench = {
