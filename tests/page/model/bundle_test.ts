@@ -19,9 +19,11 @@ test("a bundle's bodies are read as they were written", () => {
 });
 
 test("what burs cut is known, and what that takes", () => {
-  const scene = readBundle(sceneBytes(kCuttable));
+  const cuts = [{pressurePa: 3e6}, {pressurePa: 1e5, colour: 0x6b4424}];
+  const objects = [{...kCuttable.objects[0]!, cuts}];
+  const scene = readBundle(sceneBytes({...kCuttable, objects}));
   expect(scene.isCut).toBe(true);
-  expect(scene.objects[0]!.cutPressuresPa).toEqual([3e6, 1e5]);
+  expect(scene.objects[0]!.cuts).toEqual([{...cuts[0]!, colour: undefined}, cuts[1]]);
 });
 
 test("the header of a bundle file is passed over, wherever the bytes lie", () => {

@@ -36,7 +36,7 @@ export interface TestBody {
   readonly leaves: readonly Leaf[];
   readonly pose?: Pose;
   readonly materials?: readonly {stiffness: number; hardness: number}[];
-  readonly cutPressuresPa?: readonly number[]; // of what burs cut
+  readonly cuts?: readonly {pressurePa: number; colour?: number}[]; // where burs cut it
 }
 export interface TestScene {
   readonly name: string;
@@ -108,7 +108,7 @@ export const kWearable: TestScene = {
 /// Burs cut its box, which is soft within.
 export const kCuttable: TestScene = {
   ...kTestScene,
-  objects: [{...kTestScene.objects[0]!, cutPressuresPa: [3e6, 1e5]}],
+  objects: [{...kTestScene.objects[0]!, cuts: [{pressurePa: 3e6}, {pressurePa: 1e5}]}],
 };
 
 export function sceneBytes(scene: TestScene): Uint8Array {
@@ -157,10 +157,13 @@ function geometryOf({mesh, leaves}: TestBody): GeometryT {
 
 const kRigid = [{stiffness: Infinity, hardness: Infinity}];
 
-function bodyOf(
-  {name, leaves, pose, materials = kRigid, cutPressuresPa}: TestBody,
-  geometry: number,
-): BodyT {
+const gridOf = (cuts: NonNullable<TestBody["cuts"]>): GridT =>
+  Object.assign(new GridT(50e-6), {
+    pressures: cuts.map(({pressurePa}) => pressurePa),
+    colours: cuts.map(({colour = 0x1000000}) => colour),
+  });
+
+function bodyOf({name, leaves, pose, materials = kRigid, cuts}: TestBody, geometry: number): BodyT {
   const {p, q} = pose ?? {p: [0, 0, 0], q: [1, 0, 0, 0]};
   const isPainted = leaves.some(({material}) => material !== undefined);
   return Object.assign(new BodyT(), {
@@ -169,6 +172,6 @@ function bodyOf(
     pose: new PoseT(new Vec3T(...p), ...q),
     materials: materials.map(({stiffness, hardness}) => new MaterialT(stiffness, 0, 0, hardness)),
     leafMaterial: isPainted ? leaves.map(({material}) => material ?? 0) : [],
-    grid: cutPressuresPa ? new GridT(50e-6, [...cutPressuresPa]) : null,
+    grid: cuts ? gridOf(cuts) : null,
   });
 }

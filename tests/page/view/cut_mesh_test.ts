@@ -14,8 +14,9 @@ const kBody = new Color(0xd9cdb6);
 const palette = {objects: [kBody]} as unknown as Palette;
 
 /// The box, what burs left of it, and what is drawn of that.
-function cuttable() {
-  const scene = readBundle(sceneBytes(kCuttable));
+function cuttable(cuts = kCuttable.objects[0]!.cuts!) {
+  const objects = [{...kCuttable.objects[0]!, cuts}];
+  const scene = readBundle(sceneBytes({...kCuttable, objects}));
   const body = new BodyMesh(scene.objects[0]!, scene, "object", 0, new SurfaceCache());
   body.paint(palette);
   const remains = new Remains();
@@ -83,6 +84,13 @@ test("a block is drawn in its body's colour where that was its surface, and in w
   body.paint({objects: [night]} as unknown as Palette);
   draw();
   expect(near(drawn()[0]!.colour, night)).toBe(true);
+});
+
+test("a material has the colour that its scene gives it", () => {
+  const {tell, draw, drawn} = cuttable([{pressurePa: 3e6}, {pressurePa: 1e5, colour: 0xc2403c}]);
+  tell(kPitBlock);
+  draw();
+  expect(drawn().at(-1)!.colour.getHexString()).toBe("c2403c");
 });
 
 test("the mesh leaves out the blocks that are cut, until they are undone", () => {

@@ -33,6 +33,12 @@ export interface Material {
   readonly hardness: number; // [J]; Infinity: it stays
 }
 
+/// What burs cut.
+export interface CutMaterial {
+  readonly pressurePa: number; // that it takes
+  readonly colour: number | undefined; // of what is bared, 0xRRGGBB
+}
+
 export interface Body {
   readonly name: string;
   readonly geometry: Geometry;
@@ -42,7 +48,7 @@ export interface Body {
   readonly look: string; // what it is to look like; empty: what its material is
   readonly margin: readonly Vec3[]; // of gum: closed, in its frame; empty: not known
   readonly ambient: Uint8Array; // share of the room that a vertex sees; empty: all see all
-  readonly cutPressuresPa: readonly number[]; // of each material; empty: burs do not cut it
+  readonly cuts: readonly CutMaterial[]; // empty: burs do not cut it
 }
 
 /// From where one looks at first: along -from at a ball, which fills the picture.
@@ -91,7 +97,7 @@ export function readBundle(bytes: Uint8Array): SceneModel {
     objects,
     soft: features?.compliance() ?? false,
     wears: features?.removal() ?? false,
-    isCut: objects.some(({cutPressuresPa}) => cutPressuresPa.length > 0),
+    isCut: objects.some(({cuts}) => cuts.length > 0),
     firstSight: readFirstSight(scene),
   };
 }
@@ -124,9 +130,20 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
     leafMaterial: body.leafMaterialArray() ?? new Uint8Array(),
     look: body.look() ?? "",
     ambient: body.ambientArray() ?? new Uint8Array(),
-    cutPressuresPa: Array.from(body.grid()?.pressuresArray() ?? []),
+    cuts: readCuts(body),
     margin: Array.from({length: body.marginLength()}, (_, i) => vec3(body.margin(i)!)),
   };
+}
+
+const kNoColour = 0x1000000;
+
+function readCuts(body: WireBody): CutMaterial[] {
+  const grid = body.grid();
+  const colours = grid?.coloursArray() ?? [];
+  return Array.from(grid?.pressuresArray() ?? [], (pressurePa, i) => {
+    const colour = colours[i] ?? kNoColour;
+    return {pressurePa, colour: colour < kNoColour ? colour : undefined};
+  });
 }
 
 function readGeometry(geometry: WireGeometry): Geometry {

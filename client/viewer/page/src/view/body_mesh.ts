@@ -101,7 +101,7 @@ export class BodyMesh {
     if (this.look) buffers.setAttribute("color", colourAt(this.look, surface, body.ambient));
     this.mesh = new Mesh(buffers, material);
     this.group.add(this.mesh);
-    if (body.cutPressuresPa.length > 0) {
+    if (body.cuts.length > 0) {
       this.cut = new CutMesh(body, surface, material, this.makeMaterial());
       this.mesh.add(this.cut.mesh);
     }

@@ -36,7 +36,8 @@ const kPageFloats = kFloats * kPageVertices;
 const kBehind = 0.5;
 /// Of what has been cut, against what was smooth.
 const kGloss = 0.25;
-/// What is softer than a body's hardest material, and hardly withstands [Pa against Pa].
+/// Where the scene does not say: what is softer than a body's hardest material, and what hardly withstands
+/// [Pa against Pa].
 const kSofter = [
   {colour: new Color(0xdcb26a), pressure: 1 / 3},
   {colour: new Color(0x6b4424), pressure: 1 / 15},
@@ -239,15 +240,16 @@ export class CutMesh {
     this.mesh.geometry.setDrawRange(0, this.pages * kPageCorners);
   }
 
-  /// Of each material: the softer against the hardest, the darker.
+  /// Of each material: as the scene says, or the softer against the hardest, the darker.
   private coloursOf(hardest: Color): Color[] {
-    const {cutPressuresPa} = this.body;
-    const most = Math.max(...cutPressuresPa);
-    return cutPressuresPa.map((pressure) => {
+    const {cuts} = this.body;
+    const most = Math.max(...cuts.map(({pressurePa}) => pressurePa));
+    return cuts.map(({pressurePa, colour: said}) => {
+      if (said !== undefined) return new Color(said);
       const colour = hardest.clone();
       let above = 1;
       for (const softer of kSofter) {
-        const share = Math.log(above / (pressure / most)) / Math.log(above / softer.pressure);
+        const share = Math.log((above * most) / pressurePa) / Math.log(above / softer.pressure);
         colour.lerp(softer.colour, Math.min(1, Math.max(0, share)));
         above = softer.pressure;
       }
