@@ -1,6 +1,7 @@
 #include "client/viewer/topic_feed.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -89,7 +90,7 @@ struct TopicFeed::Readers {
   dds::CdrReader<wire::SessionState> sessions{on, dds::kSessionStateTopic, dds::Qos::kSession};
   dds::CdrReader<wire::SceneChange> changes{on, dds::kSceneChangeTopic, dds::Qos::kSession};
   dds::CdrReader<wire::SceneWhole> wholes{on, dds::kSceneWholeTopic, dds::Qos::kSession};
-  dds::CdrReader<wire::SolidBlock> blocks{on, dds::kSolidBlockTopic, dds::Qos::kSession};
+  std::optional<dds::CdrReader<wire::SolidBlock>> blocks;  // none: it may not hear them
   dds::CdrReader<wire::SceneBundle> bundles{on, dds::kSceneBundleTopic, dds::Qos::kSession};
   dds::CdrReader<wire::ReplayContents> replay_contents{on, dds::kReplayContentsTopic,
                                                        dds::Qos::kSession};
@@ -106,6 +107,14 @@ TopicFeed::TopicFeed(int domain, const dds::Network& network)
   } catch (const Error&) {
     if (!network.secured()) throw;
     spdlog::info("this gateway's --identity may look, and ask nothing");
+  }
+  try {
+    readers_->blocks.emplace(participant_, dds::kSolidBlockTopic, dds::Qos::kSession);
+  } catch (const Error&) {
+    if (!network.secured()) throw;
+    spdlog::info(
+        "this gateway's --identity may not hear what burs cut; issue the server's and its own "
+        "anew");
   }
   try {
     progress_ = {participant_, dds::kSceneProgressTopic, dds::Qos::kSession};
@@ -217,13 +226,14 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
           Keep(frame, sample.scene, sample.change, sample.change);
           on_frame(frame);
         });
-  Drain(readers_->blocks, kSolidBlock, [&](const FramePtr& frame, const wire::SolidBlock& sample) {
+  const auto take_block = [&](const FramePtr& frame, const wire::SolidBlock& sample) {
     if (!IsCurrent(sample.server_run, frame->origin)) return;
     if (sample.change <= undone_[sample.scene]) return;
     const std::uint64_t object = sample.object_index;
     Keep(frame, sample.scene, object << 32 | sample.block, sample.change);
     on_frame(frame);
-  });
+  };
+  if (readers_->blocks) Drain(*readers_->blocks, kSolidBlock, take_block);
   // After the changes: those that it undoes are forgotten.
   Drain(readers_->wholes, kSceneWhole, [&](const FramePtr& frame, const wire::SceneWhole& sample) {
     if (!IsCurrent(sample.server_run, frame->origin)) return;

@@ -111,6 +111,17 @@ void Fill(Anything& any, const Victim& victim, wire::SceneChange& s) {
   s.leaf = any.Word();
   s.triangles = any.Word();
 }
+void Fill(Anything& any, const Victim& victim, wire::SolidBlock& s) {
+  any.Text(s.scene, "cube");
+  s.object_index = any.Word();
+  s.block = any.Word();
+  s.change = any.Long();
+  s.server_run = any.Coin() ? victim.server_run : any.Long();
+  any.Numbers(s.origin_m);
+  s.spacing_m = any.Number();
+  for (std::uint32_t& count : s.blocks) count = any.Word();
+  s.cut = any.Coin();
+}
 void Fill(Anything& any, const Victim& victim, wire::GuideTarget& s) {
   any.Text(s.station, victim.station);
   s.run = any.Long();
@@ -189,6 +200,7 @@ std::uint64_t FloodDomain(int domain, std::uint64_t seed, double seconds) {
   Flood<wire::StationStatistics> statistics(service, dds::kStationStatisticsTopic,
                                             dds::Qos::kStream);
   Flood<wire::SceneChange> changes(service, dds::kSceneChangeTopic, dds::Qos::kSession);
+  Flood<wire::SolidBlock> blocks(service, dds::kSolidBlockTopic, dds::Qos::kSession);
   Flood<wire::GuideTarget> guides(service, dds::kGuideTopic, dds::Qos::kStream);
   Flood<wire::HapticPose> poses(loop, dds::PoseTopic(victim.station, victim.run), dds::Qos::kLoop);
   Flood<wire::Wrench> wrenches(loop, dds::WrenchTopic(victim.station, victim.run), dds::Qos::kLoop);
@@ -196,7 +208,8 @@ std::uint64_t FloodDomain(int domain, std::uint64_t seed, double seconds) {
   while (Clock::now() < end) {
     written += requests.Write(any, victim) + wholes.Write(any, victim) + tools.Write(any, victim) +
                statistics.Write(any, victim) + changes.Write(any, victim) +
-               guides.Write(any, victim) + poses.Write(any, victim) + wrenches.Write(any, victim);
+               blocks.Write(any, victim) + guides.Write(any, victim) + poses.Write(any, victim) +
+               wrenches.Write(any, victim);
     if (written % 80 == 0) std::this_thread::sleep_for(milliseconds(1));
   }
   return written;
