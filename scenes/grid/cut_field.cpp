@@ -280,6 +280,7 @@ CutField::Layers CutField::Raise(const int at[3], std::int32_t entry, const Bur&
       // Only a distance below -value raises it.
       const double within = std::min(field_.band(), -value);
       const double distance = bur.DistanceToWay(row + x * along, step_T, within);
+      ++looks_;
       const auto depth = static_cast<float>(-distance);
       if (depth > value) {
         value = std::min(depth, field_.band());
@@ -367,6 +368,7 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
   gone_ += GoneSince(bur, X_BT) + step_B.norm();
   bur_ = bur;
   end_ = {X_BT.p + step_B, X_BT.q};
+  looks_ = 0;
   for (std::size_t n = 0; n < touched_.size(); ++n) {
     Touched& touched = touched_[n];
     touched_at_[touched.block] = static_cast<std::int32_t>(n);
@@ -407,6 +409,7 @@ CutAway CutField::Remove(const Bur& bur, const Pose& X_BT, const Vec3& step_B) n
       field_.Release(touched.block, SparseField::kAbove);
     }
   }
+  removal.looks = looks_;
   const double voxel = lattice.spacing * lattice.spacing * lattice.spacing / kWhole;
   for (std::size_t m = 0; m < taken.size(); ++m) {
     removal.volume[m] = voxel * static_cast<double>(taken[m]);

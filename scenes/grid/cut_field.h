@@ -17,6 +17,8 @@ struct CutAway {
   std::array<double, SolidGrid::kMaterials> volume{};  ///< of each material, never below 0 [m^3]
   /// The field has no storage left for the place: nothing was removed.
   bool full = false;
+  /// Distances to the bur's way that were asked for, some 40 ns each: what the step cost.
+  int looks = 0;
 
   double total() const {
     double sum = 0.0;
@@ -96,6 +98,7 @@ class CutField {
   std::vector<std::uint16_t> left_;  ///< of each stored point: share of its voxel, of kWhole
   /// How far the bur has gone in all steps: no point of it has gone farther [m].
   double gone_ = 0.0;
+  int looks_ = 0;  ///< of the present step
   /// Of each stored row of points, up to which gone_ nothing in it can change [m].
   std::vector<double> still_;
   Bur bur_ = Bur::Ball(1.0);              ///< of the last step

@@ -103,9 +103,10 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   return true;
 }
 
-/// A further sub-step between leaves is taken to cost what the last one did.
+/// A further sub-step between leaves, or of a bur, is taken to cost what the last one did.
 bool GoesOn(const StepContext& context) {
   const StepParameters& parameters = context.model.parameters();
+  if (context.cut_looks + context.last_cut_looks > limits::cutting::kMostLooks) return false;
   if (parameters.looks - context.looks < parameters.looks / 4) return false;
   return context.report.substeps < parameters.max_substeps && !context.arrived &&
          context.spent + context.last <= parameters.max_tested && !context.IsUnsolved();
@@ -197,8 +198,11 @@ void Move(StepContext& context, const Way& way) {
     context.state.friction.Forget();
   }
   if (buffers.energies) {
-    context.report.cut_volume +=
+    const Energies::Taken taken =
         buffers.energies->Cut(context.p_G, context.q_G, way.v, way.phi, context.state.cuts);
+    context.report.cut_volume += taken.volume;
+    context.last_cut_looks = taken.looks;
+    context.cut_looks += taken.looks;
   }
   if (way.arrived && !is_held) {
     context.p_G = context.p_H;
@@ -213,8 +217,9 @@ void Move(StepContext& context, const Way& way) {
 
 /// Between meshes, where the tool has not arrived, the optimum lies beyond what its rows are known
 /// for.  What is known is what they hold back of the spring from where the tool is: those of its
-/// contacts, and of what it would meet within the sub-step.  Where the tool has arrived this is the
-/// optimum's own wrench; without a row it is zero.
+/// contacts, and of what it would meet within the sub-step.  A bur is held back by what it touches:
+/// of material that it has not come to, which yields, the optimum would take any amount.  Where the
+/// tool has arrived this is the optimum's own wrench; without a row it is zero.
 Way Lag(StepContext& context, const Way& went) {
   ContactRows& rows = context.buffers.rows;
   for (int i = 0; i < rows.count(); ++i) rows.SetGap(i, rows.Left(i, went.v, went.phi));
@@ -222,7 +227,7 @@ Way Lag(StepContext& context, const Way& went) {
   // the wrench is never more than the spring's own.
   rows.AdmitZero();
   if (context.buffers.energies) {
-    context.buffers.energies->Begin(context.p_G, context.q_G, context.state.cuts);
+    context.buffers.energies->Begin(context.p_G, context.q_G, context.state.cuts, 0.0);
   }
   context.Aim();
   Way stays;

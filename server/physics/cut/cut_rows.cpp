@@ -85,7 +85,8 @@ double CutRows::WorkOf(const double* x, int unknowns) const noexcept {
 }
 
 void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_WB,
-                       const std::array<CutMaterial, SolidGrid::kMaterials>& materials) noexcept {
+                       const std::array<CutMaterial, SolidGrid::kMaterials>& materials,
+                       double reach) noexcept {
   const Mat3 R_WT = tool.X_WT.q.toRotationMatrix();
   const Pose X_BW = X_WB.Inverse();
   const Mat3 R_BW = X_BW.q.toRotationMatrix();
@@ -94,7 +95,7 @@ void CutRows::AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_W
     const Vec3 p_W = R_WT * sample.point + tool.X_WT.p, n_W = R_WT * sample.normal;
     const Vec3 p_B = R_BW * p_W + X_BW.p, n_B = R_BW * n_W;
     const double gap = GapAhead(cut, p_B, n_B);
-    if (gap >= band) continue;
+    if (gap >= band || gap > reach) continue;
     // Of what lies ahead of the edge, not of the point of the lattice that the edge has passed.
     const CutMaterial& material = materials[cut.solid().Material(p_B + 0.5 * h * n_B)];
     const Vec3 turn = (p_W - tool.reference).cross(n_W) / tool.rotation_length;

@@ -43,9 +43,11 @@ class CutRows : public Energy {
   void Clear() { count_ = 0; }
   /// Adds the rows of what is left of a solid.
   /// @param X_WB  of the solid.   @param materials  by their number in its grid; all of them.
+  /// @param reach  material that lies farther ahead has no row [m].
   /// Right for steps of no more than the grid's band.  Real-time.
   void AddSolid(const CutTool& tool, const CutField& cut, const Pose& X_WB,
-                const std::array<CutMaterial, SolidGrid::kMaterials>& materials) noexcept;
+                const std::array<CutMaterial, SolidGrid::kMaterials>& materials,
+                double reach = 1e300) noexcept;
 
   int count() const { return count_; }
   const double* a(std::size_t unknown) const { return columns_[unknown]; }

@@ -32,7 +32,8 @@ StepBounds Energies::Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG
   return bounds;
 }
 
-void Energies::Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts) noexcept {
+void Energies::Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts,
+                     double reach) noexcept {
   if (!cut_) return;
   const StepParameters& spring = model_->parameters();
   const CutTool tool{
@@ -41,7 +42,7 @@ void Energies::Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField
   cut_->Clear();
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const CutSolid& solid = model_->solids()[i];
-    cut_->AddSolid(tool, cuts[i], solid.X_WB, solid.materials);
+    cut_->AddSolid(tool, cuts[i], solid.X_WB, solid.materials, reach);
   }
 }
 
@@ -69,18 +70,21 @@ bool Energies::pushes() const noexcept {
   return (soft() != nullptr && soft_->pushes()) || bur_pushes();
 }
 
-double Energies::Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,
-                     std::span<CutField> cuts) noexcept {
-  double volume = 0.0;
-  if (!cut_ || cut_->count() == 0) return volume;
+Energies::Taken Energies::Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,
+                              std::span<CutField> cuts) noexcept {
+  Taken taken;
+  if (!cut_ || cut_->count() == 0) return taken;
   const Cutting& cutting = *model_->cutting();
   const Vec3 lever = q_WG * (cutting.X_TB.p - model_->reference());
   const Pose X_WB{p_G + lever, q_WG * cutting.X_TB.q};
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const Pose X_SW = model_->solids()[i].X_WB.Inverse();
-    volume += cuts[i].Remove(cutting.bur, X_SW * X_WB, X_SW.q * Vec3(v + phi.cross(lever))).total();
+    const CutAway away =
+        cuts[i].Remove(cutting.bur, X_SW * X_WB, X_SW.q * Vec3(v + phi.cross(lever)));
+    taken.volume += away.total();
+    taken.looks += away.looks;
   }
-  return volume;
+  return taken;
 }
 
 }  // namespace palpate

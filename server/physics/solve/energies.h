@@ -25,7 +25,9 @@ class Energies {
   /// come to a solid they are narrower, for its rows are right within the grid's band.
   StepBounds Narrow(StepBounds bounds, const Vec3& p_G, const Quat& q_WG) const noexcept;
   /// That sub-step begins.
-  void Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts) noexcept;
+  /// @param reach  how far ahead a bur knows of material [m]; 0: of what it touches.
+  void Begin(const Vec3& p_G, const Quat& q_WG, std::span<const CutField> cuts,
+             double reach = 1e300) noexcept;
   /// To be called before each solve: collects those that act among these rows, and takes what
   /// yields out of those that no step may violate.
   void Collect(const ContactRows& rows, QpRows& rigid) noexcept;
@@ -41,9 +43,13 @@ class Energies {
 
   /// Null where no row is soft.
   const SoftRows* soft() const { return soft_ && soft_->any() ? &*soft_ : nullptr; }
-  /// Takes away what the bur passes in a motion of the tool from p_G.  Returns how much [m^3].
-  double Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,
-             std::span<CutField> cuts) noexcept;
+  /// Takes away what the bur passes in a motion of the tool from p_G.
+  struct Taken {
+    double volume = 0.0;  ///< [m^3]
+    int looks = 0;        ///< CutAway::looks
+  };
+  Taken Cut(const Vec3& p_G, const Quat& q_WG, const Vec3& v, const Vec3& phi,
+            std::span<CutField> cuts) noexcept;
 
  private:
   const HapticModel* model_;

@@ -108,6 +108,8 @@ struct StepContext {
   StepBounds bounds{};     ///< how far it may go
   std::int64_t spent = 0;  ///< packet pairs of the cycle so far
   std::int64_t last = 0;   ///< of them, those of the last sub-step
+  int cut_looks = 0;       ///< what cutting cost in the cycle so far (CutAway::looks)
+  int last_cut_looks = 0;  ///< of them, those of the last sub-step
   Target target;           ///< the hand, from where the sub-step begins
   Mat3 R_WG;               ///< the graphic tool's orientation there
   QpRows rigid{};          ///< what no step may violate

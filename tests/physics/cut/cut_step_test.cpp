@@ -200,6 +200,27 @@ TEST_F(CutStep, StepsWithoutAskingForMemory) {
   EXPECT_EQ(test::AllocationsOfThisThread(), before);
 }
 
+// A pose that leaps takes the tool several cycles, in which it is near the material before it is in
+// it.
+TEST_F(CutStep, NothingIsFeltOfMaterialThatTheBurHasNotComeTo) {
+  TriangleMesh far = MakeBox(Vec3(0.01, 0.01, 0.01));
+  for (Vec3& v : far.vertices) v.z() -= 30e-3;
+  Make(kBur, {}, kDentine, 256, Quat::Identity(), &far);
+  Start(At(-1e-3, 0, kBurRadius + 0.14e-3));
+  int above = 0;
+  double cut = 0.0;
+  for (int n = 0; n < 20; ++n) {
+    const StepReport report =
+        HapticStep(*model_, At(1e-3, 0, kBurRadius - 1e-3), *state_, *workspace_);
+    cut += report.cut_volume;
+    if (state_->X_WG.p.z() <= kBurRadius) continue;
+    ++above;
+    EXPECT_EQ(report.wrench.force.norm(), 0.0) << n << ": " << state_->X_WG.p.transpose();
+  }
+  EXPECT_GT(above, 0);
+  EXPECT_GT(cut, 0.0);
+}
+
 // Any hand, of six degrees of freedom, beside rigid balls: finite, solved, and never given work.
 TEST_F(CutStep, NoHandGetsWorkOutOfTheMaterial) {
   for (const std::uint64_t seed : {11, 12, 13}) {

@@ -130,6 +130,29 @@ TEST(CutScene, IsFeltByItsBurThroughBothMaterialsDownToTheTable) {
   EXPECT_NEAR(report.wrench.force.y(), 1.0, 0.01);
 }
 
+// What a cycle costs does not go with the hand's speed: the bur lags, and what it has cut by then
+// holds the hand back.
+TEST(CutScene, ABurThatIsAllInTheMaterialGoesNoFartherInACycleThanItsTimeAllows) {
+  const Scene scene =
+      Load(SceneText(R"({"shape": "bur", "kind": "ball", "diameter_mm": 1.4, "handle_mm": 40})",
+                     R"("grid_um": 50, "material": {"cutting_pressure_MPa": 0.05})"));
+  const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
+  StepState state(model);
+  StepWorkspace workspace(model);
+  state.X_WG = state.X_WH = {Vec3(-1.2e-3, -0.5e-3, 0)};
+  int cutting = 0;
+  double force = 0.0;
+  for (double x = -1.2e-3; x < 1.2e-3; x += 0.4e-3) {  // 0.4 m/s
+    const StepReport report = HapticStep(model, {Vec3(x, -0.5e-3, 0)}, state, workspace);
+    EXPECT_LE(report.substeps, 3) << x;  // of 8
+    cutting += report.cut_volume > 0.0;
+    force = std::max(force, report.wrench.force.norm());
+  }
+  EXPECT_GT(cutting, 3);
+  // The law's at rest, within what a bur that turns back a little adds.
+  EXPECT_NEAR(force, M_PI * 0.49e-6 * 0.05e6, 0.01);
+}
+
 TEST(CutScene, NamesTheFieldAndTheRemedyOfWhatCannotBeCut) {
   const struct {
     std::string tool, block;
