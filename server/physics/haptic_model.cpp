@@ -114,9 +114,10 @@ void HapticModel::SetCutting() {
 HapticModel::~HapticModel() = default;
 HapticModel::HapticModel(HapticModel&&) noexcept = default;
 
-std::int32_t HapticModel::LeafOf(const LeafPair& pair) const {
-  if (KindOf(pair) == RowKind::kLeaves) return pair.object;
-  return bodies()->LeafOf(static_cast<std::uint32_t>(pair.object));
+std::int32_t HapticModel::LeafOf(const ContactId& id) const {
+  if (id.IsOfLeaves()) return id.object;
+  const ContactBody& body = bodies()->bodies()[static_cast<std::size_t>(id.body)];
+  return body.leaf[static_cast<std::size_t>(id.object)];
 }
 
 }  // namespace palpate

@@ -7,8 +7,8 @@
 
 #include "common/math/pose.h"
 #include "scenes/sphere_tree.h"
+#include "server/physics/contact_id.h"
 #include "server/physics/cut/cutting.h"
-#include "server/physics/leaf_pair.h"
 #include "server/physics/step_types.h"
 #include "server/physics/tree/soft_leaves.h"
 #include "server/physics/tree/sphere_tree_query.h"
@@ -82,9 +82,8 @@ class HapticModel {
   /// Samples of the bur about the reference point, in the tool's frame.
   std::span<const BurSample> bur_samples() const { return bur_samples_; }
   double bur_lever() const { return bur_lever_; }  ///< of the farthest of them [m]
-  /// The leaf of the forest that the object side of a row's pair belongs to: its material is the
-  /// row's.
-  std::int32_t LeafOf(const LeafPair& pair) const;
+  /// The leaf of the forest whose material is a row's.
+  std::int32_t LeafOf(const ContactId& id) const;
   /// 3 where the tool is a single sphere (no contact can turn it), else 6.
   int degrees_of_freedom() const { return tool_->leaf_count() == 1 ? 3 : 6; }
   /// Point that the step and the wrench refer to, in the tool's frame [m]: the centroid.

@@ -13,7 +13,7 @@ namespace palpate {
 using namespace limits::mesh;
 
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
-                  const ToolPose& from, std::span<const LeafPair> active, std::int64_t most_looks,
+                  const ToolPose& from, std::span<const ContactId> active, std::int64_t most_looks,
                   ContactRows& rows) noexcept {
   contact.looks = {.most = most_looks};
   contact.meshes.kernels = &kernels;
@@ -32,8 +32,9 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   for (NearPairs::Index k = 0; k < near.size(); ++k) {
     const NearPairs::Pair& pair = near[k];
     if (pair.split || !pair.nodes.AreTriangles()) continue;
-    const bool was = std::any_of(active.begin(), active.end(),
-                                 [&](const LeafPair& row) { return IsRowOf(row, pair.nodes); });
+    const ContactId id = IdOf(contact, pair.nodes);
+    const bool was =
+        std::ranges::any_of(active, [&](const ContactId& row) { return row.IsBeside(id); });
     if (was && contact.touches.size() < contact.touches.capacity())
       AddRowsThatTouch(contact, k, rows);
   }

@@ -16,7 +16,7 @@ struct ContactPlace {
   std::int32_t object_leaf;
 };
 
-/// Where a row touches: the one place that knows what the pair of a row means.
+/// Where a row touches: the one place that knows what the id of a row means.
 /// @param R_WG  orientation of the tool.  Not used for rows between meshes, which hold their lever.
 /// Real-time.
 ContactPlace PlaceOf(const HapticModel& model, const ContactRows& rows, int row,

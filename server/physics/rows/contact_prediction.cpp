@@ -45,7 +45,7 @@ bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernel
         rows.Add(kernels, model.tool().leaves().data(), forest.leaves().data(), R_WG, p_W,
                  pairs + i, std::min(kFew, count - i));
         for (int r = 0; r < rows.count() && !overlaps; ++r) {
-          const double depth = soft != nullptr ? soft->of(rows.pair(r)).depth : 0.0;
+          const double depth = soft != nullptr ? soft->of(rows.id(r)).depth : 0.0;
           overlaps = rows.gap(r) + depth < 0.0;
         }
       }

@@ -24,15 +24,14 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
   const auto add = [&](int i, double offset, double force) {
     ActiveRow& row = report.active[static_cast<std::size_t>(report.contacts++)];
     row = ActiveRow{};
-    row.pair = rows.pair(i);
+    row.id = rows.id(i);
     row.normal = rows.normal(i);
     row.lever_cross_normal = rows.lever_cross_normal(i);
     row.offset = offset - row.normal.dot(way.v) - row.lever_cross_normal.dot(way.phi);
     row.force = force;
     const ContactPlace place = PlaceOf(context.model, rows, i, R_WG);
     row.contact_W =
-        context.p_G +
-        (KindOf(row.pair) == RowKind::kLeaves ? place.lever : RotationExp(way.phi) * place.lever);
+        context.p_G + (row.id.IsOfLeaves() ? place.lever : RotationExp(way.phi) * place.lever);
     row.object_leaf = place.object_leaf;
     return &row;
   };

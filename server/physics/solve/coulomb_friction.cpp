@@ -178,7 +178,7 @@ class FrictionalContacts {
       qp.row[k] = contact.row;
       qp.multiplier[k] = std::max(0.0, contact.lambda);  // may miss 0 by rounding
       forces[k] = -contact.force[0] * contact.tangent[0] - contact.force[1] * contact.tangent[1];
-      state.pair[k] = rows_.pair(contact.row);
+      state.id[k] = rows_.id(contact.row);
       state.normal_force[k] = qp.multiplier[k];
       state.force[k] = -forces[k];
     }
@@ -507,7 +507,7 @@ void AddContacts(const StepContext& context, const QpResult& qp, FrictionalConta
   for (int i = 0; i < state.contacts; ++i) {
     const auto k = static_cast<std::size_t>(i);
     int row;
-    if (context.buffers.rows.Find(&state.pair[k], 1, &row) == 1) {
+    if (context.buffers.rows.Find({&state.id[k], 1}, &row) == 1) {
       contacts.Add(row, frictionless(row), state.normal_force[k], state.force[k]);
     }
   }

@@ -9,7 +9,7 @@ Optimum NearestStep(const StepContext& context, const Target& target, bool with_
   const ContactRows& rows = context.buffers.rows;
   const double rho = context.model.rotation_length();
   int guess[kMaxActiveRows];
-  const int guesses = rows.Find(context.state.active_pairs.data(), context.state.active, guess);
+  const int guesses = rows.Find(context.state.Active(), guess);
   const double t[6] = {target.v.x(),         target.v.y(),         target.v.z(),
                        rho * target.phi.x(), rho * target.phi.y(), rho * target.phi.z()};
   const bool turns = context.model.degrees_of_freedom() == 6;
@@ -35,7 +35,7 @@ void Remember(const StepContext& context, const Optimum& optimum) noexcept {
   const QpResult& qp = optimum.qp;
   context.state.active = qp.active;
   for (int i = 0; i < qp.active; ++i) {
-    context.state.active_pairs[static_cast<std::size_t>(i)] = context.buffers.rows.pair(qp.row[i]);
+    context.state.active_ids[static_cast<std::size_t>(i)] = context.buffers.rows.id(qp.row[i]);
   }
 }
 

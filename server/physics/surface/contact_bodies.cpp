@@ -50,21 +50,16 @@ class LeavesOfTriangle {
   std::vector<std::uint32_t> begin_, leaf_;
 };
 
-struct Made {
-  ContactBody body;
-  std::vector<std::int32_t> leaf;  ///< of each triangle
-};
-
-Made MakeBody(const PlacedTree* object, std::int32_t first_leaf) {
+ContactBody MakeBody(const PlacedTree* object, std::int32_t first_leaf) {
   const TriangleMesh& mesh = *object->mesh;
   const LeavesOfTriangle leaves(*object->tree, mesh.triangles.size());
-  Made made{ContactBody(ContactMesh(mesh, object->X_WB)), {}};
+  ContactBody body(ContactMesh(mesh, object->X_WB));
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     Vec3 middle = Vec3::Zero();
     for (std::uint32_t v : mesh.triangles[t]) middle += mesh.vertices[v] / 3.0;
-    made.leaf.push_back(first_leaf + static_cast<std::int32_t>(leaves.Nearest(t, middle)));
+    body.leaf.push_back(first_leaf + static_cast<std::int32_t>(leaves.Nearest(t, middle)));
   }
-  return made;
+  return body;
 }
 
 }  // namespace
@@ -97,18 +92,15 @@ std::unique_ptr<const ContactBodies> ContactBodies::Make(std::span<const PlacedT
   made->bodies_.reserve(felt.size());
   // As many at once as there are cores.
   const std::size_t at_once = std::max(std::thread::hardware_concurrency(), 1u);
-  std::deque<std::future<Made>> making;
+  std::deque<std::future<ContactBody>> making;
   std::size_t begun = 0;
   for (std::size_t body = 0; body < felt.size(); ++body) {
     for (; begun < std::min(felt.size(), body + at_once + 1); ++begun) {
       // Where there is no thread: at get().
       making.push_back(std::async(MakeBody, felt[begun], first_leaf[begun]));
     }
-    Made next = making.front().get();
+    made->bodies_.push_back(making.front().get());
     making.pop_front();
-    next.body.first_triangle = static_cast<std::uint32_t>(made->leaf_.size());
-    made->bodies_.push_back(std::move(next.body));
-    made->leaf_.insert(made->leaf_.end(), next.leaf.begin(), next.leaf.end());
   }
   return made;
 }
