@@ -11,7 +11,7 @@ struct ContactId {
   /// In place of a body: the leaves of all objects, as the forest numbers them together.
   static constexpr std::int32_t kLeaves = -1;
 
-  std::int32_t body = kLeaves;  ///< of ContactBodies
+  std::int32_t body = kLeaves;  ///< of SceneObjects::bodies
   std::int32_t tool = 0;        ///< the tool's leaf or triangle
   std::int32_t object = 0;      ///< the forest's leaf, or the body's triangle
   std::int32_t row = 0;         ///< which of the rows that these two have: of meshes, the corner

@@ -45,7 +45,7 @@ std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
                       object.materials, object.grid.has_value()});
     if (object.grid) solids.push_back(SolidOf(object));
   }
-  return HapticModel::MakeObjects(placed, scene.features.contact, std::move(solids));
+  return std::make_shared<const SceneObjects>(placed, scene.features.contact, std::move(solids));
 }
 
 HapticModel MakeModel(const Scene& scene, const Body& tool,

@@ -42,10 +42,6 @@ struct StepParameters {
   int looks = limits::mesh::kMaxLooks;
   int still_cycles = limits::friction::kStillCycles;  ///< without slip, until mu_s holds again
   int max_rows = limits::kMaxRows;
-  /// A further sub-step is begun where one like the last would leave the cycle's packet pairs,
-  /// which take some 10 ns each, within this: what a snap over a ledge costs at most, and the next
-  /// cycle goes on.  A count, never a clock.
-  int max_tested = limits::kMaxTested;
   Features features{.contact = ContactModel::kSpheres};
 };
 

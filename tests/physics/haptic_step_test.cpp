@@ -287,7 +287,7 @@ TEST(HapticStep, StaysWhereItIsWhereASolverFails) {
   for (const auto& [name, scene] : scenes) {
     const HapticModel model = MakeModel(*scene, scene->tools[0], MakeObjects(*scene));
     const test::MeshOracle oracle(*scene);
-    const bool meshes = model.bodies() != nullptr;
+    const bool meshes = !model.bodies().empty();
     StepWorkspace workspace(model);
     StepState state(model);
     state.X_WG = state.X_WH = At(0.017, 0.0, 0.0152);

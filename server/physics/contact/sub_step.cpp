@@ -1,7 +1,6 @@
 #include "server/physics/contact/sub_step.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "server/physics/contact/certify.h"
 #include "server/physics/contact/touch_rows.h"
@@ -75,10 +74,8 @@ bool IsFree(const ToolAndBodies& meshes, const ToolPose& at) {
     }
     if (nodes.AreTriangles()) {
       const NearestPoints nearest = meshes.NearestAt(nodes, at);
-      const double length = std::sqrt(nearest.squared);
-      if (!(length > 0.0)) return false;
-      const Vec3 n = (nearest.p - nearest.q) / length;
-      if (!(meshes.Gap(nodes, n, at) > kRounding)) return false;
+      if (!(nearest.Distance() > 0.0)) return false;
+      if (!(meshes.Gap(nodes, nearest.Direction(), at) > kRounding)) return false;
     } else if (tools.IsLarger(nodes.tool, objects, nodes.object)) {
       for (HullTree::Node child : tools.inner(nodes.tool).child) {
         left.push_back({child, nodes.object, nodes.body});

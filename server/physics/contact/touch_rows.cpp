@@ -41,9 +41,7 @@ Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n)
 /// right-hand side is that of the triangles, which the ball may not enter.
 Vec3 SmoothedNormal(const MeshContact& contact, const Touch& touch, const Vec3& n) {
   if (!contact.meshes.IsBall()) return n;
-  const NearestPoints nearest = contact.meshes.NearestAt(touch.nodes, contact.motion.to);
-  return touch.nodes.body->mesh.SmoothNormal(HullTree::TriangleOf(touch.nodes.object), nearest.q,
-                                             n);
+  return touch.nodes.SmoothNormal(contact.meshes.NearestAt(touch.nodes, contact.motion.to), n);
 }
 
 /// What the plane of a touch leaves it at the sub-step's beginning [m].

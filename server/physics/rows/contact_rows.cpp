@@ -33,14 +33,10 @@ void ContactRows::Add(const Kernels& kernels, const LeafSphere* tool, const Leaf
 
 void ContactRows::AddRow(const Vec3& normal, const Vec3& lever, double gap,
                          const ContactId& id) noexcept {
-  SetRow(count_, normal, lever, gap);
+  SetRow(count_, normal, lever, lever.cross(normal), gap);
   columns_.id[count_] = id;
   ++count_;
   Limit(1);
-}
-
-void ContactRows::SetRow(int row, const Vec3& normal, const Vec3& lever, double gap) noexcept {
-  SetRow(row, normal, lever, lever.cross(normal), gap);
 }
 
 void ContactRows::SetRow(int row, const Vec3& normal, const Vec3& lever, const Vec3& by_turning,

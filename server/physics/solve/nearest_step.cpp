@@ -14,15 +14,16 @@ Optimum NearestStep(const StepContext& context, const Target& target, bool with_
                        rho * target.phi.x(), rho * target.phi.y(), rho * target.phi.z()};
   const bool turns = context.model.degrees_of_freedom() == 6;
   if (with_energies) {
-    optimum.qp = context.buffers.energies->Solve(context.kernels, t, context.rigid,
+    optimum.qp = context.buffers.energies->Solve(context.kernels, t, context.sub_step.rigid,
                                                  {guess, static_cast<std::size_t>(guesses)});
     const double* force = context.buffers.energies->force();
     optimum.is_pushed = context.buffers.energies->pushes();
     optimum.push = Vec3(force[0], force[1], force[2]);
     optimum.push_turn = rho * Vec3(force[3], force[4], force[5]);
   } else {
-    optimum.qp = (turns ? SolveNearestPoint<6>
-                        : SolveNearestPoint<3>)(context.kernels, t, context.rigid, guess, guesses);
+    optimum.qp = (turns ? SolveNearestPoint<6> : SolveNearestPoint<3>)(context.kernels, t,
+                                                                       context.sub_step.rigid,
+                                                                       guess, guesses);
   }
   const double* x = optimum.qp.x;
   optimum.phi = turns ? Vec3(Vec3(x[3], x[4], x[5]) / rho) : target.phi;

@@ -364,9 +364,9 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       StepState state;
       StepReport counts;
       StepContext context(model, state, bench.workspace().buffers(), counts);
-      context.R_WG = R_WG;
-      context.target = target;
-      context.rigid = rows.view();
+      context.tools.R_WG = R_WG;
+      context.sub_step.target = target;
+      context.sub_step.rigid = rows.view();
       Optimum optimum;
       optimum.qp = frictionless;
       AddCoulombFriction(context, optimum);
