@@ -7,22 +7,17 @@
 #include "common/coupling_fault.h"
 #include "common/error.h"
 #include "server/physics/limits.h"
-#include "server/physics/surface/contact_bodies.h"
 
 namespace palpate {
 
 namespace {
 
-double LeavesAlone(const PlacedTree& object, double radius) {
-  return object.is_cut || IsFeltByMesh(object) ? 0.0 : radius;
+bool IsUncut(const PlacedTree& object) {
+  return !object.is_cut;
 }
 
-double LeavesOfUncut(const PlacedTree& object, double radius) {
-  return object.is_cut ? 0.0 : radius;
-}
-
-double CoresAlone(const PlacedTree& object, double radius) {
-  return IsFeltByMesh(object) ? std::max(radius - limits::kCoreDepth, 0.0) : 0.0;
+bool IsFeltByLeaves(const PlacedTree& object) {
+  return !object.is_cut && !IsFeltByMesh(object);
 }
 
 }  // namespace
@@ -30,20 +25,10 @@ double CoresAlone(const PlacedTree& object, double radius) {
 SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel contact,
                            std::vector<CutSolid> solids)
     : contact_(contact),
-      forest_(objects, contact == ContactModel::kSurface ? &LeavesAlone
-                       : solids.empty()                  ? nullptr
-                                                         : &LeavesOfUncut),
+      forest_(objects, contact == ContactModel::kSurface ? &IsFeltByLeaves : &IsUncut),
       solids_(std::move(solids)) {
-  if (contact == ContactModel::kSurface) bodies_ = ContactBodies::Make(objects);
-  if (bodies_ != nullptr) cores_ = std::make_unique<const ObjectForest>(objects, &CoresAlone);
-}
-
-SceneObjects::~SceneObjects() = default;
-
-std::shared_ptr<const SceneObjects> HapticModel::MakeObjects(std::span<const PlacedTree> objects,
-                                                             ContactModel contact,
-                                                             std::vector<CutSolid> solids) {
-  return std::make_shared<const SceneObjects>(objects, contact, std::move(solids));
+  if (contact == ContactModel::kSurface) bodies_ = MakeBodies(objects);
+  if (!bodies_.empty()) insides_.emplace(objects, &IsFeltByMesh);
 }
 
 HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
@@ -64,16 +49,13 @@ HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObje
   positive(parameters_.separation, "separation");
   positive(parameters_.iterates, "iterates");
   positive(parameters_.looks, "looks");
-  positive(parameters_.max_tested, "max_tested");
   rotation_length_ = std::sqrt(parameters_.torsional_stiffness / parameters_.stiffness);
   if (parameters_.features.contact != objects_->contact()) {
     throw Error("step parameters: contact differs from the objects'; give MakeObjects the same");
   }
   const double extent = this->objects().center().norm() + this->objects().radius();
   tool_ = std::make_unique<const ToolTree>(tool, extent, ToolTree::ReferenceOf(tool));
-  if (bodies() != nullptr) {
-    tool_body_ = MakeToolBody(tool_mesh, tool, tool_->reference());
-  }
+  if (!bodies().empty()) tool_body_ = MakeToolBody(tool_mesh, tool, tool_->reference());
   const double reach = tool_body_ != nullptr ? tool_body_->mesh.reach() : 0.0;
   const double lever = std::max(tool_->max_lever(), reach);
   const std::string fault =
@@ -111,12 +93,10 @@ void HapticModel::SetCutting() {
   }
 }
 
-HapticModel::~HapticModel() = default;
-HapticModel::HapticModel(HapticModel&&) noexcept = default;
-
-std::int32_t HapticModel::LeafOf(const LeafPair& pair) const {
-  if (KindOf(pair) == RowKind::kLeaves) return pair.object;
-  return bodies()->LeafOf(static_cast<std::uint32_t>(pair.object));
+std::int32_t HapticModel::LeafOf(const ContactId& id) const {
+  if (id.IsOfLeaves()) return id.object;
+  const ContactBody& body = bodies()[static_cast<std::size_t>(id.body)];
+  return body.leaf[static_cast<std::size_t>(id.object)];
 }
 
 }  // namespace palpate

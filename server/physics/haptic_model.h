@@ -7,16 +7,14 @@
 
 #include "common/math/pose.h"
 #include "scenes/sphere_tree.h"
+#include "server/physics/contact_id.h"
 #include "server/physics/cut/cutting.h"
-#include "server/physics/leaf_pair.h"
 #include "server/physics/step_types.h"
+#include "server/physics/surface/contact_bodies.h"
 #include "server/physics/tree/soft_leaves.h"
 #include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
-
-class ContactBodies;  // surface/contact_bodies.h
-struct ContactBody;
 
 /// What the tools of a scene may touch: the objects' leaves as one tree, and the meshes of
 /// the objects that are felt by their mesh.  Immutable; shared by the models of all tools.
@@ -27,23 +25,22 @@ class SceneObjects {
   explicit SceneObjects(std::span<const PlacedTree> objects,
                         ContactModel contact = ContactModel::kSpheres,
                         std::vector<CutSolid> solids = {});
-  ~SceneObjects();
 
   /// The leaves of all objects; those of objects that are felt by their meshes touch nothing.
   const ObjectForest& forest() const { return forest_; }
   ContactModel contact() const { return contact_; }
-  /// Objects that are felt by their meshes: as bodies, and the leaves inside them, shrunk by
-  /// limits::kCoreDepth, which tell soonest what is inside.  Both null where there are none.
-  const ContactBodies* bodies() const { return bodies_.get(); }
-  const ObjectForest* cores() const { return cores_.get(); }
+  /// The objects that are felt by their meshes; and a forest of their leaves alone, null where
+  /// there is none, which tells soonest what is deep inside (start_pose.h).
+  std::span<const ContactBody> bodies() const { return bodies_; }
+  const ObjectForest* insides() const { return insides_ ? &*insides_ : nullptr; }
   /// What burs can cut.
   std::span<const CutSolid> solids() const { return solids_; }
 
  private:
   ContactModel contact_;
   ObjectForest forest_;
-  std::unique_ptr<const ContactBodies> bodies_;
-  std::unique_ptr<const ObjectForest> cores_;
+  std::vector<ContactBody> bodies_;
+  std::optional<ObjectForest> insides_;
   std::vector<CutSolid> solids_;
 };
 
@@ -51,26 +48,20 @@ class SceneObjects {
 /// Built when a scene loads; shared by threads.
 class HapticModel {
  public:
-  /// As the constructor of SceneObjects.
-  static std::shared_ptr<const SceneObjects> MakeObjects(
-      std::span<const PlacedTree> objects, ContactModel contact = ContactModel::kSpheres,
-      std::vector<CutSolid> solids = {});
   /// `tool_mesh`: needed for ContactModel::kSurface only.  `cutting`: where the tool is a bur.
   /// Throws Error where a parameter is out of range, the tool's tree is empty or not finite, or its
   /// mesh is lacking.
   HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
               const StepParameters& parameters, const TriangleMesh* tool_mesh = nullptr,
               std::optional<Cutting> cutting = std::nullopt);
-  ~HapticModel();
-  HapticModel(HapticModel&&) noexcept;
 
   const StepParameters& parameters() const { return parameters_; }  ///< derived values filled in
   const ToolTree& tool() const { return *tool_; }
   const ObjectForest& objects() const { return objects_->forest(); }
-  /// All null where no object is felt by its mesh.
+  /// Null where no object is felt by its mesh.
   const ContactBody* tool_body() const { return tool_body_.get(); }
-  const ContactBodies* bodies() const { return objects_->bodies(); }
-  const ObjectForest* object_cores() const { return objects_->cores(); }
+  std::span<const ContactBody> bodies() const { return objects_->bodies(); }
+  const ObjectForest* insides() const { return objects_->insides(); }
   /// Null unless the features name compliance and some leaf is soft.
   const SoftLeaves* soft_leaves() const { return soft_.get(); }
   /// Null where the tool is no bur.
@@ -82,9 +73,8 @@ class HapticModel {
   /// Samples of the bur about the reference point, in the tool's frame.
   std::span<const BurSample> bur_samples() const { return bur_samples_; }
   double bur_lever() const { return bur_lever_; }  ///< of the farthest of them [m]
-  /// The leaf of the forest that the object side of a row's pair belongs to: its material is the
-  /// row's.
-  std::int32_t LeafOf(const LeafPair& pair) const;
+  /// The leaf of the forest whose material is a row's.
+  std::int32_t LeafOf(const ContactId& id) const;
   /// 3 where the tool is a single sphere (no contact can turn it), else 6.
   int degrees_of_freedom() const { return tool_->leaf_count() == 1 ? 3 : 6; }
   /// Point that the step and the wrench refer to, in the tool's frame [m]: the centroid.

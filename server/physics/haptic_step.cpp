@@ -30,17 +30,237 @@ StepWorkspace::StepWorkspace(StepWorkspace&&) noexcept = default;
 
 namespace {
 
-bool IsFinite(const StepReport& report);
-bool Begin(const Pose& X_WH, StepContext& context);
-bool GoesOn(const StepContext& context);
-void Predict(StepContext& context);
-Optimum Solve(StepContext& context);
-Optimum SolveWithoutFriction(StepContext& context);
-void Rub(StepContext& context, Optimum& optimum);
-void Move(StepContext& context, const Way& way);
-void Report(StepContext& context, const Way& way);
-void GiveUp(StepContext& context);
-void End(const Pose& X_WH, StepContext& context);
+bool IsFinite(const StepReport& report) {
+  return report.wrench.force.allFinite() && report.wrench.torque.allFinite() &&
+         report.X_WG.p.allFinite() && report.X_WG.q.coeffs().allFinite();
+}
+
+/// Where the tools are, and the first bounds.  False where the pose that came is none: the tool
+/// stays.
+bool Begin(const Pose& X_WH, StepContext& context) {
+  StepState& state = context.state;
+  context.report.X_WG = state.X_WG;
+  const double norm2 = X_WH.q.squaredNorm();
+  if (!std::isfinite(X_WH.p.x() + X_WH.p.y() + X_WH.p.z()) || !std::isfinite(norm2) ||
+      !(norm2 > limits::kLeastSquaredNorm)) {
+    context.report.faults = kFaultBadPose;
+    return false;
+  }
+  const Vec3& reference = context.model.reference();
+  Tools& tools = context.tools;
+  tools.q_H = Quat(X_WH.q.coeffs() / std::sqrt(norm2));
+  tools.p_H = X_WH.p + tools.q_H * reference;
+  tools.q_G = state.X_WG.q;
+  tools.p_G = state.X_WG.p + tools.q_G * reference;
+  const Target hand_step = TargetOf(state.X_WH * reference, state.X_WH.q, tools.p_H, tools.q_H);
+  StepBounds& bounds = context.sub_step.bounds;
+  bounds = FirstBounds(context.model, hand_step);
+  bounds.translation = std::max(bounds.translation, state.behind.translation);
+  bounds.rotation = std::max(bounds.rotation, state.behind.rotation);
+  state.X_WH = {X_WH.p, tools.q_H};
+  return true;
+}
+
+/// A further sub-step between leaves, or of a bur, is taken to cost what the last one did.
+bool GoesOn(const StepContext& context) {
+  const StepParameters& parameters = context.model.parameters();
+  if (context.cost.cut_looks + context.cost.last_cut_looks > limits::cutting::kMostLooks) {
+    return false;
+  }
+  if (parameters.looks - context.cost.looks < parameters.looks / 4) return false;
+  return context.report.substeps < parameters.max_substeps && !context.arrived &&
+         context.cost.packet_pairs + context.cost.last <= limits::kMaxTested &&
+         !context.IsUnsolved();
+}
+
+/// The rows between leaves that the sub-step has to respect, rigid ones and those that first yield;
+/// and the triangles that it could bring together, with the rows of those that touched last.
+void Predict(StepContext& context) {
+  StepBuffers& buffers = context.buffers;
+  Tools& tools = context.tools;
+  SubStep& sub_step = context.sub_step;
+  const std::int64_t before = buffers.prediction.tested();
+  sub_step = {.bounds = sub_step.bounds, .friction_before = context.state.friction};
+  context.Aim();
+  tools.R_WG = tools.q_G.toRotationMatrix();
+  if (buffers.energies) {
+    sub_step.bounds = buffers.energies->Narrow(sub_step.bounds, tools.p_G, tools.q_G);
+    buffers.energies->Begin(tools.p_G, tools.q_G, context.state.cuts);
+  }
+  buffers.prediction.Predict(context.model, context.kernels, tools.R_WG, tools.p_G, sub_step.bounds,
+                             context.state.wear, buffers.rows, context.times);
+  context.cost.last = buffers.prediction.tested() - before;
+  context.cost.packet_pairs += context.cost.last;
+  if (buffers.meshes) {
+    StageClock clock(context.times);
+    const bool turns = context.model.degrees_of_freedom() == 6;
+    BeginSubStep(*buffers.meshes, context.kernels, context.state.front,
+                 {tools.p_G, turns ? tools.q_G : Quat::Identity()}, context.state.Active(),
+                 context.model.parameters().looks - context.cost.looks, buffers.rows);
+    clock.Lap(&StageTimes::prediction);
+  }
+  context.report.predicted_pairs = buffers.rows.count();
+  if (buffers.rows.overflowed()) context.report.faults |= kFaultRowsFull;
+}
+
+/// The pose nearest to the hand's that the rows allow, along straight rows and without friction.
+Optimum SolveWithoutFriction(StepContext& context) {
+  StepBuffers& buffers = context.buffers;
+  ++context.sub_step.iterates;
+  buffers.rows.Finish();
+  context.sub_step.rigid = buffers.rows.view();
+  if (buffers.energies) buffers.energies->Collect(buffers.rows, context.sub_step.rigid);
+  const bool with_energies = buffers.energies && buffers.energies->acts();
+  Optimum optimum = NearestStep(context, context.sub_step.target, with_energies);
+  if (buffers.meshes && !with_energies &&
+      (optimum.qp.status == QpStatus::kRelaxed || context.Gain(optimum.v, optimum.phi) < 0.0) &&
+      GiveUpRegain(*buffers.meshes, buffers.rows)) {
+    optimum = NearestStep(context, context.sub_step.target);
+  }
+  context.report.qp_iterations += optimum.qp.iterations;
+  return optimum;
+}
+
+/// Moves an optimum by friction, where the model has it and a row is active.
+void Rub(StepContext& context, Optimum& optimum) {
+  FrictionState& friction = context.state.friction;
+  if (context.sub_step.iterates > 1) friction = context.sub_step.friction_before;
+  if (!context.Rubs()) return;
+  if (optimum.qp.active == 0 || friction.suspended ||
+      optimum.qp.status == QpStatus::kIterationLimit) {
+    return;
+  }
+  AddCoulombFriction(context, optimum);
+}
+
+/// The same; of a ball round creases, and with friction where the model has it.
+Optimum Solve(StepContext& context) {
+  Optimum optimum = SolveWithoutFriction(context);
+  optimum.rounds = context.IsFreeBall() && RoundCreases(context, optimum);
+  Rub(context, optimum);
+  context.Require(optimum);
+  if (!context.IsUnsolved()) Remember(context, optimum);
+  return optimum;
+}
+
+/// Takes the tool there.
+void Move(StepContext& context, const Way& way) {
+  StepBuffers& buffers = context.buffers;
+  const bool meshes = buffers.meshes.has_value();
+  const bool is_held = way.optimum.IsHeld();
+  context.arrived = way.arrived;
+  if (!is_held) context.state.turn_G.setZero();
+  if (meshes) {
+    EndSubStep(*buffers.meshes);
+    context.cost.looks += buffers.meshes->looks.Spent();
+  }
+  if (context.Rubs() && way.optimum.qp.active == 0 && (way.arrived || !meshes)) {
+    context.state.friction.Forget();
+  }
+  if (buffers.energies) {
+    const Energies::Taken taken = buffers.energies->Cut(context.tools.p_G, context.tools.q_G, way.v,
+                                                        way.phi, context.state.cuts);
+    context.report.cut_volume += taken.volume;
+    context.cost.last_cut_looks = taken.looks;
+    context.cost.cut_looks += taken.looks;
+  }
+  Tools& tools = context.tools;
+  if (way.arrived && !is_held) {
+    tools.p_G = tools.p_H;
+    tools.q_G = tools.q_H;
+    return;
+  }
+  context.report.truncation = std::max(
+      context.report.truncation, 0.5 * way.phi.squaredNorm() * context.model.tool().max_lever());
+  tools.p_G += way.v;
+  tools.q_G = (RotationExp(way.phi) * tools.q_G).normalized();
+}
+
+/// Between meshes, where the tool has not arrived, the optimum lies beyond what its rows are known
+/// for.  What is known is what they hold back of the spring from where the tool is: those of its
+/// contacts, and of what it would meet within the sub-step.  A bur is held back by what it touches:
+/// of material that it has not come to, which yields, the optimum would take any amount.  Where the
+/// tool has arrived this is the optimum's own wrench; without a row it is zero.
+Way Lag(StepContext& context, const Way& went) {
+  ContactRows& rows = context.buffers.rows;
+  for (int i = 0; i < rows.count(); ++i) rows.SetGap(i, rows.Left(i, went.v, went.phi));
+  // The tool's place is free, whatever a row that was made for a trial elsewhere says of it.  So
+  // the wrench is never more than the spring's own.
+  rows.AdmitZero();
+  if (context.buffers.energies) {
+    context.buffers.energies->Begin(context.tools.p_G, context.tools.q_G, context.state.cuts, 0.0);
+  }
+  context.Aim();
+  Way stays;
+  stays.optimum = SolveWithoutFriction(context);
+  context.Require(stays.optimum);
+  Remember(context, stays.optimum);
+  return stays;
+}
+
+/// The wrench of the spring at the optimum, and the contacts.  Where the sub-step falls short of it
+/// the graphic tool is still on its way, and its distance from the hand is no contact: that part
+/// gives no force.  Then the bounds of the next sub-step.
+void Report(StepContext& context, const Way& way) {
+  StepReport& report = context.report;
+  const bool lags = context.buffers.meshes && !way.arrived;
+  const Way& felt = lags ? Lag(context, way) : way;
+  const Optimum& optimum = felt.optimum;
+  if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
+  context.held = optimum.IsHeld();
+  report.wrench = context.held ? context.WrenchAfter(optimum.v, optimum.phi) : Wrench{};
+  ReportContacts(context, felt);
+  context.sub_step.bounds = WiderBounds(context.model, context.sub_step.bounds);
+}
+
+/// A QP did not end, or not with numbers: the tool stays where it is, and the spring pulls.  What
+/// was found on the way belongs to no place, and nothing of it goes on.
+void GiveUp(StepContext& context) {
+  StepReport& report = context.report;
+  context.arrived = false;
+  context.state.active = 0;
+  context.state.friction = context.sub_step.friction_before;
+  report.contacts = report.soft_contacts = 0;
+  report.soft_wrench = Wrench{};
+  report.bur_force.setZero();
+  context.Aim();
+  report.wrench = context.WrenchAfter(Vec3::Zero(), Vec3::Zero());
+}
+
+/// What the next step starts from, and what friction by the chapter's rule and wear make of this
+/// one.
+void End(const Pose& X_WH, StepContext& context) {
+  const Features& features = context.model.parameters().features;
+  StepState& state = context.state;
+  StepReport& report = context.report;
+  if (!context.arrived && !context.IsUnsolved()) report.faults |= kFaultTargetFar;
+  const bool lags = context.buffers.meshes && !context.arrived;
+  state.behind = lags ? context.sub_step.bounds : StepBounds{0.0, 0.0};
+  if (context.arrived && !context.held) {
+    state.X_WG = {X_WH.p, context.tools.q_H};
+  } else {
+    state.X_WG = {context.tools.p_G - context.tools.q_G * context.model.reference(),
+                  context.tools.q_G};
+  }
+  const Pose X_before = report.X_WG;
+  if (features.friction == FrictionModel::kChapter && context.arrived &&
+      !state.friction.suspended) {
+    AddChapterFriction(context.model, X_before, state, report);
+  }
+  report.X_WG = state.X_WG;
+  if (context.arrived && features.removal) {
+    WearContacts(context.model, X_before, state.wear, report);
+  }
+  // Whatever the numbers that came in: nothing else than numbers goes out.
+  if (!IsFinite(report)) {
+    state.X_WG = report.X_WG = X_before;
+    state.ForgetContact();
+    report.wrench = report.soft_wrench = Wrench{};
+    report.contacts = report.soft_contacts = 0;
+    report.bur_force.setZero();
+    report.faults |= kFaultUnsolved;
+  }
+}
 
 }  // namespace
 
@@ -71,235 +291,5 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
   End(X_WH, context);
   return report;
 }
-
-namespace {
-
-bool IsFinite(const StepReport& report) {
-  return report.wrench.force.allFinite() && report.wrench.torque.allFinite() &&
-         report.X_WG.p.allFinite() && report.X_WG.q.coeffs().allFinite();
-}
-
-/// Where the tools are, and the first bounds.  False where the pose that came is none: the tool
-/// stays.
-bool Begin(const Pose& X_WH, StepContext& context) {
-  StepState& state = context.state;
-  context.report.X_WG = state.X_WG;
-  const double norm2 = X_WH.q.squaredNorm();
-  if (!std::isfinite(X_WH.p.x() + X_WH.p.y() + X_WH.p.z()) || !std::isfinite(norm2) ||
-      !(norm2 > limits::kLeastSquaredNorm)) {
-    context.report.faults = kFaultBadPose;
-    return false;
-  }
-  const Vec3& reference = context.model.reference();
-  context.q_H = Quat(X_WH.q.coeffs() / std::sqrt(norm2));
-  context.p_H = X_WH.p + context.q_H * reference;
-  context.q_G = state.X_WG.q;
-  context.p_G = state.X_WG.p + context.q_G * reference;
-  const Target hand_step = TargetOf(state.X_WH * reference, state.X_WH.q, context.p_H, context.q_H);
-  context.bounds = FirstBounds(context.model, hand_step);
-  context.bounds.translation = std::max(context.bounds.translation, state.behind.translation);
-  context.bounds.rotation = std::max(context.bounds.rotation, state.behind.rotation);
-  state.X_WH = {X_WH.p, context.q_H};
-  return true;
-}
-
-/// A further sub-step between leaves, or of a bur, is taken to cost what the last one did.
-bool GoesOn(const StepContext& context) {
-  const StepParameters& parameters = context.model.parameters();
-  if (context.cut_looks + context.last_cut_looks > limits::cutting::kMostLooks) return false;
-  if (parameters.looks - context.looks < parameters.looks / 4) return false;
-  return context.report.substeps < parameters.max_substeps && !context.arrived &&
-         context.spent + context.last <= parameters.max_tested && !context.IsUnsolved();
-}
-
-/// The rows between leaves that the sub-step has to respect, rigid ones and those that first yield;
-/// and the triangles that it could bring together, with the rows of those that touched last.
-void Predict(StepContext& context) {
-  StepBuffers& buffers = context.buffers;
-  const std::int64_t before = buffers.prediction.tested();
-  context.friction_before = context.state.friction;
-  context.iterates = 0;
-  context.trust = {};
-  context.Aim();
-  context.R_WG = context.q_G.toRotationMatrix();
-  if (buffers.energies) {
-    context.bounds = buffers.energies->Narrow(context.bounds, context.p_G, context.q_G);
-    buffers.energies->Begin(context.p_G, context.q_G, context.state.cuts);
-  }
-  buffers.prediction.Predict(context.model, context.kernels, context.R_WG, context.p_G,
-                             context.bounds, context.state.wear, buffers.rows, context.times);
-  context.last = buffers.prediction.tested() - before;
-  context.spent += context.last;
-  if (buffers.meshes) {
-    StageClock clock(context.times);
-    const bool turns = context.model.degrees_of_freedom() == 6;
-    BeginSubStep(*buffers.meshes, context.kernels, context.state.front,
-                 {context.p_G, turns ? context.q_G : Quat::Identity()}, context.state.Active(),
-                 context.model.parameters().looks - context.looks, buffers.rows);
-    clock.Lap(&StageTimes::prediction);
-  }
-  context.report.predicted_pairs = buffers.rows.count();
-  if (buffers.rows.overflowed()) context.report.faults |= kFaultRowsFull;
-}
-
-/// The pose nearest to the hand's that the rows allow; of a ball round creases, and with friction
-/// where the model has it.
-Optimum Solve(StepContext& context) {
-  Optimum optimum = SolveWithoutFriction(context);
-  optimum.rounds = context.IsFreeBall() && RoundCreases(context, optimum);
-  Rub(context, optimum);
-  context.Require(optimum);
-  if (!context.IsUnsolved()) Remember(context, optimum);
-  return optimum;
-}
-
-/// The same along straight rows and without friction.
-Optimum SolveWithoutFriction(StepContext& context) {
-  StepBuffers& buffers = context.buffers;
-  ++context.iterates;
-  buffers.rows.Finish();
-  context.rigid = buffers.rows.view();
-  if (buffers.energies) buffers.energies->Collect(buffers.rows, context.rigid);
-  const bool with_energies = buffers.energies && buffers.energies->acts();
-  Optimum optimum = NearestStep(context, context.target, with_energies);
-  if (buffers.meshes && !with_energies &&
-      (optimum.qp.status == QpStatus::kRelaxed || context.Gain(optimum.v, optimum.phi) < 0.0) &&
-      GiveUpRegain(*buffers.meshes, buffers.rows)) {
-    optimum = NearestStep(context, context.target);
-  }
-  context.report.qp_iterations += optimum.qp.iterations;
-  return optimum;
-}
-
-/// Moves an optimum by friction, where the model has it and a row is active.
-void Rub(StepContext& context, Optimum& optimum) {
-  FrictionState& friction = context.state.friction;
-  if (context.iterates > 1) friction = context.friction_before;
-  if (!context.Rubs()) return;
-  if (optimum.qp.active == 0 || friction.suspended ||
-      optimum.qp.status == QpStatus::kIterationLimit) {
-    return;
-  }
-  AddCoulombFriction(context, optimum);
-}
-
-/// Takes the tool there.
-void Move(StepContext& context, const Way& way) {
-  StepBuffers& buffers = context.buffers;
-  const bool meshes = buffers.meshes.has_value();
-  const bool is_held = way.optimum.IsHeld();
-  context.arrived = way.arrived;
-  if (!is_held) context.state.turn_G.setZero();
-  if (meshes) {
-    EndSubStep(*buffers.meshes);
-    context.looks += buffers.meshes->looks.Spent();
-  }
-  if (context.Rubs() && way.optimum.qp.active == 0 && (way.arrived || !meshes)) {
-    context.state.friction.Forget();
-  }
-  if (buffers.energies) {
-    const Energies::Taken taken =
-        buffers.energies->Cut(context.p_G, context.q_G, way.v, way.phi, context.state.cuts);
-    context.report.cut_volume += taken.volume;
-    context.last_cut_looks = taken.looks;
-    context.cut_looks += taken.looks;
-  }
-  if (way.arrived && !is_held) {
-    context.p_G = context.p_H;
-    context.q_G = context.q_H;
-    return;
-  }
-  context.report.truncation = std::max(
-      context.report.truncation, 0.5 * way.phi.squaredNorm() * context.model.tool().max_lever());
-  context.p_G += way.v;
-  context.q_G = (RotationExp(way.phi) * context.q_G).normalized();
-}
-
-/// Between meshes, where the tool has not arrived, the optimum lies beyond what its rows are known
-/// for.  What is known is what they hold back of the spring from where the tool is: those of its
-/// contacts, and of what it would meet within the sub-step.  A bur is held back by what it touches:
-/// of material that it has not come to, which yields, the optimum would take any amount.  Where the
-/// tool has arrived this is the optimum's own wrench; without a row it is zero.
-Way Lag(StepContext& context, const Way& went) {
-  ContactRows& rows = context.buffers.rows;
-  for (int i = 0; i < rows.count(); ++i) rows.SetGap(i, rows.Left(i, went.v, went.phi));
-  // The tool's place is free, whatever a row that was made for a trial elsewhere says of it.  So
-  // the wrench is never more than the spring's own.
-  rows.AdmitZero();
-  if (context.buffers.energies) {
-    context.buffers.energies->Begin(context.p_G, context.q_G, context.state.cuts, 0.0);
-  }
-  context.Aim();
-  Way stays;
-  stays.optimum = SolveWithoutFriction(context);
-  context.Require(stays.optimum);
-  Remember(context, stays.optimum);
-  return stays;
-}
-
-/// The wrench of the spring at the optimum, and the contacts.  Where the sub-step falls short of it
-/// the graphic tool is still on its way, and its distance from the hand is no contact: that part
-/// gives no force.  Then the bounds of the next sub-step.
-void Report(StepContext& context, const Way& way) {
-  StepReport& report = context.report;
-  const bool lags = context.buffers.meshes && !way.arrived;
-  const Way& felt = lags ? Lag(context, way) : way;
-  const Optimum& optimum = felt.optimum;
-  if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
-  context.held = optimum.IsHeld();
-  report.wrench = context.held ? context.WrenchAfter(optimum.v, optimum.phi) : Wrench{};
-  ReportContacts(context, felt);
-  context.bounds = WiderBounds(context.model, context.bounds);
-}
-
-/// A QP did not end, or not with numbers: the tool stays where it is, and the spring pulls.  What
-/// was found on the way belongs to no place, and nothing of it goes on.
-void GiveUp(StepContext& context) {
-  StepReport& report = context.report;
-  context.arrived = false;
-  context.state.active = 0;
-  context.state.friction = context.friction_before;
-  report.contacts = report.soft_contacts = 0;
-  report.soft_wrench = Wrench{};
-  report.bur_force.setZero();
-  context.Aim();
-  report.wrench = context.WrenchAfter(Vec3::Zero(), Vec3::Zero());
-}
-
-/// What the next step starts from, and what friction by the chapter's rule and wear make of this
-/// one.
-void End(const Pose& X_WH, StepContext& context) {
-  const Features& features = context.model.parameters().features;
-  StepState& state = context.state;
-  StepReport& report = context.report;
-  if (!context.arrived && !context.IsUnsolved()) report.faults |= kFaultTargetFar;
-  const bool lags = context.buffers.meshes && !context.arrived;
-  state.behind = lags ? context.bounds : StepBounds{0.0, 0.0};
-  if (context.arrived && !context.held) {
-    state.X_WG = {X_WH.p, context.q_H};
-  } else {
-    state.X_WG = {context.p_G - context.q_G * context.model.reference(), context.q_G};
-  }
-  const Pose X_before = report.X_WG;
-  if (features.friction == FrictionModel::kChapter && context.arrived &&
-      !state.friction.suspended) {
-    AddChapterFriction(context.model, X_before, state, report);
-  }
-  report.X_WG = state.X_WG;
-  if (context.arrived && features.removal) {
-    WearContacts(context.model, X_before, state.wear, report);
-  }
-  // Whatever the numbers that came in: nothing else than numbers goes out.
-  if (!IsFinite(report)) {
-    state.X_WG = report.X_WG = X_before;
-    state.ForgetContact();
-    report.wrench = report.soft_wrench = Wrench{};
-    report.contacts = report.soft_contacts = 0;
-    report.bur_force.setZero();
-    report.faults |= kFaultUnsolved;
-  }
-}
-
-}  // namespace
 
 }  // namespace palpate

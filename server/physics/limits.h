@@ -209,15 +209,6 @@ struct Margins {
   /// A row that its contact lets the tool go by less than this holds it.
   double touching = 2.0 * separation;
 
-  /// Of a ball.  It has one row for each pair, which misses nothing along the pair's plane.  With h
-  /// at half of delta it would roll about the edge that a face ends at, at delta, until it is
-  /// h from a face that is flush with the first: up to 0.02 N of 1 N, sideways.
-  constexpr Margins OfBall() const {
-    Margins margins = *this;
-    margins.free = separation - witness;
-    return margins;
-  }
-
   /// What a plane must separate a pair by before and after a sub-step, whose best plane separates
   /// it by `distance` before (less than zero where it intersects).  A pair that is nearer than h
   /// may not come nearer, but for rounding; and that only as long as the sum of roundings does no
@@ -259,8 +250,8 @@ constexpr std::size_t RoomForNear(int looks) {
 }
 }  // namespace mesh
 
-/// What leaves inside an object that is felt by its mesh are shrunk by, to tell what starts inside
-/// [m]: more than they may stand out.
+/// How deep a leaf of an object that is felt by its mesh must be entered to tell that a tool starts
+/// inside [m]: more than leaves may stand out.
 inline constexpr double kCoreDepth = 1e-4;
 
 // --- A start inside an object (start_pose.h).  Not on the servo path. ---

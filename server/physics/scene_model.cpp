@@ -48,7 +48,7 @@ std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
       solids.back().object = static_cast<std::uint32_t>(placed.size() - 1);
     }
   }
-  return HapticModel::MakeObjects(placed, scene.features.contact, std::move(solids));
+  return std::make_shared<const SceneObjects>(placed, scene.features.contact, std::move(solids));
 }
 
 HapticModel MakeModel(const Scene& scene, const Body& tool,

@@ -5,7 +5,6 @@
 #include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
 #include "server/physics/solve/step_buffers.h"
-#include "server/physics/surface/contact_bodies.h"
 #include "server/physics/tree/sphere_tree_query.h"
 
 namespace palpate {
@@ -47,7 +46,26 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, const Gone& gone,
   if (!buffers.meshes) return true;
   // A tool whose mesh meets no other lies inside an object as a whole or not at all.
   return IsFree(buffers.meshes->meshes, at) &&
-         !model.bodies()->Hold(at.p + at.R * model.tool_body()->mesh.vertices()[0]);
+         !Hold(model.bodies(), at.p + at.R * model.tool_body()->mesh.vertices()[0]);
+}
+
+/// What a tool goes from a place of its reference point at most until it is out of everything [m].
+double LongestWayOut(const HapticModel& model, const Vec3& from) {
+  double reach = model.tool().reach();
+  double farthest = (from - model.objects().center()).norm() + model.objects().radius();
+  if (model.tool_body() != nullptr) reach = std::max(reach, model.tool_body()->mesh.reach());
+  for (const ContactBody& body : model.bodies()) {
+    const HullTree::Node root = body.tree.root();
+    farthest = std::max(farthest, (from - body.tree.Centre(root)).norm() + body.tree.Radius(root));
+  }
+  for (const CutSolid& solid : model.solids()) {
+    const Lattice& lattice = solid.grid->field().lattice();
+    const Vec3 &low = lattice.origin, high = lattice.End();
+    farthest = std::max(
+        farthest, (from - solid.X_WB * (0.5 * (low + high))).norm() + 0.5 * (high - low).norm());
+    reach = std::max(reach, model.bur_lever());
+  }
+  return farthest + reach;
 }
 
 /// Between two places on a way out [m].
@@ -83,25 +101,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
 
   // Out along the 26 directions of a cube's faces, edges and corners, whichever is shortest; every
   // object ends within `shortest`, so there is always a way.
-  const Vec3 from = X_start * model.reference();
-  double reach = model.tool().reach();
-  double shortest = (from - model.objects().center()).norm() + model.objects().radius();
-  if (model.bodies() != nullptr) {
-    reach = std::max(reach, model.tool_body()->mesh.reach());
-    for (const ContactBody& body : model.bodies()->bodies()) {
-      const HullTree::Node root = body.tree.root();
-      shortest =
-          std::max(shortest, (from - body.tree.Centre(root)).norm() + body.tree.Radius(root));
-    }
-  }
-  for (const CutSolid& solid : model.solids()) {
-    const Lattice& lattice = solid.grid->field().lattice();
-    const Vec3 &low = lattice.origin, high = lattice.End();
-    shortest = std::max(
-        shortest, (from - solid.X_WB * (0.5 * (low + high))).norm() + 0.5 * (high - low).norm());
-    reach = std::max(reach, model.bur_lever());
-  }
-  shortest += reach;
+  double shortest = LongestWayOut(model, X_start * model.reference());
   Vec3 way = Vec3::UnitZ();
   for (int i = 0; i < 27; ++i) {
     const Vec3 d(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);

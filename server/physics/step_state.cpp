@@ -6,7 +6,7 @@ namespace palpate {
 
 StepState::StepState(const HapticModel& model) {
   if (model.parameters().features.removal) wear = LeafWear(model.objects());
-  if (model.bodies() != nullptr) front.Reserve();
+  if (!model.bodies().empty()) front.Reserve();
   for (const CutSolid& solid : model.solids()) {
     cuts.emplace_back(*solid.grid, kMostGridBytes, "solid " + std::to_string(cuts.size()));
   }

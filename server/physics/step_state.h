@@ -6,8 +6,8 @@
 
 #include "common/math/pose.h"
 #include "scenes/grid/cut_field.h"
+#include "server/physics/contact_id.h"
 #include "server/physics/haptic_model.h"
-#include "server/physics/leaf_pair.h"
 #include "server/physics/limits.h"
 #include "server/physics/step_types.h"
 #include "server/physics/surface/separation_front.h"
@@ -25,7 +25,7 @@ struct FrictionState {
   bool suspended = false;  ///< no friction: for the walk to a start pose
   // The forces that the solver starts from, in metres (times k_t: newtons): coulomb.
   int contacts = 0;
-  std::array<LeafPair, 7> pair;
+  std::array<ContactId, 7> id;
   std::array<double, 7> normal_force;
   std::array<Vec3, 7> force;  ///< in W
 
@@ -47,12 +47,12 @@ struct StepState {
   /// and its first step between meshes allocates.
   explicit StepState(const HapticModel& model);
 
-  Pose X_WG;                             ///< graphic tool
-  Pose X_WH;                             ///< haptic tool: how far the hand moved sets the bounds
-  std::array<LeafPair, 7> active_pairs;  ///< rows that held it last, the solver's first guess
+  Pose X_WG;                            ///< graphic tool
+  Pose X_WH;                            ///< haptic tool: how far the hand moved sets the bounds
+  std::array<ContactId, 7> active_ids;  ///< rows that held it last, the solver's first guess
   int active = 0;
-  std::span<const LeafPair> Active() const {
-    return {active_pairs.data(), static_cast<std::size_t>(active)};
+  std::span<const ContactId> Active() const {
+    return {active_ids.data(), static_cast<std::size_t>(active)};
   }
   /// Between meshes: bounds of the next sub-step where the last cycle ended before the tool had
   /// arrived; else 0.

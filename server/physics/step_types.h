@@ -9,7 +9,7 @@
 #include "common/step_fault.h"
 #include "scenes/scene.h"
 #include "scenes/sphere_tree.h"
-#include "server/physics/leaf_pair.h"
+#include "server/physics/contact_id.h"
 #include "server/physics/limits.h"
 
 namespace palpate {
@@ -42,10 +42,6 @@ struct StepParameters {
   int looks = limits::mesh::kMaxLooks;
   int still_cycles = limits::friction::kStillCycles;  ///< without slip, until mu_s holds again
   int max_rows = limits::kMaxRows;
-  /// A further sub-step is begun where one like the last would leave the cycle's packet pairs,
-  /// which take some 10 ns each, within this: what a snap over a ledge costs at most, and the next
-  /// cycle goes on.  A count, never a clock.
-  int max_tested = limits::kMaxTested;
   Features features{.contact = ContactModel::kSpheres};
 };
 
@@ -58,7 +54,7 @@ struct StepBounds {
 /// A row of the linearised non-penetration constraint (chapter 2.17) that carries force:
 /// row . [v; phi] >= offset, v of the tool's centroid and phi in W.
 struct ActiveRow {
-  LeafPair pair;
+  ContactId id;
   std::int32_t object_leaf = -1;           ///< of the forest: whose material counts
   Vec3 normal = Vec3::Zero();              ///< n, from object to tool, in W
   Vec3 lever_cross_normal = Vec3::Zero();  ///< l x n [m], l from the centroid to the contact

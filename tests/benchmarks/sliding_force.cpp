@@ -24,7 +24,7 @@ double Truncation(const StepReport& report, const SphereTree& object) {
   double worst = report.truncation;  // of the rotation, which a ball has none of
   for (int c = 0; c < report.contacts; ++c) {
     const ActiveRow& row = report.active[static_cast<std::size_t>(c)];
-    const auto leaf = static_cast<std::size_t>(row.pair.object);
+    const auto leaf = static_cast<std::size_t>(row.id.object);
     const Vec3 centre(object.leaf_x[leaf], object.leaf_y[leaf], object.leaf_z[leaf]);
     const double gap =
         (report.X_WG.p - centre).norm() - (kSlidingBallRadius + object.leaf_radius[leaf]);

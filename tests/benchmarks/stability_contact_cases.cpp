@@ -184,7 +184,7 @@ void Copies(CaseRun& run) {
     static std::shared_ptr<const SceneObjects> Forest(const SphereTree& object) {
       PlacedTree placed;
       placed.tree = &object;
-      return HapticModel::MakeObjects({&placed, 1});
+      return std::make_shared<const SceneObjects>(std::span(&placed, 1));
     }
   };
   std::vector<test::Ball> probes(8, probe);

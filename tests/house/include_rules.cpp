@@ -167,9 +167,9 @@ const std::vector<Floors> kFloors = {
      false},
     {"server/physics",
      {
-         {"server/physics/limits"},
+         {"server/physics/limits", "server/physics/contact_id"},
          {"server/physics/simd"},
-         {"server/physics/leaf_pair", "server/physics/step_types", "server/physics/stage_clock"},
+         {"server/physics/step_types", "server/physics/stage_clock"},
          {"server/physics/energy"},
          {"server/physics/tree"},
          {"server/physics/cut"},

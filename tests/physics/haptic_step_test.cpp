@@ -138,8 +138,8 @@ TEST(HapticStep, ReportsContactsAsTheyAreAtTheReportedPose) {
     const StepReport report = bench.Step(X);
     for (int c = 0; c < report.contacts; ++c) {
       const ActiveRow& row = report.active[static_cast<std::size_t>(c)];
-      const auto tool = static_cast<std::size_t>(row.pair.tool);
-      const auto object = static_cast<std::size_t>(row.pair.object);
+      const auto tool = static_cast<std::size_t>(row.id.tool);
+      const auto object = static_cast<std::size_t>(row.id.object);
       const LeafSphere& t = bench.model().tool().leaves()[tool];
       const LeafSphere& o = bench.model().objects().leaves()[object];
       const Vec3 c_T = report.X_WG * (bench.model().reference() + Vec3(t.x, t.y, t.z));
@@ -287,7 +287,7 @@ TEST(HapticStep, StaysWhereItIsWhereASolverFails) {
   for (const auto& [name, scene] : scenes) {
     const HapticModel model = MakeModel(*scene, scene->tools[0], MakeObjects(*scene));
     const test::MeshOracle oracle(*scene);
-    const bool meshes = model.bodies() != nullptr;
+    const bool meshes = !model.bodies().empty();
     StepWorkspace workspace(model);
     StepState state(model);
     state.X_WG = state.X_WH = At(0.017, 0.0, 0.0152);

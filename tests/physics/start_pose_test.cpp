@@ -21,7 +21,7 @@ struct Setting {
         workspace(model) {}
   std::shared_ptr<const SceneObjects> Objects() {
     const PlacedTree placed{&object, {}};
-    return HapticModel::MakeObjects(std::span(&placed, 1));
+    return std::make_shared<const SceneObjects>(std::span(&placed, 1));
   }
   SphereTree tool, object;
   HapticModel model;

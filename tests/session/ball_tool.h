@@ -30,7 +30,8 @@ inline std::shared_ptr<const ServedTool> BallTool(const std::string& scene = "ba
   parameters.stiffness = kStiffness;
   return std::make_shared<const ServedTool>(ServedTool{
       scene, tool,
-      HapticModel(MakeTree({&probe, 1}), HapticModel::MakeObjects({&placed, 1}), parameters)});
+      HapticModel(MakeTree({&probe, 1}),
+                  std::make_shared<const SceneObjects>(std::span(&placed, 1)), parameters)});
 }
 
 /// A station's poses, one a millisecond.

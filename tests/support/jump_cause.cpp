@@ -72,9 +72,7 @@ double JumpJudge::SpringFactor(double stretch) const {
 bool JumpJudge::Has(const StepReport& report, const ActiveRow& contact) const {
   for (int i = 0; i < report.contacts; ++i) {
     const ActiveRow& other = report.active[static_cast<std::size_t>(i)];
-    if (other.pair.tool == contact.pair.tool && other.pair.object == contact.pair.object) {
-      return true;
-    }
+    if (other.id == contact.id) return true;
     if ((other.contact_W - contact.contact_W).norm() <= reach_ &&
         other.normal.dot(contact.normal) >= kSameCosine) {
       return true;

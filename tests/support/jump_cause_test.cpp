@@ -23,7 +23,7 @@ class JumpCauseTest : public testing::Test {
         judge_(scene_, model_) {
     before_.contacts = after_.contacts = 1;
     for (StepReport* report : {&before_, &after_}) {
-      report->active[0].pair = {3, 4};
+      report->active[0].id = {ContactId::kLeaves, 3, 4};
       report->active[0].normal = Vec3::UnitY();
       report->wrench.force.y() = 2.0;
     }
@@ -81,7 +81,7 @@ TEST_F(JumpCauseTest, IsUnexplainedWhereTheSameContactsHold) {
   Jump(-0.6);
   EXPECT_EQ(Cause(), JumpCause::kUnexplained);
   // Another pair at the same place is the same contact: the next triangle.
-  after_.active[0].pair = {5, 6};
+  after_.active[0].id = {ContactId::kLeaves, 5, 6};
   after_.active[0].contact_W.x() = 0.3e-3;
   EXPECT_EQ(Cause(), JumpCause::kUnexplained);
 }
@@ -102,7 +102,7 @@ TEST_F(JumpCauseTest, IsUnexplainedWhereTheSpringIsStretchedByNobody) {
 TEST_F(JumpCauseTest, IsAContactThatCameOrWent) {
   Jump(-0.6);
   after_.contacts = 2;
-  after_.active[1].pair = {7, 8};
+  after_.active[1].id = {ContactId::kLeaves, 7, 8};
   after_.active[1].contact_W.x() = 0.02;
   after_.active[1].normal = Vec3::UnitY();
   EXPECT_EQ(Cause(), JumpCause::kGained);
@@ -112,7 +112,7 @@ TEST_F(JumpCauseTest, IsAContactThatCameOrWent) {
   EXPECT_EQ(Cause(), JumpCause::kLost);
   // At the same place, but steep against it: another contact.
   before_.contacts = 1;
-  after_.active[0].pair = {5, 6};
+  after_.active[0].id = {ContactId::kLeaves, 5, 6};
   after_.active[0].normal = Vec3(1, 1, 0).normalized();
   EXPECT_EQ(Cause(), JumpCause::kGained);
 }

@@ -70,7 +70,7 @@ class Bench {
           paint_.of({object_tree_.leaf_x[i], object_tree_.leaf_y[i], object_tree_.leaf_z[i]})));
     }
     const PlacedTree placed{&object_tree_, {}, nullptr, leaf_material, paint_.materials};
-    return HapticModel::MakeObjects(std::span(&placed, 1));
+    return std::make_shared<const SceneObjects>(std::span(&placed, 1));
   }
   std::vector<Ball> tool_, object_;
   SphereTree tool_tree_, object_tree_;

@@ -109,9 +109,7 @@ bool TrianglesApart(MeshContact& contact, Index k) {
               [&](const ContactPlane& plane) { held = held || across(plane); });
   if (held || !motion.moves) return held;
   const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
-  if (nearest.squared > 0.0 && holds((nearest.p - nearest.q) / std::sqrt(nearest.squared))) {
-    return true;
-  }
+  if (nearest.squared > 0.0 && holds(nearest.Direction())) return true;
   if (!touch.in_cone) return NeighbourHolds(contact, k, touch.distance);
   return touch.plane.of == ContactPlane::Of::kNone && across(ChoosePlane(meshes, touch, motion));
 }

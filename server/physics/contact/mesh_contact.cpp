@@ -6,8 +6,12 @@ namespace palpate {
 namespace {
 
 limits::mesh::Margins MarginsOf(const ContactBody& tool, double separation) {
-  const limits::mesh::Margins margins{separation};
-  return tool.radius > 0.0 ? margins.OfBall() : margins;
+  limits::mesh::Margins margins{separation};
+  // A ball has one row for each pair, which misses nothing along the pair's plane.  With h at half
+  // of delta it would roll about the edge that a face ends at, at delta, until it is h from a face
+  // that is flush with the first: up to 0.02 N of 1 N, sideways.
+  if (tool.radius > 0.0) margins.free = separation - margins.witness;
+  return margins;
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include "server/physics/contact/near_pairs.h"
 #include "server/physics/contact/touch.h"
-#include "server/physics/leaf_pair.h"
 
 namespace palpate {
 

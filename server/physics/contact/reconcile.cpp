@@ -46,12 +46,12 @@ bool TurnSmoothed(const MeshContact& contact, const Touch& touch, int row,
                   const NearestPoints& nearest, const Vec3& u, ContactRows& rows) {
   const ToolAndBodies& meshes = contact.meshes;
   if (!meshes.IsBall() || !TurnsRows(contact)) return false;
-  const Vec3 along =
-      touch.nodes.body->mesh.SmoothNormal(HullTree::TriangleOf(touch.nodes.object), nearest.q, u);
+  const Vec3 along = touch.nodes.SmoothNormal(nearest, u);
   if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
-  const double now = std::sqrt(nearest.squared) - meshes.tool.radius;
+  const double now = nearest.Distance() - meshes.tool.radius;
   const double asked = Asked(contact, touch.distance);
-  rows.SetRow(row, along, rows.lever(row), now - asked - along.dot(contact.motion.v));
+  const Vec3 lever = rows.lever(row);
+  rows.SetRow(row, along, lever, lever.cross(along), now - asked - along.dot(contact.motion.v));
   return true;
 }
 
@@ -60,10 +60,10 @@ bool Retract(MeshContact& contact, int row, Touch& touch, ContactRows& rows) {
   const Motion& motion = contact.motion;
   const NearestPoints nearest = meshes.NearestAt(touch.nodes, motion.to);
   if (!(nearest.squared > 0.0)) return false;
-  const double length = std::sqrt(nearest.squared);
-  const Vec3 u = (nearest.p - nearest.q) / length;
-  const bool touches = GapOfRow(contact, row, rows) <=
-                       kWitnessRatio * (length - meshes.tool.radius) + meshes.margins.witness;
+  const Vec3 u = nearest.Direction();
+  const bool touches =
+      GapOfRow(contact, row, rows) <=
+      kWitnessRatio * (nearest.Distance() - meshes.tool.radius) + meshes.margins.witness;
   if (InCone(meshes, touch.nodes, nearest, u, motion.to) && touches) {
     return TurnSmoothed(contact, touch, row, nearest, u, rows);
   }
@@ -101,8 +101,7 @@ int Release(MeshContact& contact, std::span<const int> active, ContactRows& rows
   contact.released.clear();
   return MendRows(contact, active, rows, [&](int row, Touch& touch) {
     // The pair is farther apart at the trial than its row says.
-    const double apart =
-        std::sqrt(contact.meshes.NearestAt(touch.nodes, contact.motion.to).squared);
+    const double apart = contact.meshes.NearestAt(touch.nodes, contact.motion.to).Distance();
     if (apart - contact.meshes.tool.radius <=
         kWitnessRatio * GapOfRow(contact, row, rows) + contact.meshes.margins.witness) {
       return false;
@@ -139,8 +138,8 @@ Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept {
   const bool flat = std::all_of(faces.begin(), faces.end(), [&](std::uint32_t face) {
     return mesh.triangles()[face].normal.cross(u).norm() <= kTurned;
   });
-  if (flat || mesh.SmoothNormal(triangle, touch->nearest.q, u) != u) return Mat3::Zero();
-  const double length = std::sqrt(touch->nearest.squared);
+  if (flat || touch->nodes.SmoothNormal(touch->nearest, u) != u) return Mat3::Zero();
+  const double length = touch->nearest.Distance();
   if (of.kind == Feature::kVertex) return (Mat3::Identity() - u * u.transpose()) / length;
   const Vec3 edge = mesh.Corner(triangle, (of.index + 1) % 3) - mesh.Corner(triangle, of.index);
   const Vec3 across = edge.cross(u).normalized();
@@ -165,9 +164,8 @@ double Turned(const MeshContact& contact, std::span<const int> active,
     const NearestPoints points = meshes.NearestAt(near.nodes, contact.motion.to);
     if (!(points.squared > 0.0 && points.squared < nearest)) continue;
     nearest = points.squared;
-    u = (points.p - points.q) / std::sqrt(nearest);
-    smooth = near.nodes.body->mesh.SmoothNormal(HullTree::TriangleOf(near.nodes.object), points.q,
-                                                u) != u;
+    u = points.Direction();
+    smooth = near.nodes.SmoothNormal(points, u) != u;
   }
   double least = kInfinity, most = 0.0;
   const double as_near = std::sqrt(nearest) + meshes.margins.witness;
@@ -179,10 +177,8 @@ double Turned(const MeshContact& contact, std::span<const int> active,
     const Touch* touch = contact.TouchOfRow(row);
     if (touch == nullptr) continue;
     const NearestPoints own = meshes.NearestAt(touch->nodes, contact.motion.to);
-    const double length = std::sqrt(own.squared);
-    if (!(length > 0.0 && length <= as_near)) continue;
-    const Vec3 along = touch->nodes.body->mesh.SmoothNormal(
-        HullTree::TriangleOf(touch->nodes.object), own.q, (own.p - own.q) / length);
+    if (!(own.squared > 0.0 && own.Distance() <= as_near)) continue;
+    const Vec3 along = touch->nodes.SmoothNormal(own, own.Direction());
     least = std::min(least, (along - n).norm());
   }
   // Where it is smooth, Retract has turned the rows.

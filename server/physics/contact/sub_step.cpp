@@ -1,7 +1,6 @@
 #include "server/physics/contact/sub_step.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "server/physics/contact/certify.h"
 #include "server/physics/contact/touch_rows.h"
@@ -13,7 +12,7 @@ namespace palpate {
 using namespace limits::mesh;
 
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
-                  const ToolPose& from, std::span<const LeafPair> active, std::int64_t most_looks,
+                  const ToolPose& from, std::span<const ContactId> active, std::int64_t most_looks,
                   ContactRows& rows) noexcept {
   contact.looks = {.most = most_looks};
   contact.meshes.kernels = &kernels;
@@ -32,8 +31,9 @@ void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront&
   for (NearPairs::Index k = 0; k < near.size(); ++k) {
     const NearPairs::Pair& pair = near[k];
     if (pair.split || !pair.nodes.AreTriangles()) continue;
-    const bool was = std::any_of(active.begin(), active.end(),
-                                 [&](const LeafPair& row) { return IsRowOf(row, pair.nodes); });
+    const ContactId id = IdOf(contact, pair.nodes);
+    const bool was =
+        std::ranges::any_of(active, [&](const ContactId& row) { return row.IsBeside(id); });
     if (was && contact.touches.size() < contact.touches.capacity())
       AddRowsThatTouch(contact, k, rows);
   }
@@ -74,10 +74,8 @@ bool IsFree(const ToolAndBodies& meshes, const ToolPose& at) {
     }
     if (nodes.AreTriangles()) {
       const NearestPoints nearest = meshes.NearestAt(nodes, at);
-      const double length = std::sqrt(nearest.squared);
-      if (!(length > 0.0)) return false;
-      const Vec3 n = (nearest.p - nearest.q) / length;
-      if (!(meshes.Gap(nodes, n, at) > kRounding)) return false;
+      if (!(nearest.Distance() > 0.0)) return false;
+      if (!(meshes.Gap(nodes, nearest.Direction(), at) > kRounding)) return false;
     } else if (tools.IsLarger(nodes.tool, objects, nodes.object)) {
       for (HullTree::Node child : tools.inner(nodes.tool).child) {
         left.push_back({child, nodes.object, nodes.body});

@@ -18,12 +18,12 @@ namespace palpate {
 // free.  Drawings: README.md, and ../surface/README.md.
 // Real-time: no allocation, lock, log or clock.  Deterministic.
 
-/// Updates the front at `from`, and adds the rows of the `active` pairs that still touch: those out
-/// of their cones too, or a tool at rest would find them anew in each step, a little off.
+/// Updates the front at `from`, and adds the rows of the `active` ones' pairs that still touch:
+/// those out of their cones too, or a tool at rest would find them anew in each step, a little off.
 /// @param most_looks  what the sub-step may cost; pairs that there are no looks left for count as
 ///                    not apart where their planes do not hold.
 void BeginSubStep(MeshContact& contact, const Kernels& kernels, SeparationFront& front,
-                  const ToolPose& from, std::span<const LeafPair> active, std::int64_t most_looks,
+                  const ToolPose& from, std::span<const ContactId> active, std::int64_t most_looks,
                   ContactRows& rows) noexcept;
 
 /// Whether the trial [v; phi] is free.  If not, rows of those pairs that have no plane are added,

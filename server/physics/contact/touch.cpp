@@ -57,10 +57,9 @@ Touch TouchAt(const ToolAndBodies& meshes, const NodesOfPair& triangles, const T
   Touch touch;
   touch.nodes = triangles;
   touch.nearest = meshes.NearestAt(triangles, at);
-  const double length = std::sqrt(touch.nearest.squared);
   touch.distance = -kInfinity;
-  if (length > 0.0) {
-    touch.u = (touch.nearest.p - touch.nearest.q) / length;
+  if (touch.nearest.Distance() > 0.0) {
+    touch.u = touch.nearest.Direction();
     touch.distance = meshes.Gap(triangles, touch.u, at);
   }
   touch.in_cone = touch.distance > 0.0 && InCone(meshes, triangles, touch.nearest, touch.u, at);
@@ -102,9 +101,7 @@ bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles, const Nea
 
 ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& trial) {
   const Feature a = touch.nearest.of_p, b = touch.nearest.of_q;
-  ContactPlane plane;
-  plane.of = ContactPlane::Of::kObject;
-  plane.n = touch.u;
+  ContactPlane plane{ContactPlane::Of::kObject, touch.u};
   if (touch.distance <= 0.0) return plane;
   if (!touch.in_cone) {
     // The touch is a neighbour's: its face, where that separates this pair as well.
@@ -120,8 +117,7 @@ ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const 
     if (best > -kInfinity) return plane;
   }
   if (b.kind == Feature::kVertex && a.kind != Feature::kVertex) {
-    plane.of = ContactPlane::Of::kTool;
-    plane.n = trial.from.R.transpose() * touch.u;
+    plane = {ContactPlane::Of::kTool, trial.from.R.transpose() * touch.u};
   } else if (a.kind == Feature::kEdge && b.kind == Feature::kEdge) {
     const Vec3 ea = trial.from.R * EdgeOf(meshes.tool.mesh, touch.nodes.tool, a.index);
     const Vec3 eb = EdgeOf(touch.nodes.body->mesh, touch.nodes.object, b.index);
@@ -152,13 +148,8 @@ ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
   ForEachFace(meshes, touch.nodes, touch.nearest, trial.from, consider);
   ForEachFace(meshes, touch.nodes, nearest, trial.from, consider);
   for (const Vec3& n : {touch.u, u}) {
-    ContactPlane plane;
-    plane.of = ContactPlane::Of::kObject;
-    plane.n = n;
-    consider(plane);
-    plane.of = ContactPlane::Of::kTool;
-    plane.n = trial.from.R.transpose() * n;
-    consider(plane);
+    consider(ContactPlane{ContactPlane::Of::kObject, n});
+    consider(ContactPlane{ContactPlane::Of::kTool, trial.from.R.transpose() * n});
   }
   return other;
 }

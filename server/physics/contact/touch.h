@@ -35,6 +35,10 @@ struct NodesOfPair {
   HullTree::Node tool, object;
   const ContactBody* body;
   bool AreTriangles() const { return HullTree::IsLeaf(tool) && HullTree::IsLeaf(object); }
+  /// Of two triangles: ContactMesh::SmoothNormal of the body's, where it is touched along n.
+  Vec3 SmoothNormal(const NearestPoints& nearest, const Vec3& n) const {
+    return body->mesh.SmoothNormal(HullTree::TriangleOf(object), nearest.q, n);
+  }
 };
 
 /// Corners of two triangles in W [m].
@@ -113,24 +117,6 @@ bool InCone(const ToolAndBodies& meshes, const NodesOfPair& triangles, const Nea
 /// from object to tool at the motion's beginning.
 template <class Visit>
 void ForEachFace(const ToolAndBodies& meshes, const NodesOfPair& triangles,
-                 const NearestPoints& nearest, const ToolPose& from, Visit visit);
-
-/// The plane that a touch gives rows by, for a trial that no plane allows.
-ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& trial);
-/// The plane that a touch has most room along at the trial's end, of those that keep it apart at
-/// the beginning too; none where there is no other one.
-/// @param nearest, u  of the triangles at the end.
-ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
-                        const NearestPoints& nearest, const Vec3& u, const Motion& trial);
-
-/// What a pair may come nearer by between the ends of a motion [m]: a plane of edges turns while
-/// the contact moves, and the gap in between is less by a quarter of the one times the other at
-/// most.
-double TurnLoss(const ToolAndBodies& meshes, const Touch& touch, const ContactPlane& plane,
-                const Motion& motion);
-
-template <class Visit>
-void ForEachFace(const ToolAndBodies& meshes, const NodesOfPair& triangles,
                  const NearestPoints& nearest, const ToolPose& from, Visit visit) {
   const auto each = [&](const ContactMesh& mesh, HullTree::Node node, Feature of, auto use) {
     const std::uint32_t own = HullTree::TriangleOf(node);
@@ -146,15 +132,26 @@ void ForEachFace(const ToolAndBodies& meshes, const NodesOfPair& triangles,
   const Vec3 away = nearest.p - nearest.q;
   const auto give = [&](ContactPlane::Of of, const Vec3& n, const Vec3& n_W) {
     if (n == Vec3::Zero()) return;
-    ContactPlane plane;
-    plane.of = of;
-    plane.n = n_W.dot(away) < 0.0 ? Vec3(-n) : n;
-    visit(plane);
+    visit(ContactPlane{of, n_W.dot(away) < 0.0 ? Vec3(-n) : n});
   };
   each(triangles.body->mesh, triangles.object, nearest.of_q,
        [&](const Vec3& n) { give(ContactPlane::Of::kObject, n, n); });
   each(meshes.tool.mesh, triangles.tool, nearest.of_p,
        [&](const Vec3& n) { give(ContactPlane::Of::kTool, n, from.R * n); });
 }
+
+/// The plane that a touch gives rows by, for a trial that no plane allows.
+ContactPlane ChoosePlane(const ToolAndBodies& meshes, const Touch& touch, const Motion& trial);
+/// The plane that a touch has most room along at the trial's end, of those that keep it apart at
+/// the beginning too; none where there is no other one.
+/// @param nearest, u  of the triangles at the end.
+ContactPlane OtherPlane(const ToolAndBodies& meshes, const Touch& touch,
+                        const NearestPoints& nearest, const Vec3& u, const Motion& trial);
+
+/// What a pair may come nearer by between the ends of a motion [m]: a plane of edges turns while
+/// the contact moves, and the gap in between is less by a quarter of the one times the other at
+/// most.
+double TurnLoss(const ToolAndBodies& meshes, const Touch& touch, const ContactPlane& plane,
+                const Motion& motion);
 
 }  // namespace palpate

@@ -9,15 +9,6 @@ namespace {
 
 using namespace limits::mesh;
 
-/// Names a row: the triangles, and which corner of them.
-LeafPair KeyOf(const NodesOfPair& triangles, int slot) {
-  constexpr std::int32_t kTag = static_cast<std::int32_t>(RowKind::kMeshes) << kRowKindShift;
-  return {kTag | static_cast<std::int32_t>(HullTree::TriangleOf(triangles.tool) << 2 |
-                                           static_cast<std::uint32_t>(slot)),
-          static_cast<std::int32_t>(triangles.body->first_triangle +
-                                    HullTree::TriangleOf(triangles.object))};
-}
-
 /// How the gap along a plane of crossing edges grows by a rotation at the trial, exactly: what is
 /// lowest of the tool moves, and n turns with the tool's edge, while that and what is highest of
 /// the object are d apart.  With w = (d - n (n . d)) / ((ea x eb) . n), that is
@@ -50,9 +41,7 @@ Vec3 EdgesTurning(const MeshContact& contact, const Touch& touch, const Vec3& n)
 /// right-hand side is that of the triangles, which the ball may not enter.
 Vec3 SmoothedNormal(const MeshContact& contact, const Touch& touch, const Vec3& n) {
   if (!contact.meshes.IsBall()) return n;
-  const NearestPoints nearest = contact.meshes.NearestAt(touch.nodes, contact.motion.to);
-  return touch.nodes.body->mesh.SmoothNormal(HullTree::TriangleOf(touch.nodes.object), nearest.q,
-                                             n);
+  return touch.nodes.SmoothNormal(contact.meshes.NearestAt(touch.nodes, contact.motion.to), n);
 }
 
 /// What the plane of a touch leaves it at the sub-step's beginning [m].
@@ -75,9 +64,10 @@ bool SetRows(MeshContact& contact, Touch& touch, ContactRows& rows, Wanted wante
 
 }  // namespace
 
-bool IsRowOf(const LeafPair& row, const NodesOfPair& triangles) {
-  const LeafPair first = KeyOf(triangles, 0);
-  return (row.tool & ~3) == first.tool && row.object == first.object;
+ContactId IdOf(const MeshContact& contact, const NodesOfPair& triangles, int corner) {
+  return {static_cast<std::int32_t>(triangles.body - contact.meshes.bodies.data()),
+          static_cast<std::int32_t>(HullTree::TriangleOf(triangles.tool)),
+          static_cast<std::int32_t>(HullTree::TriangleOf(triangles.object)), corner};
 }
 
 TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch) {
@@ -136,7 +126,7 @@ void SetRow(MeshContact& contact, Touch& touch, const TouchRow& of, ContactRows&
   if (row < 0) {
     if (rows.count() >= rows.max_rows()) return;
     row = rows.count();
-    rows.AddRow(of.n, of.lever, of.before, KeyOf(touch.nodes, of.slot));
+    rows.AddRow(of.n, of.lever, of.before, IdOf(contact, touch.nodes, of.slot));
     of_rows.touch.resize(static_cast<std::size_t>(rows.count()), -1);
     of_rows.touch[static_cast<std::size_t>(row)] =
         static_cast<std::int32_t>(&touch - contact.touches.data());

@@ -19,8 +19,8 @@ struct TouchRowsAtTrial {
   int count;
 };
 
-/// Whether a row's pair names these triangles.
-bool IsRowOf(const LeafPair& row, const NodesOfPair& triangles);
+/// Names the rows of two triangles.
+ContactId IdOf(const MeshContact& contact, const NodesOfPair& triangles, int corner = 0);
 /// The rows of a touch's plane at the trial.
 TouchRowsAtTrial RowsAt(const MeshContact& contact, const Touch& touch);
 

@@ -2,14 +2,12 @@
 
 namespace palpate {
 
-ContactPlace PlaceOf(const HapticModel& model, const ContactRows& rows, int row,
-                     const Mat3& R_WG) noexcept {
-  const LeafPair pair = rows.pair(row);
-  if (KindOf(pair) != RowKind::kLeaves) {
-    return {rows.lever(row), model.LeafOf(pair)};
-  }
-  const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(pair.tool)];
-  return {R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * rows.normal(row), pair.object};
+Vec3 LeverOf(const HapticModel& model, const ContactRows& rows, int row,
+             const Mat3& R_WG) noexcept {
+  const ContactId& id = rows.id(row);
+  if (!id.IsOfLeaves()) return rows.lever(row);
+  const LeafSphere& leaf = model.tool().leaves()[static_cast<std::size_t>(id.tool)];
+  return R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * rows.normal(row);
 }
 
 }  // namespace palpate

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
+#include "server/physics/limits.h"
 #include "server/physics/stage_clock.h"
 
 namespace palpate {
 
 ContactPrediction::ContactPrediction(const HapticModel& model) {
   if (model.objects().any()) query_.emplace(model.tool(), model.objects());
-  if (model.object_cores() != nullptr) cores_.emplace(model.tool(), *model.object_cores());
+  if (model.insides() != nullptr) insides_.emplace(model.tool(), *model.insides());
 }
 
 void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
@@ -33,9 +34,8 @@ void ContactPrediction::Predict(const HapticModel& model, const Kernels& kernels
 bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG,
                                  const Vec3& p_W, const LeafWear& wear,
                                  ContactRows& rows) noexcept {
-  const SoftLeaves* soft = model.soft_leaves();
   bool overlaps = false;
-  const auto look = [&](PairQuery& query, const ObjectForest& forest) {
+  const auto look = [&](PairQuery& query, const ObjectForest& forest, const auto& depth_of) {
     query.Run(kernels, R_WG, p_W, {0.0, 0.0}, [&](NodePair* pairs, int found) {
       const int count = wear.KeepPresent(pairs, found);
       // A few pairs at a time: deep inside, the first one tells.
@@ -45,15 +45,18 @@ bool ContactPrediction::Overlaps(const HapticModel& model, const Kernels& kernel
         rows.Add(kernels, model.tool().leaves().data(), forest.leaves().data(), R_WG, p_W,
                  pairs + i, std::min(kFew, count - i));
         for (int r = 0; r < rows.count() && !overlaps; ++r) {
-          const double depth = soft != nullptr ? soft->of(rows.pair(r)).depth : 0.0;
-          overlaps = rows.gap(r) + depth < 0.0;
+          overlaps = rows.gap(r) + depth_of(rows.id(r)) < 0.0;
         }
       }
       return !overlaps;
     });
   };
-  if (query_) look(*query_, model.objects());
-  if (cores_ && !overlaps) look(*cores_, *model.object_cores());
+  const SoftLeaves* soft = model.soft_leaves();
+  const auto core_depth = [&](const ContactId& id) { return soft ? soft->of(id).depth : 0.0; };
+  if (query_) look(*query_, model.objects(), core_depth);
+  if (insides_ && !overlaps) {
+    look(*insides_, *model.insides(), [](const ContactId&) { return limits::kCoreDepth; });
+  }
   return overlaps;
 }
 

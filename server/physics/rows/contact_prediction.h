@@ -31,13 +31,13 @@ class ContactPrediction {
   std::int64_t tested() const { return query_ ? query_->tested() : 0; }
 
   /// True where any two leaves overlap, of soft ones their cores, of objects that are felt by their
-  /// meshes those inside them; what has gone does not count.  `rows` is scratch.  Real-time.
+  /// meshes by kCoreDepth; what has gone does not count.  `rows` is scratch.  Real-time.
   bool Overlaps(const HapticModel& model, const Kernels& kernels, const Mat3& R_WG, const Vec3& p_W,
                 const LeafWear& wear, ContactRows& rows) noexcept;
 
  private:
-  std::optional<PairQuery> query_;  ///< where any leaf can touch
-  std::optional<PairQuery> cores_;  ///< where objects are felt by their meshes
+  std::optional<PairQuery> query_;    ///< where any leaf can touch
+  std::optional<PairQuery> insides_;  ///< where objects are felt by their meshes
 };
 
 }  // namespace palpate

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <functional>
 
 namespace palpate {
@@ -13,12 +12,12 @@ ContactRows::ContactRows(int max_rows, int max_batch, int degrees_of_freedom, do
       degrees_of_freedom_(degrees_of_freedom),
       rho_(rho),
       storage_(10, static_cast<std::size_t>(max_rows + room_ + max_batch + 16)),
-      pairs_(static_cast<std::size_t>(max_rows + room_ + max_batch + 31)),
-      gaps_(pairs_.size()) {
+      ids_(static_cast<std::size_t>(max_rows + room_ + max_batch + 31)),
+      gaps_(ids_.size()) {
   for (std::size_t c = 0; c < 6; ++c) columns_.a[c] = storage_[c];
   columns_.b = storage_[6];
   for (std::size_t c = 0; c < 3; ++c) columns_.lever[c] = storage_[7 + c];
-  columns_.pair = pairs_.data();
+  columns_.id = ids_.data();
 }
 
 void ContactRows::Add(const Kernels& kernels, const LeafSphere* tool, const LeafSphere* object,
@@ -33,15 +32,11 @@ void ContactRows::Add(const Kernels& kernels, const LeafSphere* tool, const Leaf
 }
 
 void ContactRows::AddRow(const Vec3& normal, const Vec3& lever, double gap,
-                         NodePair pair) noexcept {
-  SetRow(count_, normal, lever, gap);
-  columns_.pair[count_] = pair;
+                         const ContactId& id) noexcept {
+  SetRow(count_, normal, lever, lever.cross(normal), gap);
+  columns_.id[count_] = id;
   ++count_;
   Limit(1);
-}
-
-void ContactRows::SetRow(int row, const Vec3& normal, const Vec3& lever, double gap) noexcept {
-  SetRow(row, normal, lever, lever.cross(normal), gap);
 }
 
 void ContactRows::SetRow(int row, const Vec3& normal, const Vec3& lever, const Vec3& by_turning,
@@ -76,7 +71,7 @@ void ContactRows::Move(int from, int to) noexcept {
   for (int c = 0; c < degrees_of_freedom_; ++c) columns_.a[c][to] = columns_.a[c][from];
   for (double* column : columns_.lever) column[to] = column[from];
   columns_.b[to] = columns_.b[from];
-  columns_.pair[to] = columns_.pair[from];
+  columns_.id[to] = columns_.id[from];
 }
 
 // The tightest by (gap, order), in the order that they have: the gaps alone are partitioned, as
@@ -124,27 +119,12 @@ double ContactRows::Turned(int row, const Vec3& n, const Vec3& by_turning) const
       degrees_of_freedom_ == 3 ? 0.0 : (by_turning - lever_cross_normal(row)).norm() / rho_);
 }
 
-int ContactRows::Find(const LeafPair* pairs, int count, int* row) const noexcept {
-  // Pairs compare as 64-bit integers, so that the loop is one the compiler makes wide.
-  std::uint64_t wanted[kMaxActiveRows];
-  int found_at[kMaxActiveRows];
-  for (int k = 0; k < count; ++k) {
-    std::memcpy(&wanted[k], &pairs[k], sizeof(wanted[k]));
-    found_at[k] = -1;
-  }
-  for (int k = 0; k < count; ++k) {
-    for (int i = 0; i < count_; ++i) {
-      std::uint64_t key;
-      std::memcpy(&key, &columns_.pair[i], sizeof(key));
-      if (key == wanted[k]) {
-        found_at[k] = i;
-        break;
-      }
-    }
-  }
+int ContactRows::Find(std::span<const ContactId> ids, int* row) const noexcept {
   int found = 0;
-  for (int k = 0; k < count; ++k) {
-    if (found_at[k] >= 0) row[found++] = found_at[k];
+  const std::span<const ContactId> mine(columns_.id, static_cast<std::size_t>(count_));
+  for (const ContactId& id : ids) {
+    const auto at = std::ranges::find(mine, id);
+    if (at != mine.end()) row[found++] = static_cast<int>(at - mine.begin());
   }
   return found;
 }

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/math/pose.h"
 #include "common/qp/nearest_point.h"
-#include "server/physics/leaf_pair.h"
+#include "server/physics/contact_id.h"
 #include "server/physics/simd/aligned_columns.h"
 #include "server/physics/simd/kernels.h"
 
@@ -33,10 +34,11 @@ class ContactRows {
            const Mat3& R_WG, const Vec3& p_W, const NodePair* pairs, int count) noexcept;
   /// Adds one row.
   /// @param lever  of the contact point [m], in W
-  void AddRow(const Vec3& normal, const Vec3& lever, double gap, NodePair pair) noexcept;
-  /// Changes a row: all but its pair.
-  void SetRow(int row, const Vec3& normal, const Vec3& lever, double gap) noexcept;
-  /// ... whose gap grows otherwise by a rotation than by lever x normal: its normal turns too.
+  void AddRow(const Vec3& normal, const Vec3& lever, double gap, const ContactId& id) noexcept;
+  /// Changes a row: all but its id.
+  /// @param by_turning  what the gap grows by as phi grows [m]: lever x normal, but where the
+  /// normal
+  ///                    turns too.
   void SetRow(int row, const Vec3& normal, const Vec3& lever, const Vec3& by_turning,
               double gap) noexcept;
   void SetGap(int row, double gap) noexcept { columns_.b[row] = -gap; }
@@ -53,7 +55,7 @@ class ContactRows {
   int max_rows() const { return max_rows_; }
   bool overflowed() const { return overflowed_; }
   QpRows view() const;
-  NodePair pair(int row) const { return columns_.pair[row]; }
+  const ContactId& id(int row) const { return columns_.id[row]; }
   /// Gap of a row [m].
   double gap(int row) const { return -columns_.b[row]; }
   /// What the row has to spare after a step.
@@ -72,8 +74,8 @@ class ContactRows {
   Vec3 lever(int row) const {
     return {columns_.lever[0][row], columns_.lever[1][row], columns_.lever[2][row]};
   }
-  /// Index of the row of each pair, or left out; returns how many were found, in the pairs' order.
-  int Find(const LeafPair* pairs, int count, int* row) const noexcept;
+  /// Index of the row of each id, or left out; returns how many were found, in the ids' order.
+  int Find(std::span<const ContactId> ids, int* row) const noexcept;
 
  private:
   /// After `added` rows: holds their number within the storage.
@@ -87,7 +89,7 @@ class ContactRows {
   int degrees_of_freedom_;
   double rho_;
   AlignedColumns storage_;
-  std::vector<NodePair> pairs_;
+  std::vector<ContactId> ids_;
   std::vector<double> gaps_;  // scratch of KeepTightest
   RowColumns columns_{};
   int count_ = 0;

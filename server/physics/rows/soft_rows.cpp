@@ -10,7 +10,7 @@ void SoftRows::Set(const SoftLeaves& leaves, const ContactRows& rows) noexcept {
   double *weight = columns_[kWeight], *rigid_b = columns_[kRigidB];
   const int count = rows.count();
   for (int i = 0; i < count; ++i) {
-    const SoftLeaves::Leaf& leaf = leaves.of(rows.pair(i));
+    const SoftLeaves::Leaf& leaf = leaves.of(rows.id(i));
     weight[i] = leaf.weight;
     rigid_b[i] = -rows.gap(i) - leaf.depth;
     any_ |= leaf.weight > 0.0;

@@ -4,6 +4,7 @@
 
 #include "common/qp/nearest_point.h"
 #include "scenes/sphere_packet.h"
+#include "server/physics/contact_id.h"
 #include "server/physics/limits.h"
 
 namespace palpate {
@@ -94,7 +95,7 @@ struct RowColumns {
   double* a[6];
   double* b;
   double* lever[3];  ///< of the contact point [m], in W; rows between meshes only
-  NodePair* pair;    ///< leaves
+  ContactId* id;
 };
 
 /// Rows that yield: each pushes back where a . x < b, by its weight times s = b - a . x, and by its

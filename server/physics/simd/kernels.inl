@@ -85,7 +85,7 @@ void BuildRows(const LeafSphere* tool, const LeafSphere* object, const double* R
       const NodePair pair = pairs[i + k < count ? i + k : count - 1];
       tool_record[k] = &tool[pair.tool].x;
       object_record[k] = &object[pair.object].x;
-      rows.pair[first + i + k] = pair;
+      rows.id[first + i + k] = {ContactId::kLeaves, pair.tool, pair.object, 0};
     }
     D8 t[4], o[4];
     LoadTransposed(tool_record, t);

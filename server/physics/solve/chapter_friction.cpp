@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 #include "common/math/rotation.h"
 #include "server/physics/limits.h"
@@ -19,23 +20,33 @@ double DistanceFromAxis(const Vec3& p, const Quat& turn, const Vec3& from, const
   return (p - on_axis).cross(axis).norm();
 }
 
+/// Means over the contacts, and how hard they press together.
+struct MeanContact {
+  Vec3 point = Vec3::Zero();  ///< 2.26, in W
+  double mu_s = 0.0, mu_d = 0.0, pressed = 0.0;
+};
+
+MeanContact MeanOf(const ObjectForest& objects, std::span<const ActiveRow> contacts) {
+  MeanContact mean;
+  const auto count = static_cast<int>(contacts.size());
+  for (const ActiveRow& row : contacts) {
+    const Material& material = objects.MaterialOf(row.object_leaf);
+    mean.point += row.contact_W / count;
+    mean.mu_s += material.static_friction / count;
+    mean.mu_d += material.dynamic_friction / count;
+    mean.pressed += row.force;
+  }
+  return mean;
+}
+
 }  // namespace
 
 void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepState& state,
                         StepReport& report) noexcept {
-  const int contacts = report.contacts;
+  const std::span contacts(report.active.data(), static_cast<std::size_t>(report.contacts));
   const Pose X_WG = state.X_WG;
-  Vec3 point = Vec3::Zero();  // 2.26
-  double mu_s = 0.0, mu_d = 0.0, pressed = 0.0;
-  for (int i = 0; i < contacts; ++i) {
-    const ActiveRow& row = report.active[static_cast<std::size_t>(i)];
-    const Material& material = model.objects().MaterialOf(row.object_leaf);
-    point += row.contact_W / contacts;
-    mu_s += material.static_friction / contacts;
-    mu_d += material.dynamic_friction / contacts;
-    pressed += row.force;
-  }
-  if (contacts == 0 || !(mu_s > 0.0) || !(pressed > 0.0)) {
+  const auto [point, mu_s, mu_d, pressed] = MeanOf(model.objects(), contacts);
+  if (contacts.empty() || !(mu_s > 0.0) || !(pressed > 0.0)) {
     state.friction.resets = 0;
     return;
   }
@@ -54,9 +65,8 @@ void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepStat
       model.degrees_of_freedom() == 6 && turn.vec().squaredNorm() > limits::friction::kLeastTurn;
   if (turns) {
     double arm = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < contacts; ++i) {
-      const Vec3& contact_W = report.active[static_cast<std::size_t>(i)].contact_W;
-      arm = std::min(arm, DistanceFromAxis(contact_W, turn, p_before, p_now - p_before));
+    for (const ActiveRow& row : contacts) {
+      arm = std::min(arm, DistanceFromAxis(row.contact_W, turn, p_before, p_now - p_before));
     }
     if (arm * angle.norm() > mu_s * depth) k_theta = mu_d / mu_s;  // 2.32
   }
@@ -73,8 +83,7 @@ void AddChapterFriction(const HapticModel& model, const Pose& X_before, StepStat
                            RotationLogFrom(q_star * state.X_WH.q.conjugate(), went);  // 2.31
   }
   const bool reset = k_alpha == 1.0 && k_theta == 1.0;  // 2.34
-  for (int i = 0; i < contacts; ++i) {
-    ActiveRow& row = report.active[static_cast<std::size_t>(i)];
+  for (ActiveRow& row : contacts) {
     row.friction = row.force / pressed * added;
     if (!reset) continue;
     row.offset += row.normal.dot(p_now - p_before) + row.lever_cross_normal.dot(angle);

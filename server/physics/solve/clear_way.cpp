@@ -14,7 +14,8 @@ namespace {
 
 /// The part of the way to an optimum that the bounds allow.
 double PartWithin(const StepContext& context, const Optimum& optimum) {
-  return PartWithin(context.bounds, context.model.degrees_of_freedom(), optimum.v, optimum.phi);
+  return PartWithin(context.sub_step.bounds, context.model.degrees_of_freedom(), optimum.v,
+                    optimum.phi);
 }
 
 /// Some part of the way to an optimum.
@@ -25,7 +26,7 @@ Way PartOfWay(const Optimum& optimum, double part) {
 /// The way to the optimum under rows that have changed, as far as the bounds allow.  Where the QP
 /// does not end the tool stays, and has not arrived.
 Way WayToNewOptimum(StepContext& context) {
-  const Optimum optimum = NearestStep(context, context.target);
+  const Optimum optimum = NearestStep(context, context.sub_step.target);
   context.report.qp_iterations += optimum.qp.iterations;
   Remember(context, optimum);
   context.Require(optimum);
@@ -131,9 +132,9 @@ void BeginAnew(StepContext& context) {
     rows.AdmitZero();
     return;
   }
-  TrustRegion& trust = context.trust;
+  TrustRegion& trust = context.sub_step.trust;
   if (trust.begun_anew) {
-    StepBounds& bounds = context.bounds;
+    StepBounds& bounds = context.sub_step.bounds;
     bounds.translation =
         std::min(bounds.translation, limits::mesh::kNarrow * trust.first.translation);
     bounds.rotation = std::min(bounds.rotation, limits::mesh::kNarrow * trust.first.rotation);
@@ -147,7 +148,7 @@ void BeginAnew(StepContext& context) {
 Way Halve(const StepContext& context, Way way) {
   MeshContact& meshes = *context.buffers.meshes;
   way.arrived = false;
-  context.state.friction = context.friction_before;  // of no trial
+  context.state.friction = context.sub_step.friction_before;  // of no trial
   while (!meshes.near.is_full() && LengthOf(context, way) > limits::mesh::kRounding) {
     way.v *= 0.5;
     way.phi *= 0.5;
@@ -165,8 +166,8 @@ std::optional<Way> ClearWay(StepContext& context, const Optimum& optimum) noexce
   Way way = WayWithin(context, optimum);
   if (!context.buffers.meshes) return way;
   MeshContact& meshes = *context.buffers.meshes;
-  const bool goes_on = context.iterates < context.model.parameters().iterates;
-  TrustRegion& trust = context.trust;
+  const bool goes_on = context.sub_step.iterates < context.model.parameters().iterates;
+  TrustRegion& trust = context.sub_step.trust;
   if (trust.failures == 0) trust.first = {way.v.norm(), way.phi.norm()};
   const bool is_free = CheckTrial(meshes, way.v, TurnOfMesh(context, way), context.buffers.rows);
   if (is_free && Approaches(context, way)) {

@@ -11,7 +11,7 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
   const SoftRows* soft = context.buffers.energies ? context.buffers.energies->soft() : nullptr;
   const SoftContacts yielding = soft != nullptr ? soft->Contacts() : SoftContacts{};
   const double k_t = context.model.parameters().stiffness;
-  const Mat3 R_WG = context.q_G.toRotationMatrix();
+  const Mat3 R_WG = context.tools.q_G.toRotationMatrix();
   StepReport& report = context.report;
   report.contacts = 0;
   const bool bur_pushes = context.buffers.energies && context.buffers.energies->bur_pushes();
@@ -23,9 +23,9 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
     if (soft != nullptr) {
       report.bur_force -= k_t * Vec3(soft->force()[0], soft->force()[1], soft->force()[2]);
     }
-    report.bur_W =
-        context.p_G + RotationExp(way.phi) *
-                          (R_WG * (context.model.cutting()->X_TB.p - context.model.reference()));
+    report.bur_W = context.tools.p_G +
+                   RotationExp(way.phi) *
+                       (R_WG * (context.model.cutting()->X_TB.p - context.model.reference()));
   }
   if (soft != nullptr) {
     const double* force = soft->force();
@@ -36,21 +36,20 @@ void ReportContacts(const StepContext& context, const Way& way) noexcept {
   const auto add = [&](int i, double offset, double force) {
     ActiveRow& row = report.active[static_cast<std::size_t>(report.contacts++)];
     row = ActiveRow{};
-    row.pair = rows.pair(i);
+    row.id = rows.id(i);
     row.normal = rows.normal(i);
     row.lever_cross_normal = rows.lever_cross_normal(i);
     row.offset = offset - row.normal.dot(way.v) - row.lever_cross_normal.dot(way.phi);
     row.force = force;
-    const ContactPlace place = PlaceOf(context.model, rows, i, R_WG);
+    const Vec3 lever = LeverOf(context.model, rows, i, R_WG);
     row.contact_W =
-        context.p_G +
-        (KindOf(row.pair) == RowKind::kLeaves ? place.lever : RotationExp(way.phi) * place.lever);
-    row.object_leaf = place.object_leaf;
+        context.tools.p_G + (row.id.IsOfLeaves() ? lever : RotationExp(way.phi) * lever);
+    row.object_leaf = context.model.LeafOf(row.id);
     return &row;
   };
   for (int k = 0; k < optimum.qp.active; ++k) {
     const int i = optimum.qp.row[k];
-    ActiveRow* row = add(i, context.rigid.b[i], k_t * optimum.qp.multiplier[k]);
+    ActiveRow* row = add(i, context.sub_step.rigid.b[i], k_t * optimum.qp.multiplier[k]);
     if (optimum.rubs) row->friction = k_t * optimum.friction[static_cast<std::size_t>(k)];
   }
   for (int k = 0; k < yielding.listed && report.contacts < kMaxActiveRows; ++k) {

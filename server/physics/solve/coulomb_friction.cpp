@@ -30,9 +30,9 @@ class FrictionalContacts {
   /// @param t  N, the target.
   FrictionalContacts(const StepContext& context, const Optimum& frictionless, const double* t)
       : model_(context.model),
-        R_WG_(context.R_WG),
+        R_WG_(context.tools.R_WG),
         rows_(context.buffers.rows),
-        rigid_(context.rigid),
+        rigid_(context.sub_step.rigid),
         slack_(frictionless.qp.slack),
         still_(context.state.friction.still >= context.model.parameters().still_cycles) {
     const QpResult& qp = frictionless.qp;
@@ -58,9 +58,8 @@ class FrictionalContacts {
     Contact& contact = contact_[count_++];
     contact.row = row;
     contact.normal = rows_.normal(row);
-    const ContactPlace place = PlaceOf(model_, rows_, row, R_WG_);
-    const Material& material = model_.objects().MaterialOf(place.object_leaf);
-    contact.lever = place.lever;
+    const Material& material = model_.objects().MaterialOf(model_.LeafOf(rows_.id(row)));
+    contact.lever = LeverOf(model_, rows_, row, R_WG_);
     contact.mu_s = material.static_friction;
     contact.mu_d = material.dynamic_friction;
     contact.sliding = !still_;
@@ -178,7 +177,7 @@ class FrictionalContacts {
       qp.row[k] = contact.row;
       qp.multiplier[k] = std::max(0.0, contact.lambda);  // may miss 0 by rounding
       forces[k] = -contact.force[0] * contact.tangent[0] - contact.force[1] * contact.tangent[1];
-      state.pair[k] = rows_.pair(contact.row);
+      state.id[k] = rows_.id(contact.row);
       state.normal_force[k] = qp.multiplier[k];
       state.force[k] = -forces[k];
     }
@@ -507,7 +506,7 @@ void AddContacts(const StepContext& context, const QpResult& qp, FrictionalConta
   for (int i = 0; i < state.contacts; ++i) {
     const auto k = static_cast<std::size_t>(i);
     int row;
-    if (context.buffers.rows.Find(&state.pair[k], 1, &row) == 1) {
+    if (context.buffers.rows.Find({&state.id[k], 1}, &row) == 1) {
       contacts.Add(row, frictionless(row), state.normal_force[k], state.force[k]);
     }
   }
@@ -531,7 +530,7 @@ bool Solve(StepContext& context, Optimum& optimum, const double* t) {
     int guess[kMaxActiveRows];
     contacts.ShiftedTarget(target);
     const int guesses = contacts.Pressed(guess);
-    shifted = SolveNearestPoint<N>(context.kernels, target, context.rigid, guess, guesses);
+    shifted = SolveNearestPoint<N>(context.kernels, target, context.sub_step.rigid, guess, guesses);
     report.qp_iterations += shifted.iterations;
     return shifted.status != QpStatus::kIterationLimit;
   };
@@ -572,8 +571,8 @@ void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept {
   }
   const double rho = context.model.rotation_length();
   // The push of soft contacts counts as it is without friction.
-  const Vec3 v = context.target.v + optimum.push;
-  const Vec3 phi = context.target.phi + optimum.push_turn / (rho * rho);
+  const Vec3 v = context.sub_step.target.v + optimum.push;
+  const Vec3 phi = context.sub_step.target.phi + optimum.push_turn / (rho * rho);
   const double t[6] = {v.x(), v.y(), v.z(), rho * phi.x(), rho * phi.y(), rho * phi.z()};
   const bool turns = context.model.degrees_of_freedom() == 6;
   optimum.rubs = true;

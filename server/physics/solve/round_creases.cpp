@@ -28,7 +28,7 @@ bool RoundCreases(const StepContext& context, Optimum& optimum) noexcept {
   const Vec3 straight = optimum.v;
   const Vec3 beyond =
       (Mat3::Identity() - free * bend * free).inverse() * (free * (bend * straight));
-  Target target = context.target;
+  Target target = context.sub_step.target;
   target.v += bend * (straight + beyond);
   optimum = NearestStep(context, target);
   return true;

@@ -16,8 +16,8 @@ struct StepBuffers {
       : prediction(model),
         rows(model.parameters().max_rows, PairQuery::kMaxBatch, model.degrees_of_freedom(),
              model.rotation_length()) {
-    if (model.bodies() != nullptr) {
-      meshes.emplace(*model.tool_body(), model.bodies()->bodies(), model.parameters().max_rows,
+    if (!model.bodies().empty()) {
+      meshes.emplace(*model.tool_body(), model.bodies(), model.parameters().max_rows,
                      model.parameters().separation, model.parameters().looks);
     }
     if (model.soft_leaves() != nullptr || !model.solids().empty()) {

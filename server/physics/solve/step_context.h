@@ -51,6 +51,32 @@ struct TrustRegion {
   bool begun_anew = false;
 };
 
+/// Where the tools are: reference points in W [m], and orientations.
+struct Tools {
+  Vec3 p_H, p_G;
+  Quat q_H, q_G;
+  Mat3 R_WG;  ///< of q_G where the sub-step begins
+};
+
+/// What a cycle has cost so far, as counts.
+struct CycleCost {
+  std::int64_t packet_pairs = 0;  ///< between leaves
+  std::int64_t last = 0;          ///< of them, those of the last sub-step
+  std::int64_t looks = 0;         ///< between meshes
+  int cut_looks = 0;              ///< of what was cut (CutAway::looks)
+  int last_cut_looks = 0;         ///< of them, those of the last sub-step
+};
+
+/// A sub-step, from its first rows to its way.
+struct SubStep {
+  StepBounds bounds{};            ///< how far it may go
+  Target target{};                ///< the hand, from where it begins
+  QpRows rigid{};                 ///< what it may not violate
+  FrictionState friction_before;  ///< as it found it
+  int iterates = 0;               ///< rows between meshes come on violation
+  TrustRegion trust;
+};
+
 /// What the stages of a step share, from the pose that comes in to the report that goes out.  One
 /// per step, on its stack; each stage fills what the next ones read, in the order of the fields.
 struct StepContext {
@@ -69,21 +95,23 @@ struct StepContext {
   /// How much nearer to the hand a step ends than it begins: |t|^2 - |x - t|^2, with x = [v; rho
   /// phi] and t the hand's [m^2].
   double Gain(const Vec3& step_v, const Vec3& step_phi) const {
-    double length2 = step_v.squaredNorm(), along = step_v.dot(target.v);
+    double length2 = step_v.squaredNorm(), along = step_v.dot(sub_step.target.v);
     if (model.degrees_of_freedom() == 6) {
       const double rho2 = model.rotation_length() * model.rotation_length();
       length2 += rho2 * step_phi.squaredNorm();
-      along += rho2 * step_phi.dot(target.phi);
+      along += rho2 * step_phi.dot(sub_step.target.phi);
     }
     return 2.0 * along - length2;
   }
   /// Where the hand is from where the tool is.
-  void Aim() { target = TargetFrom(p_G, q_G, p_H, q_H, state.turn_G); }
+  void Aim() {
+    sub_step.target = TargetFrom(tools.p_G, tools.q_G, tools.p_H, tools.q_H, state.turn_G);
+  }
   /// Of the spring once the tool has made a step towards the target.
   Wrench WrenchAfter(const Vec3& step_v, const Vec3& step_phi) const {
     const StepParameters& spring = model.parameters();
-    Wrench wrench =
-        SpringWrench(target, step_v, step_phi, spring.stiffness, spring.torsional_stiffness);
+    Wrench wrench = SpringWrench(sub_step.target, step_v, step_phi, spring.stiffness,
+                                 spring.torsional_stiffness);
     if (model.degrees_of_freedom() == 3) wrench.torque.setZero();
     return wrench;
   }
@@ -99,27 +127,9 @@ struct StepContext {
   StepBuffers& buffers;
   StepReport& report;
   StageTimes* times = nullptr;  ///< null where nobody times the stages
-
-  // Where the tools' reference points are, in W [m], and how the tools are turned.
-  Vec3 p_H, p_G;
-  Quat q_H, q_G;
-
-  // Predict: the sub-step, and the rows that it has to respect (buffers.rows).
-  StepBounds bounds{};     ///< how far it may go
-  std::int64_t spent = 0;  ///< packet pairs of the cycle so far
-  std::int64_t last = 0;   ///< of them, those of the last sub-step
-  int cut_looks = 0;       ///< what cutting cost in the cycle so far (CutAway::looks)
-  int last_cut_looks = 0;  ///< of them, those of the last sub-step
-  Target target;           ///< the hand, from where the sub-step begins
-  Mat3 R_WG;               ///< the graphic tool's orientation there
-  QpRows rigid{};          ///< what no step may violate
-
-  std::int64_t looks = 0;         ///< of the cycle so far, between meshes
-  FrictionState friction_before;  ///< as the sub-step found it
-
-  // Solve and clear the way.
-  int iterates = 0;  ///< of the sub-step: rows between meshes come on violation
-  TrustRegion trust;
+  Tools tools;
+  CycleCost cost;
+  SubStep sub_step;
   int stuck_at = -2;     ///< the last sub-step that found no way past what holds the tool
   bool arrived = false;  ///< of the last sub-step's way
   bool held = false;     ///< something kept the tool from the hand there

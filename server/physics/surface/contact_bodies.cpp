@@ -13,58 +13,26 @@
 namespace palpate {
 namespace {
 
-/// Leaves that list each triangle of a body's mesh.
-class LeavesOfTriangle {
- public:
-  LeavesOfTriangle(const SphereTree& tree, std::size_t triangles)
-      : tree_(tree), begin_(triangles + 1, 0) {
-    for (std::uint32_t t : tree.leaf_triangle) ++begin_[t + 1];
-    for (std::size_t t = 0; t < triangles; ++t) begin_[t + 1] += begin_[t];
-    leaf_.resize(tree.leaf_triangle.size());
-    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    for (std::uint32_t leaf = 0; leaf + 1 < tree.leaf_triangle_begin.size(); ++leaf) {
-      for (std::uint32_t i = tree.leaf_triangle_begin[leaf]; i < tree.leaf_triangle_begin[leaf + 1];
-           ++i) {
-        leaf_[next[tree.leaf_triangle[i]]++] = leaf;
-      }
-    }
-  }
-
-  std::uint32_t Nearest(std::uint32_t triangle, const Vec3& p) const {
-    std::uint32_t nearest = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::uint32_t i = begin_[triangle]; i < begin_[triangle + 1]; ++i) {
-      const std::uint32_t leaf = leaf_[i];
-      const Vec3 c(tree_.leaf_x[leaf], tree_.leaf_y[leaf], tree_.leaf_z[leaf]);
-      const double distance = (p - c).norm() - tree_.leaf_radius[leaf];
-      if (distance < least) {
-        least = distance;
-        nearest = leaf;
-      }
-    }
-    return nearest;
-  }
-
- private:
-  const SphereTree& tree_;
-  std::vector<std::uint32_t> begin_, leaf_;
-};
-
-struct Made {
-  ContactBody body;
-  std::vector<std::int32_t> leaf;  ///< of each triangle
-};
-
-Made MakeBody(const PlacedTree* object, std::int32_t first_leaf) {
+ContactBody MakeBody(const PlacedTree* object, std::int32_t first_leaf) {
   const TriangleMesh& mesh = *object->mesh;
-  const LeavesOfTriangle leaves(*object->tree, mesh.triangles.size());
-  Made made{ContactBody(ContactMesh(mesh, object->X_WB)), {}};
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    Vec3 middle = Vec3::Zero();
-    for (std::uint32_t v : mesh.triangles[t]) middle += mesh.vertices[v] / 3.0;
-    made.leaf.push_back(first_leaf + static_cast<std::int32_t>(leaves.Nearest(t, middle)));
+  const SphereTree& tree = *object->tree;
+  ContactBody body(ContactMesh(mesh, object->X_WB));
+  // Of the leaves that list a triangle the one that is nearest to its middle, of equals the first.
+  body.leaf.assign(mesh.triangles.size(), first_leaf);
+  std::vector<double> least(mesh.triangles.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t leaf = 0; leaf + 1 < tree.leaf_triangle_begin.size(); ++leaf) {
+    const Vec3 c(tree.leaf_x[leaf], tree.leaf_y[leaf], tree.leaf_z[leaf]);
+    for (auto i = tree.leaf_triangle_begin[leaf]; i < tree.leaf_triangle_begin[leaf + 1]; ++i) {
+      const std::uint32_t t = tree.leaf_triangle[i];
+      Vec3 middle = Vec3::Zero();
+      for (std::uint32_t v : mesh.triangles[t]) middle += mesh.vertices[v] / 3.0;
+      const double distance = (middle - c).norm() - tree.leaf_radius[leaf];
+      if (distance >= least[t]) continue;
+      least[t] = distance;
+      body.leaf[t] = first_leaf + static_cast<std::int32_t>(leaf);
+    }
   }
-  return made;
+  return body;
 }
 
 }  // namespace
@@ -76,7 +44,7 @@ bool IsFeltByMesh(const PlacedTree& object) {
          });
 }
 
-std::unique_ptr<const ContactBodies> ContactBodies::Make(std::span<const PlacedTree> objects) {
+std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects) {
   std::vector<const PlacedTree*> felt;
   std::vector<std::int32_t> first_leaf;
   std::int32_t leaves = 0;
@@ -92,29 +60,25 @@ std::unique_ptr<const ContactBodies> ContactBodies::Make(std::span<const PlacedT
     felt.push_back(&object);
     first_leaf.push_back(first);
   }
-  if (felt.empty()) return nullptr;
-  auto made = std::make_unique<ContactBodies>();
-  made->bodies_.reserve(felt.size());
+  std::vector<ContactBody> made;
+  made.reserve(felt.size());
   // As many at once as there are cores.
   const std::size_t at_once = std::max(std::thread::hardware_concurrency(), 1u);
-  std::deque<std::future<Made>> making;
+  std::deque<std::future<ContactBody>> making;
   std::size_t begun = 0;
   for (std::size_t body = 0; body < felt.size(); ++body) {
     for (; begun < std::min(felt.size(), body + at_once + 1); ++begun) {
       // Where there is no thread: at get().
       making.push_back(std::async(MakeBody, felt[begun], first_leaf[begun]));
     }
-    Made next = making.front().get();
+    made.push_back(making.front().get());
     making.pop_front();
-    next.body.first_triangle = static_cast<std::uint32_t>(made->leaf_.size());
-    made->bodies_.push_back(std::move(next.body));
-    made->leaf_.insert(made->leaf_.end(), next.leaf.begin(), next.leaf.end());
   }
   return made;
 }
 
-bool ContactBodies::Hold(const Vec3& p_W) const {
-  return std::ranges::any_of(bodies_, [&](const ContactBody& body) {
+bool Hold(std::span<const ContactBody> bodies, const Vec3& p_W) {
+  return std::ranges::any_of(bodies, [&](const ContactBody& body) {
     const HullTree& tree = body.tree;
     if ((p_W - tree.Centre(tree.root())).norm() > tree.Radius(tree.root())) return false;
     double angle = 0.0;

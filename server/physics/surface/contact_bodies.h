@@ -27,28 +27,17 @@ struct ContactBody {
   ContactMesh mesh;
   HullTree tree;
   double radius;
-  /// Number of its first triangle, where those of a scene's bodies are counted together.
-  std::uint32_t first_triangle = 0;
+  /// Of each triangle of an object, the nearest leaf of the forest: its material is the triangle's.
+  std::vector<std::int32_t> leaf;
 };
 
-/// The objects of a scene that are felt by their meshes, each a body in W.  Immutable.
-class ContactBodies {
- public:
-  /// Null where no object is felt by its mesh.  Throws Error where such an object has no mesh.
-  static std::unique_ptr<const ContactBodies> Make(std::span<const PlacedTree> objects);
+/// The objects of a scene that are felt by their meshes, each a body in W.  Throws Error where such
+/// an object has no mesh.
+std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects);
 
-  std::span<const ContactBody> bodies() const { return bodies_; }
-  /// Leaf of the forest that is nearest to a triangle: its material is the triangle's.
-  /// @param triangle  counted over all bodies.
-  std::int32_t LeafOf(std::uint32_t triangle) const { return leaf_[triangle]; }
-  /// Whether a point of W, on no surface, lies inside a body: its mesh winds round it, by more than
-  /// half where it is open.  Not real-time.
-  bool Hold(const Vec3& p_W) const;
-
- private:
-  std::vector<ContactBody> bodies_;
-  std::vector<std::int32_t> leaf_;
-};
+/// Whether a point of W, on no surface, lies inside a body: its mesh winds round it, by more than
+/// half where it is open.  Not real-time.
+bool Hold(std::span<const ContactBody> bodies, const Vec3& p_W);
 
 /// The mesh of a tool about its reference point; of a tool that is a single ball, its centre with
 /// its radius.  Throws Error where another tool has no mesh.

@@ -151,92 +151,66 @@ class HullTree::Builder {
     ends_.resize(count);
     tree_.inner_.resize(count - 1);
     tree_.corners_.resize(count - 1);
-    Below all = BuildBelow({order_, 0, -1, 0});
-    if (!all.few.empty()) AddEight(tree_.root(), all.few, all.points);
-    tree_.points_ = std::move(all.points);
+    const FewCorners all = BuildBelow({order_, 0}, tree_.points_);
+    if (!all.empty()) AddEight(tree_.root(), all, tree_.points_);
   }
 
  private:
-  /// A patch that becomes a node and what is below it.
+  /// A patch, and the inner node that it becomes if it has more than one triangle.
   struct Work {
     Triangles patch;
-    Node node, parent;
-    int side;
-  };
-  /// The corners of what is below a node.
-  struct Below {
-    std::vector<EightPoints> points;  ///< as the nodes' Corners number them, from 0
-    FewCorners few;                   ///< all of them, where they are none of the points yet
+    Node inner;
+    Node node() const { return patch.size() == 1 ? ~static_cast<Node>(patch[0]) : inner; }
   };
 
   void MakeLeaves(const ContactMesh& mesh) {
     const std::size_t count = mesh.triangles().size();
-    tree_.leaf_parent_.assign(count, -1);
     tree_.leaf_corners_.resize(count);
     tree_.leaf_centre_.resize(count);
     tree_.leaf_radius_.resize(count);
-    const auto make = [&](std::size_t begin, std::size_t end) {
-      for (std::size_t t = begin; t < end; ++t) {
-        Mat3& corners = tree_.leaf_corners_[t];
-        for (int c = 0; c < 3; ++c) corners.col(c) = mesh.Corner(t, c);
-        const Vec3 centre = (mesh.Corner(t, 0) + mesh.Corner(t, 1) + mesh.Corner(t, 2)) / 3.0;
-        double radius = 0.0;
-        for (int c = 0; c < 3; ++c) radius = std::max(radius, (mesh.Corner(t, c) - centre).norm());
-        tree_.leaf_centre_[t] = centre;
-        tree_.leaf_radius_[t] = radius;
-      }
-    };
-    std::vector<std::future<void>> others;
-    std::size_t begin = 0;
-    for (; begin + kOwnThread < count; begin += kOwnThread) {
-      others.push_back(std::async(make, begin, begin + kOwnThread));
+    for (std::size_t t = 0; t < count; ++t) {
+      Mat3& corners = tree_.leaf_corners_[t];
+      for (int c = 0; c < 3; ++c) corners.col(c) = mesh.Corner(t, c);
+      const Vec3 centre = (mesh.Corner(t, 0) + mesh.Corner(t, 1) + mesh.Corner(t, 2)) / 3.0;
+      double radius = 0.0;
+      for (int c = 0; c < 3; ++c) radius = std::max(radius, (mesh.Corner(t, c) - centre).norm());
+      tree_.leaf_centre_[t] = centre;
+      tree_.leaf_radius_[t] = radius;
     }
-    make(begin, count);
-    for (std::future<void>& other : others) other.get();
   }
 
-  Below BuildBelow(const Work& top) {
-    Below below;
-    if (top.patch.size() < 2 * kOwnThread) {
-      std::vector<Work> left{top};
-      while (!left.empty()) {
-        const Work work = left.back();
-        left.pop_back();
-        if (work.patch.size() == 1) {
-          tree_.leaf_parent_[work.patch[0]] = work.parent;
-          Attach(work, ~static_cast<Node>(work.patch[0]));
-          continue;
-        }
-        const auto halves = Split(work);
-        left.insert(left.end(), halves.rbegin(), halves.rend());
-      }
-      below.few = Gather(top.node, below.points);
-      return below;
+  /// Makes the nodes of a patch, and adds the points of their hulls.  Returns all corners where
+  /// they are few and have not been added.
+  FewCorners BuildBelow(const Work& work, std::vector<EightPoints>& points) {
+    FewCorners one, other;
+    if (work.patch.size() == 1) {
+      for (int c = 0; c < 3; ++c) one.Add(tree_.leaf_corners_[work.patch[0]].col(c));
+      return one;
     }
-    const auto halves = Split(top);
-    // Where there is no thread: at get().
-    std::future<Below> other = std::async([&] { return BuildBelow(halves[1]); });
-    below = BuildBelow(halves[0]);
-    const Below second = other.get();
-    const auto before = static_cast<std::uint32_t>(below.points.size());
-    const auto corners =
-        std::span(tree_.corners_)
-            .subspan(static_cast<std::size_t>(halves[1].node), halves[1].patch.size() - 1);
-    for (Corners& of : corners) of.first += before;
-    below.points.insert(below.points.end(), second.points.begin(), second.points.end());
-    below.few = Join(top.node, 0, below.few, second.few, below.points);
-    return below;
-  }
-
-  void Attach(const Work& work, Node node) {
-    if (work.parent >= 0)
-      tree_.inner_[static_cast<std::size_t>(work.parent)].child[work.side] = node;
+    const std::size_t first = points.size();
+    const auto halves = Split(work);
+    if (work.patch.size() < 2 * kOwnThread) {
+      one = BuildBelow(halves[0], points);
+      other = BuildBelow(halves[1], points);
+    } else {
+      std::vector<EightPoints> others;
+      // Where there is no thread: at get().
+      std::future<FewCorners> making = std::async([&] { return BuildBelow(halves[1], others); });
+      one = BuildBelow(halves[0], points);
+      other = making.get();
+      const auto before = static_cast<std::uint32_t>(points.size());
+      const auto corners =
+          std::span(tree_.corners_)
+              .subspan(static_cast<std::size_t>(halves[1].inner), halves[1].patch.size() - 1);
+      for (Corners& of : corners) of.first += before;
+      points.insert(points.end(), others.begin(), others.end());
+    }
+    return Join(work.inner, first, one, other, points);
   }
 
   /// Makes the node, and halves its patch across its longest side.
   std::array<Work, 2> Split(const Work& work) {
     Inner box{};
-    box.parent = work.parent;
     const Mat3 axes = PrincipalAxes(tree_.leaf_corners_, work.patch);
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     ForEach(work.patch, tree_.leaf_corners_, [&](const Mat3& corners) {
@@ -263,8 +237,6 @@ class HullTree::Builder {
       }
     });
     box.radius = std::sqrt(box.radius);
-    Attach(work, work.node);
-    tree_.inner_[static_cast<std::size_t>(work.node)] = box;
     const Room room = RoomOf(work.patch);
     std::ranges::transform(work.patch, room.places.begin(), [&](std::uint32_t t) {
       return Place(axis.dot(tree_.leaf_centre_[t]), t);
@@ -272,20 +244,12 @@ class HullTree::Builder {
     std::ranges::copy(Sorted(room) | std::views::values, work.patch.begin());
     const std::size_t middle = work.patch.size() / 2;
     // A patch of n triangles has n - 1 inner nodes, the first half's before the second's.
-    return {Work{work.patch.first(middle), work.node + 1, work.node, 0},
-            Work{work.patch.subspan(middle), work.node + static_cast<Node>(middle), work.node, 1}};
-  }
-
-  /// The corners below a node, where they are few and have not been added to the points.
-  FewCorners Gather(Node node, std::vector<EightPoints>& points) {
-    if (IsLeaf(node)) {
-      FewCorners few;
-      for (int c = 0; c < 3; ++c) few.Add(tree_.leaf_corners_[TriangleOf(node)].col(c));
-      return few;
-    }
-    const std::size_t first = points.size();
-    const FewCorners one = Gather(tree_.inner(node).child[0], points);
-    return Join(node, first, one, Gather(tree_.inner(node).child[1], points), points);
+    const std::array halves{
+        Work{work.patch.first(middle), work.inner + 1},
+        Work{work.patch.subspan(middle), work.inner + static_cast<Node>(middle)}};
+    for (std::size_t side = 0; side < 2; ++side) box.child[side] = halves[side].node();
+    tree_.inner_[static_cast<std::size_t>(work.inner)] = box;
+    return halves;
   }
 
   /// @param first  of the points below the node.

@@ -24,7 +24,6 @@ class HullTree {
     Vec3 centre;    ///< of the box [m]
     Mat3 sides;     ///< columns, orthogonal: from there to three sides, the shortest first [m]
     double radius;  ///< of the ball about the centre that holds the triangles below [m]
-    Node parent;    ///< -1 for the root
     Node child[2];
   };
 
@@ -35,9 +34,6 @@ class HullTree {
   static std::uint32_t TriangleOf(Node node) { return static_cast<std::uint32_t>(~node); }
   Node root() const { return inner_.empty() ? ~0 : 0; }
   const Inner& inner(Node node) const { return inner_[static_cast<std::size_t>(node)]; }
-  Node Parent(Node node) const {
-    return IsLeaf(node) ? leaf_parent_[TriangleOf(node)] : inner(node).parent;
-  }
   /// Centre of a node, and radius about it of a ball that holds what is below [m].
   const Vec3& Centre(Node node) const {
     return IsLeaf(node) ? leaf_centre_[TriangleOf(node)] : inner(node).centre;
@@ -70,7 +66,6 @@ class HullTree {
   std::vector<Corners> corners_;  ///< of each inner node
   /// Corners beside each other as their patches are: a node shares those of the nodes below it.
   std::vector<EightPoints> points_;
-  std::vector<Node> leaf_parent_;
   std::vector<Mat3> leaf_corners_;  ///< columns [m]: beside each other, for speed
   std::vector<Vec3> leaf_centre_;
   std::vector<double> leaf_radius_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "common/math/pose.h"
@@ -22,6 +23,9 @@ struct NearestPoints {
   Vec3 p, q;
   Feature of_p, of_q;
   double squared;
+  double Distance() const { return std::sqrt(squared); }
+  /// Unit direction from q to p, where they are apart.
+  Vec3 Direction() const { return (p - q) / Distance(); }
 };
 
 /// Nearest points of two triangles that do not intersect, given by their corners; triangles may be

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scenes/scene.h"
-#include "server/physics/leaf_pair.h"
+#include "server/physics/contact_id.h"
 #include "server/physics/limits.h"
 
 namespace palpate {
@@ -31,9 +31,8 @@ class SoftLeaves {
   static std::unique_ptr<const SoftLeaves> Make(const ObjectForest& objects,
                                                 double coupling_stiffness);
   /// Rigid for a row that is not between leaves.
-  Leaf of(const LeafPair& pair) const {
-    return KindOf(pair) == RowKind::kLeaves ? leaves_[static_cast<std::size_t>(pair.object)]
-                                            : Leaf{};
+  Leaf of(const ContactId& id) const {
+    return id.IsOfLeaves() ? leaves_[static_cast<std::size_t>(id.object)] : Leaf{};
   }
 
  private:

@@ -87,40 +87,68 @@ Vec3 LeafCentre(const SphereTree& tree, std::size_t i) {
   return {tree.leaf_x[i], tree.leaf_y[i], tree.leaf_z[i]};
 }
 
-/// Radius of the ball of each lane of a tree's packets, about the lane's centre, that holds what is
-/// left of the leaves below it; 0 where nothing is.
-template <class RadiusOf>
-std::vector<double> RadiiOfRest(const SphereTree& tree, const RadiusOf& radius_of) {
-  std::vector<double> radius(kTreeArity * tree.packets.size(), 0.0);
-  std::vector<std::vector<std::size_t>> below(tree.leaves());  // leaves of each node
-  for (std::size_t i = 0; i < tree.leaves(); ++i) {
-    if (radius_of(i) > 0.0) below[i] = {i};
-  }
-  for (int l = tree.levels() - 1; l >= 0; --l) {
-    std::vector<std::vector<std::size_t>> here;
-    for (std::size_t i = 0; i < tree.level(l).size(); ++i) {
-      const SpherePacket& in = tree.level(l)[i];
-      const std::size_t first_lane =
-          kTreeArity * (static_cast<std::size_t>(tree.level_begin[l]) + i);
-      std::vector<std::size_t>& all = here.emplace_back();
+/// The ball of a lane; below the last level, which lists leaves, the leaf's own.
+Ball BallOf(const SphereTree& tree, int level, const SpherePacket& packet, int lane) {
+  if (level + 1 < tree.levels()) return LaneBall(packet, lane);
+  const auto leaf = static_cast<std::size_t>(packet.child[lane]);
+  return {LeafCentre(tree, leaf), tree.leaf_radius[leaf]};
+}
+
+using Level = std::vector<SpherePacket>;
+
+/// Adds an object's packets to the levels that objects have in a forest; a shallower tree gets
+/// packets of one lane on top.  Returns a ball around the object.
+/// @param touches     else no lane leads to its leaves.
+/// @param first_leaf  the number that its own first one has in the forest.
+Ball AddPackets(const PlacedTree& object, bool touches, int first_leaf, std::span<Level> levels) {
+  const SphereTree& tree = *object.tree;
+  const std::size_t chain = levels.size() - static_cast<std::size_t>(tree.levels());
+  std::vector<Ball> top;
+  for (int l = 0; l < tree.levels(); ++l) {
+    const std::size_t at = chain + static_cast<std::size_t>(l);
+    const int first_child =
+        l + 1 == tree.levels() ? first_leaf : static_cast<int>(levels[at + 1].size());
+    for (const SpherePacket& in : tree.level(l)) {
+      SpherePacket& packet = levels[at].emplace_back(EmptyPacket());
       for (int lane = 0; lane < kTreeArity; ++lane) {
         if (in.child[lane] < 0) continue;
-        const Vec3 centre = LaneBall(in, lane).center;
-        double& r = radius[first_lane + static_cast<std::size_t>(lane)];
-        for (std::size_t leaf : below[static_cast<std::size_t>(in.child[lane])]) {
-          r = std::max(r, (LeafCentre(tree, leaf) - centre).norm() + radius_of(leaf));
-          all.push_back(leaf);
-        }
+        Ball ball = BallOf(tree, l, in, lane);
+        ball.center = object.X_WB * ball.center;
+        if (l == 0) top.push_back(ball);
+        if (touches) SetLane(packet, lane, ball, first_child + in.child[lane]);
       }
     }
-    below = std::move(here);
   }
-  return radius;
+  const Ball root = Around(top);
+  for (std::size_t l = chain; l-- > 0;) {
+    SetLane(levels[l].emplace_back(EmptyPacket()), 0, root,
+            static_cast<std::int32_t>(levels[l + 1].size()) - 1);
+  }
+  return root;
+}
+
+/// Fills the levels over the objects: these in the scene's order, eight to a packet.  Returns a
+/// ball around all.
+Ball AddTop(std::vector<Ball> roots, std::span<Level> levels) {
+  for (std::size_t l = levels.size(); l-- > 0;) {
+    std::vector<Ball> parents;
+    for (std::size_t i = 0; i < roots.size(); i += kTreeArity) {
+      const std::size_t n = std::min<std::size_t>(kTreeArity, roots.size() - i);
+      SpherePacket& packet = levels[l].emplace_back(EmptyPacket());
+      for (std::size_t lane = 0; lane < n; ++lane) {
+        SetLane(packet, static_cast<int>(lane), roots[i + lane],
+                static_cast<std::int32_t>(i + lane));
+      }
+      parents.push_back(Around(std::span(roots).subspan(i, n)));
+    }
+    roots = std::move(parents);
+  }
+  return Around(roots);
 }
 
 }  // namespace
 
-ObjectForest::ObjectForest(std::span<const PlacedTree> objects, RadiusOf radius_of) {
+ObjectForest::ObjectForest(std::span<const PlacedTree> objects, Picks touches) {
   if (objects.empty()) throw Error("scene: no object; a scene needs at least one to feel");
   int deepest = 0;
   for (const PlacedTree& object : objects) {
@@ -128,92 +156,29 @@ ObjectForest::ObjectForest(std::span<const PlacedTree> objects, RadiusOf radius_
     deepest = std::max(deepest, object.tree->levels());
   }
   // Levels over the objects: level l holds at most 8^(l+1) nodes.
-  int top_levels = 0;
-  for (std::size_t reach = 1; reach < objects.size(); reach *= kTreeArity) ++top_levels;
+  std::size_t top = 0;
+  for (std::size_t reach = 1; reach < objects.size(); reach *= kTreeArity) ++top;
 
-  // The objects' own levels, from the bottom up; a shallower tree gets single-lane packets on top.
-  std::vector<std::vector<SpherePacket>> level(static_cast<std::size_t>(top_levels + deepest));
+  std::vector<Level> levels(top + static_cast<std::size_t>(deepest));
   std::vector<Ball> roots;
   for (const PlacedTree& object : objects) {
-    const SphereTree& tree = *object.tree;
-    const auto leaf_radius = [&](std::size_t i) {
-      const double own = tree.leaf_radius[i];
-      return radius_of != nullptr ? radius_of(object, own) : own;
-    };
-    bool whole = true;
+    const bool can_touch = touches == nullptr || touches(object);
+    any_ = any_ || can_touch;
     first_leaf_.push_back(leaf_count());
-    for (std::size_t i = 0; i < tree.leaves(); ++i) {
-      const Vec3 c = object.X_WB * LeafCentre(tree, i);
-      leaves_.push_back({c.x(), c.y(), c.z(), leaf_radius(i)});
-      any_ = any_ || leaf_radius(i) > 0.0;
-      whole = whole && leaf_radius(i) == tree.leaf_radius[i];
+    for (std::size_t i = 0; i < object.tree->leaves(); ++i) {
+      const Vec3 c = object.X_WB * LeafCentre(*object.tree, i);
+      leaves_.push_back({c.x(), c.y(), c.z(), object.tree->leaf_radius[i]});
     }
     AddMaterials(object);
-    const int chain = deepest - tree.levels();
-    const std::vector<double> radius =
-        whole ? std::vector<double>() : RadiiOfRest(tree, leaf_radius);
-    std::vector<Ball> top;
-    for (int l = 0; l < tree.levels(); ++l) {
-      auto& out = level[static_cast<std::size_t>(top_levels + chain + l)];
-      const bool last = l + 1 == tree.levels();
-      const std::int32_t child_offset =
-          last ? first_leaf_.back()
-               : static_cast<std::int32_t>(
-                     level[static_cast<std::size_t>(top_levels + chain + l + 1)].size());
-      for (std::size_t i = 0; i < tree.level(l).size(); ++i) {
-        const SpherePacket& in = tree.level(l)[i];
-        const std::size_t first_lane =
-            kTreeArity * (static_cast<std::size_t>(tree.level_begin[l]) + i);
-        SpherePacket packet = EmptyPacket();
-        for (int lane = 0; lane < kTreeArity; ++lane) {
-          if (in.child[lane] < 0) continue;
-          Ball ball = LaneBall(in, lane);
-          if (last) {
-            const auto leaf = static_cast<std::size_t>(in.child[lane]);
-            ball = {LeafCentre(tree, leaf), leaf_radius(leaf)};
-          }
-          ball.center = object.X_WB * ball.center;
-          if (l == 0) top.push_back(ball);
-          if (!whole) ball.radius = radius[first_lane + static_cast<std::size_t>(lane)];
-          if (ball.radius == 0.0) continue;
-          SetLane(packet, lane, ball, child_offset + in.child[lane]);
-        }
-        out.push_back(packet);
-      }
-    }
-    const Ball root = Around(top);
-    for (int l = chain - 1; l >= 0; --l) {
-      auto& out = level[static_cast<std::size_t>(top_levels + l)];
-      SpherePacket packet = EmptyPacket();
-      SetLane(
-          packet, 0, root,
-          static_cast<std::int32_t>(level[static_cast<std::size_t>(top_levels + l + 1)].size()) -
-              1);
-      out.push_back(packet);
-    }
-    roots.push_back(root);
+    roots.push_back(
+        AddPackets(object, can_touch, first_leaf_.back(), std::span(levels).subspan(top)));
   }
-  // The levels over them: objects in the scene's order, eight to a packet.
-  for (int l = top_levels - 1; l >= 0; --l) {
-    std::vector<Ball> parents;
-    for (std::size_t i = 0; i < roots.size(); i += kTreeArity) {
-      const std::size_t n = std::min<std::size_t>(kTreeArity, roots.size() - i);
-      SpherePacket packet = EmptyPacket();
-      for (std::size_t lane = 0; lane < n; ++lane) {
-        SetLane(packet, static_cast<int>(lane), roots[i + lane],
-                static_cast<std::int32_t>(i + lane));
-      }
-      level[static_cast<std::size_t>(l)].push_back(packet);
-      parents.push_back(Around(std::span(roots).subspan(i, n)));
-    }
-    roots = std::move(parents);
-  }
+  const Ball all = AddTop(std::move(roots), std::span(levels).first(top));
   levels_.level_begin.push_back(0);
-  for (const auto& packets : level) {
+  for (const Level& packets : levels) {
     levels_.packets.insert(levels_.packets.end(), packets.begin(), packets.end());
     levels_.level_begin.push_back(static_cast<std::int32_t>(levels_.packets.size()));
   }
-  const Ball all = Around(roots);
   center_ = all.center;
   radius_ = all.radius;
   above_ = EmptyPacket();
@@ -278,8 +243,7 @@ ToolTree::ToolTree(const SphereTree& tree, double world_extent, const Vec3& refe
       for (int lane = 0; lane < kTreeArity; ++lane) {
         if (in.child[lane] < 0) continue;
         const auto child = static_cast<std::size_t>(in.child[lane]);
-        Ball ball =
-            last ? Ball{LeafCentre(tree, child), tree.leaf_radius[child]} : LaneBall(in, lane);
+        Ball ball = BallOf(tree, l, in, lane);
         ball.center -= reference_;
         const double lever = last ? ball.center.norm() : below[child];
         ball.radius += rounding;

@@ -23,11 +23,9 @@ struct PacketLevels {
 /// Immutable.
 class ObjectForest {
  public:
-  /// The radius [m] that a leaf of an object is taken to have, no larger than its own; 0: it
-  /// touches nothing.
-  using RadiusOf = double (*)(const PlacedTree& object, double radius);
-  /// `radius_of`: null: their own.
-  explicit ObjectForest(std::span<const PlacedTree> objects, RadiusOf radius_of = nullptr);
+  using Picks = bool (*)(const PlacedTree&);
+  /// `touches`: the objects whose leaves can; null: all.
+  explicit ObjectForest(std::span<const PlacedTree> objects, Picks touches = nullptr);
 
   /// False where no leaf can touch anything.
   bool any() const { return any_; }

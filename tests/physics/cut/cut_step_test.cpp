@@ -49,7 +49,8 @@ class CutStep : public testing::Test {
     }
     model_ = std::make_unique<HapticModel>(
         tool_,
-        HapticModel::MakeObjects(std::span(&placed, 1), parameters.features.contact, {solid}),
+        std::make_shared<const SceneObjects>(std::span(&placed, 1), parameters.features.contact,
+                                             std::vector{solid}),
         parameters, nullptr, cutting);
     state_ = std::make_unique<StepState>(*model_);
     workspace_ = std::make_unique<StepWorkspace>(*model_);

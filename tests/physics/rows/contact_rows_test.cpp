@@ -66,7 +66,7 @@ TEST(ContactRows, KeepTheTightestAndSaySoWhenFull) {
   for (int i = 0; i < 64; ++i) {
     kept.push_back(rows.gap(i));
     if (i > 0) {
-      EXPECT_LT(rows.pair(i - 1).object, rows.pair(i).object);
+      EXPECT_LT(rows.id(i - 1).object, rows.id(i).object);
     }
   }
   std::sort(kept.begin(), kept.end());
@@ -105,8 +105,8 @@ TEST(ContactRows, AreTheSameHoweverManyBatchesBringThem) {
       EXPECT_TRUE(rows.overflowed());
       ASSERT_EQ(rows.count(), 64);
       for (int i = 0; i < 64; ++i) {
-        EXPECT_EQ(rows.pair(i).object, expected[static_cast<std::size_t>(i)]) << batch;
-        EXPECT_NEAR(rows.gap(i), object[static_cast<std::size_t>(rows.pair(i).object)].x - 0.002,
+        EXPECT_EQ(rows.id(i).object, expected[static_cast<std::size_t>(i)]) << batch;
+        EXPECT_NEAR(rows.gap(i), object[static_cast<std::size_t>(rows.id(i).object)].x - 0.002,
                     1e-15);
       }
     }
@@ -128,9 +128,10 @@ TEST(ContactRows, FindRowsByTheirLeaves) {
   ContactRows rows(16, 64, 6, 0.03);
   rows.Add(ActiveKernels(), tool.data(), object.data(), Mat3::Identity(), Vec3::Zero(),
            pairs.data(), 3);
-  const LeafPair wanted[] = {{1, 2}, {0, 0}, {0, 1}};
-  int row[3];
-  ASSERT_EQ(rows.Find(wanted, 3, row), 2);
+  constexpr std::int32_t kLeaves = ContactId::kLeaves;
+  const ContactId wanted[] = {{kLeaves, 1, 2}, {kLeaves, 0, 0}, {kLeaves, 0, 1}, {0, 2, 1}};
+  int row[4];
+  ASSERT_EQ(rows.Find(wanted, row), 2);
   EXPECT_EQ(row[0], 2);
   EXPECT_EQ(row[1], 0);
 }

@@ -364,9 +364,9 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       StepState state;
       StepReport counts;
       StepContext context(model, state, bench.workspace().buffers(), counts);
-      context.R_WG = R_WG;
-      context.target = target;
-      context.rigid = rows.view();
+      context.tools.R_WG = R_WG;
+      context.sub_step.target = target;
+      context.sub_step.rigid = rows.view();
       Optimum optimum;
       optimum.qp = frictionless;
       AddCoulombFriction(context, optimum);
@@ -381,7 +381,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       for (int i = 0; i < qp.active; ++i) {
         const Vec3 n = rows.normal(qp.row[i]);
         const LeafSphere& leaf =
-            model.tool().leaves()[static_cast<std::size_t>(rows.pair(qp.row[i]).tool)];
+            model.tool().leaves()[static_cast<std::size_t>(rows.id(qp.row[i]).tool)];
         const Vec3 l = R_WG * Vec3(leaf.x, leaf.y, leaf.z) - leaf.radius * n;
         const Mat3 tangential = Mat3::Identity() - n * n.transpose();
         Mat3 minus_l_cross;

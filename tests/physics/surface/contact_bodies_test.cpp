@@ -16,7 +16,7 @@ PlacedTree Placed(const Body& body) {
   return {&body.tree, body.X_WB, &body.mesh, body.leaf_material, body.materials};
 }
 
-TEST(ContactBodies, LeavesWhatYieldsOrWearsToItsLeaves) {
+TEST(ContactBody, LeavesWhatYieldsOrWearsToItsLeaves) {
   Body soft = MakeBody("soft", MakeBox(Vec3::Constant(0.02)), 64);
   soft.materials = {Material{.stiffness = 500.0}};
   Body wearing = soft;
@@ -26,32 +26,29 @@ TEST(ContactBodies, LeavesWhatYieldsOrWearsToItsLeaves) {
   EXPECT_FALSE(IsFeltByMesh(Placed(wearing)));
   EXPECT_TRUE(IsFeltByMesh(Placed(rigid)));
   const PlacedTree without[] = {Placed(soft), Placed(wearing)};
-  EXPECT_EQ(ContactBodies::Make(without), nullptr);
+  EXPECT_TRUE(MakeBodies(without).empty());
   const PlacedTree all[] = {Placed(soft), Placed(rigid), Placed(wearing)};
-  const auto meshes = ContactBodies::Make(all);
-  ASSERT_NE(meshes, nullptr);
-  ASSERT_EQ(meshes->bodies().size(), 1u);
-  EXPECT_EQ(meshes->bodies()[0].mesh.triangles().size(), rigid.mesh.triangles.size());
+  const auto bodies = MakeBodies(all);
+  ASSERT_EQ(bodies.size(), 1u);
+  EXPECT_EQ(bodies[0].mesh.triangles().size(), rigid.mesh.triangles.size());
 }
 
 // The material of a triangle is that of a leaf: of the right body, and near.
-TEST(ContactBodies, GivesEachTriangleTheLeafThatLiesAtIt) {
+TEST(ContactBody, GivesEachTriangleTheLeafThatLiesAtIt) {
   const Body first = MakeBody("first", MakeBox(Vec3(0.02, 0.03, 0.04)), 64);
   const Body second =
       MakeBody("second", MakeSphere(0.01, 320), 128, {Vec3(0.1, 0.0, 0.0), Quat::Identity()});
   const PlacedTree both[] = {Placed(first), Placed(second)};
-  const auto meshes = ContactBodies::Make(both);
-  ASSERT_NE(meshes, nullptr);
+  const auto bodies = MakeBodies(both);
   const auto first_leaves = static_cast<std::int32_t>(first.tree.leaves());
   const auto of_first = static_cast<std::uint32_t>(first.mesh.triangles.size());
   const auto of_second = static_cast<std::uint32_t>(second.mesh.triangles.size());
-  ASSERT_EQ(meshes->bodies().size(), 2u);
-  EXPECT_EQ(meshes->bodies()[0].first_triangle, 0u);
-  EXPECT_EQ(meshes->bodies()[1].first_triangle, of_first);
+  ASSERT_EQ(bodies.size(), 2u);
   for (std::uint32_t t = 0; t < of_first + of_second; ++t) {
     const Body& body = t < of_first ? first : second;
     const std::uint32_t own = t < of_first ? t : t - of_first;
-    const std::int32_t leaf = meshes->LeafOf(t) - (t < of_first ? 0 : first_leaves);
+    const ContactBody& made = bodies[t < of_first ? 0 : 1];
+    const std::int32_t leaf = made.leaf[own] - (t < of_first ? 0 : first_leaves);
     ASSERT_GE(leaf, 0);
     ASSERT_LT(leaf, static_cast<std::int32_t>(body.tree.leaves()));
     // One that lists the triangle, and of those the nearest to its middle.
@@ -78,12 +75,12 @@ TEST(ContactBodies, GivesEachTriangleTheLeafThatLiesAtIt) {
   }
 }
 
-TEST(ContactBodies, NamesTheRemedyWhereAMeshIsMissing) {
+TEST(ContactBody, NamesTheRemedyWhereAMeshIsMissing) {
   const Body body = MakeBody("body", MakeBox(Vec3::Constant(0.02)), 64);
   PlacedTree placed = Placed(body);
   placed.mesh = nullptr;
   try {
-    ContactBodies::Make(std::span(&placed, 1));
+    MakeBodies(std::span(&placed, 1));
     FAIL();
   } catch (const std::exception& error) {
     EXPECT_NE(std::string(error.what()).find("spheres"), std::string::npos);
@@ -91,7 +88,7 @@ TEST(ContactBodies, NamesTheRemedyWhereAMeshIsMissing) {
   EXPECT_THROW(MakeToolBody(nullptr, body.tree, Vec3::Zero()), std::exception);
 }
 
-TEST(ContactBodies, TakesAToolOfOneLeafForABall) {
+TEST(ContactBody, TakesAToolOfOneLeafForABall) {
   Body ball = MakeBody("ball", MakeSphere(0.005, 320), 64);
   ball.tree = SingleSphereTree(ball.mesh, {Vec3(0.001, 0.0, 0.0), 0.005});
   const auto tool = MakeToolBody(nullptr, ball.tree, Vec3(0.001, 0.0, 0.0));
