@@ -41,7 +41,7 @@ cut off or cannot be read; 2 wrong usage.)";
 
 }  // namespace
 
-std::optional<RecorderOptions> ParseOptions(int argc, const char* const* argv) {
+std::optional<RecorderOptions> ParseRecorderOptions(int argc, const char* const* argv) {
   RecorderOptions options;
   std::string transport = "auto";
   double split_mb = 0.0;

@@ -52,7 +52,7 @@ constexpr const char* kExportExamples =
 
 }  // namespace
 
-std::optional<ReplayOptions> ParseOptions(int argc, const char* const* argv) {
+std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* argv) {
   ReplayOptions options;
   bool verify = false;
 

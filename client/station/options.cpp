@@ -49,7 +49,7 @@ Exit status: 0 done, 1 failed or refused, 2 wrong usage.)";
 
 }  // namespace
 
-std::optional<StationOptions> ParseOptions(int argc, const char* const* argv) {
+std::optional<StationOptions> ParseStationOptions(int argc, const char* const* argv) {
   StationOptions options;
   std::string transport = "auto";
   bool table = false;
